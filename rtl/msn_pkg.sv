@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Types, enums and width functions shared by every block. No logic.
+
+package msn_pkg;
+
+  // What the contact on one channel is doing.
+  typedef enum logic [2:0] {
+    None      = 3'd0,  // nothing touches the sensor
+    Contact   = 3'd1,  // held, not slipping
+    Incipient = 3'd2,  // parts of the contact slip, the object has not moved yet
+    Gross     = 3'd3,  // the whole contact slips
+    Release   = 3'd4   // the contact was lost a moment ago
+  } slip_state_e;
+
+  // The converters that msn_adc_spi speaks to; AdcNone: samples come in on a stream.
+  typedef enum int unsigned {
+    AdcNone    = 0,
+    AdcMcp3208 = 1,
+    AdcAd7606  = 2
+  } adc_part_e;
+
+  // Bits of an index 0 .. count-1, at least one.
+  function automatic int unsigned index_width(int unsigned count);
+    index_width = (count > 1) ? $clog2(count) : 1;
+  endfunction
+
+  // Clocks that last at least `ns` nanoseconds, at least one.
+  function automatic int unsigned clocks_of_ns(int unsigned ns, int unsigned clk_khz);
+    clocks_of_ns = (ns * clk_khz + 999_999) / 1_000_000;
+    if (clocks_of_ns < 1) clocks_of_ns = 1;
+  endfunction
+
+endpackage

@@ -1,0 +1,1 @@
+rtl/msn_pkg.sv

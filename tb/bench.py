@@ -1,0 +1,141 @@
+"""Shared by every testbench: build a block, run its cocotb tests, drive and watch its streams."""
+
+import os
+import random
+import subprocess
+
+from cocotb.clock import Clock
+from cocotb.triggers import ReadOnly, RisingEdge
+from cocotb_tools.check_results import get_results
+from cocotb_tools.runner import get_runner
+
+from meissner import toolchain
+
+SEED = int(os.environ.get("MEISSNER_SEED", "1"))
+
+
+def run(stage, block, parameters=None, test_filter=None):
+    """Build ``msn_<block>`` with Verilator and run the cocotb tests of tb/<stage>/test_<block>.py."""
+    parameters = parameters or {}
+    name = "-".join([block, *(f"{k}{v}" for k, v in parameters.items())])
+    build_dir = toolchain.BUILD / "tb" / name
+    os.environ.update(toolchain.environment())
+    runner = get_runner("verilator")
+    runner.build(
+        sources=toolchain.sources(),
+        hdl_toplevel=f"msn_{block}",
+        parameters=parameters,
+        build_args=[*toolchain.VERILATOR_FLAGS],
+        build_dir=build_dir,
+        timescale=("1ns", "1ps"),
+    )
+    results = runner.test(
+        hdl_toplevel=f"msn_{block}",
+        test_module=f"{stage}.test_{block}",
+        build_dir=build_dir,
+        test_dir=build_dir,
+        test_filter=test_filter,
+        seed=SEED,
+    )
+    tests, failures = get_results(results)
+    assert tests > 0, f"{name}: no cocotb test ran"  # the runner itself accepts an empty run
+    assert failures == 0, f"{name}: {failures} of {tests} failed (MEISSNER_SEED={SEED})"
+
+
+def refuses(block, parameters):
+    """Elaborate ``msn_<block>`` with illegal parameters; return the message that stopped it."""
+    command = ["verilator", "--lint-only", "-Wall", "--top-module", f"msn_{block}"]
+    command += [f"-G{k}={v}" for k, v in parameters.items()]
+    done = subprocess.run(
+        command + [str(path) for path in toolchain.sources()],
+        env=toolchain.environment(),
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode != 0, f"msn_{block} accepted {parameters}"
+    fatal = [line for line in done.stderr.splitlines() if f"msn_{block}: " in line]
+    assert fatal, f"msn_{block} stopped without its own message:\n{done.stderr}"
+    return fatal[0]
+
+
+async def start(dut, **inputs):
+    """Start a 10 ns clock, idle the streams, set other ``inputs``, and reset the block."""
+    Clock(dut.clk_i, 10, unit="ns").start()
+    for name in ("in_valid_i", "out_ready_i"):
+        if hasattr(dut, name):
+            getattr(dut, name).value = 0
+    for name, value in inputs.items():
+        getattr(dut, name).value = value
+    await reset(dut)
+
+
+async def reset(dut, clocks=3):
+    """Hold the synchronous reset for some clocks."""
+    dut.rst_i.value = 1
+    for _ in range(clocks):
+        await RisingEdge(dut.clk_i)
+    dut.rst_i.value = 0
+
+
+def pauses(rate):
+    """A stall pattern: true with probability ``rate``, seeded."""
+    draw = random.Random(SEED)
+    return lambda: draw.random() < rate
+
+
+def read(handle):
+    """The integer on a port, signed where it was declared so in ``signed_ports``."""
+    value = handle.value
+    assert value.is_resolvable, f"{handle._name} is {value}"
+    return int(value)
+
+
+def as_signed(value, bits):
+    """Two's complement reading of an unsigned port value."""
+    return value - (1 << bits) if value >> (bits - 1) & 1 else value
+
+
+async def stream(dut, beats, fields, gaps=None, stalls=None, drain=40, count=None):
+    """Send ``beats`` (dicts of input field: value) and return the list of beats that came out.
+
+    ``fields``: output field names; a beat out is a dict of field: int (signed if the name ends in "~").
+    Ends when every beat was taken and ``drain`` ready clocks passed with nothing coming out, or after
+    ``count`` beats. The payload is driven to a wrong value while not valid, so that nobody samples it
+    then. While the block is stalled, valid and data must hold.
+    """
+    names = [field.rstrip("~") for field in fields]
+    ports = [getattr(dut, f"out_{name}_o") for name in names]
+    signed = [len(port) if field.endswith("~") else 0 for field, port in zip(fields, ports)]
+    received = []
+    sent = quiet = 0
+    held = None
+    while (quiet < drain or sent < len(beats)) and (count is None or len(received) < count):
+        offer = sent < len(beats) and not (gaps and gaps())
+        dut.in_valid_i.value = int(offer)
+        if beats:
+            for name, value in beats[sent if offer else sent - 1].items():
+                port = getattr(dut, f"in_{name}_i")
+                mask = (1 << len(port)) - 1
+                port.value = (int(value) if offer else ~int(value)) & mask
+        ready = not (stalls and stalls())
+        dut.out_ready_i.value = int(ready)
+        await ReadOnly()
+        valid = dut.out_valid_o.value == 1
+        if valid:
+            values = [as_signed(read(p), bits) if bits else read(p) for p, bits in zip(ports, signed)]
+            assert held is None or held == values, f"payload changed while stalled: {held} -> {values}"
+        assert held is None or valid, "valid was withdrawn while stalled"
+        held = values if valid and not ready else None
+        if valid and ready:
+            received.append(dict(zip(names, values)))
+        quiet = 0 if valid or not ready else quiet + 1
+        sent += bool(offer and dut.in_ready_o.value == 1)
+        await RisingEdge(dut.clk_i)
+    dut.in_valid_i.value = 0
+    return received
+
+
+async def clocks(dut, count):
+    """Let ``count`` clocks pass."""
+    for _ in range(count):
+        await RisingEdge(dut.clk_i)

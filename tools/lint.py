@@ -1,0 +1,45 @@
+"""Lint everything, without a warning: each RTL module as its own top, Verible's style rules, ruff."""
+
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+from meissner import toolchain
+
+ROOT = toolchain.ROOT
+RULES = ROOT / "tb/lint/verible.rules"
+WAIVERS = ROOT / "tb/lint/verilator.vlt"
+
+
+def run(name, command):
+    done = subprocess.run(command, cwd=ROOT, env=toolchain.environment(), capture_output=True, text=True)
+    noise = (done.stdout + done.stderr).strip()
+    return f"{name}\n{noise}" if done.returncode or noise else None
+
+
+def main():
+    files = [path.relative_to(ROOT) for path in toolchain.sources()]
+    listed = set(files)
+    strays = [str(p.relative_to(ROOT)) for p in ROOT.glob("rtl/**/*.sv") if p.relative_to(ROOT) not in listed]
+    problems = [f"rtl/rtl.f does not list {stray}" for stray in strays]
+    tops = [path for path in files if path.stem != "msn_pkg"]
+    misnamed = [path for path in tops if f"module {path.stem} " not in (ROOT / path).read_text()]
+    problems += [f"{path} does not define module {path.stem}" for path in misnamed]
+    verilator = ["verilator", "--lint-only", "-Wall", str(WAIVERS), *map(str, files)]
+    jobs = [(f"verilator {top.stem}", [*verilator, "--top-module", top.stem]) for top in tops]
+    binaries = Path(sys.executable).parent
+    jobs += [
+        ("verible", [str(binaries / "verible-verilog-lint"), f"--rules_config={RULES}", *map(str, files)]),
+        ("ruff check", [str(binaries / "ruff"), "check", "--quiet", "model", "tb", "tools"]),
+        ("ruff format", [str(binaries / "ruff"), "format", "--quiet", "--check", "model", "tb", "tools"]),
+    ]
+    with ThreadPoolExecutor() as pool:
+        problems += [problem for problem in pool.map(lambda job: run(*job), jobs) if problem]
+    if problems:
+        sys.exit("\n\n".join(problems))
+    print(f"lint: {len(tops)} modules, {len(jobs)} checks, no warning")
+
+
+if __name__ == "__main__":
+    main()
