@@ -4,6 +4,7 @@ import os
 import random
 import subprocess
 
+import numpy as np
 from cocotb.clock import Clock
 from cocotb.triggers import ReadOnly, RisingEdge
 from cocotb_tools.check_results import get_results
@@ -128,7 +129,7 @@ async def stream(dut, beats, fields, gaps=None, stalls=None, drain=40, count=Non
         held = values if valid and not ready else None
         if valid and ready:
             received.append(dict(zip(names, values)))
-        quiet = 0 if valid or not ready else quiet + 1
+        quiet = 0 if valid else quiet + ready
         sent += bool(offer and dut.in_ready_o.value == 1)
         await RisingEdge(dut.clk_i)
     dut.in_valid_i.value = 0
@@ -139,3 +140,37 @@ async def clocks(dut, count):
     """Let ``count`` clocks pass."""
     for _ in range(count):
         await RisingEdge(dut.clk_i)
+
+
+def frames(restart=True, **payload):
+    """Interleave payload arrays [channels, n] into beats: n frames, channels in order, ``last`` on the final.
+
+    ``restart`` marks the first frame, as msn_frame_check does after reset.
+    """
+    arrays = {name: np.atleast_2d(values) for name, values in payload.items()}
+    channels, length = next(iter(arrays.values())).shape
+    return [
+        {name: int(a[channel, frame]) for name, a in arrays.items()}
+        | {"id": channel, "last": channel == channels - 1, "restart": restart and frame == 0}
+        for frame in range(length)
+        for channel in range(channels)
+    ]
+
+
+def column(beats, field, channels):
+    """The values of one output field as an array [channels, frames]."""
+    return np.array([beat[field] for beat in beats], dtype=np.int64).reshape(-1, channels).T
+
+
+def width(bits):
+    """Smallest and largest signed integer of ``bits`` bits."""
+    return -(1 << (bits - 1)), (1 << (bits - 1)) - 1
+
+
+def extremes_then_random(rng, channels, length, bits):
+    """Integers [channels, length] that begin with full-scale steps of both signs, then are random."""
+    low, high = width(bits)
+    x = rng.integers(low, high + 1, (channels, length))
+    corners = np.array([high, low, low, high, high, high, low, low, 0, -1, -1, 0, 1, 0])
+    x[:, : len(corners)] = corners[:length]
+    return x

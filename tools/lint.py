@@ -26,7 +26,7 @@ def main():
     tops = [path for path in files if path.stem != "msn_pkg"]
     misnamed = [path for path in tops if f"module {path.stem} " not in (ROOT / path).read_text()]
     problems += [f"{path} does not define module {path.stem}" for path in misnamed]
-    verilator = ["verilator", "--lint-only", "-Wall", str(WAIVERS), *map(str, files)]
+    verilator = ["verilator", "--lint-only", "--quiet", "-Wall", str(WAIVERS), *map(str, files)]
     jobs = [(f"verilator {top.stem}", [*verilator, "--top-module", top.stem]) for top in tops]
     binaries = Path(sys.executable).parent
     jobs += [

@@ -1,0 +1,38 @@
+"""Bit-exact twin of rtl/common/msn_frame_check.sv: passes whole frames, resynchronises on ``last``."""
+
+
+class FrameCheck:
+    """Channels must count 0 .. channels-1 with ``last`` on the final one.
+
+    From the first sample of a frame that breaks this, the rest of the frame is dropped, up to its
+    ``last``; the next frame is marked ``restart``, as is the first after reset.
+    """
+
+    def __init__(self, channels):
+        if channels < 1:
+            raise ValueError(f"channels = {channels} must be at least 1")
+        self.channels = channels
+        self.reset()
+
+    def reset(self):
+        """The next sample should be channel 0 of a first frame."""
+        self.damaged = 0
+        self._expected, self._dropping, self._restart = 0, False, True
+
+    def next(self, channel, last):
+        """One sample; returns (kept, restart)."""
+        fits = channel == self._expected and last == (channel == self.channels - 1)
+        kept, restart = fits and not self._dropping, self._restart
+        self.damaged += not fits and not self._dropping
+        bad = self._dropping or not fits
+        if last:
+            self._expected, self._dropping, self._restart = 0, False, bad
+        else:
+            self._expected, self._dropping = self._expected + 1, bad
+        return kept, restart
+
+    def process(self, channels, lasts):
+        """``reset`` and then ``next`` for each pair; returns two lists."""
+        self.reset()
+        pairs = [self.next(int(c), bool(e)) for c, e in zip(channels, lasts)]
+        return [kept for kept, _ in pairs], [restart for _, restart in pairs]

@@ -1,0 +1,114 @@
+"""Bit-exact twin of rtl/slip/msn_slip.sv: what the contact on each channel is doing."""
+
+from enum import IntEnum
+
+import numpy as np
+
+from meissner.slip.config import TIMER_BITS
+
+
+class State(IntEnum):
+    """State of one channel; the numbers are those of msn_pkg::slip_state_e."""
+
+    NONE = 0
+    CONTACT = 1
+    INCIPIENT = 2
+    GROSS = 3
+    RELEASE = 4
+
+
+class Slip:
+    """Slip state of each channel from the peak-to-peak and the level, one step per detail.
+
+        pressed = level >= contact_level   lifted = level < release_level     (contact_rises)
+        pressed = level <= contact_level   lifted = level > release_level     (otherwise)
+        over = p2p > threshold             gross = p2p > gross_threshold
+
+    NONE, RELEASE -> CONTACT when pressed; the next ``blank`` details are blanked.
+    CONTACT -> INCIPIENT (GROSS if gross) when over, unless blanked, refractory or moving.
+    INCIPIENT -> GROSS when gross; both fall back to CONTACT when ``hold`` details passed that were not
+    over (or moving), and then ``refractory`` details are deaf.
+    CONTACT, INCIPIENT, GROSS -> RELEASE when lifted; RELEASE -> NONE after ``hold`` details.
+    ``blanked`` counts, over all channels, the details that were over while blanked or moving.
+
+    All times count details of the channel. ``config``: meissner.slip.config.SlipConfig.
+    """
+
+    def __init__(self, channels, config):
+        if channels < 1:
+            raise ValueError(f"channels = {channels} must be at least 1")
+        for name in ("hold", "refractory", "blank"):
+            if not 0 <= getattr(config, name) < 1 << TIMER_BITS:
+                raise ValueError(f"{name} = {getattr(config, name)} must lie in 0 .. {(1 << TIMER_BITS) - 1}")
+        self.channels, self.config = channels, config
+        self.reset()
+
+    def reset(self):
+        """Every channel to NONE, the count of blanked details to 0."""
+        self.blanked = 0
+        self.restart()
+
+    def restart(self):
+        """Every channel to NONE; the count stays."""
+        self._memory = [(State.NONE, 0, 0, False)] * self.channels
+
+    def next(self, p2p, level, moving=None):
+        """Feed ``p2p`` and ``level`` [channels, n], ``moving`` [n] bool; returns states [channels, n]."""
+        c = self.config
+        p2p, level = np.asarray(p2p), np.asarray(level)
+        moving = np.zeros(p2p.shape[1], bool) if moving is None else np.asarray(moving, bool)
+        pressed = level >= c.contact_level if c.contact_rises else level <= c.contact_level
+        lifted = level < c.release_level if c.contact_rises else level > c.release_level
+        over, gross = p2p > c.threshold, p2p > c.gross_threshold
+        states = np.empty(p2p.shape, dtype=np.int8)
+        for channel in range(self.channels):
+            inputs = zip(
+                *(
+                    a.tolist()
+                    for a in (pressed[channel], lifted[channel], over[channel], gross[channel], moving)
+                )
+            )
+            states[channel] = self._channel(channel, inputs)
+        return states
+
+    def process(self, p2p, level, moving=None):
+        """``reset`` and then ``next``."""
+        self.reset()
+        return self.next(p2p, level, moving)
+
+    def _channel(self, channel, inputs):
+        """Step one channel through its details; keep its memory and return its states."""
+        c = self.config
+        # hold: details until a slip or a release is over; deaf: details until a slip may be raised;
+        # blanking: deaf because of a contact onset, so what is over meanwhile is counted.
+        state, hold, deaf, blanking = self._memory[channel]
+        states = []
+        for pressed, lifted, over, gross, moving in inputs:
+            slipping = state in (State.INCIPIENT, State.GROSS)
+            if state in (State.NONE, State.RELEASE):
+                if pressed:
+                    state, hold, deaf, blanking = State.CONTACT, 0, c.blank, True
+                elif state == State.RELEASE and hold:
+                    hold -= 1
+                else:
+                    state = State.NONE
+            elif lifted:
+                state, hold, deaf = State.RELEASE, c.hold, 0
+            elif slipping:
+                self.blanked += over and moving
+                if over and not moving:
+                    hold = c.hold
+                    state = State.GROSS if gross else state
+                elif hold:
+                    hold -= 1
+                else:
+                    state, deaf, blanking = State.CONTACT, c.refractory, False
+            else:
+                self.blanked += over and (moving or (deaf > 0 and blanking))
+                if over and not moving and not deaf:
+                    state, hold = State.GROSS if gross else State.INCIPIENT, c.hold
+                elif deaf:
+                    deaf -= 1
+            states.append(state)
+        self._memory[channel] = (state, hold, deaf, blanking)
+        return states

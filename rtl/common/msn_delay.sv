@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Delay line: what went in comes out Depth steps later; nothing moves between steps.
+//
+//   out_data_o at a step = in_data_i of Depth steps before
+//
+// This is where the state of interleaved channels lives: channels take turns, so a delay of one step per
+// channel hands each its own state, with no address to compute, no forwarding, and a register right
+// before and a free choice of logic after it. Deeper than 2: a ring in block RAM, whose read and write
+// never meet. Undefined for the first Depth steps.   Model: model/meissner/common/delay.py
+
+module msn_delay #(
+  parameter int unsigned Depth = 8,
+  parameter int unsigned Width = 16
+) (
+  input  logic             clk_i,
+  input  logic             rst_i,
+
+  input  logic             step_i,
+  input  logic [Width-1:0] in_data_i,
+  output logic [Width-1:0] out_data_o
+);
+
+  if (Depth < 1) begin : gen_check_depth
+    $fatal(1, "msn_delay: Depth = %0d must be at least 1", Depth);
+  end
+  if (Width < 1) begin : gen_check_width
+    $fatal(1, "msn_delay: Width = %0d must be at least 1", Width);
+  end
+
+  if (Depth <= 2) begin : gen_registers
+    logic [Width-1:0] head;
+    if (Depth == 2) begin : gen_two
+      always_ff @(posedge clk_i) if (step_i) head <= in_data_i;
+    end else begin : gen_one
+      assign head = in_data_i;
+    end
+    always_ff @(posedge clk_i) if (step_i) out_data_o <= head;
+
+    logic unused_rst;
+    assign unused_rst = rst_i;
+
+  end else begin : gen_ring
+    // Two of the Depth steps are the registers behind the memory.
+    localparam int unsigned Slots = Depth - 1;
+    localparam int unsigned SlotBits = msn_pkg::index_width(Slots);
+
+    logic [SlotBits-1:0] slot, slot_next;
+    assign slot_next = (slot == SlotBits'(Slots - 1)) ? '0 : slot + 1'b1;
+
+    (* no_rw_check *) logic [Width-1:0] ring [Slots];
+    logic [Width-1:0] oldest;
+
+    always_ff @(posedge clk_i) begin
+      if (step_i) begin
+        ring[slot] <= in_data_i;
+        oldest     <= ring[slot_next];
+        out_data_o <= oldest;
+        slot       <= slot_next;
+      end
+      if (rst_i) slot <= '0;
+    end
+  end
+
+endmodule

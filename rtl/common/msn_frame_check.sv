@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Passes samples of whole frames, resynchronises on `last`.
+//
+// Channels must count 0 .. Channels-1 with `last` on the final one. From the first sample that breaks
+// this, the rest of the frame is swallowed, up to its `last`, and the damage is counted once. The next
+// frame is marked `restart`, as is the first after reset: what follows must forget its history there.
+//
+// Latency 0: valid, restart and ready pass straight through.   Model: model/meissner/common/frame_check.py
+
+module msn_frame_check #(
+  parameter  int unsigned Channels = 8,
+  localparam int unsigned IdBits   = msn_pkg::index_width(Channels)
+) (
+  input  logic              clk_i,
+  input  logic              rst_i,
+
+  input  logic              in_valid_i,
+  output logic              in_ready_o,
+  input  logic [IdBits-1:0] in_id_i,
+  input  logic              in_last_i,
+
+  output logic              out_valid_o,
+  input  logic              out_ready_i,
+  output logic              out_restart_o,
+
+  output logic [31:0]       damaged_o  // frames, since reset
+);
+
+  if (Channels < 1) begin : gen_check_channels
+    $fatal(1, "msn_frame_check: Channels = %0d must be at least 1", Channels);
+  end
+
+  logic [IdBits-1:0] expected;
+  logic              dropping, restart;
+
+  logic final_expected, fits, keep;
+  assign final_expected = expected == IdBits'(Channels - 1);
+  assign fits = (in_id_i == expected) && (in_last_i == final_expected);
+  assign keep = fits && !dropping;
+
+  assign in_ready_o    = out_ready_i || !keep;
+  assign out_valid_o   = in_valid_i && keep;
+  assign out_restart_o = restart;
+
+  always_ff @(posedge clk_i) begin
+    if (in_valid_i && in_ready_o) begin
+      expected <= in_last_i ? '0 : expected + 1'b1;  // may wrap only while dropping
+      dropping <= !in_last_i && !keep;
+      if (in_last_i) restart <= !keep;
+      if (!keep && !dropping) damaged_o <= damaged_o + 1'b1;
+    end
+    if (rst_i) begin
+      expected  <= '0;
+      dropping  <= 1'b0;
+      restart   <= 1'b1;
+      damaged_o <= '0;
+    end
+  end
+
+endmodule

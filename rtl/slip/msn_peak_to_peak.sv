@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Running peak-to-peak of interleaved channels over a window of Span details, a new one every Hop.
+//
+//   p2p = max d - min d   over the window so far
+//
+// It only grows inside a window, so p2p > threshold is decided at the detail that crosses, and that is
+// the window's decision (early fire). `end` marks the detail that closes a window of Span details.
+//   Hop = Span      tumbling: one maximum and minimum per channel
+//   Hop = Span / 2  half-overlapped: those of the half that runs and of the half before
+//   other           exact sliding window: Span - 1 delayed maxima and minima per channel
+// `total` travels along. Latency: 2 clocks, 3 half-overlapped, 1 + ceil(log4(Span)) sliding; one detail
+// per clock.   Model: model/meissner/slip/peak_to_peak.py
+
+module msn_peak_to_peak #(
+  parameter  int unsigned Channels   = 8,
+  parameter  int unsigned DetailBits = 18,
+  parameter  int unsigned Span       = 32,
+  parameter  int unsigned Hop        = 32,
+  localparam int unsigned IdBits     = msn_pkg::index_width(Channels)
+) (
+  input  logic                         clk_i,
+  input  logic                         rst_i,
+
+  input  logic                         in_valid_i,
+  output logic                         in_ready_o,
+  input  logic signed [DetailBits-1:0] in_detail_i,
+  input  logic signed [DetailBits-1:0] in_total_i,
+  input  logic        [IdBits-1:0]     in_id_i,
+  input  logic                         in_last_i,
+  input  logic                         in_restart_i,
+
+  output logic                         out_valid_o,
+  input  logic                         out_ready_i,
+  output logic        [DetailBits-1:0] out_p2p_o,
+  output logic signed [DetailBits-1:0] out_total_o,
+  output logic        [IdBits-1:0]     out_id_o,
+  output logic                         out_last_o,
+  output logic                         out_restart_o,
+  output logic                         out_end_o
+);
+
+  if (Channels < 1 || Channels > 1024) begin : gen_check_channels
+    $fatal(1, "msn_peak_to_peak: Channels = %0d must lie in 1 .. 1024", Channels);
+  end
+  if (Span < 2 || (Span & (Span - 1)) != 0) begin : gen_check_span
+    $fatal(1, "msn_peak_to_peak: Span = %0d details must be a power of two, 2 or more", Span);
+  end
+  if (Hop < 1 || Hop > Span) begin : gen_check_hop
+    $fatal(1, "msn_peak_to_peak: Hop = %0d details must lie in 1 .. Span", Hop);
+  end
+
+  // The first window closes at detail Span-1, then one every Hop: `age` counts the details up to the
+  // first, `turn` those since the last that closed (waiting at its end before the first).
+  localparam int unsigned SpanBits = $clog2(Span);
+  logic [SpanBits-1:0] age, age_q, turn, turn_q;
+  logic                grown, closes, accept;
+  assign accept = in_valid_i && in_ready_o;
+  assign age    = in_restart_i ? '0 : age_q;
+  assign turn   = in_restart_i ? SpanBits'(Hop - 1) : turn_q;
+  assign grown  = age == SpanBits'(Span - 1);
+  assign closes = grown && (turn == SpanBits'(Hop - 1));
+
+  always_ff @(posedge clk_i) begin
+    if (accept && in_last_i) begin
+      age_q  <= grown ? age : age + 1'b1;
+      turn_q <= (grown && closes) ? '0 : grown ? turn + 1'b1 : SpanBits'(Hop - 1);
+    end
+  end
+
+  // The window's maximum and minimum, then their difference.
+  localparam int unsigned SideBits = DetailBits + IdBits + 1;
+  logic                         window_valid, window_ready, window_last, window_restart;
+  logic signed [DetailBits-1:0] window_high, window_low;
+  logic        [SideBits-1:0]   window_side;
+
+  if (Hop == Span || 2 * Hop == Span) begin : gen_parts
+    // The maximum starts anew with each part of Hop details.
+    localparam int unsigned HopBits = msn_pkg::index_width(Hop);
+    logic [HopBits-1:0] place, place_q;
+    logic               first;
+    assign place = in_restart_i ? '0 : place_q;
+    assign first = place == '0;
+
+    logic signed [DetailBits-1:0] old_high, old_low, new_high, new_low;
+    assign new_high = (first || in_detail_i > old_high) ? in_detail_i : old_high;
+    assign new_low  = (first || in_detail_i < old_low) ? in_detail_i : old_low;
+    msn_delay #(.Depth(Channels), .Width(2 * DetailBits)) u_part (
+      .clk_i,
+      .rst_i,
+      .step_i    (accept),
+      .in_data_i ({new_high, new_low}),
+      .out_data_o({old_high, old_low})
+    );
+
+    logic                         part_valid, part_ready, part_last, part_restart;
+    logic signed [DetailBits-1:0] part_high, part_low;
+    logic        [SideBits-1:0]   part_side;
+    assign in_ready_o = part_ready || !part_valid;
+
+    always_ff @(posedge clk_i) begin
+      if (in_ready_o) begin
+        part_valid   <= in_valid_i;
+        part_high    <= new_high;
+        part_low     <= new_low;
+        part_side    <= {in_total_i, in_id_i, closes};
+        part_last    <= in_last_i;
+        part_restart <= in_restart_i;
+      end
+      if (accept && in_last_i) place_q <= (place == HopBits'(Hop - 1)) ? '0 : place + 1'b1;
+      if (rst_i) part_valid <= 1'b0;
+    end
+
+    if (Hop == Span) begin : gen_tumbling
+      assign part_ready     = window_ready;
+      assign window_valid   = part_valid;
+      assign window_high    = part_high;
+      assign window_low     = part_low;
+      assign window_side    = part_side;
+      assign window_last    = part_last;
+      assign window_restart = part_restart;
+
+    end else begin : gen_half
+      // Joined with the part before: what the running part was when this one began.
+      logic signed [DetailBits-1:0] kept_high, kept_low, before_high, before_low, half_high, half_low;
+      logic                         half_exists;
+      assign before_high = first ? old_high : kept_high;
+      assign before_low  = first ? old_low : kept_low;
+      msn_delay #(.Depth(Channels), .Width(2 * DetailBits)) u_before (
+        .clk_i,
+        .rst_i,
+        .step_i    (accept),
+        .in_data_i ({before_high, before_low}),
+        .out_data_o({kept_high, kept_low})
+      );
+
+      assign part_ready = window_ready || !window_valid;
+      always_ff @(posedge clk_i) begin
+        if (in_ready_o) begin
+          half_high   <= before_high;
+          half_low    <= before_low;
+          half_exists <= age >= SpanBits'(Hop);
+        end
+        if (part_ready) begin
+          window_valid   <= part_valid;
+          window_high    <= (half_exists && half_high > part_high) ? half_high : part_high;
+          window_low     <= (half_exists && half_low < part_low) ? half_low : part_low;
+          window_side    <= part_side;
+          window_last    <= part_last;
+          window_restart <= part_restart;
+        end
+        if (rst_i) window_valid <= 1'b0;
+      end
+    end
+
+  end else begin : gen_sliding
+    // Span = 2^K: K/2 stages that quadruple the window, after one that doubles it if K is odd.
+    localparam int unsigned Stages = (SpanBits + 1) / 2;
+    localparam int unsigned Odd    = SpanBits % 2;
+
+    logic [Stages:0]                 valid, last, restart;
+    logic [Stages:0][DetailBits-1:0] high, low;
+    logic [Stages:0][SideBits-1:0]   side;
+    assign valid[0]      = in_valid_i;
+    assign high[0]       = in_detail_i;
+    assign low[0]        = in_detail_i;
+    assign side[0]       = {in_total_i, in_id_i, closes};
+    assign last[0]       = in_last_i;
+    assign restart[0]    = in_restart_i;
+
+    for (genvar s = 0; s < Stages; s++) begin : gen_stage
+      // The next stage is ready if any register behind this one is empty.
+      logic ready, next_ready;
+      if (s == Stages - 1) begin : gen_end
+        assign next_ready = window_ready;
+      end else begin : gen_between
+        assign next_ready = window_ready || !(&valid[Stages:s+2]);
+      end
+      if (s == 0) begin : gen_begin
+        assign in_ready_o = ready;
+      end else begin : gen_inner
+        logic unused_ready;
+        assign unused_ready = ready;
+      end
+
+      msn_sliding_extremes #(
+        .Channels  (Channels),
+        .DetailBits(DetailBits),
+        .Lag       ((s == 0) ? 1 : 4 ** s / (Odd + 1)),
+        .Taps      ((s == 0 && Odd == 1) ? 2 : 4),
+        .SideBits  (SideBits)
+      ) u_extremes (
+        .clk_i,
+        .rst_i,
+        .in_valid_i   (valid[s]),
+        .in_ready_o   (ready),
+        .in_high_i    (signed'(high[s])),
+        .in_low_i     (signed'(low[s])),
+        .in_side_i    (side[s]),
+        .in_last_i    (last[s]),
+        .in_restart_i (restart[s]),
+        .out_valid_o  (valid[s+1]),
+        .out_ready_i  (next_ready),
+        .out_high_o   (high[s+1]),
+        .out_low_o    (low[s+1]),
+        .out_side_o   (side[s+1]),
+        .out_last_o   (last[s+1]),
+        .out_restart_o(restart[s+1])
+      );
+    end
+
+    assign window_valid   = valid[Stages];
+    assign window_high    = signed'(high[Stages]);
+    assign window_low     = signed'(low[Stages]);
+    assign window_side    = side[Stages];
+    assign window_last    = last[Stages];
+    assign window_restart = restart[Stages];
+  end
+
+  assign window_ready = out_ready_i || !out_valid_o;
+  always_ff @(posedge clk_i) begin
+    if (window_ready) begin
+      out_valid_o                         <= window_valid;
+      out_p2p_o                           <= window_high - window_low;  // never negative
+      {out_total_o, out_id_o, out_end_o}  <= window_side;
+      out_last_o                          <= window_last;
+      out_restart_o                       <= window_restart;
+    end
+    if (rst_i) out_valid_o <= 1'b0;
+  end
+
+endmodule

@@ -1,0 +1,117 @@
+"""msn_haar against its model and the model against PyWavelets: sign, scale, odd lengths, constants, the
+extremes of the number range, levels 1 to 3, 1 to 1024 channels, chunks, gaps and stalls, restarts."""
+
+import cocotb
+import numpy as np
+import pytest
+import pywt
+
+import bench
+from meissner.slip.haar import Haar, haar
+
+
+def parameters(dut):
+    return [getattr(dut, name).value.to_unsigned() for name in ("Channels", "Level", "SampleBits")]
+
+
+def check(beats, x, level, restarts=(0,)):
+    """Compare beats with the model of x [channels, n], every field."""
+    channels = x.shape[0]
+    detail, total = haar(x, level)
+    assert len(beats) == detail.size
+    assert np.array_equal(bench.column(beats, "detail", channels), detail)
+    assert np.array_equal(bench.column(beats, "total", channels), total)
+    assert np.array_equal(bench.column(beats, "id", channels)[:, 0], np.arange(channels))
+    assert [b["last"] for b in beats] == [i % channels == channels - 1 for i in range(len(beats))]
+    assert [b["restart"] for b in beats] == [i // channels in restarts for i in range(len(beats))]
+
+
+FIELDS = ["detail~", "total~", "id", "last", "restart"]
+
+
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+@cocotb.parametrize(stall_rate=[0.0, 0.5])
+async def matches_model(dut, stall_rate):
+    channels, level, bits = parameters(dut)
+    await bench.start(dut)
+    length = 101 if channels < 50 else 9
+    x = bench.extremes_then_random(np.random.default_rng(bench.SEED), channels, length, bits)
+    pause = bench.pauses(stall_rate)
+    check(await bench.stream(dut, bench.frames(data=x), FIELDS, pause, pause), x, level)
+
+
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def restart_begins_a_new_group(dut):
+    """After an odd number of frames a restart drops the unfinished group."""
+    channels, level, bits = parameters(dut)
+    await bench.start(dut)
+    rng = np.random.default_rng(bench.SEED + 1)
+    first = bench.extremes_then_random(rng, channels, 2**level + 1, bits)
+    second = bench.extremes_then_random(rng, channels, 2 ** (level + 1), bits)
+    beats = bench.frames(data=first) + bench.frames(data=second)
+    got = await bench.stream(dut, beats, FIELDS)
+    check(got, np.concatenate([first[:, : 2**level], second], axis=1), level, restarts=(0, 1))
+
+
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def latency_is_one_clock_a_level(dut):
+    channels, level, _ = parameters(dut)
+    await bench.start(dut, out_ready_i=1)
+    beats = bench.frames(data=np.arange(channels * 2**level).reshape(2**level, channels).T)
+    dut.in_valid_i.value = 1
+    for beat in beats:
+        for name, value in beat.items():
+            getattr(dut, f"in_{name}_i").value = int(value)
+        await bench.RisingEdge(dut.clk_i)
+    dut.in_valid_i.value = 0
+    await bench.clocks(dut, level - 1)
+    await bench.ReadOnly()
+    assert dut.out_valid_o.value == 1
+    assert bench.read(dut.out_id_o) == channels - 1
+    assert dut.out_last_o.value == 1
+
+
+@pytest.mark.parametrize("channels, level", [(1, 1), (3, 2), (7, 3), (1, 3), (1024, 1)])
+def test_haar(channels, level):
+    bench.run("slip", "haar", {"Channels": channels, "Level": level, "SampleBits": 17})
+
+
+@pytest.mark.parametrize("level", [1, 2, 3])
+@pytest.mark.parametrize("length", [8, 64, 101, 1007])
+def test_model_against_pywavelets(level, length):
+    """sqrt(2)**level times cD and cA, same sign; odd lengths leave their rest over."""
+    x = bench.extremes_then_random(np.random.default_rng(level), 3, length, 17)
+    whole = length >> level << level
+    detail, total = haar(x, level)
+    coefficients = pywt.wavedec(x[:, :whole].astype(float), "haar", mode="periodization", level=level)
+    scale = np.sqrt(2.0) ** level
+    assert detail.dtype == np.int64
+    assert np.array_equal(np.rint(coefficients[1] * scale), detail)
+    assert np.array_equal(np.rint(coefficients[0] * scale), total)
+    assert np.abs(coefficients[1] * scale - detail).max() < 1e-9
+
+
+@pytest.mark.parametrize("value", [-65536, -1, 0, 1, 4095, 65535])
+@pytest.mark.parametrize("level", [1, 2, 3])
+def test_constant_gives_exactly_zero(value, level):
+    detail, total = haar(np.full((2, 40), value), level)
+    assert not detail.any()
+    assert np.all(total == value * 2**level)
+
+
+def test_model_in_chunks():
+    x = np.random.default_rng(3).integers(-9, 9, (2, 100))
+    for level in (1, 2, 3):
+        twin = Haar(2, level)
+        parts = [twin.next(part)[0] for part in np.split(x, [1, 2, 7, 50], axis=1)]
+        assert np.array_equal(np.concatenate(parts, axis=1), twin.process(x)[0])
+
+
+def test_refuses_illegal_parameters():
+    assert "Level = 4" in bench.refuses("haar", {"Level": 4})
+    assert "Channels = 1025" in bench.refuses("haar", {"Channels": 1025})
+    assert "SampleBits = 1" in bench.refuses("haar", {"SampleBits": 1})
+    with pytest.raises(ValueError, match="level = 4"):
+        haar(np.zeros(8), 4)
+    with pytest.raises(ValueError, match="channels = 0"):
+        Haar(0)
