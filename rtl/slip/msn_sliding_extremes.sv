@@ -14,7 +14,7 @@ module msn_sliding_extremes #(
   parameter  int unsigned Lag        = 1,
   parameter  int unsigned Taps       = 4,
   parameter  int unsigned SideBits   = 1,  // payload that only travels along
-  localparam int unsigned CountBits  = $clog2((Taps - 1) * Lag + 1)
+  localparam int unsigned CountBits  = msn_pkg::index_width((Taps - 1) * Lag + 1)
 ) (
   input  logic                         clk_i,
   input  logic                         rst_i,

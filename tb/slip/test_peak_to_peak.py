@@ -1,0 +1,133 @@
+"""msn_peak_to_peak against its model, and the model against SciPy's rank filters and brute force:
+tumbling, half-overlapped and sliding windows, any hop, full-scale details, a crossing at every place of a
+window, restarts in mid-window, 1 to 1024 channels, gaps and stalls, and the latency of each kind."""
+
+import cocotb
+import numpy as np
+import pytest
+from scipy import ndimage
+
+import bench
+from meissner.slip.peak_to_peak import PeakToPeak, sliding
+
+FIELDS = ["p2p", "total~", "id", "last", "restart", "end"]
+
+
+def parameters(dut):
+    return [getattr(dut, n).value.to_unsigned() for n in ("Channels", "Span", "Hop", "DetailBits")]
+
+
+def expected_beats(detail, total, span, hop):
+    channels = detail.shape[0]
+    p2p, end = PeakToPeak(channels, span, hop).process(detail)
+    ends = np.broadcast_to(end, detail.shape)
+    return [
+        {k: v for k, v in beat.items() if k != "detail"}
+        for beat in bench.frames(detail=detail, p2p=p2p, total=total, end=ends)
+    ]
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+@cocotb.parametrize(stall_rate=[0.0, 0.5])
+async def matches_model(dut, stall_rate):
+    channels, span, hop, bits = parameters(dut)
+    await bench.start(dut)
+    rng = np.random.default_rng(bench.SEED)
+    sent, expected = [], []
+    # Restarts: after one detail, in mid-window, right at a window's end, and late.
+    lengths = (1, span // 2 + 1, span, 4 * span + 3) if channels < 100 else (span + 2,)
+    for length in lengths:
+        detail = bench.extremes_then_random(rng, channels, length, bits)
+        total = bench.extremes_then_random(rng, channels, length, bits)
+        sent += bench.frames(detail=detail, total=total)
+        expected += expected_beats(detail, total, span, hop)
+    pause = bench.pauses(stall_rate)
+    assert await bench.stream(dut, sent, FIELDS, pause, pause) == expected
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def shows_a_crossing_at_every_place_of_a_window(dut):
+    channels, span, hop, _ = parameters(dut)
+    await bench.start(dut)
+    for place in range(0, 2 * span, 1 if channels * span < 300 else 17):
+        detail = np.zeros((channels, 3 * span), dtype=np.int64)
+        detail[place % channels, place] = 1000
+        got = await bench.stream(dut, bench.frames(detail=detail, total=detail), FIELDS)
+        assert got == expected_beats(detail, detail, span, hop), f"crossing at detail {place}"
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def latency_is_as_stated(dut):
+    _, span, hop, _ = parameters(dut)
+    stages = (span.bit_length() - 1 + 1) // 2
+    latency = 2 if hop == span else 3 if 2 * hop == span else 1 + stages
+    await bench.start(dut, out_ready_i=1)
+    dut.in_detail_i.value = dut.in_total_i.value = dut.in_id_i.value = 0
+    dut.in_last_i.value = dut.in_restart_i.value = dut.in_valid_i.value = 1
+    await bench.RisingEdge(dut.clk_i)
+    dut.in_valid_i.value = 0
+    for clock in range(1, latency + 2):
+        await bench.ReadOnly()
+        assert dut.out_valid_o.value == (clock == latency), f"clock {clock}"
+        await bench.RisingEdge(dut.clk_i)
+
+
+@pytest.mark.parametrize(
+    "channels, span, hop",
+    [
+        (1, 32, 32),
+        (5, 2, 2),
+        (1024, 4, 4),
+        (1, 32, 16),
+        (3, 8, 4),
+        (1, 32, 1),
+        (2, 16, 1),
+        (3, 8, 3),
+        (1, 2, 1),
+    ],
+)
+def test_peak_to_peak(channels, span, hop):
+    bench.run("slip", "peak_to_peak", {"Channels": channels, "Span": span, "Hop": hop, "DetailBits": 18})
+
+
+@pytest.mark.parametrize("span", [2, 4, 32, 64])
+def test_sliding_model_against_scipy(span):
+    x = np.random.default_rng(1).integers(-1000, 1000, (3, 300))
+    origin = (span - 1) // 2 if span % 2 else span // 2 - 1  # the window ends at the sample
+    high = ndimage.maximum_filter1d(x, span, origin=origin, mode="constant", cval=-(10**6))
+    low = ndimage.minimum_filter1d(x, span, origin=origin, mode="constant", cval=10**6)
+    assert np.array_equal(sliding(x, span)[:, span:], (high - low)[:, span:])
+
+
+@pytest.mark.parametrize("span, hop", [(4, 4), (8, 4), (8, 3), (8, 1), (32, 16), (2, 1)])
+def test_model_against_brute_force(span, hop):
+    """At a window's end p2p is the plain maximum minus minimum of that window; inside it only grows."""
+    x = np.random.default_rng(2).integers(-99, 99, (2, 150))
+    p2p, end = PeakToPeak(2, span, hop).process(x)
+    ends = np.flatnonzero(end)
+    assert np.array_equal(ends, np.arange(span - 1, 150, hop))
+    for last in ends:
+        window = x[:, last - span + 1 : last + 1]
+        assert np.array_equal(p2p[:, last], window.max(axis=1) - window.min(axis=1))
+    if hop == span:
+        inside = np.diff(p2p, axis=1)[:, (np.arange(149) + 1) % span != 0]
+        assert (inside >= 0).all()
+
+
+@pytest.mark.parametrize("span, hop", [(8, 8), (8, 4), (8, 1), (8, 3)])
+def test_model_in_chunks(span, hop):
+    x = np.random.default_rng(3).integers(-99, 99, (2, 100))
+    twin = PeakToPeak(2, span, hop)
+    parts = [twin.next(part) for part in np.split(x, [1, 2, 5, 13, 14, 50, 66], axis=1)]
+    p2p, end = twin.process(x)
+    assert np.array_equal(np.concatenate([p for p, _ in parts], axis=1), p2p)
+    assert np.array_equal(np.concatenate([e for _, e in parts]), end)
+
+
+def test_refuses_illegal_parameters():
+    assert "Span = 12" in bench.refuses("peak_to_peak", {"Span": 12, "Hop": 12})
+    assert "Hop = 33" in bench.refuses("peak_to_peak", {"Span": 32, "Hop": 33})
+    assert "Channels = 0" in bench.refuses("peak_to_peak", {"Channels": 0})
+    for span, hop, message in ((12, 12, "span = 12"), (32, 33, "hop = 33"), (1, 1, "span = 1")):
+        with pytest.raises(ValueError, match=message):
+            PeakToPeak(1, span, hop)

@@ -1,0 +1,67 @@
+"""msn_sliding_extremes against its model: both tap counts, several lags and channel counts, full-scale
+values, gaps and stalls, and restarts before and after every lag has filled."""
+
+import cocotb
+import numpy as np
+import pytest
+
+import bench
+from meissner.slip.sliding_extremes import sliding_extremes
+
+FIELDS = ["high~", "low~", "side", "last", "restart"]
+
+
+def beats_of(high, low):
+    channels, length = high.shape
+    side = np.arange(channels * length).reshape(length, channels).T % 200
+    beats = bench.frames(high=high, low=low, side=side)
+    for beat in beats:
+        del beat["id"]
+    return beats
+
+
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+@cocotb.parametrize(stall_rate=[0.0, 0.5])
+async def matches_model(dut, stall_rate):
+    channels, lag, taps, bits = (
+        getattr(dut, name).value.to_unsigned() for name in ("Channels", "Lag", "Taps", "DetailBits")
+    )
+    await bench.start(dut)
+    rng = np.random.default_rng(bench.SEED)
+    sent, expected = [], []
+    # Restart when only part of the lags has filled, when just all have, and late.
+    for length in (1, lag, (taps - 1) * lag, 3 * taps * lag + 20):
+        high = bench.extremes_then_random(rng, channels, length, bits)
+        low = bench.extremes_then_random(rng, channels, length, bits)
+        sent += beats_of(high, low)
+        for beat, top, bottom in zip(
+            beats_of(high, low), *(a.T.ravel() for a in sliding_extremes(high, low, lag, taps))
+        ):
+            expected.append(beat | {"high": int(top), "low": int(bottom)})
+    pause = bench.pauses(stall_rate)
+    assert await bench.stream(dut, sent, FIELDS, pause, pause) == expected
+
+
+@pytest.mark.parametrize("channels, lag, taps", [(1, 1, 4), (1, 1, 2), (3, 2, 4), (16, 8, 4)])
+def test_sliding_extremes(channels, lag, taps):
+    parameters = {"Channels": channels, "Lag": lag, "Taps": taps, "SideBits": 8, "DetailBits": 18}
+    bench.run("slip", "sliding_extremes", parameters)
+
+
+def test_model_against_brute_force():
+    x = np.random.default_rng(1).integers(-50, 50, (2, 60))
+    for lag, taps in ((1, 2), (3, 4), (20, 4)):
+        high, low = sliding_extremes(x, x, lag, taps)
+        for t in range(60):
+            seen = x[:, [t - j * lag for j in range(taps) if t >= j * lag]]
+            assert np.array_equal(high[:, t], seen.max(axis=1))
+            assert np.array_equal(low[:, t], seen.min(axis=1))
+
+
+def test_refuses_illegal_parameters():
+    assert "Taps = 3" in bench.refuses("sliding_extremes", {"Taps": 3})
+    assert "Lag = 0" in bench.refuses("sliding_extremes", {"Lag": 0})
+    with pytest.raises(ValueError, match="taps = 3"):
+        sliding_extremes([1], [1], 1, 3)
+    with pytest.raises(ValueError, match="lag = 0"):
+        sliding_extremes([1], [1], 0, 2)

@@ -1,0 +1,190 @@
+"""msn_slip against its model: random walks through every state and arc under every register setting,
+p2p at, one below and one above each threshold, timers of 0, 1 and more, moving actuators, restarts, gaps
+and stalls. A run that left a state or an arc unvisited fails."""
+
+import itertools
+import random
+
+import cocotb
+import numpy as np
+import pytest
+
+import bench
+from meissner.slip.config import SlipConfig
+from meissner.slip.slip import Slip, State
+
+FIELDS = ["state", "raised", "over", "p2p", "id", "last", "end"]
+THRESHOLD, GROSS, CONTACT, RELEASE = 40, 80, 1000, 900
+
+# Every change of state that the rules allow.
+ARCS = {
+    (State.NONE, State.CONTACT),
+    (State.CONTACT, State.INCIPIENT),
+    (State.CONTACT, State.GROSS),
+    (State.CONTACT, State.RELEASE),
+    (State.INCIPIENT, State.GROSS),
+    (State.INCIPIENT, State.CONTACT),
+    (State.INCIPIENT, State.RELEASE),
+    (State.GROSS, State.CONTACT),
+    (State.GROSS, State.RELEASE),
+    (State.RELEASE, State.NONE),
+    (State.RELEASE, State.CONTACT),
+}
+
+
+def walk(channels, length, rises, draw):
+    """p2p and level [channels, length] that stay a while and then jump, at and around each threshold."""
+    sign = 1 if rises else -1
+    levels = [sign * v for v in (CONTACT, CONTACT - 1, CONTACT + 500, RELEASE, RELEASE - 1, 0)]
+    sizes = [0, THRESHOLD, THRESHOLD + 1, GROSS, GROSS + 1, (1 << 18) - 1]
+
+    def steps(choices, stay):
+        value, out = draw.choice(choices), []
+        for _ in range(length):
+            value = value if draw.random() < stay else draw.choice(choices)
+            out.append(value)
+        return out
+
+    p2p = [steps(sizes, 0.3) for _ in range(channels)]
+    level = [steps(levels, 0.93) for _ in range(channels)]
+    return np.array(p2p), np.array(level)
+
+
+async def apply(dut, config):
+    for name in (
+        "threshold",
+        "gross_threshold",
+        "contact_level",
+        "release_level",
+        "hold",
+        "refractory",
+        "blank",
+    ):
+        port = getattr(dut, f"cfg_{name}_i")
+        port.value = getattr(config, name) & ((1 << len(port)) - 1)
+    dut.cfg_contact_rises_i.value = int(config.contact_rises)
+
+
+@cocotb.test(timeout_time=50, timeout_unit="ms")
+@cocotb.parametrize(rises=[True, False], stall_rate=[0.0, 0.4])
+async def matches_model(dut, rises, stall_rate):
+    channels = dut.Channels.value.to_unsigned()
+    draw = random.Random(bench.SEED)
+    sign = 1 if rises else -1
+    await bench.start(dut, actuator_moving_i=0)
+    arcs, blanked = set(), 0
+    length = 400 if channels < 100 else 3
+    timers = [(0, 0, 0), (1, 1, 1), (3, 7, 5), (2, 0, 9)] if channels < 100 else [(1, 1, 1)]
+    for hold, refractory, blank in timers:
+        config = SlipConfig(
+            threshold=THRESHOLD,
+            gross_threshold=GROSS,
+            contact_level=sign * CONTACT,
+            release_level=sign * RELEASE,
+            contact_rises=rises,
+            hold=hold,
+            refractory=refractory,
+            blank=blank,
+        )
+        await bench.reset(dut)
+        await apply(dut, config)
+        twin = Slip(channels, config)
+        for moving in (False, True, False):
+            dut.actuator_moving_i.value = int(moving)
+            p2p, level = walk(channels, length // (4 if moving else 1), rises, draw)
+            ends = np.broadcast_to(np.arange(p2p.shape[1]) % 32 == 31, p2p.shape)
+            beats = bench.frames(p2p=p2p, total=level, end=ends)
+            twin.restart()
+            states = twin.next(p2p, level, np.full(p2p.shape[1], moving))
+            before = np.concatenate([np.zeros((channels, 1), np.int8), states[:, :-1]], axis=1)
+            slipping = (states == State.INCIPIENT) | (states == State.GROSS)
+            was = (before == State.INCIPIENT) | (before == State.GROSS)
+            arcs |= {(State(a), State(b)) for a, b in zip(before.flat, states.flat) if a != b}
+            expected = [
+                {field: beat[field] for field in FIELDS}
+                for beat in bench.frames(
+                    state=states, raised=slipping & ~was, over=p2p > THRESHOLD, p2p=p2p, end=ends
+                )
+            ]
+            pause = bench.pauses(stall_rate)
+            got = await bench.stream(dut, beats, FIELDS, pause, pause)
+            for index, (is_, should) in enumerate(zip(got, expected)):
+                assert is_ == should, f"detail {index // channels} with {config}"
+            assert len(got) == len(expected)
+        assert bench.read(dut.blanked_o) == twin.blanked, config
+        blanked += twin.blanked
+    if channels < 100:
+        assert arcs == ARCS, f"not visited: {ARCS - arcs}; not allowed: {arcs - ARCS}"
+        assert blanked > 0
+
+
+@pytest.mark.parametrize("channels", [1, 2, 6, 1024])
+def test_slip(channels):
+    bench.run("slip", "slip", {"Channels": channels})
+
+
+def test_model_tells_one_slip_as_a_story():
+    """By hand: press, blanked onset, slip, gross, hold, refractory, a second slip, lift."""
+    config = SlipConfig(
+        threshold=10, gross_threshold=20, contact_level=5, release_level=3, hold=1, refractory=2, blank=2
+    )
+    level = [0, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 4, 2, 2, 2]
+    p2p = [99, 99, 11, 99, 11, 21, 0, 0, 99, 99, 11, 0, 0, 0, 0, 0]
+    n, c, i, g, r = State
+    states = [n, c, c, c, i, g, g, c, c, c, i, i, c, r, r, n]
+    twin = Slip(1, config)
+    assert twin.process([p2p], [level])[0].tolist() == states
+    assert twin.blanked == 2
+
+
+def test_refractory_time_is_honoured():
+    """However the input is, two rises of the flag are more than ``refractory`` details apart."""
+    config = SlipConfig(threshold=10, contact_level=1, release_level=0, hold=0, refractory=7)
+    draw = np.random.default_rng(1)
+    states = Slip(1, config).process(draw.integers(0, 30, (1, 5000)), np.ones((1, 5000), int))[0]
+    slipping = (states == State.INCIPIENT) | (states == State.GROSS)
+    rises = np.flatnonzero(slipping[1:] & ~slipping[:-1])
+    falls = np.flatnonzero(~slipping[1:] & slipping[:-1])
+    assert len(rises) > 100
+    gaps = [rise - falls[falls < rise].max() for rise in rises if (falls < rise).any()]
+    assert min(gaps) == 8
+
+
+def test_model_in_chunks():
+    draw = random.Random(2)
+    config = SlipConfig(
+        threshold=40, gross_threshold=80, contact_level=1000, release_level=900, hold=3, refractory=4, blank=5
+    )
+    p2p, level = walk(2, 300, True, draw)
+    moving = np.array([draw.random() < 0.1 for _ in range(300)])
+    twin = Slip(2, config)
+    cuts = [0, 1, 2, 50, 51, 300]
+    parts = [twin.next(p2p[:, a:b], level[:, a:b], moving[a:b]) for a, b in itertools.pairwise(cuts)]
+    blanked = twin.blanked
+    assert np.array_equal(np.concatenate(parts, axis=1), twin.process(p2p, level, moving))
+    assert blanked == twin.blanked
+
+
+def test_refuses_illegal_parameters():
+    assert "Channels = 0" in bench.refuses("slip", {"Channels": 0})
+    assert "TimerBits = 32" in bench.refuses("slip", {"TimerBits": 32})
+    with pytest.raises(ValueError, match="channels = 0"):
+        Slip(0, SlipConfig())
+
+
+@pytest.mark.parametrize(
+    "settings, message",
+    [
+        ({"window": 48}, "window = 48 must be a power of two"),
+        ({"window": 2}, "window = 2 must be a power of two, 4 or more"),
+        ({"window": 4, "hop": 4, "level": 2}, "window = 4 must be at least 8 at level 2"),
+        ({"hop": 3}, "hop = 3 must be a multiple of 2"),
+        ({"hop": 66}, "hop = 66 must be a multiple of 2 from 2 to the window, 64"),
+        ({"level": 4}, "level = 4 must be 1, 2 or 3"),
+        ({"threshold": -1}, "threshold = -1 must not be negative"),
+        ({"blank": 1 << 16}, "blank = 65536 must be below 65536"),
+    ],
+)
+def test_config_refuses(settings, message):
+    with pytest.raises(ValueError, match=message):
+        SlipConfig(**settings)
