@@ -166,8 +166,9 @@ class Recording:
 
     ``onset_s``: the first event of partial slip; ``gross_s``: the whole contact slips; both None without
     a slip. ``events_s``, ``events_v``: every event of partial slip and the step of Vc it makes, so that
-    waiting for an event large enough can be told from the detector's own delay. ``contacts_s``: (from, until) where the normal force is not zero, until None if it lasts.
-    ``moving``: the loading stage moves, the motion a hand would know to be its own.
+    waiting for an event large enough can be told from the detector's own delay. ``contacts_s``: (from,
+    until) where the normal force is not zero, until None if it lasts. ``moving``: the loading stage
+    moves, the motion a hand would know to be its own.
     """
 
     scene: Scene

@@ -26,6 +26,8 @@ of the carbon paths, the spatial field of the contact (events are independent), 
 events, inertia of the plate, speeds outside the fit's 0.01 to 3 mm/s (used beyond it as it stands).
 """
 
+from itertools import pairwise
+
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 from scipy.signal import lfilter
@@ -95,7 +97,7 @@ def shear_level(time_s, speed_mm_s):
     time_s, speed_mm_s = np.asarray(time_s), np.asarray(speed_mm_s)
     edges = np.concatenate([[0], np.flatnonzero(np.diff(speed_mm_s)) + 1, [len(time_s)]])
     level, start = np.zeros(len(time_s)), 0.0
-    for first, last in zip(edges[:-1], edges[1:]):
+    for first, last in pairwise(edges):
         speed = abs(speed_mm_s[first])
         # Three time constants are "complete" and "back": 95 % of the way.
         rate = 3.0 * (speed / SHEAR_FULL_MM + 1.0 / RECOVERY_S)
