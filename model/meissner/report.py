@@ -41,6 +41,12 @@ def _within(time_s, values, window):
     return _envelope(time_s[first:last], values[first:last])
 
 
+def _runs(flags):
+    """(first, past the last) of each run of true values."""
+    edges = np.flatnonzero(np.diff(np.asarray(flags, dtype=bool), prepend=False, append=False))
+    return list(zip(edges[::2], edges[1::2]))
+
+
 def _bands(axis, time_s, state, window):
     """The state as one coloured band, a rectangle per run of equal states."""
     time_s, state = np.asarray(time_s), np.asarray(state).astype(int)
@@ -110,13 +116,20 @@ def draw_slip(
         p2p.plot(*_within(detail_time_s, p2p_v, window), color=BLUE, lw=width)
         p2p.axhline(threshold_v, color=PURPLE, lw=1.3)
         # Scaled to what comes before the whole contact slips; that one may leave the frame.
-        before = (detail_time_s >= window[0]) & (detail_time_s < (window[1] if gross_s is None else gross_s))
+        before = (
+            (detail_time_s >= window[0])
+            & (detail_time_s < (gross_s or window[1]))
+            & (detail_time_s <= window[1])
+        )
         p2p.set_ylim(0, max(2.5 * threshold_v, 1.4 * np.max(p2p_v[before], initial=0.0)))
         reach = max(threshold_v, 1.4 * np.max(np.abs(detail_v[before]), initial=0.0))
         detail.set_ylim(-reach, reach)
         _bands(band, detail_time_s, state, window)
         force.plot(*_within(time_s, recording.normal_n, window), color=GREEN, lw=1.6)
-        force.plot(*_within(time_s, recording.tension_n, window), color=INK, lw=1.6)
+        if gross_s is not None:
+            force.plot(*_within(time_s, recording.tension_n, window), color=INK, lw=1.6)
+        for first, last in _runs(recording.moving):
+            force.axvspan(time_s[first], time_s[last - 1], color=SKY, alpha=0.25, lw=0)
         force.set_ylim(0, 1.15 * recording.normal_n.max())
         for axis in rows[:, column]:
             axis.spines[["top", "right"]].set_visible(False)
@@ -151,9 +164,11 @@ def draw_slip(
     handles = [Line2D([], [], label=name, **look) for name, _, look in marks]
     handles.append(Line2D([], [], color=PURPLE, lw=1.3, label=f"threshold, {threshold_v:g} V"))
     handles.append(Line2D([], [], color=GREEN, lw=1.6, label="normal force"))
-    handles.append(Line2D([], [], color=INK, lw=1.6, label="tensile force"))
+    if gross_s is not None:
+        handles.append(Line2D([], [], color=INK, lw=1.6, label="tensile force"))
+    handles.append(Patch(color=SKY, alpha=0.25, label="loading stage moves"))
     present = np.unique(np.asarray(state).astype(int))
-    handles += [Patch(color=STATE_COLOURS[kind], label=STATES[kind]) for kind in present]
+    handles += [Patch(color=STATE_COLOURS[kind], label=f"state: {STATES[kind]}") for kind in present]
     figure.legend(handles=handles, loc="outside lower left", ncols=6, frameon=False, fontsize=9.5)
     name = title or f"{recording.scene.name}: {recording.condition.name}, seed {recording.seed}"
     outcome = "no flag" if flag_s is None else "flag"
