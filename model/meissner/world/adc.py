@@ -1,0 +1,74 @@
+"""The converter between the sensor's voltage and the core: noise, quantisation, over-range.
+
+    code = clamp(floor((V + noise - low_v)/lsb + 1/2) + min_code),   lsb = (high_v - low_v)/2^bits
+
+``min_code`` is 0 for a range that starts at 0 V (unsigned parts) and -2^(bits-1) for a symmetric one
+(two's complement parts). Noise is the converter's own, white and Gaussian, one draw a sample.
+
+Over-range is a property of the input, not of the noise: V outside low_v .. high_v. A sensor that rests
+exactly at full scale, as the unpressed divider does, is in range.
+
+Not modelled: integral and differential non-linearity, offset and gain error, aperture jitter, channel
+crosstalk, reference drift, the AD7606's anti-alias filter (15 kHz, above the band of the scenes).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Adc:
+    """An ideal converter with white noise of ``noise_v`` volts rms at its input."""
+
+    bits: int
+    low_v: float
+    high_v: float
+    noise_v: float = 0.0
+
+    def __post_init__(self):
+        if not 1 <= self.bits <= 24:
+            raise ValueError(f"bits = {self.bits} must be from 1 to 24")
+        if self.low_v not in (0, -self.high_v) or self.high_v <= 0:
+            raise ValueError(f"the range {self.low_v} V to {self.high_v} V must start at 0 V or be symmetric")
+        if self.noise_v < 0:
+            raise ValueError(f"noise_v = {self.noise_v} must not be negative")
+
+    @property
+    def lsb_v(self):
+        return (self.high_v - self.low_v) / (1 << self.bits)
+
+    @property
+    def min_code(self):
+        return 0 if self.low_v == 0 else -(1 << self.bits - 1)
+
+    @property
+    def max_code(self):
+        return self.min_code + (1 << self.bits) - 1
+
+    def convert(self, volts, rng=None):
+        """Return ``(codes int64, over_range bool)``, one of each per sample; no noise without ``rng``."""
+        volts = np.asarray(volts, dtype=float)
+        over_range = (volts < self.low_v) | (volts > self.high_v)
+        if rng is not None and self.noise_v:
+            volts = volts + self.noise_v * rng.standard_normal(volts.shape)
+        codes = np.floor((volts - self.low_v) / self.lsb_v + 0.5) + self.min_code
+        return np.clip(codes, self.min_code, self.max_code).astype(np.int64), over_range
+
+    def code_of(self, volts):
+        """The unrounded code of a voltage, for thresholds."""
+        return (volts - self.low_v) / self.lsb_v + self.min_code
+
+    def volts_of(self, codes):
+        """The voltage at the centre of each code."""
+        return (np.asarray(codes) - self.min_code) * self.lsb_v + self.low_v
+
+
+# MCP3208 at 5 V: typical SINAD 72 dB, THD -82 dB (DS21298, 1 kHz, 0.1 to 4.9 V). Taking the distortion
+# out leaves 0.404 mV rms, of which 0.352 mV is quantisation: 0.198 mV are the part's own.
+# AD7606, +-5 V, no oversampling: typical SNR 89 dB of a full-scale sine is 0.1255 mV rms, of which
+# 0.044 mV is quantisation: 0.117 mV.
+PARTS = {
+    "MCP3208": Adc(bits=12, low_v=0.0, high_v=5.0, noise_v=0.198e-3),
+    "AD7606": Adc(bits=16, low_v=-5.0, high_v=5.0, noise_v=0.117e-3),
+}
