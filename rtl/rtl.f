@@ -5,3 +5,4 @@ rtl/slip/msn_haar.sv
 rtl/slip/msn_sliding_extremes.sv
 rtl/slip/msn_peak_to_peak.sv
 rtl/slip/msn_slip.sv
+rtl/msn_core.sv

@@ -129,8 +129,9 @@ async def stream(dut, beats, fields, gaps=None, stalls=None, drain=40, count=Non
         held = values if valid and not ready else None
         if valid and ready:
             received.append(dict(zip(names, values)))
-        quiet = 0 if valid else quiet + ready
-        sent += bool(offer and dut.in_ready_o.value == 1)
+        took = bool(offer and dut.in_ready_o.value == 1)
+        quiet = 0 if valid or took else quiet + ready
+        sent += took
         await RisingEdge(dut.clk_i)
     dut.in_valid_i.value = 0
     return received
