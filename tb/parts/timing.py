@@ -52,7 +52,7 @@ class PartModel:
         return None if moment is None else now() - moment
 
     def drive(self, lane, bit, delay, hold=0.0):
-        """Put ``bit`` on a lane ``delay`` ns from now. Between ``hold`` and then the lane shows the wrong level."""
+        """Put ``bit`` on a lane in ``delay`` ns; from ``hold`` until then the lane shows the wrong level."""
         self.drives[lane] = token = object()
 
         async def later():

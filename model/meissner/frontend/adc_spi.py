@@ -122,16 +122,18 @@ class AdcSpi:
         return clocks
 
     def minimum_period(self, conversion_ns=None):
-        """The least cfg_period at which no tick is lost, for a part that converts in ``conversion_ns``.
+        """The least cfg_period at which a consumer that is always ready loses nothing, for a part that
+        converts in ``conversion_ns``.
 
-        The part's own shortest cycle may be longer: see ``safe_period``.
+        The transfer must be over, and the samples of two lanes, which arrive together, must have left one by
+        one. The part's own shortest cycle may be longer: see ``safe_period``.
         """
         if not self.part.has_busy:
             return self.read_clocks() + 1
         if conversion_ns is None:
             conversion_ns = self.part.conversion_max_ns
         busy = int(conversion_ns * self.clk_khz // 1_000_000) + 1  # from the tick until BUSY is seen low
-        return busy + 2 + self.read_clocks() + 1
+        return busy + max(2 + self.read_clocks() + 1, self.latencies()[-1])
 
     def safe_period(self):
         """The least cfg_period that suits every sample of the part."""
