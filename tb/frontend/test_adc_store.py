@@ -1,7 +1,7 @@
-"""msn_adc_store against its twin: random frames, words at random gaps, a consumer that stalls; all channels count.
+"""msn_adc_store against its twin: random frames, words at random gaps, a consumer that stalls.
 
-Every sample leaves as soon as it and all channels before it are there, pending_o tells until the last is taken,
-and reset empties it.
+Every sample leaves as soon as it and all channels before it are there, pending_o tells until the last is
+taken, and reset empties it.
 """
 
 import random

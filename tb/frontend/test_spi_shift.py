@@ -1,6 +1,6 @@
 """msn_spi_shift: words of random bits, alone and in a row, on two lanes, against the twin's bits and clocks.
 
-The line that answers changes its bit when SCLK returns to rest, as every part does, and is wrong one clock before:
+The line that answers is right in one clock of each bit only, the one before its last, wrong in all others:
 a sample taken at any other clock is seen.
 """
 
