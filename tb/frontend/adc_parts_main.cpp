@@ -37,7 +37,7 @@ int main(int, char **argv) {
       ++converts;
     }
     part.step(top.adc_cs_n_o, top.adc_sclk_o, top.adc_mosi_o, top.adc_convst_o, codes);
-    top.adc_miso_i = part.miso;
+    top.adc_miso_i = part.miso & ((1 << LANES) - 1);
     top.adc_busy_i = part.busy;
     top.clk_i = 1;
     top.eval();

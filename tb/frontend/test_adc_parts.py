@@ -39,7 +39,7 @@ def test_adc_parts(struct, twin):
     command = [
         "verilator", "--cc", "--exe", "--build", "-Mdir", str(build), "--prefix", "Vtop", "-o", "adc_parts",
         "--top-module", "msn_adc_spi", *toolchain.VERILATOR_FLAGS,
-        "-CFLAGS", f"-I{include} -DPART=meissner::{struct}",
+        "-CFLAGS", f"-I{include} -DPART=meissner::{struct} -DLANES={twin.lanes}",
         *(f"-G{name}={value}" for name, value in parameters.items()),
         *map(str, toolchain.sources()), str(HERE / "adc_parts_main.cpp"),
     ]  # fmt: skip

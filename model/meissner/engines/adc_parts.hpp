@@ -4,7 +4,8 @@
 // in tb/parts). Call step() once per clock with the pins the master drives; it returns nothing, `miso` and `busy`
 // are what the master samples at its next clock.
 //
-// codes: the raw codes of channels 0 .. 7 at this moment, any bits above the part's ignored.
+// codes: the raw codes of channels 0 .. 7 at this moment, any bits above the part's ignored. With one lane wired,
+// mask `miso` to its lowest bit: a Verilated port takes whatever it is given.
 
 #pragma once
 
