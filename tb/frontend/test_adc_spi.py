@@ -404,6 +404,19 @@ async def busy_timeout_is_the_twins(dut):
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
+async def busy_timeout_leaves_the_next_tick_alone(dut):
+    """A tick in the first clock after a timeout still makes a legal CONVST pulse, and no tick is lost."""
+    harness = Harness(dut)
+    await harness.start(harness.twin.watch_clocks + 1)
+    harness.part.hold_busy(0)
+    await harness.frames(6)
+    harness.on_grid()
+    assert harness.counters() == (0, 0, 5)
+    await harness.stop()
+    harness.check(lost=range(6))
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
 async def busy_released_late_is_not_taken_for_an_answer(dut):
     """BUSY sticks high and falls in the middle of the next frame's wait: no frame may be made of that."""
     harness = Harness(dut)
