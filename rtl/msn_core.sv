@@ -2,12 +2,18 @@
 //
 // The core: instances and wires only, in data-path order.
 //
-//   samples ─ frame_check ─ haar ─ peak_to_peak ─ slip ─ decisions
+//   ADC pins ─ adc_spi ─ frame_check ─ haar ─ peak_to_peak ─ slip ─ decisions
 //
-// Samples come in as frames, channels in order, `last` on the final one. Decision at most 8 clocks after
-// the sample that completes a group: Level + 4 with tumbling windows.
+// Adc = AdcNone: samples come in on the stream, as frames, channels in order, `last` on the final one;
+// otherwise the converter's pins feed the chain and the stream is not there. Decision at most 8 clocks
+// after the sample that completes a group: Level + 4 with tumbling windows.
 
 module msn_core #(
+  parameter  int unsigned Adc        = msn_pkg::AdcNone,  // msn_pkg::adc_part_e
+  parameter  int unsigned AdcLanes   = 1,
+  parameter  int unsigned ClkKhz     = 25_000,
+  parameter  int unsigned SclkKhz    = msn_adc_pkg::sclk_default_khz(Adc),
+  parameter  int unsigned PeriodBits = 24,
   parameter  int unsigned Channels   = 1,
   parameter  int unsigned SampleBits = 17,
   parameter  int unsigned Level      = 1,   // Haar level
@@ -19,6 +25,16 @@ module msn_core #(
 ) (
   input  logic                         clk_i,
   input  logic                         rst_i,
+
+  input  logic                         cfg_adc_enable_i,
+  input  logic        [PeriodBits-1:0] cfg_adc_period_i,  // clocks from convert start to convert start
+  output logic                         adc_cs_n_o,
+  output logic                         adc_sclk_o,
+  output logic                         adc_mosi_o,
+  input  logic        [AdcLanes-1:0]   adc_miso_i,
+  output logic                         adc_convst_o,
+  input  logic                         adc_busy_i,
+  output logic                         convert_o,         // convert start: the instant of a frame's time
 
   input  logic        [DetailBits-1:0] cfg_threshold_i,
   input  logic        [DetailBits-1:0] cfg_gross_threshold_i,
@@ -46,8 +62,12 @@ module msn_core #(
   output logic                         out_last_o,
   output logic                         out_end_o,
 
-  output logic        [31:0]           damaged_o,
-  output logic        [31:0]           blanked_o
+  output logic        [31:0]           dropped_o,     // frames: the chain was not ready
+  output logic        [31:0]           overrun_o,     // ticks: the frame before was still under way
+  output logic        [31:0]           timeout_o,     // frames: BUSY did not answer
+  output logic        [31:0]           over_range_o,  // samples at an end of the converter's range
+  output logic        [31:0]           damaged_o,     // frames: channels out of order
+  output logic        [31:0]           blanked_o      // details: over, but blanked or moving
 );
 
   localparam int unsigned Group = 1 << Level;  // samples in a detail
@@ -58,14 +78,67 @@ module msn_core #(
     $fatal(1, "msn_core: Hop = %0d must be a multiple of %0d up to Window", Hop, Group);
   end
 
+  logic                         sample_valid, sample_ready, sample_last;
+  logic signed [SampleBits-1:0] sample;
+  logic        [IdBits-1:0]     sample_id;
+  if (Adc == msn_pkg::AdcNone) begin : gen_stream
+    assign sample_valid = in_valid_i;
+    assign in_ready_o   = sample_ready;
+    assign sample       = in_data_i;
+    assign sample_id    = in_id_i;
+    assign sample_last  = in_last_i;
+
+    assign {adc_cs_n_o, adc_sclk_o, adc_mosi_o, adc_convst_o, convert_o} = 5'b10000;
+    assign {dropped_o, overrun_o, timeout_o, over_range_o}               = '0;
+    logic unused_pins;
+    assign unused_pins = ^{cfg_adc_enable_i, cfg_adc_period_i, adc_miso_i, adc_busy_i};
+
+  end else begin : gen_adc
+    logic unused_user;  // what over-range means to a stage is that stage's business; slip only counts it
+    msn_adc_spi #(
+      .Part      (Adc),
+      .Channels  (Channels),
+      .Lanes     (AdcLanes),
+      .ClkKhz    (ClkKhz),
+      .SclkKhz   (SclkKhz),
+      .SampleBits(SampleBits),
+      .PeriodBits(PeriodBits)
+    ) u_adc_spi (
+      .clk_i,
+      .rst_i,
+      .cfg_enable_i(cfg_adc_enable_i),
+      .cfg_period_i(cfg_adc_period_i),
+      .adc_cs_n_o,
+      .adc_sclk_o,
+      .adc_mosi_o,
+      .adc_miso_i,
+      .adc_convst_o,
+      .adc_busy_i,
+      .convert_o,
+      .out_valid_o (sample_valid),
+      .out_ready_i (sample_ready),
+      .out_data_o  (sample),
+      .out_id_o    (sample_id),
+      .out_last_o  (sample_last),
+      .out_user_o  (unused_user),
+      .dropped_o,
+      .overrun_o,
+      .timeout_o,
+      .over_range_o
+    );
+    assign in_ready_o = 1'b0;
+    logic unused_stream;
+    assign unused_stream = ^{in_valid_i, in_data_i, in_id_i, in_last_i};
+  end
+
   logic whole_valid, whole_ready, whole_restart;
   msn_frame_check #(.Channels(Channels)) u_frame_check (
     .clk_i,
     .rst_i,
-    .in_valid_i,
-    .in_ready_o,
-    .in_id_i,
-    .in_last_i,
+    .in_valid_i   (sample_valid),
+    .in_ready_o   (sample_ready),
+    .in_id_i      (sample_id),
+    .in_last_i    (sample_last),
     .out_valid_o  (whole_valid),
     .out_ready_i  (whole_ready),
     .out_restart_o(whole_restart),
@@ -80,9 +153,9 @@ module msn_core #(
     .rst_i,
     .in_valid_i   (whole_valid),
     .in_ready_o   (whole_ready),
-    .in_data_i,
-    .in_id_i,
-    .in_last_i,
+    .in_data_i    (sample),
+    .in_id_i      (sample_id),
+    .in_last_i    (sample_last),
     .in_restart_i (whole_restart),
     .out_valid_o  (detail_valid),
     .out_ready_i  (detail_ready),

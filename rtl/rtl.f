@@ -1,6 +1,11 @@
 rtl/msn_pkg.sv
 rtl/common/msn_delay.sv
 rtl/common/msn_frame_check.sv
+rtl/common/msn_sync.sv
+rtl/frontend/msn_adc_pkg.sv
+rtl/frontend/msn_spi_shift.sv
+rtl/frontend/msn_adc_store.sv
+rtl/frontend/msn_adc_spi.sv
 rtl/slip/msn_haar.sv
 rtl/slip/msn_sliding_extremes.sv
 rtl/slip/msn_peak_to_peak.sv

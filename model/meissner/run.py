@@ -77,8 +77,9 @@ def run_slip(scene, engine, out, seed=1, waves=False, progress=lambda runs: runs
     module, twin_module = engines.load(engine), engines.load("fixed")
     config = scene.slip_config()
     seeds = range(seed, seed + scene.seeds)
-    rows, arrays, shown = [], {}, {}
+    arrays, shown = {}, {}
     mismatches, samples, simulated, engine_s = 0, 0, 0.0, 0.0
+    module.watch(np.zeros((1, config.window), dtype=np.int64), config)  # built and warm before it is timed
     jobs = [(condition, number) for condition in scene.conditions for number in seeds]
     verdicts = {condition: [] for condition in scene.conditions}
     for condition, number in progress(jobs):
