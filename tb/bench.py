@@ -15,10 +15,14 @@ from meissner import toolchain
 SEED = int(os.environ.get("MEISSNER_SEED", "1"))
 
 
-def run(stage, block, parameters=None, test_filter=None):
-    """Build ``msn_<block>`` with Verilator and run the cocotb tests of tb/<stage>/test_<block>.py."""
+def run(stage, block, parameters=None, test_filter=None, module=None):
+    """Build ``msn_<block>`` with Verilator and run the cocotb tests of tb/<stage>/test_<block>.py.
+
+    ``module``: another test file of that stage, in place of test_<block>.
+    """
     parameters = parameters or {}
-    name = "-".join([block, *(f"{k}{v}" for k, v in parameters.items())])
+    module = module or f"test_{block}"
+    name = "-".join([module.removeprefix("test_"), *(f"{k}{v}" for k, v in parameters.items())])
     build_dir = toolchain.BUILD / "tb" / name
     os.environ.update(toolchain.environment())
     runner = get_runner("verilator")
@@ -32,7 +36,7 @@ def run(stage, block, parameters=None, test_filter=None):
     )
     results = runner.test(
         hdl_toplevel=f"msn_{block}",
-        test_module=f"{stage}.test_{block}",
+        test_module=f"{stage}.{module}",
         build_dir=build_dir,
         test_dir=build_dir,
         test_filter=test_filter,

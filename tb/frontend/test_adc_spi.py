@@ -172,6 +172,7 @@ class Harness:
         assert kept == len(taken), "more frames came out than went in"
         assert self.counters()[0] == dropped
         assert self.counters()[2] == len(lost)
+        assert self.dut.over_range_o.value.to_unsigned() == sum(beat[4] for beat in self.beats)
         return dropped
 
     def on_grid(self, clocks=None):

@@ -93,7 +93,7 @@ def _open(library):
     lib.core_pins.argtypes = [
         *(pointer, ctypes.c_int32, ctypes.c_int32, pointer, ctypes.c_int64, ctypes.c_uint32),
         *(pointer, pointer, pointer, ctypes.c_int64, ctypes.c_int64, ctypes.c_int64, ctypes.c_char_p),
-        ctypes.POINTER(_PinFacts),
+        *(ctypes.c_int64, ctypes.POINTER(_PinFacts)),
     ]
     for count in ("core_blanked", "core_damaged"):
         getattr(lib, count).argtypes = [pointer]
@@ -141,7 +141,7 @@ class Core:
         count = self._lib.core_pins(
             *(self._core, ADC_PARTS[part], PIN_BUSY_CLOCKS, codes.ctypes.data, codes.size, period),
             *(moving.ctypes.data, p2p.ctypes.data, flags.ctypes.data, p2p.size, *trace),
-            *(None if trace_path is None else str(trace_path).encode(), ctypes.byref(facts)),
+            *(None if trace_path is None else str(trace_path).encode(), PIN_CLK_KHZ, ctypes.byref(facts)),
         )
         if count < 0:
             raise RuntimeError("more decisions came out of the core than samples went in")

@@ -18,6 +18,7 @@ struct Core {
 #if VM_TRACE
   VerilatedVcdC trace;
   bool tracing = false;
+  uint64_t half_clock_ps = 500;
 #endif
 
   Core() {
@@ -38,7 +39,7 @@ struct Core {
         top.clk_i = level;
         top.eval();
         trace.dump(context.time());
-        context.timeInc(1);
+        context.timeInc(half_clock_ps);
       }
       return;
     }
@@ -74,7 +75,7 @@ struct Decisions {
 template <typename Part>
 int64_t run_pins(Core *core, Part part, const int32_t *codes, int64_t frames, uint32_t period,
                  const uint8_t *moving, Decisions decisions, int64_t trace_from, int64_t trace_to,
-                 const char *trace_path, PinFacts *facts) {
+                 const char *trace_path, int64_t clk_khz, PinFacts *facts) {
   auto &top = core->top;
   top.cfg_adc_period_i = period;
   top.cfg_adc_enable_i = 1;
@@ -97,6 +98,7 @@ int64_t run_pins(Core *core, Part part, const int32_t *codes, int64_t frames, ui
       if (trace_path && frame == trace_from) {
         core->trace.open(trace_path);
         core->tracing = true;
+        core->half_clock_ps = 500'000'000 / clk_khz;
       }
       if (frame == trace_to && core->tracing) {
         core->tracing = false;
@@ -104,7 +106,7 @@ int64_t run_pins(Core *core, Part part, const int32_t *codes, int64_t frames, ui
         core->top.clk_i = 1;
       }
 #else
-      (void)trace_from, (void)trace_to, (void)trace_path;
+      (void)trace_from, (void)trace_to, (void)trace_path, (void)clk_khz;
 #endif
     }
     if (top.out_valid_o) {
@@ -199,14 +201,15 @@ int64_t core_slip(Core *core, const int32_t *samples, int64_t frames, int32_t ch
 // BUSY lasting `busy_clocks`. Frames trace_from .. trace_to-1 go to trace_path if the core was built for it.
 int64_t core_pins(Core *core, int32_t part, int32_t busy_clocks, const int32_t *codes, int64_t frames,
                   uint32_t period, const uint8_t *moving, uint32_t *p2p, uint8_t *flags, int64_t room,
-                  int64_t trace_from, int64_t trace_to, const char *trace_path, PinFacts *facts) {
+                  int64_t trace_from, int64_t trace_to, const char *trace_path, int64_t clk_khz,
+                  PinFacts *facts) {
   const Decisions decisions{p2p, flags, room};
   if (part == 1) {
     return run_pins(core, meissner::Mcp3208{}, codes, frames, period, moving, decisions, trace_from,
-                    trace_to, trace_path, facts);
+                    trace_to, trace_path, clk_khz, facts);
   }
   return run_pins(core, meissner::Ad7606{busy_clocks}, codes, frames, period, moving, decisions,
-                  trace_from, trace_to, trace_path, facts);
+                  trace_from, trace_to, trace_path, clk_khz, facts);
 }
 
 uint32_t core_blanked(const Core *core) { return core->top.blanked_o; }
