@@ -34,5 +34,8 @@ test: lint  ## lint, twins and every cocotb regression
 lint: $(SIM)  ## Verilator -Wall on every module as its own top, Verible, ruff
 	@$(BIN)/python tools/lint.py
 
+fmax: $(SYNTH)  ## Fmax and area of single blocks, worst of three seeds: table, build/fmax/fmax.json
+	@$(BIN)/python tools/fmax.py --jobs $(JOBS) $(FMAX)
+
 clean:  ## remove build/ (the environment in .venv stays; remove it by hand)
 	rm -rf build

@@ -117,7 +117,7 @@ module msn_slip #(
 
   always_comb begin
     now = kept;
-    if (restart) now = '{state: msn_pkg::None, blanking: 1'b0, hold: '0, deaf: '0};
+    if (restart) now = '0;  // state None
     no_hold    = now.hold == '0;
     no_deaf    = now.deaf == '0;
     next       = now;
