@@ -5,8 +5,8 @@
 //   ADC pins ─ adc_spi ─ frame_check ─ haar ─ peak_to_peak ─ slip ─ decisions
 //
 // Adc = AdcNone: samples come in on the stream, as frames, channels in order, `last` on the final one;
-// otherwise the converter's pins feed the chain and the stream is not there. Decision at most 8 clocks
-// after the sample that completes a group: Level + 4 with tumbling windows.
+// otherwise the converter's pins feed the chain and the stream is not there. Decision Level + 5 clocks
+// after the sample that completes a group with tumbling windows, Level + 7 with a sliding one of 64.
 
 module msn_core #(
   parameter  int unsigned Adc        = msn_pkg::AdcNone,  // msn_pkg::adc_part_e
@@ -131,16 +131,22 @@ module msn_core #(
     assign unused_stream = ^{in_valid_i, in_data_i, in_id_i, in_last_i};
   end
 
-  logic whole_valid, whole_ready, whole_restart;
-  msn_frame_check #(.Channels(Channels)) u_frame_check (
+  logic                         whole_valid, whole_ready, whole_last, whole_restart;
+  logic signed [SampleBits-1:0] whole;
+  logic        [IdBits-1:0]     whole_id;
+  msn_frame_check #(.Channels(Channels), .DataBits(SampleBits)) u_frame_check (
     .clk_i,
     .rst_i,
     .in_valid_i   (sample_valid),
     .in_ready_o   (sample_ready),
+    .in_data_i    (sample),
     .in_id_i      (sample_id),
     .in_last_i    (sample_last),
     .out_valid_o  (whole_valid),
     .out_ready_i  (whole_ready),
+    .out_data_o   (whole),
+    .out_id_o     (whole_id),
+    .out_last_o   (whole_last),
     .out_restart_o(whole_restart),
     .damaged_o
   );
@@ -153,9 +159,9 @@ module msn_core #(
     .rst_i,
     .in_valid_i   (whole_valid),
     .in_ready_o   (whole_ready),
-    .in_data_i    (sample),
-    .in_id_i      (sample_id),
-    .in_last_i    (sample_last),
+    .in_data_i    (whole),
+    .in_id_i      (whole_id),
+    .in_last_i    (whole_last),
     .in_restart_i (whole_restart),
     .out_valid_o  (detail_valid),
     .out_ready_i  (detail_ready),

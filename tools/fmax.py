@@ -43,8 +43,17 @@ TARGETS = {
 
 # Name: module, parameters, clocks of the latency quoted in ns (or None), targets.
 TABLE = {
-    "peak_to_peak-1024": ("msn_peak_to_peak", {"Channels": 1024, "Span": 32, "Hop": 32}, 2, "ecp5 up5k"),
-    "slip-1024": ("msn_slip", {"Channels": 1024, "DetailBits": 18}, 2, "ecp5 up5k"),
+    "slip-1024": ("msn_core", {"Channels": 1024}, 6, "ecp5 up5k"),
+    "slip-64": ("msn_core", {"Channels": 64}, 6, "ecp5 up5k"),
+    "slip-1": ("msn_core", {"Channels": 1}, 6, "ecp5 up5k"),
+    "slip-64-half": ("msn_core", {"Channels": 64, "Hop": 32}, 7, "ecp5"),
+    "slip-64-sliding": ("msn_core", {"Channels": 64, "Hop": 2}, 8, "ecp5"),
+    "slip-1-mcp3208": (
+        "msn_core",
+        {"Adc": 1, "Channels": 1, "ClkKhz": 12000, "SclkKhz": 2000, "PeriodBits": 16},
+        6,
+        "up5k",
+    ),
 }
 
 
@@ -166,8 +175,8 @@ def measure(name, target, seeds):
 
 def table(results):
     lines = [
-        f"{'block':28} {'target':6} {'MHz':>6} {'all seeds':>20} {'LUT/LC':>7} {'FF':>6} {'RAM':>4} {'DSP':>4}"
-        f" {'clocks':>6} {'ns':>7}"
+        f"{'block':28} {'target':6} {'MHz':>6} {'all seeds':>20} {'LUT/LC':>7} {'FF':>6} {'RAM':>4} "
+        f"{'DSP':>4} {'clocks':>6} {'ns':>7}"
     ]
     for r in results:
         area = r["area"]

@@ -5,9 +5,9 @@
 //   out_data_o at a step = in_data_i of Depth steps before
 //
 // This is where the state of interleaved channels lives: channels take turns, so a delay of one step per
-// channel hands each its own state, with no address to compute, no forwarding, and a register right
-// before and a free choice of logic after it. Deeper than 2: a ring in block RAM, whose read and write
-// never meet. Undefined for the first Depth steps.   Model: model/meissner/common/delay.py
+// channel hands each its own state, with no address to compute and nothing to forward. Deeper than 4: a
+// ring in block RAM, whose read and write never meet. Undefined for the first Depth steps.
+// Model: model/meissner/common/delay.py
 
 module msn_delay #(
   parameter int unsigned Depth = 8,
@@ -28,34 +28,36 @@ module msn_delay #(
     $fatal(1, "msn_delay: Width = %0d must be at least 1", Width);
   end
 
-  if (Depth <= 2) begin : gen_registers
-    logic [Width-1:0] head;
-    if (Depth == 2) begin : gen_two
-      always_ff @(posedge clk_i) if (step_i) head <= in_data_i;
-    end else begin : gen_one
-      assign head = in_data_i;
+  if (Depth <= 4) begin : gen_registers
+    logic [Depth*Width-1:0] line;  // the newest lowest
+    assign out_data_o = line[(Depth-1)*Width+:Width];
+    if (Depth == 1) begin : gen_one
+      always_ff @(posedge clk_i) if (step_i) line <= in_data_i;
+    end else begin : gen_more
+      always_ff @(posedge clk_i) if (step_i) line <= {line[(Depth-1)*Width-1:0], in_data_i};
     end
-    always_ff @(posedge clk_i) if (step_i) out_data_o <= head;
-
     logic unused_rst;
     assign unused_rst = rst_i;
 
   end else begin : gen_ring
-    // Two of the Depth steps are the registers behind the memory.
-    localparam int unsigned Slots = Depth - 1;
+    // The memory is slow to answer and far from the logic, so there is a register before it and two
+    // behind: with the memory's own, four of the Depth steps.
+    localparam int unsigned Slots    = Depth - 3;
     localparam int unsigned SlotBits = msn_pkg::index_width(Slots);
 
     logic [SlotBits-1:0] slot, slot_next;
     assign slot_next = (slot == SlotBits'(Slots - 1)) ? '0 : slot + 1'b1;
 
     (* no_rw_check *) logic [Width-1:0] ring [Slots];
-    logic [Width-1:0] oldest;
+    logic [Width-1:0] newest, oldest, oldest_q;
 
     always_ff @(posedge clk_i) begin
       if (step_i) begin
-        ring[slot] <= in_data_i;
+        newest     <= in_data_i;
+        ring[slot] <= newest;
         oldest     <= ring[slot_next];
-        out_data_o <= oldest;
+        oldest_q   <= oldest;
+        out_data_o <= oldest_q;
         slot       <= slot_next;
       end
       if (rst_i) slot <= '0;

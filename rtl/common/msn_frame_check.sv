@@ -6,25 +6,30 @@
 // this, the rest of the frame is swallowed, up to its `last`, and the damage is counted once. The next
 // frame is marked `restart`, as is the first after reset: what follows must forget its history there.
 //
-// Latency 0: valid, restart and ready pass straight through.   Model: model/meissner/common/frame_check.py
+// Latency 1 clock, one sample per clock.   Model: model/meissner/common/frame_check.py
 
 module msn_frame_check #(
   parameter  int unsigned Channels = 8,
+  parameter  int unsigned DataBits = 17,
   localparam int unsigned IdBits   = msn_pkg::index_width(Channels)
 ) (
-  input  logic              clk_i,
-  input  logic              rst_i,
+  input  logic                clk_i,
+  input  logic                rst_i,
 
-  input  logic              in_valid_i,
-  output logic              in_ready_o,
-  input  logic [IdBits-1:0] in_id_i,
-  input  logic              in_last_i,
+  input  logic                in_valid_i,
+  output logic                in_ready_o,
+  input  logic [DataBits-1:0] in_data_i,
+  input  logic [IdBits-1:0]   in_id_i,
+  input  logic                in_last_i,
 
-  output logic              out_valid_o,
-  input  logic              out_ready_i,
-  output logic              out_restart_o,
+  output logic                out_valid_o,
+  input  logic                out_ready_i,
+  output logic [DataBits-1:0] out_data_o,
+  output logic [IdBits-1:0]   out_id_o,
+  output logic                out_last_o,
+  output logic                out_restart_o,
 
-  output logic [31:0]       damaged_o  // frames, since reset
+  output logic [31:0]         damaged_o  // frames, since reset
 );
 
   if (Channels < 1) begin : gen_check_channels
@@ -39,11 +44,16 @@ module msn_frame_check #(
   assign fits = (in_id_i == expected) && (in_last_i == final_expected);
   assign keep = fits && !dropping;
 
-  assign in_ready_o    = out_ready_i || !keep;
-  assign out_valid_o   = in_valid_i && keep;
-  assign out_restart_o = restart;
+  assign in_ready_o = out_ready_i || !out_valid_o;
 
   always_ff @(posedge clk_i) begin
+    if (in_ready_o) begin
+      out_valid_o   <= in_valid_i && keep;
+      out_data_o    <= in_data_i;
+      out_id_o      <= in_id_i;
+      out_last_o    <= in_last_i;
+      out_restart_o <= restart;
+    end
     if (in_valid_i && in_ready_o) begin
       expected <= in_last_i ? '0 : expected + 1'b1;  // may wrap only while dropping
       dropping <= !in_last_i && !keep;
@@ -51,10 +61,11 @@ module msn_frame_check #(
       if (!keep && !dropping) damaged_o <= damaged_o + 1'b1;
     end
     if (rst_i) begin
-      expected  <= '0;
-      dropping  <= 1'b0;
-      restart   <= 1'b1;
-      damaged_o <= '0;
+      out_valid_o <= 1'b0;
+      expected    <= '0;
+      dropping    <= 1'b0;
+      restart     <= 1'b1;
+      damaged_o   <= '0;
     end
   end
 

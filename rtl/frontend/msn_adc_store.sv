@@ -5,7 +5,7 @@
 // A word brings one code per lane: word w of lane l is channel w + l*LaneChannels. A sample leaves as soon as it
 // and all channels before it are there. out_user_o marks a code at either end of the part's range.
 //
-// Latency 1 cycle from in_valid_i to out_valid_o.   Model: model/meissner/frontend/adc_spi.py
+// Latency 1 cycle from in_valid_i to out_valid_o.   Model: model/meissner/frontend/adc_store.py
 
 module msn_adc_store #(
   parameter  int unsigned Channels     = 8,

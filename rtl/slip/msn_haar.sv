@@ -47,6 +47,9 @@ module msn_haar #(
     $fatal(1, "msn_haar: SampleBits = %0d must be at least 2", SampleBits);
   end
 
+  // All levels move together, so that a stall crosses one gate and not one a level.
+  assign in_ready_o = out_ready_i || !out_valid_o;
+
   // Between the levels: index 0 is the input, index Level the output. All as wide as the last sum.
   logic [Level:0]                 valid, last, restart;
   logic [Level:0][IdBits-1:0]     id;
@@ -67,14 +70,9 @@ module msn_haar #(
   for (genvar l = 0; l < Level; l++) begin : gen_level
     localparam int unsigned Width = SampleBits + l;
 
-    // Ready if any register from here on is empty: the chain of "next is ready or I am empty", unrolled.
-    logic ready, accept, odd, odd_q, restart_q;
-    assign ready  = out_ready_i || !(&valid[Level:l+1]);
-    assign accept = valid[l] && ready;
+    logic accept, odd, odd_q, restart_q;
+    assign accept = valid[l] && in_ready_o;
     assign odd    = odd_q && !restart[l];
-    if (l == 0) begin : gen_first
-      assign in_ready_o = ready;
-    end
 
     // One step a sample: in an odd frame the even sample of the same channel comes out.
     logic        [Width-1:0]      even_bits;
@@ -90,7 +88,7 @@ module msn_haar #(
     assign odd_sample  = signed'(total[l]);
 
     always_ff @(posedge clk_i) begin
-      if (ready) begin
+      if (in_ready_o) begin
         valid[l+1]   <= valid[l] && odd;
         total[l+1]   <= even_sample + odd_sample;
         id[l+1]      <= id[l];
@@ -106,7 +104,7 @@ module msn_haar #(
     end
 
     if (l == Level - 1) begin : gen_detail
-      always_ff @(posedge clk_i) if (ready) out_detail_o <= even_sample - odd_sample;
+      always_ff @(posedge clk_i) if (in_ready_o) out_detail_o <= even_sample - odd_sample;
     end
   end
 

@@ -68,9 +68,11 @@ module msn_peak_to_peak #(
     end
   end
 
-  // The window's maximum and minimum, then their difference.
+  // The window's maximum and minimum, then their difference. All stages move together, so that a stall
+  // crosses one gate and not one a stage.
+  assign in_ready_o = out_ready_i || !out_valid_o;
   localparam int unsigned SideBits = DetailBits + IdBits + 1;
-  logic                         window_valid, window_ready, window_last, window_restart;
+  logic                         window_valid, window_last, window_restart;
   logic signed [DetailBits-1:0] window_high, window_low;
   logic        [SideBits-1:0]   window_side;
 
@@ -83,8 +85,11 @@ module msn_peak_to_peak #(
     assign first = place == '0;
 
     logic signed [DetailBits-1:0] old_high, old_low, new_high, new_low;
-    assign new_high = (first || in_detail_i > old_high) ? in_detail_i : old_high;
-    assign new_low  = (first || in_detail_i < old_low) ? in_detail_i : old_low;
+    logic higher, lower;
+    msn_compare #(.Width(DetailBits)) u_higher (.a_i(in_detail_i), .b_i(old_high), .greater_o(higher));
+    msn_compare #(.Width(DetailBits)) u_lower (.a_i(old_low), .b_i(in_detail_i), .greater_o(lower));
+    assign new_high = (first || higher) ? in_detail_i : old_high;
+    assign new_low  = (first || lower) ? in_detail_i : old_low;
     msn_delay #(.Depth(Channels), .Width(2 * DetailBits)) u_part (
       .clk_i,
       .rst_i,
@@ -93,10 +98,9 @@ module msn_peak_to_peak #(
       .out_data_o({old_high, old_low})
     );
 
-    logic                         part_valid, part_ready, part_last, part_restart;
+    logic                         part_valid, part_last, part_restart;
     logic signed [DetailBits-1:0] part_high, part_low;
     logic        [SideBits-1:0]   part_side;
-    assign in_ready_o = part_ready || !part_valid;
 
     always_ff @(posedge clk_i) begin
       if (in_ready_o) begin
@@ -112,7 +116,6 @@ module msn_peak_to_peak #(
     end
 
     if (Hop == Span) begin : gen_tumbling
-      assign part_ready     = window_ready;
       assign window_valid   = part_valid;
       assign window_high    = part_high;
       assign window_low     = part_low;
@@ -134,17 +137,26 @@ module msn_peak_to_peak #(
         .out_data_o({kept_high, kept_low})
       );
 
-      assign part_ready = window_ready || !window_valid;
+      logic half_higher, half_lower;
+      msn_compare #(.Width(DetailBits)) u_half_higher (
+        .a_i      (half_high),
+        .b_i      (part_high),
+        .greater_o(half_higher)
+      );
+      msn_compare #(.Width(DetailBits)) u_half_lower (
+        .a_i      (part_low),
+        .b_i      (half_low),
+        .greater_o(half_lower)
+      );
+
       always_ff @(posedge clk_i) begin
         if (in_ready_o) begin
           half_high   <= before_high;
           half_low    <= before_low;
           half_exists <= age >= SpanBits'(Hop);
-        end
-        if (part_ready) begin
           window_valid   <= part_valid;
-          window_high    <= (half_exists && half_high > part_high) ? half_high : part_high;
-          window_low     <= (half_exists && half_low < part_low) ? half_low : part_low;
+          window_high    <= (half_exists && half_higher) ? half_high : part_high;
+          window_low     <= (half_exists && half_lower) ? half_low : part_low;
           window_side    <= part_side;
           window_last    <= part_last;
           window_restart <= part_restart;
@@ -158,31 +170,19 @@ module msn_peak_to_peak #(
     localparam int unsigned Stages = (SpanBits + 1) / 2;
     localparam int unsigned Odd    = SpanBits % 2;
 
-    logic [Stages:0]                 valid, last, restart;
-    logic [Stages:0][DetailBits-1:0] high, low;
-    logic [Stages:0][SideBits-1:0]   side;
+    // Between the stages; flat, because Yosys loses packed arrays that are declared in a generate block.
+    logic [Stages:0]                  valid, last, restart;
+    logic [(Stages+1)*DetailBits-1:0] high, low;
+    logic [(Stages+1)*SideBits-1:0]   side;
     assign valid[0]      = in_valid_i;
-    assign high[0]       = in_detail_i;
-    assign low[0]        = in_detail_i;
-    assign side[0]       = {in_total_i, in_id_i, closes};
+    assign high[DetailBits-1:0] = in_detail_i;
+    assign low[DetailBits-1:0]  = in_detail_i;
+    assign side[SideBits-1:0]   = {in_total_i, in_id_i, closes};
     assign last[0]       = in_last_i;
     assign restart[0]    = in_restart_i;
 
     for (genvar s = 0; s < Stages; s++) begin : gen_stage
-      // The next stage is ready if any register behind this one is empty.
-      logic ready, next_ready;
-      if (s == Stages - 1) begin : gen_end
-        assign next_ready = window_ready;
-      end else begin : gen_between
-        assign next_ready = window_ready || !(&valid[Stages:s+2]);
-      end
-      if (s == 0) begin : gen_begin
-        assign in_ready_o = ready;
-      end else begin : gen_inner
-        logic unused_ready;
-        assign unused_ready = ready;
-      end
-
+      logic unused_ready;  // nothing is offered to a stage but when all move
       msn_sliding_extremes #(
         .Channels  (Channels),
         .DetailBits(DetailBits),
@@ -192,34 +192,33 @@ module msn_peak_to_peak #(
       ) u_extremes (
         .clk_i,
         .rst_i,
-        .in_valid_i   (valid[s]),
-        .in_ready_o   (ready),
-        .in_high_i    (signed'(high[s])),
-        .in_low_i     (signed'(low[s])),
-        .in_side_i    (side[s]),
+        .in_valid_i   (valid[s] && in_ready_o),
+        .in_ready_o   (unused_ready),
+        .in_high_i    (signed'(high[s*DetailBits+:DetailBits])),
+        .in_low_i     (signed'(low[s*DetailBits+:DetailBits])),
+        .in_side_i    (side[s*SideBits+:SideBits]),
         .in_last_i    (last[s]),
         .in_restart_i (restart[s]),
         .out_valid_o  (valid[s+1]),
-        .out_ready_i  (next_ready),
-        .out_high_o   (high[s+1]),
-        .out_low_o    (low[s+1]),
-        .out_side_o   (side[s+1]),
+        .out_ready_i  (in_ready_o),
+        .out_high_o   (high[(s+1)*DetailBits+:DetailBits]),
+        .out_low_o    (low[(s+1)*DetailBits+:DetailBits]),
+        .out_side_o   (side[(s+1)*SideBits+:SideBits]),
         .out_last_o   (last[s+1]),
         .out_restart_o(restart[s+1])
       );
     end
 
     assign window_valid   = valid[Stages];
-    assign window_high    = signed'(high[Stages]);
-    assign window_low     = signed'(low[Stages]);
-    assign window_side    = side[Stages];
+    assign window_high    = signed'(high[Stages*DetailBits+:DetailBits]);
+    assign window_low     = signed'(low[Stages*DetailBits+:DetailBits]);
+    assign window_side    = side[Stages*SideBits+:SideBits];
     assign window_last    = last[Stages];
     assign window_restart = restart[Stages];
   end
 
-  assign window_ready = out_ready_i || !out_valid_o;
   always_ff @(posedge clk_i) begin
-    if (window_ready) begin
+    if (in_ready_o) begin
       out_valid_o                         <= window_valid;
       out_p2p_o                           <= window_high - window_low;  // never negative
       {out_total_o, out_id_o, out_end_o}  <= window_side;

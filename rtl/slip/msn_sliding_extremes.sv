@@ -68,18 +68,30 @@ module msn_sliding_extremes #(
   end
 
   // Pairs, then the pair of pairs. A tap exists only if all younger ones do.
-  logic signed [Taps/2-1:0][DetailBits-1:0] high_pair, low_pair;
+  logic [Taps/2-1:0][DetailBits-1:0] high_pair, low_pair;
   for (genvar p = 0; p < Taps / 2; p++) begin : gen_pair
-    assign high_pair[p] =
-        (exists[2*p+1] && signed'(high[2*p+1]) > signed'(high[2*p])) ? high[2*p+1] : high[2*p];
-    assign low_pair[p] =
-        (exists[2*p+1] && signed'(low[2*p+1]) < signed'(low[2*p])) ? low[2*p+1] : low[2*p];
+    logic higher, lower;
+    msn_compare #(.Width(DetailBits)) u_higher (
+      .a_i(signed'(high[2*p+1])), .b_i(signed'(high[2*p])), .greater_o(higher)
+    );
+    msn_compare #(.Width(DetailBits)) u_lower (
+      .a_i(signed'(low[2*p])), .b_i(signed'(low[2*p+1])), .greater_o(lower)
+    );
+    assign high_pair[p] = (exists[2*p+1] && higher) ? high[2*p+1] : high[2*p];
+    assign low_pair[p]  = (exists[2*p+1] && lower) ? low[2*p+1] : low[2*p];
   end
-  logic signed [DetailBits-1:0] highest, lowest;
+
+  logic [DetailBits-1:0] highest, lowest;
   if (Taps == 4) begin : gen_four
-    assign highest =
-        (exists[2] && signed'(high_pair[1]) > signed'(high_pair[0])) ? high_pair[1] : high_pair[0];
-    assign lowest = (exists[2] && signed'(low_pair[1]) < signed'(low_pair[0])) ? low_pair[1] : low_pair[0];
+    logic higher, lower;
+    msn_compare #(.Width(DetailBits)) u_higher (
+      .a_i(signed'(high_pair[1])), .b_i(signed'(high_pair[0])), .greater_o(higher)
+    );
+    msn_compare #(.Width(DetailBits)) u_lower (
+      .a_i(signed'(low_pair[0])), .b_i(signed'(low_pair[1])), .greater_o(lower)
+    );
+    assign highest = (exists[2] && higher) ? high_pair[1] : high_pair[0];
+    assign lowest  = (exists[2] && lower) ? low_pair[1] : low_pair[0];
   end else begin : gen_two
     assign highest = high_pair[0];
     assign lowest  = low_pair[0];
@@ -88,8 +100,8 @@ module msn_sliding_extremes #(
   always_ff @(posedge clk_i) begin
     if (in_ready_o) begin
       out_valid_o   <= in_valid_i;
-      out_high_o    <= highest;
-      out_low_o     <= lowest;
+      out_high_o    <= signed'(highest);
+      out_low_o     <= signed'(lowest);
       out_side_o    <= in_side_i;
       out_last_o    <= in_last_i;
       out_restart_o <= in_restart_i;

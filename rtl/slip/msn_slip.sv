@@ -64,22 +64,40 @@ module msn_slip #(
     $fatal(1, "msn_slip: TimerBits = %0d must lie in 1 .. 31", TimerBits);
   end
 
-  // 1: compare.
-  logic                  seen_valid, seen_ready, pressed, lifted, over, gross, moving, restart;
+  // 1: compare. Both stages move together.
+  logic under_contact, over_contact, under_release, over_release, is_over, is_gross;
+  msn_compare #(.Width(DetailBits)) u_under_contact (
+    .a_i(cfg_contact_level_i), .b_i(in_total_i), .greater_o(under_contact)
+  );
+  msn_compare #(.Width(DetailBits)) u_over_contact (
+    .a_i(in_total_i), .b_i(cfg_contact_level_i), .greater_o(over_contact)
+  );
+  msn_compare #(.Width(DetailBits)) u_under_release (
+    .a_i(cfg_release_level_i), .b_i(in_total_i), .greater_o(under_release)
+  );
+  msn_compare #(.Width(DetailBits)) u_over_release (
+    .a_i(in_total_i), .b_i(cfg_release_level_i), .greater_o(over_release)
+  );
+  msn_compare #(.Width(DetailBits + 1)) u_over (
+    .a_i({1'b0, in_p2p_i}), .b_i({1'b0, cfg_threshold_i}), .greater_o(is_over)
+  );
+  msn_compare #(.Width(DetailBits + 1)) u_gross (
+    .a_i({1'b0, in_p2p_i}), .b_i({1'b0, cfg_gross_threshold_i}), .greater_o(is_gross)
+  );
+
+  logic                  seen_valid, pressed, lifted, over, gross, moving, restart;
   logic [DetailBits-1:0] seen_p2p;
   logic [IdBits-1:0]     seen_id;
   logic                  seen_last, seen_end;
-  assign in_ready_o = seen_ready || !seen_valid;
+  assign in_ready_o = out_ready_i || !out_valid_o;
 
   always_ff @(posedge clk_i) begin
     if (in_ready_o) begin
       seen_valid <= in_valid_i;
-      pressed    <= cfg_contact_rises_i ? in_total_i >= cfg_contact_level_i
-                                        : in_total_i <= cfg_contact_level_i;
-      lifted     <= cfg_contact_rises_i ? in_total_i < cfg_release_level_i
-                                        : in_total_i > cfg_release_level_i;
-      over       <= in_p2p_i > cfg_threshold_i;
-      gross      <= in_p2p_i > cfg_gross_threshold_i;
+      pressed    <= cfg_contact_rises_i ? !under_contact : !over_contact;
+      lifted     <= cfg_contact_rises_i ? under_release : over_release;
+      over       <= is_over;
+      gross      <= is_gross;
       moving     <= actuator_moving_i;
       restart    <= in_restart_i;
       seen_p2p   <= in_p2p_i;
@@ -91,94 +109,86 @@ module msn_slip #(
   end
 
   // 2: step the state. hold: details until a slip or a release is over; deaf: details until a slip may
-  // be raised; blanking: deaf because of a contact onset.
-  typedef struct packed {
-    msn_pkg::slip_state_e state;
-    logic                 blanking;
-    logic [TimerBits-1:0] hold;
-    logic [TimerBits-1:0] deaf;
-  } memory_t;
-  localparam int unsigned MemoryBits = 3 + 1 + 2 * TimerBits;
+  // be raised; blanking: deaf because of a contact onset. Both timers count up from minus the register's
+  // value, so that "still running" is a sign and needs no comparator.
+  localparam int unsigned CountBits = TimerBits + 1;
+  logic [CountBits-1:0] load_hold, load_refractory, load_blank;
+  always_ff @(posedge clk_i) begin
+    load_hold       <= '0 - CountBits'(cfg_hold_i);
+    load_refractory <= '0 - CountBits'(cfg_refractory_i);
+    load_blank      <= '0 - CountBits'(cfg_blank_i);
+  end
 
-  memory_t               kept, now, next;
-  logic [MemoryBits-1:0] kept_bits;
-  logic                  step, no_hold, no_deaf, blank_this;
-  assign seen_ready = out_ready_i || !out_valid_o;
-  assign step       = seen_valid && seen_ready;
+  logic [2:0]           kept_state, state, next_state;
+  logic                 blanking, next_blanking, step, holds, deafens, blank_this;
+  logic [CountBits-1:0] hold, deaf, next_hold, next_deaf;
+  assign step = seen_valid && in_ready_o;
 
-  msn_delay #(.Depth(Channels), .Width(MemoryBits)) u_memory (
+  msn_delay #(.Depth(Channels), .Width(4 + 2 * CountBits)) u_memory (
     .clk_i,
     .rst_i,
     .step_i    (step),
-    .in_data_i (next),
-    .out_data_o(kept_bits)
+    .in_data_i ({next_state, next_blanking, next_hold, next_deaf}),
+    .out_data_o({kept_state, blanking, hold, deaf})
   );
-  assign kept = memory_t'(kept_bits);
+  assign state   = restart ? msn_pkg::None : kept_state;  // the timers mean nothing in None
+  assign holds   = hold[TimerBits];
+  assign deafens = deaf[TimerBits];
+
+  logic touching, was_slipping, raises;
+  assign touching     = state == msn_pkg::Contact || was_slipping;
+  assign was_slipping = state == msn_pkg::Incipient || state == msn_pkg::Gross;
+  assign raises       = over && !moving && !deafens;
 
   always_comb begin
-    now = kept;
-    if (restart) now = '0;  // state None
-    no_hold    = now.hold == '0;
-    no_deaf    = now.deaf == '0;
-    next       = now;
-    blank_this = 1'b0;
-    unique case (now.state)
-      msn_pkg::Contact: begin
-        blank_this = over && (moving || (now.blanking && !no_deaf));
-        if (lifted) begin
-          next.state = msn_pkg::Release;
-          next.hold  = cfg_hold_i;
-          next.deaf  = '0;
-          blank_this = 1'b0;
-        end else if (over && !moving && no_deaf) begin
-          next.state = gross ? msn_pkg::Gross : msn_pkg::Incipient;
-          next.hold  = cfg_hold_i;
-        end else if (!no_deaf) begin
-          next.deaf = now.deaf - 1'b1;
-        end
+    next_state    = state;
+    next_blanking = blanking;
+    next_hold     = hold;
+    next_deaf     = deaf;
+    blank_this    = 1'b0;
+    if (touching && lifted) begin
+      next_state = msn_pkg::Release;
+      next_hold  = load_hold;
+      next_deaf  = '0;
+    end else if (was_slipping) begin
+      blank_this = over && moving;
+      if (over && !moving) begin
+        next_hold = load_hold;
+        if (gross) next_state = msn_pkg::Gross;
+      end else if (holds) begin
+        next_hold = hold + 1'b1;
+      end else begin
+        next_state    = msn_pkg::Contact;
+        next_deaf     = load_refractory;
+        next_blanking = 1'b0;
       end
-      msn_pkg::Incipient, msn_pkg::Gross: begin
-        if (lifted) begin
-          next.state = msn_pkg::Release;
-          next.hold  = cfg_hold_i;
-          next.deaf  = '0;
-        end else begin
-          blank_this = over && moving;
-          if (over && !moving) begin
-            next.hold = cfg_hold_i;
-            if (gross) next.state = msn_pkg::Gross;
-          end else if (!no_hold) begin
-            next.hold = now.hold - 1'b1;
-          end else begin
-            next.state    = msn_pkg::Contact;
-            next.deaf     = cfg_refractory_i;
-            next.blanking = 1'b0;
-          end
-        end
+    end else if (touching) begin
+      blank_this = over && (moving || (blanking && deafens));
+      if (raises) begin
+        next_state = gross ? msn_pkg::Gross : msn_pkg::Incipient;
+        next_hold  = load_hold;
+      end else if (deafens) begin
+        next_deaf = deaf + 1'b1;
       end
-      default: begin  // None, Release, and the codes that no state has
-        if (pressed) begin
-          next.state    = msn_pkg::Contact;
-          next.hold     = '0;
-          next.deaf     = cfg_blank_i;
-          next.blanking = 1'b1;
-        end else if (now.state == msn_pkg::Release && !no_hold) begin
-          next.hold = now.hold - 1'b1;
-        end else begin
-          next.state = msn_pkg::None;
-        end
-      end
-    endcase
+    end else if (pressed) begin
+      next_state    = msn_pkg::Contact;
+      next_hold     = '0;
+      next_deaf     = load_blank;
+      next_blanking = 1'b1;
+    end else if (state == msn_pkg::Release && holds) begin
+      next_hold = hold + 1'b1;
+    end else begin
+      next_state = msn_pkg::None;
+    end
   end
 
-  logic slipping, was_slipping;
-  assign slipping     = next.state == msn_pkg::Incipient || next.state == msn_pkg::Gross;
-  assign was_slipping = now.state == msn_pkg::Incipient || now.state == msn_pkg::Gross;
+  logic slipping;
+  assign slipping = next_state == msn_pkg::Incipient || next_state == msn_pkg::Gross;
 
   always_ff @(posedge clk_i) begin
-    if (seen_ready) begin
+    if (in_ready_o) begin
       out_valid_o  <= seen_valid;
-      out_state_o  <= next.state;
+      out_state_o  <= next_state;
       out_raised_o <= slipping && !was_slipping;
       out_over_o   <= over;
       out_p2p_o    <= seen_p2p;

@@ -39,43 +39,29 @@ def damaged_stream(channels, frames, rate, seed):
 @cocotb.parametrize(rate=[0.0, 0.4], stall_rate=[0.0, 0.5])
 async def matches_model(dut, rate, stall_rate):
     channels = dut.Channels.value.to_unsigned()
-    beats = damaged_stream(channels, 300 if channels < 50 else 6, rate, bench.SEED)
+    pairs = damaged_stream(channels, 300 if channels < 50 else 6, rate, bench.SEED)
     model = FrameCheck(channels)
-    kept, restart = model.process(*zip(*beats))
-    await bench.start(dut, in_valid_i=0, out_ready_i=0)
-    gaps, stalls = bench.pauses(stall_rate), bench.pauses(stall_rate)
-    index = passed = 0
-    while index < len(beats):
-        offer, ready = not gaps(), not stalls()
-        dut.in_valid_i.value = int(offer)
-        dut.in_id_i.value, dut.in_last_i.value = beats[index][0], int(beats[index][1])
-        dut.out_ready_i.value = int(ready)
-        await bench.ReadOnly()
-        assert dut.out_valid_o.value == int(offer and kept[index]), f"beat {index}"
-        if offer and kept[index]:
-            assert dut.out_restart_o.value == int(restart[index]), f"beat {index}"
-        taken = offer and dut.in_ready_o.value == 1
-        assert taken == (offer and (ready or not kept[index])), f"beat {index}"
-        passed += taken and kept[index]
-        index += taken
-        await bench.RisingEdge(dut.clk_i)
-    dut.in_valid_i.value = 0
-    await bench.clocks(dut, 1)
+    kept, restart = model.process(*zip(*pairs))
+    await bench.start(dut)
+    beats = [{"data": n % 500, "id": channel, "last": last} for n, (channel, last) in enumerate(pairs)]
+    expected = [beat | {"restart": r} for beat, keep, r in zip(beats, kept, restart) if keep]
+    pause = bench.pauses(stall_rate)
+    got = await bench.stream(dut, beats, ["data", "id", "last", "restart"], pause, pause)
+    assert got == expected
     assert bench.read(dut.damaged_o) == model.damaged
-    assert passed == sum(kept)
     assert (model.damaged == 0) == (rate == 0.0)
 
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def restarts_after_reset_in_mid_frame(dut):
     channels = dut.Channels.value.to_unsigned()
-    await bench.start(dut, in_valid_i=1, out_ready_i=1, in_id_i=0, in_last_i=int(channels == 1))
-    await bench.clocks(dut, 1)
+    await bench.start(dut)
+    frame = [{"data": c, "id": c, "last": c == channels - 1} for c in range(channels)]
+    fields = ["data", "id", "last", "restart"]
+    await bench.stream(dut, frame + frame[: channels - 1], fields)
     await bench.reset(dut)
-    dut.in_id_i.value, dut.in_last_i.value = 0, int(channels == 1)
-    await bench.ReadOnly()
-    assert dut.out_valid_o.value == 1
-    assert dut.out_restart_o.value == 1
+    got = await bench.stream(dut, frame + frame, fields)
+    assert got == [beat | {"restart": n < channels} for n, beat in enumerate(frame + frame)]
     assert bench.read(dut.damaged_o) == 0
 
 

@@ -90,7 +90,7 @@ async def decides_at_most_8_clocks_after_the_pair(dut):
         clock += 1
         await bench.ReadOnly()
     stages = (window // group).bit_length() // 2
-    exact = level + 2 + (2 if hop == window else 3 if 2 * hop == window else 1 + stages)
+    exact = level + 3 + (2 if hop == window else 3 if 2 * hop == window else 1 + stages)
     dut._log.info(f"decision {clock} clocks after the sample pair, {channels} channels")
     assert bench.read(dut.out_id_o) == channels - 1
     assert clock == exact

@@ -1,0 +1,37 @@
+"""msn_compare against its model: every pair of corners and neighbours, then random pairs."""
+
+import cocotb
+import numpy as np
+import pytest
+from cocotb.triggers import Timer
+
+import bench
+from meissner.common.compare import compare
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def matches_model(dut):
+    bits = dut.Width.value.to_unsigned()
+    low, high = bench.width(bits)
+    corners = sorted({max(low, min(high, v)) for v in (low, low + 1, -1, 0, 1, high - 1, high)})
+    rng = np.random.default_rng(bench.SEED)
+    random = rng.integers(low, high + 1, (500, 2))
+    pairs = [(a, b) for a in corners for b in corners] + random.tolist() + [(a, a) for a, _ in random]
+    mask = (1 << bits) - 1
+    for a, b in pairs:
+        dut.a_i.value, dut.b_i.value = int(a) & mask, int(b) & mask
+        await Timer(1, "ns")
+        assert bool(dut.greater_o.value) == compare(a, b, bits), (a, b)
+
+
+@pytest.mark.parametrize("width", [1, 18])
+def test_compare(width):
+    bench.run("common", "compare", {"Width": width})
+
+
+def test_refuses_illegal_parameters():
+    assert "Width = 0" in bench.refuses("compare", {"Width": 0})
+    with pytest.raises(ValueError, match="width = 0"):
+        compare(0, 0, 0)
+    with pytest.raises(ValueError, match=r"must lie in -2 \.\. 1"):
+        compare(2, 0, 2)

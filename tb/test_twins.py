@@ -1,0 +1,15 @@
+"""The house rules that hold for every block: one model and one testbench of the same name."""
+
+import pytest
+
+from meissner import toolchain
+
+BLOCKS = [path for path in toolchain.sources() if path.stem != "msn_core" and not path.stem.endswith("_pkg")]
+
+
+@pytest.mark.parametrize("path", BLOCKS, ids=lambda path: path.stem)
+def test_every_block_has_its_twin_and_its_testbench(path):
+    stage, block = path.parent.name, path.stem.removeprefix("msn_")
+    assert (toolchain.ROOT / f"model/meissner/{stage}/{block}.py").exists()
+    assert (toolchain.ROOT / f"tb/{stage}/test_{block}.py").exists()
+    assert f"model/meissner/{stage}/{block}.py" in path.read_text(), "its header does not name its model"
