@@ -166,8 +166,8 @@ def measure(name, target, seeds):
 
 def table(results):
     lines = [
-        f"{'block':28} {'target':6} {'MHz':>6} {'all seeds':>20} {'LUT/LC':>7} {'FF':>6} {'RAM':>4} {'DSP':>4}"
-        f" {'clocks':>6} {'ns':>7}"
+        f"{'block':28} {'target':6} {'MHz':>6} {'all seeds':>20} {'LUT/LC':>7} {'FF':>6} {'RAM':>4}"
+        f" {'DSP':>4} {'clocks':>6} {'ns':>7}"
     ]
     for r in results:
         area = r["area"]
