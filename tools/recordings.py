@@ -63,24 +63,30 @@ def scaled(threshold, level):
     return math.isqrt(threshold**2 << (level - 1))
 
 
+def stack(recordings):
+    """All as the channels of one core, each level built once; short ones repeat their last code."""
+    longest = max(map(len, recordings.values()))
+    return np.stack([np.pad(x, (0, longest - len(x)), mode="edge") for x in recordings.values()])
+
+
 def watch_haar(recordings, level):
-    """Name: Watch, by the rtl engine; recordings of equal length are the channels of one core."""
+    """Name: Watch, by the rtl engine."""
+    x = stack(recordings)
+    over = {}
+    for threshold in THRESHOLDS:
+        config = SlipConfig(WINDOW, hop=1 << level, level=level, threshold=scaled(threshold, level))
+        result, twin = (engines.process_slip(x, config, engine) for engine in ("rtl", "fixed"))
+        for field in result:
+            if not np.array_equal(result[field], twin[field]):
+                raise RuntimeError(f"{field} at {config} differs between rtl and fixed")
+        over[threshold] = result["slip"]
+    start = result["window_end"] - (WINDOW - 1)
     watched = {}
-    for length in sorted({len(x) for x in recordings.values()}):
-        names = [name for name, x in recordings.items() if len(x) == length]
-        stack = np.stack([recordings[name] for name in names])
-        over = {}
-        for threshold in THRESHOLDS:
-            config = SlipConfig(WINDOW, hop=1 << level, level=level, threshold=scaled(threshold, level))
-            result, twin = (engines.process_slip(stack, config, engine) for engine in ("rtl", "fixed"))
-            for field in result:
-                if not np.array_equal(result[field], twin[field]):
-                    raise RuntimeError(f"{field} at {config} differs between rtl and fixed")
-            over[threshold] = result["slip"]
-        start = result["window_end"] - (WINDOW - 1)
-        for i, name in enumerate(names):
-            watched[name] = Watch(length, start, result["p2p"][i], {t: slip[i] for t, slip in over.items()})
-    return {name: watched[name] for name in recordings}
+    for i, (name, codes) in enumerate(recordings.items()):
+        count = np.searchsorted(result["window_end"], len(codes))  # no window reaches past the recording
+        cut = {t: slip[i, :count] for t, slip in over.items()}
+        watched[name] = Watch(len(codes), start[:count], result["p2p"][i, :count], cut)
+    return watched
 
 
 def watch_raw(recordings):
