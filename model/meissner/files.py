@@ -7,6 +7,18 @@ from pathlib import Path
 
 import numpy as np
 
+from meissner.toolchain import ROOT
+
+
+def recordings(name):
+    """Path of recorded data, which the project does not contain: in $MEISSNER_DATA, or ../shared/data."""
+    folder = os.environ.get("MEISSNER_DATA")
+    path = (Path(folder) if folder else ROOT.parent / "shared/data") / name
+    if not path.is_file():
+        looked = "$MEISSNER_DATA" if folder else "../shared/data"
+        raise ValueError(f"the recordings {name} are not in {looked}: nothing was measured on them")
+    return path
+
 
 def read_array(path):
     """The array in a .npy file or a .csv file (one column per channel, returned as [channels, samples])."""

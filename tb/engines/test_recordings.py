@@ -1,0 +1,129 @@
+"""120 recordings of a gripper that closes and holds, without slip: fixed equals rtl in every field at every
+level, with and without the timers of the slip states; what tools/recordings.py counts equals PyWavelets and
+plain numpy, and docs/recordings.md says what was measured. Skipped, and said so, where the data are absent;
+that the tool says so too is tested everywhere."""
+
+import importlib.util
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+import pywt
+
+from meissner.engines import fixed, rtl
+from meissner.slip.config import SlipConfig
+from meissner.toolchain import ROOT
+
+TOOL = ROOT / "tools/recordings.py"
+
+
+@pytest.fixture(scope="module")
+def tool():
+    spec = importlib.util.spec_from_file_location("recordings", TOOL)
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module  # dataclasses look their module up
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.fixture(scope="module")
+def recordings(tool):
+    try:
+        return tool.read()
+    except ValueError as absent:
+        pytest.skip(str(absent))
+
+
+@pytest.fixture(scope="module")
+def measured(tool, recordings):
+    """Stops where an array of the slip command differs between rtl and fixed, at any threshold."""
+    return tool.measure(recordings)
+
+
+CONFIGS = [
+    SlipConfig(
+        hop=1 << level, level=level, threshold=10 << (level - 1), gross_threshold=13 << (level - 1), **how
+    )
+    for level in (1, 2, 3)
+    for how in (
+        {},
+        # The recordings' rest lies near 2040 codes; they start up to 400 below, so contact comes and goes.
+        {
+            "contact_level": 2035 << level,
+            "release_level": 2025 << level,
+            "hold": 20,
+            "refractory": 30,
+            "blank": 100,
+        },
+    )
+]
+
+
+@pytest.mark.parametrize("config", CONFIGS, ids=lambda c: f"level{c.level}blank{c.blank}")
+def test_fixed_equals_rtl_in_every_field(tool, recordings, config):
+    """Half of the runs also move the actuator now and then."""
+    x = tool.stack(recordings)
+    moving = np.arange(x.shape[1]) % 5000 < 700 if config.blank else None
+    ours, theirs = (e.watch(x, config, moving) for e in (fixed, rtl))
+    for field in ("p2p", "over", "state", "end"):
+        assert np.array_equal(getattr(ours, field), getattr(theirs, field)), field
+    assert ours.blanked == theirs.blanked
+    assert len(x) == 120
+    assert len(np.unique(ours.state)) >= 3
+    assert (ours.blanked > 0) == (config.blank > 0)
+
+
+def peak_to_peaks(x, level):
+    """Start and p2p of every window of 64, by PyWavelets (level 1 to 3) or of the codes as they are (0)."""
+    group = 1 << level
+    if level:
+        x = pywt.wavedec(x[: len(x) // group * group].astype(float), "haar", "periodization", level)[1]
+        x = np.rint(x * np.sqrt(2.0) ** level).astype(int)
+    windows = np.lib.stride_tricks.sliding_window_view(x, 64 // group)
+    p2p = windows.max(axis=1) - windows.min(axis=1)
+    start = np.arange(len(p2p)) * group
+    return (start, p2p) if level else (start[::2], p2p[::2])
+
+
+@pytest.mark.parametrize("level", [0, 1, 2, 3])
+def test_counts_equal_an_independent_computation(tool, recordings, measured, level):
+    """Per threshold: recordings that alarm and how often, in the whole recording and in the hold."""
+    found = measured[f"Haar {level}" if level else "plain"]
+    held = {name: watch.holding() for name, watch in found.items()}
+    for threshold in tool.THRESHOLDS:
+        limit = threshold * (1.0 if level == 0 else np.sqrt(2.0) ** (level - 1))
+        counts = np.zeros(4, dtype=int)
+        for x in recordings.values():
+            start, p2p = peak_to_peaks(x, level)
+            inside = (start >= 1320) & (start + 64 <= len(x) - 110)  # 0.6 s and 0.05 s
+            for k, over in enumerate((p2p > limit, p2p[inside] > limit)):
+                rises = int(over[0]) + int((over[1:] & ~over[:-1]).sum())
+                counts[2 * k :][:2] += (rises > 0, rises)
+        ours = [count(of, threshold) for of in (found, held) for count in (tool.alarming, tool.alarms)]
+        assert ours == counts.tolist(), threshold
+
+
+def test_every_recording_has_settled_before_the_hold(tool, recordings):
+    assert max(map(tool.settled_at, recordings.values())) < tool.HOLD
+
+
+def test_docs_say_what_was_measured(tool, recordings, measured):
+    text = (ROOT / "docs/recordings.md").read_text()
+    assert tool.report(recordings, measured) in text, (
+        f"put the output of python {TOOL.relative_to(ROOT)} there"
+    )
+
+
+def test_tool_says_that_the_data_are_absent(tmp_path):
+    done = subprocess.run(
+        [sys.executable, str(TOOL)],
+        env={**os.environ, "MEISSNER_DATA": str(tmp_path)},
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 2
+    assert done.stdout == ""
+    assert done.stderr.count("\n") == 1
+    assert "are not in $MEISSNER_DATA" in done.stderr

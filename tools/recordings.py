@@ -1,0 +1,219 @@
+"""False alarms on real recordings of holding without slip: the tables of docs/recordings.md, as Markdown.
+
+    python tools/recordings.py
+
+The recordings (docs/recordings.md says whose) are looked for in $MEISSNER_DATA or ../shared/data; without
+them, one sentence and exit code 2. Every number of the core's comes from the rtl engine; the fixed engine
+runs too, and one array that differs stops the run.
+"""
+
+import math
+import sys
+from dataclasses import dataclass
+
+import numpy as np
+
+from meissner import engines, files
+from meissner.slip.config import SlipConfig
+
+NAME = "biotac_hold/pac_all.npz"
+RATE = 2200  # samples per second
+WINDOW = 64
+LEVELS = (1, 2, 3)
+THRESHOLDS = (2, 3, 4, 6, 8, 12, 16, 23, 32, 40, 64)
+# The hold, in seconds from the start and to the end of a recording. Before it the gripper closes: every
+# recording has settled by then (settled_at; a test holds it to that). After it, four recordings of two grasps
+# shoot up in both fingers in their last 5 ms, perhaps the robot's next step, cut off.
+HOLD, AFTER = 0.6, 0.05
+
+
+@dataclass(frozen=True)
+class Watch:
+    """One measure on one recording: where each window starts, its p2p, by threshold whether it is over."""
+
+    samples: int
+    start: np.ndarray
+    p2p: np.ndarray
+    over: dict
+
+    def holding(self):
+        """Only the windows that lie wholly in the hold."""
+        last = self.samples - AFTER * RATE - WINDOW
+        keep = (self.start >= HOLD * RATE) & (self.start <= last)
+        over = {t: over[keep] for t, over in self.over.items()}
+        return Watch(self.samples, self.start[keep], self.p2p[keep], over)
+
+
+def read():
+    """Name: codes [samples], in the order of the file."""
+    with np.load(files.recordings(NAME)) as recordings:
+        return {name: recordings[name].astype(np.int64) for name in recordings.files}
+
+
+def settled_at(x):
+    """Second at which the mean of 20 ms first reaches the level of the hold, the median from 1 s on."""
+    span = RATE // 50
+    sums = np.cumsum(np.concatenate([[0], x]))
+    means = (sums[span:] - sums[:-span]) / span
+    return (np.argmax(means >= np.median(x[RATE:])) + span) / RATE
+
+
+def scaled(threshold, level):
+    """The threshold for a detail that noise of equal power makes sqrt(2) larger with each level."""
+    return math.isqrt(threshold**2 << (level - 1))
+
+
+def stack(recordings):
+    """All as the channels of one core, each level built once; short ones repeat their last code."""
+    longest = max(map(len, recordings.values()))
+    return np.stack([np.pad(x, (0, longest - len(x)), mode="edge") for x in recordings.values()])
+
+
+def watch_haar(recordings, level):
+    """Name: Watch, by the rtl engine."""
+    x = stack(recordings)
+    over = {}
+    for threshold in THRESHOLDS:
+        config = SlipConfig(WINDOW, hop=1 << level, level=level, threshold=scaled(threshold, level))
+        result, twin = (engines.process_slip(x, config, engine) for engine in ("rtl", "fixed"))
+        for field in result:
+            if not np.array_equal(result[field], twin[field]):
+                raise RuntimeError(f"{field} at {config} differs between rtl and fixed")
+        over[threshold] = result["slip"]
+    start = result["window_end"] - (WINDOW - 1)
+    watched = {}
+    for i, (name, codes) in enumerate(recordings.items()):
+        count = np.searchsorted(result["window_end"], len(codes))  # no window reaches past the recording
+        cut = {t: slip[i, :count] for t, slip in over.items()}
+        watched[name] = Watch(len(codes), start[:count], result["p2p"][i, :count], cut)
+    return watched
+
+
+def watch_raw(recordings):
+    """Name: Watch, by the plain peak-to-peak of the codes over the same windows as level 1."""
+    watched = {}
+    for name, x in recordings.items():
+        windows = np.lib.stride_tricks.sliding_window_view(x, WINDOW)[::2]
+        p2p = windows.max(axis=1) - windows.min(axis=1)
+        watched[name] = Watch(len(x), np.arange(len(p2p)) * 2, p2p, {t: p2p > t for t in THRESHOLDS})
+    return watched
+
+
+def measure(recordings):
+    """Everything the report needs: measure: name: Watch."""
+    return {f"Haar {level}": watch_haar(recordings, level) for level in LEVELS} | {
+        "plain": watch_raw(recordings)
+    }
+
+
+def alarming(watched, threshold):
+    """How many recordings raise at least one alarm."""
+    return sum(bool(w.over[threshold].any()) for w in watched.values())
+
+
+def alarms(watched, threshold):
+    """How often p2p goes above the threshold, in all recordings together."""
+    return sum(int((np.diff(w.over[threshold].astype(int), prepend=0) > 0).sum()) for w in watched.values())
+
+
+def table(heads, rows):
+    lines = [heads, ["---"] * len(heads), *rows]
+    return "\n".join("| " + " | ".join(map(str, line)) + " |" for line in lines)
+
+
+def percent(share):
+    if share == 0:
+        return "0"
+    if 0.9995 <= share < 1:
+        return "> 99.9 %"
+    return f"{100 * share:.3g} %" if share > 0.1 else f"{100 * share:.2g} %"
+
+
+def report(recordings, measured):
+    """The tables, as Markdown."""
+    seconds = sum(map(len, recordings.values())) / RATE
+    settled = [settled_at(x) for x in recordings.values()]
+    hold = {measure: {n: w.holding() for n, w in found.items()} for measure, found in measured.items()}
+    held = seconds - (HOLD + AFTER) * len(recordings)
+    both = ("Haar 1", "plain")
+    parts = [
+        f"{len(recordings)} recordings, {seconds:.0f} s, {held:.0f} s of them hold; the signal reached its "
+        f"level of the hold after {np.median(settled):.2f} s (median), {max(settled):.2f} s (latest).",
+        f"Recordings of {len(recordings)} that raise at least one alarm:",
+        table(
+            ["threshold", *(f"{m}, {phase}" for phase in ("whole", "hold") for m in measured)],
+            [[t, *(alarming(of[m], t) for of in (measured, hold) for m in measured)] for t in THRESHOLDS],
+        ),
+        "In the hold, all recordings together:",
+        table(
+            ["threshold", *(f"{m}, {what}" for m in both for what in ("alarms per second", "time above"))],
+            [
+                [
+                    t,
+                    *(
+                        cell
+                        for m in both
+                        for cell in (
+                            f"{alarms(hold[m], t) / held:.3g}",
+                            percent(np.concatenate([w.over[t] for w in hold[m].values()]).mean()),
+                        )
+                    ),
+                ]
+                for t in THRESHOLDS
+            ],
+        ),
+        "Peak-to-peak in codes, every window of every recording:",
+        table(
+            [
+                "measure",
+                "phase",
+                "lowest",
+                "median",
+                "90 %",
+                "99 %",
+                "99.9 %",
+                "largest",
+                "recording's largest, median",
+            ],
+            [
+                [
+                    m,
+                    phase,
+                    *(int(np.percentile(p2p, q, method="inverted_cdf")) for q in (0, 50, 90, 99, 99.9, 100)),
+                    f"{np.median([w.p2p.max() for w in of[m].values()]):g}",
+                ]
+                for phase, of in (("whole", measured), ("hold", hold))
+                for m in measured
+                for p2p in [np.concatenate([w.p2p for w in of[m].values()])]
+            ],
+        ),
+        "Largest peak-to-peak by object, in codes:",
+        table(
+            ["object", *(f"{m}, {phase}" for phase in ("whole", "hold") for m in both)],
+            [
+                [
+                    kind.replace("_", " "),
+                    *(
+                        max(int(w.p2p.max()) for n, w in of[m].items() if n.startswith(kind))
+                        for of in (measured, hold)
+                        for m in both
+                    ),
+                ]
+                for kind in sorted({name.split("_HOLD")[0].rsplit("_", 2)[0] for name in recordings})
+            ],
+        ),
+    ]
+    return "\n\n".join(parts)
+
+
+def main():
+    try:
+        recordings = read()
+    except ValueError as problem:
+        print(f"recordings: {problem}", file=sys.stderr)
+        sys.exit(2)
+    print(report(recordings, measure(recordings)))
+
+
+if __name__ == "__main__":
+    main()
