@@ -24,7 +24,7 @@ class Circuit:
         p, q, g = grid_edges(m, n, mesh.r / mesh.R0)
         loaded = np.flatnonzero(load > 0)
         force = load.reshape(-1)[loaded]
-        with np.errstate(over="ignore"):
+        with np.errstate(over="ignore", divide="ignore"):
             contact = mesh.r / (mesh.k / force)
         short = np.isinf(contact)
         keep = ~short & (contact > 0)
@@ -178,7 +178,7 @@ def precise(circuit, digits=50):
     with mpmath.workdps(digits):
         size = len(circuit.live)
         A, b = mpmath.zeros(size), mpmath.zeros(size, 1)
-        for p, q, g, emf in zip(circuit.p, circuit.q, circuit.g, circuit.emf):
+        for p, q, g, emf in zip(circuit.p.tolist(), circuit.q.tolist(), circuit.g, circuit.emf):
             g, emf = mpmath.mpf(float(g)), mpmath.mpf(float(emf))
             A[p, p] += g
             b[p] += g * emf

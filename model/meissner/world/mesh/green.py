@@ -56,7 +56,7 @@ class Layer:
             low, high = np.minimum.outer(place, place), np.maximum.outer(place, place)
             turn = np.multiply.outer(np.arange(self.free + 1), np.arange(1, self.free)) % (2 * self.free)
             cosine = np.cos(np.pi * turn / self.free) / self.free
-            sums = cosine @ self._modes(low, high).reshape(-1, self.free - 1).T
+            sums = cosine @ self._modes(low, high).reshape(self.along**2, self.free - 1).T
             sums += self._ladder(low, high).ravel() / 2
             self._table = np.ascontiguousarray(sums)
         return self._table

@@ -1,0 +1,158 @@
+"""From a solver's unknowns to electrodes, position and load, with bounds: one class per solver.
+
+Each has ``values`` [8, scenes], ``certificate()`` and ``fields()`` [2, scenes, m, n]; scenes of a group
+share a contact count. Drops and rises are computed, electrodes follow from them: small currents keep digits.
+"""
+
+import numpy as np
+
+from meissner.world.mesh.contacts import Currents
+from meissner.world.mesh.green import UNIT
+from meissner.world.mesh.solution import Certificate
+
+
+def levers(mesh, row, column):
+    """Distance of contacts from the middle: columns rightward, rows upward, in taxels."""
+    return column - (mesh.n - 1) / 2, (mesh.m - 1) / 2 - row
+
+
+def lift(mesh):
+    """Ohms: E1-E3 = lift_a sum(lever I), E2-E4 = lift_b sum(lever I); eq. 16, 17, for any m, n >= 1."""
+    a = 2 / (2 * mesh.m / mesh.r + (mesh.n + 1) / mesh.R0)
+    b = 2 / (2 * mesh.n / mesh.r + (mesh.m + 1) / mesh.R0)
+    return a, b
+
+
+def assemble(mesh, c, right, up):
+    """Values [8, scenes] from c = sum w and the levers' sums of w (siemens)."""
+    per_volt = 2 * mesh.V0 / (1 + mesh.R0 * c)
+    current, half = per_volt * c, mesh.V0 * (mesh.R0 * c) / (1 + mesh.R0 * c)
+    lift_a, lift_b = lift(mesh)
+    tilt_a, tilt_b = per_volt * right * lift_a / 2, per_volt * up * lift_b / 2
+    V0 = mesh.V0
+    x = 2 / (mesh.n - 1) * right / c if mesh.n > 1 else 0 * c
+    y = 2 / (mesh.m - 1) * up / c if mesh.m > 1 else 0 * c
+    electrodes = [V0 - (half - tilt_a), half + tilt_b - V0, V0 - (half + tilt_a), half - tilt_b - V0]
+    return np.stack([*electrodes, x, y, mesh.k * c, current])
+
+
+def spread(mesh, values, c, c_error, x_error, y_error):
+    """Bound rows [7, scenes] from bounds of c (siemens) and of x, y."""
+    c_low = np.maximum(c - c_error, 0)
+    current = values[7]
+    current_error = 2 * mesh.V0 * c_error / ((1 + mesh.R0 * c) * (1 + mesh.R0 * c_low))
+    rows = []
+    lift_a, lift_b = lift(mesh)
+    for lift_, count, place, error in (
+        (lift_a, mesh.n, values[4], x_error),
+        (lift_b, mesh.m, values[5], y_error),
+    ):
+        moment = (count - 1) / 2 * (np.abs(place) * current_error + (current + current_error) * error)
+        rows.append((mesh.R0 * current_error + lift_ * moment) / 2 + 16 * UNIT * mesh.V0)
+    a, b = rows
+    load = mesh.k * c_error * (1 + 1e-9) + 4 * UNIT * values[6]
+    return np.stack([a, b, a, b, x_error, y_error, load])
+
+
+class Exact:
+    """The fast solver, K contacts in each scene."""
+
+    def __init__(self, mesh, row, column, resistance):
+        self.mesh, self.currents = mesh, Currents(mesh, row, column, resistance, None).solve()
+        self.right, self.up = levers(mesh, row, column)
+        w = self.currents.w
+        self.c = w.sum(-1)
+        self.values = assemble(mesh, self.c, (w * self.right).sum(-1), (w * self.up).sum(-1))
+
+    def certificate(self):
+        mesh, c = self.mesh, self.c
+        error, condition, residual = self.currents.certify()
+        count = error.shape[-1]
+        c_error = error.sum(-1) + count * UNIT * c
+        with np.errstate(divide="ignore", invalid="ignore"):
+            low = np.where(c > c_error, c - c_error, 0)
+            errors = []
+            for lever, place, size in ((self.right, self.values[4], mesh.n), (self.up, self.values[5], mesh.m)):
+                away = np.abs(lever * (2 / max(size - 1, 1)) - place[:, None] * (size > 1))
+                bound = (away * error).sum(-1) / low + (2 * count + 8) * UNIT
+                errors.append(np.where(low > 0, np.minimum(bound, 2.0), 2.0) if size > 1 else 0 * c)
+        return Certificate(spread(mesh, self.values, c, c_error, *errors), condition, residual)
+
+    def fields(self):
+        mesh, current = self.mesh, np.zeros((len(self.c), self.mesh.m * self.mesh.n))
+        scale = 2 * mesh.V0 / (1 + mesh.R0 * self.c)
+        place = self.currents.row * mesh.n + self.currents.column
+        np.put_along_axis(current, place, self.currents.w * scale[:, None], 1)
+        current = current.reshape(-1, mesh.m, mesh.n)
+        half = mesh.R0 / 2 * self.values[7][:, None, None]
+        drop = mesh.r * mesh.layer_a.field(current) + half
+        rise = mesh.r * np.swapaxes(mesh.layer_b.field(np.swapaxes(current, 1, 2)), 1, 2) + half
+        return np.stack([mesh.V0 - drop, rise - mesh.V0])
+
+
+class Constant:
+    """Eq. 25: each layer at one potential, so every contact sees the same voltage; shorts are not defined."""
+
+    def __init__(self, mesh, row, column, resistance):
+        self.mesh, self.row, self.column = mesh, row, column
+        self.right, self.up = levers(mesh, row, column)
+        self.w = 1 / resistance
+        self.c = self.w.sum(-1)
+        sums = (self.w * self.right).sum(-1), (self.w * self.up).sum(-1)
+        self.values = assemble(mesh, self.c, *sums)
+
+    def certificate(self):
+        """Against the full mesh. Its currents cost q = w'Zw more power, so c - cq/(c+q) <= exact c <= c
+        (Thomson's principle); a moment about the centre errs by at most the energy norms' product."""
+        mesh, w, c = self.mesh, self.w, self.c
+        reach = mesh.r * (mesh.layer_a.reach()[self.column] + mesh.layer_b.reach()[self.row])
+        root = (w * np.sqrt(reach)).sum(-1)
+        c_error = c * root**2 / (c + root**2)
+        gap = np.sqrt((w * reach).sum(-1)) * root
+        errors = []
+        for lever, place, size in ((self.right, self.values[4], mesh.n), (self.up, self.values[5], mesh.m)):
+            away = lever * (2 / max(size - 1, 1)) - place[:, None] * (size > 1)
+            bound = np.sqrt((w * away**2).sum(-1)) * gap / (c - c_error)
+            errors.append(np.minimum(bound + 64 * UNIT, 1 + np.abs(place)) if size > 1 else 0 * c)
+        residual = (np.sqrt(reach) * root[:, None]).max(-1)
+        c_error = c_error * (1 + 1e-9) + (w.shape[-1] + 4) * UNIT * c
+        return Certificate(spread(mesh, self.values, c, c_error, *errors), np.ones(len(c)), residual)
+
+    def fields(self):
+        half = self.mesh.R0 / 2 * self.values[7][:, None, None] + np.zeros((1, self.mesh.m, self.mesh.n))
+        return np.stack([self.mesh.V0 - half, half - self.mesh.V0])
+
+
+class Nodal:
+    """One scene by the (2mn+4) nodal equations; ``z`` are Circuit's drops [2mn+4] in units of 2V0."""
+
+    def __init__(self, mesh, z, bound, condition, residual):
+        self.mesh, self.z, self.numbers = mesh, z, (condition, residual)
+        drop1, rise2, drop3, rise4 = z[-4:] * np.array([1, -1, 1, -1])
+        top, low, drops = drop1 + drop3, rise2 + rise4, 2 * mesh.V0 * z[-4:]
+        left = 2 - top - low
+        with np.errstate(divide="ignore", invalid="ignore"):
+            x, y = mesh.Cx * (drop3 - drop1) / top, mesh.Cy * (rise2 - rise4) / low
+            load = mesh.Kf * top / left
+            current = top * 2 * mesh.V0 / mesh.R0
+            rails = np.array([1, -1, 1, -1]) * mesh.V0
+            self.values = np.array([*(rails - drops), x, y, load, current], float)[:, None]
+            b = bound[-4:]
+            sure = float(top) > b[0] + b[2] and float(low) > b[1] + b[3] and float(left) > b.sum()
+            x_error = (mesh.Cx + abs(x)) * (b[0] + b[2]) / (top - b[0] - b[2])
+            y_error = (mesh.Cy + abs(y)) * (b[1] + b[3]) / (low - b[1] - b[3])
+            load_error = (mesh.Kf * (b[0] + b[2]) + load * b.sum()) / (left - b.sum())
+            volts = 2 * mesh.V0 * b + 4 * UNIT * mesh.V0
+            slack = 8 * UNIT * np.array([abs(x), abs(y), load])
+            errors = np.array([*volts, x_error, y_error, load_error], float)
+            errors[4:] += slack.astype(float)
+        self.bound = errors[:, None]
+        self.why = "" if sure else "sparse LU cannot vouch for any digit: use the fast solver"
+
+    def certificate(self):
+        return Certificate(self.bound, *(np.array([number]) for number in self.numbers))
+
+    def fields(self):
+        mesh = self.mesh
+        volts = 2 * mesh.V0 * self.z[:-4].astype(float).reshape(2, 1, mesh.m, mesh.n)
+        return np.array([mesh.V0, -mesh.V0])[:, None, None, None] - volts
