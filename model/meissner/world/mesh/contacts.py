@@ -37,8 +37,7 @@ class Currents:
 
     def solve(self):
         M = self.matrix()
-        count = M.shape[-1]
-        scale = 1 / np.sqrt(M.reshape(len(M), -1)[:, :: count + 1])
+        scale = 1 / np.sqrt(M.reshape(len(M), -1)[:, :: M.shape[-1] + 1])
         M *= scale[:, :, None]
         M *= scale[:, None, :]
         self.w = scale * np.linalg.solve(M, scale[..., None])[..., 0]

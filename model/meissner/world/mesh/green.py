@@ -47,10 +47,10 @@ class Layer:
 
     @property
     def tabulated(self):
-        return (self.free + 1) * self.along**2 <= TABLE_LIMIT
+        return 2 * self.free * self.along**2 <= TABLE_LIMIT
 
     def table(self):
-        """[free+1, along, along]: half of H plus the modes' sum for one cosine argument."""
+        """[2 free, along, along]: half of H plus the modes' sum for one cosine argument, period 2 free."""
         if self._table is None:
             place = np.arange(1, self.along + 1)
             low, high = np.minimum.outer(place, place), np.maximum.outer(place, place)
@@ -58,18 +58,20 @@ class Layer:
             cosine = np.cos(np.pi * turn / self.free) / self.free
             sums = cosine @ self._modes(low, high).reshape(self.along**2, self.free - 1).T
             sums += self._ladder(low, high).ravel() / 2
-            self._table = np.ascontiguousarray(sums)
+            self._table = np.concatenate([sums, sums[-2:0:-1]])
         return self._table
 
     def between(self, across, along):
         """Drop at each contact per ampere at each other: two [..., K] index arrays -> [..., K, K]."""
+        if self.tabulated:
+            table, size = self.table(), self.along**2
+            level = across * size
+            first, second = (level + along * self.along)[..., :, None], along[..., None, :]
+            level = level[..., None, :]
+            gap = first - (level - second)  # below 0 it counts from the table's end: one period on
+            return table.take(gap) + table.take(first + (level + second + size))
         gap = np.abs(across[..., :, None] - across[..., None, :])
         mirror = across[..., :, None] + across[..., None, :] + 1
-        mirror = np.minimum(mirror, 2 * self.free - mirror)
-        if self.tabulated:
-            table, place = self.table(), along[..., :, None] * self.along + along[..., None, :]
-            size = self.along**2
-            return table.take(gap * size + place) + table.take(mirror * size + place)
         low = np.minimum(along[..., :, None], along[..., None, :]) + 1
         high = np.maximum(along[..., :, None], along[..., None, :]) + 1
         out = self._ladder(low, high)

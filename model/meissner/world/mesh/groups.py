@@ -16,24 +16,20 @@ def levers(mesh, row, column):
     return column - (mesh.n - 1) / 2, (mesh.m - 1) / 2 - row
 
 
-def lift(mesh):
-    """Ohms: E1-E3 = lift_a sum(lever I), E2-E4 = lift_b sum(lever I); eq. 16, 17, for any m, n >= 1."""
-    a = 2 / (2 * mesh.m / mesh.r + (mesh.n + 1) / mesh.R0)
-    b = 2 / (2 * mesh.n / mesh.r + (mesh.m + 1) / mesh.R0)
-    return a, b
-
-
 def assemble(mesh, c, right, up):
     """Values [8, scenes] from c = sum w and the levers' sums of w (siemens)."""
-    per_volt = 2 * mesh.V0 / (1 + mesh.R0 * c)
-    current, half = per_volt * c, mesh.V0 * (mesh.R0 * c) / (1 + mesh.R0 * c)
-    lift_a, lift_b = lift(mesh)
-    tilt_a, tilt_b = per_volt * right * lift_a / 2, per_volt * up * lift_b / 2
     V0 = mesh.V0
-    x = 2 / (mesh.n - 1) * right / c if mesh.n > 1 else 0 * c
-    y = 2 / (mesh.m - 1) * up / c if mesh.m > 1 else 0 * c
-    electrodes = [V0 - (half - tilt_a), half + tilt_b - V0, V0 - (half + tilt_a), half - tilt_b - V0]
-    return np.stack([*electrodes, x, y, mesh.k * c, current])
+    rails = 1 + mesh.R0 * c
+    per_volt, half = 2 * V0 / rails, V0 * mesh.R0 * c / rails
+    lift_a, lift_b = mesh.lift
+    tilt_a, tilt_b = per_volt * right * (lift_a / 2), per_volt * up * (lift_b / 2)
+    out = np.empty((8, len(c)))
+    out[0], out[2] = V0 - (half - tilt_a), V0 - (half + tilt_a)
+    out[1], out[3] = half + tilt_b - V0, half - tilt_b - V0
+    out[4] = right / c * (2 / (mesh.n - 1)) if mesh.n > 1 else 0
+    out[5] = up / c * (2 / (mesh.m - 1)) if mesh.m > 1 else 0
+    out[6], out[7] = mesh.k * c, per_volt * c
+    return out
 
 
 def spread(mesh, values, c, c_error, x_error, y_error):
@@ -42,7 +38,7 @@ def spread(mesh, values, c, c_error, x_error, y_error):
     current = values[7]
     current_error = 2 * mesh.V0 * c_error / ((1 + mesh.R0 * c) * (1 + mesh.R0 * c_low))
     rows = []
-    lift_a, lift_b = lift(mesh)
+    lift_a, lift_b = mesh.lift
     for lift_, count, place, error in (
         (lift_a, mesh.n, values[4], x_error),
         (lift_b, mesh.m, values[5], y_error),

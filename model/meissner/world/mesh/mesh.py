@@ -10,6 +10,7 @@ from meissner.world.mesh.solution import Solution
 
 SOLVERS = ("auto", "lu", "fast", "constant")
 BATCH = 2_000_000  # contact pairs solved at once
+ALL = np.zeros(1, int)
 
 
 class Mesh:
@@ -31,6 +32,11 @@ class Mesh:
         self.m, self.n = int(m), int(n)
         self.r, self.R0, self.V0, self.k = float(r), float(R0), float(V0), float(k)
         self.Cx, self.Cy, self.Kf = cop_constants(self.m, self.n, self.r, self.R0, self.V0, self.k)
+        # Ohms: E1-E3 = lift[0] sum(lever I), E2-E4 = lift[1] sum(lever I), levers in taxels; eq. 16, 17.
+        self.lift = (
+            2 / (2 * self.m / self.r + (self.n + 1) / self.R0),
+            2 / (2 * self.n / self.r + (self.m + 1) / self.R0),
+        )
         rail = 2 * self.R0 / self.r
         self.layer_a = Layer(self.m, self.n, rail / (rail + (self.n + 1) / self.m))
         square = self.m == self.n
@@ -59,13 +65,16 @@ class Mesh:
         scenes = len(load)
         solution = Solution(self, scenes, single)
         with np.errstate(over="ignore", under="ignore", divide="ignore", invalid="ignore"):
-            flat = load.reshape(scenes, -1)
-            index = np.flatnonzero(flat)
-            force = flat.reshape(-1)[index]
-            resistance = self.k / force
-            if not np.isfinite(resistance).all():  # less conductance than a double can hold: open
+            flat = load.reshape(-1)
+            index = flat.nonzero()[0]
+            resistance = self.k / flat[index]
+            if index.size and not resistance.max() < np.inf:  # less conductance than a double holds: open
                 held = np.isfinite(resistance)
                 index, resistance = index[held], resistance[held]
+            if single:
+                if index.size:
+                    self._solve(solution, ALL, load, index[None], resistance[None], solver, tolerance)
+                return solution
             scene, place = np.divmod(index, self.m * self.n)
             counts = np.bincount(scene, minlength=scenes)
             ends = np.cumsum(counts)

@@ -1,5 +1,6 @@
 """What a solved mesh gives back."""
 
+import math
 from functools import cached_property
 from typing import NamedTuple
 
@@ -48,15 +49,17 @@ class Solution:
 
     def put(self, where, values, solver, group, why=""):
         """Store ``values`` [8, len(where)] (E1..E4, x, y, load, current) of the scenes ``where``."""
-        good = np.isfinite(values).all(0)
-        if not good.all():
-            why = "the numbers exceed double precision"
-            values = np.where(good, values, self._values[:, where])
+        if not math.isfinite(values.sum()):
+            good = np.isfinite(values).all(0)
+            bad = where[~good]
+            self.refuse(bad, solver, "the numbers exceed double precision")
+            where, values, group = where[good], values[:, good], group.only(good)
         self._values[:, where] = values
-        self._valid[where] = good if not why or not good.all() else False
-        self._why[where] = np.where(good, "", why) if not good.all() else why
+        self._valid[where] = not why
+        self._why[where] = why
         self._solver[where] = solver
-        self._groups.append((where, group))
+        if len(where):
+            self._groups.append((where, group))
 
     def refuse(self, where, solver, why):
         """Mark scenes as without a measurement: the unloaded electrodes stay."""
