@@ -68,7 +68,10 @@ class Exact:
         with np.errstate(divide="ignore", invalid="ignore"):
             low = np.where(c > c_error, c - c_error, 0)
             errors = []
-            for lever, place, size in ((self.right, self.values[4], mesh.n), (self.up, self.values[5], mesh.m)):
+            for lever, place, size in (
+                (self.right, self.values[4], mesh.n),
+                (self.up, self.values[5], mesh.m),
+            ):
                 away = np.abs(lever * (2 / max(size - 1, 1)) - place[:, None] * (size > 1))
                 bound = (away * error).sum(-1) / low + (2 * count + 8) * UNIT
                 errors.append(np.where(low > 0, np.minimum(bound, 2.0), 2.0) if size > 1 else 0 * c)

@@ -66,7 +66,7 @@ class Mesh:
         solution = Solution(self, scenes, single)
         with np.errstate(over="ignore", under="ignore", divide="ignore", invalid="ignore"):
             flat = load.reshape(-1)
-            index = flat.nonzero()[0]
+            index = (flat > 0).nonzero()[0]  # of booleans: ten times faster than of floats
             resistance = self.k / flat[index]
             if index.size and not resistance.max() < np.inf:  # less conductance than a double holds: open
                 held = np.isfinite(resistance)
