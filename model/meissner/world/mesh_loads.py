@@ -23,7 +23,7 @@ class MeshScene(NamedTuple):
 
 
 def places(count, first=-1.0):
-    """Coordinates of ``count`` taxels (eq. 4, 5 run -1..1; ``first`` = 1 gives rows, top first); 0 for one."""
+    """Coordinates of ``count`` taxels, -1 to 1 (eq. 4; ``first`` = 1 for rows, eq. 5); 0 for one."""
     if count == 1:
         return np.zeros(1)
     return first - np.sign(first) * 2 * np.arange(count) / (count - 1)

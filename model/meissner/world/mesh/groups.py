@@ -4,11 +4,15 @@ Each has ``values`` [8, scenes], ``certificate()`` and ``fields()`` [2, scenes, 
 share a contact count. Drops and rises are computed, electrodes follow from them: small currents keep digits.
 """
 
+import copy
+
 import numpy as np
 
-from meissner.world.mesh.contacts import Currents
+from meissner.world.mesh import contacts
 from meissner.world.mesh.green import UNIT
 from meissner.world.mesh.solution import Certificate
+
+VOUCH = 1e-3  # sparse LU: bounds beyond this fraction are not called a measurement
 
 
 def levers(mesh, row, column):
@@ -50,19 +54,52 @@ def spread(mesh, values, c, c_error, x_error, y_error):
     return np.stack([a, b, a, b, x_error, y_error, load])
 
 
-class Exact:
-    """The fast solver, K contacts in each scene."""
+class Contacts:
+    """Scenes with K contacts each: places and resistances (ohms) [scenes, K], then ``w`` (siemens)."""
 
     def __init__(self, mesh, row, column, resistance):
-        self.mesh, self.currents = mesh, Currents(mesh, row, column, resistance, None).solve()
+        self.mesh, self.row, self.column, self.resistance = mesh, row, column, resistance
         self.right, self.up = levers(mesh, row, column)
-        w = self.currents.w
-        self.c = w.sum(-1)
-        self.values = assemble(mesh, self.c, (w * self.right).sum(-1), (w * self.up).sum(-1))
+
+    def finish(self, w):
+        self.w, self.c = w, w.sum(-1)
+        self.values = assemble(self.mesh, self.c, (w * self.right).sum(-1), (w * self.up).sum(-1))
+
+    def only(self, keep):
+        """The same group with some of its scenes."""
+        group = copy.copy(self)
+        for name in ("row", "column", "resistance", "right", "up", "w", "c"):
+            setattr(group, name, getattr(self, name)[keep])
+        group.values = self.values[:, keep]
+        return group
+
+    def axes(self):
+        return (self.right, self.values[4], self.mesh.n), (self.up, self.values[5], self.mesh.m)
+
+    def spread(self, c_error, x_error, y_error):
+        return spread(self.mesh, self.values, self.c, c_error, x_error, y_error)
+
+    def fields(self):
+        mesh, current = self.mesh, np.zeros((len(self.c), self.mesh.m * self.mesh.n))
+        scale = 2 * mesh.V0 / (1 + mesh.R0 * self.c)
+        np.put_along_axis(current, self.row * mesh.n + self.column, self.w * scale[:, None], 1)
+        current = current.reshape(-1, mesh.m, mesh.n)
+        half = mesh.R0 / 2 * self.values[7][:, None, None]
+        drop = mesh.r * mesh.layer_a.field(current) + half
+        rise = mesh.r * np.swapaxes(mesh.layer_b.field(np.swapaxes(current, 1, 2)), 1, 2) + half
+        return np.stack([mesh.V0 - drop, rise - mesh.V0])
+
+
+class Exact(Contacts):
+    """The fast solver, dense in the contacts."""
+
+    def __init__(self, mesh, row, column, resistance):
+        super().__init__(mesh, row, column, resistance)
+        self.finish(contacts.solve(mesh, row, column, resistance))
 
     def certificate(self):
         mesh, c = self.mesh, self.c
-        error, condition, residual = self.currents.certify()
+        error, condition, residual = contacts.certify(mesh, self.row, self.column, self.resistance, self.w)
         count = error.shape[-1]
         c_error = error.sum(-1) + count * UNIT * c
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -75,30 +112,15 @@ class Exact:
                 away = np.abs(lever * (2 / max(size - 1, 1)) - place[:, None] * (size > 1))
                 bound = (away * error).sum(-1) / low + (2 * count + 8) * UNIT
                 errors.append(np.where(low > 0, np.minimum(bound, 2.0), 2.0) if size > 1 else 0 * c)
-        return Certificate(spread(mesh, self.values, c, c_error, *errors), condition, residual)
-
-    def fields(self):
-        mesh, current = self.mesh, np.zeros((len(self.c), self.mesh.m * self.mesh.n))
-        scale = 2 * mesh.V0 / (1 + mesh.R0 * self.c)
-        place = self.currents.row * mesh.n + self.currents.column
-        np.put_along_axis(current, place, self.currents.w * scale[:, None], 1)
-        current = current.reshape(-1, mesh.m, mesh.n)
-        half = mesh.R0 / 2 * self.values[7][:, None, None]
-        drop = mesh.r * mesh.layer_a.field(current) + half
-        rise = mesh.r * np.swapaxes(mesh.layer_b.field(np.swapaxes(current, 1, 2)), 1, 2) + half
-        return np.stack([mesh.V0 - drop, rise - mesh.V0])
+        return Certificate(self.spread(c_error, *errors), condition, residual)
 
 
-class Constant:
+class Constant(Contacts):
     """Eq. 25: each layer at one potential, so every contact sees the same voltage; shorts are not defined."""
 
     def __init__(self, mesh, row, column, resistance):
-        self.mesh, self.row, self.column = mesh, row, column
-        self.right, self.up = levers(mesh, row, column)
-        self.w = 1 / resistance
-        self.c = self.w.sum(-1)
-        sums = (self.w * self.right).sum(-1), (self.w * self.up).sum(-1)
-        self.values = assemble(mesh, self.c, *sums)
+        super().__init__(mesh, row, column, resistance)
+        self.finish(1 / resistance)
 
     def certificate(self):
         """Against the full mesh. Its currents cost q = w'Zw more power, so c - cq/(c+q) <= exact c <= c
@@ -109,13 +131,13 @@ class Constant:
         c_error = c * root**2 / (c + root**2)
         gap = np.sqrt((w * reach).sum(-1)) * root
         errors = []
-        for lever, place, size in ((self.right, self.values[4], mesh.n), (self.up, self.values[5], mesh.m)):
+        for lever, place, size in self.axes():
             away = lever * (2 / max(size - 1, 1)) - place[:, None] * (size > 1)
             bound = np.sqrt((w * away**2).sum(-1)) * gap / (c - c_error)
             errors.append(np.minimum(bound + 64 * UNIT, 1 + np.abs(place)) if size > 1 else 0 * c)
         residual = (np.sqrt(reach) * root[:, None]).max(-1)
         c_error = c_error * (1 + 1e-9) + (w.shape[-1] + 4) * UNIT * c
-        return Certificate(spread(mesh, self.values, c, c_error, *errors), np.ones(len(c)), residual)
+        return Certificate(self.spread(c_error, *errors), np.ones(len(c)), residual)
 
     def fields(self):
         half = self.mesh.R0 / 2 * self.values[7][:, None, None] + np.zeros((1, self.mesh.m, self.mesh.n))
@@ -145,8 +167,13 @@ class Nodal:
             slack = 8 * UNIT * np.array([abs(x), abs(y), load])
             errors = np.array([*volts, x_error, y_error, load_error], float)
             errors[4:] += slack.astype(float)
+            if not sure:
+                errors[4:] = np.inf
         self.bound = errors[:, None]
-        self.why = "" if sure else "sparse LU cannot vouch for any digit: use the fast solver"
+        sure = sure and load_error <= VOUCH * load and max(x_error, y_error) <= 2 * VOUCH
+        self.why = "" if sure else "sparse LU cannot vouch for three digits here: use the fast solver"
+        if not sure:
+            self.values[4:7] = 0
 
     def certificate(self):
         return Certificate(self.bound, *(np.array([number]) for number in self.numbers))

@@ -7,9 +7,13 @@ from meissner.world.mesh.constants import cop_constants
 from meissner.world.mesh.green import Layer
 from meissner.world.mesh.groups import Constant, Exact, Nodal
 from meissner.world.mesh.solution import Solution
+from meissner.world.mesh.spread_out import Iterated
 
 SOLVERS = ("auto", "lu", "fast", "constant")
 BATCH = 2_000_000  # contact pairs solved at once
+DENSE = 2000  # contacts; beyond it the fast solver iterates, as it does
+MODES = 200_000_000  # beyond so many terms of Green's functions that are too large to tabulate
+SPARSE = 20_000  # taxels up to which auto takes sparse LU for many contacts
 ALL = np.zeros(1, int)
 
 
@@ -110,17 +114,30 @@ class Mesh:
             where, row, column, resistance = (a[~chosen] for a in (where, row, column, resistance))
             if not len(where):
                 return
-        if solver == "fast" or (solver == "auto" and self._contacts_pay(row.shape[1])):
+        method = self._method(row.shape[1], solver)
+        if method == "contacts":
             group = Exact(self, row, column, resistance)
             solution.put(where, group.values, "fast", group)
             return
-        for scene in where:
-            group = Nodal(self, *Circuit(self, load[scene]).refined())
-            solution.put(np.array([scene]), group.values, "lu", group, group.why)
+        for scene in range(len(where)):
+            one = slice(scene, scene + 1)
+            if method == "lu":
+                group = Nodal(self, *Circuit(self, load[where[scene]]).refined())
+                solution.put(where[one], group.values, "lu", group, group.why)
+            else:
+                group = Iterated(self, row[one], column[one], resistance[one])
+                solution.put(where[one], group.values, "fast", group)
 
-    def _contacts_pay(self, contacts):
-        """Whether the contacts' dense system is cheaper than the sparse one (fitted on two machines)."""
-        return contacts**3 * 2e-10 + contacts**2 * 4e-8 <= 1e-3 + 1.5e-6 * (self.m * self.n) ** 1.3
+    def _method(self, contacts, solver):
+        """contacts (dense), transforms (iterated) or lu; seconds fitted on one core of a 2020s machine."""
+        if solver == "lu":
+            return "lu"
+        tabulated = self.layer_a.tabulated and self.layer_b.tabulated
+        dense = contacts <= DENSE and (tabulated or contacts**2 * (self.m + self.n) <= MODES)
+        if solver == "auto" and self.m * self.n <= SPARSE:
+            sparse = 1e-7 * (self.m * self.n) ** 1.6 + 1e-3
+            return "contacts" if dense and contacts**3 * 3.5e-11 <= sparse else "lu"
+        return "contacts" if dense else "transforms"
 
     def _read(self, load):
         try:

@@ -31,7 +31,7 @@ class Solution:
     """Electrodes, position and load of one scene (numbers) or a batch (arrays of length scenes).
 
     ``E1..E4`` volts; ``x``, ``y`` in -1..1, ``load`` newtons, ``current`` amperes: as the four electrodes
-    report them (eq. 16-20, 29), evaluated on the drops, not on the rounded voltages. ``solver`` names what ran.
+    report them (eq. 16-20, 29), evaluated on the drops, not on the rounded voltages. ``solver``: what ran.
     ``valid`` is False where there is no measurement; ``why`` then says so in a sentence, else it is "".
     x, y, load are 0 there. Computed when asked for: ``bound``, ``condition``, ``residual`` (relative, of the
     system that was solved), ``Va`` and ``Vb`` (volts, [m, n] or [scenes, m, n]). No value is NaN or infinite.
