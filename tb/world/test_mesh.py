@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from meissner.world import mesh_loads
-from meissner.world.mesh import Mesh, circuit, correction, green
+from meissner.world.mesh import Mesh, circuit, correction, green, spread_out
 from meissner.world.mesh import mesh as engine
 from meissner.world.mesh.circuit import Circuit
 
@@ -378,3 +378,10 @@ def test_corrections_need_scenes():
         correction.fit(Mesh(3, 3, 10.0), np.ones((3, 3)))
     with pytest.raises(ValueError, match="18-bit"):
         correction.registers(correction.Correction(np.full(6, 1e6), np.zeros(3), np.zeros(3), 1.0))
+
+
+def test_an_unsettled_iteration_is_no_measurement(monkeypatch):
+    monkeypatch.setattr(engine, "DENSE", 0)
+    monkeypatch.setattr(spread_out, "STEPS", 2)
+    solution = Mesh(20, 20, 1e6).solve(points(20, 20, 200, seed=1), "fast")
+    assert not solution.valid and "settle" in solution.why and solution.load == 0 and finite(solution)

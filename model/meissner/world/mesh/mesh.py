@@ -126,7 +126,7 @@ class Mesh:
                 solution.put(where[one], group.values, "lu", group, group.why)
             else:
                 group = Iterated(self, row[one], column[one], resistance[one])
-                solution.put(where[one], group.values, "fast", group)
+                solution.put(where[one], group.values, "fast", group, group.why)
 
     def _method(self, contacts, solver):
         """contacts (dense), transforms (iterated) or lu; seconds fitted on one core of a 2020s machine."""
