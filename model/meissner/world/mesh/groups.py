@@ -145,15 +145,15 @@ class Constant(Contacts):
 
 
 class Nodal:
-    """One scene by the (2mn+4) nodal equations; ``z`` are Circuit's drops [2mn+4] in units of 2V0."""
+    """One scene by the (2mn+4) nodal equations; ``z`` and ``away`` as ``Circuit.refined`` gives them."""
 
-    def __init__(self, mesh, z, bound, condition, residual):
+    def __init__(self, mesh, z, away, bound, condition, residual):
         self.mesh, self.z, self.numbers = mesh, z, (condition, residual)
         drop1, rise2, drop3, rise4 = z[-4:] * np.array([1, -1, 1, -1])
         top, low, drops = drop1 + drop3, rise2 + rise4, 2 * mesh.V0 * z[-4:]
         left = 2 - top - low
         with np.errstate(divide="ignore", invalid="ignore"):
-            x, y = mesh.Cx * (drop3 - drop1) / top, mesh.Cy * (rise2 - rise4) / low
+            x, y = mesh.Cx * (away[-2] - away[-4]) / top, mesh.Cy * (away[-1] - away[-3]) / low
             load = mesh.Kf * top / left
             current = top * 2 * mesh.V0 / mesh.R0
             rails = np.array([1, -1, 1, -1]) * mesh.V0
