@@ -80,39 +80,63 @@ class Circuit:
         pull -= np.bincount(self.q[inner], (self.g * self.emf)[inner], len(self.live))
         return self.expand(self.factor().solve(pull))
 
+    def lift(self, upper):
+        """A function: currents left over [nodes] -> the two layers' common shifts that balance their sums.
+
+        Solved on conductances without subtraction; it mends what LU loses when wires are near-ideal.
+        """
+        side = np.append(~upper, False).astype(int)
+        ends = side[self.p], side[self.q]
+        ground = np.bincount(ends[0][self.grounded], self.g[self.grounded], 2)
+        between = self.g[~self.grounded & (ends[0] != ends[1])].sum()
+        whole = between * ground.sum() + ground[0] * ground[1]
+
+        def shift(left):
+            sums = np.array([left[upper].sum(), left[~upper].sum()])
+            return ((sums * ground[::-1] + between * sums.sum()) / whole)[side[:-1]]
+
+        return shift
+
     def refined(self):
         """Sparse LU, refined and certified: (drops [2mn+4], their deviations from each layer's level [2mn+4],
         bound [2mn+4], condition, residual).
 
         The residual is formed edge by edge in extended precision, on deviations from the level of a layer's
-        rails, so that near-ideal wires cost no digits. With A^-1 >= 0 (M-matrix), any u with A u >= |residual|
+        rails, so near-ideal wires cost no digits. With A^-1 >= 0 (M-matrix), any u with A u >= |residual|
         bounds the error; u is solved for and A u is checked, roundings included.
         """
         factor, emf, none = self.factor(), self.emf.astype(LONG), np.zeros(len(self.g))
-        z = factor.solve(self.imbalance(np.zeros(len(self.live), LONG), emf, none)[0].astype(float))
         upper = np.isin(self.live, [self.size - 4, self.size - 2]) | (self.live < self.mesh.m * self.mesh.n)
+        shift = self.lift(upper)
+
+        def refine(z, emf, doubt, wanted, steps):
+            size = np.inf
+            for _ in range(steps):
+                z = z + shift(wanted + self.imbalance(z, emf, doubt)[0])
+                left = wanted + self.imbalance(z, emf, doubt)[0]
+                if not np.abs(left).max() < size / 2:
+                    break
+                size = np.abs(left).max()
+                z = z + factor.solve(left.astype(float))
+            return z + shift(wanted + self.imbalance(z, emf, doubt)[0])
+
+        z = refine(np.zeros(len(self.live), LONG), emf, none, LONG(0), 2)
         rails = z[self.place[-4:]]
-        base = np.where(upper, (rails[0] + rails[2]) / 2, (rails[1] + rails[3]) / 2).astype(LONG)
+        base = np.where(upper, (rails[0] + rails[2]) / 2, (rails[1] + rails[3]) / 2)
         level = np.append(base, LONG(0))
         step = level[self.p] - level[self.q]
         doubt = np.where(step != 0, np.abs(emf) + np.abs(level[self.p]) + np.abs(level[self.q]), 0)
         emf, doubt = emf - step, doubt.astype(float)
-        z, size = z - base, np.inf
-        for _ in range(12):
-            left, slack = self.imbalance(z, emf, doubt)
-            if not np.abs(left).max() < size / 2:
-                break
-            size = np.abs(left).max()
-            z = z + factor.solve(left.astype(float))
+        z = refine(z - base, emf, doubt, LONG(0), 12)
         left, slack = self.imbalance(z, emf, doubt)
         wanted = np.abs(left).astype(float) * (1 + 1e-15) + slack + np.finfo(float).tiny
-        u = 1.01 * factor.solve(wanted)
+        u = 1.01 * refine(np.zeros(len(z), LONG), none, none, wanted.astype(LONG), 4)
         bound = np.full(len(z), np.inf)
         if (u > 0).all():
-            carried, slack = self.imbalance(u.astype(LONG), np.zeros(len(emf), LONG), none)
+            carried, slack = self.imbalance(u, none.astype(LONG), none)
             ratio = ((-carried).astype(float) - slack) / wanted
             if ratio.min() > 0.1:
-                bound = u / min(ratio.min(), 1) * (1 + 1e-9)
+                bound = u.astype(float) / min(ratio.min(), 1) * (1 + 1e-9)
         stiff = linalg.onenormest(linalg.LinearOperator(factor.shape, factor.solve, factor.solve))
         condition = float(stiff * abs(self.matrix()).sum(0).max())
         residual = float(np.abs(left).max() / max((self.g * np.abs(self.emf)).max(), np.finfo(float).tiny))

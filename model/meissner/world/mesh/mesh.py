@@ -123,7 +123,12 @@ class Mesh:
             one = slice(scene, scene + 1)
             if method == "lu":
                 group = Nodal(self, *Circuit(self, load[where[scene]]).refined())
-                solution.put(where[one], group.values, "lu", group, group.why)
+                if not group.why or solver == "lu":
+                    solution.put(where[one], group.values, "lu", group, group.why)
+                    continue
+            if row.shape[1] <= DENSE:
+                group = Exact(self, row[one], column[one], resistance[one])
+                solution.put(where[one], group.values, "fast", group)
             else:
                 group = Iterated(self, row[one], column[one], resistance[one])
                 solution.put(where[one], group.values, "fast", group, group.why)
