@@ -1,8 +1,8 @@
 """Print docs/mesh.md's tables as Markdown: published figures beside ours, solver times, the correction.
 
-    python tools/mesh_figures.py [figures] [correction] [limits] [timings] [--large]
+    python tools/mesh_figures.py [figures] [correction] [cross] [limits] [timings] [--large]
 
-Without a name: the first three, which are reproducible to the digit. Timings depend on the machine; --large
+Without a name: the first four, which are reproducible to the digit. Timings depend on the machine; --large
 adds sparse LU to 1024×1024 (4 GB) and 1024×1024 with every taxel loaded (a minute).
 """
 
@@ -169,6 +169,17 @@ def correct():
     print(f"Registers for six equal points at 150 Ω: {stage.p} / 2^{stage.shift}\n")
 
 
+def cross():
+    """Mean load error when the touch is not the kind that the correction was fitted for."""
+    mesh, rows = Mesh(41, 41, 150.0), []
+    checks = [mesh_loads.MeshScene(mesh, scenes(kind, 2, 20.0)) for kind in KINDS]
+    rows.append(("none", *(f"{100 * errors(check)[1].mean():.0f}" for check in checks)))
+    for kind, name in KINDS.items():
+        fix = correction.fit(mesh, scenes(kind, 1))
+        rows.append((name, *(f"{100 * np.abs(errors(check, fix)[1]).mean():.1f}" for check in checks)))
+    show("Load error with another touch than fitted, 150 Ω, 20 N (%)", ("fitted for", *KINDS.values()), rows)
+
+
 def moments(mesh, load):
     """The six numbers between the four wires: s' M^-1 s with s = 1, x, y; [scenes, 6], siemens."""
     row, column = (np.nonzero(load)[axis].reshape(len(load), -1) for axis in (1, 2))
@@ -270,12 +281,15 @@ def main():
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("tables", nargs="*", metavar="table", help="figures, correction, limits or timings")
+    parser.add_argument(
+        "tables", nargs="*", metavar="table", help="figures, correction, cross, limits or timings"
+    )
     parser.add_argument("--large", action="store_true", help="the slow timings too")
     wanted = parser.parse_args()
     calls = {"figures": figures, "correction": correct, "limits": limits}
+    calls["cross"] = cross
     calls["timings"] = lambda: timings(wanted.large)
-    for table in wanted.tables or ["figures", "correction", "limits"]:
+    for table in wanted.tables or ["figures", "correction", "cross", "limits"]:
         if table not in calls:
             parser.error(f"{table} is none of {', '.join(calls)}")
         calls[table]()
