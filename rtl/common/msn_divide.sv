@@ -86,10 +86,12 @@ module msn_divide #(
       assign minus_1   = {1'b0, rest[u]} - (RestBits + 1)'(den[u]);
       assign minus_2   = {1'b0, rest[u]} - (RestBits + 1)'({den[u], 1'b0});
       assign minus_3   = {1'b0, rest[u]} - {1'b0, triple};
-      assign digit[1]  = !minus_2[RestBits];
-      assign digit[0]  = digit[1] ? !minus_3[RestBits] : !minus_1[RestBits];
-      assign remainder = digit[1] ? (digit[0] ? minus_3[DenBits-1:0] : minus_2[DenBits-1:0])
-                                  : (digit[0] ? minus_1[DenBits-1:0] : rest[u][DenBits-1:0]);
+      logic                upper, lower;  // the digit's bits
+      assign upper     = !minus_2[RestBits];
+      assign lower     = upper ? !minus_3[RestBits] : !minus_1[RestBits];
+      assign digit     = {upper, lower};
+      assign remainder = upper ? (lower ? minus_3[DenBits-1:0] : minus_2[DenBits-1:0])
+                               : (lower ? minus_1[DenBits-1:0] : rest[u][DenBits-1:0]);
 
       if (!Pipelined) begin : gen_turning
         always_ff @(posedge clk_i) begin

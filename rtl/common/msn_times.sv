@@ -29,12 +29,16 @@ module msn_times #(
   localparam logic [17:0] Plus   = (Thrice & ~Once) >> 1;
   localparam logic [17:0] Minus  = (Once & ~Thrice) >> 1;
 
+  // Both sums side by side: their carry chains overlap.
+  logic [OutBits-1:0] more, less;
   always_comb begin
-    out_data_o = '0;
+    more = '0;
+    less = '0;
     for (int i = 0; i < 17; i++) begin
-      if (Plus[i]) out_data_o = out_data_o + (OutBits'(in_data_i) << i);
-      if (Minus[i]) out_data_o = out_data_o - (OutBits'(in_data_i) << i);
+      if (Plus[i]) more = more + (OutBits'(in_data_i) << i);
+      if (Minus[i]) less = less + (OutBits'(in_data_i) << i);
     end
   end
+  assign out_data_o = more - less;
 
 endmodule
