@@ -1,5 +1,7 @@
 """Bit-exact twin of rtl/cop/msn_cop.sv: centre of pressure and load of frames of forces."""
 
+import numpy as np
+
 from meissner.common.divide import steps
 from meissner.cop.cop_accumulate import moments
 from meissner.cop.cop_divide import cop_divide
@@ -8,7 +10,7 @@ from meissner.cop.cop_divide import cop_divide
 def cop(forces, fraction_bits=14, min_load=1):
     """x, y, load and whether x and y hold, of each frame; ``forces``: 0 .. 65535 [..., rows, columns]."""
     total, mx, my = moments(forces)
-    rows, columns = forces.shape[-2:]
+    rows, columns = np.shape(forces)[-2:]
     x, y, pressed = cop_divide(total, mx, my, rows, columns, fraction_bits, min_load)
     return x, y, total, pressed
 
