@@ -21,6 +21,8 @@ def run(stage, block, parameters=None, test_filter=None):
     name = "-".join([block, *(f"{k}{v}" for k, v in parameters.items())])
     build_dir = toolchain.BUILD / "tb" / name
     os.environ.update(toolchain.environment())
+    # The runner calls make itself, past Verilator's -MAKEFLAGS; larger models need this variable.
+    os.environ["MAKEFLAGS"] = "-- CFG_CXXFLAGS_PCH_I=-include"
     runner = get_runner("verilator")
     runner.build(
         sources=toolchain.sources(),

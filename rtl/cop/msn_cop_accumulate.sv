@@ -65,7 +65,7 @@ module msn_cop_accumulate #(
   // Place in the frame, and whether the frame's end is where `last` says.
   logic [BeatBits-1:0] beat;
   logic [RowBits-1:0]  row;
-  logic                dropping, row_first, row_last, first, final_beat, fits, whole;
+  logic                dropping, damage, row_first, row_last, first, final_beat, fits, whole;
   assign row_first  = beat == '0;
   assign row_last   = beat == BeatBits'(Beats - 1);
   assign first      = row_first && (row == '0);
@@ -78,12 +78,14 @@ module msn_cop_accumulate #(
       beat     <= (in_last_i || row_last) ? '0 : beat + 1'b1;
       row      <= (in_last_i || final_beat) ? '0 : row_last ? row + 1'b1 : row;
       dropping <= !in_last_i && (dropping || !fits);
-      if (!fits && !dropping) damaged_o <= damaged_o + 1'b1;
     end
+    damage <= in_valid_i && in_ready_o && !fits && !dropping;
+    if (damage) damaged_o <= damaged_o + 1'b1;  // a clock late: ready comes late and 32 bits wait for it
     if (rst_i) begin
       beat      <= '0;
       row       <= '0;
       dropping  <= 1'b0;
+      damage    <= 1'b0;
       damaged_o <= '0;
     end
   end

@@ -80,6 +80,20 @@ async def gate_is_judged_when_the_sums_are_taken(dut):
     assert await bench.stream(dut, beats_of(sums), FIELDS) == expected
 
 
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def no_divider_sees_a_zero_denominator(dut):
+    """Of any load, at any gate; what the dividers are given, not only what the gate lets out."""
+    rows, columns, *_ = parameters(dut)
+    await bench.start(dut, in_mx_i=0, in_my_i=0)
+    for load in (0, 1, 2, 99):
+        for min_load in (0, 1, 99, 100):
+            dut.in_sum_i.value, dut.cfg_min_load_i.value = load, min_load
+            await bench.ReadOnly()
+            assert bench.read(dut.den_x) == (load * max(columns - 1, 1) or 1)
+            assert bench.read(dut.den_y) == (load * max(rows - 1, 1) or 1)
+            await bench.RisingEdge(dut.clk_i)
+
+
 @pytest.mark.parametrize(
     "rows, columns, fraction_bits, bits_per_clock, pipelined",
     [(64, 64, 14, 2, 0), (1, 9, 4, 2, 1), (1024, 1, 20, 1, 0)],
