@@ -56,10 +56,13 @@ module msn_cop_accumulate #(
   localparam int unsigned TotalBits = 16 + Levels;
   localparam int unsigned InnerBits = 16 + 2 * Levels;
 
-  // Everything stands still only while a finished frame finds the one before not yet taken.
+  // Everything stands still only while a finished frame finds the one before not yet taken. It may move on
+  // in the clock in which that is taken, but starts a clock later: out_ready_i then reaches no register
+  // before the results, which is worth 10 % of the clock. Frames of one beat cannot afford that.
+  localparam bit OneBeat = Rows == 1 && Columns <= Lanes;
   logic done, free, step;
   assign free       = out_ready_i || !out_valid_o;
-  assign step       = free || !done;
+  assign step       = !done || !out_valid_o || (OneBeat && out_ready_i);
   assign in_ready_o = step;
 
   // Place in the frame, and whether the frame's end is where `last` says.
@@ -80,7 +83,7 @@ module msn_cop_accumulate #(
       dropping <= !in_last_i && (dropping || !fits);
     end
     damage <= in_valid_i && in_ready_o && !fits && !dropping;
-    if (damage) damaged_o <= damaged_o + 1'b1;  // a clock late: ready comes late and 32 bits wait for it
+    if (damage) damaged_o <= damaged_o + 1'b1;  // a clock late: 32 enables are slow
     if (rst_i) begin
       beat      <= '0;
       row       <= '0;
@@ -141,7 +144,6 @@ module msn_cop_accumulate #(
 
   always_ff @(posedge clk_i) begin
     if (step) begin
-      done <= beat_valid[Levels] && beat_whole[Levels];
       if (beat_valid[Levels]) begin
         row_total <= left + PrefixBits'(total[1]);
         sum       <= (beat_first[Levels] ? '0 : sum) + SumBits'(total[1]);
@@ -150,6 +152,8 @@ module msn_cop_accumulate #(
         moment_b  <= (beat_first[Levels] ? '0 : moment_b) + (MyBits-1)'(above);
       end
     end
+    if (step) done <= beat_valid[Levels] && beat_whole[Levels];
+    else if (free) done <= 1'b0;
     if (rst_i) done <= 1'b0;
   end
 

@@ -166,10 +166,11 @@ async def forgets_what_a_reset_interrupts(dut):
     forces = np.random.default_rng(bench.SEED).integers(0, 65536, (2, rows, columns))
     beats = bench.force_beats(forces, lanes)
     length = len(beats) // 2
-    for cut in {1, length // 2 + 1, length - 1, length, length + 1}:
+    for cut in {1, length // 2 + 1, length - 1, length, length + 1, 2 * length}:
         # Nothing is taken, so that a finished frame waits when the reset comes.
         await bench.stream(dut, beats[:cut], FIELDS, stalls=lambda: True, drain=0)
-        await bench.reset(dut)
+        await bench.clocks(dut, lanes.bit_length())
+        await bench.reset(dut, clocks=1)
         assert await bench.stream(dut, beats, FIELDS) == expected_of(forces)
 
 
