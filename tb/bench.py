@@ -15,10 +15,14 @@ from meissner import toolchain
 SEED = int(os.environ.get("MEISSNER_SEED", "1"))
 
 
-def run(stage, block, parameters=None, test_filter=None):
-    """Build ``msn_<block>`` with Verilator and run the cocotb tests of tb/<stage>/test_<block>.py."""
+def run(stage, block, parameters=None, test_filter=None, module=None):
+    """Build ``msn_<block>`` with Verilator and run the cocotb tests of tb/<stage>/test_<block>.py.
+
+    ``module``: another test file of that stage, in place of test_<block>.
+    """
     parameters = parameters or {}
-    name = "-".join([block, *(f"{k}{v}" for k, v in parameters.items())])
+    module = module or f"test_{block}"
+    name = "-".join([module.removeprefix("test_"), *(f"{k}{v}" for k, v in parameters.items())])
     build_dir = toolchain.BUILD / "tb" / name
     os.environ.update(toolchain.environment())
     # The runner calls make itself, past Verilator's -MAKEFLAGS; larger models need this variable.
@@ -34,7 +38,7 @@ def run(stage, block, parameters=None, test_filter=None):
     )
     results = runner.test(
         hdl_toplevel=f"msn_{block}",
-        test_module=f"{stage}.test_{block}",
+        test_module=f"{stage}.{module}",
         build_dir=build_dir,
         test_dir=build_dir,
         test_filter=test_filter,
@@ -131,8 +135,9 @@ async def stream(dut, beats, fields, gaps=None, stalls=None, drain=40, count=Non
         held = values if valid and not ready else None
         if valid and ready:
             received.append(dict(zip(names, values)))
-        quiet = 0 if valid or sent < len(beats) else quiet + ready
-        sent += bool(offer and dut.in_ready_o.value == 1)
+        took = bool(offer and dut.in_ready_o.value == 1)
+        quiet = 0 if valid or took else quiet + ready
+        sent += took
         await RisingEdge(dut.clk_i)
     dut.in_valid_i.value = 0
     return received

@@ -44,7 +44,7 @@ TARGETS = {
 
 def cop_entries():
     """msn_cop over digits a clock and fraction bits: speed against accuracy against area."""
-    for bits in (4, 10, 14, 20):
+    for bits in (4, 14, 20):
         for per_clock in (1, 2):
             digits = bits + 1 if per_clock == 1 else (bits + 3) // 2
             for pipelined in (0, 1):

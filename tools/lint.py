@@ -23,7 +23,7 @@ def main():
     listed = set(files)
     strays = [str(p.relative_to(ROOT)) for p in ROOT.glob("rtl/**/*.sv") if p.relative_to(ROOT) not in listed]
     problems = [f"rtl/rtl.f does not list {stray}" for stray in strays]
-    tops = [path for path in files if path.stem != "msn_pkg"]
+    tops = [path for path in files if not path.stem.endswith("_pkg")]
     misnamed = [path for path in tops if f"module {path.stem} " not in (ROOT / path).read_text()]
     problems += [f"{path} does not define module {path.stem}" for path in misnamed]
     verilator = ["verilator", "--lint-only", "--quiet", "-Wall", str(WAIVERS), *map(str, files)]

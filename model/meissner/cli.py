@@ -1,0 +1,173 @@
+"""The command ``meissner``. Bad input is answered by one sentence and exit code 2, with nothing written."""
+
+import argparse
+import json
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+
+from meissner import engines, files
+
+
+class _Parser(argparse.ArgumentParser):
+    def error(self, message):
+        self.exit(2, f"{self.prog}: {message} (see {self.prog} --help)\n")
+
+
+def _progress(what):
+    """A progress bar on a terminal, nothing in a pipe."""
+    if not sys.stderr.isatty():
+        return lambda jobs: jobs
+    from rich.console import Console
+    from rich.progress import track
+
+    return lambda jobs: track(jobs, what, console=Console(stderr=True), transient=True)
+
+
+def _scenes(_):
+    from meissner import scenes
+
+    width = max(map(len, scenes.names()))
+    for name in scenes.names():
+        print(f"{name:<{width}}  {scenes.describe(name)}")
+
+
+def _milliseconds(seconds):
+    return "none" if seconds is None else f"{seconds * 1e3:.2f} ms"
+
+
+def _run(arguments):
+    from meissner import run, scenes
+
+    scene = scenes.load(arguments.scene)
+    engines.load(arguments.engine)
+    if arguments.waves and arguments.engine != "rtl":
+        raise ValueError("--waves needs the rtl engine: only it has signals")
+    if arguments.seed < 0:
+        raise ValueError(f"seed = {arguments.seed} must not be negative")
+    out = Path(arguments.out or Path("build") / "run" / scene.name)
+    if out.exists() and not out.is_dir():
+        raise ValueError(f"{out} is a file; name a folder for the results")
+    summary = run.run_slip(
+        scene, arguments.engine, out, arguments.seed, arguments.waves, _progress(f"running {scene.name}")
+    )
+    if arguments.json:
+        print(json.dumps(summary, indent=2))
+        return
+    print(f"{scene.name}: {scene.title}")
+    print(
+        f"engine {summary['engine']}, {summary['runs']} runs, {summary['seconds_simulated']:.0f} s "
+        f"simulated in {summary['seconds_taken']:.1f} s, "
+        f"{summary['samples_per_second']:.3g} samples/s through the engine"
+    )
+    print(f"modelled: {', '.join(summary['modelled'])}")
+    print(f"left out: {', '.join(summary['left_out']) or 'nothing'}")
+    if summary["twin_mismatches"] is not None:
+        print(f"differences between the core and its integer twin: {summary['twin_mismatches']}")
+    if summary["pins"]:
+        pins = summary["pins"]
+        print(
+            f"at the pins of the {pins['adc']}: {pins['frames']} frames in {pins['clocks']} clocks; "
+            f"decision {pins['decision_us']:.2f} us after convert start"
+        )
+    print(
+        f"shown run (seed {summary['seed']}): onset at {_seconds(summary['onset_s'])}, flag at "
+        f"{_seconds(summary['flag_s'])}, delay {_milliseconds(summary['delay_s'])}"
+    )
+    print()
+    _table(summary["conditions"])
+    print(f"\nresults: {out}/report.html, summary.json, result.npz and pictures")
+
+
+def _seconds(value):
+    return "none" if value is None else f"{value:.4f} s"
+
+
+def _table(rows):
+    """Rows of equal keys as aligned columns."""
+    columns = list(rows[0])
+    cells = [columns, *([str(row[column]) for column in columns] for row in rows)]
+    widths = [max(len(row[i]) for row in cells) for i in range(len(columns))]
+    for row in cells:
+        print("  ".join(f"{cell:<{width}}" for cell, width in zip(row, widths)).rstrip())
+
+
+def _process_slip(arguments):
+    from meissner.slip.config import SlipConfig
+
+    if arguments.rate <= 0:
+        raise ValueError(f"rate = {arguments.rate:g} must be above 0 samples per second")
+    config = SlipConfig(
+        window=arguments.window,
+        hop=arguments.window if arguments.hop is None else arguments.hop,
+        level=arguments.level,
+        threshold=arguments.threshold,
+    )
+    x = engines.check_samples(files.read_array(arguments.input))
+    with files.written(arguments.out) as file:
+        engines.load(arguments.engine)
+        engines.process_slip(x[:, : config.window], config, arguments.engine)  # built and warm
+        began = time.perf_counter()
+        result = engines.process_slip(x, config, arguments.engine)
+        taken = time.perf_counter() - began
+        np.savez(file, **result)
+    channels, windows = result["slip"].shape
+    fired = result["fired_at"][result["slip"]]
+    first = f"first at {fired.min() / arguments.rate:.4f} s" if len(fired) else "none"
+    print(
+        f"{channels} channel{'s' * (channels > 1)}, {windows} windows, {int(result['slip'].sum())} slips "
+        f"({first}); {x.size / taken:.3g} samples/s on engine {arguments.engine}; {arguments.out}"
+    )
+
+
+def _parser():
+    parser = _Parser(prog="meissner", description="Slip, pressure and grip from a tactile sensor's ADC pins.")
+    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+
+    listing = commands.add_parser("scenes", help="list the scenes, one line each")
+    listing.set_defaults(call=_scenes)
+
+    run = commands.add_parser("run", help="run a scene: physics, converter, core, report")
+    run.add_argument("scene", metavar="SCENE", help="a name that `meissner scenes` lists")
+    run.add_argument("--engine", default="fixed", metavar="E", help=f"{', '.join(engines.NAMES)} (fixed)")
+    run.add_argument("--out", metavar="DIR", help="folder for the results (build/run/SCENE)")
+    run.add_argument("--seed", type=int, default=1, help="first seed; the scene says how many follow (1)")
+    run.add_argument("--waves", action="store_true", help="also write waves.vcd (rtl engine)")
+    run.add_argument("--json", action="store_true", help="print summary.json on standard output instead")
+    run.set_defaults(call=_run)
+
+    process = commands.add_parser("process", help="run one part of the core over recorded samples")
+    parts = process.add_subparsers(dest="part", required=True, metavar="PART")
+    slip = parts.add_parser("slip", help="slip per window from samples [samples] or [channels, samples]")
+    slip.add_argument("input", metavar="IN.npy", help="integer codes; or .csv with one column per channel")
+    slip.add_argument("--rate", type=float, required=True, help="samples per second of each channel")
+    slip.add_argument("--threshold", type=int, required=True, help="codes of the unnormalised detail")
+    slip.add_argument("--window", type=int, default=64, help="samples, a power of two from 4 (64)")
+    slip.add_argument("--hop", type=int, help="samples, even, 2 to window (the window)")
+    slip.add_argument("--level", type=int, default=1, help="Haar level, 1 to 3 (1)")
+    slip.add_argument("--engine", default="fixed", metavar="E", help=f"{', '.join(engines.NAMES)} (fixed)")
+    slip.add_argument("--out", required=True, metavar="OUT.npz", help="where the arrays go")
+    slip.set_defaults(call=_process_slip)
+    return parser
+
+
+def main(arguments=None):
+    """Entry point; returns only on success."""
+    arguments = _parser().parse_args(arguments)
+    try:
+        arguments.call(arguments)
+    except (ValueError, PermissionError) as problem:
+        sys.exit(_refuse(problem))
+    except BrokenPipeError:
+        sys.exit(0)
+
+
+def _refuse(problem):
+    print(f"meissner: {problem}", file=sys.stderr)
+    return 2
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The converters at pin level for the batch driver: the right bits at the right edges, no timing checks (those are
+// in tb/parts). Call step() once per clock with the pins the master drives; it returns nothing, `miso` and `busy`
+// are what the master samples at its next clock.
+//
+// codes: the raw codes of channels 0 .. 7 at this moment, any bits above the part's ignored. With one lane wired,
+// mask `miso` to its lowest bit: a Verilated port takes whatever it is given.
+
+#pragma once
+
+#include <cstdint>
+
+namespace meissner {
+
+// Microchip MCP3208: CLK rests low; start, single-ended and three channel bits in on rising edges, a null bit and
+// twelve code bits out on falling ones.
+struct Mcp3208 {
+  bool miso = false;
+  bool busy = false;
+
+  void step(bool cs_n, bool sclk, bool mosi, bool /*convst*/, const int32_t *codes) {
+    if (cs_n) {
+      command_bits = falls = command = 0;
+    } else if (sclk && !sclk_before) {
+      if (command_bits < 5 && (command_bits || mosi)) {
+        command = command << 1 | (mosi ? 1 : 0);
+        ++command_bits;
+      }
+    } else if (!sclk && sclk_before && command_bits) {
+      ++falls;
+      if (falls == 6) {  // the sample ends here
+        value = codes[command & 7] & 0xfff;
+        miso = false;
+      } else if (falls > 6) {
+        miso = falls <= 18 && (value >> (18 - falls) & 1);
+      }
+    }
+    sclk_before = sclk;
+  }
+
+ private:
+  int command_bits = 0;
+  int command = 0;
+  int falls = 0;
+  int value = 0;
+  bool sclk_before = false;
+};
+
+// Analog Devices AD7606, serial: SCLK rests high; CS falling and every rising SCLK bring the next bit, V1 first on
+// DOUTA (bit 0 of miso), V5 first on DOUTB (bit 1). BUSY lasts busy_clocks from the clock CONVST rises in.
+struct Ad7606 {
+  uint8_t miso = 0;
+  bool busy = false;
+  int busy_clocks = 100;
+
+  explicit Ad7606(int clocks = 100) : busy_clocks(clocks) {}
+
+  void step(bool cs_n, bool sclk, bool /*mosi*/, bool convst, const int32_t *codes) {
+    if (busy && --left == 0) {
+      busy = false;
+      for (int channel = 0; channel < 8; ++channel) results[channel] = sampled[channel];
+    }
+    if (convst && !convst_before && !busy) {
+      for (int channel = 0; channel < 8; ++channel) sampled[channel] = codes[channel];
+      busy = true;
+      left = busy_clocks;
+    }
+    if (!cs_n && cs_before) {
+      bit = 0;
+      show();
+    } else if (!cs_n && sclk && !sclk_before) {
+      ++bit;
+      show();
+    }
+    cs_before = cs_n;
+    sclk_before = sclk;
+    convst_before = convst;
+  }
+
+ private:
+  void show() {
+    const int channel = bit / 16;
+    const int place = 15 - bit % 16;
+    const int a = channel < 8 ? results[channel] >> place & 1 : 0;
+    const int b = channel < 8 ? results[(channel + 4) % 8] >> place & 1 : 0;
+    miso = static_cast<uint8_t>(a | b << 1);
+  }
+
+  int32_t sampled[8] = {};
+  int32_t results[8] = {};
+  int left = 0;
+  int bit = 0;
+  bool cs_before = true;
+  bool sclk_before = true;
+  bool convst_before = false;
+};
+
+}  // namespace meissner

@@ -1,0 +1,45 @@
+"""Engine ``fixed``: the integer twins, vectorised. Bit for bit what the RTL does."""
+
+import numpy as np
+
+from meissner.engines import Watched
+from meissner.slip.haar import haar
+from meissner.slip.peak_to_peak import PeakToPeak, sliding
+from meissner.slip.slip import Slip
+
+
+def watch(x, config, moving=None):
+    """Run the slip path over ``x`` [channels, samples] with ``moving`` [samples]; returns Watched."""
+    detail, total = haar(x, config.level)
+    group = 1 << config.level
+    p2p, end = PeakToPeak(len(x), config.window // group, config.hop // group).process(detail)
+    twin = Slip(len(x), config)
+    moving = None if moving is None else np.asarray(moving)[group - 1 :: group][: detail.shape[1]]
+    state = twin.process(p2p, total, moving)
+    return Watched(p2p=p2p, over=p2p > config.threshold, state=state, end=end, blanked=twin.blanked)
+
+
+def windows(x, config, count):
+    """(p2p, slip, first) [channels, windows]: ``first`` is the detail of a tumbling window that crosses."""
+    group = 1 << config.level
+    span, hop = config.window // group, config.hop // group
+    shape = (len(x), count)
+    p2p = np.empty(shape, dtype=np.int64)
+    first = np.zeros(shape, dtype=np.int64)
+    # In pieces that stay in the cache: four times faster on long recordings.
+    piece = max(1, (1 << 15) // (config.hop * len(x)))
+    for start in range(0, count, piece):
+        stop = min(count, start + piece)
+        samples = x[:, start * config.hop : (stop - 1) * config.hop + config.window]
+        detail = haar(samples.astype(np.int32), config.level)[0]
+        if hop == span:
+            part = detail.reshape(len(x), stop - start, span)
+            p2p[:, start:stop] = part.max(axis=2) - part.min(axis=2)
+            channels, hits = np.nonzero(p2p[:, start:stop] > config.threshold)
+            if len(hits):
+                crossing = part[channels, hits]
+                running = np.maximum.accumulate(crossing, axis=1) - np.minimum.accumulate(crossing, axis=1)
+                first[channels, start + hits] = np.argmax(running > config.threshold, axis=1)
+        else:
+            p2p[:, start:stop] = sliding(detail, span)[:, span - 1 :: hop]
+    return p2p, p2p > config.threshold, first

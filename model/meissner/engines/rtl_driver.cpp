@@ -1,0 +1,218 @@
+// Batch driver of the Verilated core behind a C ABI: whole arrays in, whole arrays out.
+#include <cstdint>
+
+#include "Vmsn_core.h"
+#include "Vmsn_core___024root.h"
+#include "adc_parts.hpp"
+#include "verilated.h"
+#if VM_TRACE
+#include "verilated_vcd_c.h"
+#endif
+
+namespace {
+
+struct Core {
+  VerilatedContext context;
+  Vmsn_core top{&context};
+
+#if VM_TRACE
+  VerilatedVcdC trace;
+  bool tracing = false;
+  uint64_t half_clock_ps = 500;
+#endif
+
+  Core() {
+    top.clk_i = 1;
+#if VM_TRACE
+    context.traceEverOn(true);
+    top.trace(&trace, 99);
+#endif
+  }
+
+  // One rising edge. Nothing in the core acts on the falling one, so it is not evaluated, which is a third
+  // of the time: telling Verilator that the clock was low is enough. Should a release rename this member,
+  // the build fails.
+  void clock() {
+#if VM_TRACE
+    if (tracing) {
+      for (const int level : {0, 1}) {
+        top.clk_i = level;
+        top.eval();
+        trace.dump(context.time());
+        context.timeInc(half_clock_ps);
+      }
+      return;
+    }
+#endif
+    top.rootp->__Vtrigprevexpr___TOP__clk_i__0 = 0;
+    top.eval();
+  }
+};
+
+// What core_pins tells besides the decisions.
+struct PinFacts {
+  int64_t clocks, frames;
+  int64_t period_min, period_max;      // clocks from convert start to convert start
+  int64_t decision_min, decision_max;  // clocks from convert start to the decision
+};
+
+struct Decisions {
+  uint32_t *p2p;
+  uint8_t *flags;
+  int64_t room, count = 0;
+
+  bool take(const Vmsn_core &top) {
+    if (!top.out_valid_o) return true;
+    if (count == room) return false;
+    p2p[count] = top.out_p2p_o;
+    flags[count] = static_cast<uint8_t>(top.out_state_o | top.out_over_o << 3 | top.out_end_o << 4 |
+                                        top.out_raised_o << 5);
+    count++;
+    return true;
+  }
+};
+
+template <typename Part>
+int64_t run_pins(Core *core, Part part, const int32_t *codes, int64_t frames, uint32_t period,
+                 const uint8_t *moving, Decisions decisions, int64_t trace_from, int64_t trace_to,
+                 const char *trace_path, int64_t clk_khz, PinFacts *facts) {
+  auto &top = core->top;
+  top.cfg_adc_period_i = period;
+  top.cfg_adc_enable_i = 1;
+  int32_t channels[8] = {};
+  int64_t frame = -1, started = 0;
+  *facts = {0, frames, INT64_MAX, 0, INT64_MAX, 0};
+  for (;; facts->clocks++) {
+    core->clock();
+    if (top.convert_o) {
+      if (frame >= 0) {
+        const int64_t clocks = facts->clocks - started;
+        if (clocks < facts->period_min) facts->period_min = clocks;
+        if (clocks > facts->period_max) facts->period_max = clocks;
+      }
+      started = facts->clocks;
+      if (++frame == frames) break;
+      channels[0] = codes[frame];
+      top.actuator_moving_i = moving[frame];
+#if VM_TRACE
+      if (trace_path && frame == trace_from) {
+        core->trace.open(trace_path);
+        core->tracing = true;
+        core->half_clock_ps = 500'000'000 / clk_khz;
+      }
+      if (frame == trace_to && core->tracing) {
+        core->tracing = false;
+        core->trace.close();
+        core->top.clk_i = 1;
+      }
+#else
+      (void)trace_from, (void)trace_to, (void)trace_path, (void)clk_khz;
+#endif
+    }
+    if (top.out_valid_o) {
+      const int64_t clocks = facts->clocks - started;
+      if (clocks < facts->decision_min) facts->decision_min = clocks;
+      if (clocks > facts->decision_max) facts->decision_max = clocks;
+      if (!decisions.take(top)) return -1;
+    }
+    part.step(top.adc_cs_n_o, top.adc_sclk_o, top.adc_mosi_o, top.adc_convst_o, channels);
+    top.adc_miso_i = part.miso & 1;
+    top.adc_busy_i = part.busy;
+  }
+#if VM_TRACE
+  if (core->tracing) core->trace.close();
+#endif
+  return decisions.count;
+}
+
+}  // namespace
+
+extern "C" {
+
+// The registers of the slip path, in the units of their ports.
+struct SlipRegisters {
+  uint32_t threshold, gross_threshold;
+  int32_t contact_level, release_level;
+  uint32_t contact_rises, hold, refractory, blank;
+};
+
+Core *core_new() { return new Core; }
+
+void core_delete(Core *core) { delete core; }
+
+// Reset the core and set its registers.
+void core_start(Core *core, const SlipRegisters *registers, uint32_t detail_bits) {
+  auto &top = core->top;
+  const uint32_t mask = detail_bits >= 32 ? ~0u : (1u << detail_bits) - 1;
+  top.cfg_threshold_i = registers->threshold & mask;
+  top.cfg_gross_threshold_i = registers->gross_threshold & mask;
+  top.cfg_contact_level_i = static_cast<uint32_t>(registers->contact_level) & mask;
+  top.cfg_release_level_i = static_cast<uint32_t>(registers->release_level) & mask;
+  top.cfg_contact_rises_i = registers->contact_rises;
+  top.cfg_hold_i = registers->hold;
+  top.cfg_refractory_i = registers->refractory;
+  top.cfg_blank_i = registers->blank;
+  top.actuator_moving_i = 0;
+  top.in_valid_i = 0;
+  top.out_ready_i = 1;
+  top.rst_i = 1;
+  for (int i = 0; i < 4; i++) core->clock();
+  top.rst_i = 0;
+}
+
+// Send `frames` frames of `channels` samples, one sample per clock, and collect every decision:
+// p2p, and flags = state | over << 3 | end << 4 | raised << 5. `moving` has one byte per frame, or is null.
+// Returns the number of decisions, or -1 if the core stalled or more than `room` came out.
+int64_t core_slip(Core *core, const int32_t *samples, int64_t frames, int32_t channels,
+                  uint32_t sample_bits, const uint8_t *moving, uint32_t *p2p, uint8_t *flags,
+                  int64_t room) {
+  auto &top = core->top;
+  const uint32_t mask = (1u << sample_bits) - 1;
+  Decisions decisions{p2p, flags, room};
+  const auto drain = [&] {
+    for (int i = 0; i < 32; i++) {
+      core->clock();
+      if (!decisions.take(top)) return false;
+    }
+    return true;
+  };
+  top.in_valid_i = 1;
+  for (int64_t frame = 0; frame < frames; frame++) {
+    if (moving && moving[frame] != top.actuator_moving_i) {
+      // The input is not delayed with the samples: let those of the frames before pass first.
+      top.in_valid_i = 0;
+      if (!drain()) return -1;
+      top.actuator_moving_i = moving[frame];
+      top.in_valid_i = 1;
+    }
+    for (int32_t channel = 0; channel < channels; channel++) {
+      top.in_data_i = static_cast<uint32_t>(*samples++) & mask;
+      top.in_id_i = channel;
+      top.in_last_i = channel == channels - 1;
+      core->clock();
+      if (!top.in_ready_o || !decisions.take(top)) return -1;
+    }
+  }
+  top.in_valid_i = 0;
+  return drain() ? decisions.count : -1;
+}
+
+// The same through the pins of a converter, channel 0 only: part 1 is the MCP3208, 2 the AD7606 with
+// BUSY lasting `busy_clocks`. Frames trace_from .. trace_to-1 go to trace_path if the core was built for it.
+int64_t core_pins(Core *core, int32_t part, int32_t busy_clocks, const int32_t *codes, int64_t frames,
+                  uint32_t period, const uint8_t *moving, uint32_t *p2p, uint8_t *flags, int64_t room,
+                  int64_t trace_from, int64_t trace_to, const char *trace_path, int64_t clk_khz,
+                  PinFacts *facts) {
+  const Decisions decisions{p2p, flags, room};
+  if (part == 1) {
+    return run_pins(core, meissner::Mcp3208{}, codes, frames, period, moving, decisions, trace_from,
+                    trace_to, trace_path, clk_khz, facts);
+  }
+  return run_pins(core, meissner::Ad7606{busy_clocks}, codes, frames, period, moving, decisions,
+                  trace_from, trace_to, trace_path, clk_khz, facts);
+}
+
+uint32_t core_blanked(const Core *core) { return core->top.blanked_o; }
+uint32_t core_damaged(const Core *core) { return core->top.damaged_o; }
+
+}  // extern "C"

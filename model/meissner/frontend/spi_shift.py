@@ -1,0 +1,33 @@
+"""Twin of rtl/frontend/msn_spi_shift.sv: what a word's bits mean, and when things happen in clocks."""
+
+import numpy as np
+
+
+def check(bits, data_bits, half):
+    if half < 1:
+        raise ValueError(f"half = {half} must be at least 1")
+    if not 2 <= data_bits <= bits:
+        raise ValueError(f"data_bits = {data_bits} must lie in 2 .. bits")
+
+
+def word(line, data_bits):
+    """The code in one word: ``line`` holds the DOUT levels of its SCLK periods; the last bits count."""
+    code = 0
+    for level in np.asarray(line)[-data_bits:]:
+        code = code << 1 | int(level)
+    return code
+
+
+def command_line(command, bits, data_bits):
+    """The DIN levels of the first ``data_bits`` SCLK periods of a word."""
+    return [command >> (data_bits - 1 - bit) & 1 for bit in range(min(bits, data_bits))]
+
+
+def word_clock(bits, half, words=1):
+    """Clocks from start_i to word_o of the ``words``-th word of a CS frame."""
+    return 2 * half * bits * words
+
+
+def done_clock(bits, half, words=1):
+    """Clocks from start_i to done_o, the first clock in which the next start_i may come."""
+    return 2 * half * (bits * words + 1)

@@ -1,0 +1,175 @@
+"""``meissner run``: a scene through an engine, over its conditions and seeds, into a folder of results."""
+
+import json
+import time
+from pathlib import Path
+
+import numpy as np
+
+from meissner import engines, report, scenes
+from meissner.files import written
+from meissner.slip.haar import haar
+from meissner.slip.slip import State
+
+
+def _raised(state):
+    """Indices of the details at which the slip flag rises."""
+    slipping = (state == State.INCIPIENT) | (state == State.GROSS)
+    return np.flatnonzero(slipping & ~np.concatenate([[False], slipping[:-1]]))
+
+
+def judge(recording, state, level):
+    """Hold the states of one run against the truth; times in seconds, None where there is none.
+
+    ``flag_s``: the first rise of the flag at or after the onset; ``missed``: a slip without one;
+    ``false_alarms``: rises before the onset, or any where nothing slips. A detail is known at its last
+    sample, so that sample's time is the flag's.
+    """
+    group = 1 << level
+    rises = ((_raised(state) + 1) * group - 1) / recording.scene.rate_hz
+    onset = recording.onset_s
+    early = rises if onset is None else rises[rises < onset]
+    flag = None if onset is None or len(early) == len(rises) else float(rises[len(early)])
+    return {
+        "onset_s": onset,
+        "gross_s": recording.gross_s,
+        "flag_s": flag,
+        "delay_s": None if flag is None else flag - onset,
+        "lead_s": None if flag is None else recording.gross_s - flag,
+        "missed": onset is not None and flag is None,
+        "false_alarms": len(early),
+    }
+
+
+def _mismatches(watched, twin):
+    """How many details differ from the twin's in any field."""
+    fields = ("p2p", "over", "state")
+    wrong = np.zeros(twin.p2p.shape, dtype=bool)
+    for field in fields:
+        wrong |= getattr(watched, field) != getattr(twin, field)
+    return int(wrong.sum()) + int((watched.end != twin.end).sum()) + int(watched.blanked != twin.blanked)
+
+
+def _statistics(condition, verdicts):
+    """One row of the table of conditions."""
+    delays = np.array([v["delay_s"] for v in verdicts if v["delay_s"] is not None]) * 1e3
+    leads = np.array([v["lead_s"] for v in verdicts if v["lead_s"] is not None]) * 1e3
+    row = {
+        "condition": condition.name,
+        "runs": len(verdicts),
+        "missed": sum(v["missed"] for v in verdicts),
+        "false_alarms": sum(v["false_alarms"] for v in verdicts),
+    }
+    if len(delays):
+        row |= {
+            "delay_ms_median": round(float(np.median(delays)), 3),
+            "delay_ms_mean": round(float(delays.mean()), 3),
+            "delay_ms_max": round(float(delays.max()), 3),
+            "lead_ms_median": round(float(np.median(leads)), 3),
+            "lead_ms_min": round(float(leads.min()), 3),
+        }
+    return row
+
+
+def run_slip(scene, engine, out, seed=1, waves=False, progress=lambda runs: runs):
+    """Run every condition of a slip scene with its seeds; write results to ``out``; return the summary."""
+    began = time.perf_counter()
+    module, twin_module = engines.load(engine), engines.load("fixed")
+    config = scene.slip_config()
+    seeds = range(seed, seed + scene.seeds)
+    arrays, shown = {}, {}
+    mismatches, samples, simulated, engine_s = 0, 0, 0.0, 0.0
+    module.watch(np.zeros((1, config.window), dtype=np.int64), config)  # built and warm before it is timed
+    jobs = [(condition, number) for condition in scene.conditions for number in seeds]
+    verdicts = {condition: [] for condition in scene.conditions}
+    for condition, number in progress(jobs):
+        recording = scenes.simulate(scene, condition, number)
+        codes = recording.codes[None]
+        started = time.perf_counter()
+        watched = module.watch(codes, config, recording.moving)
+        engine_s += time.perf_counter() - started
+        if engine == "rtl":
+            mismatches += _mismatches(watched, twin_module.watch(codes, config, recording.moving))
+        samples += codes.size
+        simulated += len(recording.time_s) / scene.rate_hz
+        verdicts[condition].append(judge(recording, watched.state[0], config.level))
+        if number == seed:
+            shown[condition] = (recording, watched)
+    pins = None
+    if engine == "rtl":
+        recording, watched = shown[scene.conditions[0]]
+        pins = module.watch_pins(recording, config, waves=Path(out) / "waves.vcd" if waves else None)
+        mismatches += _mismatches(pins.watched, watched)
+
+    rows = [_statistics(condition, verdicts[condition]) for condition in scene.conditions]
+    first = verdicts[scene.conditions[0]][0]
+    summary = {
+        "scene": scene.name,
+        "engine": engine,
+        "seed": seed,
+        "seconds_simulated": round(simulated, 3),
+        "seconds_taken": None,
+        "samples_per_second": round(samples / engine_s),
+        "twin_mismatches": mismatches if engine == "rtl" else None,
+        "modelled": list(shown[scene.conditions[0]][0].modelled),
+        "left_out": list(shown[scene.conditions[0]][0].left_out),
+        **{key: first[key] for key in ("onset_s", "flag_s", "delay_s", "gross_s")},
+        "missed": sum(row["missed"] for row in rows),
+        "false_alarms": sum(row["false_alarms"] for row in rows),
+        "runs": len(jobs),
+        "conditions": rows,
+        "pins": None if pins is None else pins.facts,
+    }
+    out = Path(out)
+    out.mkdir(parents=True, exist_ok=True)
+    pictures = []
+    for index, (condition, (recording, watched)) in enumerate(shown.items()):
+        name = f"{scene.name}.png" if len(shown) == 1 else f"{scene.name}_{index + 1}.png"
+        verdict = verdicts[condition][0]
+        _draw(out / name, recording, watched, config, verdict)
+        pictures.append((out / name, f"{condition.name}, seed {seed}"))
+        arrays |= _arrays(recording, watched, config, f"c{index}_" if len(shown) > 1 else "")
+    summary["seconds_taken"] = round(time.perf_counter() - began, 3)
+    with written(out / "result.npz") as file:
+        np.savez_compressed(file, **arrays)
+    report.write_html(
+        out / "report.html",
+        {key: value for key, value in summary.items() if key not in ("conditions", "pins")},
+        pictures,
+        {"Conditions": rows, **({"At the converter's pins": [pins.facts]} if pins else {})},
+        title=f"{scene.name}: {scene.title}",
+    )
+    with written(out / "summary.json") as file:
+        file.write(json.dumps(summary, indent=2).encode() + b"\n")
+    return summary
+
+
+def _arrays(recording, watched, config, prefix):
+    """What result.npz keeps of one run."""
+    kept = {
+        "time_s": recording.time_s,
+        "codes": recording.codes,
+        "normal_n": recording.normal_n,
+        "tension_n": recording.tension_n,
+        "p2p": watched.p2p[0],
+        "state": watched.state[0],
+        "over": watched.over[0],
+        "threshold": np.int64(config.threshold),
+    }
+    return {prefix + name: values for name, values in kept.items()}
+
+
+def _draw(path, recording, watched, config, verdict):
+    detail, _ = haar(recording.codes[None], config.level)
+    group = 1 << config.level
+    volts = recording.scene.adc.lsb_v / 2 ** (config.level / 2)  # of one code of the unnormalised detail
+    report.draw_slip(
+        path,
+        recording,
+        detail_time_s=((np.arange(detail.shape[1]) + 1) * group - 1) / recording.scene.rate_hz,
+        detail_v=detail[0] * volts,
+        p2p_v=watched.p2p[0] * volts,
+        state=watched.state[0],
+        threshold_v=recording.scene.peak_to_peak_v(),
+        flag_s=verdict["flag_s"],
+    )

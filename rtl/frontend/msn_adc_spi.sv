@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// SPI master for the converters of msn_pkg::adc_part_e; msn_adc_pkg describes them, docs/adc.md has the sources.
+//
+// Conversions start every cfg_period_i clocks (0: 2^PeriodBits) while cfg_enable_i, whatever the consumer and the
+// transfer do. Each timer tick is one of: a frame sent out whole; a frame dropped whole because a sample of the one
+// before was still waiting at its start (dropped_o); a frame given up because BUSY did not answer (timeout_o); a
+// tick without conversion, because the frame before was still under way (overrun_o).
+//
+// First sample: MCP3208 2*half*19 clocks after convert_o; AD7606 3 + 2*half*16 clocks after BUSY was seen low.
+// The rest: model/meissner/frontend/adc_spi.py, the twin, has every latency as a function.
+
+module msn_adc_spi #(
+  parameter  int unsigned Part       = msn_pkg::AdcMcp3208,  // msn_pkg::adc_part_e
+  parameter  int unsigned Channels   = 8,
+  parameter  int unsigned Lanes      = 1,
+  parameter  int unsigned ClkKhz     = 25_000,
+  parameter  int unsigned SclkKhz    = msn_adc_pkg::sclk_default_khz(Part),  // upper bound
+  parameter  int unsigned SampleBits = 17,
+  parameter  int unsigned PeriodBits = 24,
+  localparam int unsigned IdBits     = msn_pkg::index_width(Channels)
+) (
+  input  logic                         clk_i,
+  input  logic                         rst_i,
+
+  input  logic                         cfg_enable_i,
+  input  logic [PeriodBits-1:0]        cfg_period_i,  // clocks from convert start to convert start
+
+  output logic                         adc_cs_n_o,
+  output logic                         adc_sclk_o,
+  output logic                         adc_mosi_o,
+  input  logic [Lanes-1:0]             adc_miso_i,
+  output logic                         adc_convst_o,
+  input  logic                         adc_busy_i,
+
+  output logic                         convert_o,     // CONVST rises (MCP3208: CS falls) with this strobe
+
+  output logic                         out_valid_o,
+  input  logic                         out_ready_i,
+  output logic signed [SampleBits-1:0] out_data_o,
+  output logic [IdBits-1:0]            out_id_o,
+  output logic                         out_last_o,
+  output logic                         out_user_o,    // over-range
+
+  output logic [31:0]                  dropped_o,
+  output logic [31:0]                  overrun_o,
+  output logic [31:0]                  timeout_o,
+  output logic [31:0]                  over_range_o   // samples sent with out_user_o
+);
+
+  if (!msn_adc_pkg::known(Part)) begin : gen_check_part
+    $fatal(1, "msn_adc_spi: Part = %0d must be one of msn_pkg::adc_part_e", Part);
+  end
+  if (Channels < 1 || Channels > 8) begin : gen_check_channels
+    $fatal(1, "msn_adc_spi: Channels = %0d must lie in 1 .. 8", Channels);
+  end
+  if (Lanes < 1 || Lanes > msn_adc_pkg::max_lanes(Part)) begin : gen_check_lanes
+    $fatal(1, "msn_adc_spi: Lanes = %0d must lie in 1 .. %0d", Lanes, msn_adc_pkg::max_lanes(Part));
+  end
+  if (Lanes > 1 && Channels <= msn_adc_pkg::lane_channels(Part)) begin : gen_check_lane_use
+    $fatal(1, "msn_adc_spi: Lanes = %0d must be 1: one lane has all %0d Channels", Lanes, Channels);
+  end
+  if (ClkKhz < 1 || ClkKhz > 400_000) begin : gen_check_clk
+    $fatal(1, "msn_adc_spi: ClkKhz = %0d must lie in 1 .. 400000", ClkKhz);
+  end
+  if (SclkKhz < 1 || SclkKhz > msn_adc_pkg::sclk_max_khz(Part)) begin : gen_check_sclk
+    $fatal(1, "msn_adc_spi: SclkKhz = %0d must lie in 1 .. %0d", SclkKhz, msn_adc_pkg::sclk_max_khz(Part));
+  end
+  if (ClkKhz < 2 * Half * msn_adc_pkg::sclk_min_khz(Part)) begin : gen_check_droop
+    $fatal(1, "msn_adc_spi: SclkKhz = %0d is too slow: the sample droops before it is out", SclkKhz);
+  end
+  if (SampleBits < DataBits + 32'(!Signed)) begin : gen_check_sample_bits
+    $fatal(1, "msn_adc_spi: SampleBits = %0d must hold a code of %0d bits", SampleBits, DataBits);
+  end
+  if (PeriodBits < 1 || PeriodBits > 32) begin : gen_check_period_bits
+    $fatal(1, "msn_adc_spi: PeriodBits = %0d must lie in 1 .. 32", PeriodBits);
+  end
+
+  localparam int unsigned DataBits     = msn_adc_pkg::data_bits(Part);
+  localparam int unsigned Half         = msn_adc_pkg::half_clocks(Part, ClkKhz, SclkKhz);
+  localparam int unsigned LaneChannels = msn_adc_pkg::lane_channels(Part);
+  localparam int unsigned Words        = (Lanes > 1) ? LaneChannels : Channels;  // of each lane in a frame
+  localparam bit          Signed       = msn_adc_pkg::is_signed(Part);
+  localparam bit          HasBusy      = msn_adc_pkg::has_busy(Part);
+  localparam bit          CsPerChannel = msn_adc_pkg::cs_per_channel(Part);
+  // Twice the longest conversion, rounded up to a power of two: then the watchdog needs no comparator.
+  localparam int unsigned WatchBits    = msn_pkg::index_width(
+      msn_pkg::clocks_of_ns(2 * msn_adc_pkg::conversion_max_ns(Part), ClkKhz));
+
+  typedef enum logic [1:0] {
+    Idle,
+    BusyRise,  // CONVST is high, BUSY has not risen yet
+    BusyFall,  // converting
+    Read
+  } state_e;
+
+  state_e                state_q, state_d;
+  logic [PeriodBits-1:0] left_q;   // clocks to the next tick
+  logic [WatchBits-1:0]  watch_q;  // clocks spent waiting for BUSY
+  logic [IdBits-1:0]     word_q;   // back at 0 after a frame's last word
+  logic                  drop_q;   // this frame is dropped
+  logic                  busy, busy_q;
+  logic                  tick, frame, give_up, read, done, word, frame_end, pending;
+  logic [Lanes*DataBits-1:0] data;
+
+  assign tick      = cfg_enable_i && left_q == '0;
+  assign frame     = tick && state_q == Idle;
+  assign frame_end = done && word_q == '0;
+
+  // BUSY must be seen to rise: if it is stuck high, or late from the frame before, its fall means nothing.
+  always_comb begin
+    state_d = state_q;
+    give_up = HasBusy && (state_q == BusyRise || state_q == BusyFall) && &watch_q;
+    case (state_q)
+      Idle:     if (tick) state_d = HasBusy ? BusyRise : Read;
+      BusyRise: if (busy && !busy_q) state_d = BusyFall;
+      BusyFall: if (!busy) state_d = Read;
+      default:  if (frame_end) state_d = Idle;
+    endcase
+    if (give_up) state_d = Idle;
+  end
+
+  assign read = (state_q != Read && state_d == Read) || (done && !frame_end);
+
+  always_ff @(posedge clk_i) begin
+    state_q   <= state_d;
+    busy_q    <= busy;
+    left_q    <= !cfg_enable_i ? '0 : tick ? cfg_period_i - 1'b1 : left_q - 1'b1;
+    watch_q   <= (state_q == BusyRise || state_q == BusyFall) ? watch_q + 1'b1 : '0;
+    convert_o <= frame;
+    if (frame) drop_q <= pending;
+    if (word) word_q <= (word_q == IdBits'(Words - 1)) ? '0 : word_q + 1'b1;
+
+    // The watchdog's first half outlasts any conversion; low for its second, CONVST can rise at the next tick.
+    adc_convst_o <= (state_d == BusyRise || state_d == BusyFall) && !watch_q[WatchBits-1];
+
+    dropped_o <= dropped_o + 32'(frame_end && drop_q);
+    overrun_o <= overrun_o + 32'(tick && state_q != Idle);
+    timeout_o <= timeout_o + 32'(give_up);
+
+    over_range_o <= over_range_o + 32'(out_valid_o && out_ready_i && out_user_o);
+
+    if (rst_i) begin
+      state_q      <= Idle;
+      left_q       <= '0;
+      word_q       <= '0;
+      convert_o    <= 1'b0;
+      adc_convst_o <= 1'b0;
+      dropped_o    <= '0;
+      overrun_o    <= '0;
+      timeout_o    <= '0;
+      over_range_o <= '0;
+    end
+  end
+
+  msn_sync u_busy (
+    .clk_i,
+    .in_data_i  (adc_busy_i),
+    .out_data_o (busy)
+  );
+
+  // Start bit, single-ended, channel: MCP3208. The AD7606 has no command and no DIN.
+  logic mosi;
+  logic [DataBits-1:0] command;
+  assign command    = CsPerChannel ? {2'b11, 3'(word_q), (DataBits-5)'(0)} : '0;
+  assign adc_mosi_o = CsPerChannel && mosi;
+
+  msn_spi_shift #(
+    .Bits     (msn_adc_pkg::word_bits(Part)),
+    .DataBits (DataBits),
+    .Lanes    (Lanes),
+    .Half     (Half),
+    .IdleHigh (msn_adc_pkg::idles_high(Part))
+  ) u_shift (
+    .clk_i,
+    .rst_i,
+    .start_i    (read),
+    .again_i    (!CsPerChannel && word_q != IdBits'(Words - 1)),
+    .command_i  (command),
+    .word_o     (word),
+    .data_o     (data),
+    .done_o     (done),
+    .spi_cs_n_o (adc_cs_n_o),
+    .spi_sclk_o (adc_sclk_o),
+    .spi_mosi_o (mosi),
+    .spi_miso_i (adc_miso_i)
+  );
+
+  msn_adc_store #(
+    .Channels     (Channels),
+    .Lanes        (Lanes),
+    .LaneChannels (LaneChannels),
+    .DataBits     (DataBits),
+    .SampleBits   (SampleBits),
+    .Signed       (Signed)
+  ) u_store (
+    .clk_i,
+    .rst_i,
+    .in_valid_i (word && !drop_q),
+    .in_word_i  (word_q),
+    .in_data_i  (data),
+    .pending_o  (pending),
+    .out_valid_o,
+    .out_ready_i,
+    .out_data_o,
+    .out_id_o,
+    .out_last_o,
+    .out_user_o
+  );
+
+endmodule

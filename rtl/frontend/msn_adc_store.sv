@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Holds one frame of codes and sends it on, channel by channel, as signed samples.
+//
+// A word brings one code per lane: word w of lane l is channel w + l*LaneChannels. A sample leaves as soon as it
+// and all channels before it are there. out_user_o marks a code at either end of the part's range.
+//
+// Latency 1 cycle from in_valid_i to out_valid_o.   Model: model/meissner/frontend/adc_spi.py
+
+module msn_adc_store #(
+  parameter  int unsigned Channels     = 8,
+  parameter  int unsigned Lanes        = 1,
+  parameter  int unsigned LaneChannels = 8,
+  parameter  int unsigned DataBits     = 12,
+  parameter  int unsigned SampleBits   = 17,
+  parameter  bit          Signed       = 1'b0,
+  localparam int unsigned IdBits       = msn_pkg::index_width(Channels)
+) (
+  input  logic                         clk_i,
+  input  logic                         rst_i,
+
+  input  logic                         in_valid_i,
+  input  logic [IdBits-1:0]            in_word_i,
+  input  logic [Lanes*DataBits-1:0]    in_data_i,
+  output logic                         pending_o,  // a sample is left that nobody takes in this clock
+
+  output logic                         out_valid_o,
+  input  logic                         out_ready_i,
+  output logic signed [SampleBits-1:0] out_data_o,
+  output logic [IdBits-1:0]            out_id_o,
+  output logic                         out_last_o,
+  output logic                         out_user_o
+);
+
+  if (SampleBits < DataBits + 32'(!Signed)) begin : gen_check_sample_bits
+    $fatal(1, "msn_adc_store: SampleBits = %0d must hold a code of %0d bits", SampleBits, DataBits);
+  end
+
+  logic [Channels-1:0]               full_q;
+  logic [Channels-1:0][DataBits-1:0] code_q;
+  logic [Channels-1:0]               taken, written;
+
+  for (genvar c = 0; c < Channels; c++) begin : gen_channel
+    localparam int unsigned Lane = (Lanes > 1) ? c / LaneChannels : 0;
+    assign taken[c]   = out_valid_o && out_ready_i && out_id_o == IdBits'(c);
+    assign written[c] = in_valid_i && in_word_i == IdBits'(c - Lane * LaneChannels);
+    always_ff @(posedge clk_i) if (written[c]) code_q[c] <= in_data_i[Lane*DataBits +: DataBits];
+  end
+
+  logic [DataBits-1:0] code, from_bottom;
+  assign code        = code_q[out_id_o];
+  assign from_bottom = code ^ {Signed, (DataBits-1)'(0)};  // 0 and all ones are the ends of the range
+
+  assign pending_o   = |(full_q & ~taken);
+  assign out_valid_o = full_q[out_id_o];
+  assign out_last_o  = out_id_o == IdBits'(Channels - 1);
+  assign out_data_o  = {{(SampleBits - DataBits){Signed && code[DataBits-1]}}, code};
+  assign out_user_o  = &from_bottom || ~|from_bottom;
+
+  always_ff @(posedge clk_i) begin
+    full_q <= (full_q & ~taken) | written;
+    if (out_valid_o && out_ready_i) out_id_o <= out_last_o ? '0 : out_id_o + 1'b1;
+    if (rst_i) begin
+      full_q   <= '0;
+      out_id_o <= '0;
+    end
+  end
+
+endmodule

@@ -1,0 +1,140 @@
+"""The command line as scripts use it: exit codes, one sentence, files that are whole or not there."""
+
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from meissner import engines
+from meissner.slip.config import SlipConfig
+
+
+def meissner(*arguments, cwd):
+    command = [sys.executable, "-m", "meissner.cli", *map(str, arguments)]
+    return subprocess.run(command, cwd=cwd, capture_output=True, text=True)
+
+
+def slip(source, *extra, out="out.npz"):
+    return ("process", "slip", source, "--rate", 10000, "--threshold", 40, "--out", out, *extra)
+
+
+@pytest.fixture
+def recording(tmp_path):
+    x = np.random.default_rng(1).integers(-20, 21, (2, 1000))
+    np.save(tmp_path / "in.npy", x)
+    np.savetxt(tmp_path / "in.csv", x.T, fmt="%d", delimiter=",")
+    return x
+
+
+@pytest.mark.parametrize("engine", engines.NAMES)
+@pytest.mark.parametrize("name", ["in.npy", "in.csv"])
+def test_process_slip(tmp_path, recording, engine, name):
+    done = meissner(*slip(name, "--engine", engine, "--hop", 32), cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert f"on engine {engine}" in done.stdout
+    result = np.load(tmp_path / "out.npz")
+    expected = engines.process_slip(recording, SlipConfig(threshold=40, hop=32), engine)
+    assert sorted(result.files) == sorted(expected)
+    for field in expected:
+        assert np.array_equal(result[field], expected[field])
+
+
+BAD = {
+    "window 48": (slip("in.npy", "--window", 48), "window = 48 must be a power of two"),
+    "window 2": (slip("in.npy", "--window", 2), "window = 2 must be a power of two, 4 or more"),
+    "hop odd": (slip("in.npy", "--hop", 5), "hop = 5"),
+    "hop 0": (slip("in.npy", "--hop", 0), "hop = 0"),
+    "level": (slip("in.npy", "--level", 4), "level = 4"),
+    "threshold negative": (
+        ("process", "slip", "in.npy", "--rate", "1", "--threshold", "-1", "--out", "out.npz"),
+        "threshold = -1 must not be negative",
+    ),
+    "threshold not a number": (
+        ("process", "slip", "in.npy", "--rate", "1", "--threshold", "4.5", "--out", "out.npz"),
+        "invalid int value: '4.5'",
+    ),
+    "rate": (
+        ("process", "slip", "in.npy", "--rate", "0", "--threshold", "1", "--out", "out.npz"),
+        "rate = 0",
+    ),
+    "engine": (slip("in.npy", "--engine", "warp"), "unknown engine 'warp'"),
+    "missing": (slip("nowhere.npy"), "there is no file nowhere.npy"),
+    "not an array": (slip("text.npy"), "text.npy is not a .npy file"),
+    "other kind": (slip("in.txt"), "must be a .npy or a .csv file"),
+    "words": (slip("words.csv"), "words.csv is not a table of numbers"),
+    "no folder": (slip("in.npy", out="no/out.npz"), "there is no folder no"),
+    "NaN": (slip("nan.npy"), "NaN"),
+    "fractions": (slip("half.npy"), "not integers"),
+    "range": (slip("wide.npy"), "outside"),
+    "channels": (slip("many.npy"), "more than the core's 1024"),
+    "shape": (slip("cube.npy"), "shape"),
+    "scene": (("run", "nope", "--out", "results"), "unknown scene 'nope'"),
+    "run engine": (("run", "acrylic_slip", "--engine", "warp", "--out", "results"), "unknown engine"),
+    "run waves": (("run", "acrylic_slip", "--waves", "--out", "results"), "--waves needs the rtl engine"),
+    "run seed": (("run", "acrylic_slip", "--seed", "-1", "--out", "results"), "seed = -1"),
+    "no command": ((), "required: COMMAND"),
+}
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_bad_input_is_one_sentence_and_writes_nothing(tmp_path, recording, case):
+    (tmp_path / "text.npy").write_text("not an array")
+    (tmp_path / "in.txt").write_text("1\n")
+    (tmp_path / "words.csv").write_text("a,b\n")
+    for name, x in {
+        "nan": np.full(100, np.nan),
+        "half": np.full(100, 0.5),
+        "wide": np.full(100, 1 << 20),
+        "many": np.zeros((1025, 64), int),
+        "cube": np.zeros((2, 2, 64), int),
+    }.items():
+        np.save(tmp_path / f"{name}.npy", x)
+    before = sorted(tmp_path.iterdir())
+    arguments, sentence = BAD[case]
+    done = meissner(*arguments, cwd=tmp_path)
+    assert done.returncode == 2
+    assert sentence in done.stderr
+    assert len(done.stderr.strip().splitlines()) == 1
+    assert done.stdout == ""
+    assert sorted(tmp_path.iterdir()) == before
+
+
+def test_scenes_are_listed_one_line_each(tmp_path):
+    done = meissner("scenes", cwd=tmp_path)
+    assert done.returncode == 0
+    assert [line.split()[0] for line in done.stdout.splitlines()] == [
+        "acrylic_slip",
+        "normal_force",
+        "slip_forces",
+        "slip_materials",
+    ]
+
+
+def test_run_writes_its_results_and_prints_the_same(tmp_path):
+    done = meissner("run", "normal_force", "--json", "--out", "results", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    printed = json.loads(done.stdout)
+    assert printed == json.loads((tmp_path / "results/summary.json").read_text())
+    keys = "scene engine seed seconds_simulated seconds_taken samples_per_second twin_mismatches"
+    keys += " modelled left_out onset_s flag_s delay_s missed false_alarms"
+    assert set(keys.split()) <= set(printed)
+    assert printed["scene"] == "normal_force"
+    assert printed["false_alarms"] == 0
+    assert printed["onset_s"] is None
+    assert "stick-slip" in printed["left_out"]
+    names = {path.name for path in (tmp_path / "results").iterdir()}
+    assert {"summary.json", "result.npz", "report.html"} < names
+    assert any(name.endswith(".png") for name in names)
+
+
+def test_run_finds_the_slip_on_the_core(tmp_path):
+    done = meissner("run", "acrylic_slip", "--engine", "rtl", "--json", "--out", "results", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    summary = json.loads(done.stdout)
+    assert summary["twin_mismatches"] == 0
+    assert summary["missed"] == 0
+    assert summary["false_alarms"] == 0
+    assert summary["runs"] >= 100
+    assert 0 <= summary["delay_s"] < summary["gross_s"] - summary["onset_s"]

@@ -1,0 +1,162 @@
+"""msn_core, samples in: decisions against the twins, at every channel count up to 7 and beyond; at most 8
+clocks from the sample that completes a group to its decision; damaged frames; reset in mid-frame."""
+
+import cocotb
+import numpy as np
+import pytest
+
+import bench
+from meissner.engines import fixed
+from meissner.slip.config import SlipConfig
+
+FIELDS = ["state", "over", "p2p", "id", "last", "end"]
+LEVELS = {"contact_level": 200, "release_level": 100, "threshold": 60, "gross_threshold": 110}
+TIMES = {"hold": 3, "refractory": 4, "blank": 5}
+
+
+def parameters(dut):
+    return [getattr(dut, n).value.to_unsigned() for n in ("Channels", "Level", "Window", "Hop")]
+
+
+def settings(dut):
+    _, level, window, hop = parameters(dut)
+    return SlipConfig(window=window, hop=hop, level=level, **LEVELS, **TIMES)
+
+
+async def begin(dut, config):
+    names = "threshold gross_threshold contact_level release_level hold refractory blank contact_rises"
+    registers = {f"cfg_{name}_i": int(getattr(config, name)) for name in names.split()}
+    await bench.start(dut, actuator_moving_i=0, **registers)
+
+
+def recording(rng, channels, samples):
+    """Codes that rest near 0, press to about 150, and tremble more or less: every state is visited."""
+    pressed = np.repeat(rng.random((channels, samples // 25 + 1)) < 0.7, 25, axis=1)[:, :samples]
+    tremor = np.repeat(rng.choice([5, 25, 60], (channels, samples // 10 + 1)), 10, axis=1)[:, :samples]
+    return pressed * 150 + rng.integers(-tremor, tremor + 1)
+
+
+def beats_of(x):
+    beats = bench.frames(data=x)
+    for beat in beats:
+        del beat["restart"]
+    return beats
+
+
+def expected(x, config):
+    watched = fixed.watch(x, config)
+    ends = np.broadcast_to(watched.end, watched.p2p.shape)
+    rows = bench.frames(state=watched.state, over=watched.over, p2p=watched.p2p, end=ends)
+    return [{field: row[field] for field in FIELDS} for row in rows], watched
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+@cocotb.parametrize(stall_rate=[0.0, 0.5])
+async def matches_model(dut, stall_rate):
+    channels = parameters(dut)[0]
+    config = settings(dut)
+    await begin(dut, config)
+    x = recording(np.random.default_rng(bench.SEED), channels, 1001 if channels < 100 else 40)
+    should, watched = expected(x, config)
+    pause = bench.pauses(stall_rate)
+    assert await bench.stream(dut, beats_of(x), FIELDS, pause, pause) == should
+    assert bench.read(dut.blanked_o) == watched.blanked
+    assert bench.read(dut.damaged_o) == 0
+    if channels < 100:
+        assert watched.over.any()
+        assert len(np.unique(watched.state)) == 5
+
+
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def decides_at_most_8_clocks_after_the_pair(dut):
+    """A crossing in the last channel; clocks are counted from the clock that took the crossing sample."""
+    channels, level, window, hop = parameters(dut)
+    config = settings(dut)
+    await begin(dut, config)
+    dut.out_ready_i.value = 1
+    group = 1 << level
+    x = np.zeros((channels, 2 * group), dtype=int)
+    x[-1, -1] = 1000
+    dut.in_valid_i.value = 1
+    for beat in beats_of(x):
+        for name, value in beat.items():
+            getattr(dut, f"in_{name}_i").value = int(value)
+        await bench.RisingEdge(dut.clk_i)
+    dut.in_valid_i.value = 0
+    clock = 0
+    while clock == 0 or dut.out_valid_o.value == 0 or dut.out_over_o.value == 0:
+        if clock:
+            await bench.RisingEdge(dut.clk_i)
+        clock += 1
+        await bench.ReadOnly()
+    stages = (window // group).bit_length() // 2
+    exact = level + 2 + (2 if hop == window else 3 if 2 * hop == window else 1 + stages)
+    dut._log.info(f"decision {clock} clocks after the sample pair, {channels} channels")
+    assert bench.read(dut.out_id_o) == channels - 1
+    assert clock == exact
+    assert clock <= 8 + (level == 3)
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def starts_anew_after_a_damaged_frame(dut):
+    """A lost sample: the damage is counted, and from the next whole frame on all is as after a reset."""
+    channels = parameters(dut)[0]
+    config = settings(dut)
+    await begin(dut, config)
+    rng = np.random.default_rng(bench.SEED + 1)
+    length = 300 if channels < 100 else 20
+    before, after = recording(rng, channels, 37), recording(rng, channels, length)
+    broken = beats_of(before)
+    if channels == 1:
+        broken[-1]["last"] = 0  # with one channel a lost `last` is the only damage there is
+        broken.append(broken[-1] | {"last": 1})
+    else:
+        del broken[-channels]
+    should, _ = expected(after, config)
+    got = await bench.stream(dut, broken + beats_of(after), FIELDS)
+    assert got[len(got) - len(should) :] == should
+    assert bench.read(dut.damaged_o) == 1
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def recovers_after_reset_in_mid_frame(dut):
+    channels = parameters(dut)[0]
+    config = settings(dut)
+    await begin(dut, config)
+    rng = np.random.default_rng(bench.SEED + 2)
+    first = beats_of(recording(rng, channels, 7))
+    await bench.stream(dut, first[: len(first) - channels // 2], FIELDS, drain=1)
+    await bench.reset(dut)
+    x = recording(rng, channels, 200 if channels < 100 else 10)
+    should, watched = expected(x, config)
+    assert await bench.stream(dut, beats_of(x), FIELDS) == should
+    assert bench.read(dut.blanked_o) == watched.blanked
+
+
+@pytest.mark.parametrize(
+    "parameters",
+    [
+        {"Channels": 1},
+        {"Channels": 2, "Hop": 32},
+        {"Channels": 5, "Hop": 2},
+        {"Channels": 7, "Level": 3},
+        {"Channels": 3, "Level": 2, "Window": 16, "Hop": 12},
+        {"Channels": 1024},
+    ],
+)
+def test_core(parameters):
+    bench.run("core", "core", {"Level": 1, "Window": 64, "Hop": parameters.get("Window", 64)} | parameters)
+
+
+@pytest.mark.parametrize(
+    "parameters, message",
+    [
+        ({"Window": 48}, "Window = 48"),
+        ({"Window": 2}, "Window = 2"),
+        ({"Window": 8, "Hop": 8, "Level": 3}, "Window = 8"),
+        ({"Hop": 3}, "Hop = 3"),
+        ({"Hop": 66}, "Hop = 66"),
+    ],
+)
+def test_refuses_illegal_parameters(parameters, message):
+    assert message in bench.refuses("core", parameters)

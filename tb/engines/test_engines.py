@@ -1,0 +1,128 @@
+"""The three engines on the same samples: fixed equals rtl in every array, float agrees, at 1 to 8 and many
+channels, every kind of window and level; the four scenes; where the flag rises; what is refused."""
+
+import numpy as np
+import pytest
+
+from meissner import engines, scenes
+from meissner.engines import fixed, rtl
+from meissner.slip.config import SlipConfig
+
+
+def noise(channels, samples, seed=1):
+    """Quiet and loud stretches, so that windows fall on both sides of the threshold."""
+    rng = np.random.default_rng(seed)
+    loud = np.repeat(rng.choice([5, 12, 30], (channels, samples // 40 + 1)), 40, axis=1)[:, :samples]
+    return rng.integers(-loud, loud + 1)
+
+
+def same(a, b):
+    return all(np.array_equal(a[name], b[name]) for name in ("p2p", "window_end", "slip", "fired_at"))
+
+
+CONFIGS = [
+    SlipConfig(),
+    SlipConfig(hop=32),
+    SlipConfig(hop=2),
+    SlipConfig(hop=6, window=32),
+    SlipConfig(level=2),
+    SlipConfig(level=3, hop=8),
+    SlipConfig(window=4, hop=4, threshold=20),
+]
+
+
+@pytest.mark.parametrize("config", CONFIGS, ids=lambda c: f"window{c.window}hop{c.hop}level{c.level}")
+def test_engines_agree(config):
+    x = noise(3, 3001)
+    results = {name: engines.process_slip(x, config, name) for name in engines.NAMES}
+    assert 0.02 < results["fixed"]["slip"].mean() < 0.98
+    assert same(results["fixed"], results["rtl"])
+    assert np.abs(results["float"]["p2p"] - results["fixed"]["p2p"]).max() < 1e-9
+    for name in ("window_end", "slip", "fired_at"):
+        assert np.array_equal(results["float"][name], results["fixed"][name])
+
+
+@pytest.mark.parametrize("channels", [1, 2, 4, 5, 6, 7, 8, 120, 1024])
+def test_any_number_of_channels(channels):
+    """3 channels are in test_engines_agree."""
+    x = noise(channels, 3000 if channels < 100 else 200)
+    config = SlipConfig()
+    assert same(engines.process_slip(x, config, "fixed"), engines.process_slip(x, config, "rtl"))
+
+
+@pytest.mark.parametrize("config", CONFIGS[:5], ids=lambda c: f"window{c.window}hop{c.hop}level{c.level}")
+def test_window_arrays_by_brute_force(config):
+    """p2p, window_end, slip and fired_at as the command's contract words them, in plain loops."""
+    x = noise(2, 700, seed=5)
+    result = engines.process_slip(x, config, "fixed")
+    group = 1 << config.level
+    ends = [e for e in range(700) if e >= config.window - 1 and (e - config.window + 1) % config.hop == 0]
+    assert result["window_end"].tolist() == ends
+    for channel in range(2):
+        for k, end in enumerate(ends):
+            samples = x[channel, end - config.window + 1 : end + 1].reshape(-1, group)
+            half = group // 2
+            details = (samples[:, :half].sum(axis=1) - samples[:, half:].sum(axis=1)).tolist()
+            seen, fired = [], -1
+            for index, detail in enumerate(details):
+                seen.append(detail)
+                if max(seen) - min(seen) > config.threshold:
+                    fired = end - config.window + (index + 1) * group
+                    break
+            slip = max(details) - min(details) > config.threshold
+            assert result["p2p"][channel, k] == max(details) - min(details)
+            assert result["slip"][channel, k] == slip
+            if config.hop < config.window:
+                fired = end if slip else -1
+            assert result["fired_at"][channel, k] == fired
+
+
+@pytest.mark.parametrize("name", scenes.names())
+def test_scenes_are_the_same_on_fixed_and_rtl(name):
+    """Every detail's peak-to-peak, decision and state, and the arrays of the slip command."""
+    scene = scenes.load(name)
+    config = scene.slip_config()
+    for condition in scene.conditions:
+        run = scenes.simulate(scene, condition, 7)
+        ours, theirs = (e.watch(run.codes[None], config, run.moving) for e in (fixed, rtl))
+        for field in ("p2p", "over", "state", "end"):
+            assert np.array_equal(getattr(ours, field), getattr(theirs, field)), (condition.name, field)
+        assert ours.blanked == theirs.blanked
+        assert same(*(engines.process_slip(run.codes, config, e) for e in ("fixed", "rtl")))
+
+
+def test_moving_and_blanking_reach_the_core():
+    rng = np.random.default_rng(4)
+    x = 150 + rng.integers(-40, 41, (2, 2000))
+    moving = np.repeat(rng.random(40) < 0.4, 50)
+    config = SlipConfig(
+        threshold=60, gross_threshold=110, contact_level=200, release_level=100, hold=3, refractory=4, blank=9
+    )
+    ours, theirs = (e.watch(x, config, moving) for e in (fixed, rtl))
+    assert ours.blanked == theirs.blanked > 0
+    assert np.array_equal(ours.state, theirs.state)
+
+
+@pytest.mark.parametrize(
+    "x, message",
+    [
+        (np.zeros((2, 3, 100)), "shape"),
+        (np.zeros((0, 100), int), "shape"),
+        (np.full(100, np.nan), "NaN"),
+        (np.full(100, np.inf), "NaN or infinity"),
+        (np.full(100, 0.5), "not integers"),
+        (np.full(100, 65536), "outside -65536 .. 65535"),
+        (np.full(100, -65537), "outside"),
+        (np.zeros((1025, 64), int), "more than the core's 1024"),
+        (np.array(["a"] * 100), "must be integers"),
+        (np.zeros(63, int), "do not fill one window of 64"),
+    ],
+)
+def test_refuses_samples(x, message):
+    with pytest.raises(ValueError, match=message):
+        engines.process_slip(x, SlipConfig(), "fixed")
+
+
+def test_refuses_unknown_engine():
+    with pytest.raises(ValueError, match="unknown engine 'warp'"):
+        engines.load("warp")

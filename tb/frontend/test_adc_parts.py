@@ -1,0 +1,56 @@
+"""engines/adc_parts.hpp: the batch driver's parts give msn_adc_spi, Verilated, the codes they were told."""
+
+import subprocess
+
+import pytest
+
+from meissner import toolchain
+from meissner.frontend.adc_spi import AD7606, MCP3208, AdcSpi
+
+FRAMES = 200
+HERE = toolchain.ROOT / "tb/frontend"
+
+
+def code(frame, channel):
+    if frame < 2:
+        return 0xFFFF if frame else 0
+    return ((frame * 8 + channel) * 2654435761 & 0xFFFFFFFF) >> 13 & 0xFFFF
+
+
+@pytest.mark.parametrize(
+    ("struct", "twin"),
+    [
+        ("Mcp3208", AdcSpi(MCP3208, channels=8, clk_khz=8_000, sclk_khz=2_000)),
+        ("Ad7606", AdcSpi(AD7606, channels=3, clk_khz=25_000)),
+        ("Ad7606", AdcSpi(AD7606, channels=7, lanes=2, clk_khz=25_000)),
+    ],
+    ids=["mcp3208", "ad7606", "ad7606-2"],
+)
+def test_adc_parts(struct, twin):
+    build = toolchain.BUILD / f"tb/adc_parts-{struct}-{twin.channels}-{twin.lanes}"
+    parameters = {
+        "Part": twin.part.number,
+        "Channels": twin.channels,
+        "Lanes": twin.lanes,
+        "ClkKhz": twin.clk_khz,
+        "SclkKhz": twin.sclk_khz,
+    }
+    include = toolchain.ROOT / "model/meissner/engines"
+    command = [
+        "verilator", "--cc", "--exe", "--build", "-Mdir", str(build), "--prefix", "Vtop", "-o", "adc_parts",
+        "--top-module", "msn_adc_spi", *toolchain.VERILATOR_FLAGS,
+        "-CFLAGS", f"-I{include} -DPART=meissner::{struct} -DLANES={twin.lanes}",
+        *(f"-G{name}={value}" for name, value in parameters.items()),
+        *map(str, toolchain.sources()), str(HERE / "adc_parts_main.cpp"),
+    ]  # fmt: skip
+    subprocess.run(command, env=toolchain.environment(), check=True, capture_output=True, text=True)
+    run = [build / "adc_parts", str(FRAMES), str(twin.safe_period())]
+    out = subprocess.run(run, check=True, capture_output=True, text=True).stdout
+    got = [[int(field) for field in line.split()] for line in out.splitlines()]
+    mask = (1 << twin.part.data_bits) - 1
+    expected = []
+    for frame in range(FRAMES):
+        data, over = twin.samples([code(frame, channel) & mask for channel in range(twin.channels)])
+        last = twin.channels - 1
+        expected += [[c, int(data[c]), int(over[c]), int(c == last)] for c in range(twin.channels)]
+    assert got == expected

@@ -1,0 +1,556 @@
+"""msn_adc_spi on models of the parts that check their own timing.
+
+Every build runs the same tests: codes (corners of every bit, then random) against the twin, with a consumer
+that is ready, stalls, or sleeps for frames; convert starts exactly on the grid through all of it; whole
+frames, and each tick accounted for; latencies and the shortest period exactly as the twin says; enable, reset
+and changed periods. The AD7606 builds also lose BUSY. The part models' limits are then tightened one by one,
+to show that each is checked: a limit that is broken fails the test.
+"""
+
+import random
+from itertools import pairwise
+
+import cocotb
+import pytest
+from cocotb.clock import Clock
+from cocotb.triggers import ReadOnly, RisingEdge
+
+import bench
+from meissner.frontend.adc_spi import AD7606, MCP3208, PARTS, AdcSpi
+from parts import ad7606, mcp3208
+from parts.timing import TimingViolation, tightened
+
+MCP_RULES = ["t_clk", "t_hi", "t_lo", "t_sucs", "t_csh", "t_su", "t_hd", "t_droop_max"]
+AD_RULES = ["t_cycle", "t_convst_low", "t_convst_high", "t_busy_cs", "t_sclk", "t_sclk_low", "t_sclk_high"]
+
+
+class Codes:
+    """The code of a channel at its n-th conversion: corners first, on each channel another, then random."""
+
+    def __init__(self, bits):
+        top = (1 << bits) - 1
+        ones = [1 << bit for bit in range(bits)]
+        self.corners = [0, top, top >> 1, (top >> 1) + 1, 0x5555 & top, 0xAAAA & top, 1, top - 1]
+        self.corners += ones + [top ^ one for one in ones]
+        self.top = top
+        self.draw = random.Random(bench.SEED)
+        self.count = [0] * 8
+
+    def __call__(self, channel, time):
+        index = self.count[channel]
+        self.count[channel] += 1
+        if index < len(self.corners):
+            return self.corners[(index + channel) % len(self.corners)]
+        return self.draw.randint(0, self.top)
+
+
+class Harness:
+    """The master, its part, and a record of everything that happened, by clock."""
+
+    def __init__(self, dut, limits=None, report=None, conversion_ns=None):
+        self.dut = dut
+        value = lambda name: getattr(dut, name).value.to_unsigned()
+        self.twin = AdcSpi(
+            PARTS[value("Part")],
+            *(value(name) for name in ("Channels", "Lanes", "ClkKhz", "SclkKhz", "SampleBits", "PeriodBits")),
+        )
+        pins = [dut.adc_cs_n_o, dut.adc_sclk_o]
+        codes = Codes(self.twin.part.data_bits)
+        for name in ("rst_i", "cfg_enable_i", "out_ready_i", "adc_miso_i", "adc_busy_i", "clk_i"):
+            getattr(dut, name).value = int(name == "rst_i")
+        dut.cfg_period_i.value = 1
+        if self.twin.part is MCP3208:
+            make = lambda: mcp3208.Mcp3208(*pins, dut.adc_mosi_o, dut.adc_miso_i, codes, limits, report)
+        else:
+            make = lambda: ad7606.Ad7606(
+                *pins, dut.adc_miso_i, dut.adc_convst_o, dut.adc_busy_i, codes, limits, report, conversion_ns
+            )
+        self.make = make
+        self.clock = -1
+        self.converts = []  # clocks of convert_o
+        self.busy_low = []  # clocks at whose end BUSY was low for the first time after it was high
+        self.beats = []  # (clock, data, id, last, user) taken
+        self.offered = []  # clocks in which a sample was first offered
+        self.held = None
+        self.stall = lambda: False
+
+    async def start(self, period=None):
+        dut = self.dut
+        Clock(dut.clk_i, 1_000_000_000 // self.twin.clk_khz, unit="ps").start()
+        await bench.clocks(dut, 3)
+        self.part = self.make()
+        await bench.clocks(dut, 3)
+        dut.rst_i.value = 0
+        self.period = period or self.twin.safe_period() + 13
+        dut.cfg_period_i.value = self.period
+        await bench.clocks(dut, 1 + 6 * self.twin.clk_khz // 1000)  # the parts are at rest for 6 us
+        dut.cfg_enable_i.value = 1
+
+    async def run(self, clocks):
+        """Let ``clocks`` pass, watching. Leaves just after a rising clock edge."""
+        dut = self.dut
+        busy = 0
+        for _ in range(clocks):
+            self.clock += 1
+            ready = not self.stall()
+            dut.out_ready_i.value = int(ready)
+            await ReadOnly()
+            if dut.convert_o.value == 1:
+                self.converts.append(self.clock)
+                launched = (
+                    dut.adc_convst_o.value == 1 if self.twin.part.has_busy else dut.adc_cs_n_o.value == 0
+                )
+                assert launched, "convert_o without a conversion"
+            valid = dut.out_valid_o.value == 1
+            assert valid or self.held is None, "valid was withdrawn while stalled"
+            if valid:
+                beat = (
+                    bench.as_signed(bench.read(dut.out_data_o), self.twin.sample_bits),
+                    *(bench.read(port) for port in (dut.out_id_o, dut.out_last_o, dut.out_user_o)),
+                )
+                assert self.held in (None, beat), f"payload changed while stalled: {self.held} -> {beat}"
+                if self.held is None:
+                    self.offered.append(self.clock)
+                self.held = None if ready else beat
+                if ready:
+                    self.beats.append((self.clock, *beat))
+            await RisingEdge(dut.clk_i)
+            if self.twin.part.has_busy:
+                level = int(dut.adc_busy_i.value)
+                if busy and not level:
+                    self.busy_low.append(self.clock)
+                busy = level
+
+    async def frames(self, count):
+        """Watch ``count`` periods, then the end of the last frame."""
+        await self.run(count * self.period)
+
+    async def stop(self):
+        """No new frames; drain."""
+        self.dut.cfg_enable_i.value = 0
+        self.stall = lambda: False
+        await self.run(self.twin.safe_period() + self.twin.watch_clocks + 20)
+
+    def counters(self):
+        names = ("dropped_o", "overrun_o", "timeout_o")
+        return tuple(getattr(self.dut, name).value.to_unsigned() for name in names)
+
+    def converted(self):
+        """The codes of each conversion, by frame, as the part saw them."""
+        channels = self.twin.channels
+        if self.twin.part.has_busy:
+            return [codes[:channels] for codes in self.part.frames]
+        log = self.part.conversions
+        assert [channel for channel, _, _ in log] == [n % channels for n in range(len(log))]
+        return [[code for _, code, _ in log[n : n + channels]] for n in range(0, len(log), channels)]
+
+    def check(self, lost=()):
+        """Every frame came out whole and right, or was dropped because one was waiting; returns the dropped.
+
+        ``lost``: numbers of the frames that timed out.
+        """
+        channels = self.twin.channels
+        frames = self.converted()
+        assert len(frames) == len(self.converts)
+        assert len(self.beats) % channels == 0, "a frame is not whole"
+        taken = [self.beats[n : n + channels] for n in range(0, len(self.beats), channels)]
+        kept = dropped = 0
+        for number, (convert, codes) in enumerate(zip(self.converts, frames)):
+            # The frame starts in the clock before convert_o; what was taken up to that clock made room.
+            waiting = kept and taken[kept - 1][-1][0] > convert - 1
+            if waiting:
+                dropped += number not in lost
+                continue
+            if number in lost:
+                continue
+            assert kept < len(taken), f"frame {number} is missing"
+            data, over = self.twin.samples(codes)
+            last = [channel == channels - 1 for channel in range(channels)]
+            expected = [(*row,) for row in zip(data.tolist(), range(channels), last, over.tolist())]
+            assert [beat[1:] for beat in taken[kept]] == expected, f"frame {number} of codes {codes}"
+            kept += 1
+        assert kept == len(taken), "more frames came out than went in"
+        assert self.counters()[0] == dropped
+        assert self.counters()[2] == len(lost)
+        assert self.dut.over_range_o.value.to_unsigned() == sum(beat[4] for beat in self.beats)
+        return dropped
+
+    def on_grid(self, clocks=None):
+        """Every interval between convert starts is a period, exactly."""
+        clocks = clocks or self.converts
+        assert len(clocks) > 1
+        intervals = {b - a for a, b in pairwise(clocks)}
+        assert intervals == {self.period}, f"convert starts {intervals} apart, not {self.period}"
+
+
+def sleepy(draw, clocks):
+    """Ready for a while, then not for up to ``clocks``, and so on."""
+    state = {"left": 0, "stalled": True}
+
+    def stall():
+        if state["left"] == 0:
+            state["stalled"] = not state["stalled"]
+            state["left"] = draw.randint(1, clocks)
+        state["left"] -= 1
+        return state["stalled"]
+
+    return stall
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+@cocotb.parametrize(consumer=["ready", "stalls", "sleeps"])
+async def every_code_arrives_on_the_grid(dut, consumer):
+    harness = Harness(dut)
+    await harness.start()
+    draw = random.Random(bench.SEED)
+    harness.stall = {
+        "ready": lambda: False,
+        "stalls": lambda: draw.random() < 0.7,
+        "sleeps": sleepy(draw, 3 * harness.period),
+    }[consumer]
+    count = 60 if consumer == "ready" else 30
+    await harness.frames(count)
+    harness.on_grid()
+    assert len(harness.converts) == count
+    await harness.stop()
+    dropped = harness.check()
+    if consumer != "stalls":  # stalls drop a frame now and then: two lanes leave little time before the next
+        assert (dropped > 0) == (consumer == "sleeps"), f"{dropped} dropped"
+    assert harness.counters()[1:] == (0, 0)
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def drops_whole_frames_around_every_clock_of_a_start(dut):
+    """The last sample is taken just before, in, or just after the clock in which the next frame starts."""
+    harness = Harness(dut)
+    await harness.start()
+    period, ticks = harness.period, 4
+    for offset in range(-3, 4):
+        # A tick is one clock before convert_o: find the grid, then open the consumer around the tick to come.
+        harness.stall = lambda: False
+        await harness.run(2 * period)
+        tick = harness.converts[-1] - 1 + ticks * period
+        opens = tick + offset - (harness.twin.channels - 1)  # the last of them leaves at tick + offset
+        harness.stall = lambda opens=opens: harness.clock < opens
+        await harness.run(tick + 2 * period - harness.clock)
+    await harness.stop()
+    assert harness.check() > 0
+    harness.on_grid()
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def latency_is_the_twins(dut):
+    harness = Harness(dut)
+    await harness.start()
+    await harness.frames(5)
+    await harness.stop()
+    origins = harness.busy_low if harness.twin.part.has_busy else harness.converts
+    assert len(origins) == len(harness.converts) == 5
+    expected = [origin + clocks for origin in origins for clocks in harness.twin.latencies()]
+    assert [beat[0] for beat in harness.beats] == expected
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+@cocotb.parametrize(short=[0, 1])
+async def shortest_period_is_the_twins(dut, short):
+    """At the twin's minimum nothing is lost; with a clock less every second tick or frame is, and counted."""
+    ns = 4017.3
+    limits = ad7606.Limits(t_cycle=0) if dut.Part.value.to_unsigned() == AD7606.number else None
+    harness = Harness(dut, limits=limits, conversion_ns=ns)
+    await harness.start(harness.twin.minimum_period(ns) - short)
+    await harness.frames(12)
+    clocks = harness.converts[:]
+    dropped, overrun, _ = harness.counters()
+    # Two lanes' samples may still be leaving when the transfer is over: then frames are lost, not ticks.
+    harness.period *= 2 if overrun else 1
+    harness.on_grid(clocks)
+    assert len(clocks) + overrun == 12
+    assert abs(dropped + overrun - 6 * short) <= (short if dropped else 0)
+    assert not (dropped and overrun)
+    await harness.stop()
+    harness.check()
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def a_very_short_period_only_loses_ticks(dut):
+    """Ticks every 3 clocks: conversions stay on the grid of 3, frames stay right, the rest is counted."""
+    limits = ad7606.Limits(t_cycle=0) if dut.Part.value.to_unsigned() == AD7606.number else None
+    harness = Harness(dut, limits=limits)
+    await harness.start(3)
+    clocks = 6 * harness.twin.safe_period() // 3 * 3
+    await harness.run(clocks)
+    overrun = harness.counters()[1]
+    converts = len(harness.converts)
+    assert {(b - harness.converts[0]) % 3 for b in harness.converts} == {0}
+    assert abs(clocks // 3 - converts - overrun) <= 1
+    assert converts >= 6
+    await harness.stop()
+    dropped = harness.check()
+    assert dropped == 0 or harness.twin.lanes > 1  # a tick may come before all samples of two lanes have left
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def enable_ends_after_a_whole_frame_and_starts_at_once(dut):
+    harness = Harness(dut)
+    await harness.start()
+    draw = random.Random(bench.SEED)
+    for _ in range(6):
+        await harness.run(draw.randint(1, 2 * harness.period))
+        dut.cfg_enable_i.value = 0
+        await harness.run(1)
+        before = len(harness.converts)
+        await harness.run(2 * harness.period + draw.randint(0, 50))
+        assert len(harness.converts) == before, "converted while off"
+        dut.cfg_enable_i.value = 1
+        start = harness.clock + 1  # the clock in which enable is seen
+        await harness.run(3)
+        assert harness.converts[-1] == start + 1
+    await harness.frames(2)
+    await harness.stop()
+    assert harness.check() == 0
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def a_new_period_holds_from_the_next_tick(dut):
+    harness = Harness(dut)
+    await harness.start()
+    periods = [harness.period + extra for extra in (0, 100, 1, 7)]
+    for period in periods[1:]:
+        await harness.run(periods[0] // 2)
+        dut.cfg_period_i.value = period
+        while len(harness.converts) < 1 + periods.index(period):
+            await harness.run(1)
+    await harness.run(2 * harness.period)
+    intervals = [b - a for a, b in pairwise(harness.converts)]
+    assert intervals[: len(periods)] == periods
+    await harness.stop()
+    assert harness.check() == 0
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def period_0_is_the_longest(dut):
+    harness = Harness(dut)
+    if harness.twin.period_bits > 16:  # 2^24 clocks would take minutes; one build has 16 bits
+        return
+    await harness.start()
+    harness.period = 1 << harness.twin.period_bits
+    dut.cfg_period_i.value = 0
+    await harness.run(2 * harness.period)
+    harness.on_grid()
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+@cocotb.parametrize(moment=range(5))
+async def recovers_after_reset(dut, moment):
+    """Reset in the middle of a frame, with samples waiting: the pins rest, and the next frames are right."""
+    harness = Harness(dut)
+    await harness.start()
+    draw = random.Random(bench.SEED + moment)
+    harness.stall = lambda: draw.random() < 0.9
+    await harness.run(harness.period + draw.randint(1, harness.period))
+    dut.rst_i.value = 1
+    dut.cfg_enable_i.value = 0
+    await RisingEdge(dut.clk_i)
+    await ReadOnly()
+    assert (dut.out_valid_o.value, dut.adc_cs_n_o.value, dut.adc_convst_o.value) == (0, 1, 0)
+    assert dut.adc_sclk_o.value == int(harness.twin.part is AD7606)
+    assert harness.counters() == (0, 0, 0)
+    await RisingEdge(dut.clk_i)
+    dut.rst_i.value = 0
+    await bench.clocks(dut, 6 * harness.twin.clk_khz // 1000)  # the part may still be converting
+    harness.part.frames, harness.part.conversions = [], []
+    harness.converts, harness.beats, harness.held = [], [], None
+    harness.stall = lambda: False
+    dut.cfg_enable_i.value = 1
+    await harness.frames(3)
+    await harness.stop()
+    assert harness.check() == 0
+    assert len(harness.beats) == 3 * harness.twin.channels
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+@cocotb.parametrize(level=[0, 1], asleep=[False, True])
+async def busy_that_does_not_answer_times_out(dut, level, asleep):
+    """BUSY is stuck for a few frames: each is given up and counted, and the frame after is right."""
+    harness = Harness(dut)
+    await harness.start(harness.twin.safe_period() + harness.twin.watch_clocks)
+    await harness.frames(3)
+    if asleep:  # the frames that time out would have been dropped: they are counted once
+        harness.stall = lambda: True
+    harness.part.hold_busy(level)
+    await harness.frames(4)
+    assert harness.counters()[2] == 4
+    assert dut.adc_cs_n_o.value == 1, "read what was not converted"
+    harness.part.hold_busy(None)
+    harness.stall = lambda: False
+    await harness.frames(4)
+    await harness.stop()
+    harness.on_grid()
+    harness.check(lost=range(3, 7))
+    assert harness.counters()[2] == 4
+    assert len(harness.beats) == 7 * harness.twin.channels
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def busy_timeout_is_the_twins(dut):
+    harness = Harness(dut)
+    await harness.start(3 * harness.twin.watch_clocks)
+    harness.part.hold_busy(0)
+    while not harness.converts:
+        await harness.run(1)
+    await harness.run(harness.twin.watch_clocks - 1)
+    assert harness.counters()[2] == 0
+    await harness.run(1)
+    assert harness.counters()[2] == 1
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def busy_timeout_leaves_the_next_tick_alone(dut):
+    """A tick in the first clock after a timeout still makes a legal CONVST pulse, and no tick is lost."""
+    harness = Harness(dut)
+    await harness.start(harness.twin.watch_clocks + 1)
+    harness.part.hold_busy(0)
+    await harness.frames(6)
+    harness.on_grid()
+    assert harness.counters() == (0, 0, 5)
+    await harness.stop()
+    harness.check(lost=range(6))
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def busy_released_late_is_not_taken_for_an_answer(dut):
+    """BUSY sticks high and falls in the middle of the next frame's wait: no frame may be made of that."""
+    harness = Harness(dut)
+    await harness.start(harness.twin.safe_period() + harness.twin.watch_clocks)
+    await harness.frames(2)
+    harness.part.hold_busy(1)
+    await harness.frames(1)
+    await harness.run(harness.twin.watch_clocks // 2)
+    dut.adc_busy_i.value = 0
+    await harness.run(harness.period - harness.twin.watch_clocks // 2)
+    harness.part.hold_busy(None)
+    await harness.frames(2)
+    await harness.stop()
+    harness.check(lost=(2, 3))
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def every_limit_of_the_part_is_checked(dut):
+    """With one limit tightened beyond reach, the part reports that limit and no other."""
+    harness = Harness(dut)
+    mcp = harness.twin.part is MCP3208
+    limits = mcp3208.Limits() if mcp else ad7606.Limits()
+    reports = []
+    harness = Harness(dut, limits=limits, report=reports.append)
+    await harness.start()
+    await harness.frames(2)
+    assert not reports
+    for rule in MCP_RULES if mcp else AD_RULES:
+        reports.clear()
+        harness.part.limits = tightened(limits, rule)
+        await harness.frames(2)
+        assert reports, f"{rule} is not checked"
+        names = {str(report).split(":")[0] for report in reports}
+        assert names == {rule}, f"{rule} was tightened, {names} reported"
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms", expect_error=TimingViolation)
+async def a_broken_limit_fails_the_test(dut):
+    mcp = dut.Part.value.to_unsigned() == MCP3208.number
+    limits = tightened(mcp3208.Limits(), "t_hi") if mcp else tightened(ad7606.Limits(), "t_sclk")
+    harness = Harness(dut, limits=limits)
+    await harness.start()
+    await harness.frames(2)
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def too_slow_a_part_is_misread(dut):
+    """DOUT later than the sampling point gives wrong codes: the models' delays are real."""
+    harness = Harness(dut)
+    late = 2 * harness.twin.half * 1e6 / harness.twin.clk_khz  # a whole bit
+    if harness.twin.part is MCP3208:
+        limits = mcp3208.Limits(t_do=late)
+    else:
+        limits = ad7606.Limits(t_sclk_dout=late, t_cs_dout=late)
+    harness = Harness(dut, limits=limits)
+    await harness.start()
+    await harness.frames(8)
+    await harness.stop()
+    with pytest.raises(AssertionError, match="of codes"):
+        harness.check()
+
+
+BUILDS = [
+    {"Part": 1, "Channels": 1, "ClkKhz": 25_000, "SclkKhz": 2_000},
+    {"Part": 1, "Channels": 4, "ClkKhz": 12_500, "SclkKhz": 1_000, "SampleBits": 13},
+    {"Part": 1, "Channels": 8, "ClkKhz": 8_000, "SclkKhz": 2_000},
+    {"Part": 2, "Channels": 2, "ClkKhz": 100_000, "SclkKhz": 14_500, "SampleBits": 16},
+    {"Part": 2, "Channels": 3, "ClkKhz": 25_000, "SclkKhz": 14_500},
+    {"Part": 2, "Channels": 8, "ClkKhz": 25_000, "SclkKhz": 14_500},
+    {"Part": 2, "Channels": 5, "Lanes": 2, "ClkKhz": 50_000, "SclkKhz": 10_000},
+    {"Part": 2, "Channels": 6, "Lanes": 2, "ClkKhz": 25_000, "SclkKhz": 14_500},
+    {"Part": 2, "Channels": 7, "Lanes": 2, "ClkKhz": 12_500, "SclkKhz": 14_500, "PeriodBits": 16},
+    {"Part": 2, "Channels": 8, "Lanes": 2, "ClkKhz": 25_000, "SclkKhz": 14_500},
+]
+
+
+@pytest.mark.parametrize("parameters", BUILDS, ids=lambda p: "-".join(map(str, p.values())))
+def test_adc_spi(parameters):
+    without_busy = None if parameters["Part"] == 2 else r"^(?!.*busy_)"
+    bench.run("frontend", "adc_spi", parameters, test_filter=without_busy)
+
+
+TWIN_NAMES = {
+    "Channels": "channels",
+    "Lanes": "lanes",
+    "ClkKhz": "clk_khz",
+    "SclkKhz": "sclk_khz",
+    "SampleBits": "sample_bits",
+    "PeriodBits": "period_bits",
+}
+
+ILLEGAL = [
+    ({"Part": 0}, "Part = 0"),
+    ({"Part": 3}, "Part = 3"),
+    ({"Channels": 0}, "Channels = 0"),
+    ({"Channels": 9}, "Channels = 9"),
+    ({"Lanes": 0}, "Lanes = 0"),
+    ({"Lanes": 2}, "Lanes = 2"),
+    ({"Part": 2, "Lanes": 3}, "Lanes = 3"),
+    ({"Part": 2, "Lanes": 2, "Channels": 4}, "Lanes = 2"),
+    ({"ClkKhz": 400_001}, "ClkKhz = 400001"),
+    ({"SclkKhz": 2_001}, "SclkKhz = 2001"),
+    ({"Part": 2, "SclkKhz": 14_501}, "SclkKhz = 14501"),
+    ({"SclkKhz": 0}, "SclkKhz = 0"),
+    ({"SclkKhz": 9}, "SclkKhz = 9"),
+    ({"ClkKhz": 19}, "SclkKhz = 1000"),
+    ({"SampleBits": 12}, "SampleBits = 12"),
+    ({"Part": 2, "SampleBits": 15}, "SampleBits = 15"),
+    ({"PeriodBits": 33}, "PeriodBits = 33"),
+]
+
+
+@pytest.mark.parametrize(("parameters", "words"), ILLEGAL, ids=lambda value: str(value)[:40])
+def test_refuses_what_cannot_work(parameters, words):
+    assert words in bench.refuses("adc_spi", parameters)
+    named = {TWIN_NAMES[name]: value for name, value in parameters.items() if name != "Part"}
+    with pytest.raises(ValueError):
+        AdcSpi(PARTS.get(parameters.get("Part", 1)), **named)
+
+
+@pytest.mark.parametrize("part", PARTS.values(), ids=lambda part: part.name)
+def test_twin_knows_every_code(part):
+    data, over = AdcSpi(part).samples(range(1 << part.data_bits))
+    assert len(set(data.tolist())) == 1 << part.data_bits
+    assert sorted(data[over].tolist()) == [data.min(), data.max()]
+    assert data[1] == 1
+    assert data[-1] == (-1 if part.signed else 4095)
+
+
+@pytest.mark.parametrize("part", PARTS.values(), ids=lambda part: part.name)
+def test_twin_never_exceeds_the_parts_clock(part):
+    for clk_khz in (1_000, 12_000, 25_000, 27_000, 48_000, 50_000, 100_000, 133_000):
+        for sclk_khz in (100, 1_000, part.sclk_max_khz):
+            twin = AdcSpi(part, clk_khz=clk_khz, sclk_khz=sclk_khz)
+            assert clk_khz <= 2 * twin.half * sclk_khz
+            assert (2 * twin.half - 1) * 1e6 / clk_khz >= part.access_ns

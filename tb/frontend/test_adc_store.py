@@ -1,0 +1,99 @@
+"""msn_adc_store against its twin: random frames, words at random gaps, a consumer that stalls.
+
+Every sample leaves as soon as it and all channels before it are there, pending_o tells until the last is
+taken, and reset empties it.
+"""
+
+import random
+
+import cocotb
+import pytest
+from cocotb.triggers import ReadOnly, RisingEdge
+
+import bench
+from meissner.frontend.adc_store import channels_of_word, samples
+
+
+@cocotb.test(timeout_time=10, timeout_unit="ms")
+@cocotb.parametrize(stall_rate=[0.0, 0.6])
+async def matches_model(dut, stall_rate):
+    names = ("Channels", "Lanes", "LaneChannels", "DataBits", "SampleBits", "Signed")
+    channels, lanes, lane_channels, data_bits, sample_bits, is_signed = (
+        getattr(dut, name).value.to_unsigned() for name in names
+    )
+    await bench.start(dut, in_word_i=0, in_data_i=0)
+    draw = random.Random(bench.SEED)
+    top = (1 << data_bits) - 1
+    for _ in range(80):
+        codes = [
+            draw.choice([0, top, top >> 1, (top >> 1) + 1, draw.randint(0, top)]) for _ in range(channels)
+        ]
+        data, over = samples(codes, data_bits, sample_bits, is_signed)
+        here = [False] * channels
+        word = taken = 0
+        while taken < channels:
+            arriving = channels_of_word(word, channels, lanes, lane_channels)
+            offer = any(channel is not None for channel in arriving) and word < lane_channels
+            offer = offer and draw.random() < 0.3
+            lane_codes = [0 if channel is None else codes[channel] for channel in arriving]
+            dut.in_valid_i.value = int(offer)
+            dut.in_word_i.value = word % (1 << len(dut.in_word_i))
+            dut.in_data_i.value = sum(code << lane * data_bits for lane, code in enumerate(lane_codes))
+            ready = draw.random() >= stall_rate
+            dut.out_ready_i.value = int(ready)
+            await ReadOnly()
+            assert dut.out_valid_o.value == int(here[taken])
+            takes = here[taken] and ready
+            assert dut.pending_o.value == int(sum(here) - taken - takes > 0)
+            if takes:
+                beat = [bench.read(port) for port in (dut.out_id_o, dut.out_last_o, dut.out_user_o)]
+                assert beat == [taken, taken == channels - 1, over[taken]]
+                assert bench.as_signed(bench.read(dut.out_data_o), sample_bits) == data[taken]
+                taken += 1
+            if offer:
+                for channel in arriving:
+                    if channel is not None:
+                        here[channel] = True
+                word += 1
+            await RisingEdge(dut.clk_i)
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def reset_empties_it(dut):
+    await bench.start(dut, in_word_i=0, in_data_i=5)
+    dut.in_valid_i.value = 1
+    await bench.clocks(dut, 2)
+    dut.in_valid_i.value = 0
+    await ReadOnly()
+    assert dut.out_valid_o.value == 1
+    await RisingEdge(dut.clk_i)
+    await bench.reset(dut, 1)
+    await ReadOnly()
+    assert dut.out_valid_o.value == 0
+    assert dut.pending_o.value == 0
+
+
+@pytest.mark.parametrize(
+    "parameters",
+    [
+        {"Channels": 1},
+        {"Channels": 7, "SampleBits": 13},
+        {"Channels": 7, "Lanes": 2, "LaneChannels": 4, "DataBits": 16, "Signed": 1},
+    ],
+    ids=str,
+)
+def test_adc_store(parameters):
+    bench.run("frontend", "adc_store", parameters)
+
+
+@pytest.mark.parametrize(("sample_bits", "is_signed"), [(12, 0), (11, 1)])
+def test_refuses_too_few_bits(sample_bits, is_signed):
+    assert "SampleBits" in bench.refuses("adc_store", {"SampleBits": sample_bits, "Signed": is_signed})
+    with pytest.raises(ValueError):
+        samples([0], 12, sample_bits, is_signed)
+
+
+def test_twin_refuses_what_is_no_code():
+    for code in (-1, 4096):
+        with pytest.raises(ValueError):
+            samples([code], 12, 17, False)

@@ -1,0 +1,1 @@
+"""Models of the converters, from their data sheets: they answer like the part and check its timing."""

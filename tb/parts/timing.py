@@ -1,0 +1,82 @@
+"""What the part models share: time in ns, and what happens when a limit is broken."""
+
+import random
+from dataclasses import fields
+
+import cocotb
+from cocotb.triggers import Timer
+from cocotb.utils import get_sim_time
+
+
+class TimingViolation(Exception):
+    """The master broke a limit of the part. Raised in the model's task, it fails the test."""
+
+
+def now():
+    """Simulated time in ns, exact to the picosecond."""
+    return get_sim_time("ps") / 1000
+
+
+def tightened(limits, name):
+    """``limits`` with one figure so tight that no master can meet it."""
+    known = {field.name for field in fields(limits)}
+    assert name in known, f"{name} is not a limit"
+    values = {field: getattr(limits, field) for field in known}
+    return type(limits)(**{**values, name: 0 if name.endswith("_max") else 10**9})
+
+
+class PartModel:
+    """A part on some pins. ``report`` gets each violation; by default it raises and so fails the test."""
+
+    def __init__(self, limits, report=None):
+        self.limits = limits
+        self.report = report or self.fail
+        self.noise = random.Random(7)
+        self.drives = {}
+
+    def fail(self, violation):
+        raise violation
+
+    def least(self, name, measured):
+        """Check a minimum; ``measured`` None: there was no earlier edge to measure from."""
+        limit = getattr(self.limits, name)
+        if measured is not None and measured < limit - 1e-6:
+            self.report(TimingViolation(f"{name}: {measured:.1f} ns, at least {limit} needed"))
+
+    def most(self, name, measured):
+        limit = getattr(self.limits, name)
+        if measured is not None and measured > limit + 1e-6:
+            self.report(TimingViolation(f"{name}: {measured:.1f} ns, at most {limit} allowed"))
+
+    def since(self, moment):
+        return None if moment is None else now() - moment
+
+    def drive(self, lane, bit, delay, hold=0.0):
+        """Put ``bit`` on a lane in ``delay`` ns; from ``hold`` until then the lane shows the wrong level."""
+        self.drives[lane] = token = object()
+
+        async def later():
+            if hold:
+                await Timer(round(hold * 1000), "ps")
+            if self.drives[lane] is token:
+                self.set_miso(lane, 1 - bit)
+                await Timer(round((delay - hold) * 1000), "ps")
+            if self.drives[lane] is token:
+                self.set_miso(lane, bit)
+
+        cocotb.start_soon(later())
+
+    def release(self, lane, delay):
+        """High impedance after ``delay`` ns: the master may read either level."""
+        self.drives[lane] = token = object()
+
+        async def later():
+            await Timer(round(delay * 1000), "ps")
+            if self.drives[lane] is token:
+                self.set_miso(lane, self.noise.getrandbits(1))
+
+        cocotb.start_soon(later())
+
+    def set_miso(self, lane, bit):
+        self.levels = self.levels & ~(1 << lane) | bit << lane
+        self.miso.value = self.levels
