@@ -52,57 +52,65 @@ module msn_divide #(
   localparam int unsigned Units = Pipelined ? Steps : 1;      // of one digit each
   localparam int unsigned RestBits = DenBits + BitsPerClock;
 
-  // rest: the remainder, shifted for the next digit; never above den << BitsPerClock.
-  logic [Ranks-1:0][RestBits-1:0]     rest;
-  logic [Ranks-1:0][DenBits-1:0]      den;
-  logic [Ranks-1:0][QuotientBits-1:0] low, high;  // the quotient so far lies in low .. high = low + 1
-  logic [Ranks-1:0]                   negative;
-  logic [Ranks-1:0][SideBits-1:0]     side;
+  // A rank holds rest, the remainder shifted for the next digit, never above den << BitsPerClock; and low
+  // and high = low + 1, between which the quotient so far lies.
+  localparam int unsigned RankBits = RestBits + DenBits + 2 * QuotientBits + 1 + SideBits;
+  logic [Ranks-1:0][RankBits-1:0] rank;
+  logic [Units-1:0][RankBits-1:0] after;  // what a unit makes of the rank before it
 
-  logic               below;
-  logic [DenBits-1:0] magnitude;
+  logic                below;
+  logic [DenBits-1:0]  magnitude;
+  logic [RankBits-1:0] loaded;
   assign below     = in_num_i[DenBits];
   assign magnitude = (in_num_i[DenBits-1:0] ^ {DenBits{below}}) + DenBits'(below);
+  assign loaded    = {
+    RestBits'({magnitude, 1'b0}), in_den_i, {QuotientBits{below}}, QuotientBits'(!below), below, in_side_i
+  };
 
   // load: rank 0 takes a division; turn: the units work; final_turn: at the last digit.
   logic load, turn, final_turn;
   assign load = in_valid_i && in_ready_o;
 
   for (genvar u = 0; u < Units; u++) begin : gen_unit
-    localparam int unsigned Next = Pipelined ? u + 1 : 0;
+    logic [RestBits-1:0]     rest;
+    logic [DenBits-1:0]      den;
+    logic [QuotientBits-1:0] low, high;
+    logic                    negative;
+    logic [SideBits-1:0]     side;
+    assign {rest, den, low, high, negative, side} = rank[u];
 
     logic [BitsPerClock-1:0] digit;
     logic [DenBits-1:0]      remainder;
 
     if (BitsPerClock == 1) begin : gen_one
       logic [RestBits:0] minus_1;
-      assign minus_1   = {1'b0, rest[u]} - (RestBits + 1)'(den[u]);
+      assign minus_1   = {1'b0, rest} - (RestBits + 1)'(den);
       assign digit     = !minus_1[RestBits];
-      assign remainder = minus_1[RestBits] ? rest[u][DenBits-1:0] : minus_1[DenBits-1:0];
+      assign remainder = minus_1[RestBits] ? rest[DenBits-1:0] : minus_1[DenBits-1:0];
     end else begin : gen_two
       // 3 den of rank u; in the first clock still the greatest number there is.
       logic [RestBits-1:0] triple;
       logic [RestBits:0]   minus_1, minus_2, minus_3;
-      assign minus_1   = {1'b0, rest[u]} - (RestBits + 1)'(den[u]);
-      assign minus_2   = {1'b0, rest[u]} - (RestBits + 1)'({den[u], 1'b0});
-      assign minus_3   = {1'b0, rest[u]} - {1'b0, triple};
       logic                upper, lower;  // the digit's bits
+      assign minus_1   = {1'b0, rest} - (RestBits + 1)'(den);
+      assign minus_2   = {1'b0, rest} - (RestBits + 1)'({den, 1'b0});
+      assign minus_3   = {1'b0, rest} - {1'b0, triple};
       assign upper     = !minus_2[RestBits];
       assign lower     = upper ? !minus_3[RestBits] : !minus_1[RestBits];
       assign digit     = {upper, lower};
       assign remainder = upper ? (lower ? minus_3[DenBits-1:0] : minus_2[DenBits-1:0])
-                               : (lower ? minus_1[DenBits-1:0] : rest[u][DenBits-1:0]);
+                               : (lower ? minus_1[DenBits-1:0] : rest[DenBits-1:0]);
 
       if (!Pipelined) begin : gen_turning
         always_ff @(posedge clk_i) begin
-          if (turn) triple <= RestBits'(den[u]) + RestBits'({den[u], 1'b0});
+          if (turn) triple <= RestBits'(den) + RestBits'({den, 1'b0});
           if (load) triple <= '1;
         end
       end else if (u == 0) begin : gen_first
         assign triple = '1;
       end else if (u == 1) begin : gen_second
         always_ff @(posedge clk_i) begin
-          if (turn) triple <= RestBits'(den[0]) + RestBits'({den[0], 1'b0});
+          if (turn) triple <= RestBits'(gen_unit[0].den) + RestBits'({gen_unit[0].den, 1'b0});
         end
       end else begin : gen_later
         always_ff @(posedge clk_i) if (turn) triple <= gen_unit[u-1].gen_two.triple;
@@ -112,40 +120,26 @@ module msn_divide #(
     // Below zero the magnitude's digits count down from -1: complemented, they continue `low`.
     logic [BitsPerClock-1:0] step;
     logic [QuotientBits-1:0] low_next, high_next, rounded;
-    assign step      = digit ^ {BitsPerClock{negative[u]}};
-    assign low_next  = {low[u][QuotientBits-BitsPerClock-1:0], step};
-    assign high_next = (&step) ? high[u] << BitsPerClock
-                               : {low[u][QuotientBits-BitsPerClock-1:0], BitsPerClock'(step + 1'b1)};
+    assign step      = digit ^ {BitsPerClock{negative}};
+    assign low_next  = (low << BitsPerClock) | QuotientBits'(step);
+    assign high_next = (&step) ? high << BitsPerClock
+                               : (low << BitsPerClock) | QuotientBits'(BitsPerClock'(step + 1'b1));
 
     // The last digit ends with the bit that rounds; one bit later if it took two to reach it.
     if (BitsPerClock == 2 && FractionBits % 2 == 0) begin : gen_round_second
-      assign rounded = (&step) ? high[u] << 1 : {low[u][QuotientBits-2:0], |step};
+      assign rounded = (&step) ? high << 1 : (low << 1) | QuotientBits'(|step);
     end else begin : gen_round_first
-      assign rounded = step[BitsPerClock-1] ? high[u] : low[u];
+      assign rounded = step[BitsPerClock-1] ? high : low;
     end
 
-    always_ff @(posedge clk_i) begin
-      if (turn) begin
-        rest[Next]     <= {remainder, BitsPerClock'(0)};
-        low[Next]      <= (Pipelined ? u == Steps - 1 : final_turn) ? rounded : low_next;
-        high[Next]     <= high_next;
-        den[Next]      <= den[u];
-        negative[Next] <= negative[u];
-        side[Next]     <= side[u];
-      end
-      if (u == 0 && load) begin
-        rest[0]     <= RestBits'({magnitude, 1'b0});
-        low[0]      <= {QuotientBits{below}};
-        high[0]     <= QuotientBits'(!below);
-        den[0]      <= in_den_i;
-        negative[0] <= below;
-        side[0]     <= in_side_i;
-      end
-    end
+    assign after[u] = {
+      remainder, BitsPerClock'(0), den, (Pipelined ? u == Steps - 1 : final_turn) ? rounded : low_next,
+      high_next, negative, side
+    };
   end
 
-  assign out_quotient_o = signed'(low[Ranks-1]);
-  assign out_side_o     = side[Ranks-1];
+  assign out_quotient_o = signed'(rank[Ranks-1][QuotientBits+SideBits+1+:QuotientBits]);
+  assign out_side_o     = rank[Ranks-1][SideBits-1:0];
 
   if (Pipelined) begin : gen_pipe
     logic [Steps:0] valid;
@@ -154,6 +148,8 @@ module msn_divide #(
     assign turn        = in_ready_o;
     assign final_turn  = 1'b0;
     always_ff @(posedge clk_i) begin
+      if (load) rank[0] <= loaded;
+      if (turn) rank[Steps:1] <= after;
       if (turn) valid <= {valid[Steps-1:0], in_valid_i};
       if (rst_i) valid <= '0;
     end
@@ -164,6 +160,8 @@ module msn_divide #(
     assign in_ready_o = out_valid_o ? out_ready_i : !turn;
     assign final_turn = count == CountBits'(Steps - 1);
     always_ff @(posedge clk_i) begin
+      if (turn) rank[0] <= after[0];
+      if (load) rank[0] <= loaded;
       count <= turn ? count + 1'b1 : '0;
       if (load) turn <= 1'b1;
       else if (final_turn) turn <= 1'b0;

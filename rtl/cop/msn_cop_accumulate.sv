@@ -69,24 +69,26 @@ module msn_cop_accumulate #(
   logic [BeatBits-1:0] beat;
   logic [RowBits-1:0]  row;
   logic                dropping, damage, row_first, row_last, first, final_beat, fits, whole;
-  assign row_first  = beat == '0;
   assign row_last   = beat == BeatBits'(Beats - 1);
-  assign first      = row_first && (row == '0);
   assign final_beat = row_last && (row == RowBits'(Rows - 1));
   assign fits       = in_last_i == final_beat;
   assign whole      = in_last_i && final_beat && !dropping;
 
   always_ff @(posedge clk_i) begin
     if (in_valid_i && in_ready_o) begin
-      beat     <= (in_last_i || row_last) ? '0 : beat + 1'b1;
-      row      <= (in_last_i || final_beat) ? '0 : row_last ? row + 1'b1 : row;
-      dropping <= !in_last_i && (dropping || !fits);
+      beat      <= (in_last_i || row_last) ? '0 : beat + 1'b1;
+      row       <= (in_last_i || final_beat) ? '0 : row_last ? row + 1'b1 : row;
+      row_first <= in_last_i || row_last;    // beat == 0, without the comparison
+      first     <= in_last_i || final_beat;  // and row == 0
+      dropping  <= !in_last_i && (dropping || !fits);
     end
     damage <= in_valid_i && in_ready_o && !fits && !dropping;
     if (damage) damaged_o <= damaged_o + 1'b1;  // a clock late: 32 enables are slow
     if (rst_i) begin
       beat      <= '0;
       row       <= '0;
+      row_first <= 1'b1;
+      first     <= 1'b1;
       dropping  <= 1'b0;
       damage    <= 1'b0;
       damaged_o <= '0;
