@@ -52,9 +52,9 @@ module msn_divide #(
   localparam int unsigned Units = Pipelined ? Steps : 1;      // of one digit each
   localparam int unsigned RestBits = DenBits + BitsPerClock;
 
-  // A rank holds rest, the remainder shifted for the next digit, never above den << BitsPerClock; and low
-  // and high = low + 1, between which the quotient so far lies.
-  localparam int unsigned RankBits = RestBits + DenBits + 2 * QuotientBits + 1 + SideBits;
+  // A rank holds rest, the remainder shifted for the next digit, never above den << BitsPerClock; low and
+  // high = low + 1, between which the quotient so far lies; and step, the digit that they lack.
+  localparam int unsigned RankBits = RestBits + DenBits + 2 * QuotientBits + BitsPerClock + 1 + SideBits;
   logic [Ranks-1:0][RankBits-1:0] rank;
   logic [Units-1:0][RankBits-1:0] after;  // what a unit makes of the rank before it
 
@@ -64,20 +64,22 @@ module msn_divide #(
   assign below     = in_num_i[DenBits];
   assign magnitude = (in_num_i[DenBits-1:0] ^ {DenBits{below}}) + DenBits'(below);
   assign loaded    = {
-    RestBits'({magnitude, 1'b0}), in_den_i, {QuotientBits{below}}, QuotientBits'(!below), below, in_side_i
+    RestBits'({magnitude, 1'b0}), in_den_i, {QuotientBits{below}}, QuotientBits'(0), {BitsPerClock{below}},
+    below, in_side_i
   };
 
-  // load: rank 0 takes a division; turn: the units work; final_turn: at the last digit.
-  logic load, turn, final_turn;
+  // load: rank 0 takes a division; turn: the units work.
+  logic load, turn;
   assign load = in_valid_i && in_ready_o;
 
   for (genvar u = 0; u < Units; u++) begin : gen_unit
     logic [RestBits-1:0]     rest;
     logic [DenBits-1:0]      den;
     logic [QuotientBits-1:0] low, high;
+    logic [BitsPerClock-1:0] step;
     logic                    negative;
     logic [SideBits-1:0]     side;
-    assign {rest, den, low, high, negative, side} = rank[u];
+    assign {rest, den, low, high, step, negative, side} = rank[u];
 
     logic [BitsPerClock-1:0] digit;
     logic [DenBits-1:0]      remainder;
@@ -117,36 +119,36 @@ module msn_divide #(
       end
     end
 
-    // Below zero the magnitude's digits count down from -1: complemented, they continue `low`.
-    logic [BitsPerClock-1:0] step;
-    logic [QuotientBits-1:0] low_next, high_next, rounded;
-    assign step      = digit ^ {BitsPerClock{negative}};
+    // The quotient takes a digit in a clock after it was found: only the remainder waits for it.
+    logic [QuotientBits-1:0] low_next, high_next;
     assign low_next  = (low << BitsPerClock) | QuotientBits'(step);
     assign high_next = (&step) ? high << BitsPerClock
                                : (low << BitsPerClock) | QuotientBits'(BitsPerClock'(step + 1'b1));
 
-    // The last digit ends with the bit that rounds; one bit later if it took two to reach it.
-    if (BitsPerClock == 2 && FractionBits % 2 == 0) begin : gen_round_second
-      assign rounded = (&step) ? high << 1 : (low << 1) | QuotientBits'(|step);
-    end else begin : gen_round_first
-      assign rounded = step[BitsPerClock-1] ? high : low;
-    end
-
+    // Below zero the magnitude's digits count down from -1: complemented, they continue `low`.
     assign after[u] = {
-      remainder, BitsPerClock'(0), den, (Pipelined ? u == Steps - 1 : final_turn) ? rounded : low_next,
-      high_next, negative, side
+      remainder, BitsPerClock'(0), den, low_next, high_next, digit ^ {BitsPerClock{negative}}, negative, side
     };
   end
 
-  assign out_quotient_o = signed'(rank[Ranks-1][QuotientBits+SideBits+1+:QuotientBits]);
-  assign out_side_o     = rank[Ranks-1][SideBits-1:0];
+  // The last digit, not yet taken in, ends with the bit that rounds; one bit later if it took two to get
+  // there. Only 1s carry into `high`.
+  logic [QuotientBits-1:0] last_low, last_high;
+  logic [BitsPerClock-1:0] last_step;
+  assign {last_low, last_high, last_step} = rank[Ranks-1][SideBits+1+:2*QuotientBits+BitsPerClock];
+  assign out_side_o                       = rank[Ranks-1][SideBits-1:0];
+  if (BitsPerClock == 2 && FractionBits % 2 == 0) begin : gen_round_second
+    assign out_quotient_o = signed'((&last_step) ? last_high << 1
+                                                 : (last_low << 1) | QuotientBits'(|last_step));
+  end else begin : gen_round_first
+    assign out_quotient_o = signed'(last_step[BitsPerClock-1] ? last_high : last_low);
+  end
 
   if (Pipelined) begin : gen_pipe
     logic [Steps:0] valid;
     assign in_ready_o  = out_ready_i || !out_valid_o;
     assign out_valid_o = valid[Steps];
     assign turn        = in_ready_o;
-    assign final_turn  = 1'b0;
     always_ff @(posedge clk_i) begin
       if (load) rank[0] <= loaded;
       if (turn) rank[Steps:1] <= after;
@@ -157,6 +159,7 @@ module msn_divide #(
   end else begin : gen_turn
     localparam int unsigned CountBits = msn_pkg::index_width(Steps);
     logic [CountBits-1:0] count;
+    logic                 final_turn;
     assign in_ready_o = out_valid_o ? out_ready_i : !turn;
     assign final_turn = count == CountBits'(Steps - 1);
     always_ff @(posedge clk_i) begin
