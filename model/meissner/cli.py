@@ -128,6 +128,25 @@ def _process_slip(arguments):
     )
 
 
+def _process_cop(arguments):
+    if arguments.calibration is not None:
+        raise ValueError("--calibration is not built yet: the samples are taken as forces, as they are")
+    if arguments.min_load < 0:
+        raise ValueError(f"min-load = {arguments.min_load} must not be negative")
+    forces = engines.check_forces(files.read_array(arguments.input))
+    with files.written(arguments.out) as file:
+        engines.process_cop(forces[:1], arguments.engine, arguments.min_load)  # built and warm
+        began = time.perf_counter()
+        result = engines.process_cop(forces, arguments.engine, arguments.min_load)
+        taken = time.perf_counter() - began
+        np.savez(file, **result)
+    frames, rows, columns = forces.shape
+    print(
+        f"{frames} frame{'s' * (frames > 1)} of {rows}×{columns}, {int(result['valid'].sum())} with a load; "
+        f"{forces.size / taken:.3g} samples/s on engine {arguments.engine}; {arguments.out}"
+    )
+
+
 def _parser():
     parser = _Parser(prog="meissner", description="Slip, pressure and grip from a tactile sensor's ADC pins.")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
@@ -156,6 +175,14 @@ def _parser():
     slip.add_argument("--engine", default="fixed", metavar="E", help=f"{', '.join(engines.NAMES)} (fixed)")
     slip.add_argument("--out", required=True, metavar="OUT.npz", help="where the arrays go")
     slip.set_defaults(call=_process_slip)
+
+    cop = parts.add_parser("cop", help="centre of pressure and load from forces [frames, rows, columns]")
+    cop.add_argument("input", metavar="IN.npy", help="integers, 0 to 65535")
+    cop.add_argument("--min-load", type=int, default=1, help="least sum of forces with a position (1)")
+    cop.add_argument("--calibration", help=argparse.SUPPRESS)
+    cop.add_argument("--engine", default="fixed", metavar="E", help=f"{', '.join(engines.NAMES)} (fixed)")
+    cop.add_argument("--out", required=True, metavar="OUT.npz", help="where the arrays go")
+    cop.set_defaults(call=_process_cop)
     return parser
 
 

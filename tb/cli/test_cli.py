@@ -20,6 +20,10 @@ def slip(source, *extra, out="out.npz"):
     return ("process", "slip", source, "--rate", 10000, "--threshold", 40, "--out", out, *extra)
 
 
+def cop(source, *extra, out="out.npz"):
+    return ("process", "cop", source, "--out", out, *extra)
+
+
 @pytest.fixture
 def recording(tmp_path):
     x = np.random.default_rng(1).integers(-20, 21, (2, 1000))
@@ -38,6 +42,22 @@ def test_process_slip(tmp_path, recording, engine, name):
     expected = engines.process_slip(recording, SlipConfig(threshold=40, hop=32), engine)
     assert sorted(result.files) == sorted(expected)
     for field in expected:
+        assert np.array_equal(result[field], expected[field])
+
+
+@pytest.mark.parametrize("engine", engines.NAMES)
+def test_process_cop(tmp_path, engine):
+    x = np.random.default_rng(1).integers(0, 65536, (7, 25, 5))
+    x[3] = 0
+    np.save(tmp_path / "in.npy", x.astype(float))
+    done = meissner(*cop("in.npy", "--engine", engine, "--min-load", 9), cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "7 frames of 25×5, 6 with a load; " in done.stdout and f"on engine {engine}" in done.stdout
+    result = np.load(tmp_path / "out.npz")
+    expected = engines.process_cop(x, "fixed", min_load=9)
+    kinds = {"sum": "i8", "mx": "i8", "my": "i8", "x": "i4", "y": "i4", "valid": "?"}
+    assert {name: result[name].dtype for name in result.files} == kinds
+    for field in kinds:
         assert np.array_equal(result[field], expected[field])
 
 
@@ -70,6 +90,21 @@ BAD = {
     "range": (slip("wide.npy"), "outside"),
     "channels": (slip("many.npy"), "more than the core's 1024"),
     "shape": (slip("cube.npy"), "shape"),
+    "cop negative": (cop("negative.npy"), "the forces lie in -1 .. 9, outside 0 .. 65535"),
+    "cop range": (cop("high.npy"), "the forces lie in 0 .. 65536, outside"),
+    "cop flat": (cop("in.npy"), "must have the shape [frames, rows, columns], not (2, 1000)"),
+    "cop csv": (cop("in.csv"), "must have the shape"),
+    "cop empty": (cop("empty.npy"), "must have the shape [frames, rows, columns], not (3, 0, 5)"),
+    "cop rows": (cop("tall.npy"), "1025 rows are more than the core's 1024"),
+    "cop columns": (cop("broad.npy"), "1025 columns are more than"),
+    "cop NaN": (cop("nan3.npy"), "NaN"),
+    "cop fractions": (cop("half3.npy"), "not integers"),
+    "cop complex": (cop("complex.npy"), "must be integers, not complex128"),
+    "cop min load": (cop("cube.npy", "--min-load", -1), "min-load = -1 must not be negative"),
+    "cop min load high": (cop("cube.npy", "--min-load", 1 << 23), "must lie in 0 .. 8388607"),
+    "cop calibration": (cop("cube.npy", "--calibration", "c.toml"), "--calibration is not built yet"),
+    "cop engine": (cop("cube.npy", "--engine", "warp"), "unknown engine 'warp'"),
+    "cop missing": (cop("nowhere.npy"), "there is no file nowhere.npy"),
     "scene": (("run", "nope", "--out", "results"), "unknown scene 'nope'"),
     "run engine": (("run", "acrylic_slip", "--engine", "warp", "--out", "results"), "unknown engine"),
     "run waves": (("run", "acrylic_slip", "--waves", "--out", "results"), "--waves needs the rtl engine"),
@@ -89,6 +124,14 @@ def test_bad_input_is_one_sentence_and_writes_nothing(tmp_path, recording, case)
         "wide": np.full(100, 1 << 20),
         "many": np.zeros((1025, 64), int),
         "cube": np.zeros((2, 2, 64), int),
+        "negative": np.arange(-1, 10).reshape(1, 1, 11),
+        "high": np.array([[[0, 65536]]]),
+        "empty": np.zeros((3, 0, 5), int),
+        "tall": np.zeros((1, 1025, 1), int),
+        "broad": np.zeros((1, 1, 1025), int),
+        "nan3": np.full((1, 2, 2), np.nan),
+        "half3": np.full((1, 2, 2), 0.5),
+        "complex": np.zeros((1, 2, 2), complex),
     }.items():
         np.save(tmp_path / f"{name}.npy", x)
     before = sorted(tmp_path.iterdir())

@@ -1,7 +1,8 @@
 """The engines: the same work done by textbook float, by the integer twins, and by the Verilated core.
 
-Each engine module has ``watch``: samples in, what the core says about every detail out. ``process_slip``
-makes of it the arrays of ``meissner process slip``.
+Each engine module has ``watch``: samples in, what the core says about every detail out; ``windows``, from
+which ``process_slip`` makes the arrays of ``meissner process slip``; and ``cop``: frames of forces in, the
+arrays of ``meissner process cop`` out.
 """
 
 from dataclasses import dataclass
@@ -9,9 +10,13 @@ from importlib import import_module
 
 import numpy as np
 
+from meissner.cop.cop_accumulate import sum_bits
 from meissner.slip.config import MAX_CHANNELS, SAMPLE_BITS
 
 NAMES = ("float", "fixed", "rtl")
+COP_ONE = 1 << 14  # 1.0 in Q2.14
+MAX_SIDE = 1024  # rows, columns
+MAX_FORCE = 65535
 
 
 @dataclass(frozen=True)
@@ -37,6 +42,17 @@ def load(name):
     return import_module(f"meissner.engines.{name}")
 
 
+def _check_integers(x):
+    """ValueError unless every number in the array ``x``, which is not empty, is an integer."""
+    if x.dtype.kind == "f":
+        if not np.isfinite(x).all():
+            raise ValueError("the samples hold NaN or infinity; the core takes integer codes only")
+        if (x != np.rint(x)).any():
+            raise ValueError(
+                "the samples hold numbers that are not integers; the core takes codes, not volts"
+            )
+
+
 def check_samples(x):
     """``x`` as int64 [channels, samples] if the core can take it; ValueError with one sentence if not."""
     x = np.asarray(x)
@@ -50,13 +66,7 @@ def check_samples(x):
         raise ValueError(
             f"{len(x)} channels are more than the core's {MAX_CHANNELS}; is the array transposed?"
         )
-    if x.dtype.kind == "f":
-        if not np.isfinite(x).all():
-            raise ValueError("the samples hold NaN or infinity; the core takes integer codes only")
-        if (x != np.rint(x)).any():
-            raise ValueError(
-                "the samples hold numbers that are not integers; the core takes codes, not volts"
-            )
+    _check_integers(x)
     limit = 1 << (SAMPLE_BITS - 1)
     if x.min() < -limit or x.max() >= limit:
         raise ValueError(f"the samples lie in {x.min()} .. {x.max()}, outside -{limit} .. {limit - 1}")
@@ -79,3 +89,32 @@ def process_slip(x, config, engine):
     else:
         fired_at = np.where(slip, window_end[None], -1)
     return {"p2p": p2p, "window_end": window_end, "slip": slip, "fired_at": fired_at}
+
+
+def check_forces(x):
+    """``x`` as uint16 [frames, rows, columns] if the core can take it; ValueError in a sentence if not."""
+    x = np.asarray(x)
+    if x.dtype.kind not in "iufb":
+        raise ValueError(f"the forces must be integers, not {x.dtype}")
+    if x.ndim != 3 or 0 in x.shape:
+        raise ValueError(f"the forces must have the shape [frames, rows, columns], not {x.shape}")
+    for count, what in zip(x.shape[1:], ("rows", "columns")):
+        if count > MAX_SIDE:
+            raise ValueError(f"{count} {what} are more than the core's {MAX_SIDE}")
+    _check_integers(x)
+    if x.min() < 0 or x.max() > MAX_FORCE:
+        raise ValueError(f"the forces lie in {x.min():g} .. {x.max():g}, outside 0 .. {MAX_FORCE}")
+    return x.astype(np.uint16, copy=False)
+
+
+def process_cop(forces, engine, min_load=1):
+    """The arrays of ``meissner process cop``: sum, mx, my, x, y, valid, one of each per frame.
+
+    ``forces``: integers 0 .. 65535 [frames, rows, columns]; ``min_load``: the least sum with a position;
+    ``engine``: a name.
+    """
+    forces = check_forces(forces)
+    limit = 1 << sum_bits(*forces.shape[1:])
+    if not 0 <= min_load < limit:
+        raise ValueError(f"min-load = {min_load} must lie in 0 .. {limit - 1} for this array")
+    return load(engine).cop(forces, min_load)

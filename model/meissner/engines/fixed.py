@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from meissner.cop.cop_accumulate import moments
+from meissner.cop.cop_divide import cop_divide
 from meissner.engines import Watched
 from meissner.slip.haar import haar
 from meissner.slip.peak_to_peak import PeakToPeak, sliding
@@ -43,3 +45,14 @@ def windows(x, config, count):
         else:
             p2p[:, start:stop] = sliding(detail, span)[:, span - 1 :: hop]
     return p2p, p2p > config.threshold, first
+
+
+def cop(forces, min_load=1):
+    """sum, mx, my, x, y, valid of each frame of ``forces`` [frames, rows, columns]."""
+    frames, rows, columns = forces.shape
+    sums = np.empty((3, frames), dtype=np.int64)
+    piece = max(1, (1 << 17) // (rows * columns))  # stays in the cache as int64
+    for start in range(0, frames, piece):
+        sums[:, start : start + piece] = moments(forces[start : start + piece])
+    x, y, valid = cop_divide(*sums, rows, columns, min_load=min_load)
+    return {"sum": sums[0], "mx": sums[1], "my": sums[2], "x": x, "y": y, "valid": valid}

@@ -4,7 +4,7 @@ import numpy as np
 import pywt
 from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
-from meissner.engines import Watched
+from meissner.engines import COP_ONE, Watched
 from meissner.slip.slip import Slip
 
 # p2p of integer samples is an integer; rounding in the transform must not decide a comparison.
@@ -83,3 +83,31 @@ def windows(x, config, count):
     running = np.maximum.accumulate(parts, axis=2) - np.minimum.accumulate(parts, axis=2)
     p2p = running[:, :, -1]
     return p2p, p2p > limit, np.argmax(running > limit, axis=2)
+
+
+def cop(forces, min_load=1):
+    """sum, mx, my, x, y, valid of each frame of ``forces`` [frames, rows, columns].
+
+    The moments are integers below 2^53 and so exact; x and y can differ from the exact ones by the last
+    bit, where the quotient lies closer to a half than float64 can tell.
+    """
+    frames, rows, columns = forces.shape
+    total, mx, my = np.empty((3, frames))
+    across, up = 2.0 * np.arange(columns) - (columns - 1), (rows - 1) - 2.0 * np.arange(rows)
+    for k, frame in enumerate(forces):
+        frame = frame.astype(np.float64)
+        total[k], mx[k], my[k] = frame.sum(), frame.sum(axis=0) @ across, frame.sum(axis=1) @ up
+    valid = (total > 0) & (total >= min_load)
+
+    def position(moment, count):
+        value = np.zeros(frames)
+        if count > 1:
+            np.divide(moment, (count - 1) * total, out=value, where=valid)
+        return (np.sign(value) * np.floor(np.abs(value) * COP_ONE + 0.5)).astype(np.int32)
+
+    return {
+        **{name: value.astype(np.int64) for name, value in (("sum", total), ("mx", mx), ("my", my))},
+        "x": position(mx, columns),
+        "y": position(my, rows),
+        "valid": valid,
+    }

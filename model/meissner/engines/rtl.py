@@ -1,28 +1,21 @@
 """Engine ``rtl``: the Verilated core behind a batch C++ driver, whole numpy arrays in and out."""
 
 import ctypes
-import hashlib
-import os
-import shutil
-import subprocess
-import sys
-import tempfile
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
 import numpy as np
 
-from meissner import toolchain
 from meissner.engines import Watched
+from meissner.engines.rtl_cop import cop  # noqa: F401 - this engine's centre of pressure
+from meissner.engines.verilated import library
 from meissner.slip.config import SAMPLE_BITS, TIMER_BITS
 
-HERE = Path(__file__).parent
 ADC_PARTS = {"MCP3208": 1, "AD7606": 2}  # msn_pkg::adc_part_e
 # The clock of a pin-level run: the slowest that gives the MCP3208 its full 2 MHz, as simulation time counts
 # clocks. BUSY then lasts the AD7606's 4 us.
 PIN_CLK_KHZ, PIN_SCLK_KHZ, PIN_BUSY_CLOCKS = 4000, 2000, 16
-DRIVER = HERE / "rtl_driver.cpp"
 
 
 class _SlipRegisters(ctypes.Structure):
@@ -45,41 +38,9 @@ class _PinFacts(ctypes.Structure):
     )
 
 
-def _library(parameters, trace=False):
-    """Path of the core built with these parameters; built now if this source was not built before."""
-    environment = toolchain.environment()
-    flags = [
-        *(["--trace-vcd"] if trace else []),
-        *("--cc", "--quiet", "-O3", "--x-assign", "fast", "--x-initial", "fast", "--top-module", "msn_core"),
-        *toolchain.VERILATOR_FLAGS,
-        *("-CFLAGS", f"-fPIC -O3 -I{HERE}", "-LDFLAGS", "-shared", "--exe", "-o", "core.so"),
-        *(f"-G{name}={value}" for name, value in parameters.items()),
-    ]
-    files = [*toolchain.sources(), *sorted(HERE.glob("*.[ch]pp"))]
-    digest = hashlib.sha256(repr(flags).encode())
-    for file in files:
-        digest.update(file.read_bytes())
-    folder = toolchain.BUILD / "rtl" / digest.hexdigest()[:16]
-    library = folder / "core.so"
-    if not library.exists():
-        if sys.stderr.isatty():
-            print("building the core for the rtl engine, once for this configuration ...", file=sys.stderr)
-        folder.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(dir=folder.parent) as scratch:
-            command = ["verilator", *flags, "--build", "-j", "2", "-Mdir", scratch]
-            command += [str(DRIVER), *map(str, toolchain.sources())]
-            done = subprocess.run(command, env=environment, capture_output=True, text=True)
-            if done.returncode:
-                raise RuntimeError(f"the core did not build:\n{done.stdout}{done.stderr}")
-            folder.mkdir(exist_ok=True)
-            shutil.copy(Path(scratch) / "core.so", folder / f"core.{os.getpid()}")
-            (folder / f"core.{os.getpid()}").replace(library)  # atomic: several may build at once
-    return library
-
-
 @cache
-def _open(library):
-    lib = ctypes.CDLL(str(library))
+def _open(path):
+    lib = ctypes.CDLL(str(path))
     lib.core_new.restype = ctypes.c_void_p
     lib.core_delete.argtypes = [ctypes.c_void_p]
     lib.core_start.argtypes = [ctypes.c_void_p, ctypes.POINTER(_SlipRegisters), ctypes.c_uint32]
@@ -105,7 +66,7 @@ class Core:
     """One Verilated core with its registers set; ``parameters`` are those of rtl/msn_core.sv."""
 
     def __init__(self, parameters, config, trace=False):
-        self._lib = _open(_library(parameters, trace))
+        self._lib = _open(library("msn_core", "rtl_driver.cpp", parameters, trace))
         self._core = self._lib.core_new()
         values = {name: int(getattr(config, name)) for name, _ in _SlipRegisters._fields_}
         self._lib.core_start(self._core, _SlipRegisters(**values), SAMPLE_BITS + config.level)

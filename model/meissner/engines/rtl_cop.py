@@ -1,0 +1,62 @@
+"""The centre of pressure on the Verilated msn_cop: engine ``rtl``'s ``cop``."""
+
+import ctypes
+from functools import cache
+
+import numpy as np
+
+from meissner.cop.cop_accumulate import sum_bits
+from meissner.engines import verilated
+
+WIDE = 16  # columns from which eight lanes simulate faster than one
+
+
+class _Results(ctypes.Structure):
+    _fields_ = tuple((name, ctypes.c_void_p) for name in ("sum", "mx", "my", "x", "y", "valid"))
+
+
+def lanes(columns):
+    """Columns a beat that a build for this many takes."""
+    return 8 if columns >= WIDE else 1
+
+
+@cache
+def _open(rows, columns):
+    parameters = {"Rows": rows, "Columns": columns, "Lanes": lanes(columns)}
+    lib = ctypes.CDLL(str(verilated.library("msn_cop", "cop_driver.cpp", parameters)))
+    lib.cop_run.restype = ctypes.c_int64
+    size = ctypes.c_int32
+    lib.cop_run.argtypes = [ctypes.c_void_p, ctypes.c_int64, size, size, ctypes.c_uint64, ctypes.c_void_p]
+    return lib
+
+
+def _signed(values, bits):
+    """Two's complement of ``bits`` bits in uint64 as int64."""
+    spare = 64 - bits
+    return values.view(np.int64) << spare >> spare
+
+
+def cop(forces, min_load=1):
+    """sum, mx, my, x, y, valid of each frame of ``forces`` [frames, rows, columns]."""
+    frames, rows, columns = forces.shape
+    lib = _open(rows, columns)
+    forces = np.ascontiguousarray(forces, dtype=np.uint16)
+    wide, narrow = (np.zeros((count, frames), kind) for count, kind in ((3, np.uint64), (2, np.int16)))
+    valid = np.zeros(frames, dtype=np.uint8)
+    pointers = [row.ctypes.data for row in (*wide, *narrow, valid)]
+    count = lib.cop_run(
+        *(forces.ctypes.data, frames, rows, columns, min_load, ctypes.byref(_Results(*pointers)))
+    )
+    if count < 0:
+        raise RuntimeError("the core did not give one result per frame")
+    bits = sum_bits(rows, columns)
+    # msn_pkg::index_width of the columns and of the rows
+    mx_bits, my_bits = (bits + max((n - 1).bit_length(), 1) for n in (columns, rows))
+    return {
+        "sum": wide[0].view(np.int64),
+        "mx": _signed(wide[1], mx_bits),
+        "my": _signed(wide[2], my_bits),
+        "x": narrow[0].astype(np.int32),
+        "y": narrow[1].astype(np.int32),
+        "valid": valid.astype(bool),
+    }
