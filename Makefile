@@ -15,7 +15,7 @@ help:  ## this list
 $(SIM): requirements/sim.txt pyproject.toml
 	@$(PYTHON) tools/check_machine.py
 	@test -x $(BIN)/python || $(PYTHON) -m venv .venv
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements/sim.txt
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps -r requirements/sim.txt
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps -e .
 	@touch $@
 

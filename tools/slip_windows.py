@@ -8,8 +8,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from meissner import run, scenes
+from meissner import scenes
 from meissner.engines import fixed
+from meissner.run.slip import judge
 
 
 def main():
@@ -26,7 +27,7 @@ def main():
             slip = replace(recording.scene.slip, window=window, hop=hop, level=level)
             config = replace(recording.scene, slip=slip).slip_config()
             watched = fixed.watch(recording.codes[None], config, recording.moving)
-            verdicts.append(run.judge(recording, watched.state[0], config))
+            verdicts.append(judge(recording, watched.state[0], config))
         delays = np.array([v["delay_s"] for v in verdicts if v["delay_s"] is not None]) * 1e3
         missed, alarms = (sum(v[key] for v in verdicts) for key in ("missed", "false_alarms"))
         figures = (np.median(delays), delays.mean(), np.percentile(delays, 95), delays.max())

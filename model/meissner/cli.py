@@ -34,70 +34,35 @@ def _scenes(_):
         print(f"{name:<{width}}  {scenes.describe(name)}")
 
 
-def _milliseconds(seconds):
-    return "none" if seconds is None else f"{seconds * 1e3:.2f} ms"
-
-
 def _run(arguments):
     from meissner import run, scenes
 
     scene = scenes.load(arguments.scene)
-    engines.load(arguments.engine)
-    if arguments.waves and arguments.engine != "rtl":
-        raise ValueError("--waves needs the rtl engine: only it has signals")
+    run.check(scene, arguments.engine, arguments.waves)
     if arguments.seed < 0:
         raise ValueError(f"seed = {arguments.seed} must not be negative")
     out = Path(arguments.out or Path("build") / "run" / scene.name)
     if out.exists() and not out.is_dir():
         raise ValueError(f"{out} is a file; name a folder for the results")
-    summary = run.run_slip(
+    summary = run.run(
         scene, arguments.engine, out, arguments.seed, arguments.waves, _progress(f"running {scene.name}")
     )
     if arguments.json:
         print(json.dumps(summary, indent=2))
         return
+    runs = f"{summary['runs']} run{'s' * (summary['runs'] > 1)}"
     print(f"{scene.name}: {scene.title}")
     print(
-        f"engine {summary['engine']}, {summary['runs']} runs, {summary['seconds_simulated']:.0f} s "
+        f"engine {summary['engine']}, {runs}, {summary['seconds_simulated']:g} s "
         f"simulated in {summary['seconds_taken']:.1f} s, "
         f"{summary['samples_per_second']:.3g} samples/s through the engine"
     )
     print(f"modelled: {', '.join(summary['modelled'])}")
     print(f"left out: {', '.join(summary['left_out']) or 'nothing'}")
-    if summary["saved"]:
-        saved = summary["saved"]
-        print(
-            f"saved by it: the world takes {saved['world_ms_per_s']:.2f} ms per simulated second, "
-            f"{saved['everything_ms_per_s']:.2f} ms with everything"
-        )
     if summary["twin_mismatches"] is not None:
         print(f"differences between the core and its integer twin: {summary['twin_mismatches']}")
-    if summary["pins"]:
-        pins = summary["pins"]
-        print(
-            f"at the pins of the {pins['adc']}: {pins['frames']} frames in {pins['clocks']} clocks; "
-            f"decision {pins['decision_us']:.2f} us after convert start"
-        )
-    print(
-        f"shown run (seed {summary['seed']}): onset at {_seconds(summary['onset_s'])}, flag at "
-        f"{_seconds(summary['flag_s'])}, delay {_milliseconds(summary['delay_s'])}"
-    )
-    print()
-    _table(summary["conditions"])
+    print(*run.tell(scene, summary), sep="\n")
     print(f"\nresults: {out}/report.html, summary.json, result.npz and pictures")
-
-
-def _seconds(value):
-    return "none" if value is None else f"{value:.4f} s"
-
-
-def _table(rows):
-    """Rows of equal keys as aligned columns."""
-    columns = list(rows[0])
-    cells = [columns, *([str(row[column]) for column in columns] for row in rows)]
-    widths = [max(len(row[i]) for row in cells) for i in range(len(columns))]
-    for row in cells:
-        print("  ".join(f"{cell:<{width}}" for cell, width in zip(row, widths)).rstrip())
 
 
 def _process_slip(arguments):

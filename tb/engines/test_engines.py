@@ -77,7 +77,7 @@ def test_window_arrays_by_brute_force(config):
             assert result["fired_at"][channel, k] == fired
 
 
-@pytest.mark.parametrize("name", scenes.names())
+@pytest.mark.parametrize("name", scenes.names("rubber"))
 def test_scenes_are_the_same_on_fixed_and_rtl(name):
     """Every detail's peak-to-peak, decision and state, and the arrays of the slip command."""
     scene = scenes.load(name)

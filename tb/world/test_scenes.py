@@ -23,7 +23,7 @@ from meissner.world.adc import PARTS
 SEEDS = 100
 PULLED = [
     (name, condition.name)
-    for name in scenes.names()
+    for name in scenes.names("rubber")
     for condition in scenes.load(name).conditions
     if scenes.load(name).kind == "pull"
 ]
@@ -57,7 +57,7 @@ def measured(name, condition, seeds=SEEDS):
     return np.array(rows).T
 
 
-@pytest.mark.parametrize("name", scenes.names())
+@pytest.mark.parametrize("name", scenes.names("rubber"))
 def test_every_scene_loads_and_runs(name):
     scene = scenes.load(name)
     assert "\n" not in scenes.describe(name) and len(scenes.describe(name)) < 100
@@ -69,7 +69,7 @@ def test_every_scene_loads_and_runs(name):
             assert len(getattr(run, field)) == len(run.time_s), field
         assert run.codes.dtype == np.int64
         assert not run.over_range.any()
-        assert set(run.modelled) | set(run.left_out) == set(scenes.COMPONENTS)
+        assert set(run.modelled) | set(run.left_out) == set(scenes.slip.COMPONENTS)
         assert not set(run.modelled) & set(run.left_out)
         assert run.normal_n.max() == pytest.approx(condition.normal_n, rel=0.02)
 

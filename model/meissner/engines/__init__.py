@@ -2,7 +2,8 @@
 
 Each engine module has ``watch``: samples in, what the core says about every detail out; ``windows``, from
 which ``process_slip`` makes the arrays of ``meissner process slip``; and ``cop``: frames of forces in, the
-arrays of ``meissner process cop`` out.
+arrays of ``meissner process cop`` out. One that has ``cop4`` takes the electrodes of a mesh (its Solution)
+and gives x, y, load (N) and valid of each sample.
 """
 
 from dataclasses import dataclass

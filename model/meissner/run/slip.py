@@ -1,14 +1,12 @@
-"""``meissner run``: a scene through an engine, over its conditions and seeds, into a folder of results."""
+"""Running a slip scene: every condition and seed through an engine, held against the truth."""
 
-import json
 import time
-from pathlib import Path
 
 import numpy as np
 
 from meissner import engines, report, scenes
 from meissner.engines.float import first_crossing
-from meissner.files import written
+from meissner.run import finish, table
 from meissner.slip.haar import haar
 from meissner.slip.slip import State
 
@@ -99,7 +97,14 @@ def _statistics(condition, verdicts):
     return row
 
 
-def run_slip(scene, engine, out, seed=1, waves=False, progress=lambda runs: runs):
+def check(scene, engine, waves):
+    """ValueError with one sentence if this engine cannot run the scene."""
+    engines.load(engine)
+    if waves and engine != "rtl":
+        raise ValueError("--waves needs the rtl engine: only it has signals")
+
+
+def run(scene, engine, out, seed, waves, progress):
     """Run every condition of a slip scene with its seeds; write results to ``out``; return the summary."""
     began = time.perf_counter()
     module, twin_module = engines.load(engine), engines.load("fixed")
@@ -127,7 +132,7 @@ def run_slip(scene, engine, out, seed=1, waves=False, progress=lambda runs: runs
     pins = None
     if engine == "rtl":
         recording, watched = shown[scene.conditions[0]]
-        pins = module.watch_pins(recording, config, waves=Path(out) / "waves.vcd" if waves else None)
+        pins = module.watch_pins(recording, config, waves=out / "waves.vcd" if waves else None)
         mismatches += _mismatches(pins.watched, watched)
 
     rows = [_statistics(condition, verdicts[condition]) for condition in scene.conditions]
@@ -150,8 +155,6 @@ def run_slip(scene, engine, out, seed=1, waves=False, progress=lambda runs: runs
         "conditions": rows,
         "pins": None if pins is None else pins.facts,
     }
-    out = Path(out)
-    out.mkdir(parents=True, exist_ok=True)
     pictures = []
     for index, (condition, (recording, watched)) in enumerate(shown.items()):
         name = f"{scene.name}.png" if len(shown) == 1 else f"{scene.name}_{index + 1}.png"
@@ -159,19 +162,38 @@ def run_slip(scene, engine, out, seed=1, waves=False, progress=lambda runs: runs
         _draw(out / name, recording, watched, config, verdict)
         pictures.append((out / name, f"{condition.name}, seed {seed}"))
         arrays |= _arrays(recording, watched, config, f"c{index}_" if len(shown) > 1 else "")
-    summary["seconds_taken"] = round(time.perf_counter() - began, 3)
-    with written(out / "result.npz") as file:
-        np.savez_compressed(file, **arrays)
-    report.write_html(
-        out / "report.html",
-        {key: value for key, value in summary.items() if key not in ("conditions", "pins", "saved")},
-        pictures,
-        {"Conditions": rows, **({"At the converter's pins": [pins.facts]} if pins else {})},
-        title=f"{scene.name}: {scene.title}",
+    tables = {"Conditions": rows, **({"At the converter's pins": [pins.facts]} if pins else {})}
+    return finish(scene, summary, out, arrays, pictures, tables, began, ("conditions", "pins", "saved"))
+
+
+def _milliseconds(seconds):
+    return "none" if seconds is None else f"{seconds * 1e3:.2f} ms"
+
+
+def _seconds(value):
+    return "none" if value is None else f"{value:.4f} s"
+
+
+def tell(summary):
+    """The lines to print of a summary."""
+    lines = []
+    if summary["saved"]:
+        saved = summary["saved"]
+        lines.append(
+            f"saved by it: the world takes {saved['world_ms_per_s']:.2f} ms per simulated second, "
+            f"{saved['everything_ms_per_s']:.2f} ms with everything"
+        )
+    if summary["pins"]:
+        pins = summary["pins"]
+        lines.append(
+            f"at the pins of the {pins['adc']}: {pins['frames']} frames in {pins['clocks']} clocks; "
+            f"decision {pins['decision_us']:.2f} us after convert start"
+        )
+    lines.append(
+        f"shown run (seed {summary['seed']}): onset at {_seconds(summary['onset_s'])}, flag at "
+        f"{_seconds(summary['flag_s'])}, delay {_milliseconds(summary['delay_s'])}"
     )
-    with written(out / "summary.json") as file:
-        file.write(json.dumps(summary, indent=2).encode() + b"\n")
-    return summary
+    return [*lines, "", *table(summary["conditions"])]
 
 
 def _arrays(recording, watched, config, prefix):

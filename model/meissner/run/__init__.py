@@ -1,0 +1,68 @@
+"""``meissner run``: a scene through an engine into a folder of results.
+
+Each sensor has a module here with ``run(scene, engine, out, seed, waves, progress)``, which writes its
+results and returns the summary, and ``tell(summary)``, the lines that the command prints of it.
+"""
+
+import json
+import time
+from importlib import import_module
+from pathlib import Path
+
+import numpy as np
+
+from meissner import report
+from meissner.files import written
+
+_MODULES = {"rubber": "slip", "array": "cop", "mesh": "mesh"}
+
+
+def _module(scene):
+    return import_module(f"meissner.run.{_MODULES[scene.sensor]}")
+
+
+def check(scene, engine, waves=False):
+    """ValueError with one sentence if this engine cannot run the scene."""
+    _module(scene).check(scene, engine, waves)
+
+
+def run(scene, engine, out, seed=1, waves=False, progress=lambda runs: runs):
+    """Run a scene; write results to ``out``; return the summary."""
+    check(scene, engine, waves)
+    out = Path(out)
+    out.mkdir(parents=True, exist_ok=True)
+    return _module(scene).run(scene, engine, out, seed, waves, progress)
+
+
+def tell(scene, summary):
+    """The lines to print of a summary, besides title, engine, modelled and left out."""
+    return _module(scene).tell(summary)
+
+
+def finish(scene, summary, out, arrays, pictures, tables, began, hidden=()):
+    """Write result.npz, report.html and summary.json; sets ``seconds_taken``.
+
+    ``hidden``: keys of the summary that the report shows as tables instead.
+    """
+    summary["seconds_taken"] = round(time.perf_counter() - began, 3)
+    with written(out / "result.npz") as file:
+        np.savez_compressed(file, **arrays)
+    facts = {
+        key: f"{value['mean']:.4g} in the mean, {value['maximum']:.4g} at most"
+        if isinstance(value, dict)
+        else value
+        for key, value in summary.items()
+        if key not in hidden
+    }
+    report.write_html(out / "report.html", facts, pictures, tables, title=f"{scene.name}: {scene.title}")
+    with written(out / "summary.json") as file:
+        file.write(json.dumps(summary, indent=2).encode() + b"\n")
+    return summary
+
+
+def table(rows):
+    """Rows of equal keys as aligned columns, one line each."""
+    columns = list(rows[0])
+    cells = [columns, *([str(row[column]) for column in columns] for row in rows)]
+    widths = [max(len(row[i]) for row in cells) for i in range(len(columns))]
+    return ["  ".join(f"{cell:<{width}}" for cell, width in zip(row, widths)).rstrip() for row in cells]

@@ -1,0 +1,86 @@
+"""Running a scene of an array of taxels: its frames through an engine, held against what truly presses."""
+
+import time
+
+import numpy as np
+
+from meissner import engines, report_cop, scenes
+from meissner.run import finish
+from meissner.run.truth import errors, percent, summarise
+
+KEPT_SAMPLES = 1 << 22  # frames beyond so many taxel samples are left out of result.npz
+
+
+def check(scene, engine, waves):
+    """ValueError with one sentence if this engine cannot run the scene."""
+    engines.load(engine)
+    if waves:
+        raise ValueError(f"--waves is for slip scenes; {scene.name} has no converter's pins to show")
+
+
+def mismatches(result, twin):
+    """How many frames differ from the twin's in any array."""
+    return int(np.any([result[name] != twin[name] for name in twin], axis=0).sum())
+
+
+def run(scene, engine, out, seed, waves, progress):
+    """Run the scene once; write results to ``out``; return the summary."""
+    began = time.perf_counter()
+    recording = scenes.simulate(scene, seed)
+    codes = recording.codes
+    engines.process_cop(codes[:1], engine, scene.min_load)  # built and warm before it is timed
+    # In pieces only so that there is progress to show: no frame depends on another.
+    step = max(1, (1 << 22) // codes[0].size)
+    started, parts = time.perf_counter(), []
+    for start in progress(range(0, len(codes), step)):
+        parts.append(engines.process_cop(codes[start : start + step], engine, scene.min_load))
+    engine_s = time.perf_counter() - started
+    result = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+    twin = engines.process_cop(codes, "fixed", scene.min_load) if engine == "rtl" else None
+
+    x, y = (result[name] / engines.COP_ONE for name in ("x", "y"))
+    load = result["sum"] * scene.load_lsb
+    position, of_load = errors(x, y, load, result["valid"], recording.load, recording.x, recording.y)
+    summary = {
+        "scene": scene.name,
+        "engine": engine,
+        "seed": seed,
+        "seconds_simulated": round(len(codes) / scene.rate_hz, 3),
+        "seconds_taken": None,
+        "samples_per_second": round(codes.size / engine_s),
+        "twin_mismatches": None if twin is None else mismatches(result, twin),
+        "modelled": list(recording.modelled),
+        "left_out": list(recording.left_out),
+        "position_error": summarise(position),
+        "load_error": summarise(of_load[result["valid"]]),
+        "below_min_load": int(((recording.load > 0) & ~result["valid"]).sum()),
+        "over_range": recording.over_range,
+        "runs": 1,
+        "frames": len(codes),
+        "rows": scene.rows,
+        "columns": scene.columns,
+    }
+    picture = report_cop.draw_array(
+        out / f"{scene.name}.png", recording, result["valid"], x, y, load, position, of_load
+    )
+    arrays = {
+        **result,
+        "time_s": recording.time_s,
+        "true_load": recording.load,
+        "true_x": recording.x,
+        "true_y": recording.y,
+        "position_error": position,
+        "load_error": of_load,
+        **({"codes": codes} if codes.size <= KEPT_SAMPLES else {}),
+    }
+    return finish(scene, summary, out, arrays, [(picture, f"seed {seed}")], {}, began)
+
+
+def tell(summary):
+    """The lines to print of a summary."""
+    return [
+        f"{summary['frames']} frames of {summary['rows']}×{summary['columns']}; "
+        f"{summary['below_min_load']} with less than the least load",
+        f"position error, of the range -1 to 1: {percent(summary['position_error'])}",
+        f"load error: {percent(summary['load_error'])}",
+    ]

@@ -1,0 +1,30 @@
+"""Errors of a centre of pressure and a load against what truly presses."""
+
+import numpy as np
+
+
+def errors(x, y, load, valid, true_load, true_x, true_y):
+    """Position error (distance as a fraction of the range -1 to 1) and load error (fraction), per sample.
+
+    NaN where nothing presses; the position's also where the sensor gives none.
+    """
+    pressed = np.asarray(true_load) > 0
+    seen = pressed & valid
+    position = np.where(seen, np.hypot(x - true_x, y - true_y) / 2, np.nan)
+    safe = np.where(pressed, true_load, 1.0)
+    return position, np.where(pressed, np.abs(load / safe - 1), np.nan)
+
+
+def summarise(error):
+    """Maximum and mean of the samples that have an error; None if none has."""
+    error = error[~np.isnan(error)]
+    if not len(error):
+        return None
+    return {"maximum": float(error.max()), "mean": float(error.mean())}
+
+
+def percent(error):
+    """A summary of errors in words."""
+    if error is None:
+        return "none"
+    return f"{100 * error['mean']:.3g} % in the mean, {100 * error['maximum']:.3g} % at most"

@@ -1,0 +1,56 @@
+"""What every scene's table is checked with; each raises ValueError with one sentence that names the place."""
+
+_KINDS = {str: "text", int: "a whole number", float: "a number", list: "a list", dict: "a table"}
+
+
+def fields(where, table, expected):
+    """Refuse unknown, missing and mistyped keys of one table; numbers come back as their kind."""
+    for key in table:
+        if key not in expected:
+            raise ValueError(f"{where}: unknown key '{key}'; the keys are: {', '.join(expected)}")
+    checked = {}
+    for key, kind in expected.items():
+        if key not in table:
+            raise ValueError(f"{where}: the key '{key}' is missing")
+        value = table[key]
+        fits = isinstance(value, (int, float) if kind is float else kind) and not isinstance(value, bool)
+        if not fits:
+            raise ValueError(f"{where}: {key} = {value!r} must be {_KINDS[kind]}")
+        checked[key] = float(value) if kind is float else value
+    return checked
+
+
+def positive(where, table, keys):
+    for key in keys:
+        if not (0 < table[key] < float("inf")):
+            raise ValueError(f"{where}: {key} = {table[key]:g} must be above 0")
+
+
+def between(where, table, limits):
+    """``limits``: {key: (least, most)}."""
+    for key, (least, most) in limits.items():
+        if not least <= table[key] <= most:
+            raise ValueError(f"{where}: {key} = {table[key]:g} must lie in {least:g} .. {most:g}")
+
+
+def one_of(where, key, value, allowed):
+    if value not in allowed:
+        raise ValueError(f"{where}: {key} = '{value}' must be one of: {', '.join(allowed)}")
+
+
+def numbers(where, key, values, count=None, least=float("-inf"), most=float("inf")):
+    """A list of ``count`` (or at least one) numbers in least .. most as floats."""
+    fits = isinstance(values, list) and (len(values) == count if count else len(values) > 0)
+    if not fits or not all(isinstance(v, (int, float)) and not isinstance(v, bool) for v in values):
+        raise ValueError(f"{where}: {key} = {values!r} must be a list of {count or 'one or more'} numbers")
+    for value in values:
+        if not least <= value <= most:
+            raise ValueError(f"{where}: {key} = {value:g} must lie in {least:g} .. {most:g}")
+    return tuple(map(float, values))
+
+
+def tables(where, key, rows):
+    """At least one table."""
+    if not isinstance(rows, list) or not rows or not all(isinstance(row, dict) for row in rows):
+        raise ValueError(f"{where}: there must be at least one [[{key}]]")
+    return rows

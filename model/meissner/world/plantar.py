@@ -1,0 +1,27 @@
+"""Recorded steps: plantar pressure over time, 63×33 taxels at 500 Hz, 10 subjects of 60 trials.
+
+Pataky et al. (2008), doi 10.1016/j.jbiomech.2008.03.034; the arrays come in the PyPI package jiku-data,
+which is read as data: none of its code runs, and so what that needs is not installed. Row 0 is where the
+foot's front is; counts as recorded.
+"""
+
+from importlib.util import find_spec
+from pathlib import Path
+
+import numpy as np
+
+DATASET, SUBJECTS, TRIALS = "SpeedPP2DS", 10, 60
+
+
+def step(subject, trial):
+    """One step as uint16 [frames, 63, 33], from the frame before its first load to the one after its last."""
+    found = find_spec("jikudata")
+    if found is None or find_spec("h5py") is None:
+        raise ValueError("the recorded steps need the packages jiku-data and h5py: make setup installs both")
+    import h5py
+
+    folder = Path(found.submodule_search_locations[0]) / "datasets" / DATASET / "data_y"
+    with h5py.File(folder / f"subj{subject:03}.h5", "r") as file:
+        frames = np.moveaxis(file[f"img{trial:03}"][()], -1, 0)
+    loaded = np.flatnonzero(frames.any(axis=(1, 2)))
+    return np.ascontiguousarray(frames[max(loaded[0] - 1, 0) : loaded[-1] + 2])
