@@ -9,6 +9,7 @@ from meissner.report import BLUE, GREEN, INK, ORANGE, PURPLE, RED
 
 LINES = (BLUE, ORANGE, GREEN, RED, PURPLE, INK)
 SNAPSHOTS = 6
+FAINT = 0.01  # of the largest force: what is less is shown as nothing, or noise would be all there is to see
 PIXELS = 256  # images of more taxels a side are shown as maxima of blocks
 
 
@@ -36,11 +37,11 @@ def _blocks(image):
 
 
 def _show(axis, image, top):
-    """Taxels as squares, row 0 on top, in the core's coordinates; white where nothing presses."""
+    """Taxels as squares, row 0 on top, in the core's coordinates; grey where next to nothing presses."""
     rows, columns = image.shape
     half = [1 / max(n - 1, 1) for n in (columns, rows)]
     shown = axis.imshow(
-        np.ma.masked_equal(_blocks(image), 0),
+        np.ma.masked_less(_blocks(image), FAINT * top),
         extent=(-1 - half[0], 1 + half[0], -1 - half[1], 1 + half[1]),
         aspect=max(rows - 1, 1) / max(columns - 1, 1),
         cmap="YlGnBu",
@@ -89,7 +90,7 @@ def draw_array(path, recording, valid, x, y, load, position, of_load):
         image.plot(x[seen[-1]], y[seen[-1]], "s", mfc="white", mec=ORANGE, ms=8, label="end")
     image.plot([], [], color=RED, lw=2.2, label="centre of pressure, red to yellow")
     image.plot([], [], color=INK, lw=0.8, label="truth")
-    image.legend(loc="upper center", bbox_to_anchor=(0.5, -0.06), ncols=2, frameon=False, fontsize=9)
+    image.legend(loc="upper center", bbox_to_anchor=(0.5, -0.09), ncols=2, frameon=False, fontsize=9)
     image.set(xlabel="x", ylabel="y")
 
     axes = [upper.add_subplot(grid[k, 1]) for k in range(3)]
@@ -102,7 +103,7 @@ def draw_array(path, recording, valid, x, y, load, position, of_load):
     axes[1].plot(time_s, load, color=GREEN, lw=1.8, label="reported", **look)
     axes[1].plot(time_s, recording.load, color=INK, lw=0.8, label="truth")
     axes[1].set(ylabel=f"load ({scene.unit})")
-    axes[1].set_ylim(bottom=0)
+    axes[1].set_ylim(0, 1.1 * recording.load.max())
     axes[1].legend(frameon=False, fontsize=9)
     shown = np.where(valid, of_load, np.nan)
     for values, colour, name in ((position, BLUE, "position, of the range"), (shown, GREEN, "load")):
@@ -119,10 +120,11 @@ def draw_array(path, recording, valid, x, y, load, position, of_load):
     for axis in axes[:2]:
         axis.tick_params(labelbottom=False)
 
-    for axis, k in zip(lower.subplots(1, SNAPSHOTS), np.linspace(0, len(seen) - 1, SNAPSHOTS + 2)[1:-1]):
-        axis.set(xticks=[], yticks=[])
-        if len(seen):
-            k = seen[round(k)]
+    if len(seen):
+        inside = np.linspace(0, len(seen) - 1, SNAPSHOTS + 2)[1:-1] if len(seen) > 2 * SNAPSHOTS else None
+        frames = seen[:SNAPSHOTS] if inside is None else seen[np.rint(inside).astype(int)]
+        for axis, k in zip(lower.subplots(1, len(frames), squeeze=False)[0], frames):
+            axis.set(xticks=[], yticks=[])
             _show(axis, codes[k] * scale, peak.max())
             axis.plot(x[k], y[k], "o", mfc=RED, mec="white", ms=7)
             axis.set_title(f"{time_s[k] * 1e3:.0f} ms", fontsize=10)
@@ -161,11 +163,12 @@ def _draw_surface(figure, recordings, _):
     """The voltage of layer A: the whole layer for the first r, and the loaded row for each."""
     image, row = figure.subplots(1, 2)
     first = recordings[0]
-    drop = first.scene.V0_v - first.solution.Va[0]
-    i = np.unravel_index(np.argmax(drop), drop.shape)[0]
-    shown = image.imshow(-1e3 * drop, cmap="YlGnBu_r", extent=(-1, 1, -1, 1))
-    image.contour(-1e3 * drop, 8, colors="white", linewidths=0.6, origin="upper", extent=(-1, 1, -1, 1))
-    figure.colorbar(shown, ax=image, label=f"voltage below {first.scene.V0_v:g} V (mV)")
+    millivolts = 1e3 * (first.solution.Va[0] - first.solution.E1[0])
+    i = np.unravel_index(np.argmin(millivolts), millivolts.shape)[0]
+    shown = image.imshow(millivolts, cmap="YlGnBu_r", extent=(-1, 1, -1, 1))
+    lines = {"levels": 8, "colors": "white", "linewidths": 0.6, "linestyles": "solid"}
+    image.contour(millivolts, **lines, origin="upper", extent=(-1, 1, -1, 1))
+    figure.colorbar(shown, ax=image, label="voltage from the electrodes E1, E3 (mV)")
     image.set(xlabel="x", ylabel="y", title=f"layer A, r = {first.r_ohm:g} Ω")
     for recording, colour in zip(recordings, LINES):
         across = np.linspace(-1, 1, recording.scene.columns)

@@ -109,6 +109,14 @@ BAD = {
     "run engine": (("run", "acrylic_slip", "--engine", "warp", "--out", "results"), "unknown engine"),
     "run waves": (("run", "acrylic_slip", "--waves", "--out", "results"), "--waves needs the rtl engine"),
     "run seed": (("run", "acrylic_slip", "--seed", "-1", "--out", "results"), "seed = -1"),
+    "run cop waves": (
+        ("run", "walk_25x5", "--engine", "rtl", "--waves", "--out", "results"),
+        "--waves is for slip scenes",
+    ),
+    "run mesh engine": (
+        ("run", "cop_load", "--engine", "warp", "--out", "results"),
+        "unknown engine 'warp'",
+    ),
     "no command": ((), "required: COMMAND"),
 }
 
@@ -149,9 +157,19 @@ def test_scenes_are_listed_one_line_each(tmp_path):
     assert done.returncode == 0
     assert [line.split()[0] for line in done.stdout.splitlines()] == [
         "acrylic_slip",
+        "cop_circle",
+        "cop_impulse",
+        "cop_load",
+        "cop_one_point",
+        "cop_six_random",
+        "cop_two_point",
+        "dense_1024",
+        "dense_64",
         "normal_force",
+        "plantar_step",
         "slip_forces",
         "slip_materials",
+        "walk_25x5",
     ]
 
 
@@ -181,3 +199,36 @@ def test_run_finds_the_slip_on_the_core(tmp_path):
     assert summary["false_alarms"] == 0
     assert summary["runs"] >= 100
     assert 0 <= summary["delay_s"] < summary["gross_s"] - summary["onset_s"]
+
+
+def test_run_draws_the_centre_of_pressure_on_the_core(tmp_path):
+    done = meissner("run", "walk_25x5", "--engine", "rtl", "--json", "--out", "results", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    summary = json.loads(done.stdout)
+    assert summary == json.loads((tmp_path / "results/summary.json").read_text())
+    assert summary["twin_mismatches"] == 0
+    assert 0 < summary["position_error"]["mean"] < summary["position_error"]["maximum"] < 0.01
+    assert 0 < summary["load_error"]["mean"] < summary["load_error"]["maximum"] < 0.01
+    names = {path.name for path in (tmp_path / "results").iterdir()}
+    assert names == {"summary.json", "result.npz", "report.html", "walk_25x5.png"}
+
+
+@pytest.mark.parametrize("scene", ["cop_circle", "cop_six_random", "acrylic_slip"])
+def test_run_says_what_came_of_it(tmp_path, scene):
+    done = meissner("run", scene, "--engine", "float", "--out", "results", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.startswith(f"{scene}: ") and "engine float, " in done.stdout
+    assert ("position error" in done.stdout) == (scene != "acrylic_slip")
+
+
+@pytest.mark.parametrize("engine", ["fixed", "rtl"])
+def test_run_refuses_a_mesh_scene_on_an_engine_without_its_formula(tmp_path, engine):
+    if hasattr(engines.load(engine), "cop4"):
+        pytest.skip(f"the engine {engine} has it")
+    done = meissner("run", "cop_load", "--engine", engine, "--out", "results", cwd=tmp_path)
+    assert done.returncode == 2 and done.stdout == ""
+    assert done.stderr == (
+        f"meissner: the engine {engine} has no four-electrode centre of pressure yet; run cop_load with "
+        "--engine float\n"
+    )
+    assert not (tmp_path / "results").exists()

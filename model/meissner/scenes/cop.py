@@ -116,7 +116,10 @@ def _patch(where, row):
 def build(name, table):
     """Check a scene's table and return the Scene; ValueError with one sentence if it cannot be."""
     where = f"scene {name}"
-    world = dict(table.get("world") or {})
+    # Only patches need a converter: the kind says which tables there must be.
+    expected = _TOP | ({} if "converter" not in table else {"converter": dict})
+    top = fields(where, table, expected)
+    world = dict(top["world"])
     kind = world.pop("kind", None)
     one_of(f"{where}, [world]", "kind", kind, tuple(_WORLD))
     top = fields(where, table, _TOP | ({"converter": dict} if kind == "patches" else {}))

@@ -1,8 +1,8 @@
 """Recorded steps: plantar pressure over time, 63×33 taxels at 500 Hz, 10 subjects of 60 trials.
 
 Pataky et al. (2008), doi 10.1016/j.jbiomech.2008.03.034; the arrays come in the PyPI package jiku-data,
-which is read as data: none of its code runs, and so what that needs is not installed. Row 0 is where the
-foot's front is; counts as recorded.
+which is read as data: none of its code runs, and so what that needs is not installed. Counts and places as
+recorded: the heel is in the upper rows.
 """
 
 from importlib.util import find_spec
