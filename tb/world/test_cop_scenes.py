@@ -94,7 +94,7 @@ def test_a_recorded_step_goes_from_heel_to_toe():
     load, _, y = centre(frames[20:-20])
     assert load.min() > 0
     assert y[0] > 0.5 and y[-1] < -0.5
-    assert (np.diff(y) < 0).mean() > 0.9
+    assert (np.diff(y[::10]) < 0).all()  # 20 ms at a time: from frame to frame it trembles
 
 
 def test_the_data_are_asked_for_when_absent(monkeypatch):
