@@ -171,9 +171,10 @@ async def thresholds_and_levels_use_every_bit(dut):
         assert got == [{"state": row["state"], "over": row["over"]} for row in rows], config
 
 
-@pytest.mark.parametrize("channels", [1, 2, 6, 1024])
-def test_slip(channels):
-    bench.run("slip", "slip", {"Channels": channels})
+# Timers of 4 bits: those of matches_model then reach the top bit.
+@pytest.mark.parametrize("channels, timer_bits", [(1, 16), (2, 4), (6, 16), (1024, 16)])
+def test_slip(channels, timer_bits):
+    bench.run("slip", "slip", {"Channels": channels, "TimerBits": timer_bits})
 
 
 def test_model_tells_one_slip_as_a_story():
@@ -221,8 +222,9 @@ def test_model_in_chunks():
 def test_refuses_illegal_parameters():
     assert "Channels = 0" in bench.refuses("slip", {"Channels": 0})
     assert "TimerBits = 32" in bench.refuses("slip", {"TimerBits": 32})
-    with pytest.raises(ValueError, match="channels = 0"):
-        Slip(0, SlipConfig())
+    for channels in (0, 1025):
+        with pytest.raises(ValueError, match=f"channels = {channels} must lie in 1 .. 1024"):
+            Slip(channels, SlipConfig())
 
 
 @pytest.mark.parametrize(
