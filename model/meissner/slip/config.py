@@ -8,6 +8,12 @@ SAMPLE_BITS = 17
 TIMER_BITS = 16
 
 
+def check_channels(channels):
+    """Raise ValueError for a number of channels that the blocks of the slip path cannot be built for."""
+    if not 1 <= channels <= MAX_CHANNELS:
+        raise ValueError(f"channels = {channels} must lie in 1 .. {MAX_CHANNELS}")
+
+
 @dataclass(frozen=True)
 class SlipConfig:
     """Settings of the slip path. Times count details (2**level samples), thresholds count codes.
