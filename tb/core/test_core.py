@@ -131,6 +131,20 @@ async def recovers_after_reset_in_mid_frame(dut):
     first = beats_of(recording(rng, channels, 7))
     await bench.stream(dut, first[: len(first) - channels // 2], FIELDS, drain=1)
     await bench.reset(dut)
+    # Once more with every stage full, and held by a consumer that sleeps.
+    dut.out_ready_i.value = 0
+    dut.in_valid_i.value = 1
+    for beat in beats_of(recording(rng, channels, 100)):
+        for name, value in beat.items():
+            getattr(dut, f"in_{name}_i").value = int(value) & ((1 << len(getattr(dut, f"in_{name}_i"))) - 1)
+        await bench.ReadOnly()
+        full = dut.in_ready_o.value == 0
+        await bench.RisingEdge(dut.clk_i)
+        if full:
+            break
+    assert full
+    dut.in_valid_i.value = 0
+    await bench.reset(dut)
     x = recording(rng, channels, 200 if channels < 100 else 10)
     should, watched = expected(x, config)
     assert await bench.stream(dut, beats_of(x), FIELDS) == should
