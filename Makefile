@@ -7,7 +7,7 @@ SYNTH  := .venv/.synth
 RTL    := $(shell cat rtl/rtl.f)
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test lint fmax clean
+.PHONY: help setup demo test lint fmax bench clean
 
 help:  ## this list
 	@awk -F':.*## ' '/^[a-z-]+:.*## /{printf "  make %-12s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -36,6 +36,9 @@ lint: $(SIM)  ## Verilator -Wall on every module as its own top, Verible, ruff
 
 fmax: $(SYNTH)  ## Fmax and area of single blocks, worst of three seeds: table, build/fmax/fmax.json
 	@$(BIN)/python tools/fmax.py --jobs $(JOBS) $(FMAX)
+
+bench: $(SIM)  ## samples per second of each engine
+	@$(BIN)/python tools/bench_engines.py
 
 clean:  ## remove build/ (the environment in .venv stays; remove it by hand)
 	rm -rf build

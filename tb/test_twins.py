@@ -13,3 +13,10 @@ def test_every_block_has_its_twin_and_its_testbench(path):
     assert (toolchain.ROOT / f"model/meissner/{stage}/{block}.py").exists()
     assert (toolchain.ROOT / f"tb/{stage}/test_{block}.py").exists()
     assert f"model/meissner/{stage}/{block}.py" in path.read_text(), "its header does not name its model"
+
+
+def test_the_core_file_lists_the_same_sources():
+    """FuseSoC's meissner.core and rtl/rtl.f name the same files in the same order."""
+    lines = (toolchain.ROOT / "meissner.core").read_text().splitlines()
+    listed = [line.split("- ")[1] for line in lines if line.strip().startswith("- rtl/")]
+    assert listed == (toolchain.ROOT / "rtl/rtl.f").read_text().split()

@@ -41,7 +41,20 @@ TARGETS = {
     },
 }
 
+
+def cop_entries():
+    """msn_cop over fraction bits and bits a clock, pipelined too at Q2.14: speed, accuracy and area."""
+    for bits, pipelined in ((4, 0), (14, 0), (20, 0), (14, 1)):
+        for per_clock in (1, 2):
+            digits = bits + 1 if per_clock == 1 else (bits + 3) // 2
+            size = {"Rows": 64, "Columns": 64, "FractionBits": bits, "BitsPerClock": per_clock}
+            name = f"cop-64x64-q{bits}-{'pipe' if pipelined else 'turn'}{per_clock}"
+            targets = "ecp5" if pipelined else "ecp5 up5k"  # a pipe is too large for the small one
+            yield name, ("msn_cop", size | {"Pipelined": pipelined}, 3 + digits, targets)
+
+
 # Name: module, parameters, clocks of the latency quoted in ns (or None), targets.
+LARGE = {"Rows": 1024, "Columns": 1024, "Lanes": 8}
 TABLE = {
     "slip-1024": ("msn_core", {"Channels": 1024}, 6, "ecp5 up5k"),
     "slip-64": ("msn_core", {"Channels": 64}, 6, "ecp5 up5k"),
@@ -54,6 +67,11 @@ TABLE = {
         6,
         "up5k",
     ),
+    "cop_accumulate-64x64": ("msn_cop_accumulate", {"Rows": 64, "Columns": 64}, 2, "ecp5 up5k"),
+    "cop_accumulate-1024x1024x8": ("msn_cop_accumulate", LARGE, 5, "ecp5"),
+    "cop-1024x1024x8-q14-turn1": ("msn_cop", LARGE | {"BitsPerClock": 1}, 21, "ecp5"),
+    "cop-1024x1024x8-q14-turn2": ("msn_cop", LARGE, 14, "ecp5"),
+    **dict(cop_entries()),
 }
 
 
@@ -175,8 +193,8 @@ def measure(name, target, seeds):
 
 def table(results):
     lines = [
-        f"{'block':28} {'target':6} {'MHz':>6} {'all seeds':>20} {'LUT/LC':>7} {'FF':>6} {'RAM':>4} "
-        f"{'DSP':>4} {'clocks':>6} {'ns':>7}"
+        f"{'block':28} {'target':6} {'MHz':>6} {'all seeds':>20} {'LUT/LC':>7} {'FF':>6} "
+        f"{'RAM':>4} {'DSP':>4} {'clocks':>6} {'ns':>7}"
     ]
     for r in results:
         area = r["area"]

@@ -200,11 +200,14 @@ def write_html(path, summary, pictures=(), tables=None, title="Meissner"):
     parts = [f"<h1>{html.escape(title)}</h1>"]
     facts = "".join(
         f"<tr><td>{html.escape(str(key))}</td><td>"
-        + (html.escape(", ".join(map(str, v))) if isinstance(v, (list, tuple)) else _cell(v))
+        + (html.escape(", ".join(map(str, v)) or "nothing") if isinstance(v, (list, tuple)) else _cell(v))
         + "</td></tr>"
         for key, v in summary.items()
     )
     parts.append(f"<table><tbody>{facts}</tbody></table>")
+    for heading, rows in (tables or {}).items():
+        if rows:
+            parts.append(f"<h2>{html.escape(heading)}</h2>{_table(rows)}")
     for picture in pictures:
         file, caption = (picture, "") if isinstance(picture, (str, Path)) else picture
         data = base64.b64encode(Path(file).read_bytes()).decode("ascii")
@@ -213,9 +216,6 @@ def write_html(path, summary, pictures=(), tables=None, title="Meissner"):
             f'<figure><img alt="{caption}" src="data:image/png;base64,{data}">'
             f"<figcaption>{caption}</figcaption></figure>"
         )
-    for heading, rows in (tables or {}).items():
-        if rows:
-            parts.append(f"<h2>{html.escape(heading)}</h2>{_table(rows)}")
     page = (
         '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
         '<meta name="viewport" content="width=device-width, initial-scale=1">'

@@ -36,6 +36,20 @@ def _running(detail, span, hop):
     return p2p
 
 
+def first_crossing(x, config, start=0):
+    """First detail, from number ``start`` on, at which the exact sliding window crosses; None if none does.
+
+    The earliest that any detector with this wavelet, window and threshold can know; ``x``: [samples].
+    """
+    detail, _ = _coefficients(np.asarray(x)[None], config.level)
+    span = config.window >> config.level
+    shift = span // 2 - 1
+    high = maximum_filter1d(detail[0], span, origin=shift, mode="nearest")
+    low = minimum_filter1d(detail[0], span, origin=shift, mode="nearest")
+    crossing = np.flatnonzero((high - low)[start:] > config.threshold + HALF_CODE)
+    return start + int(crossing[0]) if len(crossing) else None
+
+
 def watch(x, config, moving=None):
     """Run the slip path over ``x`` [channels, samples] with ``moving`` [samples]; returns Watched."""
     detail, total = _coefficients(x, config.level)

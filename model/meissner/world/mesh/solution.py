@@ -1,0 +1,121 @@
+"""What a solved mesh gives back."""
+
+import math
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+
+class Bound(NamedTuple):
+    """Rigorous bounds of |computed - exact|: each electrode in volts, x, y without unit, load in newtons."""
+
+    E1: np.ndarray
+    E2: np.ndarray
+    E3: np.ndarray
+    E4: np.ndarray
+    x: np.ndarray
+    y: np.ndarray
+    load: np.ndarray
+
+
+class Certificate(NamedTuple):
+    """Per scene: the bound's seven rows, the condition number and the residual of the solved system."""
+
+    bound: np.ndarray  # [7, scenes]
+    condition: np.ndarray
+    residual: np.ndarray
+
+
+class Solution:
+    """Electrodes, position and load of one scene (numbers) or a batch (arrays of length scenes).
+
+    ``E1..E4`` volts; ``x``, ``y`` in -1..1, ``load`` newtons, ``current`` amperes: as the four electrodes
+    report them (eq. 16-20, 29), evaluated on the drops, not on the rounded voltages. ``solver``: what ran.
+    ``valid`` is False where there is no measurement; ``why`` then says so in a sentence, else it is "".
+    x, y, load are 0 there. Computed when asked for: ``bound``, ``condition``, ``residual`` (relative, of the
+    system that was solved), ``Va`` and ``Vb`` (volts, [m, n] or [scenes, m, n]). No value is NaN or infinite.
+    """
+
+    def __init__(self, mesh, scenes, single):
+        self.mesh, self.scenes, self.single = mesh, scenes, single
+        self._values = np.zeros((8, scenes))
+        self._values[0:3:2] = mesh.V0
+        self._values[1:4:2] = -mesh.V0
+        self._valid = np.zeros(scenes, bool)
+        self._why = np.full(scenes, "no taxel is loaded", object)
+        self._solver = np.full(scenes, "none", object)
+        self._groups = []
+
+    def put(self, where, values, solver, group, why=""):
+        """Store ``values`` [8, len(where)] (E1..E4, x, y, load, current) of the scenes ``where``."""
+        if not math.isfinite(values.sum()):
+            good = np.isfinite(values).all(0)
+            bad = where[~good]
+            self.refuse(bad, solver, "the numbers exceed double precision")
+            where, values, group = where[good], values[:, good], group.only(good)
+        self._values[:, where] = values
+        self._valid[where] = not why
+        self._why[where] = why
+        self._solver[where] = solver
+        if len(where):
+            self._groups.append((where, group))
+
+    def refuse(self, where, solver, why):
+        """Mark scenes as without a measurement: the unloaded electrodes stay."""
+        self._why[where], self._solver[where] = why, solver
+
+    def _out(self, array):
+        if not self.single:
+            return array
+        return array[0].item() if array.ndim == 1 and array.dtype != object else array[0]
+
+    E1 = property(lambda self: self._out(self._values[0]))
+    E2 = property(lambda self: self._out(self._values[1]))
+    E3 = property(lambda self: self._out(self._values[2]))
+    E4 = property(lambda self: self._out(self._values[3]))
+    x = property(lambda self: self._out(self._values[4]))
+    y = property(lambda self: self._out(self._values[5]))
+    load = property(lambda self: self._out(self._values[6]))
+    current = property(lambda self: self._out(self._values[7]))
+    valid = property(lambda self: self._out(self._valid))
+    why = property(lambda self: self._out(self._why))
+    solver = property(lambda self: self._out(self._solver))
+
+    @cached_property
+    def _certificate(self):
+        bound, condition, residual = np.zeros((7, self.scenes)), np.ones(self.scenes), np.zeros(self.scenes)
+        for where, group in self._groups:
+            part = group.certificate()
+            bound[:, where], condition[where], residual[where] = part
+        limit = np.array([2 * self.mesh.V0] * 4 + [2, 2, np.finfo(float).max])
+        return Certificate(np.where(np.isfinite(bound), bound, limit[:, None]), condition, residual)
+
+    @property
+    def bound(self):
+        return Bound(*(self._out(row) for row in self._certificate.bound))
+
+    @property
+    def condition(self):
+        return self._out(self._certificate.condition)
+
+    @property
+    def residual(self):
+        return self._out(self._certificate.residual)
+
+    @cached_property
+    def _fields(self):
+        mesh = self.mesh
+        fields = np.empty((2, self.scenes, mesh.m, mesh.n))
+        fields[0], fields[1] = mesh.V0, -mesh.V0
+        for where, group in self._groups:
+            fields[:, where] = group.fields()
+        return fields
+
+    @property
+    def Va(self):
+        return self._out(self._fields[0])
+
+    @property
+    def Vb(self):
+        return self._out(self._fields[1])
