@@ -44,14 +44,16 @@ def load(name):
 
 
 def _check_integers(x):
-    """ValueError unless every number in the array ``x``, which is not empty, is an integer."""
+    """``x``, which is not empty, if every number in it is an integer; ValueError if not."""
     if x.dtype.kind == "f":
+        x = x.astype(np.float64)  # the limits do not fit a half
         if not np.isfinite(x).all():
             raise ValueError("the samples hold NaN or infinity; the core takes integer codes only")
         if (x != np.rint(x)).any():
             raise ValueError(
                 "the samples hold numbers that are not integers; the core takes codes, not volts"
             )
+    return x
 
 
 def check_samples(x):
@@ -67,7 +69,7 @@ def check_samples(x):
         raise ValueError(
             f"{len(x)} channels are more than the core's {MAX_CHANNELS}; is the array transposed?"
         )
-    _check_integers(x)
+    x = _check_integers(x)
     limit = 1 << (SAMPLE_BITS - 1)
     if x.min() < -limit or x.max() >= limit:
         raise ValueError(f"the samples lie in {x.min()} .. {x.max()}, outside -{limit} .. {limit - 1}")
@@ -102,7 +104,7 @@ def check_forces(x):
     for count, what in zip(x.shape[1:], ("rows", "columns")):
         if count > MAX_SIDE:
             raise ValueError(f"{count} {what} are more than the core's {MAX_SIDE}")
-    _check_integers(x)
+    x = _check_integers(x)
     if x.min() < 0 or x.max() > MAX_FORCE:
         raise ValueError(f"the forces lie in {x.min():g} .. {x.max():g}, outside 0 .. {MAX_FORCE}")
     return x.astype(np.uint16, copy=False)
