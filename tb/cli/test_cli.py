@@ -115,7 +115,7 @@ BAD = {
     "cop columns": (cop("broad.npy"), "1025 columns are more than"),
     "cop NaN": (cop("nan3.npy"), "NaN"),
     "cop fractions": (cop("half3.npy"), "not integers"),
-    "cop complex": (cop("complex.npy"), "must be integers, not complex128"),
+    "cop complex": (cop("complex3.npy"), "must be integers, not complex128"),
     "cop min load": (cop("cube.npy", "--min-load", -1), "min-load = -1 must not be negative"),
     "cop min load high": (cop("cube.npy", "--min-load", 1 << 23), "must lie in 0 .. 8388607"),
     "cop calibration": (cop("cube.npy", "--calibration", "c.toml"), "--calibration is not built yet"),
@@ -163,7 +163,7 @@ def test_bad_input_is_one_sentence_and_writes_nothing(tmp_path, recording, case)
         "broad": np.zeros((1, 1, 1025), int),
         "nan3": np.full((1, 2, 2), np.nan),
         "half3": np.full((1, 2, 2), 0.5),
-        "complex": np.zeros((1, 2, 2), complex),
+        "complex3": np.zeros((1, 2, 2), complex),
     }.items():
         np.save(tmp_path / f"{name}.npy", x)
     before = sorted(tmp_path.iterdir())

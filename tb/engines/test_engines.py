@@ -160,6 +160,7 @@ def test_takes_samples_of_any_width_of_number():
     x = noise(1, 200)
     for kind in (np.int8, np.float16, np.float32, np.longdouble):
         assert np.array_equal(engines.check_samples(x.astype(kind)), x)
+    assert engines.check_samples([-65536, 65535]).tolist() == [[-65536, 65535]]
 
 
 def test_refuses_unknown_engine():
