@@ -9,9 +9,9 @@ import pytest
 
 from meissner import engines, scenes
 from meissner.engines import Watched, fixed
-from meissner.slip.config import SlipConfig
 from meissner.run import run
 from meissner.run import slip as slip_run
+from meissner.slip.config import SlipConfig
 from meissner.slip.slip import State
 
 N, C, I, G = State.NONE, State.CONTACT, State.INCIPIENT, State.GROSS  # noqa: E741
