@@ -1,6 +1,8 @@
 rtl/msn_pkg.sv
 rtl/common/msn_delay.sv
 rtl/common/msn_frame_check.sv
+rtl/common/msn_times.sv
+rtl/common/msn_divide.sv
 rtl/common/msn_sync.sv
 rtl/common/msn_compare.sv
 rtl/frontend/msn_adc_pkg.sv
@@ -11,4 +13,7 @@ rtl/slip/msn_haar.sv
 rtl/slip/msn_sliding_extremes.sv
 rtl/slip/msn_peak_to_peak.sv
 rtl/slip/msn_slip.sv
+rtl/cop/msn_cop_accumulate.sv
+rtl/cop/msn_cop_divide.sv
+rtl/cop/msn_cop.sv
 rtl/msn_core.sv

@@ -41,7 +41,21 @@ TARGETS = {
     },
 }
 
+
+def cop_entries():
+    """msn_cop over digits a clock and fraction bits: speed against accuracy against area."""
+    for bits in (4, 14, 20):
+        for per_clock in (1, 2):
+            digits = bits + 1 if per_clock == 1 else (bits + 3) // 2
+            for pipelined in (0, 1):
+                size = {"Rows": 64, "Columns": 64, "FractionBits": bits, "BitsPerClock": per_clock}
+                name = f"cop-64x64-q{bits}-{'pipe' if pipelined else 'turn'}{per_clock}"
+                targets = "ecp5" if pipelined else "ecp5 up5k"  # the pipes do not fit the small one
+                yield name, ("msn_cop", size | {"Pipelined": pipelined}, 3 + digits, targets)
+
+
 # Name: module, parameters, clocks of the latency quoted in ns (or None), targets.
+LARGE = {"Rows": 1024, "Columns": 1024, "Lanes": 8}
 TABLE = {
     "slip-1024": ("msn_core", {"Channels": 1024}, 6, "ecp5 up5k"),
     "slip-64": ("msn_core", {"Channels": 64}, 6, "ecp5 up5k"),
@@ -54,6 +68,11 @@ TABLE = {
         6,
         "up5k",
     ),
+    "cop_accumulate-64x64": ("msn_cop_accumulate", {"Rows": 64, "Columns": 64}, 2, "ecp5 up5k"),
+    "cop_accumulate-1024x1024x8": ("msn_cop_accumulate", LARGE, 5, "ecp5"),
+    "cop-1024x1024x8-q14-turn1": ("msn_cop", LARGE | {"BitsPerClock": 1}, 21, "ecp5"),
+    "cop-1024x1024x8-q14-turn2": ("msn_cop", LARGE, 14, "ecp5"),
+    **dict(cop_entries()),
 }
 
 

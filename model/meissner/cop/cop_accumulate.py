@@ -1,0 +1,76 @@
+"""Bit-exact twin of rtl/cop/msn_cop_accumulate.sv: load and first moments of frames of forces."""
+
+import numpy as np
+
+
+def check_size(rows, columns):
+    """ValueError for what stops the RTL's elaboration."""
+    if not 1 <= rows <= 1024:
+        raise ValueError(f"rows = {rows} must lie in 1 .. 1024")
+    if not 1 <= columns <= 1024:
+        raise ValueError(f"columns = {columns} must lie in 1 .. 1024")
+
+
+def sum_bits(rows, columns):
+    """Width of the load S."""
+    return 16 + (rows * columns - 1).bit_length()
+
+
+def moments(forces):
+    """S, Mx and My of each frame, exact; ``forces``: integers 0 .. 65535 [..., rows, columns].
+
+    S = sum F     Mx = sum (2j - (n-1)) F     My = sum ((m-1) - 2i) F
+
+    with rows i from top to bottom, columns j from left to right, both from zero. Returns int64 arrays.
+    """
+    forces = np.asarray(forces, dtype=np.int64)
+    rows, columns = forces.shape[-2:]
+    check_size(rows, columns)
+    if (forces < 0).any() or (forces > 65535).any():
+        raise ValueError("forces must lie in 0 .. 65535")
+    by_column, by_row = forces.sum(axis=-2), forces.sum(axis=-1)
+    mx = by_column @ (2 * np.arange(columns) - (columns - 1))
+    my = by_row @ ((rows - 1) - 2 * np.arange(rows))
+    return by_row.sum(axis=-1), mx, my
+
+
+class CopAccumulate:
+    """The same on the stream: beats of ``lanes`` columns, a row's last padded, ``last`` on the final one.
+
+    A frame whose ``last`` comes early, late or not at all is dropped whole and counted in ``damaged``.
+    """
+
+    def __init__(self, rows, columns, lanes=1):
+        check_size(rows, columns)
+        if lanes not in (1, 2, 4, 8):
+            raise ValueError(f"lanes = {lanes} must be 1, 2, 4 or 8")
+        self.rows, self.columns, self.lanes = rows, columns, lanes
+        self.row_beats = -(-columns // lanes)
+        self.reset()
+
+    def reset(self):
+        """The next beat should be the first of a frame."""
+        self.damaged = 0
+        self._beats, self._dropping = [], False
+
+    def next(self, data, last):
+        """One beat of ``lanes`` forces; returns (S, Mx, My) of the frame that it completes, or None."""
+        self._beats.append(data)
+        final = len(self._beats) == self.rows * self.row_beats
+        fits = bool(last) == final
+        self.damaged += not fits and not self._dropping
+        whole = fits and final and not self._dropping
+        self._dropping = not last and (self._dropping or not fits)
+        if not last and not final:
+            return None
+        beats, self._beats = self._beats, []
+        if not whole:
+            return None
+        padded = np.array(beats, dtype=np.int64).reshape(self.rows, self.row_beats * self.lanes)
+        return tuple(int(value) for value in moments(padded[:, : self.columns]))
+
+    def process(self, data, lasts):
+        """``reset`` and then ``next`` for each beat; returns the list of frames' (S, Mx, My)."""
+        self.reset()
+        results = [self.next(beat, last) for beat, last in zip(data, lasts)]
+        return [result for result in results if result is not None]

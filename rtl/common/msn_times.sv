@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Product with a constant, of shifts and adds: no multiplier is spent on it.
+//
+//   out = Constant * in
+//
+// In canonical signed digits: Constant = Plus - Minus with the fewest bits set in both, and no two
+// neighbours; 63 = 64 - 1 costs one subtraction. Latency 0.   Model: model/meissner/common/times.py
+
+module msn_times #(
+  parameter  int unsigned Constant = 63,
+  parameter  int unsigned InBits   = 28,
+  localparam int unsigned OutBits  = InBits + msn_pkg::index_width(Constant + 1)
+) (
+  input  logic [InBits-1:0]  in_data_i,
+  output logic [OutBits-1:0] out_data_o
+);
+
+  if (Constant >= 65536) begin : gen_check_constant
+    $fatal(1, "msn_times: Constant = %0d must be below 65536", Constant);
+  end
+  if (InBits < 1) begin : gen_check_in_bits
+    $fatal(1, "msn_times: InBits = %0d must be at least 1", InBits);
+  end
+
+  // 3c - c = 2c: where 3c has a bit that c lacks, a digit is +1, where c has one that 3c lacks, -1.
+  localparam logic [17:0] Once   = 18'(Constant);
+  localparam logic [17:0] Thrice = 18'(3 * Constant);
+  localparam logic [17:0] Plus   = (Thrice & ~Once) >> 1;
+  localparam logic [17:0] Minus  = (Once & ~Thrice) >> 1;
+
+  // Both sums side by side: their carry chains overlap.
+  logic [OutBits-1:0] more, less;
+  always_comb begin
+    more = '0;
+    less = '0;
+    for (int i = 0; i < 17; i++) begin
+      if (Plus[i]) more = more + (OutBits'(in_data_i) << i);
+      if (Minus[i]) less = less + (OutBits'(in_data_i) << i);
+    end
+  end
+  assign out_data_o = more - less;
+
+endmodule

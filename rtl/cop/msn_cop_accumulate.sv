@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Load and first moments of a frame of forces F[i][j], m Rows by n Columns, exact and multiplier-free.
+//
+//   S = sum F     Mx = sum (2j - (n-1)) F     My = sum ((m-1) - 2i) F
+//
+// Row-major, Lanes columns a beat, N = n rounded up to whole beats; the surplus lanes of a row's last
+// beat are ignored. With A = sum (N-1-j) F and B = sum (m-1-i) F, which are sums of prefix sums:
+//   Mx = (2N - n - 1) S - 2 A     My = 2 B - (m-1) S
+//
+//   clock  1 .. log2(Lanes)    next          next
+//          beat total, moment  S, A, B, row  Mx, My
+//
+// Latency 2 + log2(Lanes) clocks, a beat a clock, frames without a gap. A frame whose `last` comes early,
+// late or not at all is dropped whole.   Model: model/meissner/cop/cop_accumulate.py
+
+module msn_cop_accumulate #(
+  parameter  int unsigned Rows    = 64,
+  parameter  int unsigned Columns = 64,
+  parameter  int unsigned Lanes   = 1,
+  localparam int unsigned SumBits = 16 + $clog2(Rows * Columns),
+  localparam int unsigned MxBits  = SumBits + msn_pkg::index_width(Columns),
+  localparam int unsigned MyBits  = SumBits + msn_pkg::index_width(Rows)
+) (
+  input  logic                       clk_i,
+  input  logic                       rst_i,
+
+  input  logic                       in_valid_i,
+  output logic                       in_ready_o,
+  input  logic        [Lanes*16-1:0] in_data_i,  // the leftmost column in the low bits
+  input  logic                       in_last_i,
+
+  output logic                       out_valid_o,
+  input  logic                       out_ready_i,
+  output logic        [SumBits-1:0]  out_sum_o,
+  output logic signed [MxBits-1:0]   out_mx_o,
+  output logic signed [MyBits-1:0]   out_my_o,
+
+  output logic        [31:0]         damaged_o   // frames, since reset
+);
+
+  if (Rows < 1 || Rows > 1024) begin : gen_check_rows
+    $fatal(1, "msn_cop_accumulate: Rows = %0d must lie in 1 .. 1024", Rows);
+  end
+  if (Columns < 1 || Columns > 1024) begin : gen_check_columns
+    $fatal(1, "msn_cop_accumulate: Columns = %0d must lie in 1 .. 1024", Columns);
+  end
+  if (Lanes != 1 && Lanes != 2 && Lanes != 4 && Lanes != 8) begin : gen_check_lanes
+    $fatal(1, "msn_cop_accumulate: Lanes = %0d must be 1, 2, 4 or 8", Lanes);
+  end
+
+  localparam int unsigned Levels    = $clog2(Lanes);
+  localparam int unsigned Beats     = (Columns + Lanes - 1) / Lanes;
+  localparam int unsigned BeatBits  = msn_pkg::index_width(Beats);
+  localparam int unsigned RowBits   = msn_pkg::index_width(Rows);
+  localparam int unsigned TotalBits = 16 + Levels;
+  localparam int unsigned InnerBits = 16 + 2 * Levels;
+
+  // Everything stands still only while a finished frame finds the one before not yet taken. It may move on
+  // in the clock in which that is taken, but starts a clock later: out_ready_i then reaches no register
+  // before the results, which is worth 10 % of the clock. Frames of one beat cannot afford that.
+  localparam bit OneBeat = Rows == 1 && Columns <= Lanes;
+  logic done, free, step;
+  assign free       = out_ready_i || !out_valid_o;
+  assign step       = !done || !out_valid_o || (OneBeat && out_ready_i);
+  assign in_ready_o = step;
+
+  // Place in the frame, and whether the frame's end is where `last` says.
+  logic [BeatBits-1:0] beat;
+  logic [RowBits-1:0]  row;
+  logic                dropping, damage, row_first, row_last, first, final_beat, fits, whole;
+  assign row_last   = beat == BeatBits'(Beats - 1);
+  assign final_beat = row_last && (row == RowBits'(Rows - 1));
+  assign fits       = in_last_i == final_beat;
+  assign whole      = in_last_i && final_beat && !dropping;
+
+  always_ff @(posedge clk_i) begin
+    if (in_valid_i && in_ready_o) begin
+      beat      <= (in_last_i || row_last) ? '0 : beat + 1'b1;
+      row       <= (in_last_i || final_beat) ? '0 : row_last ? row + 1'b1 : row;
+      row_first <= in_last_i || row_last;    // beat == 0, without the comparison
+      first     <= in_last_i || final_beat;  // and row == 0
+      dropping  <= !in_last_i && (dropping || !fits);
+    end
+    damage <= in_valid_i && in_ready_o && !fits && !dropping;
+    if (damage) damaged_o <= damaged_o + 1'b1;  // a clock late: 32 enables are slow
+    if (rst_i) begin
+      beat      <= '0;
+      row       <= '0;
+      row_first <= 1'b1;
+      first     <= 1'b1;
+      dropping  <= 1'b0;
+      damage    <= 1'b0;
+      damaged_o <= '0;
+    end
+  end
+
+  // A beat's total, and its moment about the last lane, sum (Lanes-1-k) F, in a tree of registers: node 1
+  // is the root, nodes 2i and 2i+1 are the halves of node i, nodes Lanes .. 2 Lanes - 1 are the lanes.
+  logic [2*Lanes-1:1][TotalBits-1:0] total;
+  logic [2*Lanes-1:1][InnerBits-1:0] inner;
+  for (genvar k = 0; k < Lanes; k++) begin : gen_lane
+    logic surplus;
+    assign surplus        = row_last && (Beats - 1) * Lanes + k >= Columns;
+    assign total[Lanes+k] = surplus ? '0 : TotalBits'(in_data_i[16*k+:16]);
+    assign inner[Lanes+k] = '0;
+  end
+  for (genvar i = 1; i < Lanes; i++) begin : gen_node
+    localparam int unsigned Half = Levels - $clog2(i + 1);  // log2 of the lanes to the right of node 2i's
+    always_ff @(posedge clk_i) begin
+      if (step) begin
+        total[i] <= total[2*i] + total[2*i+1];
+        inner[i] <= inner[2*i] + inner[2*i+1] + (InnerBits'(total[2*i]) << Half);
+      end
+    end
+  end
+
+  // The beat's marks, as many clocks later.
+  logic [Levels:0] beat_valid, beat_row_first, beat_first, beat_whole;
+  assign beat_valid[0]     = in_valid_i;
+  assign beat_row_first[0] = row_first;
+  assign beat_first[0]     = first;
+  assign beat_whole[0]     = whole;
+  for (genvar l = 0; l < Levels; l++) begin : gen_marks
+    always_ff @(posedge clk_i) begin
+      if (step) begin
+        beat_valid[l+1]     <= beat_valid[l];
+        beat_row_first[l+1] <= beat_row_first[l];
+        beat_first[l+1]     <= beat_first[l];
+        beat_whole[l+1]     <= beat_whole[l];
+      end
+      if (rst_i) beat_valid[l+1] <= 1'b0;
+    end
+  end
+
+  // Sums of prefix sums: what lies left of a beat counts once more with every beat, what lies above a row
+  // once more with every row. All modulo 2^width, and so is what they are combined to: only Mx and My
+  // themselves must fit, and they do.
+  localparam int unsigned PrefixBits = 16 + $clog2(Beats * Lanes);
+  logic [PrefixBits-1:0] row_total, left;
+  logic [SumBits-1:0]    sum, above;
+  logic [MxBits-2:0]     moment_a;
+  logic [MyBits-2:0]     moment_b;
+  assign left  = beat_row_first[Levels] ? '0 : row_total;
+  assign above = beat_first[Levels] || !beat_row_first[Levels] ? '0 : sum;
+
+  always_ff @(posedge clk_i) begin
+    if (step) begin
+      if (beat_valid[Levels]) begin
+        row_total <= left + PrefixBits'(total[1]);
+        sum       <= (beat_first[Levels] ? '0 : sum) + SumBits'(total[1]);
+        moment_a  <= (beat_first[Levels] ? '0 : moment_a) + ((MxBits-1)'(left) << Levels)
+                     + (MxBits-1)'(inner[1]);
+        moment_b  <= (beat_first[Levels] ? '0 : moment_b) + (MyBits-1)'(above);
+      end
+    end
+    if (step) done <= beat_valid[Levels] && beat_whole[Levels];
+    else if (free) done <= 1'b0;
+    if (rst_i) done <= 1'b0;
+  end
+
+  localparam int unsigned ScaleX = 2 * Beats * Lanes - Columns - 1;
+  localparam int unsigned ScaleY = Rows - 1;
+  logic [SumBits+msn_pkg::index_width(ScaleX+1)-1:0] sum_x;
+  logic [SumBits+msn_pkg::index_width(ScaleY+1)-1:0] sum_y;
+  msn_times #(.Constant(ScaleX), .InBits(SumBits)) u_scale_x (.in_data_i(sum), .out_data_o(sum_x));
+  msn_times #(.Constant(ScaleY), .InBits(SumBits)) u_scale_y (.in_data_i(sum), .out_data_o(sum_y));
+
+  always_ff @(posedge clk_i) begin
+    if (free) begin
+      out_valid_o <= done;
+      out_sum_o   <= sum;
+      out_mx_o    <= signed'(MxBits'(sum_x) - {moment_a, 1'b0});
+      out_my_o    <= signed'({moment_b, 1'b0} - MyBits'(sum_y));
+    end
+    if (rst_i) out_valid_o <= 1'b0;
+  end
+
+endmodule

@@ -1,0 +1,160 @@
+"""msn_cop, sums and division in one, against its model: telling and random frames of every size class, each
+also mirrored, which must mirror the result exactly; gaps and stalls; exact clocks, the same in every frame;
+frames so short that the divider must keep up; the 1 ms budget of each size; damage, reset in mid-frame."""
+
+import cocotb
+import numpy as np
+import pytest
+
+import bench
+from meissner.common.divide import steps
+from meissner.cop.cop import cop, latency
+
+FIELDS = ["x~", "y~", "load", "pressed"]
+SLOWEST_BOARD_HZ = 12e6  # iCEBreaker's crystal, undivided and unmultiplied
+LARGE_BOARD_HZ = 131.1e6  # what eight lanes need for 1,000 frames of 1024 x 1024 a second
+
+
+def parameters(dut):
+    names = ("Rows", "Columns", "Lanes", "FractionBits", "BitsPerClock", "Pipelined")
+    return [getattr(dut, name).value.to_unsigned() for name in names]
+
+
+def clocks_stated(dut):
+    _, _, lanes, fraction_bits, bits_per_clock, _ = parameters(dut)
+    return latency(lanes, fraction_bits, bits_per_clock)
+
+
+def large(dut):
+    rows, columns, *_ = parameters(dut)
+    return rows * columns > 10**5
+
+
+def expected_of(forces, fraction_bits, min_load):
+    x, y, load, pressed = cop(forces, fraction_bits, min_load)
+    results = zip(x.tolist(), y.tolist(), load.tolist(), map(int, pressed))
+    return [dict(zip(("x", "y", "load", "pressed"), result)) for result in results]
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+@cocotb.parametrize(stall_rate=[0.0, 0.4])
+async def matches_model_and_mirrors(dut, stall_rate):
+    """Each frame, left-right flipped, top-bottom flipped: the same, x negated, y negated."""
+    rows, columns, lanes, fraction_bits, _, _ = parameters(dut)
+    if large(dut):
+        return
+    await bench.start(dut, cfg_min_load_i=2)
+    forces = bench.force_frames(np.random.default_rng(bench.SEED), rows, columns)
+    if rows * columns > 1000:
+        forces = forces[[1, 3, 8, 12, -2, -1]]
+    forces = np.stack([forces, forces[:, :, ::-1], forces[:, ::-1, :]], axis=1).reshape(-1, rows, columns)
+    pause = bench.pauses(stall_rate)
+    got = await bench.stream(dut, bench.force_beats(forces, lanes), FIELDS, pause, pause)
+    assert got == expected_of(forces, fraction_bits, min_load=2)
+    for plain, flipped, upturned in zip(got[0::3], got[1::3], got[2::3]):
+        assert (flipped["x"], flipped["y"]) == (-plain["x"], plain["y"])
+        assert (upturned["x"], upturned["y"]) == (plain["x"], -plain["y"])
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def large_array_matches_model(dut):
+    rows, columns, lanes, fraction_bits, _, _ = parameters(dut)
+    if not large(dut):
+        return
+    await bench.start(dut, cfg_min_load_i=1)
+    corner = np.full((rows, columns), 65535)
+    corner[0, 0] = 1
+    for frame in (corner, np.random.default_rng(bench.SEED).integers(0, 65536, (rows, columns))):
+        result, waited = await bench.force_frame(dut, frame, lanes, FIELDS)
+        assert result == expected_of(frame[None], fraction_bits, min_load=1)[0]
+        assert waited == clocks_stated(dut)
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def clocks_are_the_same_in_every_frame(dut):
+    """Frames back to back, a beat every clock: no frame waits and no result is a clock off, unless the
+    frames are shorter than the turning divider's period, when the input waits and nothing is lost."""
+    rows, columns, lanes, fraction_bits, bits_per_clock, pipelined = parameters(dut)
+    if large(dut):
+        return
+    await bench.start(dut, cfg_min_load_i=1, out_ready_i=1)
+    forces = bench.force_frames(np.random.default_rng(bench.SEED), rows, columns)[-8:]
+    beats = bench.force_beats(forces, lanes)
+    length = len(beats) // len(forces)
+    keeps_up = pipelined or length >= steps(fraction_bits, bits_per_clock) + 1
+    ends, seen = [], []
+    sent = clock = 0
+    while len(seen) < len(forces):
+        offer = sent < len(beats)
+        dut.in_valid_i.value = int(offer)
+        beat = beats[min(sent, len(beats) - 1)]
+        dut.in_data_i.value, dut.in_last_i.value = beat["data"], int(beat["last"])
+        await bench.ReadOnly()
+        ready = dut.in_ready_o.value == 1
+        assert ready or not keeps_up, f"waits at clock {clock}"
+        if dut.out_valid_o.value == 1:
+            seen.append(clock)
+        if offer and ready and beat["last"]:
+            ends.append(clock)
+        sent += int(offer and ready)
+        clock += 1
+        await bench.RisingEdge(dut.clk_i)
+    if keeps_up:
+        assert [after - before for before, after in zip(ends, seen)] == [clocks_stated(dut)] * len(forces)
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def result_comes_within_a_millisecond(dut):
+    """The computation, from the last beat on, at the slowest board's clock; the scan is the array's own
+    time, but for the largest array it too must fit, at the clock that its board reaches."""
+    rows, columns, lanes, *_ = parameters(dut)
+    await bench.start(dut, cfg_min_load_i=1)
+    frame = np.full((rows, columns), 1)
+    _, waited = await bench.force_frame(dut, frame, lanes, FIELDS)
+    beats = rows * -(-columns // lanes)
+    dut._log.info(f"{rows} x {columns}: scan {beats} clocks, computation {waited} clocks")
+    assert waited / SLOWEST_BOARD_HZ < 1e-3
+    if large(dut):
+        assert beats / LARGE_BOARD_HZ <= 1e-3
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def survives_damage_and_resets(dut):
+    """A frame without its end, a reset in the middle of the next, then whole frames: these alone count."""
+    rows, columns, lanes, fraction_bits, _, _ = parameters(dut)
+    if large(dut):
+        return
+    forces = bench.force_frames(np.random.default_rng(bench.SEED), rows, columns)[-3:]
+    beats = bench.force_beats(forces, lanes)
+    length = len(beats) // 3
+    await bench.start(dut, cfg_min_load_i=1)
+    expected = expected_of(forces, fraction_bits, min_load=1)
+    lost = [beat | {"last": False} for beat in beats[:length]]
+    got = await bench.stream(dut, lost + beats, FIELDS)
+    assert got == expected[1:]  # the end that comes next is the first frame's
+    assert bench.read(dut.damaged_o) == 1
+    await bench.stream(dut, beats[: length + length // 2], FIELDS, drain=0)
+    await bench.reset(dut)
+    assert await bench.stream(dut, beats, FIELDS) == expected
+    assert bench.read(dut.damaged_o) == 0
+
+
+@pytest.mark.parametrize(
+    "rows, columns, lanes, fraction_bits, bits_per_clock, pipelined",
+    [
+        (64, 64, 1, 14, 2, 0),
+        (3, 3, 1, 14, 2, 0),  # nine beats: just as long as a division
+        (2, 2, 2, 20, 1, 1),
+        (9, 1, 1, 4, 2, 0),
+        (1, 1, 1, 14, 2, 0),  # shorter than a division: the input waits
+        (1024, 1024, 8, 14, 1, 0),
+    ],
+)
+def test_cop(rows, columns, lanes, fraction_bits, bits_per_clock, pipelined):
+    size = {"Rows": rows, "Columns": columns, "Lanes": lanes, "FractionBits": fraction_bits}
+    bench.run("cop", "cop", size | {"BitsPerClock": bits_per_clock, "Pipelined": pipelined})
+
+
+def test_stated_latency():
+    assert latency(lanes=1, fraction_bits=14, bits_per_clock=2) == 11
+    assert latency(lanes=8, fraction_bits=14, bits_per_clock=1) == 21

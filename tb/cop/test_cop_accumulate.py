@@ -1,0 +1,216 @@
+"""msn_cop_accumulate against its model, and the model against exact sums of Python integers: every size
+class from 1 x 1 to 1024 x 1024, all lane counts, row ends inside a beat; corners, single taxels, full scale,
+checkerboards; gaps and stalls; frames without a gap; a result not taken; last early, late, lost; resets."""
+
+import random
+
+import cocotb
+import numpy as np
+import pytest
+
+import bench
+from meissner.cop.cop_accumulate import CopAccumulate, moments
+
+FIELDS = ["sum", "mx~", "my~"]
+
+
+def parameters(dut):
+    return [getattr(dut, name).value.to_unsigned() for name in ("Rows", "Columns", "Lanes")]
+
+
+def latency(lanes):
+    return 2 + lanes.bit_length() - 1
+
+
+def expected_of(forces):
+    return [dict(zip(("sum", "mx", "my"), map(int, frame))) for frame in zip(*moments(forces))]
+
+
+def damaged_frames(beats, length, draw):
+    """The beats of whole frames with every other one damaged, and the numbers of the whole ones."""
+    sent, whole = [], []
+    for frame in range(len(beats) // length):
+        part = [dict(beat) for beat in beats[frame * length : (frame + 1) * length]]
+        kind = draw.choice(["missing", "doubled", "early", "lost", "late"]) if frame % 2 == 0 else "none"
+        at = draw.randrange(length)
+        if kind == "missing":
+            del part[at]
+            if not part or not part[-1]["last"]:  # the end itself is missing: two frames are lost
+                kind = "lost"
+        elif kind == "doubled":
+            part.insert(at, dict(part[at]))
+            if at == length - 1:
+                part[at]["last"] = False
+        elif kind == "early":
+            part = part[: at + 1]
+            part[-1]["last"] = True
+            kind = "none" if at == length - 1 else kind
+        elif kind == "late":
+            part += [dict(part[-1])]
+            part[-2]["last"] = False
+        if kind == "lost":
+            part = [beat | {"last": False} for beat in part]
+        sent.append((part, kind))
+    previous = "none"
+    for frame, (_, kind) in enumerate(sent):
+        if kind == "none" and previous != "lost":
+            whole.append(frame)
+        previous = kind
+    return [beat for part, _ in sent for beat in part], whole
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+@cocotb.parametrize(stall_rate=[0.0, 0.6])
+async def matches_model(dut, stall_rate):
+    rows, columns, lanes = parameters(dut)
+    if rows * columns > 10**5:
+        return  # the large array has a test of its own
+    await bench.start(dut)
+    forces = bench.force_frames(np.random.default_rng(bench.SEED), rows, columns)
+    gaps, stalls = bench.pauses(stall_rate / 3), bench.pauses(stall_rate)
+    beats = bench.force_beats(forces, lanes)
+    assert await bench.stream(dut, beats, FIELDS, gaps, stalls) == expected_of(forces)
+    assert bench.read(dut.damaged_o) == 0
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def large_array_matches_model(dut):
+    rows, columns, lanes = parameters(dut)
+    if rows * columns <= 10**5:
+        return
+    await bench.start(dut)
+    forces = bench.force_frames(np.random.default_rng(bench.SEED), rows, columns)
+    random_one = forces[-1]
+    for frame in (np.full_like(random_one, 65535), random_one):
+        result, waited = await bench.force_frame(dut, frame, lanes, FIELDS)
+        assert result == expected_of(frame[None])[0]
+        assert waited == latency(lanes)
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def clocks_are_as_stated_and_frames_never_wait(dut):
+    """Back to back frames, a beat every clock: each result latency clocks after its last beat."""
+    rows, columns, lanes = parameters(dut)
+    if rows * columns > 10**5:
+        return
+    await bench.start(dut, out_ready_i=1)
+    forces = bench.force_frames(np.random.default_rng(bench.SEED), rows, columns)[:12]
+    beats = bench.force_beats(forces, lanes)
+    length = len(beats) // len(forces)
+    seen = []
+    for clock in range(len(beats) + latency(lanes) + 2):
+        dut.in_valid_i.value = int(clock < len(beats))
+        beat = beats[min(clock, len(beats) - 1)]
+        dut.in_data_i.value, dut.in_last_i.value = beat["data"], int(beat["last"])
+        await bench.ReadOnly()
+        assert dut.in_ready_o.value == 1, f"stalled at clock {clock}"
+        if dut.out_valid_o.value == 1:
+            seen.append(clock)
+        await bench.RisingEdge(dut.clk_i)
+    assert seen == [length * (n + 1) - 1 + latency(lanes) for n in range(len(forces))]
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def waits_only_when_two_results_are_not_taken(dut):
+    """Nobody takes results: exactly two frames and the beats on their way go in, and none is lost."""
+    rows, columns, lanes = parameters(dut)
+    if rows * columns > 10**5:
+        return
+    await bench.start(dut, out_ready_i=0)
+    forces = bench.force_frames(np.random.default_rng(bench.SEED), rows, columns)[-6:]
+    beats = bench.force_beats(forces, lanes)
+    length = len(beats) // len(forces)
+    room = 2 * length + lanes.bit_length() - 1  # beats of a third frame between the lanes and the sums
+    sent = 0
+    for _ in range(room + 40):
+        dut.in_valid_i.value = 1
+        dut.in_data_i.value, dut.in_last_i.value = beats[sent]["data"], int(beats[sent]["last"])
+        await bench.ReadOnly()
+        sent += int(dut.in_ready_o.value)
+        await bench.RisingEdge(dut.clk_i)
+        if sent == len(beats):
+            break
+    assert sent == min(room, len(beats))
+    assert await bench.stream(dut, beats[sent:], FIELDS) == expected_of(forces)
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+@cocotb.parametrize(stall_rate=[0.0, 0.4])
+async def drops_damaged_frames_whole(dut, stall_rate):
+    rows, columns, lanes = parameters(dut)
+    if rows * columns > 10**5:
+        return
+    forces = np.random.default_rng(bench.SEED).integers(
+        0, 65536, (40 if rows * columns < 99 else 8, rows, columns)
+    )
+    beats = bench.force_beats(forces, lanes)
+    length = len(beats) // len(forces)
+    sent, whole = damaged_frames(beats, length, random.Random(bench.SEED))
+    twin = CopAccumulate(rows, columns, lanes)
+    data = [[beat["data"] >> 16 * k & 0xFFFF for k in range(lanes)] for beat in sent]
+    expected = [dict(zip(("sum", "mx", "my"), r)) for r in twin.process(data, [b["last"] for b in sent])]
+    if length > 1:
+        assert [frame for frame in expected_of(forces[whole]) if frame not in expected] == []
+    await bench.start(dut)
+    pause = bench.pauses(stall_rate)
+    assert await bench.stream(dut, sent, FIELDS, pause, pause) == expected
+    assert bench.read(dut.damaged_o) == twin.damaged > 0
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def forgets_what_a_reset_interrupts(dut):
+    rows, columns, lanes = parameters(dut)
+    if rows * columns > 10**5:
+        return
+    await bench.start(dut)
+    forces = np.random.default_rng(bench.SEED).integers(0, 65536, (2, rows, columns))
+    beats = bench.force_beats(forces, lanes)
+    length = len(beats) // 2
+    for cut in {1, length // 2 + 1, length - 1, length, length + 1, 2 * length}:
+        # Nothing is taken, so that a finished frame waits when the reset comes.
+        await bench.stream(dut, beats[:cut], FIELDS, stalls=lambda: True, drain=0)
+        await bench.clocks(dut, lanes.bit_length())
+        await bench.reset(dut, clocks=1)
+        assert await bench.stream(dut, beats, FIELDS) == expected_of(forces)
+
+
+@pytest.mark.parametrize(
+    "rows, columns, lanes",
+    [
+        (1, 1, 1),
+        (1, 9, 4),
+        (9, 1, 1),
+        (2, 2, 2),
+        (3, 3, 1),
+        (5, 7, 8),
+        (64, 64, 1),
+        (33, 63, 4),
+        (1024, 1024, 8),
+    ],
+)
+def test_cop_accumulate(rows, columns, lanes):
+    bench.run("cop", "cop_accumulate", {"Rows": rows, "Columns": columns, "Lanes": lanes})
+
+
+@pytest.mark.parametrize("rows, columns", [(1, 1), (1, 9), (9, 1), (2, 2), (5, 7), (33, 63), (1024, 1024)])
+def test_model_against_plain_sums(rows, columns):
+    """The definition, term by term in Python's unbounded integers."""
+    forces = bench.force_frames(np.random.default_rng(2), rows, columns)
+    for frame in forces[:: 1 if rows * columns < 9999 else len(forces) - 1]:
+        total = mx = my = 0
+        for i, line in enumerate(frame.tolist()):
+            total += sum(line)
+            mx += sum((2 * j - (columns - 1)) * force for j, force in enumerate(line))
+            my += (rows - 1 - 2 * i) * sum(line)
+        assert moments(frame) == (total, mx, my)
+
+
+def test_refuses_illegal_parameters():
+    assert "Rows = 1025" in bench.refuses("cop_accumulate", {"Rows": 1025})
+    assert "Columns = 0" in bench.refuses("cop_accumulate", {"Columns": 0})
+    assert "Lanes = 3" in bench.refuses("cop_accumulate", {"Lanes": 3})
+    for size, message in (((1025, 1), "rows = 1025"), ((1, 0), "columns = 0"), ((1, 1, 3), "lanes = 3")):
+        with pytest.raises(ValueError, match=message):
+            CopAccumulate(*size)
+    with pytest.raises(ValueError, match="forces"):
+        moments([[65536]])

@@ -1,0 +1,134 @@
+"""msn_cop_divide against its model, and the model against Python's fractions: moments of real frames and at
+their limits, the least and greatest loads, loads around the gate, none at all; one row, one column; 4, 14
+and 20 fraction bits; one and two bits a clock, turning and pipelined; gaps and stalls; exact clocks."""
+
+from fractions import Fraction
+
+import cocotb
+import numpy as np
+import pytest
+
+import bench
+from meissner.common.divide import steps
+from meissner.cop.cop_accumulate import moments, sum_bits
+from meissner.cop.cop_divide import cop_divide
+
+FIELDS = ["x~", "y~", "load", "pressed"]
+
+
+def parameters(dut):
+    names = ("Rows", "Columns", "FractionBits", "BitsPerClock", "Pipelined")
+    return [getattr(dut, name).value.to_unsigned() for name in names]
+
+
+def cases(rng, rows, columns, count):
+    """S, Mx, My: of telling frames (small arrays), at the limits of the moments, exact halves, random."""
+    top = 65535 * rows * columns
+    sums = [(0, 0, 0)]
+    if rows * columns < 10**5:
+        sums += [tuple(map(int, frame)) for frame in zip(*moments(bench.force_frames(rng, rows, columns)))]
+    random_loads = (int(rng.integers(1, top + 1)) >> int(rng.integers(0, 30)) or 1 for _ in range(count))
+    for load in (1, 2, 3, 99, 100, 101, top - 1, top, *random_loads):
+        span_x, span_y = (columns - 1) * load, (rows - 1) * load
+        sums += [(load, span_x, -span_y), (load, -span_x, span_y), (load, span_x // 2, -(span_y // 2))]
+        sums.append((load, int(rng.integers(-span_x, span_x + 1)), int(rng.integers(-span_y, span_y + 1))))
+    # Only a light load may lie wholly in a corner: an even one spreads, and the moments' widths count on it.
+    limit_x, limit_y = (
+        1 << (sum_bits(rows, columns) - 1 + max((n - 1).bit_length(), 1)) for n in (columns, rows)
+    )
+    return [case for case in sums if abs(case[1]) < limit_x and abs(case[2]) < limit_y]
+
+
+def expected_of(sums, rows, columns, fraction_bits, min_load):
+    total, mx, my = zip(*sums)
+    x, y, pressed = cop_divide(total, mx, my, rows, columns, fraction_bits, min_load)
+    results = zip(x.tolist(), y.tolist(), total, map(int, pressed))
+    return [dict(zip(("x", "y", "load", "pressed"), result)) for result in results]
+
+
+def beats_of(sums):
+    return [dict(zip(("sum", "mx", "my"), case)) for case in sums]
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+@cocotb.parametrize(stall_rate=[0.0, 0.5], min_load=[0, 1, 100])
+async def matches_model(dut, stall_rate, min_load):
+    rows, columns, fraction_bits, _, _ = parameters(dut)
+    sums = cases(np.random.default_rng(bench.SEED), rows, columns, 40)
+    await bench.start(dut, cfg_min_load_i=min_load)
+    pause = bench.pauses(stall_rate)
+    expected = expected_of(sums, rows, columns, fraction_bits, min_load)
+    assert await bench.stream(dut, beats_of(sums), FIELDS, pause, pause) == expected
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def gate_is_judged_when_the_sums_are_taken(dut):
+    rows, columns, fraction_bits, bits_per_clock, _ = parameters(dut)
+    await bench.start(dut, cfg_min_load_i=100, in_sum_i=100, in_mx_i=0, in_my_i=0, out_ready_i=1)
+    dut.in_valid_i.value = 1
+    await bench.clocks(dut, 1)
+    dut.in_valid_i.value = 0
+    dut.cfg_min_load_i.value = 101
+    await bench.clocks(dut, steps(fraction_bits, bits_per_clock))
+    await bench.ReadOnly()
+    assert dut.out_valid_o.value == 1
+    assert dut.out_pressed_o.value == 1
+    await bench.RisingEdge(dut.clk_i)
+    sums = [(100, 0, 0), (101, 0, 0)]
+    expected = expected_of(sums, rows, columns, fraction_bits, 101)
+    assert [frame["pressed"] for frame in expected] == [0, 1]
+    assert await bench.stream(dut, beats_of(sums), FIELDS) == expected
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def no_divider_sees_a_zero_denominator(dut):
+    """Of any load, at any gate; what the dividers are given, not only what the gate lets out."""
+    rows, columns, *_ = parameters(dut)
+    await bench.start(dut, in_mx_i=0, in_my_i=0)
+    for load in (0, 1, 2, 99):
+        for min_load in (0, 1, 99, 100):
+            dut.in_sum_i.value, dut.cfg_min_load_i.value = load, min_load
+            await bench.ReadOnly()
+            assert bench.read(dut.den_x) == (load * max(columns - 1, 1) or 1)
+            assert bench.read(dut.den_y) == (load * max(rows - 1, 1) or 1)
+            await bench.RisingEdge(dut.clk_i)
+
+
+@pytest.mark.parametrize(
+    "rows, columns, fraction_bits, bits_per_clock, pipelined",
+    [(64, 64, 14, 2, 0), (1, 9, 4, 2, 1), (1024, 1, 20, 1, 0)],
+)
+def test_cop_divide(rows, columns, fraction_bits, bits_per_clock, pipelined):
+    parameters = {"Rows": rows, "Columns": columns, "FractionBits": fraction_bits}
+    bench.run("cop", "cop_divide", parameters | {"BitsPerClock": bits_per_clock, "Pipelined": pipelined})
+
+
+def nearest(value):
+    """Integer nearest to a fraction, ties away from zero: the definition, in exact rationals."""
+    whole = int(abs(value) + Fraction(1, 2))
+    return whole if value >= 0 else -whole
+
+
+@pytest.mark.parametrize("fraction_bits", [4, 14, 20])
+@pytest.mark.parametrize("rows, columns", [(1, 1), (1, 9), (9, 1), (2, 2), (33, 63), (64, 64), (1024, 1024)])
+def test_model_against_fractions(rows, columns, fraction_bits):
+    one = 1 << fraction_bits
+    sums = cases(np.random.default_rng(3), rows, columns, 300)
+    for (total, mx, my), got in zip(sums, expected_of(sums, rows, columns, fraction_bits, 100)):
+        pressed = total >= 100
+        x = nearest(Fraction(mx, (columns - 1) * total) * one) if pressed and columns > 1 else 0
+        y = nearest(Fraction(my, (rows - 1) * total) * one) if pressed and rows > 1 else 0
+        assert got == {"x": x, "y": y, "load": total, "pressed": int(pressed)}, (total, mx, my)
+
+
+def test_refuses_illegal_parameters():
+    assert "Rows = 0" in bench.refuses("cop_divide", {"Rows": 0})
+    assert "Columns = 1025" in bench.refuses("cop_divide", {"Columns": 1025})
+    assert "FractionBits = 3" in bench.refuses("cop_divide", {"FractionBits": 3})
+    for args, message in (
+        ((0, 1), "rows = 0"),
+        ((1, 1025), "columns = 1025"),
+        ((2, 2, 3), "fraction_bits = 3"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            cop_divide(1, 0, 0, *args)
