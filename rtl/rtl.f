@@ -17,4 +17,5 @@ rtl/slip/msn_slip.sv
 rtl/cop/msn_cop_accumulate.sv
 rtl/cop/msn_cop_divide.sv
 rtl/cop/msn_cop.sv
+rtl/cop/msn_cop4.sv
 rtl/msn_core.sv

@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Position and load from the four electrodes' codes; N = 2V0-E1-E3, M = 2V0+E2+E4, D = E1+E3-E2-E4:
+//
+//   x = Cx (E1-E3) / N     y = Cy (E2-E4) / M     load = Kf N / D
+//
+// x, y in Q2.14, held at +-1.0; the load in its LSBs, 0 .. 65535 (`over` at its end); each rounded once, to
+// nearest, ties away from zero. Cx = kx / 2^shift_x, Cy alike; Kf / (65536 LSB) = kf / 2^(8 + shift_load).
+// Nothing pressed, N (M) <= 0: 0. D <= 0 < N: over. Registers hold while samples flow. Faults:
+//   saturated  a code at either end of the converter's range, top or -top - 1
+//   open       an electrode at idle or beyond, without current, while its partner on the layer has some:
+//              is not beyond busy; E2, E4 in mirrored codes -E - 1
+//   imbalance  |N - M| > cfg_imbalance: the two expressions of the current in eq. 18 disagree
+// pressed = load >= min_load, load > 0 and no fault; else x = y = 0.
+// Latency Steps + 6 clocks, a sample every Steps + 1; Steps is 9, or 17 at one bit a clock.
+// Model: model/meissner/cop/cop4.py
+
+module msn_cop4 #(
+  parameter  int unsigned SampleBits   = 17,
+  parameter  int unsigned BitsPerClock = 2,
+  localparam int unsigned SumBits      = SampleBits + 2
+) (
+  input  logic                         clk_i,
+  input  logic                         rst_i,
+
+  input  logic        [SampleBits-1:0] cfg_rail_i,        // 2V0 in codes
+  input  logic        [16:0]           cfg_kx_i,
+  input  logic        [3:0]            cfg_shift_x_i,
+  input  logic        [16:0]           cfg_ky_i,
+  input  logic        [3:0]            cfg_shift_y_i,
+  input  logic        [16:0]           cfg_kf_i,
+  input  logic        [3:0]            cfg_shift_load_i,
+  input  logic        [15:0]           cfg_min_load_i,    // LSBs
+  input  logic        [SampleBits-2:0] cfg_top_i,
+  input  logic signed [SampleBits-1:0] cfg_idle_i,
+  input  logic signed [SampleBits-1:0] cfg_busy_i,
+  input  logic        [SampleBits:0]   cfg_imbalance_i,
+
+  input  logic                         in_valid_i,
+  output logic                         in_ready_o,
+  input  logic signed [SampleBits-1:0] in_e1_i,
+  input  logic signed [SampleBits-1:0] in_e2_i,
+  input  logic signed [SampleBits-1:0] in_e3_i,
+  input  logic signed [SampleBits-1:0] in_e4_i,
+
+  output logic                         out_valid_o,
+  input  logic                         out_ready_i,
+  output logic signed [15:0]           out_x_o,
+  output logic signed [15:0]           out_y_o,
+  output logic        [15:0]           out_load_o,
+  output logic                         out_pressed_o,     // x, y and load hold
+  output logic                         out_over_o,
+  output logic                         out_saturated_o,
+  output logic                         out_imbalance_o,
+  output logic        [3:0]            out_open_o         // E1 lowest
+);
+
+  if (SampleBits < 4 || SampleBits > 24) begin : gen_check_sample_bits
+    $fatal(1, "msn_cop4: SampleBits = %0d must lie in 4 .. 24", SampleBits);
+  end
+
+  // 1: sums and differences, codes against levels. 2: N, M, D. Both move together.
+  logic step, sum_valid, total_valid, ratios_ready;
+  assign step       = ratios_ready || !total_valid;
+  assign in_ready_o = step;
+
+  // Each electrode as if it were of the upper layer: mirrored, what draws no current is high.
+  logic [4*SampleBits-1:0] upper;
+  logic [3:0]              at_idle, has_current, at_end;
+  assign upper = {~in_e4_i, in_e3_i, ~in_e2_i, in_e1_i};
+  for (genvar i = 0; i < 4; i++) begin : gen_electrode
+    logic signed [SampleBits-1:0] code;
+    logic        [SampleBits-2:0] size;
+    logic                         below_idle, above_busy;
+    assign code = signed'(upper[i*SampleBits+:SampleBits]);
+    msn_compare #(.Width(SampleBits)) u_idle (.a_i(cfg_idle_i), .b_i(code), .greater_o(below_idle));
+    msn_compare #(.Width(SampleBits)) u_busy (.a_i(code), .b_i(cfg_busy_i), .greater_o(above_busy));
+    assign size           = code[SampleBits-2:0] ^ {(SampleBits - 1) {code[SampleBits-1]}};
+    assign at_idle[i]     = !below_idle;
+    assign has_current[i] = !above_busy;
+    assign at_end[i]      = size >= cfg_top_i;
+  end
+
+  logic signed [SampleBits:0] sum_upper, sum_lower, sum_dx, sum_dy, total_dx, total_dy;
+  logic        [3:0]          sum_open, total_open;
+  logic                       sum_saturated, total_saturated;
+  logic signed [SumBits-1:0]  n, m, d, mismatch;
+  always_ff @(posedge clk_i) begin
+    if (step) begin
+      sum_valid       <= in_valid_i;
+      sum_upper       <= (SampleBits + 1)'(in_e1_i) + (SampleBits + 1)'(in_e3_i);
+      sum_lower       <= (SampleBits + 1)'(in_e2_i) + (SampleBits + 1)'(in_e4_i);
+      sum_dx          <= (SampleBits + 1)'(in_e1_i) - (SampleBits + 1)'(in_e3_i);
+      sum_dy          <= (SampleBits + 1)'(in_e2_i) - (SampleBits + 1)'(in_e4_i);
+      sum_open        <= at_idle & {has_current[1:0], has_current[3:2]};
+      sum_saturated   <= |at_end;
+
+      total_valid     <= sum_valid;
+      n               <= signed'(SumBits'(cfg_rail_i)) - SumBits'(sum_upper);
+      m               <= signed'(SumBits'(cfg_rail_i)) + SumBits'(sum_lower);
+      d               <= SumBits'(sum_upper) - SumBits'(sum_lower);
+      mismatch        <= SumBits'(sum_upper) + SumBits'(sum_lower);  // M - N: the rail drops out
+      total_dx        <= sum_dx;
+      total_dy        <= sum_dy;
+      total_open      <= sum_open;
+      total_saturated <= sum_saturated;
+    end
+    if (rst_i) begin
+      sum_valid   <= 1'b0;
+      total_valid <= 1'b0;
+    end
+  end
+
+  // The ratios, side by side, each starting when all can.
+  localparam int unsigned PlaceBits = SumBits + 15;
+  localparam int unsigned LoadBits  = SumBits + 8 + 15;
+  logic signed [SampleBits:0]  num_x, num_y;
+  logic signed [SumBits-1:0]   num_load;
+  logic signed [PlaceBits-1:0] den_x, den_y;
+  logic signed [LoadBits-1:0]  den_load;
+  logic signed [SumBits:0]     limit;
+  logic                        high, low, imbalance;
+  assign num_x    = (n > 0) ? total_dx : '0;
+  assign num_y    = (m > 0) ? total_dy : '0;
+  assign num_load = (n > 0) ? n : '0;
+  assign den_x    = PlaceBits'(n) <<< cfg_shift_x_i;
+  assign den_y    = PlaceBits'(m) <<< cfg_shift_y_i;
+  assign den_load = (LoadBits'(d) <<< 8) <<< cfg_shift_load_i;
+  assign limit    = signed'((SumBits + 1)'(cfg_imbalance_i));
+  msn_compare #(.Width(SumBits + 1)) u_high (
+    .a_i((SumBits + 1)'(mismatch)), .b_i(limit), .greater_o(high)
+  );
+  msn_compare #(.Width(SumBits + 1)) u_low (
+    .a_i('0 - limit), .b_i((SumBits + 1)'(mismatch)), .greater_o(low)
+  );
+  assign imbalance = high || low;
+
+  logic start, ready_x, ready_y, ready_load, take, valid_x, valid_y, valid_load, unused_side_x, unused_side_y;
+  assign ratios_ready = ready_x && ready_y && ready_load;
+  assign start        = total_valid && ratios_ready;
+
+  logic signed [15:0] x, y;
+  logic        [15:0] fraction;
+  logic        [3:0]  open;
+  logic               over, saturated, unbalanced, unused_sign;
+
+  msn_ratio #(
+    .NumBits     (SampleBits + 1),
+    .DenBits     (PlaceBits),
+    .FractionBits(14),
+    .BitsPerClock(BitsPerClock)
+  ) u_x (
+    .clk_i,
+    .rst_i,
+    .cfg_scale_i   (cfg_kx_i),
+    .in_valid_i    (start),
+    .in_ready_o    (ready_x),
+    .in_num_i      (num_x),
+    .in_den_i      (den_x),
+    .in_side_i     (1'b0),
+    .out_valid_o   (valid_x),
+    .out_ready_i   (take),
+    .out_quotient_o(x),
+    .out_side_o    (unused_side_x)
+  );
+
+  msn_ratio #(
+    .NumBits     (SampleBits + 1),
+    .DenBits     (PlaceBits),
+    .FractionBits(14),
+    .BitsPerClock(BitsPerClock)
+  ) u_y (
+    .clk_i,
+    .rst_i,
+    .cfg_scale_i   (cfg_ky_i),
+    .in_valid_i    (start),
+    .in_ready_o    (ready_y),
+    .in_num_i      (num_y),
+    .in_den_i      (den_y),
+    .in_side_i     (1'b0),
+    .out_valid_o   (valid_y),
+    .out_ready_i   (take),
+    .out_quotient_o(y),
+    .out_side_o    (unused_side_y)
+  );
+
+  msn_ratio #(
+    .NumBits     (SumBits),
+    .DenBits     (LoadBits),
+    .FractionBits(16),
+    .BitsPerClock(BitsPerClock),
+    .SideBits    (6)
+  ) u_load (
+    .clk_i,
+    .rst_i,
+    .cfg_scale_i   (cfg_kf_i),
+    .in_valid_i    (start),
+    .in_ready_o    (ready_load),
+    .in_num_i      (num_load),
+    .in_den_i      (den_load),
+    .in_side_i     ({total_open, total_saturated, imbalance}),
+    .out_valid_o   (valid_load),
+    .out_ready_i   (take),
+    .out_quotient_o({unused_sign, over, fraction}),
+    .out_side_o    ({open, saturated, unbalanced})
+  );
+
+  // The load has two digits more to go than the position, which waits for it.
+  logic        pressed;
+  logic [15:0] load;
+  assign take    = valid_x && valid_y && valid_load && (out_ready_i || !out_valid_o);
+  assign load    = fraction | {16{over}};
+  assign pressed = load != '0 && load >= cfg_min_load_i && !saturated && !unbalanced && open == '0;
+
+  always_ff @(posedge clk_i) begin
+    if (take) begin
+      out_x_o         <= pressed ? x : '0;
+      out_y_o         <= pressed ? y : '0;
+      out_load_o      <= load;
+      out_pressed_o   <= pressed;
+      out_over_o      <= over;
+      out_saturated_o <= saturated;
+      out_imbalance_o <= unbalanced;
+      out_open_o      <= open;
+    end
+    if (take) out_valid_o <= 1'b1;
+    else if (out_ready_i) out_valid_o <= 1'b0;
+    if (rst_i) out_valid_o <= 1'b0;
+  end
+
+endmodule
