@@ -42,7 +42,7 @@ def register_sets(bits):
 def around(rng, registers, bits, count):
     """Samples [n, 4]: every corner, rest, hardly any current, faults of each kind, loads, random codes."""
     low, high = bench.width(bits)
-    rows = list(product((low, high), repeat=4)) + [(0, 0, 0, 0), (low, low, low, low)]
+    rows = [*product((low, high), repeat=4), (0, 0, 0, 0)]
     v = registers.rail // 2
     rest = np.array([v, -v, v, -v])
     steps_away = [s * np.eye(4, dtype=int)[i] for i in range(4) for s in (-3, -2, -1, 0, 1, 2, 3)]

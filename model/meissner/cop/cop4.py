@@ -161,10 +161,10 @@ def cop4(samples, registers, sample_bits=17):
 
         x = Cx (E1-E3) / N     y = Cy (E2-E4) / M     load = Kf N / D
 
-    N = 2V0-E1-E3, M = 2V0+E2+E4, D = E1+E3-E2-E4; one rounding each, to nearest, ties away from zero; x, y held
-    at +-1.0, the load at 65535 LSBs. Against the formula on the same codes: x errs by less than 0.5 + |x| (1/8 +
-    8192/N) LSBs of Q2.14 (1/8: kx, for Cx of 2 or more; 8192/N: 2V0 as a whole code), the load by 0.5 + load
-    (1/2kf + 1/2N) of its LSBs.
+    N = 2V0-E1-E3, M = 2V0+E2+E4, D = E1+E3-E2-E4; one rounding each, to nearest, ties away from zero; x, y
+    held at +-1.0, the load at 65535 LSBs. Against the formula on the same codes: x errs by less than
+    0.5 + |x| (1/8 + 8192/N) LSBs of Q2.14 (1/8: kx, for Cx of 2 or more; 8192/N: 2V0 as a whole code), the
+    load by less than 0.5 + load (1/2kf + 1/2N) of its LSBs.
     """
     registers.check(sample_bits)
     _, _, n, _, d = totals(samples, registers)
