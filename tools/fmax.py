@@ -73,8 +73,8 @@ TABLE = {
     "cop-1024x1024x8-q14-turn1": ("msn_cop", LARGE | {"BitsPerClock": 1}, 21, "ecp5"),
     "cop-1024x1024x8-q14-turn2": ("msn_cop", LARGE, 14, "ecp5"),
     **dict(cop_entries()),
-    "cop4": ("msn_cop4", {}, 15, "ecp5 up5k"),
-    "cop4-turn1": ("msn_cop4", {"BitsPerClock": 1}, 23, "ecp5 up5k"),
+    "cop4": ("msn_cop4", {}, 16, "ecp5 up5k"),
+    "cop4-turn1": ("msn_cop4", {"BitsPerClock": 1}, 24, "ecp5 up5k"),
 }
 
 

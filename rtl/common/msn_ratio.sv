@@ -8,10 +8,10 @@
 // would have k times the rounding. Where |k a| is not within d, the divider is given the sign over 1:
 // what it divides by is positive by construction.
 //
-//   clock  1     2      3 .. Steps + 3
-//          k a   limit  msn_divide
+//   clock  1     2    3      4 .. Steps + 4
+//          a, d  k a  limit  msn_divide      (the first gives the multiplier a register of its own)
 //
-// Latency Steps + 3 clocks, a quotient every Steps + 1 (Steps: see msn_divide). `side` travels along.
+// Latency Steps + 4 clocks, a quotient every Steps + 1 (Steps: see msn_divide). `side` travels along.
 // Model: model/meissner/common/ratio.py
 
 module msn_ratio #(
@@ -49,18 +49,20 @@ module msn_ratio #(
     $fatal(1, "msn_ratio: DenBits = %0d must lie in 2 .. 62", DenBits);
   end
 
-  // Both stages move together.
-  logic product_valid, limit_valid, step, divide_ready;
+  // The stages before the divider move together.
+  logic operand_valid, product_valid, limit_valid, step, divide_ready;
   assign step       = divide_ready || !limit_valid;
   assign in_ready_o = step;
 
-  // 1
   localparam int unsigned ProductBits = ScaleBits + NumBits;
+  logic signed [NumBits-1:0]     operand;
+  logic signed [DenBits-1:0]     operand_den;
+  logic        [SideBits-1:0]    operand_side;
   logic signed [ProductBits-1:0] product;
   logic signed [DenBits-1:0]     den;
   logic        [SideBits-1:0]    side;
 
-  // 2: -d <= k a < d holds only for positive d.
+  // 3: -d <= k a < d holds only for positive d.
   localparam int unsigned CompareBits = ((ProductBits > DenBits) ? ProductBits : DenBits) + 1;
   logic [CompareBits-1:0] wide_product, wide_den, above, below;
   logic                   fits, something;
@@ -77,16 +79,21 @@ module msn_ratio #(
 
   always_ff @(posedge clk_i) begin
     if (step) begin
-      product_valid <= in_valid_i;
-      product       <= ProductBits'(signed'({1'b0, cfg_scale_i}) * in_num_i);
-      den           <= in_den_i;
-      side          <= in_side_i;
+      operand_valid <= in_valid_i;
+      operand       <= in_num_i;
+      operand_den   <= in_den_i;
+      operand_side  <= in_side_i;
+      product_valid <= operand_valid;
+      product       <= ProductBits'(signed'({1'b0, cfg_scale_i}) * operand);
+      den           <= operand_den;
+      side          <= operand_side;
       limit_valid   <= product_valid;
       limit_num     <= fits ? DenBits'(product) : {{(DenBits-1){product[ProductBits-1]}}, something};
       limit_den     <= fits ? den[DenBits-2:0] : (DenBits-1)'(1);
       limit_side    <= side;
     end
     if (rst_i) begin
+      operand_valid <= 1'b0;
       product_valid <= 1'b0;
       limit_valid   <= 1'b0;
     end

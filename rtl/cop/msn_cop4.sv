@@ -12,7 +12,7 @@
 //              is not beyond busy; E2, E4 in mirrored codes -E - 1
 //   imbalance  |N - M| > cfg_imbalance: the two expressions of the current in eq. 18 disagree
 // pressed = load >= min_load, load > 0 and no fault; else x = y = 0.
-// Latency Steps + 6 clocks, a sample every Steps + 1; Steps is 9, or 17 at one bit a clock.
+// Latency Steps + 7 clocks, a sample every Steps + 1; Steps is 9, or 17 at one bit a clock.
 // Model: model/meissner/cop/cop4.py
 
 module msn_cop4 #(

@@ -76,7 +76,7 @@ async def clocks_are_as_stated_whatever_the_numbers(dut):
         if dut.out_valid_o.value == 1:
             seen.append(clock)
         await bench.RisingEdge(dut.clk_i)
-    latency, period = steps(fraction_bits, per_clock) + 3, steps(fraction_bits, per_clock) + 1
+    latency, period = steps(fraction_bits, per_clock) + 4, steps(fraction_bits, per_clock) + 1
     assert seen[0] - accepted[0] == latency
     assert set(np.diff(seen)) == {period} and len(seen) == len(pairs)
 
@@ -86,7 +86,7 @@ async def forgets_what_a_reset_interrupts(dut):
     _, _, _, fraction_bits, per_clock = parameters(dut)
     await bench.start(dut, cfg_scale_i=1, in_num_i=1, in_den_i=2, in_side_i=1)
     pairs = [(1, 3), (-1, 2)]
-    for delay in range(steps(fraction_bits, per_clock) + 5):
+    for delay in range(steps(fraction_bits, per_clock) + 6):
         dut.in_valid_i.value = 1
         await bench.clocks(dut, 1)
         dut.in_valid_i.value = 0

@@ -135,7 +135,7 @@ async def clocks_are_as_stated_whatever_the_numbers(dut):
         if dut.out_valid_o.value == 1:
             seen.append(clock)
         await bench.RisingEdge(dut.clk_i)
-    assert seen[0] - accepted[0] == steps(16, per_clock) + 6
+    assert seen[0] - accepted[0] == steps(16, per_clock) + 7
     assert len(seen) == len(beats) and set(np.diff(seen)) == {steps(16, per_clock) + 1}
 
 
@@ -145,7 +145,7 @@ async def forgets_what_a_reset_interrupts(dut):
     registers = register_sets(bits)[0]
     samples = around(np.random.default_rng(bench.SEED), registers, bits, 2)[-4:]
     await bench.start(dut, **ports(registers), in_e1_i=1, in_e2_i=-2, in_e3_i=3, in_e4_i=-4)
-    for delay in range(steps(16, per_clock) + 8):
+    for delay in range(steps(16, per_clock) + 9):
         dut.in_valid_i.value = 1
         await bench.clocks(dut, 1)
         dut.in_valid_i.value = 0
