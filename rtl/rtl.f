@@ -17,5 +17,6 @@ rtl/slip/msn_slip.sv
 rtl/cop/msn_cop_accumulate.sv
 rtl/cop/msn_cop_divide.sv
 rtl/cop/msn_cop.sv
+rtl/cop/msn_cop4_correct.sv
 rtl/cop/msn_cop4.sv
 rtl/msn_core.sv

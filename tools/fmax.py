@@ -75,6 +75,8 @@ TABLE = {
     **dict(cop_entries()),
     "cop4": ("msn_cop4", {}, 16, "ecp5 up5k"),
     "cop4-turn1": ("msn_cop4", {"BitsPerClock": 1}, 24, "ecp5 up5k"),
+    "cop4-correct": ("msn_cop4", {"Correct": 1}, 35, "ecp5"),
+    "cop4_correct": ("msn_cop4_correct", {}, 7, "ecp5"),
 }
 
 

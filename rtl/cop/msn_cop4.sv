@@ -6,18 +6,21 @@
 //
 // x, y in Q2.14, held at +-1.0; the load in its LSBs, 0 .. 65535 (`over` at its end); each rounded once, to
 // nearest, ties away from zero. Cx = kx / 2^shift_x, Cy alike; Kf / (65536 LSB) = kf / 2^(8 + shift_load).
-// Nothing pressed, N (M) <= 0: 0. D <= 0 < N: over. Registers hold while samples flow. Faults:
+// Nothing pressed, N (M) <= 0: 0. D <= 0 < N: over. N above 2V0, no sensor's, is held there in the load's
+// numerator. Registers hold while samples flow. Faults:
 //   saturated  a code at either end of the converter's range, top or -top - 1
 //   open       an electrode at idle or beyond, without current, while its partner on the layer has some:
 //              is not beyond busy; E2, E4 in mirrored codes -E - 1
 //   imbalance  |N - M| > cfg_imbalance: the two expressions of the current in eq. 18 disagree
 // pressed = load >= min_load, load > 0 and no fault; else x = y = 0.
-// Latency Steps + 7 clocks, a sample every Steps + 1; Steps is 9, or 17 at one bit a clock.
+// Correct: the load after the position, its D less the layers' own drop (msn_cop4_correct), s = 8 + shift_load.
+// Latency S + 7 clocks, S + P + 18 if Correct; a sample every S + 1. S, P: 9, 8, at one bit a clock 17, 15.
 // Model: model/meissner/cop/cop4.py
 
 module msn_cop4 #(
   parameter  int unsigned SampleBits   = 17,
   parameter  int unsigned BitsPerClock = 2,
+  parameter  bit          Correct      = 1'b0,
   localparam int unsigned SumBits      = SampleBits + 2
 ) (
   input  logic                         clk_i,
@@ -30,6 +33,7 @@ module msn_cop4 #(
   input  logic        [3:0]            cfg_shift_y_i,
   input  logic        [16:0]           cfg_kf_i,
   input  logic        [3:0]            cfg_shift_load_i,
+  input  logic        [6*18-1:0]       cfg_p_i,           // p0 lowest; of no use unless Correct
   input  logic        [15:0]           cfg_min_load_i,    // LSBs
   input  logic        [SampleBits-2:0] cfg_top_i,
   input  logic signed [SampleBits-1:0] cfg_idle_i,
@@ -83,7 +87,7 @@ module msn_cop4 #(
 
   logic signed [SampleBits:0] sum_upper, sum_lower, sum_dx, sum_dy, total_dx, total_dy;
   logic        [3:0]          sum_open, total_open;
-  logic                       sum_saturated, total_saturated;
+  logic                       sum_saturated, total_saturated, total_above;
   logic signed [SumBits-1:0]  n, m, d, mismatch;
   always_ff @(posedge clk_i) begin
     if (step) begin
@@ -104,6 +108,7 @@ module msn_cop4 #(
       total_dy        <= sum_dy;
       total_open      <= sum_open;
       total_saturated <= sum_saturated;
+      total_above     <= sum_upper[SampleBits];
     end
     if (rst_i) begin
       sum_valid   <= 1'b0;
@@ -111,21 +116,19 @@ module msn_cop4 #(
     end
   end
 
-  // The ratios, side by side, each starting when all can.
+  // The ratios, x and y side by side, starting when all that begin here can.
   localparam int unsigned PlaceBits = SumBits + 15;
-  localparam int unsigned LoadBits  = SumBits + 8 + 15;
-  logic signed [SampleBits:0]  num_x, num_y;
-  logic signed [SumBits-1:0]   num_load;
+  localparam int unsigned LoadBits  = SumBits + (Correct ? 24 : 23);
+  localparam int unsigned FlagBits  = 6;
+  logic signed [SampleBits:0]  num_x, num_y, num_load;  // of 18 bits a multiplier takes all
   logic signed [PlaceBits-1:0] den_x, den_y;
-  logic signed [LoadBits-1:0]  den_load;
   logic signed [SumBits:0]     limit;
   logic                        high, low, imbalance;
   assign num_x    = (n > 0) ? total_dx : '0;
   assign num_y    = (m > 0) ? total_dy : '0;
-  assign num_load = (n > 0) ? n : '0;
+  assign num_load = (n <= 0) ? '0 : total_above ? (SampleBits + 1)'(cfg_rail_i) : n[SampleBits:0];
   assign den_x    = PlaceBits'(n) <<< cfg_shift_x_i;
   assign den_y    = PlaceBits'(m) <<< cfg_shift_y_i;
-  assign den_load = (LoadBits'(d) <<< 8) <<< cfg_shift_load_i;
   assign limit    = signed'((SumBits + 1)'(cfg_imbalance_i));
   msn_compare #(.Width(SumBits + 1)) u_high (
     .a_i((SumBits + 1)'(mismatch)), .b_i(limit), .greater_o(high)
@@ -135,20 +138,24 @@ module msn_cop4 #(
   );
   assign imbalance = high || low;
 
-  logic start, ready_x, ready_y, ready_load, take, valid_x, valid_y, valid_load, unused_side_x, unused_side_y;
-  assign ratios_ready = ready_x && ready_y && ready_load;
-  assign start        = total_valid && ratios_ready;
-
-  logic signed [15:0] x, y;
-  logic        [15:0] fraction;
-  logic        [3:0]  open;
-  logic               over, saturated, unbalanced, unused_sign;
+  logic                       start, ready_x, ready_y, valid_x, valid_y, place_valid, take_place;
+  logic                       load_start, load_ready, load_valid, take, unused_side_y, unused_sign, over;
+  logic signed [15:0]         place_x, place_y, x, y;
+  logic        [FlagBits-1:0] place_flags, load_flags;
+  logic signed [SampleBits:0] place_n, load_n;
+  logic signed [SumBits-1:0]  place_d;
+  logic signed [LoadBits-1:0] load_den;
+  logic        [37:0]         load_side, result_side;  // x, y, flags
+  logic        [15:0]         fraction;
+  assign start       = total_valid && ratios_ready;
+  assign place_valid = valid_x && valid_y;
 
   msn_ratio #(
     .NumBits     (SampleBits + 1),
     .DenBits     (PlaceBits),
     .FractionBits(14),
-    .BitsPerClock(BitsPerClock)
+    .BitsPerClock(BitsPerClock),
+    .SideBits    (FlagBits + 2 * SumBits - 1)
   ) u_x (
     .clk_i,
     .rst_i,
@@ -157,11 +164,11 @@ module msn_cop4 #(
     .in_ready_o    (ready_x),
     .in_num_i      (num_x),
     .in_den_i      (den_x),
-    .in_side_i     (1'b0),
+    .in_side_i     ({total_open, total_saturated, imbalance, num_load, d}),
     .out_valid_o   (valid_x),
-    .out_ready_i   (take),
-    .out_quotient_o(x),
-    .out_side_o    (unused_side_x)
+    .out_ready_i   (take_place),
+    .out_quotient_o(place_x),
+    .out_side_o    ({place_flags, place_n, place_d})
   );
 
   msn_ratio #(
@@ -179,49 +186,86 @@ module msn_cop4 #(
     .in_den_i      (den_y),
     .in_side_i     (1'b0),
     .out_valid_o   (valid_y),
-    .out_ready_i   (take),
-    .out_quotient_o(y),
+    .out_ready_i   (take_place),
+    .out_quotient_o(place_y),
     .out_side_o    (unused_side_y)
   );
 
+  if (Correct) begin : gen_correct
+    logic correct_ready;
+    assign ratios_ready = ready_x && ready_y;
+    assign take_place   = place_valid && correct_ready;
+    msn_cop4_correct #(.SumBits(SumBits), .SideBits(38)) u_correct (
+      .clk_i,
+      .rst_i,
+      .cfg_p_i,
+      .cfg_shift_i(cfg_shift_load_i),
+      .in_valid_i (place_valid),
+      .in_ready_o (correct_ready),
+      .in_x_i     (place_x),
+      .in_y_i     (place_y),
+      .in_n_i     (place_n),
+      .in_d_i     (place_d),
+      .in_side_i  ({place_x, place_y, place_flags}),
+      .out_valid_o(load_start),
+      .out_ready_i(load_ready),
+      .out_den_o  (load_den),
+      .out_n_o    (load_n),
+      .out_side_o (load_side)
+    );
+    assign take            = load_valid && (out_ready_i || !out_valid_o);
+    assign {x, y, load_flags} = result_side;
+
+  end else begin : gen_plain
+    // All three at once. The load has two digits more to go than the position, which waits for it.
+    assign ratios_ready = ready_x && ready_y && load_ready;
+    assign load_start   = start;
+    assign load_n       = num_load;
+    assign load_den     = (LoadBits'(d) <<< 8) <<< cfg_shift_load_i;
+    assign load_side    = '0;
+    assign take         = place_valid && load_valid && (out_ready_i || !out_valid_o);
+    assign take_place   = take;
+    assign x            = place_x;
+    assign y            = place_y;
+    assign load_flags   = place_flags;
+    logic unused;
+    assign unused = &{1'b0, cfg_p_i, place_n, place_d, result_side};
+  end
+
   msn_ratio #(
-    .NumBits     (SumBits),
+    .NumBits     (SampleBits + 1),
     .DenBits     (LoadBits),
     .FractionBits(16),
     .BitsPerClock(BitsPerClock),
-    .SideBits    (6)
+    .SideBits    (38)
   ) u_load (
     .clk_i,
     .rst_i,
     .cfg_scale_i   (cfg_kf_i),
-    .in_valid_i    (start),
-    .in_ready_o    (ready_load),
-    .in_num_i      (num_load),
-    .in_den_i      (den_load),
-    .in_side_i     ({total_open, total_saturated, imbalance}),
-    .out_valid_o   (valid_load),
+    .in_valid_i    (load_start),
+    .in_ready_o    (load_ready),
+    .in_num_i      (load_n),
+    .in_den_i      (load_den),
+    .in_side_i     (load_side),
+    .out_valid_o   (load_valid),
     .out_ready_i   (take),
     .out_quotient_o({unused_sign, over, fraction}),
-    .out_side_o    ({open, saturated, unbalanced})
+    .out_side_o    (result_side)
   );
 
-  // The load has two digits more to go than the position, which waits for it.
   logic        pressed;
   logic [15:0] load;
-  assign take    = valid_x && valid_y && valid_load && (out_ready_i || !out_valid_o);
   assign load    = fraction | {16{over}};
-  assign pressed = load != '0 && load >= cfg_min_load_i && !saturated && !unbalanced && open == '0;
+  assign pressed = load != '0 && load >= cfg_min_load_i && load_flags == '0;
 
   always_ff @(posedge clk_i) begin
     if (take) begin
-      out_x_o         <= pressed ? x : '0;
-      out_y_o         <= pressed ? y : '0;
-      out_load_o      <= load;
-      out_pressed_o   <= pressed;
-      out_over_o      <= over;
-      out_saturated_o <= saturated;
-      out_imbalance_o <= unbalanced;
-      out_open_o      <= open;
+      out_x_o     <= pressed ? x : '0;
+      out_y_o     <= pressed ? y : '0;
+      out_load_o  <= load;
+      out_pressed_o <= pressed;
+      out_over_o  <= over;
+      {out_open_o, out_saturated_o, out_imbalance_o} <= load_flags;
     end
     if (take) out_valid_o <= 1'b1;
     else if (out_ready_i) out_valid_o <= 1'b0;

@@ -14,8 +14,11 @@ import pytest
 import bench
 from meissner.common.divide import steps
 from meissner.cop.cop4 import Cop4Registers, cop4, cop4_registers, scaled
+from meissner.cop.cop4_correct import correct_registers
 from meissner.world.adc import Adc
-from meissner.world.mesh import Mesh
+from meissner.world.mesh import Mesh, correction
+from meissner.world.mesh.correction import Registers
+from meissner.world.mesh_loads import true_centre
 
 FIELDS = ["x~", "y~", "load", "pressed", "over", "saturated", "imbalance", "open"]
 ADC = Adc(bits=16, low_v=-10.0, high_v=10.0)
@@ -78,17 +81,32 @@ def beats_of(samples):
     return [dict(zip(("e1", "e2", "e3", "e4"), map(int, sample))) for sample in samples]
 
 
-def expected_of(samples, registers, bits):
-    columns = [values.astype(int).tolist() for values in cop4(samples, registers, bits)]
+def expected_of(samples, registers, bits, fix=None):
+    columns = [values.astype(int).tolist() for values in cop4(samples, registers, bits, fix)]
     return [dict(zip((f.rstrip("~") for f in FIELDS), row)) for row in zip(*columns)]
 
 
-def ports(registers):
-    return {f"cfg_{name}_i": value for name, value in asdict(registers).items()}
+def correction_of(dut, registers, which=0):
+    """Terms for a core built with Correct: all 0, of a mesh, large enough to turn the denominator; else None."""
+    if not dut.Correct.value:
+        return None
+    p = [(0,) * 6, (6213, 4021, 5093, 1178, 3489, -1112), (80000, -9000, 9000, 7000, -3, 11)][which % 3]
+    return Registers(p, 8 + registers.shift_load)
+
+
+def ports(registers, fix=None):
+    p = (0,) * 6 if fix is None else fix.p
+    packed = sum((value & 0x3FFFF) << 18 * index for index, value in enumerate(p))
+    return {f"cfg_{name}_i": value for name, value in asdict(registers).items()} | {"cfg_p_i": packed}
 
 
 def parameters(dut):
     return dut.SampleBits.value.to_unsigned(), dut.BitsPerClock.value.to_unsigned()
+
+
+def latency(dut):
+    per_clock = dut.BitsPerClock.value.to_unsigned()
+    return steps(16, per_clock) + (18 + steps(14, per_clock) if dut.Correct.value else 7)
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
@@ -96,11 +114,12 @@ def parameters(dut):
 async def matches_model(dut, stall_rate, which):
     bits, _ = parameters(dut)
     registers = register_sets(bits)[which]
+    fix = correction_of(dut, registers, which)
     samples = around(np.random.default_rng(bench.SEED + which), registers, bits, 60)
-    await bench.start(dut, **ports(registers))
+    await bench.start(dut, **ports(registers, fix))
     pause = bench.pauses(stall_rate)
-    expected = expected_of(samples, registers, bits)
-    assert await bench.stream(dut, beats_of(samples), FIELDS, pause, pause) == expected
+    expected = expected_of(samples, registers, bits, fix)
+    assert await bench.stream(dut, beats_of(samples), FIELDS, pause, pause, drain=80) == expected
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
@@ -112,10 +131,13 @@ async def matches_model_on_a_mesh(dut):
     for mesh in (Mesh(5, 5, 47.0), Mesh(41, 41, 10.0)):
         registers = cop4_registers(mesh, adc, GAIN)
         samples = pressed_samples(mesh, adc, 30)[0]
-        await bench.start(dut, **ports(registers))
-        expected = expected_of(samples, registers, bits)
+        fix = None
+        if dut.Correct.value:
+            registers, fix = correct_registers(fitted(mesh), registers)
+        await bench.start(dut, **ports(registers, fix))
+        expected = expected_of(samples, registers, bits, fix)
         assert sum(beat["pressed"] for beat in expected) == 30
-        assert await bench.stream(dut, beats_of(samples), FIELDS) == expected
+        assert await bench.stream(dut, beats_of(samples), FIELDS, drain=80) == expected
 
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
@@ -135,29 +157,30 @@ async def clocks_are_as_stated_whatever_the_numbers(dut):
         if dut.out_valid_o.value == 1:
             seen.append(clock)
         await bench.RisingEdge(dut.clk_i)
-    assert seen[0] - accepted[0] == steps(16, per_clock) + 7
+    assert seen[0] - accepted[0] == latency(dut)
     assert len(seen) == len(beats) and set(np.diff(seen)) == {steps(16, per_clock) + 1}
 
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def forgets_what_a_reset_interrupts(dut):
-    bits, per_clock = parameters(dut)
+    bits, _ = parameters(dut)
     registers = register_sets(bits)[0]
+    fix = correction_of(dut, registers, 1)
     samples = around(np.random.default_rng(bench.SEED), registers, bits, 2)[-4:]
-    await bench.start(dut, **ports(registers), in_e1_i=1, in_e2_i=-2, in_e3_i=3, in_e4_i=-4)
-    for delay in range(steps(16, per_clock) + 9):
+    await bench.start(dut, **ports(registers, fix), in_e1_i=1, in_e2_i=-2, in_e3_i=3, in_e4_i=-4)
+    for delay in range(latency(dut) + 2):
         dut.in_valid_i.value = 1
         await bench.clocks(dut, 1)
         dut.in_valid_i.value = 0
         await bench.clocks(dut, delay)
         await bench.reset(dut, clocks=1)
-        expected = expected_of(samples, registers, bits)
-        assert await bench.stream(dut, beats_of(samples), FIELDS) == expected
+        expected = expected_of(samples, registers, bits, fix)
+        assert await bench.stream(dut, beats_of(samples), FIELDS, drain=80) == expected
 
 
-@pytest.mark.parametrize("bits, per_clock", [(17, 2), (9, 1)])
-def test_cop4(bits, per_clock):
-    bench.run("cop", "cop4", {"SampleBits": bits, "BitsPerClock": per_clock})
+@pytest.mark.parametrize("bits, per_clock, correct", [(17, 2, 0), (9, 1, 0), (17, 2, 1), (12, 1, 1)])
+def test_cop4(bits, per_clock, correct):
+    bench.run("cop", "cop4", {"SampleBits": bits, "BitsPerClock": per_clock, "Correct": correct})
 
 
 def nearest(value):
@@ -180,7 +203,7 @@ def test_model_against_fractions(bits, which):
         n, m, d = r.rail - e1 - e3, r.rail + e2 + e4, e1 + e3 - e2 - e4
         x = held(Fraction(r.kx * (e1 - e3), n << r.shift_x)) if n > 0 else Fraction(0)
         y = held(Fraction(r.ky * (e2 - e4), m << r.shift_y)) if m > 0 else Fraction(0)
-        load = Fraction(r.kf * n, d << 8 + r.shift_load) if d > 0 else Fraction(int(r.kf > 0))
+        load = Fraction(r.kf * min(n, r.rail), d << 8 + r.shift_load) if d > 0 else Fraction(int(r.kf > 0))
         load = nearest(held(load) * 65536) if n > 0 else 0
         pairs = [(e1, e3), (-1 - e2, -1 - e4), (e3, e1), (-1 - e4, -1 - e2)]
         wanted = {
@@ -259,6 +282,45 @@ def test_registers_of_a_mesh_tell_faults_from_loads(mesh):
     sagging = codes + np.array([registers.imbalance + 4, 0, 0, 0])
     assert cop4(sagging, registers).imbalance.all()
     assert not cop4(codes + np.array([registers.imbalance - 4, 0, 0, 0]), registers).imbalance.any()
+
+
+def single_presses(mesh, count, seed):
+    """One contact each, 1 to 20 N, anywhere: loads [count, m, n]."""
+    rng = np.random.default_rng(seed)
+    load = np.zeros((count, mesh.m, mesh.n))
+    load[np.arange(count), rng.integers(mesh.m, size=count), rng.integers(mesh.n, size=count)] = rng.uniform(
+        1, 20, count
+    )
+    return load
+
+
+def fitted(mesh):
+    return correction.fit(mesh, single_presses(mesh, 500, 8))
+
+
+@pytest.mark.parametrize("r", [10.0, 47.0, 150.0])
+def test_correction_on_a_mesh(r):
+    """The corrected load is within 0.1 % of the float correction's and far nearer to what presses."""
+    mesh = Mesh(41, 41, r)
+    adc = Adc(bits=23, low_v=-10.0, high_v=10.0)  # so fine that only the arithmetic is seen
+    fix = fitted(mesh)
+    registers, terms = correct_registers(fix, cop4_registers(mesh, adc, GAIN, sample_bits=24))
+    load = single_presses(mesh, 300, 9)
+    answer = mesh.solve(load)
+    volts = np.stack([answer.E1, answer.E2, answer.E3, answer.E4], axis=1)
+    codes = adc.convert(GAIN * volts)[0]
+    plain, fixed = cop4(codes, registers, 24), cop4(codes, registers, 24, terms)
+    wanted = fix.apply(answer.x, answer.y, answer.load)[2]
+    assert fixed.pressed.all()
+    assert np.abs(fixed.load * 1e-3 / wanted - 1).max() < 1.5e-3
+    before, after = (np.abs(f.load * 1e-3 / true_centre(load)[0] - 1).mean() for f in (plain, fixed))
+    assert after < 0.05 * before
+
+
+def test_refuses_a_correction_at_another_shift():
+    registers = register_sets(17)[0]
+    with pytest.raises(ValueError, match="shift, 19"):
+        cop4(np.zeros((1, 4)), registers, 17, Registers((0,) * 6, 19))
 
 
 def test_registers_at_known_values():

@@ -156,7 +156,7 @@ def results(samples, registers, x, y, load):
     return Cop4(x, y, load, pressed, over, saturated, imbalance, opened)
 
 
-def cop4(samples, registers, sample_bits=17):
+def cop4(samples, registers, sample_bits=17, correction=None):
     """Position, load and faults of ``samples`` [n, 4], the codes of E1..E4: ``Cop4``.
 
         x = Cx (E1-E3) / N     y = Cy (E2-E4) / M     load = Kf N / D
@@ -164,10 +164,21 @@ def cop4(samples, registers, sample_bits=17):
     N = 2V0-E1-E3, M = 2V0+E2+E4, D = E1+E3-E2-E4; one rounding each, to nearest, ties away from zero; x, y
     held at +-1.0, the load at 65535 LSBs. Against the formula on the same codes: x errs by less than
     0.5 + |x| (1/8 + 8192/N) LSBs of Q2.14 (1/8: kx, for Cx of 2 or more; 8192/N: 2V0 as a whole code), the
-    load by less than 0.5 + load (1/2kf + 1/2N) of its LSBs.
+    load by less than 0.5 + load (1/2kf + 1/2N) of its LSBs. N above 2V0, no sensor's, is held there in the
+    load's numerator.
+
+    ``correction``: p and shift (meissner.world.mesh.correction.Registers; see cop4_correct.correct_registers)
+    of a core built with Correct: D without the layers' own voltage drop. Its shift is the load's.
     """
     registers.check(sample_bits)
     _, _, n, _, d = totals(samples, registers)
     x, y = position(samples, registers)
+    n = np.clip(n, 0, registers.rail)
     den = d << LOAD_SHIFT + registers.shift_load
-    return results(samples, registers, x, y, ratio(registers.kf, np.maximum(n, 0), den, LOAD_BITS))
+    if correction is not None:
+        from meissner.cop.cop4_correct import cop4_correct
+
+        if correction.shift != LOAD_SHIFT + registers.shift_load:
+            raise ValueError(f"the correction's shift, {correction.shift}, must be the load's")
+        den = cop4_correct(x, y, n, d, correction)
+    return results(samples, registers, x, y, ratio(registers.kf, n, den, LOAD_BITS))
