@@ -19,4 +19,5 @@ rtl/cop/msn_cop_divide.sv
 rtl/cop/msn_cop.sv
 rtl/cop/msn_cop4_correct.sv
 rtl/cop/msn_cop4.sv
+rtl/cop/msn_cop_slip.sv
 rtl/msn_core.sv

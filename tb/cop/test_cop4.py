@@ -87,7 +87,7 @@ def expected_of(samples, registers, bits, fix=None):
 
 
 def correction_of(dut, registers, which=0):
-    """Terms for a core built with Correct: all 0, of a mesh, large enough to turn the denominator; else None."""
+    """Terms for a core built with Correct, else None: 0, of a mesh, so large that the denominator turns."""
     if not dut.Correct.value:
         return None
     p = [(0,) * 6, (6213, 4021, 5093, 1178, 3489, -1112), (80000, -9000, 9000, 7000, -3, 11)][which % 3]
