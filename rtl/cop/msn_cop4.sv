@@ -14,7 +14,7 @@
 //   imbalance  |N - M| > cfg_imbalance: the two expressions of the current in eq. 18 disagree
 // pressed = load >= min_load, load > 0 and no fault; else x = y = 0.
 // Correct: the load after the position, its D less the layers' own drop (msn_cop4_correct), s = 8 + shift_load.
-// Latency S + 7 clocks, S + P + 18 if Correct; a sample every S + 1. S, P: 9, 8, at one bit a clock 17, 15.
+// Latency S + 8 clocks, S + P + 19 if Correct; a sample every S + 1. S, P: 9, 8, at one bit a clock 17, 15.
 // Model: model/meissner/cop/cop4.py
 
 module msn_cop4 #(
@@ -139,7 +139,8 @@ module msn_cop4 #(
   assign imbalance = high || low;
 
   logic                       start, ready_x, ready_y, valid_x, valid_y, place_valid, take_place;
-  logic                       load_start, load_ready, load_valid, take, unused_side_y, unused_sign, over;
+  logic                       load_start, load_ready, load_valid, take, free, over;
+  logic                       unused_side_y, unused_sign;
   logic signed [15:0]         place_x, place_y, x, y;
   logic        [FlagBits-1:0] place_flags, load_flags;
   logic signed [SampleBits:0] place_n, load_n;
@@ -213,8 +214,8 @@ module msn_cop4 #(
       .out_n_o    (load_n),
       .out_side_o (load_side)
     );
-    assign take            = load_valid && (out_ready_i || !out_valid_o);
-    assign {x, y, load_flags} = result_side;
+    assign take                = load_valid && free;
+    assign {x, y, load_flags}  = result_side;
 
   end else begin : gen_plain
     // All three at once. The load has two digits more to go than the position, which waits for it.
@@ -223,7 +224,7 @@ module msn_cop4 #(
     assign load_n       = num_load;
     assign load_den     = (LoadBits'(d) <<< 8) <<< cfg_shift_load_i;
     assign load_side    = '0;
-    assign take         = place_valid && load_valid && (out_ready_i || !out_valid_o);
+    assign take         = place_valid && load_valid && free;
     assign take_place   = take;
     assign x            = place_x;
     assign y            = place_y;
@@ -253,23 +254,36 @@ module msn_cop4 #(
     .out_side_o    (result_side)
   );
 
-  logic        pressed;
-  logic [15:0] load;
-  assign load    = fraction | {16{over}};
-  assign pressed = load != '0 && load >= cfg_min_load_i && load_flags == '0;
+  // Hold the load, then gate by it: both stages move together.
+  logic                       held_valid, pressed;
+  logic signed [15:0]         held_x, held_y;
+  logic        [15:0]         held_load;
+  logic                       held_over;
+  logic        [FlagBits-1:0] held_flags;
+  assign free    = out_ready_i || !out_valid_o;
+  assign pressed = held_load != '0 && held_load >= cfg_min_load_i && held_flags == '0;
 
   always_ff @(posedge clk_i) begin
-    if (take) begin
-      out_x_o     <= pressed ? x : '0;
-      out_y_o     <= pressed ? y : '0;
-      out_load_o  <= load;
+    if (free) begin
+      held_valid    <= take;
+      held_x        <= x;
+      held_y        <= y;
+      held_load     <= fraction | {16{over}};
+      held_over     <= over;
+      held_flags    <= load_flags;
+
+      out_valid_o   <= held_valid;
+      out_x_o       <= pressed ? held_x : '0;
+      out_y_o       <= pressed ? held_y : '0;
+      out_load_o    <= held_load;
       out_pressed_o <= pressed;
-      out_over_o  <= over;
-      {out_open_o, out_saturated_o, out_imbalance_o} <= load_flags;
+      out_over_o    <= held_over;
+      {out_open_o, out_saturated_o, out_imbalance_o} <= held_flags;
     end
-    if (take) out_valid_o <= 1'b1;
-    else if (out_ready_i) out_valid_o <= 1'b0;
-    if (rst_i) out_valid_o <= 1'b0;
+    if (rst_i) begin
+      held_valid  <= 1'b0;
+      out_valid_o <= 1'b0;
+    end
   end
 
 endmodule
