@@ -1,11 +1,11 @@
 rtl/msn_pkg.sv
 rtl/common/msn_delay.sv
 rtl/common/msn_frame_check.sv
+rtl/common/msn_sync.sv
+rtl/common/msn_compare.sv
 rtl/common/msn_times.sv
 rtl/common/msn_divide.sv
 rtl/common/msn_ratio.sv
-rtl/common/msn_sync.sv
-rtl/common/msn_compare.sv
 rtl/frontend/msn_adc_pkg.sv
 rtl/frontend/msn_spi_shift.sv
 rtl/frontend/msn_adc_store.sv

@@ -2,6 +2,7 @@
 
 import argparse
 import json
+import os
 import sys
 import time
 from pathlib import Path
@@ -48,8 +49,11 @@ def _run(arguments):
     if arguments.seed < 0:
         raise ValueError(f"seed = {arguments.seed} must not be negative")
     out = Path(arguments.out or Path("build") / "run" / scene.name)
-    if out.exists() and not out.is_dir():
-        raise ValueError(f"{out} is a file; name a folder for the results")
+    there = next(path for path in (out, *out.parents) if path.exists())
+    if not there.is_dir():
+        raise ValueError(f"{there} is a file; name a folder for the results")
+    if not os.access(there, os.W_OK | os.X_OK):
+        raise ValueError(f"the folder {there} cannot be written to")
     summary = run.run_slip(
         scene, arguments.engine, out, arguments.seed, arguments.waves, _progress(f"running {scene.name}")
     )
@@ -103,8 +107,8 @@ def _table(rows):
 def _process_slip(arguments):
     from meissner.slip.config import SlipConfig
 
-    if arguments.rate <= 0:
-        raise ValueError(f"rate = {arguments.rate:g} must be above 0 samples per second")
+    if not 0 < arguments.rate < float("inf"):
+        raise ValueError(f"rate = {arguments.rate:g} must be a number of samples per second above 0")
     config = SlipConfig(
         window=arguments.window,
         hop=arguments.window if arguments.hop is None else arguments.hop,
@@ -121,7 +125,7 @@ def _process_slip(arguments):
         np.savez(file, **result)
     channels, windows = result["slip"].shape
     fired = result["fired_at"][result["slip"]]
-    first = f"first at {fired.min() / arguments.rate:.4f} s" if len(fired) else "none"
+    first = f"first at {int(fired.min()) / arguments.rate:.4f} s" if len(fired) else "none"
     print(
         f"{channels} channel{'s' * (channels > 1)}, {windows} windows, {int(result['slip'].sum())} slips "
         f"({first}); {x.size / taken:.3g} samples/s on engine {arguments.engine}; {arguments.out}"
@@ -164,10 +168,12 @@ def main(arguments=None):
     arguments = _parser().parse_args(arguments)
     try:
         arguments.call(arguments)
-    except (ValueError, PermissionError) as problem:
-        sys.exit(_refuse(problem))
     except BrokenPipeError:
         sys.exit(0)
+    except (ValueError, OSError) as problem:
+        sys.exit(_refuse(problem))
+    except KeyboardInterrupt:
+        sys.exit(130)  # as a shell reports a program that Ctrl-C ended
 
 
 def _refuse(problem):

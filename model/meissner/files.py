@@ -2,6 +2,8 @@
 
 import os
 import tempfile
+import warnings
+import zipfile
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -25,16 +27,26 @@ def read_array(path):
     path = Path(path)
     if not path.is_file():
         raise ValueError(f"there is no file {path}")
-    if path.suffix == ".csv":
+    if path.suffix.lower() == ".csv":
         try:
-            return np.loadtxt(path, delimiter=",", ndmin=2, comments="#").T
+            with warnings.catch_warnings(action="ignore"):  # of an empty file: refused below
+                # utf-8-sig: spreadsheets put a mark before the first number
+                table = np.loadtxt(path, delimiter=",", ndmin=2, comments="#", encoding="utf-8-sig")
         except ValueError as problem:
             raise ValueError(f"{path} is not a table of numbers: {problem}") from None
-    if path.suffix == ".npy":
+        if not table.size:
+            raise ValueError(f"{path} holds no numbers")
+        return table.T
+    if path.suffix.lower() == ".npy":
         try:
-            return np.load(path, allow_pickle=False)
-        except (ValueError, EOFError, OSError):
-            raise ValueError(f"{path} is not a .npy file of numbers") from None
+            array = np.load(path, allow_pickle=False)
+        except PermissionError:
+            raise
+        except (ValueError, EOFError, OSError, MemoryError, zipfile.BadZipFile):
+            array = None
+        if not isinstance(array, np.ndarray):  # an archive of arrays is none either
+            raise ValueError(f"{path} is not a .npy file of numbers")
+        return array
     raise ValueError(f"{path} must be a .npy or a .csv file")
 
 
@@ -46,6 +58,8 @@ def written(path):
         raise ValueError(f"there is no folder {path.parent} to write {path.name} into")
     if path.is_dir():
         raise ValueError(f"{path} is a folder; name a file")
+    if path.exists() and not path.is_file():
+        raise ValueError(f"{path} is not a file that could be replaced")  # a device, a pipe
     with tempfile.NamedTemporaryFile(dir=path.parent, prefix=f".{path.name}.", delete=False) as fresh:
         try:
             yield fresh

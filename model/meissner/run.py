@@ -86,17 +86,24 @@ def _statistics(condition, verdicts):
         "missed": sum(v["missed"] for v in verdicts),
         "false_alarms": sum(v["false_alarms"] for v in verdicts),
     }
-    own = [v["flag_s"] - v["crossing_s"] for v in verdicts if v["flag_s"] is not None]
+    # A flag without a crossing: what raised it came before the onset, but was blanked until after.
+    own = [v["flag_s"] - v["crossing_s"] for v in verdicts if None not in (v["flag_s"], v["crossing_s"])]
     if len(delays):
         row |= {
             "delay_ms_median": round(float(np.median(delays)), 3),
             "delay_ms_mean": round(float(delays.mean()), 3),
             "delay_ms_max": round(float(delays.max()), 3),
-            "detector_ms_max": round(max(own) * 1e3, 3),
+            **({"detector_ms_max": round(max(own) * 1e3, 3)} if own else {}),
             "lead_ms_median": round(float(np.median(leads)), 3),
             "lead_ms_min": round(float(leads.min()), 3),
         }
     return row
+
+
+def _table(rows):
+    """The rows with the keys of all of them: a condition without a flag has no delays."""
+    keys = dict.fromkeys(key for row in rows for key in row)
+    return [{key: row.get(key) for key in keys} for row in rows]
 
 
 def run_slip(scene, engine, out, seed=1, waves=False, progress=lambda runs: runs):
@@ -130,7 +137,7 @@ def run_slip(scene, engine, out, seed=1, waves=False, progress=lambda runs: runs
         pins = module.watch_pins(recording, config, waves=Path(out) / "waves.vcd" if waves else None)
         mismatches += _mismatches(pins.watched, watched)
 
-    rows = [_statistics(condition, verdicts[condition]) for condition in scene.conditions]
+    rows = _table([_statistics(condition, verdicts[condition]) for condition in scene.conditions])
     first = verdicts[scene.conditions[0]][0]
     summary = {
         "scene": scene.name,

@@ -35,6 +35,9 @@ module msn_frame_check #(
   if (Channels < 1) begin : gen_check_channels
     $fatal(1, "msn_frame_check: Channels = %0d must be at least 1", Channels);
   end
+  if (DataBits < 1) begin : gen_check_data_bits
+    $fatal(1, "msn_frame_check: DataBits = %0d must be at least 1", DataBits);
+  end
 
   logic [IdBits-1:0] expected;
   logic              dropping, restart;

@@ -42,6 +42,9 @@ module msn_sliding_extremes #(
   if (Lag < 1) begin : gen_check_lag
     $fatal(1, "msn_sliding_extremes: Lag = %0d must be at least 1", Lag);
   end
+  if (SideBits < 1) begin : gen_check_side_bits
+    $fatal(1, "msn_sliding_extremes: SideBits = %0d must be at least 1", SideBits);
+  end
 
   logic accept;
   assign in_ready_o = out_ready_i || !out_valid_o;

@@ -1,13 +1,14 @@
 """The command line as scripts use it: exit codes, one sentence, files that are whole or not there."""
 
 import json
+import os
 import subprocess
 import sys
 
 import numpy as np
 import pytest
 
-from meissner import engines
+from meissner import cli, engines, files
 from meissner.slip.config import SlipConfig
 
 
@@ -51,6 +52,10 @@ BAD = {
         ("process", "slip", "in.npy", "--rate", "1", "--threshold", "-1", "--out", "out.npz"),
         "threshold = -1 must not be negative",
     ),
+    "threshold wide": (
+        ("process", "slip", "in.npy", "--rate", "1", "--threshold", 1 << 32, "--out", "out.npz"),
+        "threshold = 4294967296 must be below 262144",
+    ),
     "threshold not a number": (
         ("process", "slip", "in.npy", "--rate", "1", "--threshold", "4.5", "--out", "out.npz"),
         "invalid int value: '4.5'",
@@ -59,18 +64,30 @@ BAD = {
         ("process", "slip", "in.npy", "--rate", "0", "--threshold", "1", "--out", "out.npz"),
         "rate = 0",
     ),
+    "rate NaN": (
+        ("process", "slip", "in.npy", "--rate", "nan", "--threshold", "1", "--out", "out.npz"),
+        "rate = nan must be a number",
+    ),
     "engine": (slip("in.npy", "--engine", "warp"), "unknown engine 'warp'"),
     "missing": (slip("nowhere.npy"), "there is no file nowhere.npy"),
     "not an array": (slip("text.npy"), "text.npy is not a .npy file"),
     "other kind": (slip("in.txt"), "must be a .npy or a .csv file"),
+    "archive": (slip("archive.npy"), "archive.npy is not a .npy file"),
+    "broken archive": (slip("broken.npy"), "broken.npy is not a .npy file"),
+    "empty": (slip("empty.csv"), "empty.csv holds no numbers"),
+    "single number": (slip("single.npy"), "shape"),
+    "complex": (slip("complex.npy"), "must be integers, not complex128"),
+    "window too long": (slip("in.npy", "--window", 2048), "1000 samples do not fill one window of 2048"),
     "words": (slip("words.csv"), "words.csv is not a table of numbers"),
     "no folder": (slip("in.npy", out="no/out.npz"), "there is no folder no"),
+    "not a file": (slip("in.npy", out="pipe"), "pipe is not a file"),
     "NaN": (slip("nan.npy"), "NaN"),
     "fractions": (slip("half.npy"), "not integers"),
     "range": (slip("wide.npy"), "outside"),
     "channels": (slip("many.npy"), "more than the core's 1024"),
     "shape": (slip("cube.npy"), "shape"),
     "scene": (("run", "nope", "--out", "results"), "unknown scene 'nope'"),
+    "run into a file": (("run", "acrylic_slip", "--out", "in.npy/results"), "in.npy is a file"),
     "run engine": (("run", "acrylic_slip", "--engine", "warp", "--out", "results"), "unknown engine"),
     "run waves": (("run", "acrylic_slip", "--waves", "--out", "results"), "--waves needs the rtl engine"),
     "run seed": (("run", "acrylic_slip", "--seed", "-1", "--out", "results"), "seed = -1"),
@@ -83,7 +100,14 @@ def test_bad_input_is_one_sentence_and_writes_nothing(tmp_path, recording, case)
     (tmp_path / "text.npy").write_text("not an array")
     (tmp_path / "in.txt").write_text("1\n")
     (tmp_path / "words.csv").write_text("a,b\n")
+    (tmp_path / "empty.csv").write_text("# nothing\n")
+    (tmp_path / "broken.npy").write_bytes(b"PK\x03\x04 and no more")
+    with open(tmp_path / "archive.npy", "wb") as file:
+        np.savez(file, x=np.zeros(100, int))
+    os.mkfifo(tmp_path / "pipe")
     for name, x in {
+        "single": np.int64(5),
+        "complex": np.zeros(100, complex),
         "nan": np.full(100, np.nan),
         "half": np.full(100, 0.5),
         "wide": np.full(100, 1 << 20),
@@ -99,6 +123,23 @@ def test_bad_input_is_one_sentence_and_writes_nothing(tmp_path, recording, case)
     assert len(done.stderr.strip().splitlines()) == 1
     assert done.stdout == ""
     assert sorted(tmp_path.iterdir()) == before
+
+
+def test_ctrl_c_ends_quietly_and_leaves_nothing(tmp_path, monkeypatch, recording):
+    def interrupted(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(engines, "process_slip", interrupted)
+    before = sorted(tmp_path.iterdir())
+    with pytest.raises(SystemExit, match="130"):
+        cli.main([*map(str, slip(tmp_path / "in.npy", out=tmp_path / "out.npz"))])
+    assert sorted(tmp_path.iterdir()) == before
+
+
+def test_csv_of_a_spreadsheet(tmp_path):
+    """Capital letters in the name, a byte order mark, CR LF, numbers with a point."""
+    (tmp_path / "IN.CSV").write_bytes(b"\xef\xbb\xbf" + b"1.0,2\r\n" * 64)
+    assert np.array_equal(files.read_array(tmp_path / "IN.CSV"), np.tile([[1], [2]], 64))
 
 
 def test_scenes_are_listed_one_line_each(tmp_path):

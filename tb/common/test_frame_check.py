@@ -72,5 +72,6 @@ def test_frame_check(channels):
 
 def test_refuses_illegal_parameters():
     assert "Channels = 0" in bench.refuses("frame_check", {"Channels": 0})
+    assert "DataBits = 0" in bench.refuses("frame_check", {"DataBits": 0})
     with pytest.raises(ValueError, match="channels = 0"):
         FrameCheck(0)

@@ -170,7 +170,7 @@ async def forgets_what_a_reset_interrupts(dut):
         # Nothing is taken, so that a finished frame waits when the reset comes.
         await bench.stream(dut, beats[:cut], FIELDS, stalls=lambda: True, drain=0)
         await bench.clocks(dut, lanes.bit_length())
-        await bench.reset(dut, clocks=1)
+        await bench.reset(dut)
         assert await bench.stream(dut, beats, FIELDS) == expected_of(forces)
 
 

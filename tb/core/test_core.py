@@ -98,20 +98,24 @@ async def decides_at_most_8_clocks_after_the_pair(dut):
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
-async def starts_anew_after_a_damaged_frame(dut):
-    """A lost sample: the damage is counted, and from the next whole frame on all is as after a reset."""
+@cocotb.parametrize(frames=[36, 37], lost=["first", "middle"])
+async def starts_anew_after_a_damaged_frame(dut, frames, lost):
+    """A lost sample: the damage is counted, and from the next whole frame on all is as after a reset.
+
+    The frame is the even or the odd one of a pair, and what came before the loss has gone on its way.
+    """
     channels = parameters(dut)[0]
     config = settings(dut)
     await begin(dut, config)
     rng = np.random.default_rng(bench.SEED + 1)
     length = 300 if channels < 100 else 20
-    before, after = recording(rng, channels, 37), recording(rng, channels, length)
+    before, after = recording(rng, channels, frames), recording(rng, channels, length)
     broken = beats_of(before)
     if channels == 1:
         broken[-1]["last"] = 0  # with one channel a lost `last` is the only damage there is
         broken.append(broken[-1] | {"last": 1})
     else:
-        del broken[-channels]
+        del broken[-channels + (channels // 2 if lost == "middle" and channels > 2 else 0)]
     should, _ = expected(after, config)
     got = await bench.stream(dut, broken + beats_of(after), FIELDS)
     assert got[len(got) - len(should) :] == should
@@ -126,6 +130,20 @@ async def recovers_after_reset_in_mid_frame(dut):
     rng = np.random.default_rng(bench.SEED + 2)
     first = beats_of(recording(rng, channels, 7))
     await bench.stream(dut, first[: len(first) - channels // 2], FIELDS, drain=1)
+    await bench.reset(dut)
+    # Once more with every stage full, and held by a consumer that sleeps.
+    dut.out_ready_i.value = 0
+    dut.in_valid_i.value = 1
+    for beat in beats_of(recording(rng, channels, 100)):
+        for name, value in beat.items():
+            getattr(dut, f"in_{name}_i").value = int(value) & ((1 << len(getattr(dut, f"in_{name}_i"))) - 1)
+        await bench.ReadOnly()
+        full = dut.in_ready_o.value == 0
+        await bench.RisingEdge(dut.clk_i)
+        if full:
+            break
+    assert full
+    dut.in_valid_i.value = 0
     await bench.reset(dut)
     x = recording(rng, channels, 200 if channels < 100 else 10)
     should, watched = expected(x, config)

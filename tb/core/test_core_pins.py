@@ -1,6 +1,7 @@
 """msn_core from the pins of a real converter to the slip decision, on the part models that check their
 timing: the decisions are the twin's on the codes that the part converted, and each comes within 0.2 ms +
-1 us of the sample that crosses, on the first channel and on the last, at 10 kHz."""
+1 us of the sample that crosses, on the first channel and on the last, at 10 kHz. Each
+counter of what went wrong."""
 
 import cocotb
 import numpy as np
@@ -103,6 +104,34 @@ async def decides_in_time_at_the_pins(dut):
         assert flagged - sampled <= 200_000 + 1_000
     intervals = np.diff(converts)
     assert (intervals == 1e9 / RATE_HZ).all()
+
+
+@cocotb.test(timeout_time=50, timeout_unit="ms")
+async def each_counter_counts_its_own(dut):
+    """No part at the pins, only levels: a MISO stuck high, a consumer asleep, no period, a BUSY stuck low."""
+    value = lambda name: getattr(dut, name).value.to_unsigned()
+    part = PARTS[value("Adc")]
+    twin = AdcSpi(part, value("Channels"), value("AdcLanes"), value("ClkKhz"), value("SclkKhz"))
+    period = twin.safe_period() + twin.watch_clocks
+    cases = [("over_range", period, 1), ("dropped", period, 0), ("overrun", 1, 1)]
+    if part is AD7606:
+        cases = [("timeout", period, 1)]
+    await bench.start(dut, adc_miso_i=(1 << len(dut.adc_miso_i)) - 1, adc_busy_i=0, actuator_moving_i=0)
+    for name, clocks, ready in cases:
+        dut.cfg_adc_enable_i.value = 0
+        await bench.reset(dut)
+        dut.out_ready_i.value = ready
+        dut.cfg_adc_period_i.value = clocks
+        dut.cfg_adc_enable_i.value = 1
+        await bench.clocks(dut, 30 * period)
+        await ReadOnly()
+        counts = {
+            n: bench.read(getattr(dut, f"{n}_o")) for n in ("dropped", "overrun", "timeout", "over_range")
+        }
+        assert counts.pop(name) > 0, name
+        counts.pop("over_range", None)  # a stuck MISO is out of range whatever else there is
+        assert not any(counts.values()), (name, counts)
+        await RisingEdge(dut.clk_i)
 
 
 @pytest.mark.parametrize(

@@ -91,10 +91,43 @@ def test_scenes_are_the_same_on_fixed_and_rtl(name):
         assert same(*(engines.process_slip(run.codes, config, e) for e in ("fixed", "rtl")))
 
 
+def test_float_watches_like_fixed():
+    """Every field but p2p equal, with p2p often right at a threshold and moving changing at any sample."""
+    rng = np.random.default_rng(6)
+    x = 150 + rng.integers(-3, 4, (2, 3000)) * rng.choice([1, 4], (2, 3000))
+    moving = np.repeat(rng.random(1000) < 0.4, 3)
+    for level, hop in ((1, 64), (2, 32), (1, 2), (3, 8)):
+        times = {"hold": 3, "refractory": 4, "blank": 9}
+        levels = {"contact_level": 150 << level, "release_level": 140 << level}
+        config = SlipConfig(threshold=40, gross_threshold=44, hop=hop, level=level, **levels, **times)
+        ours, theirs = (engines.load(e).watch(x, config, moving) for e in ("fixed", "float"))
+        assert (ours.p2p == config.threshold).any()
+        assert np.abs(ours.p2p - theirs.p2p).max() < 1e-9
+        for field in ("over", "state", "end", "blanked"):
+            assert np.array_equal(getattr(ours, field), getattr(theirs, field)), (level, hop, field)
+
+
+def test_thresholds_and_levels_reach_the_ends_of_their_registers():
+    """Full-scale samples of both signs against thresholds with the top bit set and negative levels."""
+    x = np.random.default_rng(7).choice([-65536, -1, 0, 65535], (2, 512))
+    for threshold, contact in ((262143, -(1 << 17)), (262141, -131072), (131072, -70000), (131071, 131070)):
+        config = SlipConfig(
+            window=4,
+            hop=4,
+            threshold=threshold,
+            gross_threshold=262000,
+            contact_level=contact,
+            release_level=contact,
+        )
+        ours, theirs = (e.watch(x, config) for e in (fixed, rtl))
+        for field in ("p2p", "over", "state", "end"):
+            assert np.array_equal(getattr(ours, field), getattr(theirs, field)), (threshold, field)
+
+
 def test_moving_and_blanking_reach_the_core():
     rng = np.random.default_rng(4)
-    x = 150 + rng.integers(-40, 41, (2, 2000))
-    moving = np.repeat(rng.random(40) < 0.4, 50)
+    x = 150 + rng.integers(-40, 41, (2, 2001))
+    moving = np.repeat(rng.random(87) < 0.4, 23)  # changes at even and at odd samples
     config = SlipConfig(
         threshold=60, gross_threshold=110, contact_level=200, release_level=100, hold=3, refractory=4, blank=9
     )
@@ -121,6 +154,13 @@ def test_moving_and_blanking_reach_the_core():
 def test_refuses_samples(x, message):
     with pytest.raises(ValueError, match=message):
         engines.process_slip(x, SlipConfig(), "fixed")
+
+
+def test_takes_samples_of_any_width_of_number():
+    x = noise(1, 200)
+    for kind in (np.int8, np.float16, np.float32, np.longdouble):
+        assert np.array_equal(engines.check_samples(x.astype(kind)), x)
+    assert engines.check_samples([-65536, 65535]).tolist() == [[-65536, 65535]]
 
 
 def test_refuses_unknown_engine():

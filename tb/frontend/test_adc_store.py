@@ -67,7 +67,7 @@ async def reset_empties_it(dut):
     await ReadOnly()
     assert dut.out_valid_o.value == 1
     await RisingEdge(dut.clk_i)
-    await bench.reset(dut, 1)
+    await bench.reset(dut)
     await ReadOnly()
     assert dut.out_valid_o.value == 0
     assert dut.pending_o.value == 0

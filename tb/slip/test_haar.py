@@ -113,5 +113,6 @@ def test_refuses_illegal_parameters():
     assert "SampleBits = 1" in bench.refuses("haar", {"SampleBits": 1})
     with pytest.raises(ValueError, match="level = 4"):
         haar(np.zeros(8), 4)
-    with pytest.raises(ValueError, match="channels = 0"):
-        Haar(0)
+    for channels in (0, 1025):
+        with pytest.raises(ValueError, match=f"channels = {channels} must lie in 1 .. 1024"):
+            Haar(channels)

@@ -61,6 +61,7 @@ def test_model_against_brute_force():
 def test_refuses_illegal_parameters():
     assert "Taps = 3" in bench.refuses("sliding_extremes", {"Taps": 3})
     assert "Lag = 0" in bench.refuses("sliding_extremes", {"Lag": 0})
+    assert "SideBits = 0" in bench.refuses("sliding_extremes", {"SideBits": 0})
     with pytest.raises(ValueError, match="taps = 3"):
         sliding_extremes([1], [1], 1, 3)
     with pytest.raises(ValueError, match="lag = 0"):

@@ -74,7 +74,7 @@ async def matches_model(dut, rises, stall_rate):
     await bench.start(dut, actuator_moving_i=0)
     arcs, blanked = set(), 0
     length = 400 if channels < 100 else 3
-    timers = [(0, 0, 0), (1, 1, 1), (3, 7, 5), (2, 0, 9)] if channels < 100 else [(1, 1, 1)]
+    timers = [(0, 0, 0), (1, 1, 1), (3, 9, 5), (10, 0, 9)] if channels < 100 else [(1, 1, 1)]
     for hold, refractory, blank in timers:
         config = SlipConfig(
             threshold=THRESHOLD,
@@ -118,9 +118,63 @@ async def matches_model(dut, rises, stall_rate):
         assert blanked > 0
 
 
-@pytest.mark.parametrize("channels", [1, 2, 6, 1024])
-def test_slip(channels):
-    bench.run("slip", "slip", {"Channels": channels})
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def moving_is_that_of_the_clock_that_takes_a_detail(dut):
+    """The actuator moves or rests anew at every clock, most often otherwise between two details."""
+    channels = dut.Channels.value.to_unsigned()
+    draw = random.Random(bench.SEED)
+    config = SlipConfig(threshold=THRESHOLD, gross_threshold=GROSS, contact_level=CONTACT)
+    await bench.start(dut, actuator_moving_i=0)
+    await apply(dut, config)
+    dut.out_ready_i.value = 1
+    p2p, level = walk(channels, 200 if channels < 100 else 3, True, draw)
+    moving = np.array([[draw.random() < 0.5 for _ in range(p2p.shape[1])] for _ in range(channels)])
+    states = []
+    for beat in bench.frames(p2p=p2p, total=level, moving=moving):
+        for busy in (1, 0, 0):
+            dut.in_valid_i.value = busy
+            dut.actuator_moving_i.value = beat["moving"] if busy else 1 - beat["moving"]
+            dut.in_p2p_i.value = beat["p2p"]
+            dut.in_total_i.value = beat["total"] & ((1 << len(dut.in_total_i)) - 1)
+            dut.in_restart_i.value = int(beat["restart"])
+            await bench.ReadOnly()
+            if dut.out_valid_o.value == 1:
+                states.append(bench.read(dut.out_state_o))
+            await bench.RisingEdge(dut.clk_i)
+    await bench.ReadOnly()
+    twins = [Slip(1, config) for _ in range(channels)]
+    should = [twin.process(p2p[c : c + 1], level[c : c + 1], moving[c])[0] for c, twin in enumerate(twins)]
+    assert states == np.array(should).T.ravel().tolist()
+    assert bench.read(dut.blanked_o) == sum(twin.blanked for twin in twins)
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def thresholds_and_levels_use_every_bit(dut):
+    """Thresholds are unsigned and reach the top bit; levels are signed and reach both ends."""
+    channels, bits = dut.Channels.value.to_unsigned(), len(dut.in_p2p_i)
+    low, high = bench.width(bits)
+    sizes = [0, 1, high, high + 1, high + 2, 2 * high, 2 * high + 1]
+    levels = [low, low + 1, -1, 0, 1, high - 1, high]
+    await bench.start(dut, actuator_moving_i=0)
+    for threshold, gross, contact in ((high + 1, 2 * high, low), (high, high + 1, 0), (0, high, high)):
+        config = SlipConfig(
+            threshold=threshold, gross_threshold=gross, contact_level=contact, release_level=low, blank=0
+        )
+        await apply(dut, config)
+        p2p, total = (np.tile(a.ravel(), (channels, 1)) for a in np.meshgrid(sizes, levels))
+        if channels > 100:
+            p2p, total = p2p[:, ::7], total[:, ::7]
+        states = Slip(channels, config).process(p2p, total)
+        ends = np.zeros_like(p2p)
+        got = await bench.stream(dut, bench.frames(p2p=p2p, total=total, end=ends), ["state", "over"])
+        rows = bench.frames(state=states, over=p2p > threshold)
+        assert got == [{"state": row["state"], "over": row["over"]} for row in rows], config
+
+
+# Timers of 4 bits: those of matches_model then reach the top bit.
+@pytest.mark.parametrize("channels, timer_bits", [(1, 16), (2, 4), (6, 16), (1024, 16)])
+def test_slip(channels, timer_bits):
+    bench.run("slip", "slip", {"Channels": channels, "TimerBits": timer_bits})
 
 
 def test_model_tells_one_slip_as_a_story():
@@ -168,8 +222,9 @@ def test_model_in_chunks():
 def test_refuses_illegal_parameters():
     assert "Channels = 0" in bench.refuses("slip", {"Channels": 0})
     assert "TimerBits = 32" in bench.refuses("slip", {"TimerBits": 32})
-    with pytest.raises(ValueError, match="channels = 0"):
-        Slip(0, SlipConfig())
+    for channels in (0, 1025):
+        with pytest.raises(ValueError, match=f"channels = {channels} must lie in 1 .. 1024"):
+            Slip(channels, SlipConfig())
 
 
 @pytest.mark.parametrize(
@@ -183,6 +238,12 @@ def test_refuses_illegal_parameters():
         ({"level": 4}, "level = 4 must be 1, 2 or 3"),
         ({"threshold": -1}, "threshold = -1 must not be negative"),
         ({"blank": 1 << 16}, "blank = 65536 must be below 65536"),
+        ({"threshold": 1 << 18}, "threshold = 262144 must be below 262144"),
+        ({"gross_threshold": 1 << 32, "level": 2}, "gross_threshold = 4294967296 must be below 524288"),
+        ({"contact_level": 1 << 17}, "contact_level = 131072 must be below 131072"),
+        ({"release_level": -(1 << 17) - 1}, "release_level = -131073 must not be below -131072"),
+        ({"threshold": 4.5}, "threshold = 4.5 must be an integer"),
+        ({"window": 64.0}, "window = 64.0 must be an integer"),
     ],
 )
 def test_config_refuses(settings, message):

@@ -51,6 +51,7 @@ def check_samples(x):
             f"{len(x)} channels are more than the core's {MAX_CHANNELS}; is the array transposed?"
         )
     if x.dtype.kind == "f":
+        x = x.astype(np.float64)  # the limits below do not fit a half
         if not np.isfinite(x).all():
             raise ValueError("the samples hold NaN or infinity; the core takes integer codes only")
         if (x != np.rint(x)).any():

@@ -1,10 +1,17 @@
 """What a slip detector is asked to do: one value object for twins, engines and the RTL's parameters."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from numbers import Integral
 
 MAX_CHANNELS = 1024
 SAMPLE_BITS = 17
 TIMER_BITS = 16
+
+
+def check_channels(channels):
+    """Raise ValueError for a number of channels that the blocks of the slip path cannot be built for."""
+    if not 1 <= channels <= MAX_CHANNELS:
+        raise ValueError(f"channels = {channels} must lie in 1 .. {MAX_CHANNELS}")
 
 
 @dataclass(frozen=True)
@@ -29,6 +36,9 @@ class SlipConfig:
     blank: int = 0
 
     def __post_init__(self):
+        for name in (field.name for field in fields(self)):
+            if not isinstance(getattr(self, name), Integral):
+                raise ValueError(f"{name} = {getattr(self, name)} must be an integer")
         if self.level not in (1, 2, 3):
             raise ValueError(f"level = {self.level} must be 1, 2 or 3")
         step = 1 << self.level
@@ -43,6 +53,13 @@ class SlipConfig:
         for name in ("threshold", "gross_threshold", "hold", "refractory", "blank"):
             if getattr(self, name) < 0:
                 raise ValueError(f"{name} = {getattr(self, name)} must not be negative")
-        for name in ("hold", "refractory", "blank"):
-            if getattr(self, name) >> TIMER_BITS:
-                raise ValueError(f"{name} = {getattr(self, name)} must be below {1 << TIMER_BITS}")
+        detail_bits = SAMPLE_BITS + self.level  # the registers of the RTL
+        limits = dict.fromkeys(("threshold", "gross_threshold"), 1 << detail_bits)
+        limits |= dict.fromkeys(("contact_level", "release_level"), 1 << (detail_bits - 1))
+        limits |= dict.fromkeys(("hold", "refractory", "blank"), 1 << TIMER_BITS)
+        for name, limit in limits.items():
+            if getattr(self, name) >= limit:
+                raise ValueError(f"{name} = {getattr(self, name)} must be below {limit}")
+        for name in ("contact_level", "release_level"):
+            if getattr(self, name) < -limits[name]:
+                raise ValueError(f"{name} = {getattr(self, name)} must not be below -{limits[name]}")

@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from meissner.slip.config import check_channels
+
 
 def haar(x, level=1):
     """Level-``level`` Haar detail and sum of each channel, exact.
@@ -27,8 +29,7 @@ class Haar:
 
     def __init__(self, channels=1, level=1):
         haar(np.zeros(1), level)  # the same check of the level
-        if channels < 1:
-            raise ValueError(f"channels = {channels} must be at least 1")
+        check_channels(channels)
         self.channels = channels
         self.level = level
         self.reset()

@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from meissner.slip.config import check_channels
+
 
 def check_window(span, hop):
     """Raise ValueError unless ``span`` and ``hop`` (in details) are what the RTL can be built for."""
@@ -45,8 +47,7 @@ class PeakToPeak:
 
     def __init__(self, channels=1, span=32, hop=32):
         check_window(span, hop)
-        if channels < 1:
-            raise ValueError(f"channels = {channels} must be at least 1")
+        check_channels(channels)
         self.channels, self.span, self.hop = channels, span, hop
         self.part = hop if hop in (span, span // 2) else 1  # details between two restarts of the maximum
         self.reset()

@@ -1,0 +1,131 @@
+"""What ``meissner run`` makes of an engine's words: the verdict on one run by hand, the differences from the
+twin, the table of conditions, and that each run gets its own seed and its own motion."""
+
+import dataclasses
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from meissner import run, scenes
+from meissner.engines import Watched, fixed
+from meissner.slip.config import SlipConfig
+from meissner.slip.slip import State
+
+N, C, I, G = State.NONE, State.CONTACT, State.INCIPIENT, State.GROSS  # noqa: E741
+
+
+def recording(onset_s, gross_s=None):
+    scene, codes = SimpleNamespace(rate_hz=1000), np.zeros(200, dtype=np.int64)
+    return SimpleNamespace(scene=scene, codes=codes, onset_s=onset_s, gross_s=gross_s)
+
+
+@pytest.mark.parametrize(
+    "states, onset_s, flag_s, false_alarms",
+    [
+        # A pair k of samples is known at sample 2k + 1, here at 1, 3, 5, 7, 9 ms.
+        ([N, C, C, I, G], 0.006, 0.007, 0),
+        ([N, C, C, I, G], 0.007, 0.007, 0),  # at the onset itself: no false alarm
+        ([N, C, C, I, G], 0.0071, None, 1),
+        ([C, I, C, G, C], 0.004, 0.007, 1),  # the second rise is the flag, the first is false
+        ([I, C, I, C, G], 0.020, None, 3),  # from the first detail on
+        ([C, C, C, C, C], 0.004, None, 0),
+        ([C, I, C, G, G], None, None, 2),
+    ],
+)
+def test_judge_by_hand(states, onset_s, flag_s, false_alarms):
+    verdict = run.judge(recording(onset_s, onset_s and 0.1), np.array(states), SlipConfig())
+    assert verdict["flag_s"] == flag_s
+    assert verdict["false_alarms"] == false_alarms
+    assert verdict["missed"] == (onset_s is not None and flag_s is None)
+    if flag_s is None:
+        assert verdict["delay_s"] is verdict["lead_s"] is None
+    else:
+        assert verdict["delay_s"] == pytest.approx(flag_s - onset_s)
+        assert verdict["lead_s"] == pytest.approx(0.1 - flag_s)
+
+
+def test_judge_counts_details_of_any_level():
+    assert run.judge(recording(0.0, 0.1), np.array([C, C, G]), SlipConfig(level=3))["flag_s"] == 0.023
+
+
+def test_crossing_is_the_reference_window_s():
+    """A step of 41 codes inside the pair of samples 60 and 61 crosses 40 once that pair is known."""
+    run_ = recording(0.050, 0.1)
+    run_.codes[61:] = 41
+    states = np.repeat([C, I], [40, 60])
+    verdict = run.judge(run_, states, SlipConfig())
+    assert verdict["crossing_s"] == 0.061
+    assert verdict["flag_s"] == 0.081
+    assert run.judge(recording(0.050, 0.1), states, SlipConfig())["crossing_s"] is None
+
+
+def test_every_difference_from_the_twin_counts():
+    details = {"p2p": np.arange(6).reshape(2, 3), "over": np.zeros((2, 3), bool), "state": np.ones((2, 3))}
+    twin = Watched(**details, end=np.array([False, True, False]), blanked=4)
+    assert run._mismatches(twin, twin) == 0
+    for field in ("p2p", "over", "state"):
+        changed = getattr(twin, field).copy()
+        changed[1, 2] = not changed[1, 2]
+        assert run._mismatches(dataclasses.replace(twin, **{field: changed}), twin) == 1, field
+    assert run._mismatches(dataclasses.replace(twin, end=~twin.end), twin) == 3
+    assert run._mismatches(dataclasses.replace(twin, blanked=5), twin) == 1
+
+
+def test_statistics_are_of_all_runs():
+    none = dict.fromkeys(("flag_s", "crossing_s", "delay_s", "lead_s")) | {"missed": True, "false_alarms": 1}
+    found = {"delay_s": 0.003, "lead_s": 0.2, "missed": False, "false_alarms": 2}
+    found |= {"flag_s": 0.7, "crossing_s": 0.698}
+    later = found | {"delay_s": 0.005, "lead_s": 0.1, "false_alarms": 0, "crossing_s": None}
+    row = run._statistics(SimpleNamespace(name="x"), [found, none, later, none])
+    assert (row["runs"], row["missed"], row["false_alarms"]) == (4, 2, 4)
+    assert (row["delay_ms_median"], row["delay_ms_mean"], row["delay_ms_max"]) == (4.0, 4.0, 5.0)
+    assert (row["lead_ms_median"], row["lead_ms_min"]) == (150.0, 100.0)
+    assert row["detector_ms_max"] == 2.0
+    assert "detector_ms_max" not in run._statistics(SimpleNamespace(name="x"), [later])
+
+
+def test_rows_of_the_table_have_the_same_columns():
+    """Where one condition was missed in every run, and another was not."""
+    assert run._table([{"a": 1}, {"a": 2, "b": 3}]) == [{"a": 1, "b": None}, {"a": 2, "b": 3}]
+
+
+def watched_by(tmp_path, monkeypatch, engine, seed, spoil=lambda watched: watched):
+    """Run acrylic_slip with 2 seeds; returns the summary and what the engine was given and said."""
+    scene = dataclasses.replace(scenes.load("acrylic_slip"), seeds=2)
+    module, seen = run.engines.load(engine), []
+    watch = module.watch
+
+    def spy(codes, config, moving=None):
+        seen.append((codes, moving))
+        return spoil(watch(codes, config, moving))
+
+    monkeypatch.setattr(module, "watch", spy)
+    return run.run_slip(scene, engine, tmp_path, seed), seen[1:]  # the first call only warms
+
+
+def test_each_run_has_its_seed_and_its_motion(tmp_path, monkeypatch):
+    scene = scenes.load("acrylic_slip")
+    _, seen = watched_by(tmp_path, monkeypatch, "fixed", seed=5)
+    assert len(seen) == 2
+    for number, (codes, moving) in enumerate(seen):
+        truth = scenes.simulate(scene, 0, 5 + number)
+        assert np.array_equal(codes, truth.codes[None])
+        assert np.array_equal(moving, truth.moving)
+        assert moving.any()
+    kept = np.load(tmp_path / "result.npz")
+    truth = scenes.simulate(scene, 0, 5)
+    assert np.array_equal(
+        kept["state"], fixed.watch(truth.codes[None], scene.slip_config(), truth.moving).state[0]
+    )
+
+
+def test_a_core_that_differs_is_reported(tmp_path, monkeypatch):
+    """One wrong detail in each of two runs, and the run at the pins compared with the first of them."""
+
+    def spoil(watched):
+        watched.state[0, 10] = State.GROSS
+        return watched
+
+    summary, _ = watched_by(tmp_path, monkeypatch, "rtl", seed=5, spoil=spoil)
+    assert summary["twin_mismatches"] == 3
