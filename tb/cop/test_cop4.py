@@ -173,7 +173,7 @@ async def forgets_what_a_reset_interrupts(dut):
         await bench.clocks(dut, 1)
         dut.in_valid_i.value = 0
         await bench.clocks(dut, delay)
-        await bench.reset(dut, clocks=1)
+        await bench.reset(dut)
         expected = expected_of(samples, registers, bits, fix)
         assert await bench.stream(dut, beats_of(samples), FIELDS, drain=80) == expected
 

@@ -87,9 +87,9 @@ async def recovers_after_reset(dut):
     await bench.start(dut, **ports(registers))
     for cut in range(lag, 2 * lag + 3):
         await bench.stream(dut, beats_of(samples[:, :cut]), FIELDS, drain=1)
-        await bench.reset(dut, clocks=1)
+        await bench.reset(dut)
         assert await bench.stream(dut, beats_of(samples), FIELDS) == expected_of(samples, lag, registers)
-        await bench.reset(dut, clocks=1)
+        await bench.reset(dut)
 
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
