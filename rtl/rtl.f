@@ -5,6 +5,7 @@ rtl/common/msn_sync.sv
 rtl/common/msn_compare.sv
 rtl/common/msn_times.sv
 rtl/common/msn_divide.sv
+rtl/common/msn_ratio.sv
 rtl/frontend/msn_adc_pkg.sv
 rtl/frontend/msn_spi_shift.sv
 rtl/frontend/msn_adc_store.sv
@@ -16,4 +17,7 @@ rtl/slip/msn_slip.sv
 rtl/cop/msn_cop_accumulate.sv
 rtl/cop/msn_cop_divide.sv
 rtl/cop/msn_cop.sv
+rtl/cop/msn_cop4_correct.sv
+rtl/cop/msn_cop4.sv
+rtl/cop/msn_cop_slip.sv
 rtl/msn_core.sv

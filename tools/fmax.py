@@ -72,6 +72,11 @@ TABLE = {
     "cop-1024x1024x8-q14-turn1": ("msn_cop", LARGE | {"BitsPerClock": 1}, 21, "ecp5"),
     "cop-1024x1024x8-q14-turn2": ("msn_cop", LARGE, 14, "ecp5"),
     **dict(cop_entries()),
+    "cop4": ("msn_cop4", {}, 17, "ecp5 up5k"),
+    "cop_slip": ("msn_cop_slip", {}, 4, "ecp5 up5k"),
+    "cop4-turn1": ("msn_cop4", {"BitsPerClock": 1}, 25, "ecp5 up5k"),
+    "cop4-correct": ("msn_cop4", {"Correct": 1}, 36, "ecp5"),
+    "cop4_correct": ("msn_cop4_correct", {}, 7, "ecp5"),
 }
 
 
@@ -104,9 +109,10 @@ def read_rtl():
 
 def ports(module, parameters, stem):
     """The block's ports with these parameters: [(name, direction, bits)]."""
-    chparam = " ".join(f"-chparam {name} {value}" for name, value in parameters.items())
+    # Not `hierarchy -chparam`: Yosys stops at some modules with "modules_.count(module->name) == 0".
+    chparam = "".join(f"chparam -set {name} {value} {module}; " for name, value in parameters.items())
     netlist = f"{stem}.ports.json"
-    script = f"{read_rtl()}; hierarchy -top {module} {chparam}; proc; write_json {netlist}"
+    script = f"{read_rtl()}; {chparam}hierarchy -top {module}; proc; write_json {netlist}"
     tool("yosys", ["-q", "-p", script], f"{stem}.ports.log")
     modules = json.loads((ROOT / netlist).read_text())["modules"].values()
     top = next(m for m in modules if int(m["attributes"].get("top", "0"), 2))

@@ -1,0 +1,94 @@
+"""Bit-exact twin of rtl/cop/msn_cop_slip.sv: slip from the total load and the centre of pressure."""
+
+from dataclasses import asdict, dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class CopSlipRegisters:
+    """``drop`` 256ths of the old load; ``move`` Q2.14; ``min_load`` LSBs of the load; times in samples."""
+
+    drop: int = 77
+    move: int = 0
+    min_load: int = 1
+    hold: int = 0
+    refractory: int = 0
+
+
+class CopSlipResult(NamedTuple):
+    """[n] each: ``slip``, ``raised``, ``over`` bool; ``dx``, ``dy`` Q2.14 over the lag; ``octant`` 0 .. 7."""
+
+    slip: np.ndarray
+    raised: np.ndarray
+    over: np.ndarray
+    dx: np.ndarray
+    dy: np.ndarray
+    octant: np.ndarray
+
+
+def octants(dx, dy):
+    """0 .. 7 counter-clockwise from +x, each 45 degrees about its axis (limits at 53/128); 0 for no move."""
+    dx, dy = np.asarray(dx, dtype=np.int64), np.asarray(dy, dtype=np.int64)
+    flat, upright = 128 * abs(dy) <= 53 * abs(dx), 128 * abs(dx) <= 53 * abs(dy)
+    left, down = dx < 0, dy < 0
+    diagonal = np.where(down, np.where(left, 5, 7), np.where(left, 3, 1))
+    return np.where(flat, np.where(left, 4, 0), np.where(upright, np.where(down, 6, 2), diagonal))
+
+
+class CopSlip:
+    """Slip from samples of x, y (Q2.14), load and whether they hold.
+
+        over = (old - new) 256 > drop old  and  max(|dx|, |dy|) >= move    dx = x - old x, dy = y - old y
+
+    where old is ``lag`` samples before, if both are pressed and the old load is at least ``min_load``;
+    else dx = dy = 0. slip rises with over unless refractory, stays until ``hold`` samples passed that were
+    not over, and is then deaf for ``refractory`` samples. All in integers, nothing is rounded.
+    """
+
+    def __init__(self, lag=16, registers=CopSlipRegisters(), timer_bits=16):
+        if not 1 <= lag <= 4096:
+            raise ValueError(f"lag = {lag} samples must lie in 1 .. 4096")
+        if not 1 <= timer_bits <= 31:
+            raise ValueError(f"timer_bits = {timer_bits} must lie in 1 .. 31")
+        widths = {"drop": 8, "move": 16, "min_load": 16, "hold": timer_bits, "refractory": timer_bits}
+        for name, value in asdict(registers).items():
+            if not 0 <= value < 1 << widths[name]:
+                raise ValueError(f"{name} = {value} must lie in 0 .. {(1 << widths[name]) - 1}")
+        self.lag, self.registers = lag, registers
+        self.reset()
+
+    def reset(self):
+        """Forget the past: no sample counts until ``lag`` went before it."""
+        self._past = np.zeros((4, self.lag), dtype=np.int64)  # not pressed
+        self._slipping, self._hold, self._deaf = False, 0, 0
+
+    def next(self, x, y, load, pressed):
+        """Feed samples [n] each: ``CopSlipResult``."""
+        r = self.registers
+        new = np.stack([np.asarray(a, dtype=np.int64) for a in (x, y, load, pressed)])
+        line = np.concatenate([self._past, new], axis=1)
+        old, self._past = line[:, : new.shape[1]], line[:, new.shape[1] :]
+        pair = (new[3] & old[3]).astype(bool) & (old[2] >= r.min_load)
+        dx, dy = (np.where(pair, new[i] - old[i], 0) for i in (0, 1))
+        over = pair & ((old[2] - new[2]) * 256 > r.drop * old[2]) & (np.maximum(abs(dx), abs(dy)) >= r.move)
+        slip = np.zeros(len(over), dtype=bool)
+        raised = slip.copy()
+        for index, now in enumerate(over.tolist()):
+            before = self._slipping
+            if before:
+                self._slipping = now or self._hold > 0
+                self._hold = r.hold if now else self._hold - 1
+                self._deaf = r.refractory
+            elif now and not self._deaf:
+                self._slipping, self._hold = True, r.hold
+            else:
+                self._deaf = max(0, self._deaf - 1)
+            slip[index], raised[index] = self._slipping, self._slipping and not before
+        return CopSlipResult(slip, raised, over, dx, dy, octants(dx, dy))
+
+    def process(self, x, y, load, pressed):
+        """``reset`` and then ``next``."""
+        self.reset()
+        return self.next(x, y, load, pressed)

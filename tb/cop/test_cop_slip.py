@@ -1,0 +1,220 @@
+"""msn_cop_slip against its model, the model against fractions and times counted anew: drops at, just above
+and just below the fraction, moves at the limit in every direction, octants at their limits, full scale, the
+gate, hold and refractory of 0, some and many samples, lags of 1 to 40; the published slip found with its
+direction, a slow or plain release not; gaps, stalls, reset in each state, exact clocks."""
+
+from dataclasses import asdict, replace
+from fractions import Fraction
+from math import atan2, pi
+
+import cocotb
+import numpy as np
+import pytest
+
+import bench
+from meissner.cop.cop_slip import CopSlip, CopSlipRegisters, octants
+
+FIELDS = ["slip", "raised", "over", "dx~", "dy~", "octant"]
+SETS = [
+    CopSlipRegisters(),
+    CopSlipRegisters(128, 205, 400, 3, 5),
+    CopSlipRegisters(0, 1, 0, 0, 2),
+    CopSlipRegisters(255, 0, 1, 40, 0),
+    CopSlipRegisters(51, 65535, 65535, 65535, 65535),
+    CopSlipRegisters(100, 32768, 2, 1, 1),
+]
+
+
+def samples_of(rng, lag, registers, count):
+    """x, y, load, pressed [4, n]: steps of a lag each with telling ratios and moves, then random."""
+    x, y, load = ([int(rng.integers(-200, 200))] * lag for _ in range(3))
+    load = [max(v, 0) + 1000 for v in load]
+    move = min(registers.move, 32767)
+    corners = [(-16384, -16384), (16384, 16384), (-16384, 16384), (16384, -16384)]
+    corners += [(s * (move + e), 0) for s in (-1, 1) for e in (-2, -1, 0, 1, 2)]
+    corners += [(0, s * (move + e)) for s in (-1, 1) for e in (-2, -1, 0, 1, 2)]
+    corners += [(128 * sx, 53 * sy + e) for sx in (1, -1) for sy in (1, -1) for e in (-1, 0, 1)]
+    corners += [(53 * sx + e, 128 * sy) for sx in (1, -1) for sy in (1, -1) for e in (-1, 0, 1)]
+    for index in range(count):
+        high = int(rng.choice([256, 512, 2560, 65280, int(rng.integers(1, 65536))]))
+        low = high - high * registers.drop // 256 + int(rng.integers(-1, 2))
+        rest = (0, 0) if registers.move < 16384 else (-16384, 16384)
+        corner = corners[index % len(corners)] if index % 3 else rest
+        for level, place in ((high, rest), (low, corner)):
+            spread = int(rng.integers(1, lag + 2))
+            load += [min(max(level, 0), 65535)] * spread
+            x += [place[0]] * spread
+            y += [place[1]] * spread
+    x, y, load = (np.clip(v, -16384 if i < 2 else 0, 65535) for i, v in enumerate((x, y, load)))
+    x, y = np.minimum(x, 16384), np.minimum(y, 16384)
+    pressed = rng.random(len(load)) < 0.9
+    wild = np.stack(
+        [*rng.integers(-16384, 16385, (2, 200)), rng.integers(0, 65536, 200), rng.random(200) < 0.8]
+    )
+    return np.concatenate([np.stack([x, y, load, pressed]), wild], axis=1).astype(np.int64)
+
+
+def beats_of(samples):
+    return [dict(zip(("x", "y", "load", "pressed"), column)) for column in samples.T.tolist()]
+
+
+def expected_of(samples, lag, registers):
+    columns = [values.astype(int).tolist() for values in CopSlip(lag, registers).process(*samples)]
+    return [dict(zip((f.rstrip("~") for f in FIELDS), row)) for row in zip(*columns)]
+
+
+def ports(registers):
+    return {f"cfg_{name}_i": value for name, value in asdict(registers).items()}
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+@cocotb.parametrize(stall_rate=[0.0, 0.5], which=range(len(SETS)))
+async def matches_model(dut, stall_rate, which):
+    lag, registers = dut.Lag.value.to_unsigned(), SETS[which]
+    samples = samples_of(np.random.default_rng(bench.SEED + which), lag, registers, 60)
+    await bench.start(dut, **ports(registers))
+    pause = bench.pauses(stall_rate)
+    expected = expected_of(samples, lag, registers)
+    assert await bench.stream(dut, beats_of(samples), FIELDS, pause, pause) == expected
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def recovers_after_reset(dut):
+    """In the midst of a slip, its hold and its refractory time: nothing of it is left."""
+    lag, registers = dut.Lag.value.to_unsigned(), CopSlipRegisters(10, 0, 1, 3, 4)
+    samples = np.tile(np.array([[0], [0], [1000], [1]]), 2 * lag + 3)
+    samples[2, lag + 1 :] = 100
+    await bench.start(dut, **ports(registers))
+    for cut in range(lag, 2 * lag + 3):
+        await bench.stream(dut, beats_of(samples[:, :cut]), FIELDS, drain=1)
+        await bench.reset(dut)
+        assert await bench.stream(dut, beats_of(samples), FIELDS) == expected_of(samples, lag, registers)
+        await bench.reset(dut)
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def clocks_are_as_stated(dut):
+    await bench.start(dut, **ports(SETS[0]), out_ready_i=1, in_x_i=0, in_y_i=0, in_load_i=9, in_pressed_i=1)
+    dut.in_valid_i.value = 1
+    await bench.clocks(dut, 3)
+    dut.in_valid_i.value = 0
+    for clock in range(3, 9):
+        await bench.ReadOnly()
+        assert dut.out_valid_o.value == (4 <= clock < 7), f"clock {clock}"
+        await bench.RisingEdge(dut.clk_i)
+
+
+@pytest.mark.parametrize("lag", [1, 4, 5, 40])
+def test_cop_slip(lag):
+    bench.run("cop", "cop_slip", {"Lag": lag})
+
+
+@pytest.mark.parametrize("lag", [1, 7])
+@pytest.mark.parametrize("registers", SETS, ids=str)
+def test_model_against_fractions(lag, registers):
+    """Sample by sample in exact rationals, the state counted in plain words."""
+    samples = samples_of(np.random.default_rng(2), lag, registers, 200)
+    columns = samples.T.tolist()
+    ended, last_over = -(10**9), 0  # samples: the first after the last slip, the last that was over in it
+    slipping, seen = False, set()
+    for k, got in enumerate(expected_of(samples, lag, registers)):
+        x, y, load, pressed = columns[k]
+        old = columns[k - lag] if k >= lag else (0, 0, 0, 0)
+        dx = dy = over = 0
+        if pressed and old[3] and old[2] >= registers.min_load:
+            dx, dy = x - old[0], y - old[1]
+            drops = old[2] > load and Fraction(old[2] - load, old[2]) > Fraction(registers.drop, 256)
+            over = int(drops and max(abs(dx), abs(dy)) >= registers.move)
+        was = slipping
+        if was:
+            last_over = k if over else last_over
+            slipping = k - last_over <= registers.hold
+            ended = ended if slipping else k
+        elif over and k - ended > registers.refractory:
+            slipping, last_over = True, k
+        seen.add((over, int(slipping)))
+        wanted = {
+            "slip": int(slipping),
+            "raised": int(slipping and not was),
+            "over": over,
+            "dx": dx,
+            "dy": dy,
+        }
+        assert got == wanted | {"octant": int(octants(dx, dy))}, k
+    if registers.min_load < 65535:
+        assert {(0, 0), (1, 1)} <= seen
+
+
+def test_octants_against_angles():
+    """All directions; within a tenth of a degree of the limits either neighbour will do."""
+    a = np.linspace(0, 2 * pi, 3600, endpoint=False) + 1e-4
+    dx, dy = np.round(30000 * np.cos(a)).astype(int), np.round(30000 * np.sin(a)).astype(int)
+    turns = np.array([atan2(v, u) for u, v in zip(dx, dy)]) / (pi / 4)
+    sure = abs(abs(turns % 1) - 0.5) > 0.1 / 45
+    assert sure.mean() > 0.9
+    assert np.array_equal(octants(dx, dy)[sure], np.round(turns[sure]).astype(int) % 8)
+    assert octants(0, 0) == 0
+
+
+def scene(kind, direction, rng):
+    """1 kHz: 2 N (1 mN an LSB) held, then at 500 ms a slip, a slow or a fast release; noise of 1 %."""
+    n = np.arange(1000)
+    fall = {"slip": (10, 0.5), "slow release": (400, 1.0), "release": (10, 1.0)}[kind]
+    ramp = np.clip((n - 500) / fall[0], 0, 1)
+    load = 2000 * (1 - fall[1] * ramp) * (1 + 0.003 * rng.standard_normal(1000))
+    step = 205 * ramp * (kind == "slip")  # 0.05 V of +-4 V
+    x = 1000 + step * np.cos(direction) + 4 * rng.standard_normal(1000)
+    y = -500 + step * np.sin(direction) + 4 * rng.standard_normal(1000)
+    pressed = load >= 50
+    rows = [np.where(pressed, x, 0), np.where(pressed, y, 0), np.maximum(load, 0), pressed]
+    return np.round(np.stack(rows)).astype(np.int64)
+
+
+@pytest.mark.parametrize("octant", range(8))
+def test_finds_the_published_slip_and_its_direction(octant):
+    """The load halves within 10 ms, the centre moves by 1.25 %: raised within the fall, the way it moves."""
+    got = CopSlip(16, CopSlipRegisters(77, 80, 200, 20, 50)).process(
+        *scene("slip", octant * pi / 4, np.random.default_rng(octant))
+    )
+    (at,) = np.flatnonzero(got.raised)
+    assert 500 < at <= 510 and got.octant[at] == octant
+
+
+@pytest.mark.parametrize("kind", ["slow release", "release"])
+def test_a_release_is_no_slip(kind):
+    got = CopSlip(16, CopSlipRegisters(77, 80, 200, 20, 50)).process(
+        *scene(kind, 0, np.random.default_rng(1))
+    )
+    assert not got.slip.any()
+    if kind == "release":  # what tells it apart is the move alone
+        assert (
+            CopSlip(16, CopSlipRegisters(77, 0, 200))
+            .process(*scene(kind, 0, np.random.default_rng(1)))
+            .slip.any()
+        )
+
+
+def test_model_in_chunks():
+    samples = samples_of(np.random.default_rng(4), 5, SETS[1], 80)
+    twin = CopSlip(5, SETS[1])
+    whole = twin.process(*samples)
+    twin.reset()
+    parts = [twin.next(*part) for part in np.split(samples, [1, 2, 5, 6, 13, 50, 99], axis=1)]
+    for index, values in enumerate(whole):
+        assert np.array_equal(np.concatenate([part[index] for part in parts]), values)
+
+
+def test_refuses_illegal_parameters():
+    for name, value in (("Lag", 0), ("Lag", 4097), ("TimerBits", 0), ("TimerBits", 32)):
+        assert f"{name} = {value}" in bench.refuses("cop_slip", {name: value})
+    for lag, bits, message in (
+        (0, 16, "lag = 0"),
+        (4097, 16, "lag = 4097"),
+        (1, 0, "timer_bits = 0"),
+        (1, 32, "32"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            CopSlip(lag, timer_bits=bits)
+    for name, value in (("drop", 256), ("move", -1), ("hold", 65536)):
+        with pytest.raises(ValueError, match=f"{name} = {value}"):
+            CopSlip(1, replace(SETS[0], **{name: value}))
