@@ -78,10 +78,11 @@ async def start(dut, **inputs):
     await reset(dut)
 
 
-async def reset(dut):
-    """The shortest reset, one clock: nothing can leave a block by itself meanwhile."""
+async def reset(dut, clocks=1):
+    """Hold the synchronous reset; for one clock, the shortest, nothing can leave a block by itself."""
     dut.rst_i.value = 1
-    await RisingEdge(dut.clk_i)
+    for _ in range(clocks):
+        await RisingEdge(dut.clk_i)
     dut.rst_i.value = 0
 
 
