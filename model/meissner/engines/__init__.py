@@ -76,6 +76,12 @@ def check_samples(x):
     return x.astype(np.int64, copy=False)
 
 
+def moving_of_details(moving, level, count):
+    """``moving`` [samples] at the last sample of each of ``count`` details; None stays None."""
+    group = 1 << level
+    return None if moving is None else np.asarray(moving)[group - 1 :: group][:count]
+
+
 def process_slip(x, config, engine):
     """The arrays of ``meissner process slip``: p2p, window_end, slip, fired_at.
 

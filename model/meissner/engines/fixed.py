@@ -4,7 +4,7 @@ import numpy as np
 
 from meissner.cop.cop_accumulate import moments
 from meissner.cop.cop_divide import cop_divide
-from meissner.engines import Watched
+from meissner.engines import Watched, moving_of_details
 from meissner.slip.haar import haar
 from meissner.slip.peak_to_peak import PeakToPeak, sliding
 from meissner.slip.slip import Slip
@@ -16,7 +16,7 @@ def watch(x, config, moving=None):
     group = 1 << config.level
     p2p, end = PeakToPeak(len(x), config.window // group, config.hop // group).process(detail)
     twin = Slip(len(x), config)
-    moving = None if moving is None else np.asarray(moving)[group - 1 :: group][: detail.shape[1]]
+    moving = moving_of_details(moving, config.level, detail.shape[1])
     state = twin.process(p2p, total, moving)
     return Watched(p2p=p2p, over=p2p > config.threshold, state=state, end=end, blanked=twin.blanked)
 

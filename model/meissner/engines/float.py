@@ -4,7 +4,7 @@ import numpy as np
 import pywt
 from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
-from meissner.engines import COP_ONE, Watched
+from meissner.engines import COP_ONE, Watched, moving_of_details
 from meissner.slip.slip import Slip
 
 # p2p of integer samples is an integer; rounding in the transform must not decide a comparison.
@@ -21,13 +21,18 @@ def _coefficients(x, level):
     return detail * scale, approximation * scale
 
 
+def _sliding(detail, span):
+    """Maximum minus minimum over the last ``span`` details at each detail (fewer at the start)."""
+    shift = span // 2 - 1
+    high = maximum_filter1d(detail, span, axis=1, origin=shift, mode="constant", cval=-np.inf)
+    low = minimum_filter1d(detail, span, axis=1, origin=shift, mode="constant", cval=np.inf)
+    return high - low
+
+
 def _running(detail, span, hop):
     """Peak-to-peak of the window that runs, at each detail, by SciPy's rank filters or window by window."""
     if hop not in (span, span // 2):
-        shift = span // 2 - 1
-        high = maximum_filter1d(detail, span, axis=1, origin=shift, mode="constant", cval=-np.inf)
-        low = minimum_filter1d(detail, span, axis=1, origin=shift, mode="constant", cval=np.inf)
-        return high - low
+        return _sliding(detail, span)
     p2p = np.empty_like(detail)
     for k in range(0, detail.shape[1], hop):
         seen = detail[:, max(0, k - (span - hop)) : k + hop]
@@ -42,11 +47,8 @@ def first_crossing(x, config, start=0):
     The earliest that any detector with this wavelet, window and threshold can know; ``x``: [samples].
     """
     detail, _ = _coefficients(np.asarray(x)[None], config.level)
-    span = config.window >> config.level
-    shift = span // 2 - 1
-    high = maximum_filter1d(detail[0], span, origin=shift, mode="nearest")
-    low = minimum_filter1d(detail[0], span, origin=shift, mode="nearest")
-    crossing = np.flatnonzero((high - low)[start:] > config.threshold + HALF_CODE)
+    p2p = _sliding(detail, config.window >> config.level)[0]
+    crossing = np.flatnonzero(p2p[start:] > config.threshold + HALF_CODE)
     return start + int(crossing[0]) if len(crossing) else None
 
 
@@ -58,7 +60,7 @@ def watch(x, config, moving=None):
     p2p = _running(detail, span, hop)
     index = np.arange(detail.shape[1])
     twin = Slip(len(x), config)
-    moving = None if moving is None else np.asarray(moving)[group - 1 :: group][: detail.shape[1]]
+    moving = moving_of_details(moving, config.level, detail.shape[1])
     # The states are logic, not arithmetic: the rules of the twin on this engine's own numbers.
     state = twin.process(p2p - HALF_CODE, np.rint(total), moving)
     return Watched(
