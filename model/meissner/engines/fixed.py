@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from meissner.cop import cop4 as electrodes
 from meissner.cop.cop_accumulate import moments
 from meissner.cop.cop_divide import cop_divide
 from meissner.engines import Watched, moving_of_details
@@ -56,3 +57,8 @@ def cop(forces, min_load=1):
         sums[:, start : start + piece] = moments(forces[start : start + piece])
     x, y, valid = cop_divide(*sums, rows, columns, min_load=min_load)
     return {"sum": sums[0], "mx": sums[1], "my": sums[2], "x": x, "y": y, "valid": valid}
+
+
+def cop4(codes, config):
+    """``Cop4`` of codes [samples, 4]; ``config``: Cop4Config."""
+    return electrodes.cop4(codes, config.registers, config.sample_bits, config.terms)
