@@ -150,9 +150,21 @@ def hemisphere_depth(x, y, radius, base):
     return np.maximum(base * np.sqrt(np.maximum(fall, 0)), 0.25)
 
 
-def cop_stroke(m=3, n=3, r=47.0, force=5.0, circle=0.5, steps=72):
-    """A fingertip draws a circle on a hemispherical cover over 3×3 taxels (mesh paper, figures 14, 15)."""
+def stroke(m, n, force, circle, steps, cover_radius):
+    """Loads [steps, m, n] of a fingertip (N) that draws a ``circle`` once on a hemispherical cover.
+
+    Eq. 27 with the force at a point; the circle starts on the right and goes counter-clockwise. The cover
+    is as high over the middle as it is wide: ``cover_radius`` in -1..1 units of the longer side.
+    """
     angle = 2 * np.pi * np.arange(steps) / steps
     x, y = circle * np.cos(angle), circle * np.sin(angle)
-    load = press(m, n, x, y, force, hemisphere_depth(x, y, 1.5, 1.0))
+    return press(m, n, x, y, force, hemisphere_depth(x, y, cover_radius, cover_radius * (max(m, n) - 1) / 2))
+
+
+def cop_stroke(m=3, n=3, r=47.0, force=5.0, circle=0.5, steps=72):
+    """A fingertip draws a circle on a hemispherical cover over 3×3 taxels (mesh paper, figures 14, 15).
+
+    The hemisphere just covers the taxels, which are as wide as their pitch: 1.5 pitches.
+    """
+    load = stroke(m, n, force, circle, steps, 1.5)
     return MeshScene(Mesh(m, n, r, 10e3, 15.0, K_PAPER), load)
