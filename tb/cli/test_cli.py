@@ -203,6 +203,7 @@ def test_scenes_are_listed_one_line_each(tmp_path):
         "cop_load",
         "cop_one_point",
         "cop_six_random",
+        "cop_slip",
         "cop_two_point",
         "dense_1024",
         "dense_64",

@@ -105,6 +105,14 @@ BAD = {
     "no file": (cop4(config="nowhere.toml"), "there is no file nowhere.toml"),
     "a table too few": (cop4(config="short.toml"), "short.toml: the key 'load' is missing"),
     "a binary file": (cop4(config="in.npy"), "in.npy is not a TOML file"),
+    "waves of a slip": (
+        ("run", "cop_slip", "--engine", "rtl", "--waves", "--out", "results"),
+        "no converter's pins to show",
+    ),
+    "engine of a slip": (
+        ("run", "cop_slip", "--engine", "warp", "--out", "results"),
+        "unknown engine 'warp'",
+    ),
     "no config": (("process", "cop4", "in.npy", "--out", "out.npz"), "required: --config"),
 }
 

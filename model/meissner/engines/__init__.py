@@ -1,9 +1,9 @@
 """The engines: the same work done by textbook float, by the integer twins, and by the Verilated core.
 
 Each engine module has ``watch``: samples in, what the core says about every detail out; ``windows``, from
-which ``process_slip`` makes the arrays of ``meissner process slip``; and ``cop``: frames of forces in, the
-arrays of ``meissner process cop`` out. One that has ``cop4`` takes the electrodes of a mesh (its Solution)
-and gives x, y, load (N) and valid of each sample.
+which ``process_slip`` makes the arrays of ``meissner process slip``; ``cop``: frames of forces in, the
+arrays of ``meissner process cop`` out; ``cop4``: codes of the four electrodes in, meissner.cop.cop4.Cop4 out;
+``cop_slip``: the same, and meissner.cop.cop_slip.CopSlipResult.
 """
 
 from dataclasses import dataclass

@@ -5,6 +5,7 @@ import numpy as np
 from meissner.cop import cop4 as electrodes
 from meissner.cop.cop_accumulate import moments
 from meissner.cop.cop_divide import cop_divide
+from meissner.cop.cop_slip import CopSlip
 from meissner.engines import Watched, moving_of_details
 from meissner.slip.haar import haar
 from meissner.slip.peak_to_peak import PeakToPeak, sliding
@@ -62,3 +63,9 @@ def cop(forces, min_load=1):
 def cop4(codes, config):
     """``Cop4`` of codes [samples, 4]; ``config``: Cop4Config."""
     return electrodes.cop4(codes, config.registers, config.sample_bits, config.terms)
+
+
+def cop_slip(codes, config, lag, registers):
+    """``Cop4`` and ``CopSlipResult`` of codes [samples, 4]; ``registers``: CopSlipRegisters."""
+    found = cop4(codes, config)
+    return found, CopSlip(lag, registers).process(found.x, found.y, found.load, found.pressed)

@@ -5,7 +5,7 @@ import pywt
 from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
 from meissner.engines import COP_ONE, Watched, moving_of_details
-from meissner.engines.float_cop4 import cop4, cop4_of_volts  # noqa: F401 - of this engine
+from meissner.engines.float_cop4 import cop4, cop4_of_volts, cop_slip  # noqa: F401 - of this engine
 from meissner.slip.slip import Slip
 
 # p2p of integer samples is an integer; rounding in the transform must not decide a comparison.
