@@ -20,4 +20,5 @@ rtl/cop/msn_cop.sv
 rtl/cop/msn_cop4_correct.sv
 rtl/cop/msn_cop4.sv
 rtl/cop/msn_cop_slip.sv
+rtl/link/msn_registers.sv
 rtl/msn_core.sv
