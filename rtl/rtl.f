@@ -21,4 +21,5 @@ rtl/cop/msn_cop4_correct.sv
 rtl/cop/msn_cop4.sv
 rtl/cop/msn_cop_slip.sv
 rtl/link/msn_registers.sv
+rtl/link/msn_axil.sv
 rtl/msn_core.sv
