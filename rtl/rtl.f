@@ -1,6 +1,7 @@
 rtl/msn_pkg.sv
 rtl/common/msn_delay.sv
 rtl/common/msn_frame_check.sv
+rtl/common/msn_frame_gate.sv
 rtl/common/msn_sync.sv
 rtl/common/msn_compare.sv
 rtl/common/msn_times.sv
