@@ -109,12 +109,14 @@ async def opens_after_a_reset_in_the_middle_of_a_frame(dut):
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 async def a_reset_while_closed_commits_nothing(dut):
     await bench.start(dut, pending_i=1, stalled_i=0, in_last_i=1)
-    dut.in_valid_i.value = dut.out_ready_i.value = 1
-    await bench.clocks(dut, 1)
-    dut.in_valid_i.value = dut.pending_i.value = 0
-    await bench.reset(dut)
-    await ReadOnly()
-    assert dut.commit_o.value == 0 and dut.in_ready_o.value == 1
+    for wait in range(1, 5):
+        dut.in_valid_i.value = dut.out_ready_i.value = dut.pending_i.value = 1
+        await bench.clocks(dut, wait)
+        dut.in_valid_i.value = dut.pending_i.value = 0
+        await bench.reset(dut)
+        await ReadOnly()
+        assert dut.commit_o.value == 0 and dut.in_ready_o.value == 1
+        await RisingEdge(dut.clk_i)
 
 
 @pytest.mark.parametrize("drain", [1, 8])
