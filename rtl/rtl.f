@@ -6,6 +6,7 @@ rtl/common/msn_compare.sv
 rtl/common/msn_times.sv
 rtl/common/msn_divide.sv
 rtl/common/msn_ratio.sv
+rtl/common/msn_hypot.sv
 rtl/frontend/msn_adc_pkg.sv
 rtl/frontend/msn_spi_shift.sv
 rtl/frontend/msn_adc_store.sv
