@@ -1,4 +1,4 @@
-"""msn_hypot against its model, and the model against Python's exact integer root: all small pairs, squares and
+"""msn_hypot against its model, and the model against Python's exact integer root: all small pairs, squares,
 their neighbours, full scale, every width from 1 to 30; the estimate's bound; gaps and stalls, reset in the
 midst, exact clocks."""
 
