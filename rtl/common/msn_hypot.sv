@@ -51,7 +51,7 @@ module msn_hypot #(
   end
 
   if (Exact) begin : gen_exact
-    localparam int unsigned RestBits  = Bits + 5;  // up to 14 R + 12 before a digit
+    localparam int unsigned RestBits  = Bits + 4;  // before a digit up to 14 R + 12, R below 2^(Bits - 1/2)
     localparam int unsigned IndexBits = msn_pkg::index_width(Bits);
 
     logic [2:0]           phase;  // one hot: bring a bit down, try 2, try 1
@@ -98,13 +98,18 @@ module msn_hypot #(
     assign out_root_o = root;
 
   end else begin : gen_estimate
-    logic            sorted;
+    logic            sorted, steep;
     logic [Bits-1:0] major, minor;
     logic [Bits:0]   difference;
-    logic [Bits+3:0] sum;  // 7 M + 4 m, below 2^(Bits + 4)
+    logic [Bits+2:0] excess;  // M - 4 m
+    logic [Bits+3:0] sum;     // 7 M + 4 m, below 2^(Bits + 4)
     logic [Bits:0]   root;
+    logic [2:0]      unused_sum;
     assign difference = {1'b0, major} - {1'b0, minor};
+    assign excess     = (Bits + 3)'(major) - {1'b0, minor, 2'b00};
+    assign steep      = excess[Bits+2];  // 7 M + 4 m is more than 8 M
     assign sum        = {1'b0, major, 3'b000} - (Bits + 4)'(major) + {2'b00, minor, 2'b00};
+    assign unused_sum = sum[2:0];
     assign final_turn = sorted;
 
     always_ff @(posedge clk_i) begin
@@ -113,7 +118,7 @@ module msn_hypot #(
         major <= minor;
         minor <= major;
       end
-      root <= (sum[Bits+3:3] > (Bits + 1)'(major)) ? sum[Bits+3:3] : (Bits + 1)'(major);
+      root <= steep ? sum[Bits+3:3] : (Bits + 1)'(major);
       if (load) begin
         sorted <= 1'b0;
         major  <= in_a_i;
