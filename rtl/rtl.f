@@ -7,10 +7,12 @@ rtl/common/msn_compare.sv
 rtl/common/msn_times.sv
 rtl/common/msn_divide.sv
 rtl/common/msn_ratio.sv
+rtl/common/msn_hypot.sv
 rtl/frontend/msn_adc_pkg.sv
 rtl/frontend/msn_spi_shift.sv
 rtl/frontend/msn_adc_store.sv
 rtl/frontend/msn_adc_spi.sv
+rtl/frontend/msn_am_demod.sv
 rtl/slip/msn_haar.sv
 rtl/slip/msn_sliding_extremes.sv
 rtl/slip/msn_peak_to_peak.sv
