@@ -73,7 +73,7 @@ TABLE = {
     "cop-1024x1024x8-q14-turn2": ("msn_cop", LARGE, 14, "ecp5"),
     **dict(cop_entries()),
     "cop4": ("msn_cop4", {}, 17, "ecp5 up5k"),
-    "cop_slip": ("msn_cop_slip", {}, 4, "ecp5 up5k"),
+    "cop_slip": ("msn_cop_slip", {}, 5, "ecp5 up5k"),
     "cop4-turn1": ("msn_cop4", {"BitsPerClock": 1}, 25, "ecp5 up5k"),
     "cop4-correct": ("msn_cop4", {"Correct": 1}, 36, "ecp5"),
     "cop4_correct": ("msn_cop4_correct", {}, 7, "ecp5"),

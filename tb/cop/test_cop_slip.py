@@ -98,9 +98,9 @@ async def clocks_are_as_stated(dut):
     dut.in_valid_i.value = 1
     await bench.clocks(dut, 3)
     dut.in_valid_i.value = 0
-    for clock in range(3, 9):
+    for clock in range(3, 10):
         await bench.ReadOnly()
-        assert dut.out_valid_o.value == (4 <= clock < 7), f"clock {clock}"
+        assert dut.out_valid_o.value == (5 <= clock < 8), f"clock {clock}"
         await bench.RisingEdge(dut.clk_i)
 
 
