@@ -75,8 +75,8 @@ TABLE = {
     "cop4": ("msn_cop4", {}, 17, "ecp5 up5k"),
     "cop_slip": ("msn_cop_slip", {}, 5, "ecp5 up5k"),
     "cop4-turn1": ("msn_cop4", {"BitsPerClock": 1}, 25, "ecp5 up5k"),
-    "cop4-correct": ("msn_cop4", {"Correct": 1}, 36, "ecp5"),
-    "cop4_correct": ("msn_cop4_correct", {}, 7, "ecp5"),
+    "cop4-correct": ("msn_cop4", {"Correct": 1}, 37, "ecp5"),
+    "cop4_correct": ("msn_cop4_correct", {}, 8, "ecp5"),
 }
 
 

@@ -106,7 +106,7 @@ def parameters(dut):
 
 def latency(dut):
     per_clock = dut.BitsPerClock.value.to_unsigned()
-    return steps(16, per_clock) + (19 + steps(14, per_clock) if dut.Correct.value else 8)
+    return steps(16, per_clock) + (20 + steps(14, per_clock) if dut.Correct.value else 8)
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
