@@ -215,6 +215,14 @@ def test_refuses_illegal_parameters():
     ):
         with pytest.raises(ValueError, match=message):
             CopSlip(lag, timer_bits=bits)
+    for sample, message in (
+        ((32768, 0, 1, 1), "x must lie in"),
+        ((0, -32769, 1, 1), "y must lie in"),
+        ((0, 0, 65536, 1), "load must lie in 0 .. 65535"),
+        ((0, 0, -1, 1), "load must"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            CopSlip(1).next(*np.array(sample)[:, None])
     for name, value in (("drop", 256), ("move", -1), ("hold", 65536)):
         with pytest.raises(ValueError, match=f"{name} = {value}"):
             CopSlip(1, replace(SETS[0], **{name: value}))

@@ -166,6 +166,10 @@ def test_a_load_that_drowns_is_not_resolved():
     assert "none" in "\n".join(cop4_report.tell(found))
     faint = budget.budget(Mesh(5, 5, 10.0), 8, 1, 1e-3)  # so little current that N is below a code
     assert faint["loads"][0]["x"]["greatest"] == pytest.approx(1.0)
+    # Errors as large as what they are divided by: anything may come out.
+    assert budget.position(2.0, np.array([0.5]), np.array([0.9]), 1.0, 1)[1] == [1.5]
+    assert budget.position(2.0, np.array([0.5]), np.array([0.9]), 1.0, 4)[1] == [1.5]
+    assert budget.load(1.0, np.array([10.0]), np.array([1.5]), 1.0)[1] == [np.inf]
     with pytest.raises(ValueError, match="cannot be measured"):
         budget.solve(Mesh(5, 5, 10.0), 1e-320)
 
