@@ -143,10 +143,7 @@ BAD = {
     "run engine": (("run", "acrylic_slip", "--engine", "warp", "--out", "results"), "unknown engine"),
     "run waves": (("run", "acrylic_slip", "--waves", "--out", "results"), "--waves needs the rtl engine"),
     "run seed": (("run", "acrylic_slip", "--seed", "-1", "--out", "results"), "seed = -1"),
-    "run cop waves": (
-        ("run", "walk_25x5", "--engine", "rtl", "--waves", "--out", "results"),
-        "--waves is for slip scenes",
-    ),
+    "run cop waves": (("run", "walk_25x5", "--waves", "--out", "results"), "--waves needs the rtl engine"),
     "run mesh engine": (
         ("run", "cop_load", "--engine", "warp", "--out", "results"),
         "unknown engine 'warp'",
