@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from meissner import engines, files
+from meissner import budget, engines, files
 
 
 class _Parser(argparse.ArgumentParser):
@@ -152,6 +152,8 @@ def _parser():
     cop.add_argument("--engine", default="fixed", metavar="E", help=f"{', '.join(engines.NAMES)} (fixed)")
     cop.add_argument("--out", required=True, metavar="OUT.npz", help="where the arrays go")
     cop.set_defaults(call=_process_cop)
+
+    budget.add_command(commands)
     return parser
 
 
