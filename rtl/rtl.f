@@ -12,6 +12,7 @@ rtl/frontend/msn_adc_pkg.sv
 rtl/frontend/msn_spi_shift.sv
 rtl/frontend/msn_adc_store.sv
 rtl/frontend/msn_adc_spi.sv
+rtl/frontend/msn_burst.sv
 rtl/frontend/msn_am_demod.sv
 rtl/slip/msn_haar.sv
 rtl/slip/msn_sliding_extremes.sv
