@@ -1,9 +1,12 @@
 rtl/msn_pkg.sv
 rtl/common/msn_delay.sv
 rtl/common/msn_frame_check.sv
+rtl/common/msn_frame_place.sv
+rtl/common/msn_frame_table.sv
 rtl/common/msn_sync.sv
 rtl/common/msn_compare.sv
 rtl/common/msn_times.sv
+rtl/common/msn_round_sat.sv
 rtl/common/msn_divide.sv
 rtl/common/msn_ratio.sv
 rtl/frontend/msn_adc_pkg.sv
