@@ -13,6 +13,9 @@ rtl/frontend/msn_adc_pkg.sv
 rtl/frontend/msn_spi_shift.sv
 rtl/frontend/msn_adc_store.sv
 rtl/frontend/msn_adc_spi.sv
+rtl/frontend/msn_calibration_table.sv
+rtl/frontend/msn_calibrate.sv
+rtl/frontend/msn_tare.sv
 rtl/slip/msn_haar.sv
 rtl/slip/msn_sliding_extremes.sv
 rtl/slip/msn_peak_to_peak.sv
@@ -20,6 +23,7 @@ rtl/slip/msn_slip.sv
 rtl/cop/msn_cop_accumulate.sv
 rtl/cop/msn_cop_divide.sv
 rtl/cop/msn_cop.sv
+rtl/cop/msn_cop_array.sv
 rtl/cop/msn_cop4_correct.sv
 rtl/cop/msn_cop4.sv
 rtl/cop/msn_cop_slip.sv

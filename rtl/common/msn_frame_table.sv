@@ -65,14 +65,23 @@ module msn_frame_table #(
     if (restart_i) {out_valid_o, read_valid} <= '0;
   end
 
+  // Slices as wide as one ECP5 block RAM is at this depth: deeper memories of several blocks would have a
+  // multiplexer between the slow output and its register (102 instead of 131 MHz at 8192 words).
+  localparam int unsigned Depth     = Words * Banks;
+  localparam int unsigned SliceBits = (Depth <= 1024) ? 18 : (Depth <= 2048) ? 9 :
+                                      (Depth <= 4096) ? 4 : (Depth <= 8192) ? 2 : 1;
+
   for (genvar p = 0; p < Parts; p++) begin : gen_part
-    (* no_rw_check *) logic [PartBits-1:0] memory [Words * Banks];
-    logic [PartBits-1:0] read;
-    always_ff @(posedge clk_i) begin
-      if (write_i[p]) memory[write_address] <= write_data_i[p*PartBits+:PartBits];
-      if (advance_i) begin
-        read <= memory[address];
-        out_data_o[p*PartBits+:PartBits] <= read;
+    for (genvar low = 0; low < PartBits; low += SliceBits) begin : gen_slice
+      localparam int unsigned Bits = (PartBits - low < SliceBits) ? PartBits - low : SliceBits;
+      (* no_rw_check *) logic [Bits-1:0] memory [Depth];
+      logic [Bits-1:0] read;
+      always_ff @(posedge clk_i) begin
+        if (write_i[p]) memory[write_address] <= write_data_i[p*PartBits+low+:Bits];
+        if (advance_i) begin
+          read                             <= memory[address];
+          out_data_o[p*PartBits+low+:Bits] <= read;
+        end
       end
     end
   end
