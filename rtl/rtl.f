@@ -2,9 +2,12 @@ rtl/msn_pkg.sv
 rtl/common/msn_delay.sv
 rtl/common/msn_frame_check.sv
 rtl/common/msn_frame_gate.sv
+rtl/common/msn_frame_place.sv
+rtl/common/msn_frame_table.sv
 rtl/common/msn_sync.sv
 rtl/common/msn_compare.sv
 rtl/common/msn_times.sv
+rtl/common/msn_round_sat.sv
 rtl/common/msn_divide.sv
 rtl/common/msn_ratio.sv
 rtl/common/msn_hypot.sv
@@ -14,6 +17,9 @@ rtl/frontend/msn_adc_store.sv
 rtl/frontend/msn_adc_spi.sv
 rtl/frontend/msn_burst.sv
 rtl/frontend/msn_am_demod.sv
+rtl/frontend/msn_calibration_table.sv
+rtl/frontend/msn_calibrate.sv
+rtl/frontend/msn_tare.sv
 rtl/slip/msn_haar.sv
 rtl/slip/msn_sliding_extremes.sv
 rtl/slip/msn_peak_to_peak.sv
@@ -21,6 +27,7 @@ rtl/slip/msn_slip.sv
 rtl/cop/msn_cop_accumulate.sv
 rtl/cop/msn_cop_divide.sv
 rtl/cop/msn_cop.sv
+rtl/cop/msn_cop_array.sv
 rtl/cop/msn_cop4_correct.sv
 rtl/cop/msn_cop4.sv
 rtl/cop/msn_cop_slip.sv

@@ -89,6 +89,14 @@ TABLE = {
     "cop-1024x1024x8-q14-turn1": ("msn_cop", LARGE | {"BitsPerClock": 1}, 21, "ecp5"),
     "cop-1024x1024x8-q14-turn2": ("msn_cop", LARGE, 14, "ecp5"),
     **dict(cop_entries()),
+    "cop_array-64x64": ("msn_cop_array", {"Rows": 64, "Columns": 64}, 14, "ecp5"),
+    "cop_array-32x32": ("msn_cop_array", {"Rows": 32, "Columns": 32}, 14, "ecp5 up5k"),
+    "cop_array-1024x1024x8": (
+        "msn_cop_array",
+        LARGE | {"RowColumn": 1, "GainShift": 24, "BitsPerClock": 1},
+        25,
+        "ecp5",
+    ),
     # The small part's eight multipliers are of 16 bits: samples of 17 would take twelve.
     "cop4": ("msn_cop4", {}, 17, "ecp5"),
     "cop4-13": ("msn_cop4", {"SampleBits": 13}, 17, "ecp5 up5k"),
