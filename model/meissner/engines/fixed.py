@@ -4,7 +4,7 @@ import numpy as np
 
 from meissner.cop.cop_accumulate import moments
 from meissner.cop.cop_divide import cop_divide
-from meissner.engines import Watched, moving_of_details
+from meissner.engines import MAX_CODE, MAX_FORCE, Watched, moving_of_details
 from meissner.slip.haar import haar
 from meissner.slip.peak_to_peak import PeakToPeak, sliding
 from meissner.slip.slip import Slip
@@ -56,3 +56,23 @@ def cop(forces, min_load=1):
         sums[:, start : start + piece] = moments(forces[start : start + piece])
     x, y, valid = cop_divide(*sums, rows, columns, min_load=min_load)
     return {"sum": sums[0], "mx": sums[1], "my": sums[2], "x": x, "y": y, "valid": valid}
+
+
+def demodulate(samples, settings):
+    """Amplitudes [...] of carriers [..., samples], rounded half up after the shift."""
+    x = np.asarray(samples, dtype=np.int64)[..., settings.skip :]
+    quarter = np.arange(x.shape[-1]) % 4
+    i, q = x @ np.array([1, 0, -1, 0])[quarter], x @ np.array([0, 1, 0, -1])[quarter]
+    square = 4 * (i * i + q * q)
+    doubled = np.sqrt(square.astype(float)).astype(np.int64)  # off by one at most, above 2**52
+    doubled -= doubled * doubled > square
+    doubled += (doubled + 1) ** 2 <= square
+    return np.minimum(((doubled >> settings.shift) + 1) >> 1, MAX_CODE)
+
+
+def calibrate(codes, calibration):
+    """F = clamp(round_half_up((code - offset) gain / 2^gain_shift), 0, 65535), 0 where dead."""
+    product = (codes.astype(np.int64) - calibration.offset) * calibration.gain
+    half = 1 << calibration.gain_shift >> 1
+    force = np.clip((product + half) >> calibration.gain_shift, 0, MAX_FORCE)
+    return np.where(calibration.dead, 0, force)

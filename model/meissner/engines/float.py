@@ -4,7 +4,7 @@ import numpy as np
 import pywt
 from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
-from meissner.engines import COP_ONE, Watched, moving_of_details
+from meissner.engines import COP_ONE, MAX_CODE, MAX_FORCE, Watched, moving_of_details
 from meissner.slip.slip import Slip
 
 # p2p of integer samples is an integer; rounding in the transform must not decide a comparison.
@@ -113,6 +113,21 @@ def cop(forces, min_load=1):
         "y": position(my, rows),
         "valid": valid,
     }
+
+
+def demodulate(samples, settings):
+    """Amplitudes [...] of carriers [..., samples]: the discrete Fourier sum at the carrier, times the gain."""
+    x = np.asarray(samples, dtype=np.float64)[..., settings.skip :]
+    turn = np.exp(-2j * np.pi * np.arange(x.shape[-1]) / settings.samples_per_period)
+    amplitude = 2 / x.shape[-1] * np.abs(x @ turn)
+    code = np.floor(amplitude * settings.gain / 2.0**settings.shift + 0.5)
+    return np.minimum(code, MAX_CODE).astype(np.int64)
+
+
+def calibrate(codes, calibration):
+    """Forces of codes in float64, in which every product and sum of these integers is exact."""
+    force = (codes - calibration.offset.astype(float)) * calibration.gain / 2.0**calibration.gain_shift
+    return np.where(calibration.dead, 0.0, np.clip(np.floor(force + 0.5), 0.0, float(MAX_FORCE)))
 
 
 def cop4(solution):
