@@ -14,7 +14,7 @@ import numpy as np
 from meissner import report
 from meissner.files import written
 
-_MODULES = {"rubber": "slip", "array": "cop", "mesh": "mesh"}
+_MODULES = {"rubber": "slip", "array": "cop", "mesh": "mesh", "capacitive": "capacitive"}
 
 
 def _module(scene):

@@ -8,10 +8,10 @@ array is cop, mesh is mesh. Each has ``build(name, table)`` and ``simulate(scene
 import tomllib
 from importlib import resources
 
-from meissner.scenes import cop, mesh, slip
+from meissner.scenes import capacitive, cop, mesh, slip
 from meissner.scenes.check import one_of
 
-SENSORS = {"rubber": slip, "array": cop, "mesh": mesh}
+SENSORS = {"rubber": slip, "array": cop, "mesh": mesh, "capacitive": capacitive}
 
 
 def names(sensor=None):
