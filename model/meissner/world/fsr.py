@@ -48,7 +48,7 @@ class Material:
 # in a batch, drift below 5 % per decade; resistance and power are read off its curve. Velostat: chosen.
 MATERIALS = {
     "FSR400": Material(ohm_1n=6e3, power=0.9, rest_ohm=10e6, break_n=0.2, spread=0.06, drift=0.03),
-    "Velostat": Material(ohm_1n=4e3, power=0.9, rest_ohm=200e3, break_n=0.0, spread=0.08, drift=0.02),
+    "Velostat": Material(ohm_1n=20e3, power=1.0, rest_ohm=1e6, break_n=0.0, spread=0.08, drift=0.02),
 }
 
 
