@@ -39,7 +39,7 @@ class Calibration:
     def __post_init__(self):
         if self.offset.ndim != 2 or not self.offset.shape == self.gain.shape == self.dead.shape:
             raise ValueError("offset, gain and dead must have one shape [rows, columns]")
-        if not (-RAW_LIMIT <= self.offset.min() and self.offset.max() < RAW_LIMIT):
+        if not (self.offset.min() >= -RAW_LIMIT and self.offset.max() < RAW_LIMIT):
             raise ValueError(f"the offsets must lie in {-RAW_LIMIT} .. {RAW_LIMIT - 1}")
         if not (self.gain.min() >= 0 and self.gain.max() < GAIN_LIMIT):
             raise ValueError(f"the gains must lie in 0 .. {GAIN_LIMIT - 1}")
@@ -249,7 +249,9 @@ def fit(codes, force_n, lsb_n=None, gain_shift=GAIN_SHIFT):
     if lsb_n is None:
         lsb_n = _round_up_125(max(least, HEADROOM * largest / FORCE_LIMIT))
     elif not least <= lsb_n < np.inf:
-        raise ValueError(f"lsb = {lsb_n:g} N must be {least:.3g} N or more: a gain would not fit its register")
+        raise ValueError(
+            f"lsb = {lsb_n:g} N must be {least:.3g} N or more: a gain would not fit its register"
+        )
     offset = np.where(dead, 0, np.floor(intercept + 0.5)).astype(np.int64)
     gain = np.floor((1 << gain_shift) / (np.where(dead, 1.0, slope) * lsb_n) + 0.5).astype(np.int64)
     outside = (offset < -RAW_LIMIT) | (offset >= RAW_LIMIT)

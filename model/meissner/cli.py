@@ -175,7 +175,9 @@ def _parser():
     cop.set_defaults(call=_process_cop)
 
     calibrate = commands.add_parser("calibrate", help="a straight line per cell from a press recording")
-    calibrate.add_argument("recording", metavar="RECORDING", help=".npz with codes, force_n (N); .npy of codes")
+    calibrate.add_argument(
+        "recording", metavar="RECORDING", help=".npz of codes and force_n; or .npy of codes"
+    )
     calibrate.add_argument("--force", metavar="FORCE.npy", help="newtons [frames] or [frames, rows, columns]")
     calibrate.add_argument("--lsb", type=float, metavar="N", help="newtons of one code of force (the finest)")
     calibrate.add_argument("--out", required=True, metavar="CAL.npz", help="where offsets and gains go")

@@ -1,4 +1,4 @@
-"""Pictures of array front ends: crosstalk, one cell, a stepped probe, tactile images, a matrix with faults."""
+"""Pictures of array front ends: crosstalk, one cell, a stepped probe, images, a matrix with faults."""
 
 import numpy as np
 from matplotlib import colormaps
@@ -84,7 +84,9 @@ def draw_cell(path, scene, rise, cycles, noise_g, hold_s, hold, hold_g, held_s, 
     close.tick_params(labelsize=8)
     _plain(close)
     for step, values, colour in zip(steps, presses.T, LINES):
-        repeat.plot(np.arange(1, len(values) + 1), values, "o-", color=colour, ms=3.5, lw=0.8, label=f"{step:g} g")
+        repeat.plot(
+            np.arange(1, len(values) + 1), values, "o-", color=colour, ms=3.5, lw=0.8, label=f"{step:g} g"
+        )
         repeat.axhline(step, **MUTED)
     repeat.set(xlabel="press", ylabel="calibrated cell (g)", title="the same forces again, probe placed anew")
     repeat.set_ylim(0, 1.35 * max(steps))
@@ -136,9 +138,7 @@ def draw_shapes(path, scene, images):
     half_mm = SIDE / 2 * PITCH_MM
     for k, (name, image) in enumerate(images.items()):
         axis = figure.add_subplot(2, count, k + 1)
-        shown = axis.imshow(
-            image, cmap=MAP, vmin=0, vmax=top, extent=(-half_mm, half_mm, -half_mm, half_mm)
-        )
+        shown = axis.imshow(image, cmap=MAP, vmin=0, vmax=top, extent=(-half_mm, half_mm, -half_mm, half_mm))
         for line in footprints.outlines(name):
             axis.plot(*line.T, color=RED, lw=1.1)
         axis.set(xlim=(-half_mm, half_mm), ylim=(-half_mm, half_mm), xticks=[], yticks=[], title=name)

@@ -129,7 +129,7 @@ def with_part(engine, name, what):
 
 
 def demodulate(samples, settings, engine):
-    """Amplitudes of carriers in codes, int64 [...]; ``samples``: int [..., samples], ``settings``: Carrier."""
+    """Amplitudes in codes, int64 [...], of carriers: integers [..., samples]; ``settings``: a Carrier."""
     return with_part(engine, "demodulate", "demodulation").demodulate(np.asarray(samples), settings)
 
 

@@ -116,7 +116,7 @@ def cop(forces, min_load=1):
 
 
 def demodulate(samples, settings):
-    """Amplitudes [...] of carriers [..., samples]: the discrete Fourier sum at the carrier, times the gain."""
+    """Amplitudes [...] of carriers [..., samples]: the Fourier sum at the carrier, times the gain."""
     x = np.asarray(samples, dtype=np.float64)[..., settings.skip :]
     turn = np.exp(-2j * np.pi * np.arange(x.shape[-1]) / settings.samples_per_period)
     amplitude = 2 / x.shape[-1] * np.abs(x @ turn)

@@ -48,12 +48,10 @@ def _crosstalk(scene, codes, *_):
     gains, others_pf = np.array(world["gains"]), np.array(world["unselected_pf"])
     measured_v = codes["sweep"][0] * scene.volts_per_code
     ideal_v = readout["drive_v"] * capacitive.CELL_F / capacitive.REF_F
-    formula_v = capacitive.output_v(
-        capacitive.CELL_F, others_pf * 1e-12, gains[:, None], readout["drive_v"]
-    )
+    formula_v = capacitive.output_v(capacitive.CELL_F, others_pf * 1e-12, gains[:, None], readout["drive_v"])
     chosen = readout["gain"]
     rows = []
-    for k, pf in enumerate(others_pf):
+    for pf in others_pf:
         # Eq. 18 solved for the gain at which the output is lower by a share.
         total = 1 + (capacitive.CELL_F + pf * 1e-12) / capacitive.REF_F
         at, lagging = (
@@ -249,10 +247,14 @@ def _shapes(scene, codes, recording, fits, stage):
     }
     arrays = {f"image_{name.replace(' ', '_')}": image for name, image in images.items()}
     arrays |= {f"even_{k}": image for k, image in enumerate(even.values())}
-    return summary, arrays, [
-        (report_arrays.draw_shapes, {"images": images}),
-        (report_arrays.draw_even, {"images": even}),
-    ]
+    return (
+        summary,
+        arrays,
+        [
+            (report_arrays.draw_shapes, {"images": images}),
+            (report_arrays.draw_even, {"images": even}),
+        ],
+    )
 
 
 _ANSWERS = {"crosstalk": _crosstalk, "cell": _cell, "select": _select, "shapes": _shapes}
@@ -284,7 +286,8 @@ def tell(summary):
     """The lines to print of a summary."""
     lines = []
     if "difference_from_eq18_v" in summary:
-        lines.append(f"demodulated output against eq. 18: {1e3 * summary['difference_from_eq18_v']:.2g} mV apart")
+        apart_mv = 1e3 * summary["difference_from_eq18_v"]
+        lines.append(f"demodulated output against eq. 18: {apart_mv:.2g} mV apart")
     if "sag_of_hold" in summary:
         lines += [
             f"unloading reads {summary['unloading_above_loading_g']:.2g} g above loading, "

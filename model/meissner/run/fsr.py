@@ -98,27 +98,26 @@ def run(scene, engine, out, seed, waves, progress):
         "even_after": after,
     }
     path = out / f"{scene.name}.png"
-    report_arrays.draw_matrix(path, scene, recording, forces * lines.force_lsb_n, (x, y, load_n, valid), truth)
-    masked = {name: np.where(lines.dead, np.nan, image) for name, image in (
-        ("before: codes above rest", before), ("after calibration (N)", after))}
+    result = x, y, load_n, valid
+    report_arrays.draw_matrix(path, scene, recording, forces * lines.force_lsb_n, result, truth)
+    named = {"before: codes above rest": before, "after calibration (N)": after}
+    masked = {name: np.where(lines.dead, np.nan, image) for name, image in named.items()}
     second = report_arrays.draw_even(out / f"{scene.name}_2.png", scene, masked)
     third = report_arrays.draw_ghosts(out / f"{scene.name}_3.png", scene, recording)
     pictures = [(picture, f"seed {seed}") for picture in (path, second, third)]
-    return finish(
-        scene, summary, out, arrays, pictures, {"Ways to read it": rows}, began, ("conditions",)
-    )
+    return finish(scene, summary, out, arrays, pictures, {"Ways to read it": rows}, began, ("conditions",))
 
 
 def tell(summary):
     """The lines to print of a summary."""
     found = "as injected" if summary["dead_as_injected"] else "not all as injected"
     return [
-        f"{summary['frames']} frames of {summary['rows']}×{summary['columns']}; {summary['dead']} cells found dead, "
-        f"{found}",
+        f"{summary['frames']} frames of {summary['rows']}×{summary['columns']}; "
+        f"{summary['dead']} cells found dead, {found}",
         f"position error, of the range -1 to 1: {percent(summary['position_error'])}",
         f"load error: {percent(summary['load_error'])}",
-        f"even press: no cell off the mean by more than {100 * summary['unevenness_before']:.3g} % before and "
-        f"{100 * summary['unevenness_after']:.2g} % after calibration",
+        f"even press: no cell off the mean by more than {100 * summary['unevenness_before']:.3g} % "
+        f"before and {100 * summary['unevenness_after']:.2g} % after calibration",
         "",
         *table(summary["conditions"]),
     ]

@@ -95,7 +95,7 @@ class Carrier:
 
 @dataclass(frozen=True)
 class Scene:
-    """A scene, checked. ``shown``: its table of the world."""
+    """A scene, checked. ``readout``, ``world``: its tables."""
 
     name: str
     title: str
@@ -115,7 +115,7 @@ class Scene:
 
 @dataclass(frozen=True)
 class Part:
-    """Frames of one experiment: ``samples`` [frames, ..., samples] of the converter; ``force_n`` on each cell.
+    """Frames of one experiment: the converter's ``samples`` [frames, ..., samples]; ``force_n`` on each cell.
 
     ``probe_n`` [frames]: what presses altogether; ``probed`` [frames, 2]: the cell under the probe, -1 for
     none; ``rate_hz``: frames a second.
@@ -227,7 +227,12 @@ class _World:
         samples = np.empty((*amplitude_v.shape, carrier.samples), dtype=np.int32)
         for k, frame in enumerate(amplitude_v):
             volts = capacitive.carrier(
-                frame, carrier.samples, carrier.samples_per_period, PHASE, np.roll(frame, 1, 0), SETTLE_SAMPLES
+                frame,
+                carrier.samples,
+                carrier.samples_per_period,
+                PHASE,
+                before_v=np.roll(frame, 1, axis=0),
+                settle_samples=SETTLE_SAMPLES,
             )
             samples[k], over = self.scene.adc.convert(volts, self.rng)
             self.over_range += int(over.sum())
@@ -264,8 +269,8 @@ def _cell(world, scene):
     x_mm, y_mm = cell_mm(row, column)
     period = setting["rate_hz"]
     cycle = 1 - np.abs(1 - 2 * (np.arange(setting["cycles"] * period) % period) / period)
-    until, end = (round(seconds * HOLD_HZ) for seconds in (setting["hold_s"], setting["hold_s"] + setting["rest_s"]))
-    hold = np.where((np.arange(end) > 0) & (np.arange(end) <= until), setting["hold_g"], 0.0)
+    held, rest = (round(setting[key] * HOLD_HZ) for key in ("hold_s", "rest_s"))
+    hold = setting["hold_g"] * np.repeat([0.0, 1.0, 0.0], [1, held, rest])
     parts = {}
     for name, grams, rate_hz in (
         ("cycles", setting["force_g"] * cycle, float(period)),

@@ -14,8 +14,8 @@ A tab is a neo-Hookean cylinder bonded at both ends, on a backing that does not 
     F = A·E'/3·(1/u^2 - u)     u: height over height at rest,  E' = E·(1 + 2·S^2),  S = d/4h   (Gent)
     C = C0·(b + h) / (b + h·u)
 
-A sheet without tabs has a shape factor S without bound and feels nothing, as published. Droop and sag: a share
-of the force acts late, through a spectrum of creep that is slower when the rubber expands.
+A sheet without tabs has a shape factor S without bound and feels nothing, as published. Droop and sag: a
+share of the force acts late, through a spectrum of creep that is slower when the rubber expands.
 
 Not modelled: fringe fields, the spread of the plate's area, temperature, wear, the traces' resistance, phase
 shift of the amplifier unless its gain is given as a complex number.
