@@ -43,8 +43,10 @@ class Calibration:
             raise ValueError(f"the offsets must lie in {-RAW_LIMIT} .. {RAW_LIMIT - 1}")
         if not (self.gain.min() >= 0 and self.gain.max() < GAIN_LIMIT):
             raise ValueError(f"the gains must lie in 0 .. {GAIN_LIMIT - 1}")
-        if not 0 <= self.gain_shift <= 31:
-            raise ValueError(f"gain_shift = {self.gain_shift} must lie in 0 .. 31")
+        if not 1 <= self.gain_shift <= 16:
+            raise ValueError(f"gain_shift = {self.gain_shift} must lie in 1 .. 16")
+        if not 0 < self.force_lsb_n < np.inf:
+            raise ValueError(f"force_lsb_n = {self.force_lsb_n:g} must be newtons above 0")
 
     def save(self, file):
         """Write it as .npz to an open file."""
@@ -200,7 +202,7 @@ def _check_presses(force_n, known):
         count = int(few.sum())
         raise ValueError(
             f"too few presses for {count} cell{'s' * (count > 1)} (row, column): {named(few)}; each needs "
-            f"{LEVELS} forces, 0 among them, that lie {LEVEL_SHARE * largest:.3g} N or more apart"
+            f"{LEVELS} forces (0 counts) that lie {LEVEL_SHARE * largest:.3g} N or more apart"
         )
     return largest
 
