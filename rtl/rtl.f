@@ -1,15 +1,18 @@
 rtl/msn_pkg.sv
 rtl/common/msn_delay.sv
 rtl/common/msn_frame_check.sv
+rtl/common/msn_frame_gate.sv
 rtl/common/msn_sync.sv
 rtl/common/msn_compare.sv
 rtl/common/msn_times.sv
 rtl/common/msn_divide.sv
 rtl/common/msn_ratio.sv
+rtl/common/msn_hypot.sv
 rtl/frontend/msn_adc_pkg.sv
 rtl/frontend/msn_spi_shift.sv
 rtl/frontend/msn_adc_store.sv
 rtl/frontend/msn_adc_spi.sv
+rtl/frontend/msn_am_demod.sv
 rtl/slip/msn_haar.sv
 rtl/slip/msn_sliding_extremes.sv
 rtl/slip/msn_peak_to_peak.sv
@@ -20,4 +23,6 @@ rtl/cop/msn_cop.sv
 rtl/cop/msn_cop4_correct.sv
 rtl/cop/msn_cop4.sv
 rtl/cop/msn_cop_slip.sv
+rtl/link/msn_registers.sv
+rtl/link/msn_axil.sv
 rtl/msn_core.sv
