@@ -14,6 +14,7 @@ import numpy as np
 
 from meissner.calibration import check_codes
 from meissner.cop.cop_accumulate import sum_bits
+from meissner.frontend.am_demod import AmDemod
 from meissner.slip.config import MAX_CHANNELS, SAMPLE_BITS
 
 NAMES = ("float", "fixed", "rtl")
@@ -37,6 +38,26 @@ class Watched:
     state: np.ndarray
     end: np.ndarray
     blanked: int
+
+
+@dataclass(frozen=True)
+class Carrier:
+    """How a carrier is measured: ``block`` drops ``skip`` samples and sums over ``periods`` whole periods."""
+
+    block: AmDemod
+    periods: int
+    skip: int
+    shift: int
+
+    @property
+    def samples(self):
+        """Samples of one measurement."""
+        return self.skip + self.periods * self.block.samples_per_period
+
+    @property
+    def code_per_lsb(self):
+        """Code of a carrier whose amplitude is one code of the converter."""
+        return self.block.gain(self.periods) / 2**self.shift
 
 
 def load(name):
@@ -128,9 +149,9 @@ def with_part(engine, name, what):
     return module
 
 
-def demodulate(samples, settings, engine):
-    """Amplitudes in codes, int64 [...], of carriers: integers [..., samples]; ``settings``: a Carrier."""
-    return with_part(engine, "demodulate", "demodulation").demodulate(np.asarray(samples), settings)
+def demodulate(samples, carrier, engine):
+    """Amplitudes in codes, int64 [...], of a Carrier's samples: integers [..., carrier.samples]."""
+    return with_part(engine, "demodulate", "demodulation").demodulate(np.asarray(samples), carrier)
 
 
 def calibrate(codes, calibration, engine):

@@ -4,7 +4,7 @@ import numpy as np
 
 from meissner.cop.cop_accumulate import moments
 from meissner.cop.cop_divide import cop_divide
-from meissner.engines import MAX_CODE, MAX_FORCE, Watched, moving_of_details
+from meissner.engines import MAX_FORCE, Watched, moving_of_details
 from meissner.slip.haar import haar
 from meissner.slip.peak_to_peak import PeakToPeak, sliding
 from meissner.slip.slip import Slip
@@ -58,16 +58,9 @@ def cop(forces, min_load=1):
     return {"sum": sums[0], "mx": sums[1], "my": sums[2], "x": x, "y": y, "valid": valid}
 
 
-def demodulate(samples, settings):
-    """Amplitudes [...] of carriers [..., samples], rounded half up after the shift."""
-    x = np.asarray(samples, dtype=np.int64)[..., settings.skip :]
-    quarter = np.arange(x.shape[-1]) % 4
-    i, q = x @ np.array([1, 0, -1, 0])[quarter], x @ np.array([0, 1, 0, -1])[quarter]
-    square = 4 * (i * i + q * q)
-    doubled = np.sqrt(square.astype(float)).astype(np.int64)  # off by one at most, above 2**52
-    doubled -= doubled * doubled > square
-    doubled += (doubled + 1) ** 2 <= square
-    return np.minimum(((doubled >> settings.shift) + 1) >> 1, MAX_CODE)
+def demodulate(samples, carrier):
+    """Amplitudes [...] of carriers [..., samples]; ``carrier``: meissner.engines.Carrier."""
+    return carrier.block.amplitude(np.asarray(samples)[..., carrier.skip :], carrier.shift)[0]
 
 
 def calibrate(codes, calibration):

@@ -115,13 +115,12 @@ def cop(forces, min_load=1):
     }
 
 
-def demodulate(samples, settings):
-    """Amplitudes [...] of carriers [..., samples]: the Fourier sum at the carrier, times the gain."""
-    x = np.asarray(samples, dtype=np.float64)[..., settings.skip :]
-    turn = np.exp(-2j * np.pi * np.arange(x.shape[-1]) / settings.samples_per_period)
+def demodulate(samples, carrier):
+    """Amplitudes [...] of carriers [..., samples]: the Fourier sum at the carrier, times the block's gain."""
+    x = np.asarray(samples, dtype=np.float64)[..., carrier.skip :]
+    turn = np.exp(-2j * np.pi * np.arange(x.shape[-1]) / carrier.block.samples_per_period)
     amplitude = 2 / x.shape[-1] * np.abs(x @ turn)
-    code = np.floor(amplitude * settings.gain / 2.0**settings.shift + 0.5)
-    return np.minimum(code, MAX_CODE).astype(np.int64)
+    return np.minimum(np.floor(amplitude * carrier.code_per_lsb + 0.5), MAX_CODE).astype(np.int64)
 
 
 def calibrate(codes, calibration):

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from meissner.engines import Carrier
+from meissner.frontend.am_demod import IQ, IQ_FAST, RECTIFIER, AmDemod
 from meissner.scenes.check import between, fields, numbers, one_of, positive
 from meissner.world import capacitive, footprints, mesh_loads
 from meissner.world.adc import Adc
@@ -37,6 +39,7 @@ _READOUT = {
     "gain": float,
     "drive_v": float,
     "stray_pf": float,
+    "form": str,
     "samples_per_period": int,
     "periods": int,
     "skip": int,
@@ -61,36 +64,13 @@ _WORLD = {
     "select": {"force_g": float, "step_mm": float, "cells": int},
     "shapes": {"pressure_g_mm2": float, "shapes": list, "even_g": float, "frames": int},
 }
+FORMS = {"rectifier": RECTIFIER, "synchronous": IQ, "synchronous estimate": IQ_FAST}
 SIDE = 8  # published
 HOLD_HZ = 2.0  # frames a second while a force is held
 SETTLE_SAMPLES = 1.0  # time constant of the amplitude after a switch, in the converter's samples; chosen
 PHASE = 0.7  # of the carrier at a switch; chosen
 CALIBRATION_G = np.linspace(0.0, 150.0, 7)
 CALIBRATION_FRAMES = 6  # at each force
-
-
-@dataclass(frozen=True)
-class Carrier:
-    """How a cell's carrier is measured: ``skip`` samples, then ``periods`` whole ones."""
-
-    samples_per_period: int
-    periods: int
-    skip: int
-    shift: int
-
-    @property
-    def gain(self):
-        """Code before the shift of a carrier of amplitude 1."""
-        return 2 * self.periods
-
-    @property
-    def samples(self):
-        return self.skip + self.periods * self.samples_per_period
-
-    @property
-    def code_per_lsb(self):
-        """Code of an amplitude of one code of the converter."""
-        return self.gain / 2**self.shift
 
 
 @dataclass(frozen=True)
@@ -174,6 +154,7 @@ def build(name, table):
     at = f"{where}, [readout]"
     readout = fields(at, top["readout"], _READOUT)
     positive(at, readout, ["gain", "drive_v", "full_scale_v"])
+    one_of(at, "form", readout["form"], tuple(FORMS))
     one_of(at, "samples_per_period", readout["samples_per_period"], (4, 8, 16))
     between(at, readout, {"periods": (1, 64), "skip": (0, 255), "shift": (0, 31), "bits": (1, 17)})
     between(at, readout, {"stray_pf": (0, 1e6), "noise_v": (0, 1e3)})
@@ -181,7 +162,8 @@ def build(name, table):
     kind = world.pop("kind", None)
     one_of(f"{where}, [world]", "kind", kind, tuple(_WORLD))
     full_v = readout["full_scale_v"]
-    carrier = Carrier(*(readout[key] for key in ("samples_per_period", "periods", "skip", "shift")))
+    block = AmDemod(FORMS[readout["form"]], readout["samples_per_period"])
+    carrier = Carrier(block, *(readout[key] for key in ("periods", "skip", "shift")))
     return Scene(
         name=name,
         title=top["title"],
@@ -229,7 +211,7 @@ class _World:
             volts = capacitive.carrier(
                 frame,
                 carrier.samples,
-                carrier.samples_per_period,
+                carrier.block.samples_per_period,
                 PHASE,
                 before_v=np.roll(frame, 1, axis=0),
                 settle_samples=SETTLE_SAMPLES,
