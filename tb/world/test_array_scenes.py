@@ -3,6 +3,7 @@ published figures; an even press is uneven before calibration and within 1 % aft
 
 import json
 import tomllib
+from dataclasses import replace
 from importlib import resources
 
 import numpy as np
@@ -10,6 +11,7 @@ import pytest
 
 from meissner import engines, run, scenes
 from meissner.run.chain import unevenness
+from meissner.scenes import capacitive
 
 PADS, MATRICES = scenes.names("capacitive"), scenes.names("fsr")
 PARTS = ("demodulate", "calibrate", "cop")
@@ -73,6 +75,9 @@ def _shapes(summary, result):
     assert summary["unevenness_before"] > 0.05 and summary["unevenness_after"] < 0.01
     assert unevenness(result["even_2"]) == pytest.approx(summary["unevenness_after"])
     assert summary["position_error"]["maximum"] < 0.02 and summary["load_error"]["maximum"] < 0.15
+    for row in summary["conditions"]:
+        image = result[f"image_{row['shape'].replace(' ', '_')}"]
+        assert row["reported_g"] == pytest.approx(image.sum(), rel=1e-3)
     rows = result["image_two_edges"][:, 2:6].mean(axis=1)
     # Two edges, one thicker, and the published gap of one row between them.
     assert rows[3] < 0.1 * rows.max() and rows[2] > 0.4 * rows.max() and rows[4:6].min() > 0.5 * rows.max()
@@ -82,13 +87,29 @@ def _shapes(summary, result):
     assert socket[2, 2] > 5 * max(socket[0, 0], socket[3, 3], socket[4, 4], 1.0)
 
 
-def _3x3(summary, _):
+def _matrix(summary, result):
+    """Load and centre once more, by plain sums over the calibrated forces."""
+    load = result["forces"].sum((1, 2)) * result["force_lsb_n"]
+    assert result["load_n"] == pytest.approx(load, rel=1e-12)
+    valid = result["valid"]
+    forces = result["forces"][valid].astype(float)
+    x = (forces * np.linspace(-1, 1, forces.shape[2])).sum((1, 2)) / forces.sum((1, 2))
+    y = (forces * np.linspace(1, -1, forces.shape[1])[:, None]).sum((1, 2)) / forces.sum((1, 2))
+    off = np.hypot(x - result["true_x"][valid], y - result["true_y"][valid]) / 2
+    assert summary["position_error"]["mean"] == pytest.approx(off.mean(), abs=1e-4)
+    share = np.abs(load / np.maximum(result["true_load_n"], 1e-9) - 1)[valid]
+    assert summary["load_error"] == pytest.approx({"maximum": share.max(), "mean": share.mean()})
+
+
+def _3x3(summary, result):
+    _matrix(summary, result)
     assert summary["dead"] == 0 and summary["dead_as_injected"]
     assert summary["unevenness_before"] > 0.05 and summary["unevenness_after"] < 0.01
     assert summary["position_error"]["mean"] < 0.03
 
 
 def _64x64(summary, result):
+    _matrix(summary, result)
     assert summary["dead"] == 65 and summary["dead_as_injected"]
     assert result["dead"][20].all() and result["dead"][50, 40]
     assert not result["forces"][:, result["dead"]].any()
@@ -129,6 +150,28 @@ def test_a_scene_is_seeded():
         parts = [scenes.simulate(scene, seed) for seed in (5, 5, 6)]
         first, again, other = (p.codes if name == "fsr_3x3" else p.parts["steps"].samples for p in parts)
         assert np.array_equal(first, again) and not np.array_equal(first, other)
+
+
+def test_a_row_starts_with_the_carrier_of_the_row_before():
+    scene = scenes.load("capacitive_select")
+    scene = replace(scene, adc=replace(scene.adc, noise_v=0.0))
+    world = capacitive._World(scene, 1)
+    amplitude_v = 2.0 + np.arange(64).reshape(1, 8, 8) / 16
+    samples = world.sampled(amplitude_v) * scene.adc.lsb_v
+    first = np.roll(amplitude_v, 1, axis=1) * np.sin(capacitive.PHASE)
+    assert samples[..., 0] == pytest.approx(first, abs=scene.adc.lsb_v)
+    settled = amplitude_v * np.sin(capacitive.PHASE)
+    assert samples[..., scene.carrier.skip] == pytest.approx(settled, abs=scene.adc.lsb_v)
+
+
+def test_a_held_matrix_drifts():
+    scene = scenes.load("fsr_64x64")
+    scene = replace(scene, faults=())
+    steady = replace(scene, material=replace(scene.material, drift=0.0))
+    codes, without = (scenes.simulate(one, 1).codes.astype(float) for one in (scene, steady))
+    i, j = np.unravel_index(without[150].argmax(), (64, 64))
+    loaded = 1 + 0.02 * np.log10(1 + 149 / 1000 / 0.1)
+    assert codes[150, i, j] / without[150, i, j] == pytest.approx(loaded, abs=3e-3)
 
 
 def test_waves_are_refused(tmp_path):

@@ -133,3 +133,15 @@ def test_the_two_edges_are_3_mm_apart():
     _, y, _ = footprints.points("two edges")
     gaps = np.diff(np.unique(y))
     assert gaps.max() == pytest.approx(3.0, abs=footprints.STEP_MM + 1e-9)
+
+
+def test_every_cell_has_its_own_stiffness():
+    pad = capacitive.build_pad(8, 8, np.random.default_rng(2))
+    assert pad.stiffness.std() == pytest.approx(capacitive.STIFFNESS_SPREAD, rel=0.3)
+    force_n = np.full((8, 8), 1.2)
+    expected = [
+        pad.rest_f[i, j] * capacitive.capacitance_ratio(1.2, pad.stiffness[i, j])
+        for i in range(8)
+        for j in range(8)
+    ]
+    assert pad.capacitance_f(force_n).ravel() == pytest.approx(np.array(expected), rel=1e-12)

@@ -93,6 +93,7 @@ def run(scene, engine, out, seed, waves, progress):
         "dead": lines.dead,
         "offset": lines.offset,
         "gain": lines.gain,
+        "force_lsb_n": np.float64(lines.force_lsb_n),
         "residual_n": residual_n,
         "even_before": before,
         "even_after": after,
