@@ -140,7 +140,7 @@ def test_every_cell_has_its_own_stiffness():
     assert pad.stiffness.std() == pytest.approx(capacitive.STIFFNESS_SPREAD, rel=0.3)
     force_n = np.full((8, 8), 1.2)
     expected = [
-        pad.rest_f[i, j] * capacitive.capacitance_ratio(1.2, pad.stiffness[i, j])
+        pad.rest_f[i, j] * capacitive.capacitance_ratio(1.2 / pad.stiffness[i, j])
         for i in range(8)
         for j in range(8)
     ]
