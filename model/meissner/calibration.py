@@ -270,3 +270,29 @@ def fit(codes, force_n, lsb_n=None, gain_shift=GAIN_SHIFT):
         error = np.where(known, (codes - intercept) / slope - force_n, 0.0)
         residual = np.sqrt((error**2).sum(axis=0) / known.sum(axis=0))
     return answer, np.where(dead, np.nan, residual)
+
+
+def _calibrate(arguments):
+    codes, force_n = read_recording(arguments.recording, arguments.force)
+    lines, residual_n = fit(codes, force_n, arguments.lsb)
+    with files.written(arguments.out) as file:
+        lines.save(file)
+    frames, rows, columns = codes.shape
+    dead = int(lines.dead.sum())
+    print(
+        f"{rows}×{columns} cells from {frames} frames, {dead or 'none'} dead; 1 of force is "
+        f"{lines.force_lsb_n:g} N; off the line by {np.nanmedian(residual_n):.3g} N rms in the median, "
+        f"{np.nanmax(residual_n):.3g} N at most; {arguments.out}"
+    )
+    if dead:
+        print(f"dead (row, column): {named(lines.dead)}")
+
+
+def add_command(commands):
+    """The command ``calibrate`` in a parser's ``commands``."""
+    parser = commands.add_parser("calibrate", help="a straight line per cell from a press recording")
+    parser.add_argument("recording", metavar="RECORDING", help=".npz of codes and force_n; or .npy of codes")
+    parser.add_argument("--force", metavar="FORCE.npy", help="newtons [frames] or [frames, rows, columns]")
+    parser.add_argument("--lsb", type=float, metavar="N", help="newtons of one code of force (the finest)")
+    parser.add_argument("--out", required=True, metavar="CAL.npz", help="where offsets and gains go")
+    parser.set_defaults(call=_calibrate)

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from meissner import calibration, engines, files
+from meissner import budget, calibration, engines, files
 
 
 class _Parser(argparse.ArgumentParser):
@@ -121,22 +121,6 @@ def _process_cop(arguments):
     )
 
 
-def _calibrate(arguments):
-    codes, force_n = calibration.read_recording(arguments.recording, arguments.force)
-    lines, residual_n = calibration.fit(codes, force_n, arguments.lsb)
-    with files.written(arguments.out) as file:
-        lines.save(file)
-    frames, rows, columns = codes.shape
-    dead = int(lines.dead.sum())
-    print(
-        f"{rows}×{columns} cells from {frames} frames, {dead or 'none'} dead; 1 of force is "
-        f"{lines.force_lsb_n:g} N; off the line by {np.nanmedian(residual_n):.3g} N rms in the median, "
-        f"{np.nanmax(residual_n):.3g} N at most; {arguments.out}"
-    )
-    if dead:
-        print(f"dead (row, column): {calibration.named(lines.dead)}")
-
-
 def _parser():
     parser = _Parser(prog="meissner", description="Slip, pressure and grip from a tactile sensor's ADC pins.")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
@@ -174,14 +158,8 @@ def _parser():
     cop.add_argument("--out", required=True, metavar="OUT.npz", help="where the arrays go")
     cop.set_defaults(call=_process_cop)
 
-    calibrate = commands.add_parser("calibrate", help="a straight line per cell from a press recording")
-    calibrate.add_argument(
-        "recording", metavar="RECORDING", help=".npz of codes and force_n; or .npy of codes"
-    )
-    calibrate.add_argument("--force", metavar="FORCE.npy", help="newtons [frames] or [frames, rows, columns]")
-    calibrate.add_argument("--lsb", type=float, metavar="N", help="newtons of one code of force (the finest)")
-    calibrate.add_argument("--out", required=True, metavar="CAL.npz", help="where offsets and gains go")
-    calibrate.set_defaults(call=_calibrate)
+    budget.add_command(commands)
+    calibration.add_command(commands)
     return parser
 
 

@@ -75,6 +75,23 @@ def test_process_cop(tmp_path, engine):
         assert np.array_equal(result[field], expected[field])
 
 
+@pytest.mark.parametrize("rows, columns", [(1, 1), (1, 7), (7, 1), (2, 2), (1024, 1024)])
+def test_process_cop_of_every_shape(tmp_path, rows, columns):
+    """Nothing, full scale, one LSB in a corner against full scale elsewhere, that corner alone."""
+    x = np.zeros((4, rows, columns), dtype=np.uint16)
+    x[1:3] = 65535
+    x[2:, 0, 0] = 1
+    np.save(tmp_path / "in.npy", x)
+    done = meissner(*cop("in.npy"), cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    result = np.load(tmp_path / "out.npz")
+    assert result["valid"].tolist() == [False, True, True, True]
+    assert result["sum"].tolist() == [0, 65535 * rows * columns, 65535 * (rows * columns - 1) + 1, 1]
+    assert result["x"][[0, 1, 3]].tolist() == [0, 0, -16384 * (columns > 1)]
+    assert result["y"][[0, 1, 3]].tolist() == [0, 0, 16384 * (rows > 1)]
+    assert (result["x"][2] > 0) == (1 < columns < 100) and (result["y"][2] < 0) == (1 < rows < 100)
+
+
 BAD = {
     "window 48": (slip("in.npy", "--window", 48), "window = 48 must be a power of two"),
     "window 2": (slip("in.npy", "--window", 2), "window = 2 must be a power of two, 4 or more"),
@@ -173,10 +190,7 @@ BAD = {
     "run engine": (("run", "acrylic_slip", "--engine", "warp", "--out", "results"), "unknown engine"),
     "run waves": (("run", "acrylic_slip", "--waves", "--out", "results"), "--waves needs the rtl engine"),
     "run seed": (("run", "acrylic_slip", "--seed", "-1", "--out", "results"), "seed = -1"),
-    "run cop waves": (
-        ("run", "walk_25x5", "--engine", "rtl", "--waves", "--out", "results"),
-        "--waves is for slip scenes",
-    ),
+    "run cop waves": (("run", "walk_25x5", "--waves", "--out", "results"), "--waves needs the rtl engine"),
     "run mesh engine": (
         ("run", "cop_load", "--engine", "warp", "--out", "results"),
         "unknown engine 'warp'",
