@@ -35,7 +35,9 @@ def test_the_scenes_are_there():
     assert set(MESHES) == {
         *("cop_two_point", "cop_load", "cop_six_random", "cop_one_point", "cop_impulse", "cop_circle")
     }
-    assert set(scenes.names()) == {*ARRAYS, *MESHES, *scenes.names("rubber"), "cop_slip"}
+    others = [name for sensor in ("rubber", "capacitive", "fsr", "grip") for name in scenes.names(sensor)]
+    assert set(scenes.names()) == {*ARRAYS, *MESHES, *others}
+    assert scenes.names("grip") == ["cop_slip"]
 
 
 @pytest.mark.parametrize("name", ARRAYS)
