@@ -252,6 +252,9 @@ def test_run_a_mesh_scene_on_the_core(tmp_path, name, engine):
     assert summary["twin_mismatches"] == (0 if engine == "rtl" else None)
     assert summary["modelled"][2] == "converter" and "converter" not in summary["left_out"]
     assert set(summary["modelled"]) | set(summary["left_out"]) == set(scenes.mesh.COMPONENTS)
+    if name == "cop_impulse":
+        assert summary["response_s"] == pytest.approx(0.6e-3, abs=5e-5)
+        assert summary["load_error_without_lag"]["maximum"] < 0.02 < summary["load_error"]["maximum"]
     result = np.load(tmp_path / "result.npz")
     for recording in scenes.simulate(scene, 1):
         prefix = f"r{recording.r_ohm:g}_" if len(scene.r_ohm) > 1 else ""

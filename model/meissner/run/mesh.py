@@ -82,9 +82,9 @@ def run(scene, engine, out, seed, waves, progress):
         "conditions": rows,
     }
     if scene.kind == "pulse":
-        # Against what the taxels feel: without the lag of the rubber.
+        # Against what the taxels feel: without the lag of the rubber, where the sensor gives a load.
         felt = [
-            errors(o["x"], o["y"], o["load"], o["valid"], r.felt_n, r.x, r.y)[1]
+            errors(o["x"], o["y"], o["load"], o["valid"], r.felt_n, r.x, r.y)[1][o["valid"]]
             for r, o in zip(recordings, runs)
         ]
         summary["load_error_without_lag"] = summarise(np.concatenate(felt))
