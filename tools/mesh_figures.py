@@ -36,34 +36,12 @@ def percent(values, digits=2):
     return f"{100 * values.mean():.{digits}f} ± {100 * values.std():.{digits}f}"
 
 
-def trim(load):
-    """Drop what a taxel carries below 2 % of the strongest: it only costs time."""
-    return np.where(load < 0.02 * load.max((1, 2), keepdims=True), 0, load)
-
-
-def scenes(kind, seed, total=None):
-    """Loads of one kind of touch on 41×41: totals of 1-25 N for fitting, ``total`` for checking."""
-    rng = np.random.default_rng(seed)
-    count = {"cover": 200, "two": 1000}.get(kind, 4000)
-    totals = rng.uniform(1, 25, count) if total is None else np.full(count, total)
-    place = lambda: rng.uniform(-0.8, 0.8, count)
-    if kind == "cover":
-        return trim(mesh_loads.press(41, 41, place(), place(), totals, 2.0))
-    if kind == "two":
-        share = rng.uniform(0.25, 0.75, count)
-        first = mesh_loads.press(41, 41, place(), place(), totals * share, 2.0)
-        return trim(first + mesh_loads.press(41, 41, place(), place(), totals * (1 - share), 2.0))
-    if kind == "one":
-        return mesh_loads.random_points(41, 41, 1, totals, seed)
-    return mesh_loads.random_points(41, 41, 6, totals, seed, kind)
-
-
 KINDS = {
-    "one": "one point",
+    "point": "one point",
     "cover": "one press through a cover, 2 pitches",
-    "two": "two presses through it",
-    "equal": "six points, equal shares",
-    "random": "six points, random shares",
+    "two covers": "two presses through it",
+    "equal points": "six points, equal shares",
+    "uneven points": "six points, random shares",
 }
 
 
@@ -72,8 +50,8 @@ def correct():
     for r in (10.0, 47.0, 150.0):
         mesh = Mesh(41, 41, r)
         for kind, name in KINDS.items():
-            fix = correction.fit(mesh, scenes(kind, 1))
-            check = mesh_loads.MeshScene(mesh, scenes(kind, 2, 20.0))
+            fix = correction.fit(mesh, mesh_loads.touches(41, 41, kind, 1))
+            check = mesh_loads.MeshScene(mesh, mesh_loads.touches(41, 41, kind, 2, 20.0))
             (place, load), (new_place, new_load) = errors(check), errors(check, fix)
             cells = [
                 load.mean(),
@@ -84,7 +62,7 @@ def correct():
             cells = [f"{100 * cell:.2f}" for cell in cells]
             cells += [f"{100 * cell:.3f}" for cell in (place.mean(), new_place.mean(), new_place.max())]
             rows.append((f"{r:.0f} Ω", name, *cells))
-            if r == 150 and kind == "equal":
+            if r == 150 and kind == "equal points":
                 stage = correction.registers(fix)
     header = ("r", "touch", "load error before", "after: mean", "median", "worst")
     show(
@@ -98,10 +76,10 @@ def correct():
 def cross():
     """Mean load error when the touch is not the kind that the correction was fitted for."""
     mesh, rows = Mesh(41, 41, 150.0), []
-    checks = [mesh_loads.MeshScene(mesh, scenes(kind, 2, 20.0)) for kind in KINDS]
+    checks = [mesh_loads.MeshScene(mesh, mesh_loads.touches(41, 41, kind, 2, 20.0)) for kind in KINDS]
     rows.append(("none", *(f"{100 * errors(check)[1].mean():.0f}" for check in checks)))
     for kind, name in KINDS.items():
-        fix = correction.fit(mesh, scenes(kind, 1))
+        fix = correction.fit(mesh, mesh_loads.touches(41, 41, kind, 1))
         rows.append((name, *(f"{100 * np.abs(errors(check, fix)[1]).mean():.1f}" for check in checks)))
     show("Load error with another touch than fitted, 150 Ω, 20 N (%)", ("fitted for", *KINDS.values()), rows)
 
