@@ -106,8 +106,8 @@ BAD = {
     "a table too few": (cop4(config="short.toml"), "short.toml: the key 'load' is missing"),
     "a binary file": (cop4(config="in.npy"), "in.npy is not a TOML file"),
     "waves of a slip": (
-        ("run", "cop_slip", "--engine", "rtl", "--waves", "--out", "results"),
-        "no converter's pins to show",
+        ("run", "cop_slip", "--waves", "--out", "results"),
+        "--waves needs the rtl engine",
     ),
     "engine of a slip": (
         ("run", "cop_slip", "--engine", "warp", "--out", "results"),

@@ -196,6 +196,6 @@ def test_without_its_move_the_detector_takes_a_release_for_a_slip(tmp_path):
     assert rows["let go"]["false_alarms"] > 0 and rows["quickly"]["false_alarms"] > 0
 
 
-def test_waves_are_refused():
-    with pytest.raises(ValueError, match="no converter's pins to show"):
-        run.check(SCENE, "rtl", waves=True)
+def test_waves_are_refused_without_signals():
+    with pytest.raises(ValueError, match="--waves needs the rtl engine"):
+        run.check(SCENE, "fixed", waves=True)

@@ -3,24 +3,7 @@
 
 #include "Vmsn_cop4.h"
 #include "Vmsn_cop4___024root.h"
-#include "verilated.h"
-
-namespace {
-
-struct Core {
-  VerilatedContext context;
-  Vmsn_cop4 top{&context};
-
-  Core() { top.clk_i = 1; }
-
-  // One rising edge; see rtl_driver.cpp.
-  void clock() {
-    top.rootp->__Vtrigprevexpr___TOP__clk_i__0 = 0;
-    top.eval();
-  }
-};
-
-}  // namespace
+#include "core.hpp"
 
 extern "C" {
 
@@ -31,11 +14,13 @@ struct Cop4Registers {
 };
 
 // Send `count` samples [count][4] of `bits` bits, one whenever the core takes it. flags: pressed, over << 1,
-// saturated << 2, imbalance << 3, open << 4. Returns the clocks it took, or -1 if not one result per sample
-// came out.
+// saturated << 2, imbalance << 3, open << 4. The last `trace_samples` samples and what follows go to
+// `trace_path`, if there is one and the core was built for it. Returns the clocks it took, or -1 if not one
+// result per sample came out.
 int64_t cop4_run(const int32_t *codes, int64_t count, uint32_t bits, const Cop4Registers *registers,
-                 int16_t *x, int16_t *y, uint16_t *load, uint8_t *flags) {
-  Core core;
+                 int16_t *x, int16_t *y, uint16_t *load, uint8_t *flags, const char *trace_path,
+                 int64_t trace_samples, int64_t clk_khz) {
+  meissner::Core<Vmsn_cop4> core;
   auto &top = core.top;
   const uint32_t mask = (1u << bits) - 1;
   int64_t clocks = 0, done = 0;
@@ -83,6 +68,7 @@ int64_t cop4_run(const int32_t *codes, int64_t count, uint32_t bits, const Cop4R
     top.in_e4_i = static_cast<uint32_t>(codes[3]) & mask;
     bool taken;
     int waited = 0;
+    if (trace_path && count - sample == trace_samples) core.start_trace(trace_path, clk_khz);
     do {
       taken = top.in_ready_o;
       clock();

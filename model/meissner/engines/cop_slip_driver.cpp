@@ -3,24 +3,7 @@
 
 #include "Vmsn_cop_slip.h"
 #include "Vmsn_cop_slip___024root.h"
-#include "verilated.h"
-
-namespace {
-
-struct Core {
-  VerilatedContext context;
-  Vmsn_cop_slip top{&context};
-
-  Core() { top.clk_i = 1; }
-
-  // One rising edge; see rtl_driver.cpp.
-  void clock() {
-    top.rootp->__Vtrigprevexpr___TOP__clk_i__0 = 0;
-    top.eval();
-  }
-};
-
-}  // namespace
+#include "core.hpp"
 
 extern "C" {
 
@@ -29,10 +12,12 @@ struct CopSlipRegisters {
 };
 
 // Send `count` samples, one whenever the core takes it. moves: dx, dy [count][2]; flags: slip, raised << 1,
-// over << 2, octant << 3. Returns the clocks it took, or -1 if not one decision per sample came out.
+// over << 2, octant << 3. The trace is cop4_driver.cpp's. Returns the clocks it took, or -1 if not one
+// decision per sample came out.
 int64_t cop_slip_run(const int16_t *x, const int16_t *y, const uint16_t *load, const uint8_t *pressed,
-                     int64_t count, const CopSlipRegisters *registers, int32_t *moves, uint8_t *flags) {
-  Core core;
+                     int64_t count, const CopSlipRegisters *registers, int32_t *moves, uint8_t *flags,
+                     const char *trace_path, int64_t trace_samples, int64_t clk_khz) {
+  meissner::Core<Vmsn_cop_slip> core;
   auto &top = core.top;
   int64_t clocks = 0, done = 0;
   bool room = true;
@@ -67,6 +52,7 @@ int64_t cop_slip_run(const int16_t *x, const int16_t *y, const uint16_t *load, c
     top.in_pressed_i = pressed[sample];
     bool taken;
     int waited = 0;
+    if (trace_path && count - sample == trace_samples) core.start_trace(trace_path, clk_khz);
     do {
       taken = top.in_ready_o;
       clock();

@@ -9,8 +9,13 @@ import numpy as np
 from meissner.cop.cop4 import Cop4, Cop4Registers
 from meissner.cop.cop_slip import CopSlipRegisters, CopSlipResult
 from meissner.engines import verilated
+from meissner.engines.rtl_cop import TRACE_CLK_KHZ
 
 TERMS = 6
+TRACE_SAMPLES = 200
+
+
+_TRACE = (ctypes.c_char_p, ctypes.c_int64, ctypes.c_int64)
 
 
 class _Registers(ctypes.Structure):
@@ -21,18 +26,26 @@ class _Registers(ctypes.Structure):
 
 
 @cache
-def _open(sample_bits, correct):
+def _open(sample_bits, correct, trace=False):
     parameters = {"SampleBits": sample_bits, "Correct": int(correct)}
-    lib = ctypes.CDLL(str(verilated.library("msn_cop4", "cop4_driver.cpp", parameters)))
+    lib = ctypes.CDLL(str(verilated.library("msn_cop4", "cop4_driver.cpp", parameters, trace)))
     lib.cop4_run.restype = ctypes.c_int64
     pointer = ctypes.c_void_p
-    lib.cop4_run.argtypes = [pointer, ctypes.c_int64, ctypes.c_uint32, *[pointer] * 5]
+    lib.cop4_run.argtypes = [pointer, ctypes.c_int64, ctypes.c_uint32, *[pointer] * 5, *_TRACE]
     return lib
 
 
-def cop4(codes, config):
-    """``Cop4`` of codes [samples, 4] on the core that ``config`` (Cop4Config) asks for."""
-    lib = _open(config.sample_bits, config.terms is not None)
+def _traced(waves, count):
+    """The last arguments of a driver: the VCD file, its samples and its clock."""
+    return None if waves is None else str(waves).encode(), min(TRACE_SAMPLES, count), TRACE_CLK_KHZ
+
+
+def cop4(codes, config, waves=None):
+    """``Cop4`` of codes [samples, 4] on the core that ``config`` (Cop4Config) asks for.
+
+    ``waves``: path of a VCD file, which holds the last TRACE_SAMPLES samples.
+    """
+    lib = _open(config.sample_bits, config.terms is not None, waves is not None)
     codes = np.ascontiguousarray(codes, dtype=np.int32)
     values = {field.name: getattr(config.registers, field.name) for field in fields(Cop4Registers)}
     p = (0,) * TERMS if config.terms is None else config.terms.p
@@ -43,6 +56,7 @@ def cop4(codes, config):
     count = lib.cop4_run(
         *(codes.ctypes.data, len(codes), config.sample_bits, ctypes.byref(registers)),
         *(array.ctypes.data for array in (x, y, load, flags)),
+        *_traced(waves, len(codes)),
     )
     if count < 0:
         raise RuntimeError("the core did not give one result per sample")
@@ -57,18 +71,21 @@ class _SlipRegisters(ctypes.Structure):
 
 
 @cache
-def _open_slip(lag):
-    lib = ctypes.CDLL(str(verilated.library("msn_cop_slip", "cop_slip_driver.cpp", {"Lag": lag})))
+def _open_slip(lag, trace):
+    lib = ctypes.CDLL(str(verilated.library("msn_cop_slip", "cop_slip_driver.cpp", {"Lag": lag}, trace)))
     lib.cop_slip_run.restype = ctypes.c_int64
     pointer = ctypes.c_void_p
-    lib.cop_slip_run.argtypes = [*[pointer] * 4, ctypes.c_int64, *[pointer] * 3]
+    lib.cop_slip_run.argtypes = [*[pointer] * 4, ctypes.c_int64, *[pointer] * 3, *_TRACE]
     return lib
 
 
-def cop_slip(codes, config, lag, registers):
-    """``Cop4`` and ``CopSlipResult`` of codes [samples, 4]: msn_cop4, and msn_cop_slip on what it gave."""
+def cop_slip(codes, config, lag, registers, waves=None):
+    """``Cop4`` and ``CopSlipResult`` of codes [samples, 4]: msn_cop4, and msn_cop_slip on what it gave.
+
+    ``waves``: path of a VCD file, which holds msn_cop_slip's last TRACE_SAMPLES samples.
+    """
     found = cop4(codes, config)
-    lib, count = _open_slip(lag), len(found.x)
+    lib, count = _open_slip(lag, waves is not None), len(found.x)
     kinds = (np.int16, np.int16, np.uint16, np.uint8)
     sent = [
         np.ascontiguousarray(a, dtype=kind)
@@ -79,6 +96,7 @@ def cop_slip(codes, config, lag, registers):
     clocks = lib.cop_slip_run(
         *(array.ctypes.data for array in sent),
         *(count, ctypes.byref(values), moves.ctypes.data, flags.ctypes.data),
+        *_traced(waves, count),
     )
     if clocks < 0:
         raise RuntimeError("the core did not give one decision per sample")

@@ -6,20 +6,19 @@ import numpy as np
 
 from meissner import engines, report_cop_slip, scenes
 from meissner.cop.cop_slip import octants
-from meissner.run import finish, table
+from meissner.run import check_waves, finish, table
 from meissner.run.mesh import mismatches
 from meissner.run.truth import errors, percent, summarise
 from meissner.scenes.cop_slip import Pull
 from meissner.world.grip import FULL_SCALE_V
 
+AFTER_S = 0.02  # of waves.vcd after the flag
 BEFORE_S = 0.02  # of rest before the onset, what a fall and a move are measured from
 
 
 def check(scene, engine, waves):
     """ValueError with one sentence if this engine cannot run the scene."""
-    engines.load(engine)
-    if waves:
-        raise ValueError(f"--waves is not for {scene.name}: it has no converter's pins to show")
+    check_waves(engine, waves)
 
 
 def judge(recording, decisions):
@@ -140,7 +139,12 @@ def run(scene, engine, out, seed, waves, progress):
     rows = [_statistics(condition, verdicts[condition]) for condition in scene.conditions]
     every = [verdict for condition in scene.conditions for verdict in verdicts[condition]]
     first = verdicts[scene.conditions[0]][0]
-    recording = shown[scene.conditions[0]][0]
+    recording, *told = shown[scene.conditions[0]]
+    if waves:  # the shown run, to a little after its flag
+        flag_s = recording.time_s[-1] if first["flag_s"] is None else first["flag_s"]
+        part = slice(0, round((flag_s + AFTER_S) * scene.rate_hz))
+        seen = module.cop_slip(recording.codes[part], *settings, out / "waves.vcd")
+        wrong += mismatches(*([field[part] for one in pair for field in one] for pair in (seen, told)))
     summary = {
         "scene": scene.name,
         "engine": engine,

@@ -5,7 +5,7 @@ import time
 import numpy as np
 
 from meissner import engines, report_cop, scenes
-from meissner.run import finish, table
+from meissner.run import check_waves, finish, table
 from meissner.run.locus import circle
 from meissner.run.truth import errors, percent, summarise
 from meissner.scenes.mesh import CONVERTER
@@ -13,9 +13,7 @@ from meissner.scenes.mesh import CONVERTER
 
 def check(scene, engine, waves):
     """ValueError with one sentence if this engine cannot run the scene."""
-    engines.load(engine)
-    if waves:
-        raise ValueError(f"--waves is for slip scenes; {scene.name} has no converter's pins to show")
+    check_waves(engine, waves)
 
 
 def _response_s(recording, load):
@@ -66,6 +64,10 @@ def run(scene, engine, out, seed, waves, progress):
     samples = len(everything["x"])
     first = recordings[0]
     unused = [CONVERTER] if engine == "float" else []
+    if waves:  # the first r's samples up to the greatest load
+        part = slice(0, int(np.argmax(runs[0]["load"])) + 1)
+        seen = engines.load(engine).cop4(first.codes[part], first.config, out / "waves.vcd")
+        wrong += mismatches(seen, engines.load("fixed").cop4(first.codes[part], first.config))
     summary = {
         "scene": scene.name,
         "engine": engine,
