@@ -14,7 +14,9 @@ def check(scene, engine, waves, parts):
     for part in parts:
         engines.with_part(engine, part, PARTS[part])
     if waves:
-        raise ValueError(f"--waves is for slip scenes; {scene.name} has no converter's pins to show")
+        raise ValueError(
+            f"--waves is for scenes of slip and of plain arrays; {scene.name} has no converter's pins to show"
+        )
 
 
 class Chain:
