@@ -10,6 +10,9 @@ rtl/frontend/msn_adc_pkg.sv
 rtl/frontend/msn_spi_shift.sv
 rtl/frontend/msn_adc_store.sv
 rtl/frontend/msn_adc_spi.sv
+rtl/frontend/msn_scan_plan.sv
+rtl/frontend/msn_scan_buffer.sv
+rtl/frontend/msn_scan.sv
 rtl/slip/msn_haar.sv
 rtl/slip/msn_sliding_extremes.sv
 rtl/slip/msn_peak_to_peak.sv
