@@ -13,6 +13,7 @@ rtl/frontend/msn_adc_spi.sv
 rtl/frontend/msn_scan_plan.sv
 rtl/frontend/msn_scan_buffer.sv
 rtl/frontend/msn_scan.sv
+rtl/frontend/msn_scan_adc.sv
 rtl/slip/msn_haar.sv
 rtl/slip/msn_sliding_extremes.sv
 rtl/slip/msn_peak_to_peak.sv

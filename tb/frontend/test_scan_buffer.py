@@ -131,7 +131,7 @@ async def matches_model(dut, consumer):
         await run.tick()
     assert [beat[1:] for beat in run.beats] == expected
     assert bench.read(dut.dropped_o) == dropped
-    assert dropped > 0
+    assert dropped > 0 or (consumer == "ready" and twin.rows * twin.beats == 1)
     assert len(expected) > 0
 
 

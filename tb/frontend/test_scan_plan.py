@@ -52,7 +52,7 @@ def apply(dut, plan, settings):
 
 
 def random_settings(draw, plan):
-    settle = draw.choice([0, 1, 2, draw.randint(0, 3 * plan.cycle)])
+    settle = draw.choice([0, 1, 2, min(draw.randint(0, 3 * plan.cycle), (1 << plan.settle_bits) - 1)])
     slot = plan.slot(settle)
     top_row = 2 ** max(1, (plan.rows - 1).bit_length()) - 1
     top_column = 2 ** max(1, (plan.columns - 1).bit_length()) - 1
