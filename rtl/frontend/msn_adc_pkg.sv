@@ -199,8 +199,8 @@ package msn_adc_pkg;
     endcase
   endfunction
 
-  // Clocks from convert start to convert start in which every frame has ended, one without an answer too, and its
-  // samples have left to a consumer that is always ready.
+  // Clocks from convert start to convert start in which every frame has ended and its samples have left to a
+  // consumer that is always ready, and as many could stand in for one that is lost, which takes 4 clocks more.
   function automatic int unsigned cycle_clocks(int unsigned part, int unsigned channels, int unsigned lanes,
                                                int unsigned clk_khz, int unsigned half);
     int unsigned words;
@@ -217,9 +217,7 @@ package msn_adc_pkg;
       other        = (1 << watch_bits(part, clk_khz)) + channels + 4;
       if (other > cycle_clocks) cycle_clocks = other;
     end else begin
-      cycle_clocks = words * cs_clocks(part, half, 1) + 1;
-      other        = cycle_clocks - 2 * half + channels;  // the tagged parts' samples leave after the last word
-      if (has_tag(part) && other > cycle_clocks) cycle_clocks = other;
+      cycle_clocks = words * cs_clocks(part, half, 1) + (has_tag(part) ? channels + 4 : 1);
     end
   endfunction
 

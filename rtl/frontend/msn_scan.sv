@@ -7,7 +7,8 @@
 //
 // row_o is one-hot or all low; between two rows it is low for a clock. A conversion starts (trigger_o, a clock later
 // at the pins) exactly cfg_settle_i clocks after row_o and group_o changed. Each trigger must bring Channels samples
-// or a lost strobe from every converter, before the next; a lost converter's samples are 0 and marked in user.
+// from every converter before the next, or a lost strobe, Channels + 3 clocks before; then its samples are 0 and
+// marked in user.
 // Frames leave whole or not at all; so do slip rounds, on a stream of their own, id = slot*Channels + channel.
 // First sample in to out 4 clocks.   Model: model/meissner/frontend/scan.py
 

@@ -4,9 +4,9 @@ import random
 from dataclasses import dataclass
 
 import cocotb
-from cocotb.triggers import Timer, ValueChange
+from cocotb.triggers import Timer
 
-from parts.timing import PartModel, TimingViolation, now
+from parts.timing import PartModel, TimingViolation, changed, now
 
 
 @dataclass(frozen=True)
@@ -74,7 +74,7 @@ class Ad7606(PartModel):
 
     async def watch_reset(self):
         while True:
-            await ValueChange(self.reset)
+            await changed(self.reset)
             if int(self.reset.value):
                 self.reset_rose = now()
                 self.reset_fell = None
@@ -88,7 +88,7 @@ class Ad7606(PartModel):
 
     async def watch_convst(self):
         while True:
-            await ValueChange(self.convst)
+            await changed(self.convst)
             if int(self.convst.value):
                 self.least("t_convst_low", self.since(self.convst_fell))
                 self.least("t_cycle", self.since(self.convst_rose))
@@ -128,7 +128,7 @@ class Ad7606(PartModel):
 
     async def watch_cs(self):
         while True:
-            await ValueChange(self.cs_n)
+            await changed(self.cs_n)
             if int(self.cs_n.value) == 0:
                 if not int(self.sclk.value):
                     self.report(TimingViolation("mode: SCLK is low as CS falls"))
@@ -142,7 +142,7 @@ class Ad7606(PartModel):
 
     async def watch_sclk(self):
         while True:
-            await ValueChange(self.sclk)
+            await changed(self.sclk)
             if int(self.sclk.value):
                 self.rising()
             elif int(self.cs_n.value):

@@ -6,9 +6,8 @@ What the data sheet could be asked for and what is only remembered of it: docs/a
 from dataclasses import dataclass
 
 import cocotb
-from cocotb.triggers import ValueChange
 
-from parts.timing import PartModel, TimingViolation, now
+from parts.timing import PartModel, TimingViolation, changed, now
 
 # Registers that must have been written since power-up: mode control's reset, configuration, unipolar,
 # bipolar, range; each with the value that single-ended inputs against ground need.
@@ -65,7 +64,7 @@ class Max1112x(PartModel):
 
     async def watch_cs(self):
         while True:
-            await ValueChange(self.cs_n)
+            await changed(self.cs_n)
             if int(self.cs_n.value) == 0:
                 self.select()
             else:
@@ -112,14 +111,14 @@ class Max1112x(PartModel):
 
     async def watch_mosi(self):
         while True:
-            await ValueChange(self.mosi)
+            await changed(self.mosi)
             self.mosi_moved = now()
             if int(self.cs_n.value) == 0 and self.received and len(self.received) < 16:
                 self.least("t_dh", self.since(self.rose))
 
     async def watch_sclk(self):
         while True:
-            await ValueChange(self.sclk)
+            await changed(self.sclk)
             if int(self.cs_n.value):
                 if not int(self.sclk.value):  # a word that is broken off may end both at once
                     self.report(TimingViolation("mode: SCLK runs while CS is high"))

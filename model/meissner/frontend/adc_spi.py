@@ -150,11 +150,11 @@ class AdcSpi:
         return (self.channels - 1) * self.part.cs_clocks(self.half) + 12 * self.half + 1
 
     def cycle_clocks(self):
-        """Clocks between triggers in which every frame has ended, one without an answer too, and its
-        samples have left to a consumer that is always ready."""
+        """Clocks between triggers in which every frame has ended and its samples have left to a consumer that
+        is always ready, and as many could stand in for one that is lost, which takes 4 clocks more."""
         if self.part.has_busy:
             return max(self.safe_period(), self.watch_clocks + self.channels + 4)
-        return self.minimum_period()
+        return self.read_clocks() + (self.channels + 4 if self.part.tagged else 1)
 
     def latencies(self):
         """Per channel, clocks until its sample is offered, to a consumer that is always ready.
