@@ -20,6 +20,10 @@ rtl/frontend/msn_am_demod.sv
 rtl/frontend/msn_calibration_table.sv
 rtl/frontend/msn_calibrate.sv
 rtl/frontend/msn_tare.sv
+rtl/frontend/msn_scan_plan.sv
+rtl/frontend/msn_scan_buffer.sv
+rtl/frontend/msn_scan.sv
+rtl/frontend/msn_scan_adc.sv
 rtl/slip/msn_haar.sv
 rtl/slip/msn_sliding_extremes.sv
 rtl/slip/msn_peak_to_peak.sv
