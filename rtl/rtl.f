@@ -3,6 +3,7 @@ rtl/common/msn_delay.sv
 rtl/common/msn_frame_check.sv
 rtl/common/msn_frame_place.sv
 rtl/common/msn_frame_table.sv
+rtl/common/msn_skid.sv
 rtl/common/msn_sync.sv
 rtl/common/msn_compare.sv
 rtl/common/msn_times.sv
@@ -15,6 +16,7 @@ rtl/frontend/msn_adc_store.sv
 rtl/frontend/msn_adc_spi.sv
 rtl/frontend/msn_calibration_table.sv
 rtl/frontend/msn_calibrate.sv
+rtl/frontend/msn_health.sv
 rtl/frontend/msn_tare.sv
 rtl/slip/msn_haar.sv
 rtl/slip/msn_sliding_extremes.sv
