@@ -14,7 +14,7 @@
 //   clock  1       2           3            4         5       6
 //          sample  raw - held  moved, jump  counters  events  write
 //
-// Latency 1 clock; a beat a clock, 10 clocks between frames.   Model: model/meissner/frontend/health.py
+// Latency 1 clock; a beat a clock, 9 clocks between frames.   Model: model/meissner/frontend/health.py
 
 module msn_health #(
   parameter  int unsigned Rows       = 64,
@@ -124,8 +124,8 @@ module msn_health #(
     end
     if (accept && in_last_i) drain <= 3'(Drain);
     else if (drain != '0) drain <= drain - 1'b1;
-    clear_asked  <= cfg_clear_i || (clear_asked && !due);
-    report_asked <= cfg_report_i || (report_asked && !due);
+    clear_asked  <= (cfg_clear_i || clear_asked) && !(due && clear_asked);  // held high, it blocks nothing
+    report_asked <= (cfg_report_i || report_asked) && !(due && report_asked);
     if (due) begin
       fresh <= fresh || clear_asked;
       again <= again || report_asked;

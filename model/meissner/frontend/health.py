@@ -72,10 +72,12 @@ class Health:
     def clear(self):
         """Forget every fault before the next frame."""
         self._clear = True
+        self._settle()
 
     def report(self):
         """Send the events of all faults again with the next frame."""
         self._report = True
+        self._settle()
 
     def next(self, raw, over=None):
         """Masks, bool [frames, rows, columns], of whole frames, and the list of events of each.
@@ -87,7 +89,6 @@ class Health:
         masks, events = np.empty(raw.shape, dtype=bool), []
         everything = np.ones(raw.shape[1:], dtype=bool)
         for frame in range(len(raw)):
-            self._begin()
             masks[frame] = self._mask()
             events.append(self._learn(raw[frame], over[frame], everything, True))
         return masks, events
@@ -99,8 +100,7 @@ class Health:
 
     def beat(self, raw, over, id_, last):
         """One beat: (mask, id, last), or None if it does not pass, and the events of the frame it ends."""
-        if not self._midway:
-            self._begin()
+        self._midway = True
         place = self._place.next(id_, last)
         if place.fits:
             self._beats.append((raw, over))
@@ -110,12 +110,14 @@ class Health:
         events = self._end(place.whole) if last else []
         return ((mask, id_, place.last) if place.keep else None), events
 
-    def _begin(self):
+    def _settle(self):
+        """Commands are obeyed between frames only."""
+        if self._midway:
+            return
         if self._clear:
             self._fresh, self.dead, self.railed, self.blinking = True, 0, 0, 0
         self._again |= self._report
         self._clear = self._report = False
-        self._midway = True
 
     def _mask(self):
         return (self.faults != 0) & (not self._fresh)
@@ -198,6 +200,7 @@ class Health:
             self._bank, self._tick = other, (self._tick + 1) % 16
             self._fresh = self._again = False
         self._midway = False
+        self._settle()
         return events
 
     def _events(self, faults, loud, seen):
