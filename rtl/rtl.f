@@ -4,6 +4,7 @@ rtl/common/msn_frame_check.sv
 rtl/common/msn_frame_gate.sv
 rtl/common/msn_frame_place.sv
 rtl/common/msn_frame_table.sv
+rtl/common/msn_skid.sv
 rtl/common/msn_sync.sv
 rtl/common/msn_compare.sv
 rtl/common/msn_times.sv
@@ -19,6 +20,7 @@ rtl/frontend/msn_burst.sv
 rtl/frontend/msn_am_demod.sv
 rtl/frontend/msn_calibration_table.sv
 rtl/frontend/msn_calibrate.sv
+rtl/frontend/msn_health.sv
 rtl/frontend/msn_tare.sv
 rtl/frontend/msn_scan_plan.sv
 rtl/frontend/msn_scan_buffer.sv
