@@ -4,7 +4,7 @@ Each engine module has ``watch``: samples in, what the core says about every det
 which ``process_slip`` makes the arrays of ``meissner process slip``; and ``cop``: frames of forces in, the
 arrays of ``meissner process cop`` out. One that has ``cop4`` takes the electrodes of a mesh (its Solution)
 and gives x, y, load (N) and valid of each sample. One that has ``demodulate`` takes the samples of a
-carrier, and one that has ``calibrate`` codes that are not forces yet.
+Carrier, and one that has ``calibrate`` the codes of an array and its Calibration.
 """
 
 from dataclasses import dataclass
