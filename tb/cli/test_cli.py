@@ -321,6 +321,7 @@ def test_scenes_are_listed_one_line_each(tmp_path):
         "cop_load",
         "cop_one_point",
         "cop_six_random",
+        "cop_slip",
         "cop_two_point",
         "dense_1024",
         "dense_64",
@@ -384,13 +385,14 @@ def test_run_says_what_came_of_it(tmp_path):
     assert "position error, of the range -1 to 1: 0.322 % in the mean" in done.stdout
 
 
-def test_run_refuses_a_mesh_scene_on_an_engine_without_its_formula(tmp_path, engine="fixed"):
-    if hasattr(engines.load(engine), "cop4"):
-        pytest.skip(f"the engine {engine} has it")
-    done = meissner("run", "cop_load", "--engine", engine, "--out", "results", cwd=tmp_path)
-    assert done.returncode == 2 and done.stdout == ""
-    assert done.stderr == (
-        f"meissner: the engine {engine} has no four-electrode centre of pressure yet; run cop_load with "
-        "--engine float\n"
-    )
-    assert not (tmp_path / "results").exists()
+@pytest.mark.parametrize("engine", ["fixed", "rtl"])
+def test_run_a_mesh_scene_on_the_core(tmp_path, engine):
+    done = meissner("run", "cop_load", "--engine", engine, "--json", "--out", "results", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    summary = json.loads(done.stdout)
+    assert summary == json.loads((tmp_path / "results/summary.json").read_text())
+    assert summary["twin_mismatches"] == (0 if engine == "rtl" else None)
+    assert 0 < summary["position_error"]["mean"] < summary["position_error"]["maximum"] < 0.001
+    assert 0.1 < summary["load_error"]["maximum"] < 0.15
+    names = {path.name for path in (tmp_path / "results").iterdir()}
+    assert names == {"summary.json", "result.npz", "report.html", "cop_load.png"}

@@ -97,14 +97,6 @@ def test_process_cop_of_codes(engine):
     assert all(np.array_equal(result[name], expected[name]) for name in expected)
 
 
-def test_an_engine_without_calibration_says_so(monkeypatch):
-    monkeypatch.delattr(engines.load("float"), "calibrate")
-    codes, force_n = recording()
-    says = "the engine float has no calibration yet: take --engine fixed or rtl"
-    with pytest.raises(ValueError, match=says):
-        engines.process_cop(codes, "float", 1, fit(codes, force_n)[0])
-
-
 def test_every_form_of_a_recording_says_the_same():
     shape = (9, 2, 2)
     each = np.arange(9.0)

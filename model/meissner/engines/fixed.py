@@ -2,8 +2,10 @@
 
 import numpy as np
 
+from meissner.cop import cop4 as electrodes
 from meissner.cop.cop_accumulate import moments
 from meissner.cop.cop_divide import cop_divide
+from meissner.cop.cop_slip import CopSlip
 from meissner.engines import Watched, moving_of_details
 from meissner.frontend.calibrate import forces as calibrated
 from meissner.slip.haar import haar
@@ -59,6 +61,17 @@ def cop(forces, min_load=1):
     return {"sum": sums[0], "mx": sums[1], "my": sums[2], "x": x, "y": y, "valid": valid}
 
 
+def cop4(codes, config):
+    """``Cop4`` of codes [samples, 4]; ``config``: Cop4Config."""
+    return electrodes.cop4(codes, config.registers, config.sample_bits, config.terms)
+
+
+def cop_slip(codes, config, lag, registers):
+    """``Cop4`` and ``CopSlipResult`` of codes [samples, 4]; ``registers``: CopSlipRegisters."""
+    found = cop4(codes, config)
+    return found, CopSlip(lag, registers).process(found.x, found.y, found.load, found.pressed)
+
+
 def demodulate(samples, carrier):
     """Amplitudes [...] of carriers [..., samples]; ``carrier``: meissner.engines.Carrier."""
     return carrier.block.amplitude(np.asarray(samples)[..., carrier.skip :], carrier.shift)[0]
@@ -66,5 +79,5 @@ def demodulate(samples, carrier):
 
 def calibrate(codes, calibration):
     """Forces of codes; ``calibration``: meissner.calibration.Calibration."""
-    lines = calibration
-    return calibrated(codes, lines.offset, lines.gain, lines.gain_shift, mask=lines.dead)
+    offset, gain, dead = calibration.offset, calibration.gain, calibration.dead
+    return calibrated(codes, offset, gain, calibration.gain_shift, mask=dead)

@@ -14,7 +14,7 @@ import numpy as np
 from meissner import report
 from meissner.files import written
 
-_MODULES = {"rubber": "slip", "array": "cop"}  # every other sensor has a module of its name
+_MODULES = {"rubber": "slip", "array": "cop", "grip": "cop_slip"}  # the others have the sensor's name
 
 
 def _module(scene):
