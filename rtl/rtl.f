@@ -23,6 +23,10 @@ rtl/cop/msn_cop.sv
 rtl/cop/msn_cop4_correct.sv
 rtl/cop/msn_cop4.sv
 rtl/cop/msn_cop_slip.sv
+rtl/link/msn_crc32.sv
+rtl/link/msn_cobs.sv
+rtl/link/msn_uart_tx.sv
+rtl/link/msn_uart_rx.sv
 rtl/link/msn_registers.sv
 rtl/link/msn_axil.sv
 rtl/msn_core.sv
