@@ -98,6 +98,7 @@ TABLE = {
     "packet-64x64": ("msn_packet", {}, None, "ecp5"),
     "packet-fingertip": ("msn_packet", {"SlipDepth": 16, "Taxels": 0}, None, "ecp5 up5k"),
     "bridge": ("msn_bridge", {}, None, "ecp5 up5k"),
+    "link-64x64": ("msn_link", {}, None, "ecp5"),
     "cop4": ("msn_cop4", {}, 17, "ecp5 up5k"),
     "cop_slip": ("msn_cop_slip", {}, 4, "ecp5 up5k"),
     "cop4-turn1": ("msn_cop4", {"BitsPerClock": 1}, 25, "ecp5 up5k"),
