@@ -2,7 +2,7 @@
 
     python tools/fuzz_link.py [STRINGS]     default 1,000,000
 
-Stops with an error if it crashes, takes longer than a second over a string, or gives a packet that was not sent.
+Stops with an error if it crashes, needs more than a second for a string, or gives a packet that was not sent.
 """
 
 import sys
