@@ -12,6 +12,7 @@ rtl/common/msn_round_sat.sv
 rtl/common/msn_divide.sv
 rtl/common/msn_ratio.sv
 rtl/common/msn_hypot.sv
+rtl/common/msn_fifo.sv
 rtl/frontend/msn_adc_pkg.sv
 rtl/frontend/msn_spi_shift.sv
 rtl/frontend/msn_adc_store.sv
@@ -37,6 +38,15 @@ rtl/cop/msn_cop_array.sv
 rtl/cop/msn_cop4_correct.sv
 rtl/cop/msn_cop4.sv
 rtl/cop/msn_cop_slip.sv
+rtl/link/msn_crc32.sv
+rtl/link/msn_packet_slip.sv
+rtl/link/msn_image_store.sv
+rtl/link/msn_packet.sv
+rtl/link/msn_cobs.sv
+rtl/link/msn_uart_tx.sv
+rtl/link/msn_uart_rx.sv
+rtl/link/msn_bridge.sv
+rtl/link/msn_link.sv
 rtl/link/msn_registers.sv
 rtl/link/msn_axil.sv
 rtl/msn_core.sv

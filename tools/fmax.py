@@ -113,6 +113,16 @@ TABLE = {
     "cop4-13-turn1": ("msn_cop4", {"SampleBits": 13, "BitsPerClock": 1}, 25, "up5k"),
     "cop4-correct": ("msn_cop4", {"Correct": 1}, 37, "ecp5"),
     "cop4_correct": ("msn_cop4_correct", {}, 8, "ecp5"),
+    "packet_slip": ("msn_packet_slip", {"P2pBits": 14}, None, "ecp5 up5k"),
+    "cobs-18": ("msn_cobs", {"MaxBytes": 18}, None, "ecp5 up5k"),
+    "cobs": ("msn_cobs", {}, None, "ecp5 up5k"),
+    "uart_tx-1M": ("msn_uart_tx", {}, None, "ecp5 up5k"),
+    "uart_tx-3M": ("msn_uart_tx", {"ClkHz": 25000000, "BaudHz": 3000000}, None, "ecp5 up5k"),
+    "uart_rx-3M": ("msn_uart_rx", {"ClkHz": 25000000, "BaudHz": 3000000}, None, "ecp5 up5k"),
+    "packet-64x64": ("msn_packet", {}, None, "ecp5"),
+    "packet-fingertip": ("msn_packet", {"SlipDepth": 16, "Taxels": 0}, None, "ecp5 up5k"),
+    "bridge": ("msn_bridge", {}, None, "ecp5 up5k"),
+    "link-64x64": ("msn_link", {}, None, "ecp5"),
 }
 
 
