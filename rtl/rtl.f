@@ -19,14 +19,15 @@ rtl/frontend/msn_adc_store.sv
 rtl/frontend/msn_adc_spi.sv
 rtl/frontend/msn_burst.sv
 rtl/frontend/msn_am_demod.sv
-rtl/frontend/msn_calibration_table.sv
-rtl/frontend/msn_calibrate.sv
-rtl/frontend/msn_health.sv
-rtl/frontend/msn_tare.sv
 rtl/frontend/msn_scan_plan.sv
 rtl/frontend/msn_scan_buffer.sv
 rtl/frontend/msn_scan.sv
 rtl/frontend/msn_scan_adc.sv
+rtl/frontend/msn_scan_demod.sv
+rtl/frontend/msn_health.sv
+rtl/frontend/msn_tare.sv
+rtl/frontend/msn_calibration_table.sv
+rtl/frontend/msn_calibrate.sv
 rtl/slip/msn_haar.sv
 rtl/slip/msn_sliding_extremes.sv
 rtl/slip/msn_peak_to_peak.sv
@@ -35,6 +36,7 @@ rtl/cop/msn_cop_accumulate.sv
 rtl/cop/msn_cop_divide.sv
 rtl/cop/msn_cop.sv
 rtl/cop/msn_cop_array.sv
+rtl/cop/msn_array.sv
 rtl/cop/msn_cop4_correct.sv
 rtl/cop/msn_cop4.sv
 rtl/cop/msn_cop_slip.sv
