@@ -15,6 +15,7 @@ import pytest
 from cocotb.triggers import ReadOnly, RisingEdge
 
 import bench
+from meissner.budget.array import terms
 from meissner.cop.array import Array
 from meissner.frontend.adc_spi import AD7606, MAX11125, MCP3208, PARTS
 from meissner.frontend.health import Limits
@@ -259,6 +260,7 @@ async def codes_at_the_pins_become_the_models_centre_of_pressure_in_its_time(dut
         f"compute {steps['compute'] * us:.2f} us, first convert to result {totals[0] * us:.2f} us"
     )
     assert set(totals) == {steps["total"]}, (set(totals), steps)
+    assert sum(terms(twin, SETTLE, **given)[0].values()) == steps["total"]
     assert set(np.diff(starts)) == {steps["frame"]}
     if twin.scan.part is AD7606:
         assert steps["total"] * us < 1000, "the millisecond is spent"

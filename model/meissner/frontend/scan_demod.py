@@ -37,6 +37,8 @@ class ScanDemod:
             raise ValueError(f"converters = {self.converters} must be 1, 2, 4 or 8")
         if self.periods < 1:
             raise ValueError(f"periods = {self.periods} must be at least 1")
+        if self.skip < 0:
+            raise ValueError(f"skip = {self.skip} must not be negative")
         cycle = self.adc.cycle_clocks()
         if self.sample_period < cycle:
             raise ValueError(
