@@ -115,6 +115,7 @@ module msn_adc_spi #(
   logic [WatchBits-1:0]  watch_q;  // clocks spent waiting for BUSY
   logic [WordBits-1:0]   word_q;   // back at 0 after the last word of a frame or of the setup
   logic                  drop_q;   // this frame is dropped
+  logic                  over_q;   // a sample was sent with out_user_o
   logic                  ready_q;  // the part has been reset or set up
   logic                  bad_q;    // an answer of this frame bore another channel's number
   logic                  busy, busy_q;
@@ -173,7 +174,9 @@ module msn_adc_spi #(
 
     mistagged_o <= mistagged_o + 32'(frame_end && bad_q && !drop_q);
 
-    over_range_o <= over_range_o + 32'(out_valid_o && out_ready_i && out_user_o);
+    // A clock late: the way from the samples to the sum is long.
+    over_q       <= out_valid_o && out_ready_i && out_user_o;
+    over_range_o <= over_range_o + 32'(over_q);
 
     if (rst_i) begin
       state_q      <= NeedsStart ? Reset : Idle;
@@ -189,6 +192,7 @@ module msn_adc_spi #(
       overrun_o    <= '0;
       timeout_o    <= '0;
       mistagged_o  <= '0;
+      over_q       <= 1'b0;
       over_range_o <= '0;
     end
   end
