@@ -38,8 +38,8 @@ module msn_adc_spi #(
   output logic                         adc_reset_o,
 
   output logic                         ready_o,       // the part has been reset or set up
-  output logic                         convert_o,     // CONVST rises (without CONVST: CS falls) with this strobe
-  output logic                         lost_o,        // strobe: a tick brings no samples (one for two at once)
+  output logic                         convert_o,     // strobe: CONVST rises (without CONVST: CS falls)
+  output logic                         lost_o,        // strobe: a tick brings no samples (one for two)
 
   output logic                         out_valid_o,
   input  logic                         out_ready_i,
@@ -119,7 +119,8 @@ module msn_adc_spi #(
   logic                  ready_q;  // the part has been reset or set up
   logic                  bad_q;    // an answer of this frame bore another channel's number
   logic                  busy, busy_q;
-  logic                  enable, tick, frame, give_up, read, done, word, word_last, frame_end, pending, bad, lost;
+  logic                  enable, tick, frame, give_up, read, done, word, word_last, frame_end;
+  logic                  pending, bad, lost;
   logic [StartBits-1:0]  start_q;
   logic [Lanes*KeptBits-1:0] kept;
   logic [Lanes*DataBits-1:0] data;
