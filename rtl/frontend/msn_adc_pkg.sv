@@ -62,7 +62,7 @@ package msn_adc_pkg;
   function automatic logic [15:0] setup_word(int unsigned part, logic [2:0] index);
     case (index)
       3'd0:    setup_word = 16'h0040;  // mode control: all registers back to their defaults
-      3'd1:    setup_word = 16'h8000;  // configuration: external reference, no averaging, always powered, no echo
+      3'd1:    setup_word = 16'h8000;  // configuration: external reference, no average, always on, no echo
       3'd2:    setup_word = 16'h8800;  // unipolar: every input single-ended, against ground
       3'd3:    setup_word = 16'h9000;  // bipolar: none
       default: setup_word = 16'h9800;  // range: as without bipolar inputs

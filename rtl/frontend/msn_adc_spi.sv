@@ -38,8 +38,8 @@ module msn_adc_spi #(
   output logic                         adc_reset_o,
 
   output logic                         ready_o,       // the part has been reset or set up
-  output logic                         convert_o,     // CONVST rises (without CONVST: CS falls) with this strobe
-  output logic                         lost_o,        // strobe: a tick brings no samples (one for two at once)
+  output logic                         convert_o,     // strobe: CONVST rises (without CONVST: CS falls)
+  output logic                         lost_o,        // strobe: a tick brings no samples (one for two)
 
   output logic                         out_valid_o,
   input  logic                         out_ready_i,
@@ -115,10 +115,12 @@ module msn_adc_spi #(
   logic [WatchBits-1:0]  watch_q;  // clocks spent waiting for BUSY
   logic [WordBits-1:0]   word_q;   // back at 0 after the last word of a frame or of the setup
   logic                  drop_q;   // this frame is dropped
+  logic                  over_q;   // a sample was sent with out_user_o
   logic                  ready_q;  // the part has been reset or set up
   logic                  bad_q;    // an answer of this frame bore another channel's number
   logic                  busy, busy_q;
-  logic                  enable, tick, frame, give_up, read, done, word, word_last, frame_end, pending, bad, lost;
+  logic                  enable, tick, frame, give_up, read, done, word, word_last, frame_end;
+  logic                  pending, bad, lost;
   logic [StartBits-1:0]  start_q;
   logic [Lanes*KeptBits-1:0] kept;
   logic [Lanes*DataBits-1:0] data;
@@ -173,7 +175,9 @@ module msn_adc_spi #(
 
     mistagged_o <= mistagged_o + 32'(frame_end && bad_q && !drop_q);
 
-    over_range_o <= over_range_o + 32'(out_valid_o && out_ready_i && out_user_o);
+    // A clock late: the way from the samples to the sum is long.
+    over_q       <= out_valid_o && out_ready_i && out_user_o;
+    over_range_o <= over_range_o + 32'(over_q);
 
     if (rst_i) begin
       state_q      <= NeedsStart ? Reset : Idle;
@@ -189,6 +193,7 @@ module msn_adc_spi #(
       overrun_o    <= '0;
       timeout_o    <= '0;
       mistagged_o  <= '0;
+      over_q       <= 1'b0;
       over_range_o <= '0;
     end
   end

@@ -10,7 +10,7 @@
 // from every converter before the next, or a lost strobe, Channels + 3 clocks before; then its samples are 0 and
 // marked in user.
 // Frames leave whole or not at all; so do slip rounds, on a stream of their own, id = slot*Channels + channel.
-// First sample in to out 4 clocks.   Model: model/meissner/frontend/scan.py
+// First sample in to out 5 clocks.   Model: model/meissner/frontend/scan.py
 
 module msn_scan #(
   parameter  int unsigned Rows       = 16,
@@ -77,7 +77,7 @@ module msn_scan #(
   output logic [47:0]                      slip_time_o,
 
   output logic [31:0]                      dropped_o,      // frames: the one before was not taken yet
-  output logic [31:0]                      overrun_o,      // frame ticks: the frame before was not converted yet
+  output logic [31:0]                      overrun_o,      // frame ticks: the frame before was not done
   output logic [31:0]                      held_o,         // clocks the scan waited for room in the buffer
   output logic [31:0]                      lost_o,         // conversions in which a converter did not answer
   output logic [31:0]                      slip_dropped_o,
@@ -204,6 +204,20 @@ module msn_scan #(
   assign wanted      = beat_q && !done_slip && 32'(place) >= 32'(first_beat) && 32'(place) <= 32'(last_beat);
   assign frame_first = done_first && 32'(place) == 32'(first_beat);
 
+  logic             wanted_q, frame_first_q, slip_q, round_first_q;
+  logic [Width-1:0] beat_data_q2;
+  always_ff @(posedge clk_i) begin
+    wanted_q      <= wanted;
+    frame_first_q <= frame_first;
+    slip_q        <= beat_q && done_slip;
+    round_first_q <= done_first && channel_q2 == '0;
+    beat_data_q2  <= beat_data_q;
+    if (rst_i) begin
+      wanted_q <= 1'b0;
+      slip_q   <= 1'b0;
+    end
+  end
+
   // Number and time of the frame or round at hand, and of the one that leaves.
   logic        trigger_q;
   logic [31:0] frame_q, round_q;
@@ -247,14 +261,14 @@ module msn_scan #(
   msn_scan_buffer #(.Rows(Rows), .Beats(Beats), .Burst(Channels), .Width(Width), .Depth(Depth)) u_frames (
     .clk_i,
     .rst_i,
-    .in_valid_i     (wanted),
-    .in_first_i     (frame_first),
+    .in_valid_i     (wanted_q),
+    .in_first_i     (frame_first_q),
     .in_interleave_i(frame_interleave),
     .in_last_row_i  (rows),
     .in_last_beat_i (beats),
     .in_id_i        (first_id),
     .in_skip_i      (skip),
-    .in_data_i      (beat_data_q),
+    .in_data_i      (beat_data_q2),
     .room_o         (room),
     .out_valid_o,
     .out_ready_i,
@@ -269,14 +283,14 @@ module msn_scan #(
   msn_scan_buffer #(.Rows(1), .Beats(SlipSlots * Channels), .Burst(Channels), .Width(Width)) u_slip (
     .clk_i,
     .rst_i,
-    .in_valid_i     (beat_q && done_slip),
-    .in_first_i     (done_first && channel_q2 == '0),
+    .in_valid_i     (slip_q),
+    .in_first_i     (round_first_q),
     .in_interleave_i(1'b0),
     .in_last_row_i  (1'b0),
     .in_last_beat_i (SlipIdBits'(SlipSlots * Channels - 1)),
     .in_id_i        ('0),
     .in_skip_i      ('0),
-    .in_data_i      (beat_data_q),
+    .in_data_i      (beat_data_q2),
     .room_o         (unused_room),
     .out_valid_o    (slip_valid_o),
     .out_ready_i    (slip_ready_i),

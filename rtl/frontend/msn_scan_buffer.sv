@@ -52,7 +52,7 @@ module msn_scan_buffer #(
     $fatal(1, "msn_scan_buffer: Width = %0d must be at least 1", Width);
   end
   if (!Sorts && (Depth < 4 * Burst || (Depth & (Depth - 1)) != 0)) begin : gen_check_depth
-    $fatal(1, "msn_scan_buffer: Depth = %0d must hold a frame, or be a power of two of 4 bursts or more", Depth);
+    $fatal(1, "msn_scan_buffer: Depth = %0d must hold a frame, or be 2^n of 4 bursts or more", Depth);
   end
 
   // What the frame at hand is like.

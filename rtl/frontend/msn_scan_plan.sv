@@ -26,14 +26,14 @@ module msn_scan_plan #(
   localparam int unsigned Beats      = (Columns + Lanes - 1) / Lanes,
   localparam int unsigned BeatBits   = msn_pkg::index_width(Beats),
   localparam int unsigned Groups     = (Beats + Channels - 1) / Channels,
-  parameter  int unsigned GroupBits  = msn_pkg::index_width(Groups),  // more: places beside the array, for slip
+  parameter  int unsigned GroupBits  = msn_pkg::index_width(Groups),  // more: places beside the array
   localparam int unsigned SlotBits   = msn_pkg::index_width(SlipSlots)
 ) (
   input  logic                               clk_i,
   input  logic                               rst_i,
 
   input  logic                               cfg_enable_i,
-  input  logic [SettleBits-1:0]              cfg_settle_i,  // clocks from row and column lines to convert start
+  input  logic [SettleBits-1:0]              cfg_settle_i,  // clocks from the lines to convert start
   input  logic [PeriodBits-1:0]              cfg_period_i,
   input  logic                               cfg_interleave_i,
   input  logic [RowBits-1:0]                 cfg_first_row_i,
@@ -81,7 +81,7 @@ module msn_scan_plan #(
     $fatal(1, "msn_scan_plan: Channels = %0d must lie in 1 .. 8", Channels);
   end
   if (Groups > 1 && (Channels & (Channels - 1)) != 0) begin : gen_check_groups
-    $fatal(1, "msn_scan_plan: Channels = %0d must be 1, 2, 4 or 8: a row takes %0d conversions", Channels, Groups);
+    $fatal(1, "msn_scan_plan: Channels = %0d must be 1, 2, 4 or 8 for %0d groups", Channels, Groups);
   end
   if (Hold < 2) begin : gen_check_hold
     $fatal(1, "msn_scan_plan: Hold = %0d must be at least 2", Hold);

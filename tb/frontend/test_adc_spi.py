@@ -65,7 +65,7 @@ class Harness:
         )
         pins = [dut.adc_cs_n_o, dut.adc_sclk_o]
         codes = Codes(self.twin.part.data_bits)
-        for name in "rst cfg_enable trigger out_ready adc_miso adc_busy clk".split():
+        for name in ["rst", "cfg_enable", "trigger", "out_ready", "adc_miso", "adc_busy", "clk"]:
             getattr(dut, f"{name}_i").value = int(name == "rst")
         dut.cfg_period_i.value = 1
         if self.twin.part is MCP3208:
@@ -519,8 +519,8 @@ async def tag_of_another_channel_loses_the_frame(dut, spoilt, asleep):
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def tag_shows_a_part_that_lost_its_setup(dut):
-    """The supply dips: the registers are gone. That frame is lost and the next ticks are counted while the part
-    is set up again. What was asked of the part before that was against its rules."""
+    """The supply dips: the registers are gone. That frame is lost and the next ticks are counted while the
+    part is set up again. What was asked of the part before that was against its rules."""
     reports = []
     harness = Harness(dut, report=reports.append)
     await harness.start()
@@ -550,7 +550,7 @@ async def triggers_start_conversions(dut):
     await harness.start(1)  # the period, which must not matter
     draw = random.Random(bench.SEED)
     cycle = harness.twin.cycle_clocks()
-    triggers, early = [], 0
+    triggers, _early = [], 0
     for gap in [cycle] * 6 + [cycle + draw.randint(0, 50) for _ in range(10)] + [7, cycle - 7, 1, cycle]:
         dut.trigger_i.value = 1
         triggers.append(harness.clock + 1)
@@ -584,7 +584,9 @@ async def hold_is_over_when_the_last_channel_was_sampled(dut):
     channels = harness.twin.channels
     if harness.twin.part.has_busy:
         return  # all are sampled as CONVST rises
-    begins = [next(n for n, entry in enumerate(harness.part.conversions) if entry[2] >= t) for t in harness.times]
+    begins = [
+        next(n for n, entry in enumerate(harness.part.conversions) if entry[2] >= t) for t in harness.times
+    ]
     for time, begin in zip(harness.times, begins):
         last = harness.part.conversions[begin + channels - 1 + harness.twin.part.tagged]
         assert 0 < hold - (last[2] - time) <= 1.01 * clock_ns

@@ -1,13 +1,14 @@
 """msn_scan with a matrix and converters that know what they may see.
 
-The matrix watches its lines in every clock: never two rows at once, and a converter that starts sees its taxel
-only if row and group have been still for exactly the settle time (else the test fails), and they stay so for the
-hold time. Every taxel has a value of its own in every frame. Converters answer as late and as unevenly as their
-cycle allows, and now and then not at all. Beats, ids, numbers and time stamps against the twin, over array
-sizes, regions, orders, mixed rates, stalls and sleep on both streams, settle 0 and maximum, over-range on every
-sample, reset in the middle of a frame.
+The matrix watches its lines in every clock: never two rows at once, and a converter that starts sees
+its taxel only if row and group have been still for exactly the settle time (else the test fails), and
+they stay so for the hold time. Every taxel has a value of its own in every frame. Converters answer as
+late and as unevenly as their cycle allows, and now and then not at all. Beats, ids, numbers and time
+stamps against the twin, over array sizes, regions, orders, mixed rates, stalls and sleep on both
+streams, settle 0 and maximum, over-range on every sample, reset in the middle of a frame.
 """
 
+import itertools
 import random
 
 import cocotb
@@ -45,7 +46,7 @@ class Matrix:
         self.lines = (None, None)
         self.still = 0  # the clock since which the lines are as they are
         self.free = 0  # the clock from which they may change
-        self.triggers = []  # (clock at the pins, row or None, group, {(channel, lane): (value, over) or None})
+        self.triggers = []  # (clock at the pins, row or None, group, {(channel, lane): ..})
         self.coming = [[] for _ in range(self.twin.lanes)]  # per lane (clock from which offered, value, user)
         self.losing = [[] for _ in range(self.twin.lanes)]  # per lane clocks of a lost strobe
         self.beats, self.slip_beats = [], []
@@ -55,7 +56,9 @@ class Matrix:
 
     def value(self, row, column):
         """Another code for every taxel and conversion."""
-        seed = (len(self.triggers) * 1_000_003 + (BESIDE if row is None else row) * 1009 + column) * 2654435761
+        seed = (
+            len(self.triggers) * 1_000_003 + (BESIDE if row is None else row) * 1009 + column
+        ) * 2654435761
         bits = self.twin.sample_bits
         return (seed >> 7) % (1 << bits) - (1 << bits - 1)
 
@@ -65,8 +68,10 @@ class Matrix:
         twin = self.twin
         settled = self.clock - self.still
         # The same place again, or no row: the lines may have been so for longer.
-        still = row is None or bool(self.triggers) and self.triggers[-1][1:3] == self.lines
-        assert settled == self.settings.settle or still and settled > self.settings.settle, f"settled {settled}"
+        still = row is None or (bool(self.triggers) and self.triggers[-1][1:3] == self.lines)
+        assert settled == self.settings.settle or (still and settled > self.settings.settle), (
+            f"settled {settled}"
+        )
         self.free = self.clock + twin.hold
         codes = {}
         number = len(self.triggers)
@@ -74,7 +79,11 @@ class Matrix:
         latest = self.clock + twin.cycle - twin.channels - 6
         for lane in range(twin.lanes):
             lost = self.draw.random() < self.lose
-            at = self.clock + 1 if not self.uneven else self.draw.randint(self.clock + 1, max(self.clock + 1, latest))
+            at = (
+                self.clock + 1
+                if not self.uneven
+                else self.draw.randint(self.clock + 1, max(self.clock + 1, latest))
+            )
             if lost:
                 self.losing[lane].append(at)
             for channel in range(twin.channels):
@@ -174,7 +183,7 @@ class Matrix:
         return data, user
 
     def expected(self, order):
-        """Frames and rounds as they should leave: [(first clock at the pins, beats)], from what was converted.
+        """Frames and rounds as they should leave: [(first clock at the pins, beats)].
 
         ``order``: (slip, first) of each conversion, from the plan's twin.
         """
@@ -244,7 +253,7 @@ async def every_taxel_is_read_settled_and_in_its_place(dut):
             frames, _ = matrix.check()
             assert len(frames) >= 3
             # The last frame against the taxels themselves, by the twin's layout.
-            clock, codes = frames[-1]
+            clock, _codes = frames[-1]
             samples = np.zeros((twin.rows, twin.columns), dtype=np.int64)
             over = np.zeros(samples.shape, dtype=bool)
             for at, row, group, got in matrix.triggers:
@@ -256,7 +265,9 @@ async def every_taxel_is_read_settled_and_in_its_place(dut):
             beats = [beat[1:5] for beat in matrix.beats[-twin.rows * twin.beats :]]
             surplus = twin.beats * twin.lanes - twin.columns
             for beat, whole in zip(beats, twin.frame(samples, over), strict=True):
-                bits = twin.sample_bits * (twin.lanes - (surplus if beat[1] % twin.beats == twin.beats - 1 else 0))
+                bits = twin.sample_bits * (
+                    twin.lanes - (surplus if beat[1] % twin.beats == twin.beats - 1 else 0)
+                )
                 assert (beat[0] & (1 << bits) - 1, *beat[1:3]) == whole[:3]
                 assert twin.coordinates(beat[1])[0] < twin.rows
 
@@ -288,7 +299,9 @@ async def regions_orders_and_rates(dut):
             settings = Settings(**{**settings.__dict__, "period": 0})
         if 0 < settings.slip_period < (twin.slip_slots + 1) * twin.slot(settings.settle):
             continue
-        kinds = [("ready", "ready"), ("stalls", "stalls"), ("sleeps", "ready"), ("ready", "sleeps")][number % 4]
+        kinds = [("ready", "ready"), ("stalls", "stalls"), ("sleeps", "ready"), ("ready", "sleeps")][
+            number % 4
+        ]
         clocks = min(6000, START + 3 * twin.frame_clocks(settings.settle, settings.region))
         matrix = await scan(
             dut, settings, clocks, stall=stalls(kinds[0], draw), slip_stall=stalls(kinds[1], draw)
@@ -302,7 +315,7 @@ async def regions_orders_and_rates(dut):
 
 @cocotb.test(timeout_time=100, timeout_unit="ms")
 async def slip_rounds_are_exactly_periodic_at_the_pins(dut):
-    """A few places at a high rate while the array is scanned: convert starts one period apart, to the clock."""
+    """A few places at a high rate while the array is scanned: one period apart, to the clock."""
     twin = twin_of(dut)
     slot = twin.slot(3)
     period = (twin.slip_slots + 2) * slot + 5
@@ -314,7 +327,7 @@ async def slip_rounds_are_exactly_periodic_at_the_pins(dut):
     frames, rounds = matrix.check(lossless=False)
     starts = [clock for clock, _ in rounds]
     assert len(starts) >= rounds_wanted - 1
-    assert {b - a for a, b in zip(starts, starts[1:])} == {period}
+    assert {b - a for a, b in itertools.pairwise(starts)} == {period}
     assert len(frames) >= 2
     assert matrix.counts["slip_dropped"] == 0
 
@@ -382,7 +395,7 @@ async def largest_settle(dut):
 
 @cocotb.test(timeout_time=100, timeout_unit="ms")
 async def recovers_after_reset(dut):
-    """Reset in the middle of a frame, with beats inside and a conversion under way: lines low, then whole frames."""
+    """Reset in mid-frame, with beats inside and a conversion under way: lines low, then whole frames."""
     twin = twin_of(dut)
     draw = random.Random(bench.SEED)
     frame = twin.frame_clocks(1)

@@ -1,9 +1,13 @@
-"""msn_scan_adc at the pins: matrix, column multiplexer and part models that check every limit of the parts.
+"""msn_scan_adc at the pins: matrix, column multiplexer and part models that check every limit of the
+parts.
 
-A part that samples asks the matrix, which answers with the taxel that the lines select in that moment, and fails
-the test if they have not been still for the settle time. Every taxel has another code in every conversion. Each
-step's clocks against the twin; slip rounds at the pins without jitter; a part that fails in mid-frame.
+A part that samples asks the matrix, which answers with the taxel that the lines select in that moment,
+and fails the test if they have not been still for the settle time. Every taxel has another code in
+every conversion. Each step's clocks against the twin; slip rounds at the pins without jitter; a part
+that fails in mid-frame.
 """
+
+import itertools
 
 import cocotb
 import pytest
@@ -74,15 +78,15 @@ class Board:
 
     async def start(self):
         dut, twin = self.dut, self.twin
-        for name in "rst cfg_enable out_ready slip_ready adc_miso adc_busy now clk".split():
+        for name in ["rst", "cfg_enable", "out_ready", "slip_ready", "adc_miso", "adc_busy", "now", "clk"]:
             getattr(dut, f"{name}_i").value = int(name == "rst")
-        Line.driven = {}
+        driven = {}
         apply(dut, self.scan, self.settings)
         Clock(dut.clk_i, 1_000_000_000 // twin.clk_khz, unit="ps").start()
         await bench.clocks(dut, 3)
         self.parts = []
         for lane in range(twin.lanes):
-            pin = lambda name, lane=lane: Line(getattr(dut, f"adc_{name}"), lane)
+            pin = lambda name, lane=lane: Line(getattr(dut, f"adc_{name}"), lane, driven)
             code = lambda channel, time, lane=lane: self.code(lane, channel, time)
             if twin.part is MCP3208:
                 part = mcp3208.Mcp3208(pin("cs_n_o"), pin("sclk_o"), pin("mosi_o"), pin("miso_i"), code)
@@ -91,7 +95,7 @@ class Board:
                 part = ad7606.Ad7606(*pins, code, conversion_ns=CONVERSION_NS[min(lane, 1)])
             else:
                 pins = [pin(name) for name in ("cs_n_o", "sclk_o", "mosi_o", "miso_i")]
-                # The word before a frame samples too, whatever the lines do then: nobody reads that.
+                # A frame's first word samples too: nobody reads that.
                 part = max1112x.Max1112x(*pins, twin.part.data_bits, self.lenient(code))
             self.parts.append(part)
         await bench.clocks(dut, 3)
@@ -102,7 +106,7 @@ class Board:
         dut.cfg_enable_i.value = 1
 
     def lenient(self, code):
-        """``code``, but 0 where the part samples though nobody asked: a frame's first word, words of a setup."""
+        """``code``, but 0 where the part samples unasked: in a frame's first word, in words of a setup."""
         hold_ns = self.twin.adc.hold_clocks() * self.clock_ns
 
         def sample(channel, time):
@@ -169,7 +173,9 @@ class Board:
             for number, codes in groups[:-1]:  # the last may be under way
                 part = beats[at : at + len(codes)]
                 at += len(codes)
-                assert [(beat[2], beat[1], beat[4]) for beat in part] == [(i, *codes[i]) for i in sorted(codes)]
+                assert [(beat[2], beat[1], beat[4]) for beat in part] == [
+                    (i, *codes[i]) for i in sorted(codes)
+                ]
                 assert [beat[3] for beat in part] == [0] * (len(codes) - 1) + [1]
                 assert {beat[6] for beat in part} == {self.converts[number]}
         counters = ("dropped", "overrun", "held", "lost", "slip_dropped", "slip_overrun")
@@ -193,7 +199,7 @@ async def every_taxel_in_its_place_in_its_clock(dut, settle):
     settings = Settings(settle=settle, interleave=settle > 0)
     frame = twin.scan.frame_clocks(settle)
     made = await board(dut, settings, 2 * frame + 2 * twin.scan.slot(settle) + 40)
-    frames, _ = made.check()
+    _frames, _ = made.check()
     assert len(made.beats) >= 2 * twin.rows * twin.scan.beats
 
     steps = twin.latency(settle, conversion_ns=CONVERSION_NS[0])
@@ -221,7 +227,7 @@ async def slip_rounds_between_a_slow_frame(dut):
     _, rounds = made.check()
     starts = [made.converts[number] for number, _ in rounds]
     assert len(starts) >= 11
-    assert {b - a for a, b in zip(starts, starts[1:])} == {period}
+    assert {b - a for a, b in itertools.pairwise(starts)} == {period}
     assert len(made.beats) > 0
 
 

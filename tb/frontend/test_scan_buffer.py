@@ -1,8 +1,9 @@
-"""msn_scan_buffer against its twin: frames of every size and order through a consumer that stalls or sleeps.
+"""msn_scan_buffer against its twin: frames of every size and order through a consumer that stalls or
+sleeps.
 
-Whole frames or none: a frame is dropped exactly when a beat of the one before is left in the clock in which it
-begins, and counted. The clock in which each beat leaves; a ring smaller than a frame that is never overfilled
-when the sender heeds room_o; reset.
+Whole frames or none: a frame is dropped exactly when a beat of the one before is left in the clock in
+which it begins, and counted. The clock in which each beat leaves; a ring smaller than a frame that is
+never overfilled when the sender heeds room_o; reset.
 """
 
 import random
@@ -54,7 +55,14 @@ class Bench:
         dut.in_first_i.value = int(frame is not None)
         noise = random.getrandbits
         dut.in_data_i.value = word if word is not None else noise(len(dut.in_data_i))
-        _, rows, beats, first, skip, interleave = frame or (0, noise(8) + 1, noise(8) + 1, noise(8), noise(8), 1)
+        _, rows, beats, first, skip, interleave = frame or (
+            0,
+            noise(8) + 1,
+            noise(8) + 1,
+            noise(8),
+            noise(8),
+            1,
+        )
         for name, value in (
             ("interleave", interleave),
             ("last_row", rows - 1),

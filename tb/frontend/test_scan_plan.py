@@ -5,6 +5,7 @@ regions (also past the array and upside down) and slip rounds (that fit, fill al
 settle 0 and the maximum; registers that change while a frame runs; waiting for room; enable; reset.
 """
 
+import itertools
 import random
 
 import cocotb
@@ -63,7 +64,9 @@ def random_settings(draw, plan):
         )
     frame = plan.frame_clocks(settle, region)
     rounds = plan.slip_slots * slot
-    slip = draw.choice([0, rounds + slot, rounds + 2 * slot, rounds + 3 * slot + draw.randint(-1, 1), 7 * rounds])
+    slip = draw.choice(
+        [0, rounds + slot, rounds + 2 * slot, rounds + 3 * slot + draw.randint(-1, 1), 7 * rounds]
+    )
     return Settings(
         settle=settle,
         period=draw.choice([0, frame, frame + 1, frame - 1, 3 * frame, max(1, frame // 3)]),
@@ -87,7 +90,7 @@ async def begin(dut, plan, settings):
 async def watch(dut, clocks, at=None, action=None):
     """Switches and triggers of the next ``clocks`` clocks: [(clock, row, group)], [(clock, slip, first, ..)].
 
-    ``action`` is called at the beginning of clock ``at``. Ends in the clock after, where its values can be read.
+    ``action`` is called at the beginning of clock ``at``. Ends in the clock after, to read it.
     """
     switches, triggers = [], []
     told = None
@@ -121,7 +124,7 @@ def agree(plan, settings, clocks, switches, triggers):
 async def matches_model(dut):
     plan = twin_of(dut)
     draw = random.Random(bench.SEED)
-    for number in range(60):
+    for _number in range(60):
         settings = random_settings(draw, plan)
         await begin(dut, plan, settings)
         clocks = min(4000, 3 * plan.frame_clocks(settings.settle, settings.region) + 200)
@@ -136,7 +139,7 @@ async def matches_model(dut):
 
 @cocotb.test(timeout_time=100, timeout_unit="ms")
 async def slip_rounds_have_no_jitter(dut):
-    """Whatever the frames do, rounds that fit start exactly a period apart, and the frame gets all other slots."""
+    """Rounds that fit start exactly a period apart, and the frame gets all other slots."""
     plan = twin_of(dut)
     draw = random.Random(bench.SEED)
     for settle in (0, 3, plan.cycle):
@@ -150,7 +153,7 @@ async def slip_rounds_have_no_jitter(dut):
             _, triggers = await watch(dut, START + 8 * period)
             rounds = [clock for clock, slip, first, *_ in triggers if slip and first]
             assert len(rounds) >= 7
-            assert {b - a for a, b in zip(rounds, rounds[1:])} == {period}
+            assert {b - a for a, b in itertools.pairwise(rounds)} == {period}
             between = [clock for clock, slip, *_ in triggers if not slip and clock < rounds[6]]
             assert len(between) == 6 * (spare // slot)
             await RisingEdge(dut.clk_i)
@@ -174,7 +177,7 @@ async def largest_settle_and_no_settle(dut):
 
 @cocotb.test(timeout_time=100, timeout_unit="ms")
 async def registers_change_between_frames_only(dut):
-    """A region or order that changes inside a frame is the next frame's; settle and periods wait until off."""
+    """A region that changes inside a frame is the next frame's; settle and periods wait until off."""
     plan = twin_of(dut)
     draw = random.Random(bench.SEED)
     for _ in range(20):
@@ -199,7 +202,9 @@ async def registers_change_between_frames_only(dut):
 @cocotb.test(timeout_time=100, timeout_unit="ms")
 async def waits_for_room_and_counts_it(dut):
     plan = twin_of(dut)
-    settings = Settings(settle=2, slip_period=(plan.slip_slots + 3) * plan.slot(2), slip_places=((0, 0),) * plan.slip_slots)
+    settings = Settings(
+        settle=2, slip_period=(plan.slip_slots + 3) * plan.slot(2), slip_places=((0, 0),) * plan.slip_slots
+    )
     await begin(dut, plan, settings)
     dut.room_i.value = 0
     dut.cfg_enable_i.value = 1
@@ -257,7 +262,15 @@ BUILDS = [
     {"Rows": 1, "Columns": 1, "Channels": 1, "Cycle": 9, "SettleBits": 5},
     {"Rows": 3, "Columns": 3, "Channels": 3, "Cycle": 40, "Hold": 30, "SlipSlots": 2},
     {"Rows": 5, "Columns": 24, "Lanes": 2, "Channels": 4, "Cycle": 12, "SlipSlots": 3, "SettleBits": 8},
-    {"Rows": 16, "Columns": 16, "Channels": 8, "Cycle": 16, "GroupBits": 2, "SettleBits": 6, "PeriodBits": 16},
+    {
+        "Rows": 16,
+        "Columns": 16,
+        "Channels": 8,
+        "Cycle": 16,
+        "GroupBits": 2,
+        "SettleBits": 6,
+        "PeriodBits": 16,
+    },
     {"Rows": 6, "Columns": 17, "Lanes": 8, "Channels": 1, "Cycle": 9, "Hold": 9, "SettleBits": 9},
 ]
 

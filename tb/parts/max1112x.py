@@ -35,8 +35,8 @@ class Limits:
 class Max1112x(PartModel):
     """``code(channel, time_ns)`` gives the raw code of ``bits`` bits.
 
-    ``conversions`` keeps every sample taken: (channel or None before the first command, code, time). The first
-    of a frame answers whatever was asked last, so the master's frame of n channels holds n + 1 of them.
+    ``conversions`` keeps every sample taken: (channel or None before the first command, code, time). The
+    first of a frame answers what was asked last: the master's frame of n channels holds n + 1 of them.
     """
 
     def __init__(self, cs_n, sclk, mosi, miso, bits, code, limits=None, report=None):

@@ -18,12 +18,13 @@ def now():
 
 
 class Line:
-    """One bit of a vector of pins: a part among several on the same ports."""
+    """One bit of a vector of pins: a part among several on the same ports.
 
-    driven = {}  # what is driven on each input port, by its name
+    ``driven``: the same dict for all of them; it keeps what is driven on each input port.
+    """
 
-    def __init__(self, port, index):
-        self.port, self.index = port, index
+    def __init__(self, port, index, driven):
+        self.port, self.index, self.driven = port, index, driven
 
     def __len__(self):
         return 1

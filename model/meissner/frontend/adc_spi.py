@@ -142,7 +142,7 @@ class AdcSpi:
         return rest + len(self.part.setup) * self.part.cs_clocks(self.half) + 1
 
     def hold_clocks(self):
-        """Clocks from convert_o until no channel needs its input any more: what it measures may change then."""
+        """Clocks from convert_o until no channel needs its input any more, which may change then."""
         if self.part.has_busy:
             return clocks_of_ns(HOLD_NS, self.clk_khz) + 1
         if self.part.tagged:

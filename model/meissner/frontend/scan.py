@@ -10,10 +10,10 @@ import numpy as np
 
 from meissner.frontend import scan_buffer
 from meissner.frontend.scan_buffer import ScanBuffer
-from meissner.frontend.scan_plan import Region, ScanPlan
+from meissner.frontend.scan_plan import WHOLE, ScanPlan
 
 PIN_CLOCKS = 1  # from trigger_o to the converter's pin
-LATENCY = 1 + scan_buffer.LATENCY  # clocks from a sample's last lane in to its beat out
+LATENCY = 2 + scan_buffer.LATENCY  # clocks from a sample's last lane in to its beat out
 
 
 @dataclass(frozen=True)
@@ -27,22 +27,19 @@ class Scan(ScanPlan):
         super().__post_init__()
         if self.sample_bits < 2:
             raise ValueError(f"sample_bits = {self.sample_bits} must be at least 2")
-        self.buffer  # checks depth
-
-    @property
-    def buffer(self):
         width = self.lanes * (self.sample_bits + 1)
-        return ScanBuffer(self.rows, self.beats, self.channels, width, self.depth)
+        buffer = ScanBuffer(self.rows, self.beats, self.channels, width, self.depth)
+        object.__setattr__(self, "buffer", buffer)
 
     def column(self, group, channel, lane):
         """The column that lane ``lane``'s input ``channel`` sees in ``group``; it may be past the array."""
         return (group * self.channels + channel) * self.lanes + lane
 
-    def frame(self, samples, over, region=Region()):
+    def frame(self, samples, over, region=WHOLE):
         """The beats of a frame: (data, id, last, user) with data and user as the ports have them.
 
-        ``samples`` int [rows, columns], ``over`` bool [rows, columns]. Lanes past the last column are zeros here:
-        the block sends what their converters see, which means nothing.
+        ``samples`` int [rows, columns], ``over`` bool [rows, columns]. Lanes past the last column are zeros
+        here: the block sends what their converters see, which means nothing.
         """
         samples, over = np.asarray(samples, dtype=np.int64), np.asarray(over, dtype=bool)
         if samples.shape != (self.rows, self.columns) or over.shape != samples.shape:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from meissner.frontend import scan
 from meissner.frontend.adc_spi import AD7606, AdcSpi, Part
 from meissner.frontend.scan import Scan
-from meissner.frontend.scan_plan import Region
+from meissner.frontend.scan_plan import WHOLE
 
 
 @dataclass(frozen=True)
@@ -28,22 +28,18 @@ class ScanAdc:
     group_bits: int | None = None
 
     def __post_init__(self):
-        self.scan  # checks itself and the converter
-
-    @property
-    def adc(self):
-        return AdcSpi(self.part, self.channels, self.adc_lanes, self.clk_khz, self.sclk_khz, self.sample_bits, 1)
-
-    @property
-    def scan(self):
-        adc = self.adc
-        return Scan(
+        adc = AdcSpi(
+            *(self.part, self.channels, self.adc_lanes, self.clk_khz, self.sclk_khz, self.sample_bits, 1)
+        )
+        plan = Scan(
             *(self.rows, self.columns, self.lanes, self.channels, adc.hold_clocks(), adc.cycle_clocks()),
             *(self.slip_slots, self.settle_bits, self.period_bits, self.group_bits),
             *(self.sample_bits, self.depth),
         )
+        object.__setattr__(self, "adc", adc)
+        object.__setattr__(self, "scan", plan)
 
-    def latency(self, settle, region=Region(), conversion_ns=None):
+    def latency(self, settle, region=WHOLE, conversion_ns=None):
         """Clocks of each step, by name, with a consumer that is always ready and frames one after the other.
 
         ``conversion_ns``: what a part with BUSY takes, at the converter's pins; None: the longest.

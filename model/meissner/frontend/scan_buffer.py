@@ -1,4 +1,4 @@
-"""Twin of rtl/frontend/msn_scan_buffer.sv: beats in scan order to beats in row-major order, whole frames or none."""
+"""Twin of rtl/frontend/msn_scan_buffer.sv: frames in scan order to frames row-major, whole or not at all."""
 
 from dataclasses import dataclass
 

@@ -25,6 +25,9 @@ class Region:
         )
 
 
+WHOLE = Region()
+
+
 @dataclass(frozen=True)
 class Settings:
     """The registers of the block."""
@@ -32,7 +35,7 @@ class Settings:
     settle: int = 0  # clocks from the lines to convert start
     period: int = 0  # clocks from frame to frame; 0: one after the other
     interleave: bool = False  # rows 0, 2, 4 .., then 1, 3, 5 ..
-    region: Region = Region()
+    region: Region = WHOLE
     slip_period: int = 0  # clocks from round to round; 0: none
     slip_places: tuple = ((0, 0),)  # (row, group) of each slot; a row past the array: none is driven
 
@@ -110,7 +113,7 @@ class ScanPlan:
         region = region.cut(self.rows, self.columns)
         return region.first_column // self.lanes, region.last_column // self.lanes
 
-    def places(self, region=Region(), interleave=False):
+    def places(self, region=WHOLE, interleave=False):
         """(row, group) of a frame's conversions, in their order."""
         first, last = (beat // self.channels for beat in self.beat_range(region))
         region = region.cut(self.rows, self.columns)
@@ -118,7 +121,7 @@ class ScanPlan:
         rows = [*rows[::2], *rows[1::2]] if interleave else rows
         return [(row, group) for row in rows for group in range(first, last + 1)]
 
-    def frame_clocks(self, settle, region=Region()):
+    def frame_clocks(self, settle, region=WHOLE):
         """Clocks from a frame's first convert start to that of the next, without slip rounds."""
         return len(self.places(region)) * self.slot(settle)
 
