@@ -6,7 +6,8 @@
 
 A generated Verilog harness shifts every input of the block in through one pin and folds every output into
 one pin, with registers on both sides, so that neither the pin count nor pin timing matters. Its own cells
-are taken off the area. Results: a table, and build/fmax/fmax.json (entries not run keep their last result).
+are taken off the area. What an entry ties, an input at a number or an output left open (None), is not in the
+harness, so that synthesis folds it. Results: a table, and build/fmax/fmax.json (entries not run keep their last).
 """
 
 import argparse
@@ -53,7 +54,32 @@ def cop_entries():
             yield name, ("msn_cop", size | {"Pipelined": pipelined}, 3 + digits, targets)
 
 
-# Name: module, parameters, clocks of the latency quoted in ns (or None), targets.
+# One rubber sensor at 12 MHz, thresholds and times fixed when it is built, no counter read.
+SLIP1 = {"Channels": 1, "SampleBits": 13, "TimerBits": 10}
+SLIP1_TIED = {
+    "cfg_threshold_i": 23,
+    "cfg_gross_threshold_i": 200,
+    "cfg_contact_level_i": 7000,
+    "cfg_release_level_i": 7400,
+    "cfg_contact_rises_i": 0,
+    "cfg_hold_i": 100,
+    "cfg_refractory_i": 50,
+    "cfg_blank_i": 250,
+    "actuator_moving_i": 0,
+    "in_id_i": 0,
+    "in_last_i": 1,
+    **dict.fromkeys(("out_id_o", "out_last_o", "out_end_o", "damaged_o", "blanked_o")),
+}
+SLIP1_CORE_TIED = SLIP1_TIED | {
+    "cfg_adc_enable_i": 1,
+    "cfg_adc_period_i": 1200,
+    "adc_busy_i": 0,
+    "in_valid_i": 0,
+    "in_data_i": 0,
+    **dict.fromkeys(("adc_convst_o", "dropped_o", "overrun_o", "timeout_o", "over_range_o", "in_ready_o")),
+}
+
+# Name: module, parameters, clocks of the latency quoted in ns (or None), targets, what is tied (or nothing).
 LARGE = {"Rows": 1024, "Columns": 1024, "Lanes": 8}
 TABLE = {
     "slip-1024": ("msn_core", {"Channels": 1024}, 6, "ecp5 up5k"),
@@ -67,6 +93,14 @@ TABLE = {
         6,
         "up5k",
     ),
+    "slip1-parallel": (
+        "msn_core",
+        SLIP1 | {"Adc": 1, "ClkKhz": 12000, "SclkKhz": 2000, "PeriodBits": 11},
+        6,
+        "up5k",
+        SLIP1_CORE_TIED,
+    ),
+    "slip1-chain": ("msn_core", SLIP1, 6, "up5k", SLIP1_TIED),
     "cop_accumulate-64x64": ("msn_cop_accumulate", {"Rows": 64, "Columns": 64}, 2, "ecp5 up5k"),
     "cop_accumulate-1024x1024x8": ("msn_cop_accumulate", LARGE, 5, "ecp5"),
     "cop-1024x1024x8-q14-turn1": ("msn_cop", LARGE | {"BitsPerClock": 1}, 21, "ecp5"),
@@ -119,12 +153,17 @@ def ports(module, parameters, stem):
     return [(name, port["direction"], len(port["bits"])) for name, port in top["ports"].items()]
 
 
-def harness(module, parameters, found):
+def harness(module, parameters, tied, found):
     """Verilog text of the harness, and how many input and output bits it serves."""
-    inputs = [(n, bits) for n, direction, bits in found if direction == "input" and n != "clk_i"]
-    outputs = [(n, bits) for n, direction, bits in found if direction == "output"]
+    free = [(n, direction, bits) for n, direction, bits in found if n != "clk_i" and n not in tied]
+    inputs = [(n, bits) for n, direction, bits in free if direction == "input"]
+    outputs = [(n, bits) for n, direction, bits in free if direction == "output"]
     ins, outs = sum(bits for _, bits in inputs), sum(bits for _, bits in outputs)
     pins = ["    .clk_i(clk)"]
+    widths = {n: bits for n, _, bits in found}
+    for name, value in tied.items():
+        constant = "" if value is None else f"{widths[name]}'d{value % (1 << widths[name])}"
+        pins.append(f"    .{name}({constant})")
     for vector, group in (("in_q", inputs), ("out_d", outputs)):
         at = 0
         for name, bits in group:
@@ -153,9 +192,9 @@ endmodule
 
 def synthesise(name, target):
     """Synthesise entry ``name``; returns the netlist's stem and the harness's own area."""
-    module, parameters, _, _ = TABLE[name]
+    module, parameters, _, _, *tied = TABLE[name]
     stem = f"{OUT}/{name}-{target}"
-    text, ins, outs = harness(module, parameters, ports(module, parameters, stem))
+    text, ins, outs = harness(module, parameters, *(tied or [{}]), ports(module, parameters, stem))
     (ROOT / f"{stem}.v").write_text(text)
     script = f"{read_rtl()} {stem}.v; {TARGETS[target]['synth']} -top harness -json {stem}.json"
     tool("yosys", ["-p", script], f"{stem}.yosys.log")
@@ -182,7 +221,7 @@ def measure(name, target, seeds):
     runs = [place(stem, target, seed) for seed in seeds]
     mhz = [round(m, 2) for m, _ in runs]
     area = {short: used - own.get(short, 0) for short, used in runs[0][1].items()}
-    module, parameters, clocks, _ = TABLE[name]
+    module, parameters, clocks, *_ = TABLE[name]
     return {
         "name": name,
         "target": target,
