@@ -73,23 +73,27 @@ module msn_slip_serial #(
   assign keep   = in_last_i && !in_id_i && !dropping;
   assign forget = in_valid_i && in_ready_o && !keep;
 
-  // The address that is read runs a clock ahead of the bit that is worked on; its two top bits: pass 2, end.
-  logic [StepBits+1:0] ahead, at;
-  logic                run, start, finish, second, top;
-  assign start      = in_valid_i && keep && !run && !out_valid_o;
-  assign finish     = run && at[StepBits+1];
+  // The address that is read runs a clock ahead of the bit that is worked on; the top bit of both: pass 2.
+  logic [StepBits:0]   ahead, at;
+  logic [StepBits-1:0] next_bit;
+  logic                idle, start, finish, second, top;
+  assign next_bit   = ahead[StepBits-1:0];
   assign second     = at[StepBits];
   assign top        = &at[StepBits-1:0];
-  assign in_ready_o = finish || (!run && !out_valid_o && !keep);
+  assign start      = in_valid_i && keep && idle && !out_valid_o;
+  assign in_ready_o = finish || (idle && !out_valid_o && !keep);
 
   always_ff @(posedge clk_i) begin
-    at    <= ahead;
-    ahead <= ((run || start) && !finish) ? ahead + 1'b1 : '0;
-    run   <= start || (run && !finish);
+    at     <= ahead;
+    ahead  <= (finish || (idle && !start)) ? '0 : ahead + 1'b1;
+    finish <= top && second && !idle;
+    idle   <= finish || (idle && !start);
     if (in_valid_i && in_ready_o) dropping <= !in_last_i && !keep;
     if (rst_i) begin
+      at       <= '0;
       ahead    <= '0;
-      run      <= 1'b0;
+      finish   <= 1'b0;
+      idle     <= 1'b1;
       dropping <= 1'b0;
     end
   end
@@ -97,195 +101,170 @@ module msn_slip_serial #(
   // Which sample of its group this is, and which detail of its window.
   logic [Level-1:0]     member;
   logic [PlaceBits-1:0] place;
-  logic                 complete, first;
+  logic                 complete, decide, first;
   assign complete = &member;
-  assign first    = place == '0;
+  assign decide   = finish && complete;
   always_ff @(posedge clk_i) begin
-    if (finish) member <= member + 1'b1;
-    if (finish && complete) place <= place + 1'b1;
+    member <= member + Level'(finish);
+    if (decide) {first, place} <= {1'b0, place} + 1'b1;
     if (forget || rst_i) begin
       member <= '0;
       place  <= '0;
+      first  <= 1'b1;
     end
   end
 
-  // The columns: of each level the value before, the window's maximum and minimum, the timer.
-  (* no_rw_check, ram_style = "block" *) logic [Level+2:0] memory [Steps];
-  logic [Level+2:0] word, next_word, write;
-  always_ff @(posedge clk_i) word <= memory[ahead[StepBits-1:0]];
-  for (genvar column = 0; column < Level + 3; column++) begin : gen_column
-    always_ff @(posedge clk_i) begin
-      if (write[column]) memory[at[StepBits-1:0]][column] <= next_word[column];
-    end
-  end
+  // Is a number greater than another, from the lowest bit on: where two bits differ they decide. So are borrows.
+  // Not "if they differ": that becomes a clock enable, and a second table for each.
+  function automatic logic greater(logic a, logic b, logic so_far);
+    greater = (a && !b) || (so_far && (a || !b));
+  endfunction
 
-  // The present bit of what comes in from outside.
-  logic sample, threshold, gross_threshold, contact_level, release_level;
-  logic [Steps-1:0] samples, thresholds, gross_thresholds, contact_levels, release_levels;
+  // What comes in from outside, bit by bit. Pressing is asked for only without a contact, lifting only with one, so
+  // that one comparison serves both.
+  logic [2:0] next_state;
+  logic       was_slipping, touching, sample, limit, threshold, gross_threshold;
+  assign was_slipping = out_state_o == msn_pkg::Incipient || out_state_o == msn_pkg::Gross;
+  assign touching     = out_state_o == msn_pkg::Contact || was_slipping;
+
+  logic [Steps-1:0] samples, contact_levels, release_levels, thresholds, gross_thresholds;
   assign samples          = Steps'(in_data_i);
-  assign thresholds       = Steps'(cfg_threshold_i);
-  assign gross_thresholds = Steps'(cfg_gross_threshold_i);
   assign contact_levels   = Steps'(cfg_contact_level_i);
   assign release_levels   = Steps'(cfg_release_level_i);
-  assign sample           = samples[at[StepBits-1:0]];
-  assign threshold        = thresholds[at[StepBits-1:0]];
-  assign gross_threshold  = gross_thresholds[at[StepBits-1:0]];
-  assign contact_level    = contact_levels[at[StepBits-1:0]];
-  assign release_level    = release_levels[at[StepBits-1:0]];
+  assign thresholds       = Steps'(cfg_threshold_i);
+  assign gross_thresholds = Steps'(cfg_gross_threshold_i);
+  always_ff @(posedge clk_i) begin
+    sample          <= samples[next_bit];
+    limit           <= touching ? release_levels[next_bit] : contact_levels[next_bit];
+    threshold       <= thresholds[next_bit];
+    gross_threshold <= gross_thresholds[next_bit];
+  end
 
-  // The Haar levels. A level keeps what came before whenever all levels below it have a value.
+  // The Haar levels. A level keeps its value for the next one whenever all levels below it have one.
   logic restart;
-  assign restart = !run || top;
+  assign restart = idle || top;
   for (genvar l = 0; l < Level; l++) begin : gen_level
-    logic now, kept, sum, carry;
+    localparam logic [Level-1:0] Below = Level'((1 << l) - 1);
+    logic now, kept, sum, carry, keeps;
     if (l == 0) begin : gen_sample
       assign now = sample;
     end else begin : gen_total
       assign now = gen_level[l-1].sum;
     end
-    assign kept         = word[l];
-    assign sum          = kept ^ now ^ carry;
-    assign next_word[l] = now;
-    assign write[l]     = run && second && &(member | ~((Level)'((1 << l) - 1)));
-    always_ff @(posedge clk_i) carry <= !restart && ((kept && now) || (carry && (kept || now)));
+    assign keeps = second && (member & Below) == Below;
+    assign sum   = kept ^ now ^ carry;
+    (* no_rw_check, ram_style = "block" *) logic memory [Steps];
+    always_ff @(posedge clk_i) begin
+      kept  <= memory[next_bit];
+      carry <= !restart && greater(now, !kept, carry);
+      if (keeps) memory[at[StepBits-1:0]] <= now;
+    end
   end
   logic even, odd, total, detail, detail_borrow;
   assign even   = gen_level[Level-1].kept;
   assign odd    = gen_level[Level-1].now;
   assign total  = gen_level[Level-1].sum;
   assign detail = even ^ odd ^ detail_borrow;
+  always_ff @(posedge clk_i) detail_borrow <= !restart && greater(odd, even, detail_borrow);
+
+  // The window's maximum and minimum, and the timer; not in one memory, because for a write enable of each bit Yosys
+  // packs several words into a row and selects with tables.
+  logic high, low, new_high, new_low, count, next_count;
+  (* no_rw_check, ram_style = "block" *) logic [1:0] extremes_memory [Steps];
+  (* no_rw_check, ram_style = "block" *) logic timer_memory [Steps];
   always_ff @(posedge clk_i) begin
-    detail_borrow <= !restart && ((!even && odd) || (detail_borrow && (!even || odd)));
+    {high, low} <= extremes_memory[next_bit];
+    count       <= timer_memory[next_bit];
+    if (second && complete) extremes_memory[at[StepBits-1:0]] <= {new_high, new_low};
+    if (!idle && !finish && !second && complete) timer_memory[at[StepBits-1:0]] <= next_count;
   end
 
-  // Pass 1: comparisons of signed numbers. Where they differ, the higher bit decides; at the sign, the other way.
-  logic high, low, higher, lower, beyond_contact, beyond_release;
-  logic contact_great, contact_less, release_great, release_less;
-  assign high          = word[Level];
-  assign low           = word[Level+1];
-  assign contact_great = cfg_contact_rises_i ? contact_level : total;  // pressed unless great > less
-  assign contact_less  = cfg_contact_rises_i ? total : contact_level;
-  assign release_great = cfg_contact_rises_i ? release_level : total;  // lifted if great > less
-  assign release_less  = cfg_contact_rises_i ? total : release_level;
+  // Pass 1: comparisons of signed numbers, so at the sign the other way round.
+  logic higher, lower, beyond, rises;
+  assign rises = cfg_contact_rises_i;
   always_ff @(posedge clk_i) begin
     if (!second) begin
-      if (detail != high) higher <= detail ^ top;
-      if (detail != low)  lower  <= low ^ top;
-      if (contact_great != contact_less) beyond_contact <= contact_great ^ top;
-      if (release_great != release_less) beyond_release <= release_great ^ top;
+      higher <= greater(detail ^ top, high ^ top, higher);
+      lower  <= greater(low ^ top, detail ^ top, lower);
+      beyond <= greater((rises ? limit : total) ^ top, (rises ? total : limit) ^ top, beyond);
     end
-    if (!run) begin
-      higher         <= 1'b0;
-      lower          <= 1'b0;
-      beyond_contact <= 1'b0;
-      beyond_release <= 1'b0;
+    if (idle) begin
+      higher <= 1'b0;
+      lower  <= 1'b0;
+      beyond <= 1'b0;
     end
   end
 
   // Pass 2: the window's extremes, their difference, and the thresholds.
-  logic new_high, new_low, p2p, p2p_borrow, over, gross;
-  assign new_high           = (first || higher) ? detail : high;
-  assign new_low            = (first || lower) ? detail : low;
-  assign next_word[Level]   = new_high;
-  assign next_word[Level+1] = new_low;
-  assign write[Level]       = run && second && complete;
-  assign write[Level+1]     = run && second && complete;
-  assign p2p                = new_high ^ new_low ^ p2p_borrow;
+  logic             p2p, p2p_borrow, over, gross;
+  logic [Steps-1:0] p2p_q;
+  assign new_high  = (first || higher) ? detail : high;
+  assign new_low   = (first || lower) ? detail : low;
+  assign p2p       = new_high ^ new_low ^ p2p_borrow;
+  assign out_p2p_o = p2p_q[DetailBits-1:0];
   always_ff @(posedge clk_i) begin
-    p2p_borrow <= !restart && ((!new_high && new_low) || (p2p_borrow && (!new_high || new_low)));
-    if (p2p != threshold)       over  <= p2p;
-    if (p2p != gross_threshold) gross <= p2p;
-    if (!second && !at[StepBits+1]) begin
+    p2p_borrow <= !restart && greater(new_low, new_high, p2p_borrow);
+    over       <= greater(p2p, threshold, over);
+    gross      <= greater(p2p, gross_threshold, gross);
+    if (!second && !finish) begin
       over  <= 1'b0;
       gross <= 1'b0;
     end
+    if (second) p2p_q <= {p2p, p2p_q[Steps-1:1]};
   end
 
-  // The timer counts up from minus a register's value, so that "still running" is its sign. At each detail it
-  // takes the step that the detail before asked for; only one time runs in any state, so one timer does.
-  typedef enum logic [1:0] {
-    Tick,
-    LoadHold,
-    LoadRefractory,
-    LoadBlank
-  } timer_step_e;
-  timer_step_e timer_step_q, timer_step_d;
-  logic        running, tick_carry, count, next_count;
-  logic        [Steps-1:0] holds, refractories, blanks;
+  // The timer counts up from minus a register's value, so that "still running" is its sign. A detail that loads it
+  // leaves that, and the step of 1 otherwise, to the next one's pass 1. Only one time runs in any state: hold in
+  // slips and in Release, blank or refractory in Contact.
+  logic             running, tick_carry, load, next_load, load_bit, blanking, next_blanking;
+  logic [Steps-1:0] holds, refractories, blanks;
   assign holds        = '0 - Steps'(cfg_hold_i);
   assign refractories = '0 - Steps'(cfg_refractory_i);
   assign blanks       = '0 - Steps'(cfg_blank_i);
-  assign count        = word[Level+2];
-  always_comb begin
-    case (timer_step_q)
-      LoadHold:       next_count = holds[at[StepBits-1:0]];
-      LoadRefractory: next_count = refractories[at[StepBits-1:0]];
-      LoadBlank:      next_count = blanks[at[StepBits-1:0]];
-      default:        next_count = count ^ tick_carry;
-    endcase
-  end
-  assign next_word[Level+2] = next_count;
-  assign write[Level+2]     = run && complete && !second && !finish;
+  assign next_count   = load ? load_bit : count ^ tick_carry;
   always_ff @(posedge clk_i) begin
-    tick_carry <= run ? (tick_carry && count) : running;
+    if (was_slipping || !touching) load_bit <= holds[next_bit];
+    else load_bit <= blanking ? blanks[next_bit] : refractories[next_bit];
+    tick_carry <= idle ? running : (tick_carry && count);
     if (complete && top && !second) running <= next_count;
   end
 
   // The state, as in msn_slip.
-  logic [2:0] next_state;
-  logic       blanking, next_blanking, was_slipping, touching, pressed, lifted, counts;
-  assign was_slipping = out_state_o == msn_pkg::Incipient || out_state_o == msn_pkg::Gross;
-  assign touching     = out_state_o == msn_pkg::Contact || was_slipping;
-  assign pressed      = !beyond_contact;
-  assign lifted       = beyond_release;
-
+  logic counts, slipping, acts;
+  assign acts = over && !actuator_moving_i;
   always_comb begin
     next_state    = out_state_o;
-    next_blanking = blanking;
-    timer_step_d  = Tick;
+    next_load     = beyond || !running;
+    next_blanking = !was_slipping;
     counts        = 1'b0;
-    if (touching && lifted) begin
-      next_state   = msn_pkg::Release;
-      timer_step_d = LoadHold;
+    if (touching && beyond) begin
+      next_state = msn_pkg::Release;
     end else if (was_slipping) begin
-      counts = over && actuator_moving_i;
-      if (over && !actuator_moving_i) begin
-        timer_step_d = LoadHold;
-        if (gross) next_state = msn_pkg::Gross;
-      end else if (!running) begin
-        next_state    = msn_pkg::Contact;
-        timer_step_d  = LoadRefractory;
-        next_blanking = 1'b0;
-      end
+      counts    = over && actuator_moving_i;
+      next_load = acts || !running;
+      if (acts && gross) next_state = msn_pkg::Gross;
+      if (!acts && !running) next_state = msn_pkg::Contact;
     end else if (touching) begin
-      counts = over && (actuator_moving_i || (blanking && running));
-      if (over && !actuator_moving_i && !running) begin
-        next_state   = gross ? msn_pkg::Gross : msn_pkg::Incipient;
-        timer_step_d = LoadHold;
-      end
-    end else if (pressed) begin
-      next_state    = msn_pkg::Contact;
-      timer_step_d  = LoadBlank;
-      next_blanking = 1'b1;
-    end else if (!(out_state_o == msn_pkg::Release && running)) begin
-      next_state = msn_pkg::None;
+      counts        = over && (actuator_moving_i || (blanking && running));
+      next_load     = acts && !running;
+      next_blanking = blanking;
+      if (next_load) next_state = gross ? msn_pkg::Gross : msn_pkg::Incipient;
+    end else begin
+      next_load = !beyond || !running;
+      if (!beyond) next_state = msn_pkg::Contact;
+      else if (out_state_o == msn_pkg::None || !running) next_state = msn_pkg::None;
     end
   end
-
-  logic             slipping;
-  logic [Steps-1:0] p2p_q;
-  assign out_p2p_o = p2p_q[DetailBits-1:0];
   assign slipping = next_state == msn_pkg::Incipient || next_state == msn_pkg::Gross;
 
   always_ff @(posedge clk_i) begin
-    if (second) p2p_q <= {p2p, p2p_q[Steps-1:1]};
-    out_valid_o <= (finish && complete) || (out_valid_o && !out_ready_i);
-    if (finish && complete) begin
+    out_valid_o <= decide || (out_valid_o && !out_ready_i);
+    if (decide) begin
       out_state_o  <= next_state;
       out_raised_o <= slipping && !was_slipping;
       out_over_o   <= over;
       out_end_o    <= &place;
-      timer_step_q <= timer_step_d;
+      load         <= next_load;
       blanking     <= next_blanking;
       if (counts) blanked_o <= blanked_o + 1'b1;
     end

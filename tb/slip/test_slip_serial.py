@@ -63,7 +63,7 @@ async def check(dut, twin, x, stall_rate=0.0, **given):
     decided = twin.next(x, **given)
     pause = bench.pauses(stall_rate)
     given.pop("moving", None)
-    got = await bench.stream(dut, beats_of(x, **given), FIELDS, pause, pause, drain=300, hold=True)
+    got = await bench.stream(dut, beats_of(x, **given), FIELDS, pause, pause, drain=80, hold=True)
     for index, (is_, should) in enumerate(zip(got, rows(decided))):
         assert is_ == should, f"detail {index} with {twin.config}"
     assert len(got) == len(decided["state"])
@@ -82,7 +82,7 @@ async def matches_model(dut, rises, stall_rate):
         twin = usual(dut, rises, **dict(zip(("hold", "refractory", "blank"), timers)))
         await bench.reset(dut)
         await apply(dut, twin)
-        decided = await check(dut, twin, recording(rng, 700, rises), stall_rate)
+        decided = await check(dut, twin, recording(rng, 500, rises), stall_rate)
         seen |= set(decided["state"])
     assert seen == set(State)
 
@@ -94,8 +94,8 @@ async def samples_and_thresholds_use_every_bit(dut):
     bits = dut.SampleBits.value.to_unsigned()
     low, high = bench.width(bits + dut.Level.value.to_unsigned())
     rng = np.random.default_rng(bench.SEED + 1)
-    x = bench.extremes_then_random(rng, 1, 200, bits)[0]
-    x = np.concatenate([x, rng.choice([*bench.width(bits), -1, 0], 200)])
+    x = bench.extremes_then_random(rng, 1, 80, bits)[0]
+    x = np.concatenate([x, rng.choice([*bench.width(bits), -1, 0], 80)])
     for threshold, gross, contact, release in (
         (high + 1, 2 * high, low, low),
         (high, high + 1, 0, 0),
@@ -146,7 +146,7 @@ async def timers_reach_their_top_bit(dut):
         twin = usual(dut, **dict(zip(("hold", "refractory", "blank"), times)))
         await bench.reset(dut)
         await apply(dut, twin)
-        await check(dut, twin, recording(np.random.default_rng(bench.SEED), 1500))
+        await check(dut, twin, recording(np.random.default_rng(bench.SEED), 800))
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
@@ -188,7 +188,7 @@ async def starts_anew_after_damage(dut, stall_rate):
     await bench.start(dut, actuator_moving_i=0)
     await apply(dut, twin)
     rng = np.random.default_rng(bench.SEED + 2)
-    x = recording(rng, 1500)
+    x = recording(rng, 900)
     wrong = np.repeat(rng.random(len(x) // 3) < 0.03, 3)
     decided = await check(
         dut,
@@ -208,7 +208,7 @@ async def recovers_after_reset_at_every_clock_of_a_sample(dut):
     await bench.start(dut, actuator_moving_i=0)
     await apply(dut, twin)
     rng = np.random.default_rng(bench.SEED + 3)
-    first, second = recording(rng, 61), recording(rng, 80)
+    first, second = recording(rng, 7), recording(rng, 30)
     for late in range(twin.clocks + 2):
         await bench.stream(dut, beats_of(first), FIELDS, drain=1, hold=True)
         beat = beats_of([-77])[0]
