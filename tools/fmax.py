@@ -6,8 +6,9 @@
 
 A generated Verilog harness shifts every input of the block in through one pin and folds every output into
 one pin, with registers on both sides, so that neither the pin count nor pin timing matters. Its own cells
-are taken off the area. What an entry ties, an input at a number or an output left open (None), is not in the
-harness, so that synthesis folds it. Results: a table, and build/fmax/fmax.json (entries not run keep their last).
+are taken off the area. What an entry ties, an input at a number or an output left open (None), is not in
+the harness, so that synthesis folds it. Results: a table, and build/fmax/fmax.json (entries not run keep
+their last result).
 """
 
 import argparse
@@ -43,6 +44,22 @@ TARGETS = {
 }
 
 
+def demod_entries():
+    """msn_am_demod with a 12-bit converter, up to 64 periods: its forms and samples per period."""
+    size = {"SampleBits": 13}
+    for name, form, samples, clocks in (
+        ("rectifier-4", 0, 4, 12),
+        ("rectifier-16", 0, 16, 12),
+        ("iq-4", 1, 4, 73),
+        ("iq-16", 1, 16, 88),
+        ("iq-fast-4", 2, 4, 15),
+        ("iq-fast-16", 2, 16, 15),
+    ):
+        setting = size | {"Form": form, "SamplesPerPeriod": samples}
+        yield f"am_demod-{name}", ("msn_am_demod", setting, clocks, "ecp5 up5k")
+    yield "am_demod-iq-4x8", ("msn_am_demod", size | {"Lanes": 8}, 500, "ecp5")
+
+
 def cop_entries():
     """msn_cop over fraction bits and bits a clock, pipelined too at Q2.14: speed, accuracy and area."""
     for bits, pipelined in ((4, 0), (14, 0), (20, 0), (14, 1)):
@@ -56,6 +73,7 @@ def cop_entries():
 
 # One rubber sensor at 12 MHz, thresholds and times fixed when it is built, no counter read.
 SLIP1 = {"Channels": 1, "SampleBits": 13, "TimerBits": 10}
+MCP3208_PIN = {"Adc": 1, "ClkKhz": 12000, "SclkKhz": 2000, "PeriodBits": 11}
 SLIP1_TIED = {
     "cfg_threshold_i": 23,
     "cfg_gross_threshold_i": 200,
@@ -93,24 +111,32 @@ TABLE = {
         6,
         "up5k",
     ),
-    "slip1-parallel": (
-        "msn_core",
-        SLIP1 | {"Adc": 1, "ClkKhz": 12000, "SclkKhz": 2000, "PeriodBits": 11},
-        6,
-        "up5k",
-        SLIP1_CORE_TIED,
-    ),
-    "slip1-chain": ("msn_core", SLIP1, 6, "up5k", SLIP1_TIED),
+    "slip1": ("msn_core", SLIP1 | MCP3208_PIN | {"Serial": 1}, 34, "up5k", SLIP1_CORE_TIED),
+    "slip1-parallel": ("msn_core", SLIP1 | MCP3208_PIN, 6, "up5k", SLIP1_CORE_TIED),
+    "slip1-path": ("msn_core", SLIP1 | {"Serial": 1}, 34, "up5k", SLIP1_TIED),
+    "slip1-path-parallel": ("msn_core", SLIP1, 6, "up5k", SLIP1_TIED),
+    **dict(demod_entries()),
     "cop_accumulate-64x64": ("msn_cop_accumulate", {"Rows": 64, "Columns": 64}, 2, "ecp5 up5k"),
     "cop_accumulate-1024x1024x8": ("msn_cop_accumulate", LARGE, 5, "ecp5"),
     "cop-1024x1024x8-q14-turn1": ("msn_cop", LARGE | {"BitsPerClock": 1}, 21, "ecp5"),
     "cop-1024x1024x8-q14-turn2": ("msn_cop", LARGE, 14, "ecp5"),
     **dict(cop_entries()),
-    "cop4": ("msn_cop4", {}, 17, "ecp5 up5k"),
-    "cop_slip": ("msn_cop_slip", {}, 4, "ecp5 up5k"),
-    "cop4-turn1": ("msn_cop4", {"BitsPerClock": 1}, 25, "ecp5 up5k"),
-    "cop4-correct": ("msn_cop4", {"Correct": 1}, 36, "ecp5"),
-    "cop4_correct": ("msn_cop4_correct", {}, 7, "ecp5"),
+    "cop_array-64x64": ("msn_cop_array", {"Rows": 64, "Columns": 64}, 14, "ecp5"),
+    "cop_array-32x32": ("msn_cop_array", {"Rows": 32, "Columns": 32}, 14, "ecp5 up5k"),
+    "cop_array-1024x1024x8": (
+        "msn_cop_array",
+        LARGE | {"RowColumn": 1, "GainShift": 24, "BitsPerClock": 1},
+        25,
+        "ecp5",
+    ),
+    # The small part's eight multipliers are of 16 bits: samples of 17 would take twelve.
+    "cop4": ("msn_cop4", {}, 17, "ecp5"),
+    "cop4-13": ("msn_cop4", {"SampleBits": 13}, 17, "ecp5 up5k"),
+    "cop_slip": ("msn_cop_slip", {}, 5, "ecp5 up5k"),
+    "cop4-turn1": ("msn_cop4", {"BitsPerClock": 1}, 25, "ecp5"),
+    "cop4-13-turn1": ("msn_cop4", {"SampleBits": 13, "BitsPerClock": 1}, 25, "up5k"),
+    "cop4-correct": ("msn_cop4", {"Correct": 1}, 37, "ecp5"),
+    "cop4_correct": ("msn_cop4_correct", {}, 8, "ecp5"),
 }
 
 

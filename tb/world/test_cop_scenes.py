@@ -32,7 +32,8 @@ def centre(frames):
 def test_the_scenes_are_there():
     assert set(ARRAYS) == {"walk_25x5", "dense_64", "dense_1024", "cop_circle", "plantar_step"}
     assert set(MESHES) == {"cop_two_point", "cop_load", "cop_six_random", "cop_one_point", "cop_impulse"}
-    assert set(scenes.names()) == {*ARRAYS, *MESHES, *scenes.names("rubber")}
+    others = [name for sensor in ("rubber", "capacitive", "fsr") for name in scenes.names(sensor)]
+    assert set(scenes.names()) == {*ARRAYS, *MESHES, *others}
 
 
 @pytest.mark.parametrize("name", ARRAYS)

@@ -4,7 +4,7 @@ import numpy as np
 import pywt
 from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
-from meissner.engines import COP_ONE, Watched, moving_of_details
+from meissner.engines import COP_ONE, MAX_CODE, MAX_FORCE, Watched, moving_of_details
 from meissner.slip.slip import Slip
 
 # p2p of integer samples is an integer; rounding in the transform must not decide a comparison.
@@ -113,6 +113,20 @@ def cop(forces, min_load=1):
         "y": position(my, rows),
         "valid": valid,
     }
+
+
+def demodulate(samples, carrier):
+    """Amplitudes [...] of carriers [..., samples]: the Fourier sum at the carrier, times the block's gain."""
+    x = np.asarray(samples, dtype=np.float64)[..., carrier.skip :]
+    turn = np.exp(-2j * np.pi * np.arange(x.shape[-1]) / carrier.block.samples_per_period)
+    amplitude = 2 / x.shape[-1] * np.abs(x @ turn)
+    return np.minimum(np.floor(amplitude * carrier.code_per_lsb + 0.5), MAX_CODE).astype(np.int64)
+
+
+def calibrate(codes, calibration):
+    """Forces of codes in float64, in which every product and sum of these integers is exact."""
+    force = (codes - calibration.offset.astype(float)) * calibration.gain / 2.0**calibration.gain_shift
+    return np.where(calibration.dead, 0.0, np.clip(np.floor(force + 0.5), 0.0, float(MAX_FORCE)))
 
 
 def cop4(solution):

@@ -35,7 +35,7 @@ def between(where, table, limits):
 
 def one_of(where, key, value, allowed):
     if value not in allowed:
-        raise ValueError(f"{where}: {key} = '{value}' must be one of: {', '.join(allowed)}")
+        raise ValueError(f"{where}: {key} = '{value}' must be one of: {', '.join(map(str, allowed))}")
 
 
 def numbers(where, key, values, count=None, least=float("-inf"), most=float("inf")):
