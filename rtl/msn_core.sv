@@ -21,7 +21,7 @@ module msn_core #(
   parameter  int unsigned Window     = 64,  // samples
   parameter  int unsigned Hop        = 64,  // samples
   parameter  int unsigned TimerBits  = 16,
-  parameter  bit          Serial     = 1'b0,  // the slip path of one channel a bit a clock, in a third of the cells
+  parameter  bit          Serial     = 1'b0,  // one channel, a bit a clock: a quarter of the cells
   localparam int unsigned IdBits     = msn_pkg::index_width(Channels),
   localparam int unsigned DetailBits = SampleBits + Level
 ) (

@@ -110,8 +110,8 @@ async def stream(dut, beats, fields, gaps=None, stalls=None, drain=40, count=Non
     ``fields``: output field names; a beat out is a dict of field: int (signed if the name ends in "~").
     Ends when every beat was taken and ``drain`` ready clocks passed with nothing coming out, or after
     ``count`` beats. The payload is driven to a wrong value while not valid, so that nobody samples it
-    then. While the block is stalled, valid and data must hold. ``hold``: what was offered stays so until it is
-    taken; otherwise an offer may be withdrawn.
+    then. While the block is stalled, valid and data must hold. ``hold``: what was offered stays so until
+    it is taken; otherwise an offer may be withdrawn.
     """
     names = [field.rstrip("~") for field in fields]
     ports = [getattr(dut, f"out_{name}_o") for name in names]

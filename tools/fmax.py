@@ -75,6 +75,9 @@ def cop_entries():
 SLIP1 = {"Channels": 1, "SampleBits": 13, "TimerBits": 10}
 MCP3208_PIN = {"Adc": 1, "ClkKhz": 12000, "SclkKhz": 2000, "PeriodBits": 11}
 SLIP1_TIED = {
+    "cfg_adc_enable_i": 1,
+    "cfg_adc_period_i": 1200,
+    "adc_busy_i": 0,
     "cfg_threshold_i": 23,
     "cfg_gross_threshold_i": 200,
     "cfg_contact_level_i": 7000,
@@ -86,16 +89,11 @@ SLIP1_TIED = {
     "actuator_moving_i": 0,
     "in_id_i": 0,
     "in_last_i": 1,
-    **dict.fromkeys(("out_id_o", "out_last_o", "out_end_o", "damaged_o", "blanked_o")),
+    **dict.fromkeys(("out_id_o", "out_last_o", "out_end_o")),
+    **dict.fromkeys(("dropped_o", "overrun_o", "timeout_o", "over_range_o", "damaged_o", "blanked_o")),
 }
-SLIP1_CORE_TIED = SLIP1_TIED | {
-    "cfg_adc_enable_i": 1,
-    "cfg_adc_period_i": 1200,
-    "adc_busy_i": 0,
-    "in_valid_i": 0,
-    "in_data_i": 0,
-    **dict.fromkeys(("adc_convst_o", "dropped_o", "overrun_o", "timeout_o", "over_range_o", "in_ready_o")),
-}
+NO_STREAM = {"in_valid_i": 0, "in_data_i": 0, "in_ready_o": None}
+NO_PINS = {"adc_miso_i": 0}
 
 # Name: module, parameters, clocks of the latency quoted in ns (or None), targets, what is tied (or nothing).
 LARGE = {"Rows": 1024, "Columns": 1024, "Lanes": 8}
@@ -111,10 +109,10 @@ TABLE = {
         6,
         "up5k",
     ),
-    "slip1": ("msn_core", SLIP1 | MCP3208_PIN | {"Serial": 1}, 34, "up5k", SLIP1_CORE_TIED),
-    "slip1-parallel": ("msn_core", SLIP1 | MCP3208_PIN, 6, "up5k", SLIP1_CORE_TIED),
-    "slip1-path": ("msn_core", SLIP1 | {"Serial": 1}, 34, "up5k", SLIP1_TIED),
-    "slip1-path-parallel": ("msn_core", SLIP1, 6, "up5k", SLIP1_TIED),
+    "slip1": ("msn_core", SLIP1 | MCP3208_PIN | {"Serial": 1}, 34, "up5k", SLIP1_TIED | NO_STREAM),
+    "slip1-parallel": ("msn_core", SLIP1 | MCP3208_PIN, 6, "up5k", SLIP1_TIED | NO_STREAM),
+    "slip1-path": ("msn_core", SLIP1 | {"Serial": 1}, 34, "up5k", SLIP1_TIED | NO_PINS),
+    "slip1-path-parallel": ("msn_core", SLIP1, 6, "up5k", SLIP1_TIED | NO_PINS),
     **dict(demod_entries()),
     "cop_accumulate-64x64": ("msn_cop_accumulate", {"Rows": 64, "Columns": 64}, 2, "ecp5 up5k"),
     "cop_accumulate-1024x1024x8": ("msn_cop_accumulate", LARGE, 5, "ecp5"),
@@ -168,7 +166,7 @@ def read_rtl():
 
 
 def ports(module, parameters, stem):
-    """The block's ports with these parameters: [(name, direction, bits)]."""
+    """The block's ports with these parameters, but outputs that are constant: [(name, direction, bits)]."""
     # Not `hierarchy -chparam`: Yosys stops at some modules with "modules_.count(module->name) == 0".
     chparam = "".join(f"chparam -set {name} {value} {module}; " for name, value in parameters.items())
     netlist = f"{stem}.ports.json"
@@ -176,20 +174,24 @@ def ports(module, parameters, stem):
     tool("yosys", ["-q", "-p", script], f"{stem}.ports.log")
     modules = json.loads((ROOT / netlist).read_text())["modules"].values()
     top = next(m for m in modules if int(m["attributes"].get("top", "0"), 2))
-    return [(name, port["direction"], len(port["bits"])) for name, port in top["ports"].items()]
+    return [
+        (name, port["direction"], len(port["bits"]))
+        for name, port in top["ports"].items()
+        if not all(isinstance(bit, str) for bit in port["bits"])  # a wire has a number, a constant "0" or "1"
+    ]
 
 
 def harness(module, parameters, tied, found):
     """Verilog text of the harness, and how many input and output bits it serves."""
+    # What is named in no connection is open.
     free = [(n, direction, bits) for n, direction, bits in found if n != "clk_i" and n not in tied]
     inputs = [(n, bits) for n, direction, bits in free if direction == "input"]
     outputs = [(n, bits) for n, direction, bits in free if direction == "output"]
     ins, outs = sum(bits for _, bits in inputs), sum(bits for _, bits in outputs)
     pins = ["    .clk_i(clk)"]
-    widths = {n: bits for n, _, bits in found}
-    for name, value in tied.items():
-        constant = "" if value is None else f"{widths[name]}'d{value % (1 << widths[name])}"
-        pins.append(f"    .{name}({constant})")
+    for name, _, bits in found:
+        if tied.get(name) is not None:
+            pins.append(f"    .{name}({bits}'d{tied[name] % (1 << bits)})")
     for vector, group in (("in_q", inputs), ("out_d", outputs)):
         at = 0
         for name, bits in group:

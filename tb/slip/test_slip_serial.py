@@ -1,7 +1,8 @@
 """msn_slip_serial against its model, and so against the chain it stands for: every state, both directions of
 the level, samples, levels and thresholds at the ends of their ranges, timers of 0 and up to the top bit,
-moving actuators, damage of every kind, resets in every step of a sample, gaps and stalls; how long it takes."""
+moving actuators, damage of every kind, resets in every step of a sample, gaps and stalls; its time."""
 
+import itertools
 import random
 
 import cocotb
@@ -286,7 +287,7 @@ def test_model_is_that_of_the_chain(level):
     assert np.array_equal(decided["end"], watched.end)
     twin.reset()
     cuts = [0, 1, 2, 3, 50, 51, 2001]
-    parts = [twin.next(x[a:b], moving=moving[a:b]) for a, b in zip(cuts, cuts[1:])]
+    parts = [twin.next(x[a:b], moving=moving[a:b]) for a, b in itertools.pairwise(cuts)]
     for field in FIELDS:
         assert np.array_equal(np.concatenate([part[field] for part in parts]), decided[field])
 
