@@ -15,6 +15,7 @@ rtl/frontend/msn_adc_pkg.sv
 rtl/frontend/msn_spi_shift.sv
 rtl/frontend/msn_adc_store.sv
 rtl/frontend/msn_adc_spi.sv
+rtl/frontend/msn_adc_single.sv
 rtl/frontend/msn_burst.sv
 rtl/frontend/msn_am_demod.sv
 rtl/frontend/msn_calibration_table.sv

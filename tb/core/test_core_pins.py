@@ -132,6 +132,8 @@ async def each_counter_counts_its_own(dut):
         }
         assert counts.pop(name) > 0, name
         counts.pop("over_range", None)  # a stuck MISO is out of range whatever else there is
+        if value("Serial") and name == "overrun":
+            counts.pop("dropped")  # frame upon frame leaves the serial path no time either
         assert not any(counts.values()), (name, counts)
         await RisingEdge(dut.clk_i)
 
