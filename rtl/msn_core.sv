@@ -15,6 +15,7 @@ module msn_core #(
   parameter  int unsigned ClkKhz     = 25_000,
   parameter  int unsigned SclkKhz    = msn_adc_pkg::sclk_default_khz(Adc),
   parameter  int unsigned PeriodBits = 24,
+  parameter  int unsigned AdcPeriod  = 0,   // clocks, built in, for one MCP3208 channel; 0: cfg_adc_period_i
   parameter  int unsigned Channels   = 1,
   parameter  int unsigned SampleBits = 17,
   parameter  int unsigned Level      = 1,   // Haar level
@@ -98,6 +99,39 @@ module msn_core #(
     assign {dropped_o, overrun_o, timeout_o, over_range_o}               = '0;
     logic unused_pins;
     assign unused_pins = ^{cfg_adc_enable_i, cfg_adc_period_i, adc_miso_i, adc_busy_i};
+
+  end else if (AdcPeriod != 0) begin : gen_adc_single
+    if (Adc != msn_pkg::AdcMcp3208 || Channels != 1) begin : gen_check_adc_period
+      $fatal(1, "msn_core: AdcPeriod = %0d must be 0 but for one channel of an MCP3208", AdcPeriod);
+    end
+    logic unused_user;
+    msn_adc_single #(
+      .ClkKhz    (ClkKhz),
+      .SclkKhz   (SclkKhz),
+      .Period    (AdcPeriod),
+      .SampleBits(SampleBits)
+    ) u_adc_single (
+      .clk_i,
+      .rst_i,
+      .cfg_enable_i(cfg_adc_enable_i),
+      .adc_cs_n_o,
+      .adc_sclk_o,
+      .adc_mosi_o,
+      .adc_miso_i  (adc_miso_i[0]),
+      .convert_o,
+      .out_valid_o (sample_valid),
+      .out_ready_i (sample_ready),
+      .out_data_o  (sample),
+      .out_user_o  (unused_user),
+      .dropped_o,
+      .over_range_o
+    );
+    assign sample_id   = '0;
+    assign sample_last = 1'b1;
+    assign in_ready_o  = 1'b0;
+    assign {adc_convst_o, overrun_o, timeout_o} = '0;
+    logic unused_inputs;
+    assign unused_inputs = ^{cfg_adc_period_i, adc_busy_i, in_valid_i, in_data_i, in_id_i, in_last_i};
 
   end else begin : gen_adc
     logic unused_user;  // what over-range means to a stage is that stage's business; slip only counts it

@@ -73,7 +73,8 @@ def cop_entries():
 
 # One rubber sensor at 12 MHz, thresholds and times fixed when it is built, no counter read.
 SLIP1 = {"Channels": 1, "SampleBits": 13, "TimerBits": 10}
-MCP3208_PIN = {"Adc": 1, "ClkKhz": 12000, "SclkKhz": 2000, "PeriodBits": 11}
+MCP3208_PINS = {"Adc": 1, "ClkKhz": 12000, "SclkKhz": 2000, "PeriodBits": 11}
+SMALLEST = SLIP1 | MCP3208_PINS | {"Serial": 1, "AdcPeriod": 1200}
 SLIP1_TIED = {
     "cfg_adc_enable_i": 1,
     "cfg_adc_period_i": 1200,
@@ -109,8 +110,10 @@ TABLE = {
         6,
         "up5k",
     ),
-    "slip1": ("msn_core", SLIP1 | MCP3208_PIN | {"Serial": 1}, 34, "up5k", SLIP1_TIED | NO_STREAM),
-    "slip1-parallel": ("msn_core", SLIP1 | MCP3208_PIN, 6, "up5k", SLIP1_TIED | NO_STREAM),
+    "slip1": ("msn_core", SMALLEST, 34, "up5k", SLIP1_TIED | NO_STREAM),
+    "slip1-no-p2p": ("msn_core", SMALLEST, 34, "up5k", SLIP1_TIED | NO_STREAM | {"out_p2p_o": None}),
+    "slip1-adc_spi": ("msn_core", SMALLEST | {"AdcPeriod": 0}, 34, "up5k", SLIP1_TIED | NO_STREAM),
+    "slip1-parallel": ("msn_core", SLIP1 | MCP3208_PINS, 6, "up5k", SLIP1_TIED | NO_STREAM),
     "slip1-path": ("msn_core", SLIP1 | {"Serial": 1}, 34, "up5k", SLIP1_TIED | NO_PINS),
     "slip1-path-parallel": ("msn_core", SLIP1, 6, "up5k", SLIP1_TIED | NO_PINS),
     **dict(demod_entries()),

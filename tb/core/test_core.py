@@ -182,6 +182,7 @@ def test_core(parameters):
         ({"Window": 8, "Hop": 8, "Level": 3}, "Window = 8"),
         ({"Hop": 3}, "Hop = 3"),
         ({"Hop": 66}, "Hop = 66"),
+        ({"Adc": 2, "AdcPeriod": 500}, "AdcPeriod = 500"),
         ({"Serial": 1, "Hop": 32}, "Serial = 1"),
         ({"Serial": 1, "Channels": 2}, "Serial = 1"),
     ],

@@ -1,6 +1,7 @@
-"""msn_adc_single on a model of the part that checks its own timing: codes (corners of every bit, then random)
-against the twin, with a consumer that is ready, stalls or sleeps for frames; convert starts on the grid through
-all of it; each conversion is a sample or counted as dropped; latency; enable; reset at any clock of a frame."""
+"""msn_adc_single on a model of the part that checks its own timing: codes (corners of every bit, then
+random) against the twin, with a consumer that is ready, stalls or sleeps for frames; convert starts on the
+grid through all of it; each conversion is a sample or counted as dropped; latency; enable; reset at several
+clocks of a frame."""
 
 import random
 
