@@ -37,6 +37,7 @@ module msn_core #(
   input  logic        [AdcLanes-1:0]   adc_miso_i,
   output logic                         adc_convst_o,
   input  logic                         adc_busy_i,
+  output logic                         adc_reset_o,
   output logic                         convert_o,         // convert start: the instant of a frame's time
 
   input  logic        [DetailBits-1:0] cfg_threshold_i,
@@ -68,6 +69,7 @@ module msn_core #(
   output logic        [31:0]           dropped_o,     // frames: the chain was not ready
   output logic        [31:0]           overrun_o,     // ticks: the frame before was still under way
   output logic        [31:0]           timeout_o,     // frames: BUSY did not answer
+  output logic        [31:0]           mistagged_o,   // frames: an answer bore another channel's number
   output logic        [31:0]           over_range_o,  // samples at an end of the converter's range
   output logic        [31:0]           damaged_o,     // frames: channels out of order
   output logic        [31:0]           blanked_o      // details: over, but blanked or moving
@@ -95,8 +97,8 @@ module msn_core #(
     assign sample_id    = in_id_i;
     assign sample_last  = in_last_i;
 
-    assign {adc_cs_n_o, adc_sclk_o, adc_mosi_o, adc_convst_o, convert_o} = 5'b10000;
-    assign {dropped_o, overrun_o, timeout_o, over_range_o}               = '0;
+    assign {adc_cs_n_o, adc_sclk_o, adc_mosi_o, adc_convst_o, adc_reset_o, convert_o} = 6'b100000;
+    assign {dropped_o, overrun_o, timeout_o, mistagged_o, over_range_o}               = '0;
     logic unused_pins;
     assign unused_pins = ^{cfg_adc_enable_i, cfg_adc_period_i, adc_miso_i, adc_busy_i};
 
@@ -134,6 +136,7 @@ module msn_core #(
     assign unused_inputs = ^{cfg_adc_period_i, adc_busy_i, in_valid_i, in_data_i, in_id_i, in_last_i};
 
   end else begin : gen_adc
+    logic unused_lost, unused_ready;  // the next whole frame shows it; the timer waits by itself
     logic unused_user;  // what over-range means to a stage is that stage's business; slip only counts it
     msn_adc_spi #(
       .Part      (Adc),
@@ -148,13 +151,17 @@ module msn_core #(
       .rst_i,
       .cfg_enable_i(cfg_adc_enable_i),
       .cfg_period_i(cfg_adc_period_i),
+      .trigger_i   (1'b0),
       .adc_cs_n_o,
       .adc_sclk_o,
       .adc_mosi_o,
       .adc_miso_i,
       .adc_convst_o,
       .adc_busy_i,
+      .adc_reset_o,
+      .ready_o     (unused_ready),
       .convert_o,
+      .lost_o      (unused_lost),
       .out_valid_o (sample_valid),
       .out_ready_i (sample_ready),
       .out_data_o  (sample),
@@ -164,6 +171,7 @@ module msn_core #(
       .dropped_o,
       .overrun_o,
       .timeout_o,
+      .mistagged_o,
       .over_range_o
     );
     assign in_ready_o = 1'b0;

@@ -117,6 +117,14 @@ TABLE = {
     "slip1-path": ("msn_core", SLIP1 | {"Serial": 1}, 34, "up5k", SLIP1_TIED | NO_PINS),
     "slip1-path-parallel": ("msn_core", SLIP1, 6, "up5k", SLIP1_TIED | NO_PINS),
     **dict(demod_entries()),
+    "adc_spi-max11123": (
+        "msn_adc_spi",
+        {"Part": 3, "ClkKhz": 25000, "SclkKhz": 16000, "Trigger": 1, "SampleBits": 13},
+        None,
+        "ecp5 up5k",
+    ),
+    "scan-64x64": ("msn_scan", {"Rows": 64, "Columns": 64, "SampleBits": 13}, 4, "ecp5 up5k"),
+    "scan-64x64x8": ("msn_scan", {"Rows": 64, "Columns": 64, "Lanes": 8, "SampleBits": 17}, 4, "ecp5"),
     "cop_accumulate-64x64": ("msn_cop_accumulate", {"Rows": 64, "Columns": 64}, 2, "ecp5 up5k"),
     "cop_accumulate-1024x1024x8": ("msn_cop_accumulate", LARGE, 5, "ecp5"),
     "cop-1024x1024x8-q14-turn1": ("msn_cop", LARGE | {"BitsPerClock": 1}, 21, "ecp5"),
@@ -138,6 +146,16 @@ TABLE = {
     "cop4-13-turn1": ("msn_cop4", {"SampleBits": 13, "BitsPerClock": 1}, 25, "up5k"),
     "cop4-correct": ("msn_cop4", {"Correct": 1}, 37, "ecp5"),
     "cop4_correct": ("msn_cop4_correct", {}, 8, "ecp5"),
+    "packet_slip": ("msn_packet_slip", {"P2pBits": 14}, None, "ecp5 up5k"),
+    "cobs-18": ("msn_cobs", {"MaxBytes": 18}, None, "ecp5 up5k"),
+    "cobs": ("msn_cobs", {}, None, "ecp5 up5k"),
+    "uart_tx-1M": ("msn_uart_tx", {}, None, "ecp5 up5k"),
+    "uart_tx-3M": ("msn_uart_tx", {"ClkHz": 25000000, "BaudHz": 3000000}, None, "ecp5 up5k"),
+    "uart_rx-3M": ("msn_uart_rx", {"ClkHz": 25000000, "BaudHz": 3000000}, None, "ecp5 up5k"),
+    "packet-64x64": ("msn_packet", {}, None, "ecp5"),
+    "packet-fingertip": ("msn_packet", {"SlipDepth": 16, "Taxels": 0}, None, "ecp5 up5k"),
+    "bridge": ("msn_bridge", {}, None, "ecp5 up5k"),
+    "link-64x64": ("msn_link", {}, None, "ecp5"),
 }
 
 

@@ -30,9 +30,10 @@ def calibrate(source, *extra, out="new.npz"):
 
 
 def presses(few=False):
-    """A press recording of 3×2 cells, every cell its own line; ``few``: two cells pressed too little."""
-    force_n = np.arange(5.0)[:, None, None] * np.ones((3, 2))
-    codes = np.rint(100 + 10 * np.arange(6).reshape(3, 2) + (300 + np.arange(6).reshape(3, 2)) * force_n)
+    """A press recording of 3×3 cells, every cell its own line; ``few``: two cells pressed too little."""
+    force_n = np.arange(5.0)[:, None, None] * np.ones((3, 3))
+    own = np.arange(9).reshape(3, 3)
+    codes = np.rint(100 + 10 * own + (300 + own) * force_n)
     if few:
         force_n[2:, 0, 1] = force_n[1:, 2, 0] = np.nan
     return {"codes": codes.astype(int), "force_n": force_n}
@@ -249,21 +250,19 @@ def test_bad_input_is_one_sentence_and_writes_nothing(tmp_path, recording, case)
 
 @pytest.mark.parametrize("engine", engines.NAMES)
 def test_calibrate_and_then_process_cop(tmp_path, engine):
-    if not hasattr(engines.load(engine), "calibrate"):
-        pytest.skip(f"the engine {engine} has no calibration")
     np.savez(tmp_path / "press.npz", **presses())
     done = meissner(*calibrate("press.npz", out="cal.npz"), cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
     assert done.stdout.startswith(
-        "3×2 cells from 5 frames, none dead; 1 of force is 0.0005 N; off the line by "
+        "3×3 cells from 5 frames, none dead; 1 of force is 0.0005 N; off the line by "
     )
     np.save(tmp_path / "in.npy", presses()["codes"])
     arguments = cop("in.npy", "--calibration", "cal.npz", "--engine", engine, "--min-load", 10)
     done = meissner(*arguments, cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
-    assert "5 frames of 3×2, 4 with a load; 1 of sum is 0.0005 N; " in done.stdout
+    assert "5 frames of 3×3, 4 with a load; 1 of sum is 0.0005 N; " in done.stdout
     result = np.load(tmp_path / "out.npz")
-    assert result["sum"] * 5e-4 == pytest.approx(6 * np.arange(5.0), abs=0.005)
+    assert result["sum"] * 5e-4 == pytest.approx(9 * np.arange(5.0), abs=0.005)
     assert np.abs(result["x"]).max() < 5 and np.abs(result["y"]).max() < 5
 
 
@@ -322,6 +321,7 @@ def test_scenes_are_listed_one_line_each(tmp_path):
         "cop_load",
         "cop_one_point",
         "cop_six_random",
+        "cop_slip",
         "cop_two_point",
         "dense_1024",
         "dense_64",
@@ -385,13 +385,14 @@ def test_run_says_what_came_of_it(tmp_path):
     assert "position error, of the range -1 to 1: 0.322 % in the mean" in done.stdout
 
 
-def test_run_refuses_a_mesh_scene_on_an_engine_without_its_formula(tmp_path, engine="fixed"):
-    if hasattr(engines.load(engine), "cop4"):
-        pytest.skip(f"the engine {engine} has it")
-    done = meissner("run", "cop_load", "--engine", engine, "--out", "results", cwd=tmp_path)
-    assert done.returncode == 2 and done.stdout == ""
-    assert done.stderr == (
-        f"meissner: the engine {engine} has no four-electrode centre of pressure yet; run cop_load with "
-        "--engine float\n"
-    )
-    assert not (tmp_path / "results").exists()
+@pytest.mark.parametrize("engine", ["fixed", "rtl"])
+def test_run_a_mesh_scene_on_the_core(tmp_path, engine):
+    done = meissner("run", "cop_load", "--engine", engine, "--json", "--out", "results", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    summary = json.loads(done.stdout)
+    assert summary == json.loads((tmp_path / "results/summary.json").read_text())
+    assert summary["twin_mismatches"] == (0 if engine == "rtl" else None)
+    assert 0 < summary["position_error"]["mean"] < summary["position_error"]["maximum"] < 0.001
+    assert 0.1 < summary["load_error"]["maximum"] < 0.15
+    names = {path.name for path in (tmp_path / "results").iterdir()}
+    assert names == {"summary.json", "result.npz", "report.html", "cop_load.png"}

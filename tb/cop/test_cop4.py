@@ -1,8 +1,9 @@
 """msn_cop4 against its model, the model against Python's fractions, the published formula and the mesh: all
 zero, full scale of every sign, one LSB of current, D and N zero and negative, saturation of every result,
 random codes; each fault raised and just not; registers of real meshes and at their limits; wide and narrow
-samples; gaps, stalls, a reset in mid-flight, exact clocks."""
+samples; gaps, stalls short and long, a reset in mid-flight, exact clocks."""
 
+import random
 from dataclasses import asdict, replace
 from fractions import Fraction
 from itertools import product
@@ -120,6 +121,32 @@ async def matches_model(dut, stall_rate, which):
     pause = bench.pauses(stall_rate)
     expected = expected_of(samples, registers, bits, fix)
     assert await bench.stream(dut, beats_of(samples), FIELDS, pause, pause, drain=80) == expected
+
+
+def spells(longest):
+    """Stalls that last up to so many clocks, as do the times between them."""
+    draw, left, stalled = random.Random(bench.SEED), 0, True
+
+    def stall():
+        nonlocal left, stalled
+        if not left:
+            left, stalled = draw.randint(1, longest), not stalled
+        left -= 1
+        return stalled
+
+    return stall
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def loses_nothing_in_long_stalls(dut):
+    """So long that every stage fills up: results are further apart than the stalls of the other tests."""
+    bits, _ = parameters(dut)
+    registers = register_sets(bits)[0]
+    fix = correction_of(dut, registers, 1)
+    samples = around(np.random.default_rng(bench.SEED), registers, bits, 30)[-60:]
+    await bench.start(dut, **ports(registers, fix))
+    got = await bench.stream(dut, beats_of(samples), FIELDS, None, spells(150), drain=80)
+    assert got == expected_of(samples, registers, bits, fix)
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")

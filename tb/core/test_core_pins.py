@@ -53,7 +53,7 @@ async def watch(dut, rubber, frames):
     if part is MCP3208:
         model = mcp3208.Mcp3208(*pins, dut.adc_mosi_o, dut.adc_miso_i, rubber)
     else:
-        model = ad7606.Ad7606(*pins, dut.adc_miso_i, dut.adc_convst_o, dut.adc_busy_i, rubber)
+        model = ad7606.Ad7606(*pins, dut.adc_miso_i, dut.adc_convst_o, dut.adc_busy_i, dut.adc_reset_o, rubber)
     await bench.clocks(dut, 3)
     dut.rst_i.value = 0
     await bench.clocks(dut, 1 + 6 * clk_khz // 1000)

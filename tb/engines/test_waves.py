@@ -3,12 +3,14 @@ has them, the file stays small at every size, whatever the recording's length; a
 traced core that differs is counted; engines without signals refuse (tb/cli)."""
 
 import dataclasses
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from meissner import engines, run, scenes
-from meissner.engines import rtl_cop
+from meissner.engines import rtl_cop, rtl_cop4
+from meissner.run import cop_slip
 
 CLOCK_PS = 10**9 // rtl_cop.TRACE_CLK_KHZ
 
@@ -103,3 +105,56 @@ def test_a_slip_runs_twenty_milliseconds(tmp_path):
     times, seen = read_vcd(tmp_path / "waves.vcd", ("clk_i", "out_valid_o", "out_raised_o"))
     assert np.ptp(times) / 1e12 == pytest.approx(0.02, rel=0.01)
     assert (seen["out_valid_o"] & seen["out_raised_o"]).sum() >= 1
+
+
+def test_four_electrodes_are_in_it(tmp_path):
+    """The samples up to the greatest load, 200 of them at most, and every result but the last clock's."""
+    for name, count in (("cop_load", 21), ("cop_circle", None)):
+        _, summary = run_with_waves(tmp_path, name)
+        assert summary["twin_mismatches"] == 0
+        names = ("in_valid_i", "in_ready_o", "in_e1_i", "in_e4_i", "out_valid_o", "out_load_o", "out_x_o")
+        times, seen = read_vcd(tmp_path / "waves.vcd", ("clk_i", *names))
+        assert set(np.diff(times)) == {CLOCK_PS}
+        result = np.load(tmp_path / "result.npz")
+        last = int(np.argmax(result["load"])) + 1
+        first = max(0, last - rtl_cop4.TRACE_SAMPLES)
+        assert count in (None, last - first)
+        taken = (seen["in_valid_i"] & seen["in_ready_o"]).astype(bool)
+        codes = result["codes"][first:last] & 0xFFFFFF
+        assert taken.sum() == len(codes)
+        for port, column in (("in_e1_i", 0), ("in_e4_i", 3)):
+            assert np.array_equal(seen[port][taken], codes[:, column])
+        out = seen["out_valid_o"].astype(bool)
+        loads = np.rint(result["load"][first : last - 1] * 1e3)
+        assert np.array_equal(seen["out_load_o"][out][-len(loads) :], loads)
+
+
+def test_a_slips_flag_is_in_it(tmp_path):
+    scene, summary = run_with_waves(tmp_path, "cop_slip", seeds=1)
+    assert summary["twin_mismatches"] == 0
+    names = ("clk_i", "in_valid_i", "in_ready_o", "in_load_i", "out_valid_o", "out_raised_o", "out_octant_o")
+    _, seen = read_vcd(tmp_path / "waves.vcd", names)
+    taken = (seen["in_valid_i"] & seen["in_ready_o"]).astype(bool)
+    end = round((summary["flag_s"] + cop_slip.AFTER_S) * scene.rate_hz)
+    loads = np.load(tmp_path / "result.npz")["c0_load"][end - rtl_cop4.TRACE_SAMPLES : end]
+    assert np.array_equal(seen["in_load_i"][taken], loads)
+    raised = (seen["out_valid_o"] & seen["out_raised_o"]).astype(bool)
+    assert raised.sum() == 1 and seen["out_octant_o"][raised].tolist() == [0]
+
+
+@pytest.mark.parametrize(
+    "name, part, seeds", [("cop_load", "cop4", {}), ("cop_slip", "cop_slip", {"seeds": 1})]
+)
+def test_a_traced_four_wire_core_that_differs_is_reported(tmp_path, monkeypatch, name, part, seeds):
+    module = engines.load("rtl")
+    right = getattr(module, part)
+
+    def spoil(*arguments):
+        result = right(*arguments)
+        found = result if part == "cop4" else result[0]
+        if isinstance(arguments[-1], Path):
+            found.load[-1] += 1
+        return result
+
+    monkeypatch.setattr(module, part, spoil)
+    assert run_with_waves(tmp_path, name, **seeds)[1]["twin_mismatches"] == 1

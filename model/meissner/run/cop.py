@@ -6,7 +6,7 @@ import numpy as np
 
 from meissner import engines, report_cop, scenes
 from meissner.engines import rtl_cop
-from meissner.run import finish
+from meissner.run import check_waves, finish
 from meissner.run.truth import errors, percent, summarise
 
 KEPT_SAMPLES = 1 << 22  # frames beyond so many taxel samples are left out of result.npz
@@ -14,9 +14,7 @@ KEPT_SAMPLES = 1 << 22  # frames beyond so many taxel samples are left out of re
 
 def check(scene, engine, waves):
     """ValueError with one sentence if this engine cannot run the scene."""
-    engines.load(engine)
-    if waves and engine != "rtl":
-        raise ValueError("--waves needs the rtl engine: only it has signals")
+    check_waves(engine, waves)
 
 
 def mismatches(result, twin):
