@@ -17,6 +17,7 @@ rtl/frontend/msn_adc_pkg.sv
 rtl/frontend/msn_spi_shift.sv
 rtl/frontend/msn_adc_store.sv
 rtl/frontend/msn_adc_spi.sv
+rtl/frontend/msn_adc_single.sv
 rtl/frontend/msn_burst.sv
 rtl/frontend/msn_am_demod.sv
 rtl/frontend/msn_scan_plan.sv
@@ -32,6 +33,7 @@ rtl/slip/msn_haar.sv
 rtl/slip/msn_sliding_extremes.sv
 rtl/slip/msn_peak_to_peak.sv
 rtl/slip/msn_slip.sv
+rtl/slip/msn_slip_serial.sv
 rtl/cop/msn_cop_accumulate.sv
 rtl/cop/msn_cop_divide.sv
 rtl/cop/msn_cop.sv
