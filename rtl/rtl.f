@@ -1,6 +1,7 @@
 rtl/msn_pkg.sv
 rtl/common/msn_delay.sv
 rtl/common/msn_frame_check.sv
+rtl/common/msn_frame_gate.sv
 rtl/common/msn_frame_place.sv
 rtl/common/msn_frame_table.sv
 rtl/common/msn_skid.sv
@@ -10,10 +11,13 @@ rtl/common/msn_times.sv
 rtl/common/msn_round_sat.sv
 rtl/common/msn_divide.sv
 rtl/common/msn_ratio.sv
+rtl/common/msn_hypot.sv
 rtl/frontend/msn_adc_pkg.sv
 rtl/frontend/msn_spi_shift.sv
 rtl/frontend/msn_adc_store.sv
 rtl/frontend/msn_adc_spi.sv
+rtl/frontend/msn_burst.sv
+rtl/frontend/msn_am_demod.sv
 rtl/frontend/msn_calibration_table.sv
 rtl/frontend/msn_calibrate.sv
 rtl/frontend/msn_health.sv
@@ -29,4 +33,6 @@ rtl/cop/msn_cop_array.sv
 rtl/cop/msn_cop4_correct.sv
 rtl/cop/msn_cop4.sv
 rtl/cop/msn_cop_slip.sv
+rtl/link/msn_registers.sv
+rtl/link/msn_axil.sv
 rtl/msn_core.sv

@@ -42,6 +42,22 @@ TARGETS = {
 }
 
 
+def demod_entries():
+    """msn_am_demod with a 12-bit converter, up to 64 periods: its forms and samples per period."""
+    size = {"SampleBits": 13}
+    for name, form, samples, clocks in (
+        ("rectifier-4", 0, 4, 12),
+        ("rectifier-16", 0, 16, 12),
+        ("iq-4", 1, 4, 73),
+        ("iq-16", 1, 16, 88),
+        ("iq-fast-4", 2, 4, 15),
+        ("iq-fast-16", 2, 16, 15),
+    ):
+        setting = size | {"Form": form, "SamplesPerPeriod": samples}
+        yield f"am_demod-{name}", ("msn_am_demod", setting, clocks, "ecp5 up5k")
+    yield "am_demod-iq-4x8", ("msn_am_demod", size | {"Lanes": 8}, 500, "ecp5")
+
+
 def cop_entries():
     """msn_cop over fraction bits and bits a clock, pipelined too at Q2.14: speed, accuracy and area."""
     for bits, pipelined in ((4, 0), (14, 0), (20, 0), (14, 1)):
@@ -67,6 +83,7 @@ TABLE = {
         6,
         "up5k",
     ),
+    **dict(demod_entries()),
     "cop_accumulate-64x64": ("msn_cop_accumulate", {"Rows": 64, "Columns": 64}, 2, "ecp5 up5k"),
     "cop_accumulate-1024x1024x8": ("msn_cop_accumulate", LARGE, 5, "ecp5"),
     "cop-1024x1024x8-q14-turn1": ("msn_cop", LARGE | {"BitsPerClock": 1}, 21, "ecp5"),
@@ -80,11 +97,14 @@ TABLE = {
         25,
         "ecp5",
     ),
-    "cop4": ("msn_cop4", {}, 17, "ecp5 up5k"),
-    "cop_slip": ("msn_cop_slip", {}, 4, "ecp5 up5k"),
-    "cop4-turn1": ("msn_cop4", {"BitsPerClock": 1}, 25, "ecp5 up5k"),
-    "cop4-correct": ("msn_cop4", {"Correct": 1}, 36, "ecp5"),
-    "cop4_correct": ("msn_cop4_correct", {}, 7, "ecp5"),
+    # The small part's eight multipliers are of 16 bits: samples of 17 would take twelve.
+    "cop4": ("msn_cop4", {}, 17, "ecp5"),
+    "cop4-13": ("msn_cop4", {"SampleBits": 13}, 17, "ecp5 up5k"),
+    "cop_slip": ("msn_cop_slip", {}, 5, "ecp5 up5k"),
+    "cop4-turn1": ("msn_cop4", {"BitsPerClock": 1}, 25, "ecp5"),
+    "cop4-13-turn1": ("msn_cop4", {"SampleBits": 13, "BitsPerClock": 1}, 25, "up5k"),
+    "cop4-correct": ("msn_cop4", {"Correct": 1}, 37, "ecp5"),
+    "cop4_correct": ("msn_cop4_correct", {}, 8, "ecp5"),
 }
 
 

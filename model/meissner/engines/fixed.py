@@ -2,9 +2,11 @@
 
 import numpy as np
 
+from meissner.cop import cop4 as electrodes
 from meissner.cop.cop_accumulate import moments
 from meissner.cop.cop_divide import cop_divide
-from meissner.engines import Watched, moving_of_details
+from meissner.cop.cop_slip import CopSlip
+from meissner.engines import MAX_FORCE, Watched, moving_of_details
 from meissner.slip.haar import haar
 from meissner.slip.peak_to_peak import PeakToPeak, sliding
 from meissner.slip.slip import Slip
@@ -56,3 +58,27 @@ def cop(forces, min_load=1):
         sums[:, start : start + piece] = moments(forces[start : start + piece])
     x, y, valid = cop_divide(*sums, rows, columns, min_load=min_load)
     return {"sum": sums[0], "mx": sums[1], "my": sums[2], "x": x, "y": y, "valid": valid}
+
+
+def cop4(codes, config):
+    """``Cop4`` of codes [samples, 4]; ``config``: Cop4Config."""
+    return electrodes.cop4(codes, config.registers, config.sample_bits, config.terms)
+
+
+def cop_slip(codes, config, lag, registers):
+    """``Cop4`` and ``CopSlipResult`` of codes [samples, 4]; ``registers``: CopSlipRegisters."""
+    found = cop4(codes, config)
+    return found, CopSlip(lag, registers).process(found.x, found.y, found.load, found.pressed)
+
+
+def demodulate(samples, carrier):
+    """Amplitudes [...] of carriers [..., samples]; ``carrier``: meissner.engines.Carrier."""
+    return carrier.block.amplitude(np.asarray(samples)[..., carrier.skip :], carrier.shift)[0]
+
+
+def calibrate(codes, calibration):
+    """F = clamp(round_half_up((code - offset) gain / 2^gain_shift), 0, 65535), 0 where dead."""
+    product = (codes.astype(np.int64) - calibration.offset) * calibration.gain
+    half = 1 << calibration.gain_shift >> 1
+    force = np.clip((product + half) >> calibration.gain_shift, 0, MAX_FORCE)
+    return np.where(calibration.dead, 0, force)

@@ -14,11 +14,11 @@ import numpy as np
 from meissner import report
 from meissner.files import written
 
-_MODULES = {"rubber": "slip", "array": "cop", "mesh": "mesh"}
+_MODULES = {"rubber": "slip", "array": "cop", "grip": "cop_slip"}  # the others have the sensor's name
 
 
 def _module(scene):
-    return import_module(f"meissner.run.{_MODULES[scene.sensor]}")
+    return import_module(f"meissner.run.{_MODULES.get(scene.sensor, scene.sensor)}")
 
 
 def check(scene, engine, waves=False):
