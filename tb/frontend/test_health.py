@@ -272,15 +272,16 @@ def test_an_idle_array_without_noise_is_healthy():
     assert not masks.any()
 
 
+# Where, as what it must be found, and the frames N in which it must.
 FAULTS = {
-    "dead": ((6, 5), DEAD, 3000),
-    "dead, at a corner": ((0, 0), DEAD, 20000),
-    "stuck high": ((3, 8), DEAD, 3000),
-    "dead row": ((7, slice(None)), DEAD, 12000),
-    "open column": ((slice(None), 4), DEAD, 12000),
+    "dead": ((6, 5), DEAD, 1000),
+    "dead, at a corner": ((0, 0), DEAD, 5000),
+    "stuck high": ((3, 8), DEAD, 1000),
+    "dead row": ((7, slice(None)), DEAD, 2000),
+    "open column": ((slice(None), 4), DEAD, 2000),
     "saturated": ((2, 2), RAILED, 144),
     "grounded row": ((9, slice(None)), RAILED, 144),
-    "blinking": ((8, 3), BLINKING, 200),
+    "blinking": ((8, 3), BLINKING, 500),
 }
 
 
@@ -302,29 +303,32 @@ def inject(kind, frames, where, rng):
     return frames
 
 
-@pytest.mark.parametrize("kind", FAULTS)
-def test_every_fault_is_found(kind):
-    """Within N frames of its begin, all of its taxels and no other, on an array that is pressed all over."""
+def frames_until_found(kind, seed, healthy=200):
+    """Frames from the fault's begin until all of its taxels are found; no other may ever be."""
     where, fault, limit = FAULTS[kind]
-    rng = np.random.default_rng(bench.SEED)
+    rng = np.random.default_rng(seed)
     twin = Health(12, 12, limits=Limits(low=0))
     wanted = np.zeros((12, 12), dtype=bool)
     wanted[where] = True
-    begun, found = 0, None
-    for chunk in contacts(rng, 12, 1000 + limit, 2.0):
-        healthy = max(0, min(len(chunk), 1000 - begun))
-        twin.next(chunk[:healthy])
-        rest = inject(kind, chunk[healthy:], where, rng)
-        for frame, picture in enumerate(rest):
+    begun = -healthy
+    for chunk in contacts(rng, 12, healthy + limit, 2.0):
+        before = max(0, min(len(chunk), -begun))
+        twin.next(chunk[:before])
+        for frame, picture in enumerate(inject(kind, chunk[before:], where, rng)):
             twin.next(picture[None])
-            if found is None and (twin.faults[wanted] & fault).all():
-                found = begun + healthy + frame - 1000 + 1
+            assert not twin.faults[~wanted].any()
+            if (twin.faults[wanted] & fault).all():
+                return begun + before + frame + 1
         begun += len(chunk)
-    assert found is not None, (
-        f"{(twin.faults[wanted] & fault != 0).sum()} of {wanted.sum()} in {limit} frames"
+    raise AssertionError(
+        f"{(twin.faults[wanted] & fault == 0).sum()} not found in {limit} frames, seed {seed}"
     )
-    assert not twin.faults[~wanted].any()
-    print(f"{kind}: all {wanted.sum()} found after {found} frames")
+
+
+@pytest.mark.parametrize("kind", FAULTS)
+def test_every_fault_is_found(kind):
+    """Within N frames of its begin, all of its taxels and no other, on an array that is pressed all over."""
+    print(f"{kind}: found after {[frames_until_found(kind, seed) for seed in range(1, 9)]} frames")
 
 
 def test_model_in_frames_and_beats():

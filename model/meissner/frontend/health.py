@@ -9,6 +9,11 @@ from meissner.frontend.calibration_table import check_array
 
 DEAD, RAILED, BLINKING = 4, 2, 1
 
+# Of a picture with a frame of one around it: what lies left, right, above and below each taxel.
+HERE = (slice(1, -1), slice(1, -1))
+SIDES = tuple((HERE[0], slice(at, at - 2 or None)) for at in (0, 2))
+SIDES += tuple((slice(at, at - 2 or None), HERE[1]) for at in (0, 2))
+
 
 @dataclass
 class Limits:
@@ -52,7 +57,10 @@ class Health:
         shape = (rows, columns)
         self._held, self._rail, self._blink, self._still, self._since = np.zeros((5, *shape), dtype=np.int64)
         self._rising, self._jumped, self._reported = np.zeros((3, *shape), dtype=bool)
-        self._history = np.zeros((2, 2, *shape), dtype=bool)  # bank; recent, rising
+        self._history = np.zeros((2, 2, rows + 2, columns + 2), dtype=bool)  # bank; recent, rising
+        self._row_ends, self._column_ends = np.zeros((2, *shape), dtype=bool)
+        self._row_ends[:, [0, -1]] = columns > 1
+        self._column_ends[[0, -1], :] = rows > 1
         self.faults = np.zeros(shape, dtype=np.int64)
         self.reset()
 
@@ -87,10 +95,9 @@ class Health:
         raw = np.asarray(raw, dtype=np.int64)
         over = np.zeros(raw.shape, dtype=bool) if over is None else np.asarray(over, bool)
         masks, events = np.empty(raw.shape, dtype=bool), []
-        everything = np.ones(raw.shape[1:], dtype=bool)
         for frame in range(len(raw)):
             masks[frame] = self._mask()
-            events.append(self._learn(raw[frame], over[frame], everything, True))
+            events.append(self._learn(raw[frame], over[frame], None, True))
         return masks, events
 
     def process(self, raw, over=None):
@@ -136,28 +143,17 @@ class Health:
         raw, over, seen = (a.reshape(self.rows, -1)[:, : self.columns] for a in (raw, over, seen))
         return self._learn(raw, over, seen, whole)
 
-    def _around(self):
-        """recent and rising of the left, right, upper and lower neighbour, and whether there is one."""
-        recent, rising = self._history[self._bank]
-        recent = recent & (not self._fresh)
-        sides = []
-        for axis, step in ((1, 1), (1, -1), (0, 1), (0, -1)):
-            there = np.ones(recent.shape, dtype=bool)
-            border = [slice(None), slice(None)]
-            border[axis] = 0 if step == 1 else -1
-            there[tuple(border)] = False
-            sides.append((np.roll(recent, step, axis) & there, np.roll(rising, step, axis), there))
-        return sides
-
     def _learn(self, raw, over, seen, whole):
-        """Step every taxel that was ``seen``; returns the events."""
+        """Step every taxel that was ``seen`` (None: all); returns the events."""
         c, tick = self.limits, self._tick == 0
-        left, right, up, down = self._around()
-        pair = border = np.zeros(raw.shape, dtype=bool)
-        for one, other in ((left, right), (up, down)):
-            pair = pair | (one[0] & other[0] & (one[1] == other[1]))
-            border = border | ((one[2] != other[2]) & (one[0] | other[0]))
-        lonely = ~(left[0] | right[0] | up[0] | down[0])
+        recent, rose = self._history[self._bank]
+        recent = recent & (not self._fresh)
+        left, right, up, down = (recent[side] for side in SIDES)
+        rose_left, rose_right, rose_up, rose_down = (rose[side] for side in SIDES)
+        pair = (left & right & (rose_left == rose_right)) | (up & down & (rose_up == rose_down))
+        beside, along = left | right, up | down
+        border = (beside & self._row_ends) | (along & self._column_ends)
+        lonely = ~(beside | along)
         delta = raw - self._held
         moved, jump = np.abs(delta) > c.band, np.abs(delta) > c.jump
         railed = (raw <= c.low) | (raw >= c.high) | (over & c.user)
@@ -179,23 +175,33 @@ class Health:
             found += kind * ((value >= limit) & (limit > 0))
         faults = self.faults | found
         if self._fresh:
-            held, jump, faults = raw, np.zeros_like(jump), np.zeros_like(faults)
+            held, jump, faults = raw.copy(), np.zeros_like(jump), np.zeros_like(faults)
             rail, blink, still, since = (np.zeros_like(raw) for _ in range(4))
-        news = np.where(self._fresh, 0, faults & ~self.faults) * seen
-        self.dead += int((news & DEAD != 0).sum())
-        self.railed += int((news & RAILED != 0).sum())
-        self.blinking += int((news & BLINKING != 0).sum())
+        news = np.where(self._fresh, 0, faults & ~self.faults)
+        if seen is not None:
+            news = news * seen
+        if news.any():
+            self.dead += int((news & DEAD != 0).sum())
+            self.railed += int((news & RAILED != 0).sum())
+            self.blinking += int((news & BLINKING != 0).sum())
         reported = self._reported & (not self._again) & (faults == self.faults)
-        events = self._events(faults, (faults != 0) & ~reported & seen, seen)
+        loud = (faults != 0) & ~reported
+        if seen is not None:
+            loud &= seen
+        events = self._events(faults, loud, seen)
 
         state = {"held": held, "rail": rail, "blink": blink, "still": still, "since": since}
-        fresh_rising = np.where(self._fresh, self._rising, rising)
-        state |= {"rising": fresh_rising, "jumped": jump, "reported": faults != 0}
-        for name, value in state.items():
-            setattr(self, f"_{name}", np.where(seen, value, getattr(self, f"_{name}")))
-        self.faults = np.where(seen, faults, self.faults)
+        state |= {"rising": self._rising if self._fresh else rising, "jumped": jump, "reported": faults != 0}
+        moves = np.stack([since > 0, rising])
         other = 1 - self._bank
-        self._history[other] = np.where(seen, [since > 0, rising], self._history[other])
+        if seen is not None:
+            state = {name: np.where(seen, value, getattr(self, f"_{name}")) for name, value in state.items()}
+            faults = np.where(seen, faults, self.faults)
+            moves = np.where(seen, moves, self._history[other][(slice(None), *HERE)])
+        for name, value in state.items():
+            setattr(self, f"_{name}", value)
+        self.faults = faults
+        self._history[other][(slice(None), *HERE)] = moves
         if whole:
             self._bank, self._tick = other, (self._tick + 1) % 16
             self._fresh = self._again = False
@@ -210,6 +216,6 @@ class Health:
         words = []
         for bits in (loud, faults & DEAD != 0, faults & RAILED != 0, faults & BLINKING != 0):
             padded = np.zeros((self.rows, self.row_beats * self.lanes), dtype=np.int64)
-            padded[:, : self.columns] = bits & seen
+            padded[:, : self.columns] = bits if seen is None else bits & seen
             words.append(padded.reshape(-1, self.lanes) @ (1 << np.arange(self.lanes)))
         return [(int(beat), *(int(word[beat]) for word in words[1:])) for beat in np.flatnonzero(words[0])]
