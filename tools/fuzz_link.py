@@ -2,7 +2,7 @@
 
     python tools/fuzz_link.py [STRINGS]     default 1,000,000
 
-Stops with an error if it crashes, takes longer than a second over a string, or gives a packet that was not sent.
+Stops with an error if it crashes, needs more than a second for a string, or gives a packet that was not sent.
 """
 
 import sys
@@ -50,7 +50,7 @@ def main():
             sys.exit(f"string {index} took {longest:.1f} s")
     took = time.monotonic() - begin
     print(
-        f"{count} strings in {took:.0f} s, the slowest {1e3 * longest:.1f} ms: {found} packets, all of them sent,"
+        f"{count} strings in {took:.0f} s, the slowest {1e3 * longest:.1f} ms: {found} packets, all as sent,"
     )
     print(f"{decoder.damaged} frames dropped")
 

@@ -1,6 +1,6 @@
 """msn_link from events to the levels of the line, and from the line to the register bus, through the models
-of both lines: all at full load, no slip event lost, every image whole, accesses in the midst of it; the clocks
-from an event to the line's first edge."""
+of both lines: all at full load, no slip event lost, every image whole, accesses in the midst of it; the
+clocks from an event to the line's first edge."""
 
 import cocotb
 import numpy as np
