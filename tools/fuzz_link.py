@@ -50,7 +50,7 @@ def main():
             sys.exit(f"string {index} took {longest:.1f} s")
     took = time.monotonic() - begin
     print(
-        f"{count} strings in {took:.0f} s, the slowest {1e3 * longest:.1f} ms: {found} packets, all of them sent,"
+        f"{count} strings in {took:.0f} s, the slowest {1e3 * longest:.1f} ms: {found} packets, all as sent,"
     )
     print(f"{decoder.damaged} frames dropped")
 
