@@ -15,9 +15,12 @@ package msn_pkg;
 
   // The converters that msn_adc_spi speaks to; AdcNone: samples come in on a stream.
   typedef enum int unsigned {
-    AdcNone    = 0,
-    AdcMcp3208 = 1,
-    AdcAd7606  = 2
+    AdcNone     = 0,
+    AdcMcp3208  = 1,
+    AdcAd7606   = 2,
+    AdcMax11123 = 3,  // 8 bits; the family's other parts of 8 channels:
+    AdcMax11124 = 4,  // 10 bits
+    AdcMax11125 = 5   // 12 bits
   } adc_part_e;
 
   // How msn_am_demod finds the amplitude of a carrier.

@@ -104,13 +104,14 @@ def as_signed(value, bits):
     return value - (1 << bits) if value >> (bits - 1) & 1 else value
 
 
-async def stream(dut, beats, fields, gaps=None, stalls=None, drain=40, count=None):
+async def stream(dut, beats, fields, gaps=None, stalls=None, drain=40, count=None, hold=False):
     """Send ``beats`` (dicts of input field: value) and return the list of beats that came out.
 
     ``fields``: output field names; a beat out is a dict of field: int (signed if the name ends in "~").
     Ends when every beat was taken and ``drain`` ready clocks passed with nothing coming out, or after
     ``count`` beats. The payload is driven to a wrong value while not valid, so that nobody samples it
-    then. While the block is stalled, valid and data must hold.
+    then. While the block is stalled, valid and data must hold. ``hold``: what was offered stays so until
+    it is taken; otherwise an offer may be withdrawn.
     """
     names = [field.rstrip("~") for field in fields]
     ports = [getattr(dut, f"out_{name}_o") for name in names]
@@ -118,8 +119,9 @@ async def stream(dut, beats, fields, gaps=None, stalls=None, drain=40, count=Non
     received = []
     sent = quiet = 0
     held = None
+    waiting = False
     while (quiet < drain or sent < len(beats)) and (count is None or len(received) < count):
-        offer = sent < len(beats) and not (gaps and gaps())
+        offer = sent < len(beats) and (waiting or not (gaps and gaps()))
         dut.in_valid_i.value = int(offer)
         if beats:
             for name, value in beats[sent if offer else sent - 1].items():
@@ -138,6 +140,7 @@ async def stream(dut, beats, fields, gaps=None, stalls=None, drain=40, count=Non
         if valid and ready:
             received.append(dict(zip(names, values)))
         took = bool(offer and dut.in_ready_o.value == 1)
+        waiting = hold and offer and not took
         quiet = 0 if valid or took else quiet + ready
         sent += took
         await RisingEdge(dut.clk_i)

@@ -103,7 +103,7 @@ def _process_cop(arguments):
     lines = None
     if arguments.calibration is not None:
         lines = calibration.load(arguments.calibration)
-        engines.with_part(arguments.engine, "calibrate", "calibration")
+        engines.load(arguments.engine)
         forces = calibration.check_codes(files.read_array(arguments.input), lines.offset.shape)
     else:
         forces = engines.check_forces(files.read_array(arguments.input))

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// From an array's samples to its centre of pressure and load: msn_calibrate, then msn_cop.
+// From an array's samples to its centre of pressure and load: msn_calibrate, then msn_cop, and between them
+// msn_skid, so that msn_cop's ready does not reach msn_calibrate's registers in the same clock.
 //
 // Latency after a frame's last beat: 3 clocks (RowColumn 4) and msn_cop's, the same in every frame: 14 at one
 // lane, Q2.14 and two bits a clock.   Model: model/meissner/cop/cop_array.py
@@ -51,8 +52,8 @@ module msn_cop_array #(
   output logic [31:0]                 dropped_o         // of them and all others, without a result
 );
 
-  logic                force_valid, force_ready, force_last;
-  logic [Lanes*16-1:0] force_data;
+  logic                force_valid, force_ready, force_last, next_valid, next_ready, next_last;
+  logic [Lanes*16-1:0] force_data, next_data;
   logic [IdBits-1:0]   unused_id;
 
   msn_calibrate #(
@@ -87,6 +88,17 @@ module msn_cop_array #(
     .damaged_o
   );
 
+  msn_skid #(.Width(Lanes * 16 + 1)) u_skid (
+    .clk_i,
+    .rst_i,
+    .in_valid_i (force_valid),
+    .in_ready_o (force_ready),
+    .in_data_i  ({force_last, force_data}),
+    .out_valid_o(next_valid),
+    .out_ready_i(next_ready),
+    .out_data_o ({next_last, next_data})
+  );
+
   msn_cop #(
     .Rows        (Rows),
     .Columns     (Columns),
@@ -98,10 +110,10 @@ module msn_cop_array #(
     .clk_i,
     .rst_i,
     .cfg_min_load_i,
-    .in_valid_i(force_valid),
-    .in_ready_o(force_ready),
-    .in_data_i (force_data),
-    .in_last_i (force_last),
+    .in_valid_i(next_valid),
+    .in_ready_o(next_ready),
+    .in_data_i (next_data),
+    .in_last_i (next_last),
     .out_valid_o,
     .out_ready_i,
     .out_x_o,

@@ -10,23 +10,74 @@ package msn_adc_pkg;
   localparam int unsigned RoundTripNs = 7;
 
   function automatic bit known(int unsigned part);
-    known = part == msn_pkg::AdcMcp3208 || part == msn_pkg::AdcAd7606;
+    known = part == msn_pkg::AdcMcp3208 || part == msn_pkg::AdcAd7606 || has_tag(part);
+  endfunction
+
+  // MAX11123, MAX11124, MAX11125: the same but for the bits of a code. Each answer is the channel's number in four
+  // bits and the code in twelve, from the top; it is that of the command in the word before.
+  function automatic bit has_tag(int unsigned part);
+    has_tag = part >= msn_pkg::AdcMax11123 && part <= msn_pkg::AdcMax11125;
   endfunction
 
   // Bits of one code.
   function automatic int unsigned data_bits(int unsigned part);
     case (part)
-      msn_pkg::AdcAd7606: data_bits = 16;
-      default:            data_bits = 12;
+      msn_pkg::AdcAd7606:   data_bits = 16;
+      msn_pkg::AdcMax11123: data_bits = 8;
+      msn_pkg::AdcMax11124: data_bits = 10;
+      default:              data_bits = 12;
     endcase
   endfunction
 
   // SCLK periods per code: command and null bits first, the code last.
   function automatic int unsigned word_bits(int unsigned part);
     case (part)
-      msn_pkg::AdcAd7606: word_bits = 16;
-      default:            word_bits = 19;
+      msn_pkg::AdcMcp3208: word_bits = 19;
+      default:             word_bits = 16;
     endcase
+  endfunction
+
+  // The last bits of a word, which are kept, and as many of the command, which are sent.
+  function automatic int unsigned kept_bits(int unsigned part);
+    kept_bits = has_tag(part) ? 16 : data_bits(part);
+  endfunction
+
+  // What is sent with word `index` of a frame, from bit 15 on.
+  //   MCP3208   start bit, single-ended, channel
+  //   MAX1112x  mode control: manual scan of the channel, with its number in the answer
+  //   AD7606    nothing: it has no DIN
+  function automatic logic [15:0] command(int unsigned part, logic [2:0] index);
+    case (part)
+      msn_pkg::AdcMcp3208: command = {2'b11, index, 11'd0};
+      msn_pkg::AdcAd7606:  command = '0;
+      default:             command = {5'b00001, 1'b0, index, 7'b0000100};
+    endcase
+  endfunction
+
+  // Words that set the part up, each in its own CS frame, before the first conversion.
+  function automatic int unsigned setup_words(int unsigned part);
+    setup_words = has_tag(part) ? 5 : 0;
+  endfunction
+
+  function automatic logic [15:0] setup_word(int unsigned part, logic [2:0] index);
+    case (index)
+      3'd0:    setup_word = 16'h0040;  // mode control: all registers back to their defaults
+      3'd1:    setup_word = 16'h8000;  // configuration: external reference, no average, always on, no echo
+      3'd2:    setup_word = 16'h8800;  // unipolar: every input single-ended, against ground
+      3'd3:    setup_word = 16'h9000;  // bipolar: none
+      default: setup_word = 16'h9800;  // range: as without bipolar inputs
+    endcase
+    if (!has_tag(part)) setup_word = '0;
+  endfunction
+
+  // The part has a RESET pin: high for start_ns after rst_i, then low for as long before the first conversion.
+  // A part that is set up instead rests for both.
+  function automatic bit has_reset(int unsigned part);
+    has_reset = part == msn_pkg::AdcAd7606;
+  endfunction
+
+  function automatic int unsigned start_ns(int unsigned part);
+    start_ns = (part == msn_pkg::AdcMcp3208) ? 0 : 100;
   endfunction
 
   // The code is two's complement.
@@ -36,7 +87,7 @@ package msn_adc_pkg;
 
   // CS goes high after every channel, each channel is asked for by a command; otherwise one CS frame holds all.
   function automatic bit cs_per_channel(int unsigned part);
-    cs_per_channel = part == msn_pkg::AdcMcp3208;
+    cs_per_channel = part != msn_pkg::AdcAd7606;
   endfunction
 
   // CONVST starts a conversion and BUSY falls when it ends; otherwise CS falling starts it.
@@ -44,9 +95,13 @@ package msn_adc_pkg;
     has_busy = part == msn_pkg::AdcAd7606;
   endfunction
 
-  // SCLK rests high and DOUT changes on its rising edge; otherwise it rests low, and on its falling edge.
+  // SCLK rests high; otherwise low. DOUT changes when SCLK returns to rest, or when it leaves it (leads).
   function automatic bit idles_high(int unsigned part);
-    idles_high = part == msn_pkg::AdcAd7606;
+    idles_high = part != msn_pkg::AdcMcp3208;
+  endfunction
+
+  function automatic bit leads(int unsigned part);
+    leads = has_tag(part);
   endfunction
 
   // DOUT lanes, and the channels on each when all lanes are used.
@@ -63,32 +118,36 @@ package msn_adc_pkg;
 
   function automatic int unsigned sclk_max_khz(int unsigned part);
     case (part)
-      msn_pkg::AdcAd7606: sclk_max_khz = 14_500;
-      default:            sclk_max_khz = 2_000;
+      msn_pkg::AdcMcp3208: sclk_max_khz = 2_000;
+      msn_pkg::AdcAd7606:  sclk_max_khz = 14_500;
+      default:             sclk_max_khz = 16_000;
     endcase
   endfunction
 
   // Below it the sample droops before its last bit is out.
   function automatic int unsigned sclk_min_khz(int unsigned part);
     case (part)
-      msn_pkg::AdcAd7606: sclk_min_khz = 1;
-      default:            sclk_min_khz = 10;
+      msn_pkg::AdcMcp3208: sclk_min_khz = 10;
+      msn_pkg::AdcAd7606:  sclk_min_khz = 1;
+      default:             sclk_min_khz = 160;
     endcase
   endfunction
 
   // Right for the whole supply range: the MCP3208 reaches its 2 MHz only at 5 V.
   function automatic int unsigned sclk_default_khz(int unsigned part);
     case (part)
-      msn_pkg::AdcAd7606: sclk_default_khz = 14_500;
-      default:            sclk_default_khz = 1_000;
+      msn_pkg::AdcMcp3208: sclk_default_khz = 1_000;
+      msn_pkg::AdcAd7606:  sclk_default_khz = 14_500;
+      default:             sclk_default_khz = 16_000;
     endcase
   endfunction
 
   // From CS or from the SCLK edge that launches a bit until DOUT is right, at most.
   function automatic int unsigned access_ns(int unsigned part);
     case (part)
-      msn_pkg::AdcAd7606: access_ns = 30;
-      default:            access_ns = 200;
+      msn_pkg::AdcMcp3208: access_ns = 200;
+      msn_pkg::AdcAd7606:  access_ns = 30;
+      default:             access_ns = 17;
     endcase
   endfunction
 
@@ -100,6 +159,16 @@ package msn_adc_pkg;
     endcase
   endfunction
 
+  // From convert start to convert start, at least.
+  function automatic int unsigned cycle_min_ns(int unsigned part);
+    cycle_min_ns = (part == msn_pkg::AdcAd7606) ? 5_000 : 0;
+  endfunction
+
+  // Width of the watchdog: twice the longest conversion, rounded up to a power of two, needs no comparator.
+  function automatic int unsigned watch_bits(int unsigned part, int unsigned clk_khz);
+    watch_bits = msn_pkg::index_width(msn_pkg::clocks_of_ns(2 * conversion_max_ns(part), clk_khz));
+  endfunction
+
   // Clocks in half an SCLK period: SCLK is not above sclk_khz, and DOUT, which is sampled one clock before
   // the bit's 2*half clocks end, has had its access time and the round trip.
   function automatic int unsigned half_clocks(int unsigned part, int unsigned clk_khz, int unsigned sclk_khz);
@@ -108,6 +177,48 @@ package msn_adc_pkg;
     by_rate     = (sclk_khz < 1) ? 1 : (clk_khz + 2 * sclk_khz - 1) / (2 * sclk_khz);
     by_access   = (msn_pkg::clocks_of_ns(access_ns(part) + RoundTripNs, clk_khz) + 2) / 2;
     half_clocks = (by_rate > by_access) ? by_rate : by_access;
+  endfunction
+
+  // Words of each lane in a frame; the tagged parts' first word only asks.
+  function automatic int unsigned frame_words(int unsigned part, int unsigned channels, int unsigned lanes);
+    frame_words = ((lanes > 1) ? lane_channels(part) : channels) + 32'(has_tag(part));
+  endfunction
+
+  // Clocks from one CS frame of `words` words to the next.
+  function automatic int unsigned cs_clocks(int unsigned part, int unsigned half, int unsigned words);
+    cs_clocks = 2 * half * (word_bits(part) * words + 1) + half * 32'(leads(part));
+  endfunction
+
+  // Clocks from convert start until no channel needs its input any more: what it measures may change then.
+  function automatic int unsigned hold_clocks(int unsigned part, int unsigned channels, int unsigned clk_khz,
+                                              int unsigned half);
+    case (part)
+      msn_pkg::AdcMcp3208: hold_clocks = (channels - 1) * cs_clocks(part, half, 1) + 12 * half + 1;
+      msn_pkg::AdcAd7606:  hold_clocks = msn_pkg::clocks_of_ns(25, clk_khz) + 1;
+      default:             hold_clocks = channels * cs_clocks(part, half, 1) + 1;
+    endcase
+  endfunction
+
+  // Clocks from convert start to convert start in which every frame has ended and its samples have left to a
+  // consumer that is always ready, and as many could stand in for one that is lost, which takes 4 clocks more.
+  function automatic int unsigned cycle_clocks(int unsigned part, int unsigned channels, int unsigned lanes,
+                                               int unsigned clk_khz, int unsigned half);
+    int unsigned words;
+    int unsigned busy;
+    int unsigned other;
+    words = frame_words(part, channels, lanes);
+    if (has_busy(part)) begin
+      busy         = conversion_max_ns(part) * clk_khz / 1_000_000 + 1;
+      cycle_clocks = busy + 3 + cs_clocks(part, half, words);
+      other        = busy + 3 + 2 * half * word_bits(part) * words + ((lanes > 1) ? channels - words : 0);
+      if (other > cycle_clocks) cycle_clocks = other;
+      other        = msn_pkg::clocks_of_ns(cycle_min_ns(part), clk_khz);
+      if (other > cycle_clocks) cycle_clocks = other;
+      other        = (1 << watch_bits(part, clk_khz)) + channels + 4;
+      if (other > cycle_clocks) cycle_clocks = other;
+    end else begin
+      cycle_clocks = words * cs_clocks(part, half, 1) + (has_tag(part) ? channels + 4 : 1);
+    end
   endfunction
 
 endpackage

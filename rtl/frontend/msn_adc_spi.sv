@@ -2,13 +2,14 @@
 //
 // SPI master for the converters of msn_pkg::adc_part_e; msn_adc_pkg describes them, docs/adc.md has the sources.
 //
-// Conversions start every cfg_period_i clocks (0: 2^PeriodBits) while cfg_enable_i, whatever the consumer and the
-// transfer do. Each timer tick is one of: a frame sent out whole; a frame dropped whole because a sample of the one
-// before was still waiting at its start (dropped_o); a frame given up because BUSY did not answer (timeout_o); a
-// tick without conversion, because the frame before was still under way (overrun_o).
+// Conversions start every cfg_period_i clocks (0: 2^PeriodBits) while cfg_enable_i, or a clock after each trigger_i,
+// whatever the consumer and the transfer do. Each tick is one of: a frame sent out whole; a frame dropped whole
+// because a sample of the one before was still waiting at its start (dropped_o); a frame given up because BUSY did
+// not answer (timeout_o) or an answer bore another channel's number (mistagged_o: the part is then set up anew); a
+// tick without conversion, because the frame before was still under way (overrun_o). All but the first: lost_o.
+// After reset the part is reset or set up first; ticks begin then.
 //
-// First sample: MCP3208 2*half*19 clocks after convert_o; AD7606 3 + 2*half*16 clocks after BUSY was seen low.
-// The rest: model/meissner/frontend/adc_spi.py, the twin, has every latency as a function.
+// Every latency: model/meissner/frontend/adc_spi.py, the twin, has them as functions.
 
 module msn_adc_spi #(
   parameter  int unsigned Part       = msn_pkg::AdcMcp3208,  // msn_pkg::adc_part_e
@@ -18,6 +19,7 @@ module msn_adc_spi #(
   parameter  int unsigned SclkKhz    = msn_adc_pkg::sclk_default_khz(Part),  // upper bound
   parameter  int unsigned SampleBits = 17,
   parameter  int unsigned PeriodBits = 24,
+  parameter  bit          Trigger    = 1'b0,  // 1: trigger_i starts each conversion, cfg_period_i is not used
   localparam int unsigned IdBits     = msn_pkg::index_width(Channels)
 ) (
   input  logic                         clk_i,
@@ -25,6 +27,7 @@ module msn_adc_spi #(
 
   input  logic                         cfg_enable_i,
   input  logic [PeriodBits-1:0]        cfg_period_i,  // clocks from convert start to convert start
+  input  logic                         trigger_i,
 
   output logic                         adc_cs_n_o,
   output logic                         adc_sclk_o,
@@ -32,8 +35,11 @@ module msn_adc_spi #(
   input  logic [Lanes-1:0]             adc_miso_i,
   output logic                         adc_convst_o,
   input  logic                         adc_busy_i,
+  output logic                         adc_reset_o,
 
-  output logic                         convert_o,     // CONVST rises (MCP3208: CS falls) with this strobe
+  output logic                         ready_o,       // the part has been reset or set up
+  output logic                         convert_o,     // strobe: CONVST rises (without CONVST: CS falls)
+  output logic                         lost_o,        // strobe: a tick brings no samples (one for two)
 
   output logic                         out_valid_o,
   input  logic                         out_ready_i,
@@ -45,6 +51,7 @@ module msn_adc_spi #(
   output logic [31:0]                  dropped_o,
   output logic [31:0]                  overrun_o,
   output logic [31:0]                  timeout_o,
+  output logic [31:0]                  mistagged_o,
   output logic [31:0]                  over_range_o   // samples sent with out_user_o
 );
 
@@ -79,15 +86,24 @@ module msn_adc_spi #(
   localparam int unsigned DataBits     = msn_adc_pkg::data_bits(Part);
   localparam int unsigned Half         = msn_adc_pkg::half_clocks(Part, ClkKhz, SclkKhz);
   localparam int unsigned LaneChannels = msn_adc_pkg::lane_channels(Part);
-  localparam int unsigned Words        = (Lanes > 1) ? LaneChannels : Channels;  // of each lane in a frame
+  localparam int unsigned Words        = msn_adc_pkg::frame_words(Part, Channels, Lanes);
+  localparam int unsigned SetupWords   = msn_adc_pkg::setup_words(Part);
+  localparam int unsigned WordBits     = msn_pkg::index_width((Words > SetupWords) ? Words : SetupWords);
+  localparam int unsigned KeptBits     = msn_adc_pkg::kept_bits(Part);
+  localparam bit          Tagged       = msn_adc_pkg::has_tag(Part);
   localparam bit          Signed       = msn_adc_pkg::is_signed(Part);
   localparam bit          HasBusy      = msn_adc_pkg::has_busy(Part);
   localparam bit          CsPerChannel = msn_adc_pkg::cs_per_channel(Part);
-  // Twice the longest conversion, rounded up to a power of two: then the watchdog needs no comparator.
-  localparam int unsigned WatchBits    = msn_pkg::index_width(
-      msn_pkg::clocks_of_ns(2 * msn_adc_pkg::conversion_max_ns(Part), ClkKhz));
+  localparam int unsigned WatchBits    = msn_adc_pkg::watch_bits(Part, ClkKhz);
+  localparam bit          HasReset     = msn_adc_pkg::has_reset(Part);
+  localparam bit          NeedsStart   = HasReset || SetupWords > 0;
+  // Before it is set up a part without RESET rests as long as one with RESET.
+  localparam int unsigned StartClocks  = 2 * msn_pkg::clocks_of_ns(msn_adc_pkg::start_ns(Part), ClkKhz);
+  localparam int unsigned StartBits    = msn_pkg::index_width(StartClocks);
 
-  typedef enum logic [1:0] {
+  typedef enum logic [2:0] {
+    Reset,     // RESET is high, then low for as long; CS rests
+    Setup,     // words that set the part up
     Idle,
     BusyRise,  // CONVST is high, BUSY has not risen yet
     BusyFall,  // converting
@@ -97,39 +113,58 @@ module msn_adc_spi #(
   state_e                state_q, state_d;
   logic [PeriodBits-1:0] left_q;   // clocks to the next tick
   logic [WatchBits-1:0]  watch_q;  // clocks spent waiting for BUSY
-  logic [IdBits-1:0]     word_q;   // back at 0 after a frame's last word
+  logic [WordBits-1:0]   word_q;   // back at 0 after the last word of a frame or of the setup
   logic                  drop_q;   // this frame is dropped
+  logic                  over_q;   // a sample was sent with out_user_o
+  logic                  ready_q;  // the part has been reset or set up
+  logic                  bad_q;    // an answer of this frame bore another channel's number
   logic                  busy, busy_q;
-  logic                  tick, frame, give_up, read, done, word, frame_end, pending;
+  logic                  enable, tick, frame, give_up, read, done, word, word_last, frame_end;
+  logic                  pending, bad, lost;
+  logic [StartBits-1:0]  start_q;
+  logic [Lanes*KeptBits-1:0] kept;
   logic [Lanes*DataBits-1:0] data;
 
-  assign tick      = cfg_enable_i && left_q == '0;
+  assign ready_o   = ready_q;
+  assign enable    = cfg_enable_i && ready_q;
+  assign tick      = Trigger ? (cfg_enable_i && trigger_i) : (enable && left_q == '0);
   assign frame     = tick && state_q == Idle;
-  assign frame_end = done && word_q == '0;
+  assign word_last = word_q == ((state_q == Setup) ? WordBits'(SetupWords - 1) : WordBits'(Words - 1));
+  assign frame_end = done && word_q == '0 && state_q == Read;
+  assign lost      = (frame_end && (drop_q || bad_q)) || give_up || (tick && state_q != Idle);
 
   // BUSY must be seen to rise: if it is stuck high, or late from the frame before, its fall means nothing.
   always_comb begin
     state_d = state_q;
     give_up = HasBusy && (state_q == BusyRise || state_q == BusyFall) && &watch_q;
     case (state_q)
+      Reset:    if (start_q == '0) state_d = (SetupWords > 0) ? Setup : Idle;
+      Setup:    if (done && word_q == '0) state_d = Idle;
       Idle:     if (tick) state_d = HasBusy ? BusyRise : Read;
       BusyRise: if (busy && !busy_q) state_d = BusyFall;
       BusyFall: if (!busy) state_d = Read;
-      default:  if (frame_end) state_d = Idle;
+      default:  if (frame_end) state_d = (Tagged && bad_q) ? Setup : Idle;
     endcase
     if (give_up) state_d = Idle;
   end
 
-  assign read = (state_q != Read && state_d == Read) || (done && !frame_end);
+  assign read = (state_q != state_d && (state_d == Read || state_d == Setup)) || (done && word_q != '0);
 
   always_ff @(posedge clk_i) begin
     state_q   <= state_d;
     busy_q    <= busy;
-    left_q    <= !cfg_enable_i ? '0 : tick ? cfg_period_i - 1'b1 : left_q - 1'b1;
+    left_q    <= !enable ? '0 : tick ? cfg_period_i - 1'b1 : left_q - 1'b1;
     watch_q   <= (state_q == BusyRise || state_q == BusyFall) ? watch_q + 1'b1 : '0;
     convert_o <= frame;
+    lost_o    <= lost;
+    ready_q   <= ready_q || state_q == Idle;
+    start_q   <= start_q - 1'b1;
+
+    adc_reset_o <= HasReset && state_q == Reset && start_q >= StartBits'(StartClocks / 2);
+
     if (frame) drop_q <= pending;
-    if (word) word_q <= (word_q == IdBits'(Words - 1)) ? '0 : word_q + 1'b1;
+    if (frame || word) bad_q <= !frame && (bad_q || bad);
+    if (word) word_q <= word_last ? '0 : word_q + 1'b1;
 
     // The watchdog's first half outlasts any conversion; low for its second, CONVST can rise at the next tick.
     adc_convst_o <= (state_d == BusyRise || state_d == BusyFall) && !watch_q[WatchBits-1];
@@ -138,17 +173,27 @@ module msn_adc_spi #(
     overrun_o <= overrun_o + 32'(tick && state_q != Idle);
     timeout_o <= timeout_o + 32'(give_up);
 
-    over_range_o <= over_range_o + 32'(out_valid_o && out_ready_i && out_user_o);
+    mistagged_o <= mistagged_o + 32'(frame_end && bad_q && !drop_q);
+
+    // A clock late: the way from the samples to the sum is long.
+    over_q       <= out_valid_o && out_ready_i && out_user_o;
+    over_range_o <= over_range_o + 32'(over_q);
 
     if (rst_i) begin
-      state_q      <= Idle;
+      state_q      <= NeedsStart ? Reset : Idle;
+      ready_q      <= !NeedsStart;
+      start_q      <= StartBits'(StartClocks - 1);
+      adc_reset_o  <= HasReset;
       left_q       <= '0;
       word_q       <= '0;
       convert_o    <= 1'b0;
+      lost_o       <= 1'b0;
       adc_convst_o <= 1'b0;
       dropped_o    <= '0;
       overrun_o    <= '0;
       timeout_o    <= '0;
+      mistagged_o  <= '0;
+      over_q       <= 1'b0;
       over_range_o <= '0;
     end
   end
@@ -159,26 +204,49 @@ module msn_adc_spi #(
     .out_data_o (busy)
   );
 
-  // Start bit, single-ended, channel: MCP3208. The AD7606 has no command and no DIN.
+  // The AD7606 has no DIN.
   logic mosi;
-  logic [DataBits-1:0] command;
-  assign command    = CsPerChannel ? {2'b11, 3'(word_q), (DataBits-5)'(0)} : '0;
+  logic [15:0] command;
+  assign command    = (state_d == Setup) ? msn_adc_pkg::setup_word(Part, 3'(word_q))
+                                         : msn_adc_pkg::command(Part, 3'(word_q));
   assign adc_mosi_o = CsPerChannel && mosi;
+  logic unused_command;
+  assign unused_command = ^command;
+
+  // A tagged answer belongs to the word before.
+  logic [IdBits-1:0] store_word;
+  logic              store_valid;
+  if (Tagged) begin : gen_tagged
+    logic [WordBits-1:0] answer;
+    assign answer      = word_q - 1'b1;
+    assign store_word  = IdBits'(answer);
+    assign store_valid = word && state_q == Read && word_q != '0;
+    assign bad         = store_valid && kept[15:12] != 4'(answer);
+    assign data        = kept[11-:DataBits];
+    logic unused_kept;
+    assign unused_kept = ^kept;
+  end else begin : gen_plain
+    assign store_word  = IdBits'(word_q);
+    assign store_valid = word;
+    assign bad         = 1'b0;
+    assign data        = kept;
+  end
 
   msn_spi_shift #(
     .Bits     (msn_adc_pkg::word_bits(Part)),
-    .DataBits (DataBits),
+    .DataBits (KeptBits),
     .Lanes    (Lanes),
     .Half     (Half),
-    .IdleHigh (msn_adc_pkg::idles_high(Part))
+    .IdleHigh (msn_adc_pkg::idles_high(Part)),
+    .Lead     (msn_adc_pkg::leads(Part))
   ) u_shift (
     .clk_i,
     .rst_i,
     .start_i    (read),
-    .again_i    (!CsPerChannel && word_q != IdBits'(Words - 1)),
-    .command_i  (command),
+    .again_i    (!CsPerChannel && !word_last),
+    .command_i  (command[15-:KeptBits]),
     .word_o     (word),
-    .data_o     (data),
+    .data_o     (kept),
     .done_o     (done),
     .spi_cs_n_o (adc_cs_n_o),
     .spi_sclk_o (adc_sclk_o),
@@ -192,13 +260,15 @@ module msn_adc_spi #(
     .LaneChannels (LaneChannels),
     .DataBits     (DataBits),
     .SampleBits   (SampleBits),
-    .Signed       (Signed)
+    .Signed       (Signed),
+    .Whole        (Tagged)
   ) u_store (
     .clk_i,
     .rst_i,
-    .in_valid_i (word && !drop_q),
-    .in_word_i  (word_q),
+    .in_valid_i (store_valid && !drop_q),
+    .in_word_i  (store_word),
     .in_data_i  (data),
+    .in_bad_i   (bad_q || bad),
     .pending_o  (pending),
     .out_valid_o,
     .out_ready_i,

@@ -4,6 +4,7 @@
 //
 // A word brings one code per lane: word w of lane l is channel w + l*LaneChannels. A sample leaves as soon as it
 // and all channels before it are there. out_user_o marks a code at either end of the part's range.
+// Whole: nothing leaves before the last word, and nothing at all if in_bad_i came with that.
 //
 // Latency 1 cycle from in_valid_i to out_valid_o.   Model: model/meissner/frontend/adc_store.py
 
@@ -14,6 +15,7 @@ module msn_adc_store #(
   parameter  int unsigned DataBits     = 12,
   parameter  int unsigned SampleBits   = 17,
   parameter  bit          Signed       = 1'b0,
+  parameter  bit          Whole        = 1'b0,
   localparam int unsigned IdBits       = msn_pkg::index_width(Channels)
 ) (
   input  logic                         clk_i,
@@ -22,6 +24,7 @@ module msn_adc_store #(
   input  logic                         in_valid_i,
   input  logic [IdBits-1:0]            in_word_i,
   input  logic [Lanes*DataBits-1:0]    in_data_i,
+  input  logic                         in_bad_i,
   output logic                         pending_o,  // a sample is left that nobody takes in this clock
 
   output logic                         out_valid_o,
@@ -35,15 +38,21 @@ module msn_adc_store #(
   if (SampleBits < DataBits + 32'(!Signed)) begin : gen_check_sample_bits
     $fatal(1, "msn_adc_store: SampleBits = %0d must hold a code of %0d bits", SampleBits, DataBits);
   end
+  if (Whole && Lanes > 1) begin : gen_check_whole
+    $fatal(1, "msn_adc_store: Lanes = %0d must be 1: Whole waits for one lane's last word", Lanes);
+  end
 
   logic [Channels-1:0]               full_q;
   logic [Channels-1:0][DataBits-1:0] code_q;
-  logic [Channels-1:0]               taken, written;
+  logic [Channels-1:0]               taken, written, filled;
+  logic                              complete;
+  assign complete = in_valid_i && in_word_i == IdBits'(Channels - 1) && !in_bad_i;
 
   for (genvar c = 0; c < Channels; c++) begin : gen_channel
     localparam int unsigned Lane = (Lanes > 1) ? c / LaneChannels : 0;
     assign taken[c]   = out_valid_o && out_ready_i && out_id_o == IdBits'(c);
     assign written[c] = in_valid_i && in_word_i == IdBits'(c - Lane * LaneChannels);
+    assign filled[c]  = Whole ? complete : written[c];
     always_ff @(posedge clk_i) if (written[c]) code_q[c] <= in_data_i[Lane*DataBits +: DataBits];
   end
 
@@ -58,7 +67,7 @@ module msn_adc_store #(
   assign out_user_o  = &from_bottom || ~|from_bottom;
 
   always_ff @(posedge clk_i) begin
-    full_q <= (full_q & ~taken) | written;
+    full_q <= (full_q & ~taken) | filled;
     if (out_valid_o && out_ready_i) out_id_o <= out_last_o ? '0 : out_id_o + 1'b1;
     if (rst_i) begin
       full_q   <= '0;

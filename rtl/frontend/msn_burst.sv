@@ -2,7 +2,8 @@
 //
 // One conversion that is asked for becomes a burst of cfg_count_i, exactly cfg_period_i clocks apart, for what is
 // measured over several samples (msn_am_demod). trigger_o comes a clock after start_i, then every period; first_o
-// marks the burst's first sample, up to which it stays. A lost conversion spoils the burst: lost_o says so, once.
+// marks the burst's first sample, up to which it stays. A lost conversion spoils the burst: lost_o says so, once,
+// and spoiled_o until the next one starts.
 // A start while a burst is under way begins anew.
 //
 // Model: model/meissner/frontend/burst.py
@@ -23,7 +24,8 @@ module msn_burst #(
   input  logic                  taken_i,       // a sample of the converter is taken
   output logic                  first_o,
   input  logic                  lost_i,
-  output logic                  lost_o
+  output logic                  lost_o,
+  output logic                  spoiled_o
 );
 
   if (CountBits < 1 || CountBits > 24) begin : gen_check_count_bits
@@ -33,10 +35,10 @@ module msn_burst #(
     $fatal(1, "msn_burst: PeriodBits = %0d must lie in 1 .. 24", PeriodBits);
   end
 
-  logic                  running, told;
+  logic                  running;
   logic [CountBits-1:0]  left;   // triggers after this one
   logic [PeriodBits-1:0] clock;  // clocks until the next one
-  assign lost_o = lost_i && !told;
+  assign lost_o = lost_i && !spoiled_o;
 
   always_ff @(posedge clk_i) begin
     trigger_o <= start_i || (running && clock == '0);
@@ -48,13 +50,13 @@ module msn_burst #(
       running <= left != CountBits'(1);
       left    <= left - 1'b1;
     end
-    first_o <= start_i || (first_o && !taken_i);
-    told    <= !start_i && (told || lost_i);
+    first_o   <= start_i || (first_o && !taken_i);
+    spoiled_o <= !start_i && (spoiled_o || lost_i);
     if (rst_i) begin
       trigger_o <= 1'b0;
       running   <= 1'b0;
       first_o   <= 1'b0;
-      told      <= 1'b0;
+      spoiled_o <= 1'b0;
     end
   end
 

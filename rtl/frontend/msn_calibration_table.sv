@@ -9,7 +9,8 @@
 // beat, never inside a frame. Words count beats, of every lane named in cfg_write_i; with RowColumn
 // the beats of a row, and cfg_write_row_i rows. Before the first swap loaded_o is low.
 //
-// A word a clock; 3 clocks (RowColumn 5) without one after a swap and a restart. Gain 16 bits, 32 as a product.
+// A word a clock, none for 3 clocks (RowColumn 5) after a swap and one more after a restart. Gains are unsigned,
+// 16 bits, as a product 32.
 // Model: model/meissner/frontend/calibration_table.py
 
 module msn_calibration_table #(
@@ -59,18 +60,20 @@ module msn_calibration_table #(
 
   // Banks change between frames only. What was read ahead from the old one is thrown away, and no beat
   // goes before the new one's first word is there.
-  logic bank, midway, swap, restart, bank_next;
+  logic bank, midway, stale, swap, restart, bank_next;
   assign swap      = cfg_swapping_o && !midway;
-  assign restart   = rst_i || restart_i || swap;
+  assign restart   = rst_i || stale || swap;
   assign bank_next = bank ^ swap;
 
   always_ff @(posedge clk_i) begin
     if (take_i) midway <= !last_i;
+    stale          <= restart_i;  // a clock late: who takes a beat is known late
     bank           <= bank_next;
     cfg_swapping_o <= cfg_swap_i || (cfg_swapping_o && !swap);
     loaded_o       <= loaded_o || swap;
     if (rst_i) begin
       midway         <= 1'b0;
+      stale          <= 1'b0;
       bank           <= 1'b0;
       cfg_swapping_o <= 1'b0;
       loaded_o       <= 1'b0;
@@ -92,7 +95,7 @@ module msn_calibration_table #(
     assign entry         = cfg_gain_i;
   end
   assign advance     = take_i || !valid;
-  assign out_valid_o = valid && !swap;
+  assign out_valid_o = valid && !swap && !stale;
 
   // Of every beat, or with RowColumn of every beat of a row.
   msn_frame_table #(.Words(Words), .Parts(Lanes), .PartBits(PartBits)) u_beats (

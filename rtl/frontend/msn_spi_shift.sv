@@ -3,10 +3,11 @@
 // SPI words, most significant bit first, on one or more DOUT lanes.
 //
 // A bit lasts 2*Half clocks: SCLK rests for the first half and is driven for the second. Both sides launch their
-// next bit when it ends (SCLK returns to rest; CS falling launches the first one). CS then stays high for the time
-// of one more bit.
+// next bit when it ends (SCLK returns to rest; CS falling launches the first one). With Lead SCLK is driven for the
+// first half and rests for the second, and the first bit begins Half clocks after CS fell. CS then stays high for
+// the time of one more bit.
 //
-//   clocks after start_i   1 .. 2*Half*Bits   CS low, SCLK runs
+//   clocks after start_i   1 .. 2*Half*Bits   CS low, SCLK runs                          all Half later with Lead
 //                          2*Half*Bits        word_o, data_o (and CS rises unless again_i)
 //                          2*Half*(Bits+1)    done_o; start_i may come again in this clock
 //
@@ -19,7 +20,8 @@ module msn_spi_shift #(
   parameter int unsigned DataBits = 12,  // the last so many bits are kept
   parameter int unsigned Lanes    = 1,
   parameter int unsigned Half     = 13,  // clocks in half an SCLK period
-  parameter bit          IdleHigh = 1'b0
+  parameter bit          IdleHigh = 1'b0,
+  parameter bit          Lead     = 1'b0
 ) (
   input  logic                      clk_i,
   input  logic                      rst_i,
@@ -49,7 +51,8 @@ module msn_spi_shift #(
 
   logic                      run_q;
   logic                      second_q;  // in the second half of a bit
-  logic                      sclk_q;    // not second_q: SCLK rests while CS is high
+  logic                      lead_q;    // in the half bit before the first one
+  logic                      sclk_q;    // driven; not second_q: SCLK rests while CS is high
   logic [HalfBits-1:0]       half_q;
   logic [IndexBits-1:0]      left_q;    // bits of this word after the present one
   logic [Lanes-1:0]          miso_q;
@@ -57,7 +60,7 @@ module msn_spi_shift #(
 
   logic half_end, bit_end;
   assign half_end = run_q && half_q == '0;
-  assign bit_end  = half_end && second_q;
+  assign bit_end  = half_end && second_q && !lead_q;
   assign word_o   = bit_end && !spi_cs_n_o && left_q == '0;
   assign done_o   = bit_end && spi_cs_n_o;
 
@@ -75,8 +78,11 @@ module msn_spi_shift #(
     if (start_i)      shift_q <= (Lanes*DataBits)'(command_i);
     else if (bit_end) shift_q <= data_o;
 
-    second_q <= !start_i && (second_q ^ half_end);
-    sclk_q   <= !start_i && (sclk_q ^ (half_end && !spi_cs_n_o));
+    // The lead is a second half, of no bit.
+    second_q <= start_i ? Lead : (second_q ^ half_end);
+    lead_q   <= start_i ? Lead : (lead_q && !half_end);
+    // At word_o CS is still low: with Lead the next bit would begin there, and only does so if there is one.
+    sclk_q   <= !start_i && (sclk_q ^ (half_end && !spi_cs_n_o && !(Lead && word_o && !again_i)));
 
     if (start_i)                  spi_cs_n_o <= 1'b0;
     else if (word_o && !again_i)  spi_cs_n_o <= 1'b1;
@@ -86,6 +92,7 @@ module msn_spi_shift #(
     if (rst_i) begin
       run_q      <= 1'b0;
       second_q   <= 1'b0;
+      lead_q     <= 1'b0;
       sclk_q     <= 1'b0;
       spi_cs_n_o <= 1'b1;
     end

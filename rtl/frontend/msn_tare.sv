@@ -13,7 +13,7 @@
 //   clock  1        2           3            4
 //          raw - o  sign, sums  b, sum next  write
 //
-// Latency 1 clock; a beat a clock, 9 clocks between frames.   Model: model/meissner/frontend/tare.py
+// Latency 1 clock; a beat a clock, 8 clocks between frames.   Model: model/meissner/frontend/tare.py
 
 module msn_tare #(
   parameter  int unsigned Rows         = 64,
@@ -91,7 +91,7 @@ module msn_tare #(
   logic [IdBits-1:0] place;
   assign in_ready_o = (out_ready_i || !out_valid_o) && word_valid && !load_due;
   assign accept     = in_valid_i && in_ready_o;
-  assign restart    = rst_i || drain != '0 || (accept && in_last_i);
+  assign restart    = rst_i || drain != '0 || load_due || (accept && in_last_i);
   assign done       = ending && drain == 3'd1;
 
   msn_frame_place #(.Beats(Beats)) u_place (

@@ -30,9 +30,10 @@ def calibrate(source, *extra, out="new.npz"):
 
 
 def presses(few=False):
-    """A press recording of 3×2 cells, every cell its own line; ``few``: two cells pressed too little."""
-    force_n = np.arange(5.0)[:, None, None] * np.ones((3, 2))
-    codes = np.rint(100 + 10 * np.arange(6).reshape(3, 2) + (300 + np.arange(6).reshape(3, 2)) * force_n)
+    """A press recording of 3×3 cells, every cell its own line; ``few``: two cells pressed too little."""
+    force_n = np.arange(5.0)[:, None, None] * np.ones((3, 3))
+    own = np.arange(9).reshape(3, 3)
+    codes = np.rint(100 + 10 * own + (300 + own) * force_n)
     if few:
         force_n[2:, 0, 1] = force_n[1:, 2, 0] = np.nan
     return {"codes": codes.astype(int), "force_n": force_n}
@@ -249,21 +250,19 @@ def test_bad_input_is_one_sentence_and_writes_nothing(tmp_path, recording, case)
 
 @pytest.mark.parametrize("engine", engines.NAMES)
 def test_calibrate_and_then_process_cop(tmp_path, engine):
-    if not hasattr(engines.load(engine), "calibrate"):
-        pytest.skip(f"the engine {engine} has no calibration")
     np.savez(tmp_path / "press.npz", **presses())
     done = meissner(*calibrate("press.npz", out="cal.npz"), cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
     assert done.stdout.startswith(
-        "3×2 cells from 5 frames, none dead; 1 of force is 0.0005 N; off the line by "
+        "3×3 cells from 5 frames, none dead; 1 of force is 0.0005 N; off the line by "
     )
     np.save(tmp_path / "in.npy", presses()["codes"])
     arguments = cop("in.npy", "--calibration", "cal.npz", "--engine", engine, "--min-load", 10)
     done = meissner(*arguments, cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
-    assert "5 frames of 3×2, 4 with a load; 1 of sum is 0.0005 N; " in done.stdout
+    assert "5 frames of 3×3, 4 with a load; 1 of sum is 0.0005 N; " in done.stdout
     result = np.load(tmp_path / "out.npz")
-    assert result["sum"] * 5e-4 == pytest.approx(6 * np.arange(5.0), abs=0.005)
+    assert result["sum"] * 5e-4 == pytest.approx(9 * np.arange(5.0), abs=0.005)
     assert np.abs(result["x"]).max() < 5 and np.abs(result["y"]).max() < 5
 
 

@@ -10,8 +10,6 @@ import pytest
 from meissner import calibration, engines
 from meissner.calibration import Calibration, cell_forces, fit
 
-ABLE = [name for name in engines.NAMES if hasattr(engines.load(name), "calibrate")]
-
 
 def recording(rows=4, columns=5, frames=60, seed=1, noise=2.0):
     """Codes of noisy lines and forces that are unknown here and there."""
@@ -54,11 +52,11 @@ def test_the_gains_use_their_registers():
         assert answer.gain.max() * lsb_n / finer > 65535 or 1.5 * np.nanmax(force_n) / finer > 65535
 
 
-@pytest.mark.parametrize("engine", ABLE)
+@pytest.mark.parametrize("engine", engines.NAMES)
 def test_the_engines_calibrate_as_the_formula_says(engine):
     rng = np.random.default_rng(3)
-    shape = (3, 7)
-    for shift in (1, 12, 16):
+    shape = (3, 3)
+    for shift in (12,) if engine == "rtl" else (1, 12, 16):  # a build each
         lines = Calibration(
             offset=rng.integers(-65536, 65536, shape),
             gain=rng.integers(0, 65536, shape),
@@ -89,20 +87,14 @@ def test_what_was_fitted_is_undone():
     assert np.abs(back - force_n)[known].max() < 1.2 / 200 + 8 * 1e-4  # a code's rounding and the offset's
 
 
-@pytest.mark.parametrize("engine", ABLE)
+@pytest.mark.parametrize("engine", engines.NAMES)
 def test_process_cop_of_codes(engine):
-    codes, force_n = recording()
+    codes, force_n = recording(rows=3, columns=3)
     answer, _ = fit(codes, force_n)
     result = engines.process_cop(codes, engine, 5, answer)
     forces = engines.calibrate(codes, answer, "fixed")
     expected = engines.process_cop(forces, engine, 5)
     assert all(np.array_equal(result[name], expected[name]) for name in expected)
-
-
-def test_an_engine_without_calibration_says_so():
-    for engine in set(engines.NAMES) - set(ABLE):
-        with pytest.raises(ValueError, match=f"the engine {engine} has no calibration yet: take --engine"):
-            engines.process_cop(np.zeros((1, 4, 5), int), engine, 1, fit(*recording())[0])
 
 
 def test_every_form_of_a_recording_says_the_same():

@@ -25,7 +25,7 @@ int main(int, char **argv) {
   top.out_ready_i = 1;
   for (uint32_t clock = 0; converts <= frames; ++clock) {
     top.rst_i = clock < 4;
-    top.cfg_enable_i = clock > 100;
+    top.cfg_enable_i = clock > 100;  // the first tick waits until the part is set up
     top.clk_i = 0;
     top.eval();
     if (top.out_valid_o) {
@@ -42,5 +42,5 @@ int main(int, char **argv) {
     top.clk_i = 1;
     top.eval();
   }
-  return top.dropped_o || top.overrun_o || top.timeout_o;
+  return top.dropped_o || top.overrun_o || top.timeout_o || top.mistagged_o;
 }

@@ -5,7 +5,7 @@ import subprocess
 import pytest
 
 from meissner import toolchain
-from meissner.frontend.adc_spi import AD7606, MCP3208, AdcSpi
+from meissner.frontend.adc_spi import AD7606, MAX11123, MAX11125, MCP3208, AdcSpi
 
 FRAMES = 200
 HERE = toolchain.ROOT / "tb/frontend"
@@ -23,8 +23,10 @@ def code(frame, channel):
         ("Mcp3208", AdcSpi(MCP3208, channels=8, clk_khz=8_000, sclk_khz=2_000)),
         ("Ad7606", AdcSpi(AD7606, channels=3, clk_khz=25_000)),
         ("Ad7606", AdcSpi(AD7606, channels=7, lanes=2, clk_khz=25_000)),
+        ("Max11123", AdcSpi(MAX11123, channels=8, clk_khz=25_000)),
+        ("Max11125", AdcSpi(MAX11125, channels=3, clk_khz=25_000, sclk_khz=3_000)),
     ],
-    ids=["mcp3208", "ad7606", "ad7606-2"],
+    ids=["mcp3208", "ad7606", "ad7606-2", "max11123", "max11125"],
 )
 def test_adc_parts(struct, twin):
     build = toolchain.BUILD / f"tb/adc_parts-{struct}-{twin.channels}-{twin.lanes}"

@@ -3,8 +3,9 @@
 Every build runs the same tests: codes (corners of every bit, then random) against the twin, with a consumer
 that is ready, stalls, or sleeps for frames; convert starts exactly on the grid through all of it; whole
 frames, and each tick accounted for; latencies and the shortest period exactly as the twin says; enable, reset
-and changed periods. The AD7606 builds also lose BUSY. The part models' limits are then tightened one by one,
-to show that each is checked: a limit that is broken fails the test.
+and changed periods. The AD7606 builds also lose BUSY, the MAX1112x builds their setup and the right channel
+numbers; some builds are started by triggers. The part models' limits are then tightened one by one, to show
+that each is checked: a limit that is broken fails the test.
 """
 
 import random
@@ -14,14 +15,22 @@ import cocotb
 import pytest
 from cocotb.clock import Clock
 from cocotb.triggers import ReadOnly, RisingEdge
+from cocotb.utils import get_sim_time
 
 import bench
 from meissner.frontend.adc_spi import AD7606, MCP3208, PARTS, AdcSpi
-from parts import ad7606, mcp3208
+from parts import ad7606, max1112x, mcp3208
 from parts.timing import TimingViolation, tightened
 
 MCP_RULES = ["t_clk", "t_hi", "t_lo", "t_sucs", "t_csh", "t_su", "t_hd", "t_droop_max"]
+MAX_RULES = ["t_cp", "t_cp_max", "t_ch", "t_cl", "t_css", "t_csw", "t_acq", "t_ds", "t_dh"]
 AD_RULES = ["t_cycle", "t_convst_low", "t_convst_high", "t_busy_cs", "t_sclk", "t_sclk_low", "t_sclk_high"]
+
+
+def limits_and_rules(part):
+    if part.tagged:
+        return max1112x.Limits(), MAX_RULES
+    return (mcp3208.Limits(), MCP_RULES) if part is MCP3208 else (ad7606.Limits(), AD_RULES)
 
 
 class Codes:
@@ -56,18 +65,22 @@ class Harness:
         )
         pins = [dut.adc_cs_n_o, dut.adc_sclk_o]
         codes = Codes(self.twin.part.data_bits)
-        for name in ("rst_i", "cfg_enable_i", "out_ready_i", "adc_miso_i", "adc_busy_i", "clk_i"):
-            getattr(dut, name).value = int(name == "rst_i")
+        for name in ["rst", "cfg_enable", "trigger", "out_ready", "adc_miso", "adc_busy", "clk"]:
+            getattr(dut, f"{name}_i").value = int(name == "rst")
         dut.cfg_period_i.value = 1
         if self.twin.part is MCP3208:
             make = lambda: mcp3208.Mcp3208(*pins, dut.adc_mosi_o, dut.adc_miso_i, codes, limits, report)
+        elif self.twin.part.tagged:
+            pins += [dut.adc_mosi_o, dut.adc_miso_i, self.twin.part.data_bits]
+            make = lambda: max1112x.Max1112x(*pins, codes, limits, report)
         else:
-            make = lambda: ad7606.Ad7606(
-                *pins, dut.adc_miso_i, dut.adc_convst_o, dut.adc_busy_i, codes, limits, report, conversion_ns
-            )
+            pins += [dut.adc_miso_i, dut.adc_convst_o, dut.adc_busy_i, dut.adc_reset_o]
+            make = lambda: ad7606.Ad7606(*pins, codes, limits, report, conversion_ns)
         self.make = make
         self.clock = -1
         self.converts = []  # clocks of convert_o
+        self.times = []  # the same in ns
+        self.losses = []  # clocks of lost_o
         self.busy_low = []  # clocks at whose end BUSY was low for the first time after it was high
         self.beats = []  # (clock, data, id, last, user) taken
         self.offered = []  # clocks in which a sample was first offered
@@ -83,8 +96,12 @@ class Harness:
         dut.rst_i.value = 0
         self.period = period or self.twin.safe_period() + 13
         dut.cfg_period_i.value = self.period
-        await bench.clocks(dut, 1 + 6 * self.twin.clk_khz // 1000)  # the parts are at rest for 6 us
+        await self.rest()
         dut.cfg_enable_i.value = 1
+
+    async def rest(self):
+        """From the end of reset until the part can convert, and at least 6 us."""
+        await bench.clocks(self.dut, 1 + max(6 * self.twin.clk_khz // 1000, self.twin.start_clocks()))
 
     async def run(self, clocks):
         """Let ``clocks`` pass, watching. Leaves just after a rising clock edge."""
@@ -97,10 +114,13 @@ class Harness:
             await ReadOnly()
             if dut.convert_o.value == 1:
                 self.converts.append(self.clock)
+                self.times.append(get_sim_time("ps") / 1000)
                 launched = (
                     dut.adc_convst_o.value == 1 if self.twin.part.has_busy else dut.adc_cs_n_o.value == 0
                 )
                 assert launched, "convert_o without a conversion"
+            if dut.lost_o.value == 1:
+                self.losses.append(self.clock)
             valid = dut.out_valid_o.value == 1
             assert valid or self.held is None, "valid was withdrawn while stalled"
             if valid:
@@ -132,7 +152,7 @@ class Harness:
         await self.run(self.twin.safe_period() + self.twin.watch_clocks + 20)
 
     def counters(self):
-        names = ("dropped_o", "overrun_o", "timeout_o")
+        names = ("dropped_o", "overrun_o", "timeout_o", "mistagged_o")
         return tuple(getattr(self.dut, name).value.to_unsigned() for name in names)
 
     def converted(self):
@@ -141,6 +161,9 @@ class Harness:
         if self.twin.part.has_busy:
             return [codes[:channels] for codes in self.part.frames]
         log = self.part.conversions
+        if self.twin.part.tagged:  # a frame's first word only asks, what it brings was asked for before
+            begins = [next(n for n, entry in enumerate(log) if entry[2] >= time) for time in self.times]
+            log = [entry for begin in begins for entry in log[begin + 1 : begin + 1 + channels]]
         assert [channel for channel, _, _ in log] == [n % channels for n in range(len(log))]
         return [[code for _, code, _ in log[n : n + channels]] for n in range(0, len(log), channels)]
 
@@ -171,7 +194,9 @@ class Harness:
             kept += 1
         assert kept == len(taken), "more frames came out than went in"
         assert self.counters()[0] == dropped
-        assert self.counters()[2] == len(lost)
+        assert self.counters()[2] + self.counters()[3] == len(lost)
+        # Ticks a few clocks apart: one may come as the frame before ends badly, for both in one strobe.
+        assert len(self.losses) == sum(self.counters()) or self.counters()[1]
         assert self.dut.over_range_o.value.to_unsigned() == sum(beat[4] for beat in self.beats)
         return dropped
 
@@ -216,7 +241,7 @@ async def every_code_arrives_on_the_grid(dut, consumer):
     dropped = harness.check()
     if consumer != "stalls":  # stalls drop a frame now and then: two lanes leave little time before the next
         assert (dropped > 0) == (consumer == "sleeps"), f"{dropped} dropped"
-    assert harness.counters()[1:] == (0, 0)
+    assert harness.counters()[1:] == (0, 0, 0)
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
@@ -260,7 +285,7 @@ async def shortest_period_is_the_twins(dut, short):
     await harness.start(harness.twin.minimum_period(ns) - short)
     await harness.frames(12)
     clocks = harness.converts[:]
-    dropped, overrun, _ = harness.counters()
+    dropped, overrun, *_ = harness.counters()
     # Two lanes' samples may still be leaving when the transfer is over: then frames are lost, not ticks.
     harness.period *= 2 if overrun else 1
     harness.on_grid(clocks)
@@ -286,7 +311,8 @@ async def a_very_short_period_only_loses_ticks(dut):
     assert converts >= 6
     await harness.stop()
     dropped = harness.check()
-    assert dropped == 0 or harness.twin.lanes > 1  # a tick may come before all samples of two lanes have left
+    # A tick may come before all samples that arrived together have left.
+    assert dropped == 0 or harness.twin.lanes > 1 or harness.twin.part.tagged
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
@@ -353,19 +379,49 @@ async def recovers_after_reset(dut, moment):
     await RisingEdge(dut.clk_i)
     await ReadOnly()
     assert (dut.out_valid_o.value, dut.adc_cs_n_o.value, dut.adc_convst_o.value) == (0, 1, 0)
-    assert dut.adc_sclk_o.value == int(harness.twin.part is AD7606)
-    assert harness.counters() == (0, 0, 0)
+    assert dut.adc_sclk_o.value == int(harness.twin.part is not MCP3208)
+    assert dut.adc_reset_o.value == int(harness.twin.part is AD7606)
+    assert harness.counters() == (0, 0, 0, 0)
     await RisingEdge(dut.clk_i)
     dut.rst_i.value = 0
-    await bench.clocks(dut, 6 * harness.twin.clk_khz // 1000)  # the part may still be converting
+    if harness.twin.part is MCP3208:
+        await bench.clocks(dut, 6 * harness.twin.clk_khz // 1000)
     harness.part.frames, harness.part.conversions = [], []
-    harness.converts, harness.beats, harness.held = [], [], None
+    harness.converts, harness.times, harness.losses = [], [], []
+    harness.beats, harness.held = [], None
     harness.stall = lambda: False
     dut.cfg_enable_i.value = 1
+    await harness.run(harness.twin.start_clocks())  # nothing is waited for: RESET ends what is under way
+    assert not harness.converts
     await harness.frames(3)
     await harness.stop()
     assert harness.check() == 0
     assert len(harness.beats) == 3 * harness.twin.channels
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def the_first_tick_waits_until_the_part_is_ready(dut):
+    """Enabled since reset: what the part needs first is done, and the first conversion starts then."""
+    harness = Harness(dut)
+    Clock(dut.clk_i, 1_000_000_000 // harness.twin.clk_khz, unit="ps").start()
+    await bench.clocks(dut, 3)
+    harness.part = harness.make()
+    await bench.clocks(dut, 3)
+    dut.cfg_enable_i.value = 1
+    harness.period = harness.twin.safe_period() + 13
+    dut.cfg_period_i.value = harness.period
+    dut.rst_i.value = 0
+    await harness.run(harness.twin.start_clocks() + 1)
+    assert not harness.converts
+    await harness.run(3)
+    assert harness.converts == [harness.twin.start_clocks() + 1]
+    await harness.frames(3)
+    await harness.stop()
+    assert harness.check() == 0
+    if harness.twin.part.tagged:
+        asked = [harness.twin.part.command(n) for n in range(harness.twin.words)]
+        assert harness.part.words[:5] == list(harness.twin.part.setup)
+        assert harness.part.words[5 : 5 + len(asked)] == asked
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
@@ -412,7 +468,7 @@ async def busy_timeout_leaves_the_next_tick_alone(dut):
     harness.part.hold_busy(0)
     await harness.frames(6)
     harness.on_grid()
-    assert harness.counters() == (0, 0, 5)
+    assert harness.counters() == (0, 0, 5, 0)
     await harness.stop()
     harness.check(lost=range(6))
 
@@ -435,17 +491,137 @@ async def busy_released_late_is_not_taken_for_an_answer(dut):
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
+@cocotb.parametrize(spoilt=range(9), asleep=[False, True])
+async def tag_of_another_channel_loses_the_frame(dut, spoilt, asleep):
+    """One answer of one frame bears a wrong number: that frame is lost whole, the part set up again."""
+    harness = Harness(dut)
+    if not 1 <= spoilt <= harness.twin.channels:
+        return
+    await harness.start(2 * harness.twin.safe_period() + 2 * harness.twin.start_clocks())
+    await harness.frames(2)
+    harness.stall = lambda: asleep
+    for bit in range(12, 16):
+        harness.stall = lambda: asleep  # a frame that would be dropped and is spoilt counts as dropped
+        left = iter(range(harness.twin.words))
+        spoil = lambda answer, left=left, bit=bit: answer ^ (next(left, None) == spoilt) << bit
+        harness.part.spoil = spoil
+        setups = harness.part.words.count(0x0040)
+        await harness.frames(1)
+        assert harness.part.words.count(0x0040) == setups + 1
+        harness.part.spoil = None
+        harness.stall = lambda: False
+        await harness.frames(1)
+    await harness.stop()
+    harness.on_grid()
+    harness.check(lost=range(2, 10, 2))
+    assert harness.counters() == (0, 0, 0, 4)
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def tag_shows_a_part_that_lost_its_setup(dut):
+    """The supply dips: the registers are gone. That frame is lost and the next ticks are counted while the
+    part is set up again. What was asked of the part before that was against its rules."""
+    reports = []
+    harness = Harness(dut, report=reports.append)
+    await harness.start()
+    for extra in (0, 5, 11):
+        await harness.frames(2)
+        await harness.run(extra)
+        harness.part.power_up()
+        while harness.part.channel is None:
+            await harness.run(1)
+    await harness.frames(3)
+    await harness.stop()
+    dropped, overrun, _, mistagged = harness.counters()
+    assert mistagged >= 3 and overrun >= 1
+    assert dropped == 0
+    frames = len(harness.beats) // harness.twin.channels
+    assert frames == len(harness.converts) - mistagged
+    assert len(harness.losses) == overrun + mistagged
+    assert frames >= 6
+    assert {str(report).split(":")[0] for report in reports} == {"setup"}
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def triggers_start_conversions(dut):
+    """A conversion starts in the clock after each trigger; each trigger brings samples or one lost_o."""
+    limits = ad7606.Limits(t_cycle=0) if dut.Part.value.to_unsigned() == AD7606.number else None
+    harness = Harness(dut, limits=limits)
+    await harness.start(1)  # the period, which must not matter
+    draw = random.Random(bench.SEED)
+    cycle = harness.twin.cycle_clocks()
+    triggers, _early = [], 0
+    for gap in [cycle] * 6 + [cycle + draw.randint(0, 50) for _ in range(10)] + [7, cycle - 7, 1, cycle]:
+        dut.trigger_i.value = 1
+        triggers.append(harness.clock + 1)
+        await harness.run(1)
+        dut.trigger_i.value = 0
+        if gap > 1:
+            await harness.run(gap - 1)
+    dut.cfg_enable_i.value = 0
+    dut.trigger_i.value = 1  # without enable it is nothing
+    await harness.run(cycle)
+    dut.trigger_i.value = 0
+    await harness.stop()
+    too_early = [17, 19]  # 7 clocks and 1 clock after the one before
+    assert harness.converts == [clock + 1 for n, clock in enumerate(triggers) if n not in too_early]
+    assert harness.counters() == (0, len(too_early), 0, 0)
+    assert harness.losses == [triggers[n] + 1 for n in too_early]
+    assert harness.check() == 0
+    if harness.twin.part.has_busy:  # the longest conversion and the longest wait end within the cycle
+        assert cycle >= harness.twin.watch_clocks + harness.twin.channels
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def hold_is_over_when_the_last_channel_was_sampled(dut):
+    """hold_clocks after convert_o no sample is taken any more, and not much earlier."""
+    harness = Harness(dut)
+    await harness.start()
+    await harness.frames(3)
+    await harness.stop()
+    clock_ns = 1e6 / harness.twin.clk_khz
+    hold = harness.twin.hold_clocks() * clock_ns
+    channels = harness.twin.channels
+    if harness.twin.part.has_busy:
+        return  # all are sampled as CONVST rises
+    begins = [
+        next(n for n, entry in enumerate(harness.part.conversions) if entry[2] >= t) for t in harness.times
+    ]
+    for time, begin in zip(harness.times, begins):
+        last = harness.part.conversions[begin + channels - 1 + harness.twin.part.tagged]
+        assert 0 < hold - (last[2] - time) <= 1.01 * clock_ns
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def busy_part_gets_its_reset(dut):
+    """RESET is high long enough, and long enough before the first CONVST: both limits are checked."""
+    reports = []
+    harness = Harness(dut, report=reports.append)
+    await harness.start()
+    await harness.frames(1)
+    assert not reports
+    for rule in ("t_reset", "t_reset_convst"):
+        reports.clear()
+        harness.part.limits = tightened(ad7606.Limits(), rule)
+        await bench.reset(dut)
+        await harness.run(harness.twin.start_clocks() + 5)
+        assert {str(report).split(":")[0] for report in reports} == {rule}
+    clock_ns = 1e6 / harness.twin.clk_khz
+    assert harness.part.reset_fell - harness.part.reset_rose >= 100
+    assert harness.part.convst_rose - harness.part.reset_fell >= 100 - clock_ns
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
 async def every_limit_of_the_part_is_checked(dut):
     """With one limit tightened beyond reach, the part reports that limit and no other."""
     harness = Harness(dut)
-    mcp = harness.twin.part is MCP3208
-    limits = mcp3208.Limits() if mcp else ad7606.Limits()
+    limits, rules = limits_and_rules(harness.twin.part)
     reports = []
     harness = Harness(dut, limits=limits, report=reports.append)
     await harness.start()
     await harness.frames(2)
     assert not reports
-    for rule in MCP_RULES if mcp else AD_RULES:
+    for rule in rules:
         reports.clear()
         harness.part.limits = tightened(limits, rule)
         await harness.frames(2)
@@ -456,9 +632,8 @@ async def every_limit_of_the_part_is_checked(dut):
 
 @cocotb.test(timeout_time=20, timeout_unit="ms", expect_error=TimingViolation)
 async def a_broken_limit_fails_the_test(dut):
-    mcp = dut.Part.value.to_unsigned() == MCP3208.number
-    limits = tightened(mcp3208.Limits(), "t_hi") if mcp else tightened(ad7606.Limits(), "t_sclk")
-    harness = Harness(dut, limits=limits)
+    limits, rules = limits_and_rules(PARTS[dut.Part.value.to_unsigned()])
+    harness = Harness(dut, limits=tightened(limits, "t_sclk" if "t_sclk" in rules else rules[1]))
     await harness.start()
     await harness.frames(2)
 
@@ -470,12 +645,17 @@ async def too_slow_a_part_is_misread(dut):
     late = 2 * harness.twin.half * 1e6 / harness.twin.clk_khz  # a whole bit
     if harness.twin.part is MCP3208:
         limits = mcp3208.Limits(t_do=late)
+    elif harness.twin.part.tagged:
+        limits = max1112x.Limits(t_dot=late)
     else:
         limits = ad7606.Limits(t_sclk_dout=late, t_cs_dout=late)
     harness = Harness(dut, limits=limits)
     await harness.start()
     await harness.frames(8)
     await harness.stop()
+    if harness.twin.part.tagged:
+        assert harness.counters()[3] > 0 and len(harness.beats) < 8 * harness.twin.channels
+        return
     with pytest.raises(AssertionError, match="of codes"):
         harness.check()
 
@@ -491,13 +671,31 @@ BUILDS = [
     {"Part": 2, "Channels": 6, "Lanes": 2, "ClkKhz": 25_000, "SclkKhz": 14_500},
     {"Part": 2, "Channels": 7, "Lanes": 2, "ClkKhz": 12_500, "SclkKhz": 14_500, "PeriodBits": 16},
     {"Part": 2, "Channels": 8, "Lanes": 2, "ClkKhz": 25_000, "SclkKhz": 14_500},
+    {"Part": 3, "Channels": 8, "ClkKhz": 25_000, "SclkKhz": 16_000},
+    {"Part": 4, "Channels": 1, "ClkKhz": 100_000, "SclkKhz": 16_000},
+    {"Part": 5, "Channels": 5, "ClkKhz": 50_000, "SclkKhz": 3_000},
 ]
 
 
 @pytest.mark.parametrize("parameters", BUILDS, ids=lambda p: "-".join(map(str, p.values())))
 def test_adc_spi(parameters):
-    without_busy = None if parameters["Part"] == 2 else r"^(?!.*busy_)"
-    bench.run("frontend", "adc_spi", parameters, test_filter=without_busy)
+    skipped = ["triggers_"]
+    skipped += [] if parameters["Part"] == 2 else ["busy_"]
+    skipped += [] if PARTS[parameters["Part"]].tagged else ["tag_"]
+    bench.run("frontend", "adc_spi", parameters, test_filter=rf"^(?!.*({'|'.join(skipped)}))")
+
+
+@pytest.mark.parametrize(
+    "parameters",
+    [
+        {"Part": 1, "Channels": 2, "ClkKhz": 25_000, "SclkKhz": 1_000},
+        {"Part": 2, "Channels": 8, "Lanes": 2, "ClkKhz": 25_000, "SclkKhz": 14_500},
+        {"Part": 4, "Channels": 8, "ClkKhz": 25_000, "SclkKhz": 16_000},
+    ],
+    ids=lambda p: "-".join(map(str, p.values())),
+)
+def test_adc_spi_with_triggers(parameters):
+    bench.run("frontend", "adc_spi", parameters | {"Trigger": 1}, test_filter="triggers_")
 
 
 TWIN_NAMES = {
@@ -511,7 +709,7 @@ TWIN_NAMES = {
 
 ILLEGAL = [
     ({"Part": 0}, "Part = 0"),
-    ({"Part": 3}, "Part = 3"),
+    ({"Part": 6}, "Part = 6"),
     ({"Channels": 0}, "Channels = 0"),
     ({"Channels": 9}, "Channels = 9"),
     ({"Lanes": 0}, "Lanes = 0"),
@@ -526,6 +724,10 @@ ILLEGAL = [
     ({"ClkKhz": 19}, "SclkKhz = 1000"),
     ({"SampleBits": 12}, "SampleBits = 12"),
     ({"Part": 2, "SampleBits": 15}, "SampleBits = 15"),
+    ({"Part": 3, "Lanes": 2}, "Lanes = 2"),
+    ({"Part": 3, "SclkKhz": 16_001}, "SclkKhz = 16001"),
+    ({"Part": 3, "SclkKhz": 150}, "SclkKhz = 150"),
+    ({"Part": 5, "SampleBits": 12}, "SampleBits = 12"),
     ({"PeriodBits": 33}, "PeriodBits = 33"),
 ]
 
@@ -544,13 +746,13 @@ def test_twin_knows_every_code(part):
     assert len(set(data.tolist())) == 1 << part.data_bits
     assert sorted(data[over].tolist()) == [data.min(), data.max()]
     assert data[1] == 1
-    assert data[-1] == (-1 if part.signed else 4095)
+    assert data[-1] == (-1 if part.signed else (1 << part.data_bits) - 1)
 
 
 @pytest.mark.parametrize("part", PARTS.values(), ids=lambda part: part.name)
 def test_twin_never_exceeds_the_parts_clock(part):
     for clk_khz in (1_000, 12_000, 25_000, 27_000, 48_000, 50_000, 100_000, 133_000):
-        for sclk_khz in (100, 1_000, part.sclk_max_khz):
+        for sclk_khz in (max(100, 2 * part.sclk_min_khz), 1_000, part.sclk_max_khz):
             twin = AdcSpi(part, clk_khz=clk_khz, sclk_khz=sclk_khz)
             assert clk_khz <= 2 * twin.half * sclk_khz
             assert (2 * twin.half - 1) * 1e6 / clk_khz >= part.access_ns

@@ -21,7 +21,7 @@ async def matches_model(dut, stall_rate):
     channels, lanes, lane_channels, data_bits, sample_bits, is_signed = (
         getattr(dut, name).value.to_unsigned() for name in names
     )
-    await bench.start(dut, in_word_i=0, in_data_i=0)
+    await bench.start(dut, in_word_i=0, in_data_i=0, in_bad_i=0)
     draw = random.Random(bench.SEED)
     top = (1 << data_bits) - 1
     for _ in range(80):
@@ -59,8 +59,32 @@ async def matches_model(dut, stall_rate):
 
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
+async def whole_frames_wait_for_their_last_word(dut):
+    """Nothing leaves before the last word; with a bad one nothing leaves at all."""
+    channels = dut.Channels.value.to_unsigned()
+    await bench.start(dut, in_word_i=0, in_data_i=0, in_bad_i=0)
+    dut.out_ready_i.value = 1
+    for frame, bad in enumerate((0, 1, 0, 1, 1, 0)):
+        got = []
+        for clock in range(4 * channels + 4):
+            word, phase = divmod(clock, 2)
+            offer = word < channels and phase == 1
+            dut.in_valid_i.value = int(offer)
+            dut.in_word_i.value = word % channels
+            dut.in_data_i.value = 16 * frame + word
+            dut.in_bad_i.value = int(offer and bad and word == channels - 1)
+            await ReadOnly()
+            if dut.out_valid_o.value == 1:
+                assert clock == 2 * channels + len(got)
+                got.append((bench.read(dut.out_id_o), bench.read(dut.out_data_o)))
+            assert dut.pending_o.value == int(0 < len(got) < channels)
+            await RisingEdge(dut.clk_i)
+        assert got == ([] if bad else [(c, 16 * frame + c) for c in range(channels)])
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
 async def reset_empties_it(dut):
-    await bench.start(dut, in_word_i=0, in_data_i=5)
+    await bench.start(dut, in_word_i=0, in_data_i=5, in_bad_i=0)
     dut.in_valid_i.value = 1
     await bench.clocks(dut, 2)
     dut.in_valid_i.value = 0
@@ -83,7 +107,18 @@ async def reset_empties_it(dut):
     ids=str,
 )
 def test_adc_store(parameters):
-    bench.run("frontend", "adc_store", parameters)
+    bench.run("frontend", "adc_store", parameters, test_filter=r"^(?!.*whole_)")
+
+
+@pytest.mark.parametrize("channels", [1, 3, 8])
+def test_adc_store_whole(channels):
+    bench.run("frontend", "adc_store", {"Channels": channels, "Whole": 1}, test_filter="whole_")
+
+
+def test_refuses_whole_on_two_lanes():
+    assert "Whole" in bench.refuses("adc_store", {"Channels": 8, "Lanes": 2, "Whole": 1})
+    with pytest.raises(ValueError):
+        channels_of_word(0, 8, 2, 4, whole=True)
 
 
 @pytest.mark.parametrize(("sample_bits", "is_signed"), [(12, 0), (11, 1)])

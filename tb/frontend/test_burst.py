@@ -14,7 +14,7 @@ from meissner.frontend.burst import samples, triggers
 
 async def watch(dut, starts, end, taken=(), lost=()):
     """Clocks before ``end`` of trigger_o, first_o and lost_o."""
-    seen = {"trigger_o": [], "first_o": [], "lost_o": []}
+    seen = {"trigger_o": [], "first_o": [], "lost_o": [], "spoiled_o": []}
     for clock in range(end):
         dut.start_i.value = int(clock in starts)
         dut.taken_i.value, dut.lost_i.value = int(clock in taken), int(clock in lost)
@@ -55,6 +55,7 @@ async def marks_the_first_sample_and_tells_a_loss_once(dut):
     seen = await watch(dut, [2, 20], 40, taken=[7, 10, 13, 24], lost=[9, 11, 12, 26])
     assert seen["first_o"] == [*range(3, 8), *range(21, 25)]
     assert seen["lost_o"] == [9, 26]
+    assert seen["spoiled_o"] == [*range(10, 21), *range(27, 40)]
 
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
@@ -64,7 +65,7 @@ async def a_reset_ends_the_burst(dut):
     await watch(dut, [0], 3, lost=[1])
     await bench.reset(dut)
     seen = await watch(dut, [], 12, lost=[3])
-    assert seen == {"trigger_o": [], "first_o": [], "lost_o": [3]}
+    assert seen == {"trigger_o": [], "first_o": [], "lost_o": [3], "spoiled_o": [*range(4, 12)]}
 
 
 def test_burst():

@@ -73,7 +73,7 @@ async def matches_model(dut, pause_rate):
                 if take:
                     break
             if beat == 0:
-                assert waited <= (settle + 1 if swapping or cut else 0), f"waited {waited}"
+                assert waited <= (settle + 2 if swapping or cut else 0), f"waited {waited}"
                 if swapping:
                     twin.swap()
                 swapping = False

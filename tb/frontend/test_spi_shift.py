@@ -16,8 +16,9 @@ from meissner.frontend import spi_shift
 
 @cocotb.test(timeout_time=10, timeout_unit="ms")
 async def words_match_the_model(dut):
-    names = ("Bits", "DataBits", "Lanes", "Half", "IdleHigh")
-    bits, data_bits, lanes, half, idle = (getattr(dut, name).value.to_unsigned() for name in names)
+    names = ("Bits", "DataBits", "Lanes", "Half", "IdleHigh", "Lead")
+    bits, data_bits, lanes, half, idle, lead = (getattr(dut, name).value.to_unsigned() for name in names)
+    before_first = half * lead
     await bench.start(dut, start_i=0, again_i=0, command_i=0, spi_miso_i=0)
     draw = random.Random(bench.SEED)
     for words in (1, 2, 1, 3, 1):
@@ -27,25 +28,27 @@ async def words_match_the_model(dut):
         dut.command_i.value = command
         dut.start_i.value = 1
         before = idle
-        for clock in range(spi_shift.done_clock(bits, half, words) + 3):
+        for clock in range(spi_shift.done_clock(bits, half, words, lead) + 3):
             # Right only in the one clock before the bit's last: that is where the register must look.
-            index, phase = divmod(clock - 1, 2 * half)
+            index, phase = divmod(clock - 1 - before_first, 2 * half)
             right = phase == 2 * half - 2
             levels = [line[index] ^ (not right) if 0 <= index < len(line) else 0 for line in lines]
             dut.spi_miso_i.value = sum(level << lane for lane, level in enumerate(levels))
             dut.again_i.value = int(index < bits * (words - 1))
             await ReadOnly()
-            assert dut.spi_cs_n_o.value == int(not 0 <= index < bits * words)
+            low = 1 <= clock <= spi_shift.word_clock(bits, half, words, lead)
+            assert dut.spi_cs_n_o.value == int(not low)
             sclk = int(dut.spi_sclk_o.value)
-            driven = 0 <= index < bits * words and phase >= half
+            driven = 0 <= index < bits * words and (phase >= half) != lead
             assert sclk == idle ^ driven, f"SCLK in clock {clock}"
             toggles += sclk != before
-            if sclk != before and driven and index < bits:
+            # The part takes the command at the edge in the middle of a bit.
+            if sclk != before and driven != lead and 0 <= index < bits:
                 sent.append(int(dut.spi_mosi_o.value))
             before = sclk
             if dut.word_o.value == 1:
                 number = len(found)
-                assert clock == spi_shift.word_clock(bits, half, number + 1)
+                assert clock == spi_shift.word_clock(bits, half, number + 1, lead)
                 data = bench.read(dut.data_o)
                 found.append([data >> lane * data_bits & (1 << data_bits) - 1 for lane in range(lanes)])
             if dut.done_o.value == 1:
@@ -53,7 +56,7 @@ async def words_match_the_model(dut):
                 done = clock
             await RisingEdge(dut.clk_i)
             dut.start_i.value = 0
-        assert done == spi_shift.done_clock(bits, half, words)
+        assert done == spi_shift.done_clock(bits, half, words, lead)
         assert toggles == 2 * bits * words
         assert sent[:data_bits] == spi_shift.command_line(command, bits, data_bits)
         cut = [[line[n * bits : (n + 1) * bits] for line in lines] for n in range(words)]
@@ -65,6 +68,8 @@ async def words_match_the_model(dut):
     [
         {"Half": 3},
         {"Bits": 16, "DataBits": 16, "Lanes": 2, "Half": 1, "IdleHigh": 1},
+        {"Bits": 16, "DataBits": 16, "Half": 1, "IdleHigh": 1, "Lead": 1},
+        {"Bits": 16, "DataBits": 12, "Half": 3, "Lead": 1},
     ],
     ids=str,
 )

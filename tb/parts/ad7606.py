@@ -4,9 +4,9 @@ import random
 from dataclasses import dataclass
 
 import cocotb
-from cocotb.triggers import Timer, ValueChange
+from cocotb.triggers import Timer
 
-from parts.timing import PartModel, TimingViolation, now
+from parts.timing import PartModel, TimingViolation, changed, now
 
 
 @dataclass(frozen=True)
@@ -27,17 +27,25 @@ class Limits:
     t_sclk_dout: float = 27  # rising SCLK to the next bit
     t_hold: float = 7  # DOUT stays after rising SCLK
     t_dis: float = 22
+    t_reset: float = 50  # RESET high
+    t_reset_convst: float = 25  # RESET low to CONVST
 
 
 class Ad7606(PartModel):
     """``code(channel, time_ns)`` gives the raw code (two's complement, 0 .. 65535).
 
     ``frames`` keeps the eight codes of every conversion. ``stuck`` None, 0 or 1 holds BUSY at that level.
+    A conversion before the first RESET is against the rules.
     """
 
-    def __init__(self, cs_n, sclk, miso, convst, busy, code, limits=None, report=None, conversion_ns=None):
+    def __init__(
+        self, cs_n, sclk, miso, convst, busy, reset, code, limits=None, report=None, conversion_ns=None
+    ):
         super().__init__(limits or Limits(), report)
         self.cs_n, self.sclk, self.miso, self.convst, self.busy = cs_n, sclk, miso, convst, busy
+        self.reset = reset
+        self.reset_rose = now() if int(reset.value) else None
+        self.reset_fell = None
         self.code = code
         self.conversion_ns = conversion_ns
         self.lanes = len(miso)
@@ -46,13 +54,13 @@ class Ad7606(PartModel):
         self.stuck = None
         self.draw = random.Random(11)
         self.levels = 0
-        self.converting = False
+        self.converting = None  # a token of the conversion under way
         self.bit = 0
         self.convst_rose = self.convst_fell = self.cs_fell = self.busy_fell = self.rose = self.fell = None
         busy.value = 0
         for lane in range(self.lanes):
             self.release(lane, 1)
-        for watch in (self.watch_convst, self.watch_cs, self.watch_sclk):
+        for watch in (self.watch_convst, self.watch_cs, self.watch_sclk, self.watch_reset):
             cocotb.start_soon(watch())
 
     def hold_busy(self, level):
@@ -64,42 +72,63 @@ class Ad7606(PartModel):
         if self.stuck is None:
             self.busy.value = level
 
+    async def watch_reset(self):
+        while True:
+            await changed(self.reset)
+            if int(self.reset.value):
+                self.reset_rose = now()
+                self.reset_fell = None
+                self.converting = None  # what was under way is given up
+                self.results = [0] * 8
+                self.set_busy(0)
+            else:
+                self.least("t_reset", self.since(self.reset_rose))
+                self.reset_fell = now()
+                self.convst_rose = None  # its cycle ended too
+
     async def watch_convst(self):
         while True:
-            await ValueChange(self.convst)
+            await changed(self.convst)
             if int(self.convst.value):
                 self.least("t_convst_low", self.since(self.convst_fell))
                 self.least("t_cycle", self.since(self.convst_rose))
+                if self.reset_fell is None:
+                    self.report(TimingViolation("rule: CONVST rises before a RESET"))
+                self.least("t_reset_convst", self.since(self.reset_fell))
                 if self.converting:
                     self.report(TimingViolation("rule: CONVST rises during a conversion"))
                 if not int(self.cs_n.value):
                     self.report(TimingViolation("rule: CONVST rises during a read"))
                 self.convst_rose = now()
-                cocotb.start_soon(self.convert())
+                self.converting = token = object()
+                cocotb.start_soon(self.convert(token))
             else:
                 self.least("t_convst_high", self.since(self.convst_rose))
                 self.convst_fell = now()
 
-    async def convert(self):
-        self.converting = True
+    async def convert(self, token):
         codes = [self.code(channel, now()) for channel in range(8)]
         self.frames.append(codes)
         limits = self.limits
         duration = self.conversion_ns or self.draw.uniform(limits.t_conv_min, limits.t_conv_most)
         rise = self.draw.uniform(1, limits.t_busy)
         await Timer(round(rise * 1000), "ps")
+        if self.converting is not token:
+            return
         self.set_busy(1)
         await Timer(round((duration - rise) * 1000), "ps")
+        if self.converting is not token:
+            return
         if not int(self.cs_n.value):
             self.report(TimingViolation("rule: BUSY falls during a read"))
         self.results = codes
-        self.converting = False
+        self.converting = None
         self.busy_fell = now()
         self.set_busy(0)
 
     async def watch_cs(self):
         while True:
-            await ValueChange(self.cs_n)
+            await changed(self.cs_n)
             if int(self.cs_n.value) == 0:
                 if not int(self.sclk.value):
                     self.report(TimingViolation("mode: SCLK is low as CS falls"))
@@ -113,7 +142,7 @@ class Ad7606(PartModel):
 
     async def watch_sclk(self):
         while True:
-            await ValueChange(self.sclk)
+            await changed(self.sclk)
             if int(self.sclk.value):
                 self.rising()
             elif int(self.cs_n.value):

@@ -3,9 +3,8 @@
 from dataclasses import dataclass
 
 import cocotb
-from cocotb.triggers import ValueChange
 
-from parts.timing import PartModel, TimingViolation, now
+from parts.timing import PartModel, TimingViolation, changed, now
 
 
 @dataclass(frozen=True)
@@ -46,7 +45,7 @@ class Mcp3208(PartModel):
 
     async def watch_cs(self):
         while True:
-            await ValueChange(self.cs_n)
+            await changed(self.cs_n)
             if int(self.cs_n.value) == 0:
                 self.least("t_csh", self.since(self.cs_rose))
                 self.cs_fell = now()
@@ -59,14 +58,14 @@ class Mcp3208(PartModel):
 
     async def watch_mosi(self):
         while True:
-            await ValueChange(self.mosi)
+            await changed(self.mosi)
             self.mosi_moved = now()
             if int(self.cs_n.value) == 0 and not self.first and len(self.command) <= 5 and self.falls < 5:
                 self.least("t_hd", self.since(self.rose))
 
     async def watch_sclk(self):
         while True:
-            await ValueChange(self.sclk)
+            await changed(self.sclk)
             if int(self.sclk.value):
                 self.rising()
             else:

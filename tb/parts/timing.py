@@ -4,7 +4,7 @@ import random
 from dataclasses import fields
 
 import cocotb
-from cocotb.triggers import Timer
+from cocotb.triggers import Timer, ValueChange
 from cocotb.utils import get_sim_time
 
 
@@ -15,6 +15,39 @@ class TimingViolation(Exception):
 def now():
     """Simulated time in ns, exact to the picosecond."""
     return get_sim_time("ps") / 1000
+
+
+class Line:
+    """One bit of a vector of pins: a part among several on the same ports.
+
+    ``driven``: the same dict for all of them; it keeps what is driven on each input port.
+    """
+
+    def __init__(self, port, index, driven):
+        self.port, self.index, self.driven = port, index, driven
+
+    def __len__(self):
+        return 1
+
+    @property
+    def value(self):
+        return int(self.port.value) >> self.index & 1
+
+    @value.setter
+    def value(self, level):
+        levels = self.driven.get(self.port._path, 0) & ~(1 << self.index) | int(level) << self.index
+        self.driven[self.port._path] = levels
+        self.port.value = levels
+
+
+async def changed(pin):
+    """Wait until the level of ``pin``, a handle or a Line, changes."""
+    if not isinstance(pin, Line):
+        await ValueChange(pin)
+        return
+    before = pin.value
+    while pin.value == before:
+        await ValueChange(pin.port)
 
 
 def tightened(limits, name):

@@ -210,6 +210,12 @@ def test_run_a_mesh_scene(tmp_path, name):
     assert summary["load_error"]["maximum"] >= summary["load_error"]["mean"] > 0.001
     assert (tmp_path / f"{name}.png").stat().st_size > 20_000
     rows = {(row["r_ohm"], row.get("total_n")): row for row in summary["conditions"]}
+    solver, solutions = summary["solver"], [one.solution for one in scenes.simulate(scene, 1)]
+    assert solver["position"] == max(max(s.bound.x.max(), s.bound.y.max()) for s in solutions) / 2 < 1e-9
+    pressed = [(s.bound.load / np.where(s.load > 0, s.load, 1)).max() for s in solutions]
+    assert solver["load"] == pytest.approx(max(pressed), rel=1e-12) and 0 < solver["load"] < 1e-9
+    assert solver["condition"] == max(s.condition.max() for s in solutions) >= 1
+    assert "condition number at most" in "\n".join(run.tell(scene, summary))
     if name == "cop_load":  # figure 11: 17.23 N of 20
         load = np.load(tmp_path / "result.npz")["load"]
         assert load[10] == pytest.approx(9.26, abs=0.01) and load[20] == pytest.approx(17.23, abs=0.01)

@@ -3,8 +3,8 @@
 Each engine module has ``watch``: samples in, what the core says about every detail out; ``windows``, from
 which ``process_slip`` makes the arrays of ``meissner process slip``; ``cop``: frames of forces in, the
 arrays of ``meissner process cop`` out; ``cop4``: codes of the four electrodes in, meissner.cop.cop4.Cop4 out;
-``cop_slip``: the same, and meissner.cop.cop_slip.CopSlipResult. One that has ``demodulate`` takes
-the samples of a carrier, and one that has ``calibrate`` codes that are not forces yet.
+``cop_slip``: the same, and meissner.cop.cop_slip.CopSlipResult; ``demodulate``: samples of a Carrier in,
+amplitudes out; ``calibrate``: codes of an array and its Calibration in, forces out.
 """
 
 from dataclasses import dataclass
@@ -140,23 +140,14 @@ def check_forces(x):
     return x.astype(np.uint16, copy=False)
 
 
-def with_part(engine, name, what):
-    """The engine's module if it has the function ``name``; ValueError with one sentence if it has not."""
-    module = load(engine)
-    if not hasattr(module, name):
-        able = [other for other in NAMES if hasattr(load(other), name)]
-        raise ValueError(f"the engine {engine} has no {what} yet: take --engine {' or '.join(able)}")
-    return module
-
-
 def demodulate(samples, carrier, engine):
     """Amplitudes in codes, int64 [...], of a Carrier's samples: integers [..., carrier.samples]."""
-    return with_part(engine, "demodulate", "demodulation").demodulate(np.asarray(samples), carrier)
+    return load(engine).demodulate(np.asarray(samples), carrier)
 
 
 def calibrate(codes, calibration, engine):
     """Forces uint16 [frames, rows, columns] of codes: a Calibration's straight line per cell."""
-    module = with_part(engine, "calibrate", "calibration")
+    module = load(engine)
     codes = check_codes(codes, calibration.offset.shape)
     forces = np.empty(codes.shape, dtype=np.uint16)
     piece = max(1, (1 << 17) // codes[0].size)  # stays in the cache as int64

@@ -96,4 +96,37 @@ struct Ad7606 {
   bool convst_before = false;
 };
 
+// Maxim MAX11123, MAX11124, MAX11125, manual scan: CLK rests high, command bits in on rising edges, answer bits out on
+// falling ones. CS falling samples the channel that the word before asked for; its answer is that of this word.
+template <int Bits>
+struct Max1112x {
+  bool miso = false;
+  bool busy = false;
+
+  void step(bool cs_n, bool sclk, bool mosi, bool /*convst*/, const int32_t *codes) {
+    if (!cs_n && cs_before) {
+      received = bits = 0;
+      answer = channel << 12 | (codes[channel & 7] & ((1 << Bits) - 1)) << (12 - Bits);
+    } else if (!cs_n && !sclk && sclk_before) {
+      miso = answer >> 15 & 1;
+      answer = answer << 1 & 0xffff;
+    } else if (!cs_n && sclk && !sclk_before) {
+      received = received << 1 | (mosi ? 1 : 0);
+      if (++bits == 16 && received >> 11 == 1) channel = received >> 7 & 15;
+    }
+    cs_before = cs_n;
+    sclk_before = sclk;
+  }
+
+ private:
+  int channel = 15;
+  int answer = 0;
+  int received = 0;
+  int bits = 0;
+  bool cs_before = true;
+  bool sclk_before = true;
+};
+using Max11123 = Max1112x<8>;
+using Max11125 = Max1112x<12>;
+
 }  // namespace meissner

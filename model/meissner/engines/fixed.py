@@ -6,7 +6,8 @@ from meissner.cop import cop4 as electrodes
 from meissner.cop.cop_accumulate import moments
 from meissner.cop.cop_divide import cop_divide
 from meissner.cop.cop_slip import CopSlip
-from meissner.engines import MAX_FORCE, Watched, moving_of_details
+from meissner.engines import Watched, moving_of_details
+from meissner.frontend.calibrate import forces as calibrated
 from meissner.slip.haar import haar
 from meissner.slip.peak_to_peak import PeakToPeak, sliding
 from meissner.slip.slip import Slip
@@ -77,8 +78,6 @@ def demodulate(samples, carrier):
 
 
 def calibrate(codes, calibration):
-    """F = clamp(round_half_up((code - offset) gain / 2^gain_shift), 0, 65535), 0 where dead."""
-    product = (codes.astype(np.int64) - calibration.offset) * calibration.gain
-    half = 1 << calibration.gain_shift >> 1
-    force = np.clip((product + half) >> calibration.gain_shift, 0, MAX_FORCE)
-    return np.where(calibration.dead, 0, force)
+    """Forces of codes; ``calibration``: meissner.calibration.Calibration."""
+    offset, gain, dead = calibration.offset, calibration.gain, calibration.dead
+    return calibrated(codes, offset, gain, calibration.gain_shift, mask=dead)

@@ -1,4 +1,4 @@
-"""The front end of arrays on the Verilated msn_am_demod: engine ``rtl``'s ``demodulate``."""
+"""The front end of arrays on the Verilated blocks: engine ``rtl``'s ``demodulate`` and ``calibrate``."""
 
 import ctypes
 from functools import cache
@@ -37,3 +37,27 @@ def demodulate(samples, carrier):
     if clocks < 0:
         raise RuntimeError("the demodulator did not give one amplitude per carrier")
     return amplitudes
+
+
+@cache
+def _open_calibrate(rows, columns, gain_shift):
+    parameters = {"Rows": rows, "Columns": columns, "GainShift": gain_shift}
+    lib = ctypes.CDLL(str(verilated.library("msn_calibrate", "calibrate_driver.cpp", parameters)))
+    lib.calibrate_run.restype = ctypes.c_int64
+    pointer = ctypes.c_void_p
+    lib.calibrate_run.argtypes = [pointer, ctypes.c_int64, ctypes.c_int32, *[pointer] * 4]
+    return lib
+
+
+def calibrate(codes, calibration):
+    """Forces [frames, rows, columns] of codes; ``calibration``: meissner.calibration.Calibration."""
+    frames, rows, columns = codes.shape
+    lib = _open_calibrate(rows, columns, calibration.gain_shift)
+    words = [codes, calibration.offset, calibration.gain]
+    codes, offset, gain = (np.ascontiguousarray(values, dtype=np.int32) for values in words)
+    mask = np.ascontiguousarray(calibration.dead, dtype=np.uint8)
+    forces = np.zeros(codes.shape, dtype=np.uint16)
+    pointers = [values.ctypes.data for values in (offset, gain, mask, forces)]
+    if lib.calibrate_run(codes.ctypes.data, frames, rows * columns, *pointers) < 0:
+        raise RuntimeError("the calibration did not give one force per code")
+    return forces

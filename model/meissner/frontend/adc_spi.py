@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from meissner.frontend import adc_store, spi_shift
 
 ROUND_TRIP_NS = 7
+HOLD_NS = 25
 
 
 @dataclass(frozen=True)
@@ -25,15 +26,45 @@ class Part:
     access_ns: int
     conversion_max_ns: int = 0
     cycle_min_ns: int = 0
+    start_ns: int = 0
+    tagged: bool = False  # four bits of channel number before the code; the first word of a frame only asks
+    setup: tuple = ()  # words sent before the first conversion
 
     @property
     def lane_channels(self):
         return 8 // self.max_lanes
 
+    @property
+    def lead(self):
+        return self.tagged
+
+    def cs_clocks(self, half, words=1):
+        """Clocks from one CS frame of ``words`` words to the next."""
+        return spi_shift.done_clock(self.word_bits, half, words, self.lead)
+
+    def command(self, index):
+        """The 16 bits sent, from the top one on, with word ``index`` of a frame."""
+        if self.tagged:
+            return 0x0804 | index % 8 << 7  # mode control: manual scan, channel, its number in the answer
+        return 0 if self.has_busy else 0xC000 | index % 8 << 11
+
+
+def _max1112x(name, number, data_bits):
+    setup = (0x0040, 0x8000, 0x8800, 0x9000, 0x9800)
+    return Part(
+        *(name, number, data_bits, 16, False, True, False, 1, 16_000, 160, 16_000, 17),
+        start_ns=100,
+        tagged=True,
+        setup=setup,
+    )
+
 
 MCP3208 = Part("mcp3208", 1, 12, 19, False, True, False, 1, 2_000, 10, 1_000, 200)
-AD7606 = Part("ad7606", 2, 16, 16, True, False, True, 2, 14_500, 1, 14_500, 30, 4_200, 5_000)
-PARTS = {part.number: part for part in (MCP3208, AD7606)}
+AD7606 = Part("ad7606", 2, 16, 16, True, False, True, 2, 14_500, 1, 14_500, 30, 4_200, 5_000, 100)
+MAX11123 = _max1112x("max11123", 3, 8)
+MAX11124 = _max1112x("max11124", 4, 10)
+MAX11125 = _max1112x("max11125", 5, 12)
+PARTS = {part.number: part for part in (MCP3208, AD7606, MAX11123, MAX11124, MAX11125)}
 
 
 def clocks_of_ns(ns, clk_khz):
@@ -84,8 +115,8 @@ class AdcSpi:
 
     @property
     def words(self):
-        """Codes per lane in a frame."""
-        return self.part.lane_channels if self.lanes > 1 else self.channels
+        """Words per lane in a frame; a tagged part's first only asks."""
+        return (self.part.lane_channels if self.lanes > 1 else self.channels) + self.part.tagged
 
     @property
     def watch_clocks(self):
@@ -100,8 +131,30 @@ class AdcSpi:
     def read_clocks(self):
         """Clocks from the start of the transfer to its end."""
         if self.part.cs_per_channel:
-            return self.channels * spi_shift.done_clock(self.part.word_bits, self.half)
-        return spi_shift.done_clock(self.part.word_bits, self.half, self.words)
+            return self.words * self.part.cs_clocks(self.half)
+        return self.part.cs_clocks(self.half, self.words)
+
+    def start_clocks(self):
+        """Clocks from the end of reset until a tick can start a conversion."""
+        if not self.part.start_ns:
+            return 0
+        rest = 2 * clocks_of_ns(self.part.start_ns, self.clk_khz)
+        return rest + len(self.part.setup) * self.part.cs_clocks(self.half) + 1
+
+    def hold_clocks(self):
+        """Clocks from convert_o until no channel needs its input any more, which may change then."""
+        if self.part.has_busy:
+            return clocks_of_ns(HOLD_NS, self.clk_khz) + 1
+        if self.part.tagged:
+            return self.channels * self.part.cs_clocks(self.half) + 1
+        return (self.channels - 1) * self.part.cs_clocks(self.half) + 12 * self.half + 1
+
+    def cycle_clocks(self):
+        """Clocks between triggers in which every frame has ended and its samples have left to a consumer that
+        is always ready, and as many could stand in for one that is lost, which takes 4 clocks more."""
+        if self.part.has_busy:
+            return max(self.safe_period(), self.watch_clocks + self.channels + 4)
+        return self.read_clocks() + (self.channels + 4 if self.part.tagged else 1)
 
     def latencies(self):
         """Per channel, clocks until its sample is offered, to a consumer that is always ready.
@@ -112,9 +165,11 @@ class AdcSpi:
         clocks = []
         for channel in range(self.channels):
             word = channel % self.part.lane_channels if self.lanes > 1 else channel
+            if self.part.tagged:
+                word = self.channels  # all wait for the last word, whose tag might be wrong
             if self.part.cs_per_channel:
-                before = word * spi_shift.done_clock(self.part.word_bits, self.half)
-                arrival = before + spi_shift.word_clock(self.part.word_bits, self.half)
+                before = word * self.part.cs_clocks(self.half)
+                arrival = before + spi_shift.word_clock(self.part.word_bits, self.half, lead=self.part.lead)
             else:
                 arrival = spi_shift.word_clock(self.part.word_bits, self.half, word + 1)
             earliest = clocks[-1] + 1 if clocks else 0
@@ -129,7 +184,7 @@ class AdcSpi:
         one. The part's own shortest cycle may be longer: see ``safe_period``.
         """
         if not self.part.has_busy:
-            return self.read_clocks() + 1
+            return max(self.read_clocks(), self.latencies()[-1]) + 1
         if conversion_ns is None:
             conversion_ns = self.part.conversion_max_ns
         busy = int(conversion_ns * self.clk_khz // 1_000_000) + 1  # from the tick until BUSY is seen low

@@ -20,7 +20,9 @@ def samples(codes, data_bits, sample_bits, signed):
     return value, (value == bottom) | (value == bottom + full - 1)
 
 
-def channels_of_word(word, channels, lanes, lane_channels):
+def channels_of_word(word, channels, lanes, lane_channels, whole=False):
     """The channels whose codes arrive with ``word``, lane by lane (None: that lane's code is not wanted)."""
+    if whole and lanes > 1:
+        raise ValueError(f"lanes = {lanes} must be 1: whole waits for one lane's last word")
     arriving = [word + lane * lane_channels for lane in range(lanes)]
     return [channel if channel < channels else None for channel in arriving]

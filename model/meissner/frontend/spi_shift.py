@@ -23,11 +23,11 @@ def command_line(command, bits, data_bits):
     return [command >> (data_bits - 1 - bit) & 1 for bit in range(min(bits, data_bits))]
 
 
-def word_clock(bits, half, words=1):
+def word_clock(bits, half, words=1, lead=False):
     """Clocks from start_i to word_o of the ``words``-th word of a CS frame."""
-    return 2 * half * bits * words
+    return 2 * half * bits * words + half * lead
 
 
-def done_clock(bits, half, words=1):
+def done_clock(bits, half, words=1, lead=False):
     """Clocks from start_i to done_o, the first clock in which the next start_i may come."""
-    return 2 * half * (bits * words + 1)
+    return 2 * half * (bits * words + 1) + half * lead

@@ -62,12 +62,12 @@ class Tare:
     def tare(self, force=False):
         """Average the next frames into the zeros; ``force``: even if pressed."""
         self._asked = force
+        self._settle()
 
     def load(self, on):
         """While ``on`` (from the next frame, after an averaging), frames are swallowed and zeros written."""
         self._load = on
-        if not self._midway:
-            self._begin_load()
+        self._settle()
 
     def write(self, word, offset, lanes=slice(None)):
         """Write the zero, in codes, of one beat's ``lanes``, while ``loading``."""
@@ -93,7 +93,6 @@ class Tare:
         padded, masked = padded.reshape(flat), masked.reshape(flat)
         out = np.empty_like(padded)
         for frame in range(count):
-            self._begin()
             out[frame] = self._take(slice(None), padded[frame], masked[frame], True)
             self._end(True)
         return out.reshape(wide)[:, :, : self.columns]
@@ -105,8 +104,7 @@ class Tare:
 
     def beat(self, raw, id_, last, mask):
         """One beat of ``lanes`` samples; returns (r, id, last), or None if it does not pass."""
-        if not self._midway:
-            self._begin()
+        self._midway = True
         place = self._place.next(id_, last)
         swallowed = self.loading
         r = self._take(place.place, np.asarray(raw), np.asarray(mask, bool), place.fits and not swallowed)
@@ -120,16 +118,15 @@ class Tare:
         found = self._sum[at] << (self.fraction_bits - self.tare_log2)
         return self._zero[at] + found * self._commit
 
-    def _begin_load(self):
+    def _settle(self):
+        """Loading, then averaging, begin and end between frames only."""
+        if self._midway:
+            return
         wanted = self._load and not self._averaging and not self._commit
         if wanted != self.loading:
             self.loading, self._fresh = wanted, False
-
-    def _begin(self):
-        self._begin_load()
         if self._asked is not None and not (self._averaging or self._commit or self.loading):
             self._averaging, self._forced, self._frames, self._asked = True, self._asked, 0, None
-        self._midway = True
 
     def _take(self, at, raw, mask, learn):
         zero = self._effective(at)
@@ -161,4 +158,4 @@ class Tare:
                 self.refused += 1
             elif self._averaging and self._frames == 1 << self.tare_log2:
                 self._averaging, self._commit = False, True
-        self._begin_load()
+        self._settle()

@@ -6,24 +6,14 @@ import numpy as np
 
 from meissner import calibration, report_arrays, scenes
 from meissner.run import chain, finish, table
+from meissner.run.chain import check  # noqa: F401 - as of every array
 from meissner.run.truth import errors, percent, summarise
 from meissner.scenes.capacitive import CALIBRATION_FRAMES, PROBED_CELL, cell_mm
 from meissner.world import capacitive, mesh_loads
 from meissner.world.capacitive import GRAM_N, PITCH_MM
 
-_PARTS = {
-    "crosstalk": ("demodulate",),
-    "cell": ("demodulate", "calibrate"),
-    "select": ("demodulate", "calibrate"),
-    "shapes": ("demodulate", "calibrate", "cop"),
-}
 SHARES = (0.1, 0.05, 0.01)  # of the output that the unselected cells may take
 HERTZ = np.logspace(4, 6.5, 251)
-
-
-def check(scene, engine, waves):
-    """ValueError with one sentence if this engine cannot run the scene."""
-    chain.check(scene, engine, waves, _PARTS[scene.kind])
 
 
 def _rounded(row):

@@ -6,16 +6,12 @@ import numpy as np
 
 from meissner import calibration, report_arrays, scenes
 from meissner.run import chain, finish, table
+from meissner.run.chain import check  # noqa: F401 - as of every array
 from meissner.run.truth import errors, percent, summarise
 from meissner.scenes.fsr import broken_cells
 from meissner.world import mesh_loads
 
 FAINT = 0.02  # of the largest force: a cell with less counts as unpressed
-
-
-def check(scene, engine, waves):
-    """ValueError with one sentence if this engine cannot run the scene."""
-    chain.check(scene, engine, waves, ("calibrate", "cop"))
 
 
 def ghosts(recording):

@@ -32,6 +32,14 @@ def reported(recording, engine):
     return got.x / engines.COP_ONE, got.y / engines.COP_ONE, got.load * lsb_n, got.pressed, got
 
 
+def certified(recordings):
+    """The solver's own bounds, the worst of all samples: position (of the range), load (of it), condition."""
+    solutions = [recording.solution for recording in recordings]
+    place = max(float(max(s.bound.x.max(), s.bound.y.max())) / 2 for s in solutions)
+    load = max(float((s.bound.load[s.valid] / s.load[s.valid]).max(initial=0)) for s in solutions)
+    return {"position": place, "load": load, "condition": float(max(s.condition.max() for s in solutions))}
+
+
 def mismatches(ours, twin):
     """Samples that differ from the twin's in any field."""
     return int(np.any([a != b for a, b in zip(ours, twin)], axis=0).sum())
@@ -80,6 +88,7 @@ def run(scene, engine, out, seed, waves, progress):
         "left_out": [*unused, *first.left_out],
         "position_error": summarise(everything["position"]),
         "load_error": summarise(everything["of_load"]),
+        "solver": certified(recordings),
         "runs": len(runs),
         "conditions": rows,
     }
@@ -114,8 +123,10 @@ def run(scene, engine, out, seed, waves, progress):
         "true_y": first.y,
         "felt_load": first.felt_n,
     }
-    tables = {"Errors": rows, **({"Locus": [summary["locus"]]} if "locus" in summary else {})}
-    return finish(scene, summary, out, arrays, pictures, tables, began, ("conditions", "locus"))
+    tables = {"Errors": rows, "Bounds of the solver": [summary["solver"]]}
+    if "locus" in summary:
+        tables["Locus"] = [summary["locus"]]
+    return finish(scene, summary, out, arrays, pictures, tables, began, ("conditions", "locus", "solver"))
 
 
 def tell(summary):
@@ -124,6 +135,11 @@ def tell(summary):
         f"position error, of the range -1 to 1: {percent(summary['position_error'])}",
         f"load error: {percent(summary['load_error'])}",
     ]
+    solver = summary["solver"]
+    lines.append(
+        f"bounds of the mesh's solver: {solver['position']:.1g} of the range, {solver['load']:.1g} of "
+        f"the load; condition number at most {solver['condition']:.3g}"
+    )
     if "response_s" in summary:
         lines += [
             f"without the rubber's lag: {percent(summary['load_error_without_lag'])}",

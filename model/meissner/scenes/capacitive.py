@@ -70,7 +70,7 @@ HOLD_HZ = 2.0  # frames a second while a force is held
 SETTLE_SAMPLES = 1.0  # time constant of the amplitude after a switch, in the converter's samples; chosen
 PHASE = 0.7  # of the carrier at a switch; chosen
 CALIBRATION_G = np.linspace(0.0, 150.0, 7)
-CALIBRATION_FRAMES = 6  # at each force
+CALIBRATION_FRAMES, EVEN_FRAMES = 6, 24  # at each force: of a probe on each cell, of an even press
 
 
 @dataclass(frozen=True)
@@ -318,7 +318,7 @@ def simulate(scene, seed=0):
     parts = {}
     for way in CALIBRATED_BY.get(scene.kind, ()):
         if way == "even":
-            parts[way] = world.even(CALIBRATION_G, CALIBRATION_FRAMES)
+            parts[way] = world.even(CALIBRATION_G, EVEN_FRAMES)
         else:
             parts[way] = world.probed(EVERY_CELL, CALIBRATION_G, CALIBRATION_FRAMES)
     parts |= _KINDS[scene.kind](world, scene)

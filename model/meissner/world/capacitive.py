@@ -31,7 +31,7 @@ PITCH_MM, TRACE_MM, TAB_MM, BACKING_MM, TAB_DIAMETER_MM = 1.9, 1.27, 0.75, 0.25,
 PERMITTIVITY = 4.0
 CELL_F, REF_F = 1e-12, 1e-12
 CARRIER_HZ = 200e3
-# Chosen: 100 g then lift the capacitance by 29 %, as the published 1900 to 2450 codes at the peaks.
+# Chosen: 100 g then lift the capacitance by 29 %, which fills the axes of figure 8 (1800 to 2500 codes).
 MODULUS_MPA = 1.0
 COVER_MM = 1.2  # insulation and shield above the tabs; chosen
 # Chosen, as standard deviations: tabs, plates and, the largest published cause, each column's amplifier.

@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Holds a frame of beats as it comes in and sends it on row-major, whole or not at all.
+//
+// A frame comes row by row, or (in_interleave_i) rows 0, 2, 4 .., then 1, 3, 5 ..; each beat leaves as soon as it
+// and all before it are there. A frame of which a beat is still here when the next frame's first one comes makes
+// the next frame go, whole (dropped_o). What a frame is like comes with its first beat. Depth below Rows*Beats:
+// natural order only, and the sender must stop when room_o is low: two conversions of Burst beats still fit then.
+//
+// Latency 3 clocks from in_valid_i to out_valid_o, a beat a clock.   Model: model/meissner/frontend/scan_buffer.py
+
+module msn_scan_buffer #(
+  parameter  int unsigned Rows     = 16,
+  parameter  int unsigned Beats    = 16,  // of a row
+  parameter  int unsigned Burst    = 8,
+  parameter  int unsigned Width    = 18,
+  parameter  int unsigned Depth    = Rows * Beats,
+  localparam int unsigned RowBits  = msn_pkg::index_width(Rows),
+  localparam int unsigned BeatBits = msn_pkg::index_width(Beats),
+  localparam int unsigned IdBits   = msn_pkg::index_width(Rows * Beats)
+) (
+  input  logic                clk_i,
+  input  logic                rst_i,
+
+  input  logic                in_valid_i,
+  input  logic                in_first_i,       // a frame's first beat; with it:
+  input  logic                in_interleave_i,
+  input  logic [RowBits-1:0]  in_last_row_i,    // rows less one
+  input  logic [BeatBits-1:0] in_last_beat_i,   // beats of a row, less one
+  input  logic [IdBits-1:0]   in_id_i,          // of the frame's first beat
+  input  logic [IdBits-1:0]   in_skip_i,        // from the last beat of a row to the first of the next
+  input  logic [Width-1:0]    in_data_i,
+  output logic                room_o,
+
+  output logic                out_valid_o,
+  input  logic                out_ready_i,
+  output logic [Width-1:0]    out_data_o,
+  output logic [IdBits-1:0]   out_id_o,
+  output logic                out_last_o,
+
+  output logic                taken_o,          // the frame whose first beat came in this clock will be sent
+  output logic [31:0]         dropped_o
+);
+
+  localparam int unsigned AddressBits = msn_pkg::index_width(Depth);
+  localparam bit          Sorts       = Depth >= Rows * Beats;
+
+  if (Rows < 1 || Beats < 1) begin : gen_check_size
+    $fatal(1, "msn_scan_buffer: Rows = %0d and Beats must be at least 1", Rows);
+  end
+  if (Width < 1) begin : gen_check_width
+    $fatal(1, "msn_scan_buffer: Width = %0d must be at least 1", Width);
+  end
+  if (!Sorts && (Depth < 4 * Burst || (Depth & (Depth - 1)) != 0)) begin : gen_check_depth
+    $fatal(1, "msn_scan_buffer: Depth = %0d must hold a frame, or be 2^n of 4 bursts or more", Depth);
+  end
+
+  // What the frame at hand is like.
+  logic                interleave_q, drop_q;
+  logic [RowBits-1:0]  last_row_q;
+  logic [BeatBits-1:0] last_beat_q;
+  logic [IdBits-1:0]   skip_q;
+
+  // The writer: beats of the present row, and rows, that are there.
+  logic                   busy, store;
+  logic [BeatBits-1:0]    in_beat_q, in_beat, last_beat;
+  logic [RowBits:0]       in_rows_q, in_rows;
+  logic [AddressBits-1:0] in_base_q, in_base, span;
+  logic                   interleave, row_full, half;
+  logic [RowBits:0]       half_rows_q, half_rows;  // rows of the first half of an interleaved frame
+  assign taken_o    = in_valid_i && in_first_i && !busy;
+  assign store      = in_valid_i && (in_first_i ? !busy : !drop_q);
+  assign in_beat    = in_first_i ? '0 : in_beat_q;
+  assign in_rows    = in_first_i ? '0 : in_rows_q;
+  assign in_base    = in_first_i ? '0 : in_base_q;
+  assign last_beat  = in_first_i ? in_last_beat_i : last_beat_q;
+  assign interleave = Sorts && (in_first_i ? in_interleave_i : interleave_q);
+  assign half_rows  = in_first_i ? ({1'b0, in_last_row_i} >> 1) + 1'b1 : half_rows_q;
+  assign row_full   = in_beat == last_beat;
+  assign half       = in_rows + 1'b1 == half_rows;
+  assign span       = AddressBits'(last_beat) + 1'b1;
+
+  (* no_rw_check *) logic [Width-1:0] frame [Depth];
+  always_ff @(posedge clk_i) if (store) frame[in_base + AddressBits'(in_beat)] <= in_data_i;
+
+  always_ff @(posedge clk_i) begin
+    if (store) begin
+      in_beat_q <= row_full ? '0 : in_beat + 1'b1;
+      in_rows_q <= in_rows + (RowBits+1)'(row_full);
+      in_base_q <= in_base;
+      if (row_full) in_base_q <= !interleave ? in_base + span : half ? span : in_base + (span << 1);
+    end
+    if (in_valid_i && in_first_i) begin
+      drop_q <= busy;
+      if (!busy) begin
+        interleave_q <= interleave;
+        last_row_q   <= in_last_row_i;
+        last_beat_q  <= in_last_beat_i;
+        skip_q       <= in_skip_i;
+        half_rows_q  <= half_rows;
+      end
+    end
+    dropped_o <= dropped_o + 32'(in_valid_i && in_first_i && busy);
+    if (rst_i) begin
+      drop_q    <= 1'b1;
+      dropped_o <= '0;
+    end
+  end
+
+  // The reader. place_q: how many rows come in before the row that is read.
+  logic                   open_q, ahead, step, row_read, all_read;
+  logic [RowBits-1:0]     row_q;
+  logic [RowBits:0]       place_q;
+  logic [BeatBits-1:0]    beat_q;
+  logic [AddressBits-1:0] address_q;
+  logic [IdBits-1:0]      id_q;
+  logic                   move, read_valid_q, read_last_q;
+  logic [IdBits-1:0]      read_id_q;
+  logic [Width-1:0]       read_q;
+  assign move     = out_ready_i || !out_valid_o;
+  assign ahead    = place_q < in_rows_q || (place_q == in_rows_q && beat_q < in_beat_q);
+  assign step     = open_q && ahead && move;
+  assign row_read = beat_q == last_beat_q;
+  assign all_read = row_read && row_q == last_row_q;
+  assign busy     = open_q || read_valid_q || (out_valid_o && !out_ready_i);
+
+  always_ff @(posedge clk_i) begin
+    if (step) begin
+      beat_q    <= row_read ? '0 : beat_q + 1'b1;
+      address_q <= address_q + 1'b1;
+      id_q      <= row_read ? id_q + skip_q : id_q + 1'b1;
+      open_q    <= !all_read;
+      if (row_read) begin
+        row_q   <= row_q + 1'b1;
+        place_q <= !interleave_q ? place_q + 1'b1
+                   : row_q[0] ? place_q - half_rows_q + 1'b1 : place_q + half_rows_q;
+      end
+    end
+    if (taken_o) begin
+      open_q    <= 1'b1;
+      row_q     <= '0;
+      place_q   <= '0;
+      beat_q    <= '0;
+      address_q <= '0;
+      id_q      <= in_id_i;
+    end
+    if (move) begin
+      read_q       <= frame[address_q];
+      read_id_q    <= id_q;
+      read_last_q  <= all_read;
+      read_valid_q <= step;
+      out_data_o   <= read_q;
+      out_id_o     <= read_id_q;
+      out_last_o   <= read_last_q;
+      out_valid_o  <= read_valid_q;
+    end
+    if (rst_i) begin
+      open_q       <= 1'b0;
+      read_valid_q <= 1'b0;
+      out_valid_o  <= 1'b0;
+    end
+  end
+
+  if (Sorts) begin : gen_all
+    assign room_o = 1'b1;
+  end else begin : gen_part
+    logic [AddressBits:0] used_q;
+    always_ff @(posedge clk_i) begin
+      used_q <= used_q + (AddressBits+1)'(store) - (AddressBits+1)'(step);
+      room_o <= 32'(used_q) + 2 * Burst < Depth;
+      if (rst_i) begin
+        used_q <= '0;
+        room_o <= 1'b0;
+      end
+    end
+  end
+
+endmodule

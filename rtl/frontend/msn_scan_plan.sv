@@ -1,0 +1,312 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// When a matrix is switched to which row and column group, and when the converters start.
+//
+//   clock  s          s+1          s+2            s+1+Settle   then, slot = Settle + 1 + gap clocks after s,
+//          switch_o   lines off    lines settle   trigger_o    the next switch; gap = max(Hold, Cycle-1-Settle)
+//
+// Frames start every cfg_period_i clocks (0: one after the other) and convert the rows and groups of a region, row
+// by row or, cfg_interleave_i, every second row first. Slip rounds start exactly every cfg_slip_period_i clocks (0:
+// never) and convert SlipSlots places; the frame gets only slots that end before the next round begins.
+// Settle, periods and slip places are taken while off, region and order as a frame starts; a region is cut to the
+// array. cfg_enable_i low: off after the frame.   Model: model/meissner/frontend/scan_plan.py
+
+module msn_scan_plan #(
+  parameter  int unsigned Rows       = 16,
+  parameter  int unsigned Columns    = 16,
+  parameter  int unsigned Lanes      = 1,    // converters side by side: columns in a beat
+  parameter  int unsigned Channels   = 8,    // beats of one conversion
+  parameter  int unsigned Hold       = 2,    // clocks from trigger_o in which the lines may not change
+  parameter  int unsigned Cycle      = 268,  // clocks from trigger_o to trigger_o that the converters need
+  parameter  int unsigned SlipSlots  = 1,
+  parameter  int unsigned SettleBits = 16,
+  parameter  int unsigned PeriodBits = 32,
+  localparam int unsigned RowBits    = msn_pkg::index_width(Rows),
+  localparam int unsigned ColumnBits = msn_pkg::index_width(Columns),
+  localparam int unsigned Beats      = (Columns + Lanes - 1) / Lanes,
+  localparam int unsigned BeatBits   = msn_pkg::index_width(Beats),
+  localparam int unsigned Groups     = (Beats + Channels - 1) / Channels,
+  parameter  int unsigned GroupBits  = msn_pkg::index_width(Groups),  // more: places beside the array
+  localparam int unsigned SlotBits   = msn_pkg::index_width(SlipSlots)
+) (
+  input  logic                               clk_i,
+  input  logic                               rst_i,
+
+  input  logic                               cfg_enable_i,
+  input  logic [SettleBits-1:0]              cfg_settle_i,  // clocks from the lines to convert start
+  input  logic [PeriodBits-1:0]              cfg_period_i,
+  input  logic                               cfg_interleave_i,
+  input  logic [RowBits-1:0]                 cfg_first_row_i,
+  input  logic [RowBits-1:0]                 cfg_last_row_i,
+  input  logic [ColumnBits-1:0]              cfg_first_column_i,
+  input  logic [ColumnBits-1:0]              cfg_last_column_i,
+  input  logic [PeriodBits-1:0]              cfg_slip_period_i,
+  input  logic [SlipSlots*(RowBits+1)-1:0]   cfg_slip_row_i,  // slot 0 lowest; Rows or more: no row is driven
+  input  logic [SlipSlots*GroupBits-1:0]     cfg_slip_group_i,
+
+  input  logic                               room_i,        // the frame's buffer has room for a conversion
+
+  output logic                               idle_o,        // nothing to do: no line
+  output logic                               switch_o,
+  output logic [RowBits:0]                   switch_row_o,  // Rows or more: none
+  output logic [GroupBits-1:0]               switch_group_o,
+  output logic                               trigger_o,
+
+  // Of the conversion triggered last, from the clock after trigger_o on.
+  output logic                               done_slip_o,   // it belongs to a slip round, not to a frame
+  output logic                               done_first_o,  // of its frame or round
+  output logic [GroupBits-1:0]               done_group_o,
+  // Of the frame it belongs to.
+  output logic [RowBits-1:0]                 frame_first_row_o,
+  output logic [RowBits-1:0]                 frame_last_row_o,
+  output logic [BeatBits-1:0]                frame_first_beat_o,
+  output logic [BeatBits-1:0]                frame_last_beat_o,
+  output logic                               frame_interleave_o,
+
+  output logic [31:0]                        overrun_o,       // frame ticks: the frame before was not done
+  output logic [31:0]                        slip_overrun_o,  // rounds left out: one did not fit its period
+  output logic [31:0]                        held_o           // clocks for which the frame waited for room
+);
+
+  if (Rows < 1 || Rows > 1024) begin : gen_check_rows
+    $fatal(1, "msn_scan_plan: Rows = %0d must lie in 1 .. 1024", Rows);
+  end
+  if (Columns < 1 || Columns > 1024) begin : gen_check_columns
+    $fatal(1, "msn_scan_plan: Columns = %0d must lie in 1 .. 1024", Columns);
+  end
+  if (Lanes != 1 && Lanes != 2 && Lanes != 4 && Lanes != 8) begin : gen_check_lanes
+    $fatal(1, "msn_scan_plan: Lanes = %0d must be 1, 2, 4 or 8", Lanes);
+  end
+  if (Channels < 1 || Channels > 8) begin : gen_check_channels
+    $fatal(1, "msn_scan_plan: Channels = %0d must lie in 1 .. 8", Channels);
+  end
+  if (Groups > 1 && (Channels & (Channels - 1)) != 0) begin : gen_check_groups
+    $fatal(1, "msn_scan_plan: Channels = %0d must be 1, 2, 4 or 8 for %0d groups", Channels, Groups);
+  end
+  if (Hold < 2) begin : gen_check_hold
+    $fatal(1, "msn_scan_plan: Hold = %0d must be at least 2", Hold);
+  end
+  if (Cycle < Channels + 8) begin : gen_check_cycle
+    $fatal(1, "msn_scan_plan: Cycle = %0d must be at least Channels + 8", Cycle);
+  end
+  if (SlipSlots < 1 || SlipSlots > 16) begin : gen_check_slip_slots
+    $fatal(1, "msn_scan_plan: SlipSlots = %0d must lie in 1 .. 16", SlipSlots);
+  end
+  if (GroupBits < msn_pkg::index_width(Groups)) begin : gen_check_group_bits
+    $fatal(1, "msn_scan_plan: GroupBits = %0d must number %0d groups", GroupBits, Groups);
+  end
+  if (SettleBits < 1 || SettleBits > 24) begin : gen_check_settle_bits
+    $fatal(1, "msn_scan_plan: SettleBits = %0d must lie in 1 .. 24", SettleBits);
+  end
+  if (PeriodBits < 1 || PeriodBits > 32) begin : gen_check_period_bits
+    $fatal(1, "msn_scan_plan: PeriodBits = %0d must lie in 1 .. 32", PeriodBits);
+  end
+
+  localparam int unsigned CountBits = msn_pkg::index_width(
+      ((1 << SettleBits) > Cycle + Hold) ? (1 << SettleBits) : Cycle + Hold) + 1;
+  localparam int unsigned LaneShift = $clog2(Lanes);
+  localparam int unsigned ChanShift = $clog2(Channels);
+
+  typedef enum logic [1:0] {
+    Off,     // takes the registers; four clocks from enable to Free, as much as follows from them needs
+    Free,    // may switch
+    Settle,
+    Busy     // the lines may not change, or the next trigger would come too early
+  } state_e;
+
+  state_e                state_q;
+  logic [CountBits-1:0]  count_q;
+  logic                  take_slip, take_frame, off_end;
+  logic                  active_q;  // a frame has conversions left
+  assign switch_o  = take_slip || take_frame;
+  assign trigger_o = state_q == Settle && count_q == '0;
+  assign idle_o    = state_q == Off || (state_q == Free && !switch_o);
+  assign off_end   = state_q == Off && count_q == '0 && cfg_enable_i;
+
+  // Registers taken while off, and what follows from them.
+  logic [SettleBits-1:0] settle_q;
+  logic [CountBits-1:0]  gap_q;
+  logic [PeriodBits-1:0] period_q, slip_period_q;
+  logic [CountBits:0]    slot_q;    // clocks from switch to switch
+  logic                  roomy_q;   // a slip round leaves room for a conversion of the frame
+  logic                  slip_on_q;
+  logic [SlipSlots*(RowBits+1)-1:0] slip_row_q;
+  logic [SlipSlots*GroupBits-1:0]   slip_group_q;
+  always_ff @(posedge clk_i) begin
+    if (state_q == Off && count_q == CountBits'(3)) begin
+      settle_q      <= cfg_settle_i;
+      period_q      <= cfg_period_i;
+      slip_period_q <= cfg_slip_period_i;
+      slip_row_q    <= cfg_slip_row_i;
+      slip_group_q  <= cfg_slip_group_i;
+    end
+    gap_q     <= (CountBits'(settle_q) + CountBits'(Hold + 1) >= CountBits'(Cycle)) ? CountBits'(Hold)
+                 : CountBits'(Cycle - 1) - CountBits'(settle_q);
+    slot_q    <= (CountBits+1)'(settle_q) + (CountBits+1)'(gap_q) + 1'b1;
+    roomy_q   <= 64'(slip_period_q) > 64'(slot_q);
+    slip_on_q <= slip_period_q != '0;
+  end
+
+  always_ff @(posedge clk_i) begin
+    if (count_q != '0) count_q <= count_q - 1'b1;
+    case (state_q)
+      Off: begin
+        if (off_end) state_q <= Free;
+        if (!cfg_enable_i) count_q <= CountBits'(3);
+      end
+      Free: begin
+        if (switch_o) begin
+          state_q <= Settle;
+          count_q <= CountBits'(settle_q);
+        end else if (!cfg_enable_i && !active_q) begin
+          state_q <= Off;
+          count_q <= CountBits'(3);
+        end
+      end
+      Settle: begin
+        if (trigger_o) begin
+          state_q <= Busy;
+          count_q <= gap_q - CountBits'(2);
+        end
+      end
+      default: if (count_q == '0) state_q <= Free;
+    endcase
+    if (rst_i) begin
+      state_q <= Off;
+      count_q <= CountBits'(3);
+    end
+  end
+
+  // Slip rounds: exactly on their grid, or left out.
+  logic [PeriodBits-1:0] slip_left_q;
+  logic                  round_q;  // slots of a round are left
+  logic                  slip_due, fits_q;
+  logic [SlotBits-1:0]   slot_index_q, slot_index;
+  assign slip_due   = state_q != Off && slip_on_q && slip_left_q == '0;
+  assign take_slip  = state_q == Free && (round_q || slip_due);
+  assign slot_index = round_q ? slot_index_q : '0;
+  always_ff @(posedge clk_i) begin
+    if (state_q == Off) slip_left_q <= '0;
+    else                slip_left_q <= slip_due ? slip_period_q - 1'b1 : slip_left_q - 1'b1;
+    fits_q <= !slip_on_q || (slip_due ? roomy_q : 64'(slip_left_q) > 64'(slot_q));
+    if (take_slip) begin
+      round_q      <= slot_index != SlotBits'(SlipSlots - 1);
+      slot_index_q <= slot_index + 1'b1;
+    end
+    slip_overrun_o <= slip_overrun_o + 32'(slip_due && (round_q || state_q != Free));
+    if (rst_i) begin
+      round_q        <= 1'b0;
+      slip_overrun_o <= '0;
+    end
+  end
+
+  // The region, cut to the array, in beats and groups.
+  logic [RowBits-1:0]    last_row, region_first_row_q, region_last_row_q, first_row, end_row;
+  logic [ColumnBits-1:0] last_column, first_column;
+  logic [BeatBits-1:0]   region_first_beat_q, region_last_beat_q, first_beat, last_beat;
+  logic                  region_interleave_q, interleave;
+  assign last_row     = (32'(cfg_last_row_i) < Rows) ? cfg_last_row_i : RowBits'(Rows - 1);
+  assign last_column  = (32'(cfg_last_column_i) < Columns) ? cfg_last_column_i : ColumnBits'(Columns - 1);
+  assign first_column = (cfg_first_column_i < last_column) ? cfg_first_column_i : last_column;
+  always_ff @(posedge clk_i) begin
+    region_first_row_q  <= (cfg_first_row_i < last_row) ? cfg_first_row_i : last_row;
+    region_last_row_q   <= last_row;
+    region_first_beat_q <= BeatBits'(first_column >> LaneShift);
+    region_last_beat_q  <= BeatBits'(last_column >> LaneShift);
+    region_interleave_q <= cfg_interleave_i;
+  end
+
+  // A frame's region is that of its first switch.
+  logic [RowBits-1:0]    now_first_row_q, now_last_row_q;
+  logic [BeatBits-1:0]   now_first_beat_q, now_last_beat_q;
+  logic                  now_interleave_q;
+  assign first_row  = active_q ? now_first_row_q : region_first_row_q;
+  assign end_row    = active_q ? now_last_row_q : region_last_row_q;
+  assign first_beat = active_q ? now_first_beat_q : region_first_beat_q;
+  assign last_beat  = active_q ? now_last_beat_q : region_last_beat_q;
+  assign interleave = active_q ? now_interleave_q : region_interleave_q;
+
+  // The next place of the frame, and the one after it.
+  logic [RowBits-1:0]    row_q, row;
+  logic [RowBits:0]      row_next;
+  logic [GroupBits-1:0]  group_q, group, first_group, last_group;
+  logic                  odd_q, odd;  // the second half of an interleaved frame
+  logic                  row_ends, rows_end;
+  assign first_group = (Groups > 1) ? GroupBits'(first_beat >> ChanShift) : '0;
+  assign last_group  = (Groups > 1) ? GroupBits'(last_beat >> ChanShift) : '0;
+  assign row      = active_q ? row_q : first_row;
+  assign group    = active_q ? group_q : first_group;
+  assign odd      = active_q && odd_q;
+  assign row_next = {1'b0, row} + (interleave ? (RowBits+1)'(2) : (RowBits+1)'(1));
+  assign row_ends = group == last_group;
+  assign rows_end = row_next > {1'b0, end_row};
+
+  // A frame starts at its tick, or as soon as it can.
+  logic [PeriodBits-1:0] left_q;
+  logic                  tick, want_q, want;
+  assign tick       = state_q != Off && cfg_enable_i && period_q != '0 && left_q == '0;
+  assign want       = cfg_enable_i && (period_q == '0 || want_q || tick);
+  assign take_frame = state_q == Free && !take_slip && (active_q || want) && fits_q && room_i;
+  always_ff @(posedge clk_i) begin
+    if (state_q == Off || !cfg_enable_i) left_q <= '0;
+    else                                 left_q <= tick ? period_q - 1'b1 : left_q - 1'b1;
+    if (tick && !active_q) want_q <= 1'b1;
+    if (take_frame) want_q <= 1'b0;
+    overrun_o <= overrun_o + 32'(tick && (active_q || want_q));
+    held_o    <= held_o + 32'(state_q == Free && !take_slip && (active_q || want) && fits_q && !room_i);
+    if (take_frame) begin
+      now_first_row_q  <= first_row;
+      now_last_row_q   <= end_row;
+      now_first_beat_q <= first_beat;
+      now_last_beat_q  <= last_beat;
+      now_interleave_q <= interleave;
+      group_q          <= row_ends ? first_group : group + 1'b1;
+      active_q         <= 1'b1;
+      if (!row_ends) begin
+        row_q <= row;
+        odd_q <= odd;
+      end else if (!rows_end) begin
+        row_q <= row_next[RowBits-1:0];
+        odd_q <= odd;
+      end else if (interleave && !odd && first_row != end_row) begin
+        row_q <= first_row + 1'b1;
+        odd_q <= 1'b1;
+      end else begin
+        active_q <= 1'b0;
+      end
+    end
+    if (rst_i || state_q == Off) want_q <= 1'b0;
+    if (rst_i) begin
+      active_q  <= 1'b0;
+      overrun_o <= '0;
+      held_o    <= '0;
+    end
+  end
+
+  assign switch_row_o   = take_slip ? slip_row_q[32'(slot_index)*(RowBits+1)+:RowBits+1] : {1'b0, row};
+  assign switch_group_o = take_slip ? slip_group_q[32'(slot_index)*GroupBits+:GroupBits] : group;
+
+  // What was switched to becomes what was converted.
+  logic                  slip_q, first_q;
+  logic [GroupBits-1:0]  place_q;
+  always_ff @(posedge clk_i) begin
+    if (switch_o) begin
+      slip_q  <= take_slip;
+      first_q <= take_slip ? slot_index == '0 : !active_q;
+      place_q <= switch_group_o;
+    end
+    if (trigger_o) begin
+      done_slip_o  <= slip_q;
+      done_first_o <= first_q;
+      done_group_o <= place_q;
+      if (!slip_q) begin
+        frame_first_row_o  <= now_first_row_q;
+        frame_last_row_o   <= now_last_row_q;
+        frame_first_beat_o <= now_first_beat_q;
+        frame_last_beat_o  <= now_last_beat_q;
+        frame_interleave_o <= now_interleave_q;
+      end
+    end
+  end
+
+endmodule

@@ -1,0 +1,465 @@
+"""msn_scan with a matrix and converters that know what they may see.
+
+The matrix watches its lines in every clock: never two rows at once, and a converter that starts sees
+its taxel only if row and group have been still for exactly the settle time (else the test fails), and
+they stay so for the hold time. Every taxel has a value of its own in every frame. Converters answer as
+late and as unevenly as their cycle allows, and now and then not at all. Beats, ids, numbers and time
+stamps against the twin, over array sizes, regions, orders, mixed rates, stalls and sleep on both
+streams, settle 0 and maximum, over-range on every sample, reset in the middle of a frame.
+"""
+
+import itertools
+import random
+
+import cocotb
+import numpy as np
+import pytest
+from cocotb.triggers import ReadOnly, RisingEdge
+
+import bench
+from frontend.test_scan_buffer import stalls
+from frontend.test_scan_plan import NAMES, apply, random_settings
+from meissner.frontend.scan import LATENCY, PIN_CLOCKS, Scan
+from meissner.frontend.scan_plan import START, Region, Settings
+
+COUNTERS = ("dropped", "overrun", "held", "lost", "slip_dropped", "slip_overrun")
+BESIDE = 1 << 10  # added to a code that was read with no row driven
+
+
+def twin_of(dut):
+    names = NAMES | {"sample_bits": "SampleBits", "depth": "Depth"}
+    return Scan(**{name: getattr(dut, port).value.to_unsigned() for name, port in names.items()})
+
+
+class Matrix:
+    """The array, its converters, and a record of what left the block."""
+
+    def __init__(self, dut, settings):
+        self.dut, self.settings = dut, settings
+        self.twin = twin_of(dut)
+        self.draw = random.Random(bench.SEED)
+        self.stall = self.slip_stall = lambda: False
+        self.lose = 0.0  # how often a converter does not answer
+        self.uneven = True
+        self.over = lambda conversion, column: False
+        self.clock = -1
+        self.lines = (None, None)
+        self.still = 0  # the clock since which the lines are as they are
+        self.free = 0  # the clock from which they may change
+        self.triggers = []  # (clock at the pins, row or None, group, {(channel, lane): ..})
+        self.coming = [[] for _ in range(self.twin.lanes)]  # per lane (clock from which offered, value, user)
+        self.losing = [[] for _ in range(self.twin.lanes)]  # per lane clocks of a lost strobe
+        self.beats, self.slip_beats = [], []
+        self.held = {}
+        self.triggered = False
+        self.origin = 12345678901234
+
+    def value(self, row, column):
+        """Another code for every taxel and conversion."""
+        seed = (
+            len(self.triggers) * 1_000_003 + (BESIDE if row is None else row) * 1009 + column
+        ) * 2654435761
+        bits = self.twin.sample_bits
+        return (seed >> 7) % (1 << bits) - (1 << bits - 1)
+
+    def convert(self):
+        """A conversion starts at the pins in this clock."""
+        row, group = self.lines
+        twin = self.twin
+        settled = self.clock - self.still
+        # The same place again, or no row: the lines may have been so for longer.
+        still = row is None or (bool(self.triggers) and self.triggers[-1][1:3] == self.lines)
+        assert settled == self.settings.settle or (still and settled > self.settings.settle), (
+            f"settled {settled}"
+        )
+        self.free = self.clock + twin.hold
+        codes = {}
+        number = len(self.triggers)
+        # Uneven: the last sample may come as late as the cycle allows for what follows it.
+        latest = self.clock + twin.cycle - twin.channels - 6
+        for lane in range(twin.lanes):
+            lost = self.draw.random() < self.lose
+            at = (
+                self.clock + 1
+                if not self.uneven
+                else self.draw.randint(self.clock + 1, max(self.clock + 1, latest))
+            )
+            if lost:
+                self.losing[lane].append(at)
+            for channel in range(twin.channels):
+                column = twin.column(group, channel, lane)
+                code = (self.value(row, column), self.over(number, column))
+                codes[channel, lane] = None if lost else code
+                if not lost:
+                    self.coming[lane].append((at + channel * (self.uneven and twin.cycle > 60), *code))
+        self.triggers.append((self.clock, row, group, codes))
+
+    async def run(self, clocks):
+        dut, twin = self.dut, self.twin
+        for _ in range(clocks):
+            self.clock += 1
+            mask = (1 << twin.sample_bits) - 1
+            dut.now_i.value = self.origin + self.clock
+            valid = data = user = lost = 0
+            for lane in range(twin.lanes):
+                noise = self.draw.getrandbits(twin.sample_bits)
+                if self.coming[lane] and self.coming[lane][0][0] <= self.clock:
+                    _, noise, over = self.coming[lane][0]
+                    valid |= 1 << lane
+                    user |= int(over) << lane
+                data |= (noise & mask) << lane * twin.sample_bits
+                if self.losing[lane] and self.losing[lane][0] == self.clock:
+                    self.losing[lane].pop(0)
+                    lost |= 1 << lane
+            dut.in_valid_i.value, dut.in_data_i.value = valid, data
+            dut.in_user_i.value, dut.in_lost_i.value = user, lost
+            ready, slip_ready = not self.stall(), not self.slip_stall()
+            dut.out_ready_i.value, dut.slip_ready_i.value = int(ready), int(slip_ready)
+            await ReadOnly()
+            self.watch_lines()
+            if self.triggered:
+                self.convert()
+            self.triggered = dut.trigger_o.value == 1
+            for lane in range(twin.lanes):
+                if valid >> lane & 1 and bench.read(dut.in_ready_o) >> lane & 1:
+                    self.coming[lane].pop(0)
+            self.take("out", ready, self.beats)
+            self.take("slip", slip_ready, self.slip_beats)
+            await RisingEdge(dut.clk_i)
+
+    def watch_lines(self):
+        rows = bench.read(self.dut.row_o)
+        assert rows & rows - 1 == 0, f"rows {rows:b} at once"
+        row = rows.bit_length() - 1 if rows else None
+        lines = (row, bench.read(self.dut.group_o))
+        if lines != self.lines:
+            assert self.clock >= self.free, "the lines changed while a converter needed them"
+            if row is not None and self.lines[0] is not None:
+                assert row == self.lines[0], "two rows without a pause"
+            self.lines, self.still = lines, self.clock
+
+    def take(self, name, ready, beats):
+        port = lambda field: bench.read(getattr(self.dut, f"{name}_{field}_o"))
+        valid = port("valid")
+        assert valid or self.held.get(name) is None, "valid was withdrawn"
+        if not valid:
+            return
+        beat = tuple(port(field) for field in ("data", "id", "last", "user", "frame", "time"))
+        assert self.held.get(name) in (None, beat), "payload changed while stalled"
+        self.held[name] = None if ready else beat
+        if ready:
+            beats.append((self.clock, *beat))
+
+    async def start(self):
+        apply(self.dut, self.twin, self.settings)
+        self.dut.now_i.value = self.origin
+        inputs = {f"in_{name}_i": 0 for name in ("valid", "data", "user", "lost")}
+        await bench.start(self.dut, cfg_enable_i=0, slip_ready_i=0, **inputs)
+        await self.run(5)
+        self.dut.cfg_enable_i.value = 1
+        self.still = self.clock + 1
+        self.begin = self.clock + 1
+
+    async def stop(self):
+        self.dut.cfg_enable_i.value = 0
+        self.stall = self.slip_stall = lambda: False
+        slot = self.twin.slot(self.settings.settle)
+        frame = self.twin.frame_clocks(self.settings.settle, self.settings.region)
+        slow = 1 + (self.settings.slip_period > 0) * self.twin.slip_slots
+        await self.run(2 * slow * frame + 3 * slot + 2 * self.settings.slip_period + 100)
+        await self.run(self.twin.rows * self.twin.beats + 20)
+        await ReadOnly()
+        self.counts = {name: bench.read(getattr(self.dut, f"{name}_o")) for name in COUNTERS}
+        await RisingEdge(self.dut.clk_i)
+
+    def beat(self, codes, channel):
+        """(data, user) of one channel of a conversion, as the block joins the lanes."""
+        twin = self.twin
+        data = user = 0
+        for lane in range(twin.lanes):
+            value, over = codes[channel, lane] or (0, True)
+            data |= (value & (1 << twin.sample_bits) - 1) << lane * twin.sample_bits
+            user |= int(over) << lane
+        return data, user
+
+    def expected(self, order):
+        """Frames and rounds as they should leave: [(first clock at the pins, beats)].
+
+        ``order``: (slip, first) of each conversion, from the plan's twin.
+        """
+        twin, settings = self.twin, self.settings
+        frames, rounds = [], []
+        first_beat, last_beat = twin.beat_range(settings.region)
+        for (clock, row, group, codes), conversion in zip(self.triggers, order):
+            groups = rounds if conversion.slip else frames
+            if conversion.first:
+                groups.append((clock, {}))
+            for channel in range(twin.channels):
+                beat = group * twin.channels + channel
+                if conversion.slip:
+                    groups[-1][1][len(groups[-1][1])] = self.beat(codes, channel)
+                elif first_beat <= beat <= last_beat:
+                    groups[-1][1][row * twin.beats + beat] = self.beat(codes, channel)
+        return frames, rounds
+
+    def check(self, lossless=True):
+        """Everything that left is right and whole; nothing is missing that was not counted."""
+        twin, settings = self.twin, self.settings
+        conversions, *_ = twin.schedule(settings, self.clock + 1)
+        order = conversions[: len(self.triggers)]
+        if settings.slip_period == 0 and self.counts["held"] == 0:
+            pins = [self.begin + c.trigger + PIN_CLOCKS for c in order]
+            assert [trigger[0] for trigger in self.triggers] == pins
+        for (_, row, group, _), conversion in zip(self.triggers, order):
+            driven = conversion.row if conversion.row < twin.rows else None
+            assert (row, group) == (driven, conversion.group), settings
+        frames, rounds = self.expected(order)
+        for stream, groups, dropped in (
+            (self.beats, frames, self.counts["dropped"]),
+            (self.slip_beats, rounds, self.counts["slip_dropped"]),
+        ):
+            left = {}
+            for _, data, index, last, user, number, time in stream:
+                left.setdefault(number, []).append((index, data, user, last, time))
+            assert list(left) == sorted(left)
+            assert len(groups) == len(left) + dropped, "frames that are neither sent nor counted"
+            for number, beats in left.items():
+                clock, codes = groups[number]
+                assert [index for index, *_ in beats] == sorted(codes), f"frame {number} is not whole"
+                assert [last for *_, last, _ in beats] == [False] * (len(codes) - 1) + [True]
+                assert {time for *_, time in beats} == {self.origin + clock}
+                assert [(data, user) for _, data, user, *_ in beats] == [codes[i] for i in sorted(codes)]
+            assert dropped == 0 or not lossless
+        return frames, rounds
+
+
+async def scan(dut, settings, clocks, **attributes):
+    matrix = Matrix(dut, settings)
+    for name, value in attributes.items():
+        setattr(matrix, name, value)
+    await matrix.start()
+    await matrix.run(clocks)
+    await matrix.stop()
+    return matrix
+
+
+@cocotb.test(timeout_time=100, timeout_unit="ms")
+async def every_taxel_is_read_settled_and_in_its_place(dut):
+    twin = twin_of(dut)
+    for interleave in (False, True):
+        for settle in (0, 1, 7):
+            settings = Settings(settle=settle, interleave=interleave and twin.buffer.sorts)
+            matrix = await scan(dut, settings, START + 3 * twin.frame_clocks(settle))
+            frames, _ = matrix.check()
+            assert len(frames) >= 3
+            # The last frame against the taxels themselves, by the twin's layout.
+            clock, _codes = frames[-1]
+            samples = np.zeros((twin.rows, twin.columns), dtype=np.int64)
+            over = np.zeros(samples.shape, dtype=bool)
+            for at, row, group, got in matrix.triggers:
+                if at >= clock:
+                    for (channel, lane), (value, high) in got.items():
+                        column = twin.column(group, channel, lane)
+                        if column < twin.columns:
+                            samples[row, column], over[row, column] = value, high
+            beats = [beat[1:5] for beat in matrix.beats[-twin.rows * twin.beats :]]
+            surplus = twin.beats * twin.lanes - twin.columns
+            for beat, whole in zip(beats, twin.frame(samples, over), strict=True):
+                bits = twin.sample_bits * (
+                    twin.lanes - (surplus if beat[1] % twin.beats == twin.beats - 1 else 0)
+                )
+                assert (beat[0] & (1 << bits) - 1, *beat[1:3]) == whole[:3]
+                assert twin.coordinates(beat[1])[0] < twin.rows
+
+
+@cocotb.test(timeout_time=100, timeout_unit="ms")
+async def latency_is_the_twins(dut):
+    """With converters that answer evenly each beat leaves LATENCY clocks after its sample came."""
+    twin = twin_of(dut)
+    matrix = await scan(dut, Settings(settle=2), START + twin.frame_clocks(2), uneven=False)
+    matrix.check()
+    first_beat = matrix.beats[0]
+    assert first_beat[0] == matrix.triggers[0][0] + 1 + LATENCY
+    frame = twin.rows * twin.beats
+    channel = (twin.beats - 1) % twin.channels
+    last_trigger = matrix.triggers[len(twin.places()) - 1][0]
+    assert matrix.beats[frame - 1][0] == last_trigger + 1 + channel + LATENCY
+
+
+@cocotb.test(timeout_time=200, timeout_unit="ms")
+async def regions_orders_and_rates(dut):
+    """Random registers of every kind, with consumers of every kind."""
+    draw = random.Random(bench.SEED)
+    twin = twin_of(dut)
+    for number in range(24):
+        settings = random_settings(draw, twin)
+        if not twin.buffer.sorts:
+            settings = Settings(**{**settings.__dict__, "interleave": False})
+        if settings.period:  # ticks that come in time or not: test_scan_plan
+            settings = Settings(**{**settings.__dict__, "period": 0})
+        if 0 < settings.slip_period < (twin.slip_slots + 1) * twin.slot(settings.settle):
+            continue
+        kinds = [("ready", "ready"), ("stalls", "stalls"), ("sleeps", "ready"), ("ready", "sleeps")][
+            number % 4
+        ]
+        clocks = min(6000, START + 3 * twin.frame_clocks(settings.settle, settings.region))
+        matrix = await scan(
+            dut, settings, clocks, stall=stalls(kinds[0], draw), slip_stall=stalls(kinds[1], draw)
+        )
+        if matrix.counts["held"]:
+            continue  # where a frame waits, the plan's twin does not know
+        matrix.check(lossless=False)
+        if kinds == ("ready", "ready"):
+            assert matrix.counts["dropped"] == matrix.counts["slip_dropped"] == 0
+
+
+@cocotb.test(timeout_time=100, timeout_unit="ms")
+async def slip_rounds_are_exactly_periodic_at_the_pins(dut):
+    """A few places at a high rate while the array is scanned: one period apart, to the clock."""
+    twin = twin_of(dut)
+    slot = twin.slot(3)
+    period = (twin.slip_slots + 2) * slot + 5
+    places = tuple((index % (twin.rows + 1), 0) for index in range(twin.slip_slots))
+    settings = Settings(settle=3, slip_period=period, slip_places=places)
+    rounds_wanted = max(30, min(200, 2 * len(twin.places())))
+    draw = random.Random(bench.SEED)
+    matrix = await scan(dut, settings, rounds_wanted * period, stall=lambda: draw.random() < 0.2)
+    frames, rounds = matrix.check(lossless=False)
+    starts = [clock for clock, _ in rounds]
+    assert len(starts) >= rounds_wanted - 1
+    assert {b - a for a, b in itertools.pairwise(starts)} == {period}
+    assert len(frames) >= 2
+    assert matrix.counts["slip_dropped"] == 0
+
+
+@cocotb.test(timeout_time=100, timeout_unit="ms")
+async def a_consumer_that_sleeps_loses_whole_frames_only(dut):
+    twin = twin_of(dut)
+    draw = random.Random(bench.SEED)
+    frame = twin.frame_clocks(1)
+    state = {"until": 0, "asleep": False}
+    matrix = Matrix(dut, Settings(settle=1))
+
+    def asleep():
+        if matrix.clock >= state["until"]:
+            state["asleep"] = not state["asleep"]
+            state["until"] = matrix.clock + draw.randint(1, 3 * frame)
+        return state["asleep"]
+
+    matrix.stall = asleep
+    await matrix.start()
+    await matrix.run(12 * frame)
+    await matrix.stop()
+    frames, _ = matrix.check(lossless=False) if twin.buffer.sorts else ([], [])
+    if twin.buffer.sorts:
+        assert matrix.counts["dropped"] > 0 and matrix.counts["held"] == 0
+        assert len(frames) >= 10
+    else:
+        assert matrix.counts["held"] > 0 or twin.rows * twin.beats < 2 * twin.buffer.depth
+        numbers = [beat[5] for beat in matrix.beats]
+        assert len(numbers) % (twin.rows * twin.beats) == 0
+        ids = [beat[2] for beat in matrix.beats]
+        assert ids == list(range(twin.rows * twin.beats)) * (len(ids) // (twin.rows * twin.beats))
+        assert len(set(numbers)) + matrix.counts["dropped"] == len(matrix.triggers) / len(twin.places())
+
+
+@cocotb.test(timeout_time=100, timeout_unit="ms")
+async def lost_conversions_are_marked_and_frames_stay_whole(dut):
+    twin = twin_of(dut)
+    for lose in (0.2, 1.0):
+        clocks = START + 4 * twin.frame_clocks(0)
+        matrix = await scan(dut, Settings(), clocks, lose=lose)
+        matrix.check()
+        lost = sum(any(code is None for code in codes.values()) for *_, codes in matrix.triggers)
+        assert matrix.counts["lost"] == lost
+        assert lost > 0 or lose < 1
+
+
+@cocotb.test(timeout_time=100, timeout_unit="ms")
+async def over_range_on_every_sample(dut):
+    twin = twin_of(dut)
+    matrix = await scan(dut, Settings(), START + twin.frame_clocks(0), over=lambda *_: True)
+    matrix.check()
+    assert {beat[4] for beat in matrix.beats} == {(1 << twin.lanes) - 1}
+
+
+@cocotb.test(timeout_time=400, timeout_unit="ms")
+async def largest_settle(dut):
+    twin = twin_of(dut)
+    largest = (1 << twin.settle_bits) - 1
+    settings = Settings(settle=largest, region=Region(0, 0, 0, 0))
+    matrix = await scan(dut, settings, START + 2 * twin.slot(largest))
+    matrix.check()
+    assert len(matrix.triggers) >= 2
+
+
+@cocotb.test(timeout_time=100, timeout_unit="ms")
+async def recovers_after_reset(dut):
+    """Reset in mid-frame, with beats inside and a conversion under way: lines low, then whole frames."""
+    twin = twin_of(dut)
+    draw = random.Random(bench.SEED)
+    frame = twin.frame_clocks(1)
+    matrix = Matrix(dut, Settings(settle=1))
+    matrix.stall = lambda: draw.random() < 0.6
+    await matrix.start()
+    for _ in range(5):
+        await matrix.run(draw.randint(1, 2 * frame))
+        dut.rst_i.value = 1
+        await RisingEdge(dut.clk_i)
+        dut.rst_i.value = 0
+        # The converters are reset too: nothing comes of what was under way.
+        matrix.coming = [[] for _ in range(twin.lanes)]
+        matrix.losing = [[] for _ in range(twin.lanes)]
+        matrix.beats, matrix.slip_beats, matrix.triggers, matrix.held = [], [], [], {}
+        matrix.clock += 1
+        matrix.lines, matrix.free, matrix.triggered = (None, None), 0, False
+        matrix.begin = matrix.clock + 1
+        await ReadOnly()
+        assert (dut.row_o.value, dut.out_valid_o.value, dut.slip_valid_o.value) == (0, 0, 0)
+        await RisingEdge(dut.clk_i)
+        matrix.clock += 1
+    matrix.stall = lambda: False
+    matrix.clock -= 1
+    await bench.reset(dut)
+    matrix.begin = matrix.clock + 1
+    matrix.beats = []
+    await matrix.run(START + 2 * frame)
+    await matrix.stop()
+    frames, _ = matrix.check()
+    assert len(frames) >= 2
+
+
+SIZES = [
+    {"Rows": 1, "Columns": 1, "Channels": 1, "Cycle": 12, "SettleBits": 6},
+    {"Rows": 1, "Columns": 11, "Channels": 4, "Cycle": 30, "SettleBits": 6},
+    {"Rows": 9, "Columns": 1, "Channels": 1, "Cycle": 20, "Hold": 12, "SettleBits": 6, "SlipSlots": 3},
+    {"Rows": 3, "Columns": 3, "Channels": 3, "Cycle": 70, "Hold": 60, "SettleBits": 8, "SampleBits": 13},
+    {"Rows": 8, "Columns": 8, "Channels": 1, "Lanes": 8, "Cycle": 20, "SettleBits": 6, "SlipSlots": 2},
+    {"Rows": 6, "Columns": 21, "Channels": 2, "Lanes": 4, "Cycle": 24, "SettleBits": 6, "GroupBits": 3},
+    {"Rows": 16, "Columns": 16, "Channels": 8, "Cycle": 40, "SettleBits": 6, "Depth": 64},
+    {"Rows": 5, "Columns": 14, "Channels": 4, "Lanes": 2, "Cycle": 80, "SettleBits": 6, "Depth": 32},
+]
+
+
+@pytest.mark.parametrize("parameters", SIZES, ids=lambda p: "-".join(map(str, p.values())))
+def test_scan(parameters):
+    bench.run("frontend", "scan", parameters)
+
+
+@pytest.mark.parametrize("size", [64, 256])
+def test_scan_large(size):
+    parameters = {"Rows": size, "Columns": size, "Channels": 8, "Lanes": 8, "Cycle": 16, "SettleBits": 6}
+    bench.run("frontend", "scan", parameters, test_filter="over_range_on_every_sample|largest_settle")
+
+
+def test_refuses_what_cannot_work():
+    """Its own limit; the others are those of msn_scan_plan and msn_scan_buffer."""
+    assert "SampleBits = 1" in bench.refuses("scan", {"SampleBits": 1})
+    for bad in ({"sample_bits": 1}, {"depth": 16}, {"rows": 0}, {"lanes": 3}):
+        with pytest.raises(ValueError, match=next(iter(bad))):
+            Scan(**bad)
+
+
+def test_twin_refuses_frames_of_another_size():
+    with pytest.raises(ValueError, match="a frame is"):
+        Scan(rows=3, columns=3, channels=3).frame(np.zeros((3, 4)), np.zeros((3, 4)))

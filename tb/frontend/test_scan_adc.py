@@ -1,0 +1,301 @@
+"""msn_scan_adc at the pins: matrix, column multiplexer and part models that check every limit of the
+parts.
+
+A part that samples asks the matrix, which answers with the taxel that the lines select in that moment,
+and fails the test if they have not been still for the settle time. Every taxel has another code in
+every conversion. Each step's clocks against the twin; slip rounds at the pins without jitter; a part
+that fails in mid-frame.
+"""
+
+import itertools
+
+import cocotb
+import pytest
+from cocotb.clock import Clock
+from cocotb.triggers import ReadOnly, RisingEdge, ValueChange
+
+import bench
+from frontend.test_scan_plan import apply
+from meissner.frontend.adc_spi import AD7606, MAX11123, MAX11125, MCP3208, PARTS
+from meissner.frontend.scan_adc import ScanAdc
+from meissner.frontend.scan_plan import Region, Settings
+from parts import ad7606, max1112x, mcp3208
+from parts.timing import Line, now
+
+CONVERSION_NS = (4017.3, 3512.0)  # of an AD7606 on lane 0 and on the others
+
+
+def twin_of(dut):
+    value = lambda name: getattr(dut, name).value.to_unsigned()
+    return ScanAdc(
+        *(value(name) for name in ("Rows", "Columns", "Lanes")),
+        PARTS[value("Part")],
+        *(value(name) for name in ("Channels", "AdcLanes", "ClkKhz", "SclkKhz", "SampleBits", "SlipSlots")),
+        *(value(name) for name in ("SettleBits", "PeriodBits", "Depth", "GroupBits")),
+    )
+
+
+class Board:
+    """The matrix and its parts; what left the block, by clock."""
+
+    def __init__(self, dut, settings):
+        self.dut, self.settings, self.twin = dut, settings, twin_of(dut)
+        self.scan = self.twin.scan
+        self.clock_ns = 1e6 / self.twin.clk_khz
+        self.moved = 0.0
+        self.converted = 0.0
+        self.number = -1  # of the conversion under way
+        self.converts, self.beats, self.slip_beats = [], [], []
+        self.clock = 0
+
+    def code(self, lane, channel, time):
+        """What the part on ``lane`` samples from its input ``channel`` now."""
+        rows = int(self.dut.row_o.value)
+        assert rows & rows - 1 == 0
+        settled = time - self.moved
+        assert settled >= self.settings.settle * self.clock_ns - 0.01, f"settled for {settled} ns"
+        row = rows.bit_length() - 1 if rows else self.twin.rows
+        column = self.scan.column(int(self.dut.group_o.value), channel, lane)
+        return self.value(self.number, row, column)
+
+    def value(self, number, row, column):
+        bits = self.twin.part.data_bits
+        return ((number * 4099 + row * 257 + column) * 2654435761 >> 5) % (1 << bits)
+
+    async def watch_lines(self):
+        last = (int(self.dut.row_o.value), int(self.dut.group_o.value))
+        while True:
+            await ValueChange(self.dut.row_o)
+            lines = (int(self.dut.row_o.value), int(self.dut.group_o.value))
+            if lines != last:
+                self.moved = now()
+            last = lines
+
+    async def watch_group(self):
+        while True:
+            await ValueChange(self.dut.group_o)
+            self.moved = now()
+
+    async def start(self):
+        dut, twin = self.dut, self.twin
+        for name in ["rst", "cfg_enable", "out_ready", "slip_ready", "adc_miso", "adc_busy", "now", "clk"]:
+            getattr(dut, f"{name}_i").value = int(name == "rst")
+        driven = {}
+        apply(dut, self.scan, self.settings)
+        Clock(dut.clk_i, 1_000_000_000 // twin.clk_khz, unit="ps").start()
+        await bench.clocks(dut, 3)
+        self.parts = []
+        for lane in range(twin.lanes):
+            pin = lambda name, lane=lane: Line(getattr(dut, f"adc_{name}"), lane, driven)
+            code = lambda channel, time, lane=lane: self.code(lane, channel, time)
+            if twin.part is MCP3208:
+                part = mcp3208.Mcp3208(pin("cs_n_o"), pin("sclk_o"), pin("mosi_o"), pin("miso_i"), code)
+            elif twin.part is AD7606:
+                pins = [pin(name) for name in ("cs_n_o", "sclk_o", "miso_i", "convst_o", "busy_i", "reset_o")]
+                part = ad7606.Ad7606(*pins, code, conversion_ns=CONVERSION_NS[min(lane, 1)])
+            else:
+                pins = [pin(name) for name in ("cs_n_o", "sclk_o", "mosi_o", "miso_i")]
+                # A frame's first word samples too: nobody reads that.
+                part = max1112x.Max1112x(*pins, twin.part.data_bits, self.lenient(code))
+            self.parts.append(part)
+        await bench.clocks(dut, 3)
+        dut.rst_i.value = 0
+        for task in (self.watch_lines(), self.watch_group()):
+            cocotb.start_soon(task)
+        dut.out_ready_i.value = dut.slip_ready_i.value = 1
+        dut.cfg_enable_i.value = 1
+
+    def lenient(self, code):
+        """``code``, but 0 where the part samples unasked: in a frame's first word, in words of a setup."""
+        hold_ns = self.twin.adc.hold_clocks() * self.clock_ns
+
+        def sample(channel, time):
+            asked = self.clock_ns / 2 < time - self.converted < hold_ns
+            return code(channel, time) if asked else 0
+
+        return sample
+
+    async def run(self, clocks):
+        dut = self.dut
+        for _ in range(clocks):
+            dut.now_i.value = self.clock
+            await ReadOnly()
+            if dut.convert_o.value == 1:
+                self.converts.append(self.clock)
+            for name, beats in (("out", self.beats), ("slip", self.slip_beats)):
+                if getattr(dut, f"{name}_valid_o").value == 1:
+                    fields = ("data", "id", "last", "user", "frame", "time")
+                    beats.append((self.clock, *(bench.read(getattr(dut, f"{name}_{f}_o")) for f in fields)))
+            await RisingEdge(dut.clk_i)
+            self.clock += 1
+
+    async def count(self):
+        """Numbers the triggers, also those that a part in its setup cannot follow."""
+        while True:
+            await ValueChange(self.dut.trigger)
+            if int(self.dut.trigger.value):
+                self.number += 1
+                self.converted = now() + self.clock_ns
+
+    def expected(self, conversions):
+        """(frames, rounds) as dicts of id: data, and the number of each one's first conversion."""
+        twin, scan = self.twin, self.scan
+        first_beat, last_beat = scan.beat_range(self.settings.region)
+        frames, rounds = [], []
+        mask = (1 << twin.sample_bits) - 1
+        for number, conversion in enumerate(conversions):
+            groups = rounds if conversion.slip else frames
+            if conversion.first:
+                groups.append((number, {}))
+            row = min(conversion.row, twin.rows)
+            for channel in range(twin.channels):
+                beat = conversion.group * twin.channels + channel
+                codes = [
+                    self.value(number, row, scan.column(conversion.group, channel, lane))
+                    for lane in range(twin.lanes)
+                ]
+                data, over = twin.adc.samples(codes)
+                word = sum((int(v) & mask) << lane * twin.sample_bits for lane, v in enumerate(data))
+                user = sum(int(o) << lane for lane, o in enumerate(over))
+                if conversion.slip:
+                    groups[-1][1][len(groups[-1][1])] = (word, user)
+                elif first_beat <= beat <= last_beat:
+                    groups[-1][1][conversion.row * scan.beats + beat] = (word, user)
+        return frames, rounds
+
+    def check(self):
+        conversions, *_ = self.scan.schedule(self.settings, self.clock)
+        begin = self.converts[0] - conversions[0].trigger
+        assert self.converts == [begin + c.trigger for c in conversions][: len(self.converts)]
+        frames, rounds = self.expected(conversions[: len(self.converts)])
+        for beats, groups in ((self.beats, frames), (self.slip_beats, rounds)):
+            at = 0
+            for number, codes in groups[:-1]:  # the last may be under way
+                part = beats[at : at + len(codes)]
+                at += len(codes)
+                assert [(beat[2], beat[1], beat[4]) for beat in part] == [
+                    (i, *codes[i]) for i in sorted(codes)
+                ]
+                assert [beat[3] for beat in part] == [0] * (len(codes) - 1) + [1]
+                assert {beat[6] for beat in part} == {self.converts[number]}
+        counters = ("dropped", "overrun", "held", "lost", "slip_dropped", "slip_overrun")
+        assert [bench.read(getattr(self.dut, f"{name}_o")) for name in counters] == [0] * 6
+        return frames, rounds
+
+
+async def board(dut, settings, clocks):
+    made = Board(dut, settings)
+    cocotb.start_soon(made.count())
+    await made.start()
+    await made.run(made.twin.adc.start_clocks() + clocks)
+    await ReadOnly()
+    return made
+
+
+@cocotb.test(timeout_time=100, timeout_unit="ms")
+@cocotb.parametrize(settle=[0, 23])
+async def every_taxel_in_its_place_in_its_clock(dut, settle):
+    twin = twin_of(dut)
+    settings = Settings(settle=settle, interleave=settle > 0)
+    frame = twin.scan.frame_clocks(settle)
+    made = await board(dut, settings, 2 * frame + 2 * twin.scan.slot(settle) + 40)
+    _frames, _ = made.check()
+    assert len(made.beats) >= 2 * twin.rows * twin.scan.beats
+
+    steps = twin.latency(settle, conversion_ns=CONVERSION_NS[0])
+    first = made.converts[0]
+    per_frame = len(twin.scan.places())
+    assert made.converts[1] - first == steps["slot"]
+    assert made.converts[per_frame] - first == steps["frame"]
+    assert made.beats[0][0] - first == steps["first_beat"]
+    last = made.beats[twin.rows * twin.scan.beats - 1]
+    if not settings.interleave or twin.rows % 2 == 0:  # else the last row is not the last to be converted
+        assert last[0] - first == steps["last_beat"]
+    us = [1000 * value / twin.clk_khz for value in (last[0] - first, steps["frame"])]
+    dut._log.info(f"settle {settle}: frame {us[1]:.1f} us, first convert to last beat {us[0]:.1f} us")
+
+
+@cocotb.test(timeout_time=100, timeout_unit="ms")
+async def slip_rounds_between_a_slow_frame(dut):
+    twin = twin_of(dut)
+    slot = twin.scan.slot(5)
+    places = tuple((index % (twin.rows + 1), 0) for index in range(twin.slip_slots))
+    period = (twin.slip_slots + 2) * slot + 17
+    region = Region(twin.rows // 3, twin.rows - 1, twin.columns // 3, twin.columns - 1)
+    settings = Settings(settle=5, slip_period=period, slip_places=places, region=region)
+    made = await board(dut, settings, 12 * period)
+    _, rounds = made.check()
+    starts = [made.converts[number] for number, _ in rounds]
+    assert len(starts) >= 11
+    assert {b - a for a, b in itertools.pairwise(starts)} == {period}
+    assert len(made.beats) > 0
+
+
+@cocotb.test(timeout_time=100, timeout_unit="ms")
+async def a_part_that_fails_spoils_no_frame(dut):
+    """BUSY sticks, or answers bear wrong numbers, for a while: frames stay whole, what failed is marked."""
+    twin = twin_of(dut)
+    if twin.part is MCP3208:
+        return  # nothing tells that it does not answer
+    settings = Settings(settle=1)
+    slot, frame = twin.scan.slot(1), twin.scan.frame_clocks(1)
+    made = Board(dut, settings)
+    cocotb.start_soon(made.count())
+    await made.start()
+    await made.run(twin.adc.start_clocks() + frame + slot // 2)
+    part = made.parts[-1]
+    if twin.part is AD7606:
+        part.hold_busy(0)
+    else:
+        part.spoil = lambda answer: answer ^ 0x4000
+    await made.run(3 * slot)
+    if twin.part is AD7606:
+        part.hold_busy(None)
+    else:
+        part.spoil = None
+    await made.run(3 * frame + 2 * slot)
+    await ReadOnly()
+    lost = bench.read(dut.lost_o)
+    assert 2 <= lost <= 8
+    beats = twin.rows * twin.scan.beats
+    ids = [beat[2] for beat in made.beats]
+    assert ids == [n % beats for n in range(len(ids))]
+    assert len(ids) >= 3 * beats
+    marked = [beat for beat in made.beats if beat[4] >> twin.lanes - 1 & 1]
+    lane = lambda beat: beat[1] >> (twin.lanes - 1) * twin.sample_bits
+    assert sum(lane(beat) == 0 for beat in marked) >= (lost - 1) * min(twin.channels, twin.scan.beats)
+    conversions, *_ = twin.scan.schedule(settings, made.clock)
+    frames, _ = made.expected(conversions[: len(made.converts)])
+    whole = frames[len(ids) // beats - 1][1]
+    final = made.beats[(len(ids) // beats - 1) * beats :][:beats]
+    assert [(beat[2], beat[1], beat[4]) for beat in final] == [(i, *whole[i]) for i in sorted(whole)]
+
+
+BUILDS = [
+    {"Rows": 16, "Columns": 16, "Part": AD7606.number, "Channels": 8, "ClkKhz": 25_000},
+    {"Rows": 3, "Columns": 3, "Part": MCP3208.number, "Channels": 3, "ClkKhz": 8_000, "SclkKhz": 2_000},
+    {"Rows": 8, "Columns": 8, "Part": MAX11123.number, "Channels": 8, "ClkKhz": 25_000, "SlipSlots": 2},
+    {"Rows": 4, "Columns": 15, "Part": MAX11125.number, "Channels": 4, "Lanes": 2, "ClkKhz": 50_000},
+    {"Rows": 3, "Columns": 32, "Part": AD7606.number, "Channels": 8, "Lanes": 2, "ClkKhz": 20_000},
+    {"Rows": 3, "Columns": 5, "Part": MAX11123.number, "Channels": 1, "ClkKhz": 100_000, "SettleBits": 8},
+]
+
+
+@pytest.mark.parametrize("parameters", BUILDS, ids=lambda p: "-".join(map(str, p.values())))
+def test_scan_adc(parameters):
+    bench.run("frontend", "scan_adc", parameters)
+
+
+def test_16x16_with_one_ad7606_and_64x64_with_eight():
+    """What the design asks for, by the twin that the pins are held to."""
+    small = ScanAdc(16, 16, 1, AD7606, 8, 2, 100_000)
+    frame_us = small.latency(settle=500)["frame"] / 100
+    assert frame_us < 1000
+    large = ScanAdc(64, 64, 8, AD7606, 8, 2, 100_000)
+    assert large.latency(settle=500)["last_beat"] / 100 < 1000
+
+
+def test_twin_refuses_what_cannot_work():
+    for bad in ({"part": None}, {"channels": 9}, {"rows": 0}, {"depth": 3}, {"adc_lanes": 3}):
+        with pytest.raises((ValueError, AttributeError)):
+            ScanAdc(**bad)

@@ -1,0 +1,244 @@
+"""msn_scan_buffer against its twin: frames of every size and order through a consumer that stalls or
+sleeps.
+
+Whole frames or none: a frame is dropped exactly when a beat of the one before is left in the clock in
+which it begins, and counted. The clock in which each beat leaves; a ring smaller than a frame that is
+never overfilled when the sender heeds room_o; reset.
+"""
+
+import random
+
+import cocotb
+import pytest
+from cocotb.triggers import ReadOnly, RisingEdge
+
+import bench
+from meissner.frontend.scan_buffer import LATENCY, ScanBuffer
+
+FIELDS = ("data", "id", "last")
+
+
+def twin_of(dut):
+    names = ("Rows", "Beats", "Burst", "Width", "Depth")
+    return ScanBuffer(*(getattr(dut, name).value.to_unsigned() for name in names))
+
+
+def random_frame(draw, twin):
+    rows, beats = draw.choice(
+        [(twin.rows, twin.beats), (draw.randint(1, twin.rows), draw.randint(1, twin.beats))]
+    )
+    first = draw.randint(0, twin.beats - beats) + draw.randint(0, twin.rows - rows) * twin.beats
+    skip = twin.beats - beats + 1
+    data = [draw.getrandbits(twin.width) for _ in range(rows * beats)]
+    return data, rows, beats, first, skip, draw.random() < 0.5
+
+
+async def start(dut):
+    names = ("in_first", "in_interleave", "in_last_row", "in_last_beat", "in_id", "in_skip", "in_data")
+    await bench.start(dut, **{f"{name}_i": 0 for name in names})
+
+
+class Bench:
+    """Drives and watches the block clock by clock."""
+
+    def __init__(self, dut, stall):
+        self.dut, self.stall = dut, stall
+        self.beats = []  # (clock, data, id, last)
+        self.clock = 0
+        self.held = None
+        self.room = 0
+
+    async def tick(self, word=None, frame=None):
+        """One clock; ``word`` comes in, with ``frame`` as its frame's first. Returns taken_o."""
+        dut = self.dut
+        dut.in_valid_i.value = int(word is not None)
+        dut.in_first_i.value = int(frame is not None)
+        noise = random.getrandbits
+        dut.in_data_i.value = word if word is not None else noise(len(dut.in_data_i))
+        _, rows, beats, first, skip, interleave = frame or (
+            0,
+            noise(8) + 1,
+            noise(8) + 1,
+            noise(8),
+            noise(8),
+            1,
+        )
+        for name, value in (
+            ("interleave", interleave),
+            ("last_row", rows - 1),
+            ("last_beat", beats - 1),
+            ("id", first),
+            ("skip", skip),
+        ):
+            port = getattr(dut, f"in_{name}_i")
+            port.value = int(value) & (1 << len(port)) - 1
+        ready = not self.stall()
+        dut.out_ready_i.value = int(ready)
+        await ReadOnly()
+        valid = dut.out_valid_o.value == 1
+        assert valid or self.held is None, "valid was withdrawn"
+        if valid:
+            beat = tuple(bench.read(getattr(dut, f"out_{name}_o")) for name in FIELDS)
+            assert self.held in (None, beat), "payload changed while stalled"
+            self.held = None if ready else beat
+            if ready:
+                self.beats.append((self.clock, *beat))
+        taken = int(dut.taken_o.value)
+        self.room = int(dut.room_o.value)
+        await RisingEdge(dut.clk_i)
+        self.clock += 1
+        return taken
+
+
+def stalls(kind, draw):
+    state = {"left": 0, "asleep": True}
+
+    def sleeps():
+        if not state["left"]:
+            state["asleep"] = not state["asleep"]
+            state["left"] = draw.randint(1, 60)
+        state["left"] -= 1
+        return state["asleep"]
+
+    return {"ready": lambda: False, "stalls": lambda: draw.random() < 0.5, "sleeps": sleeps}[kind]
+
+
+@cocotb.test(timeout_time=50, timeout_unit="ms")
+@cocotb.parametrize(consumer=["ready", "stalls", "sleeps"])
+async def matches_model(dut, consumer):
+    twin = twin_of(dut)
+    draw = random.Random(bench.SEED)
+    await start(dut)
+    run = Bench(dut, stalls(consumer, draw))
+    expected, dropped = [], 0
+    for number in range(80):
+        frame = random_frame(draw, twin)
+        data = frame[0]
+        gaps = draw.choice([0.0, 0.3, 0.9])
+        for index, word in enumerate(data):
+            while draw.random() < gaps or not run.room:
+                await run.tick()
+            at = run.clock
+            before = len(run.beats)
+            taken = await run.tick(word, frame if index == 0 else None)
+            if index == 0:
+                # In this clock itself the last beat may still leave.
+                assert taken == (len(run.beats) == len(expected)), f"frame {number}, {before}"
+                dropped += not taken
+                if taken:
+                    expected += twin.frame(*frame)
+                stored = taken
+            if consumer == "ready" and stored and len(data) == 1:
+                for _ in range(LATENCY):
+                    await run.tick()
+                assert run.beats[-1][0] == at + LATENCY
+        for _ in range(draw.choice([0, 1, 2, 3, len(data) + 5, 2 * len(data) + 40])):
+            await run.tick()
+    run.stall = lambda: False
+    for _ in range(len(expected) + 10):
+        await run.tick()
+    assert [beat[1:] for beat in run.beats] == expected
+    assert bench.read(dut.dropped_o) == dropped
+    assert dropped > 0 or (consumer == "ready" and twin.rows * twin.beats == 1)
+    assert len(expected) > 0
+
+
+@cocotb.test(timeout_time=50, timeout_unit="ms")
+async def latency_is_the_twins(dut):
+    """In natural order each beat leaves LATENCY clocks after it came, whatever its row."""
+    twin = twin_of(dut)
+    draw = random.Random(bench.SEED)
+    await start(dut)
+    run = Bench(dut, lambda: False)
+    for _ in range(5):
+        data, *shape, _ = random_frame(draw, twin)
+        came = []
+        run.beats = []
+        for index, word in enumerate(data):
+            for _ in range(draw.choice([0, 0, 1, 5])):
+                await run.tick()
+            came.append(run.clock)
+            await run.tick(word, (data, *shape, False) if index == 0 else None)
+        for _ in range(LATENCY + 1):
+            await run.tick()
+        assert [beat[0] for beat in run.beats] == [clock + LATENCY for clock in came]
+
+
+@cocotb.test(timeout_time=50, timeout_unit="ms")
+async def interleaved_rows_leave_as_soon_as_they_can(dut):
+    """The last row comes last in both orders of an even number of rows: it leaves as it comes."""
+    twin = twin_of(dut)
+    rows, beats = twin.rows // 2 * 2, twin.beats
+    if not rows or not twin.sorts:
+        return
+    await start(dut)
+    run = Bench(dut, lambda: False)
+    data = list(range(rows * beats))
+    data = [word & (1 << twin.width) - 1 for word in data]
+    frame = (data, rows, beats, 0, 1, True)
+    came = []
+    for index, word in enumerate(data):
+        for _ in range(beats):
+            await run.tick()
+        came.append(run.clock)
+        await run.tick(word, frame if index == 0 else None)
+    for _ in range(LATENCY + 1):
+        await run.tick()
+    assert [beat[1:] for beat in run.beats] == twin.frame(*frame)
+    assert [beat[0] for beat in run.beats[-beats:]] == [clock + LATENCY for clock in came[-beats:]]
+    assert [beat[0] for beat in run.beats[:beats]] == [clock + LATENCY for clock in came[:beats]]
+
+
+@cocotb.test(timeout_time=50, timeout_unit="ms")
+async def recovers_after_reset(dut):
+    """Reset with half a frame inside: the rest of it is not taken for a frame, the next is whole."""
+    twin = twin_of(dut)
+    draw = random.Random(bench.SEED)
+    await start(dut)
+    run = Bench(dut, lambda: draw.random() < 0.3)
+    for _ in range(12):
+        frame = random_frame(draw, twin)
+        cut = draw.randrange(len(frame[0]))
+        for index, word in enumerate(frame[0]):
+            if index == cut:
+                await bench.reset(dut)
+                run.held, run.beats = None, []
+            while not run.room:
+                await run.tick()
+            await run.tick(word, frame if index == 0 and cut else None)
+        for _ in range(2 * len(frame[0]) + 10):
+            await run.tick()
+        assert not run.beats
+        for index, word in enumerate(frame[0]):
+            while not run.room:
+                await run.tick()
+            await run.tick(word, frame if index == 0 else None)
+        for _ in range(4 * len(frame[0]) + 30):
+            await run.tick()
+        assert [beat[1:] for beat in run.beats] == twin.frame(*frame)
+        run.beats = []
+
+
+@pytest.mark.parametrize(
+    "parameters",
+    [
+        {"Rows": 1, "Beats": 1, "Burst": 1, "Width": 5},
+        {"Rows": 5, "Beats": 3, "Burst": 3, "Width": 18},
+        {"Rows": 8, "Beats": 8, "Burst": 8, "Width": 9},
+        {"Rows": 7, "Beats": 20, "Burst": 4, "Width": 9, "Depth": 16},
+        {"Rows": 1, "Beats": 12, "Burst": 4, "Width": 12},
+    ],
+    ids=lambda p: "-".join(map(str, p.values())),
+)
+def test_scan_buffer(parameters):
+    bench.run("frontend", "scan_buffer", parameters)
+
+
+@pytest.mark.parametrize(
+    "parameters", [{"Rows": 0}, {"Width": 0}, {"Depth": 31}, {"Depth": 16}, {"Depth": 96}], ids=str
+)
+def test_refuses_what_cannot_work(parameters):
+    ((name, value),) = parameters.items()
+    assert f"{name} = {value}" in bench.refuses("scan_buffer", parameters)
+    with pytest.raises(ValueError, match=name.lower()):
+        ScanBuffer(**{name.lower(): value})
