@@ -228,6 +228,8 @@ async def everything_at_once(dut, load):
         source.rate = 0
     test.ready = lambda: True
     await test.run(4_000, quiet=True)
+    while test.bytes or dut.out_begin_o.value == 1:  # a statistic under way
+        await test.run(1, quiet=True)
     build = parameters(dut)
     got = check(test, sources, counters, build)
     assert bench.read(dut.packets_o) == len(got)
