@@ -7,7 +7,7 @@ SYNTH  := .venv/.synth
 RTL    := $(shell cat rtl/rtl.f)
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test lint fmax bench clean
+.PHONY: help setup demo test lint registers fmax bench clean
 
 help:  ## this list
 	@awk -F':.*## ' '/^[a-z-]+:.*## /{printf "  make %-12s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -33,6 +33,9 @@ test: lint  ## lint, twins and every cocotb regression
 
 lint: $(SIM)  ## Verilator -Wall on every module as its own top, Verible, ruff
 	@$(BIN)/python tools/lint.py
+
+registers: $(SIM)  ## RTL, Python map, C header and page of the registers, from rtl/registers.rdl
+	@$(BIN)/python tools/registers.py
 
 fmax: $(SYNTH)  ## Fmax and area of single blocks, worst of three seeds: table, build/fmax/fmax.json
 	@$(BIN)/python tools/fmax.py --jobs $(JOBS) $(FMAX)

@@ -23,6 +23,13 @@ package msn_pkg;
     AdcMax11125 = 5   // 12 bits
   } adc_part_e;
 
+  // How msn_am_demod finds the amplitude of a carrier.
+  typedef enum int unsigned {
+    DemodRectifier = 0,  // sum of absolute values
+    DemodIq        = 1,  // root of I^2 + Q^2, exact
+    DemodIqFast    = 2   // the same estimated by two lines
+  } demod_form_e;
+
   // Bits of an index 0 .. count-1, at least one.
   function automatic int unsigned index_width(int unsigned count);
     index_width = (count > 1) ? $clog2(count) : 1;

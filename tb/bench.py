@@ -104,13 +104,14 @@ def as_signed(value, bits):
     return value - (1 << bits) if value >> (bits - 1) & 1 else value
 
 
-async def stream(dut, beats, fields, gaps=None, stalls=None, drain=40, count=None):
+async def stream(dut, beats, fields, gaps=None, stalls=None, drain=40, count=None, hold=False):
     """Send ``beats`` (dicts of input field: value) and return the list of beats that came out.
 
     ``fields``: output field names; a beat out is a dict of field: int (signed if the name ends in "~").
     Ends when every beat was taken and ``drain`` ready clocks passed with nothing coming out, or after
     ``count`` beats. The payload is driven to a wrong value while not valid, so that nobody samples it
-    then. While the block is stalled, valid and data must hold.
+    then. While the block is stalled, valid and data must hold. ``hold``: what was offered stays so until
+    it is taken; otherwise an offer may be withdrawn.
     """
     names = [field.rstrip("~") for field in fields]
     ports = [getattr(dut, f"out_{name}_o") for name in names]
@@ -118,8 +119,9 @@ async def stream(dut, beats, fields, gaps=None, stalls=None, drain=40, count=Non
     received = []
     sent = quiet = 0
     held = None
+    waiting = False
     while (quiet < drain or sent < len(beats)) and (count is None or len(received) < count):
-        offer = sent < len(beats) and not (gaps and gaps())
+        offer = sent < len(beats) and (waiting or not (gaps and gaps()))
         dut.in_valid_i.value = int(offer)
         if beats:
             for name, value in beats[sent if offer else sent - 1].items():
@@ -138,6 +140,7 @@ async def stream(dut, beats, fields, gaps=None, stalls=None, drain=40, count=Non
         if valid and ready:
             received.append(dict(zip(names, values)))
         took = bool(offer and dut.in_ready_o.value == 1)
+        waiting = hold and offer and not took
         quiet = 0 if valid or took else quiet + ready
         sent += took
         await RisingEdge(dut.clk_i)
@@ -230,6 +233,63 @@ def force_beats(forces, lanes=1, surplus=0xA5A5):
         for frame in words
         for index, word in enumerate(frame)
     ]
+
+
+def lane_word(values, bits):
+    """Integers of ``bits`` bits side by side in one word, the first lowest."""
+    return sum((int(value) & ((1 << bits) - 1)) << (bits * lane) for lane, value in enumerate(values))
+
+
+def lane_values(word, lanes, bits, signed=False):
+    """What ``lane_word`` put together."""
+    values = [word >> (bits * lane) & ((1 << bits) - 1) for lane in range(lanes)]
+    return [as_signed(value, bits) for value in values] if signed else values
+
+
+def lane_beats(frames, lanes, bits, surplus=0, **flags):
+    """Beats of an array's frames [frames, rows, columns]: data, id, last, and a bit per lane of each of
+    ``flags`` (arrays of the same shape); the surplus lanes of a row's last beat hold ``surplus``."""
+    count, rows, columns = np.shape(frames)
+    row_beats = -(-columns // lanes)
+
+    def words(array, fill):
+        padded = np.full((count, rows, row_beats * lanes), fill, dtype=np.int64)
+        padded[:, :, :columns] = array
+        return padded.reshape(count, rows * row_beats, lanes)
+
+    data = words(frames, surplus)
+    flags = {name: words(array, 0) for name, array in flags.items()}
+    return [
+        {"data": lane_word(data[frame, beat], bits), "id": beat, "last": beat == rows * row_beats - 1}
+        | {name: lane_word(array[frame, beat], 1) for name, array in flags.items()}
+        for frame in range(count)
+        for beat in range(rows * row_beats)
+    ]
+
+
+def damage(beats, length, draw):
+    """Beats of frames of ``length`` beats with about every third one damaged in a random way."""
+    sent = []
+    for at in range(0, len(beats), length):
+        part = [dict(beat) for beat in beats[at : at + length]]
+        where = draw.randrange(length)
+        kind = draw.choice(["whole"] * 9 + ["missing", "doubled", "id", "early", "lost", "late"])
+        if kind == "missing":
+            del part[where]
+        elif kind == "doubled":
+            part.insert(where, dict(part[where]))
+        elif kind == "id":
+            part[where]["id"] = (part[where]["id"] + 1) % length
+        elif kind == "early":
+            part = part[: where + 1]
+            part[-1]["last"] = True
+        elif kind == "lost":
+            part[-1]["last"] = False
+        elif kind == "late":
+            part += [dict(part[-1])]
+            part[-2]["last"] = False
+        sent += part
+    return sent
 
 
 async def force_frame(dut, frame, lanes, fields):

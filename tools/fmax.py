@@ -6,7 +6,9 @@
 
 A generated Verilog harness shifts every input of the block in through one pin and folds every output into
 one pin, with registers on both sides, so that neither the pin count nor pin timing matters. Its own cells
-are taken off the area. Results: a table, and build/fmax/fmax.json (entries not run keep their last result).
+are taken off the area. What an entry ties, an input at a number or an output left open (None), is not in
+the harness, so that synthesis folds it. Results: a table, and build/fmax/fmax.json (entries not run keep
+their last result).
 """
 
 import argparse
@@ -42,6 +44,22 @@ TARGETS = {
 }
 
 
+def demod_entries():
+    """msn_am_demod with a 12-bit converter, up to 64 periods: its forms and samples per period."""
+    size = {"SampleBits": 13}
+    for name, form, samples, clocks in (
+        ("rectifier-4", 0, 4, 12),
+        ("rectifier-16", 0, 16, 12),
+        ("iq-4", 1, 4, 73),
+        ("iq-16", 1, 16, 88),
+        ("iq-fast-4", 2, 4, 15),
+        ("iq-fast-16", 2, 16, 15),
+    ):
+        setting = size | {"Form": form, "SamplesPerPeriod": samples}
+        yield f"am_demod-{name}", ("msn_am_demod", setting, clocks, "ecp5 up5k")
+    yield "am_demod-iq-4x8", ("msn_am_demod", size | {"Lanes": 8}, 500, "ecp5")
+
+
 def cop_entries():
     """msn_cop over fraction bits and bits a clock, pipelined too at Q2.14: speed, accuracy and area."""
     for bits, pipelined in ((4, 0), (14, 0), (20, 0), (14, 1)):
@@ -53,7 +71,32 @@ def cop_entries():
             yield name, ("msn_cop", size | {"Pipelined": pipelined}, 3 + digits, targets)
 
 
-# Name: module, parameters, clocks of the latency quoted in ns (or None), targets.
+# One rubber sensor at 12 MHz, thresholds and times fixed when it is built, no counter read.
+SLIP1 = {"Channels": 1, "SampleBits": 13, "TimerBits": 10}
+MCP3208_PINS = {"Adc": 1, "ClkKhz": 12000, "SclkKhz": 2000, "PeriodBits": 11}
+SMALLEST = SLIP1 | MCP3208_PINS | {"Serial": 1, "AdcPeriod": 1200}
+SLIP1_TIED = {
+    "cfg_adc_enable_i": 1,
+    "cfg_adc_period_i": 1200,
+    "adc_busy_i": 0,
+    "cfg_threshold_i": 23,
+    "cfg_gross_threshold_i": 200,
+    "cfg_contact_level_i": 7000,
+    "cfg_release_level_i": 7400,
+    "cfg_contact_rises_i": 0,
+    "cfg_hold_i": 100,
+    "cfg_refractory_i": 50,
+    "cfg_blank_i": 250,
+    "actuator_moving_i": 0,
+    "in_id_i": 0,
+    "in_last_i": 1,
+    **dict.fromkeys(("out_id_o", "out_last_o", "out_end_o")),
+    **dict.fromkeys(("dropped_o", "overrun_o", "timeout_o", "over_range_o", "damaged_o", "blanked_o")),
+}
+NO_STREAM = {"in_valid_i": 0, "in_data_i": 0, "in_ready_o": None}
+NO_PINS = {"adc_miso_i": 0}
+
+# Name: module, parameters, clocks of the latency quoted in ns (or None), targets, what is tied (or nothing).
 LARGE = {"Rows": 1024, "Columns": 1024, "Lanes": 8}
 TABLE = {
     "slip-1024": ("msn_core", {"Channels": 1024}, 6, "ecp5 up5k"),
@@ -67,6 +110,13 @@ TABLE = {
         6,
         "up5k",
     ),
+    "slip1": ("msn_core", SMALLEST, 34, "up5k", SLIP1_TIED | NO_STREAM),
+    "slip1-no-p2p": ("msn_core", SMALLEST, 34, "up5k", SLIP1_TIED | NO_STREAM | {"out_p2p_o": None}),
+    "slip1-adc_spi": ("msn_core", SMALLEST | {"AdcPeriod": 0}, 34, "up5k", SLIP1_TIED | NO_STREAM),
+    "slip1-parallel": ("msn_core", SLIP1 | MCP3208_PINS, 6, "up5k", SLIP1_TIED | NO_STREAM),
+    "slip1-path": ("msn_core", SLIP1 | {"Serial": 1}, 34, "up5k", SLIP1_TIED | NO_PINS),
+    "slip1-path-parallel": ("msn_core", SLIP1, 6, "up5k", SLIP1_TIED | NO_PINS),
+    **dict(demod_entries()),
     "adc_spi-max11123": (
         "msn_adc_spi",
         {"Part": 3, "ClkKhz": 25000, "SclkKhz": 16000, "Trigger": 1, "SampleBits": 13},
@@ -80,11 +130,32 @@ TABLE = {
     "cop-1024x1024x8-q14-turn1": ("msn_cop", LARGE | {"BitsPerClock": 1}, 21, "ecp5"),
     "cop-1024x1024x8-q14-turn2": ("msn_cop", LARGE, 14, "ecp5"),
     **dict(cop_entries()),
-    "cop4": ("msn_cop4", {}, 17, "ecp5 up5k"),
-    "cop_slip": ("msn_cop_slip", {}, 4, "ecp5 up5k"),
-    "cop4-turn1": ("msn_cop4", {"BitsPerClock": 1}, 25, "ecp5 up5k"),
-    "cop4-correct": ("msn_cop4", {"Correct": 1}, 36, "ecp5"),
-    "cop4_correct": ("msn_cop4_correct", {}, 7, "ecp5"),
+    "cop_array-64x64": ("msn_cop_array", {"Rows": 64, "Columns": 64}, 14, "ecp5"),
+    "cop_array-32x32": ("msn_cop_array", {"Rows": 32, "Columns": 32}, 14, "ecp5 up5k"),
+    "cop_array-1024x1024x8": (
+        "msn_cop_array",
+        LARGE | {"RowColumn": 1, "GainShift": 24, "BitsPerClock": 1},
+        25,
+        "ecp5",
+    ),
+    # The small part's eight multipliers are of 16 bits: samples of 17 would take twelve.
+    "cop4": ("msn_cop4", {}, 17, "ecp5"),
+    "cop4-13": ("msn_cop4", {"SampleBits": 13}, 17, "ecp5 up5k"),
+    "cop_slip": ("msn_cop_slip", {}, 5, "ecp5 up5k"),
+    "cop4-turn1": ("msn_cop4", {"BitsPerClock": 1}, 25, "ecp5"),
+    "cop4-13-turn1": ("msn_cop4", {"SampleBits": 13, "BitsPerClock": 1}, 25, "up5k"),
+    "cop4-correct": ("msn_cop4", {"Correct": 1}, 37, "ecp5"),
+    "cop4_correct": ("msn_cop4_correct", {}, 8, "ecp5"),
+    "packet_slip": ("msn_packet_slip", {"P2pBits": 14}, None, "ecp5 up5k"),
+    "cobs-18": ("msn_cobs", {"MaxBytes": 18}, None, "ecp5 up5k"),
+    "cobs": ("msn_cobs", {}, None, "ecp5 up5k"),
+    "uart_tx-1M": ("msn_uart_tx", {}, None, "ecp5 up5k"),
+    "uart_tx-3M": ("msn_uart_tx", {"ClkHz": 25000000, "BaudHz": 3000000}, None, "ecp5 up5k"),
+    "uart_rx-3M": ("msn_uart_rx", {"ClkHz": 25000000, "BaudHz": 3000000}, None, "ecp5 up5k"),
+    "packet-64x64": ("msn_packet", {}, None, "ecp5"),
+    "packet-fingertip": ("msn_packet", {"SlipDepth": 16, "Taxels": 0}, None, "ecp5 up5k"),
+    "bridge": ("msn_bridge", {}, None, "ecp5 up5k"),
+    "link-64x64": ("msn_link", {}, None, "ecp5"),
 }
 
 
@@ -116,7 +187,7 @@ def read_rtl():
 
 
 def ports(module, parameters, stem):
-    """The block's ports with these parameters: [(name, direction, bits)]."""
+    """The block's ports with these parameters, but outputs that are constant: [(name, direction, bits)]."""
     # Not `hierarchy -chparam`: Yosys stops at some modules with "modules_.count(module->name) == 0".
     chparam = "".join(f"chparam -set {name} {value} {module}; " for name, value in parameters.items())
     netlist = f"{stem}.ports.json"
@@ -124,15 +195,24 @@ def ports(module, parameters, stem):
     tool("yosys", ["-q", "-p", script], f"{stem}.ports.log")
     modules = json.loads((ROOT / netlist).read_text())["modules"].values()
     top = next(m for m in modules if int(m["attributes"].get("top", "0"), 2))
-    return [(name, port["direction"], len(port["bits"])) for name, port in top["ports"].items()]
+    return [
+        (name, port["direction"], len(port["bits"]))
+        for name, port in top["ports"].items()
+        if not all(isinstance(bit, str) for bit in port["bits"])  # a wire has a number, a constant "0" or "1"
+    ]
 
 
-def harness(module, parameters, found):
+def harness(module, parameters, tied, found):
     """Verilog text of the harness, and how many input and output bits it serves."""
-    inputs = [(n, bits) for n, direction, bits in found if direction == "input" and n != "clk_i"]
-    outputs = [(n, bits) for n, direction, bits in found if direction == "output"]
+    # What is named in no connection is open.
+    free = [(n, direction, bits) for n, direction, bits in found if n != "clk_i" and n not in tied]
+    inputs = [(n, bits) for n, direction, bits in free if direction == "input"]
+    outputs = [(n, bits) for n, direction, bits in free if direction == "output"]
     ins, outs = sum(bits for _, bits in inputs), sum(bits for _, bits in outputs)
     pins = ["    .clk_i(clk)"]
+    for name, _, bits in found:
+        if tied.get(name) is not None:
+            pins.append(f"    .{name}({bits}'d{tied[name] % (1 << bits)})")
     for vector, group in (("in_q", inputs), ("out_d", outputs)):
         at = 0
         for name, bits in group:
@@ -161,9 +241,9 @@ endmodule
 
 def synthesise(name, target):
     """Synthesise entry ``name``; returns the netlist's stem and the harness's own area."""
-    module, parameters, _, _ = TABLE[name]
+    module, parameters, _, _, *tied = TABLE[name]
     stem = f"{OUT}/{name}-{target}"
-    text, ins, outs = harness(module, parameters, ports(module, parameters, stem))
+    text, ins, outs = harness(module, parameters, *(tied or [{}]), ports(module, parameters, stem))
     (ROOT / f"{stem}.v").write_text(text)
     script = f"{read_rtl()} {stem}.v; {TARGETS[target]['synth']} -top harness -json {stem}.json"
     tool("yosys", ["-p", script], f"{stem}.yosys.log")
@@ -190,7 +270,7 @@ def measure(name, target, seeds):
     runs = [place(stem, target, seed) for seed in seeds]
     mhz = [round(m, 2) for m, _ in runs]
     area = {short: used - own.get(short, 0) for short, used in runs[0][1].items()}
-    module, parameters, clocks, _ = TABLE[name]
+    module, parameters, clocks, *_ = TABLE[name]
     return {
         "name": name,
         "target": target,

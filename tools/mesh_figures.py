@@ -1,8 +1,8 @@
-"""Print docs/mesh.md's tables as Markdown: published figures beside ours, solver times, the correction.
+"""Print docs/mesh.md's tables as Markdown: the correction, its limits, solver times.
 
-    python tools/mesh_figures.py [figures] [correction] [cross] [limits] [timings] [--large]
+    python tools/mesh_figures.py [correction] [cross] [limits] [timings] [--large]
 
-Without a name: the first four, which are reproducible to the digit. Timings depend on the machine; --large
+Without a name: the first three, which are reproducible to the digit. Timings depend on the machine; --large
 adds sparse LU to 1024×1024 (4 GB) and 1024×1024 with every taxel loaded (a minute).
 """
 
@@ -15,14 +15,6 @@ from scipy.spatial import cKDTree
 from meissner.world import mesh_loads
 from meissner.world.mesh import Mesh, contacts, correction
 from meissner.world.mesh.circuit import Circuit
-
-DRAWS = 1000  # beside the papers' 100: the averages of our tables then move by less than their last digit
-PRINTED = {  # table I of the mesh paper, r / rp
-    5: (0.0115, 0.0544, 0.1157, 0.1736),
-    10: (0.02315, 0.01088, 0.2315, 0.3472),
-    15: (0.03472, 0.1632, 0.3472, 0.5208),
-    20: (0.04630, 0.2178, 0.4629, 0.6944),
-}
 
 
 def show(title, header, rows):
@@ -44,100 +36,12 @@ def percent(values, digits=2):
     return f"{100 * values.mean():.{digits}f} ± {100 * values.std():.{digits}f}"
 
 
-def figures():
-    drops = []
-    for r in mesh_loads.SIX_R:
-        scene = mesh_loads.cop_one_point(r)
-        solution = scene.mesh.solve(scene.load, "lu")
-        drops.append(solution.E1[0] - solution.Va.min())
-    rows = [
-        ("mesh, fig. 5", "drop in layer A, 5 N in the middle, r = 10", "below 0.02 V", f"{drops[0]:.4f} V")
-    ]
-    depth = ", ".join(f"{drop:.3f}" for drop in drops)
-    rows.append(("mesh, fig. 7", "the same, r = 10, 47, 100, 150", "grows with r (curve)", f"{depth} V"))
-    for split in ("equal", "random"):
-        scenes = [mesh_loads.cop_six_random(10.0, t, DRAWS, split=split) for t in mesh_loads.SIX_TOTALS]
-        position, load = zip(*(errors(scene) for scene in scenes))
-        what = f"six random points, {split} shares, r = 10, 5-20 N"
-        ours = f"mean {100 * position[-1].mean():.3f} %, worst {100 * np.max(position):.2f} %"
-        rows.append(("mesh, fig. 8", what + ": position", "within 0.5 %", ours))
-        rows.append(("mesh, fig. 9", what + ": load", "within 2 %", f"{percent(load[-1])} % at 20 N"))
-    scene = mesh_loads.cop_two_point()
-    solution, (_, x, _) = scene.mesh.solve(scene.load), scene.truth()
-    away = np.abs(solution.x - solution.y).max()
-    ours = f"off the line {away:.0e}; along it at most {np.abs(solution.x - x).max():.3f}"
-    rows.append(("mesh, fig. 10", "two points, 5×5, r = 47, 10 N", "on the straight line (curve)", ours))
-    scene = mesh_loads.cop_load()
-    solution = scene.mesh.solve(scene.load)
-    ours = f"{solution.load[10]:.2f} N of 10, {solution.load[20]:.2f} N of 20"
-    rows.append(("mesh, fig. 11", "two equal loads, 5×5, r = 47", "falls behind as load grows (curve)", ours))
-    scene = mesh_loads.cop_six_random(150.0, 20.0)
-    reports = np.array([Mesh(41, 41, 150.0, R0).solve(scene.load).load for R0 in (1e3, 1e4, 1e5)])
-    ours = f"load moves by {np.abs(reports / reports[1] - 1).max():.0e} from 1 to 100 kΩ"
-    rows.append(("mesh, IV-D", "R0 and the errors", "not affected", ours))
-    scene = mesh_loads.cop_stroke()
-    solution = scene.mesh.solve(scene.load)
-    radius = np.hypot(solution.x, solution.y)
-    ours = f"radius {radius.mean():.3f} ± {radius.std():.3f}"
-    rows.append(("mesh, fig. 15; net, fig. 11", "circle on a hemispherical cover, 3×3", "a neat locus", ours))
-    loads = np.eye(9).reshape(9, 3, 3) * 3
-    solution = Mesh(3, 3, 150.0).solve(loads)
-    worst = max(
-        np.abs(np.diff(solution.x.reshape(3, 3))[0] - 1).max(), np.abs(solution.y[::3] - [1, 0, -1]).max()
-    )
-    ours = f"equal steps within {worst:.0e}"
-    rows.append(("net, fig. 8", "one element at a time, 3×3, r = 150", "equal 3 V steps", ours))
-    loads = np.zeros((7, 3, 3))
-    loads[:, 1, 2], loads[:, 1, 0] = 3, np.arange(7) / 2
-    solution = Mesh(3, 3, 150.0).solve(loads)
-    straight = (3 - np.arange(7) / 2) / (3 + np.arange(7) / 2)
-    off = np.abs(solution.x - straight).max()
-    ours = f"{abs(solution.x[-1]):.0e} when equal; from the ideal at most {off:.3f}"
-    rows.append(("net, fig. 9", "3 N right, 0-3 N left", "0 V when equal", ours))
-    show("Published figures", ("paper", "what", "published", "ours"), rows)
-
-    rows = []
-    for force, printed in PRINTED.items():
-        ours = [r * force / mesh_loads.K_PAPER for r in mesh_loads.SIX_R]
-        rows.append((f"{force} N", *(f"{p:g} / {o:.4f} ({p - o:+.4f})" for p, o in zip(printed, ours))))
-    show("Table I, r/rp: printed / ours", ("load", *(f"{r:.0f} Ω" for r in mesh_loads.SIX_R)), rows)
-
-    for name, index in (("Position error, % of the range (figure 8)", 0), ("Load error, % (figure 9)", 1)):
-        rows = []
-        for r in mesh_loads.SIX_R:
-            cells = [errors(mesh_loads.cop_six_random(r, t, DRAWS))[index] for t in mesh_loads.SIX_TOTALS]
-            rows.append((f"{r:.0f} Ω", *(percent(cell, 3 - index) for cell in cells)))
-        show(name, ("r", *(f"{t:.0f} N" for t in mesh_loads.SIX_TOTALS)), rows)
-
-
-def trim(load):
-    """Drop what a taxel carries below 2 % of the strongest: it only costs time."""
-    return np.where(load < 0.02 * load.max((1, 2), keepdims=True), 0, load)
-
-
-def scenes(kind, seed, total=None):
-    """Loads of one kind of touch on 41×41: totals of 1-25 N for fitting, ``total`` for checking."""
-    rng = np.random.default_rng(seed)
-    count = {"cover": 200, "two": 1000}.get(kind, 4000)
-    totals = rng.uniform(1, 25, count) if total is None else np.full(count, total)
-    place = lambda: rng.uniform(-0.8, 0.8, count)
-    if kind == "cover":
-        return trim(mesh_loads.press(41, 41, place(), place(), totals, 2.0))
-    if kind == "two":
-        share = rng.uniform(0.25, 0.75, count)
-        first = mesh_loads.press(41, 41, place(), place(), totals * share, 2.0)
-        return trim(first + mesh_loads.press(41, 41, place(), place(), totals * (1 - share), 2.0))
-    if kind == "one":
-        return mesh_loads.random_points(41, 41, 1, totals, seed)
-    return mesh_loads.random_points(41, 41, 6, totals, seed, kind)
-
-
 KINDS = {
-    "one": "one point",
+    "point": "one point",
     "cover": "one press through a cover, 2 pitches",
-    "two": "two presses through it",
-    "equal": "six points, equal shares",
-    "random": "six points, random shares",
+    "two covers": "two presses through it",
+    "equal points": "six points, equal shares",
+    "uneven points": "six points, random shares",
 }
 
 
@@ -146,8 +50,8 @@ def correct():
     for r in (10.0, 47.0, 150.0):
         mesh = Mesh(41, 41, r)
         for kind, name in KINDS.items():
-            fix = correction.fit(mesh, scenes(kind, 1))
-            check = mesh_loads.MeshScene(mesh, scenes(kind, 2, 20.0))
+            fix = correction.fit(mesh, mesh_loads.touches(41, 41, kind, 1))
+            check = mesh_loads.MeshScene(mesh, mesh_loads.touches(41, 41, kind, 2, 20.0))
             (place, load), (new_place, new_load) = errors(check), errors(check, fix)
             cells = [
                 load.mean(),
@@ -158,7 +62,7 @@ def correct():
             cells = [f"{100 * cell:.2f}" for cell in cells]
             cells += [f"{100 * cell:.3f}" for cell in (place.mean(), new_place.mean(), new_place.max())]
             rows.append((f"{r:.0f} Ω", name, *cells))
-            if r == 150 and kind == "equal":
+            if r == 150 and kind == "equal points":
                 stage = correction.registers(fix)
     header = ("r", "touch", "load error before", "after: mean", "median", "worst")
     show(
@@ -172,10 +76,10 @@ def correct():
 def cross():
     """Mean load error when the touch is not the kind that the correction was fitted for."""
     mesh, rows = Mesh(41, 41, 150.0), []
-    checks = [mesh_loads.MeshScene(mesh, scenes(kind, 2, 20.0)) for kind in KINDS]
+    checks = [mesh_loads.MeshScene(mesh, mesh_loads.touches(41, 41, kind, 2, 20.0)) for kind in KINDS]
     rows.append(("none", *(f"{100 * errors(check)[1].mean():.0f}" for check in checks)))
     for kind, name in KINDS.items():
-        fix = correction.fit(mesh, scenes(kind, 1))
+        fix = correction.fit(mesh, mesh_loads.touches(41, 41, kind, 1))
         rows.append((name, *(f"{100 * np.abs(errors(check, fix)[1]).mean():.1f}" for check in checks)))
     show("Load error with another touch than fitted, 150 Ω, 20 N (%)", ("fitted for", *KINDS.values()), rows)
 
@@ -281,15 +185,13 @@ def main():
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument(
-        "tables", nargs="*", metavar="table", help="figures, correction, cross, limits or timings"
-    )
+    parser.add_argument("tables", nargs="*", metavar="table", help="correction, cross, limits or timings")
     parser.add_argument("--large", action="store_true", help="the slow timings too")
     wanted = parser.parse_args()
-    calls = {"figures": figures, "correction": correct, "limits": limits}
+    calls = {"correction": correct, "limits": limits}
     calls["cross"] = cross
     calls["timings"] = lambda: timings(wanted.large)
-    for table in wanted.tables or ["figures", "correction", "cross", "limits"]:
+    for table in wanted.tables or ["correction", "cross", "limits"]:
         if table not in calls:
             parser.error(f"{table} is none of {', '.join(calls)}")
         calls[table]()

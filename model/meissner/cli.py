@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from meissner import engines, files
+from meissner import budget, calibration, engines, files
 
 
 class _Parser(argparse.ArgumentParser):
@@ -98,21 +98,50 @@ def _process_slip(arguments):
 
 
 def _process_cop(arguments):
-    if arguments.calibration is not None:
-        raise ValueError("--calibration is not built yet: the samples are taken as forces, as they are")
     if arguments.min_load < 0:
         raise ValueError(f"min-load = {arguments.min_load} must not be negative")
-    forces = engines.check_forces(files.read_array(arguments.input))
+    lines = None
+    if arguments.calibration is not None:
+        lines = calibration.load(arguments.calibration)
+        engines.load(arguments.engine)
+        forces = calibration.check_codes(files.read_array(arguments.input), lines.offset.shape)
+    else:
+        forces = engines.check_forces(files.read_array(arguments.input))
     with files.written(arguments.out) as file:
-        engines.process_cop(forces[:1], arguments.engine, arguments.min_load)  # built and warm
+        engines.process_cop(forces[:1], arguments.engine, arguments.min_load, lines)  # built and warm
         began = time.perf_counter()
-        result = engines.process_cop(forces, arguments.engine, arguments.min_load)
+        result = engines.process_cop(forces, arguments.engine, arguments.min_load, lines)
         taken = time.perf_counter() - began
         np.savez(file, **result)
     frames, rows, columns = forces.shape
     print(
         f"{frames} frame{'s' * (frames > 1)} of {rows}×{columns}, {int(result['valid'].sum())} with a load; "
+        f"{'' if lines is None else f'1 of sum is {lines.force_lsb_n:g} N; '}"
         f"{forces.size / taken:.3g} samples/s on engine {arguments.engine}; {arguments.out}"
+    )
+
+
+def _process_cop4(arguments):
+    from meissner.cop.cop4 import faults
+    from meissner.scenes import four_wires
+
+    engines.load(arguments.engine)
+    config = four_wires.load(arguments.config)
+    codes = files.read_array(arguments.input)
+    if arguments.input.lower().endswith(".csv"):
+        codes = codes.T  # a column per electrode
+    codes = engines.check_electrodes(codes, config.adc.bits)
+    with files.written(arguments.out) as file:
+        engines.process_cop4(codes[:1], config, arguments.engine)  # built and warm
+        began = time.perf_counter()
+        result = engines.process_cop4(codes, config, arguments.engine)
+        taken = time.perf_counter() - began
+        np.savez(file, **result)
+    saturated, imbalance, opened = (int((flag > 0).sum()) for flag in faults(codes, config.registers))
+    print(
+        f"{len(codes)} sample{'s' * (len(codes) > 1)}, {int(result['valid'].sum())} with a load; faults: "
+        f"{saturated} saturated, {opened} open, {imbalance} out of balance; load in {config.load_lsb_n:g} N; "
+        f"{len(codes) / taken:.3g} samples/s on engine {arguments.engine}; {arguments.out}"
     )
 
 
@@ -146,12 +175,22 @@ def _parser():
     slip.set_defaults(call=_process_slip)
 
     cop = parts.add_parser("cop", help="centre of pressure and load from forces [frames, rows, columns]")
-    cop.add_argument("input", metavar="IN.npy", help="integers, 0 to 65535")
+    cop.add_argument("input", metavar="IN.npy", help="integers, 0 to 65535; codes with --calibration")
     cop.add_argument("--min-load", type=int, default=1, help="least sum of forces with a position (1)")
-    cop.add_argument("--calibration", help=argparse.SUPPRESS)
+    cop.add_argument("--calibration", metavar="CAL.npz", help="what `meissner calibrate` wrote")
     cop.add_argument("--engine", default="fixed", metavar="E", help=f"{', '.join(engines.NAMES)} (fixed)")
     cop.add_argument("--out", required=True, metavar="OUT.npz", help="where the arrays go")
     cop.set_defaults(call=_process_cop)
+
+    cop4 = parts.add_parser("cop4", help="centre of pressure and load from four electrodes [samples, 4]")
+    cop4.add_argument("input", metavar="IN.npy", help="codes of E1 to E4; or .csv with a column each")
+    cop4.add_argument("--config", required=True, metavar="C.toml", help="sensor and converter: docs/cop4.md")
+    cop4.add_argument("--engine", default="fixed", metavar="E", help=f"{', '.join(engines.NAMES)} (fixed)")
+    cop4.add_argument("--out", required=True, metavar="OUT.npz", help="where the arrays go")
+    cop4.set_defaults(call=_process_cop4)
+
+    budget.add_command(commands)
+    calibration.add_command(commands)
     return parser
 
 

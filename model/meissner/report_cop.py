@@ -222,11 +222,38 @@ def _draw_pulse(figure, recordings, runs):
     return load, place
 
 
+def _draw_stroke(figure, recordings, runs):
+    """The locus over the taxels, and its radius around the circle."""
+    place, radius = figure.subplots(1, 2, gridspec_kw={"width_ratios": [1, 1.4]})
+    first = recordings[0]
+    scene = first.scene
+    columns, rows = np.meshgrid(np.linspace(-1, 1, scene.columns), np.linspace(1, -1, scene.rows))
+    place.plot(columns.ravel(), rows.ravel(), "s", color="#CCCCCC", ms=9, label="taxels")
+    closed = np.append(np.arange(len(first.x)), 0)
+    angle = np.linspace(0, 360, len(first.x), endpoint=False)
+    turn = np.linspace(0, 2 * np.pi, 361)
+    path = scene.world["radius"]
+    place.plot(path * np.cos(turn), path * np.sin(turn), ":", color=PURPLE, lw=1.4, label="the finger")
+    place.plot(first.x[closed], first.y[closed], color=INK, lw=0.8, label="centre of the load")
+    radius.plot(angle, np.hypot(first.x, first.y), color=INK, lw=0.8, label="centre of the load")
+    for recording, one, colour in zip(recordings, runs, LINES):
+        name = f"reported, r = {recording.r_ohm:g} Ω"
+        place.plot(one["x"][closed], one["y"][closed], color=colour, lw=1.8, label=name)
+        radius.plot(angle, np.hypot(one["x"], one["y"]), color=colour, lw=1.2, label=name)
+    place.set(xlabel="x", ylabel="y", xlim=(-1.2, 1.2), ylim=(-1.2, 1.9), aspect="equal", title="locus")
+    radius.axhline(path, color=PURPLE, ls=":", lw=1.4)
+    radius.set(xlabel="place on the circle (degrees)", ylabel="distance from the middle", title="radius")
+    radius.set_ylim(0, 1.15 * path)
+    return place, radius
+
+
 def draw_mesh(path, recordings, runs):
     """The published figure that the scene's kind stands for; ``runs``: one dict per recording."""
     scene = recordings[0].scene
     figure = _figure(13, 4.8, f"{scene.name}: {scene.title}")
-    draw = {"points": _draw_points, "random": _draw_random, "pulse": _draw_pulse}[scene.kind]
+    draw = {"points": _draw_points, "random": _draw_random, "pulse": _draw_pulse, "stroke": _draw_stroke}[
+        scene.kind
+    ]
     if scene.kind == "points" and len(recordings[0].load) == 1:
         draw = _draw_surface
     for axis in draw(figure, recordings, runs):

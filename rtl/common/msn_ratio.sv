@@ -9,7 +9,7 @@
 // what it divides by is positive by construction.
 //
 //   clock  1     2    3      4 .. Steps + 4
-//          a, d  k a  limit  msn_divide      (the first gives the multiplier a register of its own)
+//          a, d  k a  limit  msn_divide      (the first gives the multiplier registers of its own)
 //
 // Latency Steps + 4 clocks, a quotient every Steps + 1 (Steps: see msn_divide). `side` travels along.
 // Model: model/meissner/common/ratio.py
@@ -55,6 +55,7 @@ module msn_ratio #(
   assign in_ready_o = step;
 
   localparam int unsigned ProductBits = ScaleBits + NumBits;
+  logic        [ScaleBits-1:0]   scale;
   logic signed [NumBits-1:0]     operand;
   logic signed [DenBits-1:0]     operand_den;
   logic        [SideBits-1:0]    operand_side;
@@ -80,11 +81,12 @@ module msn_ratio #(
   always_ff @(posedge clk_i) begin
     if (step) begin
       operand_valid <= in_valid_i;
+      scale         <= cfg_scale_i;
       operand       <= in_num_i;
       operand_den   <= in_den_i;
       operand_side  <= in_side_i;
       product_valid <= operand_valid;
-      product       <= ProductBits'(signed'({1'b0, cfg_scale_i}) * operand);
+      product       <= ProductBits'(signed'({1'b0, scale}) * operand);
       den           <= operand_den;
       side          <= operand_side;
       limit_valid   <= product_valid;

@@ -14,7 +14,7 @@
 //   imbalance  |N - M| > cfg_imbalance: the two expressions of the current in eq. 18 disagree
 // pressed = load >= min_load, load > 0 and no fault; else x = y = 0.
 // Correct: the load after the position, its D less the layers' own drop (msn_cop4_correct), s = 8 + shift_load.
-// Latency S + 8 clocks, S + P + 19 if Correct; a sample every S + 1. S, P: 9, 8, at one bit a clock 17, 15.
+// Latency S + 8 clocks, S + P + 20 if Correct; a sample every S + 1. S, P: 9, 8, at one bit a clock 17, 15.
 // Model: model/meissner/cop/cop4.py
 
 module msn_cop4 #(
@@ -254,24 +254,28 @@ module msn_cop4 #(
     .out_side_o    (result_side)
   );
 
-  // Hold the load, then gate by it: both stages move together.
-  logic                       held_valid, pressed;
+  // Hold the load, then gate by it. Empty is what counts for `free`, so that out_ready_i does not reach back
+  // through three dividers; samples are far enough apart for that.
+  logic                       held_valid, pass, pressed;
   logic signed [15:0]         held_x, held_y;
   logic        [15:0]         held_load;
   logic                       held_over;
   logic        [FlagBits-1:0] held_flags;
-  assign free    = out_ready_i || !out_valid_o;
+  assign free    = !held_valid;
+  assign pass    = out_ready_i || !out_valid_o;
   assign pressed = held_load != '0 && held_load >= cfg_min_load_i && held_flags == '0;
 
   always_ff @(posedge clk_i) begin
     if (free) begin
-      held_valid    <= take;
       held_x        <= x;
       held_y        <= y;
       held_load     <= fraction | {16{over}};
       held_over     <= over;
       held_flags    <= load_flags;
-
+    end
+    if (free) held_valid <= take;
+    else if (pass) held_valid <= 1'b0;
+    if (pass) begin
       out_valid_o   <= held_valid;
       out_x_o       <= pressed ? held_x : '0;
       out_y_o       <= pressed ? held_y : '0;

@@ -8,10 +8,12 @@
 // for x, y of Q2.14 in -1 .. +1 and signed registers p0 .. p5 with |p0| + .. + |p5| < 2^17 - 2, so that every
 // operand is of 18 bits: 8 products. den is exact; it may be 0 or less, which msn_ratio holds.
 //
-//   clock  1     2                3              4                   5  6    7
-//          X, Y  p3 X, p4 Y, p5 Y their sums     X (..), Y (..)      p  N p  den
+//   clock  1     2     3                 4           5               6  7    8
+//          x, y  X, Y  p3 X, p4 Y, p5 Y  their sums  X (..), Y (..)  p  N p  den
 //
-// Latency 7 clocks, one result a clock. `side` travels along.   Model: model/meissner/cop/cop4_correct.py
+// Latency 8 clocks, a result every 2: whether clock 1 is free is a register, so that the readiness of what
+// follows does not reach back to what went before. `side` travels along.
+// Model: model/meissner/cop/cop4_correct.py
 
 module msn_cop4_correct #(
   parameter  int unsigned SumBits  = 19,
@@ -46,67 +48,76 @@ module msn_cop4_correct #(
   logic signed [17:0] p0, p1, p2, p3, p4, p5;
   assign {p5, p4, p3, p2, p1, p0} = cfg_p_i;
 
-  // All stages move together.
-  logic [7:1] valid;
+  // All stages but the first move together.
+  logic [8:1] valid;
   logic       step;
-  assign in_ready_o  = out_ready_i || !out_valid_o;
-  assign step        = in_ready_o;
-  assign out_valid_o = valid[7];
+  assign in_ready_o  = !valid[1];
+  assign step        = out_ready_i || !out_valid_o;
+  assign out_valid_o = valid[8];
 
   // What only waits, `name`_k behind clock k.
   localparam int unsigned WaitBits = 2 * SumBits - 1 + SideBits;
-  logic [WaitBits-1:0] wait_1, wait_2, wait_3, wait_4, wait_5, wait_6;
-  logic [33:0]         squares_2, squares_3;
+  logic [WaitBits-1:0] wait_1, wait_2, wait_3, wait_4, wait_5, wait_6, wait_7;
+  logic [33:0]         squares_3, squares_4;
 
+  logic signed [15:0]         x_1, y_1;  // the multipliers' own: before them lies a divider's selection
   logic [28:0]                x_square, y_square;
   logic [23:0]                unused_low;
-  logic [16:0]                x_1, y_1, x_3, y_3;
+  logic [16:0]                x_2, y_2, x_4, y_4;
   logic signed [34:0]         along_x, along_y, across_y, inner_along, inner_across;
   logic signed [17:0]         along, across, p;
   logic signed [35:0]         moment_x, moment_y, moment;
-  logic signed [SumBits-2:0]  n_5, n_6;
-  logic signed [SumBits-1:0]  d_6;
-  logic        [SideBits-1:0] side_6;
+  logic signed [SumBits-2:0]  n_6, n_7;
+  logic signed [SumBits-1:0]  d_7;
+  logic        [SideBits-1:0] side_7;
   logic signed [SumBits+16:0] drop;
   logic signed [LoadBits-1:0] scaled_d;
 
-  assign x_square     = 29'(in_x_i) * 29'(in_x_i);
-  assign y_square     = 29'(in_y_i) * 29'(in_y_i);
+  assign x_square     = 29'(x_1) * 29'(x_1);
+  assign y_square     = 29'(y_1) * 29'(y_1);
   assign unused_low   = {x_square[11:0], y_square[11:0]};
   assign inner_along  = along_x + along_y;
   assign inner_across = across_y;
-  assign {x_3, y_3}   = squares_3;
+  assign {x_4, y_4}   = squares_4;
   assign moment       = moment_x + moment_y;
-  assign n_5          = signed'(wait_5[WaitBits-1-:SumBits-1]);
-  assign {n_6, d_6, side_6} = wait_6;
-  assign scaled_d     = (LoadBits'(d_6) <<< 8) <<< cfg_shift_i;
+  assign n_6          = signed'(wait_6[WaitBits-1-:SumBits-1]);
+  assign {n_7, d_7, side_7} = wait_7;
+  assign scaled_d     = (LoadBits'(d_7) <<< 8) <<< cfg_shift_i;
 
   always_ff @(posedge clk_i) begin
+    if (in_ready_o) begin
+      valid[1] <= in_valid_i;
+      wait_1   <= {in_n_i, in_d_i, in_side_i};
+      x_1      <= in_x_i;
+      y_1      <= in_y_i;
+    end else if (step) begin
+      valid[1] <= 1'b0;
+    end
     if (step) begin
-      valid      <= {valid[6:1], in_valid_i};
-      wait_1     <= {in_n_i, in_d_i, in_side_i};
+      valid[8:2] <= valid[7:1];
       wait_2     <= wait_1;
       wait_3     <= wait_2;
       wait_4     <= wait_3;
       wait_5     <= wait_4;
       wait_6     <= wait_5;
+      wait_7     <= wait_6;
 
-      x_1        <= x_square[28:12];
-      y_1        <= y_square[28:12];
-      squares_2  <= {x_1, y_1};
-      along_x    <= p3 * signed'({1'b0, x_1});
-      along_y    <= p4 * signed'({1'b0, y_1});
-      across_y   <= p5 * signed'({1'b0, y_1});
-      squares_3  <= squares_2;
+      x_2        <= x_square[28:12];
+      y_2        <= y_square[28:12];
+      squares_3  <= {x_2, y_2};
+      along_x    <= p3 * signed'({1'b0, x_2});
+      along_y    <= p4 * signed'({1'b0, y_2});
+      across_y   <= p5 * signed'({1'b0, y_2});
+      squares_4  <= squares_3;
       along      <= p1 + 18'(inner_along >>> 16);
       across     <= p2 + 18'(inner_across >>> 16);
-      moment_x   <= along * signed'({1'b0, x_3});
-      moment_y   <= across * signed'({1'b0, y_3});
+      moment_x   <= along * signed'({1'b0, x_4});
+      moment_y   <= across * signed'({1'b0, y_4});
       p          <= p0 + 18'(moment >>> 16);
-      drop       <= n_5 * p;
+      drop       <= n_6 * p;
       out_den_o  <= scaled_d - LoadBits'(drop);
-      out_n_o    <= n_6;
-      out_side_o <= side_6;
+      out_n_o    <= n_7;
+      out_side_o <= side_7;
     end
     if (rst_i) valid <= '0;
   end

@@ -10,10 +10,10 @@
 // and is then deaf for `refractory` samples. octant: of (dx, dy), counter-clockwise from +x, 0 along it,
 // each 45 degrees wide about its axis or diagonal (limits at 53/128); 0 if nothing moved. Exact, no rounding.
 //
-//   clock  1                         2                   3                4
-//          old, differences, drop old  magnitudes, compare  move, octant   state
+//   clock  1                         2                   3           4       5
+//          old, differences, drop old  magnitudes, compare  53 |d|, move  octant  state
 //
-// Latency 4 clocks, a sample a clock. A plain release drops the load too: move > 0 tells it apart.
+// Latency 5 clocks, a sample a clock. A plain release drops the load too: move > 0 tells it apart.
 // Model: model/meissner/cop/cop_slip.py
 
 module msn_cop_slip #(
@@ -77,11 +77,13 @@ module msn_cop_slip #(
     if (rst_i) count <= '0;
   end
 
-  // 1: the pair. 2: magnitudes, the drop. 3: the move, the octant.
-  logic               pair, seen_valid, seen_pair, size_valid, size_pair, size_drops, move_valid, move_over;
-  logic signed [16:0] dx, dy, seen_dx, seen_dy, seen_fall, size_dx, size_dy, move_dx, move_dy;
+  // 1: the pair. 2: magnitudes, the drop. 3: the move. 4: the octant.
+  logic               pair, seen_valid, seen_pair, size_valid, size_pair, size_drops, times_valid, times_over;
+  logic               move_valid, move_over;
+  logic signed [16:0] dx, dy, seen_dx, seen_dy, seen_fall, size_dx, size_dy, times_dx, times_dy;
+  logic signed [16:0] move_dx, move_dy;
   logic        [23:0] seen_share;
-  logic        [16:0] width, height;
+  logic        [16:0] width, height, times_width, times_height;
   logic        [2:0]  octant, move_octant;
   logic               drops, moves;
   assign pair = full && in_pressed_i && old_pressed && old_load >= cfg_min_load_i;
@@ -92,19 +94,19 @@ module msn_cop_slip #(
     .a_i({seen_fall[16], seen_fall, 8'b0}), .b_i({2'b0, seen_share}), .greater_o(drops)
   );
 
-  logic [22:0] width_53, height_53;
+  logic [22:0] width_53, height_53, times_width_53, times_height_53;
   logic        flat, upright;
   msn_times #(.Constant(53), .InBits(17)) u_width (.in_data_i(width), .out_data_o(width_53));
   msn_times #(.Constant(53), .InBits(17)) u_height (.in_data_i(height), .out_data_o(height_53));
-  assign flat    = {height, 7'b0} <= 24'(width_53);
-  assign upright = {width, 7'b0} <= 24'(height_53);
+  assign flat    = {times_height, 7'b0} <= 24'(times_width_53);
+  assign upright = {times_width, 7'b0} <= 24'(times_height_53);
   assign moves   = width >= 17'(cfg_move_i) || height >= 17'(cfg_move_i);
 
   always_comb begin
-    if (flat) octant = size_dx[16] ? 3'd4 : 3'd0;
-    else if (upright) octant = size_dy[16] ? 3'd6 : 3'd2;
-    else if (size_dy[16]) octant = size_dx[16] ? 3'd5 : 3'd7;
-    else octant = size_dx[16] ? 3'd3 : 3'd1;
+    if (flat) octant = times_dx[16] ? 3'd4 : 3'd0;
+    else if (upright) octant = times_dy[16] ? 3'd6 : 3'd2;
+    else if (times_dy[16]) octant = times_dx[16] ? 3'd5 : 3'd7;
+    else octant = times_dx[16] ? 3'd3 : 3'd1;
   end
 
   always_ff @(posedge clk_i) begin
@@ -124,20 +126,30 @@ module msn_cop_slip #(
       width       <= seen_dx[16] ? '0 - seen_dx : seen_dx;
       height      <= seen_dy[16] ? '0 - seen_dy : seen_dy;
 
-      move_valid  <= size_valid;
-      move_over   <= size_pair && size_drops && moves;
-      move_dx     <= size_dx;
-      move_dy     <= size_dy;
+      times_valid     <= size_valid;
+      times_over      <= size_pair && size_drops && moves;
+      times_dx        <= size_dx;
+      times_dy        <= size_dy;
+      times_width     <= width;
+      times_height    <= height;
+      times_width_53  <= width_53;
+      times_height_53 <= height_53;
+
+      move_valid  <= times_valid;
+      move_over   <= times_over;
+      move_dx     <= times_dx;
+      move_dy     <= times_dy;
       move_octant <= octant;
     end
     if (rst_i) begin
-      seen_valid <= 1'b0;
-      size_valid <= 1'b0;
-      move_valid <= 1'b0;
+      seen_valid  <= 1'b0;
+      size_valid  <= 1'b0;
+      times_valid <= 1'b0;
+      move_valid  <= 1'b0;
     end
   end
 
-  // 4: the state. Both timers count up from minus the register's value, so that running is a sign.
+  // 5: the state. Both timers count up from minus the register's value, so that running is a sign.
   logic [TimerBits:0] hold, deaf, load_hold, load_refractory;
   logic               slipping, next_slipping;
   always_ff @(posedge clk_i) begin

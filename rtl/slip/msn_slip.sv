@@ -108,9 +108,9 @@ module msn_slip #(
     if (rst_i) seen_valid <= 1'b0;
   end
 
-  // 2: step the state. hold: details until a slip or a release is over; deaf: details until a slip may
-  // be raised; blanking: deaf because of a contact onset. Both timers count up from minus the register's
-  // value, so that "still running" is a sign and needs no comparator.
+  // 2: step the state. The timer is the details until a slip or a release is over (hold), or in Contact until
+  // a slip may be raised (refractory, or blanking after a contact onset): only one of them runs in any state.
+  // It counts up from minus the register's value, so that "still running" is a sign and needs no comparator.
   localparam int unsigned CountBits = TimerBits + 1;
   logic [CountBits-1:0] load_hold, load_refractory, load_blank;
   always_ff @(posedge clk_i) begin
@@ -120,64 +120,54 @@ module msn_slip #(
   end
 
   logic [2:0]           kept_state, state, next_state;
-  logic                 blanking, next_blanking, step, holds, deafens, blank_this;
-  logic [CountBits-1:0] hold, deaf, next_hold, next_deaf;
+  logic                 blanking, next_blanking, step, running, blank_this;
+  logic [CountBits-1:0] timer, next_timer;
   assign step = seen_valid && in_ready_o;
 
-  msn_delay #(.Depth(Channels), .Width(4 + 2 * CountBits)) u_memory (
+  msn_delay #(.Depth(Channels), .Width(4 + CountBits)) u_memory (
     .clk_i,
     .rst_i,
     .step_i    (step),
-    .in_data_i ({next_state, next_blanking, next_hold, next_deaf}),
-    .out_data_o({kept_state, blanking, hold, deaf})
+    .in_data_i ({next_state, next_blanking, next_timer}),
+    .out_data_o({kept_state, blanking, timer})
   );
-  assign state   = restart ? msn_pkg::None : kept_state;  // the timers mean nothing in None
-  assign holds   = hold[TimerBits];
-  assign deafens = deaf[TimerBits];
+  assign state   = restart ? msn_pkg::None : kept_state;  // the timer means nothing in None
+  assign running = timer[TimerBits];
 
-  logic touching, was_slipping, raises;
+  logic touching, was_slipping, acts;
   assign touching     = state == msn_pkg::Contact || was_slipping;
   assign was_slipping = state == msn_pkg::Incipient || state == msn_pkg::Gross;
-  assign raises       = over && !moving && !deafens;
+  assign acts         = over && !moving;
 
   always_comb begin
     next_state    = state;
     next_blanking = blanking;
-    next_hold     = hold;
-    next_deaf     = deaf;
+    next_timer    = running ? timer + 1'b1 : timer;
     blank_this    = 1'b0;
     if (touching && lifted) begin
       next_state = msn_pkg::Release;
-      next_hold  = load_hold;
-      next_deaf  = '0;
+      next_timer = load_hold;
     end else if (was_slipping) begin
       blank_this = over && moving;
-      if (over && !moving) begin
-        next_hold = load_hold;
+      if (acts) begin
+        next_timer = load_hold;
         if (gross) next_state = msn_pkg::Gross;
-      end else if (holds) begin
-        next_hold = hold + 1'b1;
-      end else begin
+      end else if (!running) begin
         next_state    = msn_pkg::Contact;
-        next_deaf     = load_refractory;
+        next_timer    = load_refractory;
         next_blanking = 1'b0;
       end
     end else if (touching) begin
-      blank_this = over && (moving || (blanking && deafens));
-      if (raises) begin
+      blank_this = over && (moving || (blanking && running));
+      if (acts && !running) begin
         next_state = gross ? msn_pkg::Gross : msn_pkg::Incipient;
-        next_hold  = load_hold;
-      end else if (deafens) begin
-        next_deaf = deaf + 1'b1;
+        next_timer = load_hold;
       end
     end else if (pressed) begin
       next_state    = msn_pkg::Contact;
-      next_hold     = '0;
-      next_deaf     = load_blank;
+      next_timer    = load_blank;
       next_blanking = 1'b1;
-    end else if (state == msn_pkg::Release && holds) begin
-      next_hold = hold + 1'b1;
-    end else begin
+    end else if (!(state == msn_pkg::Release && running)) begin
       next_state = msn_pkg::None;
     end
   end

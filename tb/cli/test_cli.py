@@ -25,6 +25,20 @@ def cop(source, *extra, out="out.npz"):
     return ("process", "cop", source, "--out", out, *extra)
 
 
+def calibrate(source, *extra, out="new.npz"):
+    return ("calibrate", source, "--out", out, *extra)
+
+
+def presses(few=False):
+    """A press recording of 3×3 cells, every cell its own line; ``few``: two cells pressed too little."""
+    force_n = np.arange(5.0)[:, None, None] * np.ones((3, 3))
+    own = np.arange(9).reshape(3, 3)
+    codes = np.rint(100 + 10 * own + (300 + own) * force_n)
+    if few:
+        force_n[2:, 0, 1] = force_n[1:, 2, 0] = np.nan
+    return {"codes": codes.astype(int), "force_n": force_n}
+
+
 @pytest.fixture
 def recording(tmp_path):
     x = np.random.default_rng(1).integers(-20, 21, (2, 1000))
@@ -60,6 +74,23 @@ def test_process_cop(tmp_path, engine):
     assert {name: result[name].dtype for name in result.files} == kinds
     for field in kinds:
         assert np.array_equal(result[field], expected[field])
+
+
+@pytest.mark.parametrize("rows, columns", [(1, 1), (1, 7), (7, 1), (2, 2), (1024, 1024)])
+def test_process_cop_of_every_shape(tmp_path, rows, columns):
+    """Nothing, full scale, one LSB in a corner against full scale elsewhere, that corner alone."""
+    x = np.zeros((4, rows, columns), dtype=np.uint16)
+    x[1:3] = 65535
+    x[2:, 0, 0] = 1
+    np.save(tmp_path / "in.npy", x)
+    done = meissner(*cop("in.npy"), cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    result = np.load(tmp_path / "out.npz")
+    assert result["valid"].tolist() == [False, True, True, True]
+    assert result["sum"].tolist() == [0, 65535 * rows * columns, 65535 * (rows * columns - 1) + 1, 1]
+    assert result["x"][[0, 1, 3]].tolist() == [0, 0, -16384 * (columns > 1)]
+    assert result["y"][[0, 1, 3]].tolist() == [0, 0, 16384 * (rows > 1)]
+    assert (result["x"][2] > 0) == (1 < columns < 100) and (result["y"][2] < 0) == (1 < rows < 100)
 
 
 BAD = {
@@ -118,7 +149,41 @@ BAD = {
     "cop complex": (cop("complex3.npy"), "must be integers, not complex128"),
     "cop min load": (cop("cube.npy", "--min-load", -1), "min-load = -1 must not be negative"),
     "cop min load high": (cop("cube.npy", "--min-load", 1 << 23), "must lie in 0 .. 8388607"),
-    "cop calibration": (cop("cube.npy", "--calibration", "c.toml"), "--calibration is not built yet"),
+    "cop calibration missing": (cop("cube.npy", "--calibration", "c.npz"), "there is no file c.npz"),
+    "cop calibration kind": (cop("cube.npy", "--calibration", "in.npy"), "in.npy is not a .npz file"),
+    "cop calibration other": (
+        cop("cube.npy", "--calibration", "other.npz"),
+        "other.npz is no calibration: it has no offset",
+    ),
+    "cop calibration gain": (
+        cop("cube.npy", "--calibration", "gain.npz"),
+        "gain.npz is no calibration: the gains must lie in 0 .. 65535",
+    ),
+    "cop calibration size": (
+        cop("cube.npy", "--calibration", "cal.npz"),
+        "the codes are of 2×64 cells and the calibration of 3×2",
+    ),
+    "cop calibration codes": (
+        cop("far.npy", "--calibration", "cal.npz"),
+        "the codes lie in 0 .. 65536, outside -65536 .. 65535",
+    ),
+    "cop calibration NaN": (cop("nan32.npy", "--calibration", "cal.npz"), "the codes hold NaN"),
+    "calibrate missing": (calibrate("nowhere.npz"), "there is no file nowhere.npz"),
+    "calibrate text": (calibrate("text.npz"), "text.npz is not a .npz file"),
+    "calibrate other": (calibrate("other.npz"), "other.npz is no press recording: it has no codes"),
+    "calibrate no force": (calibrate("cube.npy"), "cube.npy holds codes only: name the forces with --force"),
+    "calibrate two forces": (
+        calibrate("press.npz", "--force", "in.npy"),
+        "press.npz holds its forces itself",
+    ),
+    "calibrate force shape": (
+        calibrate("cube.npy", "--force", "in.npy"),
+        "force_n must have the shape [2] or [2, 2, 64] as the codes have, not (2, 1000)",
+    ),
+    "calibrate too few": (calibrate("few.npz"), "too few presses for 2 cells (row, column): (0, 1), (2, 0)"),
+    "calibrate lsb": (calibrate("press.npz", "--lsb", "1e-9"), "lsb = 1e-09 N must be"),
+    "calibrate lsb NaN": (calibrate("press.npz", "--lsb", "nan"), "lsb = nan N must be"),
+    "calibrate folder": (calibrate("press.npz", out="no/cal.npz"), "there is no folder no"),
     "cop engine": (cop("cube.npy", "--engine", "warp"), "unknown engine 'warp'"),
     "cop missing": (cop("nowhere.npy"), "there is no file nowhere.npy"),
     "scene": (("run", "nope", "--out", "results"), "unknown scene 'nope'"),
@@ -126,10 +191,7 @@ BAD = {
     "run engine": (("run", "acrylic_slip", "--engine", "warp", "--out", "results"), "unknown engine"),
     "run waves": (("run", "acrylic_slip", "--waves", "--out", "results"), "--waves needs the rtl engine"),
     "run seed": (("run", "acrylic_slip", "--seed", "-1", "--out", "results"), "seed = -1"),
-    "run cop waves": (
-        ("run", "walk_25x5", "--engine", "rtl", "--waves", "--out", "results"),
-        "--waves is for slip scenes",
-    ),
+    "run cop waves": (("run", "walk_25x5", "--waves", "--out", "results"), "--waves needs the rtl engine"),
     "run mesh engine": (
         ("run", "cop_load", "--engine", "warp", "--out", "results"),
         "unknown engine 'warp'",
@@ -166,6 +228,16 @@ def test_bad_input_is_one_sentence_and_writes_nothing(tmp_path, recording, case)
         "complex3": np.zeros((1, 2, 2), complex),
     }.items():
         np.save(tmp_path / f"{name}.npy", x)
+    (tmp_path / "text.npz").write_text("not an archive")
+    np.save(tmp_path / "far.npy", np.full((1, 3, 2), 65536) * [0, 1])
+    np.save(tmp_path / "nan32.npy", np.full((1, 3, 2), np.nan))
+    np.savez(tmp_path / "other.npz", x=np.zeros(3))
+    np.savez(tmp_path / "press.npz", **presses())
+    np.savez(tmp_path / "few.npz", **presses(few=True))
+    lines = {"offset": np.zeros((3, 2), int), "gain": np.ones((3, 2), int), "gain_shift": 12}
+    lines |= {"dead": np.zeros((3, 2), bool), "force_lsb_n": 1e-3}
+    np.savez(tmp_path / "cal.npz", **lines)
+    np.savez(tmp_path / "gain.npz", **lines | {"gain": np.full((3, 2), 65536)})
     before = sorted(tmp_path.iterdir())
     arguments, sentence = BAD[case]
     done = meissner(*arguments, cwd=tmp_path)
@@ -174,6 +246,48 @@ def test_bad_input_is_one_sentence_and_writes_nothing(tmp_path, recording, case)
     assert len(done.stderr.strip().splitlines()) == 1
     assert done.stdout == ""
     assert sorted(tmp_path.iterdir()) == before
+
+
+@pytest.mark.parametrize("engine", engines.NAMES)
+def test_calibrate_and_then_process_cop(tmp_path, engine):
+    np.savez(tmp_path / "press.npz", **presses())
+    done = meissner(*calibrate("press.npz", out="cal.npz"), cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.startswith(
+        "3×3 cells from 5 frames, none dead; 1 of force is 0.0005 N; off the line by "
+    )
+    np.save(tmp_path / "in.npy", presses()["codes"])
+    arguments = cop("in.npy", "--calibration", "cal.npz", "--engine", engine, "--min-load", 10)
+    done = meissner(*arguments, cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "5 frames of 3×3, 4 with a load; 1 of sum is 0.0005 N; " in done.stdout
+    result = np.load(tmp_path / "out.npz")
+    assert result["sum"] * 5e-4 == pytest.approx(9 * np.arange(5.0), abs=0.005)
+    assert np.abs(result["x"]).max() < 5 and np.abs(result["y"]).max() < 5
+
+
+def test_calibrate_takes_the_forces_from_another_file(tmp_path):
+    press = presses()
+    np.save(tmp_path / "codes.npy", press["codes"])
+    np.save(tmp_path / "force.npy", press["force_n"])
+    np.savetxt(tmp_path / "force.csv", press["force_n"][:, 0, 0])
+    np.savez(tmp_path / "press.npz", **press)
+    assert meissner(*calibrate("press.npz", out="a.npz"), cwd=tmp_path).returncode == 0
+    for name in ("force.npy", "force.csv"):
+        done = meissner(*calibrate("codes.npy", "--force", name, out="b.npz"), cwd=tmp_path)
+        assert (done.returncode, done.stderr) == (0, "")
+        a, b = (np.load(tmp_path / out) for out in ("a.npz", "b.npz"))
+        assert a.files == b.files and all(np.array_equal(a[key], b[key]) for key in a.files)
+
+
+def test_calibrate_names_the_dead_cells(tmp_path):
+    press = presses()
+    press["codes"][:, 1, 1] = 7
+    np.savez(tmp_path / "press.npz", **press)
+    done = meissner(*calibrate("press.npz", out="cal.npz"), cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "1 dead" in done.stdout and done.stdout.endswith("dead (row, column): (1, 1)\n")
+    assert np.argwhere(np.load(tmp_path / "cal.npz")["dead"]).tolist() == [[1, 1]]
 
 
 def test_ctrl_c_ends_quietly_and_leaves_nothing(tmp_path, monkeypatch, recording):
@@ -198,14 +312,21 @@ def test_scenes_are_listed_one_line_each(tmp_path):
     assert done.returncode == 0
     assert [line.split()[0] for line in done.stdout.splitlines()] == [
         "acrylic_slip",
+        "capacitive_cell",
+        "capacitive_crosstalk",
+        "capacitive_select",
+        "capacitive_shapes",
         "cop_circle",
         "cop_impulse",
         "cop_load",
         "cop_one_point",
         "cop_six_random",
+        "cop_slip",
         "cop_two_point",
         "dense_1024",
         "dense_64",
+        "fsr_3x3",
+        "fsr_64x64",
         "normal_force",
         "plantar_step",
         "slip_forces",
@@ -264,13 +385,14 @@ def test_run_says_what_came_of_it(tmp_path):
     assert "position error, of the range -1 to 1: 0.322 % in the mean" in done.stdout
 
 
-def test_run_refuses_a_mesh_scene_on_an_engine_without_its_formula(tmp_path, engine="fixed"):
-    if hasattr(engines.load(engine), "cop4"):
-        pytest.skip(f"the engine {engine} has it")
-    done = meissner("run", "cop_load", "--engine", engine, "--out", "results", cwd=tmp_path)
-    assert done.returncode == 2 and done.stdout == ""
-    assert done.stderr == (
-        f"meissner: the engine {engine} has no four-electrode centre of pressure yet; run cop_load with "
-        "--engine float\n"
-    )
-    assert not (tmp_path / "results").exists()
+@pytest.mark.parametrize("engine", ["fixed", "rtl"])
+def test_run_a_mesh_scene_on_the_core(tmp_path, engine):
+    done = meissner("run", "cop_load", "--engine", engine, "--json", "--out", "results", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    summary = json.loads(done.stdout)
+    assert summary == json.loads((tmp_path / "results/summary.json").read_text())
+    assert summary["twin_mismatches"] == (0 if engine == "rtl" else None)
+    assert 0 < summary["position_error"]["mean"] < summary["position_error"]["maximum"] < 0.001
+    assert 0.1 < summary["load_error"]["maximum"] < 0.15
+    names = {path.name for path in (tmp_path / "results").iterdir()}
+    assert names == {"summary.json", "result.npz", "report.html", "cop_load.png"}

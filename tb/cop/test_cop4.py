@@ -1,8 +1,9 @@
 """msn_cop4 against its model, the model against Python's fractions, the published formula and the mesh: all
 zero, full scale of every sign, one LSB of current, D and N zero and negative, saturation of every result,
 random codes; each fault raised and just not; registers of real meshes and at their limits; wide and narrow
-samples; gaps, stalls, a reset in mid-flight, exact clocks."""
+samples; gaps, stalls short and long, a reset in mid-flight, exact clocks."""
 
+import random
 from dataclasses import asdict, replace
 from fractions import Fraction
 from itertools import product
@@ -106,7 +107,7 @@ def parameters(dut):
 
 def latency(dut):
     per_clock = dut.BitsPerClock.value.to_unsigned()
-    return steps(16, per_clock) + (19 + steps(14, per_clock) if dut.Correct.value else 8)
+    return steps(16, per_clock) + (20 + steps(14, per_clock) if dut.Correct.value else 8)
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
@@ -120,6 +121,32 @@ async def matches_model(dut, stall_rate, which):
     pause = bench.pauses(stall_rate)
     expected = expected_of(samples, registers, bits, fix)
     assert await bench.stream(dut, beats_of(samples), FIELDS, pause, pause, drain=80) == expected
+
+
+def spells(longest):
+    """Stalls that last up to so many clocks, as do the times between them."""
+    draw, left, stalled = random.Random(bench.SEED), 0, True
+
+    def stall():
+        nonlocal left, stalled
+        if not left:
+            left, stalled = draw.randint(1, longest), not stalled
+        left -= 1
+        return stalled
+
+    return stall
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def loses_nothing_in_long_stalls(dut):
+    """So long that every stage fills up: results are further apart than the stalls of the other tests."""
+    bits, _ = parameters(dut)
+    registers = register_sets(bits)[0]
+    fix = correction_of(dut, registers, 1)
+    samples = around(np.random.default_rng(bench.SEED), registers, bits, 30)[-60:]
+    await bench.start(dut, **ports(registers, fix))
+    got = await bench.stream(dut, beats_of(samples), FIELDS, None, spells(150), drain=80)
+    assert got == expected_of(samples, registers, bits, fix)
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
@@ -284,6 +311,34 @@ def test_registers_of_a_mesh_tell_faults_from_loads(mesh):
     assert not cop4(codes + np.array([registers.imbalance - 4, 0, 0, 0]), registers).imbalance.any()
 
 
+@pytest.mark.parametrize("m, n", [(1, 1), (1, 6), (6, 1), (2, 2), (4, 3), (1024, 1024)])
+@pytest.mark.parametrize("ratio", 10.0 ** np.arange(-9, 10, 3))
+def test_extremes_of_a_mesh_end_in_numbers_or_a_sentence(m, n, ratio):
+    """r / rp from 1e-9 to 1e9; one taxel shorted, all open, all equal, one at 1 against 65535 elsewhere."""
+    mesh = Mesh(m, n, 864 * ratio)
+    try:
+        registers = cop4_registers(mesh, ADC, GAIN)
+    except ValueError as refused:
+        assert "is too large for its register" in str(refused) and ratio < 1e-2
+        return
+    load = np.zeros((3 if m * n > 99 else 5, m, n))
+    load[1, m // 2, n // 2] = np.inf
+    load[2, 0, -1] = 5.0
+    if len(load) == 5:
+        load[3], load[4] = 5.0, 65535.0
+        load[4, 0, 0] = 1.0
+    answer = mesh.solve(load, "fast")
+    codes = ADC.convert(GAIN * np.stack([answer.E1, answer.E2, answer.E3, answer.E4], axis=1))[0]
+    got = cop4(codes, registers)
+    assert not got.pressed[0] and got.load[0] == got.x[0] == got.y[0] == 0
+    assert (abs(got.x) <= 16384 * (n > 1)).all() and (abs(got.y) <= 16384 * (m > 1)).all()
+    assert (got.load <= 65535).all() and not (got.saturated | got.imbalance).any() and not got.open.any()
+    # Every contact draws current, so there is a load unless it is below the least that counts.
+    reported = np.where(answer.valid, answer.load, 0)
+    assert (got.pressed == (got.load >= registers.min_load)).all()
+    assert (got.pressed[1:] | (reported[1:] < 0.06)).all()
+
+
 def single_presses(mesh, count, seed):
     """One contact each, 1 to 20 N, anywhere: loads [count, m, n]."""
     rng = np.random.default_rng(seed)
@@ -339,6 +394,11 @@ def test_refuses_illegal_parameters():
     for bits in (3, 25):
         with pytest.raises(ValueError, match=f"sample_bits = {bits}"):
             cop4(np.zeros((1, 4)), registers, bits)
+    for bits, code in ((17, 1 << 16), (17, -(1 << 16) - 1), (9, 256)):
+        with pytest.raises(ValueError, match=f"code {code} lies outside"):
+            cop4(np.array([[0, 0, 0, 0], [0, code, 0, 0]]), register_sets(bits)[0], bits)
+    with pytest.raises(ValueError, match=r"shape \[samples, 4\], not \(4,\)"):
+        cop4(np.zeros(4, dtype=int), registers)
     for name, value in (
         ("kx", 1 << 17),
         ("shift_load", 16),

@@ -98,9 +98,9 @@ async def clocks_are_as_stated(dut):
     dut.in_valid_i.value = 1
     await bench.clocks(dut, 3)
     dut.in_valid_i.value = 0
-    for clock in range(3, 9):
+    for clock in range(3, 10):
         await bench.ReadOnly()
-        assert dut.out_valid_o.value == (4 <= clock < 7), f"clock {clock}"
+        assert dut.out_valid_o.value == (5 <= clock < 8), f"clock {clock}"
         await bench.RisingEdge(dut.clk_i)
 
 
@@ -215,6 +215,14 @@ def test_refuses_illegal_parameters():
     ):
         with pytest.raises(ValueError, match=message):
             CopSlip(lag, timer_bits=bits)
+    for sample, message in (
+        ((32768, 0, 1, 1), "x must lie in"),
+        ((0, -32769, 1, 1), "y must lie in"),
+        ((0, 0, 65536, 1), "load must lie in 0 .. 65535"),
+        ((0, 0, -1, 1), "load must"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            CopSlip(1).next(*np.array(sample)[:, None])
     for name, value in (("drop", 256), ("move", -1), ("hold", 65536)):
         with pytest.raises(ValueError, match=f"{name} = {value}"):
             CopSlip(1, replace(SETS[0], **{name: value}))

@@ -32,12 +32,13 @@ def same(a, b, fields=FIELDS):
     return [name for name in fields if not np.array_equal(a[name], b[name])] == []
 
 
-@pytest.mark.parametrize("rows, columns", [(1, 1), (25, 5), (63, 33), (64, 64)])
+@pytest.mark.parametrize("rows, columns", [(1, 1), (1, 9), (9, 1), (2, 2), (25, 5), (63, 33), (64, 64)])
 def test_engines_agree(rows, columns):
     x = frames(rows, columns, 60)
     results = {name: engines.process_cop(x, name) for name in engines.NAMES}
     fixed = results["fixed"]
-    assert fixed["valid"].sum() > (50 if rows > 1 else 10) and not fixed["valid"][1]
+    assert fixed["valid"].sum() > (50 if rows * columns > 99 else 10) and not fixed["valid"][1]
+    assert fixed["x"].any() == (columns > 1) and fixed["y"].any() == (rows > 1)
     assert same(fixed, results["rtl"])
     assert same(fixed, results["float"], ("sum", "mx", "my", "valid"))
     for name in ("x", "y"):

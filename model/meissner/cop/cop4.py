@@ -20,6 +20,18 @@ def check_sample_bits(sample_bits):
         raise ValueError(f"sample_bits = {sample_bits} must lie in 4 .. 24")
 
 
+def check_samples(samples, sample_bits):
+    """``samples`` as int64 [n, 4] if they fit the RTL's input; ValueError if not."""
+    samples = np.asarray(samples, dtype=np.int64)
+    if samples.ndim != 2 or samples.shape[1] != 4:
+        raise ValueError(f"the codes of E1..E4 must have the shape [samples, 4], not {samples.shape}")
+    half = 1 << sample_bits - 1
+    outside = samples[(samples < -half) | (samples >= half)]
+    if outside.size:
+        raise ValueError(f"code {outside[0]} lies outside {-half} .. {half - 1}")
+    return samples
+
+
 @dataclass(frozen=True)
 class Cop4Registers:
     """The registers of msn_cop4. Codes unless said otherwise.
@@ -171,6 +183,7 @@ def cop4(samples, registers, sample_bits=17, correction=None):
     of a core built with Correct: D without the layers' own voltage drop. Its shift is the load's.
     """
     registers.check(sample_bits)
+    samples = check_samples(samples, sample_bits)
     _, _, n, _, d = totals(samples, registers)
     x, y = position(samples, registers)
     n = np.clip(n, 0, registers.rail)

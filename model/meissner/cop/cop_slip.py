@@ -5,6 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+PLACE, LOAD = (-32768, 32767), (0, 65535)  # what the RTL's inputs hold
+
 
 @dataclass(frozen=True)
 class CopSlipRegisters:
@@ -68,6 +70,13 @@ class CopSlip:
         """Feed samples [n] each: ``CopSlipResult``."""
         r = self.registers
         new = np.stack([np.asarray(a, dtype=np.int64) for a in (x, y, load, pressed)])
+        for values, name, low, high in (
+            (new[0], "x", *PLACE),
+            (new[1], "y", *PLACE),
+            (new[2], "load", *LOAD),
+        ):
+            if values.size and not low <= values.min() <= values.max() <= high:
+                raise ValueError(f"{name} must lie in {low} .. {high}")
         line = np.concatenate([self._past, new], axis=1)
         old, self._past = line[:, : new.shape[1]], line[:, new.shape[1] :]
         pair = (new[3] & old[3]).astype(bool) & (old[2] >= r.min_load)

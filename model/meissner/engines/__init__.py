@@ -1,9 +1,10 @@
 """The engines: the same work done by textbook float, by the integer twins, and by the Verilated core.
 
 Each engine module has ``watch``: samples in, what the core says about every detail out; ``windows``, from
-which ``process_slip`` makes the arrays of ``meissner process slip``; and ``cop``: frames of forces in, the
-arrays of ``meissner process cop`` out. One that has ``cop4`` takes the electrodes of a mesh (its Solution)
-and gives x, y, load (N) and valid of each sample.
+which ``process_slip`` makes the arrays of ``meissner process slip``; ``cop``: frames of forces in, the
+arrays of ``meissner process cop`` out; ``cop4``: codes of the four electrodes in, meissner.cop.cop4.Cop4 out;
+``cop_slip``: the same, and meissner.cop.cop_slip.CopSlipResult; ``demodulate``: samples of a Carrier in,
+amplitudes out; ``calibrate``: codes of an array and its Calibration in, forces out.
 """
 
 from dataclasses import dataclass
@@ -11,13 +12,16 @@ from importlib import import_module
 
 import numpy as np
 
+from meissner.calibration import check_codes
 from meissner.cop.cop_accumulate import sum_bits
+from meissner.frontend.am_demod import AmDemod
 from meissner.slip.config import MAX_CHANNELS, SAMPLE_BITS
 
 NAMES = ("float", "fixed", "rtl")
 COP_ONE = 1 << 14  # 1.0 in Q2.14
 MAX_SIDE = 1024  # rows, columns
 MAX_FORCE = 65535
+MAX_CODE = (1 << SAMPLE_BITS - 1) - 1  # the largest sample
 
 
 @dataclass(frozen=True)
@@ -34,6 +38,26 @@ class Watched:
     state: np.ndarray
     end: np.ndarray
     blanked: int
+
+
+@dataclass(frozen=True)
+class Carrier:
+    """How a carrier is measured: ``block`` drops ``skip`` samples and sums over ``periods`` whole periods."""
+
+    block: AmDemod
+    periods: int
+    skip: int
+    shift: int
+
+    @property
+    def samples(self):
+        """Samples of one measurement."""
+        return self.skip + self.periods * self.block.samples_per_period
+
+    @property
+    def code_per_lsb(self):
+        """Code of a carrier whose amplitude is one code of the converter."""
+        return self.block.gain(self.periods) / 2**self.shift
 
 
 def load(name):
@@ -116,14 +140,55 @@ def check_forces(x):
     return x.astype(np.uint16, copy=False)
 
 
-def process_cop(forces, engine, min_load=1):
+def demodulate(samples, carrier, engine):
+    """Amplitudes in codes, int64 [...], of a Carrier's samples: integers [..., carrier.samples]."""
+    return load(engine).demodulate(np.asarray(samples), carrier)
+
+
+def calibrate(codes, calibration, engine):
+    """Forces uint16 [frames, rows, columns] of codes: a Calibration's straight line per cell."""
+    module = load(engine)
+    codes = check_codes(codes, calibration.offset.shape)
+    forces = np.empty(codes.shape, dtype=np.uint16)
+    piece = max(1, (1 << 17) // codes[0].size)  # stays in the cache as int64
+    for start in range(0, len(codes), piece):
+        forces[start : start + piece] = module.calibrate(codes[start : start + piece], calibration)
+    return forces
+
+
+def process_cop(forces, engine, min_load=1, calibration=None):
     """The arrays of ``meissner process cop``: sum, mx, my, x, y, valid, one of each per frame.
 
-    ``forces``: integers 0 .. 65535 [frames, rows, columns]; ``min_load``: the least sum with a position;
-    ``engine``: a name.
+    ``forces``: integers 0 .. 65535 [frames, rows, columns], or codes with a ``calibration``; ``min_load``:
+    the least sum with a position; ``engine``: a name.
     """
-    forces = check_forces(forces)
+    forces = check_forces(forces if calibration is None else calibrate(forces, calibration, engine))
     limit = 1 << sum_bits(*forces.shape[1:])
     if not 0 <= min_load < limit:
         raise ValueError(f"min-load = {min_load} must lie in 0 .. {limit - 1} for this array")
     return load(engine).cop(forces, min_load)
+
+
+def check_electrodes(x, bits):
+    """``x`` as int64 [samples, 4] if a converter of ``bits`` makes such codes; ValueError if not."""
+    x = np.asarray(x)
+    if x.dtype.kind not in "iufb":
+        raise ValueError(f"the codes must be integers, not {x.dtype}")
+    if x.ndim != 2 or x.shape[1] != 4 or not len(x):
+        raise ValueError(f"the codes of E1 to E4 must have the shape [samples, 4], not {x.shape}")
+    x = _check_integers(x)
+    limit = 1 << bits - 1
+    if x.min() < -limit or x.max() >= limit:
+        raise ValueError(
+            f"the codes lie in {x.min():.0f} .. {x.max():.0f}, outside -{limit} .. {limit - 1} of {bits} bits"
+        )
+    return x.astype(np.int64, copy=False)
+
+
+def process_cop4(codes, config, engine):
+    """The arrays of ``meissner process cop4``: x, y (Q2.14), load (LSBs), valid, one of each per sample.
+
+    ``codes``: integers [samples, 4], E1 to E4; ``config``: meissner.cop.cop4_config.Cop4Config.
+    """
+    result = load(engine).cop4(check_electrodes(codes, config.adc.bits), config)
+    return {"x": result.x, "y": result.y, "load": result.load, "valid": result.pressed}

@@ -4,24 +4,7 @@
 
 #include "Vmsn_cop.h"
 #include "Vmsn_cop___024root.h"
-#include "verilated.h"
-
-namespace {
-
-struct Core {
-  VerilatedContext context;
-  Vmsn_cop top{&context};
-
-  Core() { top.clk_i = 1; }
-
-  // One rising edge; see rtl_driver.cpp.
-  void clock() {
-    top.rootp->__Vtrigprevexpr___TOP__clk_i__0 = 0;
-    top.eval();
-  }
-};
-
-}  // namespace
+#include "core.hpp"
 
 extern "C" {
 
@@ -33,14 +16,16 @@ struct CopResults {
 };
 
 // Send `frames` frames of `rows` x `columns` forces, a beat a clock unless the core waits, each row padded
-// to whole beats. Returns the clocks it took, or -1 if not one result per frame came out.
+// to whole beats. The last `trace_beats` beats and what follows go to `trace_path`, if there is one and the
+// core was built for it. Returns the clocks it took, or -1 if not one result per frame came out.
 int64_t cop_run(const uint16_t *forces, int64_t frames, int32_t rows, int32_t columns, uint64_t min_load,
-                const CopResults *results) {
-  Core core;
+                const CopResults *results, const char *trace_path, int64_t trace_beats, int64_t clk_khz) {
+  meissner::Core<Vmsn_cop> core;
   auto &top = core.top;
   const auto &inner = *top.rootp;
   constexpr int32_t kLanes = sizeof(top.in_data_i) / sizeof(uint16_t);
-  int64_t clocks = 0, moments = 0, done = 0;
+  const int64_t row_beats = (columns + kLanes - 1) / kLanes;
+  int64_t clocks = 0, moments = 0, done = 0, beats_left = frames * rows * row_beats;
   bool room = true;
 
   const auto clock = [&] {
@@ -81,6 +66,7 @@ int64_t cop_run(const uint16_t *forces, int64_t frames, int32_t rows, int32_t co
       top.in_last_i = last_row && column + kLanes >= columns;
       bool taken;
       int waited = 0;
+      if (trace_path && beats_left-- == trace_beats) core.start_trace(trace_path, clk_khz);
       do {
         taken = top.in_ready_o;
         clock();

@@ -2,9 +2,12 @@
 
 import numpy as np
 
+from meissner.cop import cop4 as electrodes
 from meissner.cop.cop_accumulate import moments
 from meissner.cop.cop_divide import cop_divide
+from meissner.cop.cop_slip import CopSlip
 from meissner.engines import Watched, moving_of_details
+from meissner.frontend.calibrate import forces as calibrated
 from meissner.slip.haar import haar
 from meissner.slip.peak_to_peak import PeakToPeak, sliding
 from meissner.slip.slip import Slip
@@ -56,3 +59,25 @@ def cop(forces, min_load=1):
         sums[:, start : start + piece] = moments(forces[start : start + piece])
     x, y, valid = cop_divide(*sums, rows, columns, min_load=min_load)
     return {"sum": sums[0], "mx": sums[1], "my": sums[2], "x": x, "y": y, "valid": valid}
+
+
+def cop4(codes, config):
+    """``Cop4`` of codes [samples, 4]; ``config``: Cop4Config."""
+    return electrodes.cop4(codes, config.registers, config.sample_bits, config.terms)
+
+
+def cop_slip(codes, config, lag, registers):
+    """``Cop4`` and ``CopSlipResult`` of codes [samples, 4]; ``registers``: CopSlipRegisters."""
+    found = cop4(codes, config)
+    return found, CopSlip(lag, registers).process(found.x, found.y, found.load, found.pressed)
+
+
+def demodulate(samples, carrier):
+    """Amplitudes [...] of carriers [..., samples]; ``carrier``: meissner.engines.Carrier."""
+    return carrier.block.amplitude(np.asarray(samples)[..., carrier.skip :], carrier.shift)[0]
+
+
+def calibrate(codes, calibration):
+    """Forces of codes; ``calibration``: meissner.calibration.Calibration."""
+    offset, gain, dead = calibration.offset, calibration.gain, calibration.dead
+    return calibrated(codes, offset, gain, calibration.gain_shift, mask=dead)

@@ -4,7 +4,8 @@ import numpy as np
 import pywt
 from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
-from meissner.engines import COP_ONE, Watched, moving_of_details
+from meissner.engines import COP_ONE, MAX_CODE, MAX_FORCE, Watched, moving_of_details
+from meissner.engines.float_cop4 import cop4, cop4_of_volts, cop_slip  # noqa: F401 - of this engine
 from meissner.slip.slip import Slip
 
 # p2p of integer samples is an integer; rounding in the transform must not decide a comparison.
@@ -115,20 +116,15 @@ def cop(forces, min_load=1):
     }
 
 
-def cop4(solution):
-    """x, y, load (N) and valid of each sample, from the four electrodes of a mesh's Solution.
+def demodulate(samples, carrier):
+    """Amplitudes [...] of carriers [..., samples]: the Fourier sum at the carrier, times the block's gain."""
+    x = np.asarray(samples, dtype=np.float64)[..., carrier.skip :]
+    turn = np.exp(-2j * np.pi * np.arange(x.shape[-1]) / carrier.block.samples_per_period)
+    amplitude = 2 / x.shape[-1] * np.abs(x @ turn)
+    return np.minimum(np.floor(amplitude * carrier.code_per_lsb + 0.5), MAX_CODE).astype(np.int64)
 
-    x = Cx (E1-E3) / (2V0-E1-E3)     y = Cy (E2-E4) / (2V0+E2+E4)
-    load = Kf (2V0-E1-E3) / (E1+E3-E2-E4)
 
-    The voltages as they are: no converter. Not valid, and all zero, where nothing is loaded.
-    """
-    mesh, valid = solution.mesh, solution.valid
-    e1, e2, e3, e4 = solution.E1, solution.E2, solution.E3, solution.E4
-
-    def ratio(above, below):
-        return np.divide(above, below, out=np.zeros(len(valid)), where=valid)
-
-    drop_a, drop_b = 2 * mesh.V0 - e1 - e3, 2 * mesh.V0 + e2 + e4
-    x, y = mesh.Cx * ratio(e1 - e3, drop_a), mesh.Cy * ratio(e2 - e4, drop_b)
-    return x, y, mesh.Kf * ratio(drop_a, e1 + e3 - e2 - e4), valid
+def calibrate(codes, calibration):
+    """Forces of codes in float64, in which every product and sum of these integers is exact."""
+    force = (codes - calibration.offset.astype(float)) * calibration.gain / 2.0**calibration.gain_shift
+    return np.where(calibration.dead, 0.0, np.clip(np.floor(force + 0.5), 0.0, float(MAX_FORCE)))

@@ -9,6 +9,8 @@ from meissner.cop.cop_accumulate import sum_bits
 from meissner.engines import verilated
 
 WIDE = 16  # columns from which eight lanes simulate faster than one
+TRACE_CLK_KHZ = 100_000
+TRACE_BEATS = 2000  # before the end: a VCD of some megabytes
 
 
 class _Results(ctypes.Structure):
@@ -21,12 +23,15 @@ def lanes(columns):
 
 
 @cache
-def _open(rows, columns):
+def _open(rows, columns, trace=False):
     parameters = {"Rows": rows, "Columns": columns, "Lanes": lanes(columns)}
-    lib = ctypes.CDLL(str(verilated.library("msn_cop", "cop_driver.cpp", parameters)))
+    lib = ctypes.CDLL(str(verilated.library("msn_cop", "cop_driver.cpp", parameters, trace)))
     lib.cop_run.restype = ctypes.c_int64
-    size = ctypes.c_int32
-    lib.cop_run.argtypes = [ctypes.c_void_p, ctypes.c_int64, size, size, ctypes.c_uint64, ctypes.c_void_p]
+    size, wide = ctypes.c_int32, ctypes.c_int64
+    lib.cop_run.argtypes = [
+        *(ctypes.c_void_p, wide, size, size, ctypes.c_uint64, ctypes.c_void_p),
+        *(ctypes.c_char_p, wide, wide),
+    ]
     return lib
 
 
@@ -36,16 +41,21 @@ def _signed(values, bits):
     return values.view(np.int64) << spare >> spare
 
 
-def cop(forces, min_load=1):
-    """sum, mx, my, x, y, valid of each frame of ``forces`` [frames, rows, columns]."""
+def cop(forces, min_load=1, waves=None):
+    """sum, mx, my, x, y, valid of each frame of ``forces`` [frames, rows, columns].
+
+    ``waves``: path of a VCD file, which holds the last TRACE_BEATS beats and the computation after them.
+    """
     frames, rows, columns = forces.shape
-    lib = _open(rows, columns)
+    lib = _open(rows, columns, waves is not None)
+    beats = frames * rows * -(-columns // lanes(columns))
     forces = np.ascontiguousarray(forces, dtype=np.uint16)
     wide, narrow = (np.zeros((count, frames), kind) for count, kind in ((3, np.uint64), (2, np.int16)))
     valid = np.zeros(frames, dtype=np.uint8)
     pointers = [row.ctypes.data for row in (*wide, *narrow, valid)]
     count = lib.cop_run(
-        *(forces.ctypes.data, frames, rows, columns, min_load, ctypes.byref(_Results(*pointers)))
+        *(forces.ctypes.data, frames, rows, columns, min_load, ctypes.byref(_Results(*pointers))),
+        *(None if waves is None else str(waves).encode(), min(TRACE_BEATS, beats), TRACE_CLK_KHZ),
     )
     if count < 0:
         raise RuntimeError("the core did not give one result per frame")
@@ -60,3 +70,11 @@ def cop(forces, min_load=1):
         "y": narrow[1].astype(np.int32),
         "valid": valid.astype(bool),
     }
+
+
+def shown(load, shape):
+    """Frames for ``waves``: as many before the greatest ``load``, and that one, as the VCD has room for."""
+    rows, columns = shape
+    count = max(1, TRACE_BEATS // (rows * -(-columns // lanes(columns))))
+    last = int(np.argmax(load)) + 1
+    return slice(max(0, last - count), last)

@@ -4,50 +4,11 @@
 #include "Vmsn_core.h"
 #include "Vmsn_core___024root.h"
 #include "adc_parts.hpp"
-#include "verilated.h"
-#if VM_TRACE
-#include "verilated_vcd_c.h"
-#endif
+#include "core.hpp"
 
 namespace {
 
-struct Core {
-  VerilatedContext context;
-  Vmsn_core top{&context};
-
-#if VM_TRACE
-  VerilatedVcdC trace;
-  bool tracing = false;
-  uint64_t half_clock_ps = 500;
-#endif
-
-  Core() {
-    top.clk_i = 1;
-#if VM_TRACE
-    context.traceEverOn(true);
-    top.trace(&trace, 99);
-#endif
-  }
-
-  // One rising edge. Nothing in the core acts on the falling one, so it is not evaluated, which is a third
-  // of the time: telling Verilator that the clock was low is enough. Should a release rename this member,
-  // the build fails.
-  void clock() {
-#if VM_TRACE
-    if (tracing) {
-      for (const int level : {0, 1}) {
-        top.clk_i = level;
-        top.eval();
-        trace.dump(context.time());
-        context.timeInc(half_clock_ps);
-      }
-      return;
-    }
-#endif
-    top.rootp->__Vtrigprevexpr___TOP__clk_i__0 = 0;
-    top.eval();
-  }
-};
+using Core = meissner::Core<Vmsn_core>;
 
 // What core_pins tells besides the decisions.
 struct PinFacts {
@@ -94,20 +55,8 @@ int64_t run_pins(Core *core, Part part, const int32_t *codes, int64_t frames, ui
       if (++frame == frames) break;
       channels[0] = codes[frame];
       top.actuator_moving_i = moving[frame];
-#if VM_TRACE
-      if (trace_path && frame == trace_from) {
-        core->trace.open(trace_path);
-        core->tracing = true;
-        core->half_clock_ps = 500'000'000 / clk_khz;
-      }
-      if (frame == trace_to && core->tracing) {
-        core->tracing = false;
-        core->trace.close();
-        core->top.clk_i = 1;
-      }
-#else
-      (void)trace_from, (void)trace_to, (void)trace_path, (void)clk_khz;
-#endif
+      if (trace_path && frame == trace_from) core->start_trace(trace_path, clk_khz);
+      if (frame == trace_to) core->stop_trace();
     }
     if (top.out_valid_o) {
       const int64_t clocks = facts->clocks - started;
@@ -119,9 +68,7 @@ int64_t run_pins(Core *core, Part part, const int32_t *codes, int64_t frames, ui
     top.adc_miso_i = part.miso & 1;
     top.adc_busy_i = part.busy;
   }
-#if VM_TRACE
-  if (core->tracing) core->trace.close();
-#endif
+  core->stop_trace();
   return decisions.count;
 }
 

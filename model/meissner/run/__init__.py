@@ -11,19 +11,26 @@ from pathlib import Path
 
 import numpy as np
 
-from meissner import report
+from meissner import engines, report
 from meissner.files import written
 
-_MODULES = {"rubber": "slip", "array": "cop", "mesh": "mesh"}
+_MODULES = {"rubber": "slip", "array": "cop", "grip": "cop_slip"}  # the others have the sensor's name
 
 
 def _module(scene):
-    return import_module(f"meissner.run.{_MODULES[scene.sensor]}")
+    return import_module(f"meissner.run.{_MODULES.get(scene.sensor, scene.sensor)}")
 
 
 def check(scene, engine, waves=False):
     """ValueError with one sentence if this engine cannot run the scene."""
     _module(scene).check(scene, engine, waves)
+
+
+def check_waves(engine, waves):
+    """ValueError unless the engine is there, and has signals if ``waves`` of them are asked for."""
+    engines.load(engine)
+    if waves and engine != "rtl":
+        raise ValueError("--waves needs the rtl engine: only it has signals")
 
 
 def run(scene, engine, out, seed=1, waves=False, progress=lambda runs: runs):

@@ -5,7 +5,8 @@ import time
 import numpy as np
 
 from meissner import engines, report_cop, scenes
-from meissner.run import finish
+from meissner.engines import rtl_cop
+from meissner.run import check_waves, finish
 from meissner.run.truth import errors, percent, summarise
 
 KEPT_SAMPLES = 1 << 22  # frames beyond so many taxel samples are left out of result.npz
@@ -13,9 +14,7 @@ KEPT_SAMPLES = 1 << 22  # frames beyond so many taxel samples are left out of re
 
 def check(scene, engine, waves):
     """ValueError with one sentence if this engine cannot run the scene."""
-    engines.load(engine)
-    if waves:
-        raise ValueError(f"--waves is for slip scenes; {scene.name} has no converter's pins to show")
+    check_waves(engine, waves)
 
 
 def mismatches(result, twin):
@@ -37,6 +36,11 @@ def run(scene, engine, out, seed, waves, progress):
     engine_s = time.perf_counter() - started
     result = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
     twin = engines.process_cop(codes, "fixed", scene.min_load) if engine == "rtl" else None
+    wrong = None if twin is None else mismatches(result, twin)
+    if waves:
+        part = rtl_cop.shown(result["sum"], codes.shape[1:])
+        seen = rtl_cop.cop(codes[part], scene.min_load, out / "waves.vcd")
+        wrong += mismatches(seen, {name: values[part] for name, values in twin.items()})
 
     x, y = (result[name] / engines.COP_ONE for name in ("x", "y"))
     load = result["sum"] * scene.load_lsb
@@ -48,7 +52,7 @@ def run(scene, engine, out, seed, waves, progress):
         "seconds_simulated": round(len(codes) / scene.rate_hz, 3),
         "seconds_taken": None,
         "samples_per_second": round(codes.size / engine_s),
-        "twin_mismatches": None if twin is None else mismatches(result, twin),
+        "twin_mismatches": wrong,
         "modelled": list(recording.modelled),
         "left_out": list(recording.left_out),
         "position_error": summarise(position),

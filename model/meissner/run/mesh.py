@@ -5,19 +5,15 @@ import time
 import numpy as np
 
 from meissner import engines, report_cop, scenes
-from meissner.run import finish, table
+from meissner.run import check_waves, finish, table
+from meissner.run.locus import circle
 from meissner.run.truth import errors, percent, summarise
+from meissner.scenes.mesh import CONVERTER
 
 
 def check(scene, engine, waves):
     """ValueError with one sentence if this engine cannot run the scene."""
-    if not hasattr(engines.load(engine), "cop4"):
-        raise ValueError(
-            f"the engine {engine} has no four-electrode centre of pressure yet; run {scene.name} "
-            "with --engine float"
-        )
-    if waves:
-        raise ValueError(f"--waves is for slip scenes; {scene.name} has no converter's pins to show")
+    check_waves(engine, waves)
 
 
 def _response_s(recording, load):
@@ -26,19 +22,41 @@ def _response_s(recording, load):
     return float(recording.time_s[np.argmax(load >= 0.95 * load.max())] - start)
 
 
+def reported(recording, engine):
+    """x, y, load (N), valid [samples] and the core's ``Cop4``; float takes the voltages, and gives None."""
+    module = engines.load(engine)
+    if engine == "float":
+        return *module.cop4_of_volts(recording.solution), None
+    got = module.cop4(recording.codes, recording.config)
+    lsb_n = recording.config.load_lsb_n
+    return got.x / engines.COP_ONE, got.y / engines.COP_ONE, got.load * lsb_n, got.pressed, got
+
+
+def certified(recordings):
+    """The solver's own bounds, the worst of all samples: position (of the range), load (of it), condition."""
+    solutions = [recording.solution for recording in recordings]
+    place = max(float(max(s.bound.x.max(), s.bound.y.max())) / 2 for s in solutions)
+    load = max(float((s.bound.load[s.valid] / s.load[s.valid]).max(initial=0)) for s in solutions)
+    return {"position": place, "load": load, "condition": float(max(s.condition.max() for s in solutions))}
+
+
+def mismatches(ours, twin):
+    """Samples that differ from the twin's in any field."""
+    return int(np.any([a != b for a, b in zip(ours, twin)], axis=0).sum())
+
+
 def run(scene, engine, out, seed, waves, progress):
     """Run every r of the scene; write results to ``out``; return the summary."""
     began = time.perf_counter()
-    module, twin_module = engines.load(engine), engines.load("fixed")
     recordings = scenes.simulate(scene, seed)
-    engine_s, mismatches, runs, rows = 0.0, 0, [], []
+    reported(recordings[0], engine)  # built and warm before it is timed
+    engine_s, wrong, runs, rows = 0.0, 0, [], []
     for recording in progress(recordings):
         started = time.perf_counter()
-        x, y, load, valid = module.cop4(recording.solution)
+        x, y, load, valid, core = reported(recording, engine)
         engine_s += time.perf_counter() - started
         if engine == "rtl":
-            twin = twin_module.cop4(recording.solution)
-            mismatches += int(np.any([a != b for a, b in zip((x, y, load, valid), twin)], axis=0).sum())
+            wrong += mismatches(core, reported(recording, "fixed")[-1])
         truth = recording.load, recording.x, recording.y
         position, of_load = errors(x, y, load, valid, *truth)
         runs.append({"x": x, "y": y, "load": load, "valid": valid, "position": position, "of_load": of_load})
@@ -53,6 +71,11 @@ def run(scene, engine, out, seed, waves, progress):
     everything = {name: np.concatenate([one[name] for one in runs]) for name in runs[0]}
     samples = len(everything["x"])
     first = recordings[0]
+    unused = [CONVERTER] if engine == "float" else []
+    if waves:  # the first r's samples up to the greatest load
+        part = slice(0, int(np.argmax(runs[0]["load"])) + 1)
+        seen = engines.load(engine).cop4(first.codes[part], first.config, out / "waves.vcd")
+        wrong += mismatches(seen, engines.load("fixed").cop4(first.codes[part], first.config))
     summary = {
         "scene": scene.name,
         "engine": engine,
@@ -60,22 +83,25 @@ def run(scene, engine, out, seed, waves, progress):
         "seconds_simulated": round(samples / scene.rate_hz, 3),
         "seconds_taken": None,
         "samples_per_second": round(samples / engine_s),
-        "twin_mismatches": mismatches if engine == "rtl" else None,
-        "modelled": list(first.modelled),
-        "left_out": list(first.left_out),
+        "twin_mismatches": wrong if engine == "rtl" else None,
+        "modelled": [part for part in first.modelled if part not in unused],
+        "left_out": [*unused, *first.left_out],
         "position_error": summarise(everything["position"]),
         "load_error": summarise(everything["of_load"]),
+        "solver": certified(recordings),
         "runs": len(runs),
         "conditions": rows,
     }
     if scene.kind == "pulse":
-        # Against what the taxels feel: without the lag of the rubber.
+        # Against what the taxels feel: without the lag of the rubber, where the sensor gives a load.
         felt = [
-            errors(o["x"], o["y"], o["load"], o["valid"], r.felt_n, r.x, r.y)[1]
+            errors(o["x"], o["y"], o["load"], o["valid"], r.felt_n, r.x, r.y)[1][o["valid"]]
             for r, o in zip(recordings, runs)
         ]
         summary["load_error_without_lag"] = summarise(np.concatenate(felt))
         summary["response_s"] = round(_response_s(first, runs[0]["load"]), 9)
+    if scene.kind == "stroke":
+        summary["locus"] = circle(runs[0]["x"], runs[0]["y"])
     pictures = [(report_cop.draw_mesh(out / f"{scene.name}.png", recordings, runs), f"seed {seed}")]
     arrays = {}
     for recording, one in zip(recordings, runs):
@@ -87,6 +113,8 @@ def run(scene, engine, out, seed, waves, progress):
             "position_error": one["position"],
             "load_error": one["of_load"],
         }
+        if engine != "float":
+            kept["codes"] = recording.codes
         arrays |= {prefix + name: values for name, values in kept.items()}
     arrays |= {
         "time_s": first.time_s,
@@ -95,7 +123,10 @@ def run(scene, engine, out, seed, waves, progress):
         "true_y": first.y,
         "felt_load": first.felt_n,
     }
-    return finish(scene, summary, out, arrays, pictures, {"Errors": rows}, began, ("conditions",))
+    tables = {"Errors": rows, "Bounds of the solver": [summary["solver"]]}
+    if "locus" in summary:
+        tables["Locus"] = [summary["locus"]]
+    return finish(scene, summary, out, arrays, pictures, tables, began, ("conditions", "locus", "solver"))
 
 
 def tell(summary):
@@ -104,9 +135,20 @@ def tell(summary):
         f"position error, of the range -1 to 1: {percent(summary['position_error'])}",
         f"load error: {percent(summary['load_error'])}",
     ]
+    solver = summary["solver"]
+    lines.append(
+        f"bounds of the mesh's solver: {solver['position']:.1g} of the range, {solver['load']:.1g} of "
+        f"the load; condition number at most {solver['condition']:.3g}"
+    )
     if "response_s" in summary:
         lines += [
             f"without the rubber's lag: {percent(summary['load_error_without_lag'])}",
             f"95 % of the load is reported {summary['response_s'] * 1e3:.2f} ms after it begins",
         ]
+    if "locus" in summary:
+        locus = summary["locus"]
+        lines.append(
+            f"locus: a circle of radius {locus['radius']:.4f} ± {locus['deviation']:.4f}, "
+            f"out of round by {100 * locus['roundness']:.3g} % (published: a neat locus, without a number)"
+        )
     return [*lines, "", *table(summary["conditions"])]

@@ -6,7 +6,7 @@ import numpy as np
 
 from meissner import engines, report, scenes
 from meissner.engines.float import first_crossing
-from meissner.run import finish, table
+from meissner.run import check_waves, finish, table
 from meissner.slip.haar import haar
 from meissner.slip.slip import State
 
@@ -106,9 +106,7 @@ def _table(rows):
 
 def check(scene, engine, waves):
     """ValueError with one sentence if this engine cannot run the scene."""
-    engines.load(engine)
-    if waves and engine != "rtl":
-        raise ValueError("--waves needs the rtl engine: only it has signals")
+    check_waves(engine, waves)
 
 
 def run(scene, engine, out, seed, waves, progress):

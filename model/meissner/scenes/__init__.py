@@ -2,16 +2,20 @@
 
 ``load`` checks every key and refuses a mistyped one by name; ``simulate`` builds only the physics that
 the scene names and says what it left out. The sensor decides which module reads the rest: rubber is slip,
-array is cop, mesh is mesh. Each has ``build(name, table)`` and ``simulate(scene, ...)``.
+array is cop, grip is cop_slip, every other one has its name. Each has ``build(name, table)`` and
+``simulate(scene, ...)``.
 """
 
 import tomllib
 from importlib import resources
 
-from meissner.scenes import cop, mesh, slip
+from meissner.scenes import capacitive, cop, cop_slip, fsr, mesh, slip
 from meissner.scenes.check import one_of
 
-SENSORS = {"rubber": slip, "array": cop, "mesh": mesh}
+SENSORS = {
+    **{"rubber": slip, "array": cop, "mesh": mesh, "grip": cop_slip},
+    **{"capacitive": capacitive, "fsr": fsr},
+}
 
 
 def names(sensor=None):

@@ -23,7 +23,8 @@ def fields(where, table, expected):
 def positive(where, table, keys):
     for key in keys:
         if not (0 < table[key] < float("inf")):
-            raise ValueError(f"{where}: {key} = {table[key]:g} must be above 0")
+            what = "finite" if table[key] == float("inf") else "above 0"
+            raise ValueError(f"{where}: {key} = {table[key]:g} must be {what}")
 
 
 def between(where, table, limits):
@@ -35,7 +36,7 @@ def between(where, table, limits):
 
 def one_of(where, key, value, allowed):
     if value not in allowed:
-        raise ValueError(f"{where}: {key} = '{value}' must be one of: {', '.join(allowed)}")
+        raise ValueError(f"{where}: {key} = '{value}' must be one of: {', '.join(map(str, allowed))}")
 
 
 def numbers(where, key, values, count=None, least=float("-inf"), most=float("inf")):

@@ -98,7 +98,8 @@ class Recording:
     left_out: tuple
 
 
-def _patch(where, row):
+def patch(where, row):
+    """One table of [[world.patches]], checked."""
     path = row.get("path")
     one_of(where, "path", path, tuple(_PATH))
     row = fields(where, row, {"path": str, **_PATH[path], "force_n": float, "profile": str})
@@ -142,7 +143,7 @@ def build(name, table):
         converter = Converter(**converter)
         positive(inside, world, ["seconds", "depth_pitches"])
         rows = tables(inside, "world.patches", world["patches"])
-        world["patches"] = tuple(_patch(f"{where}, [[world.patches]]", row) for row in rows)
+        world["patches"] = tuple(patch(f"{where}, [[world.patches]]", row) for row in rows)
         if round(world["seconds"] * top["rate_hz"]) < 1:
             raise ValueError(f"{inside}: seconds = {world['seconds']:g} hold no frame")
     else:

@@ -1,23 +1,33 @@
-"""Scenes of the four-wire resistor mesh: loads in newtons, electrode voltages, and where they truly press."""
+"""Scenes of the four-wire resistor mesh: loads in newtons, electrode voltages, their codes, and the truth."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
+from meissner.cop.cop4_config import Cop4Config
+from meissner.scenes import four_wires
 from meissner.scenes.check import between, fields, numbers, one_of, positive, tables
 from meissner.world import mesh_loads
 from meissner.world.mesh import Mesh, Solution
 
-COMPONENTS = ("resistor mesh", "taxel resistance", "random points", "rubber response")
-_BASE = ("resistor mesh", "taxel resistance")
-_MODELLED = {"points": _BASE, "random": (*_BASE, "random points"), "pulse": (*_BASE, "rubber response")}
+CONVERTER = "converter"  # modelled for every engine but float, which takes the voltages as they are
+COMPONENTS = (
+    *("resistor mesh", "taxel resistance", CONVERTER),
+    *("random points", "rubber response", "hemispherical cover"),
+)
+_ADDED = {
+    "points": (),
+    "random": ("random points",),
+    "pulse": ("rubber response",),
+    "stroke": ("hemispherical cover",),
+}
 
-_TOP = {"title": str, "sensor": str, "features": list, "rate_hz": int, "mesh": dict, "world": dict}
-_MESH = {"rows": int, "columns": int, "r_ohm": list, "R0_ohm": float, "V0_v": float, "k_n_ohm": float}
+_TOP = {"title": str, "sensor": str, "features": list, "rate_hz": int, **four_wires.TABLES, "world": dict}
 _WORLD = {
     "points": {"steps": int, "points": list},
     "random": {"count": int, "draws": int, "totals_n": list, "split": str},
     "pulse": {"seconds": float, "start_s": float, "pulse_s": float, "response_s": float, "points": list},
+    "stroke": {"steps": int, "force_n": float, "radius": float, "cover_radius": float},
 }
 # Published: the rubber answers within 0.6 ms. Read, as its shear step is, as three time constants: 95 %.
 SETTLED = 3.0
@@ -25,7 +35,7 @@ SETTLED = 3.0
 
 @dataclass(frozen=True)
 class Scene:
-    """A scene, checked. Its conditions are the values of ``r_ohm``."""
+    """A scene, checked. Its conditions are the values of ``r_ohm``, each with its own of ``configs``."""
 
     name: str
     title: str
@@ -35,29 +45,30 @@ class Scene:
     rows: int
     columns: int
     r_ohm: tuple
-    R0_ohm: float
-    V0_v: float
-    k_n_ohm: float
+    configs: tuple
     kind: str
     world: dict
 
-    def mesh(self, r_ohm):
-        return Mesh(self.rows, self.columns, r_ohm, self.R0_ohm, self.V0_v, self.k_n_ohm)
+    def mesh(self, r_ohm) -> Mesh:
+        return self.configs[self.r_ohm.index(r_ohm)].mesh
 
 
 @dataclass(frozen=True)
 class Recording:
     """One condition: ``solution``, the mesh under what the taxels feel, and the truth, what presses.
 
-    ``load`` (N), ``x``, ``y`` [samples]: of the forces; ``felt_n``: the load the taxels feel, which lags
-    behind where the rubber's response is modelled.
+    ``codes`` [samples, 4]: its electrodes as the converter of ``config`` gives them. ``load`` (N), ``x``,
+    ``y`` [samples]: of the forces; ``felt_n``: the load the taxels feel, which lags behind where the
+    rubber's response is modelled.
     """
 
     scene: Scene
     r_ohm: float
+    config: Cop4Config
     seed: int
     time_s: np.ndarray
     solution: Solution
+    codes: np.ndarray
     load: np.ndarray
     x: np.ndarray
     y: np.ndarray
@@ -83,10 +94,12 @@ def build(name, table):
     for feature in top["features"]:
         one_of(where, "features", feature, ("cop4",))
     inside = f"{where}, [mesh]"
-    mesh = fields(inside, top["mesh"], _MESH)
-    between(inside, mesh, {"rows": (1, 1024), "columns": (1, 1024)})
-    positive(inside, mesh, ["R0_ohm", "V0_v", "k_n_ohm"])
+    mesh = four_wires.mesh_table(inside, top["mesh"], r_ohm=list)
     mesh["r_ohm"] = numbers(inside, "r_ohm", mesh["r_ohm"], least=1e-6, most=1e9)
+    configs = tuple(
+        four_wires.config(where, mesh | {"r_ohm": r}, top["converter"], top["load"], noise=True)
+        for r in mesh["r_ohm"]
+    )
 
     inside = f"{where}, [world]"
     world = dict(top["world"])
@@ -97,6 +110,9 @@ def build(name, table):
         between(inside, world, {"count": (1, mesh["rows"] * mesh["columns"]), "draws": (1, 10**6)})
         one_of(inside, "split", world["split"], ("equal", "random"))
         world["totals_n"] = numbers(inside, "totals_n", world["totals_n"], least=1e-6, most=1e6)
+    elif kind == "stroke":
+        between(inside, world, {"steps": (3, 10**6), "radius": (1e-3, 1)})
+        positive(inside, world, ["force_n", "cover_radius"])
     else:
         points, at = [], f"{where}, [[world.points]]"
         for row in tables(inside, "world.points", world["points"]):
@@ -117,7 +133,10 @@ def build(name, table):
         sensor=top["sensor"],
         features=tuple(top["features"]),
         rate_hz=top["rate_hz"],
-        **mesh,
+        rows=mesh["rows"],
+        columns=mesh["columns"],
+        r_ohm=mesh["r_ohm"],
+        configs=configs,
         kind=kind,
         world=world,
     )
@@ -139,6 +158,10 @@ def loads(scene, seed=0):
         for row, column, (first, last) in world["points"]:
             load[:, row, column] += np.linspace(first, last, world["steps"])
         return load, load
+    if scene.kind == "stroke":
+        keys = ("force_n", "radius", "steps", "cover_radius")
+        load = mesh_loads.stroke(*shape, *(world[key] for key in keys))
+        return load, load
     time_s = np.arange(round(world["seconds"] * scene.rate_hz)) / scene.rate_hz
     start, stop = world["start_s"], world["start_s"] + world["pulse_s"]
     tau = world["response_s"] / SETTLED
@@ -152,24 +175,34 @@ def loads(scene, seed=0):
     return true, felt
 
 
+def electrodes(solution):
+    """Volts [scenes, 4] of E1 to E4 of a batch."""
+    return np.stack([solution.E1, solution.E2, solution.E3, solution.E4], axis=1)
+
+
 def simulate(scene, seed=0):
-    """One Recording for each r; the seed draws random points."""
+    """One Recording for each r; the seed draws random points and the converter's noise."""
     true, felt = loads(scene, seed)
     load, x, y = mesh_loads.true_centre(true)
-    modelled = _MODELLED[scene.kind]
-    return [
-        Recording(
-            scene=scene,
-            r_ohm=r_ohm,
-            seed=seed,
-            time_s=np.arange(len(true)) / scene.rate_hz,
-            solution=scene.mesh(r_ohm).solve(felt),
-            load=load,
-            x=x,
-            y=y,
-            felt_n=felt.sum((1, 2)),
-            modelled=modelled,
-            left_out=tuple(part for part in COMPONENTS if part not in modelled),
+    modelled = (*COMPONENTS[:3], *_ADDED[scene.kind])
+    recordings = []
+    for number, (r_ohm, config) in enumerate(zip(scene.r_ohm, scene.configs)):
+        solution = config.mesh.solve(felt)
+        recordings.append(
+            Recording(
+                scene=scene,
+                r_ohm=r_ohm,
+                config=config,
+                seed=seed,
+                time_s=np.arange(len(true)) / scene.rate_hz,
+                solution=solution,
+                codes=config.convert(electrodes(solution), np.random.default_rng([seed, number])),
+                load=load,
+                x=x,
+                y=y,
+                felt_n=felt.sum((1, 2)),
+                modelled=modelled,
+                left_out=tuple(part for part in COMPONENTS if part not in modelled),
+            )
         )
-        for r_ohm in scene.r_ohm
-    ]
+    return recordings

@@ -9,6 +9,8 @@ from meissner.world.mesh import Mesh
 K_PAPER = 4320.0  # newton ohms: 864 ohms at 5 N
 SIX_R = (10.0, 47.0, 100.0, 150.0)  # ohms
 SIX_TOTALS = (5.0, 10.0, 15.0, 20.0)  # newtons
+TOUCHES = ("point", "cover", "two covers", "equal points", "uneven points")
+TAXELS = 20_000_000  # at once in ``touches``
 
 
 class MeshScene(NamedTuple):
@@ -111,6 +113,34 @@ def press(m, n, x, y, force, depth):
     return share * (force / share.sum((1, 2)))[:, None, None]
 
 
+def _trim(load):
+    """Drop what a taxel carries below 2 % of the strongest: it only costs time."""
+    return np.where(load < 0.02 * load.max((1, 2), keepdims=True), 0, load)
+
+
+def touches(m, n, kind, seed, total=None):
+    """Loads of one kind of touch: totals of 1-25 N to fit a correction, or ``total`` newtons to check it.
+
+    ``kind``: one point; one press through a cover 2 pitches deep, or two; six points, equal or uneven.
+    """
+    if kind not in TOUCHES:
+        raise ValueError(f"kind = {kind!r} must be one of: {', '.join(TOUCHES)}")
+    rng = np.random.default_rng(seed)
+    count = min({"cover": 200, "two covers": 1000}.get(kind, 4000), max(30, TAXELS // (m * n)))
+    totals = rng.uniform(1, 25, count) if total is None else np.full(count, total)
+    place = lambda: rng.uniform(-0.8, 0.8, count)
+    if kind == "cover":
+        return _trim(press(m, n, place(), place(), totals, 2.0))
+    if kind == "two covers":
+        share = rng.uniform(0.25, 0.75, count)
+        first = press(m, n, place(), place(), totals * share, 2.0)
+        return _trim(first + press(m, n, place(), place(), totals * (1 - share), 2.0))
+    if kind == "point":
+        return random_points(m, n, 1, totals, seed)
+    split = {"equal points": "equal", "uneven points": "random"}[kind]
+    return random_points(m, n, min(6, m * n), totals, seed, split)
+
+
 def hemisphere_depth(x, y, radius, base):
     """Height (pitches) of a hemispherical cover of ``radius`` (in -1..1 units) over the taxels at (x, y).
 
@@ -120,9 +150,21 @@ def hemisphere_depth(x, y, radius, base):
     return np.maximum(base * np.sqrt(np.maximum(fall, 0)), 0.25)
 
 
-def cop_stroke(m=3, n=3, r=47.0, force=5.0, circle=0.5, steps=72):
-    """A fingertip draws a circle on a hemispherical cover over 3×3 taxels (mesh paper, figures 14, 15)."""
+def stroke(m, n, force, circle, steps, cover_radius):
+    """Loads [steps, m, n] of a fingertip (N) that draws a ``circle`` once on a hemispherical cover.
+
+    Eq. 27 with the force at a point; the circle starts on the right and goes counter-clockwise. The cover
+    is as high over the middle as it is wide: ``cover_radius`` in -1..1 units of the longer side.
+    """
     angle = 2 * np.pi * np.arange(steps) / steps
     x, y = circle * np.cos(angle), circle * np.sin(angle)
-    load = press(m, n, x, y, force, hemisphere_depth(x, y, 1.5, 1.0))
+    return press(m, n, x, y, force, hemisphere_depth(x, y, cover_radius, cover_radius * (max(m, n) - 1) / 2))
+
+
+def cop_stroke(m=3, n=3, r=47.0, force=5.0, circle=0.5, steps=72):
+    """A fingertip draws a circle on a hemispherical cover over 3×3 taxels (mesh paper, figures 14, 15).
+
+    The hemisphere just covers the taxels, which are as wide as their pitch: 1.5 pitches.
+    """
+    load = stroke(m, n, force, circle, steps, 1.5)
     return MeshScene(Mesh(m, n, r, 10e3, 15.0, K_PAPER), load)

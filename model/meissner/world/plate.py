@@ -69,12 +69,15 @@ def rise_s(normal_n, speed_mm_s, material):
     return MATERIALS[material].mu_s * normal_n / (PULL_STIFFNESS_N_MM * speed_mm_s)
 
 
-def pull(time_s, normal_n, speed_mm_s, material, start_s, rng):
-    """Pull the plate under a steady normal force, the stage starting at ``start_s``."""
+def pull(time_s, normal_n, speed_mm_s, material, start_s, rng, stiffness_n_mm=PULL_STIFFNESS_N_MM):
+    """Pull the plate under a steady normal force, the stage starting at ``start_s``.
+
+    ``stiffness_n_mm``: of string and rubber in series.
+    """
     kind = MATERIALS[material]
     spread = 1.0 + FRICTION_SPREAD * rng.standard_normal()
     static_n, kinetic_n = kind.mu_s * spread * normal_n, kind.mu_k * spread * normal_n
-    gross_s = start_s + static_n / (PULL_STIFFNESS_N_MM * speed_mm_s)
+    gross_s = start_s + static_n / (stiffness_n_mm * speed_mm_s)
     travel_mm = speed_mm_s * np.maximum(time_s - start_s, 0.0)
     after_s = np.maximum(time_s - gross_s, 0.0)
     sliding = time_s >= gross_s
@@ -87,14 +90,14 @@ def pull(time_s, normal_n, speed_mm_s, material, start_s, rng):
     # string this soft that is under a millinewton: the load cell shows it no more than the published one.
     bounds = np.concatenate([[gross_s], slips_s])
     last_s = bounds[np.maximum(np.searchsorted(bounds, time_s, "right") - 1, 0)]
-    saw_n = PULL_STIFFNESS_N_MM * speed_mm_s * (time_s - last_s)
+    saw_n = stiffness_n_mm * speed_mm_s * (time_s - last_s)
 
     sliding_n = kinetic_n + (static_n - kinetic_n) * np.exp(-after_s / FALL_S) + saw_n
-    tension_n = np.where(sliding, sliding_n, PULL_STIFFNESS_N_MM * travel_mm)
-    slip_mm = np.where(sliding, travel_mm - tension_n / PULL_STIFFNESS_N_MM, 0.0)
+    tension_n = np.where(sliding, sliding_n, stiffness_n_mm * travel_mm)
+    slip_mm = np.where(sliding, travel_mm - tension_n / stiffness_n_mm, 0.0)
     # The rubber shears while the tension rises; sliding, it keeps its shear and recovers.
     pulling = (time_s >= start_s) & ~sliding
-    shear_mm_s = np.where(pulling, PULL_STIFFNESS_N_MM * speed_mm_s / rubber.STIFFNESS_N_MM, 0.0)
+    shear_mm_s = np.where(pulling, stiffness_n_mm * speed_mm_s / rubber.STIFFNESS_N_MM, 0.0)
     return Pull(tension_n, slip_mm, shear_mm_s, start_s, gross_s, slips_s[slips_s <= time_s[-1]])
 
 

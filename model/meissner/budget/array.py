@@ -1,0 +1,161 @@
+"""The latency of a scanned array, term by term: the twins' clock counts, measured in tb/cop/test_array.py."""
+
+from meissner.cop.array import Array
+from meissner.frontend.adc_spi import PARTS
+from meissner.frontend.health import Limits
+from meissner.frontend.scan_adc import ScanAdc
+from meissner.frontend.scan_demod import ScanDemod
+
+BUDGET_S = 1e-3
+LANES = (1, 2, 4, 8)
+SLIP_CLOCKS = (
+    6  # of a tumbling window at level 1, after the sample that completes a pair (tb/core/test_core.py)
+)
+NAMES = {
+    "scan": "from a frame's first convert start to its last",
+    "burst": "samples of the carrier after the last place's first",
+    "convert": "the last conversion, at its longest",
+    "transfer": "its words over the pins",
+    "demod": "amplitude of the last taxel",
+    "buffer": "into row-major order",
+    "health": "mask of taxels that cannot be trusted",
+    "tare": "zero of each taxel",
+    "calibrate, cop": "force, sums and division",
+}
+
+
+def part_of(name):
+    """The converter of that name; ValueError lists what there is."""
+    parts = {part.name: part for part in PARTS.values()}
+    if name.lower() not in parts:
+        raise ValueError(f"adc = '{name}' must be one of: {', '.join(parts)}")
+    return parts[name.lower()]
+
+
+def scan_of(rows, columns, part, clk_khz, converters, channels=None, sclk_khz=None, carrier=None):
+    """The scan of such an array; ``carrier``: what ScanDemod takes, None if taxels are read as they are."""
+    if carrier is not None:
+        return ScanDemod(rows, columns, converters, part, clk_khz, sclk_khz, **carrier)
+    channels = 8 if channels is None else channels
+    adc_lanes = part.max_lanes if channels > part.lane_channels else 1
+    return ScanAdc(rows, columns, converters, part, channels, adc_lanes, clk_khz, sclk_khz)
+
+
+def terms(array, settle, **given):
+    """{name: clocks} that add up to ``total``, and the steps of array.latency(), which take the same."""
+    steps = array.latency(settle, **given)
+    found = {"scan": steps["last_convert"]}
+    if "burst" in steps:
+        last = steps["last_beat"] - steps["last_convert"] - steps["burst"] - steps["transfer"] - steps["out"]
+        found |= {"burst": steps["burst"], "transfer": steps["transfer"], "demod": last}
+    else:
+        last = steps["last_beat"] - steps["last_convert"] - steps["convert"] - steps["out"]
+        found |= {"convert": steps["convert"], "transfer": last}
+    found |= {"buffer": steps["out"], "health": steps["health"], "tare": steps["tare"]}
+    return found | {"calibrate, cop": steps["cop"]}, steps
+
+
+def budget(
+    rows,
+    columns,
+    clock_hz,
+    part,
+    converters=None,
+    settle_s=1e-6,
+    channels=None,
+    sclk_khz=None,
+    carrier=None,
+    health=True,
+    tare=True,
+    bits_per_clock=2,
+):
+    """What the array takes, as a dict; ``converters`` None: the fewest with which a frame meets BUDGET_S, or
+    8.
+
+    ValueError for what cannot be built.
+    """
+    if not 1e3 <= clock_hz <= 4e8 or clock_hz % 1e3:
+        raise ValueError(f"clock = {clock_hz:g} must be whole kilohertz from 1e3 to 4e8 Hz")
+    if converters is not None and converters not in LANES:
+        raise ValueError(f"converters = {converters} must be one of: {', '.join(map(str, LANES))}")
+    if not 0 <= settle_s < 1:
+        raise ValueError(f"settle = {settle_s * 1e6:g} us must lie in 0 .. 1e6")
+    settle = -int(-settle_s * clock_hz // 1)
+    if settle > 65535:
+        raise ValueError(
+            f"settle = {settle_s * 1e6:g} us is {settle} clocks, more than the 65535 of its register"
+        )
+
+    def found(lanes):
+        scan = scan_of(rows, columns, part, round(clock_hz / 1e3), lanes, channels, sclk_khz, carrier)
+        array = Array(scan, Limits() if health else None, {} if tare else None, bits_per_clock)
+        clocks, steps = terms(array, settle)
+        total = sum(clocks.values())
+        assert total == steps["total"]
+        slip = steps.get("convert", 0) + steps.get("transfer_last", 0) + steps["out"] + SLIP_CLOCKS
+        return {
+            "rows": rows,
+            "columns": columns,
+            "adc": part.name,
+            "converters": lanes,
+            "clock_hz": clock_hz,
+            "settle_clocks": settle,
+            "terms_clocks": clocks,
+            "compute_clocks": steps["compute"],
+            "total_clocks": total,
+            "total_s": total / clock_hz,
+            "slot_clocks": steps["slot"],
+            "frame_clocks": steps["frame"],
+            "frames_per_second": clock_hz / steps["frame"],
+            "slip_round_to_decision_clocks": None if carrier is not None else slip,
+            "within_1_ms": total / clock_hz < BUDGET_S,
+        }
+
+    if converters is not None:
+        return found(converters) | {"converters_needed": needed(found)}
+    best = needed(found)
+    return found(best or LANES[-1]) | {"converters_needed": best}
+
+
+def needed(found):
+    """The fewest converters with which ``found`` meets the budget, or None."""
+    for lanes in LANES:
+        if found(lanes)["within_1_ms"]:
+            return lanes
+    return None
+
+
+def tell(found):
+    """The lines to print."""
+    clock_us = 1e6 / found["clock_hz"]
+    kind = f"{found['converters']} {found['adc'].upper()}" + ("s" if found["converters"] > 1 else "")
+    lines = [
+        f"{found['rows']}×{found['columns']} taxels, {kind}, {found['clock_hz'] / 1e6:g} MHz, "
+        f"settle {found['settle_clocks']} clocks",
+        "",
+        f"{'term':15} {'clocks':>9} {'us':>10}",
+    ]
+    for name, clocks in found["terms_clocks"].items():
+        if clocks:
+            lines.append(f"{name:15} {clocks:9} {clocks * clock_us:10.3f}  {NAMES[name]}")
+    total = found["total_clocks"]
+    verdict = "within" if found["within_1_ms"] else "above"
+    lines += [
+        f"{'total':15} {total:9} {total * clock_us:10.3f}  from first convert to CoP, {verdict} 1 ms",
+        "",
+        f"{found['frames_per_second']:.1f} frames/s, {found['slot_clocks']} clocks a place; computed within "
+        f"{found['compute_clocks']} clocks of the last sample, the same in every frame",
+    ]
+    if found["slip_round_to_decision_clocks"] is not None:
+        slip = found["slip_round_to_decision_clocks"]
+        lines.append(
+            f"slip: a slip round's convert start to its decision, {slip} clocks, {slip * clock_us:.3f} us"
+        )
+    needs = found["converters_needed"]
+    if needs is None:
+        lines.append(
+            "no number of these converters brings it within 1 ms: scan a smaller region or take a faster part"
+        )
+    elif needs != found["converters"]:
+        lines.append(f"1 ms needs {needs} of these converters")
+    return lines

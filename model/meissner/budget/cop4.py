@@ -1,0 +1,185 @@
+"""What a four-wire sensor resolves: the steps of the converter through the four-electrode equations.
+
+    x = Cx (E1-E3) / N     y = Cy (E2-E4) / M     load = Kf N / D        N = M = I R0, D = E1+E3-E2-E4
+
+The mesh is solved with one point pressed at places all over it. A converter of so many bits spans +-ROOM V0
+at the electrodes, whatever divider that takes: one code is q = 2 ROOM V0 / 2^bits there, each electrode is
+wrong by at most q/2. With a differential gain g above 1 two more channels convert g (E1-E3) and g (E2-E4),
+which are then wrong by at most q/2g; N, M and D still come from the four. Each result is a ratio of linear
+functions, so its greatest error lies at a corner of those intervals: exact, not an estimate.
+
+Not in it: noise (give the converter's effective bits), the layers' own drop (docs/mesh.md, Correction) and
+the core's rounding (meissner.cop.cop4.cop4).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+ROOM = 1.05  # above the rails: their tolerance, and a clipped code must be told from a rail's
+BITS = (8, 24)
+SIDE = 1024
+PLACES = 5  # along each axis, both ends included
+LOADS = (0.1, 0.2, 0.5, 1, 2, 4)  # of the load asked for
+SWEEP = tuple(range(8, 25, 2))  # bits of the table
+GAINS = (1, 4, 16, 64, 256, 1024)
+
+
+@dataclass(frozen=True)
+class Circuits:
+    """Solved circuits, arrays [places]: ``x``, ``y``; ``n`` = I R0 and ``d`` in volts."""
+
+    x: np.ndarray
+    y: np.ndarray
+    n: np.ndarray
+    d: np.ndarray
+
+
+def code_v(mesh, bits):
+    """Volts at an electrode of one code of a converter of so many bits."""
+    return 2 * ROOM * mesh.V0 / 2**bits
+
+
+def greatest_gain(mesh):
+    """The differential gain beyond which E1-E3 or E2-E4 may leave the converter's range; inf for one taxel.
+
+    |E1-E3| <= N / Cx, and N stays below 2 V0.
+    """
+    spans = [C for C in (mesh.Cx, mesh.Cy) if C]
+    return ROOM * min(spans) / 2 if spans else float("inf")
+
+
+def solve(mesh, load_n):
+    """``Circuits`` of ``load_n`` newtons on one taxel, at up to PLACES x PLACES taxels all over the mesh."""
+    rows, columns = (
+        np.unique(np.rint(np.linspace(0, count - 1, PLACES)).astype(int)) for count in (mesh.m, mesh.n)
+    )
+    values = []
+    for row in rows:
+        load = np.zeros((len(columns), mesh.m, mesh.n))
+        load[np.arange(len(columns)), row, columns] = load_n
+        answer = mesh.solve(load, "fast")
+        if not answer.valid.all():
+            raise ValueError(f"load = {load_n:g} N cannot be measured: {answer.why[~answer.valid][0]}")
+        n = answer.current * mesh.R0
+        values.append((answer.x, answer.y, n, mesh.Kf * n / answer.load))
+    return Circuits(*np.concatenate(values, axis=1))
+
+
+def position(C, at, n, q, gain):
+    """A code's step, greatest error, rms error [places] of one coordinate ``at`` with its constant ``C``.
+
+    ``n`` volts; ``q`` volts a code. Rms: to first order, errors even over their
+    intervals and independent, which needs differences of some codes.
+    """
+    if not C:
+        return np.zeros((3, len(at)))
+    difference = at * n / C
+    if gain == 1:
+        corners = [(a - b, a + b) for a in (-q / 2, q / 2) for b in (-q / 2, q / 2)]
+        rms = np.hypot(C + at, C - at)
+    else:
+        corners = [(a / gain, b) for a in (-q / 2, q / 2) for b in (-q, q)]
+        rms = np.hypot(C / gain, np.sqrt(2) * at)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        wrong = [np.abs(np.clip(C * (difference + a) / (n - b), -1, 1) - at) for a, b in corners]
+    # Where the errors can reach N itself anything may come out.
+    greatest = np.where(n > q, np.max(wrong, axis=0), 1 + np.abs(at))
+    return np.stack([C * q / gain / n, greatest, rms * q / np.sqrt(12) / n])
+
+
+def load(Kf, n, d, q):
+    """Of the load, as fractions of it: one code of D, the greatest error (inf: none resolved) and the rms."""
+    corners = [(a, b) for a in (-q, q) for b in (-q, q)]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        wrong = [np.abs((n - a) / n * d / (d + a - b) - 1) for a, b in corners]
+    greatest = np.where(d > 2 * q, np.max(wrong, axis=0), np.inf)
+    return np.stack([q / d, greatest, np.hypot(1 / n + 1 / d, 1 / d) * q / np.sqrt(6)])
+
+
+def _worst(mesh, circuits, bits, gain):
+    """Step, greatest and rms error of x, y (fractions of the range) and load, at the worst places."""
+    q = code_v(mesh, bits)
+    x = position(mesh.Cx, circuits.x, circuits.n, q, gain).max(axis=1) / 2
+    y = position(mesh.Cy, circuits.y, circuits.n, q, gain).max(axis=1) / 2
+    return x, y, load(mesh.Kf, circuits.n, circuits.d, q).max(axis=1)
+
+
+def _finite(value):
+    return float(value) if np.isfinite(value) else None
+
+
+def _row(mesh, circuits, bits, gain):
+    names = ("step", "greatest", "rms")
+    parts = zip(("x", "y", "load"), _worst(mesh, circuits, bits, gain))
+    return {what: {name: _finite(v) for name, v in zip(names, values)} for what, values in parts}
+
+
+def pitch(mesh):
+    """Half a taxel's pitch as a fraction of the range, the smaller of both axes; None for one taxel."""
+    side = max(mesh.m, mesh.n)
+    return 0.5 / (side - 1) if side > 1 else None
+
+
+def budget(mesh, bits=16, gain=1.0, load_n=5.0):
+    """The whole budget as a dict of numbers (None where there is none); ValueError if it cannot be.
+
+    ``loads``: rows over the load at ``bits`` and ``gain``; ``sweep``: over bits and gain at ``load_n``;
+    ``load_sweep``: the load's greatest error over bits and load; ``needed``: the least bits of each gain
+    whose greatest position error is below half a taxel's pitch. Position errors are fractions of the range
+    from -1 to 1, load errors of the load.
+    """
+    if not BITS[0] <= bits <= BITS[1]:
+        raise ValueError(f"adc-bits = {bits} must lie in {BITS[0]} .. {BITS[1]}")
+    if not 1 <= gain < float("inf"):
+        raise ValueError(f"gain = {gain:g} must be 1 (no difference amplifiers) or more")
+    if not 0 < load_n < float("inf"):
+        raise ValueError(f"load = {load_n:g} must be a number of newtons above 0")
+    top = greatest_gain(mesh)
+    if gain > top:
+        raise ValueError(
+            f"gain = {gain:g} is beyond {top:.4g}: a difference could leave the converter's range"
+        )
+    gains = [g for g in GAINS if g == 1 or g <= top]
+    circuits = {load_n * part: solve(mesh, load_n * part) for part in LOADS}
+    loads = [
+        {"load_n": force, "n_v": float(c.n.min()), "d_v": float(c.d.min())} | _row(mesh, c, bits, gain)
+        for force, c in circuits.items()
+    ]
+    here = circuits[load_n]
+    sweep = [{"bits": b, "gain": g} | _row(mesh, here, b, g) for g in gains for b in SWEEP]
+    load_sweep = [
+        {"bits": b, "load_n": force, "greatest": _row(mesh, c, b, 1)["load"]["greatest"]}
+        for force, c in circuits.items()
+        for b in SWEEP
+    ]
+    half = pitch(mesh)
+    needed = []
+    for g in gains if half else ():
+        enough = (
+            b for b in range(BITS[0], BITS[1] + 1) if max(a[1] for a in _worst(mesh, here, b, g)[:2]) < half
+        )
+        needed.append({"gain": g, "bits": next(enough, None)})
+    return {
+        "rows": mesh.m,
+        "columns": mesh.n,
+        "r_ohm": mesh.r,
+        "R0_ohm": mesh.R0,
+        "V0_v": mesh.V0,
+        "k_n_ohm": mesh.k,
+        "Cx": mesh.Cx,
+        "Cy": mesh.Cy,
+        "Kf_n": mesh.Kf,
+        "bits": bits,
+        "gain": gain,
+        "load_n": load_n,
+        "range_v": ROOM * mesh.V0,
+        "code_v": code_v(mesh, bits),
+        "greatest_gain": _finite(top),
+        "places": len(here.x),
+        "half_pitch": half,
+        "loads": loads,
+        "sweep": sweep,
+        "load_sweep": load_sweep,
+        "needed": needed,
+    }

@@ -1,0 +1,10 @@
+"""Bit-exact twin of rtl/common/msn_fifo.sv: what goes in comes out, in order."""
+
+
+def fifo(entries, depth=16, width=8):
+    """The entries that come out."""
+    if depth < 2 or depth & (depth - 1):
+        raise ValueError(f"depth = {depth} must be a power of two, 2 or more")
+    if width < 1:
+        raise ValueError(f"width = {width} must be at least 1")
+    return [entry & (1 << width) - 1 for entry in entries]

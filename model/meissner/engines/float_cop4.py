@@ -1,0 +1,91 @@
+"""The four electrodes in textbook float64: engine ``float``'s ``cop4`` and ``cop_slip``.
+
+    x = Cx (E1-E3) / N     y = Cy (E2-E4) / M     load = Kf N / (D - N p)
+    N = 2V0-E1-E3          M = 2V0+E2+E4          D = E1+E3-E2-E4
+
+with p = 0 unless the load is corrected (meissner.world.mesh.correction).
+"""
+
+import numpy as np
+
+from meissner.cop.cop4 import LOAD_BITS, Cop4, faults
+from meissner.cop.cop_slip import CopSlipResult
+from meissner.engines import COP_ONE
+from meissner.world.mesh.correction import load_terms
+
+
+def _ratio(above, below, where):
+    return np.divide(above, below, out=np.zeros(len(where)), where=where)
+
+
+def measure(codes, config):
+    """x, y (-1 .. 1), load (N, infinite beyond every load) and faults' absence of codes [samples, 4]."""
+    mesh = config.mesh
+    e1, e2, e3, e4 = (np.asarray(codes) * config.volts_per_code).T
+    n, m, d = 2 * mesh.V0 - e1 - e3, 2 * mesh.V0 + e2 + e4, e1 + e3 - e2 - e4
+    x = np.clip(_ratio(mesh.Cx * (e1 - e3), n, n > 0), -1, 1)
+    y = np.clip(_ratio(mesh.Cy * (e2 - e4), m, m > 0), -1, 1)
+    n = np.clip(n, 0, 2 * mesh.V0)  # beyond is no sensor's
+    if config.fix is not None:
+        d = d - n * (load_terms(x, y) @ config.fix.p)
+    load = np.where(n > 0, np.where(d > 0, mesh.Kf * _ratio(n, d, d > 0), np.inf), 0.0)
+    # Flags compare codes with levels: logic, not arithmetic, and so the twin's.
+    saturated, imbalance, opened = faults(codes, config.registers)
+    return x, y, load, ~saturated & ~imbalance & (opened == 0)
+
+
+def _nearest(value):
+    """To integers, ties away from zero."""
+    return np.sign(value) * np.floor(np.abs(value) + 0.5)
+
+
+def cop4(codes, config):
+    """``Cop4`` of codes [samples, 4]: the same numbers as the core's, each rounded once."""
+    x, y, load, sound = measure(codes, config)
+    top = (1 << LOAD_BITS) - 1
+    load = _nearest(load / config.load_lsb_n)
+    over, load = load > top, np.minimum(load, top).astype(np.int64)
+    pressed = sound & (load > 0) & (load >= config.registers.min_load)
+    x, y = (np.where(pressed, _nearest(value * COP_ONE), 0).astype(np.int32) for value in (x, y))
+    return Cop4(x, y, load, pressed, over, *faults(codes, config.registers))
+
+
+def cop4_of_volts(solution):
+    """x, y, load (N) and valid of each sample, from the electrodes of a mesh's Solution.
+
+    The voltages as they are: no converter. Not valid, and all zero, where nothing is loaded.
+    """
+    mesh, valid = solution.mesh, solution.valid
+    e1, e2, e3, e4 = solution.E1, solution.E2, solution.E3, solution.E4
+    drop_a, drop_b = 2 * mesh.V0 - e1 - e3, 2 * mesh.V0 + e2 + e4
+    x, y = mesh.Cx * _ratio(e1 - e3, drop_a, valid), mesh.Cy * _ratio(e2 - e4, drop_b, valid)
+    return x, y, mesh.Kf * _ratio(drop_a, e1 + e3 - e2 - e4, valid), valid
+
+
+def cop_slip(codes, config, lag, registers):
+    """``Cop4`` and ``CopSlipResult`` of codes [samples, 4], the decisions on numbers that were not rounded.
+
+    slip where the load fell by more than a share of what it was ``lag`` samples before while a coordinate
+    moved; dx, dy in steps of Q2.14, fractions of one included; the octant is the nearest by angle.
+    """
+    found = cop4(codes, config)
+    x, y, load, _ = measure(codes, config)
+    pressed, count = found.pressed, len(load)
+    dx, dy, fell = np.zeros((3, count))
+    new, old = slice(lag, None), slice(0, max(count - lag, 0))
+    pair = np.zeros(count, dtype=bool)
+    pair[new] = pressed[new] & pressed[old] & (load[old] >= registers.min_load * config.load_lsb_n)
+    dx[new], dy[new] = (np.where(pair[new], a[new] - a[old], 0) * COP_ONE for a in (x, y))
+    fell[new] = np.where(pair[new], 1 - load[new] / np.where(pair[new], load[old], 1), 0)
+    over = pair & (fell > registers.drop / 256) & (np.maximum(abs(dx), abs(dy)) >= registers.move)
+    slip, until, deaf_until = np.zeros(count, dtype=bool), -1, -1
+    for k in range(count):
+        slipping = k > 0 and slip[k - 1]
+        if over[k] and (slipping or k > deaf_until):
+            slip[k], until = True, k + registers.hold
+        elif slipping:
+            slip[k] = k <= until
+            deaf_until = k + registers.refractory
+    raised = slip & ~np.concatenate([[False], slip[:-1]])
+    octant = np.rint(np.arctan2(dy, dx) / (np.pi / 4)).astype(np.int64) % 8
+    return found, CopSlipResult(slip, raised, over, dx, dy, octant)

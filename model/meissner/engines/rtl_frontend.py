@@ -1,0 +1,63 @@
+"""The front end of arrays on the Verilated blocks: engine ``rtl``'s ``demodulate`` and ``calibrate``."""
+
+import ctypes
+from functools import cache
+
+import numpy as np
+
+from meissner.engines import verilated
+
+
+@cache
+def _open_demod(form, samples_per_period):
+    parameters = {"Form": form, "SamplesPerPeriod": samples_per_period}
+    lib = ctypes.CDLL(str(verilated.library("msn_am_demod", "demod_driver.cpp", parameters)))
+    lib.demod_run.restype = ctypes.c_int64
+    size = ctypes.c_int32
+    lib.demod_run.argtypes = [ctypes.c_void_p, ctypes.c_int64, size, size, size, size, ctypes.c_void_p]
+    return lib
+
+
+def demodulate(samples, carrier):
+    """Amplitudes [...] of carriers [..., samples]; ``carrier``: meissner.engines.Carrier."""
+    block = carrier.block
+    lib = _open_demod(block.form, block.samples_per_period)
+    samples = np.ascontiguousarray(samples, dtype=np.int32)
+    amplitudes = np.zeros(samples.shape[:-1], dtype=np.int64)
+    periods = carrier.periods & (1 << block.period_bits) - 1  # 0 stands for all of them
+    clocks = lib.demod_run(
+        samples.ctypes.data,
+        amplitudes.size,
+        carrier.samples,
+        periods,
+        carrier.skip,
+        carrier.shift,
+        amplitudes.ctypes.data,
+    )
+    if clocks < 0:
+        raise RuntimeError("the demodulator did not give one amplitude per carrier")
+    return amplitudes
+
+
+@cache
+def _open_calibrate(rows, columns, gain_shift):
+    parameters = {"Rows": rows, "Columns": columns, "GainShift": gain_shift}
+    lib = ctypes.CDLL(str(verilated.library("msn_calibrate", "calibrate_driver.cpp", parameters)))
+    lib.calibrate_run.restype = ctypes.c_int64
+    pointer = ctypes.c_void_p
+    lib.calibrate_run.argtypes = [pointer, ctypes.c_int64, ctypes.c_int32, *[pointer] * 4]
+    return lib
+
+
+def calibrate(codes, calibration):
+    """Forces [frames, rows, columns] of codes; ``calibration``: meissner.calibration.Calibration."""
+    frames, rows, columns = codes.shape
+    lib = _open_calibrate(rows, columns, calibration.gain_shift)
+    words = [codes, calibration.offset, calibration.gain]
+    codes, offset, gain = (np.ascontiguousarray(values, dtype=np.int32) for values in words)
+    mask = np.ascontiguousarray(calibration.dead, dtype=np.uint8)
+    forces = np.zeros(codes.shape, dtype=np.uint16)
+    pointers = [values.ctypes.data for values in (offset, gain, mask, forces)]
+    if lib.calibrate_run(codes.ctypes.data, frames, rows * columns, *pointers) < 0:
+        raise RuntimeError("the calibration did not give one force per code")
+    return forces

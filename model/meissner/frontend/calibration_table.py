@@ -1,0 +1,75 @@
+"""Bit-exact twin of rtl/frontend/msn_calibration_table.sv: offset and gain of every taxel, in two banks."""
+
+import numpy as np
+
+
+def check_array(rows, columns, lanes, sample_bits):
+    """ValueError for what stops the elaboration of every stage of an array."""
+    if not 1 <= rows <= 1024:
+        raise ValueError(f"rows = {rows} must lie in 1 .. 1024")
+    if not 1 <= columns <= 1024:
+        raise ValueError(f"columns = {columns} must lie in 1 .. 1024")
+    if lanes not in (1, 2, 4, 8):
+        raise ValueError(f"lanes = {lanes} must be 1, 2, 4 or 8")
+    if not 2 <= sample_bits <= 18:
+        raise ValueError(f"sample_bits = {sample_bits} must lie in 2 .. 18")
+
+
+class CalibrationTable:
+    """Offset and gain of each taxel.
+
+        per taxel:     offset, gain from a word a beat
+        ``row_column``: offset = row's + column's, gain = row's * column's, exact
+
+    A write goes to the bank that is not in use; ``swap`` exchanges the two. Words count beats of ``lanes``
+    columns, with ``row_column`` the beats of a row, and ``write_row`` rows. Offsets have ``sample_bits``
+    signed bits (``row_column``: one less, so that the sum has them), gains 16 unsigned. ``offset`` False:
+    all offsets are 0.
+    """
+
+    def __init__(self, rows, columns, lanes=1, sample_bits=17, offset=True, row_column=False):
+        check_array(rows, columns, lanes, sample_bits)
+        self.rows, self.columns, self.lanes = rows, columns, lanes
+        self.row_beats = -(-columns // lanes)
+        self.offset, self.row_column = offset, row_column
+        self.offset_bits = sample_bits - row_column
+        words = self.row_beats if row_column else rows * self.row_beats
+        self._beats = np.zeros((2, 2, words, lanes), dtype=np.int64)  # bank; offset, gain; word; lane
+        self._rows = np.zeros((2, 2, rows, 1), dtype=np.int64)
+        self.reset()
+
+    def reset(self):
+        """Back to the first bank, which counts as empty; what was written stays."""
+        self.loaded, self._bank, self._words = False, 0, None
+
+    def write(self, word, offset, gain, lanes=slice(None)):
+        """Write one word's ``lanes``."""
+        for part, value in enumerate(self._entry(offset, gain)):
+            self._beats[1 - self._bank, part, word, lanes] = value
+
+    def write_row(self, row, offset, gain):
+        """Write one row's offset and gain (``row_column``)."""
+        self._rows[1 - self._bank, :, row, 0] = self._entry(offset, gain)
+
+    def swap(self):
+        """What was written comes into use. The RTL does this before the first beat of the next frame."""
+        self.loaded, self._bank, self._words = True, 1 - self._bank, None
+
+    def words(self):
+        """Offsets and gains in use, each [rows, row_beats * lanes]."""
+        if self._words is None:  # no write reaches them
+            beats = self._beats[self._bank]
+            if self.row_column:
+                of_row, of_column = self._rows[self._bank], beats.reshape(2, 1, -1)
+                self._words = of_row[0] + of_column[0], of_row[1] * of_column[1]
+            else:
+                self._words = tuple(beats.reshape(2, self.rows, -1).copy())
+        return self._words
+
+    def _entry(self, offset, gain):
+        limit = 1 << (self.offset_bits - 1)
+        if not -limit <= offset < limit:
+            raise ValueError(f"offset = {offset} must fit {self.offset_bits} signed bits")
+        if not 0 <= gain < 1 << 16:
+            raise ValueError(f"gain = {gain} must lie in 0 .. 65535")
+        return (int(offset) if self.offset else 0), int(gain)

@@ -1,0 +1,45 @@
+"""What a register map is made of; the map itself is register_map.py."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Field:
+    """Bits high .. low. ``kind``: setting (the host's), status (the core's), constant, command (a pulse)."""
+
+    name: str
+    high: int
+    low: int
+    kind: str
+    reset: int
+
+    @property
+    def width(self):
+        return self.high - self.low + 1
+
+    @property
+    def most(self):
+        return (1 << self.width) - 1
+
+
+@dataclass(frozen=True)
+class Register:
+    name: str
+    address: int  # in bytes
+    text: str
+    fields: tuple
+
+    @property
+    def writable(self):
+        return any(field.kind in ("setting", "command") for field in self.fields)
+
+
+@dataclass(frozen=True)
+class Group:
+    """Registers of one feature; ``at_frame``: what is written takes effect at a frame's boundary."""
+
+    name: str
+    title: str
+    feature: bool
+    at_frame: bool
+    registers: tuple

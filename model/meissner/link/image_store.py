@@ -1,0 +1,42 @@
+"""Bit-exact twin of rtl/link/msn_image_store.sv: the newest whole image for a slow reader."""
+
+
+class ImageStore:
+    """``next`` is a clock. ``readable``: the image that a reader may read, (time, taxels), or None."""
+
+    def __init__(self, taxels=4096):
+        if not 2 <= taxels <= 65536:
+            raise ValueError(f"taxels = {taxels} must lie in 2 .. 65536")
+        self.taxels = taxels
+        self.reset()
+
+    def reset(self):
+        self._beats, self._dropping, self._time = [], False, None
+        self._held = self.readable = None
+        self.dropped = 0
+
+    def next(self, beat=None, begun=False, done=False):
+        """A clock with ``beat``, (taxel, last, time), or none; ``begun``, ``done``: the reader's."""
+        if self._held is not None and not (self.readable and (begun or done)):
+            self.dropped += self.readable is not None
+            self.readable, self._held = self._held, None
+        elif done:
+            self.readable = None
+        if beat is None:
+            return
+        taxel, last, time = beat
+        if self._dropping:
+            self._dropping = not last
+            return
+        if not self._beats:
+            self._time = time
+            self.dropped += self._held is not None
+            self._held = None
+        self._beats.append(taxel)
+        final = len(self._beats) == self.taxels
+        self.dropped += bool(last) != final
+        self._dropping = final and not last
+        if last and final:
+            self._held = (self._time, self._beats)
+        if last or final:
+            self._beats = []

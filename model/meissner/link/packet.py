@@ -1,0 +1,46 @@
+"""Bit-exact twin of rtl/link/msn_packet.sv: the core's packets and their payloads."""
+
+import struct
+import zlib
+
+SLIP, COP, IMAGE, HEALTH, STATISTIC, ANSWER = 1, 2, 3, 4, 5, 16
+MAX_CHUNK = 116
+
+
+def packet(kind, number, time, payload):
+    """The bytes of a packet: type, number mod 256, time in clocks mod 2**48, payload, CRC-32 of it all."""
+    head = struct.pack("<BBQ", kind, number & 255, time & (1 << 48) - 1)[:8]
+    return head + payload + struct.pack("<I", zlib.crc32(head + payload))
+
+
+def slip_event(channel, p2p, state):
+    """Payload: channel 16, peak-to-peak 24, state 8 bits."""
+    return struct.pack("<HI", channel, p2p)[:5] + bytes([state])
+
+
+def cop_frame(x, y, load, pressed):
+    """Payload: x and y, signed 24, load 40, pressed 8 bits."""
+    sides = [struct.pack("<i", value)[:3] for value in (x, y)]
+    return b"".join(sides) + struct.pack("<Q", load)[:5] + bytes([bool(pressed)])
+
+
+def health(taxel, faults):
+    """Payload: taxel 24, faults 8 bits."""
+    return struct.pack("<I", taxel)[:3] + bytes([faults])
+
+
+def statistic(index, counter):
+    """Payload: which counter 8, its value 32 bits."""
+    return struct.pack("<BI", index, counter)
+
+
+def image_chunks(number, taxels, chunk=64):
+    """Payloads of an image: its number mod 256, 1 in the last one, index of the first taxel 24, taxels 16."""
+    if not 1 <= chunk <= MAX_CHUNK:
+        raise ValueError(f"chunk = {chunk} must lie in 1 .. {MAX_CHUNK}")
+    payloads = []
+    for first in range(0, len(taxels), chunk):
+        part = taxels[first : first + chunk]
+        head = struct.pack("<BBI", number & 255, first + chunk >= len(taxels), first)[:5]
+        payloads.append(head + struct.pack(f"<{len(part)}H", *part))
+    return payloads

@@ -1,0 +1,80 @@
+"""Twin of rtl/link/msn_registers.sv: what each access answers, and what the core sees.
+
+An access is an error, and changes nothing, at an address without a register in this build, at one that is no
+multiple of four, and for a write where all is read-only.
+"""
+
+from meissner.host.register_map import GROUPS
+
+
+class Registers:
+    """The registers of a build with the groups named in ``features`` (None: all)."""
+
+    def __init__(self, features=None):
+        known = [group.name for group in GROUPS if group.feature]
+        for name in features or ():
+            if name not in known:
+                raise ValueError(f"feature {name!r} must be one of: {', '.join(known)}")
+        self._groups = [g for g in GROUPS if not g.feature or features is None or g.name in features]
+        self._at = {register.address: (g, register) for g in self._groups for register in g.registers}
+        self.reset()
+
+    def reset(self):
+        """Every setting at its reset value, nothing pending."""
+        self._written, self._seen = {}, {}
+        for group in GROUPS:  # the ports of an absent group rest at their reset values
+            for register in group.registers:
+                for field in register.fields:
+                    if field.kind == "setting":
+                        key = (group.name, register.name, field.name)
+                        self._written[key] = self._seen[key] = field.reset
+        self.pending = {group.name: False for group in GROUPS if group.at_frame}
+
+    def access(self, write, address, data=0, strobe=15, status=None):
+        """(data, error, pulses) of one access.
+
+        ``status``: {(group, register, field): value} as the core shows it; pulses: the commands given.
+        """
+        if address not in self._at:
+            return 0, True, set()
+        group, register = self._at[address]
+        if write:
+            return (0, *self._write(group, register, data, strobe))
+        word = 0
+        for field in register.fields:
+            key = (group.name, register.name, field.name)
+            value = {
+                "setting": self._written.get(key),
+                "status": (status or {}).get(key, 0),
+                "constant": field.reset,
+                "command": 0,
+            }[field.kind]
+            word |= value << field.low
+        return word, False, set()
+
+    def _write(self, group, register, data, strobe):
+        if not register.writable:
+            return True, set()
+        mask = sum(255 << 8 * byte for byte in range(4) if strobe >> byte & 1)
+        pulses = set()
+        for field in register.fields:
+            key = (group.name, register.name, field.name)
+            given, kept = data >> field.low & field.most, mask >> field.low & field.most
+            if field.kind == "command" and given & kept:
+                pulses.add(key)
+            elif field.kind == "setting":
+                self._written[key] = (self._written[key] & ~kept) | (given & kept)
+                if group.at_frame:
+                    self.pending[group.name] = True
+                else:
+                    self._seen[key] = self._written[key]
+        return False, pulses
+
+    def commit(self, name):
+        """The frame's boundary of one group."""
+        self._seen |= {key: value for key, value in self._written.items() if key[0] == name}
+        self.pending[name] = False
+
+    def setting(self, group, register, field="value"):
+        """What the core sees."""
+        return self._seen[group, register, field]

@@ -1,0 +1,72 @@
+"""What the scenes of arrays send through an engine: demodulation, calibration, centre of pressure; timed."""
+
+import time
+
+import numpy as np
+
+from meissner import engines
+
+
+def check(scene, engine, waves):
+    """ValueError with one sentence if this engine cannot run the scene."""
+    engines.load(engine)
+    if waves:
+        raise ValueError(f"--waves is for scenes of slip and of taxel forces, not for {scene.name}")
+
+
+class Chain:
+    """An engine whose calls are timed and, for rtl, compared with the integer twins."""
+
+    def __init__(self, engine):
+        self.engine, self.taken_s, self.samples, self.differences = engine, 0.0, 0, 0
+
+    def _call(self, function, x, *settings):
+        function(x[:1], *settings, self.engine)  # built and warm before it is timed
+        started = time.perf_counter()
+        result = function(x, *settings, self.engine)
+        self.taken_s += time.perf_counter() - started
+        self.samples += x.size
+        if self.engine == "rtl":
+            self.differences += int((result != function(x, *settings, "fixed")).sum())
+        return result
+
+    def demodulate(self, samples, carrier):
+        """Codes [...] of carriers [..., samples]."""
+        return self._call(engines.demodulate, samples, carrier)
+
+    def calibrate(self, codes, calibration):
+        """Forces [frames, rows, columns] of codes."""
+        return self._call(engines.calibrate, codes, calibration)
+
+    def cop(self, forces, min_load=1):
+        """sum, x, y (-1 to 1) and valid of each frame of forces [frames, rows, columns]."""
+
+        def packed(frames, engine):
+            result = engines.process_cop(frames, engine, min_load)
+            return np.stack([result[name].astype(np.int64) for name in ("sum", "x", "y", "valid")])
+
+        total, x, y, valid = self._call(packed, forces)
+        return total, x / engines.COP_ONE, y / engines.COP_ONE, valid.astype(bool)
+
+    def summary(self, scene, recording, seconds, frames):
+        """What every summary begins with."""
+        return {
+            "scene": scene.name,
+            "engine": self.engine,
+            "seed": recording.seed,
+            "seconds_simulated": round(seconds, 3),
+            "seconds_taken": None,
+            "samples_per_second": round(self.samples / self.taken_s),
+            "twin_mismatches": self.differences if self.engine == "rtl" else None,
+            "modelled": list(recording.modelled),
+            "left_out": list(recording.left_out),
+            "over_range": recording.over_range,
+            "runs": 1,
+            "frames": frames,
+        }
+
+
+def unevenness(image, dead=None):
+    """Largest distance of a cell from the mean of all, as a share of it; ``image`` [rows, columns]."""
+    values = image if dead is None else image[~dead]
+    return float(np.abs(values - values.mean()).max() / values.mean())

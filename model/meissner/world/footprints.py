@@ -1,0 +1,77 @@
+"""Where small objects touch a pad of 15 mm: the published ones, with sizes chosen where none are given.
+
+Each object is a list of pieces in millimetres from the pad's centre, x to the right and y up: bars (rotated
+by degrees, counter-clockwise), discs and rings. They touch flat, with an even pressure.
+"""
+
+import numpy as np
+
+STEP_MM = 0.2  # of the points that stand for the area
+
+
+def bar(x_mm, y_mm, wide_mm, high_mm, degrees=0.0):
+    return ("bar", x_mm, y_mm, wide_mm, high_mm, degrees)
+
+
+def ring(x_mm, y_mm, outer_mm, inner_mm=0.0):
+    """``outer_mm``, ``inner_mm``: diameters."""
+    return ("ring", x_mm, y_mm, outer_mm, inner_mm)
+
+
+def _rows_of_pins(degrees, count=4, pitch_mm=2.54, apart_mm=7.62):
+    """A socket of two rows of contacts, each a bar of plastic with its pins."""
+    angle = np.radians(degrees)
+    return [
+        bar(-side * apart_mm / 2 * np.sin(angle), side * apart_mm / 2 * np.cos(angle), *size, degrees)
+        for side in (-1, 1)
+        for size in [(count * pitch_mm, 2.0)]
+    ]
+
+
+# The gap of the part with two edges (3 mm) and the six pins of the connector are published; the rest is
+# chosen: an 8-pin socket 7.62 mm apart, an M4 bolt on its side, an M5 washer, a connector of 2 × 3 barrels.
+SHAPES = {
+    "edge": [bar(0.0, 0.95, 14.0, 1.2, 4.0)],
+    "upright edge": [bar(0.95, 0.0, 1.2, 13.3)],
+    "IC socket": _rows_of_pins(45.0),
+    "two edges": [bar(0.0, 2.85, 13.0, 1.5), bar(0.0, -2.85, 13.0, 3.9)],
+    "bolt": [bar(-4.2, 0.0, 3.0, 7.0), bar(2.0, 0.0, 9.4, 1.6)],
+    "washer": [ring(0.0, 0.0, 10.0, 5.3)],
+    "connector": [ring(x, y, 3.2) for x in (-4.75, 0.0, 4.75) for y in (-2.4, 2.4)],
+}
+
+
+def _within(piece, x_mm, y_mm):
+    """Which points lie in the piece."""
+    kind, x0, y0, *sizes = piece
+    x, y = x_mm - x0, y_mm - y0
+    if kind == "ring":
+        outer, inner = sizes
+        return (np.hypot(x, y) <= outer / 2) & (np.hypot(x, y) >= inner / 2)
+    wide, high, degrees = sizes
+    cos, sin = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
+    return (np.abs(x * cos + y * sin) <= wide / 2) & (np.abs(y * cos - x * sin) <= high / 2)
+
+
+def points(shape, reach_mm=12.0):
+    """(x_mm, y_mm, area_mm2): points that stand for the area the object touches."""
+    steps = np.arange(-reach_mm + STEP_MM / 2, reach_mm, STEP_MM)
+    x_mm, y_mm = (axis.ravel() for axis in np.meshgrid(steps, steps))
+    touched = np.any([_within(piece, x_mm, y_mm) for piece in SHAPES[shape]], axis=0)
+    return x_mm[touched], y_mm[touched], np.full(touched.sum(), STEP_MM**2)
+
+
+def outlines(shape):
+    """Closed lines [points, 2] in millimetres around each piece."""
+    lines = []
+    for kind, x0, y0, *sizes in SHAPES[shape]:
+        if kind == "ring":
+            angle = np.linspace(0, 2 * np.pi, 61)
+            circle = np.stack([np.cos(angle), np.sin(angle)], axis=1) / 2
+            lines += [(x0, y0) + size * circle for size in sizes if size > 0]
+        else:
+            wide, high, degrees = sizes
+            corners = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1), (-1, -1)]) * (wide / 2, high / 2)
+            cos, sin = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
+            lines.append(corners @ np.array([[cos, sin], [-sin, cos]]) + (x0, y0))
+    return lines

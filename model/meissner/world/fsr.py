@@ -1,0 +1,171 @@
+"""A matrix of force-sensing resistors: the cells, the network they make, its readout, its faults.
+
+    G(F) = 1/R_rest + (F - F_break)^p / R_1N          a cell's conductance; the power p of its material
+
+One row is driven at a time and every column read. Rows and columns are nodes of one network, solved whole:
+
+    rows      sum_j G_ij (u_i - v_j) = t_i (d_i - u_i)     t_i = 1/driver of the line's end, d_i = V or 0
+    columns   sum_i G_ij (v_j - u_i) = -s v_j              s: 1/R of what holds the column
+
+``zero potential``: each column ends in an amplifier that holds it at 0 V up to ``hold_ohm``; it reports the
+current times its feedback resistor, so ghosts are as small as ``driver_ohm`` and ``hold_ohm``. ``divider``:
+each column ends in the series resistor whose voltage is read. Unselected rows are ``grounded`` or
+``floating``; a floating row carries current from column to column, which is ghosting.
+
+Not modelled: settling, hysteresis and spread of p from cell to cell, temperature, humidity, the sheet's
+conduction from one cell to the next (Velostat between crossed traces has some).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+CIRCUITS = ("zero potential", "divider")
+UNSELECTED = ("grounded", "floating")
+FAULTS = ("dead row", "open column", "dead", "stuck", "saturated", "blinking")
+SHORT_SIEMENS = 1e-2  # of a saturated cell; chosen
+STUCK_SHARE = 0.4  # of the top code; chosen
+BLINK_S = 0.05  # mean length of each state of a blinking cell; chosen
+DRIFT_FROM_S = 0.1  # load applied for longer drifts by the decade; chosen
+
+
+@dataclass(frozen=True)
+class Material:
+    """``ohm_1n``: of a cell under 1 N; ``power`` p; ``rest_ohm`` unpressed; ``break_n``: force to begin with.
+
+    ``spread``: standard deviation from cell to cell; ``drift``: rise of G per decade of time under load.
+    """
+
+    ohm_1n: float
+    power: float
+    rest_ohm: float
+    break_n: float
+    spread: float
+    drift: float
+
+
+# Interlink, FSR 400 series data sheet: more than 10 megohms unpressed, from 0.2 N, +-6 % from part to part
+# in a batch, drift below 5 % per decade; resistance and power are read off its curve. Velostat: chosen.
+MATERIALS = {
+    "FSR400": Material(ohm_1n=6e3, power=0.9, rest_ohm=10e6, break_n=0.2, spread=0.06, drift=0.03),
+    "Velostat": Material(ohm_1n=20e3, power=1.0, rest_ohm=1e6, break_n=0.0, spread=0.08, drift=0.02),
+}
+
+
+@dataclass(frozen=True)
+class Readout:
+    """The circuit; resistances in ohms. ``load_ohm``: feedback or series resistor."""
+
+    circuit: str
+    unselected: str
+    supply_v: float
+    driver_ohm: float
+    load_ohm: float
+    hold_ohm: float = 0.5
+
+    @property
+    def column_siemens(self):
+        return 1 / (self.hold_ohm if self.circuit == "zero potential" else self.load_ohm)
+
+
+@dataclass(frozen=True)
+class Fault:
+    """A fault of FAULTS at ``row``, ``column``; the other one is -1 for a whole line."""
+
+    kind: str
+    row: int
+    column: int
+
+
+def conductance(force_n, material, strength=1.0):
+    """Siemens of cells under forces in newtons; ``strength``: each cell's own share of the usual."""
+    pressed = np.maximum(np.asarray(force_n, float) - material.break_n, 0.0)
+    return strength * pressed**material.power / material.ohm_1n + 1 / material.rest_ohm
+
+
+def strengths(rows, columns, material, rng):
+    """Each cell's share of the usual conductance [rows, columns]."""
+    return np.maximum(1 + material.spread * rng.standard_normal((rows, columns)), 0.1)
+
+
+def drift(force_n, material, rate_hz):
+    """1 + what each cell's conductance has gained under load; ``force_n`` [frames, ...]."""
+    gain, loaded_s = np.ones(np.shape(force_n)), np.zeros(np.shape(force_n)[1:])
+    for k, force in enumerate(np.asarray(force_n)):
+        gain[k] += material.drift * np.log10(1 + loaded_s / DRIFT_FROM_S)
+        loaded_s = np.where(force > material.break_n, loaded_s + 1 / rate_hz, 0.0)
+    return gain
+
+
+def break_cells(siemens, faults, rate_hz, rng):
+    """The conductances [frames, rows, columns] with dead, saturated and blinking cells in them."""
+    siemens = np.array(siemens)
+    for fault in faults:
+        cell = siemens[:, fault.row, fault.column]
+        if fault.kind == "dead":
+            cell[:] = 0.0
+        elif fault.kind == "saturated":
+            cell[:] = SHORT_SIEMENS
+        elif fault.kind == "blinking":
+            flips = rng.random(len(siemens)) < 1 / (BLINK_S * rate_hz)
+            cell[np.cumsum(flips) % 2 == 1] = 0.0
+    return siemens
+
+
+def column_volts(siemens, readout, faults=()):
+    """Voltage of every column while each row is driven [..., rows, columns], by nodal analysis.
+
+    ``siemens`` [..., rows, columns]. Lines named by a "dead row" or an "open column" are cut off at their
+    end; a column cut off there reads 0.
+    """
+    siemens = np.asarray(siemens, float)
+    rows, columns = siemens.shape[-2:]
+    tied = np.full(rows, 1 / readout.driver_ohm)
+    held = np.full(columns, readout.column_siemens)
+    for fault in faults:
+        if fault.kind == "dead row":
+            tied[fault.row] = 0.0
+        elif fault.kind == "open column":
+            held[fault.column] = 0.0
+    volts = np.zeros(siemens.shape)
+    if readout.unselected == "grounded":
+        drives = np.diag(readout.supply_v * tied)  # one network, another row driven each time
+        volts = _solve(siemens, tied, held, drives)
+    else:
+        for row in range(rows):
+            only = np.where(np.arange(rows) == row, tied, 0.0)
+            volts[..., row, :] = _solve(siemens, only, held, readout.supply_v * np.diag(only)[row][None])[
+                ..., 0, :
+            ]
+    return np.where(held > 0, volts, 0.0)
+
+
+def _solve(siemens, tied, held, drives):
+    """Column voltages [..., drives, columns] for currents ``drives`` [drives, rows] into the rows.
+
+    The rows are eliminated: (diag(held + sum_i G) - G' D^-1 G) v = G' D^-1 i with D = diag(tied + sum_j G).
+    """
+    own = tied + siemens.sum(-1)
+    weight = np.divide(1.0, own, out=np.zeros_like(own), where=own > 0)
+    onto = siemens * weight[..., None]  # D^-1 G
+    matrix = -np.swapaxes(siemens, -1, -2) @ onto
+    total = held + siemens.sum(-2)
+    # A column with nothing on it stays at 0 V.
+    matrix[..., np.arange(len(held)), np.arange(len(held))] += np.where(total > 0, total, 1.0)
+    return np.swapaxes(np.linalg.solve(matrix, np.swapaxes(drives @ onto, -1, -2)), -1, -2)
+
+
+def output_volts(siemens, readout, faults=()):
+    """What the converter sees of every cell [..., rows, columns]."""
+    volts = column_volts(siemens, readout, faults)
+    if readout.circuit == "divider":
+        return volts
+    return volts * readout.column_siemens * readout.load_ohm
+
+
+def stick(codes, faults, top):
+    """The codes [frames, rows, columns] with the stuck cells in them."""
+    for fault in faults:
+        if fault.kind == "stuck":
+            codes[:, fault.row, fault.column] = round(STUCK_SHARE * top)
+    return codes

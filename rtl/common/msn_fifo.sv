@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// First in, first out: Depth entries in memory and two registers behind it. Latency 3 clocks, one entry a clock.
+// Model: model/meissner/common/fifo.py
+
+module msn_fifo #(
+  parameter int unsigned Depth = 16,  // a power of two
+  parameter int unsigned Width = 8
+) (
+  input  logic             clk_i,
+  input  logic             rst_i,
+
+  input  logic             in_valid_i,
+  output logic             in_ready_o,
+  input  logic [Width-1:0] in_data_i,
+
+  output logic             out_valid_o,
+  input  logic             out_ready_i,
+  output logic [Width-1:0] out_data_o
+);
+
+  if (Depth < 2 || (Depth & (Depth - 1)) != 0) begin : gen_check_depth
+    $fatal(1, "msn_fifo: Depth = %0d must be a power of two, 2 or more", Depth);
+  end
+  if (Width < 1) begin : gen_check_width
+    $fatal(1, "msn_fifo: Width = %0d must be at least 1", Width);
+  end
+
+  localparam int unsigned PlaceBits = $clog2(Depth);
+
+  (* no_rw_check *) logic [Width-1:0] memory [Depth];
+  logic [Width-1:0]   fetched;
+  logic [PlaceBits:0] written, read;  // one bit more than a place: full and empty differ
+  logic               put, get, fetched_valid, free;
+  assign in_ready_o = (written ^ read) != {1'b1, PlaceBits'(0)};
+  assign put        = in_valid_i && in_ready_o;
+  assign free       = out_ready_i || !out_valid_o;
+  assign get        = written != read && (free || !fetched_valid);
+
+  always_ff @(posedge clk_i) begin
+    if (put) begin
+      memory[written[PlaceBits-1:0]] <= in_data_i;
+      written <= written + 1'b1;
+    end
+    if (get) begin
+      fetched <= memory[read[PlaceBits-1:0]];
+      read    <= read + 1'b1;
+    end
+    fetched_valid <= get || (fetched_valid && !free);
+    if (free) begin
+      out_data_o  <= fetched;
+      out_valid_o <= fetched_valid;
+    end
+    if (rst_i) begin
+      written       <= '0;
+      read          <= '0;
+      fetched_valid <= 1'b0;
+      out_valid_o   <= 1'b0;
+    end
+  end
+
+endmodule

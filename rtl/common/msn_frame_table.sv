@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// One word per beat of a frame, in block RAM, read ahead: the word of the next beat already waits in a register.
+//
+//   out_data_o after a restart = word Start, then one further with every advance, round and round
+//
+// Beats come in order, so the address needs no sample: the memory's slow output (5.8 ns on ECP5) has a
+// register of its own and costs no latency. The user advances when it took a word and while out_valid_o is
+// low. A restart (hold it a clock or more) takes up bank_i; the first word is there two advances later.
+// With two banks the one not read can be written at any time, each part of a word by itself.
+// Model: model/meissner/common/frame_table.py
+
+module msn_frame_table #(
+  parameter  int unsigned Words       = 4096,
+  parameter  int unsigned Parts       = 1,
+  parameter  int unsigned PartBits    = 33,
+  parameter  int unsigned Banks       = 2,
+  parameter  int unsigned Start       = 0,
+  localparam int unsigned WordBits    = msn_pkg::index_width(Words)
+) (
+  input  logic                      clk_i,
+
+  input  logic                      restart_i,
+  input  logic                      bank_i,
+  input  logic                      advance_i,
+  output logic                      out_valid_o,
+  output logic [Parts*PartBits-1:0] out_data_o,
+
+  input  logic [Parts-1:0]          write_i,
+  input  logic                      write_bank_i,
+  input  logic [WordBits-1:0]       write_word_i,
+  input  logic [Parts*PartBits-1:0] write_data_i
+);
+
+  if (Words < 1) begin : gen_check_words
+    $fatal(1, "msn_frame_table: Words = %0d must be at least 1", Words);
+  end
+  if (Parts < 1 || PartBits < 1) begin : gen_check_parts
+    $fatal(1, "msn_frame_table: Parts = %0d and PartBits = %0d must be at least 1", Parts, PartBits);
+  end
+  if (Banks != 1 && Banks != 2) begin : gen_check_banks
+    $fatal(1, "msn_frame_table: Banks = %0d must be 1 or 2", Banks);
+  end
+  if (Start >= Words) begin : gen_check_start
+    $fatal(1, "msn_frame_table: Start = %0d must be below Words = %0d", Start, Words);
+  end
+
+  localparam int unsigned AddressBits = msn_pkg::index_width(Words * Banks);
+
+  logic [AddressBits-1:0] first, final_word, address, write_address;
+  logic                   bank, write_bank, read_valid;
+  assign bank          = Banks == 2 && bank_i;
+  assign write_bank    = Banks == 2 && write_bank_i;
+  assign write_address = AddressBits'(write_word_i) + (write_bank ? AddressBits'(Words) : '0);
+
+  always_ff @(posedge clk_i) begin
+    if (restart_i) begin
+      address    <= AddressBits'(Start) + (bank ? AddressBits'(Words) : '0);
+      first      <= bank ? AddressBits'(Words) : '0;
+      final_word <= AddressBits'(Words - 1) + (bank ? AddressBits'(Words) : '0);
+    end else if (advance_i) begin
+      address    <= address == final_word ? first : address + 1'b1;
+    end
+    if (advance_i) {out_valid_o, read_valid} <= {read_valid, 1'b1};
+    if (restart_i) {out_valid_o, read_valid} <= '0;
+  end
+
+  // Slices as wide as one ECP5 block RAM is at this depth: deeper memories of several blocks would have a
+  // multiplexer between the slow output and its register (102 instead of 131 MHz at 8192 words).
+  localparam int unsigned Depth     = Words * Banks;
+  localparam int unsigned SliceBits = (Depth <= 1024) ? 18 : (Depth <= 2048) ? 9 :
+                                      (Depth <= 4096) ? 4 : (Depth <= 8192) ? 2 : 1;
+
+  for (genvar p = 0; p < Parts; p++) begin : gen_part
+    for (genvar low = 0; low < PartBits; low += SliceBits) begin : gen_slice
+      localparam int unsigned Bits = (PartBits - low < SliceBits) ? PartBits - low : SliceBits;
+      (* no_rw_check *) logic [Bits-1:0] memory [Depth];
+      logic [Bits-1:0] read;
+      always_ff @(posedge clk_i) begin
+        if (write_i[p]) memory[write_address] <= write_data_i[p*PartBits+low+:Bits];
+        if (advance_i) begin
+          read                             <= memory[address];
+          out_data_o[p*PartBits+low+:Bits] <= read;
+        end
+      end
+    end
+  end
+
+endmodule

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Cuts the path of `ready` at a boundary: in_ready_o is a register, what goes through is not.
+//
+//   out = in, in order; the one word that comes while the follower stands still is kept aside
+//
+// Latency 0 clocks, a word a clock.   Model: model/meissner/common/skid.py
+
+module msn_skid #(
+  parameter int unsigned Width = 16
+) (
+  input  logic             clk_i,
+  input  logic             rst_i,
+
+  input  logic             in_valid_i,
+  output logic             in_ready_o,
+  input  logic [Width-1:0] in_data_i,
+
+  output logic             out_valid_o,
+  input  logic             out_ready_i,
+  output logic [Width-1:0] out_data_o
+);
+
+  if (Width < 1) begin : gen_check_width
+    $fatal(1, "msn_skid: Width = %0d must be at least 1", Width);
+  end
+
+  logic             aside;
+  logic [Width-1:0] kept;
+  assign in_ready_o  = !aside;
+  assign out_valid_o = in_valid_i || aside;
+  assign out_data_o  = aside ? kept : in_data_i;
+
+  always_ff @(posedge clk_i) begin
+    if (!aside) kept <= in_data_i;
+    aside <= out_valid_o && !out_ready_i;
+    if (rst_i) aside <= 1'b0;
+  end
+
+endmodule

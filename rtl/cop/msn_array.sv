@@ -1,0 +1,429 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// A scanned array from its pins to the centre of pressure: instances and wires only, in data-path order.
+//
+//   lines, ADC pins ─ scan_adc or scan_demod ─ health ─ tare ─ calibrate ─ cop ─ x, y, load
+//
+// Demod: the taxels are read as amplitudes of a carrier (msn_scan_demod), one lane; else Converters lanes, and slip
+// rounds on a stream of their own. Without Health or Tare that stage is not there. With Tare the calibration has
+// gains only: the zero of a taxel is taken off before.
+// Latency from a scanned frame's last beat: 16 clocks with all stages, the same in every frame.
+// Model: model/meissner/cop/array.py
+
+module msn_array #(
+  parameter  int unsigned Rows             = 16,
+  parameter  int unsigned Columns          = 16,
+  parameter  bit          Demod            = 1'b0,
+  parameter  bit          Health           = 1'b1,
+  parameter  bit          Tare             = 1'b1,
+  parameter  int unsigned Part             = msn_pkg::AdcAd7606,  // msn_pkg::adc_part_e
+  parameter  int unsigned Converters       = 1,
+  parameter  int unsigned Channels         = 8,                   // of each converter; Demod: one
+  parameter  int unsigned AdcLanes         = 1,
+  parameter  int unsigned ClkKhz           = 25_000,
+  parameter  int unsigned SclkKhz          = msn_adc_pkg::sclk_default_khz(Part),
+  parameter  int unsigned SettleBits       = 16,
+  parameter  int unsigned PeriodBits       = 32,
+  parameter  int unsigned SlipSlots        = 1,
+  parameter  int unsigned Form             = msn_pkg::DemodIq,    // this and the next five: msn_scan_demod
+  parameter  int unsigned SamplesPerPeriod = 4,
+  parameter  int unsigned SamplePeriod     = 160,
+  parameter  int unsigned Periods          = 4,
+  parameter  int unsigned Skip             = 4,
+  parameter  int unsigned Shift            = 3,
+  parameter  bit          RowColumn        = 1'b0,                // gains of rows and columns, not of taxels
+  parameter  int unsigned GainShift        = 12,
+  parameter  int unsigned TareLog2         = 4,
+  parameter  int unsigned FractionBits     = 14,
+  parameter  int unsigned BitsPerClock     = 2,
+  localparam int unsigned SampleBits       = 17,
+  localparam int unsigned Lanes            = Demod ? 1 : Converters,
+  localparam int unsigned ZeroedBits       = Tare ? SampleBits + 1 : SampleBits,
+  localparam int unsigned OffsetBits       = ZeroedBits - 32'(RowColumn),
+  localparam int unsigned RowBits          = msn_pkg::index_width(Rows),
+  localparam int unsigned Beats            = (Columns + Lanes - 1) / Lanes,
+  localparam int unsigned IdBits           = msn_pkg::index_width(Rows * Beats),
+  localparam int unsigned Inputs           = Demod ? 1 : Channels,
+  localparam int unsigned GroupBits        = msn_pkg::index_width((Columns + Converters * Inputs - 1)
+                                                                  / (Converters * Inputs)),
+  localparam int unsigned SlipIdBits       = msn_pkg::index_width(SlipSlots * Inputs),
+  localparam int unsigned CountBits        = msn_pkg::index_width(Rows * Columns + 1),
+  localparam int unsigned SumBits          = 16 + $clog2(Rows * Columns),
+  localparam int unsigned CopBits          = FractionBits + 2
+) (
+  input  logic                             clk_i,
+  input  logic                             rst_i,
+  input  logic [47:0]                      now_i,
+
+  input  logic                             cfg_enable_i,         // msn_scan
+  input  logic [SettleBits-1:0]            cfg_settle_i,
+  input  logic [PeriodBits-1:0]            cfg_period_i,
+  input  logic                             cfg_interleave_i,
+  input  logic [PeriodBits-1:0]            cfg_slip_period_i,
+  input  logic [SlipSlots*(RowBits+1)-1:0] cfg_slip_row_i,
+  input  logic [SlipSlots*GroupBits-1:0]   cfg_slip_group_i,
+
+  input  logic [SampleBits-1:0]            cfg_band_i,           // msn_health
+  input  logic [SampleBits-1:0]            cfg_jump_i,
+  input  logic signed [SampleBits-1:0]     cfg_low_i,
+  input  logic signed [SampleBits-1:0]     cfg_high_i,
+  input  logic                             cfg_user_i,
+  input  logic                             cfg_edges_i,
+  input  logic [7:0]                       cfg_still_i,
+  input  logic [7:0]                       cfg_rail_i,
+  input  logic [7:0]                       cfg_blink_i,
+  input  logic                             cfg_clear_i,
+  input  logic                             cfg_report_i,
+
+  input  logic [SampleBits-1:0]            cfg_contact_i,        // msn_tare
+  input  logic [7:0]                       cfg_step_i,
+  input  logic                             cfg_tare_i,
+  input  logic                             cfg_force_i,
+  input  logic                             cfg_load_i,
+  input  logic [Lanes-1:0]                 cfg_zero_write_i,
+  input  logic [IdBits-1:0]                cfg_zero_word_i,
+  input  logic [SampleBits-1:0]            cfg_zero_i,
+  output logic                             cfg_loading_o,
+
+  input  logic [Lanes-1:0]                 cfg_write_i,          // msn_calibrate
+  input  logic                             cfg_write_row_i,
+  input  logic [IdBits-1:0]                cfg_word_i,
+  input  logic [OffsetBits-1:0]            cfg_offset_i,
+  input  logic [15:0]                      cfg_gain_i,
+  input  logic                             cfg_swap_i,
+  output logic                             cfg_swapping_o,
+  input  logic [SumBits-1:0]               cfg_min_load_i,       // msn_cop
+
+  output logic [Rows-1:0]                  row_o,
+  output logic [GroupBits-1:0]             group_o,
+  output logic [Converters-1:0]            adc_cs_n_o,
+  output logic [Converters-1:0]            adc_sclk_o,
+  output logic [Converters-1:0]            adc_mosi_o,
+  input  logic [Converters*AdcLanes-1:0]   adc_miso_i,
+  output logic [Converters-1:0]            adc_convst_o,
+  input  logic [Converters-1:0]            adc_busy_i,
+  output logic [Converters-1:0]            adc_reset_o,
+  output logic                             convert_o,
+
+  output logic                             out_valid_o,
+  input  logic                             out_ready_i,
+  output logic signed [CopBits-1:0]        out_x_o,
+  output logic signed [CopBits-1:0]        out_y_o,
+  output logic [SumBits-1:0]               out_load_o,
+  output logic                             out_pressed_o,
+
+  output logic                             slip_valid_o,
+  input  logic                             slip_ready_i,
+  output logic [Lanes*SampleBits-1:0]      slip_data_o,
+  output logic [SlipIdBits-1:0]            slip_id_o,
+  output logic                             slip_last_o,
+  output logic [Lanes-1:0]                 slip_user_o,
+  output logic [31:0]                      slip_frame_o,
+  output logic [47:0]                      slip_time_o,
+
+  output logic                             event_valid_o,        // msn_health
+  input  logic                             event_ready_i,
+  output logic [IdBits-1:0]                event_id_o,
+  output logic [Lanes-1:0]                 event_dead_o,
+  output logic [Lanes-1:0]                 event_railed_o,
+  output logic [Lanes-1:0]                 event_blinking_o,
+  output logic [CountBits-1:0]             dead_o,
+  output logic [CountBits-1:0]             railed_o,
+  output logic [CountBits-1:0]             blinking_o,
+
+  output logic                             taring_o,             // msn_tare
+  output logic                             pressed_o,
+  output logic [15:0]                      tared_o,
+  output logic [15:0]                      refused_o,
+
+  output logic [31:0]                      dropped_o,            // msn_scan
+  output logic [31:0]                      overrun_o,
+  output logic [31:0]                      held_o,
+  output logic [31:0]                      lost_o,
+  output logic [31:0]                      slip_dropped_o,
+  output logic [31:0]                      slip_overrun_o,
+  output logic [31:0]                      swallowed_o,          // frames, while zeros are loaded
+  output logic [31:0]                      damaged_o             // frames that came without a result
+);
+
+  logic                        scan_valid, scan_ready, scan_last;
+  logic [Lanes*SampleBits-1:0] scan_data;
+  logic [IdBits-1:0]           scan_id;
+  logic [Lanes-1:0]            scan_user;
+  logic [31:0]                 unused_frame;
+  logic [47:0]                 unused_time;
+  if (!Demod) begin : gen_scan_adc
+    msn_scan_adc #(
+      .Rows      (Rows),
+      .Columns   (Columns),
+      .Lanes     (Lanes),
+      .Part      (Part),
+      .Channels  (Channels),
+      .AdcLanes  (AdcLanes),
+      .ClkKhz    (ClkKhz),
+      .SclkKhz   (SclkKhz),
+      .SampleBits(SampleBits),
+      .SlipSlots (SlipSlots),
+      .SettleBits(SettleBits),
+      .PeriodBits(PeriodBits)
+    ) u_scan_adc (
+      .clk_i,
+      .rst_i,
+      .cfg_enable_i,
+      .cfg_settle_i,
+      .cfg_period_i,
+      .cfg_interleave_i,
+      .cfg_first_row_i   ('0),
+      .cfg_last_row_i    ('1),
+      .cfg_first_column_i('0),
+      .cfg_last_column_i ('1),
+      .cfg_slip_period_i,
+      .cfg_slip_row_i,
+      .cfg_slip_group_i,
+      .now_i,
+      .row_o,
+      .group_o,
+      .adc_cs_n_o,
+      .adc_sclk_o,
+      .adc_mosi_o,
+      .adc_miso_i,
+      .adc_convst_o,
+      .adc_busy_i,
+      .adc_reset_o,
+      .convert_o,
+      .out_valid_o       (scan_valid),
+      .out_ready_i       (scan_ready),
+      .out_data_o        (scan_data),
+      .out_id_o          (scan_id),
+      .out_last_o        (scan_last),
+      .out_user_o        (scan_user),
+      .out_frame_o       (unused_frame),
+      .out_time_o        (unused_time),
+      .slip_valid_o,
+      .slip_ready_i,
+      .slip_data_o,
+      .slip_id_o,
+      .slip_last_o,
+      .slip_user_o,
+      .slip_frame_o,
+      .slip_time_o,
+      .dropped_o,
+      .overrun_o,
+      .held_o,
+      .lost_o,
+      .slip_dropped_o,
+      .slip_overrun_o
+    );
+
+  end else begin : gen_scan_demod
+    msn_scan_demod #(
+      .Rows            (Rows),
+      .Columns         (Columns),
+      .Converters      (Converters),
+      .Part            (Part),
+      .ClkKhz          (ClkKhz),
+      .SclkKhz         (SclkKhz),
+      .SampleBits      (SampleBits),
+      .Form            (Form),
+      .SamplesPerPeriod(SamplesPerPeriod),
+      .SamplePeriod    (SamplePeriod),
+      .Periods         (Periods),
+      .Skip            (Skip),
+      .Shift           (Shift),
+      .SettleBits      (SettleBits),
+      .PeriodBits      (PeriodBits)
+    ) u_scan_demod (
+      .clk_i,
+      .rst_i,
+      .cfg_enable_i,
+      .cfg_settle_i,
+      .cfg_period_i,
+      .cfg_interleave_i,
+      .cfg_first_row_i   ('0),
+      .cfg_last_row_i    ('1),
+      .cfg_first_column_i('0),
+      .cfg_last_column_i ('1),
+      .now_i,
+      .row_o,
+      .group_o,
+      .adc_cs_n_o,
+      .adc_sclk_o,
+      .adc_mosi_o,
+      .adc_miso_i        (adc_miso_i[Converters-1:0]),
+      .convert_o,
+      .out_valid_o       (scan_valid),
+      .out_ready_i       (scan_ready),
+      .out_data_o        (scan_data),
+      .out_id_o          (scan_id),
+      .out_last_o        (scan_last),
+      .out_user_o        (scan_user),
+      .out_frame_o       (unused_frame),
+      .out_time_o        (unused_time),
+      .dropped_o,
+      .overrun_o,
+      .held_o,
+      .lost_o
+    );
+    assign {adc_convst_o, adc_reset_o} = '0;
+    assign {slip_valid_o, slip_data_o, slip_id_o, slip_last_o, slip_user_o, slip_frame_o, slip_time_o} = '0;
+    assign {slip_dropped_o, slip_overrun_o} = '0;
+    logic unused_slip;
+    assign unused_slip = ^{cfg_slip_period_i, cfg_slip_row_i, cfg_slip_group_i, slip_ready_i, adc_busy_i,
+                           adc_miso_i};
+  end
+
+  logic                        sound_valid, sound_ready, sound_last;
+  logic [Lanes*SampleBits-1:0] sound_data;
+  logic [IdBits-1:0]           sound_id;
+  logic [Lanes-1:0]            sound_mask;
+  logic [31:0]                 unused_health_damaged;  // it stays damaged and is counted at the end
+  if (Health) begin : gen_health
+    msn_health #(.Rows(Rows), .Columns(Columns), .Lanes(Lanes), .SampleBits(SampleBits)) u_health (
+      .clk_i,
+      .rst_i,
+      .cfg_band_i,
+      .cfg_jump_i,
+      .cfg_low_i,
+      .cfg_high_i,
+      .cfg_user_i,
+      .cfg_edges_i,
+      .cfg_still_i,
+      .cfg_rail_i,
+      .cfg_blink_i,
+      .cfg_clear_i,
+      .cfg_report_i,
+      .in_valid_i (scan_valid),
+      .in_ready_o (scan_ready),
+      .in_data_i  (scan_data),
+      .in_user_i  (scan_user),
+      .in_id_i    (scan_id),
+      .in_last_i  (scan_last),
+      .out_valid_o(sound_valid),
+      .out_ready_i(sound_ready),
+      .out_data_o (sound_data),
+      .out_mask_o (sound_mask),
+      .out_id_o   (sound_id),
+      .out_last_o (sound_last),
+      .event_valid_o,
+      .event_ready_i,
+      .event_id_o,
+      .event_dead_o,
+      .event_railed_o,
+      .event_blinking_o,
+      .dead_o,
+      .railed_o,
+      .blinking_o,
+      .damaged_o  (unused_health_damaged)
+    );
+  end else begin : gen_no_health
+    assign sound_valid    = scan_valid;
+    assign scan_ready     = sound_ready;
+    assign sound_data     = scan_data;
+    assign sound_mask     = '0;
+    assign sound_id       = scan_id;
+    assign sound_last     = scan_last;
+    assign unused_health_damaged = '0;
+    assign {event_valid_o, event_id_o, event_dead_o, event_railed_o, event_blinking_o} = '0;
+    assign {dead_o, railed_o, blinking_o} = '0;
+    logic unused_health;
+    assign unused_health = ^{cfg_band_i, cfg_jump_i, cfg_low_i, cfg_high_i, cfg_user_i, cfg_edges_i,
+                             cfg_still_i, cfg_rail_i, cfg_blink_i, cfg_clear_i, cfg_report_i, event_ready_i,
+                             scan_user};
+  end
+
+  logic                        zeroed_valid, zeroed_ready, zeroed_last;
+  logic [Lanes*ZeroedBits-1:0] zeroed_data;
+  logic [IdBits-1:0]           zeroed_id;
+  logic [Lanes-1:0]            zeroed_mask;
+  logic [31:0]                 unused_tare_damaged;
+  if (Tare) begin : gen_tare
+    msn_tare #(
+      .Rows      (Rows),
+      .Columns   (Columns),
+      .Lanes     (Lanes),
+      .SampleBits(SampleBits),
+      .TareLog2  (TareLog2)
+    ) u_tare (
+      .clk_i,
+      .rst_i,
+      .cfg_contact_i,
+      .cfg_step_i,
+      .cfg_tare_i,
+      .cfg_force_i,
+      .cfg_load_i,
+      .cfg_write_i (cfg_zero_write_i),
+      .cfg_word_i  (cfg_zero_word_i),
+      .cfg_offset_i(cfg_zero_i),
+      .cfg_loading_o,
+      .taring_o,
+      .pressed_o,
+      .tared_o,
+      .refused_o,
+      .swallowed_o,
+      .damaged_o   (unused_tare_damaged),
+      .in_valid_i  (sound_valid),
+      .in_ready_o  (sound_ready),
+      .in_data_i   (sound_data),
+      .in_mask_i   (sound_mask),
+      .in_id_i     (sound_id),
+      .in_last_i   (sound_last),
+      .out_valid_o (zeroed_valid),
+      .out_ready_i (zeroed_ready),
+      .out_data_o  (zeroed_data),
+      .out_mask_o  (zeroed_mask),
+      .out_id_o    (zeroed_id),
+      .out_last_o  (zeroed_last)
+    );
+  end else begin : gen_no_tare
+    assign zeroed_valid = sound_valid;
+    assign sound_ready  = zeroed_ready;
+    assign zeroed_data  = sound_data;
+    assign zeroed_mask  = sound_mask;
+    assign zeroed_id    = sound_id;
+    assign zeroed_last  = sound_last;
+    assign unused_tare_damaged = '0;
+    assign {cfg_loading_o, taring_o, pressed_o, tared_o, refused_o, swallowed_o} = '0;
+    logic unused_tare;
+    assign unused_tare = ^{cfg_contact_i, cfg_step_i, cfg_tare_i, cfg_force_i, cfg_load_i, cfg_zero_write_i,
+                           cfg_zero_word_i, cfg_zero_i};
+  end
+
+  logic [31:0] unused_damaged;
+  msn_cop_array #(
+    .Rows        (Rows),
+    .Columns     (Columns),
+    .Lanes       (Lanes),
+    .SampleBits  (ZeroedBits),
+    .GainShift   (GainShift),
+    .Offset      (!Tare),
+    .RowColumn   (RowColumn),
+    .FractionBits(FractionBits),
+    .BitsPerClock(BitsPerClock)
+  ) u_cop_array (
+    .clk_i,
+    .rst_i,
+    .cfg_write_i,
+    .cfg_write_row_i,
+    .cfg_word_i,
+    .cfg_offset_i,
+    .cfg_gain_i,
+    .cfg_swap_i,
+    .cfg_swapping_o,
+    .cfg_min_load_i,
+    .in_valid_i(zeroed_valid),
+    .in_ready_o(zeroed_ready),
+    .in_data_i (zeroed_data),
+    .in_mask_i (zeroed_mask),
+    .in_id_i   (zeroed_id),
+    .in_last_i (zeroed_last),
+    .out_valid_o,
+    .out_ready_i,
+    .out_x_o,
+    .out_y_o,
+    .out_load_o,
+    .out_pressed_o,
+    .damaged_o (unused_damaged),
+    .dropped_o (damaged_o)
+  );
+
+endmodule

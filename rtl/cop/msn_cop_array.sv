@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// From an array's samples to its centre of pressure and load: msn_calibrate, then msn_cop, and between them
+// msn_skid, so that msn_cop's ready does not reach msn_calibrate's registers in the same clock.
+//
+// Latency after a frame's last beat: 3 clocks (RowColumn 4) and msn_cop's, the same in every frame: 14 at one
+// lane, Q2.14 and two bits a clock.   Model: model/meissner/cop/cop_array.py
+
+module msn_cop_array #(
+  parameter  int unsigned Rows         = 64,
+  parameter  int unsigned Columns      = 64,
+  parameter  int unsigned Lanes        = 1,
+  parameter  int unsigned SampleBits   = 17,
+  parameter  int unsigned GainShift    = 12,
+  parameter  bit          Offset       = 1'b1,
+  parameter  bit          RowColumn    = 1'b0,
+  parameter  int unsigned FractionBits = 14,
+  parameter  int unsigned BitsPerClock = 2,
+  parameter  bit          Pipelined    = 1'b0,
+  localparam int unsigned IdBits       = msn_pkg::index_width(Rows * ((Columns + Lanes - 1) / Lanes)),
+  localparam int unsigned OffsetBits   = SampleBits - 32'(RowColumn),
+  localparam int unsigned SumBits      = 16 + $clog2(Rows * Columns),
+  localparam int unsigned CopBits      = FractionBits + 2
+) (
+  input  logic                        clk_i,
+  input  logic                        rst_i,
+
+  input  logic [Lanes-1:0]            cfg_write_i,      // msn_calibration_table
+  input  logic                        cfg_write_row_i,
+  input  logic [IdBits-1:0]           cfg_word_i,
+  input  logic [OffsetBits-1:0]       cfg_offset_i,
+  input  logic [15:0]                 cfg_gain_i,
+  input  logic                        cfg_swap_i,
+  output logic                        cfg_swapping_o,
+  input  logic [SumBits-1:0]          cfg_min_load_i,   // msn_cop
+
+  input  logic                        in_valid_i,
+  output logic                        in_ready_o,
+  input  logic [Lanes*SampleBits-1:0] in_data_i,
+  input  logic [Lanes-1:0]            in_mask_i,
+  input  logic [IdBits-1:0]           in_id_i,
+  input  logic                        in_last_i,
+
+  output logic                        out_valid_o,
+  input  logic                        out_ready_i,
+  output logic signed [CopBits-1:0]   out_x_o,
+  output logic signed [CopBits-1:0]   out_y_o,
+  output logic [SumBits-1:0]          out_load_o,
+  output logic                        out_pressed_o,
+
+  output logic [31:0]                 damaged_o,        // frames that came damaged, since reset
+  output logic [31:0]                 dropped_o         // of them and all others, without a result
+);
+
+  logic                force_valid, force_ready, force_last, next_valid, next_ready, next_last;
+  logic [Lanes*16-1:0] force_data, next_data;
+  logic [IdBits-1:0]   unused_id;
+
+  msn_calibrate #(
+    .Rows      (Rows),
+    .Columns   (Columns),
+    .Lanes     (Lanes),
+    .SampleBits(SampleBits),
+    .GainShift (GainShift),
+    .Offset    (Offset),
+    .RowColumn (RowColumn)
+  ) u_calibrate (
+    .clk_i,
+    .rst_i,
+    .cfg_write_i,
+    .cfg_write_row_i,
+    .cfg_word_i,
+    .cfg_offset_i,
+    .cfg_gain_i,
+    .cfg_swap_i,
+    .cfg_swapping_o,
+    .in_valid_i,
+    .in_ready_o,
+    .in_data_i,
+    .in_mask_i,
+    .in_id_i,
+    .in_last_i,
+    .out_valid_o(force_valid),
+    .out_ready_i(force_ready),
+    .out_data_o (force_data),
+    .out_id_o   (unused_id),
+    .out_last_o (force_last),
+    .damaged_o
+  );
+
+  msn_skid #(.Width(Lanes * 16 + 1)) u_skid (
+    .clk_i,
+    .rst_i,
+    .in_valid_i (force_valid),
+    .in_ready_o (force_ready),
+    .in_data_i  ({force_last, force_data}),
+    .out_valid_o(next_valid),
+    .out_ready_i(next_ready),
+    .out_data_o ({next_last, next_data})
+  );
+
+  msn_cop #(
+    .Rows        (Rows),
+    .Columns     (Columns),
+    .Lanes       (Lanes),
+    .FractionBits(FractionBits),
+    .BitsPerClock(BitsPerClock),
+    .Pipelined   (Pipelined)
+  ) u_cop (
+    .clk_i,
+    .rst_i,
+    .cfg_min_load_i,
+    .in_valid_i(next_valid),
+    .in_ready_o(next_ready),
+    .in_data_i (next_data),
+    .in_last_i (next_last),
+    .out_valid_o,
+    .out_ready_i,
+    .out_x_o,
+    .out_y_o,
+    .out_load_o,
+    .out_pressed_o,
+    .damaged_o (dropped_o)
+  );
+
+endmodule

@@ -1,0 +1,404 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Finds taxels that cannot be trusted and marks them, from the next frame on, in out_mask_o.
+//
+//   moved = |raw - held| > band, then held = raw      recent = moved in the last 3 frames, up or down
+//   dead      no move of its own while both neighbours in its row or column are recent the same way:
+//             +4 a frame (+1 with cfg_edges_i beside the one neighbour at a border), up to cfg_still
+//   railed    at cfg_low, at cfg_high or (cfg_user_i) over-range, without a break for cfg_rail x 16 frames
+//   blinking  a step > jump while no neighbour is recent: +16, any other frame -1, up to cfg_blink
+//
+// A threshold of 0 turns a kind off. Faults stay until cfg_clear_i or reset. Each new one is an event; one that
+// nobody takes is offered again in the next frame; cfg_report_i sends them all again.
+//
+//   clock  1       2           3            4         5       6
+//          sample  raw - held  moved, jump  counters  events  write
+//
+// Latency 1 clock; a beat a clock, 9 clocks between frames.   Model: model/meissner/frontend/health.py
+
+module msn_health #(
+  parameter  int unsigned Rows       = 64,
+  parameter  int unsigned Columns    = 64,
+  parameter  int unsigned Lanes      = 1,
+  parameter  int unsigned SampleBits = 17,
+  localparam int unsigned RowBeats   = (Columns + Lanes - 1) / Lanes,
+  localparam int unsigned Beats      = Rows * RowBeats,
+  localparam int unsigned IdBits     = msn_pkg::index_width(Beats),
+  localparam int unsigned CountBits  = msn_pkg::index_width(Rows * Columns + 1)
+) (
+  input  logic                         clk_i,
+  input  logic                         rst_i,
+
+  input  logic [SampleBits-1:0]        cfg_band_i,    // codes, unsigned
+  input  logic [SampleBits-1:0]        cfg_jump_i,    // not less than the band
+  input  logic signed [SampleBits-1:0] cfg_low_i,
+  input  logic signed [SampleBits-1:0] cfg_high_i,
+  input  logic                         cfg_user_i,
+  input  logic                         cfg_edges_i,
+  input  logic [7:0]                   cfg_still_i,
+  input  logic [7:0]                   cfg_rail_i,
+  input  logic [7:0]                   cfg_blink_i,
+  input  logic                         cfg_clear_i,
+  input  logic                         cfg_report_i,
+
+  input  logic                         in_valid_i,
+  output logic                         in_ready_o,
+  input  logic [Lanes*SampleBits-1:0]  in_data_i,     // signed
+  input  logic [Lanes-1:0]             in_user_i,     // over-range
+  input  logic [IdBits-1:0]            in_id_i,
+  input  logic                         in_last_i,
+
+  output logic                         out_valid_o,
+  input  logic                         out_ready_i,
+  output logic [Lanes*SampleBits-1:0]  out_data_o,
+  output logic [Lanes-1:0]             out_mask_o,
+  output logic [IdBits-1:0]            out_id_o,
+  output logic                         out_last_o,
+
+  output logic                         event_valid_o, // all faults of one beat's taxels
+  input  logic                         event_ready_i,
+  output logic [IdBits-1:0]            event_id_o,
+  output logic [Lanes-1:0]             event_dead_o,
+  output logic [Lanes-1:0]             event_railed_o,
+  output logic [Lanes-1:0]             event_blinking_o,
+
+  output logic [CountBits-1:0]         dead_o,        // taxels, since reset or clear
+  output logic [CountBits-1:0]         railed_o,
+  output logic [CountBits-1:0]         blinking_o,
+  output logic [31:0]                  damaged_o
+);
+
+  localparam int unsigned StateBits = SampleBits + 32;
+  localparam int unsigned DiffBits  = SampleBits + 1;
+  localparam int unsigned RowBits   = msn_pkg::index_width(Rows);
+  localparam int unsigned BeatBits  = msn_pkg::index_width(RowBeats);
+
+  if (Rows < 1 || Rows > 1024) begin : gen_check_rows
+    $fatal(1, "msn_health: Rows = %0d must lie in 1 .. 1024", Rows);
+  end
+  if (Columns < 1 || Columns > 1024) begin : gen_check_columns
+    $fatal(1, "msn_health: Columns = %0d must lie in 1 .. 1024", Columns);
+  end
+  if (Lanes != 1 && Lanes != 2 && Lanes != 4 && Lanes != 8) begin : gen_check_lanes
+    $fatal(1, "msn_health: Lanes = %0d must be 1, 2, 4 or 8", Lanes);
+  end
+  if (SampleBits < 2 || SampleBits > 18) begin : gen_check_sample_bits
+    $fatal(1, "msn_health: SampleBits = %0d must lie in 2 .. 18", SampleBits);
+  end
+
+  // Frames. At each end the next waits until all of this one is written and its first words are read again.
+  localparam int unsigned Drain = 6;
+  logic accept, keep, last, fits, whole, was_whole, midway, ending, restart, done, due, head_valid;
+  logic [2:0]        drain;
+  logic [IdBits-1:0] place;
+  assign in_ready_o = (out_ready_i || !out_valid_o) && head_valid && !due;
+  assign accept     = in_valid_i && in_ready_o;
+  assign restart    = rst_i || drain != '0 || (accept && in_last_i);
+  assign done       = ending && drain == 3'd1;
+
+  msn_frame_place #(.Beats(Beats)) u_place (
+    .clk_i,
+    .rst_i,
+    .accept_i (accept),
+    .in_id_i,
+    .in_last_i,
+    .place_o  (place),
+    .keep_o   (keep),
+    .last_o   (last),
+    .fits_o   (fits),
+    .whole_o  (whole),
+    .damaged_o
+  );
+
+  // fresh: this frame only writes first states. again: nothing counts as reported. bank: the last whole
+  // frame's moves. tick: every 16th whole frame.
+  logic clear_asked, report_asked, fresh, again, bank, bank_next;
+  logic [3:0] tick;
+  assign bank_next = bank ^ (done && was_whole);
+  assign due       = !midway && (clear_asked || report_asked);
+  always_ff @(posedge clk_i) begin
+    if (accept) begin
+      midway    <= 1'b1;
+      ending    <= in_last_i;
+      was_whole <= whole;
+    end
+    if (accept && in_last_i) drain <= 3'(Drain);
+    else if (drain != '0) drain <= drain - 1'b1;
+    clear_asked  <= (cfg_clear_i || clear_asked) && !(due && clear_asked);  // held high, it blocks nothing
+    report_asked <= (cfg_report_i || report_asked) && !(due && report_asked);
+    if (due) begin
+      fresh <= fresh || clear_asked;
+      again <= again || report_asked;
+    end
+    bank <= bank_next;
+    if (done) begin
+      {midway, ending} <= '0;
+      if (was_whole) begin
+        {fresh, again} <= '0;
+        tick           <= tick + 1'b1;
+      end
+    end
+    if (rst_i) begin
+      {midway, ending, clear_asked, report_asked, again, bank} <= '0;
+      drain <= '0;
+      tick  <= '0;
+      fresh <= 1'b1;
+    end
+  end
+
+  // Read ahead: the taxels' states, and how those around them moved up to the last whole frame.
+  logic                       advance, state_valid, mid_valid, unused_up_valid, unused_down_valid;
+  logic [Lanes*StateBits-1:0] state_ahead, state_head, write_state;
+  logic [2*Lanes-1:0]         up_ahead, up_head, down_ahead, down_head, ahead, here, behind, write_moves;
+  logic                       write;
+  logic [IdBits-1:0]          write_place;
+  assign advance = accept || !head_valid;
+
+  msn_frame_table #(.Words(Beats), .Parts(1), .PartBits(Lanes * StateBits), .Banks(1)) u_states (
+    .clk_i,
+    .restart_i   (restart),
+    .bank_i      (1'b0),
+    .advance_i   (advance),
+    .out_valid_o (state_valid),
+    .out_data_o  (state_ahead),
+    .write_i     (write),
+    .write_bank_i(1'b0),
+    .write_word_i(write_place),
+    .write_data_i(write_state)
+  );
+  msn_frame_table #(.Words(Beats), .PartBits(2 * Lanes), .Start((Rows - 1) * RowBeats)) u_up (
+    .clk_i,
+    .restart_i   (restart),
+    .bank_i      (bank_next),
+    .advance_i   (advance),
+    .out_valid_o (unused_up_valid),
+    .out_data_o  (up_ahead),
+    .write_i     (write),
+    .write_bank_i(!bank),
+    .write_word_i(write_place),
+    .write_data_i(write_moves)
+  );
+  msn_frame_table #(.Words(Beats), .PartBits(2 * Lanes)) u_row (
+    .clk_i,
+    .restart_i   (restart),
+    .bank_i      (bank_next),
+    .advance_i   (advance),
+    .out_valid_o (mid_valid),
+    .out_data_o  (ahead),
+    .write_i     (write),
+    .write_bank_i(!bank),
+    .write_word_i(write_place),
+    .write_data_i(write_moves)
+  );
+  msn_frame_table #(.Words(Beats), .PartBits(2 * Lanes), .Start(Rows > 1 ? RowBeats : 0)) u_down (
+    .clk_i,
+    .restart_i   (restart),
+    .bank_i      (bank_next),
+    .advance_i   (advance),
+    .out_valid_o (unused_down_valid),
+    .out_data_o  (down_ahead),
+    .write_i     (write),
+    .write_bank_i(!bank),
+    .write_word_i(write_place),
+    .write_data_i(write_moves)
+  );
+
+  always_ff @(posedge clk_i) begin
+    if (advance) begin
+      head_valid <= state_valid && mid_valid;
+      state_head <= state_ahead;
+      up_head    <= up_ahead;
+      down_head  <= down_ahead;
+      here       <= ahead;
+      behind     <= here;
+    end
+    if (restart) head_valid <= 1'b0;
+  end
+
+  // Place in the array.
+  logic [BeatBits-1:0] beat;
+  logic [RowBits-1:0]  row;
+  logic                row_begin, row_end;
+  assign row_begin = beat == '0;
+  assign row_end   = beat == BeatBits'(RowBeats - 1);
+
+  // What is learnt follows behind the sample's own register, stalled by nothing.
+  logic [4:1]              learn;
+  logic [4:1][IdBits-1:0]  learn_place;
+  logic [Lanes-1:0]        loud, dead, railed, blinking, dead_new, railed_new, blinking_new;
+  logic                    send;
+  assign send = learn[4] && |loud && (!event_valid_o || event_ready_i);
+
+  always_ff @(posedge clk_i) begin
+    if (accept) begin
+      beat <= in_last_i || row_end ? '0 : beat + 1'b1;
+      row  <= in_last_i ? '0 : row + RowBits'(row_end);
+    end
+    if (out_ready_i || !out_valid_o) begin
+      out_valid_o <= accept && keep;
+      out_data_o  <= in_data_i;
+      out_id_o    <= in_id_i;
+      out_last_o  <= last;
+    end
+    learn       <= {learn[3:1], accept && fits};
+    learn_place <= {learn_place[3:1], place};
+    write       <= learn[4];
+    write_place <= learn_place[4];
+
+    if (event_ready_i || !event_valid_o) begin
+      event_valid_o    <= send;
+      event_id_o       <= learn_place[4];
+      event_dead_o     <= dead;
+      event_railed_o   <= railed;
+      event_blinking_o <= blinking;
+    end
+    if (learn[4]) begin
+      dead_o     <= dead_o + CountBits'($countones(dead_new));
+      railed_o   <= railed_o + CountBits'($countones(railed_new));
+      blinking_o <= blinking_o + CountBits'($countones(blinking_new));
+    end
+    if (rst_i || (due && clear_asked)) {dead_o, railed_o, blinking_o} <= '0;
+    if (rst_i) begin
+      beat          <= '0;
+      row           <= '0;
+      out_valid_o   <= 1'b0;
+      event_valid_o <= 1'b0;
+      learn         <= '0;
+      write         <= 1'b0;
+    end
+  end
+
+  for (genvar k = 0; k < Lanes; k++) begin : gen_lane
+    // Neighbours: does one exist, has it moved of late, and upwards?
+    logic has_left, has_right, has_up, has_down;
+    logic [1:0] left, right, up, down;
+    assign has_left = k > 0 || !row_begin;
+    assign has_up   = row != '0;
+    assign has_down = row != RowBits'(Rows - 1);
+    if (k > 0) begin : gen_left
+      assign left = {2{!fresh}} & here[2*k-1-:2];
+    end else begin : gen_left_outside
+      assign left = {2{has_left && !fresh}} & behind[2*Lanes-1-:2];
+    end
+    if (k < Lanes - 1) begin : gen_inside
+      assign has_right = (RowBeats - 1) * Lanes + k + 1 < Columns || !row_end;
+      assign right     = {2{has_right && !fresh}} & here[2*(k+1)+:2];
+    end else begin : gen_outside
+      assign has_right = !row_end;
+      assign right     = {2{has_right && !fresh}} & ahead[1:0];
+    end
+    assign up   = {2{has_up && !fresh}} & up_head[2*k+:2];
+    assign down = {2{has_down && !fresh}} & down_head[2*k+:2];
+
+    logic pair, border;
+    assign pair   = (left[1] && right[1] && left[0] == right[0]) || (up[1] && down[1] && up[0] == down[0]);
+    assign border = ((has_left != has_right) && (left[1] || right[1])) ||
+                    ((has_up != has_down) && (up[1] || down[1]));
+
+    // State: held sample, three counters, frames since a move, its direction, a jump in the last frame,
+    // the faults, and whether they were reported.
+    logic [StateBits-1:0]         head;
+    logic signed [SampleBits-1:0] held, raw;
+    logic [28:0]                  kept_1, kept_2, kept_3;
+    logic [2:0]                   faults_head;
+    logic                         reported_head;
+    assign head          = state_head[k*StateBits+:StateBits];
+    assign reported_head = head[0];
+    assign faults_head   = head[3:1];
+    assign raw           = signed'(out_data_o[k*SampleBits+:SampleBits]);
+
+    logic [2:0]                 fault_1, fault_2, fault_3;
+    logic                       surplus, surplus_2, surplus_3, user_1, pair_1, border_1, lonely_1, low, high;
+    logic signed [DiffBits-1:0] delta;
+    logic [SampleBits-1:0]      raw_2, raw_3, held_2, held_3;
+    logic                       over_2, over_3, lonely_2, lonely_3;
+    logic [2:0]                 proof_2, proof_3;
+    msn_compare #(.Width(SampleBits)) u_low  (.a_i(raw), .b_i(cfg_low_i), .greater_o(low));
+    msn_compare #(.Width(SampleBits)) u_high (.a_i(cfg_high_i), .b_i(raw), .greater_o(high));
+
+    logic above, below, far_above, far_below, moved, jump, rises;
+    logic signed [DiffBits-1:0] band_minus, jump_minus;
+    msn_compare #(.Width(DiffBits)) u_above (
+      .a_i(delta), .b_i(signed'({1'b0, cfg_band_i})), .greater_o(above)
+    );
+    msn_compare #(.Width(DiffBits)) u_below (.a_i(band_minus), .b_i(delta), .greater_o(below));
+    msn_compare #(.Width(DiffBits)) u_far_above (
+      .a_i(delta), .b_i(signed'({1'b0, cfg_jump_i})), .greater_o(far_above)
+    );
+    msn_compare #(.Width(DiffBits)) u_far_below (.a_i(jump_minus), .b_i(delta), .greater_o(far_below));
+
+    // 4: the next state.
+    logic [7:0] rail, blink, still, rail_next, blink_next, still_next;
+    logic [8:0] blink_more, still_more;
+    logic [1:0] since, since_next;
+    logic       up_last, jumped, up_next, reported;
+    logic [2:0] faults, found, faults_next;
+    assign {rail, blink, still, since, up_last, jumped} = {kept_3[28:1]};
+    assign faults     = fault_3;
+    assign reported   = kept_3[0];
+    assign rail_next  = !over_3 ? '0 : rail + 8'(tick == '0 && rail != '1);
+    assign blink_more = {1'b0, blink} + 9'd16;
+    assign blink_next = jumped && lonely_3 ? blink_more[7:0] | {8{blink_more[8]}} : blink - 8'(blink != '0);
+    assign still_more = {1'b0, still} + 9'(proof_3);
+    assign still_next = moved || since != '0 ? '0 : still_more[7:0] | {8{still_more[8]}};
+    assign since_next = moved ? 2'd3 : since - 2'(since != '0);
+    assign up_next    = moved ? rises : up_last;
+    assign found      = {still_next >= cfg_still_i && cfg_still_i != '0,
+                         rail_next >= cfg_rail_i && cfg_rail_i != '0,
+                         blink_next >= cfg_blink_i && cfg_blink_i != '0};
+    assign faults_next = surplus_3 || fresh ? '0 : faults | found;
+
+    logic [StateBits-1:4] state_4;
+    logic [1:0]           moves_4;
+    logic [2:0]           faults_4, news_4;
+    logic                 reported_4;
+    assign loud[k] = |faults_4 && !reported_4;
+    assign {dead[k], railed[k], blinking[k]}             = faults_4;
+    assign {dead_new[k], railed_new[k], blinking_new[k]} = news_4;
+
+    always_ff @(posedge clk_i) begin
+      if (out_ready_i || !out_valid_o) out_mask_o[k] <= |faults_head && !fresh;
+      if (accept) begin
+        held     <= signed'(head[StateBits-1-:SampleBits]);
+        kept_1   <= {head[31:4], reported_head && !again};
+        fault_1  <= faults_head;
+        surplus  <= row_end && (RowBeats - 1) * Lanes + k >= Columns;
+        user_1   <= in_user_i[k];
+        pair_1   <= pair;
+        border_1 <= border && cfg_edges_i;
+        lonely_1 <= !(left[1] || right[1] || up[1] || down[1]);
+      end
+      band_minus <= '0 - DiffBits'(cfg_band_i);
+      jump_minus <= '0 - DiffBits'(cfg_jump_i);
+
+      delta          <= DiffBits'(raw) - DiffBits'(held);
+      raw_2          <= raw;
+      held_2         <= held;
+      over_2         <= !low || !high || (user_1 && cfg_user_i);
+      lonely_2 <= lonely_1;
+      proof_2        <= pair_1 ? 3'd4 : 3'(border_1);
+      {kept_2, fault_2, surplus_2} <= {kept_1, fault_1, surplus};
+
+      moved          <= above || below;
+      jump           <= far_above || far_below;
+      rises          <= !delta[DiffBits-1];
+      raw_3          <= raw_2;
+      held_3         <= held_2;
+      over_3         <= over_2;
+      lonely_3 <= lonely_2;
+      proof_3        <= proof_2;
+      {kept_3, fault_3, surplus_3} <= {kept_2, fault_2, surplus_2};
+
+      faults_4   <= faults_next;
+      news_4     <= faults_next & ~faults;
+      reported_4 <= reported && faults_next == faults;
+      moves_4    <= {since_next != '0 && !fresh, up_next};
+      state_4    <= fresh ? {raw_3, 28'd0} :
+                    {moved ? raw_3 : held_3, rail_next, blink_next, still_next, since_next, up_next, jump};
+
+      write_state[k*StateBits+:StateBits] <= {state_4, faults_4, |faults_4 && (reported_4 || send)};
+      write_moves[2*k+:2]                 <= moves_4;
+    end
+  end
+
+endmodule

@@ -1,0 +1,295 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Takes each taxel's own zero b off its samples; finds it by averaging, and follows it while nothing presses.
+//
+//   r = raw - o   o = floor(b + 1/2)   contact = r > cfg_contact    b in steps of 2^-FractionBits
+//   each frame, not in contact: b += sign(r) cfg_step               frozen in contact
+//   on cfg_tare_i: b += (sum of r over the next 2^TareLog2 frames) / 2^TareLog2, exact, of all taxels in the
+//   same frame; refused, and nothing changed, if any taxel that is not masked was in contact in them
+//
+// cfg_force_i: never refuse (the first time, when nothing is known). While cfg_load_i frames are swallowed
+// whole and zeros can be written. After a reset all zeros are 0. Damage starts an averaging again.
+//
+//   clock  1        2           3            4
+//          raw - o  sign, sums  b, sum next  write
+//
+// Latency 1 clock; a beat a clock, 8 clocks between frames.   Model: model/meissner/frontend/tare.py
+
+module msn_tare #(
+  parameter  int unsigned Rows         = 64,
+  parameter  int unsigned Columns      = 64,
+  parameter  int unsigned Lanes        = 1,
+  parameter  int unsigned SampleBits   = 17,
+  parameter  int unsigned FractionBits = 12,
+  parameter  int unsigned TareLog2     = 4,
+  localparam int unsigned RowBeats     = (Columns + Lanes - 1) / Lanes,
+  localparam int unsigned Beats        = Rows * RowBeats,
+  localparam int unsigned IdBits       = msn_pkg::index_width(Beats),
+  localparam int unsigned DiffBits     = SampleBits + 1
+) (
+  input  logic                        clk_i,
+  input  logic                        rst_i,
+
+  input  logic [SampleBits-1:0]       cfg_contact_i,  // codes, unsigned
+  input  logic [7:0]                  cfg_step_i,     // 2^-FractionBits codes a frame; 0: do not follow
+  input  logic                        cfg_tare_i,
+  input  logic                        cfg_force_i,    // with it
+  input  logic                        cfg_load_i,
+  input  logic [Lanes-1:0]            cfg_write_i,    // while cfg_loading_o
+  input  logic [IdBits-1:0]           cfg_word_i,
+  input  logic [SampleBits-1:0]       cfg_offset_i,   // signed codes
+  output logic                        cfg_loading_o,
+
+  output logic                        taring_o,
+  output logic                        pressed_o,      // in the last whole frame
+  output logic [15:0]                 tared_o,        // averagings done, since reset
+  output logic [15:0]                 refused_o,
+  output logic [31:0]                 swallowed_o,    // frames, while loading
+  output logic [31:0]                 damaged_o,
+
+  input  logic                        in_valid_i,
+  output logic                        in_ready_o,
+  input  logic [Lanes*SampleBits-1:0] in_data_i,      // signed
+  input  logic [Lanes-1:0]            in_mask_i,      // taxels that cannot be trusted
+  input  logic [IdBits-1:0]           in_id_i,
+  input  logic                        in_last_i,
+
+  output logic                        out_valid_o,
+  input  logic                        out_ready_i,
+  output logic [Lanes*DiffBits-1:0]   out_data_o,     // r, signed
+  output logic [Lanes-1:0]            out_mask_o,
+  output logic [IdBits-1:0]           out_id_o,
+  output logic                        out_last_o
+);
+
+  localparam int unsigned ZeroBits = DiffBits + FractionBits;  // b
+  localparam int unsigned SumBits  = DiffBits + TareLog2;      // of r
+  localparam int unsigned PartBits = ZeroBits + SumBits;
+  localparam int unsigned BeatBits = msn_pkg::index_width(RowBeats);
+
+  if (Rows < 1 || Rows > 1024) begin : gen_check_rows
+    $fatal(1, "msn_tare: Rows = %0d must lie in 1 .. 1024", Rows);
+  end
+  if (Columns < 1 || Columns > 1024) begin : gen_check_columns
+    $fatal(1, "msn_tare: Columns = %0d must lie in 1 .. 1024", Columns);
+  end
+  if (Lanes != 1 && Lanes != 2 && Lanes != 4 && Lanes != 8) begin : gen_check_lanes
+    $fatal(1, "msn_tare: Lanes = %0d must be 1, 2, 4 or 8", Lanes);
+  end
+  if (FractionBits < 1 || FractionBits > 16) begin : gen_check_fraction_bits
+    $fatal(1, "msn_tare: FractionBits = %0d must lie in 1 .. 16", FractionBits);
+  end
+  if (TareLog2 > FractionBits || TareLog2 > 8) begin : gen_check_tare_log2
+    $fatal(1, "msn_tare: TareLog2 = %0d must be at most 8 and FractionBits = %0d", TareLog2, FractionBits);
+  end
+
+  // Frames. At each end the next waits until all of this one is written and its first words are read again,
+  // so that no word is read before it was written, however small the array.
+  localparam int unsigned Drain = 4;
+  logic accept, keep, last, fits, whole, was_whole, midway, ending, restart, done, load_due, word_valid;
+  logic [2:0]        drain;
+  logic [IdBits-1:0] place;
+  assign in_ready_o = (out_ready_i || !out_valid_o) && word_valid && !load_due;
+  assign accept     = in_valid_i && in_ready_o;
+  assign restart    = rst_i || drain != '0 || load_due || (accept && in_last_i);
+  assign done       = ending && drain == 3'd1;
+
+  msn_frame_place #(.Beats(Beats)) u_place (
+    .clk_i,
+    .rst_i,
+    .accept_i (accept),
+    .in_id_i,
+    .in_last_i,
+    .place_o  (place),
+    .keep_o   (keep),
+    .last_o   (last),
+    .fits_o   (fits),
+    .whole_o  (whole),
+    .damaged_o
+  );
+
+  // What the frame is for. Averaging and loading begin between frames only.
+  logic fresh, asked, asked_force, averaging, forced, commit, any_contact, load_next;
+  logic [7:0] frames;
+  assign load_next = cfg_load_i && !averaging && !commit;
+  assign load_due  = !midway && load_next != cfg_loading_o;
+  assign taring_o  = asked || averaging || commit;
+
+  always_ff @(posedge clk_i) begin
+    if (accept) begin
+      midway    <= 1'b1;
+      ending    <= in_last_i;
+      was_whole <= whole;
+    end
+    if (accept && in_last_i) drain <= 3'(Drain);
+    else if (drain != '0) drain <= drain - 1'b1;
+
+    if (cfg_tare_i) {asked, asked_force} <= {1'b1, cfg_force_i};
+    if (load_due) begin
+      cfg_loading_o <= load_next;
+      fresh         <= 1'b0;
+      drain         <= 3'(Drain);
+    end else if (asked && !midway && !averaging && !commit && !cfg_loading_o) begin
+      asked     <= cfg_tare_i;
+      averaging <= 1'b1;
+      forced    <= asked_force;
+      frames    <= '0;
+    end
+
+    if (done) begin
+      {midway, ending} <= '0;
+      if (was_whole && !cfg_loading_o) begin
+        pressed_o <= any_contact;
+        fresh     <= 1'b0;
+        commit    <= 1'b0;
+        tared_o   <= tared_o + 16'(commit);
+        frames    <= frames + 1'b1;
+        if (averaging && any_contact && !forced) begin
+          averaging <= 1'b0;
+          refused_o <= refused_o + 1'b1;
+        end else if (averaging && frames == 8'((1 << TareLog2) - 1)) begin
+          averaging <= 1'b0;
+          commit    <= 1'b1;
+        end
+      end else begin
+        frames <= '0;
+      end
+      if (cfg_loading_o) swallowed_o <= swallowed_o + 1'b1;
+    end
+
+    if (rst_i) begin
+      {midway, ending, asked, averaging, commit, cfg_loading_o, pressed_o} <= '0;
+      {tared_o, refused_o, swallowed_o} <= '0;
+      fresh <= 1'b1;
+      drain <= '0;
+    end
+  end
+
+  // Two clocks ahead of the samples: the zero with what an averaging adds to it; then it is rounded.
+  logic                      table_valid, ahead_valid, advance;
+  logic [Lanes*PartBits-1:0] word, write_data;
+  logic [Lanes-1:0]          rounded_ready, rounded_valid;
+  assign advance    = rounded_ready[0];
+  assign word_valid = rounded_valid[0];
+  if (Lanes > 1) begin : gen_alike
+    logic unused_alike;
+    assign unused_alike = ^{rounded_ready[Lanes-1:1], rounded_valid[Lanes-1:1]};
+  end
+
+  logic [Lanes-1:0]  write;
+  logic [IdBits-1:0] place_q, place_q2, write_place;
+  msn_frame_table #(.Words(Beats), .Parts(Lanes), .PartBits(PartBits), .Banks(1)) u_state (
+    .clk_i,
+    .restart_i   (restart),
+    .bank_i      (1'b0),
+    .advance_i   (advance),
+    .out_valid_o (table_valid),
+    .out_data_o  (word),
+    .write_i     (write),
+    .write_bank_i(1'b0),
+    .write_word_i(write_place),
+    .write_data_i(write_data)
+  );
+
+  always_ff @(posedge clk_i) begin
+    if (advance) ahead_valid <= table_valid;
+    if (restart) ahead_valid <= 1'b0;
+  end
+
+  // 1: the sample's own register. What is learnt from it follows behind, stalled by nothing.
+  logic                learn, learn_q, row_end, row_end_q;
+  logic [BeatBits-1:0] beat;
+  logic [Lanes-1:0]    pressing;
+  assign row_end = beat == BeatBits'(RowBeats - 1);
+
+  always_ff @(posedge clk_i) begin
+    if (accept) begin
+      beat      <= in_last_i || row_end ? '0 : beat + 1'b1;
+      row_end_q <= row_end;
+      place_q   <= place;
+    end
+    if (out_ready_i || !out_valid_o) begin
+      out_valid_o <= accept && keep && !cfg_loading_o;
+      out_mask_o  <= in_mask_i;
+      out_id_o    <= in_id_i;
+      out_last_o  <= last;
+    end
+    learn       <= accept && fits && !cfg_loading_o;
+    learn_q     <= learn;
+    place_q2    <= place_q;
+    write       <= cfg_loading_o ? cfg_write_i : {Lanes{learn_q}};
+    write_place <= cfg_loading_o ? cfg_word_i : place_q2;
+    any_contact <= any_contact || (learn_q && |pressing);
+    if (done) any_contact <= 1'b0;
+    if (rst_i) begin
+      beat        <= '0;
+      out_valid_o <= 1'b0;
+      learn       <= 1'b0;
+      learn_q     <= 1'b0;
+      write       <= '0;
+      any_contact <= 1'b0;
+    end
+  end
+
+  for (genvar k = 0; k < Lanes; k++) begin : gen_lane
+    logic signed [ZeroBits-1:0] kept_zero, found, zero_ahead, zero_next, zero_1, zero_2, zero_moved;
+    logic signed [SumBits-1:0]  kept_sum, sum_ahead, sum_next, sum_1, sum_2;
+    logic [SampleBits-1:0]      rounded;
+    logic signed [DiffBits-1:0] tared, seen;
+    logic                       over, over_q, negative, nonzero;
+    assign {kept_zero, kept_sum} = {word[k*PartBits+SumBits+:ZeroBits], word[k*PartBits+:SumBits]};
+    assign found = ZeroBits'(kept_sum) <<< (FractionBits - TareLog2);
+
+    always_ff @(posedge clk_i) begin
+      if (advance) begin
+        zero_ahead <= fresh ? '0 : kept_zero + (commit ? found : '0);
+        sum_ahead  <= kept_sum;
+        zero_next  <= zero_ahead;
+        sum_next   <= sum_ahead;
+      end
+    end
+
+    msn_round_sat #(.InWidth(ZeroBits), .OutWidth(SampleBits), .DropBits(FractionBits)) u_round (
+      .clk_i,
+      .rst_i      (restart),
+      .in_valid_i (ahead_valid),
+      .in_ready_o (rounded_ready[k]),
+      .in_data_i  (zero_ahead),
+      .out_valid_o(rounded_valid[k]),
+      .out_ready_i(accept),
+      .out_data_o (rounded)
+    );
+
+    assign tared = DiffBits'(signed'(in_data_i[k*SampleBits+:SampleBits])) - DiffBits'(signed'(rounded));
+    assign seen  = signed'(out_data_o[k*DiffBits+:DiffBits]);
+    msn_compare #(.Width(DiffBits)) u_over (
+      .a_i(seen), .b_i(signed'({1'b0, cfg_contact_i})), .greater_o(over)
+    );
+
+    logic surplus;
+    assign surplus     = row_end_q && (RowBeats - 1) * Lanes + k >= Columns;
+    assign pressing[k] = over_q && !mask_q;
+
+    logic                       mask_q, follow;
+    logic signed [ZeroBits-1:0] rate;
+    assign rate       = signed'(ZeroBits'(cfg_step_i));
+    assign zero_moved = negative ? zero_2 - rate : zero_2 + rate;
+    assign follow     = nonzero && !over_q && !averaging && !commit;
+    always_ff @(posedge clk_i) begin
+      if (out_ready_i || !out_valid_o) out_data_o[k*DiffBits+:DiffBits] <= tared;
+      if (accept) {zero_1, sum_1} <= {zero_next, sum_next};
+
+      over_q   <= over;
+      mask_q   <= out_mask_o[k] || surplus;
+      negative <= seen[DiffBits-1];
+      nonzero  <= seen != '0;
+      zero_2   <= zero_1;
+      sum_2    <= (frames == '0 ? '0 : sum_1) + SumBits'(seen);
+
+      write_data[k*PartBits+:PartBits] <= cfg_loading_o ?
+          {signed'({cfg_offset_i[SampleBits-1], cfg_offset_i}), {(FractionBits + SumBits) {1'b0}}} :
+          {follow ? zero_moved : zero_2, averaging ? sum_2 : SumBits'(0)};
+    end
+  end
+
+endmodule

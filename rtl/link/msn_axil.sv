@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// AXI4-Lite to the register bus (msn_registers): one access at a time, answered once; where a write and a read
+// wait, they take turns. An access that the bus calls an error answers SLVERR, every other OKAY. The low two bits
+// of an address are of no use: WSTRB says which bytes of the word are meant.
+//
+//   clock  0                  1                     2
+//          address (and data)  bus_done_i answers   BVALID or RVALID, until taken
+//
+// Model: model/meissner/link/axil.py
+
+module msn_axil (
+  input  logic        clk_i,
+  input  logic        rst_i,
+
+  input  logic        s_axil_awvalid,
+  output logic        s_axil_awready,
+  input  logic [11:0] s_axil_awaddr,
+  input  logic [2:0]  s_axil_awprot,
+  input  logic        s_axil_wvalid,
+  output logic        s_axil_wready,
+  input  logic [31:0] s_axil_wdata,
+  input  logic [3:0]  s_axil_wstrb,
+  output logic        s_axil_bvalid,
+  input  logic        s_axil_bready,
+  output logic [1:0]  s_axil_bresp,
+  input  logic        s_axil_arvalid,
+  output logic        s_axil_arready,
+  input  logic [11:0] s_axil_araddr,
+  input  logic [2:0]  s_axil_arprot,
+  output logic        s_axil_rvalid,
+  input  logic        s_axil_rready,
+  output logic [31:0] s_axil_rdata,
+  output logic [1:0]  s_axil_rresp,
+
+  output logic        bus_valid_o,
+  output logic        bus_write_o,
+  output logic [11:0] bus_address_o,
+  output logic [31:0] bus_data_o,
+  output logic [3:0]  bus_strobe_o,
+  input  logic        bus_done_i,
+  input  logic        bus_error_i,
+  input  logic [31:0] bus_data_i
+);
+
+  // Nothing is taken from an access until its answer is: the bus need not hold more than one.
+  logic busy, write_pending, read_turn, write_waits, take_write, take_read;
+  assign write_waits = s_axil_awvalid && s_axil_wvalid;
+  assign take_write  = write_waits && !busy && !(s_axil_arvalid && read_turn);
+  assign take_read   = s_axil_arvalid && !busy && !take_write;
+
+  assign s_axil_awready = take_write;
+  assign s_axil_wready  = take_write;
+  assign s_axil_arready = take_read;
+
+  assign bus_valid_o   = take_write || take_read;
+  assign bus_write_o   = take_write;
+  assign bus_address_o = {take_write ? s_axil_awaddr[11:2] : s_axil_araddr[11:2], 2'b00};
+  assign bus_data_o    = s_axil_wdata;
+  assign bus_strobe_o  = s_axil_wstrb;
+
+  logic taken;
+  assign taken = (s_axil_bvalid && s_axil_bready) || (s_axil_rvalid && s_axil_rready);
+
+  logic [1:0] response;
+  assign s_axil_bresp = response;
+  assign s_axil_rresp = response;
+
+  always_ff @(posedge clk_i) begin
+    if (bus_valid_o) begin
+      busy          <= 1'b1;
+      write_pending <= take_write;
+      read_turn     <= take_write;
+    end
+    if (taken) begin
+      busy          <= 1'b0;
+      s_axil_bvalid <= 1'b0;
+      s_axil_rvalid <= 1'b0;
+    end
+    if (bus_done_i) begin
+      s_axil_bvalid <= write_pending;
+      s_axil_rvalid <= !write_pending;
+      response      <= {bus_error_i, 1'b0};
+      s_axil_rdata  <= bus_data_i;
+    end
+    if (rst_i) begin
+      busy          <= 1'b0;
+      read_turn     <= 1'b0;
+      s_axil_bvalid <= 1'b0;
+      s_axil_rvalid <= 1'b0;
+    end
+  end
+
+  logic unused_bits;
+  assign unused_bits = ^{s_axil_awprot, s_axil_arprot, s_axil_awaddr[1:0], s_axil_araddr[1:0]};
+
+endmodule

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Registers over a serial line: commands in, the register bus (msn_registers) out, answers to msn_packet.
+//
+//   command   operation (0 read, 1 write), tag, address (2 bytes), data (4), CRC-32: plain COBS between zeros
+//   answer    tag, status (0 done, 1 the bus says error, 2 no answer from the bus), address, data read
+//
+// The tag comes back as it was. A frame that is not such a command, whose checksum is wrong, that pauses for
+// TimeoutClocks, in which the line broke, or that comes before the last one is answered changes nothing, is not
+// answered and is counted. The access follows the closing zero by 1 clock, the answer bus_done_i by 1.
+// Model: model/meissner/link/bridge.py
+
+module msn_bridge #(
+  parameter int unsigned TimeoutClocks = 120_000
+) (
+  input  logic        clk_i,
+  input  logic        rst_i,
+
+  input  logic        in_valid_i,      // a byte from the line
+  input  logic [7:0]  in_data_i,
+  input  logic        in_error_i,      // a broken one
+
+  output logic        bus_valid_o,
+  output logic        bus_write_o,
+  output logic [11:0] bus_address_o,
+  output logic [31:0] bus_data_o,
+  output logic [3:0]  bus_strobe_o,
+  input  logic        bus_done_i,
+  input  logic        bus_error_i,
+  input  logic [31:0] bus_data_i,
+
+  output logic        answer_valid_o,
+  input  logic        answer_ready_i,
+  output logic [63:0] answer_data_o,
+
+  output logic [31:0] rejected_o       // frames, since reset
+);
+
+  if (TimeoutClocks < 16) begin : gen_check_timeout
+    $fatal(1, "msn_bridge: TimeoutClocks = %0d must be at least 16", TimeoutClocks);
+  end
+
+  localparam int unsigned CommandBytes = 12;
+  localparam int unsigned WaitBits     = $clog2(TimeoutClocks + 1);
+
+  // Frames: a code says how many bytes follow until a zero belongs there, which the next code stands for.
+  logic [7:0]          run;      // bytes before the next code
+  logic [3:0]          count;    // bytes of the command so far, 15: too many
+  logic                open;     // a code was seen
+  logic                spoilt;   // nothing in this frame counts
+  logic [WaitBits-1:0] waited;
+  logic [63:0]         command;  // its first eight bytes
+  logic [31:0]         crc;
+  logic                delimiter, is_code, push, late, good;
+  logic [7:0]          pushed;
+  assign delimiter = in_valid_i && in_data_i == '0;
+  assign is_code   = run == '0;
+  assign push      = in_valid_i && !delimiter && (!is_code || open);
+  assign pushed    = is_code ? '0 : in_data_i;
+  assign late      = open && waited == WaitBits'(TimeoutClocks);
+  assign good      = open && !spoilt && is_code && count == 4'(CommandBytes) && crc == 32'hDEBB_20E3
+                     && command[7:1] == '0 && command[31:28] == '0;
+
+  always_ff @(posedge clk_i) begin
+    waited <= (!open || in_valid_i) ? '0 : waited + 1'b1;
+    if (in_valid_i) begin
+      open <= !delimiter;
+      run  <= delimiter ? '0 : is_code ? in_data_i - 1'b1 : run - 1'b1;
+      if (delimiter) count <= '0;
+      else if (push && !(&count)) count <= count + 1'b1;
+      if (push && !count[3]) command <= {pushed, command[63:8]};
+    end
+    spoilt <= (spoilt && !delimiter) || (in_error_i && open);
+    if (late) begin
+      open  <= 1'b0;
+      run   <= '0;
+      count <= '0;
+    end
+    if (rst_i) begin
+      open   <= 1'b0;
+      spoilt <= 1'b0;
+      run    <= '0;
+      count  <= '0;
+    end
+  end
+
+  msn_crc32 #(.Bits(8)) u_crc (
+    .clk_i,
+    .clear_i  (delimiter || !open),
+    .step_i   (push),
+    .in_data_i(pushed),
+    .out_crc_o(crc)
+  );
+
+  // Access and answer.
+  logic       busy, asked, start, given_up;
+  logic [7:0] patience;
+  assign start    = delimiter && good && !busy;
+  assign given_up = asked && (&patience) && !bus_done_i;
+
+  always_ff @(posedge clk_i) begin
+    bus_valid_o <= start;
+    patience    <= asked ? patience + 1'b1 : '0;
+    if (start) begin
+      busy          <= 1'b1;
+      asked         <= 1'b1;
+      bus_write_o   <= command[0];
+      bus_address_o <= command[27:16];
+      bus_data_o    <= command[63:32];
+    end
+    if (start) answer_data_o[31:0] <= {4'd0, command[27:16], 8'd0, command[15:8]};
+    if (asked && (bus_done_i || given_up)) begin
+      asked                <= 1'b0;
+      answer_valid_o       <= 1'b1;
+      answer_data_o[9:8]   <= {given_up, bus_done_i && bus_error_i};
+      answer_data_o[63:32] <= bus_data_i;
+    end
+    if (answer_valid_o && answer_ready_i) begin
+      answer_valid_o <= 1'b0;
+      busy           <= 1'b0;
+    end
+    rejected_o <= rejected_o + 32'((delimiter && open && !start) || late);
+    if (rst_i) begin
+      busy           <= 1'b0;
+      asked          <= 1'b0;
+      bus_valid_o    <= 1'b0;
+      answer_valid_o <= 1'b0;
+      rejected_o     <= '0;
+    end
+  end
+  assign bus_strobe_o = '1;
+
+endmodule

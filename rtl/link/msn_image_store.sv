@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Keeps the newest whole image for a slow reader: two banks, one written, one read.
+//
+// An image is in_valid_i beats of one taxel, `last` on the final one; it is never held up. A whole image goes to
+// the reader when that has none, or one that it has not begun (the older is dropped); else it waits in the
+// written bank, and is dropped when the next image begins there. An image whose `last` is early, late or
+// missing is dropped too. dropped_o counts every one.
+//
+// The reader sets read_begun_i while it reads and read_done_i for a clock at the end; read_data_o is the taxel of
+// read_address_i two clocks before.   Model: model/meissner/link/image_store.py
+
+module msn_image_store #(
+  parameter  int unsigned Taxels      = 4096,
+  localparam int unsigned AddressBits = msn_pkg::index_width(Taxels)
+) (
+  input  logic                   clk_i,
+  input  logic                   rst_i,
+
+  input  logic                   in_valid_i,
+  input  logic [15:0]            in_data_i,
+  input  logic                   in_last_i,
+  input  logic [47:0]            in_time_i,       // counts with the first taxel
+
+  output logic                   read_valid_o,    // there is an image
+  output logic [47:0]            read_time_o,
+  input  logic                   read_begun_i,
+  input  logic                   read_done_i,
+  input  logic [AddressBits-1:0] read_address_i,
+  output logic [15:0]            read_data_o,
+
+  output logic [31:0]            dropped_o
+);
+
+  if (Taxels < 2 || Taxels > 65536) begin : gen_check_taxels
+    $fatal(1, "msn_image_store: Taxels = %0d must lie in 2 .. 65536", Taxels);
+  end
+
+  logic [AddressBits-1:0] place;
+  logic                   bank;     // being written
+  logic                   held;     // a whole image is there, and nothing of the next one
+  logic                   dropping, first, final_place, whole, broken, replaced, move;
+  logic [47:0]            written_time;
+  assign first       = place == '0 && !dropping;
+  assign final_place = place == AddressBits'(Taxels - 1);
+  assign whole       = in_valid_i && in_last_i && final_place && !dropping;
+  assign broken      = in_valid_i && !dropping && in_last_i != final_place;
+  assign move        = held && !(read_valid_o && (read_begun_i || read_done_i));
+  assign replaced    = in_valid_i && first && held && !move;
+
+  always_ff @(posedge clk_i) begin
+    if (in_valid_i) begin
+      place    <= (in_last_i || final_place) ? '0 : place + 1'b1;
+      dropping <= !in_last_i && (dropping || final_place);
+      if (first) written_time <= in_time_i;
+    end
+    held <= whole || (held && !move && !replaced);
+    if (read_done_i) read_valid_o <= 1'b0;
+    if (move) begin
+      bank         <= !bank;
+      read_valid_o <= 1'b1;
+      read_time_o  <= written_time;
+    end
+    dropped_o <= dropped_o + 32'(broken) + 32'(replaced) + 32'(move && read_valid_o);
+    if (rst_i) begin
+      place        <= '0;
+      dropping     <= 1'b0;
+      bank         <= 1'b0;
+      held         <= 1'b0;
+      read_valid_o <= 1'b0;
+      dropped_o    <= '0;
+    end
+  end
+
+  (* no_rw_check *) logic [15:0] memory [2 << AddressBits];
+  logic [15:0] fetched;
+  always_ff @(posedge clk_i) begin
+    if (in_valid_i && !dropping) memory[{bank ^ move, place}] <= in_data_i;
+    fetched     <= memory[{!bank, read_address_i}];
+    read_data_o <= fetched;
+  end
+
+endmodule

@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The serial link: instances and wires only.
+//
+//   events, CoP, health, counters, images ── packet ── cobs ── uart_tx ── line
+//   register bus ── bridge ── uart_rx ── line,   bridge ── answers ── packet
+//
+// docs/link.md is the contract. With Registers = 0 nothing is received.   Model: model/meissner/link/link.py
+
+module msn_link #(
+  parameter  int unsigned ClkHz         = 25_000_000,
+  parameter  int unsigned BaudHz        = 3_000_000,
+  parameter  bit          Registers     = 1'b1,
+  parameter  int unsigned TimeoutClocks = ClkHz / 100,
+  parameter  int unsigned SlipDepth     = 64,    // as in msn_packet
+  parameter  bit          Cop           = 1'b1,
+  parameter  bit          Health        = 1'b1,
+  parameter  int unsigned Statistics    = 4,
+  parameter  int unsigned StatisticBits = 20,
+  parameter  int unsigned Taxels        = 4096,
+  parameter  int unsigned Chunk         = 64,
+  localparam int unsigned Counters      = (Statistics > 0) ? Statistics : 1
+) (
+  input  logic                   clk_i,
+  input  logic                   rst_i,
+
+  input  logic                   rx_i,
+  output logic                   tx_o,
+
+  output logic                   bus_valid_o,
+  output logic                   bus_write_o,
+  output logic [11:0]            bus_address_o,
+  output logic [31:0]            bus_data_o,
+  output logic [3:0]             bus_strobe_o,
+  input  logic                   bus_done_i,
+  input  logic                   bus_error_i,
+  input  logic [31:0]            bus_data_i,
+
+  input  logic [47:0]            now_i,
+
+  input  logic                   slip_valid_i,
+  output logic                   slip_ready_o,
+  input  logic [15:0]            slip_id_i,
+  input  logic [2:0]             slip_state_i,
+  input  logic [23:0]            slip_p2p_i,
+  input  logic [47:0]            slip_time_i,
+
+  input  logic                   cop_valid_i,
+  input  logic [23:0]            cop_x_i,
+  input  logic [23:0]            cop_y_i,
+  input  logic [39:0]            cop_load_i,
+  input  logic                   cop_pressed_i,
+  input  logic [47:0]            cop_time_i,
+
+  input  logic                   health_valid_i,
+  input  logic [23:0]            health_id_i,
+  input  logic [7:0]             health_faults_i,
+
+  input  logic [Counters*32-1:0] statistics_i,
+
+  input  logic                   image_valid_i,
+  input  logic [15:0]            image_data_i,
+  input  logic                   image_last_i,
+  input  logic [47:0]            image_time_i,
+
+  output logic [31:0]            packets_o,
+  output logic [31:0]            cop_dropped_o,
+  output logic [31:0]            health_dropped_o,
+  output logic [31:0]            image_dropped_o,
+  output logic [31:0]            rejected_o
+);
+
+  logic        answer_valid, answer_ready;
+  logic [63:0] answer;
+  if (Registers) begin : gen_registers
+    logic       byte_valid, byte_error;
+    logic [7:0] byte_data;
+    msn_uart_rx #(.ClkHz(ClkHz), .BaudHz(BaudHz)) u_uart_rx (
+      .clk_i,
+      .rst_i,
+      .rx_i,
+      .out_valid_o(byte_valid),
+      .out_data_o (byte_data),
+      .error_o    (byte_error)
+    );
+    msn_bridge #(.TimeoutClocks(TimeoutClocks)) u_bridge (
+      .clk_i,
+      .rst_i,
+      .in_valid_i    (byte_valid),
+      .in_data_i     (byte_data),
+      .in_error_i    (byte_error),
+      .bus_valid_o,
+      .bus_write_o,
+      .bus_address_o,
+      .bus_data_o,
+      .bus_strobe_o,
+      .bus_done_i,
+      .bus_error_i,
+      .bus_data_i,
+      .answer_valid_o(answer_valid),
+      .answer_ready_i(answer_ready),
+      .answer_data_o (answer),
+      .rejected_o
+    );
+  end else begin : gen_no_registers
+    assign {bus_valid_o, bus_write_o, bus_address_o, bus_data_o, bus_strobe_o} = '0;
+    assign {answer_valid, answer, rejected_o} = '0;
+    logic unused_registers;
+    assign unused_registers = ^{rx_i, bus_done_i, bus_error_i, bus_data_i, answer_ready};
+  end
+
+  logic       packet_begin, packet_valid, packet_ready, packet_last;
+  logic [7:0] packet_data;
+  msn_packet #(
+    .SlipDepth    (SlipDepth),
+    .Cop          (Cop),
+    .Health       (Health),
+    .Answers      (Registers),
+    .Statistics   (Statistics),
+    .StatisticBits(StatisticBits),
+    .Taxels       (Taxels),
+    .Chunk        (Chunk)
+  ) u_packet (
+    .clk_i,
+    .rst_i,
+    .now_i,
+    .slip_valid_i,
+    .slip_ready_o,
+    .slip_id_i,
+    .slip_state_i,
+    .slip_p2p_i,
+    .slip_time_i,
+    .cop_valid_i,
+    .cop_x_i,
+    .cop_y_i,
+    .cop_load_i,
+    .cop_pressed_i,
+    .cop_time_i,
+    .health_valid_i,
+    .health_id_i,
+    .health_faults_i,
+    .answer_valid_i(answer_valid),
+    .answer_ready_o(answer_ready),
+    .answer_data_i (answer),
+    .statistics_i,
+    .image_valid_i,
+    .image_data_i,
+    .image_last_i,
+    .image_time_i,
+    .out_begin_o   (packet_begin),
+    .out_valid_o   (packet_valid),
+    .out_ready_i   (packet_ready),
+    .out_data_o    (packet_data),
+    .out_last_o    (packet_last),
+    .packets_o,
+    .cop_dropped_o,
+    .health_dropped_o,
+    .image_dropped_o
+  );
+
+  logic       framed_valid, framed_ready;
+  logic [7:0] framed_data;
+  msn_cobs u_cobs (
+    .clk_i,
+    .rst_i,
+    .in_begin_i (packet_begin),
+    .in_valid_i (packet_valid),
+    .in_ready_o (packet_ready),
+    .in_data_i  (packet_data),
+    .in_last_i  (packet_last),
+    .out_valid_o(framed_valid),
+    .out_ready_i(framed_ready),
+    .out_data_o (framed_data)
+  );
+
+  msn_uart_tx #(.ClkHz(ClkHz), .BaudHz(BaudHz)) u_uart_tx (
+    .clk_i,
+    .rst_i,
+    .in_valid_i(framed_valid),
+    .in_ready_o(framed_ready),
+    .in_data_i (framed_data),
+    .tx_o
+  );
+
+endmodule

@@ -1,0 +1,309 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Packets of every kind, as bytes: type, number, time (48 bits, lowest byte first), payload, CRC-32. docs/link.md
+// is the contract. What waits first goes in this order:
+//
+//   slip events   from a queue, never dropped: in_ready falls when it is full
+//   answers       of the register bridge, never dropped either
+//   CoP, health   the newest of each; one that finds the one before unsent drops the older, counted
+//   statistics    one counter every 2^StatisticBits clocks, in turn
+//   images        in packets of Chunk taxels, so that an event never waits for more than one; msn_image_store
+//
+// A byte in 4 clocks at most. A packet's first byte follows an event by 12 clocks if nothing is under way;
+// out_begin_o, which opens its frame, by 3.   Model: model/meissner/link/packet.py
+
+module msn_packet #(
+  parameter  int unsigned SlipDepth     = 64,    // events that wait, a power of two; 0: no slip events
+  parameter  bit          Cop           = 1'b1,
+  parameter  bit          Health        = 1'b1,
+  parameter  bit          Answers       = 1'b1,
+  parameter  int unsigned Statistics    = 4,     // counters; 0: none
+  parameter  int unsigned StatisticBits = 20,
+  parameter  int unsigned Taxels        = 4096,  // of an image; 0: none
+  parameter  int unsigned Chunk         = 64,    // taxels of an image in one packet
+  localparam int unsigned Counters      = (Statistics > 0) ? Statistics : 1
+) (
+  input  logic                   clk_i,
+  input  logic                   rst_i,
+
+  input  logic [47:0]            now_i,            // of health, statistics and answers
+
+  input  logic                   slip_valid_i,     // an event
+  output logic                   slip_ready_o,
+  input  logic [15:0]            slip_id_i,
+  input  logic [2:0]             slip_state_i,
+  input  logic [23:0]            slip_p2p_i,
+  input  logic [47:0]            slip_time_i,
+
+  input  logic                   cop_valid_i,
+  input  logic [23:0]            cop_x_i,
+  input  logic [23:0]            cop_y_i,
+  input  logic [39:0]            cop_load_i,
+  input  logic                   cop_pressed_i,
+  input  logic [47:0]            cop_time_i,
+
+  input  logic                   health_valid_i,
+  input  logic [23:0]            health_id_i,
+  input  logic [7:0]             health_faults_i,
+
+  input  logic                   answer_valid_i,
+  output logic                   answer_ready_o,
+  input  logic [63:0]            answer_data_i,
+
+  input  logic [Counters*32-1:0] statistics_i,
+
+  input  logic                   image_valid_i,
+  input  logic [15:0]            image_data_i,
+  input  logic                   image_last_i,
+  input  logic [47:0]            image_time_i,
+
+  output logic                   out_begin_o,      // a packet comes or is under way
+  output logic                   out_valid_o,
+  input  logic                   out_ready_i,
+  output logic [7:0]             out_data_o,
+  output logic                   out_last_o,
+
+  output logic [31:0]            packets_o,        // begun
+  output logic [31:0]            cop_dropped_o,
+  output logic [31:0]            health_dropped_o,
+  output logic [31:0]            image_dropped_o
+);
+
+  if (SlipDepth == 1 || (SlipDepth & (SlipDepth - 1)) != 0) begin : gen_check_slip_depth
+    $fatal(1, "msn_packet: SlipDepth = %0d must be 0 or a power of two, 2 or more", SlipDepth);
+  end
+  if (Statistics > 256) begin : gen_check_statistics
+    $fatal(1, "msn_packet: Statistics = %0d must lie in 0 .. 256", Statistics);
+  end
+  if (StatisticBits < 8 || StatisticBits > 32) begin : gen_check_statistic_bits
+    $fatal(1, "msn_packet: StatisticBits = %0d must lie in 8 .. 32", StatisticBits);
+  end
+  if (Taxels == 1 || Taxels > 65536) begin : gen_check_taxels
+    $fatal(1, "msn_packet: Taxels = %0d must be 0 or lie in 2 .. 65536", Taxels);
+  end
+  if (Chunk < 1 || Chunk > 116) begin : gen_check_chunk
+    $fatal(1, "msn_packet: Chunk = %0d must lie in 1 .. 116: a packet has 253 bytes at most", Chunk);
+  end
+
+  // A record: type, bytes of payload, time, payload, first byte lowest.
+  localparam int unsigned PayloadBits = 96;
+  localparam int unsigned RecordBits  = 8 + 4 + 48 + PayloadBits;
+
+  logic slip_valid, cop_valid, health_valid, statistic_valid, image_valid;
+  logic slip_take, cop_take, health_take, statistic_take, image_take;
+  logic [RecordBits-1:0] slip, cop, health, answer, statistic, image;
+
+  if (SlipDepth > 0) begin : gen_slip
+    logic [90:0] event_data;
+    msn_fifo #(.Depth(SlipDepth), .Width(91)) u_queue (
+      .clk_i,
+      .rst_i,
+      .in_valid_i (slip_valid_i),
+      .in_ready_o (slip_ready_o),
+      .in_data_i  ({slip_state_i, slip_p2p_i, slip_id_i, slip_time_i}),
+      .out_valid_o(slip_valid),
+      .out_ready_i(slip_take),
+      .out_data_o (event_data)
+    );
+    assign slip = {PayloadBits'(event_data[90:48]), event_data[47:0], 4'd6, 8'd1};
+  end else begin : gen_no_slip
+    assign {slip_ready_o, slip_valid, slip} = '0;
+    logic unused_slip;
+    assign unused_slip = ^{slip_valid_i, slip_id_i, slip_state_i, slip_p2p_i, slip_time_i, slip_take};
+  end
+
+  if (Cop) begin : gen_cop
+    always_ff @(posedge clk_i) begin
+      cop_valid <= cop_valid_i || (cop_valid && !cop_take);
+      if (cop_valid_i) begin
+        cop <= {PayloadBits'({7'd0, cop_pressed_i, cop_load_i, cop_y_i, cop_x_i}), cop_time_i, 4'd12, 8'd2};
+      end
+      if (cop_valid_i && cop_valid && !cop_take) cop_dropped_o <= cop_dropped_o + 1'b1;
+      if (rst_i) begin
+        cop_valid     <= 1'b0;
+        cop_dropped_o <= '0;
+      end
+    end
+  end else begin : gen_no_cop
+    assign {cop_valid, cop, cop_dropped_o} = '0;
+    logic unused_cop;
+    assign unused_cop = ^{cop_valid_i, cop_x_i, cop_y_i, cop_load_i, cop_pressed_i, cop_time_i, cop_take};
+  end
+
+  if (Health) begin : gen_health
+    always_ff @(posedge clk_i) begin
+      health_valid <= health_valid_i || (health_valid && !health_take);
+      if (health_valid_i) health <= {PayloadBits'({health_faults_i, health_id_i}), now_i, 4'd4, 8'd4};
+      if (health_valid_i && health_valid && !health_take) health_dropped_o <= health_dropped_o + 1'b1;
+      if (rst_i) begin
+        health_valid     <= 1'b0;
+        health_dropped_o <= '0;
+      end
+    end
+  end else begin : gen_no_health
+    assign {health_valid, health, health_dropped_o} = '0;
+    logic unused_health;
+    assign unused_health = ^{health_valid_i, health_id_i, health_faults_i, health_take};
+  end
+
+  logic answer_valid;
+  assign answer_valid = Answers && answer_valid_i;
+  assign answer       = {PayloadBits'(answer_data_i), now_i, 4'd8, 8'd16};
+
+  if (Statistics > 0) begin : gen_statistics
+    logic [StatisticBits-1:0] wait_clocks;
+    logic [7:0]               index;
+    logic [31:0]              counter;
+    always_ff @(posedge clk_i) begin
+      wait_clocks     <= wait_clocks + 1'b1;
+      statistic_valid <= (&wait_clocks) || (statistic_valid && !statistic_take);
+      counter         <= statistics_i[32*index[msn_pkg::index_width(Statistics)-1:0]+:32];
+      if (statistic_take) index <= (index == 8'(Statistics - 1)) ? '0 : index + 1'b1;
+      if (rst_i) begin
+        wait_clocks     <= '0;
+        statistic_valid <= 1'b0;
+        index           <= '0;
+      end
+    end
+    assign statistic = {PayloadBits'({counter, index}), now_i, 4'd5, 8'd5};
+  end else begin : gen_no_statistics
+    assign {statistic_valid, statistic} = '0;
+    logic unused_statistics;
+    assign unused_statistics = ^{statistics_i, statistic_take};
+  end
+
+  // Images: the place reached, and of a packet the taxels left.
+  logic        image_step;  // on to the next taxel
+  logic        image_end;   // the present taxel is the packet's last
+  logic [15:0] taxel;
+  if (Taxels > 0) begin : gen_image
+    localparam int unsigned AddressBits = msn_pkg::index_width(Taxels);
+    logic [AddressBits-1:0] place;
+    logic [6:0]             left;
+    logic [7:0]             number;
+    logic                   begun, image_done, final_place, final_chunk;
+    logic [47:0]            image_time;
+    assign final_place = place == AddressBits'(Taxels - 1);
+    assign image_end   = left == '0 || final_place;
+    assign image_done  = image_step && final_place;
+    assign final_chunk = 32'(place) + Chunk >= Taxels;
+    assign image = {PayloadBits'({24'(place), 7'd0, final_chunk, number}), image_time, 4'd5, 8'd3};
+    always_ff @(posedge clk_i) begin
+      if (image_take) begin
+        begun <= 1'b1;
+        left  <= 7'(Chunk - 1);
+      end
+      if (image_step) begin
+        place <= final_place ? '0 : place + 1'b1;
+        left  <= left - 1'b1;
+      end
+      if (image_done) begin
+        begun  <= 1'b0;
+        number <= number + 1'b1;
+      end
+      if (rst_i) begin
+        place  <= '0;
+        begun  <= 1'b0;
+        number <= '0;
+      end
+    end
+    msn_image_store #(.Taxels(Taxels)) u_store (
+      .clk_i,
+      .rst_i,
+      .in_valid_i    (image_valid_i),
+      .in_data_i     (image_data_i),
+      .in_last_i     (image_last_i),
+      .in_time_i     (image_time_i),
+      .read_valid_o  (image_valid),
+      .read_time_o   (image_time),
+      .read_begun_i  (begun || image_take),
+      .read_done_i   (image_done),
+      .read_address_i(place),
+      .read_data_o   (taxel),
+      .dropped_o     (image_dropped_o)
+    );
+  end else begin : gen_no_image
+    assign {image_valid, image, image_end, taxel, image_dropped_o} = '0;
+    logic unused_image;
+    assign unused_image = ^{image_valid_i, image_data_i, image_last_i, image_time_i, image_take, image_step};
+  end
+
+  // Choose.
+  typedef enum logic [1:0] {
+    Idle,
+    Record,
+    Pixels,
+    Check
+  } state_e;
+  state_e state;
+
+  logic                  idle, records, some;
+  logic [RecordBits-1:0] chosen;
+  assign idle           = state == Idle && !out_valid_o;
+  assign slip_take      = idle && slip_valid;
+  assign answer_ready_o = idle && !slip_valid && Answers;
+  assign cop_take       = idle && !slip_valid && !answer_valid && cop_valid;
+  assign health_take    = idle && !slip_valid && !answer_valid && !cop_valid && health_valid;
+  assign records        = slip_valid || answer_valid || cop_valid || health_valid;
+  assign statistic_take = idle && !records && statistic_valid;
+  assign image_take     = idle && !records && !statistic_valid && image_valid;
+  assign some           = records || statistic_valid || image_valid;
+  assign chosen         = slip_valid ? slip : answer_valid ? answer : cop_valid ? cop : health_valid ? health
+                          : statistic_valid ? statistic : image;
+
+  // Send: a byte every fourth clock, so that memory and checksum have settled.
+  logic [63+PayloadBits:0] bytes;  // of the record, the next lowest
+  logic [4:0]              left;   // of the record after this one, then of the checksum
+  logic [1:0]              phase;
+  logic                    pixels, upper, emit, section_end;
+  logic [31:0]             crc;
+  logic [7:0]              crc_low;
+  logic [23:0]             unused_crc;
+  logic [7:0]              next;
+  assign {unused_crc, crc_low} = crc;
+  assign out_begin_o = some || state != Idle;
+  assign emit        = state != Idle && (&phase) && (!out_valid_o || out_ready_i);
+  assign next        = (state == Record) ? bytes[7:0] : (state == Pixels) ? (upper ? taxel[15:8] : taxel[7:0])
+                                         : ~crc_low;
+  assign section_end = (state == Pixels) ? upper && image_end : left == '0;
+  assign image_step  = emit && state == Pixels && upper;
+
+  always_ff @(posedge clk_i) begin
+    if (out_ready_i) out_valid_o <= 1'b0;
+    if (!(&phase) || emit) phase <= phase + 1'b1;
+    if (emit) begin
+      out_valid_o <= 1'b1;
+      out_data_o  <= next;
+      out_last_o  <= state == Check && section_end;
+      upper       <= state == Pixels && !upper;
+      bytes       <= bytes >> 8;
+      left        <= section_end ? 5'd3 : left - 1'b1;
+      if (section_end) state <= (state == Record && pixels) ? Pixels : (state == Check) ? Idle : Check;
+    end
+    if (idle) begin
+      phase  <= '0;
+      upper  <= 1'b0;
+      bytes  <= {chosen[RecordBits-1:12], packets_o[7:0], chosen[7:0]};
+      left   <= 5'd7 + 5'(chosen[11:8]);
+      pixels <= chosen[7:0] == 8'd3;
+      if (some) begin
+        state     <= Record;
+        packets_o <= packets_o + 1'b1;
+      end
+    end
+    if (rst_i) begin
+      state       <= Idle;
+      out_valid_o <= 1'b0;
+      packets_o   <= '0;
+    end
+  end
+
+  msn_crc32 #(.Bits(8)) u_crc (
+    .clk_i,
+    .clear_i  (idle),
+    .step_i   (emit),
+    .in_data_i((state == Check) ? crc_low : next),
+    .out_crc_o(crc)
+  );
+
+endmodule

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Packets of slip events alone, for the smallest builds: what msn_packet sends for the same events, made bit by
+// bit from columns of one small memory, 64 bits deep. A sweep of 64 clocks passes every bit.
+//
+//   column 0   time / 64 in bits 6 .. 47, one more each sweep; packets so far in bits 56 .. 63
+//   column 1   the same at the last convert start, whose low bits are kept beside it
+//   column 2   the packet's head: time, type, number;   column 3   its payload: peak-to-peak, state, channel
+//
+// An event (in_raised_i) waits for a sweep of its own, 64 .. 191 clocks, that fills columns 2 and 3; other
+// decisions pass at once. Then a byte is caught whenever a sweep passes its bits, up to one in 72 clocks, and
+// at last the checksum is drained. out_begin_o rises with the event itself. The time is that of the last convert
+// start before the event was offered, in clocks since reset.   Model: model/meissner/link/packet_slip.py
+
+module msn_packet_slip #(
+  parameter int unsigned P2pBits = 18
+) (
+  input  logic               clk_i,
+  input  logic               rst_i,
+
+  input  logic               convert_i,
+
+  input  logic               in_valid_i,
+  output logic               in_ready_o,
+  input  logic               in_raised_i,
+  input  logic [2:0]         in_state_i,
+  input  logic [P2pBits-1:0] in_p2p_i,
+
+  output logic               out_begin_o,  // a packet comes or is under way
+  output logic               out_valid_o,
+  input  logic               out_ready_i,
+  output logic [7:0]         out_data_o,
+  output logic               out_last_o
+);
+
+  if (P2pBits < 1 || P2pBits > 24) begin : gen_check_p2p_bits
+    $fatal(1, "msn_packet_slip: P2pBits = %0d must lie in 1 .. 24", P2pBits);
+  end
+
+  logic event_waits, turn;
+  logic sending;
+  assign event_waits = in_valid_i && in_raised_i;
+
+  // The sweep. Column 0 is cleared by the first one after reset.
+  logic [5:0] at, ahead;  // bit at hand, bit that the memory looks up
+  logic       clearing;
+  assign ahead = at + 1'b1;
+  assign turn  = &at;
+  always_ff @(posedge clk_i) begin
+    at <= ahead;
+    if (turn) clearing <= 1'b0;
+    if (rst_i) begin
+      at       <= '0;
+      clearing <= 1'b1;
+    end
+  end
+
+  // Converts: none that comes after an event was offered counts for it.
+  logic [5:0] low;  // of the time
+  logic       mark, marked, snap;
+  assign mark = convert_i && !event_waits;
+  always_ff @(posedge clk_i) begin
+    if (mark) low <= at;
+    marked <= (marked || mark) && !turn;
+    if (turn) snap <= marked || mark;
+    if (rst_i) begin
+      marked <= 1'b0;
+      snap   <= 1'b0;
+    end
+  end
+
+  // Events: the sweep begins when the line is free and the last convert's own sweep is over.
+  logic copy;
+  assign in_ready_o  = !in_raised_i || (copy && turn);
+  assign out_begin_o = event_waits || sending;
+  always_ff @(posedge clk_i) begin
+    if (turn) copy <= event_waits && !sending && !marked && !copy;
+    if (rst_i) copy <= 1'b0;
+  end
+
+  // The columns.
+  (* no_rw_check, ram_style = "block" *) logic [3:0] memory [64];
+  logic        count, stamp, head, load, carry;  // the bits at hand
+  logic [7:0]  lows;
+  logic [31:0] loads;
+  assign lows  = {2'b00, low};
+  assign loads = {5'd0, in_state_i, 24'(in_p2p_i)};
+
+  logic next_count, next_stamp, next_head, next_load, early, late;
+  assign early      = at[5:3] == '0 && at[2:1] != 2'b11;  // below 6
+  assign late       = &at[5:4];                           // 48 and more: type, then number
+  assign next_count = (count ^ carry) && !clearing;
+  assign next_stamp = snap ? count : stamp;
+  assign next_head  = !copy ? head : early ? lows[at[2:0]] : !late ? stamp : at[3] ? count : at[2:0] == '0;
+  assign next_load  = copy ? loads[at[4:0]] && !at[5] : load;
+
+  always_ff @(posedge clk_i) begin
+    {load, head, stamp, count} <= memory[ahead];
+    memory[at] <= {next_load, next_head, next_stamp, next_count};
+    carry      <= (carry && count) || at == 6'd5 || (copy && at == 6'd55);
+    if (rst_i) carry <= 1'b0;
+  end
+
+  // Byte by byte: places 6, 7, 8 .. 13 are type, number and time, in blocks 6, 7, 0 .. 5 of the head; 14 .. 19 are
+  // channel, peak-to-peak and state, in blocks 6, 7, 0 .. 3 of the load; 20 .. 23 the checksum.
+  logic [4:0]  place;
+  logic [31:0] crc;
+  logic        crc_low;
+  logic [30:0] unused_crc;
+  logic        fill, full, checksum, fits, present, taken;
+  assign {unused_crc, crc_low} = crc;
+  assign checksum    = place[4] && place[2];
+  assign fits        = checksum || ahead[5:3] == place[2:0];
+  assign present     = (place[4] || &place[3:1]) ? load : head;
+  assign out_valid_o = full;
+  assign out_last_o  = checksum && (&place[1:0]);
+  assign taken       = full && out_ready_i;
+
+  always_ff @(posedge clk_i) begin
+    if (&at[2:0]) fill <= sending && !full && !fill && fits;
+    full <= (full && !out_ready_i) || (fill && (&at[2:0]));
+    if (fill) out_data_o <= {checksum ? !crc_low : present, out_data_o[7:1]};
+    if (!sending) place <= 5'd6;
+    else if (taken) place <= place + 1'b1;
+    sending <= (copy && turn) || (sending && !(taken && out_last_o));
+    if (rst_i) begin
+      fill    <= 1'b0;
+      full    <= 1'b0;
+      sending <= 1'b0;
+    end
+  end
+
+  msn_crc32 #(.Bits(1)) u_crc (
+    .clk_i,
+    .clear_i  (!sending),
+    .step_i   (fill),
+    .in_data_i(checksum ? crc_low : present),
+    .out_crc_o(crc)
+  );
+
+endmodule

@@ -1,0 +1,281 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The whole slip path of one channel, a bit a clock: msn_frame_check, msn_haar, msn_peak_to_peak with tumbling
+// windows and msn_slip, the same decisions bit for bit, for the smallest builds. Two passes over a sample's bits,
+// lowest first; bit i of every variable is a column of word i of one small memory.
+//
+//   pass 1   d = even - odd, a = even + odd; compare d with the window's extremes, a with the levels; the timer
+//   pass 2   new extremes, p2p = max d - min d; compare p2p with the thresholds; keep the sample
+//   then     step the state, take the sample
+//
+// A sample is taken (in_ready_o) 2*Steps + 1 clocks after it is first offered, with actuator_moving_i of that
+// clock; the decision follows one clock later. Steps: the power of two that holds a detail and a timer's sign.
+// Model: model/meissner/slip/slip_serial.py
+
+module msn_slip_serial #(
+  parameter  int unsigned SampleBits = 17,
+  parameter  int unsigned Level      = 1,
+  parameter  int unsigned Window     = 64,  // samples
+  parameter  int unsigned TimerBits  = 14,
+  localparam int unsigned DetailBits = SampleBits + Level
+) (
+  input  logic                         clk_i,
+  input  logic                         rst_i,
+
+  input  logic        [DetailBits-1:0] cfg_threshold_i,
+  input  logic        [DetailBits-1:0] cfg_gross_threshold_i,
+  input  logic signed [DetailBits-1:0] cfg_contact_level_i,
+  input  logic signed [DetailBits-1:0] cfg_release_level_i,
+  input  logic                         cfg_contact_rises_i,  // pressing raises the level
+  input  logic        [TimerBits-1:0]  cfg_hold_i,
+  input  logic        [TimerBits-1:0]  cfg_refractory_i,
+  input  logic        [TimerBits-1:0]  cfg_blank_i,
+  input  logic                         actuator_moving_i,
+
+  input  logic                         in_valid_i,
+  output logic                         in_ready_o,
+  input  logic signed [SampleBits-1:0] in_data_i,
+  input  logic                         in_id_i,
+  input  logic                         in_last_i,
+
+  output logic                         out_valid_o,
+  input  logic                         out_ready_i,
+  output logic        [2:0]            out_state_o,  // msn_pkg::slip_state_e
+  output logic                         out_raised_o,
+  output logic                         out_over_o,
+  output logic        [DetailBits-1:0] out_p2p_o,
+  output logic                         out_end_o,
+
+  output logic        [31:0]           damaged_o,    // samples without `last`, and what follows them
+  output logic        [31:0]           blanked_o     // details that were over while blanked or moving
+);
+
+  localparam int unsigned CountBits = TimerBits + 1;
+  localparam int unsigned StepBits  = $clog2((DetailBits > CountBits) ? DetailBits : CountBits);
+  localparam int unsigned Steps     = 1 << StepBits;
+  localparam int unsigned PlaceBits = $clog2(Window >> Level);
+
+  if (SampleBits < 2) begin : gen_check_sample_bits
+    $fatal(1, "msn_slip_serial: SampleBits = %0d must be at least 2", SampleBits);
+  end
+  if (Level < 1 || Level > 3) begin : gen_check_level
+    $fatal(1, "msn_slip_serial: Level = %0d must be 1, 2 or 3", Level);
+  end
+  if (Window < (2 << Level) || (Window & (Window - 1)) != 0) begin : gen_check_window
+    $fatal(1, "msn_slip_serial: Window = %0d must be a power of two, %0d or more", Window, 2 << Level);
+  end
+  if (TimerBits < 1 || TimerBits > 31) begin : gen_check_timer_bits
+    $fatal(1, "msn_slip_serial: TimerBits = %0d must lie in 1 .. 31", TimerBits);
+  end
+
+  // A sample without `last` or of another channel is taken at once, and so is all up to the next `last`.
+  logic dropping, keep, forget;
+  assign keep   = in_last_i && !in_id_i && !dropping;
+  assign forget = in_valid_i && in_ready_o && !keep;
+
+  // The address that is read runs a clock ahead of the bit that is worked on; the top bit of both: pass 2.
+  logic [StepBits:0]   ahead, at;
+  logic [StepBits-1:0] next_bit;
+  logic                idle, start, finish, second, top;
+  assign next_bit   = ahead[StepBits-1:0];
+  assign second     = at[StepBits];
+  assign top        = &at[StepBits-1:0];
+  assign start      = in_valid_i && keep && idle && !out_valid_o;
+  assign in_ready_o = finish || (idle && !out_valid_o && !keep);
+
+  always_ff @(posedge clk_i) begin
+    at     <= ahead;
+    ahead  <= (finish || (idle && !start)) ? '0 : ahead + 1'b1;
+    finish <= top && second && !idle;
+    idle   <= finish || (idle && !start);
+    if (in_valid_i && in_ready_o) dropping <= !in_last_i && !keep;
+    if (rst_i) begin
+      at       <= '0;
+      ahead    <= '0;
+      finish   <= 1'b0;
+      idle     <= 1'b1;
+      dropping <= 1'b0;
+    end
+  end
+
+  // Which sample of its group this is, and which detail of its window.
+  logic [Level-1:0]     member;
+  logic [PlaceBits-1:0] place;
+  logic                 complete, decide, first;
+  assign complete = &member;
+  assign decide   = finish && complete;
+  always_ff @(posedge clk_i) begin
+    member <= member + Level'(finish);
+    if (decide) {first, place} <= {1'b0, place} + 1'b1;
+    if (forget || rst_i) begin
+      member <= '0;
+      place  <= '0;
+      first  <= 1'b1;
+    end
+  end
+
+  // Is a number greater than another, from the lowest bit on: where two bits differ they decide. So are borrows.
+  // Not "if they differ": that becomes a clock enable, and a second table for each.
+  function automatic logic greater(logic a, logic b, logic so_far);
+    greater = (a && !b) || (so_far && (a || !b));
+  endfunction
+
+  // What comes in from outside, bit by bit. Pressing is asked for only without a contact, lifting only with one, so
+  // that one comparison serves both.
+  logic [2:0] next_state;
+  logic       was_slipping, touching, sample, limit, threshold, gross_threshold;
+  assign was_slipping = out_state_o == msn_pkg::Incipient || out_state_o == msn_pkg::Gross;
+  assign touching     = out_state_o == msn_pkg::Contact || was_slipping;
+
+  logic [Steps-1:0] samples, contact_levels, release_levels, thresholds, gross_thresholds;
+  assign samples          = Steps'(in_data_i);
+  assign contact_levels   = Steps'(cfg_contact_level_i);
+  assign release_levels   = Steps'(cfg_release_level_i);
+  assign thresholds       = Steps'(cfg_threshold_i);
+  assign gross_thresholds = Steps'(cfg_gross_threshold_i);
+  always_ff @(posedge clk_i) begin
+    sample          <= samples[next_bit];
+    limit           <= touching ? release_levels[next_bit] : contact_levels[next_bit];
+    threshold       <= thresholds[next_bit];
+    gross_threshold <= gross_thresholds[next_bit];
+  end
+
+  // The Haar levels. A level keeps its value for the next one whenever all levels below it have one.
+  logic restart;
+  assign restart = idle || top;
+  for (genvar l = 0; l < Level; l++) begin : gen_level
+    localparam logic [Level-1:0] Below = Level'((1 << l) - 1);
+    logic now, kept, sum, carry, keeps;
+    if (l == 0) begin : gen_sample
+      assign now = sample;
+    end else begin : gen_total
+      assign now = gen_level[l-1].sum;
+    end
+    assign keeps = second && (member & Below) == Below;
+    assign sum   = kept ^ now ^ carry;
+    (* no_rw_check, ram_style = "block" *) logic memory [Steps];
+    always_ff @(posedge clk_i) begin
+      kept  <= memory[next_bit];
+      carry <= !restart && greater(now, !kept, carry);
+      if (keeps) memory[at[StepBits-1:0]] <= now;
+    end
+  end
+  logic even, odd, total, detail, detail_borrow;
+  assign even   = gen_level[Level-1].kept;
+  assign odd    = gen_level[Level-1].now;
+  assign total  = gen_level[Level-1].sum;
+  assign detail = even ^ odd ^ detail_borrow;
+  always_ff @(posedge clk_i) detail_borrow <= !restart && greater(odd, even, detail_borrow);
+
+  // The window's maximum and minimum, and the timer; not in one memory, because for a write enable of each bit Yosys
+  // packs several words into a row and selects with tables.
+  logic high, low, new_high, new_low, count, next_count;
+  (* no_rw_check, ram_style = "block" *) logic [1:0] extremes_memory [Steps];
+  (* no_rw_check, ram_style = "block" *) logic timer_memory [Steps];
+  always_ff @(posedge clk_i) begin
+    {high, low} <= extremes_memory[next_bit];
+    count       <= timer_memory[next_bit];
+    if (second && complete) extremes_memory[at[StepBits-1:0]] <= {new_high, new_low};
+    if (!idle && !finish && !second && complete) timer_memory[at[StepBits-1:0]] <= next_count;
+  end
+
+  // Pass 1: comparisons of signed numbers, so at the sign the other way round.
+  logic higher, lower, beyond, rises;
+  assign rises = cfg_contact_rises_i;
+  always_ff @(posedge clk_i) begin
+    if (!second) begin
+      higher <= greater(detail ^ top, high ^ top, higher);
+      lower  <= greater(low ^ top, detail ^ top, lower);
+      beyond <= greater((rises ? limit : total) ^ top, (rises ? total : limit) ^ top, beyond);
+    end
+    if (idle) begin
+      higher <= 1'b0;
+      lower  <= 1'b0;
+      beyond <= 1'b0;
+    end
+  end
+
+  // Pass 2: the window's extremes, their difference, and the thresholds.
+  logic             p2p, p2p_borrow, over, gross;
+  logic [Steps-1:0] p2p_q;
+  assign new_high  = (first || higher) ? detail : high;
+  assign new_low   = (first || lower) ? detail : low;
+  assign p2p       = new_high ^ new_low ^ p2p_borrow;
+  assign out_p2p_o = p2p_q[DetailBits-1:0];
+  always_ff @(posedge clk_i) begin
+    p2p_borrow <= !restart && greater(new_low, new_high, p2p_borrow);
+    over       <= greater(p2p, threshold, over);
+    gross      <= greater(p2p, gross_threshold, gross);
+    if (!second && !finish) begin
+      over  <= 1'b0;
+      gross <= 1'b0;
+    end
+    if (second) p2p_q <= {p2p, p2p_q[Steps-1:1]};
+  end
+
+  // The timer counts up from minus a register's value, so that "still running" is its sign. A detail that loads it
+  // leaves that, and the step of 1 otherwise, to the next one's pass 1. Only one time runs in any state: hold in
+  // slips and in Release, blank or refractory in Contact.
+  logic             running, tick_carry, load, next_load, load_bit, blanking, next_blanking;
+  logic [Steps-1:0] holds, refractories, blanks;
+  assign holds        = '0 - Steps'(cfg_hold_i);
+  assign refractories = '0 - Steps'(cfg_refractory_i);
+  assign blanks       = '0 - Steps'(cfg_blank_i);
+  assign next_count   = load ? load_bit : count ^ tick_carry;
+  always_ff @(posedge clk_i) begin
+    if (was_slipping || !touching) load_bit <= holds[next_bit];
+    else load_bit <= blanking ? blanks[next_bit] : refractories[next_bit];
+    tick_carry <= idle ? running : (tick_carry && count);
+    if (complete && top && !second) running <= next_count;
+  end
+
+  // The state, as in msn_slip.
+  logic counts, slipping, acts;
+  assign acts = over && !actuator_moving_i;
+  always_comb begin
+    next_state    = out_state_o;
+    next_load     = beyond || !running;
+    next_blanking = !was_slipping;
+    counts        = 1'b0;
+    if (touching && beyond) begin
+      next_state = msn_pkg::Release;
+    end else if (was_slipping) begin
+      counts    = over && actuator_moving_i;
+      next_load = acts || !running;
+      if (acts && gross) next_state = msn_pkg::Gross;
+      if (!acts && !running) next_state = msn_pkg::Contact;
+    end else if (touching) begin
+      counts        = over && (actuator_moving_i || (blanking && running));
+      next_load     = acts && !running;
+      next_blanking = blanking;
+      if (next_load) next_state = gross ? msn_pkg::Gross : msn_pkg::Incipient;
+    end else begin
+      next_load = !beyond || !running;
+      if (!beyond) next_state = msn_pkg::Contact;
+      else if (out_state_o == msn_pkg::None || !running) next_state = msn_pkg::None;
+    end
+  end
+  assign slipping = next_state == msn_pkg::Incipient || next_state == msn_pkg::Gross;
+
+  always_ff @(posedge clk_i) begin
+    out_valid_o <= decide || (out_valid_o && !out_ready_i);
+    if (decide) begin
+      out_state_o  <= next_state;
+      out_raised_o <= slipping && !was_slipping;
+      out_over_o   <= over;
+      out_end_o    <= &place;
+      load         <= next_load;
+      blanking     <= next_blanking;
+      if (counts) blanked_o <= blanked_o + 1'b1;
+    end
+    if (forget) out_state_o <= msn_pkg::None;
+    if (forget && !dropping) damaged_o <= damaged_o + 1'b1;
+    if (rst_i) begin
+      out_valid_o <= 1'b0;
+      out_state_o <= msn_pkg::None;
+      damaged_o   <= '0;
+      blanked_o   <= '0;
+    end
+  end
+
+endmodule

@@ -1,0 +1,130 @@
+"""Frame gate: a chain of Drain stages stands behind it in the bench. Writes come at every beat of a frame and
+between frames; the settings that the chain's first and last stages see must be one per frame and the twin's,
+with gaps and stalls; nothing is lost, repeated or reordered; without a write every clock carries a beat.
+"""
+
+import random
+
+import cocotb
+import pytest
+from cocotb.triggers import ReadOnly, RisingEdge
+
+import bench
+from meissner.common.frame_gate import first_frame
+
+FRAME = 5
+
+
+async def run_chain(dut, frames, write_at, gap=0.0, stall=0.0):
+    """(results, clocks, when): results [(beat, setting at the first stage, setting at the last stage)].
+
+    ``write_at``: beats taken at which a setting is written (the setting counts writes); ``when``: the beats
+    offered up to the clock in which each write was pending first.
+    """
+    draw, drain = random.Random(bench.SEED), int(dut.Drain.value)
+    await bench.start(dut, pending_i=0, stalled_i=0, in_last_i=0)
+    chain, results = [None] * drain, []
+    taken = written = active = clock = 0
+    pending = held = False
+    writes, when = sorted(write_at), []
+    while len(results) < frames * FRAME:
+        if writes and taken >= writes[0]:
+            writes.pop(0)
+            when.append(None)
+            written, pending = written + 1, True
+        offer = taken < frames * FRAME and (held or draw.random() >= gap)
+        ready = draw.random() >= stall
+        stalled = chain[-1] is not None and not ready
+        dut.pending_i.value, dut.stalled_i.value = int(pending), int(stalled)
+        dut.in_valid_i.value, dut.out_ready_i.value = int(offer), int(not stalled)
+        dut.in_last_i.value = int(offer and taken % FRAME == FRAME - 1)
+        await ReadOnly()
+        out, accepted = bench.read(dut.out_valid_o), bench.read(dut.in_ready_o)
+        commit = bench.read(dut.commit_o)
+        assert not (commit and any(chain[:-1])), "settings change under a frame"
+        assert not (out and commit)
+        assert not (held and not out), "valid was withdrawn while stalled"
+        held = out and stalled
+        await RisingEdge(dut.clk_i)
+        clock += 1
+        assert clock < 100_000, "the chain stands still"
+        if not stalled:
+            if chain[-1] is not None:
+                results.append((*chain[-1], active))
+            moved = (taken, active) if out else None
+            chain = [moved, *chain[:-1]]
+            assert bool(out) == bool(offer and accepted)
+            taken += bool(out)
+        when = [taken + bool(held) if at is None else at for at in when]
+        if commit:
+            active, pending = written, False
+    dut.in_valid_i.value = 0
+    return results, clock, when
+
+
+def check(results, frames, when):
+    assert [beat for beat, _, _ in results] == list(range(frames * FRAME))
+    for beat, first, last in results:
+        expected = sum(first_frame(at, FRAME) <= beat // FRAME for at in when)
+        assert first == last == expected, (beat, first, last, expected)
+
+
+@cocotb.test(timeout_time=50, timeout_unit="ms")
+@cocotb.parametrize(stalls=((0.0, 0.0), (0.4, 0.0), (0.0, 0.4), (0.5, 0.5)))
+async def settings_change_between_frames_only(dut, stalls):
+    frames = 40
+    write_at = [beat * (FRAME * 3 + 1) for beat in range(frames * FRAME // (FRAME * 3 + 1))]
+    results, _, when = await run_chain(dut, frames, write_at, *stalls)
+    assert len(when) == len(write_at)
+    check(results, frames, when)
+
+
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def costs_nothing_without_a_change(dut):
+    drain = int(dut.Drain.value)
+    _, plain, _ = await run_chain(dut, 20, [])
+    assert plain == 20 * FRAME + drain
+
+
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def a_change_costs_its_stated_clocks(dut):
+    drain = int(dut.Drain.value)
+    _, changed, _ = await run_chain(dut, 20, [7])
+    assert changed == 20 * FRAME + drain + drain + 1
+
+
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def opens_after_a_reset_in_the_middle_of_a_frame(dut):
+    await bench.start(dut, pending_i=0, stalled_i=0, in_last_i=0)
+    dut.in_valid_i.value = dut.out_ready_i.value = 1
+    await bench.clocks(dut, 2)
+    dut.in_valid_i.value = 0
+    await bench.reset(dut)
+    dut.pending_i.value = 1
+    await bench.clocks(dut, 1)  # no frame is under way: nothing to wait for
+    await ReadOnly()
+    assert dut.commit_o.value == 1
+
+
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def a_reset_while_closed_commits_nothing(dut):
+    await bench.start(dut, pending_i=1, stalled_i=0, in_last_i=1)
+    for wait in range(1, 5):
+        dut.in_valid_i.value = dut.out_ready_i.value = dut.pending_i.value = 1
+        await bench.clocks(dut, wait)
+        dut.in_valid_i.value = dut.pending_i.value = 0
+        await bench.reset(dut)
+        await ReadOnly()
+        assert dut.commit_o.value == 0 and dut.in_ready_o.value == 1
+        await RisingEdge(dut.clk_i)
+
+
+@pytest.mark.parametrize("drain", [1, 8])
+def test_frame_gate(drain):
+    bench.run("common", "frame_gate", {"Drain": drain})
+
+
+def test_refuses_illegal_parameters():
+    assert "Drain = 0" in bench.refuses("frame_gate", {"Drain": 0})
+    with pytest.raises(ValueError, match="frame_beats"):
+        first_frame(1, 0)

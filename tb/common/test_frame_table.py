@@ -1,0 +1,96 @@
+"""msn_frame_table against its model: one word to many, both banks, parts written one by one while the other
+bank is read; restarts anywhere, with pauses in taking; a word is there two advances after a restart."""
+
+import random
+
+import cocotb
+import pytest
+from cocotb.triggers import FallingEdge
+
+import bench
+from meissner.common.frame_table import FrameTable
+
+
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+@cocotb.parametrize(pause_rate=[0.0, 0.5])
+async def matches_model(dut, pause_rate):
+    words, parts, bits, banks, start = [
+        getattr(dut, name).value.to_unsigned() for name in ("Words", "Parts", "PartBits", "Banks", "Start")
+    ]
+    draw = random.Random(bench.SEED)
+    twin = FrameTable(words, parts, banks, start)
+    bench.Clock(dut.clk_i, 10, unit="ns").start()
+    dut.advance_i.value = 0
+    dut.restart_i.value = 1
+
+    async def write(bank, word, strobes):
+        data = [draw.getrandbits(bits) for _ in range(parts)]
+        dut.write_bank_i.value, dut.write_word_i.value = bank, word
+        dut.write_data_i.value = sum(value << (bits * p) for p, value in enumerate(data))
+        dut.write_i.value = strobes
+        for p in range(parts):
+            if strobes >> p & 1:
+                twin.write(bank, word, data[p], p)
+
+    for bank in range(banks):
+        for word in range(words):
+            await write(bank, word, (1 << parts) - 1)
+            await bench.RisingEdge(dut.clk_i)
+    dut.write_i.value = 0
+    for _ in range(30):
+        bank = draw.randrange(banks)
+        dut.restart_i.value, dut.bank_i.value = 1, bank
+        twin.restart(bank)
+        for _ in range(draw.randint(1, 3)):
+            dut.advance_i.value = draw.getrandbits(1)
+            await bench.RisingEdge(dut.clk_i)
+        dut.restart_i.value, dut.bank_i.value = 0, 1 - bank  # a bank named later must not matter
+        waited, due, expected = 0, draw.randint(1, 3 * words), None
+        while due:
+            if banks == 2:
+                await write(1 - bank, draw.randrange(words), draw.getrandbits(parts))
+            await FallingEdge(dut.clk_i)
+            valid = dut.out_valid_o.value == 1
+            if valid and expected is None:
+                assert waited == 2
+                expected = sum(int(part) << (bits * p) for p, part in enumerate(twin.next(1)[0]))
+            assert not valid or bench.read(dut.out_data_o) == expected
+            waited += not valid
+            take = valid and draw.random() >= pause_rate
+            dut.advance_i.value = int(take or not valid)
+            if take:
+                due, expected = due - 1, None
+            await bench.RisingEdge(dut.clk_i)
+        dut.write_i.value = 0
+
+
+@pytest.mark.parametrize(
+    "words, parts, bits, banks, start",
+    [(1, 1, 5, 2, 0), (2, 3, 4, 1, 1), (3, 2, 7, 2, 2), (37, 1, 33, 2, 0), (64, 8, 9, 1, 8)],
+)
+def test_frame_table(words, parts, bits, banks, start):
+    size = {"Words": words, "Parts": parts, "PartBits": bits, "Banks": banks, "Start": start}
+    bench.run("common", "frame_table", size)
+
+
+def test_model_in_chunks():
+    table = FrameTable(5, start=2)
+    for word in range(5):
+        table.write(0, word, word)
+    assert [int(v) for v in table.next(4)[:, 0]] == [2, 3, 4, 0]
+    assert [int(v) for v in table.next(3)[:, 0]] == [1, 2, 3]
+
+
+def test_refuses_illegal_parameters():
+    assert "Words = 0" in bench.refuses("frame_table", {"Words": 0})
+    assert "Parts = 0" in bench.refuses("frame_table", {"Parts": 0})
+    assert "Banks = 3" in bench.refuses("frame_table", {"Banks": 3})
+    assert "Start = 4096" in bench.refuses("frame_table", {"Start": 4096})
+    for size, message in (
+        ((0,), "words = 0"),
+        ((1, 0), "parts = 0"),
+        ((1, 1, 3), "banks = 3"),
+        ((4, 1, 1, 4), "start = 4"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            FrameTable(*size)

@@ -1,0 +1,88 @@
+"""msn_round_sat against its model, and the model against exact fractions: the ends of the input's range, what
+lies around ties near zero and around both limits, powers of two, then random; with stalls; reset."""
+
+from fractions import Fraction
+from math import floor
+
+import cocotb
+import numpy as np
+import pytest
+
+import bench
+from meissner.common.round_sat import round_sat
+
+SIZES = [
+    (24, 16, 8, 0),
+    (35, 16, 12, 1),
+    (9, 9, 1, 0),
+    (9, 8, 1, 1),
+    (20, 1, 3, 0),
+    (20, 1, 3, 1),
+    (51, 16, 24, 1),
+]
+
+
+def telling(in_width, out_width, drop_bits, unsigned):
+    """Inputs where rounding or clipping turns, then random ones of every magnitude."""
+    rng = np.random.default_rng(bench.SEED)
+    low, high = bench.width(in_width)
+    half, bits = 1 << (drop_bits - 1), out_width - (not unsigned)
+    centres = np.array([0, half, 1 << (drop_bits + bits), (1 << (drop_bits + bits)) - half, 2 * half])
+    near = (np.r_[centres, -centres][:, None] + np.arange(-2, 3)).ravel()
+    powers = 1 << np.arange(in_width - 1)
+    wide = rng.integers(low, high + 1, 300) >> rng.integers(0, in_width, 300)
+    x = np.r_[low, high, near, powers, -powers, wide]
+    return x[(x >= low) & (x <= high)]
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+@cocotb.parametrize(stall_rate=[0.0, 0.5])
+async def matches_model(dut, stall_rate):
+    size = [
+        getattr(dut, name).value.to_unsigned() for name in ("InWidth", "OutWidth", "DropBits", "Unsigned")
+    ]
+    await bench.start(dut)
+    x = telling(*size)
+    pause = bench.pauses(stall_rate)
+    got = await bench.stream(dut, [{"data": v} for v in x], ["data" if size[3] else "data~"], pause, pause)
+    assert [beat["data"] for beat in got] == round_sat(x, *size).tolist()
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def forgets_what_a_reset_interrupts(dut):
+    await bench.start(dut)
+    await bench.stream(dut, [{"data": 1}], ["data"], stalls=lambda: True, drain=0)
+    await bench.reset(dut)
+    assert await bench.stream(dut, [], ["data"]) == []
+
+
+@pytest.mark.parametrize("in_width, out_width, drop_bits, unsigned", SIZES)
+def test_round_sat(in_width, out_width, drop_bits, unsigned):
+    size = {"InWidth": in_width, "OutWidth": out_width, "DropBits": drop_bits, "Unsigned": unsigned}
+    bench.run("common", "round_sat", size)
+
+
+@pytest.mark.parametrize("size", SIZES)
+def test_model_against_fractions(size):
+    _, out_width, drop_bits, unsigned = size
+    low, high = (0, (1 << out_width) - 1) if unsigned else bench.width(out_width)
+    x = telling(*size)
+    exact = [floor(Fraction(int(v), 1 << drop_bits) + Fraction(1, 2)) for v in x]
+    assert round_sat(x, *size).tolist() == [min(max(v, low), high) for v in exact]
+
+
+def test_refuses_illegal_parameters():
+    assert "DropBits = 0" in bench.refuses("round_sat", {"DropBits": 0})
+    assert "DropBits = 24" in bench.refuses("round_sat", {"DropBits": 24})
+    assert "OutWidth = 18" in bench.refuses("round_sat", {"OutWidth": 18})
+    assert "OutWidth = 17" in bench.refuses("round_sat", {"OutWidth": 17, "Unsigned": 1})
+    for size, message in (
+        ((24, 16, 0), "drop_bits = 0"),
+        ((24, 16, 24), "drop_bits = 24"),
+        ((24, 18, 8), "out_width = 18"),
+        ((24, 17, 8, True), "out_width = 17"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            round_sat(0, *size)
+    with pytest.raises(ValueError, match="24 signed bits"):
+        round_sat(1 << 23, 24, 16, 8)

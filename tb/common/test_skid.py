@@ -1,0 +1,59 @@
+"""msn_skid against its model: words in order, none lost or doubled, with gaps and stalls; without latency;
+room for exactly one word while the follower stands still; ready is a register; reset."""
+
+import cocotb
+import numpy as np
+import pytest
+from cocotb.triggers import FallingEdge
+
+import bench
+from meissner.common.skid import skid
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+@cocotb.parametrize(gap_rate=[0.0, 0.4], stall_rate=[0.0, 0.4, 0.8])
+async def matches_model(dut, gap_rate, stall_rate):
+    await bench.start(dut)
+    x = np.random.default_rng(bench.SEED).integers(0, 1 << len(dut.in_data_i), 300)
+    beats = [{"data": value} for value in x]
+    got = await bench.stream(dut, beats, ["data"], bench.pauses(gap_rate), bench.pauses(stall_rate))
+    assert [beat["data"] for beat in got] == skid(x).tolist()
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def holds_one_word_and_ready_is_a_register(dut):
+    await bench.start(dut)
+    await FallingEdge(dut.clk_i)
+    dut.in_valid_i.value, dut.in_data_i.value = 1, 5
+    await bench.ReadOnly()
+    assert (dut.out_valid_o.value, bench.read(dut.out_data_o), dut.in_ready_o.value) == (1, 5, 1)
+    await FallingEdge(dut.clk_i)
+    dut.in_data_i.value = 9
+    dut.out_ready_i.value = 1  # too late for the word kept to leave room in this clock
+    await bench.ReadOnly()
+    assert (dut.out_valid_o.value, bench.read(dut.out_data_o), dut.in_ready_o.value) == (1, 5, 0)
+    await FallingEdge(dut.clk_i)
+    await bench.ReadOnly()
+    assert (dut.out_valid_o.value, bench.read(dut.out_data_o), dut.in_ready_o.value) == (1, 9, 1)
+    await FallingEdge(dut.clk_i)
+    dut.in_valid_i.value = 0
+    await bench.ReadOnly()
+    assert dut.out_valid_o.value == 0
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def forgets_what_a_reset_interrupts(dut):
+    await bench.start(dut)
+    await bench.stream(dut, [{"data": 3}], ["data"], stalls=lambda: True, drain=0)
+    await bench.reset(dut)
+    assert await bench.stream(dut, [], ["data"]) == []
+
+
+def test_skid():
+    bench.run("common", "skid")
+
+
+def test_refuses_illegal_parameters():
+    assert "Width = 0" in bench.refuses("skid", {"Width": 0})
+    with pytest.raises(ValueError, match="width = 0"):
+        skid([1], 0)

@@ -1,0 +1,179 @@
+"""msn_cop_array, samples to centre of pressure, against its model: per taxel and row times column, one to
+eight lanes; exact clocks within 16, the same in every frame; gaps and stalls; masks; damaged frames leave no
+result and are counted, whole ones beside them all do; calibrations swapped; resets."""
+
+import random
+
+import cocotb
+import numpy as np
+import pytest
+
+import bench
+from meissner.cop.cop_array import CopArray, latency
+
+FIELDS = ["x~", "y~", "load", "pressed"]
+IDLE = {"cfg_write_i": 0, "cfg_write_row_i": 0, "cfg_swap_i": 0, "cfg_min_load_i": 2}
+
+
+def setting(dut, *names):
+    return [getattr(dut, name).value.to_unsigned() for name in names]
+
+
+def twin_of(dut):
+    rows, columns, lanes, fraction, row_column = setting(
+        dut, "Rows", "Columns", "Lanes", "FractionBits", "RowColumn"
+    )
+    kinds = {"gain_shift": setting(dut, "GainShift")[0], "row_column": bool(row_column)}
+    return CopArray(rows, columns, lanes, fraction, min_load=2, **kinds)
+
+
+async def calibrate(dut, twin, rng):
+    """Write offsets and gains about 1 of a whole bank, and swap."""
+    table = twin.calibrate.table
+    entries = [(False, word, lane) for word in range(table._beats.shape[2]) for lane in range(table.lanes)]
+    entries += [(True, row, 0) for row in range(table.rows) if table.row_column]
+    for of_row, word, lane in entries:
+        offset, gain = int(rng.integers(-300, 900)), int(rng.integers(3000, 5000))
+        dut.cfg_word_i.value, dut.cfg_gain_i.value = word, gain
+        dut.cfg_offset_i.value = offset & ((1 << table.offset_bits) - 1)
+        dut.cfg_write_i.value, dut.cfg_write_row_i.value = 0 if of_row else 1 << lane, int(of_row)
+        if of_row:
+            table.write_row(word, offset, gain)
+        else:
+            table.write(word, offset, gain, lane)
+        await bench.RisingEdge(dut.clk_i)
+    dut.cfg_write_i.value = dut.cfg_write_row_i.value = 0
+    dut.cfg_swap_i.value = 1
+    await bench.RisingEdge(dut.clk_i)
+    dut.cfg_swap_i.value = 0
+    twin.calibrate.swap()
+
+
+def samples(rng, twin, count):
+    """Frames with a press somewhere, samples and masks [count, rows, columns]."""
+    shape = (count, twin.rows, twin.columns)
+    raw = rng.integers(-400, 1300, shape) + rng.integers(0, 60000, shape) * (rng.random(shape) < 0.1)
+    return raw, rng.random(shape) < 0.1
+
+
+def beats_of(twin, raw, mask):
+    table = twin.calibrate.table
+    return bench.lane_beats(raw, table.lanes, 17, surplus=65535, mask=mask)
+
+
+def results(values):
+    return [dict(zip(("x", "y", "load", "pressed"), map(int, frame))) for frame in values]
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+@cocotb.parametrize(stall_rate=[0.0, 0.4])
+async def matches_model(dut, stall_rate):
+    twin, rng = twin_of(dut), np.random.default_rng(bench.SEED)
+    await bench.start(dut, **IDLE)
+    pause = bench.pauses(stall_rate)
+    for _ in range(2):
+        await calibrate(dut, twin, rng)
+        raw, mask = samples(rng, twin, 4 if twin.rows > 30 else 20)
+        got = await bench.stream(dut, beats_of(twin, raw, mask), FIELDS, pause, pause)
+        assert got == results(zip(*twin.next(raw, mask)))
+    assert bench.read(dut.damaged_o) == bench.read(dut.dropped_o) == 0
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def clocks_are_as_stated(dut):
+    """Each frame by itself, and all back to back, if they are long enough for the divider."""
+    twin, rng = twin_of(dut), np.random.default_rng(bench.SEED)
+    await bench.start(dut, out_ready_i=1, **IDLE)
+    await calibrate(dut, twin, rng)
+    await bench.clocks(dut, 6)
+    lanes, fraction, per_clock, row_column = setting(
+        dut, "Lanes", "FractionBits", "BitsPerClock", "RowColumn"
+    )
+    stated = latency(lanes, fraction, per_clock, bool(row_column))
+    if (twin.rows, twin.columns, lanes, fraction) == (64, 64, 1, 14):
+        assert stated <= 16
+    raw, mask = samples(rng, twin, 3)
+    beats = beats_of(twin, raw, mask)
+    ends, seen = [], []
+    for clock in range(len(beats) + stated + 2):
+        dut.in_valid_i.value = int(clock < len(beats))
+        for name, value in beats[min(clock, len(beats) - 1)].items():
+            getattr(dut, f"in_{name}_i").value = int(value)
+        await bench.ReadOnly()
+        if clock < len(beats):
+            assert dut.in_ready_o.value == 1, f"waits at clock {clock}"
+            if beats[clock]["last"]:
+                ends.append(clock)
+        if dut.out_valid_o.value == 1:
+            seen.append(clock)
+        await bench.RisingEdge(dut.clk_i)
+    assert [after - before for before, after in zip(ends, seen)] == [stated] * 3
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+@cocotb.parametrize(stall_rate=[0.0, 0.4])
+async def no_damaged_frame_gives_a_result(dut, stall_rate):
+    """Whole frames between damaged ones all give theirs; the two counters together tell of every other."""
+    twin, rng = twin_of(dut), np.random.default_rng(bench.SEED)
+    await bench.start(dut, **IDLE)
+    await calibrate(dut, twin, rng)
+    raw, mask = samples(rng, twin, 6 if twin.rows > 30 else 60)
+    whole = beats_of(twin, raw, mask)
+    beats = bench.damage(whole, len(whole) // len(raw), random.Random(bench.SEED + 1))
+    lanes = twin.calibrate.table.lanes
+    expected = []
+    for beat in beats:
+        data = np.array(bench.lane_values(beat["data"], lanes, 17, signed=True))
+        masked = np.array(bench.lane_values(beat["mask"], lanes, 1), bool)
+        expected.append(twin.beat(data, beat["id"], beat["last"], masked))
+    expected = results(result for result in expected if result)
+    pause = bench.pauses(stall_rate)
+    assert await bench.stream(dut, beats, FIELDS, pause, pause) == expected
+    assert bench.read(dut.damaged_o) == twin.calibrate.damaged > 0
+    assert bench.read(dut.dropped_o) == twin.dropped == twin.calibrate.damaged
+    assert len(expected) == sum(beat["last"] for beat in beats) - twin.dropped
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def forgets_what_a_reset_interrupts(dut):
+    twin, rng = twin_of(dut), np.random.default_rng(bench.SEED)
+    await bench.start(dut, **IDLE)
+    for cut in (0.2, 0.5, 1.4):
+        raw, mask = samples(rng, twin, 2)
+        beats = beats_of(twin, raw, mask)
+        await calibrate(dut, twin, rng)
+        await bench.stream(dut, beats[: int(cut * len(beats) / 2)], FIELDS, drain=0)
+        await bench.reset(dut)
+        twin.reset()
+        await calibrate(dut, twin, rng)
+        assert await bench.stream(dut, beats, FIELDS) == results(zip(*twin.next(raw, mask)))
+        assert bench.read(dut.dropped_o) == 0
+
+
+@pytest.mark.parametrize(
+    "rows, columns, lanes, gain_shift, row_column",
+    [(64, 64, 1, 12, 0), (32, 32, 1, 12, 0), (5, 19, 2, 12, 0), (24, 61, 8, 24, 1)],
+)
+def test_cop_array(rows, columns, lanes, gain_shift, row_column):
+    size = {"Rows": rows, "Columns": columns, "Lanes": lanes}
+    bench.run("cop", "cop_array", size | {"GainShift": gain_shift, "RowColumn": row_column})
+
+
+def test_a_uniform_press_is_uniform_after_calibration_only():
+    """Gains spread by 30 %: the image of a uniform press is uniform within 1 % calibrated, and not before."""
+    rng = np.random.default_rng(3)
+    gain, zero = rng.uniform(0.7, 1.3, (16, 16)), rng.integers(100, 900, (16, 16))
+    raw = np.rint(zero + 8000 * gain).astype(np.int64)
+    twin = CopArray(16, 16)
+    for word, (offset, factor) in enumerate(zip(zero.ravel(), np.rint(4096 / gain).astype(int).ravel())):
+        twin.calibrate.table.write(word, offset, factor)
+    x, y, load, _ = twin.process(raw)
+    image = twin.calibrate.next(raw)
+    assert np.ptp(raw) / raw.mean() > 0.3
+    assert np.ptp(image) / image.mean() < 0.01
+    assert max(abs(int(x)), abs(int(y))) <= 3 and abs(load / (256 * 8000) - 1) < 0.01
+
+
+def test_stated_latency():
+    assert latency() == 14
+    assert latency(lanes=8, bits_per_clock=1, row_column=True) == 25

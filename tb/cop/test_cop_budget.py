@@ -1,0 +1,70 @@
+"""The millisecond of a frame on msn_cop, one array size after the other: scan (first beat to last, at the
+lanes and clock stated beside the size) and computation (last beat to x, y, load) measured apart, in clocks of
+the RTL, with a source and a sink that never wait. One lane must compute in 12 clocks. Both are printed."""
+
+import os
+
+import cocotb
+import numpy as np
+import pytest
+
+import bench
+from meissner.cop.cop import cop, latency
+
+BUDGET_S = 1e-3
+COMPUTE_CLOCKS = 12
+FIELDS = ["x~", "y~", "load", "pressed"]
+
+# Side, lanes, MHz, bits a clock: the iCEBreaker's crystal as it is; a clock that msn_cop reaches with room on
+# the ECP5; the largest array as docs/cop.md measured it there (143.4 MHz).
+SIZES = [(side, 1, 12, 2) for side in (3, 8, 16, 32, 64)] + [(256, 1, 100, 2), (1024, 8, 143, 1)]
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def frame_fits_in_a_millisecond(dut):
+    rows, columns, lanes, bits = (
+        getattr(dut, name).value.to_unsigned() for name in ("Rows", "Columns", "Lanes", "BitsPerClock")
+    )
+    clock_hz = float(os.environ["MEISSNER_CLOCK_HZ"])
+    frame = np.random.default_rng(bench.SEED).integers(0, 65536, (rows, columns))
+    beats = bench.force_beats(frame[None], lanes)
+    await bench.start(dut, cfg_min_load_i=1, out_ready_i=1)
+    dut.in_valid_i.value = 1
+    scan = sent = 0
+    while sent < len(beats):
+        dut.in_data_i.value, dut.in_last_i.value = beats[sent]["data"], int(beats[sent]["last"])
+        await bench.ReadOnly()
+        sent += int(dut.in_ready_o.value)
+        scan += 1
+        await bench.RisingEdge(dut.clk_i)
+    dut.in_valid_i.value = 0
+    compute = 1
+    await bench.ReadOnly()
+    while dut.out_valid_o.value != 1:
+        await bench.RisingEdge(dut.clk_i)
+        await bench.ReadOnly()
+        compute += 1
+    ports = [getattr(dut, f"out_{field.rstrip('~')}_o") for field in FIELDS]
+    values = [
+        bench.as_signed(bench.read(p), len(p)) if f[-1] == "~" else bench.read(p)
+        for p, f in zip(ports, FIELDS)
+    ]
+    assert values == [int(value[0]) for value in cop(frame[None])]
+
+    scan_s, compute_s = scan / clock_hz, compute / clock_hz
+    print(
+        f"{rows}x{columns}, {lanes} lane{'s' * (lanes > 1)} at {clock_hz / 1e6:g} MHz = "
+        f"{lanes * clock_hz / 1e6:g} Msamples/s: scan {scan} clocks, {scan_s * 1e6:.2f} us; "
+        f"compute {compute} clocks, {compute_s * 1e6:.3f} us; together {(scan_s + compute_s) * 1e6:.1f} us"
+    )
+    assert scan == rows * -(-columns // lanes)
+    assert compute == latency(lanes, 14, bits)
+    assert lanes > 1 or compute <= COMPUTE_CLOCKS
+    assert scan_s + compute_s < BUDGET_S
+
+
+@pytest.mark.parametrize("side, lanes, mhz, bits", SIZES)
+def test_frame(side, lanes, mhz, bits, monkeypatch):
+    monkeypatch.setenv("MEISSNER_CLOCK_HZ", str(mhz * 1e6))
+    size = {"Rows": side, "Columns": side, "Lanes": lanes, "BitsPerClock": bits}
+    bench.run("cop", "cop", size, module="test_cop_budget")

@@ -1,0 +1,182 @@
+"""msn_adc_single on a model of the part that checks its own timing: codes (corners of every bit, then
+random) against the twin, with a consumer that is ready, stalls or sleeps for frames; convert starts on the
+grid through all of it; each conversion is a sample or counted as dropped; latency; enable; reset at several
+clocks of a frame."""
+
+import random
+
+import cocotb
+import numpy as np
+import pytest
+from cocotb.clock import Clock
+from cocotb.triggers import ReadOnly, RisingEdge
+
+import bench
+from meissner.frontend.adc_single import AdcSingle
+from parts.mcp3208 import Mcp3208
+
+
+class Codes:
+    """Corners of every bit first, then random."""
+
+    def __init__(self):
+        ones = [1 << bit for bit in range(12)]
+        self.corners = [0, 4095, 0x555, 0xAAA, 2047, 2048, *ones, *(4095 ^ one for one in ones)]
+        self.draw = random.Random(bench.SEED)
+
+    def __call__(self, channel, time):
+        return self.corners.pop(0) if self.corners else self.draw.randint(0, 4095)
+
+
+class Harness:
+    """The block, its part, and what happened at which clock."""
+
+    def __init__(self, dut):
+        self.dut = dut
+        names = ("Channel", "ClkKhz", "SclkKhz", "Period", "SampleBits")
+        self.twin = AdcSingle(*(getattr(dut, name).value.to_unsigned() for name in names))
+        self.clock = 0
+        self.converts, self.valids, self.samples = [], [], []
+        self.held = None
+
+    async def start(self):
+        dut = self.dut
+        for name in ("rst_i", "cfg_enable_i", "out_ready_i", "adc_miso_i", "clk_i"):
+            getattr(dut, name).value = int(name in ("rst_i", "cfg_enable_i"))
+        Clock(dut.clk_i, 1_000_000_000 // self.twin.clk_khz // 2 * 2, unit="ps").start()
+        await bench.clocks(dut, 3)
+        self.part = Mcp3208(dut.adc_cs_n_o, dut.adc_sclk_o, dut.adc_mosi_o, dut.adc_miso_i, Codes())
+        await bench.clocks(dut, 3)
+        dut.rst_i.value = 0
+
+    async def run(self, clocks, ready=lambda: True):
+        dut = self.dut
+        for _ in range(clocks):
+            takes = bool(ready())
+            dut.out_ready_i.value = int(takes)
+            await ReadOnly()
+            if dut.convert_o.value == 1:
+                assert dut.adc_cs_n_o.value == 0
+                self.converts.append(self.clock)
+            valid = dut.out_valid_o.value == 1
+            if valid:
+                sample = (bench.read(dut.out_data_o), bench.read(dut.out_user_o))
+                assert self.held in (None, sample), "a sample changed while it waited"
+                if self.held is None:
+                    self.valids.append(self.clock)
+                if takes:
+                    self.samples.append(sample)
+            assert valid or self.held is None, "a sample was withdrawn"
+            self.held = sample if valid and not takes else None
+            self.clock += 1
+            await RisingEdge(dut.clk_i)
+
+    def expected(self, conversions):
+        values, user = self.twin.samples([code for _, code, _ in conversions])
+        return [(int(v), int(u)) for v, u in zip(values, user)]
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+@cocotb.parametrize(stall_rate=[0.0, 0.5])
+async def sends_every_code_on_the_grid(dut, stall_rate):
+    bench_ = Harness(dut)
+    await bench_.start()
+    stall = bench.pauses(stall_rate)
+    await bench_.run(60 * bench_.twin.period, lambda: not stall())
+    done = [c for c in bench_.part.conversions if c[0] == bench_.twin.channel]
+    assert done == bench_.part.conversions
+    assert len(bench_.samples) >= 58
+    assert bench_.samples == bench_.expected(done)[: len(bench_.samples)]
+    assert set(np.diff(bench_.converts)) == {bench_.twin.period}
+    assert {v - c for c, v in zip(bench_.converts, bench_.valids)} == {bench_.twin.latency}
+    assert bench.read(dut.dropped_o) == 0
+    assert bench.read(dut.over_range_o) == sum(user for _, user in bench_.samples) > 0
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def drops_whole_conversions_while_nobody_takes_the_sample(dut):
+    """The consumer wakes at every phase of a period; what it gets is never a mixture."""
+    bench_ = Harness(dut)
+    await bench_.start()
+    period = bench_.twin.period
+    draw = random.Random(bench.SEED)
+    wakes = sorted(draw.randrange(80 * period) for _ in range(40))
+    wakes += [f * period + at for f in range(81, 99, 2) for at in (0, 1, 2)]
+    await bench_.run(100 * period, lambda: bool(wakes) and bench_.clock >= wakes[0] and wakes.pop(0) >= 0)
+    await bench_.run(bench_.twin.latency + 5)
+    codes = bench_.expected(bench_.part.conversions)
+    # In order, with gaps: each taken sample is found after the one before.
+    at = 0
+    for sample in bench_.samples:
+        at = codes.index(sample, at) + 1
+    dropped = bench.read(dut.dropped_o)
+    assert dropped > 10
+    assert len(bench_.samples) + dropped == len(
+        [c for c in bench_.converts if c + bench_.twin.latency < bench_.clock]
+    )
+    assert set(np.diff(bench_.converts)) == {period}
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def rests_while_not_enabled(dut):
+    """A frame under way ends as usual; the grid stays where it was."""
+    bench_ = Harness(dut)
+    await bench_.start()
+    period = bench_.twin.period
+    await bench_.run(3 * period + period // 20)
+    dut.cfg_enable_i.value = 0
+    await bench_.run(3 * period)
+    dut.cfg_enable_i.value = 1
+    await bench_.run(3 * period)
+    gaps = np.diff(bench_.converts) // period
+    assert sorted(gaps)[-1] == 4 and (np.diff(bench_.converts) % period == 0).all()
+    assert bench_.samples == bench_.expected(bench_.part.conversions)[: len(bench_.samples)]
+    assert len(bench_.samples) >= len(bench_.converts) - 1
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def recovers_after_reset_in_mid_frame(dut):
+    bench_ = Harness(dut)
+    await bench_.start()
+    period = bench_.twin.period
+    for late in (1, bench_.twin.latency // 2, bench_.twin.latency - 1, bench_.twin.latency):
+        await bench_.run(bench_.twin.period + late, lambda: False)
+        await bench.reset(dut)
+        bench_.held = None
+        bench_.clock = 0
+        bench_.converts, bench_.valids, bench_.samples = [], [], []
+        begun = len(bench_.part.conversions)
+        await bench_.run(4 * period + bench_.twin.latency + 2)
+        assert bench_.converts[0] == period
+        assert bench_.samples == bench_.expected(bench_.part.conversions[begun:])
+        assert len(bench_.samples) == 4
+        assert bench.read(dut.dropped_o) == 0
+
+
+@pytest.mark.parametrize(
+    "parameters",
+    [
+        {"Channel": 0, "ClkKhz": 12_000, "SclkKhz": 2_000, "Period": 300, "SampleBits": 13},
+        {"Channel": 5, "ClkKhz": 12_500, "SclkKhz": 1_000, "Period": 512, "SampleBits": 17},
+        {"Channel": 2, "ClkKhz": 50_000, "SclkKhz": 2_000, "Period": 641, "SampleBits": 13},
+    ],
+)
+def test_adc_single(parameters):
+    bench.run("frontend", "adc_single", parameters)
+
+
+@pytest.mark.parametrize(
+    "parameters, arguments, message",
+    [
+        ({"Channel": 8}, {"channel": 8}, "hannel = 8"),
+        ({"ClkKhz": 0}, {"clk_khz": 0}, "= 0 must lie in 1 .. 400000"),
+        ({"SclkKhz": 2001}, {"sclk_khz": 2001}, "= 2001 must lie in 1 .. 2000"),
+        ({"SclkKhz": 9, "Period": 90_000}, {"sclk_khz": 9, "period": 90_000}, "= 9 is too slow"),
+        ({"Period": 160}, {"period": 160}, "eriod = 160 must be at least 161"),
+        ({"SampleBits": 12}, {"sample_bits": 12}, "= 12 must hold a code of 12 bits"),
+    ],
+)
+def test_refuses_illegal_parameters(parameters, arguments, message):
+    assert message in bench.refuses("adc_single", parameters)
+    with pytest.raises(ValueError, match=message):
+        AdcSingle(**arguments)

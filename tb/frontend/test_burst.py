@@ -1,0 +1,83 @@
+"""Bursts: every count and period that the registers hold in a small build (0 is the greatest), starts apart,
+back to back and within a burst; the mark of the first sample; a loss told once a burst; reset in the middle.
+"""
+
+import random
+
+import cocotb
+import pytest
+from cocotb.triggers import ReadOnly, RisingEdge
+
+import bench
+from meissner.frontend.burst import samples, triggers
+
+
+async def watch(dut, starts, end, taken=(), lost=()):
+    """Clocks before ``end`` of trigger_o, first_o and lost_o."""
+    seen = {"trigger_o": [], "first_o": [], "lost_o": [], "spoiled_o": []}
+    for clock in range(end):
+        dut.start_i.value = int(clock in starts)
+        dut.taken_i.value, dut.lost_i.value = int(clock in taken), int(clock in lost)
+        await ReadOnly()
+        for name, clocks in seen.items():
+            if bench.read(getattr(dut, name)):
+                clocks.append(clock)
+        await RisingEdge(dut.clk_i)
+    return seen
+
+
+async def begin(dut):
+    await bench.start(dut, start_i=0, taken_i=0, lost_i=0, cfg_count_i=1, cfg_period_i=1)
+
+
+@cocotb.test(timeout_time=50, timeout_unit="ms")
+async def triggers_as_the_model(dut):
+    await begin(dut)
+    draw = random.Random(bench.SEED)
+    counts, periods = (1 << len(dut.cfg_count_i)), (1 << len(dut.cfg_period_i))
+    for count in range(1, counts + 1):
+        for period in range(1, periods + 1):
+            await bench.reset(dut)
+            dut.cfg_count_i.value, dut.cfg_period_i.value = count % counts, period % periods
+            whole = count * period
+            starts = [draw.randrange(3)]
+            starts += [starts[0] + whole, starts[0] + 2 * whole + draw.randrange(1, 9)]
+            starts += [starts[-1] + draw.randrange(1, whole + 1)]
+            end = starts[-1] + whole + 5
+            seen = await watch(dut, starts, end)
+            assert seen["trigger_o"] == triggers(starts, count, period, end), (count, period, starts)
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def marks_the_first_sample_and_tells_a_loss_once(dut):
+    await begin(dut)
+    dut.cfg_count_i.value, dut.cfg_period_i.value = 3, 3
+    seen = await watch(dut, [2, 20], 40, taken=[7, 10, 13, 24], lost=[9, 11, 12, 26])
+    assert seen["first_o"] == [*range(3, 8), *range(21, 25)]
+    assert seen["lost_o"] == [9, 26]
+    assert seen["spoiled_o"] == [*range(10, 21), *range(27, 40)]
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def a_reset_ends_the_burst(dut):
+    await begin(dut)
+    dut.cfg_count_i.value, dut.cfg_period_i.value = 3, 3
+    await watch(dut, [0], 3, lost=[1])
+    await bench.reset(dut)
+    seen = await watch(dut, [], 12, lost=[3])
+    assert seen == {"trigger_o": [], "first_o": [], "lost_o": [3], "spoiled_o": [*range(4, 12)]}
+
+
+def test_burst():
+    bench.run("frontend", "burst", {"CountBits": 2, "PeriodBits": 3})
+
+
+def test_counts_what_a_measurement_takes():
+    assert samples(skip=4, periods=4, samples_per_period=4) == 20
+
+
+def test_refuses_illegal_parameters():
+    assert "CountBits = 0" in bench.refuses("burst", {"CountBits": 0})
+    assert "PeriodBits = 25" in bench.refuses("burst", {"PeriodBits": 25})
+    with pytest.raises(ValueError, match="period"):
+        triggers([0], 1, 0, 10)

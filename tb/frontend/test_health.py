@@ -1,0 +1,356 @@
+"""msn_health against its model: 1 x 1 to 64 x 64, all lane counts; samples that move, stand still, jump, sit
+at a rail, over-range on every sample; clears and reports at any beat; events not taken; damage, gaps, stalls,
+resets, clocks. The model: no false report in 1e5 healthy frames, each fault found in N frames."""
+
+import random
+from itertools import pairwise
+
+import cocotb
+import numpy as np
+import pytest
+from cocotb.triggers import FallingEdge
+
+import bench
+from meissner.frontend.health import BLINKING, DEAD, RAILED, Health, Limits
+
+FIELDS = ["data", "mask", "id", "last"]
+QUICK = {"band": 5, "jump": 30, "low": -900, "high": 900, "edges": True, "still": 12, "rail": 1, "blink": 30}
+
+
+async def begin(dut, limits):
+    """Reset with these limits; collect the events that are taken."""
+    idle = {"cfg_clear_i": 0, "cfg_report_i": 0, "event_ready_i": 1}
+    sample_bits = dut.SampleBits.value.to_unsigned()
+    values = {f"cfg_{name}_i": int(value) for name, value in vars(limits).items()}
+    for name in ("low", "high"):
+        values[f"cfg_{name}_i"] &= (1 << sample_bits) - 1
+    await bench.start(dut, **values, **idle)
+    names = ("Rows", "Columns", "Lanes", "SampleBits")
+    twin = Health(*(getattr(dut, name).value.to_unsigned() for name in names), limits)
+    events = []
+
+    async def listen():
+        while True:
+            await FallingEdge(dut.clk_i)
+            if dut.event_valid_o.value == 1 and dut.event_ready_i.value == 1:
+                kinds = [getattr(dut, f"event_{name}_o") for name in ("id", "dead", "railed", "blinking")]
+                events.append(tuple(bench.read(kind) for kind in kinds))
+
+    return twin, events, cocotb.start_soon(listen())
+
+
+def expected_of(twin, beats):
+    """What the model makes of a stream of beats: beats out, events."""
+    got, events = [], []
+    for beat in beats:
+        raw = bench.lane_values(beat["data"], twin.lanes, twin.sample_bits, signed=True)
+        over = bench.lane_values(beat["user"], twin.lanes, 1)
+        passed, news = twin.beat(raw, over, beat["id"], beat["last"])
+        events += news
+        if passed:
+            mask = bench.lane_word(passed[0], 1)
+            got.append({"data": beat["data"], "mask": mask, "id": passed[1], "last": int(passed[2])})
+    return got, events
+
+
+def frames_of(rng, twin, count):
+    """Beats of frames in which blocks of taxels move together and some have faults that come and go."""
+    shape = (count, twin.rows, twin.columns)
+    steps = rng.choice([0, 0, 0, 9, -9, 60, -60], (count, 1, 1)) * (np.arange(count)[:, None, None] % 32 < 16)
+    level = np.cumsum(steps, axis=0) * np.ones(shape)
+    single = rng.random(shape[1:]) < 0.15  # these go their own ways
+    level = np.where(single, np.cumsum(rng.choice([0, 0, 0, 8, -8, 31, -31], shape), axis=0), level)
+    still = rng.random(shape[1:]) < 0.2
+    level = np.where(still, 7, level)
+    railed = (rng.random(shape[1:]) < 0.1) & (np.arange(count)[:, None, None] % 64 < 50)
+    level = np.where(railed, rng.choice([-900, 900, -901, 65535, -65536, 899], shape[1:]), level)
+    low, high = bench.width(twin.sample_bits)
+    x = np.clip(level + rng.integers(-2, 3, shape), low, high).astype(np.int64)
+    return bench.lane_beats(x, twin.lanes, twin.sample_bits, surplus=high, user=rng.random(shape) < 0.02)
+
+
+async def counts_are(dut, twin):
+    await bench.clocks(dut, 12)
+    for name in ("dead", "railed", "blinking", "damaged"):
+        assert bench.read(getattr(dut, f"{name}_o")) == getattr(twin, name), name
+
+
+@cocotb.test(timeout_time=40, timeout_unit="ms")
+@cocotb.parametrize(stall_rate=[0.0, 0.4], damage=[False, True])
+async def matches_model(dut, stall_rate, damage):
+    """Pieces of a stream, cut at any beat, with a command between two of them."""
+    rng, draw = np.random.default_rng(bench.SEED), random.Random(bench.SEED)
+    twin, events, listener = await begin(dut, Limits(**QUICK, user=not damage))
+    length = twin.rows * twin.row_beats
+    pause = bench.pauses(stall_rate)
+    beats = frames_of(rng, twin, 300 if length < 50 else 40 if length < 100 else 8)
+    if damage:
+        beats = bench.damage(beats, length, draw)
+    expected_events, most, at = [], np.zeros(3, dtype=int), 0
+    while at < len(beats):
+        piece = beats[at : at + draw.randint(1, 1 + 40 * length)]
+        at += len(piece)
+        expected, news = expected_of(twin, piece)
+        assert await bench.stream(dut, piece, FIELDS, pause, pause, drain=3) == expected
+        expected_events += news
+        if not twin._midway:  # the model learns from a frame at its end
+            await counts_are(dut, twin)
+            assert events == expected_events
+        assert events[: len(expected_events)] == expected_events
+        most = np.maximum(most, [twin.dead, twin.railed, twin.blinking])
+        command = draw.choice(["none", "none", "report", "clear"])
+        if command != "none":
+            getattr(dut, f"cfg_{command}_i").value = 1
+            await bench.RisingEdge(dut.clk_i)
+            getattr(dut, f"cfg_{command}_i").value = 0
+            getattr(twin, command)()
+    if twin.rows > 2 and length < 100:
+        assert most.all(), f"never found: {most}"
+    listener.cancel()
+
+
+@cocotb.test(timeout_time=40, timeout_unit="ms")
+async def no_event_is_lost_that_nobody_takes(dut):
+    """With an event taken now and then, every fault is told in the end, as often as without stalls."""
+    rng, draw = np.random.default_rng(bench.SEED), random.Random(bench.SEED)
+    twin, events, listener = await begin(dut, Limits(**QUICK))
+    if twin.rows * twin.columns > 500:
+        return
+
+    async def reluctant():
+        while True:
+            await bench.RisingEdge(dut.clk_i)
+            dut.event_ready_i.value = int(draw.random() < 0.03)
+
+    slow = cocotb.start_soon(reluctant())
+    beats = frames_of(rng, twin, 100)
+    await bench.stream(dut, beats, FIELDS)
+    expected_of(twin, beats)
+    slow.cancel()
+    dut.event_ready_i.value = 1
+    still = beats[-twin.rows * twin.row_beats :] * 3
+    await bench.stream(dut, still, FIELDS)
+    expected_of(twin, still)
+    padded = np.zeros((twin.rows, twin.row_beats * twin.lanes), dtype=int)
+    padded[:, : twin.columns] = twin.faults
+    told = np.zeros_like(padded).reshape(-1, twin.lanes)
+    for beat, *kinds in events:
+        words = [bench.lane_values(word, twin.lanes, 1) for word in kinds]
+        told[beat] |= np.array(words).T @ [DEAD, RAILED, BLINKING]
+    assert np.array_equal(told, padded.reshape(-1, twin.lanes))
+    listener.cancel()
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def over_range_on_every_sample(dut):
+    """All railed after the stated frames, not one earlier; the event of each; a clear frees all of them."""
+    limits = Limits(**QUICK | {"low": -65536, "high": 65535}, user=True)
+    twin, events, listener = await begin(dut, limits)
+    if twin.rows * twin.columns > 500:
+        return
+    x = np.full((36, twin.rows, twin.columns), 40)
+    beats = bench.lane_beats(x, twin.lanes, twin.sample_bits, user=np.ones(x.shape))
+    length = twin.rows * twin.row_beats
+    got = await bench.stream(dut, beats, FIELDS)
+    assert got == expected_of(twin, beats)[0]
+    first = next(n for n, beat in enumerate(got) if beat["mask"])
+    assert first == 17 * length
+    assert bench.read(dut.railed_o) == twin.rows * twin.columns
+    assert len(events) == length
+    dut.cfg_clear_i.value = 1
+    await bench.RisingEdge(dut.clk_i)
+    dut.cfg_clear_i.value = 0
+    got = await bench.stream(dut, beats[:length], FIELDS)
+    assert not any(beat["mask"] for beat in got)
+    assert bench.read(dut.railed_o) == 0
+    listener.cancel()
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def forgets_what_a_reset_interrupts(dut):
+    rng = np.random.default_rng(bench.SEED)
+    twin, events, listener = await begin(dut, Limits(**QUICK))
+    length = twin.rows * twin.row_beats
+    if length > 500:
+        return
+    beats = frames_of(rng, twin, 40)
+    for cut in (1, 30 * length + length // 2, 39 * length):
+        dut.cfg_clear_i.value = dut.cfg_report_i.value = cut % 2
+        await bench.stream(dut, beats[:cut], FIELDS, drain=0)
+        dut.cfg_clear_i.value = dut.cfg_report_i.value = 0
+        await bench.reset(dut)
+        events.clear()
+        twin.reset()
+        twin._beats = []
+        expected, news = expected_of(twin, beats)
+        assert await bench.stream(dut, beats, FIELDS) == expected
+        await counts_are(dut, twin)
+        assert events == news
+    listener.cancel()
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def clocks_are_as_stated(dut):
+    """A beat a clock inside a frame, each out a clock later; 9 clocks between frames."""
+    rng = np.random.default_rng(bench.SEED)
+    twin, _, listener = await begin(dut, Limits(**QUICK))
+    length = twin.rows * twin.row_beats
+    dut.out_ready_i.value = 1
+    await bench.clocks(dut, 12)
+    beats = frames_of(rng, twin, 3)
+    taken, left, clock = [], [], 0
+    while len(left) < len(beats):
+        for name, value in beats[min(len(taken), len(beats) - 1)].items():
+            getattr(dut, f"in_{name}_i").value = int(value)
+        dut.in_valid_i.value = int(len(taken) < len(beats))
+        await bench.ReadOnly()
+        if dut.out_valid_o.value == 1:
+            left.append(clock)
+        if len(taken) < len(beats) and dut.in_ready_o.value == 1:
+            taken.append(clock)
+        clock += 1
+        await bench.RisingEdge(dut.clk_i)
+    assert left == [clock + 1 for clock in taken]
+    gaps = [after - before for before, after in pairwise(taken)]
+    assert gaps == [10 if (n + 1) % length == 0 else 1 for n in range(len(gaps))]
+    listener.cancel()
+
+
+@pytest.mark.parametrize(
+    "rows, columns, lanes, sample_bits",
+    [
+        (1, 1, 1, 17),
+        (2, 2, 1, 17),
+        (3, 3, 1, 17),
+        (4, 5, 2, 17),
+        (3, 19, 8, 18),
+        (7, 1, 4, 12),
+        (64, 64, 4, 17),
+    ],
+)
+def test_health(rows, columns, lanes, sample_bits):
+    size = {"Rows": rows, "Columns": columns, "Lanes": lanes, "SampleBits": sample_bits}
+    bench.run("frontend", "health", size)
+
+
+def contacts(rng, size, frames, noise):
+    """Chunks of frames of a healthy array pressed here and there: bumps that rise, stay, may slide, and go.
+
+    ``noise``: codes, rms, before rounding. Every taxel has its own zero and gain.
+    """
+    i, j = np.indices((size, size))
+    zero, gain = rng.integers(300, 900, (size, size)), rng.uniform(0.7, 1.3, (size, size))
+    while frames > 0:
+        ramp, hold, gap = rng.integers(3, 30), rng.integers(5, 80), rng.integers(3, 30)
+        count = min(frames, 2 * ramp + hold + gap)
+        t = np.arange(count)
+        force = np.interp(t, [0, ramp, ramp + hold, 2 * ramp + hold], [0, 1, 1, 0]) * rng.uniform(800, 8000)
+        (row, column), radius = rng.uniform(-0.5, size - 0.5, 2), rng.uniform(1.2, 4)
+        slide = rng.uniform(-0.02, 0.02, (2, 1, 1, 1)) * t[:, None, None] * (rng.random() < 0.5)
+        squares = (i - row - slide[0]) ** 2 + (j - column - slide[1]) ** 2
+        press = gain * force[:, None, None] * np.exp(-squares / (2 * radius**2))
+        yield np.rint(zero + press + noise * rng.standard_normal(press.shape)).astype(np.int64)
+        frames -= count
+
+
+@pytest.mark.parametrize("noise, frames", [(2.0, 100_000), (0.0, 20_000)])
+def test_no_false_report_in_healthy_frames(noise, frames):
+    """Noise of 2 codes rms; and a converter without any, whose free taxels do stand still for ever."""
+    twin = Health(12, 12)
+    seen = 0
+    for chunk in contacts(np.random.default_rng(bench.SEED), 12, frames, noise):
+        masks, events = twin.next(chunk)
+        assert not masks.any() and not any(events), f"frame {seen}"
+        seen += len(chunk)
+    assert seen == frames
+    assert (twin.dead, twin.railed, twin.blinking) == (0, 0, 0)
+
+
+def test_an_idle_array_without_noise_is_healthy():
+    twin = Health(4, 4)
+    masks, _ = twin.next(np.broadcast_to(np.arange(16).reshape(4, 4), (3000, 4, 4)))
+    assert not masks.any()
+
+
+# Where, as what it must be found, and the frames N in which it must.
+FAULTS = {
+    "dead": ((6, 5), DEAD, 1000),
+    "dead, at a corner": ((0, 0), DEAD, 5000),
+    "stuck high": ((3, 8), DEAD, 1000),
+    "dead row": ((7, slice(None)), DEAD, 2000),
+    "open column": ((slice(None), 4), DEAD, 2000),
+    "saturated": ((2, 2), RAILED, 144),
+    "grounded row": ((9, slice(None)), RAILED, 144),
+    "blinking": ((8, 3), BLINKING, 500),
+}
+
+
+def inject(kind, frames, where, rng):
+    """The frames with this fault in them."""
+    frames = frames.copy()
+    at = (slice(None), *where)
+    noise = np.rint(rng.normal(0, 2, frames[at].shape)).astype(np.int64)
+    if kind.startswith(("dead", "open")):
+        frames[at] = 500 + noise
+    elif kind == "stuck high":
+        frames[at] = 7777
+    elif kind == "saturated":
+        frames[at] = 65535
+    elif kind == "grounded row":
+        frames[at] = 0
+    else:
+        frames[at] = np.where(rng.random(frames[at].shape) < 0.2, 0, frames[at])
+    return frames
+
+
+def frames_until_found(kind, seed, healthy=200):
+    """Frames from the fault's begin until all of its taxels are found; no other may ever be."""
+    where, fault, limit = FAULTS[kind]
+    rng = np.random.default_rng(seed)
+    twin = Health(12, 12, limits=Limits(low=0))
+    wanted = np.zeros((12, 12), dtype=bool)
+    wanted[where] = True
+    begun = -healthy
+    for chunk in contacts(rng, 12, healthy + limit, 2.0):
+        before = max(0, min(len(chunk), -begun))
+        twin.next(chunk[:before])
+        for frame, picture in enumerate(inject(kind, chunk[before:], where, rng)):
+            twin.next(picture[None])
+            assert not twin.faults[~wanted].any()
+            if (twin.faults[wanted] & fault).all():
+                return begun + before + frame + 1
+        begun += len(chunk)
+    raise AssertionError(
+        f"{(twin.faults[wanted] & fault == 0).sum()} not found in {limit} frames, seed {seed}"
+    )
+
+
+@pytest.mark.parametrize("kind", FAULTS)
+def test_every_fault_is_found(kind):
+    """Within N frames of its begin, all of its taxels and no other, on an array that is pressed all over."""
+    print(f"{kind}: found after {[frames_until_found(kind, seed) for seed in range(1, 9)]} frames")
+
+
+def test_model_in_frames_and_beats():
+    rng = np.random.default_rng(5)
+    one, other = Health(4, 5, 2, limits=Limits(**QUICK)), Health(4, 5, 2, limits=Limits(**QUICK))
+    beats = frames_of(rng, one, 80)
+    got, events = expected_of(one, beats)
+    raw = np.array([bench.lane_values(beat["data"], 2, 17, signed=True) for beat in beats])
+    over = np.array([bench.lane_values(beat["user"], 2, 1) for beat in beats])
+    raw, over = (a.reshape(80, 4, 6)[:, :, :5] for a in (raw, over))
+    masks, whole_events = other.process(raw, over)
+    lanes = np.array([bench.lane_values(beat["mask"], 2, 1) for beat in got])
+    assert np.array_equal(lanes.reshape(80, 4, 6)[:, :, :5], masks)
+    assert events == [event for frame in whole_events for event in frame] != []
+
+
+def test_refuses_illegal_parameters():
+    for name, value in {"Rows": 0, "Columns": 1025, "Lanes": 3, "SampleBits": 19}.items():
+        assert f"{name} = {value}" in bench.refuses("health", {name: value})
+    with pytest.raises(ValueError, match="lanes = 3"):
+        Health(2, 2, 3)
+    with pytest.raises(ValueError, match="sample_bits = 19"):
+        Health(2, 2, 1, 19)
+    with pytest.raises(ValueError, match="still = 256"):
+        Limits(still=256)

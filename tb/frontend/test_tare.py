@@ -1,0 +1,300 @@
+"""msn_tare against its model: 1 x 1 to 64 x 64, all lane counts; following up and down, contact and none;
+averaging asked for at any beat, refused while pressed, forced, cut by damage; zeros loaded while frames come;
+masks; samples at both ends of the range; gaps and stalls; resets; clocks. The model against exact sums, and
+over an hour of drift: a held load stays, a free taxel's zero follows."""
+
+import random
+from fractions import Fraction
+from itertools import pairwise
+
+import cocotb
+import numpy as np
+import pytest
+
+import bench
+from meissner.cop.cop import cop
+from meissner.frontend.calibrate import forces
+from meissner.frontend.tare import Tare
+
+FIELDS = ["data", "mask", "id", "last"]
+QUIET = {"cfg_tare_i": 0, "cfg_force_i": 0, "cfg_load_i": 0, "cfg_write_i": 0}
+
+
+def twin_of(dut, **settings):
+    names = ("Rows", "Columns", "Lanes", "SampleBits", "FractionBits", "TareLog2")
+    return Tare(*(getattr(dut, name).value.to_unsigned() for name in names), **settings)
+
+
+def length_of(twin):
+    return twin.rows * twin.row_beats
+
+
+def expected_of(twin, beats):
+    """What the model makes of a stream of beats."""
+    got = []
+    for beat in beats:
+        raw = bench.lane_values(beat["data"], twin.lanes, twin.sample_bits, signed=True)
+        mask = bench.lane_values(beat["mask"], twin.lanes, 1)
+        passed = twin.beat(raw, beat["id"], beat["last"], mask)
+        if passed:
+            data = bench.lane_word(passed[0], twin.sample_bits + 1)
+            got.append({"data": data, "mask": beat["mask"], "id": passed[1], "last": int(passed[2])})
+    return got
+
+
+def frames_of(rng, twin, count, press=0.5):
+    """Beats of frames whose taxels wander near a level, a share ``press`` of the frames with a contact."""
+    shape = (count, twin.rows, twin.columns)
+    low, high = bench.width(twin.sample_bits)
+    level = rng.choice([0, 300, low, high, -3], shape[1:]) * np.ones(shape, dtype=np.int64)
+    x = level + rng.integers(-6, 7, shape)
+    touched = (rng.random(shape) < 0.2) & (rng.random((count, 1, 1)) < press)
+    x = np.where(touched, x + rng.choice([twin.contact, twin.contact + 1, 9 * twin.contact], shape), x)
+    mask = rng.random(shape) < 0.1
+    return bench.lane_beats(np.clip(x, low, high), twin.lanes, twin.sample_bits, high, mask=mask)
+
+
+async def pulse(dut, name, **others):
+    for other, value in others.items():
+        getattr(dut, other).value = value
+    getattr(dut, name).value = 1
+    await bench.RisingEdge(dut.clk_i)
+    getattr(dut, name).value = 0
+
+
+async def status_is(dut, twin):
+    await bench.clocks(dut, 12)
+    for name in ("pressed", "tared", "refused", "swallowed", "damaged", "taring"):
+        assert bench.read(getattr(dut, f"{name}_o")) == getattr(twin, name), name
+    assert bench.read(dut.cfg_loading_o) == twin.loading
+
+
+@cocotb.test(timeout_time=40, timeout_unit="ms")
+@cocotb.parametrize(stall_rate=[0.0, 0.4], damage=[False, True])
+async def matches_model(dut, stall_rate, damage):
+    """Pieces of a stream, cut at any beat, with a command between two of them."""
+    rng, draw = np.random.default_rng(bench.SEED), random.Random(bench.SEED)
+    twin = twin_of(dut, contact=20, step=37)
+    length = length_of(twin)
+    await bench.start(dut, cfg_contact_i=20, cfg_step_i=37, **QUIET)
+    pause = bench.pauses(stall_rate)
+    count = 160 if length < 100 else 12
+    if twin.tare_log2 > 4:
+        count *= 4
+    beats = frames_of(rng, twin, count // 2, press=0.05) + frames_of(rng, twin, count // 4)
+    beats += frames_of(rng, twin, count // 4, press=0)
+    if damage:
+        beats = bench.damage(beats, length, draw)
+    at = 0
+    while at < len(beats):
+        piece = beats[at : at + draw.randint(1, 1 + 4 * length)]
+        at += len(piece)
+        assert await bench.stream(dut, piece, FIELDS, pause, pause, drain=3) == expected_of(twin, piece)
+        await status_is(dut, twin)
+        what = draw.choice(["none", "tare", "tare", "force", "load"])
+        if what in ("tare", "force"):
+            await pulse(dut, "cfg_tare_i", cfg_force_i=int(what == "force"))
+            twin.tare(what == "force")
+        elif what == "load":
+            every = twin._fresh  # nothing stands in the memory yet: all of it must be written
+            dut.cfg_load_i.value = 1
+            twin.load(True)
+            piece = beats[at : at + draw.randint(0, 2 * length)]
+            at += len(piece)
+            got = await bench.stream(dut, piece, FIELDS, pause, pause, drain=3)
+            assert got == expected_of(twin, piece)
+            await status_is(dut, twin)
+            for word in range(length) if every or length < 99 else draw.sample(range(length), 4):
+                lanes = draw.randrange(1, 1 << twin.lanes) if not every else (1 << twin.lanes) - 1
+                offset = draw.choice([*bench.width(twin.sample_bits), draw.randint(-99, 999)])
+                bits = [lane for lane in range(twin.lanes) if lanes >> lane & 1]
+                value = offset & ((1 << twin.sample_bits) - 1)
+                await pulse(dut, "cfg_write_i", cfg_word_i=word, cfg_offset_i=value)
+                dut.cfg_write_i.value = lanes
+                await bench.RisingEdge(dut.clk_i)
+                dut.cfg_write_i.value = 0
+                twin.write(word, offset, [0])
+                twin.write(word, offset, bits)
+            dut.cfg_load_i.value = 0
+            twin.load(False)
+            await bench.clocks(dut, 1)
+    if not damage and length > 1:
+        assert twin.tared > 0 and twin.refused > 0 and twin.swallowed > 0
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def forgets_what_a_reset_interrupts(dut):
+    rng = np.random.default_rng(bench.SEED)
+    twin = twin_of(dut, contact=20, step=255)
+    length = length_of(twin)
+    if length > 500:
+        return
+    await bench.start(dut, cfg_contact_i=20, cfg_step_i=255, **QUIET)
+    beats = frames_of(rng, twin, 2 + (1 << twin.tare_log2), press=0)
+    for cut in (1, length, length * (2 + (1 << twin.tare_log2) // 2) - length // 2):
+        await pulse(dut, "cfg_tare_i", cfg_force_i=1)
+        await bench.stream(dut, beats[:cut], FIELDS, drain=0)
+        await bench.reset(dut)
+        twin.reset()
+        assert await bench.stream(dut, beats, FIELDS) == expected_of(twin, beats)
+        await status_is(dut, twin)
+        assert twin.tared == twin.refused == 0
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def clocks_are_as_stated(dut):
+    """A beat a clock inside a frame, each out a clock later; 8 clocks between frames."""
+    rng = np.random.default_rng(bench.SEED)
+    twin = twin_of(dut)
+    length = length_of(twin)
+    await bench.start(dut, out_ready_i=1, cfg_contact_i=64, cfg_step_i=1, **QUIET)
+    await bench.clocks(dut, 10)
+    beats = frames_of(rng, twin, 3)
+    taken, left, clock = [], [], 0
+    while len(left) < len(beats):
+        for name, value in beats[min(len(taken), len(beats) - 1)].items():
+            getattr(dut, f"in_{name}_i").value = int(value)
+        dut.in_valid_i.value = int(len(taken) < len(beats))
+        await bench.ReadOnly()
+        if dut.out_valid_o.value == 1:
+            left.append(clock)
+        if len(taken) < len(beats) and dut.in_ready_o.value == 1:
+            taken.append(clock)
+        clock += 1
+        await bench.RisingEdge(dut.clk_i)
+    assert left == [clock + 1 for clock in taken]
+    gaps = [after - before for before, after in pairwise(taken)]
+    assert gaps == [9 if (n + 1) % length == 0 else 1 for n in range(len(gaps))]
+
+
+@pytest.mark.parametrize(
+    "rows, columns, lanes, fraction_bits, tare_log2",
+    [
+        (1, 1, 1, 4, 0),
+        (2, 2, 1, 12, 2),
+        (3, 3, 1, 1, 1),
+        (3, 5, 2, 16, 4),
+        (2, 19, 8, 8, 8),
+        (64, 64, 1, 12, 2),
+    ],
+)
+def test_tare(rows, columns, lanes, fraction_bits, tare_log2):
+    size = {"Rows": rows, "Columns": columns, "Lanes": lanes}
+    bench.run("frontend", "tare", size | {"FractionBits": fraction_bits, "TareLog2": tare_log2})
+
+
+def test_averaging_is_exact():
+    """The zero found is the average as a fraction, at the range's ends too; r is raw less it, rounded."""
+    rng = np.random.default_rng(3)
+    for log2 in (0, 3, 8):
+        twin = Tare(2, 3, fraction_bits=12, tare_log2=log2)
+        raw = rng.integers(-65536, 65536, (1 << log2, 2, 3))
+        raw[:, 0, 0], raw[:, 0, 1] = -65536, 65535
+        twin.tare(force=True)
+        assert np.array_equal(twin.next(raw), raw)  # nothing changes while it averages
+        found = [Fraction(int(total), 1 << log2) for total in raw.sum(axis=0).ravel()]
+        assert [Fraction(value) for value in twin.zeros().ravel().tolist()] == found
+        assert twin.tared == 0 and twin.taring
+        again = twin.next(raw[:1])
+        assert again.ravel().tolist() == [
+            int(sample) - (2 * value + 1).__floor__() // 2 for sample, value in zip(raw[0].ravel(), found)
+        ]
+        assert twin.tared == 1 and not twin.taring
+
+
+def test_refuses_while_pressed_and_says_so():
+    twin = Tare(3, 3, tare_log2=2, contact=50, step=0)
+    quiet, pressed = np.full((1, 3, 3), 20), np.full((1, 3, 3), 20)
+    pressed[0, 1, 1] += 51
+    twin.next(quiet)
+    twin.tare()
+    twin.next(np.concatenate([quiet, pressed]))
+    assert (twin.refused, twin.tared, twin.taring, twin.pressed) == (1, 0, False, True)
+    assert not twin.zeros().any()
+    mask = np.zeros((3, 3), bool)
+    mask[1, 1] = True  # a stuck taxel is no contact
+    twin.tare()
+    twin.next(np.repeat(pressed, 5, axis=0), mask)
+    assert (twin.refused, twin.tared) == (1, 1)
+    assert twin.zeros()[0, 0] == 20
+
+
+RATE_HZ, MINUTES = 50, 68
+STEP, FRACTION = 8, 10  # 8 / 1024 codes a frame: 0.39 codes a second
+
+
+def hour_of_drift(rng, size, step=STEP):
+    """Frames of ``size`` x ``size``: every taxel drifts its own way by up to 60 codes in an hour, with noise.
+
+    Held from minute 2 to 62: a disc of 2,000 codes. Returns the twin, the last true zeros, and per minute the
+    true load and centre and what the forces of the tared samples give, gain 1.
+    """
+    twin = Tare(size, size, fraction_bits=FRACTION, tare_log2=6, contact=100, step=step)
+    i, j = np.indices((size, size))
+    base = rng.integers(200, 900, (size, size))
+    slope = rng.uniform(-40, 40, (size, size))
+    phase = rng.uniform(0, 2 * np.pi, (size, size))
+    load = np.where((i - 5) ** 2 + (j - 9) ** 2 <= 8, 2000, 0)
+    twin.tare(force=True)
+    truth, measured = [], []
+    chunk = RATE_HZ * 60
+    for minute in range(MINUTES):
+        t = (minute * chunk + np.arange(chunk))[:, None, None] / (3600 * RATE_HZ)
+        drift = slope * t + 20 * (np.sin(2 * np.pi * t + phase) - np.sin(phase))
+        held = load * (2 <= minute < 62)
+        raw = base + np.rint(drift + rng.normal(0, 1.5, (chunk, size, size))).astype(np.int64) + held
+        r = twin.next(raw)
+        truth.append(cop(held))
+        measured.append(cop(forces(r[-1], 0, 4096)))
+    return twin, base + drift[-1], truth, measured
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_an_hour_of_drift(seed):
+    """A load held for an hour and its centre stay within 1 %; minutes later every zero is within 1 code."""
+    twin, zero, truth, measured = hour_of_drift(np.random.default_rng(seed), 16)
+    held = [minute for minute in range(MINUTES) if truth[minute][3]]
+    assert len(held) == 60
+    for minute in held:
+        x, y, load, _ = truth[minute]
+        got_x, got_y, got_load, _ = measured[minute]
+        assert abs(got_load - load) <= 0.01 * load, f"minute {minute}: load {got_load} of {load}"
+        assert max(abs(got_x - x), abs(got_y - y)) <= 164, f"minute {minute}: {got_x}, {got_y} of {x}, {y}"
+    assert np.abs(twin.zeros() - zero).max() <= 1
+
+
+def test_without_following_an_hour_of_drift_shows():
+    """The same hour with the zeros only averaged once: the goals are then missed."""
+    twin, zero, truth, measured = hour_of_drift(np.random.default_rng(1), 16, step=0)
+    worst = max(abs(m[2] - t[2]) / t[2] for m, t in zip(measured, truth) if t[3])
+    assert worst > 0.01
+    assert np.abs(twin.zeros() - zero).max() > 10
+
+
+def test_model_in_frames_and_beats():
+    rng = np.random.default_rng(4)
+    one, other = Tare(3, 5, 2, step=9), Tare(3, 5, 2, step=9)
+    raw = rng.integers(-200, 200, (40, 3, 5))
+    one.tare(True)
+    other.tare(True)
+    whole = np.concatenate([one.next(part) for part in np.split(raw, [1, 7, 20])])
+    beats = bench.lane_beats(raw, 2, 17, mask=np.zeros_like(raw))
+    lanes = [bench.lane_values(beat["data"], 2, 18, signed=True) for beat in expected_of(other, beats)]
+    assert np.array_equal(np.array(lanes).reshape(40, 3, 6)[:, :, :5], whole)
+    assert np.array_equal(one.zeros(), other.zeros())
+
+
+def test_refuses_illegal_parameters():
+    for name, value in {"Rows": 0, "Columns": 1025, "Lanes": 3, "FractionBits": 17, "TareLog2": 9}.items():
+        assert f"{name} = {value}" in bench.refuses("tare", {name: value})
+    assert "TareLog2 = 4" in bench.refuses("tare", {"FractionBits": 3})
+    for size, message in (
+        ({"rows": 0}, "rows = 0"),
+        ({"lanes": 3}, "lanes = 3"),
+        ({"fraction_bits": 17}, "fraction_bits = 17"),
+        ({"tare_log2": 9}, "tare_log2 = 9"),
+        ({"fraction_bits": 3}, "tare_log2 = 4"),
+        ({"step": 256}, "step = 256"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            Tare(**({"rows": 2, "columns": 2} | size))

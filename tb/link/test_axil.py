@@ -1,0 +1,140 @@
+"""AXI4-Lite: an independent master (cocotbext-axi) with pauses on every channel, reads and writes at once,
+word and byte writes, errors, reset in the middle. The registers behind the bus are their twin, in the bench.
+"""
+
+import logging
+import random
+
+import cocotb
+from cocotb.triggers import ReadOnly, RisingEdge, gather
+from cocotbext.axi import AxiLiteBus, AxiLiteMaster, AxiResp
+
+import bench
+from meissner.link import axil
+from meissner.link.registers import Registers
+
+
+async def serve(dut, twin, served):
+    """The register bus: answers on the clock after the question, once."""
+    while True:
+        await ReadOnly()
+        asked = dut.bus_valid_o.value == 1
+        names = ("write", "address", "data", "strobe")
+        access = [bench.read(getattr(dut, f"bus_{name}_o")) for name in names] if asked else None
+        await RisingEdge(dut.clk_i)
+        dut.bus_done_i.value = int(asked)
+        if asked:
+            served.append(access)
+            data, error, _ = twin.access(*access)
+            dut.bus_data_i.value, dut.bus_error_i.value = data, int(error)
+        else:
+            dut.bus_data_i.value, dut.bus_error_i.value = 0xBAD0_BAD0, 1
+
+
+async def begin(dut):
+    logging.getLogger("cocotb").setLevel(logging.WARNING)
+    served = []
+    await bench.start(dut, bus_done_i=0)
+    master = AxiLiteMaster(AxiLiteBus.from_prefix(dut, "s_axil"), dut.clk_i, dut.rst_i)
+    cocotb.start_soon(serve(dut, Registers(), served))
+    return master, served
+
+
+def pause(master, rate):
+    """Pauses on every channel with probability ``rate``."""
+    draws = bench.pauses(rate)
+
+    def stalls():
+        while True:
+            yield draws()
+
+    for channel in (
+        *(master.write_if.aw_channel, master.write_if.w_channel, master.write_if.b_channel),
+        *(master.read_if.ar_channel, master.read_if.r_channel),
+    ):
+        channel.set_pause_generator(stalls())
+
+
+def addresses(draw):
+    return draw.choice((0x014, 0x014, 0x104, 0x200, 0x000, 0xFFC))
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def answers_as_the_model(dut):
+    """One access after another: what comes back is what the twin says, the writes reach it once."""
+    master, served = await begin(dut)
+    mirror, draw = Registers(), random.Random(bench.SEED)
+    for sent in range(800):
+        if sent == 400:
+            pause(master, 0.5)
+        address, size = addresses(draw), draw.choice((4, 4, 2, 1))
+        data = draw.randbytes(size)
+        lane = draw.randrange(0, 4, size)
+        if draw.random() < 0.5:
+            answer = await master.write(address + lane, data)
+            strobe = ((1 << size) - 1) << lane
+            expected = axil.write(mirror, address, int.from_bytes(data, "little") << 8 * lane, strobe)
+            assert answer.resp == AxiResp(expected), hex(address)
+        else:
+            answer = await master.read(address, 4)
+            value, response = axil.read(mirror, address)
+            assert (int.from_bytes(answer.data, "little"), answer.resp) == (value, AxiResp(response))
+    assert len(served) == 800
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+@cocotb.parametrize(rate=(0.0, 0.3))
+async def reads_and_writes_at_once_lose_and_repeat_nothing(dut, rate):
+    master, served = await begin(dut)
+    if rate:
+        pause(master, rate)
+    values = []
+
+    async def write():
+        for value in range(300):
+            await master.write_dword(0x014, value)
+
+    async def read():
+        for _ in range(300):
+            values.append(await master.read_dword(0x014))
+
+    await gather(write(), read())
+    assert values == sorted(values) and len(served) == 600
+    assert [access[2] for access in served if access[0]] == list(range(300))
+    if not rate:  # they take turns: while both wait, neither gets two in a row
+        kinds = [access[0] for access in served]
+        assert not any(kinds[i] == kinds[i + 1] == kinds[i + 2] for i in range(len(kinds) - 2))
+
+
+@cocotb.test(timeout_time=2, timeout_unit="ms")
+async def a_reset_in_the_middle_leaves_no_answer_behind(dut):
+    """Reset at every clock of an access: nothing is answered that was not asked, and the next is right."""
+    idle = {
+        f"s_axil_{name}": 0
+        for name in ("awvalid", "wvalid", "arvalid", "bready", "rready", "awprot", "arprot")
+    }
+    twin, served = Registers(), []
+    await bench.start(dut, bus_done_i=0, **idle)
+    cocotb.start_soon(serve(dut, twin, served))
+    for wait in range(4):
+        dut.s_axil_araddr.value = 0x000
+        dut.s_axil_arvalid.value = 1
+        for _ in range(wait):
+            await RisingEdge(dut.clk_i)
+            dut.s_axil_arvalid.value = 0
+        dut.s_axil_arvalid.value = 0
+        await bench.reset(dut, 2)  # the register block behind it is reset too
+        await bench.clocks(dut, 3)
+        await ReadOnly()
+        assert dut.s_axil_rvalid.value == 0 and dut.s_axil_bvalid.value == 0
+        await RisingEdge(dut.clk_i)
+    dut.s_axil_arvalid.value = 1
+    await RisingEdge(dut.clk_i)
+    dut.s_axil_arvalid.value = 0
+    await bench.clocks(dut, 2)
+    await ReadOnly()
+    assert dut.s_axil_rvalid.value == 1 and bench.read(dut.s_axil_rdata) == 0x4D534E52
+
+
+def test_axil():
+    bench.run("link", "axil")

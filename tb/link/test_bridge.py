@@ -1,0 +1,230 @@
+"""msn_bridge against its model: reads and writes of every byte value and with zeros anywhere, answers in
+order and late, bus errors, a bus that does not answer; every mutated frame, noise, broken bytes, half frames
+and a pause, a command before the last is answered, operations and addresses that there are not; resets."""
+
+import random
+import struct
+import zlib
+
+import cocotb
+import numpy as np
+import pytest
+
+import bench
+from meissner.link.bridge import BUS_ERROR, DONE, NO_ANSWER, READ, WRITE, accesses, answer, command
+from meissner.link.cobs import stuff
+
+TIMEOUT = 300
+
+
+class Registers:
+    """The other end of the bus: a memory; an address with 0x800 is an error, 0x400 never answers."""
+
+    def __init__(self, dut):
+        self.dut, self.memory, self.seen = dut, {}, []
+        self.pending = None
+
+    def before(self):
+        """Drive the answer of this clock."""
+        done = self.pending is not None
+        self.dut.bus_done_i.value = int(done)
+        self.dut.bus_error_i.value = int(done and self.pending[1])
+        self.dut.bus_data_i.value = self.pending[0] if done else 0xDEADBEEF
+
+    def after(self):
+        """See what is asked in this clock."""
+        dut, self.pending = self.dut, None
+        if dut.bus_valid_o.value == 1:
+            write, address = int(dut.bus_write_o.value), bench.read(dut.bus_address_o)
+            assert dut.bus_strobe_o.value == 15
+            data = bench.read(dut.bus_data_o)
+            self.seen.append((write, address, data if write else 0))
+            if address & 0x400:
+                return
+            error = bool(address & 0x800)
+            if write and not error:
+                self.memory[address] = data
+            self.pending = (self.memory.get(address, address ^ 0x5A5A0000), error)
+
+
+async def send(dut, registers, line, gap=lambda: 0, stall=lambda: False, errors=(), drain=60):
+    """Send bytes with gaps of clocks; return the answers. ``errors``: places where the line breaks."""
+    answers = []
+
+    async def clock(valid, byte, error=0):
+        dut.in_valid_i.value, dut.in_data_i.value, dut.in_error_i.value = valid, byte, error
+        dut.answer_ready_i.value = int(not stall())
+        registers.before()
+        await bench.ReadOnly()
+        if dut.answer_valid_o.value == 1 and dut.answer_ready_i.value == 1:
+            answers.append(bench.read(dut.answer_data_o).to_bytes(8, "little"))
+        registers.after()
+        await bench.RisingEdge(dut.clk_i)
+
+    for place, byte in enumerate(line):
+        await clock(1, byte)
+        if place in errors:
+            await clock(0, 0x33, 1)
+        for _ in range(gap()):
+            await clock(0, random.randrange(256))
+    for _ in range(drain):
+        await clock(0, 0)
+    return answers
+
+
+def expected_of(found, memory):
+    """The answers and the bus accesses."""
+    answers, seen = [], []
+    for operation, tag, address, data in found:
+        seen.append((operation, address, data if operation else 0))
+        if address & 0x400:
+            status, value = NO_ANSWER, None
+        elif address & 0x800:
+            status, value = BUS_ERROR, memory.get(address, address ^ 0x5A5A0000)
+        else:
+            if operation == WRITE:
+                memory[address] = data
+            status, value = DONE, memory.get(address, address ^ 0x5A5A0000)
+        answers.append((tag, status, address, value))
+    return answers, seen
+
+
+def same(got, expected):
+    assert len(got) == len(expected)
+    for payload, (tag, status, address, value) in zip(got, expected):
+        if status == NO_ANSWER:
+            assert payload[:4] == answer(tag, status, address, 0)[:4]
+        else:
+            assert payload == answer(tag, status, address, value)
+
+
+async def begin(dut):
+    registers = Registers(dut)
+    await bench.start(dut, in_data_i=0, in_error_i=0, bus_done_i=0, bus_error_i=0, answer_ready_i=0)
+    return registers
+
+
+def commands_of(rng, count):
+    lines = []
+    for index in range(count):
+        data = int(rng.choice([0, 0xFFFFFFFF, 0x00FF0000, rng.integers(0, 1 << 32)]))
+        address = int(rng.choice([0, 4, 0x3FC, 0x800, rng.integers(0, 0x400)]))
+        lines.append(command(int(rng.integers(0, 2)), index * 37, address, data))
+    return lines
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+@cocotb.parametrize(slow=[False, True])
+async def matches_model(dut, slow):
+    rng = np.random.default_rng(bench.SEED)
+    registers = await begin(dut)
+    line = b"".join(commands_of(rng, 60))
+    found, rejected = accesses(line)
+    expected, seen = expected_of(found, {})
+    # Without a gap the answer is out before the next command ends: 14 bytes later.
+    gap = (lambda: int(rng.integers(0, 12))) if slow else (lambda: 0)
+    stall = bench.pauses(0.5) if slow else (lambda: False)
+    same(await send(dut, registers, line, gap, stall), expected)
+    assert registers.seen == seen
+    assert bench.read(dut.rejected_o) == rejected == 0
+    assert len(found) == 60
+
+
+@cocotb.test(timeout_time=50, timeout_unit="ms")
+async def damaged_frames_change_nothing(dut):
+    rng = np.random.default_rng(bench.SEED)
+    registers = await begin(dut)
+    total = 0
+    memory = {}
+    for _ in range(300):
+        frame = bytearray(commands_of(rng, 1)[0])
+        at = int(rng.integers(0, len(frame)))
+        kind = rng.integers(0, 5)
+        if kind == 0:
+            frame[at] ^= 1 << int(rng.integers(0, 8))
+        elif kind == 1:
+            frame.insert(at, int(rng.integers(0, 256)))
+        elif kind == 2:
+            del frame[at]
+        elif kind == 3:
+            frame[at:] = rng.bytes(int(rng.integers(0, 40)))
+        line = bytes(frame) + b"\0" + commands_of(rng, 1)[0]
+        found, rejected = accesses(line)
+        total += rejected
+        expected, seen = expected_of(found, memory)
+        registers.seen.clear()
+        same(await send(dut, registers, line, lambda: 3, drain=20), expected)
+        assert registers.seen == seen
+        assert len(found) >= 1
+    assert bench.read(dut.rejected_o) == total
+    assert total > 100
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def what_is_no_command_is_rejected(dut):
+    registers = await begin(dut)
+    good = command(WRITE, 1, 8, 99)
+    rejected = 0
+    for operation, address in ((2, 8), (255, 8), (0, 0x1008), (1, 0xF008)):
+        body = struct.pack("<BBHI", operation, 0, address, 1)
+        line = stuff(body + struct.pack("<I", zlib.crc32(body)))
+        assert accesses(line) == ([], 1)
+        assert await send(dut, registers, line) == []
+        rejected += 1
+    # The line broke within it; a pause within it, then its rest; noise; then a good one.
+    for place in range(1, len(good) - 1):
+        assert await send(dut, registers, good, errors=(place,)) == []
+        rejected += 1
+    assert await send(dut, registers, good[:6], drain=TIMEOUT + 9) == []
+    assert await send(dut, registers, good[6:]) == []
+    rejected += 2
+    assert bench.read(dut.rejected_o) == rejected
+    assert registers.seen == []
+    # A pause one shorter than the time-out is none.
+    first = await send(dut, registers, good[:6], drain=TIMEOUT - 1)
+    assert first == [] and len(await send(dut, registers, good[6:])) == 1
+    assert registers.seen == [(1, 8, 99)]
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def a_bus_that_does_not_answer(dut):
+    registers = await begin(dut)
+    got = await send(dut, registers, command(READ, 5, 0x404), drain=400)
+    assert [g[:4] for g in got] == [answer(5, NO_ANSWER, 0x404, 0)[:4]]
+    same(await send(dut, registers, command(READ, 6, 0x10)), [(6, DONE, 0x10, 0x10 ^ 0x5A5A0000)])
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def one_command_at_a_time(dut):
+    """What comes before the last is answered is rejected, and spoils nothing."""
+    registers = await begin(dut)
+    held = await send(dut, registers, command(READ, 1, 4) + command(WRITE, 2, 4, 7), stall=lambda: True)
+    assert held == [] and registers.seen == [(0, 4, 0)]
+    assert bench.read(dut.rejected_o) == 1
+    same(await send(dut, registers, b""), [(1, DONE, 4, 4 ^ 0x5A5A0000)])
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def recovers_after_reset(dut):
+    registers = await begin(dut)
+    line = command(WRITE, 9, 0x20, 0x00010203)
+    for cut in range(1, len(line) + 1):
+        await send(dut, registers, line[:cut], stall=lambda: True, drain=cut % 4)
+        dut.in_valid_i.value = 0
+        await bench.reset(dut)
+        registers.pending = None
+        registers.seen.clear()
+        same(await send(dut, registers, line), [(9, DONE, 0x20, 0x00010203)])
+        assert len(registers.seen) == 1
+
+
+def test_bridge():
+    bench.run("link", "bridge", {"TimeoutClocks": TIMEOUT})
+
+
+def test_refuses_illegal_parameters():
+    assert "TimeoutClocks = 15" in bench.refuses("bridge", {"TimeoutClocks": 15})
+    with pytest.raises(ValueError, match="operation = 2"):
+        command(2, 0, 0)
+    with pytest.raises(ValueError, match="address = 4096"):
+        command(READ, 0, 4096)

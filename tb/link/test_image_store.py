@@ -1,0 +1,115 @@
+"""msn_image_store against its model, clock by clock: images with and without gaps, a reader slower and faster
+than they come, one that waits, `last` early, late or missing; what is read never changes; resets."""
+
+import cocotb
+import numpy as np
+import pytest
+
+import bench
+from meissner.link.image_store import ImageStore
+
+
+def beats_of(rng, taxels, images, damage):
+    """Beats of images one after the other, some of a wrong length."""
+    for _ in range(images):
+        length = taxels
+        if rng.random() < damage:
+            length = int(rng.integers(1, 2 * taxels + 2))
+        for place in range(length):
+            yield int(rng.integers(0, 1 << 16)), int(place == length - 1), int(rng.integers(0, 1 << 48))
+
+
+async def follow(dut, twin, rng, beats, gap_rate, rest):
+    """Drive writer and reader, compare each clock; the images that were read to their end."""
+    beats, images = list(beats), []
+    seen, old, place, resting, quiet = (
+        [],
+        [],
+        None,
+        0,
+        0,
+    )  # reading: taxels seen, the last two addresses, the next one
+    for _ in range(40 * len(beats) + 1000):
+        quiet = quiet + 1 if not beats and twin.readable is None else 0
+        if quiet > 3:
+            break
+        beat = beats.pop(0) if beats and rng.random() >= gap_rate else None
+        dut.in_valid_i.value = int(beat is not None)
+        drive = beat or (0xFFFF, 1, 0)
+        for name, value in zip(("data", "last", "time"), drive):
+            getattr(dut, f"in_{name}_i").value = value
+        resting += 1
+        if place is None and twin.readable is not None and resting > rest:
+            place, seen, old = 0, [], []
+        begun = place is not None
+        done = begun and len(seen) == twin.taxels
+        dut.read_begun_i.value, dut.read_done_i.value = int(begun and not done), int(done)
+        dut.read_address_i.value = min(place or 0, twin.taxels - 1)
+        await bench.ReadOnly()
+        assert (dut.read_valid_o.value == 1) == (twin.readable is not None)
+        assert bench.read(dut.dropped_o) == twin.dropped
+        if twin.readable is not None:
+            assert bench.read(dut.read_time_o) == twin.readable[0]
+        if begun and not done:
+            if len(old) == 2:
+                assert bench.read(dut.read_data_o) == twin.readable[1][old[0]]
+                seen.append(old[0])
+            old = [*old[-1:], min(place, twin.taxels - 1)]
+            place += 1
+        if done:
+            images.append(twin.readable)
+            place, resting = None, 0
+        twin.next(beat, begun and not done, done)
+        await bench.RisingEdge(dut.clk_i)
+    dut.in_valid_i.value = dut.read_begun_i.value = dut.read_done_i.value = 0
+    return images
+
+
+async def begin(dut):
+    names = ("in_data_i", "in_last_i", "in_time_i", "read_begun_i", "read_done_i", "read_address_i")
+    await bench.start(dut, **dict.fromkeys(names, 0))
+    return ImageStore(dut.Taxels.value.to_unsigned())
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+@cocotb.parametrize(gap_rate=[0.0, 0.5, 0.95], rest=[0, 50, 400])
+async def matches_model(dut, gap_rate, rest):
+    rng = np.random.default_rng(bench.SEED)
+    twin = await begin(dut)
+    count = 24 if twin.taxels < 60 else 8
+    images = await follow(dut, twin, rng, beats_of(rng, twin.taxels, count, 0), gap_rate, rest)
+    assert len(images) + twin.dropped == count
+    assert len(images) >= (1 if rest else 2)
+    if gap_rate > 0.9 and rest == 0:
+        assert twin.dropped == 0  # the reader keeps up
+    before = len(images) + twin.dropped
+    images = await follow(dut, twin, rng, beats_of(rng, twin.taxels, count, 0.5), gap_rate, rest)
+    assert len(images) + twin.dropped <= before + count  # the one after a lost end goes with it
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def recovers_after_reset(dut):
+    rng = np.random.default_rng(bench.SEED)
+    twin = await begin(dut)
+    for cut in (1, twin.taxels, twin.taxels + 1, 2 * twin.taxels, 3 * twin.taxels - 1):
+        for taxel, last, time in list(beats_of(rng, twin.taxels, 3, 0))[:cut]:
+            dut.in_valid_i.value, dut.in_data_i.value = 1, taxel
+            dut.in_last_i.value, dut.in_time_i.value = last, time
+            await bench.clocks(dut, 1)
+        dut.in_valid_i.value = 0
+        await bench.reset(dut)
+        twin.reset()
+        images = await follow(dut, twin, rng, beats_of(rng, twin.taxels, 3, 0), 0.5, 0)
+        assert images and images[-1] is not None
+
+
+@pytest.mark.parametrize("taxels", [2, 9, 64])
+def test_image_store(taxels):
+    bench.run("link", "image_store", {"Taxels": taxels})
+
+
+def test_refuses_illegal_parameters():
+    for taxels in (1, 65537):
+        assert f"Taxels = {taxels}" in bench.refuses("image_store", {"Taxels": taxels})
+        with pytest.raises(ValueError, match=f"taxels = {taxels}"):
+            ImageStore(taxels)

@@ -1,0 +1,113 @@
+"""msn_link from events to the levels of the line, and from the line to the register bus, through the models
+of both lines: all at full load, no slip event lost, every image whole, accesses in the midst of it; the
+clocks from an event to the line's first edge."""
+
+import cocotb
+import numpy as np
+import pytest
+
+import bench
+from link.test_bridge import Registers
+from link.test_packet import INPUTS, Cop, Health, Image, Slip, check_images, subsequence
+from meissner.link import packet as p
+from meissner.link.bridge import BUS_ERROR, DONE, READ, WRITE, command
+from meissner.link.link import line_of, packets_of
+from meissner.link.uart_tx import levels
+
+CLK, BAUD, TAXELS, CHUNK = 12_000_000, 3_000_000, 36, 16
+PORTS = [name for name in INPUTS if not name.startswith("answer")]
+
+
+async def begin(dut, rng):
+    ports = {f"{name}_i": 0 for name in (*PORTS, "bus_done", "bus_error", "bus_data")}
+    await bench.start(dut, rx_i=1, **ports)
+    return [
+        Slip(dut, rng, "slip", 0.0003),
+        Cop(dut, rng, "cop", 0.02),
+        Health(dut, rng, "health", 0.01),
+        Image(dut, rng, 1.0, TAXELS),
+    ]
+
+
+@cocotb.test(timeout_time=50, timeout_unit="ms")
+async def full_load_and_registers(dut):
+    rng = np.random.default_rng(bench.SEED)
+    sources, registers = await begin(dut, rng), Registers(dut)
+    asked = [(WRITE, 1, 0x10, 0x1234), (READ, 2, 0x10, 0), (READ, 3, 0x804, 0), (READ, 4, 0, 0)]
+    wait = [1] * 7000
+    rx = [1] * 400 + [level for ask in asked for level in levels(command(*ask), CLK, BAUD) + wait]
+    line = []
+    for clock, level in enumerate(rx + [1] * 9000):
+        dut.rx_i.value, dut.now_i.value = level, clock
+        registers.before()
+        for source in sources:
+            if clock == len(rx):
+                source.rate = 0
+            source.before(clock)
+        await bench.ReadOnly()
+        line.append(bench.read(dut.tx_o))
+        registers.after()
+        for source in sources:
+            source.after()
+        await bench.RisingEdge(dut.clk_i)
+    got, decoder = packets_of(line, CLK, BAUD)
+    assert (decoder.damaged, decoder.missed) == (0, 0)
+    assert bench.read(dut.packets_o) == len(got)
+    of_kind = {kind: [q for q in got if q.kind == kind] for kind in (p.SLIP, p.COP, p.IMAGE, p.ANSWER)}
+    slip, cop, _, image = sources
+    assert [(q.time, q.payload) for q in of_kind[p.SLIP]] == slip.sent
+    assert len(slip.sent) > 10
+    assert subsequence([(q.time, q.payload) for q in of_kind[p.COP]], cop.sent)
+
+    class Test:
+        pass
+
+    Test.dut = dut
+    check_images(Test, image, of_kind[p.IMAGE], {"Taxels": TAXELS, "Chunk": CHUNK})
+    assert bench.read(dut.image_dropped_o) > 0
+    answers = [tuple(q.fields.values()) for q in of_kind[p.ANSWER]]
+    absent = [address ^ 0x5A5A0000 for address in (0x804, 0)]
+    assert answers == [
+        (1, DONE, 0x10, 0x1234),
+        (2, DONE, 0x10, 0x1234),
+        (3, BUS_ERROR, 0x804, absent[0]),
+        (4, DONE, 0, absent[1]),
+    ]
+    assert bench.read(dut.rejected_o) == 0
+
+
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def first_edge_of_an_event(dut):
+    """An idle line falls 4 clocks after the event was taken, and the packet follows without a gap."""
+    rng = np.random.default_rng(bench.SEED)
+    slip = (await begin(dut, rng))[0]
+    await bench.clocks(dut, 2)
+    for _ in range(3):
+        slip.sent.clear()
+        slip.rate, line = 1, []
+        number = bench.read(dut.packets_o)
+        for clock in range(1400):
+            slip.before(0)
+            await bench.ReadOnly()
+            line.append(bench.read(dut.tx_o))
+            slip.after()
+            slip.rate = 0
+            await bench.RisingEdge(dut.clk_i)
+            if clock == 0:
+                dut.slip_valid_i.value = 0
+        assert line.index(0) == 4
+        expected = line_of([p.packet(p.SLIP, number, *slip.sent[0])], CLK, BAUD)
+        assert line[4 : 4 + len(expected)] == expected
+
+
+def test_link():
+    build = {"ClkHz": CLK, "BaudHz": BAUD, "SlipDepth": 4, "Statistics": 0, "Taxels": TAXELS, "Chunk": CHUNK}
+    bench.run("link", "link", build)
+
+
+@pytest.mark.parametrize("count", [1, 5])
+def test_model_there_and_back(count):
+    packets = [p.packet(p.HEALTH, number, 5, p.health(number, 3)) for number in range(count)]
+    got, decoder = packets_of([1] * 50 + line_of(packets) + [1] * 50)
+    assert [p.packet(q.kind, q.number, q.time, q.payload) for q in got] == packets
+    assert (decoder.damaged, decoder.missed) == (0, 0)

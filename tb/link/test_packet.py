@@ -1,0 +1,342 @@
+"""msn_packet against its model: every kind of packet, all at once and alone, on a fast line and a slow one;
+slip events never lost, in order, at full load of all else; what is dropped of the rest is counted, and whole;
+images whole, in order, of their own time, in chunks that fit and that do not; priorities; an event's latency;
+a build of each kind alone; reset in mid-packet."""
+
+import cocotb
+import numpy as np
+import pytest
+
+import bench
+from meissner.link import packet as p
+from meissner.link.cobs import encode
+from meissner.link.decoder import Decoder
+
+INPUTS = (
+    *("slip_valid", "slip_id", "slip_state", "slip_p2p", "slip_time"),
+    *("cop_valid", "cop_x", "cop_y", "cop_load", "cop_pressed", "cop_time"),
+    *("health_valid", "health_id", "health_faults", "answer_valid", "answer_data", "statistics", "now"),
+    *("image_valid", "image_data", "image_last", "image_time"),
+)
+
+
+class Source:
+    """What one kind of packet is made of: drives its ports with its rate, remembers what was taken."""
+
+    def __init__(self, dut, rng, name, rate):
+        self.dut, self.rng, self.name, self.rate = dut, rng, name, rate
+        self.sent, self.offer = [], None
+
+    def bits(self, *widths):
+        return [int(self.rng.integers(0, 1 << width)) for width in widths]
+
+    def set(self, **values):
+        for name, value in values.items():
+            getattr(self.dut, f"{self.name}_{name}_i").value = value
+
+    def before(self, now):
+        if self.offer is None and self.rng.random() < self.rate:
+            self.offer = self.draw(now)
+        self.set(valid=int(self.offer is not None))
+
+    def after(self):
+        if self.offer is not None and self.ready():
+            self.sent.append(self.offer)
+            self.offer = None
+
+    def ready(self):
+        return True
+
+
+class Slip(Source):
+    def draw(self, now):
+        channel, p2p, time = self.bits(16, 24, 48)
+        state = int(self.rng.integers(0, 5))
+        self.set(id=channel, p2p=p2p, state=state, time=time)
+        return time, p.slip_event(channel, p2p, state)
+
+    def ready(self):
+        return self.dut.slip_ready_o.value == 1
+
+
+class Cop(Source):
+    def draw(self, now):
+        x, y, load, pressed, time = self.bits(24, 24, 40, 1, 48)
+        self.set(x=x, y=y, load=load, pressed=pressed, time=time)
+        x, y = (bench.as_signed(v, 24) for v in (x, y))
+        return time, p.cop_frame(x, y, load, pressed)
+
+
+class Health(Source):
+    def draw(self, now):
+        taxel, faults = self.bits(24, 8)
+        self.set(id=taxel, faults=faults)
+        return now, p.health(taxel, faults)
+
+
+class Answer(Source):
+    def draw(self, now):
+        (data,) = self.bits(62)
+        self.set(data=data)
+        return None, data.to_bytes(8, "little")
+
+    def ready(self):
+        return self.dut.answer_ready_o.value == 1
+
+
+class Image(Source):
+    """``rate``: of taxels; whole images, at random moments."""
+
+    def __init__(self, dut, rng, rate, taxels):
+        super().__init__(dut, rng, "image", rate)
+        self.taxels, self.images, self.left = taxels, [], []
+
+    def draw(self, now):
+        if not self.left:
+            self.left = self.bits(*[16] * self.taxels)
+            self.images.append((self.bits(48)[0], list(self.left)))
+        value = self.left.pop(0)
+        self.set(data=value, last=int(not self.left), time=self.images[-1][0])
+        return value
+
+
+class Bench:
+    """All sources, and the bytes that come out."""
+
+    def __init__(self, dut, ready, sources):
+        self.dut, self.ready, self.sources = dut, ready, sources
+        self.clock, self.bytes, self.packets, self.ends = 0, bytearray(), [], []
+
+    async def run(self, clocks, quiet=False):
+        dut = self.dut
+        for _ in range(clocks):
+            dut.now_i.value = self.clock
+            for source in self.sources:
+                if quiet:
+                    source.rate = 0
+                source.before(self.clock)
+            ready = int(self.ready())
+            dut.out_ready_i.value = ready
+            await bench.ReadOnly()
+            if dut.out_valid_o.value == 1:
+                assert dut.out_begin_o.value == 1 or dut.out_last_o.value == 1
+                if ready:
+                    self.bytes.append(bench.read(dut.out_data_o))
+                    if dut.out_last_o.value == 1:
+                        self.packets.append(bytes(self.bytes))
+                        self.ends.append(self.clock)
+                        self.bytes.clear()
+            for source in self.sources:
+                source.after()
+            await bench.RisingEdge(dut.clk_i)
+            self.clock += 1
+
+    def decoded(self):
+        """The packets, through the host's decoder."""
+        decoder = Decoder()
+        got = decoder.next(b"".join(map(encode, self.packets)))
+        assert (decoder.damaged, decoder.missed) == (0, 0)
+        assert [q.number for q in got] == [k % 256 for k in range(len(got))]
+        return got
+
+
+def parameters(dut):
+    names = ("SlipDepth", "Cop", "Health", "Answers", "Statistics", "StatisticBits", "Taxels", "Chunk")
+    return {name: getattr(dut, name).value.to_unsigned() for name in names}
+
+
+async def begin(dut, rng, rates, ready=lambda: True):
+    """A bench with the sources that this build has, at ``rates`` by name."""
+    build = parameters(dut)
+    sources = {}
+    if build["SlipDepth"]:
+        sources["slip"] = Slip(dut, rng, "slip", rates.get("slip", 0))
+    for name, kind in (("Cop", Cop), ("Health", Health), ("Answers", Answer)):
+        if build[name]:
+            port = name.lower().removesuffix("s")
+            sources[port] = kind(dut, rng, port, rates.get(port, 0))
+    if build["Taxels"]:
+        sources["image"] = Image(dut, rng, rates.get("image", 0), build["Taxels"])
+    await bench.start(dut, **{f"{name}_i": 0 for name in INPUTS})
+    counters = [int(rng.integers(0, 1 << 32)) for _ in range(max(1, build["Statistics"]))]
+    dut.statistics_i.value = sum(value << (32 * place) for place, value in enumerate(counters))
+    return Bench(dut, ready, list(sources.values())), sources, counters
+
+
+def subsequence(part, whole):
+    rest = iter(whole)
+    return all(any(item == other for other in rest) for item in part)
+
+
+def check(test, sources, counters, build):
+    """Everything that came out against everything that went in."""
+    got = test.decoded()
+    by_kind = {}
+    for q in got:
+        by_kind.setdefault(q.kind, []).append(q)
+    assert set(by_kind) <= {p.SLIP, p.COP, p.IMAGE, p.HEALTH, p.STATISTIC, p.ANSWER}
+    pairs = {kind: [(q.time, q.payload) for q in packets] for kind, packets in by_kind.items()}
+    if "slip" in sources:
+        assert pairs.get(p.SLIP, []) == sources["slip"].sent
+    if "answer" in sources:
+        assert [payload for _, payload in pairs.get(p.ANSWER, [])] == [d for _, d in sources["answer"].sent]
+    for name, kind in (("cop", p.COP), ("health", p.HEALTH)):
+        if name in sources:
+            mine, sent = pairs.get(kind, []), sources[name].sent
+            assert subsequence(mine, sent)
+            assert len(mine) + bench.read(getattr(test.dut, f"{name}_dropped_o")) == len(sent)
+            assert mine[-1:] == sent[-1:]  # the newest always arrives
+    statistics = [q.fields for q in by_kind.get(p.STATISTIC, [])]
+    for place, fields in enumerate(statistics):
+        index = place % build["Statistics"]
+        assert fields == {"index": index, "counter": counters[index]}
+    if "image" in sources:
+        check_images(test, sources["image"], by_kind.get(p.IMAGE, []), build)
+    return got
+
+
+def check_images(test, source, chunks, build):
+    images, whole = [], [image for image in source.images if not (source.left and image is source.images[-1])]
+    for q in chunks:
+        if q.fields["first"] == 0:
+            images.append((q.time, []))
+        assert q.time == images[-1][0]
+        assert q.fields["image"] == (len(images) - 1) % 256
+        assert q.fields["first"] == len(images[-1][1])
+        images[-1][1].extend(q.fields["taxels"])
+        assert len(q.fields["taxels"]) == min(build["Chunk"], build["Taxels"] - q.fields["first"])
+        assert q.fields["last"] == (len(images[-1][1]) == build["Taxels"])
+    assert all(len(taxels) == build["Taxels"] for _, taxels in images)
+    assert subsequence(images, whole)
+    assert len(images) + bench.read(test.dut.image_dropped_o) == len(whole)
+
+
+@cocotb.test(timeout_time=50, timeout_unit="ms")
+@cocotb.parametrize(load=["light", "full", "slow line"])
+async def everything_at_once(dut, load):
+    rng = np.random.default_rng(bench.SEED)
+    rates = {
+        "light": {"slip": 0.001, "cop": 0.001, "health": 0.0005, "answer": 0.0005, "image": 0.05},
+        "full": {"slip": 0.004, "cop": 0.05, "health": 0.01, "answer": 0.002, "image": 1.0},
+        "slow line": {"slip": 0.002, "cop": 0.01, "health": 0.01, "answer": 0.01, "image": 0.9},
+    }[load]
+    draw = np.random.default_rng(7)
+    rate = 0.05 if load == "slow line" else 1.0
+    test, sources, counters = await begin(dut, rng, rates, lambda: draw.random() < rate)
+    await test.run(5_000)
+    for source in sources.values():
+        source.rate = 0
+    test.ready = lambda: True
+    await test.run(4_000, quiet=True)
+    build = parameters(dut)
+    got = check(test, sources, counters, build)
+    assert bench.read(dut.packets_o) == len(got)
+    if load != "light" and build["Taxels"] and build["SlipDepth"]:
+        assert bench.read(dut.image_dropped_o) > 0
+        assert len(sources["slip"].sent) > 5
+
+
+@cocotb.test(timeout_time=50, timeout_unit="ms")
+async def events_go_first_and_soon(dut):
+    """With nothing under way the frame opens after 3 clocks and the first byte is there after 8."""
+    build = parameters(dut)
+    if not build["SlipDepth"]:
+        return
+    rng = np.random.default_rng(bench.SEED)
+    test, sources, _ = await begin(dut, rng, {})
+    await test.run(5)
+    sources["slip"].rate = 1
+    await test.run(1)
+    sources["slip"].rate = 0
+    opened = first = None
+    for clock in range(1, 20):
+        await bench.ReadOnly()
+        opened = clock if opened is None and dut.out_begin_o.value == 1 else opened
+        first = clock if first is None and dut.out_valid_o.value == 1 else first
+        await bench.RisingEdge(dut.clk_i)
+        dut.slip_valid_i.value = 0
+        test.clock += 1
+        if first:
+            break
+    assert (opened, first) == (3, 8)
+
+
+@cocotb.test(timeout_time=50, timeout_unit="ms")
+async def an_event_waits_for_one_packet_at_most(dut):
+    build = parameters(dut)
+    if not (build["SlipDepth"] and build["Taxels"]):
+        return
+    rng = np.random.default_rng(bench.SEED)
+    test, sources, _ = await begin(dut, rng, {"image": 1.0, "cop": 0.02, "health": 0.01})
+    longest = 4 * (17 + 2 * min(build["Chunk"], build["Taxels"])) + 4 * 24 + 12
+    for _ in range(6):
+        await test.run(int(rng.integers(200, 500)))
+        count = len(sources["slip"].sent)
+        sources["slip"].rate = 1
+        await test.run(1)
+        sources["slip"].rate = 0
+        begin_clock = test.clock
+        while sum(q[0] == p.SLIP for q in test.packets) <= count:
+            await test.run(1)
+        assert test.clock - begin_clock <= longest
+
+
+@cocotb.test(timeout_time=50, timeout_unit="ms")
+async def recovers_after_reset(dut):
+    rng = np.random.default_rng(bench.SEED)
+    rates = {"slip": 0.01, "cop": 0.01, "health": 0.01, "answer": 0.01, "image": 0.9}
+    test, _, _ = await begin(dut, rng, rates)
+    for cut in (30, 61, 333):
+        await test.run(cut)
+        for name in ("slip", "cop", "health", "answer", "image"):
+            getattr(dut, f"{name}_valid_i").value = 0
+        await bench.reset(dut)
+        build = parameters(dut)
+        sources = {}
+        for source in test.sources:
+            name = source.name
+            if name == "image":
+                sources[name] = Image(dut, rng, rates[name], build["Taxels"])
+            else:
+                sources[name] = type(source)(dut, rng, name, rates[name])
+        test = Bench(dut, lambda: True, list(sources.values()))
+        value = dut.statistics_i.value.to_unsigned()
+        counters = [value >> 32 * k & 0xFFFFFFFF for k in range(max(1, build["Statistics"]))]
+        await test.run(700)
+        await test.run(3500, quiet=True)
+        check(test, sources, counters, build)
+        test.packets.clear()
+        for name, source in sources.items():
+            source.rate = rates[name]
+
+
+ALONE = {"SlipDepth": 0, "Cop": 0, "Health": 0, "Answers": 0, "Statistics": 0, "Taxels": 0}
+BUILDS = [
+    {"SlipDepth": 4, "Statistics": 3, "StatisticBits": 10, "Taxels": 36, "Chunk": 16},
+    {"SlipDepth": 16, "Statistics": 1, "StatisticBits": 8, "Taxels": 9, "Chunk": 64},
+    {"SlipDepth": 2, "Statistics": 0, "Taxels": 128, "Chunk": 116},
+    ALONE | {"SlipDepth": 2, "Cop": 1},
+    ALONE | {"Statistics": 2, "StatisticBits": 9, "Answers": 1},
+    ALONE | {"Taxels": 4, "Chunk": 1},
+]
+
+
+@pytest.mark.parametrize("build", BUILDS, ids=lambda b: "-".join(f"{v}" for v in b.values()))
+def test_packet(build):
+    bench.run("link", "packet", build)
+
+
+def test_refuses_illegal_parameters():
+    for name, value in (
+        ("SlipDepth", 1),
+        ("SlipDepth", 6),
+        ("Statistics", 257),
+        ("StatisticBits", 7),
+        ("Taxels", 1),
+        ("Chunk", 117),
+        ("Chunk", 0),
+    ):
+        assert f"{name} = {value}" in bench.refuses("packet", {name: value})
+    for chunk in (0, 117):
+        with pytest.raises(ValueError, match=f"chunk = {chunk}"):
+            p.image_chunks(0, [1, 2], chunk)

@@ -1,0 +1,187 @@
+"""msn_packet_slip against its model: every phase of convert start and event in the sweep; decisions that are
+no events, events that wait for the one before while converts go on, a slow line, long times, numbers past
+255, resets in each state; the frame opened with the event itself, bounds on its wait and its bytes."""
+
+import cocotb
+import numpy as np
+import pytest
+
+import bench
+from meissner.link.packet_slip import packets
+
+
+class Line:
+    """Drives converts and decisions, takes bytes; counts clocks since the reset was released."""
+
+    def __init__(self, dut, ready):
+        self.dut, self.ready = dut, ready
+        self.clock, self.bytes, self.packets = 0, bytearray(), []
+        self.waits, self.opened = [], True
+
+    async def step(self, convert=0, decision=None):
+        """One clock; true if the decision (raised, p2p, state) was taken."""
+        dut = self.dut
+        dut.convert_i.value = convert
+        dut.in_valid_i.value = int(decision is not None)
+        raised, p2p, state = decision or (1, 0, 7)
+        dut.in_raised_i.value, dut.in_p2p_i.value, dut.in_state_i.value = raised, p2p, state
+        ready = int(self.ready())
+        dut.out_ready_i.value = ready
+        await bench.ReadOnly()
+        if decision and raised:
+            assert dut.out_begin_o.value == 1
+        if dut.out_valid_o.value == 1 and ready:
+            self.bytes.append(bench.read(dut.out_data_o))
+            if dut.out_last_o.value == 1:
+                self.packets.append(bytes(self.bytes))
+                self.bytes.clear()
+        taken = decision is not None and dut.in_ready_o.value == 1
+        await bench.RisingEdge(dut.clk_i)
+        self.clock += 1
+        return taken
+
+    async def offer(self, decision, convert=lambda: 0):
+        waited = 0
+        while not await self.step(convert(), decision):
+            waited += 1
+        return waited
+
+    async def drain(self, count):
+        for _ in range(20_000):
+            if len(self.packets) == count:
+                return
+            await self.step()
+        raise AssertionError("a packet did not come")
+
+
+async def begin(dut, ready=lambda: True):
+    line = Line(dut, ready)
+    await bench.start(dut, convert_i=0, in_raised_i=0, in_state_i=0, in_p2p_i=0)
+    return line
+
+
+def decision_of(rng, bits):
+    return 1, int(rng.choice([0, (1 << bits) - 1, rng.integers(0, 1 << bits)])), int(rng.integers(0, 5))
+
+
+@cocotb.test(timeout_time=50, timeout_unit="ms")
+async def matches_model_at_every_phase(dut):
+    """Convert start and event at every clock of the sweep; the wait is bounded."""
+    rng = np.random.default_rng(bench.SEED)
+    bits = dut.P2pBits.value.to_unsigned()
+    line, events = await begin(dut), []
+    for phase in range(64):
+        for delay in (1, 30, 64, 130):
+            while line.clock % 64 != phase:
+                await line.step(0, (0, 5, 1) if rng.random() < 0.1 else None)
+            time = line.clock
+            await line.step(convert=1)
+            for _ in range(delay - 1):
+                await line.step()
+            event = decision_of(rng, bits)
+            assert 63 <= await line.offer(event) <= 191
+            events.append((time, *event[1:]))
+            await line.drain(len(events))
+            if phase % 16:
+                break
+    assert line.packets == packets(events)
+
+
+@cocotb.test(timeout_time=50, timeout_unit="ms")
+@cocotb.parametrize(rate=[1.0, 0.02])
+async def decisions_in_a_row(dut, rate):
+    """A convert every 300 clocks, a decision of each; events closer than their packets; a slow line."""
+    rng = np.random.default_rng(bench.SEED)
+    bits = dut.P2pBits.value.to_unsigned()
+    draw = np.random.default_rng(2)
+    line, events = await begin(dut, lambda: draw.random() < rate), []
+    stamp = None
+    for _ in range(60 if rate == 1 else 25):
+        start = line.clock
+        if rng.random() < 0.1:
+            await line.step(convert=0)
+        stamp = line.clock
+        await line.step(convert=1)
+        for _ in range(int(rng.integers(0, 200))):
+            await line.step()
+        event = decision_of(rng, bits)
+        if rng.random() < 0.3:
+            # Converts go on while it waits, and do not count for it.
+            await line.offer(event, lambda start=start: int((line.clock - start) % 300 == 299))
+            events.append((stamp, *event[1:]))
+        else:
+            assert await line.offer((0, *event[1:])) == 0
+        while line.clock - start < 300:
+            await line.step()
+    await line.drain(len(events))
+    assert line.packets == packets(events)
+    assert len(events) > 5
+
+
+@cocotb.test(timeout_time=50, timeout_unit="ms")
+async def counts_on(dut):
+    """Packet numbers wrap after 255; the time runs on with carries through many bits."""
+    if dut.P2pBits.value.to_unsigned() != 18:
+        return  # once is enough
+    line, events = await begin(dut), []
+    for number in range(260):
+        time = line.clock
+        await line.step(convert=1)
+        await line.offer((1, number % 2, 2))
+        events.append((time, number % 2, 2))
+        await line.drain(len(events))
+    assert line.packets == packets(events)
+    assert events[-1][0] > 1 << 18
+
+
+@cocotb.test(timeout_time=50, timeout_unit="ms")
+async def bytes_come_in_time(dut):
+    """One in 72 clocks at the least, so a line of 72 clocks a byte or more never starves."""
+    line = await begin(dut)
+    await line.step(convert=1)
+    await line.offer((1, 3, 2))
+    seen = []
+    while not line.packets:
+        before = len(line.bytes)
+        await line.step()
+        if len(line.bytes) != before:
+            seen.append(line.clock)
+    assert len(seen) == 18
+    assert np.diff(seen).max() <= 72
+
+
+@cocotb.test(timeout_time=50, timeout_unit="ms")
+async def recovers_after_reset(dut):
+    line = await begin(dut)
+    for wait in (0, 1, 64, 100, 200, 500):
+        for _ in range(wait % 64):
+            await line.step()
+        await line.step(convert=1)
+        for _ in range(wait):
+            if await line.step(0, (1, 1, 3)):
+                break
+        for _ in range(wait):
+            await line.step()
+        dut.in_valid_i.value = 0
+        await bench.reset(dut)
+        line = Line(dut, lambda: True)
+        for _ in range(wait % 100 + 1):
+            await line.step()
+        time = line.clock
+        await line.step(convert=1)
+        await line.offer((1, 2, 4))
+        await line.drain(1)
+        assert line.packets == packets([(time, 2, 4)])
+
+
+@pytest.mark.parametrize("bits", [18, 14, 24])
+def test_packet_slip(bits):
+    bench.run("link", "packet_slip", {"P2pBits": bits})
+
+
+def test_refuses_illegal_parameters():
+    assert "P2pBits = 25" in bench.refuses("packet_slip", {"P2pBits": 25})
+    assert "P2pBits = 0" in bench.refuses("packet_slip", {"P2pBits": 0})
+    for bits in (0, 25):
+        with pytest.raises(ValueError, match=f"p2p_bits = {bits}"):
+            packets([], p2p_bits=bits)

@@ -1,0 +1,144 @@
+"""Registers: every address of the map and beside it, every byte strobe, commits between and with writes,
+status read through, absent features answered as errors. Random accesses, bit for bit as the twin.
+"""
+
+import random
+import subprocess
+import sys
+
+import cocotb
+import pytest
+from cocotb.triggers import ReadOnly, RisingEdge
+
+import bench
+from meissner.host.register_map import GROUPS
+from meissner.link.registers import Registers
+from meissner.toolchain import ROOT
+
+FEATURES = [group.name for group in GROUPS if group.feature]
+WAITING = [group.name for group in GROUPS if group.at_frame]
+
+
+def port(group, register, field, suffix):
+    return f"{group}_{register}_{suffix}" if field == "value" else f"{group}_{register}_{field}_{suffix}"
+
+
+def parameter(name):
+    return "".join(part.capitalize() for part in name.split("_"))
+
+
+def keys(kind):
+    return [
+        (group.name, register.name, field)
+        for group in GROUPS
+        for register in group.registers
+        for field in register.fields
+        if field.kind == kind
+    ]
+
+
+async def begin(dut):
+    present = [name for name in FEATURES if int(getattr(dut, parameter(name)).value)]
+    draw = random.Random(bench.SEED)
+    status = {(g, r, f.name): draw.randrange(f.most + 1) for g, r, f in keys("status")}
+    idle = {"bus_valid_i": 0} | {port(*key, "i"): value for key, value in status.items()}
+    idle |= {f"{name}_commit_i": 0 for name in WAITING}
+    await bench.start(dut, **idle)
+    return Registers(present), status, draw
+
+
+def compare(dut, twin, pulses):
+    for g, r, f in keys("setting"):
+        assert bench.read(getattr(dut, port(g, r, f.name, "o"))) == twin.setting(g, r, f.name), (g, r, f.name)
+    for g, r, f in keys("command"):
+        assert bench.read(getattr(dut, port(g, r, f.name, "o"))) == ((g, r, f.name) in pulses), (g, r, f.name)
+    for name in WAITING:
+        assert bench.read(getattr(dut, f"{name}_pending_o")) == twin.pending[name], name
+
+
+async def clock(dut, twin, status, access=None, commits=()):
+    """One clock with an access or none, and the commits at its edge; the answer is checked after it."""
+    dut.bus_valid_i.value = int(access is not None)
+    write, address, data, strobe = access or (1, 0x200, 0xFFFF_FFFF, 15)  # not valid: must change nothing
+    for name, value in (("write", write), ("address", address), ("data", data), ("strobe", strobe)):
+        getattr(dut, f"bus_{name}_i").value = value
+    for name in WAITING:
+        getattr(dut, f"{name}_commit_i").value = int(name in commits)
+    await RisingEdge(dut.clk_i)
+    for name in commits:  # takes what was written before this clock
+        twin.commit(name)
+    answer = twin.access(write, address, data, strobe, status) if access else None
+    dut.bus_valid_i.value = 0
+    for name in WAITING:
+        getattr(dut, f"{name}_commit_i").value = 0
+    await ReadOnly()
+    assert bench.read(dut.bus_done_o) == (answer is not None)
+    if answer:
+        assert (bench.read(dut.bus_data_o), bool(bench.read(dut.bus_error_o))) == answer[:2], access
+    compare(dut, twin, answer[2] if answer else set())
+    await RisingEdge(dut.clk_i)
+    await ReadOnly()
+    assert bench.read(dut.bus_done_o) == 0, "an access was answered twice"
+    compare(dut, twin, set())
+    await RisingEdge(dut.clk_i)
+
+
+@cocotb.test(timeout_time=100, timeout_unit="ms")
+async def answers_every_address(dut):
+    twin, status, draw = await begin(dut)
+    for address in range(4096):
+        await clock(dut, twin, status, (0, address, 0, 15))
+        await clock(dut, twin, status, (1, address, draw.getrandbits(32), 15))
+    for address in range(0, 4096, 4):
+        await clock(dut, twin, status, (0, address, 0, 0))
+
+
+@cocotb.test(timeout_time=100, timeout_unit="ms")
+async def matches_model_on_random_accesses(dut):
+    twin, status, draw = await begin(dut)
+    known = [register.address for group in GROUPS for register in group.registers]
+    for _ in range(8000):
+        commits = [name for name in WAITING if draw.random() < 0.2]
+        access = None
+        if draw.random() < 0.8:
+            address = draw.choice(known) if draw.random() < 0.95 else draw.randrange(4096)
+            data = draw.choice((0, 0xFFFF_FFFF, draw.getrandbits(32)))
+            access = (int(draw.random() < 0.7), address, data, draw.choice((15, 15, draw.randrange(16))))
+        await clock(dut, twin, status, access, commits)
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def starts_over_at_reset(dut):
+    twin, status, draw = await begin(dut)
+    for g in GROUPS:
+        for register in g.registers:
+            await clock(dut, twin, status, (1, register.address, draw.getrandbits(32), 15), WAITING)
+    await bench.reset(dut)
+    twin.reset()
+    await ReadOnly()
+    compare(dut, twin, set())
+
+
+@pytest.mark.parametrize("features", [FEATURES, [], FEATURES[::2], FEATURES[1::2]], ids=len)
+def test_registers(features):
+    bench.run("link", "registers", {parameter(name): int(name in features) for name in FEATURES})
+
+
+def test_the_generated_files_are_what_their_source_gives():
+    done = subprocess.run(
+        [sys.executable, "tools/registers.py", "--check"], cwd=ROOT, capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr
+
+
+def test_a_group_has_room_and_every_setting_fits():
+    taken = [register.address for group in GROUPS for register in group.registers]
+    assert len(set(taken)) == len(taken) and all(a % 4 == 0 and a < 4096 for a in taken)
+    for group in GROUPS:
+        for register in group.registers:
+            assert all(0 <= field.reset <= field.most for field in register.fields), register.name
+
+
+def test_an_unknown_feature_is_refused():
+    with pytest.raises(ValueError, match="must be one of"):
+        Registers(["telepathy"])

@@ -1,0 +1,322 @@
+"""msn_slip_serial against its model, and so against the chain it stands for: every state, both directions of
+the level, samples, levels and thresholds at the ends of their ranges, timers of 0 and up to the top bit,
+moving actuators, damage of every kind, resets in every step of a sample, gaps and stalls; its time."""
+
+import itertools
+import random
+
+import cocotb
+import numpy as np
+import pytest
+
+import bench
+from meissner.engines import fixed
+from meissner.slip.config import SlipConfig
+from meissner.slip.slip import State
+from meissner.slip.slip_serial import SlipSerial
+
+FIELDS = ["state", "raised", "over", "p2p", "end"]
+
+
+def build(dut, **settings):
+    """The twin of this build with these settings."""
+    value = lambda name: getattr(dut, name).value.to_unsigned()
+    config = SlipConfig(level=value("Level"), window=value("Window"), hop=value("Window"), **settings)
+    return SlipSerial(config, value("SampleBits"), value("TimerBits"))
+
+
+def usual(dut, rises=True, **settings):
+    """Settings under which ``recording`` visits every state."""
+    sign = 1 if rises else -1
+    half = 1 << (dut.Level.value.to_unsigned() - 1)
+    given = {"contact_level": sign * 200 * half, "release_level": sign * 100 * half, "contact_rises": rises}
+    given |= {"threshold": 60, "gross_threshold": 110, "hold": 3, "refractory": 4, "blank": 5}
+    return build(dut, **(given | settings))
+
+
+async def apply(dut, twin):
+    names = "threshold gross_threshold contact_level release_level hold refractory blank contact_rises"
+    for name in names.split():
+        port = getattr(dut, f"cfg_{name}_i")
+        port.value = int(getattr(twin.config, name)) & ((1 << len(port)) - 1)
+
+
+def recording(rng, samples, rises=True):
+    """Codes that rest near 0, press to about 150, and tremble more or less."""
+    pressed = np.repeat(rng.random(samples // 25 + 1) < 0.7, 25)[:samples]
+    tremor = np.repeat(rng.choice([5, 25, 60], samples // 10 + 1), 10)[:samples]
+    return (1 if rises else -1) * pressed * 150 + rng.integers(-tremor, tremor + 1)
+
+
+def beats_of(x, ids=None, lasts=None):
+    ids = np.zeros(len(x), int) if ids is None else ids
+    lasts = np.ones(len(x), bool) if lasts is None else lasts
+    return [{"data": d, "id": i, "last": e} for d, i, e in zip(x, ids, lasts)]
+
+
+def rows(decided):
+    """The twin's decisions as the beats of the block."""
+    return [{f: int(decided[f][n]) for f in FIELDS} for n in range(len(decided["state"]))]
+
+
+async def check(dut, twin, x, stall_rate=0.0, **given):
+    """Send ``x`` and compare every decision; returns the twin's."""
+    decided = twin.next(x, **given)
+    pause = bench.pauses(stall_rate)
+    given.pop("moving", None)
+    got = await bench.stream(dut, beats_of(x, **given), FIELDS, pause, pause, drain=80, hold=True)
+    for index, (is_, should) in enumerate(zip(got, rows(decided))):
+        assert is_ == should, f"detail {index} with {twin.config}"
+    assert len(got) == len(decided["state"])
+    assert bench.read(dut.blanked_o) == twin.blanked
+    assert bench.read(dut.damaged_o) == twin.damaged
+    return decided
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+@cocotb.parametrize(rises=[True, False], stall_rate=[0.0, 0.4])
+async def matches_model(dut, rises, stall_rate):
+    await bench.start(dut, actuator_moving_i=0)
+    rng = np.random.default_rng(bench.SEED)
+    seen = set()
+    for timers in ((3, 4, 5), (0, 0, 0), (1, 7, 1), (7, 0, 2)):
+        twin = usual(dut, rises, **dict(zip(("hold", "refractory", "blank"), timers)))
+        await bench.reset(dut)
+        await apply(dut, twin)
+        decided = await check(dut, twin, recording(rng, 500, rises), stall_rate)
+        seen |= set(decided["state"])
+    assert seen == set(State)
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def samples_and_thresholds_use_every_bit(dut):
+    """Full-scale steps of both signs; thresholds up to their top bit, levels at both ends."""
+    await bench.start(dut, actuator_moving_i=0)
+    bits = dut.SampleBits.value.to_unsigned()
+    low, high = bench.width(bits + dut.Level.value.to_unsigned())
+    rng = np.random.default_rng(bench.SEED + 1)
+    x = bench.extremes_then_random(rng, 1, 80, bits)[0]
+    x = np.concatenate([x, rng.choice([*bench.width(bits), -1, 0], 80)])
+    for threshold, gross, contact, release in (
+        (high + 1, 2 * high, low, low),
+        (high, high + 1, 0, 0),
+        (0, high, high, high),
+        (2 * high + 1, 0, -1, low + 1),
+        (2 * high, 2 * high + 1, high, low),
+    ):
+        levels = {"contact_level": contact, "release_level": release}
+        for rises in (True, False):
+            twin = build(dut, threshold=threshold, gross_threshold=gross, contact_rises=rises, **levels)
+            await bench.reset(dut)
+            await apply(dut, twin)
+            await check(dut, twin, x)
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def compares_exactly_at_each_limit(dut):
+    """p2p and level at, one below and one above each limit, and where that is a power of two."""
+    level, window = (getattr(dut, n).value.to_unsigned() for n in ("Level", "Window"))
+    await bench.start(dut, actuator_moving_i=0)
+    for limit in (1, 2, 63, 64, 100):
+        for rises in (True, False):
+            levels = {"contact_level": limit, "release_level": limit, "contact_rises": rises}
+            twin = build(dut, threshold=limit, gross_threshold=limit + 1, **levels)
+            await bench.reset(dut)
+            await apply(dut, twin)
+            x = []
+            for step in (limit - 1, limit, limit + 1, limit + 2):
+                # Level at ``step`` and details of 0, and once a window one that makes p2p ``step`` too.
+                for detail in range(window >> level):
+                    group = [0] * (1 << level)
+                    group[-1] = step
+                    if detail % 3:
+                        group[-1 if detail % 2 else 0] = limit - step
+                    x += group
+            await check(dut, twin, np.array(x))
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def timers_reach_their_top_bit(dut):
+    """The longest time that the register holds, where that is short enough to wait for."""
+    bits = dut.TimerBits.value.to_unsigned()
+    if bits > 6:
+        return
+    longest = (1 << bits) - 1
+    await bench.start(dut, actuator_moving_i=0)
+    for times in ((longest, 0, 0), (0, longest, 0), (1, 1, longest), (longest >> 1, longest, 1)):
+        twin = usual(dut, **dict(zip(("hold", "refractory", "blank"), times)))
+        await bench.reset(dut)
+        await apply(dut, twin)
+        await check(dut, twin, recording(np.random.default_rng(bench.SEED), 800))
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def moving_is_that_of_the_clock_that_takes_a_sample(dut):
+    """The actuator moves or rests anew at every clock, most often otherwise than when a sample is taken."""
+    twin = usual(dut, hold=1, refractory=0, blank=0)
+    await bench.start(dut, out_ready_i=1, actuator_moving_i=0)
+    await apply(dut, twin)
+    draw = random.Random(bench.SEED)
+    x = recording(np.random.default_rng(bench.SEED), 600)
+    moving, got = [], []
+    for beat in beats_of(x):
+        for name, value in beat.items():
+            port = getattr(dut, f"in_{name}_i")
+            port.value = int(value) & ((1 << len(port)) - 1)
+        dut.in_valid_i.value = 1
+        taken = False
+        while not taken:
+            now = draw.random() < 0.5
+            dut.actuator_moving_i.value = int(now)
+            await bench.ReadOnly()
+            if dut.out_valid_o.value == 1:
+                got.append(bench.read(dut.out_state_o))
+            taken = dut.in_ready_o.value == 1
+            await bench.RisingEdge(dut.clk_i)
+        moving.append(now)
+    await bench.ReadOnly()
+    if dut.out_valid_o.value == 1:
+        got.append(bench.read(dut.out_state_o))
+    assert got == twin.process(x, moving=moving)["state"].tolist()
+    assert bench.read(dut.blanked_o) == twin.blanked > 0
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+@cocotb.parametrize(stall_rate=[0.0, 0.4])
+async def starts_anew_after_damage(dut, stall_rate):
+    """Samples of another channel and lost or late `last`, alone and in rows."""
+    twin = usual(dut)
+    await bench.start(dut, actuator_moving_i=0)
+    await apply(dut, twin)
+    rng = np.random.default_rng(bench.SEED + 2)
+    x = recording(rng, 900)
+    wrong = np.repeat(rng.random(len(x) // 3) < 0.03, 3)
+    decided = await check(
+        dut,
+        twin,
+        x,
+        stall_rate,
+        ids=(wrong & (rng.random(len(x)) < 0.5)).astype(int),
+        lasts=~(wrong & (rng.random(len(x)) < 0.5)),
+    )
+    assert twin.damaged > 5
+    assert len(set(decided["state"])) == 5
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def recovers_after_reset_at_every_clock_of_a_sample(dut):
+    twin = usual(dut)
+    await bench.start(dut, actuator_moving_i=0)
+    await apply(dut, twin)
+    rng = np.random.default_rng(bench.SEED + 3)
+    first, second = recording(rng, 7), recording(rng, 30)
+    for late in range(twin.clocks + 2):
+        await bench.stream(dut, beats_of(first), FIELDS, drain=1, hold=True)
+        beat = beats_of([-77])[0]
+        for name, value in beat.items():
+            port = getattr(dut, f"in_{name}_i")
+            port.value = int(value) & ((1 << len(port)) - 1)
+        dut.in_valid_i.value = 1
+        await bench.clocks(dut, late)
+        dut.in_valid_i.value = 0
+        await bench.reset(dut)
+        twin.reset()
+        await check(dut, twin, second)
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def takes_as_long_as_the_twin_says(dut):
+    """Clocks until a sample is taken, when it is offered to a block at rest; the decision comes one later."""
+    twin = usual(dut)
+    await bench.start(dut, out_ready_i=1, actuator_moving_i=0, in_data_i=0, in_id_i=0, in_last_i=1)
+    await apply(dut, twin)
+    for sample in range(4 << twin.config.level):
+        await bench.clocks(dut, 5)
+        dut.in_valid_i.value = 1
+        clock = 0
+        await bench.ReadOnly()
+        while dut.in_ready_o.value != 1:
+            await bench.RisingEdge(dut.clk_i)
+            await bench.ReadOnly()
+            clock += 1
+        assert clock == twin.clocks
+        await bench.RisingEdge(dut.clk_i)
+        dut.in_valid_i.value = 0
+        await bench.ReadOnly()
+        assert dut.out_valid_o.value == (sample % (1 << twin.config.level) == (1 << twin.config.level) - 1)
+        await bench.RisingEdge(dut.clk_i)
+    dut._log.info(f"a sample takes {twin.clocks} clocks, its decision stands one clock later")
+
+
+@pytest.mark.parametrize(
+    "parameters",
+    [
+        {"SampleBits": 13, "TimerBits": 10},
+        {"SampleBits": 17, "TimerBits": 14, "Level": 2, "Window": 16},
+        {"SampleBits": 13, "TimerBits": 5, "Level": 3, "Window": 32},
+        {"SampleBits": 10, "TimerBits": 3, "Level": 1, "Window": 4},
+    ],
+)
+def test_slip_serial(parameters):
+    bench.run("slip", "slip_serial", {"Level": 1, "Window": 64} | parameters)
+
+
+@pytest.mark.parametrize("level", [1, 2, 3])
+def test_model_is_that_of_the_chain(level):
+    """One channel of the vectorised engine, whole and in chunks."""
+    config = SlipConfig(
+        level=level,
+        threshold=60,
+        gross_threshold=110,
+        contact_level=200,
+        release_level=100,
+        hold=3,
+        refractory=4,
+        blank=5,
+    )
+    rng = np.random.default_rng(4)
+    x = recording(rng, 2001)
+    moving = rng.random(2001) < 0.2
+    watched = fixed.watch(x[None], config, moving)
+    twin = SlipSerial(config)
+    decided = twin.process(x, moving=moving)
+    assert twin.blanked == watched.blanked > 0
+    assert np.array_equal(decided["state"], watched.state[0])
+    assert np.array_equal(decided["p2p"], watched.p2p[0])
+    assert np.array_equal(decided["over"], watched.over[0])
+    assert np.array_equal(decided["end"], watched.end)
+    twin.reset()
+    cuts = [0, 1, 2, 3, 50, 51, 2001]
+    parts = [twin.next(x[a:b], moving=moving[a:b]) for a, b in itertools.pairwise(cuts)]
+    for field in FIELDS:
+        assert np.array_equal(np.concatenate([part[field] for part in parts]), decided[field])
+
+
+@pytest.mark.parametrize(
+    "parameters, message",
+    [
+        ({"SampleBits": 1}, "SampleBits = 1"),
+        ({"Level": 4}, "Level = 4"),
+        ({"Window": 48}, "Window = 48"),
+        ({"Window": 2}, "Window = 2"),
+        ({"TimerBits": 32}, "TimerBits = 32"),
+    ],
+)
+def test_refuses_illegal_parameters(parameters, message):
+    assert message in bench.refuses("slip_serial", parameters)
+
+
+@pytest.mark.parametrize(
+    "arguments, settings, message",
+    [
+        ({"sample_bits": 1}, {}, "sample_bits = 1"),
+        ({"timer_bits": 32}, {}, "timer_bits = 32"),
+        ({}, {"hop": 32}, "hop = 32 must be the window, 64"),
+        ({"sample_bits": 13}, {"threshold": 1 << 14}, "threshold = 16384 must lie in 0 .. 16383"),
+        ({"sample_bits": 13}, {"contact_level": -8193}, "contact_level = -8193 must lie in -8192 .. 8191"),
+        ({"timer_bits": 10}, {"blank": 1024}, "blank = 1024 must lie in 0 .. 1023"),
+    ],
+)
+def test_model_refuses(arguments, settings, message):
+    with pytest.raises(ValueError, match=message):
+        SlipSerial(SlipConfig(**settings), **arguments)

@@ -1,0 +1,90 @@
+"""The latency budget of scanned arrays: its terms add up and follow what they stand for, the number of
+converters it asks for is enough and none fewer is, the command prints them and refuses what cannot be built.
+That the clocks are those at the pins is shown by tb/cop/test_array.py.
+"""
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+from meissner.budget import array as budget
+from meissner.frontend.adc_spi import AD7606, MAX11125, MCP3208
+
+
+def command(*arguments):
+    return subprocess.run(
+        [sys.executable, "-m", "meissner.cli", "budget", *arguments], capture_output=True, text=True
+    )
+
+
+@pytest.mark.parametrize("rows, columns", [(1, 1), (3, 3), (16, 16), (64, 64), (5, 100)])
+@pytest.mark.parametrize("part", [AD7606, MCP3208, MAX11125], ids=lambda part: part.name)
+def test_terms_add_up_and_follow_what_they_stand_for(rows, columns, part):
+    found = budget.budget(rows, columns, 50e6, part, converters=2)
+    assert sum(found["terms_clocks"].values()) == found["total_clocks"]
+    places = rows * -(-columns // 16)
+    assert found["frame_clocks"] == places * found["slot_clocks"]
+    assert found["terms_clocks"]["scan"] == (places - 1) * found["slot_clocks"]
+    later = budget.budget(rows, columns, 50e6, part, converters=2, settle_s=1e-6 + 1e-3)
+    assert later["slot_clocks"] >= 50_000 and later["total_clocks"] >= found["total_clocks"]
+    bare = budget.budget(rows, columns, 50e6, part, converters=2, health=False, tare=False)
+    assert found["total_clocks"] - bare["total_clocks"] == 2
+
+
+def test_the_converters_it_asks_for_are_enough_and_fewer_are_not():
+    for side in (8, 16, 32, 64, 100):
+        found = budget.budget(side, side, 100e6, AD7606)
+        lanes = found["converters_needed"]
+        for other in budget.LANES:
+            within = budget.budget(side, side, 100e6, AD7606, converters=other)["total_s"] < 1e-3
+            assert within == (lanes is not None and other >= lanes), (side, other)
+    assert budget.budget(16, 16, 100e6, AD7606)["converters_needed"] == 1
+    assert budget.budget(64, 64, 100e6, AD7606)["converters_needed"] == 8
+
+
+def test_a_carrier_takes_its_samples():
+    short, long = (
+        budget.budget(8, 8, 100e6, MAX11125, 1, carrier={"sample_period": 500, "periods": periods, "skip": 4})
+        for periods in (4, 8)
+    )
+    assert long["terms_clocks"]["burst"] - short["terms_clocks"]["burst"] == 4 * 4 * 500
+    assert short["slip_round_to_decision_clocks"] is None
+
+
+def test_the_command_prints_what_the_function_finds():
+    done = command("--rows", "16", "--cols", "16", "--json")
+    assert json.loads(done.stdout) == budget.budget(16, 16, 100e6, AD7606)
+    text = command("--rows", "64", "--cols", "64", "--adc", "mcp3208").stdout
+    assert "above 1 ms" in text and "no number of these converters" in text
+    assert "1 ms needs 8 of these" in command("--rows", "64", "--cols", "64", "--converters", "2").stdout
+
+
+@pytest.mark.parametrize(
+    "arguments, says",
+    [
+        (["--rows", "0"], "rows = 0"),
+        (["--cols", "1025"], "columns = 1025"),
+        (["--clock", "1"], "clock = 1 "),
+        (["--clock", "nan"], "clock = nan"),
+        (["--settle-us", "nan"], "settle = nan"),
+        (["--settle-us", "-1"], "settle = -1"),
+        (["--settle-us", "2000"], "200000 clocks"),
+        (["--adc", "abacus"], "adc = 'abacus'"),
+        (["--converters", "3"], "converters = 3"),
+        (["--channels", "9"], "channels = 9"),
+        (["--sclk-khz", "0"], "sclk_khz = 0"),
+        (["--bits-per-clock", "3"], "bits-per-clock = 3"),
+        (["--demod", "--adc", "ad7606"], "without BUSY"),
+        (["--demod", "--adc", "max11123", "--sample-period", "1"], "sample_period = 1 "),
+        (["--demod", "--adc", "max11123", "--periods", "0"], "periods = 0"),
+        (["--demod", "--adc", "max11123", "--skip", "-1"], "skip = -1"),
+        (["--out", "x.png"], "--out is the picture"),
+    ],
+    ids=lambda value: value if isinstance(value, str) else " ".join(value),
+)
+def test_refuses_with_one_sentence(arguments, says):
+    done = command(*arguments)
+    assert done.returncode == 2 and done.stdout == ""
+    assert says in done.stderr and len(done.stderr.splitlines()) == 1

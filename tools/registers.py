@@ -1,0 +1,386 @@
+"""Write what follows from rtl/registers.rdl: RTL, Python map, C header and page. ``--check`` only compares.
+
+rtl/link/msn_registers.sv   model/meissner/host/register_map.py   host/msn_registers.h   docs/registers.md
+"""
+
+import argparse
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+from systemrdl import RDLCompileError, RDLCompiler
+
+ROOT = Path(__file__).resolve().parents[1]
+SOURCE = "rtl/registers.rdl"
+MADE = f"Made by tools/registers.py from {SOURCE}: change that, then `make registers`."
+
+
+@dataclass(frozen=True)
+class Field:
+    """``kind``: setting (written by the host), status (by the core), constant, or command (a pulse)."""
+
+    name: str
+    port: str  # base name of its port
+    high: int
+    low: int
+    kind: str
+    reset: int
+
+    @property
+    def width(self):
+        return self.high - self.low + 1
+
+
+@dataclass(frozen=True)
+class Register:
+    name: str
+    address: int
+    text: str
+    fields: tuple
+    strobe: bool  # a written_o pulse goes with it
+
+    @property
+    def writable(self):
+        return any(field.kind in ("setting", "command") for field in self.fields)
+
+
+@dataclass(frozen=True)
+class Group:
+    name: str
+    title: str
+    feature: bool
+    at_frame: bool
+    registers: tuple
+
+    @property
+    def parameter(self):
+        return "".join(part.capitalize() for part in self.name.split("_"))
+
+
+def _field(prefix, field):
+    port = prefix if field.inst_name == "value" else f"{prefix}_{field.inst_name}"
+    writable, seen = field.is_sw_writable, field.is_hw_readable
+    if field.get_property("singlepulse"):
+        kind = "command"
+    elif writable:
+        kind = "setting"
+    else:
+        kind = "status" if field.is_hw_writable else "constant"
+    reset = field.get_property("reset")
+    if kind != "status" and reset is None:
+        sys.exit(f"{SOURCE}: {prefix}.{field.inst_name} has no reset value")
+    if kind == "command" and field.width != 1:
+        sys.exit(f"{SOURCE}: {prefix}.{field.inst_name} is a pulse and must be one bit")
+    assert seen or kind in ("status", "constant"), field.inst_name
+    return Field(field.inst_name, port, field.high, field.low, kind, reset or 0)
+
+
+def read():
+    """The groups of rtl/registers.rdl."""
+    compiler = RDLCompiler()
+    try:
+        compiler.compile_file(str(ROOT / SOURCE))
+        top = compiler.elaborate().top
+    except RDLCompileError:
+        sys.exit(1)  # the compiler has said what and where
+    groups = []
+    for group in top.children():
+        registers = []
+        for register in group.children():
+            fields = tuple(_field(f"{group.inst_name}_{register.inst_name}", f) for f in register.fields())
+            strobe = any(field.get_property("swmod") for field in register.fields())
+            text = register.get_property("desc")
+            registers.append(Register(register.inst_name, register.absolute_address, text, fields, strobe))
+        groups.append(
+            Group(
+                group.inst_name,
+                group.get_property("name"),
+                bool(group.get_property("group_feature", default=False)),
+                bool(group.get_property("at_frame", default=False)),
+                tuple(registers),
+            )
+        )
+    return groups
+
+
+def _bits(width):
+    return "" if width == 1 else f"[{width - 1}:0]"
+
+
+def rtl(groups):
+    """The module: decode, a flip-flop per bit of a setting (two where it waits for a frame), a read word."""
+    parameters, ports, body, words, hits, writable = [], [], [], [], [], []
+    for group in groups:
+        enable = f"{group.parameter} && " if group.feature else ""
+        if group.feature:
+            parameters.append(f"parameter bit {group.parameter} = 1'b1")
+        ports.append("")
+        waits = group.name if group.at_frame else ""
+        if waits:
+            ports += [
+                (f"input  logic        {group.name}_commit_i", "written values take effect"),
+                (f"output logic        {group.name}_pending_o", "some wait for it"),
+            ]
+        group_writes = []
+        for register in group.registers:
+            base = f"{group.name}_{register.name}"
+            body += (
+                ["", f"  logic {base}_hit, {base}_write;"]
+                if register.writable
+                else ["", f"  logic {base}_hit;"]
+            )
+            body.append(f"  assign {base}_hit = {enable}word == 10'h{register.address >> 2:03x};")
+            hits.append(f"{base}_hit")
+            if register.writable:
+                body.append(f"  assign {base}_write = {base}_hit && write;")
+                writable.append(f"{base}_hit")
+            if register.strobe:
+                ports.append((f"output logic        {base}_written_o", ""))
+                body += _flip_flop(f"{base}_written_o", "1'b0", f"{base}_write", None)
+            parts, at = [], 32
+            for field in sorted(register.fields, key=lambda f: -f.high):
+                if at > field.high + 1:
+                    parts.append(f"{at - field.high - 1}'d0")
+                parts.append(_field_rtl(field, base, waits, ports, body, group_writes))
+                at = field.low
+            if at:
+                parts.append(f"{at}'d0")
+            joined = parts[0] if len(parts) == 1 else "{" + ", ".join(parts) + "}"
+            words.append((f"{base}_hit", joined))
+        if waits:
+            any_write = " || ".join(dict.fromkeys(group_writes))
+            body += [
+                "",
+                "  always_ff @(posedge clk_i) begin",
+                f"    if ({group.name}_commit_i) {group.name}_pending_o <= 1'b0;",
+                f"    if ({any_write}) {group.name}_pending_o <= 1'b1;",
+                f"    if (rst_i) {group.name}_pending_o <= 1'b0;",
+                "  end",
+            ]
+    lines = [*HEADER.strip("\n").split("\n"), ""]
+    lines.append("module msn_registers #(")
+    lines.append(",\n".join(f"  {p}" for p in parameters))
+    lines.append(") (")
+    lines += BUS.strip("\n").split("\n")
+    last = max(i for i, port in enumerate(ports) if port)
+    for index, port in enumerate(ports):
+        if not port:
+            lines.append("")
+            continue
+        comma = "," if index < last else ""
+        note = f"  // {port[1]}" if port[1] else ""
+        lines.append(f"  {port[0]}{comma}{note}")
+    lines += [");", "", *DECODE.strip("\n").split("\n"), *body, ""]
+    lines += ["  logic hit, writable;"]
+    lines += ["  assign hit      = " + "\n      || ".join(hits) + ";"]
+    lines += ["  assign writable = " + "\n      || ".join(writable) + ";"]
+    lines += ["", "  logic [31:0] read_word;"]
+    terms = [f"({{32{{{hit}}}}} & {word})" for hit, word in words]
+    lines += ["  assign read_word = " + "\n      | ".join(terms) + ";", ""]
+    lines += ANSWER.strip("\n").split("\n")
+    return "\n".join(lines) + "\n"
+
+
+def _flip_flop(name, reset, value, enable):
+    condition = f"if ({enable}) " if enable else ""
+    return [
+        "  always_ff @(posedge clk_i) begin",
+        f"    {condition}{name} <= {value};",
+        f"    if (rst_i) {name} <= {reset};",
+        "  end",
+    ]
+
+
+def _field_rtl(field, base, waits, ports, body, group_writes):
+    """Ports and flip-flops of one field, whose group ``waits`` for a frame; returns what a read sees."""
+    bits = _bits(field.width)
+    constant = f"{field.width}'h{field.reset:x}"
+    slice_ = f"[{field.high}:{field.low}]" if field.width > 1 else f"[{field.low}]"
+    if field.kind == "constant":
+        return constant
+    if field.kind == "status":
+        ports.append((f"input  logic {bits:6} {field.port}_i", ""))
+        return f"{field.port}_i"
+    ports.append((f"output logic {bits:6} {field.port}_o", ""))
+    if field.kind == "command":
+        body += _flip_flop(
+            f"{field.port}_o", "1'b0", f"{base}_write && mask[{field.low}] && bus_data_i{slice_}", None
+        )
+        return "1'b0"
+    held = f"{field.port}_q" if waits else f"{field.port}_o"
+    if waits:
+        body.append(f"  logic {bits}{' ' if bits else ''}{held};")
+        group_writes.append(f"{base}_write")
+    merged = f"({held} & ~mask{slice_}) | (bus_data_i{slice_} & mask{slice_})"
+    body += _flip_flop(held, constant, merged, f"{base}_write")
+    if waits:
+        body += _flip_flop(f"{field.port}_o", constant, held, f"{waits}_commit_i")
+    return held
+
+
+HEADER = f"""
+// SPDX-License-Identifier: Apache-2.0
+//
+// {MADE}
+//
+// The registers of the core. bus_valid_i for one clock asks; bus_done_o answers on the next, once; an access
+// is an error, and changes nothing, at an address without a register in this build, at one that is no
+// multiple of four, and for a write where all is read-only. bus_strobe_i: the bytes that a write changes. A
+// group with commit_i keeps two copies: a read sees what was written, the core what was committed.
+// Model: model/meissner/link/registers.py
+
+// verilog_lint: waive-start line-length
+"""
+
+BUS = """
+  input  logic        clk_i,
+  input  logic        rst_i,
+
+  input  logic        bus_valid_i,
+  input  logic        bus_write_i,
+  input  logic [11:0] bus_address_i,
+  input  logic [31:0] bus_data_i,
+  input  logic [3:0]  bus_strobe_i,
+  output logic        bus_done_o,
+  output logic        bus_error_o,
+  output logic [31:0] bus_data_o,
+"""
+
+DECODE = """
+  logic        write;
+  logic [9:0]  word;
+  logic [31:0] mask;
+  assign write = bus_valid_i && bus_write_i && bus_address_i[1:0] == 2'd0;
+  assign word  = bus_address_i[11:2];
+  assign mask  = {{8{bus_strobe_i[3]}}, {8{bus_strobe_i[2]}}, {8{bus_strobe_i[1]}}, {8{bus_strobe_i[0]}}};
+"""
+
+ANSWER = """
+  always_ff @(posedge clk_i) begin
+    bus_done_o  <= bus_valid_i;
+    bus_error_o <= !hit || bus_address_i[1:0] != 2'd0 || (bus_write_i && !writable);
+    bus_data_o  <= (bus_write_i || bus_address_i[1:0] != 2'd0) ? 32'd0 : read_word;
+    if (rst_i) bus_done_o <= 1'b0;
+  end
+
+endmodule
+"""
+
+
+def python(groups):
+    lines = [
+        f'"""The register map. {MADE}"""',
+        "",
+        "from meissner.host.register import Field, Group, Register",
+        "",
+    ]
+    lines.append("GROUPS = (")
+    for group in groups:
+        lines.append(
+            f"    Group({group.name!r}, {group.title!r}, {group.feature}, {group.at_frame}, (".replace(
+                "'", '"'
+            )
+        )
+        for register in group.registers:
+            fields = ", ".join(
+                f'Field("{f.name}", {f.high}, {f.low}, "{f.kind}", {f.reset:#x})' for f in register.fields
+            )
+            lines.append(
+                f'Register("{register.name}", {register.address:#05x}, {register.text!r}, ({fields},)),'
+            )
+        lines.append("    )),")
+    lines.append(")")
+    ruff = [str(Path(sys.executable).parent / "ruff"), "format", "--quiet", "-"]
+    text = "\n".join(lines)
+    return subprocess.run(ruff, cwd=ROOT, input=text, capture_output=True, text=True, check=True).stdout
+
+
+def c_header(groups):
+    lines = [
+        "/* SPDX-License-Identifier: Apache-2.0",
+        f" * {MADE} */",
+        "#ifndef MSN_REGISTERS_H",
+        "#define MSN_REGISTERS_H",
+        "",
+    ]
+    for index, group in enumerate(group for group in groups if group.feature):
+        lines.append(f"#define MSN_FEATURE_{group.name.upper()} (1u << {index})")
+    for group in groups:
+        lines += ["", f"/* {group.title} */"]
+        for register in group.registers:
+            base = f"MSN_{group.name}_{register.name}".upper()
+            lines.append(f"#define {base} 0x{register.address:03x}u")
+            for field in register.fields:
+                if field.name != "value":
+                    lines.append(f"#define {base}_{field.name.upper()}_SHIFT {field.low}")
+                    lines.append(f"#define {base}_{field.name.upper()}_BITS {field.width}")
+    return "\n".join([*lines, "", "#endif"]) + "\n"
+
+
+def page(groups):
+    lines = ["# Registers", "", f"{MADE}", ""]
+    lines += [
+        "Addresses are of bytes; every register is a word of 32 bits. An access to an address without a",
+        "register in the build at hand, or a write to a register that can only be read, is answered with an",
+        "error. A group marked *at a frame's boundary* is changed as a whole between two frames.",
+    ]
+    for group in groups:
+        when = ", settings take effect at a frame's boundary" if group.at_frame else ""
+        lines += [
+            "",
+            f"## `{group.name}`: {group.title}{when}",
+            "",
+            "| address | name | bits | access | reset | |",
+            "|---|---|---|---|---|---|",
+        ]
+        for register in group.registers:
+            for index, field in enumerate(sorted(register.fields, key=lambda f: f.low)):
+                name = register.name if field.name == "value" else f"{register.name}.{field.name}"
+                bits = f"{field.high}:{field.low}" if field.width > 1 else f"{field.low}"
+                access = {
+                    "setting": "read, write",
+                    "command": "write 1",
+                    "status": "read",
+                    "constant": "read",
+                }[field.kind]
+                reset = "" if field.kind == "status" else f"{field.reset:#x}"
+                text = register.text if index == 0 else ""
+                lines.append(
+                    f"| 0x{register.address:03x} | `{name}` | {bits} | {access} | {reset} | {text} |"
+                )
+    return "\n".join(lines) + "\n"
+
+
+OUTPUTS = {
+    "rtl/link/msn_registers.sv": rtl,
+    "model/meissner/host/register_map.py": python,
+    "host/msn_registers.h": c_header,
+    "docs/registers.md": page,
+}
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--check", action="store_true", help="write nothing; fail where a file differs")
+    check = parser.parse_args().check
+    groups = read()
+    stale = []
+    for name, make in OUTPUTS.items():
+        path, text = ROOT / name, make(groups)
+        if path.exists() and path.read_text() == text:
+            continue
+        stale.append(name)
+        if not check:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text)
+    if check and stale:
+        sys.exit(f"{', '.join(stale)}: not what {SOURCE} gives; run `make registers`")
+    print(
+        f"registers: {sum(len(g.registers) for g in groups)} in {len(groups)} groups"
+        + (f"; wrote {', '.join(stale)}" if stale else "")
+    )
+
+
+if __name__ == "__main__":
+    main()
