@@ -67,7 +67,8 @@ module msn_scan_buffer #(
   logic [RowBits:0]       in_rows_q, in_rows;
   logic [AddressBits-1:0] in_base_q, in_base, span;
   logic                   interleave, row_full, half;
-  logic [RowBits:0]       half_rows_q, half_rows;  // rows of the first half of an interleaved frame
+  logic [RowBits:0]       half_rows_q;                // rows of the first half of an interleaved frame
+  logic [RowBits:0]       half_last_q, half_last;     // the last of them
   assign taken_o    = in_valid_i && in_first_i && !busy;
   assign store      = in_valid_i && (in_first_i ? !busy : !drop_q);
   assign in_beat    = in_first_i ? '0 : in_beat_q;
@@ -75,9 +76,9 @@ module msn_scan_buffer #(
   assign in_base    = in_first_i ? '0 : in_base_q;
   assign last_beat  = in_first_i ? in_last_beat_i : last_beat_q;
   assign interleave = Sorts && (in_first_i ? in_interleave_i : interleave_q);
-  assign half_rows  = in_first_i ? ({1'b0, in_last_row_i} >> 1) + 1'b1 : half_rows_q;
+  assign half_last  = in_first_i ? {1'b0, in_last_row_i} >> 1 : half_last_q;
   assign row_full   = in_beat == last_beat;
-  assign half       = in_rows + 1'b1 == half_rows;
+  assign half       = in_rows == half_last;
   assign span       = AddressBits'(last_beat) + 1'b1;
 
   (* no_rw_check *) logic [Width-1:0] frame [Depth];
@@ -97,7 +98,8 @@ module msn_scan_buffer #(
         last_row_q   <= in_last_row_i;
         last_beat_q  <= in_last_beat_i;
         skip_q       <= in_skip_i;
-        half_rows_q  <= half_rows;
+        half_last_q  <= half_last;
+        half_rows_q  <= half_last + 1'b1;
       end
     end
     dropped_o <= dropped_o + 32'(in_valid_i && in_first_i && busy);

@@ -231,20 +231,51 @@ module msn_scan_plan #(
   assign last_beat  = active_q ? now_last_beat_q : region_last_beat_q;
   assign interleave = active_q ? now_interleave_q : region_interleave_q;
 
-  // The next place of the frame, and the one after it.
+  // The next place of the frame. The one after it is found in the two clocks that follow a switch.
   logic [RowBits-1:0]    row_q, row;
-  logic [RowBits:0]      row_next;
-  logic [GroupBits-1:0]  group_q, group, first_group, last_group;
-  logic                  odd_q, odd;  // the second half of an interleaved frame
-  logic                  row_ends, rows_end;
-  assign first_group = (Groups > 1) ? GroupBits'(first_beat >> ChanShift) : '0;
-  assign last_group  = (Groups > 1) ? GroupBits'(last_beat >> ChanShift) : '0;
-  assign row      = active_q ? row_q : first_row;
-  assign group    = active_q ? group_q : first_group;
-  assign odd      = active_q && odd_q;
-  assign row_next = {1'b0, row} + (interleave ? (RowBits+1)'(2) : (RowBits+1)'(1));
-  assign row_ends = group == last_group;
-  assign rows_end = row_next > {1'b0, end_row};
+  logic [RowBits:0]      row_next_q;
+  logic [GroupBits-1:0]  group_q, group, now_first_group, now_last_group;
+  logic                  odd_q;  // the second half of an interleaved frame
+  logic                  find_q, found_q, row_ends_q;
+  assign now_first_group = (Groups > 1) ? GroupBits'(now_first_beat_q >> ChanShift) : '0;
+  assign now_last_group  = (Groups > 1) ? GroupBits'(now_last_beat_q >> ChanShift) : '0;
+  assign row   = active_q ? row_q : first_row;
+  assign group = active_q ? group_q : (Groups > 1) ? GroupBits'(first_beat >> ChanShift) : '0;
+  always_ff @(posedge clk_i) begin
+    find_q     <= take_frame;
+    found_q    <= find_q;
+    row_next_q <= {1'b0, row_q} + (now_interleave_q ? (RowBits+1)'(2) : (RowBits+1)'(1));
+    row_ends_q <= group_q == now_last_group;
+    if (take_frame) begin
+      now_first_row_q  <= first_row;
+      now_last_row_q   <= end_row;
+      now_first_beat_q <= first_beat;
+      now_last_beat_q  <= last_beat;
+      now_interleave_q <= interleave;
+      row_q            <= row;
+      group_q          <= group;
+      odd_q            <= active_q && odd_q;
+      active_q         <= 1'b1;
+    end
+    if (found_q) begin
+      group_q <= row_ends_q ? now_first_group : group_q + 1'b1;
+      if (row_ends_q) begin
+        if (row_next_q <= {1'b0, now_last_row_q}) begin
+          row_q <= row_next_q[RowBits-1:0];
+        end else if (now_interleave_q && !odd_q && now_first_row_q != now_last_row_q) begin
+          row_q <= now_first_row_q + 1'b1;
+          odd_q <= 1'b1;
+        end else begin
+          active_q <= 1'b0;
+        end
+      end
+    end
+    if (rst_i) begin
+      find_q   <= 1'b0;
+      found_q  <= 1'b0;
+      active_q <= 1'b0;
+    end
+  end
 
   // A frame starts at its tick, or as soon as it can.
   logic [PeriodBits-1:0] left_q;
@@ -262,30 +293,8 @@ module msn_scan_plan #(
     if (take_frame) want_q <= 1'b0;
     overrun_o <= overrun_o + 32'(tick && (active_q || want_q));
     held_o    <= held_o + 32'(state_q == Free && !take_slip && (active_q || want) && fits_q && !room_i);
-    if (take_frame) begin
-      now_first_row_q  <= first_row;
-      now_last_row_q   <= end_row;
-      now_first_beat_q <= first_beat;
-      now_last_beat_q  <= last_beat;
-      now_interleave_q <= interleave;
-      group_q          <= row_ends ? first_group : group + 1'b1;
-      active_q         <= 1'b1;
-      if (!row_ends) begin
-        row_q <= row;
-        odd_q <= odd;
-      end else if (!rows_end) begin
-        row_q <= row_next[RowBits-1:0];
-        odd_q <= odd;
-      end else if (interleave && !odd && first_row != end_row) begin
-        row_q <= first_row + 1'b1;
-        odd_q <= 1'b1;
-      end else begin
-        active_q <= 1'b0;
-      end
-    end
     if (rst_i || state_q == Off) want_q <= 1'b0;
     if (rst_i) begin
-      active_q  <= 1'b0;
       overrun_o <= '0;
       held_o    <= '0;
     end

@@ -151,8 +151,8 @@ class ScanPlan:
                 left = left or list(frame)
                 free = convert(start, False, first, *left.pop(0))
                 if not left and settings.period:
-                    # Ticks up to the last switch found the frame under way or still wanted.
-                    tick = START + ((start - START) // settings.period + 1) * settings.period
+                    # Ticks up to two clocks after the last switch found the frame under way or still wanted.
+                    tick = START + ((start + 2 - START) // settings.period + 1) * settings.period
                     served += 1
             else:
                 free = due
