@@ -136,7 +136,7 @@ TABLE = {
     "cop_array-1024x1024x8": (
         "msn_cop_array",
         LARGE | {"RowColumn": 1, "GainShift": 24, "BitsPerClock": 1},
-        25,
+        27,
         "ecp5",
     ),
     # The small part's eight multipliers are of 16 bits: samples of 17 would take twelve.

@@ -7,10 +7,10 @@
 // Lanes columns a beat, row by row. Masked taxels give 0, and all of them until a calibration is swapped in.
 // Offset = 0: the samples have lost theirs (msn_tare). Nothing is rounded before the one rounding.
 //
-//   clock  1             2            (RowColumn)            3 (4)
-//          raw - offset  x gain       sum of both halves     round, clip
+//   clock  1             2        3            RowColumn:  1       2     3        4     5    6
+//          raw - offset  x gain   round, clip              as left  copy  2 x gain  copy  sum  as left
 //
-// Latency 3 clocks (RowColumn 4), a beat a clock, frames without a gap; a few clocks wait after a swap and a
+// Latency 3 clocks (RowColumn 6), a beat a clock, frames without a gap; a few clocks wait after a swap and a
 // damaged frame. Damaged frames leave too short or too long (msn_frame_place).
 // Model: model/meissner/frontend/calibrate.py
 
@@ -56,7 +56,7 @@ module msn_calibrate #(
   localparam int unsigned DiffBits    = SampleBits + 32'(Offset);
   localparam int unsigned GainBits    = RowColumn ? 32 : 16;
   localparam int unsigned ProductBits = DiffBits + GainBits + 1;
-  localparam int unsigned Stages      = RowColumn ? 3 : 2;  // before the rounding
+  localparam int unsigned Stages      = RowColumn ? 5 : 2;  // before the rounding
 
   if (GainShift < 1 || GainShift > GainBits) begin : gen_check_gain_shift
     $fatal(1, "msn_calibrate: GainShift = %0d must lie in 1 .. %0d", GainShift, GainBits);
@@ -158,13 +158,20 @@ module msn_calibrate #(
     if (!RowColumn) begin : gen_product
       always_ff @(posedge clk_i) if (move) product <= difference * signed'({1'b0, factor});
     end else begin : gen_wide_product
-      // Two products of 18 x 17 bits, one multiplier each.
-      logic signed [DiffBits+16:0] low, high;
+      // Two products of 18 x 17 bits, one multiplier each. 24 multipliers lie all over the part: a register
+      // on the way there and one on the way back.
+      logic signed [DiffBits-1:0]  there;
+      logic        [GainBits-1:0]  there_factor;
+      logic signed [DiffBits+16:0] low, high, back_low, back_high;
       always_ff @(posedge clk_i) begin
         if (move) begin
-          low     <= difference * signed'({1'b0, factor[15:0]});
-          high    <= difference * signed'({1'b0, factor[31:16]});
-          product <= ProductBits'(low) + (ProductBits'(high) <<< 16);
+          there        <= difference;
+          there_factor <= factor;
+          low          <= there * signed'({1'b0, there_factor[15:0]});
+          high         <= there * signed'({1'b0, there_factor[31:16]});
+          back_low     <= low;
+          back_high    <= high;
+          product      <= ProductBits'(back_low) + (ProductBits'(back_high) <<< 16);
         end
       end
     end

@@ -60,11 +60,15 @@ def rows(decided):
 
 
 async def check(dut, twin, x, stall_rate=0.0, **given):
-    """Send ``x`` and compare every decision; returns the twin's."""
+    """Send ``x`` and compare every decision; returns the twin's.
+
+    ``stall_rate``: of both sides, or (gaps, stalls).
+    """
     decided = twin.next(x, **given)
-    pause = bench.pauses(stall_rate)
+    gaps, stalls = stall_rate if isinstance(stall_rate, tuple) else (stall_rate, stall_rate)
+    pauses = bench.pauses(gaps), bench.pauses(stalls)
     given.pop("moving", None)
-    got = await bench.stream(dut, beats_of(x, **given), FIELDS, pause, pause, drain=80, hold=True)
+    got = await bench.stream(dut, beats_of(x, **given), FIELDS, *pauses, drain=80, hold=True)
     for index, (is_, should) in enumerate(zip(got, rows(decided))):
         assert is_ == should, f"detail {index} with {twin.config}"
     assert len(got) == len(decided["state"])
@@ -133,6 +137,15 @@ async def compares_exactly_at_each_limit(dut):
                         group[-1 if detail % 2 else 0] = limit - step
                     x += group
             await check(dut, twin, np.array(x))
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def keeps_its_decision_for_a_consumer_that_sleeps(dut):
+    """Mostly for longer than the next sample would take."""
+    twin = usual(dut)
+    await bench.start(dut, actuator_moving_i=0)
+    await apply(dut, twin)
+    await check(dut, twin, recording(np.random.default_rng(bench.SEED), 120), (0.0, 0.99))
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")

@@ -25,7 +25,7 @@ def forces(raw, offset, gain, gain_shift=12, mask=None, sample_bits=17, gain_bit
 
 def latency(row_column=False):
     """Clocks of the RTL from a beat in to its forces out."""
-    return 4 if row_column else 3
+    return 6 if row_column else 3
 
 
 class Calibrate:
