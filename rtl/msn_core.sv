@@ -131,7 +131,7 @@ module msn_core #(
     assign sample_id   = '0;
     assign sample_last = 1'b1;
     assign in_ready_o  = 1'b0;
-    assign {adc_convst_o, overrun_o, timeout_o} = '0;
+    assign {adc_convst_o, adc_reset_o, overrun_o, timeout_o, mistagged_o} = '0;
     logic unused_inputs;
     assign unused_inputs = ^{cfg_adc_period_i, adc_busy_i, in_valid_i, in_data_i, in_id_i, in_last_i};
 

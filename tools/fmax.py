@@ -91,7 +91,8 @@ SLIP1_TIED = {
     "in_id_i": 0,
     "in_last_i": 1,
     **dict.fromkeys(("out_id_o", "out_last_o", "out_end_o")),
-    **dict.fromkeys(("dropped_o", "overrun_o", "timeout_o", "over_range_o", "damaged_o", "blanked_o")),
+    **dict.fromkeys(("adc_reset_o", "dropped_o", "overrun_o", "timeout_o", "mistagged_o", "over_range_o")),
+    **dict.fromkeys(("damaged_o", "blanked_o")),
 }
 NO_STREAM = {"in_valid_i": 0, "in_data_i": 0, "in_ready_o": None}
 NO_PINS = {"adc_miso_i": 0}

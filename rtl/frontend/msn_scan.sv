@@ -5,7 +5,7 @@
 //
 //   column = (group*Channels + channel)*Lanes + lane      id = row*Beats + column/Lanes, Beats = ceil(Columns/Lanes)
 //
-// row_o is one-hot or all low; between two rows it is low for a clock. A conversion starts (trigger_o, a clock later
+// row_o is one-hot or all low; between two conversions it is low for a clock. A conversion starts (trigger_o, a clock later
 // at the pins) exactly cfg_settle_i clocks after row_o and group_o changed. Each trigger must bring Channels samples
 // from every converter before the next, or a lost strobe, Channels + 3 clocks before; then its samples are 0 and
 // marked in user.
@@ -140,7 +140,7 @@ module msn_scan #(
     .held_o
   );
 
-  // The lines: off for a clock, then the new ones. A row that stays does not blink.
+  // The lines: off for a clock, then the new ones; a row that stays blinks too, so that all are treated alike.
   logic [RowBits:0]     row_q;
   logic [GroupBits-1:0] group_q;
   logic                 change_q;
@@ -150,7 +150,7 @@ module msn_scan #(
       row_q   <= switch_row;
       group_q <= switch_group;
     end
-    if (idle || (switch_now && switch_row != row_q)) row_o <= '0;
+    if (idle || switch_now) row_o <= '0;
     if (change_q) begin
       group_o <= group_q;
       for (int unsigned r = 0; r < Rows; r++) row_o[r] <= row_q == (RowBits+1)'(r);

@@ -129,7 +129,7 @@ module msn_scan_plan #(
   logic [PeriodBits-1:0] period_q, slip_period_q;
   logic [CountBits:0]    slot_q;    // clocks from switch to switch
   logic                  roomy_q;   // a slip round leaves room for a conversion of the frame
-  logic                  slip_on_q;
+  logic                  slip_on_q, slip_one_q, period_one_q;
   logic [SlipSlots*(RowBits+1)-1:0] slip_row_q;
   logic [SlipSlots*GroupBits-1:0]   slip_group_q;
   always_ff @(posedge clk_i) begin
@@ -145,6 +145,9 @@ module msn_scan_plan #(
     slot_q    <= (CountBits+1)'(settle_q) + (CountBits+1)'(gap_q) + 1'b1;
     roomy_q   <= 64'(slip_period_q) > 64'(slot_q);
     slip_on_q <= slip_period_q != '0;
+
+    slip_one_q   <= slip_period_q == PeriodBits'(1);
+    period_one_q <= period_q == PeriodBits'(1);
   end
 
   always_ff @(posedge clk_i) begin
@@ -179,15 +182,17 @@ module msn_scan_plan #(
 
   // Slip rounds: exactly on their grid, or left out.
   logic [PeriodBits-1:0] slip_left_q;
-  logic                  round_q;  // slots of a round are left
+  logic                  slip_zero_q;  // slip_left_q is 0: compared a clock ahead
+  logic                  round_q;      // slots of a round are left
   logic                  slip_due, fits_q;
   logic [SlotBits-1:0]   slot_index_q, slot_index;
-  assign slip_due   = state_q != Off && slip_on_q && slip_left_q == '0;
+  assign slip_due   = state_q != Off && slip_on_q && slip_zero_q;
   assign take_slip  = state_q == Free && (round_q || slip_due);
   assign slot_index = round_q ? slot_index_q : '0;
   always_ff @(posedge clk_i) begin
     if (state_q == Off) slip_left_q <= '0;
     else                slip_left_q <= slip_due ? slip_period_q - 1'b1 : slip_left_q - 1'b1;
+    slip_zero_q <= state_q == Off || (slip_due ? slip_one_q : slip_left_q == PeriodBits'(1));
     fits_q <= !slip_on_q || (slip_due ? roomy_q : 64'(slip_left_q) > 64'(slot_q));
     if (take_slip) begin
       round_q      <= slot_index != SlotBits'(SlipSlots - 1);
@@ -243,13 +248,16 @@ module msn_scan_plan #(
 
   // A frame starts at its tick, or as soon as it can.
   logic [PeriodBits-1:0] left_q;
-  logic                  tick, want_q, want;
-  assign tick       = state_q != Off && cfg_enable_i && period_q != '0 && left_q == '0;
-  assign want       = cfg_enable_i && (period_q == '0 || want_q || tick);
+  logic                  zero_q;  // left_q is 0: compared a clock ahead
+  logic                  timed_q, tick, want_q, want;
+  assign tick       = state_q != Off && cfg_enable_i && timed_q && zero_q;
+  assign want       = cfg_enable_i && (!timed_q || want_q || tick);
   assign take_frame = state_q == Free && !take_slip && (active_q || want) && fits_q && room_i;
   always_ff @(posedge clk_i) begin
     if (state_q == Off || !cfg_enable_i) left_q <= '0;
     else                                 left_q <= tick ? period_q - 1'b1 : left_q - 1'b1;
+    zero_q  <= state_q == Off || !cfg_enable_i || (tick ? period_one_q : left_q == PeriodBits'(1));
+    timed_q <= period_q != '0;
     if (tick && !active_q) want_q <= 1'b1;
     if (take_frame) want_q <= 1'b0;
     overrun_o <= overrun_o + 32'(tick && (active_q || want_q));

@@ -166,3 +166,18 @@ def test_the_example_has_every_key_once():
     assert set(tables) == {"mesh", "converter", "load"}
     for key in {key for table in tables.values() for key in table}:
         assert len([line for line in EXAMPLE.splitlines() if line.startswith(f"{key} = ")]) == 1
+
+
+def test_every_value_of_the_file_arrives_in_its_place(tmp_path):
+    values = {"rows": 3, "columns": 7, "r_ohm": 20, "R0_ohm": 5e3, "V0_v": 2, "k_n_ohm": 900}
+    values |= {"bits": 18, "reference_v": 4, "gain": 1.5, "lsb_n": 0.002, "min_n": 0.4}
+    text = EXAMPLE
+    for key, value in values.items():
+        (line,) = (line for line in text.splitlines() if line.startswith(f"{key} = "))
+        text = text.replace(line, f"{key} = {value}")
+    (tmp_path / "c.toml").write_text(text)
+    config = four_wires.load(tmp_path / "c.toml")
+    assert repr(config.mesh) == "Mesh(3, 7, r=20, R0=5000, V0=2, k=900)"
+    assert (config.adc.bits, config.adc.low_v, config.adc.high_v, config.adc.noise_v) == (18, -4, 4, 0)
+    assert config.convert(np.array([[1.0, -1.0, 0.0, 2.0]])).tolist() == [[49152, -49152, 0, 98304]]
+    assert (config.load_lsb_n, config.registers.min_load, config.sample_bits) == (0.002, 200, 18)

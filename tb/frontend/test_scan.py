@@ -67,11 +67,8 @@ class Matrix:
         row, group = self.lines
         twin = self.twin
         settled = self.clock - self.still
-        # The same place again, or no row: the lines may have been so for longer.
-        still = row is None or (bool(self.triggers) and self.triggers[-1][1:3] == self.lines)
-        assert settled == self.settings.settle or (still and settled > self.settings.settle), (
-            f"settled {settled}"
-        )
+        still = row is None  # the lines may have been so for longer
+        assert settled == self.settings.settle or (still and settled > self.settings.settle), settled
         self.free = self.clock + twin.hold
         codes = {}
         number = len(self.triggers)

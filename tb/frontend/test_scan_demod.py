@@ -17,6 +17,7 @@ from meissner.frontend.am_demod import references
 from meissner.frontend.scan_demod import ScanDemod
 from parts.carrier import CarrierMatrix
 from parts.max1112x import Max1112x
+from parts.timing import Line
 
 NAMES = {
     "rows": "Rows",
@@ -66,13 +67,20 @@ async def begin(dut, settle=3):
         "last_column": twin.columns - 1,
     }
     inputs = {f"cfg_{name}_i": value for name, value in settings.items()}
-    matrix = CarrierMatrix(dut, amplitudes(twin), CARRIER_HZ, twin.part.data_bits)
+    matrices = [
+        CarrierMatrix(dut, amplitudes(twin), CARRIER_HZ, twin.part.data_bits, 0.3, lane, twin.converters)
+        for lane in range(twin.converters)
+    ]
     await bench.start(dut, cfg_enable_i=0, now_i=0, adc_miso_i=0, **inputs)
-    part = Max1112x(
-        dut.adc_cs_n_o, dut.adc_sclk_o, dut.adc_mosi_o, dut.adc_miso_i, twin.part.data_bits, matrix.code
-    )
+    parts, driven = [], {}
+    for lane, matrix in enumerate(matrices):
+        pins = [
+            Line(getattr(dut, f"adc_{name}"), lane, driven)
+            for name in ("cs_n_o", "sclk_o", "mosi_o", "miso_i")
+        ]
+        parts.append(Max1112x(*pins, twin.part.data_bits, matrix.code))
     dut.cfg_enable_i.value = 1
-    return twin, matrix, part
+    return twin, matrices, parts
 
 
 async def frames(dut, count, stalls=None):
@@ -93,33 +101,36 @@ async def frames(dut, count, stalls=None):
     return beats, converts
 
 
-def bursts(twin, matrix, count):
-    """Codes [frame, row, column, sample] that the part gave: of each pair of words the second is answered.
+def bursts(twin, matrices, count):
+    """Codes [frame, row, column, sample] that the parts gave: of each pair of words the second is answered.
 
     The first word after a setup samples nothing.
     """
-    taken = [(0, 0, 0, 0), *matrix.taken]
-    codes = np.array([code for *_, code in taken])
-    places = np.array([(row, group) for row, group, *_ in taken])
-    size = twin.rows * twin.columns
-    codes = codes[: 2 * count * size * twin.count].reshape(count, twin.rows, twin.columns, twin.count, 2)
-    places = places[: codes.size].reshape(*codes.shape, 2)
-    expected = np.indices((twin.rows, twin.columns)).transpose(1, 2, 0)
-    assert (places == expected[None, :, :, None, None]).all(), "a place was left during its burst"
-    return codes[..., 1]
+    lanes = []
+    for matrix in matrices:
+        taken = [(0, 0, 0, 0), *matrix.taken]
+        codes = np.array([code for *_, code in taken])
+        places = np.array([(row, group) for row, group, *_ in taken])
+        shape = count, twin.rows, twin.scan.groups, twin.count, 2
+        codes, places = codes[: np.prod(shape)].reshape(shape), places[: np.prod(shape)].reshape(*shape, 2)
+        expected = np.indices((twin.rows, twin.scan.groups)).transpose(1, 2, 0)
+        assert (places == expected[None, :, :, None, None]).all(), "a place was left during its burst"
+        lanes.append(codes[..., 1])
+    codes = np.stack(lanes, axis=3)  # column = group * converters + converter
+    return codes.reshape(count, twin.rows, -1, twin.count)[:, :, : twin.columns]
 
 
-def check(twin, matrix, beats, count):
+def check(twin, matrices, beats, count):
     size = twin.rows * twin.columns
     assert [beat[2] for beat in beats] == [*range(size)] * count
     assert [beat[3] for beat in beats] == [i == size - 1 for i in range(size)] * count
-    samples, over = twin.adc.samples(bursts(twin, matrix, count))
+    samples, over = twin.adc.samples(bursts(twin, matrices, count))
     levels, _ = twin.levels(samples, over)
     assert [beat[1] for beat in beats] == levels.ravel().tolist()
     # Against the truth: each of the samples that are summed is half a code off at most.
     if twin.form == 1:
         gain = twin.demod.gain(twin.periods) / 2**twin.shift
-        true = matrix.amplitude * ((1 << twin.part.data_bits) - 1) / 2 * gain
+        true = matrices[0].amplitude * ((1 << twin.part.data_bits) - 1) / 2 * gain
         weights = np.abs(references(twin.samples_per_period)[0]).sum()
         bound = 0.5 * np.sqrt(2) * weights * twin.periods / 2**twin.shift + 1.5
         assert np.abs(levels - true).max() <= bound, np.abs(levels - true).max()
@@ -127,41 +138,42 @@ def check(twin, matrix, beats, count):
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def gives_the_amplitudes_of_the_codes_at_the_pins(dut):
-    twin, matrix, _ = await begin(dut)
+    twin, matrices, _ = await begin(dut)
     beats, _ = await frames(dut, 2)
-    check(twin, matrix, beats, 2)
+    check(twin, matrices, beats, 2)
     assert not any(beat[4] for beat in beats)
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 @cocotb.parametrize(settle=(0, 255))
 async def takes_the_clocks_of_the_model(dut, settle):
-    twin, matrix, _ = await begin(dut, settle)
+    twin, matrices, _ = await begin(dut, settle)
     beats, converts = await frames(dut, 2)
-    check(twin, matrix, beats, 2)
+    check(twin, matrices, beats, 2)
     steps = twin.latency(settle)
-    size = twin.rows * twin.columns
+    size, places = twin.rows * twin.columns, twin.rows * twin.scan.groups
     starts = converts[:: twin.count]
-    for start in range(0, size * twin.count, twin.count):
+    for start in range(0, places * twin.count, twin.count):
         assert set(np.diff(converts[start : start + twin.count])) <= {twin.sample_period}
-    assert np.diff(starts[:size]).tolist() == [steps["slot"]] * (size - 1)
-    assert starts[size] - starts[0] == steps["frame"]
+    assert np.diff(starts[:places]).tolist() == [steps["slot"]] * (places - 1)
+    assert starts[places] - starts[0] == steps["frame"]
     assert beats[0][0] - starts[0] == steps["first_beat"]
     assert beats[size - 1][0] - starts[0] == steps["last_beat"]
-    assert starts[size - 1] - starts[0] == steps["last_convert"]
+    assert starts[places - 1] - starts[0] == steps["last_convert"]
 
 
 @cocotb.test(timeout_time=40, timeout_unit="ms")
 async def frames_are_whole_under_stalls(dut):
-    twin, matrix, _ = await begin(dut)
+    twin, matrices, _ = await begin(dut)
     beats, _ = await frames(dut, 3, bench.pauses(0.7))
-    check(twin, matrix, beats, 3)
+    check(twin, matrices, beats, 3)
 
 
 @cocotb.test(timeout_time=40, timeout_unit="ms")
 async def marks_over_range(dut):
-    _, matrix, _ = await begin(dut)
-    matrix.over = True
+    _, matrices, _ = await begin(dut)
+    for matrix in matrices:
+        matrix.over = True
     beats, _ = await frames(dut, 1)
     assert all(beat[4] for beat in beats) and not any(beat[1] for beat in beats)
 
@@ -169,37 +181,46 @@ async def marks_over_range(dut):
 @cocotb.test(timeout_time=40, timeout_unit="ms")
 async def a_lost_conversion_spoils_its_place_alone(dut):
     """The part answers with another channel's number once, in the middle of the second place's burst."""
-    twin, matrix, part = await begin(dut)
+    twin, matrices, parts = await begin(dut)
+    matrix = matrices[-1]
     at = 2 * (twin.count + twin.count // 2) + 1  # the word that answers
-    part.spoil = lambda answer: answer ^ 0x5000 if len(matrix.taken) == at else answer
+    parts[-1].spoil = lambda answer: answer ^ 0x5000 if len(matrix.taken) == at else answer
     beats, _ = await frames(dut, 3)
     size = twin.rows * twin.columns
     assert [beat[2] for beat in beats] == [*range(size)] * 3
-    marked = [i for i, beat in enumerate(beats) if beat[4]]
-    assert marked == [1] and beats[1][1] == 0
+    # The second place of the scan: as many taxels as there are converters, or what is left of the row.
+    places = [
+        range(at, min(at + twin.converters, twin.columns)) for at in range(0, twin.columns, twin.converters)
+    ]
+    spoiled = places[1] if len(places) > 1 else [column + twin.columns for column in places[0]]
+    assert [i for i, beat in enumerate(beats) if beat[4]] == list(spoiled)
+    assert not any(beats[i][1] for i in spoiled)
     # What comes before and after is right (the rectifier's amplitude changes with the phase).
     level = np.array([beat[1] for beat in beats]).reshape(3, size)
     if twin.form == 1:
-        assert np.abs(np.delete(level - level[2], 1)).max() <= 8
+        assert np.abs(np.delete(level - level[2], spoiled)).max() <= 8
     assert bench.read(dut.lost_o) == 1
 
 
 @cocotb.test(timeout_time=40, timeout_unit="ms")
 async def a_reset_in_a_burst_leaves_nothing_behind(dut):
-    twin, matrix, part = await begin(dut)
+    twin, matrices, parts = await begin(dut)
     await frames(dut, 1)
     await bench.clocks(dut, twin.span // 2)
-    part.report = lambda violation: None  # a word is broken off
+    for part in parts:
+        part.report = lambda violation: None  # a word is broken off
     await bench.reset(dut)
     await bench.clocks(dut, 20)
-    matrix.taken.clear()
-    part.report = part.fail
+    for part, matrix in zip(parts, matrices):
+        matrix.taken.clear()
+        part.report = part.fail
     beats, _ = await frames(dut, 1)
-    check(twin, matrix, beats, 1)
+    check(twin, matrices, beats, 1)
 
 
 CASES = [
     {"Rows": 2, "Columns": 3},
+    {"Rows": 2, "Columns": 3, "Converters": 2},
     {"Rows": 1, "Columns": 1, "SamplesPerPeriod": 8, "SamplePeriod": 288, "Periods": 1, "Skip": 0},
     {"Rows": 2, "Columns": 2, "Form": 0, "Shift": 1},
 ]
