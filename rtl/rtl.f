@@ -52,5 +52,6 @@ rtl/link/msn_uart_tx.sv
 rtl/link/msn_uart_rx.sv
 rtl/link/msn_bridge.sv
 rtl/link/msn_link.sv
+rtl/link/msn_registers_pkg.sv
 rtl/link/msn_registers.sv
 rtl/link/msn_axil.sv
