@@ -311,6 +311,7 @@ endmodule
 
 def python(groups):
     lines = [
+        "# ruff: noqa: E501 - the texts are as long as their source's",
         f'"""The register map. {MADE}"""',
         "",
         "from meissner.host.register import Field, Group, Register",
