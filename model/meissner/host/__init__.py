@@ -1,9 +1,9 @@
 """What runs beside the core, on the host it is wired to: docs/host.md.
 
-    with meissner.host.connect("serial:/dev/ttyUSB0?baud=3000000") as core:
-        core["slip.threshold"] = 40
-        for packet in core.packets():
-            print(packet)
+with meissner.host.connect("serial:/dev/ttyUSB0?baud=3000000") as core:
+    core["slip.threshold"] = 40
+    for packet in core.packets():
+        print(packet)
 """
 
 from meissner.host.core import Core, NoAnswer, Refused
@@ -11,10 +11,20 @@ from meissner.host.line import open_line
 from meissner.host.packets import CopFrame, Gap, Health, Image, SlipEvent, Statistics
 from meissner.host.units import Units
 
-__all__ = (
-    *("CopFrame", "Core", "Gap", "Health", "Image", "NoAnswer", "Refused", "SlipEvent", "Statistics", "Units"),
-    *("connect", "open_line"),
-)
+__all__ = [
+    "CopFrame",
+    "Core",
+    "Gap",
+    "Health",
+    "Image",
+    "NoAnswer",
+    "Refused",
+    "SlipEvent",
+    "Statistics",
+    "Units",
+    "connect",
+    "open_line",
+]
 
 
 def connect(url, units=None, registers=None, **settings):

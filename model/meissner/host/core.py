@@ -1,4 +1,4 @@
-"""A core at the other end of a line: found, checked, set up, listened to; and found again when it was gone."""
+"""A core at the other end of a line: found, checked, set up, listened to; found again when it was gone."""
 
 import logging
 import random
@@ -7,7 +7,7 @@ from collections import deque
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 
-from meissner.host import names, units
+from meissner.host import names
 from meissner.host.line import Ended, Gone
 from meissner.host.packets import Assembler, Gap
 from meissner.link import bridge
@@ -29,10 +29,10 @@ class NoAnswer(OSError):
 
 @dataclass
 class Counts:
-    """Of the line. ``lost``: packets whose numbers did not come, mod 256 in each gap; ``damaged``: frames that
-    were no packet; ``images_lost``: images of which a part was lost; ``gaps``, ``gap_s``: how often and how
-    long the line was gone; ``restarts``: of the core; ``retries``: commands sent again; ``unread``: packets
-    dropped because nobody took them.
+    """Of the line. ``lost``: packets whose numbers did not come, mod 256 in each gap; ``damaged``: frames
+    that were no packet; ``images_lost``: images of which a part was lost; ``gaps``, ``gap_s``: how often and
+    how long the line was gone; ``restarts``: of the core; ``retries``: commands sent again; ``unread``:
+    packets dropped because nobody took them.
     """
 
     bytes: int = 0
@@ -71,6 +71,7 @@ class Core:
         if registers:
             try:
                 self._identify()
+                self._waiting.clear()  # came before its units were known
                 self["core.scratch"] = random.randrange(1, 1 << 32)  # gone after a reset: see _greet
             except Gone as gone:
                 raise NoAnswer(str(gone)) from None
@@ -86,6 +87,11 @@ class Core:
         """The core's own part, clock and size, stays."""
         own = {name: getattr(self.units, name) for name in ("clk_khz", "rows", "columns")}
         self._assembler.units = replace(known, **{k: v for k, v in own.items() if v is not None})
+
+    @property
+    def now(self):
+        """Clocks since the core's reset when it last told them; 0: not yet."""
+        return self._newest
 
     def _identify(self):
         """ID, VERSION, FEATURES, SIZE and clock; Refused in one sentence if this host cannot speak to it."""
@@ -121,13 +127,25 @@ class Core:
             raise ValueError(f"{name}: this core is built without {place.group.name}")
         return place
 
+    @property
+    def ended(self):
+        """There is no more to come: the end of a file."""
+        return self._ended and not self._waiting
+
     def names(self):
         """Names of the registers that this core has; of a register with fields, of each field."""
         return [
-            name
-            for name, place in names.PLACES.items()
-            if place.field is not None and self._has(place.group)
+            name for name, place in names.PLACES.items() if place.field is not None and self._has(place.group)
         ]
+
+    def check(self, name, value=None):
+        """ValueError in one sentence if the core has no such register, or cannot be given this value."""
+        place = self._place(name)
+        if value is not None:
+            if not place.writable:
+                raise ValueError(f"{name} can only be read")
+            place.into(0, value)
+        return place
 
     def __getitem__(self, name):
         place = self._place(name)
@@ -137,21 +155,22 @@ class Core:
         return place.value(word)
 
     def __setitem__(self, name, value):
-        place = self._place(name)
-        if not place.writable:
-            raise ValueError(f"{name} can only be read")
-        word = place.into(0, value)  # refused before anything is asked
+        place = self.check(name, value)
+        word = place.into(0, value)
         if place.field is not None and len(place.register.fields) > 1:
             word = place.into(self._ask(bridge.READ, place), value)
         self._ask(bridge.WRITE, place, word)
         if place.field is None or place.field.kind == "setting":
             self._written[place.address] = (place, word)
+        if self._restarted:
+            self._restore()
 
     def set_slip(self, **values):
         """Settings of the group slip in physical units, by what ``units`` knows; all checked, then written.
 
-        threshold_v, gross_threshold_v: peak-to-peak of the Haar coefficient; contact_v, release_v or contact_n,
-        release_n: where contact begins and ends; hold_s, refractory_s, blank_s. Returns {register: code}.
+        threshold_v, gross_threshold_v: peak-to-peak of the Haar coefficient; contact_v, release_v or
+        contact_n, release_n: where contact begins and ends; hold_s, refractory_s, blank_s. Returns
+        {register: code}.
         """
         known, codes = self.units, {}
         kinds = {
@@ -221,7 +240,9 @@ class Core:
             )
         if heard:
             return f"no packet understood in {heard} bytes from {name}: {self._baud_question()}"
-        return f"nothing came from {name}: is the core powered, its line connected and loaded with a bitstream?"
+        return (
+            f"nothing came from {name}: is the core powered, its line connected and loaded with a bitstream?"
+        )
 
     def _baud_question(self):
         rate = f" ({self.line.baud})" if self.line.baud else ""
@@ -264,7 +285,9 @@ class Core:
         if self._since_packet >= NOISE and not self._told_noise and not greeting:
             self._told_noise = True
             name = self.line.name
-            self.say(f"no packet understood in {self._since_packet} bytes from {name}: {self._baud_question()}")
+            self.say(
+                f"no packet understood in {self._since_packet} bytes from {name}: {self._baud_question()}"
+            )
 
     def _take(self, packet):
         counts = self.counts

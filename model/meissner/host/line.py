@@ -1,9 +1,9 @@
 """Where a core's bytes come from, behind one interface: ``read``, ``write``, ``close``, ``reopen``.
 
-    serial:/dev/ttyUSB0?baud=3000000     a serial port (3 Mbaud unless told); /dev/tty... alone is one too
-    pty:/dev/pts/7                       a pseudo-terminal, as a simulated core offers
-    file:capture.bin                     what came over a line, as it came; nothing can be written
-    sim:SCENE[+SCENE]                    a simulated core in this process: meissner.host.simulated
+serial:/dev/ttyUSB0?baud=3000000     a serial port (3 Mbaud unless told); /dev/tty... alone is one too
+pty:/dev/pts/7                       a pseudo-terminal, as a simulated core offers
+file:capture.bin                     what came over a line, as it came; nothing can be written
+sim:SCENE[+SCENE]                    a simulated core in this process: meissner.host.simulated
 """
 
 import os
@@ -91,7 +91,7 @@ class File:
         self.reopen()
 
     def reopen(self):
-        self._file = Path(self._path).open("rb")
+        self._file = Path(self._path).open("rb")  # noqa: SIM115 - closed by close
 
     def read(self, timeout_s):
         data = self._file.read(65536)
@@ -157,6 +157,6 @@ def open_line(url):
     except OSError as problem:
         raise ValueError(f"{path} cannot be opened: {problem.strerror or problem}") from None
     raise ValueError(
-        f"{url!r} names no line; there are serial:/dev/ttyUSB0?baud=3000000, pty:/dev/pts/7, file:capture.bin "
-        "and sim:SCENE"
+        f"{url!r} names no line; there are serial:/dev/ttyUSB0?baud=3000000, pty:/dev/pts/7, "
+        "file:capture.bin and sim:SCENE"
     )

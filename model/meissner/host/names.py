@@ -71,5 +71,7 @@ def place(name):
     """The Place of that name; ValueError with the likely ones if there is none."""
     if name not in PLACES:
         near = get_close_matches(name, PLACES, 3, 0.5)
-        raise ValueError(f"there is no register {name!r}" + (f"; did you mean {', '.join(near)}?" if near else ""))
+        raise ValueError(
+            f"there is no register {name!r}" + (f"; did you mean {', '.join(near)}?" if near else "")
+        )
     return PLACES[name]

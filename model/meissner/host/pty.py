@@ -1,7 +1,7 @@
 """A pipe behind a pseudo-terminal: so that whatever speaks a core's bytes can be opened like a serial port.
 
-The pipe is any object with two methods, neither of which waits: ``read(n)``, at most n bytes that the core says
-now (b"" for none), and ``write(data)``, bytes for the core. A pty that nobody empties holds the pipe back.
+The pipe is any object with two methods, neither of which waits: ``read(n)``, at most n bytes that the core
+says now (b"" for none), and ``write(data)``, bytes for the core. A pty that nobody empties holds it back.
 """
 
 import os
@@ -14,7 +14,7 @@ POLL_S = 0.002
 
 
 class Pty:
-    """``url`` is for ``meissner.host.connect``; a thread moves the bytes until ``unplug`` (or leaving ``with``)."""
+    """``url`` is for ``meissner.host.connect``; a thread moves the bytes until ``unplug``."""
 
     def __init__(self, pipe):
         self.pipe = pipe

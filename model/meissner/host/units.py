@@ -19,9 +19,9 @@ FRACTION_BITS = 14  # of x and y in a CoP packet
 class Units:
     """None: not known. ``clk_khz``, ``rows`` and ``columns`` are the core's own, read when it is found.
 
-    ``volts_per_code``, ``low_v``, ``min_code``: of a sample; ``level``: of the slip path; ``rate_hz``: samples
-    a second of each channel; ``volts_of``: newtons to the sensor's volts; ``newtons_per_code``: of a taxel
-    and of a load; ``pitch_mm``: from taxel to taxel.
+    ``volts_per_code``, ``low_v``, ``min_code``: of a sample; ``level``: of the slip path; ``rate_hz``:
+    samples a second of each channel; ``volts_of``: newtons to the sensor's volts; ``newtons_per_code``: of
+    a taxel and of a load; ``pitch_mm``: from taxel to taxel.
     """
 
     clk_khz: int | None = None
