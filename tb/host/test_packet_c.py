@@ -1,6 +1,6 @@
-"""host/msn_packet.c against the host's decoder in Python, packet by packet and counter by counter: every type and
-types of the future, every length of payload, whole, mutated, cut and random streams. Built with every warning an
-error, and with the sanitizers where the compiler has them, so that a byte read outside its frame is a failure."""
+"""host/msn_packet.c against the host's decoder in Python, packet by packet and counter by counter: every type
+and types of the future, every length of payload, whole, mutated, cut and random streams. Built with every
+warning an error, and with the sanitizers where there are any: a byte read outside a frame is a failure."""
 
 import subprocess
 import zlib

@@ -8,6 +8,7 @@ sim:SCENE[+SCENE]                    a simulated core in this process: meissner.
 
 import os
 import select
+import termios
 import time
 import tty
 from pathlib import Path
@@ -40,7 +41,7 @@ class Device:
             if not os.isatty(self._fd):
                 self.close()
                 raise OSError(f"{self.path} is not a terminal")
-            tty.setraw(self._fd)
+            tty.setraw(self._fd, termios.TCSANOW)  # without throwing away what came
         else:
             import serial
 

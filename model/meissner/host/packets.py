@@ -85,11 +85,11 @@ class Assembler:
 
     def __init__(self, units=None):
         self.units, self.images_lost = units or Units(), 0
-        self.restart()
+        self._parts, self._image, self._last = [], None, None
 
     def restart(self):
-        """The core started over: its images are numbered anew."""
-        self._parts, self._image, self._last = [], None, None
+        """The core started over: its images are numbered anew; one of them may already be under way."""
+        self._last = None
 
     def next(self, packet):
         fields, units = packet.fields, self.units

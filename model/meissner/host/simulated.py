@@ -87,7 +87,7 @@ class SimulatedCore:
             if kind is not None:
                 self.say(kind, at, payload)
         data = bytes(self._out[:n])
-        del self._out[:n]
+        del self._out[: len(data)]
         return data
 
     def say(self, kind, at, payload):
