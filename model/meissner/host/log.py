@@ -165,16 +165,17 @@ def read(path):
 
 
 def _read_mcap(path):
-    from mcap.exceptions import McapError
-
     table = Table()
     try:
         facts, items = ros.read(path)
         for stamp, item in items:
             table.add(stamp, item)
         found = {name: np.asarray(kind(facts[name])) for name, kind in _FACTS.items()}
-    except (McapError, KeyError, EOFError, AttributeError, TypeError) as problem:
-        raise ValueError(f"{path} is not a whole MCAP log of a core: {type(problem).__name__}") from None
+    except PermissionError:
+        raise
+    except Exception as problem:  # a damaged file stops its reader, and what unpacks for it, anywhere
+        what = str(problem).splitlines()[0] if str(problem) else type(problem).__name__
+        raise ValueError(f"{path} is not a whole MCAP log of a core: {what}") from None
     return table.arrays() | found
 
 

@@ -127,10 +127,10 @@ def read(path):
 
     items = []
     with open(path, "rb") as file:
-        reader = make_reader(file, decoder_factories=[DecoderFactory()])
+        reader = make_reader(file, validate_crcs=True, decoder_factories=[DecoderFactory()])
         facts = {data.name: data.metadata for data in reader.iter_metadata()}.get(METADATA)
         if facts is None:
-            raise ValueError(f"{path} is an MCAP file, but no log of a core")
+            raise ValueError("it does not say that a core's log is in it")
         for decoded in reader.iter_decoded_messages(log_time_order=False):
             topic, stamp, message = decoded.channel.topic, decoded.message.log_time, decoded.decoded_message
             items += [(stamp, item) for item in _items(topic, message)]
