@@ -538,3 +538,14 @@ def test_no_descriptor_stays_open():
             with Pty(pipe) as pty:
                 host.connect(pty.url, **QUICK)
     assert count() == before
+
+
+def test_what_waited_is_no_reset():
+    """A health event that left after a later answer, and an image far behind, do not look like a core reset."""
+    model = simulated(event(10_000))
+    core = connected(model)
+    core["core.id"]
+    model.say(p.HEALTH, 9_000, p.health(1, 1))
+    model.say(p.IMAGE, 10, p.image_chunks(0, [1])[0])
+    assert len(list(core.packets(0.05))) == 2
+    assert core.counts.restarts == 0 and core.now == 10_000

@@ -293,7 +293,7 @@ class Core:
         counts = self.counts
         counts.packets += 1
         self._since_packet, self._told_noise = 0, False
-        if packet.kind in (p.HEALTH, p.STATISTIC, p.ANSWER):  # whose time is that of the packet
+        if packet.kind in (p.STATISTIC, p.ANSWER):  # stamped as they leave; the others may have waited
             if packet.time < self._newest:
                 self._started_over()
             self._newest = packet.time

@@ -82,8 +82,8 @@ class SimulatedCore:
             self._next = self._next or next(self._source, None)
             if self._next is None or (self.speed and self._next[0] > self.now):
                 break
-            at, kind, payload = self._next
-            self._next, self._now = None, max(self._now, at)
+            (at, kind, payload), self._next = self._next, None
+            self._now = max(self._now, at)
             if kind is not None:
                 self.say(kind, at, payload)
         data = bytes(self._out[:n])
@@ -92,6 +92,7 @@ class SimulatedCore:
 
     def say(self, kind, at, payload):
         """Send a packet."""
+        self._now = max(self._now, at)
         self._out += cobs.encode(p.packet(kind, self._number, at, payload))
         self._number += 1
 
