@@ -76,6 +76,7 @@ def test_everything_is_in_the_log(tmp_path, kind):
     }
     assert list(found["gap_reason"]) == [GAP.reason] and list(found["gap_seconds"]) == [1.5]
     assert (int(found["clk_khz"]), float(found["newtons_per_code"])) == (CLK_KHZ, 0.25)
+    assert int(found["min_load"]) == 1
     assert began <= int(found["start_ns"]) <= ended
     # A clock is 1 us: stamps lie exactly that far apart.
     assert np.array_equal(np.diff(found["cop_ns"]), [10**6, 10**6])

@@ -31,7 +31,7 @@ def add_commands(commands):
 
     replay = commands.add_parser("replay", help="a log's images through an engine, beside what the core said")
     replay.add_argument("log", metavar="LOG", help="what `meissner log` wrote")
-    replay.add_argument("--min-load", type=int, default=1, help="least sum of forces with a position (1)")
+    replay.add_argument("--min-load", type=int, help="least sum of forces with a position (the log's, or 1)")
     replay.add_argument("--engine", default="fixed", metavar="E", help=f"{', '.join(engines.NAMES)} (fixed)")
     replay.add_argument("--out", required=True, metavar="OUT.npz", help="where the arrays go")
     replay.set_defaults(call=_replay)
@@ -186,11 +186,12 @@ def _replay(arguments):
     from meissner.host.replay import differences, replay
 
     engines.load(arguments.engine)
-    if arguments.min_load < 0:
-        raise ValueError(f"min-load = {arguments.min_load} must not be negative")
     found = log.read(arguments.log)
+    min_load = int(found.get("min_load", 1)) if arguments.min_load is None else arguments.min_load
+    if min_load < 0:
+        raise ValueError(f"min-load = {min_load} must not be negative")
     with files.written(arguments.out) as file:
-        result = replay(found, arguments.engine, arguments.min_load)
+        result = replay(found, arguments.engine, min_load)
         np.savez(file, **result)
     both, wrong, largest = differences(result)
     frames, rows, columns = found["image"].shape

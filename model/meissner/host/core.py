@@ -160,40 +160,20 @@ class Core:
         if place.field is not None and len(place.register.fields) > 1:
             word = place.into(self._ask(bridge.READ, place), value)
         self._ask(bridge.WRITE, place, word)
-        if place.field is None or place.field.kind == "setting":
+        if place.setting:
             self._written[place.address] = (place, word)
         if self._restarted:
             self._restore()
 
-    def set_slip(self, **values):
-        """Settings of the group slip in physical units, by what ``units`` knows; all checked, then written.
+    def set(self, name, **amount):
+        """Write one register in volts, newtons or seconds, by what ``units`` knows; returns the code written.
 
-        threshold_v, gross_threshold_v: peak-to-peak of the Haar coefficient; contact_v, release_v or
-        contact_n, release_n: where contact begins and ends; hold_s, refractory_s, blank_s. Returns
-        {register: code}.
+        ``core.set("slip.threshold", volts=0.02)``: meissner.host.units.CODES says which register takes what.
         """
-        known, codes = self.units, {}
-        kinds = {
-            "threshold_v": known.detail_code,
-            "gross_threshold_v": known.detail_code,
-            "contact_v": known.level_code,
-            "release_v": known.level_code,
-            "contact_n": known.level_code_of_newtons,
-            "release_n": known.level_code_of_newtons,
-            "hold_s": known.details,
-            "refractory_s": known.details,
-            "blank_s": known.details,
-        }
-        for key, value in values.items():
-            if key not in kinds:
-                raise ValueError(f"there is no setting {key!r}; there are: {', '.join(kinds)}")
-            base = key.rsplit("_", 1)[0]
-            name = f"slip.{base}_level" if base in ("contact", "release") else f"slip.{base}"
-            codes[name] = kinds[key](value)
-            self._place(name).into(0, codes[name])
-        for name, code in codes.items():
-            self[name] = code
-        return codes
+        ((quantity, value),) = amount.items()
+        code = self.units.code(name, quantity, value)
+        self[name] = code
+        return code
 
     def _ask(self, operation, place, data=0):
         """The word that the core answers; NoAnswer, or ValueError if it refuses the access."""

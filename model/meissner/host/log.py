@@ -7,8 +7,8 @@ Arrays, one row a packet, times in clocks and ``_ns`` in nanoseconds of UTC:
     health_time, _ns, _taxel, _faults                statistics_time, _ns, _index, _value
     gap_ns, _seconds, _reason
 
-and the facts: clk_khz, start_ns and start_time (the same instant), newtons_per_code (nan: not known), and the
-counters of the line (meissner.host.core.Counts).
+and the facts: clk_khz, start_ns and start_time (the same instant), newtons_per_code (nan: not known),
+min_load where the core told it, and the counters of the line (meissner.host.core.Counts).
 """
 
 import time
@@ -39,7 +39,7 @@ _KINDS = {
     packets.Statistics: "statistics",
     packets.Gap: "gap",
 }
-_FACTS = {"clk_khz": int, "start_ns": int, "start_time": int, "newtons_per_code": float}
+_FACTS = {"clk_khz": int, "start_ns": int, "start_time": int, "newtons_per_code": float, "min_load": int}
 
 
 class Table:
@@ -95,7 +95,9 @@ class Log:
                 "the core's clock is not known, so its clocks cannot become time: name it in kHz"
             )
         self._writer, self._core, self._anchor, self._restarts = writer, core, None, 0
-        self.packets = 0
+        self.packets, self._facts = 0, {}
+        if core.registers and "cop" in core.features:
+            self._facts["min_load"] = core["cop.min_load"]
         if core.now:
             self._set(core.now)
 
@@ -123,7 +125,7 @@ class Log:
             "start_time": start,
             "newtons_per_code": newtons,
         }
-        self._writer.finish(facts | asdict(self._core.counts))
+        self._writer.finish(facts | self._facts | asdict(self._core.counts))
 
 
 def check_out(path):
@@ -170,7 +172,7 @@ def _read_mcap(path):
         facts, items = ros.read(path)
         for stamp, item in items:
             table.add(stamp, item)
-        found = {name: np.asarray(kind(facts[name])) for name, kind in _FACTS.items()}
+        found = {name: np.asarray(kind(facts[name])) for name, kind in _FACTS.items() if name in facts}
     except PermissionError:
         raise
     except Exception as problem:  # a damaged file stops its reader, and what unpacks for it, anywhere

@@ -37,6 +37,12 @@ class Place:
     def writable(self):
         return self.register.writable if self.field is None else self.field.kind in ("setting", "command")
 
+    @property
+    def setting(self):
+        """What is written stays, and does nothing by being written: it can be written again."""
+        kinds = [field.kind for field in self.register.fields]
+        return "setting" in kinds and "command" not in kinds and not self.register.strobe
+
     def value(self, word):
         """What ``word`` holds here."""
         if self.field is None:

@@ -15,7 +15,7 @@ from meissner import engines, scenes
 from meissner.host import names, units
 from meissner.link import bridge, cobs
 from meissner.link import packet as p
-from meissner.link.registers import Registers
+from meissner.link.registers import Registers, reset_word
 from meissner.slip.config import SAMPLE_BITS, SlipConfig
 from meissner.slip.haar import haar
 from meissner.slip.peak_to_peak import PeakToPeak
@@ -36,7 +36,7 @@ class SimulatedCore:
     """
 
     def __init__(self, source=(), features=None, settings=None, size=(1, 1), clk_khz=CLK_KHZ, speed=0.0):
-        self.registers = Registers(features)
+        self.registers = Registers(features, reset_word(settings or {}))
         self.clk_khz, self.speed = clk_khz, speed
         present = names.FEATURES if features is None else features
         bits = sum(1 << bit for bit, name in enumerate(names.FEATURES) if name in present)
@@ -47,17 +47,12 @@ class SimulatedCore:
             ("core", "clk_khz", "value"): clk_khz,
         }
         self.units = units.Units()  # what a host should be told of this core
-        self._settings = settings or {}
         self._make = source if callable(source) else lambda core: iter(source)
         self.restart()
 
     def restart(self):
         """As after a reset: settings, packet numbers and time start over."""
         self.registers.reset()
-        for name, value in self._settings.items():
-            place = names.place(name)
-            self.registers.access(True, place.address, place.into(0, value))
-            self.registers.commit(place.group.name)
         self._source, self._next = self._make(self), None
         self._out, self._in, self._number = bytearray(), bytearray(), 0
         self._began, self._now = time.monotonic(), 0
@@ -95,6 +90,7 @@ class SimulatedCore:
         self._now = max(self._now, at)
         self._out += cobs.encode(p.packet(kind, self._number, at, payload))
         self._number += 1
+        self.status["link", "packets", "value"] = self._number
 
     def write(self, data):
         """Bytes for the register bridge."""
@@ -221,6 +217,7 @@ def of_scenes(which=SHOWN, speed="1"):
             every = max(1, round(scene.rate_hz / 25))
             sources.append(array_source(recording.codes, scene.rate_hz, scene.min_load, every, loop=True))
             size = (scene.rows, scene.columns)
+            settings["cop.min_load"] = scene.min_load
             known = replace(known, newtons_per_code=scene.load_lsb)
         else:
             raise ValueError(f"scene {name} is neither of rubber nor of an array: it gives no packets here")

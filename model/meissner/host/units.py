@@ -5,6 +5,7 @@ samples:
 
     code of a peak-to-peak = floor(volts·sqrt(2)^l / volts_per_code)       compared with >, so exact
     code of a level        = round(2^l·(min_code + (volts - low_v)/volts_per_code))
+    code of a least load   = ceil(newtons / newtons_per_code)             pressed from it on, so exact
 """
 
 from collections.abc import Callable
@@ -13,6 +14,21 @@ from dataclasses import dataclass
 import numpy as np
 
 FRACTION_BITS = 14  # of x and y in a CoP packet
+CODES = {  # of an amount: register, quantity, and what of Units turns it into a code
+    ("slip.threshold", "volts"): "detail_code",
+    ("slip.gross_threshold", "volts"): "detail_code",
+    ("slip.contact_level", "volts"): "level_code",
+    ("slip.release_level", "volts"): "level_code",
+    ("slip.contact_level", "newtons"): "level_code_of_newtons",
+    ("slip.release_level", "newtons"): "level_code_of_newtons",
+    ("slip.hold", "seconds"): "details",
+    ("slip.refractory", "seconds"): "details",
+    ("slip.blank", "seconds"): "details",
+    ("cop.min_load", "newtons"): "load_code",
+    ("adc.period", "seconds"): "clocks",
+    ("scan.period", "seconds"): "clocks",
+    ("scan.settle", "seconds"): "clocks",
+}
 
 
 @dataclass(frozen=True)
@@ -35,6 +51,15 @@ class Units:
     volts_of: Callable | None = None
     newtons_per_code: float | None = None
     pitch_mm: float | None = None
+
+    def code(self, name, quantity, value):
+        """Code of the register ``name`` for ``value`` volts, newtons or seconds, or ValueError."""
+        if (name, quantity) not in CODES:
+            takes = [other for register, other in CODES if register == name]
+            raise ValueError(f"{name} is not set in {quantity}, but in {' or '.join(takes) or 'codes only'}")
+        if not np.isfinite(value):
+            raise ValueError(f"{name} = {value} {quantity} is no number")
+        return getattr(self, CODES[name, quantity])(value)
 
     def _need(self, name, what):
         value = getattr(self, name)
@@ -62,6 +87,13 @@ class Units:
 
     def details(self, seconds):
         return round(seconds * self._need("rate_hz", "a time in seconds") / (1 << self.level))
+
+    def clocks(self, seconds):
+        return round(seconds * 1000 * self._need("clk_khz", "a time in seconds"))
+
+    def load_code(self, newtons):
+        """The least load of that many newtons."""
+        return int(np.ceil(newtons / self._need("newtons_per_code", "a load in newtons")))
 
     def load_newtons(self, load):
         return None if self.newtons_per_code is None else load * self.newtons_per_code
