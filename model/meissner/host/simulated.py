@@ -80,7 +80,7 @@ class SimulatedCore:
             (at, kind, payload), self._next = self._next, None
             self._now = max(self._now, at)
             if kind is not None:
-                self.say(kind, at, payload)
+                self.say(kind, self.now if kind == p.STATISTIC else at, payload)  # stamped as it leaves
         data = bytes(self._out[:n])
         del self._out[: len(data)]
         return data
