@@ -144,7 +144,9 @@ def test_log_and_replay(meissner, port):
         result, found = np.load("out.npz"), log.read(name)
         again = engines.process_cop(found["image"], "fixed", int(found["min_load"]))
         assert all(np.array_equal(result[field], again[field]) for field in again)
-        assert result["logged"].all() and len(result["logged"]) > 10
+        assert (
+            result["logged"][1:].all() and len(result["logged"]) > 10
+        )  # the first one's may have come before
         code, out, _ = meissner("replay", name, "--min-load", 1 << 20, "--out", "out.npz")
         assert code == 0 and "(at most: x " in out and "pressed 1" in out
 

@@ -12,7 +12,15 @@ import pytest
 from meissner import host
 from meissner.host import Gap, Image, NoAnswer, Refused, SlipEvent, line, names, packets, units
 from meissner.host.pty import Pty
-from meissner.host.simulated import SimulatedCore, array_source, of_scenes, slip_source, together
+from meissner.host.simulated import (
+    SimulatedCore,
+    array_source,
+    blocks_of,
+    of_scenes,
+    settings_of,
+    slip_source,
+    together,
+)
 from meissner.link import cobs
 from meissner.link import packet as p
 from meissner.link.uart_rx import UartRx
@@ -254,15 +262,11 @@ def test_a_stream_of_twins_is_what_the_engine_says():
     slipping = (state == State.INCIPIENT) | (state == State.GROSS)
     rises = np.flatnonzero(slipping & ~np.concatenate([[False], slipping[:-1]]))
     cop = engines.process_cop(frames, "fixed")
-    build = {"window": config.window, "hop": config.hop, "level": config.level}
-    source = together(slip_source(codes, scene.rate_hz, **build), array_source(frames, 1000, image_every=10))
-    settings = {
-        f"slip.{n}": int(getattr(config, n)) for n in ("threshold", "gross_threshold", "contact_level")
-    }
-    settings |= {
-        f"slip.{n}": int(getattr(config, n)) for n in ("release_level", "hold", "refractory", "blank")
-    }
-    settings["slip.contact_rises"] = 0
+    slips = slip_source(
+        blocks_of(codes, config.level), scene.rate_hz, config.window, config.hop, config.level
+    )
+    source = together(slips, array_source(frames, 1000, image_every=10))
+    settings = settings_of(config)
     end = 10**9
     model = SimulatedCore(
         together(source, lambda core: [(end, p.STATISTIC, p.statistic(0, 0))]),
@@ -286,7 +290,7 @@ def test_a_stream_of_twins_is_what_the_engine_says():
 
 def test_a_threshold_written_while_it_runs_counts():
     codes = np.tile([0, 0, 30, 0], 20_000)  # peak-to-peak 30, without end
-    model = SimulatedCore(slip_source(codes, 10_000, loop=True), clk_khz=1000, speed=20.0)
+    model = SimulatedCore(slip_source(blocks_of(codes, loop=True), 10_000), clk_khz=1000, speed=20.0)
     with Pty(model) as pty, host.connect(pty.url) as core:
         core["slip.contact_level"] = -1000
         core["slip.hold"] = 0

@@ -127,38 +127,45 @@ def settings_of(config):
     return {f"slip.{key}": int(getattr(config, key)) for key in keys if hasattr(config, key)}
 
 
-def slip_source(codes, rate_hz, window=64, hop=64, level=1, loop=False):
-    """Codes [channels, samples] through the slip path's twins: a packet wherever a slip flag rises.
+def blocks_of(codes, level=1, loop=False):
+    """Codes [channels, samples] as blocks of whole details, once or without end."""
+    codes, step = np.atleast_2d(codes), BLOCK << level
+    usable = codes.shape[1] >> level << level
+    for _ in count() if loop else (0,):
+        for start in range(0, usable, step):
+            yield codes[:, start : min(start + step, usable)]
 
-    Settings are the core's registers, looked at between two blocks of details.
+
+def slip_source(blocks, rate_hz, window=64, hop=64, level=1):
+    """Blocks of codes [channels, whole details] through the slip path's twins: a packet where a flag rises.
+
+    Settings are the core's registers, looked at before each block; ``blocks`` may make each when it is asked.
     """
-    codes = np.atleast_2d(codes)
-    group, build = 1 << level, {"window": window, "hop": hop, "level": level}
-    usable = codes.shape[1] // group * group
 
     def source(core):
-        clocks = 1000 * core.clk_khz / rate_hz
-        spans, twin = PeakToPeak(len(codes), window // group, hop // group), None
-        flag = np.zeros((len(codes), 1), dtype=bool)
-        for turn in count() if loop else (0,):
-            for start in range(0, usable, BLOCK * group):
-                core.boundary("slip")
-                config = core.slip_config(**build)
-                twin = twin or Slip(len(codes), config)
-                twin.config = config
-                detail, total = haar(codes[:, start : min(start + BLOCK * group, usable)], level)
-                p2p, _ = spans.next(detail)
-                state = twin.next(p2p, total)
-                slipping = (state == State.INCIPIENT) | (state == State.GROSS)
-                rises = slipping & ~np.concatenate([flag, slipping[:, :-1]], axis=1)
-                flag = slipping[:, -1:]
-                first = turn * usable + start
-                for k in np.flatnonzero(rises.any(axis=0)):
-                    at = int((first + group * (k + 1) - 1) * clocks)
-                    for channel in np.flatnonzero(rises[:, k]):
-                        event = p.slip_event(int(channel), int(p2p[channel, k]), int(state[channel, k]))
-                        yield at, p.SLIP, event
-                yield int((first + group * detail.shape[1]) * clocks), None, b""
+        clocks, group = 1000 * core.clk_khz / rate_hz, 1 << level
+        spans = twin = None
+        done, flag = 0, False
+        for codes in blocks:
+            core.boundary("slip")
+            config = core.slip_config(window=window, hop=hop, level=level)
+            if twin is None:
+                spans = PeakToPeak(len(codes), window // group, hop // group)
+                twin, flag = Slip(len(codes), config), np.zeros((len(codes), 1), dtype=bool)
+            twin.config = config
+            detail, total = haar(codes, level)
+            p2p, _ = spans.next(detail)
+            state = twin.next(p2p, total)
+            slipping = (state == State.INCIPIENT) | (state == State.GROSS)
+            rises = slipping & ~np.concatenate([flag, slipping[:, :-1]], axis=1)
+            flag = slipping[:, -1:]
+            for k in np.flatnonzero(rises.any(axis=0)):
+                at = int((done + group * (k + 1) - 1) * clocks)  # of the sample that decided
+                for channel in np.flatnonzero(rises[:, k]):
+                    event = p.slip_event(int(channel), int(p2p[channel, k]), int(state[channel, k]))
+                    yield at, p.SLIP, event
+            done += codes.shape[1]
+            yield int(done * clocks), None, b""
 
     return source
 
@@ -208,8 +215,8 @@ def of_scenes(which=SHOWN, speed="1"):
         if scene.sensor == "rubber":
             config = scene.slip_config()
             recording = scenes.simulate(scene, 0, 1)
-            build = {"window": config.window, "hop": config.hop, "level": config.level}
-            sources.append(slip_source(recording.codes, scene.rate_hz, **build, loop=True))
+            blocks = blocks_of(recording.codes, config.level, loop=True)
+            sources.append(slip_source(blocks, scene.rate_hz, config.window, config.hop, config.level))
             settings |= settings_of(config)
             known = replace(units.of_scene(scene), newtons_per_code=known.newtons_per_code)
         elif scene.sensor == "array":
