@@ -1,6 +1,8 @@
 """Read the centre of pressure and the image of an array.
 
-python examples/read_cop.py [PORT]     serial:/dev/ttyUSB0; without: a simulated core
+    python examples/read_cop.py [PORT]
+
+PORT is serial:/dev/ttyUSB0, say; without it there is a simulated core.
 """
 
 import sys

@@ -1,6 +1,8 @@
 """Set the slip threshold of a core in volts, and see what it does to the events.
 
-python examples/set_threshold.py [PORT]     serial:/dev/ttyUSB0; without: a simulated core on a pty
+    python examples/set_threshold.py [PORT]
+
+PORT is serial:/dev/ttyUSB0, say; without it there is a simulated core on a pty.
 """
 
 import sys

@@ -1,7 +1,8 @@
 """Stream a recording through the integer twins of the slip path, a block at a time, and print slip events.
 
-python examples/stream_recording.py                        a simulated pull of an acrylic plate
-python examples/stream_recording.py IN.npy [THRESHOLD]     codes [samples] or [channels, samples], 10 kHz
+    python examples/stream_recording.py [IN.npy [THRESHOLD]]
+
+IN holds codes, [samples] or [channels, samples], at 10 kHz; without it a plate is pulled, simulated.
 """
 
 import sys

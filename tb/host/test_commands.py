@@ -151,13 +151,14 @@ def test_log_and_replay(meissner, port):
         assert code == 0 and "(at most: x " in out and "pressed 1" in out
 
 
-def test_log_that_is_stopped_is_whole(port, tmp_path):
+@pytest.mark.parametrize("which", [signal.SIGINT, signal.SIGTERM])
+def test_log_that_is_stopped_is_whole(port, tmp_path, which):
     command = started("log", port.url, "--out", tmp_path / "a.mcap", stdout=-1, stderr=-1, text=True)
     with command as child:
         while not list(tmp_path.glob(".a.mcap.*")):  # it logs
             time.sleep(0.01)
         time.sleep(0.5)
-        child.send_signal(signal.SIGINT)
+        child.send_signal(which)
         out, err = child.communicate(timeout=20)
     assert child.returncode == 0 and "stopped" in err and "packets of" in out
     assert len(log.read(tmp_path / "a.mcap")["cop_time"]) > 100

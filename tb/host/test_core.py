@@ -311,6 +311,16 @@ def test_images_of_which_a_part_is_lost_are_counted():
     assert core.counts.images_lost == 3
 
 
+@pytest.mark.parametrize("cut", [0, 1, 9, 21])
+def test_joining_in_the_middle_of_a_packet_is_no_damage(cut):
+    frames = b"".join(cobs.encode(p.packet(p.SLIP, k, k, p.slip_event(0, k, 2))) for k in range(5))
+    model = simulated()
+    model._out += frames[cut:]
+    core = connected(model, registers=False)
+    assert [item.time for item in core.packets(0.05)] == list(range(min(cut, 1), 5))
+    assert (core.counts.damaged, core.counts.lost) == (0, 0)
+
+
 def test_unread_packets_are_bounded(monkeypatch):
     monkeypatch.setattr("meissner.host.core.UNREAD", 10)
     model = simulated()

@@ -1,7 +1,9 @@
 """``meissner regs``, ``live``, ``log`` and ``replay``."""
 
+import signal
 import sys
 import time
+from contextlib import contextmanager
 
 import numpy as np
 
@@ -164,16 +166,29 @@ def _live_picture(core, view, seconds, messages):
         shown.update(view.picture(), refresh=True)
 
 
+@contextmanager
+def _stopping(core):
+    """Ctrl-C, or a polite kill, ends the stream between two packets: what was written stays whole."""
+
+    def stop(*_):
+        _tell("stopped")
+        core.stop()
+
+    before = {which: signal.signal(which, stop) for which in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield
+    finally:
+        for which, handler in before.items():
+            signal.signal(which, handler)
+
+
 def _log(arguments):
     from meissner.host import log
 
     log.check_out(arguments.out)
-    with _connect(arguments) as core, log.recording(arguments.out, core) as recording:
-        try:
-            for item in core.packets(arguments.seconds):
-                recording.add(item)
-        except KeyboardInterrupt:
-            _tell("stopped")
+    with _connect(arguments) as core, log.recording(arguments.out, core) as recording, _stopping(core):
+        for item in core.packets(arguments.seconds):
+            recording.add(item)
     counts = core.counts
     print(
         f"{recording.packets} packets of {counts.bytes} bytes; {counts.lost} lost, {counts.damaged} damaged, "

@@ -62,7 +62,7 @@ class Core:
         self.features = None
         self._assembler = Assembler(known)
         self._decoder, self._waiting = Decoder(), deque()
-        self._missed_before = 0
+        self._missed_before, self._joining = 0, True
         self._since_packet, self._told_noise = 0, False
         self._tag, self._asked, self._answer = 0, None, None
         self._newest, self._restarted, self._written = 0, False, {}
@@ -258,6 +258,9 @@ class Core:
             return
         self.counts.bytes += len(data)
         self._since_packet += len(data)
+        if self._joining:  # in the middle of a packet, perhaps: its rest is no damage
+            data = data[data.find(0) :] if 0 in data else b""
+            self._joining = not data
         for packet in self._decoder.next(data):
             self._take(packet)
         self.counts.damaged = self._decoder.damaged
@@ -346,7 +349,7 @@ class Core:
         since = self._down
         try:
             self.line.reopen()
-            self._down = None
+            self._down, self._joining = None, True
             if self.registers:
                 self._greet()
         except (Gone, NoAnswer, OSError):
@@ -373,6 +376,10 @@ class Core:
             )
             if lost and self.counts.restarts == restarts:
                 self._started_over()
+
+    def stop(self):
+        """No more packets than have come: ``packets`` ends."""
+        self._ended = True
 
     def close(self):
         self.line.close()
