@@ -267,7 +267,8 @@ PACKAGE = """
 package msn_registers_pkg;
 
   localparam int unsigned ResetBits = {width};
-  // verilator lint_off UNUSEDPARAM  (a default, not used by builds that give their own)
+  // A default: builds that give their own values do not use it.
+  // verilator lint_off UNUSEDPARAM
   localparam logic [ResetBits-1:0] Reset = {width}'h{value:x};
   // verilator lint_on UNUSEDPARAM
 
