@@ -10,6 +10,7 @@ from meissner import toolchain
 ROOT = toolchain.ROOT
 RULES = ROOT / "tb/lint/verible.rules"
 WAIVERS = ROOT / "tb/lint/verilator.vlt"
+PYTHON = ("model", "tb", "tools", "examples")
 
 
 def run(name, command):
@@ -31,8 +32,8 @@ def main():
     binaries = Path(sys.executable).parent
     jobs += [
         ("verible", [str(binaries / "verible-verilog-lint"), f"--rules_config={RULES}", *map(str, files)]),
-        ("ruff check", [str(binaries / "ruff"), "check", "--quiet", "model", "tb", "tools"]),
-        ("ruff format", [str(binaries / "ruff"), "format", "--quiet", "--check", "model", "tb", "tools"]),
+        ("ruff check", [str(binaries / "ruff"), "check", "--quiet", *PYTHON]),
+        ("ruff format", [str(binaries / "ruff"), "format", "--quiet", "--check", *PYTHON]),
     ]
     with ThreadPoolExecutor() as pool:
         problems += [problem for problem in pool.map(lambda job: run(*job), jobs) if problem]
