@@ -314,7 +314,8 @@ module msn_core #(
   logic unused_settings;
   assign unused_settings = ^{
       cfg_adc_enable, cfg_adc_period, cfg_threshold, cfg_gross_threshold, cfg_contact_level,
-      cfg_release_level, cfg_contact_rises, cfg_hold, cfg_refractory, cfg_blank, cfg_scan_enable, cfg_interleave, cfg_settle,
+      cfg_release_level, cfg_contact_rises, cfg_hold, cfg_refractory, cfg_blank, cfg_scan_enable,
+      cfg_interleave, cfg_settle,
       cfg_scan_period, cfg_min_load, cfg_band, cfg_jump, cfg_low, cfg_high, cfg_edges, cfg_user, cfg_still,
       cfg_rail, cfg_blink, cfg_clear, cfg_report, cfg_contact, cfg_step, cfg_force, cfg_at_start, cfg_average,
       cfg_load, cfg_zero_word, cfg_zero, cfg_zero_written, cfg_zero_lanes, cfg_preset, cfg_word, cfg_offset,
@@ -869,7 +870,7 @@ module msn_core #(
     assign sample_ready = 1'b1;
     assign {slip_damaged, slip_blanked} = '0;
     logic unused_slip;
-    assign unused_slip = actuator_moving_i;
+    assign unused_slip = ^{actuator_moving_i, sample, sample_id};
     if (!CopSlip) begin : gen_no_decision
       assign {decision_valid, decision_raised, decision_last, decision_state, decision_p2p, decision_id} = '0;
     end
@@ -956,8 +957,8 @@ module msn_core #(
     logic unused_link;
     assign unused_link = ^{slip_event, slip_event_ready, image_valid, statistics, decision_id, decision_p2p,
                            cop_valid, cop_x, cop_y, cop_load, cop_pressed, report_valid, report_id,
-                           report_faults, frame_time, rx_i, bus_valid_i, bus_write_i, bus_address_i, bus_data_i,
-                           bus_strobe_i, bus_done, bus_error, bus_answer, out_ready_i};
+                           report_faults, frame_time, rx_i, bus_valid_i, bus_write_i, bus_address_i,
+                           bus_data_i, bus_strobe_i, bus_done, bus_error, bus_answer, out_ready_i};
 
   end else begin : gen_link
     assign decision_ready = !decision_raised || slip_event_ready;
