@@ -3,7 +3,7 @@
 // From an array's samples to its centre of pressure and load: msn_calibrate, then msn_cop, and between them
 // msn_skid, so that msn_cop's ready does not reach msn_calibrate's registers in the same clock.
 //
-// Latency after a frame's last beat: 3 clocks (RowColumn 6) and msn_cop's, the same in every frame: 14 at one
+// Latency after a frame's last beat: 3 clocks (RowColumn 15) and msn_cop's, the same in every frame: 14 at one
 // lane, Q2.14 and two bits a clock.   Model: model/meissner/cop/cop_array.py
 
 module msn_cop_array #(
