@@ -1,15 +1,17 @@
-"""Lint everything, without a warning: each RTL module as its own top, Verible's style rules, ruff."""
+"""Lint everything, without a warning: each RTL module as its own top, the core in every named configuration,
+Verible's style rules, ruff."""
 
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from meissner import toolchain
+from meissner import config, toolchain
 
 ROOT = toolchain.ROOT
 RULES = ROOT / "tb/lint/verible.rules"
 WAIVERS = ROOT / "tb/lint/verilator.vlt"
+PYTHON = ("model", "tb", "tools", "examples")
 
 
 def run(name, command):
@@ -28,11 +30,14 @@ def main():
     problems += [f"{path} does not define module {path.stem}" for path in misnamed]
     verilator = ["verilator", "--lint-only", "--quiet", "-Wall", str(WAIVERS), *map(str, files)]
     jobs = [(f"verilator {top.stem}", [*verilator, "--top-module", top.stem]) for top in tops]
+    for name in config.names():
+        given = [f"-G{k}={v}" for k, v in config.verilog(config.load(name).parameters).items()]
+        jobs.append((f"verilator msn_core {name}", [*verilator, "--top-module", "msn_core", *given]))
     binaries = Path(sys.executable).parent
     jobs += [
         ("verible", [str(binaries / "verible-verilog-lint"), f"--rules_config={RULES}", *map(str, files)]),
-        ("ruff check", [str(binaries / "ruff"), "check", "--quiet", "model", "tb", "tools"]),
-        ("ruff format", [str(binaries / "ruff"), "format", "--quiet", "--check", "model", "tb", "tools"]),
+        ("ruff check", [str(binaries / "ruff"), "check", "--quiet", *PYTHON]),
+        ("ruff format", [str(binaries / "ruff"), "format", "--quiet", "--check", *PYTHON]),
     ]
     with ThreadPoolExecutor() as pool:
         problems += [problem for problem in pool.map(lambda job: run(*job), jobs) if problem]

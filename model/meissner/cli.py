@@ -9,7 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from meissner import budget, calibration, engines, files
+from meissner import budget, calibration, config, engines, files
+from meissner.host import commands as host_commands
 
 
 class _Parser(argparse.ArgumentParser):
@@ -189,8 +190,10 @@ def _parser():
     cop4.add_argument("--out", required=True, metavar="OUT.npz", help="where the arrays go")
     cop4.set_defaults(call=_process_cop4)
 
+    host_commands.add_commands(commands)
     budget.add_command(commands)
     calibration.add_command(commands)
+    config.add_command(commands)
     return parser
 
 
