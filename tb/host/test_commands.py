@@ -84,12 +84,12 @@ def test_regs_writes_all_or_nothing(meissner, given, sentence):
 
 
 def test_live_in_a_pipe(meissner, port):
-    code, out, err = meissner("live", port.url, "--seconds", 2.2)
+    code, out, err = meissner("live", port.url, "--seconds", 1.3)
     assert (code, err) == (0, "")
     lines = out.splitlines()
     assert any("slip, channel 0, incipient, peak-to-peak" in text for text in lines)
     full = [text for text in lines if text.startswith(("x ", "not pressed"))]
-    assert 2 <= len(full) <= 4 and "load" in full[-1] and " 0 lost, 0 damaged" in full[-1]
+    assert 1 <= len(full) <= 3 and "load" in full[-1] and " 0 lost, 0 damaged" in full[-1]
     assert int(full[-1].split(" slip event")[0].split()[-1]) == len(lines) - len(full) > 0
 
 
@@ -99,7 +99,7 @@ def test_live_on_a_terminal(port):
     termios.tcsetwinsize(theirs, (50, 100))
     environment = {**os.environ, "TERM": "xterm-256color"}
     shown = bytearray()
-    with started("live", port.url, "--seconds", 1.5, stdout=theirs, stderr=theirs, env=environment) as child:
+    with started("live", port.url, "--seconds", 1.2, stdout=theirs, stderr=theirs, env=environment) as child:
         end = time.monotonic() + 30
         while child.poll() is None and time.monotonic() < end:
             if select.select([ours], [], [], 0.1)[0]:
@@ -135,7 +135,7 @@ def test_live_says_when_the_line_goes(meissner, tmp_path):
 
 def test_log_and_replay(meissner, port):
     for name in ("a.mcap", "a.npz"):
-        code, out, err = meissner("log", port.url, "--out", name, "--seconds", 0.7)
+        code, out, err = meissner("log", port.url, "--out", name, "--seconds", 0.6)
         assert (code, err) == (0, "")
         assert int(out.split()[0]) > 1000 and " 0 lost, 0 damaged" in out
         code, out, err = meissner("replay", name, "--engine", "fixed", "--out", "out.npz")
