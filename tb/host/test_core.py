@@ -301,13 +301,16 @@ def test_a_threshold_written_while_it_runs_counts():
         assert not [item for item in core.packets(0.3) if isinstance(item, SlipEvent)]
 
 
-def test_images_of_which_a_part_is_lost_are_counted():
+@pytest.mark.parametrize("sized", [True, False])
+def test_images_of_which_a_part_is_lost_are_counted(sized):
     images = [[(k, p.IMAGE, part) for part in p.image_chunks(k, range(12), 5)] for k in range(5)]
     del images[1][1], images[2][2], images[3][0]
     core = connected(simulated(*(part for image in images for part in image), size=(3, 4)), registers=False)
-    core.units = units.Units(rows=3, columns=4)
+    if sized:
+        core.units = units.Units(rows=3, columns=4)
     found = list(core.packets(0.1))
     assert [item.number for item in found] == [0, 4]
+    assert [item.taxels.shape for item in found] == 2 * [(3, 4) if sized else (1, 12)]
     assert core.counts.images_lost == 3
 
 
@@ -475,9 +478,20 @@ def test_lost_commands_and_answers_are_asked_again_with_the_same_tag():
     pipe.to_host = lambda data: b"" if data and next(answers, False) else data
     assert core["slip.threshold"] == 5
     assert core.counts.retries == 3
-    pipe.to_host = lambda data: data * 2 if data else data  # an answer that comes twice is not the next one's
+    queue, last = [], b""
+
+    def twice(data):
+        """Each answer a second time, just before the next one: it is not the next one's."""
+        nonlocal last
+        if data:
+            queue.extend((last, data))
+            last = data
+        return queue.pop(0) if queue else b""
+
+    pipe.to_host = twice
     core["slip.threshold"] = 6
-    assert (core["slip.threshold"], core["core.id"]) == (6, 0x4D534E52)
+    for _ in range(3):
+        assert (core["slip.threshold"], core["core.id"]) == (6, 0x4D534E52)
 
 
 def test_a_core_that_does_not_answer():

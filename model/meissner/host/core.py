@@ -336,8 +336,6 @@ class Core:
     def _lost(self, gone):
         self._down, self._reason, self._wait_s = time.monotonic(), str(gone), FIRST_WAIT_S
         self._try_at = self._down + self._wait_s
-        self._decoder.next(b"\0")  # half a packet is none
-        self.counts.damaged = self._decoder.damaged
         self.line.close()
         self.say(f"{gone}; trying to open it again")
 
