@@ -1,11 +1,12 @@
-"""Lint everything, without a warning: each RTL module as its own top, Verible's style rules, ruff."""
+"""Lint everything, without a warning: each RTL module as its own top, the core in every named configuration,
+Verible's style rules, ruff."""
 
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from meissner import toolchain
+from meissner import config, toolchain
 
 ROOT = toolchain.ROOT
 RULES = ROOT / "tb/lint/verible.rules"
@@ -29,6 +30,9 @@ def main():
     problems += [f"{path} does not define module {path.stem}" for path in misnamed]
     verilator = ["verilator", "--lint-only", "--quiet", "-Wall", str(WAIVERS), *map(str, files)]
     jobs = [(f"verilator {top.stem}", [*verilator, "--top-module", top.stem]) for top in tops]
+    for name in config.names():
+        given = [f"-G{k}={v}" for k, v in config.verilog(config.load(name).parameters).items()]
+        jobs.append((f"verilator msn_core {name}", [*verilator, "--top-module", "msn_core", *given]))
     binaries = Path(sys.executable).parent
     jobs += [
         ("verible", [str(binaries / "verible-verilog-lint"), f"--rules_config={RULES}", *map(str, files)]),

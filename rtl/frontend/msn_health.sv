@@ -9,7 +9,8 @@
 //   blinking  a step > jump while no neighbour is recent: +16, any other frame -1, up to cfg_blink
 //
 // A threshold of 0 turns a kind off. Faults stay until cfg_clear_i or reset. Each new one is an event; one that
-// nobody takes is offered again in the next frame; cfg_report_i sends them all again.
+// nobody takes is offered again in the next frame; cfg_report_i sends them all again. A beat out of place is
+// masked: round again in a frame too long, its taxels' states would be those this frame has written.
 //
 //   clock  1       2           3            4         5       6
 //          sample  raw - held  moved, jump  counters  events  write
@@ -149,7 +150,8 @@ module msn_health #(
   // Read ahead: the taxels' states, and how those around them moved up to the last whole frame.
   logic                       advance, state_valid, mid_valid, unused_up_valid, unused_down_valid;
   logic [Lanes*StateBits-1:0] state_ahead, state_head, write_state;
-  logic [2*Lanes-1:0]         up_ahead, up_head, down_ahead, down_head, ahead, here, behind, write_moves;
+  logic [2*Lanes-1:0]         up_ahead, up_head, down_ahead, down_head, ahead, here, write_moves;
+  logic [1:0]                  behind;  // of the last lane
   logic                       write;
   logic [IdBits-1:0]          write_place;
   assign advance = accept || !head_valid;
@@ -210,7 +212,7 @@ module msn_health #(
       up_head    <= up_ahead;
       down_head  <= down_ahead;
       here       <= ahead;
-      behind     <= here;
+      behind     <= here[2*Lanes-1-:2];
     end
     if (restart) head_valid <= 1'b0;
   end
@@ -278,7 +280,7 @@ module msn_health #(
     if (k > 0) begin : gen_left
       assign left = {2{!fresh}} & here[2*k-1-:2];
     end else begin : gen_left_outside
-      assign left = {2{has_left && !fresh}} & behind[2*Lanes-1-:2];
+      assign left = {2{has_left && !fresh}} & behind;
     end
     if (k < Lanes - 1) begin : gen_inside
       assign has_right = (RowBeats - 1) * Lanes + k + 1 < Columns || !row_end;
@@ -357,7 +359,7 @@ module msn_health #(
     assign {dead_new[k], railed_new[k], blinking_new[k]} = news_4;
 
     always_ff @(posedge clk_i) begin
-      if (out_ready_i || !out_valid_o) out_mask_o[k] <= |faults_head && !fresh;
+      if (out_ready_i || !out_valid_o) out_mask_o[k] <= (|faults_head && !fresh) || !fits;
       if (accept) begin
         held     <= signed'(head[StateBits-1-:SampleBits]);
         kept_1   <= {head[31:4], reported_head && !again};
