@@ -149,6 +149,13 @@ def test_settings_in_volts_newtons_and_seconds():
     assert core.set("adc.period", seconds=1e-4) == 2500
     core.units = units.Units(newtons_per_code=0.003)
     assert core.set("cop.min_load", newtons=0.5) == core["cop.min_load"] == 167
+    # The samples are forces now: a threshold, and a level of the sum of two, in newtons.
+    assert core.set("slip.threshold", newtons=0.05) == int(0.05 * 2**0.5 / 0.003)
+    assert core.set("slip.contact_level", newtons=0.3) == 200
+    event_ = p.slip_event(0, 10, 2)
+    model.say(p.SLIP, 0, event_)
+    (slipped,) = [item for item in core.packets(0.05) if isinstance(item, SlipEvent) and item.p2p == 10]
+    assert (slipped.p2p_v, slipped.p2p_n) == (None, 10 * 0.003 / 2**0.5)
     with pytest.raises(ValueError, match=r"slip.hold is not set in volts, but in seconds"):
         core.set("slip.hold", volts=1)
     with pytest.raises(ValueError, match="is not set in newtons, but in codes only"):
