@@ -27,10 +27,10 @@ def coarse(taxels):
 
 
 def heat_map(taxels):
-    """Lines of block characters, two a cell, dark to full from 0 to the image's largest."""
+    """Lines of block characters, two a cell, empty to full from 0 to the image's largest."""
     cells = coarse(taxels).astype(np.int64)
     most = max(1, int(cells.max()))
-    shade = -(-cells * (len(SHADES) - 1) // most)  # anything above 0 shows
+    shade = (2 * cells * (len(SHADES) - 1) + most) // (2 * most)
     return ["".join(2 * SHADES[k] for k in row) for row in shade]
 
 
