@@ -33,6 +33,7 @@ TARGETS = {
         "synth": "synth_ecp5",
         "pnr": "nextpnr-ecp5 --25k --package CABGA381 --speed 6 --lpf-allow-unconstrained",
         "freq": 200,
+        "instead": {"rtl/common/msn_multiply.sv": "rtl/ecp5/msn_multiply.v"},
         "area": {"lut": "TRELLIS_COMB", "ff": "TRELLIS_FF", "ram": "DP16KD", "dsp": "MULT18X18D"},
     },
     "up5k": {
@@ -136,7 +137,7 @@ TABLE = {
     "cop_array-1024x1024x8": (
         "msn_cop_array",
         LARGE | {"RowColumn": 1, "GainShift": 24, "BitsPerClock": 1},
-        27,
+        36,
         "ecp5",
     ),
     # The small part's eight multipliers are of 16 bits: samples of 17 would take twelve.
@@ -183,8 +184,10 @@ def warm_up():
         print("first run: the synthesis tools compile themselves, a minute or two ...", flush=True)
 
 
-def read_rtl():
-    return "read_verilog -sv " + " ".join((ROOT / "rtl/rtl.f").read_text().split())
+def read_rtl(instead=None):
+    """Read every source, or what the target has ``instead`` of it."""
+    sources = (ROOT / "rtl/rtl.f").read_text().split()
+    return "read_verilog -sv " + " ".join((instead or {}).get(source, source) for source in sources)
 
 
 def ports(module, parameters, stem):
@@ -246,7 +249,8 @@ def synthesise(name, target):
     stem = f"{OUT}/{name}-{target}"
     text, ins, outs = harness(module, parameters, *(tied or [{}]), ports(module, parameters, stem))
     (ROOT / f"{stem}.v").write_text(text)
-    script = f"{read_rtl()} {stem}.v; {TARGETS[target]['synth']} -top harness -json {stem}.json"
+    rtl = read_rtl(TARGETS[target].get("instead"))
+    script = f"{rtl} {stem}.v; {TARGETS[target]['synth']} -top harness -json {stem}.json"
     tool("yosys", ["-p", script], f"{stem}.yosys.log")
     if target == "up5k":  # a cell holds one table and one register
         return stem, {"lut": ins + 2 * outs}

@@ -59,8 +59,9 @@ def _with(where, table, required, defaults):
 class Config:
     """A build. ``sensor``, ``adc``, ``link``, ``array``, ``health``, ``tare``: checked tables.
 
-    ``slip``: SlipConfig; ``serial``: the slip path a bit a clock; ``cop4``: Cop4Config; ``cop_slip``: (lag, CopSlipRegisters);
-    each None (or empty) where the build has none. ``clk_khz``, ``rate_hz``: the clock, and frames a second.
+    ``slip``: SlipConfig; ``serial``: the slip path a bit a clock; ``cop4``: Cop4Config; ``cop_slip``: (lag,
+    CopSlipRegisters); each None (or empty) where the build has none. ``clk_khz``, ``rate_hz``: the clock,
+    and frames a second.
     """
 
     name: str
