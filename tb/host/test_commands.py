@@ -273,8 +273,11 @@ def test_view_of_everything():
     shown = view.View(core)
     assert shown.line().startswith("no centre of pressure yet; 0 slip events")
     shown.add(packets.SlipEvent(5, None, 70, 6, 9, None))
+    assert shown.add(packets.SlipEvent(5, None, 65535, 2, 9, None)).startswith(
+        "5 clocks: slip, channel load, "
+    )
     shown.add(packets.CopFrame(5, None, 0.0, 0.0, 3, False, None, None, None))
-    assert shown.line().startswith("not pressed, load 3; 1 slip event;")
+    assert shown.line().startswith("not pressed, load 3; 2 slip events;")
     assert shown.add(packets.Health(5, None, 12, 5)) == "5 clocks: taxel 12 faults 0b101"
     shown.add(packets.Statistics(5, None, 2, 99))
     shown.add(packets.Image(5, None, 1, np.ones((2, 2), np.uint16), None))

@@ -20,8 +20,10 @@ COUNTERS = (  # of rtl/msn_core.sv, by index
 
 @dataclass(frozen=True)
 class SlipEvent:
-    """``state``: meissner.slip.slip.State; ``p2p``: codes of the detail; ``p2p_v``, ``p2p_n``: of the Haar
-    coefficient, volts of a sensor or newtons of a taxel, whichever the samples are."""
+    """``channel``: meissner.core.OF_LOAD is the load of four electrodes; ``state``: meissner.slip.slip.State;
+    ``p2p``: codes of the detail; ``p2p_v``, ``p2p_n``: of the Haar coefficient, a sensor's volts or
+    a taxel's newtons, whichever the samples are.
+    """
 
     time: int
     time_s: float | None

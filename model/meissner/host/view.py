@@ -4,6 +4,7 @@ from collections import deque
 
 import numpy as np
 
+from meissner.core import OF_LOAD
 from meissner.host import packets
 from meissner.slip.slip import State
 
@@ -14,6 +15,10 @@ SLIP_COLOURS = {State.INCIPIENT: "yellow", State.GROSS: "red"}
 
 def state_name(state):
     return state.name.lower() if isinstance(state, State) else f"state {state}"
+
+
+def channel_name(channel):
+    return "load" if channel == OF_LOAD else str(channel)
 
 
 def coarse(taxels):
@@ -73,7 +78,7 @@ class View:
 
     def _slip(self, item):
         return (
-            f"{self._at(item)}slip, channel {item.channel}, {state_name(item.state)}, "
+            f"{self._at(item)}slip, channel {channel_name(item.channel)}, {state_name(item.state)}, "
             f"peak-to-peak {self._p2p(item)}"
         )
 
@@ -114,7 +119,7 @@ class View:
         for channel in sorted(self.slips)[:HIGHEST]:
             item = self.slips[channel]
             state = Text(state_name(item.state), SLIP_COLOURS.get(item.state, ""))
-            slips.add_row(str(channel), state, self._p2p(item), self._at(item).removesuffix(": "))
+            slips.add_row(channel_name(channel), state, self._p2p(item), self._at(item).removesuffix(": "))
         parts = [
             Panel(slips, title=f"slip, {self.slip_count} events"),
             Panel(self._cop(), title="centre of pressure"),
