@@ -5,10 +5,13 @@ import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from meissner import toolchain
+from synth import write_build
+
+from meissner import boards, toolchain
 
 ROOT = toolchain.ROOT
 RULES = ROOT / "tb/lint/verible.rules"
+CELLS = ROOT / "tb/lint/cells.v"
 WAIVERS = ROOT / "tb/lint/verilator.vlt"
 
 
@@ -20,17 +23,27 @@ def run(name, command):
 
 def main():
     files = [path.relative_to(ROOT) for path in toolchain.sources()]
-    listed = set(files)
+    pairs = boards.pairs()
+    outer = sorted({Path(source) for board, _ in pairs for source in board.sources})
+    listed = {*files, *outer}
     strays = [str(p.relative_to(ROOT)) for p in ROOT.glob("rtl/**/*.sv") if p.relative_to(ROOT) not in listed]
-    problems = [f"rtl/rtl.f does not list {stray}" for stray in strays]
+    problems = [f"neither rtl/rtl.f nor a board lists {stray}" for stray in strays]
     tops = [path for path in files if not path.stem.endswith("_pkg")]
     misnamed = [path for path in tops if f"module {path.stem} " not in (ROOT / path).read_text()]
     problems += [f"{path} does not define module {path.stem}" for path in misnamed]
     verilator = ["verilator", "--lint-only", "--quiet", "-Wall", str(WAIVERS), *map(str, files)]
     jobs = [(f"verilator {top.stem}", [*verilator, "--top-module", top.stem]) for top in tops]
+    for board, config in pairs:
+        folder = f"build/lint/{board.name}-{config}"
+        write_build(folder, board.configs[config])
+        command = [*verilator, *board.sources, str(CELLS), f"-I{folder}", "--top-module", board.top]
+        jobs.append((f"verilator {board.top}, {config}", command))
     binaries = Path(sys.executable).parent
     jobs += [
-        ("verible", [str(binaries / "verible-verilog-lint"), f"--rules_config={RULES}", *map(str, files)]),
+        (
+            "verible",
+            [str(binaries / "verible-verilog-lint"), f"--rules_config={RULES}", *map(str, (*files, *outer))],
+        ),
         ("ruff check", [str(binaries / "ruff"), "check", "--quiet", "model", "tb", "tools"]),
         ("ruff format", [str(binaries / "ruff"), "format", "--quiet", "--check", "model", "tb", "tools"]),
     ]
