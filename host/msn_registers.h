@@ -5,6 +5,14 @@
 
 #define MSN_FEATURE_ADC (1u << 0)
 #define MSN_FEATURE_SLIP (1u << 1)
+#define MSN_FEATURE_SCAN (1u << 2)
+#define MSN_FEATURE_HEALTH (1u << 3)
+#define MSN_FEATURE_TARE (1u << 4)
+#define MSN_FEATURE_CALIBRATE (1u << 5)
+#define MSN_FEATURE_COP (1u << 6)
+#define MSN_FEATURE_COP4 (1u << 7)
+#define MSN_FEATURE_COP_SLIP (1u << 8)
+#define MSN_FEATURE_LINK (1u << 9)
 
 /* What this core is */
 #define MSN_CORE_ID 0x000u
@@ -24,13 +32,14 @@
 #define MSN_CORE_CLK_KHZ 0x010u
 #define MSN_CORE_SCRATCH 0x014u
 
-/* ADC master */
+/* Converter of single channels or of four electrodes */
 #define MSN_ADC_ENABLE 0x100u
 #define MSN_ADC_PERIOD 0x104u
 #define MSN_ADC_DROPPED 0x108u
 #define MSN_ADC_OVERRUN 0x10cu
 #define MSN_ADC_TIMEOUT 0x110u
-#define MSN_ADC_OVER_RANGE 0x114u
+#define MSN_ADC_MISTAGGED 0x114u
+#define MSN_ADC_OVER_RANGE 0x118u
 
 /* Slip of each channel */
 #define MSN_SLIP_THRESHOLD 0x200u
@@ -43,5 +52,107 @@
 #define MSN_SLIP_BLANK 0x21cu
 #define MSN_SLIP_DAMAGED 0x220u
 #define MSN_SLIP_BLANKED 0x224u
+
+/* Scan of an array */
+#define MSN_SCAN_ENABLE 0x300u
+#define MSN_SCAN_SETTLE 0x304u
+#define MSN_SCAN_PERIOD 0x308u
+#define MSN_SCAN_INTERLEAVE 0x30cu
+#define MSN_SCAN_DROPPED 0x310u
+#define MSN_SCAN_OVERRUN 0x314u
+#define MSN_SCAN_HELD 0x318u
+#define MSN_SCAN_LOST 0x31cu
+
+/* Health of taxels */
+#define MSN_HEALTH_BAND 0x400u
+#define MSN_HEALTH_JUMP 0x404u
+#define MSN_HEALTH_LOW 0x408u
+#define MSN_HEALTH_HIGH 0x40cu
+#define MSN_HEALTH_USE 0x410u
+#define MSN_HEALTH_USE_USER_SHIFT 0
+#define MSN_HEALTH_USE_USER_BITS 1
+#define MSN_HEALTH_USE_EDGES_SHIFT 1
+#define MSN_HEALTH_USE_EDGES_BITS 1
+#define MSN_HEALTH_STILL 0x414u
+#define MSN_HEALTH_RAIL 0x418u
+#define MSN_HEALTH_BLINK 0x41cu
+#define MSN_HEALTH_CLEAR 0x420u
+#define MSN_HEALTH_REPORT 0x424u
+#define MSN_HEALTH_DEAD 0x428u
+#define MSN_HEALTH_RAILED 0x42cu
+#define MSN_HEALTH_BLINKING 0x430u
+
+/* Zero of each taxel */
+#define MSN_TARE_CONTACT 0x480u
+#define MSN_TARE_STEP 0x484u
+#define MSN_TARE_FORCE 0x488u
+#define MSN_TARE_AT_START 0x48cu
+#define MSN_TARE_AVERAGE 0x490u
+#define MSN_TARE_LOAD 0x494u
+#define MSN_TARE_WORD 0x498u
+#define MSN_TARE_ZERO 0x49cu
+#define MSN_TARE_WRITE 0x4a0u
+#define MSN_TARE_STATE 0x4a4u
+#define MSN_TARE_STATE_LOADING_SHIFT 0
+#define MSN_TARE_STATE_LOADING_BITS 1
+#define MSN_TARE_STATE_TARING_SHIFT 1
+#define MSN_TARE_STATE_TARING_BITS 1
+#define MSN_TARE_STATE_PRESSED_SHIFT 2
+#define MSN_TARE_STATE_PRESSED_BITS 1
+#define MSN_TARE_TARED 0x4a8u
+#define MSN_TARE_REFUSED 0x4acu
+#define MSN_TARE_SWALLOWED 0x4b0u
+
+/* Calibration of taxels */
+#define MSN_CALIBRATE_PRESET 0x500u
+#define MSN_CALIBRATE_WORD 0x504u
+#define MSN_CALIBRATE_OFFSET 0x508u
+#define MSN_CALIBRATE_GAIN 0x50cu
+#define MSN_CALIBRATE_WRITE 0x510u
+#define MSN_CALIBRATE_WRITE_LANES_SHIFT 0
+#define MSN_CALIBRATE_WRITE_LANES_BITS 8
+#define MSN_CALIBRATE_WRITE_ROW_SHIFT 8
+#define MSN_CALIBRATE_WRITE_ROW_BITS 1
+#define MSN_CALIBRATE_SWAP 0x514u
+#define MSN_CALIBRATE_SWAPPING 0x518u
+
+/* Centre of pressure of an array */
+#define MSN_COP_MIN_LOAD 0x600u
+#define MSN_COP_DAMAGED 0x604u
+
+/* Four electrodes */
+#define MSN_COP4_RAIL 0x700u
+#define MSN_COP4_KX 0x704u
+#define MSN_COP4_SHIFT_X 0x708u
+#define MSN_COP4_KY 0x70cu
+#define MSN_COP4_SHIFT_Y 0x710u
+#define MSN_COP4_KF 0x714u
+#define MSN_COP4_SHIFT_LOAD 0x718u
+#define MSN_COP4_P0 0x71cu
+#define MSN_COP4_P1 0x720u
+#define MSN_COP4_P2 0x724u
+#define MSN_COP4_P3 0x728u
+#define MSN_COP4_P4 0x72cu
+#define MSN_COP4_P5 0x730u
+#define MSN_COP4_MIN_LOAD 0x734u
+#define MSN_COP4_TOP 0x738u
+#define MSN_COP4_IDLE 0x73cu
+#define MSN_COP4_BUSY 0x740u
+#define MSN_COP4_IMBALANCE 0x744u
+
+/* Slip from the load of four electrodes */
+#define MSN_COP_SLIP_DROP 0x800u
+#define MSN_COP_SLIP_MOVE 0x804u
+#define MSN_COP_SLIP_MIN_LOAD 0x808u
+#define MSN_COP_SLIP_HOLD 0x80cu
+#define MSN_COP_SLIP_REFRACTORY 0x810u
+
+/* Packets */
+#define MSN_LINK_IMAGES 0x900u
+#define MSN_LINK_PACKETS 0x904u
+#define MSN_LINK_COP_DROPPED 0x908u
+#define MSN_LINK_HEALTH_DROPPED 0x90cu
+#define MSN_LINK_IMAGE_DROPPED 0x910u
+#define MSN_LINK_REJECTED 0x914u
 
 #endif

@@ -34,6 +34,7 @@ rtl/slip/msn_sliding_extremes.sv
 rtl/slip/msn_peak_to_peak.sv
 rtl/slip/msn_slip.sv
 rtl/slip/msn_slip_serial.sv
+rtl/slip/msn_channels.sv
 rtl/cop/msn_cop_accumulate.sv
 rtl/cop/msn_cop_divide.sv
 rtl/cop/msn_cop.sv
@@ -51,6 +52,6 @@ rtl/link/msn_uart_tx.sv
 rtl/link/msn_uart_rx.sv
 rtl/link/msn_bridge.sv
 rtl/link/msn_link.sv
+rtl/link/msn_registers_pkg.sv
 rtl/link/msn_registers.sv
 rtl/link/msn_axil.sv
-rtl/msn_core.sv

@@ -1,5 +1,6 @@
 """Shared by every testbench: build a block, run its cocotb tests, drive and watch its streams."""
 
+import hashlib
 import os
 import random
 import subprocess
@@ -23,6 +24,9 @@ def run(stage, block, parameters=None, test_filter=None, module=None):
     parameters = parameters or {}
     module = module or f"test_{block}"
     name = "-".join([module.removeprefix("test_"), *(f"{k}{v}" for k, v in parameters.items())])
+    name = name.replace("'", "")  # of sized numbers
+    if len(name) > 150:  # a file's name has 255 at most
+        name = f"{name[:100]}-{hashlib.sha256(name.encode()).hexdigest()[:12]}"
     build_dir = toolchain.BUILD / "tb" / name
     os.environ.update(toolchain.environment())
     # The runner calls make itself, past Verilator's -MAKEFLAGS; larger models need this variable.

@@ -1,6 +1,7 @@
 """Write what follows from rtl/registers.rdl: RTL, Python map, C header and page. ``--check`` only compares.
 
-rtl/link/msn_registers.sv   model/meissner/host/register_map.py   host/msn_registers.h   docs/registers.md
+rtl/link/msn_registers_pkg.sv   rtl/link/msn_registers.sv   model/meissner/host/register_map.py
+host/msn_registers.h            docs/registers.md
 """
 
 import argparse
@@ -108,9 +109,28 @@ def _bits(width):
     return "" if width == 1 else f"[{width - 1}:0]"
 
 
+def settings(groups):
+    """Every setting as (name of its port, width, reset value), in the order of the parameter Resets."""
+    fields = [(f, r, g) for g in groups for r in g.registers for f in r.fields if f.kind == "setting"]
+    return [(field.port, field.width, field.reset) for field, _, _ in fields]
+
+
+def package(groups):
+    """The width and the default of msn_registers' parameter Resets."""
+    width, value = 0, 0
+    for _, bits, reset in settings(groups):
+        value |= reset << width
+        width += bits
+    return PACKAGE.format(made=MADE, width=width, value=value).lstrip("\n")
+
+
 def rtl(groups):
     """The module: decode, a flip-flop per bit of a setting (two where it waits for a frame), a read word."""
     parameters, ports, body, words, hits, writable = [], [], [], [], [], []
+    places, at = {}, 0
+    for port, width, _ in settings(groups):
+        places[port] = f"Resets[{at}+:{width}]" if width > 1 else f"Resets[{at}]"
+        at += width
     for group in groups:
         enable = f"{group.parameter} && " if group.feature else ""
         if group.feature:
@@ -142,7 +162,7 @@ def rtl(groups):
             for field in sorted(register.fields, key=lambda f: -f.high):
                 if at > field.high + 1:
                     parts.append(f"{at - field.high - 1}'d0")
-                parts.append(_field_rtl(field, base, waits, ports, body, group_writes))
+                parts.append(_field_rtl(field, base, waits, ports, body, group_writes, places))
                 at = field.low
             if at:
                 parts.append(f"{at}'d0")
@@ -160,6 +180,7 @@ def rtl(groups):
             ]
     lines = [*HEADER.strip("\n").split("\n"), ""]
     lines.append("module msn_registers #(")
+    parameters.append("parameter logic [msn_registers_pkg::ResetBits-1:0] Resets = msn_registers_pkg::Reset")
     lines.append(",\n".join(f"  {p}" for p in parameters))
     lines.append(") (")
     lines += BUS.strip("\n").split("\n")
@@ -192,13 +213,12 @@ def _flip_flop(name, reset, value, enable):
     ]
 
 
-def _field_rtl(field, base, waits, ports, body, group_writes):
+def _field_rtl(field, base, waits, ports, body, group_writes, places):
     """Ports and flip-flops of one field, whose group ``waits`` for a frame; returns what a read sees."""
     bits = _bits(field.width)
-    constant = f"{field.width}'h{field.reset:x}"
     slice_ = f"[{field.high}:{field.low}]" if field.width > 1 else f"[{field.low}]"
     if field.kind == "constant":
-        return constant
+        return f"{field.width}'h{field.reset:x}"
     if field.kind == "status":
         ports.append((f"input  logic {bits:6} {field.port}_i", ""))
         return f"{field.port}_i"
@@ -213,6 +233,7 @@ def _field_rtl(field, base, waits, ports, body, group_writes):
         body.append(f"  logic {bits}{' ' if bits else ''}{held};")
         group_writes.append(f"{base}_write")
     merged = f"({held} & ~mask{slice_}) | (bus_data_i{slice_} & mask{slice_})"
+    constant = places[field.port]
     body += _flip_flop(held, constant, merged, f"{base}_write")
     if waits:
         body += _flip_flop(f"{field.port}_o", constant, held, f"{waits}_commit_i")
@@ -228,9 +249,29 @@ HEADER = f"""
 // is an error, and changes nothing, at an address without a register in this build, at one that is no
 // multiple of four, and for a write where all is read-only. bus_strobe_i: the bytes that a write changes. A
 // group with commit_i keeps two copies: a read sees what was written, the core what was committed.
+// Resets: the reset value of every setting, in the page's order, the first lowest. Without a bus: constants.
 // Model: model/meissner/link/registers.py
 
 // verilog_lint: waive-start line-length
+"""
+
+PACKAGE = """
+// SPDX-License-Identifier: Apache-2.0
+//
+// {made}
+//
+// The settings' reset values as one number, the first setting of docs/registers.md lowest.
+
+// verilog_lint: waive-start line-length
+
+package msn_registers_pkg;
+
+  localparam int unsigned ResetBits = {width};
+  // verilator lint_off UNUSEDPARAM  (a default, not used by builds that give their own)
+  localparam logic [ResetBits-1:0] Reset = {width}'h{value:x};
+  // verilator lint_on UNUSEDPARAM
+
+endpackage
 """
 
 BUS = """
@@ -287,7 +328,8 @@ def python(groups):
                 f'Field("{f.name}", {f.high}, {f.low}, "{f.kind}", {f.reset:#x})' for f in register.fields
             )
             lines.append(
-                f'Register("{register.name}", {register.address:#05x}, {register.text!r}, ({fields},)),'
+                f'Register("{register.name}", {register.address:#05x}, {register.text!r}, ({fields},)'
+                + (", True)," if register.strobe else "),")
             )
         lines.append("    )),")
     lines.append(")")
@@ -353,6 +395,7 @@ def page(groups):
 
 
 OUTPUTS = {
+    "rtl/link/msn_registers_pkg.sv": package,
     "rtl/link/msn_registers.sv": rtl,
     "model/meissner/host/register_map.py": python,
     "host/msn_registers.h": c_header,

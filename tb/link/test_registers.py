@@ -12,10 +12,11 @@ from cocotb.triggers import ReadOnly, RisingEdge
 
 import bench
 from meissner.host.register_map import GROUPS
-from meissner.link.registers import Registers
+from meissner.link.registers import RESET_BITS, Registers, reset_word
 from meissner.toolchain import ROOT
 
 FEATURES = [group.name for group in GROUPS if group.feature]
+STROBES = [(group.name, register.name) for group in GROUPS for register in group.registers if register.strobe]
 WAITING = [group.name for group in GROUPS if group.at_frame]
 
 
@@ -44,7 +45,7 @@ async def begin(dut):
     idle = {"bus_valid_i": 0} | {port(*key, "i"): value for key, value in status.items()}
     idle |= {f"{name}_commit_i": 0 for name in WAITING}
     await bench.start(dut, **idle)
-    return Registers(present), status, draw
+    return Registers(present, dut.Resets.value.to_unsigned()), status, draw
 
 
 def compare(dut, twin, pulses):
@@ -52,6 +53,8 @@ def compare(dut, twin, pulses):
         assert bench.read(getattr(dut, port(g, r, f.name, "o"))) == twin.setting(g, r, f.name), (g, r, f.name)
     for g, r, f in keys("command"):
         assert bench.read(getattr(dut, port(g, r, f.name, "o"))) == ((g, r, f.name) in pulses), (g, r, f.name)
+    for g, r in STROBES:
+        assert bench.read(getattr(dut, f"{g}_{r}_written_o")) == ((g, r, "written") in pulses), (g, r)
     for name in WAITING:
         assert bench.read(getattr(dut, f"{name}_pending_o")) == twin.pending[name], name
 
@@ -122,6 +125,29 @@ async def starts_over_at_reset(dut):
 @pytest.mark.parametrize("features", [FEATURES, [], FEATURES[::2], FEATURES[1::2]], ids=len)
 def test_registers(features):
     bench.run("link", "registers", {parameter(name): int(name in features) for name in FEATURES})
+
+
+def test_registers_with_reset_values_of_their_own():
+    values = {"slip.threshold": 23, "slip.contact_level": -5, "scan.settle": 999, "health.use.edges": 0}
+    word = reset_word(values | {"core.scratch": 0xDEADBEEF, "link.images": 0})
+    bench.run("link", "registers", {"Resets": f"{RESET_BITS}'h{word:x}"})
+    twin = Registers(resets=word)
+    assert twin.setting("slip", "threshold", "value") == 23
+    assert twin.setting("slip", "contact_level", "value") == (1 << 20) - 5
+    assert twin.setting("health", "use", "edges") == 0 and twin.setting("health", "use", "user") == 1
+    assert reset_word({}) == Registers().resets
+
+
+@pytest.mark.parametrize(
+    "values, sentence",
+    [
+        ({"slip.treshold": 1}, "'slip.treshold' is not a setting"),
+        ({"scan.settle": 65536}, "scan.settle = 65536"),
+    ],
+)
+def test_refuses_reset_values_that_are_none(values, sentence):
+    with pytest.raises(ValueError, match=sentence):
+        reset_word(values)
 
 
 def test_the_generated_files_are_what_their_source_gives():

@@ -13,7 +13,7 @@ struct Core {
 
   Core() { top.clk_i = 1; }
 
-  // One rising edge; see rtl_driver.cpp.
+  // One rising edge; see channels_driver.cpp.
   void clock() {
     top.rootp->__Vtrigprevexpr___TOP__clk_i__0 = 0;
     top.eval();

@@ -8,20 +8,17 @@ from meissner.cop.cop_divide import cop_divide
 from meissner.cop.cop_slip import CopSlip
 from meissner.engines import Watched, moving_of_details
 from meissner.frontend.calibrate import forces as calibrated
+from meissner.slip.channels import decide
 from meissner.slip.haar import haar
-from meissner.slip.peak_to_peak import PeakToPeak, sliding
-from meissner.slip.slip import Slip
+from meissner.slip.peak_to_peak import sliding
 
 
 def watch(x, config, moving=None):
     """Run the slip path over ``x`` [channels, samples] with ``moving`` [samples]; returns Watched."""
-    detail, total = haar(x, config.level)
-    group = 1 << config.level
-    p2p, end = PeakToPeak(len(x), config.window // group, config.hop // group).process(detail)
-    twin = Slip(len(x), config)
-    moving = moving_of_details(moving, config.level, detail.shape[1])
-    state = twin.process(p2p, total, moving)
-    return Watched(p2p=p2p, over=p2p > config.threshold, state=state, end=end, blanked=twin.blanked)
+    detail_count = x.shape[1] >> config.level
+    found = decide(x, config, moving_of_details(moving, config.level, detail_count))
+    over = found.p2p > config.threshold
+    return Watched(p2p=found.p2p, over=over, state=found.state, end=found.end, blanked=found.blanked)
 
 
 def windows(x, config, count):

@@ -65,10 +65,10 @@ def _open(path):
 
 
 class Core:
-    """One Verilated core with its registers set; ``parameters`` are those of rtl/msn_core.sv."""
+    """One Verilated core with its registers set; ``parameters`` are those of rtl/slip/msn_channels.sv."""
 
     def __init__(self, parameters, config, trace=False):
-        self._lib = _open(library("msn_core", "rtl_driver.cpp", parameters, trace))
+        self._lib = _open(library("msn_channels", "channels_driver.cpp", parameters, trace))
         self._core = self._lib.core_new()
         values = {name: int(getattr(config, name)) for name, _ in _SlipRegisters._fields_}
         self._lib.core_start(self._core, _SlipRegisters(**values), SAMPLE_BITS + config.level)

@@ -28,6 +28,7 @@ class Register:
     address: int  # in bytes
     text: str
     fields: tuple
+    strobe: bool = False  # every write acts, even of the same value
 
     @property
     def writable(self):

@@ -7,27 +7,56 @@ multiple of four, and for a write where all is read-only.
 from meissner.host.register_map import GROUPS
 
 
-class Registers:
-    """The registers of a build with the groups named in ``features`` (None: all)."""
+def settings():
+    """(group, register, field) of every setting, in the order of msn_registers' parameter Resets."""
+    return [(g, r, f) for g in GROUPS for r in g.registers for f in r.fields if f.kind == "setting"]
 
-    def __init__(self, features=None):
+
+RESET_BITS = sum(field.width for _, _, field in settings())
+
+
+def reset_word(values):
+    """The parameter Resets: the map's reset values, but {"group.register" or "group.register.field": value}.
+
+    Signed values are taken mod 2**width. ValueError for a name that is no setting and a value without room.
+    """
+    left, word, at = dict(values), 0, 0
+    for group, register, field in settings():
+        name = f"{group.name}.{register.name}" + ("" if field.name == "value" else f".{field.name}")
+        value = int(left.pop(name, field.reset))
+        if not -(field.most + 1) // 2 <= value <= field.most:
+            raise ValueError(f"{name} = {value} does not fit its {field.width} bits")
+        word |= (value & field.most) << at
+        at += field.width
+    if left:
+        raise ValueError(f"'{next(iter(left))}' is not a setting; docs/registers.md lists them")
+    return word
+
+
+class Registers:
+    """The registers of a build with the groups named in ``features`` (None: all).
+
+    ``resets``: the build's parameter Resets, None for the map's own values.
+    """
+
+    def __init__(self, features=None, resets=None):
         known = [group.name for group in GROUPS if group.feature]
         for name in features or ():
             if name not in known:
                 raise ValueError(f"feature {name!r} must be one of: {', '.join(known)}")
         self._groups = [g for g in GROUPS if not g.feature or features is None or g.name in features]
         self._at = {register.address: (g, register) for g in self._groups for register in g.registers}
+        self.resets = reset_word({}) if resets is None else resets
         self.reset()
 
     def reset(self):
         """Every setting at its reset value, nothing pending."""
-        self._written, self._seen = {}, {}
-        for group in GROUPS:  # the ports of an absent group rest at their reset values
-            for register in group.registers:
-                for field in register.fields:
-                    if field.kind == "setting":
-                        key = (group.name, register.name, field.name)
-                        self._written[key] = self._seen[key] = field.reset
+        self._written, self._seen, at = {}, {}, 0
+        for group, register, field in settings():  # the ports of an absent group rest at their reset values
+            key = (group.name, register.name, field.name)
+            given = self.resets >> at & field.most
+            self._written[key] = self._seen[key] = given
+            at += field.width
         self.pending = {group.name: False for group in GROUPS if group.at_frame}
 
     def access(self, write, address, data=0, strobe=15, status=None):
@@ -56,7 +85,7 @@ class Registers:
         if not register.writable:
             return True, set()
         mask = sum(255 << 8 * byte for byte in range(4) if strobe >> byte & 1)
-        pulses = set()
+        pulses = {(group.name, register.name, "written")} if register.strobe else set()
         for field in register.fields:
             key = (group.name, register.name, field.name)
             given, kept = data >> field.low & field.most, mask >> field.low & field.most

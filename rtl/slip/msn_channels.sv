@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The core: instances and wires only, in data-path order.
+// Channels of a converter from their pins to slip decisions: instances and wires only, in data-path order.
 //
 //   ADC pins ─ adc_spi ─ frame_check ─ haar ─ peak_to_peak ─ slip ─ decisions
 //
@@ -8,8 +8,9 @@
 // otherwise the converter's pins feed the chain and the stream is not there. Decision Level + 5 clocks
 // after the sample that completes a group with tumbling windows, Level + 7 with a sliding one of 64. Serial: one
 // block in place of the four of the slip path, the same decisions 2*Steps + 2 clocks after (msn_slip_serial).
+// Model: model/meissner/slip/channels.py
 
-module msn_core #(
+module msn_channels #(
   parameter  int unsigned Adc        = msn_pkg::AdcNone,  // msn_pkg::adc_part_e
   parameter  int unsigned AdcLanes   = 1,
   parameter  int unsigned ClkKhz     = 25_000,
@@ -77,14 +78,14 @@ module msn_core #(
 
   localparam int unsigned Group = 1 << Level;  // samples in a detail
   if (Window < 2 * Group || (Window & (Window - 1)) != 0) begin : gen_check_window
-    $fatal(1, "msn_core: Window = %0d must be a power of two, %0d or more", Window, 2 * Group);
+    $fatal(1, "msn_channels: Window = %0d must be a power of two, %0d or more", Window, 2 * Group);
   end
   if (Hop < Group || Hop > Window || Hop % Group != 0) begin : gen_check_hop
-    $fatal(1, "msn_core: Hop = %0d must be a multiple of %0d up to Window", Hop, Group);
+    $fatal(1, "msn_channels: Hop = %0d must be a multiple of %0d up to Window", Hop, Group);
   end
 
   if (Serial && (Channels != 1 || Hop != Window)) begin : gen_check_serial
-    $fatal(1, "msn_core: Serial = 1 must have Channels = 1 and Hop = Window");
+    $fatal(1, "msn_channels: Serial = 1 must have Channels = 1 and Hop = Window");
   end
 
   logic                         sample_valid, sample_ready, sample_last;
@@ -104,7 +105,7 @@ module msn_core #(
 
   end else if (AdcPeriod != 0) begin : gen_adc_single
     if (Adc != msn_pkg::AdcMcp3208 || Channels != 1) begin : gen_check_adc_period
-      $fatal(1, "msn_core: AdcPeriod = %0d must be 0 but for one channel of an MCP3208", AdcPeriod);
+      $fatal(1, "msn_channels: AdcPeriod = %0d must be 0 but for one channel of an MCP3208", AdcPeriod);
     end
     logic unused_user;
     msn_adc_single #(

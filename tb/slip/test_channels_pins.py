@@ -1,4 +1,4 @@
-"""msn_core from the pins of a real converter to the slip decision, on the part models that check their
+"""msn_channels from the pins of a real converter to the slip decision, on the part models that check their
 timing: the decisions are the twin's on the codes that the part converted, and each comes within 0.2 ms +
 1 us of the sample that crosses, on the first channel and on the last, at 10 kHz. Each
 counter of what went wrong."""
@@ -168,6 +168,6 @@ SMALLEST = {
         (AD7606, {"Adc": 2, "Channels": 8, "ClkKhz": 16_000, "SclkKhz": 8_000, "AdcLanes": 2}),
     ],
 )
-def test_core_pins(part, parameters):
+def test_channels_pins(part, parameters):
     AdcSpi(part, parameters["Channels"], parameters.get("AdcLanes", 1), parameters["ClkKhz"])
-    bench.run("core", "core", parameters, module="test_core_pins")
+    bench.run("slip", "channels", parameters, module="test_channels_pins")

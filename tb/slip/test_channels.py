@@ -1,4 +1,4 @@
-"""msn_core, samples in: decisions against the twins, at every channel count up to 7 and beyond; at most 8
+"""msn_channels, samples in: decisions against the twins, at every channel count up to 7 and beyond; at most 8
 clocks from the sample that completes a group to its decision; damaged frames; reset in mid-frame."""
 
 import cocotb
@@ -170,8 +170,10 @@ async def recovers_after_reset_in_mid_frame(dut):
         {"Channels": 1024},
     ],
 )
-def test_core(parameters):
-    bench.run("core", "core", {"Level": 1, "Window": 64, "Hop": parameters.get("Window", 64)} | parameters)
+def test_channels(parameters):
+    bench.run(
+        "slip", "channels", {"Level": 1, "Window": 64, "Hop": parameters.get("Window", 64)} | parameters
+    )
 
 
 @pytest.mark.parametrize(
@@ -188,4 +190,4 @@ def test_core(parameters):
     ],
 )
 def test_refuses_illegal_parameters(parameters, message):
-    assert message in bench.refuses("core", parameters)
+    assert message in bench.refuses("channels", parameters)

@@ -1,14 +1,14 @@
 // Batch driver of the Verilated core behind a C ABI: whole arrays in, whole arrays out.
 #include <cstdint>
 
-#include "Vmsn_core.h"
-#include "Vmsn_core___024root.h"
+#include "Vmsn_channels.h"
+#include "Vmsn_channels___024root.h"
 #include "adc_parts.hpp"
 #include "core.hpp"
 
 namespace {
 
-using Core = meissner::Core<Vmsn_core>;
+using Core = meissner::Core<Vmsn_channels>;
 
 // What core_pins tells besides the decisions.
 struct PinFacts {
@@ -22,7 +22,7 @@ struct Decisions {
   uint8_t *flags;
   int64_t room, count = 0;
 
-  bool take(const Vmsn_core &top) {
+  bool take(const Vmsn_channels &top) {
     if (!top.out_valid_o) return true;
     if (count == room) return false;
     p2p[count] = top.out_p2p_o;

@@ -1,0 +1,35 @@
+"""Bit-exact twin of rtl/slip/msn_channels.sv: the slip path's decisions about every channel."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from meissner.slip.haar import haar
+from meissner.slip.peak_to_peak import PeakToPeak
+from meissner.slip.slip import Slip, State
+
+
+@dataclass(frozen=True)
+class Decisions:
+    """Of every detail: ``p2p``, ``state``, ``raised`` [channels, details]; ``end`` as msn_peak_to_peak's.
+
+    ``raised``: the first details of slips; ``blanked``: how many were over while deaf or moving.
+    """
+
+    p2p: np.ndarray
+    state: np.ndarray
+    raised: np.ndarray
+    end: np.ndarray
+    blanked: int
+
+
+def decide(x, config, moving=None):
+    """Decisions about whole frames of samples ``x`` [channels, samples]; ``moving``: [details] or None."""
+    detail, total = haar(x, config.level)
+    group = 1 << config.level
+    p2p, end = PeakToPeak(len(x), config.window // group, config.hop // group).process(detail)
+    twin = Slip(len(x), config)
+    state = twin.process(p2p, total, moving)
+    slipping = (state == State.INCIPIENT) | (state == State.GROSS)
+    was = np.concatenate([np.zeros((len(x), 1), dtype=bool), slipping[:, :-1]], axis=1)
+    return Decisions(p2p, state, slipping & ~was, end, twin.blanked)
