@@ -49,7 +49,7 @@ module msn_board #(
   logic               convert, decision_valid, decision_ready, raised;
   logic [2:0]         state;
   logic [P2pBits-1:0] p2p;
-  msn_core #(
+  msn_channels #(
     .Adc       (Adc),
     .ClkKhz    (ClkKhz),
     .SclkKhz   (SclkKhz),
@@ -58,7 +58,7 @@ module msn_board #(
     .SampleBits(SampleBits),
     .TimerBits (TimerBits),
     .Serial    (1'b1)
-  ) u_core (
+  ) u_channels (
     .clk_i,
     .rst_i                (rst),
     .cfg_adc_enable_i     (1'b1),

@@ -1,4 +1,4 @@
-"""The boards: a bitstream is made from the sources of today; a wrong netlist, a slow or a grown one is refused; bad
+"""The boards: a bitstream is made from the sources of today; a wrong, slow or grown netlist is refused; bad
 input is answered by a sentence; each board's pins are named once."""
 
 import json
