@@ -13,11 +13,14 @@ rtl/common/msn_divide.sv
 rtl/common/msn_ratio.sv
 rtl/common/msn_hypot.sv
 rtl/common/msn_fifo.sv
+rtl/common/msn_fork.sv
+rtl/common/msn_narrow.sv
 rtl/frontend/msn_adc_pkg.sv
 rtl/frontend/msn_spi_shift.sv
 rtl/frontend/msn_adc_store.sv
 rtl/frontend/msn_adc_spi.sv
 rtl/frontend/msn_adc_single.sv
+rtl/frontend/msn_convert_time.sv
 rtl/frontend/msn_burst.sv
 rtl/frontend/msn_am_demod.sv
 rtl/frontend/msn_scan_plan.sv
@@ -27,6 +30,7 @@ rtl/frontend/msn_scan_adc.sv
 rtl/frontend/msn_scan_demod.sv
 rtl/frontend/msn_health.sv
 rtl/frontend/msn_tare.sv
+rtl/frontend/msn_calibration_preset.sv
 rtl/frontend/msn_calibration_table.sv
 rtl/frontend/msn_calibrate.sv
 rtl/slip/msn_haar.sv
@@ -34,6 +38,7 @@ rtl/slip/msn_sliding_extremes.sv
 rtl/slip/msn_peak_to_peak.sv
 rtl/slip/msn_slip.sv
 rtl/slip/msn_slip_serial.sv
+rtl/slip/msn_slip_flags.sv
 rtl/slip/msn_channels.sv
 rtl/cop/msn_cop_accumulate.sv
 rtl/cop/msn_cop_divide.sv
@@ -41,6 +46,7 @@ rtl/cop/msn_cop.sv
 rtl/cop/msn_cop_array.sv
 rtl/cop/msn_array.sv
 rtl/cop/msn_cop4_correct.sv
+rtl/cop/msn_electrodes.sv
 rtl/cop/msn_cop4.sv
 rtl/cop/msn_cop_slip.sv
 rtl/link/msn_crc32.sv

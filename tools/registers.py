@@ -267,7 +267,8 @@ PACKAGE = """
 package msn_registers_pkg;
 
   localparam int unsigned ResetBits = {width};
-  // verilator lint_off UNUSEDPARAM  (a default, not used by builds that give their own)
+  // A default: builds that give their own values do not use it.
+  // verilator lint_off UNUSEDPARAM
   localparam logic [ResetBits-1:0] Reset = {width}'h{value:x};
   // verilator lint_on UNUSEDPARAM
 
@@ -311,6 +312,7 @@ endmodule
 
 def python(groups):
     lines = [
+        "# ruff: noqa: E501 - the texts are as long as their source's",
         f'"""The register map. {MADE}"""',
         "",
         "from meissner.host.register import Field, Group, Register",

@@ -9,7 +9,8 @@
 package msn_registers_pkg;
 
   localparam int unsigned ResetBits = 858;
-  // verilator lint_off UNUSEDPARAM  (a default, not used by builds that give their own)
+  // A default: builds that give their own values do not use it.
+  // verilator lint_off UNUSEDPARAM
   localparam logic [ResetBits-1:0] Reset = 858'h2000000000000000101ffffbfffdfffffffe00020000000000000000000000000000000000000000001fffe00000002000000000000000000000000000000100801000000037fff800000000000200000000000080000000000020000000001fffffffffe00000000000000;
   // verilator lint_on UNUSEDPARAM
 

@@ -1,3 +1,4 @@
+# ruff: noqa: E501 - the texts are as long as their source's
 """The register map. Made by tools/registers.py from rtl/registers.rdl: change that, then `make registers`."""
 
 from meissner.host.register import Field, Group, Register

@@ -1,0 +1,17 @@
+"""Bit-exact twin of rtl/cop/msn_electrodes.sv: whole frames of four samples, and how many were none."""
+
+
+def electrodes(beats, sample_bits=17):
+    """([(e1, e2, e3, e4)], frames that were none) of ``beats``: (data, id, last)."""
+    if sample_bits < 2:
+        raise ValueError(f"sample_bits = {sample_bits} must be at least 2")
+    found, frame, lost = [], [], 0
+    for data, channel, last in beats:
+        frame.append((channel, data))
+        if last:
+            whole = [channel for channel, _ in frame] == [0, 1, 2, 3]
+            found += [tuple(data for _, data in frame)] if whole else []
+            lost += not whole
+            frame = []
+    whole_so_far = [channel for channel, _ in frame] == list(range(len(frame))) and len(frame) < 4
+    return found, lost + (not whole_so_far)

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The convert start of the frame under way, in clock ticks.
+//
+//   convert_i: time C = now      a frame's first sample offered: W = C      that sample taken: time_o = W
+//
+// So a frame keeps its own time while it waits, however many conversions come to nothing meanwhile, and while what
+// follows still works on the one before. The converter offers a frame's first sample before it converts the next.
+// Model: model/meissner/frontend/convert_time.py
+
+module msn_convert_time (
+  input  logic        clk_i,
+  input  logic        rst_i,
+  input  logic [47:0] now_i,
+
+  input  logic        convert_i,
+  input  logic        valid_i,    // a sample is offered
+  input  logic        ready_i,    // and taken
+  input  logic        last_i,     // the frame's last
+
+  output logic [47:0] time_o      // from the clock after the first sample is taken
+);
+
+  logic        midway, offered;
+  logic [47:0] converted, waiting, first;
+  assign first = offered ? waiting : converted;
+
+  always_ff @(posedge clk_i) begin
+    if (convert_i) converted <= now_i;
+    if (valid_i && !midway) begin
+      offered <= !ready_i;
+      waiting <= first;
+      if (ready_i) time_o <= first;
+    end
+    if (valid_i && ready_i) midway <= !last_i;
+    if (rst_i) begin
+      midway  <= 1'b0;
+      offered <= 1'b0;
+    end
+  end
+
+endmodule

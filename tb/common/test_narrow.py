@@ -1,0 +1,66 @@
+"""msn_narrow against its model: full and part-filled last beats, gaps and stalls, frames cut short, reset."""
+
+import cocotb
+import numpy as np
+import pytest
+
+import bench
+from meissner.common.narrow import narrow
+
+FIELDS = ["data", "id", "last"]
+
+
+def shape(dut):
+    return tuple(getattr(dut, name).value.to_unsigned() for name in ("Rows", "Columns", "Lanes", "DataBits"))
+
+
+def frame(rng, rows, columns, lanes, bits, beats=None):
+    """Values of the lanes and last, beat by beat, of one frame; cut after ``beats``."""
+    count = beats or rows * -(-columns // lanes)
+    values = rng.integers(0, 1 << bits, (count, lanes))
+    return [(row.tolist(), index == count - 1) for index, row in enumerate(values)]
+
+
+async def check(dut, frames, gap=0.0, stall=0.0):
+    _, columns, lanes, bits = shape(dut)
+    beats = [{"data": bench.lane_word(values, bits), "last": int(last)} for values, last in frames]
+    got = await bench.stream(dut, beats, FIELDS, bench.pauses(gap), bench.pauses(stall), hold=True)
+    expected = [dict(zip(FIELDS, map(int, taxel))) for taxel in narrow(frames, columns, lanes)]
+    assert got == expected
+
+
+@cocotb.test(timeout_time=2, timeout_unit="ms")
+@cocotb.parametrize(gap=[0.0, 0.4], stall=[0.0, 0.5])
+async def matches_model(dut, gap, stall):
+    rng = np.random.default_rng(bench.SEED)
+    await bench.start(dut)
+    frames = [beat for _ in range(4) for beat in frame(rng, *shape(dut))]
+    await check(dut, frames, gap, stall)
+
+
+@cocotb.test(timeout_time=2, timeout_unit="ms")
+async def starts_anew_after_a_short_frame_and_a_reset(dut):
+    rng = np.random.default_rng(bench.SEED)
+    await bench.start(dut)
+    await check(dut, frame(rng, *shape(dut), beats=1) + frame(rng, *shape(dut)))
+    await bench.stream(dut, [{"data": 1, "last": 0}], FIELDS, stalls=bench.pauses(0.5), drain=0)
+    await bench.reset(dut)
+    await check(dut, frame(rng, *shape(dut)))
+
+
+@pytest.mark.parametrize(
+    "rows, columns, lanes", [(3, 5, 1), (3, 5, 2), (2, 19, 8), (4, 16, 8), (2, 3, 4), (1, 1, 1)]
+)
+def test_narrow(rows, columns, lanes):
+    bench.run("common", "narrow", {"Rows": rows, "Columns": columns, "Lanes": lanes})
+
+
+@pytest.mark.parametrize(
+    "name, value, sentence",
+    [("Lanes", 3, "Lanes = 3"), ("Columns", 1025, "Columns = 1025"), ("Rows", 0, "Rows = 0")],
+)
+def test_refuses_illegal_parameters(name, value, sentence):
+    assert sentence in bench.refuses("narrow", {name: value})
+    if name != "Rows":
+        with pytest.raises(ValueError, match=sentence.lower()):
+            narrow([], **({"columns": 4, "lanes": 2} | {name.lower(): value}))

@@ -1,0 +1,78 @@
+"""msn_electrodes against its model: frames back to back, gaps and stalls, every kind of damage, reset."""
+
+import random
+
+import cocotb
+import numpy as np
+import pytest
+
+import bench
+from meissner.cop.electrodes import electrodes
+
+FIELDS = ["e1~", "e2~", "e3~", "e4~"]
+
+
+def frames(rng, count, bits):
+    """Beats (data, id, last) of whole frames; the first ones at both ends of the range."""
+    low, high = bench.width(bits)
+    values = rng.integers(low, high + 1, (count, 4))
+    values[0], values[1] = (low, high, low, high), (high, low, low, low)
+    return [(int(v), place, int(place == 3)) for row in values for place, v in enumerate(row)]
+
+
+async def check(dut, beats, gap=0.0, stall=0.0):
+    given = [dict(zip(("data", "id", "last"), beat)) for beat in beats]
+    before = bench.read(dut.damaged_o)
+    got = await bench.stream(dut, given, FIELDS, bench.pauses(gap), bench.pauses(stall))
+    found, lost = electrodes(beats, len(dut.in_data_i))
+    assert [tuple(row.values()) for row in got] == found
+    assert bench.read(dut.damaged_o) - before == lost
+    return found, lost
+
+
+@cocotb.test(timeout_time=2, timeout_unit="ms")
+@cocotb.parametrize(gap=[0.0, 0.4], stall=[0.0, 0.6])
+async def matches_model(dut, gap, stall):
+    await bench.start(dut)
+    beats = frames(np.random.default_rng(bench.SEED), 60, len(dut.in_data_i))
+    found, lost = await check(dut, beats, gap, stall)
+    assert (len(found), lost) == (60, 0)
+
+
+@cocotb.test(timeout_time=2, timeout_unit="ms")
+async def leaves_out_what_is_no_frame(dut):
+    await bench.start(dut)
+    rng, draw = np.random.default_rng(bench.SEED), random.Random(bench.SEED)
+    beats = frames(rng, 200, len(dut.in_data_i))
+    for _ in range(60):
+        at = draw.randrange(len(beats) - 8)
+        data, channel, last = beats[at]
+        beats[at : at + 1] = draw.choice(
+            [[], [(data, channel, last)] * 2, [(data, channel ^ 1, last)], [(data, channel, 1 - last)]]
+        )
+    beats += [(0, 0, 1), *frames(rng, 3, len(dut.in_data_i))]
+    found, lost = await check(dut, beats, 0.2, 0.2)
+    assert len(found) > 80 and lost > 30
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def forgets_what_a_reset_interrupts(dut):
+    await bench.start(dut)
+    beats = frames(np.random.default_rng(bench.SEED), 3, len(dut.in_data_i))
+    for cut in range(1, 5):
+        given = [dict(zip(("data", "id", "last"), beat)) for beat in beats[:cut]]
+        await bench.stream(dut, given, FIELDS, stalls=lambda: True, drain=0)
+        await bench.reset(dut)
+        await check(dut, beats)
+    assert bench.read(dut.damaged_o) == 0
+
+
+@pytest.mark.parametrize("bits", [17, 2])
+def test_electrodes(bits):
+    bench.run("cop", "electrodes", {"SampleBits": bits})
+
+
+def test_refuses_illegal_parameters():
+    assert "SampleBits = 1" in bench.refuses("electrodes", {"SampleBits": 1})
+    with pytest.raises(ValueError, match="sample_bits = 1"):
+        electrodes([], 1)

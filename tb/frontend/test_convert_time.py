@@ -1,0 +1,82 @@
+"""msn_convert_time against its model: frames of one to five samples that come in time, wait, or are dropped,
+with a converter that goes on converting all the while; reset."""
+
+import random
+
+import cocotb
+from cocotb.triggers import ReadOnly, RisingEdge
+
+import bench
+from meissner.frontend.convert_time import convert_times
+
+
+def converter(draw, frames, channels):
+    """Clocks (convert, valid, ready, last) of a converter whose consumer sleeps now and then.
+
+    A frame that finds the one before still waiting is dropped.
+    """
+    period = 4 * channels + 6
+    queue, clocks, sleep = [], [], 0
+    for now in range(frames * period):
+        phase = now % period
+        if phase == 3 and not queue:
+            queue = [place == channels - 1 for place in range(channels)]
+        if sleep == 0 and draw.random() < 0.03:
+            sleep = draw.randrange(5 * period)
+        ready = sleep == 0 and draw.random() < 0.7
+        sleep = max(0, sleep - 1)
+        valid = bool(queue)
+        clocks.append((phase == 0, valid, ready, valid and queue[0]))
+        if valid and ready:
+            queue.pop(0)
+    return clocks
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+@cocotb.parametrize(channels=[1, 2, 5])
+async def matches_model(dut, channels):
+    draw = random.Random(bench.SEED)
+    clocks = converter(draw, 200, channels)
+    await bench.start(dut, convert_i=0, valid_i=0, ready_i=0, last_i=0, now_i=0)
+    expected, found, first, show = convert_times(clocks), [], True, False
+    for now, (convert, valid, ready, last) in enumerate(clocks):
+        values = {"now": now, "convert": convert, "valid": valid, "ready": ready, "last": last}
+        for name, value in values.items():
+            getattr(dut, f"{name}_i").value = int(value)
+        await ReadOnly()
+        if show:  # all through the frame, from the clock after its first sample was taken
+            assert bench.read(dut.time_o) == expected[len(found) - 1]
+        if valid and ready:
+            if first:
+                found.append(now)
+            first, show = last, True
+        await RisingEdge(dut.clk_i)
+    assert len(found) > 50
+    waits = [took - start for took, start in zip(found, expected)]
+    assert max(waits) > 3 * (4 * channels + 6), "no frame waited"
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def forgets_what_a_reset_interrupts(dut):
+    idle = {"convert_i": 0, "valid_i": 0, "ready_i": 0, "last_i": 0}
+    await bench.start(dut, now_i=5, **idle)
+    for ready in (0, 1):  # a first sample that waits, a frame under way
+        dut.convert_i.value, dut.now_i.value = 1, 7
+        await RisingEdge(dut.clk_i)
+        dut.convert_i.value, dut.valid_i.value, dut.ready_i.value = 0, 1, ready
+        await RisingEdge(dut.clk_i)
+        dut.valid_i.value = 0
+        await bench.reset(dut)
+        dut.convert_i.value, dut.now_i.value = 1, 99
+        await RisingEdge(dut.clk_i)
+        dut.convert_i.value, dut.valid_i.value, dut.ready_i.value, dut.last_i.value = 0, 1, 1, 1
+        await RisingEdge(dut.clk_i)
+        dut.valid_i.value = 0
+        await ReadOnly()
+        assert bench.read(dut.time_o) == 99
+        await RisingEdge(dut.clk_i)
+        await bench.reset(dut)
+
+
+def test_convert_time():
+    bench.run("frontend", "convert_time")
