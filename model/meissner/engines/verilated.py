@@ -1,15 +1,14 @@
 """Builds of Verilated modules behind a batch C++ driver: made once for a source and a configuration."""
 
-from contextlib import contextmanager
-from contextvars import ContextVar
-from functools import cache, wraps
-
 import hashlib
 import os
 import shutil
 import subprocess
 import sys
 import tempfile
+from contextlib import contextmanager
+from contextvars import ContextVar
+from functools import cache, wraps
 from pathlib import Path
 
 from meissner import netlist, toolchain
