@@ -33,14 +33,17 @@ def _yosys_models(cells, folder):
     return f"{folder}/cells.v"
 
 
-def verilog(top, parameters, cells):
+def verilog(top, parameters, cells, kept=()):
     """Paths of the netlist of ``top`` in ``cells`` and of the cells' models; made now if it was not before.
 
-    ``cells``: ice40, ecp5 or gowin, synthesised as the boards of that family are.
+    ``cells``: ice40, ecp5 or gowin, synthesised as the boards of that family are; ``kept``: wires of ``top``
+    that must be there by name.
     """
     synth = next(board.synth for board in boards.BOARDS.values() if board.cells == cells)
     chparam = "".join(f"chparam -set {name} {int(value)} {top}; " for name, value in parameters.items())
-    before = f"{yowasp.read_rtl()}; {chparam}{synth} -top {top}; write_verilog -noattr "
+    keep = "".join(f"setattr -set keep 1 {top}/w:{wire}; " for wire in kept)
+    before = f"{yowasp.read_rtl()}; {chparam}hierarchy -top {top}; {keep}{synth} -top {top}; "
+    before += "write_verilog -noattr "
     # Read afresh, as synthesis left boxes of its own in the design.
     after = f"; hierarchy -top {top}; proc; flatten; opt_expr; opt_clean; check -assert; "
     after += "write_verilog -noattr "

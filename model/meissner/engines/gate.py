@@ -1,4 +1,4 @@
-"""Engine ``gate``: the netlist after synthesis, in cells of an ECP5, behind the drivers of the engine ``rtl``."""
+"""Engine ``gate``: the netlist after synthesis, in cells of an ECP5, behind the drivers of engine ``rtl``."""
 
 from functools import wraps
 

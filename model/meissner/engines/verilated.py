@@ -2,6 +2,7 @@
 
 import hashlib
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -40,11 +41,15 @@ def library(top, driver, parameters, trace=False):
     ``driver``: a .cpp file beside this one; its .vlt, if there is one, says which inner signals it reads.
     """
     environment = toolchain.environment()
+    driver = HERE / driver
+    told = driver.with_suffix(".vlt")
     if CELLS.get() is None:
         sources, checks = toolchain.sources(), toolchain.VERILATOR_FLAGS
         checks = [*checks, *(f"-G{name}={value}" for name, value in parameters.items())]
     else:  # a netlist is not written in the house style, and its parameters are no more
-        sources = netlist.verilog(top, parameters, CELLS.get())
+        text = told.read_text() if told.exists() else ""
+        read = re.findall(rf'public_flat_rd -module "{top}" -var "(\w+)"', text)
+        sources = netlist.verilog(top, parameters, CELLS.get(), read)
         checks = [*toolchain.VERILATOR_FLAGS, "-Wno-lint", "-Wno-style"]
     flags = [
         *(["--trace-vcd"] if trace else []),
@@ -52,8 +57,7 @@ def library(top, driver, parameters, trace=False):
         *checks,
         *("-CFLAGS", f"-fPIC -O3 -I{HERE}", "-LDFLAGS", "-shared", "--exe", "-o", "core.so"),
     ]
-    driver = HERE / driver
-    inputs = [driver, *filter(Path.exists, [driver.with_suffix(".vlt")]), *sources]
+    inputs = [driver, *filter(Path.exists, [told]), *sources]
     digest = hashlib.sha256(repr(flags).encode())
     for file in [*inputs, *sorted(HERE.glob("*.hpp"))]:
         digest.update(file.read_bytes())
