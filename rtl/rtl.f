@@ -29,6 +29,7 @@ rtl/frontend/msn_scan.sv
 rtl/frontend/msn_scan_adc.sv
 rtl/frontend/msn_scan_demod.sv
 rtl/frontend/msn_health.sv
+rtl/frontend/msn_health_report.sv
 rtl/frontend/msn_tare.sv
 rtl/frontend/msn_calibration_preset.sv
 rtl/frontend/msn_calibration_table.sv
@@ -61,3 +62,4 @@ rtl/link/msn_link.sv
 rtl/link/msn_registers_pkg.sv
 rtl/link/msn_registers.sv
 rtl/link/msn_axil.sv
+rtl/msn_core.sv

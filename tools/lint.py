@@ -13,6 +13,7 @@ ROOT = toolchain.ROOT
 RULES = ROOT / "tb/lint/verible.rules"
 CELLS = ROOT / "tb/lint/cells.v"
 WAIVERS = ROOT / "tb/lint/verilator.vlt"
+PYTHON = ("model", "tb", "tools", "examples")
 
 
 def run(name, command):
@@ -44,8 +45,8 @@ def main():
             "verible",
             [str(binaries / "verible-verilog-lint"), f"--rules_config={RULES}", *map(str, (*files, *outer))],
         ),
-        ("ruff check", [str(binaries / "ruff"), "check", "--quiet", "model", "tb", "tools"]),
-        ("ruff format", [str(binaries / "ruff"), "format", "--quiet", "--check", "model", "tb", "tools"]),
+        ("ruff check", [str(binaries / "ruff"), "check", "--quiet", *PYTHON]),
+        ("ruff format", [str(binaries / "ruff"), "format", "--quiet", "--check", *PYTHON]),
     ]
     with ThreadPoolExecutor() as pool:
         problems += [problem for problem in pool.map(lambda job: run(*job), jobs) if problem]

@@ -29,14 +29,12 @@ PIN = re.compile(r"adc_\w+")
 
 
 def write_build(folder, parameters):
-    """The configuration as the macros that the tops in rtl/boards read; ``folder`` is made if need be."""
+    """The configuration as the macros that rtl/boards read; ``folder`` is made if need be."""
     (ROOT / folder).mkdir(parents=True, exist_ok=True)
-    listed = ", ".join(f".{name}({value})" for name, value in parameters.items())
-    (ROOT / folder / "msn_build.svh").write_text(
-        "// Written by tools/synth.py.\n"
-        f"`define MSN_CLK_KHZ {parameters['ClkKhz']}\n"
-        f"`define MSN_PARAMETERS {listed}\n"
-    )
+    listed = ", ".join(f".{name}({boards.literal(value)})" for name, value in parameters.items())
+    macros = boards.sizes(parameters) | {"PARAMETERS": listed}
+    text = "".join(f"`define MSN_{name} {value}\n" for name, value in macros.items())
+    (ROOT / folder / "msn_build.svh").write_text("// Written by tools/synth.py.\n" + text)
 
 
 def synthesise(board, config, parameters):

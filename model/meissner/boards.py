@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+from meissner.link.registers import RESET_BITS, reset_word
+
 # What counts as what: patterns of nextpnr's names, of Yosys's for flip-flops.
 ECP5_AREA = {"lut": "TRELLIS_COMB", "ff": "TRELLIS_FF", "bram": "DP16KD", "dsp": "MULT18X18D"}
 ICE40_AREA = {"lut": "ICESTORM_LC", "ff": "SB_DFF.*", "bram": "ICESTORM_RAM", "dsp": "ICESTORM_DSP"}
@@ -13,7 +15,7 @@ class Board:
     """One board: ``pnr`` and ``pack`` are commands of which synth.py fills in the files.
 
     ``clk_khz``: the clock of the core unless a configuration has its own; ``configs``: name to the parameters
-    of rtl/boards/msn_board.sv that are this board's; ``cells``: family whose cells the netlist has.
+    of rtl/msn_core.sv that are this board's; ``cells``: family whose cells the netlist has.
     """
 
     name: str
@@ -37,14 +39,54 @@ class Board:
         return [f"rtl/boards/{module}.sv" for module in ("msn_board_reset", "msn_board", self.top)]
 
 
-# One rubber sensor at 10 kHz, thresholds in codes; times in details of two samples.
-SLIP1 = {"SampleBits": 13, "BaudHz": 1_000_000}
+def literal(value):
+    """``value`` as Verilog; what is wider than an integer has its width."""
+    return value if value < 1 << 31 else f"{RESET_BITS}'h{value:x}"
+
+
+def sizes(parameters):
+    """What rtl/boards must know of msn_core's parameters, by the names of its macros."""
+    columns, converters = parameters.get("Columns", 1), parameters.get("Converters", 1)
+    inputs = 1 if parameters.get("Demod") else parameters.get("AdcChannels", 8)
+    groups = -(-columns // (converters * inputs))
+    return {
+        "CLK_KHZ": parameters["ClkKhz"],
+        "ADC": parameters["Adc"],
+        "ROWS": parameters.get("Rows", 1),
+        "CONVERTERS": converters,
+        "ADC_LANES": parameters.get("AdcLanes", 1),
+        "GROUP_BITS": max((groups - 1).bit_length(), 1),
+    }
+
+
+SLIP = {
+    "slip.threshold": 23,
+    "slip.gross_threshold": 200,
+    "slip.contact_level": 7000,
+    "slip.release_level": 7400,
+    "slip.contact_rises": 0,
+    "slip.hold": 100,
+    "slip.refractory": 50,
+    "slip.blank": 250,
+}
 MCP3208 = {"Adc": 1, "SclkKhz": 1000}
 MAX11125 = {"Adc": 5, "SclkKhz": 16000}
 
 
 def _slip1(clk_khz, part):
-    return SLIP1 | part | {"ClkKhz": clk_khz, "PeriodClocks": clk_khz // 10}
+    """One rubber sensor at 10 kHz and nothing else."""
+    resets = SLIP | {"adc.enable": 1, "adc.period": clk_khz // 10}
+    return part | {
+        "ClkKhz": clk_khz,
+        "SampleBits": 13,
+        "TimerBits": 10,
+        "Serial": 1,
+        "SlipOnly": 1,
+        "Registers": 0,
+        "Statistics": 0,
+        "BaudHz": 1_000_000,
+        "Resets": reset_word(resets),
+    }
 
 
 BOARDS = {
@@ -61,7 +103,7 @@ BOARDS = {
             bitstream=".bin",
             area=ICE40_AREA,
             # The converter at 5 V, so that its SCLK may have 2 MHz.
-            configs={"slip1": _slip1(12_000, MCP3208 | {"SclkKhz": 2000, "Single": 1})},
+            configs={"slip1": _slip1(12_000, MCP3208 | {"SclkKhz": 2000, "AdcPeriod": 1200})},
         ),
         Board(
             name="ulx3s",

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from meissner import budget, calibration, engines, files
+from meissner.host import commands as host_commands
 
 
 class _Parser(argparse.ArgumentParser):
@@ -189,6 +190,7 @@ def _parser():
     cop4.add_argument("--out", required=True, metavar="OUT.npz", help="where the arrays go")
     cop4.set_defaults(call=_process_cop4)
 
+    host_commands.add_commands(commands)
     budget.add_command(commands)
     calibration.add_command(commands)
     return parser

@@ -1,18 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// iCEBreaker 1.0: 12 MHz, or 24 MHz from the PLL ; converter on PMOD 1A. docs/boards.md has the wiring.
+// iCEBreaker 1.0: 12 MHz, or 24 MHz from the PLL (MSN_CLK_KHZ); converter on PMOD 1A. docs/boards.md has the wiring.
 
 `include "msn_build.svh"  // the configuration, written by tools/synth.py
 
 module icebreaker_top (
-  input  logic clk_12m_i,
-  output logic tx_o,
-  output logic led_red_n_o,
-  output logic led_green_n_o,
-  output logic adc_cs_n_o,
-  output logic adc_sclk_o,
-  output logic adc_mosi_o,
-  input  logic adc_miso_i
+  input  logic       clk_12m_i,
+  input  logic       rx_i,
+  output logic       tx_o,
+  output logic       led_red_n_o,
+  output logic       led_green_n_o,
+  input  logic       moving_i,
+  output logic [7:0] row_o,
+  output logic       adc_cs_n_o,
+  output logic       adc_sclk_o,
+  output logic       adc_mosi_o,
+  input  logic       adc_miso_i
 );
 
   logic clk, good;
@@ -39,22 +42,28 @@ module icebreaker_top (
     );
   end
 
-  logic slip, gross, unused_contact;
-  msn_board #(
-    `MSN_PARAMETERS
-  ) u_board (
-    .clk_i     (clk),
-    .good_i    (good),
-    .adc_cs_n_o,
-    .adc_sclk_o,
-    .adc_mosi_o,
-    .adc_miso_i,
-    .tx_o,
-    .contact_o (unused_contact),
-    .slip_o    (slip),
-    .gross_o   (gross)
+  logic slip, gross, touched, pressed;
+  msn_board u_board (
+    .clk_i       (clk),
+    .good_i      (good),
+    .row_o       (row_o),
+    .group_o     (),
+    .adc_cs_n_o  (adc_cs_n_o),
+    .adc_sclk_o  (adc_sclk_o),
+    .adc_mosi_o  (adc_mosi_o),
+    .adc_convst_o(),
+    .adc_reset_o (),
+    .adc_miso_i  ({15'd0, adc_miso_i}),
+    .adc_busy_i  ('0),
+    .moving_i    (moving_i),
+    .rx_i        (rx_i),
+    .tx_o        (tx_o),
+    .slip_o      (slip),
+    .gross_o     (gross),
+    .touched_o   (touched),
+    .pressed_o   (pressed)
   );
-  assign led_green_n_o = !slip;
-  assign led_red_n_o   = !gross;
+  assign led_green_n_o = !(touched || pressed) || slip;
+  assign led_red_n_o   = !(slip || gross);
 
 endmodule

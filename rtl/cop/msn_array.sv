@@ -2,11 +2,12 @@
 //
 // A scanned array from its pins to the centre of pressure: instances and wires only, in data-path order.
 //
-//   lines, ADC pins ─ scan_adc or scan_demod ─ health ─ tare ─ calibrate ─ cop ─ x, y, load
+//   lines, ADC pins ─ scan_adc, scan_demod or a stream ─ health ─ tare ─ calibrate ─ cop ─ x, y, load
 //
 // Demod: the taxels are read as amplitudes of a carrier (msn_scan_demod), one lane; else Converters lanes, and slip
 // rounds on a stream of their own. Without Health or Tare that stage is not there. With Tare the calibration has
-// gains only: the zero of a taxel is taken off before.
+// gains only: the zero of a taxel is taken off before. Tap: the forces go out too. msn_frame_gate lets one frame through
+// at a time, so that settings change and the frame's time holds between two.
 // Latency from a scanned frame's last beat: 16 clocks with all stages, the same in every frame.
 // Model: model/meissner/cop/array.py
 
@@ -36,6 +37,7 @@ module msn_array #(
   parameter  int unsigned TareLog2         = 4,
   parameter  int unsigned FractionBits     = 14,
   parameter  int unsigned BitsPerClock     = 2,
+  parameter  bit          Tap              = 1'b0,
   localparam int unsigned SampleBits       = 17,
   localparam int unsigned Lanes            = Demod ? 1 : Converters,
   localparam int unsigned ZeroedBits       = Tare ? SampleBits + 1 : SampleBits,
@@ -105,6 +107,22 @@ module msn_array #(
   output logic [Converters-1:0]            adc_reset_o,
   output logic                             convert_o,
 
+  input  logic                             in_valid_i,           // Part = AdcNone: frames on a stream
+  output logic                             in_ready_o,
+  input  logic [Lanes*SampleBits-1:0]      in_data_i,
+  input  logic [IdBits-1:0]                in_id_i,
+  input  logic                             in_last_i,
+
+  input  logic                             cfg_pending_i,        // settings wait
+  output logic                             commit_o,             // no frame is under way: settings may change
+  input  logic                             stalled_i,            // what follows the tap holds a result back
+  output logic [47:0]                      time_o,               // convert start of the frame under way
+
+  output logic                             tap_valid_o,
+  input  logic                             tap_ready_i,
+  output logic [Lanes*16-1:0]              tap_data_o,
+  output logic                             tap_last_o,
+
   output logic                             out_valid_o,
   input  logic                             out_ready_i,
   output logic signed [CopBits-1:0]        out_x_o,
@@ -151,8 +169,25 @@ module msn_array #(
   logic [IdBits-1:0]           scan_id;
   logic [Lanes-1:0]            scan_user;
   logic [31:0]                 unused_frame;
-  logic [47:0]                 unused_time;
-  if (!Demod) begin : gen_scan_adc
+  logic [47:0]                 scan_time;
+  if (Part == msn_pkg::AdcNone) begin : gen_stream
+    assign scan_valid = in_valid_i;
+    assign in_ready_o = scan_ready;
+    assign scan_data  = in_data_i;
+    assign scan_id    = in_id_i;
+    assign scan_last  = in_last_i;
+    assign scan_user  = '0;
+    assign scan_time  = now_i;
+    assign {row_o, group_o, adc_sclk_o, adc_mosi_o, adc_convst_o, adc_reset_o, convert_o} = '0;
+    assign adc_cs_n_o = '1;
+    assign {slip_valid_o, slip_data_o, slip_id_o, slip_last_o, slip_user_o, slip_frame_o, slip_time_o} = '0;
+    assign {dropped_o, overrun_o, held_o, lost_o, slip_dropped_o, slip_overrun_o} = '0;
+    assign {unused_frame} = '0;
+    logic unused_scan;
+    assign unused_scan = ^{cfg_enable_i, cfg_settle_i, cfg_period_i, cfg_interleave_i, cfg_slip_period_i,
+                           cfg_slip_row_i, cfg_slip_group_i, slip_ready_i, adc_busy_i, adc_miso_i};
+
+  end else if (!Demod) begin : gen_scan_adc
     msn_scan_adc #(
       .Rows      (Rows),
       .Columns   (Columns),
@@ -198,7 +233,7 @@ module msn_array #(
       .out_last_o        (scan_last),
       .out_user_o        (scan_user),
       .out_frame_o       (unused_frame),
-      .out_time_o        (unused_time),
+      .out_time_o        (scan_time),
       .slip_valid_o,
       .slip_ready_i,
       .slip_data_o,
@@ -258,7 +293,7 @@ module msn_array #(
       .out_last_o        (scan_last),
       .out_user_o        (scan_user),
       .out_frame_o       (unused_frame),
-      .out_time_o        (unused_time),
+      .out_time_o        (scan_time),
       .dropped_o,
       .overrun_o,
       .held_o,
@@ -270,6 +305,32 @@ module msn_array #(
     logic unused_slip;
     assign unused_slip = ^{cfg_slip_period_i, cfg_slip_row_i, cfg_slip_group_i, slip_ready_i, adc_busy_i,
                            adc_miso_i};
+  end
+
+  if (Part != msn_pkg::AdcNone) begin : gen_no_stream
+    assign in_ready_o = 1'b0;
+    logic unused_stream;
+    assign unused_stream = ^{in_valid_i, in_data_i, in_id_i, in_last_i};
+  end
+
+  // From its last beat in to its last force out of msn_narrow and decided, a frame takes this many clocks at most.
+  localparam int unsigned Drain = 32 + 20 * Lanes;
+  logic gate_valid, gate_ready;
+  msn_frame_gate #(.Drain(Drain)) u_gate (
+    .clk_i,
+    .rst_i,
+    .pending_i  (gate_valid || cfg_pending_i),
+    .commit_o,
+    .stalled_i  (stalled_i || (out_valid_o && !out_ready_i)),
+    .in_valid_i (scan_valid),
+    .in_ready_o (scan_ready),
+    .in_last_i  (scan_last),
+    .out_valid_o(gate_valid),
+    .out_ready_i(gate_ready)
+  );
+
+  always_ff @(posedge clk_i) begin
+    if (gate_valid && gate_ready) time_o <= scan_time;
   end
 
   logic                        sound_valid, sound_ready, sound_last;
@@ -292,8 +353,8 @@ module msn_array #(
       .cfg_blink_i,
       .cfg_clear_i,
       .cfg_report_i,
-      .in_valid_i (scan_valid),
-      .in_ready_o (scan_ready),
+      .in_valid_i (gate_valid),
+      .in_ready_o (gate_ready),
       .in_data_i  (scan_data),
       .in_user_i  (scan_user),
       .in_id_i    (scan_id),
@@ -316,8 +377,8 @@ module msn_array #(
       .damaged_o  (unused_health_damaged)
     );
   end else begin : gen_no_health
-    assign sound_valid    = scan_valid;
-    assign scan_ready     = sound_ready;
+    assign sound_valid    = gate_valid;
+    assign gate_ready     = sound_ready;
     assign sound_data     = scan_data;
     assign sound_mask     = '0;
     assign sound_id       = scan_id;
@@ -398,7 +459,8 @@ module msn_array #(
     .Offset      (!Tare),
     .RowColumn   (RowColumn),
     .FractionBits(FractionBits),
-    .BitsPerClock(BitsPerClock)
+    .BitsPerClock(BitsPerClock),
+    .Tap         (Tap)
   ) u_cop_array (
     .clk_i,
     .rst_i,
@@ -416,6 +478,10 @@ module msn_array #(
     .in_mask_i (zeroed_mask),
     .in_id_i   (zeroed_id),
     .in_last_i (zeroed_last),
+    .tap_valid_o,
+    .tap_ready_i,
+    .tap_data_o,
+    .tap_last_o,
     .out_valid_o,
     .out_ready_i,
     .out_x_o,

@@ -3,6 +3,8 @@
 // From an array's samples to its centre of pressure and load: msn_calibrate, then msn_cop, and between them
 // msn_skid, so that msn_cop's ready does not reach msn_calibrate's registers in the same clock.
 //
+// Tap: the forces go to a second follower too, which takes each beat in its own time (msn_fork).
+//
 // Latency after a frame's last beat: 3 clocks (RowColumn 6) and msn_cop's, the same in every frame: 14 at one
 // lane, Q2.14 and two bits a clock.   Model: model/meissner/cop/cop_array.py
 
@@ -17,6 +19,7 @@ module msn_cop_array #(
   parameter  int unsigned FractionBits = 14,
   parameter  int unsigned BitsPerClock = 2,
   parameter  bit          Pipelined    = 1'b0,
+  parameter  bit          Tap          = 1'b0,
   localparam int unsigned IdBits       = msn_pkg::index_width(Rows * ((Columns + Lanes - 1) / Lanes)),
   localparam int unsigned OffsetBits   = SampleBits - 32'(RowColumn),
   localparam int unsigned SumBits      = 16 + $clog2(Rows * Columns),
@@ -41,6 +44,11 @@ module msn_cop_array #(
   input  logic [IdBits-1:0]           in_id_i,
   input  logic                        in_last_i,
 
+  output logic                        tap_valid_o,
+  input  logic                        tap_ready_i,
+  output logic [Lanes*16-1:0]         tap_data_o,
+  output logic                        tap_last_o,
+
   output logic                        out_valid_o,
   input  logic                        out_ready_i,
   output logic signed [CopBits-1:0]   out_x_o,
@@ -52,7 +60,8 @@ module msn_cop_array #(
   output logic [31:0]                 dropped_o         // of them and all others, without a result
 );
 
-  logic                force_valid, force_ready, force_last, next_valid, next_ready, next_last;
+  logic                force_valid, force_ready, force_last, skid_valid, skid_ready;
+  logic                next_valid, next_ready, next_last;
   logic [Lanes*16-1:0] force_data, next_data;
   logic [IdBits-1:0]   unused_id;
 
@@ -88,11 +97,32 @@ module msn_cop_array #(
     .damaged_o
   );
 
+  assign tap_data_o = force_data;
+  assign tap_last_o = force_last;
+  if (Tap) begin : gen_tap
+    msn_fork u_fork (
+      .clk_i,
+      .rst_i,
+      .in_valid_i(force_valid),
+      .in_ready_o(force_ready),
+      .a_valid_o (skid_valid),
+      .a_ready_i (skid_ready),
+      .b_valid_o (tap_valid_o),
+      .b_ready_i (tap_ready_i)
+    );
+  end else begin : gen_no_tap
+    assign skid_valid  = force_valid;
+    assign force_ready = skid_ready;
+    assign tap_valid_o = 1'b0;
+    logic unused_tap;
+    assign unused_tap = tap_ready_i;
+  end
+
   msn_skid #(.Width(Lanes * 16 + 1)) u_skid (
     .clk_i,
     .rst_i,
-    .in_valid_i (force_valid),
-    .in_ready_o (force_ready),
+    .in_valid_i (skid_valid),
+    .in_ready_o (skid_ready),
     .in_data_i  ({force_last, force_data}),
     .out_valid_o(next_valid),
     .out_ready_i(next_ready),

@@ -9,7 +9,8 @@
 //   blinking  a step > jump while no neighbour is recent: +16, any other frame -1, up to cfg_blink
 //
 // A threshold of 0 turns a kind off. Faults stay until cfg_clear_i or reset. Each new one is an event; one that
-// nobody takes is offered again in the next frame; cfg_report_i sends them all again.
+// nobody takes is offered again in the next frame; cfg_report_i sends them all again. A beat out of place is
+// masked: round again in a frame too long, its taxels' states would be those this frame has written.
 //
 //   clock  1       2           3            4         5       6
 //          sample  raw - held  moved, jump  counters  events  write
@@ -357,7 +358,7 @@ module msn_health #(
     assign {dead_new[k], railed_new[k], blinking_new[k]} = news_4;
 
     always_ff @(posedge clk_i) begin
-      if (out_ready_i || !out_valid_o) out_mask_o[k] <= |faults_head && !fresh;
+      if (out_ready_i || !out_valid_o) out_mask_o[k] <= (|faults_head && !fresh) || !fits;
       if (accept) begin
         held     <= signed'(head[StateBits-1-:SampleBits]);
         kept_1   <= {head[31:4], reported_head && !again};

@@ -8,7 +8,8 @@
 //   same frame; refused, and nothing changed, if any taxel that is not masked was in contact in them
 //
 // cfg_force_i: never refuse (the first time, when nothing is known). While cfg_load_i frames are swallowed
-// whole and zeros can be written. After a reset all zeros are 0. Damage starts an averaging again.
+// whole and zeros can be written. After a reset all zeros are 0. Damage starts an averaging again. A beat out
+// of place leaves as 0: round again in a frame too long, its zeros would be those this frame has written.
 //
 //   clock  1        2           3            4
 //          raw - o  sign, sums  b, sum next  write
@@ -276,7 +277,7 @@ module msn_tare #(
     assign zero_moved = negative ? zero_2 - rate : zero_2 + rate;
     assign follow     = nonzero && !over_q && !averaging && !commit;
     always_ff @(posedge clk_i) begin
-      if (out_ready_i || !out_valid_o) out_data_o[k*DiffBits+:DiffBits] <= tared;
+      if (out_ready_i || !out_valid_o) out_data_o[k*DiffBits+:DiffBits] <= fits ? tared : '0;
       if (accept) {zero_1, sum_1} <= {zero_next, sum_next};
 
       over_q   <= over;

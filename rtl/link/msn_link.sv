@@ -53,6 +53,7 @@ module msn_link #(
   input  logic [47:0]            cop_time_i,
 
   input  logic                   health_valid_i,
+  output logic                   health_ready_o,
   input  logic [23:0]            health_id_i,
   input  logic [7:0]             health_faults_i,
 
@@ -65,7 +66,6 @@ module msn_link #(
 
   output logic [31:0]            packets_o,
   output logic [31:0]            cop_dropped_o,
-  output logic [31:0]            health_dropped_o,
   output logic [31:0]            image_dropped_o,
   output logic [31:0]            rejected_o
 );
@@ -137,6 +137,7 @@ module msn_link #(
     .cop_pressed_i,
     .cop_time_i,
     .health_valid_i,
+    .health_ready_o,
     .health_id_i,
     .health_faults_i,
     .answer_valid_i(answer_valid),
@@ -154,7 +155,6 @@ module msn_link #(
     .out_last_o    (packet_last),
     .packets_o,
     .cop_dropped_o,
-    .health_dropped_o,
     .image_dropped_o
   );
 

@@ -5,7 +5,8 @@
 //
 //   slip events   from a queue, never dropped: in_ready falls when it is full
 //   answers       of the register bridge, never dropped either
-//   CoP, health   the newest of each; one that finds the one before unsent drops the older, counted
+//   CoP           the newest; one that finds the one before unsent drops the older, counted
+//   health        one at a time: health_ready_o falls until it is on its way
 //   statistics    one counter every 2^StatisticBits clocks, in turn
 //   images        in packets of Chunk taxels, so that an event never waits for more than one; msn_image_store
 //
@@ -43,6 +44,7 @@ module msn_packet #(
   input  logic [47:0]            cop_time_i,
 
   input  logic                   health_valid_i,
+  output logic                   health_ready_o,
   input  logic [23:0]            health_id_i,
   input  logic [7:0]             health_faults_i,
 
@@ -65,7 +67,6 @@ module msn_packet #(
 
   output logic [31:0]            packets_o,        // begun
   output logic [31:0]            cop_dropped_o,
-  output logic [31:0]            health_dropped_o,
   output logic [31:0]            image_dropped_o
 );
 
@@ -131,17 +132,14 @@ module msn_packet #(
   end
 
   if (Health) begin : gen_health
+    assign health_ready_o = !health_valid;
     always_ff @(posedge clk_i) begin
-      health_valid <= health_valid_i || (health_valid && !health_take);
-      if (health_valid_i) health <= {PayloadBits'({health_faults_i, health_id_i}), now_i, 4'd4, 8'd4};
-      if (health_valid_i && health_valid && !health_take) health_dropped_o <= health_dropped_o + 1'b1;
-      if (rst_i) begin
-        health_valid     <= 1'b0;
-        health_dropped_o <= '0;
-      end
+      health_valid <= (health_valid_i && health_ready_o) || (health_valid && !health_take);
+      if (health_ready_o) health <= {PayloadBits'({health_faults_i, health_id_i}), now_i, 4'd4, 8'd4};
+      if (rst_i) health_valid <= 1'b0;
     end
   end else begin : gen_no_health
-    assign {health_valid, health, health_dropped_o} = '0;
+    assign {health_ready_o, health_valid, health} = '0;
     logic unused_health;
     assign unused_health = ^{health_valid_i, health_id_i, health_faults_i, health_take};
   end

@@ -151,7 +151,6 @@ module msn_registers #(
   output logic        link_images_o,
   input  logic [31:0] link_packets_i,
   input  logic [31:0] link_cop_dropped_i,
-  input  logic [31:0] link_health_dropped_i,
   input  logic [31:0] link_image_dropped_i,
   input  logic [31:0] link_rejected_i
 );
@@ -964,14 +963,11 @@ module msn_registers #(
   logic link_cop_dropped_hit;
   assign link_cop_dropped_hit = Link && word == 10'h242;
 
-  logic link_health_dropped_hit;
-  assign link_health_dropped_hit = Link && word == 10'h243;
-
   logic link_image_dropped_hit;
-  assign link_image_dropped_hit = Link && word == 10'h244;
+  assign link_image_dropped_hit = Link && word == 10'h243;
 
   logic link_rejected_hit;
-  assign link_rejected_hit = Link && word == 10'h245;
+  assign link_rejected_hit = Link && word == 10'h244;
 
   logic hit, writable;
   assign hit      = core_id_hit
@@ -1066,7 +1062,6 @@ module msn_registers #(
       || link_images_hit
       || link_packets_hit
       || link_cop_dropped_hit
-      || link_health_dropped_hit
       || link_image_dropped_hit
       || link_rejected_hit;
   assign writable = core_scratch_hit
@@ -1228,7 +1223,6 @@ module msn_registers #(
       | ({32{link_images_hit}} & {31'd0, link_images_o})
       | ({32{link_packets_hit}} & link_packets_i)
       | ({32{link_cop_dropped_hit}} & link_cop_dropped_i)
-      | ({32{link_health_dropped_hit}} & link_health_dropped_i)
       | ({32{link_image_dropped_hit}} & link_image_dropped_i)
       | ({32{link_rejected_hit}} & link_rejected_i);
 

@@ -37,8 +37,8 @@ module msn_haar #(
   output logic                         out_restart_o
 );
 
-  if (Channels < 1 || Channels > 1024) begin : gen_check_channels
-    $fatal(1, "msn_haar: Channels = %0d must lie in 1 .. 1024", Channels);
+  if (Channels < 1 || Channels > 4096) begin : gen_check_channels
+    $fatal(1, "msn_haar: Channels = %0d must lie in 1 .. 4096", Channels);
   end
   if (Level < 1 || Level > 3) begin : gen_check_level
     $fatal(1, "msn_haar: Level = %0d must be 1, 2 or 3", Level);

@@ -40,8 +40,8 @@ module msn_peak_to_peak #(
   output logic                         out_end_o
 );
 
-  if (Channels < 1 || Channels > 1024) begin : gen_check_channels
-    $fatal(1, "msn_peak_to_peak: Channels = %0d must lie in 1 .. 1024", Channels);
+  if (Channels < 1 || Channels > 4096) begin : gen_check_channels
+    $fatal(1, "msn_peak_to_peak: Channels = %0d must lie in 1 .. 4096", Channels);
   end
   if (Span < 2 || (Span & (Span - 1)) != 0) begin : gen_check_span
     $fatal(1, "msn_peak_to_peak: Span = %0d details must be a power of two, 2 or more", Span);

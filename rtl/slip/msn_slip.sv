@@ -57,8 +57,8 @@ module msn_slip #(
   output logic        [31:0]           blanked_o     // details that were over while blanked or moving
 );
 
-  if (Channels < 1 || Channels > 1024) begin : gen_check_channels
-    $fatal(1, "msn_slip: Channels = %0d must lie in 1 .. 1024", Channels);
+  if (Channels < 1 || Channels > 4096) begin : gen_check_channels
+    $fatal(1, "msn_slip: Channels = %0d must lie in 1 .. 4096", Channels);
   end
   if (TimerBits < 1 || TimerBits > 31) begin : gen_check_timer_bits
     $fatal(1, "msn_slip: TimerBits = %0d must lie in 1 .. 31", TimerBits);

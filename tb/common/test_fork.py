@@ -1,5 +1,5 @@
-"""msn_fork: every word reaches both followers once and in order, whatever their stalls; a word a clock when both
-are ready; a follower that waits for the other sees nothing twice; reset in between."""
+"""msn_fork: every word reaches both followers once and in order, whatever their stalls; a word a clock when
+both are ready; a follower that waits for the other sees nothing twice; reset in between."""
 
 import random
 

@@ -146,7 +146,7 @@ def test_moving_and_blanking_reach_the_core():
         (np.full(100, 0.5), "not integers"),
         (np.full(100, 65536), "outside -65536 .. 65535"),
         (np.full(100, -65537), "outside"),
-        (np.zeros((1025, 64), int), "more than the core's 1024"),
+        (np.zeros((4097, 64), int), "more than the core's 4096"),
         (np.array(["a"] * 100), "must be integers"),
         (np.zeros(63, int), "do not fill one window of 64"),
     ],

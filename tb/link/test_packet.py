@@ -71,7 +71,11 @@ class Health(Source):
     def draw(self, now):
         taxel, faults = self.bits(24, 8)
         self.set(id=taxel, faults=faults)
-        return now, p.health(taxel, faults)
+        return [now, p.health(taxel, faults)]
+
+    def ready(self):
+        self.offer[0] = self.dut.now_i.value.to_unsigned()  # the time of a report is when it is taken
+        return self.dut.health_ready_o.value == 1
 
 
 class Answer(Source):
@@ -180,12 +184,13 @@ def check(test, sources, counters, build):
         assert pairs.get(p.SLIP, []) == sources["slip"].sent
     if "answer" in sources:
         assert [payload for _, payload in pairs.get(p.ANSWER, [])] == [d for _, d in sources["answer"].sent]
-    for name, kind in (("cop", p.COP), ("health", p.HEALTH)):
-        if name in sources:
-            mine, sent = pairs.get(kind, []), sources[name].sent
-            assert subsequence(mine, sent)
-            assert len(mine) + bench.read(getattr(test.dut, f"{name}_dropped_o")) == len(sent)
-            assert mine[-1:] == sent[-1:]  # the newest always arrives
+    if "health" in sources:
+        assert pairs.get(p.HEALTH, []) == [tuple(report) for report in sources["health"].sent]
+    if "cop" in sources:
+        mine, sent = pairs.get(p.COP, []), sources["cop"].sent
+        assert subsequence(mine, sent)
+        assert len(mine) + bench.read(test.dut.cop_dropped_o) == len(sent)
+        assert mine[-1:] == sent[-1:]  # the newest always arrives
     statistics = [q.fields for q in by_kind.get(p.STATISTIC, [])]
     for place, fields in enumerate(statistics):
         index = place % build["Statistics"]

@@ -222,8 +222,8 @@ def test_model_in_chunks():
 def test_refuses_illegal_parameters():
     assert "Channels = 0" in bench.refuses("slip", {"Channels": 0})
     assert "TimerBits = 32" in bench.refuses("slip", {"TimerBits": 32})
-    for channels in (0, 1025):
-        with pytest.raises(ValueError, match=f"channels = {channels} must lie in 1 .. 1024"):
+    for channels in (0, 4097):
+        with pytest.raises(ValueError, match=f"channels = {channels} must lie in 1 .. 4096"):
             Slip(channels, SlipConfig())
 
 

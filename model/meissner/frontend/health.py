@@ -45,7 +45,7 @@ class Health:
         blinking  a step > jump while no neighbour is recent: +16, any other frame -1, up to ``blink``
 
     Neighbours are looked at as they were at the end of the last whole frame. A fault masks from the next
-    frame on and stays until ``clear``. ``faults``: the sum of DEAD, RAILED, BLINKING [rows, columns].
+    frame on and stays until ``clear``; a beat out of place is masked. ``faults``: the sum of DEAD, RAILED, BLINKING [rows, columns].
     """
 
     def __init__(self, rows, columns, lanes=1, sample_bits=17, limits=None):
@@ -113,7 +113,7 @@ class Health:
             self._beats.append((raw, over))
         padded = np.zeros((self.rows, self.row_beats * self.lanes), dtype=bool)
         padded[:, : self.columns] = self._mask()
-        mask = padded.reshape(-1, self.lanes)[place.place]
+        mask = padded.reshape(-1, self.lanes)[place.place] | (not place.fits)
         events = self._end(place.whole) if last else []
         return ((mask, id_, place.last) if place.keep else None), events
 

@@ -103,13 +103,14 @@ class Tare:
         return self.next(raw, mask)
 
     def beat(self, raw, id_, last, mask):
-        """One beat of ``lanes`` samples; returns (r, id, last), or None if it does not pass."""
+        """One beat of ``lanes`` samples; returns (r, id, last), None if it does not pass; r = 0 out of place."""
         self._midway = True
         place = self._place.next(id_, last)
         swallowed = self.loading
         r = self._take(place.place, np.asarray(raw), np.asarray(mask, bool), place.fits and not swallowed)
         if last:
             self._end(place.whole)
+        r = r if place.fits else np.zeros_like(r)
         return (r, id_, place.last) if place.keep and not swallowed else None
 
     def _effective(self, at):

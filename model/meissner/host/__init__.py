@@ -1,1 +1,45 @@
-"""What runs beside the core, on the host it is wired to."""
+"""What runs beside the core, on the host it is wired to: docs/host.md.
+
+with meissner.host.connect("serial:/dev/ttyUSB0?baud=3000000") as core:
+    core["slip.threshold"] = 40
+    for packet in core.packets():
+        print(packet)
+"""
+
+from meissner.host.core import Core, NoAnswer, Refused
+from meissner.host.line import open_line
+from meissner.host.packets import CopFrame, Gap, Health, Image, SlipEvent, Statistics
+from meissner.host.units import Units
+
+__all__ = [
+    "CopFrame",
+    "Core",
+    "Gap",
+    "Health",
+    "Image",
+    "NoAnswer",
+    "Refused",
+    "SlipEvent",
+    "Statistics",
+    "Units",
+    "connect",
+    "open_line",
+]
+
+
+def connect(url, units=None, registers=None, **settings):
+    """The Core at ``url`` (meissner.host.line), found and checked; ValueError or NoAnswer in one sentence.
+
+    ``units``: what the core does not know of itself; ``registers``: False only listens, to a core built
+    without registers; None: asks unless the line is a file. ``settings``: timeout_s (of a command), retries,
+    give_up_s (for a line that is gone while a register is asked), say (a function that takes a sentence).
+    """
+    line = open_line(url)
+    pipe = getattr(line, "pipe", None)
+    try:
+        if registers is None:
+            registers = not url.startswith("file:")
+        return Core(line, units or getattr(pipe, "units", None), registers, **settings)
+    except BaseException:
+        line.close()
+        raise

@@ -543,18 +543,12 @@ GROUPS = (
                 (Field("value", 31, 0, "status", 0x0),),
             ),
             Register(
-                "health_dropped",
-                0x90C,
-                "Reports of health that a newer one replaced.",
-                (Field("value", 31, 0, "status", 0x0),),
-            ),
-            Register(
                 "image_dropped",
-                0x910,
+                0x90C,
                 "Images that a newer one replaced.",
                 (Field("value", 31, 0, "status", 0x0),),
             ),
-            Register("rejected", 0x914, "Commands that were none.", (Field("value", 31, 0, "status", 0x0),)),
+            Register("rejected", 0x910, "Commands that were none.", (Field("value", 31, 0, "status", 0x0),)),
         ),
     ),
 )

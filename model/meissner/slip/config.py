@@ -3,7 +3,7 @@
 from dataclasses import dataclass, fields
 from numbers import Integral
 
-MAX_CHANNELS = 1024
+MAX_CHANNELS = 4096
 SAMPLE_BITS = 17
 TIMER_BITS = 16
 

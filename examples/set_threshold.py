@@ -1,0 +1,37 @@
+"""Set the slip threshold of a core in volts, and see what it does to the events.
+
+    python examples/set_threshold.py [PORT]
+
+PORT is serial:/dev/ttyUSB0, say; without it there is a simulated core on a pty.
+"""
+
+import sys
+
+from meissner import host
+from meissner.host.pty import Pty
+from meissner.host.simulated import of_scenes
+from meissner.host.units import of_scene
+from meissner.scenes import load
+
+
+def events(core, seconds):
+    return sum(isinstance(packet, host.SlipEvent) for packet in core.packets(seconds))
+
+
+def run(port, seconds=1.0):
+    # What the core cannot know: its converter, rate and rubber are those of this scene.
+    with host.connect(port, of_scene(load("acrylic_slip"))) as core:
+        print(f"the core has {', '.join(core.features)}; slip.threshold = {core['slip.threshold']} codes")
+        print(f"{events(core, seconds)} slip events in {seconds:g} s")
+        code = core.set("slip.threshold", volts=1.0)
+        print(f"1 V, peak to peak, are {code} codes: {core['slip.threshold']} are in the register now")
+        list(core.packets(0.2))  # what was under way
+        print(f"{events(core, seconds)} slip events in {seconds:g} s")
+
+
+if __name__ == "__main__":
+    if len(sys.argv) > 1:
+        run(sys.argv[1])
+    else:
+        with Pty(of_scenes("acrylic_slip", speed="10")) as pty:
+            run(pty.url)

@@ -1,0 +1,41 @@
+"""Stream a recording through the integer twins of the slip path, a block at a time, and print slip events.
+
+    python examples/stream_recording.py [IN.npy [THRESHOLD]]
+
+IN holds codes, [samples] or [channels, samples], at 10 kHz; without it a plate is pulled, simulated.
+"""
+
+import sys
+
+from meissner import engines, files, scenes
+from meissner.host import Units, packets
+from meissner.host.simulated import SimulatedCore, blocks_of, settings_of, slip_source
+from meissner.link.decoder import Decoder
+from meissner.slip.config import SlipConfig
+
+
+def main(path=None, threshold=40):
+    scene = scenes.load("acrylic_slip")
+    if path is None:
+        codes, config = scenes.simulate(scene).codes, scene.slip_config()
+    else:
+        codes = engines.check_samples(files.read_array(path))
+        config = SlipConfig(threshold=int(threshold), contact_level=-(1 << 17), release_level=-(1 << 17))
+    source = slip_source(
+        blocks_of(codes, config.level), scene.rate_hz, config.window, config.hop, config.level
+    )
+    core = SimulatedCore(source, settings=settings_of(config))
+    decoder, assembler = Decoder(), packets.Assembler(Units(clk_khz=core.clk_khz))
+    count = 0
+    while data := core.read(4096):  # the bytes that the core would send over its line
+        for packet in decoder.next(data):
+            event = assembler.next(packet)
+            count += 1
+            print(
+                f"{event.time_s:.4f} s: channel {event.channel}, {event.state.name.lower()}, p2p {event.p2p}"
+            )
+    print(f"{count} slip events")
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

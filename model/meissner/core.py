@@ -1,0 +1,62 @@
+"""Twin of rtl/msn_core.sv: the packets of whole frames of samples."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from meissner.cop.cop4 import cop4
+from meissner.cop.cop_slip import CopSlip
+from meissner.link import packet as p
+from meissner.slip.channels import decide
+from meissner.slip.slip import State
+
+OF_LOAD = 65535  # channel of a slip event that comes from the load of four electrodes
+
+
+@dataclass(frozen=True)
+class Expected:
+    """Payloads in order, each with the index of its frame: ``slip``, ``cop``; ``images`` [frames, taxels]."""
+
+    slip: list
+    cop: list
+    images: np.ndarray | None
+
+
+def of_channels(samples, config, moving=None):
+    """Slip events of samples [frames, channels]; ``config``: SlipConfig."""
+    found = decide(np.asarray(samples).T, config, moving)
+    group = 1 << config.level
+    events = [
+        ((detail + 1) * group - 1, p.slip_event(channel, int(found.p2p[channel, detail]), state))
+        for detail, channel in np.argwhere(found.raised.T)
+        for state in [int(found.state[channel, detail])]
+    ]
+    return Expected(events, [], None)
+
+
+def of_array(array, samples, slip=None, over=None):
+    """Everything of samples [frames, rows, columns]; ``array``: meissner.cop.array.Array; ``slip``: SlipConfig.
+
+    ``array`` keeps what it learns, as the core does.
+    """
+    forces = array.forces(samples, over)
+    x, y, load, pressed = array.cop.of_forces(forces)
+    cops = [(n, p.cop_frame(*map(int, row))) for n, row in enumerate(zip(x, y, load, pressed))]
+    images = forces.reshape(len(forces), -1)
+    events = of_channels(images, slip).slip if slip is not None else []
+    return Expected(events, cops, images)
+
+
+def of_electrodes(samples, registers, terms=None, lag=16, slip=None):
+    """CoP frames and slip events of samples [frames, 4]; ``slip``: CopSlipRegisters."""
+    found = cop4(samples, registers, terms=terms)
+    rows = zip(found.x, found.y, found.load, found.pressed)
+    cops = [(n, p.cop_frame(*map(int, row))) for n, row in enumerate(rows)]
+    events = []
+    if slip is not None:
+        slips = CopSlip(lag, slip).process(found.x, found.y, found.load, found.pressed)
+        events = [
+            (int(n), p.slip_event(OF_LOAD, int(slips.octant[n]), State.INCIPIENT))
+            for n in np.flatnonzero(slips.raised)
+        ]
+    return Expected(events, cops, None)

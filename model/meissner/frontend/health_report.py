@@ -1,0 +1,16 @@
+"""Bit-exact twin of rtl/frontend/msn_health_report.sv: the reports of single taxels."""
+
+DEAD, RAILED, BLINKING = 1, 2, 4
+
+
+def reports(events, lanes):
+    """(taxel, faults) of ``events``: (id of the beat, dead, railed, blinking), a bit for each lane."""
+    if lanes not in (1, 2, 4, 8):
+        raise ValueError(f"lanes = {lanes} must be 1, 2, 4 or 8")
+    found = []
+    for beat, dead, railed, blinking in events:
+        for lane in range(lanes):
+            kinds = ((dead, DEAD), (railed, RAILED), (blinking, BLINKING))
+            faults = sum(kind for bits, kind in kinds if bits >> lane & 1)
+            found += [(beat * lanes + lane, faults)] if faults else []
+    return found

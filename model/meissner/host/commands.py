@@ -1,0 +1,219 @@
+"""``meissner regs``, ``live``, ``log`` and ``replay``."""
+
+import signal
+import sys
+import time
+from contextlib import contextmanager
+
+import numpy as np
+
+from meissner import engines, files
+
+LINE_S, PICTURE_S = 1.0, 0.1  # between two lines in a pipe, two pictures on a terminal
+PORT = "serial:/dev/ttyUSB0?baud=3000000, pty:/dev/pts/7, file:capture.bin, sim:SCENE (docs/host.md)"
+
+
+def add_commands(commands):
+    """Add the commands to those of the parser."""
+    regs = commands.add_parser("regs", help="registers of a core: all, the named ones, or write NAME=VALUE")
+    regs.add_argument("port", metavar="PORT", help=PORT)
+    regs.add_argument("names", metavar="NAME[=VALUE]", nargs="*", help="as in docs/registers.md; or a group")
+    regs.set_defaults(call=_regs)
+
+    live = commands.add_parser(
+        "live", help="what a core says, as it says it: slip, centre of pressure, image"
+    )
+    _line_arguments(live)
+    live.set_defaults(call=_live)
+
+    log = commands.add_parser("log", help="write what a core says to MCAP (ROS 2) or npz")
+    _line_arguments(log)
+    log.add_argument("--out", required=True, metavar="FILE", help="a .mcap or a .npz file")
+    log.set_defaults(call=_log)
+
+    replay = commands.add_parser("replay", help="a log's images through an engine, beside what the core said")
+    replay.add_argument("log", metavar="LOG", help="what `meissner log` wrote")
+    replay.add_argument("--min-load", type=int, help="least sum of forces with a position (the log's, or 1)")
+    replay.add_argument("--engine", default="fixed", metavar="E", help=f"{', '.join(engines.NAMES)} (fixed)")
+    replay.add_argument("--out", required=True, metavar="OUT.npz", help="where the arrays go")
+    replay.set_defaults(call=_replay)
+
+
+def _line_arguments(parser):
+    parser.add_argument("port", metavar="PORT", help=PORT)
+    parser.add_argument("--seconds", type=float, metavar="S", help="then stop (at Ctrl-C or the file's end)")
+    parser.add_argument("--listen", action="store_true", help="ask no registers: for a core without them")
+    parser.add_argument("--clk-khz", type=int, metavar="KHZ", help="the core's clock, where it is not asked")
+
+
+def _tell(sentence):
+    print(f"meissner: {sentence}", file=sys.stderr, flush=True)
+
+
+def _connect(arguments, say=_tell):
+    from meissner import host
+
+    if arguments.seconds is not None and not 0 < arguments.seconds < float("inf"):
+        raise ValueError(f"seconds = {arguments.seconds:g} must be a number above 0")
+    if arguments.clk_khz is not None and arguments.clk_khz < 1:
+        raise ValueError(f"clk-khz = {arguments.clk_khz} must be 1 or more")
+    known = None if arguments.clk_khz is None else host.Units(clk_khz=arguments.clk_khz)
+    return host.connect(arguments.port, known, registers=False if arguments.listen else None, say=say)
+
+
+def _wanted(core, given):
+    """[(name, value or None)] of the arguments, all checked; a group's name stands for its registers."""
+    from meissner.host import names
+
+    wanted = []
+    for text in given or ["core", *core.features]:
+        name, equals, value = text.partition("=")
+        inside = [known for known in core.names() if known.split(".")[0] == name]
+        if equals:
+            try:
+                value = int(value, 0)
+            except ValueError:
+                raise ValueError(f"{text}: {value!r} is no integer") from None
+            core.check(name, value)
+            wanted.append((name, value))
+        elif inside:
+            wanted += [(known, None) for known in inside]
+        else:
+            names.place(name)
+            core.check(name)
+            wanted.append((name, None))
+    return wanted
+
+
+def _regs(arguments):
+    from meissner import host
+
+    with host.connect(arguments.port, registers=True, say=_tell) as core:
+        wanted = _wanted(core, arguments.names)
+        for name, value in wanted:
+            if value is not None:
+                core[name] = value
+        width = max(len(name) for name, _ in wanted)
+        for name, _ in wanted:
+            value = core[name]
+            field = core.check(name).field
+            print(f"{name:<{width}}  {value:<10} 0x{value & (field.most if field else 0xFFFFFFFF):x}")
+
+
+def _live(arguments):
+    from meissner.host.view import View
+
+    messages = []
+    with _connect(arguments, say=messages.append) as core:
+        view = View(core)
+        if sys.stdout.isatty():
+            _live_picture(core, view, arguments.seconds, messages)
+        else:
+            _live_lines(core, view, arguments.seconds, messages)
+
+
+def _beats(core, seconds, every_s):
+    """(item or None, whether ``every_s`` passed again): the packets with a beat between them."""
+    end = None if seconds is None else time.monotonic() + seconds
+    following = time.monotonic() + every_s
+    while True:
+        now = time.monotonic()
+        left = every_s if end is None else min(every_s, end - now)
+        if left <= 0:
+            return
+        for item in core.packets(min(left, max(0.0, following - now) + 1e-3)):
+            beat = time.monotonic() >= following
+            if beat:
+                following = time.monotonic() + every_s
+            yield item, beat
+        if core.ended:
+            return
+        if time.monotonic() >= following:
+            following = time.monotonic() + every_s
+            yield None, True
+
+
+def _live_lines(core, view, seconds, messages):
+    view.tick(time.monotonic())
+    for item, beat in _beats(core, seconds, LINE_S):
+        line = view.add(item)
+        if line:
+            print(line, flush=True)
+        while messages:
+            _tell(messages.pop(0))
+        if beat:
+            view.tick(time.monotonic())
+            print(view.line(), flush=True)
+    view.tick(time.monotonic())
+    print(view.line(), flush=True)
+
+
+def _live_picture(core, view, seconds, messages):
+    from rich.live import Live
+
+    view.tick(time.monotonic())
+    ticked = time.monotonic()
+    with Live(view.picture(), auto_refresh=False) as shown:
+        for item, beat in _beats(core, seconds, PICTURE_S):
+            view.add(item)
+            while messages:
+                view.messages.append(messages.pop(0))
+            if beat:
+                if time.monotonic() - ticked > LINE_S:
+                    ticked = time.monotonic()
+                    view.tick(ticked)
+                shown.update(view.picture(), refresh=True)
+        shown.update(view.picture(), refresh=True)
+
+
+@contextmanager
+def _stopping(core):
+    """Ctrl-C, or a polite kill, ends the stream between two packets: what was written stays whole."""
+
+    def stop(*_):
+        _tell("stopped")
+        core.stop()
+
+    before = {which: signal.signal(which, stop) for which in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield
+    finally:
+        for which, handler in before.items():
+            signal.signal(which, handler)
+
+
+def _log(arguments):
+    from meissner.host import log
+
+    log.check_out(arguments.out)
+    with _connect(arguments) as core, log.recording(arguments.out, core) as recording, _stopping(core):
+        for item in core.packets(arguments.seconds):
+            recording.add(item)
+    counts = core.counts
+    print(
+        f"{recording.packets} packets of {counts.bytes} bytes; {counts.lost} lost, {counts.damaged} damaged, "
+        f"{counts.images_lost} images lost, {counts.gaps} gaps ({counts.gap_s:.1f} s); {arguments.out}"
+    )
+
+
+def _replay(arguments):
+    from meissner.host import log
+    from meissner.host.replay import differences, replay
+
+    engines.load(arguments.engine)
+    found = log.read(arguments.log)
+    min_load = int(found.get("min_load", 1)) if arguments.min_load is None else arguments.min_load
+    if min_load < 0:
+        raise ValueError(f"min-load = {min_load} must not be negative")
+    with files.written(arguments.out) as file:
+        result = replay(found, arguments.engine, min_load)
+        np.savez(file, **result)
+    both, wrong, largest = differences(result)
+    frames, rows, columns = found["image"].shape
+    apart = ", ".join(f"{name} {value}" for name, value in largest.items())
+    print(
+        f"{frames} image{'s' * (frames > 1)} of {rows}×{columns} on engine {arguments.engine}; "
+        f"{both} with the core's own centre of pressure, {wrong} of them differ"
+        f"{f' (at most: {apart})' if wrong else ''}; "
+        f"{arguments.out}"
+    )

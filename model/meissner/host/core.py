@@ -1,0 +1,391 @@
+"""A core at the other end of a line: found, checked, set up, listened to; found again when it was gone."""
+
+import logging
+import random
+import time
+from collections import deque
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+
+from meissner.host import names
+from meissner.host.line import Ended, Gone
+from meissner.host.packets import Assembler, Gap
+from meissner.link import bridge
+from meissner.link import packet as p
+from meissner.link.decoder import Decoder
+
+NOISE = 4096  # bytes without a packet among them: sixteen packets of the longest would have come
+UNREAD = 1 << 16  # packets that wait for somebody to take them; then the oldest go
+FIRST_WAIT_S, LONGEST_WAIT_S = 0.05, 5.0  # between two tries to open a line that is gone
+
+
+class Refused(ValueError):
+    """What answers is not what this host speaks to."""
+
+
+class NoAnswer(OSError):
+    """The core did not answer, and why that may be."""
+
+
+@dataclass
+class Counts:
+    """Of the line. ``lost``: packets whose numbers did not come, mod 256 in each gap; ``damaged``: frames
+    that were no packet; ``images_lost``: images of which a part was lost; ``gaps``, ``gap_s``: how often and
+    how long the line was gone; ``restarts``: of the core; ``retries``: commands sent again; ``unread``:
+    packets dropped because nobody took them.
+    """
+
+    bytes: int = 0
+    packets: int = 0
+    lost: int = 0
+    damaged: int = 0
+    images_lost: int = 0
+    gaps: int = 0
+    gap_s: float = 0.0
+    restarts: int = 0
+    retries: int = 0
+    unread: int = 0
+
+
+class Core:
+    """``line``: of meissner.host.line; see ``meissner.host.connect`` for the rest.
+
+    ``core["slip.threshold"]`` reads and writes registers by the names of docs/registers.md; ``packets()``
+    yields what the core says. Both see to it that the line is opened again when it was gone.
+    """
+
+    def __init__(self, line, known=None, registers=True, timeout_s=0.25, retries=3, give_up_s=30.0, say=None):
+        self.line, self.registers = line, registers
+        self.timeout_s, self.retries, self.give_up_s = timeout_s, retries, give_up_s
+        self.say = say or logging.getLogger("meissner.host").warning
+        self.counts = Counts()
+        self.features = None
+        self._assembler = Assembler(known)
+        self._decoder, self._waiting = Decoder(), deque()
+        self._missed_before, self._joining = 0, True
+        self._since_packet, self._told_noise = 0, False
+        self._tag, self._asked, self._answer = 0, None, None
+        self._newest, self._restarted, self._written = 0, False, {}
+        self._down, self._reason, self._try_at, self._wait_s = None, "", 0.0, FIRST_WAIT_S
+        self._ended = False
+        if registers:
+            try:
+                self._identify()
+                self._waiting.clear()  # came before its units were known
+                self["core.scratch"] = random.randrange(1, 1 << 32)  # gone after a reset: see _greet
+            except Gone as gone:
+                raise NoAnswer(str(gone)) from None
+
+    # What is known
+
+    @property
+    def units(self):
+        return self._assembler.units
+
+    @units.setter
+    def units(self, known):
+        """The core's own part, clock and size, stays."""
+        own = {name: getattr(self.units, name) for name in ("clk_khz", "rows", "columns")}
+        self._assembler.units = replace(known, **{k: v for k, v in own.items() if v is not None})
+
+    @property
+    def now(self):
+        """Clocks since the core's reset when it last told them; 0: not yet."""
+        return self._newest
+
+    def _identify(self):
+        """ID, VERSION, FEATURES, SIZE and clock; Refused in one sentence if this host cannot speak to it."""
+        name = self.line.name
+        found = self._ask(bridge.READ, names.place("core.id"))
+        if found != names.place("core.id").field.reset:
+            raise Refused(f"what answers on {name} is no Meissner core: its ID is 0x{found:08x}")
+        word = self._ask(bridge.READ, names.place("core.version"))
+        major, minor = (names.place(f"core.version.{part}").value(word) for part in ("major", "minor"))
+        own = names.VERSION
+        if major != own["major"] or (major == 0 and minor != own["minor"]):
+            raise Refused(
+                f"the core on {name} has version {major}.{minor} of the register map and this host knows "
+                f"{own['major']}.{own['minor']}: use the meissner that the core was built with"
+            )
+        bits = self._ask(bridge.READ, names.place("core.features"))
+        size = self._ask(bridge.READ, names.place("core.size"))
+        self.features = [group for bit, group in enumerate(names.FEATURES) if bits >> bit & 1]
+        self._assembler.units = replace(
+            self.units,
+            clk_khz=self._ask(bridge.READ, names.place("core.clk_khz")),
+            rows=names.place("core.size.rows").value(size),
+            columns=names.place("core.size.columns").value(size),
+        )
+
+    # Registers
+
+    def _place(self, name):
+        place = names.place(name)
+        if not self.registers:
+            raise ValueError(f"{name}: this core is only listened to, its registers are not asked")
+        if not self._has(place.group):
+            raise ValueError(f"{name}: this core is built without {place.group.name}")
+        return place
+
+    @property
+    def ended(self):
+        """There is no more to come: the end of a file."""
+        return self._ended and not self._waiting
+
+    def names(self):
+        """Names of the registers that this core has; of a register with fields, of each field."""
+        return [
+            name for name, place in names.PLACES.items() if place.field is not None and self._has(place.group)
+        ]
+
+    def check(self, name, value=None):
+        """ValueError in one sentence if the core has no such register, or cannot be given this value."""
+        place = self._place(name)
+        if value is not None:
+            if not place.writable:
+                raise ValueError(f"{name} can only be read")
+            place.into(0, value)
+        return place
+
+    def __getitem__(self, name):
+        place = self._place(name)
+        word = self._ask(bridge.READ, place)
+        if self._restarted and self._restore():
+            word = self._ask(bridge.READ, place)
+        return place.value(word)
+
+    def __setitem__(self, name, value):
+        place = self.check(name, value)
+        word = place.into(0, value)
+        if place.field is not None and len(place.register.fields) > 1:
+            word = place.into(self._ask(bridge.READ, place), value)
+        self._ask(bridge.WRITE, place, word)
+        if place.setting:
+            self._written[place.address] = (place, word)
+        if self._restarted:
+            self._restore()
+
+    def set(self, name, **amount):
+        """Write one register in volts, newtons or seconds, by what ``units`` knows; returns the code written.
+
+        ``core.set("slip.threshold", volts=0.02)``: meissner.host.units.CODES says which register takes what.
+        """
+        ((quantity, value),) = amount.items()
+        code = self.units.code(name, quantity, value)
+        self[name] = code
+        return code
+
+    def _ask(self, operation, place, data=0):
+        """The word that the core answers; NoAnswer, or ValueError if it refuses the access."""
+        self._tag = self._tag + 1 & 255
+        tag, address = self._tag, place.address
+        attempts, heard, packets = 0, self.counts.bytes, self.counts.packets
+        patience = time.monotonic() + self.give_up_s
+        while attempts <= self.retries:
+            if self._down is not None:
+                if time.monotonic() > patience:
+                    raise NoAnswer(f"{self._reason}, and did not come back within {self.give_up_s:g} s")
+                self._reopen(0.1)
+                continue
+            if attempts:
+                self.counts.retries += 1
+            attempts += 1
+            self._asked, self._answer = (tag, address), None
+            try:
+                self.line.write(bridge.command(operation, tag, address, data))
+            except Gone as gone:
+                self._lost(gone)
+                continue
+            end = time.monotonic() + self.timeout_s
+            while self._answer is None and self._down is None and (left := end - time.monotonic()) > 0:
+                self._hear(left)
+            if self._answer is not None:
+                break
+        else:
+            raise NoAnswer(self._silence(self.counts.bytes - heard, self.counts.packets - packets))
+        answer, self._asked = self._answer, None
+        if answer["status"] == bridge.DONE:
+            return answer["data"]
+        what = "write" if operation == bridge.WRITE else "read"
+        why = "the core refuses it" if answer["status"] == bridge.BUS_ERROR else "its bus did not answer"
+        raise ValueError(f"{place.name} could not be {what}: {why}".replace("be write", "be written"))
+
+    def _silence(self, heard, packets):
+        """Why nothing may have answered."""
+        name = self.line.name
+        if packets:
+            return (
+                f"packets come from {name}, but no answer to a register: a core that was built without "
+                "registers can only be listened to"
+            )
+        if heard:
+            return f"no packet understood in {heard} bytes from {name}: {self._baud_question()}"
+        return (
+            f"nothing came from {name}: is the core powered, its line connected and loaded with a bitstream?"
+        )
+
+    def _baud_question(self):
+        rate = f" ({self.line.baud})" if self.line.baud else ""
+        return f"is the baud rate right{rate}?"
+
+    # Packets
+
+    def packets(self, seconds=None):
+        """Yield packets and gaps (meissner.host.packets) until ``seconds`` passed or the line's end."""
+        end = None if seconds is None else time.monotonic() + seconds
+        while True:
+            while self._waiting:
+                yield self._waiting.popleft()
+            left = 0.1 if end is None else end - time.monotonic()
+            if self._ended or left <= 0:
+                return
+            if self._down is not None:
+                self._reopen(min(left, 0.1))
+            else:
+                self._hear(min(left, 0.1))
+            if self._restarted and self._down is None:
+                self._restore()
+
+    def _hear(self, timeout_s):
+        """Take what comes within the time, at once if something does."""
+        try:
+            data = self.line.read(timeout_s)
+        except Ended:
+            self._ended = True
+            return
+        except Gone as gone:
+            self._lost(gone)
+            return
+        self.counts.bytes += len(data)
+        self._since_packet += len(data)
+        if self._joining:  # in the middle of a packet, perhaps: its rest is no damage
+            data = data[data.find(0) :] if 0 in data else b""
+            self._joining = not data
+        for packet in self._decoder.next(data):
+            self._take(packet)
+        self.counts.damaged = self._decoder.damaged
+        greeting = self.registers and self.features is None  # whose failure says the same
+        if self._since_packet >= NOISE and not self._told_noise and not greeting:
+            self._told_noise = True
+            name = self.line.name
+            self.say(
+                f"no packet understood in {self._since_packet} bytes from {name}: {self._baud_question()}"
+            )
+
+    def _take(self, packet):
+        counts = self.counts
+        counts.packets += 1
+        self._since_packet, self._told_noise = 0, False
+        if packet.kind in (p.STATISTIC, p.ANSWER):  # stamped as they leave; the others may have waited
+            if packet.time < self._newest:
+                self._started_over()
+            self._newest = packet.time
+        counts.lost += self._decoder.missed - self._missed_before
+        self._missed_before = self._decoder.missed
+        if packet.kind == p.ANSWER:
+            if self._asked == (packet.fields["tag"], packet.fields["address"]):
+                self._answer = packet.fields
+            return
+        item = self._assembler.next(packet)
+        counts.images_lost = self._assembler.images_lost
+        if item is not None:
+            self._put(item)
+
+    def _put(self, item):
+        if len(self._waiting) == UNREAD:
+            self._waiting.popleft()
+            self.counts.unread += 1
+        self._waiting.append(item)
+
+    def _started_over(self):
+        """Time went back: the core was reset, its numbers and settings started over."""
+        self.counts.restarts += 1
+        self._missed_before = self._decoder.missed
+        self._assembler.restart()
+        self._restarted = True
+
+    def _restore(self):
+        """Write again what this host had written; whether it could be."""
+        known = [item for item in self._written.values() if self._has(item[0].group)]
+        try:
+            with self._impatient():
+                for place, word in known:
+                    self._ask(bridge.WRITE, place, word)
+        except (NoAnswer, ValueError):
+            return False
+        self._restarted = False
+        self.say(f"the core on {self.line.name} started over: {len(known)} settings were written again")
+        return True
+
+    def _has(self, group):
+        return not group.feature or group.name in self.features
+
+    @contextmanager
+    def _impatient(self):
+        """A line that goes meanwhile is not waited for."""
+        patience, self.give_up_s = self.give_up_s, -1.0
+        try:
+            yield
+        finally:
+            self.give_up_s = patience
+
+    # The line
+
+    def _lost(self, gone):
+        self._down, self._reason, self._wait_s = time.monotonic(), str(gone), FIRST_WAIT_S
+        self._try_at = self._down + self._wait_s
+        self._decoder.next(b"\0")  # half a packet is none
+        self.counts.damaged = self._decoder.damaged
+        self.line.close()
+        self.say(f"{gone}; trying to open it again")
+
+    def _reopen(self, timeout_s):
+        """One try to have the line again, when its time has come; waits at most about ``timeout_s``."""
+        wait = self._try_at - time.monotonic()
+        if wait > timeout_s:
+            time.sleep(timeout_s)
+            return
+        time.sleep(max(0.0, wait))
+        since = self._down
+        try:
+            self.line.reopen()
+            self._down, self._joining = None, True
+            if self.registers:
+                self._greet()
+        except (Gone, NoAnswer, OSError):
+            if self._down is None:
+                self.line.close()
+            self._down = since
+            self._wait_s = min(2 * self._wait_s, LONGEST_WAIT_S)
+            self._try_at = time.monotonic() + self._wait_s
+            return
+        seconds = time.monotonic() - since
+        self.counts.gaps += 1
+        self.counts.gap_s += seconds
+        self.say(f"{self.line.name} is back after {seconds:.1f} s")
+        self._put(Gap(self._reason, seconds))
+
+    def _greet(self):
+        """``_identify`` on a line that has just come back, and whether it was reset meanwhile."""
+        with self._impatient():
+            restarts = self.counts.restarts
+            self._identify()
+            scratch = names.place("core.scratch")
+            lost = scratch.address in self._written and (
+                self._ask(bridge.READ, scratch) != self._written[scratch.address][1]
+            )
+            if lost and self.counts.restarts == restarts:
+                self._started_over()
+
+    def stop(self):
+        """No more packets than have come: ``packets`` ends."""
+        self._ended = True
+
+    def close(self):
+        self.line.close()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.close()

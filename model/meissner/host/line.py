@@ -1,0 +1,163 @@
+"""Where a core's bytes come from, behind one interface: ``read``, ``write``, ``close``, ``reopen``.
+
+serial:/dev/ttyUSB0?baud=3000000     a serial port (3 Mbaud unless told); /dev/tty... alone is one too
+pty:/dev/pts/7                       a pseudo-terminal, as a simulated core offers
+file:capture.bin                     what came over a line, as it came; nothing can be written
+sim:SCENE[+SCENE]                    a simulated core in this process: meissner.host.simulated
+"""
+
+import os
+import select
+import termios
+import time
+import tty
+from pathlib import Path
+from urllib.parse import parse_qs
+
+BAUD = 3_000_000
+
+
+class Gone(OSError):
+    """The line is gone (unplugged, closed); it may come back."""
+
+
+class Ended(Exception):
+    """There is no more to come."""
+
+
+class Device:
+    """A serial port (``baud``) or a pty (None)."""
+
+    def __init__(self, path, baud=None):
+        self.path, self.baud, self._port, self._fd = path, baud, None, None
+        self.name = path
+        self.reopen()
+
+    def reopen(self):
+        """Open it (again); OSError if it cannot be."""
+        self.close()
+        if self.baud is None:
+            self._fd = os.open(self.path, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
+            if not os.isatty(self._fd):
+                self.close()
+                raise OSError(f"{self.path} is not a terminal")
+            tty.setraw(self._fd, termios.TCSANOW)  # without throwing away what came
+        else:
+            import serial
+
+            # exclusive: two readers would each get half of the bytes
+            self._port = serial.Serial(self.path, self.baud, timeout=0, exclusive=True)
+            self._fd = self._port.fileno()
+
+    def read(self, timeout_s):
+        """The bytes that are there, waiting for them up to ``timeout_s``; b"" if none came; Gone."""
+        try:
+            if not select.select([self._fd], [], [], max(0.0, timeout_s))[0]:
+                return b""
+            data = os.read(self._fd, 65536)
+        except BlockingIOError:
+            return b""
+        except OSError as problem:
+            raise Gone(f"{self.name} is gone: {problem.strerror or problem}") from None
+        if not data:
+            raise Gone(f"{self.name} is gone: the other end was closed")
+        return data
+
+    def write(self, data):
+        try:
+            while data:
+                if not select.select([], [self._fd], [], 1.0)[1]:
+                    raise Gone(f"{self.name} is stuck: it takes no bytes")
+                data = data[os.write(self._fd, data) :]
+        except Gone:
+            raise
+        except OSError as problem:
+            raise Gone(f"{self.name} is gone: {problem.strerror or problem}") from None
+
+    def close(self):
+        if self._port is not None:
+            self._port.close()
+        elif self._fd is not None:
+            os.close(self._fd)
+        self._port = self._fd = None
+
+
+class File:
+    """A capture; read to its end, then Ended."""
+
+    baud = None
+
+    def __init__(self, path):
+        self.name, self._path, self._file = path, path, None
+        self.reopen()
+
+    def reopen(self):
+        self._file = Path(self._path).open("rb")  # noqa: SIM115 - closed by close
+
+    def read(self, timeout_s):
+        data = self._file.read(65536)
+        if not data:
+            raise Ended
+        return data
+
+    def write(self, data):
+        raise ValueError(f"{self.name} is a file: a core's registers cannot be reached through it")
+
+    def close(self):
+        self._file.close()
+
+
+class Pipe:
+    """A core in this process: anything with ``read(n)`` and ``write(data)``, neither of which waits."""
+
+    baud = None
+
+    def __init__(self, pipe, name="the simulated core"):
+        self.pipe, self.name = pipe, name
+
+    def reopen(self):
+        pass
+
+    def read(self, timeout_s):
+        end = time.monotonic() + timeout_s
+        while True:
+            data = self.pipe.read(65536)
+            left = end - time.monotonic()
+            if data or left <= 0:
+                return data
+            time.sleep(min(left, 0.002))
+
+    def write(self, data):
+        self.pipe.write(data)
+
+    def close(self):
+        pass
+
+
+def open_line(url):
+    """The line that ``url`` names; ValueError with one sentence if there is none."""
+    kind, colon, rest = url.partition(":")
+    if not colon and url.startswith("/dev/tty"):
+        kind, rest = "serial", url
+    path, _, options = rest.partition("?")
+    options = {key: values[-1] for key, values in parse_qs(options, keep_blank_values=True).items()}
+    try:
+        if kind == "serial" and path and set(options) <= {"baud"}:
+            baud = options.get("baud", str(BAUD))
+            if not baud.isdecimal() or not 300 <= int(baud) <= 100_000_000:
+                raise ValueError(f"baud = {baud} must lie in 300 .. 100000000")
+            return Device(path, int(baud))
+        if kind == "pty" and path and not options:
+            return Device(path)
+        if kind == "file" and path and not options:
+            return File(path)
+        if kind == "sim" and set(options) <= {"speed"}:
+            from meissner.host import simulated
+
+            return Pipe(simulated.of_scenes(path, options.get("speed", "1")), url)
+    except OSError as problem:
+        raise ValueError(f"{path} cannot be opened: {problem.strerror or problem}") from None
+    raise ValueError(
+        f"{url!r} names no line; there are serial:/dev/ttyUSB0?baud=3000000, pty:/dev/pts/7, "
+        "file:capture.bin and sim:SCENE"
+    )

@@ -1,0 +1,132 @@
+"""What a core says, as values in physical units; images put together from their parts.
+
+``time``: clocks since the core's reset, as in docs/link.md; ``time_s``: the same in seconds. What the units
+do not tell is None.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from meissner.host.units import Units
+from meissner.link import packet as p
+from meissner.slip.slip import State
+
+
+@dataclass(frozen=True)
+class SlipEvent:
+    """``state``: meissner.slip.slip.State; ``p2p``: codes of the detail; ``p2p_v``: of the coefficient."""
+
+    time: int
+    time_s: float | None
+    channel: int
+    state: int
+    p2p: int
+    p2p_v: float | None
+
+
+@dataclass(frozen=True)
+class CopFrame:
+    """``x``, ``y``: -1 .. 1, exact; ``load``: sum of the forces; x = y = 0 where not ``pressed``."""
+
+    time: int
+    time_s: float | None
+    x: float
+    y: float
+    load: int
+    pressed: bool
+    x_mm: float | None
+    y_mm: float | None
+    load_n: float | None
+
+
+@dataclass(frozen=True)
+class Image:
+    """``taxels``: uint16 [rows, columns]; [1, taxels] where the core did not say its size."""
+
+    time: int
+    time_s: float | None
+    number: int
+    taxels: np.ndarray
+    newtons_per_code: float | None
+
+
+@dataclass(frozen=True)
+class Health:
+    time: int
+    time_s: float | None
+    taxel: int
+    faults: int
+
+
+@dataclass(frozen=True)
+class Statistics:
+    """One counter of the core; which one ``index`` says."""
+
+    time: int
+    time_s: float | None
+    index: int
+    value: int
+
+
+@dataclass(frozen=True)
+class Gap:
+    """The line was gone for ``seconds``; what the core said meanwhile is lost."""
+
+    reason: str
+    seconds: float
+
+
+class Assembler:
+    """``next`` takes a link.decoder.Packet and returns one of the above, or None (part of an image, unknown).
+
+    ``images_lost``: images begun by the core, after the first whole one, that did not come whole.
+    """
+
+    def __init__(self, units=None):
+        self.units, self.images_lost = units or Units(), 0
+        self._parts, self._image, self._last = [], None, None
+
+    def restart(self):
+        """The core started over: its images are numbered anew; one of them may already be under way."""
+        self._last = None
+
+    def next(self, packet):
+        fields, units = packet.fields, self.units
+        at = (packet.time, units.seconds(packet.time))
+        if packet.kind == p.SLIP:
+            code, state = fields["p2p"], fields["state"]
+            state = State(state) if state in set(State) else state
+            return SlipEvent(*at, fields["channel"], state, code, units.detail_volts(code))
+        if packet.kind == p.COP:
+            x, y, x_mm, y_mm = units.place(fields["x"], fields["y"])
+            load = fields["load"]
+            return CopFrame(*at, x, y, load, fields["pressed"], x_mm, y_mm, units.load_newtons(load))
+        if packet.kind == p.HEALTH:
+            return Health(*at, fields["taxel"], fields["faults"])
+        if packet.kind == p.STATISTIC:
+            return Statistics(*at, fields["index"], fields["counter"])
+        if packet.kind == p.IMAGE:
+            return self._image_part(packet, at)
+        return None
+
+    def _image_part(self, packet, at):
+        fields, which = packet.fields, (packet.fields["image"], packet.time)
+        if fields["first"] == 0:
+            self._image, self._parts = which, []
+        elif which != self._image or fields["first"] != len(self._parts):
+            self._image = None  # a part is missing: so is the image
+            return None
+        self._parts.extend(fields["taxels"])
+        if not fields["last"]:
+            return None
+        taxels, self._image = np.array(self._parts, dtype=np.uint16), None
+        rows, columns = self.units.rows or 1, self.units.columns
+        if len(taxels) != rows * (columns or len(taxels)):
+            return None
+        number = fields["image"]
+        if self._last is not None:
+            self.images_lost += (number - self._last - 1) % 256
+        self._last = number
+        shape = (rows, len(taxels) // rows)
+        return Image(*at, number, taxels.reshape(shape), self.units.newtons_per_code)

@@ -1,0 +1,54 @@
+"""A pipe behind a pseudo-terminal: so that whatever speaks a core's bytes can be opened like a serial port.
+
+The pipe is any object with two methods, neither of which waits: ``read(n)``, at most n bytes that the core
+says now (b"" for none), and ``write(data)``, bytes for the core. A pty that nobody empties holds it back.
+"""
+
+import os
+import select
+import threading
+import tty
+
+BLOCK = 4096
+POLL_S = 0.002
+
+
+class Pty:
+    """``url`` is for ``meissner.host.connect``; a thread moves the bytes until ``unplug``."""
+
+    def __init__(self, pipe):
+        self.pipe = pipe
+        self._core, self._host = os.openpty()
+        tty.setraw(self._host)
+        os.set_blocking(self._core, False)
+        self.path = os.ttyname(self._host)
+        self.url = f"pty:{self.path}"
+        self._stop = threading.Event()
+        self._thread = threading.Thread(target=self._pump, daemon=True)
+        self._thread.start()
+
+    def _pump(self):
+        waiting = b""
+        while not self._stop.is_set():
+            waiting = waiting or self.pipe.read(BLOCK)
+            readable, writable, _ = select.select([self._core], [self._core] if waiting else [], [], POLL_S)
+            if readable:
+                self.pipe.write(os.read(self._core, BLOCK))
+            if writable:
+                waiting = waiting[os.write(self._core, waiting) :]
+            elif waiting and not readable:
+                self._stop.wait(POLL_S)
+
+    def unplug(self):
+        """As if the cable were pulled: the host's side reports that it is gone."""
+        if not self._stop.is_set():
+            self._stop.set()
+            self._thread.join()
+            os.close(self._core)
+            os.close(self._host)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.unplug()

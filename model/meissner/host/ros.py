@@ -1,0 +1,160 @@
+"""ROS 2 messages in MCAP files, without ROS: definitions, writer, reader. Topics are in docs/host.md."""
+
+import json
+from types import SimpleNamespace
+
+import numpy as np
+
+from meissner.host import packets
+from meissner.host.units import FRACTION_BITS
+from meissner.toolchain import ROOT
+
+FRAME_ID = "tactile"  # the array's middle, x to the right, y up
+METADATA = "meissner"
+
+_DEFINITIONS = {
+    "builtin_interfaces/Time": "int32 sec\nuint32 nanosec",
+    "std_msgs/Header": "builtin_interfaces/Time stamp\nstring frame_id",
+    "geometry_msgs/Point": "float64 x\nfloat64 y\nfloat64 z",
+    "geometry_msgs/PointStamped": "std_msgs/Header header\ngeometry_msgs/Point point",
+    "std_msgs/MultiArrayDimension": "string label\nuint32 size\nuint32 stride",
+    "std_msgs/MultiArrayLayout": "std_msgs/MultiArrayDimension[] dim\nuint32 data_offset",
+    "std_msgs/Int64MultiArray": "std_msgs/MultiArrayLayout layout\nint64[] data",
+    "std_msgs/Float64": "float64 data",
+    "std_msgs/String": "string data",
+}
+
+
+def definition(name):
+    """The text of ``name`` ("package/Type") with all that it needs, as an MCAP schema wants it."""
+    known = dict(_DEFINITIONS)
+    known["meissner_msgs/TactileFrame"] = (ROOT / "host/msg/TactileFrame.msg").read_text()
+    needed, text = [name], ""
+    for one in needed:
+        text += f"{'=' * 80}\nMSG: {one}\n{known[one]}\n" if one != name else f"{known[one]}\n"
+        kinds = (line.split()[0].removesuffix("[]") for line in known[one].splitlines() if line.strip())
+        needed += [kind for kind in kinds if kind in known and kind not in needed]
+    return text
+
+
+def _header(stamp_ns):
+    stamp = SimpleNamespace(sec=stamp_ns // 10**9, nanosec=stamp_ns % 10**9)
+    return SimpleNamespace(stamp=stamp, frame_id=FRAME_ID)
+
+
+def _array(labels, values):
+    dims = [SimpleNamespace(label=",".join(labels), size=len(values), stride=len(values))]
+    return SimpleNamespace(layout=SimpleNamespace(dim=dims, data_offset=0), data=values)
+
+
+def _frame(stamp_ns, item, newtons_per_code):
+    frame = {"header": _header(stamp_ns), "ticks": item.time, "newtons_per_code": newtons_per_code or 0.0}
+    cop = dict.fromkeys(("x", "y", "load"), 0) | {"has_cop": False, "pressed": False}
+    image = dict.fromkeys(("rows", "columns", "number"), 0) | {"taxels": []}
+    if isinstance(item, packets.Image):
+        rows, columns = item.taxels.shape
+        image = {
+            "rows": rows,
+            "columns": columns,
+            "number": item.number,
+            "taxels": item.taxels.ravel().tolist(),
+        }
+    else:
+        x, y = (round(value * (1 << FRACTION_BITS)) for value in (item.x, item.y))
+        cop = {"has_cop": True, "pressed": item.pressed, "x": x, "y": y, "load": item.load}
+    return SimpleNamespace(**frame, **cop, **image)
+
+
+class McapWriter:
+    """``add`` takes packets with their time in ns; ``finish`` the facts about the log."""
+
+    def __init__(self, file, known):
+        from mcap_ros2.writer import Writer
+
+        self._writer, self._known = Writer(file), known
+        self._schemas, self._count = {}, 0
+
+    def _write(self, stamp_ns, topic, kind, message):
+        if kind not in self._schemas:
+            package, name = kind.split("/")
+            self._schemas[kind] = self._writer.register_msgdef(f"{package}/msg/{name}", definition(kind))
+        self._writer.write_message(topic, self._schemas[kind], message, stamp_ns, stamp_ns, self._count)
+        self._count += 1
+
+    def add(self, stamp_ns, item):
+        scale = self._known.newtons_per_code
+        if isinstance(item, packets.CopFrame):
+            self._write(
+                stamp_ns, "/tactile/frame", "meissner_msgs/TactileFrame", _frame(stamp_ns, item, scale)
+            )
+            metres = (item.x_mm, item.y_mm) if item.x_mm is not None else (1e3 * item.x, 1e3 * item.y)
+            point = SimpleNamespace(x=metres[0] / 1e3, y=metres[1] / 1e3, z=0.0)
+            message = SimpleNamespace(header=_header(stamp_ns), point=point)
+            self._write(stamp_ns, "/tactile/cop", "geometry_msgs/PointStamped", message)
+            load = float(item.load if item.load_n is None else item.load_n)
+            self._write(stamp_ns, "/tactile/load", "std_msgs/Float64", SimpleNamespace(data=load))
+        elif isinstance(item, packets.Image):
+            self._write(
+                stamp_ns, "/tactile/frame", "meissner_msgs/TactileFrame", _frame(stamp_ns, item, scale)
+            )
+        elif isinstance(item, packets.SlipEvent):
+            values = {"channel": item.channel, "state": int(item.state), "p2p": item.p2p}
+            self._numbers(stamp_ns, "/tactile/slip", item.time, values)
+        elif isinstance(item, packets.Health):
+            values = {"taxel": item.taxel, "faults": item.faults}
+            self._numbers(stamp_ns, "/tactile/health", item.time, values)
+        elif isinstance(item, packets.Statistics):
+            values = {"index": item.index, "value": item.value}
+            self._numbers(stamp_ns, "/tactile/statistics", item.time, values)
+        elif isinstance(item, packets.Gap):
+            text = json.dumps({"reason": item.reason, "seconds": item.seconds})
+            self._write(stamp_ns, "/tactile/gap", "std_msgs/String", SimpleNamespace(data=text))
+
+    def _numbers(self, stamp_ns, topic, ticks, values):
+        values = {"ticks": ticks, **values}
+        message = _array(values.keys(), list(values.values()))
+        self._write(stamp_ns, topic, "std_msgs/Int64MultiArray", message)
+
+    def finish(self, facts):
+        self._writer.add_metadata(METADATA, {name: str(value) for name, value in facts.items()})
+        self._writer.finish()
+
+
+def read(path):
+    """(facts, [(ns, packet)]) of a file that McapWriter wrote, positions and loads without physical units."""
+    from mcap.reader import make_reader
+    from mcap_ros2.decoder import DecoderFactory
+
+    items = []
+    with open(path, "rb") as file:
+        reader = make_reader(file, validate_crcs=True, decoder_factories=[DecoderFactory()])
+        facts = {data.name: data.metadata for data in reader.iter_metadata()}.get(METADATA)
+        if facts is None:
+            raise ValueError("it does not say that a core's log is in it")
+        for decoded in reader.iter_decoded_messages(log_time_order=False):
+            topic, stamp, message = decoded.channel.topic, decoded.message.log_time, decoded.decoded_message
+            items += [(stamp, item) for item in _items(topic, message)]
+    return facts, items
+
+
+def _items(topic, message):
+    kind = topic.rpartition("/")[2]
+    if kind == "frame" and message.has_cop:
+        x, y = message.x / (1 << FRACTION_BITS), message.y / (1 << FRACTION_BITS)
+        yield packets.CopFrame(
+            message.ticks, None, x, y, message.load, message.pressed, x_mm=None, y_mm=None, load_n=None
+        )
+    elif kind == "frame":
+        taxels = np.array(message.taxels, dtype=np.uint16).reshape(message.rows, message.columns)
+        yield packets.Image(message.ticks, None, message.number, taxels, message.newtons_per_code or None)
+    elif kind == "slip":
+        ticks, channel, state, p2p = message.data
+        yield packets.SlipEvent(ticks, None, channel, state, p2p, p2p_v=None)
+    elif kind == "health":
+        ticks, taxel, faults = message.data
+        yield packets.Health(ticks, None, taxel, faults)
+    elif kind == "statistics":
+        ticks, index, value = message.data
+        yield packets.Statistics(ticks, None, index, value)
+    elif kind == "gap":
+        yield packets.Gap(**json.loads(message.data))

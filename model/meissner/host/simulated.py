@@ -1,0 +1,233 @@
+"""A core without hardware: it speaks docs/link.md, made of the twins of registers, bridge, packets and slip.
+
+A source is a function that takes the core and yields (time in clocks, type, payload), times ascending; the
+type None passes time only. It may read the core's registers, which change at ``core.boundary``.
+"""
+
+import heapq
+import time
+from dataclasses import replace
+from itertools import count
+
+import numpy as np
+
+from meissner import engines, scenes
+from meissner.host import names, units
+from meissner.link import bridge, cobs
+from meissner.link import packet as p
+from meissner.link.registers import Registers, reset_word
+from meissner.slip.config import SAMPLE_BITS, SlipConfig
+from meissner.slip.haar import haar
+from meissner.slip.peak_to_peak import PeakToPeak
+from meissner.slip.slip import Slip, State
+
+CLK_KHZ = 25_000
+STATISTIC_CLOCKS = 1 << 20
+BLOCK = 64  # details between two looks at the registers
+SHOWN = "acrylic_slip+walk_25x5"
+
+
+class SimulatedCore:
+    """A pipe for meissner.host.pty or meissner.host.line.
+
+    ``source``: a function as above, or a list of (time, type, payload). ``settings``: {name: value} that the
+    build starts with. ``speed``: simulated seconds a second; 0: as fast as it is read. ``status``: {(group,
+    register, field): value} of what the core reports.
+    """
+
+    def __init__(self, source=(), features=None, settings=None, size=(1, 1), clk_khz=CLK_KHZ, speed=0.0):
+        self.registers = Registers(features, reset_word(settings or {}))
+        self.clk_khz, self.speed = clk_khz, speed
+        present = names.FEATURES if features is None else features
+        bits = sum(1 << bit for bit, name in enumerate(names.FEATURES) if name in present)
+        self.status = {
+            ("core", "features", "value"): bits,
+            ("core", "size", "rows"): size[0],
+            ("core", "size", "columns"): size[1],
+            ("core", "clk_khz", "value"): clk_khz,
+        }
+        self.units = units.Units()  # what a host should be told of this core
+        self._make = source if callable(source) else lambda core: iter(source)
+        self.restart()
+
+    def restart(self):
+        """As after a reset: settings, packet numbers and time start over."""
+        self.registers.reset()
+        self._source, self._next = self._make(self), None
+        self._out, self._in, self._number = bytearray(), bytearray(), 0
+        self._began, self._now = time.monotonic(), 0
+        self.rejected = 0
+
+    @property
+    def now(self):
+        """Clocks since reset."""
+        if self.speed:
+            passed = int((time.monotonic() - self._began) * self.speed * 1000 * self.clk_khz)
+            self._now = max(self._now, passed)
+        return self._now
+
+    def boundary(self, group):
+        """A frame of the group's begins: what was written to it counts from now on."""
+        if self.registers.pending[group]:
+            self.registers.commit(group)
+
+    def read(self, n):
+        """Up to ``n`` bytes that are due."""
+        while len(self._out) < n:
+            self._next = self._next or next(self._source, None)
+            if self._next is None or (self.speed and self._next[0] > self.now):
+                break
+            (at, kind, payload), self._next = self._next, None
+            self._now = max(self._now, at)
+            if kind is not None:
+                self.say(kind, self.now if kind == p.STATISTIC else at, payload)  # stamped as it leaves
+        data = bytes(self._out[:n])
+        del self._out[: len(data)]
+        return data
+
+    def say(self, kind, at, payload):
+        """Send a packet."""
+        self._now = max(self._now, at)
+        self._out += cobs.encode(p.packet(kind, self._number, at, payload))
+        self._number += 1
+        self.status["link", "packets", "value"] = self._number
+
+    def write(self, data):
+        """Bytes for the register bridge."""
+        self._in += data
+        whole = self._in.rfind(b"\0") + 1
+        found, rejected = bridge.accesses(bytes(self._in[:whole]))
+        del self._in[:whole]
+        self.rejected += rejected
+        for operation, tag, address, value in found:
+            word, error, _ = self.registers.access(operation, address, value, status=self.status)
+            status = bridge.BUS_ERROR if error else bridge.DONE
+            self.say(p.ANSWER, self.now, bridge.answer(tag, status, address, word))
+
+    def slip_config(self, **build):
+        """SlipConfig of the registers of the group slip; ``build``: window, hop, level."""
+        level = build.get("level", 1)
+        most = (1 << SAMPLE_BITS + level) - 1  # no peak-to-peak is above it
+        values = {}
+        for name in names.PLACES:
+            if name.startswith("slip.") and names.place(name).writable:
+                key = name.removeprefix("slip.")
+                values[key] = names.place(name).value(self.registers.setting("slip", key))
+        for key in ("threshold", "gross_threshold"):
+            values[key] = min(values[key], most)
+        for key in ("contact_level", "release_level"):
+            values[key] = int(np.clip(values[key], -(most + 1) // 2, most // 2))
+        values["contact_rises"] = bool(values["contact_rises"])
+        return SlipConfig(**build, **values)
+
+
+def settings_of(config):
+    """{name: value} of the group slip's registers for a SlipConfig."""
+    keys = [name.removeprefix("slip.") for name in names.PLACES if name.startswith("slip.")]
+    return {f"slip.{key}": int(getattr(config, key)) for key in keys if hasattr(config, key)}
+
+
+def blocks_of(codes, level=1, loop=False):
+    """Codes [channels, samples] as blocks of whole details, once or without end."""
+    codes, step = np.atleast_2d(codes), BLOCK << level
+    usable = codes.shape[1] >> level << level
+    for _ in count() if loop else (0,):
+        for start in range(0, usable, step):
+            yield codes[:, start : min(start + step, usable)]
+
+
+def slip_source(blocks, rate_hz, window=64, hop=64, level=1):
+    """Blocks of codes [channels, whole details] through the slip path's twins: a packet where a flag rises.
+
+    Settings are the core's registers, looked at before each block; ``blocks`` may make each when it is asked.
+    """
+
+    def source(core):
+        clocks, group = 1000 * core.clk_khz / rate_hz, 1 << level
+        spans = twin = None
+        done, flag = 0, False
+        for codes in blocks:
+            core.boundary("slip")
+            config = core.slip_config(window=window, hop=hop, level=level)
+            if twin is None:
+                spans = PeakToPeak(len(codes), window // group, hop // group)
+                twin, flag = Slip(len(codes), config), np.zeros((len(codes), 1), dtype=bool)
+            twin.config = config
+            detail, total = haar(codes, level)
+            p2p, _ = spans.next(detail)
+            state = twin.next(p2p, total)
+            slipping = (state == State.INCIPIENT) | (state == State.GROSS)
+            rises = slipping & ~np.concatenate([flag, slipping[:, :-1]], axis=1)
+            flag = slipping[:, -1:]
+            for k in np.flatnonzero(rises.any(axis=0)):
+                at = int((done + group * (k + 1) - 1) * clocks)  # of the sample that decided
+                for channel in np.flatnonzero(rises[:, k]):
+                    event = p.slip_event(int(channel), int(p2p[channel, k]), int(state[channel, k]))
+                    yield at, p.SLIP, event
+            done += codes.shape[1]
+            yield int(done * clocks), None, b""
+
+    return source
+
+
+def array_source(forces, rate_hz, min_load=1, image_every=1, chunk=64, loop=False):
+    """Frames of forces [frames, rows, columns] through the CoP's twin: CoP and image of each."""
+    forces = engines.check_forces(forces)
+    found = engines.process_cop(forces, "fixed", min_load)
+
+    def source(core):
+        clocks = 1000 * core.clk_khz / rate_hz
+        for turn in count() if loop else (0,):
+            for k, frame in enumerate(forces):
+                place = turn * len(forces) + k
+                at = int(place * clocks)
+                x, y, load, pressed = (int(found[name][k]) for name in ("x", "y", "sum", "valid"))
+                yield at, p.COP, p.cop_frame(x, y, load, pressed)
+                if place % image_every == 0:
+                    for part in p.image_chunks(place // image_every, frame.ravel().tolist(), chunk):
+                        yield at, p.IMAGE, part
+
+    return source
+
+
+def statistics_source(core):
+    """The packets said so far, again and again; without end."""
+    for turn in count(1):
+        yield turn * STATISTIC_CLOCKS, p.STATISTIC, p.statistic(0, core._number)
+
+
+def together(*sources):
+    """All of them, in the order of time, as long as there are."""
+    return lambda core: heapq.merge(*(source(core) for source in sources), key=lambda item: item[0])
+
+
+def of_scenes(which=SHOWN, speed="1"):
+    """A core that senses what slip scenes and scenes of arrays show, over and over: names joined by +."""
+    try:
+        speed = float(speed)
+        if not 0 < speed < float("inf"):
+            raise ValueError
+    except ValueError:
+        raise ValueError(f"speed = {speed} must be a number above 0") from None
+    sources, settings, size, known = [statistics_source], {}, (1, 1), units.Units()
+    for name in (which or SHOWN).split("+"):
+        scene = scenes.load(name)
+        if scene.sensor == "rubber":
+            config = scene.slip_config()
+            recording = scenes.simulate(scene, 0, 1)
+            blocks = blocks_of(recording.codes, config.level, loop=True)
+            sources.append(slip_source(blocks, scene.rate_hz, config.window, config.hop, config.level))
+            settings |= settings_of(config)
+            known = replace(units.of_scene(scene), newtons_per_code=known.newtons_per_code)
+        elif scene.sensor == "array":
+            recording = scenes.simulate(scene)
+            every = max(1, round(scene.rate_hz / 25))
+            sources.append(array_source(recording.codes, scene.rate_hz, scene.min_load, every, loop=True))
+            size = (scene.rows, scene.columns)
+            settings["cop.min_load"] = scene.min_load
+            known = replace(known, newtons_per_code=scene.load_lsb)
+        else:
+            raise ValueError(f"scene {name} is neither of rubber nor of an array: it gives no packets here")
+    core = SimulatedCore(together(*sources), settings=settings, size=size, speed=speed)
+    core.units = known
+    return core

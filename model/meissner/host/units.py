@@ -1,0 +1,121 @@
+"""What ticks, codes and taxels of a core are worth; what a core does not know of itself.
+
+A detail of level l is sqrt(2)^l times the Haar coefficient (meissner.slip.haar), a level's sum is that of 2^l
+samples:
+
+    code of a peak-to-peak = floor(volts·sqrt(2)^l / volts_per_code)       compared with >, so exact
+    code of a level        = round(2^l·(min_code + (volts - low_v)/volts_per_code))
+    code of a least load   = ceil(newtons / newtons_per_code)             pressed from it on, so exact
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+FRACTION_BITS = 14  # of x and y in a CoP packet
+CODES = {  # of an amount: register, quantity, and what of Units turns it into a code
+    ("slip.threshold", "volts"): "detail_code",
+    ("slip.gross_threshold", "volts"): "detail_code",
+    ("slip.contact_level", "volts"): "level_code",
+    ("slip.release_level", "volts"): "level_code",
+    ("slip.contact_level", "newtons"): "level_code_of_newtons",
+    ("slip.release_level", "newtons"): "level_code_of_newtons",
+    ("slip.hold", "seconds"): "details",
+    ("slip.refractory", "seconds"): "details",
+    ("slip.blank", "seconds"): "details",
+    ("cop.min_load", "newtons"): "load_code",
+    ("adc.period", "seconds"): "clocks",
+    ("scan.period", "seconds"): "clocks",
+    ("scan.settle", "seconds"): "clocks",
+}
+
+
+@dataclass(frozen=True)
+class Units:
+    """None: not known. ``clk_khz``, ``rows`` and ``columns`` are the core's own, read when it is found.
+
+    ``volts_per_code``, ``low_v``, ``min_code``: of a sample; ``level``: of the slip path; ``rate_hz``:
+    samples a second of each channel; ``volts_of``: newtons to the sensor's volts; ``newtons_per_code``: of
+    a taxel and of a load; ``pitch_mm``: from taxel to taxel.
+    """
+
+    clk_khz: int | None = None
+    rows: int | None = None
+    columns: int | None = None
+    volts_per_code: float | None = None
+    low_v: float = 0.0
+    min_code: int = 0
+    level: int = 1
+    rate_hz: float | None = None
+    volts_of: Callable | None = None
+    newtons_per_code: float | None = None
+    pitch_mm: float | None = None
+
+    def code(self, name, quantity, value):
+        """Code of the register ``name`` for ``value`` volts, newtons or seconds, or ValueError."""
+        if (name, quantity) not in CODES:
+            takes = [other for register, other in CODES if register == name]
+            raise ValueError(f"{name} is not set in {quantity}, but in {' or '.join(takes) or 'codes only'}")
+        if not np.isfinite(value):
+            raise ValueError(f"{name} = {value} {quantity} is no number")
+        return getattr(self, CODES[name, quantity])(value)
+
+    def _need(self, name, what):
+        value = getattr(self, name)
+        if value is None:
+            raise ValueError(f"{what} cannot be set: {name} is not known")
+        return value
+
+    def seconds(self, ticks):
+        return ticks / (1000 * self.clk_khz) if self.clk_khz else None
+
+    def detail_volts(self, code):
+        """Volts of a Haar coefficient's peak-to-peak."""
+        return None if self.volts_per_code is None else code * self.volts_per_code / 2 ** (self.level / 2)
+
+    def detail_code(self, volts):
+        lsb = self._need("volts_per_code", "a threshold in volts")
+        return int(np.floor(volts * 2 ** (self.level / 2) / lsb))
+
+    def level_code(self, volts):
+        lsb = self._need("volts_per_code", "a level in volts")
+        return round((1 << self.level) * (self.min_code + (volts - self.low_v) / lsb))
+
+    def level_code_of_newtons(self, newtons):
+        return self.level_code(float(self._need("volts_of", "a level in newtons")(newtons)))
+
+    def details(self, seconds):
+        return round(seconds * self._need("rate_hz", "a time in seconds") / (1 << self.level))
+
+    def clocks(self, seconds):
+        return round(seconds * 1000 * self._need("clk_khz", "a time in seconds"))
+
+    def load_code(self, newtons):
+        """The least load of that many newtons."""
+        return int(np.ceil(newtons / self._need("newtons_per_code", "a load in newtons")))
+
+    def load_newtons(self, load):
+        return None if self.newtons_per_code is None else load * self.newtons_per_code
+
+    def place(self, x, y):
+        """(x, y) of a CoP packet in -1 .. 1, and in mm from the array's middle or (None, None)."""
+        x, y = x / (1 << FRACTION_BITS), y / (1 << FRACTION_BITS)
+        if None in (self.pitch_mm, self.rows, self.columns):
+            return x, y, None, None
+        return x, y, x * self.pitch_mm * (self.columns - 1) / 2, y * self.pitch_mm * (self.rows - 1) / 2
+
+
+def of_scene(scene):
+    """Units of a slip scene (meissner.scenes.slip.Scene): its converter, rate, level and rubber."""
+    from meissner.world import rubber
+
+    adc = scene.adc
+    return Units(
+        volts_per_code=adc.lsb_v,
+        low_v=adc.low_v,
+        min_code=adc.min_code,
+        level=scene.slip.level,
+        rate_hz=scene.rate_hz,
+        volts_of=rubber.rest_volts,
+    )

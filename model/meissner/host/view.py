@@ -1,0 +1,133 @@
+"""What ``meissner live`` shows: the newest of everything, as lines for a pipe, a picture for a terminal."""
+
+from collections import deque
+
+import numpy as np
+
+from meissner.host import packets
+from meissner.slip.slip import State
+
+SHADES = " ░▒▓█"
+WIDEST, HIGHEST = 32, 16  # cells of the picture; of a larger array each cell is the largest of its taxels
+SLIP_COLOURS = {State.INCIPIENT: "yellow", State.GROSS: "red"}
+
+
+def state_name(state):
+    return state.name.lower() if isinstance(state, State) else f"state {state}"
+
+
+def coarse(taxels):
+    """At most HIGHEST × WIDEST cells, each the maximum of its taxels."""
+    for axis, most in ((0, HIGHEST), (1, WIDEST)):
+        count = taxels.shape[axis]
+        if count > most:
+            starts = np.arange(most) * count // most
+            taxels = np.maximum.reduceat(taxels, starts, axis=axis)
+    return taxels
+
+
+def heat_map(taxels):
+    """Lines of block characters, two a cell, dark to full from 0 to the image's largest."""
+    cells = coarse(taxels).astype(np.int64)
+    most = max(1, int(cells.max()))
+    shade = -(-cells * (len(SHADES) - 1) // most)  # anything above 0 shows
+    return ["".join(2 * SHADES[k] for k in row) for row in shade]
+
+
+class View:
+    """``add`` takes packets; ``line`` and ``picture`` show the newest."""
+
+    def __init__(self, core):
+        self.core = core
+        self.slips, self.slip_count = {}, 0  # of each channel the last event
+        self.cop = self.image = None
+        self.statistics, self.health = {}, {}
+        self.messages = deque(maxlen=4)
+        self._rate = (0.0, 0, 0.0)  # when, packets then, packets a second
+
+    def add(self, item):
+        """The line to print at once, where there is one."""
+        if isinstance(item, packets.SlipEvent):
+            self.slips[item.channel] = item
+            self.slip_count += 1
+            return self._slip(item)
+        if isinstance(item, packets.CopFrame):
+            self.cop = item
+        elif isinstance(item, packets.Image):
+            self.image = item
+        elif isinstance(item, packets.Statistics):
+            self.statistics[item.index] = item.value
+        elif isinstance(item, packets.Health):
+            self.health[item.taxel] = item.faults
+            return f"{self._at(item)}taxel {item.taxel} faults 0b{item.faults:b}"
+        return None
+
+    def tick(self, now_s):
+        """Once in a while, for the packets a second."""
+        when, before, _ = self._rate
+        count = self.core.counts.packets
+        self._rate = (now_s, count, (count - before) / (now_s - when) if now_s > when else 0.0)
+
+    def _at(self, item):
+        return f"{item.time} clocks: " if item.time_s is None else f"{item.time_s:.4f} s: "
+
+    def _slip(self, item):
+        volts = "" if item.p2p_v is None else f", {1e3 * item.p2p_v:.1f} mV"
+        return (
+            f"{self._at(item)}slip, channel {item.channel}, {state_name(item.state)}, "
+            f"peak-to-peak {item.p2p}{volts}"
+        )
+
+    def _cop(self):
+        cop = self.cop
+        if cop is None:
+            return "no centre of pressure yet"
+        load = f"load {cop.load}" if cop.load_n is None else f"load {cop.load_n:.3f} N"
+        if not cop.pressed:
+            return f"not pressed, {load}"
+        place = f"x {cop.x:+.3f} y {cop.y:+.3f}"
+        return f"{place}{'' if cop.x_mm is None else f' ({cop.x_mm:+.2f}, {cop.y_mm:+.2f} mm)'}, {load}"
+
+    def _line(self):
+        counts = self.core.counts
+        return (
+            f"{self._rate[2]:.0f} packets/s, {counts.lost} lost, {counts.damaged} damaged, "
+            f"{counts.images_lost} images lost, {counts.gaps} gaps ({counts.gap_s:.1f} s)"
+        )
+
+    def line(self):
+        """One line about everything."""
+        slips = f"{self.slip_count} slip event{'s' * (self.slip_count != 1)}"
+        return f"{self._cop()}; {slips}; {self._line()}"
+
+    def picture(self):
+        """The same for rich."""
+        from rich.console import Group
+        from rich.panel import Panel
+        from rich.table import Table
+        from rich.text import Text
+
+        slips = Table("channel", "state", "peak-to-peak", "at", box=None)
+        for channel in sorted(self.slips)[:HIGHEST]:
+            item = self.slips[channel]
+            p2p = f"{item.p2p}" if item.p2p_v is None else f"{item.p2p}  {1e3 * item.p2p_v:.1f} mV"
+            state = Text(state_name(item.state), SLIP_COLOURS.get(item.state, ""))
+            slips.add_row(str(channel), state, p2p, self._at(item).removesuffix(": "))
+        parts = [
+            Panel(slips, title=f"slip, {self.slip_count} events"),
+            Panel(self._cop(), title="centre of pressure"),
+        ]
+        if self.image is not None:
+            rows, columns = self.image.taxels.shape
+            shown = "\n".join(heat_map(self.image.taxels))
+            title = f"image {self.image.number}, {rows}×{columns}, largest {self.image.taxels.max()}"
+            parts.append(Panel(Text(shown), title=title))
+        faulty = {taxel: faults for taxel, faults in self.health.items() if faults}
+        if faulty:
+            parts.append(
+                Panel(", ".join(f"{t}: 0b{f:b}" for t, f in sorted(faulty.items())), title="faulty taxels")
+            )
+        numbers = ", ".join(f"{index}: {value}" for index, value in sorted(self.statistics.items()))
+        parts.append(Panel(f"{self._line()}\ncounters of the core: {numbers or 'none yet'}", title="line"))
+        parts += [Text(message) for message in self.messages]
+        return Group(*parts)

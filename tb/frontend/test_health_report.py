@@ -1,0 +1,52 @@
+"""msn_health_report against its model: every kind of fault on every lane, gaps and stalls, reset."""
+
+import random
+
+import cocotb
+import pytest
+
+import bench
+from meissner.frontend.health_report import reports
+
+
+def events(draw, count, lanes, id_bits):
+    top = (1 << id_bits) - 1
+    corners = [(top, (1 << lanes) - 1, 0, 0), (0, 0, 1, 0), (top, 0, 0, 1 << (lanes - 1))]
+    bits = lambda: draw.getrandbits(lanes) & draw.getrandbits(lanes)
+    return corners + [(draw.getrandbits(id_bits), bits(), bits(), bits()) for _ in range(count)]
+
+
+async def check(dut, given, gap=0.0, stall=0.0):
+    beats = [dict(zip(("id", "dead", "railed", "blinking"), event)) for event in given]
+    got = await bench.stream(dut, beats, ["id", "faults"], bench.pauses(gap), bench.pauses(stall), hold=True)
+    assert [tuple(row.values()) for row in got] == reports(given, len(dut.in_dead_i))
+
+
+@cocotb.test(timeout_time=2, timeout_unit="ms")
+@cocotb.parametrize(gap=[0.0, 0.5], stall=[0.0, 0.6])
+async def matches_model(dut, gap, stall):
+    await bench.start(dut)
+    draw = random.Random(bench.SEED)
+    await check(dut, events(draw, 80, len(dut.in_dead_i), len(dut.in_id_i)), gap, stall)
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def forgets_what_a_reset_interrupts(dut):
+    await bench.start(dut)
+    draw = random.Random(bench.SEED)
+    given = events(draw, 3, len(dut.in_dead_i), len(dut.in_id_i))
+    beat = dict(zip(("id", "dead", "railed", "blinking"), given[0]))
+    await bench.stream(dut, [beat], ["id", "faults"], stalls=lambda: True, drain=0)
+    await bench.reset(dut)
+    await check(dut, given)
+
+
+@pytest.mark.parametrize("lanes", [1, 2, 8])
+def test_health_report(lanes):
+    bench.run("frontend", "health_report", {"Lanes": lanes, "IdBits": 6})
+
+
+def test_refuses_illegal_parameters():
+    assert "Lanes = 5" in bench.refuses("health_report", {"Lanes": 5})
+    with pytest.raises(ValueError, match="lanes = 5"):
+        reports([], 5)

@@ -1,0 +1,259 @@
+"""``meissner regs``, ``live``, ``log``, ``replay`` as a user starts them, against a simulated core over a
+pty: what they print on a terminal and in a pipe, exit codes, Ctrl-C, one sentence for bad input, nothing half
+done."""
+
+import os
+import pty as ptys
+import select
+import signal
+import subprocess
+import sys
+import termios
+import time
+
+import numpy as np
+import pytest
+
+from meissner import cli, engines, host
+from meissner.host import line, log, packets, view
+from meissner.host.pty import Pty
+from meissner.host.simulated import SimulatedCore, of_scenes
+from meissner.link import cobs
+from meissner.link import packet as p
+
+
+@pytest.fixture
+def meissner(capsys, monkeypatch, tmp_path):
+    """Run the command in this process, in a folder of its own: (exit code, stdout, stderr)."""
+    monkeypatch.chdir(tmp_path)
+
+    def run(*arguments):
+        code = 0
+        try:
+            cli.main([str(argument) for argument in arguments])
+        except SystemExit as end:
+            code = end.code
+        return code, *capsys.readouterr()
+
+    return run
+
+
+@pytest.fixture
+def port():
+    with Pty(of_scenes(speed="10")) as pty:
+        yield pty
+
+
+def started(*arguments, **more):
+    return subprocess.Popen([sys.executable, "-m", "meissner.cli", *map(str, arguments)], **more)
+
+
+def test_regs_reads_and_writes(meissner, port):
+    code, out, err = meissner(
+        "regs", port.url, "slip.threshold=0x30", "slip.contact_level=-2", "core.size.rows"
+    )
+    assert (code, err) == (0, "")
+    assert out.splitlines() == [
+        "slip.threshold      48         0x30",
+        "slip.contact_level  -2         0xffffe",
+        "core.size.rows      25         0x19",
+    ]
+    code, out, _ = meissner("regs", port.url, "slip")
+    assert code == 0 and out.splitlines()[0].split()[:2] == ["slip.threshold", "48"]
+    assert len(out.splitlines()) == 10
+    code, out, _ = meissner("regs", port.url)
+    assert {text.split()[0] for text in out.splitlines()} >= {"core.id", "adc.period", "slip.blanked"}
+
+
+@pytest.mark.parametrize(
+    "given, sentence",
+    [
+        (["slip.threshold=1", "slip.treshold=2"], "there is no register 'slip.treshold'"),
+        (["slip.threshold=1", "slip.hold=many"], "'many' is no integer"),
+        (["slip.threshold=1", "slip.hold=65536"], "slip.hold = 65536 must lie in 0 .. 65535"),
+        (["slip.threshold=1", "core.id=1"], "core.id can only be read"),
+    ],
+)
+def test_regs_writes_all_or_nothing(meissner, given, sentence):
+    model = SimulatedCore()
+    with Pty(model) as pty:
+        code, out, err = meissner("regs", pty.url, *given)
+    assert (code, out) == (2, "")
+    assert sentence in err and len(err.splitlines()) == 1
+    assert model.registers.setting("slip", "threshold") == 0xFFFFF
+
+
+def test_live_in_a_pipe(meissner, port):
+    code, out, err = meissner("live", port.url, "--seconds", 2.2)
+    assert (code, err) == (0, "")
+    lines = out.splitlines()
+    assert any("slip, channel 0, incipient, peak-to-peak" in text for text in lines)
+    full = [text for text in lines if text.startswith(("x ", "not pressed"))]
+    assert 2 <= len(full) <= 4 and "load" in full[-1] and " 0 lost, 0 damaged" in full[-1]
+    assert int(full[-1].split(" slip event")[0].split()[-1]) == len(lines) - len(full) > 0
+
+
+def test_live_on_a_terminal(port):
+    """A real terminal: slip, centre of pressure and the image are on it."""
+    ours, theirs = ptys.openpty()
+    termios.tcsetwinsize(theirs, (50, 100))
+    environment = {**os.environ, "TERM": "xterm-256color"}
+    shown = bytearray()
+    with started("live", port.url, "--seconds", 1.5, stdout=theirs, stderr=theirs, env=environment) as child:
+        end = time.monotonic() + 30
+        while child.poll() is None and time.monotonic() < end:
+            if select.select([ours], [], [], 0.1)[0]:
+                shown += os.read(ours, 65536)
+        child.kill()
+    os.close(theirs)
+    os.close(ours)
+    text = shown.decode(errors="replace")
+    assert child.returncode == 0
+    for part in ("slip, ", "incipient", "centre of pressure", "load", "25×5", "packets/s", "█"):
+        assert part in text, part
+
+
+def test_live_says_when_the_line_goes(meissner, tmp_path):
+    link = tmp_path / "core"
+    model = SimulatedCore()
+    first = Pty(model)
+    link.symlink_to(first.path)
+    command = started("live", f"pty:{link}", "--seconds", 30, stdout=-1, stderr=-1, text=True)
+    with command as child:
+        assert "packets/s" in child.stdout.readline()
+        first.unplug()
+        assert "is gone" in child.stderr.readline()
+        link.unlink()
+        with Pty(model) as second:
+            link.symlink_to(second.path)
+            assert "is back after" in child.stderr.readline()
+            while " 1 gaps" not in (text := child.stdout.readline()):
+                assert text
+            child.send_signal(signal.SIGINT)
+            assert child.wait(10) == 130
+
+
+def test_log_and_replay(meissner, port):
+    for name in ("a.mcap", "a.npz"):
+        code, out, err = meissner("log", port.url, "--out", name, "--seconds", 0.7)
+        assert (code, err) == (0, "")
+        assert int(out.split()[0]) > 1000 and " 0 lost, 0 damaged" in out
+        code, out, err = meissner("replay", name, "--engine", "fixed", "--out", "out.npz")
+        assert (code, err) == (0, "")
+        assert "of 25×5 on engine fixed" in out and ", 0 of them differ; out.npz" in out
+        result, found = np.load("out.npz"), log.read(name)
+        again = engines.process_cop(found["image"], "fixed", int(found["min_load"]))
+        assert all(np.array_equal(result[field], again[field]) for field in again)
+        assert (
+            result["logged"][1:].all() and len(result["logged"]) > 10
+        )  # the first one's may have come before
+        code, out, _ = meissner("replay", name, "--min-load", 1 << 20, "--out", "out.npz")
+        assert code == 0 and "(at most: x " in out and "pressed 1" in out
+
+
+@pytest.mark.parametrize("which", [signal.SIGINT, signal.SIGTERM])
+def test_log_that_is_stopped_is_whole(port, tmp_path, which):
+    command = started("log", port.url, "--out", tmp_path / "a.mcap", stdout=-1, stderr=-1, text=True)
+    with command as child:
+        while not list(tmp_path.glob(".a.mcap.*")):  # it logs
+            time.sleep(0.01)
+        time.sleep(0.5)
+        child.send_signal(which)
+        out, err = child.communicate(timeout=20)
+    assert child.returncode == 0 and "stopped" in err and "packets of" in out
+    assert len(log.read(tmp_path / "a.mcap")["cop_time"]) > 100
+
+
+def test_a_capture_is_read_like_a_line(meissner, tmp_path):
+    frames = [cobs.encode(p.packet(p.SLIP, k, 1000 * k, p.slip_event(3, k, 3))) for k in range(5)]
+    (tmp_path / "a.bin").write_bytes(b"".join(frames[:2] + frames[3:]))
+    code, out, err = meissner("live", "file:a.bin", "--clk-khz", 1000)
+    assert (code, err) == (0, "")
+    assert out.splitlines()[0] == "0.0000 s: slip, channel 3, gross, peak-to-peak 0"
+    assert "4 slip events" in out and "1 lost" in out
+    code, out, err = meissner("live", "file:a.bin")
+    assert "3000 clocks: slip" in out
+    code, _, err = meissner("log", "file:a.bin", "--out", "a.npz", "--clk-khz", 1000)
+    assert code == 0 and list(log.read("a.npz")["slip_p2p"]) == [0, 1, 3, 4]
+
+
+def test_a_core_without_registers_is_listened_to(meissner):
+    model = SimulatedCore([(k, p.SLIP, p.slip_event(0, k, 2)) for k in range(5)])
+    model.write = lambda data: None
+    with Pty(model) as pty:
+        code, _, err = meissner("live", pty.url, "--seconds", 0.2)
+        assert code == 2 and "packets come from" in err and "only be listened to" in err
+    model.restart()
+    with Pty(model) as pty:
+        code, out, _ = meissner("live", pty.url, "--listen", "--seconds", 0.2)
+        assert code == 0 and "5 slip events" in out
+
+
+@pytest.mark.parametrize(
+    "arguments, sentence",
+    [
+        (("live", "telepathy"), "names no line"),
+        (("live", "sim:", "--seconds", "0"), "seconds = 0 must be a number above 0"),
+        (("live", "sim:", "--seconds", "nan"), "must be a number above 0"),
+        (("live", "sim:", "--clk-khz", "0"), "clk-khz = 0 must be 1 or more"),
+        (("regs", "file:a.bin"), "cannot be reached"),
+        (("log", "sim:", "--out", "a.txt"), "must be a .mcap or a .npz file"),
+        (("log", "sim:", "--out", "nowhere/a.npz"), "there is no folder nowhere"),
+        (("log", "file:a.bin", "--out", "a.npz"), "clock is not known"),
+        (("replay", "none.mcap", "--out", "o.npz"), "there is no file none.mcap"),
+        (("replay", "a.bin", "--out", "o.npz"), "must be a .mcap or a .npz file"),
+        (("replay", "empty.mcap", "--out", "o.npz"), "is not a whole MCAP log"),
+        (("replay", "empty.mcap", "--engine", "oracle", "--out", "o.npz"), "unknown engine"),
+        (("replay", "flat.npz", "--out", "o.npz"), "no log of a core"),
+        (("replay", "good.npz", "--out", "nowhere/o.npz"), "there is no folder nowhere"),
+        (("replay", "good.npz", "--min-load", "-1", "--out", "o.npz"), "must not be negative"),
+        (("replay", "good.npz", "--out", "o.npz"), "holds no image"),
+    ],
+)
+def test_bad_input(meissner, tmp_path, arguments, sentence):
+    (tmp_path / "a.bin").write_bytes(b"\0")
+    (tmp_path / "empty.mcap").write_bytes(b"")
+    np.savez(tmp_path / "flat.npz", x=[1])
+    core = host.Core(line.Pipe(SimulatedCore()))
+    with log.recording(tmp_path / "good.npz", core):
+        pass
+    before = sorted(tmp_path.iterdir())
+    code, out, err = meissner(*arguments)
+    assert (code, out) == (2, "")
+    assert sentence in err and len(err.splitlines()) == 1
+    assert sorted(tmp_path.iterdir()) == before
+
+
+def test_heat_map():
+    taxels = np.zeros((3, 4), np.uint16)
+    taxels[1, 2], taxels[0, 0], taxels[2, 3] = 65535, 1, 40000
+    assert view.heat_map(taxels) == ["░░      ", "    ██  ", "      ▓▓"]
+    assert view.heat_map(np.zeros((2, 2), np.uint16)) == ["    ", "    "]
+    large = np.zeros((1024, 1000), np.uint16)
+    large[1023, 999] = 9
+    shown = view.heat_map(large)
+    assert (len(shown), len(shown[0])) == (view.HIGHEST, 2 * view.WIDEST)
+    assert shown[-1][-2:] == "██" and "".join(shown).strip() == "██"
+
+
+def test_view_of_everything():
+    """A picture of a view without units, with faulty taxels and states of the future, is drawn."""
+    from rich.console import Console
+
+    core = host.Core(line.Pipe(SimulatedCore()), registers=False)
+    shown = view.View(core)
+    assert shown.line().startswith("no centre of pressure yet; 0 slip events")
+    shown.add(packets.SlipEvent(5, None, 70, 6, 9, None))
+    shown.add(packets.CopFrame(5, None, 0.0, 0.0, 3, False, None, None, None))
+    assert shown.line().startswith("not pressed, load 3; 1 slip event;")
+    assert shown.add(packets.Health(5, None, 12, 5)) == "5 clocks: taxel 12 faults 0b101"
+    shown.add(packets.Statistics(5, None, 2, 99))
+    shown.add(packets.Image(5, None, 1, np.ones((2, 2), np.uint16), None))
+    shown.messages.append("the line is gone")
+    console = Console(width=100, record=True, file=open(os.devnull, "w"))  # noqa: SIM115
+    console.print(shown.picture())
+    text = console.export_text()
+    for part in ("state 6", "not pressed, load 3", "12: 0b101", "2: 99", "████", "the line is gone", "2×2"):
+        assert part in text, part
+    shown.add(packets.CopFrame(9, 1.0, 0.5, -0.5, 3, True, 1.0, -1.0, 0.25))
+    assert shown.line().startswith("x +0.500 y -0.500 (+1.00, -1.00 mm), load 0.250 N")

@@ -1,0 +1,50 @@
+"""Every example of examples/ runs as a user starts it, and prints what it is there to show."""
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from meissner.toolchain import ROOT
+
+EXAMPLES = {
+    ("stream_recording.py",): ["s: channel 0, incipient, p2p ", "slip events"],
+    ("set_threshold.py",): [
+        "slip.threshold = 23 codes",
+        "1 V, peak to peak, are 1158 codes",
+        "\n0 slip events",
+    ],
+    ("read_cop.py",): ["an array of 25×5", "x -0.3", "██"],
+    ("grip_on_slip.py",): ["it begins to slip: grip harder\n", "the object was held with 3.0 N"],
+    ("grip_on_slip.py", "--hold"): ["it begins to slip\n", "the object slipped away with 2.0 N"],
+}
+
+
+def run(*arguments, cwd=ROOT):
+    name, *rest = arguments
+    command = [sys.executable, ROOT / "examples" / name, *rest]
+    done = subprocess.run(command, cwd=cwd, capture_output=True, text=True, timeout=60)
+    assert (done.returncode, done.stderr) == (0, "")
+    return done.stdout
+
+
+@pytest.mark.parametrize("arguments", EXAMPLES, ids=" ".join)
+def test_example(arguments):
+    out = run(*arguments)
+    for part in EXAMPLES[arguments]:
+        assert part in out, out
+
+
+def test_a_recording_of_ones_own(tmp_path):
+    codes = np.zeros((2, 10_000), int)
+    codes[1, 5001] = 41  # one sample: a peak-to-peak of 41 in its window
+    np.save(tmp_path / "in.npy", codes)
+    assert run("stream_recording.py", "in.npy", cwd=tmp_path) == (
+        "0.5001 s: channel 1, incipient, p2p 41\n1 slip events\n"
+    )
+    assert run("stream_recording.py", "in.npy", "41", cwd=tmp_path) == "0 slip events\n"
+
+
+def test_every_example_is_tested():
+    assert {path.name for path in (ROOT / "examples").glob("*.py")} == {name for name, *_ in EXAMPLES}

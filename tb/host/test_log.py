@@ -1,0 +1,253 @@
+"""Logs of a simulated core: what is in the stream is in the .npz and in the .mcap, to the bit; MCAP is read
+back with mcap-ros2's own decoder, message by message; clocks become time with the core's clock; a log that
+cannot be written or read is refused whole; a replay finds every frame that the engine sees otherwise."""
+
+import math
+import time
+
+import numpy as np
+import pytest
+from mcap.reader import make_reader
+from mcap_ros2.decoder import DecoderFactory
+
+from meissner import engines, host
+from meissner.host import line, log, packets, units
+from meissner.host.replay import differences, replay
+from meissner.host.simulated import SimulatedCore
+from meissner.link import packet as p
+from meissner.toolchain import ROOT
+
+CLK_KHZ = 1000
+FRAMES = np.random.default_rng(1).integers(0, 65536, (4, 3, 4))
+FRAMES[2] = 0
+
+
+def items():
+    """A packet of every kind; CoP and image of four frames, the last without CoP."""
+    cop = engines.process_cop(FRAMES, "fixed")
+    for k, frame in enumerate(FRAMES):
+        at = 1000 * (k + 1)
+        if k < 3:
+            x, y, load, pressed = (int(cop[name][k]) for name in ("x", "y", "sum", "valid"))
+            yield at, p.COP, p.cop_frame(x, y, load, pressed)
+        for part in p.image_chunks(k, frame.ravel().tolist(), 5):
+            yield at, p.IMAGE, part
+    yield 4500, p.SLIP, p.slip_event(65535, (1 << 24) - 1, 3)
+    yield 4600, p.HEALTH, p.health((1 << 24) - 1, 255)
+    yield 4700, p.STATISTIC, p.statistic(255, (1 << 32) - 1)
+
+
+def logged(path, known=None, more=()):
+    """Log a simulated core; returns the packets that were logged and the instants around the log."""
+    model = SimulatedCore(size=(3, 4), clk_khz=CLK_KHZ)
+    began = time.time_ns()
+    with host.Core(line.Pipe(model), known) as core, log.recording(path, core) as recording:
+        for at, kind, payload in items():
+            model.say(kind, at, payload)
+        kept = [*core.packets(0.05), *more]
+        for item in kept:
+            recording.add(item)
+    return kept, began, time.time_ns()
+
+
+GAP = packets.Gap("the cable was out", 1.5)
+
+
+@pytest.mark.parametrize("kind", ["npz", "mcap"])
+def test_everything_is_in_the_log(tmp_path, kind):
+    kept, began, ended = logged(tmp_path / f"a.{kind}", units.Units(newtons_per_code=0.25), [GAP])
+    assert len(kept) == 11
+    found = log.read(tmp_path / f"a.{kind}")
+    cop = engines.process_cop(FRAMES, "fixed")
+    assert np.array_equal(found["image"], FRAMES) and found["image"].dtype == np.uint16
+    assert list(found["image_number"]) == [0, 1, 2, 3]
+    assert list(found["cop_time"]) == [1000, 2000, 3000]
+    for name, own in (("x", "x"), ("y", "y"), ("load", "sum"), ("pressed", "valid")):
+        assert np.array_equal(found[f"cop_{name}"], cop[own][:3])
+    one = {
+        name: found[name].tolist() for name in found if name.split("_")[0] in ("slip", "health", "statistics")
+    }
+    for name in ("slip_ns", "health_ns", "statistics_ns"):
+        del one[name]
+    assert one == {
+        **{"slip_time": [4500], "slip_channel": [65535], "slip_state": [3], "slip_p2p": [(1 << 24) - 1]},
+        **{"health_time": [4600], "health_taxel": [(1 << 24) - 1], "health_faults": [255]},
+        **{"statistics_time": [4700], "statistics_index": [255], "statistics_value": [(1 << 32) - 1]},
+    }
+    assert list(found["gap_reason"]) == [GAP.reason] and list(found["gap_seconds"]) == [1.5]
+    assert (int(found["clk_khz"]), float(found["newtons_per_code"])) == (CLK_KHZ, 0.25)
+    assert int(found["min_load"]) == 1
+    assert began <= int(found["start_ns"]) <= ended
+    # A clock is 1 us: stamps lie exactly that far apart.
+    assert np.array_equal(np.diff(found["cop_ns"]), [10**6, 10**6])
+    start = int(found["start_ns"]) - 1000 * int(found["start_time"])
+    assert list(found["slip_ns"]) == [start + 4500 * 1000]
+
+
+def test_mcap_holds_ros_messages(tmp_path):
+    known = units.Units(newtons_per_code=0.25, pitch_mm=2.0)
+    kept, *_ = logged(tmp_path / "a.mcap", known, [GAP])
+    with open(tmp_path / "a.mcap", "rb") as file:
+        reader = make_reader(file, decoder_factories=[DecoderFactory()])
+        messages = list(reader.iter_decoded_messages(log_time_order=False))
+        assert reader.get_header().profile == "ros2"
+    kinds = {m.channel.topic: m.schema.name for m in messages}
+    assert kinds == {
+        "/tactile/frame": "meissner_msgs/msg/TactileFrame",
+        "/tactile/cop": "geometry_msgs/msg/PointStamped",
+        "/tactile/load": "std_msgs/msg/Float64",
+        "/tactile/slip": "std_msgs/msg/Int64MultiArray",
+        "/tactile/health": "std_msgs/msg/Int64MultiArray",
+        "/tactile/statistics": "std_msgs/msg/Int64MultiArray",
+        "/tactile/gap": "std_msgs/msg/String",
+    }
+    of = {topic: [m.decoded_message for m in messages if m.channel.topic == topic] for topic in kinds}
+    cops = [item for item in kept if isinstance(item, packets.CopFrame)]
+    for cop, point, load in zip(cops, of["/tactile/cop"], of["/tactile/load"], strict=True):
+        assert (point.point.x, point.point.y, point.point.z) == (cop.x_mm / 1e3, cop.y_mm / 1e3, 0)
+        assert load.data == cop.load * 0.25
+        assert point.header.frame_id == "tactile"
+    assert max(abs(cop.x_mm) for cop in cops) <= 3 and any(cop.x_mm for cop in cops)
+    stamps = [m.header.stamp.sec * 10**9 + m.header.stamp.nanosec for m in of["/tactile/frame"]]
+    assert stamps == [
+        m.log_time for m in (n.message for n in messages if n.channel.topic == "/tactile/frame")
+    ]
+    image = [m for m in of["/tactile/frame"] if m.rows][1]
+    assert (image.ticks, image.rows, image.columns, image.has_cop) == (2000, 3, 4, False)
+    assert list(image.taxels) == FRAMES[1].ravel().tolist()
+    slip = of["/tactile/slip"][0]
+    assert slip.layout.dim[0].label == "ticks,channel,state,p2p" and list(slip.data) == [
+        4500,
+        65535,
+        3,
+        (1 << 24) - 1,
+    ]
+
+
+def test_without_units_positions_are_of_the_range(tmp_path):
+    kept, *_ = logged(tmp_path / "a.mcap")
+    with open(tmp_path / "a.mcap", "rb") as file:
+        reader = make_reader(file, decoder_factories=[DecoderFactory()])
+        points = [m.decoded_message.point for m in reader.iter_decoded_messages(topics=["/tactile/cop"])]
+    cops = [item for item in kept if isinstance(item, packets.CopFrame)]
+    assert [(point.x, point.y) for point in points] == [(cop.x, cop.y) for cop in cops]
+    assert math.isnan(log.read(tmp_path / "a.mcap")["newtons_per_code"])
+
+
+def test_the_message_is_what_the_file_says():
+    """The schema's first part is host/msg/TactileFrame.msg as it stands, which a ROS package would build."""
+    from meissner.host import ros
+
+    text = ros.definition("meissner_msgs/TactileFrame")
+    assert text.startswith((ROOT / "host/msg/TactileFrame.msg").read_text())
+    assert "MSG: std_msgs/Header" in text and "MSG: builtin_interfaces/Time" in text
+
+
+def test_stamps_after_a_reset_go_on():
+    class Kept:
+        def __init__(self):
+            self.stamps = []
+
+        def add(self, stamp_ns, item):
+            self.stamps.append(stamp_ns)
+
+    model, kept = SimulatedCore(clk_khz=CLK_KHZ), Kept()
+    core = host.Core(line.Pipe(model), say=lambda _: None)
+    recording = log.Log(kept, core)
+    for at in (3_600_000_000, 5, 25):  # an hour after its reset it is reset again
+        if at == 5:
+            model.restart()
+        model.say(p.STATISTIC, at, p.statistic(0, 0))
+        for item in core.packets(0.05):
+            recording.add(item)
+    assert core.counts.restarts == 1
+    assert abs(kept.stamps[-1] - time.time_ns()) < 10**10
+    assert kept.stamps[-1] - kept.stamps[-2] == 20_000
+
+
+@pytest.mark.parametrize("name", ["a.npz", "a.mcap"])
+def test_a_log_that_fails_leaves_nothing(tmp_path, name):
+    core = host.Core(line.Pipe(SimulatedCore(clk_khz=CLK_KHZ)))
+    with pytest.raises(RuntimeError), log.recording(tmp_path / name, core) as recording:
+        recording.add(packets.Statistics(1, None, 0, 0))
+        raise RuntimeError
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_refuses_what_cannot_be_logged(tmp_path):
+    core = host.Core(line.Pipe(SimulatedCore(clk_khz=CLK_KHZ)))
+    with (
+        pytest.raises(ValueError, match=r"must be a .mcap or a .npz"),
+        log.recording(tmp_path / "a.txt", core),
+    ):
+        pass
+    listened = host.Core(line.Pipe(SimulatedCore()), registers=False)
+    with pytest.raises(ValueError, match="clock is not known"), log.recording(tmp_path / "a.npz", listened):
+        pass
+    with (
+        pytest.raises(ValueError, match="images of one size"),
+        log.recording(tmp_path / "a.npz", core) as kept,
+    ):
+        for shape in ((2, 3), (3, 2)):
+            kept.add(packets.Image(0, None, 0, np.zeros(shape, np.uint16), None))
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_refuses_what_is_no_log(tmp_path):
+    logged(tmp_path / "good.mcap")
+    logged(tmp_path / "good.npz")
+    whole = (tmp_path / "good.mcap").read_bytes()
+    rng = np.random.default_rng(1)
+    (tmp_path / "cut.mcap").write_bytes(whole[: len(whole) // 2])
+    (tmp_path / "none.mcap").write_bytes(b"no MCAP at all")
+    (tmp_path / "empty.mcap").write_bytes(b"")
+    (tmp_path / "none.npz").write_bytes(rng.bytes(500))
+    np.savez(tmp_path / "other.npz", x=[1])
+    arrays = log.read(tmp_path / "good.npz")
+    np.savez(tmp_path / "short.npz", **arrays | {"cop_x": arrays["cop_x"][:1]})
+    np.savez(tmp_path / "flat.npz", **arrays | {"image": arrays["image"].reshape(4, 12)})
+    np.savez(tmp_path / "odd.npz", **arrays | {"image": arrays["image"].astype(float)})
+    for name in (
+        "cut.mcap",
+        "none.mcap",
+        "empty.mcap",
+        "none.npz",
+        "other.npz",
+        "short.npz",
+        "flat.npz",
+        "odd.npz",
+    ):
+        with pytest.raises(ValueError, match=name):
+            log.read(tmp_path / name)
+    for name, sentence in (("absent.npz", "there is no file"), ("x.csv", "no file")):
+        with pytest.raises(ValueError, match=sentence):
+            log.read(tmp_path / name)
+    for at in rng.integers(0, len(whole), 60):  # a bit anywhere: read whole or refused in a sentence
+        wrong = bytearray(whole)
+        wrong[at] ^= 1 << int(rng.integers(0, 8))
+        (tmp_path / "wrong.mcap").write_bytes(wrong)
+        try:
+            log.read(tmp_path / "wrong.mcap")
+        except ValueError as problem:
+            assert "\n" not in str(problem)
+
+
+@pytest.mark.parametrize("engine", engines.NAMES)
+def test_replay(tmp_path, engine):
+    logged(tmp_path / "a.mcap")
+    found = log.read(tmp_path / "a.mcap")
+    result = replay(found, engine)
+    assert differences(result) == (3, 0, {"x": 0, "y": 0, "load": 0, "pressed": 0})
+    assert list(result["logged"]) == [True, True, True, False]
+    found["cop_x"][1] += 3
+    found["cop_load"][0] -= 5
+    assert differences(replay(found, engine)) == (3, 2, {"x": 3, "y": 0, "load": 5, "pressed": 0})
+    assert differences(replay(found, engine, min_load=10**6))[1] == 2
+
+
+def test_replay_of_a_log_without_images(tmp_path):
+    core = host.Core(line.Pipe(SimulatedCore(clk_khz=CLK_KHZ)))
+    with log.recording(tmp_path / "a.npz", core):
+        pass
+    with pytest.raises(ValueError, match="no image"):
+        replay(log.read(tmp_path / "a.npz"), "fixed")
