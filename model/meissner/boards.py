@@ -89,6 +89,50 @@ def _slip1(clk_khz, part):
     }
 
 
+def _fingertip(clk_khz, part):
+    """A matrix of 3 x 3 behind one converter."""
+    resets = SLIP | {"scan.enable": 1, "scan.settle": clk_khz // 100, "scan.period": clk_khz // 2}
+    return part | {
+        "ClkKhz": clk_khz,
+        "Array": 1,
+        "Rows": 3,
+        "Columns": 3,
+        "SlipDepth": 16,
+        "BaudHz": 1_000_000,
+        "Resets": reset_word(resets),
+    }
+
+
+def _cop4(clk_khz, part):
+    resets = {"adc.enable": 1, "adc.period": clk_khz // 2}
+    return part | {
+        "ClkKhz": clk_khz,
+        "Cop4": 1,
+        "CopSlip": 1,
+        "Slip": 0,
+        "Channels": 4,
+        "SlipDepth": 16,
+        "BaudHz": 1_000_000,
+        "Resets": reset_word(resets),
+    }
+
+
+def _array64(clk_khz):
+    resets = SLIP | {"scan.enable": 1, "scan.settle": clk_khz // 100, "scan.period": clk_khz}
+    return {
+        "Adc": 2,
+        "SclkKhz": 14_500,
+        "Converters": 8,
+        "ClkKhz": clk_khz,
+        "Array": 1,
+        "Rows": 64,
+        "Columns": 64,
+        "Image": 1,
+        "BaudHz": 3_000_000,
+        "Resets": reset_word(resets),
+    }
+
+
 BOARDS = {
     board.name: board
     for board in (
@@ -103,7 +147,7 @@ BOARDS = {
             bitstream=".bin",
             area=ICE40_AREA,
             # The converter at 5 V, so that its SCLK may have 2 MHz.
-            configs={"slip1": _slip1(12_000, MCP3208 | {"SclkKhz": 2000, "AdcPeriod": 1200})},
+            configs={"slip1": _slip1(12_000, MCP3208 | {"SclkKhz": 2000, "AdcPeriod": 1200}), "fingertip": _fingertip(24_000, MCP3208), "cop4": _cop4(24_000, MCP3208)},
         ),
         Board(
             name="ulx3s",
@@ -116,7 +160,7 @@ BOARDS = {
             bitstream=".bit",
             area=ECP5_AREA,
             # A bit a clock, it has no use for 100 MHz.
-            configs={"slip1": _slip1(50_000, MAX11125)},
+            configs={"slip1": _slip1(50_000, MAX11125), "fingertip": _fingertip(100_000, MAX11125), "cop4": _cop4(100_000, MAX11125), "array64": _array64(100_000)},
         ),
         Board(
             name="orangecrab",
