@@ -314,7 +314,8 @@ module msn_core #(
   logic unused_settings;
   assign unused_settings = ^{
       cfg_adc_enable, cfg_adc_period, cfg_threshold, cfg_gross_threshold, cfg_contact_level,
-      cfg_release_level, cfg_contact_rises, cfg_hold, cfg_refractory, cfg_blank, cfg_scan_enable, cfg_interleave, cfg_settle,
+      cfg_release_level, cfg_contact_rises, cfg_hold, cfg_refractory, cfg_blank, cfg_scan_enable,
+      cfg_interleave, cfg_settle,
       cfg_scan_period, cfg_min_load, cfg_band, cfg_jump, cfg_low, cfg_high, cfg_edges, cfg_user, cfg_still,
       cfg_rail, cfg_blink, cfg_clear, cfg_report, cfg_contact, cfg_step, cfg_force, cfg_at_start, cfg_average,
       cfg_load, cfg_zero_word, cfg_zero, cfg_zero_written, cfg_zero_lanes, cfg_preset, cfg_word, cfg_offset,
@@ -350,6 +351,11 @@ module msn_core #(
     localparam int unsigned CountBits  = msn_pkg::index_width(Rows * Columns + 1);
     localparam int unsigned CopBits    = FractionBits + 2;
 
+    logic signed [17:0]           wide_offset;
+    logic signed [OffsetBits-1:0] given_offset;
+    assign wide_offset  = {cfg_offset[16], cfg_offset};
+    assign given_offset = OffsetBits'(wide_offset);
+
     // A gain from reset on, and a zero as soon as it is in use.
     logic [Lanes-1:0]      write;
     logic                  write_row, swap, started;
@@ -369,7 +375,7 @@ module msn_core #(
       .in_write_i     (cfg_written ? cfg_lanes[Lanes-1:0] : '0),
       .in_write_row_i (cfg_row),
       .in_word_i      (cfg_word[IdBits-1:0]),
-      .in_offset_i    (OffsetBits'(signed'({cfg_offset[16], cfg_offset}))),
+      .in_offset_i    (given_offset),
       .in_gain_i      (cfg_gain),
       .in_swap_i      (cfg_swap),
       .out_write_o    (write),
@@ -869,7 +875,7 @@ module msn_core #(
     assign sample_ready = 1'b1;
     assign {slip_damaged, slip_blanked} = '0;
     logic unused_slip;
-    assign unused_slip = actuator_moving_i;
+    assign unused_slip = ^{actuator_moving_i, sample, sample_id};
     if (!CopSlip) begin : gen_no_decision
       assign {decision_valid, decision_raised, decision_last, decision_state, decision_p2p, decision_id} = '0;
     end
@@ -956,8 +962,8 @@ module msn_core #(
     logic unused_link;
     assign unused_link = ^{slip_event, slip_event_ready, image_valid, statistics, decision_id, decision_p2p,
                            cop_valid, cop_x, cop_y, cop_load, cop_pressed, report_valid, report_id,
-                           report_faults, frame_time, rx_i, bus_valid_i, bus_write_i, bus_address_i, bus_data_i,
-                           bus_strobe_i, bus_done, bus_error, bus_answer, out_ready_i};
+                           report_faults, frame_time, rx_i, bus_valid_i, bus_write_i, bus_address_i,
+                           bus_data_i, bus_strobe_i, bus_done, bus_error, bus_answer, out_ready_i};
 
   end else begin : gen_link
     assign decision_ready = !decision_raised || slip_event_ready;

@@ -1,4 +1,5 @@
-"""Lint everything, without a warning: each RTL module as its own top, Verible's style rules, ruff."""
+"""Lint everything, without a warning: each RTL module as its own top, the core in every named configuration,
+Verible's style rules, ruff."""
 
 import subprocess
 import sys
@@ -7,7 +8,7 @@ from pathlib import Path
 
 from synth import write_build
 
-from meissner import boards, toolchain
+from meissner import boards, config, toolchain
 
 ROOT = toolchain.ROOT
 RULES = ROOT / "tb/lint/verible.rules"
@@ -34,11 +35,14 @@ def main():
     problems += [f"{path} does not define module {path.stem}" for path in misnamed]
     verilator = ["verilator", "--lint-only", "--quiet", "-Wall", str(WAIVERS), *map(str, files)]
     jobs = [(f"verilator {top.stem}", [*verilator, "--top-module", top.stem]) for top in tops]
-    for board, config in pairs:
-        folder = f"build/lint/{board.name}-{config}"
-        write_build(folder, board.configs[config])
+    for board, name in pairs:
+        folder = f"build/lint/{board.name}-{name}"
+        write_build(folder, board.parameters(name))
         command = [*verilator, *board.sources, str(CELLS), f"-I{folder}", "--top-module", board.top]
-        jobs.append((f"verilator {board.top}, {config}", command))
+        jobs.append((f"verilator {board.top}, {name}", command))
+    for name in config.names():
+        given = [f"-G{k}={v}" for k, v in config.verilog(config.load(name).parameters).items()]
+        jobs.append((f"verilator msn_core {name}", [*verilator, "--top-module", "msn_core", *given]))
     binaries = Path(sys.executable).parent
     jobs += [
         (

@@ -18,6 +18,7 @@ import time
 from collections import Counter
 
 from meissner import boards
+from meissner.config import verilog
 from meissner.yowasp import ROOT, ToolError, read_rtl, tool, warm_up, yosys
 
 OUT = "build/synth"  # relative to ROOT: YoWASP sees nothing outside the directory it starts in
@@ -31,7 +32,7 @@ PIN = re.compile(r"adc_\w+")
 def write_build(folder, parameters):
     """The configuration as the macros that rtl/boards read; ``folder`` is made if need be."""
     (ROOT / folder).mkdir(parents=True, exist_ok=True)
-    listed = ", ".join(f".{name}({boards.literal(value)})" for name, value in parameters.items())
+    listed = ", ".join(f".{name}({value})" for name, value in verilog(parameters).items())
     macros = boards.sizes(parameters) | {"PARAMETERS": listed}
     text = "".join(f"`define MSN_{name} {value}\n" for name, value in macros.items())
     (ROOT / folder / "msn_build.svh").write_text("// Written by tools/synth.py.\n" + text)
@@ -199,7 +200,7 @@ def main():
         name = f"{board.name}-{config}"
         begin = time.monotonic()
         try:
-            result = build(board, config, board.configs[config], options.seeds, whole)
+            result = build(board, config, board.parameters(config), options.seeds, whole)
         except ToolError as error:
             if not whole:
                 sys.exit(f"synth: {error}\n{error.tail}".rstrip())

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from meissner.link.registers import RESET_BITS, reset_word
+from meissner import config
 
 # What counts as what: patterns of nextpnr's names, of Yosys's for flip-flops.
 ECP5_AREA = {"lut": "TRELLIS_COMB", "ff": "TRELLIS_FF", "bram": "DP16KD", "dsp": "MULT18X18D"}
@@ -14,8 +14,8 @@ GOWIN_AREA = {"lut": "LUT4|ALU|RAMW", "ff": "DFF.*", "bram": "BSRAM", "dsp": "MU
 class Board:
     """One board: ``pnr`` and ``pack`` are commands of which synth.py fills in the files.
 
-    ``clk_khz``: the clock of the core unless a configuration has its own; ``configs``: name to the parameters
-    of rtl/msn_core.sv that are this board's; ``cells``: family whose cells the netlist has.
+    ``cells``: family whose cells the netlist has; ``configs``: the named configurations it is offered with,
+    each with what is the board's, not the file's (see meissner.config.load).
     """
 
     name: str
@@ -33,15 +33,14 @@ class Board:
     def top(self):
         return f"{self.name}_top"
 
+    def parameters(self, name):
+        """Of rtl/msn_core.sv, for this board with that configuration."""
+        return config.load(name, **self.configs[name]).parameters
+
     @property
     def sources(self):
         """What a board has besides rtl/rtl.f, from the repository's root."""
         return [f"rtl/boards/{module}.sv" for module in ("msn_board_reset", "msn_board", self.top)]
-
-
-def literal(value):
-    """``value`` as Verilog; what is wider than an integer has its width."""
-    return value if value < 1 << 31 else f"{RESET_BITS}'h{value:x}"
 
 
 def sizes(parameters):
@@ -59,79 +58,8 @@ def sizes(parameters):
     }
 
 
-SLIP = {
-    "slip.threshold": 23,
-    "slip.gross_threshold": 200,
-    "slip.contact_level": 7000,
-    "slip.release_level": 7400,
-    "slip.contact_rises": 0,
-    "slip.hold": 100,
-    "slip.refractory": 50,
-    "slip.blank": 250,
-}
-MCP3208 = {"Adc": 1, "SclkKhz": 1000}
-MAX11125 = {"Adc": 5, "SclkKhz": 16000}
-
-
-def _slip1(clk_khz, part):
-    """One rubber sensor at 10 kHz and nothing else."""
-    resets = SLIP | {"adc.enable": 1, "adc.period": clk_khz // 10}
-    return part | {
-        "ClkKhz": clk_khz,
-        "SampleBits": 13,
-        "TimerBits": 10,
-        "Serial": 1,
-        "SlipOnly": 1,
-        "Registers": 0,
-        "Statistics": 0,
-        "BaudHz": 1_000_000,
-        "Resets": reset_word(resets),
-    }
-
-
-def _fingertip(clk_khz, part):
-    """A matrix of 3 x 3 behind one converter."""
-    resets = SLIP | {"scan.enable": 1, "scan.settle": clk_khz // 100, "scan.period": clk_khz // 2}
-    return part | {
-        "ClkKhz": clk_khz,
-        "Array": 1,
-        "Rows": 3,
-        "Columns": 3,
-        "SlipDepth": 16,
-        "BaudHz": 1_000_000,
-        "Resets": reset_word(resets),
-    }
-
-
-def _cop4(clk_khz, part):
-    resets = {"adc.enable": 1, "adc.period": clk_khz // 2}
-    return part | {
-        "ClkKhz": clk_khz,
-        "Cop4": 1,
-        "CopSlip": 1,
-        "Slip": 0,
-        "Channels": 4,
-        "SlipDepth": 16,
-        "BaudHz": 1_000_000,
-        "Resets": reset_word(resets),
-    }
-
-
-def _array64(clk_khz):
-    resets = SLIP | {"scan.enable": 1, "scan.settle": clk_khz // 100, "scan.period": clk_khz}
-    return {
-        "Adc": 2,
-        "SclkKhz": 14_500,
-        "Converters": 8,
-        "ClkKhz": clk_khz,
-        "Array": 1,
-        "Rows": 64,
-        "Columns": 64,
-        "Image": 1,
-        "BaudHz": 3_000_000,
-        "Resets": reset_word(resets),
-    }
-
+# The better part of those that a ULX3S may have; the other gives zeros in the low bits.
+ON_BOARD = "MAX11125"
 
 BOARDS = {
     board.name: board
@@ -146,8 +74,7 @@ BOARDS = {
             pack="yowasp-icepack {stem}.asc {stem}.bin",
             bitstream=".bin",
             area=ICE40_AREA,
-            # The converter at 5 V, so that its SCLK may have 2 MHz.
-            configs={"slip1": _slip1(12_000, MCP3208 | {"SclkKhz": 2000, "AdcPeriod": 1200}), "fingertip": _fingertip(24_000, MCP3208), "cop4": _cop4(24_000, MCP3208)},
+            configs={"slip1": {}, "fingertip": {"mhz": 24.0}},
         ),
         Board(
             name="ulx3s",
@@ -159,8 +86,14 @@ BOARDS = {
             pack="yowasp-ecppack --compress --input {stem}.config --bit {stem}.bit",
             bitstream=".bit",
             area=ECP5_AREA,
-            # A bit a clock, it has no use for 100 MHz.
-            configs={"slip1": _slip1(50_000, MAX11125), "fingertip": _fingertip(100_000, MAX11125), "cop4": _cop4(100_000, MAX11125), "array64": _array64(100_000)},
+            # A bit a clock, slip1 has no use for more.
+            configs={
+                "slip1": {"mhz": 50.0, "part": ON_BOARD},
+                "fingertip": {"mhz": 100.0, "part": ON_BOARD},
+                "cop4": {"mhz": 50.0},
+                "array64": {"mhz": 100.0},
+                "full": {"mhz": 100.0},
+            },
         ),
         Board(
             name="orangecrab",
@@ -173,7 +106,7 @@ BOARDS = {
             pack="yowasp-ecppack --compress --freq 38.8 --input {stem}.config --bit {stem}.bit",
             bitstream=".bit",
             area=ECP5_AREA,
-            configs={"slip1": _slip1(48_000, MCP3208)},
+            configs={"slip1": {"mhz": 48.0}, "fingertip": {"mhz": 48.0}, "cop4": {"mhz": 48.0}},
         ),
         Board(
             name="tangnano20k",
@@ -186,18 +119,18 @@ BOARDS = {
             pack="gowin_pack -d GW2A-18C -o {stem}.fs {stem}.pnr.json",
             bitstream=".fs",
             area=GOWIN_AREA,
-            configs={"slip1": _slip1(27_000, MCP3208)},
+            configs={"slip1": {"mhz": 27.0}, "fingertip": {"mhz": 27.0}, "cop4": {"mhz": 27.0}},
         ),
     )
 }
 
 
-def pairs(board=None, config=None):
+def pairs(board=None, name=None):
     """(Board, configuration) of these names, all if none is given; ValueError if one is unknown."""
     if board is not None and board not in BOARDS:
         raise ValueError(f"unknown board '{board}'; the boards are: {', '.join(BOARDS)}")
     chosen = BOARDS.values() if board is None else [BOARDS[board]]
-    if board is not None and config not in (None, *BOARDS[board].configs):
+    if board is not None and name not in (None, *BOARDS[board].configs):
         offered = ", ".join(BOARDS[board].configs)
-        raise ValueError(f"the {board} has no configuration '{config}'; it has: {offered}")
-    return [(b, c) for b in chosen for c in b.configs if config in (None, c)]
+        raise ValueError(f"the {board} has no configuration '{name}'; it has: {offered}")
+    return [(b, c) for b in chosen for c in b.configs if name in (None, c)]

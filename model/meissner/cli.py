@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from meissner import budget, calibration, engines, files
+from meissner import budget, calibration, config, engines, files
 from meissner.host import commands as host_commands
 
 
@@ -193,6 +193,7 @@ def _parser():
     host_commands.add_commands(commands)
     budget.add_command(commands)
     calibration.add_command(commands)
+    config.add_command(commands)
     return parser
 
 

@@ -35,9 +35,9 @@ def of_channels(samples, config, moving=None):
 
 
 def of_array(array, samples, slip=None, over=None):
-    """Everything of samples [frames, rows, columns]; ``array``: meissner.cop.array.Array; ``slip``: SlipConfig.
+    """Everything of samples [frames, rows, columns]; ``slip``: SlipConfig.
 
-    ``array`` keeps what it learns, as the core does.
+    ``array``: meissner.cop.array.Array; it keeps what it learns, as the core does.
     """
     forces = array.forces(samples, over)
     x, y, load, pressed = array.cop.of_forces(forces)
@@ -49,7 +49,7 @@ def of_array(array, samples, slip=None, over=None):
 
 def of_electrodes(samples, registers, terms=None, lag=16, slip=None):
     """CoP frames and slip events of samples [frames, 4]; ``slip``: CopSlipRegisters."""
-    found = cop4(samples, registers, terms=terms)
+    found = cop4(samples, registers, correction=terms)
     rows = zip(found.x, found.y, found.load, found.pressed)
     cops = [(n, p.cop_frame(*map(int, row))) for n, row in enumerate(rows)]
     events = []

@@ -150,7 +150,8 @@ module msn_health #(
   // Read ahead: the taxels' states, and how those around them moved up to the last whole frame.
   logic                       advance, state_valid, mid_valid, unused_up_valid, unused_down_valid;
   logic [Lanes*StateBits-1:0] state_ahead, state_head, write_state;
-  logic [2*Lanes-1:0]         up_ahead, up_head, down_ahead, down_head, ahead, here, behind, write_moves;
+  logic [2*Lanes-1:0]         up_ahead, up_head, down_ahead, down_head, ahead, here, write_moves;
+  logic [1:0]                  behind;  // of the last lane
   logic                       write;
   logic [IdBits-1:0]          write_place;
   assign advance = accept || !head_valid;
@@ -211,7 +212,7 @@ module msn_health #(
       up_head    <= up_ahead;
       down_head  <= down_ahead;
       here       <= ahead;
-      behind     <= here;
+      behind     <= here[2*Lanes-1-:2];
     end
     if (restart) head_valid <= 1'b0;
   end
@@ -279,7 +280,7 @@ module msn_health #(
     if (k > 0) begin : gen_left
       assign left = {2{!fresh}} & here[2*k-1-:2];
     end else begin : gen_left_outside
-      assign left = {2{has_left && !fresh}} & behind[2*Lanes-1-:2];
+      assign left = {2{has_left && !fresh}} & behind;
     end
     if (k < Lanes - 1) begin : gen_inside
       assign has_right = (RowBeats - 1) * Lanes + k + 1 < Columns || !row_end;

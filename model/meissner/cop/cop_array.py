@@ -33,7 +33,11 @@ class CopArray:
 
     def next(self, raw, mask=None):
         """x, y, load, pressed of whole frames [..., rows, columns]."""
-        return cop.cop(self.calibrate.next(raw, mask), self.fraction_bits, self.min_load)
+        return self.of_forces(self.calibrate.next(raw, mask))
+
+    def of_forces(self, forces):
+        """The same of forces that ``calibrate`` gave."""
+        return cop.cop(forces, self.fraction_bits, self.min_load)
 
     def process(self, raw, mask=None):
         """``reset``, take up what was written, and then ``next``."""

@@ -45,7 +45,8 @@ class Health:
         blinking  a step > jump while no neighbour is recent: +16, any other frame -1, up to ``blink``
 
     Neighbours are looked at as they were at the end of the last whole frame. A fault masks from the next
-    frame on and stays until ``clear``; a beat out of place is masked. ``faults``: the sum of DEAD, RAILED, BLINKING [rows, columns].
+    frame on and stays until ``clear``; a beat out of place is masked. ``faults``: the sum of DEAD, RAILED,
+    BLINKING [rows, columns].
     """
 
     def __init__(self, rows, columns, lanes=1, sample_bits=17, limits=None):
