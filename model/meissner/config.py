@@ -270,8 +270,8 @@ def _slip(at, table, config, volts, rises_default):
         raise ValueError(f"{at}: {problem}") from None
 
 
-def load(name, mhz=None, part=None):
-    """The Config of a named configuration or a TOML file; ``mhz``, ``part``: a board's, not the file's."""
+def load(name, mhz=None, part=None, registers=None):
+    """The Config of a named configuration or a TOML file; ``mhz``, ``part``, ``registers``: a board's, not its."""
     path = Path(name)
     if FOLDER.joinpath(f"{name}.toml").is_file():
         path = FOLDER / f"{name}.toml"
@@ -281,7 +281,7 @@ def load(name, mhz=None, part=None):
         tables = tomllib.loads(path.read_text("utf-8"))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as problem:
         raise ValueError(f"{path} is not a TOML file: {problem}") from None
-    for table, key, value in (("clock", "mhz", mhz), ("adc", "part", part)):
+    for table, key, value in (("clock", "mhz", mhz), ("adc", "part", part), ("link", "registers", registers)):
         if value is not None and table in tables:
             tables[table] = tables[table] | {key: value}
     try:
