@@ -8,6 +8,7 @@ rtl/common/msn_skid.sv
 rtl/common/msn_sync.sv
 rtl/common/msn_compare.sv
 rtl/common/msn_times.sv
+rtl/common/msn_multiply.sv
 rtl/common/msn_round_sat.sv
 rtl/common/msn_divide.sv
 rtl/common/msn_ratio.sv
@@ -33,6 +34,7 @@ rtl/frontend/msn_health_report.sv
 rtl/frontend/msn_tare.sv
 rtl/frontend/msn_calibration_preset.sv
 rtl/frontend/msn_calibration_table.sv
+rtl/frontend/msn_calibration_grid.sv
 rtl/frontend/msn_calibrate.sv
 rtl/slip/msn_haar.sv
 rtl/slip/msn_sliding_extremes.sv
@@ -63,3 +65,4 @@ rtl/link/msn_registers_pkg.sv
 rtl/link/msn_registers.sv
 rtl/link/msn_axil.sv
 rtl/msn_core.sv
+rtl/msn_axis.sv

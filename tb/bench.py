@@ -16,14 +16,16 @@ from meissner import toolchain
 SEED = int(os.environ.get("MEISSNER_SEED", "1"))
 
 
-def run(stage, block, parameters=None, test_filter=None, module=None):
+def run(stage, block, parameters=None, test_filter=None, module=None, sources=None):
     """Build ``msn_<block>`` with Verilator and run the cocotb tests of tb/<stage>/test_<block>.py.
 
-    ``module``: another test file of that stage, in place of test_<block>.
+    ``module``: another test file of that stage, in place of test_<block>; ``sources``: other files than those
+    of rtl/rtl.f.
     """
     parameters = parameters or {}
     module = module or f"test_{block}"
     name = "-".join([module.removeprefix("test_"), *(f"{k}{v}" for k, v in parameters.items())])
+    name += f"-{sources[-1].parent.name}" if sources else ""
     name = name.replace("'", "")  # of sized numbers
     if len(name) > 150:  # a file's name has 255 at most
         name = f"{name[:100]}-{hashlib.sha256(name.encode()).hexdigest()[:12]}"
@@ -33,7 +35,7 @@ def run(stage, block, parameters=None, test_filter=None, module=None):
     os.environ["MAKEFLAGS"] = "-- CFG_CXXFLAGS_PCH_I=-include"
     runner = get_runner("verilator")
     runner.build(
-        sources=toolchain.sources(),
+        sources=sources or toolchain.sources(),
         hdl_toplevel=f"msn_{block}",
         parameters=parameters,
         build_args=[*toolchain.VERILATOR_FLAGS],
@@ -54,8 +56,8 @@ def run(stage, block, parameters=None, test_filter=None, module=None):
     assert failures == 0, f"{name}: {failures} of {tests} failed (MEISSNER_SEED={SEED})"
 
 
-def refuses(block, parameters):
-    """Elaborate ``msn_<block>`` with illegal parameters; return the message that stopped it."""
+def refuses(block, parameters, of=None):
+    """Elaborate ``msn_<block>`` with illegal parameters; the message, of ``msn_<of>``, that stopped it."""
     command = ["verilator", "--lint-only", "-Wall", "--top-module", f"msn_{block}"]
     command += [f"-G{k}={v}" for k, v in parameters.items()]
     done = subprocess.run(
@@ -65,7 +67,7 @@ def refuses(block, parameters):
         text=True,
     )
     assert done.returncode != 0, f"msn_{block} accepted {parameters}"
-    fatal = [line for line in done.stderr.splitlines() if f"msn_{block}: " in line]
+    fatal = [line for line in done.stderr.splitlines() if f"msn_{of or block}: " in line]
     assert fatal, f"msn_{block} stopped without its own message:\n{done.stderr}"
     return fatal[0]
 

@@ -133,7 +133,7 @@ TABLE = {
     "cop_array-1024x1024x8": (
         "msn_cop_array",
         LARGE | {"RowColumn": 1, "GainShift": 24, "BitsPerClock": 1},
-        27,
+        36,
         "ecp5",
     ),
     # The small part's eight multipliers are of 16 bits: samples of 17 would take twelve.
@@ -216,7 +216,7 @@ def synthesise(name, target):
     stem = f"{OUT}/{name}-{target}"
     text, ins, outs = harness(module, parameters, *(tied or [{}]), ports(module, parameters, stem))
     (ROOT / f"{stem}.v").write_text(text)
-    script = f"{read_rtl()} {stem}.v; {TARGETS[target]['synth']} -top harness -json {stem}.json"
+    script = f"{read_rtl(target)} {stem}.v; {TARGETS[target]['synth']} -top harness -json {stem}.json"
     yosys(script, f"{stem}.yosys.log")
     if target == "up5k":  # a cell holds one table and one register
         return stem, {"lut": ins + 2 * outs}

@@ -59,8 +59,9 @@ def _with(where, table, required, defaults):
 class Config:
     """A build. ``sensor``, ``adc``, ``link``, ``array``, ``health``, ``tare``: checked tables.
 
-    ``slip``: SlipConfig; ``serial``: the slip path a bit a clock; ``cop4``: Cop4Config; ``cop_slip``: (lag, CopSlipRegisters);
-    each None (or empty) where the build has none. ``clk_khz``, ``rate_hz``: the clock, and frames a second.
+    ``slip``: SlipConfig; ``serial``: the slip path a bit a clock; ``cop4``: Cop4Config; ``cop_slip``: (lag,
+    CopSlipRegisters); each None (or empty) where the build has none. ``clk_khz``, ``rate_hz``: the clock,
+    and frames a second.
     """
 
     name: str
@@ -271,7 +272,7 @@ def _slip(at, table, config, volts, rises_default):
 
 
 def load(name, mhz=None, part=None, registers=None):
-    """The Config of a named configuration or a TOML file; ``mhz``, ``part``, ``registers``: a board's, not its."""
+    """The Config of a named configuration or a TOML file; ``mhz``, ``part``, ``registers``: in place of its own."""
     path = Path(name)
     if FOLDER.joinpath(f"{name}.toml").is_file():
         path = FOLDER / f"{name}.toml"

@@ -22,9 +22,12 @@ class Expected:
     images: np.ndarray | None
 
 
-def of_channels(samples, config, moving=None):
-    """Slip events of samples [frames, channels]; ``config``: SlipConfig."""
-    found = decide(np.asarray(samples).T, config, moving)
+def of_channels(samples, config, moving=None, change=None):
+    """Slip events of samples [frames, channels]; ``config``: SlipConfig.
+
+    ``change``: (frame, threshold) from which frame on another threshold holds.
+    """
+    found = decide(np.asarray(samples).T, config, moving, change)
     group = 1 << config.level
     events = [
         ((detail + 1) * group - 1, p.slip_event(channel, int(found.p2p[channel, detail]), state))

@@ -12,7 +12,7 @@ HERE = toolchain.ROOT / "model/meissner/engines/cells"
 # What Yosys has as boxes only; its own models of the other cells are in its share/<family>/cells_sim.v.
 MODELS = {
     "ice40": [],
-    "ecp5": [HERE / "ecp5.sv", HERE / "ram.sv"],
+    "ecp5": [HERE / "ecp5.sv", HERE / "ram.sv", toolchain.ROOT / "tb/common/MULT18X18D.v"],
     "gowin": [HERE / "gowin.sv", HERE / "ram.sv"],
 }
 # No build uses it, and Yosys would take a minute to read it.
@@ -42,7 +42,7 @@ def verilog(top, parameters, cells, kept=()):
     synth = next(board.synth for board in boards.BOARDS.values() if board.cells == cells)
     chparam = "".join(f"chparam -set {name} {int(value)} {top}; " for name, value in parameters.items())
     keep = "".join(f"setattr -set keep 1 {top}/w:{wire}; " for wire in kept)
-    before = f"{yowasp.read_rtl()}; {chparam}hierarchy -top {top}; {keep}{synth} -top {top}; "
+    before = f"{yowasp.read_rtl(cells)}; {chparam}hierarchy -top {top}; {keep}{synth} -top {top}; "
     before += "write_verilog -noattr "
     # Read afresh, as synthesis left boxes of its own in the design.
     after = f"; hierarchy -top {top}; proc; flatten; opt_expr; opt_clean; check -assert; "

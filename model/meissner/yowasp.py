@@ -20,9 +20,15 @@ class ToolError(RuntimeError):
         self.tail = tail
 
 
-def read_rtl():
-    """Yosys's command that reads the sources of rtl/rtl.f."""
-    return "read_verilog -sv " + " ".join((ROOT / "rtl/rtl.f").read_text().split())
+# What a family has of its own in place of a source.
+INSTEAD = {"ecp5": {"rtl/common/msn_multiply.sv": "rtl/ecp5/msn_multiply.v"}}
+
+
+def read_rtl(cells=None):
+    """Yosys's command that reads the sources of rtl/rtl.f, as the family ``cells`` has them."""
+    instead = INSTEAD.get(cells, {})
+    sources = (ROOT / "rtl/rtl.f").read_text().split()
+    return "read_verilog -sv " + " ".join(instead.get(source, source) for source in sources)
 
 
 def tool(name, arguments, log):

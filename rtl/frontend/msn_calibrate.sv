@@ -2,16 +2,17 @@
 //
 // Forces of an array's samples.
 //
-//   F = clip(floor((raw - offset) gain / 2^GainShift + 1/2), 0, 65535)     offset, gain: msn_calibration_table
+//   F = clip(floor((raw - offset) gain / 2^GainShift + 1/2), 0, 65535)
+//   offset, gain: a word of each taxel, msn_calibration_table; RowColumn: row's and column's, msn_calibration_grid
 //
 // Lanes columns a beat, row by row. Masked taxels give 0, and all of them until a calibration is swapped in.
 // Offset = 0: the samples have lost theirs (msn_tare). Nothing is rounded before the one rounding.
 //
-//   clock  1             2        3            RowColumn:  1       2     3        4     5    6
-//          raw - offset  x gain   round, clip              as left  copy  2 x gain  copy  sum  as left
+//   clock  1             2        3            RowColumn:  1 .. 6  7             8 .. 9    10    11   12     13 .. 15
+//          raw - offset  x gain   round, clip              tables  raw - offset  2 x gain  copy  sum  round  fifo
 //
-// Latency 3 clocks (RowColumn 6), a beat a clock, frames without a gap; a few clocks wait after a swap and a
-// damaged frame. Damaged frames leave too short or too long (msn_frame_place).
+// Latency 3 clocks (RowColumn 15), a beat a clock, frames without a gap; without RowColumn a few clocks wait after
+// a swap and a damaged frame. Damaged frames leave too short or too long (msn_frame_place).
 // Model: model/meissner/frontend/calibrate.py
 
 module msn_calibrate #(
@@ -29,7 +30,7 @@ module msn_calibrate #(
   input  logic                        clk_i,
   input  logic                        rst_i,
 
-  input  logic [Lanes-1:0]            cfg_write_i,      // msn_calibration_table
+  input  logic [Lanes-1:0]            cfg_write_i,      // of the tables
   input  logic                        cfg_write_row_i,
   input  logic [IdBits-1:0]           cfg_word_i,
   input  logic [OffsetBits-1:0]       cfg_offset_i,
@@ -56,135 +57,234 @@ module msn_calibrate #(
   localparam int unsigned DiffBits    = SampleBits + 32'(Offset);
   localparam int unsigned GainBits    = RowColumn ? 32 : 16;
   localparam int unsigned ProductBits = DiffBits + GainBits + 1;
-  localparam int unsigned Stages      = RowColumn ? 5 : 2;  // before the rounding
 
   if (GainShift < 1 || GainShift > GainBits) begin : gen_check_gain_shift
     $fatal(1, "msn_calibrate: GainShift = %0d must lie in 1 .. %0d", GainShift, GainBits);
   end
 
-  // All stages move together.
-  logic move, accept, word_valid, keep, last, whole, loaded, unused_fits;
-  logic [IdBits-1:0]           unused_place;
-  logic [Lanes*SampleBits-1:0] offset;
-  logic [Lanes*GainBits-1:0]   gain;
-  assign in_ready_o = move && word_valid;
-  assign accept     = in_valid_i && in_ready_o;
-
+  logic placed, keep, last, whole, unused_fits, placed_last;
+  logic [IdBits-1:0] placed_id, unused_place;
   msn_frame_place #(.Beats(Beats)) u_place (
     .clk_i,
     .rst_i,
-    .accept_i(accept),
-    .in_id_i,
-    .in_last_i,
-    .place_o (unused_place),
-    .keep_o  (keep),
-    .last_o  (last),
-    .fits_o  (unused_fits),
-    .whole_o (whole),
+    .accept_i (placed),
+    .in_id_i  (placed_id),
+    .in_last_i(placed_last),
+    .place_o  (unused_place),
+    .keep_o   (keep),
+    .last_o   (last),
+    .fits_o   (unused_fits),
+    .whole_o  (whole),
     .damaged_o
   );
 
-  msn_calibration_table #(
-    .Rows      (Rows),
-    .Columns   (Columns),
-    .Lanes     (Lanes),
-    .SampleBits(SampleBits),
-    .Offset    (Offset),
-    .RowColumn (RowColumn)
-  ) u_table (
-    .clk_i,
-    .rst_i,
-    .cfg_write_i,
-    .cfg_write_row_i,
-    .cfg_word_i,
-    .cfg_offset_i,
-    .cfg_gain_i,
-    .cfg_swap_i,
-    .cfg_swapping_o,
-    .take_i      (accept),
-    .last_i      (in_last_i),
-    .restart_i   (accept && in_last_i && !whole),
-    .out_valid_o (word_valid),
-    .out_offset_o(offset),
-    .out_gain_o  (gain),
-    .loaded_o    (loaded)
-  );
+  if (!RowColumn) begin : gen_taxels
+    // All stages move together.
+    logic move, accept, word_valid, loaded, unused_row;
+    logic [Lanes*SampleBits-1:0] offset;
+    logic [Lanes*16-1:0]         gain;
+    assign in_ready_o  = move && word_valid;
+    assign accept      = in_valid_i && in_ready_o;
+    assign placed      = accept;
+    assign placed_id   = in_id_i;
+    assign placed_last = in_last_i;
+    assign unused_row  = cfg_write_row_i;
 
-  logic [Stages:0]             valid, marks;
-  logic [Stages:0][IdBits-1:0] id;
-  assign valid[0] = accept && keep;
-  assign marks[0] = last;
-  assign id[0]    = in_id_i;
-  for (genvar s = 0; s < Stages; s++) begin : gen_stage
+    msn_calibration_table #(
+      .Rows      (Rows),
+      .Columns   (Columns),
+      .Lanes     (Lanes),
+      .SampleBits(SampleBits),
+      .Offset    (Offset)
+    ) u_table (
+      .clk_i,
+      .rst_i,
+      .cfg_write_i,
+      .cfg_word_i,
+      .cfg_offset_i,
+      .cfg_gain_i,
+      .cfg_swap_i,
+      .cfg_swapping_o,
+      .take_i      (accept),
+      .last_i      (in_last_i),
+      .restart_i   (accept && in_last_i && !whole),
+      .out_valid_o (word_valid),
+      .out_offset_o(offset),
+      .out_gain_o  (gain),
+      .loaded_o    (loaded)
+    );
+
+    logic [2:1]          valid, marks;
+    logic [2*IdBits-1:0] id;
     always_ff @(posedge clk_i) begin
       if (move) begin
-        valid[s+1] <= valid[s];
-        marks[s+1] <= marks[s];
-        id[s+1]    <= id[s];
+        valid      <= {valid[1], accept && keep};
+        marks      <= {marks[1], last};
+        out_last_o <= marks[2];
+        {out_id_o, id} <= {id, in_id_i};
       end
-      if (rst_i) valid[s+1] <= 1'b0;
-    end
-  end
-  always_ff @(posedge clk_i) begin
-    if (move) begin
-      out_last_o <= marks[Stages];
-      out_id_o   <= id[Stages];
-    end
-  end
-
-  logic [Lanes-1:0] ready, out_valid;
-  assign move        = ready[0];
-  assign out_valid_o = out_valid[0];
-  if (Lanes > 1) begin : gen_alike
-    logic unused_alike;
-    assign unused_alike = ^{ready[Lanes-1:1], out_valid[Lanes-1:1]};
-  end
-
-  for (genvar k = 0; k < Lanes; k++) begin : gen_lane
-    logic signed [SampleBits-1:0]  raw, zero;
-    logic signed [DiffBits-1:0]    difference;
-    logic        [GainBits-1:0]    factor;
-    logic signed [ProductBits-1:0] product;
-    assign raw  = signed'(in_data_i[SampleBits*k+:SampleBits]);
-    assign zero = signed'(offset[SampleBits*k+:SampleBits]);
-
-    always_ff @(posedge clk_i) begin
-      if (move) begin
-        difference <= in_mask_i[k] || !loaded ? '0 : DiffBits'(raw) - DiffBits'(zero);
-        factor     <= gain[GainBits*k+:GainBits];
-      end
+      if (rst_i) valid <= '0;
     end
 
-    if (!RowColumn) begin : gen_product
-      always_ff @(posedge clk_i) if (move) product <= difference * signed'({1'b0, factor});
-    end else begin : gen_wide_product
-      // Two products of 18 x 17 bits, one multiplier each. 24 multipliers lie all over the part: a register
-      // on the way there and one on the way back.
-      logic signed [DiffBits-1:0]  there;
-      logic        [GainBits-1:0]  there_factor;
-      logic signed [DiffBits+16:0] low, high, back_low, back_high;
+    logic [Lanes-1:0] ready, out_valid;
+    assign move        = ready[0];
+    assign out_valid_o = out_valid[0];
+    if (Lanes > 1) begin : gen_alike
+      logic unused_alike;
+      assign unused_alike = ^{ready[Lanes-1:1], out_valid[Lanes-1:1]};
+    end
+
+    for (genvar k = 0; k < Lanes; k++) begin : gen_lane
+      logic signed [SampleBits-1:0]  raw, zero;
+      logic signed [DiffBits-1:0]    difference;
+      logic        [15:0]            factor;
+      logic signed [ProductBits-1:0] product;
+      assign raw  = signed'(in_data_i[SampleBits*k+:SampleBits]);
+      assign zero = signed'(offset[SampleBits*k+:SampleBits]);
+
       always_ff @(posedge clk_i) begin
         if (move) begin
-          there        <= difference;
-          there_factor <= factor;
-          low          <= there * signed'({1'b0, there_factor[15:0]});
-          high         <= there * signed'({1'b0, there_factor[31:16]});
-          back_low     <= low;
-          back_high    <= high;
-          product      <= ProductBits'(back_low) + (ProductBits'(back_high) <<< 16);
+          difference <= in_mask_i[k] || !loaded ? '0 : DiffBits'(raw) - DiffBits'(zero);
+          factor     <= gain[16*k+:16];
+          product    <= difference * signed'({1'b0, factor});
         end
+      end
+
+      msn_round_sat #(.InWidth(ProductBits), .OutWidth(16), .DropBits(GainShift), .Unsigned(1'b1)) u_round (
+        .clk_i,
+        .rst_i,
+        .in_valid_i (valid[2]),
+        .in_ready_o (ready[k]),
+        .in_data_i  (product),
+        .out_valid_o(out_valid[k]),
+        .out_ready_i,
+        .out_data_o (out_data_o[16*k+:16])
+      );
+    end
+
+  end else begin : gen_grid
+    // 24 multipliers and 12 memories lie all over the part, too far for one ready to reach them in a clock: so
+    // nothing behind the input ever waits, and a beat is let in only if the fifo at the end has a place for it.
+    localparam int unsigned Stages   = 12;
+    localparam int unsigned Places   = 32;
+    localparam int unsigned RowBeats = Beats / Rows;
+    localparam int unsigned WordBits = msn_pkg::index_width(Rows > RowBeats ? Rows : RowBeats);
+    logic accept, unused_whole, unused_room, gone, dropped;
+    logic [5:0] owed;  // places of the fifo, up to two clocks ago
+    assign accept       = in_valid_i && in_ready_o;
+    assign unused_whole = whole;
+
+    logic [Stages:1]          valid, marks;
+    logic [Stages*IdBits-1:0] id;
+    assign placed      = valid[1];
+    assign placed_id   = id[IdBits-1:0];
+    assign placed_last = marks[1];
+
+    always_ff @(posedge clk_i) begin
+      valid <= {valid[Stages-1:2], valid[1] && keep, accept};
+      marks <= {marks[Stages-1:2], last, in_last_i};
+      id    <= {id[(Stages-1)*IdBits-1:0], in_id_i};
+
+      gone       <= out_valid_o && out_ready_i;
+      dropped    <= valid[1] && !keep;
+      owed     <= owed + 6'(valid[1]) - 6'(gone) - 6'(dropped);
+      in_ready_o <= owed < 6'(Places - 3);
+      if (rst_i) begin
+        valid      <= '0;
+        owed     <= '0;
+        gone       <= 1'b0;
+        dropped    <= 1'b0;
+        in_ready_o <= 1'b0;
       end
     end
 
-    msn_round_sat #(.InWidth(ProductBits), .OutWidth(16), .DropBits(GainShift), .Unsigned(1'b1)) u_round (
+    logic loaded;
+    logic [Lanes*SampleBits-1:0] offset;
+    logic [Lanes*32-1:0]         gain;
+    msn_calibration_grid #(
+      .Rows      (Rows),
+      .Columns   (Columns),
+      .Lanes     (Lanes),
+      .SampleBits(SampleBits),
+      .Offset    (Offset)
+    ) u_grid (
+      .clk_i,
+      .rst_i,
+      .cfg_write_i,
+      .cfg_write_row_i,
+      .cfg_word_i  (WordBits'(cfg_word_i)),
+      .cfg_offset_i,
+      .cfg_gain_i,
+      .cfg_swap_i,
+      .cfg_swapping_o,
+      .take_i      (accept),
+      .last_i      (in_last_i),
+      .out_offset_o(offset),
+      .out_gain_o  (gain),
+      .out_loaded_o(loaded)
+    );
+
+    localparam int unsigned DataBits = Lanes * SampleBits;
+    logic [6*DataBits-1:0] data;
+    logic [6*Lanes-1:0]    mask;
+    always_ff @(posedge clk_i) begin
+      data <= {data[5*DataBits-1:0], in_data_i};
+      mask <= {mask[5*Lanes-1:0], in_mask_i};
+    end
+
+    logic [Lanes*16-1:0] rounded;
+    for (genvar k = 0; k < Lanes; k++) begin : gen_lane
+      logic signed [SampleBits-1:0]  raw, zero;
+      logic signed [DiffBits-1:0]    difference;
+      logic        [31:0]            factor;
+      logic signed [DiffBits+15:0]   low, high, back_low, back_high;
+      logic signed [ProductBits-1:0] product;
+      logic                          unused_ready, unused_valid;
+      assign raw  = signed'(data[5*DataBits+SampleBits*k+:SampleBits]);
+      assign zero = signed'(offset[SampleBits*k+:SampleBits]);
+
+      // Two products of 18 x 16 bits, one multiplier each, a register more on the way there and back.
+      always_ff @(posedge clk_i) begin
+        difference <= mask[5*Lanes+k] || !loaded ? '0 : DiffBits'(raw) - DiffBits'(zero);
+        factor     <= gain[32*k+:32];
+        back_low   <= low;
+        back_high  <= high;
+        product    <= ProductBits'(back_low) + (ProductBits'(back_high) <<< 16);
+      end
+      msn_multiply #(.AWidth(DiffBits), .BWidth(16)) u_low (
+        .clk_i,
+        .a_i(difference),
+        .b_i(factor[15:0]),
+        .y_o(low)
+      );
+      msn_multiply #(.AWidth(DiffBits), .BWidth(16)) u_high (
+        .clk_i,
+        .a_i(difference),
+        .b_i(factor[31:16]),
+        .y_o(high)
+      );
+
+      msn_round_sat #(.InWidth(ProductBits), .OutWidth(16), .DropBits(GainShift), .Unsigned(1'b1)) u_round (
+        .clk_i,
+        .rst_i,
+        .in_valid_i (1'b1),
+        .in_ready_o (unused_ready),
+        .in_data_i  (product),
+        .out_valid_o(unused_valid),
+        .out_ready_i(1'b1),
+        .out_data_o (rounded[16*k+:16])
+      );
+    end
+
+    msn_fifo #(.Depth(Places), .Width(Lanes * 16 + IdBits + 1)) u_fifo (
       .clk_i,
       .rst_i,
       .in_valid_i (valid[Stages]),
-      .in_ready_o (ready[k]),
-      .in_data_i  (product),
-      .out_valid_o(out_valid[k]),
+      .in_ready_o (unused_room),
+      .in_data_i  ({marks[Stages], id[Stages*IdBits-1-:IdBits], rounded}),
+      .out_valid_o,
       .out_ready_i,
-      .out_data_o (out_data_o[16*k+:16])
+      .out_data_o ({out_last_o, out_id_o, out_data_o})
     );
   end
 

@@ -176,4 +176,4 @@ def test_a_uniform_press_is_uniform_after_calibration_only():
 
 def test_stated_latency():
     assert latency() == 14
-    assert latency(lanes=8, bits_per_clock=1, row_column=True) == 27
+    assert latency(lanes=8, bits_per_clock=1, row_column=True) == 36

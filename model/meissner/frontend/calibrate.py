@@ -4,6 +4,7 @@ import numpy as np
 
 from meissner.common.frame_place import FramePlace
 from meissner.common.round_sat import round_sat
+from meissner.frontend.calibration_grid import CalibrationGrid
 from meissner.frontend.calibration_table import CalibrationTable
 
 
@@ -25,7 +26,7 @@ def forces(raw, offset, gain, gain_shift=12, mask=None, sample_bits=17, gain_bit
 
 def latency(row_column=False):
     """Clocks of the RTL from a beat in to its forces out."""
-    return 6 if row_column else 3
+    return 15 if row_column else 3
 
 
 class Calibrate:
@@ -35,7 +36,8 @@ class Calibrate:
     """
 
     def __init__(self, rows, columns, lanes=1, sample_bits=17, gain_shift=12, offset=True, row_column=False):
-        self.table = CalibrationTable(rows, columns, lanes, sample_bits, offset, row_column)
+        table = CalibrationGrid if row_column else CalibrationTable
+        self.table = table(rows, columns, lanes, sample_bits, offset)
         self.sample_bits, self.gain_shift, self.gain_bits = sample_bits, gain_shift, 32 if row_column else 16
         forces(0, 0, 0, gain_shift, gain_bits=self.gain_bits)  # the same check of the shift
         self._place = FramePlace(rows * self.table.row_beats)

@@ -18,24 +18,19 @@ def check_array(rows, columns, lanes, sample_bits):
 class CalibrationTable:
     """Offset and gain of each taxel.
 
-        per taxel:     offset, gain from a word a beat
-        ``row_column``: offset = row's + column's, gain = row's * column's, exact
-
     A write goes to the bank that is not in use; ``swap`` exchanges the two. Words count beats of ``lanes``
-    columns, with ``row_column`` the beats of a row, and ``write_row`` rows. Offsets have ``sample_bits``
-    signed bits (``row_column``: one less, so that the sum has them), gains 16 unsigned. ``offset`` False:
-    all offsets are 0.
+    columns. Offsets have ``offset_bits`` signed bits, gains 16 unsigned. ``offset`` False: all offsets are 0.
     """
 
-    def __init__(self, rows, columns, lanes=1, sample_bits=17, offset=True, row_column=False):
+    row_column = False
+
+    def __init__(self, rows, columns, lanes=1, sample_bits=17, offset=True):
         check_array(rows, columns, lanes, sample_bits)
         self.rows, self.columns, self.lanes = rows, columns, lanes
         self.row_beats = -(-columns // lanes)
-        self.offset, self.row_column = offset, row_column
-        self.offset_bits = sample_bits - row_column
-        words = self.row_beats if row_column else rows * self.row_beats
+        self.offset, self.offset_bits = offset, sample_bits - self.row_column
+        words = self.row_beats if self.row_column else rows * self.row_beats
         self._beats = np.zeros((2, 2, words, lanes), dtype=np.int64)  # bank; offset, gain; word; lane
-        self._rows = np.zeros((2, 2, rows, 1), dtype=np.int64)
         self.reset()
 
     def reset(self):
@@ -47,10 +42,6 @@ class CalibrationTable:
         for part, value in enumerate(self._entry(offset, gain)):
             self._beats[1 - self._bank, part, word, lanes] = value
 
-    def write_row(self, row, offset, gain):
-        """Write one row's offset and gain (``row_column``)."""
-        self._rows[1 - self._bank, :, row, 0] = self._entry(offset, gain)
-
     def swap(self):
         """What was written comes into use. The RTL does this before the first beat of the next frame."""
         self.loaded, self._bank, self._words = True, 1 - self._bank, None
@@ -58,13 +49,11 @@ class CalibrationTable:
     def words(self):
         """Offsets and gains in use, each [rows, row_beats * lanes]."""
         if self._words is None:  # no write reaches them
-            beats = self._beats[self._bank]
-            if self.row_column:
-                of_row, of_column = self._rows[self._bank], beats.reshape(2, 1, -1)
-                self._words = of_row[0] + of_column[0], of_row[1] * of_column[1]
-            else:
-                self._words = tuple(beats.reshape(2, self.rows, -1).copy())
+            self._words = self._in_use()
         return self._words
+
+    def _in_use(self):
+        return tuple(self._beats[self._bank].reshape(2, self.rows, -1).copy())
 
     def _entry(self, offset, gain):
         limit = 1 << (self.offset_bits - 1)

@@ -103,7 +103,7 @@ class Tare:
         return self.next(raw, mask)
 
     def beat(self, raw, id_, last, mask):
-        """One beat of ``lanes`` samples; returns (r, id, last), r = 0 out of place; None if it does not pass."""
+        """One beat of ``lanes`` samples: (r, id, last), None if it does not pass; r = 0 out of place."""
         self._midway = True
         place = self._place.next(id_, last)
         swallowed = self.loading

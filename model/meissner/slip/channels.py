@@ -1,6 +1,6 @@
 """Bit-exact twin of rtl/slip/msn_channels.sv: the slip path's decisions about every channel."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -23,13 +23,23 @@ class Decisions:
     blanked: int
 
 
-def decide(x, config, moving=None):
-    """Decisions about whole frames of samples ``x`` [channels, samples]; ``moving``: [details] or None."""
+def decide(x, config, moving=None, change=None):
+    """Decisions about whole frames of samples ``x`` [channels, samples]; ``moving``: [details] or None.
+
+    ``change``: (frame, threshold): from that frame on, another threshold.
+    """
     detail, total = haar(x, config.level)
     group = 1 << config.level
     p2p, end = PeakToPeak(len(x), config.window // group, config.hop // group).process(detail)
     twin = Slip(len(x), config)
-    state = twin.process(p2p, total, moving)
+    if change is None:
+        state = twin.process(p2p, total, moving)
+    else:
+        first = -(-(change[0] + 1) // group) - 1  # detail that the frame completes, or the next one
+        moving = np.zeros(p2p.shape[1], bool) if moving is None else moving
+        before = twin.process(p2p[:, :first], total[:, :first], moving[:first])
+        twin.config = replace(config, threshold=change[1])
+        state = np.concatenate([before, twin.next(p2p[:, first:], total[:, first:], moving[first:])], axis=1)
     slipping = (state == State.INCIPIENT) | (state == State.GROSS)
     was = np.concatenate([np.zeros((len(x), 1), dtype=bool), slipping[:, :-1]], axis=1)
     return Decisions(p2p, state, slipping & ~was, end, twin.blanked)

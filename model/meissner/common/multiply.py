@@ -1,0 +1,12 @@
+"""Bit-exact twin of rtl/common/msn_multiply.sv: a product."""
+
+import numpy as np
+
+
+def multiply(a, b, a_width=18, b_width=16):
+    """a·b of integers ``a``, signed of ``a_width`` bits, and ``b``, unsigned of ``b_width`` bits; exact."""
+    if not 2 <= a_width <= 18:
+        raise ValueError(f"a_width = {a_width} must lie in 2 .. 18")
+    if not 1 <= b_width <= 17:
+        raise ValueError(f"b_width = {b_width} must lie in 1 .. 17")
+    return np.asarray(a, dtype=np.int64) * np.asarray(b, dtype=np.int64)

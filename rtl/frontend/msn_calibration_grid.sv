@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Offset and gain of a beat's taxels, from a row's and a column's: for arrays too big for a word of each taxel.
+//
+//   offset = row's + column's    gain = row's * column's, exact, 32 bits
+//
+// A write goes to the bank that is not in use; cfg_swap_i exchanges the two before the next frame's first
+// beat, never inside a frame. Words count the beats of a row, of every lane named in cfg_write_i, and with
+// cfg_write_row_i rows. Before the first swap out_loaded_o is low. Offsets are signed, gains unsigned.
+//
+//   clock  1        2     3, 4      5 .. 6
+//          address  read  register  product, sum
+//
+// 6 clocks after take_i, a beat a clock; nothing ever waits, so nothing has an enable and the memories'
+// slow outputs have a clock of their own.   Model: model/meissner/frontend/calibration_grid.py
+
+module msn_calibration_grid #(
+  parameter  int unsigned Rows       = 1024,
+  parameter  int unsigned Columns    = 1024,
+  parameter  int unsigned Lanes      = 8,
+  parameter  int unsigned SampleBits = 17,
+  parameter  bit          Offset     = 1'b1,
+  localparam int unsigned RowBeats   = (Columns + Lanes - 1) / Lanes,
+  localparam int unsigned WordBits   = msn_pkg::index_width(Rows > RowBeats ? Rows : RowBeats),
+  localparam int unsigned OffsetBits = SampleBits - 1  // so that the sum of two has SampleBits
+) (
+  input  logic                        clk_i,
+  input  logic                        rst_i,
+
+  input  logic [Lanes-1:0]            cfg_write_i,
+  input  logic                        cfg_write_row_i,
+  input  logic [WordBits-1:0]         cfg_word_i,
+  input  logic [OffsetBits-1:0]       cfg_offset_i,
+  input  logic [15:0]                 cfg_gain_i,
+  input  logic                        cfg_swap_i,
+  output logic                        cfg_swapping_o, // asked for, not done yet
+
+  input  logic                        take_i,         // a beat
+  input  logic                        last_i,         // with it: the frame's last
+  output logic [Lanes*SampleBits-1:0] out_offset_o,
+  output logic [Lanes*32-1:0]         out_gain_o,
+  output logic                        out_loaded_o
+);
+
+  if (Rows < 1 || Rows > 1024) begin : gen_check_rows
+    $fatal(1, "msn_calibration_grid: Rows = %0d must lie in 1 .. 1024", Rows);
+  end
+  if (Columns < 1 || Columns > 1024) begin : gen_check_columns
+    $fatal(1, "msn_calibration_grid: Columns = %0d must lie in 1 .. 1024", Columns);
+  end
+  if (Lanes != 1 && Lanes != 2 && Lanes != 4 && Lanes != 8) begin : gen_check_lanes
+    $fatal(1, "msn_calibration_grid: Lanes = %0d must be 1, 2, 4 or 8", Lanes);
+  end
+  if (SampleBits < 2 || SampleBits > 18) begin : gen_check_sample_bits
+    $fatal(1, "msn_calibration_grid: SampleBits = %0d must lie in 2 .. 18", SampleBits);
+  end
+
+  localparam int unsigned RowBits  = msn_pkg::index_width(Rows);
+  localparam int unsigned BeatBits = msn_pkg::index_width(RowBeats);
+  localparam int unsigned PartBits = Offset ? 16 + OffsetBits : 16;
+
+  // The place of the next beat, and its bank.
+  logic [BeatBits-1:0] beat;
+  logic [RowBits-1:0]  row;
+  logic                bank, midway, swap, row_end, final_row;
+  assign row_end   = beat == BeatBits'(RowBeats - 1);
+  assign final_row = row == RowBits'(Rows - 1);
+  assign swap      = cfg_swapping_o && !midway;
+
+  logic [5:1]        loaded;
+  logic [RowBits:0]  row_at;
+  logic [BeatBits:0] beat_at;
+  always_ff @(posedge clk_i) begin
+    if (take_i) begin
+      midway <= !last_i;
+      beat   <= last_i || row_end ? '0 : beat + 1'b1;
+      row    <= last_i || (row_end && final_row) ? '0 : row + RowBits'(row_end);
+    end
+    bank           <= bank ^ swap;
+    cfg_swapping_o <= cfg_swap_i || (cfg_swapping_o && !swap);
+    row_at         <= {bank ^ swap, row};
+    beat_at        <= {bank ^ swap, beat};
+    loaded         <= {loaded[4:1], loaded[1] || swap};
+    out_loaded_o   <= loaded[5];
+    if (rst_i) begin
+      {beat, row, midway, bank, cfg_swapping_o} <= '0;
+      loaded <= '0;
+    end
+  end
+
+  logic [PartBits-1:0] entry;
+  if (Offset) begin : gen_entry
+    assign entry = {cfg_offset_i, cfg_gain_i};
+  end else begin : gen_entry_gain
+    logic unused_offset;
+    assign unused_offset = ^cfg_offset_i;
+    assign entry         = cfg_gain_i;
+  end
+
+  (* no_rw_check *) logic [PartBits-1:0] rows [2**(RowBits+1)];
+  logic [PartBits-1:0] row_read, row_near, of_row;
+  always_ff @(posedge clk_i) begin
+    if (cfg_write_row_i) rows[{!bank, RowBits'(cfg_word_i)}] <= entry;
+    row_read <= rows[row_at];
+    row_near <= row_read;
+    of_row   <= row_near;
+  end
+
+  for (genvar k = 0; k < Lanes; k++) begin : gen_lane
+    (* no_rw_check *) logic [PartBits-1:0] columns [2**(BeatBits+1)];
+    logic [PartBits-1:0] column_read, column_near, of_column;
+    logic signed [32:0]  gain;
+    msn_multiply #(.AWidth(17), .BWidth(16)) u_gain (
+      .clk_i,
+      .a_i(signed'({1'b0, of_row[15:0]})),
+      .b_i(of_column[15:0]),
+      .y_o(gain)
+    );
+    assign out_gain_o[32*k+:32] = gain[31:0];
+    logic unused_sign;
+    assign unused_sign = gain[32];
+    always_ff @(posedge clk_i) begin
+      if (cfg_write_i[k]) columns[{!bank, BeatBits'(cfg_word_i)}] <= entry;
+      column_read <= columns[beat_at];
+      column_near <= column_read;
+      of_column   <= column_near;
+    end
+    if (Offset) begin : gen_offset
+      logic signed [OffsetBits-1:0] row_offset, column_offset;
+      always_ff @(posedge clk_i) begin
+        row_offset    <= signed'(of_row[16+:OffsetBits]);
+        column_offset <= signed'(of_column[16+:OffsetBits]);
+        out_offset_o[SampleBits*k+:SampleBits] <= SampleBits'(row_offset) + SampleBits'(column_offset);
+      end
+    end else begin : gen_none
+      assign out_offset_o[SampleBits*k+:SampleBits] = '0;
+    end
+  end
+
+endmodule

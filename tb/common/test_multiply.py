@@ -1,0 +1,48 @@
+"""msn_multiply against its model: every pair of corners, then random factors, a product a clock; the
+ECP5's own version on the same, with a model of its multiplier cell."""
+
+import cocotb
+import numpy as np
+import pytest
+from cocotb.triggers import FallingEdge
+
+import bench
+from meissner import toolchain
+from meissner.common.multiply import multiply
+
+LATENCY = 2
+ECP5 = [toolchain.ROOT / name for name in ("tb/common/MULT18X18D.v", "rtl/ecp5/msn_multiply.v")]
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def matches_model(dut):
+    a_width, b_width = (getattr(dut, name).value.to_unsigned() for name in ("AWidth", "BWidth"))
+    rng = np.random.default_rng(bench.SEED)
+    low, high = bench.width(a_width)
+    top = (1 << b_width) - 1
+    pairs = [(a, b) for a in (low, low + 1, -1, 0, 1, high) for b in (0, 1, top >> 1, top)]
+    pairs += zip(rng.integers(low, high + 1, 500).tolist(), rng.integers(0, top + 1, 500).tolist())
+    expected = multiply(*np.array(pairs).T, a_width, b_width).tolist()
+    bench.Clock(dut.clk_i, 10, unit="ns").start()
+    for clock in range(len(pairs) + LATENCY):
+        await FallingEdge(dut.clk_i)
+        if clock >= LATENCY:
+            got = bench.as_signed(bench.read(dut.y_o), len(dut.y_o))
+            assert got == expected[clock - LATENCY], pairs[clock - LATENCY]
+        a, b = pairs[min(clock, len(pairs) - 1)]
+        dut.a_i.value, dut.b_i.value = a & ((1 << a_width) - 1), b
+
+
+@pytest.mark.parametrize("sources", [None, ECP5], ids=["common", "ecp5"])
+@pytest.mark.parametrize("a_width, b_width", [(2, 1), (17, 16), (18, 17)])
+def test_multiply(a_width, b_width, sources):
+    bench.run("common", "multiply", {"AWidth": a_width, "BWidth": b_width}, sources=sources)
+
+
+def test_refuses_illegal_parameters():
+    assert "AWidth = 19" in bench.refuses("multiply", {"AWidth": 19})
+    assert "BWidth = 18" in bench.refuses("multiply", {"BWidth": 18})
+    with pytest.raises(ValueError, match="a_width = 19"):
+        multiply(0, 0, 19, 16)
+    with pytest.raises(ValueError, match="b_width = 0"):
+        multiply(0, 0, 18, 0)

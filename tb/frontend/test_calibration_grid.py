@@ -1,0 +1,145 @@
+"""msn_calibration_grid against its model: one taxel to rows that do not fill their lanes; beats with pauses
+and without, exactly six clocks later, while the other bank is written; swaps at every beat of a frame and
+between frames; frames cut short and too long; a reset."""
+
+import random
+
+import cocotb
+import numpy as np
+import pytest
+from cocotb.triggers import FallingEdge
+
+import bench
+from meissner.frontend.calibration_grid import CalibrationGrid
+
+QUIET = {"cfg_write_i": 0, "cfg_write_row_i": 0, "cfg_swap_i": 0, "take_i": 0, "last_i": 0}
+LATENCY = 6
+
+
+def twin_of(dut):
+    names = ("Rows", "Columns", "Lanes", "SampleBits", "Offset")
+    return CalibrationGrid(*(getattr(dut, name).value.to_unsigned() for name in names))
+
+
+def entries(twin, draw):
+    """What fills a bank: (of a row?, word, lane, offset, gain), the ends of the range and random ones."""
+    low, high = bench.width(twin.offset_bits)
+    words = [(False, w, lane) for w in range(twin.row_beats) for lane in range(twin.lanes)]
+    words += [(True, row, 0) for row in range(twin.rows)]
+    return [
+        (
+            *word,
+            draw.choice([low, high, draw.randint(low, high)]),
+            draw.choice([0, 65535, draw.randint(0, 65535)]),
+        )
+        for word in words
+    ]
+
+
+def put(twin, found):
+    for of_row, word, lane, offset, gain in found:
+        if of_row:
+            twin.write_row(word, offset, gain)
+        else:
+            twin.write(word, offset, gain, lane)
+
+
+async def write(dut, twin, found):
+    """Write a bank, then ask for the swap; what is taken up to that clock belongs to the old one."""
+    for of_row, word, lane, offset, gain in found:
+        dut.cfg_word_i.value, dut.cfg_gain_i.value = word, gain
+        dut.cfg_offset_i.value = offset & ((1 << twin.offset_bits) - 1)
+        dut.cfg_write_i.value, dut.cfg_write_row_i.value = 0 if of_row else 1 << lane, int(of_row)
+        await FallingEdge(dut.clk_i)
+    dut.cfg_write_i.value = dut.cfg_write_row_i.value = 0
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+@cocotb.parametrize(pause_rate=[0.0, 0.5])
+async def matches_model(dut, pause_rate):
+    """A swap is asked for at every beat of a frame in turn, and now and then between two frames."""
+    twin, draw = twin_of(dut), random.Random(bench.SEED)
+    await bench.start(dut, **QUIET)
+    await FallingEdge(dut.clk_i)
+    beats = twin.rows * twin.row_beats
+    due, asked, writer, midway, place, length = [], None, None, False, 0, beats
+    bits = len(dut.out_offset_o) // twin.lanes
+    frame = swaps = clock = 0
+    while frame < 60 + beats:
+        # What was taken LATENCY clocks ago.
+        if due and due[0][0] == clock:
+            _, offset, gain, loaded = due.pop(0)
+            assert bench.read(dut.out_loaded_o) == loaded
+            if loaded:
+                assert bench.lane_values(bench.read(dut.out_offset_o), twin.lanes, bits, True) == offset
+                assert bench.lane_values(bench.read(dut.out_gain_o), twin.lanes, 32) == gain
+        # A swap that was asked for in an earlier clock holds from the next frame's first beat on.
+        assert bench.read(dut.cfg_swapping_o) == (asked is not None)
+        if asked is not None and not midway:
+            put(twin, asked)
+            twin.swap()
+            asked, writer = None, None
+        take = draw.random() >= pause_rate
+        last = place == length - 1
+        dut.take_i.value, dut.last_i.value = int(take), int(take and last)
+        dut.cfg_swap_i.value = 0
+        if writer is None and dut.cfg_swapping_o.value == 0:
+            found = entries(twin, draw)
+            writer = cocotb.start_soon(write(dut, twin, found))
+        elif writer and writer.done() and asked is None and (place == frame % beats or draw.random() < 0.02):
+            dut.cfg_swap_i.value = 1
+            asked = found
+            swaps += 1
+        if take:
+            offset, gain = (words.reshape(-1, twin.lanes)[place % beats].tolist() for words in twin.words())
+            due.append((clock + LATENCY, offset, gain, int(twin.loaded)))
+            midway, place = not last, 0 if last else place + 1
+            if last:
+                frame += 1
+                length = (
+                    beats if frame % 3 else draw.choice([draw.randint(1, beats), beats + draw.randint(1, 3)])
+                )
+        clock += 1
+        await FallingEdge(dut.clk_i)
+    assert swaps > 10
+    dut.take_i.value = dut.cfg_swap_i.value = 0
+    await bench.RisingEdge(dut.clk_i)
+    await bench.reset(dut)
+    await bench.clocks(dut, LATENCY + 1)
+    await FallingEdge(dut.clk_i)
+    assert dut.out_loaded_o.value == 0
+
+
+@pytest.mark.parametrize(
+    "rows, columns, lanes, sample_bits, offset",
+    [(1, 1, 1, 17, 1), (7, 1, 4, 17, 0), (5, 19, 8, 17, 1), (6, 3, 1, 12, 1), (3, 40, 2, 18, 1)],
+)
+def test_calibration_grid(rows, columns, lanes, sample_bits, offset):
+    size = {"Rows": rows, "Columns": columns, "Lanes": lanes}
+    bench.run("frontend", "calibration_grid", size | {"SampleBits": sample_bits, "Offset": offset})
+
+
+def test_model_of_rows_and_columns():
+    grid = CalibrationGrid(2, 3, lanes=2)
+    grid.write(0, 10, 3, 1)
+    grid.write(1, -7, 5, 0)
+    grid.write_row(1, 100, 7)
+    assert not grid.loaded
+    grid.swap()
+    offset, gain = grid.words()
+    assert grid.loaded
+    assert offset.tolist() == [[0, 10, -7, 0], [100, 110, 93, 100]]
+    assert gain.tolist() == [[0, 0, 0, 0], [0, 21, 35, 0]]
+    assert not np.any(CalibrationGrid(2, 3, offset=False).words()[0])
+
+
+def test_refuses_illegal_parameters():
+    for name, value in {"Rows": 0, "Columns": 1025, "Lanes": 3, "SampleBits": 19}.items():
+        assert f"{name} = {value}" in bench.refuses("calibration_grid", {name: value})
+    for size, message in (((0, 1), "rows = 0"), ((1, 1025), "columns = 1025"), ((1, 1, 3), "lanes = 3")):
+        with pytest.raises(ValueError, match=message):
+            CalibrationGrid(*size)
+    with pytest.raises(ValueError, match="offset = 32768"):
+        CalibrationGrid(1, 1).write(0, 32768, 1)
+    with pytest.raises(ValueError, match="gain = 65536"):
+        CalibrationGrid(1, 1).write_row(0, 0, 65536)
