@@ -15,7 +15,7 @@ class Board:
     """One board: ``pnr`` and ``pack`` are commands of which synth.py fills in the files.
 
     ``cells``: family whose cells the netlist has; ``configs``: the named configurations it is offered with,
-    each with what is the board's, not the file's (see meissner.config.load).
+    each with what is the board's, not the file's (see meissner.config.load); ``more``: other parameters.
     """
 
     name: str
@@ -35,7 +35,9 @@ class Board:
 
     def parameters(self, name):
         """Of rtl/msn_core.sv, for this board with that configuration."""
-        return config.load(name, **self.configs[name]).parameters
+        settings = dict(self.configs[name])
+        more = settings.pop("more", {})
+        return config.load(name, **settings).parameters | more
 
     @property
     def sources(self):
@@ -89,10 +91,10 @@ BOARDS = {
             # A bit a clock, slip1 has no use for more.
             configs={
                 "slip1": {"mhz": 50.0, "part": ON_BOARD},
-                "fingertip": {"mhz": 100.0, "part": ON_BOARD},
+                "fingertip": {"mhz": 50.0, "part": ON_BOARD},
                 "cop4": {"mhz": 50.0},
-                "array64": {"mhz": 100.0},
-                "full": {"mhz": 100.0},
+                # A queue of 64 events would take three block RAMs, and 54 of 56 are in use.
+                "array64": {"mhz": 100.0, "more": {"SlipDepth": 16}},
             },
         ),
         Board(
