@@ -197,7 +197,7 @@ class Config:
             found |= {"Level": slip.level, "Window": slip.window, "Hop": slip.hop}
             found |= {"TimerBits": self.timer_bits, "SampleBits": self.sample_bits}
         if self.serial:
-            found |= {"Serial": 1, "AdcPeriod": self.period_clocks}
+            found |= {"Serial": 1, "AdcPeriod": self.period_clocks if self.adc["part"] == "MCP3208" else 0}
         if self.cop4:
             found |= {"Cop4": 1, "Correct": int(self.cop4.terms is not None)}
             found |= {"CopSlip": int(self.cop_slip is not None)}
@@ -227,8 +227,10 @@ class Config:
             raise ValueError(
                 f"[adc]: rate_hz = {self.rate_hz:g} is too fast: {what} takes {needed} clocks, {most:.0f} Hz"
             )
-        if self.serial and (self.channels != 1 or self.adc["part"] != "MCP3208" or self.link["registers"]):
-            raise ValueError("[slip]: serial must go with one channel of an MCP3208 and registers = false")
+        if self.serial and (self.channels != 1 or self.part.data_bits > 12 or self.link["registers"]):
+            raise ValueError(
+                "[slip]: serial must go with one channel of at most 12 bits and registers = false"
+            )
         if self.link["slip_only"] and (self.kind != "channels" or self.link["registers"]):
             raise ValueError("[link]: slip_only must go with single channels and registers = false")
         if self.link["images"] and self.kind != "array":
@@ -269,8 +271,8 @@ def _slip(at, table, config, volts, rises_default):
         raise ValueError(f"{at}: {problem}") from None
 
 
-def load(name, mhz=None, part=None):
-    """The Config of a named configuration or a TOML file; ``mhz``, ``part``: a board's, not the file's."""
+def load(name, mhz=None, part=None, registers=None):
+    """The Config of a named configuration or a TOML file; ``mhz``, ``part``, ``registers``: in place of its own."""
     path = Path(name)
     if FOLDER.joinpath(f"{name}.toml").is_file():
         path = FOLDER / f"{name}.toml"
@@ -280,7 +282,7 @@ def load(name, mhz=None, part=None):
         tables = tomllib.loads(path.read_text("utf-8"))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as problem:
         raise ValueError(f"{path} is not a TOML file: {problem}") from None
-    for table, key, value in (("clock", "mhz", mhz), ("adc", "part", part)):
+    for table, key, value in (("clock", "mhz", mhz), ("adc", "part", part), ("link", "registers", registers)):
         if value is not None and table in tables:
             tables[table] = tables[table] | {key: value}
     try:
