@@ -45,7 +45,8 @@ def synthesise(board, config, parameters):
     write_build(folder, parameters)
     stem = f"{folder}/{board.top}"
     tops = f"rtl/boards/msn_board_reset.sv rtl/boards/msn_board.sv rtl/boards/{board.top}.sv"
-    script = f"{read_rtl(board.cells)}; read_verilog -sv -I{folder} {tops}; {board.synth} -top {board.top} -json {stem}.json"
+    script = f"{read_rtl(board.cells)}; read_verilog -sv -I{folder} {tops}; "
+    script += f"{board.synth} -top {board.top} -json {stem}.json"
     yosys(script, f"{stem}.yosys.log")
     modules = json.loads((ROOT / f"{stem}.json").read_text())["modules"]
     return stem, Counter(cell["type"] for cell in modules[board.top]["cells"].values())
