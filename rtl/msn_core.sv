@@ -847,6 +847,7 @@ module msn_core #(
       .in_data_i            (sample),
       .in_id_i              (sample_id),
       .in_last_i            (sample_last),
+      .in_mask_i            (1'b0),
       .out_valid_o          (decision_valid),
       .out_ready_i          (decision_ready),
       .out_state_o          (decision_state),

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from meissner.slip.haar import haar
+from meissner.slip.haar import haar, masked_groups
 from meissner.slip.peak_to_peak import PeakToPeak
 from meissner.slip.slip import Slip, State
 
@@ -23,13 +23,17 @@ class Decisions:
     blanked: int
 
 
-def decide(x, config, moving=None):
-    """Decisions about whole frames of samples ``x`` [channels, samples]; ``moving``: [details] or None."""
-    detail, total = haar(x, config.level)
+def decide(x, config, moving=None, mask=None):
+    """Decisions about whole frames of samples ``x`` [channels, samples]; ``moving``: [details] or None.
+
+    ``mask`` [channels, samples]: samples not to be trusted; their details count in no window, raise no slip.
+    """
+    detail, total = haar(x, config.level, mask)
+    off = None if mask is None else masked_groups(mask, config.level)
     group = 1 << config.level
-    p2p, end = PeakToPeak(len(x), config.window // group, config.hop // group).process(detail)
+    p2p, end = PeakToPeak(len(x), config.window // group, config.hop // group).process(detail, off)
     twin = Slip(len(x), config)
-    state = twin.process(p2p, total, moving)
+    state = twin.process(p2p, total, moving, off)
     slipping = (state == State.INCIPIENT) | (state == State.GROSS)
     was = np.concatenate([np.zeros((len(x), 1), dtype=bool), slipping[:, :-1]], axis=1)
     return Decisions(p2p, state, slipping & ~was, end, twin.blanked)
