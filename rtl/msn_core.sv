@@ -875,6 +875,7 @@ module msn_core #(
       .in_data_i            (slip_sample),
       .in_id_i              (slip_id),
       .in_last_i            (slip_last),
+      .in_mask_i            (1'b0),
       .out_valid_o          (decision_valid),
       .out_ready_i          (decision_ready),
       .out_state_o          (decision_state),

@@ -31,7 +31,7 @@ def of_channels(samples, config, moving=None, change=None):
 
     ``change``: (frame, threshold) from which frame on another threshold holds.
     """
-    found = decide(np.asarray(samples).T, config, moving, change)
+    found = decide(np.asarray(samples).T, config, moving, change=change)
     group = 1 << config.level
     events = [
         ((detail + 1) * group - 1, p.slip_event(channel, int(found.p2p[channel, detail]), state))
