@@ -7,7 +7,7 @@ SYNTH  := .venv/.synth
 RTL    := $(shell cat rtl/rtl.f)
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test lint registers fmax bench clean
+.PHONY: help setup demo test lint registers synth resources fmax bench clean
 
 help:  ## this list
 	@awk -F':.*## ' '/^[a-z-]+:.*## /{printf "  make %-12s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -28,7 +28,7 @@ setup: $(SIM)  ## Python environment with every simulation tool, in .venv
 demo: $(SIM)  ## the acrylic slip scene on the rtl engine, from ADC pins to a slip flag: build/demo/
 	@$(BIN)/meissner run acrylic_slip --engine rtl --out build/demo
 
-test: lint  ## lint, twins and every cocotb regression
+test: lint $(SYNTH)  ## lint, twins and every cocotb regression
 	@$(BIN)/python -m pytest -n $(JOBS)
 
 lint: $(SIM)  ## Verilator -Wall on every module as its own top, Verible, ruff
@@ -36,6 +36,12 @@ lint: $(SIM)  ## Verilator -Wall on every module as its own top, Verible, ruff
 
 registers: $(SIM)  ## RTL, Python map, C header and page of the registers, from rtl/registers.rdl
 	@$(BIN)/python tools/registers.py
+
+synth: $(SYNTH)  ## bitstream of a board: BOARD=ulx3s, icebreaker, tangnano20k or orangecrab [CONFIG=...]
+	@$(BIN)/python tools/synth.py $(BOARD) $(CONFIG)
+
+resources: $(SYNTH)  ## constraints/resources.json anew: every board with every configuration, three seeds each
+	@$(BIN)/python tools/synth.py --record
 
 fmax: $(SYNTH)  ## Fmax and area of single blocks, worst of three seeds: table, build/fmax/fmax.json
 	@$(BIN)/python tools/fmax.py --jobs $(JOBS) $(FMAX)

@@ -351,6 +351,11 @@ module msn_core #(
     localparam int unsigned CountBits  = msn_pkg::index_width(Rows * Columns + 1);
     localparam int unsigned CopBits    = FractionBits + 2;
 
+    logic signed [16:0]           narrow_offset;
+    logic signed [OffsetBits-1:0] given_offset;  // as wide as the table's, one bit more or less
+    assign narrow_offset = cfg_offset;
+    assign given_offset  = OffsetBits'(narrow_offset);
+
     // A gain from reset on, and a zero as soon as it is in use.
     logic [Lanes-1:0]      write;
     logic                  write_row, swap, started;
@@ -367,10 +372,10 @@ module msn_core #(
       .clk_i,
       .rst_i,
       .cfg_gain_i     (cfg_preset),
-      .in_write_i     (cfg_written ? cfg_lanes[Lanes-1:0] : '0),
-      .in_write_row_i (cfg_row),
+      .in_write_i     ((cfg_written && !cfg_row) ? cfg_lanes[Lanes-1:0] : '0),
+      .in_write_row_i (cfg_written && cfg_row),
       .in_word_i      (cfg_word[IdBits-1:0]),
-      .in_offset_i    (OffsetBits'(signed'({cfg_offset[16], cfg_offset}))),
+      .in_offset_i    (given_offset),
       .in_gain_i      (cfg_gain),
       .in_swap_i      (cfg_swap),
       .out_write_o    (write),
@@ -807,6 +812,29 @@ module msn_core #(
 
   // Slip of every channel or taxel.
   if (Slip) begin : gen_slip
+    // A long way back for ready: packet, slip, array, scan. An array's ends here; one sample is kept aside.
+    logic                         slip_valid, slip_ready, slip_last;
+    logic signed [SampleBits-1:0] slip_sample;
+    logic        [ChannelBits-1:0] slip_id;
+    if (Array) begin : gen_skid
+      msn_skid #(.Width(SampleBits + ChannelBits + 1)) u_skid (
+        .clk_i,
+        .rst_i,
+        .in_valid_i (sample_valid),
+        .in_ready_o (sample_ready),
+        .in_data_i  ({sample, sample_id, sample_last}),
+        .out_valid_o(slip_valid),
+        .out_ready_i(slip_ready),
+        .out_data_o ({slip_sample, slip_id, slip_last})
+      );
+    end else begin : gen_no_skid
+      assign slip_valid   = sample_valid;
+      assign sample_ready = slip_ready;
+      assign slip_sample  = sample;
+      assign slip_id      = sample_id;
+      assign slip_last    = sample_last;
+    end
+
     logic [DetailBits-1:0]  p2p;
     logic [ChannelBits-1:0] id;
     logic [5:0]             unused_pins;
@@ -842,11 +870,11 @@ module msn_core #(
       .cfg_refractory_i     (cfg_refractory[TimerBits-1:0]),
       .cfg_blank_i          (cfg_blank[TimerBits-1:0]),
       .actuator_moving_i,
-      .in_valid_i           (sample_valid),
-      .in_ready_o           (sample_ready),
-      .in_data_i            (sample),
-      .in_id_i              (sample_id),
-      .in_last_i            (sample_last),
+      .in_valid_i           (slip_valid),
+      .in_ready_o           (slip_ready),
+      .in_data_i            (slip_sample),
+      .in_id_i              (slip_id),
+      .in_last_i            (slip_last),
       .in_mask_i            (1'b0),
       .out_valid_o          (decision_valid),
       .out_ready_i          (decision_ready),

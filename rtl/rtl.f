@@ -65,3 +65,4 @@ rtl/link/msn_registers_pkg.sv
 rtl/link/msn_registers.sv
 rtl/link/msn_axil.sv
 rtl/msn_core.sv
+rtl/msn_axis.sv

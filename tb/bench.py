@@ -56,8 +56,8 @@ def run(stage, block, parameters=None, test_filter=None, module=None, sources=No
     assert failures == 0, f"{name}: {failures} of {tests} failed (MEISSNER_SEED={SEED})"
 
 
-def refuses(block, parameters):
-    """Elaborate ``msn_<block>`` with illegal parameters; return the message that stopped it."""
+def refuses(block, parameters, of=None):
+    """Elaborate ``msn_<block>`` with illegal parameters; the message, of ``msn_<of>``, that stopped it."""
     command = ["verilator", "--lint-only", "-Wall", "--top-module", f"msn_{block}"]
     command += [f"-G{k}={v}" for k, v in parameters.items()]
     done = subprocess.run(
@@ -67,7 +67,7 @@ def refuses(block, parameters):
         text=True,
     )
     assert done.returncode != 0, f"msn_{block} accepted {parameters}"
-    fatal = [line for line in done.stderr.splitlines() if f"msn_{block}: " in line]
+    fatal = [line for line in done.stderr.splitlines() if f"msn_{of or block}: " in line]
     assert fatal, f"msn_{block} stopped without its own message:\n{done.stderr}"
     return fatal[0]
 

@@ -4,7 +4,8 @@ import pytest
 
 from meissner import toolchain
 
-BLOCKS = [path for path in toolchain.sources() if path.stem != "msn_core" and not path.stem.endswith("_pkg")]
+TOPS = ("msn_core", "msn_axis")
+BLOCKS = [path for path in toolchain.sources() if path.stem not in TOPS and not path.stem.endswith("_pkg")]
 
 
 @pytest.mark.parametrize("path", BLOCKS, ids=lambda path: path.stem)
@@ -13,6 +14,12 @@ def test_every_block_has_its_twin_and_its_testbench(path):
     assert (toolchain.ROOT / f"model/meissner/{stage}/{block}.py").exists()
     assert (toolchain.ROOT / f"tb/{stage}/test_{block}.py").exists()
     assert f"model/meissner/{stage}/{block}.py" in path.read_text(), "its header does not name its model"
+
+
+@pytest.mark.parametrize("top", TOPS)
+def test_the_tops_share_a_twin(top):
+    assert "model/meissner/core.py" in (toolchain.ROOT / f"rtl/{top}.sv").read_text()
+    assert (toolchain.ROOT / f"tb/core/test_{top.removeprefix('msn_')}.py").exists()
 
 
 def test_the_core_file_lists_the_same_sources():

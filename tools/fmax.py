@@ -13,17 +13,14 @@ their last result).
 
 import argparse
 import json
-import os
-import subprocess
 import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
 from fnmatch import fnmatch
 from pathlib import Path
 
-from meissner import toolchain
+from meissner.yowasp import ROOT, ToolError, read_rtl, tool, warm_up, yosys
 
-ROOT = toolchain.ROOT
 OUT = Path("build/fmax")  # relative to ROOT: YoWASP sees nothing outside the directory it starts in
 SEEDS = (1, 2, 3)
 
@@ -33,7 +30,6 @@ TARGETS = {
         "synth": "synth_ecp5",
         "pnr": "nextpnr-ecp5 --25k --package CABGA381 --speed 6 --lpf-allow-unconstrained",
         "freq": 200,
-        "instead": {"rtl/common/msn_multiply.sv": "rtl/ecp5/msn_multiply.v"},
         "area": {"lut": "TRELLIS_COMB", "ff": "TRELLIS_FF", "ram": "DP16KD", "dsp": "MULT18X18D"},
     },
     "up5k": {
@@ -161,42 +157,13 @@ TABLE = {
 }
 
 
-def tool(name, arguments, log):
-    """Run a YoWASP tool in ROOT; its whole output goes to ``log``; returns it."""
-    command = [str(Path(sys.executable).parent / f"yowasp-{name}"), *arguments]
-    done = subprocess.run(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
-    (ROOT / log).write_text(" ".join(command) + "\n" + done.stdout)
-    if done.returncode:
-        sys.exit(f"{name} failed; see {log}\n" + "\n".join(done.stdout.splitlines()[-12:]))
-    # Yosys goes on after this warning with a wrong netlist.
-    if "Driver-driver conflict" in done.stdout:
-        sys.exit(f"{name}: driver-driver conflict, the netlist is wrong; see {log}")
-    return done.stdout
-
-
-def warm_up():
-    """Say why the first run takes minutes: YoWASP compiles each tool once for this machine."""
-    if "YOWASP_CACHE_DIR" in os.environ:
-        cache = Path(os.environ["YOWASP_CACHE_DIR"])
-    else:
-        cache = Path.home() / ".cache/YoWASP"
-    if not list(cache.glob("**/*yosys*")):
-        print("first run: the synthesis tools compile themselves, a minute or two ...", flush=True)
-
-
-def read_rtl(instead=None):
-    """Read every source, or what the target has ``instead`` of it."""
-    sources = (ROOT / "rtl/rtl.f").read_text().split()
-    return "read_verilog -sv " + " ".join((instead or {}).get(source, source) for source in sources)
-
-
 def ports(module, parameters, stem):
     """The block's ports with these parameters, but outputs that are constant: [(name, direction, bits)]."""
     # Not `hierarchy -chparam`: Yosys stops at some modules with "modules_.count(module->name) == 0".
     chparam = "".join(f"chparam -set {name} {value} {module}; " for name, value in parameters.items())
     netlist = f"{stem}.ports.json"
     script = f"{read_rtl()}; {chparam}hierarchy -top {module}; proc; write_json {netlist}"
-    tool("yosys", ["-q", "-p", script], f"{stem}.ports.log")
+    yosys(script, f"{stem}.ports.log")
     modules = json.loads((ROOT / netlist).read_text())["modules"].values()
     top = next(m for m in modules if int(m["attributes"].get("top", "0"), 2))
     return [
@@ -249,9 +216,8 @@ def synthesise(name, target):
     stem = f"{OUT}/{name}-{target}"
     text, ins, outs = harness(module, parameters, *(tied or [{}]), ports(module, parameters, stem))
     (ROOT / f"{stem}.v").write_text(text)
-    rtl = read_rtl(TARGETS[target].get("instead"))
-    script = f"{rtl} {stem}.v; {TARGETS[target]['synth']} -top harness -json {stem}.json"
-    tool("yosys", ["-p", script], f"{stem}.yosys.log")
+    script = f"{read_rtl(target)} {stem}.v; {TARGETS[target]['synth']} -top harness -json {stem}.json"
+    yosys(script, f"{stem}.yosys.log")
     if target == "up5k":  # a cell holds one table and one register
         return stem, {"lut": ins + 2 * outs}
     return stem, {"lut": outs - 1, "ff": ins + 2 * outs}
@@ -264,7 +230,7 @@ def place(stem, target, seed):
     report = f"{stem}-{seed}.report.json"
     options += ["--json", f"{stem}.json", "--freq", str(spec["freq"]), "--timing-allow-fail"]
     options += ["--seed", str(seed), "--report", report]
-    tool(pnr, options, f"{stem}-{seed}.pnr.log")
+    tool(f"yowasp-{pnr}", options, f"{stem}-{seed}.pnr.log")
     result = json.loads((ROOT / report).read_text())
     (mhz,) = (clock["achieved"] for clock in result["fmax"].values())
     return mhz, {short: result["utilization"][cell]["used"] for short, cell in spec["area"].items()}
@@ -348,4 +314,7 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    try:
+        main()
+    except ToolError as error:
+        sys.exit(f"{error}\n{error.tail}")

@@ -6,10 +6,13 @@ import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from meissner import config, toolchain
+from synth import write_build
+
+from meissner import boards, config, toolchain
 
 ROOT = toolchain.ROOT
 RULES = ROOT / "tb/lint/verible.rules"
+CELLS = ROOT / "tb/lint/cells.v"
 WAIVERS = ROOT / "tb/lint/verilator.vlt"
 PYTHON = ("model", "tb", "tools", "examples")
 
@@ -22,20 +25,30 @@ def run(name, command):
 
 def main():
     files = [path.relative_to(ROOT) for path in toolchain.sources()]
-    listed = set(files)
+    pairs = boards.pairs()
+    outer = sorted({Path(source) for board, _ in pairs for source in board.sources})
+    listed = {*files, *outer}
     strays = [str(p.relative_to(ROOT)) for p in ROOT.glob("rtl/**/*.sv") if p.relative_to(ROOT) not in listed]
-    problems = [f"rtl/rtl.f does not list {stray}" for stray in strays]
+    problems = [f"neither rtl/rtl.f nor a board lists {stray}" for stray in strays]
     tops = [path for path in files if not path.stem.endswith("_pkg")]
     misnamed = [path for path in tops if f"module {path.stem} " not in (ROOT / path).read_text()]
     problems += [f"{path} does not define module {path.stem}" for path in misnamed]
     verilator = ["verilator", "--lint-only", "--quiet", "-Wall", str(WAIVERS), *map(str, files)]
     jobs = [(f"verilator {top.stem}", [*verilator, "--top-module", top.stem]) for top in tops]
+    for board, name in pairs:
+        folder = f"build/lint/{board.name}-{name}"
+        write_build(folder, board.parameters(name))
+        command = [*verilator, *board.sources, str(CELLS), f"-I{folder}", "--top-module", board.top]
+        jobs.append((f"verilator {board.top}, {name}", command))
     for name in config.names():
         given = [f"-G{k}={v}" for k, v in config.verilog(config.load(name).parameters).items()]
         jobs.append((f"verilator msn_core {name}", [*verilator, "--top-module", "msn_core", *given]))
     binaries = Path(sys.executable).parent
     jobs += [
-        ("verible", [str(binaries / "verible-verilog-lint"), f"--rules_config={RULES}", *map(str, files)]),
+        (
+            "verible",
+            [str(binaries / "verible-verilog-lint"), f"--rules_config={RULES}", *map(str, (*files, *outer))],
+        ),
         ("ruff check", [str(binaries / "ruff"), "check", "--quiet", *PYTHON]),
         ("ruff format", [str(binaries / "ruff"), "format", "--quiet", "--check", *PYTHON]),
     ]

@@ -155,7 +155,7 @@ def _parser():
 
     run = commands.add_parser("run", help="run a scene: physics, converter, core, report")
     run.add_argument("scene", metavar="SCENE", help="a name that `meissner scenes` lists")
-    run.add_argument("--engine", default="fixed", metavar="E", help=f"{', '.join(engines.NAMES)} (fixed)")
+    run.add_argument("--engine", default="fixed", metavar="E", help=f"{', '.join(engines.EVERY)} (fixed)")
     run.add_argument("--out", metavar="DIR", help="folder for the results (build/run/SCENE)")
     run.add_argument("--seed", type=int, default=1, help="first seed; the scene says how many follow (1)")
     run.add_argument("--waves", action="store_true", help="also write waves.vcd (rtl engine)")
@@ -171,7 +171,7 @@ def _parser():
     slip.add_argument("--window", type=int, default=64, help="samples, a power of two from 4 (64)")
     slip.add_argument("--hop", type=int, help="samples, even, 2 to window (the window)")
     slip.add_argument("--level", type=int, default=1, help="Haar level, 1 to 3 (1)")
-    slip.add_argument("--engine", default="fixed", metavar="E", help=f"{', '.join(engines.NAMES)} (fixed)")
+    slip.add_argument("--engine", default="fixed", metavar="E", help=f"{', '.join(engines.EVERY)} (fixed)")
     slip.add_argument("--out", required=True, metavar="OUT.npz", help="where the arrays go")
     slip.set_defaults(call=_process_slip)
 
@@ -179,14 +179,14 @@ def _parser():
     cop.add_argument("input", metavar="IN.npy", help="integers, 0 to 65535; codes with --calibration")
     cop.add_argument("--min-load", type=int, default=1, help="least sum of forces with a position (1)")
     cop.add_argument("--calibration", metavar="CAL.npz", help="what `meissner calibrate` wrote")
-    cop.add_argument("--engine", default="fixed", metavar="E", help=f"{', '.join(engines.NAMES)} (fixed)")
+    cop.add_argument("--engine", default="fixed", metavar="E", help=f"{', '.join(engines.EVERY)} (fixed)")
     cop.add_argument("--out", required=True, metavar="OUT.npz", help="where the arrays go")
     cop.set_defaults(call=_process_cop)
 
     cop4 = parts.add_parser("cop4", help="centre of pressure and load from four electrodes [samples, 4]")
     cop4.add_argument("input", metavar="IN.npy", help="codes of E1 to E4; or .csv with a column each")
     cop4.add_argument("--config", required=True, metavar="C.toml", help="sensor and converter: docs/cop4.md")
-    cop4.add_argument("--engine", default="fixed", metavar="E", help=f"{', '.join(engines.NAMES)} (fixed)")
+    cop4.add_argument("--engine", default="fixed", metavar="E", help=f"{', '.join(engines.EVERY)} (fixed)")
     cop4.add_argument("--out", required=True, metavar="OUT.npz", help="where the arrays go")
     cop4.set_defaults(call=_process_cop4)
 

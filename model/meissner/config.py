@@ -59,8 +59,9 @@ def _with(where, table, required, defaults):
 class Config:
     """A build. ``sensor``, ``adc``, ``link``, ``array``, ``health``, ``tare``: checked tables.
 
-    ``slip``: SlipConfig; ``serial``: the slip path a bit a clock; ``cop4``: Cop4Config; ``cop_slip``: (lag, CopSlipRegisters);
-    each None (or empty) where the build has none. ``clk_khz``, ``rate_hz``: the clock, and frames a second.
+    ``slip``: SlipConfig; ``serial``: the slip path a bit a clock; ``cop4``: Cop4Config; ``cop_slip``: (lag,
+    CopSlipRegisters); each None (or empty) where the build has none. ``clk_khz``, ``rate_hz``: the clock,
+    and frames a second.
     """
 
     name: str
@@ -196,7 +197,7 @@ class Config:
             found |= {"Level": slip.level, "Window": slip.window, "Hop": slip.hop}
             found |= {"TimerBits": self.timer_bits, "SampleBits": self.sample_bits}
         if self.serial:
-            found |= {"Serial": 1, "AdcPeriod": self.period_clocks}
+            found |= {"Serial": 1, "AdcPeriod": self.period_clocks if self.adc["part"] == "MCP3208" else 0}
         if self.cop4:
             found |= {"Cop4": 1, "Correct": int(self.cop4.terms is not None)}
             found |= {"CopSlip": int(self.cop_slip is not None)}
@@ -226,8 +227,10 @@ class Config:
             raise ValueError(
                 f"[adc]: rate_hz = {self.rate_hz:g} is too fast: {what} takes {needed} clocks, {most:.0f} Hz"
             )
-        if self.serial and (self.channels != 1 or self.adc["part"] != "MCP3208" or self.link["registers"]):
-            raise ValueError("[slip]: serial must go with one channel of an MCP3208 and registers = false")
+        if self.serial and (self.channels != 1 or self.part.data_bits > 12 or self.link["registers"]):
+            raise ValueError(
+                "[slip]: serial must go with one channel of at most 12 bits and registers = false"
+            )
         if self.link["slip_only"] and (self.kind != "channels" or self.link["registers"]):
             raise ValueError("[link]: slip_only must go with single channels and registers = false")
         if self.link["images"] and self.kind != "array":
@@ -268,8 +271,8 @@ def _slip(at, table, config, volts, rises_default):
         raise ValueError(f"{at}: {problem}") from None
 
 
-def load(name, mhz=None, part=None):
-    """The Config of a named configuration or a TOML file; ``mhz``, ``part``: a board's, not the file's."""
+def load(name, mhz=None, part=None, registers=None):
+    """The Config of a named configuration or a TOML file; ``mhz``, ``part``, ``registers``: a board's."""
     path = Path(name)
     if FOLDER.joinpath(f"{name}.toml").is_file():
         path = FOLDER / f"{name}.toml"
@@ -279,16 +282,17 @@ def load(name, mhz=None, part=None):
         tables = tomllib.loads(path.read_text("utf-8"))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as problem:
         raise ValueError(f"{path} is not a TOML file: {problem}") from None
-    for table, key, value in (("clock", "mhz", mhz), ("adc", "part", part)):
+    for table, key, value in (("clock", "mhz", mhz), ("adc", "part", part), ("link", "registers", registers)):
         if value is not None and table in tables:
             tables[table] = tables[table] | {key: value}
     try:
-        return _read(path.stem, tables)
+        return read(path.stem, tables)
     except ValueError as problem:
         raise ValueError(f"{path.name}: {problem}") from None
 
 
-def _read(name, tables):
+def read(name, tables):
+    """The Config of ``tables``, as a TOML file has them."""
     optional = ("link", "slip", "array", "health", "tare", "cop", "mesh", "load", "cop_slip")
     known = {"about": str, "clock": dict, "sensor": dict, "adc": dict}
     for key in tables:

@@ -66,8 +66,8 @@ module msn_calibration_preset #(
     end
   end
 
-  assign out_write_o     = busy ? {Lanes{!swap}} : in_write_i;
-  assign out_write_row_o = busy ? rows : in_write_row_i;
+  assign out_write_o     = busy ? {Lanes{!swap && !rows}} : in_write_i;
+  assign out_write_row_o = busy ? !swap && rows : in_write_row_i;
   assign out_word_o      = busy ? word : in_word_i;
   assign out_offset_o    = busy ? '0 : in_offset_i;
   assign out_gain_o      = !busy ? in_gain_i : rows ? 16'(RowGain) : cfg_gain_i;

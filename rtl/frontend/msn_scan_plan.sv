@@ -191,7 +191,7 @@ module msn_scan_plan #(
   assign slot_index = round_q ? slot_index_q : '0;
   always_ff @(posedge clk_i) begin
     if (state_q == Off) slip_left_q <= '0;
-    else                slip_left_q <= slip_due ? slip_period_q - 1'b1 : slip_left_q - 1'b1;
+    else                slip_left_q <= (slip_due ? slip_period_q : slip_left_q) - 1'b1;
     slip_zero_q <= state_q == Off || (slip_due ? slip_one_q : slip_left_q == PeriodBits'(1));
     fits_q <= !slip_on_q || (slip_due ? roomy_q : 64'(slip_left_q) > 64'(slot_q));
     if (take_slip) begin
@@ -286,7 +286,7 @@ module msn_scan_plan #(
   assign take_frame = state_q == Free && !take_slip && (active_q || want) && fits_q && room_i;
   always_ff @(posedge clk_i) begin
     if (state_q == Off || !cfg_enable_i) left_q <= '0;
-    else                                 left_q <= tick ? period_q - 1'b1 : left_q - 1'b1;
+    else                                 left_q <= (tick ? period_q : left_q) - 1'b1;
     zero_q  <= state_q == Off || !cfg_enable_i || (tick ? period_one_q : left_q == PeriodBits'(1));
     timed_q <= period_q != '0;
     if (tick && !active_q) want_q <= 1'b1;

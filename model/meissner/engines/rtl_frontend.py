@@ -1,14 +1,13 @@
 """The front end of arrays on the Verilated blocks: engine ``rtl``'s ``demodulate`` and ``calibrate``."""
 
 import ctypes
-from functools import cache
 
 import numpy as np
 
 from meissner.engines import verilated
 
 
-@cache
+@verilated.cached
 def _open_demod(form, samples_per_period):
     parameters = {"Form": form, "SamplesPerPeriod": samples_per_period}
     lib = ctypes.CDLL(str(verilated.library("msn_am_demod", "demod_driver.cpp", parameters)))
@@ -39,7 +38,7 @@ def demodulate(samples, carrier):
     return amplitudes
 
 
-@cache
+@verilated.cached
 def _open_calibrate(rows, columns, gain_shift):
     parameters = {"Rows": rows, "Columns": columns, "GainShift": gain_shift}
     lib = ctypes.CDLL(str(verilated.library("msn_calibrate", "calibrate_driver.cpp", parameters)))

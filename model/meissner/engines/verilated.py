@@ -2,15 +2,37 @@
 
 import hashlib
 import os
+import re
 import shutil
 import subprocess
 import sys
 import tempfile
+from contextlib import contextmanager
+from contextvars import ContextVar
+from functools import cache, wraps
 from pathlib import Path
 
-from meissner import toolchain
+from meissner import netlist, toolchain
 
 HERE = Path(__file__).parent
+# The family whose cells library() builds from; None: the sources themselves.
+CELLS = ContextVar("CELLS", default=None)
+
+
+@contextmanager
+def gates(cells):
+    """Within it all builds are of netlists after synthesis for this family: ice40, ecp5 or gowin."""
+    before = CELLS.set(cells)
+    try:
+        yield
+    finally:
+        CELLS.reset(before)
+
+
+def cached(build):
+    """functools.cache for what is built by library(): netlists are kept apart from sources."""
+    kept = cache(lambda cells, *arguments: build(*arguments))
+    return wraps(build)(lambda *arguments: kept(CELLS.get(), *arguments))
 
 
 def library(top, driver, parameters, trace=False):
@@ -19,15 +41,23 @@ def library(top, driver, parameters, trace=False):
     ``driver``: a .cpp file beside this one; its .vlt, if there is one, says which inner signals it reads.
     """
     environment = toolchain.environment()
+    driver = HERE / driver
+    told = driver.with_suffix(".vlt")
+    if CELLS.get() is None:
+        sources, checks = toolchain.sources(), toolchain.VERILATOR_FLAGS
+        checks = [*checks, *(f"-G{name}={value}" for name, value in parameters.items())]
+    else:  # a netlist is not written in the house style, and its parameters are no more
+        text = told.read_text() if told.exists() else ""
+        read = re.findall(rf'public_flat_rd -module "{top}" -var "(\w+)"', text)
+        sources = netlist.verilog(top, parameters, CELLS.get(), read)
+        checks = [*toolchain.VERILATOR_FLAGS, "-Wno-lint", "-Wno-style"]
     flags = [
         *(["--trace-vcd"] if trace else []),
         *("--cc", "--quiet", "-O3", "--x-assign", "fast", "--x-initial", "fast", "--top-module", top),
-        *toolchain.VERILATOR_FLAGS,
+        *checks,
         *("-CFLAGS", f"-fPIC -O3 -I{HERE}", "-LDFLAGS", "-shared", "--exe", "-o", "core.so"),
-        *(f"-G{name}={value}" for name, value in parameters.items()),
     ]
-    driver = HERE / driver
-    inputs = [driver, *filter(Path.exists, [driver.with_suffix(".vlt")]), *toolchain.sources()]
+    inputs = [driver, *filter(Path.exists, [told]), *sources]
     digest = hashlib.sha256(repr(flags).encode())
     for file in [*inputs, *sorted(HERE.glob("*.hpp"))]:
         digest.update(file.read_bytes())

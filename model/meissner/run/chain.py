@@ -15,7 +15,7 @@ def check(scene, engine, waves):
 
 
 class Chain:
-    """An engine whose calls are timed and, for rtl, compared with the integer twins."""
+    """An engine whose calls are timed and, for rtl and gate, compared with the integer twins."""
 
     def __init__(self, engine):
         self.engine, self.taken_s, self.samples, self.differences = engine, 0.0, 0, 0
@@ -26,7 +26,7 @@ class Chain:
         result = function(x, *settings, self.engine)
         self.taken_s += time.perf_counter() - started
         self.samples += x.size
-        if self.engine == "rtl":
+        if self.engine in engines.VERILATED:
             self.differences += int((result != function(x, *settings, "fixed")).sum())
         return result
 
@@ -57,7 +57,7 @@ class Chain:
             "seconds_simulated": round(seconds, 3),
             "seconds_taken": None,
             "samples_per_second": round(self.samples / self.taken_s),
-            "twin_mismatches": self.differences if self.engine == "rtl" else None,
+            "twin_mismatches": self.differences if self.engine in engines.VERILATED else None,
             "modelled": list(recording.modelled),
             "left_out": list(recording.left_out),
             "over_range": recording.over_range,

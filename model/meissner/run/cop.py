@@ -35,7 +35,7 @@ def run(scene, engine, out, seed, waves, progress):
         parts.append(engines.process_cop(codes[start : start + step], engine, scene.min_load))
     engine_s = time.perf_counter() - started
     result = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
-    twin = engines.process_cop(codes, "fixed", scene.min_load) if engine == "rtl" else None
+    twin = engines.process_cop(codes, "fixed", scene.min_load) if engine in engines.VERILATED else None
     wrong = None if twin is None else mismatches(result, twin)
     if waves:
         part = rtl_cop.shown(result["sum"], codes.shape[1:])

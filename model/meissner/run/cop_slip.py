@@ -120,7 +120,7 @@ def run(scene, engine, out, seed, waves, progress):
         started = time.perf_counter()
         found, decisions = module.cop_slip(recording.codes, *settings)
         engine_s += time.perf_counter() - started
-        if engine == "rtl":
+        if engine in engines.VERILATED:
             twins = twin_module.cop_slip(recording.codes, *settings)
             wrong += mismatches((*found, *decisions), [field for twin in twins for field in twin])
         samples += len(recording.codes)
@@ -152,7 +152,7 @@ def run(scene, engine, out, seed, waves, progress):
         "seconds_simulated": round(samples / scene.rate_hz, 3),
         "seconds_taken": None,
         "samples_per_second": round(samples / engine_s),
-        "twin_mismatches": wrong if engine == "rtl" else None,
+        "twin_mismatches": wrong if engine in engines.VERILATED else None,
         "modelled": list(recording.modelled),
         "left_out": list(recording.left_out),
         **{key: first[key] for key in ("onset_s", "flag_s", "delay_s", "gross_s", "direction_deg")},

@@ -55,7 +55,7 @@ def run(scene, engine, out, seed, waves, progress):
         started = time.perf_counter()
         x, y, load, valid, core = reported(recording, engine)
         engine_s += time.perf_counter() - started
-        if engine == "rtl":
+        if engine in engines.VERILATED:
             wrong += mismatches(core, reported(recording, "fixed")[-1])
         truth = recording.load, recording.x, recording.y
         position, of_load = errors(x, y, load, valid, *truth)
@@ -83,7 +83,7 @@ def run(scene, engine, out, seed, waves, progress):
         "seconds_simulated": round(samples / scene.rate_hz, 3),
         "seconds_taken": None,
         "samples_per_second": round(samples / engine_s),
-        "twin_mismatches": wrong if engine == "rtl" else None,
+        "twin_mismatches": wrong if engine in engines.VERILATED else None,
         "modelled": [part for part in first.modelled if part not in unused],
         "left_out": [*unused, *first.left_out],
         "position_error": summarise(everything["position"]),

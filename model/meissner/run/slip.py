@@ -126,7 +126,7 @@ def run(scene, engine, out, seed, waves, progress):
         started = time.perf_counter()
         watched = module.watch(codes, config, recording.moving)
         engine_s += time.perf_counter() - started
-        if engine == "rtl":
+        if engine in engines.VERILATED:
             mismatches += _mismatches(watched, twin_module.watch(codes, config, recording.moving))
         samples += codes.size
         simulated += len(recording.time_s) / scene.rate_hz
@@ -135,7 +135,7 @@ def run(scene, engine, out, seed, waves, progress):
             shown[condition] = (recording, watched)
     saved = _saved(scene) if shown[scene.conditions[0]][0].left_out else None
     pins = None
-    if engine == "rtl":
+    if engine in engines.VERILATED:
         recording, watched = shown[scene.conditions[0]]
         pins = module.watch_pins(recording, config, waves=out / "waves.vcd" if waves else None)
         mismatches += _mismatches(pins.watched, watched)
@@ -149,7 +149,7 @@ def run(scene, engine, out, seed, waves, progress):
         "seconds_simulated": round(simulated, 3),
         "seconds_taken": None,
         "samples_per_second": round(samples / engine_s),
-        "twin_mismatches": mismatches if engine == "rtl" else None,
+        "twin_mismatches": mismatches if engine in engines.VERILATED else None,
         "modelled": list(shown[scene.conditions[0]][0].modelled),
         "left_out": list(shown[scene.conditions[0]][0].left_out),
         "saved": saved,

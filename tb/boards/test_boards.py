@@ -1,0 +1,128 @@
+"""The boards: a bitstream is made from the sources of today; a wrong, slow or grown netlist is refused; bad
+input is answered by a sentence; each board's pins are named once."""
+
+import json
+import re
+import subprocess
+import sys
+
+import pytest
+
+from meissner import boards
+from meissner.yowasp import ROOT, ToolError, yosys
+
+sys.path.insert(0, str(ROOT / "tools"))
+import synth
+
+
+def run(*arguments):
+    command = [sys.executable, "tools/synth.py", *arguments]
+    return subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+
+
+@pytest.mark.parametrize(
+    "arguments, said",
+    [
+        (
+            ["nexys"],
+            "synth: unknown board 'nexys'; the boards are: icebreaker, ulx3s, orangecrab, tangnano20k\n",
+        ),
+        (["icebreaker", "array64"], "synth: the icebreaker has no configuration 'array64'; it has: "),
+        ([], "synth: name a board, BOARD=...: icebreaker, ulx3s, orangecrab, tangnano20k\n"),
+    ],
+)
+def test_bad_names_are_answered_by_a_sentence(arguments, said):
+    done = run(*arguments)
+    assert done.returncode == 2 and done.stderr.startswith(said) and done.stderr.count("\n") == 1
+    assert not done.stdout
+
+
+def test_the_smallest_board_synthesises_as_recorded():
+    """From sources to a bitstream with one seed, held against constraints/resources.json."""
+    bitstream = ROOT / "build/synth/icebreaker-slip1/icebreaker_top.bin"
+    bitstream.unlink(missing_ok=True)
+    done = run("--check", "icebreaker", "slip1", "--seeds", "1")
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert bitstream.stat().st_size == 104090  # every UP5K bitstream is as long
+
+
+def test_every_pair_is_recorded_and_meets_its_clock():
+    recorded = json.loads(synth.RESOURCES.read_text())
+    assert synth.missing(recorded) == []
+    for name, result in recorded.items():
+        assert len(result["mhz"]) == 3 and result["mhz_worst"] == min(result["mhz"]) >= result["clk_mhz"], (
+            name
+        )
+
+
+def test_a_missing_or_surplus_pair_is_found():
+    recorded = json.loads(synth.RESOURCES.read_text())
+    last = recorded.pop(next(iter(recorded)))
+    assert len(synth.missing(recorded)) == 1
+    assert len(synth.missing(recorded | {"ulx3s-none": last})) == 2
+
+
+@pytest.mark.parametrize(
+    "change, said",
+    [
+        ({}, []),
+        ({"lut": 103, "ff": 206, "mhz_worst": 58.2}, []),
+        ({"lut": 104}, ["x: 104 LUT, 100 before"]),
+        ({"bram": 1}, ["x: 1 BRAM, 0 before"]),
+        ({"mhz_worst": 58.1}, ["x: 58.1 MHz with its worst seed, 58.2 or more before"]),
+        ({"clk_mhz": 61}, ["x: 60 MHz with its worst seed, 61.0 is its clock"]),
+    ],
+)
+def test_growth_over_three_percent_is_told(change, said):
+    before = {"clk_mhz": 12, "lut": 100, "ff": 200, "bram": 0, "dsp": 0, "mhz_worst": 60}
+    assert synth.compare("x", before, before | change) == said
+
+
+def test_a_pair_that_was_never_recorded_is_told():
+    assert synth.compare("x", None, {}) == [
+        "x is not in constraints/resources.json; `make resources` writes it"
+    ]
+
+
+def test_a_conflict_of_drivers_fails_the_build():
+    """Yosys makes a wrong netlist of a product with two registers behind it, and says so only by the way."""
+    folder = ROOT / "build/tb/conflict"
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "product.v").write_text(
+        "module product(input clk, input [7:0] a, b, output reg [15:0] y);\n"
+        "  reg [15:0] p;\n  always @(posedge clk) begin p <= a * b; y <= p; end\nendmodule\n"
+    )
+    with pytest.raises(ToolError, match="driver-driver conflict"):
+        yosys(
+            "read_verilog build/tb/conflict/product.v; synth_ice40 -dsp -top product", "build/tb/conflict/log"
+        )
+
+
+def test_what_is_too_large_is_told():
+    folder = ROOT / "build/tb/large"
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "pnr.log").write_text(
+        "Info: \t  ICESTORM_LC:    6100/   5280   115%\nInfo: \t  ICESTORM_RAM:      4/     30    13%\n"
+    )
+    assert synth.too_large("build/tb/large/pnr.log") == "6100 of 5280 ICESTORM_LC"
+
+
+def pins(path):
+    """Port to pin of a .lpf, .pcf, .cst or .xdc file."""
+    text = re.sub(r"(?m)(#|//).*$", "", path.read_text())
+    patterns = {
+        ".lpf": r'LOCATE COMP "(\S+)" SITE "(\w+)"',
+        ".pcf": r"(?m)^set_io\s+(?:-\S+\s+)*(\S+)\s+(\w+)",
+        ".cst": r'IO_LOC "(\S+)" (\w+)',
+    }
+    return re.findall(patterns[path.suffix], text)
+
+
+@pytest.mark.parametrize("board", boards.BOARDS.values(), ids=lambda board: board.name)
+def test_each_pin_is_used_once(board):
+    located = pins(ROOT / board.constraints)
+    assert len(located) > 5
+    assert len({port for port, _ in located}) == len({pin for _, pin in located}) == len(located)
+    top = (ROOT / f"rtl/boards/{board.top}.sv").read_text()
+    for port, _ in located:
+        assert re.search(rf"\b{port.partition('[')[0]}\b", top), f"{port} is no port of {board.top}"

@@ -1,0 +1,343 @@
+"""msn_axis against its model, driven and read by an independent AXI master (cocotbext-axi): an array with all
+its stages on one lane and on several, single channels, four electrodes; packets in order, none lost, with
+pauses on both streams; registers found, written while frames pass, in force from one frame on; errors; a
+calibration loaded while it runs."""
+
+import logging
+import zlib
+
+import cocotb
+import numpy as np
+import pytest
+from cocotbext.axi import (
+    AxiLiteBus,
+    AxiLiteMaster,
+    AxiResp,
+    AxiStreamBus,
+    AxiStreamFrame,
+    AxiStreamSink,
+    AxiStreamSource,
+)
+
+import bench
+from meissner import core
+from meissner.cop.array import Array
+from meissner.cop.cop4_config import Cop4Config
+from meissner.cop.cop_slip import CopSlipRegisters
+from meissner.frontend.calibration_preset import preset
+from meissner.frontend.health import Limits
+from meissner.link import packet as p
+from meissner.link.cobs import encode
+from meissner.link.decoder import Decoder
+from meissner.link.registers import RESET_BITS, reset_word
+from meissner.slip.config import SlipConfig
+from meissner.world.adc import Adc
+from meissner.world.mesh import Mesh
+
+GAIN = 5000
+SLIP = SlipConfig(
+    *(16, 16, 1, 300, 900, 1500, 1000, True),  # window, hop, level, thresholds, levels
+    *(2, 1, 1),  # hold, refractory, blank
+)
+LIMITS = Limits()
+CONTACT, STEP, TARE_LOG2 = 50, 3, 1
+ELECTRODES = Cop4Config(Mesh(9, 9, 47.0, 1e4, 5.0, 1e4), Adc(16, -10.0, 10.0), 1.0)
+COP_SLIP = CopSlipRegisters(drop=77, move=0, min_load=200, hold=3, refractory=2)
+LAG = 4
+
+
+def number(dut, name):
+    return getattr(dut, name).value.to_unsigned()
+
+
+class Axi:
+    """The three interfaces, with pauses on the streams."""
+
+    def __init__(self, dut, rate=0.0):
+        logging.getLogger("cocotb").setLevel(logging.WARNING)
+        self.dut, self.decoder = dut, Decoder()
+        self.lite = AxiLiteMaster(AxiLiteBus.from_prefix(dut, "s_axil"), dut.clk_i, dut.rst_i)
+        self.source = AxiStreamSource(AxiStreamBus.from_prefix(dut, "s_axis"), dut.clk_i, dut.rst_i)
+        self.sink = AxiStreamSink(AxiStreamBus.from_prefix(dut, "m_axis"), dut.clk_i, dut.rst_i)
+        if rate:
+            draws = bench.pauses(rate)
+            for stream in (self.source, self.sink):
+                stream.set_pause_generator(iter(lambda: draws(), None))
+
+    async def write(self, address, value):
+        return (await self.lite.write(address, (value & 0xFFFFFFFF).to_bytes(4, "little"))).resp
+
+    async def read(self, address):
+        got = await self.lite.read(address, 4)
+        return int.from_bytes(got.data, "little"), got.resp
+
+    async def send(self, beats):
+        """A frame: the lanes' samples of each beat."""
+        words = [int(value) & 0xFFFFFFFF for beat in beats for value in beat]
+        data = b"".join(word.to_bytes(4, "little") for word in words)
+        await self.source.send(AxiStreamFrame(data))
+
+    async def packets(self, quiet=3000):
+        """Everything that comes until nothing has come for ``quiet`` clocks and the input is empty."""
+        found, waited = [], 0
+        while waited < quiet:
+            await bench.clocks(self.dut, 50)
+            waited = 0 if not self.source.idle() else waited + 50
+            while not self.sink.empty():
+                data = bytes(self.sink.recv_nowait().tdata)
+                assert zlib.crc32(data[:-4]) == int.from_bytes(data[-4:], "little")
+                found += self.decoder.next(encode(data))
+                waited = 0
+        assert (self.decoder.damaged, self.decoder.missed) == (0, 0)
+        return found
+
+
+def of_kind(packets, kind):
+    return [q.payload for q in packets if q.kind == kind]
+
+
+def images(packets):
+    found = []
+    for q in packets:
+        if q.kind == p.IMAGE:
+            if q.fields["first"] == 0:
+                found.append([])
+            found[-1].extend(q.fields["taxels"])
+    return found
+
+
+class Size:
+    """What a scan would say of itself to the model."""
+
+    def __init__(self, dut):
+        self.rows, self.columns, self.lanes = (number(dut, name) for name in ("Rows", "Columns", "Lanes"))
+        self.sample_bits = 17
+
+
+def array_twin(dut):
+    size = Size(dut)
+    tare = {"tare_log2": TARE_LOG2, "contact": CONTACT, "step": STEP} if number(dut, "Tare") else None
+    limits = LIMITS if number(dut, "Health") else None
+    twin = Array(
+        size, limits, tare, row_column=bool(number(dut, "RowColumn")), gain_shift=number(dut, "GainShift")
+    )
+    table = twin.cop.calibrate.table
+    for row, word, offset, gain in preset(
+        size.rows, size.columns, size.lanes, GAIN, bool(number(dut, "RowColumn"))
+    ):
+        table.write_row(word, offset, gain) if row else table.write(word, offset, gain)
+    twin.cop.calibrate.swap()
+    if tare:
+        twin.tare.tare(force=True)
+    return twin, size
+
+
+def pressing(rng, frames, size):
+    """Samples [frames, rows, columns]: quiet, then a contact that moves and now and then jumps."""
+    i, j = np.indices((size.rows, size.columns))
+    zero = rng.integers(100, 400, (size.rows, size.columns))
+    found = []
+    for n in range(frames):
+        level = 0 if n < 6 else 3000 + 700 * ((n // 9) % 2) * (n % 2)
+        at = size.rows * (0.3 + 0.002 * n), size.columns * 0.6
+        press = level * np.exp(-((i - at[0]) ** 2 + (j - at[1]) ** 2) / 3)
+        found.append(zero + np.rint(press).astype(np.int64) + rng.integers(-3, 4, zero.shape))
+    return np.array(found)
+
+
+async def begin(dut, rate=0.0):
+    axi = Axi(dut, rate)
+    idle = {"s_axis_tvalid": 0, "m_axis_tready": 0, "actuator_moving_i": 0}
+    idle |= {f"s_axil_{name}": 0 for name in ("awvalid", "wvalid", "bready", "arvalid", "rready")}
+    await bench.start(dut, **idle)
+    await bench.clocks(dut, 200)  # the preset gains are written
+    return axi
+
+
+@cocotb.test(timeout_time=100, timeout_unit="ms")
+@cocotb.parametrize(rate=[0.0, 0.3])
+async def every_packet_is_the_models(dut, rate):
+    axi = await begin(dut, rate)
+    rng = np.random.default_rng(bench.SEED)
+    if number(dut, "Array"):
+        twin, size = array_twin(dut)
+        samples = pressing(rng, 60, size)
+        expected = core.of_array(twin, samples, SLIP)
+        for frame in samples:
+            await axi.send(frame.reshape(-1, size.lanes))
+            got_all = number(dut, "Image") == 0
+            await bench.clocks(dut, 3000 if not got_all else 600)
+        packets = await axi.packets()
+        assert images(packets) == expected.images.tolist()
+    elif number(dut, "Cop4"):
+        load = np.abs(np.cumsum(rng.normal(0, 0.4, 120))) + 0.2
+        load[40:43] *= 0.4
+        load[90:] *= 0.5
+        samples = _electrodes(load)
+        expected = core.of_electrodes(samples, ELECTRODES.registers, None, LAG, COP_SLIP)
+        for frame in samples:
+            await axi.send(frame[:, None])
+            await bench.clocks(dut, 250)
+        packets = await axi.packets()
+    else:
+        channels = number(dut, "Channels")
+        level = 1000 + rng.integers(-20, 21, (300, channels))
+        samples = level + 600 * (rng.random((300, channels)) < 0.03)
+        expected = core.of_channels(samples, SLIP)
+        for frame in samples:
+            await axi.send(frame[:, None])
+        packets = await axi.packets()
+    assert len(expected.slip) > 3 or len(expected.cop) > 0
+    assert of_kind(packets, p.SLIP) == [payload for _, payload in expected.slip]
+    assert of_kind(packets, p.COP) == [payload for _, payload in expected.cop]
+    assert expected.slip, "nothing slipped"
+    times = [q.time for q in packets if q.kind == p.COP]
+    assert times == sorted(set(times))
+
+
+def _point(newtons, mesh=ELECTRODES.mesh):
+    load = np.zeros((mesh.m, mesh.n))
+    load[mesh.m // 2, mesh.n // 3] = newtons
+    return load
+
+
+def _electrodes(newtons):
+    solved = ELECTRODES.mesh.solve(np.array([_point(value) for value in newtons]))
+    volts = np.stack([solved.E1, solved.E2, solved.E3, solved.E4], axis=1)
+    return ELECTRODES.convert(volts)
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def says_what_it_is_and_refuses_what_it_has_not(dut):
+    axi = await begin(dut)
+    assert (await axi.read(0x000))[0] == 0x4D534E52
+    rows = number(dut, "Rows") if number(dut, "Array") else 1
+    columns = number(dut, "Columns") if number(dut, "Array") else number(dut, "Channels")
+    assert (await axi.read(0x00C))[0] == columns << 16 | rows
+    features = (await axi.read(0x008))[0]
+    array, cop4 = number(dut, "Array"), number(dut, "Cop4")
+    bits = (0, number(dut, "Slip"), 0, number(dut, "Health"), number(dut, "Tare"), array, array, cop4)
+    bits += (number(dut, "CopSlip"), 1)
+    assert features == sum(bit << place for place, bit in enumerate(bits))
+    for place, address in enumerate((0x100, 0x200, 0x300, 0x400, 0x480, 0x500, 0x600, 0x700, 0x800, 0x900)):
+        resp = (await axi.read(address))[1]
+        assert resp == (AxiResp.OKAY if bits[place] else AxiResp.SLVERR), hex(address)
+    assert await axi.write(0x000, 1) == AxiResp.SLVERR
+
+
+@cocotb.test(timeout_time=50, timeout_unit="ms")
+async def a_threshold_written_while_frames_pass_holds_from_one_frame_on(dut):
+    if not number(dut, "Slip"):
+        return
+    axi = await begin(dut)
+    rng = np.random.default_rng(bench.SEED)
+    array = number(dut, "Array")
+    if array:
+        twin, size = array_twin(dut)
+        samples = pressing(rng, 64, size)
+        flat = core.of_array(twin, samples).images
+    else:
+        flat = 1000 + rng.integers(-200, 201, (300, number(dut, "Channels")))
+        samples = flat
+    for n, frame in enumerate(samples):
+        await axi.send(frame.reshape(-1, size.lanes) if array else frame[:, None])
+        if n == len(samples) // 2:
+            assert await axi.write(0x200, 60) == AxiResp.OKAY
+        await bench.clocks(dut, 20)
+    got = of_kind(await axi.packets(), p.SLIP)
+    whole = [payload for _, payload in core.of_channels(flat, SLIP).slip]
+    changed = [core.of_channels(flat, SLIP, change=(frame, 60)).slip for frame in range(0, len(flat), 2)]
+    assert got != whole, "nothing changed"
+    assert got in [[payload for _, payload in events] for events in changed]
+
+
+@cocotb.test(timeout_time=50, timeout_unit="ms")
+async def a_calibration_is_loaded_while_it_runs(dut):
+    if not number(dut, "Array"):
+        return
+    axi = await begin(dut)
+    rng = np.random.default_rng(bench.SEED)
+    twin, size = array_twin(dut)
+    samples = pressing(rng, 24, size)
+    table, row_column = twin.cop.calibrate.table, number(dut, "RowColumn")
+    words = -(-size.columns // size.lanes) * (1 if row_column else size.rows)
+    write = {"word": 0x504, "offset": 0x508, "gain": 0x50C, "write": 0x510, "swap": 0x514}
+    for frame in samples[:8]:
+        await axi.send(frame.reshape(-1, size.lanes))
+    before = core.of_array(twin, samples[:8])
+    got = images(await axi.packets())
+    for word in range(words):
+        for lane in range(size.lanes):
+            gain, offset = (
+                int(rng.integers(2000, 9000)),
+                0 if number(dut, "Tare") else int(rng.integers(-99, 99)),
+            )
+            table.write(word, offset, gain, slice(lane, lane + 1))
+            for name, value in (("word", word), ("offset", offset), ("gain", gain), ("write", 1 << lane)):
+                assert await axi.write(write[name], value) == AxiResp.OKAY
+    for row in range(size.rows if row_column else 0):
+        gain = int(rng.integers(3000, 5000))
+        table.write_row(row, 7, gain)
+        for name, value in (("word", row), ("offset", 7), ("gain", gain), ("write", 0x100)):
+            await axi.write(write[name], value)
+    await axi.write(write["swap"], 1)
+    table.swap()
+    for frame in samples[8:]:
+        await axi.send(frame.reshape(-1, size.lanes))
+        await bench.clocks(dut, 3000)
+    after = core.of_array(twin, samples[8:])
+    got += images(await axi.packets())
+    expected = before.images.tolist() + after.images.tolist()
+    assert got[-len(after.images) :] == expected[-len(after.images) :]
+    assert all(image in expected[: len(before.images)] for image in got[: -len(after.images)])
+
+
+SETTINGS = {
+    "calibrate.preset": GAIN,
+    "cop.min_load": 1,
+    **{
+        f"slip.{key}": int(value)
+        for key, value in vars(SLIP).items()
+        if key not in ("window", "hop", "level")
+    },
+    "tare.contact": CONTACT,
+    "tare.step": STEP,
+    **{
+        f"health.{key}": int(getattr(LIMITS, key))
+        for key in ("band", "jump", "low", "high", "still", "rail", "blink")
+    },
+    "health.use.user": int(LIMITS.user),
+    "health.use.edges": int(LIMITS.edges),
+    **{f"cop4.{key}": value for key, value in vars(ELECTRODES.registers).items()},
+    **{f"cop_slip.{key}": value for key, value in vars(COP_SLIP).items()},
+}
+PATH = {"Level": SLIP.level, "Window": SLIP.window, "Hop": SLIP.hop}
+BUILDS = {
+    "array": {"Rows": 4, "Columns": 6, "Lanes": 2, "Health": 1, "Tare": 1, "Chunk": 16} | PATH,
+    "array-lane": {"Rows": 3, "Columns": 3, "Lanes": 1, "Tare": 1} | PATH,
+    "array-plain": {"Rows": 3, "Columns": 8, "Lanes": 8, "RowColumn": 1, "GainShift": 24} | PATH,
+    "channels": {"Array": 0, "Image": 0, "Channels": 3} | PATH,
+    "electrodes": {"Array": 0, "Image": 0, "Slip": 0, "Channels": 4, "Cop4": 1, "CopSlip": 1, "Lag": LAG},
+}
+
+
+@pytest.mark.parametrize("name", BUILDS)
+def test_axis(name):
+    word = f"{RESET_BITS}'h{reset_word(SETTINGS):x}"
+    given = {"Statistics": 0, "TareLog2": TARE_LOG2, "Resets": word}
+    bench.run("core", "axis", BUILDS[name] | given)
+
+
+@pytest.mark.parametrize(
+    "parameters, sentence",
+    [
+        ({"Cop4": 1}, "Array = 1 must go without Cop4"),
+        ({"Array": 0, "Image": 0, "Cop4": 1, "Channels": 4}, "Cop4 = 1 must go with"),
+        ({"Array": 0, "Image": 1}, "must go with Array = 1"),
+        ({"Array": 0, "Image": 0, "CopSlip": 1}, "must go with Cop4 = 1"),
+        ({"Columns": 5, "Lanes": 2, "Health": 1}, "Columns = 5"),
+    ],
+)
+def test_refuses_illegal_parameters(parameters, sentence):
+    command = bench.refuses("axis", parameters, of="core")
+    assert sentence in command

@@ -1,0 +1,221 @@
+"""Bitstream, resources and Fmax of a board with a configuration, from PyPI tools alone.
+
+    python tools/synth.py ulx3s                    its first configuration
+    python tools/synth.py icebreaker slip1         into build/synth/icebreaker-slip1/
+    python tools/synth.py --list                   every pair there is
+    python tools/synth.py --record [BOARD CONFIG]  all or one, three seeds, into constraints/resources.json
+    python tools/synth.py --check [BOARD CONFIG]   the same, held against that file
+
+A bitstream comes from the first seed that meets the clock; resources.json has the worst of three. It is an
+error if no seed meets the clock, if a design does not fit, and in a check if anything grew by more than 3 %.
+"""
+
+import argparse
+import json
+import re
+import sys
+import time
+from collections import Counter
+
+from meissner import boards
+from meissner.config import verilog
+from meissner.yowasp import ROOT, ToolError, read_rtl, tool, warm_up, yosys
+
+OUT = "build/synth"  # relative to ROOT: YoWASP sees nothing outside the directory it starts in
+RESOURCES = ROOT / "constraints/resources.json"
+SEEDS = (1, 2, 3)
+GROWTH = 0.03
+AREA = ("lut", "ff", "bram", "dsp")
+PIN = re.compile(r"adc_\w+")
+
+
+def write_build(folder, parameters):
+    """The configuration as the macros that rtl/boards read; ``folder`` is made if need be."""
+    (ROOT / folder).mkdir(parents=True, exist_ok=True)
+    listed = ", ".join(f".{name}({value})" for name, value in verilog(parameters).items())
+    macros = boards.sizes(parameters) | {"PARAMETERS": listed}
+    text = "".join(f"`define MSN_{name} {value}\n" for name, value in macros.items())
+    (ROOT / folder / "msn_build.svh").write_text("// Written by tools/synth.py.\n" + text)
+
+
+def synthesise(board, config, parameters):
+    """Yosys up to the netlist for place and route; returns the stem of its files and the cells counted."""
+    folder = f"{OUT}/{board.name}-{config}"
+    (ROOT / folder).mkdir(parents=True, exist_ok=True)
+    write_build(folder, parameters)
+    stem = f"{folder}/{board.top}"
+    tops = f"rtl/boards/msn_board_reset.sv rtl/boards/msn_board.sv rtl/boards/{board.top}.sv"
+    script = f"{read_rtl(board.cells)}; read_verilog -sv -I{folder} {tops}; "
+    script += f"{board.synth} -top {board.top} -json {stem}.json"
+    yosys(script, f"{stem}.yosys.log")
+    modules = json.loads((ROOT / f"{stem}.json").read_text())["modules"]
+    return stem, Counter(cell["type"] for cell in modules[board.top]["cells"].values())
+
+
+def area(board, cells, report):
+    """LUT (of an iCE40: logic cells), FF, BRAM and DSP; FFs of the netlist, as some reports have none."""
+    counts = {cell: row["used"] for cell, row in report["utilization"].items()}
+
+    def count(short):
+        return sum(
+            n
+            for cell, n in (cells if short == "ff" else counts).items()
+            if re.fullmatch(board.area[short], cell)
+        )
+
+    return {short: count(short) for short in AREA}
+
+
+def too_large(log):
+    """What of the device is asked for more often than it is there, in words; empty if nothing is."""
+    rows = re.findall(r"Info:\s+(\w+):\s*(\d+)/\s*(\d+)\s", (ROOT / log).read_text())
+    return ", ".join(f"{used} of {there} {cell}" for cell, used, there in rows if int(used) > int(there))
+
+
+def spi_delays(report):
+    """ns from the clock to the converter's pins and from its pins to a register; None if not modelled."""
+    out, back = [], []
+    for net in report["detailed_net_timings"]:
+        for end in net["endpoints"]:
+            if end["event"] == "<async>" and PIN.match(end["cell"]):
+                out.append(max(end["delay"]))
+            elif net["event"] == "<async>" and PIN.match(net["driver"]):
+                back.append(max(end["delay"]))
+    return tuple(round(max(way), 1) if way else None for way in (out, back))
+
+
+def place(board, config, stem, parameters, seed):
+    """Place and route with one seed; returns nextpnr's report."""
+    program, *options = board.pnr.format(constraints=board.constraints, stem=stem).split()
+    report, log = f"{stem}.{seed}.report.json", f"{stem}.{seed}.pnr.log"
+    options += ["--json", f"{stem}.json", "--seed", str(seed), "--report", report, "--timing-allow-fail"]
+    options += ["--freq", str(parameters["ClkKhz"] / 1000), "--detailed-timing-report"]
+    try:
+        tool(f"yowasp-{program}", options, log)
+    except ToolError as error:
+        missing = too_large(log)
+        if not missing:
+            raise
+        raise ToolError(f"{config} does not fit the {board.name}: it needs {missing}") from error
+    return json.loads((ROOT / report).read_text())
+
+
+def build(board, config, parameters, seeds, patient):
+    """Make it with ``seeds``; returns what resources.json says of a pair.
+
+    ``patient``: place with every seed; otherwise only until one meets the clock.
+    """
+    stem, cells = synthesise(board, config, parameters)
+    clk_mhz = parameters["ClkKhz"] / 1000
+    mhz, delays, packed = [], [], False
+    for seed in seeds:
+        report = place(board, config, stem, parameters, seed)
+        clocks = [clock["achieved"] for clock in report["fmax"].values()]
+        mhz.append(round(min(clocks), 1))
+        delays.append(spi_delays(report))
+        if mhz[-1] >= clk_mhz and not packed:
+            program, *options = board.pack.format(stem=stem).split()
+            tool(program, options, f"{stem}.pack.log")
+            packed = True
+            if not patient:
+                break
+    if not packed:
+        raise ToolError(
+            f"{config} on the {board.name} does not meet its {clk_mhz:g} MHz: "
+            f"{max(mhz)} MHz at best with seeds {', '.join(map(str, seeds[: len(mhz)]))}"
+        )
+    return {
+        "clk_mhz": clk_mhz,
+        **area(board, cells, report),
+        "mhz": mhz,
+        "mhz_worst": min(mhz),
+        "spi_out_ns": max(out for out, _ in delays) if delays[0][0] else None,
+        "spi_in_ns": max(back for _, back in delays) if delays[0][1] else None,
+    }
+
+
+def compare(name, before, now):
+    """Sentences: what of ``now`` is worse than resources.json says, by more than GROWTH."""
+    if before is None:
+        return [f"{name} is not in {RESOURCES.relative_to(ROOT)}; `make resources` writes it"]
+    said = [
+        f"{name}: {now[key]} {key.upper()}, {before[key]} before"
+        for key in AREA
+        if now[key] > (1 + GROWTH) * before[key]
+    ]
+    for least, what in (
+        (now["clk_mhz"], "is its clock"),
+        ((1 - GROWTH) * before["mhz_worst"], "or more before"),
+    ):
+        if now["mhz_worst"] < least:
+            said.append(f"{name}: {now['mhz_worst']} MHz with its worst seed, {least:.1f} {what}")
+    return said
+
+
+def missing(recorded):
+    """Sentences: the pairs that ``recorded`` does not have, and those it should not have."""
+    there = {f"{board.name}-{config}" for board in boards.BOARDS.values() for config in board.configs}
+    where = RESOURCES.relative_to(ROOT)
+    return [f"{name} is not in {where}" for name in sorted(there - set(recorded))] + [
+        f"{name} is in {where} but is no pair of a board and a configuration"
+        for name in sorted(set(recorded) - there)
+    ]
+
+
+def tell(name, result):
+    used = ", ".join(f"{result[key]} {key.upper()}" for key in AREA)
+    return f"{name}: {used}; {result['mhz_worst']} MHz (its clock is {result['clk_mhz']:g})"
+
+
+def main():
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("board", nargs="?")
+    parser.add_argument("config", nargs="?")
+    parser.add_argument("--list", action="store_true")
+    parser.add_argument("--record", action="store_true")
+    parser.add_argument("--check", action="store_true")
+    parser.add_argument("--seeds", type=int, nargs="+", default=SEEDS)
+    options = parser.parse_args()
+    if options.list:
+        for board in boards.BOARDS.values():
+            print(f"{board.name:12} {board.title:28} {', '.join(board.configs)}")
+        return
+    try:
+        pairs = boards.pairs(options.board, options.config)
+    except ValueError as error:
+        parser.exit(2, f"synth: {error}\n")
+    kept = json.loads(RESOURCES.read_text()) if RESOURCES.exists() else {}
+    whole = options.record or options.check
+    if not whole:
+        if options.board is None:
+            parser.exit(2, f"synth: name a board, BOARD=...: {', '.join(boards.BOARDS)}\n")
+        pairs = pairs[:1]
+    problems = missing(kept) if options.check and options.board is None else []
+    (ROOT / OUT).mkdir(parents=True, exist_ok=True)
+    warm_up()
+    for board, config in pairs:
+        name = f"{board.name}-{config}"
+        begin = time.monotonic()
+        try:
+            result = build(board, config, board.parameters(config), options.seeds, whole)
+        except ToolError as error:
+            if not whole:
+                sys.exit(f"synth: {error}\n{error.tail}".rstrip())
+            problems.append(str(error))
+            continue
+        print(f"{tell(name, result)}, {time.monotonic() - begin:.0f} s", flush=True)
+        if options.check:
+            problems += compare(name, kept.get(name), result)
+        if options.record:
+            kept[name] = result
+            RESOURCES.write_text(json.dumps(dict(sorted(kept.items())), indent=1) + "\n")
+        if not whole:
+            print(f"bitstream: {OUT}/{name}/{board.top}{board.bitstream}")
+    if problems:
+        sys.exit("\n".join(problems))
+
+
+if __name__ == "__main__":
+    main()
