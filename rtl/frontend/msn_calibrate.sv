@@ -166,7 +166,7 @@ module msn_calibrate #(
     end
 
   end else begin : gen_grid
-    // 24 multipliers and 12 memories lie all over the part, too far for one ready to reach them in a clock: so
+    // 24 multipliers and 20 memories lie all over the part, too far for one ready to reach them in a clock: so
     // nothing behind the input ever waits, and a beat is let in only if the fifo at the end has a place for it.
     localparam int unsigned Stages   = 12;
     localparam int unsigned Places   = 32;
