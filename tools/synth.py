@@ -18,7 +18,6 @@ import time
 from collections import Counter
 
 from meissner import boards
-from meissner.config import verilog
 from meissner.yowasp import ROOT, ToolError, read_rtl, tool, warm_up, yosys
 
 OUT = "build/synth"  # relative to ROOT: YoWASP sees nothing outside the directory it starts in
@@ -29,23 +28,15 @@ AREA = ("lut", "ff", "bram", "dsp")
 PIN = re.compile(r"adc_\w+")
 
 
-def write_build(folder, parameters):
-    """The configuration as the macros that rtl/boards read; ``folder`` is made if need be."""
-    (ROOT / folder).mkdir(parents=True, exist_ok=True)
-    listed = ", ".join(f".{name}({value})" for name, value in verilog(parameters).items())
-    macros = boards.sizes(parameters) | {"PARAMETERS": listed}
-    text = "".join(f"`define MSN_{name} {value}\n" for name, value in macros.items())
-    (ROOT / folder / "msn_build.svh").write_text("// Written by tools/synth.py.\n" + text)
-
-
 def synthesise(board, config, parameters):
     """Yosys up to the netlist for place and route; returns the stem of its files and the cells counted."""
     folder = f"{OUT}/{board.name}-{config}"
     (ROOT / folder).mkdir(parents=True, exist_ok=True)
-    write_build(folder, parameters)
+    boards.write_build(folder, parameters)
     stem = f"{folder}/{board.top}"
-    tops = f"rtl/boards/msn_board_reset.sv rtl/boards/msn_board.sv rtl/boards/{board.top}.sv"
-    script = f"{read_rtl(board.cells)}; read_verilog -sv -I{folder} {tops}; {board.synth} -top {board.top} -json {stem}.json"
+    tops = " ".join(board.sources)
+    script = f"{read_rtl(board.cells)}; read_verilog -sv -I{folder} {tops}; "
+    script += f"{board.synth} -top {board.top} -json {stem}.json"
     yosys(script, f"{stem}.yosys.log")
     modules = json.loads((ROOT / f"{stem}.json").read_text())["modules"]
     return stem, Counter(cell["type"] for cell in modules[board.top]["cells"].values())

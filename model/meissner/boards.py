@@ -3,11 +3,16 @@
 from dataclasses import dataclass
 
 from meissner import config
+from meissner.toolchain import ROOT
 
 # What counts as what: patterns of nextpnr's names, of Yosys's for flip-flops.
 ECP5_AREA = {"lut": "TRELLIS_COMB", "ff": "TRELLIS_FF", "bram": "DP16KD", "dsp": "MULT18X18D"}
 ICE40_AREA = {"lut": "ICESTORM_LC", "ff": "SB_DFF.*", "bram": "ICESTORM_RAM", "dsp": "ICESTORM_DSP"}
 GOWIN_AREA = {"lut": "LUT4|ALU|RAMW", "ff": "DFF.*", "bram": "BSRAM", "dsp": "MULT.*"}
+
+
+# What the boards share.
+COMMON = ("rtl/boards/msn_board_reset.sv", "rtl/boards/msn_board.sv")
 
 
 @dataclass(frozen=True)
@@ -35,14 +40,16 @@ class Board:
 
     def parameters(self, name):
         """Of rtl/msn_core.sv, for this board with that configuration."""
-        settings = dict(self.configs[name])
-        more = settings.pop("more", {})
-        return config.load(name, **settings).parameters | more
+        return self.config(name).parameters | self.configs[name].get("more", {})
+
+    def config(self, name):
+        """meissner.config.Config of that name as this board has it."""
+        return config.load(name, **{key: v for key, v in self.configs[name].items() if key != "more"})
 
     @property
     def sources(self):
         """What a board has besides rtl/rtl.f, from the repository's root."""
-        return [f"rtl/boards/{module}.sv" for module in ("msn_board_reset", "msn_board", self.top)]
+        return [*COMMON, f"rtl/boards/{self.top}.sv"]
 
 
 def sizes(parameters):
@@ -58,6 +65,18 @@ def sizes(parameters):
         "ADC_LANES": parameters.get("AdcLanes", 1),
         "GROUP_BITS": max((groups - 1).bit_length(), 1),
     }
+
+
+def write_build(folder, parameters):
+    """The configuration as the macros that rtl/boards read; ``folder``, from ROOT, is made if need be."""
+    (ROOT / folder).mkdir(parents=True, exist_ok=True)
+    listed = ", ".join(f".{name}({value})" for name, value in config.verilog(parameters).items())
+    macros = sizes(parameters) | {"PARAMETERS": listed}
+    text = "".join(f"`define MSN_{name} {value}\n" for name, value in macros.items())
+    path = ROOT / folder / "msn_build.svh"
+    text = "// Written by meissner.boards.\n" + text
+    if not path.exists() or path.read_text() != text:
+        path.write_text(text)
 
 
 # The better part of those that a ULX3S may have; the other gives zeros in the low bits.
