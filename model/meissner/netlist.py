@@ -15,6 +15,8 @@ MODELS = {
     "ecp5": [HERE / "ecp5.sv", HERE / "ram.sv", toolchain.ROOT / "tb/common/MULT18X18D.v"],
     "gowin": [HERE / "gowin.sv", HERE / "ram.sv"],
 }
+# Where their ports are, if cells_sim.v does not say.
+BOXES = {"gowin": "read_verilog -lib +/gowin/cells_xtra_gw2a.v; "}
 # No build uses it, and Yosys would take a minute to read it.
 SLOW = "SB_SPRAM256KA"
 
@@ -64,7 +66,7 @@ def verilog(top, parameters, cells, kept=(), include=None):
         models = _yosys_models(cells, folder)
         mapped, fresh = f"{folder}/{top}.mapped.v", f"{folder}/{top}.{os.getpid()}"
         yowasp.yosys(
-            f"{before}{mapped}; design -reset; read_verilog -overwrite {mapped} {models}{after}{fresh}",
+            f"{before}{mapped}; design -reset; {BOXES.get(cells, '')}read_verilog -overwrite {mapped} {models}{after}{fresh}",
             f"{folder}/{top}.log",
         )
         text = (toolchain.ROOT / fresh).read_text()

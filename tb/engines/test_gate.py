@@ -1,4 +1,4 @@
-"""The netlist after synthesis, in cells of each family, against its sources and the twins: the slip path behind
+"""The netlist after synthesis, in the cells of each family, against sources and twins: the slip path behind
 the command, and the smallest build of each family from its converter's pins to its packets."""
 
 import sys
