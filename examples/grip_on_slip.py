@@ -31,7 +31,7 @@ class Gripper:
     def tighten(self, factor=1.5):
         self.wanted_n = factor * self.wanted_n
 
-    def blocks(self, seconds=2.0):
+    def blocks(self, seconds=1.5):
         rng = np.random.default_rng(1)
         lets_go, last = rubber.event_ratios(rng), 0.0  # shares of the friction limit at which patches let go
         for pull_n in np.linspace(0.8, 1.2, round(seconds / STEP_S)) * MU * self.force_n:

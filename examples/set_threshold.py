@@ -18,7 +18,7 @@ def events(core, seconds):
     return sum(isinstance(packet, host.SlipEvent) for packet in core.packets(seconds))
 
 
-def run(port, seconds=1.0):
+def run(port, seconds=0.5):
     # What the core cannot know: its converter, rate and rubber are those of this scene.
     with host.connect(port, of_scene(load("acrylic_slip"))) as core:
         print(f"the core has {', '.join(core.features)}; slip.threshold = {core['slip.threshold']} codes")
@@ -33,5 +33,5 @@ if __name__ == "__main__":
     if len(sys.argv) > 1:
         run(sys.argv[1])
     else:
-        with Pty(of_scenes("acrylic_slip", speed="10")) as pty:
+        with Pty(of_scenes("acrylic_slip", speed="20")) as pty:
             run(pty.url)

@@ -88,7 +88,7 @@ int msn_decode(struct msn_decoder *decoder, uint8_t byte, struct msn_packet *pac
   uint8_t *frame = decoder->frame;
   size_t length = decoder->length;
   if (byte != 0) { /* a frame longer than any is kept just too long to be one */
-    if (length < sizeof decoder->frame) frame[decoder->length++] = byte;
+    if (length < sizeof decoder->frame) decoder->frame[decoder->length++] = byte;
     return 0;
   }
   decoder->length = 0;

@@ -286,12 +286,13 @@ def load(name, mhz=None, part=None, registers=None):
         if value is not None and table in tables:
             tables[table] = tables[table] | {key: value}
     try:
-        return _read(path.stem, tables)
+        return read(path.stem, tables)
     except ValueError as problem:
         raise ValueError(f"{path.name}: {problem}") from None
 
 
-def _read(name, tables):
+def read(name, tables):
+    """The Config of ``tables``, as a TOML file has them."""
     optional = ("link", "slip", "array", "health", "tare", "cop", "mesh", "load", "cop_slip")
     known = {"about": str, "clock": dict, "sensor": dict, "adc": dict}
     for key in tables:

@@ -69,7 +69,7 @@ def test_regs_reads_and_writes(meissner, port):
     "given, sentence",
     [
         (["slip.threshold=1", "slip.treshold=2"], "there is no register 'slip.treshold'"),
-        (["slip.threshold=1", "slip.hold=many"], "'many' is no integer"),
+        (["slip.threshold=1", "slip.hold=many"], "'many' is neither an integer"),
         (["slip.threshold=1", "slip.hold=65536"], "slip.hold = 65536 must lie in 0 .. 65535"),
         (["slip.threshold=1", "core.id=1"], "core.id can only be read"),
     ],
@@ -80,16 +80,44 @@ def test_regs_writes_all_or_nothing(meissner, given, sentence):
         code, out, err = meissner("regs", pty.url, *given)
     assert (code, out) == (2, "")
     assert sentence in err and len(err.splitlines()) == 1
-    assert model.registers.setting("slip", "threshold") == 0xFFFFF
+    assert model.registers.access(False, 0x200)[0] == 0xFFFFF
+
+
+def test_regs_in_physical_units(meissner):
+    """A fingertip's samples are forces of 2 mN, at 4 kHz and level 1; slip1's are 5 V in 12 bits."""
+    with Pty(SimulatedCore(size=(3, 3), clk_khz=24_000)) as pty:
+        given = ("slip.threshold=50mN", "slip.contact_level=0.2N", "slip.hold=20ms", "cop.min_load=.2N")
+        code, out, err = meissner("regs", "--config", "fingertip", pty.url, *given, "scan.settle=2e-6s")
+        assert (code, err) == (0, "")
+        assert [text.split()[1] for text in out.splitlines()] == ["35", "200", "40", "100", "48"]
+    with Pty(SimulatedCore(size=(1, 1), clk_khz=12_000)) as pty:
+        code, out, err = meissner(
+            "regs", "--config", "slip1", pty.url, "slip.threshold=20mV", "slip.contact_level=4.3V"
+        )
+        assert (code, err) == (0, "")
+        assert [text.split()[1] for text in out.splitlines()] == ["23", "7045"]
+        for given, sentence in (
+            ("slip.threshold=1N", "not known to be forces"),
+            ("slip.hold=1V", "not set in volts, but in seconds"),
+            ("slip.hold=0.0.5s", "'0.0.5s' is neither an integer nor"),
+            ("adc.drapped=1V", "there is no register 'adc.drapped'"),
+        ):
+            code, out, err = meissner("regs", "--config", "slip1", pty.url, given)
+            assert (code, out) == (2, "") and sentence in err and len(err.splitlines()) == 1
+        code, _, err = meissner("regs", "--config", "fingertip", pty.url, "core.id")
+        assert (
+            code == 0
+            and "fingertip is not what the core was built from: clk_khz is 12000 there, not 24000" in err
+        )
 
 
 def test_live_in_a_pipe(meissner, port):
-    code, out, err = meissner("live", port.url, "--seconds", 2.2)
+    code, out, err = meissner("live", port.url, "--seconds", 1.3)
     assert (code, err) == (0, "")
     lines = out.splitlines()
     assert any("slip, channel 0, incipient, peak-to-peak" in text for text in lines)
     full = [text for text in lines if text.startswith(("x ", "not pressed"))]
-    assert 2 <= len(full) <= 4 and "load" in full[-1] and " 0 lost, 0 damaged" in full[-1]
+    assert 1 <= len(full) <= 3 and "load" in full[-1] and " 0 lost, 0 damaged" in full[-1]
     assert int(full[-1].split(" slip event")[0].split()[-1]) == len(lines) - len(full) > 0
 
 
@@ -99,7 +127,7 @@ def test_live_on_a_terminal(port):
     termios.tcsetwinsize(theirs, (50, 100))
     environment = {**os.environ, "TERM": "xterm-256color"}
     shown = bytearray()
-    with started("live", port.url, "--seconds", 1.5, stdout=theirs, stderr=theirs, env=environment) as child:
+    with started("live", port.url, "--seconds", 1.2, stdout=theirs, stderr=theirs, env=environment) as child:
         end = time.monotonic() + 30
         while child.poll() is None and time.monotonic() < end:
             if select.select([ours], [], [], 0.1)[0]:
@@ -121,9 +149,9 @@ def test_live_says_when_the_line_goes(meissner, tmp_path):
     command = started("live", f"pty:{link}", "--seconds", 30, stdout=-1, stderr=-1, text=True)
     with command as child:
         assert "packets/s" in child.stdout.readline()
+        link.unlink()  # first: its number may soon be another's
         first.unplug()
         assert "is gone" in child.stderr.readline()
-        link.unlink()
         with Pty(model) as second:
             link.symlink_to(second.path)
             assert "is back after" in child.stderr.readline()
@@ -135,7 +163,7 @@ def test_live_says_when_the_line_goes(meissner, tmp_path):
 
 def test_log_and_replay(meissner, port):
     for name in ("a.mcap", "a.npz"):
-        code, out, err = meissner("log", port.url, "--out", name, "--seconds", 0.7)
+        code, out, err = meissner("log", port.url, "--out", name, "--seconds", 0.6)
         assert (code, err) == (0, "")
         assert int(out.split()[0]) > 1000 and " 0 lost, 0 damaged" in out
         code, out, err = meissner("replay", name, "--engine", "fixed", "--out", "out.npz")
@@ -197,6 +225,7 @@ def test_a_core_without_registers_is_listened_to(meissner):
         (("live", "sim:", "--seconds", "nan"), "must be a number above 0"),
         (("live", "sim:", "--clk-khz", "0"), "clk-khz = 0 must be 1 or more"),
         (("regs", "file:a.bin"), "cannot be reached"),
+        (("live", "sim:", "--config", "none"), "neither a file nor one of the configurations"),
         (("log", "sim:", "--out", "a.txt"), "must be a .mcap or a .npz file"),
         (("log", "sim:", "--out", "nowhere/a.npz"), "there is no folder nowhere"),
         (("log", "file:a.bin", "--out", "a.npz"), "clock is not known"),
@@ -227,7 +256,7 @@ def test_bad_input(meissner, tmp_path, arguments, sentence):
 def test_heat_map():
     taxels = np.zeros((3, 4), np.uint16)
     taxels[1, 2], taxels[0, 0], taxels[2, 3] = 65535, 1, 40000
-    assert view.heat_map(taxels) == ["░░      ", "    ██  ", "      ▓▓"]
+    assert view.heat_map(taxels) == ["        ", "    ██  ", "      ▒▒"]
     assert view.heat_map(np.zeros((2, 2), np.uint16)) == ["    ", "    "]
     large = np.zeros((1024, 1000), np.uint16)
     large[1023, 999] = 9
@@ -244,8 +273,11 @@ def test_view_of_everything():
     shown = view.View(core)
     assert shown.line().startswith("no centre of pressure yet; 0 slip events")
     shown.add(packets.SlipEvent(5, None, 70, 6, 9, None))
+    assert shown.add(packets.SlipEvent(5, None, 65535, 2, 9, None)).startswith(
+        "5 clocks: slip, channel load, "
+    )
     shown.add(packets.CopFrame(5, None, 0.0, 0.0, 3, False, None, None, None))
-    assert shown.line().startswith("not pressed, load 3; 1 slip event;")
+    assert shown.line().startswith("not pressed, load 3; 2 slip events;")
     assert shown.add(packets.Health(5, None, 12, 5)) == "5 clocks: taxel 12 faults 0b101"
     shown.add(packets.Statistics(5, None, 2, 99))
     shown.add(packets.Image(5, None, 1, np.ones((2, 2), np.uint16), None))
@@ -253,7 +285,15 @@ def test_view_of_everything():
     console = Console(width=100, record=True, file=open(os.devnull, "w"))  # noqa: SIM115
     console.print(shown.picture())
     text = console.export_text()
-    for part in ("state 6", "not pressed, load 3", "12: 0b101", "2: 99", "████", "the line is gone", "2×2"):
+    for part in (
+        "state 6",
+        "not pressed, load 3",
+        "12: 0b101",
+        "99 time-outs",
+        "████",
+        "the line is gone",
+        "2×2",
+    ):
         assert part in text, part
     shown.add(packets.CopFrame(9, 1.0, 0.5, -0.5, 3, True, 1.0, -1.0, 0.25))
     assert shown.line().startswith("x +0.500 y -0.500 (+1.00, -1.00 mm), load 0.250 N")

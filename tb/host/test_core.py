@@ -149,6 +149,13 @@ def test_settings_in_volts_newtons_and_seconds():
     assert core.set("adc.period", seconds=1e-4) == 2500
     core.units = units.Units(newtons_per_code=0.003)
     assert core.set("cop.min_load", newtons=0.5) == core["cop.min_load"] == 167
+    # The samples are forces now: a threshold, and a level of the sum of two, in newtons.
+    assert core.set("slip.threshold", newtons=0.05) == int(0.05 * 2**0.5 / 0.003)
+    assert core.set("slip.contact_level", newtons=0.3) == 200
+    event_ = p.slip_event(0, 10, 2)
+    model.say(p.SLIP, 0, event_)
+    (slipped,) = [item for item in core.packets(0.05) if isinstance(item, SlipEvent) and item.p2p == 10]
+    assert (slipped.p2p_v, slipped.p2p_n) == (None, 10 * 0.003 / 2**0.5)
     with pytest.raises(ValueError, match=r"slip.hold is not set in volts, but in seconds"):
         core.set("slip.hold", volts=1)
     with pytest.raises(ValueError, match="is not set in newtons, but in codes only"):
@@ -301,13 +308,16 @@ def test_a_threshold_written_while_it_runs_counts():
         assert not [item for item in core.packets(0.3) if isinstance(item, SlipEvent)]
 
 
-def test_images_of_which_a_part_is_lost_are_counted():
+@pytest.mark.parametrize("sized", [True, False])
+def test_images_of_which_a_part_is_lost_are_counted(sized):
     images = [[(k, p.IMAGE, part) for part in p.image_chunks(k, range(12), 5)] for k in range(5)]
     del images[1][1], images[2][2], images[3][0]
     core = connected(simulated(*(part for image in images for part in image), size=(3, 4)), registers=False)
-    core.units = units.Units(rows=3, columns=4)
+    if sized:
+        core.units = units.Units(rows=3, columns=4)
     found = list(core.packets(0.1))
     assert [item.number for item in found] == [0, 4]
+    assert [item.taxels.shape for item in found] == 2 * [(3, 4) if sized else (1, 12)]
     assert core.counts.images_lost == 3
 
 
@@ -380,10 +390,10 @@ def test_unplugged_in_the_middle_of_a_packet(tmp_path):
             pipe.core.say(p.SLIP, at, event(at)[2])
         pipe.core._out = pipe.core._out[:-9]
         assert [item.time for item in core.packets(0.2)] == [0, 1]
+        name.unlink()  # first: its number may soon be another's
         first.unplug()
         assert list(core.packets(0.2)) == []
         assert "is gone" in said[0] and "trying to open it again" in said[0] and len(said) == 1
-        name.unlink()
         second = Pty(pipe)
         name.symlink_to(second.path)
         (gap,) = until(core, lambda item: isinstance(item, Gap))
@@ -404,10 +414,10 @@ def test_unplugged_while_a_register_is_asked(tmp_path):
     first = Pty(pipe)
     name.symlink_to(first.path)
     with host.connect(f"pty:{name}", say=lambda _: None, give_up_s=0.3, **QUICK) as core:
+        name.unlink()  # first: its number may soon be another's
         first.unplug()
         with pytest.raises(NoAnswer, match=r"is gone.*did not come back within 0.3 s"):
             core["core.id"]
-        name.unlink()
         with Pty(pipe) as second:
             name.symlink_to(second.path)
             core.give_up_s = 20.0
@@ -425,6 +435,7 @@ def test_a_core_that_was_reset_is_set_up_again(tmp_path):
         core["slip.threshold"] = 77
         core["tare.write"] = 1
         core["tare.average"] = 1
+        name.unlink()  # first: its number may soon be another's
         first.unplug()
         pipe.core.restart()
         acted, write = [], pipe.core.registers._write
@@ -436,7 +447,6 @@ def test_a_core_that_was_reset_is_set_up_again(tmp_path):
 
         pipe.core.registers._write = watched
         pipe.core._now = 10**9
-        name.unlink()
         second = Pty(pipe)
         name.symlink_to(second.path)
         until(core, lambda item: isinstance(item, Gap))
@@ -475,9 +485,20 @@ def test_lost_commands_and_answers_are_asked_again_with_the_same_tag():
     pipe.to_host = lambda data: b"" if data and next(answers, False) else data
     assert core["slip.threshold"] == 5
     assert core.counts.retries == 3
-    pipe.to_host = lambda data: data * 2 if data else data  # an answer that comes twice is not the next one's
+    queue, last = [], b""
+
+    def twice(data):
+        """Each answer a second time, just before the next one: it is not the next one's."""
+        nonlocal last
+        if data:
+            queue.extend((last, data))
+            last = data
+        return queue.pop(0) if queue else b""
+
+    pipe.to_host = twice
     core["slip.threshold"] = 6
-    assert (core["slip.threshold"], core["core.id"]) == (6, 0x4D534E52)
+    for _ in range(3):
+        assert (core["slip.threshold"], core["core.id"]) == (6, 0x4D534E52)
 
 
 def test_a_core_that_does_not_answer():

@@ -1,6 +1,6 @@
 """Every example of examples/ runs as a user starts it, and prints what it is there to show."""
 
-import subprocess
+import runpy
 import sys
 
 import numpy as np
@@ -21,29 +21,35 @@ EXAMPLES = {
 }
 
 
-def run(*arguments, cwd=ROOT):
-    name, *rest = arguments
-    command = [sys.executable, ROOT / "examples" / name, *rest]
-    done = subprocess.run(command, cwd=cwd, capture_output=True, text=True, timeout=60)
-    assert (done.returncode, done.stderr) == (0, "")
-    return done.stdout
+@pytest.fixture
+def run(monkeypatch, capsys):
+    """Run an example as the main program of this process: what it prints."""
+
+    def run(*arguments):
+        path = str(ROOT / "examples" / arguments[0])
+        monkeypatch.setattr(sys, "argv", [path, *arguments[1:]])
+        runpy.run_path(path, run_name="__main__")
+        out, err = capsys.readouterr()
+        assert err == ""
+        return out
+
+    return run
 
 
 @pytest.mark.parametrize("arguments", EXAMPLES, ids=" ".join)
-def test_example(arguments):
+def test_example(run, arguments):
     out = run(*arguments)
     for part in EXAMPLES[arguments]:
         assert part in out, out
 
 
-def test_a_recording_of_ones_own(tmp_path):
+def test_a_recording_of_ones_own(run, monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path)
     codes = np.zeros((2, 10_000), int)
     codes[1, 5001] = 41  # one sample: a peak-to-peak of 41 in its window
     np.save(tmp_path / "in.npy", codes)
-    assert run("stream_recording.py", "in.npy", cwd=tmp_path) == (
-        "0.5001 s: channel 1, incipient, p2p 41\n1 slip events\n"
-    )
-    assert run("stream_recording.py", "in.npy", "41", cwd=tmp_path) == "0 slip events\n"
+    assert run("stream_recording.py", "in.npy") == ("0.5001 s: channel 1, incipient, p2p 41\n1 slip events\n")
+    assert run("stream_recording.py", "in.npy", "41") == "0 slip events\n"
 
 
 def test_every_example_is_tested():

@@ -77,6 +77,12 @@ def test_whole_packets(decode_c):
     assert len(lines) > 1000 and len({text.split()[0] for text in lines}) == 9
 
 
+def test_ends_of_signed_numbers(decode_c):
+    ends = (-(1 << 23), -(1 << 23) + 1, -1, 0, 1, (1 << 23) - 1)
+    line = b"".join(encode(p.packet(p.COP, 0, 0, p.cop_frame(x, y, 1, 1))) for x in ends for y in ends)
+    assert decode_c(line) == expected(line)
+
+
 def test_mutated_streams(decode_c):
     rng = np.random.default_rng(2)
     line = mutated(rng, b"".join(frames(rng, 4000)))
@@ -88,7 +94,7 @@ def test_mutated_streams(decode_c):
 def test_cut_streams(decode_c):
     rng = np.random.default_rng(3)
     line = b"".join(frames(rng, 6))
-    for cut in range(0, len(line), 7):
+    for cut in range(0, len(line), 31):
         assert decode_c(line[:cut]) == expected(line[:cut])
         assert decode_c(line[cut:]) == expected(line[cut:])
 

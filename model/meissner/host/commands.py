@@ -1,9 +1,11 @@
 """``meissner regs``, ``live``, ``log`` and ``replay``."""
 
+import re
 import signal
 import sys
 import time
 from contextlib import contextmanager
+from dataclasses import replace
 
 import numpy as np
 
@@ -11,13 +13,17 @@ from meissner import engines, files
 
 LINE_S, PICTURE_S = 1.0, 0.1  # between two lines in a pipe, two pictures on a terminal
 PORT = "serial:/dev/ttyUSB0?baud=3000000, pty:/dev/pts/7, file:capture.bin, sim:SCENE (docs/host.md)"
+CONFIG = "what the core was built from, for physical units: a name or a TOML file"
 
 
 def add_commands(commands):
     """Add the commands to those of the parser."""
     regs = commands.add_parser("regs", help="registers of a core: all, the named ones, or write NAME=VALUE")
     regs.add_argument("port", metavar="PORT", help=PORT)
-    regs.add_argument("names", metavar="NAME[=VALUE]", nargs="*", help="as in docs/registers.md; or a group")
+    regs.add_argument(
+        "names", metavar="NAME[=VALUE]", nargs="*", help="docs/registers.md; VALUE 40, 0x28, 20mV, 0.5N, 5ms"
+    )
+    regs.add_argument("--config", metavar="FILE", help=CONFIG)
     regs.set_defaults(call=_regs)
 
     live = commands.add_parser(
@@ -43,6 +49,7 @@ def _line_arguments(parser):
     parser.add_argument("port", metavar="PORT", help=PORT)
     parser.add_argument("--seconds", type=float, metavar="S", help="then stop (at Ctrl-C or the file's end)")
     parser.add_argument("--listen", action="store_true", help="ask no registers: for a core without them")
+    parser.add_argument("--config", metavar="FILE", help=CONFIG)
     parser.add_argument("--clk-khz", type=int, metavar="KHZ", help="the core's clock, where it is not asked")
 
 
@@ -50,15 +57,36 @@ def _tell(sentence):
     print(f"meissner: {sentence}", file=sys.stderr, flush=True)
 
 
-def _connect(arguments, say=_tell):
-    from meissner import host
+def _connect(arguments, registers=None, say=_tell):
+    """The Core that the arguments name, its units those of the configuration where one is named."""
+    from meissner import config, host
 
-    if arguments.seconds is not None and not 0 < arguments.seconds < float("inf"):
-        raise ValueError(f"seconds = {arguments.seconds:g} must be a number above 0")
-    if arguments.clk_khz is not None and arguments.clk_khz < 1:
-        raise ValueError(f"clk-khz = {arguments.clk_khz} must be 1 or more")
-    known = None if arguments.clk_khz is None else host.Units(clk_khz=arguments.clk_khz)
-    return host.connect(arguments.port, known, registers=False if arguments.listen else None, say=say)
+    seconds, clk_khz = getattr(arguments, "seconds", None), getattr(arguments, "clk_khz", None)
+    if seconds is not None and not 0 < seconds < float("inf"):
+        raise ValueError(f"seconds = {seconds:g} must be a number above 0")
+    if clk_khz is not None and clk_khz < 1:
+        raise ValueError(f"clk-khz = {clk_khz} must be 1 or more")
+    known = None
+    if arguments.config is not None:
+        known = config.load(arguments.config).units
+    if clk_khz is not None:
+        known = replace(known or host.Units(), clk_khz=clk_khz)
+    core = host.connect(arguments.port, known, registers, say=say)
+    for name in ("clk_khz", "rows", "columns") if arguments.config is not None else ():
+        told, own = getattr(known, name), getattr(core.units, name)
+        if told != own:
+            say(f"{arguments.config} is not what the core was built from: {name} is {own} there, not {told}")
+    return core
+
+
+def _amount(text):
+    """(quantity, value) of "0.02V", "200mN" or "5ms"; None if ``text`` is none."""
+    found = re.fullmatch(r"([-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:e[-+]?[0-9]+)?)(m?)([VNs])", text)
+    if found is None:
+        return None
+    number, milli, unit = found.groups()
+    quantity = {"V": "volts", "N": "newtons", "s": "seconds"}[unit]
+    return quantity, float(number) * (1e-3 if milli else 1)
 
 
 def _wanted(core, given):
@@ -70,10 +98,17 @@ def _wanted(core, given):
         name, equals, value = text.partition("=")
         inside = [known for known in core.names() if known.split(".")[0] == name]
         if equals:
+            core.check(name)
             try:
-                value = int(value, 0)
-            except ValueError:
-                raise ValueError(f"{text}: {value!r} is no integer") from None
+                amount = _amount(value)
+                value = core.units.code(name, *amount) if amount else int(value, 0)
+            except ValueError as problem:
+                why = (
+                    str(problem)
+                    if amount
+                    else f"{value!r} is neither an integer nor volts, newtons or seconds"
+                )
+                raise ValueError(f"{text}: {why}") from None
             core.check(name, value)
             wanted.append((name, value))
         elif inside:
@@ -86,9 +121,7 @@ def _wanted(core, given):
 
 
 def _regs(arguments):
-    from meissner import host
-
-    with host.connect(arguments.port, registers=True, say=_tell) as core:
+    with _connect(arguments, registers=True) as core:
         wanted = _wanted(core, arguments.names)
         for name, value in wanted:
             if value is not None:
@@ -104,7 +137,7 @@ def _live(arguments):
     from meissner.host.view import View
 
     messages = []
-    with _connect(arguments, say=messages.append) as core:
+    with _connect(arguments, False if arguments.listen else None, messages.append) as core:
         view = View(core)
         if sys.stdout.isatty():
             _live_picture(core, view, arguments.seconds, messages)
@@ -186,7 +219,12 @@ def _log(arguments):
     from meissner.host import log
 
     log.check_out(arguments.out)
-    with _connect(arguments) as core, log.recording(arguments.out, core) as recording, _stopping(core):
+    listen = False if arguments.listen else None
+    with (
+        _connect(arguments, listen) as core,
+        log.recording(arguments.out, core) as recording,
+        _stopping(core),
+    ):
         for item in core.packets(arguments.seconds):
             recording.add(item)
     counts = core.counts

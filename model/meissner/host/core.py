@@ -231,20 +231,22 @@ class Core:
     # Packets
 
     def packets(self, seconds=None):
-        """Yield packets and gaps (meissner.host.packets) until ``seconds`` passed or the line's end."""
+        """Yield packets and gaps (meissner.host.packets) until ``seconds`` passed or the line's end; 0: those
+        that are there."""
         end = None if seconds is None else time.monotonic() + seconds
         while True:
-            while self._waiting:
-                yield self._waiting.popleft()
             left = 0.1 if end is None else end - time.monotonic()
-            if self._ended or left <= 0:
-                return
+            wait = 0.0 if self._waiting else max(0.0, min(left, 0.1))
             if self._down is not None:
-                self._reopen(min(left, 0.1))
-            else:
-                self._hear(min(left, 0.1))
+                self._reopen(wait)
+            elif not self._ended:
+                self._hear(wait)
             if self._restarted and self._down is None:
                 self._restore()
+            while self._waiting:
+                yield self._waiting.popleft()
+            if self._ended or left <= 0:
+                return
 
     def _hear(self, timeout_s):
         """Take what comes within the time, at once if something does."""
@@ -334,8 +336,6 @@ class Core:
     def _lost(self, gone):
         self._down, self._reason, self._wait_s = time.monotonic(), str(gone), FIRST_WAIT_S
         self._try_at = self._down + self._wait_s
-        self._decoder.next(b"\0")  # half a packet is none
-        self.counts.damaged = self._decoder.damaged
         self.line.close()
         self.say(f"{gone}; trying to open it again")
 

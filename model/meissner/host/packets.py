@@ -12,10 +12,18 @@ from meissner.host.units import Units
 from meissner.link import packet as p
 from meissner.slip.slip import State
 
+COUNTERS = (  # of rtl/msn_core.sv, by index
+    *("frames dropped", "overruns", "time-outs", "slip frames damaged", "slip blanked"),
+    *("CoP frames damaged", "images dropped", "commands rejected"),
+)
+
 
 @dataclass(frozen=True)
 class SlipEvent:
-    """``state``: meissner.slip.slip.State; ``p2p``: codes of the detail; ``p2p_v``: of the coefficient."""
+    """``channel``: meissner.core.OF_LOAD is the load of four electrodes; ``state``: meissner.slip.slip.State;
+    ``p2p``: codes of the detail; ``p2p_v``, ``p2p_n``: of the Haar coefficient, a sensor's volts or
+    a taxel's newtons, whichever the samples are.
+    """
 
     time: int
     time_s: float | None
@@ -23,6 +31,7 @@ class SlipEvent:
     state: int
     p2p: int
     p2p_v: float | None
+    p2p_n: float | None = None
 
 
 @dataclass(frozen=True)
@@ -61,12 +70,16 @@ class Health:
 
 @dataclass(frozen=True)
 class Statistics:
-    """One counter of the core; which one ``index`` says."""
+    """One counter of the core; which one ``index`` and ``name`` say."""
 
     time: int
     time_s: float | None
     index: int
     value: int
+
+    @property
+    def name(self):
+        return COUNTERS[self.index] if self.index < len(COUNTERS) else f"counter {self.index}"
 
 
 @dataclass(frozen=True)
@@ -97,7 +110,8 @@ class Assembler:
         if packet.kind == p.SLIP:
             code, state = fields["p2p"], fields["state"]
             state = State(state) if state in set(State) else state
-            return SlipEvent(*at, fields["channel"], state, code, units.detail_volts(code))
+            amounts = (units.detail_volts(code), units.detail_newtons(code))
+            return SlipEvent(*at, fields["channel"], state, code, *amounts)
         if packet.kind == p.COP:
             x, y, x_mm, y_mm = units.place(fields["x"], fields["y"])
             load = fields["load"]

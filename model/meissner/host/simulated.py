@@ -13,6 +13,7 @@ import numpy as np
 
 from meissner import engines, scenes
 from meissner.host import names, units
+from meissner.host.packets import COUNTERS
 from meissner.link import bridge, cobs
 from meissner.link import packet as p
 from meissner.link.registers import Registers, reset_word
@@ -191,9 +192,11 @@ def array_source(forces, rate_hz, min_load=1, image_every=1, chunk=64, loop=Fals
 
 
 def statistics_source(core):
-    """The packets said so far, again and again; without end."""
-    for turn in count(1):
-        yield turn * STATISTIC_CLOCKS, p.STATISTIC, p.statistic(0, core._number)
+    """The core's counters in turn, without end; here nothing happens but commands that are rejected."""
+    for turn in count():
+        name = COUNTERS[turn % len(COUNTERS)]
+        value = core.rejected if name == "commands rejected" else 0
+        yield (turn + 1) * STATISTIC_CLOCKS, p.STATISTIC, p.statistic(turn % len(COUNTERS), value)
 
 
 def together(*sources):

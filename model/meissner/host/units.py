@@ -16,7 +16,9 @@ import numpy as np
 FRACTION_BITS = 14  # of x and y in a CoP packet
 CODES = {  # of an amount: register, quantity, and what of Units turns it into a code
     ("slip.threshold", "volts"): "detail_code",
+    ("slip.threshold", "newtons"): "detail_code_of_newtons",
     ("slip.gross_threshold", "volts"): "detail_code",
+    ("slip.gross_threshold", "newtons"): "detail_code_of_newtons",
     ("slip.contact_level", "volts"): "level_code",
     ("slip.release_level", "volts"): "level_code",
     ("slip.contact_level", "newtons"): "level_code_of_newtons",
@@ -25,6 +27,8 @@ CODES = {  # of an amount: register, quantity, and what of Units turns it into a
     ("slip.refractory", "seconds"): "details",
     ("slip.blank", "seconds"): "details",
     ("cop.min_load", "newtons"): "load_code",
+    ("cop4.min_load", "newtons"): "load_code",
+    ("cop_slip.min_load", "newtons"): "load_code",
     ("adc.period", "seconds"): "clocks",
     ("scan.period", "seconds"): "clocks",
     ("scan.settle", "seconds"): "clocks",
@@ -82,7 +86,23 @@ class Units:
         lsb = self._need("volts_per_code", "a level in volts")
         return round((1 << self.level) * (self.min_code + (volts - self.low_v) / lsb))
 
+    @property
+    def of_forces(self):
+        """The slip path's samples are forces of newtons_per_code, as behind an array's calibration."""
+        return self.volts_per_code is None and self.newtons_per_code is not None
+
+    def detail_newtons(self, code):
+        """Newtons of a Haar coefficient's peak-to-peak, where samples are forces."""
+        return code * self.newtons_per_code / 2 ** (self.level / 2) if self.of_forces else None
+
+    def detail_code_of_newtons(self, newtons):
+        if not self.of_forces:
+            raise ValueError("a threshold in newtons cannot be set: the samples are not known to be forces")
+        return int(np.floor(newtons * 2 ** (self.level / 2) / self.newtons_per_code))
+
     def level_code_of_newtons(self, newtons):
+        if self.of_forces:
+            return round((1 << self.level) * newtons / self.newtons_per_code)
         return self.level_code(float(self._need("volts_of", "a level in newtons")(newtons)))
 
     def details(self, seconds):

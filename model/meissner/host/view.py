@@ -4,6 +4,7 @@ from collections import deque
 
 import numpy as np
 
+from meissner.core import OF_LOAD
 from meissner.host import packets
 from meissner.slip.slip import State
 
@@ -14,6 +15,10 @@ SLIP_COLOURS = {State.INCIPIENT: "yellow", State.GROSS: "red"}
 
 def state_name(state):
     return state.name.lower() if isinstance(state, State) else f"state {state}"
+
+
+def channel_name(channel):
+    return "load" if channel == OF_LOAD else str(channel)
 
 
 def coarse(taxels):
@@ -27,10 +32,10 @@ def coarse(taxels):
 
 
 def heat_map(taxels):
-    """Lines of block characters, two a cell, dark to full from 0 to the image's largest."""
+    """Lines of block characters, two a cell, empty to full from 0 to the image's largest."""
     cells = coarse(taxels).astype(np.int64)
     most = max(1, int(cells.max()))
-    shade = -(-cells * (len(SHADES) - 1) // most)  # anything above 0 shows
+    shade = (2 * cells * (len(SHADES) - 1) + most) // (2 * most)
     return ["".join(2 * SHADES[k] for k in row) for row in shade]
 
 
@@ -56,7 +61,7 @@ class View:
         elif isinstance(item, packets.Image):
             self.image = item
         elif isinstance(item, packets.Statistics):
-            self.statistics[item.index] = item.value
+            self.statistics[item.name] = item.value
         elif isinstance(item, packets.Health):
             self.health[item.taxel] = item.faults
             return f"{self._at(item)}taxel {item.taxel} faults 0b{item.faults:b}"
@@ -72,11 +77,14 @@ class View:
         return f"{item.time} clocks: " if item.time_s is None else f"{item.time_s:.4f} s: "
 
     def _slip(self, item):
-        volts = "" if item.p2p_v is None else f", {1e3 * item.p2p_v:.1f} mV"
         return (
-            f"{self._at(item)}slip, channel {item.channel}, {state_name(item.state)}, "
-            f"peak-to-peak {item.p2p}{volts}"
+            f"{self._at(item)}slip, channel {channel_name(item.channel)}, {state_name(item.state)}, "
+            f"peak-to-peak {self._p2p(item)}"
         )
+
+    def _p2p(self, item):
+        volts = "" if item.p2p_v is None else f", {1e3 * item.p2p_v:.1f} mV"
+        return f"{item.p2p}{volts}" + ("" if item.p2p_n is None else f", {1e3 * item.p2p_n:.1f} mN")
 
     def _cop(self):
         cop = self.cop
@@ -110,9 +118,8 @@ class View:
         slips = Table("channel", "state", "peak-to-peak", "at", box=None)
         for channel in sorted(self.slips)[:HIGHEST]:
             item = self.slips[channel]
-            p2p = f"{item.p2p}" if item.p2p_v is None else f"{item.p2p}  {1e3 * item.p2p_v:.1f} mV"
             state = Text(state_name(item.state), SLIP_COLOURS.get(item.state, ""))
-            slips.add_row(str(channel), state, p2p, self._at(item).removesuffix(": "))
+            slips.add_row(channel_name(channel), state, self._p2p(item), self._at(item).removesuffix(": "))
         parts = [
             Panel(slips, title=f"slip, {self.slip_count} events"),
             Panel(self._cop(), title="centre of pressure"),
@@ -127,7 +134,7 @@ class View:
             parts.append(
                 Panel(", ".join(f"{t}: 0b{f:b}" for t, f in sorted(faulty.items())), title="faulty taxels")
             )
-        numbers = ", ".join(f"{index}: {value}" for index, value in sorted(self.statistics.items()))
-        parts.append(Panel(f"{self._line()}\ncounters of the core: {numbers or 'none yet'}", title="line"))
+        numbers = ", ".join(f"{value} {name}" for name, value in self.statistics.items())
+        parts.append(Panel(f"{self._line()}\nin the core: {numbers or 'none yet'}", title="line"))
         parts += [Text(message) for message in self.messages]
         return Group(*parts)

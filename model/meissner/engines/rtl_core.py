@@ -1,0 +1,127 @@
+"""The whole core on Verilator: codes at its converters' pins, bytes on its serial line."""
+
+import ctypes
+
+import numpy as np
+
+from meissner import config as configurations
+from meissner.engines import verilated
+
+CONVERSION_NS = 4000  # of a converter with BUSY
+PIECE = 2000  # clocks between two looks at the line
+
+
+class _Size(ctypes.Structure):
+    _fields_ = tuple(
+        (name, ctypes.c_int32) for name in ("part", "converters", "adc_lanes", "rows", "columns", "channels")
+    )
+
+
+def _open(path):
+    lib = ctypes.CDLL(str(path))
+    pointer, long = ctypes.c_void_p, ctypes.c_int64
+    lib.sensor_new.restype = pointer
+    lib.sensor_new.argtypes = [
+        *(ctypes.POINTER(_Size), ctypes.c_int32, long, pointer, long, ctypes.c_double),
+    ]
+    lib.sensor_delete.argtypes = [pointer]
+    lib.sensor_write.argtypes = [pointer, ctypes.c_char_p, long]
+    lib.sensor_run.argtypes = [pointer, long, pointer, long]
+    for count in ("sensor_run", "sensor_now", "sensor_frames"):
+        getattr(lib, count).restype = long
+    for count in ("sensor_now", "sensor_frames"):
+        getattr(lib, count).argtypes = [pointer]
+    return lib
+
+
+class CoreOnPins:
+    """A build of ``config`` (meissner.config.Config) with a sensor that gives ``codes``, over and over.
+
+    ``codes``: integers [frames, rows, columns] of an array, [frames, channels] else. ``read`` and ``write`` are
+    the bytes of the line, as meissner.host.pty and meissner.host.line take them; reading runs the core.
+    """
+
+    def __init__(self, config, codes):
+        self.config = config
+        self.units = config.units
+        codes = np.ascontiguousarray(codes, dtype=np.int32)
+        array = config.kind == "array"
+        shape = (config.sensor["rows"], config.sensor["columns"]) if array else (config.channels,)
+        if codes.shape[1:] != shape or not len(codes):
+            raise ValueError(f"the codes must have the shape [frames, {', '.join(map(str, shape))}]")
+        self._lib = _open(
+            verilated.library("msn_core", "core_driver.cpp", configurations.verilog(config.parameters))
+        )
+        size = _Size(
+            *(config.part.number, config.adc.get("converters", 1), config.adc["lanes"]),
+            *(shape if array else (0, 0)),
+            config.adc["channels"] if array else config.channels,
+        )
+        places = len(config.scan.scan.places()) if array else 1
+        bit = 1000 * config.clk_khz / config.link["baud"]
+        self._core = self._lib.sensor_new(
+            *(size, CONVERSION_NS * config.clk_khz // 1_000_000, places, codes.ctypes.data, len(codes), bit)
+        )
+        self._waiting = bytearray()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.close()
+
+    def close(self):
+        if self._core is not None:
+            self._lib.sensor_delete(self._core)
+            self._core = None
+
+    @property
+    def now(self):
+        """Clocks since reset."""
+        return self._lib.sensor_now(self._core)
+
+    @property
+    def frames(self):
+        """Frames of which the conversion began."""
+        return self._lib.sensor_frames(self._core)
+
+    def run(self, clocks):
+        """The bytes that the core says in so many clocks."""
+        room = int(clocks // 40 + 64)
+        out = (ctypes.c_uint8 * room)()
+        end, found = self.now + clocks, bytearray()
+        while self.now < end:
+            count = self._lib.sensor_run(self._core, end - self.now, ctypes.addressof(out), room)
+            found += bytes(out[:count])
+        return bytes(found)
+
+    def read(self, n):
+        """At most ``n`` bytes of the line; b"" if none came in a piece of time."""
+        if not self._waiting:
+            self._waiting += self.run(PIECE)
+        data = bytes(self._waiting[:n])
+        del self._waiting[: len(data)]
+        return data
+
+    def write(self, data):
+        self._lib.sensor_write(self._core, data, len(data))
+
+
+def codes_of(config, seed=1):
+    """Codes of the scene that shows what ``config`` is for: what its converter makes of a recording."""
+    from meissner import scenes
+    from meissner.scenes.cop_slip import electrodes
+
+    if config.kind == "channels":
+        scene = scenes.load("acrylic_slip")
+        codes = scenes.simulate(scene, 0, seed).codes
+        return np.repeat(codes[:, None], config.channels, axis=1)
+    if config.kind == "electrodes":
+        scene = scenes.load("cop_slip")
+        recording = scenes.simulate(scene, scene.conditions[0], seed)
+        return config.cop4.convert(electrodes(recording.solution))
+    rows, columns = config.sensor["rows"], config.sensor["columns"]
+    names = {(3, 3): "fsr_3x3", (64, 64): "fsr_64x64"}
+    if (rows, columns) not in names:
+        raise ValueError(f"there is no scene of a {rows}×{columns} array; give the codes")
+    return scenes.simulate(scenes.load(names[rows, columns]), seed).codes
