@@ -355,6 +355,8 @@ module msn_core #(
     logic signed [OffsetBits-1:0] given_offset;
     assign wide_offset  = {cfg_offset[16], cfg_offset};
     assign given_offset = OffsetBits'(wide_offset);
+    logic unused_offset;  // its top bits, where offsets have fewer
+    assign unused_offset = ^wide_offset;
 
     // A gain from reset on, and a zero as soon as it is in use.
     logic [Lanes-1:0]      write;

@@ -23,7 +23,7 @@ def run(name, command):
 
 def main():
     files = [path.relative_to(ROOT) for path in toolchain.sources()]
-    pairs = boards.pairs()
+    pairs = [*boards.pairs(), *((boards.ARTY, name) for name in boards.ARTY.configs)]
     outer = sorted({Path(source) for board, _ in pairs for source in board.sources})
     listed = {*files, *outer}
     strays = [str(p.relative_to(ROOT)) for p in ROOT.glob("rtl/**/*.sv") if p.relative_to(ROOT) not in listed]

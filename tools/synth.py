@@ -5,6 +5,7 @@
     python tools/synth.py --list                   every pair there is
     python tools/synth.py --record [BOARD CONFIG]  all or one, three seeds, into constraints/resources.json
     python tools/synth.py --check [BOARD CONFIG]   the same, held against that file
+    python tools/synth.py --macros arty_a7 CONFIG   only the configuration's macros, for Vivado
 
 A bitstream comes from the first seed that meets the clock; resources.json has the worst of three. It is an
 error if no seed meets the clock, if a design does not fit, and in a check if anything grew by more than 3 %.
@@ -166,11 +167,17 @@ def main():
     parser.add_argument("--list", action="store_true")
     parser.add_argument("--record", action="store_true")
     parser.add_argument("--check", action="store_true")
+    parser.add_argument("--macros", action="store_true")
     parser.add_argument("--seeds", type=int, nargs="+", default=SEEDS)
     options = parser.parse_args()
     if options.list:
         for board in boards.BOARDS.values():
             print(f"{board.name:12} {board.title:28} {', '.join(board.configs)}")
+        return
+    if options.macros and options.board == boards.ARTY.name and options.config in boards.ARTY.configs:
+        folder = f"{OUT}/{options.board}-{options.config}"
+        boards.write_build(folder, boards.ARTY.parameters(options.config))
+        print(f"{folder}/msn_build.svh")
         return
     try:
         pairs = boards.pairs(options.board, options.config)

@@ -146,6 +146,21 @@ BOARDS = {
 }
 
 
+# With Vivado, by tools/arty_a7.tcl; not built here.
+ARTY = Board(
+    name="arty_a7",
+    title="Arty A7-35T",
+    cells="",
+    synth="",
+    pnr="",
+    constraints="constraints/arty_a7.xdc",
+    pack="",
+    bitstream=".bit",
+    area={},
+    configs={"slip1": {"mhz": 50.0}, "fingertip": {"mhz": 50.0}},
+)
+
+
 def pairs(board=None, name=None):
     """(Board, configuration) of these names, all if none is given; ValueError if one is unknown."""
     if board is not None and board not in BOARDS:

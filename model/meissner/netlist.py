@@ -63,10 +63,11 @@ def verilog(top, parameters, cells, kept=(), include=None):
     made = toolchain.ROOT / folder / f"{top}.v"
     if not made.exists():
         yowasp.warm_up()
-        models = _yosys_models(cells, folder)
+        models, boxes = _yosys_models(cells, folder), BOXES.get(cells, "")
         mapped, fresh = f"{folder}/{top}.mapped.v", f"{folder}/{top}.{os.getpid()}"
         yowasp.yosys(
-            f"{before}{mapped}; design -reset; {BOXES.get(cells, '')}read_verilog -overwrite {mapped} {models}{after}{fresh}",
+            f"{before}{mapped}; design -reset; {boxes}"
+            f"read_verilog -overwrite {mapped} {models}{after}{fresh}",
             f"{folder}/{top}.log",
         )
         text = (toolchain.ROOT / fresh).read_text()

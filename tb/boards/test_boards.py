@@ -114,11 +114,13 @@ def pins(path):
         ".lpf": r'LOCATE COMP "(\S+)" SITE "(\w+)"',
         ".pcf": r"(?m)^set_io\s+(?:-\S+\s+)*(\S+)\s+(\w+)",
         ".cst": r'IO_LOC "(\S+)" (\w+)',
+        ".xdc": r"PACKAGE_PIN (\w+) .*\[get_ports \{?([\w\[\]]+?)\}?\]",
     }
-    return re.findall(patterns[path.suffix], text)
+    found = re.findall(patterns[path.suffix], text)
+    return [pair[::-1] for pair in found] if path.suffix == ".xdc" else found
 
 
-@pytest.mark.parametrize("board", boards.BOARDS.values(), ids=lambda board: board.name)
+@pytest.mark.parametrize("board", [*boards.BOARDS.values(), boards.ARTY], ids=lambda board: board.name)
 def test_each_pin_is_used_once(board):
     located = pins(ROOT / board.constraints)
     assert len(located) > 5
