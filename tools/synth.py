@@ -19,12 +19,14 @@ import time
 from collections import Counter
 
 from meissner import boards
+from meissner.frontend.adc_spi import AdcSpi
 from meissner.yowasp import ROOT, ToolError, read_rtl, tool, warm_up, yosys
 
 OUT = "build/synth"  # relative to ROOT: YoWASP sees nothing outside the directory it starts in
 RESOURCES = ROOT / "constraints/resources.json"
 SEEDS = (1, 2, 3)
 GROWTH = 0.03
+PAGES = ("README.md", "docs/boards.md")
 AREA = ("lut", "ff", "bram", "dsp")
 PIN = re.compile(r"adc_\w+")
 
@@ -153,6 +155,50 @@ def missing(recorded):
     ]
 
 
+def half_bit(board, config):
+    """ns from the edge that launches a bit to where it is taken, and the converter's own ns of these."""
+    found = board.config(config)
+    part, clk_khz = found.part, found.clk_khz
+    clocks = 2 * AdcSpi(part, 1, 1, clk_khz, found.adc["sclk_khz"]).half
+    if board.parameters(config).get("AdcPeriod"):  # msn_adc_single
+        clocks = 1 << (clocks - 1).bit_length()
+    return 1e6 * (clocks - 1) / clk_khz, part.access_ns
+
+
+def tables(recorded):
+    """README's table of resources and the page's of pins, from constraints/resources.json."""
+    area = [
+        "| board, configuration | clock, MHz | Fmax, worst of three | LUT | FF | block RAM | DSP |",
+        "|---" * 7 + "|",
+    ]
+    pins = [
+        "| board, configuration | a bit's data are taken after, ns | out | converter | in | left |",
+        "|---" * 6 + "|",
+    ]
+    for board, config in boards.pairs():
+        r = recorded[f"{board.name}-{config}"]
+        name = f"{board.title.partition(' (')[0]}, {config}"
+        used = " | ".join(str(r[key]) for key in AREA)
+        area.append(f"| {name} | {r['clk_mhz']:g} | {r['mhz_worst']} | {used} |")
+        taken, access = half_bit(board, config)
+        if r["spi_out_ns"] is not None:
+            left = taken - access - r["spi_out_ns"] - r["spi_in_ns"]
+            pins.append(
+                f"| {name} | {taken:.0f} | {r['spi_out_ns']} | {access} | {r['spi_in_ns']} | {left:.0f} |"
+            )
+    return "\n".join(area), "\n".join(pins)
+
+
+def write_tables(recorded):
+    """Both tables into their pages, in place of the ones there."""
+    for page, table in zip(PAGES, tables(recorded)):
+        head = table.partition("\n")[0]
+        text = (ROOT / page).read_text()
+        before, _, after = text.partition(head)
+        rest = after.split("\n\n", 1)[1]
+        (ROOT / page).write_text(f"{before}{table}\n\n{rest}")
+
+
 def tell(name, result):
     used = ", ".join(f"{result[key]} {key.upper()}" for key in AREA)
     return f"{name}: {used}; {result['mhz_worst']} MHz (its clock is {result['clk_mhz']:g})"
@@ -210,6 +256,8 @@ def main():
             RESOURCES.write_text(json.dumps(dict(sorted(kept.items())), indent=1) + "\n")
         if not whole:
             print(f"bitstream: {OUT}/{name}/{board.top}{board.bitstream}")
+    if options.record and not missing(kept):
+        write_tables(kept)
     if problems:
         sys.exit("\n".join(problems))
 

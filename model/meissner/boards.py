@@ -127,7 +127,7 @@ BOARDS = {
             pack="yowasp-ecppack --compress --freq 38.8 --input {stem}.config --bit {stem}.bit",
             bitstream=".bit",
             area=ECP5_AREA,
-            configs={"slip1": {"mhz": 48.0}, "fingertip": {"mhz": 48.0}, "cop4": {"mhz": 48.0}},
+            configs={"slip1": {"mhz": 48.0}, "fingertip": {"mhz": 48.0}},
         ),
         Board(
             name="tangnano20k",
@@ -140,7 +140,7 @@ BOARDS = {
             pack="gowin_pack -d GW2A-18C -o {stem}.fs {stem}.pnr.json",
             bitstream=".fs",
             area=GOWIN_AREA,
-            configs={"slip1": {"mhz": 27.0}, "fingertip": {"mhz": 27.0}, "cop4": {"mhz": 27.0}},
+            configs={"slip1": {"mhz": 27.0}, "fingertip": {"mhz": 27.0}},
         ),
     )
 }

@@ -55,6 +55,11 @@ def test_every_pair_is_recorded_and_meets_its_clock():
         )
 
 
+def test_the_pages_have_the_tables_of_what_is_recorded():
+    for page, table in zip(synth.PAGES, synth.tables(json.loads(synth.RESOURCES.read_text()))):
+        assert table in (ROOT / page).read_text(), f"{page} is old; `make resources` writes it"
+
+
 def test_a_missing_or_surplus_pair_is_found():
     recorded = json.loads(synth.RESOURCES.read_text())
     last = recorded.pop(next(iter(recorded)))
