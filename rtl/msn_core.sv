@@ -351,12 +351,10 @@ module msn_core #(
     localparam int unsigned CountBits  = msn_pkg::index_width(Rows * Columns + 1);
     localparam int unsigned CopBits    = FractionBits + 2;
 
-    logic signed [17:0]           wide_offset;
-    logic signed [OffsetBits-1:0] given_offset;
-    assign wide_offset  = {cfg_offset[16], cfg_offset};
-    assign given_offset = OffsetBits'(wide_offset);
-    logic unused_offset;  // its top bits, where offsets have fewer
-    assign unused_offset = ^wide_offset;
+    logic signed [16:0]           narrow_offset;
+    logic signed [OffsetBits-1:0] given_offset;  // as wide as the table's, one bit more or less
+    assign narrow_offset = cfg_offset;
+    assign given_offset  = OffsetBits'(narrow_offset);
 
     // A gain from reset on, and a zero as soon as it is in use.
     logic [Lanes-1:0]      write;
@@ -877,6 +875,7 @@ module msn_core #(
       .in_data_i            (slip_sample),
       .in_id_i              (slip_id),
       .in_last_i            (slip_last),
+      .in_mask_i            (1'b0),
       .out_valid_o          (decision_valid),
       .out_ready_i          (decision_ready),
       .out_state_o          (decision_state),

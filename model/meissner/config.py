@@ -272,7 +272,7 @@ def _slip(at, table, config, volts, rises_default):
 
 
 def load(name, mhz=None, part=None, registers=None):
-    """The Config of a name or a TOML file; ``mhz``, ``part``, ``registers``: a board's, not its own."""
+    """The Config of a named configuration or a TOML file; ``mhz``, ``part``, ``registers``: a board's."""
     path = Path(name)
     if FOLDER.joinpath(f"{name}.toml").is_file():
         path = FOLDER / f"{name}.toml"

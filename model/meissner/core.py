@@ -4,8 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from meissner.cop.array import Array
 from meissner.cop.cop4 import cop4
 from meissner.cop.cop_slip import CopSlip
+from meissner.frontend.adc_spi import AdcSpi
+from meissner.frontend.calibration_preset import preset
+from meissner.frontend.health import Limits
 from meissner.link import packet as p
 from meissner.slip.channels import decide
 from meissner.slip.slip import State
@@ -27,7 +31,7 @@ def of_channels(samples, config, moving=None, change=None):
 
     ``change``: (frame, threshold) from which frame on another threshold holds.
     """
-    found = decide(np.asarray(samples).T, config, moving, change)
+    found = decide(np.asarray(samples).T, config, moving, change=change)
     group = 1 << config.level
     events = [
         ((detail + 1) * group - 1, p.slip_event(channel, int(found.p2p[channel, detail]), state))
@@ -63,3 +67,47 @@ def of_electrodes(samples, registers, terms=None, lag=16, slip=None):
             for n in np.flatnonzero(slips.raised)
         ]
     return Expected(events, cops, None)
+
+
+def samples_of(config, codes):
+    """Signed samples of a converter's codes, and which were over range, of the same shape."""
+    if config.kind == "array":
+        adc = config.scan.adc
+    else:
+        lanes = config.adc["lanes"]
+        adc = AdcSpi(config.part, config.channels, lanes, config.clk_khz, config.adc["sclk_khz"])
+    mask = (1 << config.part.data_bits) - 1
+    return adc.samples(np.asarray(codes) & mask)
+
+
+def array_of(config):
+    """meissner.cop.array.Array of a configuration after reset: the preset gains, the first tare asked for."""
+    limits = tare = None
+    if config.array["health"]:
+        given = {k.removeprefix("health."): v for k, v in config.settings.items() if k.startswith("health.")}
+        limits = Limits(**given)
+    if config.array["tare"]:
+        tare = {"contact": config.tare["contact_codes"], "step": config.tare["step"]}
+    parameters, settings = config.parameters, config.settings
+    row_column = bool(parameters["RowColumn"])
+    kinds = {"row_column": row_column, "gain_shift": parameters["GainShift"]}
+    twin = Array(config.scan, limits, tare, min_load=settings["cop.min_load"], **kinds)
+    table = twin.cop.calibrate.table
+    sizes = config.sensor["rows"], config.sensor["columns"], config.adc["converters"]
+    for of_row, word, offset, gain in preset(*sizes, settings["calibrate.preset"], row_column):
+        table.write_row(word, offset, gain) if of_row else table.write(word, offset, gain)
+    twin.cop.calibrate.swap()
+    if tare:
+        twin.tare.tare(force=True)
+    return twin
+
+
+def expected(config, codes):
+    """What a core of ``config`` says of whole frames of codes from reset on: shape as of engines.rtl_core."""
+    samples, over = samples_of(config, codes)
+    if config.kind == "array":
+        return of_array(array_of(config), samples, config.slip, over)
+    if config.kind == "electrodes":
+        lag, slip = config.cop_slip or (16, None)
+        return of_electrodes(samples, config.cop4.registers, config.cop4.terms, lag, slip)
+    return of_channels(samples, config.slip)

@@ -106,30 +106,39 @@ module msn_calibration_grid #(
     of_row   <= row_near;
   end
 
+  // Gains and offsets each in a memory of their own: they go different ways, and the first register behind a
+  // memory must lie beside it.
   for (genvar k = 0; k < Lanes; k++) begin : gen_lane
-    (* no_rw_check *) logic [PartBits-1:0] columns [2**(BeatBits+1)];
-    logic [PartBits-1:0] column_read, column_near, of_column;
-    logic signed [32:0]  gain;
+    (* no_rw_check *) logic [15:0] gains [2**(BeatBits+1)];
+    logic [15:0]        gain_read, gain_near, gain_column;
+    logic signed [32:0] gain;
     msn_multiply #(.AWidth(17), .BWidth(16)) u_gain (
       .clk_i,
       .a_i(signed'({1'b0, of_row[15:0]})),
-      .b_i(of_column[15:0]),
+      .b_i(gain_column),
       .y_o(gain)
     );
     assign out_gain_o[32*k+:32] = gain[31:0];
     logic unused_sign;
     assign unused_sign = gain[32];
     always_ff @(posedge clk_i) begin
-      if (cfg_write_i[k]) columns[{!bank, BeatBits'(cfg_word_i)}] <= entry;
-      column_read <= columns[beat_at];
-      column_near <= column_read;
-      of_column   <= column_near;
+      if (cfg_write_i[k]) gains[{!bank, BeatBits'(cfg_word_i)}] <= cfg_gain_i;
+      gain_read   <= gains[beat_at];
+      gain_near   <= gain_read;
+      gain_column <= gain_near;
     end
+
     if (Offset) begin : gen_offset
-      logic signed [OffsetBits-1:0] row_offset, column_offset;
+      (* no_rw_check *) logic [OffsetBits-1:0] offsets [2**(BeatBits+1)];
+      logic        [OffsetBits-1:0] offset_read, offset_near;
+      logic signed [OffsetBits-1:0] offset_column, column_offset, row_offset;
       always_ff @(posedge clk_i) begin
+        if (cfg_write_i[k]) offsets[{!bank, BeatBits'(cfg_word_i)}] <= cfg_offset_i;
+        offset_read   <= offsets[beat_at];
+        offset_near   <= offset_read;
+        offset_column <= signed'(offset_near);
+        column_offset <= offset_column;
         row_offset    <= signed'(of_row[16+:OffsetBits]);
-        column_offset <= signed'(of_column[16+:OffsetBits]);
         out_offset_o[SampleBits*k+:SampleBits] <= SampleBits'(row_offset) + SampleBits'(column_offset);
       end
     end else begin : gen_none

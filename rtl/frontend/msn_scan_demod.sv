@@ -101,7 +101,7 @@ module msn_scan_demod #(
   logic                             together, demod_ready, enable_q;
   // What a spoiled burst still brings is thrown away, so that the parts are in step again at the next.
   assign together  = &sample_valid;
-  assign taken     = together && demod_ready && !spoiled;
+  assign taken     = together && demod_ready;  // of a spoiled burst too: each start marks a first
   assign convert_o = |convert;
 
   msn_burst #(.CountBits(BurstBits), .PeriodBits(SampleTime)) u_burst (
@@ -147,7 +147,7 @@ module msn_scan_demod #(
       .convert_o   (convert[part]),
       .lost_o      (lost[part]),
       .out_valid_o (sample_valid[part]),
-      .out_ready_i (spoiled || (together && demod_ready)),
+      .out_ready_i (spoiled || taken),
       .out_data_o  (sample[part*SampleBits+:SampleBits]),
       .out_id_o    (unused_id),
       .out_last_o  (unused_last),

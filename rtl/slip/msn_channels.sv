@@ -23,6 +23,7 @@ module msn_channels #(
   parameter  int unsigned Window     = 64,  // samples
   parameter  int unsigned Hop        = 64,  // samples
   parameter  int unsigned TimerBits  = 16,
+  parameter  bit          Mask       = 1'b0,  // of the stream's samples: what is masked raises no slip
   parameter  bit          Serial     = 1'b0,  // one channel, a bit a clock: a quarter of the cells
   localparam int unsigned IdBits     = msn_pkg::index_width(Channels),
   localparam int unsigned DetailBits = SampleBits + Level
@@ -56,6 +57,7 @@ module msn_channels #(
   input  logic signed [SampleBits-1:0] in_data_i,
   input  logic        [IdBits-1:0]     in_id_i,
   input  logic                         in_last_i,
+  input  logic                         in_mask_i,     // a sample not to be trusted
 
   output logic                         out_valid_o,
   input  logic                         out_ready_i,
@@ -84,10 +86,15 @@ module msn_channels #(
     $fatal(1, "msn_channels: Hop = %0d must be a multiple of %0d up to Window", Hop, Group);
   end
 
+  if (Mask && (Serial || Adc != msn_pkg::AdcNone)) begin : gen_check_mask
+    $fatal(1, "msn_channels: Mask = 1 must have Adc = 0 and Serial = 0");
+  end
   if (Serial && (Channels != 1 || Hop != Window)) begin : gen_check_serial
     $fatal(1, "msn_channels: Serial = 1 must have Channels = 1 and Hop = Window");
   end
 
+  logic unused_mask;
+  assign unused_mask = in_mask_i;
   logic                         sample_valid, sample_ready, sample_last;
   logic signed [SampleBits-1:0] sample;
   logic        [IdBits-1:0]     sample_id;
@@ -220,17 +227,18 @@ module msn_channels #(
     logic                         whole_valid, whole_ready, whole_last, whole_restart;
     logic signed [SampleBits-1:0] whole;
     logic        [IdBits-1:0]     whole_id;
-    msn_frame_check #(.Channels(Channels), .DataBits(SampleBits)) u_frame_check (
+    logic whole_mask, detail_mask, window_mask;
+    msn_frame_check #(.Channels(Channels), .DataBits(SampleBits + 1)) u_frame_check (
       .clk_i,
       .rst_i,
       .in_valid_i   (sample_valid),
       .in_ready_o   (sample_ready),
-      .in_data_i    (sample),
+      .in_data_i    ({Mask && in_mask_i, sample}),
       .in_id_i      (sample_id),
       .in_last_i    (sample_last),
       .out_valid_o  (whole_valid),
       .out_ready_i  (whole_ready),
-      .out_data_o   (whole),
+      .out_data_o   ({whole_mask, whole}),
       .out_id_o     (whole_id),
       .out_last_o   (whole_last),
       .out_restart_o(whole_restart),
@@ -240,7 +248,12 @@ module msn_channels #(
     logic                         detail_valid, detail_ready, detail_last, detail_restart;
     logic signed [DetailBits-1:0] detail, detail_total;
     logic        [IdBits-1:0]     detail_id;
-    msn_haar #(.Channels(Channels), .SampleBits(SampleBits), .Level(Level)) u_haar (
+    msn_haar #(
+      .Channels  (Channels),
+      .SampleBits(SampleBits),
+      .Level     (Level),
+      .Mask      (Mask)
+    ) u_haar (
       .clk_i,
       .rst_i,
       .in_valid_i   (whole_valid),
@@ -249,13 +262,15 @@ module msn_channels #(
       .in_id_i      (whole_id),
       .in_last_i    (whole_last),
       .in_restart_i (whole_restart),
+      .in_mask_i    (whole_mask),
       .out_valid_o  (detail_valid),
       .out_ready_i  (detail_ready),
       .out_detail_o (detail),
       .out_total_o  (detail_total),
       .out_id_o     (detail_id),
       .out_last_o   (detail_last),
-      .out_restart_o(detail_restart)
+      .out_restart_o(detail_restart),
+      .out_mask_o   (detail_mask)
     );
 
     logic                         window_valid, window_ready, window_last, window_restart, window_end;
@@ -266,7 +281,8 @@ module msn_channels #(
       .Channels  (Channels),
       .DetailBits(DetailBits),
       .Span      (Window / Group),
-      .Hop       (Hop / Group)
+      .Hop       (Hop / Group),
+      .Mask      (Mask)
     ) u_peak_to_peak (
       .clk_i,
       .rst_i,
@@ -277,6 +293,7 @@ module msn_channels #(
       .in_id_i      (detail_id),
       .in_last_i    (detail_last),
       .in_restart_i (detail_restart),
+      .in_mask_i    (detail_mask),
       .out_valid_o  (window_valid),
       .out_ready_i  (window_ready),
       .out_p2p_o    (window_p2p),
@@ -284,10 +301,16 @@ module msn_channels #(
       .out_id_o     (window_id),
       .out_last_o   (window_last),
       .out_restart_o(window_restart),
+      .out_mask_o   (window_mask),
       .out_end_o    (window_end)
     );
 
-    msn_slip #(.Channels(Channels), .DetailBits(DetailBits), .TimerBits(TimerBits)) u_slip (
+    msn_slip #(
+      .Channels  (Channels),
+      .DetailBits(DetailBits),
+      .TimerBits (TimerBits),
+      .Mask      (Mask)
+    ) u_slip (
       .clk_i,
       .rst_i,
       .cfg_threshold_i,
@@ -306,6 +329,7 @@ module msn_channels #(
       .in_id_i     (window_id),
       .in_last_i   (window_last),
       .in_restart_i(window_restart),
+      .in_mask_i   (window_mask),
       .in_end_i    (window_end),
       .out_valid_o,
       .out_ready_i,

@@ -6,7 +6,8 @@
 //
 // sqrt(2)^l times the orthonormal wavelet with its sign; a level adds a bit, nothing is rounded. Frames
 // come in, sample after sample; every 2^Level frames a frame of details (d) and sums (a) goes out.
-// `restart` begins new groups and goes out with the first details that follow it.
+// `restart` begins new groups and goes out with the first details that follow it. Mask: of a group in which a
+// sample is masked d and a are 0, and it goes out masked.
 //
 // Latency Level clocks after the sample that completes a group; one sample per clock.
 // Model: model/meissner/slip/haar.py
@@ -15,6 +16,7 @@ module msn_haar #(
   parameter  int unsigned Channels   = 8,
   parameter  int unsigned SampleBits = 17,
   parameter  int unsigned Level      = 1,
+  parameter  bit          Mask       = 1'b0,  // of samples that cannot be trusted
   localparam int unsigned IdBits     = msn_pkg::index_width(Channels),
   localparam int unsigned DetailBits = SampleBits + Level
 ) (
@@ -27,6 +29,7 @@ module msn_haar #(
   input  logic        [IdBits-1:0]     in_id_i,
   input  logic                         in_last_i,
   input  logic                         in_restart_i,
+  input  logic                         in_mask_i,
 
   output logic                         out_valid_o,
   input  logic                         out_ready_i,
@@ -34,7 +37,8 @@ module msn_haar #(
   output logic signed [DetailBits-1:0] out_total_o,
   output logic        [IdBits-1:0]     out_id_o,
   output logic                         out_last_o,
-  output logic                         out_restart_o
+  output logic                         out_restart_o,
+  output logic                         out_mask_o
 );
 
   if (Channels < 1 || Channels > 4096) begin : gen_check_channels
@@ -51,7 +55,7 @@ module msn_haar #(
   assign in_ready_o = out_ready_i || !out_valid_o;
 
   // Between the levels: index 0 is the input, index Level the output. All as wide as the last sum.
-  logic [Level:0]                 valid, last, restart;
+  logic [Level:0]                 valid, last, restart, mask;
   logic [Level:0][IdBits-1:0]     id;
   logic [Level:0][DetailBits-1:0] total;
 
@@ -60,37 +64,52 @@ module msn_haar #(
   assign id[0]         = in_id_i;
   assign last[0]       = in_last_i;
   assign restart[0]    = in_restart_i;
+  assign mask[0]       = Mask && in_mask_i;
 
   assign out_valid_o   = valid[Level];
   assign out_total_o   = signed'(total[Level]);
   assign out_id_o      = id[Level];
   assign out_last_o    = last[Level];
   assign out_restart_o = restart[Level];
+  assign out_mask_o    = mask[Level];
 
   for (genvar l = 0; l < Level; l++) begin : gen_level
     localparam int unsigned Width = SampleBits + l;
 
-    logic accept, odd, odd_q, restart_q;
+    logic accept, odd, odd_q, restart_q, even_mask, masked;
     assign accept = valid[l] && in_ready_o;
     assign odd    = odd_q && !restart[l];
 
     // One step a sample: in an odd frame the even sample of the same channel comes out.
     logic        [Width-1:0]      even_bits;
     logic signed [DetailBits-1:0] even_sample, odd_sample;
-    msn_delay #(.Depth(Channels), .Width(Width)) u_even (
-      .clk_i,
-      .rst_i,
-      .step_i    (accept),
-      .in_data_i (total[l][Width-1:0]),
-      .out_data_o(even_bits)
-    );
+    if (Mask) begin : gen_masked
+      msn_delay #(.Depth(Channels), .Width(Width + 1)) u_even (
+        .clk_i,
+        .rst_i,
+        .step_i    (accept),
+        .in_data_i ({mask[l], total[l][Width-1:0]}),
+        .out_data_o({even_mask, even_bits})
+      );
+    end else begin : gen_plain
+      msn_delay #(.Depth(Channels), .Width(Width)) u_even (
+        .clk_i,
+        .rst_i,
+        .step_i    (accept),
+        .in_data_i (total[l][Width-1:0]),
+        .out_data_o(even_bits)
+      );
+      assign even_mask = 1'b0;
+    end
+    assign masked      = mask[l] || even_mask;
     assign even_sample = DetailBits'(signed'(even_bits));
     assign odd_sample  = signed'(total[l]);
 
     always_ff @(posedge clk_i) begin
       if (in_ready_o) begin
         valid[l+1]   <= valid[l] && odd;
-        total[l+1]   <= even_sample + odd_sample;
+        total[l+1]   <= masked ? '0 : even_sample + odd_sample;
+        mask[l+1]    <= masked;
         id[l+1]      <= id[l];
         last[l+1]    <= last[l];
         restart[l+1] <= restart_q;
@@ -104,7 +123,7 @@ module msn_haar #(
     end
 
     if (l == Level - 1) begin : gen_detail
-      always_ff @(posedge clk_i) if (in_ready_o) out_detail_o <= even_sample - odd_sample;
+      always_ff @(posedge clk_i) if (in_ready_o) out_detail_o <= masked ? '0 : even_sample - odd_sample;
     end
   end
 

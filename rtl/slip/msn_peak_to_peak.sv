@@ -9,7 +9,8 @@
 //   Hop = Span      tumbling: one maximum and minimum per channel
 //   Hop = Span / 2  half-overlapped: those of the half that runs and of the half before
 //   other           exact sliding window: Span - 1 delayed maxima and minima per channel
-// `total` travels along. Latency: 2 clocks, 3 half-overlapped, 1 + ceil(log4(Span)) sliding; one detail
+// Mask: masked details are left out of their windows, a window of none but such has p2p 0; the others must lie
+// above the lowest number, as msn_haar's do. `total` travels along. Latency: 2 clocks, 3 half-overlapped, 1 + ceil(log4(Span)) sliding; one detail
 // per clock.   Model: model/meissner/slip/peak_to_peak.py
 
 module msn_peak_to_peak #(
@@ -17,6 +18,7 @@ module msn_peak_to_peak #(
   parameter  int unsigned DetailBits = 18,
   parameter  int unsigned Span       = 32,
   parameter  int unsigned Hop        = 32,
+  parameter  bit          Mask       = 1'b0,
   localparam int unsigned IdBits     = msn_pkg::index_width(Channels)
 ) (
   input  logic                         clk_i,
@@ -29,6 +31,7 @@ module msn_peak_to_peak #(
   input  logic        [IdBits-1:0]     in_id_i,
   input  logic                         in_last_i,
   input  logic                         in_restart_i,
+  input  logic                         in_mask_i,
 
   output logic                         out_valid_o,
   input  logic                         out_ready_i,
@@ -37,6 +40,7 @@ module msn_peak_to_peak #(
   output logic        [IdBits-1:0]     out_id_o,
   output logic                         out_last_o,
   output logic                         out_restart_o,
+  output logic                         out_mask_o,
   output logic                         out_end_o
 );
 
@@ -71,10 +75,19 @@ module msn_peak_to_peak #(
   // The window's maximum and minimum, then their difference. All stages move together, so that a stall
   // crosses one gate and not one a stage.
   assign in_ready_o = out_ready_i || !out_valid_o;
-  localparam int unsigned SideBits = DetailBits + IdBits + 1;
+  localparam int unsigned SideBits = DetailBits + IdBits + 2;
   logic                         window_valid, window_last, window_restart;
   logic signed [DetailBits-1:0] window_high, window_low;
-  logic        [SideBits-1:0]   window_side;
+  logic        [SideBits-1:0]   window_side, side_in;
+
+  // A masked detail is neither the largest nor the smallest.
+  localparam logic signed [DetailBits-1:0] Lowest = {1'b1, {(DetailBits - 1) {1'b0}}};
+  logic                         masked;
+  logic signed [DetailBits-1:0] high_in, low_in;
+  assign masked  = Mask && in_mask_i;
+  assign high_in = masked ? Lowest : in_detail_i;
+  assign low_in  = masked ? ~Lowest : in_detail_i;
+  assign side_in = {in_total_i, in_id_i, closes, masked};
 
   if (Hop == Span || 2 * Hop == Span) begin : gen_parts
     // The maximum starts anew with each part of Hop details.
@@ -86,10 +99,10 @@ module msn_peak_to_peak #(
 
     logic signed [DetailBits-1:0] old_high, old_low, new_high, new_low;
     logic higher, lower;
-    msn_compare #(.Width(DetailBits)) u_higher (.a_i(in_detail_i), .b_i(old_high), .greater_o(higher));
-    msn_compare #(.Width(DetailBits)) u_lower (.a_i(old_low), .b_i(in_detail_i), .greater_o(lower));
-    assign new_high = (first || higher) ? in_detail_i : old_high;
-    assign new_low  = (first || lower) ? in_detail_i : old_low;
+    msn_compare #(.Width(DetailBits)) u_higher (.a_i(high_in), .b_i(old_high), .greater_o(higher));
+    msn_compare #(.Width(DetailBits)) u_lower (.a_i(old_low), .b_i(low_in), .greater_o(lower));
+    assign new_high = (first || higher) ? high_in : old_high;
+    assign new_low  = (first || lower) ? low_in : old_low;
     msn_delay #(.Depth(Channels), .Width(2 * DetailBits)) u_part (
       .clk_i,
       .rst_i,
@@ -107,7 +120,7 @@ module msn_peak_to_peak #(
         part_valid   <= in_valid_i;
         part_high    <= new_high;
         part_low     <= new_low;
-        part_side    <= {in_total_i, in_id_i, closes};
+        part_side    <= side_in;
         part_last    <= in_last_i;
         part_restart <= in_restart_i;
       end
@@ -175,9 +188,9 @@ module msn_peak_to_peak #(
     logic [(Stages+1)*DetailBits-1:0] high, low;
     logic [(Stages+1)*SideBits-1:0]   side;
     assign valid[0]      = in_valid_i;
-    assign high[DetailBits-1:0] = in_detail_i;
-    assign low[DetailBits-1:0]  = in_detail_i;
-    assign side[SideBits-1:0]   = {in_total_i, in_id_i, closes};
+    assign high[DetailBits-1:0] = high_in;
+    assign low[DetailBits-1:0]  = low_in;
+    assign side[SideBits-1:0]   = side_in;
     assign last[0]       = in_last_i;
     assign restart[0]    = in_restart_i;
 
@@ -220,10 +233,11 @@ module msn_peak_to_peak #(
   always_ff @(posedge clk_i) begin
     if (in_ready_o) begin
       out_valid_o                         <= window_valid;
-      out_p2p_o                           <= window_high - window_low;  // never negative
-      {out_total_o, out_id_o, out_end_o}  <= window_side;
-      out_last_o                          <= window_last;
-      out_restart_o                       <= window_restart;
+      // Never negative.
+      out_p2p_o     <= Mask && window_high == Lowest ? '0 : window_high - window_low;
+      out_last_o    <= window_last;
+      out_restart_o <= window_restart;
+      {out_total_o, out_id_o, out_end_o, out_mask_o} <= window_side;
     end
     if (rst_i) out_valid_o <= 1'b0;
   end

@@ -9,7 +9,8 @@
 // None, Release -> Contact when pressed; Contact -> Incipient (Gross) when over, unless blanked (the
 // first `blank` details of a contact), moving, or refractory; back to Contact after `hold` details that
 // were not over, then deaf for `refractory` details; any contact -> Release when lifted, then None after
-// `hold` details. `raised` marks the detail at which the slip flag rises. All times count details.
+// `hold` details. `raised` marks the detail at which the slip flag rises. All times count details. Mask: a masked
+// detail leads to None from anywhere and is never over.
 //
 //   clock  1        2
 //          compare  step the state, whose delay line hands each channel its own
@@ -20,6 +21,7 @@ module msn_slip #(
   parameter  int unsigned Channels   = 8,
   parameter  int unsigned DetailBits = 18,
   parameter  int unsigned TimerBits  = 16,
+  parameter  bit          Mask       = 1'b0,
   localparam int unsigned IdBits     = msn_pkg::index_width(Channels)
 ) (
   input  logic                         clk_i,
@@ -42,6 +44,7 @@ module msn_slip #(
   input  logic        [IdBits-1:0]     in_id_i,
   input  logic                         in_last_i,
   input  logic                         in_restart_i,
+  input  logic                         in_mask_i,
   input  logic                         in_end_i,
 
   output logic                         out_valid_o,
@@ -85,21 +88,22 @@ module msn_slip #(
     .a_i({1'b0, in_p2p_i}), .b_i({1'b0, cfg_gross_threshold_i}), .greater_o(is_gross)
   );
 
-  logic                  seen_valid, pressed, lifted, over, gross, moving, restart;
+  logic                  seen_valid, pressed, lifted, over, gross, moving, restart, masked;
   logic [DetailBits-1:0] seen_p2p;
   logic [IdBits-1:0]     seen_id;
   logic                  seen_last, seen_end;
   assign in_ready_o = out_ready_i || !out_valid_o;
+  assign masked     = Mask && in_mask_i;  // begins anew, and touches nothing
 
   always_ff @(posedge clk_i) begin
     if (in_ready_o) begin
       seen_valid <= in_valid_i;
-      pressed    <= cfg_contact_rises_i ? !under_contact : !over_contact;
+      pressed    <= (cfg_contact_rises_i ? !under_contact : !over_contact) && !masked;
       lifted     <= cfg_contact_rises_i ? under_release : over_release;
-      over       <= is_over;
+      over       <= is_over && !masked;
       gross      <= is_gross;
       moving     <= actuator_moving_i;
-      restart    <= in_restart_i;
+      restart    <= in_restart_i || masked;
       seen_p2p   <= in_p2p_i;
       seen_id    <= in_id_i;
       seen_last  <= in_last_i;

@@ -12,7 +12,7 @@ it.
 import cocotb
 import numpy as np
 import pytest
-from cocotb.triggers import ReadOnly, RisingEdge
+from cocotb.triggers import FallingEdge, ReadOnly, RisingEdge
 
 import bench
 from meissner.budget.array import terms
@@ -38,6 +38,7 @@ CASES = {
         **{"Rows": 2, "Columns": 3, "Demod": 1, "Part": MAX11125.number, "Channels": 1, "SamplePeriod": 320},
         **{"Periods": 2, "Skip": 2, "Shift": 0},
     },
+    "2x2": {"Rows": 2, "Columns": 2, "Part": MCP3208.number, "Channels": 2, "SclkKhz": 2000},
     "4x8": {"Rows": 4, "Columns": 8, "Part": MCP3208.number, "Channels": 8, "SclkKhz": 2000},
     "16x16": {"Rows": 16, "Columns": 16, "Part": AD7606.number, "Channels": 8, "AdcLanes": 2},
     "64x64": {
@@ -55,7 +56,7 @@ def number(dut, name):
     return getattr(dut, name).value.to_unsigned()
 
 
-def twin_of(dut):
+def twin_of(dut, limits=None):
     rows, columns, clk_khz = number(dut, "Rows"), number(dut, "Columns"), number(dut, "ClkKhz")
     part = PARTS[number(dut, "Part")]
     if number(dut, "Demod"):
@@ -66,7 +67,9 @@ def twin_of(dut):
         lanes, channels, adc_lanes = (number(dut, name) for name in ("Converters", "Channels", "AdcLanes"))
         scan = ScanAdc(rows, columns, lanes, part, channels, adc_lanes, clk_khz, number(dut, "SclkKhz"))
     tare = {"tare_log2": TARE_LOG2, "contact": 200, "step": 1}
-    return Array(scan, Limits(), tare, number(dut, "BitsPerClock"), gain_shift=number(dut, "GainShift"))
+    return Array(
+        scan, limits or Limits(), tare, number(dut, "BitsPerClock"), gain_shift=number(dut, "GainShift")
+    )
 
 
 class Together:
@@ -104,7 +107,8 @@ class Matrix:
         assert rows and rows & rows - 1 == 0, f"rows {rows:b} while converting"
         row, group = rows.bit_length() - 1, bench.read(self.dut.group_o)
         column = self.twin.scan.scan.column(group, channel, 0)
-        code = int(self.zero[row, column] + self.press[row, column])
+        top = (1 << self.twin.scan.part.data_bits) - 1
+        code = min(int(self.zero[row, column] + self.press[row, column]), top)
         self.taken.append((time_ns, row, group, channel, code))
         return code
 
@@ -145,10 +149,11 @@ class Carrier(CarrierMatrix):
         return scan.levels(samples, over)
 
 
-async def begin(dut):
-    twin = twin_of(dut)
+async def begin(dut, limits=None):
+    twin = twin_of(dut, limits)
     limits = twin.health.limits
     settings = {name: int(getattr(limits, name)) for name in limits.__dataclass_fields__}
+    settings |= {name: settings[name] & (1 << number(dut, "SampleBits")) - 1 for name in ("low", "high")}
     settings |= {
         "settle": SETTLE,
         "period": 0,
@@ -215,8 +220,11 @@ def pressing(twin, step):
     )
 
 
-async def results(dut, matrix, twin, count, stalls=None):
-    """Results [(clock, x, y, load, pressed)] of ``count`` frames and the clocks of all convert starts."""
+async def results(dut, matrix, twin, count, stalls=None, press=None):
+    """Results [(clock, x, y, load, pressed)] of ``count`` frames and the clocks of all convert starts.
+
+    ``press``: added to all codes; None: the last two frames are pressed.
+    """
     out, converts, clock = [], [], 0
     conversions = len(twin.scan.scan.places()) * getattr(twin.scan, "count", 1)
     while len(out) < count:
@@ -224,7 +232,9 @@ async def results(dut, matrix, twin, count, stalls=None):
         dut.out_ready_i.value = int(ready)
         if len(converts) % conversions == 0:
             frame = len(converts) // conversions
-            matrix.press = pressing(twin, frame) * (frame >= FRAMES - 2)
+            matrix.press = (
+                pressing(twin, frame) * (frame >= FRAMES - 2) if press is None else 0 * matrix.press + press
+            )
         await ReadOnly()
         if dut.convert_o.value == 1:
             converts.append(clock)
@@ -283,6 +293,55 @@ async def gives_the_same_to_a_consumer_that_stalls_and_starts_over_after_a_reset
     out, _ = await results(dut, matrix, twin, 2)
     assert [values[1:] for values in out] == [(0, 0, 0, 0)] * 2
     assert bench.read(dut.damaged_o) == 0
+
+
+@cocotb.test(timeout_time=200, timeout_unit="ms")
+async def a_taxel_over_range_is_told_and_counts_in_nothing(dut):
+    """Over-range for sixteen frames, it is masked: out of the load, and it does not refuse a tare."""
+    if number(dut, "Rows") * number(dut, "Columns") != 4:
+        return  # sixteen frames of the others take long
+    limits = Limits(low=-65536, high=65535, user=True, rail=1, edges=False)
+    twin, matrix, _ = await begin(dut, limits)
+    events = []
+
+    async def listen():
+        while True:
+            await FallingEdge(dut.clk_i)
+            if dut.event_valid_o.value == 1:
+                kinds = (dut.event_id_o, dut.event_dead_o, dut.event_railed_o, dut.event_blinking_o)
+                events.append(tuple(bench.read(kind) for kind in kinds))
+
+    listener = cocotb.start_soon(listen())
+    out, _ = await results(dut, matrix, twin, FRAMES - 2, press=0)
+    for bad, press in (((0, 1), 0), ((1, 0), 900)):
+        matrix.zero[bad] = (1 << twin.scan.part.data_bits) - 1
+        found, _ = await results(dut, matrix, twin, 20, press=press)
+        out += found
+    assert events == [(1, 0, 1, 0), (2, 0, 1, 0)]
+    before = len(out)
+    for name in ("cfg_force_i", "cfg_tare_i"):
+        getattr(dut, name).value = int(name == "cfg_tare_i")
+    await RisingEdge(dut.clk_i)
+    dut.cfg_tare_i.value = 0
+    found, _ = await results(dut, matrix, twin, FRAMES, press=0)
+    out += found
+    listener.cancel()
+    x, y, load, pressed = (
+        np.concatenate(parts) for parts in zip(*tare_after(twin, matrix.samples(len(out)), before))
+    )
+    expected = [tuple(map(int, values)) for values in zip(x, y, load, pressed)]
+    assert [values[1:] for values in out] == expected
+    assert twin.health.railed == bench.read(dut.railed_o) == 2
+    assert (
+        (bench.read(dut.tared_o), bench.read(dut.refused_o)) == (twin.tare.tared, twin.tare.refused) == (2, 0)
+    )
+
+
+def tare_after(twin, samples, count):
+    """The model's results with a tare asked for while frame ``count`` is scanned."""
+    yield twin.next(*(a[:count] for a in samples))
+    twin.tare.tare()
+    yield twin.next(*(a[count:] for a in samples))
 
 
 @pytest.mark.parametrize("case", CASES)

@@ -3,6 +3,7 @@ writes them: an array, single channels, four electrodes, the smallest sensor. Th
 the very codes that the part converted, each with its convert start; commands are answered in between."""
 
 import copy
+from itertools import pairwise
 
 import cocotb
 import numpy as np
@@ -13,8 +14,6 @@ from cocotb.utils import get_sim_time
 
 import bench
 from meissner import config, core
-from meissner.cop.array import Array
-from meissner.frontend.calibration_preset import preset
 from meissner.link import bridge
 from meissner.link import packet as p
 from meissner.link.decoder import Decoder
@@ -152,29 +151,6 @@ def codes_of(name, build, frames):
     return 1500 + rng.integers(-9, 10, steps.shape) + steps
 
 
-def expected_of(name, build, samples):
-    if name == "array":
-        twin = Array(build.scan, _limits(build), {"contact": build.tare["contact_codes"], "step": 1})
-        for _, word, offset, gain in preset(3, 3, 1, 4096):
-            twin.cop.calibrate.table.write(word, offset, gain)
-        twin.cop.calibrate.swap()
-        twin.tare.tare(force=True)
-        return core.of_array(twin, samples, build.slip)
-    if name == "electrodes":
-        lag, registers = build.cop_slip
-        return core.of_electrodes(samples, build.cop4.registers, None, lag, registers)
-    return core.of_channels(samples, build.slip)
-
-
-def _limits(build):
-    from meissner.frontend.health import Limits
-
-    given = {
-        name.removeprefix("health."): value for name, value in build.settings.items() if "health." in name
-    }
-    return Limits(**given)
-
-
 async def begin(dut, name, build):
     idle = {"actuator_moving_i": 0, "in_valid_i": 0, "rx_i": 1, "bus_valid_i": 0, "out_ready_i": 0}
     line = Line(dut)
@@ -207,7 +183,7 @@ async def packets_are_the_models_of_the_codes_at_the_pins(dut):
     assert (decoder.damaged, decoder.missed) == (0, 0) and got
 
     samples = sensor.codes[:frames]
-    expected = expected_of(name, build, samples)
+    expected = core.expected(build, samples)
     events = [(frame, payload) for frame, payload in expected.slip]
     mine = [(q.time, q.payload) for q in got if q.kind == p.SLIP]
     assert len(mine) > 1
@@ -227,6 +203,30 @@ async def packets_are_the_models_of_the_codes_at_the_pins(dut):
         assert [list(q.fields["taxels"]) for q in images] == expected.images[: len(images)].tolist()
         assert len(images) >= frames - 4
         assert {first[n] - q.time for n, q in enumerate(images)} == offsets
+
+
+@cocotb.test(timeout_time=200, timeout_unit="ms")
+async def an_events_first_bit_comes_within_20_clocks_of_its_sample(dut):
+    """With nothing under way on the line; the smallest sensor's serial path takes longer."""
+    name, build = case_of(dut)
+    if name != "channels":
+        return
+    line, _, _ = await begin(dut, name, build)
+    offered = []
+
+    async def watch():
+        while True:
+            await RisingEdge(dut.sample_valid)
+            offered.append(round(get_sim_time("ns") / PERIOD_NS))
+
+    cocotb.start_soon(watch())
+    await bench.clocks(dut, FRAMES[name] * build.period_clocks)
+    falls = [round(time / PERIOD_NS) for time, level in line.edges if level == 0]
+    quiet = 12 * build.clk_khz * 1000 / build.link["baud"]
+    first = [now for before, now in pairwise([-1000, *falls]) if now - before > quiet]
+    waits = {now - max(at for at in offered if at < now) for now in first}
+    dut._log.info(f"clocks from a sample to the line's first bit: {sorted(waits)}")
+    assert len(first) > 3 and max(waits) <= 20
 
 
 @cocotb.test(timeout_time=200, timeout_unit="ms")

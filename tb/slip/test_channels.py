@@ -7,7 +7,9 @@ import pytest
 
 import bench
 from meissner.engines import fixed
+from meissner.slip.channels import decide
 from meissner.slip.config import SlipConfig
+from meissner.slip.slip import State
 
 FIELDS = ["state", "over", "p2p", "id", "last", "end"]
 LEVELS = {"contact_level": 200, "release_level": 100, "threshold": 60, "gross_threshold": 110}
@@ -31,6 +33,7 @@ def settings(dut):
 async def begin(dut, config):
     names = "threshold gross_threshold contact_level release_level hold refractory blank contact_rises"
     registers = {f"cfg_{name}_i": int(getattr(config, name)) for name in names.split()}
+    dut.in_mask_i.value = 0
     await bench.start(dut, actuator_moving_i=0, **registers)
 
 
@@ -41,8 +44,8 @@ def recording(rng, channels, samples):
     return pressed * 150 + rng.integers(-tremor, tremor + 1)
 
 
-def beats_of(x):
-    beats = bench.frames(data=x)
+def beats_of(x, **flags):
+    beats = bench.frames(data=x, **flags)
     for beat in beats:
         del beat["restart"]
     return beats
@@ -67,7 +70,7 @@ async def matches_model(dut, stall_rate):
     assert await bench.stream(dut, beats_of(x), FIELDS, pause, pause, **patience(dut)) == should
     assert bench.read(dut.blanked_o) == watched.blanked
     assert bench.read(dut.damaged_o) == 0
-    if channels < 100:
+    if channels < 100 and not dut.Mask.value.to_unsigned():
         assert watched.over.any()
         assert len(np.unique(watched.state)) == 5
 
@@ -158,6 +161,45 @@ async def recovers_after_reset_in_mid_frame(dut):
     assert bench.read(dut.blanked_o) == watched.blanked
 
 
+def masked_ramp(rng, channels, config, samples):
+    """Presses that rise steadily, steeper than the threshold; what is masked, up to two windows, is anything.
+
+    The first channel is not masked but changed in the same way.
+    """
+    x = 30 * np.arange(samples) + rng.integers(-2, 3, (channels, samples))
+    mask = np.zeros((channels, samples), dtype=bool)
+    for channel in range(channels):
+        at = 0
+        while at < samples:
+            at += rng.integers(1, 2 * config.window)
+            mask[channel, at : at + rng.integers(1, 2 * config.window)] = True
+            at += 2 * config.window
+    x = np.where(mask, rng.integers(-65536, 65536, x.shape), x)
+    mask[0] = False
+    return x, mask
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+@cocotb.parametrize(rises=[True, False])
+async def masked_taxels_raise_no_slip(dut, rises):
+    """However the mask comes and goes; a neighbour that is not masked slips as ever."""
+    if not dut.Mask.value.to_unsigned():
+        return
+    channels, level, window, hop = parameters(dut)
+    limits = {"contact_level": 0, "release_level": -100 if rises else 1 << 16, "contact_rises": rises}
+    config = SlipConfig(window=window, hop=hop, level=level, threshold=60, gross_threshold=110, **limits)
+    await begin(dut, config)
+    x, mask = masked_ramp(np.random.default_rng(bench.SEED), channels, config, 20 * window)
+    x = x if rises else -x
+    found, plain = decide(x, config, mask=mask), decide(x, config)
+    beats = await bench.stream(dut, beats_of(x, mask=mask), ["state", "raised", "p2p", "id"])
+    for name in ("state", "raised", "p2p"):
+        assert np.array_equal(bench.column(beats, name, channels), getattr(found, name)), name
+    assert not found.raised[1:].any() and plain.raised.any(axis=1).all()
+    assert set(np.unique(found.state[1:])) == {State.NONE, State.CONTACT}
+    assert np.array_equal(found.state[0], plain.state[0])
+
+
 @pytest.mark.parametrize(
     "parameters",
     [
@@ -168,6 +210,10 @@ async def recovers_after_reset_in_mid_frame(dut):
         {"Channels": 7, "Level": 3},
         {"Channels": 3, "Level": 2, "Window": 16, "Hop": 12},
         {"Channels": 1024},
+        {"Channels": 3, "Window": 16, "Mask": 1},
+        {"Channels": 4, "Level": 2, "Window": 32, "Hop": 16, "Mask": 1},
+        {"Channels": 3, "Level": 3, "Window": 64, "Hop": 8, "Mask": 1},
+        {"Channels": 2, "Window": 16, "Hop": 2, "Mask": 1},
     ],
 )
 def test_channels(parameters):
@@ -187,6 +233,8 @@ def test_channels(parameters):
         ({"Adc": 2, "AdcPeriod": 500}, "AdcPeriod = 500"),
         ({"Serial": 1, "Hop": 32}, "Serial = 1"),
         ({"Serial": 1, "Channels": 2}, "Serial = 1"),
+        ({"Serial": 1, "Mask": 1}, "Mask = 1"),
+        ({"Adc": 2, "Mask": 1}, "Mask = 1"),
     ],
 )
 def test_refuses_illegal_parameters(parameters, message):

@@ -1,5 +1,6 @@
 """msn_haar against its model and the model against PyWavelets: sign, scale, odd lengths, constants, the
-extremes of the number range, levels 1 to 3, 1 to 1024 channels, chunks, gaps and stalls, restarts."""
+extremes of the number range, levels 1 to 3, 1 to 1024 channels, chunks, gaps and stalls, restarts; masks that
+come and go."""
 
 import cocotb
 import numpy as np
@@ -7,26 +8,34 @@ import pytest
 import pywt
 
 import bench
-from meissner.slip.haar import Haar, haar
+from meissner.slip.haar import Haar, haar, masked_groups
 
 
 def parameters(dut):
     return [getattr(dut, name).value.to_unsigned() for name in ("Channels", "Level", "SampleBits")]
 
 
-def check(beats, x, level, restarts=(0,)):
+def masks(dut, rng, x):
+    """Masks for x, a fifth of the samples and all at times, and what the model is to make of them."""
+    mask = (rng.random(x.shape) < 0.2) | (np.arange(x.shape[1]) % 40 > 30)
+    return mask, mask & bool(dut.Mask.value.to_unsigned())
+
+
+def check(beats, x, level, restarts=(0,), mask=None):
     """Compare beats with the model of x [channels, n], every field."""
     channels = x.shape[0]
-    detail, total = haar(x, level)
+    mask = np.zeros(x.shape, bool) if mask is None else mask
+    detail, total = haar(x, level, mask)
     assert len(beats) == detail.size
     assert np.array_equal(bench.column(beats, "detail", channels), detail)
     assert np.array_equal(bench.column(beats, "total", channels), total)
+    assert np.array_equal(bench.column(beats, "mask", channels), masked_groups(mask, level))
     assert np.array_equal(bench.column(beats, "id", channels)[:, 0], np.arange(channels))
     assert [b["last"] for b in beats] == [i % channels == channels - 1 for i in range(len(beats))]
     assert [b["restart"] for b in beats] == [i // channels in restarts for i in range(len(beats))]
 
 
-FIELDS = ["detail~", "total~", "id", "last", "restart"]
+FIELDS = ["detail~", "total~", "id", "last", "restart", "mask"]
 
 
 @cocotb.test(timeout_time=5, timeout_unit="ms")
@@ -35,9 +44,12 @@ async def matches_model(dut, stall_rate):
     channels, level, bits = parameters(dut)
     await bench.start(dut)
     length = 101 if channels < 50 else 9
-    x = bench.extremes_then_random(np.random.default_rng(bench.SEED), channels, length, bits)
+    rng = np.random.default_rng(bench.SEED)
+    x = bench.extremes_then_random(rng, channels, length, bits)
+    mask, used = masks(dut, rng, x)
     pause = bench.pauses(stall_rate)
-    check(await bench.stream(dut, bench.frames(data=x), FIELDS, pause, pause), x, level)
+    got = await bench.stream(dut, bench.frames(data=x, mask=mask), FIELDS, pause, pause)
+    check(got, x, level, mask=used)
 
 
 @cocotb.test(timeout_time=5, timeout_unit="ms")
@@ -48,9 +60,13 @@ async def restart_begins_a_new_group(dut):
     rng = np.random.default_rng(bench.SEED + 1)
     first = bench.extremes_then_random(rng, channels, 2**level + 1, bits)
     second = bench.extremes_then_random(rng, channels, 2 ** (level + 1), bits)
-    beats = bench.frames(data=first) + bench.frames(data=second)
+    mask, used = masks(dut, rng, first)
+    mask[:, -1] = used[:, -1] = True  # of the unfinished group
+    beats = bench.frames(data=first, mask=mask) + bench.frames(data=second, mask=np.zeros(second.shape))
     got = await bench.stream(dut, beats, FIELDS)
-    check(got, np.concatenate([first[:, : 2**level], second], axis=1), level, restarts=(0, 1))
+    x = np.concatenate([first[:, : 2**level], second], axis=1)
+    used = np.concatenate([used[:, : 2**level], np.zeros(second.shape, bool)], axis=1)
+    check(got, x, level, restarts=(0, 1), mask=used)
 
 
 @cocotb.test(timeout_time=5, timeout_unit="ms")
@@ -71,9 +87,12 @@ async def latency_is_one_clock_a_level(dut):
     assert dut.out_last_o.value == 1
 
 
-@pytest.mark.parametrize("channels, level", [(1, 1), (3, 2), (7, 3), (1, 3), (1024, 1)])
-def test_haar(channels, level):
-    bench.run("slip", "haar", {"Channels": channels, "Level": level, "SampleBits": 17})
+@pytest.mark.parametrize(
+    "channels, level, mask",
+    [(1, 1, 0), (3, 2, 0), (7, 3, 0), (1, 3, 0), (1024, 1, 0), (1, 1, 1), (3, 2, 1), (7, 3, 1)],
+)
+def test_haar(channels, level, mask):
+    bench.run("slip", "haar", {"Channels": channels, "Level": level, "SampleBits": 17, "Mask": mask})
 
 
 @pytest.mark.parametrize("level", [1, 2, 3])

@@ -1,6 +1,7 @@
 """msn_peak_to_peak against its model, and the model against SciPy's rank filters and brute force:
 tumbling, half-overlapped and sliding windows, any hop, full-scale details, a crossing at every place of a
-window, restarts in mid-window, 1 to 1024 channels, gaps and stalls, and the latency of each kind."""
+window, restarts in mid-window, 1 to 1024 channels, gaps and stalls, and the latency of each kind; masked
+details, single ones and more than a window in a row."""
 
 import cocotb
 import numpy as np
@@ -10,21 +11,31 @@ from scipy import ndimage
 import bench
 from meissner.slip.peak_to_peak import PeakToPeak, sliding
 
-FIELDS = ["p2p", "total~", "id", "last", "restart", "end"]
+FIELDS = ["p2p", "total~", "id", "last", "restart", "end", "mask"]
 
 
 def parameters(dut):
     return [getattr(dut, n).value.to_unsigned() for n in ("Channels", "Span", "Hop", "DetailBits")]
 
 
-def expected_beats(detail, total, span, hop):
+def expected_beats(detail, total, span, hop, mask=None):
     channels = detail.shape[0]
-    p2p, end = PeakToPeak(channels, span, hop).process(detail)
+    mask = np.zeros(detail.shape, bool) if mask is None else mask
+    p2p, end = PeakToPeak(channels, span, hop).process(detail, mask)
     ends = np.broadcast_to(end, detail.shape)
     return [
         {k: v for k, v in beat.items() if k != "detail"}
-        for beat in bench.frames(detail=detail, p2p=p2p, total=total, end=ends)
+        for beat in bench.frames(detail=detail, p2p=p2p, total=total, end=ends, mask=mask)
     ]
+
+
+def masks(rng, shape, span):
+    """Single details, and stretches shorter and longer than a window."""
+    mask = rng.random(shape) < 0.15
+    for channel in range(shape[0]):
+        at = rng.integers(0, shape[1])
+        mask[channel, at : at + rng.integers(1, 2 * span + 2)] = True
+    return mask
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
@@ -39,8 +50,12 @@ async def matches_model(dut, stall_rate):
     for length in lengths:
         detail = bench.extremes_then_random(rng, channels, length, bits)
         total = bench.extremes_then_random(rng, channels, length, bits)
-        sent += bench.frames(detail=detail, total=total)
-        expected += expected_beats(detail, total, span, hop)
+        mask = masks(rng, detail.shape, span)
+        used = mask & bool(dut.Mask.value.to_unsigned())
+        if used.any():
+            detail = np.maximum(detail, 1 - (1 << (bits - 1)))
+        sent += bench.frames(detail=detail, total=total, mask=mask)
+        expected += expected_beats(detail, total, span, hop, used)
     pause = bench.pauses(stall_rate)
     assert await bench.stream(dut, sent, FIELDS, pause, pause) == expected
 
@@ -48,7 +63,7 @@ async def matches_model(dut, stall_rate):
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def shows_a_crossing_at_every_place_of_a_window(dut):
     channels, span, hop, _ = parameters(dut)
-    await bench.start(dut)
+    await bench.start(dut, in_mask_i=0)
     for place in range(0, 2 * span, 1 if channels * span < 300 else 17):
         detail = np.zeros((channels, 3 * span), dtype=np.int64)
         detail[place % channels, place] = 1000
@@ -61,7 +76,7 @@ async def latency_is_as_stated(dut):
     _, span, hop, _ = parameters(dut)
     stages = (span.bit_length() - 1 + 1) // 2
     latency = 2 if hop == span else 3 if 2 * hop == span else 1 + stages
-    await bench.start(dut, out_ready_i=1)
+    await bench.start(dut, out_ready_i=1, in_mask_i=0)
     dut.in_detail_i.value = dut.in_total_i.value = dut.in_id_i.value = 0
     dut.in_last_i.value = dut.in_restart_i.value = dut.in_valid_i.value = 1
     await bench.RisingEdge(dut.clk_i)
@@ -73,21 +88,26 @@ async def latency_is_as_stated(dut):
 
 
 @pytest.mark.parametrize(
-    "channels, span, hop",
+    "channels, span, hop, mask",
     [
-        (1, 32, 32),
-        (5, 2, 2),
-        (1024, 4, 4),
-        (1, 32, 16),
-        (3, 8, 4),
-        (1, 32, 1),
-        (2, 16, 1),
-        (3, 8, 3),
-        (1, 2, 1),
+        (1, 32, 32, 0),
+        (5, 2, 2, 0),
+        (1024, 4, 4, 0),
+        (1, 32, 16, 0),
+        (3, 8, 4, 0),
+        (1, 32, 1, 0),
+        (2, 16, 1, 0),
+        (3, 8, 3, 0),
+        (1, 2, 1, 0),
+        (5, 8, 8, 1),
+        (3, 8, 4, 1),
+        (2, 16, 1, 1),
+        (1, 8, 3, 1),
     ],
 )
-def test_peak_to_peak(channels, span, hop):
-    bench.run("slip", "peak_to_peak", {"Channels": channels, "Span": span, "Hop": hop, "DetailBits": 18})
+def test_peak_to_peak(channels, span, hop, mask):
+    size = {"Channels": channels, "Span": span, "Hop": hop, "DetailBits": 18}
+    bench.run("slip", "peak_to_peak", size | {"Mask": mask})
 
 
 @pytest.mark.parametrize("span", [2, 4, 32, 64])
@@ -114,12 +134,29 @@ def test_model_against_brute_force(span, hop):
         assert (inside >= 0).all()
 
 
+@pytest.mark.parametrize("span, hop", [(4, 4), (8, 4), (8, 3), (2, 1)])
+def test_masked_model_against_brute_force(span, hop):
+    """At a window's end p2p is that of its details that are not masked, 0 if there are none."""
+    rng = np.random.default_rng(2)
+    x, mask = rng.integers(-99, 99, (3, 150)), masks(rng, (3, 150), span)
+    p2p, end = PeakToPeak(3, span, hop).process(x, mask)
+    empty = 0
+    for last in np.flatnonzero(end):
+        for channel in range(3):
+            at = slice(last - span + 1, last + 1)
+            window = x[channel, at][~mask[channel, at]]
+            assert p2p[channel, last] == (np.ptp(window) if len(window) else 0)
+            empty += not len(window)
+    assert empty
+
+
 @pytest.mark.parametrize("span, hop", [(8, 8), (8, 4), (8, 1), (8, 3)])
 def test_model_in_chunks(span, hop):
     x = np.random.default_rng(3).integers(-99, 99, (2, 100))
-    twin = PeakToPeak(2, span, hop)
-    parts = [twin.next(part) for part in np.split(x, [1, 2, 5, 13, 14, 50, 66], axis=1)]
-    p2p, end = twin.process(x)
+    mask = masks(np.random.default_rng(3), x.shape, span)
+    twin, cuts = PeakToPeak(2, span, hop), [1, 2, 5, 13, 14, 50, 66]
+    parts = [twin.next(*part) for part in zip(*(np.split(a, cuts, axis=1) for a in (x, mask)))]
+    p2p, end = twin.process(x, mask)
     assert np.array_equal(np.concatenate([p for p, _ in parts], axis=1), p2p)
     assert np.array_equal(np.concatenate([e for _, e in parts]), end)
 

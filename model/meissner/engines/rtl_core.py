@@ -37,8 +37,8 @@ def _open(path):
 class CoreOnPins:
     """A build of ``config`` (meissner.config.Config) with a sensor that gives ``codes``, over and over.
 
-    ``codes``: integers [frames, rows, columns] of an array, [frames, channels] else. ``read`` and ``write`` are
-    the bytes of the line, as meissner.host.pty and meissner.host.line take them; reading runs the core.
+    ``codes``: integers [frames, rows, columns] of an array, [frames, channels] else. ``read`` and ``write``
+    are the bytes of the line, as meissner.host.pty and meissner.host.line take them; reading runs the core.
     """
 
     def __init__(self, config, codes):

@@ -4,6 +4,7 @@ serial:/dev/ttyUSB0?baud=3000000     a serial port (3 Mbaud unless told); /dev/t
 pty:/dev/pts/7                       a pseudo-terminal, as a simulated core offers
 file:capture.bin                     what came over a line, as it came; nothing can be written
 sim:SCENE[+SCENE]                    a simulated core in this process: meissner.host.simulated
+core:CONFIG                          the RTL of a configuration in this process, its sensor showing a scene
 """
 
 import os
@@ -155,9 +156,15 @@ def open_line(url):
             from meissner.host import simulated
 
             return Pipe(simulated.of_scenes(path, options.get("speed", "1")), url)
+        if kind == "core" and path and not options:
+            from meissner import config
+            from meissner.engines.rtl_core import CoreOnPins, codes_of
+
+            build = config.load(path)
+            return Pipe(CoreOnPins(build, codes_of(build)), url)
     except OSError as problem:
         raise ValueError(f"{path} cannot be opened: {problem.strerror or problem}") from None
     raise ValueError(
         f"{url!r} names no line; there are serial:/dev/ttyUSB0?baud=3000000, pty:/dev/pts/7, "
-        "file:capture.bin and sim:SCENE"
+        "file:capture.bin, sim:SCENE and core:CONFIG"
     )

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from meissner.slip.haar import haar
+from meissner.slip.haar import haar, masked_groups
 from meissner.slip.peak_to_peak import PeakToPeak
 from meissner.slip.slip import Slip, State
 
@@ -23,23 +23,27 @@ class Decisions:
     blanked: int
 
 
-def decide(x, config, moving=None, change=None):
+def decide(x, config, moving=None, mask=None, change=None):
     """Decisions about whole frames of samples ``x`` [channels, samples]; ``moving``: [details] or None.
 
+    ``mask`` [channels, samples]: samples not to be trusted; their details count in no window, raise no slip.
     ``change``: (frame, threshold): from that frame on, another threshold.
     """
-    detail, total = haar(x, config.level)
+    detail, total = haar(x, config.level, mask)
+    off = None if mask is None else masked_groups(mask, config.level)
     group = 1 << config.level
-    p2p, end = PeakToPeak(len(x), config.window // group, config.hop // group).process(detail)
+    p2p, end = PeakToPeak(len(x), config.window // group, config.hop // group).process(detail, off)
     twin = Slip(len(x), config)
     if change is None:
-        state = twin.process(p2p, total, moving)
+        state = twin.process(p2p, total, moving, off)
     else:
         first = -(-(change[0] + 1) // group) - 1  # detail that the frame completes, or the next one
         moving = np.zeros(p2p.shape[1], bool) if moving is None else moving
-        before = twin.process(p2p[:, :first], total[:, :first], moving[:first])
+        off = np.zeros(p2p.shape, bool) if off is None else off
+        before = twin.process(p2p[:, :first], total[:, :first], moving[:first], off[:, :first])
         twin.config = replace(config, threshold=change[1])
-        state = np.concatenate([before, twin.next(p2p[:, first:], total[:, first:], moving[first:])], axis=1)
+        after = twin.next(p2p[:, first:], total[:, first:], moving[first:], off[:, first:])
+        state = np.concatenate([before, after], axis=1)
     slipping = (state == State.INCIPIENT) | (state == State.GROSS)
     was = np.concatenate([np.zeros((len(x), 1), dtype=bool), slipping[:, :-1]], axis=1)
     return Decisions(p2p, state, slipping & ~was, end, twin.blanked)

@@ -4,6 +4,8 @@ import numpy as np
 
 from meissner.slip.config import check_channels
 
+MASKED = np.iinfo(np.int64).min  # in a history: the detail is left out
+
 
 def check_window(span, hop):
     """Raise ValueError unless ``span`` and ``hop`` (in details) are what the RTL can be built for."""
@@ -20,19 +22,28 @@ def _lagged(x, lag, pick):
     return out
 
 
+def _extremes(detail):
+    """Maximum and minimum of each detail alone; one that is MASKED is above nothing and below nothing."""
+    return detail, np.where(detail == MASKED, ~MASKED, detail)
+
+
+def _spread(high, low):
+    return np.where(high == MASKED, 0, high - np.where(high == MASKED, 0, low))
+
+
 def sliding(detail, span):
     """Maximum minus minimum over the last ``span`` details at each detail (fewer at the start).
 
-    ``detail``: integers [..., n]; ``span`` a power of two. Doubling: the window of 2L is the window of L
-    now and L details ago, so log2(span) steps do.
+    ``detail``: integers [..., n], those that are MASKED left out; ``span`` a power of two. Doubling: the
+    window of 2L is the window of L now and L details ago, so log2(span) steps do.
     """
-    high = low = np.asarray(detail, dtype=np.int64)
+    high, low = _extremes(np.asarray(detail, dtype=np.int64))
     lag = 1
     while lag < span:
         if lag < high.shape[-1]:
             high, low = _lagged(high, lag, np.maximum), _lagged(low, lag, np.minimum)
         lag *= 2
-    return high - low
+    return _spread(high, low)
 
 
 class PeakToPeak:
@@ -57,13 +68,16 @@ class PeakToPeak:
         self._count = 0
         self._kept = np.zeros((self.channels, 0), dtype=np.int64)
 
-    def next(self, detail):
+    def next(self, detail, mask=None):
         """Feed ``detail`` [channels, n]; returns (p2p [channels, n], end [n]).
 
-        ``p2p`` is that of the window that runs, so far; ``end``: this detail closes a window (the first
-        closes at detail span - 1, then every hop).
+        ``mask`` [channels, n]: details to leave out; a window of none but such has p2p 0. ``p2p`` is that of
+        the window that runs, so far; ``end``: this detail closes a window (the first closes at detail
+        span - 1, then every hop).
         """
         detail = np.asarray(detail, dtype=np.int64)
+        if mask is not None:
+            detail = np.where(mask, MASKED, detail)
         kept = self._kept.shape[1]
         history = np.concatenate([self._kept, detail], axis=1)
         index = self._count + np.arange(detail.shape[1])
@@ -73,10 +87,10 @@ class PeakToPeak:
         end = (index >= self.span - 1) & ((index - (self.span - 1)) % self.hop == 0)
         return p2p[:, kept:], end
 
-    def process(self, detail):
+    def process(self, detail, mask=None):
         """``reset`` and then ``next``: the whole of ``detail`` at once."""
         self.reset()
-        return self.next(detail)
+        return self.next(detail, mask)
 
     def _keep_from(self, length):
         """Where the history that later details still need begins, aligned to a part."""
@@ -94,9 +108,10 @@ class PeakToPeak:
         padded[:, :length] = history
         padded[:, length:] = history[:, -1:] if length else 0
         shaped = padded.reshape(self.channels, parts, self.part)
-        high = np.maximum.accumulate(shaped, axis=2)
-        low = np.minimum.accumulate(shaped, axis=2)
+        highs, lows = _extremes(shaped)
+        high = np.maximum.accumulate(highs, axis=2)
+        low = np.minimum.accumulate(lows, axis=2)
         if self.part < self.span:
-            high[:, 1:] = np.maximum(high[:, 1:], shaped[:, :-1].max(axis=2, keepdims=True))
-            low[:, 1:] = np.minimum(low[:, 1:], shaped[:, :-1].min(axis=2, keepdims=True))
-        return (high - low).reshape(self.channels, -1)[:, :length]
+            high[:, 1:] = np.maximum(high[:, 1:], highs[:, :-1].max(axis=2, keepdims=True))
+            low[:, 1:] = np.minimum(low[:, 1:], lows[:, :-1].min(axis=2, keepdims=True))
+        return _spread(high, low).reshape(self.channels, -1)[:, :length]

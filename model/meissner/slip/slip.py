@@ -29,6 +29,7 @@ class Slip:
     INCIPIENT -> GROSS when gross; both fall back to CONTACT when ``hold`` details passed that were not
     over (or moving), and then ``refractory`` details are deaf.
     CONTACT, INCIPIENT, GROSS -> RELEASE when lifted; RELEASE -> NONE after ``hold`` details.
+    A masked detail leads to NONE from anywhere and is never over.
     ``blanked`` counts, over all channels, the details that were over while blanked or moving.
 
     All times count details of the channel. ``config``: meissner.slip.config.SlipConfig.
@@ -51,29 +52,30 @@ class Slip:
         """Every channel to NONE; the count stays."""
         self._memory = [(State.NONE, 0, 0, False)] * self.channels
 
-    def next(self, p2p, level, moving=None):
-        """Feed ``p2p`` and ``level`` [channels, n], ``moving`` [n] bool; returns states [channels, n]."""
+    def next(self, p2p, level, moving=None, mask=None):
+        """States [channels, n] of ``p2p``, ``level`` and bool ``mask`` [channels, n], bool ``moving`` [n]."""
         c = self.config
         p2p, level = np.asarray(p2p), np.asarray(level)
         moving = np.zeros(p2p.shape[1], bool) if moving is None else np.asarray(moving, bool)
         pressed = level >= c.contact_level if c.contact_rises else level <= c.contact_level
         lifted = level < c.release_level if c.contact_rises else level > c.release_level
         over, gross = p2p > c.threshold, p2p > c.gross_threshold
+        mask = np.zeros(p2p.shape, bool) if mask is None else np.asarray(mask, bool)
         states = np.empty(p2p.shape, dtype=np.int8)
         for channel in range(self.channels):
             inputs = zip(
                 *(
                     a.tolist()
-                    for a in (pressed[channel], lifted[channel], over[channel], gross[channel], moving)
+                    for a in (*(b[channel] for b in (pressed, lifted, over, gross)), moving, mask[channel])
                 )
             )
             states[channel] = self._channel(channel, inputs)
         return states
 
-    def process(self, p2p, level, moving=None):
+    def process(self, p2p, level, moving=None, mask=None):
         """``reset`` and then ``next``."""
         self.reset()
-        return self.next(p2p, level, moving)
+        return self.next(p2p, level, moving, mask)
 
     def _channel(self, channel, inputs):
         """Step one channel through its details; keep its memory and return its states."""
@@ -82,9 +84,11 @@ class Slip:
         # blanking: deaf because of a contact onset, so what is over meanwhile is counted.
         state, hold, deaf, blanking = self._memory[channel]
         states = []
-        for pressed, lifted, over, gross, moving in inputs:
+        for pressed, lifted, over, gross, moving, masked in inputs:
             slipping = state in (State.INCIPIENT, State.GROSS)
-            if state in (State.NONE, State.RELEASE):
+            if masked:
+                state = State.NONE
+            elif state in (State.NONE, State.RELEASE):
                 if pressed:
                     state, hold, deaf, blanking = State.CONTACT, 0, c.blank, True
                 elif state == State.RELEASE and hold:
