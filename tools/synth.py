@@ -218,7 +218,8 @@ def main():
     options = parser.parse_args()
     if options.list:
         for board in boards.BOARDS.values():
-            print(f"{board.name:12} {board.title:28} {', '.join(board.configs)}")
+            tried = f"; not measured: {', '.join(board.tried)}" if board.tried else ""
+            print(f"{board.name:12} {board.title:28} {', '.join(board.configs)}{tried}")
         return
     if options.macros and options.board == boards.ARTY.name and options.config in boards.ARTY.configs:
         folder = f"{OUT}/{options.board}-{options.config}"

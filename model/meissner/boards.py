@@ -1,6 +1,6 @@
 """The boards a bitstream can be made for, and the configurations each is offered with."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from meissner import config
 from meissner.toolchain import ROOT
@@ -21,6 +21,7 @@ class Board:
 
     ``cells``: family whose cells the netlist has; ``configs``: the named configurations it is offered with,
     each with what is the board's, not the file's (see meissner.config.load); ``more``: other parameters.
+    ``tried``: those that can be built but are not in resources.json, as no worst seed has met its clock yet.
     """
 
     name: str
@@ -33,6 +34,7 @@ class Board:
     bitstream: str
     area: dict
     configs: dict
+    tried: dict = field(default_factory=dict)
 
     @property
     def top(self):
@@ -40,11 +42,15 @@ class Board:
 
     def parameters(self, name):
         """Of rtl/msn_core.sv, for this board with that configuration."""
-        return self.config(name).parameters | self.configs[name].get("more", {})
+        return self.config(name).parameters | self.changes(name).get("more", {})
+
+    def changes(self, name):
+        """What is the board's of that configuration, not the file's."""
+        return (self.configs | self.tried)[name]
 
     def config(self, name):
         """meissner.config.Config of that name as this board has it."""
-        return config.load(name, **{key: v for key, v in self.configs[name].items() if key != "more"})
+        return config.load(name, **{key: v for key, v in self.changes(name).items() if key != "more"})
 
     @property
     def sources(self):
@@ -111,10 +117,9 @@ BOARDS = {
             configs={
                 "slip1": {"mhz": 50.0, "part": ON_BOARD},
                 "fingertip": {"mhz": 50.0, "part": ON_BOARD},
-                "cop4": {"mhz": 50.0},
-                # A queue of 64 events would take three block RAMs, and 54 of 56 are in use.
-                "array64": {"mhz": 100.0, "more": {"SlipDepth": 16}},
             },
+            # A queue of 64 events would take three block RAMs more, and 54 of 56 are in use.
+            tried={"cop4": {"mhz": 50.0}, "array64": {"mhz": 100.0, "more": {"SlipDepth": 16}}},
         ),
         Board(
             name="orangecrab",
@@ -127,7 +132,8 @@ BOARDS = {
             pack="yowasp-ecppack --compress --freq 38.8 --input {stem}.config --bit {stem}.bit",
             bitstream=".bit",
             area=ECP5_AREA,
-            configs={"slip1": {"mhz": 48.0}, "fingertip": {"mhz": 48.0}},
+            configs={"slip1": {"mhz": 48.0}},
+            tried={"fingertip": {"mhz": 48.0}},
         ),
         Board(
             name="tangnano20k",
@@ -140,7 +146,8 @@ BOARDS = {
             pack="gowin_pack -d GW2A-18C -o {stem}.fs {stem}.pnr.json",
             bitstream=".fs",
             area=GOWIN_AREA,
-            configs={"slip1": {"mhz": 27.0}, "fingertip": {"mhz": 27.0}},
+            configs={"slip1": {"mhz": 27.0}},
+            tried={"fingertip": {"mhz": 27.0}},
         ),
     )
 }
@@ -166,7 +173,9 @@ def pairs(board=None, name=None):
     if board is not None and board not in BOARDS:
         raise ValueError(f"unknown board '{board}'; the boards are: {', '.join(BOARDS)}")
     chosen = BOARDS.values() if board is None else [BOARDS[board]]
-    if board is not None and name not in (None, *BOARDS[board].configs):
-        offered = ", ".join(BOARDS[board].configs)
-        raise ValueError(f"the {board} has no configuration '{name}'; it has: {offered}")
+    if board is not None and name is not None:
+        offered = BOARDS[board].configs | BOARDS[board].tried
+        if name not in offered:
+            raise ValueError(f"the {board} has no configuration '{name}'; it has: {', '.join(offered)}")
+        return [(BOARDS[board], name)]
     return [(b, c) for b in chosen for c in b.configs if name in (None, c)]
