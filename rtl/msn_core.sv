@@ -328,7 +328,7 @@ module msn_core #(
   assign pending = slip_pending || cop_pending || cop4_pending || cop_slip_pending;
 
   // The sensor, up to single samples that the slip path takes, and to the centre of pressure.
-  logic                         sample_valid, sample_ready, sample_last, convert;
+  logic                         sample_valid, sample_ready, sample_last, sample_mask, convert;
   logic signed [SampleBits-1:0] sample;
   logic        [ChannelBits-1:0] sample_id;
   logic        [47:0]           frame_time;
@@ -389,6 +389,8 @@ module msn_core #(
 
     logic                      tap_valid, tap_ready, tap_last;
     logic [Lanes*16-1:0]       tap_data;
+    logic [Lanes-1:0]          tap_mask;
+    logic [Lanes*17-1:0]       tap;  // lane by lane, the mask above the force
     logic signed [CopBits-1:0] x, y;
     logic [SumBits-1:0]        load;
     logic                      event_valid, event_ready;
@@ -480,6 +482,7 @@ module msn_core #(
       .tap_valid_o     (tap_valid),
       .tap_ready_i     (tap_ready),
       .tap_data_o      (tap_data),
+      .tap_mask_o      (tap_mask),
       .tap_last_o      (tap_last),
       .out_valid_o     (cop_valid),
       .out_ready_i     (1'b1),
@@ -547,17 +550,20 @@ module msn_core #(
       .out_faults_o (report_faults)
     );
 
+    for (genvar k = 0; k < Lanes; k++) begin : gen_lane
+      assign tap[17*k+:17] = {tap_mask[k], tap_data[16*k+:16]};
+    end
     logic [15:0] force_of_taxel;
-    msn_narrow #(.Rows(Rows), .Columns(Columns), .Lanes(Lanes)) u_narrow (
+    msn_narrow #(.Rows(Rows), .Columns(Columns), .Lanes(Lanes), .DataBits(17)) u_narrow (
       .clk_i,
       .rst_i,
       .in_valid_i (tap_valid),
       .in_ready_o (tap_ready),
-      .in_data_i  (tap_data),
+      .in_data_i  (tap),
       .in_last_i  (tap_last),
       .out_valid_o(sample_valid),
       .out_ready_i(sample_ready),
-      .out_data_o (force_of_taxel),
+      .out_data_o ({sample_mask, force_of_taxel}),
       .out_id_o   (sample_id),
       .out_last_o (sample_last)
     );
@@ -789,7 +795,7 @@ module msn_core #(
       end else begin : gen_no_cop_slip
         assign found_ready = 1'b1;
       end
-      assign {sample_valid, sample, sample_id, sample_last} = '0;
+      assign {sample_valid, sample, sample_id, sample_last, sample_mask} = '0;
       logic unused_sample;
       assign unused_sample = sample_ready;
     end else begin : gen_no_cop4
@@ -798,6 +804,7 @@ module msn_core #(
       assign sample       = adc_data;
       assign sample_id    = adc_id;
       assign sample_last  = adc_last;
+      assign sample_mask  = 1'b0;
       assign {cop_valid, cop_x, cop_y, cop_load, cop_pressed, cop_damaged} = '0;
     end
 
@@ -813,19 +820,19 @@ module msn_core #(
   // Slip of every channel or taxel.
   if (Slip) begin : gen_slip
     // A long way back for ready: packet, slip, array, scan. An array's ends here; one sample is kept aside.
-    logic                         slip_valid, slip_ready, slip_last;
+    logic                         slip_valid, slip_ready, slip_last, slip_mask;
     logic signed [SampleBits-1:0] slip_sample;
     logic        [ChannelBits-1:0] slip_id;
     if (Array) begin : gen_skid
-      msn_skid #(.Width(SampleBits + ChannelBits + 1)) u_skid (
+      msn_skid #(.Width(SampleBits + ChannelBits + 2)) u_skid (
         .clk_i,
         .rst_i,
         .in_valid_i (sample_valid),
         .in_ready_o (sample_ready),
-        .in_data_i  ({sample, sample_id, sample_last}),
+        .in_data_i  ({sample, sample_id, sample_last, sample_mask}),
         .out_valid_o(slip_valid),
         .out_ready_i(slip_ready),
-        .out_data_o ({slip_sample, slip_id, slip_last})
+        .out_data_o ({slip_sample, slip_id, slip_last, slip_mask})
       );
     end else begin : gen_no_skid
       assign slip_valid   = sample_valid;
@@ -833,6 +840,7 @@ module msn_core #(
       assign slip_sample  = sample;
       assign slip_id      = sample_id;
       assign slip_last    = sample_last;
+      assign slip_mask    = sample_mask;
     end
 
     logic [DetailBits-1:0]  p2p;
@@ -847,7 +855,8 @@ module msn_core #(
       .Window    (Window),
       .Hop       (Hop),
       .TimerBits (TimerBits),
-      .Serial    (Serial)
+      .Serial    (Serial),
+      .Mask      (Health)
     ) u_slip (
       .clk_i,
       .rst_i,
@@ -875,7 +884,7 @@ module msn_core #(
       .in_data_i            (slip_sample),
       .in_id_i              (slip_id),
       .in_last_i            (slip_last),
-      .in_mask_i            (1'b0),
+      .in_mask_i            (slip_mask),
       .out_valid_o          (decision_valid),
       .out_ready_i          (decision_ready),
       .out_state_o          (decision_state),
@@ -899,7 +908,7 @@ module msn_core #(
     assign sample_ready = 1'b1;
     assign {slip_damaged, slip_blanked} = '0;
     logic unused_slip;
-    assign unused_slip = ^{actuator_moving_i, sample, sample_id};
+    assign unused_slip = ^{actuator_moving_i, sample, sample_id, sample_mask};
     if (!CopSlip) begin : gen_no_decision
       assign {decision_valid, decision_raised, decision_last, decision_state, decision_p2p, decision_id} = '0;
     end

@@ -41,6 +41,8 @@ def main():
     for name in config.names():
         given = [f"-G{k}={v}" for k, v in config.verilog(config.load(name).parameters).items()]
         jobs.append((f"verilator msn_core {name}", [*verilator, "--top-module", "msn_core", *given]))
+    example = "examples/instantiate/finger.sv"
+    jobs.append(("verilator finger", [*verilator, example, "--top-module", "finger"]))
     binaries = Path(sys.executable).parent
     jobs += [
         (

@@ -26,12 +26,13 @@ class Expected:
     images: np.ndarray | None
 
 
-def of_channels(samples, config, moving=None, change=None):
+def of_channels(samples, config, moving=None, mask=None, change=None):
     """Slip events of samples [frames, channels]; ``config``: SlipConfig.
 
-    ``change``: (frame, threshold) from which frame on another threshold holds.
+    ``mask`` [frames, channels]: samples not to be trusted; ``change``: (frame, threshold) from which frame on
+    another threshold holds.
     """
-    found = decide(np.asarray(samples).T, config, moving, change=change)
+    found = decide(np.asarray(samples).T, config, moving, None if mask is None else mask.T, change)
     group = 1 << config.level
     events = [
         ((detail + 1) * group - 1, p.slip_event(channel, int(found.p2p[channel, detail]), state))
@@ -46,11 +47,13 @@ def of_array(array, samples, slip=None, over=None):
 
     ``array``: meissner.cop.array.Array; it keeps what it learns, as the core does.
     """
-    forces = array.forces(samples, over)
+    forces, mask = array.forces(samples, over)
     x, y, load, pressed = array.cop.of_forces(forces)
     cops = [(n, p.cop_frame(*map(int, row))) for n, row in enumerate(zip(x, y, load, pressed))]
     images = forces.reshape(len(forces), -1)
-    events = of_channels(images, slip).slip if slip is not None else []
+    events = []
+    if slip is not None:
+        events = of_channels(images, slip, mask=mask.reshape(len(mask), -1)).slip
     return Expected(events, cops, images)
 
 

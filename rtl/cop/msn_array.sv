@@ -121,6 +121,7 @@ module msn_array #(
   output logic                             tap_valid_o,
   input  logic                             tap_ready_i,
   output logic [Lanes*16-1:0]              tap_data_o,
+  output logic [Lanes-1:0]                 tap_mask_o,
   output logic                             tap_last_o,
 
   output logic                             out_valid_o,
@@ -496,6 +497,7 @@ module msn_array #(
     .tap_valid_o,
     .tap_ready_i,
     .tap_data_o,
+    .tap_mask_o,
     .tap_last_o,
     .out_valid_o,
     .out_ready_i,

@@ -47,6 +47,7 @@ module msn_cop_array #(
   output logic                        tap_valid_o,
   input  logic                        tap_ready_i,
   output logic [Lanes*16-1:0]         tap_data_o,
+  output logic [Lanes-1:0]            tap_mask_o,
   output logic                        tap_last_o,
 
   output logic                        out_valid_o,
@@ -92,6 +93,7 @@ module msn_cop_array #(
     .out_valid_o(force_valid),
     .out_ready_i(force_ready),
     .out_data_o (force_data),
+    .out_mask_o (tap_mask_o),
     .out_id_o   (unused_id),
     .out_last_o (force_last),
     .damaged_o

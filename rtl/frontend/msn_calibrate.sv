@@ -48,6 +48,7 @@ module msn_calibrate #(
   output logic                        out_valid_o,
   input  logic                        out_ready_i,
   output logic [Lanes*16-1:0]         out_data_o,
+  output logic [Lanes-1:0]            out_mask_o,       // as it came in
   output logic [IdBits-1:0]           out_id_o,
   output logic                        out_last_o,
 
@@ -116,12 +117,14 @@ module msn_calibrate #(
 
     logic [2:1]          valid, marks;
     logic [2*IdBits-1:0] id;
+    logic [2*Lanes-1:0]  mask;
     always_ff @(posedge clk_i) begin
       if (move) begin
         valid      <= {valid[1], accept && keep};
         marks      <= {marks[1], last};
         out_last_o <= marks[2];
-        {out_id_o, id} <= {id, in_id_i};
+        {out_id_o, id}     <= {id, in_id_i};
+        {out_mask_o, mask} <= {mask, in_mask_i};
       end
       if (rst_i) valid <= '0;
     end
@@ -163,7 +166,7 @@ module msn_calibrate #(
     end
 
   end else begin : gen_grid
-    // 24 multipliers and 12 memories lie all over the part, too far for one ready to reach them in a clock: so
+    // 24 multipliers and 20 memories lie all over the part, too far for one ready to reach them in a clock: so
     // nothing behind the input ever waits, and a beat is let in only if the fifo at the end has a place for it.
     localparam int unsigned Stages   = 12;
     localparam int unsigned Places   = 32;
@@ -226,10 +229,10 @@ module msn_calibrate #(
 
     localparam int unsigned DataBits = Lanes * SampleBits;
     logic [6*DataBits-1:0] data;
-    logic [6*Lanes-1:0]    mask;
+    logic [Stages*Lanes-1:0] mask;
     always_ff @(posedge clk_i) begin
       data <= {data[5*DataBits-1:0], in_data_i};
-      mask <= {mask[5*Lanes-1:0], in_mask_i};
+      mask <= {mask[(Stages-1)*Lanes-1:0], in_mask_i};
     end
 
     logic [Lanes*16-1:0] rounded;
@@ -276,15 +279,15 @@ module msn_calibrate #(
       );
     end
 
-    msn_fifo #(.Depth(Places), .Width(Lanes * 16 + IdBits + 1)) u_fifo (
+    msn_fifo #(.Depth(Places), .Width(Lanes * 17 + IdBits + 1)) u_fifo (
       .clk_i,
       .rst_i,
       .in_valid_i (valid[Stages]),
       .in_ready_o (unused_room),
-      .in_data_i  ({marks[Stages], id[Stages*IdBits-1-:IdBits], rounded}),
+      .in_data_i  ({marks[Stages], mask[Stages*Lanes-1-:Lanes], id[Stages*IdBits-1-:IdBits], rounded}),
       .out_valid_o,
       .out_ready_i,
-      .out_data_o ({out_last_o, out_id_o, out_data_o})
+      .out_data_o ({out_last_o, out_mask_o, out_id_o, out_data_o})
     );
   end
 

@@ -14,7 +14,7 @@ from cocotb.triggers import FallingEdge
 import bench
 from meissner.frontend.calibrate import Calibrate, forces, latency
 
-FIELDS = ["data", "id", "last"]
+FIELDS = ["data", "mask", "id", "last"]
 IDLE = {"cfg_write_i": 0, "cfg_write_row_i": 0, "cfg_swap_i": 0}
 
 
@@ -74,7 +74,8 @@ def expected_of(twin, beats):
         mask = bench.lane_values(beat["mask"], table.lanes, 1)
         passed = twin.beat(np.array(raw), beat["id"], beat["last"], np.array(mask, bool))
         if passed:
-            got.append({"data": bench.lane_word(passed[0], 16), "id": passed[1], "last": int(passed[2])})
+            data = bench.lane_word(passed[0], 16)
+            got.append({"data": data, "mask": beat["mask"], "id": passed[1], "last": int(passed[2])})
     return got
 
 

@@ -30,17 +30,17 @@ class Array:
 
     def next(self, samples, over=None):
         """x, y, load, pressed [frames] of whole frames of signed samples [frames, rows, columns]."""
-        return self.cop.of_forces(self.forces(samples, over))
+        return self.cop.of_forces(self.forces(samples, over)[0])
 
     def forces(self, samples, over=None):
-        """The calibrated forces [frames, rows, columns] of such frames."""
+        """The calibrated forces of such frames, and which are masked, both [frames, rows, columns]."""
         samples = np.asarray(samples, dtype=np.int64)
         mask = np.zeros(samples.shape, dtype=bool)
         if self.health is not None:
             mask, _ = self.health.next(samples, over)
         if self.tare is not None:
             samples = self.tare.next(samples, mask)
-        return self.cop.calibrate.next(samples, mask)
+        return self.cop.calibrate.next(samples, mask), mask
 
     def latency(self, settle, **given):
         """Clocks of each step, by name: the scan's, then ``health``, ``tare``, ``cop`` and two sums.

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// A 3x3 fingertip in somebody's own design: the core with its parameters and pins, nothing else. The reset values
+// (Resets) come from a configuration: `meissner config show fingertip`. Without them the register map's defaults
+// hold, and a host sets the rest.
+
+module finger (
+  input  logic       clk_24m_i,
+  input  logic       rst_i,
+  output logic [2:0] row_o,       // drives the rows of the matrix
+  output logic       adc_cs_n_o,  // an MCP3208 on the columns
+  output logic       adc_sclk_o,
+  output logic       adc_mosi_o,
+  input  logic       adc_miso_i,
+  input  logic       rx_i,
+  output logic       tx_o,
+  output logic       slip_o       // to whatever closes the hand
+);
+
+  logic        unused_group, unused_convst, unused_adc_reset, unused_ready, unused_done, unused_error;
+  logic        unused_valid, unused_last, unused_gross, unused_touched, unused_pressed;
+  logic [7:0]  unused_bytes;
+  logic [31:0] unused_word;
+
+  msn_core #(
+    .Adc        (msn_pkg::AdcMcp3208),
+    .AdcChannels(3),
+    .ClkKhz     (24_000),
+    .Array      (1'b1),
+    .Rows       (3),
+    .Columns    (3),
+    .Tare       (1'b1),
+    .Image      (1'b1)
+  ) u_core (
+    .clk_i            (clk_24m_i),
+    .rst_i,
+    .row_o,
+    .group_o          (unused_group),
+    .adc_cs_n_o,
+    .adc_sclk_o,
+    .adc_mosi_o,
+    .adc_miso_i,
+    .adc_convst_o     (unused_convst),
+    .adc_busy_i       (1'b0),
+    .adc_reset_o      (unused_adc_reset),
+    .actuator_moving_i(1'b0),
+    .in_valid_i       (1'b0),
+    .in_ready_o       (unused_ready),
+    .in_data_i        ('0),
+    .in_id_i          ('0),
+    .in_last_i        (1'b0),
+    .slip_o,
+    .gross_o          (unused_gross),
+    .touched_o        (unused_touched),
+    .pressed_o        (unused_pressed),
+    .rx_i,
+    .tx_o,
+    .bus_valid_i      (1'b0),
+    .bus_write_i      (1'b0),
+    .bus_address_i    ('0),
+    .bus_data_i       ('0),
+    .bus_strobe_i     ('0),
+    .bus_done_o       (unused_done),
+    .bus_error_o      (unused_error),
+    .bus_data_o       (unused_word),
+    .out_valid_o      (unused_valid),
+    .out_ready_i      (1'b1),
+    .out_data_o       (unused_bytes),
+    .out_last_o       (unused_last)
+  );
+
+endmodule
