@@ -7,7 +7,7 @@ SYNTH  := .venv/.synth
 RTL    := $(shell cat rtl/rtl.f)
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test lint registers synth resources fmax bench clean
+.PHONY: help setup demo test lint registers synth resources gate fmax bench clean
 
 help:  ## this list
 	@awk -F':.*## ' '/^[a-z-]+:.*## /{printf "  make %-12s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -42,6 +42,9 @@ synth: $(SYNTH)  ## bitstream of a board: BOARD=ulx3s, icebreaker, tangnano20k o
 
 resources: $(SYNTH)  ## constraints/resources.json anew: every board with every configuration, three seeds each
 	@$(BIN)/python tools/synth.py --record
+
+gate: $(SYNTH)  ## every board's netlist against its sources: the same codes in, the same bytes out
+	@$(BIN)/python tools/gate.py $(BOARD) $(CONFIG)
 
 fmax: $(SYNTH)  ## Fmax and area of single blocks, worst of three seeds: table, build/fmax/fmax.json
 	@$(BIN)/python tools/fmax.py --jobs $(JOBS) $(FMAX)

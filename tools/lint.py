@@ -6,8 +6,6 @@ import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from synth import write_build
-
 from meissner import boards, config, toolchain
 
 ROOT = toolchain.ROOT
@@ -25,7 +23,7 @@ def run(name, command):
 
 def main():
     files = [path.relative_to(ROOT) for path in toolchain.sources()]
-    pairs = boards.pairs()
+    pairs = [*boards.pairs(), *((boards.ARTY, name) for name in boards.ARTY.configs)]
     outer = sorted({Path(source) for board, _ in pairs for source in board.sources})
     listed = {*files, *outer}
     strays = [str(p.relative_to(ROOT)) for p in ROOT.glob("rtl/**/*.sv") if p.relative_to(ROOT) not in listed]
@@ -37,7 +35,7 @@ def main():
     jobs = [(f"verilator {top.stem}", [*verilator, "--top-module", top.stem]) for top in tops]
     for board, name in pairs:
         folder = f"build/lint/{board.name}-{name}"
-        write_build(folder, board.parameters(name))
+        boards.write_build(folder, board.parameters(name))
         command = [*verilator, *board.sources, str(CELLS), f"-I{folder}", "--top-module", board.top]
         jobs.append((f"verilator {board.top}, {name}", command))
     for name in config.names():

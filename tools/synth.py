@@ -5,6 +5,7 @@
     python tools/synth.py --list                   every pair there is
     python tools/synth.py --record [BOARD CONFIG]  all or one, three seeds, into constraints/resources.json
     python tools/synth.py --check [BOARD CONFIG]   the same, held against that file
+    python tools/synth.py --macros arty_a7 CONFIG   only the configuration's macros, for Vivado
 
 A bitstream comes from the first seed that meets the clock; resources.json has the worst of three. It is an
 error if no seed meets the clock, if a design does not fit, and in a check if anything grew by more than 3 %.
@@ -18,33 +19,25 @@ import time
 from collections import Counter
 
 from meissner import boards
-from meissner.config import verilog
+from meissner.frontend.adc_spi import AdcSpi
 from meissner.yowasp import ROOT, ToolError, read_rtl, tool, warm_up, yosys
 
 OUT = "build/synth"  # relative to ROOT: YoWASP sees nothing outside the directory it starts in
 RESOURCES = ROOT / "constraints/resources.json"
 SEEDS = (1, 2, 3)
 GROWTH = 0.03
+PAGES = ("README.md", "docs/boards.md")
 AREA = ("lut", "ff", "bram", "dsp")
 PIN = re.compile(r"adc_\w+")
-
-
-def write_build(folder, parameters):
-    """The configuration as the macros that rtl/boards read; ``folder`` is made if need be."""
-    (ROOT / folder).mkdir(parents=True, exist_ok=True)
-    listed = ", ".join(f".{name}({value})" for name, value in verilog(parameters).items())
-    macros = boards.sizes(parameters) | {"PARAMETERS": listed}
-    text = "".join(f"`define MSN_{name} {value}\n" for name, value in macros.items())
-    (ROOT / folder / "msn_build.svh").write_text("// Written by tools/synth.py.\n" + text)
 
 
 def synthesise(board, config, parameters):
     """Yosys up to the netlist for place and route; returns the stem of its files and the cells counted."""
     folder = f"{OUT}/{board.name}-{config}"
     (ROOT / folder).mkdir(parents=True, exist_ok=True)
-    write_build(folder, parameters)
+    boards.write_build(folder, parameters)
     stem = f"{folder}/{board.top}"
-    tops = f"rtl/boards/msn_board_reset.sv rtl/boards/msn_board.sv rtl/boards/{board.top}.sv"
+    tops = " ".join(board.sources)
     script = f"{read_rtl(board.cells)}; read_verilog -sv -I{folder} {tops}; "
     script += f"{board.synth} -top {board.top} -json {stem}.json"
     yosys(script, f"{stem}.yosys.log")
@@ -162,6 +155,50 @@ def missing(recorded):
     ]
 
 
+def half_bit(board, config):
+    """ns from the edge that launches a bit to where it is taken, and the converter's own ns of these."""
+    found = board.config(config)
+    part, clk_khz = found.part, found.clk_khz
+    clocks = 2 * AdcSpi(part, 1, 1, clk_khz, found.adc["sclk_khz"]).half
+    if board.parameters(config).get("AdcPeriod"):  # msn_adc_single
+        clocks = 1 << (clocks - 1).bit_length()
+    return 1e6 * (clocks - 1) / clk_khz, part.access_ns
+
+
+def tables(recorded):
+    """README's table of resources and the page's of pins, from constraints/resources.json."""
+    area = [
+        "| board, configuration | clock, MHz | Fmax, worst of three | LUT | FF | block RAM | DSP |",
+        "|---" * 7 + "|",
+    ]
+    pins = [
+        "| board, configuration | a bit's data are taken after, ns | out | converter | in | left |",
+        "|---" * 6 + "|",
+    ]
+    for board, config in boards.pairs():
+        r = recorded[f"{board.name}-{config}"]
+        name = f"{board.title.partition(' (')[0]}, {config}"
+        used = " | ".join(str(r[key]) for key in AREA)
+        area.append(f"| {name} | {r['clk_mhz']:g} | {r['mhz_worst']} | {used} |")
+        taken, access = half_bit(board, config)
+        if r["spi_out_ns"] is not None:
+            left = taken - access - r["spi_out_ns"] - r["spi_in_ns"]
+            pins.append(
+                f"| {name} | {taken:.0f} | {r['spi_out_ns']} | {access} | {r['spi_in_ns']} | {left:.0f} |"
+            )
+    return "\n".join(area), "\n".join(pins)
+
+
+def write_tables(recorded):
+    """Both tables into their pages, in place of the ones there."""
+    for page, table in zip(PAGES, tables(recorded)):
+        head = table.partition("\n")[0]
+        text = (ROOT / page).read_text()
+        before, _, after = text.partition(head)
+        rest = after.split("\n\n", 1)[1]
+        (ROOT / page).write_text(f"{before}{table}\n\n{rest}")
+
+
 def tell(name, result):
     used = ", ".join(f"{result[key]} {key.upper()}" for key in AREA)
     return f"{name}: {used}; {result['mhz_worst']} MHz (its clock is {result['clk_mhz']:g})"
@@ -176,11 +213,18 @@ def main():
     parser.add_argument("--list", action="store_true")
     parser.add_argument("--record", action="store_true")
     parser.add_argument("--check", action="store_true")
+    parser.add_argument("--macros", action="store_true")
     parser.add_argument("--seeds", type=int, nargs="+", default=SEEDS)
     options = parser.parse_args()
     if options.list:
         for board in boards.BOARDS.values():
-            print(f"{board.name:12} {board.title:28} {', '.join(board.configs)}")
+            tried = f"; not measured: {', '.join(board.tried)}" if board.tried else ""
+            print(f"{board.name:12} {board.title:28} {', '.join(board.configs)}{tried}")
+        return
+    if options.macros and options.board == boards.ARTY.name and options.config in boards.ARTY.configs:
+        folder = f"{OUT}/{options.board}-{options.config}"
+        boards.write_build(folder, boards.ARTY.parameters(options.config))
+        print(f"{folder}/msn_build.svh")
         return
     try:
         pairs = boards.pairs(options.board, options.config)
@@ -213,6 +257,8 @@ def main():
             RESOURCES.write_text(json.dumps(dict(sorted(kept.items())), indent=1) + "\n")
         if not whole:
             print(f"bitstream: {OUT}/{name}/{board.top}{board.bitstream}")
+    if options.record and not missing(kept):
+        write_tables(kept)
     if problems:
         sys.exit("\n".join(problems))
 

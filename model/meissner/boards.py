@@ -1,13 +1,18 @@
 """The boards a bitstream can be made for, and the configurations each is offered with."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from meissner import config
+from meissner.toolchain import ROOT
 
 # What counts as what: patterns of nextpnr's names, of Yosys's for flip-flops.
 ECP5_AREA = {"lut": "TRELLIS_COMB", "ff": "TRELLIS_FF", "bram": "DP16KD", "dsp": "MULT18X18D"}
 ICE40_AREA = {"lut": "ICESTORM_LC", "ff": "SB_DFF.*", "bram": "ICESTORM_RAM", "dsp": "ICESTORM_DSP"}
 GOWIN_AREA = {"lut": "LUT4|ALU|RAMW", "ff": "DFF.*", "bram": "BSRAM", "dsp": "MULT.*"}
+
+
+# What the boards share.
+COMMON = ("rtl/boards/msn_board_reset.sv", "rtl/boards/msn_board.sv")
 
 
 @dataclass(frozen=True)
@@ -16,6 +21,7 @@ class Board:
 
     ``cells``: family whose cells the netlist has; ``configs``: the named configurations it is offered with,
     each with what is the board's, not the file's (see meissner.config.load); ``more``: other parameters.
+    ``tried``: those that can be built but are not in resources.json, as no worst seed has met its clock yet.
     """
 
     name: str
@@ -28,6 +34,7 @@ class Board:
     bitstream: str
     area: dict
     configs: dict
+    tried: dict = field(default_factory=dict)
 
     @property
     def top(self):
@@ -35,14 +42,20 @@ class Board:
 
     def parameters(self, name):
         """Of rtl/msn_core.sv, for this board with that configuration."""
-        settings = dict(self.configs[name])
-        more = settings.pop("more", {})
-        return config.load(name, **settings).parameters | more
+        return self.config(name).parameters | self.changes(name).get("more", {})
+
+    def changes(self, name):
+        """What is the board's of that configuration, not the file's."""
+        return (self.configs | self.tried)[name]
+
+    def config(self, name):
+        """meissner.config.Config of that name as this board has it."""
+        return config.load(name, **{key: v for key, v in self.changes(name).items() if key != "more"})
 
     @property
     def sources(self):
         """What a board has besides rtl/rtl.f, from the repository's root."""
-        return [f"rtl/boards/{module}.sv" for module in ("msn_board_reset", "msn_board", self.top)]
+        return [*COMMON, f"rtl/boards/{self.top}.sv"]
 
 
 def sizes(parameters):
@@ -58,6 +71,18 @@ def sizes(parameters):
         "ADC_LANES": parameters.get("AdcLanes", 1),
         "GROUP_BITS": max((groups - 1).bit_length(), 1),
     }
+
+
+def write_build(folder, parameters):
+    """The configuration as the macros that rtl/boards read; ``folder``, from ROOT, is made if need be."""
+    (ROOT / folder).mkdir(parents=True, exist_ok=True)
+    listed = ", ".join(f".{name}({value})" for name, value in config.verilog(parameters).items())
+    macros = sizes(parameters) | {"PARAMETERS": listed}
+    text = "".join(f"`define MSN_{name} {value}\n" for name, value in macros.items())
+    path = ROOT / folder / "msn_build.svh"
+    text = "// Written by meissner.boards.\n" + text
+    if not path.exists() or path.read_text() != text:
+        path.write_text(text)
 
 
 # The better part of those that a ULX3S may have; the other gives zeros in the low bits.
@@ -92,10 +117,9 @@ BOARDS = {
             configs={
                 "slip1": {"mhz": 50.0, "part": ON_BOARD},
                 "fingertip": {"mhz": 50.0, "part": ON_BOARD},
-                "cop4": {"mhz": 50.0},
-                # A queue of 64 events would take three block RAMs, and 54 of 56 are in use.
-                "array64": {"mhz": 100.0, "more": {"SlipDepth": 16}},
             },
+            # A queue of 64 events would take three block RAMs more, and 54 of 56 are in use.
+            tried={"cop4": {"mhz": 50.0}, "array64": {"mhz": 100.0, "more": {"SlipDepth": 16}}},
         ),
         Board(
             name="orangecrab",
@@ -108,7 +132,8 @@ BOARDS = {
             pack="yowasp-ecppack --compress --freq 38.8 --input {stem}.config --bit {stem}.bit",
             bitstream=".bit",
             area=ECP5_AREA,
-            configs={"slip1": {"mhz": 48.0}, "fingertip": {"mhz": 48.0}, "cop4": {"mhz": 48.0}},
+            configs={"slip1": {"mhz": 48.0}},
+            tried={"fingertip": {"mhz": 48.0}},
         ),
         Board(
             name="tangnano20k",
@@ -121,10 +146,26 @@ BOARDS = {
             pack="gowin_pack -d GW2A-18C -o {stem}.fs {stem}.pnr.json",
             bitstream=".fs",
             area=GOWIN_AREA,
-            configs={"slip1": {"mhz": 27.0}, "fingertip": {"mhz": 27.0}, "cop4": {"mhz": 27.0}},
+            configs={"slip1": {"mhz": 27.0}},
+            tried={"fingertip": {"mhz": 27.0}},
         ),
     )
 }
+
+
+# With Vivado, by tools/arty_a7.tcl; not built here.
+ARTY = Board(
+    name="arty_a7",
+    title="Arty A7-35T",
+    cells="",
+    synth="",
+    pnr="",
+    constraints="constraints/arty_a7.xdc",
+    pack="",
+    bitstream=".bit",
+    area={},
+    configs={"slip1": {"mhz": 50.0}, "fingertip": {"mhz": 50.0}},
+)
 
 
 def pairs(board=None, name=None):
@@ -132,7 +173,9 @@ def pairs(board=None, name=None):
     if board is not None and board not in BOARDS:
         raise ValueError(f"unknown board '{board}'; the boards are: {', '.join(BOARDS)}")
     chosen = BOARDS.values() if board is None else [BOARDS[board]]
-    if board is not None and name not in (None, *BOARDS[board].configs):
-        offered = ", ".join(BOARDS[board].configs)
-        raise ValueError(f"the {board} has no configuration '{name}'; it has: {offered}")
+    if board is not None and name is not None:
+        offered = BOARDS[board].configs | BOARDS[board].tried
+        if name not in offered:
+            raise ValueError(f"the {board} has no configuration '{name}'; it has: {', '.join(offered)}")
+        return [(BOARDS[board], name)]
     return [(b, c) for b in chosen for c in b.configs if name in (None, c)]

@@ -15,6 +15,8 @@ MODELS = {
     "ecp5": [HERE / "ecp5.sv", HERE / "ram.sv", toolchain.ROOT / "tb/common/MULT18X18D.v"],
     "gowin": [HERE / "gowin.sv", HERE / "ram.sv"],
 }
+# Where their ports are, if cells_sim.v does not say.
+BOXES = {"gowin": "read_verilog -lib +/gowin/cells_xtra_gw2a.v; "}
 # No build uses it, and Yosys would take a minute to read it.
 SLOW = "SB_SPRAM256KA"
 
@@ -33,31 +35,39 @@ def _yosys_models(cells, folder):
     return f"{folder}/cells.v"
 
 
-def verilog(top, parameters, cells, kept=()):
+def verilog(top, parameters, cells, kept=(), include=None):
     """Paths of the netlist of ``top`` in ``cells`` and of the cells' models; made now if it was not before.
 
     ``cells``: ice40, ecp5 or gowin, synthesised as the boards of that family are; ``kept``: wires of ``top``
-    that must be there by name.
+    that must be there by name; ``include``: folder of a board's msn_build.svh.
     """
     synth = next(board.synth for board in boards.BOARDS.values() if board.cells == cells)
     chparam = "".join(f"chparam -set {name} {int(value)} {top}; " for name, value in parameters.items())
     keep = "".join(f"setattr -set keep 1 {top}/w:{wire}; " for wire in kept)
-    before = f"{yowasp.read_rtl(cells)}; {chparam}hierarchy -top {top}; {keep}{synth} -top {top}; "
+    read = yowasp.read_rtl(cells)
+    text = ""
+    if include is not None:
+        read += f"; read_verilog -sv -I{include} {' '.join(boards.COMMON)}"
+        text = "".join(
+            (toolchain.ROOT / file).read_text() for file in (*boards.COMMON, f"{include}/msn_build.svh")
+        )
+    before = f"{read}; {chparam}hierarchy -top {top}; {keep}{synth} -top {top}; "
     before += "write_verilog -noattr "
     # Read afresh, as synthesis left boxes of its own in the design.
     after = f"; hierarchy -top {top}; proc; flatten; opt_expr; opt_clean; check -assert; "
     after += "write_verilog -noattr "
-    digest = hashlib.sha256((before + after).encode())
+    digest = hashlib.sha256((before + after + text).encode())
     for source in toolchain.sources():
         digest.update(source.read_bytes())
     folder = f"build/gate/{digest.hexdigest()[:16]}"
     made = toolchain.ROOT / folder / f"{top}.v"
     if not made.exists():
         yowasp.warm_up()
-        models = _yosys_models(cells, folder)
+        models, boxes = _yosys_models(cells, folder), BOXES.get(cells, "")
         mapped, fresh = f"{folder}/{top}.mapped.v", f"{folder}/{top}.{os.getpid()}"
         yowasp.yosys(
-            f"{before}{mapped}; design -reset; read_verilog -overwrite {mapped} {models}{after}{fresh}",
+            f"{before}{mapped}; design -reset; {boxes}"
+            f"read_verilog -overwrite {mapped} {models}{after}{fresh}",
             f"{folder}/{top}.log",
         )
         text = (toolchain.ROOT / fresh).read_text()

@@ -399,6 +399,10 @@ module msn_array #(
   logic [Lanes-1:0]            zeroed_mask;
   logic [31:0]                 unused_tare_damaged;
   if (Tare) begin : gen_tare
+    logic                        tared_valid, tared_ready, tared_last;
+    logic [Lanes*ZeroedBits-1:0] tared_data;
+    logic [IdBits-1:0]           tared_id;
+    logic [Lanes-1:0]            tared_mask;
     msn_tare #(
       .Rows      (Rows),
       .Columns   (Columns),
@@ -429,12 +433,23 @@ module msn_array #(
       .in_mask_i   (sound_mask),
       .in_id_i     (sound_id),
       .in_last_i   (sound_last),
-      .out_valid_o (zeroed_valid),
-      .out_ready_i (zeroed_ready),
-      .out_data_o  (zeroed_data),
-      .out_mask_o  (zeroed_mask),
-      .out_id_o    (zeroed_id),
-      .out_last_o  (zeroed_last)
+      .out_valid_o (tared_valid),
+      .out_ready_i (tared_ready),
+      .out_data_o  (tared_data),
+      .out_mask_o  (tared_mask),
+      .out_id_o    (tared_id),
+      .out_last_o  (tared_last)
+    );
+    // The path of ready from the calibration to the scan ends here.
+    msn_skid #(.Width(Lanes * (ZeroedBits + 1) + IdBits + 1)) u_skid (
+      .clk_i,
+      .rst_i,
+      .in_valid_i (tared_valid),
+      .in_ready_o (tared_ready),
+      .in_data_i  ({tared_data, tared_mask, tared_id, tared_last}),
+      .out_valid_o(zeroed_valid),
+      .out_ready_i(zeroed_ready),
+      .out_data_o ({zeroed_data, zeroed_mask, zeroed_id, zeroed_last})
     );
   end else begin : gen_no_tare
     assign zeroed_valid = sound_valid;

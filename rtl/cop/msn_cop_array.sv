@@ -99,37 +99,38 @@ module msn_cop_array #(
     .damaged_o
   );
 
-  assign tap_data_o = force_data;
-  assign tap_last_o = force_last;
+  // Everything behind it waits at its register, so that no path of ready goes through the calibration.
+  msn_skid #(.Width(Lanes * 16 + 1)) u_skid (
+    .clk_i,
+    .rst_i,
+    .in_valid_i (force_valid),
+    .in_ready_o (force_ready),
+    .in_data_i  ({force_last, force_data}),
+    .out_valid_o(skid_valid),
+    .out_ready_i(skid_ready),
+    .out_data_o ({next_last, next_data})
+  );
+
+  assign tap_data_o = next_data;
+  assign tap_last_o = next_last;
   if (Tap) begin : gen_tap
     msn_fork u_fork (
       .clk_i,
       .rst_i,
-      .in_valid_i(force_valid),
-      .in_ready_o(force_ready),
-      .a_valid_o (skid_valid),
-      .a_ready_i (skid_ready),
+      .in_valid_i(skid_valid),
+      .in_ready_o(skid_ready),
+      .a_valid_o (next_valid),
+      .a_ready_i (next_ready),
       .b_valid_o (tap_valid_o),
       .b_ready_i (tap_ready_i)
     );
   end else begin : gen_no_tap
-    assign skid_valid  = force_valid;
-    assign force_ready = skid_ready;
+    assign next_valid  = skid_valid;
+    assign skid_ready  = next_ready;
     assign tap_valid_o = 1'b0;
     logic unused_tap;
     assign unused_tap = tap_ready_i;
   end
-
-  msn_skid #(.Width(Lanes * 16 + 1)) u_skid (
-    .clk_i,
-    .rst_i,
-    .in_valid_i (skid_valid),
-    .in_ready_o (skid_ready),
-    .in_data_i  ({force_last, force_data}),
-    .out_valid_o(next_valid),
-    .out_ready_i(next_ready),
-    .out_data_o ({next_last, next_data})
-  );
 
   msn_cop #(
     .Rows        (Rows),

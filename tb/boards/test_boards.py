@@ -55,6 +55,11 @@ def test_every_pair_is_recorded_and_meets_its_clock():
         )
 
 
+def test_the_pages_have_the_tables_of_what_is_recorded():
+    for page, table in zip(synth.PAGES, synth.tables(json.loads(synth.RESOURCES.read_text()))):
+        assert table in (ROOT / page).read_text(), f"{page} is old; `make resources` writes it"
+
+
 def test_a_missing_or_surplus_pair_is_found():
     recorded = json.loads(synth.RESOURCES.read_text())
     last = recorded.pop(next(iter(recorded)))
@@ -114,11 +119,13 @@ def pins(path):
         ".lpf": r'LOCATE COMP "(\S+)" SITE "(\w+)"',
         ".pcf": r"(?m)^set_io\s+(?:-\S+\s+)*(\S+)\s+(\w+)",
         ".cst": r'IO_LOC "(\S+)" (\w+)',
+        ".xdc": r"PACKAGE_PIN (\w+) .*\[get_ports \{?([\w\[\]]+?)\}?\]",
     }
-    return re.findall(patterns[path.suffix], text)
+    found = re.findall(patterns[path.suffix], text)
+    return [pair[::-1] for pair in found] if path.suffix == ".xdc" else found
 
 
-@pytest.mark.parametrize("board", boards.BOARDS.values(), ids=lambda board: board.name)
+@pytest.mark.parametrize("board", [*boards.BOARDS.values(), boards.ARTY], ids=lambda board: board.name)
 def test_each_pin_is_used_once(board):
     located = pins(ROOT / board.constraints)
     assert len(located) > 5

@@ -13,3 +13,16 @@ module SB_PLL40_PAD #(
   input PACKAGEPIN, RESETB, BYPASS, output PLLOUTGLOBAL, LOCK
 );
 endmodule
+
+module IBUF (input I, output O);
+endmodule
+
+module BUFG (input I, output O);
+endmodule
+
+module MMCME2_BASE #(
+  parameter CLKIN1_PERIOD = 0.0, CLKFBOUT_MULT_F = 5.0, CLKOUT0_DIVIDE_F = 1.0
+) (
+  input CLKIN1, CLKFBIN, PWRDWN, RST, output CLKFBOUT, CLKOUT0, LOCKED
+);
+endmodule

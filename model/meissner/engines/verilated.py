@@ -12,7 +12,7 @@ from contextvars import ContextVar
 from functools import cache, wraps
 from pathlib import Path
 
-from meissner import netlist, toolchain
+from meissner import boards, netlist, toolchain
 
 HERE = Path(__file__).parent
 # The family whose cells library() builds from; None: the sources themselves.
@@ -35,21 +35,26 @@ def cached(build):
     return wraps(build)(lambda *arguments: kept(CELLS.get(), *arguments))
 
 
-def library(top, driver, parameters, trace=False):
+def library(top, driver, parameters, trace=False, include=None):
     """Path of ``top`` with these parameters behind ``driver``; built now if this source was not before.
 
     ``driver``: a .cpp file beside this one; its .vlt, if there is one, says which inner signals it reads.
+    ``include``: folder of a board's msn_build.svh, from the repository's root, for rtl/boards.
     """
     environment = toolchain.environment()
     driver = HERE / driver
     told = driver.with_suffix(".vlt")
     if CELLS.get() is None:
-        sources, checks = toolchain.sources(), toolchain.VERILATOR_FLAGS
-        checks = [*checks, *(f"-G{name}={value}" for name, value in parameters.items())]
+        sources, checks = toolchain.sources(), [*toolchain.VERILATOR_FLAGS]
+        if include is not None:
+            sources += [toolchain.ROOT / source for source in boards.COMMON]
+            sources.append(toolchain.ROOT / include / "msn_build.svh")
+            checks += [f"-I{toolchain.ROOT / include}", str(toolchain.ROOT / "tb/lint/verilator.vlt")]
+        checks += [*(f"-G{name}={value}" for name, value in parameters.items())]
     else:  # a netlist is not written in the house style, and its parameters are no more
         text = told.read_text() if told.exists() else ""
         read = re.findall(rf'public_flat_rd -module "{top}" -var "(\w+)"', text)
-        sources = netlist.verilog(top, parameters, CELLS.get(), read)
+        sources = netlist.verilog(top, parameters, CELLS.get(), read, include)
         checks = [*toolchain.VERILATOR_FLAGS, "-Wno-lint", "-Wno-style"]
     flags = [
         *(["--trace-vcd"] if trace else []),

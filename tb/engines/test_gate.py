@@ -1,0 +1,43 @@
+"""The netlist after synthesis, in the cells of each family, against sources and twins: the slip path behind
+the command, and the smallest build of each family from its converter's pins to its packets."""
+
+import sys
+
+import numpy as np
+import pytest
+
+from meissner import boards, core, engines
+from meissner.engines import board as engine
+from meissner.link import packet
+from meissner.link.decoder import Decoder
+from meissner.slip.config import SlipConfig
+from meissner.yowasp import ROOT
+
+sys.path.insert(0, str(ROOT / "tools"))
+import gate
+
+
+def test_the_gate_engine_is_the_integer_twin():
+    rng = np.random.default_rng(1)
+    samples = np.concatenate(
+        [rng.integers(-40, 41, 640), rng.integers(-65536, 65536, 640), [65535, -65536] * 64]
+    )
+    config = SlipConfig(threshold=60)
+    results = [engines.process_slip(samples, config, name) for name in ("fixed", "gate")]
+    assert results[0]["slip"].any() and not results[0]["slip"].all()
+    for name, values in results[0].items():
+        assert np.array_equal(values, results[1][name]), name
+
+
+@pytest.mark.parametrize("name", ["icebreaker", "ulx3s", "tangnano20k"])
+def test_a_boards_netlist_sends_the_packets_of_its_sources(name):
+    """ice40, ecp5, gowin; the packets' payloads are those of the twin."""
+    board = boards.BOARDS[name]
+    codes, clocks = gate.codes(board, "slip1")
+    line = engine.line(board, "slip1", codes, clocks, gates=True)
+    assert line == engine.line(board, "slip1", codes, clocks)
+    # The timer of msn_adc_single converts at the end of a period, that of msn_adc_spi at its start.
+    samples = codes[bool(board.parameters("slip1")["AdcPeriod"]) :, 0, :1]
+    expected = [payload for _, payload in core.of_channels(samples, board.config("slip1").slip).slip]
+    assert expected
+    assert [found.payload for found in Decoder().next(line) if found.kind == packet.SLIP] == expected
