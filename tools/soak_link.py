@@ -2,8 +2,8 @@
 
     python tools/soak_link.py [EVENTS] [SEED]
 
-Images are offered without a pause, CoP frames every thousand clocks, events in bursts that fill their queue; a
-bit lasts four clocks. The portable C decoder reads the line.
+Images are offered without a pause, CoP frames every thousand clocks, events in bursts that fill their queue;
+a bit lasts four clocks. The portable C decoder reads the line.
 """
 
 import ctypes
@@ -48,8 +48,8 @@ def main():
     began = time.perf_counter()
     found = soak(events, seed=seed)
     print(
-        f"{found.events} slip events, {found.lost} lost, {found.wrong} wrong; beside them {found.images} packets of "
-        f"images and {found.cops} CoP frames; {found.held} clocks in which an event waited for room; "
+        f"{found.events} slip events, {found.lost} lost, {found.wrong} wrong; beside them {found.images} "
+        f"packets of images and {found.cops} CoP frames; {found.held} clocks in which an event waited for room; "
         f"{found.clocks} clocks in {time.perf_counter() - began:.0f} s, seed {seed}"
     )
     sys.exit(bool(found.lost or found.wrong or found.events != events))
