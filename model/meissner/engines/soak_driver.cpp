@@ -1,0 +1,113 @@
+// The serial link under full load: images always, CoP frames often, slip events in bursts; every event is looked for on
+// the line, in order, through the portable decoder.
+#include <cstdint>
+#include <deque>
+#include <random>
+
+#include "../../../host/msn_packet.c"
+#include "Vmsn_link.h"
+#include "Vmsn_link___024root.h"
+#include "core.hpp"
+
+namespace {
+
+struct Event {
+  uint16_t channel;
+  uint32_t p2p;
+  uint8_t state;
+  uint64_t time;
+};
+
+}  // namespace
+
+extern "C" {
+
+struct Soak {
+  int64_t events, lost, wrong, images, cops, clocks, held;
+};
+
+// Until `events` events came out. `bit`: clocks of a bit; `mean`: clocks between two events on the average; `burst`:
+// events that come together at most.
+void soak_run(int64_t events, double bit, int32_t mean, int32_t burst, int32_t taxels, uint32_t seed, Soak *out) {
+  meissner::Core<Vmsn_link> core;
+  auto &top = core.top;
+  std::mt19937 draw(seed);
+  std::deque<Event> offered, sent;
+  top.rx_i = 1;
+  top.rst_i = 1;
+  for (int i = 0; i < 4; ++i) core.clock();
+  top.rst_i = 0;
+  *out = {};
+  msn_decoder decoder{};
+  int64_t next = 0, made = 0, began = -1, taxel = 0, quiet = 0;
+  int taken = 0, byte = 0;
+  for (int64_t now = 0; out->events + out->lost < events && quiet < 10'000'000; ++now, ++quiet) {
+    out->clocks = now;
+    if (now >= next && made < events) {
+      const int count = 1 + static_cast<int>(draw() % burst);
+      for (int i = 0; i < count && made < events; ++i, ++made) {
+        const auto state = static_cast<uint8_t>(2 + draw() % 2);
+        offered.push_back({static_cast<uint16_t>(draw()), draw() & 0xffffff, state, static_cast<uint64_t>(made)});
+      }
+      next = now + static_cast<int64_t>(count) * mean / 2 + draw() % (static_cast<uint32_t>(count) * mean);
+    }
+    top.now_i = now;
+    top.slip_valid_i = !offered.empty();
+    if (!offered.empty()) {
+      const Event &event = offered.front();
+      top.slip_id_i = event.channel;
+      top.slip_p2p_i = event.p2p;
+      top.slip_state_i = event.state;
+      top.slip_time_i = event.time;
+    }
+    top.cop_valid_i = draw() % 1000 == 0;
+    top.cop_x_i = draw() & 0xffffff;
+    top.image_valid_i = 1;
+    top.image_data_i = static_cast<uint16_t>(taxel * 40503);
+    top.image_last_i = taxel == taxels - 1;
+    top.eval();
+    const bool accepted = top.slip_valid_i && top.slip_ready_o;
+    out->held += top.slip_valid_i && !top.slip_ready_o;
+    if (accepted) {
+      sent.push_back(offered.front());
+      offered.pop_front();
+    }
+    taxel = taxel == taxels - 1 ? 0 : taxel + 1;
+    core.clock();
+    // The line.
+    const bool level = top.tx_o;
+    if (began < 0) {
+      if (!level) began = now, taken = byte = 0;
+      continue;
+    }
+    if (now - began < static_cast<int64_t>((taken + 1.5) * bit)) continue;
+    if (taken < 8) {
+      byte |= (level ? 1 : 0) << taken++;
+      continue;
+    }
+    began = -1;
+    msn_packet packet;
+    if (!msn_decode(&decoder, static_cast<uint8_t>(byte), &packet)) continue;
+    quiet = 0;
+    if (packet.type == MSN_IMAGE) ++out->images;
+    if (packet.type == MSN_COP) ++out->cops;
+    if (packet.type != MSN_SLIP) continue;
+    // Those before it in the queue never came.
+    while (!sent.empty() && sent.front().time != packet.time) {
+      sent.pop_front();
+      ++out->lost;
+    }
+    if (sent.empty()) {
+      ++out->wrong;
+      continue;
+    }
+    const Event &event = sent.front();
+    out->wrong += event.channel != packet.is.slip.channel || event.p2p != packet.is.slip.p2p ||
+                  event.state != packet.is.slip.state;
+    ++out->events;
+    sent.pop_front();
+  }
+  out->lost += static_cast<int64_t>(sent.size());
+}
+
+}  // extern "C"

@@ -1,0 +1,15 @@
+"""Slip events at full image load through the Verilated link, read by the C decoder: none lost, in a short
+form of tools/soak_link.py."""
+
+import sys
+
+from meissner.toolchain import ROOT
+
+sys.path.insert(0, str(ROOT / "tools"))
+from soak_link import soak
+
+
+def test_no_event_is_lost_at_full_image_load():
+    found = soak(2000)
+    assert (found.events, found.lost, found.wrong) == (2000, 0, 0)
+    assert found.images > 100 and found.cops > 100 and found.held > 0

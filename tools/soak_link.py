@@ -1,0 +1,59 @@
+"""Slip events through the Verilated link at full image load: how many were lost.
+
+    python tools/soak_link.py [EVENTS] [SEED]
+
+Images are offered without a pause, CoP frames every thousand clocks, events in bursts that fill their queue;
+a bit lasts four clocks. The portable C decoder reads the line.
+"""
+
+import ctypes
+import sys
+import time
+
+from meissner.engines import verilated
+
+TAXELS, DEPTH, CLK_HZ, BAUD_HZ = 1024, 64, 24_000_000, 6_000_000
+NAMES = ("events", "lost", "wrong", "images", "cops", "clocks", "held")
+
+
+class Soak(ctypes.Structure):
+    """``images``, ``cops``: packets of them; ``held``: clocks in which an event waited for room."""
+
+    _fields_ = tuple((name, ctypes.c_int64) for name in NAMES)
+
+
+def soak(events, mean=1000, burst=100, seed=1):
+    """Soak of so many events, ``mean`` clocks between two on the average, up to ``burst`` together."""
+    parameters = {"ClkHz": CLK_HZ, "BaudHz": BAUD_HZ, "Taxels": TAXELS, "SlipDepth": DEPTH, "Health": 0}
+    lib = ctypes.CDLL(str(verilated.library("msn_link", "soak_driver.cpp", parameters)))
+    number = ctypes.c_int32
+    pointer = ctypes.POINTER(Soak)
+    lib.soak_run.argtypes = [
+        ctypes.c_int64,
+        ctypes.c_double,
+        number,
+        number,
+        number,
+        ctypes.c_uint32,
+        pointer,
+    ]
+    found = Soak()
+    lib.soak_run(events, CLK_HZ / BAUD_HZ, mean, burst, TAXELS, seed, found)
+    return found
+
+
+def main():
+    given = [int(argument) for argument in sys.argv[1:3]]
+    events, seed = [*given, *(1_000_000, 1)[len(given) :]]
+    began = time.perf_counter()
+    found = soak(events, seed=seed)
+    print(
+        f"{found.events} slip events, {found.lost} lost, {found.wrong} wrong; beside them {found.images} "
+        f"packets of images and {found.cops} CoP frames; {found.held} clocks in which an event waited for room; "
+        f"{found.clocks} clocks in {time.perf_counter() - began:.0f} s, seed {seed}"
+    )
+    sys.exit(bool(found.lost or found.wrong or found.events != events))
+
+
+if __name__ == "__main__":
+    main()
