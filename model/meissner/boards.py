@@ -101,7 +101,8 @@ BOARDS = {
             pack="yowasp-icepack {stem}.asc {stem}.bin",
             bitstream=".bin",
             area=ICE40_AREA,
-            configs={"slip1": {}, "fingertip": {"mhz": 24.0, "registers": False}},
+            configs={"slip1": {}},
+            tried={"fingertip": {"mhz": 24.0, "registers": False}},
         ),
         Board(
             name="ulx3s",
