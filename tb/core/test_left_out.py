@@ -1,5 +1,5 @@
-"""What a configuration leaves out is not there: Yosys elaborates the core of each named one, and of the blocks
-of the features it has not, none is among the modules; so they cannot cost a cell."""
+"""What a configuration leaves out is not there: Yosys elaborates the core of each named one, and none of the
+blocks of the features it has not is among the modules; so they cannot cost a cell."""
 
 import re
 
