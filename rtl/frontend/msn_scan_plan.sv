@@ -119,7 +119,6 @@ module msn_scan_plan #(
   logic                  take_slip, take_frame, off_end;
   logic                  active_q;  // a frame has conversions left
   assign switch_o  = take_slip || take_frame;
-  assign trigger_o = state_q == Settle && count_q == '0;
   assign idle_o    = state_q == Off || (state_q == Free && !switch_o);
   assign off_end   = state_q == Off && count_q == '0 && cfg_enable_i;
 
@@ -129,7 +128,7 @@ module msn_scan_plan #(
   logic [PeriodBits-1:0] period_q, slip_period_q;
   logic [CountBits:0]    slot_q;    // clocks from switch to switch
   logic                  roomy_q;   // a slip round leaves room for a conversion of the frame
-  logic                  slip_on_q, slip_one_q, period_one_q;
+  logic                  slip_on_q, slip_one_q, period_one_q, at_once_q;
   logic [SlipSlots*(RowBits+1)-1:0] slip_row_q;
   logic [SlipSlots*GroupBits-1:0]   slip_group_q;
   always_ff @(posedge clk_i) begin
@@ -146,8 +145,14 @@ module msn_scan_plan #(
     roomy_q   <= 64'(slip_period_q) > 64'(slot_q);
     slip_on_q <= slip_period_q != '0;
 
+    at_once_q    <= settle_q == '0;
     slip_one_q   <= slip_period_q == PeriodBits'(1);
     period_one_q <= period_q == PeriodBits'(1);
+  end
+
+  // In the clock in which Settle has counted down, found a clock ahead: the converters are far.
+  always_ff @(posedge clk_i) begin
+    trigger_o <= !rst_i && ((state_q == Settle && count_q == CountBits'(1)) || (switch_o && at_once_q));
   end
 
   always_ff @(posedge clk_i) begin
