@@ -49,7 +49,7 @@ def main():
     found = soak(events, seed=seed)
     print(
         f"{found.events} slip events, {found.lost} lost, {found.wrong} wrong; beside them {found.images} "
-        f"packets of images and {found.cops} CoP frames; {found.held} clocks in which an event waited for room; "
+        f"packets of images and {found.cops} CoP frames; {found.held} clocks that an event waited for room; "
         f"{found.clocks} clocks in {time.perf_counter() - began:.0f} s, seed {seed}"
     )
     sys.exit(bool(found.lost or found.wrong or found.events != events))

@@ -220,6 +220,27 @@ async def forgets_what_a_reset_interrupts(dut):
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
+async def keeps_all_that_it_let_in_while_nobody_takes_any(dut):
+    """The consumer sleeps until the block has been full for long, then takes all, again and again."""
+    twin, rng = twin_of(dut), np.random.default_rng(bench.SEED)
+    length = size_of(twin)[3]
+    if length > 500:
+        return
+    await bench.start(dut, **IDLE)
+    await load(dut, twin, calibrations(twin.table, rng))
+    await swap(dut, twin)
+    beats = samples(rng, twin, -(-300 // length))
+    clock = 0
+
+    def asleep():
+        nonlocal clock
+        clock += 1
+        return clock % 200 < 120
+
+    assert await bench.stream(dut, beats, FIELDS, stalls=asleep, drain=100) == expected_of(twin, beats)
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
 async def clocks_are_as_stated_and_frames_never_wait(dut):
     twin, rng = twin_of(dut), np.random.default_rng(bench.SEED)
     length = size_of(twin)[3]

@@ -190,6 +190,29 @@ async def interleaved_rows_leave_as_soon_as_they_can(dut):
 
 
 @cocotb.test(timeout_time=50, timeout_unit="ms")
+async def two_conversions_fit_while_there_is_room(dut):
+    """The sender asks once and then sends two of them; the consumer takes a little now and then."""
+    twin = twin_of(dut)
+    draw = random.Random(bench.SEED)
+    burst = dut.Burst.value.to_unsigned()
+    await start(dut)
+    run = Bench(dut, lambda: run.clock % 50 < 44)
+    for _ in range(12):
+        frame = random_frame(draw, twin)
+        run.beats = []
+        for index, word in enumerate(frame[0]):
+            if index % (2 * burst) == 0:
+                for _ in range(3):
+                    await run.tick()
+                while not run.room:
+                    await run.tick()
+            await run.tick(word, frame if index == 0 else None)
+        for _ in range(20 * len(frame[0]) + 100):
+            await run.tick()
+        assert [beat[1:] for beat in run.beats] == twin.frame(*frame)
+
+
+@cocotb.test(timeout_time=50, timeout_unit="ms")
 async def recovers_after_reset(dut):
     """Reset with half a frame inside: the rest of it is not taken for a frame, the next is whole."""
     twin = twin_of(dut)

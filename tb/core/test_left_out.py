@@ -1,0 +1,51 @@
+"""What a configuration leaves out is not there: Yosys elaborates the core of each named one, and of the blocks
+of the features it has not, none is among the modules; so they cannot cost a cell."""
+
+import re
+
+import pytest
+
+from meissner import config, toolchain
+from meissner.yowasp import read_rtl, yosys
+
+# Blocks of each feature that are of no use to any other.
+BLOCKS = {
+    "Array": {
+        "msn_array",
+        "msn_scan",
+        "msn_calibrate",
+        "msn_narrow",
+        "msn_calibration_preset",
+        "msn_cop_divide",
+    },
+    "Health": {"msn_health"},
+    "Tare": {"msn_tare"},
+    "Slip": {"msn_channels"},
+    "Serial": {"msn_slip_serial", "msn_adc_single"},
+    "Image": {"msn_image_store"},
+    "Cop4": {"msn_cop4", "msn_electrodes"},
+    "CopSlip": {"msn_cop_slip"},
+    "Registers": {"msn_bridge", "msn_uart_rx"},
+    "SlipOnly": {"msn_packet_slip"},
+    "Demod": {"msn_am_demod", "msn_scan_demod"},
+}
+
+
+def elaborated(name, parameters):
+    """Names of the modules that the core has with these parameters."""
+    given = "".join(f"chparam -set {k} {v} msn_core; " for k, v in config.verilog(parameters).items())
+    folder = toolchain.BUILD / "left_out"
+    folder.mkdir(parents=True, exist_ok=True)
+    log = folder.relative_to(toolchain.ROOT) / f"{name}.log"
+    yosys(f"{read_rtl()}; {given}hierarchy -top msn_core; tee -o {log}.modules ls", str(log))
+    text = (toolchain.ROOT / f"{log}.modules").read_text()
+    return set(re.findall(r"\bmsn_\w+", text))
+
+
+@pytest.mark.parametrize("name", config.names())
+def test_what_is_left_out_is_not_elaborated(name):
+    parameters = config.load(name).parameters
+    there = elaborated(name, parameters)
+    for feature, blocks in BLOCKS.items():
+        has = bool(parameters.get(feature, 0))
+        assert (blocks <= there) if has else not (blocks & there), (name, feature, sorted(blocks & there))
