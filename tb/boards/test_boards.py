@@ -103,6 +103,17 @@ def test_a_conflict_of_drivers_fails_the_build():
         )
 
 
+def test_the_log_is_read_to_its_end():
+    """What Yosys says after its first call of ABC is not on standard output."""
+    folder = ROOT / "build/tb/whole"
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "sum.v").write_text(
+        "module sum(input [7:0] a, b, output [7:0] y); assign y = a + b; endmodule\n"
+    )
+    said = yosys("read_verilog build/tb/whole/sum.v; synth_ecp5 -top sum", "build/tb/whole/log")
+    assert said.index("Executing ABC9_EXE") < said.index("End of script")
+
+
 def test_what_is_too_large_is_told():
     folder = ROOT / "build/tb/large"
     folder.mkdir(parents=True, exist_ok=True)
