@@ -35,7 +35,7 @@ def run(stage, block, parameters=None, test_filter=None, module=None, sources=No
     os.environ["MAKEFLAGS"] = "-- CFG_CXXFLAGS_PCH_I=-include"
     runner = get_runner("verilator")
     runner.build(
-        sources=sources or toolchain.sources(),
+        sources=sources or toolchain.sources_of(f"msn_{block}"),
         hdl_toplevel=f"msn_{block}",
         parameters=parameters,
         build_args=[*toolchain.VERILATOR_FLAGS],
@@ -61,7 +61,7 @@ def refuses(block, parameters, of=None):
     command = ["verilator", "--lint-only", "-Wall", "--top-module", f"msn_{block}"]
     command += [f"-G{k}={v}" for k, v in parameters.items()]
     done = subprocess.run(
-        command + [str(path) for path in toolchain.sources()],
+        command + [str(path) for path in toolchain.sources_of(f"msn_{block}")],
         env=toolchain.environment(),
         capture_output=True,
         text=True,

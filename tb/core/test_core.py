@@ -60,7 +60,7 @@ CASES = {
         "link": {"baud": 500_000, "registers": False, "statistics": False, "slip_only": True},
     },
 }
-FRAMES = {"array": 44, "channels": 200, "electrodes": 60, "smallest": 200}
+FRAMES = {"array": 36, "channels": 120, "electrodes": 60, "smallest": 120}
 COMMON = {"about": "of a test", "clock": {"mhz": 4.0}}
 
 
@@ -136,7 +136,7 @@ def codes_of(name, build, frames):
         press = 1500 * np.exp(-((i - 0.6) ** 2 + (j - 1.2) ** 2) / 1.5)
         n = np.arange(frames)[:, None, None]
         shape = 100 + 40 * i + rng.integers(-2, 3, (frames, 3, 3))
-        return shape + np.rint(press * (n >= 16) * (1 + 0.5 * ((n // 11) % 2) * (n % 2))).astype(np.int64)
+        return shape + np.rint(press * (n >= 12) * (1 + 0.5 * ((n // 11) % 2) * (n % 2))).astype(np.int64)
     if name == "electrodes":
         newtons = 1 + 0.02 * np.arange(frames)
         newtons[30:] *= 0.5

@@ -673,7 +673,7 @@ BUILDS = [
     {"Part": 2, "Channels": 8, "Lanes": 2, "ClkKhz": 25_000, "SclkKhz": 14_500},
     {"Part": 3, "Channels": 8, "ClkKhz": 25_000, "SclkKhz": 16_000},
     {"Part": 4, "Channels": 1, "ClkKhz": 100_000, "SclkKhz": 16_000},
-    {"Part": 5, "Channels": 5, "ClkKhz": 50_000, "SclkKhz": 3_000},
+    {"Part": 5, "Channels": 5, "ClkKhz": 50_000, "SclkKhz": 6_000},
 ]
 
 

@@ -37,7 +37,7 @@ async def full_load_and_registers(dut):
     wait = [1] * 7000
     rx = [1] * 400 + [level for ask in asked for level in levels(command(*ask), CLK, BAUD) + wait]
     line = []
-    for clock, level in enumerate(rx + [1] * 9000):
+    for clock, level in enumerate(rx + [1] * 20_000):
         dut.rx_i.value, dut.now_i.value = level, clock
         registers.before()
         for source in sources:

@@ -45,6 +45,7 @@ class Registers:
             if name not in known:
                 raise ValueError(f"feature {name!r} must be one of: {', '.join(known)}")
         self._groups = [g for g in GROUPS if not g.feature or features is None or g.name in features]
+        self.addresses = {register.address for g in self._groups for register in g.registers}
         self._at = {register.address: (g, register) for g in self._groups for register in g.registers}
         self.resets = reset_word({}) if resets is None else resets
         self.reset()
