@@ -64,6 +64,7 @@ module msn_cop_array #(
   logic                force_valid, force_ready, force_last, skid_valid, skid_ready;
   logic                next_valid, next_ready, next_last;
   logic [Lanes*16-1:0] force_data, next_data;
+  logic [Lanes-1:0]    force_mask;
   logic [IdBits-1:0]   unused_id;
 
   msn_calibrate #(
@@ -93,22 +94,22 @@ module msn_cop_array #(
     .out_valid_o(force_valid),
     .out_ready_i(force_ready),
     .out_data_o (force_data),
-    .out_mask_o (tap_mask_o),
+    .out_mask_o (force_mask),
     .out_id_o   (unused_id),
     .out_last_o (force_last),
     .damaged_o
   );
 
   // Everything behind it waits at its register, so that no path of ready goes through the calibration.
-  msn_skid #(.Width(Lanes * 16 + 1)) u_skid (
+  msn_skid #(.Width(Lanes * 17 + 1)) u_skid (
     .clk_i,
     .rst_i,
     .in_valid_i (force_valid),
     .in_ready_o (force_ready),
-    .in_data_i  ({force_last, force_data}),
+    .in_data_i  ({force_last, force_mask, force_data}),
     .out_valid_o(skid_valid),
     .out_ready_i(skid_ready),
-    .out_data_o ({next_last, next_data})
+    .out_data_o ({next_last, tap_mask_o, next_data})
   );
 
   assign tap_data_o = next_data;

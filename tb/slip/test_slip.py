@@ -93,7 +93,7 @@ async def matches_model(dut, rises, stall_rate):
             dut.actuator_moving_i.value = int(moving)
             p2p, level = walk(channels, length // (4 if moving else 1), rises, draw)
             ends = np.broadcast_to(np.arange(p2p.shape[1]) % 32 == 31, p2p.shape)
-            mask = np.array([[draw.random() < 0.02 for _ in row] for row in p2p])
+            mask = np.array([[draw.random() < 0.02 for _ in row] for row in p2p], bool).reshape(p2p.shape)
             beats = bench.frames(p2p=p2p, total=level, end=ends, mask=mask)
             mask &= bool(dut.Mask.value.to_unsigned())
             twin.restart()
