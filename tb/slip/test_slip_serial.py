@@ -87,7 +87,7 @@ async def matches_model(dut, rises, stall_rate):
         twin = usual(dut, rises, **dict(zip(("hold", "refractory", "blank"), timers)))
         await bench.reset(dut)
         await apply(dut, twin)
-        decided = await check(dut, twin, recording(rng, 500, rises), stall_rate)
+        decided = await check(dut, twin, recording(rng, 250, rises), stall_rate)
         seen |= set(decided["state"])
     assert seen == set(State)
 
