@@ -7,7 +7,7 @@ SYNTH  := .venv/.synth
 RTL    := $(shell cat rtl/rtl.f)
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test lint registers synth resources gate fmax bench clean
+.PHONY: help setup demo test test-long lint registers synth resources gate fmax bench clean
 
 help:  ## this list
 	@awk -F':.*## ' '/^[a-z-]+:.*## /{printf "  make %-12s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -29,7 +29,10 @@ demo: $(SIM)  ## the acrylic slip scene on the rtl engine, from ADC pins to a sl
 	@$(BIN)/meissner run acrylic_slip --engine rtl --out build/demo
 
 test: lint $(SYNTH)  ## lint, twins and every cocotb regression
-	@$(BIN)/python -m pytest -n $(JOBS)
+	@$(BIN)/python -m pytest -n $$(($(JOBS) + 1)) --dist worksteal -m "not long"
+
+test-long: $(SYNTH)  ## the benches that `make test` leaves out: large sizes, more builds, netlists
+	@$(BIN)/python -m pytest -n $(JOBS) -m long
 
 lint: $(SIM)  ## Verilator -Wall on every module as its own top, Verible, ruff
 	@$(BIN)/python tools/lint.py

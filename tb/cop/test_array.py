@@ -345,6 +345,9 @@ def tare_after(twin, samples, count):
     yield twin.next(*(a[count:] for a in samples))
 
 
-@pytest.mark.parametrize("case", CASES)
+LONG = {"4x8": pytest.mark.long}
+
+
+@pytest.mark.parametrize("case", [pytest.param(name, marks=LONG.get(name, ())) for name in CASES])
 def test_array(case):
     bench.run("cop", "array", {"ClkKhz": CLK_KHZ, "TareLog2": TARE_LOG2} | CASES[case])

@@ -29,7 +29,8 @@ def test_the_gate_engine_is_the_integer_twin():
         assert np.array_equal(values, results[1][name]), name
 
 
-@pytest.mark.parametrize("name", ["icebreaker"])  # `make gate` has the others
+@pytest.mark.long
+@pytest.mark.parametrize("name", ["icebreaker", "ulx3s", "tangnano20k"])
 def test_a_boards_netlist_sends_the_packets_of_its_sources(name):
     """The packets' payloads are those of the twin."""
     board = boards.BOARDS[name]

@@ -443,7 +443,7 @@ def test_scan(parameters):
     bench.run("frontend", "scan", parameters)
 
 
-@pytest.mark.parametrize("size", [64, 256])
+@pytest.mark.parametrize("size", [64, pytest.param(256, marks=pytest.mark.long)])
 def test_scan_large(size):
     parameters = {"Rows": size, "Columns": size, "Channels": 8, "Lanes": 8, "Cycle": 16, "SettleBits": 6}
     bench.run("frontend", "scan", parameters, test_filter="over_range_on_every_sample|largest_settle")

@@ -174,7 +174,9 @@ async def recovers_after_reset(dut):
         assert line.packets == packets([(time, 2, 4)])
 
 
-@pytest.mark.parametrize("bits", [18, 14, 24])
+@pytest.mark.parametrize(
+    "bits", [18, pytest.param(14, marks=pytest.mark.long), pytest.param(24, marks=pytest.mark.long)]
+)
 def test_packet_slip(bits):
     bench.run("link", "packet_slip", {"P2pBits": bits})
 

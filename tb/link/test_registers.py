@@ -129,7 +129,9 @@ async def starts_over_at_reset(dut):
     compare(dut, twin, set())
 
 
-@pytest.mark.parametrize("features", [FEATURES, [], FEATURES[::2], FEATURES[1::2]], ids=len)
+@pytest.mark.parametrize(
+    "features", [FEATURES, [], FEATURES[::2], pytest.param(FEATURES[1::2], marks=pytest.mark.long)], ids=len
+)
 def test_registers(features):
     bench.run("link", "registers", {parameter(name): int(name in features) for name in FEATURES})
 
