@@ -88,7 +88,9 @@ async def forgets_what_a_reset_interrupts(dut):
         assert got == expected_of(pairs, exact)
 
 
-@pytest.mark.parametrize("bits, exact", [(24, 1), (1, 1), (5, 1), (30, 1), (24, 0), (2, 0)])
+@pytest.mark.parametrize(
+    "bits, exact", [pytest.param(24, 1, marks=pytest.mark.long), (1, 1), (5, 1), (30, 1), (24, 0), (2, 0)]
+)
 def test_hypot(bits, exact):
     bench.run("common", "hypot", {"Bits": bits, "Exact": exact})
 

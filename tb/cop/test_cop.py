@@ -127,7 +127,7 @@ async def survives_damage_and_resets(dut):
     [
         (64, 64, 1, 14, 2, 0),
         (3, 3, 1, 14, 2, 0),  # nine beats: just as long as a division
-        (2, 2, 2, 20, 1, 1),
+        pytest.param(2, 2, 2, 20, 1, 1, marks=pytest.mark.long),
         (9, 1, 1, 4, 2, 0),
         (1, 9, 4, 14, 2, 0),  # three beats, the last of one column
         (1, 1, 1, 14, 2, 0),  # shorter than a division: the input waits

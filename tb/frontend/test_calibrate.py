@@ -275,7 +275,7 @@ async def clocks_are_as_stated_and_frames_never_wait(dut):
         (4, 1, 4, 17, 20, 0, 1),
         (64, 64, 1, 17, 12, 1, 0),
         pytest.param(256, 256, 4, 17, 12, 1, 0, marks=pytest.mark.long),
-        (256, 256, 8, 17, 24, 1, 1),
+        pytest.param(256, 256, 8, 17, 24, 1, 1, marks=pytest.mark.long),
     ],
 )
 def test_calibrate(rows, columns, lanes, sample_bits, gain_shift, offset, row_column):

@@ -433,7 +433,10 @@ SIZES = [
     {"Rows": 3, "Columns": 3, "Channels": 3, "Cycle": 70, "Hold": 60, "SettleBits": 8, "SampleBits": 13},
     {"Rows": 8, "Columns": 8, "Channels": 1, "Lanes": 8, "Cycle": 20, "SettleBits": 6, "SlipSlots": 2},
     {"Rows": 6, "Columns": 21, "Channels": 2, "Lanes": 4, "Cycle": 24, "SettleBits": 6, "GroupBits": 3},
-    {"Rows": 16, "Columns": 16, "Channels": 8, "Cycle": 40, "SettleBits": 6, "Depth": 64},
+    pytest.param(
+        {"Rows": 16, "Columns": 16, "Channels": 8, "Cycle": 40, "SettleBits": 6, "Depth": 64},
+        marks=pytest.mark.long,
+    ),
     {"Rows": 5, "Columns": 14, "Channels": 4, "Lanes": 2, "Cycle": 80, "SettleBits": 6, "Depth": 32},
 ]
 

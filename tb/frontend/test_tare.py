@@ -175,7 +175,7 @@ async def clocks_are_as_stated(dut):
         (3, 3, 1, 1, 1),
         (3, 5, 2, 16, 4),
         (2, 19, 8, 8, 8),
-        (64, 64, 1, 12, 2),
+        pytest.param(64, 64, 1, 12, 2, marks=pytest.mark.long),
     ],
 )
 def test_tare(rows, columns, lanes, fraction_bits, tare_log2):

@@ -266,7 +266,7 @@ async def takes_as_long_as_the_twin_says(dut):
     [
         {"SampleBits": 13, "TimerBits": 10},
         pytest.param({"SampleBits": 17, "TimerBits": 14, "Level": 2, "Window": 16}, marks=pytest.mark.long),
-        {"SampleBits": 13, "TimerBits": 5, "Level": 3, "Window": 32},
+        pytest.param({"SampleBits": 13, "TimerBits": 5, "Level": 3, "Window": 32}, marks=pytest.mark.long),
         {"SampleBits": 10, "TimerBits": 3, "Level": 1, "Window": 4},
     ],
 )
