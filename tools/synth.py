@@ -61,7 +61,8 @@ def area(board, cells, report):
 
 def too_large(log):
     """What of the device is asked for more often than it is there, in words; empty if nothing is."""
-    rows = re.findall(r"Info:\s+(\w+):\s*(\d+)/\s*(\d+)\s", (ROOT / log).read_text())
+    text = (ROOT / log).read_text() if (ROOT / log).exists() else ""  # none if the tool is not installed
+    rows = re.findall(r"Info:\s+(\w+):\s*(\d+)/\s*(\d+)\s", text)
     return ", ".join(f"{used} of {there} {cell}" for cell, used, there in rows if int(used) > int(there))
 
 
