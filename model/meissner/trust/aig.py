@@ -4,6 +4,8 @@ A literal is an integer, 2·node + 1 if inverted; node 0 is the constant, so 0 i
 """
 
 FALSE, TRUE = 0, 1
+LANES = 512  # of a simulation, side by side in one integer
+ALL = (1 << LANES) - 1
 
 
 class Aig:
@@ -47,6 +49,22 @@ class Aig:
         for literal in literals:
             result = self.either(result, literal)
         return result
+
+
+def simulate(graph, values):
+    """The value of every node, one bit a lane; ``values``: {node of an input: integer}."""
+    known = [0] * len(graph.fan)
+    for node, fan in enumerate(graph.fan):
+        if fan:
+            a, b = fan
+            known[node] = (known[a >> 1] ^ -(a & 1)) & (known[b >> 1] ^ -(b & 1)) & ALL
+        else:
+            known[node] = values.get(node, 0)
+    return known
+
+
+def lane_bits(known, literal):
+    return (known[literal >> 1] ^ -(literal & 1)) & ALL
 
 
 def write(path, graph, latches, outputs):

@@ -11,8 +11,8 @@ from meissner.trust.aig import FALSE, TRUE, Aig
 
 HERE = "model/meissner/trust"
 FAMILIES = {
-    "ecp5": ("synth_ecp5 -nobram -nolutram -nodsp", "+/ecp5/cells_sim.v"),
-    "ice40": ("synth_ice40 -nobram", "+/ice40/cells_sim.v"),
+    "ecp5": ("synth_ecp5 -run begin:check -nobram -nolutram -nodsp", "+/ecp5/cells_sim.v"),
+    "ice40": ("synth_ice40 -run begin:check -nobram", "+/ice40/cells_sim.v"),
 }
 # What is undefined, such as a word beside a memory's end, is 0 on both sides.
 BITS = (
@@ -93,12 +93,11 @@ def load(path, top):
             circuit.gates[pins["Y"][0]] = (pins["A"][0],)
         elif cell["type"] == "$scopeinfo":
             pass
-        elif "product" in cell["type"] or "msn_multiply" in cell["type"]:
+        elif "product" in cell["type"]:
             for pin, bits in pins.items():
-                if pin != "clk_i":
-                    inward = cell["port_directions"][pin] == "output"
-                    side = circuit.inputs if inward else circuit.outputs
-                    side.update({(f"{name}.{pin}", index): bit for index, bit in enumerate(bits)})
+                inward = cell["port_directions"][pin] == "output"
+                side = circuit.inputs if inward else circuit.outputs
+                side.update({(f"{name}.{pin}", index): bit for index, bit in enumerate(bits)})
         else:
             raise ValueError(f"{top}: {name} is a {cell['type']}")
     for name, net in module["netnames"].items():
@@ -108,29 +107,30 @@ def load(path, top):
     return circuit
 
 
-def synthesise(block, parameters, folder, families=FAMILIES):
-    """Netlists of ``msn_<block>`` in ``folder``, relative to ROOT: {"source": circuit, family: circuit}."""
+def synthesise(block, parameters, folder, families=FAMILIES, defined=False):
+    """Netlists of ``msn_<block>`` in ``folder``, relative to ROOT: {"source": circuit, family: circuit}.
+
+    ``defined``: memories become registers, and what is undefined 0, before synthesis and not during it.
+    """
     top = f"msn_{block}"
     (toolchain.ROOT / folder).mkdir(parents=True, exist_ok=True)
     files = [str(path.relative_to(toolchain.ROOT)) for path in toolchain.sources_of(top)]
-    if block != "multiply":
-        files = [f"{HERE}/leaves.v", *(file for file in files if not file.endswith("msn_multiply.sv"))]
     chparam = "".join(f"chparam -set {name} {value} {top}; " for name, value in parameters.items())
+    leaves = f"techmap -map {HERE}/leaves_map.v; rename -enumerate -pattern product_% t:product; "
     script = [
-        f"read_verilog -sv {' '.join(files)}",
+        f"read_verilog -sv {' '.join(files)} {HERE}/leaves.v",
         f"{chparam}hierarchy -check -top {top}",
-        f"rename -top {top}",
-        "proc; flatten",
-        *([] if block == "multiply" else [f"techmap -map {HERE}/leaves_map.v"]),
-        "opt_clean; design -save read",
+        f"rename -top {top}; proc; flatten",
+        f"{leaves if block != 'multiply' else ''}opt_clean",
+        f"{'memory -nordff; setundef -undriven -zero; setundef -zero; ' if defined else ''}design -save read",
         f"memory -nordff; {BITS}; write_json {folder}/source.json",
     ]
     for family in families:
         synth, cells = FAMILIES[family]
         script += [
-            f"design -load read; {synth} -top {top}; write_verilog -noattr {folder}/{family}.v",
+            f"design -load read; {synth} -top {top}",
             f"techmap -wb -D EQUIV -autoproc -map {cells}",
-            f"setattr -unset init; flatten; opt_clean; {BITS}; write_json {folder}/{family}.json",
+            f"setattr -unset init; flatten; hierarchy -top {top} -purge_lib; {BITS}; write_json {folder}/{family}.json",
         ]
     yowasp.yosys("; ".join(script), f"{folder}/yosys.log")
     return {name: load(toolchain.ROOT / folder / f"{name}.json", top) for name in ("source", *families)}

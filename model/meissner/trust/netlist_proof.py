@@ -5,8 +5,10 @@ clock on, reset or not. ABC, which is part of Yosys, merges what it proves equal
 output whose difference it thereby finds to be the constant 0.
 """
 
+import random
+
 from meissner import toolchain, yowasp
-from meissner.trust.aig import FALSE, Aig, outputs_of, write
+from meissner.trust.aig import FALSE, LANES, Aig, lane_bits, outputs_of, simulate, write
 
 DUMMY = "module dummy(input a, b, output y); assign y = a & b; endmodule"  # ABC wants something to work on
 
@@ -25,7 +27,8 @@ def abc(folder, commands):
 def power_up(graph, source, netlist):
     """What the registers of either side begin with, {Q: literal} twice: the same where they have a name in common.
 
-    Registers that synthesis made one, or a constant, begin so in the source too.
+    Registers that synthesis made one, or a constant, begin so in the source too; one that it dropped, like one that
+    behaves the same.
     """
     first, begins = {}, {}
     owner = source.holders()
@@ -40,7 +43,29 @@ def power_up(graph, source, netlist):
         known = [first[twin] ^ turned for twin, turned in twins.items() if twin in first]
         begins[bit] = known[0] if known else graph.input()
         first.update({twin: begins[bit] ^ turned for twin, turned in twins.items()})
-    return {bit: first[bit] if bit in first else graph.input() for bit in source.registers}, begins
+    like = behaviour(source)
+    leaders = {like[bit]: literal for bit, literal in first.items()} | {(0,) * len(next(iter(like.values()), ())): FALSE}
+    for bit in source.registers:
+        if bit not in first:
+            first[bit] = leaders[like[bit]] if like[bit] in leaders else graph.input()
+    return first, begins
+
+
+def behaviour(circuit, clocks=30):
+    """{Q: what it held in a random simulation from zeros on}: synthesis makes one of registers that do the same."""
+    rng, graph = random.Random(1), Aig()
+    given = {bit: graph.input() for bit in [*circuit.registers, *circuit.inputs.values()]}
+    known = circuit.build(graph, given)
+    held = dict.fromkeys(circuit.registers, 0)
+    seen = {bit: [] for bit in held}
+    for _ in range(clocks):
+        values = {given[bit] >> 1: rng.getrandbits(LANES) for bit in circuit.inputs.values()}
+        values |= {given[bit] >> 1: value for bit, value in held.items()}
+        lanes = simulate(graph, values)
+        held = {bit: lane_bits(lanes, known[after]) for bit, after in circuit.registers.items()}
+        for bit, value in held.items():
+            seen[bit].append(value)
+    return {bit: tuple(values) for bit, values in seen.items()}
 
 
 def miter(source, netlist):
