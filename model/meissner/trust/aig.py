@@ -50,6 +50,15 @@ class Aig:
             result = self.either(result, literal)
         return result
 
+    def minus(self, a, b):
+        """(a - b without the borrow, the borrow): lists of literals, the lowest first."""
+        borrow, result = FALSE, []
+        for x, y in zip(a, b):
+            apart = self.differ(x, y)
+            result.append(self.differ(apart, borrow))
+            borrow = self.choose(apart, y, borrow)
+        return result, borrow
+
 
 def simulate(graph, values):
     """The value of every node, one bit a lane; ``values``: {node of an input: integer}."""

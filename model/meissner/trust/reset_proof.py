@@ -11,15 +11,16 @@ import random
 import re
 from collections import defaultdict
 from dataclasses import replace
-from itertools import starmap
+from itertools import permutations, starmap
 
 from pysat.solvers import Solver
 
 from meissner.trust.aig import ALL, FALSE, LANES, TRUE, Aig, lane_bits, simulate
 
 RESET = "rst_i"
+SMALL = 5  # bits of a register whose every value is a condition
 MOST = 24  # conditions a register is tried with, those that hold most often
-MEMORY = re.compile(r"\[\d+\]$|\bline$")  # a word of a memory; the registers of a short delay line
+PLACE = re.compile(r"\[(\d+)\]$")  # behind the name of a memory: one of its words
 
 
 def draw(rng, name):
@@ -59,8 +60,8 @@ class Pair:
         self.a = {bit: graph.input() for bit in circuit.registers}
         self.b = {bit: self.a[bit] if bit in same else graph.input() for bit in circuit.registers}
         self.with_boxes = boxes
-        self.boxes = {"a": {}, "b": {}}
-        self.known = {"a": self._copy("a", self.a), "b": self._copy("b", self.b)}
+        self.boxes = {}
+        self.known = {"a": self.copy(self.a, "a"), "b": self.copy(self.b, "b")}
         self.after = {
             side: {bit: known[next_bit] for bit, next_bit in circuit.registers.items()}
             for side, known in self.known.items()
@@ -69,7 +70,8 @@ class Pair:
     def operands(self, box):
         return [bit for (name, _), bit in self.circuit.outputs.items() if name.rpartition(".")[0] == box]
 
-    def _copy(self, side, state):
+    def copy(self, state, side=None):
+        """Literals of a copy that holds ``state``."""
         results = defaultdict(list)
         for (name, _), bit in self.circuit.inputs.items():
             if "." in name:
@@ -80,7 +82,7 @@ class Pair:
             return self.circuit.build(self.graph, {**self.inputs, **state, **free})
         through = {}
         for box, bits in results.items():
-            operands = self.operands(box)
+            operands = [bit for bit in self.operands(box) if not isinstance(bit, str)] or ["0"]
             through |= {bit: (operands[i % len(operands)],) * 2 for i, bit in enumerate(bits)}
         handed = replace(self.circuit, gates=self.circuit.gates | through)
         return handed.build(self.graph, {**self.inputs, **state})
@@ -173,26 +175,49 @@ def conditions(pair):
             there.add(literal)
             found[name] = recipe
 
-    words = defaultdict(list)
+    words, sizes = defaultdict(dict), defaultdict(int)
     for bit, [(name, index), *_] in circuit.names.items():
-        if bit in known and pure[known[bit] >> 1] and not MEMORY.search(name):
+        if place := PLACE.search(name):
+            sizes[name[: place.start()]] = max(sizes[name[: place.start()]], int(place[1]) + 1)
+        elif bit in known and pure[known[bit] >> 1]:
             offer(f"{name}.{index}", lambda of, bit=bit: of[bit])
             offer(f"not {name}.{index}", lambda of, bit=bit: of[bit] ^ 1)
             if bit in circuit.registers:
-                words[name].append(bit)
+                words[name][index] = bit
+    words = {name: [bits[index] for index in sorted(bits)] for name, bits in words.items()}
     for name, bits in words.items():
         offer(f"{name} != 0", lambda of, bits=bits: graph.any(of[bit] for bit in bits))
-        if len(bits) <= 5:
+        if 1 < len(bits) <= SMALL:
             for value in range(1 << len(bits)):
+                offer(f"{name} == {value}", lambda of, bits=bits, value=value: _equals(graph, of, bits, value))
+    for size in sorted({size for size in sizes.values() if size & (size - 1) == 0}):
+        ends = [name for name, bits in words.items() if 1 << len(bits) == 2 * size]
+        for begin, end in permutations(ends, 2):
+            for place in range(size):
                 offer(
-                    f"{name} == {value}",
-                    lambda of, bits=bits, value=value: graph.any(of[bit] ^ (value >> i & 1) for i, bit in enumerate(bits)) ^ 1,
+                    f"{place} in {begin} .. {end}",
+                    lambda of, place=place, begin=words[begin], end=words[end]: _within(graph, of, place, begin, end),
                 )
     return found
 
 
+def _equals(graph, of, bits, value):
+    return graph.any(of[bit] ^ (value >> i & 1) for i, bit in enumerate(bits)) ^ 1
+
+
+def _within(graph, of, place, begin, end):
+    """Is ``place`` of a queue between its two pointers, which have one bit more than a place?"""
+    begin, end = [of[bit] for bit in begin], [of[bit] for bit in end]
+    filled, _ = graph.minus(end, begin)
+    ahead, _ = graph.minus([TRUE if place >> i & 1 else FALSE for i in range(len(begin) - 1)], begin)
+    return graph.minus([*ahead, FALSE], filled)[1]
+
+
 def survivors(circuit, clocks, rng, alike=()):
-    """What random simulation from reset on leaves: (registers always the same, {register: names of conditions})."""
+    """What random simulation from reset on leaves.
+
+    (registers always the same, {register: names of conditions}, {(condition, another that it implies)})
+    """
     pair = Pair(circuit, boxes=False)
     graph = pair.graph
     asked = {name: recipe(pair.known["a"]) for name, recipe in conditions(pair).items()}
@@ -203,6 +228,8 @@ def survivors(circuit, clocks, rng, alike=()):
         state["b"][bit] = state["a"][bit]
     open_to = dict.fromkeys(circuit.registers)  # None: always the same so far
     support = dict.fromkeys(asked, 0)
+    small = handy(circuit, asked)
+    implied = {name: [other for other in small if other != name] for name in small}
     for clock in range(clocks):
         values = {literal >> 1: draw(rng, names[bit][0]) for bit, literal in pair.inputs.items()}
         if clock == 0:
@@ -214,6 +241,10 @@ def survivors(circuit, clocks, rng, alike=()):
             holds = {name: lane_bits(known, literal) for name, literal in asked.items()}
             for name in [name for name, literal in asked_b.items() if lane_bits(known, literal) != holds[name]]:
                 del asked[name], asked_b[name]  # a condition that the copies see differently tells nothing
+                implied.pop(name, None)
+            for name, others in implied.items():
+                if holds[name]:
+                    implied[name] = [other for other in others if other in asked and not holds[name] & ~holds[other]]
             for name in asked:
                 support[name] += holds[name].bit_count()
             for bit in circuit.registers:
@@ -225,37 +256,57 @@ def survivors(circuit, clocks, rng, alike=()):
     there = conditions(Pair(circuit))  # fewer than here, where a product is no box
     kept = {name: count for name, count in support.items() if count and name in asked and name in there}
     under = {
-        bit: sorted((n for n in names if n in kept), key=lambda n: -kept[n])[:MOST]
+        bit: sorted((n for n in names if n in kept), key=lambda n: (" in " not in n, -kept[n]))[:MOST]
         for bit, names in open_to.items()
         if names is not None
     }
-    return {bit for bit, names in open_to.items() if names is None}, under
+    facts = {(name, None) for name in implied if name in there and not support[name]}
+    facts |= {(name, other) for name in implied if name in kept for other in implied[name] if other in kept}
+    return {bit for bit, names in open_to.items() if names is None}, under, facts
+
+
+def handy(circuit, names):
+    """Those of the conditions' names that may say what states there are: of single bits and small registers."""
+    width = defaultdict(int)
+    for known in circuit.names.values():
+        for name, index in known:
+            width[name] = max(width[name], index + 1)
+    return [
+        name for name in names if " in " not in name and width[re.sub(r"^not |\.\d+$| .=.*$", "", name)] <= SMALL
+    ]
 
 
 class Induction:
-    """The invariant: ``same`` registers, and ``under``: {(condition, registers)} that are the same under it."""
+    """The invariant, smaller with every candidate that fails.
 
-    def __init__(self, circuit, same, under, alike):
-        self.circuit, self.same, self.alike = circuit, set(same), alike
+    ``same``: registers that both copies hold alike; ``under``: {(condition, registers alike under it)};
+    ``facts``: {(condition, another that it implies, or None: it never holds)}.
+    """
+
+    def __init__(self, circuit, same, under, facts, alike=()):
+        self.circuit, self.same, self.alike, self.facts = circuit, set(same), alike, set(facts)
         self.names = under  # {register: names of conditions}, for those that fall out of `same`
         self.under = self._grouped(set(circuit.registers) - self.same)
 
     def _grouped(self, bits):
         groups = defaultdict(list)
         for bit in bits:
+            [(word, _), *_] = self.circuit.names.get(bit, [("", 0)])
             for name in self.names.get(bit, ()):
-                groups[name, tuple(self.names[bit])].append(bit)
-        return {(name, tuple(bits)) for (name, _), bits in groups.items()}
+                groups[name, word, tuple(self.names[bit])].append(bit)
+        return {(name, tuple(bits)) for (name, *_), bits in groups.items()}
 
     def violations(self, pair):
         """{candidate: literal that is 1 where it fails after this clock}."""
         graph, after = pair.graph, pair.after
         apart = {bit: graph.differ(after["a"][bit], after["b"][bit]) for bit in self.circuit.registers}
-        later = pair._copy("a", after["a"])
+        later = pair.copy(after["a"])
         recipes = conditions(pair)
         found = {bit: apart[bit] for bit in self.same}
         for name, bits in self.under:
             found[name, bits] = graph.both(recipes[name](later), graph.any(apart[bit] for bit in bits))
+        for name, other in self.facts:
+            found[name, other] = graph.both(recipes[name](later), recipes[other](later) ^ 1 if other else TRUE)
         return found
 
     def drop(self, candidate):
@@ -264,6 +315,7 @@ class Induction:
             self.under |= self._grouped([candidate])
         else:
             self.under.discard(candidate)
+            self.facts.discard(candidate)
 
     def begin(self):
         """Leave what holds after the clock of reset, from any two states."""
@@ -290,6 +342,10 @@ class Induction:
                     a, b = clauses.literal(pair.a[bit]), clauses.literal(pair.b[bit])
                     clauses.add([-switch, -when, -a, b])
                     clauses.add([-switch, -when, a, -b])
+            for name, other in self.facts:
+                chosen[name, other] = switch = clauses.fresh()
+                then = [clauses.literal(recipes[other](pair.known["a"]))] if other else []
+                clauses.add([-switch, -clauses.literal(recipes[name](pair.known["a"])), *then])
             gone, waiting, asked = set(), [c for c, literal in violations.items() if literal != FALSE], {}
             while waiting:
                 candidate = waiting.pop()
@@ -322,7 +378,6 @@ def _clauses(pair):
 
 def prove(circuit, clocks=150, seed=1, alike=()):
     """Names of the outputs that are not proven."""
-    same, under = survivors(circuit, clocks, random.Random(seed), alike)
-    induction = Induction(circuit, same, under, alike)
+    induction = Induction(circuit, *survivors(circuit, clocks, random.Random(seed), alike), alike)
     induction.begin()
     return induction.close()
