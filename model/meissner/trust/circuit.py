@@ -20,6 +20,10 @@ BITS = (
     "setundef -undriven -zero; setundef -zero; aigmap; opt_clean; check -assert"
 )
 
+DEFINED = (
+    f"techmap -map {HERE}/defined_map.v; memory -nordff; setundef -undriven -zero; setundef -zero; opt_clean; "
+)
+
 
 @dataclass
 class Circuit:
@@ -110,7 +114,7 @@ def load(path, top):
 def synthesise(block, parameters, folder, families=FAMILIES, defined=False):
     """Netlists of ``msn_<block>`` in ``folder``, relative to ROOT: {"source": circuit, family: circuit}.
 
-    ``defined``: memories become registers, and what is undefined 0, before synthesis and not during it.
+    ``defined``: memories become registers, and what is undefined 0, already for synthesis.
     """
     top = f"msn_{block}"
     (toolchain.ROOT / folder).mkdir(parents=True, exist_ok=True)
@@ -122,8 +126,8 @@ def synthesise(block, parameters, folder, families=FAMILIES, defined=False):
         f"{chparam}hierarchy -check -top {top}",
         f"rename -top {top}; proc; flatten",
         f"{leaves if block != 'multiply' else ''}opt_clean",
-        f"{'memory -nordff; setundef -undriven -zero; setundef -zero; ' if defined else ''}design -save read",
-        f"memory -nordff; {BITS}; write_json {folder}/source.json",
+        f"{DEFINED if defined else ''}design -save read",
+        f"techmap -map {HERE}/defined_map.v; memory -nordff; {BITS}; write_json {folder}/source.json",
     ]
     for family in families:
         synth, cells = FAMILIES[family]

@@ -1,4 +1,4 @@
-// Yosys's operator * becomes a box.
+// Yosys's operator * becomes a box, but for a constant factor: that is shifts and adds.
 (* techmap_celltype = "$mul" *)
 module to_product #(
   parameter A_WIDTH = 1,
@@ -11,6 +11,9 @@ module to_product #(
   input  [B_WIDTH-1:0] B,
   output [Y_WIDTH-1:0] Y
 );
+  parameter _TECHMAP_CONSTMSK_A_ = 0;
+  parameter _TECHMAP_CONSTMSK_B_ = 0;
+  wire _TECHMAP_FAIL_ = &_TECHMAP_CONSTMSK_A_ || &_TECHMAP_CONSTMSK_B_;
   product #(
     .A_WIDTH (A_WIDTH),
     .B_WIDTH (B_WIDTH),
