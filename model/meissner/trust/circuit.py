@@ -17,12 +17,10 @@ FAMILIES = {
 # What is undefined, such as a word beside a memory's end, is 0 on both sides.
 BITS = (
     f"techmap -map {HERE}/carry_map.v -map +/techmap.v; dffunmap; simplemap; opt_clean; "
-    "setundef -undriven -zero; setundef -zero; aigmap; opt_clean; check -assert"
+    "setundef -undriven -zero; setundef -zero; aigmap; opt_clean; check -assert; setattr -unset src */t:* */w:*"
 )
 
-DEFINED = (
-    f"techmap -map {HERE}/defined_map.v; memory -nordff; setundef -undriven -zero; setundef -zero; opt_clean; "
-)
+DEFINED = f"techmap -map {HERE}/defined_map.v; memory -nordff; setundef -undriven -zero; setundef -zero; opt_clean; "
 
 
 @dataclass
@@ -61,6 +59,13 @@ class Circuit:
                 waiting.pop()
         return known
 
+    def widths(self):
+        """{name: bits}."""
+        found = {}
+        for known in self.names.values():
+            for name, index in known:
+                found[name] = max(found.get(name, 0), index + 1)
+        return found
 
     def holders(self):
         """{(name, index): (Q, inverted)} of what is a register's contents, perhaps inverted; Q None: a constant."""
@@ -119,12 +124,13 @@ def synthesise(block, parameters, folder, families=FAMILIES, defined=False):
     top = f"msn_{block}"
     (toolchain.ROOT / folder).mkdir(parents=True, exist_ok=True)
     files = [str(path.relative_to(toolchain.ROOT)) for path in toolchain.sources_of(top)]
-    chparam = "".join(f"chparam -set {name} {value} {top}; " for name, value in parameters.items())
+    sets = " ".join(f"-set {name} {value}" for name, value in parameters.items())
+    chparam = f"chparam {sets} {top}; " if sets else ""  # all at once: some may be legal together only
     leaves = f"techmap -map {HERE}/leaves_map.v; rename -enumerate -pattern product_% t:product; "
     script = [
         f"read_verilog -sv {' '.join(files)} {HERE}/leaves.v",
         f"{chparam}hierarchy -check -top {top}",
-        f"rename -top {top}; proc; flatten",
+        f"rename -top {top}; proc; flatten; setattr -unset src */t:* */w:* */m:*",
         f"{leaves if block != 'multiply' else ''}opt_clean",
         f"{DEFINED if defined else ''}design -save read",
         f"techmap -map {HERE}/defined_map.v; memory -nordff; {BITS}; write_json {folder}/source.json",

@@ -44,7 +44,9 @@ def power_up(graph, source, netlist):
         begins[bit] = known[0] if known else graph.input()
         first.update({twin: begins[bit] ^ turned for twin, turned in twins.items()})
     like = behaviour(source)
-    leaders = {like[bit]: literal for bit, literal in first.items()} | {(0,) * len(next(iter(like.values()), ())): FALSE}
+    leaders = {like[bit]: literal for bit, literal in first.items()} | {
+        (0,) * len(next(iter(like.values()), ())): FALSE
+    }
     for bit in source.registers:
         if bit not in first:
             first[bit] = leaders[like[bit]] if like[bit] in leaders else graph.input()

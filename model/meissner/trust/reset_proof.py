@@ -15,8 +15,9 @@ from dataclasses import dataclass, field
 
 from meissner.trust.aig import ALL, FALSE, LANES, TRUE, lane_bits, simulate
 from meissner.trust.clauses import Clauses
-from meissner.trust.two_copies import PLACE, RESET, SMALL, Pair, conditions
+from meissner.trust.two_copies import PLACE, SMALL, Pair, conditions
 
+RESET = "rst_i"
 MOST = 48  # conditions a register is tried with, those that hold most often
 EVALUATIONS = 12_000_000  # of nodes in simulation: seconds
 
@@ -24,24 +25,30 @@ EVALUATIONS = 12_000_000  # of nodes in simulation: seconds
 @dataclass(frozen=True)
 class Task:
     """``ties``: {input: constant}; ``qualifiers``: {output: outputs one of which has to be 1, or with ! 0};
-    ``clocks``: from the first on, in which outputs do not count yet; ``alike``: memories begin alike.
+    ``clocks``: of the first one, the reset, and others without one, before outputs count; ``alike``: memories begin alike;
+    ``reset``: the input that resets, in the first clock.
     """
 
     ties: dict = field(default_factory=dict)
     qualifiers: dict = field(default_factory=dict)
     clocks: int = 1
     alike: bool = False
+    reset: str = RESET
 
     def same_from_the_start(self, circuit):
         if not self.alike:
             return set()
-        return {bit for bit in circuit.registers if any(PLACE.search(name) for name, _ in circuit.names.get(bit, []))}
+        return {
+            bit
+            for bit in circuit.registers
+            if any(PLACE.search(name) for name, _ in circuit.names.get(bit, []))
+        }
 
 
-def draw(rng, name):
-    """Random lanes: reset seldom, single bits now rare, now usual."""
+def draw(rng, seldom):
+    """Random lanes: a reset seldom, single bits now rare, now usual."""
     value = rng.getrandbits(LANES)
-    if name == RESET:
+    if seldom:
         for _ in range(6):
             value &= rng.getrandbits(LANES)
         return value
@@ -59,9 +66,11 @@ def steps(circuit, task, rng):
     for bit in task.same_from_the_start(circuit):
         state["b"][bit] = state["a"][bit]
     for clock in range(max(150, min(2000, EVALUATIONS // (len(circuit.gates) + 1)))):
-        values = {one >> 1: draw(rng, names[bit][0]) for bit, one in pair.inputs.items() if one > TRUE}
-        if clock == 0 and (RESET, 0) in circuit.inputs:
-            values[pair.inputs[circuit.inputs[RESET, 0]] >> 1] = ALL
+        values = {
+            one >> 1: draw(rng, names[bit][0] == task.reset) for bit, one in pair.inputs.items() if one > TRUE
+        }
+        if clock < task.clocks and (task.reset, 0) in circuit.inputs:
+            values[pair.inputs[circuit.inputs[task.reset, 0]] >> 1] = 0 if clock else ALL
         for side, held in (("a", pair.a), ("b", pair.b)):
             values |= {held[bit] >> 1: state[side][bit] for bit in held}
         known = simulate(pair.graph, values)
@@ -80,7 +89,8 @@ def survivors(circuit, task, recipes, rng):
     for pair, known, state in steps(circuit, task, rng):
         if asked is None:
             asked = {
-                name: [recipe(pair.graph, pair.known[side]) for side in "ab"] for name, recipe in recipes.items()
+                name: [recipe(pair.graph, pair.known[side]) for side in "ab"]
+                for name, recipe in recipes.items()
             }
             known = simulate(pair.graph, dict(enumerate(known)))  # with what the conditions add to the graph
             small = handy(circuit, asked)
@@ -93,7 +103,9 @@ def survivors(circuit, task, recipes, rng):
                 implied.pop(name, None)
         for name, others in implied.items():
             if holds[name]:
-                implied[name] = [other for other in others if other in asked and not holds[name] & ~holds[other]]
+                implied[name] = [
+                    other for other in others if other in asked and not holds[name] & ~holds[other]
+                ]
         for name in asked:
             support[name] += holds[name].bit_count()
         for bit in circuit.registers:
@@ -113,12 +125,11 @@ def survivors(circuit, task, recipes, rng):
 
 def handy(circuit, names):
     """Those of the conditions' names that may say what states there are: of single bits and small registers."""
-    width = defaultdict(int)
-    for known in circuit.names.values():
-        for name, index in known:
-            width[name] = max(width[name], index + 1)
+    width = circuit.widths()
     return [
-        name for name in names if " in " not in name and width[re.sub(r"^not |\.\d+$| .=.*$", "", name)] <= SMALL
+        name
+        for name in names
+        if " in " not in name and width[re.sub(r"^not |\.\d+$| .=.*$", "", name)] <= SMALL
     ]
 
 
@@ -169,7 +180,7 @@ class Induction:
         """Leave what holds when outputs begin to count, from any two states."""
         pair = None
         for clock in range(self.task.clocks):
-            reset = {RESET: 1} if clock == 0 and (RESET, 0) in self.circuit.inputs else {}
+            reset = {self.task.reset: int(clock == 0)}
             same = self.task.same_from_the_start(self.circuit)
             pair = Pair(self.circuit, same, self.task.ties | reset, before=pair)
         failed = True

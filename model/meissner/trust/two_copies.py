@@ -7,7 +7,7 @@ from itertools import permutations, starmap
 
 from meissner.trust.aig import FALSE, TRUE, Aig
 
-RESET = "rst_i"
+WIDEST = 16  # bits of a word whose single bits are conditions
 SMALL = 5  # bits of a register whose every value is a condition
 PLACE = re.compile(r"\[(\d+)\]$")  # behind the name of a memory: one of its words
 
@@ -77,7 +77,9 @@ class Pair:
         for box, results in self.boxes["a"].items():
             operands = [(self.known["a"][bit], self.known["b"][bit]) for bit in self.operands(box)]
             pairs = zip(results, self.boxes["b"][box])
-            found.append(tuple(self.graph.any(starmap(self.graph.differ, ones)) for ones in (operands, pairs)))
+            found.append(
+                tuple(self.graph.any(starmap(self.graph.differ, ones)) for ones in (operands, pairs))
+            )
         return found
 
     def outputs(self, qualifiers):
@@ -88,7 +90,9 @@ class Pair:
                 names[name].append(bit)
         found = {}
         for name, bits in names.items():
-            literal = self.graph.any(self.graph.differ(self.known["a"][bit], self.known["b"][bit]) for bit in bits)
+            literal = self.graph.any(
+                self.graph.differ(self.known["a"][bit], self.known["b"][bit]) for bit in bits
+            )
             if counts := masked_by(name, names, qualifiers):
                 when = (self.known["a"][names[other][0]] ^ (not wanted) for other, wanted in counts)
                 literal = self.graph.both(literal, self.graph.any(when))
@@ -115,27 +119,34 @@ def conditions(circuit):
             there.add(literal)
             found[name] = recipe
 
+    widths = circuit.widths()
     words, sizes = defaultdict(dict), defaultdict(int)
     for bit, [(name, index), *_] in circuit.names.items():
         if place := PLACE.search(name):
             sizes[name[: place.start()]] = max(sizes[name[: place.start()]], int(place[1]) + 1)
         elif bit in known and pure[known[bit] >> 1]:
-            offer(f"{name}.{index}", lambda graph, of, bit=bit: of[bit])
-            offer(f"not {name}.{index}", lambda graph, of, bit=bit: of[bit] ^ 1)
+            if widths[name] <= WIDEST:
+                offer(f"{name}.{index}", lambda graph, of, bit=bit: of[bit])
+                offer(f"not {name}.{index}", lambda graph, of, bit=bit: of[bit] ^ 1)
             words[name][index] = bit
     words = {name: [bits[index] for index in sorted(bits)] for name, bits in words.items()}
     for name, bits in words.items():
         offer(f"{name} != 0", lambda graph, of, bits=bits: graph.any(of[bit] for bit in bits))
         if 1 < len(bits) <= SMALL:
             for value in range(1 << len(bits)):
-                offer(f"{name} == {value}", lambda graph, of, bits=bits, value=value: equals(graph, of, bits, value))
+                offer(
+                    f"{name} == {value}",
+                    lambda graph, of, bits=bits, value=value: equals(graph, of, bits, value),
+                )
     for size in sorted({size for size in sizes.values() if size & (size - 1) == 0}):
         ends = [name for name, bits in words.items() if 1 << len(bits) == 2 * size]
         for begin, end in permutations(ends, 2):
             for place in range(size):
                 offer(
                     f"{place} in {begin} .. {end}",
-                    lambda graph, of, place=place, begin=words[begin], end=words[end]: within(graph, of, place, begin, end),
+                    lambda graph, of, place=place, begin=words[begin], end=words[end]: within(
+                        graph, of, place, begin, end
+                    ),
                 )
     return found
 
