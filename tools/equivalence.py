@@ -1,11 +1,11 @@
-"""Every block's netlist against its sources, and what a clock of reset leaves of its past: proofs, no simulation.
+"""Every block's netlist against its sources, and what a reset leaves of its past: proofs, no simulation.
 
     python tools/equivalence.py                     every block of rtl/rtl.f: ecp5, ice40, reset
     python tools/equivalence.py divide -k reset     one block, one kind of proof
     python tools/equivalence.py --record            the results into docs/trust/equivalence.json
 
-A block's parameters are a set that its own tests build it with: the first, or the first that SETS asks for. Exit
-code 1 if something is not proven that EXPECTED does not name, or if nothing ran. docs/equivalence.md has more.
+A block's parameters are a set that its own tests build it with: the first, or the first that SETS asks for.
+Exit code 1 if something is open that OPEN does not name, or if nothing ran. docs/equivalence.md has more.
 """
 
 import argparse
@@ -69,29 +69,13 @@ SETS = {
     "cop_slip": "Lag=4",
 }
 
-# Whose source leaves something undefined that synthesis makes use of: words beside the end of a memory, bits beside
-# that of a vector. They read 0 in both, else a proof would have to know that nobody reads them. And slip_serial,
-# whose memory asks for block RAM.
-DEFINED = set(
-    [
-        "slip_serial",
-        "frame_table",
-        "scan_plan",
-        "scan",
-        "scan_adc",
-        "scan_demod",
-        "tare",
-        "health",
-        "calibration_table",
-        "calibration_grid",
-        "calibrate",
-        "cop_array",
-        "array",
-        "core",
-        "axis",
-    ]
-)
-
+# Whose source leaves something undefined that synthesis makes use of: words beside the end of a memory, bits
+# beside that of a vector. They read 0 in both, else a proof would have to know that nobody reads them. And
+# slip_serial, whose memory asks for block RAM.
+DEFINED = {
+    *("slip_serial", "frame_table", "scan_plan", "scan", "scan_adc", "scan_demod", "tare", "health"),
+    *("calibration_table", "calibration_grid", "calibrate", "cop_array", "array", "core", "axis"),
+}
 
 # What the reset proof takes for granted, and sets of its own: docs/equivalence.md says why.
 RESET_SETS = {
@@ -115,7 +99,7 @@ TASKS = {
 
 
 def parameters(blocks, asked):
-    """{block: the set of its tests that its proofs use}; ``asked``: what of a set decides, if not the first."""
+    """{block: the set of its tests that its proofs use}; ``asked``: {block: what of a set decides}."""
     found = {}
     for run in benches.runs(*blocks):
         wanted = dict(pair.split("=") for pair in asked.get(run["block"], "").split())
@@ -221,11 +205,8 @@ def record(results):
         known[block] = known.get(block, {}) | result
         known[block]["summary"] = summary(known[block])
     known = {block: known[block] for block in sorted(known) if block in benches.blocks()}
-    proven = {
-        kind: sum(entry.get(kind, {}).get("proven", False) for entry in known.values()) for kind in KINDS
-    }
-    total = f"netlist = RTL proven for {proven['ecp5']} (ECP5) and {proven['ice40']} (iCE40) of {len(known)} blocks, "
-    total += f"reset for {proven['reset']}"
+    ecp5, ice40, reset = (sum(e.get(kind, {}).get("proven", False) for e in known.values()) for kind in KINDS)
+    total = f"netlist = RTL proven for {ecp5} (ECP5) and {ice40} (iCE40) of {len(known)} blocks, reset for {reset}"
     RECORD.parent.mkdir(parents=True, exist_ok=True)
     text = {"command": "make equivalence", "date": date.today().isoformat(), "total": total, "blocks": known}
     RECORD.write_text(json.dumps(text, indent=1) + "\n")

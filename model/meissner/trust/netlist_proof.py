@@ -1,8 +1,8 @@
 """Is a netlist what its sources say? Both side by side, and a proof that no output ever differs.
 
 Registers of the same name begin with the same, unknown contents; inputs may do what they like from the first
-clock on, reset or not. ABC, which is part of Yosys, merges what it proves equal by induction (scorr); proven is an
-output whose difference it thereby finds to be the constant 0.
+clock on, reset or not. ABC, which is part of Yosys, merges what it proves equal by induction (scorr); an
+output is proven if its difference is then the constant 0.
 """
 
 import random
@@ -10,6 +10,7 @@ import random
 from meissner import toolchain, yowasp
 from meissner.trust.aig import FALSE, LANES, Aig, lane_bits, outputs_of, simulate, write
 
+CLOCKS = 30  # of simulation
 DUMMY = "module dummy(input a, b, output y); assign y = a & b; endmodule"  # ABC wants something to work on
 
 
@@ -25,10 +26,10 @@ def abc(folder, commands):
 
 
 def power_up(graph, source, netlist):
-    """What the registers of either side begin with, {Q: literal} twice: the same where they have a name in common.
+    """What the registers of either side begin with, {Q: literal} twice: the same where they share a name.
 
-    Registers that synthesis made one, or a constant, begin so in the source too; one that it dropped, like one that
-    behaves the same.
+    Registers that synthesis made one, or a constant, begin so in the source too; one that it dropped, like
+    one that behaves the same.
     """
     first, begins = {}, {}
     owner = source.holders()
@@ -44,23 +45,21 @@ def power_up(graph, source, netlist):
         begins[bit] = known[0] if known else graph.input()
         first.update({twin: begins[bit] ^ turned for twin, turned in twins.items()})
     like = behaviour(source)
-    leaders = {like[bit]: literal for bit, literal in first.items()} | {
-        (0,) * len(next(iter(like.values()), ())): FALSE
-    }
+    leaders = {like[bit]: literal for bit, literal in first.items()} | {(0,) * CLOCKS: FALSE}
     for bit in source.registers:
         if bit not in first:
             first[bit] = leaders[like[bit]] if like[bit] in leaders else graph.input()
     return first, begins
 
 
-def behaviour(circuit, clocks=30):
-    """{Q: what it held in a random simulation from zeros on}: synthesis makes one of registers that do the same."""
+def behaviour(circuit):
+    """{Q: what it held in a random simulation from zeros on}: what does the same becomes one in synthesis."""
     rng, graph = random.Random(1), Aig()
     given = {bit: graph.input() for bit in [*circuit.registers, *circuit.inputs.values()]}
     known = circuit.build(graph, given)
     held = dict.fromkeys(circuit.registers, 0)
     seen = {bit: [] for bit in held}
-    for _ in range(clocks):
+    for _ in range(CLOCKS):
         values = {given[bit] >> 1: rng.getrandbits(LANES) for bit in circuit.inputs.values()}
         values |= {given[bit] >> 1: value for bit, value in held.items()}
         lanes = simulate(graph, values)
