@@ -1,6 +1,6 @@
-"""The proofs of tools/equivalence.py on small blocks: they hold, and a netlist or a reset that is wrong breaks them.
+"""The proofs of tools/equivalence.py on small blocks: they hold, but not of a netlist or a reset that is wrong.
 
-Bugs are planted in the bits: an inverter before a register, an operand replaced, a reset that is not heard.
+Bugs are planted in the bits: an inverter before a register or at an operand, an output stuck, a reset not heard.
 """
 
 import subprocess
@@ -40,19 +40,19 @@ def inverted_register(netlist):
     )
 
 
-def wrong_operand(netlist):
+def inverted_operand(netlist):
     gate = netlist.outputs["out_data_o", 5]
     while len(netlist.gates[gate]) == 1:  # an inverter
         [gate] = netlist.gates[gate]
-    first, _ = netlist.gates[gate]
-    return replace(netlist, gates=netlist.gates | {gate: (first, first)})
+    first, second = netlist.gates[gate]
+    return replace(netlist, gates=netlist.gates | {"bug": (second,), gate: (first, "bug")})
 
 
 def stuck_output(netlist):
     return replace(netlist, outputs=netlist.outputs | {("out_data_o", 3): "0"})
 
 
-@pytest.mark.parametrize("plant", [inverted_register, wrong_operand, stuck_output])
+@pytest.mark.parametrize("plant", [inverted_register, inverted_operand, stuck_output])
 def test_bug_in_the_netlist_is_found(plant):
     made = bits("skid")
     assert netlist_proof.prove(made["source"], plant(made["ecp5"]), folder("skid"), "bug")

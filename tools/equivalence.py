@@ -19,6 +19,7 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from datetime import date
+from itertools import product
 from threading import Lock
 
 from meissner import toolchain
@@ -90,6 +91,8 @@ RESET_SETS = {
 TASKS = {
     "sync": Task(clocks=2),
     "multiply": Task(clocks=2),
+    "crc32": Task(reset="clear_i"),
+    "uart_rx": Task(clocks=3, held=3),
     "delay": Task(clocks=9, ties={"step_i": 1}),
     "frame_table": Task(reset="restart_i", alike=True),
     "adc_spi": Task(qualifiers={"adc_mosi_o": "!adc_cs_n_o"}),
@@ -119,20 +122,24 @@ def prove(block, chosen, of_reset, kinds):
     result = {"parameters": spelt(chosen)}
     for defined in (True,) if block in DEFINED else (False, True):
         again = [family for family in families if not result.get(family, {}).get("proven")]
-        if again:
-            bits = circuit.synthesise(block, chosen, folder, again, defined)
-            result["registers"] = len(bits["source"].registers)
-        for family in again:
-            of = bits["source"], bits[family], folder, family
-            result[family] = said(lambda of=of: netlist_proof.prove(*of)) | {"defined": defined}
+        try:
+            bits = again and circuit.synthesise(block, chosen, folder, again, defined)
+        except ValueError as error:  # a memory that asks for block RAM
+            result |= {family: {"proven": False, "error": str(error)} for family in again}
+            continue
+        for family, from_reset in product(again, (False, True)):
+            if not result.get(family, {}).get("proven"):
+                of = bits["source"], bits[family], folder, family, from_reset
+                result[family] = said(lambda of=of: netlist_proof.prove(*of))
+                result[family] |= {"defined": defined, "from_reset": from_reset}
     if "reset" in kinds:
         bits = circuit.synthesise(block, of_reset, f"{folder}/reset", ())
         task = TASKS.get(block, Task())
         result["reset"] = said(lambda: reset_proof.prove(bits["source"], task))
         if not result["reset"]["proven"] and not task.alike:
             alike = said(lambda: reset_proof.prove(bits["source"], replace(task, alike=True)))
-            result["reset"] = alike if alike["proven"] else result["reset"]
-            task = replace(task, alike=alike["proven"])
+            if alike["proven"]:
+                result["reset"], task = alike, replace(task, alike=True)
         result["reset"] |= {"parameters": spelt(of_reset)} | ({"alike": True} if task.alike else {})
     return result
 
@@ -206,7 +213,9 @@ def record(results):
         known[block]["summary"] = summary(known[block])
     known = {block: known[block] for block in sorted(known) if block in benches.blocks()}
     ecp5, ice40, reset = (sum(e.get(kind, {}).get("proven", False) for e in known.values()) for kind in KINDS)
-    total = f"netlist = RTL proven for {ecp5} (ECP5), {ice40} (iCE40) of {len(known)} blocks, reset for {reset}"
+    total = (
+        f"netlist = RTL proven for {ecp5} (ECP5), {ice40} (iCE40) of {len(known)} blocks, reset for {reset}"
+    )
     RECORD.parent.mkdir(parents=True, exist_ok=True)
     text = {"command": "make equivalence", "date": date.today().isoformat(), "total": total, "blocks": known}
     RECORD.write_text(json.dumps(text, indent=1) + "\n")

@@ -8,8 +8,9 @@ output is proven if its difference is then the constant 0.
 import random
 
 from meissner import toolchain, yowasp
-from meissner.trust.aig import FALSE, LANES, Aig, lane_bits, outputs_of, simulate, write
+from meissner.trust.aig import FALSE, LANES, TRUE, Aig, lane_bits, outputs_of, simulate, write
 
+RESET = "rst_i"
 CLOCKS = 30  # of simulation
 DUMMY = "module dummy(input a, b, output y); assign y = a & b; endmodule"  # ABC wants something to work on
 
@@ -69,12 +70,24 @@ def behaviour(circuit):
     return {bit: tuple(values) for bit, values in seen.items()}
 
 
-def miter(source, netlist):
+def after_reset(circuit):
+    """{Q: 0 or 1} of the registers that a clock of reset sets."""
+    graph = Aig()
+    given = {bit: graph.input() for bit in [*circuit.registers, *circuit.inputs.values()]}
+    if (RESET, 0) in circuit.inputs:
+        given[circuit.inputs[RESET, 0]] = TRUE
+    known = circuit.build(graph, given)
+    return {bit: known[after] for bit, after in circuit.registers.items() if known[after] <= TRUE}
+
+
+def miter(source, netlist, from_reset):
     """(graph, latches, {name: literal that is 1 where an output of that name differs})."""
     graph = Aig()
     started = graph.input()
     given = {key: graph.input() for key in dict.fromkeys([*source.inputs, *netlist.inputs])}
     first, begins = power_up(graph, source, netlist)
+    if from_reset:
+        first, begins = first | after_reset(source), begins | after_reset(netlist)
     latches, sides = [(started, 1)], []
     for circuit, begin in ((source, first), (netlist, begins)):
         held = {bit: graph.input() for bit in circuit.registers}
@@ -91,9 +104,13 @@ def miter(source, netlist):
     return graph, latches, differs
 
 
-def prove(source, netlist, folder, name):
-    """Names of the outputs that are not proven equal; files in ``folder`` begin with ``name``."""
-    graph, latches, differs = miter(source, netlist)
+def prove(source, netlist, folder, name, from_reset=False):
+    """Names of the outputs that are not proven equal; files in ``folder`` begin with ``name``.
+
+    ``from_reset``: registers that a reset sets begin as it leaves them: for a state machine whose states
+    synthesis numbered anew, so that its registers have nothing in common.
+    """
+    graph, latches, differs = miter(source, netlist, from_reset)
     stem = f"{folder}/{name}"
     write(toolchain.ROOT / f"{stem}.aig", graph, latches, list(differs.values()))
     done = toolchain.ROOT / f"{stem}.proven.aig"

@@ -25,8 +25,8 @@ EVALUATIONS = 12_000_000  # of nodes in simulation: seconds
 @dataclass(frozen=True)
 class Task:
     """``ties``: {input: constant}; ``qualifiers``: {output: outputs one of which has to be 1, or with ! 0};
-    ``clocks``: of the first one, the reset, and others without one, before outputs count; ``alike``: memories
-    begin alike; ``reset``: the input that resets, in the first clock.
+    ``clocks``: before outputs count; ``alike``: memories begin alike; ``reset``: the input that resets,
+    ``held`` for so many of these clocks.
     """
 
     ties: dict = field(default_factory=dict)
@@ -34,6 +34,7 @@ class Task:
     clocks: int = 1
     alike: bool = False
     reset: str = RESET
+    held: int = 1
 
     def same_from_the_start(self, circuit):
         if not self.alike:
@@ -68,7 +69,7 @@ def steps(circuit, task, rng):
     for clock in range(max(150, min(2000, EVALUATIONS // (len(circuit.gates) + 1)))):
         values = {one >> 1: draw(rng, bit == seldom) for bit, one in pair.inputs.items() if one > TRUE}
         if clock < task.clocks and seldom is not None:
-            values[pair.inputs[seldom] >> 1] = 0 if clock else ALL
+            values[pair.inputs[seldom] >> 1] = ALL if clock < task.held else 0
         for side, held in (("a", pair.a), ("b", pair.b)):
             values |= {held[bit] >> 1: state[side][bit] for bit in held}
         known = simulate(pair.graph, values)
@@ -178,7 +179,7 @@ class Induction:
         """Leave what holds when outputs begin to count, from any two states."""
         pair = None
         for clock in range(self.task.clocks):
-            reset = {self.task.reset: int(clock == 0)}
+            reset = {self.task.reset: int(clock < self.task.held)}
             same = self.task.same_from_the_start(self.circuit)
             pair = Pair(self.circuit, same, self.task.ties | reset, before=pair)
         failed = True
