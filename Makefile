@@ -40,8 +40,8 @@ lint: $(SIM)  ## Verilator -Wall on every module as its own top, Verible, ruff
 registers: $(SIM)  ## RTL, Python map, C header and page of the registers, from rtl/registers.rdl
 	@$(BIN)/python tools/registers.py
 
-synth: $(SYNTH)  ## bitstream of a board: BOARD=ulx3s, icebreaker, tangnano20k or orangecrab [CONFIG=...]
-	@$(BIN)/python tools/synth.py $(BOARD) $(CONFIG)
+synth: $(SYNTH)  ## bitstream of a board: BOARD=ulx3s, icebreaker, tangnano20k or orangecrab [CONFIG=...] [DEVICE=85F]
+	@$(BIN)/python tools/synth.py $(BOARD) $(CONFIG) $(if $(DEVICE),--device $(DEVICE))
 
 resources: $(SYNTH)  ## constraints/resources.json anew: every board with every configuration, three seeds each
 	@$(BIN)/python tools/synth.py --record
