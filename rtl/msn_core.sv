@@ -934,117 +934,70 @@ module msn_core #(
 
   end else begin : gen_link
     assign decision_ready = !decision_raised || slip_event_ready;
-    if (Uart) begin : gen_uart
-      msn_link #(
-        .ClkHz        (1000 * ClkKhz),
-        .BaudHz       (BaudHz),
-        .Registers    (Registers),
-        .SlipDepth    ((Slip || CopSlip) ? SlipDepth : 0),
-        .Cop          (Array || Cop4),
-        .Health       (Health),
-        .Statistics   (Counters),
-        .StatisticBits(StatisticBits),
-        .Taxels       (Image ? Taxels : 0),
-        .Chunk        (Chunk)
-      ) u_link (
-        .clk_i,
-        .rst_i,
-        .rx_i,
-        .tx_o,
-        .bus_valid_o    (bus_valid),
-        .bus_write_o    (bus_write),
-        .bus_address_o  (bus_address),
-        .bus_data_o     (bus_question),
-        .bus_strobe_o   (bus_strobe),
-        .bus_done_i     (bus_done),
-        .bus_error_i    (bus_error),
-        .bus_data_i     (bus_answer),
-        .now_i          (now),
-        .slip_valid_i   (slip_event),
-        .slip_ready_o   (slip_event_ready),
-        .slip_id_i      (decision_id),
-        .slip_state_i   (decision_state),
-        .slip_p2p_i     (decision_p2p),
-        .slip_time_i    (frame_time),
-        .cop_valid_i    (cop_valid),
-        .cop_x_i        (cop_x),
-        .cop_y_i        (cop_y),
-        .cop_load_i     (cop_load),
-        .cop_pressed_i  (cop_pressed),
-        .cop_time_i     (frame_time),
-        .health_valid_i (report_valid),
-        .health_ready_o (report_ready),
-        .health_id_i    (report_id),
-        .health_faults_i(report_faults),
-        .statistics_i   (statistics),
-        .image_valid_i  (image_valid),
-        .image_data_i   (16'(sample)),
-        .image_last_i   (sample_last),
-        .image_time_i   (frame_time),
-        .packets_o      (packets),
-        .cop_dropped_o  (cop_dropped),
-        .image_dropped_o(image_dropped),
-        .rejected_o     (rejected)
-      );
-      assign {bus_done_o, bus_error_o, bus_data_o, out_valid_o, out_data_o, out_last_o} = '0;
-      logic unused_bus;
-      assign unused_bus = ^{bus_valid_i, bus_write_i, bus_address_i, bus_data_i, bus_strobe_i, out_ready_i};
-    end else begin : gen_bytes
-      logic unused_begin, unused_answer_ready;
-      msn_packet #(
-        .SlipDepth    ((Slip || CopSlip) ? SlipDepth : 0),
-        .Cop          (Array || Cop4),
-        .Health       (Health),
-        .Answers      (1'b0),
-        .Statistics   (Counters),
-        .StatisticBits(StatisticBits),
-        .Taxels       (Image ? Taxels : 0),
-        .Chunk        (Chunk)
-      ) u_packet (
-        .clk_i,
-        .rst_i,
-        .now_i          (now),
-        .slip_valid_i   (slip_event),
-        .slip_ready_o   (slip_event_ready),
-        .slip_id_i      (decision_id),
-        .slip_state_i   (decision_state),
-        .slip_p2p_i     (decision_p2p),
-        .slip_time_i    (frame_time),
-        .cop_valid_i    (cop_valid),
-        .cop_x_i        (cop_x),
-        .cop_y_i        (cop_y),
-        .cop_load_i     (cop_load),
-        .cop_pressed_i  (cop_pressed),
-        .cop_time_i     (frame_time),
-        .health_valid_i (report_valid),
-        .health_ready_o (report_ready),
-        .health_id_i    (report_id),
-        .health_faults_i(report_faults),
-        .answer_valid_i (1'b0),
-        .answer_ready_o (unused_answer_ready),
-        .answer_data_i  ('0),
-        .statistics_i   (statistics),
-        .image_valid_i  (image_valid),
-        .image_data_i   (16'(sample)),
-        .image_last_i   (sample_last),
-        .image_time_i   (frame_time),
-        .out_begin_o    (unused_begin),
-        .out_valid_o,
-        .out_ready_i,
-        .out_data_o,
-        .out_last_o,
-        .packets_o      (packets),
-        .cop_dropped_o  (cop_dropped),
-        .image_dropped_o(image_dropped)
-      );
-      assign rejected = '0;
-      assign tx_o     = 1'b1;
-      assign {bus_valid, bus_write, bus_address} = {bus_valid_i, bus_write_i, bus_address_i};
-      assign {bus_question, bus_strobe}          = {bus_data_i, bus_strobe_i};
-      assign {bus_done_o, bus_error_o, bus_data_o} = {bus_done, bus_error, bus_answer};
-      logic unused_rx;
-      assign unused_rx = rx_i;
-    end
+    msn_link #(
+      .ClkHz        (1000 * ClkKhz),
+      .BaudHz       (BaudHz),
+      .Uart         (Uart),
+      .Registers    (Registers),
+      .SlipDepth    ((Slip || CopSlip) ? SlipDepth : 0),
+      .Cop          (Array || Cop4),
+      .Health       (Health),
+      .Statistics   (Counters),
+      .StatisticBits(StatisticBits),
+      .Taxels       (Image ? Taxels : 0),
+      .Chunk        (Chunk)
+    ) u_link (
+      .clk_i,
+      .rst_i,
+      .rx_i,
+      .tx_o,
+      .out_valid_o,
+      .out_ready_i,
+      .out_data_o,
+      .out_last_o,
+      .host_valid_i   (bus_valid_i),
+      .host_write_i   (bus_write_i),
+      .host_address_i (bus_address_i),
+      .host_data_i    (bus_data_i),
+      .host_strobe_i  (bus_strobe_i),
+      .host_done_o    (bus_done_o),
+      .host_error_o   (bus_error_o),
+      .host_data_o    (bus_data_o),
+      .bus_valid_o    (bus_valid),
+      .bus_write_o    (bus_write),
+      .bus_address_o  (bus_address),
+      .bus_data_o     (bus_question),
+      .bus_strobe_o   (bus_strobe),
+      .bus_done_i     (bus_done),
+      .bus_error_i    (bus_error),
+      .bus_data_i     (bus_answer),
+      .now_i          (now),
+      .slip_valid_i   (slip_event),
+      .slip_ready_o   (slip_event_ready),
+      .slip_id_i      (decision_id),
+      .slip_state_i   (decision_state),
+      .slip_p2p_i     (decision_p2p),
+      .slip_time_i    (frame_time),
+      .cop_valid_i    (cop_valid),
+      .cop_x_i        (cop_x),
+      .cop_y_i        (cop_y),
+      .cop_load_i     (cop_load),
+      .cop_pressed_i  (cop_pressed),
+      .cop_time_i     (frame_time),
+      .health_valid_i (report_valid),
+      .health_ready_o (report_ready),
+      .health_id_i    (report_id),
+      .health_faults_i(report_faults),
+      .statistics_i   (statistics),
+      .image_valid_i  (image_valid),
+      .image_data_i   (16'(sample)),
+      .image_last_i   (sample_last),
+      .image_time_i   (frame_time),
+      .packets_o      (packets),
+      .cop_dropped_o  (cop_dropped),
+      .image_dropped_o(image_dropped),
+      .rejected_o     (rejected)
+    );
   end
 
 endmodule
