@@ -2,21 +2,16 @@
 the command, the smallest build of each family from its converter's pins to its packets, and named
 configurations on the engine `gate`."""
 
-import sys
-
 import numpy as np
 import pytest
 
+import gate
 from meissner import boards, config, core, engines
 from meissner.engines import gate as gates
 from meissner.engines import rtl_core
 from meissner.link import packet
 from meissner.link.decoder import Decoder
 from meissner.slip.config import SlipConfig
-from meissner.yowasp import ROOT
-
-sys.path.insert(0, str(ROOT / "tools"))
-import gate
 
 
 def test_the_gate_engine_is_the_integer_twin():
