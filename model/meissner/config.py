@@ -9,7 +9,7 @@ docs/config.md describes the tables. Every mistake is a ValueError of one senten
 """
 
 import tomllib
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 
@@ -28,6 +28,7 @@ FOLDER = Path(__file__).parent / "configs"
 PARTS = {part.name.upper(): part for part in ADC_PARTS.values()}
 KINDS = ("channels", "array", "electrodes")
 LINK = {"baud": 3_000_000, "registers": True, "statistics": True, "images": False, "slip_only": False}
+SLIP_CODES = ("threshold", "gross_threshold", "contact_level", "release_level")
 SLIP = {"window": 64, "hop": 64, "level": 1, "hold_ms": 0.0, "refractory_ms": 0.0, "blank_ms": 0.0}
 ARRAY = {"health": False, "tare": True, "gains": "taxel", "newtons_per_count": 1e-3, "pitch_mm": 1.0}
 HEALTH = {"band": 2, "jump": 0, "still": 120, "rail": 8, "blink": 120}
@@ -119,6 +120,14 @@ class Config:
             *(self.sensor["rows"], self.sensor["columns"], self.adc["converters"], self.part),
             *(self.adc["channels"], self.adc["lanes"], self.clk_khz, self.adc["sclk_khz"]),
         )
+
+    @cached_property
+    def converter(self):
+        """Twin of a converter with its channels: an array's are side by side."""
+        if self.kind == "array":
+            return self.scan.adc
+        sizes = (self.part, self.channels, self.adc["lanes"], self.clk_khz, self.adc["sclk_khz"])
+        return AdcSpi(*sizes, self.sample_bits)
 
     @property
     def volts_per_code(self):
@@ -216,11 +225,7 @@ class Config:
             needed = self.scan.latency(self.settle_clocks)["frame"]
             what = "a scan"
         else:
-            lanes = self.adc["lanes"]
-            adc = AdcSpi(
-                self.part, self.channels, lanes, self.clk_khz, self.adc["sclk_khz"], self.sample_bits
-            )
-            needed = adc.safe_period()
+            needed = self.converter.safe_period()
             what = "a conversion"
         if self.period_clocks < needed:
             most = 1000 * self.clk_khz / needed
@@ -249,23 +254,24 @@ def verilog(parameters):
     return {k: f"{RESET_BITS}'h{v:x}" if k == "Resets" else str(v) for k, v in parameters.items()}
 
 
-def _slip(at, table, config, volts, rises_default):
-    """SlipConfig of [slip], thresholds in volts or newtons as the sensor has them."""
-    unit = "n" if config.kind == "array" else "v"
-    levels = [f"{key}_{unit}" for key in ("threshold", "gross_threshold", "contact_level", "release_level")]
-    required = dict.fromkeys(levels, float)
-    given = _with(at, table, required, SLIP | {"contact_rises": rises_default, "serial": False})
-    lsb, level = volts, given["level"]
-    one_of(at, "level", level, (1, 2, 3))
-    scale = 2 ** (level / 2)
-    details = config.rate_hz / (1 << level) / 1000
+def _slip(at, table, config):
+    """(serial, SlipConfig) of [slip], thresholds in newtons of an array's taxels, in volts else."""
+    unit, of = ("n", "newtons") if config.kind == "array" else ("v", "volts")
+    codes, times = SLIP_CODES, ("hold", "refractory", "blank")
+    given = _with(
+        at,
+        table,
+        dict.fromkeys((f"{key}_{unit}" for key in codes), float),
+        SLIP | {"contact_rises": config.kind == "array", "serial": False},
+    )
+    one_of(at, "level", given["level"], (1, 2, 3))
+    units = replace(config.units, level=given["level"])
     try:
         return given["serial"], SlipConfig(
-            *(given["window"], given["hop"], level),
-            *(int(given[name] * scale / lsb) for name in levels[:2]),
-            *(round((1 << level) * given[name] / lsb) for name in levels[2:]),
+            *(given[key] for key in ("window", "hop", "level")),
+            *(units.code(f"slip.{key}", of, given[f"{key}_{unit}"]) for key in codes),
             given["contact_rises"],
-            *(round(given[name] * details) for name in ("hold_ms", "refractory_ms", "blank_ms")),
+            *(units.code(f"slip.{key}", "seconds", given[f"{key}_ms"] / 1000) for key in times),
         )
     except ValueError as problem:
         raise ValueError(f"{at}: {problem}") from None
@@ -309,7 +315,6 @@ def read(name, tables):
     link = _with("[link]", tables.get("link", {}), {}, LINK)
     between("[link]", link, {"baud": (1200, 50_000_000)})
     base = Config(name, top["about"], round(1000 * clock["mhz"]), sensor, adc, link, adc["rate_hz"])
-    more = {}
     kind = sensor["kind"]
     allowed = {
         "array": ("link", "slip", "array", "health", "tare", "cop"),
@@ -327,19 +332,17 @@ def read(name, tables):
         one_of("[array]", "gains", array["gains"], ("taxel", "row_column"))
         cop = _with("[cop]", tables.get("cop", {}), {}, {"min_load_n": 0.0})
         health, tare = _tables(tables, array)
-        more |= {"array": array, "min_load_n": cop["min_load_n"], "health": health, "tare": tare}
-        scale = array["newtons_per_count"]
+        base = replace(base, array=array, min_load_n=cop["min_load_n"], health=health, tare=tare)
     elif kind == "electrodes":
-        more |= _electrodes(tables, adc, base)
-        scale = None
+        base = replace(base, **_electrodes(tables, adc, base))
     else:
         between("[sensor]", sensor, {"channels": (1, 8)})
-        scale = base.volts_per_code
     if "slip" in tables:
-        more["serial"], more["slip"] = _slip("[slip]", tables["slip"], base, scale, kind == "array")
+        serial, slip = _slip("[slip]", tables["slip"], base)
+        base = replace(base, serial=serial, slip=slip)
     elif kind == "channels":
         raise ValueError("[slip] is missing: single channels have nothing else to do")
-    return Config(**{key: value for key, value in vars(base).items() if key not in more} | more).check()
+    return base.check()
 
 
 def _tables(tables, array):
