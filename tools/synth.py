@@ -240,7 +240,9 @@ def main():
     parser.add_argument("--record", action="store_true")
     parser.add_argument("--check", action="store_true")
     parser.add_argument("--macros", action="store_true")
-    parser.add_argument("--device", help="of those that the board is sold with; else the smallest that will do")
+    parser.add_argument(
+        "--device", help="of those that the board is sold with; else the smallest that will do"
+    )
     parser.add_argument("--seeds", type=int, nargs="+", default=SEEDS)
     options = parser.parse_args()
     if options.list:

@@ -25,9 +25,18 @@ def run(*arguments):
             ["nexys"],
             "synth: unknown board 'nexys'; the boards are: icebreaker, ulx3s, orangecrab, tangnano20k\n",
         ),
-        (["icebreaker", "array64"], "synth: the icebreaker is not offered with array64: its top has no CONVST"),
-        (["icebreaker", "none"], "synth: the icebreaker has no configuration 'none'; it has: slip1, fingertip\n"),
-        (["icebreaker", "slip1", "--device", "85F"], "synth: --device 85F is for a bitstream of a board that"),
+        (
+            ["icebreaker", "array64"],
+            "synth: the icebreaker is not offered with array64: its top has no CONVST",
+        ),
+        (
+            ["icebreaker", "none"],
+            "synth: the icebreaker has no configuration 'none'; it has: slip1, fingertip\n",
+        ),
+        (
+            ["icebreaker", "slip1", "--device", "85F"],
+            "synth: --device 85F is for a bitstream of a board that",
+        ),
         (["ulx3s", "slip1", "--device", "13F"], "synth: --device 13F is for a bitstream of a board that"),
         (["ulx3s", "--device", "85F", "--check"], "synth: --device 85F is for a bitstream of a board that"),
         ([], "synth: name a board, BOARD=...: icebreaker, ulx3s, orangecrab, tangnano20k\n"),
