@@ -249,8 +249,8 @@ HEADER = f"""
 //
 // {MADE}
 //
-// The registers of the core. bus_valid_i for one clock asks; bus_done_o answers two clocks later, once; an access
-// is an error, and changes nothing, at an address without a register in this build, at one that is no
+// The registers of the core. bus_valid_i for one clock asks; bus_done_o answers two clocks later, once; an
+// access is an error, and changes nothing, at an address without a register in this build, at one that is no
 // multiple of four, and for a write where all is read-only. bus_strobe_i: the bytes that a write changes. A
 // group with commit_i keeps two copies: a read sees what was written, the core what was committed.
 // Resets: the reset value of every setting, in the page's order, the first lowest. Without a bus: constants.

@@ -80,6 +80,10 @@ def spi_delays(report):
     return tuple(round(max(way), 1) if way else None for way in (out, back))
 
 
+def label(board, device):
+    return f"{board} {device}" if device else board
+
+
 def place(board, config, device, stem, parameters, seed):
     """Place and route with one seed; returns nextpnr's report."""
     words = board.pnr.format(constraints=board.constraints, stem=stem, device=board.devices.get(device))
@@ -93,8 +97,9 @@ def place(board, config, device, stem, parameters, seed):
         missing = too_large(log)
         if not missing:
             raise
-        where = f"{board.name} {device}" if device else board.name
-        raise ToolError(f"{config} does not fit the {where}: it needs {missing}") from error
+        raise ToolError(
+            f"{config} does not fit the {label(board.name, device)}: it needs {missing}"
+        ) from error
     return json.loads((ROOT / report).read_text())
 
 
@@ -119,7 +124,7 @@ def build(board, config, device, parameters, seeds, patient):
                 break
     if not packed:
         raise ToolError(
-            f"{config} on the {' '.join(filter(None, (board.name, device)))} does not meet its {clk_mhz:g} MHz: "
+            f"{config} on the {label(board.name, device)} does not meet its {clk_mhz:g} MHz: "
             f"{max(mhz)} MHz at best with seeds {', '.join(map(str, seeds[: len(mhz)]))}"
         )
     return {
@@ -202,7 +207,7 @@ def tables(recorded):
     ]
     for board, config in boards.pairs():
         r = recorded[f"{board.name}-{config}"]
-        name = " ".join(filter(None, (board.title.partition(" (")[0], r.get("device")))) + f", {config}"
+        name = f"{label(board.title.partition(' (')[0], r.get('device'))}, {config}"
         used = " | ".join(str(r[key]) for key in AREA)
         area.append(f"| {name} | {r['clk_mhz']:g} | {r['mhz_worst']} | {used} |")
         taken, access = half_bit(board, config)
@@ -225,7 +230,7 @@ def write_tables(recorded):
 
 
 def tell(name, result):
-    name = f"{name} on a {result['device']}" if "device" in result else name
+    name = label(name, result.get("device"))
     used = ", ".join(f"{result[key]} {key.upper()}" for key in AREA)
     return f"{name}: {used}; {result['mhz_worst']} MHz (its clock is {result['clk_mhz']:g})"
 
@@ -247,7 +252,7 @@ def main():
     options = parser.parse_args()
     if options.list:
         for board in boards.BOARDS.values():
-            offered = [" on ".join(filter(None, (name, board.device(name)))) for name in board.configs]
+            offered = [f"{name} on {board.device(name)}" if board.devices else name for name in board.configs]
             print(f"{board.name:12} {board.title:28} {', '.join(offered)}")
             for name, reason in board.left_out.items():
                 print(f"{'':12} {'':28} not {name}: {reason}")

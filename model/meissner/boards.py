@@ -23,7 +23,7 @@ class Board:
     each with what is the board's, not the file's (see meissner.config.load); ``more``: other parameters.
     ``left_out``: every other named configuration, with the reason in a sentence's words.
     ``devices``: what the board is sold with, smallest first, by name, and place and route's word for each;
-    empty if there is one only. A configuration's ``device``: the smallest that it fits and meets its clock on.
+    empty if there is one only. A configuration's ``device``: the smallest that it fits and is fast enough on.
     """
 
     name: str

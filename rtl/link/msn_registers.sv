@@ -2,8 +2,8 @@
 //
 // Made by tools/registers.py from rtl/registers.rdl: change that, then `make registers`.
 //
-// The registers of the core. bus_valid_i for one clock asks; bus_done_o answers two clocks later, once; an access
-// is an error, and changes nothing, at an address without a register in this build, at one that is no
+// The registers of the core. bus_valid_i for one clock asks; bus_done_o answers two clocks later, once; an
+// access is an error, and changes nothing, at an address without a register in this build, at one that is no
 // multiple of four, and for a write where all is read-only. bus_strobe_i: the bytes that a write changes. A
 // group with commit_i keeps two copies: a read sees what was written, the core what was committed.
 // Resets: the reset value of every setting, in the page's order, the first lowest. Without a bus: constants.
