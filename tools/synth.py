@@ -28,9 +28,9 @@ OUT = "build/synth"  # relative to ROOT: YoWASP sees nothing outside the directo
 RESOURCES = ROOT / "constraints/resources.json"
 SEEDS = (1, 2, 3)
 GROWTH = 0.03
-PAGES = ("README.md", "docs/boards.md")
+PAGES = ("README.md", "docs/boards.md", "docs/boards.md")
 AREA = ("lut", "ff", "bram", "dsp")
-PIN = re.compile(r"adc_\w+")
+PIN = re.compile(r"(adc|ext)_(cs_n|sclk|mosi|miso)_")
 
 
 def synthesise(board, config, parameters):
@@ -159,7 +159,7 @@ def compare(name, before, now):
 def missing(recorded):
     """Sentences: the pairs that ``recorded`` does not have, and those it should not have.
 
-    Every board with every named configuration is there: with its figures, or with why it is left out.
+    Every board with every named configuration is there: with its figures, or with why it has none.
     """
     where = RESOURCES.relative_to(ROOT)
     said = []
@@ -167,11 +167,12 @@ def missing(recorded):
         for config in dict.fromkeys([*board.configs, *configurations.names()]):
             name = f"{board.name}-{config}"
             entry = recorded.get(name, {})
-            if config in board.configs and "mhz" not in entry:
+            offered = config in board.configs
+            if offered and not {"mhz", "left_out"} & set(entry):
                 said.append(f"{name} is not in {where}")
-            elif config in board.configs and entry.get("device") != board.device(config):
+            elif offered and "mhz" in entry and entry.get("device") != board.device(config):
                 said.append(f"{name} is in {where} on another device than the {board.device(config)}")
-            elif config not in board.configs and entry != left_out(board, config):
+            elif not offered and entry != left_out(board, config):
                 said.append(f"{where} does not say why {name} is left out")
     there = {f"{board.name}-{name}" for board in boards.BOARDS.values() for name in configurations.names()}
     return said + [
@@ -181,8 +182,8 @@ def missing(recorded):
 
 
 def left_out(board, config):
-    """What resources.json says of a pair that is not offered; KeyError if the board gives no reason."""
-    return {"left_out": board.left_out[config]}
+    """What resources.json says of a pair that is not offered."""
+    return {"left_out": board.left_out.get(config)}
 
 
 def half_bit(board, config):
@@ -196,7 +197,7 @@ def half_bit(board, config):
 
 
 def tables(recorded):
-    """README's table of resources and the page's of pins, from constraints/resources.json."""
+    """README's table of resources, the page's of pins and of pairs without figures, from resources.json."""
     area = [
         "| board, configuration | clock, MHz | Fmax, worst of three | LUT | FF | block RAM | DSP |",
         "|---" * 7 + "|",
@@ -205,8 +206,15 @@ def tables(recorded):
         "| board, configuration | a bit's data are taken after, ns | out | converter | in | left |",
         "|---" * 6 + "|",
     ]
+    none = ["| board, configuration | why there is none |", "|---" * 2 + "|"]
+    for board in boards.BOARDS.values():
+        for config in configurations.names():
+            if reason := recorded[f"{board.name}-{config}"].get("left_out"):
+                none.append(f"| {board.title.partition(' (')[0]}, {config} | {reason} |")
     for board, config in boards.pairs():
         r = recorded[f"{board.name}-{config}"]
+        if "left_out" in r:
+            continue
         name = f"{label(board.title.partition(' (')[0], r.get('device'))}, {config}"
         used = " | ".join(str(r[key]) for key in AREA)
         area.append(f"| {name} | {r['clk_mhz']:g} | {r['mhz_worst']} | {used} |")
@@ -216,7 +224,7 @@ def tables(recorded):
             pins.append(
                 f"| {name} | {taken:.0f} | {r['spi_out_ns']} | {access} | {r['spi_in_ns']} | {left:.0f} |"
             )
-    return "\n".join(area), "\n".join(pins)
+    return "\n".join(area), "\n".join(pins), "\n".join(none)
 
 
 def write_tables(recorded):
@@ -227,6 +235,13 @@ def write_tables(recorded):
         before, _, after = text.partition(head)
         rest = after.split("\n\n", 1)[1]
         (ROOT / page).write_text(f"{before}{table}\n\n{rest}")
+
+
+def write(kept):
+    """constraints/resources.json, and why a board is not offered with the others."""
+    for board in boards.BOARDS.values():
+        kept |= {f"{board.name}-{name}": left_out(board, name) for name in board.left_out}
+    RESOURCES.write_text(json.dumps(dict(sorted(kept.items())), indent=1) + "\n")
 
 
 def tell(name, result):
@@ -291,15 +306,16 @@ def main():
             if not whole:
                 sys.exit(f"synth: {error}\n{error.tail}".rstrip())
             problems.append(str(error))
+            if options.record:
+                kept[name] = {"left_out": str(error)}
+                write(kept)
             continue
         print(f"{tell(name, result)}, {time.monotonic() - begin:.0f} s", flush=True)
         if options.check:
             problems += compare(name, kept.get(name), result)
         if options.record:
             kept[name] = result
-            for other in boards.BOARDS.values():
-                kept |= {f"{other.name}-{name}": left_out(other, name) for name in other.left_out}
-            RESOURCES.write_text(json.dumps(dict(sorted(kept.items())), indent=1) + "\n")
+            write(kept)
         if not whole:
             print(f"bitstream: {OUT}/{name}/{board.top}{board.bitstream}")
     if options.record and not missing(kept):
