@@ -63,8 +63,8 @@ module msn_spi_shift #(
   assign bit_end  = half_end && second_q && !lead_q;
   assign done_o   = bit_end && spi_cs_n_o;
 
-  // The end of a word's last bit, bit_end && !spi_cs_n_o && left_q == 0, found a clock ahead: the pins, where this is,
-  // and the block that takes the word are far apart.
+  // The end of a word's last bit, bit_end && !spi_cs_n_o && left_q == 0, found a clock ahead: the pins, where this
+  // is, and the block that takes the word are far apart.
   logic ahead;
   assign ahead = (Half > 1) ? half_q == HalfBits'(1) && second_q && !lead_q : !second_q;
 
