@@ -1,4 +1,4 @@
-"""All the evidence, one command: run each kind anew, then write docs/trust.md and README's line from the results.
+"""All the evidence, one command: run each kind anew, then write docs/trust.md and README's line.
 
     python tools/trust.py              every kind (hours), each recorded in docs/trust/<kind>.json
     python tools/trust.py faults       some kinds
@@ -30,8 +30,9 @@ KINDS = {  # of the table's columns; the others are lines below it
 }
 HEAD = """# Trust
 
-One row for each block of rtl/rtl.f, in data-path order; an empty cell means that there is nothing of that kind. Written
-by `make trust`, which runs everything, or by `python tools/trust.py --page` from what docs/trust/ has recorded.
+One row for each block of rtl/rtl.f, in data-path order; an empty cell means that there is nothing of that
+kind. Written by `make trust`, which runs everything, or by `python tools/trust.py --page` from what
+docs/trust/ has recorded.
 """
 
 
@@ -52,7 +53,9 @@ def page(recorded):
     columns = [kind for kind in KINDS if KINDS[kind] and kind in recorded]
     lines = [HEAD, "| kind | all blocks | command | of |", "|---" * 4 + "|"]
     for kind, record in recorded.items():
-        lines.append(f"| {KINDS[kind] or kind} | {record['total']} | `{record['command']}` | {record['date']} |")
+        lines.append(
+            f"| {KINDS[kind] or kind} | {record['total']} | `{record['command']}` | {record['date']} |"
+        )
     lines += ["", "| block | " + " | ".join(KINDS[kind] for kind in columns) + " |"]
     lines.append("|---" * (len(columns) + 1) + "|")
     for block in blocks():

@@ -101,6 +101,8 @@ def test_a_pair_is_on_the_smallest_device_that_will_do():
     recorded = json.loads(synth.RESOURCES.read_text())
     for name in boards.BOARDS["ulx3s"].configs:
         result = recorded[f"ulx3s-{name}"]
+        if "left_out" in result:
+            continue
         smaller = [device for device in rams if rams[device] < rams[result["device"]]]
         assert result["bram"] <= rams[result["device"]]
         assert not smaller or result["bram"] > rams[smaller[-1]], name

@@ -6,7 +6,7 @@ from contextlib import nullcontext
 import numpy as np
 
 from meissner import boards
-from meissner import config as configurations
+from meissner.build import verilog
 from meissner.engines import verilated
 from meissner.link.uart_tx import sixteenths
 
@@ -40,7 +40,7 @@ def _open(parameters, folder):
 
 
 class CoreOnPins:
-    """A build of ``config`` (meissner.config.Config) with a sensor that gives ``codes``, over and over.
+    """A build of ``config`` (meissner.build.Config) with a sensor that gives ``codes``, over and over.
 
     ``codes``: integers [frames, rows, columns] of an array, [frames, channels] else. ``read`` and ``write``
     are the bytes of the line, as meissner.host.pty and meissner.host.line take them; reading runs the core.
@@ -60,7 +60,7 @@ class CoreOnPins:
         if board is not None:
             folder, parameters = f"build/board/{board[0].name}-{board[1]}", board[0].parameters(board[1])
             boards.write_build(folder, parameters)
-        self._lib = _open(tuple(configurations.verilog(parameters).items()), folder)
+        self._lib = _open(tuple(verilog(parameters).items()), folder)
         size = _Size(
             *(config.part.number, config.adc.get("converters", 1), config.adc["lanes"]),
             *(shape if array else (1, *shape)),
