@@ -237,11 +237,13 @@ def write_tables(recorded):
         (ROOT / page).write_text(f"{before}{table}\n\n{rest}")
 
 
-def write(kept):
-    """constraints/resources.json, and why a board is not offered with the others."""
+def write(found):
+    """``found`` into constraints/resources.json as it is by now, with why a board is not offered with the others."""
+    kept = (json.loads(RESOURCES.read_text()) if RESOURCES.exists() else {}) | found
     for board in boards.BOARDS.values():
         kept |= {f"{board.name}-{name}": left_out(board, name) for name in board.left_out}
     RESOURCES.write_text(json.dumps(dict(sorted(kept.items())), indent=1) + "\n")
+    return kept
 
 
 def tell(name, result):
@@ -307,15 +309,13 @@ def main():
                 sys.exit(f"synth: {error}\n{error.tail}".rstrip())
             problems.append(str(error))
             if options.record:
-                kept[name] = {"left_out": str(error)}
-                write(kept)
+                kept = write({name: {"left_out": str(error)}})
             continue
         print(f"{tell(name, result)}, {time.monotonic() - begin:.0f} s", flush=True)
         if options.check:
             problems += compare(name, kept.get(name), result)
         if options.record:
-            kept[name] = result
-            write(kept)
+            kept = write({name: result})
         if not whole:
             print(f"bitstream: {OUT}/{name}/{board.top}{board.bitstream}")
     if options.record and not missing(kept):
