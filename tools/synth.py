@@ -238,7 +238,7 @@ def write_tables(recorded):
 
 
 def write(found):
-    """``found`` into constraints/resources.json as it is by now, and why boards are not offered with others."""
+    """``found`` into constraints/resources.json as it is by now, and why boards do not have the others."""
     kept = (json.loads(RESOURCES.read_text()) if RESOURCES.exists() else {}) | found
     for board in boards.BOARDS.values():
         kept |= {f"{board.name}-{name}": left_out(board, name) for name in board.left_out}
