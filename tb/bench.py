@@ -154,6 +154,24 @@ async def stream(dut, beats, fields, gaps=None, stalls=None, drain=40, count=Non
     return received
 
 
+async def taken(dut, beats, patience=40):
+    """Offer ``beats`` while nobody takes what comes out: how many go in before none does ``patience`` clocks long."""
+    dut.out_ready_i.value = 0
+    sent = quiet = 0
+    while sent < len(beats) and quiet < patience:
+        dut.in_valid_i.value = 1
+        for name, value in beats[sent].items():
+            port = getattr(dut, f"in_{name}_i")
+            port.value = int(value) & ((1 << len(port)) - 1)
+        await ReadOnly()
+        took = dut.in_ready_o.value == 1
+        sent += took
+        quiet = 0 if took else quiet + 1
+        await RisingEdge(dut.clk_i)
+    dut.in_valid_i.value = 0
+    return sent
+
+
 async def clocks(dut, count):
     """Let ``count`` clocks pass."""
     for _ in range(count):

@@ -2,7 +2,8 @@
 
     python tools/mutants.py                  every block of rtl/rtl.f
     python tools/mutants.py haar divide      only these
-    python tools/mutants.py --record         and merge the results into docs/trust/mutants.json, docs/mutants.md
+    python tools/mutants.py --record         and merge the results into docs/trust/mutants.json and
+                                             docs/mutants.md
 
 Exit code 1 if a block kills less than it must of the mutants that are not equivalent, if the tests fail on an
 unchanged block, or if nothing ran. `build/mutants/<block>-<set>/` keeps the netlist of each parameter set.
@@ -24,19 +25,18 @@ PAGE = ROOT / "docs/mutants.md"
 MARK = "<!-- written by make mutants: from here to the end -->\n"
 WHOLE = ("divide", "round_sat", "haar", "peak_to_peak", "cop_accumulate")  # must kill every one
 LEAST = 0.95  # of those that are not equivalent, in every other block
-SETS = 4  # parameter sets of a block, as far apart in its tests' list as can be
+SETS = 4  # parameter sets of a block, evenly out of its tests' list
 FEWEST, MOST = 100, 200  # mutants of a block; between them one for each line of its source
 
 
 def parameter_sets(block):
-    """The runs of the block's tests, those of equal parameters together, and the ones to try first in front."""
+    """The runs of the block's tests, those of equal parameters together; the ones to try first in front."""
     groups = {}
     for run in benches.runs(block):
         if not run["sources"] and run["block"] == block:  # other sources: not this block's
             groups.setdefault(json.dumps(run["parameters"]), []).append(run)
     groups = list(groups.values())
-    last = len(groups) - 1
-    first = {round(k * last / max(SETS - 1, 1)) for k in range(SETS)}
+    first = {k * len(groups) // SETS for k in range(SETS)}
     return [groups[i] for i in sorted(first)] + [g for i, g in enumerate(groups) if i not in first]
 
 
@@ -93,12 +93,14 @@ def entry(block, mutants, sets, slow, seconds):
     alive = [m for m in mutants if m not in killed and m not in equal]
     score = len(killed) / max(1, len(mutants) - len(equal))
     return {
+        "summary": f"{len(killed)} of {len(mutants) - len(equal)} killed, {len(equal)} equivalent",
         "mutants": len(mutants),
         "killed": len(killed),
         "of these stopped": dict(Counter(m.verdict for m in killed if m.verdict != "failed")),
         "equivalent": len(equal),
         "survived": [
-            {"what": m.what, "source": m.source, "solver": m.verdict, "parameters": m.parameters} for m in alive
+            {"what": m.what, "source": m.source, "solver": m.verdict, "parameters": m.parameters}
+            for m in alive
         ],
         "score": round(score, 4),
         "sets": sets,
@@ -117,23 +119,42 @@ def record(results, command):
     listed = benches.blocks()
     blocks = kept | results
     blocks = {name: blocks[name] for name in sorted(blocks) if name in listed}
-    told = {"command": command, "date": datetime.date.today().isoformat(), "blocks": blocks}
+    told = {
+        "command": command,
+        "date": datetime.date.today().isoformat(),
+        "total": total(blocks),
+        "blocks": blocks,
+    }
     RESULTS.parent.mkdir(parents=True, exist_ok=True)
     RESULTS.write_text(json.dumps(told, indent=1) + "\n")
     prose = PAGE.read_text().split(MARK)[0]
     PAGE.write_text(prose + MARK + "\n" + table(told))
 
 
+def total(blocks):
+    """One line of all blocks."""
+    killed, equal, made = (sum(b[k] for b in blocks.values()) for k in ("killed", "equivalent", "mutants"))
+    alike = f"{equal} shown equivalent"
+    return (
+        f"{killed} of {made - equal} mutants of {len(blocks)} blocks killed by the blocks' own tests, {alike}"
+    )
+
+
 def table(told):
     """The Markdown of the results: a row per block, then the survivors."""
-    lines = ["| block | mutants | killed | equivalent | survived | score | seconds |", "|---|--:|--:|--:|--:|--:|--:|"]
-    total = Counter()
+    lines = [
+        "| block | mutants | killed | equivalent | survived | score | seconds |",
+        "|---|--:|--:|--:|--:|--:|--:|",
+    ]
+    every = Counter()
     for name, found in told["blocks"].items():
-        row = {k: found[k] for k in ("mutants", "killed", "equivalent")} | {"survived": len(found["survived"])}
+        row = {k: found[k] for k in ("mutants", "killed", "equivalent")} | {
+            "survived": len(found["survived"])
+        }
         row["seconds"] = found["seconds"]
-        total.update(row)
+        every.update(row)
         lines.append(_row(name, row))
-    lines.append(_row("**all**", total))
+    lines.append(_row("**all**", every))
     lines += ["", "Survivors; *different*: the solver has inputs that tell it from the block.", ""]
     for name, found in told["blocks"].items():
         for one in found["survived"]:
@@ -154,7 +175,9 @@ def main():
     parser.add_argument("--samples", type=int, help="mutants per block, in place of 100 to 200")
     parser.add_argument("--seed", type=int, default=1, help="of Yosys's choice of mutants")
     parser.add_argument("--jobs", type=int, default=2, help="mutants that run at a time")
-    parser.add_argument("--record", action="store_true", help="write docs/trust/mutants.json and docs/mutants.md")
+    parser.add_argument(
+        "--record", action="store_true", help="write docs/trust/mutants.json and docs/mutants.md"
+    )
     options = parser.parse_args()
     listed = benches.blocks()
     unknown = [name for name in options.block if name not in listed]

@@ -1,9 +1,10 @@
-"""Is a mutant the same block? Two copies of the netlist, one changed, and a solver that looks for a difference.
+"""Is a mutant the same block? Two copies of the netlist, one changed; a solver looks for a difference.
 
-Both copies begin with zeros and run unchanged, with any inputs, for as long as the solver likes; then comes a
-clock of reset and with it the change. From then on no output may differ, whatever comes in; what a `*_valid_o`
-qualifies counts only while that is 1. ABC, which is part of Yosys, merges what it proves equal by induction
-(scorr), looks for a difference (bmc3), and proves that there is none (pdr). What it leaves open is no proof.
+Both copies begin with zeros and run unchanged, with any inputs, for as long as the solver likes; then comes
+a clock of reset and with it the change. From then on no output may differ, whatever comes in; what a
+`*_valid_o` qualifies counts only while that is 1. ABC, which is part of Yosys, merges what it proves equal
+by induction (scorr), looks for a difference (bmc3), and proves that there is none (pdr). What it leaves open
+is no proof.
 """
 
 import re
@@ -14,7 +15,7 @@ from meissner.trust.mutate import INNER
 from meissner.yowasp import ROOT, ToolError, yosys
 
 FRAMES = 60  # clocks in which a difference is looked for
-SECONDS = 10  # for each of the two searches
+SECONDS = 20  # for each of the two searches
 DUMMY = "module dummy(input a, b, output y); assign y = a & b; endmodule\n"  # ABC wants something to work on
 
 
@@ -73,19 +74,24 @@ def _constant_zero(path):
 
 
 def classify(mutants, folder):
-    """Sets ``verdict`` of ``mutants``, all of the netlist in ``folder``: equivalent, different or undecided."""
+    """Set ``verdict`` of ``mutants`` of the netlist in ``folder``: equivalent, different or undecided."""
     folder = Path(folder)
     (ROOT / folder / "miter.v").write_text(miter(folder))
-    prepare = [f"read_rtlil {folder}/mutated.il; read_verilog {folder}/miter.v; design -save both"]
+    # Gates once for all mutants; then only the two copies are put together for each. Later `opt` would make
+    # flip-flops with enables again, which AIGER has not.
+    prepare = [
+        f"read_rtlil {folder}/mutated.il; hierarchy -top {INNER}; flatten; opt_clean; memory_map; opt_expr; "
+        "setundef -zero -init; setundef -zero; async2sync; dffunmap; techmap; opt_expr; aigmap; opt_clean; "
+        f"read_verilog {folder}/miter.v; design -save both"
+    ]
     judge = ["backup"]
     for mutant in mutants:
         name = folder / f"m{mutant.number}"
         for end in ("aig", "reduced.aig", "bmc", "pdr"):
             (ROOT / f"{name}.{end}").unlink(missing_ok=True)
         prepare.append(
-            f"design -load both; chparam -set K {mutant.number} miter; hierarchy -top miter; proc; flatten; opt; "
-            "memory_dff; memory_map; opt -full; setundef -zero -init; setundef -zero; async2sync; dffunmap; "
-            f"opt_expr; techmap; opt_expr; aigmap; opt_clean; write_aiger -zinit {name}.aig"
+            f"design -load both; chparam -set K {mutant.number} miter; hierarchy -top miter; proc; flatten; "
+            f"opt_expr; opt_clean; techmap; opt_expr; aigmap; opt_clean; write_aiger -zinit {name}.aig"
         )
         judge += [
             f"read_aiger {name}.aig",

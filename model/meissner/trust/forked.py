@@ -69,7 +69,7 @@ def start_regression(manager):
     _, status, used = os.wait4(child, 0)
     seconds = used.ru_utime + used.ru_stime
     verdicts = {0: _verdict(status)}
-    limit = 4 * seconds + 0.3
+    limit = 2 * seconds + 0.2
     waiting = SETTINGS["numbers"][::-1] if verdicts[0] == "survived" else []
     running = {}
     while waiting or running:

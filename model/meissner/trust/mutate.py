@@ -46,8 +46,9 @@ def _listed(text):
         lines = dict.fromkeys(re.findall(r"(\w+\.sv):(\d+)", line))
         source = " ".join(f"{name}:{at}" for name, at in lines)
         wire = f" {option['wire']}[{option['wirebit']}]".replace("\\", "") if "wire" in option else ""
+        when = f" by [{option['ctrlbit']}]" if "ctrlbit" in option else ""
         cell = option["cell"].split("$")[1] if option["cell"].startswith("$") else option["cell"]
-        what = f"{option['mode']} {cell} {option['port']}[{option['portbit']}]{wire}".replace("\\", "")
+        what = f"{option['mode']} {cell} {option['port']}[{option['portbit']}]{when}{wire}".replace("\\", "")
         yield what, source, line
 
 
@@ -75,8 +76,8 @@ def netlist(run, count, seed, folder):
     control = [m.command.replace("mutate ", f"mutate -ctrl mutsel {width} {m.number} ", 1) for m in mutants]
     (ROOT / folder / "apply.ys").write_text("\n".join(control) + "\n")
     yosys(
-        f"read_rtlil {folder}/plain.il; script {folder}/apply.ys; opt_clean; write_rtlil {folder}/mutated.il; "
-        f"write_verilog -noattr {folder}/mutated.v",
+        f"read_rtlil {folder}/plain.il; script {folder}/apply.ys; opt_clean; "
+        f"write_rtlil {folder}/mutated.il; write_verilog -noattr {folder}/mutated.v",
         f"{folder}/apply.log",
     )
     text = source_of(run["block"]).read_text()
