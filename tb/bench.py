@@ -7,7 +7,7 @@ import subprocess
 
 import numpy as np
 from cocotb.clock import Clock
-from cocotb.triggers import ReadOnly, RisingEdge
+from cocotb.triggers import ReadOnly, RisingEdge, Timer
 from cocotb_tools.check_results import get_results
 from cocotb_tools.runner import get_runner
 
@@ -152,6 +152,28 @@ async def stream(dut, beats, fields, gaps=None, stalls=None, drain=40, count=Non
         await RisingEdge(dut.clk_i)
     dut.in_valid_i.value = 0
     return received
+
+
+async def turn_over(dut, counter, enable=None):
+    """The counter ``counter`` before any reset: registers start as ones, so it stands before its turn-over.
+
+    A counter of 32 bits never gets there by itself. Its enable, a register of ones too, holds for one clock;
+    ``enable``: what makes it so, if it is none. Must be the first test of all (``stage=-1``).
+    """
+    port = getattr(dut, counter)
+    for name in ("in_valid_i", "rst_i", *(enable or ())):
+        if hasattr(dut, name):
+            getattr(dut, name).value = int(name in (enable or ()))
+    await Timer(1, "ns")
+    if not port.value.is_resolvable:  # a simulator that starts with unknowns
+        return
+    before = read(port)
+    Clock(dut.clk_i, 10, unit="ns").start()
+    await RisingEdge(dut.clk_i)
+    await ReadOnly()
+    top = 1 << len(port)
+    assert read(port) == (before + 1) % top or before != top - 1, f"{counter}: {before} -> {read(port)}"
+    await RisingEdge(dut.clk_i)
 
 
 async def taken(dut, beats, patience=40):

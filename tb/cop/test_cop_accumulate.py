@@ -59,6 +59,11 @@ def damaged_frames(beats, length, draw):
     return [beat for part, _ in sent for beat in part], whole
 
 
+@cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
+async def counts_over_the_whole_width(dut):
+    await bench.turn_over(dut, "damaged_o")
+
+
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 @cocotb.parametrize(stall_rate=[0.0, 0.6])
 async def matches_model(dut, stall_rate):
@@ -179,7 +184,7 @@ async def forgets_what_a_reset_interrupts(dut):
     [
         (1, 1, 1),
         (1, 9, 4),
-        (9, 1, 1),
+        (11, 1, 1),
         (2, 2, 2),
         (3, 3, 1),
         (5, 7, 8),

@@ -4,7 +4,8 @@ Both copies begin with zeros and run unchanged, with any inputs, for as long as 
 a clock of reset and with it the change. From then on no output may differ, whatever comes in; what a
 `*_valid_o` qualifies counts only while that is 1. ABC, which is part of Yosys, merges what it proves equal
 by induction (scorr), looks for a difference (bmc3), and proves that there is none (pdr). What it leaves open
-is no proof.
+is no proof. A block with `in_restart_i` gets whole frames, as msn_frame_check hands them on, the first one
+after a reset with restart; what it gets while `in_valid_i` is 0 is free there too.
 """
 
 import re
@@ -41,7 +42,22 @@ def difference(names):
     return " || ".join(terms) or "1'b0"
 
 
-def miter(folder):
+FRAMED = ("in_id_i", "in_last_i", "in_restart_i")
+FRAMES_IN = """
+wire reset = i_rst_i || (begin_i && !on), took = i_in_valid_i && a_in_ready_o;
+reg [15:0] place = 0; reg begun = 0, restart = 0;
+wire fresh = place == 0 ? i_in_restart_i || !begun : restart;
+always @(posedge i_clk_i) begin
+  if (took) begin place <= place == {last} ? 0 : place + 1; begun <= 1; restart <= fresh; end
+  if (reset) begin place <= 0; begun <= 0; end
+end
+wire [{top}:0] f_in_id_i = i_in_valid_i ? place : i_in_id_i;
+wire f_in_last_i = i_in_valid_i ? place == {last} : i_in_last_i;
+wire f_in_restart_i = i_in_valid_i ? fresh : i_in_restart_i;
+"""
+
+
+def miter(folder, parameters):
     """The Verilog of the two copies; parameter ``K``: the mutant's number."""
     known = ports(folder)
     inputs = [name for name, (direction, _) in known.items() if direction == "input" and name != "mutsel"]
@@ -56,13 +72,19 @@ def miter(folder):
     else:
         lines += ["wire on = begin_i;"]
     lines += [f"wire [{width - 1}:0] sel = (on || begin_i) ? K : 0;"]
+    framed = FRAMED if "Channels" in parameters and set(FRAMED) <= set(inputs) else ()
+    frames = (
+        FRAMES_IN.format(last=int(parameters.get("Channels", 1)) - 1, top=known["in_id_i"][1] - 1)
+        if framed
+        else ""
+    )
     for copy, chosen in (("a", f"{width}'d0"), ("b", "sel")):
         lines += [f"wire [{known[n][1] - 1}:0] {copy}_{n};" for n in outputs]
-        joined = [f".{n}(i_{n})" for n in inputs if f"i_{n}" not in reset]
+        joined = [f".{n}({'f' if n in framed else 'i'}_{n})" for n in inputs if f"i_{n}" not in reset]
         joined += [".rst_i(i_rst_i || (begin_i && !on))"] if reset else []
         joined += [f".{n}({copy}_{n})" for n in outputs]
         lines.append(f"{INNER} {copy} (.mutsel({chosen}), {', '.join(joined)});")
-    lines += [f"assign bad = on && ({difference(outputs)});", "endmodule", DUMMY]
+    lines += [frames, f"assign bad = on && ({difference(outputs)});", "endmodule", DUMMY]
     return "\n".join(lines)
 
 
@@ -76,7 +98,7 @@ def _constant_zero(path):
 def classify(mutants, folder):
     """Set ``verdict`` of ``mutants`` of the netlist in ``folder``: equivalent, different or undecided."""
     folder = Path(folder)
-    (ROOT / folder / "miter.v").write_text(miter(folder))
+    (ROOT / folder / "miter.v").write_text(miter(folder, mutants[0].parameters))
     # Gates once for all mutants; then only the two copies are put together for each. Later `opt` would make
     # flip-flops with enables again, which AIGER has not.
     prepare = [
@@ -97,6 +119,7 @@ def classify(mutants, folder):
             f"read_aiger {name}.aig",
             "strash",
             "scorr",
+            "scorr -F 4",
             f"write_aiger {name}.reduced.aig",
             f"bmc3 -F {FRAMES} -T {SECONDS}",
             f"write_status {name}.bmc",
