@@ -177,7 +177,7 @@ async def turn_over(dut, counter, enable=None):
 
 
 async def taken(dut, beats, patience=40):
-    """Offer ``beats`` while nobody takes what comes out: how many go in before none does ``patience`` clocks long."""
+    """How many of ``beats`` go in while nobody takes what comes out, until ``patience`` clocks took none."""
     dut.out_ready_i.value = 0
     sent = quiet = 0
     while sent < len(beats) and quiet < patience:
