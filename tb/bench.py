@@ -154,25 +154,32 @@ async def stream(dut, beats, fields, gaps=None, stalls=None, drain=40, count=Non
     return received
 
 
-async def turn_over(dut, counter, enable=None):
-    """The counter ``counter`` before any reset: registers start as ones, so it stands before its turn-over.
+async def turn_over(dut, counter, beats=(), **inputs):
+    """The counter ``counter`` from its greatest value to 0: one of 32 bits never gets there by counting.
 
-    A counter of 32 bits never gets there by itself. Its enable, a register of ones too, holds for one clock;
-    ``enable``: what makes it so, if it is none. Must be the first test of all (``stage=-1``).
+    Nothing was reset yet, and registers start as ones: must be the first test of all (``stage=-1``). Counts
+    once, by itself, if its enable is a register too, or else by ``beats``; ``inputs``: of other inputs.
     """
     port = getattr(dut, counter)
-    for name in ("in_valid_i", "rst_i", *(enable or ())):
+    for name, value in ({"in_valid_i": 0, "out_ready_i": 1, "rst_i": 0} | inputs).items():
         if hasattr(dut, name):
-            getattr(dut, name).value = int(name in (enable or ()))
+            getattr(dut, name).value = value
     await Timer(1, "ns")
     if not port.value.is_resolvable:  # a simulator that starts with unknowns
         return
     before = read(port)
     Clock(dut.clk_i, 10, unit="ns").start()
+    for beat in beats:
+        dut.in_valid_i.value = 1
+        for name, value in beat.items():
+            getattr(dut, f"in_{name}_i").value = value
+        await RisingEdge(dut.clk_i)
+    if beats:
+        dut.in_valid_i.value = 0
     await RisingEdge(dut.clk_i)
     await ReadOnly()
-    top = 1 << len(port)
-    assert read(port) == (before + 1) % top or before != top - 1, f"{counter}: {before} -> {read(port)}"
+    top = (1 << len(port)) - 1
+    assert before != top or read(port) == 0, f"{counter}: {before} -> {read(port)}"
     await RisingEdge(dut.clk_i)
 
 
