@@ -141,6 +141,17 @@ async def waits_only_when_two_results_are_not_taken(dut, every):
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
+async def counts_every_damaged_frame(dut):
+    """A frame that ends with its first beat; a frame of one beat cannot, and loses its end."""
+    rows, columns, lanes = parameters(dut)
+    await bench.start(dut)
+    lone = rows == 1 and columns <= lanes
+    beats = [{"data": 0, "last": last} for last in ((False, True) if lone else (True,))] * 1100
+    assert await bench.stream(dut, beats, FIELDS) == []
+    assert bench.read(dut.damaged_o) == 1100
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
 @cocotb.parametrize(stall_rate=[0.0, 0.4])
 async def drops_damaged_frames_whole(dut, stall_rate):
     rows, columns, lanes = parameters(dut)

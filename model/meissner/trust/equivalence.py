@@ -16,7 +16,7 @@ from meissner.trust.mutate import INNER
 from meissner.yowasp import ROOT, ToolError, yosys
 
 FRAMES = 60  # clocks in which a difference is looked for
-SECONDS = 20  # for each of the two searches
+SECONDS = 20, 60  # for the two searches
 DUMMY = "module dummy(input a, b, output y); assign y = a & b; endmodule\n"  # ABC wants something to work on
 
 
@@ -121,9 +121,9 @@ def classify(mutants, folder):
             "scorr",
             "scorr -F 4",
             f"write_aiger {name}.reduced.aig",
-            f"bmc3 -F {FRAMES} -T {SECONDS}",
+            f"bmc3 -F {FRAMES} -T {SECONDS[0]}",
             f"write_status {name}.bmc",
-            f"pdr -T {SECONDS}",
+            f"pdr -T {SECONDS[1]}",
             f"write_status {name}.pdr",
         ]
     (ROOT / folder / "prepare.ys").write_text("\n".join(prepare) + "\n")
