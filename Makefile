@@ -7,10 +7,10 @@ SYNTH  := .venv/.synth
 RTL    := $(shell cat rtl/rtl.f)
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test test-long lint registers synth resources gate fmax bench clean
+.PHONY: help setup demo test test-long lint registers synth resources gate fmax mutants mutants-quick bench clean
 
 help:  ## this list
-	@awk -F':.*## ' '/^[a-z-]+:.*## /{printf "  make %-12s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
+	@awk -F':.*## ' '/^[a-z-]+:.*## /{printf "  make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
 
 $(SIM): requirements/sim.txt pyproject.toml
 	@$(PYTHON) tools/check_machine.py
@@ -51,6 +51,12 @@ gate: $(SYNTH)  ## every board's netlist against its sources: the same codes in,
 
 fmax: $(SYNTH)  ## Fmax and area of single blocks, worst of three seeds: table, build/fmax/fmax.json
 	@$(BIN)/python tools/fmax.py --jobs $(JOBS) $(FMAX)
+
+mutants: $(SYNTH)  ## mutants of every block against its own tests: docs/mutants.md (MUTANTS="haar divide": only these)
+	@$(BIN)/python tools/mutants.py --jobs $(JOBS) --record $(MUTANTS)
+
+mutants-quick: $(SYNTH)  ## a few mutants of a few quick blocks, and whether the tool itself can fail; in make test too
+	@$(BIN)/python -m pytest -n $(JOBS) tb/trust/test_mutants.py
 
 bench: $(SIM)  ## samples per second of each engine
 	@$(BIN)/python tools/bench_engines.py

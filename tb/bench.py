@@ -7,7 +7,7 @@ import subprocess
 
 import numpy as np
 from cocotb.clock import Clock
-from cocotb.triggers import ReadOnly, RisingEdge
+from cocotb.triggers import ReadOnly, RisingEdge, Timer
 from cocotb_tools.check_results import get_results
 from cocotb_tools.runner import get_runner
 
@@ -153,6 +153,53 @@ async def stream(dut, beats, fields, gaps=None, stalls=None, drain=40, count=Non
         await RisingEdge(dut.clk_i)
     dut.in_valid_i.value = 0
     return received
+
+
+async def turn_over(dut, counter, beats=(), **inputs):
+    """The counter ``counter`` from its greatest value to 0: one of 32 bits never gets there by counting.
+
+    Nothing was reset yet, and registers start as ones: must be the first test of all (``stage=-1``). Counts
+    once, by itself, if its enable is a register too, or else by ``beats``; ``inputs``: of other inputs.
+    """
+    port = getattr(dut, counter)
+    for name, value in ({"in_valid_i": 0, "out_ready_i": 1, "rst_i": 0} | inputs).items():
+        if hasattr(dut, name):
+            getattr(dut, name).value = value
+    await Timer(1, "ns")
+    if not port.value.is_resolvable:  # a simulator that starts with unknowns
+        return
+    before = read(port)
+    Clock(dut.clk_i, 10, unit="ns").start()
+    for beat in beats:
+        dut.in_valid_i.value = 1
+        for name, value in beat.items():
+            getattr(dut, f"in_{name}_i").value = value
+        await RisingEdge(dut.clk_i)
+    if beats:
+        dut.in_valid_i.value = 0
+    await RisingEdge(dut.clk_i)
+    await ReadOnly()
+    top = (1 << len(port)) - 1
+    assert before != top or read(port) == 0, f"{counter}: {before} -> {read(port)}"
+    await RisingEdge(dut.clk_i)
+
+
+async def taken(dut, beats, patience=40):
+    """How many of ``beats`` go in while nobody takes what comes out, until ``patience`` clocks took none."""
+    dut.out_ready_i.value = 0
+    sent = quiet = 0
+    while sent < len(beats) and quiet < patience:
+        dut.in_valid_i.value = 1
+        for name, value in beats[sent].items():
+            port = getattr(dut, f"in_{name}_i")
+            port.value = int(value) & ((1 << len(port)) - 1)
+        await ReadOnly()
+        took = dut.in_ready_o.value == 1
+        sent += took
+        quiet = 0 if took else quiet + 1
+        await RisingEdge(dut.clk_i)
+    dut.in_valid_i.value = 0
+    return sent
 
 
 async def clocks(dut, count):
