@@ -45,11 +45,13 @@ module formal_round_sat #(
     if (started) assert (out_valid_o == (level == 2'd1));                      // latency 1
     if (started && held) assert (out_data_o == kept);                        // invariant
     if (started && !rst_i && in_valid_i && in_ready_o) begin
-      cover (quotient > High);
-      cover (quotient < Low);
+      if (InWidth - DropBits >= OutWidth + 32'(Unsigned)) cover (quotient > High);
       cover (quotient == High);
       cover (quotient == Low);
     end
+  end
+  if (Unsigned || InWidth - DropBits > OutWidth) begin : gen_below
+    always_comb cover (started && !rst_i && in_valid_i && in_ready_o && quotient < Low);
   end
 
 endmodule
