@@ -127,7 +127,7 @@ def read(proof, parameters):
     """Yosys's commands up to a flat design of processes turned into registers."""
     given = " ".join(f"-G {key}={_literal(value)}" for key, value in parameters.items())
     files = " ".join(sources(proof))
-    return f"read_slang --threads 1 -D FORMAL {given} {files} --top formal_{proof.name}; proc; flatten"
+    return f"read_slang --threads 1 --allow-use-before-declare {given} {files} --top formal_{proof.name}; proc; flatten"
 
 
 def _literal(value):
