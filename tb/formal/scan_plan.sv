@@ -103,7 +103,7 @@ module formal_scan_plan #(
       end
       if (settling) assert (after >= Wide'(1) && Wide'(dut.count_q) + after == Wide'(settle) + Wide'(1));
       if (settling && triggered) assert (since >= 20'(gap) + 20'(after) || since == '1);
-      if (dut.state_q == 2'd3) assert (triggered && 20'(dut.count_q) + since >= 20'(gap) - 20'd1);
+      if (dut.state_q == 2'd3) assert (triggered && 24'(dut.count_q) + 24'(since) >= 24'(gap) - 24'd1);
       if (dut.state_q == 2'd1 && triggered) assert (since >= 20'(gap));
       if (dut.state_q == 2'd0 && triggered) assert (since >= 20'(gap));
       if (!settling) assert (!trigger_o);
