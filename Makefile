@@ -4,10 +4,12 @@ JOBS   ?= $(shell nproc 2>/dev/null || echo 2)
 BIN    := .venv/bin
 SIM    := .venv/.sim
 SYNTH  := .venv/.synth
+FORMAL := .venv/.formal
 RTL    := $(shell cat rtl/rtl.f)
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test test-long lint registers synth resources gate fmax mutants mutants-quick bench clean
+.PHONY: help setup demo test test-long lint registers synth resources gate fmax bench clean
+.PHONY: formal mutants mutants-quick
 
 help:  ## this list
 	@awk -F':.*## ' '/^[a-z-]+:.*## /{printf "  make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -24,6 +26,10 @@ $(SYNTH): requirements/synth.txt $(SIM)
 	@touch $@
 
 setup: $(SIM)  ## Python environment with every simulation tool, in .venv
+
+$(FORMAL): requirements/formal.txt $(SYNTH)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps -r requirements/formal.txt
+	@touch $@
 
 demo: $(SIM)  ## the acrylic slip scene on the rtl engine, from ADC pins to a slip flag: build/demo/
 	@$(BIN)/meissner run acrylic_slip --engine rtl --out build/demo
@@ -51,6 +57,9 @@ gate: $(SYNTH)  ## every board's netlist against its sources: the same codes in,
 
 fmax: $(SYNTH)  ## Fmax and area of single blocks, worst of three seeds: table, build/fmax/fmax.json
 	@$(BIN)/python tools/fmax.py --jobs $(JOBS) $(FMAX)
+
+formal: $(FORMAL)  ## proofs of the blocks by k-induction, two solvers each
+	@$(BIN)/python tools/formal.py --jobs $(JOBS) $(BLOCKS)
 
 mutants: $(SYNTH)  ## mutants of every block against its own tests: docs/mutants.md (MUTANTS="haar divide": only these)
 	@$(BIN)/python tools/mutants.py --jobs $(JOBS) --record $(MUTANTS)
