@@ -89,7 +89,7 @@ def main():
     passed = arguments.no_run or run(arguments.blocks, arguments.long, arguments.jobs)
     wanted = arguments.blocks or ["*"]
     paths = sorted(path for name in wanted for path in COUNTS.glob(f"{name}/*.dat"))
-    traced = "-".join(arguments.blocks) or "*"
+    traced = "*" if arguments.no_run else "-".join(arguments.blocks) or "*"
     traces = sorted(TRACES.glob(f"{traced}/data*"))
     if not paths or not traces:
         sys.exit("coverage: nothing was counted")

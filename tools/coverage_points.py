@@ -109,7 +109,7 @@ def merge_twins(traces, merged):
     command = [sys.executable, "-m", "coverage"]
     rules = f"--rcfile={RULES}"
     settings = {"cwd": ROOT, "env": {**os.environ, "COVERAGE_FILE": str(FOLDER / "twins")}, "check": True}
-    report = FOLDER / "twins.json"
+    report = FOLDER / "report.json"
     subprocess.run([*command, "combine", rules, "--quiet", "--keep", *map(str, traces)], **settings)
     subprocess.run([*command, "json", rules, "--quiet", "-o", str(report)], **settings)
     for name, file in json.loads(report.read_text())["files"].items():
