@@ -11,8 +11,8 @@ from meissner.frontend.adc_spi import AdcSpi
 from meissner.frontend.calibration_preset import preset
 from meissner.frontend.health import Limits
 from meissner.link import packet as p
-from meissner.slip.channels import decide
 from meissner.slip.slip import State
+from meissner.slip.slip_path import decide
 
 OF_LOAD = 65535  # channel of a slip event that comes from the load of four electrodes
 

@@ -20,7 +20,7 @@ BLOCKS = {
     },
     "Health": {"msn_health"},
     "Tare": {"msn_tare"},
-    "Slip": {"msn_channels"},
+    "Slip": {"msn_slip_path"},
     "Serial": {"msn_slip_serial", "msn_adc_single"},
     "Image": {"msn_image_store"},
     "Cop4": {"msn_cop4", "msn_electrodes"},

@@ -1,13 +1,16 @@
 """The netlist after synthesis, in the cells of each family, against sources and twins: the slip path behind
-the command, and the smallest build of each family from its converter's pins to its packets."""
+the command, the smallest build of each family from its converter's pins to its packets, and named
+configurations on the engine `gate`."""
 
 import sys
 
 import numpy as np
 import pytest
 
-from meissner import boards, core, engines
+from meissner import boards, config, core, engines
 from meissner.engines import board as engine
+from meissner.engines import gate as gates
+from meissner.engines import rtl_core
 from meissner.link import packet
 from meissner.link.decoder import Decoder
 from meissner.slip.config import SlipConfig
@@ -42,3 +45,15 @@ def test_a_boards_netlist_sends_the_packets_of_its_sources(name):
     expected = [payload for _, payload in core.of_channels(samples, board.config("slip1").slip).slip]
     assert expected
     assert [found.payload for found in Decoder().next(line) if found.kind == packet.SLIP] == expected
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name, start, seconds", [("slip1", 30_000, 0.9), ("fingertip", 0, 0.02)])
+def test_a_named_configurations_netlist_says_the_same(name, start, seconds):
+    build = config.load(name)
+    codes = rtl_core.codes_of(build)[start:]
+    clocks, lines = round(seconds * 1000 * build.clk_khz), []
+    for engine_of in (rtl_core.CoreOnPins, gates.core_on_pins):
+        with engine_of(build, codes) as built:
+            lines.append(built.run(clocks))
+    assert lines[0] == lines[1] and lines[0]

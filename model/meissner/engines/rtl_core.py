@@ -17,8 +17,9 @@ class _Size(ctypes.Structure):
     )
 
 
-def _open(path):
-    lib = ctypes.CDLL(str(path))
+@verilated.cached
+def _open(parameters):
+    lib = ctypes.CDLL(str(verilated.library("msn_core", "core_driver.cpp", dict(parameters))))
     pointer, long = ctypes.c_void_p, ctypes.c_int64
     lib.sensor_new.restype = pointer
     lib.sensor_new.argtypes = [
@@ -49,9 +50,7 @@ class CoreOnPins:
         shape = (config.sensor["rows"], config.sensor["columns"]) if array else (config.channels,)
         if codes.shape[1:] != shape or not len(codes):
             raise ValueError(f"the codes must have the shape [frames, {', '.join(map(str, shape))}]")
-        self._lib = _open(
-            verilated.library("msn_core", "core_driver.cpp", configurations.verilog(config.parameters))
-        )
+        self._lib = _open(tuple(configurations.verilog(config.parameters).items()))
         size = _Size(
             *(config.part.number, config.adc.get("converters", 1), config.adc["lanes"]),
             *(shape if array else (0, 0)),
