@@ -60,18 +60,32 @@ def percent(hit, reachable):
     return "  -  " if not reachable else f"{100 * hit / reachable:5.1f}"
 
 
+def summary(rows):
+    """``rows`` in a few words: points hit of those reachable, and how many were left out."""
+    hit, reachable, excluded = (sum(kinds[at] for row in rows for kinds in row.values()) for at in range(3))
+    share = "100" if hit == reachable else f"{100 * hit / reachable:.2f}"
+    return f"{share} % of {reachable:,} points" + (f", {excluded:,} excluded" if excluded else "")
+
+
 def record(rows):
-    """Merge ``rows`` into docs/trust/coverage.json."""
+    """Merge ``rows`` into docs/trust/coverage.json; each kind of points: hit, reachable, excluded."""
     old = json.loads(RECORD.read_text())["blocks"] if RECORD.exists() else {}
+    fresh = {
+        name: {kind: counts for kind, counts in row.items() if any(counts)} | {"summary": summary([row])}
+        for name, row in rows.items()
+        if "/" not in name and not name.endswith("pkg")
+    }
+    blocks = dict(sorted((old | fresh).items()))
+    kinds = [{kind: row[kind] for kind in KINDS if kind in row} for row in blocks.values()]
     entry = {
         "command": "make coverage",
         "date": datetime.date.today().isoformat(),
-        "columns": "hit, reachable, excluded with a reason",
-        "blocks": dict(sorted((old | rows).items())),
+        "total": f"coverage: {summary(kinds)} in {len(blocks)} blocks",
+        "blocks": blocks,
     }
     RECORD.parent.mkdir(parents=True, exist_ok=True)
-    lines = json.dumps(entry, indent=1)
-    RECORD.write_text(re.sub(r"\[\s+(\d+),\s+(\d+),\s+(\d+)\s+\]", r"[\1, \2, \3]", lines) + "\n")
+    text = json.dumps(entry, indent=1)
+    RECORD.write_text(re.sub(r"\[\s+(\d+),\s+(\d+),\s+(\d+)\s+\]", r"[\1, \2, \3]", text) + "\n")
 
 
 def main():

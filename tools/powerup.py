@@ -38,13 +38,15 @@ def start(block, seeds):
     path = ROOT / f"tb/{BLOCKS[block].replace('rtl', 'core')}/test_{block}.py"
     tests = builds(path)
     if not tests:
-        return {"builds": 0, "seeds": 0, "passed": False}
+        return {"builds": 0, "seeds": 0, "passed": False, "summary": "no test"}
     each = -(-seeds // len(tests))
     command = [sys.executable, "-m", "pytest", "-p", "no:xdist", *tests]
     passed = (
         subprocess.run(command, cwd=ROOT, env={**os.environ, "MEISSNER_POWERUP": str(each)}).returncode == 0
     )
-    return {"builds": len(tests), "seeds": each * len(tests), "passed": passed}
+    count = each * len(tests)
+    words = f"{count} starts" if passed else "failed"
+    return {"builds": len(tests), "seeds": count, "passed": passed, "summary": words}
 
 
 def main():
@@ -65,7 +67,11 @@ def main():
     if arguments.record:
         old = json.loads(RECORD.read_text())["blocks"] if RECORD.exists() else {}
         entry = {"command": "make powerup", "date": datetime.date.today().isoformat()}
-        entry["blocks"] = dict(sorted((old | rows).items()))
+        blocks = dict(sorted((old | rows).items()))
+        some = sum(row["seeds"] for row in blocks.values())
+        good = sum(row["passed"] for row in blocks.values())
+        entry["total"] = f"power-up: {some:,} random starts, {good} of {len(blocks)} blocks pass"
+        entry["blocks"] = blocks
         RECORD.write_text(json.dumps(entry, indent=1) + "\n")
     if failed:
         sys.exit(f"powerup: failed: {', '.join(failed)}")
