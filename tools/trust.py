@@ -31,9 +31,9 @@ KINDS = {  # of the table's columns; the others are lines below it
 }
 HEAD = """# Trust
 
-One row for each block of rtl/rtl.f, in data-path order; an empty cell means that there is nothing of that kind.
-Written by `make trust`, which runs everything, or by `python tools/trust.py --page` from what docs/trust/ has
-recorded.
+One row for each block of rtl/rtl.f, in data-path order; an empty cell means that there is nothing of that
+kind. Written by `make trust`, which runs everything, or by `python tools/trust.py --page` from what
+docs/trust/ has recorded.
 """
 
 
