@@ -13,7 +13,6 @@ import numpy as np
 
 from meissner import engines, scenes
 from meissner.host import names, units
-from meissner.host.packets import COUNTERS
 from meissner.link import bridge, cobs
 from meissner.link import packet as p
 from meissner.link.registers import Registers, reset_word
@@ -194,9 +193,9 @@ def array_source(forces, rate_hz, min_load=1, image_every=1, chunk=64, loop=Fals
 def statistics_source(core):
     """The core's counters in turn, without end; here nothing happens but commands that are rejected."""
     for turn in count():
-        name = COUNTERS[turn % len(COUNTERS)]
+        name = p.COUNTERS[turn % len(p.COUNTERS)]
         value = core.rejected if name == "commands rejected" else 0
-        yield (turn + 1) * STATISTIC_CLOCKS, p.STATISTIC, p.statistic(turn % len(COUNTERS), value)
+        yield (turn + 1) * STATISTIC_CLOCKS, p.STATISTIC, p.statistic(turn % len(p.COUNTERS), value)
 
 
 def together(*sources):
