@@ -73,13 +73,14 @@ def run(stage, block, parameters=None, test_filter=None, module=None, sources=No
     if POWERUPS:
         powerups(simulate, test_filter, int(hashlib.sha256(name.encode()).hexdigest()[:6], 16))
         return
-    counts = []
+    start = [ONES]
     if evidence:
         folder = Path(evidence) / module.removeprefix("test_")
         folder.mkdir(parents=True, exist_ok=True)
         which = hashlib.sha256(f"{name} {test_filter}".encode()).hexdigest()[:12]
-        counts = [f"+verilator+coverage+file+{folder / which}.dat"]
-    simulate(test_filter, ONES, *counts)
+        # From zeros: the way from ones to the reset's values would count as a toggle.
+        start = [f"+verilator+coverage+file+{folder / which}.dat"]
+    simulate(test_filter, *start)
 
 
 def covers(sources):

@@ -21,7 +21,6 @@ import tomllib
 
 import coverage_points as points
 from coverage_points import BLOCKS, FOLDER, KINDS, ROOT
-
 from meissner import toolchain
 
 COUNTS = FOLDER / "counts"

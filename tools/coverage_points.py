@@ -70,24 +70,45 @@ def pattern(text):
     return re.compile("".join(parts))
 
 
+def unreached(counts, matched):
+    """Of a counter's toggles those above the last bit that moved, if all bits up to it did."""
+    bits = defaultdict(set)
+    for point in matched:
+        signal, bit = re.fullmatch(r"(.*)\[(\d+)\]:.*", point[1]).groups()
+        bits[signal, int(bit)].add(point)
+    result = set()
+    for signal in {signal for signal, _ in bits}:
+        still = [bit for name, bit in bits if name == signal and not all(counts[p] for p in bits[name, bit])]
+        moved = [bit for name, bit in bits if name == signal and bit not in still]
+        if moved and (not still or max(moved) < min(still)):
+            result |= {p for bit in still for p in bits[signal, bit] if not counts[p]}
+    return result
+
+
 def judge(merged, waivers, blocks):
     """Rows {block: {kind: [hit, reachable, excluded]}}, holes and faults of the waivers, as lines of text."""
     rows, holes, faults = {}, [], []
     excluded = defaultdict(set)
     for waiver in waivers:
-        for name in waiver["block"].split():
-            if name not in blocks:
-                continue
-            for text in waiver["points"]:
-                kind, label = text.split(" ", 1)
-                wanted = pattern(label)
-                matched = [p for p in merged[name] if p[0] == kind and wanted.fullmatch(p[1])]
+        named = list(merged) if waiver["block"] == "*" else waiver["block"].split()
+        judged = [name for name in named if name in blocks]
+        for text in waiver["points"]:
+            where = f"waiver of {waiver['block']}: {text}"
+            kind, label = text.split(" ", 1)
+            wanted = pattern(label)
+            found = {
+                name: [p for p in merged[name] if p[0] == kind and wanted.fullmatch(p[1])] for name in judged
+            }
+            if not waiver.get("reason", "").strip():
+                faults.append(f"{where}: has no reason")
+            empty = [name for name in judged if not found[name]]
+            if empty and (waiver["block"] != "*" or len(empty) == len(judged) >= len(BLOCKS)):
+                faults.append(f"{where}: matches nothing in {empty[0]}")
+            for name, matched in found.items():
+                if waiver.get("counter"):
+                    excluded[name] |= unreached(merged[name], matched)
+                    continue
                 hit = [p for p in matched if merged[name][p]]
-                where = f"waiver of {name}: {text}"
-                if not waiver.get("reason", "").strip():
-                    faults.append(f"{where}: has no reason")
-                if not matched:
-                    faults.append(f"{where}: matches nothing")
                 if hit:
                     faults.append(f"{where}: was hit after all, {len(hit)} of {len(matched)}: {hit[0][1]}")
                 excluded[name].update(matched)
@@ -111,7 +132,7 @@ def merge_twins(traces, merged):
     settings = {"cwd": ROOT, "env": {**os.environ, "COVERAGE_FILE": str(FOLDER / "twins")}, "check": True}
     report = FOLDER / "report.json"
     subprocess.run([*command, "combine", rules, "--quiet", "--keep", *map(str, traces)], **settings)
-    subprocess.run([*command, "json", rules, "--quiet", "-o", str(report)], **settings)
+    subprocess.run([*command, "json", rules, "--quiet", "--ignore-errors", "-o", str(report)], **settings)
     for name, file in json.loads(report.read_text())["files"].items():
         path = ROOT / name
         if path.parent.name not in TWINS and path != MODEL / "core.py":
