@@ -9,7 +9,7 @@ RTL    := $(shell cat rtl/rtl.f)
 
 .DEFAULT_GOAL := help
 .PHONY: help setup demo test test-long lint registers synth resources gate fmax bench clean
-.PHONY: formal mutants mutants-quick
+.PHONY: formal mutants mutants-quick coverage powerup faults fuzz equivalence regress trust test-icarus
 
 help:  ## this list
 	@awk -F':.*## ' '/^[a-z-]+:.*## /{printf "  make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -42,6 +42,12 @@ test-long: $(SYNTH)  ## the benches that `make test` leaves out: large sizes, mo
 
 lint: $(SIM)  ## Verilator -Wall on every module as its own top, Verible, ruff
 	@$(BIN)/python tools/lint.py
+
+coverage: $(SIM)  ## coverage of the RTL and its twins, with the holes: docs/trust/coverage.json [BLOCKS="haar slip"]
+	@$(BIN)/python tools/coverage.py --record --jobs $(JOBS) $(BLOCKS)
+
+powerup: $(SIM)  ## twenty power-ups of each block with random registers: docs/trust/powerup.json [BLOCKS="haar slip"]
+	@$(BIN)/python tools/powerup.py --record $(BLOCKS)
 
 registers: $(SIM)  ## RTL, Python map, C header and page of the registers, from rtl/registers.rdl
 	@$(BIN)/python tools/registers.py

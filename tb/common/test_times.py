@@ -21,7 +21,7 @@ async def matches_model(dut):
         assert bench.read(dut.out_data_o) == expected, f"{constant} * {value}"
 
 
-@pytest.mark.parametrize("constant", [0, 1, 1023, 43690])
+@pytest.mark.parametrize("constant", [0, 1, 1023, 43691])
 def test_times(constant):
     bench.run("common", "times", {"Constant": constant, "InBits": 36})
 
