@@ -6,6 +6,7 @@ import random
 import subprocess
 
 import numpy as np
+import recorder
 from cocotb.clock import Clock
 from cocotb.triggers import ReadOnly, RisingEdge
 from cocotb_tools.check_results import get_results
@@ -14,6 +15,8 @@ from cocotb_tools.runner import get_runner
 from meissner import toolchain
 
 SEED = int(os.environ.get("MEISSNER_SEED", "1"))
+if recorder.FILE:
+    recorder.install()
 
 
 def run(stage, block, parameters=None, test_filter=None, module=None, sources=None):

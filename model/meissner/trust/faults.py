@@ -1,0 +1,150 @@
+"""Fault injection into a block: its tests' recording, a Verilated build of it, what each fault leads to."""
+
+import hashlib
+import os
+import re
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+from meissner import toolchain
+from meissner.trust import benches
+
+DRIVER = Path(__file__).with_name("faults_driver.cpp")
+WORK = toolchain.BUILD / "faults"
+COLUMNS = ("injected", "masked", "recovered", "detected", "kept", "silent")
+STATELESS = ("compare", "times")  # no clock
+
+# Frames until what a fault left behind has gone, where that is more than the one it hits.
+SETTLE = {}
+SIZES = {}
+
+
+@dataclass(frozen=True)
+class Result:
+    kind: str
+    where: str
+    at: int
+    outcome: str
+    what: str
+
+
+def blocks():
+    return [name for name in benches.blocks() if name not in STATELESS]
+
+
+def _header(source, block):
+    found = re.search(rf"^module msn_{block}\b(.*?^\);)", source, re.S | re.M)
+    return found[1], re.findall(r"^\s*parameter\s[^=]*?(\w+)\s*=", found[1], re.M)
+
+
+def wrapper(block, source):
+    """A top around the block, for a register that is a port of the top cannot be upset."""
+    header, names = _header(source, block)
+    given = ", ".join(f".{name}({name})" for name in names)
+    given = f"#({given}) " if given else ""
+    return f"module faults_top{header}\n  msn_{block} {given}u_block (.*);\nendmodule\n"
+
+
+def run_of(block):
+    """The arguments of the bench that is recorded: the first of the block's own that is not refused."""
+    told = [run for run in benches.runs(block) if run["block"] == block and run["module"] == f"test_{block}"]
+    wanted = SIZES.get(block)
+    if wanted:
+        told = [r for r in told if all(str(r["parameters"].get(k)) == str(v) for k, v in wanted.items())]
+    return told[0]
+
+
+def recording(block):
+    """Path of what the block's tests drive; made now if there is none of these sources."""
+    run = run_of(block)
+    test = toolchain.ROOT / f"tb/{run['stage']}/test_{block}.py"
+    inputs = [test, toolchain.ROOT / "tb/bench.py", toolchain.ROOT / "tb/recorder.py"]
+    inputs += toolchain.sources_of(f"msn_{block}")
+    digest = hashlib.sha256(repr(run).encode() + b"".join(path.read_bytes() for path in inputs)).hexdigest()[:12]
+    path = WORK / f"{block}-{digest}.rec"
+    if not path.exists():
+        WORK.mkdir(parents=True, exist_ok=True)
+        fresh = path.with_suffix(f".{os.getpid()}")
+        call = "import bench; bench.run({stage!r}, {block!r}, {parameters!r}, {test_filter!r}, sources={sources!r})"
+        text = call.format(**{**run, "sources": [*map(str, run["sources"])] or None})
+        paths = os.pathsep.join([str(toolchain.ROOT / "tb"), *filter(None, [os.environ.get("PYTHONPATH")])])
+        env = {**os.environ, "MEISSNER_RECORD": str(fresh), "PYTHONPATH": paths}
+        done = subprocess.run([sys.executable, "-c", text], env=env, capture_output=True, text=True, timeout=300)
+        if not fresh.exists():
+            raise RuntimeError(f"{block}: nothing was recorded:\n{done.stdout}{done.stderr}")
+        fresh.replace(path)
+    return path
+
+
+SHIM = """#include "Vfaults_top.h"
+struct Block : Vfaults_top { using Vfaults_top::Vfaults_top; };
+Block *block_new(VerilatedContext *context) { return new Block{context, "TOP"}; }
+void block_delete(Block *block) { delete block; }
+void block_eval(Block *block) { block->eval(); }
+uint8_t &block_clock(Block *block) { return block->clk_i; }
+"""
+
+
+def _do(what, command, cwd=None):
+    done = subprocess.run(
+        [*map(str, command)], cwd=cwd, env=toolchain.environment(), capture_output=True, text=True, timeout=900
+    )
+    if done.returncode:
+        raise RuntimeError(f"{what} did not build:\n{done.stdout}{done.stderr}")
+
+
+def _digest(*parts):
+    digest = hashlib.sha256()
+    for part in parts:
+        digest.update(part.read_bytes() if isinstance(part, Path) else repr(part).encode())
+    return digest.hexdigest()[:12]
+
+
+def _compiled(source, folder, *flags):
+    """Path of an object file of this C++ source, which sees Verilator's headers."""
+    include = Path(toolchain.environment()["VERILATOR_ROOT"]) / "include"
+    target = folder / f"{source.stem}-{_digest(source, flags)}.o"
+    if not target.exists():
+        folder.mkdir(parents=True, exist_ok=True)
+        see = [f"-I{include}", f"-I{include}/vltstd", f"-I{folder}", "-DVERILATOR=1", "-DVM_TRACE=0", "-DVM_SC=0"]
+        fresh = target.with_suffix(f".{os.getpid()}")
+        _do(source.name, ["g++", "-std=gnu++20", *flags, *see, "-c", source, "-o", fresh])
+        fresh.replace(target)
+    return target
+
+
+def program(block):
+    """Path of the block behind the driver; built now if there is none of these sources."""
+    parameters = run_of(block)["parameters"]
+    sources = toolchain.sources_of(f"msn_{block}")
+    own = next(path for path in sources if path.stem == f"msn_{block}").read_text()
+    given = [f"-G{name}={value}" for name, value in parameters.items()]
+    folder = WORK / f"{block}-{_digest(given, SHIM, *sources)}"
+    driver = _compiled(DRIVER, WORK, "-O1")
+    built = folder / f"{driver.stem}.run"
+    if not built.exists():
+        folder.mkdir(parents=True, exist_ok=True)
+        (folder / "faults_top.sv").write_text(wrapper(block, own))
+        (folder / "shim.cpp").write_text(SHIM)
+        if not (folder / "libverilated.a").exists():
+            command = ["verilator", "--cc", "--build", "--vpi", "--public-flat-rw", "-Wno-fatal", "-Wno-lint"]
+            command += ["-Wno-style", "--top-module", "faults_top", "-Mdir", folder, *given, "-MAKEFLAGS"]
+            command += ["OPT_FAST=-O1 OPT_SLOW=-O0 OPT_GLOBAL=-O1 CFG_CXXFLAGS_PCH_I=-include"]
+            _do(block, [*command, *sources, folder / "faults_top.sv"])
+        shim = _compiled(folder / "shim.cpp", folder, "-O1")
+        libraries = [folder / "libVfaults_top.a", folder / "libverilated.a"]
+        _do(block, ["g++", driver, shim, *libraries, "-pthread", "-o", built])
+    return built
+
+
+def inject(block, count, seed):
+    """``count`` upsets and a share of every other fault; a Result for each."""
+    command = [str(program(block)), str(recording(block)), str(count), str(seed), str(SETTLE.get(block, 0))]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=600)
+    if done.returncode:
+        raise RuntimeError(f"{block}: {done.stderr}{done.stdout[-300:]}")
+    lines = done.stdout.splitlines()
+    print("   ", lines[0])
+    return [Result(k, w, int(a), o, " ".join(rest)) for k, w, a, o, *rest in map(str.split, lines[1:])]
