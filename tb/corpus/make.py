@@ -18,7 +18,9 @@ def main():
     for name in ("packets", "config", "recordings", "calibration", "log"):
         (HERE / name).mkdir(exist_ok=True)
     packets = [p.packet(p.SLIP, n, n << 30, p.slip_event(n, n * n, 2)) for n in range(6)]
-    packets += [p.packet(p.IMAGE, 6 + n, 5, chunk) for n, chunk in enumerate(p.image_chunks(3, list(range(150))))]
+    packets += [
+        p.packet(p.IMAGE, 6 + n, 5, chunk) for n, chunk in enumerate(p.image_chunks(3, list(range(150))))
+    ]
     packets += [p.packet(p.COP, 9, 6, p.cop_frame(-5, 7, 99, 1)), p.packet(p.HEALTH, 10, 7, p.health(5, 6))]
     packets += [p.packet(77, 11, 8, bytes(range(40)))]
     (HERE / "packets/line.bin").write_bytes(b"".join(map(encode, packets)))
@@ -34,7 +36,10 @@ def main():
     for kind in ("npz", "mcap"):
         model = SimulatedCore(size=(3, 4), clk_khz=1000)
         path = HERE / f"log/small.{kind}"
-        with host.Core(line.Pipe(model), units.Units(newtons_per_code=0.25)) as core, log.recording(path, core) as out:
+        with (
+            host.Core(line.Pipe(model), units.Units(newtons_per_code=0.25)) as core,
+            log.recording(path, core) as out,
+        ):
             model.say(p.COP, 1000, p.cop_frame(5, -6, 700, 1))
             for part in p.image_chunks(1, taxels, 5):
                 model.say(p.IMAGE, 1000, part)

@@ -12,7 +12,14 @@ from meissner.host import log
 from meissner.link import decoder
 from meissner.trust import fuzz
 
-CASES = {"decoder_python": 4000, "host": 1500, "config": 300, "recordings": 500, "calibration": 200, "log": 100}
+CASES = {
+    "decoder_python": 4000,
+    "host": 1500,
+    "config": 300,
+    "recordings": 500,
+    "calibration": 200,
+    "log": 100,
+}
 
 
 @pytest.mark.parametrize("target", CASES)
@@ -60,7 +67,9 @@ def test_finds_what_hangs(monkeypatch):
         fuzz.run("calibration", 1)
 
 
-HEADER = b"\x93NUMPY\x01\x00\x76\x00{'descr': '<i8', 'fortran_order': False, 'shape': (2, 3), "  # no brace ends it
+HEADER = (
+    b"\x93NUMPY\x01\x00\x76\x00{'descr': '<i8', 'fortran_order': False, 'shape': (2, 3), "  # no brace ends it
+)
 
 
 def test_a_header_that_python_cannot_parse(tmp_path):

@@ -186,7 +186,9 @@ def _check(path, arrays):
         for name, dtype in names.items():
             array = arrays[f"{kind}_{name}"]
             if array.ndim != 1 or array.dtype.kind != np.dtype(dtype).kind:
-                raise ValueError(f"{path} is no log of a core: {kind}_{name} must be a column of {np.dtype(dtype)}")
+                raise ValueError(
+                    f"{path} is no log of a core: {kind}_{name} must be a column of {np.dtype(dtype)}"
+                )
         if len({arrays[name].shape[:1] for name in columns}) > 1:
             raise ValueError(f"{path}: the arrays of {kind} have different lengths")
     if arrays["image"].ndim != 3 or arrays["image"].dtype != np.uint16:

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from meissner import toolchain
 
-PLUGIN = '''
+PLUGIN = """
 import inspect, json, os
 import bench
 def pytest_collection_modifyitems(items):
@@ -22,7 +22,7 @@ def _run(stage, block, parameters=None, test_filter=None, module=None, sources=N
     with open(os.environ["MEISSNER_RUNS"], "a") as file:
         file.write(json.dumps(told) + chr(10))
 bench.run = _run
-'''
+"""
 
 
 def blocks():

@@ -62,7 +62,9 @@ def recording(block):
     test = toolchain.ROOT / f"tb/{run['stage']}/test_{block}.py"
     inputs = [test, toolchain.ROOT / "tb/bench.py", toolchain.ROOT / "tb/recorder.py"]
     inputs += toolchain.sources_of(f"msn_{block}")
-    digest = hashlib.sha256(repr(run).encode() + b"".join(path.read_bytes() for path in inputs)).hexdigest()[:12]
+    digest = hashlib.sha256(repr(run).encode() + b"".join(path.read_bytes() for path in inputs)).hexdigest()[
+        :12
+    ]
     path = WORK / f"{block}-{digest}.rec"
     if not path.exists():
         WORK.mkdir(parents=True, exist_ok=True)
@@ -71,7 +73,9 @@ def recording(block):
         text = call.format(**{**run, "sources": [*map(str, run["sources"])] or None})
         paths = os.pathsep.join([str(toolchain.ROOT / "tb"), *filter(None, [os.environ.get("PYTHONPATH")])])
         env = {**os.environ, "MEISSNER_RECORD": str(fresh), "PYTHONPATH": paths}
-        done = subprocess.run([sys.executable, "-c", text], env=env, capture_output=True, text=True, timeout=300)
+        done = subprocess.run(
+            [sys.executable, "-c", text], env=env, capture_output=True, text=True, timeout=300
+        )
         if not fresh.exists():
             raise RuntimeError(f"{block}: nothing was recorded:\n{done.stdout}{done.stderr}")
         fresh.replace(path)
@@ -89,7 +93,12 @@ uint8_t &block_clock(Block *block) { return block->clk_i; }
 
 def _do(what, command, cwd=None):
     done = subprocess.run(
-        [*map(str, command)], cwd=cwd, env=toolchain.environment(), capture_output=True, text=True, timeout=900
+        [*map(str, command)],
+        cwd=cwd,
+        env=toolchain.environment(),
+        capture_output=True,
+        text=True,
+        timeout=900,
     )
     if done.returncode:
         raise RuntimeError(f"{what} did not build:\n{done.stdout}{done.stderr}")
@@ -108,7 +117,14 @@ def _compiled(source, folder, *flags):
     target = folder / f"{source.stem}-{_digest(source, flags)}.o"
     if not target.exists():
         folder.mkdir(parents=True, exist_ok=True)
-        see = [f"-I{include}", f"-I{include}/vltstd", f"-I{folder}", "-DVERILATOR=1", "-DVM_TRACE=0", "-DVM_SC=0"]
+        see = [
+            f"-I{include}",
+            f"-I{include}/vltstd",
+            f"-I{folder}",
+            "-DVERILATOR=1",
+            "-DVM_TRACE=0",
+            "-DVM_SC=0",
+        ]
         fresh = target.with_suffix(f".{os.getpid()}")
         _do(source.name, ["g++", "-std=gnu++20", *flags, *see, "-c", source, "-o", fresh])
         fresh.replace(target)

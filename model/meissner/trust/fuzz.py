@@ -24,9 +24,48 @@ from meissner.link.decoder import Decoder
 
 CORPUS = toolchain.ROOT / "tb/corpus"
 SLOW_S = 5.0  # more for one case counts as a hang; a busy machine included
-NASTY = [b"", b"\0", b"\xff" * 4, b"\x7f\xff\xff\xff", b"-1", b"1e999", b"nan", b"9" * 40, b"'", b'"', b"\\", b"["]
-VALUES = ["0", "-1", "1e400", "nan", "-inf", "''", "true", "[]", "{}", "9999999999999999999", "0.1", "1", "2", "'\\u0000'"]
-VALUES += ["1979-05-27", "[1, 'a']", "3", "1023.5", "257", "'MCP3208'", "'array'", "'channels'", "1e-300", "70000"]
+NASTY = [
+    b"",
+    b"\0",
+    b"\xff" * 4,
+    b"\x7f\xff\xff\xff",
+    b"-1",
+    b"1e999",
+    b"nan",
+    b"9" * 40,
+    b"'",
+    b'"',
+    b"\\",
+    b"[",
+]
+VALUES = [
+    "0",
+    "-1",
+    "1e400",
+    "nan",
+    "-inf",
+    "''",
+    "true",
+    "[]",
+    "{}",
+    "9999999999999999999",
+    "0.1",
+    "1",
+    "2",
+    "'\\u0000'",
+]
+VALUES += [
+    "1979-05-27",
+    "[1, 'a']",
+    "3",
+    "1023.5",
+    "257",
+    "'MCP3208'",
+    "'array'",
+    "'channels'",
+    "1e-300",
+    "70000",
+]
 
 
 class Failed(Exception):
@@ -185,9 +224,14 @@ class Config(Files):
             elif kind == 3:
                 del lines[at]
             elif kind == 4:
-                lines.insert(at, draw.choice(draw.choice([*self.seeds.values()]).decode("utf-8", "replace").splitlines()))
+                lines.insert(
+                    at,
+                    draw.choice(draw.choice([*self.seeds.values()]).decode("utf-8", "replace").splitlines()),
+                )
             else:
-                lines[at] = re.sub(r"\d+", lambda _: str(draw.choice((0, 1, 3, 8, 17, 255, 1025, 10**9))), lines[at])
+                lines[at] = re.sub(
+                    r"\d+", lambda _: str(draw.choice((0, 1, 3, 8, 17, 255, 1025, 10**9))), lines[at]
+                )
             if not lines:
                 break
         return name, "\n".join(lines).encode()
@@ -279,7 +323,14 @@ def run_c(count, seed=1):
         used = []
         if shutil.which("clang") and not do(["clang", *STRICT, guided, *SOURCES, "-o", "guided"]).returncode:
             (Path(folder) / "found").mkdir()
-            options = [f"-runs={count // 2}", f"-seed={seed}", "-max_len=600", "-timeout=5", "found", line.parent]
+            options = [
+                f"-runs={count // 2}",
+                f"-seed={seed}",
+                "-max_len=600",
+                "-timeout=5",
+                "found",
+                line.parent,
+            ]
             must(do(["./guided", *options]))
             used.append(f"{count // 2} by libFuzzer")
             count -= count // 2
