@@ -5,7 +5,9 @@ import os
 import random
 import subprocess
 
+import icarus
 import numpy as np
+import pytest
 import recorder
 from cocotb.clock import Clock
 from cocotb.triggers import ReadOnly, RisingEdge
@@ -15,6 +17,7 @@ from cocotb_tools.runner import get_runner
 from meissner import toolchain
 
 SEED = int(os.environ.get("MEISSNER_SEED", "1"))
+SIM = os.environ.get("MEISSNER_SIM", "verilator")  # or icarus
 if recorder.FILE:
     recorder.install()
 
@@ -32,16 +35,22 @@ def run(stage, block, parameters=None, test_filter=None, module=None, sources=No
     name = name.replace("'", "")  # of sized numbers
     if len(name) > 150:  # a file's name has 255 at most
         name = f"{name[:100]}-{hashlib.sha256(name.encode()).hexdigest()[:12]}"
-    build_dir = toolchain.BUILD / "tb" / name
+    build_dir = toolchain.BUILD / ("tb" if SIM == "verilator" else SIM) / name
+    sources = sources or toolchain.sources_of(f"msn_{block}")
+    flags = [*toolchain.VERILATOR_FLAGS]
+    if SIM == "icarus":
+        if block in icarus.REFUSED:
+            pytest.skip(f"Icarus: {icarus.REFUSED[block]}")
+        sources, flags = icarus.adapted(sources, build_dir / "adapted"), ["-g2012"]
     os.environ.update(toolchain.environment())
     # The runner calls make itself, past Verilator's -MAKEFLAGS; larger models need this variable.
     os.environ["MAKEFLAGS"] = "-- CFG_CXXFLAGS_PCH_I=-include"
-    runner = get_runner("verilator")
+    runner = get_runner(SIM)
     runner.build(
-        sources=sources or toolchain.sources_of(f"msn_{block}"),
+        sources=sources,
         hdl_toplevel=f"msn_{block}",
         parameters=parameters,
-        build_args=[*toolchain.VERILATOR_FLAGS],
+        build_args=flags,
         build_dir=build_dir,
         timescale=("1ns", "1ps"),
     )

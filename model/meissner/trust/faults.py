@@ -12,12 +12,27 @@ from meissner import toolchain
 from meissner.trust import benches
 
 DRIVER = Path(__file__).with_name("faults_driver.cpp")
+HERE = DRIVER.parents[1] / "engines"  # the converters' models
 WORK = toolchain.BUILD / "faults"
 COLUMNS = ("injected", "masked", "recovered", "detected", "kept", "silent")
 STATELESS = ("compare", "times")  # no clock
 
-# Frames until what a fault left behind has gone, where that is more than the one it hits.
-SETTLE = {}
+# Frames until what a fault left behind has gone, where that is more than the one it hits; and what the driver
+# must be told of a block, see there.
+SETTLE = {"delay": 12, "fifo": 24, "spi_shift": 2, "burst": 2, "adc_single": 3}
+OPTIONS = {
+    "delay": ["frame=step_i"],
+    "frame_table": ["frame=restart_i"],
+    "spi_shift": ["frame=start_i", "strobe=word_o"],
+    "burst": ["frame=start_i"],
+    "convert_time": ["frame=last_i"],
+    "adc_store": ["frame=in_valid_i", "skip=stuck"],
+    "adc_single": ["free=12000", "part=1"],
+    "adc_spi": ["free=16000", "part=1"],
+    "scan_adc": ["free=40000", "part=2"],
+    "scan_demod": ["free=60000", "part=3"],
+}
+# Which of the tests' sizes; else the first.
 SIZES = {}
 
 
@@ -114,7 +129,7 @@ def _digest(*parts):
 def _compiled(source, folder, *flags):
     """Path of an object file of this C++ source, which sees Verilator's headers."""
     include = Path(toolchain.environment()["VERILATOR_ROOT"]) / "include"
-    target = folder / f"{source.stem}-{_digest(source, flags)}.o"
+    target = folder / f"{source.stem}-{_digest(source, flags, *sorted(HERE.glob('*.hpp')))}.o"
     if not target.exists():
         folder.mkdir(parents=True, exist_ok=True)
         see = [
@@ -157,7 +172,7 @@ def program(block):
 
 def inject(block, count, seed):
     """``count`` upsets and a share of every other fault; a Result for each."""
-    command = [str(program(block)), str(recording(block)), str(count), str(seed), str(SETTLE.get(block, 0))]
+    command = [str(program(block)), str(recording(block)), str(count), str(seed), str(SETTLE.get(block, 0)), *OPTIONS.get(block, [])]
     done = subprocess.run(command, capture_output=True, text=True, timeout=600)
     if done.returncode:
         raise RuntimeError(f"{block}: {done.stderr}{done.stdout[-300:]}")
