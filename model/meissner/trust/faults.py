@@ -14,7 +14,7 @@ from meissner.trust import benches
 DRIVER = Path(__file__).with_name("faults_driver.cpp")
 HERE = DRIVER.parents[1] / "engines"  # the converters' models
 WORK = toolchain.BUILD / "faults"
-COLUMNS = ("injected", "masked", "recovered", "detected", "kept", "silent")
+COLUMNS = ("injected", "masked", "recovered", "detected", "told", "silent")
 STATELESS = ("compare", "times")  # no clock
 
 # Frames until what a fault left behind has gone, where that is more than the one it hits; and what the driver
@@ -31,6 +31,13 @@ OPTIONS = {
     "adc_spi": ["free=16000", "part=1"],
     "scan_adc": ["free=40000", "part=2"],
     "scan_demod": ["free=60000", "part=3"],
+}
+# Blocks that only answer a converter are run inside another, with one at its pins: that block, and the instance.
+INSIDE = {
+    "adc_store": ("adc_spi", "u_store."),
+    "scan_plan": ("scan_adc", "u_plan."),
+    "scan_buffer": ("scan_adc", "u_buffer."),
+    "scan": ("scan_adc", "u_scan."),
 }
 # Which of the tests' sizes; else the first.
 SIZES = {}
@@ -172,8 +179,10 @@ def program(block):
 
 def inject(block, count, seed):
     """``count`` upsets and a share of every other fault; a Result for each."""
-    command = [str(program(block)), str(recording(block)), str(count), str(seed), str(SETTLE.get(block, 0)), *OPTIONS.get(block, [])]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=600)
+    around, instance = INSIDE.get(block, (block, ""))
+    options = [*OPTIONS.get(around, []), *([f"only={instance}"] if instance else [])]
+    command = [program(around), recording(around), count, seed, SETTLE.get(around, 0), *options]
+    done = subprocess.run([*map(str, command)], capture_output=True, text=True, timeout=900)
     if done.returncode:
         raise RuntimeError(f"{block}: {done.stderr}{done.stdout[-300:]}")
     lines = done.stdout.splitlines()

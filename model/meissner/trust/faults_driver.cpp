@@ -5,6 +5,7 @@
 //
 //   frame=PORT   of a block without streams: a frame begins where this input is 1
 //   strobe=PORT  the other outputs count only where this one is 1
+//   only=NAME    bits of state only whose names hold this
 //   skip=KIND    no faults of this kind
 //   free=CLOCKS  the block runs by itself, its inputs as they were most of the recording; with part=N (of
 //                msn_pkg::adc_part_e), lanes=N a converter at its pins, whose codes follow from row, group and channel.
@@ -149,6 +150,7 @@ struct Model {
 struct Stream {
   std::string name;
   int valid = -1, ready = -1, last = -1;
+  int restart = -1;  // a flag: what follows does not continue what came before
   std::vector<int> payload;
 };
 std::vector<Stream> sources, sinks;
@@ -180,12 +182,17 @@ void sort_ports() {
       if (!ends(port.name, valid)) continue;
       const std::string stem = port.name.substr(0, port.name.size() - 7);
       if (find(stem + ready) < 0) continue;
-      Stream stream{stem, find(port.name), find(stem + ready), find(stem + "last" + side), {}};
+      Stream stream{stem, find(port.name), find(stem + ready), find(stem + "last" + side), -1, {}};
       used[stream.valid] = used[stream.ready] = true;
       for (const auto &other : ports) {
         const int n = find(other.name);
         if (!in && (other.name == stem + "frame_o" || other.name == stem + "time_o")) {
           used[n] = true;  // numbers, not samples
+          continue;
+        }
+        if (!in && other.name == stem + "restart_o") {
+          used[n] = true;
+          stream.restart = n;
           continue;
         }
         if (other.in == in && n != stream.valid && stem.size() > 1 && other.name.rfind(stem, 0) == 0) {
@@ -387,6 +394,7 @@ struct Trace {
   std::vector<std::pair<size_t, Words>> level;  // of each row, when there is no sink
   Words flag;                                   // the flags' last values, and in how many clocks each was up
   std::vector<size_t> row_of_clock;
+  uint32_t restarts = 0;
   bool hung = false;
 };
 
@@ -453,6 +461,7 @@ void play(Model &model, Trace &trace, const std::vector<Cell> *cells, const Faul
         for (const int port : sinks[s].payload)
           for (int w = 0; w < (ports[port].bits + 31) / 32; ++w) beat.words.push_back(model.word(port, w));
         trace.out[s].push_back(beat);
+        trace.restarts += sinks[s].restart >= 0 && model.bit(sinks[s].restart);
       }
       for (size_t f = 0; f < flags.size(); ++f) {
         bool any = false;
@@ -478,6 +487,7 @@ void play(Model &model, Trace &trace, const std::vector<Cell> *cells, const Faul
     }
     if (draining && quiet > 400) break;
   }
+  trace.flag.push_back(trace.restarts);
   for (size_t f = 0; f < flags.size(); ++f) {
     trace.flag.push_back(ports[flags[f]].bits == 1 ? up[f] : 0);
     for (int w = 0; w < (ports[flags[f]].bits + 31) / 32; ++w) trace.flag.push_back(model.word(flags[f], w));
@@ -599,7 +609,8 @@ int main(int argc, char **argv) {
   Model shape;
   const auto cells = shape.cells();
   std::vector<size_t> registers, memory;
-  for (const size_t c : state) (cells[c].memory ? memory : registers).push_back(c);
+  for (const size_t c : state)
+    if (cells[c].name.find(options["only"]) != std::string::npos) (cells[c].memory ? memory : registers).push_back(c);
   const long clocks = static_cast<long>(golden.row_of_clock.size());
   long last_clock = 0;  // the latest at which enough frames follow
   const size_t after = begins.size() > settle + 4 ? begins[begins.size() - settle - 3] : 0;
