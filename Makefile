@@ -7,7 +7,8 @@ SYNTH  := .venv/.synth
 RTL    := $(shell cat rtl/rtl.f)
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test test-long lint registers synth resources gate fmax bench clean
+SEEDS  ?= 200
+.PHONY: help setup demo test test-long test-icarus faults fuzz regress lint registers synth resources gate fmax bench clean
 
 help:  ## this list
 	@awk -F':.*## ' '/^[a-z-]+:.*## /{printf "  make %-12s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -33,6 +34,18 @@ test: lint $(SYNTH)  ## lint, twins and every cocotb regression
 
 test-long: $(SYNTH)  ## the benches that `make test` leaves out: large sizes, more builds, netlists
 	@$(BIN)/python -m pytest -n $(JOBS) -m long
+
+test-icarus: $(SIM)  ## the blocks' benches on Icarus Verilog, where it can run them (tb/icarus.py)
+	@MEISSNER_SIM=icarus $(BIN)/python -m pytest -n $(JOBS) -m "not long" -k "not refuses" tb/common tb/frontend tb/slip tb/cop tb/link
+
+faults: $(SIM)  ## faults put into every block, what comes of them: docs/trust/faults.json, docs/faults.md
+	@$(BIN)/python tools/faults.py --record $(FAULTS)
+
+fuzz: $(SIM)  ## a million mutated inputs to every reader of lines and files: docs/trust/fuzz.json
+	@$(BIN)/python tools/fuzz.py --record $(FUZZ)
+
+regress: $(SIM)  ## blocks in SEEDS=N random sizes with random stimulus [REGRESS="--scheduler ADDRESS"]
+	@$(BIN)/python tools/regress.py $(SEEDS) --jobs $(JOBS) --record $(REGRESS)
 
 lint: $(SIM)  ## Verilator -Wall on every module as its own top, Verible, ruff
 	@$(BIN)/python tools/lint.py

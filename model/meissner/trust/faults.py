@@ -14,23 +14,44 @@ from meissner.trust import benches
 DRIVER = Path(__file__).with_name("faults_driver.cpp")
 HERE = DRIVER.parents[1] / "engines"  # the converters' models
 WORK = toolchain.BUILD / "faults"
-COLUMNS = ("injected", "masked", "recovered", "detected", "told", "silent")
-STATELESS = ("compare", "times")  # no clock
+COLUMNS = ("injected", "masked", "recovered", "detected", "told", "kept", "silent")
+LEFT_OUT = {
+    "compare": "no state",
+    "times": "no state",
+    "core": "every block of it is done alone, its paths as channels, cop_array and array",
+    "axis": "the same",
+}
 
-# Frames until what a fault left behind has gone, where that is more than the one it hits; and what the driver
-# must be told of a block, see there.
-SETTLE = {"delay": 12, "fifo": 24, "spi_shift": 2, "burst": 2, "adc_single": 3}
+# Frames until what a fault left behind has gone, where that is more than the one it hits: what a window or a timer
+# of the block lasts, or what lies inside it.
+SETTLE = {
+    **{"delay": 12, "fifo": 24, "spi_shift": 2, "burst": 2, "adc_single": 3, "haar": 8, "sliding_extremes": 14},
+    **{"peak_to_peak": 24, "slip": 40, "slip_serial": 40, "slip_flags": 2, "channels": 80, "frame_table": 2},
+    **{"tare": 6, "health": 40, "calibration_grid": 2, "calibration_table": 2, "cop_slip": 24, "cop4": 2},
+}
+# What the driver must be told of a block, see there.
+TABLES = "kept=memory,gains,offsets"  # of calibrations: until they are written again
 OPTIONS = {
     "delay": ["frame=step_i"],
-    "frame_table": ["frame=restart_i"],
+    "frame_table": ["frame=restart_i", "kept=memory"],
     "spi_shift": ["frame=start_i", "strobe=word_o"],
     "burst": ["frame=start_i"],
     "convert_time": ["frame=last_i"],
-    "adc_store": ["frame=in_valid_i", "skip=stuck"],
+    "slip_flags": ["frame=in_last_i"],
+    "calibration_table": ["frame=last_i", TABLES],
+    "calibration_grid": ["frame=last_i", TABLES],
+    "calibrate": [TABLES],
+    "cop_array": [TABLES],
+    "image_store": ["kept=memory"],
+    "haar": ["phases=8"],
+    "peak_to_peak": ["phases=8"],
+    "slip_serial": ["phases=8"],
+    "channels": ["phases=64"],
     "adc_single": ["free=12000", "part=1"],
     "adc_spi": ["free=16000", "part=1"],
     "scan_adc": ["free=40000", "part=2"],
     "scan_demod": ["free=60000", "part=3"],
+    "array": ["free=60000", "part=1"],
 }
 # Blocks that only answer a converter are run inside another, with one at its pins: that block, and the instance.
 INSIDE = {
@@ -40,7 +61,23 @@ INSIDE = {
     "scan": ("scan_adc", "u_scan."),
 }
 # Which of the tests' sizes; else the first.
-SIZES = {}
+SIZES = {
+    "tare": {"Rows": 3, "Columns": 3},
+    "health": {"Rows": 3, "Columns": 3},
+    "calibrate": {"Rows": 3, "RowColumn": 0},
+    "calibration_table": {"Rows": 3},
+    "calibration_grid": {"Rows": 6},
+    "haar": {"Level": 2, "Mask": 0},
+    "sliding_extremes": {"Channels": 3},
+    "peak_to_peak": {"Channels": 3, "Hop": 4, "Mask": 0},
+    "slip": {"TimerBits": 4},
+    "slip_serial": {"Window": 4},
+    "channels": {"Level": 2, "Window": 16, "Hop": 12},
+    "cop": {"Rows": 3},
+    "cop_array": {"Rows": 5},
+    "cop_accumulate": {"Rows": 3},
+    "array": {"Rows": 2, "Part": 1},
+}
 
 
 @dataclass(frozen=True)
@@ -53,7 +90,7 @@ class Result:
 
 
 def blocks():
-    return [name for name in benches.blocks() if name not in STATELESS]
+    return [name for name in benches.blocks() if name not in LEFT_OUT]
 
 
 def _header(source, block):
@@ -94,7 +131,10 @@ def recording(block):
         call = "import bench; bench.run({stage!r}, {block!r}, {parameters!r}, {test_filter!r}, sources={sources!r})"
         text = call.format(**{**run, "sources": [*map(str, run["sources"])] or None})
         paths = os.pathsep.join([str(toolchain.ROOT / "tb"), *filter(None, [os.environ.get("PYTHONPATH")])])
+        source = next(path for path in toolchain.sources() if path.stem == f"msn_{block}").read_text()
+        ports = re.findall(r"^\s*(?:input|output)\s[^/]*?(\w+)\s*,?\s*(?://.*)?$", _header(source, block)[0], re.M)
         env = {**os.environ, "MEISSNER_RECORD": str(fresh), "PYTHONPATH": paths}
+        env["MEISSNER_RECORD_PORTS"] = ",".join(ports)
         done = subprocess.run(
             [sys.executable, "-c", text], env=env, capture_output=True, text=True, timeout=300
         )
@@ -187,4 +227,5 @@ def inject(block, count, seed):
         raise RuntimeError(f"{block}: {done.stderr}{done.stdout[-300:]}")
     lines = done.stdout.splitlines()
     print("   ", lines[0])
-    return [Result(k, w, int(a), o, " ".join(rest)) for k, w, a, o, *rest in map(str.split, lines[1:])]
+    told = [Result(k, w, int(a), o, " ".join(rest)) for k, w, a, o, *rest in map(str.split, lines[1:])]
+    return [result for result in told if result.outcome != "constant"]  # no state, see the driver

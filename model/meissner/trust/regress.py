@@ -3,10 +3,8 @@
 A block takes part by a function ``SPACE`` in its test file: from a random.Random a dict of parameters.
 """
 
-import contextlib
 import hashlib
 import importlib
-import io
 import os
 import random
 import subprocess
@@ -65,19 +63,17 @@ def build(block, given):
     (folder / f"{TOP}.sv").write_text(text)
     os.environ.update(toolchain.environment())
     os.environ["MAKEFLAGS"] = "-- CFG_CXXFLAGS_PCH_I=-include OPT_FAST=-O1 OPT_SLOW=-O0"
-    said = io.StringIO()
-    with contextlib.redirect_stdout(said):
-        try:
-            get_runner("verilator").build(
-                sources=[*sources, folder / f"{TOP}.sv"],
-                hdl_toplevel=TOP,
-                build_args=["-Wno-lint", "-Wno-style"],
-                build_dir=folder,
-                timescale=("1ns", "1ps"),
-                log_file=folder / "build.log",
-            )
-        except SystemExit:
-            raise RuntimeError((folder / "build.log").read_text()[-2000:]) from None
+    try:
+        get_runner("verilator").build(
+            sources=[*sources, folder / f"{TOP}.sv"],
+            hdl_toplevel=TOP,
+            build_args=["-Wno-lint", "-Wno-style"],
+            build_dir=folder,
+            timescale=("1ns", "1ps"),
+            log_file=folder / "build.log",
+        )
+    except SystemExit:
+        raise RuntimeError((folder / "build.log").read_text()[-2000:]) from None
     return folder
 
 
