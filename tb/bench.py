@@ -33,7 +33,8 @@ def run(stage, block, parameters=None, test_filter=None, module=None, sources=No
     """
     parameters = parameters or {}
     module = module or f"test_{block}"
-    name = "-".join([module.removeprefix("test_"), *(f"{k}{v}" for k, v in parameters.items())])
+    file = module.removeprefix("test_")
+    name = "-".join([file, *([] if block in file else [block]), *(f"{k}{v}" for k, v in parameters.items())])
     name += f"-{sources[-1].parent.name}" if sources else ""
     name = name.replace("'", "")  # of sized numbers
     if len(name) > 150:  # a file's name has 255 at most

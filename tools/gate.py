@@ -13,27 +13,25 @@ import time
 import numpy as np
 
 from meissner import boards
-from meissner.engines import board as engine
+from meissner.engines.rtl_core import line
 
 
 def codes(board, name, seed=1):
-    """Raw codes [steps, converters, 8] that make a contact and slips, and the clocks each is shown."""
+    """Raw codes [frames, channels] or [frames, rows, columns] that make a contact and slips."""
     config = board.config(name)
-    converters = board.parameters(name).get("Converters", 1)
     rng = np.random.default_rng(seed)
     top = (1 << config.part.data_bits - config.part.signed) - 1
     array = config.kind == "array"
+    shape = (config.sensor["rows"], config.sensor["columns"]) if array else (config.channels,)
     steps = 400 if array else 1500
-    t = np.arange(steps)[:, None, None]
+    t = np.arange(steps).reshape(steps, *(1 for _ in shape))
     free, held = (
         (0.1, 0.6) if array else (0.95, 0.63)
     )  # of the range; a rubber's voltage falls, a taxel's rises
     level = np.where(t < steps // 6, free, held) * top
     shaken = t // 40 % 4 == 3
-    noise = rng.integers(-6, 7, (steps, converters, 8)) + shaken * rng.integers(
-        -top // 10, top // 10, level.shape
-    )
-    return np.clip(np.rint(level + noise), 0, top).astype(np.int32), config.period_clocks
+    noise = rng.integers(-6, 7, (steps, *shape)) + shaken * rng.integers(-top // 10, top // 10, level.shape)
+    return np.clip(np.rint(level + noise), 0, top).astype(np.int32)
 
 
 def main():
@@ -48,8 +46,8 @@ def main():
     wrong = False
     for board, name in pairs:
         began = time.monotonic()
-        stream, clocks = codes(board, name)
-        rtl, gate = (engine.line(board, name, stream, clocks, gates) for gates in (False, True))
+        shown = codes(board, name)
+        rtl, gate = (line(board, name, shown, gates) for gates in (False, True))
         wrong |= rtl != gate or not rtl
         verdict = "the same" if rtl == gate else "DIFFERENT"
         print(

@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field
 
 from meissner import config
+from meissner.build import verilog
 from meissner.toolchain import ROOT
 
 # What counts as what: patterns of nextpnr's names, of Yosys's for flip-flops.
@@ -49,7 +50,7 @@ class Board:
         return (self.configs | self.tried)[name]
 
     def config(self, name):
-        """meissner.config.Config of that name as this board has it."""
+        """meissner.build.Config of that name as this board has it."""
         return config.load(name, **{key: v for key, v in self.changes(name).items() if key != "more"})
 
     @property
@@ -76,7 +77,7 @@ def sizes(parameters):
 def write_build(folder, parameters):
     """The configuration as the macros that rtl/boards read; ``folder``, from ROOT, is made if need be."""
     (ROOT / folder).mkdir(parents=True, exist_ok=True)
-    listed = ", ".join(f".{name}({value})" for name, value in config.verilog(parameters).items())
+    listed = ", ".join(f".{name}({value})" for name, value in verilog(parameters).items())
     macros = sizes(parameters) | {"PARAMETERS": listed}
     text = "".join(f"`define MSN_{name} {value}\n" for name, value in macros.items())
     path = ROOT / folder / "msn_build.svh"

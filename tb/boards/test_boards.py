@@ -8,11 +8,9 @@ import sys
 
 import pytest
 
+import synth
 from meissner import boards
 from meissner.yowasp import ROOT, ToolError, yosys
-
-sys.path.insert(0, str(ROOT / "tools"))
-import synth
 
 
 def run(*arguments):
