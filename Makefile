@@ -1,6 +1,7 @@
 # One line each: `make help`. Everything is set up in .venv on first use.
 PYTHON ?= python3
 JOBS   ?= $(shell nproc 2>/dev/null || echo 2)
+SEEDS  ?= 200
 BIN    := .venv/bin
 SIM    := .venv/.sim
 SYNTH  := .venv/.synth
@@ -40,6 +41,18 @@ test: lint $(SYNTH)  ## lint, twins and every cocotb regression
 test-long: $(SYNTH)  ## the benches that `make test` leaves out: large sizes, more builds, netlists
 	@$(BIN)/python -m pytest -n $(JOBS) -m long
 
+test-icarus: $(SIM)  ## the blocks' benches on Icarus Verilog, where it can run them (tb/icarus.py)
+	@MEISSNER_SIM=icarus $(BIN)/python -m pytest -n $(JOBS) -m "not long" -k "not refuses" tb/common tb/frontend tb/slip tb/cop tb/link
+
+faults: $(SIM)  ## faults put into every block, what comes of them: docs/trust/faults.json, docs/faults.md
+	@$(BIN)/python tools/faults.py --record $(BLOCKS)
+
+fuzz: $(SIM)  ## a million mutated inputs to every reader of lines and files: docs/trust/fuzz.json
+	@$(BIN)/python tools/fuzz.py --record $(FUZZ)
+
+regress: $(SIM)  ## blocks in SEEDS=N random sizes with random stimulus [REGRESS="--scheduler ADDRESS"]
+	@$(BIN)/python tools/regress.py $(SEEDS) --jobs $(JOBS) --record $(REGRESS)
+
 lint: $(SIM)  ## Verilator -Wall on every module as its own top, Verible, ruff
 	@$(BIN)/python tools/lint.py
 
@@ -67,11 +80,14 @@ fmax: $(SYNTH)  ## Fmax and area of single blocks, worst of three seeds: table, 
 formal: $(FORMAL)  ## proofs of the blocks by k-induction, two solvers each
 	@$(BIN)/python tools/formal.py --jobs $(JOBS) $(BLOCKS)
 
-mutants: $(SYNTH)  ## mutants of every block against its own tests: docs/mutants.md (MUTANTS="haar divide": only these)
-	@$(BIN)/python tools/mutants.py --jobs $(JOBS) --record $(MUTANTS)
+mutants: $(SYNTH)  ## mutants of every block against its own tests: docs/mutants.md [BLOCKS="haar slip"]
+	@$(BIN)/python tools/mutants.py --jobs $(JOBS) --record $(BLOCKS)
 
 mutants-quick: $(SYNTH)  ## a few mutants of a few quick blocks, and whether the tool itself can fail; in make test too
 	@$(BIN)/python -m pytest -n $(JOBS) tb/trust/test_mutants.py
+
+trust: $(FORMAL)  ## all of the evidence anew, hours: docs/trust.md, README's line
+	@$(BIN)/python tools/trust.py
 
 bench: $(SIM)  ## samples per second of each engine
 	@$(BIN)/python tools/bench_engines.py

@@ -8,12 +8,16 @@ import subprocess
 from pathlib import Path
 from xml.etree import ElementTree
 
+import cocotb
 import numpy as np
+import pytest
 from cocotb.clock import Clock
 from cocotb.triggers import ReadOnly, RisingEdge, Timer
 from cocotb_tools.check_results import get_results
 from cocotb_tools.runner import get_runner
 
+import icarus
+import recorder
 from meissner import toolchain
 
 # Not --coverage: that adds state machines, which give no points and stop Verilator 5.048 at some sources.
@@ -21,6 +25,11 @@ COVERAGE_FLAGS = ("--coverage-line", "--coverage-toggle", "--coverage-expr")
 ONES = "+verilator+rand+reset+1"  # registers start as ones: what needs the reset shows it
 SEED = int(os.environ.get("MEISSNER_SEED", "1"))
 POWERUPS = int(os.environ.get("MEISSNER_POWERUP", "0"))
+SIM = os.environ.get("MEISSNER_SIM", "verilator")  # or icarus
+if os.environ.get("MEISSNER_INSTANCE"):  # one of many in a top without ports, of meissner.trust.regress
+    cocotb.top = getattr(cocotb.top, os.environ["MEISSNER_INSTANCE"])
+if recorder.FILE:
+    recorder.install()
 
 
 def run(stage, block, parameters=None, test_filter=None, module=None, sources=None):
@@ -38,17 +47,25 @@ def run(stage, block, parameters=None, test_filter=None, module=None, sources=No
     if len(name) > 150:  # a file's name has 255 at most
         name = f"{name[:100]}-{hashlib.sha256(name.encode()).hexdigest()[:12]}"
     evidence = os.environ.get("MEISSNER_COVERAGE")  # a folder for the counts; see docs/coverage.md
-    build_dir = toolchain.BUILD / ("coverage/builds" if evidence else "tb") / name
+    where = "coverage/builds" if evidence else "tb" if SIM == "verilator" else SIM
+    build_dir = toolchain.BUILD / where / name
+    sources = sources or toolchain.sources_of(f"msn_{block}")
+    flags = [*toolchain.VERILATOR_FLAGS]
+    if SIM == "icarus":
+        if block in icarus.REFUSED:
+            pytest.skip(f"Icarus: {icarus.REFUSED[block]}")
+        sources, flags = icarus.adapted(sources, build_dir / "adapted"), ["-g2012"]
+    elif evidence:
+        sources, flags = [*sources, *covers(sources)], [*flags, *COVERAGE_FLAGS]
     os.environ.update(toolchain.environment())
     # The runner calls make itself, past Verilator's -MAKEFLAGS; larger models need this variable.
     os.environ["MAKEFLAGS"] = "-- CFG_CXXFLAGS_PCH_I=-include"
-    runner = get_runner("verilator")
-    sources = sources or toolchain.sources_of(f"msn_{block}")
+    runner = get_runner(SIM)
     runner.build(
-        sources=[*sources, *(covers(sources) if evidence else ())],
+        sources=sources,
         hdl_toplevel=f"msn_{block}",
         parameters=parameters,
-        build_args=[*toolchain.VERILATOR_FLAGS, *(COVERAGE_FLAGS if evidence else ())],
+        build_args=flags,
         build_dir=build_dir,
         timescale=("1ns", "1ps"),
     )
