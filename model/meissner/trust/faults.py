@@ -25,7 +25,15 @@ LEFT_OUT = {
 # Frames until what a fault left behind has gone, where that is more than the one it hits: what a window or a timer
 # of the block lasts, or what lies inside it.
 SETTLE = {
-    **{"delay": 12, "fifo": 24, "spi_shift": 2, "burst": 2, "adc_single": 3, "haar": 8, "sliding_extremes": 14},
+    **{
+        "delay": 12,
+        "fifo": 24,
+        "spi_shift": 2,
+        "burst": 2,
+        "adc_single": 3,
+        "haar": 8,
+        "sliding_extremes": 14,
+    },
     **{"peak_to_peak": 24, "slip": 40, "slip_serial": 40, "slip_flags": 2, "channels": 80, "frame_table": 2},
     **{"tare": 6, "health": 40, "calibration_grid": 2, "calibration_table": 2, "cop_slip": 24, "cop4": 2},
 }
@@ -132,7 +140,9 @@ def recording(block):
         text = call.format(**{**run, "sources": [*map(str, run["sources"])] or None})
         paths = os.pathsep.join([str(toolchain.ROOT / "tb"), *filter(None, [os.environ.get("PYTHONPATH")])])
         source = next(path for path in toolchain.sources() if path.stem == f"msn_{block}").read_text()
-        ports = re.findall(r"^\s*(?:input|output)\s[^/]*?(\w+)\s*,?\s*(?://.*)?$", _header(source, block)[0], re.M)
+        ports = re.findall(
+            r"^\s*(?:input|output)\s[^/]*?(\w+)\s*,?\s*(?://.*)?$", _header(source, block)[0], re.M
+        )
         env = {**os.environ, "MEISSNER_RECORD": str(fresh), "PYTHONPATH": paths}
         env["MEISSNER_RECORD_PORTS"] = ",".join(ports)
         done = subprocess.run(
