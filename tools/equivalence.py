@@ -80,7 +80,21 @@ DEFINED = {
 }
 
 # Not proven, {block: kinds}: docs/equivalence.md says why.
-OPEN = {}
+OPEN = dict.fromkeys(
+    (
+        *(
+            "adc_single",
+            "convert_time",
+            "am_demod",
+            "scan_buffer",
+            "sliding_extremes",
+            "peak_to_peak",
+            "slip",
+        ),
+        *("packet_slip", "image_store", "axil"),
+    ),
+    ("reset",),
+)
 
 # What the reset proof takes for granted, and sets of its own: docs/equivalence.md says why.
 RESET_SETS = {
@@ -259,7 +273,7 @@ def main():
         f"{block}: {NAMES[kind]} {word(result[kind])}"
         for block, result in zip(blocks, results)
         for kind in kinds
-        if not result[kind]["proven"] and kind not in OPEN.get(block, "")
+        if not result[kind]["proven"] and kind not in OPEN.get(block, ())
     ]
     proven = sum(result[kind]["proven"] for result in results for kind in kinds)
     print("\n".join([f"{proven} of {len(results) * len(kinds)} proven", *wrong]))
