@@ -133,10 +133,9 @@ def parameters(blocks, asked):
     return found
 
 
-def prove(block, chosen, of_reset, kinds):
-    """{kind: result} and the parameters ``chosen``, all as docs/trust/equivalence.json has them."""
+def prove_netlists(block, chosen, families):
+    """{family: result} of ``block`` with ``chosen`` parameters, as docs/trust/equivalence.json has them."""
     folder = f"{OUT}/{block}"
-    families = [kind for kind in kinds if kind != "reset"]
     result = {"parameters": spelt(chosen)}
     for defined in (True,) if block in DEFINED else (False, True):
         again = [family for family in families if not result.get(family, {}).get("proven")]
@@ -150,16 +149,19 @@ def prove(block, chosen, of_reset, kinds):
                 of = bits["source"], bits[family], folder, family, from_reset
                 result[family] = said(lambda of=of: netlist_proof.prove(*of))
                 result[family] |= {"defined": defined, "from_reset": from_reset}
-    if "reset" in kinds:
-        bits = circuit.synthesise(block, of_reset, f"{folder}/reset", ())
-        task = TASKS.get(block, Task())
-        result["reset"] = said(lambda: reset_proof.prove(bits["source"], task))
-        if not result["reset"]["proven"] and not task.alike:
-            alike = said(lambda: reset_proof.prove(bits["source"], replace(task, alike=True)))
-            if alike["proven"]:
-                result["reset"], task = alike, replace(task, alike=True)
-        result["reset"] |= {"parameters": spelt(of_reset)} | ({"alike": True} if task.alike else {})
     return result
+
+
+def prove_reset(block, chosen):
+    """{"reset": result} of ``block`` with ``chosen`` parameters, as docs/trust/equivalence.json has it."""
+    bits = circuit.synthesise(block, chosen, f"{OUT}/{block}/reset", ())
+    task = TASKS.get(block, Task())
+    result = said(lambda: reset_proof.prove(bits["source"], task))
+    if not result["proven"] and not task.alike:
+        alike = said(lambda: reset_proof.prove(bits["source"], replace(task, alike=True)))
+        if alike["proven"]:
+            result, task = alike, replace(task, alike=True)
+    return {"reset": result | {"parameters": spelt(chosen), "alike": task.alike}}
 
 
 def spelt(parameters):
@@ -182,21 +184,19 @@ def cpu_seconds():
     return sum(usage.ru_utime + usage.ru_stime for usage in usages)
 
 
-def _alone(pipe, *asked):
+def _alone(pipe, prove, *asked):
     os.setsid()  # so that a limit ends the tools too
-    before = cpu_seconds()
     try:
-        result = prove(*asked)
+        pipe.send(prove(*asked))
     except (ToolError, ValueError) as error:
-        result = {"error": str(error)}
-    pipe.send(result | {"cpu_s": round(cpu_seconds() - before, 1)})
+        pipe.send({"error": str(error)})
 
 
-def limited(limit_s, block, *sets, kinds):
-    """``prove`` in a process of its own, which ends with the limit."""
+def limited(limit_s, kinds, prove, *asked):
+    """What ``prove`` says of ``kinds``, in a process of its own, which ends with the limit."""
     context = multiprocessing.get_context("spawn")
     here, there = context.Pipe()
-    worker = context.Process(target=_alone, args=(there, block, *sets, kinds))
+    worker = context.Process(target=_alone, args=(there, prove, *asked))
     worker.start()
     if here.poll(limit_s):
         result = here.recv()
@@ -204,9 +204,8 @@ def limited(limit_s, block, *sets, kinds):
         os.killpg(worker.pid, signal.SIGKILL)
         result = {"error": f"not done within {limit_s} s"}
     worker.join()
-    for kind in kinds:
-        result.setdefault(kind, {"proven": False, "error": result.get("error", "")})
-    return result
+    error = result.pop("error", "")
+    return {kind: {"proven": False, "error": error} for kind in kinds} | result
 
 
 def word(result):
@@ -246,7 +245,13 @@ def main():
     parser.add_argument("blocks", nargs="*", metavar="BLOCK", help="names without msn_; default: all")
     parser.add_argument("-k", "--kind", choices=KINDS, action="append", help="default: all")
     parser.add_argument("-j", "--jobs", type=int, default=1)
-    parser.add_argument("-l", "--limit", type=int, default=LIMIT_S, help="seconds a block may take")
+    parser.add_argument(
+        "-l",
+        "--limit",
+        type=int,
+        default=LIMIT_S,
+        help="seconds that a block's netlists, and its reset, may take",
+    )
     parser.add_argument("--record", action="store_true", help="into docs/trust/equivalence.json")
     options = parser.parse_args()
     if unknown := [block for block in options.blocks if block not in benches.blocks()]:
@@ -255,11 +260,16 @@ def main():
     kinds = options.kind or KINDS
     blocks = options.blocks or benches.blocks()
     sets, of_reset = parameters(blocks, SETS), parameters(blocks, SETS | RESET_SETS)
+    families = [kind for kind in kinds if kind != "reset"]
     lock = Lock()
 
     def job(block):
         began = time.monotonic()
-        result = limited(options.limit, block, sets[block], of_reset[block], kinds=kinds)
+        result = {}
+        if families:
+            result |= limited(options.limit, families, prove_netlists, block, sets[block], families)
+        if "reset" in kinds:
+            result |= limited(options.limit, ["reset"], prove_reset, block, of_reset[block])
         with lock:
             print(f"{block}: {summary(result)}; {time.monotonic() - began:.0f} s", flush=True)
             if options.record:
