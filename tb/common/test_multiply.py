@@ -39,6 +39,9 @@ async def matches_model(dut, rest_rate):
         dut.a_i.value, dut.b_i.value = a & ((1 << a_width) - 1), b
 
 
+SPACE = lambda draw: {"AWidth": draw.randint(2, 18), "BWidth": draw.randint(1, 17)}
+
+
 @pytest.mark.parametrize("sources", [None, ECP5], ids=["common", "ecp5"])
 @pytest.mark.parametrize("a_width, b_width", [(2, 1), (17, 16), (18, 17)])
 def test_multiply(a_width, b_width, sources):
