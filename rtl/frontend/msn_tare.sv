@@ -92,7 +92,7 @@ module msn_tare #(
   logic [IdBits-1:0] place;
   assign in_ready_o = (out_ready_i || !out_valid_o) && word_valid && !load_due && !ending;
   assign accept     = in_valid_i && in_ready_o;
-  assign restart    = rst_i || drain != '0 || load_due;  // a clock after the last beat: its taker is known late
+  assign restart    = rst_i || drain != '0 || load_due;  // a clock after the last beat: it is known late
   assign done       = ending && drain == 3'd1;
 
   msn_frame_place #(.Beats(Beats)) u_place (
