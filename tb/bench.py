@@ -6,15 +6,15 @@ import random
 import subprocess
 
 import cocotb
-import icarus
 import numpy as np
 import pytest
-import recorder
 from cocotb.clock import Clock
 from cocotb.triggers import ReadOnly, RisingEdge
 from cocotb_tools.check_results import get_results
 from cocotb_tools.runner import get_runner
 
+import icarus
+import recorder
 from meissner import toolchain
 
 SEED = int(os.environ.get("MEISSNER_SEED", "1"))

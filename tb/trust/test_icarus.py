@@ -4,9 +4,9 @@ import shutil
 import subprocess
 import sys
 
-import icarus
 import pytest
 
+import icarus
 from meissner import toolchain
 
 pytestmark = pytest.mark.skipif(not shutil.which("iverilog"), reason="iverilog is not installed")
@@ -30,7 +30,11 @@ def test_others_are_accepted(block, tmp_path):
 
 def test_a_bench_runs_on_it():
     code = "import bench; bench.run('common', 'frame_gate', {'Drain': 3})"
-    environment = {**toolchain.environment(), "MEISSNER_SIM": "icarus", "PYTHONPATH": str(toolchain.ROOT / "tb")}
+    environment = {
+        **toolchain.environment(),
+        "MEISSNER_SIM": "icarus",
+        "PYTHONPATH": str(toolchain.ROOT / "tb"),
+    }
     done = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True)
     assert done.returncode == 0, done.stdout + done.stderr
     assert "vvp" in done.stdout + done.stderr

@@ -396,7 +396,7 @@ struct Trace {
   std::vector<std::pair<size_t, Words>> level;  // of each row, when there is no sink
   Words flag;                                   // the flags' last values, and in how many clocks each was up
   std::vector<size_t> row_of_clock;
-  uint32_t restarts = 0;
+  std::vector<size_t> restarts;                 // rows in which a follower was told to begin anew
   bool hung = false;
 };
 
@@ -463,7 +463,7 @@ void play(Model &model, Trace &trace, const std::vector<Cell> *cells, const Faul
         for (const int port : sinks[s].payload)
           for (int w = 0; w < (ports[port].bits + 31) / 32; ++w) beat.words.push_back(model.word(port, w));
         trace.out[s].push_back(beat);
-        trace.restarts += sinks[s].restart >= 0 && model.bit(sinks[s].restart);
+        if (sinks[s].restart >= 0 && model.bit(sinks[s].restart)) trace.restarts.push_back(r);
       }
       for (size_t f = 0; f < flags.size(); ++f) {
         bool any = false;
@@ -489,7 +489,6 @@ void play(Model &model, Trace &trace, const std::vector<Cell> *cells, const Faul
     }
     if (draining && quiet > 400) break;
   }
-  trace.flag.push_back(trace.restarts);
   for (size_t f = 0; f < flags.size(); ++f) {
     trace.flag.push_back(ports[flags[f]].bits == 1 ? up[f] : 0);
     for (int w = 0; w < (ports[flags[f]].bits + 31) / 32; ++w) trace.flag.push_back(model.word(flags[f], w));
@@ -692,6 +691,7 @@ int main(int argc, char **argv) {
   std::vector<std::string> kept;  // names of what is meant to be kept
   std::istringstream names(options["kept"]);
   for (std::string name; std::getline(names, name, ',');) kept.push_back(name);
+  if (options["kept"] == "all") kept = {""};
 
   for (const auto &fault : faults) {
     Model model;
@@ -711,7 +711,7 @@ int main(int argc, char **argv) {
       // A fault in a frame's last beat or in the pause behind it is one of the next frame.
       const auto next = std::upper_bound(begins.begin(), begins.end(), row + 1);
       const size_t from = next + settle - 1 < begins.end() ? *(next + settle - 1) : rows.size();
-      const bool flagged = trace.flag != golden.flag;
+      const bool flagged = trace.flag != golden.flag || trace.restarts != golden.restarts;
       bool right = !trace.hung;
       if (options.count("free")) {
         for (size_t s = 0; s < sinks.size() && right; ++s) {
