@@ -1,10 +1,10 @@
 """Feed everything that reads what others wrote with mutated and made-up input: packet decoders, recordings,
 configurations, calibrations, logs.
 
-    python tools/fuzz.py [--cases N] [--seed N] [--first N] [--record] [TARGET ...]     default: 1,000,000 of all
+    python tools/fuzz.py [--cases N] [--seed N] [--first N] [--record] [TARGET ...]   default: a million each
 
 Prints a line per target. Stops with an error at the first case that crashes, hangs, gives a packet that was
-not sent, or is refused otherwise than in one sentence; `--first N --cases 1` repeats it. It begins with tb/corpus.
+not sent, or is not refused in one sentence; `--first N --cases 1` repeats it. It starts at tb/corpus.
 """
 
 import argparse

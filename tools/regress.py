@@ -4,7 +4,7 @@
     python tools/regress.py --seed N --only BLOCK NAME=VALUE ...        one size again, as a failure tells
 
 SEEDS: sizes in all, 200 unless told, each with a seed of its own. A failure is made as small as it can be and
-told with the command that repeats it. With --scheduler the work goes to Dask's workers there, who need the same folder.
+told with the command that repeats it. With --scheduler Dask's workers there do the work, in the same folder.
 """
 
 import argparse

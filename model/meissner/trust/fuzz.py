@@ -306,7 +306,7 @@ STRICT = ["-std=c99", "-g", "-O1", "-I", str(toolchain.ROOT / "host")]
 def run_c(count, seed=1):
     """``count`` strings to the decoder in C; what with, in words. Failed with what the sanitizers said.
 
-    With clang and its libFuzzer half of them are guided by coverage; the others, or all, are mutations made by
+    With clang and its libFuzzer half of them are guided by coverage; the others, or all, come from
     tb/host/packet_fuzz.c. A compiler without sanitizers builds without, and is told of.
     """
     line = CORPUS / "packets/line.bin"

@@ -10,7 +10,7 @@ FOLDER = toolchain.ROOT / "docs/trust"
 
 
 def merge(kind, command, blocks, summary, total):
-    """Put ``blocks`` {name: facts} among those recorded. ``summary`` makes a cell of a block's facts, ``total``
+    """Put ``blocks`` {name: facts} among the recorded. ``summary`` makes a cell of a block's facts, ``total``
     the sentence of a list of all blocks' facts."""
     FOLDER.mkdir(exist_ok=True)
     path = FOLDER / f"{kind}.json"
