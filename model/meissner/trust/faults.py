@@ -14,7 +14,7 @@ from meissner.trust import benches
 DRIVER = Path(__file__).with_name("faults_driver.cpp")
 HERE = DRIVER.parents[1] / "engines"  # the converters' models
 WORK = toolchain.BUILD / "faults"
-COLUMNS = ("injected", "masked", "recovered", "detected", "told", "kept", "silent")
+COLUMNS = ("injected", "masked", "recovered", "detected", "told", "late", "kept", "silent")
 LEFT_OUT = {
     "compare": "no state",
     "times": "no state",
@@ -34,8 +34,8 @@ SETTLE = {
         "haar": 8,
         "sliding_extremes": 14,
     },
-    **{"peak_to_peak": 24, "slip": 40, "slip_serial": 40, "slip_flags": 2, "channels": 80},
-    **{"tare": 6, "health": 40, "calibration_grid": 2, "calibrate": 3, "cop_slip": 24, "cop4": 2},
+    **{"peak_to_peak": 24, "slip": 40, "slip_serial": 60, "slip_flags": 20, "slip_path": 80},
+    **{"tare": 6, "health": 40, "calibration_grid": 2, "calibrate": 3, "cop_slip": 24, "cop4": 2, "cop_accumulate": 2, "cop": 2},
 }
 # What the driver must be told of a block, see there.
 # Of calibrations: the tables, which of the two is in use and whether any is, until they are written again.
@@ -45,7 +45,7 @@ OPTIONS = {
     "spi_shift": ["frame=start_i", "strobe=word_o"],
     "burst": ["frame=start_i"],
     "convert_time": ["frame=last_i"],
-    "slip_flags": ["frame=in_last_i"],
+    "slip_flags": ["frame=in_valid_i"],
     "calibration_preset": ["kept=all"],  # runs once after a reset: what it spoils is a table
     "calibration_grid": ["frame=last_i", TABLES],
     "calibrate": [TABLES],
@@ -54,12 +54,14 @@ OPTIONS = {
     "haar": ["phases=8"],
     "peak_to_peak": ["phases=8"],
     "slip_serial": ["phases=8"],
-    "channels": ["phases=64"],
+    "slip_path": ["phases=16"],
+    "channels": ["free=16000", "part=1", "late=left_q"],
+    "acquire": ["free=16000", "part=1", "late=left_q"],
     "adc_single": ["free=12000", "part=1"],
-    "adc_spi": ["free=16000", "part=1"],
-    "scan_adc": ["free=40000", "part=2"],
-    "scan_demod": ["free=60000", "part=3"],
-    "array": ["free=60000", "part=1"],
+    "adc_spi": ["free=16000", "part=1", "late=left_q"],
+    "scan_adc": ["free=40000", "part=2", "late=left_q"],
+    "scan_demod": ["free=60000", "part=3", "late=left_q"],
+    "array": ["free=60000", "part=1", "late=left_q"],
 }
 # Blocks that others wait for or that wait for a converter run inside another: that block, the instance.
 INSIDE = {
@@ -82,7 +84,7 @@ SIZES = {
     "peak_to_peak": {"Channels": 3, "Hop": 4, "Mask": 0},
     "slip": {"TimerBits": 4},
     "slip_serial": {"Window": 4},
-    "channels": {"Level": 2, "Window": 16, "Hop": 12},
+    "slip_path": {"Channels": 3, "Window": 16},
     "cop": {"Rows": 3},
     "cop_array": {"Rows": 5},
     "cop_accumulate": {"Rows": 3},
