@@ -46,6 +46,10 @@ async def matches_model(dut, stall_rate):
     length = 101 if channels < 50 else 9
     rng = np.random.default_rng(bench.SEED)
     x = bench.extremes_then_random(rng, channels, length, bits)
+    if length > 60:  # each level's largest sums and details, of both signs
+        low, high = bench.width(bits)
+        runs = np.concatenate([np.repeat([1, 1, 0, 0, 1, 0, 0, 1], 4), np.repeat([1, 0, 0, 1], 2)])
+        x[:, 16:56] = np.where(runs, high, low)
     mask, used = masks(dut, rng, x)
     pause = bench.pauses(stall_rate)
     got = await bench.stream(dut, bench.frames(data=x, mask=mask), FIELDS, pause, pause)
@@ -67,6 +71,25 @@ async def restart_begins_a_new_group(dut):
     x = np.concatenate([first[:, : 2**level], second], axis=1)
     used = np.concatenate([used[:, : 2**level], np.zeros(second.shape, bool)], axis=1)
     check(got, x, level, restarts=(0, 1), mask=used)
+
+
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def forgets_what_a_reset_interrupts(dut):
+    """A reset in an even and in an odd frame, while a sample is offered: the next is the first of a group."""
+    channels, level, bits = parameters(dut)
+    await bench.start(dut)
+    rng = np.random.default_rng(bench.SEED)
+    for count in (2 * channels, 3 * channels, 3 * channels + channels // 2):
+        beats = bench.frames(data=bench.extremes_then_random(rng, channels, 2**level + 4, bits))
+        for beat in beats:
+            beat["mask"] = 0
+        await bench.stream(dut, beats[:count], FIELDS, drain=0)
+        dut.in_valid_i.value = 1
+        await bench.reset(dut)
+        dut.in_valid_i.value = 0
+        x = bench.extremes_then_random(rng, channels, 2**level, bits)
+        got = await bench.stream(dut, bench.frames(data=x, mask=np.zeros(x.shape)), FIELDS)
+        check(got, x, level)
 
 
 @cocotb.test(timeout_time=5, timeout_unit="ms")
