@@ -23,6 +23,7 @@ from meissner.slip.slip import Slip, State
 
 CLK_KHZ = 25_000
 STATISTIC_CLOCKS = 1 << 20
+LATE_S = 0.1  # of catching up, before the clock waits
 BLOCK = 64  # details between two looks at the registers
 SHOWN = "acrylic_slip+walk_25x5"
 
@@ -61,10 +62,8 @@ class SimulatedCore:
     @property
     def now(self):
         """Clocks since reset."""
-        if self.speed:
-            passed = int((time.monotonic() - self._began) * self.speed * 1000 * self.clk_khz)
-            self._now = max(self._now, passed)
-        return self._now
+        passed = (time.monotonic() - self._began) * self.speed * 1000 * self.clk_khz
+        return max(self._now, int(passed))
 
     def boundary(self, group):
         """A frame of the group's begins: what was written to it counts from now on."""
@@ -72,10 +71,14 @@ class SimulatedCore:
             self.registers.commit(group)
 
     def read(self, n):
-        """Up to ``n`` bytes that are due."""
+        """Up to ``n`` bytes that are due; slower than ``speed`` where the machine cannot keep up."""
+        late = time.monotonic() + LATE_S
         while len(self._out) < n:
             self._next = self._next or next(self._source, None)
             if self._next is None or (self.speed and self._next[0] > self.now):
+                break
+            if self.speed and time.monotonic() > late:
+                self._began = time.monotonic() - self._next[0] / (self.speed * 1000 * self.clk_khz)
                 break
             (at, kind, payload), self._next = self._next, None
             self._now = max(self._now, at)
