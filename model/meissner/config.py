@@ -91,6 +91,8 @@ def load(name, mhz=None, part=None, registers=None):
         return read(path.stem, tables)
     except ValueError as problem:
         raise ValueError(f"{path.name}: {problem}") from None
+    except OverflowError as problem:
+        raise ValueError(f"{path.name}: a number in it is beyond all computing: {problem}") from None
 
 
 def read(name, tables):
@@ -100,6 +102,8 @@ def read(name, tables):
     for key in tables:
         if key not in known and key not in optional:
             raise ValueError(f"unknown table [{key}]; the tables are: {', '.join([*known, *optional])}")
+        if key in optional and not isinstance(tables[key], dict):
+            raise ValueError(f"{key} = {tables[key]!r} must be a table")
     top = fields("the top", {key: tables[key] for key in known if key in tables}, known)
     clock = fields("[clock]", top["clock"], {"mhz": float})
     between("[clock]", clock, {"mhz": (1, 200)})

@@ -102,6 +102,14 @@ async def forgets_what_a_reset_interrupts(dut):
         assert await bench.stream(dut, beats_of(pairs), FIELDS) == expected_of(pairs, fraction_bits)
 
 
+SPACE = lambda draw: {
+    "DenBits": draw.randint(4, 46),
+    "FractionBits": draw.randint(1, 24),
+    "BitsPerClock": draw.randint(1, 2),
+    "Pipelined": draw.randint(0, 1),
+}
+
+
 @pytest.mark.parametrize(
     "den_bits, fraction_bits, bits_per_clock, pipelined",
     [(34, 14, 2, 0), (46, 20, 1, 0), (12, 5, 2, 1), (12, 4, 1, 1), (34, 7, 2, 0), (46, 20, 2, 1)],

@@ -71,6 +71,9 @@ async def restarts_after_reset_in_mid_frame(dut):
     assert bench.read(dut.damaged_o) == 0
 
 
+SPACE = lambda draw: {"Channels": draw.randint(1, 40)}
+
+
 @pytest.mark.parametrize("channels", [1, 2, 5, 8, 100])
 def test_frame_check(channels):
     bench.run("common", "frame_check", {"Channels": channels})

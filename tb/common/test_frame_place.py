@@ -70,6 +70,9 @@ async def matches_model(dut, rate):
         assert (twin.damaged == 0) == (rate == 0.0)
 
 
+SPACE = lambda draw: {"Beats": draw.randint(1, 60)}
+
+
 @pytest.mark.parametrize("beats", [1, 2, 3, 9, 100])
 def test_frame_place(beats):
     bench.run("common", "frame_place", {"Beats": beats})

@@ -191,6 +191,13 @@ async def forgets_what_a_reset_interrupts(dut):
         assert await bench.stream(dut, beats, FIELDS) == expected_of(forces)
 
 
+SPACE = lambda draw: {
+    "Rows": draw.randint(1, 12),
+    "Columns": draw.randint(1, 20),
+    "Lanes": draw.choice([1, 2, 4, 8]),
+}
+
+
 @pytest.mark.parametrize(
     "rows, columns, lanes",
     [

@@ -160,6 +160,14 @@ async def latency_is_one_clock_a_level(dut):
     assert dut.out_last_o.value == 1
 
 
+SPACE = lambda draw: {
+    "Channels": draw.randint(1, 30),
+    "Level": draw.randint(1, 3),
+    "SampleBits": draw.randint(4, 18),
+    "Mask": draw.randint(0, 1),
+}
+
+
 @pytest.mark.parametrize(
     "channels, level, mask",
     [(1, 1, 0), (3, 2, 0), (7, 3, 0), (1, 3, 0), (1024, 1, 0), (1, 1, 1), (3, 2, 1), (7, 3, 1)],
