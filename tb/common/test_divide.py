@@ -35,7 +35,7 @@ def cases(rng, den_bits, fraction_bits, count):
         for half in (1, 3, unit // 2 - 1, unit - 3, unit - 1):
             if 1 <= scale <= top // unit:
                 pairs += [(half * scale + off, unit * scale) for off in (-1, 0, 1)]
-    for _ in range(count if top >= unit else 0):
+    for _ in range(count // 4 if top >= unit else 0):
         scale, half = int(rng.integers(1, top // unit + 1)), 2 * int(rng.integers(0, unit // 2)) + 1
         pairs.append((half * scale + int(rng.integers(-1, 2)), unit * scale))
     for _ in range(count):
