@@ -6,8 +6,8 @@
 //   Array:     scan ─ health ─ tare ─ calibrate ─┬─ cop ────────────────┬─ packet ─ cobs ─ uart
 //                                                └─ narrow ─┬─ slip ────┤
 //                                                           └─ image ───┘
-//   else:      converter ─ frame_gate ─┬─ slip of each channel (Slip)
-//                                      └─ electrodes ─ cop4 ─ cop_slip (Cop4)
+//   else:      acquire ─ frame_gate ─┬─ slip of each channel (Slip)
+//                                    └─ electrodes ─ cop4 ─ cop_slip (Cop4)
 //
 // Adc = AdcNone: samples come in on the stream, whole frames, an array's Converters lanes wide. Uart = 0: packets
 // leave as bytes and the registers' bus is open, for msn_axis. SlipOnly: the small sender of slip events alone.
@@ -21,7 +21,7 @@ module msn_core #(
   parameter  int unsigned AdcChannels      = 8,                 // of each converter of an array
   parameter  int unsigned ClkKhz           = 25_000,
   parameter  int unsigned SclkKhz          = msn_adc_pkg::sclk_default_khz(Adc),
-  parameter  int unsigned AdcPeriod        = 0,                 // clocks, built in: msn_adc_single
+  parameter  int unsigned AdcPeriod        = 0,                 // clocks, built in: msn_acquire
   parameter  bit          Array            = 1'b0,
   parameter  int unsigned Rows             = 1,
   parameter  int unsigned Columns          = 1,
@@ -576,92 +576,43 @@ module msn_core #(
     logic                         adc_valid, adc_ready, adc_last;
     logic signed [SampleBits-1:0] adc_data;
     logic [ChannelBits-1:0]       adc_id;
-    if (Adc == msn_pkg::AdcNone) begin : gen_stream
-      assign adc_valid  = in_valid_i;
-      assign in_ready_o = adc_ready;
-      assign adc_data   = in_data_i;
-      assign adc_id     = in_id_i;
-      assign adc_last   = in_last_i;
-      assign convert    = 1'b1;
-      assign {adc_cs_n_o, adc_sclk_o, adc_mosi_o, adc_convst_o, adc_reset_o}            = 5'b10000;
-      assign {adc_dropped, adc_overrun, adc_timeout, adc_mistagged, adc_over_range} = '0;
-      logic unused_pins;
-      assign unused_pins = ^{adc_miso_i, adc_busy_i};
-
-    end else if (AdcPeriod != 0) begin : gen_adc_single
-      if (Adc != msn_pkg::AdcMcp3208 || Channels != 1) begin : gen_check_adc_period
-        $fatal(1, "msn_core: AdcPeriod = %0d must be 0 but for one channel of an MCP3208", AdcPeriod);
-      end
-      logic unused_user;
-      msn_adc_single #(
-        .ClkKhz    (ClkKhz),
-        .SclkKhz   (SclkKhz),
-        .Period    (AdcPeriod),
-        .SampleBits(SampleBits)
-      ) u_adc_single (
-        .clk_i,
-        .rst_i,
-        .cfg_enable_i(cfg_adc_enable),
-        .adc_cs_n_o,
-        .adc_sclk_o,
-        .adc_mosi_o,
-        .adc_miso_i  (adc_miso_i[0]),
-        .convert_o   (convert),
-        .out_valid_o (adc_valid),
-        .out_ready_i (adc_ready),
-        .out_data_o  (adc_data),
-        .out_user_o  (unused_user),
-        .dropped_o   (adc_dropped),
-        .over_range_o(adc_over_range)
-      );
-      assign adc_id   = '0;
-      assign adc_last = 1'b1;
-      assign {adc_convst_o, adc_reset_o, in_ready_o}     = '0;
-      assign {adc_overrun, adc_timeout, adc_mistagged} = '0;
-      logic unused_inputs;
-      assign unused_inputs = ^{adc_busy_i, in_valid_i, in_data_i, in_id_i, in_last_i};
-
-    end else begin : gen_adc
-      logic unused_lost, unused_ready, unused_user;
-      msn_adc_spi #(
-        .Part      (Adc),
-        .Channels  (Channels),
-        .Lanes     (AdcLanes),
-        .ClkKhz    (ClkKhz),
-        .SclkKhz   (SclkKhz),
-        .SampleBits(SampleBits)
-      ) u_adc_spi (
-        .clk_i,
-        .rst_i,
-        .cfg_enable_i(cfg_adc_enable),
-        .cfg_period_i(cfg_adc_period),
-        .trigger_i   (1'b0),
-        .adc_cs_n_o  (adc_cs_n_o[0]),
-        .adc_sclk_o  (adc_sclk_o[0]),
-        .adc_mosi_o  (adc_mosi_o[0]),
-        .adc_miso_i  (adc_miso_i[AdcLanes-1:0]),
-        .adc_convst_o(adc_convst_o[0]),
-        .adc_busy_i  (adc_busy_i[0]),
-        .adc_reset_o (adc_reset_o[0]),
-        .ready_o     (unused_ready),
-        .convert_o   (convert),
-        .lost_o      (unused_lost),
-        .out_valid_o (adc_valid),
-        .out_ready_i (adc_ready),
-        .out_data_o  (adc_data),
-        .out_id_o    (adc_id),
-        .out_last_o  (adc_last),
-        .out_user_o  (unused_user),
-        .dropped_o   (adc_dropped),
-        .overrun_o   (adc_overrun),
-        .timeout_o   (adc_timeout),
-        .mistagged_o (adc_mistagged),
-        .over_range_o(adc_over_range)
-      );
-      assign in_ready_o = 1'b0;
-      logic unused_inputs;
-      assign unused_inputs = ^{in_valid_i, in_data_i, in_id_i, in_last_i};
-    end
+    msn_acquire #(
+      .Adc       (Adc),
+      .AdcLanes  (AdcLanes),
+      .ClkKhz    (ClkKhz),
+      .SclkKhz   (SclkKhz),
+      .AdcPeriod (AdcPeriod),
+      .Channels  (Channels),
+      .SampleBits(SampleBits)
+    ) u_acquire (
+      .clk_i,
+      .rst_i,
+      .cfg_enable_i(cfg_adc_enable),
+      .cfg_period_i(cfg_adc_period),
+      .adc_cs_n_o  (adc_cs_n_o[0]),
+      .adc_sclk_o  (adc_sclk_o[0]),
+      .adc_mosi_o  (adc_mosi_o[0]),
+      .adc_miso_i  (adc_miso_i[AdcLanes-1:0]),
+      .adc_convst_o(adc_convst_o[0]),
+      .adc_busy_i  (adc_busy_i[0]),
+      .adc_reset_o (adc_reset_o[0]),
+      .convert_o   (convert),
+      .in_valid_i,
+      .in_ready_o,
+      .in_data_i,
+      .in_id_i,
+      .in_last_i,
+      .out_valid_o (adc_valid),
+      .out_ready_i (adc_ready),
+      .out_data_o  (adc_data),
+      .out_id_o    (adc_id),
+      .out_last_o  (adc_last),
+      .dropped_o   (adc_dropped),
+      .overrun_o   (adc_overrun),
+      .timeout_o   (adc_timeout),
+      .mistagged_o (adc_mistagged),
+      .over_range_o(adc_over_range)
+    );
 
     logic gate_valid, gate_ready;
     if (SlipOnly) begin : gen_no_gate  // settings are constants; the sender keeps the time itself
@@ -819,7 +770,7 @@ module msn_core #(
 
   // Slip of every channel or taxel.
   if (Slip) begin : gen_slip
-    // A long way back for ready: packet, slip, array, scan. An array's ends here; one sample is kept aside.
+    // A long way back for ready: packet, slip, array, scan. An array's is cut before and behind the slip path.
     logic                         slip_valid, slip_ready, slip_last, slip_mask;
     logic signed [SampleBits-1:0] slip_sample;
     logic        [ChannelBits-1:0] slip_id;
@@ -843,33 +794,23 @@ module msn_core #(
       assign slip_mask    = sample_mask;
     end
 
-    logic [DetailBits-1:0]  p2p;
-    logic [ChannelBits-1:0] id;
-    logic [5:0]             unused_pins;
+    logic                   found_valid, found_ready, found_raised, found_last;
+    logic [2:0]             found_state;
+    logic [DetailBits-1:0]  found_p2p, p2p;
+    logic [ChannelBits-1:0] found_id, id;
     logic                   unused_over, unused_end;
-    logic [159:0]           unused_counters;
-    msn_channels #(
+    msn_slip_path #(
       .Channels  (Taxels),
       .SampleBits(SampleBits),
       .Level     (Level),
       .Window    (Window),
       .Hop       (Hop),
       .TimerBits (TimerBits),
-      .Serial    (Serial),
-      .Mask      (Health)
-    ) u_slip (
+      .Mask      (Health),
+      .Serial    (Serial)
+    ) u_slip_path (
       .clk_i,
       .rst_i,
-      .cfg_adc_enable_i     (1'b0),
-      .cfg_adc_period_i     ('0),
-      .adc_cs_n_o           (unused_pins[0]),
-      .adc_sclk_o           (unused_pins[1]),
-      .adc_mosi_o           (unused_pins[2]),
-      .adc_miso_i           (1'b0),
-      .adc_convst_o         (unused_pins[3]),
-      .adc_busy_i           (1'b0),
-      .adc_reset_o          (unused_pins[4]),
-      .convert_o            (unused_pins[5]),
       .cfg_threshold_i      (cfg_threshold[DetailBits-1:0]),
       .cfg_gross_threshold_i(cfg_gross_threshold[DetailBits-1:0]),
       .cfg_contact_level_i  (cfg_contact_level[DetailBits-1:0]),
@@ -885,23 +826,35 @@ module msn_core #(
       .in_id_i              (slip_id),
       .in_last_i            (slip_last),
       .in_mask_i            (slip_mask),
-      .out_valid_o          (decision_valid),
-      .out_ready_i          (decision_ready),
-      .out_state_o          (decision_state),
-      .out_raised_o         (decision_raised),
+      .out_valid_o          (found_valid),
+      .out_ready_i          (found_ready),
+      .out_state_o          (found_state),
+      .out_raised_o         (found_raised),
       .out_over_o           (unused_over),
-      .out_p2p_o            (p2p),
-      .out_id_o             (id),
-      .out_last_o           (decision_last),
+      .out_p2p_o            (found_p2p),
+      .out_id_o             (found_id),
+      .out_last_o           (found_last),
       .out_end_o            (unused_end),
-      .dropped_o            (unused_counters[0+:32]),
-      .overrun_o            (unused_counters[32+:32]),
-      .timeout_o            (unused_counters[64+:32]),
-      .mistagged_o          (unused_counters[96+:32]),
-      .over_range_o         (unused_counters[128+:32]),
       .damaged_o            (slip_damaged),
       .blanked_o            (slip_blanked)
     );
+    if (Array) begin : gen_decision_skid
+      msn_skid #(.Width(DetailBits + ChannelBits + 5)) u_skid (
+        .clk_i,
+        .rst_i,
+        .in_valid_i (found_valid),
+        .in_ready_o (found_ready),
+        .in_data_i  ({found_state, found_raised, found_last, found_p2p, found_id}),
+        .out_valid_o(decision_valid),
+        .out_ready_i(decision_ready),
+        .out_data_o ({decision_state, decision_raised, decision_last, p2p, id})
+      );
+    end else begin : gen_no_decision_skid
+      assign decision_valid = found_valid;
+      assign found_ready    = decision_ready;
+      assign {decision_state, decision_raised, decision_last} = {found_state, found_raised, found_last};
+      assign {p2p, id}      = {found_p2p, found_id};
+    end
     assign decision_p2p = 24'(p2p);
     assign decision_id  = 16'(id);
   end else begin : gen_no_slip
@@ -1000,117 +953,70 @@ module msn_core #(
 
   end else begin : gen_link
     assign decision_ready = !decision_raised || slip_event_ready;
-    if (Uart) begin : gen_uart
-      msn_link #(
-        .ClkHz        (1000 * ClkKhz),
-        .BaudHz       (BaudHz),
-        .Registers    (Registers),
-        .SlipDepth    ((Slip || CopSlip) ? SlipDepth : 0),
-        .Cop          (Array || Cop4),
-        .Health       (Health),
-        .Statistics   (Counters),
-        .StatisticBits(StatisticBits),
-        .Taxels       (Image ? Taxels : 0),
-        .Chunk        (Chunk)
-      ) u_link (
-        .clk_i,
-        .rst_i,
-        .rx_i,
-        .tx_o,
-        .bus_valid_o    (bus_valid),
-        .bus_write_o    (bus_write),
-        .bus_address_o  (bus_address),
-        .bus_data_o     (bus_question),
-        .bus_strobe_o   (bus_strobe),
-        .bus_done_i     (bus_done),
-        .bus_error_i    (bus_error),
-        .bus_data_i     (bus_answer),
-        .now_i          (now),
-        .slip_valid_i   (slip_event),
-        .slip_ready_o   (slip_event_ready),
-        .slip_id_i      (decision_id),
-        .slip_state_i   (decision_state),
-        .slip_p2p_i     (decision_p2p),
-        .slip_time_i    (frame_time),
-        .cop_valid_i    (cop_valid),
-        .cop_x_i        (cop_x),
-        .cop_y_i        (cop_y),
-        .cop_load_i     (cop_load),
-        .cop_pressed_i  (cop_pressed),
-        .cop_time_i     (frame_time),
-        .health_valid_i (report_valid),
-        .health_ready_o (report_ready),
-        .health_id_i    (report_id),
-        .health_faults_i(report_faults),
-        .statistics_i   (statistics),
-        .image_valid_i  (image_valid),
-        .image_data_i   (16'(sample)),
-        .image_last_i   (sample_last),
-        .image_time_i   (frame_time),
-        .packets_o      (packets),
-        .cop_dropped_o  (cop_dropped),
-        .image_dropped_o(image_dropped),
-        .rejected_o     (rejected)
-      );
-      assign {bus_done_o, bus_error_o, bus_data_o, out_valid_o, out_data_o, out_last_o} = '0;
-      logic unused_bus;
-      assign unused_bus = ^{bus_valid_i, bus_write_i, bus_address_i, bus_data_i, bus_strobe_i, out_ready_i};
-    end else begin : gen_bytes
-      logic unused_begin, unused_answer_ready;
-      msn_packet #(
-        .SlipDepth    ((Slip || CopSlip) ? SlipDepth : 0),
-        .Cop          (Array || Cop4),
-        .Health       (Health),
-        .Answers      (1'b0),
-        .Statistics   (Counters),
-        .StatisticBits(StatisticBits),
-        .Taxels       (Image ? Taxels : 0),
-        .Chunk        (Chunk)
-      ) u_packet (
-        .clk_i,
-        .rst_i,
-        .now_i          (now),
-        .slip_valid_i   (slip_event),
-        .slip_ready_o   (slip_event_ready),
-        .slip_id_i      (decision_id),
-        .slip_state_i   (decision_state),
-        .slip_p2p_i     (decision_p2p),
-        .slip_time_i    (frame_time),
-        .cop_valid_i    (cop_valid),
-        .cop_x_i        (cop_x),
-        .cop_y_i        (cop_y),
-        .cop_load_i     (cop_load),
-        .cop_pressed_i  (cop_pressed),
-        .cop_time_i     (frame_time),
-        .health_valid_i (report_valid),
-        .health_ready_o (report_ready),
-        .health_id_i    (report_id),
-        .health_faults_i(report_faults),
-        .answer_valid_i (1'b0),
-        .answer_ready_o (unused_answer_ready),
-        .answer_data_i  ('0),
-        .statistics_i   (statistics),
-        .image_valid_i  (image_valid),
-        .image_data_i   (16'(sample)),
-        .image_last_i   (sample_last),
-        .image_time_i   (frame_time),
-        .out_begin_o    (unused_begin),
-        .out_valid_o,
-        .out_ready_i,
-        .out_data_o,
-        .out_last_o,
-        .packets_o      (packets),
-        .cop_dropped_o  (cop_dropped),
-        .image_dropped_o(image_dropped)
-      );
-      assign rejected = '0;
-      assign tx_o     = 1'b1;
-      assign {bus_valid, bus_write, bus_address} = {bus_valid_i, bus_write_i, bus_address_i};
-      assign {bus_question, bus_strobe}          = {bus_data_i, bus_strobe_i};
-      assign {bus_done_o, bus_error_o, bus_data_o} = {bus_done, bus_error, bus_answer};
-      logic unused_rx;
-      assign unused_rx = rx_i;
-    end
+    msn_link #(
+      .ClkHz        (1000 * ClkKhz),
+      .BaudHz       (BaudHz),
+      .Uart         (Uart),
+      .Registers    (Registers),
+      .SlipDepth    ((Slip || CopSlip) ? SlipDepth : 0),
+      .Cop          (Array || Cop4),
+      .Health       (Health),
+      .Statistics   (Counters),
+      .StatisticBits(StatisticBits),
+      .Taxels       (Image ? Taxels : 0),
+      .Chunk        (Chunk)
+    ) u_link (
+      .clk_i,
+      .rst_i,
+      .rx_i,
+      .tx_o,
+      .out_valid_o,
+      .out_ready_i,
+      .out_data_o,
+      .out_last_o,
+      .host_valid_i   (bus_valid_i),
+      .host_write_i   (bus_write_i),
+      .host_address_i (bus_address_i),
+      .host_data_i    (bus_data_i),
+      .host_strobe_i  (bus_strobe_i),
+      .host_done_o    (bus_done_o),
+      .host_error_o   (bus_error_o),
+      .host_data_o    (bus_data_o),
+      .bus_valid_o    (bus_valid),
+      .bus_write_o    (bus_write),
+      .bus_address_o  (bus_address),
+      .bus_data_o     (bus_question),
+      .bus_strobe_o   (bus_strobe),
+      .bus_done_i     (bus_done),
+      .bus_error_i    (bus_error),
+      .bus_data_i     (bus_answer),
+      .now_i          (now),
+      .slip_valid_i   (slip_event),
+      .slip_ready_o   (slip_event_ready),
+      .slip_id_i      (decision_id),
+      .slip_state_i   (decision_state),
+      .slip_p2p_i     (decision_p2p),
+      .slip_time_i    (frame_time),
+      .cop_valid_i    (cop_valid),
+      .cop_x_i        (cop_x),
+      .cop_y_i        (cop_y),
+      .cop_load_i     (cop_load),
+      .cop_pressed_i  (cop_pressed),
+      .cop_time_i     (frame_time),
+      .health_valid_i (report_valid),
+      .health_ready_o (report_ready),
+      .health_id_i    (report_id),
+      .health_faults_i(report_faults),
+      .statistics_i   (statistics),
+      .image_valid_i  (image_valid),
+      .image_data_i   (16'(sample)),
+      .image_last_i   (sample_last),
+      .image_time_i   (frame_time),
+      .packets_o      (packets),
+      .cop_dropped_o  (cop_dropped),
+      .image_dropped_o(image_dropped),
+      .rejected_o     (rejected)
+    );
   end
 
 endmodule

@@ -21,6 +21,7 @@ rtl/frontend/msn_spi_shift.sv
 rtl/frontend/msn_adc_store.sv
 rtl/frontend/msn_adc_spi.sv
 rtl/frontend/msn_adc_single.sv
+rtl/frontend/msn_acquire.sv
 rtl/frontend/msn_convert_time.sv
 rtl/frontend/msn_burst.sv
 rtl/frontend/msn_am_demod.sv
@@ -42,6 +43,7 @@ rtl/slip/msn_peak_to_peak.sv
 rtl/slip/msn_slip.sv
 rtl/slip/msn_slip_serial.sv
 rtl/slip/msn_slip_flags.sv
+rtl/slip/msn_slip_path.sv
 rtl/slip/msn_channels.sv
 rtl/cop/msn_cop_accumulate.sv
 rtl/cop/msn_cop_divide.sv

@@ -7,6 +7,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from meissner import boards, config, toolchain
+from meissner.build import verilog
 
 ROOT = toolchain.ROOT
 RULES = ROOT / "tb/lint/verible.rules"
@@ -39,7 +40,7 @@ def main():
         command = [*verilator, *board.sources, str(CELLS), f"-I{folder}", "--top-module", board.top]
         jobs.append((f"verilator {board.top}, {name}", command))
     for name in config.names():
-        given = [f"-G{k}={v}" for k, v in config.verilog(config.load(name).parameters).items()]
+        given = [f"-G{k}={v}" for k, v in verilog(config.load(name).parameters).items()]
         jobs.append((f"verilator msn_core {name}", [*verilator, "--top-module", "msn_core", *given]))
     example = "examples/instantiate/finger.sv"
     jobs.append(("verilator finger", [*verilator, example, "--top-module", "finger"]))

@@ -8,10 +8,10 @@ Without a name all of them, reproducible to the digit.
 import argparse
 
 import numpy as np
-from mesh_figures import errors, percent, show
 
 from meissner.world import mesh_loads, rubber
 from meissner.world.mesh import Mesh
+from mesh_figures import errors, percent, show
 
 DRAWS = 1000  # beside the papers' 100: the averages of our tables then move by less than their last digit
 R_OVER_RP = {  # table I of the mesh paper

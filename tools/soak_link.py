@@ -11,6 +11,7 @@ import sys
 import time
 
 from meissner.engines import verilated
+from meissner.link.uart_tx import sixteenths
 
 TAXELS, DEPTH, CLK_HZ, BAUD_HZ = 1024, 64, 24_000_000, 6_000_000
 NAMES = ("events", "lost", "wrong", "images", "cops", "clocks", "held")
@@ -30,7 +31,7 @@ def soak(events, mean=1000, burst=100, seed=1):
     pointer = ctypes.POINTER(Soak)
     lib.soak_run.argtypes = [
         ctypes.c_int64,
-        ctypes.c_double,
+        ctypes.c_int64,
         number,
         number,
         number,
@@ -38,7 +39,7 @@ def soak(events, mean=1000, burst=100, seed=1):
         pointer,
     ]
     found = Soak()
-    lib.soak_run(events, CLK_HZ / BAUD_HZ, mean, burst, TAXELS, seed, found)
+    lib.soak_run(events, sixteenths(CLK_HZ, BAUD_HZ), mean, burst, TAXELS, seed, found)
     return found
 
 

@@ -7,7 +7,6 @@ with offset = intercept rounded and gain = 2^gain_shift / (slope·force_lsb_n) r
 ``force_lsb_n`` newtons.
 """
 
-import zipfile
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -65,13 +64,10 @@ def _arrays(path):
     path = Path(path)
     if not path.is_file():
         raise ValueError(f"there is no file {path}")
-    try:
-        with np.load(path, allow_pickle=False) as archive:
-            return {name: archive[name] for name in archive.files}
-    except PermissionError:
-        raise
-    except (ValueError, EOFError, OSError, MemoryError, zipfile.BadZipFile, AttributeError, TypeError):
-        raise ValueError(f"{path} is not a .npz file of arrays") from None
+    arrays = files.read_arrays(path)
+    if not arrays:
+        raise ValueError(f"{path} is not a .npz file of arrays")
+    return arrays
 
 
 def load(path):
@@ -88,6 +84,8 @@ def load(path):
             raise ValueError(f"dead must be of bool, not {arrays['dead'].dtype}")
         if arrays["gain_shift"].ndim or arrays["force_lsb_n"].ndim:
             raise ValueError("gain_shift and force_lsb_n must be single numbers")
+        if arrays["force_lsb_n"].dtype.kind not in "iuf":
+            raise ValueError(f"force_lsb_n must be newtons, not {arrays['force_lsb_n'].dtype}")
         return Calibration(
             offset=arrays["offset"].astype(np.int64),
             gain=arrays["gain"].astype(np.int64),

@@ -7,12 +7,11 @@ import numpy as np
 from meissner.cop.array import Array
 from meissner.cop.cop4 import cop4
 from meissner.cop.cop_slip import CopSlip
-from meissner.frontend.adc_spi import AdcSpi
 from meissner.frontend.calibration_preset import preset
 from meissner.frontend.health import Limits
 from meissner.link import packet as p
-from meissner.slip.channels import decide
 from meissner.slip.slip import State
+from meissner.slip.slip_path import decide
 
 OF_LOAD = 65535  # channel of a slip event that comes from the load of four electrodes
 
@@ -74,17 +73,27 @@ def of_electrodes(samples, registers, terms=None, lag=16, slip=None):
 
 def samples_of(config, codes):
     """Signed samples of a converter's codes, and which were over range, of the same shape."""
-    if config.kind == "array":
-        adc = config.scan.adc
-    else:
-        lanes = config.adc["lanes"]
-        adc = AdcSpi(config.part, config.channels, lanes, config.clk_khz, config.adc["sclk_khz"])
     mask = (1 << config.part.data_bits) - 1
-    return adc.samples(np.asarray(codes) & mask)
+    return config.converter.samples(np.asarray(codes) & mask)
+
+
+def array_from_reset(size, gain, limits=None, tare=None, **kinds):
+    """meissner.cop.array.Array as a core has it from reset on: preset gains, the first tare asked for.
+
+    ``size``: what has ``rows``, ``columns``, ``lanes``, ``sample_bits``; all else as Array takes it.
+    """
+    twin = Array(size, limits, tare, **kinds)
+    table, row_column = twin.cop.calibrate.table, kinds.get("row_column", False)
+    for of_row, word, offset, value in preset(size.rows, size.columns, size.lanes, gain, row_column):
+        table.write_row(word, offset, value) if of_row else table.write(word, offset, value)
+    twin.cop.calibrate.swap()
+    if tare:
+        twin.tare.tare(force=True)
+    return twin
 
 
 def array_of(config):
-    """meissner.cop.array.Array of a configuration after reset: the preset gains, the first tare asked for."""
+    """meissner.cop.array.Array of a configuration from reset on."""
     limits = tare = None
     if config.array["health"]:
         given = {k.removeprefix("health."): v for k, v in config.settings.items() if k.startswith("health.")}
@@ -92,17 +101,9 @@ def array_of(config):
     if config.array["tare"]:
         tare = {"contact": config.tare["contact_codes"], "step": config.tare["step"]}
     parameters, settings = config.parameters, config.settings
-    row_column = bool(parameters["RowColumn"])
-    kinds = {"row_column": row_column, "gain_shift": parameters["GainShift"]}
-    twin = Array(config.scan, limits, tare, min_load=settings["cop.min_load"], **kinds)
-    table = twin.cop.calibrate.table
-    sizes = config.sensor["rows"], config.sensor["columns"], config.adc["converters"]
-    for of_row, word, offset, gain in preset(*sizes, settings["calibrate.preset"], row_column):
-        table.write_row(word, offset, gain) if of_row else table.write(word, offset, gain)
-    twin.cop.calibrate.swap()
-    if tare:
-        twin.tare.tare(force=True)
-    return twin
+    kinds = {"row_column": bool(parameters["RowColumn"]), "gain_shift": parameters["GainShift"]}
+    kinds |= {"min_load": settings["cop.min_load"]}
+    return array_from_reset(config.scan, settings["calibrate.preset"], limits, tare, **kinds)
 
 
 def expected(config, codes):

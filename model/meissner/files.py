@@ -3,7 +3,6 @@
 import os
 import tempfile
 import warnings
-import zipfile
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -38,16 +37,33 @@ def read_array(path):
             raise ValueError(f"{path} holds no numbers")
         return table.T
     if path.suffix.lower() == ".npy":
-        try:
-            array = np.load(path, allow_pickle=False)
-        except PermissionError:
-            raise
-        except (ValueError, EOFError, OSError, MemoryError, zipfile.BadZipFile):
-            array = None
+        array = _load(path)
         if not isinstance(array, np.ndarray):  # an archive of arrays is none either
             raise ValueError(f"{path} is not a .npy file of numbers")
         return array
     raise ValueError(f"{path} must be a .npy or a .csv file")
+
+
+def read_arrays(path):
+    """The arrays of a .npz file by name; {} if it is none."""
+    with warnings.catch_warnings(action="ignore"):
+        found = _load(path, whole=True)
+    whole = isinstance(found, dict) and all(isinstance(array, np.ndarray) for array in found.values())
+    return found if whole else {}
+
+
+def _load(path, whole=False):
+    """What numpy finds in a file, None if nothing: a damaged one stops it, and what unpacks for it, anywhere."""
+    try:
+        found = np.load(path, allow_pickle=False)
+        if not whole or isinstance(found, np.ndarray):
+            return found
+        with found:
+            return {name: found[name] for name in found.files}
+    except PermissionError:
+        raise
+    except Exception:
+        return None
 
 
 @contextmanager

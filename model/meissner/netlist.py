@@ -16,7 +16,10 @@ MODELS = {
     "gowin": [HERE / "gowin.sv", HERE / "ram.sv"],
 }
 # Where their ports are, if cells_sim.v does not say.
-BOXES = {"gowin": "read_verilog -lib +/gowin/cells_xtra_gw2a.v; "}
+BOXES = {
+    "ecp5": "read_verilog -lib +/ecp5/cells_bb.v; ",
+    "gowin": "read_verilog -lib +/gowin/cells_xtra_gw2a.v; ",
+}
 # No build uses it, and Yosys would take a minute to read it.
 SLOW = "SB_SPRAM256KA"
 
@@ -38,11 +41,12 @@ def _yosys_models(cells, folder):
 def verilog(top, parameters, cells, kept=(), include=None):
     """Paths of the netlist of ``top`` in ``cells`` and of the cells' models; made now if it was not before.
 
-    ``cells``: ice40, ecp5 or gowin, synthesised as the boards of that family are; ``kept``: wires of ``top``
-    that must be there by name; ``include``: folder of a board's msn_build.svh.
+    ``cells``: ice40, ecp5 or gowin, synthesised as the boards of that family are; ``parameters``: numbers or
+    SystemVerilog's constants; ``kept``: wires of ``top`` that must be there by name; ``include``: folder of a
+    board's msn_build.svh.
     """
     synth = next(board.synth for board in boards.BOARDS.values() if board.cells == cells)
-    chparam = "".join(f"chparam -set {name} {int(value)} {top}; " for name, value in parameters.items())
+    chparam = "".join(f"chparam -set {name} {value} {top}; " for name, value in parameters.items())
     keep = "".join(f"setattr -set keep 1 {top}/w:{wire}; " for wire in kept)
     read = yowasp.read_rtl(cells)
     text = ""
@@ -51,10 +55,11 @@ def verilog(top, parameters, cells, kept=(), include=None):
         text = "".join(
             (toolchain.ROOT / file).read_text() for file in (*boards.COMMON, f"{include}/msn_build.svh")
         )
-    before = f"{read}; {chparam}hierarchy -top {top}; {keep}{synth} -top {top}; "
+    # Yosys may have renamed it for its parameters.
+    before = f"{read}; {chparam}hierarchy -top {top}; rename -top {top}; {keep}{synth} -top {top}; "
     before += "write_verilog -noattr "
     # Read afresh, as synthesis left boxes of its own in the design.
-    after = f"; hierarchy -top {top}; proc; flatten; opt_expr; opt_clean; check -assert; "
+    after = f"; hierarchy -top {top}; {keep}proc; flatten; opt_expr; opt_clean; check -assert; "
     after += "write_verilog -noattr "
     digest = hashlib.sha256((before + after + text).encode())
     for source in toolchain.sources():

@@ -31,7 +31,8 @@ def sources_of(top):
         name = waiting.pop()
         if name not in needed:
             needed.add(name)
-            found = re.findall(r"\bmsn_\w+", paths[name].read_text())
+            text = re.sub(r"//.*", "", paths[name].read_text())  # comments name others too
+            found = re.findall(r"\bmsn_\w+", text)
             waiting += [other for other in set(found) if other in paths]
     return [path for path in sources() if path.stem in needed]
 

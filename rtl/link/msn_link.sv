@@ -1,16 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The serial link: instances and wires only.
+// The link to the host: instances and wires only.
 //
-//   events, CoP, health, counters, images ── packet ── cobs ── uart_tx ── line
-//   register bus ── bridge ── uart_rx ── line,   bridge ── answers ── packet
+//   Uart:  events, CoP, health, counters, images ── packet ── cobs ── uart_tx ── line
+//          register bus ── bridge ── uart_rx ── line,   bridge ── answers ── packet
+//   else:  events, CoP, health, counters, images ── packet ── bytes, as they are
+//          register bus ── the host's bus
 //
-// docs/link.md is the contract. With Registers = 0 nothing is received.   Model: model/meissner/link/link.py
+// docs/link.md is the contract. With Registers = 0 nothing is received on the line.
+// Model: model/meissner/link/link.py
 
 module msn_link #(
   parameter  int unsigned ClkHz         = 25_000_000,
   parameter  int unsigned BaudHz        = 3_000_000,
-  parameter  bit          Registers     = 1'b1,
+  parameter  bit          Uart          = 1'b1,
+  parameter  bit          Registers     = 1'b1,  // of the line; the host's bus is there without
   parameter  int unsigned TimeoutClocks = ClkHz / 100,
   parameter  int unsigned SlipDepth     = 64,    // as in msn_packet
   parameter  bit          Cop           = 1'b1,
@@ -26,6 +30,20 @@ module msn_link #(
 
   input  logic                   rx_i,
   output logic                   tx_o,
+
+  output logic                   out_valid_o,      // Uart = 0
+  input  logic                   out_ready_i,
+  output logic [7:0]             out_data_o,
+  output logic                   out_last_o,
+
+  input  logic                   host_valid_i,     // Uart = 0
+  input  logic                   host_write_i,
+  input  logic [11:0]            host_address_i,
+  input  logic [31:0]            host_data_i,
+  input  logic [3:0]             host_strobe_i,
+  output logic                   host_done_o,
+  output logic                   host_error_o,
+  output logic [31:0]            host_data_o,
 
   output logic                   bus_valid_o,
   output logic                   bus_write_o,
@@ -72,7 +90,14 @@ module msn_link #(
 
   logic        answer_valid, answer_ready;
   logic [63:0] answer;
-  if (Registers) begin : gen_registers
+  if (!Uart) begin : gen_host
+    assign {bus_valid_o, bus_write_o, bus_address_o, bus_data_o, bus_strobe_o} =
+        {host_valid_i, host_write_i, host_address_i, host_data_i, host_strobe_i};
+    assign {host_done_o, host_error_o, host_data_o} = {bus_done_i, bus_error_i, bus_data_i};
+    assign {answer_valid, answer, rejected_o} = '0;
+    logic unused_line;
+    assign unused_line = ^{rx_i, answer_ready};
+  end else if (Registers) begin : gen_registers
     logic       byte_valid, byte_error;
     logic [7:0] byte_data;
     msn_uart_rx #(.ClkHz(ClkHz), .BaudHz(BaudHz)) u_uart_rx (
@@ -108,6 +133,11 @@ module msn_link #(
     logic unused_registers;
     assign unused_registers = ^{rx_i, bus_done_i, bus_error_i, bus_data_i, answer_ready};
   end
+  if (Uart) begin : gen_no_host
+    assign {host_done_o, host_error_o, host_data_o} = '0;
+    logic unused_host;
+    assign unused_host = ^{host_valid_i, host_write_i, host_address_i, host_data_i, host_strobe_i};
+  end
 
   logic       packet_begin, packet_valid, packet_ready, packet_last;
   logic [7:0] packet_data;
@@ -115,7 +145,7 @@ module msn_link #(
     .SlipDepth    (SlipDepth),
     .Cop          (Cop),
     .Health       (Health),
-    .Answers      (Registers),
+    .Answers      (Uart && Registers),
     .Statistics   (Statistics),
     .StatisticBits(StatisticBits),
     .Taxels       (Taxels),
@@ -158,28 +188,40 @@ module msn_link #(
     .image_dropped_o
   );
 
-  logic       framed_valid, framed_ready;
-  logic [7:0] framed_data;
-  msn_cobs u_cobs (
-    .clk_i,
-    .rst_i,
-    .in_begin_i (packet_begin),
-    .in_valid_i (packet_valid),
-    .in_ready_o (packet_ready),
-    .in_data_i  (packet_data),
-    .in_last_i  (packet_last),
-    .out_valid_o(framed_valid),
-    .out_ready_i(framed_ready),
-    .out_data_o (framed_data)
-  );
-
-  msn_uart_tx #(.ClkHz(ClkHz), .BaudHz(BaudHz)) u_uart_tx (
-    .clk_i,
-    .rst_i,
-    .in_valid_i(framed_valid),
-    .in_ready_o(framed_ready),
-    .in_data_i (framed_data),
-    .tx_o
-  );
+  if (Uart) begin : gen_line
+    logic       framed_valid, framed_ready;
+    logic [7:0] framed_data;
+    msn_cobs u_cobs (
+      .clk_i,
+      .rst_i,
+      .in_begin_i (packet_begin),
+      .in_valid_i (packet_valid),
+      .in_ready_o (packet_ready),
+      .in_data_i  (packet_data),
+      .in_last_i  (packet_last),
+      .out_valid_o(framed_valid),
+      .out_ready_i(framed_ready),
+      .out_data_o (framed_data)
+    );
+    msn_uart_tx #(.ClkHz(ClkHz), .BaudHz(BaudHz)) u_uart_tx (
+      .clk_i,
+      .rst_i,
+      .in_valid_i(framed_valid),
+      .in_ready_o(framed_ready),
+      .in_data_i (framed_data),
+      .tx_o
+    );
+    assign {out_valid_o, out_data_o, out_last_o} = '0;
+    logic unused_ready;
+    assign unused_ready = out_ready_i;
+  end else begin : gen_bytes
+    assign out_valid_o  = packet_valid;
+    assign packet_ready = out_ready_i;
+    assign out_data_o   = packet_data;
+    assign out_last_o   = packet_last;
+    assign tx_o         = 1'b1;
+    logic unused_begin;
+    assign unused_begin = packet_begin;
+  end
 
 endmodule

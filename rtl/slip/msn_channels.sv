@@ -2,12 +2,9 @@
 //
 // Channels of a converter from their pins to slip decisions: instances and wires only, in data-path order.
 //
-//   ADC pins ─ adc_spi ─ frame_check ─ haar ─ peak_to_peak ─ slip ─ decisions
+//   ADC pins ─ acquire ─ slip_path ─ decisions
 //
-// Adc = AdcNone: samples come in on the stream, as frames, channels in order, `last` on the final one;
-// otherwise the converter's pins feed the chain and the stream is not there. Decision Level + 5 clocks
-// after the sample that completes a group with tumbling windows, Level + 7 with a sliding one of 64. Serial: one
-// block in place of the four of the slip path, the same decisions 2*Steps + 2 clocks after (msn_slip_serial).
+// Adc = AdcNone: samples come in on the stream (msn_acquire). Latency and formats are those of msn_slip_path.
 // Model: model/meissner/slip/channels.py
 
 module msn_channels #(
@@ -78,270 +75,90 @@ module msn_channels #(
   output logic        [31:0]           blanked_o      // details: over, but blanked or moving
 );
 
-  localparam int unsigned Group = 1 << Level;  // samples in a detail
-  if (Window < 2 * Group || (Window & (Window - 1)) != 0) begin : gen_check_window
-    $fatal(1, "msn_channels: Window = %0d must be a power of two, %0d or more", Window, 2 * Group);
-  end
-  if (Hop < Group || Hop > Window || Hop % Group != 0) begin : gen_check_hop
-    $fatal(1, "msn_channels: Hop = %0d must be a multiple of %0d up to Window", Hop, Group);
+  if (Mask && Adc != msn_pkg::AdcNone) begin : gen_check_mask
+    $fatal(1, "msn_channels: Mask = 1 must have Adc = 0: a converter's samples bear no mask");
   end
 
-  if (Mask && (Serial || Adc != msn_pkg::AdcNone)) begin : gen_check_mask
-    $fatal(1, "msn_channels: Mask = 1 must have Adc = 0 and Serial = 0");
-  end
-  if (Serial && (Channels != 1 || Hop != Window)) begin : gen_check_serial
-    $fatal(1, "msn_channels: Serial = 1 must have Channels = 1 and Hop = Window");
-  end
-
-  logic unused_mask;
-  assign unused_mask = in_mask_i;
   logic                         sample_valid, sample_ready, sample_last;
   logic signed [SampleBits-1:0] sample;
   logic        [IdBits-1:0]     sample_id;
-  if (Adc == msn_pkg::AdcNone) begin : gen_stream
-    assign sample_valid = in_valid_i;
-    assign in_ready_o   = sample_ready;
-    assign sample       = in_data_i;
-    assign sample_id    = in_id_i;
-    assign sample_last  = in_last_i;
+  msn_acquire #(
+    .Adc       (Adc),
+    .AdcLanes  (AdcLanes),
+    .ClkKhz    (ClkKhz),
+    .SclkKhz   (SclkKhz),
+    .PeriodBits(PeriodBits),
+    .AdcPeriod (AdcPeriod),
+    .Channels  (Channels),
+    .SampleBits(SampleBits)
+  ) u_acquire (
+    .clk_i,
+    .rst_i,
+    .cfg_enable_i(cfg_adc_enable_i),
+    .cfg_period_i(cfg_adc_period_i),
+    .adc_cs_n_o,
+    .adc_sclk_o,
+    .adc_mosi_o,
+    .adc_miso_i,
+    .adc_convst_o,
+    .adc_busy_i,
+    .adc_reset_o,
+    .convert_o,
+    .in_valid_i,
+    .in_ready_o,
+    .in_data_i,
+    .in_id_i,
+    .in_last_i,
+    .out_valid_o (sample_valid),
+    .out_ready_i (sample_ready),
+    .out_data_o  (sample),
+    .out_id_o    (sample_id),
+    .out_last_o  (sample_last),
+    .dropped_o,
+    .overrun_o,
+    .timeout_o,
+    .mistagged_o,
+    .over_range_o
+  );
 
-    assign {adc_cs_n_o, adc_sclk_o, adc_mosi_o, adc_convst_o, adc_reset_o, convert_o} = 6'b100000;
-    assign {dropped_o, overrun_o, timeout_o, mistagged_o, over_range_o}               = '0;
-    logic unused_pins;
-    assign unused_pins = ^{cfg_adc_enable_i, cfg_adc_period_i, adc_miso_i, adc_busy_i};
-
-  end else if (AdcPeriod != 0) begin : gen_adc_single
-    if (Adc != msn_pkg::AdcMcp3208 || Channels != 1) begin : gen_check_adc_period
-      $fatal(1, "msn_channels: AdcPeriod = %0d must be 0 but for one channel of an MCP3208", AdcPeriod);
-    end
-    logic unused_user;
-    msn_adc_single #(
-      .ClkKhz    (ClkKhz),
-      .SclkKhz   (SclkKhz),
-      .Period    (AdcPeriod),
-      .SampleBits(SampleBits)
-    ) u_adc_single (
-      .clk_i,
-      .rst_i,
-      .cfg_enable_i(cfg_adc_enable_i),
-      .adc_cs_n_o,
-      .adc_sclk_o,
-      .adc_mosi_o,
-      .adc_miso_i  (adc_miso_i[0]),
-      .convert_o,
-      .out_valid_o (sample_valid),
-      .out_ready_i (sample_ready),
-      .out_data_o  (sample),
-      .out_user_o  (unused_user),
-      .dropped_o,
-      .over_range_o
-    );
-    assign sample_id   = '0;
-    assign sample_last = 1'b1;
-    assign in_ready_o  = 1'b0;
-    assign {adc_convst_o, adc_reset_o, overrun_o, timeout_o, mistagged_o} = '0;
-    logic unused_inputs;
-    assign unused_inputs = ^{cfg_adc_period_i, adc_busy_i, in_valid_i, in_data_i, in_id_i, in_last_i};
-
-  end else begin : gen_adc
-    logic unused_lost, unused_ready;  // the next whole frame shows it; the timer waits by itself
-    logic unused_user;  // what over-range means to a stage is that stage's business; slip only counts it
-    msn_adc_spi #(
-      .Part      (Adc),
-      .Channels  (Channels),
-      .Lanes     (AdcLanes),
-      .ClkKhz    (ClkKhz),
-      .SclkKhz   (SclkKhz),
-      .SampleBits(SampleBits),
-      .PeriodBits(PeriodBits)
-    ) u_adc_spi (
-      .clk_i,
-      .rst_i,
-      .cfg_enable_i(cfg_adc_enable_i),
-      .cfg_period_i(cfg_adc_period_i),
-      .trigger_i   (1'b0),
-      .adc_cs_n_o,
-      .adc_sclk_o,
-      .adc_mosi_o,
-      .adc_miso_i,
-      .adc_convst_o,
-      .adc_busy_i,
-      .adc_reset_o,
-      .ready_o     (unused_ready),
-      .convert_o,
-      .lost_o      (unused_lost),
-      .out_valid_o (sample_valid),
-      .out_ready_i (sample_ready),
-      .out_data_o  (sample),
-      .out_id_o    (sample_id),
-      .out_last_o  (sample_last),
-      .out_user_o  (unused_user),
-      .dropped_o,
-      .overrun_o,
-      .timeout_o,
-      .mistagged_o,
-      .over_range_o
-    );
-    assign in_ready_o = 1'b0;
-    logic unused_stream;
-    assign unused_stream = ^{in_valid_i, in_data_i, in_id_i, in_last_i};
-  end
-
-  if (Serial) begin : gen_serial
-    assign out_id_o   = '0;
-    assign out_last_o = 1'b1;
-    msn_slip_serial #(
-      .SampleBits(SampleBits),
-      .Level     (Level),
-      .Window    (Window),
-      .TimerBits (TimerBits)
-    ) u_slip (
-      .clk_i,
-      .rst_i,
-      .cfg_threshold_i,
-      .cfg_gross_threshold_i,
-      .cfg_contact_level_i,
-      .cfg_release_level_i,
-      .cfg_contact_rises_i,
-      .cfg_hold_i,
-      .cfg_refractory_i,
-      .cfg_blank_i,
-      .actuator_moving_i,
-      .in_valid_i (sample_valid),
-      .in_ready_o (sample_ready),
-      .in_data_i  (sample),
-      .in_id_i    (sample_id[0]),
-      .in_last_i  (sample_last),
-      .out_valid_o,
-      .out_ready_i,
-      .out_state_o,
-      .out_raised_o,
-      .out_over_o,
-      .out_p2p_o,
-      .out_end_o,
-      .damaged_o,
-      .blanked_o
-    );
-
-  end else begin : gen_parallel
-    logic                         whole_valid, whole_ready, whole_last, whole_restart;
-    logic signed [SampleBits-1:0] whole;
-    logic        [IdBits-1:0]     whole_id;
-    logic whole_mask, detail_mask, window_mask;
-    msn_frame_check #(.Channels(Channels), .DataBits(SampleBits + 1)) u_frame_check (
-      .clk_i,
-      .rst_i,
-      .in_valid_i   (sample_valid),
-      .in_ready_o   (sample_ready),
-      .in_data_i    ({Mask && in_mask_i, sample}),
-      .in_id_i      (sample_id),
-      .in_last_i    (sample_last),
-      .out_valid_o  (whole_valid),
-      .out_ready_i  (whole_ready),
-      .out_data_o   ({whole_mask, whole}),
-      .out_id_o     (whole_id),
-      .out_last_o   (whole_last),
-      .out_restart_o(whole_restart),
-      .damaged_o
-    );
-
-    logic                         detail_valid, detail_ready, detail_last, detail_restart;
-    logic signed [DetailBits-1:0] detail, detail_total;
-    logic        [IdBits-1:0]     detail_id;
-    msn_haar #(
-      .Channels  (Channels),
-      .SampleBits(SampleBits),
-      .Level     (Level),
-      .Mask      (Mask)
-    ) u_haar (
-      .clk_i,
-      .rst_i,
-      .in_valid_i   (whole_valid),
-      .in_ready_o   (whole_ready),
-      .in_data_i    (whole),
-      .in_id_i      (whole_id),
-      .in_last_i    (whole_last),
-      .in_restart_i (whole_restart),
-      .in_mask_i    (whole_mask),
-      .out_valid_o  (detail_valid),
-      .out_ready_i  (detail_ready),
-      .out_detail_o (detail),
-      .out_total_o  (detail_total),
-      .out_id_o     (detail_id),
-      .out_last_o   (detail_last),
-      .out_restart_o(detail_restart),
-      .out_mask_o   (detail_mask)
-    );
-
-    logic                         window_valid, window_ready, window_last, window_restart, window_end;
-    logic        [DetailBits-1:0] window_p2p;
-    logic signed [DetailBits-1:0] window_total;
-    logic        [IdBits-1:0]     window_id;
-    msn_peak_to_peak #(
-      .Channels  (Channels),
-      .DetailBits(DetailBits),
-      .Span      (Window / Group),
-      .Hop       (Hop / Group),
-      .Mask      (Mask)
-    ) u_peak_to_peak (
-      .clk_i,
-      .rst_i,
-      .in_valid_i   (detail_valid),
-      .in_ready_o   (detail_ready),
-      .in_detail_i  (detail),
-      .in_total_i   (detail_total),
-      .in_id_i      (detail_id),
-      .in_last_i    (detail_last),
-      .in_restart_i (detail_restart),
-      .in_mask_i    (detail_mask),
-      .out_valid_o  (window_valid),
-      .out_ready_i  (window_ready),
-      .out_p2p_o    (window_p2p),
-      .out_total_o  (window_total),
-      .out_id_o     (window_id),
-      .out_last_o   (window_last),
-      .out_restart_o(window_restart),
-      .out_mask_o   (window_mask),
-      .out_end_o    (window_end)
-    );
-
-    msn_slip #(
-      .Channels  (Channels),
-      .DetailBits(DetailBits),
-      .TimerBits (TimerBits),
-      .Mask      (Mask)
-    ) u_slip (
-      .clk_i,
-      .rst_i,
-      .cfg_threshold_i,
-      .cfg_gross_threshold_i,
-      .cfg_contact_level_i,
-      .cfg_release_level_i,
-      .cfg_contact_rises_i,
-      .cfg_hold_i,
-      .cfg_refractory_i,
-      .cfg_blank_i,
-      .actuator_moving_i,
-      .in_valid_i  (window_valid),
-      .in_ready_o  (window_ready),
-      .in_p2p_i    (window_p2p),
-      .in_total_i  (window_total),
-      .in_id_i     (window_id),
-      .in_last_i   (window_last),
-      .in_restart_i(window_restart),
-      .in_mask_i   (window_mask),
-      .in_end_i    (window_end),
-      .out_valid_o,
-      .out_ready_i,
-      .out_state_o,
-      .out_raised_o,
-      .out_over_o,
-      .out_p2p_o,
-      .out_id_o,
-      .out_last_o,
-      .out_end_o,
-      .blanked_o
-    );
-  end
+  msn_slip_path #(
+    .Channels  (Channels),
+    .SampleBits(SampleBits),
+    .Level     (Level),
+    .Window    (Window),
+    .Hop       (Hop),
+    .TimerBits (TimerBits),
+    .Mask      (Mask),
+    .Serial    (Serial)
+  ) u_slip_path (
+    .clk_i,
+    .rst_i,
+    .cfg_threshold_i,
+    .cfg_gross_threshold_i,
+    .cfg_contact_level_i,
+    .cfg_release_level_i,
+    .cfg_contact_rises_i,
+    .cfg_hold_i,
+    .cfg_refractory_i,
+    .cfg_blank_i,
+    .actuator_moving_i,
+    .in_valid_i (sample_valid),
+    .in_ready_o (sample_ready),
+    .in_data_i  (sample),
+    .in_id_i    (sample_id),
+    .in_last_i  (sample_last),
+    .in_mask_i,
+    .out_valid_o,
+    .out_ready_i,
+    .out_state_o,
+    .out_raised_o,
+    .out_over_o,
+    .out_p2p_o,
+    .out_id_o,
+    .out_last_o,
+    .out_end_o,
+    .damaged_o,
+    .blanked_o
+  );
 
 endmodule

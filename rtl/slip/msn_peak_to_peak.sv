@@ -57,20 +57,13 @@ module msn_peak_to_peak #(
   // The first window closes at detail Span-1, then one every Hop: `age` counts the details up to the
   // first, `turn` those since the last that closed (waiting at its end before the first).
   localparam int unsigned SpanBits = $clog2(Span);
-  logic [SpanBits-1:0] age, age_q, turn, turn_q;
+  logic [SpanBits-1:0] age, age_q;
   logic                grown, closes, accept;
   assign accept = in_valid_i && in_ready_o;
   assign age    = in_restart_i ? '0 : age_q;
-  assign turn   = in_restart_i ? SpanBits'(Hop - 1) : turn_q;
   assign grown  = age == SpanBits'(Span - 1);
-  assign closes = grown && (turn == SpanBits'(Hop - 1));
 
-  always_ff @(posedge clk_i) begin
-    if (accept && in_last_i) begin
-      age_q  <= grown ? age : age + 1'b1;
-      turn_q <= (grown && closes) ? '0 : grown ? turn + 1'b1 : SpanBits'(Hop - 1);
-    end
-  end
+  always_ff @(posedge clk_i) if (accept && in_last_i) age_q <= grown ? age : age + 1'b1;
 
   // The window's maximum and minimum, then their difference. All stages move together, so that a stall
   // crosses one gate and not one a stage.
@@ -94,8 +87,9 @@ module msn_peak_to_peak #(
     localparam int unsigned HopBits = msn_pkg::index_width(Hop);
     logic [HopBits-1:0] place, place_q;
     logic               first;
-    assign place = in_restart_i ? '0 : place_q;
-    assign first = place == '0;
+    assign place  = in_restart_i ? '0 : place_q;
+    assign first  = place == '0;
+    assign closes = grown && place == HopBits'(Hop - 1);  // a window ends with a part
 
     logic signed [DetailBits-1:0] old_high, old_low, new_high, new_low;
     logic higher, lower;
@@ -182,6 +176,14 @@ module msn_peak_to_peak #(
     // Span = 2^K: K/2 stages that quadruple the window, after one that doubles it if K is odd.
     localparam int unsigned Stages = (SpanBits + 1) / 2;
     localparam int unsigned Odd    = SpanBits % 2;
+
+    // Details since a window closed; the first one closes as soon as there are enough.
+    logic [SpanBits-1:0] turn, turn_q;
+    assign turn   = in_restart_i ? SpanBits'(Hop - 1) : turn_q;
+    assign closes = grown && (turn == SpanBits'(Hop - 1));
+    always_ff @(posedge clk_i) begin
+      if (accept && in_last_i) turn_q <= !grown ? SpanBits'(Hop - 1) : closes ? '0 : turn + 1'b1;
+    end
 
     // Between the stages; flat, because Yosys loses packed arrays that are declared in a generate block.
     logic [Stages:0]                  valid, last, restart;

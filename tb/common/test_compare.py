@@ -24,6 +24,9 @@ async def matches_model(dut):
         assert bool(dut.greater_o.value) == compare(a, b, bits), (a, b)
 
 
+SPACE = lambda draw: {"Width": draw.randint(1, 60)}
+
+
 @pytest.mark.parametrize("width", [1, 18])
 def test_compare(width):
     bench.run("common", "compare", {"Width": width})

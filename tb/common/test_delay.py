@@ -31,6 +31,9 @@ async def matches_model(dut, gap_rate):
         await bench.RisingEdge(dut.clk_i)
 
 
+SPACE = lambda draw: {"Depth": draw.randint(1, 90), "Width": 9}
+
+
 @pytest.mark.parametrize("depth", [1, 2, 3, 4, 7, 1000])
 def test_delay(depth):
     bench.run("common", "delay", {"Depth": depth, "Width": 9})

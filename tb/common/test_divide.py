@@ -24,7 +24,10 @@ def nearest(value):
 
 
 def cases(rng, den_bits, fraction_bits, count):
-    """Pairs num, den: corners, exact ties and their neighbours of both signs, then random of any size."""
+    """Pairs num, den: corners, exact ties and their neighbours of both signs, then random of any size.
+
+    A tie hangs on every bit of every remainder: a bit that is wrong now and then shows in no other quotient.
+    """
     top = (1 << den_bits) - 1
     pairs = [(n, d) for d in (1, 2, 3, top - 1, top) for n in {0, 1, d // 2, d // 2 + 1, d - 1, d} if n <= d]
     unit = 1 << (fraction_bits + 1)  # of halves of an LSB
@@ -32,6 +35,9 @@ def cases(rng, den_bits, fraction_bits, count):
         for half in (1, 3, unit // 2 - 1, unit - 3, unit - 1):
             if 1 <= scale <= top // unit:
                 pairs += [(half * scale + off, unit * scale) for off in (-1, 0, 1)]
+    for _ in range(count if top >= unit else 0):
+        scale, half = int(rng.integers(1, top // unit + 1)), 2 * int(rng.integers(0, unit // 2)) + 1
+        pairs.append((half * scale + int(rng.integers(-1, 2)), unit * scale))
     for _ in range(count):
         den = int(rng.integers(1, top + 1)) >> int(rng.integers(0, den_bits)) or 1
         pairs.append((int(rng.integers(0, den + 1)), den))
@@ -94,6 +100,14 @@ async def forgets_what_a_reset_interrupts(dut):
         await bench.clocks(dut, delay)
         await bench.reset(dut, clocks=1)
         assert await bench.stream(dut, beats_of(pairs), FIELDS) == expected_of(pairs, fraction_bits)
+
+
+SPACE = lambda draw: {
+    "DenBits": draw.randint(4, 46),
+    "FractionBits": draw.randint(1, 24),
+    "BitsPerClock": draw.randint(1, 2),
+    "Pipelined": draw.randint(0, 1),
+}
 
 
 @pytest.mark.parametrize(

@@ -65,6 +65,9 @@ async def clocks_are_as_stated_and_reset_empties(dut):
         dut.out_ready_i.value = 1
 
 
+SPACE = lambda draw: {"Depth": 1 << draw.randint(1, 8), "Width": draw.randint(1, 91)}
+
+
 @pytest.mark.parametrize("depth, width", [(2, 1), (16, 91), (256, 24)])
 def test_fifo(depth, width):
     bench.run("common", "fifo", {"Depth": depth, "Width": width})

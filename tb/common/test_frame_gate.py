@@ -119,6 +119,9 @@ async def a_reset_while_closed_commits_nothing(dut):
         await RisingEdge(dut.clk_i)
 
 
+SPACE = lambda draw: {"Drain": draw.randint(1, 40)}
+
+
 @pytest.mark.parametrize("drain", [1, 8])
 def test_frame_gate(drain):
     bench.run("common", "frame_gate", {"Drain": drain})

@@ -88,6 +88,9 @@ async def forgets_what_a_reset_interrupts(dut):
         assert got == expected_of(pairs, exact)
 
 
+SPACE = lambda draw: {"Bits": draw.randint(1, 18), "Exact": draw.randint(0, 1)}
+
+
 @pytest.mark.parametrize(
     "bits, exact", [pytest.param(24, 1, marks=pytest.mark.long), (1, 1), (5, 1), (30, 1), (24, 0), (2, 0)]
 )

@@ -48,6 +48,13 @@ async def starts_anew_after_a_short_frame_and_a_reset(dut):
     await check(dut, frame(rng, *shape(dut)))
 
 
+SPACE = lambda draw: {
+    "Rows": draw.randint(1, 6),
+    "Columns": draw.randint(1, 24),
+    "Lanes": draw.choice([1, 2, 4, 8]),
+}
+
+
 @pytest.mark.parametrize(
     "rows, columns, lanes", [(3, 5, 1), (3, 5, 2), (2, 19, 8), (4, 16, 8), (2, 3, 4), (1, 1, 1)]
 )

@@ -95,6 +95,15 @@ async def forgets_what_a_reset_interrupts(dut):
         assert await bench.stream(dut, beats_of(pairs), FIELDS) == expected_of(1, pairs, fraction_bits)
 
 
+SPACE = lambda draw: {
+    "ScaleBits": draw.randint(2, 17),
+    "NumBits": draw.randint(3, 20),
+    "DenBits": draw.randint(4, 44),
+    "FractionBits": draw.randint(2, 18),
+    "BitsPerClock": draw.randint(1, 2),
+}
+
+
 @pytest.mark.parametrize(
     "scale_bits, num_bits, den_bits, fraction_bits, per_clock",
     [(17, 18, 34, 14, 2), (17, 19, 43, 16, 1), (5, 4, 4, 4, 2)],

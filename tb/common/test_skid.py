@@ -49,6 +49,9 @@ async def forgets_what_a_reset_interrupts(dut):
     assert await bench.stream(dut, [], ["data"]) == []
 
 
+SPACE = lambda draw: {"Width": draw.randint(4, 62)}
+
+
 def test_skid():
     bench.run("common", "skid")
 

@@ -32,6 +32,9 @@ def test_twin_is_the_same_in_pieces():
     assert [*twin.process(x[:37]), *twin.process(x[37:])] == list(Sync(4).process(x))
 
 
+SPACE = lambda draw: {"Width": draw.randint(1, 40)}
+
+
 @pytest.mark.parametrize("width", [1, 5])
 def test_sync(width):
     bench.run("common", "sync", {"Width": width})

@@ -21,7 +21,10 @@ async def matches_model(dut):
         assert bench.read(dut.out_data_o) == expected, f"{constant} * {value}"
 
 
-@pytest.mark.parametrize("constant", [0, 1, 1023, 43690])
+SPACE = lambda draw: {"Constant": draw.randrange(65536), "InBits": draw.randint(2, 44)}
+
+
+@pytest.mark.parametrize("constant", [0, 1, 1023, 43691])
 def test_times(constant):
     bench.run("common", "times", {"Constant": constant, "InBits": 36})
 

@@ -67,6 +67,9 @@ async def forgets_what_a_reset_interrupts(dut):
     assert bench.read(dut.damaged_o) == 0
 
 
+SPACE = lambda draw: {"SampleBits": draw.randint(2, 20)}
+
+
 @pytest.mark.parametrize("bits", [17, 2])
 def test_electrodes(bits):
     bench.run("cop", "electrodes", {"SampleBits": bits})

@@ -21,10 +21,8 @@ from cocotbext.axi import (
 
 import bench
 from meissner import core
-from meissner.cop.array import Array
 from meissner.cop.cop4_config import Cop4Config
 from meissner.cop.cop_slip import CopSlipRegisters
-from meissner.frontend.calibration_preset import preset
 from meissner.frontend.health import Limits
 from meissner.link import packet as p
 from meissner.link.cobs import encode
@@ -118,17 +116,8 @@ def array_twin(dut):
     size = Size(dut)
     tare = {"tare_log2": TARE_LOG2, "contact": CONTACT, "step": STEP} if number(dut, "Tare") else None
     limits = LIMITS if number(dut, "Health") else None
-    twin = Array(
-        size, limits, tare, row_column=bool(number(dut, "RowColumn")), gain_shift=number(dut, "GainShift")
-    )
-    table = twin.cop.calibrate.table
-    for row, word, offset, gain in preset(
-        size.rows, size.columns, size.lanes, GAIN, bool(number(dut, "RowColumn"))
-    ):
-        table.write_row(word, offset, gain) if row else table.write(word, offset, gain)
-    twin.cop.calibrate.swap()
-    if tare:
-        twin.tare.tare(force=True)
+    kinds = {"row_column": bool(number(dut, "RowColumn")), "gain_shift": number(dut, "GainShift")}
+    twin = core.array_from_reset(size, GAIN, limits, tare, **kinds)
     return twin, size
 
 

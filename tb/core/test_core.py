@@ -14,6 +14,7 @@ from cocotb.utils import get_sim_time
 
 import bench
 from meissner import config, core
+from meissner.build import verilog
 from meissner.link import bridge
 from meissner.link import packet as p
 from meissner.link.decoder import Decoder
@@ -257,4 +258,4 @@ async def commands_are_answered_while_it_measures(dut):
 
 @pytest.mark.parametrize("name", CASES)
 def test_core(name):
-    bench.run("core", "core", config.verilog(configuration(name).parameters))
+    bench.run("core", "core", verilog(configuration(name).parameters))

@@ -6,6 +6,7 @@ import re
 import pytest
 
 from meissner import config, toolchain
+from meissner.build import verilog
 from meissner.yowasp import read_rtl, yosys
 
 # Blocks of each feature that are of no use to any other.
@@ -20,7 +21,7 @@ BLOCKS = {
     },
     "Health": {"msn_health"},
     "Tare": {"msn_tare"},
-    "Slip": {"msn_channels"},
+    "Slip": {"msn_slip_path"},
     "Serial": {"msn_slip_serial", "msn_adc_single"},
     "Image": {"msn_image_store"},
     "Cop4": {"msn_cop4", "msn_electrodes"},
@@ -33,7 +34,7 @@ BLOCKS = {
 
 def elaborated(name, parameters):
     """Names of the modules that the core has with these parameters."""
-    given = "".join(f"chparam -set {k} {v} msn_core; " for k, v in config.verilog(parameters).items())
+    given = "".join(f"chparam -set {k} {v} msn_core; " for k, v in verilog(parameters).items())
     folder = toolchain.BUILD / "left_out"
     folder.mkdir(parents=True, exist_ok=True)
     log = folder.relative_to(toolchain.ROOT) / f"{name}.log"

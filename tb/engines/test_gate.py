@@ -1,20 +1,17 @@
 """The netlist after synthesis, in the cells of each family, against sources and twins: the slip path behind
-the command, and the smallest build of each family from its converter's pins to its packets."""
-
-import sys
+the command, the smallest build of each family from its converter's pins to its packets, and named
+configurations on the engine `gate`."""
 
 import numpy as np
 import pytest
 
-from meissner import boards, core, engines
-from meissner.engines import board as engine
+import gate
+from meissner import boards, config, core, engines
+from meissner.engines import gate as gates
+from meissner.engines import rtl_core
 from meissner.link import packet
 from meissner.link.decoder import Decoder
 from meissner.slip.config import SlipConfig
-from meissner.yowasp import ROOT
-
-sys.path.insert(0, str(ROOT / "tools"))
-import gate
 
 
 def test_the_gate_engine_is_the_integer_twin():
@@ -34,11 +31,29 @@ def test_the_gate_engine_is_the_integer_twin():
 def test_a_boards_netlist_sends_the_packets_of_its_sources(name):
     """The packets' payloads are those of the twin."""
     board = boards.BOARDS[name]
-    codes, clocks = gate.codes(board, "slip1")
-    line = engine.line(board, "slip1", codes, clocks, gates=True)
-    assert line == engine.line(board, "slip1", codes, clocks)
+    codes = gate.codes(board, "slip1")
+    line = rtl_core.line(board, "slip1", codes, gates=True)
+    assert line == rtl_core.line(board, "slip1", codes)
     # The timer of msn_adc_single converts at the end of a period, that of msn_adc_spi at its start.
-    samples = codes[bool(board.parameters("slip1")["AdcPeriod"]) :, 0, :1]
+    samples = codes[bool(board.parameters("slip1")["AdcPeriod"]) :]
     expected = [payload for _, payload in core.of_channels(samples, board.config("slip1").slip).slip]
     assert expected
     assert [found.payload for found in Decoder().next(line) if found.kind == packet.SLIP] == expected
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", config.names())
+def test_a_named_configurations_netlist_says_the_same(name):
+    build = config.load(name)
+    start, frames, every = gate.SCENES[name]
+    codes = rtl_core.codes_of(build)[start::every][:frames]
+    lines = []
+    for engine_of in (rtl_core.CoreOnPins, gates.core_on_pins):
+        with engine_of(build, codes) as built:
+            lines.append(built.run(frames * build.period_clocks))
+    assert lines[0] == lines[1]
+    assert len(Decoder().next(lines[0])) > 0
+
+
+def test_every_named_configuration_has_a_scene():
+    assert set(gate.SCENES) == set(config.names())

@@ -62,7 +62,12 @@ def frames_of(rng, twin, count):
     level = np.where(single, np.cumsum(rng.choice([0, 0, 0, 8, -8, 31, -31], shape), axis=0), level)
     still = rng.random(shape[1:]) < 0.2
     level = np.where(still, 7, level)
-    railed = (rng.random(shape[1:]) < 0.1) & (np.arange(count)[:, None, None] % 64 < 50)
+    rails = rng.random(shape[1:]) < 0.1
+    if min(shape[1:]) > 2:  # one of each fault at least, and neighbours that move for the one that is dead
+        single[1, :3], still[1, :3], rails[1, :3] = False, (False, True, False), False
+        single[0, 0], still[0, 0], rails[0, 0] = True, False, False
+        rails[2, 2] = True
+    railed = rails & (np.arange(count)[:, None, None] % 64 < 50)
     level = np.where(railed, rng.choice([-900, 900, -901, 65535, -65536, 899], shape[1:]), level)
     low, high = bench.width(twin.sample_bits)
     x = np.clip(level + rng.integers(-2, 3, shape), low, high).astype(np.int64)

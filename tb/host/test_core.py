@@ -5,6 +5,7 @@ without registers, one of another version."""
 
 import os
 import time
+from itertools import count
 
 import numpy as np
 import pytest
@@ -306,6 +307,15 @@ def test_a_threshold_written_while_it_runs_counts():
         core["slip.threshold"] = 30
         list(core.packets(0.2))  # what was under way
         assert not [item for item in core.packets(0.3) if isinstance(item, SlipEvent)]
+
+
+def test_a_core_faster_than_the_machine_goes_slower():
+    """Nothing to say, and never done with what is due: reading ends, and goes on from where it was."""
+    turns = count()
+    model = SimulatedCore(lambda core: ((k, None, b"") for k in turns), speed=1e6)
+    assert model.read(1) == b""
+    reached = next(turns)
+    assert model.read(1) == b"" and next(turns) > reached + 1
 
 
 @pytest.mark.parametrize("sized", [True, False])

@@ -62,6 +62,9 @@ async def drains_bit_by_bit(dut):
     assert sent == 0xCBF43926
 
 
+SPACE = lambda draw: {"Bits": draw.randint(1, 40)}
+
+
 @pytest.mark.parametrize("bits", [1, 8, 32])
 def test_crc32(bits):
     bench.run("link", "crc32", {"Bits": bits})

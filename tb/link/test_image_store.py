@@ -103,6 +103,9 @@ async def recovers_after_reset(dut):
         assert images and images[-1] is not None
 
 
+SPACE = lambda draw: {"Taxels": draw.randint(2, 80)}
+
+
 @pytest.mark.parametrize("taxels", [2, 9, 64])
 def test_image_store(taxels):
     bench.run("link", "image_store", {"Taxels": taxels})

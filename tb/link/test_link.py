@@ -1,6 +1,9 @@
 """msn_link from events to the levels of the line, and from the line to the register bus, through the models
 of both lines: all at full load, no slip event lost, every image whole, accesses in the midst of it; the
-clocks from an event to the line's first edge."""
+clocks from an event to the line's first edge. Without a line: packets byte by byte, the host's bus straight
+through."""
+
+from itertools import pairwise
 
 import cocotb
 import numpy as np
@@ -11,15 +14,18 @@ from link.test_bridge import Registers
 from link.test_packet import INPUTS, Cop, Health, Image, Slip, check_images, subsequence
 from meissner.link import packet as p
 from meissner.link.bridge import BUS_ERROR, DONE, READ, WRITE, command
-from meissner.link.link import line_of, packets_of
+from meissner.link.cobs import encode
+from meissner.link.decoder import Decoder
+from meissner.link.link import bytes_of, line_of, packets_of
 from meissner.link.uart_tx import levels
 
 CLK, BAUD, TAXELS, CHUNK = 12_000_000, 3_000_000, 36, 16
+HOST = ("host_valid", "host_write", "host_address", "host_data", "host_strobe")
 PORTS = [name for name in INPUTS if not name.startswith("answer")]
 
 
 async def begin(dut, rng):
-    ports = {f"{name}_i": 0 for name in (*PORTS, "bus_done", "bus_error", "bus_data")}
+    ports = {f"{name}_i": 0 for name in (*PORTS, "bus_done", "bus_error", "bus_data", *HOST)}
     await bench.start(dut, rx_i=1, **ports)
     return [
         Slip(dut, rng, "slip", 0.0003),
@@ -31,6 +37,8 @@ async def begin(dut, rng):
 
 @cocotb.test(timeout_time=50, timeout_unit="ms")
 async def full_load_and_registers(dut):
+    if not dut.Uart.value.to_unsigned():
+        return
     rng = np.random.default_rng(bench.SEED)
     sources, registers = await begin(dut, rng), Registers(dut)
     asked = [(WRITE, 1, 0x10, 0x1234), (READ, 2, 0x10, 0), (READ, 3, 0x804, 0), (READ, 4, 0, 0)]
@@ -79,6 +87,8 @@ async def full_load_and_registers(dut):
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 async def first_edge_of_an_event(dut):
     """An idle line falls 4 clocks after the event was taken, and the packet follows without a gap."""
+    if not dut.Uart.value.to_unsigned():
+        return
     rng = np.random.default_rng(bench.SEED)
     slip = (await begin(dut, rng))[0]
     await bench.clocks(dut, 2)
@@ -100,9 +110,72 @@ async def first_edge_of_an_event(dut):
         assert line[4 : 4 + len(expected)] == expected
 
 
-def test_link():
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+@cocotb.parametrize(rate=[0.0, 0.7])
+async def without_a_line_packets_are_bytes(dut, rate):
+    if dut.Uart.value.to_unsigned():
+        return
+    rng = np.random.default_rng(bench.SEED)
+    sources, stall = await begin(dut, rng), bench.pauses(rate)
+    found, packets = [], []
+    for clock in range(12_000):
+        if clock == 9_000:
+            for source in sources:
+                source.rate = 0
+        for source in sources:
+            source.before(clock)
+        ready = not stall()
+        dut.now_i.value, dut.out_ready_i.value, dut.rx_i.value = clock, ready, clock & 1
+        await bench.ReadOnly()
+        assert bench.read(dut.tx_o) == 1
+        if ready and dut.out_valid_o.value == 1:
+            found.append((bench.read(dut.out_data_o), bool(bench.read(dut.out_last_o))))
+        for source in sources:
+            source.after()
+        await bench.RisingEdge(dut.clk_i)
+    ends = [0, *(n + 1 for n, (_, last) in enumerate(found) if last)]
+    raw = [bytes(byte for byte, _ in found[a:b]) for a, b in pairwise(ends)]
+    decoder = Decoder()
+    for data in raw:
+        packets += decoder.next(encode(data))
+    assert (decoder.damaged, decoder.missed) == (0, 0)
+    assert found == bytes_of(p.packet(q.kind, q.number, q.time, q.payload) for q in packets)
+    assert bench.read(dut.packets_o) == len(packets) > 20
+    assert [(q.time, q.payload) for q in packets if q.kind == p.SLIP] == sources[0].sent
+    assert not [q for q in packets if q.kind == p.ANSWER]
+    assert bench.read(dut.rejected_o) == 0
+
+
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def without_a_line_the_bus_is_the_hosts(dut):
+    """Both ways in the same clock; with a line the host's side is dead."""
+    rng = np.random.default_rng(bench.SEED)
+    await begin(dut, rng)
+    uart = dut.Uart.value.to_unsigned()
+    widths = {"valid": 1, "write": 1, "address": 12, "data": 32, "strobe": 4}
+    for _ in range(50):
+        asked = {name: int(rng.integers(1 << width)) for name, width in widths.items()}
+        answer = {
+            "done": int(rng.integers(2)),
+            "error": int(rng.integers(2)),
+            "data": int(rng.integers(1 << 32)),
+        }
+        for name, value in asked.items():
+            getattr(dut, f"host_{name}_i").value = value
+        for name, value in answer.items():
+            getattr(dut, f"bus_{name}_i").value = value
+        await bench.ReadOnly()
+        got = {name: bench.read(getattr(dut, f"bus_{name}_o")) for name in widths}
+        told = {name: bench.read(getattr(dut, f"host_{name}_o")) for name in answer}
+        assert told == (dict.fromkeys(answer, 0) if uart else answer)
+        assert got["valid"] == 0 if uart else got == asked
+        await bench.RisingEdge(dut.clk_i)
+
+
+@pytest.mark.parametrize("uart", [1, 0])
+def test_link(uart):
     build = {"ClkHz": CLK, "BaudHz": BAUD, "SlipDepth": 4, "Statistics": 0, "Taxels": TAXELS, "Chunk": CHUNK}
-    bench.run("link", "link", build)
+    bench.run("link", "link", build | {"Uart": uart})
 
 
 @pytest.mark.parametrize("count", [1, 5])

@@ -3,11 +3,14 @@ slip events never lost, in order, at full load of all else; what is dropped of t
 images whole, in order, of their own time, in chunks that fit and that do not; priorities; an event's latency;
 a build of each kind alone; reset in mid-packet."""
 
+import re
+
 import cocotb
 import numpy as np
 import pytest
 
 import bench
+from meissner import toolchain
 from meissner.link import packet as p
 from meissner.link.cobs import encode
 from meissner.link.decoder import Decoder
@@ -347,3 +350,10 @@ def test_refuses_illegal_parameters():
     for chunk in (0, 117):
         with pytest.raises(ValueError, match=f"chunk = {chunk}"):
             p.image_chunks(0, [1, 2], chunk)
+
+
+def test_the_page_names_the_counters_of_a_core():
+    page = (toolchain.ROOT / "docs/link.md").read_text()
+    row = next(line for line in page.splitlines() if line.startswith(f"| {p.STATISTIC} | statistics"))
+    said = re.findall(r"(\d+) ([^,(|:]+?) *(?:\([^)]*\))? *[,|]", row.partition("Of the core:")[2])
+    assert [(int(index), name) for index, name in said] == list(enumerate(p.COUNTERS))

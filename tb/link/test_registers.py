@@ -60,7 +60,7 @@ def compare(dut, twin, pulses):
 
 
 async def clock(dut, twin, status, access=None, commits=(), compared=True):
-    """One clock with an access or none, and the commits at its edge; the answer is checked after it.
+    """One clock with an access or none, and the commits at its edge; the answer is checked a clock after it.
 
     ``compared``: every port is, too.
     """
@@ -78,16 +78,19 @@ async def clock(dut, twin, status, access=None, commits=(), compared=True):
     for name in WAITING:
         getattr(dut, f"{name}_commit_i").value = 0
     await ReadOnly()
-    assert bench.read(dut.bus_done_o) == (answer is not None)
-    if answer:
-        assert (bench.read(dut.bus_data_o), bool(bench.read(dut.bus_error_o))) == answer[:2], access
+    assert bench.read(dut.bus_done_o) == 0, "answered too early"
     if compared:
         compare(dut, twin, answer[2] if answer else set())
     await RisingEdge(dut.clk_i)
     await ReadOnly()
-    assert bench.read(dut.bus_done_o) == 0, "an access was answered twice"
+    assert bench.read(dut.bus_done_o) == (answer is not None)
+    if answer:
+        assert (bench.read(dut.bus_data_o), bool(bench.read(dut.bus_error_o))) == answer[:2], access
     if compared:
         compare(dut, twin, set())
+    await RisingEdge(dut.clk_i)
+    await ReadOnly()
+    assert bench.read(dut.bus_done_o) == 0, "an access was answered twice"
     await RisingEdge(dut.clk_i)
 
 

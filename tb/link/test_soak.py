@@ -1,11 +1,6 @@
 """Slip events at full image load through the Verilated link, read by the C decoder: none lost, in a short
 form of tools/soak_link.py."""
 
-import sys
-
-from meissner.toolchain import ROOT
-
-sys.path.insert(0, str(ROOT / "tools"))
 from soak_link import soak
 
 

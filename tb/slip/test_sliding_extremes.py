@@ -42,6 +42,15 @@ async def matches_model(dut, stall_rate):
     assert await bench.stream(dut, sent, FIELDS, pause, pause) == expected
 
 
+SPACE = lambda draw: {
+    "Channels": draw.randint(1, 12),
+    "Lag": draw.randint(1, 8),
+    "Taps": draw.choice([2, 4]),
+    "SideBits": 8,
+    "DetailBits": draw.randint(8, 20),
+}
+
+
 @pytest.mark.parametrize("channels, lag, taps", [(1, 1, 4), (1, 1, 2), (3, 2, 4), (16, 8, 4)])
 def test_sliding_extremes(channels, lag, taps):
     parameters = {"Channels": channels, "Lag": lag, "Taps": taps, "SideBits": 8, "DetailBits": 18}

@@ -9,7 +9,7 @@ from meissner.frontend.scan_demod import ScanDemod
 BUDGET_S = 1e-3
 LANES = (1, 2, 4, 8)
 SLIP_CLOCKS = (
-    6  # of a tumbling window at level 1, after the sample that completes a pair (tb/slip/test_channels.py)
+    6  # of a tumbling window at level 1, after the sample that completes a pair (tb/slip/test_slip_path.py)
 )
 NAMES = {
     "scan": "from a frame's first convert start to its last",

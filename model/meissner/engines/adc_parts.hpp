@@ -10,6 +10,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 
 namespace meissner {
 
@@ -127,6 +128,38 @@ struct Max1112x {
   bool sclk_before = true;
 };
 using Max11123 = Max1112x<8>;
+using Max11124 = Max1112x<10>;
 using Max11125 = Max1112x<12>;
+
+// Any of them.
+struct Converter {
+  uint8_t miso = 0;
+  bool busy = false;
+  virtual ~Converter() = default;
+  virtual void step(bool cs_n, bool sclk, bool mosi, bool convst, const int32_t *codes) = 0;
+};
+
+template <typename Part>
+struct ConverterOf final : Converter {
+  Part part;
+  explicit ConverterOf(Part given = {}) : part(given) {}
+  void step(bool cs_n, bool sclk, bool mosi, bool convst, const int32_t *codes) override {
+    part.step(cs_n, sclk, mosi, convst, codes);
+    miso = part.miso;
+    busy = part.busy;
+  }
+};
+
+// By msn_pkg::adc_part_e; one with BUSY is busy for so many clocks.
+inline std::unique_ptr<Converter> converter(int32_t number, int busy_clocks) {
+  switch (number) {
+    case 1: return std::make_unique<ConverterOf<Mcp3208>>();
+    case 2: return std::make_unique<ConverterOf<Ad7606>>(Ad7606{busy_clocks});
+    case 3: return std::make_unique<ConverterOf<Max11123>>();
+    case 4: return std::make_unique<ConverterOf<Max11124>>();
+    case 5: return std::make_unique<ConverterOf<Max11125>>();
+    default: return nullptr;
+  }
+}
 
 }  // namespace meissner

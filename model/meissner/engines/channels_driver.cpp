@@ -33,45 +33,6 @@ struct Decisions {
   }
 };
 
-template <typename Part>
-int64_t run_pins(Core *core, Part part, const int32_t *codes, int64_t frames, uint32_t period,
-                 const uint8_t *moving, Decisions decisions, int64_t trace_from, int64_t trace_to,
-                 const char *trace_path, int64_t clk_khz, PinFacts *facts) {
-  auto &top = core->top;
-  top.cfg_adc_period_i = period;
-  top.cfg_adc_enable_i = 1;
-  int32_t channels[8] = {};
-  int64_t frame = -1, started = 0;
-  *facts = {0, frames, INT64_MAX, 0, INT64_MAX, 0};
-  for (;; facts->clocks++) {
-    core->clock();
-    if (top.convert_o) {
-      if (frame >= 0) {
-        const int64_t clocks = facts->clocks - started;
-        if (clocks < facts->period_min) facts->period_min = clocks;
-        if (clocks > facts->period_max) facts->period_max = clocks;
-      }
-      started = facts->clocks;
-      if (++frame == frames) break;
-      channels[0] = codes[frame];
-      top.actuator_moving_i = moving[frame];
-      if (trace_path && frame == trace_from) core->start_trace(trace_path, clk_khz);
-      if (frame == trace_to) core->stop_trace();
-    }
-    if (top.out_valid_o) {
-      const int64_t clocks = facts->clocks - started;
-      if (clocks < facts->decision_min) facts->decision_min = clocks;
-      if (clocks > facts->decision_max) facts->decision_max = clocks;
-      if (!decisions.take(top)) return -1;
-    }
-    part.step(top.adc_cs_n_o, top.adc_sclk_o, top.adc_mosi_o, top.adc_convst_o, channels);
-    top.adc_miso_i = part.miso & 1;
-    top.adc_busy_i = part.busy;
-  }
-  core->stop_trace();
-  return decisions.count;
-}
-
 }  // namespace
 
 extern "C" {
@@ -144,19 +105,47 @@ int64_t core_slip(Core *core, const int32_t *samples, int64_t frames, int32_t ch
   return drain() ? decisions.count : -1;
 }
 
-// The same through the pins of a converter, channel 0 only: part 1 is the MCP3208, 2 the AD7606 with
-// BUSY lasting `busy_clocks`. Frames trace_from .. trace_to-1 go to trace_path if the core was built for it.
+// The same through the pins of a converter, channel 0 only: `part` of msn_pkg::adc_part_e, one with
+// BUSY busy for `busy_clocks`. Frames trace_from .. trace_to-1 go to trace_path if the core was built for it.
 int64_t core_pins(Core *core, int32_t part, int32_t busy_clocks, const int32_t *codes, int64_t frames,
                   uint32_t period, const uint8_t *moving, uint32_t *p2p, uint8_t *flags, int64_t room,
                   int64_t trace_from, int64_t trace_to, const char *trace_path, int64_t clk_khz,
                   PinFacts *facts) {
-  const Decisions decisions{p2p, flags, room};
-  if (part == 1) {
-    return run_pins(core, meissner::Mcp3208{}, codes, frames, period, moving, decisions, trace_from,
-                    trace_to, trace_path, clk_khz, facts);
+  const auto adc = meissner::converter(part, busy_clocks);
+  Decisions decisions{p2p, flags, room};
+  auto &top = core->top;
+  top.cfg_adc_period_i = period;
+  top.cfg_adc_enable_i = 1;
+  int32_t channels[8] = {};
+  int64_t frame = -1, started = 0;
+  *facts = {0, frames, INT64_MAX, 0, INT64_MAX, 0};
+  for (;; facts->clocks++) {
+    core->clock();
+    if (top.convert_o) {
+      if (frame >= 0) {
+        const int64_t clocks = facts->clocks - started;
+        if (clocks < facts->period_min) facts->period_min = clocks;
+        if (clocks > facts->period_max) facts->period_max = clocks;
+      }
+      started = facts->clocks;
+      if (++frame == frames) break;
+      channels[0] = codes[frame];
+      top.actuator_moving_i = moving[frame];
+      if (trace_path && frame == trace_from) core->start_trace(trace_path, clk_khz);
+      if (frame == trace_to) core->stop_trace();
+    }
+    if (top.out_valid_o) {
+      const int64_t clocks = facts->clocks - started;
+      if (clocks < facts->decision_min) facts->decision_min = clocks;
+      if (clocks > facts->decision_max) facts->decision_max = clocks;
+      if (!decisions.take(top)) return -1;
+    }
+    adc->step(top.adc_cs_n_o, top.adc_sclk_o, top.adc_mosi_o, top.adc_convst_o, channels);
+    top.adc_miso_i = adc->miso & 1;
+    top.adc_busy_i = adc->busy;
   }
-  return run_pins(core, meissner::Ad7606{busy_clocks}, codes, frames, period, moving, decisions,
-                  trace_from, trace_to, trace_path, clk_khz, facts);
+  core->stop_trace();
+  return decisions.count;
 }
 
 uint32_t core_blanked(const Core *core) { return core->top.blanked_o; }

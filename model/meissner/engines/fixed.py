@@ -8,9 +8,9 @@ from meissner.cop.cop_divide import cop_divide
 from meissner.cop.cop_slip import CopSlip
 from meissner.engines import Watched, moving_of_details
 from meissner.frontend.calibrate import forces as calibrated
-from meissner.slip.channels import decide
 from meissner.slip.haar import haar
 from meissner.slip.peak_to_peak import sliding
+from meissner.slip.slip_path import decide
 
 
 def watch(x, config, moving=None):

@@ -1,11 +1,14 @@
-"""The whole core on Verilator: codes at its converters' pins, bytes on its serial line."""
+"""The whole core on Verilator, on its own or in a board: codes at its converters' pins, bytes on its line."""
 
 import ctypes
+from contextlib import nullcontext
 
 import numpy as np
 
-from meissner import config as configurations
+from meissner import boards
+from meissner.build import verilog
 from meissner.engines import verilated
+from meissner.link.uart_tx import sixteenths
 
 CONVERSION_NS = 4000  # of a converter with BUSY
 PIECE = 2000  # clocks between two looks at the line
@@ -17,12 +20,14 @@ class _Size(ctypes.Structure):
     )
 
 
-def _open(path):
-    lib = ctypes.CDLL(str(path))
+@verilated.cached
+def _open(parameters, folder):
+    top, given = ("msn_core", dict(parameters)) if folder is None else ("msn_board", {})
+    lib = ctypes.CDLL(str(verilated.library(top, "core_driver.cpp", given, include=folder)))
     pointer, long = ctypes.c_void_p, ctypes.c_int64
     lib.sensor_new.restype = pointer
     lib.sensor_new.argtypes = [
-        *(ctypes.POINTER(_Size), ctypes.c_int32, long, pointer, long, ctypes.c_double),
+        *(ctypes.POINTER(_Size), ctypes.c_int32, long, long, pointer, long, long),
     ]
     lib.sensor_delete.argtypes = [pointer]
     lib.sensor_write.argtypes = [pointer, ctypes.c_char_p, long]
@@ -35,13 +40,15 @@ def _open(path):
 
 
 class CoreOnPins:
-    """A build of ``config`` (meissner.config.Config) with a sensor that gives ``codes``, over and over.
+    """A build of ``config`` (meissner.build.Config) with a sensor that gives ``codes``, over and over.
 
     ``codes``: integers [frames, rows, columns] of an array, [frames, channels] else. ``read`` and ``write``
     are the bytes of the line, as meissner.host.pty and meissner.host.line take them; reading runs the core.
+    ``board``: (boards.Board, name), of which ``config`` is; nothing but its pins is seen, and each frame of
+    codes stands there for its period.
     """
 
-    def __init__(self, config, codes):
+    def __init__(self, config, codes, board=None):
         self.config = config
         self.units = config.units
         codes = np.ascontiguousarray(codes, dtype=np.int32)
@@ -49,19 +56,21 @@ class CoreOnPins:
         shape = (config.sensor["rows"], config.sensor["columns"]) if array else (config.channels,)
         if codes.shape[1:] != shape or not len(codes):
             raise ValueError(f"the codes must have the shape [frames, {', '.join(map(str, shape))}]")
-        self._lib = _open(
-            verilated.library("msn_core", "core_driver.cpp", configurations.verilog(config.parameters))
-        )
+        folder, parameters = None, config.parameters
+        if board is not None:
+            folder, parameters = f"build/board/{board[0].name}-{board[1]}", board[0].parameters(board[1])
+            boards.write_build(folder, parameters)
+        self._lib = _open(tuple(verilog(parameters).items()), folder)
         size = _Size(
             *(config.part.number, config.adc.get("converters", 1), config.adc["lanes"]),
-            *(shape if array else (0, 0)),
+            *(shape if array else (1, *shape)),
             config.adc["channels"] if array else config.channels,
         )
         places = len(config.scan.scan.places()) if array else 1
-        bit = 1000 * config.clk_khz / config.link["baud"]
-        self._core = self._lib.sensor_new(
-            *(size, CONVERSION_NS * config.clk_khz // 1_000_000, places, codes.ctypes.data, len(codes), bit)
-        )
+        shown = 0 if board is None else config.period_clocks
+        bit = sixteenths(1000 * config.clk_khz, config.link["baud"])
+        busy = CONVERSION_NS * config.clk_khz // 1_000_000
+        self._core = self._lib.sensor_new(size, busy, places, shown, codes.ctypes.data, len(codes), bit)
         self._waiting = bytearray()
 
     def __enter__(self):
@@ -105,6 +114,17 @@ class CoreOnPins:
 
     def write(self, data):
         self._lib.sensor_write(self._core, data, len(data))
+
+
+def line(board, name, codes, gates=False):
+    """What the serial line of a board with that configuration says, as bytes, from power-up on.
+
+    ``codes``: as of CoreOnPins, each frame once; ``gates``: the netlist after synthesis for this board.
+    """
+    with verilated.gates(board.cells) if gates else nullcontext():
+        built = CoreOnPins(board.config(name), codes, (board, name))
+    with built:
+        return built.run(len(codes) * built.config.period_clocks)
 
 
 def codes_of(config, seed=1):

@@ -8,6 +8,7 @@
 #include "Vmsn_link.h"
 #include "Vmsn_link___024root.h"
 #include "core.hpp"
+#include "serial.hpp"
 
 namespace {
 
@@ -26,9 +27,9 @@ struct Soak {
   int64_t events, lost, wrong, images, cops, clocks, held;
 };
 
-// Until `events` events came out. `bit`: clocks of a bit; `mean`: clocks between two events on the average; `burst`:
+// Until `events` events came out. `sixteenths`: of a clock, in a bit; `mean`: clocks between two events on the average; `burst`:
 // events that come together at most.
-void soak_run(int64_t events, double bit, int32_t mean, int32_t burst, int32_t taxels, uint32_t seed, Soak *out) {
+void soak_run(int64_t events, int64_t sixteenths, int32_t mean, int32_t burst, int32_t taxels, uint32_t seed, Soak *out) {
   meissner::Core<Vmsn_link> core;
   auto &top = core.top;
   std::mt19937 draw(seed);
@@ -39,8 +40,8 @@ void soak_run(int64_t events, double bit, int32_t mean, int32_t burst, int32_t t
   top.rst_i = 0;
   *out = {};
   msn_decoder decoder{};
-  int64_t next = 0, made = 0, began = -1, taxel = 0, quiet = 0;
-  int taken = 0, byte = 0;
+  meissner::Receiver line(sixteenths);
+  int64_t next = 0, made = 0, taxel = 0, quiet = 0;
   for (int64_t now = 0; out->events + out->lost < events && quiet < 10'000'000; ++now, ++quiet) {
     out->clocks = now;
     if (now >= next && made < events) {
@@ -74,20 +75,9 @@ void soak_run(int64_t events, double bit, int32_t mean, int32_t burst, int32_t t
     }
     taxel = taxel == taxels - 1 ? 0 : taxel + 1;
     core.clock();
-    // The line.
-    const bool level = top.tx_o;
-    if (began < 0) {
-      if (!level) began = now, taken = byte = 0;
-      continue;
-    }
-    if (now - began < static_cast<int64_t>((taken + 1.5) * bit)) continue;
-    if (taken < 8) {
-      byte |= (level ? 1 : 0) << taken++;
-      continue;
-    }
-    began = -1;
+    if (!line.step(top.tx_o)) continue;
     msn_packet packet;
-    if (!msn_decode(&decoder, static_cast<uint8_t>(byte), &packet)) continue;
+    if (!msn_decode(&decoder, line.byte, &packet)) continue;
     quiet = 0;
     if (packet.type == MSN_IMAGE) ++out->images;
     if (packet.type == MSN_COP) ++out->cops;

@@ -64,7 +64,8 @@ def library(top, driver, parameters, trace=False, include=None):
     ]
     inputs = [driver, *filter(Path.exists, [told]), *sources]
     digest = hashlib.sha256(repr(flags).encode())
-    for file in [*inputs, *sorted(HERE.glob("*.hpp"))]:
+    included = [*HERE.glob("*.hpp"), *toolchain.ROOT.glob("host/*.[ch]")]
+    for file in [*inputs, *sorted(included)]:
         digest.update(file.read_bytes())
     folder = toolchain.BUILD / "rtl" / digest.hexdigest()[:16]
     built = folder / "core.so"

@@ -11,15 +11,15 @@ and the facts: clk_khz, start_ns and start_time (the same instant), newtons_per_
 min_load where the core told it, and the counters of the line (meissner.host.core.Counts).
 """
 
+import io
 import time
-import zipfile
-from contextlib import contextmanager
+from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
 
-from meissner.files import written
+from meissner.files import read_arrays, written
 from meissner.host import packets, ros
 from meissner.host.units import FRACTION_BITS
 
@@ -155,13 +155,7 @@ def read(path):
         return _read_mcap(path)
     if path.suffix.lower() != ".npz":
         raise ValueError(f"{path} must be a .mcap or a .npz file")
-    try:
-        with np.load(path, allow_pickle=False) as found:
-            arrays = {name: found[name] for name in found.files}
-    except PermissionError:
-        raise
-    except (ValueError, EOFError, OSError, MemoryError, TypeError, zipfile.BadZipFile):
-        arrays = {}
+    arrays = read_arrays(path)
     _check(path, arrays)
     return arrays
 
@@ -169,9 +163,10 @@ def read(path):
 def _read_mcap(path):
     table = Table()
     try:
-        facts, items = ros.read(path)
-        for stamp, item in items:
-            table.add(stamp, item)
+        with redirect_stdout(io.StringIO()), redirect_stderr(io.StringIO()):  # a parser of messages prints
+            facts, items = ros.read(path)
+            for stamp, item in items:
+                table.add(stamp, item)
         found = {name: np.asarray(kind(facts[name])) for name, kind in _FACTS.items() if name in facts}
     except PermissionError:
         raise
@@ -188,6 +183,12 @@ def _check(path, arrays):
         missing = [name for name in columns if name not in arrays]
         if missing:
             raise ValueError(f"{path} is no log of a core: it has no array {missing[0]!r}")
+        for name, dtype in names.items():
+            array = arrays[f"{kind}_{name}"]
+            if array.ndim != 1 or array.dtype.kind != np.dtype(dtype).kind:
+                raise ValueError(
+                    f"{path} is no log of a core: {kind}_{name} must be a column of {np.dtype(dtype)}"
+                )
         if len({arrays[name].shape[:1] for name in columns}) > 1:
             raise ValueError(f"{path}: the arrays of {kind} have different lengths")
     if arrays["image"].ndim != 3 or arrays["image"].dtype != np.uint16:

@@ -12,11 +12,6 @@ from meissner.host.units import Units
 from meissner.link import packet as p
 from meissner.slip.slip import State
 
-COUNTERS = (  # of rtl/msn_core.sv, by index
-    *("frames dropped", "overruns", "time-outs", "slip frames damaged", "slip blanked"),
-    *("CoP frames damaged", "images dropped", "commands rejected"),
-)
-
 
 @dataclass(frozen=True)
 class SlipEvent:
@@ -79,7 +74,7 @@ class Statistics:
 
     @property
     def name(self):
-        return COUNTERS[self.index] if self.index < len(COUNTERS) else f"counter {self.index}"
+        return p.COUNTERS[self.index] if self.index < len(p.COUNTERS) else f"counter {self.index}"
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,6 @@ import numpy as np
 
 from meissner import engines, scenes
 from meissner.host import names, units
-from meissner.host.packets import COUNTERS
 from meissner.link import bridge, cobs
 from meissner.link import packet as p
 from meissner.link.registers import Registers, reset_word
@@ -24,6 +23,7 @@ from meissner.slip.slip import Slip, State
 
 CLK_KHZ = 25_000
 STATISTIC_CLOCKS = 1 << 20
+LATE_S = 0.1  # of catching up, before the clock waits
 BLOCK = 64  # details between two looks at the registers
 SHOWN = "acrylic_slip+walk_25x5"
 
@@ -62,10 +62,8 @@ class SimulatedCore:
     @property
     def now(self):
         """Clocks since reset."""
-        if self.speed:
-            passed = int((time.monotonic() - self._began) * self.speed * 1000 * self.clk_khz)
-            self._now = max(self._now, passed)
-        return self._now
+        passed = (time.monotonic() - self._began) * self.speed * 1000 * self.clk_khz
+        return max(self._now, int(passed))
 
     def boundary(self, group):
         """A frame of the group's begins: what was written to it counts from now on."""
@@ -73,10 +71,14 @@ class SimulatedCore:
             self.registers.commit(group)
 
     def read(self, n):
-        """Up to ``n`` bytes that are due."""
+        """Up to ``n`` bytes that are due; slower than ``speed`` where the machine cannot keep up."""
+        late = time.monotonic() + LATE_S
         while len(self._out) < n:
             self._next = self._next or next(self._source, None)
             if self._next is None or (self.speed and self._next[0] > self.now):
+                break
+            if self.speed and time.monotonic() > late:
+                self._began = time.monotonic() - self._next[0] / (self.speed * 1000 * self.clk_khz)
                 break
             (at, kind, payload), self._next = self._next, None
             self._now = max(self._now, at)
@@ -194,9 +196,9 @@ def array_source(forces, rate_hz, min_load=1, image_every=1, chunk=64, loop=Fals
 def statistics_source(core):
     """The core's counters in turn, without end; here nothing happens but commands that are rejected."""
     for turn in count():
-        name = COUNTERS[turn % len(COUNTERS)]
+        name = p.COUNTERS[turn % len(p.COUNTERS)]
         value = core.rejected if name == "commands rejected" else 0
-        yield (turn + 1) * STATISTIC_CLOCKS, p.STATISTIC, p.statistic(turn % len(COUNTERS), value)
+        yield (turn + 1) * STATISTIC_CLOCKS, p.STATISTIC, p.statistic(turn % len(p.COUNTERS), value)
 
 
 def together(*sources):

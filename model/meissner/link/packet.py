@@ -5,6 +5,11 @@ import zlib
 
 SLIP, COP, IMAGE, HEALTH, STATISTIC, ANSWER = 1, 2, 3, 4, 5, 16
 MAX_CHUNK = 116
+# The counters of a core's statistics by index, as msn_core joins them; docs/link.md has the same words.
+COUNTERS = (
+    *("frames dropped", "overruns", "time-outs", "slip frames damaged", "slip blanked"),
+    *("CoP frames damaged", "images dropped", "commands rejected"),
+)
 
 
 def packet(kind, number, time, payload):

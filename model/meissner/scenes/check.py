@@ -16,6 +16,8 @@ def fields(where, table, expected):
         fits = isinstance(value, (int, float) if kind is float else kind) and not isinstance(value, bool)
         if not fits:
             raise ValueError(f"{where}: {key} = {value!r} must be {_KINDS[kind]}")
+        if kind is float and value != value:
+            raise ValueError(f"{where}: {key} = {value!r} must be a number")
         checked[key] = float(value) if kind is float else value
     return checked
 
@@ -35,7 +37,7 @@ def between(where, table, limits):
 
 
 def one_of(where, key, value, allowed):
-    if value not in allowed:
+    if value not in list(allowed):  # a list has no place in a dict
         raise ValueError(f"{where}: {key} = '{value}' must be one of: {', '.join(map(str, allowed))}")
 
 

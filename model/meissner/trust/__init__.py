@@ -1,0 +1,1 @@
+"""Tools of the evidence: proofs, mutants, coverage, faults, fuzz."""

@@ -65,7 +65,9 @@ def mutate(proof, parameters, count, jobs=2):
     with ThreadPoolExecutor(jobs) as pool:
         verdicts = list(pool.map(lambda n: verdict(proof, stem, n), range(1, len(lines) + 1)))
     passed = [line for line, said in zip(lines, verdicts) if said == "passed"]
-    brief = [re.sub(r"-(ctrlbit|wirebit|module|wire) \S+ ?", "", line.removeprefix("mutate ")) for line in passed]
+    brief = [
+        re.sub(r"-(ctrlbit|wirebit|module|wire) \S+ ?", "", line.removeprefix("mutate ")) for line in passed
+    ]
     return {
         "mutants": len(lines),
         "found": verdicts.count("found"),

@@ -1,0 +1,241 @@
+"""Fault injection into a block: its tests' recording, a Verilated build of it, what each fault leads to."""
+
+import hashlib
+import os
+import re
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+from meissner import toolchain
+from meissner.trust import benches
+
+DRIVER = Path(__file__).with_name("faults_driver.cpp")
+HERE = DRIVER.parents[1] / "engines"  # the converters' models
+WORK = toolchain.BUILD / "faults"
+COLUMNS = ("injected", "masked", "recovered", "detected", "told", "kept", "silent")
+LEFT_OUT = {
+    "compare": "no state",
+    "times": "no state",
+    "core": "every block of it is done alone, its paths as channels, cop_array and array",
+    "axis": "the same",
+}
+
+# Frames until what a fault left behind has gone, where that is more than the one it hits: what a window or a timer
+# of the block lasts, or what lies inside it.
+SETTLE = {
+    **{
+        "delay": 12,
+        "fifo": 24,
+        "spi_shift": 2,
+        "burst": 2,
+        "adc_single": 3,
+        "haar": 8,
+        "sliding_extremes": 14,
+    },
+    **{"peak_to_peak": 24, "slip": 40, "slip_serial": 40, "slip_flags": 2, "channels": 80, "frame_table": 2},
+    **{"tare": 6, "health": 40, "calibration_grid": 2, "calibration_table": 2, "cop_slip": 24, "cop4": 2},
+}
+# What the driver must be told of a block, see there.
+TABLES = "kept=memory,gains,offsets"  # of calibrations: until they are written again
+OPTIONS = {
+    "delay": ["frame=step_i"],
+    "frame_table": ["frame=restart_i", "kept=memory"],
+    "spi_shift": ["frame=start_i", "strobe=word_o"],
+    "burst": ["frame=start_i"],
+    "convert_time": ["frame=last_i"],
+    "slip_flags": ["frame=in_last_i"],
+    "calibration_table": ["frame=last_i", TABLES],
+    "calibration_grid": ["frame=last_i", TABLES],
+    "calibrate": [TABLES],
+    "cop_array": [TABLES],
+    "image_store": ["kept=memory"],
+    "haar": ["phases=8"],
+    "peak_to_peak": ["phases=8"],
+    "slip_serial": ["phases=8"],
+    "channels": ["phases=64"],
+    "adc_single": ["free=12000", "part=1"],
+    "adc_spi": ["free=16000", "part=1"],
+    "scan_adc": ["free=40000", "part=2"],
+    "scan_demod": ["free=60000", "part=3"],
+    "array": ["free=60000", "part=1"],
+}
+# Blocks that only answer a converter are run inside another, with one at its pins: that block, and the instance.
+INSIDE = {
+    "adc_store": ("adc_spi", "u_store."),
+    "scan_plan": ("scan_adc", "u_plan."),
+    "scan_buffer": ("scan_adc", "u_buffer."),
+    "scan": ("scan_adc", "u_scan."),
+}
+# Which of the tests' sizes; else the first.
+SIZES = {
+    "tare": {"Rows": 3, "Columns": 3},
+    "health": {"Rows": 3, "Columns": 3},
+    "calibrate": {"Rows": 3, "RowColumn": 0},
+    "calibration_table": {"Rows": 3},
+    "calibration_grid": {"Rows": 6},
+    "haar": {"Level": 2, "Mask": 0},
+    "sliding_extremes": {"Channels": 3},
+    "peak_to_peak": {"Channels": 3, "Hop": 4, "Mask": 0},
+    "slip": {"TimerBits": 4},
+    "slip_serial": {"Window": 4},
+    "channels": {"Level": 2, "Window": 16, "Hop": 12},
+    "cop": {"Rows": 3},
+    "cop_array": {"Rows": 5},
+    "cop_accumulate": {"Rows": 3},
+    "array": {"Rows": 2, "Part": 1},
+}
+
+
+@dataclass(frozen=True)
+class Result:
+    kind: str
+    where: str
+    at: int
+    outcome: str
+    what: str
+
+
+def blocks():
+    return [name for name in benches.blocks() if name not in LEFT_OUT]
+
+
+def _header(source, block):
+    found = re.search(rf"^module msn_{block}\b(.*?^\);)", source, re.S | re.M)
+    return found[1], re.findall(r"^\s*parameter\s[^=]*?(\w+)\s*=", found[1], re.M)
+
+
+def wrapper(block, source):
+    """A top around the block, for a register that is a port of the top cannot be upset."""
+    header, names = _header(source, block)
+    given = ", ".join(f".{name}({name})" for name in names)
+    given = f"#({given}) " if given else ""
+    return f"module faults_top{header}\n  msn_{block} {given}u_block (.*);\nendmodule\n"
+
+
+def run_of(block):
+    """The arguments of the bench that is recorded: the first of the block's own that is not refused."""
+    told = [run for run in benches.runs(block) if run["block"] == block and run["module"] == f"test_{block}"]
+    wanted = SIZES.get(block)
+    if wanted:
+        told = [r for r in told if all(str(r["parameters"].get(k)) == str(v) for k, v in wanted.items())]
+    return told[0]
+
+
+def recording(block):
+    """Path of what the block's tests drive; made now if there is none of these sources."""
+    run = run_of(block)
+    test = toolchain.ROOT / f"tb/{run['stage']}/test_{block}.py"
+    inputs = [test, toolchain.ROOT / "tb/bench.py", toolchain.ROOT / "tb/recorder.py"]
+    inputs += toolchain.sources_of(f"msn_{block}")
+    digest = hashlib.sha256(repr(run).encode() + b"".join(path.read_bytes() for path in inputs)).hexdigest()[
+        :12
+    ]
+    path = WORK / f"{block}-{digest}.rec"
+    if not path.exists():
+        WORK.mkdir(parents=True, exist_ok=True)
+        fresh = path.with_suffix(f".{os.getpid()}")
+        call = "import bench; bench.run({stage!r}, {block!r}, {parameters!r}, {test_filter!r}, sources={sources!r})"
+        text = call.format(**{**run, "sources": [*map(str, run["sources"])] or None})
+        paths = os.pathsep.join([str(toolchain.ROOT / "tb"), *filter(None, [os.environ.get("PYTHONPATH")])])
+        source = next(path for path in toolchain.sources() if path.stem == f"msn_{block}").read_text()
+        ports = re.findall(
+            r"^\s*(?:input|output)\s[^/]*?(\w+)\s*,?\s*(?://.*)?$", _header(source, block)[0], re.M
+        )
+        env = {**os.environ, "MEISSNER_RECORD": str(fresh), "PYTHONPATH": paths}
+        env["MEISSNER_RECORD_PORTS"] = ",".join(ports)
+        done = subprocess.run(
+            [sys.executable, "-c", text], env=env, capture_output=True, text=True, timeout=300
+        )
+        if not fresh.exists():
+            raise RuntimeError(f"{block}: nothing was recorded:\n{done.stdout}{done.stderr}")
+        fresh.replace(path)
+    return path
+
+
+SHIM = """#include "Vfaults_top.h"
+struct Block : Vfaults_top { using Vfaults_top::Vfaults_top; };
+Block *block_new(VerilatedContext *context) { return new Block{context, "TOP"}; }
+void block_delete(Block *block) { delete block; }
+void block_eval(Block *block) { block->eval(); }
+uint8_t &block_clock(Block *block) { return block->clk_i; }
+"""
+
+
+def _do(what, command, cwd=None):
+    done = subprocess.run(
+        [*map(str, command)],
+        cwd=cwd,
+        env=toolchain.environment(),
+        capture_output=True,
+        text=True,
+        timeout=900,
+    )
+    if done.returncode:
+        raise RuntimeError(f"{what} did not build:\n{done.stdout}{done.stderr}")
+
+
+def _digest(*parts):
+    digest = hashlib.sha256()
+    for part in parts:
+        digest.update(part.read_bytes() if isinstance(part, Path) else repr(part).encode())
+    return digest.hexdigest()[:12]
+
+
+def _compiled(source, folder, *flags):
+    """Path of an object file of this C++ source, which sees Verilator's headers."""
+    include = Path(toolchain.environment()["VERILATOR_ROOT"]) / "include"
+    target = folder / f"{source.stem}-{_digest(source, flags, *sorted(HERE.glob('*.hpp')))}.o"
+    if not target.exists():
+        folder.mkdir(parents=True, exist_ok=True)
+        see = [
+            f"-I{include}",
+            f"-I{include}/vltstd",
+            f"-I{folder}",
+            "-DVERILATOR=1",
+            "-DVM_TRACE=0",
+            "-DVM_SC=0",
+        ]
+        fresh = target.with_suffix(f".{os.getpid()}")
+        _do(source.name, ["g++", "-std=gnu++20", *flags, *see, "-c", source, "-o", fresh])
+        fresh.replace(target)
+    return target
+
+
+def program(block):
+    """Path of the block behind the driver; built now if there is none of these sources."""
+    parameters = run_of(block)["parameters"]
+    sources = toolchain.sources_of(f"msn_{block}")
+    own = next(path for path in sources if path.stem == f"msn_{block}").read_text()
+    given = [f"-G{name}={value}" for name, value in parameters.items()]
+    folder = WORK / f"{block}-{_digest(given, SHIM, *sources)}"
+    driver = _compiled(DRIVER, WORK, "-O1")
+    built = folder / f"{driver.stem}.run"
+    if not built.exists():
+        folder.mkdir(parents=True, exist_ok=True)
+        (folder / "faults_top.sv").write_text(wrapper(block, own))
+        (folder / "shim.cpp").write_text(SHIM)
+        if not (folder / "libverilated.a").exists():
+            command = ["verilator", "--cc", "--build", "--vpi", "--public-flat-rw", "-Wno-fatal", "-Wno-lint"]
+            command += ["-Wno-style", "--top-module", "faults_top", "-Mdir", folder, *given, "-MAKEFLAGS"]
+            command += ["OPT_FAST=-O1 OPT_SLOW=-O0 OPT_GLOBAL=-O1 CFG_CXXFLAGS_PCH_I=-include"]
+            _do(block, [*command, *sources, folder / "faults_top.sv"])
+        shim = _compiled(folder / "shim.cpp", folder, "-O1")
+        libraries = [folder / "libVfaults_top.a", folder / "libverilated.a"]
+        _do(block, ["g++", driver, shim, *libraries, "-pthread", "-o", built])
+    return built
+
+
+def inject(block, count, seed):
+    """``count`` upsets and a share of every other fault; a Result for each."""
+    around, instance = INSIDE.get(block, (block, ""))
+    options = [*OPTIONS.get(around, []), *([f"only={instance}"] if instance else [])]
+    command = [program(around), recording(around), count, seed, SETTLE.get(around, 0), *options]
+    done = subprocess.run([*map(str, command)], capture_output=True, text=True, timeout=900)
+    if done.returncode:
+        raise RuntimeError(f"{block}: {done.stderr}{done.stdout[-300:]}")
+    lines = done.stdout.splitlines()
+    print("   ", lines[0])
+    told = [Result(k, w, int(a), o, " ".join(rest)) for k, w, a, o, *rest in map(str.split, lines[1:])]
+    return [result for result in told if result.outcome != "constant"]  # no state, see the driver

@@ -1,0 +1,749 @@
+// Faults put into any Verilated block behind a wrapper: an undisturbed run of a recording, then one run for each
+// fault, compared with it. Knows a block only by the names of its ports and by what Verilator tells of its variables.
+//
+//   faults RECORDING FAULTS SEED SETTLE [KEY=VALUE ...]    prints a line for each fault: kind, where, clock, outcome, what
+//
+//   frame=PORT   of a block without streams: a frame begins where this input is 1
+//   strobe=PORT  the other outputs count only where this one is 1
+//   only=NAME    bits of state only whose names hold this
+//   phases=N     windows of up to N frames, which a fault may let begin in another frame
+//   kept=NAMES   what is written and then kept by design: an upset of it stays until it is written again
+//   skip=KIND    no faults of this kind
+//   free=CLOCKS  the block runs by itself, its inputs as they were most of the recording; with part=N (of
+//                msn_pkg::adc_part_e), lanes=N a converter at its pins, whose codes follow from row, group and channel.
+//                Frames may then shift in time: each must be one of the undisturbed run's
+//
+// A stream into the block is NAME_valid_i with NAME_ready_o; out of it NAME_valid_o with NAME_ready_i. A beat of a
+// stream is offered until it is taken, so the recording waits for the block; streams out are stalled by chance.
+#include <algorithm>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <iostream>
+#include <map>
+#include <random>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "verilated.h"
+#include "verilated_sym_props.h"
+#include "verilated_syms.h"
+
+#include "../engines/adc_parts.hpp"
+
+// The block behind its wrapper, see faults.py: so that this file is compiled once for all blocks.
+struct Block;
+Block *block_new(VerilatedContext *context);
+void block_delete(Block *block);
+void block_eval(Block *block);
+uint8_t &block_clock(Block *block);
+
+namespace {
+
+using Words = std::vector<uint32_t>;
+
+struct Port {
+  std::string name;
+  int bits = 1;
+  bool in = false;
+};
+
+std::map<std::string, std::string> options;
+long option(const std::string &key, long otherwise) {
+  const auto found = options.find(key);
+  return found == options.end() ? otherwise : std::atol(found->second.c_str());
+}
+
+std::vector<Port> ports;
+std::vector<Words> rows;  // the values of all ports, one after the other
+std::vector<int> offset;  // of a port in a row
+std::map<std::string, int> number;
+
+// A bit of state, or of what might be some.
+struct Cell {
+  std::string name;
+  uint8_t *byte;
+  uint8_t mask;
+  int variable;
+  bool memory;
+};
+
+struct Model {
+  VerilatedContext context;
+  Block *top;
+  std::vector<uint8_t *> data;  // of the ports
+
+  Model() {
+    Verilated::threadContextp(&context);
+    context.randReset(1);
+    top = block_new(&context);
+    block_clock(top) = 0;
+    block_eval(top);
+    const VerilatedScope *scope = context.scopeFind("TOP.TOP");
+    if (!scope) std::cerr << "no scope of the top\n", std::exit(2);
+    for (const auto &port : ports) {
+      const auto found = scope->varsp()->find(port.name.c_str());
+      if (found == scope->varsp()->end()) std::cerr << "no port " << port.name << "\n", std::exit(2);
+      data.push_back(static_cast<uint8_t *>(found->second.datap()));
+    }
+  }
+  ~Model() {
+    Verilated::threadContextp(&context);  // scopes take leave of the thread's context, whichever that is
+    block_delete(top);
+  }
+
+  uint32_t word(int port, int index) const {
+    uint32_t value = 0;
+    const int bits = std::min(32, ports[port].bits - 32 * index);
+    std::memcpy(&value, data[port] + 4 * index, bits > 16 || ports[port].bits > 32 ? 4 : bits > 8 ? 2 : 1);
+    return bits < 32 ? value & ((1u << bits) - 1) : value;
+  }
+  bool bit(int port) const { return port >= 0 && (data[port][0] & 1); }
+  void set(int port, const uint32_t *words) {
+    const int bits = ports[port].bits;
+    if (bits <= 8) data[port][0] = static_cast<uint8_t>(words[0]);
+    else if (bits <= 16) std::memcpy(data[port], words, 2);
+    else std::memcpy(data[port], words, 4 * ((bits + 31) / 32));
+  }
+  void set(int port, bool level) { data[port][0] = level; }
+
+  std::vector<Cell> cells() {
+    std::vector<Cell> all;
+    int variable = 0;
+    for (const auto &[path, scope] : *context.scopeNameMap()) {
+      const std::string where = path;
+      if (where.rfind("TOP.faults_top.u_block", 0) != 0 || !scope->varsp()) continue;
+      for (auto &[key, var] : *scope->varsp()) {
+        const std::string name = key;
+        if (var.isParam() || name == "clk_i" || name == "rst_i") continue;
+        const int width = var.entBits();
+        const size_t stride = var.entSize();
+        size_t entries = 1;
+        for (int d = 0; d < var.udims(); ++d) entries *= var.elements(d + 1);
+        const std::string shown = where.size() > 23 ? where.substr(23) + "." + name : name;
+        for (size_t e = 0; e < entries; ++e) {
+          for (int b = 0; b < width; ++b) {
+            const std::string label = shown + (entries > 1 ? "[" + std::to_string(e) + "]" : "") +
+                                      (width > 1 ? "." + std::to_string(b) : "");
+            all.push_back({label, static_cast<uint8_t *>(var.datap()) + e * stride + b / 8,
+                           static_cast<uint8_t>(1 << b % 8), variable, entries > 1});
+          }
+        }
+        ++variable;
+      }
+    }
+    return all;
+  }
+
+  void low() {
+    block_clock(top) = 0;
+    block_eval(top);
+  }
+  void high() {
+    block_clock(top) = 1;
+    block_eval(top);
+    context.timeInc(1);
+  }
+};
+
+struct Stream {
+  std::string name;
+  int valid = -1, ready = -1, last = -1;
+  int restart = -1;  // a flag: what follows does not continue what came before
+  std::vector<int> payload;
+};
+std::vector<Stream> sources, sinks;
+std::vector<int> levels, flags;  // outputs of no stream; of these, what tells of damage
+int reset_port = -1;
+int strobe = -1;
+
+bool ends(const std::string &text, const std::string &end) {
+  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
+}
+
+bool tells(const std::string &name) {
+  for (const char *word : {"damaged", "dropped", "overrun", "timeout", "mistagged", "lost", "broken", "spoiled", "refused",
+                           "swallowed", "over_range", "held_", "blanked", "error", "fault", "restart", "missed"})
+    if (name.find(word) != std::string::npos) return true;
+  return false;
+}
+
+int find(const std::string &name) {
+  const auto found = number.find(name);
+  return found == number.end() ? -1 : found->second;
+}
+
+void sort_ports() {
+  std::vector<bool> used(ports.size());
+  for (const auto &port : ports) {
+    for (const bool in : {true, false}) {
+      const std::string valid = in ? "valid_i" : "valid_o", ready = in ? "ready_o" : "ready_i", side = in ? "_i" : "_o";
+      if (!ends(port.name, valid)) continue;
+      const std::string stem = port.name.substr(0, port.name.size() - 7);
+      if (find(stem + ready) < 0) continue;
+      Stream stream{stem, find(port.name), find(stem + ready), find(stem + "last" + side), -1, {}};
+      used[stream.valid] = used[stream.ready] = true;
+      for (const auto &other : ports) {
+        const int n = find(other.name);
+        if (!in && (other.name == stem + "frame_o" || other.name == stem + "time_o")) {
+          used[n] = true;  // numbers, not samples
+          continue;
+        }
+        if (!in && other.name == stem + "restart_o") {
+          used[n] = true;
+          stream.restart = n;
+          continue;
+        }
+        if (other.in == in && n != stream.valid && stem.size() > 1 && other.name.rfind(stem, 0) == 0) {
+          stream.payload.push_back(n);
+          used[n] = true;
+        }
+      }
+      (in ? sources : sinks).push_back(stream);
+    }
+  }
+  reset_port = find("rst_i");
+  for (size_t n = 0; n < ports.size(); ++n) {
+    if (ports[n].in || used[n]) continue;
+    (tells(ports[n].name) ? flags : levels).push_back(static_cast<int>(n));
+  }
+}
+
+void read(const char *path) {
+  std::ifstream file(path);
+  std::string line;
+  int words = 0;
+  while (std::getline(file, line) && !line.empty()) {
+    std::istringstream text(line);
+    Port port;
+    text >> port.name >> port.bits;
+    port.in = ends(port.name, "_i");
+    number[port.name] = static_cast<int>(ports.size());
+    offset.push_back(words);
+    words += (port.bits + 31) / 32;
+    ports.push_back(port);
+  }
+  sort_ports();
+  std::vector<std::vector<Words>> parts;
+  while (std::getline(file, line)) {
+    if (line == "=") {
+      parts.emplace_back();
+      continue;
+    }
+    std::istringstream text(line);
+    Words row(words);
+    std::string value;
+    for (size_t n = 0; n < ports.size(); ++n) {
+      text >> value;
+      for (size_t at = 0; at < static_cast<size_t>((ports[n].bits + 31) / 32); ++at) {
+        if (value.size() <= 8 * at) break;
+        const size_t end = value.size() - 8 * at, begin = end > 8 ? end - 8 : 0;
+        row[offset[n] + at] = static_cast<uint32_t>(std::stoul(value.substr(begin, end - begin), nullptr, 16));
+      }
+    }
+    // Another reset begins another piece.
+    if (reset_port >= 0 && row[offset[reset_port]] && !parts.back().empty() &&
+        !parts.back().back()[offset[reset_port]])
+      parts.emplace_back();
+    parts.back().push_back(row);
+  }
+  // The piece in which most happens: beats taken, or inputs that change.
+  size_t best = 0, most = 0;
+  for (size_t p = 0; p < parts.size(); ++p) {
+    size_t score = 0;
+    for (size_t r = 1; r < parts[p].size(); ++r) {
+      if (sources.empty()) {
+        score += parts[p][r] != parts[p][r - 1];
+      } else {
+        for (const auto &s : sources) score += parts[p][r][offset[s.valid]] & parts[p][r][offset[s.ready]];
+      }
+    }
+    // Rather one in which nothing goes wrong as it is.
+    bool quiet = true;
+    for (const int flag : flags)
+      for (int w = 0; w < (ports[flag].bits + 31) / 32; ++w)
+        quiet &= !parts[p].empty() && parts[p].back()[offset[flag] + w] == parts[p].front()[offset[flag] + w];
+    if (quiet) score *= 100;
+    if (score > most) best = p, most = score;
+  }
+  if (parts.empty()) std::cerr << "an empty recording\n", std::exit(2);
+  if (options.count("free")) {
+    Words usual(words);
+    for (size_t n = 0; n < ports.size(); ++n) {
+      std::map<Words, size_t> seen;
+      for (const auto &row : parts[best])
+        ++seen[Words(row.begin() + offset[n], row.begin() + offset[n] + (ports[n].bits + 31) / 32)];
+      const auto most_often = std::max_element(seen.begin(), seen.end(), [](auto &a, auto &b) { return a.second < b.second; });
+      std::copy(most_often->first.begin(), most_often->first.end(), usual.begin() + offset[n]);
+    }
+    if (reset_port >= 0) usual[offset[reset_port]] = 0;
+    for (const auto &s : sources) usual[offset[s.valid]] = 0;
+    rows.assign(option("free", 1), usual);
+    return;
+  }
+  size_t longest = 3000;
+  if (const char *given = std::getenv("FAULTS_ROWS")) longest = std::strtoul(given, nullptr, 10);
+  for (auto &row : parts[best]) {
+    bool offered = false, taken = false;
+    for (const auto &s : sources) {
+      const bool valid = row[offset[s.valid]], ready = row[offset[s.ready]];
+      offered |= valid;
+      taken |= valid && ready;
+      if (valid && !ready) row[offset[s.valid]] = 0;  // it comes again in the row that takes it
+    }
+    bool other = rows.empty();
+    if (!other) {
+      for (size_t n = 0; n < ports.size(); ++n) {
+        bool streamed = !ports[n].in;
+        for (const auto &s : sources)
+          streamed |= static_cast<int>(n) == s.valid ||
+                      std::find(s.payload.begin(), s.payload.end(), static_cast<int>(n)) != s.payload.end();
+        for (const auto &s : sinks) streamed |= static_cast<int>(n) == s.ready;
+        if (!streamed && rows.back()[offset[n]] != row[offset[n]]) other = true;
+      }
+    }
+    if (offered && !taken && !other) continue;  // only a stall: the block makes its own
+    rows.push_back(row);
+    if (rows.size() >= longest) break;
+  }
+}
+
+// A converter at the pins of lane ``lane``.
+struct Converter {
+  meissner::Mcp3208 mcp3208;
+  meissner::Ad7606 ad7606{60};
+  meissner::Max1112x<8> max8;
+  meissner::Max1112x<10> max10;
+  meissner::Max1112x<12> max12;
+  uint32_t miso = 0;
+  bool busy = false;
+
+  template <typename Part>
+  void step(Part &part, bool cs_n, bool sclk, bool mosi, bool convst, const int32_t *codes) {
+    part.step(cs_n, sclk, mosi, convst, codes);
+    miso = part.miso;
+    busy = part.busy;
+  }
+  void step(long part, bool cs_n, bool sclk, bool mosi, bool convst, const int32_t *codes) {
+    if (part == 1) step(mcp3208, cs_n, sclk, mosi, convst, codes);
+    if (part == 2) step(ad7606, cs_n, sclk, mosi, convst, codes);
+    if (part == 3) step(max8, cs_n, sclk, mosi, convst, codes);
+    if (part == 4) step(max10, cs_n, sclk, mosi, convst, codes);
+    if (part == 5) step(max12, cs_n, sclk, mosi, convst, codes);
+  }
+};
+
+uint32_t chance(uint64_t x) {  // a good enough hash
+  x ^= x >> 33, x *= 0xff51afd7ed558ccdull, x ^= x >> 33, x *= 0xc4ceb9fe1a85ec53ull, x ^= x >> 33;
+  return static_cast<uint32_t>(x);
+}
+
+struct Pins {
+  std::vector<Converter> converters;
+  int cs = find("adc_cs_n_o"), sclk = find("adc_sclk_o"), mosi = find("adc_mosi_o"), miso = find("adc_miso_i");
+  int convst = find("adc_convst_o"), busy = find("adc_busy_i"), row = find("row_o"), group = find("group_o");
+  long part = option("part", 0), lanes = option("lanes", 1);
+  uint64_t row_now = 0;
+
+  Pins() {
+    if (part && cs >= 0) converters.resize(ports[cs].bits);
+  }
+  static bool at(const Model &model, int port, size_t bit) { return port >= 0 && model.word(port, bit / 32) >> bit % 32 & 1; }
+
+  // What a clock does to them, and what they then drive. Faults: BUSY held, the data line noisy or still.
+  void step(Model &model, bool hold, bool noise, bool over, long clock) {
+    if (row >= 0 && model.word(row, 0)) row_now = model.word(row, 0);
+    const uint64_t place = row_now * 64 + (group >= 0 ? model.word(group, 0) : 0);
+    uint32_t data = 0, held = 0;
+    for (size_t lane = 0; lane < converters.size(); ++lane) {
+      int32_t codes[8];
+      // Not at the ends of the range, which would be over-range.
+      for (int c = 0; c < 8; ++c) codes[c] = over ? 0xffff : 0x20 + static_cast<int32_t>(chance(place * 1000 + lane * 8 + c) % 0x90);
+      converters[lane].step(part, at(model, cs, lane), at(model, sclk, lane), at(model, mosi, lane), at(model, convst, lane),
+                            codes);
+      uint32_t bits = converters[lane].miso & ((1u << lanes) - 1);
+      if (noise) bits = chance(clock * 131 + lane) & ((1u << lanes) - 1);
+      data |= bits << lane * lanes;
+      held |= static_cast<uint32_t>(converters[lane].busy || hold) << lane;
+    }
+    if (miso >= 0) model.set(miso, &data);
+    if (busy >= 0) model.set(busy, &held);
+  }
+};
+
+enum Kind { kNone, kBit, kLost, kTwice, kLate, kLast, kStuck, kReset, kBusy, kNoise, kOver };
+const char *kinds[] = {"none", "bit", "lost", "twice", "late", "last", "stuck", "reset", "busy", "noise", "over"};
+
+struct Fault {
+  Kind kind = kNone;
+  long clock = 0;   // of a bit, a reset
+  size_t row = 0;   // of a beat
+  int source = 0;
+  size_t cell = 0;
+};
+
+struct Beat {
+  size_t row;
+  long clock;
+  bool last;
+  Words words;
+};
+struct Trace {
+  std::vector<std::vector<Beat>> out;           // of each sink
+  std::vector<std::pair<size_t, Words>> level;  // of each row, when there is no sink
+  Words flag;                                   // the flags' last values, and in how many clocks each was up
+  std::vector<size_t> row_of_clock;
+  uint32_t restarts = 0;
+  bool hung = false;
+};
+
+void play(Model &model, Trace &trace, const std::vector<Cell> *cells, const Fault &fault, uint64_t seed, bool reset) {
+  trace.out.resize(sinks.size());
+  std::vector<uint32_t> up(flags.size());
+  long clock = 0;
+  if (reset && reset_port >= 0) {
+    model.low();
+    model.set(reset_port, true);
+    model.low();
+    model.high();
+    model.low();
+    model.set(reset_port, false);
+  }
+  Pins pins;
+  const bool free = options.count("free");
+  const size_t drain = free ? 0 : 3000;
+  size_t quiet = 0, late = 0;
+  for (size_t r = 0; r < rows.size() + drain; ++r) {
+    const bool draining = r >= rows.size();
+    Words row = draining ? rows.back() : rows[r];
+    std::vector<int> left(sources.size());  // beats of this row to give
+    for (size_t s = 0; s < sources.size(); ++s) {
+      left[s] = !draining && row[offset[sources[s].valid]];
+      if (left[s] && fault.row == r && static_cast<int>(s) == fault.source) {
+        if (fault.kind == kLost) left[s] = 0;
+        if (fault.kind == kTwice) left[s] = 2;
+        if (fault.kind == kLate) late = 37;
+        if (fault.kind == kLast && sources[s].last >= 0) row[offset[sources[s].last]] ^= 1;
+      }
+    }
+    size_t waited = 0;
+    bool again = true;
+    while (again) {
+      if (fault.kind == kBit && clock == fault.clock) *(*cells)[fault.cell].byte ^= (*cells)[fault.cell].mask;
+      for (size_t n = 0; n < ports.size(); ++n) {
+        const bool pin = !pins.converters.empty() && (static_cast<int>(n) == pins.miso || static_cast<int>(n) == pins.busy);
+        if (ports[n].in && !pin) model.set(static_cast<int>(n), &row[offset[n]]);
+      }
+      for (size_t s = 0; s < sources.size(); ++s) model.set(sources[s].valid, left[s] > 0 && !late);
+      const bool stuck = fault.kind == kStuck && clock >= fault.clock && clock < fault.clock + 300;
+      for (size_t s = 0; s < sinks.size(); ++s)
+        model.set(sinks[s].ready, !stuck && (draining || chance(seed * 7919 + s * 31 + clock) % 4 != 0));
+      const bool reset_now = fault.kind == kReset && clock == fault.clock;
+      if (reset_port >= 0 && reset_now) model.set(reset_port, true);
+      model.low();
+      trace.row_of_clock.push_back(r);
+      again = late > 0;
+      if (late) --late;
+      if (!pins.converters.empty()) {
+        const bool now = clock >= fault.clock && clock < fault.clock + 900;
+        pins.step(model, now && fault.kind == kBusy, now && fault.kind == kNoise, now && fault.kind == kOver, clock);
+      }
+      bool moved = false;
+      for (size_t s = 0; s < sources.size(); ++s) {
+        if (left[s] && model.bit(sources[s].valid) && model.bit(sources[s].ready)) --left[s], moved = true;
+        again |= left[s] > 0;
+      }
+      for (size_t s = 0; s < sinks.size(); ++s) {
+        if (!model.bit(sinks[s].valid) || !model.bit(sinks[s].ready)) continue;
+        moved = true;
+        Beat beat{r, clock, sinks[s].last < 0 || model.bit(sinks[s].last), {}};
+        for (const int port : sinks[s].payload)
+          for (int w = 0; w < (ports[port].bits + 31) / 32; ++w) beat.words.push_back(model.word(port, w));
+        trace.out[s].push_back(beat);
+        trace.restarts += sinks[s].restart >= 0 && model.bit(sinks[s].restart);
+      }
+      for (size_t f = 0; f < flags.size(); ++f) {
+        bool any = false;
+        for (int w = 0; w < (ports[flags[f]].bits + 31) / 32; ++w) any |= model.word(flags[f], w) != 0;
+        up[f] += any;
+      }
+      if (sinks.empty() && !again && (strobe < 0 || model.bit(strobe))) {
+        Words words;
+        for (const int port : levels)
+          for (int w = 0; w < (ports[port].bits + 31) / 32; ++w) words.push_back(model.word(port, w));
+        trace.level.push_back({r, words});
+      }
+      model.high();
+      ++clock;
+      waited = moved ? 0 : waited + 1;
+      if (reset_now) return;
+      if (waited > 20000) {
+        trace.hung = true;
+        again = false;
+        r = rows.size() + drain;
+      }
+      quiet = moved ? 0 : quiet + 1;
+    }
+    if (draining && quiet > 400) break;
+  }
+  trace.flag.push_back(trace.restarts);
+  for (size_t f = 0; f < flags.size(); ++f) {
+    trace.flag.push_back(ports[flags[f]].bits == 1 ? up[f] : 0);
+    for (int w = 0; w < (ports[flags[f]].bits + 31) / 32; ++w) trace.flag.push_back(model.word(flags[f], w));
+  }
+}
+
+// Of a run that frees itself: frames of the first sink, by their beats.
+std::vector<std::pair<long, std::vector<Words>>> frames_of(const std::vector<Beat> &beats) {
+  std::vector<std::pair<long, std::vector<Words>>> frames;
+  std::vector<Words> frame;
+  long begin = 0;
+  for (const auto &beat : beats) {
+    if (frame.empty()) begin = beat.clock;
+    frame.push_back(beat.words);
+    if (beat.last) frames.push_back({begin, frame}), frame.clear();
+  }
+  return frames;
+}
+
+// Does every frame of ``bad`` that begins at ``from`` or later occur in ``good``, and is there one?
+bool among(const std::vector<Beat> &bad, const std::vector<Beat> &good, long from) {
+  const auto known = frames_of(good);
+  bool any = false;
+  for (const auto &[begin, frame] : frames_of(bad)) {
+    if (begin < from) continue;
+    any = true;
+    const bool found = std::any_of(known.begin(), known.end(), [&](const auto &other) { return other.second == frame; });
+    if (!found) return false;
+  }
+  return any || known.empty();
+}
+
+// The second half: the first may show what a reset leaves as it was, payload that is not valid yet.
+bool late_same(const Trace &a, const Trace &b) {
+  for (size_t s = 0; s < a.out.size(); ++s) {
+    const auto &x = a.out[s], &y = b.out[s];
+    if (options.count("free")) {
+      if (!among(x, y, static_cast<long>(rows.size() / 2))) return false;
+      continue;
+    }
+    for (size_t k = 1; k <= y.size() / 2; ++k)
+      if (k > x.size() || x[x.size() - k].words != y[y.size() - k].words) return false;
+  }
+  for (size_t k = 1; k <= b.level.size() / 2; ++k)
+    if (k > a.level.size() || a.level[a.level.size() - k].second != b.level[b.level.size() - k].second) return false;
+  return true;
+}
+
+bool same(const Trace &a, const Trace &b) {
+  if (a.out.size() != b.out.size() || a.level.size() != b.level.size()) return false;
+  for (size_t s = 0; s < a.out.size(); ++s) {
+    if (a.out[s].size() != b.out[s].size()) return false;
+    for (size_t i = 0; i < a.out[s].size(); ++i)
+      if (a.out[s][i].words != b.out[s][i].words) return false;
+  }
+  for (size_t i = 0; i < a.level.size(); ++i)
+    if (a.level[i].second != b.level[i].second) return false;
+  return true;
+}
+
+// What the end of a run, from what came of row ``from`` on, has otherwise than ``golden``; empty: nothing.
+std::string differs(const Trace &trace, const Trace &golden, size_t from) {
+  for (size_t s = 0; s < sinks.size(); ++s) {
+    const auto &good = golden.out[s], &bad = trace.out[s];
+    size_t first = 0;
+    while (first < good.size() && (good[first].row < from || (first && !good[first - 1].last))) ++first;
+    for (size_t k = 1; k <= good.size() - first; ++k)
+      if (k > bad.size() || bad[bad.size() - k].words != good[good.size() - k].words)
+        return sinks[s].name + " " + std::to_string(k) + " of " + std::to_string(good.size() - first) + " before the end";
+  }
+  const auto &good = golden.level, &bad = trace.level;
+  for (size_t k = 1; sinks.empty() && k <= good.size() && good[good.size() - k].first >= from; ++k)
+    if (k > bad.size() || bad[bad.size() - k].second != good[good.size() - k].second)
+      return "row " + std::to_string(good[good.size() - k].first);
+  return "";
+}
+
+}  // namespace
+
+int main(int argc, char **argv) {
+  if (argc < 5) return 2;
+  for (int n = 5; n < argc; ++n) {
+    const std::string text = argv[n];
+    options[text.substr(0, text.find('='))] = text.substr(text.find('=') + 1);
+  }
+  read(argv[1]);
+  if (options.count("strobe")) strobe = find(options["strobe"]);
+  const long count = std::atol(argv[2]);
+  const uint64_t seed = std::strtoull(argv[3], nullptr, 10);
+  size_t settle = std::strtoul(argv[4], nullptr, 10);
+  std::mt19937_64 draw(seed);
+
+  Trace golden;
+  std::vector<size_t> state;
+  {
+    Model model;
+    play(model, golden, nullptr, Fault{}, seed, true);
+    // State is what keeps a changed value until a clock comes.
+    auto cells = model.cells();
+    model.low();
+    for (size_t c = 0; c < cells.size(); ++c) {
+      const uint8_t before = *cells[c].byte;
+      *cells[c].byte ^= cells[c].mask;
+      model.low();
+      if ((*cells[c].byte ^ before) & cells[c].mask) state.push_back(c);
+      *cells[c].byte = (*cells[c].byte & ~cells[c].mask) | (before & cells[c].mask);
+      model.low();
+    }
+    std::map<int, long> per;
+    for (const size_t c : state) ++per[cells[c].variable];
+    size_t beats = 0;
+    for (const auto &sink : golden.out) beats += sink.size();
+    std::printf("# rows %zu clocks %zu sources %zu sinks %zu beats %zu cells %zu state %zu variables %zu flags %zu hung %d\n",
+                rows.size(), golden.row_of_clock.size(), sources.size(), sinks.size(), beats, cells.size(), state.size(),
+                per.size(), flags.size(), golden.hung);
+  }
+
+  // Where a frame begins: at the row after one whose first source gave its last beat.
+  std::vector<size_t> begins;
+  const std::string framed = options.count("frame") ? options["frame"] : "";
+  if (!settle) settle = sources.empty() || sources[0].last < 0 ? 8 : 1;
+  bool fresh = true;
+  for (size_t r = 0; r < rows.size(); ++r) {
+    if (!framed.empty()) {
+      if (rows[r][offset[find(framed)]] & 1) begins.push_back(r);
+    } else if (sources.empty()) {
+      begins.push_back(r);
+    } else if (rows[r][offset[sources[0].valid]]) {
+      if (fresh) begins.push_back(r);
+      fresh = sources[0].last < 0 || rows[r][offset[sources[0].last]];
+    }
+  }
+
+  // The faults: every register's bits in turn, memories' by chance; then those of the streams.
+  std::vector<Fault> faults;
+  Model shape;
+  const auto cells = shape.cells();
+  std::vector<size_t> registers, memory;
+  for (const size_t c : state)
+    if (cells[c].name.find(options["only"]) != std::string::npos) (cells[c].memory ? memory : registers).push_back(c);
+  const long clocks = static_cast<long>(golden.row_of_clock.size());
+  long last_clock = 0;  // the latest at which enough frames follow
+  const size_t after = begins.size() > settle + 4 ? begins[begins.size() - settle - 3] : 0;
+  while (last_clock < clocks && golden.row_of_clock[last_clock] < after) ++last_clock;
+  long interval = 1;  // clocks of the longest frame, where they come by themselves
+  if (options.count("free")) {
+    last_clock = clocks / 2;
+    for (const auto &out : golden.out) {
+      const auto frames = frames_of(out);
+      for (size_t i = 2; i < frames.size(); ++i) interval = std::max(interval, frames[i].first - frames[i - 1].first);
+    }
+  }
+  if (last_clock < 2) std::cerr << "too short a recording: " << begins.size() << " frames\n", std::exit(3);
+  const auto any_clock = [&] { return static_cast<long>(draw() % last_clock); };
+  std::shuffle(registers.begin(), registers.end(), draw);
+  std::shuffle(memory.begin(), memory.end(), draw);
+  for (long n = 0; n < count && !(registers.empty() && memory.empty()); ++n) {
+    const bool word = registers.empty() || (!memory.empty() && n % 4 == 3);
+    const auto &from = word ? memory : registers;
+    const size_t index = static_cast<size_t>(word && !registers.empty() ? n / 4 : memory.empty() ? n : n - n / 4);
+    faults.push_back({kBit, any_clock(), 0, 0, from[index % from.size()]});
+  }
+  bool checks = sources.empty();  // lost and doubled beats are for those who look for them
+  for (const auto &port : ports) checks |= port.name.find("damaged") != std::string::npos;
+  {
+    std::vector<std::pair<size_t, int>> beats;
+    for (size_t r = 0; r < after; ++r)
+      for (size_t s = 0; s < sources.size(); ++s)
+        if (rows[r][offset[sources[s].valid]]) beats.push_back({r, static_cast<int>(s)});
+    const long each = std::max(4L, count / 20);
+    for (const Kind kind : {kLost, kTwice, kLate, kLast}) {
+      if (options["skip"].find(kinds[kind]) != std::string::npos || (kind != kLate && !checks)) continue;
+      for (long n = 0; n < each && !beats.empty(); ++n) {
+        const auto [r, s] = beats[draw() % beats.size()];
+        if (kind == kLast && sources[s].last < 0) continue;
+        faults.push_back({kind, 0, r, s, 0});
+      }
+    }
+    const auto wanted = [](const char *kind) { return options["skip"].find(kind) == std::string::npos; };
+    if (option("part", 0)) {
+      for (const Kind kind : {kBusy, kNoise, kOver})
+        for (long n = 0; n < each; ++n) faults.push_back({kind, any_clock(), 0, 0, 0});
+    }
+    for (long n = 0; n < each && !sinks.empty() && wanted("stuck"); ++n) faults.push_back({kStuck, any_clock(), 0, 0, 0});
+    for (long n = 0; n < 2 * each && reset_port >= 0; ++n) faults.push_back({kReset, n, 0, 0, 0});
+  }
+
+  std::vector<Trace> shifted;
+  std::vector<size_t> removed;
+  for (long k = 1; k < option("phases", 1) && begins.size() > static_cast<size_t>(k) + 1; ++k) {
+    const auto whole = rows;
+    removed.push_back(begins[1 + k] - begins[1]);
+    rows.erase(rows.begin() + static_cast<long>(begins[1]), rows.begin() + static_cast<long>(begins[1 + k]));
+    Model model;
+    shifted.emplace_back();
+    play(model, shifted.back(), nullptr, Fault{}, seed, true);
+    rows = whole;
+  }
+
+  std::vector<std::string> kept;  // names of what is meant to be kept
+  std::istringstream names(options["kept"]);
+  for (std::string name; std::getline(names, name, ',');) kept.push_back(name);
+
+  for (const auto &fault : faults) {
+    Model model;
+    const auto here = model.cells();
+    Trace trace;
+    const auto &cell = here[fault.cell];
+    const bool level = fault.kind == kBit && (*cell.byte & cell.mask);  // at rest
+    play(model, trace, &here, fault, seed, true);
+    std::string outcome = "silent", what;
+    if (fault.kind == kReset) {  // and all from the beginning, in the same block
+      Trace again;
+      play(model, again, &here, Fault{}, seed, false);
+      outcome = late_same(again, golden) ? "recovered" : "silent";
+    } else {
+      size_t row = fault.row;
+      if (fault.kind == kBit || fault.kind >= kStuck) row = golden.row_of_clock[fault.clock];
+      // A fault in a frame's last beat or in the pause behind it is one of the next frame.
+      const auto next = std::upper_bound(begins.begin(), begins.end(), row + 1);
+      const size_t from = next + settle - 1 < begins.end() ? *(next + settle - 1) : rows.size();
+      const bool flagged = trace.flag != golden.flag;
+      bool right = !trace.hung;
+      if (options.count("free")) {
+        for (size_t s = 0; s < sinks.size() && right; ++s) {
+          const long lasted = fault.kind >= kBusy ? 900 : fault.kind == kStuck ? 300 : 1;
+          right = among(trace.out[s], golden.out[s], fault.clock + lasted + static_cast<long>(settle) * interval);
+          if (!right) what = sinks[s].name;
+        }
+      } else if (right) {
+        what = differs(trace, golden, from);
+        right = what.empty();
+        // Windows that begin in another frame are right too.
+        for (size_t k = 0; k < shifted.size() && !right; ++k) right = differs(trace, shifted[k], from - removed[k]).empty();
+      }
+      if (right) outcome = same(trace, golden) ? (flagged ? "detected" : "masked") : flagged ? "detected" : "recovered";
+      else if (flagged && !trace.hung) outcome = "told";
+      if (!right) {  // does a reset with all that was written heal it?
+        Trace again;
+        model.set(reset_port, true);
+        play(model, again, &here, Fault{}, seed, true);
+        outcome = outcome == "told" ? "told" : "silent";
+        const bool healed = late_same(again, golden);
+        // What not even a reset and all that follows it drives is a constant that this build keeps in a variable.
+        if (!healed && fault.kind == kBit && !cell.memory && ((*cell.byte & cell.mask) != 0) != level) outcome = "constant";
+        if (!healed) what += ", and not after a reset";
+        for (const auto &name : kept)
+          if (healed && outcome == "silent" && fault.kind == kBit && here[fault.cell].name.find(name) != std::string::npos)
+            outcome = "kept";
+      }
+    }
+    std::printf("%s %s %ld %s %s\n", kinds[fault.kind], fault.kind == kBit ? here[fault.cell].name.c_str() : "-",
+                fault.kind == kBit || fault.kind >= kStuck ? fault.clock : static_cast<long>(fault.row), outcome.c_str(),
+                what.c_str());
+  }
+  return 0;
+}

@@ -1,0 +1,45 @@
+"""Icarus Verilog as the second simulator: MEISSNER_SIM=icarus. What it cannot run, and why, stands here alone.
+
+Icarus 11, which Debian has, knows no typed parameters in a module's head, no `signed'(x)` and no $fatal at
+elaboration. ``adapted`` writes these as it knows them, by words; statements stay as they are. The checks of
+parameters are left out: bench.refuses asks Verilator.
+"""
+
+import re
+
+REPLACED = (
+    (r"^ *(?:end else )?if \([^;]*?begin : gen_check_\w+\s+\$fatal\([^;]*;\s+end\n", ""),
+    (r"\b(parameter|localparam)(\s+)int unsigned\b", r"\1\2[31:0]"),
+    (r"\b(parameter|localparam)(\s+)int\b", r"\1\2integer"),
+    (r"\b(parameter|localparam)(\s+)bit\b", r"\1\2"),
+    (r"\blongint unsigned\b", "[63:0]"),
+    (r"\bint unsigned\b", "reg [31:0]"),  # of functions, in packages
+    (r"\bint (?=\w+ = )", "integer "),
+    (r"\b(un)?signed'\(", r"$\1signed("),
+    (r"\b32'\((\w+)\)", r"\1"),
+    (r"; (\w+) \+= (\w+)\)", r"; \1 = \1 + \2)"),
+)
+
+FUNCTIONS = "a parameter that a package's function makes of another package's functions: not evaluated"
+SLICES = "a packed vector of vectors of which a process drives one element and an assignment another: refused"
+REFUSED = {
+    "adc_spi": FUNCTIONS,
+    "adc_single": FUNCTIONS,
+    "scan_adc": FUNCTIONS,
+    "scan_demod": FUNCTIONS,
+    "channels": FUNCTIONS,
+    "haar": SLICES,
+}
+
+
+def adapted(sources, folder):
+    """Copies of the sources in ``folder`` as Icarus reads them."""
+    folder.mkdir(parents=True, exist_ok=True)
+    copies = []
+    for path in sources:
+        text = path.read_text()
+        for pattern, put in REPLACED:
+            text = re.sub(pattern, put, text, flags=re.M)
+        copies.append(folder / path.name)
+        copies[-1].write_text(text)
+    return copies

@@ -1,0 +1,60 @@
+"""What a block's own tests drive into it, clock by clock: the stimulus of fault injection.
+
+With MEISSNER_RECORD=FILE in the environment every start of a clock begins a recording of all ports of the top. FILE:
+a line "port bits" for each, an empty line, then a line of hexadecimal values per clock; "=" begins another test.
+After ``ROWS`` clocks the simulation ends, its tests unfinished.
+"""
+
+import os
+
+import cocotb
+from cocotb.clock import Clock
+from cocotb.triggers import FallingEdge, ReadOnly
+
+ROWS = int(os.environ.get("MEISSNER_RECORD_ROWS", "24000"))
+FILE = os.environ.get("MEISSNER_RECORD")
+_open = None
+_rows = 0
+
+
+def _bits(handle):
+    try:
+        return len(handle)
+    except TypeError:
+        return 1
+
+
+def _ports(dut):
+    """The ports of a top but its clock, as MEISSNER_RECORD_PORTS names them."""
+    names = [name for name in os.environ["MEISSNER_RECORD_PORTS"].split(",") if name != "clk_i"]
+    return {name: getattr(dut, name) for name in sorted(names)}
+
+
+async def record(dut):
+    global _open, _rows
+    ports = _ports(dut)
+    if _open is None:
+        _open = open(FILE, "w")  # noqa: SIM115: as long as the simulation
+        _open.writelines(f"{name} {_bits(handle)}\n" for name, handle in ports.items())
+        _open.write("\n")
+    _open.write("=\n")
+    while True:
+        await FallingEdge(dut.clk_i)
+        await ReadOnly()
+        values = [handle.value for handle in ports.values()]
+        _open.write(" ".join(f"{int(v):x}" if v.is_resolvable else "0" for v in values) + "\n")
+        _rows += 1
+        if _rows >= ROWS:
+            _open.close()
+            os._exit(0)
+
+
+def install():
+    """From here on whoever starts a clock is recorded."""
+    start = Clock.start
+
+    def recorded(self, *given, **named):
+        cocotb.start_soon(record(cocotb.top))
+        return start(self, *given, **named)
+
+    Clock.start = recorded

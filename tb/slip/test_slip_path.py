@@ -1,0 +1,249 @@
+"""msn_slip_path: decisions against the twins, at every channel count up to 7 and beyond; at most 8
+clocks from the sample that completes a group to its decision; damaged frames; reset in mid-frame."""
+
+import cocotb
+import numpy as np
+import pytest
+
+import bench
+from meissner.engines import fixed
+from meissner.slip.config import SlipConfig
+from meissner.slip.slip import State
+from meissner.slip.slip_path import decide
+
+FIELDS = ["state", "over", "p2p", "id", "last", "end"]
+LEVELS = {"contact_level": 200, "release_level": 100, "threshold": 60, "gross_threshold": 110}
+TIMES = {"hold": 3, "refractory": 4, "blank": 5}
+
+
+def parameters(dut):
+    return [getattr(dut, n).value.to_unsigned() for n in ("Channels", "Level", "Window", "Hop")]
+
+
+def patience(dut):
+    """How bench.stream must be called: the serial path takes its time, and an offer stands until then."""
+    return {"hold": True, "drain": 80} if dut.Serial.value.to_unsigned() else {}
+
+
+def settings(dut):
+    _, level, window, hop = parameters(dut)
+    return SlipConfig(window=window, hop=hop, level=level, **LEVELS, **TIMES)
+
+
+async def begin(dut, config):
+    names = "threshold gross_threshold contact_level release_level hold refractory blank contact_rises"
+    registers = {f"cfg_{name}_i": int(getattr(config, name)) for name in names.split()}
+    dut.in_mask_i.value = 0
+    await bench.start(dut, actuator_moving_i=0, **registers)
+
+
+def recording(rng, channels, samples):
+    """Codes that rest near 0, press to about 150, and tremble more or less: every state is visited."""
+    pressed = np.repeat(rng.random((channels, samples // 25 + 1)) < 0.7, 25, axis=1)[:, :samples]
+    tremor = np.repeat(rng.choice([5, 25, 60], (channels, samples // 10 + 1)), 10, axis=1)[:, :samples]
+    return pressed * 150 + rng.integers(-tremor, tremor + 1)
+
+
+def beats_of(x, **flags):
+    beats = bench.frames(data=x, **flags)
+    for beat in beats:
+        del beat["restart"]
+    return beats
+
+
+def expected(x, config):
+    watched = fixed.watch(x, config)
+    ends = np.broadcast_to(watched.end, watched.p2p.shape)
+    rows = bench.frames(state=watched.state, over=watched.over, p2p=watched.p2p, end=ends)
+    return [{field: row[field] for field in FIELDS} for row in rows], watched
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+@cocotb.parametrize(stall_rate=[0.0, 0.5])
+async def matches_model(dut, stall_rate):
+    channels = parameters(dut)[0]
+    config = settings(dut)
+    await begin(dut, config)
+    x = recording(np.random.default_rng(bench.SEED), channels, 1001 if channels < 100 else 40)
+    should, watched = expected(x, config)
+    pause = bench.pauses(stall_rate)
+    assert await bench.stream(dut, beats_of(x), FIELDS, pause, pause, **patience(dut)) == should
+    assert bench.read(dut.blanked_o) == watched.blanked
+    assert bench.read(dut.damaged_o) == 0
+    if channels < 100 and not dut.Mask.value.to_unsigned():
+        assert watched.over.any()
+        assert len(np.unique(watched.state)) == 5
+
+
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def decides_at_most_8_clocks_after_the_pair(dut):
+    """A crossing in the last channel; clocks are counted from the clock that took the crossing sample."""
+    if dut.Serial.value.to_unsigned():
+        return  # its time: tb/slip/test_slip_serial.py
+    channels, level, window, hop = parameters(dut)
+    config = settings(dut)
+    await begin(dut, config)
+    dut.out_ready_i.value = 1
+    group = 1 << level
+    x = np.zeros((channels, 2 * group), dtype=int)
+    x[-1, -1] = 1000
+    dut.in_valid_i.value = 1
+    for beat in beats_of(x):
+        for name, value in beat.items():
+            getattr(dut, f"in_{name}_i").value = int(value)
+        await bench.RisingEdge(dut.clk_i)
+    dut.in_valid_i.value = 0
+    clock = 0
+    while clock == 0 or dut.out_valid_o.value == 0 or dut.out_over_o.value == 0:
+        if clock:
+            await bench.RisingEdge(dut.clk_i)
+        clock += 1
+        await bench.ReadOnly()
+    stages = (window // group).bit_length() // 2
+    exact = level + 3 + (2 if hop == window else 3 if 2 * hop == window else 1 + stages)
+    dut._log.info(f"decision {clock} clocks after the sample pair, {channels} channels")
+    assert bench.read(dut.out_id_o) == channels - 1
+    assert clock == exact
+    assert clock <= 8 + (level == 3)
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+@cocotb.parametrize(frames=[36, 37], lost=["first", "middle"])
+async def starts_anew_after_a_damaged_frame(dut, frames, lost):
+    """A lost sample: the damage is counted, and from the next whole frame on all is as after a reset.
+
+    The frame is the even or the odd one of a pair, and what came before the loss has gone on its way.
+    """
+    channels = parameters(dut)[0]
+    config = settings(dut)
+    await begin(dut, config)
+    rng = np.random.default_rng(bench.SEED + 1)
+    length = 300 if channels < 100 else 20
+    before, after = recording(rng, channels, frames), recording(rng, channels, length)
+    broken = beats_of(before)
+    if channels == 1:
+        broken[-1]["last"] = 0  # with one channel a lost `last` is the only damage there is
+        broken.append(broken[-1] | {"last": 1})
+    else:
+        del broken[-channels + (channels // 2 if lost == "middle" and channels > 2 else 0)]
+    should, _ = expected(after, config)
+    got = await bench.stream(dut, broken + beats_of(after), FIELDS, **patience(dut))
+    assert got[len(got) - len(should) :] == should
+    assert bench.read(dut.damaged_o) == 1
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def recovers_after_reset_in_mid_frame(dut):
+    channels = parameters(dut)[0]
+    config = settings(dut)
+    await begin(dut, config)
+    rng = np.random.default_rng(bench.SEED + 2)
+    first = beats_of(recording(rng, channels, 7))
+    await bench.stream(dut, first[: len(first) - channels // 2], FIELDS, **(patience(dut) | {"drain": 1}))
+    await bench.reset(dut)
+    # Once more with every stage full, and held by a consumer that sleeps.
+    dut.out_ready_i.value = 0
+    dut.in_valid_i.value = 1
+    for beat in beats_of(recording(rng, channels, 100)):
+        for name, value in beat.items():
+            getattr(dut, f"in_{name}_i").value = int(value) & ((1 << len(getattr(dut, f"in_{name}_i"))) - 1)
+        await bench.ReadOnly()
+        full = dut.in_ready_o.value == 0
+        await bench.RisingEdge(dut.clk_i)
+        if full:
+            break
+    assert full
+    dut.in_valid_i.value = 0
+    await bench.reset(dut)
+    x = recording(rng, channels, 200 if channels < 100 else 10)
+    should, watched = expected(x, config)
+    assert await bench.stream(dut, beats_of(x), FIELDS, **patience(dut)) == should
+    assert bench.read(dut.blanked_o) == watched.blanked
+
+
+def masked_ramp(rng, channels, config, samples):
+    """Presses that rise steadily, steeper than the threshold; what is masked, up to two windows, is anything.
+
+    The first channel is not masked but changed in the same way.
+    """
+    x = 30 * np.arange(samples) + rng.integers(-2, 3, (channels, samples))
+    mask = np.zeros((channels, samples), dtype=bool)
+    for channel in range(channels):
+        at = 0
+        while at < samples:
+            at += rng.integers(1, 2 * config.window)
+            mask[channel, at : at + rng.integers(1, 2 * config.window)] = True
+            at += 2 * config.window
+    x = np.where(mask, rng.integers(-65536, 65536, x.shape), x)
+    mask[0] = False
+    return x, mask
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+@cocotb.parametrize(rises=[True, False])
+async def masked_taxels_raise_no_slip(dut, rises):
+    """However the mask comes and goes; a neighbour that is not masked slips as ever."""
+    if not dut.Mask.value.to_unsigned():
+        return
+    channels, level, window, hop = parameters(dut)
+    limits = {"contact_level": 0, "release_level": -100 if rises else 1 << 16, "contact_rises": rises}
+    config = SlipConfig(window=window, hop=hop, level=level, threshold=60, gross_threshold=110, **limits)
+    await begin(dut, config)
+    x, mask = masked_ramp(np.random.default_rng(bench.SEED), channels, config, 20 * window)
+    x = x if rises else -x
+    found, plain = decide(x, config, mask=mask), decide(x, config)
+    beats = await bench.stream(dut, beats_of(x, mask=mask), ["state", "raised", "p2p", "id"])
+    for name in ("state", "raised", "p2p"):
+        assert np.array_equal(bench.column(beats, name, channels), getattr(found, name)), name
+    assert not found.raised[1:].any() and plain.raised.any(axis=1).all()
+    assert set(np.unique(found.state[1:])) == {State.NONE, State.CONTACT}
+    assert np.array_equal(found.state[0], plain.state[0])
+
+
+@pytest.mark.parametrize(
+    "parameters",
+    [
+        {"Channels": 1},
+        {"Channels": 1, "Serial": 1},
+        {"Channels": 2, "Hop": 32},
+        {"Channels": 5, "Hop": 2},
+        {"Channels": 7, "Level": 3},
+        {"Channels": 3, "Level": 2, "Window": 16, "Hop": 12},
+        {"Channels": 1024},
+        {"Channels": 3, "Window": 16, "Mask": 1},
+        {"Channels": 4, "Level": 2, "Window": 32, "Hop": 16, "Mask": 1},
+        {"Channels": 3, "Level": 3, "Window": 64, "Hop": 8, "Mask": 1},
+        {"Channels": 2, "Window": 16, "Hop": 2, "Mask": 1},
+    ],
+)
+def test_slip_path(parameters):
+    bench.run(
+        "slip", "slip_path", {"Level": 1, "Window": 64, "Hop": parameters.get("Window", 64)} | parameters
+    )
+
+
+@pytest.mark.parametrize(
+    "parameters, message",
+    [
+        ({"Window": 48}, "Window = 48"),
+        ({"Window": 2}, "Window = 2"),
+        ({"Window": 8, "Hop": 8, "Level": 3}, "Window = 8"),
+        ({"Hop": 3}, "Hop = 3"),
+        ({"Hop": 66}, "Hop = 66"),
+        ({"Serial": 1, "Hop": 32}, "Serial = 1"),
+        ({"Serial": 1, "Channels": 2}, "Serial = 1"),
+        ({"Serial": 1, "Mask": 1}, "Mask = 1"),
+    ],
+)
+def test_refuses_illegal_parameters(parameters, message):
+    assert message in bench.refuses("slip_path", parameters)
+
+
+@pytest.mark.parametrize(
+    "channels, hop, mask, message",
+    [(1, 32, False, "hop = window"), (2, 64, False, "one channel"), (1, 64, True, "without a mask")],
+)
+def test_the_model_refuses_what_the_serial_path_cannot_do(channels, hop, mask, message):
+    x = np.zeros((channels, 64), dtype=int)
+    with pytest.raises(ValueError, match=message):
+        decide(x, SlipConfig(hop=hop), mask=x > 0 if mask else None, serial=True)

@@ -1,0 +1,65 @@
+"""`make faults` in a short form: a few hundred faults in small blocks, none wrong in silence; and that it finds what
+it is for: a state machine that never finds back, a frame whose damage nobody tells."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from meissner import toolchain
+from meissner.trust import benches, faults
+
+
+@pytest.mark.parametrize("block", ["frame_check", "spi_shift"])
+def test_none_is_silent(block):
+    results = faults.inject(block, 120, 3)
+    kinds = {result.kind for result in results}
+    assert {"bit", "reset"} <= kinds and len(results) > 120
+    assert [result for result in results if result.outcome == "silent"] == []
+    assert any(result.outcome == "recovered" for result in results)  # they did something
+
+
+def planted(monkeypatch, tmp_path, block, good, bad):
+    """The block with ``bad`` in place of ``good``."""
+    paths = list(toolchain.sources_of(f"msn_{block}"))
+    at = next(n for n, path in enumerate(paths) if path.stem == f"msn_{block}")
+    text = paths[at].read_text()
+    assert good in text
+    paths[at] = Path(tmp_path) / paths[at].name
+    paths[at].write_text(text.replace(good, bad))
+    monkeypatch.setattr(faults, "program", _with(faults.program, paths))
+
+
+def _with(program, paths):
+    def made(block):
+        before, toolchain.sources_of = toolchain.sources_of, lambda _: paths
+        try:
+            return program(block)
+        finally:
+            toolchain.sources_of = before
+
+    return made
+
+
+def test_finds_damage_that_nobody_tells(monkeypatch, tmp_path):
+    planted(monkeypatch, tmp_path, "frame_check", "assign keep = fits && !dropping;", "assign keep = 1'b1;")
+    assert any(result.outcome == "silent" for result in faults.inject("frame_check", 10, 3))
+
+
+@pytest.mark.long
+def test_finds_a_state_that_never_ends(monkeypatch, tmp_path):
+    planted(monkeypatch, tmp_path, "hypot", "{phase[1:0], ~|phase[1:0]}", "{phase[1:0], phase[2]}")
+    assert any("hung" in result.what for result in faults.inject("hypot", 300, 1))
+
+
+def test_every_block_takes_part():
+    assert set(faults.blocks()) | set(faults.LEFT_OUT) == set(benches.blocks())
+    for block, (around, _) in faults.INSIDE.items():
+        assert block in faults.blocks() and around in faults.blocks()
+
+
+def test_wrapper_has_the_ports_and_parameters_of_its_block():
+    source = next(path for path in toolchain.sources() if path.stem == "msn_fifo").read_text()
+    text = faults.wrapper("fifo", source)
+    assert "msn_fifo #(.Depth(Depth), .Width(Width)) u_block (.*);" in text
+    assert re.search(r"module faults_top #\(\s*parameter int unsigned Depth = 16", text)

@@ -1,0 +1,40 @@
+"""The second simulator in a short form, and that its list of what it cannot run is true."""
+
+import shutil
+import subprocess
+import sys
+
+import pytest
+
+import icarus
+from meissner import toolchain
+
+pytestmark = pytest.mark.skipif(not shutil.which("iverilog"), reason="iverilog is not installed")
+
+
+def accepted(block, folder):
+    paths = icarus.adapted(toolchain.sources_of(f"msn_{block}"), folder)
+    command = ["iverilog", "-g2012", "-o", folder / "out.vvp", "-s", f"msn_{block}", *paths]
+    return subprocess.run([*map(str, command)], capture_output=True).returncode == 0
+
+
+@pytest.mark.parametrize("block", icarus.REFUSED)
+def test_refused_is_refused(block, tmp_path):
+    assert not accepted(block, tmp_path)
+
+
+@pytest.mark.parametrize("block", ["divide", "cop_accumulate", "registers"])
+def test_others_are_accepted(block, tmp_path):
+    assert accepted(block, tmp_path)
+
+
+def test_a_bench_runs_on_it():
+    code = "import bench; bench.run('common', 'frame_gate', {'Drain': 3})"
+    environment = {
+        **toolchain.environment(),
+        "MEISSNER_SIM": "icarus",
+        "PYTHONPATH": str(toolchain.ROOT / "tb"),
+    }
+    done = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "vvp" in done.stdout + done.stderr

@@ -1,0 +1,60 @@
+"""Feed everything that reads what others wrote with mutated and made-up input: packet decoders, configurations,
+recordings, calibrations, logs.
+
+    python tools/fuzz.py [--cases N] [--seed N] [--first N] [--record] [TARGET ...]     default: all, 1,000,000 each
+
+Prints a line per target. Stops with an error at the first case that crashes, hangs, gives a packet that was not
+sent, or is refused otherwise than in one sentence; `--first N --cases 1` repeats it. What begins it is tb/corpus.
+"""
+
+import argparse
+import datetime
+import json
+import sys
+import time
+import warnings
+
+from meissner import toolchain
+from meissner.trust import fuzz
+
+RECORD = toolchain.ROOT / "docs/trust/fuzz.json"
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
+    targets = [*fuzz.TARGETS, fuzz.C_NAME]
+    parser.add_argument("targets", nargs="*", metavar="TARGET", help=", ".join(targets))
+    parser.add_argument("--cases", type=int, default=1_000_000)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--first", type=int, default=0, help="number of the first case")
+    parser.add_argument("--record", action="store_true", help=f"into {RECORD.relative_to(toolchain.ROOT)}")
+    given = parser.parse_args()
+    unknown = sorted(set(given.targets) - set(targets))
+    if unknown:
+        sys.exit(f"fuzz: there is no target {', '.join(unknown)}; there are {', '.join(targets)}")
+    if given.cases < 1:
+        sys.exit("fuzz: no case is no test")
+    warnings.simplefilter("ignore")  # numpy's, of odd headers
+    for target in given.targets or targets:
+        begin, how = time.monotonic(), ""
+        try:
+            if target == fuzz.C_NAME:
+                how = fuzz.run_c(given.cases, given.seed)
+            else:
+                how = f"the slowest {1e3 * fuzz.run(target, given.cases, given.seed, given.first):.0f} ms"
+        except fuzz.Failed as failed:
+            again = f"python tools/fuzz.py {target} --seed {given.seed}"
+            sys.exit(f"{failed}\nagain: {again} --cases 1 --first N, or --cases {given.cases}")
+        took = time.monotonic() - begin
+        print(f"{target:15} {given.cases:8} cases in {took:.0f} s, {how}", flush=True)
+        if given.record:
+            RECORD.parent.mkdir(exist_ok=True)
+            told = json.loads(RECORD.read_text()) if RECORD.exists() else {"blocks": {}}
+            told["blocks"][target] = {"cases": given.cases, "crashes": 0, "hangs": 0, "false": 0}
+            told = {"command": "make fuzz", "date": str(datetime.date.today()), "blocks": told["blocks"]}
+            told["blocks"] = dict(sorted(told["blocks"].items()))
+            RECORD.write_text(json.dumps(told, indent=1) + "\n")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,101 @@
+"""Blocks in random legal sizes with random stimulus, each against its own tests.
+
+    python tools/regress.py [SEEDS] [--seed N] [--jobs N] [--scheduler ADDRESS] [--record] [BLOCK ...]
+    python tools/regress.py --seed N --only BLOCK NAME=VALUE ...        one size again, as a failure tells
+
+SEEDS: sizes in all, 200 unless told, each with a seed of its own. A failure is made as small as it can be and told with
+the command that repeats it. With --scheduler the work goes to Dask's workers there, who need the same folder.
+"""
+
+import argparse
+import datetime
+import itertools
+import json
+import sys
+from concurrent.futures import ThreadPoolExecutor, as_completed
+
+from meissner import toolchain
+from meissner.trust import regress
+
+RECORD = toolchain.ROOT / "docs/trust/regress.json"
+
+
+def one(block, given, seed):
+    size = {name: int(value) for name, value in (text.split("=") for text in given)}
+    told = regress.test(block, regress.build(block, [size]), 0, seed)
+    print(told or f"{block} {size}, seed {seed}: passes")
+    return told is not None
+
+
+def spread(given, jobs):
+    """Pieces of work: block, sizes, first seed; small enough that every worker gets some."""
+    names = given.blocks or regress.blocks()
+    share = [given.sizes // len(names) + (n < given.sizes % len(names)) for n in range(len(names))]
+    pieces = []
+    for name, count in zip(names, share):
+        sizes = regress.sizes(name, count, given.seed) if count else []
+        for at in range(0, len(sizes), regress.TOGETHER):
+            pieces.append((name, sizes[at : at + regress.TOGETHER], 1000 * given.seed + at))
+    return pieces
+
+
+def results(pieces, given):
+    if given.scheduler:
+        try:
+            from dask.distributed import Client
+            from dask.distributed import as_completed as done
+        except ImportError:
+            sys.exit("regress: --scheduler needs Dask: pip install distributed")
+        try:
+            client = Client(given.scheduler, timeout="20s")
+        except (OSError, ValueError) as problem:
+            sys.exit(f"regress: no scheduler answers at {given.scheduler}: {problem}")
+        with client:
+            waiting = {client.submit(regress.some, *piece, pure=False): piece for piece in pieces}
+            for future in done(waiting):
+                yield waiting[future][0], future.result()
+        return
+    with ThreadPoolExecutor(given.jobs) as pool:
+        waiting = {pool.submit(regress.some, *piece): piece for piece in pieces}
+        for future in as_completed(waiting):
+            yield waiting[future][0], future.result()
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
+    parser.add_argument("sizes", nargs="?", type=int, default=200)
+    parser.add_argument("blocks", nargs="*", metavar="BLOCK")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--scheduler", metavar="ADDRESS")
+    parser.add_argument("--record", action="store_true", help=f"into {RECORD.relative_to(toolchain.ROOT)}")
+    parser.add_argument("--only", nargs="+", metavar=("BLOCK", "NAME=VALUE"))
+    given = parser.parse_args()
+    if given.only:
+        sys.exit(one(given.only[0], given.only[1:], given.seed))
+    unknown = sorted(set(given.blocks) - set(regress.blocks()))
+    if unknown:
+        sys.exit(f"regress: the tests of {', '.join(unknown)} have no SPACE")
+    passed, failed = {}, []
+    for block, told in results(spread(given, given.jobs), given):
+        bad = [(size, seed, why) for size, seed, why in told if why]
+        passed[block] = passed.get(block, 0) + len(told) - len(bad)
+        print(f"{block:20} {len(told):4} sizes, {len(bad)} failed", flush=True)
+        failed += [(block, *each) for each in bad]
+    for block, size, seed, why in itertools.islice(failed, 3):
+        small = regress.smallest(block, size, seed)
+        print(f"{why}\n{block} {size}, seed {seed}\nagain: {regress.command(block, size, seed)}")
+        print(f"smallest: {regress.command(block, small, seed)}")
+    total = sum(passed.values())
+    print(f"{total} sizes of {len(passed)} blocks pass, {len(failed)} fail")
+    if given.record and not failed:
+        RECORD.parent.mkdir(exist_ok=True)
+        blocks = {name: {"sizes": count, "failed": 0} for name, count in sorted(passed.items())}
+        told = {"command": f"make regress SEEDS={given.sizes}", "date": str(datetime.date.today())}
+        RECORD.write_text(json.dumps(told | {"blocks": blocks}, indent=1) + "\n")
+    if failed or not total:
+        sys.exit("regress: " + (f"{len(failed)} failed" if failed else "nothing ran"))
+
+
+if __name__ == "__main__":
+    main()
