@@ -140,7 +140,7 @@ module msn_calibrate #(
     for (genvar k = 0; k < Lanes; k++) begin : gen_lane
       logic signed [SampleBits-1:0]  raw, zero;
       logic signed [DiffBits-1:0]    difference;
-      logic signed [DiffBits+15:0]   product;  // two clocks later: with the registers of the multiplier itself
+      logic signed [DiffBits+15:0]   product;  // two clocks later: the multiplier's own registers
       assign raw        = signed'(in_data_i[SampleBits*k+:SampleBits]);
       assign zero       = signed'(offset[SampleBits*k+:SampleBits]);
       assign difference = in_mask_i[k] || !loaded ? '0 : DiffBits'(raw) - DiffBits'(zero);

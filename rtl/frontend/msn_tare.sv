@@ -92,7 +92,7 @@ module msn_tare #(
   logic [IdBits-1:0] place;
   assign in_ready_o = (out_ready_i || !out_valid_o) && word_valid && !load_due && !ending;
   assign accept     = in_valid_i && in_ready_o;
-  assign restart    = rst_i || drain != '0 || load_due;  // a clock after the last beat: who takes that is known late
+  assign restart    = rst_i || drain != '0 || load_due;  // a clock after the last beat: it is known late
   assign done       = ending && drain == 3'd1;
 
   msn_frame_place #(.Beats(Beats)) u_place (
@@ -167,7 +167,7 @@ module msn_tare #(
   end
 
   // Two clocks ahead of the samples: the zero with what an averaging adds to it; then it is rounded.
-  logic                      table_valid, ahead_valid, advance;
+  logic                      table_valid, ahead_valid, advance, unused_state_end;
   logic [Lanes*PartBits-1:0] word, write_data;
   logic [Lanes-1:0]          rounded_ready, rounded_valid;
   assign advance    = rounded_ready[0];
@@ -186,6 +186,7 @@ module msn_tare #(
     .advance_i   (advance),
     .out_valid_o (table_valid),
     .out_data_o  (word),
+    .at_end_o    (unused_state_end),
     .write_i     (write),
     .write_bank_i(1'b0),
     .write_word_i(write_place),
