@@ -1,6 +1,7 @@
-"""The proofs of tools/equivalence.py on small blocks: they hold, but not of a netlist or a reset that is wrong.
+"""The proofs of tools/equivalence.py on small blocks: they hold, but not of a wrong netlist or a wrong reset.
 
-Bugs are planted in the bits: an inverter before a register or at an operand, an output stuck, a reset not heard.
+Bugs are planted in the bits: an inverter before a register or at an operand, an output stuck, a reset that
+nobody hears.
 """
 
 import subprocess
