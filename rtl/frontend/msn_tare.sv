@@ -110,10 +110,10 @@ module msn_tare #(
   );
 
   // What the frame is for. Averaging and loading begin between frames only.
-  logic fresh, asked, asked_force, averaging, forced, commit, any_contact, load_next;
+  logic fresh, asked, asked_force, averaging, forced, commit, any_contact, load_next, turn;
   logic [7:0] frames;
   assign load_next = cfg_load_i && !averaging && !commit;
-  assign load_due  = !midway && load_next != cfg_loading_o;
+  assign load_due  = !midway && turn;
   assign taring_o  = asked || averaging || commit;
 
   always_ff @(posedge clk_i) begin
@@ -125,12 +125,13 @@ module msn_tare #(
     if (accept && in_last_i) drain <= 3'(Drain);
     else if (drain != '0) drain <= drain - 1'b1;
 
+    turn <= load_next != cfg_loading_o && !load_due;  // a clock late: whether a beat may come depends on it
     if (cfg_tare_i) {asked, asked_force} <= {1'b1, cfg_force_i};
     if (load_due) begin
       cfg_loading_o <= load_next;
       fresh         <= 1'b0;
       drain         <= 3'(Drain);
-    end else if (asked && !midway && !averaging && !commit && !cfg_loading_o) begin
+    end else if (asked && !midway && !averaging && !commit && !cfg_loading_o && !cfg_load_i) begin
       asked     <= cfg_tare_i;
       averaging <= 1'b1;
       forced    <= asked_force;
@@ -159,7 +160,7 @@ module msn_tare #(
     end
 
     if (rst_i) begin
-      {midway, ending, asked, averaging, commit, cfg_loading_o, pressed_o} <= '0;
+      {midway, ending, asked, averaging, commit, turn, cfg_loading_o, pressed_o} <= '0;
       {tared_o, refused_o, swallowed_o} <= '0;
       fresh <= 1'b1;
       drain <= '0;
