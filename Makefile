@@ -80,6 +80,9 @@ fmax: $(SYNTH)  ## Fmax and area of single blocks, worst of three seeds: table, 
 formal: $(FORMAL)  ## proofs of the blocks by k-induction, two solvers each
 	@$(BIN)/python tools/formal.py --jobs $(JOBS) $(BLOCKS)
 
+equivalence: $(SYNTH)  ## every block's netlist proven equal to its source, and its reset: docs/trust/equivalence.json
+	@$(BIN)/python tools/equivalence.py --record --jobs $(JOBS) $(BLOCKS)
+
 mutants: $(SYNTH)  ## mutants of every block against its own tests: docs/mutants.md [BLOCKS="haar slip"]
 	@$(BIN)/python tools/mutants.py --jobs $(JOBS) --record $(BLOCKS)
 

@@ -1,4 +1,4 @@
-"""Icarus Verilog as the second simulator: MEISSNER_SIM=icarus. What it cannot run, and why, stands here alone.
+"""Icarus Verilog as second simulator: MEISSNER_SIM=icarus. What it cannot run, and why, stands here alone.
 
 Icarus 11, which Debian has, knows no typed parameters in a module's head, no `signed'(x)` and no $fatal at
 elaboration. ``adapted`` writes these as it knows them, by words; statements stay as they are. The checks of

@@ -1,7 +1,7 @@
 """What a block's own tests drive into it, clock by clock: the stimulus of fault injection.
 
-With MEISSNER_RECORD=FILE in the environment every start of a clock begins a recording of all ports of the top. FILE:
-a line "port bits" for each, an empty line, then a line of hexadecimal values per clock; "=" begins another test.
+With MEISSNER_RECORD=FILE in the environment each start of a clock begins a recording of the ports of the top.
+FILE: a line "port bits" for each, an empty line, then hexadecimal values per clock; "=" begins one.
 After ``ROWS`` clocks the simulation ends, its tests unfinished.
 """
 
@@ -34,7 +34,7 @@ async def record(dut):
     global _open, _rows
     ports = _ports(dut)
     if _open is None:
-        _open = open(FILE, "w")  # noqa: SIM115: as long as the simulation
+        _open = open(FILE, "w")  # noqa: SIM115 - as long as the simulation
         _open.writelines(f"{name} {_bits(handle)}\n" for name, handle in ports.items())
         _open.write("\n")
     _open.write("=\n")

@@ -70,19 +70,37 @@ def pattern(text):
     return re.compile("".join(parts))
 
 
-def unreached(counts, matched):
-    """Of a counter's toggles those above the last bit that moved, if all bits up to it did."""
-    bits = defaultdict(set)
+def never(counts, matched):
+    """Points that must not be hit. This and the next three: the points left out, and those that are wrong."""
+    return set(matched), {point for point in matched if counts[point]}
+
+
+def constant(counts, matched):
+    """Toggles of bits that do not change, but may come up once as the simulation begins."""
+    return set(matched), {point for point in matched if counts[point] and point[1].endswith(":1->0")}
+
+
+def sink(counts, matched):
+    """Points of no matter, hit or not."""
+    return set(matched), set()
+
+
+def counter(counts, matched):
+    """Toggles of a counter's bits above the last that moved, if all below it did."""
+    bits = defaultdict(lambda: defaultdict(set))
     for point in matched:
         signal, bit = re.fullmatch(r"(.*)\[(\d+)\]:.*", point[1]).groups()
-        bits[signal, int(bit)].add(point)
-    result = set()
-    for signal in {signal for signal, _ in bits}:
-        still = [bit for name, bit in bits if name == signal and not all(counts[p] for p in bits[name, bit])]
-        moved = [bit for name, bit in bits if name == signal and bit not in still]
-        if moved and (not still or max(moved) < min(still)):
-            result |= {p for bit in still for p in bits[signal, bit] if not counts[p]}
-    return result
+        bits[signal][int(bit)].add(point)
+    out = set()
+    for points in bits.values():
+        still = {bit for bit, pair in points.items() if not all(counts[point] for point in pair)}
+        moved = points.keys() - still
+        if moved and still and max(moved) < min(still):
+            out |= {point for bit in still for point in points[bit] if not counts[point]}
+    return out, set()
+
+
+RULES_OF = {"never": never, "constant": constant, "sink": sink, "counter": counter}
 
 
 def judge(merged, waivers, blocks):
@@ -105,13 +123,12 @@ def judge(merged, waivers, blocks):
             if empty and (waiver["block"] != "*" or len(empty) == len(judged) >= len(BLOCKS)):
                 faults.append(f"{where}: matches nothing in {empty[0]}")
             for name, matched in found.items():
-                if waiver.get("counter"):
-                    excluded[name] |= unreached(merged[name], matched)
-                    continue
-                hit = [p for p in matched if merged[name][p]]
-                if hit:
-                    faults.append(f"{where}: was hit after all, {len(hit)} of {len(matched)}: {hit[0][1]}")
-                excluded[name].update(matched)
+                out, wrong = RULES_OF[waiver.get("rule", "never")](merged[name], matched)
+                excluded[name] |= out
+                if wrong:
+                    faults.append(
+                        f"{where}: was hit after all, {len(wrong)} of {len(matched)}: {min(wrong)[1]}"
+                    )
     for name in blocks:
         row = {}
         for kind in KINDS:

@@ -1,22 +1,17 @@
-"""Put faults into blocks and see what comes out of them: bits of state upset, samples lost, repeated or late, `last`
-misplaced, a follower that stands still, resets in every clock.
+"""Put faults into blocks and see what comes out: bits of state upset, samples lost, repeated or late, `last`
+misplaced, a follower that stands still, resets in every clock, a converter that hangs or is noisy.
 
-    python tools/faults.py [--faults N] [--seed N] [--record] [BLOCK ...]     default: every block with a clock
+    python tools/faults.py [--faults N] [--seed N] [--record] [BLOCK ...]     default: all that have state
 
 What drives a block is a recording of its own tests; what it should give is its run without the fault. See
-docs/faults.md. Prints a line per block; stops with an error if anything is wrong in silence, or if nothing ran.
+docs/faults.md. Prints a line per block; stops with an error if anything is wrong in silence or nothing ran.
 """
 
 import argparse
 import collections
-import datetime
-import json
 import sys
 
-from meissner import toolchain
-from meissner.trust import faults
-
-RECORD = toolchain.ROOT / "docs/trust/faults.json"
+from meissner.trust import faults, record
 
 
 def main():
@@ -24,7 +19,7 @@ def main():
     parser.add_argument("blocks", nargs="*", metavar="BLOCK")
     parser.add_argument("--faults", type=int, default=200, help="bits upset per block")
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--record", action="store_true", help=f"into {RECORD.relative_to(toolchain.ROOT)}")
+    parser.add_argument("--record", action="store_true", help="into docs/trust/faults.json")
     parser.add_argument("--show", action="store_true", help="each fault that is not masked")
     given = parser.parse_args()
     names = given.blocks or faults.blocks()
@@ -45,11 +40,7 @@ def main():
         silent += [f"{name}: {r.kind} {r.where} at {r.at}" for r in results if r.outcome == "silent"]
     print(f"{'all':20}", *(f"{key} {totals[key]:5}" for key in faults.COLUMNS))
     if given.record:
-        RECORD.parent.mkdir(exist_ok=True)
-        told = json.loads(RECORD.read_text()) if RECORD.exists() else {"blocks": {}}
-        merged = dict(sorted((told["blocks"] | done).items()))
-        told = {"command": "make faults", "date": str(datetime.date.today()), "blocks": merged}
-        RECORD.write_text(json.dumps(told, indent=1) + "\n")
+        record.merge("faults", "make faults", done, faults.summary, faults.total)
     if not totals["injected"]:
         sys.exit("faults: nothing was injected")
     if silent:

@@ -1,23 +1,18 @@
-"""Feed everything that reads what others wrote with mutated and made-up input: packet decoders, configurations,
-recordings, calibrations, logs.
+"""Feed everything that reads what others wrote with mutated and made-up input: packet decoders, recordings,
+configurations, calibrations, logs.
 
-    python tools/fuzz.py [--cases N] [--seed N] [--first N] [--record] [TARGET ...]     default: all, 1,000,000 each
+    python tools/fuzz.py [--cases N] [--seed N] [--first N] [--record] [TARGET ...]   default: a million each
 
-Prints a line per target. Stops with an error at the first case that crashes, hangs, gives a packet that was not
-sent, or is refused otherwise than in one sentence; `--first N --cases 1` repeats it. What begins it is tb/corpus.
+Prints a line per target. Stops with an error at the first case that crashes, hangs, gives a packet that was
+not sent, or is not refused in one sentence; `--first N --cases 1` repeats it. It starts at tb/corpus.
 """
 
 import argparse
-import datetime
-import json
 import sys
 import time
 import warnings
 
-from meissner import toolchain
-from meissner.trust import fuzz
-
-RECORD = toolchain.ROOT / "docs/trust/fuzz.json"
+from meissner.trust import fuzz, record
 
 
 def main():
@@ -27,7 +22,7 @@ def main():
     parser.add_argument("--cases", type=int, default=1_000_000)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--first", type=int, default=0, help="number of the first case")
-    parser.add_argument("--record", action="store_true", help=f"into {RECORD.relative_to(toolchain.ROOT)}")
+    parser.add_argument("--record", action="store_true", help="into docs/trust/fuzz.json")
     given = parser.parse_args()
     unknown = sorted(set(given.targets) - set(targets))
     if unknown:
@@ -48,12 +43,8 @@ def main():
         took = time.monotonic() - begin
         print(f"{target:15} {given.cases:8} cases in {took:.0f} s, {how}", flush=True)
         if given.record:
-            RECORD.parent.mkdir(exist_ok=True)
-            told = json.loads(RECORD.read_text()) if RECORD.exists() else {"blocks": {}}
-            told["blocks"][target] = {"cases": given.cases, "crashes": 0, "hangs": 0, "false": 0}
-            told = {"command": "make fuzz", "date": str(datetime.date.today()), "blocks": told["blocks"]}
-            told["blocks"] = dict(sorted(told["blocks"].items()))
-            RECORD.write_text(json.dumps(told, indent=1) + "\n")
+            facts = {"cases": given.cases, "crashes": 0, "hangs": 0, "false": 0}
+            record.merge("fuzz", "make fuzz", {target: facts}, fuzz.summary, fuzz.total)
 
 
 if __name__ == "__main__":

@@ -3,21 +3,16 @@
     python tools/regress.py [SEEDS] [--seed N] [--jobs N] [--scheduler ADDRESS] [--record] [BLOCK ...]
     python tools/regress.py --seed N --only BLOCK NAME=VALUE ...        one size again, as a failure tells
 
-SEEDS: sizes in all, 200 unless told, each with a seed of its own. A failure is made as small as it can be and told with
-the command that repeats it. With --scheduler the work goes to Dask's workers there, who need the same folder.
+SEEDS: sizes in all, 200 unless told, each with a seed of its own. A failure is made as small as it can be and
+told with the command that repeats it. With --scheduler Dask's workers there do the work, in the same folder.
 """
 
 import argparse
-import datetime
 import itertools
-import json
 import sys
 from concurrent.futures import ThreadPoolExecutor, as_completed
 
-from meissner import toolchain
-from meissner.trust import regress
-
-RECORD = toolchain.ROOT / "docs/trust/regress.json"
+from meissner.trust import record, regress
 
 
 def one(block, given, seed):
@@ -63,12 +58,12 @@ def results(pieces, given):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
-    parser.add_argument("sizes", nargs="?", type=int, default=200)
+    parser.add_argument("sizes", nargs="?", type=int, default=200, metavar="SEEDS")
     parser.add_argument("blocks", nargs="*", metavar="BLOCK")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--scheduler", metavar="ADDRESS")
-    parser.add_argument("--record", action="store_true", help=f"into {RECORD.relative_to(toolchain.ROOT)}")
+    parser.add_argument("--record", action="store_true", help="into docs/trust/regress.json")
     parser.add_argument("--only", nargs="+", metavar=("BLOCK", "NAME=VALUE"))
     given = parser.parse_args()
     if given.only:
@@ -89,10 +84,8 @@ def main():
     total = sum(passed.values())
     print(f"{total} sizes of {len(passed)} blocks pass, {len(failed)} fail")
     if given.record and not failed:
-        RECORD.parent.mkdir(exist_ok=True)
-        blocks = {name: {"sizes": count, "failed": 0} for name, count in sorted(passed.items())}
-        told = {"command": f"make regress SEEDS={given.sizes}", "date": str(datetime.date.today())}
-        RECORD.write_text(json.dumps(told | {"blocks": blocks}, indent=1) + "\n")
+        facts = {name: {"sizes": count, "failed": 0} for name, count in passed.items()}
+        record.merge("regress", f"make regress SEEDS={given.sizes}", facts, regress.summary, regress.total)
     if failed or not total:
         sys.exit("regress: " + (f"{len(failed)} failed" if failed else "nothing ran"))
 

@@ -53,7 +53,7 @@ def read_arrays(path):
 
 
 def _load(path, whole=False):
-    """What numpy finds in a file, None if nothing: a damaged one stops it, and what unpacks for it, anywhere."""
+    """What numpy finds in a file, None if nothing: a damaged one stops it, and what unpacks, anywhere."""
     try:
         found = np.load(path, allow_pickle=False)
         if not whole or isinstance(found, np.ndarray):

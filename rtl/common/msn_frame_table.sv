@@ -7,7 +7,8 @@
 // Beats come in order, so the address needs no sample: the memory's slow output (5.8 ns on ECP5) has a
 // register of its own and costs no latency. The user advances when it took a word and while out_valid_o is
 // low. A restart (hold it a clock or more) takes up bank_i; the first word is there two advances later.
-// With two banks the one not read can be written at any time, each part of a word by itself.
+// With two banks the one not read can be written at any time, each part of a word by itself. at_end_o: the word
+// before Start waits, as it must with a frame's last beat; who finds it otherwise restarts.
 // Model: model/meissner/common/frame_table.py
 
 module msn_frame_table #(
@@ -25,6 +26,7 @@ module msn_frame_table #(
   input  logic                      advance_i,
   output logic                      out_valid_o,
   output logic [Parts*PartBits-1:0] out_data_o,
+  output logic                      at_end_o,
 
   input  logic [Parts-1:0]          write_i,
   input  logic                      write_bank_i,
@@ -52,6 +54,12 @@ module msn_frame_table #(
   assign bank          = Banks == 2 && bank_i;
   assign write_bank    = Banks == 2 && write_bank_i;
   assign write_address = AddressBits'(write_word_i) + (write_bank ? AddressBits'(Words) : '0);
+
+  // Two words are on their way when one waits. Found a clock ahead, and not of `first`, which may be what strayed.
+  logic [AddressBits-1:0] start, next;
+  assign start = AddressBits'(Start) + (bank ? AddressBits'(Words) : '0);
+  assign next  = AddressBits'((Start + 1) % Words) + (bank ? AddressBits'(Words) : '0);
+  always_ff @(posedge clk_i) at_end_o <= address == (advance_i && !restart_i ? start : next);
 
   always_ff @(posedge clk_i) begin
     if (restart_i) begin

@@ -71,7 +71,11 @@ module msn_cop_divide #(
   assign num_x = (Columns > 1) ? (DenXBits + 1)'(in_mx_i) : '0;
   assign num_y = (Rows > 1) ? (DenYBits + 1)'(in_my_i) : '0;
 
+  // Both are in step, for the clocks do not depend on the numbers. Should one have strayed, no division begins until
+  // both are free, and what the second has alone is dropped: the next is right.
   logic signed [CopBits-1:0] quotient_x, quotient_y;
+  logic                      ready_x, ready_y;
+  assign in_ready_o = ready_x && ready_y;
   msn_divide #(
     .DenBits     (DenXBits),
     .FractionBits(FractionBits),
@@ -81,8 +85,8 @@ module msn_cop_divide #(
   ) u_x (
     .clk_i,
     .rst_i,
-    .in_valid_i,
-    .in_ready_o,
+    .in_valid_i    (in_valid_i && ready_y),
+    .in_ready_o    (ready_x),
     .in_num_i      (num_x),
     .in_den_i      (den_x),
     .in_side_i     ({in_sum_i, pressed}),
@@ -92,8 +96,7 @@ module msn_cop_divide #(
     .out_side_o    ({out_load_o, out_pressed_o})
   );
 
-  // In step with the other: the clocks do not depend on the numbers.
-  logic unused_ready, unused_valid, unused_side;
+  logic unused_valid, unused_side;
   msn_divide #(
     .DenBits     (DenYBits),
     .FractionBits(FractionBits),
@@ -103,13 +106,13 @@ module msn_cop_divide #(
   ) u_y (
     .clk_i,
     .rst_i,
-    .in_valid_i,
-    .in_ready_o    (unused_ready),
+    .in_valid_i    (in_valid_i && ready_x),
+    .in_ready_o    (ready_y),
     .in_num_i      (num_y),
     .in_den_i      (den_y),
     .in_side_i     (1'b0),
     .out_valid_o   (unused_valid),
-    .out_ready_i,
+    .out_ready_i   (out_ready_i || !out_valid_o),
     .out_quotient_o(quotient_y),
     .out_side_o    (unused_side)
   );

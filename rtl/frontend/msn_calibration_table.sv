@@ -52,14 +52,14 @@ module msn_calibration_table #(
 
   // Banks change between frames only. What was read ahead from the old one is thrown away, and no beat
   // goes before the new one's first word is there.
-  logic bank, midway, stale, swap, restart, bank_next;
+  logic bank, midway, stale, swap, restart, bank_next, at_end;
   assign swap      = cfg_swapping_o && !midway;
   assign restart   = rst_i || stale || swap;
   assign bank_next = bank ^ swap;
 
   always_ff @(posedge clk_i) begin
     if (take_i) midway <= !last_i;
-    stale          <= restart_i;  // a clock late: who takes a beat is known late
+    stale          <= restart_i || (take_i && last_i && !at_end);  // a clock late: who takes a beat is known late
     bank           <= bank_next;
     cfg_swapping_o <= cfg_swap_i || (cfg_swapping_o && !swap);
     loaded_o       <= loaded_o || swap;
@@ -93,6 +93,7 @@ module msn_calibration_table #(
     .advance_i   (take_i || !valid),
     .out_valid_o (valid),
     .out_data_o  (word),
+    .at_end_o    (at_end),
     .write_i     (cfg_write_i),
     .write_bank_i(!bank),
     .write_word_i(cfg_word_i),

@@ -149,6 +149,7 @@ module msn_health #(
 
   // Read ahead: the taxels' states, and how those around them moved up to the last whole frame.
   logic                       advance, state_valid, mid_valid, unused_up_valid, unused_down_valid;
+  logic                       unused_states_end, unused_up_end, unused_row_end, unused_down_end;
   logic [Lanes*StateBits-1:0] state_ahead, state_head, write_state;
   logic [2*Lanes-1:0]         up_ahead, up_head, down_ahead, down_head, ahead, here, write_moves;
   logic [1:0]                  behind;  // of the last lane
@@ -163,6 +164,7 @@ module msn_health #(
     .advance_i   (advance),
     .out_valid_o (state_valid),
     .out_data_o  (state_ahead),
+    .at_end_o    (unused_states_end),
     .write_i     (write),
     .write_bank_i(1'b0),
     .write_word_i(write_place),
@@ -175,6 +177,7 @@ module msn_health #(
     .advance_i   (advance),
     .out_valid_o (unused_up_valid),
     .out_data_o  (up_ahead),
+    .at_end_o    (unused_up_end),
     .write_i     (write),
     .write_bank_i(!bank),
     .write_word_i(write_place),
@@ -187,6 +190,7 @@ module msn_health #(
     .advance_i   (advance),
     .out_valid_o (mid_valid),
     .out_data_o  (ahead),
+    .at_end_o    (unused_row_end),
     .write_i     (write),
     .write_bank_i(!bank),
     .write_word_i(write_place),
@@ -199,6 +203,7 @@ module msn_health #(
     .advance_i   (advance),
     .out_valid_o (unused_down_valid),
     .out_data_o  (down_ahead),
+    .at_end_o    (unused_down_end),
     .write_i     (write),
     .write_bank_i(!bank),
     .write_word_i(write_place),

@@ -170,7 +170,7 @@ module msn_tare #(
   end
 
   // Two clocks ahead of the samples: the zero with what an averaging adds to it; then it is rounded.
-  logic                      table_valid, ahead_valid, advance;
+  logic                      table_valid, ahead_valid, advance, unused_state_end;
   logic [Lanes*PartBits-1:0] word, write_data;
   logic [Lanes-1:0]          rounded_ready, rounded_valid;
   assign advance    = rounded_ready[0];
@@ -189,6 +189,7 @@ module msn_tare #(
     .advance_i   (advance),
     .out_valid_o (table_valid),
     .out_data_o  (word),
+    .at_end_o    (unused_state_end),
     .write_i     (write),
     .write_bank_i(1'b0),
     .write_word_i(write_place),

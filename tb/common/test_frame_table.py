@@ -44,8 +44,10 @@ async def matches_model(dut, pause_rate):
         for _ in range(draw.randint(1, 3)):
             dut.advance_i.value = draw.getrandbits(1)
             await bench.RisingEdge(dut.clk_i)
-        dut.restart_i.value, dut.bank_i.value = 0, 1 - bank  # a bank named later must not matter
+        # a bank named later must not matter to what comes
+        dut.restart_i.value, dut.bank_i.value = 0, draw.choice([bank, 1 - bank])
         waited, due, expected = 0, draw.randint(1, 3 * words), None
+        wanted = due
         while due:
             if banks == 2:
                 await write(1 - bank, draw.randrange(words), draw.getrandbits(parts))
@@ -55,6 +57,8 @@ async def matches_model(dut, pause_rate):
                 assert waited == 2
                 expected = sum(int(part) << (bits * p) for p, part in enumerate(twin.next(1)[0]))
             assert not valid or bench.read(dut.out_data_o) == expected
+            if valid and bank == int(dut.bank_i.value):  # bank_i stays with who asks for the end
+                assert dut.at_end_o.value == ((wanted - due) % words == words - 1)
             waited += not valid
             take = valid and draw.random() >= pause_rate
             dut.advance_i.value = int(take or not valid)

@@ -1,5 +1,4 @@
-"""Makes the small whole files from which `make fuzz` begins: python tb/corpus/make.py. What was found by fuzzing
-lies beside them under the name of what it broke."""
+"""Makes the small whole files from which `make fuzz` begins: python tb/corpus/make.py."""
 
 from pathlib import Path
 

@@ -28,17 +28,23 @@ module cover_divide #(
     again <= !in_ready_o && in_valid_i && !rst_i;
   end
 
+  for (genvar a = 0; a <= 1; a++) begin : gen_pair
+    for (genvar b = 0; b <= 1; b++) begin : gen_with
+      `BIN(rate_pipe, load && BitsPerClock == 1 + a && Pipelined == (b == 1))
+      `BIN(rate_odd, load && BitsPerClock == 1 + a && FractionBits % 2 == b)
+      `BIN(pipe_odd, load && Pipelined == (a == 1) && FractionBits % 2 == b)
+    end
+  end
   for (genvar rate = 1; rate <= 2; rate++) begin : gen_rate
     for (genvar pipe = 0; pipe <= 1; pipe++) begin : gen_pipe
       logic here;
       assign here = !rst_i && BitsPerClock == rate && Pipelined == (pipe == 1);
-      for (genvar odd = 0; odd <= 1; odd++) begin : gen_odd
-        `BIN(built, here && load && FractionBits % 2 == odd)
-      end
       for (genvar below = 0; below <= 1; below++) begin : gen_below
         for (genvar d = 0; d < 2 ** rate; d++) begin : gen_digit
-          // In the first clock, and in any other: the pipe's first unit sees no other.
-          `BIN(first, here && fresh && digit == 2'(d) && negative == (below == 1))
+          // In the first clock, when 3 cannot be, as |num| is at most den; and in any other.
+          if (d < 3) begin : gen_first
+            `BIN(first, here && fresh && digit == 2'(d) && negative == (below == 1))
+          end
           if (pipe == 0) begin : gen_turning
             `BIN(later, here && turn && !fresh && digit == 2'(d) && negative == (below == 1))
           end

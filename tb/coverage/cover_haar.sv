@@ -14,10 +14,10 @@ module cover_haar #(
   input logic signed [SampleBits+Level-1:0] out_detail_o,
   input logic signed [SampleBits+Level-1:0] out_total_o,
   input logic                               out_mask_o,
-  input logic        [Level:0]              valid,
-  input logic        [Level:0]              restart,
-  input logic        [Level:0]              mask,
-  input logic        [Level:0]              last,
+  input logic        [3:0]                  valid,  // of each level
+  input logic        [3:0]                  restart,  // of each level
+  input logic        [3:0]                  mask,  // of each level
+  input logic        [3:0]                  last,  // of each level
   input logic                               odd_q
 );
   localparam logic signed [SampleBits+Level-1:0] Half = (SampleBits+Level)'(1) << (SampleBits + Level - 1);
@@ -58,5 +58,5 @@ module cover_haar #(
 endmodule
 
 bind msn_haar cover_haar #(.Channels(Channels), .SampleBits(SampleBits), .Level(Level), .Mask(Mask)) u_cover (
-  .odd_q(gen_level[0].odd_q), .*
+  .valid(4'(valid)), .restart(4'(restart)), .mask(4'(mask)), .last(4'(last)), .odd_q(gen_level[0].odd_q), .*
 );

@@ -9,10 +9,8 @@ import tomllib
 import pytest
 
 import bench
-from meissner import toolchain
-
-sys.path.append(str(toolchain.ROOT / "tools"))
 import coverage_points as points
+from meissner import toolchain
 
 MODULE = """module msn_tiny (input logic clk_i, input logic a, input logic b, output logic [1:0] y);
   always_ff @(posedge clk_i) begin
@@ -101,13 +99,25 @@ def test_a_faulty_waiver_is_reported(merged, point, reason, words):
     assert len(faults) == 1 and words in faults[0], faults
 
 
+def test_a_constant_may_come_up_once(merged):
+    waiver = {"block": "tiny", "points": ["toggle y[1]:*"], "reason": "always 1", "rule": "constant"}
+    up, down = ("toggle", "y[1]:0->1"), ("toggle", "y[1]:1->0")
+    for counts, words in (
+        ({up: 1, down: 0}, []),
+        ({up: 2, down: 1}, ["was hit after all, 1 of 2: y[1]:1->0"]),
+    ):
+        row, _, faults = judged({"tiny": counts}, waiver)
+        assert row["toggle"] == [0, 0, 2]
+        assert [fault.split(": ", 2)[2] for fault in faults] == words
+
+
 @pytest.mark.parametrize(
     "moved, left_out",
     [("11111111", 0), ("00000111", 5), ("00000101", 0), ("00000000", 0), ("00001110", 0), ("00000001", 7)],
 )
 def test_a_counters_upper_bits_are_left_out_if_the_lower_all_moved(moved, left_out):
     bits = {("toggle", f"n[{k}]:{way}"): int(moved[7 - k]) for k in range(8) for way in ("0->1", "1->0")}
-    waiver = {"block": "tiny", "points": ["toggle n[*]:*"], "reason": "a counter", "counter": True}
+    waiver = {"block": "tiny", "points": ["toggle n[*]:*"], "reason": "a counter", "rule": "counter"}
     row, _, faults = judged({"tiny": bits}, waiver)
     assert row["toggle"] == [2 * moved.count("1"), 16 - 2 * left_out, 2 * left_out]
     assert not faults
@@ -121,6 +131,7 @@ def test_every_waiver_has_a_reason_and_a_block():
             assert name in ("*", *names) or (toolchain.ROOT / f"model/meissner/{name}.py").exists(), name
         for text in waiver["points"]:
             assert text.split(" ")[0] in points.KINDS, text
+        assert waiver.get("rule", "never") in points.RULES_OF, waiver
 
 
 def test_small_blocks_have_no_hole():

@@ -46,6 +46,10 @@ async def matches_model(dut, stall_rate):
     length = 101 if channels < 50 else 9
     rng = np.random.default_rng(bench.SEED)
     x = bench.extremes_then_random(rng, channels, length, bits)
+    if length > 60:  # each level's largest sums and details, of both signs
+        low, high = bench.width(bits)
+        runs = np.concatenate([np.repeat([1, 1, 0, 0, 1, 0, 0, 1], 4), np.repeat([1, 0, 0, 1], 2)])
+        x[:, 16:56] = np.where(runs, high, low)
     mask, used = masks(dut, rng, x)
     pause = bench.pauses(stall_rate)
     got = await bench.stream(dut, bench.frames(data=x, mask=mask), FIELDS, pause, pause)

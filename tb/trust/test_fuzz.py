@@ -1,5 +1,5 @@
-"""`make fuzz` in a short form: each reader over its corpus and some thousand cases; what was found once is refused
-in a sentence; and the fuzzing itself finds a decoder that lets a damaged packet pass and a reader that breaks."""
+"""`make fuzz` in a short form: each reader over its corpus and some thousand cases; what was found once is
+refused in a sentence; and it finds a decoder that lets a damaged packet pass and a reader that breaks."""
 
 import warnings
 import zipfile
@@ -51,7 +51,7 @@ def _careless(packet):
 
 def test_finds_a_reader_that_breaks(monkeypatch):
     monkeypatch.setattr(calibration, "load", lambda path: files.read_arrays(path)["gain"].sum() + 1)
-    with pytest.raises(fuzz.Failed, match="case [0-9]+: "):
+    with pytest.raises(fuzz.Failed, match=r"case [0-9]+: "):
         fuzz.run("calibration", 300)
 
 
@@ -74,7 +74,7 @@ HEADER = (
 
 def test_a_header_that_python_cannot_parse(tmp_path):
     (tmp_path / "a.npy").write_bytes(HEADER.ljust(128) + bytes(48))
-    with pytest.raises(ValueError, match="not a .npy file of numbers"):
+    with pytest.raises(ValueError, match=r"not a \.npy file of numbers"):
         files.read_array(tmp_path / "a.npy")
 
 

@@ -1,6 +1,7 @@
 """A block as bits: Yosys makes them of its sources, or through synthesis; here they become a graph.
 
-Products are leaves: boxes on either side, whose results are as free as inputs and whose operands count as outputs.
+Products are leaves: boxes on either side, whose results are as free as inputs and whose operands count as
+outputs.
 """
 
 import json
@@ -15,12 +16,12 @@ FAMILIES = {
     "ice40": ("synth_ice40 -run begin:check -nobram", "+/ice40/cells_sim.v"),
 }
 # What is undefined, such as a word beside a memory's end, is 0 on both sides.
+ZERO = "setundef -undriven -zero; setundef -zero"
 BITS = (
-    f"techmap -map {HERE}/carry_map.v -map +/techmap.v; dffunmap; simplemap; opt_clean; "
-    "setundef -undriven -zero; setundef -zero; aigmap; opt_clean; check -assert; setattr -unset src */t:* */w:*"
+    f"techmap -map {HERE}/carry_map.v -map +/techmap.v; dffunmap; simplemap; opt_clean; {ZERO}; "
+    "aigmap; opt_clean; check -assert; setattr -unset src */t:* */w:*"
 )
-
-DEFINED = f"techmap -map {HERE}/defined_map.v; memory -nordff; setundef -undriven -zero; setundef -zero; opt_clean; "
+DEFINED = f"techmap -map {HERE}/defined_map.v; memory -nordff; {ZERO}; opt_clean; "
 
 
 @dataclass
@@ -68,7 +69,10 @@ class Circuit:
         return found
 
     def holders(self):
-        """{(name, index): (Q, inverted)} of what is a register's contents, perhaps inverted; Q None: a constant."""
+        """{(name, index): (Q, inverted)} of what is a register's contents, or those inverted.
+
+        Q None: it is a constant.
+        """
         graph = Aig()
         given = {bit: graph.input() for bit in [*self.registers, *self.inputs.values()]}
         of = {given[bit]: bit for bit in self.registers} | {FALSE: None}
@@ -140,7 +144,8 @@ def synthesise(block, parameters, folder, families=FAMILIES, defined=False):
         script += [
             f"design -load read; {synth} -top {top}",
             f"techmap -wb -D EQUIV -autoproc -map {cells}",
-            f"setattr -unset init; flatten; hierarchy -top {top} -purge_lib; {BITS}; write_json {folder}/{family}.json",
+            f"setattr -unset init; flatten; hierarchy -top {top} -purge_lib; {BITS}",
+            f"write_json {folder}/{family}.json",
         ]
     yowasp.yosys("; ".join(script), f"{folder}/yosys.log")
     return {name: load(toolchain.ROOT / folder / f"{name}.json", top) for name in ("source", *families)}

@@ -14,7 +14,7 @@ from meissner.trust import benches
 DRIVER = Path(__file__).with_name("faults_driver.cpp")
 HERE = DRIVER.parents[1] / "engines"  # the converters' models
 WORK = toolchain.BUILD / "faults"
-COLUMNS = ("injected", "masked", "recovered", "detected", "told", "kept", "silent")
+COLUMNS = ("injected", "masked", "recovered", "detected", "told", "late", "kept", "silent")
 LEFT_OUT = {
     "compare": "no state",
     "times": "no state",
@@ -22,8 +22,8 @@ LEFT_OUT = {
     "axis": "the same",
 }
 
-# Frames until what a fault left behind has gone, where that is more than the one it hits: what a window or a timer
-# of the block lasts, or what lies inside it.
+# Frames until what a fault left behind has gone, where that is more than the one it hits: what a window or a
+# timer of the block lasts, or what lies inside it.
 SETTLE = {
     **{
         "delay": 12,
@@ -34,19 +34,28 @@ SETTLE = {
         "haar": 8,
         "sliding_extremes": 14,
     },
-    **{"peak_to_peak": 24, "slip": 40, "slip_serial": 40, "slip_flags": 2, "channels": 80, "frame_table": 2},
-    **{"tare": 6, "health": 40, "calibration_grid": 2, "calibration_table": 2, "cop_slip": 24, "cop4": 2},
+    **{"peak_to_peak": 24, "slip": 40, "slip_serial": 60, "slip_flags": 20, "slip_path": 80},
+    **{
+        "tare": 6,
+        "health": 40,
+        "calibration_grid": 2,
+        "calibrate": 3,
+        "cop_slip": 24,
+        "cop4": 2,
+        "cop_accumulate": 2,
+        "cop": 2,
+    },
 }
 # What the driver must be told of a block, see there.
-TABLES = "kept=memory,gains,offsets"  # of calibrations: until they are written again
+# Of calibrations: the tables, which of the two is in use and whether any is, until they are written again.
+TABLES = "kept=memory,gains,offsets,rows,bank,loaded,cfg_swapping"
 OPTIONS = {
     "delay": ["frame=step_i"],
-    "frame_table": ["frame=restart_i", "kept=memory"],
     "spi_shift": ["frame=start_i", "strobe=word_o"],
     "burst": ["frame=start_i"],
     "convert_time": ["frame=last_i"],
-    "slip_flags": ["frame=in_last_i"],
-    "calibration_table": ["frame=last_i", TABLES],
+    "slip_flags": ["frame=in_valid_i"],
+    "calibration_preset": ["kept=all"],  # runs once after a reset: what it spoils is a table
     "calibration_grid": ["frame=last_i", TABLES],
     "calibrate": [TABLES],
     "cop_array": [TABLES],
@@ -54,16 +63,20 @@ OPTIONS = {
     "haar": ["phases=8"],
     "peak_to_peak": ["phases=8"],
     "slip_serial": ["phases=8"],
-    "channels": ["phases=64"],
+    "slip_path": ["phases=16"],
+    "channels": ["free=16000", "part=1", "late=left_q"],
+    "acquire": ["free=16000", "part=1", "late=left_q"],
     "adc_single": ["free=12000", "part=1"],
-    "adc_spi": ["free=16000", "part=1"],
-    "scan_adc": ["free=40000", "part=2"],
-    "scan_demod": ["free=60000", "part=3"],
-    "array": ["free=60000", "part=1"],
+    "adc_spi": ["free=16000", "part=1", "late=left_q"],
+    "scan_adc": ["free=40000", "part=2", "late=left_q"],
+    "scan_demod": ["free=60000", "part=3", "late=left_q"],
+    "array": ["free=60000", "part=1", "late=left_q"],
 }
-# Blocks that only answer a converter are run inside another, with one at its pins: that block, and the instance.
+# Blocks that others wait for or that wait for a converter run inside another: that block, the instance.
 INSIDE = {
     "adc_store": ("adc_spi", "u_store."),
+    "frame_table": ("calibrate", "u_beats."),
+    "calibration_table": ("calibrate", "u_table."),
     "scan_plan": ("scan_adc", "u_plan."),
     "scan_buffer": ("scan_adc", "u_buffer."),
     "scan": ("scan_adc", "u_scan."),
@@ -80,7 +93,7 @@ SIZES = {
     "peak_to_peak": {"Channels": 3, "Hop": 4, "Mask": 0},
     "slip": {"TimerBits": 4},
     "slip_serial": {"Window": 4},
-    "channels": {"Level": 2, "Window": 16, "Hop": 12},
+    "slip_path": {"Channels": 3, "Window": 16},
     "cop": {"Rows": 3},
     "cop_array": {"Rows": 5},
     "cop_accumulate": {"Rows": 3},
@@ -136,7 +149,8 @@ def recording(block):
     if not path.exists():
         WORK.mkdir(parents=True, exist_ok=True)
         fresh = path.with_suffix(f".{os.getpid()}")
-        call = "import bench; bench.run({stage!r}, {block!r}, {parameters!r}, {test_filter!r}, sources={sources!r})"
+        call = "import bench; bench.run({stage!r}, {block!r}, {parameters!r}, {test_filter!r}, "
+        call += "sources={sources!r})"
         text = call.format(**{**run, "sources": [*map(str, run["sources"])] or None})
         paths = os.pathsep.join([str(toolchain.ROOT / "tb"), *filter(None, [os.environ.get("PYTHONPATH")])])
         source = next(path for path in toolchain.sources() if path.stem == f"msn_{block}").read_text()
@@ -239,3 +253,13 @@ def inject(block, count, seed):
     print("   ", lines[0])
     told = [Result(k, w, int(a), o, " ".join(rest)) for k, w, a, o, *rest in map(str.split, lines[1:])]
     return [result for result in told if result.outcome != "constant"]  # no state, see the driver
+
+
+def summary(facts):
+    """A block's cell in docs/trust.md."""
+    return f"{facts['injected']}, {facts['silent']} silent"
+
+
+def total(blocks):
+    injected, silent = (sum(facts[key] for facts in blocks) for key in ("injected", "silent"))
+    return f"{injected:,} faults injected into {len(blocks)} blocks, {silent} wrong in silence after recovery"

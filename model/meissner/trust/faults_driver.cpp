@@ -8,6 +8,7 @@
 //   only=NAME    bits of state only whose names hold this
 //   phases=N     windows of up to N frames, which a fault may let begin in another frame
 //   kept=NAMES   what is written and then kept by design: an upset of it stays until it is written again
+//   late=NAME    of one that runs by itself: what counts the clocks to its next frame
 //   skip=KIND    no faults of this kind
 //   free=CLOCKS  the block runs by itself, its inputs as they were most of the recording; with part=N (of
 //                msn_pkg::adc_part_e), lanes=N a converter at its pins, whose codes follow from row, group and channel.
@@ -396,7 +397,7 @@ struct Trace {
   std::vector<std::pair<size_t, Words>> level;  // of each row, when there is no sink
   Words flag;                                   // the flags' last values, and in how many clocks each was up
   std::vector<size_t> row_of_clock;
-  uint32_t restarts = 0;
+  std::vector<size_t> restarts;                 // rows in which a follower was told to begin anew
   bool hung = false;
 };
 
@@ -463,7 +464,7 @@ void play(Model &model, Trace &trace, const std::vector<Cell> *cells, const Faul
         for (const int port : sinks[s].payload)
           for (int w = 0; w < (ports[port].bits + 31) / 32; ++w) beat.words.push_back(model.word(port, w));
         trace.out[s].push_back(beat);
-        trace.restarts += sinks[s].restart >= 0 && model.bit(sinks[s].restart);
+        if (sinks[s].restart >= 0 && model.bit(sinks[s].restart)) trace.restarts.push_back(r);
       }
       for (size_t f = 0; f < flags.size(); ++f) {
         bool any = false;
@@ -489,7 +490,6 @@ void play(Model &model, Trace &trace, const std::vector<Cell> *cells, const Faul
     }
     if (draining && quiet > 400) break;
   }
-  trace.flag.push_back(trace.restarts);
   for (size_t f = 0; f < flags.size(); ++f) {
     trace.flag.push_back(ports[flags[f]].bits == 1 ? up[f] : 0);
     for (int w = 0; w < (ports[flags[f]].bits + 31) / 32; ++w) trace.flag.push_back(model.word(flags[f], w));
@@ -510,12 +510,14 @@ std::vector<std::pair<long, std::vector<Words>>> frames_of(const std::vector<Bea
 }
 
 // Does every frame of ``bad`` that begins at ``from`` or later occur in ``good``, and is there one?
-bool among(const std::vector<Beat> &bad, const std::vector<Beat> &good, long from) {
+bool among(const std::vector<Beat> &bad, const std::vector<Beat> &good, long from, bool *none = nullptr) {
   const auto known = frames_of(good);
-  bool any = false;
+  bool any = none != nullptr;
+  if (none) *none = true;
   for (const auto &[begin, frame] : frames_of(bad)) {
     if (begin < from) continue;
     any = true;
+    if (none) *none = false;
     const bool found = std::any_of(known.begin(), known.end(), [&](const auto &other) { return other.second == frame; });
     if (!found) return false;
   }
@@ -692,6 +694,7 @@ int main(int argc, char **argv) {
   std::vector<std::string> kept;  // names of what is meant to be kept
   std::istringstream names(options["kept"]);
   for (std::string name; std::getline(names, name, ',');) kept.push_back(name);
+  if (options["kept"] == "all") kept = {""};
 
   for (const auto &fault : faults) {
     Model model;
@@ -711,9 +714,10 @@ int main(int argc, char **argv) {
       // A fault in a frame's last beat or in the pause behind it is one of the next frame.
       const auto next = std::upper_bound(begins.begin(), begins.end(), row + 1);
       const size_t from = next + settle - 1 < begins.end() ? *(next + settle - 1) : rows.size();
-      const bool flagged = trace.flag != golden.flag;
+      const bool flagged = trace.flag != golden.flag || trace.restarts != golden.restarts;
       bool right = !trace.hung;
-      if (options.count("free")) {
+      const bool free = options.count("free");
+      if (free) {
         for (size_t s = 0; s < sinks.size() && right; ++s) {
           const long lasted = fault.kind >= kBusy ? 900 : fault.kind == kStuck ? 300 : 1;
           right = among(trace.out[s], golden.out[s], fault.clock + lasted + static_cast<long>(settle) * interval);
@@ -727,7 +731,17 @@ int main(int argc, char **argv) {
       }
       if (right) outcome = same(trace, golden) ? (flagged ? "detected" : "masked") : flagged ? "detected" : "recovered";
       else if (flagged && !trace.hung) outcome = "told";
-      if (!right) {  // does a reset with all that was written heal it?
+      // A count of clocks to the next frame that was made longer: none has come, and none that is wrong.
+      if (!right && free && fault.kind == kBit && options.count("late") && outcome == "silent" &&
+          cell.name.find(options["late"]) != std::string::npos) {
+        bool all = true;
+        for (size_t s = 0; s < sinks.size(); ++s) {
+          bool none = false;
+          all &= among(trace.out[s], golden.out[s], fault.clock + static_cast<long>(settle) * interval, &none) && none;
+        }
+        if (all) outcome = "late";
+      }
+      if (!right && outcome != "late") {  // does a reset with all that was written heal it?
         Trace again;
         model.set(reset_port, true);
         play(model, again, &here, Fault{}, seed, true);

@@ -154,7 +154,7 @@ class Feed:
 
 
 class Host(Packets):
-    """The same over a line to meissner.host.Core, which puts images together and gives packets their types."""
+    """The same over a line to meissner.host.Core, which puts images together and types packets."""
 
     name = "host"
 
@@ -270,7 +270,7 @@ class Logs(Files):
 
 
 def archive(draw, data):
-    """An .npz whose arrays are others, of other shapes, other kinds, missing or mutated, in a whole archive."""
+    """A whole .npz whose arrays have other shapes or kinds, are missing or mutated."""
     with np.load(io.BytesIO(data)) as found:
         arrays = {name: found[name] for name in found.files}
     made = io.BytesIO()
@@ -306,8 +306,8 @@ STRICT = ["-std=c99", "-g", "-O1", "-I", str(toolchain.ROOT / "host")]
 def run_c(count, seed=1):
     """``count`` strings to the decoder in C; what with, in words. Failed with what the sanitizers said.
 
-    With clang and its libFuzzer half of them are guided by coverage; the others, or all, come from the mutations
-    of tb/host/packet_fuzz.c. A compiler without sanitizers builds without, and is told of.
+    With clang and its libFuzzer half of them are guided by coverage; the others, or all, come from
+    tb/host/packet_fuzz.c. A compiler without sanitizers builds without, and is told of.
     """
     line = CORPUS / "packets/line.bin"
     with tempfile.TemporaryDirectory() as folder:
@@ -359,3 +359,12 @@ def run(target, count, seed=1, first=0):
                 raise Failed(f"{target}, case {index}: {type(problem).__name__}: {problem}") from problem
             slowest = max(slowest, time.monotonic() - begin)
     return slowest
+
+
+def summary(facts):
+    return f"{facts['cases']:,} cases"
+
+
+def total(targets):
+    cases = sum(facts["cases"] for facts in targets)
+    return f"{cases:,} fuzzed inputs to {len(targets)} readers, no crash, hang or false packet"

@@ -1,15 +1,17 @@
 """Is a netlist what its sources say? Both side by side, and a proof that no output ever differs.
 
 Registers of the same name begin with the same, unknown contents; inputs may do what they like from the first
-clock on, reset or not. ABC, which is part of Yosys, merges what it proves equal by induction (scorr); proven is an
-output whose difference it thereby finds to be the constant 0.
+clock on, reset or not. ABC, which is part of Yosys, merges what it proves equal by induction (scorr); an
+output is proven if its difference is then the constant 0.
 """
 
 import random
 
 from meissner import toolchain, yowasp
-from meissner.trust.aig import FALSE, LANES, Aig, lane_bits, outputs_of, simulate, write
+from meissner.trust.aig import FALSE, LANES, TRUE, Aig, lane_bits, outputs_of, simulate, write
 
+RESET = "rst_i"
+CLOCKS = 30  # of simulation
 DUMMY = "module dummy(input a, b, output y); assign y = a & b; endmodule"  # ABC wants something to work on
 
 
@@ -25,10 +27,10 @@ def abc(folder, commands):
 
 
 def power_up(graph, source, netlist):
-    """What the registers of either side begin with, {Q: literal} twice: the same where they have a name in common.
+    """What the registers of either side begin with, {Q: literal} twice: the same where they share a name.
 
-    Registers that synthesis made one, or a constant, begin so in the source too; one that it dropped, like one that
-    behaves the same.
+    Registers that synthesis made one, or a constant, begin so in the source too; one that it dropped, like
+    one that behaves the same.
     """
     first, begins = {}, {}
     owner = source.holders()
@@ -44,23 +46,21 @@ def power_up(graph, source, netlist):
         begins[bit] = known[0] if known else graph.input()
         first.update({twin: begins[bit] ^ turned for twin, turned in twins.items()})
     like = behaviour(source)
-    leaders = {like[bit]: literal for bit, literal in first.items()} | {
-        (0,) * len(next(iter(like.values()), ())): FALSE
-    }
+    leaders = {like[bit]: literal for bit, literal in first.items()} | {(0,) * CLOCKS: FALSE}
     for bit in source.registers:
         if bit not in first:
             first[bit] = leaders[like[bit]] if like[bit] in leaders else graph.input()
     return first, begins
 
 
-def behaviour(circuit, clocks=30):
-    """{Q: what it held in a random simulation from zeros on}: synthesis makes one of registers that do the same."""
+def behaviour(circuit):
+    """{Q: what it held in a random simulation from zeros on}: what does the same becomes one in synthesis."""
     rng, graph = random.Random(1), Aig()
     given = {bit: graph.input() for bit in [*circuit.registers, *circuit.inputs.values()]}
     known = circuit.build(graph, given)
     held = dict.fromkeys(circuit.registers, 0)
     seen = {bit: [] for bit in held}
-    for _ in range(clocks):
+    for _ in range(CLOCKS):
         values = {given[bit] >> 1: rng.getrandbits(LANES) for bit in circuit.inputs.values()}
         values |= {given[bit] >> 1: value for bit, value in held.items()}
         lanes = simulate(graph, values)
@@ -70,12 +70,24 @@ def behaviour(circuit, clocks=30):
     return {bit: tuple(values) for bit, values in seen.items()}
 
 
-def miter(source, netlist):
+def after_reset(circuit):
+    """{Q: 0 or 1} of the registers that a clock of reset sets."""
+    graph = Aig()
+    given = {bit: graph.input() for bit in [*circuit.registers, *circuit.inputs.values()]}
+    if (RESET, 0) in circuit.inputs:
+        given[circuit.inputs[RESET, 0]] = TRUE
+    known = circuit.build(graph, given)
+    return {bit: known[after] for bit, after in circuit.registers.items() if known[after] <= TRUE}
+
+
+def miter(source, netlist, from_reset):
     """(graph, latches, {name: literal that is 1 where an output of that name differs})."""
     graph = Aig()
     started = graph.input()
     given = {key: graph.input() for key in dict.fromkeys([*source.inputs, *netlist.inputs])}
     first, begins = power_up(graph, source, netlist)
+    if from_reset:
+        first, begins = first | after_reset(source), begins | after_reset(netlist)
     latches, sides = [(started, 1)], []
     for circuit, begin in ((source, first), (netlist, begins)):
         held = {bit: graph.input() for bit in circuit.registers}
@@ -92,9 +104,13 @@ def miter(source, netlist):
     return graph, latches, differs
 
 
-def prove(source, netlist, folder, name):
-    """Names of the outputs that are not proven equal; files in ``folder`` begin with ``name``."""
-    graph, latches, differs = miter(source, netlist)
+def prove(source, netlist, folder, name, from_reset=False):
+    """Names of the outputs that are not proven equal; files in ``folder`` begin with ``name``.
+
+    ``from_reset``: registers that a reset sets begin as it leaves them: for a state machine whose states
+    synthesis numbered anew, so that its registers have nothing in common.
+    """
+    graph, latches, differs = miter(source, netlist, from_reset)
     stem = f"{folder}/{name}"
     write(toolchain.ROOT / f"{stem}.aig", graph, latches, list(differs.values()))
     done = toolchain.ROOT / f"{stem}.proven.aig"

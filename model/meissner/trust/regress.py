@@ -1,4 +1,4 @@
-"""Blocks in random legal sizes, each against the tests of its own: many sizes in one build, each tested alone.
+"""Blocks in random legal sizes, each against its own tests: many sizes in one build, each tested alone.
 
 A block takes part by a function ``SPACE`` in its test file: from a random.Random a dict of parameters.
 """
@@ -152,3 +152,13 @@ def command(block, size, seed):
     values = " ".join(f"{name}={value}" for name, value in size.items())
     where = Path("tools/regress.py")
     return f"python {where} --seed {seed} --only {block} {values}"
+
+
+def summary(facts):
+    return f"{facts['sizes']} sizes"
+
+
+def total(blocks):
+    return (
+        f"{sum(facts['sizes'] for facts in blocks):,} random sizes of {len(blocks)} blocks pass their tests"
+    )

@@ -1,11 +1,11 @@
-"""Does a clock of reset make a block forget what it began with? Two copies that begin apart are shown to answer alike.
+"""Does a clock of reset make a block forget what it began with? Two copies that begin apart then do the same.
 
-Both copies get the same inputs, with reset in the first clock. An output must then be the same for ever, what a
-`*_valid_o` qualifies while that is 1. The invariant is found, not written: for every register, under which
-condition (a state bit, a value of a small register, a signal that hangs on the state alone) do the copies hold
-the same in it, and which conditions exclude each other? Random simulation leaves what never failed, and a SAT
-solver takes away what does not follow from the rest a clock later (Houdini). What is left holds from reset on,
-whatever comes in.
+Both copies get the same inputs, with reset in the first clock. An output must then be the same for ever, what
+a `*_valid_o` qualifies while that is 1. The invariant is found, not written: for every register, under which
+condition (a state bit, a value of a small register, a signal that hangs on the state alone) do the copies
+hold the same in it, and which conditions exclude each other? Random simulation leaves what never failed; a
+SAT solver takes away what does not follow from the rest a clock later (Houdini). What is left holds from
+reset on, whatever comes in.
 """
 
 import random
@@ -25,8 +25,8 @@ EVALUATIONS = 12_000_000  # of nodes in simulation: seconds
 @dataclass(frozen=True)
 class Task:
     """``ties``: {input: constant}; ``qualifiers``: {output: outputs one of which has to be 1, or with ! 0};
-    ``clocks``: of the first one, the reset, and others without one, before outputs count; ``alike``: memories begin alike;
-    ``reset``: the input that resets, in the first clock.
+    ``clocks``: before outputs count; ``alike``: memories begin alike; ``reset``: the input that resets,
+    ``held`` for so many of these clocks.
     """
 
     ties: dict = field(default_factory=dict)
@@ -34,6 +34,7 @@ class Task:
     clocks: int = 1
     alike: bool = False
     reset: str = RESET
+    held: int = 1
 
     def same_from_the_start(self, circuit):
         if not self.alike:
@@ -59,18 +60,16 @@ def draw(rng, seldom):
 
 
 def steps(circuit, task, rng):
-    """Random simulation of two copies: (graph, what every node is, what the copies hold) of each clock that counts."""
+    """Random simulation of two copies: (pair, nodes' values, what the copies hold) of clocks that count."""
     pair = Pair(circuit, ties=task.ties, boxes=False)
-    names = {bit: key for key, bit in circuit.inputs.items()}
+    seldom = circuit.inputs.get((task.reset, 0))
     state = {side: {bit: rng.getrandbits(LANES) for bit in circuit.registers} for side in "ab"}
     for bit in task.same_from_the_start(circuit):
         state["b"][bit] = state["a"][bit]
     for clock in range(max(150, min(2000, EVALUATIONS // (len(circuit.gates) + 1)))):
-        values = {
-            one >> 1: draw(rng, names[bit][0] == task.reset) for bit, one in pair.inputs.items() if one > TRUE
-        }
-        if clock < task.clocks and (task.reset, 0) in circuit.inputs:
-            values[pair.inputs[circuit.inputs[task.reset, 0]] >> 1] = 0 if clock else ALL
+        values = {one >> 1: draw(rng, bit == seldom) for bit, one in pair.inputs.items() if one > TRUE}
+        if clock < task.clocks and seldom is not None:
+            values[pair.inputs[seldom] >> 1] = ALL if clock < task.held else 0
         for side, held in (("a", pair.a), ("b", pair.b)):
             values |= {held[bit] >> 1: state[side][bit] for bit in held}
         known = simulate(pair.graph, values)
@@ -124,7 +123,7 @@ def survivors(circuit, task, recipes, rng):
 
 
 def handy(circuit, names):
-    """Those of the conditions' names that may say what states there are: of single bits and small registers."""
+    """Those of the conditions' names that may say what states there are: bits and small registers."""
     width = circuit.widths()
     return [
         name
@@ -155,7 +154,7 @@ class Induction:
         return {(name, tuple(bits)) for (name, *_), bits in groups.items()}
 
     def _candidates(self, graph, known, state):
-        """{candidate: literal that is 1 where it fails} of copies that hold ``state``; ``known``: of copy a."""
+        """{candidate: literal that is 1 where it fails} of copies that hold ``state``; ``known``: a's."""
         apart = {bit: graph.differ(state["a"][bit], state["b"][bit]) for bit in self.circuit.registers}
 
         def when(name):
@@ -180,7 +179,7 @@ class Induction:
         """Leave what holds when outputs begin to count, from any two states."""
         pair = None
         for clock in range(self.task.clocks):
-            reset = {self.task.reset: int(clock == 0)}
+            reset = {self.task.reset: int(clock < self.task.held)}
             same = self.task.same_from_the_start(self.circuit)
             pair = Pair(self.circuit, same, self.task.ties | reset, before=pair)
         failed = True
@@ -237,7 +236,7 @@ class Induction:
         return gone
 
 
-def prove(circuit, task=Task()):  # noqa: B008: it is frozen
+def prove(circuit, task=Task()):
     """Names of the outputs that are not proven."""
     induction = Induction(circuit, task)
     induction.begin()

@@ -3,7 +3,8 @@
 import re
 from collections import defaultdict
 from dataclasses import replace
-from itertools import permutations, starmap
+from functools import partial
+from itertools import permutations
 
 from meissner.trust.aig import FALSE, TRUE, Aig
 
@@ -13,7 +14,7 @@ PLACE = re.compile(r"\[(\d+)\]$")  # behind the name of a memory: one of its wor
 
 
 def masked_by(output, outputs, qualifiers):
-    """What has to hold for ``output`` to count: [(output, wanted value)], any of them; none: it always counts."""
+    """What has to hold for ``output`` to count: one of [(output, wanted value)]; if empty, nothing."""
     if output in qualifiers:
         return [(name.lstrip("!"), name[0] != "!") for name in qualifiers[output].split()]
     if re.search(r"(valid|ready)_o$", output):
@@ -25,8 +26,8 @@ def masked_by(output, outputs, qualifiers):
 class Pair:
     """Two copies side by side in one graph, ``a`` and ``b``, for a clock, and what they hold after it.
 
-    ``same``: registers (Q) that both hold alike; ``ties``: {input: constant}; ``boxes``: False lets a product hand
-    its operands through, for simulation; ``before``: the pair of the clock before.
+    ``same``: registers (Q) that both hold alike; ``ties``: {input: constant}; ``boxes``: False lets a product
+    hand its operands through, for simulation; ``before``: the pair of the clock before.
     """
 
     def __init__(self, circuit, same=(), ties=None, boxes=True, before=None):
@@ -75,12 +76,14 @@ class Pair:
         """[(operands differ, results differ)] of every box: not the second without the first."""
         found = []
         for box, results in self.boxes["a"].items():
-            operands = [(self.known["a"][bit], self.known["b"][bit]) for bit in self.operands(box)]
-            pairs = zip(results, self.boxes["b"][box])
-            found.append(
-                tuple(self.graph.any(starmap(self.graph.differ, ones)) for ones in (operands, pairs))
-            )
+            given = self.differ(self.operands(box))
+            gives = self.graph.any(map(self.graph.differ, results, self.boxes["b"][box]))
+            found.append((given, gives))
         return found
+
+    def differ(self, bits):
+        """1 where the copies differ in one of ``bits``."""
+        return self.graph.any(self.graph.differ(self.known["a"][bit], self.known["b"][bit]) for bit in bits)
 
     def outputs(self, qualifiers):
         """{name: literal that is 1 where the output differs and counts}."""
@@ -90,9 +93,7 @@ class Pair:
                 names[name].append(bit)
         found = {}
         for name, bits in names.items():
-            literal = self.graph.any(
-                self.graph.differ(self.known["a"][bit], self.known["b"][bit]) for bit in bits
-            )
+            literal = self.differ(bits)
             if counts := masked_by(name, names, qualifiers):
                 when = (self.known["a"][names[other][0]] ^ (not wanted) for other, wanted in counts)
                 literal = self.graph.both(literal, self.graph.any(when))
@@ -134,20 +135,13 @@ def conditions(circuit):
         offer(f"{name} != 0", lambda graph, of, bits=bits: graph.any(of[bit] for bit in bits))
         if 1 < len(bits) <= SMALL:
             for value in range(1 << len(bits)):
-                offer(
-                    f"{name} == {value}",
-                    lambda graph, of, bits=bits, value=value: equals(graph, of, bits, value),
-                )
+                offer(f"{name} == {value}", partial(equals, bits=bits, value=value))
     for size in sorted({size for size in sizes.values() if size & (size - 1) == 0}):
         ends = [name for name, bits in words.items() if 1 << len(bits) == 2 * size]
         for begin, end in permutations(ends, 2):
             for place in range(size):
-                offer(
-                    f"{place} in {begin} .. {end}",
-                    lambda graph, of, place=place, begin=words[begin], end=words[end]: within(
-                        graph, of, place, begin, end
-                    ),
-                )
+                recipe = partial(within, place=place, begin=words[begin], end=words[end])
+                offer(f"{place} in {begin} .. {end}", recipe)
     return found
 
 
