@@ -14,6 +14,7 @@ error if no seed meets the clock, if a design does not fit, and in a check if an
 
 import argparse
 import json
+import math
 import re
 import sys
 import time
@@ -114,7 +115,7 @@ def build(board, config, device, parameters, seeds, patient):
     for seed in seeds:
         report = place(board, config, device, stem, parameters, seed)
         clocks = [clock["achieved"] for clock in report["fmax"].values()]
-        mhz.append(round(min(clocks), 1))
+        mhz.append(math.floor(10 * min(clocks)) / 10)  # 99.95 is not 100
         delays.append(spi_delays(report))
         if mhz[-1] >= clk_mhz and not packed:
             program, *options = board.pack.format(stem=stem).split()

@@ -275,6 +275,16 @@ module msn_health #(
     end
   end
 
+  // Thresholds less what a counter may grow by.
+  logic signed [9:0] still_less_1, still_less_4, blink_edge;
+  logic [7:0]        rail_edge;
+  always_ff @(posedge clk_i) begin
+    still_less_1 <= signed'({2'b0, cfg_still_i}) - 10'sd1;
+    still_less_4 <= signed'({2'b0, cfg_still_i}) - 10'sd4;
+    blink_edge   <= signed'({2'b0, cfg_blink_i}) - 10'sd16;
+    rail_edge    <= cfg_rail_i - 8'd1;
+  end
+
   for (genvar k = 0; k < Lanes; k++) begin : gen_lane
     // Neighbours: does one exist, has it moved of late, and upwards?
     logic has_left, has_right, has_up, has_down;
@@ -354,10 +364,13 @@ module msn_health #(
     assign still_next = moved || since != '0 ? '0 : still_more[7:0] | {8{still_more[8]}};
     assign since_next = moved ? 2'd3 : since - 2'(since != '0);
     assign up_next    = moved ? rises : up_last;
-    // Are still_next, rail_next, blink_next as high? Compared before they are held at their ends and chosen.
-    assign found      = {still_more >= {1'b0, cfg_still_i} && !moved && since == '0 && cfg_still_i != '0,
-                         rail_more >= cfg_rail_i && over_3 && cfg_rail_i != '0,
-                         (more_blinks ? blink_more >= {1'b0, cfg_blink_i} : blink > cfg_blink_i)
+    // Are still_next, rail_next, blink_next as high? What they grow by is taken off the other side.
+    logic signed [9:0] still_edge;
+    assign still_edge = proof_3[2] ? still_less_4 : proof_3[0] ? still_less_1 : signed'({2'b0, cfg_still_i});
+    assign found      = {signed'({2'b0, still}) >= still_edge && !moved && since == '0 && cfg_still_i != '0,
+                         (rail >= cfg_rail_i || (tick == '0 && rail == rail_edge)) && over_3
+                         && cfg_rail_i != '0,
+                         (more_blinks ? signed'({2'b0, blink}) >= blink_edge : blink > cfg_blink_i)
                          && cfg_blink_i != '0};
     assign faults_next = surplus_3 || fresh ? '0 : faults | found;
 

@@ -111,8 +111,9 @@ module msn_tare #(
 
   // What the frame is for. Averaging and loading begin between frames only.
   logic fresh, asked, asked_force, averaging, forced, commit, any_contact, load_next;
+  logic working;  // averaging || commit: whether a beat may come depends on it
   logic [7:0] frames;
-  assign load_next = cfg_load_i && !averaging && !commit;
+  assign load_next = cfg_load_i && !working;
   assign load_due  = !midway && load_next != cfg_loading_o;
   assign taring_o  = asked || averaging || commit;
 
@@ -133,6 +134,7 @@ module msn_tare #(
     end else if (asked && !midway && !averaging && !commit && !cfg_loading_o) begin
       asked     <= cfg_tare_i;
       averaging <= 1'b1;
+      working   <= 1'b1;
       forced    <= asked_force;
       frames    <= '0;
     end
@@ -145,6 +147,7 @@ module msn_tare #(
         commit    <= 1'b0;
         tared_o   <= tared_o + 16'(commit);
         frames    <= frames + 1'b1;
+        working   <= averaging && !(any_contact && !forced);
         if (averaging && any_contact && !forced) begin
           averaging <= 1'b0;
           refused_o <= refused_o + 1'b1;
@@ -159,7 +162,7 @@ module msn_tare #(
     end
 
     if (rst_i) begin
-      {midway, ending, asked, averaging, commit, cfg_loading_o, pressed_o} <= '0;
+      {midway, ending, asked, averaging, commit, working, cfg_loading_o, pressed_o} <= '0;
       {tared_o, refused_o, swallowed_o} <= '0;
       fresh <= 1'b1;
       drain <= '0;
