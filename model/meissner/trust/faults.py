@@ -35,7 +35,17 @@ SETTLE = {
         "sliding_extremes": 14,
     },
     **{"peak_to_peak": 24, "slip": 40, "slip_serial": 60, "slip_flags": 20, "slip_path": 80},
-    **{"tare": 6, "health": 40, "calibration_grid": 2, "calibrate": 3, "cop_slip": 24, "cop4": 2, "cop_accumulate": 2, "cop": 2},
+    **{
+        "tare": 6,
+        "convert_time": 4,
+        "health": 40,
+        "calibration_grid": 2,
+        "calibrate": 3,
+        "cop_slip": 24,
+        "cop4": 2,
+        "cop_accumulate": 2,
+        "cop": 2,
+    },
 }
 # What the driver must be told of a block, see there.
 # Of calibrations: the tables, which of the two is in use and whether any is, until they are written again.
