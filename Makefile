@@ -1,17 +1,19 @@
 # One line each: `make help`. Everything is set up in .venv on first use.
 PYTHON ?= python3
 JOBS   ?= $(shell nproc 2>/dev/null || echo 2)
+SEEDS  ?= 200
 BIN    := .venv/bin
 SIM    := .venv/.sim
 SYNTH  := .venv/.synth
+FORMAL := .venv/.formal
 RTL    := $(shell cat rtl/rtl.f)
 
 .DEFAULT_GOAL := help
-SEEDS  ?= 200
-.PHONY: help setup demo test test-long test-icarus faults fuzz regress lint registers synth resources gate fmax bench clean
+.PHONY: help setup demo test test-long lint registers synth resources gate fmax bench clean
+.PHONY: formal mutants mutants-quick coverage powerup faults fuzz equivalence regress trust test-icarus
 
 help:  ## this list
-	@awk -F':.*## ' '/^[a-z-]+:.*## /{printf "  make %-12s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
+	@awk -F':.*## ' '/^[a-z-]+:.*## /{printf "  make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
 
 $(SIM): requirements/sim.txt pyproject.toml
 	@$(PYTHON) tools/check_machine.py
@@ -26,6 +28,10 @@ $(SYNTH): requirements/synth.txt $(SIM)
 
 setup: $(SIM)  ## Python environment with every simulation tool, in .venv
 
+$(FORMAL): requirements/formal.txt $(SYNTH)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps -r requirements/formal.txt
+	@touch $@
+
 demo: $(SIM)  ## the acrylic slip scene on the rtl engine, from ADC pins to a slip flag: build/demo/
 	@$(BIN)/meissner run acrylic_slip --engine rtl --out build/demo
 
@@ -39,7 +45,7 @@ test-icarus: $(SIM)  ## the blocks' benches on Icarus Verilog, where it can run 
 	@MEISSNER_SIM=icarus $(BIN)/python -m pytest -n $(JOBS) -m "not long" -k "not refuses" tb/common tb/frontend tb/slip tb/cop tb/link
 
 faults: $(SIM)  ## faults put into every block, what comes of them: docs/trust/faults.json, docs/faults.md
-	@$(BIN)/python tools/faults.py --record $(FAULTS)
+	@$(BIN)/python tools/faults.py --record $(BLOCKS)
 
 fuzz: $(SIM)  ## a million mutated inputs to every reader of lines and files: docs/trust/fuzz.json
 	@$(BIN)/python tools/fuzz.py --record $(FUZZ)
@@ -50,11 +56,17 @@ regress: $(SIM)  ## blocks in SEEDS=N random sizes with random stimulus [REGRESS
 lint: $(SIM)  ## Verilator -Wall on every module as its own top, Verible, ruff
 	@$(BIN)/python tools/lint.py
 
+coverage: $(SIM)  ## coverage of the RTL and its twins, with the holes: docs/trust/coverage.json [BLOCKS="haar slip"]
+	@$(BIN)/python tools/coverage.py --record --jobs $(JOBS) $(BLOCKS)
+
+powerup: $(SIM)  ## twenty power-ups of each block with random registers: docs/trust/powerup.json [BLOCKS="haar slip"]
+	@$(BIN)/python tools/powerup.py --record $(BLOCKS)
+
 registers: $(SIM)  ## RTL, Python map, C header and page of the registers, from rtl/registers.rdl
 	@$(BIN)/python tools/registers.py
 
-synth: $(SYNTH)  ## bitstream of a board: BOARD=ulx3s, icebreaker, tangnano20k or orangecrab [CONFIG=...]
-	@$(BIN)/python tools/synth.py $(BOARD) $(CONFIG)
+synth: $(SYNTH)  ## bitstream of a board: BOARD=ulx3s, icebreaker, tangnano20k or orangecrab [CONFIG=...] [DEVICE=85F]
+	@$(BIN)/python tools/synth.py $(BOARD) $(CONFIG) $(if $(DEVICE),--device $(DEVICE))
 
 resources: $(SYNTH)  ## constraints/resources.json anew: every board with every configuration, three seeds each
 	@$(BIN)/python tools/synth.py --record
@@ -64,6 +76,21 @@ gate: $(SYNTH)  ## every board's netlist against its sources: the same codes in,
 
 fmax: $(SYNTH)  ## Fmax and area of single blocks, worst of three seeds: table, build/fmax/fmax.json
 	@$(BIN)/python tools/fmax.py --jobs $(JOBS) $(FMAX)
+
+formal: $(FORMAL)  ## proofs of the blocks by k-induction, two solvers each
+	@$(BIN)/python tools/formal.py --jobs $(JOBS) $(BLOCKS)
+
+equivalence: $(SYNTH)  ## every block's netlist proven equal to its source, and its reset: docs/trust/equivalence.json
+	@$(BIN)/python tools/equivalence.py --record --jobs $(JOBS) $(BLOCKS)
+
+mutants: $(SYNTH)  ## mutants of every block against its own tests: docs/mutants.md [BLOCKS="haar slip"]
+	@$(BIN)/python tools/mutants.py --jobs $(JOBS) --record $(BLOCKS)
+
+mutants-quick: $(SYNTH)  ## a few mutants of a few quick blocks, and whether the tool itself can fail; in make test too
+	@$(BIN)/python -m pytest -n $(JOBS) tb/trust/test_mutants.py
+
+trust: $(FORMAL)  ## all of the evidence anew, hours: docs/trust.md, README's line
+	@$(BIN)/python tools/trust.py
 
 bench: $(SIM)  ## samples per second of each engine
 	@$(BIN)/python tools/bench_engines.py

@@ -770,7 +770,7 @@ module msn_core #(
 
   // Slip of every channel or taxel.
   if (Slip) begin : gen_slip
-    // A long way back for ready: packet, slip, array, scan. An array's ends here; one sample is kept aside.
+    // A long way back for ready: packet, slip, array, scan. An array's is cut before and behind the slip path.
     logic                         slip_valid, slip_ready, slip_last, slip_mask;
     logic signed [SampleBits-1:0] slip_sample;
     logic        [ChannelBits-1:0] slip_id;
@@ -794,8 +794,10 @@ module msn_core #(
       assign slip_mask    = sample_mask;
     end
 
-    logic [DetailBits-1:0]  p2p;
-    logic [ChannelBits-1:0] id;
+    logic                   found_valid, found_ready, found_raised, found_last;
+    logic [2:0]             found_state;
+    logic [DetailBits-1:0]  found_p2p, p2p;
+    logic [ChannelBits-1:0] found_id, id;
     logic                   unused_over, unused_end;
     msn_slip_path #(
       .Channels  (Taxels),
@@ -824,18 +826,35 @@ module msn_core #(
       .in_id_i              (slip_id),
       .in_last_i            (slip_last),
       .in_mask_i            (slip_mask),
-      .out_valid_o          (decision_valid),
-      .out_ready_i          (decision_ready),
-      .out_state_o          (decision_state),
-      .out_raised_o         (decision_raised),
+      .out_valid_o          (found_valid),
+      .out_ready_i          (found_ready),
+      .out_state_o          (found_state),
+      .out_raised_o         (found_raised),
       .out_over_o           (unused_over),
-      .out_p2p_o            (p2p),
-      .out_id_o             (id),
-      .out_last_o           (decision_last),
+      .out_p2p_o            (found_p2p),
+      .out_id_o             (found_id),
+      .out_last_o           (found_last),
       .out_end_o            (unused_end),
       .damaged_o            (slip_damaged),
       .blanked_o            (slip_blanked)
     );
+    if (Array) begin : gen_decision_skid
+      msn_skid #(.Width(DetailBits + ChannelBits + 5)) u_skid (
+        .clk_i,
+        .rst_i,
+        .in_valid_i (found_valid),
+        .in_ready_o (found_ready),
+        .in_data_i  ({found_state, found_raised, found_last, found_p2p, found_id}),
+        .out_valid_o(decision_valid),
+        .out_ready_i(decision_ready),
+        .out_data_o ({decision_state, decision_raised, decision_last, p2p, id})
+      );
+    end else begin : gen_no_decision_skid
+      assign decision_valid = found_valid;
+      assign found_ready    = decision_ready;
+      assign {decision_state, decision_raised, decision_last} = {found_state, found_raised, found_last};
+      assign {p2p, id}      = {found_p2p, found_id};
+    end
     assign decision_p2p = 24'(p2p);
     assign decision_id  = 16'(id);
   end else begin : gen_no_slip

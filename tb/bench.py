@@ -3,13 +3,16 @@
 import hashlib
 import os
 import random
+import re
 import subprocess
+from pathlib import Path
+from xml.etree import ElementTree
 
 import cocotb
 import numpy as np
 import pytest
 from cocotb.clock import Clock
-from cocotb.triggers import ReadOnly, RisingEdge
+from cocotb.triggers import ReadOnly, RisingEdge, Timer
 from cocotb_tools.check_results import get_results
 from cocotb_tools.runner import get_runner
 
@@ -17,7 +20,11 @@ import icarus
 import recorder
 from meissner import toolchain
 
+# Not --coverage: that adds state machines, which give no points and stop Verilator 5.048 at some sources.
+COVERAGE_FLAGS = ("--coverage-line", "--coverage-toggle", "--coverage-expr")
+ONES = "+verilator+rand+reset+1"  # registers start as ones: what needs the reset shows it
 SEED = int(os.environ.get("MEISSNER_SEED", "1"))
+POWERUPS = int(os.environ.get("MEISSNER_POWERUP", "0"))
 SIM = os.environ.get("MEISSNER_SIM", "verilator")  # or icarus
 if os.environ.get("MEISSNER_INSTANCE"):  # one of many in a top without ports, of meissner.trust.regress
     cocotb.top = getattr(cocotb.top, os.environ["MEISSNER_INSTANCE"])
@@ -39,13 +46,17 @@ def run(stage, block, parameters=None, test_filter=None, module=None, sources=No
     name = name.replace("'", "")  # of sized numbers
     if len(name) > 150:  # a file's name has 255 at most
         name = f"{name[:100]}-{hashlib.sha256(name.encode()).hexdigest()[:12]}"
-    build_dir = toolchain.BUILD / ("tb" if SIM == "verilator" else SIM) / name
+    evidence = os.environ.get("MEISSNER_COVERAGE")  # a folder for the counts; see docs/coverage.md
+    where = "coverage/builds" if evidence else "tb" if SIM == "verilator" else SIM
+    build_dir = toolchain.BUILD / where / name
     sources = sources or toolchain.sources_of(f"msn_{block}")
     flags = [*toolchain.VERILATOR_FLAGS]
     if SIM == "icarus":
         if block in icarus.REFUSED:
             pytest.skip(f"Icarus: {icarus.REFUSED[block]}")
         sources, flags = icarus.adapted(sources, build_dir / "adapted"), ["-g2012"]
+    elif evidence:
+        sources, flags = [*sources, *covers(sources)], [*flags, *COVERAGE_FLAGS]
     os.environ.update(toolchain.environment())
     # The runner calls make itself, past Verilator's -MAKEFLAGS; larger models need this variable.
     os.environ["MAKEFLAGS"] = "-- CFG_CXXFLAGS_PCH_I=-include"
@@ -58,18 +69,55 @@ def run(stage, block, parameters=None, test_filter=None, module=None, sources=No
         build_dir=build_dir,
         timescale=("1ns", "1ps"),
     )
-    results = runner.test(
-        hdl_toplevel=f"msn_{block}",
-        test_module=f"{stage}.{module}",
-        build_dir=build_dir,
-        test_dir=build_dir,
-        test_filter=test_filter,
-        plusargs=["+verilator+rand+reset+1"],  # registers start as ones: what needs the reset shows it
-        seed=SEED,
-    )
-    tests, failures = get_results(results)
-    assert tests > 0, f"{name}: no cocotb test ran"  # the runner itself accepts an empty run
-    assert failures == 0, f"{name}: {failures} of {tests} failed (MEISSNER_SEED={SEED})"
+
+    def simulate(select, *plusargs):
+        """Run the tests that ``select`` names; the names of those that ran."""
+        results = runner.test(
+            hdl_toplevel=f"msn_{block}",
+            test_module=f"{stage}.{module}",
+            build_dir=build_dir,
+            test_dir=build_dir,
+            test_filter=select,
+            plusargs=[*plusargs],
+            seed=SEED,
+        )
+        tests, failures = get_results(results)
+        assert tests > 0, f"{name}: no cocotb test ran"  # the runner itself accepts an empty run
+        how = " ".join([f"MEISSNER_SEED={SEED}", *plusargs])
+        assert failures == 0, f"{name}: {failures} of {tests} failed ({how})"
+        return [case.get("name") for case in ElementTree.parse(results).iter("testcase")]
+
+    if POWERUPS:
+        powerups(simulate, test_filter, int(hashlib.sha256(name.encode()).hexdigest()[:6], 16))
+        return
+    start = [ONES]
+    if evidence:
+        folder = Path(evidence) / module.removeprefix("test_")
+        folder.mkdir(parents=True, exist_ok=True)
+        which = hashlib.sha256(f"{name} {test_filter}".encode()).hexdigest()[:12]
+        # From zeros: the way from ones to the reset's values would count as a toggle.
+        start = [f"+verilator+coverage+file+{folder / which}.dat"]
+    simulate(test_filter, *start)
+
+
+def covers(sources):
+    """The functional cover points of ``sources``' modules, which bind themselves to them."""
+    folder = toolchain.ROOT / "tb/coverage"
+    files = [folder / f"cover_{path.stem.removeprefix('msn_')}.sv" for path in sources]
+    return [folder / "bin.svh", *(path for path in files if path.exists())]
+
+
+def powerups(simulate, test_filter, first):
+    """Run the tests with registers that start with random values, ``POWERUPS`` times, seeds from ``first``.
+
+    Only a run's first test meets them, the others what the one before left: so all tests run with the first
+    seed, and with each further one the test whose turn it is alone.
+    """
+    random_start = "+verilator+rand+reset+2"
+    tests = simulate(test_filter, random_start, f"+verilator+seed+{first + 1}")
+    for turn in range(1, POWERUPS):
+        alone = rf"\b{re.escape(tests[turn % len(tests)])}$"
+        simulate(alone, random_start, f"+verilator+seed+{first + 1 + turn}")
 
 
 def refuses(block, parameters, of=None):
@@ -168,6 +216,53 @@ async def stream(dut, beats, fields, gaps=None, stalls=None, drain=40, count=Non
         await RisingEdge(dut.clk_i)
     dut.in_valid_i.value = 0
     return received
+
+
+async def turn_over(dut, counter, beats=(), **inputs):
+    """The counter ``counter`` from its greatest value to 0: one of 32 bits never gets there by counting.
+
+    Nothing was reset yet, and registers start as ones: must be the first test of all (``stage=-1``). Counts
+    once, by itself, if its enable is a register too, or else by ``beats``; ``inputs``: of other inputs.
+    """
+    port = getattr(dut, counter)
+    for name, value in ({"in_valid_i": 0, "out_ready_i": 1, "rst_i": 0} | inputs).items():
+        if hasattr(dut, name):
+            getattr(dut, name).value = value
+    await Timer(1, "ns")
+    if not port.value.is_resolvable:  # a simulator that starts with unknowns
+        return
+    before = read(port)
+    Clock(dut.clk_i, 10, unit="ns").start()
+    for beat in beats:
+        dut.in_valid_i.value = 1
+        for name, value in beat.items():
+            getattr(dut, f"in_{name}_i").value = value
+        await RisingEdge(dut.clk_i)
+    if beats:
+        dut.in_valid_i.value = 0
+    await RisingEdge(dut.clk_i)
+    await ReadOnly()
+    top = (1 << len(port)) - 1
+    assert before != top or read(port) == 0, f"{counter}: {before} -> {read(port)}"
+    await RisingEdge(dut.clk_i)
+
+
+async def taken(dut, beats, patience=40):
+    """How many of ``beats`` go in while nobody takes what comes out, until ``patience`` clocks took none."""
+    dut.out_ready_i.value = 0
+    sent = quiet = 0
+    while sent < len(beats) and quiet < patience:
+        dut.in_valid_i.value = 1
+        for name, value in beats[sent].items():
+            port = getattr(dut, f"in_{name}_i")
+            port.value = int(value) & ((1 << len(port)) - 1)
+        await ReadOnly()
+        took = dut.in_ready_o.value == 1
+        sent += took
+        quiet = 0 if took else quiet + 1
+        await RisingEdge(dut.clk_i)
+    dut.in_valid_i.value = 0
+    return sent
 
 
 async def clocks(dut, count):

@@ -3,7 +3,8 @@
     python tools/gate.py                     every pair of a board and a configuration
     python tools/gate.py icebreaker slip1    one
 
-After a while something presses, and is shaken now and then. Exit code 1 if a byte differs, or if none came.
+Twice: with noise, in which after a while something presses and is shaken now and then, and with the scene
+that the configuration is for. Exit code 1 if a byte differs, or if none came.
 """
 
 import argparse
@@ -13,7 +14,17 @@ import time
 import numpy as np
 
 from meissner import boards
-from meissner.engines.rtl_core import line
+from meissner.engines.rtl_core import codes_of, line
+from meissner.link.decoder import Decoder
+
+# Of a configuration's scene: from which frame on, how many, and every how many-th (a press in a few of them).
+SCENES = {
+    "slip1": (30_000, 9000, 1),
+    "fingertip": (0, 400, 1),
+    "cop4": (0, 450, 1),
+    "array64": (0, 25, 12),
+    "full": (0, 25, 12),
+}
 
 
 def codes(board, name, seed=1):
@@ -23,7 +34,7 @@ def codes(board, name, seed=1):
     top = (1 << config.part.data_bits - config.part.signed) - 1
     array = config.kind == "array"
     shape = (config.sensor["rows"], config.sensor["columns"]) if array else (config.channels,)
-    steps = 400 if array else 1500
+    steps = (40 if shape[0] > 8 else 400) if array else 1500
     t = np.arange(steps).reshape(steps, *(1 for _ in shape))
     free, held = (
         (0.1, 0.6) if array else (0.95, 0.63)
@@ -32,6 +43,18 @@ def codes(board, name, seed=1):
     shaken = t // 40 % 4 == 3
     noise = rng.integers(-6, 7, (steps, *shape)) + shaken * rng.integers(-top // 10, top // 10, level.shape)
     return np.clip(np.rint(level + noise), 0, top).astype(np.int32)
+
+
+def scene(board, name):
+    """Raw codes of the scene that shows what a configuration is for, in the parts that SCENES names."""
+    start, frames, every = SCENES[name]
+    return codes_of(board.config(name))[start::every][:frames]
+
+
+def compare(board, name, shown):
+    """(what a pair's sources say, whether its netlist says the same) where the pins show these codes."""
+    rtl, gate = (line(board, name, shown, gates) for gates in (False, True))
+    return rtl, rtl == gate
 
 
 def main():
@@ -45,14 +68,14 @@ def main():
         parser.exit(2, f"gate: {error}\n")
     wrong = False
     for board, name in pairs:
-        began = time.monotonic()
-        shown = codes(board, name)
-        rtl, gate = (line(board, name, shown, gates) for gates in (False, True))
-        wrong |= rtl != gate or not rtl
-        verdict = "the same" if rtl == gate else "DIFFERENT"
-        print(
-            f"{board.name}-{name}: {len(rtl)} bytes, {verdict}; {time.monotonic() - began:.0f} s", flush=True
-        )
+        for what, shown in (("noise", codes(board, name)), ("scene", scene(board, name))):
+            began = time.monotonic()
+            said, same = compare(board, name, shown)
+            packets = Decoder().next(said)
+            wrong |= not same or not packets
+            verdict = "the same" if same else "DIFFERENT"
+            told = f"{len(shown)} frames, {len(packets)} packets, {verdict}; {time.monotonic() - began:.0f} s"
+            print(f"{board.name}-{name}, {what}: {told}", flush=True)
     sys.exit(wrong)
 
 

@@ -193,11 +193,15 @@ def rtl(groups):
         note = f"  // {port[1]}" if port[1] else ""
         lines.append(f"  {port[0]}{comma}{note}")
     lines += [");", "", *DECODE.strip("\n").split("\n"), *body, ""]
-    lines += ["  logic hit, writable;"]
-    lines += ["  assign hit      = " + "\n      || ".join(hits) + ";"]
-    lines += ["  assign writable = " + "\n      || ".join(writable) + ";"]
+    lines += ["  // Which register, a clock after the address: decoding takes one clock, the word another."]
+    lines += ["  logic " + ", ".join(f"{hit}_q" for hit in hits) + ";"]
+    lines += ["  always_ff @(posedge clk_i) begin"]
+    lines += [f"    {hit}_q <= {hit};" for hit in hits]
+    lines += ["  end", "", "  logic hit, writable;"]
+    lines += ["  assign hit      = " + "\n      || ".join(f"{hit}_q" for hit in hits) + ";"]
+    lines += ["  assign writable = " + "\n      || ".join(f"{hit}_q" for hit in writable) + ";"]
     lines += ["", "  logic [31:0] read_word;"]
-    terms = [f"({{32{{{hit}}}}} & {word})" for hit, word in words]
+    terms = [f"({{32{{{hit}_q}}}} & {word})" for hit, word in words]
     lines += ["  assign read_word = " + "\n      | ".join(terms) + ";", ""]
     lines += ANSWER.strip("\n").split("\n")
     return "\n".join(lines) + "\n"
@@ -245,8 +249,8 @@ HEADER = f"""
 //
 // {MADE}
 //
-// The registers of the core. bus_valid_i for one clock asks; bus_done_o answers on the next, once; an access
-// is an error, and changes nothing, at an address without a register in this build, at one that is no
+// The registers of the core. bus_valid_i for one clock asks; bus_done_o answers two clocks later, once; an
+// access is an error, and changes nothing, at an address without a register in this build, at one that is no
 // multiple of four, and for a write where all is read-only. bus_strobe_i: the bytes that a write changes. A
 // group with commit_i keeps two copies: a read sees what was written, the core what was committed.
 // Resets: the reset value of every setting, in the page's order, the first lowest. Without a bus: constants.
@@ -299,11 +303,18 @@ DECODE = """
 """
 
 ANSWER = """
+  logic asked, wrote, odd;
   always_ff @(posedge clk_i) begin
-    bus_done_o  <= bus_valid_i;
-    bus_error_o <= !hit || bus_address_i[1:0] != 2'd0 || (bus_write_i && !writable);
-    bus_data_o  <= (bus_write_i || bus_address_i[1:0] != 2'd0) ? 32'd0 : read_word;
-    if (rst_i) bus_done_o <= 1'b0;
+    asked       <= bus_valid_i;
+    wrote       <= bus_write_i;
+    odd         <= bus_address_i[1:0] != 2'd0;
+    bus_done_o  <= asked;
+    bus_error_o <= !hit || odd || (wrote && !writable);
+    bus_data_o  <= (wrote || odd) ? 32'd0 : read_word;
+    if (rst_i) begin
+      asked      <= 1'b0;
+      bus_done_o <= 1'b0;
+    end
   end
 
 endmodule

@@ -2,6 +2,7 @@
 
     python tools/synth.py ulx3s                    its first configuration
     python tools/synth.py icebreaker slip1         into build/synth/icebreaker-slip1/
+    python tools/synth.py ulx3s slip1 --device 85F  for a board with another device
     python tools/synth.py --list                   every pair there is
     python tools/synth.py --record [BOARD CONFIG]  all or one, three seeds, into constraints/resources.json
     python tools/synth.py --check [BOARD CONFIG]   the same, held against that file
@@ -19,6 +20,7 @@ import time
 from collections import Counter
 
 from meissner import boards
+from meissner import config as configurations
 from meissner.frontend.adc_spi import AdcSpi
 from meissner.yowasp import ROOT, ToolError, read_rtl, tool, warm_up, yosys
 
@@ -26,9 +28,9 @@ OUT = "build/synth"  # relative to ROOT: YoWASP sees nothing outside the directo
 RESOURCES = ROOT / "constraints/resources.json"
 SEEDS = (1, 2, 3)
 GROWTH = 0.03
-PAGES = ("README.md", "docs/boards.md")
+PAGES = ("README.md", "docs/boards.md", "docs/boards.md")
 AREA = ("lut", "ff", "bram", "dsp")
-PIN = re.compile(r"adc_\w+")
+PIN = re.compile(r"(adc|ext)_(cs_n|sclk|mosi|miso)_")
 
 
 def synthesise(board, config, parameters):
@@ -78,9 +80,14 @@ def spi_delays(report):
     return tuple(round(max(way), 1) if way else None for way in (out, back))
 
 
-def place(board, config, stem, parameters, seed):
+def label(board, device):
+    return f"{board} {device}" if device else board
+
+
+def place(board, config, device, stem, parameters, seed):
     """Place and route with one seed; returns nextpnr's report."""
-    program, *options = board.pnr.format(constraints=board.constraints, stem=stem).split()
+    words = board.pnr.format(constraints=board.constraints, stem=stem, device=board.devices.get(device))
+    program, *options = words.split()
     report, log = f"{stem}.{seed}.report.json", f"{stem}.{seed}.pnr.log"
     options += ["--json", f"{stem}.json", "--seed", str(seed), "--report", report, "--timing-allow-fail"]
     options += ["--freq", str(parameters["ClkKhz"] / 1000), "--detailed-timing-report"]
@@ -90,11 +97,13 @@ def place(board, config, stem, parameters, seed):
         missing = too_large(log)
         if not missing:
             raise
-        raise ToolError(f"{config} does not fit the {board.name}: it needs {missing}") from error
+        raise ToolError(
+            f"{config} does not fit the {label(board.name, device)}: it needs {missing}"
+        ) from error
     return json.loads((ROOT / report).read_text())
 
 
-def build(board, config, parameters, seeds, patient):
+def build(board, config, device, parameters, seeds, patient):
     """Make it with ``seeds``; returns what resources.json says of a pair.
 
     ``patient``: place with every seed; otherwise only until one meets the clock.
@@ -103,7 +112,7 @@ def build(board, config, parameters, seeds, patient):
     clk_mhz = parameters["ClkKhz"] / 1000
     mhz, delays, packed = [], [], False
     for seed in seeds:
-        report = place(board, config, stem, parameters, seed)
+        report = place(board, config, device, stem, parameters, seed)
         clocks = [clock["achieved"] for clock in report["fmax"].values()]
         mhz.append(round(min(clocks), 1))
         delays.append(spi_delays(report))
@@ -115,10 +124,11 @@ def build(board, config, parameters, seeds, patient):
                 break
     if not packed:
         raise ToolError(
-            f"{config} on the {board.name} does not meet its {clk_mhz:g} MHz: "
+            f"{config} on the {label(board.name, device)} does not meet its {clk_mhz:g} MHz: "
             f"{max(mhz)} MHz at best with seeds {', '.join(map(str, seeds[: len(mhz)]))}"
         )
     return {
+        **({"device": device} if device else {}),
         "clk_mhz": clk_mhz,
         **area(board, cells, report),
         "mhz": mhz,
@@ -147,13 +157,33 @@ def compare(name, before, now):
 
 
 def missing(recorded):
-    """Sentences: the pairs that ``recorded`` does not have, and those it should not have."""
-    there = {f"{board.name}-{config}" for board in boards.BOARDS.values() for config in board.configs}
+    """Sentences: the pairs that ``recorded`` does not have, and those it should not have.
+
+    Every board with every named configuration is there: with its figures, or with why it has none.
+    """
     where = RESOURCES.relative_to(ROOT)
-    return [f"{name} is not in {where}" for name in sorted(there - set(recorded))] + [
+    said = []
+    for board in boards.BOARDS.values():
+        for config in dict.fromkeys([*board.configs, *configurations.names()]):
+            name = f"{board.name}-{config}"
+            entry = recorded.get(name, {})
+            offered = config in board.configs
+            if offered and not {"mhz", "left_out"} & set(entry):
+                said.append(f"{name} is not in {where}")
+            elif offered and "mhz" in entry and entry.get("device") != board.device(config):
+                said.append(f"{name} is in {where} on another device than the {board.device(config)}")
+            elif not offered and entry != left_out(board, config):
+                said.append(f"{where} does not say why {name} is left out")
+    there = {f"{board.name}-{name}" for board in boards.BOARDS.values() for name in configurations.names()}
+    return said + [
         f"{name} is in {where} but is no pair of a board and a configuration"
         for name in sorted(set(recorded) - there)
     ]
+
+
+def left_out(board, config):
+    """What resources.json says of a pair that is not offered."""
+    return {"left_out": board.left_out.get(config)}
 
 
 def half_bit(board, config):
@@ -167,7 +197,7 @@ def half_bit(board, config):
 
 
 def tables(recorded):
-    """README's table of resources and the page's of pins, from constraints/resources.json."""
+    """README's table of resources, the page's of pins and of pairs without figures, from resources.json."""
     area = [
         "| board, configuration | clock, MHz | Fmax, worst of three | LUT | FF | block RAM | DSP |",
         "|---" * 7 + "|",
@@ -176,9 +206,16 @@ def tables(recorded):
         "| board, configuration | a bit's data are taken after, ns | out | converter | in | left |",
         "|---" * 6 + "|",
     ]
+    none = ["| board, configuration | why there is none |", "|---" * 2 + "|"]
+    for board in boards.BOARDS.values():
+        for config in configurations.names():
+            if reason := recorded[f"{board.name}-{config}"].get("left_out"):
+                none.append(f"| {board.title.partition(' (')[0]}, {config} | {reason} |")
     for board, config in boards.pairs():
         r = recorded[f"{board.name}-{config}"]
-        name = f"{board.title.partition(' (')[0]}, {config}"
+        if "left_out" in r:
+            continue
+        name = f"{label(board.title.partition(' (')[0], r.get('device'))}, {config}"
         used = " | ".join(str(r[key]) for key in AREA)
         area.append(f"| {name} | {r['clk_mhz']:g} | {r['mhz_worst']} | {used} |")
         taken, access = half_bit(board, config)
@@ -187,7 +224,7 @@ def tables(recorded):
             pins.append(
                 f"| {name} | {taken:.0f} | {r['spi_out_ns']} | {access} | {r['spi_in_ns']} | {left:.0f} |"
             )
-    return "\n".join(area), "\n".join(pins)
+    return "\n".join(area), "\n".join(pins), "\n".join(none)
 
 
 def write_tables(recorded):
@@ -200,7 +237,17 @@ def write_tables(recorded):
         (ROOT / page).write_text(f"{before}{table}\n\n{rest}")
 
 
+def write(found):
+    """``found`` into constraints/resources.json as it is by now, and why boards do not have the others."""
+    kept = (json.loads(RESOURCES.read_text()) if RESOURCES.exists() else {}) | found
+    for board in boards.BOARDS.values():
+        kept |= {f"{board.name}-{name}": left_out(board, name) for name in board.left_out}
+    RESOURCES.write_text(json.dumps(dict(sorted(kept.items())), indent=1) + "\n")
+    return kept
+
+
 def tell(name, result):
+    name = label(name, result.get("device"))
     used = ", ".join(f"{result[key]} {key.upper()}" for key in AREA)
     return f"{name}: {used}; {result['mhz_worst']} MHz (its clock is {result['clk_mhz']:g})"
 
@@ -215,12 +262,17 @@ def main():
     parser.add_argument("--record", action="store_true")
     parser.add_argument("--check", action="store_true")
     parser.add_argument("--macros", action="store_true")
+    parser.add_argument(
+        "--device", help="of those that the board is sold with; else the smallest that will do"
+    )
     parser.add_argument("--seeds", type=int, nargs="+", default=SEEDS)
     options = parser.parse_args()
     if options.list:
         for board in boards.BOARDS.values():
-            tried = f"; not measured: {', '.join(board.tried)}" if board.tried else ""
-            print(f"{board.name:12} {board.title:28} {', '.join(board.configs)}{tried}")
+            offered = [f"{name} on {board.device(name)}" if board.devices else name for name in board.configs]
+            print(f"{board.name:12} {board.title:28} {', '.join(offered)}")
+            for name, reason in board.left_out.items():
+                print(f"{'':12} {'':28} not {name}: {reason}")
         return
     if options.macros and options.board == boards.ARTY.name and options.config in boards.ARTY.configs:
         folder = f"{OUT}/{options.board}-{options.config}"
@@ -237,6 +289,10 @@ def main():
         if options.board is None:
             parser.exit(2, f"synth: name a board, BOARD=...: {', '.join(boards.BOARDS)}\n")
         pairs = pairs[:1]
+    given = options.device
+    if given and (whole or given not in pairs[0][0].devices):
+        known = ", ".join(pairs[0][0].devices) or "one device only"
+        parser.exit(2, f"synth: --device {given} is for a bitstream of a board that has it; here: {known}\n")
     problems = missing(kept) if options.check and options.board is None else []
     (ROOT / OUT).mkdir(parents=True, exist_ok=True)
     warm_up()
@@ -244,18 +300,22 @@ def main():
         name = f"{board.name}-{config}"
         begin = time.monotonic()
         try:
-            result = build(board, config, board.parameters(config), options.seeds, whole)
+            device = given or board.device(config)
+            if device and not given:
+                print(f"{name}: for a {device}, the smallest that it fits and is fast enough on", flush=True)
+            result = build(board, config, device, board.parameters(config), options.seeds, whole)
         except ToolError as error:
             if not whole:
                 sys.exit(f"synth: {error}\n{error.tail}".rstrip())
             problems.append(str(error))
+            if options.record:
+                kept = write({name: {"left_out": str(error)}})
             continue
         print(f"{tell(name, result)}, {time.monotonic() - begin:.0f} s", flush=True)
         if options.check:
             problems += compare(name, kept.get(name), result)
         if options.record:
-            kept[name] = result
-            RESOURCES.write_text(json.dumps(dict(sorted(kept.items())), indent=1) + "\n")
+            kept = write({name: result})
         if not whole:
             print(f"bitstream: {OUT}/{name}/{board.top}{board.bitstream}")
     if options.record and not missing(kept):

@@ -23,6 +23,7 @@ KINDS = {  # of the table's columns; the others are lines below it
     "formal": "proofs",
     "mutants": "mutants",
     "coverage": "coverage",
+    "powerup": "power-up",
     "faults": "faults",
     "equivalence": "netlist and reset",
     "regress": "random regression",

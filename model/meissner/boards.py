@@ -22,7 +22,9 @@ class Board:
 
     ``cells``: family whose cells the netlist has; ``configs``: the named configurations it is offered with,
     each with what is the board's, not the file's (see meissner.config.load); ``more``: other parameters.
-    ``tried``: those that can be built but are not in resources.json, as no worst seed has met its clock yet.
+    ``left_out``: every other named configuration, with the reason in a sentence's words.
+    ``devices``: what the board is sold with, smallest first, by name, and place and route's word for each;
+    empty if there is one only. A configuration's ``device``: the smallest that it fits and is fast enough on.
     """
 
     name: str
@@ -35,11 +37,16 @@ class Board:
     bitstream: str
     area: dict
     configs: dict
-    tried: dict = field(default_factory=dict)
+    left_out: dict = field(default_factory=dict)
+    devices: dict = field(default_factory=dict)
 
     @property
     def top(self):
         return f"{self.name}_top"
+
+    def device(self, name):
+        """Name of the smallest device for that configuration; None if the board has one only."""
+        return self.changes(name).get("device")
 
     def parameters(self, name):
         """Of rtl/msn_core.sv, for this board with that configuration."""
@@ -47,11 +54,12 @@ class Board:
 
     def changes(self, name):
         """What is the board's of that configuration, not the file's."""
-        return (self.configs | self.tried)[name]
+        return self.configs[name]
 
     def config(self, name):
         """meissner.build.Config of that name as this board has it."""
-        return config.load(name, **{key: v for key, v in self.changes(name).items() if key != "more"})
+        own = ("mhz", "part", "registers")
+        return config.load(name, **{key: v for key, v in self.changes(name).items() if key in own})
 
     @property
     def sources(self):
@@ -88,6 +96,8 @@ def write_build(folder, parameters):
 
 # The better part of those that a ULX3S may have; the other gives zeros in the low bits.
 ON_BOARD = "MAX11125"
+# Of the boards here only the ULX3S brings out enough lines.
+NO_PINS = "its top has no CONVST, BUSY and RESET lines for an AD7606; the ULX3S's has"
 
 BOARDS = {
     board.name: board
@@ -102,26 +112,32 @@ BOARDS = {
             pack="yowasp-icepack {stem}.asc {stem}.bin",
             bitstream=".bin",
             area=ICE40_AREA,
-            configs={"slip1": {}},
-            tried={"fingertip": {"mhz": 24.0, "registers": False}},
+            # With registers the fingertip takes 7,456 logic cells; a UP5K has 5,280.
+            configs={"slip1": {}, "fingertip": {"mhz": 24.0, "registers": False}},
+            left_out={"cop4": NO_PINS, "array64": NO_PINS, "full": NO_PINS},
         ),
         Board(
             name="ulx3s",
-            title="ULX3S (ECP5 25F)",
+            title="ULX3S (ECP5 12F to 85F)",
             cells="ecp5",
             synth="synth_ecp5",
-            pnr="nextpnr-ecp5 --25k --package CABGA381 --speed 6 --lpf {constraints} --textcfg {stem}.config",
+            pnr="nextpnr-ecp5 {device} --package CABGA381 --speed 6 --lpf {constraints} "
+            "--textcfg {stem}.config",
             constraints="constraints/ulx3s.lpf",
             pack="yowasp-ecppack --compress --input {stem}.config --bit {stem}.bit",
             bitstream=".bit",
             area=ECP5_AREA,
+            # To these tools a 12F is a 25F of another name: what fits one fits the other.
+            devices={"12F": "--12k", "25F": "--25k", "45F": "--45k", "85F": "--85k"},
             # A bit a clock, slip1 has no use for more.
             configs={
-                "slip1": {"mhz": 50.0, "part": ON_BOARD},
-                "fingertip": {"mhz": 50.0, "part": ON_BOARD},
+                "slip1": {"mhz": 50.0, "part": ON_BOARD, "device": "25F"},
+                "fingertip": {"mhz": 50.0, "part": ON_BOARD, "device": "25F"},
+                "cop4": {"mhz": 50.0, "device": "25F"},
+                # A queue of 64 events would take three block RAMs more than a 25F has.
+                "array64": {"mhz": 100.0, "device": "25F", "more": {"SlipDepth": 16}},
+                "full": {"mhz": 100.0, "device": "45F"},
             },
-            # A queue of 64 events would take three block RAMs more, and 54 of 56 are in use.
-            tried={"cop4": {"mhz": 50.0}, "array64": {"mhz": 100.0, "more": {"SlipDepth": 16}}},
         ),
         Board(
             name="orangecrab",
@@ -134,8 +150,8 @@ BOARDS = {
             pack="yowasp-ecppack --compress --freq 38.8 --input {stem}.config --bit {stem}.bit",
             bitstream=".bit",
             area=ECP5_AREA,
-            configs={"slip1": {"mhz": 48.0}},
-            tried={"fingertip": {"mhz": 48.0}},
+            configs={"slip1": {"mhz": 48.0}, "fingertip": {"mhz": 48.0}},
+            left_out={"cop4": NO_PINS, "array64": NO_PINS, "full": NO_PINS},
         ),
         Board(
             name="tangnano20k",
@@ -148,8 +164,8 @@ BOARDS = {
             pack="gowin_pack -d GW2A-18C -o {stem}.fs {stem}.pnr.json",
             bitstream=".fs",
             area=GOWIN_AREA,
-            configs={"slip1": {"mhz": 27.0}},
-            tried={"fingertip": {"mhz": 27.0}},
+            configs={"slip1": {"mhz": 27.0}, "fingertip": {"mhz": 27.0}},
+            left_out={"cop4": NO_PINS, "array64": NO_PINS, "full": NO_PINS},
         ),
     )
 }
@@ -176,7 +192,9 @@ def pairs(board=None, name=None):
         raise ValueError(f"unknown board '{board}'; the boards are: {', '.join(BOARDS)}")
     chosen = BOARDS.values() if board is None else [BOARDS[board]]
     if board is not None and name is not None:
-        offered = BOARDS[board].configs | BOARDS[board].tried
+        offered, left_out = BOARDS[board].configs, BOARDS[board].left_out
+        if name in left_out:
+            raise ValueError(f"the {board} is not offered with {name}: {left_out[name]}")
         if name not in offered:
             raise ValueError(f"the {board} has no configuration '{name}'; it has: {', '.join(offered)}")
         return [(BOARDS[board], name)]

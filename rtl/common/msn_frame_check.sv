@@ -40,7 +40,7 @@ module msn_frame_check #(
   end
 
   logic [IdBits-1:0] expected;
-  logic              dropping, restart;
+  logic              dropping, restart, damage;
 
   logic final_expected, fits, keep;
   assign final_expected = expected == IdBits'(Channels - 1);
@@ -61,13 +61,15 @@ module msn_frame_check #(
       expected <= in_last_i ? '0 : expected + 1'b1;  // may wrap only while dropping
       dropping <= !in_last_i && !keep;
       if (in_last_i) restart <= !keep;
-      if (!keep && !dropping) damaged_o <= damaged_o + 1'b1;
     end
+    damage    <= in_valid_i && in_ready_o && !keep && !dropping;
+    if (damage) damaged_o <= damaged_o + 1'b1;  // a clock late: 32 enables are slow
     if (rst_i) begin
       out_valid_o <= 1'b0;
       expected    <= '0;
       dropping    <= 1'b0;
       restart     <= 1'b1;
+      damage      <= 1'b0;
       damaged_o   <= '0;
     end
   end

@@ -4,7 +4,7 @@
 //
 //   y = a b     a signed, b unsigned
 //
-// Latency 2 clocks, a product a clock. Parts whose synthesis leaves the multiplier's own registers unused have a
+// Latency 2 clocks in which enable_i is high, a product a clock. Parts whose synthesis leaves the multiplier's own registers unused have a
 // version of their own: rtl/ecp5/msn_multiply.v.   Model: model/meissner/common/multiply.py
 
 module msn_multiply #(
@@ -12,6 +12,7 @@ module msn_multiply #(
   parameter int unsigned BWidth = 16
 ) (
   input  logic                            clk_i,
+  input  logic                            enable_i,
 
   input  logic signed [AWidth-1:0]        a_i,
   input  logic        [BWidth-1:0]        b_i,
@@ -28,9 +29,11 @@ module msn_multiply #(
   logic signed [AWidth-1:0] a;
   logic        [BWidth-1:0] b;
   always_ff @(posedge clk_i) begin
-    a   <= a_i;
-    b   <= b_i;
-    y_o <= (AWidth + BWidth)'(a * signed'({1'b0, b}));
+    if (enable_i) begin
+      a   <= a_i;
+      b   <= b_i;
+      y_o <= (AWidth + BWidth)'(a * signed'({1'b0, b}));
+    end
   end
 
 endmodule

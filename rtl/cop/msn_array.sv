@@ -316,23 +316,39 @@ module msn_array #(
 
   // From its last beat in to its last force out of msn_narrow and decided, a frame takes this many clocks at most.
   localparam int unsigned Drain = 32 + 20 * Lanes;
-  logic gate_valid, gate_ready;
+  logic gate_valid, gate_ready, open_valid, open_ready;
   msn_frame_gate #(.Drain(Drain)) u_gate (
     .clk_i,
     .rst_i,
-    .pending_i  (gate_valid || cfg_pending_i),
+    .pending_i  (open_valid || cfg_pending_i),
     .commit_o,
     .stalled_i  (stalled_i || (out_valid_o && !out_ready_i)),
     .in_valid_i (scan_valid),
     .in_ready_o (scan_ready),
     .in_last_i  (scan_last),
-    .out_valid_o(gate_valid),
-    .out_ready_i(gate_ready)
+    .out_valid_o(open_valid),
+    .out_ready_i(open_ready)
   );
 
   always_ff @(posedge clk_i) begin
-    if (gate_valid && gate_ready) time_o <= scan_time;
+    if (open_valid && open_ready) time_o <= scan_time;
   end
+
+  // The path of ready from the stages to the scan's buffer ends here.
+  logic                        gate_last;
+  logic [Lanes*SampleBits-1:0] gate_data;
+  logic [IdBits-1:0]           gate_id;
+  logic [Lanes-1:0]            gate_user;
+  msn_skid #(.Width(Lanes * (SampleBits + 1) + IdBits + 1)) u_skid (
+    .clk_i,
+    .rst_i,
+    .in_valid_i (open_valid),
+    .in_ready_o (open_ready),
+    .in_data_i  ({scan_data, scan_user, scan_id, scan_last}),
+    .out_valid_o(gate_valid),
+    .out_ready_i(gate_ready),
+    .out_data_o ({gate_data, gate_user, gate_id, gate_last})
+  );
 
   logic                        sound_valid, sound_ready, sound_last;
   logic [Lanes*SampleBits-1:0] sound_data;
@@ -356,10 +372,10 @@ module msn_array #(
       .cfg_report_i,
       .in_valid_i (gate_valid),
       .in_ready_o (gate_ready),
-      .in_data_i  (scan_data),
-      .in_user_i  (scan_user),
-      .in_id_i    (scan_id),
-      .in_last_i  (scan_last),
+      .in_data_i  (gate_data),
+      .in_user_i  (gate_user),
+      .in_id_i    (gate_id),
+      .in_last_i  (gate_last),
       .out_valid_o(sound_valid),
       .out_ready_i(sound_ready),
       .out_data_o (sound_data),
@@ -380,17 +396,17 @@ module msn_array #(
   end else begin : gen_no_health
     assign sound_valid    = gate_valid;
     assign gate_ready     = sound_ready;
-    assign sound_data     = scan_data;
+    assign sound_data     = gate_data;
     assign sound_mask     = '0;
-    assign sound_id       = scan_id;
-    assign sound_last     = scan_last;
+    assign sound_id       = gate_id;
+    assign sound_last     = gate_last;
     assign unused_health_damaged = '0;
     assign {event_valid_o, event_id_o, event_dead_o, event_railed_o, event_blinking_o} = '0;
     assign {dead_o, railed_o, blinking_o} = '0;
     logic unused_health;
     assign unused_health = ^{cfg_band_i, cfg_jump_i, cfg_low_i, cfg_high_i, cfg_user_i, cfg_edges_i,
                              cfg_still_i, cfg_rail_i, cfg_blink_i, cfg_clear_i, cfg_report_i, event_ready_i,
-                             scan_user};
+                             gate_user};
   end
 
   logic                        zeroed_valid, zeroed_ready, zeroed_last;

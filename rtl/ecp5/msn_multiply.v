@@ -8,6 +8,7 @@ module msn_multiply #(
   parameter BWidth = 16
 ) (
   input                             clk_i,
+  input                             enable_i,
   input  signed [AWidth-1:0]        a_i,
   input         [BWidth-1:0]        b_i,
   output signed [AWidth+BWidth-1:0] y_o
@@ -23,7 +24,7 @@ module msn_multiply #(
     .REG_INPUTB_CLK("CLK0"),
     .REG_OUTPUT_CLK("CLK0")
   ) u_multiplier (
-    .CLK0(clk_i), .CE0(1'b1), .RST0(1'b0), .SIGNEDA(1'b1), .SIGNEDB(1'b0), .SOURCEA(1'b0), .SOURCEB(1'b0),
+    .CLK0(clk_i), .CE0(enable_i), .RST0(1'b0), .SIGNEDA(1'b1), .SIGNEDB(1'b0), .SOURCEA(1'b0), .SOURCEB(1'b0),
     .A0(a[0]), .A1(a[1]), .A2(a[2]), .A3(a[3]), .A4(a[4]), .A5(a[5]), .A6(a[6]), .A7(a[7]), .A8(a[8]),
     .A9(a[9]), .A10(a[10]), .A11(a[11]), .A12(a[12]), .A13(a[13]), .A14(a[14]), .A15(a[15]), .A16(a[16]),
     .A17(a[17]),

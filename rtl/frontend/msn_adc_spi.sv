@@ -148,7 +148,12 @@ module msn_adc_spi #(
     if (give_up) state_d = Idle;
   end
 
-  assign read = (state_q != state_d && (state_d == Read || state_d == Setup)) || (done && word_q != '0);
+  // Where state_d becomes Read or Setup, said without state_d: the trigger and the registers of the pins are far
+  // apart.
+  logic resumed, set_up;
+  assign resumed = HasBusy ? state_q == BusyFall && !busy && !give_up : state_q == Idle && tick;
+  assign set_up  = SetupWords > 0 && ((state_q == Reset && start_q == '0) || (frame_end && Tagged && bad_q));
+  assign read    = resumed || set_up || (CsPerChannel && done && word_q != '0);
 
   always_ff @(posedge clk_i) begin
     state_q   <= state_d;
@@ -162,7 +167,7 @@ module msn_adc_spi #(
 
     adc_reset_o <= HasReset && state_q == Reset && start_q >= StartBits'(StartClocks / 2);
 
-    if (frame) drop_q <= pending;
+    if (convert_o) drop_q <= pending;  // what is left at the tick; nothing comes in before the first word
     if (frame || word) bad_q <= !frame && (bad_q || bad);
     if (word) word_q <= word_last ? '0 : word_q + 1'b1;
 

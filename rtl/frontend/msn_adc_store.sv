@@ -25,7 +25,7 @@ module msn_adc_store #(
   input  logic [IdBits-1:0]            in_word_i,
   input  logic [Lanes*DataBits-1:0]    in_data_i,
   input  logic                         in_bad_i,
-  output logic                         pending_o,  // a sample is left that nobody takes in this clock
+  output logic                         pending_o,  // a sample is left
 
   output logic                         out_valid_o,
   input  logic                         out_ready_i,
@@ -60,18 +60,26 @@ module msn_adc_store #(
   assign code        = code_q[out_id_o];
   assign from_bottom = code ^ {Signed, (DataBits-1)'(0)};  // 0 and all ones are the ends of the range
 
-  assign pending_o   = |(full_q & ~taken);
-  assign out_valid_o = full_q[out_id_o];
+  assign pending_o   = |full_q;
   assign out_last_o  = out_id_o == IdBits'(Channels - 1);
   assign out_data_o  = {{(SampleBits - DataBits){Signed && code[DataBits-1]}}, code};
   assign out_user_o  = &from_bottom || ~|from_bottom;
 
+  // Is the sample there that is next, if this one is taken and if not: looked up before that is known.
+  logic [IdBits-1:0] id_next;
+  logic              next_there, same_there;
+  assign id_next    = out_last_o ? '0 : out_id_o + 1'b1;
+  assign next_there = (Channels > 1 && full_q[id_next]) || filled[id_next];
+  assign same_there = full_q[out_id_o] || filled[out_id_o];
+
   always_ff @(posedge clk_i) begin
     full_q <= (full_q & ~taken) | filled;
-    if (out_valid_o && out_ready_i) out_id_o <= out_last_o ? '0 : out_id_o + 1'b1;
+    out_valid_o <= (out_valid_o && out_ready_i) ? next_there : same_there;
+    if (out_valid_o && out_ready_i) out_id_o <= id_next;
     if (rst_i) begin
-      full_q   <= '0;
-      out_id_o <= '0;
+      full_q      <= '0;
+      out_valid_o <= 1'b0;
+      out_id_o    <= '0;
     end
   end
 

@@ -140,25 +140,25 @@ module msn_calibrate #(
     for (genvar k = 0; k < Lanes; k++) begin : gen_lane
       logic signed [SampleBits-1:0]  raw, zero;
       logic signed [DiffBits-1:0]    difference;
-      logic        [15:0]            factor;
-      logic signed [ProductBits-1:0] product;
-      assign raw  = signed'(in_data_i[SampleBits*k+:SampleBits]);
-      assign zero = signed'(offset[SampleBits*k+:SampleBits]);
+      logic signed [DiffBits+15:0]   product;  // two clocks later: the multiplier's own registers
+      assign raw        = signed'(in_data_i[SampleBits*k+:SampleBits]);
+      assign zero       = signed'(offset[SampleBits*k+:SampleBits]);
+      assign difference = in_mask_i[k] || !loaded ? '0 : DiffBits'(raw) - DiffBits'(zero);
 
-      always_ff @(posedge clk_i) begin
-        if (move) begin
-          difference <= in_mask_i[k] || !loaded ? '0 : DiffBits'(raw) - DiffBits'(zero);
-          factor     <= gain[16*k+:16];
-          product    <= difference * signed'({1'b0, factor});
-        end
-      end
+      msn_multiply #(.AWidth(DiffBits), .BWidth(16)) u_product (
+        .clk_i,
+        .enable_i(move),
+        .a_i     (difference),
+        .b_i     (gain[16*k+:16]),
+        .y_o     (product)
+      );
 
       msn_round_sat #(.InWidth(ProductBits), .OutWidth(16), .DropBits(GainShift), .Unsigned(1'b1)) u_round (
         .clk_i,
         .rst_i,
         .in_valid_i (valid[2]),
         .in_ready_o (ready[k]),
-        .in_data_i  (product),
+        .in_data_i  (ProductBits'(product)),
         .out_valid_o(out_valid[k]),
         .out_ready_i,
         .out_data_o (out_data_o[16*k+:16])
@@ -256,12 +256,14 @@ module msn_calibrate #(
       end
       msn_multiply #(.AWidth(DiffBits), .BWidth(16)) u_low (
         .clk_i,
+        .enable_i(1'b1),
         .a_i(difference),
         .b_i(factor[15:0]),
         .y_o(low)
       );
       msn_multiply #(.AWidth(DiffBits), .BWidth(16)) u_high (
         .clk_i,
+        .enable_i(1'b1),
         .a_i(difference),
         .b_i(factor[31:16]),
         .y_o(high)

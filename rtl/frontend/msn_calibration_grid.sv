@@ -114,6 +114,7 @@ module msn_calibration_grid #(
     logic signed [32:0] gain;
     msn_multiply #(.AWidth(17), .BWidth(16)) u_gain (
       .clk_i,
+      .enable_i(1'b1),
       .a_i(signed'({1'b0, of_row[15:0]})),
       .b_i(gain_column),
       .y_o(gain)

@@ -92,9 +92,9 @@ module msn_health #(
   logic accept, keep, last, fits, whole, was_whole, midway, ending, restart, done, due, head_valid;
   logic [2:0]        drain;
   logic [IdBits-1:0] place;
-  assign in_ready_o = (out_ready_i || !out_valid_o) && head_valid && !due;
+  assign in_ready_o = (out_ready_i || !out_valid_o) && head_valid && !due && !ending;
   assign accept     = in_valid_i && in_ready_o;
-  assign restart    = rst_i || drain != '0 || (accept && in_last_i);
+  assign restart    = rst_i || drain != '0;  // a clock after the last beat: who takes that is known late
   assign done       = ending && drain == 3'd1;
 
   msn_frame_place #(.Beats(Beats)) u_place (
@@ -336,23 +336,29 @@ module msn_health #(
 
     // 4: the next state.
     logic [7:0] rail, blink, still, rail_next, blink_next, still_next;
+    logic [7:0] rail_more;
     logic [8:0] blink_more, still_more;
+    logic       more_blinks;
     logic [1:0] since, since_next;
     logic       up_last, jumped, up_next, reported;
     logic [2:0] faults, found, faults_next;
     assign {rail, blink, still, since, up_last, jumped} = {kept_3[28:1]};
     assign faults     = fault_3;
     assign reported   = kept_3[0];
-    assign rail_next  = !over_3 ? '0 : rail + 8'(tick == '0 && rail != '1);
+    assign rail_more  = rail + 8'(tick == '0 && rail != '1);
+    assign rail_next  = !over_3 ? '0 : rail_more;
     assign blink_more = {1'b0, blink} + 9'd16;
-    assign blink_next = jumped && lonely_3 ? blink_more[7:0] | {8{blink_more[8]}} : blink - 8'(blink != '0);
+    assign more_blinks = jumped && lonely_3;
+    assign blink_next = more_blinks ? blink_more[7:0] | {8{blink_more[8]}} : blink - 8'(blink != '0);
     assign still_more = {1'b0, still} + 9'(proof_3);
     assign still_next = moved || since != '0 ? '0 : still_more[7:0] | {8{still_more[8]}};
     assign since_next = moved ? 2'd3 : since - 2'(since != '0);
     assign up_next    = moved ? rises : up_last;
-    assign found      = {still_next >= cfg_still_i && cfg_still_i != '0,
-                         rail_next >= cfg_rail_i && cfg_rail_i != '0,
-                         blink_next >= cfg_blink_i && cfg_blink_i != '0};
+    // Are still_next, rail_next, blink_next as high? Compared before they are held at their ends and chosen.
+    assign found      = {still_more >= {1'b0, cfg_still_i} && !moved && since == '0 && cfg_still_i != '0,
+                         rail_more >= cfg_rail_i && over_3 && cfg_rail_i != '0,
+                         (more_blinks ? blink_more >= {1'b0, cfg_blink_i} : blink > cfg_blink_i)
+                         && cfg_blink_i != '0};
     assign faults_next = surplus_3 || fresh ? '0 : faults | found;
 
     logic [StateBits-1:4] state_4;

@@ -164,7 +164,7 @@ module msn_scan #(
   // One beat of all converters. A lost one has no samples until its next conversion.
   logic [Lanes-1:0]            lost_q;
   logic [Lanes*SampleBits-1:0] data;
-  logic                        beat, beat_end, beat_q;
+  logic                        beat, beat_end, beat_q, missed;
   logic [ChanBits-1:0]         channel_q, channel_q2;
   logic [Width-1:0]            beat_data_q;
   assign beat       = &(in_valid_i | lost_q);
@@ -179,9 +179,11 @@ module msn_scan #(
     beat_q      <= beat;
     channel_q2  <= channel_q;
     beat_data_q <= {in_user_i | lost_q, data};
-    lost_o      <= lost_o + 32'(beat && beat_end && |lost_q);
+    missed      <= beat && beat_end && |lost_q;
+    lost_o      <= lost_o + 32'(missed);
     if (rst_i) begin
       lost_q    <= '0;
+      missed    <= 1'b0;
       channel_q <= '0;
       beat_q    <= 1'b0;
       lost_o    <= '0;

@@ -56,7 +56,7 @@ module msn_scan_buffer #(
   end
 
   // What the frame at hand is like.
-  logic                interleave_q, drop_q;
+  logic                interleave_q, drop_q, turned_away;
   logic [RowBits-1:0]  last_row_q;
   logic [BeatBits-1:0] last_beat_q;
   logic [IdBits-1:0]   skip_q;
@@ -102,10 +102,12 @@ module msn_scan_buffer #(
         half_rows_q  <= half_last + 1'b1;
       end
     end
-    dropped_o <= dropped_o + 32'(in_valid_i && in_first_i && busy);
+    turned_away <= in_valid_i && in_first_i && busy;
+    dropped_o   <= dropped_o + 32'(turned_away);
     if (rst_i) begin
-      drop_q    <= 1'b1;
-      dropped_o <= '0;
+      drop_q      <= 1'b1;
+      turned_away <= 1'b0;
+      dropped_o   <= '0;
     end
   end
 

@@ -61,8 +61,12 @@ module msn_spi_shift #(
   logic half_end, bit_end;
   assign half_end = run_q && half_q == '0;
   assign bit_end  = half_end && second_q && !lead_q;
-  assign word_o   = bit_end && !spi_cs_n_o && left_q == '0;
   assign done_o   = bit_end && spi_cs_n_o;
+
+  // The end of a word's last bit, bit_end && !spi_cs_n_o && left_q == 0, found a clock ahead: the pins, where this
+  // is, and the block that takes the word are far apart.
+  logic ahead;
+  assign ahead = (Half > 1) ? half_q == HalfBits'(1) && second_q && !lead_q : !second_q;
 
   for (genvar lane = 0; lane < Lanes; lane++) begin : gen_lane
     assign data_o[lane*DataBits +: DataBits] = {shift_q[lane*DataBits +: DataBits-1], miso_q[lane]};
@@ -70,6 +74,7 @@ module msn_spi_shift #(
 
   always_ff @(posedge clk_i) begin
     miso_q <= spi_miso_i;
+    word_o <= run_q && ahead && !spi_cs_n_o && left_q == '0;
 
     half_q <= (start_i || half_end) ? HalfBits'(Half - 1) : half_q - 1'b1;
     if (start_i || word_o) left_q <= IndexBits'(Bits - 1);
@@ -91,6 +96,7 @@ module msn_spi_shift #(
 
     if (rst_i) begin
       run_q      <= 1'b0;
+      word_o     <= 1'b0;
       second_q   <= 1'b0;
       lead_q     <= 1'b0;
       sclk_q     <= 1'b0;

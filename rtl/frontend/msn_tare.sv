@@ -90,9 +90,9 @@ module msn_tare #(
   logic accept, keep, last, fits, whole, was_whole, midway, ending, restart, done, load_due, word_valid;
   logic [2:0]        drain;
   logic [IdBits-1:0] place;
-  assign in_ready_o = (out_ready_i || !out_valid_o) && word_valid && !load_due;
+  assign in_ready_o = (out_ready_i || !out_valid_o) && word_valid && !load_due && !ending;
   assign accept     = in_valid_i && in_ready_o;
-  assign restart    = rst_i || drain != '0 || load_due || (accept && in_last_i);
+  assign restart    = rst_i || drain != '0 || load_due;  // a clock after the last beat: it is known late
   assign done       = ending && drain == 3'd1;
 
   msn_frame_place #(.Beats(Beats)) u_place (

@@ -4,7 +4,7 @@
 // wait, they take turns. An access that the bus calls an error answers SLVERR, every other OKAY. The low two bits
 // of an address are of no use: WSTRB says which bytes of the word are meant.
 //
-//   clock  0                  1                     2
+//   clock  0                   2                    3
 //          address (and data)  bus_done_i answers   BVALID or RVALID, until taken
 //
 // Model: model/meissner/link/axil.py

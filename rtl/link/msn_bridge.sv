@@ -93,7 +93,7 @@ module msn_bridge #(
   );
 
   // Access and answer.
-  logic       busy, asked, start, given_up;
+  logic       busy, asked, start, given_up, reject;
   logic [7:0] patience;
   assign start    = delimiter && good && !busy;
   assign given_up = asked && (&patience) && !bus_done_i;
@@ -119,12 +119,14 @@ module msn_bridge #(
       answer_valid_o <= 1'b0;
       busy           <= 1'b0;
     end
-    rejected_o <= rejected_o + 32'((delimiter && open && !start) || late);
+    reject     <= (delimiter && open && !start) || late;
+    rejected_o <= rejected_o + 32'(reject);
     if (rst_i) begin
       busy           <= 1'b0;
       asked          <= 1'b0;
       bus_valid_o    <= 1'b0;
       answer_valid_o <= 1'b0;
+      reject         <= 1'b0;
       rejected_o     <= '0;
     end
   end

@@ -72,12 +72,19 @@ module msn_image_store #(
     end
   end
 
-  (* no_rw_check *) logic [15:0] memory [2 << AddressBits];
-  logic [15:0] fetched;
-  always_ff @(posedge clk_i) begin
-    if (in_valid_i && !dropping) memory[{bank ^ move, place}] <= in_data_i;
-    fetched     <= memory[{!bank, read_address_i}];
-    read_data_o <= fetched;
+  // Slices as wide as one ECP5 block RAM is at this depth, as in msn_frame_table: else there is a multiplexer
+  // between the memories' slow outputs and the register.
+  localparam int unsigned Depth     = 2 << AddressBits;
+  localparam int unsigned SliceBits = (Depth <= 1024) ? 16 : (Depth <= 2048) ? 8 : (Depth <= 4096) ? 4 :
+                                      (Depth <= 8192) ? 2 : 1;
+  for (genvar low = 0; low < 16; low += SliceBits) begin : gen_slice
+    (* no_rw_check *) logic [SliceBits-1:0] memory [Depth];
+    logic [SliceBits-1:0] fetched;
+    always_ff @(posedge clk_i) begin
+      if (in_valid_i && !dropping) memory[{bank ^ move, place}] <= in_data_i[low+:SliceBits];
+      fetched                     <= memory[{!bank, read_address_i}];
+      read_data_o[low+:SliceBits] <= fetched;
+    end
   end
 
 endmodule

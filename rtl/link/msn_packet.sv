@@ -260,7 +260,7 @@ module msn_packet #(
   logic [7:0]              next;
   assign {unused_crc, crc_low} = crc;
   assign out_begin_o = some || state != Idle;
-  assign emit        = state != Idle && (&phase) && (!out_valid_o || out_ready_i);
+  assign emit        = state != Idle && (&phase) && !out_valid_o;  // not out_ready_i: it comes from far
   assign next        = (state == Record) ? bytes[7:0] : (state == Pixels) ? (upper ? taxel[15:8] : taxel[7:0])
                                          : ~crc_low;
   assign section_end = (state == Pixels) ? upper && image_end : left == '0;

@@ -2,8 +2,8 @@
 //
 // Made by tools/registers.py from rtl/registers.rdl: change that, then `make registers`.
 //
-// The registers of the core. bus_valid_i for one clock asks; bus_done_o answers on the next, once; an access
-// is an error, and changes nothing, at an address without a register in this build, at one that is no
+// The registers of the core. bus_valid_i for one clock asks; bus_done_o answers two clocks later, once; an
+// access is an error, and changes nothing, at an address without a register in this build, at one that is no
 // multiple of four, and for a write where all is read-only. bus_strobe_i: the bytes that a write changes. A
 // group with commit_i keeps two copies: a read sees what was written, the core what was committed.
 // Resets: the reset value of every setting, in the page's order, the first lowest. Without a bus: constants.
@@ -969,268 +969,374 @@ module msn_registers #(
   logic link_rejected_hit;
   assign link_rejected_hit = Link && word == 10'h244;
 
+  // Which register, a clock after the address: decoding takes one clock, the word another.
+  logic core_id_hit_q, core_version_hit_q, core_features_hit_q, core_size_hit_q, core_clk_khz_hit_q, core_scratch_hit_q, adc_enable_hit_q, adc_period_hit_q, adc_dropped_hit_q, adc_overrun_hit_q, adc_timeout_hit_q, adc_mistagged_hit_q, adc_over_range_hit_q, slip_threshold_hit_q, slip_gross_threshold_hit_q, slip_contact_level_hit_q, slip_release_level_hit_q, slip_contact_rises_hit_q, slip_hold_hit_q, slip_refractory_hit_q, slip_blank_hit_q, slip_damaged_hit_q, slip_blanked_hit_q, scan_enable_hit_q, scan_settle_hit_q, scan_period_hit_q, scan_interleave_hit_q, scan_dropped_hit_q, scan_overrun_hit_q, scan_held_hit_q, scan_lost_hit_q, health_band_hit_q, health_jump_hit_q, health_low_hit_q, health_high_hit_q, health_use_hit_q, health_still_hit_q, health_rail_hit_q, health_blink_hit_q, health_clear_hit_q, health_report_hit_q, health_dead_hit_q, health_railed_hit_q, health_blinking_hit_q, tare_contact_hit_q, tare_step_hit_q, tare_force_hit_q, tare_at_start_hit_q, tare_average_hit_q, tare_load_hit_q, tare_word_hit_q, tare_zero_hit_q, tare_write_hit_q, tare_state_hit_q, tare_tared_hit_q, tare_refused_hit_q, tare_swallowed_hit_q, calibrate_preset_hit_q, calibrate_word_hit_q, calibrate_offset_hit_q, calibrate_gain_hit_q, calibrate_write_hit_q, calibrate_swap_hit_q, calibrate_swapping_hit_q, cop_min_load_hit_q, cop_damaged_hit_q, cop4_rail_hit_q, cop4_kx_hit_q, cop4_shift_x_hit_q, cop4_ky_hit_q, cop4_shift_y_hit_q, cop4_kf_hit_q, cop4_shift_load_hit_q, cop4_p0_hit_q, cop4_p1_hit_q, cop4_p2_hit_q, cop4_p3_hit_q, cop4_p4_hit_q, cop4_p5_hit_q, cop4_min_load_hit_q, cop4_top_hit_q, cop4_idle_hit_q, cop4_busy_hit_q, cop4_imbalance_hit_q, cop_slip_drop_hit_q, cop_slip_move_hit_q, cop_slip_min_load_hit_q, cop_slip_hold_hit_q, cop_slip_refractory_hit_q, link_images_hit_q, link_packets_hit_q, link_cop_dropped_hit_q, link_image_dropped_hit_q, link_rejected_hit_q;
+  always_ff @(posedge clk_i) begin
+    core_id_hit_q <= core_id_hit;
+    core_version_hit_q <= core_version_hit;
+    core_features_hit_q <= core_features_hit;
+    core_size_hit_q <= core_size_hit;
+    core_clk_khz_hit_q <= core_clk_khz_hit;
+    core_scratch_hit_q <= core_scratch_hit;
+    adc_enable_hit_q <= adc_enable_hit;
+    adc_period_hit_q <= adc_period_hit;
+    adc_dropped_hit_q <= adc_dropped_hit;
+    adc_overrun_hit_q <= adc_overrun_hit;
+    adc_timeout_hit_q <= adc_timeout_hit;
+    adc_mistagged_hit_q <= adc_mistagged_hit;
+    adc_over_range_hit_q <= adc_over_range_hit;
+    slip_threshold_hit_q <= slip_threshold_hit;
+    slip_gross_threshold_hit_q <= slip_gross_threshold_hit;
+    slip_contact_level_hit_q <= slip_contact_level_hit;
+    slip_release_level_hit_q <= slip_release_level_hit;
+    slip_contact_rises_hit_q <= slip_contact_rises_hit;
+    slip_hold_hit_q <= slip_hold_hit;
+    slip_refractory_hit_q <= slip_refractory_hit;
+    slip_blank_hit_q <= slip_blank_hit;
+    slip_damaged_hit_q <= slip_damaged_hit;
+    slip_blanked_hit_q <= slip_blanked_hit;
+    scan_enable_hit_q <= scan_enable_hit;
+    scan_settle_hit_q <= scan_settle_hit;
+    scan_period_hit_q <= scan_period_hit;
+    scan_interleave_hit_q <= scan_interleave_hit;
+    scan_dropped_hit_q <= scan_dropped_hit;
+    scan_overrun_hit_q <= scan_overrun_hit;
+    scan_held_hit_q <= scan_held_hit;
+    scan_lost_hit_q <= scan_lost_hit;
+    health_band_hit_q <= health_band_hit;
+    health_jump_hit_q <= health_jump_hit;
+    health_low_hit_q <= health_low_hit;
+    health_high_hit_q <= health_high_hit;
+    health_use_hit_q <= health_use_hit;
+    health_still_hit_q <= health_still_hit;
+    health_rail_hit_q <= health_rail_hit;
+    health_blink_hit_q <= health_blink_hit;
+    health_clear_hit_q <= health_clear_hit;
+    health_report_hit_q <= health_report_hit;
+    health_dead_hit_q <= health_dead_hit;
+    health_railed_hit_q <= health_railed_hit;
+    health_blinking_hit_q <= health_blinking_hit;
+    tare_contact_hit_q <= tare_contact_hit;
+    tare_step_hit_q <= tare_step_hit;
+    tare_force_hit_q <= tare_force_hit;
+    tare_at_start_hit_q <= tare_at_start_hit;
+    tare_average_hit_q <= tare_average_hit;
+    tare_load_hit_q <= tare_load_hit;
+    tare_word_hit_q <= tare_word_hit;
+    tare_zero_hit_q <= tare_zero_hit;
+    tare_write_hit_q <= tare_write_hit;
+    tare_state_hit_q <= tare_state_hit;
+    tare_tared_hit_q <= tare_tared_hit;
+    tare_refused_hit_q <= tare_refused_hit;
+    tare_swallowed_hit_q <= tare_swallowed_hit;
+    calibrate_preset_hit_q <= calibrate_preset_hit;
+    calibrate_word_hit_q <= calibrate_word_hit;
+    calibrate_offset_hit_q <= calibrate_offset_hit;
+    calibrate_gain_hit_q <= calibrate_gain_hit;
+    calibrate_write_hit_q <= calibrate_write_hit;
+    calibrate_swap_hit_q <= calibrate_swap_hit;
+    calibrate_swapping_hit_q <= calibrate_swapping_hit;
+    cop_min_load_hit_q <= cop_min_load_hit;
+    cop_damaged_hit_q <= cop_damaged_hit;
+    cop4_rail_hit_q <= cop4_rail_hit;
+    cop4_kx_hit_q <= cop4_kx_hit;
+    cop4_shift_x_hit_q <= cop4_shift_x_hit;
+    cop4_ky_hit_q <= cop4_ky_hit;
+    cop4_shift_y_hit_q <= cop4_shift_y_hit;
+    cop4_kf_hit_q <= cop4_kf_hit;
+    cop4_shift_load_hit_q <= cop4_shift_load_hit;
+    cop4_p0_hit_q <= cop4_p0_hit;
+    cop4_p1_hit_q <= cop4_p1_hit;
+    cop4_p2_hit_q <= cop4_p2_hit;
+    cop4_p3_hit_q <= cop4_p3_hit;
+    cop4_p4_hit_q <= cop4_p4_hit;
+    cop4_p5_hit_q <= cop4_p5_hit;
+    cop4_min_load_hit_q <= cop4_min_load_hit;
+    cop4_top_hit_q <= cop4_top_hit;
+    cop4_idle_hit_q <= cop4_idle_hit;
+    cop4_busy_hit_q <= cop4_busy_hit;
+    cop4_imbalance_hit_q <= cop4_imbalance_hit;
+    cop_slip_drop_hit_q <= cop_slip_drop_hit;
+    cop_slip_move_hit_q <= cop_slip_move_hit;
+    cop_slip_min_load_hit_q <= cop_slip_min_load_hit;
+    cop_slip_hold_hit_q <= cop_slip_hold_hit;
+    cop_slip_refractory_hit_q <= cop_slip_refractory_hit;
+    link_images_hit_q <= link_images_hit;
+    link_packets_hit_q <= link_packets_hit;
+    link_cop_dropped_hit_q <= link_cop_dropped_hit;
+    link_image_dropped_hit_q <= link_image_dropped_hit;
+    link_rejected_hit_q <= link_rejected_hit;
+  end
+
   logic hit, writable;
-  assign hit      = core_id_hit
-      || core_version_hit
-      || core_features_hit
-      || core_size_hit
-      || core_clk_khz_hit
-      || core_scratch_hit
-      || adc_enable_hit
-      || adc_period_hit
-      || adc_dropped_hit
-      || adc_overrun_hit
-      || adc_timeout_hit
-      || adc_mistagged_hit
-      || adc_over_range_hit
-      || slip_threshold_hit
-      || slip_gross_threshold_hit
-      || slip_contact_level_hit
-      || slip_release_level_hit
-      || slip_contact_rises_hit
-      || slip_hold_hit
-      || slip_refractory_hit
-      || slip_blank_hit
-      || slip_damaged_hit
-      || slip_blanked_hit
-      || scan_enable_hit
-      || scan_settle_hit
-      || scan_period_hit
-      || scan_interleave_hit
-      || scan_dropped_hit
-      || scan_overrun_hit
-      || scan_held_hit
-      || scan_lost_hit
-      || health_band_hit
-      || health_jump_hit
-      || health_low_hit
-      || health_high_hit
-      || health_use_hit
-      || health_still_hit
-      || health_rail_hit
-      || health_blink_hit
-      || health_clear_hit
-      || health_report_hit
-      || health_dead_hit
-      || health_railed_hit
-      || health_blinking_hit
-      || tare_contact_hit
-      || tare_step_hit
-      || tare_force_hit
-      || tare_at_start_hit
-      || tare_average_hit
-      || tare_load_hit
-      || tare_word_hit
-      || tare_zero_hit
-      || tare_write_hit
-      || tare_state_hit
-      || tare_tared_hit
-      || tare_refused_hit
-      || tare_swallowed_hit
-      || calibrate_preset_hit
-      || calibrate_word_hit
-      || calibrate_offset_hit
-      || calibrate_gain_hit
-      || calibrate_write_hit
-      || calibrate_swap_hit
-      || calibrate_swapping_hit
-      || cop_min_load_hit
-      || cop_damaged_hit
-      || cop4_rail_hit
-      || cop4_kx_hit
-      || cop4_shift_x_hit
-      || cop4_ky_hit
-      || cop4_shift_y_hit
-      || cop4_kf_hit
-      || cop4_shift_load_hit
-      || cop4_p0_hit
-      || cop4_p1_hit
-      || cop4_p2_hit
-      || cop4_p3_hit
-      || cop4_p4_hit
-      || cop4_p5_hit
-      || cop4_min_load_hit
-      || cop4_top_hit
-      || cop4_idle_hit
-      || cop4_busy_hit
-      || cop4_imbalance_hit
-      || cop_slip_drop_hit
-      || cop_slip_move_hit
-      || cop_slip_min_load_hit
-      || cop_slip_hold_hit
-      || cop_slip_refractory_hit
-      || link_images_hit
-      || link_packets_hit
-      || link_cop_dropped_hit
-      || link_image_dropped_hit
-      || link_rejected_hit;
-  assign writable = core_scratch_hit
-      || adc_enable_hit
-      || adc_period_hit
-      || slip_threshold_hit
-      || slip_gross_threshold_hit
-      || slip_contact_level_hit
-      || slip_release_level_hit
-      || slip_contact_rises_hit
-      || slip_hold_hit
-      || slip_refractory_hit
-      || slip_blank_hit
-      || scan_enable_hit
-      || scan_settle_hit
-      || scan_period_hit
-      || scan_interleave_hit
-      || health_band_hit
-      || health_jump_hit
-      || health_low_hit
-      || health_high_hit
-      || health_use_hit
-      || health_still_hit
-      || health_rail_hit
-      || health_blink_hit
-      || health_clear_hit
-      || health_report_hit
-      || tare_contact_hit
-      || tare_step_hit
-      || tare_force_hit
-      || tare_at_start_hit
-      || tare_average_hit
-      || tare_load_hit
-      || tare_word_hit
-      || tare_zero_hit
-      || tare_write_hit
-      || calibrate_preset_hit
-      || calibrate_word_hit
-      || calibrate_offset_hit
-      || calibrate_gain_hit
-      || calibrate_write_hit
-      || calibrate_swap_hit
-      || cop_min_load_hit
-      || cop4_rail_hit
-      || cop4_kx_hit
-      || cop4_shift_x_hit
-      || cop4_ky_hit
-      || cop4_shift_y_hit
-      || cop4_kf_hit
-      || cop4_shift_load_hit
-      || cop4_p0_hit
-      || cop4_p1_hit
-      || cop4_p2_hit
-      || cop4_p3_hit
-      || cop4_p4_hit
-      || cop4_p5_hit
-      || cop4_min_load_hit
-      || cop4_top_hit
-      || cop4_idle_hit
-      || cop4_busy_hit
-      || cop4_imbalance_hit
-      || cop_slip_drop_hit
-      || cop_slip_move_hit
-      || cop_slip_min_load_hit
-      || cop_slip_hold_hit
-      || cop_slip_refractory_hit
-      || link_images_hit;
+  assign hit      = core_id_hit_q
+      || core_version_hit_q
+      || core_features_hit_q
+      || core_size_hit_q
+      || core_clk_khz_hit_q
+      || core_scratch_hit_q
+      || adc_enable_hit_q
+      || adc_period_hit_q
+      || adc_dropped_hit_q
+      || adc_overrun_hit_q
+      || adc_timeout_hit_q
+      || adc_mistagged_hit_q
+      || adc_over_range_hit_q
+      || slip_threshold_hit_q
+      || slip_gross_threshold_hit_q
+      || slip_contact_level_hit_q
+      || slip_release_level_hit_q
+      || slip_contact_rises_hit_q
+      || slip_hold_hit_q
+      || slip_refractory_hit_q
+      || slip_blank_hit_q
+      || slip_damaged_hit_q
+      || slip_blanked_hit_q
+      || scan_enable_hit_q
+      || scan_settle_hit_q
+      || scan_period_hit_q
+      || scan_interleave_hit_q
+      || scan_dropped_hit_q
+      || scan_overrun_hit_q
+      || scan_held_hit_q
+      || scan_lost_hit_q
+      || health_band_hit_q
+      || health_jump_hit_q
+      || health_low_hit_q
+      || health_high_hit_q
+      || health_use_hit_q
+      || health_still_hit_q
+      || health_rail_hit_q
+      || health_blink_hit_q
+      || health_clear_hit_q
+      || health_report_hit_q
+      || health_dead_hit_q
+      || health_railed_hit_q
+      || health_blinking_hit_q
+      || tare_contact_hit_q
+      || tare_step_hit_q
+      || tare_force_hit_q
+      || tare_at_start_hit_q
+      || tare_average_hit_q
+      || tare_load_hit_q
+      || tare_word_hit_q
+      || tare_zero_hit_q
+      || tare_write_hit_q
+      || tare_state_hit_q
+      || tare_tared_hit_q
+      || tare_refused_hit_q
+      || tare_swallowed_hit_q
+      || calibrate_preset_hit_q
+      || calibrate_word_hit_q
+      || calibrate_offset_hit_q
+      || calibrate_gain_hit_q
+      || calibrate_write_hit_q
+      || calibrate_swap_hit_q
+      || calibrate_swapping_hit_q
+      || cop_min_load_hit_q
+      || cop_damaged_hit_q
+      || cop4_rail_hit_q
+      || cop4_kx_hit_q
+      || cop4_shift_x_hit_q
+      || cop4_ky_hit_q
+      || cop4_shift_y_hit_q
+      || cop4_kf_hit_q
+      || cop4_shift_load_hit_q
+      || cop4_p0_hit_q
+      || cop4_p1_hit_q
+      || cop4_p2_hit_q
+      || cop4_p3_hit_q
+      || cop4_p4_hit_q
+      || cop4_p5_hit_q
+      || cop4_min_load_hit_q
+      || cop4_top_hit_q
+      || cop4_idle_hit_q
+      || cop4_busy_hit_q
+      || cop4_imbalance_hit_q
+      || cop_slip_drop_hit_q
+      || cop_slip_move_hit_q
+      || cop_slip_min_load_hit_q
+      || cop_slip_hold_hit_q
+      || cop_slip_refractory_hit_q
+      || link_images_hit_q
+      || link_packets_hit_q
+      || link_cop_dropped_hit_q
+      || link_image_dropped_hit_q
+      || link_rejected_hit_q;
+  assign writable = core_scratch_hit_q
+      || adc_enable_hit_q
+      || adc_period_hit_q
+      || slip_threshold_hit_q
+      || slip_gross_threshold_hit_q
+      || slip_contact_level_hit_q
+      || slip_release_level_hit_q
+      || slip_contact_rises_hit_q
+      || slip_hold_hit_q
+      || slip_refractory_hit_q
+      || slip_blank_hit_q
+      || scan_enable_hit_q
+      || scan_settle_hit_q
+      || scan_period_hit_q
+      || scan_interleave_hit_q
+      || health_band_hit_q
+      || health_jump_hit_q
+      || health_low_hit_q
+      || health_high_hit_q
+      || health_use_hit_q
+      || health_still_hit_q
+      || health_rail_hit_q
+      || health_blink_hit_q
+      || health_clear_hit_q
+      || health_report_hit_q
+      || tare_contact_hit_q
+      || tare_step_hit_q
+      || tare_force_hit_q
+      || tare_at_start_hit_q
+      || tare_average_hit_q
+      || tare_load_hit_q
+      || tare_word_hit_q
+      || tare_zero_hit_q
+      || tare_write_hit_q
+      || calibrate_preset_hit_q
+      || calibrate_word_hit_q
+      || calibrate_offset_hit_q
+      || calibrate_gain_hit_q
+      || calibrate_write_hit_q
+      || calibrate_swap_hit_q
+      || cop_min_load_hit_q
+      || cop4_rail_hit_q
+      || cop4_kx_hit_q
+      || cop4_shift_x_hit_q
+      || cop4_ky_hit_q
+      || cop4_shift_y_hit_q
+      || cop4_kf_hit_q
+      || cop4_shift_load_hit_q
+      || cop4_p0_hit_q
+      || cop4_p1_hit_q
+      || cop4_p2_hit_q
+      || cop4_p3_hit_q
+      || cop4_p4_hit_q
+      || cop4_p5_hit_q
+      || cop4_min_load_hit_q
+      || cop4_top_hit_q
+      || cop4_idle_hit_q
+      || cop4_busy_hit_q
+      || cop4_imbalance_hit_q
+      || cop_slip_drop_hit_q
+      || cop_slip_move_hit_q
+      || cop_slip_min_load_hit_q
+      || cop_slip_hold_hit_q
+      || cop_slip_refractory_hit_q
+      || link_images_hit_q;
 
   logic [31:0] read_word;
-  assign read_word = ({32{core_id_hit}} & 32'h4d534e52)
-      | ({32{core_version_hit}} & {16'h0, 8'h3, 8'h0})
-      | ({32{core_features_hit}} & core_features_i)
-      | ({32{core_size_hit}} & {core_size_columns_i, core_size_rows_i})
-      | ({32{core_clk_khz_hit}} & core_clk_khz_i)
-      | ({32{core_scratch_hit}} & core_scratch_o)
-      | ({32{adc_enable_hit}} & {31'd0, adc_enable_o})
-      | ({32{adc_period_hit}} & {8'd0, adc_period_o})
-      | ({32{adc_dropped_hit}} & adc_dropped_i)
-      | ({32{adc_overrun_hit}} & adc_overrun_i)
-      | ({32{adc_timeout_hit}} & adc_timeout_i)
-      | ({32{adc_mistagged_hit}} & adc_mistagged_i)
-      | ({32{adc_over_range_hit}} & adc_over_range_i)
-      | ({32{slip_threshold_hit}} & {12'd0, slip_threshold_q})
-      | ({32{slip_gross_threshold_hit}} & {12'd0, slip_gross_threshold_q})
-      | ({32{slip_contact_level_hit}} & {12'd0, slip_contact_level_q})
-      | ({32{slip_release_level_hit}} & {12'd0, slip_release_level_q})
-      | ({32{slip_contact_rises_hit}} & {31'd0, slip_contact_rises_q})
-      | ({32{slip_hold_hit}} & {16'd0, slip_hold_q})
-      | ({32{slip_refractory_hit}} & {16'd0, slip_refractory_q})
-      | ({32{slip_blank_hit}} & {16'd0, slip_blank_q})
-      | ({32{slip_damaged_hit}} & slip_damaged_i)
-      | ({32{slip_blanked_hit}} & slip_blanked_i)
-      | ({32{scan_enable_hit}} & {31'd0, scan_enable_o})
-      | ({32{scan_settle_hit}} & {16'd0, scan_settle_o})
-      | ({32{scan_period_hit}} & scan_period_o)
-      | ({32{scan_interleave_hit}} & {31'd0, scan_interleave_o})
-      | ({32{scan_dropped_hit}} & scan_dropped_i)
-      | ({32{scan_overrun_hit}} & scan_overrun_i)
-      | ({32{scan_held_hit}} & scan_held_i)
-      | ({32{scan_lost_hit}} & scan_lost_i)
-      | ({32{health_band_hit}} & {15'd0, health_band_o})
-      | ({32{health_jump_hit}} & {15'd0, health_jump_o})
-      | ({32{health_low_hit}} & {15'd0, health_low_o})
-      | ({32{health_high_hit}} & {15'd0, health_high_o})
-      | ({32{health_use_hit}} & {30'd0, health_use_edges_o, health_use_user_o})
-      | ({32{health_still_hit}} & {24'd0, health_still_o})
-      | ({32{health_rail_hit}} & {24'd0, health_rail_o})
-      | ({32{health_blink_hit}} & {24'd0, health_blink_o})
-      | ({32{health_clear_hit}} & {31'd0, 1'b0})
-      | ({32{health_report_hit}} & {31'd0, 1'b0})
-      | ({32{health_dead_hit}} & {11'd0, health_dead_i})
-      | ({32{health_railed_hit}} & {11'd0, health_railed_i})
-      | ({32{health_blinking_hit}} & {11'd0, health_blinking_i})
-      | ({32{tare_contact_hit}} & {15'd0, tare_contact_o})
-      | ({32{tare_step_hit}} & {24'd0, tare_step_o})
-      | ({32{tare_force_hit}} & {31'd0, tare_force_o})
-      | ({32{tare_at_start_hit}} & {31'd0, tare_at_start_o})
-      | ({32{tare_average_hit}} & {31'd0, 1'b0})
-      | ({32{tare_load_hit}} & {31'd0, tare_load_o})
-      | ({32{tare_word_hit}} & {12'd0, tare_word_o})
-      | ({32{tare_zero_hit}} & {15'd0, tare_zero_o})
-      | ({32{tare_write_hit}} & {24'd0, tare_write_o})
-      | ({32{tare_state_hit}} & {29'd0, tare_state_pressed_i, tare_state_taring_i, tare_state_loading_i})
-      | ({32{tare_tared_hit}} & {16'd0, tare_tared_i})
-      | ({32{tare_refused_hit}} & {16'd0, tare_refused_i})
-      | ({32{tare_swallowed_hit}} & tare_swallowed_i)
-      | ({32{calibrate_preset_hit}} & {16'd0, calibrate_preset_o})
-      | ({32{calibrate_word_hit}} & {12'd0, calibrate_word_o})
-      | ({32{calibrate_offset_hit}} & {15'd0, calibrate_offset_o})
-      | ({32{calibrate_gain_hit}} & {16'd0, calibrate_gain_o})
-      | ({32{calibrate_write_hit}} & {23'd0, calibrate_write_row_o, calibrate_write_lanes_o})
-      | ({32{calibrate_swap_hit}} & {31'd0, 1'b0})
-      | ({32{calibrate_swapping_hit}} & {31'd0, calibrate_swapping_i})
-      | ({32{cop_min_load_hit}} & cop_min_load_q)
-      | ({32{cop_damaged_hit}} & cop_damaged_i)
-      | ({32{cop4_rail_hit}} & {15'd0, cop4_rail_q})
-      | ({32{cop4_kx_hit}} & {15'd0, cop4_kx_q})
-      | ({32{cop4_shift_x_hit}} & {28'd0, cop4_shift_x_q})
-      | ({32{cop4_ky_hit}} & {15'd0, cop4_ky_q})
-      | ({32{cop4_shift_y_hit}} & {28'd0, cop4_shift_y_q})
-      | ({32{cop4_kf_hit}} & {15'd0, cop4_kf_q})
-      | ({32{cop4_shift_load_hit}} & {28'd0, cop4_shift_load_q})
-      | ({32{cop4_p0_hit}} & {14'd0, cop4_p0_q})
-      | ({32{cop4_p1_hit}} & {14'd0, cop4_p1_q})
-      | ({32{cop4_p2_hit}} & {14'd0, cop4_p2_q})
-      | ({32{cop4_p3_hit}} & {14'd0, cop4_p3_q})
-      | ({32{cop4_p4_hit}} & {14'd0, cop4_p4_q})
-      | ({32{cop4_p5_hit}} & {14'd0, cop4_p5_q})
-      | ({32{cop4_min_load_hit}} & {16'd0, cop4_min_load_q})
-      | ({32{cop4_top_hit}} & {16'd0, cop4_top_q})
-      | ({32{cop4_idle_hit}} & {15'd0, cop4_idle_q})
-      | ({32{cop4_busy_hit}} & {15'd0, cop4_busy_q})
-      | ({32{cop4_imbalance_hit}} & {14'd0, cop4_imbalance_q})
-      | ({32{cop_slip_drop_hit}} & {24'd0, cop_slip_drop_q})
-      | ({32{cop_slip_move_hit}} & {16'd0, cop_slip_move_q})
-      | ({32{cop_slip_min_load_hit}} & {16'd0, cop_slip_min_load_q})
-      | ({32{cop_slip_hold_hit}} & {16'd0, cop_slip_hold_q})
-      | ({32{cop_slip_refractory_hit}} & {16'd0, cop_slip_refractory_q})
-      | ({32{link_images_hit}} & {31'd0, link_images_o})
-      | ({32{link_packets_hit}} & link_packets_i)
-      | ({32{link_cop_dropped_hit}} & link_cop_dropped_i)
-      | ({32{link_image_dropped_hit}} & link_image_dropped_i)
-      | ({32{link_rejected_hit}} & link_rejected_i);
+  assign read_word = ({32{core_id_hit_q}} & 32'h4d534e52)
+      | ({32{core_version_hit_q}} & {16'h0, 8'h3, 8'h0})
+      | ({32{core_features_hit_q}} & core_features_i)
+      | ({32{core_size_hit_q}} & {core_size_columns_i, core_size_rows_i})
+      | ({32{core_clk_khz_hit_q}} & core_clk_khz_i)
+      | ({32{core_scratch_hit_q}} & core_scratch_o)
+      | ({32{adc_enable_hit_q}} & {31'd0, adc_enable_o})
+      | ({32{adc_period_hit_q}} & {8'd0, adc_period_o})
+      | ({32{adc_dropped_hit_q}} & adc_dropped_i)
+      | ({32{adc_overrun_hit_q}} & adc_overrun_i)
+      | ({32{adc_timeout_hit_q}} & adc_timeout_i)
+      | ({32{adc_mistagged_hit_q}} & adc_mistagged_i)
+      | ({32{adc_over_range_hit_q}} & adc_over_range_i)
+      | ({32{slip_threshold_hit_q}} & {12'd0, slip_threshold_q})
+      | ({32{slip_gross_threshold_hit_q}} & {12'd0, slip_gross_threshold_q})
+      | ({32{slip_contact_level_hit_q}} & {12'd0, slip_contact_level_q})
+      | ({32{slip_release_level_hit_q}} & {12'd0, slip_release_level_q})
+      | ({32{slip_contact_rises_hit_q}} & {31'd0, slip_contact_rises_q})
+      | ({32{slip_hold_hit_q}} & {16'd0, slip_hold_q})
+      | ({32{slip_refractory_hit_q}} & {16'd0, slip_refractory_q})
+      | ({32{slip_blank_hit_q}} & {16'd0, slip_blank_q})
+      | ({32{slip_damaged_hit_q}} & slip_damaged_i)
+      | ({32{slip_blanked_hit_q}} & slip_blanked_i)
+      | ({32{scan_enable_hit_q}} & {31'd0, scan_enable_o})
+      | ({32{scan_settle_hit_q}} & {16'd0, scan_settle_o})
+      | ({32{scan_period_hit_q}} & scan_period_o)
+      | ({32{scan_interleave_hit_q}} & {31'd0, scan_interleave_o})
+      | ({32{scan_dropped_hit_q}} & scan_dropped_i)
+      | ({32{scan_overrun_hit_q}} & scan_overrun_i)
+      | ({32{scan_held_hit_q}} & scan_held_i)
+      | ({32{scan_lost_hit_q}} & scan_lost_i)
+      | ({32{health_band_hit_q}} & {15'd0, health_band_o})
+      | ({32{health_jump_hit_q}} & {15'd0, health_jump_o})
+      | ({32{health_low_hit_q}} & {15'd0, health_low_o})
+      | ({32{health_high_hit_q}} & {15'd0, health_high_o})
+      | ({32{health_use_hit_q}} & {30'd0, health_use_edges_o, health_use_user_o})
+      | ({32{health_still_hit_q}} & {24'd0, health_still_o})
+      | ({32{health_rail_hit_q}} & {24'd0, health_rail_o})
+      | ({32{health_blink_hit_q}} & {24'd0, health_blink_o})
+      | ({32{health_clear_hit_q}} & {31'd0, 1'b0})
+      | ({32{health_report_hit_q}} & {31'd0, 1'b0})
+      | ({32{health_dead_hit_q}} & {11'd0, health_dead_i})
+      | ({32{health_railed_hit_q}} & {11'd0, health_railed_i})
+      | ({32{health_blinking_hit_q}} & {11'd0, health_blinking_i})
+      | ({32{tare_contact_hit_q}} & {15'd0, tare_contact_o})
+      | ({32{tare_step_hit_q}} & {24'd0, tare_step_o})
+      | ({32{tare_force_hit_q}} & {31'd0, tare_force_o})
+      | ({32{tare_at_start_hit_q}} & {31'd0, tare_at_start_o})
+      | ({32{tare_average_hit_q}} & {31'd0, 1'b0})
+      | ({32{tare_load_hit_q}} & {31'd0, tare_load_o})
+      | ({32{tare_word_hit_q}} & {12'd0, tare_word_o})
+      | ({32{tare_zero_hit_q}} & {15'd0, tare_zero_o})
+      | ({32{tare_write_hit_q}} & {24'd0, tare_write_o})
+      | ({32{tare_state_hit_q}} & {29'd0, tare_state_pressed_i, tare_state_taring_i, tare_state_loading_i})
+      | ({32{tare_tared_hit_q}} & {16'd0, tare_tared_i})
+      | ({32{tare_refused_hit_q}} & {16'd0, tare_refused_i})
+      | ({32{tare_swallowed_hit_q}} & tare_swallowed_i)
+      | ({32{calibrate_preset_hit_q}} & {16'd0, calibrate_preset_o})
+      | ({32{calibrate_word_hit_q}} & {12'd0, calibrate_word_o})
+      | ({32{calibrate_offset_hit_q}} & {15'd0, calibrate_offset_o})
+      | ({32{calibrate_gain_hit_q}} & {16'd0, calibrate_gain_o})
+      | ({32{calibrate_write_hit_q}} & {23'd0, calibrate_write_row_o, calibrate_write_lanes_o})
+      | ({32{calibrate_swap_hit_q}} & {31'd0, 1'b0})
+      | ({32{calibrate_swapping_hit_q}} & {31'd0, calibrate_swapping_i})
+      | ({32{cop_min_load_hit_q}} & cop_min_load_q)
+      | ({32{cop_damaged_hit_q}} & cop_damaged_i)
+      | ({32{cop4_rail_hit_q}} & {15'd0, cop4_rail_q})
+      | ({32{cop4_kx_hit_q}} & {15'd0, cop4_kx_q})
+      | ({32{cop4_shift_x_hit_q}} & {28'd0, cop4_shift_x_q})
+      | ({32{cop4_ky_hit_q}} & {15'd0, cop4_ky_q})
+      | ({32{cop4_shift_y_hit_q}} & {28'd0, cop4_shift_y_q})
+      | ({32{cop4_kf_hit_q}} & {15'd0, cop4_kf_q})
+      | ({32{cop4_shift_load_hit_q}} & {28'd0, cop4_shift_load_q})
+      | ({32{cop4_p0_hit_q}} & {14'd0, cop4_p0_q})
+      | ({32{cop4_p1_hit_q}} & {14'd0, cop4_p1_q})
+      | ({32{cop4_p2_hit_q}} & {14'd0, cop4_p2_q})
+      | ({32{cop4_p3_hit_q}} & {14'd0, cop4_p3_q})
+      | ({32{cop4_p4_hit_q}} & {14'd0, cop4_p4_q})
+      | ({32{cop4_p5_hit_q}} & {14'd0, cop4_p5_q})
+      | ({32{cop4_min_load_hit_q}} & {16'd0, cop4_min_load_q})
+      | ({32{cop4_top_hit_q}} & {16'd0, cop4_top_q})
+      | ({32{cop4_idle_hit_q}} & {15'd0, cop4_idle_q})
+      | ({32{cop4_busy_hit_q}} & {15'd0, cop4_busy_q})
+      | ({32{cop4_imbalance_hit_q}} & {14'd0, cop4_imbalance_q})
+      | ({32{cop_slip_drop_hit_q}} & {24'd0, cop_slip_drop_q})
+      | ({32{cop_slip_move_hit_q}} & {16'd0, cop_slip_move_q})
+      | ({32{cop_slip_min_load_hit_q}} & {16'd0, cop_slip_min_load_q})
+      | ({32{cop_slip_hold_hit_q}} & {16'd0, cop_slip_hold_q})
+      | ({32{cop_slip_refractory_hit_q}} & {16'd0, cop_slip_refractory_q})
+      | ({32{link_images_hit_q}} & {31'd0, link_images_o})
+      | ({32{link_packets_hit_q}} & link_packets_i)
+      | ({32{link_cop_dropped_hit_q}} & link_cop_dropped_i)
+      | ({32{link_image_dropped_hit_q}} & link_image_dropped_i)
+      | ({32{link_rejected_hit_q}} & link_rejected_i);
 
+  logic asked, wrote, odd;
   always_ff @(posedge clk_i) begin
-    bus_done_o  <= bus_valid_i;
-    bus_error_o <= !hit || bus_address_i[1:0] != 2'd0 || (bus_write_i && !writable);
-    bus_data_o  <= (bus_write_i || bus_address_i[1:0] != 2'd0) ? 32'd0 : read_word;
-    if (rst_i) bus_done_o <= 1'b0;
+    asked       <= bus_valid_i;
+    wrote       <= bus_write_i;
+    odd         <= bus_address_i[1:0] != 2'd0;
+    bus_done_o  <= asked;
+    bus_error_o <= !hit || odd || (wrote && !writable);
+    bus_data_o  <= (wrote || odd) ? 32'd0 : read_word;
+    if (rst_i) begin
+      asked      <= 1'b0;
+      bus_done_o <= 1'b0;
+    end
   end
 
 endmodule

@@ -54,24 +54,9 @@ module msn_peak_to_peak #(
     $fatal(1, "msn_peak_to_peak: Hop = %0d details must lie in 1 .. Span", Hop);
   end
 
-  // The first window closes at detail Span-1, then one every Hop: `age` counts the details up to the
-  // first, `turn` those since the last that closed (waiting at its end before the first).
-  localparam int unsigned SpanBits = $clog2(Span);
-  logic [SpanBits-1:0] age, age_q, turn, turn_q;
-  logic                grown, closes, accept;
+  // The first window closes at detail Span-1, then one every Hop.
+  logic closes, accept;
   assign accept = in_valid_i && in_ready_o;
-  assign age    = in_restart_i ? '0 : age_q;
-  assign turn   = in_restart_i ? SpanBits'(Hop - 1) : turn_q;
-  assign grown  = age == SpanBits'(Span - 1);
-  assign closes = grown && (turn == SpanBits'(Hop - 1));
-
-  always_ff @(posedge clk_i) begin
-    if (accept && in_last_i) begin
-      age_q  <= grown ? age : age + 1'b1;
-      turn_q <= (grown && closes) ? '0 : grown ? turn + 1'b1 : SpanBits'(Hop - 1);
-    end
-  end
-
   // The window's maximum and minimum, then their difference. All stages move together, so that a stall
   // crosses one gate and not one a stage.
   assign in_ready_o = out_ready_i || !out_valid_o;
@@ -93,9 +78,10 @@ module msn_peak_to_peak #(
     // The maximum starts anew with each part of Hop details.
     localparam int unsigned HopBits = msn_pkg::index_width(Hop);
     logic [HopBits-1:0] place, place_q;
-    logic               first;
-    assign place = in_restart_i ? '0 : place_q;
-    assign first = place == '0;
+    logic               first, final_place;
+    assign place       = in_restart_i ? '0 : place_q;
+    assign first       = place == '0;
+    assign final_place = place == HopBits'(Hop - 1);
 
     logic signed [DetailBits-1:0] old_high, old_low, new_high, new_low;
     logic higher, lower;
@@ -124,11 +110,12 @@ module msn_peak_to_peak #(
         part_last    <= in_last_i;
         part_restart <= in_restart_i;
       end
-      if (accept && in_last_i) place_q <= (place == HopBits'(Hop - 1)) ? '0 : place + 1'b1;
+      if (accept && in_last_i) place_q <= final_place ? '0 : place + 1'b1;
       if (rst_i) part_valid <= 1'b0;
     end
 
     if (Hop == Span) begin : gen_tumbling
+      assign closes         = final_place;
       assign window_valid   = part_valid;
       assign window_high    = part_high;
       assign window_low     = part_low;
@@ -137,7 +124,10 @@ module msn_peak_to_peak #(
       assign window_restart = part_restart;
 
     end else begin : gen_half
-      // Joined with the part before: what the running part was when this one began.
+      // Joined with the part before, once there is one: what the running part was when this one began.
+      logic later, later_q;
+      assign later  = later_q && !in_restart_i;
+      assign closes = later && final_place;
       logic signed [DetailBits-1:0] kept_high, kept_low, before_high, before_low, half_high, half_low;
       logic                         half_exists;
       assign before_high = first ? old_high : kept_high;
@@ -163,10 +153,11 @@ module msn_peak_to_peak #(
       );
 
       always_ff @(posedge clk_i) begin
+        if (accept && in_last_i) later_q <= later || final_place;
         if (in_ready_o) begin
           half_high   <= before_high;
           half_low    <= before_low;
-          half_exists <= age >= SpanBits'(Hop);
+          half_exists <= later;
           window_valid   <= part_valid;
           window_high    <= (half_exists && half_higher) ? half_high : part_high;
           window_low     <= (half_exists && half_lower) ? half_low : part_low;
@@ -180,8 +171,24 @@ module msn_peak_to_peak #(
 
   end else begin : gen_sliding
     // Span = 2^K: K/2 stages that quadruple the window, after one that doubles it if K is odd.
-    localparam int unsigned Stages = (SpanBits + 1) / 2;
-    localparam int unsigned Odd    = SpanBits % 2;
+    localparam int unsigned SpanBits = $clog2(Span);
+    localparam int unsigned Stages   = (SpanBits + 1) / 2;
+    localparam int unsigned Odd      = SpanBits % 2;
+
+    // `age` counts the details up to the first window's end, `turn` those since the last that closed; before
+    // the first it waits at its end.
+    logic [SpanBits-1:0] age, age_q, turn, turn_q;
+    logic                grown;
+    assign age    = in_restart_i ? '0 : age_q;
+    assign grown  = age == SpanBits'(Span - 1);
+    assign turn   = in_restart_i ? SpanBits'(Hop - 1) : turn_q;
+    assign closes = grown && (turn == SpanBits'(Hop - 1));
+    always_ff @(posedge clk_i) begin
+      if (accept && in_last_i) begin
+        age_q  <= grown ? age : age + 1'b1;
+        turn_q <= !grown ? SpanBits'(Hop - 1) : closes ? '0 : turn + 1'b1;
+      end
+    end
 
     // Between the stages; flat, because Yosys loses packed arrays that are declared in a generate block.
     logic [Stages:0]                  valid, last, restart;

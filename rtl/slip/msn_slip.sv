@@ -124,7 +124,7 @@ module msn_slip #(
   end
 
   logic [2:0]           kept_state, state, next_state;
-  logic                 blanking, next_blanking, step, running, blank_this;
+  logic                 blanking, next_blanking, step, running, blank_this, blanked;
   logic [CountBits-1:0] timer, next_timer;
   assign step = seen_valid && in_ready_o;
 
@@ -190,9 +190,11 @@ module msn_slip #(
       out_last_o   <= seen_last;
       out_end_o    <= seen_end;
     end
-    if (step && blank_this) blanked_o <= blanked_o + 1'b1;
+    blanked <= step && blank_this;
+    if (blanked) blanked_o <= blanked_o + 1'b1;  // a clock late: 32 enables are slow
     if (rst_i) begin
       out_valid_o <= 1'b0;
+      blanked     <= 1'b0;
       blanked_o   <= '0;
     end
   end

@@ -9,7 +9,7 @@ import sys
 import pytest
 
 import synth
-from meissner import boards
+from meissner import boards, config
 from meissner.yowasp import ROOT, ToolError, yosys
 
 
@@ -25,7 +25,20 @@ def run(*arguments):
             ["nexys"],
             "synth: unknown board 'nexys'; the boards are: icebreaker, ulx3s, orangecrab, tangnano20k\n",
         ),
-        (["icebreaker", "array64"], "synth: the icebreaker has no configuration 'array64'; it has: "),
+        (
+            ["icebreaker", "array64"],
+            "synth: the icebreaker is not offered with array64: its top has no CONVST",
+        ),
+        (
+            ["icebreaker", "none"],
+            "synth: the icebreaker has no configuration 'none'; it has: slip1, fingertip\n",
+        ),
+        (
+            ["icebreaker", "slip1", "--device", "85F"],
+            "synth: --device 85F is for a bitstream of a board that",
+        ),
+        (["ulx3s", "slip1", "--device", "13F"], "synth: --device 13F is for a bitstream of a board that"),
+        (["ulx3s", "--device", "85F", "--check"], "synth: --device 85F is for a bitstream of a board that"),
         ([], "synth: name a board, BOARD=...: icebreaker, ulx3s, orangecrab, tangnano20k\n"),
     ],
 )
@@ -48,6 +61,8 @@ def test_every_pair_is_recorded_and_meets_its_clock():
     recorded = json.loads(synth.RESOURCES.read_text())
     assert synth.missing(recorded) == []
     for name, result in recorded.items():
+        if "left_out" in result:
+            continue
         assert len(result["mhz"]) == 3 and result["mhz_worst"] == min(result["mhz"]) >= result["clk_mhz"], (
             name
         )
@@ -60,9 +75,37 @@ def test_the_pages_have_the_tables_of_what_is_recorded():
 
 def test_a_missing_or_surplus_pair_is_found():
     recorded = json.loads(synth.RESOURCES.read_text())
-    last = recorded.pop(next(iter(recorded)))
+    last = recorded.pop("ulx3s-slip1")
     assert len(synth.missing(recorded)) == 1
     assert len(synth.missing(recorded | {"ulx3s-none": last})) == 2
+    assert len(synth.missing(recorded | {"ulx3s-slip1": last | {"device": "85F"}})) == 1
+
+
+def test_every_board_has_every_configuration_or_says_why_not():
+    """In resources.json too, in the same words: a pair cannot go missing unseen."""
+    recorded = json.loads(synth.RESOURCES.read_text())
+    for board in boards.BOARDS.values():
+        assert not set(board.configs) & set(board.left_out)
+        assert {*board.configs, *board.left_out} == set(config.names())
+        for name, reason in board.left_out.items():
+            assert recorded[f"{board.name}-{name}"] == {"left_out": reason}
+            silent = {key: value for key, value in recorded.items() if key != f"{board.name}-{name}"}
+            assert synth.missing(silent) == [
+                f"constraints/resources.json does not say why {board.name}-{name} is left out"
+            ]
+
+
+def test_a_pair_is_on_the_smallest_device_that_will_do():
+    """Block RAMs that the next smaller one does not have, or it is the smallest but for the 12F."""
+    rams = {"25F": 56, "45F": 108, "85F": 208}
+    recorded = json.loads(synth.RESOURCES.read_text())
+    for name in boards.BOARDS["ulx3s"].configs:
+        result = recorded[f"ulx3s-{name}"]
+        if "left_out" in result:
+            continue
+        smaller = [device for device in rams if rams[device] < rams[result["device"]]]
+        assert result["bram"] <= rams[result["device"]]
+        assert not smaller or result["bram"] > rams[smaller[-1]], name
 
 
 @pytest.mark.parametrize(

@@ -24,7 +24,10 @@ def nearest(value):
 
 
 def cases(rng, den_bits, fraction_bits, count):
-    """Pairs num, den: corners, exact ties and their neighbours of both signs, then random of any size."""
+    """Pairs num, den: corners, exact ties and their neighbours of both signs, then random of any size.
+
+    A tie hangs on every bit of every remainder: a bit that is wrong now and then shows in no other quotient.
+    """
     top = (1 << den_bits) - 1
     pairs = [(n, d) for d in (1, 2, 3, top - 1, top) for n in {0, 1, d // 2, d // 2 + 1, d - 1, d} if n <= d]
     unit = 1 << (fraction_bits + 1)  # of halves of an LSB
@@ -32,6 +35,9 @@ def cases(rng, den_bits, fraction_bits, count):
         for half in (1, 3, unit // 2 - 1, unit - 3, unit - 1):
             if 1 <= scale <= top // unit:
                 pairs += [(half * scale + off, unit * scale) for off in (-1, 0, 1)]
+    for _ in range(count // 4 if top >= unit else 0):
+        scale, half = int(rng.integers(1, top // unit + 1)), 2 * int(rng.integers(0, unit // 2)) + 1
+        pairs.append((half * scale + int(rng.integers(-1, 2)), unit * scale))
     for _ in range(count):
         den = int(rng.integers(1, top + 1)) >> int(rng.integers(0, den_bits)) or 1
         pairs.append((int(rng.integers(0, den + 1)), den))
@@ -106,7 +112,7 @@ SPACE = lambda draw: {
 
 @pytest.mark.parametrize(
     "den_bits, fraction_bits, bits_per_clock, pipelined",
-    [(34, 14, 2, 0), (46, 20, 1, 0), (12, 5, 2, 1), (12, 4, 1, 1), (34, 7, 2, 0), (46, 20, 2, 1)],
+    [(34, 14, 2, 0), (46, 20, 1, 0), (12, 5, 2, 1), (12, 5, 1, 1), (34, 7, 2, 0), (46, 20, 2, 1)],
 )
 def test_divide(den_bits, fraction_bits, bits_per_clock, pipelined):
     parameters = {"DenBits": den_bits, "FractionBits": fraction_bits, "BitsPerClock": bits_per_clock}

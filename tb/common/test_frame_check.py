@@ -35,6 +35,12 @@ def damaged_stream(channels, frames, rate, seed):
     return beats
 
 
+@cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
+async def counts_over_the_whole_width(dut):
+    first, wrong = {"data": 0, "id": 0, "last": 1}, {"data": 0, "id": 1, "last": 1}
+    await bench.turn_over(dut, "damaged_o", [first, wrong])
+
+
 @cocotb.test(timeout_time=2, timeout_unit="ms")
 @cocotb.parametrize(rate=[0.0, 0.4], stall_rate=[0.0, 0.5])
 async def matches_model(dut, rate, stall_rate):

@@ -36,6 +36,11 @@ def damaged_beats(beats, frames, rate, seed):
     return stream
 
 
+@cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
+async def counts_over_the_whole_width(dut):
+    await bench.turn_over(dut, "damaged_o", accept_i=0)
+
+
 @cocotb.test(timeout_time=2, timeout_unit="ms")
 @cocotb.parametrize(rate=[0.0, 0.4])
 async def matches_model(dut, rate):

@@ -59,6 +59,11 @@ def damaged_frames(beats, length, draw):
     return [beat for part, _ in sent for beat in part], whole
 
 
+@cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
+async def counts_over_the_whole_width(dut):
+    await bench.turn_over(dut, "damaged_o")
+
+
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 @cocotb.parametrize(stall_rate=[0.0, 0.6])
 async def matches_model(dut, stall_rate):
@@ -111,8 +116,9 @@ async def clocks_are_as_stated_and_frames_never_wait(dut):
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
-async def waits_only_when_two_results_are_not_taken(dut):
-    """Nobody takes results: exactly two frames and the beats on their way go in, and none is lost."""
+@cocotb.parametrize(every=[1, 4])
+async def waits_only_when_two_results_are_not_taken(dut, every):
+    """Nobody takes results: two frames and the beats on their way go in, and none is lost."""
     rows, columns, lanes = parameters(dut)
     if rows * columns > 10**5:
         return
@@ -122,16 +128,27 @@ async def waits_only_when_two_results_are_not_taken(dut):
     length = len(beats) // len(forces)
     room = 2 * length + lanes.bit_length() - 1  # beats of a third frame between the lanes and the sums
     sent = 0
-    for _ in range(room + 40):
-        dut.in_valid_i.value = 1
+    for clock in range(every * room + 40):
+        dut.in_valid_i.value = int(clock % every == 0)
         dut.in_data_i.value, dut.in_last_i.value = beats[sent]["data"], int(beats[sent]["last"])
         await bench.ReadOnly()
-        sent += int(dut.in_ready_o.value)
+        sent += int(dut.in_ready_o.value) if clock % every == 0 else 0
         await bench.RisingEdge(dut.clk_i)
         if sent == len(beats):
             break
-    assert sent == min(room, len(beats))
+    assert sent == min(room, len(beats)) or (every > 1 and 2 * length <= sent <= room)  # gaps take room too
     assert await bench.stream(dut, beats[sent:], FIELDS) == expected_of(forces)
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def counts_every_damaged_frame(dut):
+    """A frame that ends with its first beat; a frame of one beat cannot, and loses its end."""
+    rows, columns, lanes = parameters(dut)
+    await bench.start(dut)
+    lone = rows == 1 and columns <= lanes
+    beats = [{"data": 0, "last": last} for last in ((False, True) if lone else (True,))] * 1100
+    assert await bench.stream(dut, beats, FIELDS) == []
+    assert bench.read(dut.damaged_o) == 1100
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
@@ -186,7 +203,7 @@ SPACE = lambda draw: {
     [
         (1, 1, 1),
         (1, 9, 4),
-        (9, 1, 1),
+        (11, 1, 1),
         (2, 2, 2),
         (3, 3, 1),
         (5, 7, 8),

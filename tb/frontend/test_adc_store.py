@@ -44,7 +44,7 @@ async def matches_model(dut, stall_rate):
             await ReadOnly()
             assert dut.out_valid_o.value == int(here[taken])
             takes = here[taken] and ready
-            assert dut.pending_o.value == int(sum(here) - taken - takes > 0)
+            assert dut.pending_o.value == int(sum(here) > taken)
             if takes:
                 beat = [bench.read(port) for port in (dut.out_id_o, dut.out_last_o, dut.out_user_o)]
                 assert beat == [taken, taken == channels - 1, over[taken]]
@@ -77,7 +77,7 @@ async def whole_frames_wait_for_their_last_word(dut):
             if dut.out_valid_o.value == 1:
                 assert clock == 2 * channels + len(got)
                 got.append((bench.read(dut.out_id_o), bench.read(dut.out_data_o)))
-            assert dut.pending_o.value == int(0 < len(got) < channels)
+            assert dut.pending_o.value == dut.out_valid_o.value
             await RisingEdge(dut.clk_i)
         assert got == ([] if bad else [(c, 16 * frame + c) for c in range(channels)])
 

@@ -3,6 +3,8 @@ slip events never lost, in order, at full load of all else; what is dropped of t
 images whole, in order, of their own time, in chunks that fit and that do not; priorities; an event's latency;
 a build of each kind alone; reset in mid-packet."""
 
+import itertools
+import random
 import re
 
 import cocotb
@@ -21,6 +23,10 @@ INPUTS = (
     *("health_valid", "health_id", "health_faults", "answer_valid", "answer_data", "statistics", "now"),
     *("image_valid", "image_data", "image_last", "image_time"),
 )
+
+
+CHECK = 3  # the sender's state of the checksum
+FLIP = itertools.cycle([0, 0xFFFFFFFF])  # each counter is in the next test what it was not
 
 
 class Source:
@@ -83,7 +89,8 @@ class Health(Source):
 
 class Answer(Source):
     def draw(self, now):
-        (data,) = self.bits(62)
+        low, high = self.bits(32, 32)
+        data = high << 32 | low
         self.set(data=data)
         return None, data.to_bytes(8, "little")
 
@@ -113,11 +120,14 @@ class Bench:
     def __init__(self, dut, ready, sources):
         self.dut, self.ready, self.sources = dut, ready, sources
         self.clock, self.bytes, self.packets, self.ends = 0, bytearray(), [], []
+        self.epochs, self.epoch = random.Random(bench.SEED), 0  # the time jumps, so that all its bits move
 
     async def run(self, clocks, quiet=False):
         dut = self.dut
         for _ in range(clocks):
-            dut.now_i.value = self.clock
+            if self.clock % 64 == 0:
+                self.epoch = self.epochs.getrandbits(48)
+            dut.now_i.value = (self.clock + self.epoch) % (1 << 48)
             for source in self.sources:
                 if quiet:
                     source.rate = 0
@@ -165,7 +175,8 @@ async def begin(dut, rng, rates, ready=lambda: True):
     if build["Taxels"]:
         sources["image"] = Image(dut, rng, rates.get("image", 0), build["Taxels"])
     await bench.start(dut, **{f"{name}_i": 0 for name in INPUTS})
-    counters = [int(rng.integers(0, 1 << 32)) for _ in range(max(1, build["Statistics"]))]
+    counters = [int(rng.integers(0, 1 << 32)) ^ next(FLIP) for _ in range(max(1, build["Statistics"]) | 1)]
+    counters = counters[: max(1, build["Statistics"])]
     dut.statistics_i.value = sum(value << (32 * place) for place, value in enumerate(counters))
     return Bench(dut, ready, list(sources.values())), sources, counters
 
@@ -292,12 +303,36 @@ async def an_event_waits_for_one_packet_at_most(dut):
 
 
 @cocotb.test(timeout_time=50, timeout_unit="ms")
+async def a_full_queue_holds_the_slip_path(dut):
+    """Events at every clock, first while an image is sent, and a slow line: all of them arrive, in order."""
+    build = parameters(dut)
+    if not build["SlipDepth"]:
+        return
+    draw = np.random.default_rng(7)
+    test, sources, counters = await begin(
+        dut, np.random.default_rng(bench.SEED), {"image": 1.0}, lambda: draw.random() < 0.3
+    )
+    await test.run(400)
+    sources["slip"].rate = 1
+    await test.run(100 * build["SlipDepth"])
+    assert dut.slip_ready_o.value == 0
+    test.ready = lambda: True
+    await test.run(150 * build["SlipDepth"] + 1500, quiet=True)
+    while test.bytes or dut.out_begin_o.value == 1:
+        await test.run(1, quiet=True)
+    check(test, sources, counters, build)
+    assert len(sources["slip"].sent) > build["SlipDepth"]
+
+
+@cocotb.test(timeout_time=50, timeout_unit="ms")
 async def recovers_after_reset(dut):
     rng = np.random.default_rng(bench.SEED)
     rates = {"slip": 0.01, "cop": 0.01, "health": 0.01, "answer": 0.01, "image": 0.9}
     test, _, _ = await begin(dut, rng, rates)
-    for cut in (30, 61, 333):
-        await test.run(cut)
+    for cut in (30, 61, 333, None):
+        await test.run(cut or 1)
+        while cut is None and dut.state.value.to_unsigned() != CHECK:
+            await test.run(1)
         for name in ("slip", "cop", "health", "answer", "image"):
             getattr(dut, f"{name}_valid_i").value = 0
         await bench.reset(dut)

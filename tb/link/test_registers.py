@@ -2,13 +2,14 @@
 status read through, absent features answered as errors. Random accesses, bit for bit as the twin.
 """
 
+import itertools
 import random
 import subprocess
 import sys
 
 import cocotb
 import pytest
-from cocotb.triggers import ReadOnly, RisingEdge
+from cocotb.triggers import FallingEdge, ReadOnly, RisingEdge
 
 import bench
 from meissner.host.register_map import GROUPS
@@ -60,7 +61,7 @@ def compare(dut, twin, pulses):
 
 
 async def clock(dut, twin, status, access=None, commits=(), compared=True):
-    """One clock with an access or none, and the commits at its edge; the answer is checked after it.
+    """One clock with an access or none, and the commits at its edge; the answer is checked a clock after it.
 
     ``compared``: every port is, too.
     """
@@ -78,16 +79,19 @@ async def clock(dut, twin, status, access=None, commits=(), compared=True):
     for name in WAITING:
         getattr(dut, f"{name}_commit_i").value = 0
     await ReadOnly()
-    assert bench.read(dut.bus_done_o) == (answer is not None)
-    if answer:
-        assert (bench.read(dut.bus_data_o), bool(bench.read(dut.bus_error_o))) == answer[:2], access
+    assert bench.read(dut.bus_done_o) == 0, "answered too early"
     if compared:
         compare(dut, twin, answer[2] if answer else set())
     await RisingEdge(dut.clk_i)
     await ReadOnly()
-    assert bench.read(dut.bus_done_o) == 0, "an access was answered twice"
+    assert bench.read(dut.bus_done_o) == (answer is not None)
+    if answer:
+        assert (bench.read(dut.bus_data_o), bool(bench.read(dut.bus_error_o))) == answer[:2], access
     if compared:
         compare(dut, twin, set())
+    await RisingEdge(dut.clk_i)
+    await ReadOnly()
+    assert bench.read(dut.bus_done_o) == 0, "an access was answered twice"
     await RisingEdge(dut.clk_i)
 
 
@@ -107,7 +111,11 @@ async def answers_every_address(dut):
 async def matches_model_on_random_accesses(dut):
     twin, status, draw = await begin(dut)
     known = [register.address for group in GROUPS for register in group.registers]
-    for _ in range(2000):
+    for count in range(2000):
+        if count % 100 == 0:
+            for key, field in ((key, field) for *key, field in keys("status")):
+                status[*key, field.name] ^= draw.choice((field.most, draw.randrange(field.most + 1)))
+                getattr(dut, port(*key, field.name, "i")).value = status[*key, field.name]
         commits = [name for name in WAITING if draw.random() < 0.2]
         access = None
         if draw.random() < 0.8:
@@ -117,16 +125,61 @@ async def matches_model_on_random_accesses(dut):
         await clock(dut, twin, status, access, commits)
 
 
+@cocotb.test(timeout_time=100, timeout_unit="ms")
+async def strobes_guard_every_flag(dut):
+    """A flag of either value, written with either, with and without its byte's strobe."""
+    twin, status, _ = await begin(dut)
+    flags = {(g, r) for g, r, field in keys("setting") if field.most == 1}
+    for group in GROUPS:
+        for register in group.registers:
+            if (group.name, register.name) not in flags:
+                continue
+            for before, data, strobe in itertools.product((0, 0xFFFF_FFFF), (0, 0xFFFF_FFFF), (0, 15)):
+                await clock(dut, twin, status, (1, register.address, before, 15), compared=False)
+                await clock(dut, twin, status, (1, register.address, data, strobe), WAITING, compared=False)
+                await clock(dut, twin, status, (0, register.address, 0, 15), compared=False)
+            compare(dut, twin, set())
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def answers_an_access_every_clock(dut):
+    twin, status, draw = await begin(dut)
+    known = [register.address for group in GROUPS for register in group.registers]
+    dut.bus_valid_i.value = 1
+    for _ in range(500):
+        address = draw.choice(known) if draw.random() < 0.8 else draw.randrange(4096)
+        access = (draw.randrange(2), address, draw.getrandbits(32), draw.choice((15, draw.randrange(16))))
+        for name, value in zip(("write", "address", "data", "strobe"), access):
+            getattr(dut, f"bus_{name}_i").value = value
+        await RisingEdge(dut.clk_i)
+        expected = twin.access(*access, status)
+        await ReadOnly()
+        assert dut.bus_done_o.value == 1
+        assert (bench.read(dut.bus_data_o), bool(bench.read(dut.bus_error_o))) == expected[:2], access
+        await FallingEdge(dut.clk_i)
+    dut.bus_valid_i.value = 0
+    await RisingEdge(dut.clk_i)
+    await ReadOnly()
+    assert dut.bus_done_o.value == 0
+    compare(dut, twin, set())
+
+
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def starts_over_at_reset(dut):
     twin, status, draw = await begin(dut)
+    known = [register.address for group in GROUPS for register in group.registers]
     for g in GROUPS:
         for register in g.registers:
             await clock(dut, twin, status, (1, register.address, draw.getrandbits(32), 15), WAITING)
-    await bench.reset(dut)
-    twin.reset()
-    await ReadOnly()
-    compare(dut, twin, set())
+    for write in (0, 1):  # an access in the clock of the reset is not answered
+        dut.bus_valid_i.value, dut.bus_write_i.value, dut.bus_address_i.value = 1, write, known[0]
+        await bench.reset(dut)
+        dut.bus_valid_i.value = 0
+        twin.reset()
+        await ReadOnly()
+        assert dut.bus_done_o.value == 0
+        compare(dut, twin, set())
+        await RisingEdge(dut.clk_i)
 
 
 @pytest.mark.parametrize(

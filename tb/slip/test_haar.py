@@ -46,6 +46,10 @@ async def matches_model(dut, stall_rate):
     length = 101 if channels < 50 else 9
     rng = np.random.default_rng(bench.SEED)
     x = bench.extremes_then_random(rng, channels, length, bits)
+    if length > 60:  # each level's largest sums and details, of both signs
+        low, high = bench.width(bits)
+        runs = np.concatenate([np.repeat([1, 1, 0, 0, 1, 0, 0, 1], 4), np.repeat([1, 0, 0, 1], 2)])
+        x[:, 16:56] = np.where(runs, high, low)
     mask, used = masks(dut, rng, x)
     pause = bench.pauses(stall_rate)
     got = await bench.stream(dut, bench.frames(data=x, mask=mask), FIELDS, pause, pause)
@@ -53,20 +57,93 @@ async def matches_model(dut, stall_rate):
 
 
 @cocotb.test(timeout_time=5, timeout_unit="ms")
-async def restart_begins_a_new_group(dut):
-    """After an odd number of frames a restart drops the unfinished group."""
+@cocotb.parametrize(surplus=[1, 2, 3, 4, 7])
+async def restart_begins_a_new_group(dut, surplus):
+    """A restart drops the unfinished group, whichever levels have begun it."""
     channels, level, bits = parameters(dut)
+    if surplus >= 2**level:
+        return
     await bench.start(dut)
     rng = np.random.default_rng(bench.SEED + 1)
-    first = bench.extremes_then_random(rng, channels, 2**level + 1, bits)
+    first = bench.extremes_then_random(rng, channels, 2**level + surplus, bits)
     second = bench.extremes_then_random(rng, channels, 2 ** (level + 1), bits)
     mask, used = masks(dut, rng, first)
-    mask[:, -1] = used[:, -1] = True  # of the unfinished group
+    mask[:, 2**level :] = used[:, 2**level :] = True  # of the unfinished group
     beats = bench.frames(data=first, mask=mask) + bench.frames(data=second, mask=np.zeros(second.shape))
     got = await bench.stream(dut, beats, FIELDS)
     x = np.concatenate([first[:, : 2**level], second], axis=1)
     used = np.concatenate([used[:, : 2**level], np.zeros(second.shape, bool)], axis=1)
     check(got, x, level, restarts=(0, 1), mask=used)
+
+
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def takes_samples_until_a_result_waits(dut):
+    """Nobody takes results: the first group goes in, and a sample for every level that it passes."""
+    channels, level, _ = parameters(dut)
+    await bench.start(dut, out_ready_i=0)
+    beats = bench.frames(data=np.arange(channels * 2 ** (level + 1)).reshape(-1, channels).T)
+    assert await bench.taken(dut, beats) == (2**level - 1) * channels + level
+
+
+def sample_by_sample(beats, channels, level):
+    """What any beats give, whole frames or not: every level takes one after the other."""
+    for _ in range(level):
+        even, odd_next, restart, out = [(0, 0)] * channels, False, 0, []
+        for beat in beats:
+            (before, dark), even = even[0], [*even[1:], (beat["total"], beat["mask"])]
+            odd = odd_next and not beat["restart"]
+            if odd:
+                masked = dark or beat["mask"]
+                pair = {"detail": before - beat["total"], "total": before + beat["total"]}
+                marks = {"mask": int(masked), "restart": restart}
+                out.append(beat | ({"detail": 0, "total": 0} if masked else pair) | marks)
+            else:
+                restart = beat["restart"]
+            odd_next = not odd if beat["last"] else odd_next
+        beats = out
+    return beats
+
+
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+@cocotb.parametrize(stall_rate=[0.0, 0.4])
+async def marks_count_for_the_sample_they_come_with(dut, stall_rate):
+    """Whole frames fill the memories; then ids, `last` and restarts come as they like."""
+    channels, level, bits = parameters(dut)
+    if channels > 50:
+        return
+    await bench.start(dut)
+    rng = np.random.default_rng(bench.SEED)
+    low, high = bench.width(bits)
+    x = rng.integers(low, high + 1, (channels, 2**level))
+    beats = bench.frames(data=x, mask=np.zeros(x.shape))
+    for _ in range(400):
+        marks = {"last": rng.random() < 0.5, "restart": rng.random() < 0.1, "mask": rng.random() < 0.2}
+        data, number = int(rng.integers(low, high + 1)), int(rng.integers(0, 2 ** len(dut.in_id_i)))
+        beats.append({"data": data, "id": number} | {name: int(mark) for name, mark in marks.items()})
+    pause = bench.pauses(stall_rate)
+    got = await bench.stream(dut, beats, FIELDS, pause, pause)
+    used = [{"total": b["data"], **b, "mask": int(b["mask"] and dut.Mask.value.to_unsigned())} for b in beats]
+    expected = sample_by_sample(used, channels, level)
+    assert got == [{name: beat[name] for name in got[0]} for beat in expected]
+
+
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def forgets_what_a_reset_interrupts(dut):
+    channels, level, bits = parameters(dut)
+    await bench.start(dut)
+    x = bench.extremes_then_random(np.random.default_rng(bench.SEED), channels, 2 ** (level + 1), bits)
+    mask = np.zeros(x.shape, bool)
+    beats = bench.frames(data=x, mask=mask)
+    for cut in {2**k for k in range(level)} | {2**level}:
+        await bench.taken(dut, beats[: cut * channels], patience=3)
+        await bench.reset(dut)
+        check(
+            await bench.stream(dut, bench.frames(restart=False, data=x, mask=mask), FIELDS),
+            x,
+            level,
+            (),
+            mask,
+        )
 
 
 @cocotb.test(timeout_time=5, timeout_unit="ms")

@@ -61,6 +61,44 @@ async def matches_model(dut, stall_rate):
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
+async def tells_details_apart_that_hardly_differ(dut):
+    """Windows of details that have all but their last few bits in common, however few or many."""
+    channels, span, hop, bits = parameters(dut)
+    if channels > 100:
+        return
+    await bench.start(dut, in_mask_i=0)
+    rng = np.random.default_rng(bench.SEED)
+    low, high = bench.width(bits)
+    common = rng.integers(low, high + 1, (channels, bits, 1))
+    few = rng.integers(0, 1 << np.arange(bits)[:, None], (channels, bits, 2 * span))
+    detail = (common >> np.arange(bits)[:, None] << np.arange(bits)[:, None] | few).reshape(channels, -1)
+    got = await bench.stream(dut, bench.frames(detail=detail, total=detail), FIELDS)
+    assert got == [beat | {"mask": 0} for beat in expected_beats(detail, detail, span, hop)]
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def takes_details_until_a_result_waits(dut):
+    _, span, hop, _ = parameters(dut)
+    latency = 2 if hop == span else 3 if 2 * hop == span else 1 + span.bit_length() // 2
+    await bench.start(dut, out_ready_i=0, in_mask_i=0)
+    beats = [{"detail": 0, "total": 0, "id": 0, "last": 1, "restart": 1}] * 40
+    assert await bench.taken(dut, beats) == latency
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def forgets_what_a_reset_interrupts(dut):
+    channels, span, hop, bits = parameters(dut)
+    await bench.start(dut, in_mask_i=0)
+    detail = bench.extremes_then_random(np.random.default_rng(bench.SEED), channels, span + 3, bits)
+    beats = bench.frames(detail=detail, total=detail)
+    for cut in (1, 2, 3, 5):
+        await bench.taken(dut, beats[:cut], patience=1)
+        await bench.reset(dut)
+        assert await bench.stream(dut, [], FIELDS) == []
+    assert await bench.stream(dut, beats, FIELDS) == expected_beats(detail, detail, span, hop)
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
 async def shows_a_crossing_at_every_place_of_a_window(dut):
     channels, span, hop, _ = parameters(dut)
     await bench.start(dut, in_mask_i=0)

@@ -4,7 +4,7 @@ from enum import IntEnum
 
 import numpy as np
 
-from meissner.slip.config import TIMER_BITS, check_channels
+from meissner.slip.config import check_channels
 
 
 class State(IntEnum):
@@ -37,9 +37,6 @@ class Slip:
 
     def __init__(self, channels, config):
         check_channels(channels)
-        for name in ("hold", "refractory", "blank"):
-            if not 0 <= getattr(config, name) < 1 << TIMER_BITS:
-                raise ValueError(f"{name} = {getattr(config, name)} must lie in 0 .. {(1 << TIMER_BITS) - 1}")
         self.channels, self.config = channels, config
         self.reset()
 

@@ -1,0 +1,151 @@
+"""A block as bits: Yosys makes them of its sources, or through synthesis; here they become a graph.
+
+Products are leaves: boxes on either side, whose results are as free as inputs and whose operands count as
+outputs.
+"""
+
+import json
+from dataclasses import dataclass, field
+
+from meissner import toolchain, yowasp
+from meissner.trust.aig import FALSE, TRUE, Aig
+
+HERE = "model/meissner/trust"
+FAMILIES = {
+    "ecp5": ("synth_ecp5 -run begin:check -nobram -nolutram -nodsp", "+/ecp5/cells_sim.v"),
+    "ice40": ("synth_ice40 -run begin:check -nobram", "+/ice40/cells_sim.v"),
+}
+# What is undefined, such as a word beside a memory's end, is 0 on both sides.
+ZERO = "setundef -undriven -zero; setundef -zero"
+BITS = (
+    f"techmap -map {HERE}/carry_map.v -map +/techmap.v; dffunmap; simplemap; opt_clean; {ZERO}; "
+    "aigmap; opt_clean; check -assert; setattr -unset src */t:* */w:*"
+)
+DEFINED = f"techmap -map {HERE}/defined_map.v; memory -nordff; {ZERO}; opt_clean; "
+
+
+@dataclass
+class Circuit:
+    """Bits as Yosys numbers them; "0" and "1" are constants.
+
+    ``inputs``, ``outputs``: {(name, index): bit}, among them a box's as ("box.port", index);
+    ``registers``: {Q: D}; ``gates``: {Y: its operands, two of an AND, one of an inverter};
+    ``names``: {bit: every (name, index) it has in the source}.
+    """
+
+    inputs: dict = field(default_factory=dict)
+    outputs: dict = field(default_factory=dict)
+    registers: dict = field(default_factory=dict)
+    gates: dict = field(default_factory=dict)
+    names: dict = field(default_factory=dict)
+
+    def build(self, graph, given):
+        """Literals in ``graph`` of every bit, those of inputs and registers being ``given``."""
+        known = {"0": FALSE, "1": TRUE, **given}
+        for root in self.gates:
+            waiting = [root]
+            while waiting:
+                bit = waiting[-1]
+                if bit in known:
+                    waiting.pop()
+                    continue
+                if bit not in self.gates:
+                    raise ValueError(f"bit {bit} {self.names.get(bit, '')} has no driver")
+                operands = self.gates[bit]
+                if open_ones := [one for one in operands if one not in known]:
+                    waiting += open_ones
+                    continue
+                first = known[operands[0]]
+                known[bit] = graph.both(first, known[operands[1]]) if len(operands) == 2 else first ^ 1
+                waiting.pop()
+        return known
+
+    def widths(self):
+        """{name: bits}."""
+        found = {}
+        for known in self.names.values():
+            for name, index in known:
+                found[name] = max(found.get(name, 0), index + 1)
+        return found
+
+    def holders(self):
+        """{(name, index): (Q, inverted)} of what is a register's contents, or those inverted.
+
+        Q None: it is a constant.
+        """
+        graph = Aig()
+        given = {bit: graph.input() for bit in [*self.registers, *self.inputs.values()]}
+        of = {given[bit]: bit for bit in self.registers} | {FALSE: None}
+        known = self.build(graph, given)
+        found = {}
+        for bit, names in self.names.items():
+            literal = known.get(bit)
+            if literal is not None and literal & ~1 in of:
+                found.update(dict.fromkeys(names, (of[literal & ~1], literal & 1)))
+        return found
+
+
+def load(path, top):
+    """The circuit of a netlist in Yosys's JSON, all of one clock."""
+    module = json.loads(path.read_text())["modules"][top]
+    circuit = Circuit()
+    clock = module["ports"].get("clk_i", {"bits": [None]})["bits"][0]
+    for name, port in module["ports"].items():
+        if name != "clk_i":
+            side = circuit.inputs if port["direction"] == "input" else circuit.outputs
+            side.update({(name, index): bit for index, bit in enumerate(port["bits"])})
+    for name, cell in module["cells"].items():
+        pins = cell["connections"]
+        if cell["type"] == "$_DFF_P_":
+            if pins["C"][0] != clock:
+                raise ValueError(f"{top}: {name} has another clock")
+            circuit.registers[pins["Q"][0]] = pins["D"][0]
+        elif cell["type"] == "$_AND_":
+            circuit.gates[pins["Y"][0]] = (pins["A"][0], pins["B"][0])
+        elif cell["type"] == "$_NOT_":
+            circuit.gates[pins["Y"][0]] = (pins["A"][0],)
+        elif cell["type"] == "$scopeinfo":
+            pass
+        elif "product" in cell["type"]:
+            for pin, bits in pins.items():
+                inward = cell["port_directions"][pin] == "output"
+                side = circuit.inputs if inward else circuit.outputs
+                side.update({(f"{name}.{pin}", index): bit for index, bit in enumerate(bits)})
+        else:
+            raise ValueError(f"{top}: {name} is a {cell['type']}")
+    for name, net in module["netnames"].items():
+        if not net["hide_name"]:
+            for index, bit in enumerate(net["bits"]):
+                circuit.names.setdefault(bit, []).append((name, index))
+    return circuit
+
+
+def synthesise(block, parameters, folder, families=FAMILIES, defined=False):
+    """Netlists of ``msn_<block>`` in ``folder``, relative to ROOT: {"source": circuit, family: circuit}.
+
+    ``defined``: memories become registers, and what is undefined 0, already for synthesis.
+    """
+    top = f"msn_{block}"
+    (toolchain.ROOT / folder).mkdir(parents=True, exist_ok=True)
+    files = [str(path.relative_to(toolchain.ROOT)) for path in toolchain.sources_of(top)]
+    sets = " ".join(f"-set {name} {value}" for name, value in parameters.items())
+    chparam = f"chparam {sets} {top}; " if sets else ""  # all at once: some may be legal together only
+    leaves = f"techmap -map {HERE}/leaves_map.v; rename -enumerate -pattern product_% t:product; "
+    script = [
+        f"read_verilog -sv {' '.join(files)} {HERE}/leaves.v",
+        f"{chparam}hierarchy -check -top {top}",
+        f"rename -top {top}; proc; flatten; setattr -unset src */t:* */w:* */m:*",
+        f"{leaves if block != 'multiply' else ''}opt_clean",
+        f"{DEFINED if defined else ''}design -save read",
+        f"techmap -map {HERE}/defined_map.v; memory -nordff; {BITS}; write_json {folder}/source.json",
+    ]
+    for family in families:
+        synth, cells = FAMILIES[family]
+        script += [
+            f"design -load read; {synth} -top {top}",
+            f"techmap -wb -D EQUIV -autoproc -map {cells}",
+            f"setattr -unset init; flatten; hierarchy -top {top} -purge_lib; {BITS}",
+            f"write_json {folder}/{family}.json",
+        ]
+    yowasp.yosys("; ".join(script), f"{folder}/yosys.log")
+    return {name: load(toolchain.ROOT / folder / f"{name}.json", top) for name in ("source", *families)}

@@ -1,0 +1,151 @@
+"""Is a mutant the same block? Two copies of the netlist, one changed; a solver looks for a difference.
+
+Both copies begin with zeros and run unchanged, with any inputs, for as long as the solver likes; then comes
+a clock of reset and with it the change. From then on no output may differ, whatever comes in; what a
+`*_valid_o` qualifies counts only while that is 1. ABC, which is part of Yosys, merges what it proves equal
+by induction (scorr), looks for a difference (bmc3), and proves that there is none (pdr). What it leaves open
+is no proof. A block with `in_restart_i` gets whole frames, as msn_frame_check hands them on, the first one
+after a reset with restart; what it gets while `in_valid_i` is 0 is free there too.
+"""
+
+import re
+import subprocess
+from pathlib import Path
+
+from meissner.trust.mutate import INNER
+from meissner.yowasp import ROOT, ToolError, yosys
+
+FRAMES = 60  # clocks in which a difference is looked for
+SECONDS = 20, 60  # for the two searches
+DUMMY = "module dummy(input a, b, output y); assign y = a & b; endmodule\n"  # ABC wants something to work on
+
+
+def ports(folder):
+    """``{name: (direction, width)}`` of the netlist's own module."""
+    text = (ROOT / folder / "mutated.v").read_text()
+    module = re.search(rf"^module {INNER}\(.*?^endmodule", text, re.DOTALL | re.MULTILINE).group()
+    found = re.findall(r"^  (input|output) (?:signed )?(?:\[(\d+):0\] )?(\w+);", module, re.MULTILINE)
+    return {name: (direction, int(top or 0) + 1) for direction, top, name in found}
+
+
+def difference(names):
+    """An expression that is 1 when the copies a and b differ in an output that counts."""
+    valids = sorted((name for name in names if name.endswith("valid_o")), key=len, reverse=True)
+    terms = []
+    for name in names:
+        term = f"a_{name} != b_{name}"
+        if not re.search(r"(valid|ready)_o$", name):
+            qualifier = next((v for v in valids if name.startswith(v.removesuffix("valid_o"))), None)
+            if qualifier and qualifier != "valid_o":
+                term = f"a_{qualifier} && {term}"
+        terms.append(f"({term})")
+    return " || ".join(terms) or "1'b0"
+
+
+FRAMED = ("in_id_i", "in_last_i", "in_restart_i")
+FRAMES_IN = """
+wire reset = i_rst_i || (begin_i && !on), took = i_in_valid_i && a_in_ready_o;
+reg [15:0] place = 0; reg begun = 0, restart = 0;
+wire fresh = place == 0 ? i_in_restart_i || !begun : restart;
+always @(posedge i_clk_i) begin
+  if (took) begin place <= place == {last} ? 0 : place + 1; begun <= 1; restart <= fresh; end
+  if (reset) begin place <= 0; begun <= 0; end
+end
+wire [{top}:0] f_in_id_i = i_in_valid_i ? place : i_in_id_i;
+wire f_in_last_i = i_in_valid_i ? place == {last} : i_in_last_i;
+wire f_in_restart_i = i_in_valid_i ? fresh : i_in_restart_i;
+"""
+
+
+def miter(folder, parameters):
+    """The Verilog of the two copies; parameter ``K``: the mutant's number."""
+    known = ports(folder)
+    inputs = [name for name, (direction, _) in known.items() if direction == "input" and name != "mutsel"]
+    outputs = [name for name, (direction, _) in known.items() if direction == "output"]
+    width = known["mutsel"][1]
+    pins = [f"input [{known[n][1] - 1}:0] i_{n}" for n in inputs]
+    lines = [f"module miter #(parameter K = 0) (input begin_i, {', '.join(pins)}, output bad);"]
+    clock = "i_clk_i" if "clk_i" in inputs else None
+    reset = ["i_rst_i"] if "rst_i" in inputs else []
+    if clock:
+        lines += ["reg on = 0;", f"always @(posedge {clock}) on <= on || begin_i;"]
+    else:
+        lines += ["wire on = begin_i;"]
+    lines += [f"wire [{width - 1}:0] sel = (on || begin_i) ? K : 0;"]
+    framed = FRAMED if "Channels" in parameters and set(FRAMED) <= set(inputs) else ()
+    frames = (
+        FRAMES_IN.format(last=int(parameters.get("Channels", 1)) - 1, top=known["in_id_i"][1] - 1)
+        if framed
+        else ""
+    )
+    for copy, chosen in (("a", f"{width}'d0"), ("b", "sel")):
+        lines += [f"wire [{known[n][1] - 1}:0] {copy}_{n};" for n in outputs]
+        joined = [f".{n}({'f' if n in framed else 'i'}_{n})" for n in inputs if f"i_{n}" not in reset]
+        joined += [".rst_i(i_rst_i || (begin_i && !on))"] if reset else []
+        joined += [f".{n}({copy}_{n})" for n in outputs]
+        lines.append(f"{INNER} {copy} (.mutsel({chosen}), {', '.join(joined)});")
+    lines += [frames, f"assign bad = on && ({difference(outputs)});", "endmodule", DUMMY]
+    return "\n".join(lines)
+
+
+def _constant_zero(path):
+    """Whether the only output of the AIGER file is the constant 0."""
+    head, *rest = path.read_bytes().split(b"\n", 3 + 10**6)
+    _, _, _, latches, outputs, _ = head.split()[:6]
+    return int(outputs) == 1 and rest[int(latches)] == b"0"
+
+
+def classify(mutants, folder):
+    """Set ``verdict`` of ``mutants`` of the netlist in ``folder``: equivalent, different or undecided."""
+    folder = Path(folder)
+    (ROOT / folder / "miter.v").write_text(miter(folder, mutants[0].parameters))
+    # Gates once for all mutants; then only the two copies are put together for each. Later `opt` would make
+    # flip-flops with enables again, which AIGER has not.
+    prepare = [
+        f"read_rtlil {folder}/mutated.il; hierarchy -top {INNER}; flatten; opt_clean; memory_map; opt_expr; "
+        "setundef -zero -init; setundef -zero; async2sync; dffunmap; techmap; opt_expr; aigmap; opt_clean; "
+        f"read_verilog {folder}/miter.v; design -save both"
+    ]
+    judge = ["backup"]
+    for mutant in mutants:
+        name = folder / f"m{mutant.number}"
+        for end in ("aig", "reduced.aig", "bmc", "pdr"):
+            (ROOT / f"{name}.{end}").unlink(missing_ok=True)
+        prepare.append(
+            f"design -load both; chparam -set K {mutant.number} miter; hierarchy -top miter; proc; flatten; "
+            f"opt_expr; opt_clean; techmap; opt_expr; aigmap; opt_clean; write_aiger -zinit {name}.aig"
+        )
+        judge += [
+            f"read_aiger {name}.aig",
+            "strash",
+            "scorr",
+            "scorr -F 4",
+            f"write_aiger {name}.reduced.aig",
+            f"bmc3 -F {FRAMES} -T {SECONDS[0]}",
+            f"write_status {name}.bmc",
+            f"pdr -T {SECONDS[1]}",
+            f"write_status {name}.pdr",
+        ]
+    (ROOT / folder / "prepare.ys").write_text("\n".join(prepare) + "\n")
+    (ROOT / folder / "judge.abc").write_text("\n".join([*judge, "restore", "strash"]) + "\n")
+    try:
+        yosys(f"script {folder}/prepare.ys", f"{folder}/prepare.log")
+        yosys(
+            f"read_verilog {folder}/miter.v; hierarchy -top dummy; techmap; abc -script {folder}/judge.abc",
+            f"{folder}/judge.log",
+        )
+    except (ToolError, subprocess.SubprocessError) as error:
+        print(f"  {folder}: {error}", flush=True)
+    for mutant in mutants:
+        mutant.verdict = _verdict(ROOT / folder / f"m{mutant.number}")
+
+
+def _verdict(path):
+    told = [p.read_text() for p in (Path(f"{path}.bmc"), Path(f"{path}.pdr")) if p.exists()]
+    if any(text.startswith("snl_SAT") for text in told):
+        return "different"
+    reduced = Path(f"{path}.reduced.aig")
+    proven = any(text.startswith("snl_UNSAT") for text in told[1:])
+    if proven or (reduced.exists() and _constant_zero(reduced)):
+        return "equivalent"
+    return "undecided"

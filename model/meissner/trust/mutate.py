@@ -1,0 +1,87 @@
+"""All mutants of a block in one netlist: Yosys reads the sources, `mutate` changes one cell's port bit each.
+
+    netlist(run, count, seed, folder)   [Mutant, ...]; writes folder/mutated.v, mutated.il and wrapper.sv
+
+Only cells of the block itself are changed, and the ports of the blocks in it; these have mutants of their
+own. An input `mutsel` of the netlist chooses the mutant, 0 the unchanged block; a generated wrapper has the
+block's name, parameters and ports, so that its tests run as they are. Clocks are left alone.
+"""
+
+import re
+from dataclasses import dataclass, field
+
+from meissner import toolchain
+from meissner.yowasp import ROOT, yosys
+
+INNER = "mutated"  # the block's module in the netlist
+CLOCKS = ("CLK", "RD_CLK", "WR_CLK", "clk_i")
+SYNTHESIS = "proc; opt_expr; opt_clean; opt -keepdc; wreduce -keepdc; memory_dff; opt_clean; memory_collect"
+SYNTHESIS += "; opt -keepdc -fast; opt_clean"
+
+
+@dataclass
+class Mutant:
+    """One change: ``what`` is Yosys's name of it, ``source`` the lines it came from; ``number`` on mutsel."""
+
+    number: int
+    what: str
+    source: str
+    command: str
+    verdict: str = ""
+    by: str = ""
+    parameters: dict = field(default_factory=dict)
+
+
+def source_of(block):
+    """The block's file."""
+    return next(path for path in toolchain.sources() if path.stem == f"msn_{block}")
+
+
+def _listed(text):
+    """Mutants of what `mutate -list` wrote, without those of clocks."""
+    for line in text.splitlines():
+        option = dict(re.findall(r"-(mode|cell|port|portbit|ctrlbit|wire|wirebit) (\S+)", line))
+        if option["port"].lstrip("\\") in CLOCKS:
+            continue
+        lines = dict.fromkeys(re.findall(r"(\w+\.sv):(\d+)", line))
+        source = " ".join(f"{name}:{at}" for name, at in lines)
+        wire = f" {option['wire']}[{option['wirebit']}]".replace("\\", "") if "wire" in option else ""
+        when = f" by [{option['ctrlbit']}]" if "ctrlbit" in option else ""
+        cell = option["cell"].split("$")[1] if option["cell"].startswith("$") else option["cell"]
+        what = f"{option['mode']} {cell} {option['port']}[{option['portbit']}]{when}{wire}".replace("\\", "")
+        yield what, source, line
+
+
+def netlist(run, count, seed, folder):
+    """Write the netlist of ``run`` (an entry of benches.runs) with at most ``count`` mutants into ``folder``.
+
+    ``folder`` is relative to ROOT. Returns the mutants, numbered from 1.
+    """
+    block = f"msn_{run['block']}"
+    (ROOT / folder).mkdir(parents=True, exist_ok=True)
+    sources = [str(path.relative_to(ROOT)) for path in toolchain.sources_of(block)]
+    values = "".join(f" -chparam {name} {value}" for name, value in run["parameters"].items())
+    yosys(
+        f"read_verilog -sv {' '.join(sources)}; hierarchy -check -top {block}{values}; rename -top {INNER}; "
+        f"{SYNTHESIS}; write_rtlil {folder}/plain.il; "
+        # More than wanted, as some are of clocks; several at one place are thinned by Yosys itself.
+        f"mutate -list {count + count // 4 + 8} -seed {seed} -o {folder}/listed {INNER}",
+        f"{folder}/read.log",
+    )
+    listed = list(_listed((ROOT / folder / "listed").read_text()))[:count]
+    width = len(listed).bit_length()
+    mutants = [Mutant(n, *entry) for n, entry in enumerate(listed, 1)]
+    for mutant in mutants:
+        mutant.parameters = run["parameters"]
+    control = [m.command.replace("mutate ", f"mutate -ctrl mutsel {width} {m.number} ", 1) for m in mutants]
+    (ROOT / folder / "apply.ys").write_text("\n".join(control) + "\n")
+    yosys(
+        f"read_rtlil {folder}/plain.il; script {folder}/apply.ys; opt_clean; "
+        f"write_rtlil {folder}/mutated.il; write_verilog -noattr {folder}/mutated.v",
+        f"{folder}/apply.log",
+    )
+    text = source_of(run["block"]).read_text()
+    header = re.search(rf"^module {block}\b.*?^\);", text, re.DOTALL | re.MULTILINE).group()
+    inner = f"  logic [{width - 1}:0] mutsel;\n  {INNER} u_mutated (.*);\n"
+    (ROOT / folder / "wrapper.sv").write_text(f"{header}\n\n{inner}\nendmodule\n")
+    return mutants

@@ -1,0 +1,61 @@
+// Cover points of msn_scan: each lane alone and all lanes without an answer, at a row's start and end, in frames and
+// slip rounds; over-range marks; beats held back in mid-frame and at the end of both streams; waits for room.
+module cover_scan #(
+  parameter int unsigned Lanes     = 1,
+  parameter int unsigned Channels  = 1,
+  parameter int unsigned SlipSlots = 1
+) (
+  input logic             clk_i,
+  input logic             rst_i,
+  input logic             cfg_enable_i,
+  input logic             cfg_interleave_i,
+  input logic             idle,
+  input logic             trigger_o,
+  input logic             room,
+  input logic             beat,
+  input logic             beat_end,
+  input logic             done_slip,
+  input logic [Lanes-1:0] lost_q,
+  input logic [Lanes-1:0] in_lost_i,
+  input logic [Lanes-1:0] in_valid_i,
+  input logic [Lanes-1:0] in_user_i,
+  input logic             out_valid_o,
+  input logic             out_ready_i,
+  input logic             out_last_o,
+  input logic             slip_valid_o,
+  input logic             slip_ready_i,
+  input logic             slip_last_o
+);
+  for (genvar s = 0; s <= 1; s++) begin : gen_slip
+    logic here;
+    assign here = !rst_i && beat && beat_end && done_slip == (s == 1);
+    `BIN(answered, here && lost_q == '0)
+    `BIN(all_lost, here && &lost_q)
+    `BIN(over_range, here && |in_user_i)
+    for (genvar many = 0; many <= 1; many++) begin : gen_pair
+      `BIN(lanes, here && (Lanes > 1) == (many == 1))
+      `BIN(channels, here && (Channels > 1) == (many == 1))
+      `BIN(slots, here && (SlipSlots > 1) == (many == 1))
+      `BIN(interleaved, here && cfg_interleave_i == (many == 1))
+    end
+  end
+  for (genvar lane = 0; lane < Lanes; lane++) begin : gen_lane
+    `BIN(lost, !rst_i && in_lost_i[lane])
+    `BIN(lost_beat, !rst_i && beat && lost_q[lane])
+    if (Lanes > 1) begin : gen_many
+      `BIN(lost_alone, !rst_i && beat && lost_q == Lanes'(1 << lane))
+      `BIN(late, !rst_i && !beat && |in_valid_i && !in_valid_i[lane] && !lost_q[lane])
+    end
+  end
+  `BIN(held, !rst_i && out_valid_o && !out_ready_i && !out_last_o)
+  `BIN(held_last, !rst_i && out_valid_o && !out_ready_i && out_last_o)
+  `BIN(slip_held, !rst_i && slip_valid_o && !slip_ready_i && !slip_last_o)
+  `BIN(slip_held_last, !rst_i && slip_valid_o && !slip_ready_i && slip_last_o)
+  `BIN(both_leave, !rst_i && slip_valid_o && slip_ready_i && out_valid_o && out_ready_i)
+  `BIN(waits_for_room, !rst_i && !idle && !room)
+  `BIN(taken_away, !rst_i && !idle && !cfg_enable_i)
+  `BIN(reset_while_converting, rst_i && trigger_o)
+  `BIN(reset_while_leaving, rst_i && out_valid_o && !out_last_o)
+endmodule
+
+bind msn_scan cover_scan #(.Lanes(Lanes), .Channels(Channels), .SlipSlots(SlipSlots)) u_cover (.*);

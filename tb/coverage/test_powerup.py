@@ -1,0 +1,29 @@
+"""The power-up option of bench.run: a forgotten reset of a register that rests at one passes a test that
+starts with ones in all registers, and fails with random ones."""
+
+import pytest
+
+import bench
+from meissner import toolchain
+
+RESET = "      restart     <= 1'b1;\n"
+
+
+def test_finds_a_forgotten_reset(tmp_path, monkeypatch):
+    package, block = (toolchain.ROOT / f"rtl/{name}.sv" for name in ("msn_pkg", "common/msn_frame_check"))
+    folder = tmp_path / "forgotten"
+    folder.mkdir()
+    text = block.read_text()
+    assert text.count(RESET) == 1
+    (folder / block.name).write_text(text.replace(RESET, ""))
+    sources = [package, folder / block.name]
+
+    def start():
+        bench.run("common", "frame_check", {"Channels": 2}, "rate=0.0/stall_rate=0.0$", sources=sources)
+
+    monkeypatch.delenv("MEISSNER_COVERAGE", raising=False)
+    monkeypatch.setattr(bench, "POWERUPS", 0)
+    start()
+    monkeypatch.setattr(bench, "POWERUPS", 6)
+    with pytest.raises(SystemExit):  # of the runner, which prints the seed
+        start()

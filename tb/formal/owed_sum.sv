@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Sum of Count words of 16 bits, a power of two of them, in pairs: the order in which the block adds, as solvers are
+// slow to see that another order gives the same.
+
+module owed_sum #(
+  parameter int unsigned Count = 8,
+  parameter int unsigned Width = 32
+) (
+  input  logic [Count*16-1:0] data_i,
+  output logic [Width-1:0]    sum_o
+);
+
+  logic [2*Count*Width-1:0] node;  // node n is the sum of nodes 2n and 2n+1; from Count on the words
+  for (genvar n = 1; n < 2 * Count; n++) begin : gen_node
+    if (n >= Count) begin : gen_word
+      assign node[n*Width+:Width] = Width'(data_i[(n-Count)*16+:16]);
+    end else begin : gen_pair
+      assign node[n*Width+:Width] = node[2*n*Width+:Width] + node[(2*n+1)*Width+:Width];
+    end
+  end
+  assign node[Width-1:0] = '0;
+  assign sum_o = node[Width+:Width];
+
+endmodule

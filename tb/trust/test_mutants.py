@@ -1,0 +1,82 @@
+"""tools/mutants.py: mutants of quick blocks are all killed; weak tests leave survivors; a mutant that no
+test can tell is shown equivalent, one that can be told is not; what runs nothing or fails unchanged is no
+pass."""
+
+import argparse
+import subprocess
+import sys
+
+import pytest
+
+from meissner.toolchain import ROOT
+from meissner.trust import benches, equivalence, mutate, simulate
+
+sys.path.insert(0, str(ROOT / "tools"))
+import mutants as tool
+
+OPTIONS = argparse.Namespace(samples=6, seed=7, jobs=2)
+
+
+def one(block, count, folder, which=0, **changes):
+    """The mutants of a parameter set, built in ``folder``."""
+    run = tool.parameter_sets(block)[which][0] | changes
+    found = mutate.netlist(run, count, 3, f"build/mutants/{folder}")
+    simulate.build(run, f"build/mutants/{folder}")
+    return run, found
+
+
+@pytest.mark.parametrize("block", ["round_sat", "skid", "fork", "sync"])
+def test_quick_blocks_kill_theirs(block):
+    runs = tool.parameter_sets(block)[0]
+    found, _ = tool.one_set(runs, "quick", OPTIONS.samples, OPTIONS)
+    assert len(found) == OPTIONS.samples
+    told = tool.entry(block, found, [], [], 0)
+    assert told["survived"] == []
+    assert told["killed"] >= OPTIONS.samples - 2
+
+
+def test_a_weak_test_leaves_survivors_that_the_solver_tells_apart():
+    """Only the reset of msn_skid is tested: the solver finds what those mutants do, none is equivalent."""
+    folder = "build/mutants/skid-weak"
+    run, found = one("skid", 20, "skid-weak", test_filter="forgets_what")
+    simulate.judge(run, found, folder, 2)
+    alive = [mutant for mutant in found if mutant.verdict == "survived"]
+    assert len(alive) > 3
+    equivalence.classify(alive, folder)
+    assert {mutant.verdict for mutant in alive} == {"different"}
+    told = tool.entry("skid", found, [run["parameters"]], [], 0)
+    assert not tool.good("skid", told)
+    assert len(told["survived"]) == len(alive)
+
+
+def test_shows_equivalence_and_never_of_a_killed_mutant():
+    """An output of one bit leaves the clipped value little to say."""
+    folder = "build/mutants/round_sat-equal"
+    run, found = one("round_sat", 16, "round_sat-equal", which=2)
+    simulate.judge(run, found, folder, 2)
+    killed = [mutant for mutant in found if mutant.verdict == "failed"]
+    alive = [mutant for mutant in found if mutant.verdict == "survived"]
+    equivalence.classify(alive + killed[:8], folder)
+    assert alive and {mutant.verdict for mutant in alive} == {"equivalent"}
+    assert {mutant.verdict for mutant in killed[:8]} == {"different"}
+
+
+def test_fails_when_the_tests_fail_unchanged():
+    run, found = one("sync", 2, "sync-broken")
+    with pytest.raises(simulate.BuildError, match="unchanged block fails"):
+        simulate.judge(run | {"test_filter": "no_such_test"}, found, "build/mutants/sync-broken", 1)
+
+
+def test_command_refuses_a_block_that_is_not_there():
+    done = subprocess.run(
+        [sys.executable, "tools/mutants.py", "nonsense"], cwd=ROOT, capture_output=True, text=True
+    )
+    assert done.returncode == 2
+    assert "no block msn_nonsense" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_every_block_has_parameter_sets():
+    """A block gets its mutants by being listed."""
+    tested = {run["block"] for run in benches.runs() if not run["sources"]}
+    assert tested >= set(benches.blocks())

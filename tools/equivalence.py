@@ -1,0 +1,293 @@
+"""Every block's netlist against its sources, and what a reset leaves of its past: proofs, no simulation.
+
+    python tools/equivalence.py                     every block of rtl/rtl.f: ecp5, ice40, reset
+    python tools/equivalence.py divide -k reset     one block, one kind of proof
+    python tools/equivalence.py --record            the results into docs/trust/equivalence.json
+
+A block's parameters are a set that its own tests build it with: the first, or the first that SETS asks for.
+Exit code 1 if something is open that OPEN does not name, or if nothing ran. docs/equivalence.md has more.
+"""
+
+import argparse
+import json
+import multiprocessing
+import os
+import resource
+import signal
+import sys
+import time
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from datetime import date
+from itertools import product
+from threading import Lock
+
+from meissner import toolchain
+from meissner.trust import benches, circuit, netlist_proof, reset_proof
+from meissner.trust.reset_proof import Task
+from meissner.yowasp import ToolError, warm_up
+
+OUT = "build/equivalence"  # relative to ROOT: YoWASP sees nothing outside the directory it starts in
+RECORD = toolchain.ROOT / "docs/trust/equivalence.json"
+NAMES = {"ecp5": "ECP5", "ice40": "iCE40", "reset": "reset"}
+KINDS = tuple(NAMES)
+LIMIT_S = 300
+
+# In place of the first set of a block's tests: small memories, as they become registers, but more than one of
+# whatever there can be more than one of.
+SETS = {
+    "delay": "Depth=7",
+    "frame_check": "Channels=5",
+    "frame_place": "Beats=9",
+    "frame_table": "Words=3",
+    "sync": "Width=5",
+    "compare": "Width=18",
+    "times": "Constant=1023",
+    "fifo": "Depth=16",
+    "narrow": "Columns=19",
+    "adc_store": "Lanes=2",
+    "scan_plan": "Rows=5",
+    "scan_buffer": "Rows=5",
+    "scan": "Rows=3",
+    "scan_adc": "Rows=3 Columns=3",
+    "health": "Columns=3",
+    "health_report": "Lanes=2",
+    "tare": "Columns=5",
+    "calibration_table": "Rows=3",
+    "calibration_grid": "Rows=6",
+    "calibrate": "Rows=3",
+    "haar": "Channels=3",
+    "sliding_extremes": "Channels=3",
+    "peak_to_peak": "Channels=3 Hop=4",
+    "slip": "Channels=6",
+    "channels": "Channels=3",
+    "cop_accumulate": "Rows=5",
+    "cop": "Rows=3",
+    "cop_array": "Rows=5",
+    "array": "Columns=2",
+    "crc32": "Bits=8",
+    "image_store": "Taxels=9",
+    "packet": "Taxels=9",
+    "cop_slip": "Lag=4",
+}
+
+# Whose source leaves something undefined that synthesis makes use of: words beside the end of a memory, bits
+# beside that of a vector. They read 0 in both, else a proof would have to know that nobody reads them. And
+# slip_serial, whose memory asks for block RAM.
+DEFINED = {
+    *("slip_serial", "frame_table", "scan_plan", "scan", "scan_adc", "scan_demod", "tare", "health"),
+    *("calibration_table", "calibration_grid", "calibrate", "cop_array", "array", "core", "axis"),
+}
+
+# Not proven, {block: kinds}: docs/equivalence.md says why.
+OPEN = dict.fromkeys(
+    (
+        *(
+            "adc_single",
+            "convert_time",
+            "am_demod",
+            "scan_buffer",
+            "sliding_extremes",
+            "peak_to_peak",
+            "slip",
+        ),
+        *("packet_slip", "image_store", "axil"),
+    ),
+    ("reset",),
+)
+
+# What the reset proof takes for granted, and sets of its own: docs/equivalence.md says why.
+RESET_SETS = {
+    "channels": "Channels=1",
+    "cop": "Rows=1",
+    "cop_accumulate": "Rows=3 Lanes=1",
+    "haar": "Channels=1 Mask=1",
+    "peak_to_peak": "Channels=1 Span=32 Hop=32",
+    "sliding_extremes": "Channels=1 Taps=2",
+    "slip": "Channels=1",
+}
+TASKS = {
+    "sync": Task(clocks=2),
+    "multiply": Task(clocks=2),
+    "crc32": Task(reset="clear_i"),
+    "uart_rx": Task(clocks=3, held=3),
+    "delay": Task(clocks=9, ties={"step_i": 1}),
+    "frame_table": Task(reset="restart_i", alike=True),
+    "adc_spi": Task(qualifiers={"adc_mosi_o": "!adc_cs_n_o"}),
+    "adc_single": Task(qualifiers={"adc_mosi_o": "!adc_cs_n_o", "adc_sclk_o": "!adc_cs_n_o"}),
+    "spi_shift": Task(qualifiers={"spi_mosi_o": "!spi_cs_n_o", "data_o": "done_o word_o"}),
+}
+
+
+def parameters(blocks, asked):
+    """{block: the set of its tests that its proofs use}; ``asked``: {block: what of a set decides}."""
+    found = {}
+    for run in benches.runs(*blocks):
+        wanted = dict(pair.split("=") for pair in asked.get(run["block"], "").split())
+        if wanted.items() <= run["parameters"].items():
+            found.setdefault(run["block"], run["parameters"])
+    if missing := [block for block in blocks if block not in found]:
+        raise ValueError(
+            f"the tests of {missing[0]} build nothing with {asked.get(missing[0], 'any parameters')}"
+        )
+    return found
+
+
+def prove_netlists(block, chosen, families):
+    """{family: result} of ``block`` with ``chosen`` parameters, as docs/trust/equivalence.json has them."""
+    folder = f"{OUT}/{block}"
+    result = {"parameters": spelt(chosen)}
+    for defined in (True,) if block in DEFINED else (False, True):
+        again = [family for family in families if not result.get(family, {}).get("proven")]
+        try:
+            bits = again and circuit.synthesise(block, chosen, folder, again, defined)
+        except ValueError as error:  # a memory that asks for block RAM
+            result |= {family: {"proven": False, "error": str(error)} for family in again}
+            continue
+        for family, from_reset in product(again, (False, True)):
+            if not result.get(family, {}).get("proven"):
+                of = bits["source"], bits[family], folder, family, from_reset
+                result[family] = said(lambda of=of: netlist_proof.prove(*of))
+                result[family] |= {"defined": defined, "from_reset": from_reset}
+    return result
+
+
+def prove_reset(block, chosen):
+    """{"reset": result} of ``block`` with ``chosen`` parameters, as docs/trust/equivalence.json has it."""
+    bits = circuit.synthesise(block, chosen, f"{OUT}/{block}/reset", ())
+    task = TASKS.get(block, Task())
+    result = said(lambda: reset_proof.prove(bits["source"], task))
+    if not result["proven"] and not task.alike:
+        alike = said(lambda: reset_proof.prove(bits["source"], replace(task, alike=True)))
+        if alike["proven"]:
+            result, task = alike, replace(task, alike=True)
+    return {"reset": result | {"parameters": spelt(chosen), "alike": task.alike}}
+
+
+def spelt(parameters):
+    return " ".join(f"{name}={value}" for name, value in parameters.items())
+
+
+def said(proof):
+    """What came of a proof: the outputs it leaves open, if any, or the trouble; and its CPU seconds."""
+    before = cpu_seconds()
+    try:
+        open_ones = proof()
+        trouble = {"open": open_ones} if open_ones else {}
+    except (ToolError, ValueError) as error:
+        trouble = {"error": str(error)}
+    return {"proven": not trouble, **trouble, "cpu_s": round(cpu_seconds() - before, 1)}
+
+
+def cpu_seconds():
+    usages = map(resource.getrusage, (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
+    return sum(usage.ru_utime + usage.ru_stime for usage in usages)
+
+
+def _alone(pipe, prove, *asked):
+    os.setsid()  # so that a limit ends the tools too
+    try:
+        pipe.send(prove(*asked))
+    except (ToolError, ValueError) as error:
+        pipe.send({"error": str(error)})
+
+
+def limited(limit_s, kinds, prove, *asked):
+    """What ``prove`` says of ``kinds``, in a process of its own, which ends with the limit."""
+    context = multiprocessing.get_context("spawn")
+    here, there = context.Pipe()
+    worker = context.Process(target=_alone, args=(there, prove, *asked))
+    worker.start()
+    if here.poll(limit_s):
+        result = here.recv()
+    else:
+        os.killpg(worker.pid, signal.SIGKILL)
+        result = {"error": f"not done within {limit_s} s"}
+    worker.join()
+    error = result.pop("error", "")
+    return {kind: {"proven": False, "error": error} for kind in kinds} | result
+
+
+def word(result):
+    """A kind's result in a few words."""
+    if result["proven"]:
+        return "proven"
+    names = result.get("open", [])
+    more = f" and {len(names) - 3} more" if len(names) > 3 else ""
+    return f"open: {', '.join(names[:3])}{more}" if names else f"open: {result['error']}"
+
+
+def summary(entry):
+    """The text of a block's cell in docs/trust.md."""
+    words = {kind: word(entry[kind]) for kind in KINDS if kind in entry}
+    proven = [NAMES[kind] for kind, text in words.items() if text == "proven"]
+    others = [f"{NAMES[kind]} {text}" for kind, text in words.items() if text != "proven"]
+    return "; ".join([*([f"{', '.join(proven)} proven"] if proven else []), *others])
+
+
+def record(results):
+    """Merge ``results`` into docs/trust/equivalence.json."""
+    known = json.loads(RECORD.read_text())["blocks"] if RECORD.exists() else {}
+    for block, result in results.items():
+        known[block] = known.get(block, {}) | result
+        known[block]["summary"] = summary(known[block])
+    known = {block: known[block] for block in sorted(known) if block in benches.blocks()}
+    ecp5, ice40, reset = (sum(e.get(kind, {}).get("proven", False) for e in known.values()) for kind in KINDS)
+    of = len(benches.blocks())
+    total = f"netlist = RTL proven for {ecp5} (ECP5) and {ice40} (iCE40) of {of} blocks, reset for {reset}"
+    RECORD.parent.mkdir(parents=True, exist_ok=True)
+    text = {"command": "make equivalence", "date": date.today().isoformat(), "total": total, "blocks": known}
+    RECORD.write_text(json.dumps(text, indent=1) + "\n")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("blocks", nargs="*", metavar="BLOCK", help="names without msn_; default: all")
+    parser.add_argument("-k", "--kind", choices=KINDS, action="append", help="default: all")
+    parser.add_argument("-j", "--jobs", type=int, default=1)
+    parser.add_argument(
+        "-l",
+        "--limit",
+        type=int,
+        default=LIMIT_S,
+        help="seconds that a block's netlists, and its reset, may take",
+    )
+    parser.add_argument("--record", action="store_true", help="into docs/trust/equivalence.json")
+    options = parser.parse_args()
+    if unknown := [block for block in options.blocks if block not in benches.blocks()]:
+        parser.exit(2, f"equivalence: rtl/rtl.f has no block {unknown[0]}\n")
+    warm_up()
+    kinds = options.kind or KINDS
+    blocks = options.blocks or benches.blocks()
+    sets, of_reset = parameters(blocks, SETS), parameters(blocks, SETS | RESET_SETS)
+    families = [kind for kind in kinds if kind != "reset"]
+    lock = Lock()
+
+    def job(block):
+        began = time.monotonic()
+        result = {}
+        if families:
+            result |= limited(options.limit, families, prove_netlists, block, sets[block], families)
+        if "reset" in kinds:
+            result |= limited(options.limit, ["reset"], prove_reset, block, of_reset[block])
+        with lock:
+            print(f"{block}: {summary(result)}; {time.monotonic() - began:.0f} s", flush=True)
+            if options.record:
+                record({block: result})
+        return result
+
+    with ThreadPoolExecutor(options.jobs) as pool:
+        results = list(pool.map(job, blocks))
+    wrong = [
+        f"{block}: {NAMES[kind]} {word(result[kind])}"
+        for block, result in zip(blocks, results)
+        for kind in kinds
+        if not result[kind]["proven"] and kind not in OPEN.get(block, ())
+    ]
+    proven = sum(result[kind]["proven"] for result in results for kind in kinds)
+    print("\n".join([f"{proven} of {len(results) * len(kinds)} proven", *wrong]))
+    sys.exit(bool(wrong) or not proven)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,212 @@
+"""Mutants of every block against the block's own tests: killed, shown equivalent, or survived with its line.
+
+    python tools/mutants.py                  every block of rtl/rtl.f
+    python tools/mutants.py haar divide      only these
+    python tools/mutants.py --record         and merge the results into docs/trust/mutants.json and
+                                             docs/mutants.md
+
+Exit code 1 if a block kills less than it must of the mutants that are not equivalent, if the tests fail on an
+unchanged block, or if nothing ran. `build/mutants/<block>-<set>/` keeps the netlist of each parameter set.
+"""
+
+import argparse
+import datetime
+import json
+import sys
+import time
+from collections import Counter
+
+from meissner.toolchain import ROOT
+from meissner.trust import benches, equivalence, mutate, simulate
+from meissner.yowasp import ToolError, warm_up
+
+RESULTS = ROOT / "docs/trust/mutants.json"
+PAGE = ROOT / "docs/mutants.md"
+MARK = "<!-- written by make mutants: from here to the end -->\n"
+WHOLE = ("divide", "round_sat", "haar", "peak_to_peak", "cop_accumulate")  # must kill every one
+LEAST = 0.95  # of those that are not equivalent, in every other block
+SETS = 4  # parameter sets of a block, evenly out of its tests' list
+FEWEST, MOST = 100, 200  # mutants of a block; between them one for each line of its source
+
+
+def parameter_sets(block):
+    """The runs of the block's tests, those of equal parameters together; the ones to try first in front."""
+    groups = {}
+    for run in benches.runs(block):
+        if not run["sources"] and run["block"] == block:  # other sources: not this block's
+            groups.setdefault(json.dumps(run["parameters"]), []).append(run)
+    groups = list(groups.values())
+    first = {k * len(groups) // SETS for k in range(SETS)}
+    return [groups[i] for i in sorted(first)] + [g for i, g in enumerate(groups) if i not in first]
+
+
+def size_of(block):
+    """How many mutants a block gets."""
+    lines = mutate.source_of(block).read_text().count("\n")
+    return min(MOST, max(FEWEST, lines))
+
+
+def one_set(runs, number, count, options):
+    """Mutants of one parameter set, judged; and the seconds that the tests take on the unchanged block."""
+    block = runs[0]["block"]
+    folder = f"build/mutants/{block}-{number}"
+    mutants = mutate.netlist(runs[0], count, options.seed, folder)
+    if not mutants:
+        return [], 0.0
+    simulate.build(runs[0], folder)
+    seconds = 0.0
+    alive = mutants
+    for run in runs:
+        seconds += simulate.judge(run, alive, folder, options.jobs)
+        alive = [mutant for mutant in alive if mutant.verdict == "survived"]
+    if alive:
+        equivalence.classify(alive, folder)
+    return mutants, seconds
+
+
+def one_block(block, options):
+    """The block's entry of docs/trust/mutants.json."""
+    began = time.monotonic()
+    groups = parameter_sets(block)
+    wanted = min(SETS, len(groups))
+    count = options.samples or size_of(block)
+    mutants, sets, slow = [], [], []
+    for number, runs in enumerate(groups):
+        if len(sets) == wanted:
+            break
+        share = count // wanted + (len(sets) < count % wanted)
+        try:
+            judged, seconds = one_set(runs, number, share, options)
+        except simulate.TooSlow:
+            slow.append(runs[0]["parameters"])
+            continue
+        mutants += judged
+        sets.append(runs[0]["parameters"])
+        tally = Counter(mutant.verdict for mutant in judged)
+        print(f"  {runs[0]['parameters'] or 'defaults'}: {dict(tally)}, tests {seconds:.1f} s", flush=True)
+    return entry(block, mutants, sets, slow, time.monotonic() - began)
+
+
+def entry(block, mutants, sets, slow, seconds):
+    killed = [m for m in mutants if m.verdict in ("failed", "time", "stopped")]
+    equal = [m for m in mutants if m.verdict == "equivalent"]
+    alive = [m for m in mutants if m not in killed and m not in equal]
+    score = len(killed) / max(1, len(mutants) - len(equal))
+    return {
+        "summary": f"{len(killed)} of {len(mutants) - len(equal)} killed, {len(equal)} equivalent",
+        "mutants": len(mutants),
+        "killed": len(killed),
+        "of these stopped": dict(Counter(m.verdict for m in killed if m.verdict != "failed")),
+        "equivalent": len(equal),
+        "survived": [
+            {"what": m.what, "source": m.source, "solver": m.verdict, "parameters": m.parameters}
+            for m in alive
+        ],
+        "score": round(score, 4),
+        "sets": sets,
+        "too slow": slow,
+        "seconds": round(seconds),
+    }
+
+
+def good(block, found):
+    return found["score"] >= (1 if block in WHOLE else LEAST)
+
+
+def record(results, command):
+    """Merge ``results`` into the JSON file, and write the page's table anew from it."""
+    kept = json.loads(RESULTS.read_text())["blocks"] if RESULTS.exists() else {}
+    listed = benches.blocks()
+    blocks = kept | results
+    blocks = {name: blocks[name] for name in sorted(blocks) if name in listed}
+    told = {
+        "command": command,
+        "date": datetime.date.today().isoformat(),
+        "total": total(blocks),
+        "blocks": blocks,
+    }
+    RESULTS.parent.mkdir(parents=True, exist_ok=True)
+    RESULTS.write_text(json.dumps(told, indent=1) + "\n")
+    prose = PAGE.read_text().split(MARK)[0]
+    PAGE.write_text(prose + MARK + "\n" + table(told))
+
+
+def total(blocks):
+    """One line of all blocks."""
+    killed, equal, made = (sum(b[k] for b in blocks.values()) for k in ("killed", "equivalent", "mutants"))
+    alike = f"{equal} shown equivalent"
+    return (
+        f"{killed} of {made - equal} mutants of {len(blocks)} blocks killed by the blocks' own tests, {alike}"
+    )
+
+
+def table(told):
+    """The Markdown of the results: a row per block, then the survivors."""
+    lines = [
+        "| block | mutants | killed | equivalent | survived | score | seconds |",
+        "|---|--:|--:|--:|--:|--:|--:|",
+    ]
+    every = Counter()
+    for name, found in told["blocks"].items():
+        row = {k: found[k] for k in ("mutants", "killed", "equivalent")} | {
+            "survived": len(found["survived"])
+        }
+        row["seconds"] = found["seconds"]
+        every.update(row)
+        lines.append(_row(name, row))
+    lines.append(_row("**all**", every))
+    lines += ["", "Survivors; *different*: the solver has inputs that tell it from the block.", ""]
+    for name, found in told["blocks"].items():
+        for one in found["survived"]:
+            at = " ".join(f"{k}={v}" for k, v in one["parameters"].items()) or "defaults"
+            lines.append(f"- {name} ({at}): `{one['what']}` at {one['source'] or '?'}, {one['solver']}")
+    return "\n".join(lines) + "\n"
+
+
+def _row(name, row):
+    score = row["killed"] / max(1, row["mutants"] - row["equivalent"])
+    cells = [row["mutants"], row["killed"], row["equivalent"], row["survived"], f"{100 * score:.1f} %"]
+    return f"| {name} | " + " | ".join(map(str, cells)) + f" | {row['seconds']} |"
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("block", nargs="*", help="without msn_; all if none is named")
+    parser.add_argument("--samples", type=int, help="mutants per block, in place of 100 to 200")
+    parser.add_argument("--seed", type=int, default=1, help="of Yosys's choice of mutants")
+    parser.add_argument("--jobs", type=int, default=2, help="mutants that run at a time")
+    parser.add_argument(
+        "--record", action="store_true", help="write docs/trust/mutants.json and docs/mutants.md"
+    )
+    options = parser.parse_args()
+    listed = benches.blocks()
+    unknown = [name for name in options.block if name not in listed]
+    if unknown:
+        parser.exit(2, f"mutants: no block msn_{unknown[0]} in rtl/rtl.f\n")
+    warm_up()
+    sys.path.insert(0, str(ROOT / "tb"))
+    results, wrong = {}, []
+    for block in options.block or listed:
+        try:
+            found = one_block(block, options)
+        except (simulate.BuildError, ToolError) as error:
+            print(f"{block}: FAILED, {error}\n{getattr(error, 'tail', '')}", flush=True)
+            wrong.append(block)
+            continue
+        row = {k: found[k] for k in ("mutants", "killed", "equivalent", "seconds")}
+        print(f"{block}: {row}, survived {len(found['survived'])}, {100 * found['score']:.1f} %", flush=True)
+        for one in found["survived"]:
+            print(f"    {one['what']} at {one['source']}, {one['solver']}, {one['parameters']}", flush=True)
+        if found["mutants"]:
+            results[block] = found
+        if not found["mutants"] or not good(block, found):
+            wrong.append(block)
+        if options.record and block in results:
+            record({block: found}, "make mutants")
+    if wrong:
+        print(f"short of its target: {' '.join(wrong)}")
+    sys.exit(bool(wrong) or not results)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,82 @@
+"""Power-up: the blocks' own tests with registers that start with random values.
+
+    python tools/powerup.py [--seeds 20] [--record] [BLOCK ...]
+
+Each block is started ``--seeds`` times, each time with other values, the seeds shared out among the builds of
+its tests (tb/bench.py, ``powerups``). What needs a reset that it does not get fails. Exits 1 then, or if a
+block has no test that simulates it.
+"""
+
+import argparse
+import datetime
+import json
+import os
+import re
+import subprocess
+import sys
+
+from meissner import toolchain
+
+ROOT = toolchain.ROOT
+RECORD = ROOT / "docs/trust/powerup.json"
+BLOCKS = {path.stem.removeprefix("msn_"): path.parent.name for path in toolchain.sources()}
+
+
+def builds(path):
+    """The tests of a file that simulate its block."""
+    text = path.read_text()
+    bodies = re.split(r"^def ", text, flags=re.M)[1:]
+    functions = [body.split("(")[0] for body in bodies if "bench.run(" in body and body.startswith("test_")]
+    command = [sys.executable, "-m", "pytest", "-p", "no:xdist", "--collect-only", "-q", "-m", "not long"]
+    done = subprocess.run([*command, str(path)], cwd=ROOT, capture_output=True, text=True)
+    names = [line for line in done.stdout.splitlines() if "::" in line]
+    return [name for name in names if name.split("::")[1].split("[")[0] in functions]
+
+
+def start(block, seeds):
+    """Start a block ``seeds`` times; {"builds", "seeds", "passed"}."""
+    path = ROOT / f"tb/{BLOCKS[block].replace('rtl', 'core')}/test_{block}.py"
+    tests = builds(path)
+    if not tests:
+        return {"builds": 0, "seeds": 0, "passed": False, "summary": "no test"}
+    each = -(-seeds // len(tests))
+    command = [sys.executable, "-m", "pytest", "-p", "no:xdist", *tests]
+    passed = (
+        subprocess.run(command, cwd=ROOT, env={**os.environ, "MEISSNER_POWERUP": str(each)}).returncode == 0
+    )
+    count = each * len(tests)
+    words = f"{count} starts" if passed else "failed"
+    return {"builds": len(tests), "seeds": count, "passed": passed, "summary": words}
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("blocks", nargs="*", metavar="BLOCK", help="without msn_; all if none is named")
+    parser.add_argument("--seeds", type=int, default=20)
+    parser.add_argument("--record", action="store_true", help=f"merge into {RECORD.relative_to(ROOT)}")
+    arguments = parser.parse_args()
+    strange = [name for name in arguments.blocks if name not in BLOCKS]
+    if strange or arguments.seeds < 1:
+        print(f"no block {strange[0]} in rtl/rtl.f" if strange else "--seeds must be 1 or more")
+        sys.exit(2)
+    rows = {}
+    for block in arguments.blocks or [name for name in BLOCKS if not name.endswith("pkg")]:
+        rows[block] = start(block, arguments.seeds)
+        print(f"{block:20} {rows[block]['builds']:3} builds {rows[block]['seeds']:4} seeds", flush=True)
+    failed = [name for name, row in rows.items() if not row["passed"]]
+    if arguments.record:
+        old = json.loads(RECORD.read_text())["blocks"] if RECORD.exists() else {}
+        entry = {"command": "make powerup", "date": datetime.date.today().isoformat()}
+        blocks = dict(sorted((old | rows).items()))
+        some = sum(row["seeds"] for row in blocks.values())
+        good = sum(row["passed"] for row in blocks.values())
+        entry["total"] = f"power-up: {some:,} random starts, {good} of {len(blocks)} blocks pass"
+        entry["blocks"] = blocks
+        RECORD.write_text(json.dumps(entry, indent=1) + "\n")
+    if failed:
+        sys.exit(f"powerup: failed: {', '.join(failed)}")
+    print(f"powerup: {len(rows)} blocks, none failed")
+
+
+if __name__ == "__main__":
+    main()
