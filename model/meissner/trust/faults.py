@@ -37,7 +37,7 @@ SETTLE = {
     **{"peak_to_peak": 24, "slip": 40, "slip_serial": 60, "slip_flags": 20, "slip_path": 80},
     **{
         "tare": 6,
-        "convert_time": 4,
+        "convert_time": 40,  # its recording marks ends that are no ends, too
         "health": 40,
         "calibration_grid": 2,
         "calibrate": 3,
@@ -45,6 +45,8 @@ SETTLE = {
         "cop4": 2,
         "cop_accumulate": 2,
         "cop": 2,
+        "cop_array": 4,
+        "electrodes": 2,
     },
 }
 # What the driver must be told of a block, see there.
