@@ -9,6 +9,7 @@ docs/faults.md. Prints a line per block; stops with an error if anything is wron
 
 import argparse
 import collections
+import subprocess
 import sys
 
 from meissner.trust import faults, record
@@ -26,9 +27,14 @@ def main():
     unknown = sorted(set(names) - set(faults.blocks()))
     if unknown:
         sys.exit(f"faults: no block with a clock is called {', '.join(unknown)}")
-    totals, silent, done = collections.Counter(), [], {}
+    totals, silent, broken, done = collections.Counter(), [], [], {}
     for name in names:
-        results = faults.inject(name, given.faults, given.seed)
+        try:
+            results = faults.inject(name, given.faults, given.seed)
+        except (RuntimeError, subprocess.TimeoutExpired) as problem:
+            print(f"{name:20} {str(problem).strip().splitlines()[0]}", flush=True)
+            broken.append(name)
+            continue
         counts = collections.Counter(result.outcome for result in results)
         counts["injected"] = len(results)
         totals += counts
@@ -43,8 +49,8 @@ def main():
         record.merge("faults", "make faults", done, faults.summary, faults.total)
     if not totals["injected"]:
         sys.exit("faults: nothing was injected")
-    if silent:
-        sys.exit(f"faults: {len(silent)} wrong in silence")
+    if silent or broken:
+        sys.exit(f"faults: {len(silent)} wrong in silence; not run: {', '.join(broken) or 'none'}")
 
 
 if __name__ == "__main__":

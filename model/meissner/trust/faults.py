@@ -37,13 +37,16 @@ SETTLE = {
     **{"peak_to_peak": 24, "slip": 40, "slip_serial": 60, "slip_flags": 20, "slip_path": 80},
     **{
         "tare": 6,
+        "convert_time": 150,  # its recording marks ends that are no ends, too
         "health": 40,
         "calibration_grid": 2,
         "calibrate": 3,
         "cop_slip": 24,
-        "cop4": 2,
+        "cop4": 4,
         "cop_accumulate": 2,
-        "cop": 2,
+        "cop": 3,
+        "cop_array": 4,
+        "electrodes": 2,
     },
 }
 # What the driver must be told of a block, see there.

@@ -285,6 +285,9 @@ void read(const char *path) {
     rows.assign(option("free", 1), usual);
     return;
   }
+  // A short one goes on with those that follow it, each behind its reset.
+  for (size_t p = 0; parts[best].size() < 400 && p < parts.size(); ++p)
+    if (p != best) parts[best].insert(parts[best].end(), parts[p].begin(), parts[p].end());
   size_t longest = 3000;
   if (const char *given = std::getenv("FAULTS_ROWS")) longest = std::strtoul(given, nullptr, 10);
   for (auto &row : parts[best]) {
@@ -619,6 +622,8 @@ int main(int argc, char **argv) {
       if (rows[r][offset[find(framed)]] & 1) begins.push_back(r);
     } else if (sources.empty()) {
       begins.push_back(r);
+    } else if (reset_port >= 0 && rows[r][offset[reset_port]]) {
+      fresh = true;
     } else if (rows[r][offset[sources[0].valid]]) {
       if (fresh) begins.push_back(r);
       fresh = sources[0].last < 0 || rows[r][offset[sources[0].last]];
