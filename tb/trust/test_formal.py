@@ -1,10 +1,11 @@
-"""The quickest proofs, at their defaults, and whether `make formal` can fail: a planted bug, a proof that says
-nothing, a name that there is not."""
+"""The quickest proofs, at their defaults, and whether `make formal` can fail: a planted bug, a proof that
+says nothing, a name that there is not."""
 
 import subprocess
 import sys
 
 import pytest
+
 from meissner import toolchain
 from meissner.trust import formal
 

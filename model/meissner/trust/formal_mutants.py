@@ -1,13 +1,13 @@
 """Do the proofs see a fault? Yosys's `mutate` breaks a block inside its harness, one mutant at a time.
 
-All mutants of a block are in one SMT-LIB file; a constraint chooses one. Only cells that a property depends on
-are broken, and only the block's: a fault in what no property reads is the affair of other evidence.
+All mutants of a block are in one SMT-LIB file; a constraint chooses one. Only cells that a property depends
+on are broken, and only the block's: a fault in what no property reads is the affair of other evidence.
 
     mutate(proof, parameters, count)    {"of", "found", "broken", "equivalent": n, "passed": [line, ...]}
 
 ``found``: a counterexample from reset; ``broken``: the proof fails, but no run from reset within its depth
 shows why; ``equivalent``: a solver shows that in no state of the proof's invariant, whatever comes in, the
-mutant makes a difference to a register, or to an output that its `valid` qualifies; ``passed``: none of these.
+mutant changes a register, or an output that its `valid` qualifies; ``passed``: none of these.
 """
 
 import re
