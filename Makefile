@@ -10,7 +10,7 @@ RTL    := $(shell cat rtl/rtl.f)
 
 .DEFAULT_GOAL := help
 .PHONY: help setup demo test test-long lint registers synth resources gate fmax bench clean
-.PHONY: formal mutants mutants-quick coverage powerup faults fuzz equivalence regress trust test-icarus
+.PHONY: formal formal-mutants mutants mutants-quick coverage powerup faults fuzz equivalence regress trust test-icarus
 
 help:  ## this list
 	@awk -F':.*## ' '/^[a-z-]+:.*## /{printf "  make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -35,7 +35,7 @@ $(FORMAL): requirements/formal.txt $(SYNTH)
 demo: $(SIM)  ## the acrylic slip scene on the rtl engine, from ADC pins to a slip flag: build/demo/
 	@$(BIN)/meissner run acrylic_slip --engine rtl --out build/demo
 
-test: lint $(SYNTH)  ## lint, twins and every cocotb regression
+test: lint $(FORMAL)  ## lint, twins and every cocotb regression
 	@$(BIN)/python -m pytest -n $$(($(JOBS) + 1)) --dist worksteal -m "not long"
 
 test-long: $(SYNTH)  ## the benches that `make test` leaves out: large sizes, more builds, netlists
@@ -79,6 +79,9 @@ fmax: $(SYNTH)  ## Fmax and area of single blocks, worst of three seeds: table, 
 
 formal: $(FORMAL)  ## proofs of the blocks by k-induction, two solvers each
 	@$(BIN)/python tools/formal.py --jobs $(JOBS) $(BLOCKS)
+
+formal-mutants: $(FORMAL)  ## is a broken block seen by its proof? 50 mutants each [BLOCKS=...]
+	@$(BIN)/python tools/formal.py --mutants 50 --jobs $(JOBS) $(BLOCKS)
 
 equivalence: $(SYNTH)  ## every block's netlist proven equal to its source, and its reset: docs/trust/equivalence.json
 	@$(BIN)/python tools/equivalence.py --record --jobs $(JOBS) $(BLOCKS)

@@ -27,7 +27,7 @@ module formal_frame_check #(
   logic                started = 1'b0;
   logic                take, give, stalled;
   logic [16:0]         seen;      // samples of the frame that comes in
-  logic                broken, right, after_damage;
+  logic                broken, right, after_damage, damage;
   logic                due, due_last;
   logic [DataBits-1:0] due_data;
   logic [IdBits-1:0]   due_id;
@@ -45,8 +45,9 @@ module formal_frame_check #(
       seen   <= in_last_i ? '0 : (seen == '1) ? '1 : seen + 1'b1;
       broken <= !in_last_i && (broken || !right);
       if (in_last_i) after_damage <= broken || !right;
-      if (!broken && !right) damages <= damages + 1'b1;
     end
+    damage <= take && !broken && !right;
+    if (damage) damages <= damages + 1'b1;  // shown a clock later
     if (in_ready_o) begin
       due      <= take && right && !broken;
       due_data <= in_data_i;
@@ -64,6 +65,7 @@ module formal_frame_check #(
       after_damage <= 1'b1;
       due          <= 1'b0;
       damages      <= '0;
+      damage       <= 1'b0;
       next         <= '0;
     end
   end
@@ -87,7 +89,7 @@ module formal_frame_check #(
   // Invariant.
   always_comb begin
     if (started) begin
-      assert (dut.dropping == broken && dut.restart == after_damage);
+      assert (dut.dropping == broken && dut.restart == after_damage && dut.damage == damage);
       if (!broken) assert (17'(dut.expected) == seen && seen < 17'(Channels));
       if (due) assert (broken || after_damage || !due_last || seen == '0);
       if (due && !broken) assert (due_last ? seen == '0 && !after_damage

