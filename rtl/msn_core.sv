@@ -838,7 +838,7 @@ module msn_core #(
       .damaged_o            (slip_damaged),
       .blanked_o            (slip_blanked)
     );
-    if (Array) begin : gen_decision_skid
+    if (Array && Lanes > 1) begin : gen_decision_skid
       msn_skid #(.Width(DetailBits + ChannelBits + 5)) u_skid (
         .clk_i,
         .rst_i,

@@ -339,16 +339,22 @@ module msn_array #(
   logic [Lanes*SampleBits-1:0] gate_data;
   logic [IdBits-1:0]           gate_id;
   logic [Lanes-1:0]            gate_user;
-  msn_skid #(.Width(Lanes * (SampleBits + 1) + IdBits + 1)) u_skid (
-    .clk_i,
-    .rst_i,
-    .in_valid_i (open_valid),
-    .in_ready_o (open_ready),
-    .in_data_i  ({scan_data, scan_user, scan_id, scan_last}),
-    .out_valid_o(gate_valid),
-    .out_ready_i(gate_ready),
-    .out_data_o ({gate_data, gate_user, gate_id, gate_last})
-  );
+  if (Lanes > 1) begin : gen_skid
+    msn_skid #(.Width(Lanes * (SampleBits + 1) + IdBits + 1)) u_skid (
+      .clk_i,
+      .rst_i,
+      .in_valid_i (open_valid),
+      .in_ready_o (open_ready),
+      .in_data_i  ({scan_data, scan_user, scan_id, scan_last}),
+      .out_valid_o(gate_valid),
+      .out_ready_i(gate_ready),
+      .out_data_o ({gate_data, gate_user, gate_id, gate_last})
+    );
+  end else begin : gen_no_skid  // a small array: its way is short, and cells count
+    assign gate_valid = open_valid;
+    assign open_ready = gate_ready;
+    assign {gate_data, gate_user, gate_id, gate_last} = {scan_data, scan_user, scan_id, scan_last};
+  end
 
   logic                        sound_valid, sound_ready, sound_last;
   logic [Lanes*SampleBits-1:0] sound_data;
