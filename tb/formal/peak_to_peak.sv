@@ -123,7 +123,6 @@ module formal_peak_to_peak #(
       if (!first) begin
         assert (dut.gen_parts.place_q == place_q);
         assert (dut.age_q == (full_q ? '1 : place_q));
-        assert (dut.turn_q == (full_q ? place_q : SpanBits'(Hop - 1)));
       end
       assert ((age != '0) == (!first || at > watch_i));
       if (age != '0) begin
