@@ -54,7 +54,7 @@ module msn_hypot #(
     localparam int unsigned RestBits  = Bits + 4;  // before a digit up to 14 R + 12, R below 2^(Bits - 1/2)
     localparam int unsigned IndexBits = msn_pkg::index_width(Bits);
 
-    logic [2:0]           phase;  // one hot: bring a bit down, try 2, try 1; from any other state it finds back
+    logic [2:0]           phase;  // one hot: bring a bit down, try 2, try 1; from elsewhere it finds back
     logic [IndexBits-1:0] left;
     logic [Bits-1:0]      a_rest, b_rest, a, b;  // bits still to come, and the prefixes
     logic [Bits:0]        root;

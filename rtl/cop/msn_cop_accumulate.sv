@@ -77,7 +77,7 @@ module msn_cop_accumulate #(
   always_ff @(posedge clk_i) begin
     if (in_valid_i && in_ready_o) begin
       beat      <= (in_last_i || row_last) ? '0 : beat + 1'b1;
-      row       <= in_last_i || Rows == 1 ? '0 : row_last ? row + 1'b1 : row;  // past the end only while dropping
+      row       <= in_last_i || Rows == 1 ? '0 : row_last ? row + 1'b1 : row;  // past the end if dropping
       row_first <= in_last_i || row_last;  // beat == 0, without the comparison
       first     <= in_last_i;              // and row == 0
       dropping  <= !in_last_i && (dropping || !fits);

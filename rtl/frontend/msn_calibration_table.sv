@@ -59,7 +59,7 @@ module msn_calibration_table #(
 
   always_ff @(posedge clk_i) begin
     if (take_i) midway <= !last_i;
-    stale          <= restart_i || (take_i && last_i && !at_end);  // a clock late: who takes a beat is known late
+    stale          <= restart_i || (take_i && last_i && !at_end);  // a clock late: take_i is known late
     bank           <= bank_next;
     cfg_swapping_o <= cfg_swap_i || (cfg_swapping_o && !swap);
     loaded_o       <= loaded_o || swap;

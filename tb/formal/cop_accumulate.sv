@@ -72,6 +72,7 @@ module formal_cop_accumulate #(
 
   always_comb begin
     if (!started) assume (rst_i);
+    if (in_valid_i && final_here) assume (in_last_i);  // a longer frame is dropped: its sums may wrap
     if (started) begin
       if (valid[Levels]) assert (!next[Wide-1]);          // no carry out of S
       if (stalled) assert (out_valid_o);
