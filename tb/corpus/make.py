@@ -14,7 +14,7 @@ HERE = Path(__file__).parent
 
 
 def main():
-    for name in ("packets", "config", "recordings", "calibration", "log"):
+    for name in ("packets", "recordings", "calibration", "log"):
         (HERE / name).mkdir(exist_ok=True)
     packets = [p.packet(p.SLIP, n, n << 30, p.slip_event(n, n * n, 2)) for n in range(6)]
     packets += [

@@ -10,7 +10,7 @@ from meissner import toolchain
 from meissner.trust import benches, faults
 
 
-@pytest.mark.parametrize("block", ["frame_check", "spi_shift"])
+@pytest.mark.parametrize("block", ["frame_check", "skid"])
 def test_none_is_silent(block):
     results = faults.inject(block, 120, 3)
     kinds = {result.kind for result in results}
@@ -42,14 +42,15 @@ def _with(program, paths):
 
 
 def test_finds_damage_that_nobody_tells(monkeypatch, tmp_path):
-    planted(monkeypatch, tmp_path, "frame_check", "assign keep = fits && !dropping;", "assign keep = 1'b1;")
-    assert any(result.outcome == "silent" for result in faults.inject("frame_check", 10, 3))
+    count = "if (damage) damaged_o <= damaged_o + 1'b1;"
+    planted(monkeypatch, tmp_path, "frame_check", count, "")
+    assert any(result.outcome == "silent" for result in faults.inject("frame_check", 60, 3))
 
 
 @pytest.mark.long
 def test_finds_a_state_that_never_ends(monkeypatch, tmp_path):
     planted(monkeypatch, tmp_path, "hypot", "{phase[1:0], ~|phase[1:0]}", "{phase[1:0], phase[2]}")
-    assert any("hung" in result.what for result in faults.inject("hypot", 300, 1))
+    assert any(result.outcome == "silent" for result in faults.inject("hypot", 300, 1))
 
 
 def test_every_block_takes_part():

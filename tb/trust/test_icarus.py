@@ -37,4 +37,4 @@ def test_a_bench_runs_on_it():
     }
     done = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True)
     assert done.returncode == 0, done.stdout + done.stderr
-    assert "vvp" in done.stdout + done.stderr
+    assert list((toolchain.BUILD / "icarus").glob("frame_gate*/*.vvp"))

@@ -25,7 +25,7 @@ def test_a_planted_bug_is_found_and_made_small(monkeypatch, tmp_path, capsys):
     paths = list(toolchain.sources_of("msn_compare"))
     paths[-1] = Path(tmp_path) / "msn_compare.sv"
     text = toolchain.sources_of("msn_compare")[-1].read_text()
-    wrong = text.replace("(Width + 1)'(b_i) - (Width + 1)'(a_i)", "(Width + 1)'(b_i - a_i)")
+    wrong = text.replace("(Width + 1)'(b_i) - (Width + 1)'(a_i)", "(Width + 1)'(a_i) - (Width + 1)'(b_i)")
     assert wrong != text
     paths[-1].write_text(wrong)
     monkeypatch.setattr(toolchain, "sources_of", lambda _: paths)

@@ -115,7 +115,8 @@ def mutated(draw, data, others=(b"",)):
 
 
 def corpus(target):
-    return {path.name: path.read_bytes() for path in sorted((CORPUS / target).iterdir())}
+    """{name: bytes} of the files in the target's folder; none where there is no folder."""
+    return {path.name: path.read_bytes() for path in sorted((CORPUS / target).glob("*"))}
 
 
 class Packets:
