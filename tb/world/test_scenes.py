@@ -244,7 +244,7 @@ def change(path, value):
         (("world", "kind"), "twist", "kind = 'twist' must be one of: press, pull"),
         (("world", "press"), 1.0, r"\[world\]: unknown key 'press'"),
         (("world", "stage_start_s"), 0.4, "must not come before the end of pressing"),
-        (("world", "slide_s"), float("nan"), "slide_s = nan must be above 0"),
+        (("world", "slide_s"), float("nan"), "slide_s = nan must be a number"),
         (("world", "conditions"), [], "at least one"),
         (("world", "conditions", 0, "normal_n"), -2.0, "normal_n = -2 must be above 0"),
         (("world", "conditions", 0, "material"), "ice", "acrylic, wood, cloth, paper"),
