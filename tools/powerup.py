@@ -8,18 +8,15 @@ block has no test that simulates it.
 """
 
 import argparse
-import datetime
-import json
 import os
 import re
 import subprocess
 import sys
 
 from meissner import toolchain
+from meissner.trust import benches, record
 
 ROOT = toolchain.ROOT
-RECORD = ROOT / "docs/trust/powerup.json"
-BLOCKS = {path.stem.removeprefix("msn_"): path.parent.name for path in toolchain.sources()}
 
 
 def builds(path):
@@ -35,44 +32,46 @@ def builds(path):
 
 def start(block, seeds):
     """Start a block ``seeds`` times; {"builds", "seeds", "passed"}."""
-    path = ROOT / f"tb/{BLOCKS[block].replace('rtl', 'core')}/test_{block}.py"
+    path = ROOT / f"tb/{benches.stage_of(block)}/test_{block}.py"
     tests = builds(path)
     if not tests:
-        return {"builds": 0, "seeds": 0, "passed": False, "summary": "no test"}
+        return {"builds": 0, "seeds": 0, "passed": False}
     each = -(-seeds // len(tests))
     command = [sys.executable, "-m", "pytest", "-p", "no:xdist", *tests]
     passed = (
         subprocess.run(command, cwd=ROOT, env={**os.environ, "MEISSNER_POWERUP": str(each)}).returncode == 0
     )
     count = each * len(tests)
-    words = f"{count} starts" if passed else "failed"
-    return {"builds": len(tests), "seeds": count, "passed": passed, "summary": words}
+    return {"builds": len(tests), "seeds": count, "passed": passed}
+
+
+def summary(row):
+    """A block's cell in docs/trust.md."""
+    return f"{row['seeds']} starts" if row["passed"] else "failed" if row["builds"] else "no test"
+
+
+def total(rows):
+    some, good = (sum(row[key] for row in rows) for key in ("seeds", "passed"))
+    return f"power-up: {some:,} random starts, {good} of {len(rows)} blocks pass"
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("blocks", nargs="*", metavar="BLOCK", help="without msn_; all if none is named")
     parser.add_argument("--seeds", type=int, default=20)
-    parser.add_argument("--record", action="store_true", help=f"merge into {RECORD.relative_to(ROOT)}")
+    parser.add_argument("--record", action="store_true", help="into docs/trust/powerup.json")
     arguments = parser.parse_args()
-    strange = [name for name in arguments.blocks if name not in BLOCKS]
+    strange = [name for name in arguments.blocks if name not in benches.blocks()]
     if strange or arguments.seeds < 1:
         print(f"no block {strange[0]} in rtl/rtl.f" if strange else "--seeds must be 1 or more")
         sys.exit(2)
     rows = {}
-    for block in arguments.blocks or [name for name in BLOCKS if not name.endswith("pkg")]:
+    for block in arguments.blocks or benches.blocks():
         rows[block] = start(block, arguments.seeds)
         print(f"{block:20} {rows[block]['builds']:3} builds {rows[block]['seeds']:4} seeds", flush=True)
     failed = [name for name, row in rows.items() if not row["passed"]]
     if arguments.record:
-        old = json.loads(RECORD.read_text())["blocks"] if RECORD.exists() else {}
-        entry = {"command": "make powerup", "date": datetime.date.today().isoformat()}
-        blocks = dict(sorted((old | rows).items()))
-        some = sum(row["seeds"] for row in blocks.values())
-        good = sum(row["passed"] for row in blocks.values())
-        entry["total"] = f"power-up: {some:,} random starts, {good} of {len(blocks)} blocks pass"
-        entry["blocks"] = blocks
-        RECORD.write_text(json.dumps(entry, indent=1) + "\n")
+        record.merge("powerup", "make powerup", rows, summary, total)
     if failed:
         sys.exit(f"powerup: failed: {', '.join(failed)}")
     print(f"powerup: {len(rows)} blocks, none failed")

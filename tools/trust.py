@@ -13,9 +13,10 @@ import subprocess
 import sys
 
 from meissner import toolchain
+from meissner.trust import benches
+from meissner.trust.record import FOLDER as RECORDS
 
 ROOT = toolchain.ROOT
-RECORDS = ROOT / "docs/trust"
 PAGE = ROOT / "docs/trust.md"
 README = ROOT / "README.md"
 MARK = "Evidence: "  # how README's line begins
@@ -37,12 +38,6 @@ docs/trust/ has recorded.
 """
 
 
-def blocks():
-    """The blocks' names in data-path order; a package is none."""
-    names = [path.stem.removeprefix("msn_") for path in toolchain.sources() if path.suffix == ".sv"]
-    return [name for name in dict.fromkeys(names) if not name.endswith("pkg")]
-
-
 def records():
     """{kind: what docs/trust/<kind>.json says} of the kinds that are recorded."""
     paths = {kind: RECORDS / f"{kind}.json" for kind in KINDS}
@@ -59,7 +54,7 @@ def page(recorded):
         )
     lines += ["", "| block | " + " | ".join(KINDS[kind] for kind in columns) + " |"]
     lines.append("|---" * (len(columns) + 1) + "|")
-    for block in blocks():
+    for block in benches.blocks():
         cells = [recorded[kind]["blocks"].get(block, {}).get("summary", "") for kind in columns]
         lines.append("| " + " | ".join([block, *cells]) + " |")
     return "\n".join(lines) + "\n"
@@ -73,7 +68,7 @@ def summary(recorded):
 
 def strangers(recorded):
     """Sentences: what is recorded of blocks that are not there."""
-    known = set(blocks())
+    known = set(benches.blocks())
     return [
         f"docs/trust/{kind}.json has {name}, which rtl/rtl.f does not list"
         for kind, record in recorded.items()

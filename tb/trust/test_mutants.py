@@ -8,11 +8,9 @@ import sys
 
 import pytest
 
+import mutants as tool
 from meissner.toolchain import ROOT
 from meissner.trust import benches, equivalence, mutate, simulate
-
-sys.path.insert(0, str(ROOT / "tools"))
-import mutants as tool
 
 OPTIONS = argparse.Namespace(samples=6, seed=7, jobs=2)
 

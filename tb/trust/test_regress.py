@@ -9,11 +9,9 @@ from pathlib import Path
 
 import pytest
 
+import regress as tool
 from meissner import toolchain
 from meissner.trust import regress
-
-sys.path.insert(0, str(toolchain.ROOT / "tools"))
-import regress as tool
 
 
 def test_two_sizes_pass():
