@@ -9,8 +9,8 @@ Exit code 1 if something is open that OPEN does not name, or if nothing ran. doc
 """
 
 import argparse
-import json
 import multiprocessing
+import operator
 import os
 import resource
 import signal
@@ -18,17 +18,14 @@ import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
-from datetime import date
 from itertools import product
 from threading import Lock
 
-from meissner import toolchain
-from meissner.trust import benches, circuit, netlist_proof, reset_proof
+from meissner.trust import benches, circuit, netlist_proof, record, reset_proof
 from meissner.trust.reset_proof import Task
 from meissner.yowasp import ToolError, warm_up
 
 OUT = "build/equivalence"  # relative to ROOT: YoWASP sees nothing outside the directory it starts in
-RECORD = toolchain.ROOT / "docs/trust/equivalence.json"
 NAMES = {"ecp5": "ECP5", "ice40": "iCE40", "reset": "reset"}
 KINDS = tuple(NAMES)
 LIMIT_S = 300
@@ -225,19 +222,10 @@ def summary(entry):
     return "; ".join([*([f"{', '.join(proven)} proven"] if proven else []), *others])
 
 
-def record(results):
-    """Merge ``results`` into docs/trust/equivalence.json."""
-    known = json.loads(RECORD.read_text())["blocks"] if RECORD.exists() else {}
-    for block, result in results.items():
-        known[block] = known.get(block, {}) | result
-        known[block]["summary"] = summary(known[block])
-    known = {block: known[block] for block in sorted(known) if block in benches.blocks()}
-    ecp5, ice40, reset = (sum(e.get(kind, {}).get("proven", False) for e in known.values()) for kind in KINDS)
+def total(entries):
+    ecp5, ice40, reset = (sum(e.get(kind, {}).get("proven", False) for e in entries) for kind in KINDS)
     of = len(benches.blocks())
-    total = f"netlist = RTL proven for {ecp5} (ECP5) and {ice40} (iCE40) of {of} blocks, reset for {reset}"
-    RECORD.parent.mkdir(parents=True, exist_ok=True)
-    text = {"command": "make equivalence", "date": date.today().isoformat(), "total": total, "blocks": known}
-    RECORD.write_text(json.dumps(text, indent=1) + "\n")
+    return f"netlist = RTL proven for {ecp5} (ECP5) and {ice40} (iCE40) of {of} blocks, reset for {reset}"
 
 
 def main():
@@ -273,7 +261,8 @@ def main():
         with lock:
             print(f"{block}: {summary(result)}; {time.monotonic() - began:.0f} s", flush=True)
             if options.record:
-                record({block: result})
+                own = {block: result}, summary, total, operator.or_, benches.blocks()
+                record.merge("equivalence", "make equivalence", *own)
         return result
 
     with ThreadPoolExecutor(options.jobs) as pool:
