@@ -15,8 +15,8 @@ def _replace(before, now):
 
 def merge(kind, command, blocks, summary, total, join=_replace, listed=None):
     """Put ``blocks`` {name: facts} among the recorded. ``summary`` makes a cell of a block's facts, ``total``
-    the sentence of a list of all blocks' facts; ``join`` puts a block's facts to those it had, as they replace
-    them otherwise; ``listed``: names of all blocks that there are, others are dropped."""
+    the sentence of a list of all blocks' facts; ``join`` puts a block's facts to those it had, in place of
+    replacing them; ``listed``: names of all blocks that there are, others are dropped."""
     FOLDER.mkdir(exist_ok=True)
     path = FOLDER / f"{kind}.json"
     with path.open("a+") as file:
