@@ -395,7 +395,7 @@ def run_c(count, seed=1):
 
 
 def run(target, count, seed=1, first=0):
-    """``count`` cases; returns the slowest one's seconds of processor time. Failed names what should not be so."""
+    """``count`` cases; returns the slowest one's seconds of processor time. Failed names what went wrong."""
     slowest = 0.0
     with tempfile.TemporaryDirectory(dir="/dev/shm" if Path("/dev/shm").is_dir() else None) as folder:
         reader = TARGETS[target](Path(folder))
