@@ -769,7 +769,7 @@ int main(int argc, char **argv) {
     if (cells[c].name.find(options["only"]) != std::string::npos) (cells[c].memory ? memory : registers).push_back(c);
   const long clocks = static_cast<long>(golden.row_of_clock.size());
   long last_clock = 0;  // the latest at which enough frames follow
-  const size_t after = begins.size() > settle + 4 ? begins[begins.size() - settle - 3] : 0;
+  const size_t after = begins.size() > settle + 3 ? begins[begins.size() - settle - 3] : 0;
   while (last_clock < clocks && golden.row_of_clock[last_clock] < after) ++last_clock;
   long interval = 1;  // clocks of the longest frame, where they come by themselves
   if (options.count("free")) {
