@@ -249,15 +249,17 @@ module msn_scan_plan #(
     found_q    <= find_q;
     row_next_q <= {1'b0, row_q} + (now_interleave_q ? (RowBits+1)'(2) : (RowBits+1)'(1));
     row_ends_q <= group_q == now_last_group;
+    if (!active_q) begin  // the first place, whether a frame begins now or not
+      row_q   <= row;
+      group_q <= group;
+      odd_q   <= 1'b0;
+    end
     if (take_frame) begin
       now_first_row_q  <= first_row;
       now_last_row_q   <= end_row;
       now_first_beat_q <= first_beat;
       now_last_beat_q  <= last_beat;
       now_interleave_q <= interleave;
-      row_q            <= row;
-      group_q          <= group;
-      odd_q            <= active_q && odd_q;
       active_q         <= 1'b1;
     end
     if (found_q) begin
