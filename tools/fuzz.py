@@ -4,8 +4,8 @@ configurations, calibrations, logs.
     python tools/fuzz.py [--cases N] [--seed N] [--first N] [--record] [TARGET ...]     default: all
 
 A million cases to each decoder, as many to other readers as run in a minute or two. Prints a line per target.
-Stops with an error at the first case that crashes, hangs, gives a packet that was not sent, or is not refused in
-one sentence; `--first N --cases 1` repeats it. It starts at tb/corpus.
+Stops with an error at the first case that crashes, hangs, gives a packet that was not sent, or is not refused
+in one sentence; `--first N --cases 1` repeats it. It starts at tb/corpus.
 """
 
 import argparse

@@ -48,7 +48,8 @@ def test_finds_damage_that_nobody_tells(monkeypatch, tmp_path):
 
 
 def test_finds_a_packet_that_never_ends(monkeypatch, tmp_path):
-    planted(monkeypatch, tmp_path, "cobs", "default: state <= Open;", "default: if (count == 2) state <= Open;")
+    twice = "default: if (count == 2) state <= Open;"
+    planted(monkeypatch, tmp_path, "cobs", "default: state <= Open;", twice)
     assert any(result.outcome == "silent" for result in faults.inject("cobs", 120, 3))
 
 
@@ -56,7 +57,8 @@ def test_finds_a_packet_that_never_ends(monkeypatch, tmp_path):
 def test_finds_an_access_that_never_ends(monkeypatch, tmp_path):
     kept = "asked <= ({2{!taken}} & asked) | {asked[0], bus_valid_o};"
     planted(monkeypatch, tmp_path, "axil", "asked <= {asked[0], bus_valid_o};", kept)
-    assert any("asked" in result.where for result in faults.inject("axil", 60, 3) if result.outcome == "silent")
+    results = faults.inject("axil", 60, 3)
+    assert any("asked" in result.where for result in results if result.outcome == "silent")
 
 
 @pytest.mark.long
