@@ -49,6 +49,8 @@ SETTLE = {
         "axil": 3,
         "bridge": 4,  # a zero before and behind each command
         "crc32": 1,
+        "packet": 8,  # events, images
+        "link": 8,
         "cop_accumulate": 2,
         "cop": 3,
         "cop_array": 4,
@@ -59,9 +61,11 @@ SETTLE = {
 # Of calibrations: the tables, which of the two is in use and whether any is, until they are written again.
 TABLES = "kept=memory,gains,offsets,rows,bank,loaded,cfg_swapping"
 AXIL_INPUTS = "awvalid awaddr awprot wvalid wdata wstrb bready arvalid araddr arprot rready"
+# An image that waits, and its time.
+PACKETS = ["packets=1", "frame=cop_valid_i", "when=cop_valid_i", "kept=memory,read_time_o,written_time"]
 OPTIONS = {
     "delay": ["frame=step_i"],
-    "spi_shift": ["frame=start_i", "strobe=word_o", "join=1"],
+    "spi_shift": ["frame=start_i", "strobe=word_o", "repeat=4"],
     "burst": ["frame=start_i"],
     "convert_time": ["frame=last_i"],
     "slip_flags": ["frame=in_valid_i"],
@@ -70,13 +74,18 @@ OPTIONS = {
     "calibrate": [TABLES],
     "cop_array": [TABLES],
     "cobs": ["end=0"],
-    "crc32": ["frame=clear_i", "join=1", "rows=24000"],
-    "packet": ["packets=1", "join=1"],
+    "crc32": ["frame=clear_i", "join=1", "repeat=4"],
+    "packet": [*PACKETS, "join=1"],
     "packet_slip": ["packets=1", "join=1", "rows=20000"],
-    "link": ["packets=1", "join=1"],
+    "link": [*PACKETS, "join=1"],
     # What is not read yet; its time.
-    "image_store": ["frame=in_last_i", "strobe=read_valid_o", "kept=memory,read_time_o,written_time"],
-    "uart_rx": ["strobe=out_valid_o", "idle=rx_i:48", "rows=12000"],
+    "image_store": [
+        "frame=in_last_i",
+        "when=in_valid_i",
+        "strobe=read_valid_o",
+        "kept=memory,read_time_o,written_time",
+    ],
+    "uart_rx": ["strobe=out_valid_o", "idle=rx_i:38", "repeat=6"],
     "bridge": ["frame=in_data_i:0", "when=in_valid_i", "bus=1"],
     "am_demod": ["frame=in_start_i"],
     "axil": ["bus=1", "inputs=" + ",".join(f"s_axil_{name}" for name in AXIL_INPUTS.split())],

@@ -7,6 +7,7 @@
 //   when=PORT    only where this one is 1, too
 //   idle=PORT:N  of one that listens to a line: a frame begins after N rows in which it is 1
 //   join=1       all pieces of the recording one after the other, where the longest has too few frames
+//   repeat=N     the recording N times, where it has too few frames
 //   end=VALUE    of a stream out without `last`: what ends a frame
 //   packets=1    the stream out is packets: what a receiver makes of them, which leaves out those whose checksum is
 //                wrong and tells of them and of numbers that are left out; without numbers and times
@@ -336,6 +337,8 @@ void read(const char *path) {
     rows.push_back(row);
     if (rows.size() >= longest) break;
   }
+  const auto once = rows;
+  for (long n = 1; n < option("repeat", 1); ++n) rows.insert(rows.end(), once.begin(), once.end());
 }
 
 // A converter at the pins of lane ``lane``.
@@ -744,7 +747,7 @@ int main(int argc, char **argv) {
       if (resting == std::stol(options["idle"].substr(options["idle"].find(':') + 1))) begins.push_back(r);
     } else if (!framed.empty() && options.count("when") && !(rows[r][offset[find(options["when"])]] & 1)) {
       continue;
-    } else if (!framed.empty() && !(sources.empty() || (rows[r][offset[sources[0].valid]] & 1))) {
+    } else if (!framed.empty() && !options.count("when") && !(sources.empty() || (rows[r][offset[sources[0].valid]] & 1))) {
       continue;
     } else if (!framed.empty()) {
       const size_t colon = framed.find(':');
