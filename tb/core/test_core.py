@@ -208,7 +208,7 @@ async def packets_are_the_models_of_the_codes_at_the_pins(dut):
 
 @cocotb.test(timeout_time=200, timeout_unit="ms")
 async def an_events_first_bit_comes_within_20_clocks_of_its_sample(dut):
-    """With nothing under way on the line; the smallest sensor's serial path takes two passes of 16 bits more."""
+    """With nothing under way on the line; the serial path takes two passes of 16 bits more."""
     name, build = case_of(dut)
     most = {"channels": 20, "smallest": 20 + 2 * 16}.get(name)
     if most is None:
