@@ -48,7 +48,7 @@ SETTLE = {
         "am_demod": 3,
         "axil": 3,
         "bridge": 4,  # a zero before and behind each command
-        "crc32": 1,
+        "crc32": 2,  # the sum is there up to the next packet's first byte
         "packet": 8,  # events, images
         "link": 8,
         "cop_accumulate": 2,
@@ -290,10 +290,10 @@ def program(block):
 
 
 def settings():
-    """The settings among the state of msn_registers: its outputs, and what was written and waits."""
+    """The settings among the state of msn_registers: its outputs, what waits, and that it does."""
     source = next(path for path in toolchain.sources() if path.stem == "msn_registers").read_text()
     outputs = re.findall(r"^\s*output\s.*?(\w+)_o,?(?:\s*//.*)?$", _header(source, "registers")[0], re.M)
-    stems = [name for name in outputs if not name.startswith("bus_") and not name.endswith("_pending")]
+    stems = [name for name in outputs if not name.startswith("bus_")]
     return [f"{stem}_{end}" for stem in stems for end in "oq"]
 
 
