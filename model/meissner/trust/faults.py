@@ -80,6 +80,7 @@ OPTIONS = {
     "link": [*PACKETS, "join=1"],
     # The zeros, the way to them, and a frame that is missing in them.
     "tare": ["kept=u_state.,zero_,write_data,u_round.,dropping", "skip=gone"],
+    "health": ["skip=gone"],  # it counts frames, and frames that are missing whole are not seen here
     # What is not read yet; its time.
     "image_store": [
         "frame=in_last_i",
