@@ -60,6 +60,7 @@ SETTLE = {
 # What the driver must be told of a block, see there.
 # Of calibrations: the tables, which of the two is in use and whether any is, until they are written again.
 TABLES = "kept=memory,gains,offsets,rows,bank,loaded,cfg_swapping"
+ZEROS = "u_state.,zero_,write_data,u_round.,dropping"
 AXIL_INPUTS = "awvalid awaddr awprot wvalid wdata wstrb bready arvalid araddr arprot rready"
 # An image that waits, and its time.
 PACKETS = ["packets=1", "frame=cop_valid_i", "when=cop_valid_i", "kept=memory,read_time_o,written_time"]
@@ -79,7 +80,7 @@ OPTIONS = {
     "packet_slip": ["packets=1", "join=1", "rows=20000"],
     "link": [*PACKETS, "join=1"],
     # The zeros, the way to them, and a frame that is missing in them.
-    "tare": ["kept=u_state.,zero_,write_data,u_round.,dropping", "skip=gone"],
+    "tare": [f"kept={ZEROS}", "skip=gone"],
     "health": ["skip=gone"],  # it counts frames, and frames that are missing whole are not seen here
     # What is not read yet; its time.
     "image_store": [
@@ -102,10 +103,10 @@ OPTIONS = {
     "adc_spi": ["free=16000", "part=1", "late=left_q"],
     "scan_adc": ["free=40000", "part=2", "late=left_q"],
     "scan_demod": ["free=60000", "part=3", "late=left_q"],
-    "array": ["free=60000", "part=1", "late=left_q"],
-    "core": ["free=40000", "part=1", "late=left_q", "packets=1", "writes=40"],
+    "array": ["free=40000", "part=1", "late=left_q", f"{TABLES},{ZEROS}"],
+    "core": ["free=40000", "part=1", "late=left_q", "packets=1", "writes=25"],
 }
-# Writes to registers while it measures, each at forty clocks of a frame (docs/registers.md).
+# Writes to registers while it measures, each at 25 clocks of a frame (docs/registers.md).
 GAINS = [f"504:{beat:x},508:{3 * beat:x},50c:{0x900 + 0x123 * beat:x},510:1" for beat in range(9)]
 WRITES = {
     "core": [
@@ -304,8 +305,10 @@ def inject(block, count, seed):
     """``count`` upsets and a share of every other fault; a Result for each."""
     around, instance = INSIDE.get(block, (block, ""))
     options = [*OPTIONS.get(around, []), *([f"only={instance}"] if instance else [])]
-    if around in ("registers", "core"):
+    if around == "registers":
         options.append("kept=" + ",".join(settings()))
+    if around == "core":
+        options.append(",".join([TABLES, ZEROS, *settings()]))
     told = _run(around, count, seed, options)
     for writes in WRITES.get(block, []):
         told += _run(around, count, seed, [*options, *writes, "alone=1"])
