@@ -27,6 +27,7 @@ LEFT_OUT = {
 SETTLE = {
     **{
         "delay": 12,
+        "multiply": 4,  # steps: two registers one after the other, shown before the next
         "fifo": 24,
         "spi_shift": 2,
         "burst": 2,
@@ -66,6 +67,7 @@ AXIL_INPUTS = "awvalid awaddr awprot wvalid wdata wstrb bready arvalid araddr ar
 PACKETS = ["packets=1", "frame=cop_valid_i", "when=cop_valid_i", "kept=memory,read_time_o,written_time"]
 OPTIONS = {
     "delay": ["frame=step_i"],
+    "multiply": ["frame=enable_i"],
     "spi_shift": ["frame=start_i", "strobe=word_o", "repeat=4"],
     "burst": ["frame=start_i"],
     "convert_time": ["frame=last_i"],
