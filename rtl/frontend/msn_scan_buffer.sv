@@ -65,7 +65,8 @@ module msn_scan_buffer #(
   logic                   busy, store;
   logic [BeatBits-1:0]    in_beat_q, in_beat, last_beat;
   logic [RowBits:0]       in_rows_q, in_rows;
-  logic [AddressBits-1:0] in_base_q, in_base, span;
+  logic [AddressBits-1:0] in_base_q, in_base, base_next, span;  // of the row
+  logic [AddressBits-1:0] in_address_q, in_address;
   logic                   interleave, row_full, half;
   logic [RowBits:0]       half_rows_q;                // rows of the first half of an interleaved frame
   logic [RowBits:0]       half_last_q, half_last;     // the last of them
@@ -80,16 +81,19 @@ module msn_scan_buffer #(
   assign row_full   = in_beat == last_beat;
   assign half       = in_rows == half_last;
   assign span       = AddressBits'(last_beat) + 1'b1;
+  assign in_address = in_first_i ? '0 : in_address_q;
+  assign base_next  = !row_full ? in_base : !interleave ? in_base + span : half ? span : in_base + (span << 1);
 
   (* no_rw_check *) logic [Width-1:0] frame [Depth];
-  always_ff @(posedge clk_i) if (store) frame[in_base + AddressBits'(in_beat)] <= in_data_i;
+  always_ff @(posedge clk_i) if (store) frame[in_address] <= in_data_i;
 
   always_ff @(posedge clk_i) begin
     if (store) begin
       in_beat_q <= row_full ? '0 : in_beat + 1'b1;
       in_rows_q <= in_rows + (RowBits+1)'(row_full);
-      in_base_q <= in_base;
-      if (row_full) in_base_q <= !interleave ? in_base + span : half ? span : in_base + (span << 1);
+      in_base_q <= base_next;
+      // Found a beat ahead: the memory's blocks are far.
+      in_address_q <= row_full ? base_next : in_address + 1'b1;
     end
     if (in_valid_i && in_first_i) begin
       drop_q <= busy;
