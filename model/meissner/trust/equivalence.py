@@ -5,13 +5,15 @@ a clock of reset and with it the change. From then on no output may differ, what
 `*_valid_o` qualifies counts only while that is 1. ABC, which is part of Yosys, merges what it proves equal
 by induction (scorr), looks for a difference (bmc3), and proves that there is none (pdr). What it leaves open
 is no proof. A block with `in_restart_i` gets whole frames, as msn_frame_check hands them on, the first one
-after a reset with restart; what it gets while `in_valid_i` is 0 is free there too.
+after a reset with restart; what it gets while `in_valid_i` is 0 is free there too. What stays open is looked
+at once more, without these restrictions (after_reset.py).
 """
 
 import re
 import subprocess
 from pathlib import Path
 
+from meissner.trust import after_reset
 from meissner.trust.mutate import INNER
 from meissner.yowasp import ROOT, ToolError, yosys
 
@@ -84,7 +86,7 @@ def miter(folder, parameters):
         joined += [".rst_i(i_rst_i || (begin_i && !on))"] if reset else []
         joined += [f".{n}({copy}_{n})" for n in outputs]
         lines.append(f"{INNER} {copy} (.mutsel({chosen}), {', '.join(joined)});")
-    lines += [frames, f"assign bad = on && ({difference(outputs)});", "endmodule", DUMMY]
+    lines += [frames, f"assign bad = on && ({difference(outputs)});", "endmodule"]
     return "\n".join(lines)
 
 
@@ -98,6 +100,16 @@ def _constant_zero(path):
 def classify(mutants, folder):
     """Set ``verdict`` of ``mutants`` of the netlist in ``folder``: equivalent, different or undecided."""
     folder = Path(folder)
+    _judge(mutants, folder, _write_all)
+    if undecided := [mutant for mutant in mutants if mutant.verdict == "undecided"]:
+        _judge(undecided, folder, after_reset.write_all)
+        for mutant in undecided:
+            if mutant.verdict == "different":  # from a state that it may never get to
+                mutant.verdict = "undecided"
+
+
+def _write_all(mutants, folder):
+    """The miter of each mutant as an AIGER file m<number>.aig."""
     (ROOT / folder / "miter.v").write_text(miter(folder, mutants[0].parameters))
     # Gates once for all mutants; then only the two copies are put together for each. Later `opt` would make
     # flip-flops with enables again, which AIGER has not.
@@ -106,15 +118,23 @@ def classify(mutants, folder):
         "setundef -zero -init; setundef -zero; async2sync; dffunmap; techmap; opt_expr; aigmap; opt_clean; "
         f"read_verilog {folder}/miter.v; design -save both"
     ]
+    prepare += [
+        f"design -load both; chparam -set K {mutant.number} miter; hierarchy -top miter; proc; flatten; "
+        "opt_expr; opt_clean; techmap; opt_expr; aigmap; opt_clean; "
+        f"write_aiger -zinit {folder}/m{mutant.number}.aig"
+        for mutant in mutants
+    ]
+    (ROOT / folder / "prepare.ys").write_text("\n".join(prepare) + "\n")
+    yosys(f"script {folder}/prepare.ys", f"{folder}/prepare.log")
+
+
+def _judge(mutants, folder, write_all):
+    """Set their verdicts by what ABC says of the files that ``write_all`` writes."""
     judge = ["backup"]
     for mutant in mutants:
         name = folder / f"m{mutant.number}"
         for end in ("aig", "reduced.aig", "bmc", "pdr"):
             (ROOT / f"{name}.{end}").unlink(missing_ok=True)
-        prepare.append(
-            f"design -load both; chparam -set K {mutant.number} miter; hierarchy -top miter; proc; flatten; "
-            f"opt_expr; opt_clean; techmap; opt_expr; aigmap; opt_clean; write_aiger -zinit {name}.aig"
-        )
         judge += [
             f"read_aiger {name}.aig",
             "strash",
@@ -126,15 +146,14 @@ def classify(mutants, folder):
             f"pdr -T {SECONDS[1]}",
             f"write_status {name}.pdr",
         ]
-    (ROOT / folder / "prepare.ys").write_text("\n".join(prepare) + "\n")
     (ROOT / folder / "judge.abc").write_text("\n".join([*judge, "restore", "strash"]) + "\n")
+    (ROOT / folder / "dummy.v").write_text(DUMMY)
     try:
-        yosys(f"script {folder}/prepare.ys", f"{folder}/prepare.log")
+        write_all(mutants, folder)
         yosys(
-            f"read_verilog {folder}/miter.v; hierarchy -top dummy; techmap; abc -script {folder}/judge.abc",
-            f"{folder}/judge.log",
+            f"read_verilog {folder}/dummy.v; techmap; abc -script {folder}/judge.abc", f"{folder}/judge.log"
         )
-    except (ToolError, subprocess.SubprocessError) as error:
+    except (ToolError, ValueError, subprocess.SubprocessError) as error:
         print(f"  {folder}: {error}", flush=True)
     for mutant in mutants:
         mutant.verdict = _verdict(ROOT / folder / f"m{mutant.number}")

@@ -1,0 +1,78 @@
+"""The second look at mutants that equivalence.py leaves open: from any state that both copies share, a reset.
+
+More than a block can get to, so only a proof counts. Registers that the reset sets begin with just that, so
+that what they have in common holds from the first clock on and induction sees it.
+"""
+
+from collections import defaultdict
+
+from meissner.trust import circuit as netlist
+from meissner.trust.aig import FALSE, TRUE, Aig, write
+from meissner.trust.mutate import INNER
+from meissner.trust.two_copies import masked_by
+from meissner.yowasp import ROOT, yosys
+
+RESET = "rst_i"
+
+
+def bits(folder):
+    """The netlist of all mutants in ``folder`` as a circuit."""
+    yosys(
+        f"read_rtlil {folder}/mutated.il; hierarchy -top {INNER}; flatten; opt_clean; async2sync; "
+        f"techmap -map {netlist.HERE}/defined_map.v; memory -nordff; {netlist.BITS}; "
+        f"write_json {folder}/bits.json",
+        f"{folder}/bits.log",
+    )
+    return netlist.load(ROOT / folder / "bits.json", INNER)
+
+
+def miter(circuit, number):
+    """(graph, latches, the literal that is 1 where an output differs that counts) of mutant ``number``."""
+    graph = Aig()
+    chosen = {"a": 0, "b": number}
+
+    def inputs(reset):
+        found = {bit: graph.input() for (name, _), bit in circuit.inputs.items() if name != "mutsel"}
+        return found | ({circuit.inputs[RESET, 0]: TRUE} if reset else {})
+
+    def copy(side, given):
+        select = {
+            bit: TRUE if chosen[side] >> index & 1 else FALSE
+            for (name, index), bit in circuit.inputs.items()
+            if name == "mutsel"
+        }
+        return circuit.build(graph, given | select)
+
+    shared = {bit: graph.input() for bit in circuit.registers}
+    resets = (RESET, 0) in circuit.inputs
+    given = shared | inputs(resets)
+    begun = graph.input()
+    now, known, latches = inputs(False), {}, [(begun, TRUE)]
+    for side in "ab":
+        reset = copy(side, given) if resets else None
+        state, held = {}, {}
+        for bit, after in circuit.registers.items():
+            first, latch = reset[after] if resets else shared[bit], graph.input()
+            held[bit] = latch, int(first == TRUE)  # a latch begins with 0
+            constant = first in (FALSE, TRUE)
+            state[bit] = latch ^ held[bit][1] if constant else graph.choose(begun, latch, first)
+        known[side] = copy(side, now | state)
+        latches += [(latch, known[side][circuit.registers[bit]] ^ one) for bit, (latch, one) in held.items()]
+    names = defaultdict(list)
+    for (name, _), bit in circuit.outputs.items():
+        names[name].append(bit)
+    bad = []
+    for name, output in names.items():
+        apart = graph.any(graph.differ(known["a"][bit], known["b"][bit]) for bit in output)
+        counts = masked_by(name, names, {})
+        when = graph.any(known["a"][names[other][0]] for other, _ in counts) if counts else TRUE
+        bad.append(graph.both(apart, when))
+    return graph, latches, graph.any(bad)
+
+
+def write_all(mutants, folder):
+    """An AIGER file m<number>.aig of each mutant."""
+    circuit = bits(folder)
+    for mutant in mutants:
+        graph, latches, bad = miter(circuit, mutant.number)
+        write(ROOT / folder / f"m{mutant.number}.aig", graph, latches, [bad])
