@@ -65,7 +65,7 @@ def one_set(runs, number, count, options):
             simulate.judge(runs[0] | {"test_filter": COUNTS}, alive, folder, options.jobs, powerup)
             alive = [mutant for mutant in alive if mutant.verdict == "survived"]
     if alive:
-        equivalence.classify(alive, folder)
+        equivalence.classify(alive, folder, block)
     return mutants, seconds
 
 

@@ -26,6 +26,12 @@ def bits(folder):
     return netlist.load(ROOT / folder / "bits.json", INNER)
 
 
+def select(circuit, number):
+    """{bit: literal} that chooses mutant ``number``."""
+    wanted = {bit: index for (name, index), bit in circuit.inputs.items() if name == "mutsel"}
+    return {bit: TRUE if number >> index & 1 else FALSE for bit, index in wanted.items()}
+
+
 def miter(circuit, number):
     """(graph, latches, the literal that is 1 where an output differs that counts) of mutant ``number``."""
     graph = Aig()
@@ -36,12 +42,7 @@ def miter(circuit, number):
         return found | ({circuit.inputs[RESET, 0]: TRUE} if reset else {})
 
     def copy(side, given):
-        select = {
-            bit: TRUE if chosen[side] >> index & 1 else FALSE
-            for (name, index), bit in circuit.inputs.items()
-            if name == "mutsel"
-        }
-        return circuit.build(graph, given | select)
+        return circuit.build(graph, given | select(circuit, chosen[side]))
 
     shared = {bit: graph.input() for bit in circuit.registers}
     resets = (RESET, 0) in circuit.inputs

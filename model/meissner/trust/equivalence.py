@@ -6,14 +6,15 @@ a clock of reset and with it the change. From then on no output may differ, what
 by induction (scorr), looks for a difference (bmc3), and proves that there is none (pdr). What it leaves open
 is no proof. A block with `in_restart_i` gets whole frames, as msn_frame_check hands them on, the first one
 after a reset with restart; what it gets while `in_valid_i` is 0 is free there too. What stays open is looked
-at once more, without these restrictions (after_reset.py).
+at once more, from more states (after_reset.py), and msn_divide's, whose inputs have a contract, yet once more
+(contract.py).
 """
 
 import re
 import subprocess
 from pathlib import Path
 
-from meissner.trust import after_reset
+from meissner.trust import after_reset, contract
 from meissner.trust.mutate import INNER
 from meissner.yowasp import ROOT, ToolError, yosys
 
@@ -97,15 +98,19 @@ def _constant_zero(path):
     return int(outputs) == 1 and rest[int(latches)] == b"0"
 
 
-def classify(mutants, folder):
-    """Set ``verdict`` of ``mutants`` of the netlist in ``folder``: equivalent, different or undecided."""
-    folder = Path(folder)
-    _judge(mutants, folder, _write_all)
+def classify(mutants, folder, block=""):
+    """Set ``verdict`` of ``mutants`` of the netlist in ``folder``: equivalent, different or undecided.
+
+    ``block``: whose it is, if that has a contract.
+    """
+    judge(mutants, folder, _write_all)
     if undecided := [mutant for mutant in mutants if mutant.verdict == "undecided"]:
-        _judge(undecided, folder, after_reset.write_all)
-        for mutant in undecided:
-            if mutant.verdict == "different":  # from a state that it may never get to
-                mutant.verdict = "undecided"
+        judge(undecided, folder, after_reset.write_all, search=False)
+    if block == "divide" and (left := [mutant for mutant in mutants if mutant.verdict != "equivalent"]):
+        circuit = after_reset.bits(folder)
+        for mutant in left:  # different perhaps for what is no division
+            if contract.same(circuit, mutant.number):
+                mutant.verdict = "equivalent"
 
 
 def _write_all(mutants, folder):
@@ -128,25 +133,24 @@ def _write_all(mutants, folder):
     yosys(f"script {folder}/prepare.ys", f"{folder}/prepare.log")
 
 
-def _judge(mutants, folder, write_all):
-    """Set their verdicts by what ABC says of the files that ``write_all`` writes."""
-    judge = ["backup"]
+def judge(mutants, folder, write_all, search=True):
+    """Set their verdicts by what ABC says of what ``write_all`` writes; ``search``: for differences too."""
+    folder, script = Path(folder), ["backup"]
     for mutant in mutants:
         name = folder / f"m{mutant.number}"
         for end in ("aig", "reduced.aig", "bmc", "pdr"):
             (ROOT / f"{name}.{end}").unlink(missing_ok=True)
-        judge += [
+        script += [
             f"read_aiger {name}.aig",
             "strash",
             "scorr",
             "scorr -F 4",
             f"write_aiger {name}.reduced.aig",
-            f"bmc3 -F {FRAMES} -T {SECONDS[0]}",
-            f"write_status {name}.bmc",
+            *([f"bmc3 -F {FRAMES} -T {SECONDS[0]}", f"write_status {name}.bmc"] if search else []),
             f"pdr -T {SECONDS[1]}",
             f"write_status {name}.pdr",
         ]
-    (ROOT / folder / "judge.abc").write_text("\n".join([*judge, "restore", "strash"]) + "\n")
+    (ROOT / folder / "judge.abc").write_text("\n".join([*script, "restore", "strash"]) + "\n")
     (ROOT / folder / "dummy.v").write_text(DUMMY)
     try:
         write_all(mutants, folder)
@@ -157,14 +161,16 @@ def _judge(mutants, folder, write_all):
         print(f"  {folder}: {error}", flush=True)
     for mutant in mutants:
         mutant.verdict = _verdict(ROOT / folder / f"m{mutant.number}")
+        if mutant.verdict == "different" and not search:  # from a state that it may never get to
+            mutant.verdict = "undecided"
 
 
 def _verdict(path):
-    told = [p.read_text() for p in (Path(f"{path}.bmc"), Path(f"{path}.pdr")) if p.exists()]
+    told = [file.read_text() if (file := Path(f"{path}.{end}")).exists() else "" for end in ("bmc", "pdr")]
     if any(text.startswith("snl_SAT") for text in told):
         return "different"
     reduced = Path(f"{path}.reduced.aig")
-    proven = any(text.startswith("snl_UNSAT") for text in told[1:])
+    proven = told[1].startswith("snl_UNSAT")
     if proven or (reduced.exists() and _constant_zero(reduced)):
         return "equivalent"
     return "undecided"
