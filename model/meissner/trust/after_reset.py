@@ -32,8 +32,11 @@ def select(circuit, number):
     return {bit: TRUE if number >> index & 1 else FALSE for bit, index in wanted.items()}
 
 
-def miter(circuit, number):
-    """(graph, latches, the literal that is 1 where an output differs that counts) of mutant ``number``."""
+def miter(circuit, number, frames=None, wrong=None):
+    """(graph, latches, the literal that is 1 where the copies differ) of mutant ``number``.
+
+    ``frames``: a lemmas.Frames; ``wrong(graph, inputs, block, mutant)``: in place of outputs that differ.
+    """
     graph = Aig()
     chosen = {"a": 0, "b": number}
 
@@ -48,27 +51,43 @@ def miter(circuit, number):
     resets = (RESET, 0) in circuit.inputs
     given = shared | inputs(resets)
     begun = graph.input()
-    now, known, latches = inputs(False), {}, [(begun, TRUE)]
+    now, latches = inputs(False), [(begun, TRUE)]
+    states, held = {}, {}
     for side in "ab":
         reset = copy(side, given) if resets else None
-        state, held = {}, {}
+        states[side], held[side] = {}, {}
         for bit, after in circuit.registers.items():
             first, latch = reset[after] if resets else shared[bit], graph.input()
-            held[bit] = latch, int(first == TRUE)  # a latch begins with 0
+            held[side][bit] = latch, int(first == TRUE)  # a latch begins with 0
             constant = first in (FALSE, TRUE)
-            state[bit] = latch ^ held[bit][1] if constant else graph.choose(begun, latch, first)
-        known[side] = copy(side, now | state)
-        latches += [(latch, known[side][circuit.registers[bit]] ^ one) for bit, (latch, one) in held.items()]
+            states[side][bit] = latch ^ (first == TRUE) if constant else graph.choose(begun, latch, first)
+    if frames:
+        now, more = frames.inputs(graph, now, copy("a", now | states["a"])[frames.ready])
+        latches += more
+    known = {side: copy(side, now | states[side]) for side in "ab"}
+    if frames:
+        taken_over = frames.taken_over(graph, now, known["a"], known["b"])
+        known["b"] = copy("b", now | states["b"] | taken_over)
+    for side in "ab":
+        for bit, (latch, one) in held[side].items():
+            latches.append((latch, known[side][circuit.registers[bit]] ^ one))
+    if wrong:
+        return graph, latches, wrong(graph, now, known["a"], known["b"])
+    return graph, latches, outputs_apart(circuit, graph, known["a"], known["b"])
+
+
+def outputs_apart(circuit, graph, block, mutant):
+    """1 where an output differs that counts."""
     names = defaultdict(list)
     for (name, _), bit in circuit.outputs.items():
         names[name].append(bit)
     bad = []
     for name, output in names.items():
-        apart = graph.any(graph.differ(known["a"][bit], known["b"][bit]) for bit in output)
+        apart = graph.any(graph.differ(block[bit], mutant[bit]) for bit in output)
         counts = masked_by(name, names, {})
-        when = graph.any(known["a"][names[other][0]] for other, _ in counts) if counts else TRUE
+        when = graph.any(block[names[other][0]] for other, _ in counts) if counts else TRUE
         bad.append(graph.both(apart, when))
-    return graph, latches, graph.any(bad)
+    return graph.any(bad)
 
 
 def write_all(mutants, folder):

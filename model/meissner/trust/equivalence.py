@@ -6,16 +6,16 @@ a clock of reset and with it the change. From then on no output may differ, what
 by induction (scorr), looks for a difference (bmc3), and proves that there is none (pdr). What it leaves open
 is no proof. A block with `in_restart_i` gets whole frames, as msn_frame_check hands them on, the first one
 after a reset with restart; what it gets while `in_valid_i` is 0 is free there too. What stays open is looked
-at once more, from more states (after_reset.py), and msn_divide's, whose inputs have a contract, yet once more
-(contract.py).
+at once more, from more states (after_reset.py), then signal by signal (lemmas.py); msn_divide's has a contract
+of its own (contract.py).
 """
 
 import re
 import subprocess
 from pathlib import Path
 
-from meissner.trust import after_reset, contract
-from meissner.trust.mutate import INNER
+from meissner.trust import after_reset, aig, contract, lemmas
+from meissner.trust.mutate import INNER, Mutant
 from meissner.yowasp import ROOT, ToolError, yosys
 
 FRAMES = 60  # clocks in which a difference is looked for
@@ -106,11 +106,35 @@ def classify(mutants, folder, block=""):
     judge(mutants, folder, _write_all)
     if undecided := [mutant for mutant in mutants if mutant.verdict == "undecided"]:
         judge(undecided, folder, after_reset.write_all, search=False)
+    left = [mutant for mutant in mutants if mutant.verdict == "undecided"]
+    if left and lemmas.fits(circuit := after_reset.bits(folder), left[0].parameters):
+        for mutant in left:
+            _judge_by_lemmas(mutant, circuit, Path(folder))
     if block == "divide" and (left := [mutant for mutant in mutants if mutant.verdict != "equivalent"]):
         circuit = after_reset.bits(folder)
         for mutant in left:  # different perhaps for what is no division
             if contract.same(circuit, mutant.number):
                 mutant.verdict = "equivalent"
+
+
+def _judge_by_lemmas(mutant, circuit, folder):
+    """Set its verdict with what of its inner signals is proven first."""
+    (ROOT / folder / "lemmas").mkdir(exist_ok=True)
+    asked = [Mutant(number, "", "", "") for number in lemmas.signals(circuit)]
+
+    def write_lemmas(asked, inside):
+        for signal in asked:
+            graph, latches, bad = lemmas.signal_apart(circuit, mutant.number, signal.number)
+            aig.write(ROOT / inside / f"m{signal.number}.aig", graph, latches, [bad])
+
+    def write_mutant(_, folder):
+        alike = [signal.number for signal in asked if signal.verdict == "equivalent"]
+        frames = lemmas.Frames(circuit, alike)
+        graph, latches, bad = after_reset.miter(circuit, mutant.number, frames)
+        aig.write(ROOT / folder / f"m{mutant.number}.aig", graph, latches, [bad])
+
+    judge(asked, folder / "lemmas", write_lemmas, search=False)
+    judge([mutant], folder, write_mutant, search=False)
 
 
 def _write_all(mutants, folder):
