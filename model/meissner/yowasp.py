@@ -1,6 +1,7 @@
 """The synthesis tools from PyPI: how every program of this repository calls them."""
 
 import os
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -31,21 +32,49 @@ def read_rtl(cells=None):
     return "read_verilog -sv " + " ".join(instead.get(source, source) for source in sources)
 
 
-def tool(name, arguments, log):
+def tool(name, arguments, log, limit_s=None):
     """Run a tool in ROOT, as YoWASP sees nothing outside the folder it starts in; returns what it said.
 
-    ``arguments`` and ``log`` name files relative to ROOT. ToolError if it fails.
+    ``arguments`` and ``log`` name files relative to ROOT. ToolError if it fails, or after ``limit_s``.
     """
     program = Path(sys.executable).parent / name
     if not program.exists():
         raise ToolError(f"{name} is not installed; `make synth` fetches the synthesis tools")
     command = [str(program), *arguments]
-    done = subprocess.run(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
-    (ROOT / log).write_text(" ".join(command) + "\n" + done.stdout)
-    if done.returncode:
-        tail = "\n".join(done.stdout.splitlines()[-12:])
+    # Solvers from PyPI are beside it.
+    environment = os.environ | {"PATH": f"{program.parent}{os.pathsep}{os.environ['PATH']}"}
+    with (ROOT / log).open("w") as out:
+        out.write(" ".join(command) + "\n")
+        out.flush()
+        # A group of its own only where a limit ends it, with the programs that it has started.
+        process = subprocess.Popen(
+            command,
+            cwd=ROOT,
+            env=environment,
+            stdout=out,
+            stderr=subprocess.STDOUT,
+            start_new_session=limit_s is not None,
+        )
+        try:
+            process.wait(limit_s)
+        except subprocess.TimeoutExpired:
+            os.killpg(process.pid, signal.SIGKILL)
+            process.wait()
+            raise ToolError(f"{name} gave no answer in {limit_s} s; see {log}") from None
+    said = (ROOT / log).read_text().partition("\n")[2]
+    if process.returncode:
+        tail = "\n".join(said.splitlines()[-12:])
         raise ToolError(f"{name} failed; see {log}", tail)
-    return done.stdout
+    return said
+
+
+def chparam(top, parameters):
+    """Yosys's commands that give ``top`` its parameters, numbers or SystemVerilog's constants.
+
+    All at once, as some may be legal together only. Not `hierarchy -chparam`: it stops at some modules.
+    """
+    values = " ".join(f"-set {name} {value}" for name, value in parameters.items())
+    return f"chparam {values} {top}; " if values else ""
 
 
 def yosys(script, log):

