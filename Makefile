@@ -57,7 +57,7 @@ lint: $(SIM)  ## Verilator -Wall on every module as its own top, Verible, ruff
 	@$(BIN)/python tools/lint.py
 
 coverage: $(SIM)  ## coverage of the RTL and its twins, with the holes: docs/trust/coverage.json [BLOCKS="haar slip"]
-	@$(BIN)/python tools/coverage.py --record --jobs $(JOBS) $(BLOCKS)
+	@$(BIN)/python tools/cover.py --record --jobs $(JOBS) $(BLOCKS)
 
 powerup: $(SIM)  ## twenty power-ups of each block with random registers: docs/trust/powerup.json [BLOCKS="haar slip"]
 	@$(BIN)/python tools/powerup.py --record $(BLOCKS)

@@ -9,6 +9,7 @@ from collections import defaultdict
 from pathlib import Path
 
 from meissner import toolchain
+from meissner.trust import benches
 
 ROOT = toolchain.ROOT
 FOLDER = toolchain.BUILD / "coverage"
@@ -16,8 +17,7 @@ WAIVERS = ROOT / "tb/coverage/waivers.toml"
 RULES = ROOT / "tb/coverage/coveragerc"
 MODEL = ROOT / "model/meissner"
 KINDS = ("line", "branch", "toggle", "expr", "cover", "twin")
-TWINS = ("common", "slip", "cop", "frontend", "link")
-BLOCKS = [path.stem.removeprefix("msn_") for path in toolchain.sources()]
+STAGES = tuple(dict.fromkeys(map(benches.stage_of, benches.blocks())))
 
 
 def points_of(path):
@@ -120,7 +120,7 @@ def judge(merged, waivers, blocks):
             if not waiver.get("reason", "").strip():
                 faults.append(f"{where}: has no reason")
             empty = [name for name in judged if not found[name]]
-            if empty and (waiver["block"] != "*" or len(empty) == len(judged) >= len(BLOCKS)):
+            if empty and (waiver["block"] != "*" or len(empty) == len(judged) >= len(benches.blocks())):
                 faults.append(f"{where}: matches nothing in {empty[0]}")
             for name, matched in found.items():
                 out, wrong = RULES_OF[waiver.get("rule", "never")](merged[name], matched)
@@ -152,7 +152,7 @@ def merge_twins(traces, merged):
     subprocess.run([*command, "json", rules, "--quiet", "--ignore-errors", "-o", str(report)], **settings)
     for name, file in json.loads(report.read_text())["files"].items():
         path = ROOT / name
-        if path.parent.name not in TWINS and path != MODEL / "core.py":
+        if path.parent.name not in STAGES and path != MODEL / "core.py":
             continue
         lines = [" ".join(line.split()) for line in path.read_text().splitlines()]
         text = lambda number, lines=lines: lines[number - 1] if number > 0 else "the end"
@@ -169,4 +169,4 @@ def merge_twins(traces, merged):
 
 def twin_name(path):
     """The block whose twin ``path`` is; for what serves several, its path without ending."""
-    return path.stem if path.stem in BLOCKS else f"{path.parent.name}/{path.stem}"
+    return path.stem if path.stem in benches.blocks() else f"{path.parent.name}/{path.stem}"

@@ -242,8 +242,8 @@ def main():
     )
     parser.add_argument("--record", action="store_true", help="into docs/trust/equivalence.json")
     options = parser.parse_args()
-    if unknown := [block for block in options.blocks if block not in benches.blocks()]:
-        parser.exit(2, f"equivalence: rtl/rtl.f has no block {unknown[0]}\n")
+    if refusal := benches.unknown(options.blocks):
+        parser.exit(2, f"equivalence: {refusal}\n")
     warm_up()
     kinds = options.kind or KINDS
     blocks = options.blocks or benches.blocks()

@@ -10,17 +10,15 @@ unchanged block, or if nothing ran. `build/mutants/<block>-<set>/` keeps the net
 """
 
 import argparse
-import datetime
 import json
 import sys
 import time
 from collections import Counter
 
 from meissner.toolchain import ROOT
-from meissner.trust import benches, equivalence, mutate, simulate
+from meissner.trust import benches, equivalence, mutate, record, simulate
 from meissner.yowasp import ToolError, warm_up
 
-RESULTS = ROOT / "docs/trust/mutants.json"
 PAGE = ROOT / "docs/mutants.md"
 MARK = "<!-- written by make mutants: from here to the end -->\n"
 WHOLE = ("divide", "round_sat", "haar", "peak_to_peak", "cop_accumulate")  # must kill every one
@@ -66,7 +64,7 @@ def one_set(runs, number, count, options):
 
 def one_block(block, options):
     """The block's entry of docs/trust/mutants.json."""
-    began = time.monotonic()
+    began, rtl = time.monotonic(), record.digest(block)
     groups = parameter_sets(block)
     wanted = min(SETS, len(groups))
     count = options.samples or size_of(block)
@@ -84,16 +82,15 @@ def one_block(block, options):
         sets.append(runs[0]["parameters"])
         tally = Counter(mutant.verdict for mutant in judged)
         print(f"  {runs[0]['parameters'] or 'defaults'}: {dict(tally)}, tests {seconds:.1f} s", flush=True)
-    return entry(block, mutants, sets, slow, time.monotonic() - began)
+    return {"rtl": rtl} | entry(mutants, sets, slow, time.monotonic() - began)
 
 
-def entry(block, mutants, sets, slow, seconds):
+def entry(mutants, sets, slow, seconds):
     killed = [m for m in mutants if m.verdict in ("failed", "time", "stopped")]
     equal = [m for m in mutants if m.verdict == "equivalent"]
     alive = [m for m in mutants if m not in killed and m not in equal]
     score = len(killed) / max(1, len(mutants) - len(equal))
     return {
-        "summary": f"{len(killed)} of {len(mutants) - len(equal)} killed, {len(equal)} equivalent",
         "mutants": len(mutants),
         "killed": len(killed),
         "of these stopped": dict(Counter(m.verdict for m in killed if m.verdict != "failed")),
@@ -113,31 +110,27 @@ def good(block, found):
     return found["score"] >= (1 if block in WHOLE else LEAST)
 
 
-def record(results, command):
-    """Merge ``results`` into the JSON file, and write the page's table anew from it."""
-    kept = json.loads(RESULTS.read_text())["blocks"] if RESULTS.exists() else {}
-    listed = benches.blocks()
-    blocks = kept | results
-    blocks = {name: blocks[name] for name in sorted(blocks) if name in listed}
-    told = {
-        "command": command,
-        "date": datetime.date.today().isoformat(),
-        "total": total(blocks),
-        "blocks": blocks,
-    }
-    RESULTS.parent.mkdir(parents=True, exist_ok=True)
-    RESULTS.write_text(json.dumps(told, indent=1) + "\n")
-    prose = PAGE.read_text().split(MARK)[0]
-    PAGE.write_text(prose + MARK + "\n" + table(told))
+def summary(found):
+    """A block's cell in docs/trust.md."""
+    made = found["mutants"] - found["equivalent"]
+    return f"{found['killed']} of {made} killed, {found['equivalent']} equivalent"
 
 
 def total(blocks):
     """One line of all blocks."""
-    killed, equal, made = (sum(b[k] for b in blocks.values()) for k in ("killed", "equivalent", "mutants"))
+    killed, equal, made = (sum(b[k] for b in blocks) for k in ("killed", "equivalent", "mutants"))
     alike = f"{equal} shown equivalent"
     return (
         f"{killed} of {made - equal} mutants of {len(blocks)} blocks killed by the blocks' own tests, {alike}"
     )
+
+
+def write(block, found):
+    """Merge what was found of a block into the record, and write the page's table anew from it."""
+    own = {block: found}, summary, total
+    path = record.merge("mutants", "make mutants", *own, listed=benches.blocks())
+    prose = PAGE.read_text().split(MARK)[0]
+    PAGE.write_text(prose + MARK + "\n" + table(json.loads(path.read_text())))
 
 
 def table(told):
@@ -179,14 +172,12 @@ def main():
         "--record", action="store_true", help="write docs/trust/mutants.json and docs/mutants.md"
     )
     options = parser.parse_args()
-    listed = benches.blocks()
-    unknown = [name for name in options.block if name not in listed]
-    if unknown:
-        parser.exit(2, f"mutants: no block msn_{unknown[0]} in rtl/rtl.f\n")
+    if refusal := benches.unknown(options.block):
+        parser.exit(2, f"mutants: {refusal}\n")
     warm_up()
     sys.path.insert(0, str(ROOT / "tb"))
     results, wrong = {}, []
-    for block in options.block or listed:
+    for block in options.block or benches.blocks():
         try:
             found = one_block(block, options)
         except (simulate.BuildError, ToolError) as error:
@@ -202,7 +193,7 @@ def main():
         if not found["mutants"] or not good(block, found):
             wrong.append(block)
         if options.record and block in results:
-            record({block: found}, "make mutants")
+            write(block, found)
     if wrong:
         print(f"short of its target: {' '.join(wrong)}")
     sys.exit(bool(wrong) or not results)

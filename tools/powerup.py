@@ -61,10 +61,9 @@ def main():
     parser.add_argument("--seeds", type=int, default=20)
     parser.add_argument("--record", action="store_true", help="into docs/trust/powerup.json")
     arguments = parser.parse_args()
-    strange = [name for name in arguments.blocks if name not in benches.blocks()]
-    if strange or arguments.seeds < 1:
-        print(f"no block {strange[0]} in rtl/rtl.f" if strange else "--seeds must be 1 or more")
-        sys.exit(2)
+    refusal = benches.unknown(arguments.blocks)
+    if refusal or arguments.seeds < 1:
+        parser.exit(2, f"powerup: {refusal or '--seeds must be 1 or more'}\n")
     rows = {}
     for block in arguments.blocks or benches.blocks():
         rows[block] = start(block, arguments.seeds)

@@ -4,7 +4,8 @@
     python tools/trust.py faults       some kinds
     python tools/trust.py --page       only the pages, from what is recorded
 
-A kind is a tool of its own, tools/<kind>.py, that takes --record. Exit code 1 if one of them failed.
+A kind is a tool of its own, tools/<kind>.py, that takes --record. Exit code 1 if one of them failed. What was
+recorded before a block's RTL changed is told as of an earlier revision.
 """
 
 import argparse
@@ -13,8 +14,7 @@ import subprocess
 import sys
 
 from meissner import toolchain
-from meissner.trust import benches
-from meissner.trust.record import FOLDER as RECORDS
+from meissner.trust import benches, record
 
 ROOT = toolchain.ROOT
 PAGE = ROOT / "docs/trust.md"
@@ -30,39 +30,50 @@ KINDS = {  # of the table's columns; the others are lines below it
     "regress": "random regression",
     "fuzz": None,
 }
+TOOLS = {"coverage": "cover"}  # of another name: tools/coverage.py would hide the package
+EARLIER = "of an earlier revision"
 HEAD = """# Trust
 
 One row for each block of rtl/rtl.f, in data-path order; an empty cell means that there is nothing of that
 kind. Written by `make trust`, which runs everything, or by `python tools/trust.py --page` from what
-docs/trust/ has recorded.
+docs/trust/ has recorded. "Of an earlier revision": the RTL of the block, or of one in it, has changed since.
 """
 
 
 def records():
     """{kind: what docs/trust/<kind>.json says} of the kinds that are recorded."""
-    paths = {kind: RECORDS / f"{kind}.json" for kind in KINDS}
+    paths = {kind: record.FOLDER / f"{kind}.json" for kind in KINDS}
     return {kind: json.loads(path.read_text()) for kind, path in paths.items() if path.exists()}
+
+
+def total(told):
+    """A kind's sentence of all blocks."""
+    before = len(record.earlier(told))
+    return told["total"] + (f" ({before} block{'s' * (before > 1)} {EARLIER})" if before else "")
+
+
+def cell(told, block):
+    """What a kind tells of a block."""
+    text = told["blocks"].get(block, {}).get("summary", "")
+    return f"{text} ({EARLIER})" if block in record.earlier(told) else text
 
 
 def page(recorded):
     """docs/trust.md as text."""
     columns = [kind for kind in KINDS if KINDS[kind] and kind in recorded]
     lines = [HEAD, "| kind | all blocks | command | of |", "|---" * 4 + "|"]
-    for kind, record in recorded.items():
-        lines.append(
-            f"| {KINDS[kind] or kind} | {record['total']} | `{record['command']}` | {record['date']} |"
-        )
+    for kind, told in recorded.items():
+        lines.append(f"| {KINDS[kind] or kind} | {total(told)} | `{told['command']}` | {told['date']} |")
     lines += ["", "| block | " + " | ".join(KINDS[kind] for kind in columns) + " |"]
     lines.append("|---" * (len(columns) + 1) + "|")
     for block in benches.blocks():
-        cells = [recorded[kind]["blocks"].get(block, {}).get("summary", "") for kind in columns]
-        lines.append("| " + " | ".join([block, *cells]) + " |")
+        lines.append("| " + " | ".join([block, *(cell(recorded[kind], block) for kind in columns)]) + " |")
     return "\n".join(lines) + "\n"
 
 
 def summary(recorded):
     """README's line, one paragraph."""
-    totals = "; ".join(record["total"] for record in recorded.values())
+    totals = "; ".join(map(total, recorded.values()))
     return f"{MARK}{totals} ([docs/trust.md](docs/trust.md), `make trust`)."
 
 
@@ -71,9 +82,9 @@ def strangers(recorded):
     known = set(benches.blocks())
     return [
         f"docs/trust/{kind}.json has {name}, which rtl/rtl.f does not list"
-        for kind, record in recorded.items()
+        for kind, told in recorded.items()
         if KINDS[kind]
-        for name in sorted(set(record["blocks"]) - known)
+        for name in sorted(set(told["blocks"]) - known)
     ]
 
 
@@ -94,7 +105,7 @@ def main():
     failed = []
     for kind in [] if options.page else options.kinds or KINDS:
         print(f"== {kind}", flush=True)
-        command = [sys.executable, f"tools/{kind}.py", "--record"]
+        command = [sys.executable, f"tools/{TOOLS.get(kind, kind)}.py", "--record"]
         if subprocess.run(command, cwd=ROOT).returncode:
             failed.append(f"{kind} failed")
     recorded = records()

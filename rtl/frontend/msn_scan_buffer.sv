@@ -3,7 +3,7 @@
 // Holds a frame of beats as it comes in and sends it on row-major, whole or not at all.
 //
 // A frame comes row by row, or (in_interleave_i) rows 0, 2, 4 .., then 1, 3, 5 ..; each beat leaves as soon as it
-// and all before it are there. A frame of which a beat is still here when the next frame's first one comes makes
+// and all before it are there. A frame of which a beat is still here a clock before the next frame's first one makes
 // the next frame go, whole (dropped_o). What a frame is like comes with its first beat. Depth below Rows*Beats:
 // natural order only, and the sender must stop when room_o is low: two conversions of Burst beats still fit then.
 //
@@ -113,6 +113,7 @@ module msn_scan_buffer #(
 
   // The reader. place_q: how many rows come in before the row that is read.
   logic                   open_q, ahead, step, row_read, all_read;
+  logic                   left_q;  // a beat was left a clock ago: who takes the last one is known late
   logic [RowBits-1:0]     row_q;
   logic [RowBits:0]       place_q;
   logic [BeatBits-1:0]    beat_q;
@@ -126,9 +127,10 @@ module msn_scan_buffer #(
   assign step     = open_q && ahead && move;
   assign row_read = beat_q == last_beat_q;
   assign all_read = row_read && row_q == last_row_q;
-  assign busy     = open_q || read_valid_q || (out_valid_o && !out_ready_i);
+  assign busy     = open_q || left_q;
 
   always_ff @(posedge clk_i) begin
+    left_q <= !rst_i && (open_q || read_valid_q || (out_valid_o && !out_ready_i));
     if (step) begin
       beat_q    <= row_read ? '0 : beat_q + 1'b1;
       address_q <= address_q + 1'b1;

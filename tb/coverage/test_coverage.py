@@ -1,4 +1,4 @@
-"""tools/coverage.py itself: it sees what a test left out of a tiny module: branch, toggle, expression and
+"""tools/cover.py itself: it sees what a test left out of a tiny module: branch, toggle, expression and
 cover point; a waiver takes out that and no more, and is reported when it has no reason, was hit or matches
 nothing; the waivers of the project are sound; small blocks have no hole, from the command line on."""
 
@@ -11,6 +11,7 @@ import pytest
 import bench
 import coverage_points as points
 from meissner import toolchain
+from meissner.trust import benches
 
 MODULE = """module msn_tiny (input logic clk_i, input logic a, input logic b, output logic [1:0] y);
   always_ff @(posedge clk_i) begin
@@ -124,7 +125,7 @@ def test_a_counters_upper_bits_are_left_out_if_the_lower_all_moved(moved, left_o
 
 
 def test_every_waiver_has_a_reason_and_a_block():
-    names = [path.stem.removeprefix("msn_") for path in toolchain.sources()]
+    names = benches.blocks()
     for waiver in tomllib.loads(points.WAIVERS.read_text())["waiver"]:
         assert waiver["reason"].strip() and waiver["points"], waiver
         for name in waiver["block"].split():
@@ -135,13 +136,13 @@ def test_every_waiver_has_a_reason_and_a_block():
 
 
 def test_small_blocks_have_no_hole():
-    command = [sys.executable, "tools/coverage.py", "fork", "skid"]
+    command = [sys.executable, "tools/cover.py", "fork", "skid"]
     done = subprocess.run(command, cwd=toolchain.ROOT, capture_output=True, text=True)
     assert done.returncode == 0, done.stdout + done.stderr
     assert "no hole in 2 blocks" in done.stdout
 
 
 def test_refuses_a_block_that_there_is_not():
-    command = [sys.executable, "tools/coverage.py", "nothing"]
+    command = [sys.executable, "tools/cover.py", "nothing"]
     done = subprocess.run(command, cwd=toolchain.ROOT, capture_output=True, text=True)
-    assert (done.returncode, done.stdout) == (2, "no block nothing in rtl/rtl.f\n")
+    assert (done.returncode, done.stderr) == (2, "cover: rtl/rtl.f has no block nothing\n")

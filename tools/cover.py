@@ -1,6 +1,6 @@
 """Coverage of the RTL and of its twins: what the blocks' own tests reach, point by point.
 
-    python tools/coverage.py [--record] [--no-run] [--long] [BLOCK ...]
+    python tools/cover.py [--record] [--no-run] [--long] [BLOCK ...]
 
 Runs the tests of the blocks named, or of all, in builds that count (tb/bench.py), merges the counts by point
 of the source over all instances and parameter sets, leaves out what tb/coverage/waivers.toml excludes, each
@@ -10,30 +10,27 @@ before; ``--record`` merges the table into docs/trust/coverage.json. docs/covera
 """
 
 import argparse
-import datetime
 import json
 import os
-import re
 import shutil
 import subprocess
 import sys
 import tomllib
 
 import coverage_points as points
-from coverage_points import BLOCKS, FOLDER, KINDS, ROOT
-from meissner import toolchain
+from coverage_points import FOLDER, KINDS, ROOT
+from meissner.trust import benches, record
 
 COUNTS = FOLDER / "counts"
 TRACES = FOLDER / "python"
-RECORD = ROOT / "docs/trust/coverage.json"
+REVISIONS = FOLDER / "rtl.json"  # record.digest of each block as it was counted
 
 
 def tests_of(blocks):
     """The test files of ``blocks``, or of all stages."""
     if not blocks:
-        return [*(f"tb/{stage}" for stage in (*points.TWINS, "core")), "tb/cli/test_cop4.py"]
-    stages = {path.stem.removeprefix("msn_"): path.parent.name for path in toolchain.sources()}
-    return [f"tb/{stages[name].replace('rtl', 'core')}/test_{name}.py" for name in blocks]
+        return [*(f"tb/{stage}" for stage in points.STAGES), "tb/cli/test_cop4.py"]
+    return [f"tb/{benches.stage_of(name)}/test_{name}.py" for name in blocks]
 
 
 def run(blocks, long, jobs):
@@ -43,6 +40,9 @@ def run(blocks, long, jobs):
     traces = TRACES / "-".join(blocks or ["all"])
     shutil.rmtree(traces if blocks else TRACES, ignore_errors=True)
     traces.mkdir(parents=True)
+    known = json.loads(REVISIONS.read_text()) if REVISIONS.exists() else {}
+    fresh = {name: record.digest(name) for name in blocks or benches.blocks()}
+    REVISIONS.write_text(json.dumps(known | fresh))
     environment = {
         **os.environ,
         "MEISSNER_COVERAGE": str(COUNTS),
@@ -50,8 +50,7 @@ def run(blocks, long, jobs):
         "COVERAGE_FILE": str(traces / "data"),
     }
     spread = ["-n", str(jobs), "--dist", "worksteal"] if jobs > 1 else ["-p", "no:xdist"]
-    # Without tools/ in the path: simulators would take this file for the package of the same name.
-    command = [sys.executable, "-m", "pytest", "-o", "pythonpath=tb", *spread, *tests_of(blocks)]
+    command = [sys.executable, "-m", "pytest", *spread, *tests_of(blocks)]
     command += [] if long else ["-m", "not long"]
     return subprocess.run(command, cwd=ROOT, env=environment).returncode == 0
 
@@ -60,46 +59,37 @@ def percent(hit, reachable):
     return "  -  " if not reachable else f"{100 * hit / reachable:5.1f}"
 
 
-def summary(rows):
+def points_of(rows):
     """``rows`` in a few words: points hit of those reachable, and how many were left out."""
-    hit, reachable, excluded = (sum(kinds[at] for row in rows for kinds in row.values()) for at in range(3))
+    counts = [row[kind] for row in rows for kind in KINDS if kind in row]
+    hit, reachable, excluded = (sum(column) for column in zip(*counts))
     share = "100" if hit == reachable else f"{100 * hit / reachable:.2f}"
     return f"{share} % of {reachable:,} points" + (f", {excluded:,} excluded" if excluded else "")
 
 
-def record(rows):
+def write(rows):
     """Merge ``rows`` into docs/trust/coverage.json; each kind of points: hit, reachable, excluded."""
-    old = json.loads(RECORD.read_text())["blocks"] if RECORD.exists() else {}
+    revisions = json.loads(REVISIONS.read_text())
     fresh = {
-        name: {kind: counts for kind, counts in row.items() if any(counts)} | {"summary": summary([row])}
+        name: {kind: counts for kind, counts in row.items() if any(counts)} | {"rtl": revisions[name]}
         for name, row in rows.items()
-        if "/" not in name and not name.endswith("pkg")
+        if "/" not in name
     }
-    blocks = dict(sorted((old | fresh).items()))
-    kinds = [{kind: row[kind] for kind in KINDS if kind in row} for row in blocks.values()]
-    entry = {
-        "command": "make coverage",
-        "date": datetime.date.today().isoformat(),
-        "total": f"coverage: {summary(kinds)} in {len(blocks)} blocks",
-        "blocks": blocks,
-    }
-    RECORD.parent.mkdir(parents=True, exist_ok=True)
-    text = json.dumps(entry, indent=1)
-    RECORD.write_text(re.sub(r"\[\s+(\d+),\s+(\d+),\s+(\d+)\s+\]", r"[\1, \2, \3]", text) + "\n")
+    summary = lambda row: points_of([row])
+    total = lambda rows: f"coverage: {points_of(rows)} in {len(rows)} blocks"
+    record.merge("coverage", "make coverage", fresh, summary, total, listed=benches.blocks())
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("blocks", nargs="*", metavar="BLOCK", help="without msn_; all if none is named")
     parser.add_argument("--no-run", action="store_true", help="judge the counts of the run before")
-    parser.add_argument("--record", action="store_true", help=f"merge into {RECORD.relative_to(ROOT)}")
+    parser.add_argument("--record", action="store_true", help="merge into docs/trust/coverage.json")
     parser.add_argument("--long", action="store_true", help="with the tests of `make test-long`")
     parser.add_argument("--jobs", type=int, default=1)
     arguments = parser.parse_args()
-    strange = [name for name in arguments.blocks if name not in BLOCKS]
-    if strange:
-        print(f"no block {strange[0]} in rtl/rtl.f")
-        sys.exit(2)
+    if refusal := benches.unknown(arguments.blocks):
+        parser.exit(2, f"cover: {refusal}\n")
     passed = arguments.no_run or run(arguments.blocks, arguments.long, arguments.jobs)
     wanted = arguments.blocks or ["*"]
     paths = sorted(path for name in wanted for path in COUNTS.glob(f"{name}/*.dat"))
@@ -111,7 +101,7 @@ def main():
     merged = points.merge(paths, lambda path: texts.setdefault(path, path.read_text().splitlines()))
     points.merge_twins(traces, merged)
     waivers = tomllib.loads(points.WAIVERS.read_text())["waiver"]
-    blocks = arguments.blocks or [*BLOCKS, *sorted(name for name in merged if "/" in name)]
+    blocks = arguments.blocks or [*benches.blocks(), *sorted(name for name in merged if "/" in name)]
     rows, holes, faults = points.judge(merged, waivers, blocks)
     print(f"{'block':20}" + "".join(f"{kind:>19}" for kind in KINDS))
     for name, row in rows.items():
@@ -120,7 +110,7 @@ def main():
     for line in (*holes, *faults):
         print(line)
     if arguments.record and passed:
-        record(rows)
+        write(rows)
     if not passed or holes or faults:
         sys.exit(
             f"coverage: {len(holes)} holes, {len(faults)} faulty waivers"
