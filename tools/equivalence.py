@@ -11,7 +11,6 @@ Exit code 1 if something is open that OPEN does not name, or if nothing ran. doc
 import argparse
 import multiprocessing
 import operator
-import os
 import resource
 import signal
 import sys
@@ -181,8 +180,8 @@ def cpu_seconds():
     return sum(usage.ru_utime + usage.ru_stime for usage in usages)
 
 
-def _alone(pipe, prove, *asked):
-    os.setsid()  # so that a limit ends the tools too
+def _alone(pipe, limit_s, prove, *asked):
+    resource.setrlimit(resource.RLIMIT_CPU, (limit_s, limit_s + 5))  # of each of its tools too
     try:
         pipe.send(prove(*asked))
     except (ToolError, ValueError) as error:
@@ -190,16 +189,18 @@ def _alone(pipe, prove, *asked):
 
 
 def limited(limit_s, kinds, prove, *asked):
-    """What ``prove`` says of ``kinds``, in a process of its own, which ends with the limit."""
+    """What ``prove`` says of ``kinds``, in a process of its own that may take so much processor time."""
     context = multiprocessing.get_context("spawn")
     here, there = context.Pipe()
-    worker = context.Process(target=_alone, args=(there, prove, *asked))
+    worker = context.Process(target=_alone, args=(there, limit_s, prove, *asked))
     worker.start()
-    if here.poll(limit_s):
+    there.close()
+    try:
         result = here.recv()
-    else:
-        os.killpg(worker.pid, signal.SIGKILL)
-        result = {"error": f"not done within {limit_s} s"}
+    except EOFError:
+        worker.join()
+        late = worker.exitcode == -signal.SIGXCPU
+        result = {"error": f"not done within {limit_s} s of a processor" if late else "ended without a word"}
     worker.join()
     error = result.pop("error", "")
     return {kind: {"proven": False, "error": error} for kind in kinds} | result
@@ -238,7 +239,7 @@ def main():
         "--limit",
         type=int,
         default=LIMIT_S,
-        help="seconds that a block's netlists, and its reset, may take",
+        help="seconds of a processor that a block's netlists, and its reset, may take",
     )
     parser.add_argument("--record", action="store_true", help="into docs/trust/equivalence.json")
     options = parser.parse_args()

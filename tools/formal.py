@@ -33,13 +33,14 @@ def line(result):
 
 
 def chosen(names, quick):
-    """The proofs that ``names`` name, themselves or by their block; all without a name."""
+    """The proofs that ``names`` name, themselves or by their block, in that order; all without a name."""
     table = formal.proofs()
     blocks = {proof.block for proof in table.values()}
     unknown = [name for name in names if name not in table and name not in blocks]
     if unknown:
         raise ValueError(f"no proof or block is called {unknown[0]}; there are: {', '.join(table)}")
-    found = [p for p in table.values() if not names or p.name in names or p.block in names]
+    named = [p for name in names for p in table.values() if name in (p.name, p.block)]
+    found = list({p.name: p for p in named or table.values()}.values())
     return [proof for proof in found if proof.quick or not quick]
 
 
@@ -47,7 +48,8 @@ def joined(before, facts):
     """A block's proofs: those that were recorded, and of each what came of it now."""
     listed, known = formal.proofs(), before.get("proofs", {})
     kept = {name: row for name, row in known.items() if name in listed}
-    return {"proofs": kept | {name: kept.get(name, {}) | row for name, row in facts["proofs"].items()}}
+    fresh = {name: kept.get(name, {}) | row for name, row in facts["proofs"].items()}
+    return facts | {"proofs": kept | fresh}
 
 
 def held(rows):

@@ -2,6 +2,7 @@
 
 import os
 import resource
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -50,9 +51,11 @@ def tool(name, arguments, log, limit_s=None):
         out.flush()
         process = subprocess.Popen(command, cwd=ROOT, env=environment, stdout=out, stderr=subprocess.STDOUT)
         if limit_s is not None:
-            resource.prlimit(process.pid, resource.RLIMIT_CPU, (limit_s, limit_s))
+            resource.prlimit(process.pid, resource.RLIMIT_CPU, (limit_s, limit_s + 5))
         process.wait()
     said = (ROOT / log).read_text().partition("\n")[2]
+    if process.returncode == -signal.SIGXCPU:
+        raise ToolError(f"{name} takes more than its limit of processor time; see {log}")
     if process.returncode:
         tail = "\n".join(said.splitlines()[-12:])
         raise ToolError(f"{name} failed; see {log}", tail)
