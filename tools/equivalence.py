@@ -107,6 +107,7 @@ TASKS = {
     "multiply": Task(clocks=2),
     "crc32": Task(reset="clear_i"),
     "uart_rx": Task(clocks=3, held=3),
+    **dict.fromkeys(("sliding_extremes", "peak_to_peak", "slip"), Task(framed=True)),
     "delay": Task(clocks=9, ties={"step_i": 1}),
     "frame_table": Task(reset="restart_i", alike=True),
     "adc_spi": Task(qualifiers={"adc_mosi_o": "!adc_cs_n_o"}),
@@ -150,8 +151,11 @@ def prove_netlists(block, chosen, families):
 
 def prove_reset(block, chosen):
     """{"reset": result} of ``block`` with ``chosen`` parameters, as docs/trust/equivalence.json has it."""
-    bits = circuit.synthesise(block, chosen, f"{OUT}/{block}/reset", ())
-    task = TASKS.get(block, Task())
+    task, folder = TASKS.get(block, Task()), f"{OUT}/{block}/reset"
+    bits = circuit.synthesise(block, chosen, folder, ())
+    if task.framed:
+        around = circuit.framed(block, bits["source"], int(chosen["Channels"]))
+        bits = circuit.synthesise(block, chosen, folder, (), around=around)
     result = said(lambda: reset_proof.prove(bits["source"], task))
     if not result["proven"] and not task.alike:
         alike = said(lambda: reset_proof.prove(bits["source"], replace(task, alike=True)))
