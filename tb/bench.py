@@ -52,8 +52,8 @@ def run(stage, block, parameters=None, test_filter=None, module=None, sources=No
     sources = sources or toolchain.sources_of(f"msn_{block}")
     flags = [*toolchain.VERILATOR_FLAGS]
     if SIM == "icarus":
-        if block in icarus.REFUSED:
-            pytest.skip(f"Icarus: {icarus.REFUSED[block]}")
+        if reason := icarus.refused(block, parameters):
+            pytest.skip(f"Icarus: {reason}")
         sources, flags = icarus.adapted(sources, build_dir / "adapted"), ["-g2012"]
     elif evidence:
         sources, flags = [*sources, *covers(sources)], [*flags, *COVERAGE_FLAGS]

@@ -415,6 +415,29 @@ module msn_array #(
                              gate_user};
   end
 
+  // And the way of ready from tare to the states of health.
+  logic                        checked_valid, checked_ready, checked_last;
+  logic [Lanes*SampleBits-1:0] checked_data;
+  logic [IdBits-1:0]           checked_id;
+  logic [Lanes-1:0]            checked_mask;
+  if (Lanes > 1 && Health && Tare) begin : gen_health_skid
+    msn_skid #(.Width(Lanes * (SampleBits + 1) + IdBits + 1)) u_skid (
+      .clk_i,
+      .rst_i,
+      .in_valid_i (sound_valid),
+      .in_ready_o (sound_ready),
+      .in_data_i  ({sound_data, sound_mask, sound_id, sound_last}),
+      .out_valid_o(checked_valid),
+      .out_ready_i(checked_ready),
+      .out_data_o ({checked_data, checked_mask, checked_id, checked_last})
+    );
+  end else begin : gen_no_health_skid
+    assign checked_valid                = sound_valid;
+    assign sound_ready                  = checked_ready;
+    assign {checked_data, checked_mask} = {sound_data, sound_mask};
+    assign {checked_id, checked_last}   = {sound_id, sound_last};
+  end
+
   logic                        zeroed_valid, zeroed_ready, zeroed_last;
   logic [Lanes*ZeroedBits-1:0] zeroed_data;
   logic [IdBits-1:0]           zeroed_id;
@@ -449,12 +472,12 @@ module msn_array #(
       .refused_o,
       .swallowed_o,
       .damaged_o   (unused_tare_damaged),
-      .in_valid_i  (sound_valid),
-      .in_ready_o  (sound_ready),
-      .in_data_i   (sound_data),
-      .in_mask_i   (sound_mask),
-      .in_id_i     (sound_id),
-      .in_last_i   (sound_last),
+      .in_valid_i  (checked_valid),
+      .in_ready_o  (checked_ready),
+      .in_data_i   (checked_data),
+      .in_mask_i   (checked_mask),
+      .in_id_i     (checked_id),
+      .in_last_i   (checked_last),
       .out_valid_o (tared_valid),
       .out_ready_i (tared_ready),
       .out_data_o  (tared_data),
@@ -474,12 +497,12 @@ module msn_array #(
       .out_data_o ({zeroed_data, zeroed_mask, zeroed_id, zeroed_last})
     );
   end else begin : gen_no_tare
-    assign zeroed_valid = sound_valid;
-    assign sound_ready  = zeroed_ready;
-    assign zeroed_data  = sound_data;
-    assign zeroed_mask  = sound_mask;
-    assign zeroed_id    = sound_id;
-    assign zeroed_last  = sound_last;
+    assign zeroed_valid  = checked_valid;
+    assign checked_ready = zeroed_ready;
+    assign zeroed_data   = checked_data;
+    assign zeroed_mask   = checked_mask;
+    assign zeroed_id     = checked_id;
+    assign zeroed_last   = checked_last;
     assign unused_tare_damaged = '0;
     assign {cfg_loading_o, taring_o, pressed_o, tared_o, refused_o, swallowed_o} = '0;
     logic unused_tare;

@@ -124,7 +124,7 @@ module msn_scan_plan #(
 
   // Registers taken while off, and what follows from them.
   logic [SettleBits-1:0] settle_q;
-  logic [CountBits-1:0]  gap_q;
+  logic [CountBits-1:0]  gap_q, rest_q;  // clocks from trigger to Free: all, and what is left as Busy begins
   logic [PeriodBits-1:0] period_q, slip_period_q;
   logic [CountBits:0]    slot_q;    // clocks from switch to switch
   logic                  roomy_q;   // a slip round leaves room for a conversion of the frame
@@ -141,6 +141,7 @@ module msn_scan_plan #(
     end
     gap_q     <= (CountBits'(settle_q) + CountBits'(Hold + 1) >= CountBits'(Cycle)) ? CountBits'(Hold)
                  : CountBits'(Cycle - 1) - CountBits'(settle_q);
+    rest_q    <= gap_q - CountBits'(2);
     slot_q    <= (CountBits+1)'(settle_q) + (CountBits+1)'(gap_q) + 1'b1;
     roomy_q   <= 64'(slip_period_q) > 64'(slot_q);
     slip_on_q <= slip_period_q != '0;
@@ -163,18 +164,15 @@ module msn_scan_plan #(
         if (!cfg_enable_i) count_q <= CountBits'(3);
       end
       Free: begin
-        if (switch_o) begin
-          state_q <= Settle;
-          count_q <= CountBits'(settle_q);
-        end else if (!cfg_enable_i && !active_q) begin
-          state_q <= Off;
-          count_q <= CountBits'(3);
-        end
+        // Without an enable and a frame under way it is a slip round or nothing: no need to wait for take_frame.
+        count_q <= (!cfg_enable_i && !active_q && !take_slip) ? CountBits'(3) : CountBits'(settle_q);
+        if (switch_o) state_q <= Settle;
+        else if (!cfg_enable_i && !active_q) state_q <= Off;
       end
       Settle: begin
         if (trigger_o) begin
           state_q <= Busy;
-          count_q <= gap_q - CountBits'(2);
+          count_q <= rest_q;
         end
       end
       default: if (count_q == '0) state_q <= Free;
@@ -251,15 +249,17 @@ module msn_scan_plan #(
     found_q    <= find_q;
     row_next_q <= {1'b0, row_q} + (now_interleave_q ? (RowBits+1)'(2) : (RowBits+1)'(1));
     row_ends_q <= group_q == now_last_group;
+    if (!active_q) begin  // the first place, whether a frame begins now or not
+      row_q   <= row;
+      group_q <= group;
+      odd_q   <= 1'b0;
+    end
     if (take_frame) begin
       now_first_row_q  <= first_row;
       now_last_row_q   <= end_row;
       now_first_beat_q <= first_beat;
       now_last_beat_q  <= last_beat;
       now_interleave_q <= interleave;
-      row_q            <= row;
-      group_q          <= group;
-      odd_q            <= active_q && odd_q;
       active_q         <= 1'b1;
     end
     if (found_q) begin

@@ -87,7 +87,8 @@ module msn_tare #(
   // Frames. At each end the next waits until all of this one is written and its first words are read again,
   // so that no word is read before it was written, however small the array.
   localparam int unsigned Drain = 4;
-  logic accept, keep, last, fits, whole, was_whole, midway, ending, restart, done, load_due, word_valid;
+  logic accept, keep, last, fits, whole, was_whole, midway, ending, restart, done, word_valid;
+  logic load_due, load_change;  // the latter found a clock ahead
   logic [2:0]        drain;
   logic [IdBits-1:0] place;
   assign in_ready_o = (out_ready_i || !out_valid_o) && word_valid && !load_due && !ending;
@@ -111,11 +112,12 @@ module msn_tare #(
 
   // What the frame is for. Averaging and loading begin between frames only.
   logic fresh, asked, asked_force, averaging, forced, commit, any_contact, load_next;
-  logic working;  // averaging || commit: whether a beat may come depends on it
+  logic working, working_next;  // averaging || commit: whether a beat may come depends on it
   logic [7:0] frames;
-  assign load_next = cfg_load_i && !working;
-  assign load_due  = !midway && load_next != cfg_loading_o;
-  assign taring_o  = asked || averaging || commit;
+  assign working_next = done && was_whole && !cfg_loading_o ? averaging && (forced || !any_contact) : working;
+  assign load_next    = cfg_load_i && !working;
+  assign load_due     = !midway && load_change;
+  assign taring_o     = asked || averaging || commit;
 
   always_ff @(posedge clk_i) begin
     if (accept) begin
@@ -127,9 +129,11 @@ module msn_tare #(
     else if (drain != '0) drain <= drain - 1'b1;
 
     if (cfg_tare_i) {asked, asked_force} <= {1'b1, cfg_force_i};
+    working     <= working_next;
+    load_change <= (cfg_load_i && !working_next) != cfg_loading_o && !load_due;
     if (load_due) begin
       cfg_loading_o <= load_next;
-      fresh         <= 1'b0;
+      fresh         <= fresh && !load_next;
       drain         <= 3'(Drain);
     end else if (asked && !midway && !averaging && !commit && !cfg_loading_o) begin
       asked     <= cfg_tare_i;
@@ -147,7 +151,6 @@ module msn_tare #(
         commit    <= 1'b0;
         tared_o   <= tared_o + 16'(commit);
         frames    <= frames + 1'b1;
-        working   <= averaging && !(any_contact && !forced);
         if (averaging && any_contact && !forced) begin
           averaging <= 1'b0;
           refused_o <= refused_o + 1'b1;
@@ -162,7 +165,7 @@ module msn_tare #(
     end
 
     if (rst_i) begin
-      {midway, ending, asked, averaging, commit, working, cfg_loading_o, pressed_o} <= '0;
+      {midway, ending, asked, averaging, commit, working, cfg_loading_o, load_change, pressed_o} <= '0;
       {tared_o, refused_o, swallowed_o} <= '0;
       fresh <= 1'b1;
       drain <= '0;

@@ -41,6 +41,7 @@ module msn_image_store #(
   logic                   held;     // a whole image is there, and nothing of the next one
   logic                   dropping, first, final_place, whole, broken, replaced, move;
   logic [47:0]            written_time;
+  logic [1:0]             drops;
   assign first       = place == '0 && !dropping;
   assign final_place = place == AddressBits'(Taxels - 1);
   assign whole       = in_valid_i && in_last_i && final_place && !dropping;
@@ -61,13 +62,15 @@ module msn_image_store #(
       read_valid_o <= 1'b1;
       read_time_o  <= written_time;
     end
-    dropped_o <= dropped_o + 32'(broken) + 32'(replaced) + 32'(move && read_valid_o);
+    drops     <= 2'(broken) + 2'(replaced) + 2'(move && read_valid_o);  // counted a clock late: it is far
+    dropped_o <= dropped_o + 32'(drops);
     if (rst_i) begin
       place        <= '0;
       dropping     <= 1'b0;
       bank         <= 1'b0;
       held         <= 1'b0;
       read_valid_o <= 1'b0;
+      drops        <= '0;
       dropped_o    <= '0;
     end
   end

@@ -179,7 +179,7 @@ module msn_packet #(
     logic [AddressBits-1:0] place;
     logic [6:0]             left;
     logic [7:0]             number;
-    logic                   begun, image_done, final_place, final_chunk;
+    logic                   begun, image_done, image_done_q, final_place, final_chunk;
     logic [47:0]            image_time;
     assign final_place = place == AddressBits'(Taxels - 1);
     assign image_end   = left == '0 || final_place;
@@ -195,14 +195,16 @@ module msn_packet #(
         place <= final_place ? '0 : place + 1'b1;
         left  <= left - 1'b1;
       end
+      image_done_q <= image_done;  // the store is far; nothing is chosen before the checksum has gone
       if (image_done) begin
         begun  <= 1'b0;
         number <= number + 1'b1;
       end
       if (rst_i) begin
-        place  <= '0;
-        begun  <= 1'b0;
-        number <= '0;
+        place        <= '0;
+        begun        <= 1'b0;
+        image_done_q <= 1'b0;
+        number       <= '0;
       end
     end
     msn_image_store #(.Taxels(Taxels)) u_store (
@@ -215,7 +217,7 @@ module msn_packet #(
       .read_valid_o  (image_valid),
       .read_time_o   (image_time),
       .read_begun_i  (begun || image_take),
-      .read_done_i   (image_done),
+      .read_done_i   (image_done_q),
       .read_address_i(place),
       .read_data_o   (taxel),
       .dropped_o     (image_dropped_o)
@@ -235,19 +237,17 @@ module msn_packet #(
   } state_e;
   state_e state;
 
-  logic                  idle, records, some;
+  // Whose turn it is stands in registers and is taken a clock later: the record is wide.
+  logic                  idle, some;
+  logic [5:0]            waits, turn;  // the first of those that wait
   logic [RecordBits-1:0] chosen;
-  assign idle           = state == Idle && !out_valid_o;
-  assign slip_take      = idle && slip_valid;
-  assign answer_ready_o = idle && !slip_valid && Answers;
-  assign cop_take       = idle && !slip_valid && !answer_valid && cop_valid;
-  assign health_take    = idle && !slip_valid && !answer_valid && !cop_valid && health_valid;
-  assign records        = slip_valid || answer_valid || cop_valid || health_valid;
-  assign statistic_take = idle && !records && statistic_valid;
-  assign image_take     = idle && !records && !statistic_valid && image_valid;
-  assign some           = records || statistic_valid || image_valid;
-  assign chosen         = slip_valid ? slip : answer_valid ? answer : cop_valid ? cop : health_valid ? health
-                          : statistic_valid ? statistic : image;
+  assign idle  = state == Idle && !out_valid_o;
+  assign waits = {image_valid, statistic_valid, health_valid, cop_valid, answer_valid, slip_valid};
+  assign some  = |waits;
+  assign {image_take, statistic_take, health_take, cop_take, answer_ready_o, slip_take} = turn;
+  assign chosen = ({RecordBits{turn[0]}} & slip) | ({RecordBits{turn[1]}} & answer) |
+                  ({RecordBits{turn[2]}} & cop) | ({RecordBits{turn[3]}} & health) |
+                  ({RecordBits{turn[4]}} & statistic) | ({RecordBits{turn[5]}} & image);
 
   // Send: a byte every fourth clock, so that memory and checksum have settled.
   logic [63+PayloadBits:0] bytes;  // of the record, the next lowest
@@ -278,19 +278,21 @@ module msn_packet #(
       left        <= section_end ? 5'd3 : left - 1'b1;
       if (section_end) state <= (state == Record && pixels) ? Pixels : (state == Check) ? Idle : Check;
     end
+    turn <= idle ? waits & ('0 - waits) : '0;
     if (idle) begin
-      phase  <= '0;
-      upper  <= 1'b0;
-      bytes  <= {chosen[RecordBits-1:12], packets_o[7:0], chosen[7:0]};
-      left   <= 5'd7 + 5'(chosen[11:8]);
-      pixels <= chosen[7:0] == 8'd3;
-      if (some) begin
-        state     <= Record;
-        packets_o <= packets_o + 1'b1;
-      end
+      phase <= '0;
+      upper <= 1'b0;
+      if (some) state <= Record;
+    end
+    if (|turn) begin
+      bytes     <= {chosen[RecordBits-1:12], packets_o[7:0], chosen[7:0]};
+      left      <= 5'd7 + 5'(chosen[11:8]);
+      pixels    <= turn[5];
+      packets_o <= packets_o + 1'b1;
     end
     if (rst_i) begin
       state       <= Idle;
+      turn        <= '0;
       out_valid_o <= 1'b0;
       packets_o   <= '0;
     end
