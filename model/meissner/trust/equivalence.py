@@ -7,7 +7,7 @@ by induction (scorr), looks for a difference (bmc3), and proves that there is no
 is no proof. A block with `in_restart_i` gets whole frames, as msn_frame_check hands them on, the first one
 after a reset with restart; what it gets while `in_valid_i` is 0 is free there too. What stays open is looked
 at once more, from more states (after_reset.py), then signal by signal (lemmas.py); msn_divide has a contract
-of its own (contract.py).
+(contract.py).
 """
 
 import re
