@@ -77,11 +77,11 @@ gate: $(SYNTH)  ## every board's netlist against its sources: the same codes in,
 fmax: $(SYNTH)  ## Fmax and area of single blocks, worst of three seeds: table, build/fmax/fmax.json
 	@$(BIN)/python tools/fmax.py --jobs $(JOBS) $(FMAX)
 
-formal: $(FORMAL)  ## proofs of the blocks by k-induction, two solvers each
-	@$(BIN)/python tools/formal.py --jobs $(JOBS) $(BLOCKS)
+formal: $(FORMAL)  ## proofs of the blocks by k-induction, two solvers each: docs/trust/formal.json
+	@$(BIN)/python tools/formal.py --record --jobs $(JOBS) $(BLOCKS)
 
 formal-mutants: $(FORMAL)  ## is a broken block seen by its proof? 50 mutants each [BLOCKS=...]
-	@$(BIN)/python tools/formal.py --mutants 50 --jobs $(JOBS) $(BLOCKS)
+	@$(BIN)/python tools/formal.py --mutants 50 --record --jobs $(JOBS) $(BLOCKS)
 
 equivalence: $(SYNTH)  ## every block's netlist proven equal to its source, and its reset: docs/trust/equivalence.json
 	@$(BIN)/python tools/equivalence.py --record --jobs $(JOBS) $(BLOCKS)

@@ -19,7 +19,7 @@ from concurrent.futures import ThreadPoolExecutor
 from fnmatch import fnmatch
 from pathlib import Path
 
-from meissner.yowasp import ROOT, ToolError, read_rtl, tool, warm_up, yosys
+from meissner.yowasp import ROOT, ToolError, chparam, read_rtl, tool, warm_up, yosys
 
 OUT = Path("build/fmax")  # relative to ROOT: YoWASP sees nothing outside the directory it starts in
 SEEDS = (1, 2, 3)
@@ -159,10 +159,8 @@ TABLE = {
 
 def ports(module, parameters, stem):
     """The block's ports with these parameters, but outputs that are constant: [(name, direction, bits)]."""
-    # Not `hierarchy -chparam`: Yosys stops at some modules with "modules_.count(module->name) == 0".
-    chparam = "".join(f"chparam -set {name} {value} {module}; " for name, value in parameters.items())
     netlist = f"{stem}.ports.json"
-    script = f"{read_rtl()}; {chparam}hierarchy -top {module}; proc; write_json {netlist}"
+    script = f"{read_rtl()}; {chparam(module, parameters)}hierarchy -top {module}; proc; write_json {netlist}"
     yosys(script, f"{stem}.ports.log")
     modules = json.loads((ROOT / netlist).read_text())["modules"].values()
     top = next(m for m in modules if int(m["attributes"].get("top", "0"), 2))

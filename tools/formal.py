@@ -11,14 +11,13 @@ python tools/formal.py --table           docs/formal.md's table, from docs/trust
 
 import argparse
 import json
+import resource
 import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
 
 from meissner import yowasp
-from meissner.trust import formal, formal_mutants
-
-RECORD = yowasp.ROOT / "docs/trust/formal.json"
+from meissner.trust import formal, formal_mutants, record
 
 
 def words(parameters):
@@ -34,98 +33,127 @@ def line(result):
 
 
 def chosen(names, quick):
-    """The proofs that ``names`` name, themselves or by their block; all without a name."""
+    """The proofs that ``names`` name, themselves or by their block, in that order; all without a name."""
     table = formal.proofs()
     blocks = {proof.block for proof in table.values()}
     unknown = [name for name in names if name not in table and name not in blocks]
     if unknown:
         raise ValueError(f"no proof or block is called {unknown[0]}; there are: {', '.join(table)}")
-    found = [p for p in table.values() if not names or p.name in names or p.block in names]
+    named = [p for name in names for p in table.values() if name in (p.name, p.block)]
+    found = list({p.name: p for p in named or table.values()}.values())
     return [proof for proof in found if proof.quick or not quick]
 
 
-def record(rows):
-    """Merge {(block, proof): row} into docs/trust/formal.json."""
-    RECORD.parent.mkdir(exist_ok=True)
-    blocks = json.loads(RECORD.read_text())["blocks"] if RECORD.exists() else {}
-    for (block, name), row in rows.items():
-        entry = blocks.setdefault(block, {}).setdefault("proofs", {})
-        entry[name] = entry.get(name, {}) | row
-    known = {proof.block: [] for proof in formal.proofs().values()}
-    blocks = {block: blocks[block] for block in sorted(blocks) if block in known}
-    for entry in blocks.values():
-        kinds = ", ".join(row.get("kind", "?") for row in entry["proofs"].values())
-        counts = [row["mutants"] for row in entry["proofs"].values() if "mutants" in row]
+def joined(before, facts):
+    """A block's proofs: those that were recorded, and of each what came of it now."""
+    listed, known = formal.proofs(), before.get("proofs", {})
+    kept = {name: row for name, row in known.items() if name in listed}
+    fresh = {name: kept.get(name, {}) | row for name, row in facts["proofs"].items()}
+    return facts | {"proofs": kept | fresh}
+
+
+def held(rows):
+    """Those of a block's proofs that have been run, and held."""
+    return [row for row in rows if "sets" in row and not row["failed"]]
+
+
+def summary(facts):
+    """The text of a block's cell in docs/trust.md."""
+    rows = facts["proofs"].values()
+    words = [", ".join(row["kind"] for row in held(rows))]
+    words += [f"{name} failed" for name, row in facts["proofs"].items() if row.get("failed")]
+    counts = [row["mutants"] for row in rows if "mutants" in row]
+    if counts:
         seen = sum(row["found"] + row["broken"] for row in counts)
-        of = sum(row["of"] - row["equivalent"] for row in counts)
-        entry["summary"] = kinds + (f"; {seen} of {of} mutants" if counts else "")
-    proofs = [row for entry in blocks.values() for row in entry["proofs"].values() if "sets" in row]
-    unbounded = sum(row["kind"].startswith("k") for row in proofs)
-    total = f"{unbounded} unbounded proofs, two solvers each"
-    text = {"command": "make formal", "date": time.strftime("%Y-%m-%d"), "total": total, "blocks": blocks}
-    RECORD.write_text(json.dumps(text, indent=1) + "\n")
+        words.append(f"{seen} of {sum(row['of'] - row['equivalent'] for row in counts)} mutants")
+    return "; ".join(filter(None, words))
+
+
+def total(entries):
+    rows = held(row for entry in entries for row in entry["proofs"].values())
+    unbounded = sum(row["kind"].startswith("k") for row in rows)
+    return f"{unbounded} unbounded proofs, two solvers each"
+
+
+def keep(proof, row):
+    """Put what came of ``proof`` into docs/trust/formal.json."""
+    listed = {proof.block for proof in formal.proofs().values()}
+    blocks = {proof.block: {"proofs": {proof.name: row}}}
+    record.merge("formal", "make formal", blocks, summary, total, joined, listed)
 
 
 def table():
     """docs/formal.md's table as Markdown."""
     rows = ["| proof | says | kind | sets | yices, s | z3, s | mutants seen |", "|---" * 7 + "|"]
     listed = formal.proofs()
-    for entry in json.loads(RECORD.read_text())["blocks"].values():
+    for entry in json.loads((record.FOLDER / "formal.json").read_text())["blocks"].values():
         for name, row in entry["proofs"].items():
             seen = row.get("mutants")
             of = f"{seen['found'] + seen['broken']} of {seen['of'] - seen['equivalent']}" if seen else ""
-            times = row["seconds"]
+            times = row.get("seconds", {"yices": "", "z3": ""})
             says = listed[name].says.replace("|", "\\|")
-            cells = [name, says, row["kind"], row["sets"], times["yices"], times["z3"], of]
+            cells = [name, says, row.get("kind", ""), row.get("sets", ""), times["yices"], times["z3"], of]
             rows.append("| " + " | ".join(map(str, cells)) + " |")
     return "\n".join(rows)
 
 
-def run(proofs, jobs, quick):
-    """Prove all; returns (the exit code, what to record)."""
+def run(proofs, jobs, quick, told):
+    """Prove all; ``told`` gets what came of each proof. Returns the exit code."""
     tasks = []
     for proof in proofs:
         sets = [({}, ["default"])] if quick else formal.sets(proof)
-        tasks += [(proof, parameters, where, index) for index, (parameters, where) in enumerate(sets)]
-    begun, results = time.monotonic(), []
+        tasks.append((proof, [(proof, *each, index) for index, each in enumerate(sets)]))
+    begun, before, count, failed = time.monotonic(), cpu_seconds(), 0, 0
     with ThreadPoolExecutor(jobs) as pool:
-        for future in [pool.submit(formal.prove, *task) for task in tasks]:
-            results.append(future.result())
-            print(line(results[-1]), flush=True)
-    failed = [result for result in results if result.wrong]
+        waiting = [(proof, [pool.submit(formal.prove, *task) for task in own]) for proof, own in tasks]
+        for proof, futures in waiting:
+            results = []
+            for future in futures:
+                results.append(future.result())
+                print(line(results[-1]), flush=True)
+            wrong = sum(bool(result.wrong) for result in results)
+            count, failed = count + len(results), failed + wrong
+            seconds = {s: round(sum(r.seconds.get(s, 0) for r in results), 1) for s in proof.solvers}
+            told(proof, {"kind": proof.kind, "sets": len(results), "failed": wrong, "seconds": seconds})
     unbounded = sum(proof.k > 0 for proof in proofs)
     print(
-        f"formal: {len(proofs)} proofs ({unbounded} unbounded) at {len(results)} parameter sets, "
-        f"{len(failed)} failed, {time.monotonic() - begun:.0f} s"
+        f"formal: {len(proofs)} proofs ({unbounded} unbounded) at {count} parameter sets, {failed} failed, "
+        f"{time.monotonic() - begun:.0f} s, {cpu_seconds() - before:.0f} s of processors"
     )
-    rows = {}
-    for proof in proofs:
-        own = [result for result in results if result.proof == proof]
-        if own and not any(result.wrong for result in own):
-            seconds = {s: round(sum(r.seconds[s] for r in own), 1) for s in proof.solvers}
-            row = {"kind": proof.kind, "sets": len(own), "seconds": seconds}
-            rows[proof.block, proof.name] = row
-    return (1 if failed or not results else 0), rows
+    return 1 if failed or not count else 0
 
 
-def run_mutants(proofs, count, jobs):
-    """Break each block ``count`` times under its proof; returns (exit code, what to record)."""
-    rows = {}
+def cpu_seconds():
+    """Of all programs that were started and have ended."""
+    usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return usage.ru_utime + usage.ru_stime
+
+
+def run_mutants(proofs, count, jobs, told):
+    """Break each block ``count`` times under its proof; ``told`` gets what came of it.
+
+    Returns the exit code.
+    """
+    failed = not proofs
     for proof in proofs:
         begun = time.monotonic()
         parameters = proof.mutants_at or formal.sets(proof)[0][0]
-        found = formal_mutants.mutate(proof, dict(parameters), count, jobs)
-        passed = found.pop("passed")
-        rows[proof.block, proof.name] = {"mutants": found | {"passed": passed}}
+        try:
+            found = formal_mutants.mutate(proof, dict(parameters), count, jobs)
+        except yowasp.ToolError as error:
+            print(f"{proof.name:16} FAILED {error}", flush=True)
+            failed = True
+            continue
+        told(proof, {"mutants": found})
         print(
             f"{proof.name:16} {found['found']} with a run from reset, {found['broken']} without, of "
             f"{found['of'] - found['equivalent']} ({found['equivalent']} more are equivalent), "
             f"{time.monotonic() - begun:.0f} s",
-            *(f"    passed: {mutant}" for mutant in passed),
+            *(f"    passed: {mutant}" for mutant in found["passed"]),
             sep="\n",
             flush=True,
         )
-    return (0 if rows else 1), rows
+    return int(failed)
 
 
 def main():
@@ -147,6 +175,8 @@ def main():
         proofs = chosen(given.names, given.quick)
         if given.mutants is not None and not 1 <= given.mutants <= 500:
             raise ValueError(f"--mutants {given.mutants} must lie in 1 .. 500")
+        if given.quick and given.record:
+            raise ValueError("what --quick proves is not recorded")
     except ValueError as error:
         print(f"formal: {error}", file=sys.stderr)
         return 2
@@ -156,13 +186,10 @@ def main():
             for parameters, where in formal.sets(proof):
                 print(f"{proof.name:16} {proof.kind:9} {words(parameters)} ({', '.join(where)})")
         return 0
+    told = keep if given.record else lambda proof, row: None
     if given.mutants:
-        code, rows = run_mutants(proofs, given.mutants, given.jobs)
-    else:
-        code, rows = run(proofs, given.jobs, given.quick)
-    if given.record and rows:
-        record(rows)
-    return code
+        return run_mutants(proofs, given.mutants, given.jobs, told)
+    return run(proofs, given.jobs, given.quick, told)
 
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
 """Write what follows from rtl/registers.rdl: RTL, Python map, C header and page. ``--check`` only compares.
 
 rtl/link/msn_registers_pkg.sv   rtl/link/msn_registers.sv   model/meissner/host/register_map.py
-host/msn_registers.h            docs/registers.md
+host/msn_registers.h            docs/registers.md                 tb/formal/registers_map.svh
 """
 
 import argparse
@@ -407,12 +407,52 @@ def page(groups):
     return "\n".join(lines) + "\n"
 
 
+def proof(groups):
+    """What tb/formal/registers.sv takes from here: each field, its word, its bits and its port."""
+    lines, index, place = [], 0, 0
+    for group in groups:
+        on = group.parameter if group.feature else "1'b1"
+        first, commit = index, f"{group.name}_commit_i" if group.at_frame else "1'b0"
+        if group.at_frame:
+            lines.append(f"`COMMITTED({group.name})")
+        for register in group.registers:
+            word = f"10'h{register.address >> 2:03x}"
+            for field in register.fields:
+                begin = f"{index}, {on}, {word}, {field.low}"
+                if field.kind == "setting":
+                    inner = f"dut.{field.port}_{'q' if group.at_frame else 'o'}"
+                    waits = f"{int(group.at_frame)}, {commit}, {inner}"
+                    lines.append(f"`SETTING({begin}, {field.width}, {place}, {field.port}, {waits})")
+                    place += field.width
+                elif field.kind == "status":
+                    lines.append(f"`STATUS({begin}, {field.width}, {field.port})")
+                elif field.kind == "constant":
+                    lines.append(f"`CONSTANT({begin}, {field.width}, {field.reset})")
+                else:
+                    lines.append(f"`COMMAND({begin}, {field.port})")
+                index += 1
+            if register.strobe:
+                lines.append(f"`WRITTEN({on}, {word}, {group.name}_{register.name})")
+        if group.at_frame:
+            lines.append(f"`PENDING({group.name}, {first}, {index - first})")
+    head = [
+        "// SPDX-License-Identifier: Apache-2.0",
+        f"// {MADE}",
+        "",
+        f"localparam int unsigned Fields = {index};",
+        "logic [Fields-1:0]    there, writable, written;",
+        "logic [32*Fields-1:0] bits;",
+    ]
+    return "\n".join([*head, *lines]) + "\n"
+
+
 OUTPUTS = {
     "rtl/link/msn_registers_pkg.sv": package,
     "rtl/link/msn_registers.sv": rtl,
     "model/meissner/host/register_map.py": python,
     "host/msn_registers.h": c_header,
     "docs/registers.md": page,
+    "tb/formal/registers_map.svh": proof,
 }
 
 

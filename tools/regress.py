@@ -1,10 +1,11 @@
-"""Blocks in random legal sizes with random stimulus, each against its own tests.
+"""Blocks in random legal sizes, each with random stimulus several times, against their own tests.
 
     python tools/regress.py [SEEDS] [--seed N] [--jobs N] [--scheduler ADDRESS] [--record] [BLOCK ...]
     python tools/regress.py --seed N --only BLOCK NAME=VALUE ...        one size again, as a failure tells
 
-SEEDS: sizes in all, 200 unless told, each with a seed of its own. A failure is made as small as it can be and
-told with the command that repeats it. With --scheduler Dask's workers there do the work, in the same folder.
+SEEDS: runs in all, 200 unless told, a seed each; a random size gets STIMULI of them. A failure is made as
+small as it can be and told with the command that repeats it. With --scheduler Dask's workers there do the
+work, in the same folder.
 """
 
 import argparse
@@ -22,15 +23,17 @@ def one(block, given, seed):
     return told is not None
 
 
-def spread(given, jobs):
-    """Pieces of work: block, sizes, first seed; small enough that every worker gets some."""
+def spread(given):
+    """Pieces of work: block, [(size, seeds of its stimulus)]; small enough that every worker gets some."""
     names = given.blocks or regress.blocks()
-    share = [given.sizes // len(names) + (n < given.sizes % len(names)) for n in range(len(names))]
+    share = [given.runs // len(names) + (n < given.runs % len(names)) for n in range(len(names))]
     pieces = []
     for name, count in zip(names, share):
-        sizes = regress.sizes(name, count, given.seed) if count else []
-        for at in range(0, len(sizes), regress.TOGETHER):
-            pieces.append((name, sizes[at : at + regress.TOGETHER], 1000 * given.seed + at))
+        sizes = regress.sizes(name, -(-count // regress.STIMULI), given.seed) if count else []
+        seeds = range(1000 * given.seed, 1000 * given.seed + count)
+        work = [(size, seeds[n :: len(sizes)]) for n, size in enumerate(sizes)]
+        for at in range(0, len(work), regress.TOGETHER):
+            pieces.append((name, work[at : at + regress.TOGETHER]))
     return pieces
 
 
@@ -58,7 +61,7 @@ def results(pieces, given):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
-    parser.add_argument("sizes", nargs="?", type=int, default=200, metavar="SEEDS")
+    parser.add_argument("runs", nargs="?", type=int, default=200, metavar="SEEDS")
     parser.add_argument("blocks", nargs="*", metavar="BLOCK")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--jobs", type=int, default=2)
@@ -71,21 +74,26 @@ def main():
     unknown = sorted(set(given.blocks) - set(regress.blocks()))
     if unknown:
         sys.exit(f"regress: the tests of {', '.join(unknown)} have no SPACE")
-    passed, failed = {}, []
-    for block, told in results(spread(given, given.jobs), given):
+    passed, failed, pieces = {}, [], spread(given)
+    waiting = [block for block, _ in pieces]
+    for block, told in results(pieces, given):
         bad = [(size, seed, why) for size, seed, why in told if why]
-        passed[block] = passed.get(block, 0) + len(told) - len(bad)
-        print(f"{block:20} {len(told):4} sizes, {len(bad)} failed", flush=True)
+        sizes = len({str(size) for size, _, _ in told})
+        facts = passed.setdefault(block, {"runs": 0, "sizes": 0})
+        facts["runs"] += len(told) - len(bad)
+        facts["sizes"] += sizes
+        print(f"{block:20} {len(told):4} runs in {sizes} sizes, {len(bad)} failed", flush=True)
         failed += [(block, *each) for each in bad]
+        waiting.remove(block)
+        if given.record and block not in waiting and not any(block == each[0] for each in failed):
+            words = f"make regress SEEDS={given.runs}"
+            record.merge("regress", words, {block: facts}, regress.summary, regress.total)
     for block, size, seed, why in itertools.islice(failed, 3):
         small = regress.smallest(block, size, seed)
         print(f"{why}\n{block} {size}, seed {seed}\nagain: {regress.command(block, size, seed)}")
         print(f"smallest: {regress.command(block, small, seed)}")
-    total = sum(passed.values())
-    print(f"{total} sizes of {len(passed)} blocks pass, {len(failed)} fail")
-    if given.record and not failed:
-        facts = {name: {"sizes": count, "failed": 0} for name, count in passed.items()}
-        record.merge("regress", f"make regress SEEDS={given.sizes}", facts, regress.summary, regress.total)
+    total = sum(facts["runs"] for facts in passed.values())
+    print(f"{total} runs of {len(passed)} blocks pass, {len(failed)} fail")
     if failed or not total:
         sys.exit("regress: " + (f"{len(failed)} failed" if failed else "nothing ran"))
 

@@ -46,7 +46,6 @@ def verilog(top, parameters, cells, kept=(), include=None):
     board's msn_build.svh.
     """
     synth = next(board.synth for board in boards.BOARDS.values() if board.cells == cells)
-    chparam = "".join(f"chparam -set {name} {value} {top}; " for name, value in parameters.items())
     keep = "".join(f"setattr -set keep 1 {top}/w:{wire}; " for wire in kept)
     read = yowasp.read_rtl(cells)
     text = ""
@@ -56,7 +55,8 @@ def verilog(top, parameters, cells, kept=(), include=None):
             (toolchain.ROOT / file).read_text() for file in (*boards.COMMON, f"{include}/msn_build.svh")
         )
     # Yosys may have renamed it for its parameters.
-    before = f"{read}; {chparam}hierarchy -top {top}; rename -top {top}; {keep}{synth} -top {top}; "
+    before = f"{read}; {yowasp.chparam(top, parameters)}hierarchy -top {top}; rename -top {top}; "
+    before += f"{keep}{synth} -top {top}; "
     before += "write_verilog -noattr "
     # Read afresh, as synthesis left boxes of its own in the design.
     after = f"; hierarchy -top {top}; {keep}proc; flatten; opt_expr; opt_clean; check -assert; "

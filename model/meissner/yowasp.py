@@ -1,6 +1,8 @@
 """The synthesis tools from PyPI: how every program of this repository calls them."""
 
 import os
+import resource
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -31,21 +33,42 @@ def read_rtl(cells=None):
     return "read_verilog -sv " + " ".join(instead.get(source, source) for source in sources)
 
 
-def tool(name, arguments, log):
+def tool(name, arguments, log, limit_s=None):
     """Run a tool in ROOT, as YoWASP sees nothing outside the folder it starts in; returns what it said.
 
     ``arguments`` and ``log`` name files relative to ROOT. ToolError if it fails.
+
+    ``limit_s``: seconds of a processor that it, and each program that it starts, may take.
     """
     program = Path(sys.executable).parent / name
     if not program.exists():
         raise ToolError(f"{name} is not installed; `make synth` fetches the synthesis tools")
     command = [str(program), *arguments]
-    done = subprocess.run(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
-    (ROOT / log).write_text(" ".join(command) + "\n" + done.stdout)
-    if done.returncode:
-        tail = "\n".join(done.stdout.splitlines()[-12:])
+    # Solvers from PyPI are beside it.
+    environment = os.environ | {"PATH": f"{program.parent}{os.pathsep}{os.environ['PATH']}"}
+    with (ROOT / log).open("w") as out:
+        out.write(" ".join(command) + "\n")
+        out.flush()
+        process = subprocess.Popen(command, cwd=ROOT, env=environment, stdout=out, stderr=subprocess.STDOUT)
+        if limit_s is not None:
+            resource.prlimit(process.pid, resource.RLIMIT_CPU, (limit_s, limit_s + 5))
+        process.wait()
+    said = (ROOT / log).read_text().partition("\n")[2]
+    if process.returncode == -signal.SIGXCPU:
+        raise ToolError(f"{name} takes more than its limit of processor time; see {log}")
+    if process.returncode:
+        tail = "\n".join(said.splitlines()[-12:])
         raise ToolError(f"{name} failed; see {log}", tail)
-    return done.stdout
+    return said
+
+
+def chparam(top, parameters):
+    """Yosys's commands that give ``top`` its parameters, numbers or SystemVerilog's constants.
+
+    All at once, as some may be legal together only. Not `hierarchy -chparam`: it stops at some modules.
+    """
+    values = " ".join(f"-set {name} {value}" for name, value in parameters.items())
+    return f"chparam {values} {top}; " if values else ""
 
 
 def yosys(script, log):

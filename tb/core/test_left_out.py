@@ -7,7 +7,7 @@ import pytest
 
 from meissner import config, toolchain
 from meissner.build import verilog
-from meissner.yowasp import read_rtl, yosys
+from meissner.yowasp import chparam, read_rtl, yosys
 
 # Blocks of each feature that are of no use to any other.
 BLOCKS = {
@@ -34,7 +34,7 @@ BLOCKS = {
 
 def elaborated(name, parameters):
     """Names of the modules that the core has with these parameters."""
-    given = "".join(f"chparam -set {k} {v} msn_core; " for k, v in verilog(parameters).items())
+    given = chparam("msn_core", verilog(parameters))
     folder = toolchain.BUILD / "left_out"
     folder.mkdir(parents=True, exist_ok=True)
     log = folder.relative_to(toolchain.ROOT) / f"{name}.log"

@@ -113,14 +113,18 @@ module formal_packet #(
   end
 
   // Invariant.
+  logic       busy;
+  assign busy = dut.state != 2'd0 || out_valid_o;
   logic [8:0] sent;
   logic [2:0] checks_sent;
   assign sent        = place + 9'(out_valid_o);
   assign checks_sent = checks + 3'(out_valid_o && checking);
   logic [8:0] record;
-  always_ff @(posedge clk_i) if (dut.idle) record <= 9'd8 + 9'(dut.chosen[11:8]);
+  logic       turn;  // the record is taken in this clock
+  assign turn = dut.turn != '0;
+  always_ff @(posedge clk_i) if (turn) record <= 9'd8 + 9'(dut.chosen[11:8]);
   logic [7:0] type_q;
-  always_ff @(posedge clk_i) if (dut.idle) type_q <= dut.chosen[7:0];
+  always_ff @(posedge clk_i) if (turn) type_q <= dut.chosen[7:0];
   logic [8:0] known;  // of the type the block has
   always_comb begin
     case (type_q)
@@ -135,8 +139,10 @@ module formal_packet #(
   end
   always_comb begin
     if (started) begin
-      assert (count + 8'(dut.state != 2'd0 || out_valid_o) == dut.packets_o[7:0]);
-      if (dut.state != 2'd0 || out_valid_o) begin
+      assert (count + 8'(busy && !turn) == dut.packets_o[7:0]);
+      assert ((dut.turn & (dut.turn - 1'b1)) == '0);
+      if (turn) assert (dut.state == 2'd1 && dut.phase == '0 && sent == '0 && checks == '0);
+      if (busy && !turn) begin
         assert (record == known && known != '0 && dut.pixels == (type_q == 8'd3));
         if (place != '0) assert (kind == type_q);
         if (place == '0 && out_valid_o) assert (out_data_o == type_q);
@@ -146,7 +152,7 @@ module formal_packet #(
           if (out_valid_o) assert (out_last_o && checks == 3'd3 && (type_q == 8'd3 || sent == record + 9'd4));
           else assert (place == '0 && checks == '0 && crc == '1);
         end
-        2'd1: begin
+        2'd1: if (!turn) begin
           assert (sent < record && checks == '0 && sent + 9'(dut.left) + 9'd1 == record && !(out_valid_o && out_last_o));
           if (sent == '0) assert (dut.bytes[7:0] == type_q && dut.bytes[15:8] == count);
           if (sent == 9'd1) assert (dut.bytes[7:0] == count);
@@ -168,16 +174,14 @@ module formal_packet #(
   end
 
   // Of an image: taxels that are left, and what has been sent of it.
-  logic busy;
-  assign busy = dut.state != 2'd0 || out_valid_o;
   if (Taxels == 0) begin : gen_no_image
-    always_comb if (started && busy) assert (type_q != 8'd3);
+    always_comb if (started && busy && !turn) assert (type_q != 8'd3);
   end else begin : gen_image
     logic [8:0] pixels;
     assign pixels = sent - record - 9'(checks_sent);
     always_comb begin
       if (started && busy && type_q == 8'd3) begin
-        if (dut.state == 2'd1) assert (dut.gen_image.left == 7'(Chunk - 1));
+        if (dut.state == 2'd1 && !turn) assert (dut.gen_image.left == 7'(Chunk - 1));
         if (dut.state == 2'd2) assert (pixels[8:1] <= 8'(Chunk - 1) && 8'(dut.gen_image.left) == 8'(Chunk - 1) - pixels[8:1]);
         if (dut.state == 2'd3) assert (pixels >= 9'd2 && pixels <= 9'(2 * Chunk) && !pixels[0]);
         if (dut.state == 2'd0) assert (sent - record >= 9'd6 && sent - record <= 9'(2 * Chunk + 4) && sent[0] == record[0]);

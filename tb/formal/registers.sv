@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Every access is answered once, two clocks later. An error: an address that is no multiple of four, one outside
-// every group, one of a group that is not built, a write to what is only read. An access in error, or to another
-// address, changes neither the scratch word nor `adc.enable`; a write changes the bytes its strobes name. Reads give
-// the identity and the counters' inputs.
+// Every access is answered once, two clocks later. An error, which changes nothing: an address that is no multiple of
+// four, one where this build has no register, a write to what is only read. Every setting is what was written to it,
+// byte by byte, at once or after its group's commit; a read gives all fields of its word in their places, the core's
+// counters as they were in the clock before the answer; a pulse comes a clock after it is written, once.
+// registers_map.svh, made by tools/registers.py, has a line for each field.
 
 module formal_registers #(
   parameter bit Adc = 1'b1,
@@ -24,102 +25,115 @@ module formal_registers #(
   input logic        bus_write_i,
   input logic [11:0] bus_address_i,
   input logic [31:0] bus_data_i,
-  input logic [3:0]  bus_strobe_i,
-  input logic [31:0] features_i,
-  input logic [31:0] dropped_i
+  input logic [3:0]  bus_strobe_i
 );
 
-  logic        bus_done_o, bus_error_o, adc_enable;
-  logic [31:0] bus_data_o, scratch;
+  logic        bus_done_o, bus_error_o;
+  logic [31:0] bus_data_o;
+
+  logic        started = 1'b0;
+  logic        write, odd;
+  logic [31:0] mask;
+  assign odd   = bus_address_i[1:0] != 2'd0;
+  assign write = bus_valid_i && bus_write_i && !odd;
+  assign mask  = {{8{bus_strobe_i[3]}}, {8{bus_strobe_i[2]}}, {8{bus_strobe_i[1]}}, {8{bus_strobe_i[0]}}};
+
+  // An access, one clock after it was asked and two.
+  logic        asked, wrote, uneven, done, error, empty;
+  logic [9:0]  word;
+
+  // A field in the answer: its own bits are its value of the clock before.
+`define READS(n, on, at, low, width, value) \
+  logic             asked_``n; \
+  logic [width-1:0] was_``n; \
+  assign there[n] = on && word == at; \
+  assign bits[32*n+:32] = there[n] ? {width{1'b1}} << low : '0; \
+  always_ff @(posedge clk_i) {asked_``n, was_``n} <= {there[n], (width)'(value)}; \
+  always_comb if (started && done && !empty && asked_``n) assert (bus_data_o[low+:width] == was_``n);
+
+`define SETTING(n, on, at, low, width, place, name, waits, commit, inner) \
+  logic [width-1:0] name``_o; \
+  owed_field #( \
+    .On(on), .Word(at), .Low(low), .Width(width), .Reset(Resets[place+:width]), .Waits(waits) \
+  ) owed_``name ( \
+    .clk_i, .rst_i, .write_i(write), .word_i(bus_address_i[11:2]), .data_i(bus_data_i), .mask_i(mask), \
+    .commit_i(commit), .port_i(name``_o), .held_i(inner), \
+    .written_o(written[n]) \
+  ); \
+  `READS(n, on, at, low, width, inner) \
+  assign writable[n] = there[n];
+
+`define STATUS(n, on, at, low, width, name) \
+  logic [width-1:0] name``_i; \
+  assign {written[n], writable[n]} = '0; \
+  `READS(n, on, at, low, width, name``_i)
+
+`define CONSTANT(n, on, at, low, width, value) \
+  assign {written[n], writable[n]} = '0; \
+  `READS(n, on, at, low, width, value)
+
+`define COMMAND(n, on, at, low, name) \
+  logic name``_o, due_``name; \
+  assign {written[n], writable[n]} = {1'b0, there[n]}; \
+  always_ff @(posedge clk_i) due_``name <= !rst_i && on && write && bus_address_i[11:2] == at && mask[low] && bus_data_i[low]; \
+  always_comb if (started) assert (name``_o == due_``name); \
+  `READS(n, on, at, low, 1, 0)
+
+`define WRITTEN(on, at, name) \
+  logic name``_written_o, wrote_``name; \
+  always_ff @(posedge clk_i) wrote_``name <= !rst_i && on && write && bus_address_i[11:2] == at; \
+  always_comb if (started) assert (name``_written_o == wrote_``name);
+
+`define COMMITTED(name) \
+  logic name``_commit_i, name``_pending_o;
+
+`define PENDING(name, first, count) \
+  logic name``_waits; \
+  always_ff @(posedge clk_i) begin \
+    if (name``_commit_i) name``_waits <= 1'b0; \
+    if (written[first+:count] != '0) name``_waits <= 1'b1; \
+    if (rst_i) name``_waits <= 1'b0; \
+  end \
+  always_comb if (started) assert (name``_pending_o == name``_waits);
+
+`include "registers_map.svh"
+
   msn_registers #(
     .Adc(Adc), .Slip(Slip), .Scan(Scan), .Health(Health), .Tare(Tare), .Calibrate(Calibrate), .Cop(Cop),
     .Cop4(Cop4), .CopSlip(CopSlip), .Link(Link), .Resets(Resets)
-  ) dut (
-    .clk_i, .rst_i, .bus_valid_i, .bus_write_i, .bus_address_i, .bus_data_i, .bus_strobe_i, .bus_done_o,
-    .bus_error_o, .bus_data_o, .core_features_i(features_i), .core_scratch_o(scratch),
-    .adc_enable_o(adc_enable), .adc_dropped_i(dropped_i)
-  );
+  ) dut (.*);
 
-  localparam logic [9:0] Id = 10'h000, Features = 10'h002, Scratch = 10'h005, Enable = 10'h040, Dropped = 10'h042;
-  logic        started = 1'b0;
-  logic        asked_q, asked, write_q, write, reset_q, reset_q2;
-  logic [11:0] address_q, address;
-  logic [31:0] features, dropped, word, word_was, word_was2;  // the word is read a clock after the access
-  logic        enabled, enabled_was, enabled_was2, aligned;
-  assign aligned = bus_address_i[1:0] == 2'd0;
-  always_ff @(posedge clk_i) begin
-    started     <= 1'b1;
-    reset_q     <= rst_i;
-    reset_q2    <= reset_q;
-    asked_q     <= bus_valid_i && !rst_i;
-    write_q     <= bus_write_i;
-    address_q   <= bus_address_i;
-    asked       <= asked_q && !rst_i;
-    write       <= write_q;
-    address     <= address_q;
-    features    <= features_i;
-    dropped     <= dropped_i;
-    word_was    <= word;
-    enabled_was <= enabled;
-    word_was2    <= word_was;
-    enabled_was2 <= enabled_was;
-    if (bus_valid_i && bus_write_i && aligned && bus_address_i[11:2] == Scratch) begin
-      for (int unsigned b = 0; b < 4; b++) if (bus_strobe_i[b]) word[8*b+:8] <= bus_data_i[8*b+:8];
-    end
-    if (Adc && bus_valid_i && bus_write_i && aligned && bus_address_i[11:2] == Enable && bus_strobe_i[0]) begin
-      enabled <= bus_data_i[0];
-    end
-    if (rst_i) begin
-      word    <= Resets[31:0];
-      enabled <= Resets[32];
-    end
+  logic [31:0] used, mask_q;  // bits of the word that some field has
+  always_comb begin
+    used = '0;
+    for (int unsigned n = 0; n < Fields; n++) used |= bits[32*n+:32];
   end
-
-  // The words that there are, as docs/registers.md has them.
-  logic there;
-  assign there = address[11:2] inside {[10'h000:10'h005]}
-                 || (Adc && address[11:2] inside {[10'h040:10'h046]})
-                 || (Slip && address[11:2] inside {[10'h080:10'h089]})
-                 || (Scan && address[11:2] inside {[10'h0c0:10'h0c7]})
-                 || (Health && address[11:2] inside {[10'h100:10'h10c]})
-                 || (Tare && address[11:2] inside {[10'h120:10'h12c]})
-                 || (Calibrate && address[11:2] inside {[10'h140:10'h146]})
-                 || (Cop && address[11:2] inside {[10'h180:10'h181]})
-                 || (Cop4 && address[11:2] inside {[10'h1c0:10'h1d1]})
-                 || (CopSlip && address[11:2] inside {[10'h200:10'h204]})
-                 || (Link && address[11:2] inside {[10'h240:10'h244]});
+  always_ff @(posedge clk_i) begin
+    started <= 1'b1;
+    asked   <= bus_valid_i && !rst_i;
+    wrote   <= bus_write_i;
+    uneven  <= odd;
+    word    <= bus_address_i[11:2];
+    done    <= asked && !rst_i;
+    error   <= there == '0 || uneven || (wrote && writable == '0);
+    empty   <= wrote || uneven;
+    mask_q  <= used;
+  end
 
   always_comb begin
     if (!started) assume (rst_i);
     if (started) begin
-      assert (bus_done_o == asked);
-      assert (scratch == word && adc_enable == enabled);
-      if (bus_done_o) begin
-        if (address[1:0] != 2'd0 || !there) assert (bus_error_o);
-        else if (!write) assert (!bus_error_o);
-        if (bus_error_o && write && !reset_q2) assert (word_was == word_was2 && enabled_was == enabled_was2);
-        if (bus_error_o && address[1:0] != 2'd0) assert (bus_data_o == '0);
-        if (!there) assert (bus_data_o == '0);
-        if (write) assert (bus_data_o == '0);
-        if (address[1:0] == 2'd0 && !write) begin
-          if (address[11:2] == Id) assert (bus_data_o == 32'h4d534e52);
-          if (address[11:2] == Features) assert (bus_data_o == features);
-          if (address[11:2] == Scratch) assert (bus_data_o == word_was);
-          if (Adc && address[11:2] == Enable) assert (bus_data_o == {31'd0, enabled_was});
-          if (Adc && address[11:2] == Dropped) assert (bus_data_o == dropped);
-        end
-        if (write && address[11:2] inside {Id, Features, Dropped}) assert (bus_error_o);
-        if (write && address[1:0] == 2'd0 && address[11:2] == Scratch) assert (!bus_error_o);
-        if (Adc && write && address[1:0] == 2'd0 && address[11:2] == Enable) assert (!bus_error_o);
-      end
+      assert (bus_done_o == done);
+      if (done) assert (bus_error_o == error);
+      if (done) assert ((bus_data_o & (empty ? '1 : ~mask_q)) == '0);
     end
   end
 
   always_comb begin
     if (started && !rst_i) begin
-      cover (bus_done_o && !bus_error_o && !write && address[11:2] == Scratch && bus_data_o == 32'hCAFE_0001);
-      cover (bus_done_o && bus_error_o && write && address[1:0] == 2'd0);
-      cover (bus_done_o && asked && !bus_error_o && address[11:2] == Features && bus_data_o == 32'h1234_5678);
+      cover (done && !error && bus_data_o == 32'hCAFE_0001 && !wrote);
+      cover (done && error && asked && writable != '0 && wrote);
+      cover (done && !error && bus_data_o == 32'h4d534e52);
     end
   end
 

@@ -88,17 +88,18 @@ module formal_scan_plan #(
   end
 
   // Invariant.
-  
   logic [Wide-1:0] gap;
   assign gap = (Wide'(settle) + Wide'(Hold + 1) >= Wide'(Cycle)) ? Wide'(Hold) : Wide'(Cycle - 1) - Wide'(settle);
   always_comb begin
     if (started) begin
       assert (settling == (dut.state_q == 2'd2));
       if (dut.state_q != 2'd0) assert (dut.settle_q == settle && Wide'(dut.gap_q) == gap);
+      if (dut.state_q != 2'd0) assert (Wide'(dut.rest_q) == gap - Wide'(2));
       if (dut.state_q != 2'd0) assert (dut.at_once_q == (settle == '0));
       if (dut.state_q == 2'd0) begin
         assert (Wide'(dut.count_q) <= Wide'(3));
         if (Wide'(dut.count_q) <= Wide'(2)) assert (dut.settle_q == settle);
+        if (dut.count_q == '0) assert (Wide'(dut.rest_q) == gap - Wide'(2));
         if (Wide'(dut.count_q) <= Wide'(1)) assert (Wide'(dut.gap_q) == gap && dut.at_once_q == (settle == '0));
       end
       if (settling) assert (after >= Wide'(1) && Wide'(dut.count_q) + after == Wide'(settle) + Wide'(1));

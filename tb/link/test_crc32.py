@@ -62,7 +62,7 @@ async def drains_bit_by_bit(dut):
     assert sent == 0xCBF43926
 
 
-SPACE = lambda draw: {"Bits": draw.randint(1, 40)}
+SPACE = lambda draw: {"Bits": draw.randint(1, 32)}
 
 
 @pytest.mark.parametrize("bits", [1, 8, 32])

@@ -15,8 +15,9 @@ from meissner.trust import regress
 
 
 def test_two_sizes_pass():
-    given = regress.sizes("frame_gate", 2, 5)
-    assert [why for _, _, why in regress.some("frame_gate", given, 5)] == [None, None]
+    one, other = regress.sizes("frame_gate", 2, 5)
+    runs = [(one, 5, None), (one, 6, None), (other, 7, None)]
+    assert regress.some("frame_gate", [(one, [5, 6]), (other, [7])]) == runs
 
 
 def test_a_planted_bug_is_found_and_made_small(monkeypatch, tmp_path, capsys):
@@ -60,7 +61,7 @@ def test_through_a_scheduler(monkeypatch, capsys):
     monkeypatch.setitem(sys.modules, "dask.distributed", stub)
     monkeypatch.setattr(sys, "argv", ["regress.py", "1", "frame_gate", "--scheduler", "tcp://here:8786"])
     tool.main()
-    assert "1 sizes of 1 blocks pass, 0 fail" in capsys.readouterr().out
+    assert "1 runs of 1 blocks pass, 0 fail" in capsys.readouterr().out
     monkeypatch.setattr(sys, "argv", ["regress.py", "1", "frame_gate", "--scheduler", "nobody"])
     with pytest.raises(SystemExit, match="no scheduler answers at nobody"):
         tool.main()

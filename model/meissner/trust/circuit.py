@@ -120,20 +120,57 @@ def load(path, top):
     return circuit
 
 
-def synthesise(block, parameters, folder, families=FAMILIES, defined=False):
+FRAMED = """
+module {top}_framed ({ports});
+  reg [15:0] place; reg begun, again;
+  wire took = in_valid_i && in_ready_o, ends = place == {last};
+  wire fresh = place == 0 ? in_restart_i || !begun : again;
+  always @(posedge clk_i) begin
+    if (took) begin place <= ends ? 0 : place + 1; begun <= 1; again <= fresh; end
+    if (rst_i) begin place <= 0; begun <= 0; end
+  end
+  {top} block ({pins});
+endmodule
+"""
+SAYS = {
+    "in_id_i": "in_valid_i ? place : in_id_i",
+    "in_last_i": "in_valid_i ? ends : in_last_i",
+    "in_restart_i": "in_valid_i ? fresh : in_restart_i",
+}
+
+
+def framed(block, circuit, channels):
+    """Verilog around a block of the slip path, which gets frames as msn_frame_check lets them through.
+
+    Samples count 0 .. channels - 1, the last marked; ``restart`` all through the first frame after reset.
+    """
+    sides = {"input": circuit.inputs, "output": circuit.outputs}
+    found = [(side, name, index) for side, bits in sides.items() for name, index in bits if "." not in name]
+    widths = {(side, name): max(i for s, n, i in found if n == name) + 1 for side, name, _ in found}
+    ports = ["input clk_i"] + [f"{side} [{width - 1}:0] {name}" for (side, name), width in widths.items()]
+    pins = [".clk_i(clk_i)"] + [f".{name}({SAYS.get(name, name)})" for _, name in widths]
+    text = {"ports": ", ".join(ports), "pins": ", ".join(pins), "last": channels - 1}
+    return FRAMED.format(top=f"msn_{block}", **text)
+
+
+def synthesise(block, parameters, folder, families=FAMILIES, defined=False, around=""):
     """Netlists of ``msn_<block>`` in ``folder``, relative to ROOT: {"source": circuit, family: circuit}.
 
-    ``defined``: memories become registers, and what is undefined 0, already for synthesis.
+    ``defined``: memories become registers, and what is undefined 0, already for synthesis; ``around``: what
+    ``framed`` gives, the top in its place.
     """
     top = f"msn_{block}"
     (toolchain.ROOT / folder).mkdir(parents=True, exist_ok=True)
     files = [str(path.relative_to(toolchain.ROOT)) for path in toolchain.sources_of(top)]
-    sets = " ".join(f"-set {name} {value}" for name, value in parameters.items())
-    chparam = f"chparam {sets} {top}; " if sets else ""  # all at once: some may be legal together only
+    given = yowasp.chparam(top, parameters)
+    if around:
+        (toolchain.ROOT / folder / "around.v").write_text(around)
+        given += f"read_verilog -sv {folder}/around.v; "
+        top = f"{top}_framed"
     leaves = f"techmap -map {HERE}/leaves_map.v; rename -enumerate -pattern product_% t:product; "
     script = [
         f"read_verilog -sv {' '.join(files)} {HERE}/leaves.v",
-        f"{chparam}hierarchy -check -top {top}",
+        f"{given}hierarchy -check -top {top}",
         f"rename -top {top}; proc; flatten; setattr -unset src */t:* */w:* */m:*",
         f"{leaves if block != 'multiply' else ''}opt_clean",
         f"{DEFINED if defined else ''}design -save read",

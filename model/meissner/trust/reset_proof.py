@@ -26,7 +26,7 @@ EVALUATIONS = 12_000_000  # of nodes in simulation: seconds
 class Task:
     """``ties``: {input: constant}; ``qualifiers``: {output: outputs one of which has to be 1, or with ! 0};
     ``clocks``: before outputs count; ``alike``: memories begin alike; ``reset``: the input that resets,
-    ``held`` for so many of these clocks.
+    ``held`` for so many of these clocks; ``framed``: it gets frames, as msn_frame_check hands them on.
     """
 
     ties: dict = field(default_factory=dict)
@@ -35,6 +35,7 @@ class Task:
     alike: bool = False
     reset: str = RESET
     held: int = 1
+    framed: bool = False
 
     def same_from_the_start(self, circuit):
         if not self.alike:
