@@ -1,6 +1,7 @@
 """`make faults` in a short form: a few hundred faults in small blocks, none wrong in silence; and it finds
 what it is for: a state machine that never finds back, a frame whose damage nobody tells."""
 
+import json
 import re
 from pathlib import Path
 
@@ -89,3 +90,8 @@ def test_wrapper_has_the_ports_and_parameters_of_its_block():
     text = faults.wrapper("fifo", source)
     assert "msn_fifo #(.Depth(Depth), .Width(Width)) u_block (.*);" in text
     assert re.search(r"module faults_top #\(\s*parameter int unsigned Depth = 16", text)
+
+
+def test_the_page_has_what_is_recorded():
+    blocks = json.loads((toolchain.ROOT / "docs/trust/faults.json").read_text())["blocks"]
+    assert (toolchain.ROOT / "docs/faults.md").read_text().endswith(f"recorded\n\n{faults.table(blocks)}")

@@ -336,3 +336,10 @@ def summary(facts):
 def total(blocks):
     injected, silent = (sum(facts[key] for facts in blocks) for key in ("injected", "silent"))
     return f"{injected:,} faults injected into {len(blocks)} blocks, {silent} wrong in silence after recovery"
+
+
+def table(blocks):
+    """The recorded facts of all blocks {name: facts}, as the table of docs/faults.md."""
+    rows = [["block", *COLUMNS], ["---"] * (1 + len(COLUMNS))]
+    rows += [[f"`{name}`", *(str(facts.get(key, 0)) for key in COLUMNS)] for name, facts in blocks.items()]
+    return "".join(f"| {' | '.join(row)} |\n" for row in rows)
