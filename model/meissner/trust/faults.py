@@ -61,7 +61,7 @@ SETTLE = {
 # What the driver must be told of a block, see there.
 # Of calibrations: the tables, which of the two is in use and whether any is, until they are written again.
 TABLES = "kept=memory,gains,offsets,rows,bank,loaded,cfg_swapping"
-ZEROS = "u_state.,zero_,write_data,u_round.,dropping"
+ZEROS = "fresh,u_state.,zero_,write_data,u_round.,dropping"
 AXIL_INPUTS = "awvalid awaddr awprot wvalid wdata wstrb bready arvalid araddr arprot rready"
 # An image that waits, and its time.
 PACKETS = ["packets=1", "frame=cop_valid_i", "when=cop_valid_i", "kept=memory,read_time_o,written_time"]
