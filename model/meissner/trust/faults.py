@@ -83,7 +83,10 @@ OPTIONS = {
     "link": [*PACKETS, "join=1"],
     # The zeros, the way to them, and a frame that is missing in them.
     "tare": [f"kept={ZEROS}", "skip=gone"],
-    "health": ["skip=gone"],  # it counts frames, and frames that are missing whole are not seen here
+    "health": [
+        "skip=gone",
+        "kept=state_",
+    ],  # it counts frames, and frames that are missing whole are not seen here
     # What is not read yet; its time.
     "image_store": [
         "frame=in_last_i",
