@@ -75,6 +75,8 @@ module formal_adc_spi #(
       assert (reading == (dut.state_q == 3'd5 || dut.state_q == 3'd1));
       assert (dut.state_q <= 3'd5);
       assert (reading || adc_cs_n_o);
+      if (reading && adc_cs_n_o && !dut.CsPerChannel) assert (dut.word_q == '0);  // the rest after the last word
+      if (dut.u_shift.word_o) assert (reading && !adc_cs_n_o && dut.u_shift.bit_end);
       if (reading) assert (!adc_convst_o);
       if (!dut.HasBusy) assert (!adc_convst_o && dut.state_q != 3'd3 && dut.state_q != 3'd4);
       if (dut.SetupWords == 0) assert (dut.state_q != 3'd1);

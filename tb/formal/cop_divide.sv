@@ -71,7 +71,7 @@ module formal_cop_divide #(
       end
       if (stalled) assert (out_valid_o);
       if (!rst_i && !busy) assert (in_ready_o);
-      if (!rst_i) assert (dut.unused_ready == in_ready_o);
+      if (!rst_i) assert (dut.ready_x == in_ready_o && dut.ready_y == in_ready_o);
       assert (dut.unused_valid == out_valid_o);
       if (load) begin
         assert (dut.den_x != '0 && dut.den_y != '0);

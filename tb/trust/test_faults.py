@@ -47,10 +47,13 @@ def test_finds_damage_that_nobody_tells(monkeypatch, tmp_path):
     assert any(result.outcome == "silent" for result in faults.inject("frame_check", 60, 3))
 
 
-def test_finds_a_packet_that_never_ends(monkeypatch, tmp_path):
-    twice = "default: if (count == 2) state <= Open;"
-    planted(monkeypatch, tmp_path, "cobs", "default: state <= Open;", twice)
-    assert any(result.outcome == "silent" for result in faults.inject("cobs", 120, 3))
+def test_finds_bytes_that_stay_wrong(monkeypatch, tmp_path):
+    byte = "code ? 8'(count) : (state == Body) ? in_data_i : '0;"
+    key = "out_data_o = key ^ (" + byte.replace(";", ");")
+    key += " logic [7:0] key; always_ff @(posedge clk_i) if (rst_i) key <= '0;"
+    planted(monkeypatch, tmp_path, "cobs", "out_data_o  = " + byte, key)
+    silent = [result.where for result in faults.inject("cobs", 120, 3) if result.outcome == "silent"]
+    assert silent and all(where.startswith("key") for where in silent)
 
 
 @pytest.mark.long

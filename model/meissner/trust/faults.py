@@ -78,6 +78,8 @@ OPTIONS = {
     "packet": [*PACKETS, "join=1"],
     "packet_slip": ["packets=1", "join=1", "rows=20000"],
     "link": [*PACKETS, "join=1"],
+    # The zeros, the way to them, and a frame that is missing in them.
+    "tare": ["kept=u_state.,zero_,write_data,u_round.,dropping", "skip=gone"],
     # What is not read yet; its time.
     "image_store": [
         "frame=in_last_i",
@@ -100,9 +102,9 @@ OPTIONS = {
     "scan_adc": ["free=40000", "part=2", "late=left_q"],
     "scan_demod": ["free=60000", "part=3", "late=left_q"],
     "array": ["free=60000", "part=1", "late=left_q"],
-    "core": ["free=60000", "part=1", "late=left_q", "packets=1"],
+    "core": ["free=40000", "part=1", "late=left_q", "packets=1", "writes=40"],
 }
-# Writes to registers while it measures, each at a hundred clocks of a frame (docs/registers.md).
+# Writes to registers while it measures, each at forty clocks of a frame (docs/registers.md).
 GAINS = [f"504:{beat:x},508:{3 * beat:x},50c:{0x900 + 0x123 * beat:x},510:1" for beat in range(9)]
 WRITES = {
     "core": [
