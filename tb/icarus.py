@@ -25,11 +25,30 @@ SLICES = "a packed vector of vectors of which a process drives one element and a
 REFUSED = {
     "adc_spi": FUNCTIONS,
     "adc_single": FUNCTIONS,
+    "acquire": FUNCTIONS,
     "scan_adc": FUNCTIONS,
     "scan_demod": FUNCTIONS,
     "channels": FUNCTIONS,
+    "array": FUNCTIONS,
     "haar": SLICES,
+    "slip_path": SLICES,
+    "cop_accumulate": SLICES,
+    "cop": SLICES,
+    "cop_array": SLICES,
 }
+# Of these, the sizes that it does run: what it refuses is not there.
+RUNS = {
+    "slip_path": lambda p: int(p.get("Serial", 0)) == 1,
+    "cop_accumulate": lambda p: int(p.get("Lanes", 1)) == 1,
+    "cop": lambda p: int(p.get("Lanes", 1)) == 1,
+    "cop_array": lambda p: int(p.get("Lanes", 1)) == 1,
+}
+
+
+def refused(block, parameters):
+    """Why Icarus cannot run this size of a block; None if it can."""
+    runs = RUNS.get(block)
+    return None if runs and runs(parameters) else REFUSED.get(block)
 
 
 def adapted(sources, folder):

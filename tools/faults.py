@@ -29,6 +29,7 @@ def main():
         sys.exit(f"faults: no block with a clock is called {', '.join(unknown)}")
     totals, silent, broken, done = collections.Counter(), [], [], {}
     for name in names:
+        rtl = record.digest(name)  # now: it may change before the end
         try:
             results = faults.inject(name, given.faults, given.seed)
         except (RuntimeError, subprocess.TimeoutExpired) as problem:
@@ -38,7 +39,7 @@ def main():
         counts = collections.Counter(result.outcome for result in results)
         counts["injected"] = len(results)
         totals += counts
-        done[name] = {key: counts[key] for key in faults.COLUMNS}
+        done[name] = {"rtl": rtl} | {key: counts[key] for key in faults.COLUMNS}
         print(f"{name:20}", *(f"{key} {counts[key]:5}" for key in faults.COLUMNS), flush=True)
         for result in results:
             if result.outcome == "silent" or (given.show and result.outcome not in ("masked", "recovered")):

@@ -24,6 +24,9 @@ MARK = "<!-- written by make mutants: from here to the end -->\n"
 WHOLE = ("divide", "round_sat", "haar", "peak_to_peak", "cop_accumulate")  # must kill every one
 LEAST = 0.95  # of those that are not equivalent, in every other block
 SETS = 4  # parameter sets of a block, evenly out of its tests' list
+POWERUPS = 8  # for counters, whose upper bits are ones or zeros otherwise
+COUNTS = "counts_over_the_whole_width"  # the test of bench.turn_over
+FEWEST_A_SET = 25  # mutants; fewer sets if fewer are wanted
 FEWEST, MOST = 100, 200  # mutants of a block; between them one for each line of its source
 
 
@@ -57,8 +60,12 @@ def one_set(runs, number, count, options):
     for run in runs:
         seconds += simulate.judge(run, alive, folder, options.jobs)
         alive = [mutant for mutant in alive if mutant.verdict == "survived"]
+    for powerup in range(1, POWERUPS + 1):
+        if alive and COUNTS in mutate.tests_of(runs[0]).read_text():
+            simulate.judge(runs[0] | {"test_filter": COUNTS}, alive, folder, options.jobs, powerup)
+            alive = [mutant for mutant in alive if mutant.verdict == "survived"]
     if alive:
-        equivalence.classify(alive, folder)
+        equivalence.classify(alive, folder, block)
     return mutants, seconds
 
 
@@ -66,8 +73,8 @@ def one_block(block, options):
     """The block's entry of docs/trust/mutants.json."""
     began, rtl = time.monotonic(), record.digest(block)
     groups = parameter_sets(block)
-    wanted = min(SETS, len(groups))
     count = options.samples or size_of(block)
+    wanted = min(SETS, len(groups), -(-count // FEWEST_A_SET))
     mutants, sets, slow = [], [], []
     for number, runs in enumerate(groups):
         if len(sets) == wanted:

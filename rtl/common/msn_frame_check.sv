@@ -3,7 +3,7 @@
 // Passes samples of whole frames, resynchronises on `last`.
 //
 // Channels must count 0 .. Channels-1 with `last` on the final one. From the first sample that breaks
-// this, the rest of the frame is swallowed, up to its `last`, and the damage is counted once. The next
+// this, the rest of the frame is swallowed, up to its `last`, which counts the damage once. The next
 // frame is marked `restart`, as is the first after reset: what follows must forget its history there.
 //
 // Latency 1 clock, one sample per clock.   Model: model/meissner/common/frame_check.py
@@ -62,7 +62,7 @@ module msn_frame_check #(
       dropping <= !in_last_i && !keep;
       if (in_last_i) restart <= !keep;
     end
-    damage    <= in_valid_i && in_ready_o && !keep && !dropping;
+    damage    <= in_valid_i && in_ready_o && in_last_i && !keep;
     if (damage) damaged_o <= damaged_o + 1'b1;  // a clock late: 32 enables are slow
     if (rst_i) begin
       out_valid_o <= 1'b0;

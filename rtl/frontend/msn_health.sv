@@ -90,9 +90,10 @@ module msn_health #(
   // Frames. At each end the next waits until all of this one is written and its first words are read again.
   localparam int unsigned Drain = 6;
   logic accept, keep, last, fits, whole, was_whole, midway, ending, restart, done, due, head_valid;
+  logic closed;  // due || ending, found a clock ahead: the memories are far
   logic [2:0]        drain;
   logic [IdBits-1:0] place;
-  assign in_ready_o = (out_ready_i || !out_valid_o) && head_valid && !due && !ending;
+  assign in_ready_o = (out_ready_i || !out_valid_o) && head_valid && !closed;
   assign accept     = in_valid_i && in_ready_o;
   assign restart    = rst_i || drain != '0;  // a clock after the last beat: who takes that is known late
   assign done       = ending && drain == 3'd1;
@@ -113,34 +114,35 @@ module msn_health #(
 
   // fresh: this frame only writes first states. again: nothing counts as reported. bank: the last whole
   // frame's moves. tick: every 16th whole frame.
-  logic clear_asked, report_asked, fresh, again, bank, bank_next;
+  logic clear_asked, report_asked, clear_next, report_next, midway_next, ending_next;
+  logic fresh, again, bank, bank_next;
   logic [3:0] tick;
-  assign bank_next = bank ^ (done && was_whole);
-  assign due       = !midway && (clear_asked || report_asked);
+  assign bank_next   = bank ^ (done && was_whole);
+  assign due         = !midway && (clear_asked || report_asked);
+  assign clear_next  = (cfg_clear_i || clear_asked) && !(due && clear_asked);  // held high, it blocks nothing
+  assign report_next = (cfg_report_i || report_asked) && !(due && report_asked);
+  assign midway_next = accept || (midway && !done);
+  assign ending_next = accept ? in_last_i : ending && !done;
   always_ff @(posedge clk_i) begin
-    if (accept) begin
-      midway    <= 1'b1;
-      ending    <= in_last_i;
-      was_whole <= whole;
-    end
+    midway <= midway_next;
+    ending <= ending_next;
+    closed <= ((clear_next || report_next) && !midway_next) || ending_next;
+    if (accept) was_whole <= whole;
     if (accept && in_last_i) drain <= 3'(Drain);
     else if (drain != '0) drain <= drain - 1'b1;
-    clear_asked  <= (cfg_clear_i || clear_asked) && !(due && clear_asked);  // held high, it blocks nothing
-    report_asked <= (cfg_report_i || report_asked) && !(due && report_asked);
+    clear_asked  <= clear_next;
+    report_asked <= report_next;
     if (due) begin
       fresh <= fresh || clear_asked;
       again <= again || report_asked;
     end
     bank <= bank_next;
-    if (done) begin
-      {midway, ending} <= '0;
-      if (was_whole) begin
-        {fresh, again} <= '0;
-        tick           <= tick + 1'b1;
-      end
+    if (done && was_whole) begin
+      {fresh, again} <= '0;
+      tick           <= tick + 1'b1;
     end
     if (rst_i) begin
-      {midway, ending, clear_asked, report_asked, again, bank} <= '0;
+      {midway, ending, closed, clear_asked, report_asked, again, bank} <= '0;
       drain <= '0;
       tick  <= '0;
       fresh <= 1'b1;

@@ -62,10 +62,12 @@ module msn_scan_buffer #(
   logic [IdBits-1:0]   skip_q;
 
   // The writer: beats of the present row, and rows, that are there.
-  logic                   busy, store;
+  logic                   busy;  // a beat was left a clock ago: who takes the last one is known late
+  logic                   store;
   logic [BeatBits-1:0]    in_beat_q, in_beat, last_beat;
   logic [RowBits:0]       in_rows_q, in_rows;
-  logic [AddressBits-1:0] in_base_q, in_base, span;
+  logic [AddressBits-1:0] in_base_q, in_base, base_next, span;  // of the row
+  logic [AddressBits-1:0] in_address_q, in_address;
   logic                   interleave, row_full, half;
   logic [RowBits:0]       half_rows_q;                // rows of the first half of an interleaved frame
   logic [RowBits:0]       half_last_q, half_last;     // the last of them
@@ -80,16 +82,19 @@ module msn_scan_buffer #(
   assign row_full   = in_beat == last_beat;
   assign half       = in_rows == half_last;
   assign span       = AddressBits'(last_beat) + 1'b1;
+  assign in_address = in_first_i ? '0 : in_address_q;
+  assign base_next  = !row_full ? in_base : (interleave && half) ? span : in_base + (span << interleave);
 
   (* no_rw_check *) logic [Width-1:0] frame [Depth];
-  always_ff @(posedge clk_i) if (store) frame[in_base + AddressBits'(in_beat)] <= in_data_i;
+  always_ff @(posedge clk_i) if (store) frame[in_address] <= in_data_i;
 
   always_ff @(posedge clk_i) begin
     if (store) begin
       in_beat_q <= row_full ? '0 : in_beat + 1'b1;
       in_rows_q <= in_rows + (RowBits+1)'(row_full);
-      in_base_q <= in_base;
-      if (row_full) in_base_q <= !interleave ? in_base + span : half ? span : in_base + (span << 1);
+      in_base_q <= base_next;
+      // Found a beat ahead: the memory's blocks are far.
+      in_address_q <= row_full ? base_next : in_address + 1'b1;
     end
     if (in_valid_i && in_first_i) begin
       drop_q <= busy;
@@ -113,7 +118,6 @@ module msn_scan_buffer #(
 
   // The reader. place_q: how many rows come in before the row that is read.
   logic                   open_q, ahead, step, row_read, all_read;
-  logic                   left_q;  // a beat was left a clock ago: who takes the last one is known late
   logic [RowBits-1:0]     row_q;
   logic [RowBits:0]       place_q;
   logic [BeatBits-1:0]    beat_q;
@@ -127,10 +131,9 @@ module msn_scan_buffer #(
   assign step     = open_q && ahead && move;
   assign row_read = beat_q == last_beat_q;
   assign all_read = row_read && row_q == last_row_q;
-  assign busy     = open_q || left_q;
 
   always_ff @(posedge clk_i) begin
-    left_q <= !rst_i && (open_q || read_valid_q || (out_valid_o && !out_ready_i));
+    busy <= !rst_i && (taken_o || open_q || read_valid_q || (out_valid_o && !out_ready_i));
     if (step) begin
       beat_q    <= row_read ? '0 : beat_q + 1'b1;
       address_q <= address_q + 1'b1;

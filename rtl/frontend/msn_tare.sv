@@ -87,10 +87,12 @@ module msn_tare #(
   // Frames. At each end the next waits until all of this one is written and its first words are read again,
   // so that no word is read before it was written, however small the array.
   localparam int unsigned Drain = 4;
-  logic accept, keep, last, fits, whole, was_whole, midway, ending, restart, done, load_due, word_valid;
+  logic accept, keep, last, fits, whole, was_whole, midway, ending, restart, done, word_valid;
+  logic load_due, load_change, change_next, midway_next, ending_next;
+  logic closed;  // load_due || ending, found a clock ahead: the memories are far
   logic [2:0]        drain;
   logic [IdBits-1:0] place;
-  assign in_ready_o = (out_ready_i || !out_valid_o) && word_valid && !load_due && !ending;
+  assign in_ready_o = (out_ready_i || !out_valid_o) && word_valid && !closed;
   assign accept     = in_valid_i && in_ready_o;
   assign restart    = rst_i || drain != '0 || load_due;  // a clock after the last beat: it is known late
   assign done       = ending && drain == 3'd1;
@@ -111,25 +113,30 @@ module msn_tare #(
 
   // What the frame is for. Averaging and loading begin between frames only.
   logic fresh, asked, asked_force, averaging, forced, commit, any_contact, load_next;
-  logic working;  // averaging || commit: whether a beat may come depends on it
+  logic working, working_next;  // averaging || commit: whether a beat may come depends on it
   logic [7:0] frames;
-  assign load_next = cfg_load_i && !working;
-  assign load_due  = !midway && load_next != cfg_loading_o;
-  assign taring_o  = asked || averaging || commit;
+  assign working_next = done && was_whole && !cfg_loading_o ? averaging && (forced || !any_contact) : working;
+  assign load_next    = cfg_load_i && !working;
+  assign load_due     = !midway && load_change;
+  assign change_next  = (cfg_load_i && !working_next) != cfg_loading_o && !load_due;
+  assign midway_next  = accept || (midway && !done);
+  assign ending_next  = accept ? in_last_i : ending && !done;
+  assign taring_o     = asked || averaging || commit;
 
   always_ff @(posedge clk_i) begin
-    if (accept) begin
-      midway    <= 1'b1;
-      ending    <= in_last_i;
-      was_whole <= whole;
-    end
+    midway <= midway_next;
+    ending <= ending_next;
+    closed <= (change_next && !midway_next) || ending_next;
+    if (accept) was_whole <= whole;
     if (accept && in_last_i) drain <= 3'(Drain);
     else if (drain != '0) drain <= drain - 1'b1;
 
     if (cfg_tare_i) {asked, asked_force} <= {1'b1, cfg_force_i};
+    working     <= working_next;
+    load_change <= change_next;
     if (load_due) begin
       cfg_loading_o <= load_next;
-      fresh         <= 1'b0;
+      fresh         <= fresh && !load_next;
       drain         <= 3'(Drain);
     end else if (asked && !midway && !averaging && !commit && !cfg_loading_o) begin
       asked     <= cfg_tare_i;
@@ -140,14 +147,12 @@ module msn_tare #(
     end
 
     if (done) begin
-      {midway, ending} <= '0;
       if (was_whole && !cfg_loading_o) begin
         pressed_o <= any_contact;
         fresh     <= 1'b0;
         commit    <= 1'b0;
         tared_o   <= tared_o + 16'(commit);
         frames    <= frames + 1'b1;
-        working   <= averaging && !(any_contact && !forced);
         if (averaging && any_contact && !forced) begin
           averaging <= 1'b0;
           refused_o <= refused_o + 1'b1;
@@ -162,7 +167,8 @@ module msn_tare #(
     end
 
     if (rst_i) begin
-      {midway, ending, asked, averaging, commit, working, cfg_loading_o, pressed_o} <= '0;
+      {midway, ending, closed, asked, averaging, commit, working} <= '0;
+      {cfg_loading_o, load_change, pressed_o} <= '0;
       {tared_o, refused_o, swallowed_o} <= '0;
       fresh <= 1'b1;
       drain <= '0;

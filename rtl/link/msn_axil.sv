@@ -43,8 +43,11 @@ module msn_axil (
   input  logic [31:0] bus_data_i
 );
 
-  // Nothing is taken from an access until its answer is: the bus need not hold more than one.
+  // Nothing is taken from an access until its answer is: the bus need not hold more than one. Busy is what is under
+  // way, not a flag of its own, which once upset would stay.
+  logic [1:0] asked;
   logic busy, write_pending, read_turn, write_waits, take_write, take_read;
+  assign busy        = |asked || s_axil_bvalid || s_axil_rvalid;
   assign write_waits = s_axil_awvalid && s_axil_wvalid;
   assign take_write  = write_waits && !busy && !(s_axil_arvalid && read_turn);
   assign take_read   = s_axil_arvalid && !busy && !take_write;
@@ -67,13 +70,12 @@ module msn_axil (
   assign s_axil_rresp = response;
 
   always_ff @(posedge clk_i) begin
+    asked <= {asked[0], bus_valid_o};
     if (bus_valid_o) begin
-      busy          <= 1'b1;
       write_pending <= take_write;
       read_turn     <= take_write;
     end
     if (taken) begin
-      busy          <= 1'b0;
       s_axil_bvalid <= 1'b0;
       s_axil_rvalid <= 1'b0;
     end
@@ -84,7 +86,7 @@ module msn_axil (
       s_axil_rdata  <= bus_data_i;
     end
     if (rst_i) begin
-      busy          <= 1'b0;
+      asked         <= '0;
       read_turn     <= 1'b0;
       s_axil_bvalid <= 1'b0;
       s_axil_rvalid <= 1'b0;

@@ -95,6 +95,7 @@ module msn_bridge #(
   // Access and answer.
   logic       busy, asked, start, given_up, reject;
   logic [7:0] patience;
+  assign busy     = asked || answer_valid_o;
   assign start    = delimiter && good && !busy;
   assign given_up = asked && (&patience) && !bus_done_i;
 
@@ -102,7 +103,6 @@ module msn_bridge #(
     bus_valid_o <= start;
     patience    <= asked ? patience + 1'b1 : '0;
     if (start) begin
-      busy          <= 1'b1;
       asked         <= 1'b1;
       bus_write_o   <= command[0];
       bus_address_o <= command[27:16];
@@ -115,14 +115,10 @@ module msn_bridge #(
       answer_data_o[9:8]   <= {given_up, bus_done_i && bus_error_i};
       answer_data_o[63:32] <= bus_data_i;
     end
-    if (answer_valid_o && answer_ready_i) begin
-      answer_valid_o <= 1'b0;
-      busy           <= 1'b0;
-    end
+    if (answer_valid_o && answer_ready_i) answer_valid_o <= 1'b0;
     reject     <= (delimiter && open && !start) || late;
     rejected_o <= rejected_o + 32'(reject);
     if (rst_i) begin
-      busy           <= 1'b0;
       asked          <= 1'b0;
       bus_valid_o    <= 1'b0;
       answer_valid_o <= 1'b0;

@@ -226,7 +226,8 @@ module msn_slip_serial #(
     if (was_slipping || !touching) load_bit <= holds[next_bit];
     else load_bit <= blanking ? blanks[next_bit] : refractories[next_bit];
     tick_carry <= idle ? running : (tick_carry && count);
-    if (complete && top && !second) running <= next_count;
+    // Its own sign: what stands above it may have been upset.
+    if (complete && at[StepBits-1:0] == StepBits'(TimerBits) && !second) running <= next_count;
   end
 
   // The state, as in msn_slip.
@@ -269,7 +270,7 @@ module msn_slip_serial #(
       if (counts) blanked_o <= blanked_o + 1'b1;
     end
     if (forget) out_state_o <= msn_pkg::None;
-    if (forget && !dropping) damaged_o <= damaged_o + 1'b1;
+    if (forget && in_last_i) damaged_o <= damaged_o + 1'b1;
     if (rst_i) begin
       out_valid_o <= 1'b0;
       out_state_o <= msn_pkg::None;

@@ -22,6 +22,8 @@ async def matches_model(dut, pause_rate):
     bench.Clock(dut.clk_i, 10, unit="ns").start()
     dut.advance_i.value = 0
     dut.restart_i.value = 1
+    dut.write_i.value = 0
+    await bench.RisingEdge(dut.clk_i)  # the very first edge, before what was written here is there
 
     async def write(bank, word, strobes):
         data = [draw.getrandbits(bits) for _ in range(parts)]

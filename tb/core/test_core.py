@@ -208,9 +208,10 @@ async def packets_are_the_models_of_the_codes_at_the_pins(dut):
 
 @cocotb.test(timeout_time=200, timeout_unit="ms")
 async def an_events_first_bit_comes_within_20_clocks_of_its_sample(dut):
-    """With nothing under way on the line; the smallest sensor's serial path takes longer."""
+    """With nothing under way on the line; the serial path takes two passes of 16 bits more."""
     name, build = case_of(dut)
-    if name != "channels":
+    most = {"channels": 20, "smallest": 20 + 2 * 16}.get(name)
+    if most is None:
         return
     line, _, _ = await begin(dut, name, build)
     offered = []
@@ -223,11 +224,11 @@ async def an_events_first_bit_comes_within_20_clocks_of_its_sample(dut):
     cocotb.start_soon(watch())
     await bench.clocks(dut, FRAMES[name] * build.period_clocks)
     falls = [round(time / PERIOD_NS) for time, level in line.edges if level == 0]
-    quiet = 12 * build.clk_khz * 1000 / build.link["baud"]
+    quiet = 30 * build.clk_khz * 1000 / build.link["baud"]
     first = [now for before, now in pairwise([-1000, *falls]) if now - before > quiet]
     waits = {now - max(at for at in offered if at < now) for now in first}
     dut._log.info(f"clocks from a sample to the line's first bit: {sorted(waits)}")
-    assert len(first) > 3 and max(waits) <= 20
+    assert len(first) > 3 and max(waits) <= most
 
 
 @cocotb.test(timeout_time=200, timeout_unit="ms")

@@ -102,6 +102,7 @@ module formal_axil (
   // Invariant.
   always_comb begin
     if (started) begin
+      assert (dut.asked == {bus_done_i, bus_asked});
       assert (dut.busy == (write_open || read_open) && !(write_open && read_open));
       if (dut.busy) assert (dut.write_pending == write_open);
       assert (!answered || dut.busy);

@@ -2,7 +2,7 @@
 //
 // What passes counts 0 .. Channels-1 without a gap, each sample unchanged a clock later; nothing passes of a frame
 // from the first sample that is out of place on; the next frame, and the first since reset, bear `restart` on each
-// sample; damage is counted once a frame. What the slip path's proofs assume of their frames.
+// sample; damage is counted once a frame, with its last. What the slip path's proofs assume of their frames.
 
 module formal_frame_check #(
   parameter  int unsigned Channels = 8,
@@ -46,7 +46,7 @@ module formal_frame_check #(
       broken <= !in_last_i && (broken || !right);
       if (in_last_i) after_damage <= broken || !right;
     end
-    damage <= take && !broken && !right;
+    damage <= take && in_last_i && (broken || !right);
     if (damage) damages <= damages + 1'b1;  // shown a clock later
     if (in_ready_o) begin
       due      <= take && right && !broken;

@@ -99,6 +99,7 @@ async def matches_model(dut, stall_rate, damage):
             every = twin._fresh  # nothing stands in the memory yet: all of it must be written
             dut.cfg_load_i.value = 1
             twin.load(True)
+            await bench.clocks(dut, 1)  # until then a beat may come
             piece = beats[at : at + draw.randint(0, 2 * length)]
             at += len(piece)
             got = await bench.stream(dut, piece, FIELDS, pause, pause, drain=3)
@@ -117,7 +118,7 @@ async def matches_model(dut, stall_rate, damage):
                 twin.write(word, offset, bits)
             dut.cfg_load_i.value = 0
             twin.load(False)
-            await bench.clocks(dut, 1)
+            await bench.clocks(dut, 2)
     if not damage and 1 < length < 100:
         assert twin.tared > 0 and twin.refused > 0 and twin.swallowed > 0
 

@@ -8,6 +8,8 @@ import random
 import cocotb
 import numpy as np
 import pytest
+from cocotb.triggers import ClockCycles
+from cocotb.utils import get_sim_time
 
 import bench
 from meissner.slip.config import SlipConfig
@@ -157,14 +159,31 @@ async def thresholds_and_levels_use_every_bit(dut):
     """Thresholds are unsigned and reach the top bit; levels are signed and reach both ends."""
     channels, bits = dut.Channels.value.to_unsigned(), len(dut.in_p2p_i)
     low, high = bench.width(bits)
-    sizes = [0, 1, high, high + 1, high + 2, 2 * high, 2 * high + 1]
-    levels = [low, low + 1, -1, 0, 1, high - 1, high]
+    ends_of = (
+        [0, 1, high, high + 1, high + 2, 2 * high, 2 * high + 1],
+        [low, low + 1, -1, 0, 1, high - 1, high],
+    )
+    settings = [(high + 1, 2 * high, low, low), (high, high + 1, 0, low), (0, high, high, low)]
+    draw = random.Random(bench.SEED)
+    sign = 1 << bits
+    numbers = [draw.randrange(1, sign - 1) for _ in range(4)]
+    for _ in range(3):  # every bit of every register up and down
+        settings.append((*numbers[:2], *(bench.as_signed(number, bits) for number in numbers[2:])))
+        numbers = [sign - 1 - number for number in numbers]
     await bench.start(dut, actuator_moving_i=0, in_mask_i=0)
-    for threshold, gross, contact in ((high + 1, 2 * high, low), (high, high + 1, 0), (0, high, high)):
+    for number, (threshold, gross, contact, release) in enumerate(settings):
         config = SlipConfig(
-            threshold=threshold, gross_threshold=gross, contact_level=contact, release_level=low, blank=0
+            threshold=threshold,
+            gross_threshold=gross,
+            contact_level=contact,
+            release_level=release,
+            contact_rises=number != 4,
         )
         await apply(dut, config)
+        sizes, levels = ends_of
+        if number > 2:
+            sizes = [t + off for t in (threshold, gross) for off in (-1, 0, 1) if 0 <= t + off < sign]
+            levels = [t + off for t in (contact, release) for off in (-1, 0, 1) if low <= t + off <= high]
         p2p, total = (np.tile(a.ravel(), (channels, 1)) for a in np.meshgrid(sizes, levels))
         if channels > 100:
             p2p, total = p2p[:, ::7], total[:, ::7]
@@ -173,6 +192,45 @@ async def thresholds_and_levels_use_every_bit(dut):
         got = await bench.stream(dut, bench.frames(p2p=p2p, total=total, end=ends), ["state", "over"])
         rows = bench.frames(state=states, over=p2p > threshold)
         assert got == [{"state": row["state"], "over": row["over"]} for row in rows], config
+
+
+async def note_changes(port, seen):
+    """Append the time, in ns, and the value of every change of ``port`` to ``seen``."""
+    while True:
+        await port.value_change
+        seen.append((int(get_sim_time("ns")), bench.read(port)))
+
+
+@cocotb.test(timeout_time=10, timeout_unit="ms")
+async def timers_end_on_time_with_every_bit(dut):
+    """For each of the three a time of every other bit, and one of the bits between; a detail a clock."""
+    bits = len(dut.cfg_hold_i)
+    if dut.Channels.value.to_unsigned() > 1:
+        return
+    times = [sum(1 << k for k in range(first, bits, 2)) for first in (0, 1)]
+    await bench.start(dut, actuator_moving_i=0, in_mask_i=0, out_ready_i=1)
+    for name, time in itertools.product(("blank", "hold", "refractory"), times):
+        config = SlipConfig(**{"contact_level": 1, "release_level": 1, "hold": 3} | {name: time})
+        await apply(dut, config)
+        # Over from the onset on, still, over while deaf, then lifted.
+        parts = [(99, 1, config.blank + 3), (0, 1, config.hold + 2), (99, 1, config.refractory + 2)]
+        parts += [(0, 0, config.hold + 3 if name != "hold" else 1)]
+        p2p, level, _ = np.repeat(parts, [part[2] for part in parts], axis=0).T
+        states = Slip(1, config).process([p2p], [level])[0]
+        before, seen = int(get_sim_time("ns")), []
+        watch = cocotb.start_soon(note_changes(dut.out_state_o, seen))
+        dut.in_valid_i.value = dut.in_restart_i.value = 1
+        for p2p, level, count in parts:
+            dut.in_p2p_i.value, dut.in_total_i.value = p2p, level
+            await bench.clocks(dut, 1)
+            dut.in_restart_i.value = 0
+            await ClockCycles(dut.clk_i, count - 1)
+        dut.in_valid_i.value = 0
+        await bench.clocks(dut, 2)
+        watch.cancel()
+        # A detail is taken a clock after it is offered, and tells its state after two.
+        expected = [(before + 10 * (at + 2), states[at]) for at in np.flatnonzero(np.diff(states)) + 1]
+        assert [change for change in seen if change[0] > before + 20] == expected, config
 
 
 # Timers of 4 bits: those of matches_model then reach the top bit.

@@ -14,7 +14,9 @@ from meissner.slip.slip_flags import slip_flags
 async def matches_model(dut, channels):
     draw = random.Random(bench.SEED)
     await bench.start(dut, in_state_i=3, in_last_i=1)
+    await ReadOnly()
     assert [bench.read(getattr(dut, f"{n}_o")) for n in ("slip", "gross", "touched")] == [0] * 3
+    await RisingEdge(dut.clk_i)
     likely = [0] * 12 + [1, 1, 2, 3, 4, 4]
     states = [draw.choice(likely) for _ in range(600 * channels)]
     decisions = [(state, n % channels == channels - 1) for n, state in enumerate(states)]

@@ -19,10 +19,10 @@ def test_none_is_silent(block):
     assert any(result.outcome == "recovered" for result in results)  # they did something
 
 
-def planted(monkeypatch, tmp_path, block, good, bad):
-    """The block with ``bad`` in place of ``good``."""
+def planted(monkeypatch, tmp_path, block, good, bad, of=None):
+    """The block with ``bad`` in place of ``good``, in itself or in ``of`` which is a part of it."""
     paths = list(toolchain.sources_of(f"msn_{block}"))
-    at = next(n for n, path in enumerate(paths) if path.stem == f"msn_{block}")
+    at = next(n for n, path in enumerate(paths) if path.stem == f"msn_{of or block}")
     text = paths[at].read_text()
     assert good in text
     paths[at] = Path(tmp_path) / paths[at].name
@@ -45,6 +45,41 @@ def test_finds_damage_that_nobody_tells(monkeypatch, tmp_path):
     count = "if (damage) damaged_o <= damaged_o + 1'b1;"
     planted(monkeypatch, tmp_path, "frame_check", count, "")
     assert any(result.outcome == "silent" for result in faults.inject("frame_check", 60, 3))
+
+
+def test_finds_bytes_that_stay_wrong(monkeypatch, tmp_path):
+    byte = "code ? 8'(count) : (state == Body) ? in_data_i : '0;"
+    key = "out_data_o = key ^ (" + byte.replace(";", ");")
+    key += " logic [7:0] key; always_ff @(posedge clk_i) if (rst_i) key <= '0;"
+    planted(monkeypatch, tmp_path, "cobs", "out_data_o  = " + byte, key)
+    silent = [result.where for result in faults.inject("cobs", 120, 3) if result.outcome == "silent"]
+    assert silent and all(where.startswith("key") for where in silent)
+
+
+@pytest.mark.long
+def test_finds_an_access_that_never_ends(monkeypatch, tmp_path):
+    kept = "asked <= ({2{!taken}} & asked) | {asked[0], bus_valid_o};"
+    planted(monkeypatch, tmp_path, "axil", "asked <= {asked[0], bus_valid_o};", kept)
+    results = faults.inject("axil", 60, 3)
+    assert any("asked" in result.where for result in results if result.outcome == "silent")
+
+
+@pytest.mark.long
+def test_finds_a_timer_that_lasts_for_months(monkeypatch, tmp_path):
+    own_sign = "complete && at[StepBits-1:0] == StepBits'(TimerBits) && !second"
+    planted(monkeypatch, tmp_path, "slip_serial", own_sign, "complete && top && !second")
+    results = faults.inject("slip_serial", 400, 3)
+    assert any("timer" in result.where for result in results if result.outcome == "silent")
+
+
+@pytest.mark.long
+def test_finds_a_write_that_takes_effect_in_mid_frame(monkeypatch, tmp_path):
+    """Gains that swap at once, not with the next frame."""
+    monkeypatch.setattr(faults, "WRITES", {"core": faults.WRITES["core"][:1]})
+    swap = "cfg_swapping_o && !midway"
+    planted(monkeypatch, tmp_path, "core", swap, "cfg_swapping_o", of="calibration_table")
+    silent = [result.kind for result in faults.inject("core", 0, 1) if result.outcome == "silent"]
+    assert "write" in silent
 
 
 @pytest.mark.long

@@ -1,6 +1,7 @@
 """`make fuzz` in a short form: each reader over its corpus and some thousand cases; what was found once is
 refused in a sentence; and it finds a decoder that lets a damaged packet pass and a reader that breaks."""
 
+import time
 import warnings
 import zipfile
 
@@ -15,6 +16,7 @@ from meissner.trust import fuzz
 CASES = {
     "decoder_python": 4000,
     "host": 1500,
+    "host_pty": 500,
     "config": 300,
     "recordings": 500,
     "calibration": 200,
@@ -26,6 +28,13 @@ CASES = {
 def test_short(target):
     with warnings.catch_warnings(action="ignore"):
         fuzz.run(target, CASES[target], seed=2)
+
+
+def test_packets_come_through_the_terminal(tmp_path):
+    reader = fuzz.Terminal(tmp_path)
+    reader.check(reader.line)
+    reader.close()
+    assert reader.found == len(reader.told) > 5
 
 
 def test_decoder_in_c():
@@ -55,16 +64,26 @@ def test_finds_a_reader_that_breaks(monkeypatch):
         fuzz.run("calibration", 300)
 
 
-def test_finds_what_hangs(monkeypatch):
-    monkeypatch.setattr(fuzz, "SLOW_S", 0.05)
+def hangs(_):
+    while True:
+        pass
 
-    def hangs(_):
-        while True:
-            pass
 
-    monkeypatch.setattr(calibration, "load", hangs)
-    with pytest.raises(fuzz.Failed, match="hangs"):
+@pytest.mark.parametrize(
+    ("limit", "hang", "by"),
+    [("SLOW_S", hangs, "of processor time"), ("STILL_S", lambda _: time.sleep(9), "by the")],
+)
+def test_finds_what_hangs(monkeypatch, limit, hang, by):
+    monkeypatch.setattr(fuzz, limit, 0.05)
+    monkeypatch.setattr(calibration, "load", hang)
+    with pytest.raises(fuzz.Failed, match=f"hangs: more than 0.05 s {by}"):
         fuzz.run("calibration", 1)
+
+
+def test_a_slow_machine_is_no_hang(monkeypatch):
+    monkeypatch.setattr(fuzz, "SLOW_S", 0.05)
+    monkeypatch.setattr(calibration, "load", lambda _: time.sleep(0.2))
+    fuzz.run("calibration", 1)
 
 
 HEADER = (

@@ -12,20 +12,27 @@ from meissner import toolchain
 pytestmark = pytest.mark.skipif(not shutil.which("iverilog"), reason="iverilog is not installed")
 
 
-def accepted(block, folder):
+def accepted(block, folder, **parameters):
     paths = icarus.adapted(toolchain.sources_of(f"msn_{block}"), folder)
-    command = ["iverilog", "-g2012", "-o", folder / "out.vvp", "-s", f"msn_{block}", *paths]
+    command = ["iverilog", "-g2012", "-o", folder / "out.vvp", "-s", f"msn_{block}"]
+    command += [*(f"-Pmsn_{block}.{name}={value}" for name, value in parameters.items()), *paths]
     return subprocess.run([*map(str, command)], capture_output=True).returncode == 0
 
 
 @pytest.mark.parametrize("block", icarus.REFUSED)
 def test_refused_is_refused(block, tmp_path):
-    assert not accepted(block, tmp_path)
+    lanes = {"Lanes": 2} if block.startswith("cop") else {}
+    assert not accepted(block, tmp_path, **lanes)
+    assert icarus.refused(block, lanes)
 
 
-@pytest.mark.parametrize("block", ["divide", "cop_accumulate", "registers"])
-def test_others_are_accepted(block, tmp_path):
-    assert accepted(block, tmp_path)
+@pytest.mark.parametrize(
+    "block, given",
+    [("divide", {}), ("cop_accumulate", {"Lanes": 1}), ("slip_path", {"Serial": 1}), ("registers", {})],
+)
+def test_others_are_accepted(block, given, tmp_path):
+    assert accepted(block, tmp_path, **given)
+    assert icarus.refused(block, given) is None
 
 
 def test_a_bench_runs_on_it():

@@ -10,7 +10,7 @@ import pytest
 
 import mutants as tool
 from meissner.toolchain import ROOT
-from meissner.trust import benches, equivalence, mutate, simulate
+from meissner.trust import after_reset, benches, contract, equivalence, mutate, simulate
 
 OPTIONS = argparse.Namespace(samples=6, seed=7, jobs=2)
 
@@ -57,6 +57,22 @@ def test_shows_equivalence_and_never_of_a_killed_mutant():
     equivalence.classify(alive + killed[:8], folder)
     assert alive and {mutant.verdict for mutant in alive} == {"equivalent"}
     assert {mutant.verdict for mutant in killed[:8]} == {"different"}
+    equivalence.judge(alive + killed[:8], folder, after_reset.write_all, search=False)
+    assert {mutant.verdict for mutant in alive} == {"equivalent"}
+    assert {mutant.verdict for mutant in killed[:8]} == {"undecided"}
+
+
+def test_shows_equivalence_under_a_contract():
+    """A divider in a pipe that takes in what is not valid, and mutants that its tests kill."""
+    folder = "build/mutants/divide-contract"
+    [run] = [
+        run for run in benches.runs("divide") if list(run["parameters"].values()) == ["12", "5", "1", "1"]
+    ]
+    found = mutate.netlist(run, 47, 1, folder)
+    circuit = after_reset.bits(folder)
+    [same] = [mutant for mutant in found if mutant.what == "const1 logic_and A[0]"]
+    assert contract.same(circuit, same.number)
+    assert not contract.same(circuit, found[1].number)
 
 
 def test_fails_when_the_tests_fail_unchanged():

@@ -5,7 +5,7 @@ class FrameCheck:
     """Channels must count 0 .. channels-1 with ``last`` on the final one.
 
     From the first sample of a frame that breaks this, the rest of the frame is dropped, up to its
-    ``last``; the next frame is marked ``restart``, as is the first after reset.
+    ``last``, which counts it as damaged; the next frame is marked ``restart``, as is the first after reset.
     """
 
     def __init__(self, channels):
@@ -23,8 +23,8 @@ class FrameCheck:
         """One sample; returns (kept, restart)."""
         fits = channel == self._expected and last == (channel == self.channels - 1)
         kept, restart = fits and not self._dropping, self._restart
-        self.damaged += not fits and not self._dropping
         bad = self._dropping or not fits
+        self.damaged += last and bad
         if last:
             self._expected, self._dropping, self._restart = 0, False, bad
         else:

@@ -5,14 +5,17 @@ a clock of reset and with it the change. From then on no output may differ, what
 `*_valid_o` qualifies counts only while that is 1. ABC, which is part of Yosys, merges what it proves equal
 by induction (scorr), looks for a difference (bmc3), and proves that there is none (pdr). What it leaves open
 is no proof. A block with `in_restart_i` gets whole frames, as msn_frame_check hands them on, the first one
-after a reset with restart; what it gets while `in_valid_i` is 0 is free there too.
+after a reset with restart; what it gets while `in_valid_i` is 0 is free there too. What stays open is looked
+at once more, from more states (after_reset.py), then signal by signal (lemmas.py); msn_divide has a contract
+(contract.py).
 """
 
 import re
 import subprocess
 from pathlib import Path
 
-from meissner.trust.mutate import INNER
+from meissner.trust import after_reset, aig, contract, lemmas
+from meissner.trust.mutate import INNER, Mutant
 from meissner.yowasp import ROOT, ToolError, yosys
 
 FRAMES = 60  # clocks in which a difference is looked for
@@ -84,7 +87,7 @@ def miter(folder, parameters):
         joined += [".rst_i(i_rst_i || (begin_i && !on))"] if reset else []
         joined += [f".{n}({copy}_{n})" for n in outputs]
         lines.append(f"{INNER} {copy} (.mutsel({chosen}), {', '.join(joined)});")
-    lines += [frames, f"assign bad = on && ({difference(outputs)});", "endmodule", DUMMY]
+    lines += [frames, f"assign bad = on && ({difference(outputs)});", "endmodule"]
     return "\n".join(lines)
 
 
@@ -95,9 +98,47 @@ def _constant_zero(path):
     return int(outputs) == 1 and rest[int(latches)] == b"0"
 
 
-def classify(mutants, folder):
-    """Set ``verdict`` of ``mutants`` of the netlist in ``folder``: equivalent, different or undecided."""
-    folder = Path(folder)
+def classify(mutants, folder, block=""):
+    """Set ``verdict`` of ``mutants`` of the netlist in ``folder``: equivalent, different or undecided.
+
+    ``block``: whose it is, if that has a contract.
+    """
+    judge(mutants, folder, _write_all)
+    if undecided := [mutant for mutant in mutants if mutant.verdict == "undecided"]:
+        judge(undecided, folder, after_reset.write_all, search=False)
+    left = [mutant for mutant in mutants if mutant.verdict == "undecided"]
+    if left and lemmas.fits(circuit := after_reset.bits(folder), left[0].parameters):
+        for mutant in left:
+            _judge_by_lemmas(mutant, circuit, Path(folder))
+    if block == "divide" and (left := [mutant for mutant in mutants if mutant.verdict != "equivalent"]):
+        circuit = after_reset.bits(folder)
+        for mutant in left:  # different perhaps for what is no division
+            if contract.same(circuit, mutant.number):
+                mutant.verdict = "equivalent"
+
+
+def _judge_by_lemmas(mutant, circuit, folder):
+    """Set its verdict with what of its inner signals is proven first."""
+    (ROOT / folder / "lemmas").mkdir(exist_ok=True)
+    asked = [Mutant(number, "", "", "") for number in lemmas.signals(circuit)]
+
+    def write_lemmas(asked, inside):
+        for signal in asked:
+            graph, latches, bad = lemmas.signal_apart(circuit, mutant.number, signal.number)
+            aig.write(ROOT / inside / f"m{signal.number}.aig", graph, latches, [bad])
+
+    def write_mutant(_, folder):
+        alike = [signal.number for signal in asked if signal.verdict == "equivalent"]
+        frames = lemmas.Frames(circuit, alike)
+        graph, latches, bad = after_reset.miter(circuit, mutant.number, frames)
+        aig.write(ROOT / folder / f"m{mutant.number}.aig", graph, latches, [bad])
+
+    judge(asked, folder / "lemmas", write_lemmas, search=False)
+    judge([mutant], folder, write_mutant, search=False)
+
+
+def _write_all(mutants, folder):
+    """The miter of each mutant as an AIGER file m<number>.aig."""
     (ROOT / folder / "miter.v").write_text(miter(folder, mutants[0].parameters))
     # Gates once for all mutants; then only the two copies are put together for each. Later `opt` would make
     # flip-flops with enables again, which AIGER has not.
@@ -106,46 +147,54 @@ def classify(mutants, folder):
         "setundef -zero -init; setundef -zero; async2sync; dffunmap; techmap; opt_expr; aigmap; opt_clean; "
         f"read_verilog {folder}/miter.v; design -save both"
     ]
-    judge = ["backup"]
+    prepare += [
+        f"design -load both; chparam -set K {mutant.number} miter; hierarchy -top miter; proc; flatten; "
+        "opt_expr; opt_clean; techmap; opt_expr; aigmap; opt_clean; "
+        f"write_aiger -zinit {folder}/m{mutant.number}.aig"
+        for mutant in mutants
+    ]
+    (ROOT / folder / "prepare.ys").write_text("\n".join(prepare) + "\n")
+    yosys(f"script {folder}/prepare.ys", f"{folder}/prepare.log")
+
+
+def judge(mutants, folder, write_all, search=True):
+    """Set their verdicts by what ABC says of what ``write_all`` writes; ``search``: for differences too."""
+    folder, script = Path(folder), ["backup"]
     for mutant in mutants:
         name = folder / f"m{mutant.number}"
         for end in ("aig", "reduced.aig", "bmc", "pdr"):
             (ROOT / f"{name}.{end}").unlink(missing_ok=True)
-        prepare.append(
-            f"design -load both; chparam -set K {mutant.number} miter; hierarchy -top miter; proc; flatten; "
-            f"opt_expr; opt_clean; techmap; opt_expr; aigmap; opt_clean; write_aiger -zinit {name}.aig"
-        )
-        judge += [
+        script += [
             f"read_aiger {name}.aig",
             "strash",
             "scorr",
             "scorr -F 4",
             f"write_aiger {name}.reduced.aig",
-            f"bmc3 -F {FRAMES} -T {SECONDS[0]}",
-            f"write_status {name}.bmc",
+            *([f"bmc3 -F {FRAMES} -T {SECONDS[0]}", f"write_status {name}.bmc"] if search else []),
             f"pdr -T {SECONDS[1]}",
             f"write_status {name}.pdr",
         ]
-    (ROOT / folder / "prepare.ys").write_text("\n".join(prepare) + "\n")
-    (ROOT / folder / "judge.abc").write_text("\n".join([*judge, "restore", "strash"]) + "\n")
+    (ROOT / folder / "judge.abc").write_text("\n".join([*script, "restore", "strash"]) + "\n")
+    (ROOT / folder / "dummy.v").write_text(DUMMY)
     try:
-        yosys(f"script {folder}/prepare.ys", f"{folder}/prepare.log")
+        write_all(mutants, folder)
         yosys(
-            f"read_verilog {folder}/miter.v; hierarchy -top dummy; techmap; abc -script {folder}/judge.abc",
-            f"{folder}/judge.log",
+            f"read_verilog {folder}/dummy.v; techmap; abc -script {folder}/judge.abc", f"{folder}/judge.log"
         )
-    except (ToolError, subprocess.SubprocessError) as error:
+    except (ToolError, ValueError, subprocess.SubprocessError) as error:
         print(f"  {folder}: {error}", flush=True)
     for mutant in mutants:
         mutant.verdict = _verdict(ROOT / folder / f"m{mutant.number}")
+        if mutant.verdict == "different" and not search:  # from a state that it may never get to
+            mutant.verdict = "undecided"
 
 
 def _verdict(path):
-    told = [p.read_text() for p in (Path(f"{path}.bmc"), Path(f"{path}.pdr")) if p.exists()]
+    told = [file.read_text() if (file := Path(f"{path}.{end}")).exists() else "" for end in ("bmc", "pdr")]
     if any(text.startswith("snl_SAT") for text in told):
         return "different"
     reduced = Path(f"{path}.reduced.aig")
-    proven = any(text.startswith("snl_UNSAT") for text in told[1:])
+    proven = told[1].startswith("snl_UNSAT")
     if proven or (reduced.exists() and _constant_zero(reduced)):
         return "equivalent"
     return "undecided"

@@ -14,12 +14,12 @@ from meissner.trust import benches
 DRIVER = Path(__file__).with_name("faults_driver.cpp")
 HERE = DRIVER.parents[1] / "engines"  # the converters' models
 WORK = toolchain.BUILD / "faults"
+LONG_S = 3600  # by the clock: a build on a busy machine
 COLUMNS = ("injected", "masked", "recovered", "detected", "told", "late", "kept", "silent")
 LEFT_OUT = {
     "compare": "no state",
     "times": "no state",
-    "core": "every block of it is done alone, its paths as channels, cop_array and array",
-    "axis": "the same",
+    "axis": "the core behind msn_axil, both done alone",
 }
 
 # Frames until what a fault left behind has gone, where that is more than the one it hits: what a window or a
@@ -41,8 +41,16 @@ SETTLE = {
         "health": 40,
         "calibration_grid": 2,
         "calibrate": 3,
-        "cop_slip": 24,
-        "cop4": 4,
+        "cop4": 8,  # samples inside
+        "cop_slip": 90,
+        "image_store": 4,  # one being written, one that waits, one being read
+        "uart_rx": 2,
+        "am_demod": 3,
+        "axil": 3,
+        "bridge": 4,  # a zero before and behind each command
+        "crc32": 2,  # the sum is there up to the next packet's first byte
+        "packet": 8,  # events, images
+        "link": 8,
         "cop_accumulate": 2,
         "cop": 3,
         "cop_array": 4,
@@ -52,9 +60,12 @@ SETTLE = {
 # What the driver must be told of a block, see there.
 # Of calibrations: the tables, which of the two is in use and whether any is, until they are written again.
 TABLES = "kept=memory,gains,offsets,rows,bank,loaded,cfg_swapping"
+AXIL_INPUTS = "awvalid awaddr awprot wvalid wdata wstrb bready arvalid araddr arprot rready"
+# An image that waits, and its time.
+PACKETS = ["packets=1", "frame=cop_valid_i", "when=cop_valid_i", "kept=memory,read_time_o,written_time"]
 OPTIONS = {
     "delay": ["frame=step_i"],
-    "spi_shift": ["frame=start_i", "strobe=word_o"],
+    "spi_shift": ["frame=start_i", "strobe=word_o", "repeat=4"],
     "burst": ["frame=start_i"],
     "convert_time": ["frame=last_i"],
     "slip_flags": ["frame=in_valid_i"],
@@ -62,7 +73,24 @@ OPTIONS = {
     "calibration_grid": ["frame=last_i", TABLES],
     "calibrate": [TABLES],
     "cop_array": [TABLES],
-    "image_store": ["kept=memory"],
+    "cobs": ["end=0"],
+    "crc32": ["frame=clear_i", "join=1", "repeat=4"],
+    "packet": [*PACKETS, "join=1"],
+    "packet_slip": ["packets=1", "join=1", "rows=20000"],
+    "link": [*PACKETS, "join=1"],
+    # The zeros, the way to them, and a frame that is missing in them.
+    "tare": ["kept=u_state.,zero_,write_data,u_round.,dropping", "skip=gone"],
+    # What is not read yet; its time.
+    "image_store": [
+        "frame=in_last_i",
+        "when=in_valid_i",
+        "strobe=read_valid_o",
+        "kept=memory,read_time_o,written_time",
+    ],
+    "uart_rx": ["strobe=out_valid_o", "idle=rx_i:38", "repeat=6"],
+    "bridge": ["frame=in_data_i:0", "when=in_valid_i", "bus=1"],
+    "am_demod": ["frame=in_start_i"],
+    "axil": ["bus=1", "inputs=" + ",".join(f"s_axil_{name}" for name in AXIL_INPUTS.split())],
     "haar": ["phases=8"],
     "peak_to_peak": ["phases=8"],
     "slip_serial": ["phases=8"],
@@ -74,7 +102,24 @@ OPTIONS = {
     "scan_adc": ["free=40000", "part=2", "late=left_q"],
     "scan_demod": ["free=60000", "part=3", "late=left_q"],
     "array": ["free=60000", "part=1", "late=left_q"],
+    "core": ["free=40000", "part=1", "late=left_q", "packets=1", "writes=40"],
 }
+# Writes to registers while it measures, each at forty clocks of a frame (docs/registers.md).
+GAINS = [f"504:{beat:x},508:{3 * beat:x},50c:{0x900 + 0x123 * beat:x},510:1" for beat in range(9)]
+WRITES = {
+    "core": [
+        [f"before={','.join(GAINS)}", "write=514:1"],  # calibration: the other table
+        ["write=600:7fffffff"],  # least load
+        ["write=30c:1", "same=1"],  # scan: even rows first, the same frame
+        ["write=304:40", "same=1"],  # scan: longer to settle
+        ["before=900:0", "write=900:1", "same=1"],  # images
+        ["write=14:12345678", "same=1"],  # of no meaning
+    ]
+}
+# Parameters of no test: timers that end while a recording lasts.
+SHORT = {"cop_slip": {"TimerBits": "6"}, "slip_path": {"TimerBits": "5"}}
+# Of the program, not of the recording: packets leave as bytes, and the bus is there.
+OTHER = {"core": {"Uart": "0"}}
 # Blocks that others wait for or that wait for a converter run inside another: that block, the instance.
 INSIDE = {
     "adc_store": ("adc_spi", "u_store."),
@@ -95,12 +140,14 @@ SIZES = {
     "sliding_extremes": {"Channels": 3},
     "peak_to_peak": {"Channels": 3, "Hop": 4, "Mask": 0},
     "slip": {"TimerBits": 4},
-    "slip_serial": {"Window": 4},
     "slip_path": {"Channels": 3, "Window": 16},
     "cop": {"Rows": 3},
     "cop_array": {"Rows": 5},
     "cop_accumulate": {"Rows": 3},
     "array": {"Rows": 2, "Part": 1},
+    "acquire": {"Adc": 1, "Channels": 3},
+    "link": {"Uart": 0},
+    "slip_serial": {"Window": 4, "TimerBits": 3},
 }
 
 
@@ -136,7 +183,7 @@ def run_of(block):
     wanted = SIZES.get(block)
     if wanted:
         told = [r for r in told if all(str(r["parameters"].get(k)) == str(v) for k, v in wanted.items())]
-    return told[0]
+    return told[0] | {"parameters": told[0]["parameters"] | SHORT.get(block, {})}
 
 
 def recording(block):
@@ -163,7 +210,7 @@ def recording(block):
         env = {**os.environ, "MEISSNER_RECORD": str(fresh), "PYTHONPATH": paths}
         env["MEISSNER_RECORD_PORTS"] = ",".join(ports)
         done = subprocess.run(
-            [sys.executable, "-c", text], env=env, capture_output=True, text=True, timeout=300
+            [sys.executable, "-c", text], env=env, capture_output=True, text=True, timeout=LONG_S
         )
         if not fresh.exists():
             raise RuntimeError(f"{block}: nothing was recorded:\n{done.stdout}{done.stderr}")
@@ -187,7 +234,7 @@ def _do(what, command, cwd=None):
         env=toolchain.environment(),
         capture_output=True,
         text=True,
-        timeout=900,
+        timeout=LONG_S,
     )
     if done.returncode:
         raise RuntimeError(f"{what} did not build:\n{done.stdout}{done.stderr}")
@@ -222,7 +269,7 @@ def _compiled(source, folder, *flags):
 
 def program(block):
     """Path of the block behind the driver; built now if there is none of these sources."""
-    parameters = run_of(block)["parameters"]
+    parameters = run_of(block)["parameters"] | OTHER.get(block, {})
     sources = toolchain.sources_of(f"msn_{block}")
     own = next(path for path in sources if path.stem == f"msn_{block}").read_text()
     given = [f"-G{name}={value}" for name, value in parameters.items()]
@@ -244,18 +291,35 @@ def program(block):
     return built
 
 
+def settings():
+    """The settings among the state of msn_registers: its outputs, what waits, and that it does."""
+    source = next(path for path in toolchain.sources() if path.stem == "msn_registers").read_text()
+    outputs = re.findall(r"^\s*output\s.*?(\w+)_o,?(?:\s*//.*)?$", _header(source, "registers")[0], re.M)
+    stems = [name for name in outputs if not name.startswith("bus_")]
+    return [f"{stem}_{end}" for stem in stems for end in "oq"]
+
+
 def inject(block, count, seed):
     """``count`` upsets and a share of every other fault; a Result for each."""
     around, instance = INSIDE.get(block, (block, ""))
     options = [*OPTIONS.get(around, []), *([f"only={instance}"] if instance else [])]
-    command = [program(around), recording(around), count, seed, SETTLE.get(around, 0), *options]
-    done = subprocess.run([*map(str, command)], capture_output=True, text=True, timeout=900)
-    if done.returncode:
-        raise RuntimeError(f"{block}: {done.stderr}{done.stdout[-300:]}")
-    lines = done.stdout.splitlines()
-    print("   ", lines[0])
-    told = [Result(k, w, int(a), o, " ".join(rest)) for k, w, a, o, *rest in map(str.split, lines[1:])]
+    if around in ("registers", "core"):
+        options.append("kept=" + ",".join(settings()))
+    told = _run(around, count, seed, options)
+    for writes in WRITES.get(block, []):
+        told += _run(around, count, seed, [*options, *writes, "alone=1"])
     return [result for result in told if result.outcome != "constant"]  # no state, see the driver
+
+
+def _run(block, count, seed, options):
+    command = [program(block), recording(block), count, seed, SETTLE.get(block, 0), *options]
+    done = subprocess.run([*map(str, command)], capture_output=True, text=True, timeout=LONG_S)
+    if done.returncode:
+        raise RuntimeError(f"{block}: {done.stderr}{done.stdout[-300:]} exit {done.returncode}")
+    lines = done.stdout.splitlines()
+    print("\n".join(f"    {line}" for line in lines if line.startswith("#")))
+    found = [line.split() for line in lines if not line.startswith("#")]
+    return [Result(k, w, int(a), o, " ".join(rest)) for k, w, a, o, *rest in found]
 
 
 def summary(facts):

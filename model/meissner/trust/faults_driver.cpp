@@ -3,7 +3,18 @@
 //
 //   faults RECORDING FAULTS SEED SETTLE [KEY=VALUE ...]    prints a line for each fault: kind, where, clock, outcome, what
 //
-//   frame=PORT   of a block without streams: a frame begins where this input is 1
+//   frame=PORT[:VALUE]  of a block without streams: a frame begins where this input is 1, or this value
+//   when=PORT    only where this one is 1, too
+//   idle=PORT:N  of one that listens to a line: a frame begins after N rows in which it is 1
+//   join=1       all pieces of the recording one after the other, where the longest has too few frames
+//   repeat=N     the recording N times, where it has too few frames
+//   end=VALUE    of a stream out without `last`: what ends a frame
+//   packets=1    the stream out is packets: what a receiver makes of them, which leaves out those whose checksum is
+//                wrong and tells of them and of numbers that are left out; without numbers and times
+//   bus=1        a bus out of the block is answered two clocks after it asks, by what follows from the address
+//   inputs=NAMES those whose names do not say it
+//   write=A:D,.. of one with a bus that runs by itself: registers, in hexadecimal, that are written at any clock;
+//                before=A:D,.. those written long before. Each frame must be wholly of the old or the new ones
 //   strobe=PORT  the other outputs count only where this one is 1
 //   only=NAME    bits of state only whose names hold this
 //   phases=N     windows of up to N frames, which a fault may let begin in another frame
@@ -167,7 +178,7 @@ bool ends(const std::string &text, const std::string &end) {
 
 bool tells(const std::string &name) {
   for (const char *word : {"damaged", "dropped", "overrun", "timeout", "mistagged", "lost", "broken", "spoiled", "refused",
-                           "swallowed", "over_range", "held_", "blanked", "error", "fault", "restart", "missed"})
+                           "swallowed", "over_range", "held_", "blanked", "error", "fault", "restart", "missed", "rejected"})
     if (name.find(word) != std::string::npos) return true;
   return false;
 }
@@ -180,6 +191,19 @@ int find(const std::string &name) {
 void sort_ports() {
   std::vector<bool> used(ports.size());
   for (const auto &port : ports) {
+    if (ends(port.name, "valid")) {  // of AXI
+      const std::string stem = port.name.substr(0, port.name.size() - 5);
+      Stream stream{stem, find(port.name), find(stem + "ready"), -1, -1, {}};
+      used[stream.valid] = used[stream.ready] = true;
+      for (const auto &other : ports) {
+        const int n = find(other.name);
+        if (other.name.rfind(stem, 0) != 0 || n == stream.valid || n == stream.ready) continue;
+        stream.payload.push_back(n);
+        used[n] = true;
+      }
+      (port.in ? sources : sinks).push_back(stream);
+      continue;
+    }
     for (const bool in : {true, false}) {
       const std::string valid = in ? "valid_i" : "valid_o", ready = in ? "ready_o" : "ready_i", side = in ? "_i" : "_o";
       if (!ends(port.name, valid)) continue;
@@ -221,7 +245,7 @@ void read(const char *path) {
     std::istringstream text(line);
     Port port;
     text >> port.name >> port.bits;
-    port.in = ends(port.name, "_i");
+    port.in = ends(port.name, "_i") || ("," + options["inputs"] + ",").find("," + port.name + ",") != std::string::npos;
     number[port.name] = static_cast<int>(ports.size());
     offset.push_back(words);
     words += (port.bits + 31) / 32;
@@ -286,9 +310,9 @@ void read(const char *path) {
     return;
   }
   // A short one goes on with those that follow it, each behind its reset.
-  for (size_t p = 0; parts[best].size() < 400 && p < parts.size(); ++p)
+  for (size_t p = 0; (parts[best].size() < 400 || options.count("join")) && p < parts.size(); ++p)
     if (p != best) parts[best].insert(parts[best].end(), parts[p].begin(), parts[p].end());
-  size_t longest = 3000;
+  size_t longest = static_cast<size_t>(option("rows", 3000));
   if (const char *given = std::getenv("FAULTS_ROWS")) longest = std::strtoul(given, nullptr, 10);
   for (auto &row : parts[best]) {
     bool offered = false, taken = false;
@@ -313,6 +337,8 @@ void read(const char *path) {
     rows.push_back(row);
     if (rows.size() >= longest) break;
   }
+  const auto once = rows;
+  for (long n = 1; n < option("repeat", 1); ++n) rows.insert(rows.end(), once.begin(), once.end());
 }
 
 // A converter at the pins of lane ``lane``.
@@ -378,13 +404,20 @@ struct Pins {
   }
 };
 
-enum Kind { kNone, kBit, kLost, kTwice, kLate, kLast, kStuck, kReset, kBusy, kNoise, kOver };
-const char *kinds[] = {"none", "bit", "lost", "twice", "late", "last", "stuck", "reset", "busy", "noise", "over"};
+enum Kind { kNone, kBit, kLost, kTwice, kLate, kLast, kGone, kStuck, kStop, kReset, kBusy, kNoise, kOver, kWrite };
+const char *kinds[] = {"none", "bit", "lost", "twice", "late", "last", "gone", "stuck", "stop", "reset", "busy", "noise",
+                       "over", "write"};
+constexpr long kStopped = 2500;  // clocks that a source of data stands still
+// Clocks that a fault lasts.
+long lasts(Kind kind) {
+  return kind == kStuck ? 300 : kind == kStop ? kStopped : kind == kBusy || kind == kNoise || kind == kOver ? 900 : 1;
+}
 
 struct Fault {
   Kind kind = kNone;
   long clock = 0;   // of a bit, a reset
   size_t row = 0;   // of a beat
+  size_t count = 1;  // of rows whose beats are gone
   int source = 0;
   size_t cell = 0;
 };
@@ -404,6 +437,75 @@ struct Trace {
   bool hung = false;
 };
 
+// Writes to registers through a bus, "ADDRESS:DATA,..." in hexadecimal.
+struct Access {
+  uint32_t address, data;
+};
+std::vector<Access> accesses(const std::string &key) {
+  std::vector<Access> found;
+  const auto given = options.find(key);
+  std::istringstream text(given == options.end() ? "" : given->second);
+  for (std::string one; std::getline(text, one, ',');)
+    found.push_back({static_cast<uint32_t>(std::stoul(one, nullptr, 16)),
+                     static_cast<uint32_t>(std::stoul(one.substr(one.find(':') + 1), nullptr, 16))});
+  return found;
+}
+void access(Model &model, const std::vector<Access> &all, long since) {
+  static const int valid = find("bus_valid_i"), write = find("bus_write_i"), address = find("bus_address_i"),
+                   data = find("bus_data_i"), strobe = find("bus_strobe_i");
+  if (since < 0 || since % 4 || static_cast<size_t>(since / 4) >= all.size()) return;
+  const auto &one = all[since / 4];
+  model.set(valid, true), model.set(write, true), model.set(address, &one.address), model.set(data, &one.data);
+  const uint32_t every = 15;
+  model.set(strobe, &every);
+}
+
+uint32_t checksum(const Words &bytes, size_t count) {
+  uint32_t crc = ~0u;
+  for (size_t n = 0; n < count; ++n) {
+    crc ^= bytes[n];
+    for (int bit = 0; bit < 8; ++bit) crc = crc >> 1 ^ (crc & 1 ? 0xedb88320u : 0);
+  }
+  return ~crc;
+}
+
+// A frame that came out: of a sink, up to its last beat; of packets, what a receiver keeps.
+struct Frame {
+  size_t row;
+  long clock;
+  std::vector<Words> words;
+};
+std::vector<Frame> frames_of(const std::vector<Beat> &beats, long *damaged = nullptr) {
+  std::vector<Frame> frames;
+  Frame frame{};
+  uint32_t expected = 0;
+  for (const auto &beat : beats) {
+    if (frame.words.empty()) frame.clock = beat.clock, frame.row = beat.row;
+    frame.words.push_back(beat.words);
+    if (!beat.last) continue;
+    if (options.count("packets")) {
+      Words bytes;
+      for (const auto &words : frame.words) bytes.push_back(words[0]);
+      uint32_t sent = 0;
+      for (size_t n = 0; bytes.size() > 12 && n < 4; ++n) sent |= bytes[bytes.size() - 4 + n] << 8 * n;
+      if (bytes.size() <= 12 || checksum(bytes, bytes.size() - 4) != sent) {
+        if (damaged) ++*damaged;
+        frame.words.clear();
+        continue;
+      }
+      if (damaged && bytes[1] != expected) ++*damaged;
+      expected = (bytes[1] + 1) & 255;
+      if (bytes[0] == 3) bytes[8] = 0;  // an image's own number
+      std::fill(bytes.begin() + 1, bytes.begin() + 8, 0);
+      bytes.resize(bytes.size() - 4);
+      frame.words = {bytes};
+    }
+    frames.push_back(frame);
+    frame.words.clear();
+  }
+  return frames;
+}
+
 void play(Model &model, Trace &trace, const std::vector<Cell> *cells, const Fault &fault, uint64_t seed, bool reset) {
   trace.out.resize(sinks.size());
   std::vector<uint32_t> up(flags.size());
@@ -416,7 +518,13 @@ void play(Model &model, Trace &trace, const std::vector<Cell> *cells, const Faul
     model.low();
     model.set(reset_port, false);
   }
+  const auto early = accesses("before"), sudden = accesses("write");
   Pins pins;
+  static const bool bus = options.count("bus");
+  static const int asks = bus ? find("bus_valid_o") : -1, asked_at = find("bus_address_o"), writes = find("bus_write_o"),
+                   done = find("bus_done_i"), error = find("bus_error_i"), answer = find("bus_data_i");
+  bool asked = false, answers = false;  // a clock ago, two clocks ago
+  uint32_t word = 0, next_word = 0;
   const bool free = options.count("free");
   const size_t drain = free ? 0 : 3000;
   size_t quiet = 0, late = 0;
@@ -433,6 +541,7 @@ void play(Model &model, Trace &trace, const std::vector<Cell> *cells, const Faul
         if (fault.kind == kLast && sources[s].last >= 0) row[offset[sources[s].last]] ^= 1;
       }
     }
+    if (fault.kind == kGone && r >= fault.row && r < fault.row + fault.count) left.assign(left.size(), 0);
     size_t waited = 0;
     bool again = true;
     while (again) {
@@ -441,8 +550,15 @@ void play(Model &model, Trace &trace, const std::vector<Cell> *cells, const Faul
         const bool pin = !pins.converters.empty() && (static_cast<int>(n) == pins.miso || static_cast<int>(n) == pins.busy);
         if (ports[n].in && !pin) model.set(static_cast<int>(n), &row[offset[n]]);
       }
-      for (size_t s = 0; s < sources.size(); ++s) model.set(sources[s].valid, left[s] > 0 && !late);
-      const bool stuck = fault.kind == kStuck && clock >= fault.clock && clock < fault.clock + 300;
+      const bool now = fault.clock <= clock && clock < fault.clock + lasts(fault.kind);
+      const bool stopped = fault.kind == kStop && now, stuck = fault.kind == kStuck && now;
+      for (size_t s = 0; s < sources.size(); ++s) model.set(sources[s].valid, left[s] > 0 && !late && !stopped);
+      if (bus) {
+        model.set(done, answers), model.set(error, static_cast<bool>(word & 1)), model.set(answer, &word);
+        answers = asked, word = next_word;
+      }
+      access(model, early, clock - 40);
+      if (fault.kind == kWrite) access(model, sudden, clock - fault.clock);
       for (size_t s = 0; s < sinks.size(); ++s)
         model.set(sinks[s].ready, !stuck && (draining || chance(seed * 7919 + s * 31 + clock) % 4 != 0));
       const bool reset_now = fault.kind == kReset && clock == fault.clock;
@@ -451,10 +567,11 @@ void play(Model &model, Trace &trace, const std::vector<Cell> *cells, const Faul
       trace.row_of_clock.push_back(r);
       again = late > 0;
       if (late) --late;
-      if (!pins.converters.empty()) {
-        const bool now = clock >= fault.clock && clock < fault.clock + 900;
+      if (!pins.converters.empty() && !stopped) {
         pins.step(model, now && fault.kind == kBusy, now && fault.kind == kNoise, now && fault.kind == kOver, clock);
       }
+      asked = bus && model.bit(asks);
+      if (asked) next_word = chance(2 * model.word(asked_at, 0) + model.bit(writes));
       bool moved = false;
       for (size_t s = 0; s < sources.size(); ++s) {
         if (left[s] && model.bit(sources[s].valid) && model.bit(sources[s].ready)) --left[s], moved = true;
@@ -466,6 +583,7 @@ void play(Model &model, Trace &trace, const std::vector<Cell> *cells, const Faul
         Beat beat{r, clock, sinks[s].last < 0 || model.bit(sinks[s].last), {}};
         for (const int port : sinks[s].payload)
           for (int w = 0; w < (ports[port].bits + 31) / 32; ++w) beat.words.push_back(model.word(port, w));
+        if (options.count("end")) beat.last = beat.words[0] == static_cast<uint32_t>(option("end", 0));
         trace.out[s].push_back(beat);
         if (sinks[s].restart >= 0 && model.bit(sinks[s].restart)) trace.restarts.push_back(r);
       }
@@ -493,23 +611,15 @@ void play(Model &model, Trace &trace, const std::vector<Cell> *cells, const Faul
     }
     if (draining && quiet > 400) break;
   }
+  if (options.count("packets")) {  // a receiver's count
+    long damaged = 0;
+    for (const auto &out : trace.out) frames_of(out, &damaged);
+    trace.flag.push_back(static_cast<uint32_t>(damaged));
+  }
   for (size_t f = 0; f < flags.size(); ++f) {
     trace.flag.push_back(ports[flags[f]].bits == 1 ? up[f] : 0);
     for (int w = 0; w < (ports[flags[f]].bits + 31) / 32; ++w) trace.flag.push_back(model.word(flags[f], w));
   }
-}
-
-// Of a run that frees itself: frames of the first sink, by their beats.
-std::vector<std::pair<long, std::vector<Words>>> frames_of(const std::vector<Beat> &beats) {
-  std::vector<std::pair<long, std::vector<Words>>> frames;
-  std::vector<Words> frame;
-  long begin = 0;
-  for (const auto &beat : beats) {
-    if (frame.empty()) begin = beat.clock;
-    frame.push_back(beat.words);
-    if (beat.last) frames.push_back({begin, frame}), frame.clear();
-  }
-  return frames;
 }
 
 // Does every frame of ``bad`` that begins at ``from`` or later occur in ``good``, and is there one?
@@ -517,12 +627,11 @@ bool among(const std::vector<Beat> &bad, const std::vector<Beat> &good, long fro
   const auto known = frames_of(good);
   bool any = none != nullptr;
   if (none) *none = true;
-  for (const auto &[begin, frame] : frames_of(bad)) {
-    if (begin < from) continue;
+  for (const auto &frame : frames_of(bad)) {
+    if (frame.clock < from) continue;
     any = true;
     if (none) *none = false;
-    const bool found = std::any_of(known.begin(), known.end(), [&](const auto &other) { return other.second == frame; });
-    if (!found) return false;
+    if (std::none_of(known.begin(), known.end(), [&](const auto &other) { return other.words == frame.words; })) return false;
   }
   return any || known.empty();
 }
@@ -557,6 +666,19 @@ bool same(const Trace &a, const Trace &b) {
 
 // What the end of a run, from what came of row ``from`` on, has otherwise than ``golden``; empty: nothing.
 std::string differs(const Trace &trace, const Trace &golden, size_t from) {
+  if (options.count("packets")) {  // each is one that was to come, and none is missing; other ones may go first
+    for (size_t s = 0; s < sinks.size(); ++s) {
+      const auto good = frames_of(golden.out[s]), bad = frames_of(trace.out[s]);
+      const auto in = [](const Frame &one, const std::vector<Frame> &all) {
+        return std::any_of(all.begin(), all.end(), [&](const auto &other) { return other.words == one.words; });
+      };
+      for (const auto &frame : bad)
+        if (frame.row >= from && !in(frame, good)) return "a packet that was not to come, row " + std::to_string(frame.row);
+      for (const auto &frame : good)
+        if (frame.row >= from && !in(frame, bad)) return "a packet did not come, row " + std::to_string(frame.row);
+    }
+    return "";
+  }
   for (size_t s = 0; s < sinks.size(); ++s) {
     const auto &good = golden.out[s], &bad = trace.out[s];
     size_t first = 0;
@@ -617,9 +739,20 @@ int main(int argc, char **argv) {
   const std::string framed = options.count("frame") ? options["frame"] : "";
   if (!settle) settle = sources.empty() || sources[0].last < 0 ? 8 : 1;
   bool fresh = true;
+  long resting = 0;
   for (size_t r = 0; r < rows.size(); ++r) {
-    if (!framed.empty()) {
-      if (rows[r][offset[find(framed)]] & 1) begins.push_back(r);
+    if (options.count("idle")) {
+      const bool rests = rows[r][offset[find(options["idle"].substr(0, options["idle"].find(':')))]] & 1;
+      resting = rests ? resting + 1 : 0;
+      if (resting == std::stol(options["idle"].substr(options["idle"].find(':') + 1))) begins.push_back(r);
+    } else if (!framed.empty() && options.count("when") && !(rows[r][offset[find(options["when"])]] & 1)) {
+      continue;
+    } else if (!framed.empty() && !options.count("when") && !(sources.empty() || (rows[r][offset[sources[0].valid]] & 1))) {
+      continue;
+    } else if (!framed.empty()) {
+      const size_t colon = framed.find(':');
+      const uint32_t value = rows[r][offset[find(framed.substr(0, colon))]];
+      if (colon == std::string::npos ? value & 1 : value == std::stoul(framed.substr(colon + 1))) begins.push_back(r);
     } else if (sources.empty()) {
       begins.push_back(r);
     } else if (reset_port >= 0 && rows[r][offset[reset_port]]) {
@@ -639,14 +772,14 @@ int main(int argc, char **argv) {
     if (cells[c].name.find(options["only"]) != std::string::npos) (cells[c].memory ? memory : registers).push_back(c);
   const long clocks = static_cast<long>(golden.row_of_clock.size());
   long last_clock = 0;  // the latest at which enough frames follow
-  const size_t after = begins.size() > settle + 4 ? begins[begins.size() - settle - 3] : 0;
+  const size_t after = begins.size() > settle + 3 ? begins[begins.size() - settle - 3] : 0;
   while (last_clock < clocks && golden.row_of_clock[last_clock] < after) ++last_clock;
   long interval = 1;  // clocks of the longest frame, where they come by themselves
   if (options.count("free")) {
     last_clock = clocks / 2;
     for (const auto &out : golden.out) {
       const auto frames = frames_of(out);
-      for (size_t i = 2; i < frames.size(); ++i) interval = std::max(interval, frames[i].first - frames[i - 1].first);
+      for (size_t i = 2; i < frames.size(); ++i) interval = std::max(interval, frames[i].clock - frames[i - 1].clock);
     }
   }
   if (last_clock < 2) std::cerr << "too short a recording: " << begins.size() << " frames\n", std::exit(3);
@@ -657,7 +790,7 @@ int main(int argc, char **argv) {
     const bool word = registers.empty() || (!memory.empty() && n % 4 == 3);
     const auto &from = word ? memory : registers;
     const size_t index = static_cast<size_t>(word && !registers.empty() ? n / 4 : memory.empty() ? n : n - n / 4);
-    faults.push_back({kBit, any_clock(), 0, 0, from[index % from.size()]});
+    faults.push_back({kBit, any_clock(), 0, 1, 0, from[index % from.size()]});
   }
   bool checks = sources.empty();  // lost and doubled beats are for those who look for them
   for (const auto &port : ports) checks |= port.name.find("damaged") != std::string::npos;
@@ -667,21 +800,46 @@ int main(int argc, char **argv) {
       for (size_t s = 0; s < sources.size(); ++s)
         if (rows[r][offset[sources[s].valid]]) beats.push_back({r, static_cast<int>(s)});
     const long each = std::max(4L, count / 20);
-    for (const Kind kind : {kLost, kTwice, kLate, kLast}) {
+    for (const Kind kind : {kLost, kTwice, kLate, kLast, kGone}) {
       if (options["skip"].find(kinds[kind]) != std::string::npos || (kind != kLate && !checks)) continue;
       for (long n = 0; n < each && !beats.empty(); ++n) {
         const auto [r, s] = beats[draw() % beats.size()];
         if (kind == kLast && sources[s].last < 0) continue;
-        faults.push_back({kind, 0, r, s, 0});
+        size_t gone = 1;
+        if (kind == kGone) gone = std::min(static_cast<size_t>(2 + draw() % 30), after - r);
+        faults.push_back({kind, 0, r, gone, s, 0});
       }
     }
     const auto wanted = [](const char *kind) { return options["skip"].find(kind) == std::string::npos; };
     if (option("part", 0)) {
       for (const Kind kind : {kBusy, kNoise, kOver})
-        for (long n = 0; n < each; ++n) faults.push_back({kind, any_clock(), 0, 0, 0});
+        for (long n = 0; n < each; ++n) faults.push_back({kind, any_clock(), 0, 1, 0, 0});
     }
-    for (long n = 0; n < each && !sinks.empty() && wanted("stuck"); ++n) faults.push_back({kStuck, any_clock(), 0, 0, 0});
-    for (long n = 0; n < 2 * each && reset_port >= 0; ++n) faults.push_back({kReset, n, 0, 0, 0});
+    for (long n = 0; n < each && (option("part", 0) || !sources.empty()) && wanted("stop"); ++n)
+      faults.push_back({kStop, any_clock(), 0, 1, 0, 0});
+    for (long n = 0; n < each && !sinks.empty() && wanted("stuck"); ++n) faults.push_back({kStuck, any_clock(), 0, 1, 0, 0});
+    for (long n = 0; n < 2 * each && reset_port >= 0; ++n) faults.push_back({kReset, n, 0, 1, 0, 0});
+  }
+  // Writes at clocks spread over a frame, and what comes of writing before the first one.
+  Trace written;
+  if (options.count("write")) {
+    const long writes = option("writes", 100);
+    if (options.count("alone")) faults.clear();
+    for (long n = 0; n < writes; ++n) faults.push_back({kWrite, last_clock / 2 + n * interval / writes, 0, 1, 0, 0});
+    Model model;
+    Fault soon;
+    soon.kind = kWrite;
+    soon.clock = 400;
+    play(model, written, nullptr, soon, seed, true);
+    size_t changed = 0;
+    for (size_t s = 0; s < sinks.size(); ++s)
+      for (const auto &frame : frames_of(written.out[s]))
+        changed += std::none_of(golden.out.begin(), golden.out.end(), [&](const auto &out) {
+          const auto known = frames_of(out);
+          return std::any_of(known.begin(), known.end(), [&](const auto &other) { return other.words == frame.words; });
+        });
+    std::printf("# writing changes %zu frames, one every %ld clocks\n", changed, interval);
+    if (!changed && !options.count("same")) std::cerr << "what is written changes nothing\n", std::exit(3);
   }
 
   std::vector<Trace> shifted;
@@ -715,6 +873,7 @@ int main(int argc, char **argv) {
       outcome = late_same(again, golden) ? "recovered" : "silent";
     } else {
       size_t row = fault.row;
+      if (fault.kind == kGone) row += fault.count - 1;
       if (fault.kind == kBit || fault.kind >= kStuck) row = golden.row_of_clock[fault.clock];
       // A fault in a frame's last beat or in the pause behind it is one of the next frame.
       const auto next = std::upper_bound(begins.begin(), begins.end(), row + 1);
@@ -724,8 +883,15 @@ int main(int argc, char **argv) {
       const bool free = options.count("free");
       if (free) {
         for (size_t s = 0; s < sinks.size() && right; ++s) {
-          const long lasted = fault.kind >= kBusy ? 900 : fault.kind == kStuck ? 300 : 1;
-          right = among(trace.out[s], golden.out[s], fault.clock + lasted + static_cast<long>(settle) * interval);
+          const long clear = fault.clock + lasts(fault.kind) + static_cast<long>(settle) * interval;
+          if (fault.kind == kWrite) {  // from the very clock on: the old or the new, and in the end the new
+            auto either = golden.out[s];
+            while (!either.empty() && !either.back().last) either.pop_back();
+            either.insert(either.end(), written.out[s].begin(), written.out[s].end());
+            right = among(trace.out[s], either, fault.clock) && among(trace.out[s], written.out[s], clear + 2 * interval);
+          } else {
+            right = among(trace.out[s], golden.out[s], clear);
+          }
           if (!right) what = sinks[s].name;
         }
       } else if (right) {
@@ -735,7 +901,7 @@ int main(int argc, char **argv) {
         for (size_t k = 0; k < shifted.size() && !right; ++k) right = differs(trace, shifted[k], from - removed[k]).empty();
       }
       if (right) outcome = same(trace, golden) ? (flagged ? "detected" : "masked") : flagged ? "detected" : "recovered";
-      else if (flagged && !trace.hung) outcome = "told";
+      else if (flagged && !trace.hung && fault.kind != kWrite) outcome = "told";
       // A count of clocks to the next frame that was made longer: none has come, and none that is wrong.
       if (!right && free && fault.kind == kBit && options.count("late") && outcome == "silent" &&
           cell.name.find(options["late"]) != std::string::npos) {
@@ -748,7 +914,7 @@ int main(int argc, char **argv) {
       }
       if (!right && outcome != "late") {  // does a reset with all that was written heal it?
         Trace again;
-        model.set(reset_port, true);
+        if (reset_port >= 0) model.set(reset_port, true);
         play(model, again, &here, Fault{}, seed, true);
         outcome = outcome == "told" ? "told" : "silent";
         const bool healed = late_same(again, golden);

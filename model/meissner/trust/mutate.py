@@ -37,6 +37,11 @@ def source_of(block):
     return next(path for path in toolchain.sources() if path.stem == f"msn_{block}")
 
 
+def tests_of(run):
+    """The test file of an entry of benches.runs."""
+    return ROOT / f"tb/{run['stage']}/{run['module']}.py"
+
+
 def _listed(text):
     """Mutants of what `mutate -list` wrote, without those of clocks."""
     for line in text.splitlines():
