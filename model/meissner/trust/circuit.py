@@ -142,7 +142,7 @@ SAYS = {
 def framed(block, circuit, channels):
     """Verilog around a block of the slip path, which gets frames as msn_frame_check lets them through.
 
-    Samples count 0 .. channels - 1, the last marked; ``restart`` all through the first frame after reset.
+    Samples count 0 .. channels - 1, the last marked; ``restart`` all through a frame and in the first of all.
     """
     sides = {"input": circuit.inputs, "output": circuit.outputs}
     found = [(side, name, index) for side, bits in sides.items() for name, index in bits if "." not in name]

@@ -9,12 +9,14 @@ parameter set for every mode and both solvers.
 """
 
 import json
+import os
 import re
 import time
 import tomllib
 from collections import defaultdict
 from dataclasses import dataclass, field
 from functools import cache
+from pathlib import Path
 
 from meissner import config, toolchain, yowasp
 
@@ -75,9 +77,12 @@ def _number(bits):
 def _elaborated(script, stem):
     """(block, parameters) of each msn_ module of the design that Yosys's ``script`` makes."""
     (ROOT / OUT).mkdir(parents=True, exist_ok=True)
+    stem = f"{stem}.{os.getpid()}"  # several programs may ask at once
     script = f"{yowasp.read_rtl()}; {script}; delete */p:* */m:* %u; write_json {stem}.json"
     yowasp.yosys(script, f"{stem}.log")
     modules = json.loads((ROOT / f"{stem}.json").read_text())["modules"]
+    for path in (ROOT / OUT).glob(f"{Path(stem).name}.*"):
+        path.unlink()
     for name, module in modules.items():
         block = re.search(r"\bmsn_(\w+?)\b(?=\\|$)", name)[1]
         values = module.get("parameter_default_values", {})
