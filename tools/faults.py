@@ -9,10 +9,14 @@ docs/faults.md. Prints a line per block; stops with an error if anything is wron
 
 import argparse
 import collections
+import json
 import subprocess
 import sys
 
+from meissner import toolchain
 from meissner.trust import faults, record
+
+TABLE = "## What was recorded\n\n"  # the page's last section
 
 
 def main():
@@ -20,7 +24,7 @@ def main():
     parser.add_argument("blocks", nargs="*", metavar="BLOCK")
     parser.add_argument("--faults", type=int, default=200, help="bits upset per block")
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--record", action="store_true", help="into docs/trust/faults.json")
+    parser.add_argument("--record", action="store_true", help="into docs/trust/faults.json, docs/faults.md")
     parser.add_argument("--show", action="store_true", help="each fault that is not masked")
     given = parser.parse_args()
     names = given.blocks or faults.blocks()
@@ -47,7 +51,10 @@ def main():
         silent += [f"{name}: {r.kind} {r.where} at {r.at}" for r in results if r.outcome == "silent"]
     print(f"{'all':20}", *(f"{key} {totals[key]:5}" for key in faults.COLUMNS))
     if given.record:
-        record.merge("faults", "make faults", done, faults.summary, faults.total)
+        known = record.merge("faults", "make faults", done, faults.summary, faults.total)
+        page = toolchain.ROOT / "docs/faults.md"
+        before = page.read_text().split(TABLE)[0]
+        page.write_text(before + TABLE + faults.table(json.loads(known.read_text())["blocks"]))
     if not totals["injected"]:
         sys.exit("faults: nothing was injected")
     if silent or broken:

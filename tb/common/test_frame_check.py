@@ -48,13 +48,23 @@ async def matches_model(dut, rate, stall_rate):
     model = FrameCheck(channels)
     kept, restart = model.process(*zip(*pairs))
     await bench.start(dut)
-    beats = [{"data": n % 500, "id": channel, "last": last} for n, (channel, last) in enumerate(pairs)]
+    draw = random.Random(bench.SEED)
+    data = [draw.getrandbits(len(dut.in_data_i)) for _ in pairs]
+    beats = [{"data": d, "id": channel, "last": last} for d, (channel, last) in zip(data, pairs)]
     expected = [beat | {"restart": r} for beat, keep, r in zip(beats, kept, restart) if keep]
     pause = bench.pauses(stall_rate)
     got = await bench.stream(dut, beats, ["data", "id", "last", "restart"], pause, pause)
     assert got == expected
     assert bench.read(dut.damaged_o) == model.damaged
     assert (model.damaged == 0) == (rate == 0.0)
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def takes_a_beat_that_nobody_takes_and_then_waits(dut):
+    channels = dut.Channels.value.to_unsigned()
+    await bench.start(dut)
+    beats = [{"data": c, "id": c, "last": c == channels - 1} for c in range(channels)] * 2
+    assert await bench.taken(dut, beats) == 1
 
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")

@@ -62,10 +62,13 @@ def miter(circuit, number, frames=None, wrong=None):
             constant = first in (FALSE, TRUE)
             states[side][bit] = latch ^ (first == TRUE) if constant else graph.choose(begun, latch, first)
     if frames:
-        now, more = frames.inputs(graph, now, copy("a", now | states["a"])[frames.ready])
+        ready = copy("a", now | states["a"])[frames.ready]
+        now, more = frames.inputs(graph, now, ready)
         latches += more
     known = {side: copy(side, now | states[side]) for side in "ab"}
     if frames:
+        if known["a"][frames.ready] != ready:
+            raise ValueError("in_ready_o hangs on what makes frames")
         taken_over = frames.taken_over(graph, now, known["a"], known["b"])
         known["b"] = copy("b", now | states["b"] | taken_over)
     for side in "ab":

@@ -109,7 +109,7 @@ def classify(mutants, folder, block=""):
     left = [mutant for mutant in mutants if mutant.verdict == "undecided"]
     if left and lemmas.fits(circuit := after_reset.bits(folder), left[0].parameters):
         for mutant in left:
-            _judge_by_lemmas(mutant, circuit, Path(folder))
+            judge_by_lemmas(mutant, circuit, Path(folder))
     if block == "divide" and (left := [mutant for mutant in mutants if mutant.verdict != "equivalent"]):
         circuit = after_reset.bits(folder)
         for mutant in left:  # different perhaps for what is no division
@@ -117,7 +117,7 @@ def classify(mutants, folder, block=""):
                 mutant.verdict = "equivalent"
 
 
-def _judge_by_lemmas(mutant, circuit, folder):
+def judge_by_lemmas(mutant, circuit, folder):
     """Set its verdict with what of its inner signals is proven first."""
     (ROOT / folder / "lemmas").mkdir(exist_ok=True)
     asked = [Mutant(number, "", "", "") for number in lemmas.signals(circuit)]

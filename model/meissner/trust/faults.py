@@ -27,6 +27,7 @@ LEFT_OUT = {
 SETTLE = {
     **{
         "delay": 12,
+        "multiply": 4,  # steps: two registers one after the other, shown before the next
         "fifo": 24,
         "spi_shift": 2,
         "burst": 2,
@@ -60,11 +61,13 @@ SETTLE = {
 # What the driver must be told of a block, see there.
 # Of calibrations: the tables, which of the two is in use and whether any is, until they are written again.
 TABLES = "kept=memory,gains,offsets,rows,bank,loaded,cfg_swapping"
+ZEROS = "u_state.,zero_,write_data,u_round.,dropping"
 AXIL_INPUTS = "awvalid awaddr awprot wvalid wdata wstrb bready arvalid araddr arprot rready"
 # An image that waits, and its time.
 PACKETS = ["packets=1", "frame=cop_valid_i", "when=cop_valid_i", "kept=memory,read_time_o,written_time"]
 OPTIONS = {
     "delay": ["frame=step_i"],
+    "multiply": ["frame=enable_i"],
     "spi_shift": ["frame=start_i", "strobe=word_o", "repeat=4"],
     "burst": ["frame=start_i"],
     "convert_time": ["frame=last_i"],
@@ -79,7 +82,8 @@ OPTIONS = {
     "packet_slip": ["packets=1", "join=1", "rows=20000"],
     "link": [*PACKETS, "join=1"],
     # The zeros, the way to them, and a frame that is missing in them.
-    "tare": ["kept=u_state.,zero_,write_data,u_round.,dropping", "skip=gone"],
+    "tare": [f"kept={ZEROS}", "skip=gone"],
+    "health": ["skip=gone"],  # it counts frames, and frames that are missing whole are not seen here
     # What is not read yet; its time.
     "image_store": [
         "frame=in_last_i",
@@ -101,10 +105,10 @@ OPTIONS = {
     "adc_spi": ["free=16000", "part=1", "late=left_q"],
     "scan_adc": ["free=40000", "part=2", "late=left_q"],
     "scan_demod": ["free=60000", "part=3", "late=left_q"],
-    "array": ["free=60000", "part=1", "late=left_q"],
-    "core": ["free=40000", "part=1", "late=left_q", "packets=1", "writes=40"],
+    "array": ["free=40000", "part=1", "late=left_q", f"{TABLES},{ZEROS}"],
+    "core": ["free=40000", "part=1", "late=left_q", "packets=1", "writes=25"],
 }
-# Writes to registers while it measures, each at forty clocks of a frame (docs/registers.md).
+# Writes to registers while it measures, each at 25 clocks of a frame (docs/registers.md).
 GAINS = [f"504:{beat:x},508:{3 * beat:x},50c:{0x900 + 0x123 * beat:x},510:1" for beat in range(9)]
 WRITES = {
     "core": [
@@ -303,8 +307,10 @@ def inject(block, count, seed):
     """``count`` upsets and a share of every other fault; a Result for each."""
     around, instance = INSIDE.get(block, (block, ""))
     options = [*OPTIONS.get(around, []), *([f"only={instance}"] if instance else [])]
-    if around in ("registers", "core"):
+    if around == "registers":
         options.append("kept=" + ",".join(settings()))
+    if around == "core":
+        options.append(",".join([TABLES, ZEROS, *settings()]))
     told = _run(around, count, seed, options)
     for writes in WRITES.get(block, []):
         told += _run(around, count, seed, [*options, *writes, "alone=1"])
@@ -330,3 +336,10 @@ def summary(facts):
 def total(blocks):
     injected, silent = (sum(facts[key] for facts in blocks) for key in ("injected", "silent"))
     return f"{injected:,} faults injected into {len(blocks)} blocks, {silent} wrong in silence after recovery"
+
+
+def table(blocks):
+    """The recorded facts of all blocks {name: facts}, as the table of docs/faults.md."""
+    rows = [["block", *COLUMNS], ["---"] * (1 + len(COLUMNS))]
+    rows += [[f"`{name}`", *(str(facts.get(key, 0)) for key in COLUMNS)] for name, facts in blocks.items()]
+    return "".join(f"| {' | '.join(row)} |\n" for row in rows)
