@@ -84,6 +84,7 @@ OPEN = dict.fromkeys(
             "am_demod",
             "scan_buffer",
             "slip",
+            "cop_slip",
         ),
         *("packet_slip", "image_store", "axil"),
     ),
