@@ -209,6 +209,7 @@ module msn_tare #(
 
   // 1: the sample's own register. What is learnt from it follows behind, stalled by nothing.
   logic                learn, learn_q, row_end, row_end_q;
+  logic                misfit;  // the sample is at a wrong place: it leaves as 0
   logic [BeatBits-1:0] beat;
   logic [Lanes-1:0]    pressing;
   assign row_end = beat == BeatBits'(RowBeats - 1);
@@ -221,6 +222,7 @@ module msn_tare #(
     end
     if (out_ready_i || !out_valid_o) begin
       out_valid_o <= accept && keep && !cfg_loading_o;
+      misfit      <= !fits;
       out_mask_o  <= in_mask_i;
       out_id_o    <= in_id_i;
       out_last_o  <= last;
@@ -272,7 +274,7 @@ module msn_tare #(
     );
 
     assign tared = DiffBits'(signed'(in_data_i[k*SampleBits+:SampleBits])) - DiffBits'(signed'(rounded));
-    assign seen  = signed'(out_data_o[k*DiffBits+:DiffBits]);
+    assign out_data_o[k*DiffBits+:DiffBits] = misfit ? '0 : seen;
     msn_compare #(.Width(DiffBits)) u_over (
       .a_i(seen), .b_i(signed'({1'b0, cfg_contact_i})), .greater_o(over)
     );
@@ -287,7 +289,7 @@ module msn_tare #(
     assign zero_moved = negative ? zero_2 - rate : zero_2 + rate;
     assign follow     = nonzero && !over_q && !averaging && !commit;
     always_ff @(posedge clk_i) begin
-      if (out_ready_i || !out_valid_o) out_data_o[k*DiffBits+:DiffBits] <= fits ? tared : '0;
+      if (out_ready_i || !out_valid_o) seen <= tared;
       if (accept) {zero_1, sum_1} <= {zero_next, sum_next};
 
       over_q   <= over;
