@@ -171,6 +171,14 @@ async def what_is_no_command_is_rejected(dut):
         assert accesses(line) == ([], 1)
         assert await send(dut, registers, line) == []
         rejected += 1
+    # Its last code names a byte more than there is.
+    longer, last = bytearray(good), int(good[0] == 0)
+    while last + longer[last] < len(longer) - 1:
+        last += longer[last]
+    longer[last] += 1
+    assert accesses(bytes(longer)) == ([], 1)
+    assert await send(dut, registers, bytes(longer)) == []
+    rejected += 1
     # The line broke within it; a pause within it, then its rest; noise; then a good one.
     for place in range(1, len(good) - 1):
         assert await send(dut, registers, good, errors=(place,)) == []
@@ -189,7 +197,9 @@ async def what_is_no_command_is_rejected(dut):
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def a_bus_that_does_not_answer(dut):
     registers = await begin(dut)
-    got = await send(dut, registers, command(READ, 5, 0x404), drain=400)
+    line = command(READ, 5, 0x404)
+    assert await send(dut, registers, line, drain=256) == []  # 255 clocks of patience
+    got = await send(dut, registers, b"", drain=1)
     assert [g[:4] for g in got] == [answer(5, NO_ANSWER, 0x404, 0)[:4]]
     same(await send(dut, registers, command(READ, 6, 0x10)), [(6, DONE, 0x10, 0x10 ^ 0x5A5A0000)])
 
