@@ -209,10 +209,10 @@ module msn_scan_plan #(
   end
 
   // The region, cut to the array, in beats and groups.
-  logic [RowBits-1:0]    last_row, region_first_row_q, region_last_row_q, first_row, end_row;
+  logic [RowBits-1:0]    last_row, region_first_row_q, region_last_row_q;
   logic [ColumnBits-1:0] last_column, first_column;
-  logic [BeatBits-1:0]   region_first_beat_q, region_last_beat_q, first_beat, last_beat;
-  logic                  region_interleave_q, interleave;
+  logic [BeatBits-1:0]   region_first_beat_q, region_last_beat_q;
+  logic                  region_interleave_q;
   assign last_row     = (32'(cfg_last_row_i) < Rows) ? cfg_last_row_i : RowBits'(Rows - 1);
   assign last_column  = (32'(cfg_last_column_i) < Columns) ? cfg_last_column_i : ColumnBits'(Columns - 1);
   assign first_column = (cfg_first_column_i < last_column) ? cfg_first_column_i : last_column;
@@ -228,40 +228,33 @@ module msn_scan_plan #(
   logic [RowBits-1:0]    now_first_row_q, now_last_row_q;
   logic [BeatBits-1:0]   now_first_beat_q, now_last_beat_q;
   logic                  now_interleave_q;
-  assign first_row  = active_q ? now_first_row_q : region_first_row_q;
-  assign end_row    = active_q ? now_last_row_q : region_last_row_q;
-  assign first_beat = active_q ? now_first_beat_q : region_first_beat_q;
-  assign last_beat  = active_q ? now_last_beat_q : region_last_beat_q;
-  assign interleave = active_q ? now_interleave_q : region_interleave_q;
 
   // The next place of the frame. The one after it is found in the two clocks that follow a switch.
-  logic [RowBits-1:0]    row_q, row;
+  logic [RowBits-1:0]    row_q;
   logic [RowBits:0]      row_next_q;
-  logic [GroupBits-1:0]  group_q, group, now_first_group, now_last_group;
+  logic [GroupBits-1:0]  group_q, now_first_group, now_last_group;
   logic                  odd_q;  // the second half of an interleaved frame
   logic                  find_q, found_q, row_ends_q;
   assign now_first_group = (Groups > 1) ? GroupBits'(now_first_beat_q >> ChanShift) : '0;
   assign now_last_group  = (Groups > 1) ? GroupBits'(now_last_beat_q >> ChanShift) : '0;
-  assign row   = active_q ? row_q : first_row;
-  assign group = active_q ? group_q : (Groups > 1) ? GroupBits'(first_beat >> ChanShift) : '0;
   always_ff @(posedge clk_i) begin
     find_q     <= take_frame;
     found_q    <= find_q;
     row_next_q <= {1'b0, row_q} + (now_interleave_q ? (RowBits+1)'(2) : (RowBits+1)'(1));
     row_ends_q <= group_q == now_last_group;
     if (!active_q) begin  // the first place, whether a frame begins now or not
-      row_q   <= row;
-      group_q <= group;
+      row_q   <= region_first_row_q;
+      group_q <= (Groups > 1) ? GroupBits'(region_first_beat_q >> ChanShift) : '0;
       odd_q   <= 1'b0;
     end
-    if (take_frame) begin
-      now_first_row_q  <= first_row;
-      now_last_row_q   <= end_row;
-      now_first_beat_q <= first_beat;
-      now_last_beat_q  <= last_beat;
-      now_interleave_q <= interleave;
-      active_q         <= 1'b1;
+    if (take_frame && !active_q) begin
+      now_first_row_q  <= region_first_row_q;
+      now_last_row_q   <= region_last_row_q;
+      now_first_beat_q <= region_first_beat_q;
+      now_last_beat_q  <= region_last_beat_q;
+      now_interleave_q <= region_interleave_q;
     end
+    if (take_frame) active_q <= 1'b1;
     if (found_q) begin
       group_q <= row_ends_q ? now_first_group : group_q + 1'b1;
       if (row_ends_q) begin
@@ -305,8 +298,8 @@ module msn_scan_plan #(
     end
   end
 
-  assign switch_row_o   = take_slip ? slip_row_q[32'(slot_index)*(RowBits+1)+:RowBits+1] : {1'b0, row};
-  assign switch_group_o = take_slip ? slip_group_q[32'(slot_index)*GroupBits+:GroupBits] : group;
+  assign switch_row_o   = take_slip ? slip_row_q[32'(slot_index)*(RowBits+1)+:RowBits+1] : {1'b0, row_q};
+  assign switch_group_o = take_slip ? slip_group_q[32'(slot_index)*GroupBits+:GroupBits] : group_q;
 
   // What was switched to becomes what was converted.
   logic                  slip_q, first_q;
