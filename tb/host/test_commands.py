@@ -45,7 +45,12 @@ def port():
 
 
 def started(*arguments, **more):
-    return subprocess.Popen([sys.executable, "-m", "meissner.cli", *map(str, arguments)], **more)
+    # As at a terminal: a shell's background job ignores Ctrl-C, and so would all that it starts.
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        return subprocess.Popen([sys.executable, "-m", "meissner.cli", *map(str, arguments)], **more)
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def test_regs_reads_and_writes(meissner, port):
