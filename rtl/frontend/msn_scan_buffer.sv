@@ -117,33 +117,46 @@ module msn_scan_buffer #(
   end
 
   // The reader. place_q: how many rows come in before the row that is read.
-  logic                   open_q, ahead, step, row_read, all_read;
+  logic                   open_q, step, row_read, all_read;
+  logic                   ahead_q;  // the beat that is read is there; found a clock ahead
   logic [RowBits-1:0]     row_q;
-  logic [RowBits:0]       place_q;
-  logic [BeatBits-1:0]    beat_q;
+  logic [RowBits:0]       place_q, place_next;
+  logic [BeatBits-1:0]    beat_q, beat_next;
   logic [AddressBits-1:0] address_q;
   logic [IdBits-1:0]      id_q;
   logic                   move, read_valid_q, read_last_q;
   logic [IdBits-1:0]      read_id_q;
   logic [Width-1:0]       read_q;
   assign move     = out_ready_i || !out_valid_o;
-  assign ahead    = place_q < in_rows_q || (place_q == in_rows_q && beat_q < in_beat_q);
-  assign step     = open_q && ahead && move;
+  assign step     = open_q && ahead_q && move;
   assign row_read = beat_q == last_beat_q;
   assign all_read = row_read && row_q == last_row_q;
+  always_comb begin
+    beat_next  = beat_q + 1'b1;
+    place_next = place_q;
+    if (row_read) begin
+      beat_next  = '0;
+      place_next = !interleave_q ? place_q + 1'b1
+                   : row_q[0] ? place_q - half_rows_q + 1'b1 : place_q + half_rows_q;
+    end
+  end
+
+  // In the writer's row the reader is never beyond it: the beat is there unless it is the next to be stored.
+  logic stay_there, step_there;
+  assign stay_there = place_q < in_rows_q || (place_q == in_rows_q && (store || beat_q != in_beat_q));
+  assign step_there = place_next < in_rows_q
+                      || (place_next == in_rows_q && (store || beat_next != in_beat_q));
 
   always_ff @(posedge clk_i) begin
     busy <= !rst_i && (taken_o || open_q || read_valid_q || (out_valid_o && !out_ready_i));
+    ahead_q <= taken_o || (step ? step_there : stay_there);
     if (step) begin
-      beat_q    <= row_read ? '0 : beat_q + 1'b1;
+      beat_q    <= beat_next;
+      place_q   <= place_next;
       address_q <= address_q + 1'b1;
       id_q      <= row_read ? id_q + skip_q : id_q + 1'b1;
+      row_q     <= row_q + RowBits'(row_read);
       open_q    <= !all_read;
-      if (row_read) begin
-        row_q   <= row_q + 1'b1;
-        place_q <= !interleave_q ? place_q + 1'b1
-                   : row_q[0] ? place_q - half_rows_q + 1'b1 : place_q + half_rows_q;
-      end
     end
     if (taken_o) begin
       open_q    <= 1'b1;
