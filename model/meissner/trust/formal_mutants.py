@@ -24,13 +24,22 @@ BITS = 10
 SEED = 1
 
 
+def broken_here(proof, line):
+    """Is mutant ``line`` of a cell of the block? One of a block in it that has a proof too is broken there; a
+    cell of `setundef` is no one's: it makes what nobody drives anything at any time."""
+    *_, source = "", *re.findall(r"-src (\S+):", line)  # those before it are of the wires at the cell
+    others = {other.block for other in formal.proofs().values()} - {proof.block}
+    inside = source.startswith("rtl/") and Path(source).stem.removeprefix("msn_") not in others
+    return inside and "$setundef" not in line
+
+
 def listed(proof, parameters, stem, count):
     """Yosys's commands of ``count`` mutants of the block's own cells, evenly over those it lists."""
     script = f"{formal.read(proof, parameters)}; opt_clean; write_rtlil {stem}.il; "
     script += f"mutate -list {8 * count} -seed {SEED} -o {stem}.mut"
     yowasp.yosys(script, f"{stem}.log")
     lines = (ROOT / f"{stem}.mut").read_text().splitlines()
-    own = list(dict.fromkeys(line for line in lines if re.search(r"-src rtl/", line)))
+    own = list(dict.fromkeys(line for line in lines if broken_here(proof, line)))
     return own[:: max(1, len(own) // count)][:count]
 
 
