@@ -22,7 +22,7 @@ def beats_of(high, low):
 
 
 def near(rng, channels, reach, bits):
-    """Integers [channels, n] of which those within ``reach`` frames differ in one bit only, each bit twice."""
+    """Integers [channels, n]: ``reach`` frames in a row differ in one bit only, each bit is it twice."""
     turns = -(-2 * bits // channels)
     bit = (np.arange(channels)[:, None] + channels * np.arange(turns)) % bits
     low, high = bench.width(bits)
