@@ -62,11 +62,11 @@ def one_set(runs, number, count, options):
     seconds = 0.0
     alive = mutants
     for run in runs:
-        seconds += simulate.judge(run, alive, folder, options.jobs)
+        seconds += simulate.judge(run, alive, folder, options.jobs, limit=options.limit)
         alive = [mutant for mutant in alive if mutant.verdict == "survived"]
     for powerup in range(1, POWERUPS + 1):
         if alive and COUNTS in mutate.tests_of(runs[0]).read_text():
-            simulate.judge(runs[0] | {"test_filter": COUNTS}, alive, folder, options.jobs, powerup)
+            simulate.judge(runs[0] | {"test_filter": COUNTS}, alive, folder, options.jobs, powerup=powerup)
             alive = [mutant for mutant in alive if mutant.verdict == "survived"]
     if alive and not options.unsolved:
         equivalence.classify(alive, folder, block)
@@ -182,6 +182,7 @@ def main():
     parser.add_argument("--samples", type=int, help="mutants per block, in place of 100 to 200")
     parser.add_argument("--seed", type=int, default=1, help="of Yosys's choice of mutants")
     parser.add_argument("--jobs", type=int, default=2, help="mutants that run at a time")
+    parser.add_argument("--limit", type=float, default=5, help="seconds of a set's tests, else passed over")
     parser.add_argument("--unsolved", action="store_true", help="do not ask the solver of what survives")
     parser.add_argument(
         "--record", action="store_true", help="write docs/trust/mutants.json and docs/mutants.md"
