@@ -68,7 +68,10 @@ def one_set(runs, number, count, options):
         if alive and COUNTS in mutate.tests_of(runs[0]).read_text():
             simulate.judge(runs[0] | {"test_filter": COUNTS}, alive, folder, options.jobs, powerup=powerup)
             alive = [mutant for mutant in alive if mutant.verdict == "survived"]
-    if alive and not options.unsolved:
+    if options.unsolved:
+        for mutant in alive:
+            mutant.verdict = "not asked"
+    elif alive:
         equivalence.classify(alive, folder, block)
     return mutants, seconds
 
