@@ -77,6 +77,11 @@ async def check(dut, twin, x, stall_rate=0.0, **given):
     return decided
 
 
+@cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
+async def counts_over_the_whole_width(dut):
+    await bench.turn_over(dut, "damaged_o", in_id_i=1)
+
+
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 @cocotb.parametrize(rises=[True, False], stall_rate=[0.0, 0.4])
 async def matches_model(dut, rises, stall_rate):
