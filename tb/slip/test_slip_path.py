@@ -58,6 +58,11 @@ def expected(x, config):
     return [{field: row[field] for field in FIELDS} for row in rows], watched
 
 
+@cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
+async def counts_over_the_whole_width(dut):
+    await bench.turn_over(dut, "damaged_o", "blanked_o", wraps=False)
+
+
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 @cocotb.parametrize(stall_rate=[0.0, 0.5])
 async def matches_model(dut, stall_rate):
