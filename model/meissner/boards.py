@@ -107,9 +107,9 @@ BOARDS = {
             title="iCEBreaker (iCE40 UP5K)",
             cells="ice40",
             synth="synth_ice40 -dsp -device u",
-            # The fingertip fills 93 % of the cells: not every seed finds a place for the last ones in the usual time.
-            pnr="nextpnr-ice40 --up5k --package sg48 --placer-heap-cell-placement-timeout 1 --pcf {constraints} "
-            "--asc {stem}.asc",
+            # The fingertip fills 93 % of the cells: some seeds need more time to place the last ones.
+            pnr="nextpnr-ice40 --up5k --package sg48 --placer-heap-cell-placement-timeout 1 "
+            "--pcf {constraints} --asc {stem}.asc",
             constraints="constraints/icebreaker.pcf",
             pack="yowasp-icepack {stem}.asc {stem}.bin",
             bitstream=".bin",
