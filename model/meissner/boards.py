@@ -107,8 +107,8 @@ BOARDS = {
             title="iCEBreaker (iCE40 UP5K)",
             cells="ice40",
             synth="synth_ice40 -dsp -device u",
-            # The fingertip fills 93 % of the cells: some seeds need more time to place the last ones.
-            pnr="nextpnr-ice40 --up5k --package sg48 --placer-heap-cell-placement-timeout 1 "
+            # The fingertip fills 93 % of the cells: it must be placed more densely than nextpnr's 0.9.
+            pnr="nextpnr-ice40 --up5k --package sg48 --placer-heap-beta 0.97 "
             "--pcf {constraints} --asc {stem}.asc",
             constraints="constraints/icebreaker.pcf",
             pack="yowasp-icepack {stem}.asc {stem}.bin",
