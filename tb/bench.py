@@ -218,34 +218,42 @@ async def stream(dut, beats, fields, gaps=None, stalls=None, drain=40, count=Non
     return received
 
 
-async def turn_over(dut, counter, **inputs):
-    """The counter ``counter`` from its greatest value to 0: one of 32 bits never gets there by counting.
+async def turn_over(
+    dut, *counters, most=1, span=40, wiggled=("in_valid_i", "in_last_i"), wraps=True, **inputs
+):
+    """The ``counters`` from their greatest value to 0: one of 32 bits never gets there by counting.
 
-    Nothing was reset yet, and registers start as ones, its enable too, which must be one: it counts in the
-    first clock, and whatever comes then, by no more than one a clock. Where registers start with random
-    values (``powerups``) it does so from there. Must be the first test of all (``stage=-1``). ``inputs``: of
-    other inputs.
+    Nothing was reset yet, and registers start as ones, so each counter does, unless this build has none and
+    says 0: each counts by no more than ``most`` a clock, whatever comes, and within ``span`` clocks it has,
+    if it ``wraps``. Where registers start with random values (``powerups``) it does so from there. Must be
+    the first test of all (``stage=-1``). ``inputs``: of other inputs than those that are ``wiggled``.
     """
-    port, draw = getattr(dut, counter), random.Random(SEED)
-    for name, value in ({"in_valid_i": 0, "out_ready_i": 1, "rst_i": 0} | inputs).items():
+    ports, draw = [getattr(dut, counter) for counter in counters], random.Random(SEED)
+    wiggled = [name for name in wiggled if hasattr(dut, name)]
+    for name, value in (dict.fromkeys(wiggled, 0) | {"out_ready_i": 1, "rst_i": 0} | inputs).items():
         if hasattr(dut, name):
             getattr(dut, name).value = value
     await Timer(1, "ns")
-    if not port.value.is_resolvable:  # a simulator that starts with unknowns
+    if not all(port.value.is_resolvable for port in ports):  # a simulator that starts with unknowns
         return
-    before, top = read(port), (1 << len(port)) - 1
+    tops = [(1 << len(port)) - 1 for port in ports]
+    first = before = [read(port) for port in ports]
+    ones = ONES.lstrip("+") in cocotb.plusargs
+    for counter, value, top in zip(counters, first, tops):
+        assert not ones or value in (0, top), f"{counter} begins with {value:x}"
     Clock(dut.clk_i, 10, unit="ns").start()
-    for clock in range(40):
+    for clock in range(span):
         await RisingEdge(dut.clk_i)
         await ReadOnly()
-        now = read(port)
-        counted = (0,) if clock == 0 and before == top else (before, (before + 1) & top)
-        assert now in counted, f"{counter}: {before} -> {now}"
+        now = [read(port) for port in ports]
+        counted = [(after - value) & top for value, after, top in zip(before, now, tops)]
+        assert max(counted) <= most, f"{counters}: {before} -> {now}"
         before = now
         await FallingEdge(dut.clk_i)
-        for name in ("in_valid_i", "in_last_i"):
-            if hasattr(dut, name):
-                getattr(dut, name).value = int(clock < 39 and draw.random() < 0.5)
+        for name in wiggled:
+            getattr(dut, name).value = int(clock < span - 1 and draw.random() < 0.5)
+    for counter, at_first, at_last, top in zip(counters, first, before, tops):
+        assert not wraps or at_first != top or at_last != top, f"{counter} did not turn over"
     await RisingEdge(dut.clk_i)
 
 

@@ -77,6 +77,13 @@ class Harness:
         return [(int(v), int(u)) for v, u in zip(values, user)]
 
 
+@cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
+async def counts_over_the_whole_width(dut):
+    """The sample that is there in the first clock waits for the next one to be dropped."""
+    counters, inputs = ("dropped_o", "over_range_o"), {"adc_miso_i": 1, "cfg_enable_i": 1, "out_ready_i": 0}
+    await bench.turn_over(dut, *counters, span=400, wiggled=["out_ready_i"], **inputs)
+
+
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 @cocotb.parametrize(stall_rate=[0.0, 0.5])
 async def sends_every_code_on_the_grid(dut, stall_rate):

@@ -222,6 +222,14 @@ def sleepy(draw, clocks):
     return stall
 
 
+@cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
+async def counts_over_the_whole_width(dut):
+    """Ticks come before any reset, in a state that there is not: each is one too many."""
+    inputs = {"cfg_period_i": 9, "adc_miso_i": 0, "adc_busy_i": 0}
+    wiggled = ["cfg_enable_i", "trigger_i", "out_ready_i"]
+    await bench.turn_over(dut, "over_range_o", "overrun_o", wiggled=wiggled, **inputs)
+
+
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 @cocotb.parametrize(consumer=["ready", "stalls", "sleeps"])
 async def every_code_arrives_on_the_grid(dut, consumer):

@@ -1,4 +1,5 @@
-"""msn_adc_store against its twin: random frames, words at random gaps, a consumer that stalls.
+"""msn_adc_store against its twin: both ends of the range and all codes a bit beside them, then random ones;
+words at random gaps, in order and not, a consumer that stalls; whole frames, and bad ones.
 
 Every sample leaves as soon as it and all channels before it are there, pending_o tells until the last is
 taken, and reset empties it.
@@ -14,6 +15,17 @@ import bench
 from meissner.frontend.adc_store import channels_of_word, samples
 
 
+def codes_of(draw, data_bits):
+    """Codes without end: both ranges' ends, each with any one bit wrong, then random ones."""
+    top = (1 << data_bits) - 1
+    ends = (0, top, top >> 1, (top >> 1) + 1)
+    for end in ends:
+        yield end
+        yield from (end ^ 1 << bit for bit in range(data_bits))
+    while True:
+        yield draw.choice([*ends, draw.randint(0, top)])
+
+
 @cocotb.test(timeout_time=10, timeout_unit="ms")
 @cocotb.parametrize(stall_rate=[0.0, 0.6])
 async def matches_model(dut, stall_rate):
@@ -23,18 +35,19 @@ async def matches_model(dut, stall_rate):
     )
     await bench.start(dut, in_word_i=0, in_data_i=0, in_bad_i=0)
     draw = random.Random(bench.SEED)
-    top = (1 << data_bits) - 1
-    for _ in range(80):
-        codes = [
-            draw.choice([0, top, top >> 1, (top >> 1) + 1, draw.randint(0, top)]) for _ in range(channels)
-        ]
+    endless = codes_of(draw, data_bits)
+    for frame in range(80):
+        codes = [next(endless) for _ in range(channels)]
         data, over = samples(codes, data_bits, sample_bits, is_signed)
         here = [False] * channels
-        word = taken = 0
+        taken = 0
+        words = list(range(min(channels, lane_channels)))
+        if frame % 4 == 3:
+            draw.shuffle(words)
         while taken < channels:
+            word = words[0] if words else 0
             arriving = channels_of_word(word, channels, lanes, lane_channels)
-            offer = any(channel is not None for channel in arriving) and word < lane_channels
-            offer = offer and draw.random() < 0.3
+            offer = bool(words) and draw.random() < 0.3
             lane_codes = [0 if channel is None else codes[channel] for channel in arriving]
             dut.in_valid_i.value = int(offer)
             dut.in_word_i.value = word % (1 << len(dut.in_word_i))
@@ -54,32 +67,43 @@ async def matches_model(dut, stall_rate):
                 for channel in arriving:
                     if channel is not None:
                         here[channel] = True
-                word += 1
+                words.pop(0)
             await RisingEdge(dut.clk_i)
 
 
-@cocotb.test(timeout_time=1, timeout_unit="ms")
-async def whole_frames_wait_for_their_last_word(dut):
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+@cocotb.parametrize(stall_rate=[0.0, 0.6])
+async def whole_frames_wait_for_their_last_word(dut, stall_rate):
     """Nothing leaves before the last word; with a bad one nothing leaves at all."""
-    channels = dut.Channels.value.to_unsigned()
+    names = ("Channels", "DataBits", "SampleBits", "Signed")
+    channels, data_bits, sample_bits, is_signed = (getattr(dut, name).value.to_unsigned() for name in names)
     await bench.start(dut, in_word_i=0, in_data_i=0, in_bad_i=0)
-    dut.out_ready_i.value = 1
-    for frame, bad in enumerate((0, 1, 0, 1, 1, 0)):
-        got = []
-        for clock in range(4 * channels + 4):
-            word, phase = divmod(clock, 2)
-            offer = word < channels and phase == 1
+    draw = random.Random(bench.SEED)
+    endless = codes_of(draw, data_bits)
+    for frame in range(80):
+        bad = frame % 3 == 1 or draw.random() < 0.2
+        codes = [0] * channels if bad else [next(endless) for _ in range(channels)]
+        data, over = samples(codes, data_bits, sample_bits, is_signed)
+        word = taken = after = 0
+        while word < channels or (after < 5 if bad else taken < channels):
+            offer = word < channels and draw.random() < 0.5
             dut.in_valid_i.value = int(offer)
-            dut.in_word_i.value = word % channels
-            dut.in_data_i.value = 16 * frame + word
+            dut.in_word_i.value = min(word, channels - 1)
+            dut.in_data_i.value = codes[word] if offer else draw.getrandbits(data_bits)
             dut.in_bad_i.value = int(offer and bad and word == channels - 1)
+            ready = draw.random() >= stall_rate
+            dut.out_ready_i.value = int(ready)
             await ReadOnly()
-            if dut.out_valid_o.value == 1:
-                assert clock == 2 * channels + len(got)
-                got.append((bench.read(dut.out_id_o), bench.read(dut.out_data_o)))
-            assert dut.pending_o.value == dut.out_valid_o.value
+            here = word == channels and not bad
+            assert dut.out_valid_o.value == dut.pending_o.value == int(here)
+            if here and ready:
+                beat = [bench.read(port) for port in (dut.out_id_o, dut.out_last_o, dut.out_user_o)]
+                assert beat == [taken, taken == channels - 1, over[taken]]
+                assert bench.as_signed(bench.read(dut.out_data_o), sample_bits) == data[taken]
+                taken += 1
+            after += word == channels
+            word += offer
             await RisingEdge(dut.clk_i)
-        assert got == ([] if bad else [(c, 16 * frame + c) for c in range(channels)])
 
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")

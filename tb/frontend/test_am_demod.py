@@ -82,6 +82,11 @@ def sequence(demod, rng, periods, skip, taxels):
 SETTINGS = [(1, 0, 0), (1, 3, 1), (3, 1, 4), (2, 0, 2), (2, 200, 31), (0, 2, 8)]  # periods, skip, shift
 
 
+@cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
+async def counts_over_the_whole_width(dut):
+    await bench.turn_over(dut, "broken_o", wiggled=["in_valid_i", "in_start_i"])
+
+
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 @cocotb.parametrize(stall_rate=[0.0, 0.6], setting=range(len(SETTINGS)))
 async def matches_model(dut, stall_rate, setting):

@@ -1,6 +1,6 @@
 """msn_calibration_grid against its model: one taxel to rows that do not fill their lanes; beats with pauses
 and without, exactly six clocks later, while the other bank is written; swaps at every beat of a frame and
-between frames; frames cut short and too long; a reset."""
+between frames; frames cut short and too long; resets in frames, with a swap asked for."""
 
 import random
 
@@ -65,7 +65,20 @@ async def matches_model(dut, pause_rate):
     due, asked, writer, midway, place, length = [], None, None, False, 0, beats
     bits = len(dut.out_offset_o) // twin.lanes
     frame = swaps = clock = 0
+    resets = {20, 33, 47}
     while frame < 60 + beats:
+        if frame in resets and (midway or beats == 1):
+            resets.remove(frame)
+            dut.take_i.value, dut.cfg_swap_i.value = 0, 0
+            if writer:
+                await writer
+            dut.cfg_swap_i.value = 1
+            await FallingEdge(dut.clk_i)
+            dut.cfg_swap_i.value, dut.rst_i.value = 0, 1
+            await FallingEdge(dut.clk_i)
+            dut.rst_i.value = 0
+            twin.reset()
+            due, asked, writer, midway, place = [], None, None, False, 0
         # What was taken LATENCY clocks ago.
         if due and due[0][0] == clock:
             _, offset, gain, loaded = due.pop(0)
@@ -101,7 +114,7 @@ async def matches_model(dut, pause_rate):
                 )
         clock += 1
         await FallingEdge(dut.clk_i)
-    assert swaps > 10
+    assert swaps > 10 and not resets
     dut.take_i.value = dut.cfg_swap_i.value = 0
     await bench.RisingEdge(dut.clk_i)
     await bench.reset(dut)

@@ -103,6 +103,13 @@ def stalls(kind, draw):
     return {"ready": lambda: False, "stalls": lambda: draw.random() < 0.5, "sleeps": sleeps}[kind]
 
 
+@cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
+async def counts_over_the_whole_width(dut):
+    names = ("interleave", "last_row", "last_beat", "id", "skip", "data")
+    inputs = {f"in_{name}_i": 0 for name in names}
+    await bench.turn_over(dut, "dropped_o", wiggled=["in_valid_i", "in_first_i"], **inputs)
+
+
 @cocotb.test(timeout_time=50, timeout_unit="ms")
 @cocotb.parametrize(consumer=["ready", "stalls", "sleeps"])
 async def matches_model(dut, consumer):

@@ -107,6 +107,20 @@ async def reads_and_writes_at_once_lose_and_repeat_nothing(dut, rate):
 
 
 @cocotb.test(timeout_time=2, timeout_unit="ms")
+async def what_always_waits_takes_turns(dut):
+    """A write and a read wait in every clock: one after the other, a write first after reset."""
+    kinds = ("awvalid", "wvalid", "arvalid", "bready", "rready")
+    inputs = {f"s_axil_{name}": 1 for name in kinds} | {f"s_axil_{name}": 0 for name in ("awprot", "arprot")}
+    inputs |= {"s_axil_awaddr": 0x014, "s_axil_araddr": 0x014, "s_axil_wstrb": 15, "s_axil_wdata": 1}
+    served = []
+    await bench.start(dut, bus_done_i=0, **inputs)
+    cocotb.start_soon(serve(dut, Registers(), served))
+    await bench.clocks(dut, 80)
+    assert len(served) > 20
+    assert [access[0] for access in served] == [1, 0] * (len(served) // 2) + [1] * (len(served) % 2)
+
+
+@cocotb.test(timeout_time=2, timeout_unit="ms")
 async def a_reset_in_the_middle_leaves_no_answer_behind(dut):
     """Reset at every clock of an access: nothing is answered that was not asked, and the next is right."""
     idle = {

@@ -67,6 +67,12 @@ async def begin(dut):
     return ImageStore(dut.Taxels.value.to_unsigned())
 
 
+@cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
+async def counts_over_the_whole_width(dut):
+    names = ("in_data_i", "in_time_i", "read_begun_i", "read_done_i", "read_address_i")
+    await bench.turn_over(dut, "dropped_o", most=3, **dict.fromkeys(names, 0))
+
+
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 @cocotb.parametrize(gap_rate=[0.0, 0.5, 0.95], rest=[0, 50, 400])
 async def matches_model(dut, gap_rate, rest):

@@ -1,5 +1,6 @@
 """msn_sliding_extremes against its model: both tap counts, several lags and channel counts, full-scale
-values, gaps and stalls, and restarts before and after every lag has filled."""
+values, values that differ in one bit only, each in its turn, gaps and stalls, and restarts before and after
+every lag has filled."""
 
 import cocotb
 import numpy as np
@@ -20,6 +21,16 @@ def beats_of(high, low):
     return beats
 
 
+def near(rng, channels, reach, bits):
+    """Integers [channels, n]: ``reach`` frames in a row differ in one bit only, each bit is it twice."""
+    turns = -(-2 * bits // channels)
+    bit = (np.arange(channels)[:, None] + channels * np.arange(turns)) % bits
+    low, high = bench.width(bits)
+    base = np.repeat(rng.integers(low, high + 1, (channels, turns)), reach, axis=1)
+    values = base ^ (rng.integers(0, 2, base.shape) << np.repeat(bit, reach, axis=1))
+    return np.where(values > high, values - 2 * (high + 1), np.where(values < low, values - 2 * low, values))
+
+
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 @cocotb.parametrize(stall_rate=[0.0, 0.5])
 async def matches_model(dut, stall_rate):
@@ -30,9 +41,10 @@ async def matches_model(dut, stall_rate):
     rng = np.random.default_rng(bench.SEED)
     sent, expected = [], []
     # Restart when only part of the lags has filled, when just all have, and late.
-    for length in (1, lag, (taps - 1) * lag, 3 * taps * lag + 20):
-        high = bench.extremes_then_random(rng, channels, length, bits)
-        low = bench.extremes_then_random(rng, channels, length, bits)
+    lengths = (1, lag, (taps - 1) * lag, 3 * taps * lag + 20)
+    runs = [[bench.extremes_then_random(rng, channels, n, bits) for _ in range(2)] for n in lengths]
+    runs += [[near(rng, channels, taps * lag + 8, bits) for _ in range(2)]]
+    for high, low in runs:
         sent += beats_of(high, low)
         for beat, top, bottom in zip(
             beats_of(high, low), *(a.T.ravel() for a in sliding_extremes(high, low, lag, taps))

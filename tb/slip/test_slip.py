@@ -39,6 +39,7 @@ def walk(channels, length, rises, draw):
     sign = 1 if rises else -1
     levels = [sign * v for v in (CONTACT, CONTACT - 1, CONTACT + 500, RELEASE, RELEASE - 1, 0)]
     sizes = [0, THRESHOLD, THRESHOLD + 1, GROSS, GROSS + 1, (1 << 18) - 1]
+    sizes += [draw.getrandbits(18) for _ in range(6)]
 
     def steps(choices, stay):
         value, out = draw.choice(choices), []
@@ -65,6 +66,11 @@ async def apply(dut, config):
         port = getattr(dut, f"cfg_{name}_i")
         port.value = getattr(config, name) & ((1 << len(port)) - 1)
     dut.cfg_contact_rises_i.value = int(config.contact_rises)
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
+async def counts_over_the_whole_width(dut):
+    await bench.turn_over(dut, "blanked_o")
 
 
 @cocotb.test(timeout_time=50, timeout_unit="ms")

@@ -13,7 +13,6 @@ FLAGS = ("-Wno-lint", "-Wno-style", "-Wno-UNOPTFLAT", "-Wno-MULTIDRIVEN", "-Wno-
 PUBLIC = """`verilator_config
 public_flat_rw -module "{top}" -var "*"
 """
-BASELINE_S = 5  # processor seconds that the tests may take on the unchanged block
 
 
 class BuildError(RuntimeError):
@@ -53,17 +52,17 @@ def build(run, folder):
     )
 
 
-def judge(run, mutants, folder, jobs, powerup=0):
+def judge(run, mutants, folder, jobs, powerup=0, limit=5):
     """Run the tests of ``run`` against ``mutants`` and set their verdicts.
 
-    ``powerup``: registers start with random values of this seed, in place of ones. Returns the processor
-    seconds that the tests take on the unchanged block.
+    ``powerup``: registers start with random values of this seed, in place of ones; ``limit``: processor
+    seconds that the tests may take on the unchanged block. Returns the seconds that they take.
     """
     out = ROOT / folder / "verdicts.json"
     out.unlink(missing_ok=True)
     settings = {
         "out": str(out),
-        "baseline_s": BASELINE_S,
+        "baseline_s": limit,
         "numbers": [mutant.number for mutant in mutants],
         "jobs": jobs,
     }
