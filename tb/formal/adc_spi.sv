@@ -2,7 +2,8 @@
 //
 // The converter's minima on CS and SCLK: the master starts a word only at rest or when CS has been high for a bit's
 // time, for which proof `spi_shift` shows what the pins do; and that many clocks of half a bit are long enough, by the
-// figures of the data sheets. No conversion starts during a read, none is read during a conversion.
+// figures of the data sheets. No conversion starts during a read, none is read during a conversion. When it ticks, starts,
+// waits for BUSY, gives up, reads and is done; what it sends and stores of a word; what is lost, and counted.
 
 module formal_adc_spi #(
   parameter  int unsigned Part       = msn_pkg::AdcMcp3208,
@@ -66,6 +67,97 @@ module formal_adc_spi #(
       if (dut.u_shift.start_i) assert (!reading || dut.u_shift.done_o);
       if (adc_convst_o && !convst) assert (adc_cs_n_o && !was_low);
       if (!adc_cs_n_o) assert (!adc_convst_o);
+    end
+  end
+
+  // The master, by its rules. Nothing sets a part up here, and no answer bears a number.
+  localparam bit          HasBusy   = msn_adc_pkg::has_busy(Part);
+  localparam bit          HasReset  = msn_adc_pkg::has_reset(Part);
+  localparam bit          Selects   = msn_adc_pkg::cs_per_channel(Part);
+  localparam int unsigned Words     = msn_adc_pkg::frame_words(Part, Channels, Lanes);
+  localparam int unsigned KeptBits  = msn_adc_pkg::kept_bits(Part);
+  localparam int unsigned WatchBits = msn_adc_pkg::watch_bits(Part, ClkKhz);
+  localparam int unsigned Start     = 2 * msn_pkg::clocks_of_ns(msn_adc_pkg::start_ns(Part), ClkKhz);
+  localparam int unsigned StartBits = msn_pkg::index_width(Start);
+  localparam logic [2:0]  Reset = 3'd0, Idle = 3'd2, Rise = 3'd3, Fall = 3'd4, Read = 3'd5;
+  logic [2:0]            state;
+  logic [PeriodBits-1:0] left;
+  logic [WatchBits-1:0]  watch;
+  logic [StartBits-1:0]  start;
+  logic [7:0]            word;
+  logic [15:0]           command;
+  logic                  busy_1, busy_2, busy_3, drop, bad, over, ready, tick, waits, gives_up, ends, resumes;
+  logic                  convert_due, lost_due, reset_due, convst_due, rises, falls;
+  logic [31:0]           dropped, overrun, timeout, mistagged, over_range;
+  assign tick     = cfg_enable_i && (Trigger ? trigger_i : ready && left == '0);
+  assign waits    = state == Rise || state == Fall;
+  assign gives_up = HasBusy && waits && watch == '1;
+  assign rises    = busy_2 && !busy_3;
+  assign falls    = state == Fall && !busy_2;
+  assign ends     = state == Read && dut.done && word == '0;
+  assign resumes  = HasBusy ? falls && !gives_up : state == Idle && tick;
+  assign command  = msn_adc_pkg::command(Part, 3'(word));
+  always_ff @(posedge clk_i) begin
+    {busy_3, busy_2, busy_1} <= {busy_2, busy_1, adc_busy_i};
+    left  <= !(cfg_enable_i && ready) ? '0 : tick ? cfg_period_i - 1'b1 : left - 1'b1;
+    watch <= waits ? watch + 1'b1 : '0;
+    start <= start - 1'b1;
+    ready <= ready || state == Idle;
+    case (state)
+      Reset:   if (start == '0) state <= Idle;
+      Idle:    if (tick) state <= HasBusy ? Rise : Read;
+      Rise:    if (gives_up) state <= Idle; else if (rises) state <= Fall;
+      Fall:    if (gives_up) state <= Idle; else if (falls) state <= Read;
+      default: if (ends) state <= Idle;
+    endcase
+    if (dut.word) word <= (32'(word) == Words - 1) ? '0 : word + 1'b1;
+    if (convert_o) drop <= dut.pending;
+    if (state == Idle && tick) bad <= 1'b0;
+    over        <= out_valid_o && out_ready_i && out_user_o;
+    convert_due <= state == Idle && tick;
+    lost_due    <= (ends && (drop || bad)) || gives_up || (tick && state != Idle);
+    reset_due   <= HasReset && state == Reset && 32'(start) >= Start / 2;
+    convst_due  <= ((state == Idle && tick && HasBusy) || (waits && !gives_up && !falls)) && !watch[WatchBits-1];
+    dropped     <= dropped + 32'(ends && drop);
+    mistagged   <= mistagged + 32'(ends && bad && !drop);
+    overrun     <= overrun + 32'(tick && state != Idle);
+    timeout     <= timeout + 32'(gives_up);
+    over_range  <= over_range + 32'(over);
+    if (rst_i) begin
+      state       <= HasReset ? Reset : Idle;
+      ready       <= !HasReset;
+      start       <= StartBits'(Start - 1);
+      left        <= '0;
+      word        <= '0;
+      over        <= 1'b0;
+      convert_due <= 1'b0;
+      lost_due    <= 1'b0;
+      reset_due   <= HasReset;
+      convst_due  <= 1'b0;
+      {dropped, overrun, timeout, mistagged, over_range} <= '0;
+    end
+  end
+  always_comb begin
+    if (!started) begin  // they begin with the same, whatever it is
+      assume (dut.state_q == state && dut.drop_q == drop && dut.bad_q == bad && dut.watch_q == watch);
+      assume (dut.u_busy.first_q == busy_1 && dut.busy == busy_2 && dut.busy_q == busy_3 && dut.ready_q == ready);
+      assume (dut.left_q == left && state <= Read && state != 3'd1);
+    end
+    assert (!dut.Tagged && dut.SetupWords == 0);
+    if (started) begin
+      assert (convert_o == convert_due && lost_o == lost_due && adc_reset_o == reset_due && adc_convst_o == convst_due);
+      assert (ready_o == ready && dropped_o == dropped && overrun_o == overrun && timeout_o == timeout);
+      assert (mistagged_o == mistagged && over_range_o == over_range);
+      assert (dut.u_shift.start_i == (resumes || (Selects && dut.done && word != '0)));
+      assert (dut.u_shift.again_i == (!Selects && 32'(word) != Words - 1));
+      assert (dut.u_shift.command_i == command[15-:KeptBits]);
+      assert (dut.u_store.in_valid_i == (dut.word && !drop) && dut.u_store.in_bad_i == bad);
+      if (dut.word) assert (32'(dut.u_store.in_word_i) == 32'(word) && dut.u_store.in_data_i == dut.kept);
+      // Invariant.
+      assert (dut.state_q == state && dut.drop_q == drop && dut.bad_q == bad && dut.watch_q == watch);
+      assert (dut.u_busy.first_q == busy_1 && dut.busy == busy_2 && dut.busy_q == busy_3);
+      assert (dut.left_q == left && 32'(dut.word_q) == 32'(word) && 32'(word) < Words && dut.over_q == over);
+      if (state == Reset) assert (dut.start_q == start);
     end
   end
 

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Never two rows at once; a row comes on only where all were off for a clock; a converter starts only while the lines
-// stand as they were switched (when they have had their time is proof `scan_plan`).
+// Never two rows at once; a row comes on only where all were off for a clock; the lines are what the plan switched to,
+// and off while it has nothing to do (when a converter starts is proof `scan_plan`). A beat is taken when every
+// converter has one or is lost, and goes, with its lost lanes 0 and marked, where the conversion belongs: to the frame
+// if it is in its region, to the slip round, or nowhere; its number and time are those of its first conversion.
 
 module formal_scan #(
   parameter  int unsigned Rows       = 16,
@@ -15,27 +17,63 @@ module formal_scan #(
   parameter  int unsigned SlipSlots  = 1,
   parameter  int unsigned SettleBits = 16,
   parameter  int unsigned PeriodBits = 32,
-  parameter  int unsigned GroupBits  = 1
+  parameter  int unsigned GroupBits  = 1,
+  localparam int unsigned Beats      = (Columns + Lanes - 1) / Lanes,
+  localparam int unsigned RowBits    = msn_pkg::index_width(Rows),
+  localparam int unsigned BeatBits   = msn_pkg::index_width(Beats),
+  localparam int unsigned IdBits     = msn_pkg::index_width(Rows * Beats),
+  localparam int unsigned Width      = Lanes * (SampleBits + 1)
 ) (
-  input logic                  clk_i,
-  input logic                  rst_i,
-  input logic                  cfg_enable_i,
-  input logic [SettleBits-1:0] cfg_settle_i,
-  input logic [PeriodBits-1:0] cfg_period_i
+  input logic                        clk_i,
+  input logic                        rst_i,
+  input logic                        cfg_enable_i,
+  input logic [SettleBits-1:0]       cfg_settle_i,
+  input logic [PeriodBits-1:0]       cfg_period_i,
+  input logic [47:0]                 now_i,
+  input logic [Lanes-1:0]            in_valid_i,
+  input logic [Lanes*SampleBits-1:0] in_data_i,
+  input logic [Lanes-1:0]            in_user_i,
+  input logic [Lanes-1:0]            in_lost_i
 );
 
-  logic [Rows-1:0] row_o, row;
-  logic            trigger_o;
+  logic [Rows-1:0]      row_o, row;
+  logic [GroupBits-1:0] group_o;
+  logic                 trigger_o;
+  logic [Lanes-1:0]     in_ready_o;
+  logic [31:0]          lost_o;
   msn_scan #(
     .Rows(Rows), .Columns(Columns), .Lanes(Lanes), .Channels(Channels), .SampleBits(SampleBits), .Hold(Hold),
     .Cycle(Cycle), .Depth(Depth), .SlipSlots(SlipSlots), .SettleBits(SettleBits), .PeriodBits(PeriodBits),
     .GroupBits(GroupBits)
-  ) dut (.clk_i, .rst_i, .cfg_enable_i, .cfg_settle_i, .cfg_period_i, .row_o, .trigger_o);
+  ) dut (
+    .clk_i, .rst_i, .cfg_enable_i, .cfg_settle_i, .cfg_period_i, .now_i, .row_o, .group_o, .trigger_o,
+    .in_valid_i, .in_ready_o, .in_data_i, .in_user_i, .in_lost_i, .lost_o
+  );
 
-  logic started = 1'b0;
+  // The lines.
+  logic                 started = 1'b0;
+  logic                 change, grouped;
+  logic [31:0]          to_row;
+  logic [GroupBits-1:0] to_group, group;
+  logic [Rows-1:0]      lines;
   always_ff @(posedge clk_i) begin
     started <= 1'b1;
     row     <= row_o;
+    change  <= dut.switch_now && !rst_i;
+    if (dut.switch_now) begin
+      to_row   <= 32'(dut.switch_row);
+      to_group <= dut.switch_group;
+    end
+    if (dut.idle || dut.switch_now) lines <= '0;
+    if (change) begin
+      lines   <= (to_row < Rows) ? Rows'(1) << to_row : '0;
+      group   <= to_group;
+      grouped <= 1'b1;
+    end
+    if (rst_i) begin
+      lines   <= '0;
+      grouped <= 1'b0;
+    end
   end
 
   always_comb begin
@@ -43,16 +81,104 @@ module formal_scan #(
     if (started) begin
       assert ((row_o & (row_o - 1'b1)) == '0);
       if (row_o != row) assert (row_o == '0 || row == '0);
+      assert (row_o == lines);
+      if (grouped) assert (group_o == group);
     end
   end
 
   // Invariant: a switch blanks the lines in the clock before they change.
-  always_comb if (started && dut.change_q) assert (row_o == '0);
+  always_comb if (started) begin
+    assert (dut.change_q == change && (!change || row_o == '0));
+    if (change) assert (32'(dut.row_q) == to_row && dut.group_q == to_group);
+  end
+
+  // Beats, to the clock in which a buffer gets them.
+  logic [Lanes-1:0]            lost;
+  logic [Lanes*SampleBits-1:0] data;
+  logic                        beat, last, missed, come, wanted, opens, slip, slip_opens, triggered;
+  logic [7:0]                  channel, come_channel;
+  logic [Width-1:0]            come_data, wanted_data;
+  logic [31:0]                 losses, frames, rounds, place;
+  logic [47:0]                 moment;
+  logic                        timed;
+  assign beat = (in_valid_i | lost) == '1;
+  assign last = 32'(channel) == Channels - 1;
+  for (genvar l = 0; l < Lanes; l++) begin : gen_lane
+    assign data[l*SampleBits+:SampleBits] = in_data_i[l*SampleBits+:SampleBits] & {SampleBits{!lost[l]}};
+  end
+  // A group of its own, where Channels is no power of two, is the only one.
+  assign place = ((Channels & (Channels - 1)) == 0 ? 32'(dut.done_group) * Channels : 32'd0) + 32'(come_channel);
+  always_ff @(posedge clk_i) begin
+    lost    <= in_lost_i | ((beat && last) ? '0 : lost);
+    channel <= !beat ? channel : last ? '0 : channel + 1'b1;
+    missed  <= beat && last && lost != '0;
+    losses  <= losses + 32'(missed);
+
+    come         <= beat;
+    come_channel <= channel;
+    come_data    <= {in_user_i | lost, data};
+
+    wanted      <= come && !dut.done_slip && place >= 32'(dut.first_beat) && place <= 32'(dut.last_beat);
+    opens       <= dut.done_first && place == 32'(dut.first_beat);
+    slip        <= come && dut.done_slip;
+    slip_opens  <= dut.done_first && come_channel == '0;
+    wanted_data <= come_data;
+
+    triggered <= trigger_o;
+    if (triggered && dut.done_first) begin
+      moment <= now_i;
+      timed  <= 1'b1;
+      if (dut.done_slip) rounds <= rounds + 1'b1;
+      else frames <= frames + 1'b1;
+    end
+    if (rst_i) begin
+      lost      <= '0;
+      channel   <= '0;
+      missed    <= 1'b0;
+      losses    <= '0;
+      come      <= 1'b0;
+      wanted    <= 1'b0;
+      slip      <= 1'b0;
+      triggered <= 1'b0;
+      timed     <= 1'b0;
+      rounds    <= '1;
+      frames    <= '1;
+    end
+  end
+
+  // Where the region begins and how far it goes, a clock after the plan says so.
+  logic [31:0]       rows, beats, first, skip;
+  always_ff @(posedge clk_i) begin
+    rows  <= 32'(dut.last_row) - 32'(dut.first_row);
+    beats <= 32'(dut.last_beat) - 32'(dut.first_beat);
+    first <= 32'(dut.first_row) * Beats + 32'(dut.first_beat);
+    skip  <= Beats - 32'(dut.last_beat) + 32'(dut.first_beat);
+  end
+
+  always_comb begin
+    if (started) begin
+      assert (lost_o == losses);
+      if (!rst_i) assert (in_ready_o == {Lanes{beat}});
+      assert (dut.u_frames.in_valid_i == wanted && dut.u_slip.in_valid_i == slip);
+      if (wanted) assert (dut.u_frames.in_first_i == opens && dut.u_frames.in_data_i == wanted_data);
+      if (slip) assert (dut.u_slip.in_first_i == slip_opens && dut.u_slip.in_data_i == wanted_data);
+      assert (dut.frame_q == frames && dut.round_q == rounds);
+      if (timed) assert (dut.time_q == moment);
+      assert (dut.rows == RowBits'(rows) && dut.beats == BeatBits'(beats));
+      assert (dut.first_id == IdBits'(first) && dut.skip == IdBits'(skip));
+      // Invariant.
+      assert (dut.lost_q == lost && 8'(dut.channel_q) == channel && 32'(channel) < Channels && dut.missed == missed);
+      assert (dut.beat_q == come && dut.trigger_q == triggered);
+      if (come) assert (8'(dut.channel_q2) == come_channel && dut.beat_data_q == come_data && 32'(come_channel) < Channels);
+    end
+  end
 
   always_comb begin
     if (started && !rst_i) begin
       cover (row_o != '0 && row != '0);
       cover (trigger_o && row_o != '0);
+      cover (wanted && opens);
+      cover (missed && losses == 32'd1);
     end
   end
 

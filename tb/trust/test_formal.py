@@ -7,7 +7,7 @@ import sys
 import pytest
 
 from meissner import toolchain
-from meissner.trust import formal
+from meissner.trust import formal, formal_mutants
 
 BUGS = {  # proof: file, what is there, what is put in its place
     "skid": ("rtl/common/msn_skid.sv", "if (!aside) kept", "if (out_ready_i) kept"),
@@ -63,3 +63,37 @@ def test_unknown_name_is_one_sentence():
     command = [sys.executable, str(toolchain.ROOT / "tools/formal.py"), "nothing"]
     done = subprocess.run(command, cwd=toolchain.ROOT, capture_output=True, text=True)
     assert done.returncode == 2 and done.stderr.startswith("formal: no proof or block is called nothing")
+
+
+def test_a_block_is_broken_in_its_own_cells():
+    """Not in those of a block in it that has a proof itself, nor in what makes a wire free."""
+
+    def broken(proof, cell, *sources):
+        line = f"mutate -mode inv -cell {cell} -port Y -portbit 0 " + " ".join(f"-src {s}:1" for s in sources)
+        return formal_mutants.broken_here(formal.proofs()[proof], line)
+
+    plan, scan = "rtl/frontend/msn_scan_plan.sv", "rtl/frontend/msn_scan.sv"
+    assert broken("scan", "$1", scan) and broken("scan", "$1", plan, scan) and broken("scan_plan", "$1", plan)
+    assert broken("scan", "$1", "rtl/frontend/msn_scan_buffer.sv"), "has no proof"
+    assert not broken("scan", "$1", plan) and not broken("scan", "$1", scan, plan)
+    assert not broken("scan", "$auto$setundef.cc:550:execute$1", scan)
+    assert not broken("scan", "$1", "tb/formal/scan.sv") and not broken("scan", "$1")
+
+
+STATE = """(declare-fun |t#0| (|t_s|) (_ BitVec 10))
+(define-fun |t_n mutsel| ((state |t_s|)) (_ BitVec 10) (|t#0| state))
+(declare-fun |t#1| (|t_s|) (_ BitVec 1))
+(declare-fun |t#5#0| (|t_s|) (Array (_ BitVec 2) (_ BitVec 1)))
+(define-fun |t_t| ((state |t_s|) (next_state |t_s|)) Bool (and
+  (= (|t#9| state) (|t#1| next_state)) ; a register
+  (= (|t#5#1| state) (|t#5#0| next_state)) ; a memory
+))
+"""
+
+
+def test_a_mutant_that_changes_a_memory_is_not_equivalent():
+    asked = formal_mutants.question(STATE, "t", 3)
+    for begin in ("|t#1|", "|t#5#0|"):
+        assert f"(assert (= ({begin} a) ({begin} b)))" in asked
+    for after in ("|t#9|", "|t#5#1|"):
+        assert f"(not (= ({after} a) ({after} b)))" in asked

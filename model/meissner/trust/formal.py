@@ -163,7 +163,7 @@ def smtbmc(stem, tag, solver, options, limit_s):
         said = (ROOT / log).read_text()
         if "EOF response" in said:
             raise yowasp.ToolError(f"{solver} gave no answer in {limit_s} s; see {log}") from None
-        if "Status: FAILED" not in said:
+        if not re.search("Status: (FAILED|PREUNSAT)", said):  # the second: what it assumes cannot be
             raise
     return "Status: PASSED" in said, time.monotonic() - begun
 
