@@ -75,6 +75,12 @@ DEFINED = {
     *("calibration_table", "calibration_grid", "calibrate", "cop_array", "array", "core", "axis"),
 }
 
+# Whose netlists are proven around the blocks in them: these are boxes, proven by themselves.
+CUT = {
+    *("acquire", "scan", "scan_adc", "scan_demod", "health", "tare", "calibrate", "slip_path", "channels"),
+    *("cop", "cop_array", "array", "cop4", "packet", "link", "core", "axis"),
+}
+
 # Not proven, {block: kinds}: docs/equivalence.md says why.
 OPEN = dict.fromkeys(
     (
@@ -136,7 +142,7 @@ def prove_netlists(block, chosen, families):
     for defined in (True,) if block in DEFINED else (False, True):
         again = [family for family in families if not result.get(family, {}).get("proven")]
         try:
-            bits = again and circuit.synthesise(block, chosen, folder, again, defined)
+            bits = again and circuit.synthesise(block, chosen, folder, again, defined, cut=block in CUT)
         except ValueError as error:  # a memory that asks for block RAM
             result |= {family: {"proven": False, "error": str(error)} for family in again}
             continue
@@ -145,6 +151,7 @@ def prove_netlists(block, chosen, families):
                 of = bits["source"], bits[family], folder, family, from_reset
                 result[family] = said(lambda of=of: netlist_proof.prove(*of))
                 result[family] |= {"defined": defined, "from_reset": from_reset}
+                result[family] |= {"around": around} if (around := circuit.boxes(bits["source"])) else {}
     return result
 
 
@@ -221,7 +228,11 @@ def word(result):
 def summary(entry):
     """The text of a block's cell in docs/trust.md."""
     words = {kind: word(entry[kind]) for kind in KINDS if kind in entry}
-    proven = [NAMES[kind] for kind, text in words.items() if text == "proven"]
+    proven = [
+        NAMES[kind] + " around its blocks" * ("around" in entry[kind])
+        for kind, text in words.items()
+        if text == "proven"
+    ]
     others = [f"{NAMES[kind]} {text}" for kind, text in words.items() if text != "proven"]
     return "; ".join([*([f"{', '.join(proven)} proven"] if proven else []), *others])
 

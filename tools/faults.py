@@ -14,7 +14,7 @@ import subprocess
 import sys
 
 from meissner import toolchain
-from meissner.trust import faults, record
+from meissner.trust import benches, faults, record
 
 TABLE = "## What was recorded\n\n"  # the page's last section
 
@@ -28,9 +28,9 @@ def main():
     parser.add_argument("--show", action="store_true", help="each fault that is not masked")
     given = parser.parse_args()
     names = given.blocks or faults.blocks()
-    unknown = sorted(set(names) - set(faults.blocks()))
-    if unknown:
-        sys.exit(f"faults: no block with a clock is called {', '.join(unknown)}")
+    stateless = [name for name in names if name not in faults.blocks()]
+    if refusal := benches.unknown(names) or (stateless and f"{stateless[0]} has no clock, so no state"):
+        parser.exit(2, f"faults: {refusal}\n")
     totals, silent, broken, done = collections.Counter(), [], [], {}
     for name in names:
         rtl = record.digest(name)  # now: it may change before the end

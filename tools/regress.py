@@ -13,7 +13,7 @@ import itertools
 import sys
 from concurrent.futures import ThreadPoolExecutor, as_completed
 
-from meissner.trust import record, regress
+from meissner.trust import benches, record, regress
 
 
 def one(block, given, seed):
@@ -71,9 +71,9 @@ def main():
     given = parser.parse_args()
     if given.only:
         sys.exit(one(given.only[0], given.only[1:], given.seed))
-    unknown = sorted(set(given.blocks) - set(regress.blocks()))
-    if unknown:
-        sys.exit(f"regress: the tests of {', '.join(unknown)} have no SPACE")
+    fixed = [name for name in given.blocks if name not in regress.blocks()]
+    if refusal := benches.unknown(given.blocks) or (fixed and f"the tests of {fixed[0]} have no SPACE"):
+        parser.exit(2, f"regress: {refusal}\n")
     passed, failed, pieces = {}, [], spread(given)
     waiting = [block for block, _ in pieces]
     for block, told in results(pieces, given):

@@ -18,9 +18,9 @@ PARTS = {part.name.upper(): part for part in ADC_PARTS.values()}
 class Config:
     """A build. ``sensor``, ``adc``, ``link``, ``array``, ``health``, ``tare``: checked tables.
 
-    ``slip``: SlipConfig; ``serial``: the slip path a bit a clock; ``cop4``: Cop4Config; ``cop_slip``: (lag,
-    CopSlipRegisters); each None (or empty) where the build has none. ``clk_khz``, ``rate_hz``: the clock,
-    and frames a second.
+    ``slip``: SlipConfig; ``serial``: the slip path two bits a clock; ``cop4``: Cop4Config; ``cop_slip``:
+    (lag, CopSlipRegisters); each None (or empty) where the build has none. ``clk_khz``, ``rate_hz``: the
+    clock, and frames a second.
     """
 
     name: str

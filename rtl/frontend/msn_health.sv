@@ -379,8 +379,9 @@ module msn_health #(
     logic [StateBits-1:4] state_4;
     logic [1:0]           moves_4;
     logic [2:0]           faults_4, news_4;
-    logic                 reported_4;
-    assign loud[k] = |faults_4 && !reported_4;
+    logic                 known_4, reported_4;
+    assign reported_4 = known_4 && news_4 == '0;  // where there are faults; else it does not matter
+    assign loud[k]    = |faults_4 && !reported_4;
     assign {dead[k], railed[k], blinking[k]}             = faults_4;
     assign {dead_new[k], railed_new[k], blinking_new[k]} = news_4;
 
@@ -419,7 +420,7 @@ module msn_health #(
 
       faults_4   <= faults_next;
       news_4     <= faults_next & ~faults;
-      reported_4 <= reported && faults_next == faults;
+      known_4    <= reported;
       moves_4    <= {since_next != '0 && !fresh, up_next};
       state_4    <= fresh ? {raw_3, 28'd0} :
                     {moved ? raw_3 : held_3, rail_next, blink_next, still_next, since_next, up_next, jump};

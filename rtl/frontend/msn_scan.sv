@@ -146,10 +146,8 @@ module msn_scan #(
   logic                 change_q;
   always_ff @(posedge clk_i) begin
     change_q <= switch_now;
-    if (switch_now) begin
-      row_q   <= switch_row;
-      group_q <= switch_group;
-    end
+    row_q    <= switch_row;  // looked at a clock after a switch only
+    group_q  <= switch_group;
     if (idle || switch_now) row_o <= '0;
     if (change_q) begin
       group_o <= group_q;

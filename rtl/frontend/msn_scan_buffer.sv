@@ -116,12 +116,12 @@ module msn_scan_buffer #(
     end
   end
 
-  // The reader. place_q: how many rows come in before the row that is read.
+  // The reader. place_q: how many rows come in before the row that is read; follower_q: before the next.
   logic                   open_q, step, row_read, all_read;
-  logic                   ahead_q;  // the beat that is read is there; found a clock ahead
+  logic                   ahead_q;     // the beat that is read is there; found a clock ahead
   logic [RowBits-1:0]     row_q;
-  logic [RowBits:0]       place_q, place_next;
-  logic [BeatBits-1:0]    beat_q, beat_next;
+  logic [RowBits:0]       place_q, follower_q;
+  logic [BeatBits-1:0]    beat_q;
   logic [AddressBits-1:0] address_q;
   logic [IdBits-1:0]      id_q;
   logic                   move, read_valid_q, read_last_q;
@@ -131,40 +131,36 @@ module msn_scan_buffer #(
   assign step     = open_q && ahead_q && move;
   assign row_read = beat_q == last_beat_q;
   assign all_read = row_read && row_q == last_row_q;
-  always_comb begin
-    beat_next  = beat_q + 1'b1;
-    place_next = place_q;
-    if (row_read) begin
-      beat_next  = '0;
-      place_next = !interleave_q ? place_q + 1'b1
-                   : row_q[0] ? place_q - half_rows_q + 1'b1 : place_q + half_rows_q;
-    end
-  end
 
   // In the writer's row the reader is never beyond it: the beat is there unless it is the next to be stored.
-  logic stay_there, step_there;
+  logic stay_there, next_there, row_there;
   assign stay_there = place_q < in_rows_q || (place_q == in_rows_q && (store || beat_q != in_beat_q));
-  assign step_there = place_next < in_rows_q
-                      || (place_next == in_rows_q && (store || beat_next != in_beat_q));
+  assign next_there = place_q < in_rows_q || (place_q == in_rows_q && (store || beat_q + 1'b1 != in_beat_q));
+  assign row_there  = follower_q < in_rows_q || (follower_q == in_rows_q && (store || in_beat_q != '0));
 
   always_ff @(posedge clk_i) begin
-    busy <= !rst_i && (taken_o || open_q || read_valid_q || (out_valid_o && !out_ready_i));
-    ahead_q <= taken_o || (step ? step_there : stay_there);
+    busy    <= !rst_i && (taken_o || open_q || read_valid_q || (out_valid_o && !out_ready_i));
+    ahead_q <= taken_o || (!step ? stay_there : row_read ? row_there : next_there);
     if (step) begin
-      beat_q    <= beat_next;
-      place_q   <= place_next;
+      beat_q    <= row_read ? '0 : beat_q + 1'b1;
       address_q <= address_q + 1'b1;
       id_q      <= row_read ? id_q + skip_q : id_q + 1'b1;
       row_q     <= row_q + RowBits'(row_read);
       open_q    <= !all_read;
+      if (row_read) begin
+        place_q    <= follower_q;
+        follower_q <= !interleave_q ? follower_q + 1'b1
+                      : row_q[0] ? follower_q + half_rows_q : follower_q - half_rows_q + 1'b1;
+      end
     end
     if (taken_o) begin
-      open_q    <= 1'b1;
-      row_q     <= '0;
-      place_q   <= '0;
-      beat_q    <= '0;
-      address_q <= '0;
-      id_q      <= in_id_i;
+      open_q     <= 1'b1;
+      row_q      <= '0;
+      place_q    <= '0;
+      follower_q <= interleave ? half_last + 1'b1 : (RowBits+1)'(1);
+      beat_q     <= '0;
+      address_q  <= '0;
+      id_q       <= in_id_i;
     end
     if (move) begin
       read_q       <= frame[address_q];

@@ -224,10 +224,24 @@ module msn_scan_plan #(
     region_interleave_q <= cfg_interleave_i;
   end
 
-  // A frame's region is that of its first switch.
-  logic [RowBits-1:0]    now_first_row_q, now_last_row_q;
-  logic [BeatBits-1:0]   now_first_beat_q, now_last_beat_q;
-  logic                  now_interleave_q;
+  // A frame's region is that of its first switch, whose place is in its registers a clock ahead.
+  logic [RowBits-1:0]    next_first_row_q, next_last_row_q, now_first_row_q, now_last_row_q;
+  logic [BeatBits-1:0]   next_first_beat_q, next_last_beat_q, now_first_beat_q, now_last_beat_q;
+  logic                  next_interleave_q, now_interleave_q;
+  always_ff @(posedge clk_i) begin
+    next_first_row_q  <= region_first_row_q;
+    next_last_row_q   <= region_last_row_q;
+    next_first_beat_q <= region_first_beat_q;
+    next_last_beat_q  <= region_last_beat_q;
+    next_interleave_q <= region_interleave_q;
+    if (take_frame && !active_q) begin
+      now_first_row_q  <= next_first_row_q;
+      now_last_row_q   <= next_last_row_q;
+      now_first_beat_q <= next_first_beat_q;
+      now_last_beat_q  <= next_last_beat_q;
+      now_interleave_q <= next_interleave_q;
+    end
+  end
 
   // The next place of the frame. The one after it is found in the two clocks that follow a switch.
   logic [RowBits-1:0]    row_q;
@@ -242,17 +256,10 @@ module msn_scan_plan #(
     found_q    <= find_q;
     row_next_q <= {1'b0, row_q} + (now_interleave_q ? (RowBits+1)'(2) : (RowBits+1)'(1));
     row_ends_q <= group_q == now_last_group;
-    if (!active_q) begin  // the first place, whether a frame begins now or not
+    if (!active_q && !take_frame) begin  // the first place
       row_q   <= region_first_row_q;
       group_q <= (Groups > 1) ? GroupBits'(region_first_beat_q >> ChanShift) : '0;
       odd_q   <= 1'b0;
-    end
-    if (take_frame && !active_q) begin
-      now_first_row_q  <= region_first_row_q;
-      now_last_row_q   <= region_last_row_q;
-      now_first_beat_q <= region_first_beat_q;
-      now_last_beat_q  <= region_last_beat_q;
-      now_interleave_q <= region_interleave_q;
     end
     if (take_frame) active_q <= 1'b1;
     if (found_q) begin

@@ -21,7 +21,7 @@ module msn_channels #(
   parameter  int unsigned Hop        = 64,  // samples
   parameter  int unsigned TimerBits  = 16,
   parameter  bit          Mask       = 1'b0,  // of the stream's samples: what is masked raises no slip
-  parameter  bit          Serial     = 1'b0,  // one channel, a bit a clock: a quarter of the cells
+  parameter  bit          Serial     = 1'b0,  // one channel, two bits a clock: a third of the cells
   localparam int unsigned IdBits     = msn_pkg::index_width(Channels),
   localparam int unsigned DetailBits = SampleBits + Level
 ) (

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The whole slip path of one channel, a bit a clock: msn_frame_check, msn_haar, msn_peak_to_peak with tumbling
-// windows and msn_slip, the same decisions bit for bit, for the smallest builds. Two passes over a sample's bits,
-// lowest first; bit i of every variable is a column of word i of one small memory.
+// The whole slip path of one channel, a digit a clock: msn_frame_check, msn_haar, msn_peak_to_peak with tumbling
+// windows and msn_slip, the same decisions bit for bit, for the smallest builds. Two passes over a sample's digits of
+// one bit or two, lowest first; digit i of every variable is a column of word i of a small memory.
 //
 //   pass 1   d = even - odd, a = even + odd; compare d with the window's extremes, a with the levels; the timer
 //   pass 2   new extremes, p2p = max d - min d; compare p2p with the thresholds; keep the sample
 //   then     step the state, take the sample
 //
 // A sample is taken (in_ready_o) 2*Steps + 1 clocks after it is first offered, with actuator_moving_i of that
-// clock; the decision follows one clock later. Steps: the power of two that holds a detail and a timer's sign.
+// clock; the decision follows one clock later. Steps: the power of two of digits that holds a detail and a timer's
+// sign.
 // Model: model/meissner/slip/slip_serial.py
 
 module msn_slip_serial #(
@@ -17,6 +18,7 @@ module msn_slip_serial #(
   parameter  int unsigned Level      = 1,
   parameter  int unsigned Window     = 64,  // samples
   parameter  int unsigned TimerBits  = 14,
+  parameter  int unsigned Digit      = 2,   // bits
   localparam int unsigned DetailBits = SampleBits + Level
 ) (
   input  logic                         clk_i,
@@ -51,8 +53,10 @@ module msn_slip_serial #(
 );
 
   localparam int unsigned CountBits = TimerBits + 1;
-  localparam int unsigned StepBits  = $clog2((DetailBits > CountBits) ? DetailBits : CountBits);
+  localparam int unsigned Bits      = (DetailBits > CountBits) ? DetailBits : CountBits;
+  localparam int unsigned StepBits  = $clog2((Bits + Digit - 1) / Digit);
   localparam int unsigned Steps     = 1 << StepBits;
+  localparam int unsigned Width     = Steps * Digit;
   localparam int unsigned PlaceBits = $clog2(Window >> Level);
 
   if (SampleBits < 2) begin : gen_check_sample_bits
@@ -68,16 +72,20 @@ module msn_slip_serial #(
     $fatal(1, "msn_slip_serial: TimerBits = %0d must lie in 1 .. 31", TimerBits);
   end
 
+  if (Digit != 1 && Digit != 2) begin : gen_check_digit
+    $fatal(1, "msn_slip_serial: Digit = %0d must be 1 or 2", Digit);
+  end
+
   // A sample without `last` or of another channel is taken at once, and so is all up to the next `last`.
   logic dropping, keep, forget;
   assign keep   = in_last_i && !in_id_i && !dropping;
   assign forget = in_valid_i && in_ready_o && !keep;
 
-  // The address that is read runs a clock ahead of the bit that is worked on; the top bit of both: pass 2.
+  // The address that is read runs a clock ahead of the digit that is worked on; the top bit of both: pass 2.
   logic [StepBits:0]   ahead, at;
-  logic [StepBits-1:0] next_bit;
+  logic [StepBits-1:0] next_digit;
   logic                idle, start, finish, second, top;
-  assign next_bit   = ahead[StepBits-1:0];
+  assign next_digit   = ahead[StepBits-1:0];
   assign second     = at[StepBits];
   assign top        = &at[StepBits-1:0];
   assign start      = in_valid_i && keep && idle && !out_valid_o;
@@ -116,28 +124,40 @@ module msn_slip_serial #(
 
   // Is a number greater than another, from the lowest bit on: where two bits differ they decide. So are borrows.
   // Not "if they differ": that becomes a clock enable, and a second table for each.
-  function automatic logic greater(logic a, logic b, logic so_far);
-    greater = (a && !b) || (so_far && (a || !b));
+  function automatic logic greater(logic [Digit-1:0] a, logic [Digit-1:0] b, logic so_far);
+    greater = so_far;
+    for (int k = 0; k < Digit; k++) greater = (a[k] && !b[k]) || (greater && (a[k] || !b[k]));
   endfunction
 
-  // What comes in from outside, bit by bit. Pressing is asked for only without a contact, lifting only with one, so
+  // A digit of a - b; so is that of a + b, as a - ~b - 1.
+  function automatic logic [Digit-1:0] rest(logic [Digit-1:0] a, logic [Digit-1:0] b, logic borrow);
+    logic below;
+    below = borrow;
+    for (int k = 0; k < Digit; k++) begin
+      rest[k] = a[k] ^ b[k] ^ below;
+      below   = (b[k] && !a[k]) || (below && (b[k] || !a[k]));
+    end
+  endfunction
+
+  // What comes in from outside, digit by digit. Pressing is asked for only without a contact, lifting only with one, so
   // that one comparison serves both.
   logic [2:0] next_state;
-  logic       was_slipping, touching, sample, limit, threshold, gross_threshold;
+  logic       was_slipping, touching;
   assign was_slipping = out_state_o == msn_pkg::Incipient || out_state_o == msn_pkg::Gross;
   assign touching     = out_state_o == msn_pkg::Contact || was_slipping;
 
-  logic [Steps-1:0] samples, contact_levels, release_levels, thresholds, gross_thresholds;
-  assign samples          = Steps'(in_data_i);
-  assign contact_levels   = Steps'(cfg_contact_level_i);
-  assign release_levels   = Steps'(cfg_release_level_i);
-  assign thresholds       = Steps'(cfg_threshold_i);
-  assign gross_thresholds = Steps'(cfg_gross_threshold_i);
+  logic [Digit-1:0]             sample, limit, threshold, gross_threshold;
+  logic [Steps-1:0][Digit-1:0]  samples, contact_levels, release_levels, thresholds, gross_thresholds;
+  assign samples          = Width'(in_data_i);
+  assign contact_levels   = Width'(cfg_contact_level_i);
+  assign release_levels   = Width'(cfg_release_level_i);
+  assign thresholds       = Width'(cfg_threshold_i);
+  assign gross_thresholds = Width'(cfg_gross_threshold_i);
   always_ff @(posedge clk_i) begin
-    sample          <= samples[next_bit];
-    limit           <= touching ? release_levels[next_bit] : contact_levels[next_bit];
-    threshold       <= thresholds[next_bit];
-    gross_threshold <= gross_thresholds[next_bit];
+    sample          <= samples[next_digit];
+    limit           <= touching ? release_levels[next_digit] : contact_levels[next_digit];
+    threshold       <= thresholds[next_digit];
+    gross_threshold <= gross_thresholds[next_digit];
   end
 
   // The Haar levels. A level keeps its value for the next one whenever all levels below it have one.
@@ -145,48 +165,52 @@ module msn_slip_serial #(
   assign restart = idle || top;
   for (genvar l = 0; l < Level; l++) begin : gen_level
     localparam logic [Level-1:0] Below = Level'((1 << l) - 1);
-    logic now, kept, sum, carry, keeps;
+    logic [Digit-1:0] now, kept, sum;
+    logic             carry, keeps;
     if (l == 0) begin : gen_sample
       assign now = sample;
     end else begin : gen_total
       assign now = gen_level[l-1].sum;
     end
     assign keeps = second && (member & Below) == Below;
-    assign sum   = kept ^ now ^ carry;
-    (* no_rw_check, ram_style = "block" *) logic memory [Steps];
+    assign sum   = rest(kept, ~now, !carry);
+    (* no_rw_check, ram_style = "block" *) logic [Digit-1:0] memory [Steps];
     always_ff @(posedge clk_i) begin
-      kept  <= memory[next_bit];
-      carry <= !restart && greater(now, !kept, carry);
+      kept  <= memory[next_digit];
+      carry <= !restart && greater(now, ~kept, carry);
       if (keeps) memory[at[StepBits-1:0]] <= now;
     end
   end
-  logic even, odd, total, detail, detail_borrow;
+  logic [Digit-1:0] even, odd, total, detail;
+  logic             detail_borrow;
   assign even   = gen_level[Level-1].kept;
   assign odd    = gen_level[Level-1].now;
   assign total  = gen_level[Level-1].sum;
-  assign detail = even ^ odd ^ detail_borrow;
+  assign detail = rest(even, odd, detail_borrow);
   always_ff @(posedge clk_i) detail_borrow <= !restart && greater(odd, even, detail_borrow);
 
   // The window's maximum and minimum, and the timer; not in one memory, because for a write enable of each bit Yosys
   // packs several words into a row and selects with tables.
-  logic high, low, new_high, new_low, count, next_count;
-  (* no_rw_check, ram_style = "block" *) logic [1:0] extremes_memory [Steps];
-  (* no_rw_check, ram_style = "block" *) logic timer_memory [Steps];
+  logic [Digit-1:0] high, low, new_high, new_low, count, next_count;
+  (* no_rw_check, ram_style = "block" *) logic [2*Digit-1:0] extremes_memory [Steps];
+  (* no_rw_check, ram_style = "block" *) logic [Digit-1:0] timer_memory [Steps];
   always_ff @(posedge clk_i) begin
-    {high, low} <= extremes_memory[next_bit];
-    count       <= timer_memory[next_bit];
+    {high, low} <= extremes_memory[next_digit];
+    count       <= timer_memory[next_digit];
     if (second && complete) extremes_memory[at[StepBits-1:0]] <= {new_high, new_low};
     if (!idle && !finish && !second && complete) timer_memory[at[StepBits-1:0]] <= next_count;
   end
 
   // Pass 1: comparisons of signed numbers, so at the sign the other way round.
-  logic higher, lower, beyond, rises;
+  logic             higher, lower, beyond, rises;
+  logic [Digit-1:0] sign;
   assign rises = cfg_contact_rises_i;
+  assign sign  = Digit'(top) << (Digit - 1);
   always_ff @(posedge clk_i) begin
     if (!second) begin
-      higher <= greater(detail ^ top, high ^ top, higher);
-      lower  <= greater(low ^ top, detail ^ top, lower);
-      beyond <= greater((rises ? limit : total) ^ top, (rises ? total : limit) ^ top, beyond);
+      higher <= greater(detail ^ sign, high ^ sign, higher);
+      lower  <= greater(low ^ sign, detail ^ sign, lower);
+      beyond <= greater((rises ? limit : total) ^ sign, (rises ? total : limit) ^ sign, beyond);
     end
     if (idle) begin
       higher <= 1'b0;
@@ -196,11 +220,12 @@ module msn_slip_serial #(
   end
 
   // Pass 2: the window's extremes, their difference, and the thresholds.
-  logic             p2p, p2p_borrow, over, gross;
-  logic [Steps-1:0] p2p_q;
+  logic             p2p_borrow, over, gross;
+  logic [Digit-1:0] p2p;
+  logic [Width-1:0] p2p_q;
   assign new_high  = (first || higher) ? detail : high;
   assign new_low   = (first || lower) ? detail : low;
-  assign p2p       = new_high ^ new_low ^ p2p_borrow;
+  assign p2p       = rest(new_high, new_low, p2p_borrow);
   assign out_p2p_o = p2p_q[DetailBits-1:0];
   always_ff @(posedge clk_i) begin
     p2p_borrow <= !restart && greater(new_low, new_high, p2p_borrow);
@@ -210,24 +235,27 @@ module msn_slip_serial #(
       over  <= 1'b0;
       gross <= 1'b0;
     end
-    if (second) p2p_q <= {p2p, p2p_q[Steps-1:1]};
+    if (second) p2p_q <= {p2p, p2p_q[Width-1:Digit]};
   end
 
   // The timer counts up from minus a register's value, so that "still running" is its sign. A detail that loads it
   // leaves that, and the step of 1 otherwise, to the next one's pass 1. Only one time runs in any state: hold in
   // slips and in Release, blank or refractory in Contact.
-  logic             running, tick_carry, load, next_load, load_bit, blanking, next_blanking;
-  logic [Steps-1:0] holds, refractories, blanks;
-  assign holds        = '0 - Steps'(cfg_hold_i);
-  assign refractories = '0 - Steps'(cfg_refractory_i);
-  assign blanks       = '0 - Steps'(cfg_blank_i);
-  assign next_count   = load ? load_bit : count ^ tick_carry;
+  logic                        running, tick_carry, load, next_load, blanking, next_blanking;
+  logic [Digit-1:0]            load_digit;
+  logic [Steps-1:0][Digit-1:0] holds, refractories, blanks;
+  assign holds        = '0 - Width'(cfg_hold_i);
+  assign refractories = '0 - Width'(cfg_refractory_i);
+  assign blanks       = '0 - Width'(cfg_blank_i);
+  assign next_count   = load ? load_digit : rest(count, '1, !tick_carry);
   always_ff @(posedge clk_i) begin
-    if (was_slipping || !touching) load_bit <= holds[next_bit];
-    else load_bit <= blanking ? blanks[next_bit] : refractories[next_bit];
-    tick_carry <= idle ? running : (tick_carry && count);
+    if (was_slipping || !touching) load_digit <= holds[next_digit];
+    else load_digit <= blanking ? blanks[next_digit] : refractories[next_digit];
+    tick_carry <= idle ? running : (tick_carry && &count);
     // Its own sign: what stands above it may have been upset.
-    if (complete && at[StepBits-1:0] == StepBits'(TimerBits) && !second) running <= next_count;
+    if (complete && !idle && !second && at[StepBits-1:0] == StepBits'(TimerBits / Digit)) begin
+      running <= next_count[TimerBits%Digit];
+    end
   end
 
   // The state, as in msn_slip.

@@ -122,7 +122,7 @@ async def a_reset_while_closed_commits_nothing(dut):
 SPACE = lambda draw: {"Drain": draw.randint(1, 40)}
 
 
-@pytest.mark.parametrize("drain", [1, 8])
+@pytest.mark.parametrize("drain", [1, 8, 255])
 def test_frame_gate(drain):
     bench.run("common", "frame_gate", {"Drain": drain})
 

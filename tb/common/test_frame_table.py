@@ -73,7 +73,14 @@ async def matches_model(dut, pause_rate):
 
 @pytest.mark.parametrize(
     "words, parts, bits, banks, start",
-    [(1, 1, 5, 2, 0), (2, 3, 4, 1, 1), (3, 2, 7, 2, 2), (37, 1, 33, 2, 0), (64, 8, 9, 1, 8)],
+    [
+        (1, 1, 5, 2, 0),
+        (2, 3, 4, 1, 1),
+        (3, 2, 7, 2, 2),
+        (37, 1, 33, 2, 0),
+        (64, 8, 9, 1, 8),
+        (90, 1, 3, 2, 0),
+    ],
 )
 def test_frame_table(words, parts, bits, banks, start):
     size = {"Words": words, "Parts": parts, "PartBits": bits, "Banks": banks, "Start": start}

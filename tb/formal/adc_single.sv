@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // CS and SCLK of an MCP3208, by the clock at the pins and by the data sheet's figures at 5 V: SCLK's levels, CS to the
-// first edge, CS high between conversions, conversions on their grid.
+// first edge, CS high between conversions. Conversions are on their grid wherever enabled; the command goes out bit by
+// bit; the last bits that came in are the sample, which holds until it is taken, and is left out if the one before is
+// still there; what is counted.
 
 module formal_adc_single #(
   parameter int unsigned Channel    = 0,
@@ -31,7 +33,58 @@ module formal_adc_single #(
   localparam int unsigned     Bit   = 1 << $clog2(2 * msn_adc_pkg::half_clocks(msn_pkg::AdcMcp3208, ClkKhz, SclkKhz));
   localparam int unsigned     End   = 19 * Bit;
 
-  logic        started = 1'b0;
+  logic started = 1'b0, warm;
+
+  // The period, from reset on; a conversion is the first 19 bits of it.
+  localparam int unsigned Turn = $clog2(Bit);
+  localparam logic [31:0] Command = {27'b0, Channel[0], Channel[1], Channel[2], 2'b11};
+  logic [$clog2(Period)-1:0] grid;
+  logic                      low, drop, valid, mosi;
+  logic [11:0]               code;
+  logic [31:0]               dropped, over_range;
+  logic                      ends, edged;
+  assign ends  = low && 32'(grid) == End;
+  assign edged = code == '0 || code == '1;
+  always_ff @(posedge clk_i) begin
+    warm  <= started;
+    grid  <= (32'(grid) == Period - 1) ? '0 : grid + 1'b1;
+    low   <= (32'(grid) == Period - 1) ? cfg_enable_i : low && !ends;
+    mosi  <= Command[5'(32'(grid) >> Turn & ((1 << $clog2(20)) - 1))];
+    if (32'(grid) == Period - 1) drop <= valid && !out_ready_i;
+    if (low && !drop && (32'(grid) & (Bit - 1)) == Bit - 1) code <= {code[10:0], adc_miso_i};
+    valid      <= (ends && !drop) || (valid && !out_ready_i);
+    dropped    <= dropped + 32'(ends && drop);
+    over_range <= over_range + 32'(valid && out_ready_i && edged);
+    if (rst_i) begin
+      grid       <= '0;
+      low        <= 1'b0;
+      valid      <= 1'b0;
+      dropped    <= '0;
+      over_range <= '0;
+    end
+  end
+  always_comb begin
+    if (started) begin
+      assert (adc_cs_n_o == !low && convert_o == (low && grid == '0) && (!warm || adc_mosi_o == mosi));
+      assert (out_valid_o == valid && (!valid || (out_user_o == edged && out_data_o == SampleBits'({1'b0, code}))));
+      assert (dropped_o == dropped && over_range_o == over_range);
+    end
+  end
+
+  // Invariant: as many bits of the sample are known as have come.
+  logic [31:0] came;
+  logic [11:0] known;
+  assign came  = 32'(grid) >> Turn;
+  assign known = (came >= 32'd12) ? '1 : 12'((32'd1 << came) - 32'd1);
+  always_comb begin
+    if (started) begin
+      assert (dut.clock == grid);
+      if (low) assert (32'(grid) <= End && dut.drop == drop && (drop || !valid));
+      if (low && !drop) assert (((dut.code ^ code) & known) == '0);
+      if (valid) assert (dut.code == code);
+    end
+  end
+
   logic        cs_n, sclk, risen;
   logic [15:0] sclk_for, cs_for;
   logic [7:0]  rises;  // of SCLK in this CS frame
@@ -60,7 +113,6 @@ module formal_adc_single #(
       if (adc_cs_n_o && !cs_n) assert (rises == 8'd19 && cs_for == 16'(End + 1));
       if (!adc_cs_n_o) assert (rises <= 8'd19);
     end
-    if (started && !rst_i && convert_o) assert (!adc_cs_n_o && (reset_q || cs_n));
   end
 
   // Invariant: where in the period all this is. The pins follow the counter by a clock.

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// |x|, |y| <= 1.0; both 0 and `pressed` low unless the load is there and at least the least; the load is the frame's
-// own; both dividers always in step, and never asked for what they cannot. Moments as msn_cop_accumulate's (assumed):
-// |Mx| <= (n-1) S, |My| <= (m-1) S.
+// Mx is divided by (n-1) S, My by (m-1) S; |x|, |y| <= 1.0; both 0 and `pressed` low unless the load is there and at
+// least the least; the load is the frame's own; both dividers always in step, and never asked for what they cannot.
+// Moments as msn_cop_accumulate's (assumed): |Mx| <= (n-1) S, |My| <= (m-1) S.
 
 module formal_cop_divide #(
   parameter  int unsigned Rows         = 64,
@@ -73,7 +73,12 @@ module formal_cop_divide #(
       if (!rst_i && !busy) assert (in_ready_o);
       if (!rst_i) assert (dut.ready_x == in_ready_o && dut.ready_y == in_ready_o);
       assert (dut.unused_valid == out_valid_o);
+      // What is divided: what comes of it is proof `divide`.
+      assert (out_x_o == (out_pressed_o ? dut.quotient_x : '0) && out_y_o == (out_pressed_o ? dut.quotient_y : '0));
       if (load) begin
+        assert (Wide'(dut.den_x) == (in_sum_i == '0 ? Wide'(1) : Columns > 1 ? most_x : Wide'(in_sum_i)));
+        assert (Wide'(dut.den_y) == (in_sum_i == '0 ? Wide'(1) : Rows > 1 ? most_y : Wide'(in_sum_i)));
+        assert (dut.num_x == ((Columns > 1) ? in_mx_i : MxBits'(signed'(0))) && dut.num_y == ((Rows > 1) ? in_my_i : MyBits'(signed'(0))));
         assert (dut.den_x != '0 && dut.den_y != '0);
         assert ((dut.num_x < 0 ? -dut.num_x : dut.num_x) <= {1'b0, dut.den_x});
         assert ((dut.num_y < 0 ? -dut.num_y : dut.num_y) <= {1'b0, dut.den_y});

@@ -194,7 +194,7 @@ async def registers_change_between_frames_only(dut):
         frames = [plan.places(each.region, each.interleave) for each in (old, new)]
         if len(frames[0]) * slot > 20_000 or len(frames[1]) * slot > 20_000:
             continue
-        # The last clock that is in time is the one before the next frame's first switch less one.
+        # The last clock that is in time is the second before the next frame's first switch.
         moment = START + draw.randrange(len(frames[0]) * slot - 1)
         clocks = START + (len(frames[0]) + len(frames[1])) * slot
         switches, _ = await watch(dut, clocks, moment, lambda new=new: apply(dut, plan, new))
@@ -202,6 +202,28 @@ async def registers_change_between_frames_only(dut):
         assert places == frames[0] + frames[1], (old, new, moment)
         assert [clock for clock, *_ in switches] == list(range(START, clocks, slot))
         await RisingEdge(dut.clk_i)
+
+
+@cocotb.test(timeout_time=100, timeout_unit="ms")
+async def a_region_is_taken_whole(dut):
+    """What changes in the very clocks in which a frame begins is all of this frame, or all of the next."""
+    plan = twin_of(dut)
+    top = Region(last_row=0, last_column=0)
+    low = Region(first_row=plan.rows - 1, first_column=plan.columns - 1)
+    for old, new in ((top, low), (low, top), (Region(), low), (top, Region())):
+        frames = [plan.places(region) for region in (old, new)]
+        second = START + len(frames[0]) * plan.slot(0)  # clock of its first switch
+        for moment in range(second - 3, second + 4):
+            await begin(dut, plan, Settings(region=old))
+            dut.cfg_enable_i.value = 1
+            frame = frames[moment <= second - 2]
+            clocks = second + len(frame) * plan.slot(0)
+            switches, _ = await watch(
+                dut, clocks, moment, lambda new=new: apply(dut, plan, Settings(region=new))
+            )
+            places = [(row, group) for _, row, group in switches]
+            assert places == frames[0] + frame, (old, new, moment - second)
+            await RisingEdge(dut.clk_i)
 
 
 @cocotb.test(timeout_time=100, timeout_unit="ms")

@@ -22,16 +22,19 @@ def build(dut, **settings):
     """The twin of this build with these settings."""
     value = lambda name: getattr(dut, name).value.to_unsigned()
     config = SlipConfig(level=value("Level"), window=value("Window"), hop=value("Window"), **settings)
-    return SlipSerial(config, value("SampleBits"), value("TimerBits"))
+    return SlipSerial(config, value("SampleBits"), value("TimerBits"), value("Digit"))
 
 
 def usual(dut, rises=True, **settings):
-    """Settings under which ``recording`` visits every state."""
+    """Settings under which ``recording`` visits every state; times as long as their registers allow."""
     sign = 1 if rises else -1
     half = 1 << (dut.Level.value.to_unsigned() - 1)
     given = {"contact_level": sign * 200 * half, "release_level": sign * 100 * half, "contact_rises": rises}
     given |= {"threshold": 60, "gross_threshold": 110, "hold": 3, "refractory": 4, "blank": 5}
-    return build(dut, **(given | settings))
+    given |= settings
+    longest = (1 << dut.TimerBits.value.to_unsigned()) - 1
+    times = {name: min(given[name], longest) for name in ("hold", "refractory", "blank")}
+    return build(dut, **(given | times))
 
 
 async def apply(dut, twin):
@@ -269,10 +272,13 @@ async def takes_as_long_as_the_twin_says(dut):
 @pytest.mark.parametrize(
     "parameters",
     [
-        {"SampleBits": 13, "TimerBits": 10},
+        {"SampleBits": 13, "TimerBits": 10, "Digit": 2},
+        {"SampleBits": 13, "TimerBits": 10, "Digit": 1},
         pytest.param({"SampleBits": 17, "TimerBits": 14, "Level": 2, "Window": 16}, marks=pytest.mark.long),
         pytest.param({"SampleBits": 13, "TimerBits": 5, "Level": 3, "Window": 32}, marks=pytest.mark.long),
         {"SampleBits": 10, "TimerBits": 3, "Level": 1, "Window": 4},
+        {"SampleBits": 13, "TimerBits": 2, "Level": 1, "Window": 16},  # the timer's sign early in a pass
+        pytest.param({"SampleBits": 13, "TimerBits": 1, "Window": 16, "Digit": 1}, marks=pytest.mark.long),
     ],
 )
 def test_slip_serial(parameters):
@@ -318,6 +324,7 @@ def test_model_is_that_of_the_chain(level):
         ({"Window": 48}, "Window = 48"),
         ({"Window": 2}, "Window = 2"),
         ({"TimerBits": 32}, "TimerBits = 32"),
+        ({"Digit": 3}, "Digit = 3"),
     ],
 )
 def test_refuses_illegal_parameters(parameters, message):
@@ -329,6 +336,7 @@ def test_refuses_illegal_parameters(parameters, message):
     [
         ({"sample_bits": 1}, {}, "sample_bits = 1"),
         ({"timer_bits": 32}, {}, "timer_bits = 32"),
+        ({"digit": 3}, {}, "digit = 3"),
         ({}, {"hop": 32}, "hop = 32 must be the window, 64"),
         ({"sample_bits": 13}, {"threshold": 1 << 14}, "threshold = 16384 must lie in 0 .. 16383"),
         ({"sample_bits": 13}, {"contact_level": -8193}, "contact_level = -8193 must lie in -8192 .. 8191"),

@@ -4,6 +4,7 @@ Bugs are planted in the bits: an inverter before a register or at an operand, an
 nobody hears.
 """
 
+import json
 import subprocess
 import sys
 from dataclasses import replace
@@ -12,7 +13,7 @@ from functools import cache
 import pytest
 
 from meissner import toolchain
-from meissner.trust import circuit, netlist_proof, reset_proof
+from meissner.trust import circuit, netlist_proof, record, reset_proof
 
 TOOL = [sys.executable, "tools/equivalence.py"]
 
@@ -57,6 +58,48 @@ def stuck_output(netlist):
 def test_bug_in_the_netlist_is_found(plant):
     made = bits("skid")
     assert netlist_proof.prove(made["source"], plant(made["ecp5"]), folder("skid"), "bug")
+
+
+MISWIRED = {  # in msn_cop: what is there, what is put in its place
+    "input": (".in_last_i,", ".in_last_i(in_valid_i),"),
+    "inputs changed over": (".in_mx_i    (mx)", ".in_mx_i    (my)"),
+    "reset": (".rst_i,", ".rst_i(1'b0),"),
+}
+
+
+def around(monkeypatch, families, old="", new=""):
+    """msn_cop's bits around the blocks in it, ``old`` made ``new`` in its file."""
+    copy = toolchain.ROOT / folder("cop") / "msn_cop.sv"
+    copy.parent.mkdir(parents=True, exist_ok=True)
+    text = (toolchain.ROOT / "rtl/cop/msn_cop.sv").read_text()
+    assert old in text
+    copy.write_text(text.replace(old, new, 1))
+    with monkeypatch.context() as patch:
+        listed = [copy if path.name == copy.name else path for path in toolchain.sources_of("msn_cop")]
+        patch.setattr(toolchain, "sources_of", lambda top: listed)
+        return circuit.synthesise("cop", {}, folder("cop"), families, cut=True)
+
+
+def test_a_block_is_proven_around_the_blocks_in_it(monkeypatch):
+    made = around(monkeypatch, circuit.FAMILIES)
+    assert circuit.boxes(made["source"]) == ["cop_accumulate", "cop_divide"]
+    for family in circuit.FAMILIES:
+        assert netlist_proof.prove(made["source"], made[family], folder("cop"), family) == []
+
+
+@pytest.mark.parametrize("plant", MISWIRED)
+def test_wrong_wire_between_blocks_is_found(plant, monkeypatch):
+    source = around(monkeypatch, ())["source"]
+    netlist = around(monkeypatch, ["ecp5"], *MISWIRED[plant])["ecp5"]
+    assert netlist_proof.prove(source, netlist, folder("cop"), "bug")
+
+
+def test_what_is_a_box_is_proven_by_itself():
+    """A block that is proven around others is only as good as their own proofs."""
+    entries = json.loads((record.FOLDER / "equivalence.json").read_text())["blocks"]
+    families = [(block, family) for block in entries for family in circuit.FAMILIES]
+    boxes = {(box, f) for block, f in families for box in entries[block].get(f, {}).get("around", ())}
+    assert not [(box, f) for box, f in boxes if not entries.get(box, {}).get(f, {}).get("proven")]
 
 
 def test_reset_that_is_not_heard_is_found():

@@ -67,7 +67,7 @@ def test_finds_an_access_that_never_ends(monkeypatch, tmp_path):
 
 @pytest.mark.long
 def test_finds_a_timer_that_lasts_for_months(monkeypatch, tmp_path):
-    own_sign = "complete && at[StepBits-1:0] == StepBits'(TimerBits) && !second"
+    own_sign = "complete && !idle && !second && at[StepBits-1:0] == StepBits'(TimerBits / Digit)"
     planted(monkeypatch, tmp_path, "slip_serial", own_sign, "complete && top && !second")
     results = faults.inject("slip_serial", 400, 3)
     assert any("timer" in result.where for result in results if result.outcome == "silent")

@@ -27,8 +27,8 @@ def decide(x, config, moving=None, mask=None, change=None, serial=False):
     """Decisions about whole frames of samples ``x`` [channels, samples]; ``moving``: [details] or None.
 
     ``mask`` [channels, samples]: samples not to be trusted; their details count in no window, raise no slip.
-    ``change``: (frame, threshold): from that frame on, another threshold. ``serial``: a bit a clock, the same
-    decisions; ValueError for what that path cannot do.
+    ``change``: (frame, threshold): from that frame on, another threshold. ``serial``: two bits a clock, the
+    same decisions; ValueError for what that path cannot do.
     """
     if serial and (len(x) != 1 or config.hop != config.window):
         raise ValueError("serial must go with one channel and hop = window")

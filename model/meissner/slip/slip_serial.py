@@ -14,14 +14,16 @@ class SlipSerial:
         d = x[2k] - x[2k+1]   p2p = max d - min d of the window so far   the states as in Slip
 
     ``config``: meissner.slip.config.SlipConfig, whose values must fit the block's registers of
-    ``sample_bits`` + level and ``timer_bits`` bits.
+    ``sample_bits`` + level and ``timer_bits`` bits. ``digit``: bits that it works on in a clock, 1 or 2.
     """
 
-    def __init__(self, config, sample_bits=17, timer_bits=14):
+    def __init__(self, config, sample_bits=17, timer_bits=14, digit=2):
         if sample_bits < 2:
             raise ValueError(f"sample_bits = {sample_bits} must be at least 2")
         if not 1 <= timer_bits <= 31:
             raise ValueError(f"timer_bits = {timer_bits} must lie in 1 .. 31")
+        if digit not in (1, 2):
+            raise ValueError(f"digit = {digit} must be 1 or 2")
         if config.hop != config.window:
             raise ValueError(f"hop = {config.hop} must be the window, {config.window}: its windows tumble")
         detail_bits = sample_bits + config.level
@@ -33,7 +35,8 @@ class SlipSerial:
             if not low <= getattr(config, name) < high:
                 raise ValueError(f"{name} = {getattr(config, name)} must lie in {low} .. {high - 1}")
         self.config = config
-        self.steps = 1 << (max(detail_bits, timer_bits + 1) - 1).bit_length()
+        digits = -(-max(detail_bits, timer_bits + 1) // digit)
+        self.steps = 1 << (digits - 1).bit_length()
         self._check, self._slip = FrameCheck(1), Slip(1, config)
         self._haar = Haar(1, config.level)
         span = config.window >> config.level

@@ -1,10 +1,11 @@
 """A block as bits: Yosys makes them of its sources, or through synthesis; here they become a graph.
 
 Products are leaves: boxes on either side, whose results are as free as inputs and whose operands count as
-outputs.
+outputs. So are, where asked, the blocks that a block is made of.
 """
 
 import json
+import re
 from dataclasses import dataclass, field
 
 from meissner import toolchain, yowasp
@@ -30,7 +31,7 @@ class Circuit:
 
     ``inputs``, ``outputs``: {(name, index): bit}, among them a box's as ("box.port", index);
     ``registers``: {Q: D}; ``gates``: {Y: its operands, two of an AND, one of an inverter};
-    ``names``: {bit: every (name, index) it has in the source}.
+    ``names``: {bit: every (name, index) it has in the source}; ``boxes``: {instance: block, msn_ left off}.
     """
 
     inputs: dict = field(default_factory=dict)
@@ -38,6 +39,7 @@ class Circuit:
     registers: dict = field(default_factory=dict)
     gates: dict = field(default_factory=dict)
     names: dict = field(default_factory=dict)
+    boxes: dict = field(default_factory=dict)
 
     def build(self, graph, given):
         """Literals in ``graph`` of every bit, those of inputs and registers being ``given``."""
@@ -106,8 +108,14 @@ def load(path, top):
             circuit.gates[pins["Y"][0]] = (pins["A"][0],)
         elif cell["type"] == "$scopeinfo":
             pass
-        elif "product" in cell["type"]:
+        elif re.search(r"product|\bmsn_", cell["type"]):
+            if found := re.search(r"\bmsn_(\w+)", cell["type"]):
+                circuit.boxes[name] = found[1]
             for pin, bits in pins.items():
+                if pin == "clk_i":
+                    if bits != [clock]:
+                        raise ValueError(f"{top}: {name} has another clock")
+                    continue
                 inward = cell["port_directions"][pin] == "output"
                 side = circuit.inputs if inward else circuit.outputs
                 side.update({(f"{name}.{pin}", index): bit for index, bit in enumerate(bits)})
@@ -153,11 +161,21 @@ def framed(block, circuit, channels):
     return FRAMED.format(top=f"msn_{block}", **text)
 
 
-def synthesise(block, parameters, folder, families=FAMILIES, defined=False, around=""):
+def boxed(top):
+    """Yosys's commands that leave of every block in ``top`` a box, kept even if nobody reads its outputs."""
+    return f"select -set boxes =*msn_* ={top} %d; blackbox @boxes; setattr -mod -set keep 1 @boxes; "
+
+
+def boxes(circuit):
+    """Names of the blocks that are boxes in ``circuit``, msn_ left off."""
+    return sorted(set(circuit.boxes.values()))
+
+
+def synthesise(block, parameters, folder, families=FAMILIES, defined=False, around="", cut=False):
     """Netlists of ``msn_<block>`` in ``folder``, relative to ROOT: {"source": circuit, family: circuit}.
 
     ``defined``: memories become registers, and what is undefined 0, already for synthesis; ``around``: what
-    ``framed`` gives, the top in its place.
+    ``framed`` gives, the top in its place; ``cut``: the blocks in it are boxes.
     """
     top = f"msn_{block}"
     (toolchain.ROOT / folder).mkdir(parents=True, exist_ok=True)
@@ -171,7 +189,7 @@ def synthesise(block, parameters, folder, families=FAMILIES, defined=False, arou
     script = [
         f"read_verilog -sv {' '.join(files)} {HERE}/leaves.v",
         f"{given}hierarchy -check -top {top}",
-        f"rename -top {top}; proc; flatten; setattr -unset src */t:* */w:* */m:*",
+        f"rename -top {top}; {boxed(top) if cut else ''}proc; flatten; setattr -unset src */t:* */w:* */m:*",
         f"{leaves if block != 'multiply' else ''}opt_clean",
         f"{DEFINED if defined else ''}design -save read",
         f"techmap -map {HERE}/defined_map.v; memory -nordff; {BITS}; write_json {folder}/source.json",

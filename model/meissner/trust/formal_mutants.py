@@ -11,8 +11,6 @@ mutant changes a register, or an output that its `valid` qualifies; ``passed``: 
 """
 
 import re
-import subprocess
-import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -22,6 +20,16 @@ from meissner.trust.formal import ROOT
 
 BITS = 10
 SEED = 1
+LIMIT_S = 60  # of a processor, to show one equivalent
+
+
+def broken_here(proof, line):
+    """Is mutant ``line`` of a cell of the block? One of a block in it that has a proof too is broken there; a
+    cell of `setundef` is no one's: it makes what nobody drives anything at any time."""
+    *_, source = "", *re.findall(r"-src (\S+):", line)  # those before it are of the wires at the cell
+    others = {other.block for other in formal.proofs().values()} - {proof.block}
+    inside = source.startswith("rtl/") and Path(source).stem.removeprefix("msn_") not in others
+    return inside and "$setundef" not in line
 
 
 def listed(proof, parameters, stem, count):
@@ -30,7 +38,7 @@ def listed(proof, parameters, stem, count):
     script += f"mutate -list {8 * count} -seed {SEED} -o {stem}.mut"
     yowasp.yosys(script, f"{stem}.log")
     lines = (ROOT / f"{stem}.mut").read_text().splitlines()
-    own = list(dict.fromkeys(line for line in lines if re.search(r"-src rtl/", line)))
+    own = list(dict.fromkeys(line for line in lines if broken_here(proof, line)))
     return own[:: max(1, len(own) // count)][:count]
 
 
@@ -55,9 +63,9 @@ def verdict(proof, stem, number):
 
 def question(text, top, number):
     """SMT-LIB: two copies in one state, without and with mutant ``number``, that differ outside or next."""
-    state = re.findall(rf"\(declare-fun (\|{top}#\d+\|) \(\|{top}_s\|\)", text)
+    state = re.findall(rf"\(declare-fun (\|{top}#\d+(?:#0)?\|) \(\|{top}_s\|\)", text)  # #0: of a memory
     transition = re.search(rf"\(define-fun \|{top}_t\| .*?\n\)", text, re.S)[0]
-    sources = re.findall(rf"\(= (.*) \(\|{top}#\d+\| next_state\)\)", transition)
+    sources = re.findall(rf"\(= (.*) \(\|{top}#\d+(?:#0)?\| next_state\)\)", transition)
     outputs = re.findall(r"; yosys-smt2-wire (\w+_o) (\d+)", text)
     chosen = re.search(rf"\(define-fun \|{top}_n mutsel\| .*?(\|{top}#\d+\|)", text)[1]
 
@@ -93,8 +101,11 @@ def equivalent(proof, stem, number):
     """A solver's word that mutant ``number`` makes no difference; False if it cannot say."""
     path = ROOT / f"{stem}.{number}.smt2"
     path.write_text(question((ROOT / f"{stem}.smt2").read_text(), f"formal_{proof.name}", number))
-    command = [str(Path(sys.executable).parent / "yices-smt2"), "--timeout=30", str(path)]
-    return subprocess.run(command, capture_output=True, text=True).stdout.strip() == "unsat"
+    log = f"{stem}.{number}.equivalent.log"
+    try:
+        return yowasp.tool("yices-smt2", [str(path.relative_to(ROOT))], log, LIMIT_S).strip() == "unsat"
+    except yowasp.ToolError:
+        return False
 
 
 def mutate(proof, parameters, count, jobs=2):
