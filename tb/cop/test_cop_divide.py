@@ -21,8 +21,11 @@ def parameters(dut):
     return [getattr(dut, name).value.to_unsigned() for name in names]
 
 
-def cases(rng, rows, columns, count):
-    """S, Mx, My: of telling frames (small arrays), at the limits of the moments, exact halves, random."""
+def cases(rng, rows, columns, count, fraction_bits=14):
+    """S, Mx, My: of telling frames (small arrays), at the limits of the moments, exact halves, random.
+
+    Loads of a power of two have a moment that gives half a last bit exactly.
+    """
     top = 65535 * rows * columns
     sums = [(0, 0, 0)]
     if rows * columns < 10**5:
@@ -32,6 +35,11 @@ def cases(rng, rows, columns, count):
         span_x, span_y = (columns - 1) * load, (rows - 1) * load
         sums += [(load, span_x, -span_y), (load, -span_x, span_y), (load, span_x // 2, -(span_y // 2))]
         sums.append((load, int(rng.integers(-span_x, span_x + 1)), int(rng.integers(-span_y, span_y + 1))))
+    for power in range(fraction_bits + 1, top.bit_length()):
+        odd = [2 * int(rng.integers(0, 1 << fraction_bits)) + 1 for _ in range(4)]
+        halves = [value << power - fraction_bits - 1 for value in odd]
+        sums.append((1 << power, (columns - 1) * halves[0], -(rows - 1) * halves[1]))
+        sums.append((1 << power, -(columns - 1) * halves[2], (rows - 1) * halves[3]))
     # Only a light load may lie wholly in a corner: an even one spreads, and the moments' widths count on it.
     limit_x, limit_y = (
         1 << (sum_bits(rows, columns) - 1 + max((n - 1).bit_length(), 1)) for n in (columns, rows)
@@ -54,7 +62,7 @@ def beats_of(sums):
 @cocotb.parametrize(stall_rate=[0.0, 0.5], min_load=[0, 1, 100])
 async def matches_model(dut, stall_rate, min_load):
     rows, columns, fraction_bits, _, _ = parameters(dut)
-    sums = cases(np.random.default_rng(bench.SEED), rows, columns, 40)
+    sums = cases(np.random.default_rng(bench.SEED), rows, columns, 40, fraction_bits)
     await bench.start(dut, cfg_min_load_i=min_load)
     pause = bench.pauses(stall_rate)
     expected = expected_of(sums, rows, columns, fraction_bits, min_load)
@@ -115,7 +123,7 @@ def nearest(value):
 @pytest.mark.parametrize("rows, columns", [(1, 1), (1, 9), (9, 1), (2, 2), (33, 63), (64, 64), (1024, 1024)])
 def test_model_against_fractions(rows, columns, fraction_bits):
     one = 1 << fraction_bits
-    sums = cases(np.random.default_rng(3), rows, columns, 300)
+    sums = cases(np.random.default_rng(3), rows, columns, 300, fraction_bits)
     for (total, mx, my), got in zip(sums, expected_of(sums, rows, columns, fraction_bits, 100)):
         pressed = total >= 100
         x = nearest(Fraction(mx, (columns - 1) * total) * one) if pressed and columns > 1 else 0

@@ -5,6 +5,7 @@ direction, a slow or plain release not; gaps, stalls, reset in each state, exact
 
 from dataclasses import asdict, replace
 from fractions import Fraction
+from itertools import product
 from math import atan2, pi
 
 import cocotb
@@ -22,6 +23,8 @@ SETS = [
     CopSlipRegisters(255, 0, 1, 40, 0),
     CopSlipRegisters(51, 65535, 65535, 65535, 65535),
     CopSlipRegisters(100, 32768, 2, 1, 1),
+    CopSlipRegisters(90, 20, 0x5A33, 2, 3),
+    CopSlipRegisters(30, 9, 0xA5CC, 0, 1),
 ]
 
 
@@ -36,7 +39,8 @@ def samples_of(rng, lag, registers, count):
     corners += [(128 * sx, 53 * sy + e) for sx in (1, -1) for sy in (1, -1) for e in (-1, 0, 1)]
     corners += [(53 * sx + e, 128 * sy) for sx in (1, -1) for sy in (1, -1) for e in (-1, 0, 1)]
     for index in range(count):
-        high = int(rng.choice([256, 512, 2560, 65280, int(rng.integers(1, 65536))]))
+        gate = [registers.min_load + e for e in (-1, 0, 1)]
+        high = int(rng.choice([256, 512, 2560, 65280, int(rng.integers(1, 65536)), *gate]))
         low = high - high * registers.drop // 256 + int(rng.integers(-1, 2))
         rest = (0, 0) if registers.move < 16384 else (-16384, 16384)
         corner = corners[index % len(corners)] if index % 3 else rest
@@ -76,6 +80,23 @@ async def matches_model(dut, stall_rate, which):
     pause = bench.pauses(stall_rate)
     expected = expected_of(samples, lag, registers)
     assert await bench.stream(dut, beats_of(samples), FIELDS, pause, pause) == expected
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def each_bit_of_a_time_counts(dut):
+    """Slips in a row, with one of the two times a power of two and the other 0."""
+    lag, rng = dut.Lag.value.to_unsigned(), np.random.default_rng(bench.SEED)
+    await bench.start(dut)
+    for bit, held in product(range(16), (False, True)):
+        times = (1 << bit, 0) if held else (0, 1 << bit)
+        registers = CopSlipRegisters(26, 0, 1, *times)
+        for name, value in ports(registers).items():
+            getattr(dut, name).value = value
+        await bench.reset(dut)
+        samples = samples_of(rng, lag, registers, 1)[:, -150:]
+        expected = expected_of(samples, lag, registers)
+        assert sum(beat["raised"] for beat in expected) > 0
+        assert await bench.stream(dut, beats_of(samples), FIELDS) == expected
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")

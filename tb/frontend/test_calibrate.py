@@ -34,9 +34,9 @@ def calibrations(table, rng):
     one = 1 << 12
     words = [(False, w, lane) for w in range(table._beats.shape[2]) for lane in range(table.lanes)]
     words += [(True, row, 0) for row in range(table.rows) if table.row_column]
-    offsets = rng.choice([low, high, 0, 1, -1], len(words))
+    offsets = rng.choice([low, high, 0, 1, -1, *rng.integers(low, high, 5)], len(words))
     offsets = np.where(rng.random(len(words)) < 0.7, rng.integers(low // 8, high // 8, len(words)), offsets)
-    gains = rng.choice([0, 1, one, 65535], len(words))
+    gains = rng.choice([0, 1, one, 65535, *rng.integers(0, 1 << 16, 5)], len(words))
     gains = np.where(rng.random(len(words)) < 0.7, rng.integers(one // 2, 2 * one, len(words)), gains)
     return [(*word, int(offset), int(gain)) for word, offset, gain in zip(words, offsets, gains)]
 
