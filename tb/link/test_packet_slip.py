@@ -187,3 +187,6 @@ def test_refuses_illegal_parameters():
     for bits in (0, 25):
         with pytest.raises(ValueError, match=f"p2p_bits = {bits}"):
             packets([], p2p_bits=bits)
+    for p2p in (-1, 1 << 14):
+        with pytest.raises(ValueError, match="does not fit 14 bits"):
+            packets([(0, p2p, 0)], p2p_bits=14)
