@@ -30,16 +30,19 @@ FEWEST_A_SET = 25  # mutants; fewer sets if fewer are wanted
 FEWEST, MOST = 100, 200  # mutants of a block; between them one for each line of its source
 
 
-def parameter_sets(block, wanted=SETS):
+def parameter_sets(block, wanted=SETS, chosen=()):
     """The runs of the block's tests, those of equal parameters together; the ones to try first in front.
 
     ``wanted``: how many sets; few leave out the smallest blocks, with which the tests' lists begin.
+    ``chosen``: places in the list of the tests, in place of these.
     """
     groups = {}
     for run in benches.runs(block):
         if not run["sources"] and run["block"] == block:  # other sources: not this block's
             groups.setdefault(json.dumps(run["parameters"]), []).append(run)
     groups = list(groups.values())
+    if chosen:
+        return [groups[i] for i in chosen if i < len(groups)]
     half = len(groups) // 2 if wanted < SETS else 0
     first = {(k * len(groups) + half) // wanted for k in range(wanted)}
     return [groups[i] for i in sorted(first)] + [g for i, g in enumerate(groups) if i not in first]
@@ -80,8 +83,8 @@ def one_block(block, options):
     """The block's entry of docs/trust/mutants.json."""
     began, rtl = time.monotonic(), record.digest(block)
     count = options.samples or size_of(block)
-    wanted = min(SETS, -(-count // FEWEST_A_SET))
-    groups = parameter_sets(block, wanted)
+    wanted = len(options.sets) or min(SETS, -(-count // FEWEST_A_SET))
+    groups = parameter_sets(block, wanted, options.sets)
     wanted = min(wanted, len(groups))
     mutants, sets, slow = [], [], []
     for number, runs in enumerate(groups):
@@ -183,6 +186,9 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("block", nargs="*", help="without msn_; all if none is named")
     parser.add_argument("--samples", type=int, help="mutants per block, in place of 100 to 200")
+    parser.add_argument(
+        "--sets", type=int, nargs="+", default=[], help="parameter sets, by place in its tests"
+    )
     parser.add_argument("--seed", type=int, default=1, help="of Yosys's choice of mutants")
     parser.add_argument("--jobs", type=int, default=2, help="mutants that run at a time")
     parser.add_argument("--limit", type=float, default=5, help="seconds of a set's tests, else passed over")

@@ -254,6 +254,24 @@ def check(twin, matrix, out):
     assert expected[-1][2] > 0 and expected[-1][3] == 1, "nothing pressed"
 
 
+@cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
+async def counts_over_the_whole_width(dut):
+    counters = [
+        f"{name}_o"
+        for name in [
+            "dropped",
+            "overrun",
+            "held",
+            "lost",
+            "slip_dropped",
+            "slip_overrun",
+            "swallowed",
+            "damaged",
+        ]
+    ]
+    await bench.turn_over(dut, *counters, wraps=False)
+
+
 @cocotb.test(timeout_time=100, timeout_unit="ms")
 async def codes_at_the_pins_become_the_models_centre_of_pressure_in_its_time(dut):
     twin, matrix, _ = await begin(dut)

@@ -34,6 +34,11 @@ def expected_of(forces, fraction_bits, min_load):
     return [dict(zip(("x", "y", "load", "pressed"), result)) for result in results]
 
 
+@cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
+async def counts_over_the_whole_width(dut):
+    await bench.turn_over(dut, "damaged_o", wraps=False)
+
+
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 @cocotb.parametrize(stall_rate=[0.0, 0.4])
 async def matches_model_and_mirrors(dut, stall_rate):
@@ -52,6 +57,22 @@ async def matches_model_and_mirrors(dut, stall_rate):
     for plain, flipped, upturned in zip(got[0::3], got[1::3], got[2::3]):
         assert (flipped["x"], flipped["y"]) == (-plain["x"], plain["y"])
         assert (upturned["x"], upturned["y"]) == (plain["x"], -plain["y"])
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def a_load_counts_from_the_gate_on(dut):
+    """The gate at a frame's own load, and one above it."""
+    rows, columns, lanes, fraction_bits, _, _ = parameters(dut)
+    if rows * columns > 1000:
+        return
+    await bench.start(dut)
+    for frame in bench.force_frames(np.random.default_rng(bench.SEED), rows, columns)[1:]:
+        load = int(frame.sum())
+        for gate in (load, load + 1):
+            dut.cfg_min_load_i.value = gate
+            [expected] = expected_of(frame[None], fraction_bits, gate)
+            got = await bench.stream(dut, bench.force_beats(frame[None], lanes), FIELDS, count=1)
+            assert got == [expected] and expected["pressed"] == (gate == load > 0)
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")

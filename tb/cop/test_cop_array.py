@@ -28,12 +28,14 @@ def twin_of(dut):
 
 
 async def calibrate(dut, twin, rng):
-    """Write offsets and gains about 1 of a whole bank, and swap."""
+    """Write offsets and gains about 1 of a whole bank, every sixth of any size, and swap."""
     table = twin.calibrate.table
     entries = [(False, word, lane) for word in range(table._beats.shape[2]) for lane in range(table.lanes)]
     entries += [(True, row, 0) for row in range(table.rows) if table.row_column]
     for of_row, word, lane in entries:
         offset, gain = int(rng.integers(-300, 900)), int(rng.integers(3000, 5000))
+        if rng.random() < 1 / 6:
+            offset, gain = int(rng.integers(*bench.width(table.offset_bits))), int(rng.integers(1 << 16))
         dut.cfg_word_i.value, dut.cfg_gain_i.value = word, gain
         dut.cfg_offset_i.value = offset & ((1 << table.offset_bits) - 1)
         dut.cfg_write_i.value, dut.cfg_write_row_i.value = 0 if of_row else 1 << lane, int(of_row)
@@ -53,6 +55,7 @@ def samples(rng, twin, count):
     """Frames with a press somewhere, samples and masks [count, rows, columns]."""
     shape = (count, twin.rows, twin.columns)
     raw = rng.integers(-400, 1300, shape) + rng.integers(0, 60000, shape) * (rng.random(shape) < 0.1)
+    raw = np.where(rng.random(shape) < 0.02, rng.integers(-65536, 65536, shape), raw)
     return raw, rng.random(shape) < 0.1
 
 
@@ -63,6 +66,11 @@ def beats_of(twin, raw, mask):
 
 def results(values):
     return [dict(zip(("x", "y", "load", "pressed"), map(int, frame))) for frame in values]
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
+async def counts_over_the_whole_width(dut):
+    await bench.turn_over(dut, "damaged_o", "dropped_o", wraps=False)
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
@@ -77,6 +85,24 @@ async def matches_model(dut, stall_rate):
         got = await bench.stream(dut, beats_of(twin, raw, mask), FIELDS, pause, pause)
         assert got == results(zip(*twin.next(raw, mask)))
     assert bench.read(dut.damaged_o) == bench.read(dut.dropped_o) == 0
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def a_load_counts_from_the_gate_on(dut):
+    """The gate at a frame's own load, and one above it."""
+    twin, rng = twin_of(dut), np.random.default_rng(bench.SEED)
+    if twin.rows > 30:
+        return
+    await bench.start(dut, **IDLE)
+    await calibrate(dut, twin, rng)
+    raw, mask = samples(rng, twin, 8)
+    for frame, load in enumerate(twin.next(raw, mask)[2].tolist()):
+        for gate in (load, load + 1):
+            dut.cfg_min_load_i.value = twin.min_load = gate
+            one = raw[frame : frame + 1], mask[frame : frame + 1]
+            expected = results(zip(*twin.next(*one)))
+            assert await bench.stream(dut, beats_of(twin, *one), FIELDS, count=1) == expected
+            assert expected[0]["pressed"] == (gate == load > 0)
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")

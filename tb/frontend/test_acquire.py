@@ -29,6 +29,12 @@ def counts(dut):
     return {name: bench.read(getattr(dut, f"{name}_o")) for name in COUNTERS}
 
 
+@cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
+async def counts_over_the_whole_width(dut):
+    counters = [f"{name}_o" for name in ["dropped", "overrun", "timeout", "mistagged", "over_range"]]
+    await bench.turn_over(dut, *counters, wraps=False)
+
+
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 @cocotb.parametrize(rate=[0.0, 0.5])
 async def a_stream_passes_as_it_comes(dut, rate):

@@ -93,6 +93,11 @@ def count_frames(twin):
     return 4 if size_of(twin)[3] > 500 else 60 if size_of(twin)[3] < 20 else 12
 
 
+@cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
+async def counts_over_the_whole_width(dut):
+    await bench.turn_over(dut, "damaged_o", wraps=False)
+
+
 @cocotb.test(timeout_time=50, timeout_unit="ms")
 @cocotb.parametrize(stall_rate=[0.0, 0.5])
 async def matches_model(dut, stall_rate):

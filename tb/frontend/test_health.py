@@ -80,6 +80,11 @@ async def counts_are(dut, twin):
         assert bench.read(getattr(dut, f"{name}_o")) == getattr(twin, name), name
 
 
+@cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
+async def counts_over_the_whole_width(dut):
+    await bench.turn_over(dut, "damaged_o", wraps=False)
+
+
 @cocotb.test(timeout_time=40, timeout_unit="ms")
 @cocotb.parametrize(stall_rate=[0.0, 0.4], damage=[False, True])
 async def matches_model(dut, stall_rate, damage):

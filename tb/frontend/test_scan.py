@@ -240,6 +240,14 @@ async def scan(dut, settings, clocks, **attributes):
     return matrix
 
 
+@cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
+async def counts_over_the_whole_width(dut):
+    counters = [
+        f"{name}_o" for name in ["dropped", "overrun", "held", "lost", "slip_dropped", "slip_overrun"]
+    ]
+    await bench.turn_over(dut, *counters, wraps=False)
+
+
 @cocotb.test(timeout_time=100, timeout_unit="ms")
 async def every_taxel_is_read_settled_and_in_its_place(dut):
     twin = twin_of(dut)

@@ -192,6 +192,14 @@ async def board(dut, settings, clocks):
     return made
 
 
+@cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
+async def counts_over_the_whole_width(dut):
+    counters = [
+        f"{name}_o" for name in ["dropped", "overrun", "held", "lost", "slip_dropped", "slip_overrun"]
+    ]
+    await bench.turn_over(dut, *counters, wraps=False)
+
+
 @cocotb.test(timeout_time=100, timeout_unit="ms")
 @cocotb.parametrize(settle=[0, 23])
 async def every_taxel_in_its_place_in_its_clock(dut, settle):

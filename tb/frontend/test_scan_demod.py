@@ -141,6 +141,11 @@ def check(twin, matrices, beats, count):
         assert np.abs(levels - true).max() <= bound, np.abs(levels - true).max()
 
 
+@cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
+async def counts_over_the_whole_width(dut):
+    await bench.turn_over(dut, "dropped_o", "overrun_o", "held_o", "lost_o", wraps=False)
+
+
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def gives_the_amplitudes_of_the_codes_at_the_pins(dut):
     twin, matrices, _ = await begin(dut)

@@ -120,6 +120,11 @@ def agree(plan, settings, clocks, switches, triggers):
     return conversions, overrun, slip_overrun
 
 
+@cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
+async def counts_over_the_whole_width(dut):
+    await bench.turn_over(dut, "overrun_o", "slip_overrun_o", wiggled=["room_i"], cfg_enable_i=1)
+
+
 @cocotb.test(timeout_time=100, timeout_unit="ms")
 async def matches_model(dut):
     plan = twin_of(dut)

@@ -35,6 +35,12 @@ async def begin(dut, rng):
     ]
 
 
+@cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
+async def counts_over_the_whole_width(dut):
+    counters = [f"{name}_o" for name in ["packets", "cop_dropped", "image_dropped", "rejected"]]
+    await bench.turn_over(dut, *counters, most=3, wraps=False)
+
+
 @cocotb.test(timeout_time=50, timeout_unit="ms")
 async def full_load_and_registers(dut):
     if not dut.Uart.value.to_unsigned():

@@ -230,6 +230,11 @@ def check_images(test, source, chunks, build):
     assert len(images) + bench.read(test.dut.image_dropped_o) == len(whole)
 
 
+@cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
+async def counts_over_the_whole_width(dut):
+    await bench.turn_over(dut, "packets_o", "cop_dropped_o", "image_dropped_o", most=3, wraps=False)
+
+
 @cocotb.test(timeout_time=50, timeout_unit="ms")
 @cocotb.parametrize(load=["light", "full", "slow line"])
 async def everything_at_once(dut, load):

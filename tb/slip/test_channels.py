@@ -79,6 +79,15 @@ async def watch(dut, rubber, frames):
     return part, channels, model, decisions, converts
 
 
+@cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
+async def counts_over_the_whole_width(dut):
+    counters = [
+        f"{name}_o"
+        for name in ["dropped", "overrun", "timeout", "mistagged", "over_range", "damaged", "blanked"]
+    ]
+    await bench.turn_over(dut, *counters, wraps=False)
+
+
 @cocotb.test(timeout_time=50, timeout_unit="ms")
 async def decides_in_time_at_the_pins(dut):
     """A pulse on the even sample of a pair, the worst case, first on channel 0 and then on the last."""

@@ -58,6 +58,11 @@ def expected(x, config):
     return [{field: row[field] for field in FIELDS} for row in rows], watched
 
 
+@cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
+async def counts_over_the_whole_width(dut):
+    await bench.turn_over(dut, "damaged_o", "blanked_o", wraps=False)
+
+
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 @cocotb.parametrize(stall_rate=[0.0, 0.5])
 async def matches_model(dut, stall_rate):
@@ -73,6 +78,44 @@ async def matches_model(dut, stall_rate):
     if channels < 100 and not dut.Mask.value.to_unsigned():
         assert watched.over.any()
         assert len(np.unique(watched.state)) == 5
+
+
+def any_settings(rng, run, dut):
+    """x, moving, config: each bit of each timer alone, levels and thresholds of any size, then anything."""
+    channels, level, window, hop = parameters(dut)
+    rises, moving, top = bool(run % 2), run % 4 == 2, 1 << 17 + level
+    shift = run % 9
+    x = (recording(rng, channels, 160) << shift) + rng.integers(0, 1 << shift, (channels, 160))
+    sizes = [v << shift for v in (60, 110, 100 << level, 60 << level)] + rng.integers(0, 1 << shift, 4)
+    if run >= 16:
+        x = rng.integers(-1 << 16, 1 << 16, x.shape)
+        sizes = [*rng.integers(0, top, 2), *rng.integers(-top // 2, top // 2, 2)]
+    sign = 1 if rises else -1
+    names = ("threshold", "gross_threshold", "contact_level", "release_level")
+    registers = dict(zip(names, (int(v) * s for v, s in zip(sizes, (1, 1, sign, sign)))))
+    times = zip(("hold", "refractory", "blank"), (run, run + 5, run + 10))
+    registers |= {name: 1 << at % 16 for name, at in times}
+    return sign * x - (sign < 0), moving, SlipConfig(window, hop, level, contact_rises=rises, **registers)
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def settings_of_any_size_match_the_model(dut):
+    if parameters(dut)[0] > 100 or dut.Serial.value.to_unsigned():
+        return  # that of the serial path: tb/slip/test_slip_serial.py
+    rng, blanked = np.random.default_rng(bench.SEED), 0
+    for run in range(24):
+        x, moving, config = any_settings(rng, run, dut)
+        await begin(dut, config)
+        dut.actuator_moving_i.value = int(moving)
+        found = decide(x, config, np.full(x.shape[1] >> config.level, moving))
+        ends = np.broadcast_to(found.end, found.p2p.shape)
+        over = found.p2p > config.threshold
+        rows = bench.frames(state=found.state, over=over, p2p=found.p2p, end=ends, raised=found.raised)
+        should = [{field: row[field] for field in (*FIELDS, "raised")} for row in rows]
+        assert await bench.stream(dut, beats_of(x), [*FIELDS, "raised"]) == should, config
+        assert bench.read(dut.blanked_o) == found.blanked
+        blanked += found.blanked
+    assert blanked > 0
 
 
 @cocotb.test(timeout_time=5, timeout_unit="ms")

@@ -13,7 +13,7 @@ import mutants as tool
 from meissner.toolchain import ROOT
 from meissner.trust import after_reset, benches, contract, equivalence, mutate, simulate
 
-OPTIONS = argparse.Namespace(samples=6, seed=7, jobs=2, limit=5, unsolved=False)
+OPTIONS = argparse.Namespace(samples=6, seed=7, jobs=2, limit=5, sets=[], unsolved=False)
 
 
 def one(block, count, folder, which=0, **changes):
