@@ -59,7 +59,7 @@ async def writes_every_word_once_then_steps_aside(dut):
 
 
 @pytest.mark.parametrize(
-    "rows, columns, lanes, row_column", [(3, 5, 1, 0), (2, 19, 8, 0), (5, 6, 4, 1), (9, 2, 1, 1)]
+    "rows, columns, lanes, row_column", [(4, 5, 1, 0), (2, 19, 8, 0), (5, 6, 4, 1), (9, 2, 1, 1)]
 )
 def test_calibration_preset(rows, columns, lanes, row_column):
     sizes = {"Rows": rows, "Columns": columns, "Lanes": lanes, "RowColumn": row_column}
