@@ -83,9 +83,10 @@ def test_no_damaged_frame_looks_whole_and_no_whole_one_is_lost(beats):
     """A follower that only counts beats between `last`s takes exactly the whole frames."""
     twin = FramePlace(beats)
     stream = damaged_beats(beats, 2000, 0.4, 3)
-    passed, kept, whole, received = [], [], [], []
+    passed, kept, whole, received, places = [], [], [], [], []
     for id_, last, frame in stream:
         place = twin.next(id_, last)
+        places.append(place)
         received.append((id_, last, frame))
         if last:
             in_order = [(i, e) for i, e, _ in received[:-1]] == [(b, False) for b in range(beats - 1)]
@@ -100,6 +101,8 @@ def test_no_damaged_frame_looks_whole_and_no_whole_one_is_lost(beats):
                 passed = []
     assert kept == whole
     assert len(whole) < 1900
+    ids, lasts, _ = zip(*stream)
+    assert twin.process(ids, lasts) == places  # from anew
 
 
 def test_refuses_illegal_parameters():

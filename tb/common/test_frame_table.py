@@ -80,6 +80,7 @@ async def matches_model(dut, pause_rate):
         (37, 1, 33, 2, 0),
         (64, 8, 9, 1, 8),
         (90, 1, 3, 2, 0),
+        (128, 1, 1, 2, 5),
     ],
 )
 def test_frame_table(words, parts, bits, banks, start):

@@ -17,6 +17,12 @@ def parameters(dut):
     return dut.Bits.value.to_unsigned(), bool(dut.Exact.value.to_unsigned())
 
 
+def last_rest(pair):
+    """What is left of a^2 + b^2 before the root's last digit."""
+    a, b = pair
+    return a * a + b * b - 4 * isqrt((a // 2) ** 2 + (b // 2) ** 2) ** 2
+
+
 def cases(rng, bits, count):
     """Pairs: corners, Pythagorean triples (root exact) and one less, powers of two, then any size."""
     top = (1 << bits) - 1
@@ -26,6 +32,8 @@ def cases(rng, bits, count):
         for a, b in ((3, 4), (20, 21), (5, 12), (8, 15)):
             pairs += [(a * scale, b * scale), (a * scale - 1, b * scale), (b * scale, a * scale - 1)]
     pairs += [(1 << k, 1 << j) for k in range(bits) for j in (0, k // 2, k)]
+    near = range(max(top - 15, 0), top + 1)  # the greatest rest that the last digit may find
+    pairs.append(max(((a, b) for a in near for b in near), key=last_rest))
     for _ in range(count):
         a, b = (int(rng.integers(0, top + 1)) >> int(rng.integers(0, bits)) for _ in range(2))
         pairs.append((a, b))

@@ -56,7 +56,7 @@ SPACE = lambda draw: {
 
 
 @pytest.mark.parametrize(
-    "rows, columns, lanes", [(3, 5, 1), (3, 5, 2), (2, 19, 8), (4, 16, 8), (2, 3, 4), (1, 1, 1)]
+    "rows, columns, lanes", [(3, 5, 1), (3, 5, 2), (2, 19, 4), (4, 16, 8), (2, 3, 8), (1, 1, 1)]
 )
 def test_narrow(rows, columns, lanes):
     bench.run("common", "narrow", {"Rows": rows, "Columns": columns, "Lanes": lanes})

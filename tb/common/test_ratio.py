@@ -133,6 +133,7 @@ def test_model_against_fractions(scale_bits, num_bits, den_bits, fraction_bits):
 def test_refuses_illegal_parameters():
     for name, value in (("ScaleBits", 0), ("NumBits", 33), ("DenBits", 63)):
         assert f"{name} = {value}" in bench.refuses("ratio", {name: value})
+    check_bits(scale_bits=1, num_bits=32, den_bits=62)
     for name, value in (("scale_bits", 0), ("num_bits", 33), ("den_bits", 63)):
         with pytest.raises(ValueError, match=f"{name} = {value}"):
             check_bits(**{name: value})

@@ -88,6 +88,19 @@ async def gate_is_judged_when_the_sums_are_taken(dut):
     assert await bench.stream(dut, beats_of(sums), FIELDS) == expected
 
 
+@cocotb.test(timeout_time=2, timeout_unit="ms")
+async def every_bit_of_the_gate_counts(dut):
+    """At 2^k, which differs from the load one below it in every bit that either has."""
+    rows, columns, fraction_bits, _, _ = parameters(dut)
+    await bench.start(dut, cfg_min_load_i=0)
+    for k in range(1, len(dut.cfg_min_load_i)):
+        dut.cfg_min_load_i.value = 1 << k
+        sums = [((1 << k) - 1, 0, 0), (1 << k, 0, 0)]
+        expected = expected_of(sums, rows, columns, fraction_bits, 1 << k)
+        assert [frame["pressed"] for frame in expected] == [0, 1]
+        assert await bench.stream(dut, beats_of(sums), FIELDS, count=2) == expected
+
+
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def no_divider_sees_a_zero_denominator(dut):
     """Of any load, at any gate; what the dividers are given, not only what the gate lets out."""

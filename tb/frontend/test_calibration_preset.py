@@ -49,15 +49,17 @@ async def writes_every_word_once_then_steps_aside(dut):
     assert all(passed[count + 1 :])
     await bench.reset(dut)
     await watch(dut, count // 2, draw)
-    await bench.reset(dut)
-    dut.cfg_gain_i.value = 3
-    writes, swaps, done, _ = await watch(dut, count + 2, draw)
-    assert [gain for row, _, _, gain in writes[:count] if not row] == [3] * sum(not w[0] for w in expected)
-    assert swaps[0] == count and done == [count + 1]
+    for wanted in (65535, 0):
+        await bench.reset(dut)
+        dut.cfg_gain_i.value = wanted
+        writes, swaps, done, _ = await watch(dut, count + 2, draw)
+        gains = [gain for row, _, _, gain in writes[:count] if not row]
+        assert gains == [wanted] * sum(not write[0] for write in expected)
+        assert swaps[0] == count and done == [count + 1]
 
 
 @pytest.mark.parametrize(
-    "rows, columns, lanes, row_column", [(3, 5, 1, 0), (2, 19, 8, 0), (5, 6, 4, 1), (9, 2, 1, 1)]
+    "rows, columns, lanes, row_column", [(4, 5, 1, 0), (2, 19, 8, 0), (5, 6, 4, 1), (9, 2, 1, 1)]
 )
 def test_calibration_preset(rows, columns, lanes, row_column):
     sizes = {"Rows": rows, "Columns": columns, "Lanes": lanes, "RowColumn": row_column}

@@ -41,9 +41,9 @@ async def forgets_what_a_reset_interrupts(dut):
     await check(dut, given)
 
 
-@pytest.mark.parametrize("lanes", [1, 2, 8])
-def test_health_report(lanes):
-    bench.run("frontend", "health_report", {"Lanes": lanes, "IdBits": 6})
+@pytest.mark.parametrize("lanes, id_bits", [(1, 6), (2, 6), (8, 21)])
+def test_health_report(lanes, id_bits):
+    bench.run("frontend", "health_report", {"Lanes": lanes, "IdBits": id_bits})
 
 
 def test_refuses_illegal_parameters():

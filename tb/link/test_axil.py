@@ -7,7 +7,7 @@ import random
 
 import cocotb
 from cocotb.triggers import ReadOnly, RisingEdge, gather
-from cocotbext.axi import AxiLiteBus, AxiLiteMaster, AxiResp
+from cocotbext.axi import AxiLiteBus, AxiLiteMaster, AxiProt, AxiResp
 
 import bench
 from meissner.link import axil
@@ -68,17 +68,18 @@ async def answers_as_the_model(dut):
         if sent == 400:
             pause(master, 0.5)
         address, size = addresses(draw), draw.choice((4, 4, 2, 1))
-        data = draw.randbytes(size)
+        data, protection = draw.randbytes(size), AxiProt(draw.randrange(8))  # of which none matters
         lane = draw.randrange(0, 4, size)
         if draw.random() < 0.5:
-            answer = await master.write(address + lane, data)
+            answer = await master.write(address + lane, data, protection)
             strobe = ((1 << size) - 1) << lane
             expected = axil.write(mirror, address, int.from_bytes(data, "little") << 8 * lane, strobe)
             assert answer.resp == AxiResp(expected), hex(address)
         else:
-            answer = await master.read(address, 4)
+            answer = await master.read(address + lane, size, protection)
             value, response = axil.read(mirror, address)
-            assert (int.from_bytes(answer.data, "little"), answer.resp) == (value, AxiResp(response))
+            assert answer.data == value.to_bytes(4, "little")[lane : lane + size]
+            assert answer.resp == AxiResp(response)
     assert len(served) == 800
 
 
