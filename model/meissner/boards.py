@@ -106,8 +106,8 @@ BOARDS = {
             name="icebreaker",
             title="iCEBreaker (iCE40 UP5K)",
             cells="ice40",
-            # The fingertip fills 93 % of the cells: with clock enables of a few flip-flops each, which a tile of eight
-            # must share, nextpnr does not place it with every seed.
+            # The fingertip fills 93 % of the cells: with clock enables of a few flip-flops each, which a tile
+            # of eight must share, nextpnr does not place it with every seed.
             synth="synth_ice40 -dsp -device u -dffe_min_ce_use 4",
             pnr="nextpnr-ice40 --up5k --package sg48 --pcf {constraints} --asc {stem}.asc",
             constraints="constraints/icebreaker.pcf",
