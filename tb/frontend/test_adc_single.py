@@ -81,7 +81,8 @@ class Harness:
 async def counts_over_the_whole_width(dut):
     """The sample that is there in the first clock waits for the next one to be dropped."""
     counters, inputs = ("dropped_o", "over_range_o"), {"adc_miso_i": 1, "cfg_enable_i": 1, "out_ready_i": 0}
-    await bench.turn_over(dut, *counters, span=400, wiggled=["out_ready_i"], **inputs)
+    span = 3 * dut.Period.value.to_unsigned()
+    await bench.turn_over(dut, *counters, span=span, wiggled=["out_ready_i"], **inputs)
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
