@@ -81,7 +81,7 @@ async def matches_model(dut, rises, stall_rate):
     sign = 1 if rises else -1
     await bench.start(dut, actuator_moving_i=0)
     arcs, blanked = set(), 0
-    length = 400 if channels < 100 else 3
+    length = (1000 if channels == 1 else 400) if channels < 100 else 3
     timers = [(0, 0, 0), (1, 1, 1), (3, 9, 5), (10, 0, 9), (2, 6, 14)] if channels < 100 else [(1, 1, 1)]
     for hold, refractory, blank in timers:
         config = SlipConfig(
