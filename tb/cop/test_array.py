@@ -257,17 +257,14 @@ def check(twin, matrix, out):
 @cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
 async def counts_over_the_whole_width(dut):
     counters = [
-        f"{name}_o"
-        for name in [
-            "dropped",
-            "overrun",
-            "held",
-            "lost",
-            "slip_dropped",
-            "slip_overrun",
-            "swallowed",
-            "damaged",
-        ]
+        "dropped_o",
+        "overrun_o",
+        "held_o",
+        "lost_o",
+        "slip_dropped_o",
+        "slip_overrun_o",
+        "swallowed_o",
+        "damaged_o",
     ]
     await bench.turn_over(dut, *counters, wraps=False)
 

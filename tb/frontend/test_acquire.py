@@ -31,7 +31,7 @@ def counts(dut):
 
 @cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
 async def counts_over_the_whole_width(dut):
-    counters = [f"{name}_o" for name in ["dropped", "overrun", "timeout", "mistagged", "over_range"]]
+    counters = ["dropped_o", "overrun_o", "timeout_o", "mistagged_o", "over_range_o"]
     await bench.turn_over(dut, *counters, wraps=False)
 
 

@@ -194,9 +194,7 @@ async def board(dut, settings, clocks):
 
 @cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
 async def counts_over_the_whole_width(dut):
-    counters = [
-        f"{name}_o" for name in ["dropped", "overrun", "held", "lost", "slip_dropped", "slip_overrun"]
-    ]
+    counters = ["dropped_o", "overrun_o", "held_o", "lost_o", "slip_dropped_o", "slip_overrun_o"]
     await bench.turn_over(dut, *counters, wraps=False)
 
 

@@ -37,7 +37,7 @@ async def begin(dut, rng):
 
 @cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
 async def counts_over_the_whole_width(dut):
-    counters = [f"{name}_o" for name in ["packets", "cop_dropped", "image_dropped", "rejected"]]
+    counters = ["packets_o", "cop_dropped_o", "image_dropped_o", "rejected_o"]
     await bench.turn_over(dut, *counters, most=3, wraps=False)
 
 

@@ -82,8 +82,13 @@ async def watch(dut, rubber, frames):
 @cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
 async def counts_over_the_whole_width(dut):
     counters = [
-        f"{name}_o"
-        for name in ["dropped", "overrun", "timeout", "mistagged", "over_range", "damaged", "blanked"]
+        "dropped_o",
+        "overrun_o",
+        "timeout_o",
+        "mistagged_o",
+        "over_range_o",
+        "damaged_o",
+        "blanked_o",
     ]
     await bench.turn_over(dut, *counters, wraps=False)
 
