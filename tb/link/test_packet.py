@@ -153,7 +153,7 @@ class Bench:
         decoder = Decoder()
         got = decoder.next(b"".join(map(encode, self.packets)))
         assert (decoder.damaged, decoder.missed) == (0, 0)
-        assert [q.number for q in got] == [k % 256 for k in range(len(got))]
+        assert self.packets == [p.packet(q.kind, k, q.time, q.payload) for k, q in enumerate(got)]
         return got
 
 
@@ -205,29 +205,27 @@ def check(test, sources, counters, build):
         assert subsequence(mine, sent)
         assert len(mine) + bench.read(test.dut.cop_dropped_o) == len(sent)
         assert mine[-1:] == sent[-1:]  # the newest always arrives
-    statistics = [q.fields for q in by_kind.get(p.STATISTIC, [])]
-    for place, fields in enumerate(statistics):
+    for place, q in enumerate(by_kind.get(p.STATISTIC, [])):
         index = place % build["Statistics"]
-        assert fields == {"index": index, "counter": counters[index]}
+        assert q.payload == p.statistic(index, counters[index])
     if "image" in sources:
         check_images(test, sources["image"], by_kind.get(p.IMAGE, []), build)
     return got
 
 
 def check_images(test, source, chunks, build):
-    images, whole = [], [image for image in source.images if not (source.left and image is source.images[-1])]
-    for q in chunks:
-        if q.fields["first"] == 0:
-            images.append((q.time, []))
-        assert q.time == images[-1][0]
-        assert q.fields["image"] == (len(images) - 1) % 256
-        assert q.fields["first"] == len(images[-1][1])
-        images[-1][1].extend(q.fields["taxels"])
-        assert len(q.fields["taxels"]) == min(build["Chunk"], build["Taxels"] - q.fields["first"])
-        assert q.fields["last"] == (len(images[-1][1]) == build["Taxels"])
-    assert all(len(taxels) == build["Taxels"] for _, taxels in images)
-    assert subsequence(images, whole)
-    assert len(images) + bench.read(test.dut.image_dropped_o) == len(whole)
+    sent = [image for image in source.images if not (source.left and image is source.images[-1])]
+    starts = [place for place, q in enumerate(chunks) if q.fields["first"] == 0]
+    images = []
+    for number, (start, end) in enumerate(zip(starts, [*starts[1:], len(chunks)])):
+        taxels = [taxel for q in chunks[start:end] for taxel in q.fields["taxels"]]
+        assert len(taxels) == build["Taxels"]
+        assert [q.payload for q in chunks[start:end]] == p.image_chunks(number, taxels, build["Chunk"])
+        assert len({q.time for q in chunks[start:end]}) == 1
+        images.append((chunks[start].time, taxels))
+    assert starts[:1] == [0][: len(chunks)]  # none before an image begins
+    assert subsequence(images, sent)
+    assert len(images) + bench.read(test.dut.image_dropped_o) == len(sent)
 
 
 @cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
