@@ -50,7 +50,18 @@ async def a_stream_passes_as_it_comes(dut, rate):
         del beat["restart"]
         beat["last"] ^= n % 7 == 3  # damaged or not is not its business
     pause = bench.pauses(rate)
+
+    async def wander():
+        """What stands at the pins and in the settings is nothing to a stream."""
+        while True:
+            for name in ("cfg_enable_i", "cfg_period_i", "adc_miso_i", "adc_busy_i"):
+                port = getattr(dut, name)
+                port.value = int(rng.integers(1 << len(port)))
+            await RisingEdge(dut.clk_i)
+
+    wandering = cocotb.start_soon(wander())
     assert await bench.stream(dut, beats, ["data~", "id", "last"], pause, pause, hold=True) == beats
+    wandering.cancel()
     pins = ("adc_cs_n", "adc_sclk", "adc_mosi", "adc_convst", "adc_reset", "convert")
     assert [bench.read(getattr(dut, f"{name}_o")) for name in pins] == [1, 0, 0, 0, 0, 1]
     assert not any(counts(dut).values())

@@ -182,6 +182,8 @@ def test_adc_single(parameters):
         ({"ClkKhz": 0}, {"clk_khz": 0}, "= 0 must lie in 1 .. 400000"),
         ({"SclkKhz": 2001}, {"sclk_khz": 2001}, "= 2001 must lie in 1 .. 2000"),
         ({"SclkKhz": 9, "Period": 90_000}, {"sclk_khz": 9, "period": 90_000}, "= 9 is too slow"),
+        # A bit of 1092 clocks would do, but takes 2048.
+        ({"SclkKhz": 11, "Period": 90_000}, {"sclk_khz": 11, "period": 90_000}, "= 11 is too slow"),
         ({"Period": 160}, {"period": 160}, "eriod = 160 must be at least 161"),
         ({"SampleBits": 12}, {"sample_bits": 12}, "= 12 must hold a code of 12 bits"),
     ],

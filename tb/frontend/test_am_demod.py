@@ -36,12 +36,13 @@ def taxel(demod, rng, kind, length, index):
     n, lanes = demod.samples_per_period, demod.lanes
     time = np.arange(length)
     phase = rng.uniform(0, 2 * np.pi, (lanes, 1))
-    amplitude = rng.uniform(0, 1, (lanes, 1)) ** 3 * high
+    amplitude = rng.uniform(0, 1, (lanes, 1)) ** rng.choice([1, 3]) * high
     offset = rng.uniform(-1, 1, (lanes, 1)) * (high - amplitude)
     data = amplitude * np.cos(2 * np.pi * time / n + phase) + offset
-    if kind == "square":  # the largest sums that there can be, of either reference and of either sign
-        which = rng.integers(0, 2, lanes), rng.choice([-1, 1], lanes)
-        reference = np.tile(references(n), length // n + 2)
+    if kind == "square":  # the largest sums there can be, of either reference or of both, of either sign
+        which = rng.integers(0, 3, lanes), rng.choice([-1, 1], lanes)
+        i, q = references(n)
+        reference = np.tile([i, q, i + q], length // n + 2)
         data = np.array([s * reference[w][1 : length + 1] for w, s in zip(*which)], dtype=float)
         data = np.roll(np.where(data > 0, high, low), rng.integers(0, n), axis=1)
     elif kind == "random":
@@ -73,9 +74,11 @@ def sequence(demod, rng, periods, skip, taxels):
     """Taxels: some exact, some with surplus samples, some cut off; stray samples before the first."""
     whole = skip + (periods or 1 << demod.period_bits) * demod.samples_per_period
     beats = [beat | {"start": False} for beat in taxel(demod, rng, "random", 5, 0)]
+    extra = [0, 0, 0, 1, demod.samples_per_period, -1, 1 - whole]
     for index in range(taxels):
-        length = whole + int(rng.choice([0, 0, 0, 1, demod.samples_per_period, -1, 1 - whole]))
-        beats += taxel(demod, rng, KINDS[index % len(KINDS)], length, index)
+        if index % len(extra) == 0:  # each of them as often
+            rng.shuffle(extra)
+        beats += taxel(demod, rng, KINDS[index % len(KINDS)], whole + extra[index % len(extra)], index)
     return beats + taxel(demod, rng, "sine", whole, 0)
 
 
@@ -93,7 +96,7 @@ async def matches_model(dut, stall_rate, setting):
     demod = demod_of(dut)
     periods, skip, shift = SETTINGS[setting]
     skip %= 1 << demod.skip_bits
-    rng = np.random.default_rng(bench.SEED + setting)
+    rng = np.random.default_rng([bench.SEED, setting, bool(stall_rate)])
     taxels = 21 if periods else 7
     beats = sequence(demod, rng, periods, skip, taxels)
     expected, broken = demod.process(beats, periods, skip, shift)

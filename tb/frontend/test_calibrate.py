@@ -273,7 +273,7 @@ async def clocks_are_as_stated_and_frames_never_wait(dut):
     "rows, columns, lanes, sample_bits, gain_shift, offset, row_column",
     [
         (1, 1, 1, 17, 12, 1, 0),
-        (3, 3, 1, 17, 1, 1, 0),
+        (3, 3, 2, 17, 1, 1, 0),
         (4, 7, 2, 18, 16, 0, 0),
         (5, 19, 8, 17, 24, 1, 1),
         (1, 1, 1, 17, 32, 1, 1),

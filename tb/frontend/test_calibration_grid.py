@@ -125,7 +125,7 @@ async def matches_model(dut, pause_rate):
 
 @pytest.mark.parametrize(
     "rows, columns, lanes, sample_bits, offset",
-    [(1, 1, 1, 17, 1), (7, 1, 4, 17, 0), (5, 19, 8, 17, 1), (6, 3, 1, 12, 1), (3, 40, 2, 18, 1)],
+    [(1, 1, 1, 17, 1), (8, 1, 4, 17, 0), (5, 27, 8, 17, 1), (6, 3, 1, 12, 1), (2, 40, 2, 18, 1)],
 )
 def test_calibration_grid(rows, columns, lanes, sample_bits, offset):
     size = {"Rows": rows, "Columns": columns, "Lanes": lanes}

@@ -8,7 +8,7 @@ from itertools import pairwise
 import cocotb
 import numpy as np
 import pytest
-from cocotb.triggers import FallingEdge
+from cocotb.triggers import FallingEdge, Timer
 
 import bench
 from meissner.frontend.health import BLINKING, DEAD, RAILED, Health, Limits
@@ -17,16 +17,24 @@ FIELDS = ["data", "mask", "id", "last"]
 QUICK = {"band": 5, "jump": 30, "low": -900, "high": 900, "edges": True, "still": 12, "rail": 1, "blink": 30}
 
 
+def twin_of(dut, limits):
+    names = ("Rows", "Columns", "Lanes", "SampleBits")
+    return Health(*(getattr(dut, name).value.to_unsigned() for name in names), limits)
+
+
+def registers_of(dut, limits):
+    """The inputs that hold these limits."""
+    values = {f"cfg_{name}_i": int(value) for name, value in vars(limits).items()}
+    for name in ("low", "high"):
+        values[f"cfg_{name}_i"] &= (1 << dut.SampleBits.value.to_unsigned()) - 1
+    return values
+
+
 async def begin(dut, limits):
     """Reset with these limits; collect the events that are taken."""
     idle = {"cfg_clear_i": 0, "cfg_report_i": 0, "event_ready_i": 1}
-    sample_bits = dut.SampleBits.value.to_unsigned()
-    values = {f"cfg_{name}_i": int(value) for name, value in vars(limits).items()}
-    for name in ("low", "high"):
-        values[f"cfg_{name}_i"] &= (1 << sample_bits) - 1
-    await bench.start(dut, **values, **idle)
-    names = ("Rows", "Columns", "Lanes", "SampleBits")
-    twin = Health(*(getattr(dut, name).value.to_unsigned() for name in names), limits)
+    await bench.start(dut, **registers_of(dut, limits), **idle)
+    twin = twin_of(dut, limits)
     events = []
 
     async def listen():
@@ -177,6 +185,89 @@ async def over_range_on_every_sample(dut):
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
+async def limits_of_every_size(dut):
+    """Each bit of each limit in turn, all and none, with samples that go from end to end."""
+    rng = np.random.default_rng(bench.SEED)
+    twin, events, listener = await begin(dut, Limits(**QUICK))
+    if twin.rows * twin.columns > 500:
+        return
+    low, high = bench.width(twin.sample_bits)
+    shape = (80, twin.rows, twin.columns)
+    for ones in (0x55555, 0xAAAAA, 0xFFFFF, 0):
+        code = ones & (1 << twin.sample_bits) - 1
+        ends = {"low": bench.as_signed(code ^ (1 << twin.sample_bits) - 1, twin.sample_bits)}
+        ends["high"] = bench.as_signed(code, twin.sample_bits)
+        counts = dict.fromkeys(("still", "rail", "blink"), ones & 255)
+        limits = Limits(code, code, **ends, user=bool(ones & 1), edges=bool(ones & 2), **counts)
+        for name, value in registers_of(dut, limits).items():
+            getattr(dut, name).value = value
+        await bench.reset(dut)
+        events.clear()
+        twin = twin_of(dut, limits)
+        x = np.where(rng.random(shape) < 0.05, rng.integers(low, high + 1, shape), 0)
+        x += rng.choice([low, 0, high], (80, 1, 1)) * (rng.random(shape[1:]) < 0.6)
+        beats = bench.lane_beats(
+            np.clip(x, low, high), twin.lanes, twin.sample_bits, user=rng.random(shape) < 0.9
+        )
+        expected, news = expected_of(twin, beats)
+        assert await bench.stream(dut, beats, FIELDS) == expected
+        await counts_are(dut, twin)
+        assert events == news
+    listener.cancel()
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def a_rail_counts_to_its_end_and_stays(dut):
+    """Over-range for longer than can be asked for, and for as long as can be; afterwards from 0 again."""
+    twin, _, listener = await begin(dut, Limits(**QUICK | {"rail": 0}, user=True))
+    if twin.rows * twin.columns > 1:
+        return
+    listener.cancel()
+    frames = 16 * 260
+    over = np.ones((frames, 1, 1), dtype=bool)
+    twin.next(over * 40, over)
+    dut.in_data_i.value, dut.in_user_i.value, dut.in_id_i.value, dut.in_last_i.value = 40, 1, 0, 1
+    dut.in_valid_i.value = dut.out_ready_i.value = 1
+    await Timer(frames * 100, "ns")  # 10 clocks a frame
+    assert bench.read(dut.railed_o) == twin.railed == 0
+    twin.limits.rail = dut.cfg_rail_i.value = 255
+    twin.next(over[:1] * 40, over[:1])
+    await Timer(200, "ns")
+    assert bench.read(dut.railed_o) == twin.railed == 1
+    dut.cfg_clear_i.value = 1
+    await bench.clocks(dut, 1)
+    dut.cfg_clear_i.value = 0
+    twin.clear()
+    twin.next(over[:40] * 40, over[:40])
+    await Timer(4000, "ns")
+    assert bench.read(dut.railed_o) == twin.railed == 0
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def every_taxel_has_every_fault(dut):
+    """A chessboard's fields jump in turn, columns move in turn, all are at a rail; a clear frees all."""
+    limits = Limits(**QUICK | {"still": 1, "blink": 1})
+    twin, _, listener = await begin(dut, limits)
+    if min(twin.rows, twin.columns) < 4:
+        return
+    listener.cancel()
+    i, j = np.indices((twin.rows, twin.columns))
+    x = np.zeros((17, twin.rows, twin.columns), dtype=int)
+    for frame, who, step in ((1, i + j, 60), (5, i + j + 1, 60), (8, j, 9), (12, j + 1, 9), (16, 0 * i, 900)):
+        x[frame:] += np.where(who % 2 == 0, step, 0)
+    beats = bench.lane_beats(x, twin.lanes, twin.sample_bits, user=0 * x)
+    assert await bench.stream(dut, beats, FIELDS) == expected_of(twin, beats)[0]
+    await counts_are(dut, twin)
+    assert twin.dead == twin.railed == twin.blinking == i.size
+    dut.cfg_clear_i.value = 1
+    await bench.clocks(dut, 1)
+    dut.cfg_clear_i.value = 0
+    twin.clear()
+    await counts_are(dut, twin)
+    assert twin.dead == twin.railed == twin.blinking == 0
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
 async def forgets_what_a_reset_interrupts(dut):
     rng = np.random.default_rng(bench.SEED)
     twin, events, listener = await begin(dut, Limits(**QUICK))
@@ -230,12 +321,12 @@ async def clocks_are_as_stated(dut):
     "rows, columns, lanes, sample_bits",
     [
         (1, 1, 1, 17),
-        (2, 2, 1, 17),
+        (2, 1, 2, 17),
         (3, 3, 1, 17),
         (4, 5, 2, 17),
         (3, 19, 8, 18),
-        (7, 1, 4, 12),
-        (64, 64, 4, 17),
+        (7, 6, 4, 12),
+        (64, 64, 8, 17),
     ],
 )
 def test_health(rows, columns, lanes, sample_bits):

@@ -142,6 +142,17 @@ async def strobes_guard_every_flag(dut):
 
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
+async def every_bit_of_a_setting_is_its_own(dut):
+    """All settings at all ones, at none, and at every second bit."""
+    twin, status, _ = await begin(dut)
+    for data in (0xFFFF_FFFF, 0, 0xAAAA_AAAA, 0x5555_5555):
+        for group in GROUPS:
+            for register in group.registers:
+                await clock(dut, twin, status, (1, register.address, data, 15), compared=False)
+        await clock(dut, twin, status, None, WAITING)
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
 async def answers_an_access_every_clock(dut):
     twin, status, draw = await begin(dut)
     known = [register.address for group in GROUPS for register in group.registers]
