@@ -1,6 +1,7 @@
 """msn_cop_array, samples to centre of pressure, against its model: per taxel and row times column, one to
-eight lanes; forces to a second follower; exact clocks within 16, the same in every frame; gaps and stalls; masks; damaged frames leave no
-result and are counted, whole ones beside them all do; calibrations swapped; resets."""
+eight lanes; forces to a second follower; exact clocks within 16, the same in every frame; gaps and stalls;
+masks; damaged frames leave no result and are counted, whole ones beside them all do; calibrations swapped;
+resets."""
 
 import random
 
@@ -83,7 +84,7 @@ async def second_follower(dut, pause, taken):
 
 
 def check_tap(taken, forces, mask):
-    """Every force and mask of ``forces``, ``mask`` [frames, rows, columns], row by row, `last` on a frame's end."""
+    """All of ``forces`` and ``mask`` [frames, rows, columns], row by row, with `last` on each frame's end."""
     frames, rows, columns = forces.shape
     taken = iter(taken)
     for frame, row in np.ndindex(frames, rows):
