@@ -16,7 +16,6 @@ module cover_peak_to_peak #(
   input logic                         in_restart_i,
   input logic                         masked,
   input logic                         accept,
-  input logic                         grown,
   input logic                         closes,
   input logic                         out_valid_o,
   input logic                         out_ready_i,
@@ -29,19 +28,22 @@ module cover_peak_to_peak #(
   logic given;
   assign given = !rst_i && out_valid_o && out_ready_i;
 
-  // Place since a window last closed, and the extremes since.
-  int place;
+  // Place since a window last closed, and the extremes since; whether one has closed since a restart.
+  int   place;
+  logic filled;
   logic signed [DetailBits-1:0] high, low;
   logic                         begins;
   always_ff @(posedge clk_i) begin
     if (accept) begin
       begins <= closes;
+      filled <= closes || filled && !in_restart_i;
       place  <= closes ? 0 : in_restart_i ? 1 : place + 1;
       high   <= (begins || in_restart_i || in_detail_i > high) ? in_detail_i : high;
       low    <= (begins || in_restart_i || in_detail_i < low) ? in_detail_i : low;
     end
     if (rst_i) begin
       begins <= 1'b1;
+      filled <= 1'b0;
       place  <= 0;
     end
   end
@@ -57,7 +59,7 @@ module cover_peak_to_peak #(
     assign here = !rst_i && Kind == kind;
     for (genvar full = 0; full <= 1; full++) begin : gen_full
       logic now;
-      assign now = here && in_valid_i && grown == (full == 1);
+      assign now = here && in_valid_i && filled == (full == 1);
       `BIN(held, now && !in_ready_o)
       `BIN(restarted, now && in_ready_o && in_restart_i)
     end

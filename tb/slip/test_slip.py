@@ -161,6 +161,54 @@ async def moving_is_that_of_the_clock_that_takes_a_detail(dut):
 
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
+async def a_level_may_be_pressed_and_lifted(dut):
+    """Release above contact: what lies between touches in one detail and lets go in the next."""
+    channels = dut.Channels.value.to_unsigned()
+    config = SlipConfig(
+        threshold=THRESHOLD, gross_threshold=GROSS, contact_level=RELEASE, release_level=CONTACT, hold=1
+    )
+    await bench.start(dut, actuator_moving_i=0, in_mask_i=0)
+    await apply(dut, config)
+    p2p, level = walk(channels, 500 if channels < 100 else 3, True, random.Random(bench.SEED))
+    states = Slip(channels, config).process(p2p, level)
+    beats = bench.frames(p2p=p2p, total=level, end=np.zeros_like(p2p))
+    assert await bench.stream(dut, beats, ["state"]) == [
+        {"state": row["state"]} for row in bench.frames(state=states)
+    ]
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def forgets_what_a_reset_interrupts(dut):
+    """In every state, with a detail half-way."""
+    channels = dut.Channels.value.to_unsigned()
+    if channels > 100:
+        return
+    config = SlipConfig(
+        threshold=THRESHOLD, gross_threshold=GROSS, contact_level=CONTACT, release_level=RELEASE, hold=2
+    )
+    await bench.start(dut, actuator_moving_i=0, in_mask_i=0, out_ready_i=1)
+    await apply(dut, config)
+    level = np.tile([0, *[CONTACT] * 4, 0, 0], (channels, 1))
+    p2p = np.tile([0, 0, 0, THRESHOLD + 1, GROSS + 1, 0, 0], (channels, 1))
+    states = Slip(channels, config).process(p2p, level)
+    assert set(states[0]) == set(State)
+    beats = bench.frames(p2p=p2p, total=level, end=np.zeros_like(p2p))
+    expected = [{"state": row["state"]} for row in bench.frames(state=states)]
+    for cut in range(1, len(beats) + 1):
+        dut.in_valid_i.value = 1
+        for beat in beats[:cut]:
+            for name, value in beat.items():
+                getattr(dut, f"in_{name}_i").value = int(value)
+            await bench.clocks(dut, 1)
+        await bench.reset(dut)
+        dut.in_valid_i.value = 0
+        await bench.ReadOnly()
+        assert dut.out_valid_o.value == 0
+        await bench.clocks(dut, 1)
+        assert await bench.stream(dut, beats, ["state"]) == expected
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
 async def thresholds_and_levels_use_every_bit(dut):
     """Thresholds are unsigned and reach the top bit; levels are signed and reach both ends."""
     channels, bits = dut.Channels.value.to_unsigned(), len(dut.in_p2p_i)
@@ -209,11 +257,11 @@ async def note_changes(port, seen):
 
 @cocotb.test(timeout_time=10, timeout_unit="ms")
 async def timers_end_on_time_with_every_bit(dut):
-    """For each of the three a time of every other bit, and one of the bits between; a detail a clock."""
+    """For each of the three a time of every other bit, one of the bits between, and 0; a detail a clock."""
     bits = len(dut.cfg_hold_i)
     if dut.Channels.value.to_unsigned() > 1:
         return
-    times = [sum(1 << k for k in range(first, bits, 2)) for first in (0, 1)]
+    times = [sum(1 << k for k in range(first, bits, 2)) for first in (0, 1)] + [0]
     await bench.start(dut, actuator_moving_i=0, in_mask_i=0, out_ready_i=1)
     for name, time in itertools.product(("blank", "hold", "refractory"), times):
         config = SlipConfig(**{"contact_level": 1, "release_level": 1, "hold": 3} | {name: time})
@@ -242,7 +290,14 @@ async def timers_end_on_time_with_every_bit(dut):
 # Timers of 4 bits: those of matches_model then reach the top bit.
 @pytest.mark.parametrize(
     "channels, timer_bits, mask",
-    [(1, 16, 0), (2, 4, 0), pytest.param(6, 16, 0, marks=pytest.mark.long), (1024, 16, 0), (6, 16, 1)],
+    [
+        (1, 16, 0),
+        (1, 4, 1),
+        (2, 4, 0),
+        pytest.param(6, 16, 0, marks=pytest.mark.long),
+        (1024, 16, 0),
+        (6, 16, 1),
+    ],
 )
 def test_slip(channels, timer_bits, mask):
     bench.run("slip", "slip", {"Channels": channels, "TimerBits": timer_bits, "Mask": mask})
