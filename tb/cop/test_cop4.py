@@ -33,6 +33,7 @@ def register_sets(bits):
         half + half // 2, 131071, 7, 70000, 15, 100000, 12, half - 1, half - 1, -half, 4 * half - 1, 1
     )
     narrow = replace(wide, kx=3, shift_x=0, shift_y=3, kf=131071, shift_load=0, imbalance=half // 8)
+    narrow = replace(narrow, idle=-half // 2)
     sensor = replace(
         wide, idle=half // 2 + half // 4 - 8, busy=half // 2, imbalance=4, top=half - 2, min_load=90
     )
@@ -88,11 +89,13 @@ def expected_of(samples, registers, bits, fix=None):
 
 
 def correction_of(dut, registers, which=0):
-    """Terms for a core built with Correct, else None: 0, of a mesh, so large that the denominator turns."""
+    """Terms for a core built with Correct, else None: 0, of a mesh, so large that the denominator turns, of
+    every other bit, of the bits between."""
     if not dut.Correct.value:
         return None
-    p = [(0,) * 6, (6213, 4021, 5093, 1178, 3489, -1112), (80000, -9000, 9000, 7000, -3, 11)][which % 3]
-    return Registers(p, 8 + registers.shift_load)
+    p = [(0,) * 6, (6213, 4021, 5093, 1178, 3489, -1112), (80000, -9000, 9000, 7000, -3, 11)]
+    p += [(21845, -21846, 21845, -21846, 9, 9), (-21846, 21845, -21846, 21845, -10, -10)]
+    return Registers(p[which], 8 + registers.shift_load)
 
 
 def ports(registers, fix=None):

@@ -134,8 +134,9 @@ def test_registers_share_the_loads_shift():
     assert p.shift == 8 + found.shift_load == 21 and found.kf == 27500 and p.p == (20972,) * 6
     found, p = correct_registers(Correction(np.full(6, 0.001), np.zeros(3), np.zeros(3), 0.864), cop4)
     assert found == cop4 and p.shift == 23
-    with pytest.raises(ValueError, match="larger load_lsb"):
-        correct_registers(Correction(np.full(6, 1.0), np.zeros(3), np.zeros(3), 0.864), cop4)
+    for terms in (1.0, 100.0):  # Kf loses its bits; the terms have no room at any shift
+        with pytest.raises(ValueError, match="larger load_lsb"):
+            correct_registers(Correction(np.full(6, terms), np.zeros(3), np.zeros(3), 0.864), cop4)
 
 
 def test_refuses_illegal_parameters():

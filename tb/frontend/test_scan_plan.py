@@ -88,8 +88,20 @@ async def begin(dut, plan, settings):
     await bench.clocks(dut, 2)
 
 
+FRAME = ("first_row", "last_row", "first_beat", "last_beat", "interleave")
+
+
+def frame_of(plan, settings):
+    """What the block tells of a frame, as FRAME names it."""
+    region = settings.region.cut(plan.rows, plan.columns)
+    beats = plan.beat_range(settings.region)
+    return region.first_row, region.last_row, *beats, int(settings.interleave)
+
+
 async def watch(dut, clocks, at=None, action=None):
-    """Switches and triggers of the next ``clocks`` clocks: [(clock, row, group)], [(clock, slip, first, ..)].
+    """Switches and triggers of the next ``clocks`` clocks.
+
+    As [(clock, row, group)] and [(clock, slip, first, group, what FRAME names)].
 
     ``action`` is called at the beginning of clock ``at``. Ends in the clock after, to read it.
     """
@@ -101,7 +113,8 @@ async def watch(dut, clocks, at=None, action=None):
         await ReadOnly()
         if told is not None:
             names = ("done_slip", "done_first", "done_group")
-            triggers.append((told, *(bench.read(getattr(dut, f"{name}_o")) for name in names)))
+            frame = tuple(bench.read(getattr(dut, f"frame_{name}_o")) for name in FRAME)
+            triggers.append((told, *(bench.read(getattr(dut, f"{name}_o")) for name in names), frame))
             told = None
         if dut.switch_o.value == 1:
             switches.append((clock, bench.read(dut.switch_row_o), bench.read(dut.switch_group_o)))
@@ -117,7 +130,8 @@ def agree(plan, settings, clocks, switches, triggers):
     row_mask = (2 << max(1, (plan.rows - 1).bit_length())) - 1
     assert switches == [(c.switch, c.row & row_mask, c.group) for c in conversions], settings
     expected = [(c.trigger, c.slip, c.first, c.group) for c in conversions if c.trigger < clocks - 1]
-    assert triggers[: len(expected)] == expected
+    assert [trigger[:4] for trigger in triggers[: len(expected)]] == expected
+    assert {frame for _, slip, *_, frame in triggers if not slip} <= {frame_of(plan, settings)}
     return conversions, overrun, slip_overrun
 
 
@@ -224,11 +238,14 @@ async def a_region_is_taken_whole(dut):
             dut.cfg_enable_i.value = 1
             frame = frames[moment <= second - 2]
             clocks = second + len(frame) * plan.slot(0)
-            switches, _ = await watch(
+            switches, triggers = await watch(
                 dut, clocks, moment, lambda new=new: apply(dut, plan, Settings(region=new))
             )
             places = [(row, group) for _, row, group in switches]
             assert places == frames[0] + frame, (old, new, moment - second)
+            told = [frame_of(plan, Settings(region=old))] * len(frames[0])
+            told += [frame_of(plan, Settings(region=new if frame is frames[1] else old))] * len(frame)
+            assert [trigger[4] for trigger in triggers] == told[: len(triggers)]
             await RisingEdge(dut.clk_i)
 
 

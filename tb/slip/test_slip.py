@@ -290,7 +290,14 @@ async def timers_end_on_time_with_every_bit(dut):
 # Timers of 4 bits: those of matches_model then reach the top bit.
 @pytest.mark.parametrize(
     "channels, timer_bits, mask",
-    [(1, 16, 0), (1, 4, 1), (2, 4, 0), pytest.param(6, 16, 0, marks=pytest.mark.long), (1024, 16, 0), (6, 16, 1)],
+    [
+        (1, 16, 0),
+        (1, 4, 1),
+        (2, 4, 0),
+        pytest.param(6, 16, 0, marks=pytest.mark.long),
+        (1024, 16, 0),
+        (6, 16, 1),
+    ],
 )
 def test_slip(channels, timer_bits, mask):
     bench.run("slip", "slip", {"Channels": channels, "TimerBits": timer_bits, "Mask": mask})
