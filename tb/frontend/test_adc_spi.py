@@ -362,6 +362,24 @@ async def a_new_period_holds_from_the_next_tick(dut):
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
+async def a_long_period_brings_one_frame(dut):
+    """Of every second bit, of the others, of all: one frame, and the next as soon as it is enabled again."""
+    harness = Harness(dut)
+    if harness.twin.channels > 1:
+        return
+    await harness.start()
+    await harness.stop()
+    for ones in (0x5555_5555, 0xAAAA_AAAA, 0xFFFF_FFFF):
+        dut.cfg_period_i.value = ones & (1 << harness.twin.period_bits) - 1
+        dut.cfg_enable_i.value = 1
+        before = len(harness.converts)
+        await harness.run(3 * harness.twin.safe_period())
+        assert len(harness.converts) == before + 1
+        await harness.stop()
+    assert harness.check() == 0
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
 async def period_0_is_the_longest(dut):
     harness = Harness(dut)
     if harness.twin.period_bits > 16:  # 2^24 clocks would take minutes; one build has 16 bits
@@ -439,20 +457,23 @@ async def busy_that_does_not_answer_times_out(dut, level, asleep):
     harness = Harness(dut)
     await harness.start(harness.twin.safe_period() + harness.twin.watch_clocks)
     await harness.frames(3)
-    if asleep:  # the frames that time out would have been dropped: they are counted once
+    if asleep:  # a frame waits: those that time out would have been dropped, and are counted once
         harness.stall = lambda: True
+        await harness.frames(1)
+    before = len(harness.converts)
     harness.part.hold_busy(level)
-    await harness.frames(4)
+    await harness.frames(3)
+    harness.stall = lambda: False
+    await harness.frames(1)
     assert harness.counters()[2] == 4
     assert dut.adc_cs_n_o.value == 1, "read what was not converted"
     harness.part.hold_busy(None)
-    harness.stall = lambda: False
     await harness.frames(4)
     await harness.stop()
     harness.on_grid()
-    harness.check(lost=range(3, 7))
+    assert harness.check(lost=range(before, before + 4)) == 0
     assert harness.counters()[2] == 4
-    assert len(harness.beats) == 7 * harness.twin.channels
+    assert len(harness.beats) == (before + 4) * harness.twin.channels
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
@@ -469,16 +490,19 @@ async def busy_timeout_is_the_twins(dut):
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
-async def busy_timeout_leaves_the_next_tick_alone(dut):
-    """A tick in the first clock after a timeout still makes a legal CONVST pulse, and no tick is lost."""
+@cocotb.parametrize(after=[1, 0])
+async def busy_timeout_leaves_the_next_tick_alone(dut, after):
+    """A tick in the first clock after a timeout still makes a legal CONVST pulse, and no tick is lost; one in
+    the very clock is."""
     harness = Harness(dut)
-    await harness.start(harness.twin.watch_clocks + 1)
+    await harness.start(harness.twin.watch_clocks + after)
     harness.part.hold_busy(0)
     await harness.frames(6)
+    assert harness.counters() == ((0, 0, 5, 0) if after else (0, 3, 3, 0))
+    harness.period *= 1 if after else 2
     harness.on_grid()
-    assert harness.counters() == (0, 0, 5, 0)
     await harness.stop()
-    harness.check(lost=range(6))
+    harness.check(lost=range(len(harness.converts)))
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
@@ -507,22 +531,24 @@ async def tag_of_another_channel_loses_the_frame(dut, spoilt, asleep):
         return
     await harness.start(2 * harness.twin.safe_period() + 2 * harness.twin.start_clocks())
     await harness.frames(2)
-    harness.stall = lambda: asleep
     for bit in range(12, 16):
-        harness.stall = lambda: asleep  # a frame that would be dropped and is spoilt counts as dropped
+        if asleep:  # a frame waits: the spoilt one would be dropped anyhow, and counts as dropped
+            harness.stall = lambda: True
+            await harness.frames(1)
         left = iter(range(harness.twin.words))
         spoil = lambda answer, left=left, bit=bit: answer ^ (next(left, None) == spoilt) << bit
         harness.part.spoil = spoil
         setups = harness.part.words.count(0x0040)
-        await harness.frames(1)
+        await harness.run(harness.period - 20)
+        harness.stall = lambda: False
+        await harness.run(20)
         assert harness.part.words.count(0x0040) == setups + 1
         harness.part.spoil = None
-        harness.stall = lambda: False
         await harness.frames(1)
     await harness.stop()
     harness.on_grid()
-    harness.check(lost=range(2, 10, 2))
-    assert harness.counters() == (0, 0, 0, 4)
+    assert harness.check(lost=() if asleep else range(2, 10, 2)) == 4 * asleep
+    assert harness.counters() == ((4, 0, 0, 0) if asleep else (0, 0, 0, 4))
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
@@ -704,7 +730,7 @@ def test_adc_spi(parameters):
 @pytest.mark.parametrize(
     "parameters",
     [
-        {"Part": 1, "Channels": 2, "ClkKhz": 25_000, "SclkKhz": 1_000},
+        {"Part": 1, "Channels": 3, "ClkKhz": 25_000, "SclkKhz": 1_000},
         {"Part": 2, "Channels": 8, "Lanes": 2, "ClkKhz": 25_000, "SclkKhz": 14_500},
         {"Part": 4, "Channels": 8, "ClkKhz": 25_000, "SclkKhz": 16_000},
     ],
@@ -763,6 +789,12 @@ def test_twin_knows_every_code(part):
     assert sorted(data[over].tolist()) == [data.min(), data.max()]
     assert data[1] == 1
     assert data[-1] == (-1 if part.signed else (1 << part.data_bits) - 1)
+
+
+def test_twin_knows_every_command():
+    """Start bit, single-ended, channel; the AD7606 has no DIN."""
+    assert [f"{MCP3208.command(n):016b}" for n in range(8)] == [f"11{n:03b}" + 11 * "0" for n in range(8)]
+    assert [AD7606.command(n) for n in range(8)] == [0] * 8
 
 
 @pytest.mark.parametrize("part", PARTS.values(), ids=lambda part: part.name)

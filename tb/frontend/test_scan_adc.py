@@ -47,6 +47,12 @@ class Board:
         self.number = -1  # of the conversion under way
         self.converts, self.beats, self.slip_beats = [], [], []
         self.clock = 0
+        # Time begins again at 0 in the midst of the frames or rounds.
+        self.wrap = 5 * settings.slip_period or 3 * self.scan.frame_clocks(settings.settle) // 2
+        self.wrap += self.twin.adc.start_clocks()
+
+    def time(self, clock):
+        return (clock - self.wrap) % (1 << 48)
 
     def code(self, lane, channel, time):
         """What the part on ``lane`` samples from its input ``channel`` now."""
@@ -118,7 +124,7 @@ class Board:
     async def run(self, clocks):
         dut = self.dut
         for _ in range(clocks):
-            dut.now_i.value = self.clock
+            dut.now_i.value = self.time(self.clock)
             await ReadOnly()
             if dut.convert_o.value == 1:
                 self.converts.append(self.clock)
@@ -177,10 +183,14 @@ class Board:
                     (i, *codes[i]) for i in sorted(codes)
                 ]
                 assert [beat[3] for beat in part] == [0] * (len(codes) - 1) + [1]
-                assert {beat[6] for beat in part} == {self.converts[number]}
-        counters = ("dropped", "overrun", "held", "lost", "slip_dropped", "slip_overrun")
-        assert [bench.read(getattr(self.dut, f"{name}_o")) for name in counters] == [0] * 6
+                assert {beat[6] for beat in part} == {self.time(self.converts[number])}
+        assert not self.counted()
         return frames, rounds
+
+    def counted(self):
+        """The counters that are not 0."""
+        counters = ("dropped", "overrun", "held", "lost", "slip_dropped", "slip_overrun")
+        return {name for name in counters if bench.read(getattr(self.dut, f"{name}_o"))}
 
 
 async def board(dut, settings, clocks):
@@ -198,11 +208,16 @@ async def counts_over_the_whole_width(dut):
     await bench.turn_over(dut, *counters, wraps=False)
 
 
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def rests_in_reset_whatever_comes(dut):
+    await bench.inputs_in_reset(dut, "row_o", "convert_o", "adc_convst_o", "out_valid_o", "slip_valid_o")
+
+
 @cocotb.test(timeout_time=100, timeout_unit="ms")
 @cocotb.parametrize(settle=[0, 23])
 async def every_taxel_in_its_place_in_its_clock(dut, settle):
     twin = twin_of(dut)
-    settings = Settings(settle=settle, interleave=settle > 0)
+    settings = Settings(settle=settle, interleave=settle > 0 and twin.scan.buffer.sorts)
     frame = twin.scan.frame_clocks(settle)
     made = await board(dut, settings, 2 * frame + 2 * twin.scan.slot(settle) + 40)
     _frames, _ = made.check()
@@ -235,6 +250,37 @@ async def slip_rounds_between_a_slow_frame(dut):
     assert len(starts) >= 11
     assert {b - a for a, b in itertools.pairwise(starts)} == {period}
     assert len(made.beats) > 0
+
+
+@cocotb.test(timeout_time=100, timeout_unit="ms")
+@cocotb.parametrize(case=["nobody takes any", "a tick each clock", "rounds too short"])
+async def each_counter_counts_its_own(dut, case):
+    """In the first case all is over-range, and what waits says so."""
+    twin = twin_of(dut)
+    sorts, rounds = twin.scan.buffer.sorts, twin.slip_slots * twin.scan.slot(1)
+    places = ((0, 0),) * twin.slip_slots
+    few = Region() if case == "nobody takes any" and not sorts else Region(0, 0, 0, 0)
+    settings, counted = {
+        "nobody takes any": (
+            Settings(1, region=few, slip_period=rounds + 3 * twin.scan.slot(1), slip_places=places),
+            {"dropped" if sorts else "held", "slip_dropped"},
+        ),
+        "a tick each clock": (Settings(1, period=1, region=few), {"overrun"}),
+        "rounds too short": (Settings(1, slip_period=rounds - 1, slip_places=places), {"slip_overrun"}),
+    }[case]
+    made = Board(dut, settings)
+    cocotb.start_soon(made.count())
+    waits = case == "nobody takes any"
+    if waits:
+        bits = twin.part.data_bits
+        made.value = lambda *_: 1 << bits - 1 if twin.part.signed else (1 << bits) - 1
+    await made.start()
+    dut.out_ready_i.value = dut.slip_ready_i.value = int(not waits)
+    await made.run(twin.adc.start_clocks() + (4 if sorts else 12) * (settings.slip_period or rounds))
+    await ReadOnly()
+    assert made.counted() == counted
+    if waits:
+        assert bench.read(dut.out_user_o) == bench.read(dut.slip_user_o) == (1 << twin.lanes) - 1
 
 
 @cocotb.test(timeout_time=100, timeout_unit="ms")
@@ -283,7 +329,10 @@ BUILDS = [
     {"Rows": 8, "Columns": 8, "Part": MAX11123.number, "Channels": 8, "ClkKhz": 25_000, "SlipSlots": 2},
     {"Rows": 4, "Columns": 15, "Part": MAX11125.number, "Channels": 4, "Lanes": 2, "ClkKhz": 50_000},
     {"Rows": 3, "Columns": 32, "Part": AD7606.number, "Channels": 8, "Lanes": 2, "ClkKhz": 20_000},
-    {"Rows": 3, "Columns": 5, "Part": MAX11123.number, "Channels": 1, "ClkKhz": 100_000, "SettleBits": 8},
+    {
+        **{"Rows": 3, "Columns": 5, "Part": MAX11123.number, "Channels": 1, "ClkKhz": 100_000},
+        **{"SettleBits": 8, "Depth": 8},
+    },
 ]
 
 

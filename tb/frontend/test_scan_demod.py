@@ -12,7 +12,7 @@ import pytest
 from cocotb.triggers import ReadOnly, RisingEdge
 
 import bench
-from meissner.frontend.adc_spi import MAX11125, PARTS
+from meissner.frontend.adc_spi import AD7606, MAX11125, PARTS
 from meissner.frontend.am_demod import references
 from meissner.frontend.scan_demod import ScanDemod
 from parts.carrier import CarrierMatrix
@@ -51,13 +51,12 @@ def twin_of(dut):
 
 
 def amplitudes(twin):
-    """Another one for every taxel, 0.1 to 0.9 of full scale."""
-    count = twin.rows * twin.columns
-    order = np.random.default_rng(bench.SEED).permutation(count)
-    return (0.1 + 0.8 * order / max(1, count - 1)).reshape(twin.rows, twin.columns)
+    """Another one for every taxel: nearly full scale, half of it, half of that .."""
+    order = np.random.default_rng(bench.SEED).permutation(twin.rows * twin.columns)
+    return (0.95 * 0.5**order).reshape(twin.rows, twin.columns)
 
 
-async def begin(dut, settle=3):
+async def begin(dut, settle=3, **others):
     twin = twin_of(dut)
     settings = {"settle": settle, "period": 0, "interleave": 0}
     settings |= {
@@ -66,7 +65,7 @@ async def begin(dut, settle=3):
         "first_column": 0,
         "last_column": twin.columns - 1,
     }
-    inputs = {f"cfg_{name}_i": value for name, value in settings.items()}
+    inputs = {f"cfg_{name}_i": value for name, value in (settings | others).items()}
     matrices = [
         CarrierMatrix(dut, amplitudes(twin), CARRIER_HZ, twin.part.data_bits, 0.3, lane, twin.converters)
         for lane in range(twin.converters)
@@ -83,17 +82,24 @@ async def begin(dut, settle=3):
     return twin, matrices, parts
 
 
+def time(clock):
+    """What is taken for the time in this clock of ``frames``: no bit stays as it is for long."""
+    return (clock * 0x9E37_79B9_7F4A_7C15 >> 8) % (1 << 48)
+
+
 async def frames(dut, count, stalls=None):
-    """Beats of ``count`` frames, [(clock, data, id, last, user)], and the clocks of the convert starts."""
+    """Beats of ``count`` frames, [(clock, data, id, last, user, frame, time)], and the clocks of the convert
+    starts."""
     beats, converts, clock, ends = [], [], 0, 0
     while ends < count:
         ready = not (stalls and stalls())
-        dut.out_ready_i.value = int(ready)
+        dut.out_ready_i.value, dut.now_i.value = int(ready), time(clock)
         await ReadOnly()
         if dut.convert_o.value == 1:
             converts.append(clock)
         if ready and dut.out_valid_o.value == 1:
-            beat = [bench.read(getattr(dut, f"out_{name}_o")) for name in ("data", "id", "last", "user")]
+            fields = ("data", "id", "last", "user", "frame", "time")
+            beat = [bench.read(getattr(dut, f"out_{name}_o")) for name in fields]
             beats.append((clock, *beat))
             ends += beat[2]
         await RisingEdge(dut.clk_i)
@@ -146,6 +152,11 @@ async def counts_over_the_whole_width(dut):
     await bench.turn_over(dut, "dropped_o", "overrun_o", "held_o", "lost_o", wraps=False)
 
 
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def rests_in_reset_whatever_comes(dut):
+    await bench.inputs_in_reset(dut, "row_o", "convert_o", "out_valid_o", "dropped_o", "held_o", "lost_o")
+
+
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def gives_the_amplitudes_of_the_codes_at_the_pins(dut):
     twin, matrices, _ = await begin(dut)
@@ -170,6 +181,9 @@ async def takes_the_clocks_of_the_model(dut, settle):
     assert beats[0][0] - starts[0] == steps["first_beat"]
     assert beats[size - 1][0] - starts[0] == steps["last_beat"]
     assert starts[places - 1] - starts[0] == steps["last_convert"]
+    # The time is that of the burst's start, a clock before its first convert_o.
+    whole = [beat[5:] for beat in beats]
+    assert whole == [(n, time(starts[n * places] - 1)) for n in range(2) for _ in range(size)]
 
 
 @cocotb.test(timeout_time=40, timeout_unit="ms")
@@ -177,6 +191,18 @@ async def frames_are_whole_under_stalls(dut):
     twin, matrices, _ = await begin(dut)
     beats, _ = await frames(dut, 3, bench.pauses(0.7))
     check(twin, matrices, beats, 3)
+
+
+@cocotb.test(timeout_time=40, timeout_unit="ms")
+async def what_nobody_takes_and_what_comes_too_early_is_counted(dut):
+    """Frames of one taxel, a tick each clock: the first frame waits, the others are dropped."""
+    twin, *_ = await begin(dut, period=1, last_row=0, last_column=0)
+    await bench.clocks(dut, 5 * twin.latency(3)["slot"])
+    await ReadOnly()
+    assert (dut.out_valid_o.value, dut.out_last_o.value, dut.out_frame_o.value) == (1, 1, 0)
+    assert bench.read(dut.dropped_o) in (2, 3)
+    assert bench.read(dut.overrun_o) > 4 * twin.latency(3)["slot"] - 9
+    assert (bench.read(dut.held_o), bench.read(dut.lost_o)) == (0, 0)
 
 
 @cocotb.test(timeout_time=40, timeout_unit="ms")
@@ -231,7 +257,7 @@ async def a_reset_in_a_burst_leaves_nothing_behind(dut):
 CASES = [
     {"Rows": 2, "Columns": 3},
     {"Rows": 2, "Columns": 3, "Converters": 2, "Skip": 0},  # a sample left over is the next burst's first
-    {"Rows": 1, "Columns": 1, "SamplesPerPeriod": 8, "SamplePeriod": 288, "Periods": 1, "Skip": 0},
+    {"Rows": 1, "Columns": 2, "SamplesPerPeriod": 8, "SamplePeriod": 288, "Periods": 1, "Skip": 0},
     {"Rows": 2, "Columns": 2, "Form": 0, "Shift": 1},
 ]
 
@@ -250,3 +276,8 @@ def test_refuses_illegal_parameters():
         assert f"{name} = {value}" in bench.refuses("scan_demod", BASE | {name: value})
         with pytest.raises(ValueError, match=field):
             ScanDemod(**{"clk_khz": 100_000, "sample_period": 320, "part": MAX11125, field: value})
+    assert "Part = 2 must convert without BUSY" in bench.refuses("scan_demod", BASE | {"Part": 2})
+    with pytest.raises(ValueError, match="ad7606 must convert without BUSY"):
+        ScanDemod(part=AD7606)
+    with pytest.raises(ValueError, match="skip = -1"):
+        ScanDemod(skip=-1)

@@ -13,7 +13,7 @@ import bench
 from link.test_bridge import Registers
 from link.test_packet import INPUTS, Cop, Health, Image, Slip, check_images, subsequence
 from meissner.link import packet as p
-from meissner.link.bridge import BUS_ERROR, DONE, READ, WRITE, command
+from meissner.link.bridge import BUS_ERROR, DONE, NO_ANSWER, READ, WRITE, command
 from meissner.link.cobs import encode
 from meissner.link.decoder import Decoder
 from meissner.link.link import bytes_of, line_of, packets_of
@@ -22,6 +22,11 @@ from meissner.link.uart_tx import levels
 CLK, BAUD, TAXELS, CHUNK = 12_000_000, 3_000_000, 36, 16
 HOST = ("host_valid", "host_write", "host_address", "host_data", "host_strobe")
 PORTS = [name for name in INPUTS if not name.startswith("answer")]
+
+
+def time(clock):
+    """What is taken for the time in this clock: no bit stays as it is for long."""
+    return (clock * 0x9E37_79B9_7F4A_7C15 >> 8) % (1 << 48)
 
 
 async def begin(dut, rng):
@@ -41,6 +46,13 @@ async def counts_over_the_whole_width(dut):
     await bench.turn_over(dut, *counters, most=3, wraps=False)
 
 
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def rests_in_reset_whatever_comes(dut):
+    counters = ["packets_o", "cop_dropped_o", "image_dropped_o", "rejected_o"]
+    await bench.inputs_in_reset(dut, "out_valid_o", *counters)
+    assert dut.tx_o.value == 1
+
+
 @cocotb.test(timeout_time=50, timeout_unit="ms")
 async def full_load_and_registers(dut):
     if not dut.Uart.value.to_unsigned():
@@ -52,7 +64,7 @@ async def full_load_and_registers(dut):
     rx = [1] * 400 + [level for ask in asked for level in levels(command(*ask), CLK, BAUD) + wait]
     line = []
     for clock, level in enumerate(rx + [1] * 20_000):
-        dut.rx_i.value, dut.now_i.value = level, clock
+        dut.rx_i.value, dut.now_i.value = level, time(clock)
         registers.before()
         for source in sources:
             if clock == len(rx):
@@ -91,6 +103,42 @@ async def full_load_and_registers(dut):
 
 
 @cocotb.test(timeout_time=5, timeout_unit="ms")
+async def commands_of_every_bit_on_a_quiet_line(dut):
+    """Writes and reads, errors, no answer of the bus, and a command that is spoilt on its way."""
+    if not dut.Uart.value.to_unsigned():
+        return
+    await begin(dut, np.random.default_rng(bench.SEED))
+    registers = Registers(dut)
+    asked = [(WRITE, 0x55, 0x2AA, 0x5555_5555), (WRITE, 0xAA, 0x155, 0xAAAA_AAAA)]
+    asked += [(READ, 0xFF, 0x2AA, 0), (READ, 0, 0x155, 0), (READ, 1, 0xBFC, 0), (READ, 2, 0x400, 0)]
+    asked += [(READ, 3, 0, 0)]
+    spoilt = bytearray(command(READ, 4, 0))
+    spoilt[3] ^= 2
+    frames = [*(command(*ask) for ask in asked), bytes(spoilt)]
+    line = []
+    for level in [level for frame in frames for level in [*levels(frame, CLK, BAUD), *[1] * 1600]]:
+        dut.rx_i.value = level
+        registers.before()
+        await bench.ReadOnly()
+        line.append(bench.read(dut.tx_o))
+        registers.after()
+        await bench.RisingEdge(dut.clk_i)
+    got, decoder = packets_of(line, CLK, BAUD)
+    assert (decoder.damaged, decoder.missed) == (0, 0)
+    answers = [tuple(q.fields.values()) for q in got]
+    assert answers.pop(5)[:3] == (2, NO_ANSWER, 0x400)
+    assert answers == [
+        (0x55, DONE, 0x2AA, 0x5555_5555),
+        (0xAA, DONE, 0x155, 0xAAAA_AAAA),
+        (0xFF, DONE, 0x2AA, 0x5555_5555),
+        (0, DONE, 0x155, 0xAAAA_AAAA),
+        (1, BUS_ERROR, 0xBFC, 0xBFC ^ 0x5A5A0000),
+        (3, DONE, 0, 0x5A5A0000),
+    ]
+    assert bench.read(dut.rejected_o) == 1
+
+
+@cocotb.test(timeout_time=5, timeout_unit="ms")
 async def first_edge_of_an_event(dut):
     """An idle line falls 4 clocks after the event was taken, and the packet follows without a gap."""
     if not dut.Uart.value.to_unsigned():
@@ -123,6 +171,7 @@ async def without_a_line_packets_are_bytes(dut, rate):
         return
     rng = np.random.default_rng(bench.SEED)
     sources, stall = await begin(dut, rng), bench.pauses(rate)
+    sources[0].rate = 0.02  # while the line stalls more than it has a place for
     found, packets = [], []
     for clock in range(12_000):
         if clock == 9_000:
@@ -131,7 +180,7 @@ async def without_a_line_packets_are_bytes(dut, rate):
         for source in sources:
             source.before(clock)
         ready = not stall()
-        dut.now_i.value, dut.out_ready_i.value, dut.rx_i.value = clock, ready, clock & 1
+        dut.now_i.value, dut.out_ready_i.value, dut.rx_i.value = time(clock), ready, clock & 1
         await bench.ReadOnly()
         assert bench.read(dut.tx_o) == 1
         if ready and dut.out_valid_o.value == 1:
@@ -180,7 +229,15 @@ async def without_a_line_the_bus_is_the_hosts(dut):
 
 @pytest.mark.parametrize("uart", [1, 0])
 def test_link(uart):
-    build = {"ClkHz": CLK, "BaudHz": BAUD, "SlipDepth": 4, "Statistics": 0, "Taxels": TAXELS, "Chunk": CHUNK}
+    build = {
+        "ClkHz": CLK,
+        "BaudHz": BAUD,
+        "TimeoutClocks": 500,
+        "SlipDepth": 4,
+        "Statistics": 0,
+        "Taxels": TAXELS,
+        "Chunk": CHUNK,
+    }
     bench.run("link", "link", build | {"Uart": uart})
 
 

@@ -93,6 +93,11 @@ async def counts_over_the_whole_width(dut):
     await bench.turn_over(dut, *counters, wraps=False)
 
 
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def rests_in_reset_whatever_comes(dut):
+    await bench.inputs_in_reset(dut, "adc_convst_o", "out_valid_o", "dropped_o", "damaged_o", "blanked_o")
+
+
 @cocotb.test(timeout_time=50, timeout_unit="ms")
 async def decides_in_time_at_the_pins(dut):
     """A pulse on the even sample of a pair, the worst case, first on channel 0 and then on the last."""
