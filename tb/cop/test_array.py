@@ -101,7 +101,7 @@ class Matrix:
         shape = twin.scan.rows, twin.scan.columns
         self.zero = rng.integers(1 << bits - 6, 1 << bits - 5, shape)
         self.press = np.zeros(shape, dtype=np.int64)
-        self.taken = []
+        self.taken, self.times = [], []
 
     def code(self, channel, time_ns):
         rows = bench.read(self.dut.row_o)
@@ -133,6 +133,7 @@ class Carrier(CarrierMatrix):
         self.zero = rng.uniform(0.1, 0.2, (twin.scan.rows, twin.scan.columns))
         super().__init__(dut, self.zero, CARRIER_HZ, bits)
         self.taken = [(0, 0, 0, 0)]  # the first word after the setup samples nothing
+        self.times = []
 
     @property
     def press(self):
@@ -224,13 +225,14 @@ def pressing(twin, step):
 async def results(dut, matrix, twin, count, stalls=None, press=None):
     """Results [(clock, x, y, load, pressed)] of ``count`` frames and the clocks of all convert starts.
 
+    ``matrix``: gets the results' times.
     ``press``: added to all codes; None: the last two frames are pressed.
     """
     out, converts, clock = [], [], 0
     conversions = len(twin.scan.scan.places()) * getattr(twin.scan, "count", 1)
     while len(out) < count:
         ready = not (stalls and stalls())
-        dut.out_ready_i.value = int(ready)
+        dut.out_ready_i.value, dut.now_i.value = int(ready), bench.time(clock)
         if len(converts) % conversions == 0:
             frame = len(converts) // conversions
             matrix.press = (
@@ -242,6 +244,7 @@ async def results(dut, matrix, twin, count, stalls=None, press=None):
         if ready and dut.out_valid_o.value == 1:
             x, y = (bench.as_signed(bench.read(port), len(port)) for port in (dut.out_x_o, dut.out_y_o))
             out.append((clock, x, y, bench.read(dut.out_load_o), bench.read(dut.out_pressed_o)))
+            matrix.times.append(bench.read(dut.time_o))
         await RisingEdge(dut.clk_i)
         clock += 1
     return out, converts
@@ -269,6 +272,11 @@ async def counts_over_the_whole_width(dut):
     await bench.turn_over(dut, *counters, wraps=False)
 
 
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def rests_in_reset_whatever_comes(dut):
+    await bench.inputs_in_reset(dut, "row_o", "convert_o", "slip_valid_o", "event_valid_o", "out_valid_o")
+
+
 @cocotb.test(timeout_time=100, timeout_unit="ms")
 async def codes_at_the_pins_become_the_models_centre_of_pressure_in_its_time(dut):
     twin, matrix, _ = await begin(dut)
@@ -289,6 +297,8 @@ async def codes_at_the_pins_become_the_models_centre_of_pressure_in_its_time(dut
     assert set(totals) == {steps["total"]}, (set(totals), steps)
     assert sum(terms(twin, SETTLE, **given)[0].values()) == steps["total"]
     assert set(np.diff(starts)) == {steps["frame"]}
+    # Of a burst it is the clock before its first convert start.
+    assert matrix.times == [bench.time(start - number(dut, "Demod")) for start in starts[:FRAMES]]
     if twin.scan.part is AD7606:
         assert steps["total"] * us < 1000, "the millisecond is spent"
     for name in ("dropped", "overrun", "lost", "damaged", "dead", "railed", "blinking"):

@@ -189,10 +189,9 @@ def test_acquire(parameters):
     bench.run("frontend", "acquire", parameters)
 
 
-@pytest.mark.parametrize("block", ["acquire", "channels"])
-def test_tags(block):
+def test_tags():
     parameters = {"Adc": 5, "Channels": 2, "ClkKhz": 32_000, "SclkKhz": 8_000}
-    bench.run("frontend", block, parameters, "each_counter", "test_acquire")
+    bench.run("frontend", "acquire", parameters, "each_counter")
 
 
 @pytest.mark.parametrize(

@@ -744,6 +744,7 @@ def test_adc_spi(parameters):
 @pytest.mark.parametrize(
     "parameters",
     [
+        {"Part": 1, "Channels": 2, "ClkKhz": 25_000, "SclkKhz": 1_000},
         {"Part": 1, "Channels": 3, "ClkKhz": 25_000, "SclkKhz": 1_000},
         {"Part": 2, "Channels": 8, "Lanes": 2, "ClkKhz": 25_000, "SclkKhz": 14_500},
         {"Part": 4, "Channels": 8, "ClkKhz": 25_000, "SclkKhz": 16_000},

@@ -82,18 +82,13 @@ async def begin(dut, settle=3, **others):
     return twin, matrices, parts
 
 
-def time(clock):
-    """What is taken for the time in this clock of ``frames``: no bit stays as it is for long."""
-    return (clock * 0x9E37_79B9_7F4A_7C15 >> 8) % (1 << 48)
-
-
 async def frames(dut, count, stalls=None):
     """Beats of ``count`` frames, [(clock, data, id, last, user, frame, time)], and the clocks of the convert
     starts."""
     beats, converts, clock, ends = [], [], 0, 0
     while ends < count:
         ready = not (stalls and stalls())
-        dut.out_ready_i.value, dut.now_i.value = int(ready), time(clock)
+        dut.out_ready_i.value, dut.now_i.value = int(ready), bench.time(clock)
         await ReadOnly()
         if dut.convert_o.value == 1:
             converts.append(clock)
@@ -183,7 +178,7 @@ async def takes_the_clocks_of_the_model(dut, settle):
     assert starts[places - 1] - starts[0] == steps["last_convert"]
     # The time is that of the burst's start, a clock before its first convert_o.
     whole = [beat[5:] for beat in beats]
-    assert whole == [(n, time(starts[n * places] - 1)) for n in range(2) for _ in range(size)]
+    assert whole == [(n, bench.time(starts[n * places] - 1)) for n in range(2) for _ in range(size)]
 
 
 @cocotb.test(timeout_time=40, timeout_unit="ms")

@@ -24,11 +24,6 @@ HOST = ("host_valid", "host_write", "host_address", "host_data", "host_strobe")
 PORTS = [name for name in INPUTS if not name.startswith("answer")]
 
 
-def time(clock):
-    """What is taken for the time in this clock: no bit stays as it is for long."""
-    return (clock * 0x9E37_79B9_7F4A_7C15 >> 8) % (1 << 48)
-
-
 async def begin(dut, rng):
     ports = {f"{name}_i": 0 for name in (*PORTS, "bus_done", "bus_error", "bus_data", *HOST)}
     await bench.start(dut, rx_i=1, **ports)
@@ -64,7 +59,7 @@ async def full_load_and_registers(dut):
     rx = [1] * 400 + [level for ask in asked for level in levels(command(*ask), CLK, BAUD) + wait]
     line = []
     for clock, level in enumerate(rx + [1] * 20_000):
-        dut.rx_i.value, dut.now_i.value = level, time(clock)
+        dut.rx_i.value, dut.now_i.value = level, bench.time(clock)
         registers.before()
         for source in sources:
             if clock == len(rx):
@@ -180,7 +175,7 @@ async def without_a_line_packets_are_bytes(dut, rate):
         for source in sources:
             source.before(clock)
         ready = not stall()
-        dut.now_i.value, dut.out_ready_i.value, dut.rx_i.value = time(clock), ready, clock & 1
+        dut.now_i.value, dut.out_ready_i.value, dut.rx_i.value = bench.time(clock), ready, clock & 1
         await bench.ReadOnly()
         assert bench.read(dut.tx_o) == 1
         if ready and dut.out_valid_o.value == 1:

@@ -161,6 +161,11 @@ def test_channels(part, parameters):
     bench.run("frontend", "channels", parameters, "each_counter", "test_acquire")
 
 
+def test_tags():
+    parameters = {"Adc": 5, "Channels": 2, "ClkKhz": 32_000, "SclkKhz": 8_000}
+    bench.run("frontend", "channels", parameters, "each_counter", "test_acquire")
+
+
 @pytest.mark.parametrize(
     "parameters",
     [
