@@ -1,6 +1,8 @@
 """msn_slip_path: decisions against the twins, at every channel count up to 7 and beyond; at most 8
 clocks from the sample that completes a group to its decision; damaged frames; reset in mid-frame."""
 
+from dataclasses import replace
+
 import cocotb
 import numpy as np
 import pytest
@@ -8,7 +10,8 @@ import pytest
 import bench
 from meissner.engines import fixed
 from meissner.slip.config import SlipConfig
-from meissner.slip.slip import State
+from meissner.slip.haar import haar
+from meissner.slip.slip import Slip, State
 from meissner.slip.slip_path import decide
 
 FIELDS = ["state", "over", "p2p", "id", "last", "end"]
@@ -315,6 +318,27 @@ def test_slip_path(parameters):
 )
 def test_refuses_illegal_parameters(parameters, message):
     assert message in bench.refuses("slip_path", parameters)
+
+
+@pytest.mark.parametrize("level", [1, 2, 3])
+@pytest.mark.parametrize("masked", [False, True])
+def test_the_models_threshold_may_change_between_frames(level, masked):
+    """Detail by detail: that which a frame from the change on completes is judged by the new threshold."""
+    config, group = SlipConfig(level=level, window=64, **LEVELS, **TIMES), 1 << level
+    x = recording(np.random.default_rng(5), 2, 400)
+    mask = np.zeros(x.shape, bool) if masked else None
+    p2p, total = decide(x, config).p2p, haar(x, level)[1]
+    seen = set()
+    for frame in (0, 1, 2, 7, 8, 9, 200, 399):
+        twin, states = Slip(2, config), []
+        for n in range(p2p.shape[1]):
+            late = (n + 1) * group > frame
+            twin.config = replace(config, threshold=20) if late else config
+            states.append(twin.next(p2p[:, n : n + 1], total[:, n : n + 1], np.zeros(1, bool)))
+        state = decide(x, config, mask=mask, change=(frame, 20)).state
+        assert np.array_equal(state, np.concatenate(states, axis=1))
+        seen.add(state.tobytes())
+    assert len(seen) > 1
 
 
 @pytest.mark.parametrize(
