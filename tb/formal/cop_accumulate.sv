@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// No sum wraps at the frame's full size, every force 65535: S counts exactly what the beats bring, in a register one
-// bit wider, and so does a row's total; a frame's results appear only if `last` was where it belongs; they hold until
-// they are taken. (That Mx and My are what the header says is shown by simulation against the twin, not here.)
+// Of a frame whose `last` is where it belongs, and of no other, S, A and B as sums of prefix sums (that these are the
+// header's sums is algebra), Mx = (2N - n - 1) S - 2 A and My = 2 B - (m-1) S leave two clocks after the tree; they hold
+// until they are taken. No sum wraps at the frame's full size, every force 65535: S counts exactly what the beats bring,
+// in a register one bit wider, and so does a row's total. Damaged frames are counted.
 
 module formal_cop_accumulate #(
   parameter  int unsigned Rows    = 64,
@@ -27,115 +28,184 @@ module formal_cop_accumulate #(
   logic        [31:0]        damaged_o;
   msn_cop_accumulate #(.Rows(Rows), .Columns(Columns), .Lanes(Lanes)) dut (.*);
 
-  localparam int unsigned Levels = $clog2(Lanes);
-  localparam int unsigned Beats  = (Columns + Lanes - 1) / Lanes;
-  localparam int unsigned Wide   = SumBits + 1;
-  localparam logic [Wide-1:0] Most = Wide'(Lanes * 65535);  // of a beat
+  localparam int unsigned Levels  = $clog2(Lanes);
+  localparam int unsigned Beats   = (Columns + Lanes - 1) / Lanes;
+  localparam int unsigned Wide    = SumBits + 1;
+  localparam bit          OneBeat = Rows == 1 && Beats == 1;
 
-  // Where a beat stands in its frame, `place`, follows it through the tree of Levels registers.
+  // Where a beat stands in its frame, `place`, follows it through the tree of Levels registers; so do its forces.
   logic                started = 1'b0;
-  logic                take, stalled, step;
-  logic [20:0]         place, reached;                   // of the next beat; beats in S
-  logic [Levels:0]     valid;
-  logic [20:0]         places [Levels+1];
-  logic [Wide-1:0]     totals [Levels+1];                // forces of the beat
-  logic [Wide-1:0]     total, sum, next;
-  logic                final_here;
-  assign step = in_ready_o;
-  assign take = in_valid_i && in_ready_o;
-  owed_sum #(.Count(Lanes), .Width(Wide)) u_total (.data_i(in_data_i), .sum_o(total));
-  assign valid[0]  = in_valid_i;
-  assign places[0] = place;
-  assign totals[0] = total;
-  assign next      = (places[Levels] == '0 ? '0 : sum) + totals[Levels];
+  logic                take, stalled, step, final_here, row_ends;
+  logic                drops;                            // the frame is longer than it may be: what comes is dropped
+  logic [20:0]         place, column;                    // of the next beat, in its frame and row
+  logic [20:0]         reached, along;                   // beats in S, and of them in the present row
+  logic [31:0]         damaged;
+  logic                damage;
+  logic [Levels:0]     valid, whole, gone;               // the frame is whole; dropped
+  logic [20:0]         places  [Levels+1];
+  logic [20:0]         columns [Levels+1];
+  logic [Lanes*16-1:0] lanes   [Levels+1];
+  assign step       = in_ready_o;
+  assign take       = in_valid_i && in_ready_o;
   assign final_here = place == 21'(Rows * Beats - 1);
+  assign row_ends   = column == 21'(Beats - 1);
+  assign valid[0]   = in_valid_i;
+  assign whole[0]   = in_last_i && final_here && !drops;
+  assign gone[0]    = drops;
+  assign places[0]  = place;
+  assign columns[0] = column;
+  for (genvar k = 0; k < Lanes; k++) begin : gen_lane
+    assign lanes[0][16*k+:16] = (row_ends && (Beats - 1) * Lanes + k >= Columns) ? '0 : in_data_i[16*k+:16];
+  end
   always_ff @(posedge clk_i) begin
     started <= 1'b1;
     stalled <= out_valid_o && !out_ready_i && !rst_i;
-    if (take) place <= (in_last_i || final_here) ? '0 : place + 1'b1;
-    if (step && valid[Levels]) begin
-      sum     <= next;
-      reached <= places[Levels] + 21'd1;
+    damage  <= take && in_last_i != final_here && !drops;
+    damaged <= damaged + 32'(damage);
+    if (take) begin
+      place  <= (in_last_i || final_here) ? '0 : place + 1'b1;
+      column <= (in_last_i || row_ends) ? '0 : column + 1'b1;
+      drops  <= !in_last_i && (drops || final_here);
+      if (drops) place <= '0;
     end
-    if (rst_i) place <= '0;
+    if (rst_i) begin
+      place   <= '0;
+      column  <= '0;
+      drops   <= 1'b0;
+      damage  <= 1'b0;
+      damaged <= '0;
+    end
   end
   for (genvar l = 0; l < Levels; l++) begin : gen_level
     always_ff @(posedge clk_i) begin
       if (step) begin
         valid[l+1]  <= valid[l];
+        whole[l+1]  <= whole[l];
+        gone[l+1]   <= gone[l];
         places[l+1] <= places[l];
-        totals[l+1] <= totals[l];
+        columns[l+1] <= columns[l];
+        lanes[l+1]  <= lanes[l];
       end
       if (rst_i) valid[l+1] <= 1'b0;
     end
   end
 
-  always_comb begin
-    if (!started) assume (rst_i);
-    if (in_valid_i && final_here) assume (in_last_i);  // a longer frame is dropped: its sums may wrap
-    if (started) begin
-      if (valid[Levels]) assert (!next[Wide-1]);          // no carry out of S
-      if (stalled) assert (out_valid_o);
+  // The sums, with room to spare, and what they give.
+  localparam int unsigned Long = MxBits + MyBits;
+  logic [Wide-1:0] total, sum, carried;                  // of the beat, of the frame
+  logic [Long-1:0] inner, row_sum, left, a, b, mx, my;
+  logic            opens, known, due, valid_due;
+  logic [Wide-1:0] sum_due;
+  logic [Long-1:0] mx_due, my_due;
+  assign opens   = places[Levels] == '0 && !gone[Levels];
+  assign left    = (columns[Levels] == '0) ? '0 : row_sum;
+  assign carried = opens ? '0 : sum;
+  assign mx      = Long'(sum) * Long'(2 * Beats * Lanes - Columns - 1) - 2 * a;
+  assign my      = 2 * b - Long'(sum) * Long'(Rows - 1);
+  owed_sum #(.Count(Lanes), .Width(Wide), .Long(Long)) u_total (.data_i(lanes[Levels]), .sum_o(total), .moment_o(inner));
+  always_ff @(posedge clk_i) begin
+    if (step && valid[Levels]) begin
+      known   <= !gone[Levels];
+      reached <= places[Levels] + 21'd1;
+      along   <= columns[Levels] + 21'd1;
+      sum     <= carried + total;
+      row_sum <= left + Long'(total);
+      a       <= (opens ? '0 : a) + (left << Levels) + inner;
+      b       <= (opens ? '0 : b) + (((columns[Levels] == '0) && !opens) ? Long'(sum) : '0);
+    end
+    if (step) due <= valid[Levels] && whole[Levels];
+    else if (out_ready_i || !valid_due) due <= 1'b0;
+    if (out_ready_i || !valid_due) begin
+      valid_due <= due;
+      sum_due   <= sum;
+      mx_due    <= mx;
+      my_due    <= my;
+    end
+    if (rst_i) begin
+      known     <= 1'b0;
+      due       <= 1'b0;
+      valid_due <= 1'b0;
     end
   end
 
-  // Invariant: beats follow each other, and n of them weigh n Most at the most.
-  logic [20:0] expected [Levels+1];
-  logic        known;  // S has a beat since reset
-  always_ff @(posedge clk_i) begin
-    if (step && valid[Levels]) known <= 1'b1;
-    if (rst_i) known <= 1'b0;
+  always_comb begin
+    if (!started) assume (rst_i);
+    if (started) begin
+      if (valid[Levels] && !gone[Levels]) assert (carried + total < Wide'(1) << SumBits);  // no carry out of S
+      if (stalled) assert (out_valid_o);
+      assert (out_valid_o == valid_due);
+      if (valid_due) begin
+        assert (Wide'(out_sum_o) == sum_due);
+        assert (out_mx_o == MxBits'(mx_due) && out_my_o == MyBits'(my_due));
+      end
+      assert (damaged_o == damaged);
+      if (!rst_i) assert (in_ready_o == (!due || !valid_due || (OneBeat && out_ready_i)));
+    end
   end
+
+  // Invariant: beats follow each other, and n of them weigh n times Lanes 65535 at the most.
+  logic [20:0]     expected [Levels+1], follows [Levels+1];
+  logic [Wide-1:0] most;
+  assign most = (Wide'(reached) << (16 + Levels)) - (Wide'(reached) << Levels);
   assign expected[Levels] = known ? reached : '0;
+  assign follows[Levels]  = known ? along : '0;
   for (genvar l = 1; l <= Levels; l++) begin : gen_chain
-    assign expected[l-1] = valid[l] ? places[l] + 21'd1 : expected[l];
+    assign expected[l-1] = valid[l] ? (gone[l] ? '0 : places[l] + 21'd1) : expected[l];
+    assign follows[l-1]  = valid[l] ? (gone[l] ? '0 : columns[l] + 21'd1) : follows[l];
     always_comb begin
-      if (started && valid[l]) assert (places[l] == '0 || places[l] == expected[l]);
-      if (started && valid[l]) assert (places[l] < 21'(Rows * Beats) && totals[l] <= Most);
-      if (started && valid[l]) assert (dut.beat_first[l] == (places[l] == '0));
+      if (started && valid[l]) begin
+        if (!gone[l]) assert (places[l] == '0 || places[l] == expected[l]);
+        assert (places[l] < 21'(Rows * Beats) && (!gone[l] || places[l] == '0));
+        assert (dut.beat_first[l] == (places[l] == '0 && !gone[l]) && dut.beat_row_first[l] == (columns[l] == '0));
+        assert (dut.beat_whole[l] == whole[l] && (!whole[l] || !gone[l]));
+        if (places[l] == '0 && !gone[l]) assert (columns[l] == '0);
+        if (!gone[l]) assert (columns[l] < 21'(Beats) && (columns[l] == '0 || columns[l] == follows[l]));
+      end
     end
     always_comb if (started) assert (dut.beat_valid[l] == valid[l]);
   end
   always_comb begin
     if (started) begin
-      assert (place == '0 || place == expected[0]);
-      assert (place < 21'(Rows * Beats) && place == 21'(dut.row) * 21'(Beats) + 21'(dut.beat));
-      assert (32'(dut.beat) < Beats && 32'(dut.row) < Rows);
-      assert (dut.first == (place == '0) && dut.row_first == (dut.beat == '0));
-      if (known) assert (sum == Wide'(dut.sum) && reached != '0 && reached <= 21'(Rows * Beats));
-      if (known) assert (sum <= Wide'(reached) * Most);
+      assert (dut.dropping == drops && dut.damage == damage && dut.done == due && 21'(dut.beat) == column);
+      if (drops) assert (place == '0 && !dut.first);
+      else begin
+        assert (place == '0 || place == expected[0]);
+        assert (column == '0 || column == follows[0]);
+        if (place == '0) assert (column == '0);
+        assert (place < 21'(Rows * Beats) && place == 21'(dut.row) * 21'(Beats) + column);
+        assert (32'(dut.row) < Rows && dut.first == (place == '0));
+      end
+      assert (32'(column) < Beats && dut.row_first == (column == '0));
+      if (due) assert (known);
+      if (known) begin
+        assert (reached != '0 && reached <= 21'(Rows * Beats) && sum <= most && sum == Wide'(dut.sum));
+        assert (MxBits'(a) << 1 == {dut.moment_a, 1'b0} && MyBits'(b) << 1 == {dut.moment_b, 1'b0});
+        assert (along != '0 && along <= 21'(Beats) && along <= reached && row_sum == Long'(dut.row_total));
+        assert (row_sum <= (Long'(along) << (16 + Levels)) - (Long'(along) << Levels));
+      end
     end
   end
 
-  // The tree: every node is the sum of its lanes, as many clocks ago.
-  logic [Lanes*16-1:0] lanes [Levels+1];
-  assign lanes[0] = in_data_i;
+  // The tree: every node is the sum and the moment of its lanes, as many clocks ago.
   for (genvar l = 0; l < Levels; l++) begin : gen_lanes
-    always_ff @(posedge clk_i) if (step) lanes[l+1] <= lanes[l];
     for (genvar i = 0; i < Lanes >> (l + 1); i++) begin : gen_node
-      logic [Wide-1:0] partial;
-      owed_sum #(.Count(2 << l), .Width(Wide)) u_partial (
-        .data_i(lanes[l+1][16*(2<<l)*i+:16*(2<<l)]), .sum_o(partial)
+      logic [Wide-1:0] part;
+      logic [Long-1:0] moment;
+      owed_sum #(.Count(2 << l), .Width(Wide), .Long(Long)) u_part (
+        .data_i(lanes[l+1][16*(2<<l)*i+:16*(2<<l)]), .sum_o(part), .moment_o(moment)
       );
       always_comb begin
-        if (started && valid[l+1]) assert (Wide'(dut.total[(Lanes>>(l+1))+i]) == partial);
-      end
-      if (i == 0 && Lanes >> (l + 1) == 1) begin : gen_root
-        always_comb if (started && valid[l+1]) assert (totals[l+1] == partial);
-      end
-    end
-    if (l < Levels - 1) begin : gen_between
-      logic [Wide-1:0] whole;
-      owed_sum #(.Count(Lanes), .Width(Wide)) u_whole (.data_i(lanes[l+1]), .sum_o(whole));
-      always_comb begin
-        if (started && valid[l+1]) assert (totals[l+1] == whole);
+        if (started && valid[l+1]) begin
+          assert (Wide'(dut.total[(Lanes>>(l+1))+i]) == part);
+          assert (Long'(dut.inner[(Lanes>>(l+1))+i]) == moment);
+        end
       end
     end
   end
 
   always_comb begin
     if (started && !rst_i) begin
-      cover (known && sum > Wide'(3) * Most - Wide'(1));
+      cover (known && reached == 21'd3 && sum == most);
       cover (known && reached == 21'd3 && take && in_last_i);
       if (Rows * Beats < 16) cover (stalled && out_sum_o == '0);
     end

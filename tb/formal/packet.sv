@@ -1,198 +1,263 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Bytes of a packet: type, number, six of time, as many of payload as the type has (images: two a taxel, Chunk taxels
-// at the most), four of the CRC-32 of all before, computed here a bit at a time; `last` on the final one and nowhere
-// else; numbers count up. A byte holds until it is taken.
+// Packets byte by byte and clock by clock: whose turn it is, and of whom waits; type, number, time and payload of what
+// came in at the ports (events: from the queue, proof `fifo`; taxels and time of an image: as its store hands them on);
+// an image's packets have Chunk taxels, or what is left of it; the CRC-32 of all before, computed here a bit at a time;
+// `last` on the final byte. A byte holds until it is taken and the next follows within 4 clocks. What is counted.
 
 module formal_packet #(
-  parameter int unsigned SlipDepth     = 64,
-  parameter bit          Cop           = 1'b1,
-  parameter bit          Health        = 1'b1,
-  parameter bit          Answers       = 1'b1,
-  parameter int unsigned Statistics    = 4,
-  parameter int unsigned StatisticBits = 20,
-  parameter int unsigned Taxels        = 4096,
-  parameter int unsigned Chunk         = 64
+  parameter  int unsigned SlipDepth     = 64,
+  parameter  bit          Cop           = 1'b1,
+  parameter  bit          Health        = 1'b1,
+  parameter  bit          Answers       = 1'b1,
+  parameter  int unsigned Statistics    = 4,
+  parameter  int unsigned StatisticBits = 20,
+  parameter  int unsigned Taxels        = 4096,
+  parameter  int unsigned Chunk         = 64,
+  localparam int unsigned Counters      = (Statistics > 0) ? Statistics : 1
 ) (
-  input logic        clk_i,
-  input logic        rst_i,
-  input logic        slip_valid_i,
-  input logic        cop_valid_i,
-  input logic        health_valid_i,
-  input logic        answer_valid_i,
-  input logic [63:0] answer_data_i,
-  input logic        image_valid_i,
-  input logic [15:0] image_data_i,
-  input logic        image_last_i,
-  input logic        out_ready_i
+  input logic                   clk_i,
+  input logic                   rst_i,
+  input logic [47:0]            now_i,
+  input logic                   slip_valid_i,
+  input logic [15:0]            slip_id_i,
+  input logic [2:0]             slip_state_i,
+  input logic [23:0]            slip_p2p_i,
+  input logic [47:0]            slip_time_i,
+  input logic                   cop_valid_i,
+  input logic [23:0]            cop_x_i,
+  input logic [23:0]            cop_y_i,
+  input logic [39:0]            cop_load_i,
+  input logic                   cop_pressed_i,
+  input logic [47:0]            cop_time_i,
+  input logic                   health_valid_i,
+  input logic [23:0]            health_id_i,
+  input logic [7:0]             health_faults_i,
+  input logic                   answer_valid_i,
+  input logic [63:0]            answer_data_i,
+  input logic [Counters*32-1:0] statistics_i,
+  input logic                   image_valid_i,
+  input logic [15:0]            image_data_i,
+  input logic                   image_last_i,
+  input logic [47:0]            image_time_i,
+  input logic                   out_ready_i
 );
 
-  logic        out_valid_o, out_last_o, out_begin_o;
+  logic        slip_ready_o, health_ready_o, answer_ready_o, out_begin_o, out_valid_o, out_last_o;
   logic [7:0]  out_data_o;
-  logic [31:0] packets_o;
+  logic [31:0] packets_o, cop_dropped_o, image_dropped_o;
   msn_packet #(
     .SlipDepth(SlipDepth), .Cop(Cop), .Health(Health), .Answers(Answers), .Statistics(Statistics),
     .StatisticBits(StatisticBits), .Taxels(Taxels), .Chunk(Chunk)
-  ) dut (
-    .clk_i, .rst_i, .slip_valid_i, .cop_valid_i, .health_valid_i, .answer_valid_i, .answer_data_i,
-    .image_valid_i, .image_data_i, .image_last_i, .out_begin_o, .out_valid_o, .out_ready_i, .out_data_o,
-    .out_last_o, .packets_o
-  );
+  ) dut (.*);
 
-  logic        started = 1'b0;
-  logic        give, stalled, last;
-  logic [7:0]  data, kind, number, count;  // of the packet: type, number; packets so far
-  logic [8:0]  place;                      // bytes taken of this packet
-  logic [2:0]  checks;                     // of its checksum
-  logic [31:0] crc, crc_next;
-  logic [8:0]  length;                     // before the checksum, but of images
-  logic        image, checking;
-  assign give   = out_valid_o && out_ready_i;
-  always_comb begin
-    case (place == '0 ? out_data_o : kind)
-      8'd1:    length = 9'd14;
-      8'd2:    length = 9'd20;
-      8'd3:    length = 9'd13;
-      8'd4:    length = 9'd12;
-      8'd5:    length = 9'd13;
-      8'd16:   length = 9'd16;
-      default: length = 9'd0;
-    endcase
-    crc_next = crc;
-    for (int unsigned i = 0; i < 8; i++) begin
-      crc_next = (crc_next >> 1) ^ ((crc_next[0] != (out_data_o[i] ^ checking)) ? 32'hEDB8_8320 : 32'h0);
+  typedef enum logic [2:0] {
+    Slip, Answer, CopResult, HealthReport, Statistic, Image
+  } source_e;
+  localparam logic [5:0] First = 6'd1;
+
+  // What waits. Of each kind its payload, its bytes and its time.
+  logic         started = 1'b0;
+  logic         run;       // a packet has been chosen, and not all its bytes are out
+  logic [5:0]   waits, turn;
+  logic         cop_waits, health_waits, statistic_waits, idle;
+  logic [88:0]  cop;
+  logic [47:0]  cop_time, health_time;
+  logic [31:0]  health, counter, cop_dropped, packets;
+  logic [7:0]   which, image_number;
+  logic [StatisticBits-1:0] pause;
+  logic [16:0]  place, place_end;  // in the image; after this packet
+  logic [47:0]  slip_time, image_time;
+  logic [42:0]  slip_event;
+  assign place_end = (32'(place) + Chunk >= Taxels) ? 17'(Taxels) : place + 17'(Chunk);
+  if (SlipDepth > 0) begin : gen_slip
+    assign {slip_event, slip_time} = dut.gen_slip.event_data;
+  end else begin : gen_no_slip
+    assign {slip_event, slip_time} = '0;
+  end
+  assign idle  = !run && !out_valid_o;
+  assign waits = {Taxels > 0 && dut.image_valid, Statistics > 0 && statistic_waits, Health && health_waits, Cop && cop_waits,
+                  Answers && answer_valid_i, SlipDepth > 0 && dut.slip_valid};
+  always_ff @(posedge clk_i) begin
+    cop_waits       <= cop_valid_i || (cop_waits && !turn[CopResult]);
+    cop_dropped     <= cop_dropped + 32'(Cop && cop_valid_i && cop_waits && !turn[CopResult]);
+    health_waits    <= health_waits ? !turn[HealthReport] : health_valid_i;
+    statistic_waits <= pause == '1 || (statistic_waits && !turn[Statistic]);
+    pause           <= pause + 1'b1;
+    counter         <= statistics_i[32*(32'(which)%Counters)+:32];
+    if (cop_valid_i) {cop, cop_time} <= {cop_pressed_i, cop_load_i, cop_y_i, cop_x_i, cop_time_i};
+    if (!health_waits) {health, health_time} <= {health_faults_i, health_id_i, now_i};
+    if (turn[Statistic]) which <= (32'(which) == Statistics - 1) ? '0 : which + 1'b1;
+    if (rst_i) begin
+      cop_waits       <= 1'b0;
+      cop_dropped     <= '0;
+      health_waits    <= 1'b0;
+      statistic_waits <= 1'b0;
+      pause           <= '0;
+      which           <= '0;
     end
   end
-  assign image = kind == 8'd3;
-  // Of an image the checksum's place is where the block puts it: checks below that it may be there.
-  logic image_checks;
-  assign checking = image ? image_checks : place >= length && place != '0;
 
+  // The packet under way: its bytes but taxels and checksum, and how many there are of each part.
+  logic [159:0] record;
+  logic [8:0]   sent, first, second;  // bytes; bytes before the taxels, and before the checksum
+  logic [8:0]   record_bytes, taxel_bytes;
+  logic [1:0]   phase;
+  logic [7:0]   data, byte_out;
+  logic [31:0]  crc, crc_next;
+  logic         valid, last, emit, image, odd;
+  assign emit = run && turn == '0 && phase == 2'd3 && !out_valid_o;
+  assign odd  = sent[0] != first[0];
+  always_comb begin
+    record = '0;
+    for (int unsigned s = 0; s < 6; s++) if (turn[s]) begin
+      case (source_e'(s))
+        Slip:         record = 160'({slip_event, slip_time, packets[7:0], 8'd1});
+        Answer:       record = 160'({answer_data_i, now_i, packets[7:0], 8'd16});
+        CopResult:    record = 160'({cop, cop_time, packets[7:0], 8'd2});
+        HealthReport: record = 160'({health, health_time, packets[7:0], 8'd4});
+        Statistic:    record = 160'({counter, which, now_i, packets[7:0], 8'd5});
+        default:      record = 160'({24'(place), 7'd0, 32'(place_end) == Taxels, image_number, image_time, packets[7:0], 8'd3});
+      endcase
+    end
+    record_bytes = 9'd8 + (turn[Slip] ? 9'd6 : turn[Answer] ? 9'd8 : turn[CopResult] ? 9'd12 : turn[HealthReport] ? 9'd4 : 9'd5);
+    taxel_bytes  = turn[Image] ? 9'({place_end - place, 1'b0}) : '0;
+    byte_out     = (sent < first) ? rest[7:0] : (sent >= second) ? ~crc[7:0] : odd ? dut.taxel[15:8] : dut.taxel[7:0];
+    crc_next     = crc;
+    for (int unsigned i = 0; i < 8; i++) crc_next = (crc_next >> 1) ^ ((crc_next[0] != byte_out[i]) ? 32'hEDB8_8320 : 32'h0);
+    if (sent >= second) crc_next = crc >> 8;
+  end
+  logic [159:0] rest;
   always_ff @(posedge clk_i) begin
     started <= 1'b1;
-    stalled <= out_valid_o && !out_ready_i && !rst_i;
-    data    <= out_data_o;
-    last    <= out_last_o;
-    if (give) begin
-      place <= place + 1'b1;
+    turn    <= idle ? waits & (~waits + First) : '0;
+    if (idle && waits != '0) run <= 1'b1;
+    if (out_ready_i) valid <= 1'b0;
+    phase <= idle ? '0 : emit ? '0 : (phase == 2'd3) ? 2'd3 : phase + 1'b1;
+    if (idle) crc <= '1;
+    if (turn != '0) begin
+      rest    <= record;
+      sent    <= '0;
+      first   <= record_bytes;
+      second  <= record_bytes + taxel_bytes;
+      image   <= turn[Image];
+      packets <= packets + 1'b1;
+    end
+    if (emit) begin
+      rest  <= rest >> 8;
+      sent  <= sent + 1'b1;
       crc   <= crc_next;
-      if (place == '0) kind <= out_data_o;
-      if (place == 9'd1) number <= out_data_o;
-      if (checking) checks <= checks + 1'b1;
-      if (out_last_o) begin
-        place  <= '0;
-        checks <= '0;
-        crc    <= '1;
-        count  <= count + 1'b1;
+      valid <= 1'b1;
+      data  <= byte_out;
+      last  <= sent == second + 9'd3;
+      if (sent == second + 9'd3) run <= 1'b0;
+      if (image && sent + 9'd1 == second) begin
+        place <= (32'(place_end) == Taxels) ? '0 : place_end;
+        if (32'(place_end) == Taxels) image_number <= image_number + 1'b1;
       end
     end
     if (rst_i) begin
-      place  <= '0;
-      checks <= '0;
-      crc    <= '1;
-      count  <= '0;
+      run          <= 1'b0;
+      turn         <= '0;
+      valid        <= 1'b0;
+      packets      <= '0;
+      place        <= '0;
+      image_number <= '0;
     end
   end
-
-  // The block has put its next byte of the checksum into out_data_o: the state moved on with the byte before.
-  logic ahead;  // bytes of the checksum that the block has sent or shows
-  assign image_checks = dut.state == 2'd3 ? !(out_valid_o && dut.left == 5'd3) : dut.state == 2'd0;
 
   always_comb begin
     if (!started) assume (rst_i);
     if (started) begin
-      if (stalled) assert (out_valid_o && out_data_o == data && out_last_o == last);
-      if (out_valid_o) begin
-        if (place == '0) assert (length != '0);
-        if (place == 9'd1) assert (out_data_o == count);
-        if (checking) assert (out_data_o == ~crc[7:0]);
-        assert (out_last_o == (checking && checks == 3'd3));
-        if (checking && image && checks == '0) assert (place > length && place <= length + 9'(2 * Chunk) && !place[0] == !length[0]);
-      end
+      assert (out_valid_o == valid && (!valid || (out_data_o == data && out_last_o == last)));
+      assert (out_begin_o == (run || waits != '0));
+      assert (packets_o == packets && (!Cop || cop_dropped_o == cop_dropped));
+      assert (answer_ready_o == turn[Answer] && health_ready_o == (Health && !health_waits));
+      assert (dut.slip_take == turn[Slip]);
     end
   end
 
   // Invariant.
-  logic       busy;
-  assign busy = dut.state != 2'd0 || out_valid_o;
-  logic [8:0] sent;
-  logic [2:0] checks_sent;
-  assign sent        = place + 9'(out_valid_o);
-  assign checks_sent = checks + 3'(out_valid_o && checking);
-  logic [8:0] record;
-  logic       turn;  // the record is taken in this clock
-  assign turn = dut.turn != '0;
-  always_ff @(posedge clk_i) if (turn) record <= 9'd8 + 9'(dut.chosen[11:8]);
-  logic [7:0] type_q;
-  always_ff @(posedge clk_i) if (turn) type_q <= dut.chosen[7:0];
-  logic [8:0] known;  // of the type the block has
-  always_comb begin
-    case (type_q)
-      8'd1:    known = 9'd14;
-      8'd2:    known = 9'd20;
-      8'd3:    known = 9'd13;
-      8'd4:    known = 9'd12;
-      8'd5:    known = 9'd13;
-      8'd16:   known = 9'd16;
-      default: known = 9'd0;
-    endcase
-  end
+  localparam logic [1:0] Record = 2'd1, Pixels = 2'd2, Check = 2'd3;
   always_comb begin
     if (started) begin
-      assert (count + 8'(busy && !turn) == dut.packets_o[7:0]);
-      assert ((dut.turn & (dut.turn - 1'b1)) == '0);
-      if (turn) assert (dut.state == 2'd1 && dut.phase == '0 && sent == '0 && checks == '0);
-      if (busy && !turn) begin
-        assert (record == known && known != '0 && dut.pixels == (type_q == 8'd3));
-        if (place != '0) assert (kind == type_q);
-        if (place == '0 && out_valid_o) assert (out_data_o == type_q);
+      assert (dut.turn == turn && dut.idle == idle && (turn & (turn - First)) == '0);
+      if (Cop) assert (dut.cop_valid == cop_waits);
+      if (Cop && cop_waits) assert (dut.cop == 156'({cop, cop_time, 4'd12, 8'd2}));
+      if (Health) assert (dut.health_valid == health_waits);
+      if (Health && health_waits) assert (dut.health == 156'({health, health_time, 4'd4, 8'd4}));
+      if (Statistics > 0) assert (dut.statistic_valid == statistic_waits && 32'(which) < Counters);
+      if (turn != '0) assert (run && !valid && dut.state == Record && phase == '0 && crc == '1);
+      if (turn[Image]) assert (Taxels > 0);
+      if (turn[Statistic]) assert (Statistics > 0 && statistic_waits);
+      if (turn[HealthReport]) assert (Health && health_waits);
+      if (turn[CopResult]) assert (Cop && cop_waits);
+      if (turn[Answer]) assert (Answers);
+      if (!run) begin
+        assert (dut.state == 2'd0);
+      end else begin
+        assert (dut.phase == phase && dut.crc == crc);
+        if (turn == '0) begin
+          assert (first >= 9'd12 && first <= 9'd20 && sent <= second + 9'd3);
+          assert (dut.state == (sent < first ? Record : sent < second ? Pixels : Check));
+          if (sent < first) assert (9'(dut.left) == first - 9'd1 - sent && dut.bytes == rest);
+          if (sent >= second) assert (9'(dut.left) == second + 9'd3 - sent);
+          assert (dut.pixels == image);
+          if (image) assert (Taxels > 0 && first == 9'd13 && second > first && second <= first + 9'(2 * Chunk) && second[0] == first[0]);
+          else assert (second == first);
+          if (sent < first || sent >= second) assert (!dut.upper);
+          else assert (dut.upper == odd);
+        end else assert (!dut.upper);
       end
-      case (dut.state)
-        2'd0: begin
-          if (out_valid_o) assert (out_last_o && checks == 3'd3 && (type_q == 8'd3 || sent == record + 9'd4));
-          else assert (place == '0 && checks == '0 && crc == '1);
-        end
-        2'd1: if (!turn) begin
-          assert (sent < record && checks == '0 && sent + 9'(dut.left) + 9'd1 == record && !(out_valid_o && out_last_o));
-          if (sent == '0) assert (dut.bytes[7:0] == type_q && dut.bytes[15:8] == count);
-          if (sent == 9'd1) assert (dut.bytes[7:0] == count);
-        end
-        2'd2: begin
-          assert (checks == '0 && type_q == 8'd3 && dut.pixels && sent >= record && !(out_valid_o && out_last_o));
-          assert (dut.upper == (sent[0] != record[0]));
-        end
-        default: begin
-          assert (dut.left <= 5'd3 && !(out_valid_o && out_last_o) && sent >= record);
-          assert (checks_sent == 3'd3 - 3'(dut.left) && checks_sent <= 3'd3);
-          if (type_q != 8'd3) assert (sent == record + 9'(checks_sent));
-        end
-      endcase
-      assert (place <= 9'd260);
-      if (!dut.idle || out_valid_o) assert (dut.crc == (out_valid_o ? crc_next : crc));
-      if (out_valid_o && place == 9'd1) assert (out_data_o == count);
     end
   end
 
-  // Of an image: taxels that are left, and what has been sent of it.
+  if (Statistics > 0) begin : gen_statistics
+    always_comb if (started) begin
+      assert (dut.gen_statistics.wait_clocks == pause && dut.gen_statistics.index == which);
+      if (warm) assert (dut.gen_statistics.counter == counter);
+    end
+  end
+  logic warm;
+  always_ff @(posedge clk_i) warm <= started;
+
+  // Of an image: the place reached, which is the store's address, and when it is begun and done.
   if (Taxels == 0) begin : gen_no_image
-    always_comb if (started && busy && !turn) assert (type_q != 8'd3);
+    assign image_time = '0;
   end else begin : gen_image
-    logic [8:0] pixels;
-    assign pixels = sent - record - 9'(checks_sent);
-    always_comb begin
-      if (started && busy && type_q == 8'd3) begin
-        if (dut.state == 2'd1 && !turn) assert (dut.gen_image.left == 7'(Chunk - 1));
-        if (dut.state == 2'd2) assert (pixels[8:1] <= 8'(Chunk - 1) && 8'(dut.gen_image.left) == 8'(Chunk - 1) - pixels[8:1]);
-        if (dut.state == 2'd3) assert (pixels >= 9'd2 && pixels <= 9'(2 * Chunk) && !pixels[0]);
-        if (dut.state == 2'd0) assert (sent - record >= 9'd6 && sent - record <= 9'(2 * Chunk + 4) && sent[0] == record[0]);
+    assign image_time = dut.gen_image.image_time;
+    logic [16:0] at;
+    logic        begun, done;
+    logic [8:0]  pixels;  // bytes of this packet
+    assign pixels = sent - first;
+    assign at     = place + 17'(pixels[8:1]);
+    always_ff @(posedge clk_i) begin
+      if (turn[Image]) begun <= 1'b1;
+      done <= emit && image && sent + 9'd1 == second && 32'(place_end) == Taxels && !rst_i;
+      if (emit && image && sent + 9'd1 == second && 32'(place_end) == Taxels) begun <= 1'b0;
+      if (rst_i) begun <= 1'b0;
+    end
+    always_comb if (started) begin
+      assert (32'(place) < Taxels && dut.gen_image.number == image_number);
+      assert (dut.gen_image.u_store.read_begun_i == (begun || turn[Image]) && dut.gen_image.u_store.read_done_i == done);
+      assert (dut.gen_image.begun == begun);
+      if (run && turn == '0 && image && sent >= first && sent < second) begin
+        assert (17'(dut.gen_image.place) == at);
+        assert (7'(dut.gen_image.left) == 7'(Chunk - 1) - 7'(pixels[8:1]) && second - first == 9'(2 * (place_end - place)));
+      end else begin
+        assert (17'(dut.gen_image.place) == place);
+      end
+      if (run && turn == '0 && image && sent < first) begin
+        assert (dut.gen_image.left == 7'(Chunk - 1) && second - first == 9'(2 * (place_end - place)));
       end
     end
   end
 
   always_comb begin
     if (started && !rst_i) begin
-      cover (give && place == 9'd2 && kind == 8'd16);
-      cover (give && stalled && place == 9'd1 && kind == 8'd2);
+      cover (emit && sent == 9'd2 && rest[7:0] == 8'h55);
+      cover (emit && first == 9'd16 && sent == 9'd3 && rest[7:0] == 8'hAA);
+      if (Health) cover (emit && first == 9'd12 && cop_waits && sent == 9'd1);
     end
   end
 

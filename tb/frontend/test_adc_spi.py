@@ -14,7 +14,7 @@ from itertools import pairwise
 import cocotb
 import pytest
 from cocotb.clock import Clock
-from cocotb.triggers import ReadOnly, RisingEdge
+from cocotb.triggers import FallingEdge, First, ReadOnly, RisingEdge
 from cocotb.utils import get_sim_time
 
 import bench
@@ -92,12 +92,26 @@ class Harness:
         Clock(dut.clk_i, 1_000_000_000 // self.twin.clk_khz, unit="ps").start()
         await bench.clocks(dut, 3)
         self.part = self.make()
+        if self.twin.part is MCP3208:
+            cocotb.start_soon(self.hear_commands())
         await bench.clocks(dut, 3)
         dut.rst_i.value = 0
         self.period = period or self.twin.safe_period() + 13
         dut.cfg_period_i.value = self.period
         await self.rest()
         dut.cfg_enable_i.value = 1
+
+    async def hear_commands(self):
+        """All that a word says on MOSI is a command to a channel, also where the part does not listen."""
+        dut, part = self.dut, self.twin.part
+        known = [f"{part.command(channel):016b}"[: part.data_bits] for channel in range(self.twin.channels)]
+        while True:
+            await FallingEdge(dut.adc_cs_n_o)
+            heard = ""
+            while dut.adc_cs_n_o.value == 0:
+                await First(RisingEdge(dut.adc_sclk_o), RisingEdge(dut.adc_cs_n_o))
+                heard += str(dut.adc_mosi_o.value)
+            assert len(heard) <= part.word_bits or heard[: part.data_bits] in known
 
     async def rest(self):
         """From the end of reset until the part can convert, and at least 6 us."""

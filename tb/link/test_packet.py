@@ -334,7 +334,8 @@ async def recovers_after_reset(dut):
     test, _, _ = await begin(dut, rng, rates)
     for cut in (30, 61, 333, None):
         await test.run(cut or 1)
-        while cut is None and dut.state.value.to_unsigned() != CHECK:
+        inside = getattr(dut, "state", None)  # a netlist may not have it
+        while cut is None and inside is not None and inside.value.to_unsigned() != CHECK:
             await test.run(1)
         for name in ("slip", "cop", "health", "answer", "image"):
             getattr(dut, f"{name}_valid_i").value = 0

@@ -118,6 +118,41 @@ async def settings_of_any_size_match_the_model(dut):
     assert blanked > 0
 
 
+def near_the_limits(rng, channels, config):
+    """Details of 0 and one threshold, one less or one more, for two windows each; levels near a limit."""
+    level, details = config.level, 2 * config.window >> config.level
+    near = [limit + off for limit in (config.threshold, config.gross_threshold) for off in (-1, 0, 1)]
+    p2p = rng.permuted(np.tile(near, (channels, 2)), axis=1)[..., None]
+    shape = p2p.shape
+    detail = np.where(rng.random((*shape[:2], details)) < 0.5, p2p, 0)
+    total = rng.choice([config.contact_level, config.release_level], shape) + rng.integers(
+        -2, 3, detail.shape
+    )
+    total += (total + detail) % 2  # whole halves: the first is (total + detail) / 2
+    halves = np.stack([total + detail, total - detail], axis=-1).reshape(channels, -1) // 2
+    parts = 1 << level - 1
+    return ((halves[..., None] + np.arange(parts)) // parts).reshape(channels, -1)  # adds up to each half
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def compares_exactly_at_each_limit(dut):
+    channels, level, window, hop = parameters(dut)
+    if channels > 100 or dut.Serial.value.to_unsigned():
+        return  # that of the serial path: tb/slip/test_slip_serial.py
+    rng = np.random.default_rng(bench.SEED)
+    for run in range(8):
+        threshold, gross = sorted(int(v) for v in rng.integers(4, 1 << 16, 2))
+        contact, release = (int(v) for v in rng.integers(-1 << 14, 1 << 14, 2))
+        limits = {"threshold": threshold, "gross_threshold": gross, "contact_level": contact}
+        limits |= {"release_level": contact if run < 2 else release, "contact_rises": bool(run % 2)}
+        config = SlipConfig(window=window, hop=hop, level=level, **limits)
+        x = near_the_limits(rng, channels, config)
+        await begin(dut, config)
+        should, watched = expected(x, config)
+        assert (watched.p2p == threshold).any() and (watched.p2p == threshold + 1).any()
+        assert await bench.stream(dut, beats_of(x), FIELDS) == should, config
+
+
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 async def decides_at_most_8_clocks_after_the_pair(dut):
     """A crossing in the last channel; clocks are counted from the clock that took the crossing sample."""

@@ -23,7 +23,7 @@ from meissner import config, toolchain, yowasp
 ROOT = yowasp.ROOT
 FOLDER = "tb/formal"
 OUT = "build/formal"
-SOLVERS = ("yices", "z3")
+SOLVERS = ("yices", "boolector")
 
 
 @dataclass(frozen=True)
