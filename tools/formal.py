@@ -84,15 +84,22 @@ def keep(proof, row):
 
 def table():
     """docs/formal.md's table as Markdown."""
-    rows = ["| proof | says | kind | sets | yices, s | second solver, s | mutants seen |", "|---" * 7 + "|"]
+    rows = ["| proof | says | kind | sets | yices, s | boolector, s | mutants seen |", "|---" * 7 + "|"]
     listed = formal.proofs()
     for entry in json.loads((record.FOLDER / "formal.json").read_text())["blocks"].values():
         for name, row in entry["proofs"].items():
             seen = row.get("mutants")
             of = f"{seen['found'] + seen['broken']} of {seen['of'] - seen['equivalent']}" if seen else ""
-            first, second = [*row.get("seconds", {}).items(), ("", ""), ("", "")][:2]
+            seconds = row.get("seconds", {})
             says = listed[name].says.replace("|", "\\|")
-            cells = [name, says, row.get("kind", ""), row.get("sets", ""), first[1], f"{second[0]} {second[1]}".strip(), of]
+            cells = [
+                name,
+                says,
+                row.get("kind", ""),
+                row.get("sets", ""),
+                *map(seconds.get, formal.SOLVERS),
+                of,
+            ]
             rows.append("| " + " | ".join(map(str, cells)) + " |")
     return "\n".join(rows)
 
