@@ -158,9 +158,13 @@ async def reset(dut, clocks=1):
     dut.rst_i.value = 0
 
 
-async def inputs_in_reset(dut, *resting):
-    """While a reset holds, every bit of every input at both levels: the outputs ``resting`` stay 0."""
+async def inputs_in_reset(dut, *resting, also=()):
+    """While a reset holds, every bit of every input at both levels: the outputs ``resting`` stay 0.
+
+    ``also``: inputs whose names do not end in _i.
+    """
     inputs = [port for port in dut if port._name.endswith("_i") and port._name not in ("clk_i", "rst_i")]
+    inputs += [getattr(dut, name) for name in also]
     Clock(dut.clk_i, 10, unit="ns").start()
     dut.rst_i.value = 1
     for bits in ("00", "01", "10", "00"):

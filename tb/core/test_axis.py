@@ -143,6 +143,30 @@ async def begin(dut, rate=0.0):
     return axi
 
 
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def rests_in_reset_whatever_comes(dut):
+    inputs = ["s_axis_tvalid", "s_axis_tdata", "s_axis_tlast", "m_axis_tready"]
+    inputs += [f"s_axil_{channel}{port}" for channel in ("aw", "ar") for port in ("valid", "addr", "prot")]
+    inputs += [f"s_axil_{port}" for port in ("wvalid", "wdata", "wstrb", "bready", "rready")]
+    resting = ["m_axis_tvalid", "s_axil_bvalid", "s_axil_rvalid", "slip_o", "gross_o", "touched_o"]
+    await bench.inputs_in_reset(dut, *resting, "pressed_o", also=inputs)
+
+
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def every_bit_of_the_bus_is_its_own(dut):
+    """Words and single bytes to the scratch register; addresses of every bit, where nothing is."""
+    axi = await begin(dut)
+    for word in (0x5555_5555, 0xAAAA_AAAA, 0):
+        assert await axi.write(0x014, word) == AxiResp.OKAY
+        assert await axi.read(0x014) == (word, AxiResp.OKAY)
+    for byte in range(4):
+        assert (await axi.lite.write(0x014 + byte, bytes([0xA5 + byte]))).resp == AxiResp.OKAY
+    assert await axi.read(0x014) == (0xA8A7A6A5, AxiResp.OKAY)
+    for address in (0x554, 0xAA8, 0xFFC):
+        assert (await axi.read(address))[1] == AxiResp.SLVERR
+        assert await axi.write(address, 0xFFFF_FFFF) == AxiResp.SLVERR
+
+
 @cocotb.test(timeout_time=100, timeout_unit="ms")
 @cocotb.parametrize(rate=[0.0, 0.3])
 async def every_packet_is_the_models(dut, rate):
