@@ -84,22 +84,16 @@ def keep(proof, row):
 
 def table():
     """docs/formal.md's table as Markdown."""
-    rows = ["| proof | says | kind | sets | yices, s | boolector, s | mutants seen |", "|---" * 7 + "|"]
+    names = ["proof", "says", "kind", "sets", *(f"{solver}, s" for solver in formal.SOLVERS), "mutants seen"]
+    rows = [f"| {' | '.join(names)} |", "|---" * len(names) + "|"]
     listed = formal.proofs()
     for entry in json.loads((record.FOLDER / "formal.json").read_text())["blocks"].values():
         for name, row in entry["proofs"].items():
             seen = row.get("mutants")
             of = f"{seen['found'] + seen['broken']} of {seen['of'] - seen['equivalent']}" if seen else ""
-            seconds = row.get("seconds", {})
+            seconds = [row.get("seconds", {}).get(solver, "") for solver in formal.SOLVERS]
             says = listed[name].says.replace("|", "\\|")
-            cells = [
-                name,
-                says,
-                row.get("kind", ""),
-                row.get("sets", ""),
-                *map(seconds.get, formal.SOLVERS),
-                of,
-            ]
+            cells = [name, says, row.get("kind", ""), row.get("sets", ""), *seconds, of]
             rows.append("| " + " | ".join(map(str, cells)) + " |")
     return "\n".join(rows)
 

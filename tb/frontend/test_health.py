@@ -88,6 +88,21 @@ async def counts_are(dut, twin):
         assert bench.read(getattr(dut, f"{name}_o")) == getattr(twin, name), name
 
 
+async def agrees(dut, twin, beats, events):
+    """What comes out for ``beats``, the counters after them and the events so far are the twin's."""
+    expected, news = expected_of(twin, beats)
+    assert await bench.stream(dut, beats, FIELDS) == expected
+    await counts_are(dut, twin)
+    assert events == news
+
+
+async def clear(dut):
+    """Ask for one clock that every fault be forgotten."""
+    dut.cfg_clear_i.value = 1
+    await bench.clocks(dut, 1)
+    dut.cfg_clear_i.value = 0
+
+
 @cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
 async def counts_over_the_whole_width(dut):
     await bench.turn_over(dut, "damaged_o", wraps=False)
@@ -175,9 +190,7 @@ async def over_range_on_every_sample(dut):
     assert first == 17 * length
     assert bench.read(dut.railed_o) == twin.rows * twin.columns
     assert len(events) == length
-    dut.cfg_clear_i.value = 1
-    await bench.RisingEdge(dut.clk_i)
-    dut.cfg_clear_i.value = 0
+    await clear(dut)
     got = await bench.stream(dut, beats[:length], FIELDS)
     assert not any(beat["mask"] for beat in got)
     assert bench.read(dut.railed_o) == 0
@@ -209,10 +222,7 @@ async def limits_of_every_size(dut):
         beats = bench.lane_beats(
             np.clip(x, low, high), twin.lanes, twin.sample_bits, user=rng.random(shape) < 0.9
         )
-        expected, news = expected_of(twin, beats)
-        assert await bench.stream(dut, beats, FIELDS) == expected
-        await counts_are(dut, twin)
-        assert events == news
+        await agrees(dut, twin, beats, events)
     listener.cancel()
 
 
@@ -234,9 +244,7 @@ async def a_rail_counts_to_its_end_and_stays(dut):
     twin.next(over[:1] * 40, over[:1])
     await Timer(200, "ns")
     assert bench.read(dut.railed_o) == twin.railed == 1
-    dut.cfg_clear_i.value = 1
-    await bench.clocks(dut, 1)
-    dut.cfg_clear_i.value = 0
+    await clear(dut)
     twin.clear()
     twin.next(over[:40] * 40, over[:40])
     await Timer(4000, "ns")
@@ -259,9 +267,7 @@ async def every_taxel_has_every_fault(dut):
     assert await bench.stream(dut, beats, FIELDS) == expected_of(twin, beats)[0]
     await counts_are(dut, twin)
     assert twin.dead == twin.railed == twin.blinking == i.size
-    dut.cfg_clear_i.value = 1
-    await bench.clocks(dut, 1)
-    dut.cfg_clear_i.value = 0
+    await clear(dut)
     twin.clear()
     await counts_are(dut, twin)
     assert twin.dead == twin.railed == twin.blinking == 0
@@ -283,10 +289,7 @@ async def forgets_what_a_reset_interrupts(dut):
         events.clear()
         twin.reset()
         twin._beats = []
-        expected, news = expected_of(twin, beats)
-        assert await bench.stream(dut, beats, FIELDS) == expected
-        await counts_are(dut, twin)
-        assert events == news
+        await agrees(dut, twin, beats, events)
     listener.cancel()
 
 
