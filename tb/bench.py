@@ -278,15 +278,20 @@ async def turn_over(
     await RisingEdge(dut.clk_i)
 
 
+def offer(dut, beat):
+    """Put the fields of ``beat`` on their ports; in_valid_i is the caller's."""
+    for name, value in beat.items():
+        port = getattr(dut, f"in_{name}_i")
+        port.value = int(value) & ((1 << len(port)) - 1)
+
+
 async def taken(dut, beats, patience=40):
     """How many of ``beats`` go in while nobody takes what comes out, until ``patience`` clocks took none."""
     dut.out_ready_i.value = 0
     sent = quiet = 0
     while sent < len(beats) and quiet < patience:
         dut.in_valid_i.value = 1
-        for name, value in beats[sent].items():
-            port = getattr(dut, f"in_{name}_i")
-            port.value = int(value) & ((1 << len(port)) - 1)
+        offer(dut, beats[sent])
         await ReadOnly()
         took = dut.in_ready_o.value == 1
         sent += took

@@ -184,8 +184,7 @@ async def recovers_after_reset(dut):
             await bench.stream(dut, sent[5 : 5 + cut], FIELDS, drain=1, count=0)
             for beat in sent[5 : 5 + cut]:
                 dut.in_valid_i.value = 1
-                for name, value in beat.items():
-                    getattr(dut, f"in_{name}_i").value = int(value)
+                bench.offer(dut, beat)
                 await bench.clocks(dut, 1)
             dut.in_valid_i.value = 0
             await bench.clocks(dut, wait)

@@ -155,8 +155,7 @@ async def latency_is_one_clock_a_level(dut):
     beats = bench.frames(data=np.arange(channels * 2**level).reshape(2**level, channels).T)
     dut.in_valid_i.value = 1
     for beat in beats:
-        for name, value in beat.items():
-            getattr(dut, f"in_{name}_i").value = int(value)
+        bench.offer(dut, beat)
         await bench.RisingEdge(dut.clk_i)
     dut.in_valid_i.value = 0
     await bench.clocks(dut, level - 1)

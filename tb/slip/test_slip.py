@@ -197,8 +197,7 @@ async def forgets_what_a_reset_interrupts(dut):
     for cut in range(1, len(beats) + 1):
         dut.in_valid_i.value = 1
         for beat in beats[:cut]:
-            for name, value in beat.items():
-                getattr(dut, f"in_{name}_i").value = int(value)
+            bench.offer(dut, beat)
             await bench.clocks(dut, 1)
         await bench.reset(dut)
         dut.in_valid_i.value = 0

@@ -185,9 +185,7 @@ async def moving_is_that_of_the_clock_that_takes_a_sample(dut):
     x = recording(np.random.default_rng(bench.SEED), 600)
     moving, got = [], []
     for beat in beats_of(x):
-        for name, value in beat.items():
-            port = getattr(dut, f"in_{name}_i")
-            port.value = int(value) & ((1 << len(port)) - 1)
+        bench.offer(dut, beat)
         dut.in_valid_i.value = 1
         taken = False
         while not taken:
@@ -238,9 +236,7 @@ async def recovers_after_reset_at_every_clock_of_a_sample(dut):
     for late in range(twin.clocks + 2):
         await bench.stream(dut, beats_of(first), FIELDS, drain=1, hold=True)
         beat = beats_of([-77])[0]
-        for name, value in beat.items():
-            port = getattr(dut, f"in_{name}_i")
-            port.value = int(value) & ((1 << len(port)) - 1)
+        bench.offer(dut, beat)
         dut.in_valid_i.value = 1
         await bench.clocks(dut, late)
         dut.in_valid_i.value = 0
