@@ -157,9 +157,23 @@ module formal_adc_spi #(
       assert (dut.state_q == state && dut.drop_q == drop && dut.bad_q == bad && dut.watch_q == watch);
       assert (dut.u_busy.first_q == busy_1 && dut.busy == busy_2 && dut.busy_q == busy_3);
       assert (dut.left_q == left && 32'(dut.word_q) == 32'(word) && 32'(word) < Words && dut.over_q == over);
-      if (state == Reset) assert (dut.start_q == start);
+      assert (dut.start_q == start && (ready || state == Reset || (HasReset && state == Idle)));
+      if (!HasReset) assert (state != Reset);
     end
   end
+
+  // What proof `adc_store` assumes: a word comes for channels whose samples have left. Those of a frame that is not
+  // dropped had all left when it began, so that only channels of words before hold one while it comes.
+  localparam int unsigned LaneWords = (Lanes > 1) ? msn_adc_pkg::lane_channels(Part) : Channels;
+  logic [Channels-1:0] held, meant;
+  logic                comes;  // words of this frame may come yet
+  assign held  = dut.u_store.full_q;
+  assign comes = (waits || (state == Read && (word != '0 || !adc_cs_n_o))) && !drop && !convert_o;
+  for (genvar c = 0; c < Channels; c++) begin : gen_channel
+    assign meant[c] = dut.u_store.in_valid_i && 32'(dut.u_store.in_word_i) == c % LaneWords;
+    always_comb if (started && comes && held[c]) assert (c % LaneWords < 32'(word));
+  end
+  always_comb if (started && !rst_i) assert (!(|(held & meant)));
 
   // Invariant: it reads in the states that read.
   always_comb begin
