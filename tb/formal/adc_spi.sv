@@ -3,7 +3,8 @@
 // The converter's minima on CS and SCLK: the master starts a word only at rest or when CS has been high for a bit's
 // time, for which proof `spi_shift` shows what the pins do; and that many clocks of half a bit are long enough, by the
 // figures of the data sheets. No conversion starts during a read, none is read during a conversion. When it ticks, starts,
-// waits for BUSY, gives up, reads and is done; what it sends and stores of a word; what is lost, and counted.
+// waits for BUSY, gives up, reads and is done; what it sends and stores of a word; what is lost, and counted; that
+// no code is overwritten before it has left.
 
 module formal_adc_spi #(
   parameter  int unsigned Part       = msn_pkg::AdcMcp3208,
