@@ -6,7 +6,7 @@ behind an AD7606; 64×64 behind eight AD7606, whose pins move together (one mode
 codes). Gains differ from taxel to taxel, zeros are found by a tare of the first frames, then something
 presses and moves. Every result is, bit for bit, the twin's of the very codes at the pins; every latency is
 the twin's, which is what `meissner budget` prints; each stands below 1 ms where the array's converters allow
-it.
+it. Slip rounds by themselves; the smallest array's forces on its tap, its faults, what its counters count.
 """
 
 import cocotb
@@ -17,6 +17,7 @@ from cocotb.triggers import FallingEdge, ReadOnly, RisingEdge
 import bench
 from meissner.budget.array import terms
 from meissner.cop.array import Array
+from meissner.cop.cop_array import CopArray
 from meissner.frontend.adc_spi import AD7606, MAX11125, MCP3208, PARTS
 from meissner.frontend.health import Limits
 from meissner.frontend.scan_adc import ScanAdc
@@ -39,7 +40,7 @@ CASES = {
         **{"Rows": 2, "Columns": 3, "Demod": 1, "Part": MAX11125.number, "Channels": 1, "SamplePeriod": 320},
         **{"Periods": 2, "Skip": 2, "Shift": 0},
     },
-    "2x2": {"Rows": 2, "Columns": 2, "Part": MCP3208.number, "Channels": 2, "SclkKhz": 2000},
+    "2x2": {"Rows": 2, "Columns": 2, "Part": MCP3208.number, "Channels": 2, "SclkKhz": 2000, "Tap": 1},
     "4x8": {"Rows": 4, "Columns": 8, "Part": MCP3208.number, "Channels": 8, "SclkKhz": 2000},
     "16x16": {"Rows": 16, "Columns": 16, "Part": AD7606.number, "Channels": 8, "AdcLanes": 2},
     "64x64": {
@@ -93,7 +94,8 @@ class Together:
 
 
 class Matrix:
-    """Codes of the taxels; ``taken`` [(time in ns, row, group, channel, code)]; ``press``: what is added."""
+    """Codes of the taxels; ``taken`` [(time in ns, row, group, channel, code)]; ``press``: what is added,
+    ``plan``: in place of it, a list of it by frames."""
 
     def __init__(self, dut, twin, bits):
         self.dut, self.twin = dut, twin
@@ -101,25 +103,37 @@ class Matrix:
         shape = twin.scan.rows, twin.scan.columns
         self.zero = rng.integers(1 << bits - 6, 1 << bits - 5, shape)
         self.press = np.zeros(shape, dtype=np.int64)
-        self.taken, self.times = [], []
+        self.taken, self.times, self.plan = [], [], []
 
     def code(self, channel, time_ns):
         rows = bench.read(self.dut.row_o)
         assert rows and rows & rows - 1 == 0, f"rows {rows:b} while converting"
         row, group = rows.bit_length() - 1, bench.read(self.dut.group_o)
         column = self.twin.scan.scan.column(group, channel, 0)
-        top = (1 << self.twin.scan.part.data_bits) - 1
-        code = min(int(self.zero[row, column] + self.press[row, column]), top)
+        if self.plan:
+            self.press = self.plan[min(self.frames, len(self.plan) - 1)]
+        part = self.twin.scan.part
+        most = (1 << part.data_bits - part.signed) - 1
+        code = min(int(self.zero[row, column] + self.press[row, column]), most) & (1 << part.data_bits) - 1
         self.taken.append((time_ns, row, group, channel, code))
         return code
+
+    @property
+    def per_frame(self):
+        scan = self.twin.scan
+        return scan.rows * scan.scan.groups * scan.channels
+
+    @property
+    def frames(self):
+        """Of which all was taken."""
+        return len(self.taken) // self.per_frame
 
     def samples(self, count):
         """Signed samples [count, rows, columns] and over-range of what was taken."""
         scan = self.twin.scan
         rows, columns, lanes, channels = scan.rows, scan.columns, scan.lanes, scan.channels
-        codes = np.array([code for *_, code in self.taken])
-        frame = rows * scan.scan.groups * channels
-        codes = codes[: count * frame].reshape(count, rows, scan.scan.groups * channels)
+        codes = np.array([code for *_, code in self.taken])[: count * self.per_frame]
+        codes = codes.reshape(count, rows, scan.scan.groups * channels)
         codes = np.repeat(codes, lanes, axis=2)[:, :, :columns]  # column = place * lanes + lane
         return scan.adc.samples(codes)
 
@@ -151,7 +165,8 @@ class Carrier(CarrierMatrix):
         return scan.levels(samples, over)
 
 
-async def begin(dut, limits=None):
+async def begin(dut, limits=None, load=True):
+    """``load``: a calibration, and a tare of the first frames."""
     twin = twin_of(dut, limits)
     limits = twin.health.limits
     settings = {name: int(getattr(limits, name)) for name in limits.__dataclass_fields__}
@@ -189,6 +204,8 @@ async def begin(dut, limits=None):
     else:
         part = Max1112x(cs_n, sclk, mosi, miso, bits, matrix.code)
 
+    if not load:
+        return twin, matrix, part
     # Gains of the taxels, then the tare of the first frames.
     rng = np.random.default_rng(bench.SEED + 1)
     lanes = twin.cop.calibrate.table.lanes
@@ -211,15 +228,26 @@ async def begin(dut, limits=None):
 
 
 def pressing(twin, step):
-    """What a round contact adds to the codes of each taxel; it moves with ``step``."""
+    """What a round contact adds to the codes of each taxel; it moves with ``step``.
+
+    Before, a frame has the converter's lowest codes at some taxels, if it has a sign, and a frame its highest
+    codes everywhere, but behind a carrier.
+    """
     i, j = np.indices((twin.scan.rows, twin.scan.columns))
     rows, columns = i.max() + 1, j.max() + 1
     at = (0.3 + 0.1 * step) * (rows - 1), (0.8 - 0.15 * step) * (columns - 1)
-    width = max(1.0, rows / 6)
-    bits = twin.scan.part.data_bits
-    return np.rint(2 ** (bits - 2) * np.exp(-((i - at[0]) ** 2 + (j - at[1]) ** 2) / width**2)).astype(
-        np.int64
-    )
+    part, plain = twin.scan.part, isinstance(twin.scan, ScanAdc)
+    top = 1 << part.data_bits - part.signed
+
+    def contact(height, width):
+        return np.rint(height * top * np.exp(-((i - at[0]) ** 2 + (j - at[1]) ** 2) / width**2)).astype(int)
+
+    if step == FRAMES - 3 and plain and part.signed:
+        # The largest array is pressed too: the load has the bits that those of the other frames have not.
+        return np.where((columns * i + j) % 37 == 0, -top, contact(1.06, rows) * (rows > 16))
+    if step == FRAMES - 2 and plain:
+        return 0 * i + top
+    return contact(0.5 if part.signed else 0.25, max(1.0, rows / 6)) * (step >= FRAMES - 2)
 
 
 async def results(dut, matrix, twin, count, stalls=None, press=None):
@@ -235,9 +263,7 @@ async def results(dut, matrix, twin, count, stalls=None, press=None):
         dut.out_ready_i.value, dut.now_i.value = int(ready), bench.time(clock)
         if len(converts) % conversions == 0:
             frame = len(converts) // conversions
-            matrix.press = (
-                pressing(twin, frame) * (frame >= FRAMES - 2) if press is None else 0 * matrix.press + press
-            )
+            matrix.press = pressing(twin, frame) if press is None else 0 * matrix.press + press
         await ReadOnly()
         if dut.convert_o.value == 1:
             converts.append(clock)
@@ -363,11 +389,193 @@ async def a_taxel_over_range_is_told_and_counts_in_nothing(dut):
     )
 
 
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def slip_rounds_by_themselves_go_their_own_way(dut):
+    """So close that no frame finds a place between them: each with its number and its time.
+
+    Not closer: a round that is due as soon as the one before is done keeps a scan from being turned off.
+    """
+    if number(dut, "Demod"):
+        return
+    twin, matrix, _ = await begin(dut, load=False)
+    scan, plan = twin.scan, twin.scan.scan
+    slot, rng = plan.slot(SETTLE), np.random.default_rng(bench.SEED)
+    row, group = scan.rows - 1, plan.groups - 1
+    low, high = (-32768, 32767) if scan.part.signed else (0, 4095)
+    dut.cfg_slip_row_i.value, dut.cfg_slip_group_i.value, dut.cfg_slip_period_i.value = row, group, slot + 1
+    dut.cfg_enable_i.value = 1
+    beats, starts, clock = [], [], 0
+    fields = ("data", "id", "last", "user", "frame", "time")
+    while len(starts) < 24:
+        dut.now_i.value = bench.time(clock)
+        await ReadOnly()
+        if dut.convert_o.value == 1:
+            starts.append(clock)
+            matrix.zero = rng.integers(low, high + 1, matrix.zero.shape)
+            matrix.zero[-1] = matrix.zero[-1] if len(starts) % 3 else high
+        if dut.slip_valid_o.value == 1:
+            beats.append(tuple(bench.read(getattr(dut, f"slip_{name}_o")) for name in fields))
+        await RisingEdge(dut.clk_i)
+        clock += 1
+    expected = []
+    for place, (_, at_row, at_group, _, code) in enumerate(matrix.taken):
+        assert (at_row, at_group) == (row, group)
+        data, over = scan.adc.samples(np.full(scan.lanes, code))
+        frame, channel = divmod(place, scan.channels)
+        data = bench.lane_word(data, number(dut, "SampleBits"))
+        last = int(channel == scan.channels - 1)
+        over = bench.lane_word(over, 1)
+        expected.append((data, channel, last, over, frame, bench.time(starts[frame])))
+    assert len(beats) > 22 * scan.channels and beats == expected[: len(beats)]
+    assert set(np.diff(starts)) == {slot + 1}
+    counters = ("slip_dropped", "slip_overrun", "dropped", "overrun", "held", "lost")
+    assert [bench.read(getattr(dut, f"{name}_o")) for name in counters] == [0] * 6
+
+    dut.slip_ready_i.value = 0
+    await bench.clocks(dut, 4 * slot)
+    dut.cfg_enable_i.value = 0
+    await bench.clocks(dut, 4 * slot)
+    dut.cfg_slip_period_i.value, dut.slip_ready_i.value, dut.cfg_enable_i.value = slot - 1, 1, 1
+    await bench.clocks(dut, 6 * slot)
+    assert bench.read(dut.slip_dropped_o) > 1 and bench.read(dut.slip_overrun_o) > 1
+    assert [bench.read(getattr(dut, f"{name}_o")) for name in counters[2:]] == [0] * 4
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def conversions_without_an_answer_are_counted(dut):
+    """BUSY does not come, of all converters at once: a conversion each, and whole frames all the same."""
+    twin, _, part = await begin(dut, load=False)
+    if twin.scan.part is not AD7606:
+        return
+    part.hold_busy(0)
+    dut.cfg_enable_i.value = 1
+    slot, converts = twin.scan.scan.slot(SETTLE), 0
+    for _ in range(twin.scan.adc.start_clocks() + 4 * slot):
+        await ReadOnly()
+        converts += dut.convert_o.value == 1
+        await RisingEdge(dut.clk_i)
+    part.hold_busy(None)
+    lost = bench.read(dut.lost_o)
+    assert converts - 1 <= lost <= converts and lost > 1
+
+
+@cocotb.test(timeout_time=200, timeout_unit="ms")
+async def the_smallest_arrays_faults_and_counters(dut):
+    """Stages, between which the scan stands still: what it converts then is known to the frame."""
+    if number(dut, "Rows") * number(dut, "Columns") != 4 or number(dut, "Demod"):
+        return
+    twin, matrix, _ = await begin(dut)
+    dut.cfg_enable_i.value = 0
+    out, tapped, expected, images = [], [], [], []
+    even = np.array([[1, 0], [0, 1]])
+    counter = lambda name: bench.read(getattr(dut, f"{name}_o"))
+    quiet = 4 * twin.scan.scan.slot(SETTLE)
+
+    async def pulse(*names):
+        for level in (1, 0):
+            for name in names:
+                getattr(dut, f"cfg_{name}_i").value = level
+            await RisingEdge(dut.clk_i)
+
+    async def run(ready=True, tap_ready=True, patience=100):
+        """What comes out and of the tap until nothing was converted for ``patience`` clocks."""
+        dut.out_ready_i.value, dut.tap_ready_i.value, still = int(ready), int(tap_ready), 0
+        while still < patience:
+            dut.cfg_enable_i.value = int(len(matrix.taken) <= (len(matrix.plan) - 1) * matrix.per_frame)
+            await ReadOnly()
+            still = 0 if dut.convert_o.value == 1 else still + 1
+            if dut.out_valid_o.value == 1 and ready:
+                x, y = (bench.as_signed(bench.read(port), len(port)) for port in (dut.out_x_o, dut.out_y_o))
+                out.append((x, y, counter("out_load"), counter("out_pressed")))
+            if dut.tap_valid_o.value == 1 and tap_ready:
+                tapped.append((counter("tap_data"), counter("tap_mask"), counter("tap_last")))
+            await RisingEdge(dut.clk_i)
+
+    async def stage(*presses, swallowed=False, **ready):
+        """A frame of each."""
+        before = matrix.frames
+        matrix.plan = [0] * before + [0 * even + press for press in presses]
+        await run(patience=quiet, **ready)
+        assert matrix.frames == len(matrix.plan)
+        samples = [part[before:] for part in matrix.samples(matrix.frames)]
+        if not swallowed:
+            forces, mask = twin.forces(*samples)
+            expected.extend(tuple(map(int, found)) for found in zip(*twin.cop.of_forces(forces)))
+            beats = zip(forces.ravel(), mask.ravel(), np.resize([0, 0, 0, 1], mask.size))
+            images.extend(tuple(map(int, beat)) for beat in beats)
+
+    def follow(**limits):
+        for name, value in limits.items():
+            getattr(dut, f"cfg_{name}_i").value = value
+            setattr(twin.health.limits, name, value)
+
+    await stage(0, 0, 0, 0, 0)
+    follow(jump=20, blink=16, still=1)
+    await stage(0, 50 * even, 50 * even, 50 * even, 50 * even, 50, 50, 50)
+    assert (out, tapped) == (expected, images)
+    assert counter("dead") == twin.health.dead == 4
+    assert counter("blinking") == twin.health.blinking == 4
+    follow(jump=200, blink=0, still=0)
+    twin.health.clear()
+    dut.cfg_force_i.value = 0
+    await pulse("clear", "tare")
+    twin.tare.tare()
+    await stage(900, 900, 700)
+    assert (out, tapped) == (expected, images)
+    assert (counter("dead"), counter("blinking")) == (0, 0)
+    assert (counter("tared"), counter("refused")) == (1, 1) == (twin.tare.tared, twin.tare.refused)
+
+    dut.cfg_load_i.value = 1
+    twin.tare.load(True)
+    await bench.clocks(dut, 4)
+    assert counter("cfg_loading") == 1
+    await stage(0, 0, 0, swallowed=True)
+    assert counter("swallowed") == 3
+    for word in range(4):
+        dut.cfg_zero_word_i.value, dut.cfg_zero_i.value = word, 5 * word
+        await pulse("zero_write")
+        twin.tare.write(word, 5 * word)
+    dut.cfg_load_i.value = 0
+    twin.tare.load(False)
+    await bench.clocks(dut, 4)
+    await stage(100, 0, tap_ready=False)  # two frames wait for whoever takes the forces
+    assert len(out) < len(expected) and len(tapped) == len(images) - 8
+    await run()
+    assert (out, tapped) == (expected, images)
+
+    # Nobody takes what comes out: two results and a frame wait, the others are dropped.
+    dut.cfg_period_i.value = 1
+    given = len(out)
+    await stage(*[0] * 8, ready=False)
+    await stage(0)
+    assert counter("dropped") > 2 and counter("overrun") > 100
+    assert len(out) - given + counter("dropped") == 9
+    assert [counter(name) for name in ("held", "lost", "damaged")] == [0] * 3
+    await bench.reset(dut)
+    await bench.clocks(dut, 1)
+    for name in ("dropped", "overrun", "swallowed", "tared", "refused"):
+        assert counter(name) == 0
+
+
 def tare_after(twin, samples, count):
     """The model's results with a tare asked for while frame ``count`` is scanned."""
     yield twin.next(*(a[:count] for a in samples))
     twin.tare.tare()
     yield twin.next(*(a[count:] for a in samples))
+
+
+def test_model_without_health_and_tare_is_the_calibration_alone():
+    rng = np.random.default_rng(bench.SEED)
+    scan = ScanAdc(3, 5, 2, MCP3208, 3, 1, CLK_KHZ, 2000)
+    bare, alone = Array(scan), CopArray(3, 5, 2)
+    for word in range(9):
+        offset, gain = rng.integers(-99, 99), rng.integers(1, 9999)
+        for table in (bare.cop.calibrate.table, alone.calibrate.table):
+            table.write(word, offset, gain)
+    samples = rng.integers(0, 4096, (4, 3, 5))
+    found, expected = bare.next(samples), alone.of_forces(alone.calibrate.next(samples))
+    assert [np.asarray(a).tolist() for a in found] == [np.asarray(a).tolist() for a in expected]
+    assert not bare.forces(samples)[1].any()
 
 
 LONG = {"4x8": pytest.mark.long}

@@ -1,23 +1,29 @@
 """msn_core from a converter's pins to the levels of the serial line, built from configurations as a user
 writes them: an array, single channels, four electrodes, the smallest sensor. The packets are the model's of
-the very codes that the part converted, each with its convert start; commands are answered in between."""
+the very codes that the part converted, each with its convert start; commands are answered in between. The
+four electrodes have no line: packets are bytes, the registers' bus is open, and a host that does not take
+them costs frames, not events. Faults of taxels, what each counter counts, every bit of every setting."""
 
 import copy
-from itertools import pairwise
+from dataclasses import fields
+from itertools import groupby, pairwise
 
 import cocotb
 import numpy as np
 import pytest
 from cocotb.clock import Clock
-from cocotb.triggers import RisingEdge
+from cocotb.triggers import ReadOnly, RisingEdge, Timer
 from cocotb.utils import get_sim_time
 
 import bench
 from meissner import config, core
-from meissner.build import verilog
+from meissner.build import Config, verilog
+from meissner.host.register_map import GROUPS
 from meissner.link import bridge
 from meissner.link import packet as p
+from meissner.link.cobs import encode
 from meissner.link.decoder import Decoder
+from meissner.link.registers import Registers
 from meissner.link.uart_tx import levels
 from parts.ad7606 import Ad7606
 from parts.mcp3208 import Mcp3208
@@ -35,8 +41,8 @@ SLIP_N = {
 CASES = {
     "array": {
         "sensor": {"kind": "array", "rows": 3, "columns": 3},
-        "adc": {"part": "MCP3208", "channels": 3, "volts": 5.0, "rate_hz": 800.0, "settle_us": 2.0},
-        "array": {"health": True, "newtons_per_count": 1e-3},
+        "adc": {"part": "MCP3208", "channels": 2, "volts": 5.0, "rate_hz": 800.8, "settle_us": 2.0},
+        "array": {"health": True, "newtons_per_count": 1e-3 / 16},
         "slip": SLIP_N,
         "link": {"baud": 1_000_000, "images": True, "statistics": False},
     },
@@ -61,28 +67,92 @@ CASES = {
         "link": {"baud": 500_000, "registers": False, "statistics": False, "slip_only": True},
     },
 }
-FRAMES = {"array": 36, "channels": 120, "electrodes": 60, "smallest": 120}
+FRAMES = {"array": 40, "channels": 120, "electrodes": 90, "smallest": 120}
 COMMON = {"about": "of a test", "clock": {"mhz": 4.0}}
+# What no configuration says: few events wait, and one core has no line.
+ASIDE = {"array": {"SlipDepth": 2}, "electrodes": {"SlipDepth": 2, "Uart": 0}}
+ADDRESS = {
+    f"{group.name}.{register.name}": register.address for group in GROUPS for register in group.registers
+}
+
+
+class Strong(Config):
+    """The greatest gain from reset on: 16 codes of force a code of a sample."""
+
+    settings = property(lambda self: super().settings | {"calibrate.preset": 65535})
 
 
 def configuration(name):
-    return config.read(name, copy.deepcopy(COMMON | CASES[name]))
+    build = config.read(name, copy.deepcopy(COMMON | CASES[name]))
+    if name == "array":
+        build = Strong(**{field.name: getattr(build, field.name) for field in fields(build)})
+    return build
+
+
+def parameters_of(name):
+    return configuration(name).parameters | ASIDE.get(name, {})
 
 
 def case_of(dut):
     value = lambda name: dut.__getattr__(name).value.to_unsigned()
     for name in CASES:
-        parameters = configuration(name).parameters
-        if all(value(key) == given for key, given in parameters.items()):
+        if all(value(key) == given for key, given in parameters_of(name).items()):
             return name, configuration(name)
     raise AssertionError("built of none of the configurations")
 
 
-class Line:
-    """Levels of tx_o, one a clock, from its edges."""
+def whole(decoder, data):
+    """The packets of ``data``: nothing damaged, none missing."""
+    found = decoder.next(data)
+    assert (decoder.damaged, decoder.missed) == (0, 0)
+    return found
 
-    def __init__(self, dut):
+
+class Bus:
+    """A host without a line: packets byte by byte, accesses on the open bus."""
+
+    def __init__(self, dut, build):
+        self.dut, self.data, self.frames = dut, bytearray(), bytearray()
+        dut.out_ready_i.value = 1
+        cocotb.start_soon(self._watch())
+
+    async def _watch(self):
+        """A byte stays until it is taken, and none is there in the clock after."""
+        while True:
+            await RisingEdge(self.dut.out_valid_o)
+            await ReadOnly()
+            self.data.append(bench.read(self.dut.out_data_o))
+            if self.dut.out_last_o.value == 1:
+                self.frames += encode(bytes(self.data))
+                self.data.clear()
+
+    def packets(self):
+        return whole(Decoder(), bytes(self.frames))
+
+    async def ask(self, asked, strobe=15, **_):
+        """Accesses, one after the other: (tag, status, address, data) of each."""
+        dut, answers = self.dut, []
+        for operation, tag, address, data in asked:
+            dut.bus_valid_i.value, dut.bus_write_i.value, dut.bus_strobe_i.value = 1, operation, strobe
+            dut.bus_address_i.value, dut.bus_data_i.value = address, data
+            await RisingEdge(dut.clk_i)
+            dut.bus_valid_i.value = 0
+            await ReadOnly()
+            while dut.bus_done_o.value != 1:
+                await RisingEdge(dut.clk_i)
+                await ReadOnly()
+            status = bridge.BUS_ERROR if bench.read(dut.bus_error_o) else bridge.DONE
+            answers.append((tag, status, address, bench.read(dut.bus_data_o)))
+            await RisingEdge(dut.clk_i)
+        return answers
+
+
+class Line:
+    """A host at the serial line. Levels of tx_o, one a clock, from its edges."""
+
+    def __init__(self, dut, build):
         self.dut, self.edges = dut, []
+        self.clk_hz, self.baud = 1000 * build.clk_khz, build.link["baud"]
         cocotb.start_soon(self._watch())
 
     async def _watch(self):
@@ -90,9 +160,26 @@ class Line:
             await changed(self.dut.tx_o)
             self.edges.append((get_sim_time("ns"), int(self.dut.tx_o.value)))
 
-    def bytes(self, bit_ns):
+    def packets(self):
+        return whole(Decoder(), self.bytes())
+
+    async def send(self, data):
+        await Timer(PERIOD_NS // 2, "ns")
+        for level, run in groupby(levels(data, self.clk_hz, self.baud)):
+            self.dut.rx_i.value = level
+            await Timer(PERIOD_NS * len(list(run)), "ns")
+
+    async def ask(self, asked, rest=500):
+        """Commands, ``rest`` clocks after each: (tag, status, address, data) of their answers."""
+        for ask in asked:
+            await self.send(bridge.command(*ask))
+            await Timer(PERIOD_NS * rest, "ns")
+        await bench.clocks(self.dut, 3000)
+        return [tuple(q.fields.values()) for q in self.packets() if q.kind == p.ANSWER][-len(asked) :]
+
+    def bytes(self):
         """8 bits, none parity, 1 stop, sampled in the middle of each bit."""
-        found, busy = bytearray(), 0
+        found, busy, bit_ns = bytearray(), 0, 1e9 / self.baud
         times = np.array([time for time, _ in self.edges])
         for time, level in self.edges:
             if level == 0 and time >= busy:
@@ -117,16 +204,31 @@ class Sensor:
         else:
             self.part = Mcp3208(*pins, dut.adc_mosi_o, dut.adc_miso_i, self.code)
 
+    @property
+    def per_frame(self):
+        if self.build.kind == "array":
+            return len(self.build.scan.scan.places()) * self.build.scan.channels
+        return 8 if self.build.part.has_busy else self.build.channels
+
     def code(self, channel, _):
-        per_frame = 8 if self.build.part.has_busy else self.codes[0].size
-        frame, place = divmod(len(self.taken), per_frame)
-        flat = self.codes[min(frame, len(self.codes) - 1)].ravel()
+        frame, place = divmod(len(self.taken), self.per_frame)
+        codes = self.codes[min(frame, len(self.codes) - 1)]
         if self.build.kind == "array":
             row = bench.read(self.dut.row_o).bit_length() - 1
-            place = row * self.build.sensor["columns"] + channel
-        code = int(flat[place]) if place < len(flat) else 0
+            column = self.build.scan.scan.column(bench.read(self.dut.group_o), channel, 0)
+            code = int(codes[row, column]) if column < codes.shape[1] else 0
+        else:
+            code = int(codes[place]) if place < len(codes) else 0
         self.taken.append(code)
         return code & (1 << self.build.part.data_bits) - 1
+
+
+def pressed(build, newtons, places):
+    """Codes of the four electrodes [frames, 4], one place [row, column] being pressed in each frame."""
+    load = np.zeros((len(newtons), 9, 9))
+    load[np.arange(len(newtons)), places[:, 0], places[:, 1]] = newtons
+    solved = build.cop4.mesh.solve(load)
+    return build.cop4.convert(np.stack([solved.E1, solved.E2, solved.E3, solved.E4], axis=1))
 
 
 def codes_of(name, build, frames):
@@ -137,24 +239,34 @@ def codes_of(name, build, frames):
         press = 1500 * np.exp(-((i - 0.6) ** 2 + (j - 1.2) ** 2) / 1.5)
         n = np.arange(frames)[:, None, None]
         shape = 100 + 40 * i + rng.integers(-2, 3, (frames, 3, 3))
-        return shape + np.rint(press * (n >= 12) * (1 + 0.5 * ((n // 11) % 2) * (n % 2))).astype(np.int64)
-    if name == "electrodes":
+        codes = shape + np.rint(press * (n >= 12) * (1 + 0.5 * ((n // 11) % 2) * (n % 2))).astype(np.int64)
+        codes[20:26] = rng.choice([0, 4095], (6, 3, 3))
+        codes[22] = 4095
+        return codes
+    if name == "electrodes":  # a press that slips, presses anywhere, then whatever a converter can give
         newtons = 1 + 0.02 * np.arange(frames)
         newtons[30:] *= 0.5
         newtons[44:] *= 0.4
-        load = np.zeros((frames, 9, 9))
-        load[:, 4, 2] = newtons
-        solved = build.cop4.mesh.solve(load)
-        return build.cop4.convert(np.stack([solved.E1, solved.E2, solved.E3, solved.E4], axis=1))
+        places = np.full((frames, 2), (4, 2))
+        newtons[60:], places[60:] = (
+            10 ** rng.uniform(-0.3, 2, frames - 60),
+            rng.integers(0, 9, (frames - 60, 2)),
+        )
+        codes = pressed(build, newtons, places)
+        codes[frames - 6 :] = rng.integers(-32768, 32768, (6, 4))
+        return codes
     steps = 400 * (rng.random((frames, build.channels)) < 0.05) + 900 * (
         rng.random((frames, build.channels)) < 0.01
     )
-    return 1500 + rng.integers(-9, 10, steps.shape) + steps
+    codes = 1500 + rng.integers(-9, 10, steps.shape) + steps
+    if name == "channels":  # pulled wholly, and let go for a while
+        codes[40], codes[70:84] = 3600, 60
+    return codes
 
 
 async def begin(dut, name, build):
-    idle = {"actuator_moving_i": 0, "in_valid_i": 0, "rx_i": 1, "bus_valid_i": 0, "out_ready_i": 0}
-    line = Line(dut)
+    idle = {"actuator_moving_i": 0, "in_valid_i": 0, "rx_i": 1, "bus_valid_i": 0, "out_ready_i": 1}
+    host = (Line if dut.Uart.value.to_unsigned() else Bus)(dut, build)
     for port, value in (idle | {"adc_miso_i": 0, "adc_busy_i": 0, "rst_i": 1}).items():
         getattr(dut, port).value = value
     Clock(dut.clk_i, PERIOD_NS, unit="ns").start()
@@ -169,19 +281,23 @@ async def begin(dut, name, build):
 
     sensor = Sensor(dut, build, codes_of(name, build, FRAMES[name] + 8))
     cocotb.start_soon(watch())
-    return line, sensor, starts
+    return host, sensor, starts
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def rests_in_reset_whatever_comes(dut):
+    flags = ("slip_o", "gross_o", "touched_o", "pressed_o")
+    await bench.inputs_in_reset(dut, *flags, "out_valid_o", "row_o", "adc_convst_o")
+    assert dut.tx_o.value == 1
 
 
 @cocotb.test(timeout_time=200, timeout_unit="ms")
 async def packets_are_the_models_of_the_codes_at_the_pins(dut):
     name, build = case_of(dut)
-    line, sensor, starts = await begin(dut, name, build)
+    host, sensor, starts = await begin(dut, name, build)
     frames = FRAMES[name]
     await bench.clocks(dut, frames * build.period_clocks)
-    bit_ns = 1e9 / build.link["baud"]
-    decoder = Decoder()
-    got = decoder.next(line.bytes(bit_ns))
-    assert (decoder.damaged, decoder.missed) == (0, 0) and got
+    got = host.packets()
 
     samples = sensor.codes[:frames]
     expected = core.expected(build, samples)
@@ -235,17 +351,10 @@ async def commands_are_answered_while_it_measures(dut):
     name, build = case_of(dut)
     if not build.link["registers"]:
         return
-    line, *_ = await begin(dut, name, build)
+    host, *_ = await begin(dut, name, build)
     asked = [(bridge.READ, 1, 0x000, 0), (bridge.READ, 2, 0x010, 0), (bridge.WRITE, 3, 0x014, 0xCAFE1234)]
     asked += [(bridge.READ, 4, 0x014, 0), (bridge.READ, 5, 0xFFC, 0)]
-    for ask in asked:
-        for level in levels(bridge.command(*ask), build.clk_khz * 1000, build.link["baud"]):
-            dut.rx_i.value = level
-            await RisingEdge(dut.clk_i)
-        await bench.clocks(dut, 8 * 700)
-    bit_ns = 1e9 / build.link["baud"]
-    got = Decoder().next(line.bytes(bit_ns))
-    answers = [tuple(q.fields.values()) for q in got if q.kind == p.ANSWER]
+    answers = await host.ask(asked, rest=8 * 700)
     assert [answer[:3] for answer in answers] == [
         (1, bridge.DONE, 0x000),
         (2, bridge.DONE, 0x010),
@@ -256,6 +365,219 @@ async def commands_are_answered_while_it_measures(dut):
     assert [answers[place][3] for place in (0, 1, 3)] == [0x4D534E52, build.clk_khz, 0xCAFE1234]
 
 
+async def read(host, *names, **how):
+    """What registers say, by the names of their groups and their own."""
+    asked = [(bridge.READ, tag, ADDRESS[name], 0) for tag, name in enumerate(names)]
+    answers = await host.ask(asked, **how)
+    assert [answer[:3] for answer in answers] == [(tag, bridge.DONE, at) for _, tag, at, _ in asked]
+    return [answer[3] for answer in answers]
+
+
+async def write(host, values, **how):
+    asked = [(bridge.WRITE, tag, ADDRESS[name], value) for tag, (name, value) in enumerate(values.items())]
+    answers = await host.ask(asked, **how)
+    assert [answer[:3] for answer in answers] == [(tag, bridge.DONE, at) for _, tag, at, _ in asked]
+
+
+@cocotb.test(timeout_time=200, timeout_unit="ms")
+async def every_bit_of_every_setting_is_kept(dut):
+    """Between them, the two cores have all groups of settings. Conversions stop with the first ones."""
+    name, build = case_of(dut)
+    if name not in ("array", "electrodes"):
+        return
+    host, *_ = await begin(dut, name, build)
+    (features,) = await read(host, "core.features", rest=8 * 700)
+    present = [group.name for place, group in enumerate(GROUPS[1:]) if features >> place & 1]
+    twin = Registers(
+        [group.name for group in GROUPS if group.feature and group.name in present],
+        build.parameters["Resets"],
+    )
+    settings = [
+        register
+        for group in GROUPS
+        if group.name in ("core", *present)
+        for register in group.registers
+        if any(field.kind == "setting" for field in register.fields)
+    ]
+    settings.sort(key=lambda register: register.name not in ("enable", "images"))
+    asked, expected = [], []
+    for tag, register in enumerate(settings):
+        word, *_ = twin.access(False, register.address)
+        for operation in (bridge.WRITE, bridge.READ):
+            asked.append((operation, tag, register.address, ~word & 0xFFFF_FFFF))
+            data, error, _ = twin.access(operation == bridge.WRITE, register.address, ~word & 0xFFFF_FFFF)
+            expected.append((tag, int(error), register.address, data))
+    asked += [(bridge.READ, 0, address, 0) for address in (0x001, 0x002, 0x555, 0xAAA)]
+    expected += [(0, bridge.BUS_ERROR, address, 0) for address in (0x001, 0x002, 0x555, 0xAAA)]
+    assert await host.ask(asked[:4], rest=8 * 700) + await host.ask(asked[4:]) == expected
+    await bench.clocks(dut, 200)  # a frame's boundary comes, though no frame does
+    if name == "electrodes":
+        for byte in range(4):
+            ask = (bridge.WRITE, 0, ADDRESS["core.scratch"], 0x0101_0101 * (0xA5 + byte))
+            await host.ask([ask], strobe=1 << byte)
+        assert await read(host, "core.scratch") == [0xA8A7_A6A5]
+
+
+@cocotb.test(timeout_time=200, timeout_unit="ms")
+async def what_a_host_does_not_take_is_counted(dut):
+    """Every conversion gives a CoP frame, or is counted as dropped, given up or replaced."""
+    name, build = case_of(dut)
+    if name != "electrodes":
+        return
+    host, sensor, starts = await begin(dut, name, build)
+    counters = [
+        "adc.dropped",
+        "adc.timeout",
+        "link.cop_dropped",
+        "adc.overrun",
+        "adc.over_range",
+        "adc.mistagged",
+    ]
+    codes = pressed(build, np.where(np.arange(80) // 4 % 2, 0.5, 2.0), np.full((80, 2), (4, 2)))
+    codes[2] = 32767, -32768, 32767, -32768
+    sensor.codes = codes
+    await write(host, {"adc.period": 400})
+    await bench.clocks(dut, 2200 + 12 * 400)
+    assert await read(host, *counters) == [0, 0, 0, 0, 4, 0]
+    dut.out_ready_i.value = 0
+    await bench.clocks(dut, 50 * 400)
+    dropped, *others, replaced = await read(host, *counters[:3])
+    assert dropped > 3 and others == [0] and replaced > 3
+    dut.out_ready_i.value = 1
+    sensor.part.hold_busy(0)
+    await bench.clocks(dut, 6000)
+    sensor.part.hold_busy(None)
+    await bench.clocks(dut, 6000)
+    await write(host, {"adc.period": 100})
+    await bench.clocks(dut, 4000)
+    await write(host, {"adc.enable": 0})
+    await bench.clocks(dut, 4000)
+    dropped, timeout, replaced, overrun, over_range, mistagged = await read(host, *counters)
+    assert timeout > 0 and overrun > 10 and (over_range, mistagged) == (4, 0)
+    got = host.packets()
+    cops = [q for q in got if q.kind == p.COP]
+    assert len(starts) == len(cops) + dropped + timeout + replaced
+    assert len([q for q in got if q.kind == p.SLIP]) > 5
+    assert await read(host, "link.packets") == [len(got)]
+
+
+@cocotb.test(timeout_time=200, timeout_unit="ms")
+async def faults_are_told_and_every_counter_counts_its_own(dut):
+    """Frames as fast as the part goes, in stages between which the scan stands still."""
+    name, build = case_of(dut)
+    if name != "array":
+        return
+    host, sensor, starts = await begin(dut, name, build)
+    twin, given = core.array_of(build), []
+    i, j = np.indices((3, 3))
+    even, quiet = (i + j) % 2 == 0, 100 + 40 * i
+    done = lambda: len(sensor.taken) // sensor.per_frame
+
+    async def stage(codes, frames=0, **settings):
+        """Let the scan run with ``codes``, the last ones as long as it does; what was converted then."""
+        before = done()
+        sensor.codes = [codes[0]] * before + list(codes)
+        await write(host, settings | {"scan.enable": 1})
+        while done() < before + max(frames, len(codes)):
+            await bench.clocks(dut, 500)
+        await write(host, {"scan.enable": 0})
+        await bench.clocks(dut, 3000)
+        taken = np.array(sensor.taken[before * sensor.per_frame :]).reshape(-1, 3, 4)
+        return taken[:, :, :3]
+
+    def expect(samples):
+        forces, _ = twin.forces(samples)
+        given.extend(zip(forces, zip(*twin.cop.of_forces(forces))))
+
+    expect(await stage([quiet], 18, **{"scan.period": 0}))
+    assert await read(host, "tare.tared", "tare.refused") == [1, 0] == [twin.tare.tared, twin.tare.refused]
+
+    # Even taxels move, then odd ones: alone, and the others not with them; all are called railed.
+    moves = [quiet] * 4 + [quiet + 50 * even] * 4 + [quiet + 50] * 10
+    limits = {"high": 0, "jump": 20, "still": 1, "rail": 1, "blink": 16}
+    for key, value in limits.items():
+        setattr(twin.health.limits, key, value)
+    expect(await stage(moves, **{f"health.{key}": value for key, value in limits.items()}))
+    faults = ("health.dead", "health.railed", "health.blinking")
+    assert (
+        await read(host, *faults) == [9, 9, 9] == [twin.health.dead, twin.health.railed, twin.health.blinking]
+    )
+    twin.health.report()
+    before = len(host.packets())
+    # Not so fast that the CoP frames, which go first, fill the line.
+    expect(await stage([quiet], 8, **{"health.report": 1, "scan.period": 2600}))
+    told = [tuple(q.fields.values()) for q in host.packets()[before:] if q.kind == p.HEALTH]
+    assert sorted(told) == [(taxel, 7) for taxel in range(9)]
+
+    limits = dict.fromkeys(limits, 0) | {"high": 65535}
+    for key, value in limits.items():
+        setattr(twin.health.limits, key, value)
+    twin.health.clear()
+    twin.tare.tare()
+    settings = {f"health.{key}": value for key, value in limits.items()}
+    settings |= {"health.clear": 1, "tare.average": 1, "scan.period": 0, "calibrate.swap": 1}
+    await write(host, {"calibrate.swap": 1})  # and again: the gains are the same as before
+    expect(await stage([quiet + 900], 2, **settings))
+    assert await read(host, *faults, "tare.refused") == [0, 0, 0, 1]
+    assert twin.tare.refused == 1
+
+    twin.tare.load(True)
+    swallowed = len(await stage([quiet], 2, **{"tare.load": 1}))
+    assert await read(host, "tare.swallowed") == [swallowed]
+    await write(host, {"tare.load": 0})
+
+    # All at once slip, and more events than the queue holds wait for the line, and the scan for them.
+    rng = np.random.default_rng(bench.SEED)
+    settings = {"slip.contact_level": 0, "slip.threshold": 0, "scan.period": 1}
+    lost = len(await stage(rng.integers(200, 4000, (16, 3, 3)), **settings))
+    spoilt = bytearray(bridge.command(bridge.READ, 0, 0))
+    spoilt[3] ^= 2
+    await host.send(bytes(spoilt))
+    await bench.clocks(dut, 3000)
+    counters = ("scan.dropped", "link.cop_dropped", "link.image_dropped", "link.rejected", "scan.overrun")
+    dropped, cop_dropped, image_dropped, rejected, overrun = await read(host, *counters)
+    assert dropped > 0 and cop_dropped > 0 and image_dropped > 0 and rejected == 1 and overrun > 100
+    assert await read(host, "scan.held", "scan.lost", "cop.damaged") == [0, 0, 0]
+    got = host.packets()
+    cops, images = ([q for q in got if q.kind == kind] for kind in (p.COP, p.IMAGE))
+    for packets, replaced in ((cops, cop_dropped), (images, image_dropped)):
+        assert len(packets) + replaced + dropped + swallowed == done() == len(given) + swallowed + lost
+    first = starts[:: sensor.per_frame // build.scan.channels]
+    offset = first[0] - min(q.time for q in cops)
+    frame_of = {start - offset: frame for frame, start in enumerate(first)}
+    for q in cops:
+        if frame_of[q.time] < len(given):
+            assert q.payload == p.cop_frame(*map(int, given[frame_of[q.time]][1]))
+    for q in images:
+        if frame_of[q.time] < len(given):
+            assert list(q.fields["taxels"]) == given[frame_of[q.time]][0].ravel().tolist()
+
+    host.edges.clear()
+    sensor.part.report = lambda violation: None  # a transfer may be broken off
+    await bench.reset(dut)
+    counters = ("scan.dropped", "link.rejected", "tare.refused", "tare.swallowed")
+    assert await read(host, *counters, rest=8 * 700) == [0] * 4
+
+
 @pytest.mark.parametrize("name", CASES)
 def test_core(name):
-    bench.run("core", "core", verilog(configuration(name).parameters))
+    bench.run("core", "core", verilog(parameters_of(name)))
+
+
+def test_what_a_configuration_leaves_out_the_model_leaves_out():
+    """Forces are the codes, then; without slip there are the same frames and no events."""
+    plain = copy.deepcopy(COMMON | CASES["array"])
+    plain["array"] = {"tare": False, "newtons_per_count": 1e-3}
+    del plain["slip"]
+    codes = codes_of("array", configuration("array"), 40)[:6]
+    found = core.expected(config.read("plain", plain), codes)
+    assert found.images.tolist() == codes.reshape(6, 9).tolist() and not found.slip
+    loads = [int.from_bytes(payload[6:11], "little") for _, payload in found.cop]
+    assert loads == codes.sum(axis=(1, 2)).tolist()
+
+    without = copy.deepcopy(COMMON | CASES["electrodes"])
+    del without["cop_slip"]
+    build = configuration("electrodes")
+    codes = codes_of("electrodes", build, FRAMES["electrodes"])
+    whole, found = core.expected(build, codes), core.expected(config.read("without", without), codes)
+    assert found.cop == whole.cop and whole.slip and not found.slip
