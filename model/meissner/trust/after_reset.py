@@ -81,7 +81,7 @@ def miter(circuit, number, frames=None, wrong=None):
 
 
 def idle(circuit, number):
-    """Whether mutant ``number`` changes no register and no output that counts, in any state, whatever comes in."""
+    """Whether mutant ``number`` changes no register and no output that counts, whatever it holds and gets."""
     graph = Aig()
     given = {bit: graph.input() for (name, _), bit in circuit.inputs.items() if name != "mutsel"}
     given |= {bit: graph.input() for bit in circuit.registers}

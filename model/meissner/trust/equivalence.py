@@ -2,9 +2,10 @@
 
 Both copies begin with zeros and run unchanged, with any inputs, for as long as the solver likes; then comes
 a clock of reset and with it the change. From then on no output may differ, whatever comes in; what a
-`*_valid_o` qualifies counts only while that is 1. ABC, which is part of Yosys, merges what it proves equal
-by induction (scorr), looks for a difference (bmc3), and proves that there is none (pdr). What it leaves open
-is no proof. Before all that: one that changes nothing in any clock, whatever the state, needs no induction. A block with `in_restart_i` gets whole frames, as msn_frame_check hands them on, the first one
+`*_valid_o` qualifies counts only while that is 1. One that changes nothing in any clock, whatever the state,
+needs no more (after_reset.idle). Of the others ABC, which is part of Yosys, merges what it proves equal by
+induction (scorr), looks for a difference (bmc3), and proves that there is none (pdr). What it leaves open is
+no proof. A block with `in_restart_i` gets whole frames, as msn_frame_check hands them on, the first one
 after a reset with restart; what it gets while `in_valid_i` is 0 is free there too. What stays open is looked
 at once more, from more states (after_reset.py), then signal by signal (lemmas.py); msn_divide has a contract
 (contract.py).
@@ -106,7 +107,8 @@ def classify(mutants, folder, block=""):
     circuit = after_reset.bits(folder)
     for mutant in mutants:
         mutant.verdict = "equivalent" if after_reset.idle(circuit, mutant.number) else "undecided"
-    mutants = [mutant for mutant in mutants if mutant.verdict == "undecided"]
+    if not (mutants := [mutant for mutant in mutants if mutant.verdict == "undecided"]):
+        return
     judge(mutants, folder, _write_all)
     if undecided := [mutant for mutant in mutants if mutant.verdict == "undecided"]:
         judge(undecided, folder, after_reset.write_all, search=False)
