@@ -52,6 +52,8 @@ async def full_load_and_registers(dut):
     for clock, level in enumerate(rx + [1] * 20_000):
         dut.rx_i.value, dut.now_i.value = level, bench.time(clock)
         registers.before()
+        if clock == len(rx) // 2:
+            sources["cop"].rate = 0  # health comes to its turn
         for source in sources.values():
             if clock == len(rx):
                 source.rate = 0
@@ -67,7 +69,7 @@ async def full_load_and_registers(dut):
     assert bench.read(dut.packets_o) == len(got)
     of_kind = packet.check(dut, got, sources, counters, packet.parameters(dut))
     assert set(of_kind) == {p.SLIP, p.COP, p.IMAGE, p.HEALTH, p.STATISTIC, p.ANSWER}
-    assert len(of_kind[p.SLIP]) > 5
+    assert len(of_kind[p.SLIP]) > 5 and len(of_kind[p.HEALTH]) > 2
     assert bench.read(dut.image_dropped_o) > 0
     answers = [tuple(q.fields.values()) for q in of_kind[p.ANSWER]]
     absent = [address ^ 0x5A5A0000 for address in (0x804, 0)]
