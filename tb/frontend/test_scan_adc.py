@@ -8,6 +8,7 @@ that fails in mid-frame.
 """
 
 import itertools
+import random
 
 import cocotb
 import pytest
@@ -176,15 +177,18 @@ class Board:
         frames, rounds = self.expected(conversions[: len(self.converts)])
         for beats, groups in ((self.beats, frames), (self.slip_beats, rounds)):
             at = 0
-            for number, codes in groups[:-1]:  # the last may be under way
+            for index, (number, codes) in enumerate(groups[:-1]):  # the last may be under way
                 part = beats[at : at + len(codes)]
                 at += len(codes)
                 assert [(beat[2], beat[1], beat[4]) for beat in part] == [
                     (i, *codes[i]) for i in sorted(codes)
                 ]
                 assert [beat[3] for beat in part] == [0] * (len(codes) - 1) + [1]
+                assert {beat[5] for beat in part} == {index}
                 assert {beat[6] for beat in part} == {self.time(self.converts[number])}
         assert not self.counted()
+        idle = ["mosi"] if self.twin.part is AD7606 else ["convst", "reset"]
+        assert not any(bench.read(getattr(self.dut, f"adc_{name}_o")) for name in idle)
         return frames, rounds
 
     def counted(self):
@@ -250,6 +254,57 @@ async def slip_rounds_between_a_slow_frame(dut):
     assert len(starts) >= 11
     assert {b - a for a, b in itertools.pairwise(starts)} == {period}
     assert len(made.beats) > 0
+
+
+@cocotb.test(timeout_time=100, timeout_unit="ms")
+@cocotb.parametrize(turn=range(4))
+async def settings_of_any_size(dut, turn):
+    """Regions, settle times and periods as they come; in every second turn slip rounds of any places."""
+    twin, draw = twin_of(dut), random.Random(4 * bench.SEED + turn)
+    settle = draw.randrange(min(twin.scan.cycle, 1 << twin.settle_bits))
+    rows, columns = (sorted(draw.choices(range(size), k=2)) for size in (twin.rows, twin.columns))
+    region = Region(*rows, *columns)
+    chosen = {"interleave": twin.scan.buffer.sorts and draw.random() < 0.5, "region": region}
+    if turn % 2:
+        row_bits = len(dut.cfg_first_row_i)
+        places = [(draw.randrange(2 << row_bits), draw.randrange(twin.scan.groups))] * twin.slip_slots
+        period = (twin.slip_slots + 2) * twin.scan.slot(settle) + draw.randrange(256)
+        settings = Settings(settle, slip_period=period, slip_places=tuple(places), **chosen)
+    else:
+        period = draw.randint(1, 2) * twin.scan.frame_clocks(settle, region) + draw.randrange(256)
+        settings = Settings(settle, period, **chosen)
+    made = await board(dut, settings, min(4 * period, 15_000))
+    made.check()
+    assert made.converts
+
+
+@cocotb.test(timeout_time=100, timeout_unit="ms")
+async def long_times_are_long(dut):
+    """Each bit of settle time and periods beyond those of the other tests: for long, nothing comes again."""
+    twin, region = twin_of(dut), Region(0, 0, 0, 0)
+    scan, slot = twin.scan, twin.scan.slot(1)
+    watched = (twin.slip_slots + 2) * slot
+    places, bits = ((0, 0),) * twin.slip_slots, range(watched.bit_length(), 32)
+    cases = [Settings(1 << bit, region=region) for bit in bits if bit < twin.settle_bits]
+    cases += [
+        Settings(1, (1 << bit) + slot, False, region, (1 << bit) + watched, places)
+        for bit in bits
+        if bit < twin.period_bits
+    ]
+    made = await board(dut, cases[0], 0)
+    for settings in cases:
+        await RisingEdge(dut.clk_i)
+        dut.cfg_enable_i.value = 0
+        await bench.clocks(dut, 2 * slot)
+        await bench.reset(dut)  # what waits for its settle time would go on
+        made.settings = settings
+        apply(dut, scan, settings)
+        dut.cfg_enable_i.value = 1
+        made.converts.clear()
+        await made.run(twin.adc.start_clocks() + watched)
+        await ReadOnly()
+        told = [c for c in scan.schedule(settings, watched)[0] if c.trigger < watched - 20]
+        assert len(made.converts) == len(told), settings
 
 
 @cocotb.test(timeout_time=100, timeout_unit="ms")

@@ -1,7 +1,10 @@
 """msn_channels from the pins of a real converter to the slip decision, on the part models that check their
 timing: the decisions are the twin's on the codes that the part converted, and each comes within 0.2 ms +
-1 us of the sample that crosses, on the first channel and on the last, at 10 kHz. The counters of what went
-wrong, and a stream in place of a converter, by the tests of the two blocks it is made of."""
+1 us of the sample that crosses, on the first channel and on the last, at 10 kHz; settings and periods of
+every bit, other ones for each detail and frame. The counters of what went wrong, and a stream in place of a
+converter, by the tests of the two blocks it is made of."""
+
+from dataclasses import replace
 
 import cocotb
 import numpy as np
@@ -15,10 +18,18 @@ from meissner.frontend.acquire import Acquire
 from meissner.frontend.adc_spi import AD7606, MCP3208, PARTS, AdcSpi
 from meissner.slip.channels import of_codes
 from meissner.slip.config import SlipConfig
+from meissner.slip.haar import haar
+from meissner.slip.peak_to_peak import PeakToPeak
+from meissner.slip.slip import Slip, State
 from parts import ad7606, mcp3208
 
 RATE_HZ = 10_000
+FIELDS = ("id", "state", "raised", "over", "p2p", "last", "end")
 CONFIG = SlipConfig(threshold=300, gross_threshold=900, contact_level=600, release_level=500, hold=4, blank=3)
+
+
+def number(dut, name):
+    return getattr(dut, name).value.to_unsigned()
 
 
 class Rubber:
@@ -35,32 +46,59 @@ class Rubber:
         return int(self.codes[channel, index])
 
 
-async def watch(dut, rubber, frames):
-    """Run ``frames`` frames through the pins; returns the part, the decisions and the times of both."""
-    value = lambda name: getattr(dut, name).value.to_unsigned()
-    part = PARTS[value("Adc")]
-    channels, clk_khz = value("Channels"), value("ClkKhz")
+def put(dut, config):
     names = "threshold gross_threshold contact_level release_level hold refractory blank contact_rises"
     for name in names.split():
-        getattr(dut, f"cfg_{name}_i").value = int(getattr(CONFIG, name))
+        port = getattr(dut, f"cfg_{name}_i")
+        port.value = int(getattr(config, name)) & ((1 << len(port)) - 1)
+
+
+def twin_of(dut):
+    names = ("Channels", "AdcLanes", "ClkKhz", "SclkKhz", "AdcPeriod", "SampleBits", "PeriodBits")
+    return Acquire(PARTS[number(dut, "Adc")], *(number(dut, name) for name in names))
+
+
+async def begin(dut, code, config, period):
+    """Reset, with the part at the pins, which converts at once then; returns the part."""
+    part, clk_khz = twin_of(dut).part, number(dut, "ClkKhz")
+    put(dut, config)
     for name in ("rst_i", "cfg_adc_enable_i", "actuator_moving_i", "adc_miso_i", "adc_busy_i", "in_valid_i"):
         getattr(dut, name).value = int(name == "rst_i")
-    period = clk_khz * 1000 // RATE_HZ
     dut.out_ready_i.value = 1
     dut.cfg_adc_period_i.value = period
     Clock(dut.clk_i, 1_000_000_000 // clk_khz, unit="ps").start()
     await bench.clocks(dut, 3)
     pins = [dut.adc_cs_n_o, dut.adc_sclk_o]
     if part is MCP3208:
-        model = mcp3208.Mcp3208(*pins, dut.adc_mosi_o, dut.adc_miso_i, rubber)
+        model = mcp3208.Mcp3208(*pins, dut.adc_mosi_o, dut.adc_miso_i, code)
     else:
-        model = ad7606.Ad7606(
-            *pins, dut.adc_miso_i, dut.adc_convst_o, dut.adc_busy_i, dut.adc_reset_o, rubber
-        )
+        model = ad7606.Ad7606(*pins, dut.adc_miso_i, dut.adc_convst_o, dut.adc_busy_i, dut.adc_reset_o, code)
     await bench.clocks(dut, 3)
     dut.rst_i.value = 0
     await bench.clocks(dut, 1 + 6 * clk_khz // 1000)
     dut.cfg_adc_enable_i.value = 1
+    return model
+
+
+def decision(dut):
+    return tuple(bench.read(getattr(dut, f"out_{name}_o")) for name in FIELDS)
+
+
+def decisions_of(channels, **fields):
+    """What ``decision`` reads, of ``fields`` [channels, details]."""
+    last = np.arange(channels)[:, None] == channels - 1
+    rows = bench.frames(last=np.broadcast_to(last, fields["p2p"].shape), **fields)
+    return [tuple(row[name] for name in FIELDS) for row in rows]
+
+
+def nothing_went_wrong(dut):
+    return not any(bench.read(getattr(dut, f"{n}_o")) for n in ("dropped", "overrun", "timeout", "damaged"))
+
+
+async def watch(dut, rubber, frames):
+    """Run ``frames`` frames through the pins; returns the part, the decisions and the times of both."""
+    channels, period = number(dut, "Channels"), number(dut, "ClkKhz") * 1000 // RATE_HZ
+    model = await begin(dut, rubber, CONFIG, period)
     decisions, converts = [], []
     clock = 0
     while len(decisions) < frames // 2 * channels:
@@ -69,14 +107,11 @@ async def watch(dut, rubber, frames):
         if dut.convert_o.value == 1:
             converts.append(get_sim_time("ns"))
         if dut.out_valid_o.value == 1:
-            fields = [bench.read(getattr(dut, f"out_{f}_o")) for f in ("id", "state", "over", "p2p")]
-            decisions.append((get_sim_time("ns"), *fields))
+            decisions.append((get_sim_time("ns"), *decision(dut)))
         await RisingEdge(dut.clk_i)
         clock += 1
-    assert [bench.read(getattr(dut, f"{n}_o")) for n in ("dropped", "overrun", "timeout", "damaged")] == [
-        0
-    ] * 4
-    return part, channels, model, decisions, converts
+    assert nothing_went_wrong(dut)
+    return model, decisions, converts
 
 
 @cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
@@ -102,32 +137,143 @@ async def rests_in_reset_whatever_comes(dut):
 async def decides_in_time_at_the_pins(dut):
     """A pulse on the even sample of a pair, the worst case, first on channel 0 and then on the last."""
     frames = 90
-    channels = dut.Channels.value.to_unsigned()
+    acquire = twin_of(dut)
+    channels = acquire.channels
     rubber = Rubber(channels, frames)
     pulses = [(0, 40), (channels - 1, 71)]
     for channel, frame in pulses:
         rubber.codes[channel, frame] += 600
-    part, channels, model, decisions, converts = await watch(dut, rubber, frames)
-
-    acquire = Acquire(part, channels, sample_bits=dut.SampleBits.value.to_unsigned())
+    model, decisions, converts = await watch(dut, rubber, frames)
     found = of_codes(rubber.codes[:channels, :frames], acquire, CONFIG)
     over = found.p2p > CONFIG.threshold
-    rows = [row.T.ravel() for row in (found.state, over, found.p2p)]
-    expected = [(n % channels, *(int(row[n]) for row in rows)) for n in range(len(decisions))]
+    ends = np.broadcast_to(found.end, found.p2p.shape)
+    fields = {"state": found.state, "raised": found.raised, "over": over, "p2p": found.p2p, "end": ends}
+    expected = decisions_of(channels, **fields)[: len(decisions)]
     assert [decision[1:] for decision in decisions] == expected
     assert over.any(axis=1).sum() == len({channel for channel, _ in pulses})
 
     for channel, frame in pulses:
-        if part is MCP3208:
+        if acquire.part is MCP3208:
             sampled = [time for c, _, time in model.conversions if c == channel][frame]
         else:
             sampled = converts[frame]
-        over = [time for time, which, _, over, _ in decisions if which == channel and over]
+        over = [time for time, which, _, _, over, *_ in decisions if which == channel and over]
         flagged = next(time for time in over if time > sampled)
         dut._log.info(f"channel {channel}: decision {(flagged - sampled) / 1000:.2f} us after its sample")
         assert flagged - sampled <= 200_000 + 1_000
     intervals = np.diff([round(1000 * time) for time in converts])  # whole picoseconds
     assert (intervals == round(1e12 / RATE_HZ)).all()
+
+
+def settings_of_any_bit(rng, p2p, total, bits, timer_bits):
+    """Settings for one detail: next to what a channel has, or a single bit; half of them never release.
+
+    ``p2p``, ``total``: of each channel in that detail.
+    """
+    bit = lambda: 1 << int(rng.integers(bits))
+    near = lambda values: int(rng.choice(values)) - int(rng.integers(2))
+    alone, rises = lambda: rng.random() < 0.25, rng.random() < 0.5
+    levels = {name: bit() if alone() else max(0, near(p2p)) for name in ("threshold", "gross_threshold")}
+    for name in ("contact_level", "release_level"):
+        levels[name] = bench.as_signed(bit(), bits) if alone() else near(total + 1)
+    if rng.random() < 0.5:
+        levels["release_level"] = bench.width(bits)[not rises]
+    times = {
+        name: int(rng.random() < some) << int(rng.integers(timer_bits))
+        for name, some in (("hold", 0.25), ("refractory", 0.5), ("blank", 0.25))
+    }
+    return SlipConfig(contact_rises=rises, **levels, **times)
+
+
+class Details:
+    """Codes of all sizes; each detail's own settings; what the twins decide, [channels, details]."""
+
+    def __init__(self, acquire, window, level, sizes, count, serial):
+        rng, group, bits = np.random.default_rng(bench.SEED), 1 << level, acquire.part.data_bits
+        shape = acquire.channels, count * group
+        size = np.repeat(rng.integers(0, bits, (shape[0], shape[1] // window + 1)), window, axis=1)
+        middle = 0 if acquire.part.signed else 1 << bits - 1
+        tremor = rng.integers(-1 << size, 1 << size)[:, : shape[1]]
+        self.codes = (middle + tremor) % (1 << bits)
+        detail, total = haar(acquire.samples(self.codes)[0], level)
+        p2p, end = PeakToPeak(len(detail), window // group, window // group).process(detail)
+        self.settings = [settings_of_any_bit(rng, p2p[:, n], total[:, n], *sizes) for n in range(count)]
+        if serial:  # it sets a timer when the next detail comes
+            self.settings = [replace(config, hold=3, refractory=2, blank=1) for config in self.settings]
+        self.moving = (rng.random(count) < 0.1) & (np.arange(count) > 0)
+        twin, state = Slip(len(detail), None), np.empty_like(p2p)
+        for n, twin.config in enumerate(self.settings):
+            state[:, n : n + 1] = twin.next(p2p[:, n : n + 1], total[:, n : n + 1], self.moving[n : n + 1])
+        slips = np.isin(state, (State.INCIPIENT, State.GROSS))
+        raised = slips & ~np.pad(slips, ((0, 0), (1, 0)))[:, :-1]
+        over = p2p > [config.threshold for config in self.settings]
+        ends = np.broadcast_to(end, p2p.shape)
+        fields = {"state": state, "raised": raised, "over": over, "p2p": p2p, "end": ends}
+        self.decisions, self.blanked = decisions_of(len(p2p), **fields), twin.blanked
+        self.shown = [0] * len(p2p)
+
+    def code(self, channel, _):
+        """What a part's input is at its next conversion; the last stays."""
+        if channel >= len(self.shown):
+            return 0
+        self.shown[channel] += 1
+        return int(self.codes[channel, min(self.shown[channel], self.codes.shape[1]) - 1])
+
+
+@cocotb.test(timeout_time=50, timeout_unit="ms")
+async def each_detail_has_settings_of_its_own(dut):
+    """Next to what they are compared with, and of each bit alone; each frame has its own period."""
+    acquire = twin_of(dut)
+    sizes = number(dut, "SampleBits") + number(dut, "Level"), number(dut, "TimerBits")
+    channels, serial = acquire.channels, number(dut, "Serial")
+    least = acquire.adc_period or acquire.adc.safe_period() + 70 * serial
+    count = min(300, 50_000 // (3 * least))
+    told = Details(acquire, number(dut, "Window"), number(dut, "Level"), sizes, count, serial)
+    rng = np.random.default_rng(bench.SEED)
+    periods = least + rng.integers(0, least, told.codes.shape[1] + 10)
+    await begin(dut, told.code, told.settings[0], int(periods[0]))
+    found, converts, clock = [], [], 0
+    while len(found) < len(told.decisions):
+        await ReadOnly()
+        converted, decided = dut.convert_o.value == 1, dut.out_valid_o.value == 1
+        if converted:
+            converts.append(clock)
+        if decided:
+            found.append(decision(dut))
+        await RisingEdge(dut.clk_i)
+        if converted:
+            dut.cfg_adc_period_i.value = int(periods[len(converts)])
+        if decided and len(found) % channels == 0 and len(found) < len(told.decisions):
+            put(dut, told.settings[len(found) // channels])
+            dut.actuator_moving_i.value = int(told.moving[len(found) // channels])
+        clock += 1
+        assert clock < 3 * least * (len(converts) + 2), "a frame is missing"
+    assert found == told.decisions
+    if not acquire.adc_period:
+        assert np.diff(converts).tolist() == periods[: len(converts) - 1].tolist()
+    assert nothing_went_wrong(dut)
+    await RisingEdge(dut.clk_i)
+    assert bench.read(dut.blanked_o) == told.blanked
+
+
+@cocotb.test(timeout_time=50, timeout_unit="ms")
+async def a_long_period_is_long(dut):
+    """Each bit of the period beyond those of the frames' own: one conversion, and no other for long."""
+    acquire = twin_of(dut)
+    if acquire.adc_period:
+        return
+    least = acquire.adc.safe_period()
+    await begin(dut, lambda *_: 0, CONFIG, 0)
+    for bit in range((2 * least).bit_length(), acquire.period_bits):
+        dut.cfg_adc_enable_i.value = 0
+        await bench.clocks(dut, 2 * least)
+        dut.cfg_adc_enable_i.value, dut.cfg_adc_period_i.value = 1, (1 << bit) + least
+        converts = 0
+        for _ in range(least + 20):
+            await ReadOnly()
+            converts += dut.convert_o.value == 1
+            await RisingEdge(dut.clk_i)
+        assert converts == 1, f"period {(1 << bit) + least}"
 
 
 SMALLEST = {
