@@ -50,24 +50,25 @@ module msn_frame_table #(
   localparam int unsigned AddressBits = msn_pkg::index_width(Words * Banks);
 
   logic [AddressBits-1:0] first, final_word, address, write_address;
-  logic                   bank, write_bank, read_valid;
+  logic                   bank, taken, write_bank, read_valid;
   assign bank          = Banks == 2 && bank_i;
   assign write_bank    = Banks == 2 && write_bank_i;
   assign write_address = AddressBits'(write_word_i) + (write_bank ? AddressBits'(Words) : '0);
 
-  // Two words are on their way when one waits. Found a clock ahead, and not of `first`, which may be what strayed.
+  // Two words are on their way when one waits. Found a clock ahead, and not of `taken`, which may be what strayed.
   logic [AddressBits-1:0] start, next;
   assign start = AddressBits'(Start) + (bank ? AddressBits'(Words) : '0);
   assign next  = AddressBits'((Start + 1) % Words) + (bank ? AddressBits'(Words) : '0);
+  assign first      = taken ? AddressBits'(Words) : '0;  // not kept: a round made shorter might end right
+  assign final_word = AddressBits'(Words - 1) + first;
   always_ff @(posedge clk_i) at_end_o <= address == (advance_i && !restart_i ? start : next);
 
   always_ff @(posedge clk_i) begin
     if (restart_i) begin
-      address    <= AddressBits'(Start) + (bank ? AddressBits'(Words) : '0);
-      first      <= bank ? AddressBits'(Words) : '0;
-      final_word <= AddressBits'(Words - 1) + (bank ? AddressBits'(Words) : '0);
+      address <= AddressBits'(Start) + (bank ? AddressBits'(Words) : '0);
+      taken   <= bank;
     end else if (advance_i) begin
-      address    <= address == final_word ? first : address + 1'b1;
+      address <= address == final_word ? first : address + 1'b1;
     end
     if (advance_i) {out_valid_o, read_valid} <= {read_valid, 1'b1};
     if (restart_i) {out_valid_o, read_valid} <= '0;
