@@ -35,7 +35,7 @@ SETTLE = {
         "haar": 8,
         "sliding_extremes": 14,
     },
-    **{"peak_to_peak": 24, "slip": 40, "slip_serial": 60, "slip_flags": 20, "slip_path": 80},
+    **{"peak_to_peak": 24, "slip": 40, "slip_serial": 60, "slip_flags": 20, "slip_path": 160},
     "channels": 28,
     **{
         "tare": 6,
@@ -49,6 +49,7 @@ SETTLE = {
         "uart_rx": 2,
         "scan_demod": 2,
         "array": 4,
+        "core": 2,  # its image is sent while the next frame is scanned
         "am_demod": 3,
         "axil": 3,
         "bridge": 4,  # a zero before and behind each command
@@ -97,7 +98,7 @@ OPTIONS = {
     "cop_array": [f"kept={TABLES}"],
     "cobs": ["end=0"],
     "crc32": ["frame=clear_i", "join=1", "repeat=4"],
-    "packet": [*PACKETS, "join=1"],
+    "packet": [*PACKETS, "slow=40", "rows=700"],
     "packet_slip": ["packets=1", "join=1", "rows=20000"],
     "link": [*PACKETS, "slow=24", "rows=1000"],
     # The zeros, the way to them, and a frame that is missing in them.
@@ -138,7 +139,7 @@ OPTIONS = {
         *SCAN,
         "part=1",
         "lead=16",
-        "set=cfg_tare_i:0,cfg_slip_period_i:1000",
+        "set=cfg_tare_i:0,cfg_slip_period_i:600",
         "quiet=event_",
         f"kept={ARRAY},{SCAN_TAKEN}",
     ],
@@ -196,6 +197,7 @@ SIZES = {
     "acquire": {"Adc": 1, "Channels": 3},
     "channels": {"Adc": 1, "Channels": 8},
     "link": {"Uart": 0},
+    "image_store": {"Taxels": 9},
     "slip_serial": {"Window": 8, "TimerBits": 3},
     "scan_adc": {"Rows": 3, "Columns": 3},
 }

@@ -247,6 +247,7 @@ void sort_ports() {
           continue;
         }
         if (!in && other.bits == 32 && tells(other.name)) continue;  // a counter beside the stream
+        if (!in && options.count("packets") && other.name != stem + "data_o") continue;  // bytes alone
         if (other.in == in && n != stream.valid && stem.size() > 1 && other.name.rfind(stem, 0) == 0) {
           stream.payload.push_back(n);
           used[n] = true;
