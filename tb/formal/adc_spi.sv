@@ -3,7 +3,9 @@
 // The converter's minima on CS and SCLK: the master starts a word only at rest or when CS has been high for a bit's
 // time, for which proof `spi_shift` shows what the pins do; and that many clocks of half a bit are long enough, by the
 // figures of the data sheets. No conversion starts during a read, none is read during a conversion. When it ticks, starts,
-// waits for BUSY, gives up, reads and is done; what it sends and stores of a word; what is lost, and counted.
+// waits for BUSY, gives up, reads and is done; what it sends and stores of a word; what is lost, and counted; that
+// no code is overwritten before it has left. Of the tagged parts (MAX1112x) the same, with their setup and their numbers,
+// but no figures.
 
 module formal_adc_spi #(
   parameter  int unsigned Part       = msn_pkg::AdcMcp3208,
@@ -44,9 +46,7 @@ module formal_adc_spi #(
   localparam longint unsigned Rest    = Mcp3208 ? 500_000 : 22_000;
   localparam int unsigned     Half    = msn_adc_pkg::half_clocks(Part, ClkKhz, SclkKhz);
   localparam longint unsigned Clock   = 64'd1_000_000_000 / ClkKhz;  // ps
-  if (Part != msn_pkg::AdcMcp3208 && Part != msn_pkg::AdcAd7606) begin : gen_check_part
-    $fatal(1, "formal_adc_spi: no figures of part %0d", Part);
-  end
+  localparam bit              Tagged  = msn_adc_pkg::has_tag(Part);  // of these parts no figures
 
   logic started = 1'b0;
   logic was_low, convst;
@@ -61,8 +61,8 @@ module formal_adc_spi #(
   assign reading = dut.u_shift.run_q;
   always_comb begin
     if (!started) assume (rst_i);
-    assert (Clock * Half >= Level && Clock * Half >= Lead);
-    assert (Clock * 2 * Half >= Period && Clock * 2 * Half >= Rest);
+    assert (Tagged || (Clock * Half >= Level && Clock * Half >= Lead));
+    assert (Tagged || (Clock * 2 * Half >= Period && Clock * 2 * Half >= Rest));
     if (started && !rst_i) begin
       if (dut.u_shift.start_i) assert (!reading || dut.u_shift.done_o);
       if (adc_convst_o && !convst) assert (adc_cs_n_o && !was_low);
@@ -70,22 +70,26 @@ module formal_adc_spi #(
     end
   end
 
-  // The master, by its rules. Nothing sets a part up here, and no answer bears a number.
-  localparam bit          HasBusy   = msn_adc_pkg::has_busy(Part);
-  localparam bit          HasReset  = msn_adc_pkg::has_reset(Part);
-  localparam bit          Selects   = msn_adc_pkg::cs_per_channel(Part);
-  localparam int unsigned Words     = msn_adc_pkg::frame_words(Part, Channels, Lanes);
-  localparam int unsigned KeptBits  = msn_adc_pkg::kept_bits(Part);
-  localparam int unsigned WatchBits = msn_adc_pkg::watch_bits(Part, ClkKhz);
-  localparam int unsigned Start     = 2 * msn_pkg::clocks_of_ns(msn_adc_pkg::start_ns(Part), ClkKhz);
-  localparam int unsigned StartBits = msn_pkg::index_width(Start);
-  localparam logic [2:0]  Reset = 3'd0, Idle = 3'd2, Rise = 3'd3, Fall = 3'd4, Read = 3'd5;
+  // The master, by its rules.
+  localparam bit          HasBusy    = msn_adc_pkg::has_busy(Part);
+  localparam bit          HasReset   = msn_adc_pkg::has_reset(Part);
+  localparam bit          Selects    = msn_adc_pkg::cs_per_channel(Part);
+  localparam int unsigned Words      = msn_adc_pkg::frame_words(Part, Channels, Lanes);
+  localparam int unsigned SetupWords = msn_adc_pkg::setup_words(Part);
+  localparam bit          NeedsStart = HasReset || SetupWords != 0;
+  localparam int unsigned KeptBits   = msn_adc_pkg::kept_bits(Part);
+  localparam int unsigned DataBits   = msn_adc_pkg::data_bits(Part);
+  localparam int unsigned WatchBits  = msn_adc_pkg::watch_bits(Part, ClkKhz);
+  localparam int unsigned Start      = 2 * msn_pkg::clocks_of_ns(msn_adc_pkg::start_ns(Part), ClkKhz);
+  localparam int unsigned StartBits  = msn_pkg::index_width(Start);
+  localparam logic [2:0]  Reset = 3'd0, Setup = 3'd1, Idle = 3'd2, Rise = 3'd3, Fall = 3'd4, Read = 3'd5;
   logic [2:0]            state;
   logic [PeriodBits-1:0] left;
   logic [WatchBits-1:0]  watch;
   logic [StartBits-1:0]  start;
-  logic [7:0]            word;
+  logic [7:0]            word, words, code;  // code: whose word this is, as the store counts
   logic [15:0]           command;
+  logic                  sets_up, asks_setup, stores, wrong;
   logic                  busy_1, busy_2, busy_3, drop, bad, over, ready, tick, waits, gives_up, ends, resumes;
   logic                  convert_due, lost_due, reset_due, convst_due, rises, falls;
   logic [31:0]           dropped, overrun, timeout, mistagged, over_range;
@@ -96,7 +100,14 @@ module formal_adc_spi #(
   assign falls    = state == Fall && !busy_2;
   assign ends     = state == Read && dut.done && word == '0;
   assign resumes  = HasBusy ? falls && !gives_up : state == Idle && tick;
-  assign command  = msn_adc_pkg::command(Part, 3'(word));
+  assign sets_up  = SetupWords != 0 && ((state == Reset && start == '0) || (ends && bad));
+  assign words    = (state == Setup) ? 8'(SetupWords) : 8'(Words);
+  // A tagged answer is that of the word before, of which it bears the number: a frame's first word only asks.
+  assign stores   = dut.word && state == Read && (!Tagged || word != '0);
+  assign code     = Tagged ? word - 1'b1 : word;
+  assign wrong    = Tagged && stores && 8'(dut.kept[KeptBits-1-:4]) != code;
+  assign asks_setup = sets_up || (state == Setup && !(dut.done && word == '0));
+  assign command  = asks_setup ? msn_adc_pkg::setup_word(Part, 3'(word)) : msn_adc_pkg::command(Part, 3'(word));
   always_ff @(posedge clk_i) begin
     {busy_3, busy_2, busy_1} <= {busy_2, busy_1, adc_busy_i};
     left  <= !(cfg_enable_i && ready) ? '0 : tick ? cfg_period_i - 1'b1 : left - 1'b1;
@@ -104,14 +115,16 @@ module formal_adc_spi #(
     start <= start - 1'b1;
     ready <= ready || state == Idle;
     case (state)
-      Reset:   if (start == '0) state <= Idle;
+      Reset:   if (start == '0) state <= (SetupWords != 0) ? Setup : Idle;
+      Setup:   if (dut.done && word == '0) state <= Idle;
       Idle:    if (tick) state <= HasBusy ? Rise : Read;
       Rise:    if (gives_up) state <= Idle; else if (rises) state <= Fall;
       Fall:    if (gives_up) state <= Idle; else if (falls) state <= Read;
-      default: if (ends) state <= Idle;
+      default: if (ends) state <= (Tagged && bad) ? Setup : Idle;
     endcase
-    if (dut.word) word <= (32'(word) == Words - 1) ? '0 : word + 1'b1;
+    if (dut.word) word <= (word == words - 1'b1) ? '0 : word + 1'b1;
     if (convert_o) drop <= dut.pending;
+    if (wrong) bad <= 1'b1;
     if (state == Idle && tick) bad <= 1'b0;
     over        <= out_valid_o && out_ready_i && out_user_o;
     convert_due <= state == Idle && tick;
@@ -124,8 +137,8 @@ module formal_adc_spi #(
     timeout     <= timeout + 32'(gives_up);
     over_range  <= over_range + 32'(over);
     if (rst_i) begin
-      state       <= HasReset ? Reset : Idle;
-      ready       <= !HasReset;
+      state       <= NeedsStart ? Reset : Idle;
+      ready       <= !NeedsStart;
       start       <= StartBits'(Start - 1);
       left        <= '0;
       word        <= '0;
@@ -141,25 +154,41 @@ module formal_adc_spi #(
     if (!started) begin  // they begin with the same, whatever it is
       assume (dut.state_q == state && dut.drop_q == drop && dut.bad_q == bad && dut.watch_q == watch);
       assume (dut.u_busy.first_q == busy_1 && dut.busy == busy_2 && dut.busy_q == busy_3 && dut.ready_q == ready);
-      assume (dut.left_q == left && state <= Read && state != 3'd1);
+      assume (dut.left_q == left && 32'(dut.word_q) == 32'(word) && state <= Read && (SetupWords != 0 || state != Setup));
     end
-    assert (!dut.Tagged && dut.SetupWords == 0);
     if (started) begin
       assert (convert_o == convert_due && lost_o == lost_due && adc_reset_o == reset_due && adc_convst_o == convst_due);
       assert (ready_o == ready && dropped_o == dropped && overrun_o == overrun && timeout_o == timeout);
       assert (mistagged_o == mistagged && over_range_o == over_range);
-      assert (dut.u_shift.start_i == (resumes || (Selects && dut.done && word != '0)));
+      assert (dut.u_shift.start_i == (resumes || sets_up || (Selects && dut.done && word != '0)));
       assert (dut.u_shift.again_i == (!Selects && 32'(word) != Words - 1));
       assert (dut.u_shift.command_i == command[15-:KeptBits]);
-      assert (dut.u_store.in_valid_i == (dut.word && !drop) && dut.u_store.in_bad_i == bad);
-      if (dut.word) assert (32'(dut.u_store.in_word_i) == 32'(word) && dut.u_store.in_data_i == dut.kept);
+      assert (dut.u_store.in_valid_i == (stores && !drop) && dut.u_store.in_bad_i == (bad || wrong));
+      if (stores) assert (8'(dut.u_store.in_word_i) == code);
+      assert (dut.u_store.in_data_i == (Tagged ? (Lanes * DataBits)'(dut.kept[11-:DataBits]) : dut.kept));
       // Invariant.
       assert (dut.state_q == state && dut.drop_q == drop && dut.bad_q == bad && dut.watch_q == watch);
       assert (dut.u_busy.first_q == busy_1 && dut.busy == busy_2 && dut.busy_q == busy_3);
-      assert (dut.left_q == left && 32'(dut.word_q) == 32'(word) && 32'(word) < Words && dut.over_q == over);
-      if (state == Reset) assert (dut.start_q == start);
+      assert (dut.left_q == left && 32'(dut.word_q) == 32'(word) && word < words && dut.over_q == over);
+      assert (dut.start_q == start && (ready || (NeedsStart && state <= Idle)));
+      if (!NeedsStart) assert (state != Reset);
+      if (state != Setup && state != Read) assert (word == '0);
     end
   end
+
+  // What proof `adc_store` assumes: a word comes for channels whose samples have left. Those of a frame that is not
+  // dropped had all left when it began, so that only channels of words before hold one while it comes.
+  // Frames of tagged parts are sent whole: none while one comes.
+  localparam int unsigned LaneWords = (Lanes > 1) ? msn_adc_pkg::lane_channels(Part) : Channels;
+  logic [Channels-1:0] held, meant;
+  logic                comes;  // words of this frame may come yet
+  assign held  = dut.u_store.full_q;
+  assign comes = (waits || (state == Read && (word != '0 || !adc_cs_n_o))) && !drop && !convert_o;
+  for (genvar c = 0; c < Channels; c++) begin : gen_channel
+    assign meant[c] = dut.u_store.in_valid_i && (32'(dut.u_store.in_word_i) == c % LaneWords || Tagged);
+    always_comb if (started && comes && held[c]) assert (!Tagged && c % LaneWords < 32'(word));
+  end
+  always_comb if (started && !rst_i) assert (!(|(held & meant)));
 
   // Invariant: it reads in the states that read.
   always_comb begin
@@ -179,6 +208,7 @@ module formal_adc_spi #(
   always_comb begin
     if (started && !rst_i) cover (dut.u_shift.start_i || dut.state_q == 3'd0);
     if (started && !rst_i && Mcp3208) cover (!adc_cs_n_o && adc_sclk_o);
+    if (started && !rst_i && Tagged) cover (!adc_cs_n_o && state == Setup);
   end
 
 endmodule

@@ -7,7 +7,8 @@ on are broken, and only the block's: a fault in what no property reads is the af
 
 ``found``: a counterexample from reset; ``broken``: the proof fails, but no run from reset within its depth
 shows why; ``equivalent``: a solver shows that in no state of the proof's invariant, whatever comes in, the
-mutant changes a register, or an output that its `valid` qualifies; ``passed``: none of these.
+mutant changes a register, or an output that its `valid` qualifies; ``passed``: none of these. A state of the
+invariant is one after the first reset, which `started` of a harness tells.
 """
 
 import re
@@ -84,6 +85,8 @@ def question(text, top, number):
             one = f"(and (not {value('rst_i', 'a')}) {one})"  # in reset they do not count
         differ.append(one)
     same = [f"(assert (= ({name} a) ({name} b)))" for name in state if name != chosen]
+    if "yosys-smt2-wire started 1" in text:
+        same.append(f"(assert {value('started', 'a')})")  # the invariant says nothing before the first reset
     return "\n".join(
         [
             "(set-logic QF_AUFBV)",
