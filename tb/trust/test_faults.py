@@ -79,6 +79,16 @@ def test_finds_a_state_that_never_ends(monkeypatch, tmp_path):
     assert any(result.outcome == "silent" for result in faults.inject("hypot", 300, 1))
 
 
+def test_a_run_in_which_nothing_comes_out_is_refused(monkeypatch):
+    monkeypatch.setitem(faults.OPTIONS, "skid", ["rows=2"])
+    with pytest.raises(RuntimeError, match="too few frames to compare"):
+        faults.inject("skid", 20, 3)
+
+
+def test_what_is_kept_may_be_of_one_instance_alone():
+    assert faults.inside("u_tare", "fresh,zero_") == "u_tare.&fresh,u_tare.&zero_"
+
+
 def test_every_block_takes_part():
     assert set(faults.blocks()) | set(faults.LEFT_OUT) == set(benches.blocks())
     for block, (around, _) in faults.INSIDE.items():

@@ -35,7 +35,8 @@ SETTLE = {
         "haar": 8,
         "sliding_extremes": 14,
     },
-    **{"peak_to_peak": 24, "slip": 40, "slip_serial": 60, "slip_flags": 20, "slip_path": 80},
+    **{"peak_to_peak": 24, "slip": 40, "slip_serial": 60, "slip_flags": 20, "slip_path": 160},
+    "channels": 28,
     **{
         "tare": 6,
         "convert_time": 150,  # its recording marks ends that are no ends, too
@@ -46,6 +47,9 @@ SETTLE = {
         "cop_slip": 90,
         "image_store": 4,  # one being written, one that waits, one being read
         "uart_rx": 2,
+        "scan_demod": 2,
+        "array": 4,
+        "core": 2,  # its image is sent while the next frame is scanned
         "am_demod": 3,
         "axil": 3,
         "bridge": 4,  # a zero before and behind each command
@@ -60,8 +64,24 @@ SETTLE = {
 }
 # What the driver must be told of a block, see there.
 # Of calibrations: the tables, which of the two is in use and whether any is, until they are written again.
-TABLES = "kept=memory,gains,offsets,rows,bank,loaded,cfg_swapping"
-ZEROS = "fresh,u_state.,zero_,write_data,u_round.,dropping"
+# Of a scan: what it took as it was switched on, until it is switched off; what counts to its next row, frame.
+SCAN_TAKEN = "settle_q,period_q,slip_row_q,slip_group_q"
+SCAN = ["free=40000", f"kept={SCAN_TAKEN}", "late=left_q,count_q"]
+TABLES = "memory,gains,offsets,rows,bank,loaded,cfg_swapping"
+# Of zeros: the words, and all on the way to them, a frame of an averaging among it.
+ZEROS = "fresh,u_state.,u_round.,zero_,sum_,write,learn,place_q,cfg_loading_o,drain,frames,averaging"
+ZEROS += ",commit,forced,asked,dropping,contact,nonzero,over_q,negative,mask_q,seen"
+# Of what health knows of a taxel, likewise.
+STATES = "state,u_row.,u_up.,u_down.,gen_lane,out_data_o,head,ahead,behind,here,write,learn,place,beat,row"
+STATES += ",tick,asked,bank,fresh,again,drain"
+
+
+def inside(instance, names):
+    """These names in this instance only."""
+    return ",".join(f"{instance}.&{name}" for name in names.split(","))
+
+
+ARRAY = ",".join([inside("u_calibrate", TABLES), inside("u_tare", ZEROS), inside("u_health", STATES)])
 AXIL_INPUTS = "awvalid awaddr awprot wvalid wdata wstrb bready arvalid araddr arprot rready"
 # An image that waits, and its time.
 PACKETS = ["packets=1", "frame=cop_valid_i", "when=cop_valid_i", "kept=memory,read_time_o,written_time"]
@@ -73,19 +93,19 @@ OPTIONS = {
     "convert_time": ["frame=last_i"],
     "slip_flags": ["frame=in_valid_i"],
     "calibration_preset": ["kept=all"],  # runs once after a reset: what it spoils is a table
-    "calibration_grid": ["frame=last_i", TABLES],
-    "calibrate": [TABLES],
-    "cop_array": [TABLES],
+    "calibration_grid": ["frame=last_i", f"kept={TABLES}"],
+    "calibrate": [f"kept={TABLES}"],
+    "cop_array": [f"kept={TABLES}"],
     "cobs": ["end=0"],
     "crc32": ["frame=clear_i", "join=1", "repeat=4"],
-    "packet": [*PACKETS, "join=1"],
+    "packet": [*PACKETS, "slow=40", "rows=700"],
     "packet_slip": ["packets=1", "join=1", "rows=20000"],
-    "link": [*PACKETS, "join=1"],
+    "link": [*PACKETS, "slow=24", "rows=1000"],
     # The zeros, the way to them, and a frame that is missing in them.
     "tare": [f"kept={ZEROS}", "skip=gone"],
     "health": [
         "skip=gone",
-        "kept=state_",
+        f"kept={STATES}",
     ],  # it counts frames, and frames that are missing whole are not seen here
     # What is not read yet; its time.
     "image_store": [
@@ -102,14 +122,28 @@ OPTIONS = {
     "peak_to_peak": ["phases=8"],
     "slip_serial": ["phases=8"],
     "slip_path": ["phases=16"],
-    "channels": ["free=16000", "part=1", "late=left_q"],
+    # Some channels are in contact, some not.
+    "channels": [
+        "free=60000",
+        "part=1",
+        "late=left_q",
+        "set=cfg_adc_period_i:160,cfg_contact_level_i:d0,cfg_release_level_i:c0",
+    ],
     "acquire": ["free=16000", "part=1", "late=left_q"],
     "adc_single": ["free=12000", "part=1"],
     "adc_spi": ["free=16000", "part=1", "late=left_q"],
-    "scan_adc": ["free=40000", "part=2", "late=left_q"],
-    "scan_demod": ["free=60000", "part=3", "late=left_q"],
-    "array": ["free=40000", "part=1", "late=left_q", f"{TABLES},{ZEROS}"],
-    "core": ["free=40000", "part=1", "late=left_q", "packets=1", "writes=25"],
+    "scan_adc": [*SCAN, "part=1"],
+    "scan_demod": [*SCAN, "free=60000", "part=5", "carrier=2"],
+    # Gains of the recording; no tare, so that what the converter gives is what presses. No taxel fails.
+    "array": [
+        *SCAN,
+        "part=1",
+        "lead=16",
+        "set=cfg_tare_i:0,cfg_slip_period_i:600",
+        "quiet=event_",
+        f"kept={ARRAY},{SCAN_TAKEN}",
+    ],
+    "core": [*SCAN, "part=1", "packets=1", "writes=25"],
 }
 # Writes to registers while it measures, each at 25 clocks of a frame (docs/registers.md).
 GAINS = [f"504:{beat:x},508:{3 * beat:x},50c:{0x900 + 0x123 * beat:x},510:1" for beat in range(9)]
@@ -124,9 +158,17 @@ WRITES = {
     ]
 }
 # Parameters of no test: timers that end while a recording lasts.
-SHORT = {"cop_slip": {"TimerBits": "6"}, "slip_path": {"TimerBits": "5"}}
+SHORT = {
+    "cop_slip": {"TimerBits": "6"},
+    "slip_path": {"TimerBits": "5"},
+    "channels": {"Channels": "2", "Window": "4", "Hop": "4", "TimerBits": "3"},
+}
 # Of the program, not of the recording: packets leave as bytes, and the bus is there.
-OTHER = {"core": {"Uart": "0"}}
+OTHER = {
+    "core": {"Uart": "0"},
+    "array": {"Tap": "1", "ClkKhz": "16000"},
+    "scan_demod": {"ClkKhz": "32000", "SamplePeriod": "100"},
+}
 # Blocks that others wait for or that wait for a converter run inside another: that block, the instance.
 INSIDE = {
     "adc_store": ("adc_spi", "u_store."),
@@ -153,8 +195,11 @@ SIZES = {
     "cop_accumulate": {"Rows": 3},
     "array": {"Rows": 2, "Part": 1},
     "acquire": {"Adc": 1, "Channels": 3},
+    "channels": {"Adc": 1, "Channels": 8},
     "link": {"Uart": 0},
-    "slip_serial": {"Window": 4, "TimerBits": 3},
+    "image_store": {"Taxels": 9},
+    "slip_serial": {"Window": 8, "TimerBits": 3},
+    "scan_adc": {"Rows": 3, "Columns": 3},
 }
 
 
@@ -313,7 +358,7 @@ def inject(block, count, seed):
     if around == "registers":
         options.append("kept=" + ",".join(settings()))
     if around == "core":
-        options.append(",".join([TABLES, ZEROS, *settings()]))
+        options.append(",".join([f"kept={ARRAY}", SCAN_TAKEN, *settings()]))
     told = _run(around, count, seed, options)
     for writes in WRITES.get(block, []):
         told += _run(around, count, seed, [*options, *writes, "alone=1"])

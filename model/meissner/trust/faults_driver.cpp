@@ -8,6 +8,7 @@
 //   idle=PORT:N  of one that listens to a line: a frame begins after N rows in which it is 1
 //   join=1       all pieces of the recording one after the other, where the longest has too few frames
 //   repeat=N     the recording N times, where it has too few frames
+//   slow=N       N rows without anything valid after each
 //   end=VALUE    of a stream out without `last`: what ends a frame
 //   packets=1    the stream out is packets: what a receiver makes of them, which leaves out those whose checksum is
 //                wrong and tells of them and of numbers that are left out; without numbers and times
@@ -19,11 +20,15 @@
 //   only=NAME    bits of state only whose names hold this
 //   phases=N     windows of up to N frames, which a fault may let begin in another frame
 //   kept=NAMES   what is written and then kept by design: an upset of it stays until it is written again
-//   late=NAME    of one that runs by itself: what counts the clocks to its next frame
+//   late=NAMES   of one that runs by itself: what counts the clocks to its next frame
 //   skip=KIND    no faults of this kind
 //   free=CLOCKS  the block runs by itself, its inputs as they were most of the recording; with part=N (of
 //                msn_pkg::adc_part_e), lanes=N a converter at its pins, whose codes follow from row, group and channel.
 //                Frames may then shift in time: each must be one of the undisturbed run's
+//   carrier=N    the codes are those of a carrier, a quarter of whose period is N words
+//   lead=ROWS    of one that runs by itself: that much of the recording first, which writes tables
+//   set=PORT:VALUE,..  these inputs at other values than those of the recording, in hexadecimal
+//   quiet=NAMES  streams out that give less than a few frames
 //
 // A stream into the block is NAME_valid_i with NAME_ready_o; out of it NAME_valid_o with NAME_ready_i. A beat of a
 // stream is offered until it is taken, so the recording waits for the block; streams out are stalled by chance.
@@ -36,6 +41,7 @@
 #include <iostream>
 #include <map>
 #include <random>
+#include <set>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -183,6 +189,24 @@ bool tells(const std::string &name) {
   return false;
 }
 
+// The names that an option lists.
+std::vector<std::string> names(const std::string &key) {
+  std::vector<std::string> found;
+  std::istringstream text(options[key]);
+  for (std::string name; std::getline(text, name, ',');) found.push_back(name);
+  return found;
+}
+// Does it hold one of these, of which "A&B" is A and B?
+bool holds(const std::string &text, const std::vector<std::string> &parts) {
+  for (const auto &part : parts) {
+    bool all = true;
+    std::istringstream both(part);
+    for (std::string one; std::getline(both, one, '&');) all &= text.find(one) != std::string::npos;
+    if (all) return true;
+  }
+  return false;
+}
+
 int find(const std::string &name) {
   const auto found = number.find(name);
   return found == number.end() ? -1 : found->second;
@@ -222,6 +246,8 @@ void sort_ports() {
           stream.restart = n;
           continue;
         }
+        if (!in && other.bits == 32 && tells(other.name)) continue;  // a counter beside the stream
+        if (!in && options.count("packets") && other.name != stem + "data_o") continue;  // bytes alone
         if (other.in == in && n != stream.valid && stem.size() > 1 && other.name.rfind(stem, 0) == 0) {
           stream.payload.push_back(n);
           used[n] = true;
@@ -280,7 +306,7 @@ void read(const char *path) {
   for (size_t p = 0; p < parts.size(); ++p) {
     size_t score = 0;
     for (size_t r = 1; r < parts[p].size(); ++r) {
-      if (sources.empty()) {
+      if (sources.empty() || options.count("free")) {
         score += parts[p][r] != parts[p][r - 1];
       } else {
         for (const auto &s : sources) score += parts[p][r][offset[s.valid]] & parts[p][r][offset[s.ready]];
@@ -306,7 +332,16 @@ void read(const char *path) {
     }
     if (reset_port >= 0) usual[offset[reset_port]] = 0;
     for (const auto &s : sources) usual[offset[s.valid]] = 0;
-    rows.assign(option("free", 1), usual);
+    for (const auto &row : parts[best]) {
+      if (static_cast<long>(rows.size()) >= option("lead", 0)) break;
+      if (reset_port < 0 || !row[offset[reset_port]]) rows.push_back(row);
+    }
+    rows.resize(option("free", 1), usual);
+    for (const auto &one : names("set")) {
+      const size_t colon = one.find(':');
+      const auto value = static_cast<uint32_t>(std::stoul(one.substr(colon + 1), nullptr, 16));
+      for (auto &row : rows) row[offset[find(one.substr(0, colon))]] = value;
+    }
     return;
   }
   // A short one goes on with those that follow it, each behind its reset.
@@ -336,6 +371,16 @@ void read(const char *path) {
     if (offered && !taken && !other) continue;  // only a stall: the block makes its own
     rows.push_back(row);
     if (rows.size() >= longest) break;
+  }
+  if (options.count("slow")) {
+    const auto fast = rows;
+    rows.clear();
+    for (auto row : fast) {
+      rows.push_back(row);
+      for (const auto &port : ports)
+        if (port.in && ends(port.name, "valid_i")) row[offset[find(port.name)]] = 0;
+      rows.insert(rows.end(), option("slow", 0), row);
+    }
   }
   const auto once = rows;
   for (long n = 1; n < option("repeat", 1); ++n) rows.insert(rows.end(), once.begin(), once.end());
@@ -375,8 +420,10 @@ struct Pins {
   std::vector<Converter> converters;
   int cs = find("adc_cs_n_o"), sclk = find("adc_sclk_o"), mosi = find("adc_mosi_o"), miso = find("adc_miso_i");
   int convst = find("adc_convst_o"), busy = find("adc_busy_i"), row = find("row_o"), group = find("group_o");
-  long part = option("part", 0), lanes = option("lanes", 1);
-  uint64_t row_now = 0;
+  long part = option("part", 0), lanes = option("lanes", 1), carrier = option("carrier", 0);
+  uint64_t row_now = 0, place_before = 0;
+  long words = 0;  // of the place
+  bool selected = false;
 
   Pins() {
     if (part && cs >= 0) converters.resize(ports[cs].bits);
@@ -387,11 +434,19 @@ struct Pins {
   void step(Model &model, bool hold, bool noise, bool over, long clock) {
     if (row >= 0 && model.word(row, 0)) row_now = model.word(row, 0);
     const uint64_t place = row_now * 64 + (group >= 0 ? model.word(group, 0) : 0);
+    const bool selects = !at(model, cs, 0);
+    if (place != place_before) words = 0;
+    words += selects && !selected;
+    place_before = place, selected = selects;
     uint32_t data = 0, held = 0;
     for (size_t lane = 0; lane < converters.size(); ++lane) {
       int32_t codes[8];
       // Not at the ends of the range, which would be over-range.
       for (int c = 0; c < 8; ++c) codes[c] = over ? 0xffff : 0x20 + static_cast<int32_t>(chance(place * 1000 + lane * 8 + c) % 0x90);
+      if (carrier) {
+        const int quarter = static_cast<int>(words / carrier % 4);
+        for (auto &code : codes) code = over ? code : 0x800 + 8 * code * (quarter == 0) - 8 * code * (quarter == 2);
+      }
       converters[lane].step(part, at(model, cs, lane), at(model, sclk, lane), at(model, mosi, lane), at(model, convst, lane),
                             codes);
       uint32_t bits = converters[lane].miso & ((1u << lanes) - 1);
@@ -431,7 +486,7 @@ struct Beat {
 struct Trace {
   std::vector<std::vector<Beat>> out;           // of each sink
   std::vector<std::pair<size_t, Words>> level;  // of each row, when there is no sink
-  Words flag;                                   // the flags' last values, and in how many clocks each was up
+  Words flag;                                   // the flags' last values, in how many clocks each was up, or how often a counter changed
   std::vector<size_t> row_of_clock;
   std::vector<size_t> restarts;                 // rows in which a follower was told to begin anew
   bool hung = false;
@@ -508,7 +563,7 @@ std::vector<Frame> frames_of(const std::vector<Beat> &beats, long *damaged = nul
 
 void play(Model &model, Trace &trace, const std::vector<Cell> *cells, const Fault &fault, uint64_t seed, bool reset) {
   trace.out.resize(sinks.size());
-  std::vector<uint32_t> up(flags.size());
+  std::vector<uint32_t> up(flags.size()), before(flags.size());
   long clock = 0;
   if (reset && reset_port >= 0) {
     model.low();
@@ -588,9 +643,9 @@ void play(Model &model, Trace &trace, const std::vector<Cell> *cells, const Faul
         if (sinks[s].restart >= 0 && model.bit(sinks[s].restart)) trace.restarts.push_back(r);
       }
       for (size_t f = 0; f < flags.size(); ++f) {
-        bool any = false;
-        for (int w = 0; w < (ports[flags[f]].bits + 31) / 32; ++w) any |= model.word(flags[f], w) != 0;
-        up[f] += any;
+        const bool counts = ports[flags[f]].bits > 1;
+        up[f] += counts ? model.word(flags[f], 0) != before[f] : model.bit(flags[f]);
+        before[f] = model.word(flags[f], 0);
       }
       if (sinks.empty() && !again && (strobe < 0 || model.bit(strobe))) {
         Words words;
@@ -617,9 +672,27 @@ void play(Model &model, Trace &trace, const std::vector<Cell> *cells, const Faul
     trace.flag.push_back(static_cast<uint32_t>(damaged));
   }
   for (size_t f = 0; f < flags.size(); ++f) {
-    trace.flag.push_back(ports[flags[f]].bits == 1 ? up[f] : 0);
+    trace.flag.push_back(up[f]);
     for (int w = 0; w < (ports[flags[f]].bits + 31) / 32; ++w) trace.flag.push_back(model.word(flags[f], w));
   }
+}
+
+constexpr size_t kFew = 3;  // fewer frames than these show nothing
+// Frames of the stream that gives fewest from this row on; of outputs of no stream, their changes.
+size_t fewest(const Trace &trace, size_t from) {
+  const auto quiet = names("quiet");
+  size_t least = SIZE_MAX;
+  for (size_t s = 0; s < sinks.size(); ++s) {
+    if (std::find(quiet.begin(), quiet.end(), sinks[s].name) != quiet.end()) continue;
+    const auto frames = frames_of(trace.out[s]);
+    least = std::min<size_t>(least, std::count_if(frames.begin(), frames.end(), [&](auto &f) { return f.row >= from; }));
+  }
+  if (sinks.empty()) {
+    least = 0;
+    for (size_t n = 1; n < trace.level.size(); ++n)
+      least += trace.level[n].first >= from && trace.level[n].second != trace.level[n - 1].second;
+  }
+  return least;
 }
 
 // Does every frame of ``bad`` that begins at ``from`` or later occur in ``good``, and is there one?
@@ -732,6 +805,20 @@ int main(int argc, char **argv) {
     std::printf("# rows %zu clocks %zu sources %zu sinks %zu beats %zu cells %zu state %zu variables %zu flags %zu hung %d\n",
                 rows.size(), golden.row_of_clock.size(), sources.size(), sinks.size(), beats, cells.size(), state.size(),
                 per.size(), flags.size(), golden.hung);
+    for (size_t s = 0; s < sinks.size(); ++s) {
+      const auto frames = frames_of(golden.out[s]);
+      std::set<std::vector<Words>> kinds_of;
+      for (const auto &frame : frames) kinds_of.insert(frame.words);
+      std::printf("# %s gives %zu beats, %zu frames, %zu of them different\n", sinks[s].name.c_str(), golden.out[s].size(),
+                  frames.size(), kinds_of.size());
+    }
+    if (golden.hung) std::cerr << "it stands still without a fault\n", std::exit(3);
+    if (fewest(golden, 0) < kFew) {
+      std::cerr << "too few frames to compare:";
+      for (size_t s = 0; s < sinks.size(); ++s) std::cerr << " " << sinks[s].name << " " << frames_of(golden.out[s]).size();
+      std::cerr << "\n";
+      std::exit(3);
+    }
   }
 
   // Where a frame begins: at the row after one whose first source gave its last beat.
@@ -772,7 +859,10 @@ int main(int argc, char **argv) {
     if (cells[c].name.find(options["only"]) != std::string::npos) (cells[c].memory ? memory : registers).push_back(c);
   const long clocks = static_cast<long>(golden.row_of_clock.size());
   long last_clock = 0;  // the latest at which enough frames follow
-  const size_t after = begins.size() > settle + 3 ? begins[begins.size() - settle - 3] : 0;
+  size_t last_frame = begins.size() > settle + 3 ? begins.size() - settle - 3 : 0;
+  // What recovers must be seen to: frames come out from there on.
+  while (!options.count("free") && !sinks.empty() && last_frame && fewest(golden, begins[last_frame + settle]) < kFew) --last_frame;
+  const size_t after = last_frame ? begins[last_frame] : 0;
   while (last_clock < clocks && golden.row_of_clock[last_clock] < after) ++last_clock;
   long interval = 1;  // clocks of the longest frame, where they come by themselves
   if (options.count("free")) {
@@ -854,10 +944,9 @@ int main(int argc, char **argv) {
     rows = whole;
   }
 
-  std::vector<std::string> kept;  // names of what is meant to be kept
-  std::istringstream names(options["kept"]);
-  for (std::string name; std::getline(names, name, ',');) kept.push_back(name);
+  auto kept = names("kept");  // what is meant to be kept
   if (options["kept"] == "all") kept = {""};
+  const auto late = names("late");
 
   for (const auto &fault : faults) {
     Model model;
@@ -903,12 +992,11 @@ int main(int argc, char **argv) {
       if (right) outcome = same(trace, golden) ? (flagged ? "detected" : "masked") : flagged ? "detected" : "recovered";
       else if (flagged && !trace.hung && fault.kind != kWrite) outcome = "told";
       // A count of clocks to the next frame that was made longer: none has come, and none that is wrong.
-      if (!right && free && fault.kind == kBit && options.count("late") && outcome == "silent" &&
-          cell.name.find(options["late"]) != std::string::npos) {
-        bool all = true;
+      if (!right && free && fault.kind == kBit && outcome == "silent" && holds(cell.name, late)) {
+        bool all = true;  // streams
         for (size_t s = 0; s < sinks.size(); ++s) {
           bool none = false;
-          all &= among(trace.out[s], golden.out[s], fault.clock + static_cast<long>(settle) * interval, &none) && none;
+          all &= among(trace.out[s], golden.out[s], fault.clock + static_cast<long>(settle) * interval, &none);
         }
         if (all) outcome = "late";
       }
@@ -921,9 +1009,7 @@ int main(int argc, char **argv) {
         // What not even a reset and all that follows it drives is a constant that this build keeps in a variable.
         if (!healed && fault.kind == kBit && !cell.memory && ((*cell.byte & cell.mask) != 0) != level) outcome = "constant";
         if (!healed) what += ", and not after a reset";
-        for (const auto &name : kept)
-          if (healed && outcome == "silent" && fault.kind == kBit && here[fault.cell].name.find(name) != std::string::npos)
-            outcome = "kept";
+        if (healed && outcome == "silent" && fault.kind == kBit && holds(cell.name, kept)) outcome = "kept";
       }
     }
     std::printf("%s %s %ld %s %s\n", kinds[fault.kind], fault.kind == kBit ? here[fault.cell].name.c_str() : "-",
