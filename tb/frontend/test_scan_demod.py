@@ -148,7 +148,8 @@ def check(twin, matrices, beats, count):
 
 @cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
 async def counts_over_the_whole_width(dut):
-    await bench.turn_over(dut, "dropped_o", "overrun_o", "held_o", "lost_o", "out_frame_o", wraps=False)
+    counters = ("dropped_o", "overrun_o", "held_o", "lost_o")
+    await bench.turn_over(dut, *counters, beside=["out_frame_o"], wraps=False)
 
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
