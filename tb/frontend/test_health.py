@@ -226,6 +226,34 @@ async def limits_of_every_size(dut):
     listener.cancel()
 
 
+@cocotb.test(timeout_time=40, timeout_unit="ms")
+async def limits_that_counters_come_by(dut):
+    """Small counts, with single bits set, and jumps from the first frame on: each count is met one by one."""
+    rng = np.random.default_rng(bench.SEED)
+    twin, events, listener = await begin(dut, Limits(**QUICK))
+    if not 4 < twin.rows * twin.columns < 50:
+        return
+    for rail, blink, still in ((2, 17, 8), (1, 2, 16), (3, 33, 3), (6, 16, 11), (4, 48, 2)):
+        limits = Limits(**QUICK | {"rail": rail, "blink": blink, "still": still}, user=True)
+        for name, value in registers_of(dut, limits).items():
+            getattr(dut, name).value = value
+        await bench.reset(dut)
+        events.clear()
+        twin = twin_of(dut, limits)
+        frames = 120
+        # Alone in blinking fields; those around move up and down together.
+        x = np.cumsum(rng.choice([0, 0, 9, -9], (frames, 1, twin.columns)), axis=0)
+        x = x + rng.integers(-2, 3, (frames, twin.rows, twin.columns))
+        x[:, rng.random((twin.rows, twin.columns)) < 0.3] //= 8
+        jumps = rng.random((twin.rows, twin.columns)) < 0.3
+        x = np.where(jumps, rng.choice([0, 31, 60], x.shape) * (rng.random(x.shape) < 0.7), x)
+        over = rng.random((twin.rows, twin.columns)) < 0.3
+        beats = bench.lane_beats(x, twin.lanes, twin.sample_bits, user=np.broadcast_to(over, x.shape))
+        await agrees(dut, twin, beats, events)
+        assert twin.railed and (twin.blinking or twin.dead)
+    listener.cancel()
+
+
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def a_rail_counts_to_its_end_and_stays(dut):
     """Over-range for longer than can be asked for, and for as long as can be; afterwards from 0 again."""

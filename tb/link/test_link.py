@@ -3,36 +3,26 @@ of both lines: all at full load, no slip event lost, every image whole, accesses
 clocks from an event to the line's first edge. Without a line: packets byte by byte, the host's bus straight
 through."""
 
-from itertools import pairwise
-
 import cocotb
 import numpy as np
 import pytest
 
 import bench
+from link import test_packet as packet
 from link.test_bridge import Registers
-from link.test_packet import INPUTS, Cop, Health, Image, Slip, check_images, subsequence
 from meissner.link import packet as p
 from meissner.link.bridge import BUS_ERROR, DONE, NO_ANSWER, READ, WRITE, command
-from meissner.link.cobs import encode
-from meissner.link.decoder import Decoder
-from meissner.link.link import bytes_of, line_of, packets_of
+from meissner.link.link import line_of, packets_of
 from meissner.link.uart_tx import levels
 
 CLK, BAUD, TAXELS, CHUNK = 12_000_000, 3_000_000, 36, 16
 HOST = ("host_valid", "host_write", "host_address", "host_data", "host_strobe")
-PORTS = [name for name in INPUTS if not name.startswith("answer")]
 
 
-async def begin(dut, rng):
-    ports = {f"{name}_i": 0 for name in (*PORTS, "bus_done", "bus_error", "bus_data", *HOST)}
-    await bench.start(dut, rx_i=1, **ports)
-    return [
-        Slip(dut, rng, "slip", 0.0003),
-        Cop(dut, rng, "cop", 0.02),
-        Health(dut, rng, "health", 0.01),
-        Image(dut, rng, 1.0, TAXELS),
-    ]
+async def begin(dut, rates, ready=lambda: True):
+    """The bench of msn_packet's test; nobody asks for registers."""
+    rest = {f"{name}_i": 0 for name in ("bus_done", "bus_error", "bus_data", *HOST)}
+    return await packet.begin(dut, np.random.default_rng(bench.SEED), rates, ready, rx_i=1, **rest)
 
 
 @cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
@@ -52,8 +42,9 @@ async def rests_in_reset_whatever_comes(dut):
 async def full_load_and_registers(dut):
     if not dut.Uart.value.to_unsigned():
         return
-    rng = np.random.default_rng(bench.SEED)
-    sources, registers = await begin(dut, rng), Registers(dut)
+    rates = {"slip": 0.0006, "cop": 0.02, "health": 0.01, "image": 1.0}
+    _, sources, counters = await begin(dut, rates)
+    registers = Registers(dut)
     asked = [(WRITE, 1, 0x10, 0x1234), (READ, 2, 0x10, 0), (READ, 3, 0x804, 0), (READ, 4, 0, 0)]
     wait = [1] * 7000
     rx = [1] * 400 + [level for ask in asked for level in levels(command(*ask), CLK, BAUD) + wait]
@@ -61,30 +52,24 @@ async def full_load_and_registers(dut):
     for clock, level in enumerate(rx + [1] * 20_000):
         dut.rx_i.value, dut.now_i.value = level, bench.time(clock)
         registers.before()
-        for source in sources:
+        if clock == len(rx) // 2:
+            sources["cop"].rate = 0  # health comes to its turn
+        for source in sources.values():
             if clock == len(rx):
                 source.rate = 0
             source.before(clock)
         await bench.ReadOnly()
         line.append(bench.read(dut.tx_o))
         registers.after()
-        for source in sources:
+        for source in sources.values():
             source.after()
         await bench.RisingEdge(dut.clk_i)
     got, decoder = packets_of(line, CLK, BAUD)
     assert (decoder.damaged, decoder.missed) == (0, 0)
     assert bench.read(dut.packets_o) == len(got)
-    of_kind = {kind: [q for q in got if q.kind == kind] for kind in (p.SLIP, p.COP, p.IMAGE, p.ANSWER)}
-    slip, cop, _, image = sources
-    assert [(q.time, q.payload) for q in of_kind[p.SLIP]] == slip.sent
-    assert len(slip.sent) > 10
-    assert subsequence([(q.time, q.payload) for q in of_kind[p.COP]], cop.sent)
-
-    class Test:
-        pass
-
-    Test.dut = dut
-    check_images(Test, image, of_kind[p.IMAGE], {"Taxels": TAXELS, "Chunk": CHUNK})
+    of_kind = packet.check(dut, got, sources, counters, packet.parameters(dut))
+    assert set(of_kind) == {p.SLIP, p.COP, p.IMAGE, p.HEALTH, p.STATISTIC, p.ANSWER}
+    assert len(of_kind[p.SLIP]) > 5 and len(of_kind[p.HEALTH]) > 2
     assert bench.read(dut.image_dropped_o) > 0
     answers = [tuple(q.fields.values()) for q in of_kind[p.ANSWER]]
     absent = [address ^ 0x5A5A0000 for address in (0x804, 0)]
@@ -102,7 +87,7 @@ async def commands_of_every_bit_on_a_quiet_line(dut):
     """Writes and reads, errors, no answer of the bus, and a command that is spoilt on its way."""
     if not dut.Uart.value.to_unsigned():
         return
-    await begin(dut, np.random.default_rng(bench.SEED))
+    await begin(dut, {})
     registers = Registers(dut)
     asked = [(WRITE, 0x55, 0x2AA, 0x5555_5555), (WRITE, 0xAA, 0x155, 0xAAAA_AAAA)]
     asked += [(READ, 0xFF, 0x2AA, 0), (READ, 0, 0x155, 0), (READ, 1, 0xBFC, 0), (READ, 2, 0x400, 0)]
@@ -120,7 +105,7 @@ async def commands_of_every_bit_on_a_quiet_line(dut):
         await bench.RisingEdge(dut.clk_i)
     got, decoder = packets_of(line, CLK, BAUD)
     assert (decoder.damaged, decoder.missed) == (0, 0)
-    answers = [tuple(q.fields.values()) for q in got]
+    answers = [tuple(q.fields.values()) for q in got if q.kind == p.ANSWER]
     assert answers.pop(5)[:3] == (2, NO_ANSWER, 0x400)
     assert answers == [
         (0x55, DONE, 0x2AA, 0x5555_5555),
@@ -138,8 +123,7 @@ async def first_edge_of_an_event(dut):
     """An idle line falls 4 clocks after the event was taken, and the packet follows without a gap."""
     if not dut.Uart.value.to_unsigned():
         return
-    rng = np.random.default_rng(bench.SEED)
-    slip = (await begin(dut, rng))[0]
+    slip = (await begin(dut, {}))[1]["slip"]
     await bench.clocks(dut, 2)
     for _ in range(3):
         slip.sent.clear()
@@ -164,35 +148,26 @@ async def first_edge_of_an_event(dut):
 async def without_a_line_packets_are_bytes(dut, rate):
     if dut.Uart.value.to_unsigned():
         return
-    rng = np.random.default_rng(bench.SEED)
-    sources, stall = await begin(dut, rng), bench.pauses(rate)
-    sources[0].rate = 0.02  # while the line stalls more than it has a place for
-    found, packets = [], []
-    for clock in range(12_000):
-        if clock == 9_000:
-            for source in sources:
-                source.rate = 0
-        for source in sources:
-            source.before(clock)
-        ready = not stall()
-        dut.now_i.value, dut.out_ready_i.value, dut.rx_i.value = bench.time(clock), ready, clock & 1
-        await bench.ReadOnly()
-        assert bench.read(dut.tx_o) == 1
-        if ready and dut.out_valid_o.value == 1:
-            found.append((bench.read(dut.out_data_o), bool(bench.read(dut.out_last_o))))
-        for source in sources:
-            source.after()
-        await bench.RisingEdge(dut.clk_i)
-    ends = [0, *(n + 1 for n, (_, last) in enumerate(found) if last)]
-    raw = [bytes(byte for byte, _ in found[a:b]) for a, b in pairwise(ends)]
-    decoder = Decoder()
-    for data in raw:
-        packets += decoder.next(encode(data))
-    assert (decoder.damaged, decoder.missed) == (0, 0)
-    assert found == bytes_of(p.packet(q.kind, q.number, q.time, q.payload) for q in packets)
-    assert bench.read(dut.packets_o) == len(packets) > 20
-    assert [(q.time, q.payload) for q in packets if q.kind == p.SLIP] == sources[0].sent
-    assert not [q for q in packets if q.kind == p.ANSWER]
+    rates = {"slip": 0.02, "cop": 0.02, "health": 0.01, "image": 1.0}  # more events than the line takes
+    stall = bench.pauses(rate)
+    test, sources, counters = await begin(dut, rates, lambda: not stall())
+
+    async def line():
+        """Nothing comes of the line, nor goes there."""
+        while True:
+            dut.rx_i.value = not dut.rx_i.value
+            await bench.RisingEdge(dut.clk_i)
+            assert dut.tx_o.value == 1
+
+    watching = cocotb.start_soon(line())
+    await test.run(9_000)
+    await test.run(3_000, quiet=True)
+    while test.bytes:  # a statistic under way
+        await test.run(1, quiet=True)
+    watching.cancel()
+    of_kind = packet.check(dut, test.decoded(), sources, counters, packet.parameters(dut))
+    assert set(of_kind) == {p.SLIP, p.COP, p.IMAGE, p.HEALTH, p.STATISTIC}
+    assert bench.read(dut.packets_o) == len(test.packets) > 20
     assert bench.read(dut.rejected_o) == 0
 
 
@@ -200,7 +175,7 @@ async def without_a_line_packets_are_bytes(dut, rate):
 async def without_a_line_the_bus_is_the_hosts(dut):
     """Both ways in the same clock; with a line the host's side is dead."""
     rng = np.random.default_rng(bench.SEED)
-    await begin(dut, rng)
+    await begin(dut, {})
     uart = dut.Uart.value.to_unsigned()
     widths = {"valid": 1, "write": 1, "address": 12, "data": 32, "strobe": 4}
     for _ in range(50):
@@ -229,7 +204,8 @@ def test_link(uart):
         "BaudHz": BAUD,
         "TimeoutClocks": 500,
         "SlipDepth": 4,
-        "Statistics": 0,
+        "Statistics": 3,
+        "StatisticBits": 12 if uart else 10,
         "Taxels": TAXELS,
         "Chunk": CHUNK,
     }

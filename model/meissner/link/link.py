@@ -11,11 +11,6 @@ def line_of(packets, clk_hz=25_000_000, baud_hz=3_000_000):
     return levels(b"".join(map(encode, packets)), clk_hz, baud_hz)
 
 
-def bytes_of(packets):
-    """(byte, last) of packets as they leave without a line, Uart = 0."""
-    return [(byte, place == len(data) - 1) for data in packets for place, byte in enumerate(data)]
-
-
 def packets_of(line, clk_hz=25_000_000, baud_hz=3_000_000):
     """(packets, the decoder that read them) of the levels of a line that rests at its start."""
     decoder = Decoder()

@@ -8,6 +8,7 @@ from collections import defaultdict
 
 from meissner.trust import circuit as netlist
 from meissner.trust.aig import FALSE, TRUE, Aig, write
+from meissner.trust.clauses import Clauses
 from meissner.trust.mutate import INNER
 from meissner.trust.two_copies import masked_by
 from meissner.yowasp import ROOT, yosys
@@ -77,6 +78,18 @@ def miter(circuit, number, frames=None, wrong=None):
     if wrong:
         return graph, latches, wrong(graph, now, known["a"], known["b"])
     return graph, latches, outputs_apart(circuit, graph, known["a"], known["b"])
+
+
+def idle(circuit, number):
+    """Whether mutant ``number`` changes no register and no output that counts, whatever it holds and gets."""
+    graph = Aig()
+    given = {bit: graph.input() for (name, _), bit in circuit.inputs.items() if name != "mutsel"}
+    given |= {bit: graph.input() for bit in circuit.registers}
+    block, mutant = (circuit.build(graph, given | select(circuit, chosen)) for chosen in (0, number))
+    bad = [graph.differ(block[after], mutant[after]) for after in circuit.registers.values()]
+    bad = graph.any([*bad, outputs_apart(circuit, graph, block, mutant)])
+    clauses = Clauses(graph)
+    return bad == FALSE or not clauses.solve([clauses.literal(bad)])
 
 
 def outputs_apart(circuit, graph, block, mutant):

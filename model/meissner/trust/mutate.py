@@ -11,10 +11,12 @@ import re
 from dataclasses import dataclass, field
 
 from meissner import toolchain
-from meissner.yowasp import ROOT, yosys
+from meissner.yowasp import ROOT, chparam, yosys
 
 INNER = "mutated"  # the block's module in the netlist
+BITS = r"(?:signed )?(?:\[\d+:0\] )?"
 CLOCKS = ("CLK", "RD_CLK", "WR_CLK", "clk_i")
+UNREAD = re.compile(r"\\?(.*\.)?unused_")
 SYNTHESIS = "proc; opt_expr; opt_clean; opt -keepdc; wreduce -keepdc; memory_dff; opt_clean; memory_collect"
 SYNTHESIS += "; opt -keepdc -fast; opt_clean"
 
@@ -43,10 +45,10 @@ def tests_of(run):
 
 
 def _listed(text):
-    """Mutants of what `mutate -list` wrote, without those of clocks."""
+    """Mutants of what `mutate -list` wrote, without those of clocks and of wires that nobody reads."""
     for line in text.splitlines():
         option = dict(re.findall(r"-(mode|cell|port|portbit|ctrlbit|wire|wirebit) (\S+)", line))
-        if option["port"].lstrip("\\") in CLOCKS:
+        if option["port"].lstrip("\\") in CLOCKS or UNREAD.match(option.get("wire", "")):
             continue
         lines = dict.fromkeys(re.findall(r"(\w+\.sv):(\d+)", line))
         source = " ".join(f"{name}:{at}" for name, at in lines)
@@ -57,6 +59,24 @@ def _listed(text):
         yield what, source, line
 
 
+def _seen_inside(run, folder):
+    """The wrapper's copies of those signals inside the block that its tests name."""
+    module = (
+        (ROOT / folder / "mutated.v")
+        .read_text()
+        .partition(f"\nmodule {INNER}(")[2]
+        .partition("\nendmodule")[0]
+    )
+    named = sorted(set(re.findall(r"\bdut\.(\w+)", tests_of(run).read_text())))
+    ports = re.findall(rf"^  (?:in|out)put {BITS}(\w+);", module, re.MULTILINE)
+    wires = {name: bits for bits, name in re.findall(rf"^  (?:wire|reg) ({BITS})(\w+);", module, re.M)}
+    return "".join(
+        f"  logic {wires[name]}{name};\n  assign {name} = u_mutated.{name};\n"
+        for name in named
+        if name in wires and name not in ports
+    )
+
+
 def netlist(run, count, seed, folder):
     """Write the netlist of ``run`` (an entry of benches.runs) with at most ``count`` mutants into ``folder``.
 
@@ -65,15 +85,20 @@ def netlist(run, count, seed, folder):
     block = f"msn_{run['block']}"
     (ROOT / folder).mkdir(parents=True, exist_ok=True)
     sources = [str(path.relative_to(ROOT)) for path in toolchain.sources_of(block)]
-    values = "".join(f" -chparam {name} {value}" for name, value in run["parameters"].items())
     yosys(
-        f"read_verilog -sv {' '.join(sources)}; hierarchy -check -top {block}{values}; rename -top {INNER}; "
-        f"{SYNTHESIS}; write_rtlil {folder}/plain.il; "
-        # More than wanted, as some are of clocks; several at one place are thinned by Yosys itself.
-        f"mutate -list {count + count // 4 + 8} -seed {seed} -o {folder}/listed {INNER}",
+        f"read_verilog -sv {' '.join(sources)}; {chparam(block, run['parameters'])}"
+        f"hierarchy -check -top {block}; rename -top {INNER}; {SYNTHESIS}; write_rtlil {folder}/plain.il",
         f"{folder}/read.log",
     )
-    listed = list(_listed((ROOT / folder / "listed").read_text()))[:count]
+    # More than wanted, as some are of clocks; several at one place are thinned by Yosys itself.
+    for more in (count + count // 4 + 8, 4 * count):
+        yosys(
+            f"read_rtlil {folder}/plain.il; mutate -list {more} -seed {seed} -o {folder}/listed {INNER}",
+            f"{folder}/list.log",
+        )
+        listed = list(_listed((ROOT / folder / "listed").read_text()))[:count]
+        if len(listed) == count:
+            break
     width = len(listed).bit_length()
     mutants = [Mutant(n, *entry) for n, entry in enumerate(listed, 1)]
     for mutant in mutants:
@@ -87,6 +112,6 @@ def netlist(run, count, seed, folder):
     )
     text = source_of(run["block"]).read_text()
     header = re.search(rf"^module {block}\b.*?^\);", text, re.DOTALL | re.MULTILINE).group()
-    inner = f"  logic [{width - 1}:0] mutsel;\n  {INNER} u_mutated (.*);\n"
+    inner = f"  logic [{width - 1}:0] mutsel;\n  {INNER} u_mutated (.*);\n{_seen_inside(run, folder)}"
     (ROOT / folder / "wrapper.sv").write_text(f"{header}\n\n{inner}\nendmodule\n")
     return mutants

@@ -8,8 +8,9 @@ from cocotb_tools.runner import Verilator
 from meissner import toolchain
 from meissner.yowasp import ROOT
 
-# What Yosys writes is no house style; a mutant may close a combinational loop.
-FLAGS = ("-Wno-lint", "-Wno-style", "-Wno-UNOPTFLAT", "-Wno-MULTIDRIVEN", "-Wno-ALWCOMBORDER")
+# What Yosys writes is no house style; a mutant may close a combinational loop. In a block that is inlined
+# registers that are outputs would begin with zeros, whatever was asked, where their net is mutated.
+FLAGS = ("-fno-inline", "-Wno-lint", "-Wno-style", "-Wno-UNOPTFLAT", "-Wno-MULTIDRIVEN", "-Wno-ALWCOMBORDER")
 PUBLIC = """`verilator_config
 public_flat_rw -module "{top}" -var "*"
 """
