@@ -71,11 +71,8 @@ def one_set(runs, number, count, options):
         if alive and COUNTS in mutate.tests_of(runs[0]).read_text():
             simulate.judge(runs[0] | {"test_filter": COUNTS}, alive, folder, options.jobs, powerup=powerup)
             alive = [mutant for mutant in alive if mutant.verdict == "survived"]
-    if options.unsolved:
-        for mutant in alive:
-            mutant.verdict = "not asked"
-    elif alive:
-        equivalence.classify(alive, folder, block)
+    if alive:
+        equivalence.classify(alive, folder, block, briefly=options.unsolved)
     return mutants, seconds
 
 
@@ -192,7 +189,7 @@ def main():
     parser.add_argument("--seed", type=int, default=1, help="of Yosys's choice of mutants")
     parser.add_argument("--jobs", type=int, default=2, help="mutants that run at a time")
     parser.add_argument("--limit", type=float, default=5, help="seconds of a set's tests, else passed over")
-    parser.add_argument("--unsolved", action="store_true", help="do not ask the solver of what survives")
+    parser.add_argument("--unsolved", action="store_true", help="ask the solver of a single clock only")
     parser.add_argument(
         "--record", action="store_true", help="write docs/trust/mutants.json and docs/mutants.md"
     )

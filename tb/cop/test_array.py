@@ -389,6 +389,40 @@ async def a_taxel_over_range_is_told_and_counts_in_nothing(dut):
     )
 
 
+@cocotb.test(timeout_time=200, timeout_unit="ms")
+@cocotb.parametrize(low=[0x2AA, 0x555])
+async def a_taxel_at_a_limit_is_told(dut, low):
+    """Both limits, of every bit: at a limit, and beside it."""
+    if number(dut, "Rows") * number(dut, "Columns") != 4 or number(dut, "Demod"):
+        return  # as above
+    high = low ^ 0xFFF
+    limits = Limits(low=low, high=high, user=False, rail=1, edges=False)
+    twin, matrix, _ = await begin(dut, limits)
+    matrix.zero = np.array([[high - 1, high], [low, low + 1]])
+    out, _ = await results(dut, matrix, twin, 20, press=0)
+    expected = [tuple(map(int, values)) for values in zip(*twin.next(*matrix.samples(len(out))))]
+    assert [values[1:] for values in out] == expected
+    assert twin.health.railed == bench.read(dut.railed_o) == 2
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+@cocotb.parametrize(settle=[0x5555, 0xAAAA])
+async def the_lines_settle_as_long_as_asked(dut, settle):
+    if number(dut, "Rows") * number(dut, "Columns") != 4 or number(dut, "Demod"):
+        return  # as above
+    await begin(dut, load=False)
+    dut.cfg_settle_i.value, dut.cfg_enable_i.value = settle, 1
+    await bench.clocks(dut, 2)
+    while not bench.read(dut.row_o):
+        await FallingEdge(dut.clk_i)
+    clocks = 0
+    while not dut.convert_o.value:
+        await FallingEdge(dut.clk_i)
+        clocks += 1
+    assert clocks == settle
+    await bench.clocks(dut, 4000)  # until the converter rests
+
+
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def slip_rounds_by_themselves_go_their_own_way(dut):
     """So close that no frame finds a place between them: each with its number and its time.
@@ -519,8 +553,11 @@ async def the_smallest_arrays_faults_and_counters(dut):
     twin.health.clear()
     dut.cfg_force_i.value = 0
     await pulse("clear", "tare")
+    await bench.clocks(dut, 2)
+    assert counter("taring") == 1
     twin.tare.tare()
     await stage(900, 900, 700)
+    assert counter("taring") == 0
     assert (out, tapped) == (expected, images)
     assert (counter("dead"), counter("blinking")) == (0, 0)
     assert (counter("tared"), counter("refused")) == (1, 1) == (twin.tare.tared, twin.tare.refused)
@@ -547,6 +584,12 @@ async def the_smallest_arrays_faults_and_counters(dut):
     dut.cfg_period_i.value = 1
     given = len(out)
     await stage(*[0] * 8, ready=False)
+    dut.cfg_pending_i.value = 1  # settings wait for the results too
+    await bench.clocks(dut, quiet)
+    assert counter("commit") == 0
+    await run()
+    assert counter("commit") == 1
+    dut.cfg_pending_i.value = 0
     await stage(0)
     assert counter("dropped") > 2 and counter("overrun") > 100
     assert len(out) - given + counter("dropped") == 9

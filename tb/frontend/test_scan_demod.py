@@ -83,15 +83,19 @@ async def begin(dut, settle=3, **others):
 
 
 async def frames(dut, count, stalls=None):
-    """Beats of ``count`` frames, [(clock, data, id, last, user, frame, time)], and the clocks of the convert
-    starts."""
+    """Beats of ``count`` frames, [(clock, data, id, last, user, frame, time)], clocks of the convert starts
+    and those in which the lines changed."""
     beats, converts, clock, ends = [], [], 0, 0
+    changes, lines = [], None
     while ends < count:
         ready = not (stalls and stalls())
         dut.out_ready_i.value, dut.now_i.value = int(ready), bench.time(clock)
         await ReadOnly()
         if dut.convert_o.value == 1:
             converts.append(clock)
+        if (now := (bench.read(dut.row_o), bench.read(dut.group_o))) != lines:
+            changes.append(clock)
+            lines = now
         if ready and dut.out_valid_o.value == 1:
             fields = ("data", "id", "last", "user", "frame", "time")
             beat = [bench.read(getattr(dut, f"out_{name}_o")) for name in fields]
@@ -99,7 +103,7 @@ async def frames(dut, count, stalls=None):
             ends += beat[2]
         await RisingEdge(dut.clk_i)
         clock += 1
-    return beats, converts
+    return beats, converts, changes
 
 
 def bursts(twin, matrices, count):
@@ -144,7 +148,8 @@ def check(twin, matrices, beats, count):
 
 @cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
 async def counts_over_the_whole_width(dut):
-    await bench.turn_over(dut, "dropped_o", "overrun_o", "held_o", "lost_o", wraps=False)
+    counters = ("dropped_o", "overrun_o", "held_o", "lost_o")
+    await bench.turn_over(dut, *counters, beside=["out_frame_o"], wraps=False)
 
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
@@ -155,7 +160,7 @@ async def rests_in_reset_whatever_comes(dut):
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def gives_the_amplitudes_of_the_codes_at_the_pins(dut):
     twin, matrices, _ = await begin(dut)
-    beats, _ = await frames(dut, 2)
+    beats, *_ = await frames(dut, 2)
     check(twin, matrices, beats, 2)
     assert not any(beat[4] for beat in beats)
 
@@ -164,11 +169,14 @@ async def gives_the_amplitudes_of_the_codes_at_the_pins(dut):
 @cocotb.parametrize(settle=(0, 255))
 async def takes_the_clocks_of_the_model(dut, settle):
     twin, matrices, _ = await begin(dut, settle)
-    beats, converts = await frames(dut, 2)
+    beats, converts, changes = await frames(dut, 2)
     check(twin, matrices, beats, 2)
     steps = twin.latency(settle)
     size, places = twin.rows * twin.columns, twin.rows * twin.scan.groups
     starts = converts[:: twin.count]
+    # The lines have rested for as long as they are to settle.
+    rests = [start - max(change for change in changes if change <= start) for start in starts]
+    assert rests == [settle + 1] * len(starts)
     for start in range(0, places * twin.count, twin.count):
         assert set(np.diff(converts[start : start + twin.count])) <= {twin.sample_period}
     assert np.diff(starts[:places]).tolist() == [steps["slot"]] * (places - 1)
@@ -184,7 +192,7 @@ async def takes_the_clocks_of_the_model(dut, settle):
 @cocotb.test(timeout_time=40, timeout_unit="ms")
 async def frames_are_whole_under_stalls(dut):
     twin, matrices, _ = await begin(dut)
-    beats, _ = await frames(dut, 3, bench.pauses(0.7))
+    beats, *_ = await frames(dut, 3, bench.pauses(0.7))
     check(twin, matrices, beats, 3)
 
 
@@ -205,7 +213,7 @@ async def marks_over_range(dut):
     _, matrices, _ = await begin(dut)
     for matrix in matrices:
         matrix.over = True
-    beats, _ = await frames(dut, 1)
+    beats, *_ = await frames(dut, 1)
     assert all(beat[4] for beat in beats) and not any(beat[1] for beat in beats)
 
 
@@ -216,7 +224,7 @@ async def a_lost_conversion_spoils_its_place_alone(dut):
     matrix = matrices[-1]
     at = 2 * (twin.count + twin.count // 2) + 1  # the word that answers
     parts[-1].spoil = lambda answer: answer ^ 0x5000 if len(matrix.taken) == at else answer
-    beats, _ = await frames(dut, 3)
+    beats, *_ = await frames(dut, 3)
     size = twin.rows * twin.columns
     assert [beat[2] for beat in beats] == [*range(size)] * 3
     # The second place of the scan: as many taxels as there are converters, or what is left of the row.
@@ -245,7 +253,7 @@ async def a_reset_in_a_burst_leaves_nothing_behind(dut):
     for part, matrix in zip(parts, matrices):
         matrix.taken.clear()
         part.report = part.fail
-    beats, _ = await frames(dut, 1)
+    beats, *_ = await frames(dut, 1)
     check(twin, matrices, beats, 1)
 
 

@@ -162,6 +162,22 @@ async def matches_model(dut):
         await RisingEdge(dut.clk_i)
 
 
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def a_period_of_many_clocks_is_exact(dut):
+    """With a bit set that the other tests' periods have not, in one of the builds, as it takes its time."""
+    plan = twin_of(dut)
+    if (plan.rows, plan.columns) != (5, 24):
+        return
+    settings = Settings(settle=0, period=(1 << 19) + 5, region=Region(0, 0, 0, 0))
+    await begin(dut, plan, settings)
+    dut.cfg_enable_i.value = 1
+    [first], _ = await watch(dut, 100)
+    await bench.clocks(dut, settings.period - 100)
+    [second], _ = await watch(dut, 100)
+    assert first == second
+    assert bench.read(dut.overrun_o) == 0
+
+
 @cocotb.test(timeout_time=100, timeout_unit="ms")
 async def slip_rounds_have_no_jitter(dut):
     """Rounds that fit start exactly a period apart, and the frame gets all other slots."""

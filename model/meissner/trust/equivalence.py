@@ -99,14 +99,15 @@ def _constant_zero(path):
     return int(outputs) == 1 and rest[int(latches)] == b"0"
 
 
-def classify(mutants, folder, block=""):
+def classify(mutants, folder, block="", briefly=False):
     """Set ``verdict`` of ``mutants`` of the netlist in ``folder``: equivalent, different or undecided.
 
-    ``block``: whose it is, if that has a contract.
+    ``block``: whose it is, if that has a contract; ``briefly``: of a single clock only, others are not asked.
     """
     circuit = after_reset.bits(folder)
     for mutant in mutants:
-        mutant.verdict = "equivalent" if after_reset.idle(circuit, mutant.number) else "undecided"
+        idle = after_reset.idle(circuit, mutant.number)
+        mutant.verdict = "equivalent" if idle else "not asked" if briefly else "undecided"
     if not (mutants := [mutant for mutant in mutants if mutant.verdict == "undecided"]):
         return
     judge(mutants, folder, _write_all)

@@ -16,6 +16,7 @@ from meissner.yowasp import ROOT, chparam, yosys
 INNER = "mutated"  # the block's module in the netlist
 BITS = r"(?:signed )?(?:\[\d+:0\] )?"
 CLOCKS = ("CLK", "RD_CLK", "WR_CLK", "clk_i")
+UNREAD = re.compile(r"\\?(.*\.)?unused_")
 SYNTHESIS = "proc; opt_expr; opt_clean; opt -keepdc; wreduce -keepdc; memory_dff; opt_clean; memory_collect"
 SYNTHESIS += "; opt -keepdc -fast; opt_clean"
 
@@ -44,10 +45,10 @@ def tests_of(run):
 
 
 def _listed(text):
-    """Mutants of what `mutate -list` wrote, without those of clocks."""
+    """Mutants of what `mutate -list` wrote, without those of clocks and of wires that nobody reads."""
     for line in text.splitlines():
         option = dict(re.findall(r"-(mode|cell|port|portbit|ctrlbit|wire|wirebit) (\S+)", line))
-        if option["port"].lstrip("\\") in CLOCKS:
+        if option["port"].lstrip("\\") in CLOCKS or UNREAD.match(option.get("wire", "")):
             continue
         lines = dict.fromkeys(re.findall(r"(\w+\.sv):(\d+)", line))
         source = " ".join(f"{name}:{at}" for name, at in lines)
@@ -86,13 +87,18 @@ def netlist(run, count, seed, folder):
     sources = [str(path.relative_to(ROOT)) for path in toolchain.sources_of(block)]
     yosys(
         f"read_verilog -sv {' '.join(sources)}; {chparam(block, run['parameters'])}"
-        f"hierarchy -check -top {block}; rename -top {INNER}; "
-        f"{SYNTHESIS}; write_rtlil {folder}/plain.il; "
-        # More than wanted, as some are of clocks; several at one place are thinned by Yosys itself.
-        f"mutate -list {count + count // 4 + 8} -seed {seed} -o {folder}/listed {INNER}",
+        f"hierarchy -check -top {block}; rename -top {INNER}; {SYNTHESIS}; write_rtlil {folder}/plain.il",
         f"{folder}/read.log",
     )
-    listed = list(_listed((ROOT / folder / "listed").read_text()))[:count]
+    # More than wanted, as some are of clocks; several at one place are thinned by Yosys itself.
+    for more in (count + count // 4 + 8, 4 * count):
+        yosys(
+            f"read_rtlil {folder}/plain.il; mutate -list {more} -seed {seed} -o {folder}/listed {INNER}",
+            f"{folder}/list.log",
+        )
+        listed = list(_listed((ROOT / folder / "listed").read_text()))[:count]
+        if len(listed) == count:
+            break
     width = len(listed).bit_length()
     mutants = [Mutant(n, *entry) for n, entry in enumerate(listed, 1)]
     for mutant in mutants:
