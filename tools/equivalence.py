@@ -87,8 +87,8 @@ OPEN = dict.fromkeys(
     (
         *("adc_single", "convert_time", "am_demod", "scan_plan", "scan_buffer", "slip", "slip_serial"),
         *("cop_slip", "packet_slip", "image_store", "bridge", "axil"),
-        *("acquire", "scan", "scan_adc", "scan_demod", "health", "tare", "calibration_table", "calibrate"),
-        *("calibration_grid", "slip_path", "channels", "cop_accumulate", "cop", "cop_array", "array"),
+        *("scan", "scan_adc", "scan_demod", "health", "tare", "calibration_table", "calibrate"),
+        *("calibration_grid", "slip_path", "channels", "cop", "cop_array", "array"),
         *("cop4", "packet", "link", "registers", "core", "axis"),
     ),
     ("reset",),
@@ -116,6 +116,9 @@ TASKS = {
     "adc_spi": Task(qualifiers={"adc_mosi_o": "!adc_cs_n_o"}),
     "adc_single": Task(qualifiers={"adc_mosi_o": "!adc_cs_n_o", "adc_sclk_o": "!adc_cs_n_o"}),
     "slip": Task(framed=True),
+    **dict.fromkeys(("channels", "acquire"), Task(qualifiers={"adc_mosi_o": "!adc_cs_n_o"})),
+    "registers": Task(qualifiers=dict.fromkeys(("bus_data_o", "bus_error_o"), "bus_done_o")),
+    "scan": Task(since={"group_o": "trigger_o"}),
     "convert_time": Task(since={"time_o": "convert_i"}),
     "image_store": Task(since={"read_data_o": "read_valid_o"}),
     "scan_plan": Task(
