@@ -9,6 +9,7 @@ Exit code 1 if something is open that OPEN does not name, or if nothing ran. doc
 """
 
 import argparse
+import contextlib
 import multiprocessing
 import operator
 import resource
@@ -86,8 +87,8 @@ OPEN = dict.fromkeys(
     (
         *("adc_single", "convert_time", "am_demod", "scan_plan", "scan_buffer", "slip", "slip_serial"),
         *("cop_slip", "packet_slip", "image_store", "bridge", "axil"),
-        *("acquire", "scan", "scan_adc", "scan_demod", "health", "tare", "calibration_table", "calibrate"),
-        *("calibration_grid", "slip_path", "channels", "cop_accumulate", "cop", "cop_array", "array"),
+        *("scan", "scan_adc", "scan_demod", "health", "tare", "calibration_table", "calibrate"),
+        *("calibration_grid", "slip_path", "channels", "cop", "cop_array", "array"),
         *("cop4", "packet", "link", "registers", "core", "axis"),
     ),
     ("reset",),
@@ -103,6 +104,7 @@ RESET_SETS = {
     "sliding_extremes": "Channels=1 Taps=2",
     "slip": "Channels=1",
 }
+REGION = ("first_row", "last_row", "first_beat", "last_beat", "interleave")
 TASKS = {
     "sync": Task(clocks=2),
     "multiply": Task(clocks=2),
@@ -113,6 +115,26 @@ TASKS = {
     "frame_table": Task(clocks=2, reset="restart_i", alike=True),
     "adc_spi": Task(qualifiers={"adc_mosi_o": "!adc_cs_n_o"}),
     "adc_single": Task(qualifiers={"adc_mosi_o": "!adc_cs_n_o", "adc_sclk_o": "!adc_cs_n_o"}),
+    "slip": Task(framed=True),
+    **dict.fromkeys(("channels", "acquire"), Task(qualifiers={"adc_mosi_o": "!adc_cs_n_o"})),
+    "registers": Task(qualifiers=dict.fromkeys(("bus_data_o", "bus_error_o"), "bus_done_o")),
+    "scan": Task(since={"group_o": "trigger_o"}),
+    "convert_time": Task(since={"time_o": "convert_i"}),
+    "image_store": Task(since={"read_data_o": "read_valid_o"}),
+    "scan_plan": Task(
+        qualifiers={
+            **dict.fromkeys(("switch_row_o", "switch_group_o"), "switch_o"),
+            **dict.fromkeys((f"frame_{end}_o" for end in REGION), "!done_slip_o"),
+        },
+        since={"done_*": "trigger_o", "frame_*": "trigger_o"},
+    ),
+    "axil": Task(
+        qualifiers={
+            "s_axil_bresp": "s_axil_bvalid",
+            "s_axil_rdata": "s_axil_rvalid",
+            "s_axil_rresp": "s_axil_rvalid",
+        }
+    ),
     "spi_shift": Task(qualifiers={"spi_mosi_o": "!spi_cs_n_o", "data_o": "done_o word_o"}),
 }
 
@@ -148,7 +170,7 @@ def prove_netlists(block, chosen, families):
                 result[family] = said(lambda of=of: netlist_proof.prove(*of))
                 result[family] |= {"defined": defined, "from_reset": from_reset}
                 result[family] |= {"around": around} if (around := circuit.boxes(bits["source"])) else {}
-    return result
+    yield result
 
 
 def prove_reset(block, chosen):
@@ -163,7 +185,18 @@ def prove_reset(block, chosen):
         alike = said(lambda: reset_proof.prove(bits["source"], replace(task, alike=True)))
         if alike["proven"]:
             result, task = alike, replace(task, alike=True)
-    return {"reset": result | {"parameters": spelt(chosen), "alike": task.alike}}
+    yield {"reset": result | {"parameters": spelt(chosen), "alike": task.alike}}
+
+
+def prove_clocks(block, chosen):
+    """{"reset": how many clocks after a reset nothing differs}, again and again; memories begin alike."""
+    bits = circuit.synthesise(block, chosen, f"{OUT}/{block}/clocks", ())["source"]
+    task = replace(TASKS.get(block, Task()), alike=True)
+    if task.framed:
+        around = circuit.framed(block, bits, int(chosen["Channels"]))
+        bits = circuit.synthesise(block, chosen, f"{OUT}/{block}/clocks", (), around=around)["source"]
+    for differ, clocks in reset_proof.bounded(bits, task):
+        yield {"reset": {"clocks": clocks} | ({"then": sorted(differ)} if differ else {})}
 
 
 def spelt(parameters):
@@ -189,25 +222,27 @@ def cpu_seconds():
 def _alone(pipe, limit_s, prove, *asked):
     resource.setrlimit(resource.RLIMIT_CPU, (limit_s, limit_s + 5))  # of each of its tools too
     try:
-        pipe.send(prove(*asked))
+        for told in prove(*asked):
+            pipe.send(told)
     except (ToolError, ValueError) as error:
         pipe.send({"error": str(error)})
 
 
 def limited(limit_s, kinds, prove, *asked):
-    """What ``prove`` says of ``kinds``, in a process of its own that may take so much processor time."""
+    """What ``prove`` says last of ``kinds``, in a process of its own that may take so much processor time."""
     context = multiprocessing.get_context("spawn")
     here, there = context.Pipe()
     worker = context.Process(target=_alone, args=(there, limit_s, prove, *asked))
     worker.start()
     there.close()
-    try:
-        result = here.recv()
-    except EOFError:
-        worker.join()
+    result = {}
+    with contextlib.suppress(EOFError):
+        while True:
+            result = here.recv()
+    worker.join()
+    if not result:
         late = worker.exitcode == -signal.SIGXCPU
         result = {"error": f"not done within {limit_s} s of a processor" if late else "ended without a word"}
-    worker.join()
     error = result.pop("error", "")
     return {kind: {"proven": False, "error": error} for kind in kinds} | result
 
@@ -216,6 +251,8 @@ def word(result):
     """A kind's result in a few words."""
     if result["proven"]:
         return "proven"
+    if result.get("clocks"):
+        return f"to {result['clocks']} clocks after it"
     names = result.get("open", [])
     more = f" and {len(names) - 3} more" if len(names) > 3 else ""
     return f"open: {', '.join(names[:3])}{more}" if names else f"open: {result['error']}"
@@ -269,6 +306,11 @@ def main():
             result |= limited(options.limit, families, prove_netlists, block, sets[block], families)
         if "reset" in kinds:
             result |= limited(options.limit, ["reset"], prove_reset, block, of_reset[block])
+            if not result["reset"]["proven"]:
+                clocks = limited(options.limit, ["reset"], prove_clocks, block, of_reset[block])
+                result["reset"] |= {
+                    key: clocks["reset"][key] for key in ("clocks", "then") if key in clocks["reset"]
+                }
         with lock:
             print(f"{block}: {summary(result)}; {time.monotonic() - began:.0f} s", flush=True)
             if options.record:

@@ -12,6 +12,8 @@ import random
 import re
 from collections import defaultdict
 from dataclasses import dataclass, field
+from fnmatch import fnmatchcase
+from itertools import count
 
 from meissner.trust.aig import ALL, FALSE, LANES, TRUE, lane_bits, simulate
 from meissner.trust.clauses import Clauses
@@ -19,6 +21,7 @@ from meissner.trust.two_copies import PLACE, SMALL, Pair, conditions
 
 RESET = "rst_i"
 MOST = 48  # conditions a register is tried with, those that hold most often
+NODES = 3_000_000  # of clocks one after the other
 EVALUATIONS = 12_000_000  # of nodes in simulation: seconds
 
 
@@ -27,6 +30,8 @@ class Task:
     """``ties``: {input: constant}; ``qualifiers``: {output: outputs one of which has to be 1, or with ! 0};
     ``clocks``: before outputs count; ``alike``: memories begin alike; ``reset``: the input that resets,
     ``held`` for so many of these clocks; ``framed``: it gets frames, as msn_frame_check hands them on.
+
+    ``since``: {output, with * for any: the port that has to have been 1 before it counts}, in ``bounded``.
     """
 
     ties: dict = field(default_factory=dict)
@@ -36,6 +41,12 @@ class Task:
     reset: str = RESET
     held: int = 1
     framed: bool = False
+    since: dict = field(default_factory=dict)
+
+    def since_when(self, output):
+        """The port that has to have been 1, or None."""
+        wanted = (port for name, port in self.since.items() if fnmatchcase(output, name))
+        return next(wanted, None)
 
     def same_from_the_start(self, circuit):
         if not self.alike:
@@ -235,6 +246,35 @@ class Induction:
                 core = clauses.solver.get_core() or []
                 needed[candidate] = {switches[switch] for switch in core if switch in switches}
         return gone
+
+
+def bounded(circuit, task=Task()):
+    """From any two states, clock by clock after the reset: ({outputs that may differ}, clocks without one).
+
+    Ends with the first that may, or as the graph has grown to ``NODES``.
+    """
+    pair, clauses, same = None, None, task.same_from_the_start(circuit)
+    been = dict.fromkeys(task.since.values(), FALSE)
+    for clock in count():
+        reset = {task.reset: int(clock < task.held)} if clock < task.clocks else {}
+        pair = Pair(circuit, same, task.ties | reset, before=pair)
+        clauses = clauses or Clauses(pair.graph)
+        for given, gives in pair.boxes_differ():
+            clauses.add([clauses.literal(given), -clauses.literal(gives)])
+        if clock < task.clocks:
+            continue
+        outputs = pair.outputs(task.qualifiers)
+        for name in outputs:
+            if port := task.since_when(name):
+                outputs[name] = pair.graph.both(outputs[name], been[port])
+        for port in been:
+            bit = (circuit.inputs | circuit.outputs)[port, 0]
+            been[port] = pair.graph.either(been[port], (pair.inputs | pair.known["a"])[bit])
+        outputs = {name: one for name, one in outputs.items() if one != FALSE}
+        differ = {name for name, one in outputs.items() if clauses.solve([clauses.literal(one)])}
+        yield differ, clock - task.clocks + (not differ)
+        if differ or len(pair.graph.fan) > NODES:
+            return
 
 
 def prove(circuit, task=Task()):
