@@ -37,10 +37,10 @@ demo: $(SIM)  ## the acrylic slip scene on the rtl engine, from ADC pins to a sl
 	@$(BIN)/meissner run acrylic_slip --engine rtl --out build/demo
 
 test: lint $(FORMAL)  ## lint, twins and every cocotb regression
-	@$(BIN)/python -m pytest -n $$(($(JOBS) + 1)) --dist worksteal -m "not long"
+	@$(BIN)/python -m pytest -n $$(($(JOBS) + 1)) --dist worksteal -m "not long and not big"
 
 test-long: $(SYNTH)  ## the benches that `make test` leaves out: large sizes, more builds, netlists
-	@$(BIN)/python -m pytest -n $(JOBS) -m long
+	@$(BIN)/python -m pytest -n $(JOBS) -m "long or big"
 
 test-icarus: $(SIM)  ## the blocks' benches on Icarus Verilog, where it can run them (tb/icarus.py)
 	@MEISSNER_SIM=icarus $(BIN)/python -m pytest -n $(JOBS) -m "not long" -k "not refuses" tb/common tb/frontend tb/slip tb/cop tb/link

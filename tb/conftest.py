@@ -1,0 +1,54 @@
+"""What `make test` leaves to `make test-long`: builds of blocks of which it has others. Coverage counts them."""
+
+import pytest
+
+BIG = [
+    "tb/cop/test_array.py::test_array[16x16]",
+    "tb/cop/test_array.py::test_array[64x64]",
+    "tb/cop/test_cop.py::test_cop[64-64-1-14-2-0]",
+    "tb/cop/test_cop_accumulate.py::test_cop_accumulate[64-64-1]",
+    "tb/cop/test_cop_array.py::test_cop_array[24-61-8-24-1-0]",
+    "tb/cop/test_cop_array.py::test_cop_array[64-64-1-12-0-0]",
+    "tb/core/test_axis.py::test_axis[array-lane]",
+    "tb/core/test_axis.py::test_axis[array-plain]",
+    "tb/core/test_axis.py::test_axis[electrodes]",
+    "tb/core/test_core.py::test_core[channels]",
+    "tb/engines/test_core_engine.py::test_every_packet_is_the_models[full]",
+    "tb/frontend/test_adc_spi.py::test_adc_spi[2-8-25000-14500]",
+    "tb/frontend/test_adc_spi.py::test_adc_spi[3-8-25000-16000]",
+    "tb/frontend/test_calibrate.py::test_calibrate[64-64-1-17-12-1-0]",
+    "tb/frontend/test_health.py::test_health[3-19-8-18]",
+    "tb/frontend/test_health.py::test_health[64-64-8-17]",
+    "tb/frontend/test_scan.py::test_scan[3-3-3-70-60-8-13]",
+    "tb/frontend/test_scan.py::test_scan[5-14-4-2-80-6-16]",
+    "tb/frontend/test_scan.py::test_scan[6-21-2-4-24-6-3]",
+    "tb/frontend/test_scan.py::test_scan[8-8-1-8-20-6-2]",
+    "tb/frontend/test_scan_adc.py::test_scan_adc[16-16-2-8-25000]",
+    "tb/frontend/test_scan_adc.py::test_scan_adc[3-32-2-8-2-20000]",
+    "tb/frontend/test_scan_adc.py::test_scan_adc[8-8-3-8-25000-2]",
+    "tb/frontend/test_scan_demod.py::test_scan_demod[Rows2-Columns3-Converters2-Skip0]",
+    "tb/frontend/test_scan_demod.py::test_scan_demod[Rows2-Columns3]",
+    "tb/link/test_packet_slip.py::test_packet_slip[24]",
+    "tb/slip/test_channels.py::test_channels[part4-parameters4]",
+    "tb/slip/test_slip.py::test_slip[6-16-1]",
+    "tb/slip/test_slip_path.py::test_slip_path[parameters1]",
+    "tb/slip/test_slip_path.py::test_slip_path[parameters3]",
+    "tb/slip/test_slip_path.py::test_slip_path[parameters4]",
+    "tb/slip/test_slip_path.py::test_slip_path[parameters6]",
+    "tb/slip/test_slip_serial.py::test_slip_serial[parameters0]",
+    "tb/slip/test_slip_serial.py::test_slip_serial[parameters1]",
+    "tb/slip/test_slip_serial.py::test_slip_serial[parameters4]",
+    "tb/slip/test_slip_serial.py::test_slip_serial[parameters5]",
+    "tb/trust/test_faults.py::test_none_is_silent[frame_check]",
+]
+
+
+def pytest_collection_modifyitems(items):
+    left, files = set(BIG), {item.nodeid.split("::")[0] for item in items}
+    for item in items:
+        if item.nodeid in BIG:
+            item.add_marker(pytest.mark.big)
+            left.discard(item.nodeid)
+    whole = len(items) > 1000  # a run of chosen tests has not all of a file
+    if gone := sorted(name for name in left if whole and name.split("::")[0] in files):
+        raise pytest.UsageError(f"tb/conftest.py names {gone[0]}, which is not there")
