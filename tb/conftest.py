@@ -1,4 +1,4 @@
-"""What `make test` leaves to `make test-long`: builds of blocks of which it has others. Coverage counts them."""
+"""Builds that `make test` leaves to `make test-long`, having others of the same blocks; coverage counts them."""
 
 import pytest
 
