@@ -1,4 +1,4 @@
-"""Builds that `make test` leaves to `make test-long`, having others of the same blocks; coverage counts them."""
+"""Builds that `make test` leaves to `make test-long`; it has others of these blocks. Coverage counts them."""
 
 import pytest
 
