@@ -173,16 +173,22 @@ def prove_netlists(block, chosen, families):
     yield result
 
 
+def source_of(block, chosen, folder, task):
+    """The bits of a block's source, among frames where ``task`` says so."""
+    source = circuit.synthesise(block, chosen, folder, ())["source"]
+    if not task.framed:
+        return source
+    around = circuit.framed(block, source, int(chosen["Channels"]))
+    return circuit.synthesise(block, chosen, folder, (), around=around)["source"]
+
+
 def prove_reset(block, chosen):
     """{"reset": result} of ``block`` with ``chosen`` parameters, as docs/trust/equivalence.json has it."""
     task, folder = TASKS.get(block, Task()), f"{OUT}/{block}/reset"
-    bits = circuit.synthesise(block, chosen, folder, ())
-    if task.framed:
-        around = circuit.framed(block, bits["source"], int(chosen["Channels"]))
-        bits = circuit.synthesise(block, chosen, folder, (), around=around)
-    result = said(lambda: reset_proof.prove(bits["source"], task))
+    source = source_of(block, chosen, folder, task)
+    result = said(lambda: reset_proof.prove(source, task))
     if not result["proven"] and not task.alike:
-        alike = said(lambda: reset_proof.prove(bits["source"], replace(task, alike=True)))
+        alike = said(lambda: reset_proof.prove(source, replace(task, alike=True)))
         if alike["proven"]:
             result, task = alike, replace(task, alike=True)
     yield {"reset": result | {"parameters": spelt(chosen), "alike": task.alike}}
@@ -190,12 +196,9 @@ def prove_reset(block, chosen):
 
 def prove_clocks(block, chosen):
     """{"reset": how many clocks after a reset nothing differs}, again and again; memories begin alike."""
-    bits = circuit.synthesise(block, chosen, f"{OUT}/{block}/clocks", ())["source"]
     task = replace(TASKS.get(block, Task()), alike=True)
-    if task.framed:
-        around = circuit.framed(block, bits, int(chosen["Channels"]))
-        bits = circuit.synthesise(block, chosen, f"{OUT}/{block}/clocks", (), around=around)["source"]
-    for differ, clocks in reset_proof.bounded(bits, task):
+    source = source_of(block, chosen, f"{OUT}/{block}/clocks", task)
+    for differ, clocks in reset_proof.bounded(source, task):
         yield {"reset": {"clocks": clocks} | ({"then": sorted(differ)} if differ else {})}
 
 

@@ -47,6 +47,15 @@ async def begin(dut, limits):
     return twin, events, cocotb.start_soon(listen())
 
 
+async def begin_again(dut, limits, events):
+    """Reset with other limits, nothing told yet; returns their twin."""
+    for name, value in registers_of(dut, limits).items():
+        getattr(dut, name).value = value
+    await bench.reset(dut)
+    events.clear()
+    return twin_of(dut, limits)
+
+
 def expected_of(twin, beats):
     """What the model makes of a stream of beats: beats out, events."""
     got, events = [], []
@@ -212,11 +221,7 @@ async def limits_of_every_size(dut):
         ends["high"] = bench.as_signed(code, twin.sample_bits)
         counts = dict.fromkeys(("still", "rail", "blink"), ones & 255)
         limits = Limits(code, code, **ends, user=bool(ones & 1), edges=bool(ones & 2), **counts)
-        for name, value in registers_of(dut, limits).items():
-            getattr(dut, name).value = value
-        await bench.reset(dut)
-        events.clear()
-        twin = twin_of(dut, limits)
+        twin = await begin_again(dut, limits, events)
         x = np.where(rng.random(shape) < 0.05, rng.integers(low, high + 1, shape), 0)
         x += rng.choice([low, 0, high], (80, 1, 1)) * (rng.random(shape[1:]) < 0.6)
         beats = bench.lane_beats(
@@ -235,11 +240,7 @@ async def limits_that_counters_come_by(dut):
         return
     for rail, blink, still in ((2, 17, 8), (1, 2, 16), (3, 33, 3), (6, 16, 11), (4, 48, 2)):
         limits = Limits(**QUICK | {"rail": rail, "blink": blink, "still": still}, user=True)
-        for name, value in registers_of(dut, limits).items():
-            getattr(dut, name).value = value
-        await bench.reset(dut)
-        events.clear()
-        twin = twin_of(dut, limits)
+        twin = await begin_again(dut, limits, events)
         frames = 120
         # Alone in blinking fields; those around move up and down together.
         x = np.cumsum(rng.choice([0, 0, 9, -9], (frames, 1, twin.columns)), axis=0)
