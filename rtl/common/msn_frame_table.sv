@@ -50,10 +50,14 @@ module msn_frame_table #(
   localparam int unsigned AddressBits = msn_pkg::index_width(Words * Banks);
 
   logic [AddressBits-1:0] first, final_word, address, write_address;
-  logic                   bank, write_bank, read_valid;
+  logic                   bank, taken, write_bank, read_valid;
   assign bank          = Banks == 2 && bank_i;
   assign write_bank    = Banks == 2 && write_bank_i;
   assign write_address = AddressBits'(write_word_i) + (write_bank ? AddressBits'(Words) : '0);
+
+  // The round is that of the bank taken up: limits in registers of their own could stray to those of a shorter one.
+  assign first         = taken ? AddressBits'(Words) : '0;
+  assign final_word    = first + AddressBits'(Words - 1);
 
   // Two words are on their way when one waits. Found a clock ahead, and not of `first`, which may be what strayed.
   logic [AddressBits-1:0] start, next;
@@ -63,11 +67,10 @@ module msn_frame_table #(
 
   always_ff @(posedge clk_i) begin
     if (restart_i) begin
-      address    <= AddressBits'(Start) + (bank ? AddressBits'(Words) : '0);
-      first      <= bank ? AddressBits'(Words) : '0;
-      final_word <= AddressBits'(Words - 1) + (bank ? AddressBits'(Words) : '0);
+      address <= start;
+      taken   <= bank;
     end else if (advance_i) begin
-      address    <= address == final_word ? first : address + 1'b1;
+      address <= address == final_word ? first : address + 1'b1;
     end
     if (advance_i) {out_valid_o, read_valid} <= {read_valid, 1'b1};
     if (restart_i) {out_valid_o, read_valid} <= '0;

@@ -270,6 +270,7 @@ module msn_adc_spi #(
   ) u_store (
     .clk_i,
     .rst_i,
+    .begin_i    (convert_o),
     .in_valid_i (store_valid && !drop_q),
     .in_word_i  (store_word),
     .in_data_i  (data),

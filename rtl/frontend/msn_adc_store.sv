@@ -5,6 +5,7 @@
 // A word brings one code per lane: word w of lane l is channel w + l*LaneChannels. A sample leaves as soon as it
 // and all channels before it are there. out_user_o marks a code at either end of the part's range.
 // Whole: nothing leaves before the last word, and nothing at all if in_bad_i came with that.
+// What is held but not offered as a frame begins would wait for ever: it is forgotten. Only an upset brings that about.
 //
 // Latency 1 cycle from in_valid_i to out_valid_o.   Model: model/meissner/frontend/adc_store.py
 
@@ -20,6 +21,8 @@ module msn_adc_store #(
 ) (
   input  logic                         clk_i,
   input  logic                         rst_i,
+
+  input  logic                         begin_i,    // a frame begins, its words come later
 
   input  logic                         in_valid_i,
   input  logic [IdBits-1:0]            in_word_i,
@@ -76,6 +79,10 @@ module msn_adc_store #(
     full_q <= (full_q & ~taken) | filled;
     out_valid_o <= (out_valid_o && out_ready_i) ? next_there : same_there;
     if (out_valid_o && out_ready_i) out_id_o <= id_next;
+    if (begin_i && !out_valid_o) begin
+      full_q   <= '0;
+      out_id_o <= '0;
+    end
     if (rst_i) begin
       full_q      <= '0;
       out_valid_o <= 1'b0;

@@ -122,7 +122,7 @@ module msn_health #(
   assign clear_next  = (cfg_clear_i || clear_asked) && !(due && clear_asked);  // held high, it blocks nothing
   assign report_next = (cfg_report_i || report_asked) && !(due && report_asked);
   assign midway_next = accept || (midway && !done);
-  assign ending_next = accept ? in_last_i : ending && !done;
+  assign ending_next = accept ? in_last_i : ending && drain > 3'd1;
   always_ff @(posedge clk_i) begin
     midway <= midway_next;
     ending <= ending_next;

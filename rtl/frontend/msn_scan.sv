@@ -173,7 +173,8 @@ module msn_scan #(
   end
   always_ff @(posedge clk_i) begin
     lost_q <= ((beat && beat_end) ? '0 : lost_q) | in_lost_i;
-    if (beat) channel_q <= beat_end ? '0 : channel_q + 1'b1;
+    if (trigger_o) channel_q <= '0;  // as it is, unless it was upset
+    else if (beat) channel_q <= beat_end ? '0 : channel_q + 1'b1;
     beat_q      <= beat;
     channel_q2  <= channel_q;
     beat_data_q <= {in_user_i | lost_q, data};

@@ -120,7 +120,7 @@ module msn_tare #(
   assign load_due     = !midway && load_change;
   assign change_next  = (cfg_load_i && !working_next) != cfg_loading_o && !load_due;
   assign midway_next  = accept || (midway && !done);
-  assign ending_next  = accept ? in_last_i : ending && !done;
+  assign ending_next  = accept ? in_last_i : ending && drain > 3'd1;
   assign taring_o     = asked || averaging || commit;
 
   always_ff @(posedge clk_i) begin

@@ -11,7 +11,7 @@
 //   images        in packets of Chunk taxels, so that an event never waits for more than one; msn_image_store
 //
 // A byte in 4 clocks at most. A packet's first byte follows an event by 12 clocks if nothing is under way;
-// out_begin_o, which opens its frame, by 3.   Model: model/meissner/link/packet.py
+// out_begin_o, which opens its frame, by 3, anything else by 4.   Model: model/meissner/link/packet.py
 
 module msn_packet #(
   parameter  int unsigned SlipDepth     = 64,    // events that wait, a power of two; 0: no slip events
@@ -259,7 +259,7 @@ module msn_packet #(
   logic [23:0]             unused_crc;
   logic [7:0]              next;
   assign {unused_crc, crc_low} = crc;
-  assign out_begin_o = some || state != Idle;
+  assign out_begin_o = slip_valid || state != Idle;  // of the others a clock later: the line's register is far
   assign emit        = state != Idle && (&phase) && !out_valid_o;  // not out_ready_i: it comes from far
   assign next        = (state == Record) ? bytes[7:0] : (state == Pixels) ? (upper ? taxel[15:8] : taxel[7:0])
                                          : ~crc_low;

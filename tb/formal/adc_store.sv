@@ -4,7 +4,8 @@
 // before it were there, held until taken. Its value is the code that was last written, extended by its sign or by 0;
 // out_user_o marks the lowest and the highest code alone. Whole: a frame is offered after its last word, none after a bad
 // one. A word comes for channels whose samples have left, or leave in this clock (assumed: `overwrites`; proof adc_spi
-// shows that frames do so).
+// shows that frames do so). What is held, but not offered, as a frame begins is forgotten, and channel 0 is next; no word
+// comes in that clock (assumed).
 
 module formal_adc_store #(
   parameter  int unsigned Channels     = 8,
@@ -18,6 +19,7 @@ module formal_adc_store #(
 ) (
   input logic                      clk_i,
   input logic                      rst_i,
+  input logic                      begin_i,
   input logic                      in_valid_i,
   input logic [IdBits-1:0]         in_word_i,
   input logic [Lanes*DataBits-1:0] in_data_i,
@@ -40,11 +42,12 @@ module formal_adc_store #(
   logic [Channels-1:0]          known = '0;  // has ever been written
   logic [Channels*DataBits-1:0] codes, new_codes;
   logic [31:0]                  next;  // the channel whose turn it is
-  logic                         give, frame_ends, overwrites;
+  logic                         give, frame_ends, overwrites, forgets;
   assign give       = out_valid_o && out_ready_i;
   assign frame_ends = in_valid_i && !in_bad_i && 32'(in_word_i) == Channels - 1;
   assign fills      = !Whole ? comes : frame_ends ? '1 : '0;
   assign overwrites = |(there & ~leaves & (comes | fills));
+  assign forgets    = begin_i && !out_valid_o;
   always_comb begin
     comes     = '0;
     new_codes = codes;
@@ -96,7 +99,7 @@ module formal_adc_store #(
     if (give) next <= (next == Channels - 1) ? '0 : next + 1;
     if (give && out_last_o) whole <= 1'b0;
     if (frame_ends) whole <= 1'b1;
-    if (rst_i) begin
+    if (rst_i || forgets) begin
       there <= '0;
       next  <= '0;
       whole <= 1'b0;
@@ -105,7 +108,7 @@ module formal_adc_store #(
 
   always_comb begin
     if (!started) assume (rst_i);
-    if (!rst_i) assume (!overwrites);
+    if (!rst_i) assume (!overwrites && !(begin_i && in_valid_i));
     if (started) begin
       assert (out_valid_o == there_now && pending_o == |there);
       if (Whole) assert (out_valid_o == whole && pending_o == whole);
@@ -143,6 +146,7 @@ module formal_adc_store #(
       cover (give && out_last_o && value == highest);
       if (!Whole) cover (give && |(leaves & fills));
       if (!Whole && Channels > 1) cover (there[Channels-1] && !there[0] && next == 0);
+      if (!Whole && Channels > 1) cover (forgets && there[Channels-1] && next == 1);
     end
   end
 

@@ -170,7 +170,7 @@ module formal_packet #(
     if (!started) assume (rst_i);
     if (started) begin
       assert (out_valid_o == valid && (!valid || (out_data_o == data && out_last_o == last)));
-      assert (out_begin_o == (run || waits != '0));
+      assert (out_begin_o == (run || waits[0]));
       assert (packets_o == packets && (!Cop || cop_dropped_o == cop_dropped));
       assert (answer_ready_o == turn[Answer] && health_ready_o == (Health && !health_waits));
       assert (dut.slip_take == turn[Slip]);

@@ -110,7 +110,7 @@ module formal_scan #(
   assign place = ((Channels & (Channels - 1)) == 0 ? 32'(dut.done_group) * Channels : 32'd0) + 32'(come_channel);
   always_ff @(posedge clk_i) begin
     lost    <= in_lost_i | ((beat && last) ? '0 : lost);
-    channel <= !beat ? channel : last ? '0 : channel + 1'b1;
+    channel <= trigger_o ? '0 : !beat ? channel : last ? '0 : channel + 1'b1;
     missed  <= beat && last && lost != '0;
     losses  <= losses + 32'(missed);
 

@@ -2,14 +2,15 @@
 words at random gaps, in order and not, a consumer that stalls; whole frames, and bad ones.
 
 Every sample leaves as soon as it and all channels before it are there, pending_o tells until the last is
-taken, and reset empties it.
+taken, and reset empties it. A frame's begin changes nothing, except that what waits behind a channel that never came is
+forgotten.
 """
 
 import random
 
 import cocotb
 import pytest
-from cocotb.triggers import ReadOnly, RisingEdge
+from cocotb.triggers import NextTimeStep, ReadOnly, RisingEdge
 
 import bench
 from meissner.frontend.adc_store import channels_of_word, samples
@@ -33,7 +34,7 @@ async def matches_model(dut, stall_rate):
     channels, lanes, lane_channels, data_bits, sample_bits, is_signed = (
         getattr(dut, name).value.to_unsigned() for name in names
     )
-    await bench.start(dut, in_word_i=0, in_data_i=0, in_bad_i=0)
+    await bench.start(dut, begin_i=0, in_word_i=0, in_data_i=0, in_bad_i=0)
     draw = random.Random(bench.SEED)
     endless = codes_of(draw, data_bits)
     for frame in range(80):
@@ -47,7 +48,9 @@ async def matches_model(dut, stall_rate):
         while taken < channels:
             word = words[0] if words else 0
             arriving = channels_of_word(word, channels, lanes, lane_channels)
-            offer = bool(words) and draw.random() < 0.3
+            begins = draw.random() < 0.3 and (here[taken] or not any(here))
+            dut.begin_i.value = int(begins)
+            offer = bool(words) and not begins and draw.random() < 0.3
             lane_codes = [0 if channel is None else codes[channel] for channel in arriving]
             dut.in_valid_i.value = int(offer)
             dut.in_word_i.value = word % (1 << len(dut.in_word_i))
@@ -77,7 +80,7 @@ async def whole_frames_wait_for_their_last_word(dut, stall_rate):
     """Nothing leaves before the last word; with a bad one nothing leaves at all."""
     names = ("Channels", "DataBits", "SampleBits", "Signed")
     channels, data_bits, sample_bits, is_signed = (getattr(dut, name).value.to_unsigned() for name in names)
-    await bench.start(dut, in_word_i=0, in_data_i=0, in_bad_i=0)
+    await bench.start(dut, begin_i=0, in_word_i=0, in_data_i=0, in_bad_i=0)
     draw = random.Random(bench.SEED)
     endless = codes_of(draw, data_bits)
     for frame in range(80):
@@ -86,7 +89,9 @@ async def whole_frames_wait_for_their_last_word(dut, stall_rate):
         data, over = samples(codes, data_bits, sample_bits, is_signed)
         word = taken = after = 0
         while word < channels or (after < 5 if bad else taken < channels):
-            offer = word < channels and draw.random() < 0.5
+            begins = word == 0 and draw.random() < 0.3
+            dut.begin_i.value = int(begins)
+            offer = word < channels and not begins and draw.random() < 0.5
             dut.in_valid_i.value = int(offer)
             dut.in_word_i.value = min(word, channels - 1)
             dut.in_data_i.value = codes[word] if offer else draw.getrandbits(data_bits)
@@ -107,8 +112,59 @@ async def whole_frames_wait_for_their_last_word(dut, stall_rate):
 
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
+async def a_frames_begin_forgets_what_would_wait_for_ever(dut):
+    """Channel 0 leaves, 1 never comes: 2 and later ones wait, until a frame begins; that one is whole and in order."""
+    names = ("Channels", "Lanes", "LaneChannels", "DataBits", "SampleBits", "Signed")
+    channels, lanes, lane_channels, data_bits, sample_bits, is_signed = (
+        getattr(dut, name).value.to_unsigned() for name in names
+    )
+    words = min(channels, lane_channels)
+    await bench.start(dut, begin_i=0, in_word_i=0, in_data_i=0, in_bad_i=0, out_ready_i=1)
+
+    async def put(word, codes):
+        arriving = channels_of_word(word, channels, lanes, lane_channels)
+        dut.in_valid_i.value = 1
+        dut.in_word_i.value = word
+        dut.in_data_i.value = sum(
+            0 if channel is None else codes[channel] << lane * data_bits for lane, channel in enumerate(arriving)
+        )
+        await RisingEdge(dut.clk_i)
+        dut.in_valid_i.value = 0
+
+    for gap in range(1, words):
+        for word in range(words):
+            if word != gap:
+                await put(word, [0] * channels)
+        await bench.clocks(dut, channels + 2)
+        await ReadOnly()
+        assert dut.out_valid_o.value == 0
+        left = words > gap + 1 or lanes > 1
+        assert dut.pending_o.value == int(left)
+        await RisingEdge(dut.clk_i)
+        dut.begin_i.value = 1
+        await RisingEdge(dut.clk_i)
+        dut.begin_i.value = 0
+        await ReadOnly()
+        assert dut.pending_o.value == 0
+        await RisingEdge(dut.clk_i)
+        codes = [(gap + 3 * channel + 1) % (1 << data_bits) for channel in range(channels)]
+        data, _ = samples(codes, data_bits, sample_bits, is_signed)
+        seen = []
+        for word in range(words + channels + 2):
+            if word < words:
+                await put(word, codes)
+            else:
+                await RisingEdge(dut.clk_i)
+            await ReadOnly()
+            if dut.out_valid_o.value == 1:
+                seen.append((bench.read(dut.out_id_o), bench.as_signed(bench.read(dut.out_data_o), sample_bits)))
+            await NextTimeStep()
+        assert seen == list(enumerate(data))
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
 async def reset_empties_it(dut):
-    await bench.start(dut, in_word_i=0, in_data_i=5, in_bad_i=0)
+    await bench.start(dut, begin_i=0, in_word_i=0, in_data_i=5, in_bad_i=0)
     dut.in_valid_i.value = 1
     await bench.clocks(dut, 2)
     dut.in_valid_i.value = 0
