@@ -55,7 +55,7 @@ module msn_frame_table #(
   assign write_bank    = Banks == 2 && write_bank_i;
   assign write_address = AddressBits'(write_word_i) + (write_bank ? AddressBits'(Words) : '0);
 
-  // The round is that of the bank taken up: limits in registers of their own could stray to those of a shorter one.
+  // Of the bank taken up: limits in registers of their own could stray to those of a shorter round.
   assign first         = taken ? AddressBits'(Words) : '0;
   assign final_word    = first + AddressBits'(Words - 1);
 

@@ -89,14 +89,14 @@ module msn_health #(
 
   // Frames. At each end the next waits until all of this one is written and its first words are read again.
   localparam int unsigned Drain = 6;
-  logic accept, keep, last, fits, whole, was_whole, midway, ending, restart, done, due, head_valid;
-  logic closed;  // due || ending, found a clock ahead: the memories are far
-  logic [2:0]        drain;
+  logic accept, keep, last, fits, whole, was_whole, midway, restart, done, due, head_valid;
+  logic closed;  // due || drain != '0, found a clock ahead: the memories are far
+  logic [2:0]        drain, drain_next;  // clocks until all of a frame is written
   logic [IdBits-1:0] place;
   assign in_ready_o = (out_ready_i || !out_valid_o) && head_valid && !closed;
   assign accept     = in_valid_i && in_ready_o;
   assign restart    = rst_i || drain != '0;  // a clock after the last beat: who takes that is known late
-  assign done       = ending && drain == 3'd1;
+  assign done       = drain == 3'd1;
 
   msn_frame_place #(.Beats(Beats)) u_place (
     .clk_i,
@@ -114,7 +114,7 @@ module msn_health #(
 
   // fresh: this frame only writes first states. again: nothing counts as reported. bank: the last whole
   // frame's moves. tick: every 16th whole frame.
-  logic clear_asked, report_asked, clear_next, report_next, midway_next, ending_next;
+  logic clear_asked, report_asked, clear_next, report_next, midway_next;
   logic fresh, again, bank, bank_next;
   logic [3:0] tick;
   assign bank_next   = bank ^ (done && was_whole);
@@ -122,14 +122,12 @@ module msn_health #(
   assign clear_next  = (cfg_clear_i || clear_asked) && !(due && clear_asked);  // held high, it blocks nothing
   assign report_next = (cfg_report_i || report_asked) && !(due && report_asked);
   assign midway_next = accept || (midway && !done);
-  assign ending_next = accept ? in_last_i : ending && drain > 3'd1;
+  assign drain_next  = (accept && in_last_i) ? 3'(Drain) : (drain != '0) ? drain - 1'b1 : '0;
   always_ff @(posedge clk_i) begin
     midway <= midway_next;
-    ending <= ending_next;
-    closed <= ((clear_next || report_next) && !midway_next) || ending_next;
+    closed <= ((clear_next || report_next) && !midway_next) || drain_next != '0;
     if (accept) was_whole <= whole;
-    if (accept && in_last_i) drain <= 3'(Drain);
-    else if (drain != '0) drain <= drain - 1'b1;
+    drain  <= drain_next;
     clear_asked  <= clear_next;
     report_asked <= report_next;
     if (due) begin
@@ -142,7 +140,7 @@ module msn_health #(
       tick           <= tick + 1'b1;
     end
     if (rst_i) begin
-      {midway, ending, closed, clear_asked, report_asked, again, bank} <= '0;
+      {midway, closed, clear_asked, report_asked, again, bank} <= '0;
       drain <= '0;
       tick  <= '0;
       fresh <= 1'b1;

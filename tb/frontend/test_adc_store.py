@@ -126,7 +126,8 @@ async def a_frames_begin_forgets_what_would_wait_for_ever(dut):
         dut.in_valid_i.value = 1
         dut.in_word_i.value = word
         dut.in_data_i.value = sum(
-            0 if channel is None else codes[channel] << lane * data_bits for lane, channel in enumerate(arriving)
+            0 if channel is None else codes[channel] << lane * data_bits
+            for lane, channel in enumerate(arriving)
         )
         await RisingEdge(dut.clk_i)
         dut.in_valid_i.value = 0
@@ -157,7 +158,9 @@ async def a_frames_begin_forgets_what_would_wait_for_ever(dut):
                 await RisingEdge(dut.clk_i)
             await ReadOnly()
             if dut.out_valid_o.value == 1:
-                seen.append((bench.read(dut.out_id_o), bench.as_signed(bench.read(dut.out_data_o), sample_bits)))
+                seen.append(
+                    (bench.read(dut.out_id_o), bench.as_signed(bench.read(dut.out_data_o), sample_bits))
+                )
             await NextTimeStep()
         assert seen == list(enumerate(data))
 

@@ -73,7 +73,7 @@ ZEROS = "fresh,u_state.,u_round.,zero_,sum_,write,learn,place_q,cfg_loading_o,dr
 ZEROS += ",commit,forced,asked,dropping,contact,nonzero,over_q,negative,mask_q,seen"
 # Of what health knows of a taxel, likewise.
 STATES = "state,u_row.,u_up.,u_down.,gen_lane,out_data_o,head,ahead,behind,here,write,learn,place,beat,row"
-STATES += ",tick,asked,bank,fresh,again,drain"
+STATES += ",tick,asked,bank,fresh,again,drain,was_whole"
 
 
 def inside(instance, names):
@@ -104,9 +104,10 @@ OPTIONS = {
     # The zeros, the way to them, and a frame that is missing in them.
     "tare": [f"kept={ZEROS}", "skip=gone"],
     "health": [
-        "skip=gone",
+        "skip=gone",  # it counts frames, and frames that are missing whole are not seen here
+        "ready=event_",  # an event that is not taken at once comes with the next frame
         f"kept={STATES}",
-    ],  # it counts frames, and frames that are missing whole are not seen here
+    ],
     # What is not read yet; its time.
     "image_store": [
         "frame=in_last_i",

@@ -29,6 +29,7 @@
 //   lead=ROWS    of one that runs by itself: that much of the recording first, which writes tables
 //   set=PORT:VALUE,..  these inputs at other values than those of the recording, in hexadecimal
 //   quiet=NAMES  streams out that give less than a few frames
+//   ready=NAMES  streams out that are not stalled by chance: what they could not give in time comes in another frame
 //
 // A stream into the block is NAME_valid_i with NAME_ready_o; out of it NAME_valid_o with NAME_ready_i. A beat of a
 // stream is offered until it is taken, so the recording waits for the block; streams out are stalled by chance.
@@ -583,6 +584,8 @@ void play(Model &model, Trace &trace, const std::vector<Cell> *cells, const Faul
   const bool free = options.count("free");
   const size_t drain = free ? 0 : 3000;
   size_t quiet = 0, late = 0;
+  static const auto ready = names("ready");
+  const auto chanced = [&](const Stream &sink) { return std::find(ready.begin(), ready.end(), sink.name) == ready.end(); };
   for (size_t r = 0; r < rows.size() + drain; ++r) {
     const bool draining = r >= rows.size();
     Words row = draining ? rows.back() : rows[r];
@@ -615,7 +618,7 @@ void play(Model &model, Trace &trace, const std::vector<Cell> *cells, const Faul
       access(model, early, clock - 40);
       if (fault.kind == kWrite) access(model, sudden, clock - fault.clock);
       for (size_t s = 0; s < sinks.size(); ++s)
-        model.set(sinks[s].ready, !stuck && (draining || chance(seed * 7919 + s * 31 + clock) % 4 != 0));
+        model.set(sinks[s].ready, !stuck && (draining || !chanced(sinks[s]) || chance(seed * 7919 + s * 31 + clock) % 4 != 0));
       const bool reset_now = fault.kind == kReset && clock == fault.clock;
       if (reset_port >= 0 && reset_now) model.set(reset_port, true);
       model.low();
