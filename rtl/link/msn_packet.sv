@@ -259,7 +259,7 @@ module msn_packet #(
   logic [23:0]             unused_crc;
   logic [7:0]              next;
   assign {unused_crc, crc_low} = crc;
-  assign out_begin_o = slip_valid || state != Idle;  // of the others a clock later: the line's register is far
+  assign out_begin_o = slip_valid || state != Idle;  // the others' a clock later: the line is far
   assign emit        = state != Idle && (&phase) && !out_valid_o;  // not out_ready_i: it comes from far
   assign next        = (state == Record) ? bytes[7:0] : (state == Pixels) ? (upper ? taxel[15:8] : taxel[7:0])
                                          : ~crc_low;

@@ -2,8 +2,8 @@
 words at random gaps, in order and not, a consumer that stalls; whole frames, and bad ones.
 
 Every sample leaves as soon as it and all channels before it are there, pending_o tells until the last is
-taken, and reset empties it. A frame's begin changes nothing, except that what waits behind a channel that never came is
-forgotten.
+taken, and reset empties it. A frame's begin changes nothing, except that what waits behind a channel that
+never came is forgotten.
 """
 
 import random
@@ -113,7 +113,7 @@ async def whole_frames_wait_for_their_last_word(dut, stall_rate):
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def a_frames_begin_forgets_what_would_wait_for_ever(dut):
-    """Channel 0 leaves, 1 never comes: 2 and later ones wait, until a frame begins; that one is whole and in order."""
+    """Channel 0 leaves, 1 never comes, 2 waits until a frame begins; that one is whole and in order."""
     names = ("Channels", "Lanes", "LaneChannels", "DataBits", "SampleBits", "Signed")
     channels, lanes, lane_channels, data_bits, sample_bits, is_signed = (
         getattr(dut, name).value.to_unsigned() for name in names
