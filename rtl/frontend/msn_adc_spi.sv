@@ -148,11 +148,12 @@ module msn_adc_spi #(
     if (give_up) state_d = Idle;
   end
 
-  // Where state_d becomes Read or Setup, said without state_d: the trigger and the registers of the pins are far
-  // apart.
-  logic resumed, set_up;
+  // Where state_d becomes Read or Setup, BusyRise or BusyFall, said without state_d: the trigger, a word's end and
+  // the registers of the pins are far apart.
+  logic resumed, set_up, converting;
   assign resumed = HasBusy ? state_q == BusyFall && !busy && !give_up : state_q == Idle && tick;
   assign set_up  = SetupWords > 0 && ((state_q == Reset && start_q == '0) || (frame_end && Tagged && bad_q));
+  assign converting = (HasBusy && frame) || (!give_up && (state_q == BusyRise || (state_q == BusyFall && busy)));
   assign read    = resumed || set_up || (CsPerChannel && done && word_q != '0);
 
   always_ff @(posedge clk_i) begin
@@ -172,7 +173,7 @@ module msn_adc_spi #(
     if (word) word_q <= word_last ? '0 : word_q + 1'b1;
 
     // The watchdog's first half outlasts any conversion; low for its second, CONVST can rise at the next tick.
-    adc_convst_o <= (state_d == BusyRise || state_d == BusyFall) && !watch_q[WatchBits-1];
+    adc_convst_o <= converting && !watch_q[WatchBits-1];
 
     dropped_o <= dropped_o + 32'(frame_end && drop_q);
     overrun_o <= overrun_o + 32'(tick && state_q != Idle);

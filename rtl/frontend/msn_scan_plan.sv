@@ -116,7 +116,7 @@ module msn_scan_plan #(
 
   state_e                state_q;
   logic [CountBits-1:0]  count_q;
-  logic                  take_slip, take_frame, off_end;
+  logic                  take_slip, take_frame, take_first, off_end;
   logic                  active_q;  // a frame has conversions left
   assign switch_o  = take_slip || take_frame;
   assign idle_o    = state_q == Off || (state_q == Free && !switch_o);
@@ -234,7 +234,7 @@ module msn_scan_plan #(
     next_first_beat_q <= region_first_beat_q;
     next_last_beat_q  <= region_last_beat_q;
     next_interleave_q <= region_interleave_q;
-    if (take_frame && !active_q) begin
+    if (take_first && !active_q) begin
       now_first_row_q  <= next_first_row_q;
       now_last_row_q   <= next_last_row_q;
       now_first_beat_q <= next_first_beat_q;
@@ -256,7 +256,7 @@ module msn_scan_plan #(
     found_q    <= find_q;
     row_next_q <= {1'b0, row_q} + (now_interleave_q ? (RowBits+1)'(2) : (RowBits+1)'(1));
     row_ends_q <= group_q == now_last_group;
-    if (!active_q && !take_frame) begin  // the first place
+    if (!active_q && !take_first) begin  // the first place
       row_q   <= region_first_row_q;
       group_q <= (Groups > 1) ? GroupBits'(region_first_beat_q >> ChanShift) : '0;
       odd_q   <= 1'b0;
@@ -289,6 +289,8 @@ module msn_scan_plan #(
   assign tick       = state_q != Off && cfg_enable_i && timed_q && zero_q;
   assign want       = cfg_enable_i && (!timed_q || want_q || tick);
   assign take_frame = state_q == Free && !take_slip && (active_q || want) && fits_q && room_i;
+  // A frame's first, or, without an enable, none: then Off follows, and all is as if it had not been.
+  assign take_first = state_q == Free && !take_slip && (!timed_q || want_q || zero_q) && fits_q && room_i;
   always_ff @(posedge clk_i) begin
     if (state_q == Off || !cfg_enable_i) left_q <= '0;
     else                                 left_q <= (tick ? period_q : left_q) - 1'b1;

@@ -88,7 +88,7 @@ module formal_scan_plan #(
   // Where: the place to come and the one before it; `lag`: a frame counts as under way for two clocks more.
   logic                  more, active, odd, odd_was, first;
   logic [1:0]            lag;
-  logic                  was_idle;  // the clock before no frame was under way, nor began
+  logic                  was_idle;  // the clock before no frame was under way, nor began, nor would have with an enable
   logic [RowBits-1:0]    row, row_was, from_row;
   logic [RowBits:0]      row_next;
   logic [GroupBits-1:0]  group, group_was, from_group, first_group, last_group;
@@ -150,7 +150,7 @@ module formal_scan_plan #(
     slip_overrun <= slip_overrun + 32'(due && (round || !free));
 
     lag      <= take_frame ? 2'd2 : (lag == '0) ? '0 : lag - 1'b1;
-    was_idle <= !active && !take_frame;
+    was_idle <= !active && !dut.take_first;
     if (take_frame) begin
       now       <= of;
       row_was   <= from_row;
