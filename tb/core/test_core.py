@@ -623,19 +623,25 @@ async def faults_are_told_and_every_counter_counts_its_own(dut):
     twin.health.clear()
     twin.tare.tare()
     settings = {f"health.{key}": value for key, value in limits.items()}
-    settings |= {"health.clear": 1, "tare.average": 1, "scan.period": 0, "calibrate.swap": 1}
-    await write(host, {"calibrate.swap": 1})  # and again: the gains are the same as before
-    expect(await stage([quiet + 900], 2, **settings))
+    settings |= {"health.clear": 1, "tare.average": 1, "scan.period": 0}
+    settings |= {"calibrate.swap": 1, "link.images": 0}
+    rng = np.random.default_rng(bench.SEED)
+    for word, (offset, gain) in enumerate(zip(rng.integers(-900, 900, 9), rng.integers(1, 65536, 9))):
+        twin.cop.calibrate.table.write(word, offset, gain)
+        entry = {"word": word, "offset": int(offset) & 0x1FFFF, "gain": int(gain), "write": 1}
+        await write(host, {f"calibrate.{key}": value for key, value in entry.items()})
+    twin.cop.calibrate.swap()
+    unseen = await stage([quiet + 900], 2, **settings)
+    expect(unseen)
     assert await read(host, *faults, "tare.refused") == [0, 0, 0, 1]
     assert twin.tare.refused == 1
 
     twin.tare.load(True)
-    swallowed = len(await stage([quiet], 2, **{"tare.load": 1}))
+    swallowed = len(await stage([quiet], 2, **{"tare.load": 1, "link.images": 1}))
     assert await read(host, "tare.swallowed") == [swallowed]
     await write(host, {"tare.load": 0})
 
     # All at once slip, and more events than the queue holds wait for the line, and the scan for them.
-    rng = np.random.default_rng(bench.SEED)
     assert dut.pressed_o.value == 1
     settings = {"slip.contact_level": 0, "slip.threshold": 0, "scan.period": 1, "cop.min_load": (1 << 20) - 1}
     lost = len(await stage(rng.integers(200, 4000, (16, 3, 3)), **settings))
@@ -650,7 +656,7 @@ async def faults_are_told_and_every_counter_counts_its_own(dut):
     assert await read(host, "scan.held", "scan.lost", "cop.damaged") == [0, 0, 0]
     got = host.packets()
     cops, images = ([q for q in got if q.kind == kind] for kind in (p.COP, p.IMAGE))
-    for packets, replaced in ((cops, cop_dropped), (images, image_dropped)):
+    for packets, replaced in ((cops, cop_dropped), (images, image_dropped + len(unseen))):
         assert len(packets) + replaced + dropped + swallowed == done() == len(given) + swallowed + lost
     first = starts[:: sensor.per_frame // build.scan.channels]
     offset = first[0] - min(q.time for q in cops)
