@@ -64,6 +64,11 @@ def _module(text, name):
     return text.partition(f"\nmodule {name}(")[2].partition("\nendmodule")[0]
 
 
+def _named(run):
+    """The signals that the tests name, of the block's own."""
+    return sorted(set(re.findall(r"\bdut\.(\w+)", tests_of(run).read_text())))
+
+
 def _scopes(tree):
     """Scopes in scopes, down to the signals in them."""
     return "".join(
@@ -77,13 +82,14 @@ def _seen_inside(run, folder):
     names, of all ports of those blocks in it whose path stands in quotes there."""
     text, tests = (ROOT / folder / "mutated.v").read_text(), tests_of(run).read_text()
     module = _module(text, INNER)
-    named = sorted(set(re.findall(r"\bdut\.(\w+)", tests)))
     port = rf"^  (?:in|out)put ({BITS})(\w+);"
     ports = [name for _, name in re.findall(port, module, re.MULTILINE)]
     wires = {name: bits for bits, name in re.findall(rf"^  (?:wire|reg) ({BITS})(\w+);", module, re.M)}
     copy = "  logic {bits}{name};\n  assign {name} = u_mutated.{at}{name};\n".format
     seen = "".join(
-        copy(bits=wires[name], at="", name=name) for name in named if name in wires and name not in ports
+        copy(bits=wires[name], at="", name=name)
+        for name in _named(run)
+        if name in wires and name not in ports
     )
     paths, tree = re.findall(r'"((?:gen_\w+\.)*u_\w+)"', tests), {}
     for kind, path in re.findall(r"^  (\S+) +\\?([\w.]+) +\($", module, re.MULTILINE):
@@ -126,8 +132,10 @@ def netlist(run, count, seed, folder):
         mutant.parameters = run["parameters"]
     control = [m.command.replace("mutate ", f"mutate -ctrl mutsel {width} {m.number} ", 1) for m in mutants]
     (ROOT / folder / "apply.ys").write_text("\n".join(control) + "\n")
+    # What only the tests read stays, even if a mutant takes its name from it.
+    kept = " ".join(f"{INNER}/w:{name}" for name in _named(run))
     yosys(
-        f"read_rtlil {folder}/plain.il; script {folder}/apply.ys; opt_clean; "
+        f"read_rtlil {folder}/plain.il; setattr -set keep 1 {kept}; script {folder}/apply.ys; opt_clean; "
         f"write_rtlil {folder}/mutated.il; write_verilog -noattr {folder}/mutated.v",
         f"{folder}/apply.log",
     )
