@@ -357,7 +357,7 @@ async def rests_in_reset_whatever_comes(dut):
 def watch_wires(dut, name, *strobes):
     """Both ends of every wire agree when one of ``strobes`` rises, of those that this core has.
 
-    And for a while, clock by clock, when no event has room: what is under way then waits.
+    And for a while, clock by clock, when an event comes or no other has room: what is under way then waits.
     """
     ends = Ends(dut, INSIDE, PARTS[name])
 
@@ -374,14 +374,17 @@ def watch_wires(dut, name, *strobes):
         if ends.knows(strobe):
             cocotb.start_soon(watch(RisingEdge(ends.handle(strobe)), times=100, span=1))
     if ends.knows("link.slip_ready_o"):
-        cocotb.start_soon(watch(FallingEdge(ends.handle("link.slip_ready_o")), times=10, span=30))
+        cocotb.start_soon(watch(RisingEdge(ends.handle("link.slip_valid_i")), times=20, span=30))
+        for ready in ("link.slip_ready_o", "slip.in_ready_o"):
+            if ends.knows(ready):
+                cocotb.start_soon(watch(FallingEdge(ends.handle(ready)), times=10, span=30))
 
 
 @cocotb.test(timeout_time=200, timeout_unit="ms")
 async def packets_are_the_models_of_the_codes_at_the_pins(dut):
     name, build = case_of(dut)
     host, sensor, starts = await begin(dut, name, build)
-    watch_wires(dut, name, "flags.in_valid_i", "slip.in_valid_i", "link.slip_valid_i", "link.cop_valid_i")
+    watch_wires(dut, name, "flags.in_valid_i", "slip.in_valid_i", "link.cop_valid_i")
     frames = FRAMES[name]
     await bench.clocks(dut, frames * build.period_clocks)
     got = host.packets()
@@ -644,6 +647,7 @@ async def faults_are_told_and_every_counter_counts_its_own(dut):
     # All at once slip, and more events than the queue holds wait for the line, and the scan for them.
     assert dut.pressed_o.value == 1
     settings = {"slip.contact_level": 0, "slip.threshold": 0, "scan.period": 1, "cop.min_load": (1 << 20) - 1}
+    watch_wires(dut, name)
     lost = len(await stage(rng.integers(200, 4000, (16, 3, 3)), **settings))
     assert dut.pressed_o.value == 0
     spoilt = bytearray(bridge.command(bridge.READ, 0, 0))
