@@ -240,7 +240,15 @@ async def stream(dut, beats, fields, gaps=None, stalls=None, drain=40, count=Non
 
 
 async def turn_over(
-    dut, *counters, most=1, span=40, wiggled=("in_valid_i", "in_last_i"), wraps=True, beside=(), **inputs
+    dut,
+    *counters,
+    most=1,
+    span=40,
+    wiggled=("in_valid_i", "in_last_i"),
+    wraps=True,
+    beside=(),
+    still=(),
+    **inputs,
 ):
     """The ``counters`` from their greatest value to 0: one of 32 bits never gets there by counting.
 
@@ -248,9 +256,10 @@ async def turn_over(
     says 0: each counts by no more than ``most`` a clock, whatever comes, and within ``span`` clocks it has,
     if it ``wraps``. Where registers start with random values (``powerups``) it does so from there. Must be
     the first test of all (``stage=-1``). ``inputs``: of other inputs than those that are ``wiggled``;
-    ``beside``: registers' outputs that count nothing here: it is only seen that they begin as those do.
+    ``beside``: registers' outputs that count nothing here: it is only seen that they begin as those do;
+    ``still``: counters that need not turn over, as what they count may not come: they too lose no bit.
     """
-    ports, draw = [getattr(dut, counter) for counter in counters], random.Random(SEED)
+    ports, draw = [getattr(dut, counter) for counter in (*counters, *still)], random.Random(SEED)
     wiggled = [name for name in wiggled if hasattr(dut, name)]
     for name, value in (dict.fromkeys(wiggled, 0) | {"out_ready_i": 1, "rst_i": 0} | inputs).items():
         if hasattr(dut, name):
@@ -261,7 +270,7 @@ async def turn_over(
     tops = [(1 << len(port)) - 1 for port in ports]
     first = before = [read(port) for port in ports]
     ones = ONES.lstrip("+") in cocotb.plusargs
-    for name in (*counters, *beside):
+    for name in (*counters, *beside, *still):
         value, top = read(getattr(dut, name)), (1 << len(getattr(dut, name))) - 1
         assert not ones or value in (0, top), f"{name} begins with {value:x}"
     Clock(dut.clk_i, 10, unit="ns").start()
@@ -270,7 +279,7 @@ async def turn_over(
         await ReadOnly()
         now = [read(port) for port in ports]
         counted = [(after - value) & top for value, after, top in zip(before, now, tops)]
-        assert max(counted) <= most, f"{counters}: {before} -> {now}"
+        assert max(counted) <= most, f"{(*counters, *still)}: {before} -> {now}"
         before = now
         await FallingEdge(dut.clk_i)
         for name in wiggled:

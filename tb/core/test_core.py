@@ -5,6 +5,7 @@ four electrodes have no line: packets are bytes, the registers' bus is open, and
 them costs frames, not events. Faults of taxels, what each counter counts, every bit of every setting."""
 
 import copy
+import random
 from dataclasses import fields
 from itertools import groupby, pairwise
 
@@ -12,10 +13,11 @@ import cocotb
 import numpy as np
 import pytest
 from cocotb.clock import Clock
-from cocotb.triggers import ReadOnly, RisingEdge, Timer
+from cocotb.triggers import FallingEdge, ReadOnly, RisingEdge, Timer
 from cocotb.utils import get_sim_time
 
 import bench
+from core.wires import Ends, port_of
 from meissner import config, core
 from meissner.build import Config, verilog
 from meissner.host.register_map import GROUPS
@@ -24,6 +26,7 @@ from meissner.link import packet as p
 from meissner.link.cobs import encode
 from meissner.link.decoder import Decoder
 from meissner.link.registers import Registers
+from meissner.link.registers import settings as all_settings
 from meissner.link.uart_tx import levels
 from parts.ad7606 import Ad7606
 from parts.mcp3208 import Mcp3208
@@ -71,6 +74,38 @@ FRAMES = {"array": 40, "channels": 120, "electrodes": 90, "smallest": 120}
 COMMON = {"about": "of a test", "clock": {"mhz": 4.0}}
 # What no configuration says: few events wait, and one core has no line.
 ASIDE = {"array": {"SlipDepth": 2}, "electrodes": {"SlipDepth": 2, "Uart": 0}}
+# The blocks inside, and where they are.
+INSIDE = {
+    "registers": "u_registers",
+    "link": "gen_link.u_link",
+    "flags": "gen_flags.u_flags",
+    "slip": "gen_slip.u_slip_path",
+    "skid": "gen_slip.gen_skid.u_skid",
+    "array": "gen_array.u_array",
+    "preset": "gen_array.u_preset",
+    "report": "gen_array.u_health_report",
+    "narrow": "gen_array.u_narrow",
+    "acquire": "gen_channels.u_acquire",
+    "gate": "gen_channels.gen_gate.u_frame_gate",
+    "time": "gen_channels.gen_gate.u_convert_time",
+    "electrodes": "gen_channels.gen_cop4.u_electrodes",
+    "cop4": "gen_channels.gen_cop4.u_cop4",
+    "cop_slip": "gen_channels.gen_cop4.gen_cop_slip.u_cop_slip",
+    "sender": "gen_slip_only.u_packet_slip",
+    "cobs": "gen_slip_only.u_cobs",
+    "uart": "gen_slip_only.u_uart_tx",
+}
+PARTS = {  # whose wires a core has
+    "array": ("array", "slip", "events", "flags", "link"),
+    "channels": ("acquire", "gate", "channels", "slip", "events", "flags", "link"),
+    "electrodes": ("acquire", "gate", "electrodes", "flags", "link"),
+    "smallest": ("acquire", "slip", "sender", "flags"),
+}
+IS = {  # rows, columns, groups of registers
+    "array": (3, 3, "slip scan health tare calibrate cop link"),
+    "channels": (1, 3, "adc slip link"),
+    "electrodes": (1, 4, "adc cop4 cop_slip link"),
+}
 ADDRESS = {
     f"{group.name}.{register.name}": register.address for group in GROUPS for register in group.registers
 }
@@ -284,6 +319,34 @@ async def begin(dut, name, build):
     return host, sensor, starts
 
 
+@cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
+async def counts_over_the_whole_width(dut):
+    """The time, from its greatest value; and both ends of every wire, with registers at ones, then reset."""
+    name, _ = case_of(dut)
+    ends, draw = Ends(dut, INSIDE, PARTS[name]), random.Random(bench.SEED)
+    inputs = [port for port in dut if port._name.endswith("_i") and port._name not in ("clk_i", "rst_i")]
+    for port in (*inputs, dut.rst_i):
+        port.value = 0
+    await Timer(1, "ns")
+    if not dut.now.value.is_resolvable:  # a simulator that starts with unknowns
+        return
+    ends.check()
+    time = bench.read(dut.now)
+    assert bench.ONES.lstrip("+") not in cocotb.plusargs or time == 2**48 - 1
+    Clock(dut.clk_i, PERIOD_NS, unit="ns").start()
+    for clock in range(120):
+        await RisingEdge(dut.clk_i)
+        await ReadOnly()
+        time = 0 if 40 <= clock < 44 else (time + 1) % 2**48
+        assert bench.read(dut.now) == time
+        ends.check()
+        await FallingEdge(dut.clk_i)
+        dut.rst_i.value = int(39 <= clock < 43)
+        for port in inputs:
+            port.value = draw.getrandbits(len(port))
+    await RisingEdge(dut.clk_i)
+
+
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def rests_in_reset_whatever_comes(dut):
     flags = ("slip_o", "gross_o", "touched_o", "pressed_o")
@@ -291,10 +354,37 @@ async def rests_in_reset_whatever_comes(dut):
     assert dut.tx_o.value == 1
 
 
+def watch_wires(dut, name, *strobes):
+    """Both ends of every wire agree when one of ``strobes`` rises, of those that this core has.
+
+    And for a while, clock by clock, when an event comes or no other has room: what is under way then waits.
+    """
+    ends = Ends(dut, INSIDE, PARTS[name])
+
+    async def watch(edge, times, span):
+        for _ in range(times):
+            await edge
+            for clock in range(span):
+                if clock:
+                    await RisingEdge(dut.clk_i)
+                await ReadOnly()
+                ends.check()
+
+    for strobe in strobes:
+        if ends.knows(strobe):
+            cocotb.start_soon(watch(RisingEdge(ends.handle(strobe)), times=100, span=1))
+    if ends.knows("link.slip_ready_o"):
+        cocotb.start_soon(watch(RisingEdge(ends.handle("link.slip_valid_i")), times=20, span=30))
+        for ready in ("link.slip_ready_o", "slip.in_ready_o"):
+            if ends.knows(ready):
+                cocotb.start_soon(watch(FallingEdge(ends.handle(ready)), times=10, span=30))
+
+
 @cocotb.test(timeout_time=200, timeout_unit="ms")
 async def packets_are_the_models_of_the_codes_at_the_pins(dut):
     name, build = case_of(dut)
     host, sensor, starts = await begin(dut, name, build)
+    watch_wires(dut, name, "flags.in_valid_i", "slip.in_valid_i", "link.cop_valid_i")
     frames = FRAMES[name]
     await bench.clocks(dut, frames * build.period_clocks)
     got = host.packets()
@@ -354,6 +444,7 @@ async def commands_are_answered_while_it_measures(dut):
     host, *_ = await begin(dut, name, build)
     asked = [(bridge.READ, 1, 0x000, 0), (bridge.READ, 2, 0x010, 0), (bridge.WRITE, 3, 0x014, 0xCAFE1234)]
     asked += [(bridge.READ, 4, 0x014, 0), (bridge.READ, 5, 0xFFC, 0)]
+    asked += [(bridge.READ, 6, 0x008, 0), (bridge.READ, 7, 0x00C, 0)]
     answers = await host.ask(asked, rest=8 * 700)
     assert [answer[:3] for answer in answers] == [
         (1, bridge.DONE, 0x000),
@@ -361,8 +452,13 @@ async def commands_are_answered_while_it_measures(dut):
         (3, bridge.DONE, 0x014),
         (4, bridge.DONE, 0x014),
         (5, bridge.BUS_ERROR, 0xFFC),
+        (6, bridge.DONE, 0x008),
+        (7, bridge.DONE, 0x00C),
     ]
     assert [answers[place][3] for place in (0, 1, 3)] == [0x4D534E52, build.clk_khz, 0xCAFE1234]
+    rows, columns, groups = IS[name]
+    assert answers[6][3] == columns << 16 | rows
+    assert answers[5][3] == sum(1 << n for n, group in enumerate(GROUPS[1:]) if group.name in groups.split())
 
 
 async def read(host, *names, **how):
@@ -381,17 +477,29 @@ async def write(host, values, **how):
 
 @cocotb.test(timeout_time=200, timeout_unit="ms")
 async def every_bit_of_every_setting_is_kept(dut):
-    """Between them, the two cores have all groups of settings. Conversions stop with the first ones."""
+    """Each is read as it was written, and so it is at the block that it is for; so it was from reset on.
+    Between them, the two cores have all groups of settings. Conversions stop with the first ones."""
     name, build = case_of(dut)
     if name not in ("array", "electrodes"):
         return
     host, *_ = await begin(dut, name, build)
+    watch_wires(dut, name, *(f"registers.{group}_pending_o" for group in ("slip", "cop", "cop4", "cop_slip")))
     (features,) = await read(host, "core.features", rest=8 * 700)
     present = [group.name for place, group in enumerate(GROUPS[1:]) if features >> place & 1]
     twin = Registers(
         [group.name for group in GROUPS if group.feature and group.name in present],
         build.parameters["Resets"],
     )
+    ends = Ends(dut, INSIDE, ())
+
+    def arrived():
+        for group, register, field in all_settings():
+            port = port_of(group.name, register.name, field.name)
+            if group.name in present and port:
+                value = twin.setting(group.name, register.name, field.name)
+                assert ends(port) == value & (1 << ends.width(port)) - 1, f"{port} is {ends(port):x}"
+
+    arrived()
     settings = [
         register
         for group in GROUPS
@@ -411,6 +519,9 @@ async def every_bit_of_every_setting_is_kept(dut):
     expected += [(0, bridge.BUS_ERROR, address, 0) for address in (0x001, 0x002, 0x555, 0xAAA)]
     assert await host.ask(asked[:4], rest=8 * 700) + await host.ask(asked[4:]) == expected
     await bench.clocks(dut, 200)  # a frame's boundary comes, though no frame does
+    for group in twin.pending:
+        twin.commit(group)
+    arrived()
     if name == "electrodes":
         for byte in range(4):
             ask = (bridge.WRITE, 0, ADDRESS["core.scratch"], 0x0101_0101 * (0xA5 + byte))
@@ -515,21 +626,30 @@ async def faults_are_told_and_every_counter_counts_its_own(dut):
     twin.health.clear()
     twin.tare.tare()
     settings = {f"health.{key}": value for key, value in limits.items()}
-    settings |= {"health.clear": 1, "tare.average": 1, "scan.period": 0, "calibrate.swap": 1}
-    await write(host, {"calibrate.swap": 1})  # and again: the gains are the same as before
-    expect(await stage([quiet + 900], 2, **settings))
+    settings |= {"health.clear": 1, "tare.average": 1, "scan.period": 0}
+    settings |= {"calibrate.swap": 1, "link.images": 0}
+    rng = np.random.default_rng(bench.SEED)
+    for word, (offset, gain) in enumerate(zip(rng.integers(-900, 900, 9), rng.integers(1, 65536, 9))):
+        twin.cop.calibrate.table.write(word, offset, gain)
+        entry = {"word": word, "offset": int(offset) & 0x1FFFF, "gain": int(gain), "write": 1}
+        await write(host, {f"calibrate.{key}": value for key, value in entry.items()})
+    twin.cop.calibrate.swap()
+    unseen = await stage([quiet + 900], 2, **settings)
+    expect(unseen)
     assert await read(host, *faults, "tare.refused") == [0, 0, 0, 1]
     assert twin.tare.refused == 1
 
     twin.tare.load(True)
-    swallowed = len(await stage([quiet], 2, **{"tare.load": 1}))
+    swallowed = len(await stage([quiet], 2, **{"tare.load": 1, "link.images": 1}))
     assert await read(host, "tare.swallowed") == [swallowed]
     await write(host, {"tare.load": 0})
 
     # All at once slip, and more events than the queue holds wait for the line, and the scan for them.
-    rng = np.random.default_rng(bench.SEED)
-    settings = {"slip.contact_level": 0, "slip.threshold": 0, "scan.period": 1}
+    assert dut.pressed_o.value == 1
+    settings = {"slip.contact_level": 0, "slip.threshold": 0, "scan.period": 1, "cop.min_load": (1 << 20) - 1}
+    watch_wires(dut, name)
     lost = len(await stage(rng.integers(200, 4000, (16, 3, 3)), **settings))
+    assert dut.pressed_o.value == 0
     spoilt = bytearray(bridge.command(bridge.READ, 0, 0))
     spoilt[3] ^= 2
     await host.send(bytes(spoilt))
@@ -540,7 +660,7 @@ async def faults_are_told_and_every_counter_counts_its_own(dut):
     assert await read(host, "scan.held", "scan.lost", "cop.damaged") == [0, 0, 0]
     got = host.packets()
     cops, images = ([q for q in got if q.kind == kind] for kind in (p.COP, p.IMAGE))
-    for packets, replaced in ((cops, cop_dropped), (images, image_dropped)):
+    for packets, replaced in ((cops, cop_dropped), (images, image_dropped + len(unseen))):
         assert len(packets) + replaced + dropped + swallowed == done() == len(given) + swallowed + lost
     first = starts[:: sensor.per_frame // build.scan.channels]
     offset = first[0] - min(q.time for q in cops)

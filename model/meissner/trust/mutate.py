@@ -59,22 +59,49 @@ def _listed(text):
         yield what, source, line
 
 
-def _seen_inside(run, folder):
-    """The wrapper's copies of those signals inside the block that its tests name."""
-    module = (
-        (ROOT / folder / "mutated.v")
-        .read_text()
-        .partition(f"\nmodule {INNER}(")[2]
-        .partition("\nendmodule")[0]
-    )
-    named = sorted(set(re.findall(r"\bdut\.(\w+)", tests_of(run).read_text())))
-    ports = re.findall(rf"^  (?:in|out)put {BITS}(\w+);", module, re.MULTILINE)
-    wires = {name: bits for bits, name in re.findall(rf"^  (?:wire|reg) ({BITS})(\w+);", module, re.M)}
+def _module(text, name):
+    """A module of a netlist, from its head to its end."""
+    return text.partition(f"\nmodule {name}(")[2].partition("\nendmodule")[0]
+
+
+def _named(run):
+    """The signals that the tests name, of the block's own."""
+    return sorted(set(re.findall(r"\bdut\.(\w+)", tests_of(run).read_text())))
+
+
+def _scopes(tree):
+    """Scopes in scopes, down to the signals in them."""
     return "".join(
-        f"  logic {wires[name]}{name};\n  assign {name} = u_mutated.{name};\n"
-        for name in named
+        inner if isinstance(inner, str) else f"  if (1) begin : {name}\n{_scopes(inner)}  end\n"
+        for name, inner in tree.items()
+    )
+
+
+def _seen_inside(run, folder):
+    """The wrapper's copies of those signals inside the block that its tests name, and, in scopes of the same
+    names, of all ports of those blocks in it whose path stands in quotes there."""
+    text, tests = (ROOT / folder / "mutated.v").read_text(), tests_of(run).read_text()
+    module = _module(text, INNER)
+    port = rf"^  (?:in|out)put ({BITS})(\w+);"
+    ports = [name for _, name in re.findall(port, module, re.MULTILINE)]
+    wires = {name: bits for bits, name in re.findall(rf"^  (?:wire|reg) ({BITS})(\w+);", module, re.M)}
+    copy = "  logic {bits}{name};\n  assign {name} = u_mutated.{at}{name};\n".format
+    seen = "".join(
+        copy(bits=wires[name], at="", name=name)
+        for name in _named(run)
         if name in wires and name not in ports
     )
+    paths, tree = re.findall(r'"((?:gen_\w+\.)*u_\w+)"', tests), {}
+    for kind, path in re.findall(r"^  (\S+) +\\?([\w.]+) +\($", module, re.MULTILINE):
+        if path in paths:
+            scope = tree
+            for name in path.split("."):
+                scope = scope.setdefault(name, {})
+            block = _module(text, f"{kind} " if kind.startswith("\\") else kind)
+            at = f"\\{path} ." if "." in path else f"{path}."  # the name itself has dots in it
+            for bits, name in re.findall(port, block, re.MULTILINE):
+                scope[name] = copy(bits=bits, at=at, name=name)
+    return seen + _scopes(tree)
 
 
 def netlist(run, count, seed, folder):
@@ -105,8 +132,10 @@ def netlist(run, count, seed, folder):
         mutant.parameters = run["parameters"]
     control = [m.command.replace("mutate ", f"mutate -ctrl mutsel {width} {m.number} ", 1) for m in mutants]
     (ROOT / folder / "apply.ys").write_text("\n".join(control) + "\n")
+    # What only the tests read stays, even if a mutant takes its name from it.
+    kept = " ".join(f"{INNER}/w:{name}" for name in _named(run))
     yosys(
-        f"read_rtlil {folder}/plain.il; script {folder}/apply.ys; opt_clean; "
+        f"read_rtlil {folder}/plain.il; setattr -set keep 1 {kept}; script {folder}/apply.ys; opt_clean; "
         f"write_rtlil {folder}/mutated.il; write_verilog -noattr {folder}/mutated.v",
         f"{folder}/apply.log",
     )

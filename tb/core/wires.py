@@ -1,0 +1,240 @@
+"""What joins the blocks inside msn_core, as tb/core/test_core.py sees it: ends are "<block>.<port>", by the
+short names that the test gives its blocks, or a port of the core itself; "[high:low]" of it."""
+
+# By a block that such wires need: from, to, and what stands for {} in both. "~": signed, and widened.
+WIRES = {
+    "array": [
+        ("preset.out_{}_o", "array.cfg_{}_i", "write write_row word offset gain swap"),
+        ("registers.calibrate_{}_o", "preset.in_{}_i", "swap gain"),
+        ("~registers.calibrate_offset_o", "preset.in_offset_i"),
+        ("registers.calibrate_word_o[3:0]", "preset.in_word_i"),
+        ("registers.health_{}_o", "array.cfg_{}_i", "clear report"),
+        ("array.event_{}_o", "report.in_{}_i", "valid id dead railed blinking"),
+        ("report.in_ready_o", "array.event_ready_i"),
+        ("report.out_{}_o", "link.health_{}_i", "valid id faults"),
+        ("link.health_ready_o", "report.out_ready_i"),
+        ("array.tap_{}_o", "narrow.in_{}_i", "valid last"),
+        ("array.tap_data_o", "narrow.in_data_i[15:0]"),
+        ("array.tap_mask_o", "narrow.in_data_i[16:16]"),
+        ("narrow.in_ready_o", "array.tap_ready_i"),
+        ("narrow.out_data_o[15:0]", "link.image_data_i"),
+        ("narrow.out_last_o", "link.image_last_i"),
+        ("narrow.out_valid_o", "skid.in_valid_i"),
+        ("narrow.out_data_o[15:0]", "skid.in_data_i[22:6]"),
+        ("narrow.out_id_o", "skid.in_data_i[5:2]"),
+        ("narrow.out_last_o", "skid.in_data_i[1:1]"),
+        ("narrow.out_data_o[16:16]", "skid.in_data_i[0:0]"),
+        ("skid.in_ready_o", "narrow.out_ready_i"),
+        ("skid.out_valid_o", "slip.in_valid_i"),
+        ("skid.out_data_o[22:6]", "slip.in_data_i"),
+        ("skid.out_data_o[5:2]", "slip.in_id_i"),
+        ("skid.out_data_o[1:1]", "slip.in_last_i"),
+        ("skid.out_data_o[0:0]", "slip.in_mask_i"),
+        ("slip.in_ready_o", "skid.out_ready_i"),
+        ("~array.out_{}_o", "link.cop_{}_i", "x y"),
+        ("array.out_{}_o", "link.cop_{}_i", "valid load pressed"),
+        ("array.time_o", "link.{}_time_i", "slip cop image"),
+        ("now", "array.now_i"),
+        ("array.commit_o", "registers.{}_commit_i", "slip cop"),
+        ("array.{}_o", "registers.scan_{}_i", "dropped overrun held lost"),
+        ("array.{}_o", "registers.health_{}_i", "dead railed blinking"),
+        ("array.{}_o", "registers.tare_{}_i", "tared refused swallowed"),
+        ("array.{}_o", "registers.tare_state_{}_i", "pressed taring"),
+        ("array.cfg_loading_o", "registers.tare_state_loading_i"),
+        ("array.cfg_swapping_o", "registers.calibrate_swapping_i"),
+        ("array.damaged_o", "registers.cop_damaged_i"),
+        ("array.adc_{}_o", "adc_{}_o", "cs_n sclk mosi convst reset"),
+        ("array.{}_o", "{}_o", "row group"),
+    ],
+    "acquire": [
+        ("acquire.{}_o", "registers.adc_{}_i", "dropped overrun timeout mistagged over_range"),
+        ("acquire.adc_{}_o", "adc_{}_o", "cs_n sclk mosi convst reset"),
+    ],
+    "gate": [
+        ("acquire.out_{}_o", "gate.in_{}_i", "valid last"),
+        ("acquire.out_{}_o", "time.{}_i", "valid last"),
+        ("gate.in_ready_o", "acquire.out_ready_i"),
+        ("gate.in_ready_o", "time.ready_i"),
+        ("acquire.convert_o", "time.convert_i"),
+        ("now", "time.now_i"),
+        ("time.time_o", "link.{}_time_i", "slip cop"),
+    ],
+    "electrodes": [
+        ("gate.out_valid_o", "electrodes.in_valid_i"),
+        ("electrodes.in_ready_o", "gate.out_ready_i"),
+        ("acquire.out_{}_o", "electrodes.in_{}_i", "data id last"),
+        ("electrodes.out_{}_o", "cop4.in_{}_i", "valid e1 e2 e3 e4"),
+        ("cop4.in_ready_o", "electrodes.out_ready_i"),
+        ("cop4.out_{}_o", "cop_slip.in_{}_i", "valid x y load pressed"),
+        ("cop_slip.in_ready_o", "cop4.out_ready_i"),
+        ("~cop4.out_{}_o", "link.cop_{}_i", "x y"),
+        ("cop4.out_{}_o", "link.cop_{}_i", "load pressed"),
+        ("cop_slip.out_octant_o", "link.slip_p2p_i"),
+        ("gate.commit_o", "registers.{}_commit_i", "cop4 cop_slip"),
+    ],
+    "slip": [
+        ("slip.{}_o", "registers.slip_{}_i", "damaged blanked"),
+        ("slip.out_{}_o", "flags.in_{}_i", "state last"),
+        ("actuator_moving_i", "slip.actuator_moving_i"),
+    ],
+    "channels": [
+        ("gate.out_valid_o", "slip.in_valid_i"),
+        ("slip.in_ready_o", "gate.out_ready_i"),
+        ("acquire.out_{}_o", "slip.in_{}_i", "data id last"),
+        ("gate.commit_o", "registers.slip_commit_i"),
+    ],
+    "events": [("slip.out_{}_o", "link.slip_{}_i", "id state p2p")],
+    "link": [
+        ("link.bus_{}_o", "registers.bus_{}_i", "valid write address data strobe"),
+        ("registers.bus_{}_o", "link.bus_{}_i", "done error data"),
+        ("link.{}_o", "registers.link_{}_i", "packets cop_dropped image_dropped rejected"),
+        ("now", "link.now_i"),
+        ("bus_{}_i", "link.host_{}_i", "valid write address data strobe"),
+        ("link.host_{}_o", "bus_{}_o", "done error data"),
+        ("out_ready_i", "link.out_ready_i"),
+        ("link.out_{}_o", "out_{}_o", "valid data last"),
+        ("rx_i", "link.rx_i"),
+        ("link.tx_o", "tx_o"),
+    ],
+    "flags": [("flags.{}_o", "{}_o", "slip gross touched")],
+    "sender": [
+        ("acquire.out_valid_o", "slip.in_valid_i"),
+        ("slip.in_ready_o", "acquire.out_ready_i"),
+        ("acquire.out_{}_o", "slip.in_{}_i", "data id last"),
+        ("acquire.convert_o", "sender.convert_i"),
+        ("slip.out_{}_o", "sender.in_{}_i", "valid raised state p2p"),
+        ("sender.in_ready_o", "slip.out_ready_i"),
+        ("sender.out_{}_o", "cobs.in_{}_i", "begin valid data last"),
+        ("cobs.in_ready_o", "sender.out_ready_i"),
+        ("cobs.out_{}_o", "uart.in_{}_i", "valid data"),
+        ("uart.in_ready_o", "cobs.out_ready_i"),
+        ("uart.tx_o", "tx_o"),
+    ],
+}
+
+
+def _pending(v):
+    return any(v(f"registers.{name}_pending_o") for name in ("slip", "cop", "cop4", "cop_slip"))
+
+
+# What is more than a wire, of one lane: where it goes to, and what of the values ``v`` of other ends.
+GLUE = {
+    "array": {
+        "array.cfg_pending_i": _pending,
+        "array.stalled_i": lambda v: v("slip.out_valid_o") and not v("slip.out_ready_i"),
+        "array.cfg_tare_i": lambda v: (
+            v("registers.tare_average_o") or (v("registers.tare_at_start_o") and v("preset.done_o"))
+        ),
+        "array.cfg_force_i": lambda v: v("registers.tare_force_o") or v("preset.done_o"),
+        "array.cfg_zero_write_i": lambda v: (
+            v("registers.tare_write_written_o") and v("registers.tare_write_o[0:0]")
+        ),
+        "preset.in_write_i": lambda v: (
+            v("registers.calibrate_write_written_o")
+            and not v("registers.calibrate_write_row_o")
+            and v("registers.calibrate_write_lanes_o[0:0]")
+        ),
+        "preset.in_write_row_i": lambda v: (
+            v("registers.calibrate_write_written_o") and v("registers.calibrate_write_row_o")
+        ),
+        "link.image_valid_i": lambda v: (
+            v("registers.link_images_o") and v("narrow.out_valid_o") and v("skid.in_ready_o")
+        ),
+    },
+    "gate": {"gate.pending_i": lambda v: v("gate.out_valid_o") or _pending(v)},
+    "channels": {"gate.stalled_i": lambda v: v("slip.out_valid_o") and not v("slip.out_ready_i")},
+    "electrodes": {
+        "gate.stalled_i": lambda v: v("cop_slip.out_valid_o") and not v("cop_slip.out_ready_i"),
+        "cop_slip.out_ready_i": lambda v: not v("cop_slip.out_raised_o") or v("link.slip_ready_o"),
+        "link.slip_valid_i": lambda v: v("cop_slip.out_valid_o") and v("cop_slip.out_raised_o"),
+        "link.slip_state_i": lambda v: 2 if v("cop_slip.out_slip_o") else 1,
+        "link.slip_id_i": lambda v: 0xFFFF,
+        "link.cop_valid_i": lambda v: v("cop4.out_valid_o") and v("cop_slip.in_ready_o"),
+        "flags.in_valid_i": lambda v: v("cop_slip.out_valid_o") and v("cop_slip.out_ready_i"),
+        "flags.in_state_i": lambda v: 2 if v("cop_slip.out_slip_o") else 1,
+        "flags.in_last_i": lambda v: 1,
+    },
+    "events": {
+        "slip.out_ready_i": lambda v: not v("slip.out_raised_o") or v("link.slip_ready_o"),
+        "link.slip_valid_i": lambda v: v("slip.out_valid_o") and v("slip.out_raised_o"),
+    },
+    "slip": {"flags.in_valid_i": lambda v: v("slip.out_valid_o") and v("slip.out_ready_i")},
+}
+
+# A setting arrives at cfg_<its name>_i of its group's block, but these, elsewhere or as glue says.
+OWN = {"slip": "slip", "adc": "acquire", "cop4": "cop4", "cop_slip": "cop_slip"}
+OWN |= dict.fromkeys(("scan", "health", "tare", "cop"), "array")
+ELSEWHERE = {
+    **{"tare.word.value": "array.cfg_zero_word_i", "tare.zero.value": "array.cfg_zero_i"},
+    **{"health.use.user": "array.cfg_user_i", "health.use.edges": "array.cfg_edges_i"},
+    **{"calibrate.preset.value": "preset.cfg_gain_i", "calibrate.word.value": "preset.in_word_i"},
+    **{"calibrate.gain.value": "preset.in_gain_i", "calibrate.offset.value": "preset.in_offset_i[16:0]"},
+    **{f"cop4.p{n}.value": f"cop4.cfg_p_i[{18 * n + 17}:{18 * n}]" for n in range(6)},
+}
+OF_GLUE = (
+    *("core.scratch.value", "link.images.value", "tare.force.value", "tare.at_start.value"),
+    *("tare.write.value", "calibrate.write.lanes", "calibrate.write.row"),
+)
+
+
+def port_of(group, register, field):
+    """The port at which a setting arrives; None if it is not there as it was written."""
+    name = f"{group}.{register}.{field}"
+    return None if name in OF_GLUE else ELSEWHERE.get(name, f"{OWN.get(group)}.cfg_{register}_i")
+
+
+def joins(parts):
+    """(source, sink, widened) of every wire of a core with ``parts``."""
+    for part in parts:
+        for source, sink, *names in WIRES.get(part, ()):
+            for name in names[0].split() if names else [""]:
+                yield source.format(name).lstrip("~"), sink.format(name), source[0] == "~"
+
+
+class Ends:
+    """The values at the ends of wires in ``dut``. ``inside``: short name of a block -> where it is."""
+
+    def __init__(self, dut, inside, parts):
+        self.dut, self.inside, self.handles = dut, inside, {}
+        self.wires = list(joins(parts))
+        self.glue = [pair for part in parts for pair in GLUE.get(part, {}).items()]
+
+    def knows(self, end):
+        """It is in this core."""
+        block = end.partition(".")[0]
+        return any(block in (a.partition(".")[0], b.partition(".")[0]) for a, b, _ in self.wires)
+
+    def handle(self, end):
+        """The signal of an end, without its bits."""
+        if end not in self.handles:
+            block, _, port = end.rpartition(".")
+            found = self.dut
+            for name in [*(self.inside[block].split(".") if block else ()), port]:
+                found = getattr(found, name)
+            self.handles[end] = found
+        return self.handles[end]
+
+    def width(self, end):
+        name, _, bits = end.partition("[")
+        high, low = map(int, bits[:-1].split(":")) if bits else (len(self.handle(name)) - 1, 0)
+        return high - low + 1
+
+    def __call__(self, end):
+        """What is on it, unsigned."""
+        name, _, bits = end.partition("[")
+        value = int(self.handle(name).value)
+        if bits:
+            high, low = map(int, bits[:-1].split(":"))
+            value = value >> low & (1 << high - low + 1) - 1
+        return value
+
+    def check(self):
+        """All ends agree, now."""
+        for source, sink, widened in self.wires:
+            sent, got = self(source), self(sink)
+            if widened:
+                top = 1 << self.width(source) - 1
+                sent = ((sent ^ top) - top) & (1 << self.width(sink)) - 1
+            assert got == sent, f"{sink} is {got:x}, but {source} {sent:x}"
+        for sink, of in self.glue:
+            assert self(sink) == of(self), f"{sink} is {self(sink):x}, not {of(self):x}"
