@@ -153,7 +153,8 @@ module msn_adc_spi #(
   logic resumed, set_up, converting;
   assign resumed = HasBusy ? state_q == BusyFall && !busy && !give_up : state_q == Idle && tick;
   assign set_up  = SetupWords > 0 && ((state_q == Reset && start_q == '0) || (frame_end && Tagged && bad_q));
-  assign converting = (HasBusy && frame) || (!give_up && (state_q == BusyRise || (state_q == BusyFall && busy)));
+  assign converting = (HasBusy && frame) ||
+                      (!give_up && (state_q == BusyRise || (state_q == BusyFall && busy)));
   assign read    = resumed || set_up || (CsPerChannel && done && word_q != '0);
 
   always_ff @(posedge clk_i) begin
@@ -271,7 +272,7 @@ module msn_adc_spi #(
   ) u_store (
     .clk_i,
     .rst_i,
-    .begin_i    (convert_o),
+    .begin_i    (frame),  // not convert_o: that, upset, would begin a frame within one
     .in_valid_i (store_valid && !drop_q),
     .in_word_i  (store_word),
     .in_data_i  (data),

@@ -6,6 +6,8 @@
 // and all before it are there. A frame of which a beat is still here a clock before the next frame's first one makes
 // the next frame go, whole (dropped_o). What a frame is like comes with its first beat. Depth below Rows*Beats:
 // natural order only, and the sender must stop when room_o is low: two conversions of Burst beats still fit then.
+// A frame in which a beat is missing would never end: the next takes its place, and its last beat never comes. A beat
+// too many is not taken.
 //
 // Latency 3 clocks from in_valid_i to out_valid_o, a beat a clock.   Model: model/meissner/frontend/scan_buffer.py
 
@@ -57,12 +59,13 @@ module msn_scan_buffer #(
 
   // What the frame at hand is like.
   logic                interleave_q, drop_q, turned_away;
-  logic [RowBits-1:0]  last_row_q;
+  logic [RowBits-1:0]  last_row_q, last_row;
   logic [BeatBits-1:0] last_beat_q;
   logic [IdBits-1:0]   skip_q;
 
   // The writer: beats of the present row, and rows, that are there.
-  logic                   busy;  // a beat was left a clock ago: who takes the last one is known late
+  logic                   busy;  // all has come; a beat was left a clock ago: the last's taker is late
+  logic                   whole, whole_q;  // all of the frame has come
   logic                   store;
   logic [BeatBits-1:0]    in_beat_q, in_beat, last_beat;
   logic [RowBits:0]       in_rows_q, in_rows;
@@ -80,6 +83,8 @@ module msn_scan_buffer #(
   assign interleave = Sorts && (in_first_i ? in_interleave_i : interleave_q);
   assign half_last  = in_first_i ? {1'b0, in_last_row_i} >> 1 : half_last_q;
   assign row_full   = in_beat == last_beat;
+  assign last_row   = in_first_i ? in_last_row_i : last_row_q;
+  assign whole      = store ? row_full && in_rows == {1'b0, last_row} : whole_q;
   assign half       = in_rows == half_last;
   assign span       = AddressBits'(last_beat) + 1'b1;
   assign in_address = in_first_i ? '0 : in_address_q;
@@ -89,6 +94,7 @@ module msn_scan_buffer #(
   always_ff @(posedge clk_i) if (store) frame[in_address] <= in_data_i;
 
   always_ff @(posedge clk_i) begin
+    whole_q <= whole;
     if (store) begin
       in_beat_q <= row_full ? '0 : in_beat + 1'b1;
       in_rows_q <= in_rows + (RowBits+1)'(row_full);
@@ -96,8 +102,8 @@ module msn_scan_buffer #(
       // Found a beat ahead: the memory's blocks are far.
       in_address_q <= row_full ? base_next : in_address + 1'b1;
     end
+    drop_q <= whole || (in_valid_i && in_first_i ? busy : drop_q);
     if (in_valid_i && in_first_i) begin
-      drop_q <= busy;
       if (!busy) begin
         interleave_q <= interleave;
         last_row_q   <= in_last_row_i;
@@ -139,7 +145,7 @@ module msn_scan_buffer #(
   assign row_there  = follower_q < in_rows_q || (follower_q == in_rows_q && (store || in_beat_q != '0));
 
   always_ff @(posedge clk_i) begin
-    busy    <= !rst_i && (taken_o || open_q || read_valid_q || (out_valid_o && !out_ready_i));
+    busy    <= !rst_i && whole && (taken_o || open_q || read_valid_q || (out_valid_o && !out_ready_i));
     ahead_q <= taken_o || (!step ? stay_there : row_read ? row_there : next_there);
     if (step) begin
       beat_q    <= row_read ? '0 : beat_q + 1'b1;
@@ -184,7 +190,7 @@ module msn_scan_buffer #(
   end else begin : gen_part
     logic [AddressBits:0] used_q;
     always_ff @(posedge clk_i) begin
-      used_q <= used_q + (AddressBits+1)'(store) - (AddressBits+1)'(step);
+      used_q <= taken_o ? (AddressBits+1)'(1) : used_q + (AddressBits+1)'(store) - (AddressBits+1)'(step);
       room_o <= 32'(used_q) + 2 * Burst < Depth;
       if (rst_i) begin
         used_q <= '0;

@@ -1,9 +1,9 @@
 """msn_scan_buffer against its twin: frames of every size and order through a consumer that stalls or
 sleeps.
 
-Whole frames or none: a frame is dropped exactly when a beat of the one before is left a clock before it
-begins, and counted. The clock in which each beat leaves; a ring smaller than a frame that is
-never overfilled when the sender heeds room_o; reset.
+A frame that misses a beat gives way to the next. Whole frames or none: a frame is dropped exactly when a
+beat of the one before is left a clock before it begins, and counted. The clock in which each beat leaves; a
+ring smaller than a frame that is never overfilled when the sender heeds room_o; reset.
 """
 
 import random
@@ -254,6 +254,59 @@ async def recovers_after_reset(dut):
         run.beats = []
 
 
+@cocotb.test(timeout_time=50, timeout_unit="ms")
+async def a_frame_that_misses_a_beat_gives_way_to_the_next(dut):
+    """What came of it leaves, or is lost if nobody takes it; a beat too many changes nothing."""
+    twin = twin_of(dut)
+    draw = random.Random(bench.SEED)
+    await start(dut)
+    asleep = False
+    run = Bench(dut, lambda: asleep)
+
+    async def send(frame, count, first=True):
+        for index, word in enumerate(frame[0][:count]):
+            while not run.room:
+                await run.tick()
+            taken = await run.tick(word, frame if first and index == 0 else None)
+            assert taken == (first and index == 0)
+
+    async def drain():
+        for _ in range(twin.rows * twin.beats + 10):
+            await run.tick()
+
+    cuts = 0
+    for number in range(40):
+        cut, frame = random_frame(draw, twin), random_frame(draw, twin)
+        count = draw.randrange(len(cut[0]))
+        count = min(count, twin.burst) if not twin.sorts else count  # a ring is left room in while asleep
+        if count:
+            cuts += 1
+            asleep = number % 3 == 2
+            await send(cut, count)
+            await (run.tick() if asleep else drain())
+            asleep = False
+            began, *shape = cut
+            expected = twin.begun(began[:count], *shape)
+            ids = (1 << len(dut.out_id_o)) - 1
+            if number % 3 != 2:
+                assert [beat[1:] for beat in run.beats] == [
+                    (w, index & ids, last) for w, index, last in expected
+                ]
+            run.beats = []
+        await send(frame, len(frame[0]))
+        await drain()
+        expected = expected_of(dut, twin, frame)
+        if number % 3 == 2:
+            run.beats = run.beats[-len(expected) :]
+        assert [beat[1:] for beat in run.beats] == expected
+        run.beats = []
+        await send(cut, min(3, len(cut[0])), first=False)
+        await drain()
+        assert not run.beats
+    assert bench.read(dut.dropped_o) == 0
+    assert cuts or twin.rows * twin.beats == 1
+
+
 @pytest.mark.parametrize(
     "parameters",
     [
@@ -285,5 +338,8 @@ def test_twin_of_a_whole_frame():
     order = [(10, 4), (11, 5), (12, 12), (13, 13), (14, 8), (15, 9)]
     beats = twin.frame([word for word, _ in order], 3, 2, 4, 3, True)
     assert beats == [(word, index, word == 13) for word, index in sorted(order, key=lambda beat: beat[1])]
+    assert twin.begun([word for word, _ in order[:3]], 3, 2, 4, 3, True) == beats[:2]
+    assert twin.begun([word for word, _ in order[:5]], 3, 2, 4, 3, True) == beats[:3]
+    assert twin.begun([word for word, _ in order], 3, 2, 4, 3, True) == beats
     with pytest.raises(ValueError, match="3 rows of 2 beats has not 5 words"):
         twin.frame([0] * 5, 3, 2, 0, 1)

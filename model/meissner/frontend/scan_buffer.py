@@ -49,3 +49,9 @@ class ScanBuffer:
                 index = first_id + row * (beats - 1 + skip) + beat
                 out.append((word, index, (row, beat) == (rows - 1, beats - 1)))
         return out
+
+    def begun(self, data, rows, beats, first_id, skip, interleave=False):
+        """Beats that leave of a frame of which ``data`` comes and no more."""
+        missing = rows * beats - len(data)
+        out = self.frame([*data, *[None] * missing], rows, beats, first_id, skip, interleave)
+        return out[: next((n for n, (word, _, _) in enumerate(out) if word is None), len(out))]
