@@ -133,6 +133,7 @@ class Harness:
                     dut.adc_convst_o.value == 1 if self.twin.part.has_busy else dut.adc_cs_n_o.value == 0
                 )
                 assert launched, "convert_o without a conversion"
+            assert self.twin.part.has_busy or dut.adc_convst_o.value == 0, "CONVST of a part that has none"
             if dut.lost_o.value == 1:
                 self.losses.append(self.clock)
             valid = dut.out_valid_o.value == 1
@@ -318,6 +319,23 @@ async def shortest_period_is_the_twins(dut, short):
     assert not (dropped and overrun)
     await harness.stop()
     harness.check()
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def every_bit_of_a_period_is_waited_for(dut):
+    """A tick that came early, within the frame under way, would count as an overrun at once."""
+    harness = Harness(dut)
+    await harness.start()
+    await harness.stop()
+    before = len(harness.converts)
+    bits = range(harness.twin.safe_period().bit_length(), harness.twin.period_bits)
+    for bit in bits:
+        dut.cfg_period_i.value = (1 << bit) + 1  # what is left of it has this bit alone
+        dut.cfg_enable_i.value = 1
+        await harness.run(8)
+        await harness.stop()
+    assert harness.counters()[1] == 0
+    assert len(harness.converts) == before + len(bits)
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
