@@ -163,6 +163,7 @@ module formal_adc_spi #(
       assert (dut.u_shift.start_i == (resumes || sets_up || (Selects && dut.done && word != '0)));
       assert (dut.u_shift.again_i == (!Selects && 32'(word) != Words - 1));
       assert (dut.u_shift.command_i == command[15-:KeptBits]);
+      if (dut.u_store.begin_i) assert (!dut.u_store.in_valid_i);
       assert (dut.u_store.in_valid_i == (stores && !drop) && dut.u_store.in_bad_i == (bad || wrong));
       if (stores) assert (8'(dut.u_store.in_word_i) == code);
       assert (dut.u_store.in_data_i == (Tagged ? (Lanes * DataBits)'(dut.kept[11-:DataBits]) : dut.kept));
