@@ -178,6 +178,28 @@ async def a_period_of_many_clocks_is_exact(dut):
     assert bench.read(dut.overrun_o) == 0
 
 
+@cocotb.test(timeout_time=10, timeout_unit="ms")
+async def every_bit_of_a_period_is_counted(dut):
+    """What is left of both periods, looked at inside: one of 32 bits takes too long to wait for."""
+    plan = twin_of(dut)
+    draw = random.Random(bench.SEED)
+    bits = plan.period_bits
+    lone = [(1 << bit) + 1 for bit in range(6, bits)]  # a clock later this bit alone is left of it
+    some = [draw.getrandbits(bits) | 1 << bits - 1 for _ in range(3 * bits)]
+    for period, slip_period in zip([*lone, *some], [*some[: len(lone)], *some[::-1]]):
+        await begin(dut, plan, replace(Settings(), settle=0, period=period, slip_period=slip_period))
+        dut.cfg_enable_i.value = 1
+        left = []
+        for _ in range(START + 12):
+            await ReadOnly()
+            left.append((bench.read(dut.left_q), bench.read(dut.slip_left_q)))
+            await RisingEdge(dut.clk_i)
+        for counts, whole in zip(zip(*left), (period, slip_period)):
+            begun = next(n for n, count in enumerate(counts) if count == whole - 1)
+            assert begun <= START + 2
+            assert list(counts[begun:]) == list(range(whole - 1, whole - 1 - len(counts) + begun, -1))
+
+
 @cocotb.test(timeout_time=100, timeout_unit="ms")
 async def slip_rounds_have_no_jitter(dut):
     """Rounds that fit start exactly a period apart, and the frame gets all other slots."""
