@@ -107,8 +107,8 @@ BOARDS = {
             title="iCEBreaker (iCE40 UP5K)",
             cells="ice40",
             # The fingertip fills 93 % of the cells: with clock enables of a few flip-flops each, which a tile
-            # of eight must share, nextpnr does not place it with every seed.
-            synth="synth_ice40 -dsp -device u -dffe_min_ce_use 4",
+            # of eight must share, nextpnr does not place or route it with every seed.
+            synth="synth_ice40 -dsp -device u -dffe_min_ce_use 5",
             pnr="nextpnr-ice40 --up5k --package sg48 --pcf {constraints} --asc {stem}.asc",
             constraints="constraints/icebreaker.pcf",
             pack="yowasp-icepack {stem}.asc {stem}.bin",
