@@ -33,10 +33,10 @@ def random_frame(draw, twin):
     return data, rows, beats, first, skip, draw.random() < 0.5
 
 
-def expected_of(dut, twin, frame):
-    """What leaves for a frame; identities beyond the array's begin again."""
+def expected_of(dut, leaving, frame):
+    """What leaves for a frame, by the twin's ``leaving``; identities beyond the array's begin again."""
     ids = (1 << len(dut.out_id_o)) - 1
-    return [(word, index & ids, last) for word, index, last in twin.frame(*frame)]
+    return [(word, index & ids, last) for word, index, last in leaving(*frame)]
 
 
 async def start(dut):
@@ -138,7 +138,7 @@ async def matches_model(dut, consumer):
                 assert taken == (before == len(expected)), f"frame {number}, {before}"
                 dropped += not taken
                 if taken:
-                    expected += expected_of(dut, twin, frame)
+                    expected += expected_of(dut, twin.frame, frame)
                 stored = taken
             if consumer == "ready" and stored and len(data) == 1:
                 for _ in range(LATENCY):
@@ -196,7 +196,7 @@ async def interleaved_rows_leave_as_soon_as_they_can(dut):
         await run.tick(word, frame if index == 0 else None)
     for _ in range(LATENCY + 1):
         await run.tick()
-    assert [beat[1:] for beat in run.beats] == expected_of(dut, twin, frame)
+    assert [beat[1:] for beat in run.beats] == expected_of(dut, twin.frame, frame)
     assert [beat[0] for beat in run.beats[-beats:]] == [clock + LATENCY for clock in came[-beats:]]
     assert [beat[0] for beat in run.beats[:beats]] == [clock + LATENCY for clock in came[:beats]]
 
@@ -221,7 +221,7 @@ async def two_conversions_fit_while_there_is_room(dut):
             await run.tick(word, frame if index == 0 else None)
         for _ in range(20 * len(frame[0]) + 100):
             await run.tick()
-        assert [beat[1:] for beat in run.beats] == expected_of(dut, twin, frame)
+        assert [beat[1:] for beat in run.beats] == expected_of(dut, twin.frame, frame)
 
 
 @cocotb.test(timeout_time=50, timeout_unit="ms")
@@ -250,7 +250,7 @@ async def recovers_after_reset(dut):
             await run.tick(word, frame if index == 0 else None)
         for _ in range(4 * len(frame[0]) + 30):
             await run.tick()
-        assert [beat[1:] for beat in run.beats] == expected_of(dut, twin, frame)
+        assert [beat[1:] for beat in run.beats] == expected_of(dut, twin.frame, frame)
         run.beats = []
 
 
@@ -285,17 +285,14 @@ async def a_frame_that_misses_a_beat_gives_way_to_the_next(dut):
             await send(cut, count)
             await (run.tick() if asleep else drain())
             asleep = False
-            began, *shape = cut
-            expected = twin.begun(began[:count], *shape)
-            ids = (1 << len(dut.out_id_o)) - 1
+            data, *shape = cut
             if number % 3 != 2:
-                assert [beat[1:] for beat in run.beats] == [
-                    (w, index & ids, last) for w, index, last in expected
-                ]
+                expected = expected_of(dut, twin.begun, (data[:count], *shape))
+                assert [beat[1:] for beat in run.beats] == expected
             run.beats = []
         await send(frame, len(frame[0]))
         await drain()
-        expected = expected_of(dut, twin, frame)
+        expected = expected_of(dut, twin.frame, frame)
         if number % 3 == 2:
             run.beats = run.beats[-len(expected) :]
         assert [beat[1:] for beat in run.beats] == expected
