@@ -27,6 +27,13 @@ def codes_of(draw, data_bits):
         yield draw.choice([*ends, draw.randint(0, top)])
 
 
+def lanes_of(arriving, codes, data_bits):
+    """The codes of a word's channels, side by side; 0 on a lane whose code is not wanted."""
+    return sum(
+        0 if channel is None else codes[channel] << lane * data_bits for lane, channel in enumerate(arriving)
+    )
+
+
 @cocotb.test(timeout_time=10, timeout_unit="ms")
 @cocotb.parametrize(stall_rate=[0.0, 0.6])
 async def matches_model(dut, stall_rate):
@@ -51,10 +58,9 @@ async def matches_model(dut, stall_rate):
             begins = draw.random() < 0.3 and (here[taken] or not any(here))
             dut.begin_i.value = int(begins)
             offer = bool(words) and not begins and draw.random() < 0.3
-            lane_codes = [0 if channel is None else codes[channel] for channel in arriving]
             dut.in_valid_i.value = int(offer)
             dut.in_word_i.value = word % (1 << len(dut.in_word_i))
-            dut.in_data_i.value = sum(code << lane * data_bits for lane, code in enumerate(lane_codes))
+            dut.in_data_i.value = lanes_of(arriving, codes, data_bits)
             ready = draw.random() >= stall_rate
             dut.out_ready_i.value = int(ready)
             await ReadOnly()
@@ -125,10 +131,7 @@ async def a_frames_begin_forgets_what_would_wait_for_ever(dut):
         arriving = channels_of_word(word, channels, lanes, lane_channels)
         dut.in_valid_i.value = 1
         dut.in_word_i.value = word
-        dut.in_data_i.value = sum(
-            0 if channel is None else codes[channel] << lane * data_bits
-            for lane, channel in enumerate(arriving)
-        )
+        dut.in_data_i.value = lanes_of(arriving, codes, data_bits)
         await RisingEdge(dut.clk_i)
         dut.in_valid_i.value = 0
 
