@@ -62,7 +62,7 @@ coverage: $(SIM)  ## coverage of the RTL and its twins, with the holes: docs/tru
 	@$(BIN)/python tools/cover.py --record --jobs $(JOBS) $(BLOCKS)
 
 powerup: $(SIM)  ## twenty power-ups of each block with random registers: docs/trust/powerup.json [BLOCKS="haar slip"]
-	@$(BIN)/python tools/powerup.py --record $(BLOCKS)
+	@$(BIN)/python tools/powerup.py --record --jobs $(JOBS) $(BLOCKS)
 
 registers: $(SIM)  ## RTL, Python map, C header and page of the registers, from rtl/registers.rdl
 	@$(BIN)/python tools/registers.py
@@ -94,8 +94,8 @@ mutants: $(SYNTH)  ## mutants of every block against its own tests: docs/mutants
 mutants-quick: $(SYNTH)  ## a few mutants of a few quick blocks, and whether the tool itself can fail; in make test too
 	@$(BIN)/python -m pytest -n $(JOBS) tb/trust/test_mutants.py
 
-trust: $(FORMAL)  ## all of the evidence anew, hours: docs/trust.md, README's line
-	@$(BIN)/python tools/trust.py
+trust: $(FORMAL)  ## all of the evidence anew, hours: docs/trust.md, README's line [TRUST=--due]
+	@$(BIN)/python tools/trust.py --jobs $(JOBS) $(TRUST)
 
 bench: $(SIM)  ## samples per second of each engine
 	@$(BIN)/python tools/bench_engines.py

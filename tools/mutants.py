@@ -27,7 +27,14 @@ SETS = 4  # parameter sets of a block, evenly out of its tests' list
 POWERUPS = 8  # for counters, whose upper bits are ones or zeros otherwise
 COUNTS = "counts_over_the_whole_width"  # the test of bench.turn_over
 FEWEST_A_SET = 25  # mutants; fewer sets if fewer are wanted
-FEWEST, MOST = 100, 200  # mutants of a block; between them one for each line of its source
+FEWEST, MOST = 100, 200  # mutants of a block of WHOLE; between them one for each line of its source
+OTHERS = 25  # of another block: all of them in three hours of a processor
+LARGE = {  # blocks whose every set takes longer than --limit, and for which the solver does not end
+    "calibrate": {"sets": [1]},
+    "array": {"sets": [1], "limit": 60, "unsolved": True},
+    "core": {"sets": [0], "limit": 100, "unsolved": True},
+    "axis": {"limit": 60, "unsolved": True},
+}
 
 
 def parameter_sets(block, wanted=SETS, chosen=()):
@@ -50,6 +57,8 @@ def parameter_sets(block, wanted=SETS, chosen=()):
 
 def size_of(block):
     """How many mutants a block gets."""
+    if block not in WHOLE:
+        return OTHERS
     lines = mutate.source_of(block).read_text().count("\n")
     return min(MOST, max(FEWEST, lines))
 
@@ -74,6 +83,14 @@ def one_set(runs, number, count, options):
     if alive:
         equivalence.classify(alive, folder, block, briefly=options.unsolved)
     return mutants, seconds
+
+
+def fitted(options, block, default):
+    """``options`` for ``block``: of LARGE what the command line leaves at its ``default``."""
+    large = {
+        key: value for key, value in LARGE.get(block, {}).items() if getattr(options, key) == default(key)
+    }
+    return argparse.Namespace(**vars(options) | large)
 
 
 def one_block(block, options):
@@ -182,13 +199,13 @@ def _row(name, row):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("block", nargs="*", help="without msn_; all if none is named")
-    parser.add_argument("--samples", type=int, help="mutants per block, in place of 100 to 200")
+    parser.add_argument("--samples", type=int, help="mutants per block, in place of 25, or 100 to 200")
     parser.add_argument(
         "--sets", type=int, nargs="+", default=[], help="parameter sets, by place in its tests"
     )
     parser.add_argument("--seed", type=int, default=1, help="of Yosys's choice of mutants")
     parser.add_argument("--jobs", type=int, default=2, help="mutants that run at a time")
-    parser.add_argument("--limit", type=float, default=5, help="seconds of a set's tests, else passed over")
+    parser.add_argument("--limit", type=float, default=30, help="seconds of a set's tests, else passed over")
     parser.add_argument("--unsolved", action="store_true", help="ask the solver of a single clock only")
     parser.add_argument(
         "--record", action="store_true", help="write docs/trust/mutants.json and docs/mutants.md"
@@ -201,7 +218,7 @@ def main():
     results, wrong = {}, []
     for block in options.block or benches.blocks():
         try:
-            found = one_block(block, options)
+            found = one_block(block, fitted(options, block, parser.get_default))
         except (simulate.BuildError, ToolError) as error:
             print(f"{block}: FAILED, {error}\n{getattr(error, 'tail', '')}", flush=True)
             wrong.append(block)

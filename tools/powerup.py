@@ -1,6 +1,6 @@
 """Power-up: the blocks' own tests with registers that start with random values.
 
-    python tools/powerup.py [--seeds 20] [--record] [BLOCK ...]
+    python tools/powerup.py [--seeds 20] [--jobs 2] [--record] [BLOCK ...]
 
 Each block is started ``--seeds`` times, each time with other values, the seeds shared out among the builds of
 its tests (tb/bench.py, ``powerups``). What needs a reset that it does not get fails. Exits 1 then, or if a
@@ -12,6 +12,7 @@ import os
 import re
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 
 from meissner import toolchain
 from meissner.trust import benches, record
@@ -25,7 +26,8 @@ def builds(path):
     bodies = re.split(r"^def ", text, flags=re.M)[1:]
     functions = [body.split("(")[0] for body in bodies if "bench.run(" in body and body.startswith("test_")]
     # pyproject.toml has a -q, which lists one name a line; a second one would leave their count alone.
-    command = [sys.executable, "-m", "pytest", "-p", "no:xdist", "--collect-only", "-m", "not long"]
+    command = [sys.executable, "-m", "pytest", "-p", "no:xdist", "--collect-only"]
+    command += ["-m", "not long and not big"]
     done = subprocess.run([*command, str(path)], cwd=ROOT, capture_output=True, text=True)
     names = [line for line in done.stdout.splitlines() if "::" in line]
     return [name for name in names if name.split("::")[1].split("[")[0] in functions]
@@ -60,18 +62,22 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("blocks", nargs="*", metavar="BLOCK", help="without msn_; all if none is named")
     parser.add_argument("--seeds", type=int, default=20)
+    parser.add_argument("--jobs", type=int, default=2, help="blocks at a time")
     parser.add_argument("--record", action="store_true", help="into docs/trust/powerup.json")
     arguments = parser.parse_args()
     refusal = benches.unknown(arguments.blocks)
     if refusal or arguments.seeds < 1:
         parser.exit(2, f"powerup: {refusal or '--seeds must be 1 or more'}\n")
+    blocks = arguments.blocks or benches.blocks()
     rows = {}
-    for block in arguments.blocks or benches.blocks():
-        rows[block] = start(block, arguments.seeds)
-        print(f"{block:20} {rows[block]['builds']:3} builds {rows[block]['seeds']:4} seeds", flush=True)
+    with ThreadPoolExecutor(arguments.jobs) as pool:
+        for block, row in zip(blocks, pool.map(lambda name: start(name, arguments.seeds), blocks)):
+            rows[block] = row
+            print(f"{block:20} {row['builds']:3} builds {row['seeds']:4} seeds", flush=True)
+            if arguments.record:
+                own = {block: row}, summary, total
+                record.merge("powerup", "make powerup", *own, listed=benches.blocks())
     failed = [name for name, row in rows.items() if not row["passed"]]
-    if arguments.record:
-        record.merge("powerup", "make powerup", rows, summary, total)
     if failed:
         sys.exit(f"powerup: failed: {', '.join(failed)}")
     print(f"powerup: {len(rows)} blocks, none failed")

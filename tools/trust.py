@@ -2,19 +2,22 @@
 
     python tools/trust.py              every kind (hours), each recorded in docs/trust/<kind>.json
     python tools/trust.py faults       some kinds
+    python tools/trust.py --due        only blocks that have none, or of an earlier revision of their RTL
     python tools/trust.py --page       only the pages, from what is recorded
 
-A kind is a tool of its own, tools/<kind>.py, that takes --record. Exit code 1 if one of them failed. What was
-recorded before a block's RTL changed is told as of an earlier revision.
+Each kind has tools of its own that take --record. Exit code 1 if one of them failed. What was recorded before
+a block's RTL changed is told as of an earlier revision.
 """
 
 import argparse
 import json
 import subprocess
 import sys
+from collections.abc import Callable
+from typing import NamedTuple
 
 from meissner import toolchain
-from meissner.trust import benches, record
+from meissner.trust import benches, faults, formal, fuzz, record, regress
 
 ROOT = toolchain.ROOT
 PAGE = ROOT / "docs/trust.md"
@@ -30,13 +33,45 @@ KINDS = {  # of the table's columns; the others are lines below it
     "regress": "random regression",
     "fuzz": None,
 }
-TOOLS = {"coverage": "cover"}  # of another name: tools/coverage.py would hide the package
+
+
+class Step(NamedTuple):
+    """A tool's run for a kind."""
+
+    kind: str
+    command: str  # in tools/; RUNS stands for fifty runs of each block
+    blocks: Callable[[], list[str]]  # whose evidence it is; of fuzz: the readers
+    jobs: bool = True  # does it take --jobs?
+    done: Callable[[dict], bool] = bool  # is it in a block's facts?
+
+
+def proven():
+    return sorted({proof.block for proof in formal.proofs().values()})
+
+
+def broken(facts):
+    """Have all proofs of these facts been tried on mutants?"""
+    return all("mutants" in row for row in facts.get("proofs", {}).values())
+
+
+STEPS = (
+    Step("formal", "formal.py", proven),
+    Step("formal", "formal.py --mutants 50", proven, done=broken),
+    Step("mutants", "mutants.py", benches.blocks),
+    Step("coverage", "cover.py", benches.blocks),
+    Step("powerup", "powerup.py", benches.blocks),
+    Step("faults", "faults.py", faults.blocks, jobs=False),
+    Step("equivalence", "equivalence.py", benches.blocks),
+    Step("regress", "regress.py RUNS", regress.blocks),
+    Step("fuzz", "fuzz.py", lambda: [*fuzz.TARGETS, fuzz.C_NAME], jobs=False),
+)
 EARLIER = "of an earlier revision"
 HEAD = """# Trust
 
 One row for each block of rtl/rtl.f, in data-path order; an empty cell means that there is nothing of that
 kind. Written by `make trust`, which runs everything, or by `python tools/trust.py --page` from what
-docs/trust/ has recorded. "Of an earlier revision": the RTL of the block, or of one in it, has changed since.
+docs/trust/ has recorded. "Of an earlier revision": the RTL of the block, or of one in it, has changed since;
+`make trust TRUST=--due` runs what is so, or missing, again.
 """
 
 
@@ -88,6 +123,22 @@ def strangers(recorded):
     ]
 
 
+def due(step):
+    """The blocks for which ``step`` is missing, or of an earlier revision."""
+    told = records().get(step.kind, {"blocks": {}})
+    kept = {name for name, facts in told["blocks"].items() if step.done(facts)} - set(record.earlier(told))
+    return [name for name in step.blocks() if name not in kept]
+
+
+def run(step, names, jobs):
+    """Run ``step`` of ``names``, of all if there are none; a sentence if it failed."""
+    told = step.command.replace("RUNS", str(50 * len(names or step.blocks())))
+    command = f"tools/{told}".split() + names + ["--record"] + step.jobs * ["--jobs", str(jobs)]
+    print("==", *command, flush=True)
+    failed = subprocess.run([sys.executable, *command], cwd=ROOT).returncode
+    return [f"{told} failed"] if failed else []
+
+
 def write(recorded):
     PAGE.write_text(page(recorded))
     lines = README.read_text().splitlines()
@@ -98,16 +149,17 @@ def write(recorded):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("kinds", nargs="*", metavar="KIND", help=", ".join(KINDS))
+    parser.add_argument("--due", action="store_true", help="only what is missing or of an earlier revision")
     parser.add_argument("--page", action="store_true", help="run nothing")
+    parser.add_argument("--jobs", type=int, default=2)
     options = parser.parse_args()
     if unknown := sorted(set(options.kinds) - set(KINDS)):
         parser.exit(2, f"trust: there is no {unknown[0]}; there are {', '.join(KINDS)}\n")
     failed = []
-    for kind in [] if options.page else options.kinds or KINDS:
-        print(f"== {kind}", flush=True)
-        command = [sys.executable, f"tools/{TOOLS.get(kind, kind)}.py", "--record"]
-        if subprocess.run(command, cwd=ROOT).returncode:
-            failed.append(f"{kind} failed")
+    for step in () if options.page else STEPS:
+        if step.kind in (options.kinds or KINDS):
+            names = due(step) if options.due else []
+            failed += run(step, names, options.jobs) if names or not options.due else []
     recorded = records()
     failed += [f"{kind} was never recorded" for kind in KINDS if kind not in recorded]
     failed += strangers(recorded)

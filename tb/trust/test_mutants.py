@@ -34,6 +34,17 @@ def test_quick_blocks_kill_theirs(block):
     assert told["killed"] >= OPTIONS.samples - 2
 
 
+def test_a_large_block_has_options_of_its_own():
+    """They are names of options and of blocks, and what the command line says goes before them."""
+    default = vars(OPTIONS).get
+    for block, options in tool.LARGE.items():
+        assert not benches.unknown([block]) and options.keys() <= vars(OPTIONS).keys()
+        assert vars(tool.fitted(OPTIONS, block, default)).items() >= options.items()
+    asked = argparse.Namespace(**vars(OPTIONS) | {"limit": 7})
+    assert tool.fitted(asked, "array", default).limit == 7
+    assert tool.fitted(OPTIONS, "skid", default) == OPTIONS
+
+
 def test_a_weak_test_leaves_survivors_that_the_solver_tells_apart():
     """Only the reset of msn_skid is tested: the solver finds what those mutants do, none is equivalent."""
     folder = "build/mutants/skid-weak"

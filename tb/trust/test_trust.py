@@ -52,6 +52,35 @@ def test_facts_of_an_earlier_revision_are_not_joined(kept):
     assert told == [{"a": 1, "b": 2}, {"a": 1, "b": 2}, {"a": None, "b": 2}], blocks
 
 
+def test_what_is_missing_or_of_an_earlier_revision_is_due(kept, monkeypatch):
+    monkeypatch.setattr(trust, "KINDS", {"kind": None})
+    kept(skid={"rtl": "before", "a": 1}, fork={"a": 1}, sync={})
+    blocks = ["skid", "fork", "sync", "fifo"]
+    step = trust.Step("kind", "kind.py", lambda: blocks, done=lambda facts: "a" in facts)
+    assert trust.due(step) == ["skid", "sync", "fifo"]
+    assert trust.due(step._replace(kind="another")) == blocks
+
+
+def test_a_step_runs_for_the_blocks_that_are_named(tmp_path, monkeypatch):
+    (tmp_path / "tools").mkdir()
+    (tmp_path / "tools/kind.py").write_text(
+        "import sys\nopen('asked', 'w').write(' '.join(sys.argv[1:]))\nsys.exit('fifo' in sys.argv)"
+    )
+    monkeypatch.setattr(trust, "ROOT", tmp_path)
+    step = trust.Step("kind", "kind.py RUNS", lambda: ["skid", "fork", "fifo"])
+    assert trust.run(step, ["skid", "fork"], 2) == []
+    assert (tmp_path / "asked").read_text() == "100 skid fork --record --jobs 2"
+    assert trust.run(step._replace(jobs=False), ["fifo"], 2) == ["kind.py 50 failed"]
+    assert (tmp_path / "asked").read_text() == "50 fifo --record"
+    assert trust.run(step, [], 1) == [] and (tmp_path / "asked").read_text() == "150 --record --jobs 1"
+
+
+def test_every_step_is_of_a_kind_and_every_kind_has_one():
+    assert {step.kind for step in trust.STEPS} == set(trust.KINDS)
+    for step in trust.STEPS:
+        assert (toolchain.ROOT / "tools" / step.command.split()[0]).exists() and step.blocks()
+
+
 def test_a_digest_is_of_all_that_a_block_is_made_of(tmp_path, monkeypatch):
     def digests(change):
         for path in sources:
