@@ -107,13 +107,14 @@ RESET_SETS = {
 REGION = ("first_row", "last_row", "first_beat", "last_beat", "interleave")
 TASKS = {
     "sync": Task(clocks=2),
-    "multiply": Task(clocks=2),
+    "multiply": Task(clocks=2, ties={"enable_i": 1}),
     "crc32": Task(reset="clear_i"),
     "uart_rx": Task(clocks=3, held=3),
     **dict.fromkeys(("sliding_extremes", "peak_to_peak"), Task(framed=True)),
     "delay": Task(clocks=9, ties={"step_i": 1}),
     "frame_table": Task(clocks=2, reset="restart_i", alike=True),
-    "adc_spi": Task(qualifiers={"adc_mosi_o": "!adc_cs_n_o"}),
+    "adc_store": Task(ties={"begin_i": "!in_valid_i"}),
+    "adc_spi": Task(qualifiers={"adc_mosi_o": "!adc_cs_n_o"}, joined=(("state_q", "convert_o"),)),
     "adc_single": Task(qualifiers={"adc_mosi_o": "!adc_cs_n_o", "adc_sclk_o": "!adc_cs_n_o"}),
     "slip": Task(framed=True),
     **dict.fromkeys(("channels", "acquire"), Task(qualifiers={"adc_mosi_o": "!adc_cs_n_o"})),

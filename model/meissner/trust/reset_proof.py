@@ -27,11 +27,12 @@ EVALUATIONS = 12_000_000  # of nodes in simulation: seconds
 
 @dataclass(frozen=True)
 class Task:
-    """``ties``: {input: constant}; ``qualifiers``: {output: outputs one of which has to be 1, or with ! 0};
+    """``ties``: of Pair; ``qualifiers``: {output: outputs one of which has to be 1, or with ! 0};
     ``clocks``: before outputs count; ``alike``: memories begin alike; ``reset``: the input that resets,
     ``held`` for so many of these clocks; ``framed``: it gets frames, as msn_frame_check hands them on.
 
-    ``since``: {output, with * for any: the port that has to have been 1 before it counts}, in ``bounded``.
+    ``since``: {output, with * for any: the port that has to have been 1 before it counts}, in ``bounded``;
+    ``joined``: of ``conditions``.
     """
 
     ties: dict = field(default_factory=dict)
@@ -42,6 +43,7 @@ class Task:
     held: int = 1
     framed: bool = False
     since: dict = field(default_factory=dict)
+    joined: tuple = ()
 
     def since_when(self, output):
         """The port that has to have been 1, or None."""
@@ -79,9 +81,9 @@ def steps(circuit, task, rng):
     for bit in task.same_from_the_start(circuit):
         state["b"][bit] = state["a"][bit]
     for clock in range(max(150, min(2000, EVALUATIONS // (len(circuit.gates) + 1)))):
-        values = {one >> 1: draw(rng, bit == seldom) for bit, one in pair.inputs.items() if one > TRUE}
+        values = {one >> 1: draw(rng, bit == seldom) for bit, one in pair.free.items()}
         if clock < task.clocks and seldom is not None:
-            values[pair.inputs[seldom] >> 1] = ALL if clock < task.held else 0
+            values[pair.free[seldom] >> 1] = ALL if clock < task.held else 0
         for side, held in (("a", pair.a), ("b", pair.b)):
             values |= {held[bit] >> 1: state[side][bit] for bit in held}
         known = simulate(pair.graph, values)
@@ -135,13 +137,17 @@ def survivors(circuit, task, recipes, rng):
 
 
 def handy(circuit, names):
-    """Those of the conditions' names that may say what states there are: bits and small registers."""
+    """Those of the conditions' names that may say what states there are: bits and small registers.
+
+    A bit that a register points at is one too.
+    """
     width = circuit.widths()
-    return [
-        name
-        for name in names
-        if " in " not in name and width[re.sub(r"^not |\.\d+$| .=.*$", "", name)] <= SMALL
-    ]
+
+    def says(name):
+        word = re.sub(r"^not |\.\d+$| .=.*$", "", name)
+        return name.endswith("]") or (word in width and width[word] <= SMALL)
+
+    return [name for name in names if says(name)]
 
 
 class Induction:
@@ -152,7 +158,7 @@ class Induction:
     """
 
     def __init__(self, circuit, task, seed=1):
-        self.circuit, self.task, self.recipes = circuit, task, conditions(circuit)
+        self.circuit, self.task, self.recipes = circuit, task, conditions(circuit, task.joined)
         # `names`: {register: names of conditions}, for those that fall out of `same`
         self.same, self.names, self.facts = survivors(circuit, task, self.recipes, random.Random(seed))
         self.under = self._grouped(set(circuit.registers) - self.same)

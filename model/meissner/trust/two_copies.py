@@ -26,20 +26,20 @@ def masked_by(output, outputs, qualifiers):
 class Pair:
     """Two copies side by side in one graph, ``a`` and ``b``, for a clock, and what they hold after it.
 
-    ``same``: registers (Q) that both hold alike; ``ties``: {input: constant}; ``boxes``: False lets a product
-    hand its operands through, for simulation; ``before``: the pair of the clock before.
+    ``same``: registers (Q) that both hold alike; ``ties``: {input: constant, or "!other": 0 while that input
+    is 1}; ``boxes``: False lets a product hand its operands through, for simulation; ``before``: the pair of
+    the clock before. ``free``: the inputs as nobody ties them.
     """
 
     def __init__(self, circuit, same=(), ties=None, boxes=True, before=None):
         self.circuit, self.with_boxes = circuit, boxes
         self.graph = graph = before.graph if before else Aig()
-        self.inputs = {bit: graph.input() for key, bit in circuit.inputs.items() if "." not in key[0]}
-        for name, value in (ties or {}).items():
-            self.inputs |= {
-                bit: TRUE if value >> index & 1 else FALSE
-                for (port, index), bit in circuit.inputs.items()
-                if port == name
-            }
+        self.free = {bit: graph.input() for key, bit in circuit.inputs.items() if "." not in key[0]}
+        self.inputs = self.free | {
+            bit: self.tied(bit, index, ties[port])
+            for (port, index), bit in circuit.inputs.items()
+            if port in (ties or {})
+        }
         if before:
             self.a, self.b = before.after["a"], before.after["b"]
         else:
@@ -51,6 +51,13 @@ class Pair:
             side: {bit: known[next_bit] for bit, next_bit in circuit.registers.items()}
             for side, known in self.known.items()
         }
+
+    def tied(self, bit, index, value):
+        """Literal of an input's bit, the ``index``-th of its port, that is tied so."""
+        if isinstance(value, int):
+            return TRUE if value >> index & 1 else FALSE
+        other = self.circuit.inputs[value.removeprefix("!"), 0]
+        return self.graph.both(self.free[bit], self.free[other] ^ 1)
 
     def operands(self, box):
         return [bit for (name, _), bit in self.circuit.outputs.items() if name.rpartition(".")[0] == box]
@@ -101,10 +108,11 @@ class Pair:
         return found
 
 
-def conditions(circuit):
+def conditions(circuit, joined=()):
     """{name: function of a graph and a copy's literals} of what hangs on the state alone.
 
-    State bits, values of small registers, named signals, and whether a place of a queue is filled.
+    State bits, values of small registers, named signals, the bit of one that another points at, and whether a
+    place of a queue is filled. ``joined``: pairs of a small register and a bit: its values while that is 0.
     """
     pair = Pair(circuit)
     graph, known = pair.graph, pair.known["a"]
@@ -136,6 +144,15 @@ def conditions(circuit):
         if 1 < len(bits) <= SMALL:
             for value in range(1 << len(bits)):
                 offer(f"{name} == {value}", partial(equals, bits=bits, value=value))
+    for name, other in joined:
+        for value in range(1 << len(words[name])):
+            recipe = partial(equals, bits=words[name] + words[other], value=value)
+            offer(f"{name} == {value} and not {other}", recipe)
+    for (name, bits), (index, places) in permutations(words.items(), 2):
+        if len(places) <= SMALL and 1 << len(places) >> 1 < len(bits) <= 1 << len(places):
+            recipe = partial(pointed_at, bits=bits, places=places)
+            offer(f"{name}[{index}]", recipe)
+            offer(f"not {name}[{index}]", lambda graph, of, recipe=recipe: recipe(graph, of) ^ 1)
     for size in sorted({size for size in sizes.values() if size & (size - 1) == 0}):
         ends = [name for name, bits in words.items() if 1 << len(bits) == 2 * size]
         for begin, end in permutations(ends, 2):
@@ -147,6 +164,12 @@ def conditions(circuit):
 
 def equals(graph, of, bits, value):
     return graph.any(of[bit] ^ (value >> i & 1) for i, bit in enumerate(bits)) ^ 1
+
+
+def pointed_at(graph, of, bits, places):
+    """The bit of ``bits`` whose place ``places`` says; 0 beyond them."""
+    each = (graph.both(of[bit], equals(graph, of, places, place)) for place, bit in enumerate(bits))
+    return graph.any(each)
 
 
 def within(graph, of, place, begin, end):
