@@ -12,8 +12,9 @@ from functools import cache
 
 import pytest
 
+import equivalence
 from meissner import toolchain
-from meissner.trust import circuit, netlist_proof, record, reset_proof
+from meissner.trust import circuit, netlist_proof, record, reset_proof, two_copies
 
 TOOL = [sys.executable, "tools/equivalence.py"]
 
@@ -120,6 +121,30 @@ def test_payload_counts_only_while_it_is_valid():
     source = bits("round_sat")["source"]
     task = reset_proof.Task(qualifiers={"out_data_o": "out_valid_o !out_valid_o"})
     assert reset_proof.prove(source, task) == ["out_data_o"]
+
+
+def test_resets_hold_with_what_is_taken_for_granted():
+    blocks = ["delay", "multiply", "adc_store", "uart_rx"]
+    done = subprocess.run([*TOOL, "-k", "reset", *blocks], cwd=toolchain.ROOT, capture_output=True, text=True)
+    assert (done.returncode, done.stdout.splitlines()[-1]) == (0, "4 of 4 proven"), done.stdout
+
+
+def test_a_reset_fails_without_what_is_taken_for_granted():
+    """A frame that begins in the clock of a word shows a code of before the reset."""
+    [chosen] = equivalence.parameters(["adc_store"], equivalence.SETS).values()
+    source = circuit.synthesise("adc_store", chosen, folder("adc_store"), ())["source"]
+    assert "out_data_o" in reset_proof.prove(source)
+
+
+def test_a_state_while_a_bit_is_0_is_a_condition():
+    """Whether msn_adc_spi drops a frame is known while it reads, but in the first clock of that."""
+    [chosen] = equivalence.parameters(["adc_spi"], equivalence.SETS).values()
+    source = circuit.synthesise("adc_spi", chosen, folder("adc_spi"), ())["source"]
+    task = equivalence.TASKS["adc_spi"]
+    assert reset_proof.prove(source, task) == []
+    assert "dropped_o" in reset_proof.prove(source, replace(task, joined=()))
+    with pytest.raises(ValueError, match="nothing of the state is called nosuch"):
+        two_copies.conditions(source, [("nosuch", "convert_o")])
 
 
 def test_refuses_an_unknown_block():

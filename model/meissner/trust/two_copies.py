@@ -145,6 +145,8 @@ def conditions(circuit, joined=()):
             for value in range(1 << len(bits)):
                 offer(f"{name} == {value}", partial(equals, bits=bits, value=value))
     for name, other in joined:
+        if missing := {name, other} - words.keys():
+            raise ValueError(f"nothing of the state is called {missing.pop()}")
         for value in range(1 << len(words[name])):
             recipe = partial(equals, bits=words[name] + words[other], value=value)
             offer(f"{name} == {value} and not {other}", recipe)
