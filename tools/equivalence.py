@@ -28,7 +28,7 @@ from meissner.yowasp import ToolError, warm_up
 OUT = "build/equivalence"  # relative to ROOT: YoWASP sees nothing outside the directory it starts in
 NAMES = {"ecp5": "ECP5", "ice40": "iCE40", "reset": "reset"}
 KINDS = tuple(NAMES)
-LIMIT_S = 300
+LIMIT_S = 60  # what closes takes less than half of it
 
 # In place of the first set of a block's tests: small memories, as they become registers, but more than one of
 # whatever there can be more than one of.
