@@ -85,8 +85,8 @@ CUT = {
 # Not proven, {block: kinds}: docs/equivalence.md says why; of the last three lines: not run to its end.
 OPEN = dict.fromkeys(
     (
-        *("adc_single", "convert_time", "am_demod", "scan_plan", "scan_buffer", "slip", "slip_serial"),
-        *("cop_slip", "packet_slip", "image_store", "bridge", "axil"),
+        *("adc_single", "convert_time", "am_demod", "scan_plan", "scan_buffer", "slip_serial"),
+        *("packet_slip", "image_store", "axil"),
         *("scan", "scan_adc", "scan_demod", "health", "tare", "calibration_table", "calibrate"),
         *("calibration_grid", "slip_path", "channels", "cop", "cop_array", "array"),
         *("cop4", "packet", "link", "registers", "core", "axis"),
@@ -114,9 +114,13 @@ TASKS = {
     "delay": Task(clocks=9, ties={"step_i": 1}),
     "frame_table": Task(clocks=2, reset="restart_i", alike=True),
     "adc_store": Task(ties={"begin_i": "!in_valid_i"}),
-    "adc_spi": Task(qualifiers={"adc_mosi_o": "!adc_cs_n_o"}, joined=(("state_q", "convert_o"),)),
+    "adc_spi": Task(qualifiers={"adc_mosi_o": "!adc_cs_n_o"}, joined=(("state_q", "!convert_o"),)),
     "adc_single": Task(qualifiers={"adc_mosi_o": "!adc_cs_n_o", "adc_sclk_o": "!adc_cs_n_o"}),
-    "slip": Task(framed=True),
+    "slip": Task(
+        framed=True,
+        joined=(("block.seen_valid", "!moved"), ("block.restart", "begun"), ("block.kept_state", "moved")),
+    ),
+    "cop_slip": Task(joined=(("seen_pair", "seen_valid"), ("size_pair", "size_valid"))),
     **dict.fromkeys(("channels", "acquire"), Task(qualifiers={"adc_mosi_o": "!adc_cs_n_o"})),
     "registers": Task(qualifiers=dict.fromkeys(("bus_data_o", "bus_error_o"), "bus_done_o")),
     "scan": Task(since={"group_o": "trigger_o"}),

@@ -144,7 +144,7 @@ def test_a_state_while_a_bit_is_0_is_a_condition():
     assert reset_proof.prove(source, task) == []
     assert "dropped_o" in reset_proof.prove(source, replace(task, joined=()))
     with pytest.raises(ValueError, match="nothing of the state is called nosuch"):
-        two_copies.conditions(source, [("nosuch", "convert_o")])
+        two_copies.conditions(source, [("nosuch", "!convert_o")])
 
 
 def test_refuses_an_unknown_block():

@@ -130,12 +130,14 @@ def load(path, top):
 
 FRAMED = """
 module {top}_framed ({ports});
-  reg [15:0] place; reg begun, again;
+  reg [15:0] place; reg begun, again, waits;
+  (* keep *) reg moved;  // a sample has left the block's first register
   wire took = in_valid_i && in_ready_o, ends = place == {last};
   wire fresh = place == 0 ? in_restart_i || !begun : again;
   always @(posedge clk_i) begin
     if (took) begin place <= ends ? 0 : place + 1; begun <= 1; again <= fresh; end
-    if (rst_i) begin place <= 0; begun <= 0; end
+    if (in_ready_o) begin waits <= in_valid_i; moved <= moved || waits; end
+    if (rst_i) begin place <= 0; begun <= 0; waits <= 0; moved <= 0; end
   end
   {top} block ({pins});
 endmodule

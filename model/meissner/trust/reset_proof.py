@@ -20,7 +20,8 @@ from meissner.trust.clauses import Clauses
 from meissner.trust.two_copies import PLACE, SMALL, Pair, conditions
 
 RESET = "rst_i"
-MOST = 48  # conditions a register is tried with, those that hold most often
+MOST = 48  # conditions a register is tried with, those that hold most often; and so many that were never seen
+PART = 16  # bits of a word that are alike under a condition, or not, together
 NODES = 3_000_000  # of clocks one after the other
 EVALUATIONS = 12_000_000  # of nodes in simulation: seconds
 
@@ -125,14 +126,16 @@ def survivors(circuit, task, recipes, rng):
             if apart := state["a"][bit] ^ state["b"][bit]:
                 before = asked if open_to[bit] is None else open_to[bit]
                 open_to[bit] = [name for name in before if name in asked and not apart & holds[name]]
-    kept = {name: count for name, count in support.items() if count and name in asked}
-    under = {
-        bit: sorted((n for n in names if n in kept), key=lambda n: (" in " not in n, -kept[n]))[:MOST]
-        for bit, names in open_to.items()
-        if names is not None
-    }
+    kept = {name: count for name, count in support.items() if name in asked}
+
+    def tried(names):
+        ranked = sorted((n for n in names if n in kept), key=lambda n: (" in " not in n, -kept[n]))
+        seen, unseen = ([n for n in ranked if bool(kept[n]) == some] for some in (True, False))
+        return seen[:MOST] + unseen[:MOST]
+
+    under = {bit: tried(names) for bit, names in open_to.items() if names is not None}
     facts = {(name, None) for name in implied if not support[name]}
-    facts |= {(name, other) for name in implied if name in kept for other in implied[name] if other in kept}
+    facts |= {(name, other) for name in implied if support[name] for other in implied[name] if other in kept}
     return {bit for bit, names in open_to.items() if names is None}, under, facts
 
 
@@ -166,9 +169,9 @@ class Induction:
     def _grouped(self, bits):
         groups = defaultdict(list)
         for bit in bits:
-            [(word, _), *_] = self.circuit.names.get(bit, [("", 0)])
+            [(word, index), *_] = self.circuit.names.get(bit, [("", 0)])
             for name in self.names.get(bit, ()):
-                groups[name, word, tuple(self.names[bit])].append(bit)
+                groups[name, word, index // PART, tuple(self.names[bit])].append(bit)
         return {(name, tuple(bits)) for (name, *_), bits in groups.items()}
 
     def _candidates(self, graph, known, state):

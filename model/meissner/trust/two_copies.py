@@ -112,7 +112,8 @@ def conditions(circuit, joined=()):
     """{name: function of a graph and a copy's literals} of what hangs on the state alone.
 
     State bits, values of small registers, named signals, the bit of one that another points at, and whether a
-    place of a queue is filled. ``joined``: pairs of a small register and a bit: its values while that is 0.
+    place of a queue is filled. ``joined``: pairs of a small register and a bit: its values while that is 1 (0
+    with a ! before its name).
     """
     pair = Pair(circuit)
     graph, known = pair.graph, pair.known["a"]
@@ -145,11 +146,14 @@ def conditions(circuit, joined=()):
             for value in range(1 << len(bits)):
                 offer(f"{name} == {value}", partial(equals, bits=bits, value=value))
     for name, other in joined:
-        if missing := {name, other} - words.keys():
+        bit, wanted = other.lstrip("!"), other[0] != "!"
+        if missing := {name, bit} - words.keys():
             raise ValueError(f"nothing of the state is called {missing.pop()}")
         for value in range(1 << len(words[name])):
-            recipe = partial(equals, bits=words[name] + words[other], value=value)
-            offer(f"{name} == {value} and not {other}", recipe)
+            both = value | wanted << len(words[name])
+            offer(
+                f"{name} == {value} and {other}", partial(equals, bits=words[name] + words[bit], value=both)
+            )
     for (name, bits), (index, places) in permutations(words.items(), 2):
         if len(places) <= SMALL and 1 << len(places) >> 1 < len(bits) <= 1 << len(places):
             recipe = partial(pointed_at, bits=bits, places=places)
