@@ -1,5 +1,7 @@
 """Builds that `make test` leaves to `make test-long`; it has others of these blocks. Coverage counts them."""
 
+import inspect
+
 import pytest
 
 BIG = [
@@ -28,7 +30,6 @@ BIG = [
     "tb/frontend/test_scan_adc.py::test_scan_adc[8-8-3-8-25000-2]",
     "tb/frontend/test_scan_demod.py::test_scan_demod[Rows2-Columns3-Converters2-Skip0]",
     "tb/frontend/test_scan_demod.py::test_scan_demod[Rows2-Columns3]",
-    "tb/link/test_packet_slip.py::test_packet_slip[24]",
     "tb/slip/test_channels.py::test_channels[part4-parameters4]",
     "tb/slip/test_slip.py::test_slip[6-16-1]",
     "tb/slip/test_slip_path.py::test_slip_path[parameters1]",
@@ -37,10 +38,19 @@ BIG = [
     "tb/slip/test_slip_path.py::test_slip_path[parameters6]",
     "tb/slip/test_slip_serial.py::test_slip_serial[parameters0]",
     "tb/slip/test_slip_serial.py::test_slip_serial[parameters1]",
-    "tb/slip/test_slip_serial.py::test_slip_serial[parameters4]",
     "tb/slip/test_slip_serial.py::test_slip_serial[parameters5]",
     "tb/trust/test_faults.py::test_none_is_silent[frame_check]",
 ]
+
+
+def left_alone(items):
+    """Files of ``items`` of whose builds `make test` runs none."""
+    builds = {}
+    for item in items:
+        if "bench.run(" in inspect.getsource(item.function):
+            left = item.get_closest_marker("long") or item.get_closest_marker("big")
+            builds.setdefault(item.nodeid.split("::")[0], []).append(not left)
+    return sorted(name for name, runs in builds.items() if not any(runs))
 
 
 def pytest_collection_modifyitems(items):
@@ -52,3 +62,5 @@ def pytest_collection_modifyitems(items):
     whole = len(items) > 1000  # a run of chosen tests has not all of a file
     if gone := sorted(name for name in left if whole and name.split("::")[0] in files):
         raise pytest.UsageError(f"tb/conftest.py names {gone[0]}, which is not there")
+    if whole and (alone := left_alone(items)):
+        raise pytest.UsageError(f"of the builds of {alone[0]} `make test` runs none")

@@ -107,7 +107,7 @@ class Board:
             self.parts.append(part)
         await bench.clocks(dut, 3)
         dut.rst_i.value = 0
-        for task in (self.watch_lines(), self.watch_group()):
+        for task in (self.watch_lines(), self.watch_group(), self.count()):
             cocotb.start_soon(task)
         dut.out_ready_i.value = dut.slip_ready_i.value = 1
         dut.cfg_enable_i.value = 1
@@ -199,7 +199,6 @@ class Board:
 
 async def board(dut, settings, clocks):
     made = Board(dut, settings)
-    cocotb.start_soon(made.count())
     await made.start()
     await made.run(made.twin.adc.start_clocks() + clocks)
     await ReadOnly()
@@ -324,7 +323,6 @@ async def each_counter_counts_its_own(dut, case):
         "rounds too short": (Settings(1, slip_period=rounds - 1, slip_places=places), {"slip_overrun"}),
     }[case]
     made = Board(dut, settings)
-    cocotb.start_soon(made.count())
     waits = case == "nobody takes any"
     if waits:
         bits = twin.part.data_bits
@@ -347,7 +345,6 @@ async def a_part_that_fails_spoils_no_frame(dut):
     settings = Settings(settle=1)
     slot, frame = twin.scan.slot(1), twin.scan.frame_clocks(1)
     made = Board(dut, settings)
-    cocotb.start_soon(made.count())
     await made.start()
     await made.run(twin.adc.start_clocks() + frame + slot // 2)
     part = made.parts[-1]

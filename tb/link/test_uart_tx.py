@@ -57,6 +57,7 @@ async def gaps_do_not_change_a_byte(dut):
 async def rests_after_reset(dut):
     rate = [getattr(dut, name).value.to_unsigned() for name in ("ClkHz", "BaudHz")]
     await bench.start(dut, in_data_i=0)
+    await bench.clocks(dut, 1)
     assert bench.read(dut.tx_o) == 1
     for cut in (1, 3, sixteenths(*rate) // 16, 5 * sixteenths(*rate) // 16, 10 * sixteenths(*rate) // 16):
         dut.in_valid_i.value, dut.in_data_i.value = 1, 0
