@@ -147,7 +147,7 @@ async def start(dut, **inputs):
     for name, value in inputs.items():
         getattr(dut, name).value = value
     await RisingEdge(dut.clk_i)
-    await reset(dut)
+    await reset(dut, icarus.RESET if SIM == "icarus" else 1)
 
 
 async def reset(dut, clocks=1):

@@ -2,7 +2,8 @@
 
 Icarus 11, which Debian has, knows no typed parameters in a module's head, no `signed'(x)` and no $fatal at
 elaboration. ``adapted`` writes these as it knows them, by words; statements stay as they are. The checks of
-parameters are left out: bench.refuses asks Verilator.
+parameters are left out: bench.refuses asks Verilator. Words of memories begin at random, not as X: 0 times a
+factor that was never written is 0, but X there. Registers begin as X.
 """
 
 import re
@@ -18,8 +19,15 @@ REPLACED = (
     (r"\b(un)?signed'\(", r"$\1signed("),
     (r"\b32'\((\w+)\)", r"\1"),
     (r"; (\w+) \+= (\w+)\)", r"; \1 = \1 + \2)"),
+    (
+        r"^(\s*\(\* no_rw_check.* (\w+) \[(.+)\];)$",
+        r"\1 integer \2_i; initial for (\2_i = 0; \2_i < \3; \2_i = \2_i + 1) \2[\2_i] = {8{$random}};",
+    ),
 )
 
+RESET = (
+    2  # clocks of the first: msn_calibration_table's reads begin in a bank that the first clock makes known
+)
 FUNCTIONS = "a parameter that a package's function makes of another package's functions: not evaluated"
 SLICES = "a packed vector of vectors of which a process drives one element and an assignment another: refused"
 REFUSED = {

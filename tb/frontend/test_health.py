@@ -112,6 +112,12 @@ async def clear(dut):
     dut.cfg_clear_i.value = 0
 
 
+async def passed(dut, frames):
+    """Wait for ``frames`` of one taxel, 10 clocks each, to a clock's edge: inputs change there."""
+    await Timer(100 * frames - 5, "ns")
+    await bench.RisingEdge(dut.clk_i)
+
+
 @cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
 async def counts_over_the_whole_width(dut):
     await bench.turn_over(dut, "damaged_o", wraps=False)
@@ -267,16 +273,16 @@ async def a_rail_counts_to_its_end_and_stays(dut):
     twin.next(over * 40, over)
     dut.in_data_i.value, dut.in_user_i.value, dut.in_id_i.value, dut.in_last_i.value = 40, 1, 0, 1
     dut.in_valid_i.value = dut.out_ready_i.value = 1
-    await Timer(frames * 100, "ns")  # 10 clocks a frame
+    await passed(dut, frames)
     assert bench.read(dut.railed_o) == twin.railed == 0
     twin.limits.rail = dut.cfg_rail_i.value = 255
     twin.next(over[:1] * 40, over[:1])
-    await Timer(200, "ns")
+    await passed(dut, 2)
     assert bench.read(dut.railed_o) == twin.railed == 1
     await clear(dut)
     twin.clear()
     twin.next(over[:40] * 40, over[:40])
-    await Timer(4000, "ns")
+    await passed(dut, 40)
     assert bench.read(dut.railed_o) == twin.railed == 0
 
 

@@ -131,7 +131,8 @@ class Matrix:
         rows = bench.read(self.dut.row_o)
         assert rows & rows - 1 == 0, f"rows {rows:b} at once"
         row = rows.bit_length() - 1 if rows else None
-        lines = (row, bench.read(self.dut.group_o))
+        group = self.dut.group_o.value  # of anything before the first trigger
+        lines = (row, int(group) if group.is_resolvable else None)
         if lines != self.lines:
             assert self.clock >= self.free, "the lines changed while a converter needed them"
             if row is not None and self.lines[0] is not None:
