@@ -147,6 +147,52 @@ async def settings_of_every_size(dut):
         await status_is(dut, twin)
 
 
+@cocotb.test(timeout_time=40, timeout_unit="ms")
+@cocotb.parametrize(up=[True, False])
+async def every_bit_of_a_zero_counts(dut, up):
+    """Zeros that follow in steps of any size to half a code exactly, or to one last bit before or behind it.
+
+    Between two steps come frames that must move none: taxels at rest, just pressed, averaged. What stands
+    beside the array presses all the time.
+    """
+    rng, draw = np.random.default_rng(bench.SEED), random.Random(bench.SEED)
+    twin = twin_of(dut)
+    if length_of(twin) > 500:
+        return
+    await bench.start(dut, cfg_contact_i=0, cfg_step_i=0, **QUIET)
+    sign, frames = 1 if up else -1, 1 << twin.tare_log2
+    part = frames // 2 - sign if frames > 1 else 0
+    high = bench.width(twin.sample_bits)[1]
+
+    async def frame(x, step, beside=high):
+        dut.cfg_step_i.value = twin.step = step
+        beats = bench.lane_beats(x[None], twin.lanes, twin.sample_bits, beside, mask=0 * x[None])
+        assert await bench.stream(dut, beats, FIELDS, drain=12) == expected_of(twin, beats)
+
+    for turn in range(6 if frames <= 16 else 2):
+        dut.cfg_contact_i.value = twin.contact = contact = draw.getrandbits(13) | 2
+        level = rng.integers(-300, 300, (twin.rows, twin.columns))
+        rest = level + (not up and frames > 1)
+        moves = [1, contact] if up else [-1, -5000]
+        await bench.reset(dut)
+        twin.reset()
+        await pulse(dut, "cfg_tare_i", cfg_force_i=1)
+        twin.tare(True)
+        for place in range(frames + 1):
+            await frame(level + (place < part), draw.randrange(256), beside=0)
+        assert twin.tared == 1 and not twin.pressed
+        way = (1 << twin.fraction_bits - max(twin.tare_log2, 1)) - sign * (turn % 2)
+        while way:
+            step = min(way, draw.randint(1, 255))
+            await frame(rest + rng.choice(moves, level.shape), step)
+            assert not twin.pressed
+            way -= step
+            still = rng.choice([0, 0, 0, contact + 1], level.shape)
+            await frame(rest + still, draw.randrange(256))
+        await frame(level, 0)
+        await status_is(dut, twin)
+
+
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def forgets_what_a_reset_interrupts(dut):
     rng = np.random.default_rng(bench.SEED)
