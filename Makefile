@@ -44,7 +44,7 @@ test-long: $(SYNTH)  ## the benches that `make test` leaves out: large sizes, mo
 	@$(BIN)/python -m pytest -n $(JOBS) -m "long or big"
 
 test-icarus: $(SIM)  ## the blocks' benches on Icarus Verilog, where it can run them (tb/icarus.py)
-	@MEISSNER_SIM=icarus $(BIN)/python -m pytest -n $(JOBS) -m "not long" -k "not refuses" tb/common tb/frontend tb/slip tb/cop tb/link
+	@MEISSNER_SIM=icarus $(BIN)/python -m pytest -n $(JOBS) -m "not long and not big" -k "not refuses" tb/common tb/frontend tb/slip tb/cop tb/link
 
 faults: $(SIM)  ## faults put into every block, what comes of them: docs/trust/faults.json, docs/faults.md
 	@$(BIN)/python tools/faults.py --record $(BLOCKS)

@@ -59,6 +59,14 @@ def refused(block, parameters):
     return None if runs and runs(parameters) else REFUSED.get(block)
 
 
+def named(found):
+    """An enumeration as constants and bits: in a port's expression Icarus takes its names for X."""
+    width, listed, name = found.groups()
+    names = re.sub(r"//.*|\s", "", listed).split(",")
+    values = ", ".join(f"{each} = {value}" for value, each in enumerate(names))
+    return f"localparam [{width}] {values}; typedef logic [{width}] {name};"
+
+
 def adapted(sources, folder):
     """Copies of the sources in ``folder`` as Icarus reads them."""
     folder.mkdir(parents=True, exist_ok=True)
@@ -67,6 +75,7 @@ def adapted(sources, folder):
         text = path.read_text()
         for pattern, put in REPLACED:
             text = re.sub(pattern, put, text, flags=re.M)
+        text = re.sub(r"typedef enum logic \[(\d+:0)\] \{([^}=]*)\} (\w+);", named, text)
         copies.append(folder / path.name)
         copies[-1].write_text(text)
     return copies

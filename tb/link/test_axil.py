@@ -19,8 +19,9 @@ async def serve(dut, twin, served):
     while True:
         await ReadOnly()
         asked = dut.bus_valid_o.value == 1
-        names = ("write", "address", "data", "strobe")
-        access = [bench.read(getattr(dut, f"bus_{name}_o")) for name in names] if asked else None
+        access = [bench.read(getattr(dut, f"bus_{name}_o")) for name in ("write", "address") if asked]
+        for name in ("data", "strobe") if asked else ():  # of a write: a read leaves them as they were
+            access.append(bench.read(getattr(dut, f"bus_{name}_o")) if access[0] else 0)
         await RisingEdge(dut.clk_i)
         dut.bus_done_i.value = int(asked)
         if asked:
