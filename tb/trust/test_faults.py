@@ -59,7 +59,7 @@ def test_finds_bytes_that_stay_wrong(monkeypatch, tmp_path):
 
 @pytest.mark.long
 def test_finds_an_access_that_never_ends(monkeypatch, tmp_path):
-    kept = "asked <= ({2{!taken}} & asked) | {asked[0], bus_valid_o};"
+    kept = "asked <= {2{!taken}} & (asked | {asked[0], bus_valid_o});"
     planted(monkeypatch, tmp_path, "axil", "asked <= {asked[0], bus_valid_o};", kept)
     results = faults.inject("axil", 60, 3)
     assert any("asked" in result.where for result in results if result.outcome == "silent")
