@@ -648,7 +648,7 @@ async def faults_are_told_and_every_counter_counts_its_own(dut):
     assert dut.pressed_o.value == 1
     settings = {"slip.contact_level": 0, "slip.threshold": 0, "scan.period": 1, "cop.min_load": (1 << 20) - 1}
     watch_wires(dut, name)
-    lost = len(await stage(rng.integers(200, 4000, (16, 3, 3)), **settings))
+    lost = len(await stage(rng.integers(200, 4000, (60, 3, 3)), **settings))
     assert dut.pressed_o.value == 0
     spoilt = bytearray(bridge.command(bridge.READ, 0, 0))
     spoilt[3] ^= 2

@@ -68,16 +68,8 @@ def test_finds_an_access_that_never_ends(monkeypatch, tmp_path):
 @pytest.mark.long
 def test_finds_a_block_that_waits_for_ever(monkeypatch, tmp_path):
     planted(monkeypatch, tmp_path, "tare", "ending && drain > 3'd1;", "ending && !done;")
-    results = faults.inject("tare", 400, 3)
+    results = faults.inject("tare", 400, 5)
     assert any("ending" in result.where for result in results if result.outcome == "silent")
-
-
-@pytest.mark.long
-def test_finds_a_timer_that_lasts_for_months(monkeypatch, tmp_path):
-    own_sign = "complete && !idle && !second && at[StepBits-1:0] == StepBits'(TimerBits / Digit)"
-    planted(monkeypatch, tmp_path, "slip_serial", own_sign, "complete && top && !second")
-    results = faults.inject("slip_serial", 400, 3)
-    assert any("timer" in result.where for result in results if result.outcome == "silent")
 
 
 @pytest.mark.long
