@@ -29,7 +29,7 @@ COUNTS = "counts_over_the_whole_width"  # the test of bench.turn_over
 FEWEST_A_SET = 25  # mutants; fewer sets if fewer are wanted
 FEWEST, MOST = 100, 200  # mutants of a block of WHOLE; between them one for each line of its source
 OTHERS = 25  # of another block: all of them in three hours of a processor
-LARGE = {  # blocks whose every set takes longer than --limit, and for which the solver does not end
+LARGE = {  # sets that take longer than --limit, or one chosen for its size; solvers that would not end
     "calibrate": {"sets": [1]},
     "array": {"sets": [1], "limit": 60, "unsolved": True},
     "core": {"sets": [0], "limit": 100, "unsolved": True},

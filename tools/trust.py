@@ -158,8 +158,9 @@ def main():
     failed = []
     for step in () if options.page else STEPS:
         if step.kind in (options.kinds or KINDS):
-            names = due(step) if options.due else []
-            failed += run(step, names, options.jobs) if names or not options.due else []
+            names = due(step) if options.due else []  # a tool that is told none runs all
+            if names or not options.due:
+                failed += run(step, names, options.jobs)
     recorded = records()
     failed += [f"{kind} was never recorded" for kind in KINDS if kind not in recorded]
     failed += strangers(recorded)
