@@ -332,7 +332,7 @@ module msn_core #(
   logic signed [SampleBits-1:0] sample;
   logic        [ChannelBits-1:0] sample_id;
   logic        [47:0]           frame_time;
-  logic                         stalled;  // an event waits for its packet
+  logic                         slip_busy;  // the slip path holds something
   logic                         cop_valid, cop_pressed;
   logic signed [23:0]           cop_x, cop_y;
   logic        [39:0]           cop_load;
@@ -477,7 +477,7 @@ module msn_core #(
       .in_last_i,
       .cfg_pending_i   (pending),
       .commit_o        (commit),
-      .stalled_i       (stalled),
+      .busy_i          (slip_busy),
       .time_o          (frame_time),
       .tap_valid_o     (tap_valid),
       .tap_ready_i     (tap_ready),
@@ -615,27 +615,45 @@ module msn_core #(
     );
 
     logic gate_valid, gate_ready;
+    logic cop4_done, cop4_offers;  // a frame of four electrodes has left; something of it waits at an output
     if (SlipOnly) begin : gen_no_gate  // settings are constants; the sender keeps the time itself
       assign gate_valid = adc_valid;
       assign adc_ready  = gate_ready;
       assign commit     = 1'b0;
       assign frame_time = '0;
       logic unused_gate;
-      assign unused_gate = ^{pending, stalled, now};
+      assign unused_gate = ^{pending, slip_busy, now, cop4_done, cop4_offers};
     end else begin : gen_gate
-      localparam int unsigned Drain = Cop4 ? 64 : Serial ? 100 : 24;
-      msn_frame_gate #(.Drain(Drain)) u_frame_gate (
+      logic owed, gate_first;
+      msn_frame_gate u_frame_gate (
         .clk_i,
         .rst_i,
         .pending_i  (gate_valid || pending),
         .commit_o   (commit),
-        .stalled_i  (stalled),
+        .busy_i     (owed || slip_busy),
         .in_valid_i (adc_valid),
         .in_ready_o (adc_ready),
         .in_last_i  (adc_last),
         .out_valid_o(gate_valid),
-        .out_ready_i(gate_ready)
+        .out_ready_i(gate_ready),
+        .out_first_o(gate_first)
       );
+      if (Cop4) begin : gen_owed
+        msn_frame_owed #(.Results(1)) u_owed (
+          .clk_i,
+          .rst_i,
+          .taken_i(gate_valid && gate_ready),
+          .first_i(gate_first),
+          .done_i (cop4_done),
+          .drop_i (1'b0),
+          .quiet_i(!cop4_offers),
+          .busy_o (owed)
+        );
+      end else begin : gen_none_owed  // the slip path itself says when it is empty
+        assign owed = 1'b0;
+        logic unused_first;
+        assign unused_first = ^{gate_first, cop4_done, cop4_offers};
+      end
       msn_convert_time u_convert_time (
         .clk_i,
         .rst_i,
@@ -704,6 +722,11 @@ module msn_core #(
         .out_imbalance_o (unused_imbalance),
         .out_open_o      (unused_open)
       );
+      logic damaged_q;  // a damaged frame gives no result: its counter says so
+      always_ff @(posedge clk_i) damaged_q <= rst_i ? 1'b0 : cop_damaged[0];
+      assign cop4_done = cop_damaged[0] != damaged_q ||
+                         (CopSlip ? decision_valid && decision_ready : cop_valid);
+      assign cop4_offers = frame_valid || found_valid || decision_valid;
       assign cop_valid = found_valid && found_ready;
       assign cop_x     = 24'(x);
       assign cop_y     = 24'(y);
@@ -756,7 +779,7 @@ module msn_core #(
       assign sample_id    = adc_id;
       assign sample_last  = adc_last;
       assign sample_mask  = 1'b0;
-      assign {cop_valid, cop_x, cop_y, cop_load, cop_pressed, cop_damaged} = '0;
+      assign {cop_valid, cop_x, cop_y, cop_load, cop_pressed, cop_damaged, cop4_done, cop4_offers} = '0;
     end
 
     assign {row_o, group_o} = '0;
@@ -798,7 +821,8 @@ module msn_core #(
     logic [2:0]             found_state;
     logic [DetailBits-1:0]  found_p2p, p2p;
     logic [ChannelBits-1:0] found_id, id;
-    logic                   unused_over, unused_end;
+    logic                   unused_over, unused_end, path_busy;
+    assign slip_busy = slip_valid || path_busy || decision_valid;
     msn_slip_path #(
       .Channels  (Taxels),
       .SampleBits(SampleBits),
@@ -835,6 +859,7 @@ module msn_core #(
       .out_id_o             (found_id),
       .out_last_o           (found_last),
       .out_end_o            (unused_end),
+      .busy_o               (path_busy),
       .damaged_o            (slip_damaged),
       .blanked_o            (slip_blanked)
     );
@@ -859,6 +884,7 @@ module msn_core #(
     assign decision_id  = 16'(id);
   end else begin : gen_no_slip
     assign sample_ready = 1'b1;
+    assign slip_busy    = 1'b0;
     assign {slip_damaged, slip_blanked} = '0;
     logic unused_slip;
     assign unused_slip = ^{actuator_moving_i, sample, sample_id, sample_mask};
@@ -868,10 +894,12 @@ module msn_core #(
   end
 
   if (Slip || CopSlip) begin : gen_flags
+    logic offered;  // the decision is one that the flags have seen: a packet's sender may let it wait
+    always_ff @(posedge clk_i) offered <= !rst_i && decision_valid && !decision_ready;
     msn_slip_flags u_flags (
       .clk_i,
       .rst_i,
-      .in_valid_i(decision_valid && decision_ready),
+      .in_valid_i(decision_valid && !offered),
       .in_state_i(decision_state),
       .in_last_i (decision_last),
       .slip_o,
@@ -890,7 +918,6 @@ module msn_core #(
   // Packets, and commands.
   logic slip_event, slip_event_ready, image_valid;
   assign slip_event  = decision_valid && decision_raised;
-  assign stalled     = decision_valid && !decision_ready;
   assign image_valid = Image && cfg_images && sample_valid && sample_ready;
 
   localparam int unsigned Counters = Statistics ? 8 : 0;

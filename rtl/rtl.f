@@ -2,6 +2,7 @@ rtl/msn_pkg.sv
 rtl/common/msn_delay.sv
 rtl/common/msn_frame_check.sv
 rtl/common/msn_frame_gate.sv
+rtl/common/msn_frame_owed.sv
 rtl/common/msn_frame_place.sv
 rtl/common/msn_frame_table.sv
 rtl/common/msn_skid.sv

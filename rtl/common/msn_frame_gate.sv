@@ -1,59 +1,50 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Lets settings change between two frames only. While pending_i, the gate closes after a frame's last beat (on
-// the next clock if no frame has begun), waits Drain clocks in which the chain behind it is not stalled, so that
-// the frame has left it, gives commit_o for one clock and opens on the next. Nothing is lost: a closed gate is
-// not ready. It never closes on a beat that was offered and not taken.
+// the next clock if no frame has begun), waits until the chain behind it is empty (busy_i is low), gives commit_o
+// for one clock and opens on the next. Nothing is lost: a closed gate is not ready. It never closes on a beat
+// that was offered and not taken.
 //
-// Latency 0; a change costs Drain + 1 clocks, nothing pending costs nothing.
+// busy_i must be high from the clock after a beat is taken until the last of its results has left.
+//
+// Latency 0; a change costs the clocks until the chain is empty and 2, nothing pending costs nothing.
 // Model: model/meissner/common/frame_gate.py
 
-module msn_frame_gate #(
-  parameter int unsigned Drain = 8  // clocks from the last beat in to the last result out of the chain
-) (
+module msn_frame_gate (
   input  logic clk_i,
   input  logic rst_i,
 
   input  logic pending_i,
   output logic commit_o,
-  input  logic stalled_i,  // the chain's result waits: valid and not ready
+  input  logic busy_i,      // the chain behind holds a beat or owes a result
 
   input  logic in_valid_i,
   output logic in_ready_o,
   input  logic in_last_i,
 
   output logic out_valid_o,
-  input  logic out_ready_i
+  input  logic out_ready_i,
+  output logic out_first_o  // this beat is its frame's first
 );
 
-  if (Drain < 1 || Drain > 255) begin : gen_check_drain
-    $fatal(1, "msn_frame_gate: Drain = %0d clocks must lie in 1 .. 255", Drain);
-  end
-
-  logic [7:0] left;  // clocks until the chain is empty
-  logic       begun, closed, drained;
-  assign drained = left == 8'd0;
-
+  logic begun, closed;
   assign out_valid_o = in_valid_i && !closed;
   assign in_ready_o  = out_ready_i && !closed;
-  assign commit_o    = closed && drained;
+  assign out_first_o = !begun;
 
   logic taken;
   assign taken = out_valid_o && out_ready_i;
 
+  // commit_o is a register, because busy_i comes from the whole chain and the settings lie all over the part.
   always_ff @(posedge clk_i) begin
-    if (closed) closed <= !drained;
+    commit_o <= closed && !begun && !busy_i && !commit_o;
+    if (closed) closed <= !commit_o && !begun;  // never inside a frame, not even after an upset
     else        closed <= pending_i && (taken ? in_last_i : (!begun && !out_valid_o));
-    if (taken) begin
-      begun <= !in_last_i;
-      left  <= 8'(Drain);
-    end else if (!stalled_i && !drained) begin
-      left <= left - 8'd1;
-    end
+    if (taken) begun <= !in_last_i;
     if (rst_i) begin
-      begun  <= 1'b0;
-      closed <= 1'b0;
-      left   <= 8'd0;
+      begun    <= 1'b0;
+      closed   <= 1'b0;
+      commit_o <= 1'b0;
     end
   end
 

@@ -115,7 +115,7 @@ module msn_array #(
 
   input  logic                             cfg_pending_i,        // settings wait
   output logic                             commit_o,             // no frame is under way: settings may change
-  input  logic                             stalled_i,            // what follows the tap holds a result back
+  input  logic                             busy_i,               // what follows the tap holds a beat
   output logic [47:0]                      time_o,               // convert start of the frame under way
 
   output logic                             tap_valid_o,
@@ -178,7 +178,7 @@ module msn_array #(
     assign scan_id    = in_id_i;
     assign scan_last  = in_last_i;
     assign scan_user  = '0;
-    assign scan_time  = now_i;
+    assign scan_time  = now_i;  // taken at the frame's first beat
     assign {row_o, group_o, adc_sclk_o, adc_mosi_o, adc_convst_o, adc_reset_o, convert_o} = '0;
     assign adc_cs_n_o = '1;
     assign {slip_valid_o, slip_data_o, slip_id_o, slip_last_o, slip_user_o, slip_frame_o, slip_time_o} = '0;
@@ -314,25 +314,45 @@ module msn_array #(
     assign unused_stream = ^{in_valid_i, in_data_i, in_id_i, in_last_i};
   end
 
-  // From its last beat in to its last force out of msn_narrow and decided, a frame takes this many clocks at most.
-  localparam int unsigned Drain = 32 + 20 * Lanes;
-  logic gate_valid, gate_ready, open_valid, open_ready;
-  msn_frame_gate #(.Drain(Drain)) u_gate (
+  // One frame at a time: the next one waits until the centre of pressure and the tap's last beat of this one have
+  // left, and what follows the tap is empty. Its time holds until then.
+  logic gate_valid, gate_ready, open_valid, open_ready, open_first, owed, opened;
+  msn_frame_gate u_gate (
     .clk_i,
     .rst_i,
     .pending_i  (open_valid || cfg_pending_i),
     .commit_o,
-    .stalled_i  (stalled_i || (out_valid_o && !out_ready_i)),
+    .busy_i     (owed || busy_i),
     .in_valid_i (scan_valid),
     .in_ready_o (scan_ready),
     .in_last_i  (scan_last),
     .out_valid_o(open_valid),
-    .out_ready_i(open_ready)
+    .out_ready_i(open_ready),
+    .out_first_o(open_first)
   );
+  assign opened = open_valid && open_ready;
 
+  // A damaged frame and one that msn_tare swallows give no result: their counters say so.
+  logic damaged_q, swallowed_q;
   always_ff @(posedge clk_i) begin
-    if (open_valid && open_ready) time_o <= scan_time;
+    {damaged_q, swallowed_q} <= {damaged_o[0], swallowed_o[0]};
+    if (rst_i) {damaged_q, swallowed_q} <= '0;
+    if (opened && open_first) time_o <= scan_time;
   end
+
+  logic cop_done, tap_done;
+  assign cop_done = (out_valid_o && out_ready_i) || damaged_o[0] != damaged_q;
+  assign tap_done = !Tap || (tap_valid_o && tap_ready_i && tap_last_o);
+  msn_frame_owed #(.Results(2)) u_owed (
+    .clk_i,
+    .rst_i,
+    .taken_i(opened),
+    .first_i(open_first),
+    .done_i ({tap_done, cop_done}),
+    .drop_i (swallowed_o[0] != swallowed_q),
+    .quiet_i(!busy_i && !tap_valid_o && !out_valid_o),
+    .busy_o (owed)
+  );
 
   // The path of ready from the stages to the scan's buffer ends here.
   logic                        gate_last;

@@ -66,6 +66,7 @@ module msn_channels #(
   output logic                         out_last_o,
   output logic                         out_end_o,
 
+  output logic                         busy_o,        // of the slip path
   output logic        [31:0]           dropped_o,     // frames: the chain was not ready
   output logic        [31:0]           overrun_o,     // ticks: the frame before was still under way
   output logic        [31:0]           timeout_o,     // frames: BUSY did not answer
@@ -157,6 +158,7 @@ module msn_channels #(
     .out_id_o,
     .out_last_o,
     .out_end_o,
+    .busy_o,
     .damaged_o,
     .blanked_o
   );

@@ -38,7 +38,9 @@ module msn_haar #(
   output logic        [IdBits-1:0]     out_id_o,
   output logic                         out_last_o,
   output logic                         out_restart_o,
-  output logic                         out_mask_o
+  output logic                         out_mask_o,
+
+  output logic                         busy_o         // a sample or a detail is under way, or offered
 );
 
   if (Channels < 1 || Channels > 4096) begin : gen_check_channels
@@ -67,6 +69,7 @@ module msn_haar #(
   assign mask[0]       = Mask && in_mask_i;
 
   assign out_valid_o   = valid[Level];
+  assign busy_o        = |valid[Level:1];
   assign out_total_o   = signed'(total[Level]);
   assign out_id_o      = id[Level];
   assign out_last_o    = last[Level];

@@ -41,7 +41,9 @@ module msn_peak_to_peak #(
   output logic                         out_last_o,
   output logic                         out_restart_o,
   output logic                         out_mask_o,
-  output logic                         out_end_o
+  output logic                         out_end_o,
+
+  output logic                         busy_o         // a detail is under way, or offered
 );
 
   if (Channels < 1 || Channels > 4096) begin : gen_check_channels
@@ -61,7 +63,8 @@ module msn_peak_to_peak #(
   // crosses one gate and not one a stage.
   assign in_ready_o = out_ready_i || !out_valid_o;
   localparam int unsigned SideBits = DetailBits + IdBits + 2;
-  logic                         window_valid, window_last, window_restart;
+  logic                         window_valid, window_last, window_restart, stages_busy;
+  assign busy_o = stages_busy || out_valid_o;
   logic signed [DetailBits-1:0] window_high, window_low;
   logic        [SideBits-1:0]   window_side, side_in;
 
@@ -116,6 +119,7 @@ module msn_peak_to_peak #(
 
     if (Hop == Span) begin : gen_tumbling
       assign closes         = final_place;
+      assign stages_busy    = part_valid;
       assign window_valid   = part_valid;
       assign window_high    = part_high;
       assign window_low     = part_low;
@@ -128,6 +132,7 @@ module msn_peak_to_peak #(
       logic later, later_q;
       assign later  = later_q && !in_restart_i;
       assign closes = later && final_place;
+      assign stages_busy = part_valid || window_valid;
       logic signed [DetailBits-1:0] kept_high, kept_low, before_high, before_low, half_high, half_low;
       logic                         half_exists;
       assign before_high = first ? old_high : kept_high;
@@ -230,6 +235,7 @@ module msn_peak_to_peak #(
     end
 
     assign window_valid   = valid[Stages];
+    assign stages_busy    = |valid[Stages:1];
     assign window_high    = signed'(high[Stages*DetailBits+:DetailBits]);
     assign window_low     = signed'(low[Stages*DetailBits+:DetailBits]);
     assign window_side    = side[Stages*SideBits+:SideBits];

@@ -57,6 +57,7 @@ module msn_slip #(
   output logic                         out_last_o,
   output logic                         out_end_o,
 
+  output logic                         busy_o,        // a detail is under way, or a decision offered
   output logic        [31:0]           blanked_o     // details that were over while blanked or moving
 );
 
@@ -93,6 +94,7 @@ module msn_slip #(
   logic [IdBits-1:0]     seen_id;
   logic                  seen_last, seen_end;
   assign in_ready_o = out_ready_i || !out_valid_o;
+  assign busy_o     = seen_valid || out_valid_o;
   assign masked     = Mask && in_mask_i;  // begins anew, and touches nothing
 
   always_ff @(posedge clk_i) begin

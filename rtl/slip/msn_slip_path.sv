@@ -51,6 +51,7 @@ module msn_slip_path #(
   output logic                         out_last_o,
   output logic                         out_end_o,
 
+  output logic                         busy_o,        // something is under way, or a decision offered
   output logic        [31:0]           damaged_o,     // frames: channels out of order
   output logic        [31:0]           blanked_o      // details: over, but blanked or moving
 );
@@ -103,6 +104,7 @@ module msn_slip_path #(
       .out_over_o,
       .out_p2p_o,
       .out_end_o,
+      .busy_o,
       .damaged_o,
       .blanked_o
     );
@@ -112,6 +114,8 @@ module msn_slip_path #(
     logic signed [SampleBits-1:0] whole;
     logic        [IdBits-1:0]     whole_id;
     logic whole_mask, detail_mask, window_mask;
+    logic haar_busy, extremes_busy, slip_busy;
+    assign busy_o = whole_valid || haar_busy || extremes_busy || slip_busy;
     msn_frame_check #(.Channels(Channels), .DataBits(SampleBits + 1)) u_frame_check (
       .clk_i,
       .rst_i,
@@ -154,7 +158,8 @@ module msn_slip_path #(
       .out_id_o     (detail_id),
       .out_last_o   (detail_last),
       .out_restart_o(detail_restart),
-      .out_mask_o   (detail_mask)
+      .out_mask_o   (detail_mask),
+      .busy_o       (haar_busy)
     );
 
     logic                         window_valid, window_ready, window_last, window_restart, window_end;
@@ -186,7 +191,8 @@ module msn_slip_path #(
       .out_last_o   (window_last),
       .out_restart_o(window_restart),
       .out_mask_o   (window_mask),
-      .out_end_o    (window_end)
+      .out_end_o    (window_end),
+      .busy_o       (extremes_busy)
     );
 
     msn_slip #(
@@ -224,6 +230,7 @@ module msn_slip_path #(
       .out_id_o,
       .out_last_o,
       .out_end_o,
+      .busy_o       (slip_busy),
       .blanked_o
     );
   end

@@ -48,6 +48,7 @@ module msn_slip_serial #(
   output logic        [DetailBits-1:0] out_p2p_o,
   output logic                         out_end_o,
 
+  output logic                         busy_o,       // a sample is under way, or a decision offered
   output logic        [31:0]           damaged_o,    // samples without `last`, and what follows them
   output logic        [31:0]           blanked_o     // details that were over while blanked or moving
 );
@@ -90,6 +91,7 @@ module msn_slip_serial #(
   assign top        = &at[StepBits-1:0];
   assign start      = in_valid_i && keep && idle && !out_valid_o;
   assign in_ready_o = finish || (idle && !out_valid_o && !keep);
+  assign busy_o     = !idle || out_valid_o;
 
   always_ff @(posedge clk_i) begin
     at     <= ahead;

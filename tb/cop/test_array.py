@@ -188,7 +188,7 @@ async def begin(dut, limits=None, load=True):
     settings |= {"tare": 0, "force": 0, "load": 0, "zero_write": 0, "zero_word": 0, "zero": 0}
     settings |= {"write": 0, "write_row": 0, "word": 0, "offset": OFFSET, "gain": 0, "swap": 0, "min_load": 1}
     inputs = {f"cfg_{name}_i": value for name, value in settings.items()}
-    inputs |= {"cfg_pending_i": 0, "stalled_i": 0, "tap_ready_i": 1, "in_valid_i": 0}
+    inputs |= {"cfg_pending_i": 0, "busy_i": 0, "tap_ready_i": 1, "in_valid_i": 0}
     await bench.start(dut, now_i=0, slip_ready_i=1, event_ready_i=1, adc_miso_i=0, adc_busy_i=0, **inputs)
 
     scan = twin.scan

@@ -71,6 +71,8 @@ WIRES = {
         ("cop4.out_{}_o", "link.cop_{}_i", "load pressed"),
         ("cop_slip.out_octant_o", "link.slip_p2p_i"),
         ("gate.commit_o", "registers.{}_commit_i", "cop4 cop_slip"),
+        ("gate.out_first_o", "owed.first_i"),
+        ("owed.busy_o", "gate.busy_i"),
     ],
     "slip": [
         ("slip.{}_o", "registers.slip_{}_i", "damaged blanked"),
@@ -121,7 +123,7 @@ def _pending(v):
 GLUE = {
     "array": {
         "array.cfg_pending_i": _pending,
-        "array.stalled_i": lambda v: v("slip.out_valid_o") and not v("slip.out_ready_i"),
+        "array.busy_i": lambda v: v("skid.out_valid_o") or v("slip.busy_o"),
         "array.cfg_tare_i": lambda v: (
             v("registers.tare_average_o") or (v("registers.tare_at_start_o") and v("preset.done_o"))
         ),
@@ -142,15 +144,19 @@ GLUE = {
         ),
     },
     "gate": {"gate.pending_i": lambda v: v("gate.out_valid_o") or _pending(v)},
-    "channels": {"gate.stalled_i": lambda v: v("slip.out_valid_o") and not v("slip.out_ready_i")},
+    "channels": {"gate.busy_i": lambda v: v("slip.in_valid_i") or v("slip.busy_o")},
     "electrodes": {
-        "gate.stalled_i": lambda v: v("cop_slip.out_valid_o") and not v("cop_slip.out_ready_i"),
+        "owed.taken_i": lambda v: v("gate.out_valid_o") and v("gate.out_ready_i"),
+        "owed.quiet_i": lambda v: (
+            not (v("electrodes.out_valid_o") or v("cop4.out_valid_o") or v("cop_slip.out_valid_o"))
+        ),
+        "owed.drop_i": lambda v: 0,
         "cop_slip.out_ready_i": lambda v: not v("cop_slip.out_raised_o") or v("link.slip_ready_o"),
         "link.slip_valid_i": lambda v: v("cop_slip.out_valid_o") and v("cop_slip.out_raised_o"),
         "link.slip_state_i": lambda v: 2 if v("cop_slip.out_slip_o") else 1,
         "link.slip_id_i": lambda v: 0xFFFF,
         "link.cop_valid_i": lambda v: v("cop4.out_valid_o") and v("cop_slip.in_ready_o"),
-        "flags.in_valid_i": lambda v: v("cop_slip.out_valid_o") and v("cop_slip.out_ready_i"),
+        "flags.in_valid_i": lambda v: v("cop_slip.out_valid_o") and not v("flagged.offered"),
         "flags.in_state_i": lambda v: 2 if v("cop_slip.out_slip_o") else 1,
         "flags.in_last_i": lambda v: 1,
     },
@@ -158,7 +164,7 @@ GLUE = {
         "slip.out_ready_i": lambda v: not v("slip.out_raised_o") or v("link.slip_ready_o"),
         "link.slip_valid_i": lambda v: v("slip.out_valid_o") and v("slip.out_raised_o"),
     },
-    "slip": {"flags.in_valid_i": lambda v: v("slip.out_valid_o") and v("slip.out_ready_i")},
+    "slip": {"flags.in_valid_i": lambda v: v("slip.out_valid_o") and not v("flagged.offered")},
 }
 
 # A setting arrives at cfg_<its name>_i of its group's block, but these, elsewhere or as glue says.

@@ -36,7 +36,7 @@ def test_others_are_accepted(block, given, tmp_path):
 
 
 def test_a_bench_runs_on_it():
-    code = "import bench; bench.run('common', 'frame_gate', {'Drain': 3})"
+    code = "import bench; bench.run('common', 'frame_gate', {})"
     environment = {
         **toolchain.environment(),
         "MEISSNER_SIM": "icarus",
