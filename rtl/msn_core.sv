@@ -654,16 +654,22 @@ module msn_core #(
         logic unused_first;
         assign unused_first = ^{gate_first, cop4_done, cop4_offers};
       end
-      msn_convert_time u_convert_time (
-        .clk_i,
-        .rst_i,
-        .now_i    (now),
-        .convert_i(convert),
-        .valid_i  (adc_valid),
-        .ready_i  (adc_ready),
-        .last_i   (adc_last),
-        .time_o   (frame_time)
-      );
+      if (Adc == msn_pkg::AdcNone) begin : gen_stream_time  // as in msn_array
+        always_ff @(posedge clk_i) if (gate_valid && gate_ready && gate_first) frame_time <= now;
+        logic unused_convert;
+        assign unused_convert = convert;
+      end else begin : gen_convert_time
+        msn_convert_time u_convert_time (
+          .clk_i,
+          .rst_i,
+          .now_i    (now),
+          .convert_i(convert),
+          .valid_i  (adc_valid),
+          .ready_i  (adc_ready),
+          .last_i   (adc_last),
+          .time_o   (frame_time)
+        );
+      end
     end
 
     if (Cop4) begin : gen_cop4

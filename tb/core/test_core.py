@@ -88,7 +88,7 @@ INSIDE = {
     "narrow": "gen_array.u_narrow",
     "acquire": "gen_channels.u_acquire",
     "gate": "gen_channels.gen_gate.u_frame_gate",
-    "time": "gen_channels.gen_gate.u_convert_time",
+    "time": "gen_channels.gen_gate.gen_convert_time.u_convert_time",
     "owed": "gen_channels.gen_gate.gen_owed.u_owed",
     "electrodes": "gen_channels.gen_cop4.u_electrodes",
     "cop4": "gen_channels.gen_cop4.u_cop4",

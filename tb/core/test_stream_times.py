@@ -13,6 +13,7 @@ import pytest
 from cocotb.triggers import ReadOnly, RisingEdge
 
 import bench
+from core.test_axis import ELECTRODES, _electrodes
 from meissner import core
 from meissner.link import packet as p
 from meissner.link.cobs import encode
@@ -198,14 +199,61 @@ async def the_next_frame_waits_for_results_only(dut):
         assert all(samples[0].size <= period <= samples[0].size + 64 for period in periods), periods
 
 
-@pytest.mark.parametrize("name", SIZES)
-def test_stream_times(name):
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+@cocotb.parametrize(pace=[(0.0, 0.0, 0), (0.4, 0.5, 0), (0.0, 0.0, 31)])
+async def single_channels_carry_the_clock_of_their_frames_first_beat(dut, pace):
+    gap, stall, between = pace
+    watch = await begin(dut, stall)
+    rng = np.random.default_rng(bench.SEED)
+    shape = 160, number(dut, "Channels")
+    samples = 1000 + rng.integers(-9, 10, shape) + 700 * (rng.random(shape) < 0.03)
+    expected = core.of_channels(samples, SLIP).slip
+    await send(dut, samples, 1, gap, between)
+    await bench.clocks(dut, 3000)
+    assert len(expected) > 5 and len(set(watch.first)) == len(samples)
+    got = [(q.time, q.payload) for q in watch.packets]
+    assert got == [(watch.first[frame], payload) for frame, payload in expected]
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+@cocotb.parametrize(pace=[(0.0, 0.0, 300), (0.4, 0.0, 270)])
+async def electrodes_carry_the_clock_of_their_frames_first_beat(dut, pace):
+    """A load that falls by half: each centre of pressure has its frame's clock, and so has the slip."""
+    gap, stall, between = pace
+    watch = await begin(dut, stall)
+    samples = _electrodes([2.0, 2.1, 2.0, 2.1, 2.0, 0.9, 0.8, 0.9, 0.8])
+    await send(dut, samples, 1, gap, between)
+    await bench.clocks(dut, 3000)
+    assert [q.time for q in watch.packets if q.kind == p.COP] == watch.first
+    slips = [q.time for q in watch.packets if q.kind == p.SLIP]
+    assert slips == [watch.first[5]]  # the first at half of the load the lag of two frames before
+
+
+SINGLE = {
+    "single_channels": {"Array": 0, "Image": 0, "Channels": 3} | PATH,
+    "electrodes": {"Array": 0, "Image": 0, "Slip": 0, "Channels": 4, "Cop4": 1, "CopSlip": 1, "Lag": 2},
+}
+
+
+def build(parameters, select):
     settings = {"calibrate.preset": GAIN, "cop.min_load": 1, "tare.contact": 50, "tare.step": 3}
     settings |= {
         f"slip.{key}": int(value)
         for key, value in vars(SLIP).items()
         if key not in ("window", "hop", "level")
     }
+    settings |= {f"cop4.{key}": value for key, value in vars(ELECTRODES.registers).items()}
+    settings |= {"cop_slip.drop": 77, "cop_slip.min_load": 200, "cop_slip.hold": 9, "cop_slip.refractory": 7}
     word = f"{RESET_BITS}'h{reset_word(settings):x}"
     given = {"Statistics": 0, "TareLog2": 1, "Resets": word, "Chunk": 60}
-    bench.run("core", "axis", SIZES[name] | given, module="test_stream_times")
+    bench.run("core", "axis", parameters | given, test_filter=select, module="test_stream_times")
+
+
+@pytest.mark.parametrize("name", SIZES)
+def test_stream_times(name):
+    build(SIZES[name], r"(every_packet\w*|settings_change\w*|the_next_frame\w*)")
+
+
+@pytest.mark.parametrize("name", SINGLE)
+def test_single_stream_times(name):
+    build(SINGLE[name], f"{name}_carry")
