@@ -97,7 +97,7 @@ mutants-quick: $(SYNTH)  ## a few mutants of a few quick blocks, and whether the
 trust: $(FORMAL)  ## all of the evidence anew, hours: docs/trust.md, README's line [TRUST=--due]
 	@$(BIN)/python tools/trust.py --jobs $(JOBS) $(TRUST)
 
-bench: $(SIM)  ## samples per second of each engine
+bench: $(SIM)  ## samples per second of each engine, and the time of a scene
 	@$(BIN)/python tools/bench_engines.py
 
 clean:  ## remove build/ (the environment in .venv stays; remove it by hand)

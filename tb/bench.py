@@ -16,8 +16,10 @@ from cocotb.triggers import FallingEdge, ReadOnly, RisingEdge, Timer
 from cocotb_tools.check_results import get_results
 from cocotb_tools.runner import get_runner
 
+import bodies
 import icarus
 import recorder
+from bodies import applies
 from meissner import toolchain
 
 # Not --coverage: that adds state machines, which give no points and stop Verilator 5.048 at some sources.
@@ -86,7 +88,9 @@ def run(stage, block, parameters=None, test_filter=None, module=None, sources=No
         assert tests > 0, f"{name}: no cocotb test ran"  # the runner itself accepts an empty run
         how = " ".join([f"MEISSNER_SEED={SEED}", *plusargs])
         assert failures == 0, f"{name}: {failures} of {tests} failed ({how})"
-        return [case.get("name") for case in ElementTree.parse(results).iter("testcase")]
+        cases = list(ElementTree.parse(results).iter("testcase"))
+        bodies.RAN.update(f"{case.get('classname')}.{case.get('name')}" for case in cases)
+        return [case.get("name") for case in cases]
 
     if POWERUPS:
         powerups(simulate, test_filter, int(hashlib.sha256(name.encode()).hexdigest()[:6], 16))
@@ -177,10 +181,20 @@ async def inputs_in_reset(dut, *resting, also=()):
         await RisingEdge(dut.clk_i)
 
 
-def pauses(rate):
-    """A stall pattern: true with probability ``rate``, seeded."""
-    draw = random.Random(SEED)
+def pauses(rate, role):
+    """A stall pattern: true with probability ``rate``; each ``role`` of a test has a sequence of its own.
+
+    Two equal sequences at both ends of a block pause both in the same clocks: it never waits with a beat
+    offered, nor is it ever ready with none. The seed is in the name of what failed (``run``).
+    """
+    draw = random.Random(f"{SEED} {role}")
     return lambda: draw.random() < rate
+
+
+def gaps_and_stalls(gap_rate, stall_rate=None):
+    """The two patterns of ``stream``; of one rate if only one is given."""
+    stall_rate = gap_rate if stall_rate is None else stall_rate
+    return pauses(gap_rate, "gaps"), pauses(stall_rate, "stalls")
 
 
 def read(handle):
@@ -239,6 +253,10 @@ async def stream(dut, beats, fields, gaps=None, stalls=None, drain=40, count=Non
     return received
 
 
+# For tests of what registers hold before any reset: Icarus begins with unknowns.
+starts_known = applies(lambda dut: SIM != "icarus")
+
+
 async def turn_over(
     dut,
     *counters,
@@ -255,9 +273,10 @@ async def turn_over(
     Nothing was reset yet, and registers start as ones, so each counter does, unless this build has none and
     says 0: each counts by no more than ``most`` a clock, whatever comes, and within ``span`` clocks it has,
     if it ``wraps``. Where registers start with random values (``powerups``) it does so from there. Must be
-    the first test of all (``stage=-1``). ``inputs``: of other inputs than those that are ``wiggled``;
-    ``beside``: registers' outputs that count nothing here: it is only seen that they begin as those do;
-    ``still``: counters that need not turn over, as what they count may not come: they too lose no bit.
+    the first test of all (``stage=-1``), declared ``starts_known``. ``inputs``: of other inputs than those
+    that are ``wiggled``; ``beside``: registers' outputs that count nothing here: it is only seen that they
+    begin as those do; ``still``: counters that need not turn over, as what they count may not come: they too
+    lose no bit.
     """
     ports, draw = [getattr(dut, counter) for counter in (*counters, *still)], random.Random(SEED)
     wiggled = [name for name in wiggled if hasattr(dut, name)]
@@ -265,8 +284,6 @@ async def turn_over(
         if hasattr(dut, name):
             getattr(dut, name).value = value
     await Timer(1, "ns")
-    if not all(port.value.is_resolvable for port in ports):  # a simulator that starts with unknowns
-        return
     tops = [(1 << len(port)) - 1 for port in ports]
     first = before = [read(port) for port in ports]
     ones = ONES.lstrip("+") in cocotb.plusargs

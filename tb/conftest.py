@@ -1,8 +1,12 @@
 """Builds that `make test` leaves to `make test-long`; it has others of these blocks. Coverage counts them."""
 
 import inspect
+import os
+from pathlib import Path
 
 import pytest
+
+import bodies
 
 BIG = [
     "tb/cop/test_array.py::test_array[16x16]",
@@ -51,6 +55,13 @@ def left_alone(items):
             left = item.get_closest_marker("long") or item.get_closest_marker("big")
             builds.setdefault(item.nodeid.split("::")[0], []).append(not left)
     return sorted(name for name, runs in builds.items() if not any(runs))
+
+
+def pytest_configure(config):
+    # Icarus cannot run every build; powerup.py and benches.py ask for something else than every test.
+    judges = os.environ.get("MEISSNER_SIM", "verilator") == "verilator"
+    judges = judges and not {"MEISSNER_POWERUP", "MEISSNER_RUNS"} & os.environ.keys()
+    config.pluginmanager.register(bodies.Watch(config, Path(__file__).parent, judges))
 
 
 def pytest_collection_modifyitems(items):

@@ -1,4 +1,4 @@
-"""Samples per second of each engine through ``meissner process slip``: medians of one run, one core."""
+"""Samples per second of each engine through ``meissner process slip``, and a scene's time: medians, one core."""
 
 import argparse
 import statistics
@@ -6,7 +6,7 @@ import time
 
 import numpy as np
 
-from meissner import engines
+from meissner import engines, scenes
 from meissner.slip.config import SlipConfig
 
 
@@ -31,6 +31,12 @@ def main():
                 cpus.append(time.process_time() - cpu)
             rate, cpu_rate = (len(samples) / statistics.median(t) for t in (walls, cpus))
             print(f"window 64, hop {hop:2}, {name:5}: {rate:9.3g} samples/s ({cpu_rate:.3g})")
+    scene, times = scenes.load("acrylic_slip"), []
+    for seed in range(10):
+        begin = time.perf_counter()
+        run = scenes.simulate(scene, seed=seed)
+        times.append(time.perf_counter() - begin)
+    print(f"scene acrylic_slip, {len(run.volts)} samples: {1e3 * statistics.median(times):.1f} ms")
 
 
 if __name__ == "__main__":

@@ -62,8 +62,8 @@ async def matches_model(dut, stall_rate):
     den_bits, fraction_bits, _, _ = parameters(dut)
     pairs = cases(np.random.default_rng(bench.SEED), den_bits, fraction_bits, 400)
     await bench.start(dut)
-    pause = bench.pauses(stall_rate)
-    assert await bench.stream(dut, beats_of(pairs), FIELDS, pause, pause) == expected_of(pairs, fraction_bits)
+    pauses = bench.gaps_and_stalls(stall_rate)
+    assert await bench.stream(dut, beats_of(pairs), FIELDS, *pauses) == expected_of(pairs, fraction_bits)
 
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")

@@ -20,7 +20,7 @@ def beats_of(dut, count):
 async def matches_model(dut, gap_rate, stall_rate):
     await bench.start(dut)
     beats = beats_of(dut, 300)
-    got = await bench.stream(dut, beats, ["data"], bench.pauses(gap_rate), bench.pauses(stall_rate))
+    got = await bench.stream(dut, beats, ["data"], *bench.gaps_and_stalls(gap_rate, stall_rate))
     assert [b["data"] for b in got] == fifo([b["data"] for b in beats], width=len(dut.in_data_i))
 
 

@@ -35,6 +35,7 @@ def damaged_stream(channels, frames, rate, seed):
     return beats
 
 
+@bench.starts_known
 @cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
 async def counts_over_the_whole_width(dut):
     await bench.turn_over(dut, "damaged_o")
@@ -52,8 +53,8 @@ async def matches_model(dut, rate, stall_rate):
     data = [draw.getrandbits(len(dut.in_data_i)) for _ in pairs]
     beats = [{"data": d, "id": channel, "last": last} for d, (channel, last) in zip(data, pairs)]
     expected = [beat | {"restart": r} for beat, keep, r in zip(beats, kept, restart) if keep]
-    pause = bench.pauses(stall_rate)
-    got = await bench.stream(dut, beats, ["data", "id", "last", "restart"], pause, pause)
+    pauses = bench.gaps_and_stalls(stall_rate)
+    got = await bench.stream(dut, beats, ["data", "id", "last", "restart"], *pauses)
     assert got == expected
     assert bench.read(dut.damaged_o) == model.damaged
     assert (model.damaged == 0) == (rate == 0.0)

@@ -36,6 +36,7 @@ def damaged_beats(beats, frames, rate, seed):
     return stream
 
 
+@bench.starts_known
 @cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
 async def counts_over_the_whole_width(dut):
     await bench.turn_over(dut, "damaged_o", accept_i=0)

@@ -54,8 +54,8 @@ async def matches_model(dut, stall_rate):
     bits, exact = parameters(dut)
     pairs = cases(np.random.default_rng(bench.SEED), bits, 300)
     await bench.start(dut)
-    pause = bench.pauses(stall_rate)
-    got = await bench.stream(dut, beats_of(pairs), ["root"], pause, pause, drain=3 * bits + 9)
+    pauses = bench.gaps_and_stalls(stall_rate)
+    got = await bench.stream(dut, beats_of(pairs), ["root"], *pauses, drain=3 * bits + 9)
     assert got == expected_of(pairs, exact)
 
 

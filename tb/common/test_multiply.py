@@ -25,7 +25,7 @@ async def matches_model(dut, rest_rate):
     pairs += zip(rng.integers(low, high + 1, 500).tolist(), rng.integers(0, top + 1, 500).tolist())
     expected = multiply(*np.array(pairs).T, a_width, b_width).tolist()
     bench.Clock(dut.clk_i, 10, unit="ns").start()
-    rest = bench.pauses(rest_rate)
+    rest = bench.pauses(rest_rate, "rests")
     for clock in range(len(pairs) + LATENCY):
         await FallingEdge(dut.clk_i)
         while clock and rest():

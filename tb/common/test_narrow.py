@@ -24,7 +24,7 @@ def frame(rng, rows, columns, lanes, bits, beats=None):
 async def check(dut, frames, gap=0.0, stall=0.0):
     _, columns, lanes, bits = shape(dut)
     beats = [{"data": bench.lane_word(values, bits), "last": int(last)} for values, last in frames]
-    got = await bench.stream(dut, beats, FIELDS, bench.pauses(gap), bench.pauses(stall), hold=True)
+    got = await bench.stream(dut, beats, FIELDS, *bench.gaps_and_stalls(gap, stall), hold=True)
     expected = [dict(zip(FIELDS, map(int, taxel))) for taxel in narrow(frames, columns, lanes)]
     assert got == expected
 
@@ -43,7 +43,7 @@ async def starts_anew_after_a_short_frame_and_a_reset(dut):
     rng = np.random.default_rng(bench.SEED)
     await bench.start(dut)
     await check(dut, frame(rng, *shape(dut), beats=1) + frame(rng, *shape(dut)))
-    await bench.stream(dut, [{"data": 1, "last": 0}], FIELDS, stalls=bench.pauses(0.5), drain=0)
+    await bench.stream(dut, [{"data": 1, "last": 0}], FIELDS, stalls=bench.pauses(0.5, "stalls"), drain=0)
     await bench.reset(dut)
     await check(dut, frame(rng, *shape(dut)))
 

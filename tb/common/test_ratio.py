@@ -60,9 +60,9 @@ async def matches_model(dut, stall_rate, which):
     scale = scales(scale_bits)[which]
     pairs = cases(np.random.default_rng(bench.SEED), scale, num_bits, den_bits, 20, fraction_bits)
     await bench.start(dut, cfg_scale_i=scale)
-    pause = bench.pauses(stall_rate)
+    pauses = bench.gaps_and_stalls(stall_rate)
     expected = expected_of(scale, pairs, fraction_bits)
-    assert await bench.stream(dut, beats_of(pairs), FIELDS, pause, pause) == expected
+    assert await bench.stream(dut, beats_of(pairs), FIELDS, *pauses) == expected
 
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")

@@ -43,8 +43,8 @@ async def matches_model(dut, stall_rate):
     ]
     await bench.start(dut)
     x = telling(*size)
-    pause = bench.pauses(stall_rate)
-    got = await bench.stream(dut, [{"data": v} for v in x], ["data" if size[3] else "data~"], pause, pause)
+    pauses = bench.gaps_and_stalls(stall_rate)
+    got = await bench.stream(dut, [{"data": v} for v in x], ["data" if size[3] else "data~"], *pauses)
     assert [beat["data"] for beat in got] == round_sat(x, *size).tolist()
 
 

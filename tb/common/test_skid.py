@@ -16,7 +16,7 @@ async def matches_model(dut, gap_rate, stall_rate):
     await bench.start(dut)
     x = np.random.default_rng(bench.SEED).integers(0, 1 << len(dut.in_data_i), 300)
     beats = [{"data": value} for value in x]
-    got = await bench.stream(dut, beats, ["data"], bench.pauses(gap_rate), bench.pauses(stall_rate))
+    got = await bench.stream(dut, beats, ["data"], *bench.gaps_and_stalls(gap_rate, stall_rate))
     assert [beat["data"] for beat in got] == skid(x).tolist()
 
 

@@ -288,6 +288,7 @@ def check(twin, matrix, out):
     assert expected[-1][2] > 0 and expected[-1][3] == 1, "nothing pressed"
 
 
+@bench.starts_known
 @cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
 async def counts_over_the_whole_width(dut):
     counters = [
@@ -336,12 +337,11 @@ async def codes_at_the_pins_become_the_models_centre_of_pressure_in_its_time(dut
         assert bench.read(getattr(dut, f"{name}_o")) == 0, name
 
 
+@bench.applies(lambda dut: number(dut, "Rows") <= 4)  # the same logic in many more clocks
 @cocotb.test(timeout_time=200, timeout_unit="ms")
 async def gives_the_same_to_a_consumer_that_stalls_and_starts_over_after_a_reset(dut):
     twin, matrix, part = await begin(dut)
-    if twin.scan.rows > 4:
-        return  # the same logic in many more clocks
-    out, _ = await results(dut, matrix, twin, FRAMES, bench.pauses(0.8))
+    out, _ = await results(dut, matrix, twin, FRAMES, bench.pauses(0.8, "stalls"))
     check(twin, matrix, out)
     # In the middle of a frame: calibration counts as empty, so nothing presses any more.
     await bench.clocks(dut, twin.latency(SETTLE)["frame"] // 3)
@@ -352,11 +352,10 @@ async def gives_the_same_to_a_consumer_that_stalls_and_starts_over_after_a_reset
     assert bench.read(dut.damaged_o) == 0
 
 
+@bench.applies(smallest)  # sixteen frames of the others take long
 @cocotb.test(timeout_time=200, timeout_unit="ms")
 async def a_taxel_over_range_is_told_and_counts_in_nothing(dut):
     """Over-range for sixteen frames, it is masked: out of the load, and it does not refuse a tare."""
-    if not smallest(dut):
-        return  # sixteen frames of the others take long
     limits = Limits(low=-65536, high=65535, user=True, rail=1, edges=False)
     twin, matrix, _ = await begin(dut, limits)
     events = []
@@ -394,12 +393,11 @@ async def a_taxel_over_range_is_told_and_counts_in_nothing(dut):
     )
 
 
+@bench.applies(smallest)  # as above
 @cocotb.test(timeout_time=200, timeout_unit="ms")
 @cocotb.parametrize(low=[0x2AA, 0x555])
 async def a_taxel_at_a_limit_is_told(dut, low):
     """Both limits, of every bit: at a limit, and beside it."""
-    if not smallest(dut):
-        return  # as above
     high = low ^ 0xFFF
     limits = Limits(low=low, high=high, user=False, rail=1, edges=False)
     twin, matrix, _ = await begin(dut, limits)
@@ -410,11 +408,10 @@ async def a_taxel_at_a_limit_is_told(dut, low):
     assert twin.health.railed == bench.read(dut.railed_o) == 2
 
 
+@bench.applies(smallest)  # as above
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 @cocotb.parametrize(settle=[0x5555, 0xAAAA])
 async def the_lines_settle_as_long_as_asked(dut, settle):
-    if not smallest(dut):
-        return  # as above
     await begin(dut, load=False)
     dut.cfg_settle_i.value, dut.cfg_enable_i.value = settle, 1
     await bench.clocks(dut, 2)
@@ -428,14 +425,13 @@ async def the_lines_settle_as_long_as_asked(dut, settle):
     await bench.clocks(dut, 4000)  # until the converter rests
 
 
+@bench.applies(lambda dut: not number(dut, "Demod"))
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def slip_rounds_by_themselves_go_their_own_way(dut):
     """So close that no frame finds a place between them: each with its number and its time.
 
     Not closer: a round that is due as soon as the one before is done keeps a scan from being turned off.
     """
-    if number(dut, "Demod"):
-        return
     twin, matrix, _ = await begin(dut, load=False)
     scan, plan = twin.scan, twin.scan.scan
     slot, rng = plan.slot(SETTLE), np.random.default_rng(bench.SEED)
@@ -480,12 +476,11 @@ async def slip_rounds_by_themselves_go_their_own_way(dut):
     assert [bench.read(getattr(dut, f"{name}_o")) for name in counters[2:]] == [0] * 4
 
 
+@bench.applies(lambda dut: PARTS[number(dut, "Part")] is AD7606, long=True)
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def conversions_without_an_answer_are_counted(dut):
     """BUSY does not come, of all converters at once: a conversion each, and whole frames all the same."""
     twin, _, part = await begin(dut, load=False)
-    if twin.scan.part is not AD7606:
-        return
     part.hold_busy(0)
     dut.cfg_enable_i.value = 1
     slot, converts = twin.scan.scan.slot(SETTLE), 0
@@ -498,11 +493,10 @@ async def conversions_without_an_answer_are_counted(dut):
     assert converts - 1 <= lost <= converts and lost > 1
 
 
+@bench.applies(smallest)
 @cocotb.test(timeout_time=200, timeout_unit="ms")
 async def the_smallest_arrays_faults_and_counters(dut):
     """Stages, between which the scan stands still: what it converts then is known to the frame."""
-    if not smallest(dut):
-        return
     twin, matrix, _ = await begin(dut)
     dut.cfg_enable_i.value = 0
     out, tapped, expected, images = [], [], [], []

@@ -23,9 +23,13 @@ def clocks_stated(dut):
     return latency(lanes, fraction_bits, bits_per_clock)
 
 
-def large(dut):
+def taxels(dut):
     rows, columns, *_ = parameters(dut)
-    return rows * columns > 10**5
+    return rows * columns
+
+
+def small(dut):
+    return taxels(dut) <= 10**5
 
 
 def expected_of(forces, fraction_bits, min_load):
@@ -34,37 +38,36 @@ def expected_of(forces, fraction_bits, min_load):
     return [dict(zip(("x", "y", "load", "pressed"), result)) for result in results]
 
 
+@bench.starts_known
 @cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
 async def counts_over_the_whole_width(dut):
     await bench.turn_over(dut, "damaged_o", wraps=False)
 
 
+@bench.applies(small)
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 @cocotb.parametrize(stall_rate=[0.0, 0.4])
 async def matches_model_and_mirrors(dut, stall_rate):
     """Each frame, left-right flipped, top-bottom flipped: the same, x negated, y negated."""
     rows, columns, lanes, fraction_bits, _, _ = parameters(dut)
-    if large(dut):
-        return
     await bench.start(dut, cfg_min_load_i=2)
     forces = bench.force_frames(np.random.default_rng(bench.SEED), rows, columns)
     if rows * columns > 1000:
         forces = forces[[1, 3, 8, 12, -2, -1]]
     forces = np.stack([forces, forces[:, :, ::-1], forces[:, ::-1, :]], axis=1).reshape(-1, rows, columns)
-    pause = bench.pauses(stall_rate)
-    got = await bench.stream(dut, bench.force_beats(forces, lanes), FIELDS, pause, pause)
+    pauses = bench.gaps_and_stalls(stall_rate)
+    got = await bench.stream(dut, bench.force_beats(forces, lanes), FIELDS, *pauses)
     assert got == expected_of(forces, fraction_bits, min_load=2)
     for plain, flipped, upturned in zip(got[0::3], got[1::3], got[2::3]):
         assert (flipped["x"], flipped["y"]) == (-plain["x"], plain["y"])
         assert (upturned["x"], upturned["y"]) == (plain["x"], -plain["y"])
 
 
+@bench.applies(lambda dut: taxels(dut) <= 1000)
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def a_load_counts_from_the_gate_on(dut):
     """The gate at a frame's own load, and one above it."""
     rows, columns, lanes, fraction_bits, _, _ = parameters(dut)
-    if rows * columns > 1000:
-        return
     await bench.start(dut)
     for frame in bench.force_frames(np.random.default_rng(bench.SEED), rows, columns)[1:]:
         load = int(frame.sum())
@@ -77,11 +80,10 @@ async def a_load_counts_from_the_gate_on(dut):
             assert got == [expected] and expected["pressed"] == (gate == load > 0)
 
 
+@bench.applies(lambda dut: not small(dut))
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def large_array_matches_model(dut):
     rows, columns, lanes, fraction_bits, _, _ = parameters(dut)
-    if not large(dut):
-        return
     rng = np.random.default_rng(bench.SEED)
     await bench.start(dut)
     corner = np.full((rows, columns), 65535)
@@ -97,13 +99,12 @@ async def large_array_matches_model(dut):
         assert waited == clocks_stated(dut)
 
 
+@bench.applies(small)
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def clocks_are_the_same_in_every_frame(dut):
     """Frames back to back, a beat every clock: no frame waits and no result is a clock off, unless the
     frames are shorter than the turning divider's period, when the input waits and nothing is lost."""
     rows, columns, lanes, fraction_bits, bits_per_clock, pipelined = parameters(dut)
-    if large(dut):
-        return
     await bench.start(dut, cfg_min_load_i=1, out_ready_i=1)
     forces = bench.force_frames(np.random.default_rng(bench.SEED), rows, columns)[-8:]
     beats = bench.force_beats(forces, lanes)
@@ -130,12 +131,11 @@ async def clocks_are_the_same_in_every_frame(dut):
         assert [after - before for before, after in zip(ends, seen)] == [clocks_stated(dut)] * len(forces)
 
 
+@bench.applies(small)
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def survives_damage_and_resets(dut):
     """A frame without its end, a reset in the middle of the next, then whole frames: these alone count."""
     rows, columns, lanes, fraction_bits, _, _ = parameters(dut)
-    if large(dut):
-        return
     forces = bench.force_frames(np.random.default_rng(bench.SEED), rows, columns)[-3:]
     beats = bench.force_beats(forces, lanes)
     length = len(beats) // 3

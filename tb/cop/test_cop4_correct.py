@@ -73,8 +73,8 @@ async def matches_model(dut, stall_rate, which):
     registers = register_sets()[which]
     rows = cases(np.random.default_rng(bench.SEED), dut.SumBits.value.to_unsigned(), 30)
     await bench.start(dut, **ports(registers))
-    pause = bench.pauses(stall_rate)
-    assert await bench.stream(dut, beats_of(rows), FIELDS, pause, pause) == expected_of(rows, registers)
+    pauses = bench.gaps_and_stalls(stall_rate)
+    assert await bench.stream(dut, beats_of(rows), FIELDS, *pauses) == expected_of(rows, registers)
 
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")

@@ -18,6 +18,11 @@ def parameters(dut):
     return [getattr(dut, name).value.to_unsigned() for name in ("Rows", "Columns", "Lanes")]
 
 
+def small(dut):
+    rows, columns, _ = parameters(dut)
+    return rows * columns <= 10**5
+
+
 def latency(lanes):
     return 2 + lanes.bit_length() - 1
 
@@ -59,31 +64,30 @@ def damaged_frames(beats, length, draw):
     return [beat for part, _ in sent for beat in part], whole
 
 
+@bench.starts_known
 @cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
 async def counts_over_the_whole_width(dut):
     await bench.turn_over(dut, "damaged_o")
 
 
+@bench.applies(small)  # the large array has a test of its own
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 @cocotb.parametrize(stall_rate=[0.0, 0.6])
 async def matches_model(dut, stall_rate):
     rows, columns, lanes = parameters(dut)
-    if rows * columns > 10**5:
-        return  # the large array has a test of its own
     assert len(dut.out_sum_o) == sum_bits(rows, columns)
     await bench.start(dut)
     forces = bench.force_frames(np.random.default_rng(bench.SEED), rows, columns)
-    gaps, stalls = bench.pauses(stall_rate / 3), bench.pauses(stall_rate)
+    gaps, stalls = bench.gaps_and_stalls(stall_rate / 3, stall_rate)
     beats = bench.force_beats(forces, lanes)
     assert await bench.stream(dut, beats, FIELDS, gaps, stalls) == expected_of(forces)
     assert bench.read(dut.damaged_o) == 0
 
 
+@bench.applies(lambda dut: not small(dut))
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def large_array_matches_model(dut):
     rows, columns, lanes = parameters(dut)
-    if rows * columns <= 10**5:
-        return
     await bench.start(dut)
     forces = bench.force_frames(np.random.default_rng(bench.SEED), rows, columns)
     random_one = forces[-1]
@@ -93,12 +97,11 @@ async def large_array_matches_model(dut):
         assert waited == latency(lanes)
 
 
+@bench.applies(small)
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def clocks_are_as_stated_and_frames_never_wait(dut):
     """Back to back frames, a beat every clock: each result latency clocks after its last beat."""
     rows, columns, lanes = parameters(dut)
-    if rows * columns > 10**5:
-        return
     await bench.start(dut, out_ready_i=1)
     forces = bench.force_frames(np.random.default_rng(bench.SEED), rows, columns)[:12]
     beats = bench.force_beats(forces, lanes)
@@ -116,13 +119,12 @@ async def clocks_are_as_stated_and_frames_never_wait(dut):
     assert seen == [length * (n + 1) - 1 + latency(lanes) for n in range(len(forces))]
 
 
+@bench.applies(small)
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 @cocotb.parametrize(every=[1, 4])
 async def waits_only_when_two_results_are_not_taken(dut, every):
     """Nobody takes results: two frames and the beats on their way go in, and none is lost."""
     rows, columns, lanes = parameters(dut)
-    if rows * columns > 10**5:
-        return
     await bench.start(dut, out_ready_i=0)
     forces = bench.force_frames(np.random.default_rng(bench.SEED), rows, columns)[-6:]
     beats = bench.force_beats(forces, lanes)
@@ -152,12 +154,11 @@ async def counts_every_damaged_frame(dut):
     assert bench.read(dut.damaged_o) == 1100
 
 
+@bench.applies(small)
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 @cocotb.parametrize(stall_rate=[0.0, 0.4])
 async def drops_damaged_frames_whole(dut, stall_rate):
     rows, columns, lanes = parameters(dut)
-    if rows * columns > 10**5:
-        return
     forces = np.random.default_rng(bench.SEED).integers(
         0, 65536, (40 if rows * columns < 99 else 8, rows, columns)
     )
@@ -170,16 +171,15 @@ async def drops_damaged_frames_whole(dut, stall_rate):
     if length > 1:
         assert [frame for frame in expected_of(forces[whole]) if frame not in expected] == []
     await bench.start(dut)
-    pause = bench.pauses(stall_rate)
-    assert await bench.stream(dut, sent, FIELDS, pause, pause) == expected
+    pauses = bench.gaps_and_stalls(stall_rate)
+    assert await bench.stream(dut, sent, FIELDS, *pauses) == expected
     assert bench.read(dut.damaged_o) == twin.damaged > 0
 
 
+@bench.applies(small)
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def forgets_what_a_reset_interrupts(dut):
     rows, columns, lanes = parameters(dut)
-    if rows * columns > 10**5:
-        return
     await bench.start(dut)
     forces = np.random.default_rng(bench.SEED).integers(0, 65536, (2, rows, columns))
     beats = bench.force_beats(forces, lanes)

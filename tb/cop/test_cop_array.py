@@ -98,6 +98,7 @@ def check_tap(taken, forces, mask):
     assert not list(taken)
 
 
+@bench.starts_known
 @cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
 async def counts_over_the_whole_width(dut):
     await bench.turn_over(dut, "damaged_o", "dropped_o", wraps=False)
@@ -108,12 +109,12 @@ async def counts_over_the_whole_width(dut):
 async def matches_model(dut, stall_rate):
     twin, rng = twin_of(dut), np.random.default_rng(bench.SEED)
     await bench.start(dut, **IDLE)
-    pause, taken = bench.pauses(stall_rate), []
-    cocotb.start_soon(second_follower(dut, bench.pauses(1.5 * stall_rate), taken))
+    pauses, taken = bench.gaps_and_stalls(stall_rate), []
+    cocotb.start_soon(second_follower(dut, bench.pauses(1.5 * stall_rate, "second follower"), taken))
     for _ in range(2):
         await calibrate(dut, twin, rng)
         raw, mask = samples(rng, twin, 4 if twin.rows > 30 else 20)
-        got = await bench.stream(dut, beats_of(twin, raw, mask), FIELDS, pause, pause)
+        got = await bench.stream(dut, beats_of(twin, raw, mask), FIELDS, *pauses)
         forces = twin.calibrate.next(raw, mask)
         assert got == results(zip(*twin.of_forces(forces)))
         if dut.Tap.value:
@@ -123,11 +124,10 @@ async def matches_model(dut, stall_rate):
     assert bench.read(dut.damaged_o) == bench.read(dut.dropped_o) == 0
 
 
+@bench.applies(lambda dut: twin_of(dut).rows <= 30)
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def loses_nothing_while_nobody_takes_results(dut):
     twin, rng = twin_of(dut), np.random.default_rng(bench.SEED)
-    if twin.rows > 30:
-        return
     await bench.start(dut, **IDLE)
     await calibrate(dut, twin, rng)
     raw, mask = samples(rng, twin, 7)
@@ -202,8 +202,8 @@ async def no_damaged_frame_gives_a_result(dut, stall_rate):
         masked = np.array(bench.lane_values(beat["mask"], lanes, 1), bool)
         expected.append(twin.beat(data, beat["id"], beat["last"], masked))
     expected = results(result for result in expected if result)
-    pause = bench.pauses(stall_rate)
-    assert await bench.stream(dut, beats, FIELDS, pause, pause) == expected
+    pauses = bench.gaps_and_stalls(stall_rate)
+    assert await bench.stream(dut, beats, FIELDS, *pauses) == expected
     assert bench.read(dut.damaged_o) == twin.calibrate.damaged > 0
     assert bench.read(dut.dropped_o) == twin.dropped == twin.calibrate.damaged
     assert len(expected) == sum(beat["last"] for beat in beats) - twin.dropped

@@ -77,9 +77,9 @@ async def matches_model(dut, stall_rate, which):
     lag, registers = dut.Lag.value.to_unsigned(), SETS[which]
     samples = samples_of(np.random.default_rng(bench.SEED + which), lag, registers, 60)
     await bench.start(dut, **ports(registers))
-    pause = bench.pauses(stall_rate)
+    pauses = bench.gaps_and_stalls(stall_rate)
     expected = expected_of(samples, lag, registers)
-    assert await bench.stream(dut, beats_of(samples), FIELDS, pause, pause) == expected
+    assert await bench.stream(dut, beats_of(samples), FIELDS, *pauses) == expected
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")

@@ -24,13 +24,14 @@ async def check(dut, beats, gap=0.0, stall=0.0):
     given = [dict(zip(("data", "id", "last"), beat)) for beat in beats]
     await bench.clocks(dut, 1)
     before = bench.read(dut.damaged_o)
-    got = await bench.stream(dut, given, FIELDS, bench.pauses(gap), bench.pauses(stall))
+    got = await bench.stream(dut, given, FIELDS, *bench.gaps_and_stalls(gap, stall))
     found, lost = electrodes(beats, len(dut.in_data_i))
     assert [tuple(row.values()) for row in got] == found
     assert bench.read(dut.damaged_o) - before == lost
     return found, lost
 
 
+@bench.starts_known
 @cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
 async def counts_over_the_whole_width(dut):
     await bench.turn_over(dut, "damaged_o", in_id_i=0)

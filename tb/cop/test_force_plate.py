@@ -96,8 +96,8 @@ async def matches_fractions(dut, stall_rate):
     some = chosen(force, mx, my)
     beats = [dict(zip(("sum", "mx", "my"), map(int, (force[k], mx[k], my[k])))) for k in some]
     await bench.start(dut, cfg_min_load_i=1)
-    pause = bench.pauses(stall_rate)
-    got = await bench.stream(dut, beats, FIELDS, pause, pause)
+    pauses = bench.gaps_and_stalls(stall_rate)
+    got = await bench.stream(dut, beats, FIELDS, *pauses)
     assert len(got) == RTL_SAMPLES
     for beat, result in zip(beats, got):
         x, y = (nearest(Fraction(beat[m] << fraction_bits, (SIDE - 1) * beat["sum"])) for m in ("mx", "my"))

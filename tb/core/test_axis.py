@@ -58,9 +58,8 @@ class Axi:
         self.source = AxiStreamSource(AxiStreamBus.from_prefix(dut, "s_axis"), dut.clk_i, dut.rst_i)
         self.sink = AxiStreamSink(AxiStreamBus.from_prefix(dut, "m_axis"), dut.clk_i, dut.rst_i)
         if rate:
-            draws = bench.pauses(rate)
-            for stream in (self.source, self.sink):
-                stream.set_pause_generator(iter(lambda: draws(), None))
+            for stream, pauses in zip((self.source, self.sink), bench.gaps_and_stalls(rate)):
+                stream.set_pause_generator(iter(pauses, None))
 
     async def write(self, address, value):
         return (await self.lite.write(address, (value & 0xFFFFFFFF).to_bytes(4, "little"))).resp
@@ -237,10 +236,9 @@ async def says_what_it_is_and_refuses_what_it_has_not(dut):
     assert await axi.write(0x000, 1) == AxiResp.SLVERR
 
 
+@bench.applies(lambda dut: number(dut, "Slip"))
 @cocotb.test(timeout_time=50, timeout_unit="ms")
 async def a_threshold_written_while_frames_pass_holds_from_one_frame_on(dut):
-    if not number(dut, "Slip"):
-        return
     axi = await begin(dut)
     rng = np.random.default_rng(bench.SEED)
     array = number(dut, "Array")
@@ -263,10 +261,9 @@ async def a_threshold_written_while_frames_pass_holds_from_one_frame_on(dut):
     assert got in [[payload for _, payload in events] for events in changed]
 
 
+@bench.applies(lambda dut: number(dut, "Array"))
 @cocotb.test(timeout_time=50, timeout_unit="ms")
 async def a_calibration_is_loaded_while_it_runs(dut):
-    if not number(dut, "Array"):
-        return
     axi = await begin(dut)
     rng = np.random.default_rng(bench.SEED)
     twin, size = array_twin(dut)

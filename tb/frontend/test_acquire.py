@@ -29,17 +29,17 @@ def counts(dut):
     return {name: bench.read(getattr(dut, f"{name}_o")) for name in COUNTERS}
 
 
+@bench.starts_known
 @cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
 async def counts_over_the_whole_width(dut):
     counters = ["dropped_o", "overrun_o", "timeout_o", "mistagged_o", "over_range_o"]
     await bench.turn_over(dut, *counters, wraps=False)
 
 
+@bench.applies(lambda dut: not number(dut, "Adc"))
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 @cocotb.parametrize(rate=[0.0, 0.5])
 async def a_stream_passes_as_it_comes(dut, rate):
-    if number(dut, "Adc"):
-        return
     await bench.start(dut, cfg_enable_i=1, cfg_period_i=10, adc_miso_i=1, adc_busy_i=1)
     channels, bits = number(dut, "Channels"), number(dut, "SampleBits")
     top = 1 << bits - 1
@@ -49,7 +49,7 @@ async def a_stream_passes_as_it_comes(dut, rate):
     for n, beat in enumerate(beats):
         del beat["restart"]
         beat["last"] ^= n % 7 == 3  # damaged or not is not its business
-    pause = bench.pauses(rate)
+    pauses = bench.gaps_and_stalls(rate)
 
     async def wander():
         """What stands at the pins and in the settings is nothing to a stream."""
@@ -60,18 +60,17 @@ async def a_stream_passes_as_it_comes(dut, rate):
             await RisingEdge(dut.clk_i)
 
     wandering = cocotb.start_soon(wander())
-    assert await bench.stream(dut, beats, ["data~", "id", "last"], pause, pause, hold=True) == beats
+    assert await bench.stream(dut, beats, ["data~", "id", "last"], *pauses, hold=True) == beats
     wandering.cancel()
     pins = ("adc_cs_n", "adc_sclk", "adc_mosi", "adc_convst", "adc_reset", "convert")
     assert [bench.read(getattr(dut, f"{name}_o")) for name in pins] == [1, 0, 0, 0, 0, 1]
     assert not any(counts(dut).values())
 
 
+@bench.applies(lambda dut: not number(dut, "Adc"))
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 async def a_stream_passes_without_a_clock_between(dut):
     """Valid and ready go through in the same clock, both ways."""
-    if number(dut, "Adc"):
-        return
     await bench.start(dut, cfg_enable_i=0, cfg_period_i=0, adc_miso_i=0, adc_busy_i=0)
     for valid, ready in ((0, 0), (0, 1), (1, 0), (1, 1)):
         dut.in_valid_i.value, dut.out_ready_i.value = valid, ready
@@ -80,10 +79,9 @@ async def a_stream_passes_without_a_clock_between(dut):
         await RisingEdge(dut.clk_i)
 
 
+@bench.applies(lambda dut: number(dut, "Adc"))
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def samples_are_the_models_of_the_codes(dut):
-    if not number(dut, "Adc"):
-        return
     twin = twin_of(dut)
     part, channels = twin.part, twin.channels
     period = twin.adc_period or twin.adc.safe_period() + 10
@@ -131,11 +129,10 @@ async def samples_are_the_models_of_the_codes(dut):
     assert counts(dut) == dict.fromkeys(COUNTERS, 0) | {"over_range": over.sum()}
 
 
+@bench.applies(lambda dut: number(dut, "Adc"))
 @cocotb.test(timeout_time=50, timeout_unit="ms")
 async def each_counter_counts_its_own(dut):
     """No part at the pins, only levels: a MISO stuck high, a consumer asleep, no period, a BUSY stuck low."""
-    if not number(dut, "Adc"):
-        return
     of = lambda name: getattr(dut, f"cfg_{name}_i" if hasattr(dut, f"cfg_{name}_i") else f"cfg_adc_{name}_i")
     serial = hasattr(dut, "Serial") and number(dut, "Serial")
     part = PARTS[number(dut, "Adc")]

@@ -77,6 +77,7 @@ class Harness:
         return [(int(v), int(u)) for v, u in zip(values, user)]
 
 
+@bench.starts_known
 @cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
 async def counts_over_the_whole_width(dut):
     """The sample that is there in the first clock waits for the next one to be dropped."""
@@ -90,7 +91,7 @@ async def counts_over_the_whole_width(dut):
 async def sends_every_code_on_the_grid(dut, stall_rate):
     bench_ = Harness(dut)
     await bench_.start()
-    stall = bench.pauses(stall_rate)
+    stall = bench.pauses(stall_rate, "stalls")
     await bench_.run(60 * bench_.twin.period, lambda: not stall())
     done = [c for c in bench_.part.conversions if c[0] == bench_.twin.channel]
     assert done == bench_.part.conversions

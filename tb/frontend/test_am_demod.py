@@ -85,6 +85,7 @@ def sequence(demod, rng, periods, skip, taxels):
 SETTINGS = [(1, 0, 0), (1, 3, 1), (3, 1, 4), (2, 0, 2), (2, 200, 31), (0, 2, 8)]  # periods, skip, shift
 
 
+@bench.starts_known
 @cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
 async def counts_over_the_whole_width(dut):
     await bench.turn_over(dut, "broken_o", wiggled=["in_valid_i", "in_start_i"])
@@ -101,7 +102,7 @@ async def matches_model(dut, stall_rate, setting):
     beats = sequence(demod, rng, periods, skip, taxels)
     expected, broken = demod.process(beats, periods, skip, shift)
     await bench.start(dut, cfg_periods_i=periods, cfg_skip_i=skip, cfg_shift_i=shift)
-    gaps, stalls = bench.pauses(stall_rate / 3), bench.pauses(stall_rate)
+    gaps, stalls = bench.gaps_and_stalls(stall_rate / 3, stall_rate)
     sent = list(packed(beats, demod.sample_bits))
     drain = demod.latency(shift) + 9
     assert await bench.stream(dut, sent, FIELDS, gaps, stalls, drain) == expected

@@ -28,6 +28,11 @@ def size_of(twin):
     return table.rows, table.columns, table.lanes, table.rows * table.row_beats
 
 
+def length_of(dut):
+    """Beats of a frame."""
+    return size_of(twin_of(dut))[3]
+
+
 def calibrations(table, rng):
     """Entries (of a row?, word, lane, offset, gain) of a whole bank: ends of the range, near 1, random."""
     low, high = bench.width(table.offset_bits)
@@ -93,42 +98,41 @@ def count_frames(twin):
     return 4 if size_of(twin)[3] > 500 else 60 if size_of(twin)[3] < 20 else 12
 
 
+@bench.starts_known
 @cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
 async def counts_over_the_whole_width(dut):
     await bench.turn_over(dut, "damaged_o", wraps=False)
 
 
+@bench.applies(lambda dut, stall_rate: not stall_rate or length_of(dut) <= 20000)
 @cocotb.test(timeout_time=50, timeout_unit="ms")
 @cocotb.parametrize(stall_rate=[0.0, 0.5])
 async def matches_model(dut, stall_rate):
     twin, rng = twin_of(dut), np.random.default_rng(bench.SEED)
     await bench.start(dut, **IDLE)
-    if stall_rate and size_of(twin)[3] > 20000:
-        return
     beats = samples(rng, twin, 2)
     if size_of(twin)[3] < 5000:  # nothing is calibrated yet
         got = await bench.stream(dut, beats, FIELDS)
         assert got == expected_of(twin, beats)
         assert not any(beat["data"] for beat in got)
-    pause = bench.pauses(stall_rate)
+    pauses = bench.gaps_and_stalls(stall_rate)
     for _ in range(2 if size_of(twin)[3] < 5000 else 1):
         await load(dut, twin, calibrations(twin.table, rng))
         await swap(dut, twin)
         beats = samples(rng, twin, count_frames(twin) if size_of(twin)[3] < 5000 else 2)
-        got = await bench.stream(dut, beats, FIELDS, pause, pause)
+        got = await bench.stream(dut, beats, FIELDS, *pauses)
         assert got == expected_of(twin, beats)
         assert any(beat["data"] for beat in got)
     assert bench.read(dut.damaged_o) == 0
 
 
+@bench.applies(lambda dut: length_of(dut) <= 500)
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 @cocotb.parametrize(stall_rate=[0.0, 0.4])
 async def no_frame_mixes_two_calibrations(dut, stall_rate):
     """A second bank is written while frames pass and swapped in at every possible beat of a frame."""
     twin, rng = twin_of(dut), np.random.default_rng(bench.SEED)
     length = size_of(twin)[3]
-    if length > 500:
-        return
     await bench.start(dut, **IDLE)
     draw = random.Random(bench.SEED)
     taken = 0
@@ -167,8 +171,8 @@ async def no_frame_mixes_two_calibrations(dut, stall_rate):
     frames = int(len(sets) * (4 + len(sets[0]) * 2 / length)) + 4
     beats = samples(rng, twin, frames)
     task = cocotb.start_soon(writer(sets, places))
-    pause = bench.pauses(stall_rate)
-    got = await bench.stream(dut, beats, FIELDS, pause, pause)
+    pauses = bench.gaps_and_stalls(stall_rate)
+    got = await bench.stream(dut, beats, FIELDS, *pauses)
     await task
     assert len(swaps) == len(sets) and swaps[-1] < frames
     reference, expected = twin_of(dut), []
@@ -185,28 +189,26 @@ async def no_frame_mixes_two_calibrations(dut, stall_rate):
     assert got == expected
 
 
+@bench.applies(lambda dut: length_of(dut) <= 5000)
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 @cocotb.parametrize(stall_rate=[0.0, 0.4])
 async def passes_damage_so_that_it_shows(dut, stall_rate):
     twin, rng = twin_of(dut), np.random.default_rng(bench.SEED)
     length = size_of(twin)[3]
-    if length > 5000:
-        return
     await bench.start(dut, **IDLE)
     await load(dut, twin, calibrations(twin.table, rng))
     await swap(dut, twin)
     beats = bench.damage(samples(rng, twin, 60 if length < 100 else 8), length, random.Random(bench.SEED))
-    pause = bench.pauses(stall_rate)
-    assert await bench.stream(dut, beats, FIELDS, pause, pause) == expected_of(twin, beats)
+    pauses = bench.gaps_and_stalls(stall_rate)
+    assert await bench.stream(dut, beats, FIELDS, *pauses) == expected_of(twin, beats)
     assert bench.read(dut.damaged_o) == twin.damaged > 0
 
 
+@bench.applies(lambda dut: length_of(dut) <= 500)
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def forgets_what_a_reset_interrupts(dut):
     twin, rng = twin_of(dut), np.random.default_rng(bench.SEED)
     length = size_of(twin)[3]
-    if length > 500:
-        return
     await bench.start(dut, **IDLE)
     for cut in {1, length // 2 + 1, length}:
         await load(dut, twin, calibrations(twin.table, rng))
@@ -224,13 +226,12 @@ async def forgets_what_a_reset_interrupts(dut):
         assert not any(beat["data"] for beat in got)  # nothing is calibrated after a reset
 
 
+@bench.applies(lambda dut: length_of(dut) <= 500)
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def keeps_all_that_it_let_in_while_nobody_takes_any(dut):
     """The consumer sleeps until the block has been full for long, then takes all, again and again."""
     twin, rng = twin_of(dut), np.random.default_rng(bench.SEED)
     length = size_of(twin)[3]
-    if length > 500:
-        return
     await bench.start(dut, **IDLE)
     await load(dut, twin, calibrations(twin.table, rng))
     await swap(dut, twin)
@@ -245,12 +246,10 @@ async def keeps_all_that_it_let_in_while_nobody_takes_any(dut):
     assert await bench.stream(dut, beats, FIELDS, stalls=asleep, drain=100) == expected_of(twin, beats)
 
 
+@bench.applies(lambda dut: length_of(dut) <= 5000)
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def clocks_are_as_stated_and_frames_never_wait(dut):
     twin, rng = twin_of(dut), np.random.default_rng(bench.SEED)
-    length = size_of(twin)[3]
-    if length > 5000:
-        return
     await bench.start(dut, out_ready_i=1, **IDLE)
     await load(dut, twin, calibrations(twin.table, rng))
     await swap(dut, twin)

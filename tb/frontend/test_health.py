@@ -22,6 +22,10 @@ def twin_of(dut, limits):
     return Health(*(getattr(dut, name).value.to_unsigned() for name in names), limits)
 
 
+def taxels(dut):
+    return dut.Rows.value.to_unsigned() * dut.Columns.value.to_unsigned()
+
+
 def registers_of(dut, limits):
     """The inputs that hold these limits."""
     values = {f"cfg_{name}_i": int(value) for name, value in vars(limits).items()}
@@ -118,6 +122,7 @@ async def passed(dut, frames):
     await bench.RisingEdge(dut.clk_i)
 
 
+@bench.starts_known
 @cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
 async def counts_over_the_whole_width(dut):
     await bench.turn_over(dut, "damaged_o", wraps=False)
@@ -130,7 +135,7 @@ async def matches_model(dut, stall_rate, damage):
     rng, draw = np.random.default_rng(bench.SEED), random.Random(bench.SEED)
     twin, events, listener = await begin(dut, Limits(**QUICK, user=not damage))
     length = twin.rows * twin.row_beats
-    pause = bench.pauses(stall_rate)
+    pauses = bench.gaps_and_stalls(stall_rate)
     beats = frames_of(rng, twin, 300 if length < 50 else 40 if length < 100 else 8)
     if damage:
         beats = bench.damage(beats, length, draw)
@@ -139,7 +144,7 @@ async def matches_model(dut, stall_rate, damage):
         piece = beats[at : at + draw.randint(1, 1 + 40 * length)]
         at += len(piece)
         expected, news = expected_of(twin, piece)
-        assert await bench.stream(dut, piece, FIELDS, pause, pause, drain=3) == expected
+        assert await bench.stream(dut, piece, FIELDS, *pauses, drain=3) == expected
         expected_events += news
         if not twin._midway:  # the model learns from a frame at its end
             await counts_are(dut, twin)
@@ -157,13 +162,12 @@ async def matches_model(dut, stall_rate, damage):
     listener.cancel()
 
 
+@bench.applies(lambda dut: taxels(dut) <= 500)
 @cocotb.test(timeout_time=40, timeout_unit="ms")
 async def no_event_is_lost_that_nobody_takes(dut):
     """With an event taken now and then, every fault is told in the end, as often as without stalls."""
     rng, draw = np.random.default_rng(bench.SEED), random.Random(bench.SEED)
     twin, events, listener = await begin(dut, Limits(**QUICK))
-    if twin.rows * twin.columns > 500:
-        return
 
     async def reluctant():
         while True:
@@ -189,13 +193,12 @@ async def no_event_is_lost_that_nobody_takes(dut):
     listener.cancel()
 
 
+@bench.applies(lambda dut: taxels(dut) <= 500)
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def over_range_on_every_sample(dut):
     """All railed after the stated frames, not one earlier; the event of each; a clear frees all of them."""
     limits = Limits(**QUICK | {"low": -65536, "high": 65535}, user=True)
     twin, events, listener = await begin(dut, limits)
-    if twin.rows * twin.columns > 500:
-        return
     x = np.full((36, twin.rows, twin.columns), 40)
     beats = bench.lane_beats(x, twin.lanes, twin.sample_bits, user=np.ones(x.shape))
     length = twin.rows * twin.row_beats
@@ -212,13 +215,12 @@ async def over_range_on_every_sample(dut):
     listener.cancel()
 
 
+@bench.applies(lambda dut: taxels(dut) <= 500)
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def limits_of_every_size(dut):
     """Each bit of each limit in turn, all and none, with samples that go from end to end."""
     rng = np.random.default_rng(bench.SEED)
     twin, events, listener = await begin(dut, Limits(**QUICK))
-    if twin.rows * twin.columns > 500:
-        return
     low, high = bench.width(twin.sample_bits)
     shape = (80, twin.rows, twin.columns)
     for ones in (0x55555, 0xAAAAA, 0xFFFFF, 0):
@@ -237,13 +239,12 @@ async def limits_of_every_size(dut):
     listener.cancel()
 
 
+@bench.applies(lambda dut: 4 < taxels(dut) < 50)
 @cocotb.test(timeout_time=40, timeout_unit="ms")
 async def limits_that_counters_come_by(dut):
     """Small counts, with single bits set, and jumps from the first frame on: each count is met one by one."""
     rng = np.random.default_rng(bench.SEED)
     twin, events, listener = await begin(dut, Limits(**QUICK))
-    if not 4 < twin.rows * twin.columns < 50:
-        return
     for rail, blink, still in ((2, 17, 8), (1, 2, 16), (3, 33, 3), (6, 16, 11), (4, 48, 2)):
         limits = Limits(**QUICK | {"rail": rail, "blink": blink, "still": still}, user=True)
         twin = await begin_again(dut, limits, events)
@@ -261,12 +262,11 @@ async def limits_that_counters_come_by(dut):
     listener.cancel()
 
 
+@bench.applies(lambda dut: taxels(dut) == 1)
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def a_rail_counts_to_its_end_and_stays(dut):
     """Over-range for longer than can be asked for, and for as long as can be; afterwards from 0 again."""
     twin, _, listener = await begin(dut, Limits(**QUICK | {"rail": 0}, user=True))
-    if twin.rows * twin.columns > 1:
-        return
     listener.cancel()
     frames = 16 * 260
     over = np.ones((frames, 1, 1), dtype=bool)
@@ -286,13 +286,12 @@ async def a_rail_counts_to_its_end_and_stays(dut):
     assert bench.read(dut.railed_o) == twin.railed == 0
 
 
+@bench.applies(lambda dut: min(dut.Rows.value.to_unsigned(), dut.Columns.value.to_unsigned()) >= 4)
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def every_taxel_has_every_fault(dut):
     """A chessboard's fields jump in turn, columns move in turn, all are at a rail; a clear frees all."""
     limits = Limits(**QUICK | {"still": 1, "blink": 1})
     twin, _, listener = await begin(dut, limits)
-    if min(twin.rows, twin.columns) < 4:
-        return
     listener.cancel()
     i, j = np.indices((twin.rows, twin.columns))
     x = np.zeros((17, twin.rows, twin.columns), dtype=int)
@@ -308,13 +307,12 @@ async def every_taxel_has_every_fault(dut):
     assert twin.dead == twin.railed == twin.blinking == 0
 
 
+@bench.applies(lambda dut: taxels(dut) <= 500)
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def forgets_what_a_reset_interrupts(dut):
     rng = np.random.default_rng(bench.SEED)
     twin, events, listener = await begin(dut, Limits(**QUICK))
     length = twin.rows * twin.row_beats
-    if length > 500:
-        return
     beats = frames_of(rng, twin, 40)
     for cut in (1, 30 * length + length // 2, 39 * length):
         dut.cfg_clear_i.value = dut.cfg_report_i.value = cut % 2

@@ -18,7 +18,7 @@ def events(draw, count, lanes, id_bits):
 
 async def check(dut, given, gap=0.0, stall=0.0):
     beats = [dict(zip(("id", "dead", "railed", "blinking"), event)) for event in given]
-    got = await bench.stream(dut, beats, ["id", "faults"], bench.pauses(gap), bench.pauses(stall), hold=True)
+    got = await bench.stream(dut, beats, ["id", "faults"], *bench.gaps_and_stalls(gap, stall), hold=True)
     assert [tuple(row.values()) for row in got] == reports(given, len(dut.in_dead_i))
 
 

@@ -250,6 +250,7 @@ async def scan(dut, settings, clocks, **attributes):
     return matrix
 
 
+@bench.starts_known
 @cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
 async def counts_over_the_whole_width(dut):
     counters = ["dropped_o", "overrun_o", "held_o", "lost_o", "slip_dropped_o", "slip_overrun_o"]

@@ -146,6 +146,7 @@ def check(twin, matrices, beats, count):
         assert np.abs(levels - true).max() <= bound, np.abs(levels - true).max()
 
 
+@bench.starts_known
 @cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
 async def counts_over_the_whole_width(dut):
     counters = ("dropped_o", "overrun_o", "held_o", "lost_o")
@@ -192,7 +193,7 @@ async def takes_the_clocks_of_the_model(dut, settle):
 @cocotb.test(timeout_time=40, timeout_unit="ms")
 async def frames_are_whole_under_stalls(dut):
     twin, matrices, _ = await begin(dut)
-    beats, *_ = await frames(dut, 3, bench.pauses(0.7))
+    beats, *_ = await frames(dut, 3, bench.pauses(0.7, "stalls"))
     check(twin, matrices, beats, 3)
 
 

@@ -69,6 +69,7 @@ async def status_is(dut, twin):
     assert bench.read(dut.cfg_loading_o) == twin.loading
 
 
+@bench.starts_known
 @cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
 async def counts_over_the_whole_width(dut):
     await bench.turn_over(dut, "swallowed_o", "damaged_o", wraps=False)
@@ -82,7 +83,7 @@ async def matches_model(dut, stall_rate, damage):
     twin = twin_of(dut, contact=20, step=37)
     length = length_of(twin)
     await bench.start(dut, cfg_contact_i=20, cfg_step_i=37, **QUIET)
-    pause = bench.pauses(stall_rate)
+    pauses = bench.gaps_and_stalls(stall_rate)
     count = 160 if length < 100 else 12
     if twin.tare_log2 > 4:
         count *= 4
@@ -94,7 +95,7 @@ async def matches_model(dut, stall_rate, damage):
     while at < len(beats):
         piece = beats[at : at + draw.randint(1, 1 + 4 * length)]
         at += len(piece)
-        assert await bench.stream(dut, piece, FIELDS, pause, pause, drain=3) == expected_of(twin, piece)
+        assert await bench.stream(dut, piece, FIELDS, *pauses, drain=3) == expected_of(twin, piece)
         await status_is(dut, twin)
         what = draw.choice(["none", "tare", "tare", "force", "load"])
         if what in ("tare", "force"):
@@ -107,7 +108,7 @@ async def matches_model(dut, stall_rate, damage):
             await bench.clocks(dut, 1)  # until then a beat may come
             piece = beats[at : at + draw.randint(0, 2 * length)]
             at += len(piece)
-            got = await bench.stream(dut, piece, FIELDS, pause, pause, drain=3)
+            got = await bench.stream(dut, piece, FIELDS, *pauses, drain=3)
             assert got == expected_of(twin, piece)
             await status_is(dut, twin)
             for word in range(length) if every or length < 99 else draw.sample(range(length), 4):
@@ -128,12 +129,11 @@ async def matches_model(dut, stall_rate, damage):
         assert twin.tared > 0 and twin.refused > 0 and twin.swallowed > 0
 
 
+@bench.applies(lambda dut: length_of(twin_of(dut)) <= 500)
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def settings_of_every_size(dut):
     """Each bit of both in turn, and none; loading that is asked for in one clock alone does not begin."""
     rng = np.random.default_rng(bench.SEED)
-    if length_of(twin_of(dut)) > 500:
-        return
     await bench.start(dut, cfg_contact_i=0, cfg_step_i=0, **QUIET)
     for ones in (0x55555, 0xAAAAA, 0):
         twin = twin_of(dut, contact=ones & (1 << len(dut.cfg_contact_i)) - 1, step=ones & 255)
@@ -147,6 +147,7 @@ async def settings_of_every_size(dut):
         await status_is(dut, twin)
 
 
+@bench.applies(lambda dut: length_of(twin_of(dut)) <= 500)
 @cocotb.test(timeout_time=40, timeout_unit="ms")
 @cocotb.parametrize(up=[True, False])
 async def every_bit_of_a_zero_counts(dut, up):
@@ -157,8 +158,6 @@ async def every_bit_of_a_zero_counts(dut, up):
     """
     rng, draw = np.random.default_rng(bench.SEED), random.Random(bench.SEED)
     twin = twin_of(dut)
-    if length_of(twin) > 500:
-        return
     await bench.start(dut, cfg_contact_i=0, cfg_step_i=0, **QUIET)
     sign, frames = 1 if up else -1, 1 << twin.tare_log2
     part = frames // 2 - sign if frames > 1 else 0
@@ -193,13 +192,12 @@ async def every_bit_of_a_zero_counts(dut, up):
         await status_is(dut, twin)
 
 
+@bench.applies(lambda dut: length_of(twin_of(dut)) <= 500)
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def forgets_what_a_reset_interrupts(dut):
     rng = np.random.default_rng(bench.SEED)
     twin = twin_of(dut, contact=20, step=255)
     length = length_of(twin)
-    if length > 500:
-        return
     await bench.start(dut, cfg_contact_i=20, cfg_step_i=255, **QUIET)
     beats = frames_of(rng, twin, 2 + (1 << twin.tare_log2), press=0)
     for cut in (1, length, length * (2 + (1 << twin.tare_log2) // 2) - length // 2):

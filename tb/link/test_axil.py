@@ -43,17 +43,11 @@ async def begin(dut):
 
 def pause(master, rate):
     """Pauses on every channel with probability ``rate``."""
-    draws = bench.pauses(rate)
-
-    def stalls():
-        while True:
-            yield draws()
-
-    for channel in (
-        *(master.write_if.aw_channel, master.write_if.w_channel, master.write_if.b_channel),
-        *(master.read_if.ar_channel, master.read_if.r_channel),
-    ):
-        channel.set_pause_generator(stalls())
+    write, read = master.write_if, master.read_if
+    channels = {"aw": write.aw_channel, "w": write.w_channel, "b": write.b_channel}
+    channels |= {"ar": read.ar_channel, "r": read.r_channel}
+    for name, channel in channels.items():
+        channel.set_pause_generator(iter(bench.pauses(rate, name), None))
 
 
 def addresses(draw):

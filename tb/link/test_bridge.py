@@ -113,6 +113,7 @@ def commands_of(rng, count):
     return lines
 
 
+@bench.starts_known
 @cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
 async def counts_over_the_whole_width(dut):
     await bench.turn_over(dut, "rejected_o", wiggled=["in_valid_i"], in_data_i=0, in_error_i=0, bus_done_i=0)
@@ -128,7 +129,7 @@ async def matches_model(dut, slow):
     expected, seen = expected_of(found, {})
     # Without a gap the answer is out before the next command ends: 14 bytes later.
     gap = (lambda: int(rng.integers(0, 12))) if slow else (lambda: 0)
-    stall = bench.pauses(0.5) if slow else (lambda: False)
+    stall = bench.pauses(0.5, "stalls") if slow else (lambda: False)
     same(await send(dut, registers, line, gap, stall), expected)
     assert registers.seen == seen
     assert bench.read(dut.rejected_o) == rejected == 0

@@ -67,6 +67,7 @@ async def begin(dut):
     return ImageStore(dut.Taxels.value.to_unsigned())
 
 
+@bench.starts_known
 @cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
 async def counts_over_the_whole_width(dut):
     names = ("in_data_i", "in_time_i", "read_begun_i", "read_done_i", "read_address_i")

@@ -25,6 +25,7 @@ async def begin(dut, rates, ready=lambda: True):
     return await packet.begin(dut, np.random.default_rng(bench.SEED), rates, ready, rx_i=1, **rest)
 
 
+@bench.starts_known
 @cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
 async def counts_over_the_whole_width(dut):
     counters = ["packets_o", "cop_dropped_o", "image_dropped_o", "rejected_o"]
@@ -38,10 +39,9 @@ async def rests_in_reset_whatever_comes(dut):
     assert dut.tx_o.value == 1
 
 
+@bench.applies(lambda dut: dut.Uart.value.to_unsigned())
 @cocotb.test(timeout_time=50, timeout_unit="ms")
 async def full_load_and_registers(dut):
-    if not dut.Uart.value.to_unsigned():
-        return
     rates = {"slip": 0.0006, "cop": 0.02, "health": 0.01, "image": 1.0}
     _, sources, counters = await begin(dut, rates)
     registers = Registers(dut)
@@ -82,11 +82,10 @@ async def full_load_and_registers(dut):
     assert bench.read(dut.rejected_o) == 0
 
 
+@bench.applies(lambda dut: dut.Uart.value.to_unsigned())
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 async def commands_of_every_bit_on_a_quiet_line(dut):
     """Writes and reads, errors, no answer of the bus, and a command that is spoilt on its way."""
-    if not dut.Uart.value.to_unsigned():
-        return
     await begin(dut, {})
     registers = Registers(dut)
     asked = [(WRITE, 0x55, 0x2AA, 0x5555_5555), (WRITE, 0xAA, 0x155, 0xAAAA_AAAA)]
@@ -118,11 +117,10 @@ async def commands_of_every_bit_on_a_quiet_line(dut):
     assert bench.read(dut.rejected_o) == 1
 
 
+@bench.applies(lambda dut: dut.Uart.value.to_unsigned())
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 async def first_edge_of_an_event(dut):
     """An idle line falls 4 clocks after the event was taken, and the packet follows without a gap."""
-    if not dut.Uart.value.to_unsigned():
-        return
     slip = (await begin(dut, {}))[1]["slip"]
     await bench.clocks(dut, 2)
     for _ in range(3):
@@ -143,13 +141,12 @@ async def first_edge_of_an_event(dut):
         assert line[4 : 4 + len(expected)] == expected
 
 
+@bench.applies(lambda dut: not dut.Uart.value.to_unsigned())
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 @cocotb.parametrize(rate=[0.0, 0.7])
 async def without_a_line_packets_are_bytes(dut, rate):
-    if dut.Uart.value.to_unsigned():
-        return
     rates = {"slip": 0.02, "cop": 0.02, "health": 0.01, "image": 1.0}  # more events than the line takes
-    stall = bench.pauses(rate)
+    stall = bench.pauses(rate, "stalls")
     test, sources, counters = await begin(dut, rates, lambda: not stall())
 
     async def line():

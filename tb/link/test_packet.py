@@ -228,6 +228,7 @@ def check_images(dut, source, chunks, build):
     assert len(images) + bench.read(dut.image_dropped_o) == len(sent)
 
 
+@bench.starts_known
 @cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
 async def counts_over_the_whole_width(dut):
     await bench.turn_over(dut, "packets_o", "cop_dropped_o", "image_dropped_o", most=3, wraps=False)
@@ -260,12 +261,10 @@ async def everything_at_once(dut, load):
         assert len(sources["slip"].sent) > 3
 
 
+@bench.applies(lambda dut: parameters(dut)["SlipDepth"])
 @cocotb.test(timeout_time=50, timeout_unit="ms")
 async def events_go_first_and_soon(dut):
     """With nothing under way the frame opens after 3 clocks and the first byte is there after 8."""
-    build = parameters(dut)
-    if not build["SlipDepth"]:
-        return
     rng = np.random.default_rng(bench.SEED)
     test, sources, _ = await begin(dut, rng, {})
     await test.run(5)
@@ -285,11 +284,10 @@ async def events_go_first_and_soon(dut):
     assert (opened, first) == (3, 8)
 
 
+@bench.applies(lambda dut: parameters(dut)["SlipDepth"] and parameters(dut)["Taxels"])
 @cocotb.test(timeout_time=50, timeout_unit="ms")
 async def an_event_waits_for_one_packet_at_most(dut):
     build = parameters(dut)
-    if not (build["SlipDepth"] and build["Taxels"]):
-        return
     rng = np.random.default_rng(bench.SEED)
     test, sources, _ = await begin(dut, rng, {"image": 1.0, "cop": 0.02, "health": 0.01})
     longest = 4 * (17 + 2 * min(build["Chunk"], build["Taxels"])) + 4 * 24 + 12
@@ -305,12 +303,11 @@ async def an_event_waits_for_one_packet_at_most(dut):
         assert test.clock - begin_clock <= longest
 
 
+@bench.applies(lambda dut: parameters(dut)["SlipDepth"])
 @cocotb.test(timeout_time=50, timeout_unit="ms")
 async def a_full_queue_holds_the_slip_path(dut):
     """Events at every clock, first while an image is sent, and a slow line: all of them arrive, in order."""
     build = parameters(dut)
-    if not build["SlipDepth"]:
-        return
     draw = np.random.default_rng(7)
     test, sources, counters = await begin(
         dut, np.random.default_rng(bench.SEED), {"image": 1.0}, lambda: draw.random() < 0.3

@@ -43,7 +43,7 @@ async def gaps_do_not_change_a_byte(dut):
     rate = [getattr(dut, name).value.to_unsigned() for name in ("ClkHz", "BaudHz")]
     data = bytes([0, 255]) + np.random.default_rng(bench.SEED).bytes(10)
     await bench.start(dut, in_data_i=0)
-    pause = bench.pauses(0.98)
+    pause = bench.pauses(0.98, "gaps")
     line, at, part = await watch(dut, data, pause), 0, 0
     for byte in data:
         at = line.index(0, at)

@@ -50,8 +50,8 @@ async def matches_model(dut, stall_rate):
             beats_of(high, low), *(a.T.ravel() for a in sliding_extremes(high, low, lag, taps))
         ):
             expected.append(beat | {"high": int(top), "low": int(bottom)})
-    pause = bench.pauses(stall_rate)
-    assert await bench.stream(dut, sent, FIELDS, pause, pause) == expected
+    pauses = bench.gaps_and_stalls(stall_rate)
+    assert await bench.stream(dut, sent, FIELDS, *pauses) == expected
 
 
 SPACE = lambda draw: {

@@ -68,6 +68,7 @@ async def apply(dut, config):
     dut.cfg_contact_rises_i.value = int(config.contact_rises)
 
 
+@bench.starts_known
 @cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
 async def counts_over_the_whole_width(dut):
     await bench.turn_over(dut, "blanked_o")
@@ -116,8 +117,8 @@ async def matches_model(dut, rises, stall_rate):
                     state=states, raised=slipping & ~was, over=(p2p > THRESHOLD) & ~mask, p2p=p2p, end=ends
                 )
             ]
-            pause = bench.pauses(stall_rate)
-            got = await bench.stream(dut, beats, FIELDS, pause, pause)
+            pauses = bench.gaps_and_stalls(stall_rate)
+            got = await bench.stream(dut, beats, FIELDS, *pauses)
             for index, (is_, should) in enumerate(zip(got, expected)):
                 assert is_ == should, f"detail {index // channels} with {config}"
             assert len(got) == len(expected)
@@ -177,12 +178,11 @@ async def a_level_may_be_pressed_and_lifted(dut):
     ]
 
 
+@bench.applies(lambda dut: dut.Channels.value.to_unsigned() <= 100)
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def forgets_what_a_reset_interrupts(dut):
     """In every state, with a detail half-way."""
     channels = dut.Channels.value.to_unsigned()
-    if channels > 100:
-        return
     config = SlipConfig(
         threshold=THRESHOLD, gross_threshold=GROSS, contact_level=CONTACT, release_level=RELEASE, hold=2
     )
@@ -254,12 +254,11 @@ async def note_changes(port, seen):
         seen.append((int(get_sim_time("ns")), bench.read(port)))
 
 
+@bench.applies(lambda dut: dut.Channels.value.to_unsigned() == 1)
 @cocotb.test(timeout_time=10, timeout_unit="ms")
 async def timers_end_on_time_with_every_bit(dut):
     """For each of the three a time of every other bit, one of the bits between, and 0; a detail a clock."""
     bits = len(dut.cfg_hold_i)
-    if dut.Channels.value.to_unsigned() > 1:
-        return
     times = [sum(1 << k for k in range(first, bits, 2)) for first in (0, 1)] + [0]
     await bench.start(dut, actuator_moving_i=0, in_mask_i=0, out_ready_i=1)
     for name, time in itertools.product(("blank", "hold", "refractory"), times):

@@ -61,6 +61,7 @@ def expected(x, config):
     return [{field: row[field] for field in FIELDS} for row in rows], watched
 
 
+@bench.starts_known
 @cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
 async def counts_over_the_whole_width(dut):
     await bench.turn_over(dut, "damaged_o", "blanked_o", wraps=False)
@@ -74,8 +75,8 @@ async def matches_model(dut, stall_rate):
     await begin(dut, config)
     x = recording(np.random.default_rng(bench.SEED), channels, 1001 if channels < 100 else 40)
     should, watched = expected(x, config)
-    pause = bench.pauses(stall_rate)
-    assert await bench.stream(dut, beats_of(x), FIELDS, pause, pause, **patience(dut)) == should
+    pauses = bench.gaps_and_stalls(stall_rate)
+    assert await bench.stream(dut, beats_of(x), FIELDS, *pauses, **patience(dut)) == should
     assert bench.read(dut.blanked_o) == watched.blanked
     assert bench.read(dut.damaged_o) == 0
     if channels < 100 and not dut.Mask.value.to_unsigned():
@@ -101,10 +102,10 @@ def any_settings(rng, run, dut):
     return sign * x - (sign < 0), moving, SlipConfig(window, hop, level, contact_rises=rises, **registers)
 
 
+# The serial path has its own: tb/slip/test_slip_serial.py.
+@bench.applies(lambda dut: parameters(dut)[0] <= 100 and not dut.Serial.value.to_unsigned())
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def settings_of_any_size_match_the_model(dut):
-    if parameters(dut)[0] > 100 or dut.Serial.value.to_unsigned():
-        return  # that of the serial path: tb/slip/test_slip_serial.py
     rng, blanked = np.random.default_rng(bench.SEED), 0
     for run in range(24):
         x, moving, config = any_settings(rng, run, dut)
@@ -137,11 +138,11 @@ def near_the_limits(rng, channels, config):
     return ((halves[..., None] + np.arange(parts)) // parts).reshape(channels, -1)  # adds up to each half
 
 
+# The serial path has its own: tb/slip/test_slip_serial.py.
+@bench.applies(lambda dut: parameters(dut)[0] <= 100 and not dut.Serial.value.to_unsigned())
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def compares_exactly_at_each_limit(dut):
     channels, level, window, hop = parameters(dut)
-    if channels > 100 or dut.Serial.value.to_unsigned():
-        return  # that of the serial path: tb/slip/test_slip_serial.py
     rng = np.random.default_rng(bench.SEED)
     for run in range(8):
         threshold, gross = sorted(int(v) for v in rng.integers(4, 1 << 16, 2))
@@ -156,11 +157,10 @@ async def compares_exactly_at_each_limit(dut):
         assert await bench.stream(dut, beats_of(x), FIELDS) == should, config
 
 
+@bench.applies(lambda dut: not dut.Serial.value.to_unsigned())  # its time: tb/slip/test_slip_serial.py
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 async def decides_at_most_8_clocks_after_the_pair(dut):
     """A crossing in the last channel; clocks are counted from the clock that took the crossing sample."""
-    if dut.Serial.value.to_unsigned():
-        return  # its time: tb/slip/test_slip_serial.py
     channels, level, window, hop = parameters(dut)
     config = settings(dut)
     await begin(dut, config)
@@ -258,12 +258,11 @@ def masked_ramp(rng, channels, config, samples):
     return x, mask
 
 
+@bench.applies(lambda dut: dut.Mask.value.to_unsigned())
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 @cocotb.parametrize(rises=[True, False])
 async def masked_taxels_raise_no_slip(dut, rises):
     """However the mask comes and goes; a neighbour that is not masked slips as ever."""
-    if not dut.Mask.value.to_unsigned():
-        return
     channels, level, window, hop = parameters(dut)
     limits = {"contact_level": 0, "release_level": -100 if rises else 1 << 16, "contact_rises": rises}
     config = SlipConfig(window=window, hop=hop, level=level, threshold=60, gross_threshold=110, **limits)

@@ -69,7 +69,7 @@ async def check(dut, twin, x, stall_rate=0.0, **given):
     """
     decided = twin.next(x, **given)
     gaps, stalls = stall_rate if isinstance(stall_rate, tuple) else (stall_rate, stall_rate)
-    pauses = bench.pauses(gaps), bench.pauses(stalls)
+    pauses = bench.gaps_and_stalls(gaps, stalls)
     given.pop("moving", None)
     got = await bench.stream(dut, beats_of(x, **given), FIELDS, *pauses, drain=80, hold=True)
     for index, (is_, should) in enumerate(zip(got, rows(decided))):
@@ -80,6 +80,7 @@ async def check(dut, twin, x, stall_rate=0.0, **given):
     return decided
 
 
+@bench.starts_known
 @cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
 async def counts_over_the_whole_width(dut):
     await bench.turn_over(dut, "damaged_o", in_id_i=1)
@@ -156,12 +157,11 @@ async def keeps_its_decision_for_a_consumer_that_sleeps(dut):
     await check(dut, twin, recording(np.random.default_rng(bench.SEED), 120), (0.0, 0.99))
 
 
+@bench.applies(lambda dut: dut.TimerBits.value.to_unsigned() <= 8)
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def timers_reach_their_top_bit(dut):
     """The longest time that the register holds, or where that takes too long one of every other bit."""
     bits = dut.TimerBits.value.to_unsigned()
-    if bits > 8:
-        return
     longest = (1 << bits) - 1
     even, odd = longest // 3, longest - longest // 3
     settings = [(longest, 0, 0), (0, longest, 0), (1, 1, longest), (longest >> 1, longest, 1)]

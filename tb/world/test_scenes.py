@@ -5,7 +5,7 @@ independent of every twin. Amplitudes are of its coefficient cD, in volts.
 """
 
 import dataclasses
-import time
+import sys
 import tomllib
 from functools import cache
 from importlib import resources
@@ -103,13 +103,16 @@ def test_a_slip_recording_is_seeded():
     assert not np.array_equal(first.codes, other.codes)
 
 
-def test_a_scene_takes_under_20_ms():
-    scene, best = scenes.load("acrylic_slip"), np.inf
-    for seed in range(10):
-        began = time.perf_counter()
-        scenes.simulate(scene, seed=seed)
-        best = min(best, time.perf_counter() - began)
-    assert best < 0.02
+def test_no_step_of_a_scene_is_a_loop_over_its_samples():
+    """Calls of functions, of Python and C, are counted: about 380 for 55,000 samples. Its time: `make bench`."""
+    scene, calls = scenes.load("acrylic_slip"), []
+    sys.setprofile(lambda frame, event, _: calls.append(event) if event in ("call", "c_call") else None)
+    try:
+        run = scenes.simulate(scene, seed=1)
+    finally:
+        sys.setprofile(None)
+    assert len(run.volts) == 55_000
+    assert 100 < len(calls) < 1000
 
 
 def test_normal_force_computes_no_slip_physics(monkeypatch):

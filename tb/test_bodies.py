@@ -1,0 +1,152 @@
+"""The benches' own mechanism: tests are declared to apply to a build, each runs in some build of its file,
+and gaps and stalls are drawn from different sequences.
+
+``Watch`` runs in sessions of its own, of files whose "builds" only say what ran: alone and with two workers,
+with all tests run and with one missing, and with selections of which nothing may be concluded.
+"""
+
+import ast
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import bench
+
+HERE = Path(__file__).parent
+
+CONFTEST = """
+from pathlib import Path
+import bodies
+def pytest_configure(config):
+    for mark in ("long", "big"):
+        config.addinivalue_line("markers", mark)
+    config.pluginmanager.register(bodies.Watch(config, Path(__file__).parent, True))
+"""
+FILE = """
+import bodies, cocotb, pytest
+
+@cocotb.test()
+async def everywhere(dut): ...
+
+@bodies.applies(lambda dut, size: size < dut)
+@cocotb.test()
+@cocotb.parametrize(size=[1, 2])
+async def sized(dut, size): ...
+
+@bodies.applies(lambda dut: dut > 9, long=lambda size: size > 1)
+@cocotb.test()
+@cocotb.parametrize(size=[1, 9])
+async def huge(dut, size): ...
+
+RUNS = {"a": ["everywhere", "huge/size=1", "sized/size=1"], "b": ["everywhere", "sized/size=2"]}
+
+@pytest.mark.parametrize("build", RUNS)
+def test_builds(build):
+    bodies.RAN.update(f"stage.test_block.{name}" for name in RUNS[build])
+
+@pytest.mark.long
+def test_huge():
+    bodies.RAN.add("stage.test_block.huge/size=9")
+"""
+USUAL = ["-m", "not long and not big"]
+
+
+def session(folder, *options, text=FILE):
+    """The exit status of a session of pytest, and the tests it says ran in no build."""
+    (folder / "stage").mkdir(exist_ok=True)
+    (folder / "conftest.py").write_text(CONFTEST)
+    (folder / "pytest.ini").write_text("[pytest]\naddopts = --import-mode=importlib\n")
+    (folder / "stage/test_block.py").write_text(text)
+    command = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", *options]
+    given = {"PYTHONPATH": os.pathsep.join([str(HERE), *filter(None, [os.environ.get("PYTHONPATH")])])}
+    done = subprocess.run(command, cwd=folder, env=os.environ | given, capture_output=True, text=True)
+    said = [
+        line.split(": it ran in no build")[0] for line in done.stdout.splitlines() if "in no build" in line
+    ]
+    return done.returncode, [line.removeprefix("FAILED stage.test_block.") for line in said]
+
+
+@pytest.mark.parametrize(
+    "workers", [["-p", "no:xdist"], ["-n", "2", "--dist", "worksteal"]], ids=["one", "two"]
+)
+def test_a_body_that_ran_in_no_build_fails_the_session(tmp_path, workers):
+    assert session(tmp_path, *workers) == (0, [])
+    less = FILE.replace(', "sized/size=2"]', "]")
+    assert session(tmp_path, *workers, text=less) == (1, ["sized/size=2"])
+    assert session(tmp_path, *workers, "stage", *USUAL, text=less) == (1, ["sized/size=2"])
+
+
+def test_bodies_of_long_builds_are_missed_where_those_run(tmp_path):
+    assert session(tmp_path, *USUAL) == (0, [])
+    assert session(tmp_path, "-m", "long or big") == (0, [])
+    less = FILE.replace("bodies.RAN.add(", "str(")
+    assert session(tmp_path, *USUAL, text=less) == (0, [])
+    assert session(tmp_path, "-m", "long or big", text=less) == (1, ["huge/size=9"])
+    assert session(tmp_path, *USUAL, text=FILE.replace(", long=lambda size: size > 1", "")) == (
+        1,
+        ["huge/size=9"],
+    )
+
+
+@pytest.mark.parametrize(
+    "chosen",
+    [
+        ["-k", "a"],
+        ["stage/test_block.py::test_builds[a]"],
+        ["--deselect", "stage/test_block.py::test_builds[b]"],
+    ],
+)
+def test_a_users_choice_of_builds_concludes_nothing(tmp_path, chosen):
+    assert session(tmp_path, *chosen) == (0, [])
+
+
+def test_a_failed_build_is_the_failure(tmp_path):
+    """Which tests it would have run is not known."""
+    broken = FILE.replace("def test_builds(build):", "def test_builds(build):\n    assert build == 'a'")
+    assert session(tmp_path, text=broken) == (1, [])
+
+
+def leaves_early(function):
+    """Lines of ``return`` in a test itself, not in a function within it."""
+    nodes, lines = list(function.body), []
+    while nodes:
+        node = nodes.pop()
+        if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda, ast.ClassDef)):
+            continue
+        if isinstance(node, ast.Return) or "cocotb.pass_test" in ast.unparse(node).split("(")[0]:
+            lines.append(node.lineno)
+        nodes += ast.iter_child_nodes(node)
+    return lines
+
+
+@pytest.mark.parametrize("path", sorted(HERE.rglob("test_*.py")), ids=lambda path: path.stem)
+def test_no_test_passes_by_leaving_early(path):
+    """A cocotb test that does not apply is declared so; a test of pytest that cannot run is skipped."""
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)):
+            cocotbs = any("cocotb.test" in ast.unparse(each) for each in node.decorator_list)
+            if cocotbs or node.name.startswith("test_"):
+                assert leaves_early(node) == [], f"{path}: {node.name}"
+
+
+@pytest.mark.parametrize("rate", [0.1, 0.5, 0.9])
+def test_gaps_and_stalls_meet_in_every_way(rate):
+    """Each of the four pairs comes as often as of independent patterns: within five standard deviations."""
+    count, pairs = 10_000, {}
+    gaps, stalls = bench.gaps_and_stalls(rate)
+    for _ in range(count):
+        pair = gaps(), stalls()
+        pairs[pair] = pairs.get(pair, 0) + 1
+    for gap in (True, False):
+        for stall in (True, False):
+            share = (rate if gap else 1 - rate) * (rate if stall else 1 - rate)
+            assert abs(pairs.get((gap, stall), 0) - count * share) < 5 * (count * share * (1 - share)) ** 0.5
+
+
+def test_pauses_repeat():
+    """With their seed and role, and with no other role."""
+    draws = [[pause() for _ in range(100)] for pause in (bench.pauses(0.5, role) for role in ("b", "b", "r"))]
+    assert draws[0] == draws[1] != draws[2]
