@@ -1,4 +1,4 @@
-"""Samples per second of each engine through ``meissner process slip``, and a scene's time: medians, one core."""
+"""Samples per second of each engine through ``meissner process slip``, and a scene's time: medians."""
 
 import argparse
 import statistics

@@ -98,7 +98,7 @@ def test_corruption_loses_only_the_packet_it_touches(kind):
 
 
 def test_random_and_mutated_bytes(monkeypatch):
-    """Every packet that comes out was sent; no byte is looked at twice, and a frame without end is not kept."""
+    """Every packet that comes out was sent; no byte is looked at twice, a frame without end not kept."""
     looked = []
     monkeypatch.setattr(decoder_module, "decode", lambda frame: looked.append(len(frame)) or decode(frame))
     rng = np.random.default_rng(4)
