@@ -4,9 +4,9 @@
 //
 //   moved = |raw - held| > band, then held = raw      recent = moved in the last 3 frames, up or down
 //   dead      no move of its own while both neighbours in its row or column are recent the same way:
-//             +4 a frame (+1 with cfg_edges_i beside the one neighbour at a border), up to cfg_still
-//   railed    at cfg_low, at cfg_high or (cfg_user_i) over-range, without a break for cfg_rail x 16 frames
-//   blinking  a step > jump while no neighbour is recent: +16, any other frame -1, up to cfg_blink
+//             +4 a frame (+1 with cfg_edges_i beside the one neighbour at a border), from cfg_still on
+//   railed    at cfg_low, at cfg_high or (cfg_user_i) over-range, without a break in cfg_rail of frames 0, 16 ..
+//   blinking  a step > jump while no neighbour is recent: +16, any other frame -1, from cfg_blink on
 //
 // A threshold of 0 turns a kind off. Faults stay until cfg_clear_i or reset. Each new one is an event; one that
 // nobody takes is offered again in the next frame; cfg_report_i sends them all again. A beat out of place is

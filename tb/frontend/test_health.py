@@ -370,6 +370,13 @@ def test_health(rows, columns, lanes, sample_bits):
     bench.run("frontend", "health", size)
 
 
+@pytest.mark.parametrize("rows, columns, lanes", [(3, 5, 2), (1, 3, 1)])
+def test_health_by_hand(rows, columns, lanes):
+    """Against literals and a plain loop, not the model: frontend/health_by_hand.py."""
+    size = {"Rows": rows, "Columns": columns, "Lanes": lanes, "SampleBits": 17}
+    bench.run("frontend", "health", size, module="health_by_hand")
+
+
 def contacts(rng, size, frames, noise):
     """Chunks of frames of a healthy array pressed here and there: bumps that rise, stay, may slide, and go.
 

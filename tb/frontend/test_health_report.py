@@ -30,6 +30,32 @@ async def matches_model(dut, gap, stall):
     await check(dut, events(draw, 80, len(dut.in_dead_i), len(dut.in_id_i)), gap, stall)
 
 
+# By hand from docs/link.md: taxels row-major, 1 dead, 2 railed, 4 blinking, the sum where there are several.
+LITERALS = {
+    1: (
+        [(5, 1, 0, 0), (6, 0, 1, 0), (7, 0, 0, 1), (9, 1, 0, 1), (10, 1, 1, 0), (12, 0, 1, 1), (13, 1, 1, 1)],
+        [(5, 1), (6, 2), (7, 4), (9, 5), (10, 3), (12, 6), (13, 7)],
+    ),
+    2: ([(5, 0b01, 0b10, 0b00), (9, 0b10, 0b00, 0b11)], [(10, 1), (11, 2), (18, 4), (19, 5)]),
+    8: ([(3, 0b1000_0001, 0b0000_0001, 0b0100_0000)], [(24, 3), (30, 4), (31, 1)]),
+}
+
+
+@cocotb.test(timeout_time=2, timeout_unit="ms")
+async def bits_are_those_of_the_link(dut):
+    await bench.start(dut)
+    given, expected = LITERALS[len(dut.in_dead_i)]
+    beats = [dict(zip(("id", "dead", "railed", "blinking"), event)) for event in given]
+    got = await bench.stream(dut, beats, ["id", "faults"], hold=True)
+    assert [(row["id"], row["faults"]) for row in got] == expected
+
+
+@pytest.mark.parametrize("lanes", LITERALS)
+def test_model_s_bits_are_those_of_the_link(lanes):
+    given, expected = LITERALS[lanes]
+    assert reports(given, lanes) == expected
+
+
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def forgets_what_a_reset_interrupts(dut):
     await bench.start(dut)

@@ -7,7 +7,7 @@ import numpy as np
 from meissner.common.frame_place import FramePlace
 from meissner.frontend.calibration_table import check_array
 
-DEAD, RAILED, BLINKING = 4, 2, 1
+DEAD, RAILED, BLINKING = 1, 2, 4  # as in docs/link.md
 
 # Of a picture with a frame of one around it: what lies left, right, above and below each taxel.
 HERE = (slice(1, -1), slice(1, -1))
@@ -40,9 +40,9 @@ class Health:
 
         moved = |raw - held| > band, then held = raw      recent = moved in the last 3 frames, up or down
         dead      no move of its own while both neighbours in its row or column are recent the same way:
-                  +4 a frame (+1 with ``edges`` beside the one neighbour at a border), up to ``still``
-        railed    at ``low``, at ``high`` or (``user``) over-range, without a break for ``rail`` x 16 frames
-        blinking  a step > jump while no neighbour is recent: +16, any other frame -1, up to ``blink``
+                  +4 a frame (+1 with ``edges`` beside the one neighbour at a border), from ``still`` on
+        railed    at ``low``, at ``high`` or (``user``) over-range, without a break in ``rail`` of frames 0, 16 ..
+        blinking  a step > jump while no neighbour is recent: +16, any other frame -1, from ``blink`` on
 
     Neighbours are looked at as they were at the end of the last whole frame. A fault masks from the next
     frame on and stays until ``clear``; a beat out of place is masked. ``faults``: the sum of DEAD, RAILED,
