@@ -1,5 +1,5 @@
 """Health of taxels by literals and by a plain loop: the cases of tb/reference/health_cases.py, by hand, hold
-for the loop, for the twin and (frontend/health_by_hand.py) for the RTL; then the twin is the loop's on noise."""
+for the loop, for the twin and (frontend/health_by_hand.py) for the RTL; then the twin against the loop."""
 
 import random
 

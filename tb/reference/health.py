@@ -1,4 +1,4 @@
-"""Health of taxels as docs/array.md has it, one sample at a time: written from that page, not from the twin."""
+"""Health of taxels as in docs/array.md, one sample at a time: written from that page, not from the twin."""
 
 DEAD, RAILED, BLINKING = 1, 2, 4  # docs/link.md, packets of type 4
 
