@@ -30,10 +30,14 @@ async def begin(dut):
     return events, cocotb.start_soon(listen())
 
 
-async def begin_again(dut, settings, events):
+def apply(dut, settings):
     for name, value in settings.items():
         port = getattr(dut, f"cfg_{name}_i")
         port.value = int(value) & ((1 << len(port)) - 1)
+
+
+async def begin_again(dut, settings, events):
+    apply(dut, settings)
     await bench.reset(dut)
     events.clear()
 
@@ -93,6 +97,8 @@ async def finds_what_the_hand_found(dut):
             if case.clear and number == case.clear:
                 await clear(dut)
                 faults = {}
+            if case.later and number == case.later[0]:
+                apply(dut, case.later[1])
             whole = case.broken.get(number)
             masks = await frame(dut, case.frame(number), case.frame(number, case.over), whole)
             if whole is None:

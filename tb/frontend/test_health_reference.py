@@ -23,6 +23,8 @@ def test_the_loop_finds_what_the_hand_found(case):
     for number in range(case.frames()):
         if case.clear and number == case.clear:
             loop.clear()
+        if case.later and number == case.later[0]:
+            loop.settings.update(case.later[1])
         whole = set(places[: case.broken[number]]) if number in case.broken else None
         if new := loop.frame(case.frame(number), case.frame(number, case.over), whole):
             found[number] = new
@@ -48,6 +50,8 @@ def test_the_twin_finds_what_the_hand_found(case):
     for number in range(case.frames()):
         if case.clear and number == case.clear:
             twin.clear()
+        if case.later and number == case.later[0]:
+            twin.limits = Limits(**case.settings | case.later[1])
         before = twin.faults.copy() if number and number != case.clear else np.zeros(case.shape, int)
         mask = twins_frame(twin, case.frame(number), case.frame(number, case.over), case.broken.get(number))
         assert mask is None or np.array_equal(mask, before != 0)

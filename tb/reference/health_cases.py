@@ -20,6 +20,7 @@ class Case:
     clear: int = 0  # the frame before which a clear is asked for
     broken: dict = field(default_factory=dict)  # frame: how many of its beats come whole
     shape: tuple = (3, 5)
+    later: tuple = ()  # a frame and the settings that change before it
 
     def frames(self):
         return max(len(codes) for codes in self.codes.values())
@@ -60,8 +61,8 @@ UP, DOWN = (0, 1), (2, 1)  # of B
 
 
 def dead_cases():
-    def case(name, codes, found, **settings):
-        return Case(f"dead: {name}", codes, found, REST | settings)
+    def case(name, codes, found, later=(), **settings):
+        return Case(f"dead: {name}", codes, found, REST | settings, later=later)
 
     for sign in (1, -1):
         both = {A: path(8, f1=3 * sign), C: path(8, f1=3 * sign)}
@@ -112,8 +113,13 @@ def dead_cases():
     yield case("253", long, at(65, DEAD, B), still=253)
     yield case("to its end", long, at(65, DEAD, B), still=255)
     yield case("off for ever", long, {}, still=0)
+    alone = {B: always(270, (3, -3))}
+    yield case("border to its end", alone, at(256, DEAD, UP, DOWN, A), still=255, edges=True)
+    # Counted on while off, and held at the end: what is asked for later is found at once.
+    yield case("stays at its end", long, at(75, DEAD, B), later=(75, {"still": 255}))
+    on = {"edges": True}
     yield case(
-        "border to its end", {B: always(270, (3, -3))}, at(256, DEAD, UP, DOWN, A), still=255, edges=True
+        "border stays at its end", alone, at(265, DEAD, UP, DOWN, A), later=(265, {"still": 255}), **on
     )
     yield case("what the first frame brings is no move", {A: [300] * 8, C: [300] * 8}, {}, still=1)
 
@@ -145,9 +151,9 @@ def rail_cases():
 def blink_cases():
     T = (1, 3)
 
-    def case(name, codes, found, clear=0, **settings):
+    def case(name, codes, found, clear=0, later=(), **settings):
         codes = codes if isinstance(codes, dict) else {T: codes}
-        return Case(f"blink: {name}", codes, found, REST | settings, clear=clear)
+        return Case(f"blink: {name}", codes, found, REST | settings, clear=clear, later=later)
 
     for sign in (1, -1):
         yield case(f"one above the jump {sign}", path(8, f1=8 * sign), at(2, BLINKING, T), blink=16)
@@ -178,6 +184,9 @@ def blink_cases():
     ends = always(20, (8, -8))
     yield case("240", ends, at(16, BLINKING, T), blink=240)
     yield case("241", ends, at(17, BLINKING, T), blink=241)
+    end = path(26, **{f"f{frame}": 8 * (-1) ** frame for frame in range(1, 21)})
+    yield case("254 after its end", end, at(22, BLINKING, T), later=(22, {"blink": 254}))
+    yield case("not 255 after its end", end, {}, later=(22, {"blink": 255}))
     yield case("to its end", ends, at(17, BLINKING, T), blink=255)
     yield case("any step is a jump of 0", path(8, f1=1), at(2, BLINKING, T), blink=16, jump=0, band=0)
     yield case("no step is none", path(8), {}, blink=1, jump=0, band=0)

@@ -301,6 +301,13 @@ def test_slip(channels, timer_bits, mask):
     bench.run("slip", "slip", {"Channels": channels, "TimerBits": timer_bits, "Mask": mask})
 
 
+@pytest.mark.parametrize("channels, mask", [(1, 1), (3, 0)])
+def test_slip_by_hand(channels, mask):
+    """Against literals and a plain loop, not the model: slip/slip_by_hand.py."""
+    size = {"Channels": channels, "TimerBits": 4, "Mask": mask}
+    bench.run("slip", "slip", size, module="slip_by_hand")
+
+
 def test_model_tells_one_slip_as_a_story():
     """By hand: press, blanked onset, slip, gross, hold, refractory, a second slip, lift."""
     config = SlipConfig(
