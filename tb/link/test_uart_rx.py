@@ -8,6 +8,8 @@ import pytest
 import bench
 from meissner.link.uart_rx import UartRx
 from meissner.link.uart_tx import sixteenths
+from reference.uart_cases import READS, cases, low_from_the_reset_on
+from reference.uart_rx import receive
 
 RATES = [(12_000_000, 3_000_000), (25_000_000, 3_000_000), (48_000_000, 921_600)]
 
@@ -90,6 +92,39 @@ async def recovers_after_reset(dut):
 @pytest.mark.parametrize("rate", RATES)
 def test_uart_rx(rate):
     bench.run("link", "uart_rx", dict(zip(("ClkHz", "BaudHz"), rate)))
+
+
+@pytest.mark.parametrize("rate", READS)
+def test_uart_rx_by_hand(rate):
+    """Against literals and exact rationals, not the model: link/uart_rx_by_hand.py."""
+    bench.run("link", "uart_rx", dict(zip(("ClkHz", "BaudHz"), rate)), module="uart_rx_by_hand")
+
+
+@pytest.mark.parametrize("rate, name, line, found", [(rate, *case) for rate in READS for case in cases(rate)])
+def test_the_loop_and_the_model_hear_what_the_hand_found(rate, name, line, found):
+    assert receive(line, *rate) == found, name
+    heard = UartRx(*rate).process([*line, 1, 1])
+    assert [(clock - 2, byte) for clock, byte in heard] == found, name
+
+
+@pytest.mark.parametrize("rate", READS)
+def test_the_loop_waits_for_a_rest(rate):
+    line, found = low_from_the_reset_on(rate)
+    assert receive(line, *rate) == found
+
+
+@pytest.mark.parametrize("rate", [*READS, (100_000_000, 3_000_000), (12_000_000, 115_200)])
+def test_the_model_hears_what_the_loop_hears(rate):
+    bit, rng = rate[0] / rate[1], np.random.default_rng(bench.SEED)
+    for choice in (
+        [1, 2, int(bit), int(1.5 * bit)],
+        [int(bit), int(bit) + 1],
+        [1, int(bit / 2), int(9 * bit)],
+    ):
+        levels = [1, *np.repeat(np.arange(3000) % 2, rng.choice(choice, 3000)).tolist()]
+        heard = UartRx(*rate).process([*levels, 1, 1])
+        assert [(clock - 2, byte) for clock, byte in heard] == receive(levels, *rate)
+        assert len(heard) > 30
 
 
 @pytest.mark.parametrize("rate", [*RATES, (12_000_000, 1_000_000), (100_000_000, 3_000_000)])

@@ -301,6 +301,18 @@ def test_slip_path(parameters):
 
 
 @pytest.mark.parametrize(
+    "parameters",
+    [
+        {"Channels": 3, "Level": 2, "Window": 32, "Hop": 16, "Mask": 1},
+        {"Channels": 2, "Window": 16, "Hop": 2},
+    ],
+)
+def test_slip_path_by_hand(parameters):
+    """Against a plain loop, not the models: slip/path_by_hand.py."""
+    bench.run("slip", "slip_path", {"Level": 1} | parameters, module="slip_path_by_hand")
+
+
+@pytest.mark.parametrize(
     "parameters, message",
     [
         ({"Window": 48}, "Window = 48"),

@@ -285,6 +285,12 @@ def test_slip_serial(parameters):
     bench.run("slip", "slip_serial", {"Level": 1, "Window": 64} | parameters)
 
 
+def test_slip_serial_by_hand():
+    """Against a plain loop, not the models: slip/slip_path_by_hand.py."""
+    parameters = {"SampleBits": 13, "Level": 2, "Window": 16, "TimerBits": 3}
+    bench.run("slip", "slip_serial", parameters, module="slip_path_by_hand")
+
+
 @pytest.mark.parametrize("level", [1, 2, 3])
 def test_model_is_that_of_the_chain(level):
     """One channel of the vectorised engine, whole and in chunks."""
