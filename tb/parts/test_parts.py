@@ -1,0 +1,332 @@
+"""The limits of the part models from both sides: exactly at each they pass, a picosecond short is reported.
+
+By the figures of docs/adc.md, written here again as numbers. What a part itself takes, its delays, is seen at
+its output to the picosecond. Rules that are no times: each is broken once.
+"""
+
+import re
+from dataclasses import fields
+
+import pytest
+
+from meissner import toolchain
+from parts import ad7606, max1112x, mcp3208
+from parts.edges import Edges, Pin
+
+PS = 0.001
+
+
+def quiet(model, noise):
+    """High impedance reads as ``noise`` (None: as either level)."""
+    if noise is not None:
+        model.noise.getrandbits = lambda bits: noise
+
+
+def mcp3208_run(
+    monkeypatch, hi=300, lo=300, sucs=200, csh=700, su=120, hd=None, pulses=19, noise=None, single=1
+):
+    """Two conversions of channel 5; DIN moves ``su`` before rising CLK, or ``hd`` after it."""
+    edges = Edges(monkeypatch, mcp3208)
+    cs_n, sclk, mosi, miso = Pin(edges, 1), Pin(edges), Pin(edges), Pin(edges)
+    model = mcp3208.Mcp3208(cs_n, sclk, mosi, miso, lambda channel, ns: 0xA53, report=edges.reports.append)
+    quiet(model, noise)
+    start = 1000
+    for _ in range(2):
+        edges.at(start, cs_n, 0)
+        for pulse in range(pulses):
+            rise = start + sucs + pulse * (hi + lo)
+            edges.at(rise, sclk, 1)
+            edges.at(rise + hi, sclk, 0)
+            bits = [1, single, 1, 0, 1]
+            bit = bits[pulse] if pulse < 5 else 0
+            after = bits[pulse + 1] if pulse < 4 else 0
+            if hd is None or pulse == 0:
+                edges.at(rise - su, mosi, bit)
+            if hd is not None:
+                edges.at(rise + hd, mosi, after)
+        start += sucs + pulses * (hi + lo)
+        edges.at(start, cs_n, 1)
+        start += csh
+    edges.at(start, cs_n, 0)
+    edges.run()
+    return edges, model, miso
+
+
+MCP3208 = {
+    "t_hi": ({"hi": 250}, {"hi": 250 - PS}, {"t_hi"}),
+    "t_lo": ({"lo": 250}, {"lo": 250 - PS}, {"t_lo"}),
+    "t_clk": ({"hi": 250, "lo": 250}, {"hi": 250, "lo": 250 - PS}, {"t_clk", "t_lo"}),
+    "t_sucs": ({"sucs": 100, "su": 60}, {"sucs": 100 - PS, "su": 60}, {"t_sucs"}),
+    "t_csh": ({"csh": 500}, {"csh": 500 - PS}, {"t_csh"}),
+    "t_su": ({"su": 50}, {"su": 50 - PS}, {"t_su"}),
+    "t_hd": ({"hd": 50}, {"hd": 50 - PS}, {"t_hd"}),
+    # Twelve periods from the sixth falling CLK to the eighteenth.
+    "t_droop_max": ({"hi": 50_000, "lo": 50_000}, {"hi": 50_000, "lo": 50_000 + PS}, {"t_droop_max"}),
+}
+
+
+def limits_of(module):
+    return {field.name for field in fields(module.Limits)}
+
+
+@pytest.mark.parametrize("name", MCP3208)
+def test_mcp3208(monkeypatch, name):
+    at, short, reported = MCP3208[name]
+    edges, model, _ = mcp3208_run(monkeypatch, **at)
+    assert edges.names() == set() and [row[:2] for row in model.conversions] == [(5, 0xA53)] * 2
+    assert mcp3208_run(monkeypatch, **short)[0].names() == reported
+
+
+def test_mcp3208_answers_after_its_delays(monkeypatch):
+    """0 and the bits of 0xA53, each 200 ns after falling CLK and not before; the sixth falls first."""
+    edges, _, miso = mcp3208_run(monkeypatch)
+    for number, bit in enumerate([0, 1, 0, 1, 0, 0, 1, 0, 1, 0, 0, 1, 1]):
+        fall = 1000 + 200 + (5 + number) * 600 + 300
+        assert (miso.was(fall + 200 - PS), miso.was(fall + 200)) == (1 - bit, bit)
+    assert limits_of(mcp3208) == {*MCP3208, "t_do", "t_dis"}
+    assert edges.names() == set()
+
+
+def test_outputs_are_let_go_after_their_delays(monkeypatch):
+    """100, 22 and 15 ns after CS rises; the last bits sent are 1, 1 on both lanes and 1."""
+    miso = mcp3208_run(monkeypatch, noise=0)[2]
+    rise = 1000 + 200 + 19 * 600
+    assert (miso.was(rise + 100 - PS), miso.was(rise + 100)) == (1, 0)
+    _, _, miso, _, end = ad7606_run(monkeypatch, bits=15, noise=0)
+    assert (miso.was(end + 22 - PS), miso.was(end + 22)) == (1, 0)  # bit 0: 1 of 0xA5C3, 0 of 0x5A3C
+    _, _, miso, begins = max1112x_run(monkeypatch, noise=0)
+    rise = begins[-1] + 20 + 15 * 80 + 40 + 60
+    assert (miso.was(rise + 15 - PS), miso.was(rise + 15)) == (1, 0)
+
+
+def test_readme_says_what_is_unverified():
+    """As long as docs/adc.md has rows whose source is memory alone (M): all of them of the MAX1112x."""
+    page, readme = ((toolchain.ROOT / name).read_text() for name in ("docs/adc.md", "README.md"))
+    parts = [part for part in page.split("\n### ") if re.search(r"\| M(, unverified)? \|", part)]
+    assert [part.split(",")[0] for part in parts] == ["MAX11123"]
+    assert "| M |" not in page, "a row that rests on memory does not say that it is unverified"
+    assert any("MAX1112x timing unverified" in line for line in readme.splitlines() if line.startswith("| "))
+
+
+def test_mcp3208_rules(monkeypatch):
+    assert mcp3208_run(monkeypatch, single=0)[0].names() == {"command"}
+    edges = Edges(monkeypatch, mcp3208)
+    pins = [Pin(edges, 1), Pin(edges), Pin(edges), Pin(edges)]
+    mcp3208.Mcp3208(*pins, lambda channel, ns: 0, report=edges.reports.append)
+    edges.at(1000, pins[1], 1)
+    edges.at(2000, pins[0], 0)
+    edges.run()
+    assert [str(report) for report in edges.reports] == [
+        "mode: CLK runs while CS is high",
+        "mode: CLK is high as CS falls",
+    ]
+
+
+def ad7606_run(
+    monkeypatch,
+    reset=100,
+    recover=100,
+    high=100,
+    cycle=6000,
+    read=100,
+    period=100,
+    sclk_low=50,
+    bits=16,
+    conversion=3450,
+    convert_before=False,
+    sclk_rest=1,
+    noise=None,
+):
+    """RESET, a conversion, a read of ``bits`` bits ``read`` ns after BUSY fell, and another conversion."""
+    edges = Edges(monkeypatch, ad7606)
+    cs_n, sclk, convst, busy, rst = Pin(edges, 1), Pin(edges, 1), Pin(edges), Pin(edges), Pin(edges)
+    miso = Pin(edges, 0, 2)
+    codes = [0xA5C3, 1, 2, 3, 0x5A3C, 5, 6, 7]
+    args = cs_n, sclk, miso, convst, busy, rst, lambda channel, ns: codes[channel]
+    model = ad7606.Ad7606(*args, report=edges.reports.append, conversion_ns=conversion)
+    quiet(model, noise)
+    if not convert_before:
+        edges.at(1000, rst, 1)
+        edges.at(1000 + reset, rst, 0)
+    first = 1000 + reset + recover
+    for rise in (first, first + cycle):
+        edges.at(rise, convst, 1)
+        edges.at(rise + high, convst, 0)
+    begin = first + conversion + read
+    edges.at(begin - 10, sclk, sclk_rest)
+    edges.at(begin, cs_n, 0)
+    for bit in range(bits):
+        fall = begin + 50 + bit * period
+        edges.at(fall, sclk, 0)
+        edges.at(fall + sclk_low, sclk, 1)
+    end = begin + 50 + bits * period
+    edges.at(end, cs_n, 1)
+    edges.run()
+    return edges, model, miso, begin, end
+
+
+AD7606 = {
+    "t_reset": ({"reset": 50}, {"reset": 50 - PS}),
+    "t_reset_convst": ({"recover": 25}, {"recover": 25 - PS}),
+    "t_convst_high": ({"high": 25}, {"high": 25 - PS}),
+    "t_convst_low": ({"high": 5975}, {"high": 5975 + PS}),  # of the 6000 from one CONVST to the next
+    "t_cycle": ({"cycle": 5000, "bits": 4}, {"cycle": 5000 - PS, "bits": 4}),
+    "t_sclk": ({"period": 68.966, "sclk_low": 34}, {"period": 68.965, "sclk_low": 34}),
+    "t_sclk_low": ({"sclk_low": 40}, {"sclk_low": 40 - PS}),
+    "t_sclk_high": ({"sclk_low": 60}, {"sclk_low": 60 + PS}),
+}
+
+
+@pytest.mark.parametrize("name", AD7606)
+def test_ad7606(monkeypatch, name):
+    at, short = AD7606[name]
+    assert ad7606_run(monkeypatch, **at)[0].names() == set()
+    assert ad7606_run(monkeypatch, **short)[0].names() == {name}
+
+
+def test_ad7606_reads_from_busy_falling_on(monkeypatch):
+    assert ad7606_run(monkeypatch, read=0)[0].names() == set()
+    edges = ad7606_run(monkeypatch, read=-PS)[0]
+    assert [str(report) for report in edges.reports] == ["rule: BUSY falls during a read"]
+
+
+def test_ad7606_answers_after_its_delays(monkeypatch):
+    """0xA5C3 on DOUTA, 0x5A3C on DOUTB: 30 ns after CS, and wrong from 7 to 27 ns after SCLK."""
+    _, model, miso, begin, _ = ad7606_run(monkeypatch)
+    assert model.frames[0][0] == 0xA5C3
+    before = None
+    for number, bits in enumerate(zip(f"{0xA5C3:016b}", f"{0x5A3C:016b}")):
+        level = int(bits[0]) | int(bits[1]) << 1
+        if number == 0:
+            assert (miso.was(begin + 30 - PS), miso.was(begin + 30)) == (3 - level, level)
+        else:
+            rise = begin + 50 + (number - 1) * 100 + 50
+            assert (miso.was(rise + 7 - PS), miso.was(rise + 7)) == (before, 3 - level)
+            assert (miso.was(rise + 27 - PS), miso.was(rise + 27)) == (3 - level, level)
+        before = level
+    own = {"t_conv_min", "t_conv_most", "t_busy", "t_busy_cs", "t_cs_dout", "t_sclk_dout", "t_hold"}
+    assert limits_of(ad7606) == {*AD7606, *own, "t_dis"}
+
+
+def test_ad7606_converts_within_its_times(monkeypatch):
+    """BUSY rises at most 45 ns after CONVST and falls 3450 to 4150 ns after it."""
+    for seed in range(50):
+        edges = Edges(monkeypatch, ad7606)
+        cs_n, sclk, convst, busy, rst = Pin(edges, 1), Pin(edges, 1), Pin(edges), Pin(edges), Pin(edges)
+        model = ad7606.Ad7606(
+            cs_n, sclk, Pin(edges), convst, busy, rst, lambda c, ns: c, report=edges.reports.append
+        )
+        model.draw.seed(seed)
+        edges.at(1000, rst, 1)
+        edges.at(2000, rst, 0)
+        edges.at(3000, convst, 1)
+        edges.run()
+        (rose, _), (fell, _) = busy.history
+        assert 3000 < rose <= 3045 and 6450 <= fell <= 7150
+
+
+def test_ad7606_rules(monkeypatch):
+    said = lambda **given: set(map(str, ad7606_run(monkeypatch, **given)[0].reports))
+    assert "rule: CONVST rises before a RESET" in said(convert_before=True)
+    assert "rule: CONVST rises during a conversion" in said(cycle=3000)
+    assert "rule: CONVST rises during a read" in said(cycle=5500, read=1900)
+    assert "mode: SCLK is low as CS falls" in said(sclk_rest=0)
+
+
+SETUP = [0x0040, 0x8000, 0x8800, 0x9000, 0x9800]
+
+
+def max1112x_run(
+    monkeypatch, low=40, high=40, css=20, rest=60, csw=60, ds=15, dh=None, words=(), setup=SETUP, noise=None
+):
+    """Setup, then channel 5 asked for three times; DIN moves ``ds`` before rising SCLK or ``dh`` after it."""
+    edges = Edges(monkeypatch, max1112x)
+    cs_n, sclk, mosi, miso = Pin(edges, 1), Pin(edges, 1), Pin(edges), Pin(edges)
+    args = cs_n, sclk, mosi, miso, 12, lambda channel, ns: 0x5A3
+    model = max1112x.Max1112x(*args, report=edges.reports.append)
+    quiet(model, noise)
+    start, begins = 1000, []
+    period = low + high
+    for word in words or [*setup, 0x0804 | 5 << 7, 0x0804 | 5 << 7, 0x0804 | 5 << 7]:
+        edges.at(start, cs_n, 0)
+        begins.append(start)
+        bits = [word >> (15 - bit) & 1 for bit in range(16)]
+        for number, bit in enumerate(bits):
+            fall = start + css + number * period
+            edges.at(fall, sclk, 0)
+            edges.at(fall + low, sclk, 1)
+            if dh is None or number == 0:
+                edges.at(fall + low - ds, mosi, bit)
+            if dh is not None:
+                edges.at(fall + low + dh, mosi, bits[number + 1] if number < 15 else 0)
+        start += css + 15 * period + low + rest
+        edges.at(start, cs_n, 1)
+        start += csw
+    edges.run()
+    return edges, model, miso, begins
+
+
+MAX1112X = {
+    "t_cp": ({"low": 31, "high": 31.5}, {"low": 31, "high": 31.5 - PS}),
+    "t_cp_max": ({"low": 3000, "high": 3250}, {"low": 3000, "high": 3250 + PS}),
+    "t_ch": ({"low": 40, "high": 25}, {"low": 40, "high": 25 - PS}),
+    "t_cl": ({"low": 25}, {"low": 25 - PS}),
+    "t_css": ({"css": 4}, {"css": 4 - PS}),
+    "t_csw": ({"csw": 5}, {"csw": 5 - PS}),
+    "t_acq": ({"rest": 20, "csw": 32}, {"rest": 20, "csw": 32 - PS}),
+    "t_ds": ({"ds": 4}, {"ds": 4 - PS}),
+    "t_dh": ({"dh": 1}, {"dh": 1 - PS}),
+}
+
+
+@pytest.mark.parametrize("name", MAX1112X)
+def test_max1112x(monkeypatch, name):
+    at, short = MAX1112X[name]
+    edges, model, _, _ = max1112x_run(monkeypatch, **at)
+    assert edges.names() == set() and [row[:2] for row in model.conversions[-2:]] == [(5, 0x5A3)] * 2
+    assert max1112x_run(monkeypatch, **short)[0].names() == {name}
+
+
+def test_max1112x_answers_after_its_delays(monkeypatch):
+    """Channel 5 and the code 0x5A3: each bit 4 ns after falling SCLK wrong, 16.5 ns after it right."""
+    _, _, miso, begins = max1112x_run(monkeypatch)
+    before = None
+    for number, bit in enumerate(map(int, f"{0x55A3:016b}")):
+        fall = begins[-1] + 20 + number * 80
+        assert before is None or miso.was(fall + 4 - PS) == before
+        assert (miso.was(fall + 4), miso.was(fall + 16.5 - PS), miso.was(fall + 16.5)) == (
+            1 - bit,
+            1 - bit,
+            bit,
+        )
+        before = bit
+    assert limits_of(max1112x) == {*MAX1112X, "t_dot", "t_hold", "t_dod"}
+
+
+@pytest.mark.parametrize("missing", SETUP)
+def test_max1112x_wants_its_setup(monkeypatch, missing):
+    edges = max1112x_run(monkeypatch, setup=[word for word in SETUP if word != missing])[0]
+    assert edges.names() == {"setup"} and f"0x{missing:04x}" in str(edges.reports[0])
+
+
+@pytest.mark.parametrize("word", [0x0804 | 8 << 7, 0x0844, 0x0805, 0x1004, 0x8001])
+def test_max1112x_refuses_other_words(monkeypatch, word):
+    assert max1112x_run(monkeypatch, words=[*SETUP, word])[0].names() == {"setup"}
+
+
+def test_max1112x_rules(monkeypatch):
+    edges = Edges(monkeypatch, max1112x)
+    pins = [Pin(edges, 1), Pin(edges, 1), Pin(edges), Pin(edges)]
+    max1112x.Max1112x(*pins, 12, lambda channel, ns: 0, report=edges.reports.append)
+    edges.at(1000, pins[1], 0)
+    edges.at(2000, pins[0], 0)
+    for number in range(17):
+        edges.at(3000 + 100 * number, pins[1], 1)
+        edges.at(3050 + 100 * number, pins[1], 0)
+    edges.run()
+    said = [str(report) for report in edges.reports]
+    assert said == [
+        "mode: SCLK runs while CS is high",
+        "mode: SCLK is low as CS falls",
+        "mode: more than 16 SCLK periods",
+    ]
