@@ -1,6 +1,6 @@
 """A part model without a simulator: edges come at given times, to the picosecond; what it drives is kept.
 
-``Edges(monkeypatch, module)`` stands in for the simulator in the part's module; then pins, model, ``at``, ``run``.
+``Edges(monkeypatch, module)`` stands in for the simulator; then come pins, model, ``at`` and ``run``.
 """
 
 import heapq
