@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import bench
+from meissner.engines import float_slip
 from meissner.slip.config import SlipConfig
 from meissner.slip.slip import Slip, State
 from meissner.slip.slip_path import decide
@@ -37,6 +38,17 @@ def test_the_twin_does_what_the_hand_found(case, rises):
     states = twin.process([p2p], [level], moving, np.array([masked]))[0]
     assert [int(state) for state in states] == [NUMBERS[letter] for letter in case.states]
     assert twin.blanked == case.blanked
+
+
+@pytest.mark.parametrize("rises", [True, False])
+@pytest.mark.parametrize(
+    "case", [case for case in CASES if "x" not in case.masked], ids=lambda case: case.name
+)
+def test_engine_float_does_what_the_hand_found(case, rises):
+    p2p, level, moving, _ = (np.array(values, dtype=float) for values in zip(*case.details(rises)))
+    config = SlipConfig(**case.settings(rises))
+    states, blanked = float_slip.states(p2p[None] - 0.5, level[None], config, moving.astype(bool))
+    assert (states[0].tolist(), blanked) == ([NUMBERS[letter] for letter in case.states], case.blanked)
 
 
 @pytest.mark.parametrize("rises", [True, False])

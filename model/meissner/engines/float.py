@@ -6,7 +6,7 @@ from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
 from meissner.engines import COP_ONE, MAX_CODE, MAX_FORCE, Watched, moving_of_details
 from meissner.engines.float_cop4 import cop4, cop4_of_volts, cop_slip  # noqa: F401 - of this engine
-from meissner.slip.slip import Slip
+from meissner.engines.float_slip import states
 
 # p2p of integer samples is an integer; rounding in the transform must not decide a comparison.
 HALF_CODE = 0.5
@@ -60,16 +60,15 @@ def watch(x, config, moving=None):
     span, hop = config.window // group, config.hop // group
     p2p = _running(detail, span, hop)
     index = np.arange(detail.shape[1])
-    twin = Slip(len(x), config)
     moving = moving_of_details(moving, config.level, detail.shape[1])
-    # The states are logic, not arithmetic: the rules of the twin on this engine's own numbers.
-    state = twin.process(p2p - HALF_CODE, np.rint(total), moving)
+    moving = np.zeros(p2p.shape[1], bool) if moving is None else moving
+    state, blanked = states(p2p - HALF_CODE, np.rint(total), config, moving)
     return Watched(
         p2p=p2p,
         over=p2p > config.threshold + HALF_CODE,
         state=state,
         end=(index >= span - 1) & ((index - (span - 1)) % hop == 0),
-        blanked=twin.blanked,
+        blanked=blanked,
     )
 
 

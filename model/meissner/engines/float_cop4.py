@@ -8,7 +8,7 @@ with p = 0 unless the load is corrected (meissner.world.mesh.correction).
 
 import numpy as np
 
-from meissner.cop.cop4 import LOAD_BITS, Cop4, faults
+from meissner.cop.cop4 import LOAD_BITS, Cop4
 from meissner.cop.cop_slip import CopSlipResult
 from meissner.engines import COP_ONE
 from meissner.world.mesh.correction import load_terms
@@ -29,9 +29,25 @@ def measure(codes, config):
     if config.fix is not None:
         d = d - n * (load_terms(x, y) @ config.fix.p)
     load = np.where(n > 0, np.where(d > 0, mesh.Kf * _ratio(n, d, d > 0), np.inf), 0.0)
-    # Flags compare codes with levels: logic, not arithmetic, and so the twin's.
-    saturated, imbalance, opened = faults(codes, config.registers)
+    saturated, imbalance, opened = flags(codes, config.registers)
     return x, y, load, ~saturated & ~imbalance & (opened == 0)
+
+
+def flags(codes, registers):
+    """saturated, imbalance, open (bit 0 for E1) of codes [samples, 4], by docs/cop4.md.
+
+    An electrode is open at ``idle`` or beyond while its partner, across the layer, is not beyond ``busy``;
+    the lower layer's codes are mirrored. N - M is minus the sum of the four.
+    """
+    codes = np.asarray(codes, dtype=np.float64)
+    top, idle, busy = registers.top, registers.idle, registers.busy
+    e1, e2, e3, e4 = codes.T
+    saturated = (codes.max(axis=1) >= top) | (codes.min(axis=1) <= -(top + 1))
+    imbalance = np.abs(codes.sum(axis=1)) > registers.imbalance
+    opened = np.zeros(len(codes), dtype=np.int64)
+    for bit, (own, partner) in enumerate(((e1, e3), (-e2 - 1, -e4 - 1), (e3, e1), (-e4 - 1, -e2 - 1))):
+        opened += np.where((own >= idle) & (partner <= busy), 1 << bit, 0)
+    return saturated, imbalance, opened
 
 
 def _nearest(value):
@@ -47,7 +63,7 @@ def cop4(codes, config):
     over, load = load > top, np.minimum(load, top).astype(np.int64)
     pressed = sound & (load > 0) & (load >= config.registers.min_load)
     x, y = (np.where(pressed, _nearest(value * COP_ONE), 0).astype(np.int32) for value in (x, y))
-    return Cop4(x, y, load, pressed, over, *faults(codes, config.registers))
+    return Cop4(x, y, load, pressed, over, *flags(codes, config.registers))
 
 
 def cop4_of_volts(solution):
