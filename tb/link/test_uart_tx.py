@@ -1,6 +1,9 @@
 """msn_uart_tx against its model, clock by clock, and the model against a receiver of its own: whole and
 broken clocks a bit, 4 at the least, any byte, gaps or none, reset in mid-byte, first bit at once."""
 
+from fractions import Fraction
+from math import floor
+
 import cocotb
 import numpy as np
 import pytest
@@ -24,6 +27,28 @@ async def watch(dut, data, gaps):
         quiet = quiet + 1 if at == len(data) and line[-1] else 0
         await bench.RisingEdge(dut.clk_i)
     return line
+
+
+def edges_of(data, clk_hz, baud_hz):
+    """By docs/link.md: the n-th bit of all ends after n bits, cut to a clock, each as long as to a sixteenth."""
+    bit = Fraction(floor(Fraction(16 * clk_hz, baud_hz) + Fraction(1, 2)), 16)
+    bits = [int(bit) for byte in data for bit in "0" + f"{byte:08b}"[::-1] + "1"]
+    ends = [floor((n + 1) * bit) for n in range(len(bits))]
+    return [level for level, begin, end in zip(bits, [0, *ends], ends) for _ in range(end - begin)]
+
+
+@pytest.mark.parametrize("rate", [*RATES, (11_000_000, 2_000_000), (100_000_000, 115_200)])
+def test_model_against_fractions(rate):
+    data = bytes([0, 255, 0x55, 0xAA, 1, 128, 0x96])
+    assert levels(data, *rate) == edges_of(data, *rate)
+
+
+def test_levels_by_hand():
+    """0x96, lowest bit first, 4 clocks a bit; 5 1/2 clocks a bit: 5 and 6 by turns."""
+    expected = [0, 0, 1, 1, 0, 1, 0, 0, 1, 1]
+    assert levels(b"\x96", 12_000_000, 3_000_000) == [bit for bit in expected for _ in range(4)]
+    lengths = [5, 6] * 5
+    assert levels(b"\x96", 11_000_000, 2_000_000) == [b for b, n in zip(expected, lengths) for _ in range(n)]
 
 
 @cocotb.test(timeout_time=10, timeout_unit="ms")

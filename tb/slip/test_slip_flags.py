@@ -3,6 +3,7 @@
 import random
 
 import cocotb
+import pytest
 from cocotb.triggers import ReadOnly, RisingEdge
 
 import bench
@@ -50,6 +51,34 @@ async def forgets_at_reset(dut):
     dut.in_valid_i.value = 0
     await ReadOnly()
     assert [bench.read(getattr(dut, f"{n}_o")) for n in ("slip", "gross", "touched")] == [0] * 3
+
+
+def of_frames(decisions):
+    """Each flag: after a frame's last decision whether any of it has it, before that also any of the last frame."""
+    frames, found = [[]], []
+    for state, last in decisions:
+        frames[-1].append(state)
+        seen = frames[-1] if last or len(frames) == 1 else frames[-2] + frames[-1]
+        found.append(tuple(any(state in which for state in seen) for which in ((2, 3), (3,), (1, 2, 3))))
+        if last:
+            frames.append([])
+    return found
+
+
+@pytest.mark.parametrize("channels", [1, 2, 7])
+def test_model_against_a_plain_loop(channels):
+    draw = random.Random(bench.SEED)
+    states = [draw.choice([0] * 9 + [1, 2, 3, 4, 4]) for _ in range(500 * channels)]
+    decisions = [(state, n % channels == channels - 1) for n, state in enumerate(states)]
+    assert [tuple(map(bool, flags)) for flags in slip_flags(decisions)] == of_frames(decisions)
+
+
+def test_flags_by_hand():
+    """Two channels: contact, slip of the second, gross of the first, release; flags fall with a whole frame."""
+    states = [0, 1, 0, 2, 0, 0, 3, 0, 4, 4, 4, 0]
+    seen = ["", "t", "t", "st", "st", "", "sgt", "sgt", "sgt", "", "", ""]
+    flags = slip_flags([(state, n % 2 == 1) for n, state in enumerate(states)])
+    assert ["".join(name for name, flag in zip("sgt", each) if flag) for each in flags] == seen
 
 
 def test_slip_flags():

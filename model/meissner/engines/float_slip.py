@@ -1,4 +1,4 @@
-"""Slip states of engine ``float``: a loop of its own, by what happened when, on numbers that were not rounded."""
+"""Slip states of engine ``float``: a loop of its own, by what happened when, on numbers not rounded."""
 
 import numpy as np
 

@@ -41,7 +41,7 @@ class Health:
         moved = |raw - held| > band, then held = raw      recent = moved in the last 3 frames, up or down
         dead      no move of its own while both neighbours in its row or column are recent the same way:
                   +4 a frame (+1 with ``edges`` beside the one neighbour at a border), from ``still`` on
-        railed    at ``low``, at ``high`` or (``user``) over-range, without a break in ``rail`` of frames 0, 16 ..
+        railed    at ``low``, ``high`` or (``user``) over-range, without a break in ``rail`` of 0, 16 ..
         blinking  a step > jump while no neighbour is recent: +16, any other frame -1, from ``blink`` on
 
     Neighbours are looked at as they were at the end of the last whole frame. A fault masks from the next

@@ -1,0 +1,130 @@
+"""Small blocks of the front end against literals worked out by hand from their pages and headers."""
+
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+from meissner.frontend import adc_store, burst
+from meissner.frontend.acquire import Acquire
+from meissner.frontend.adc_single import AdcSingle
+from meissner.frontend.adc_spi import AD7606, MAX11123, MAX11124, MAX11125, MCP3208, AdcSpi
+from meissner.frontend.am_demod import references
+from meissner.frontend.calibration_preset import preset
+from meissner.frontend.convert_time import convert_times
+from meissner.frontend.scan_plan import Region, ScanPlan, Settings
+
+CODES = {  # code: (sample, over-range), by docs/adc.md
+    MCP3208: {0: (0, 1), 1: (1, 0), 2047: (2047, 0), 2048: (2048, 0), 4094: (4094, 0), 4095: (4095, 1)},
+    AD7606: {
+        0x7FFF: (32767, 1),
+        0x7FFE: (32766, 0),
+        0x8000: (-32768, 1),
+        0x8001: (-32767, 0),
+        0xFFFF: (-1, 0),
+    },
+    MAX11123: {0: (0, 1), 1: (1, 0), 128: (128, 0), 254: (254, 0), 255: (255, 1)},
+    MAX11124: {0: (0, 1), 1: (1, 0), 1022: (1022, 0), 1023: (1023, 1)},
+    MAX11125: {0: (0, 1), 4094: (4094, 0), 4095: (4095, 1)},
+}
+
+
+@pytest.mark.parametrize("part", CODES, ids=lambda part: part.name)
+def test_samples_by_hand(part):
+    codes, expected = list(CODES[part]), list(CODES[part].values())
+    twins = [AdcSpi(part), Acquire(part)] + ([AdcSingle()] if part is MCP3208 else [])
+    for twin in twins:
+        data, over = twin.samples(codes)
+        assert list(zip(np.asarray(data).tolist(), np.asarray(over, int).tolist())) == expected
+    data, over = adc_store.samples(codes, part.data_bits, 17, part is AD7606)
+    assert list(zip(data.tolist(), over.astype(int).tolist())) == expected
+
+
+def test_bursts_by_hand():
+    """The first a clock after the start; a start breaks off what is under way from the next clock on."""
+    assert burst.triggers([10], 3, 5, 100) == [11, 16, 21]
+    assert burst.triggers([10], 3, 5, 21) == [11, 16]
+    assert burst.triggers([10, 16], 3, 5, 100) == [11, 16, 17, 22, 27]
+    assert burst.triggers([10, 15], 3, 5, 100) == [11, 16, 21, 26]
+    assert burst.triggers([10], 1, 9, 100) == [11]
+    assert burst.samples(skip=3, periods=5, samples_per_period=8) == 43
+
+
+def test_convert_times_by_hand():
+    """Of each frame the last convert start before its first sample was offered, not of the same clock."""
+    convert, sample, taken, last = (1, 0, 0, 0), (0, 1, 0, 0), (0, 1, 1, 0), (0, 1, 1, 1)
+    idle, both = (0, 0, 0, 0), (1, 1, 1, 1)
+    clocks = [idle, convert, idle, sample, taken, last, convert, convert, taken, both, last, last]
+    #         0     1        2     3       4      5     6        7        8      9     10    11
+    assert convert_times(clocks) == [1, 7, 9, 9]
+
+
+def test_references_of_a_carrier_by_hand():
+    """docs/demod.md: N = 4: 1, 0; 8: 5, 2; 16: 5, 1 and 4, 3; near a cosine by less than 3 parts in 100."""
+    quarter = {4: [1, 0], 8: [5, 2, -2, -5], 16: [5, 4, 3, 1, -1, -3, -4, -5]}
+    for count, half in quarter.items():
+        cosine = [*half, *(-value for value in half)]
+        i, q = references(count).tolist()
+        assert i == cosine
+        assert q == [cosine[(k - count // 4) % count] for k in range(count)]
+        turn = np.cos(2 * np.pi * (np.arange(count) + (count > 4) / 2) / count)
+        size = max(cosine) / turn.max()
+        assert np.abs(np.array(cosine) / size - turn).max() < 0.2
+
+
+@pytest.mark.parametrize("rows, columns, lanes, channels", [(3, 7, 1, 2), (5, 30, 2, 8), (4, 3, 8, 1)])
+def test_places_of_a_scan_by_their_columns(rows, columns, lanes, channels):
+    """column = (group channels + channel) lanes + lane: those groups that a column of the region is in."""
+    plan = ScanPlan(rows, columns, lanes, channels)
+    for first_column in range(columns):
+        for last_column in range(first_column, columns):
+            region = Region(1, rows - 2, first_column, last_column)
+            groups = sorted({column // lanes // channels for column in range(first_column, last_column + 1)})
+            expected = [(row, group) for row in range(1, rows - 1) for group in groups]
+            assert plan.places(region) == expected
+    order = [*range(0, rows, 2), *range(1, rows, 2)]
+    assert [row for row, group in plan.places(interleave=True) if group == 0] == order
+
+
+def test_a_scan_by_hand():
+    """2 x 5 behind two inputs: three groups a row. Slots: 20 clocks at settle 4, 30 + 1 + 3 at settle 30."""
+    plan = ScanPlan(2, 5, 1, 2, hold=3, cycle=20)
+    done, overrun, _ = plan.schedule(Settings(settle=4), 4 + 7 * 20)
+    assert [(c.switch, c.trigger, c.row, c.group, c.first) for c in done] == [
+        (4, 9, 0, 0, True),
+        (24, 29, 0, 1, False),
+        (44, 49, 0, 2, False),
+        (64, 69, 1, 0, False),
+        (84, 89, 1, 1, False),
+        (104, 109, 1, 2, False),
+        (124, 129, 0, 0, True),
+    ]
+    assert (overrun, plan.slot(4), plan.slot(16), plan.slot(17), plan.slot(30)) == (0, 20, 20, 21, 34)
+    # Ticks at 4, 134, 264: a frame of 120 clocks each; ticks every 119 find it under way every second time.
+    done, overrun, _ = plan.schedule(Settings(settle=4, period=130), 300)
+    assert [c.switch for c in done if c.first] == [4, 134, 264] and overrun == 0
+    done, overrun, _ = plan.schedule(Settings(settle=4, period=60), 310)
+    assert [c.switch for c in done if c.first] == [4, 124, 244] and overrun == 3
+
+
+def test_a_preset_by_hand():
+    """3 x 5 in two lanes: three words a row; with rows and columns three words and three rows at 1.0."""
+    assert preset(3, 5, 2, 77) == [(False, word, 0, 77) for word in range(9)]
+    rows = [(True, row, 0, 4096) for row in range(3)]
+    assert preset(3, 5, 2, 77, row_column=True) == [(False, word, 0, 77) for word in range(3)] + rows
+
+
+def test_a_half_of_a_bit_is_no_clock_short():
+    """docs/adc.md, the table of configurations: half, first and last sample, shortest period."""
+    rows = {
+        (MCP3208, 1, 1, 12_000, 2_000): (3, 114, 114, 121),
+        (MCP3208, 8, 1, 25_000, 1_000): (13, 494, 4134, 4161),
+        (MCP3208, 8, 1, 48_000, 2_000): (12, 456, 3816, 3841),
+        (MAX11123, 8, 1, 25_000, 16_000): (1, 313, 320, 321),
+        (MAX11125, 8, 1, 100_000, 16_000): (4, 1252, 1259, 1261),
+    }
+    for (part, channels, lanes, clk, sclk), (half, first, last, period) in rows.items():
+        twin = AdcSpi(part, channels=channels, lanes=lanes, clk_khz=clk, sclk_khz=sclk)
+        assert (twin.half, twin.latencies()[0], twin.latencies()[-1]) == (half, first, last)
+        assert twin.minimum_period() == period
+        assert Fraction(clk, 2 * half) <= sclk

@@ -1,0 +1,40 @@
+"""The zero of a taxel as in docs/array.md, in exact rationals: written from that page, not from the twin."""
+
+from fractions import Fraction
+from math import floor
+
+
+class TareReference:
+    """``frame`` takes one whole frame of codes [taxel] and returns what is left of them."""
+
+    def __init__(self, taxels, fraction_bits, tare_log2, contact, step):
+        self.zeros = [Fraction(0)] * taxels
+        self.move, self.contact, self.length = Fraction(step, 1 << fraction_bits), contact, 1 << tare_log2
+        self.asked = self.forced = False
+        self.seen = None  # what is left of the codes of the frames that are averaged; None: nothing is
+        self.average = None  # found, not written yet
+        self.tared = self.refused = 0
+
+    def tare(self, force=False):
+        if self.seen is None and self.average is None:
+            self.seen, self.forced = [], force
+
+    def frame(self, codes, masked):
+        if self.average is not None:  # a frame in which nothing else writes the zeros
+            self.zeros = [zero + more for zero, more in zip(self.zeros, self.average)]
+        left = [code - floor(zero + Fraction(1, 2)) for code, zero in zip(codes, self.zeros)]
+        pressed = any(r > self.contact and not off for r, off in zip(left, masked))
+        if self.seen is not None:
+            self.seen.append(left)
+            if pressed and not self.forced:
+                self.seen, self.refused = None, self.refused + 1
+            elif len(self.seen) == self.length:
+                self.average = [Fraction(sum(each), self.length) for each in zip(*self.seen)]
+                self.seen = None
+        elif self.average is not None:
+            self.average, self.tared = None, self.tared + 1
+        else:
+            for taxel, r in enumerate(left):
+                if r <= self.contact and r != 0:
+                    self.zeros[taxel] += self.move if r > 0 else -self.move
+        return left
