@@ -30,7 +30,7 @@ async def watch(dut, data, gaps):
 
 
 def edges_of(data, clk_hz, baud_hz):
-    """By docs/link.md: the n-th bit of all ends after n bits, cut to a clock, each as long as to a sixteenth."""
+    """By docs/link.md: the n-th bit of all ends after n bits, cut to a clock; a bit lasts sixteenths."""
     bit = Fraction(floor(Fraction(16 * clk_hz, baud_hz) + Fraction(1, 2)), 16)
     bits = [int(bit) for byte in data for bit in "0" + f"{byte:08b}"[::-1] + "1"]
     ends = [floor((n + 1) * bit) for n in range(len(bits))]

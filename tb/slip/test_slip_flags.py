@@ -54,7 +54,7 @@ async def forgets_at_reset(dut):
 
 
 def of_frames(decisions):
-    """Each flag: after a frame's last decision whether any of it has it, before that also any of the last frame."""
+    """Each flag: after a frame's last decision whether any of it has it, before or any of the last frame."""
     frames, found = [[]], []
     for state, last in decisions:
         frames[-1].append(state)
@@ -74,7 +74,7 @@ def test_model_against_a_plain_loop(channels):
 
 
 def test_flags_by_hand():
-    """Two channels: contact, slip of the second, gross of the first, release; flags fall with a whole frame."""
+    """Two channels: contact, slip of the second, gross of the first, release."""
     states = [0, 1, 0, 2, 0, 0, 3, 0, 4, 4, 4, 0]
     seen = ["", "t", "t", "st", "st", "", "sgt", "sgt", "sgt", "", "", ""]
     flags = slip_flags([(state, n % 2 == 1) for n, state in enumerate(states)])

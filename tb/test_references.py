@@ -1,0 +1,85 @@
+"""docs/references.md: each twin stands there once, and what it is held against is there and reads no twin."""
+
+import ast
+import re
+from functools import cache
+
+import pytest
+
+from meissner import toolchain
+
+PAGE = (toolchain.ROOT / "docs/references.md").read_text()
+MODEL = toolchain.ROOT / "model/meissner"
+STAGES = ("common", "cop", "frontend", "link", "slip")
+ROWS = [[cell.strip() for cell in row.split("|")[1:-1]] for row in PAGE.splitlines() if row.startswith("| `")]
+COMPUTES = [row for row in ROWS if len(row) == 3]
+
+
+def test_every_twin_stands_in_one_table():
+    twins = [path for stage in STAGES for path in (MODEL / stage).glob("*.py") if path.stem != "__init__"]
+    names = sorted([str(path.relative_to(MODEL)) for path in twins] + ["core.py"])
+    assert sorted(row[0].strip("`") for row in ROWS) == names
+
+
+@cache
+def functions(file):
+    """Source of each function and table at the top of a test file, by name."""
+    text = (toolchain.ROOT / file).read_text()
+    found = {}
+    for node in ast.parse(text).body:
+        names = [node.name] if isinstance(node, ast.FunctionDef) else []
+        if isinstance(node, ast.Assign):
+            names = [target.id for target in node.targets if isinstance(target, ast.Name)]
+        if names:
+            first = node.decorator_list[0].lineno if getattr(node, "decorator_list", None) else node.lineno
+            found |= dict.fromkeys(names, "\n".join(text.splitlines()[first - 1 : node.end_lineno]))
+    return found
+
+
+def reached(file, name):
+    """The source of a test and of all at the top of its file that it uses."""
+    seen, ahead = {}, [name]
+    while ahead:
+        one = ahead.pop()
+        if one not in seen and one in functions(file):
+            seen[one] = functions(file)[one]
+            ahead += re.findall(r"\w+", seen[one])
+    return "\n".join(seen.values())
+
+
+@pytest.mark.parametrize("twin, reference, used_by", COMPUTES, ids=[row[0].strip("`") for row in COMPUTES])
+def test_the_reference_is_used(twin, reference, used_by):
+    file, name = used_by.strip("`").split("::")
+    source = reached(file, name)
+    assert source, f"{file} has no {name}"
+    words = re.findall(r"`(\w+)`", reference)
+    assert words
+    for word in words:
+        assert word in source, f"{name} does not use {word}"
+    module = twin.strip("`").removesuffix(".py").replace("/", ".")
+    package, _, block = module.rpartition(".")
+    text = (toolchain.ROOT / file).read_text()
+    wanted = rf"from meissner\.{module} import|from meissner\.{package} import .*\b{block}\b"
+    assert re.search(wanted, text), f"{file} does not import the twin"
+
+
+@pytest.mark.parametrize(
+    "path", sorted((toolchain.ROOT / "tb/reference").glob("*.py")), ids=lambda path: path.stem
+)
+def test_references_read_no_twin(path):
+    for node in ast.walk(ast.parse(path.read_text())):
+        names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
+        names += [node.module] if isinstance(node, ast.ImportFrom) else []
+        assert not [name for name in names if name.split(".")[0] == "meissner"]
+
+
+def test_engine_float_takes_types_and_constants_only():
+    """From the files of the twins: names of classes and in capitals."""
+    for path in (MODEL / "engines").glob("float*.py"):
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.ImportFrom) and re.match(
+                rf"meissner\.({'|'.join(STAGES)})\b", node.module
+            ):
+                taken = [alias.name for alias in node.names]
+                assert all(name[0].isupper() for name in taken), f"{path.name}: {taken}"
+                assert not {"Slip", "SlipSerial", "CopSlip", "Health"} & set(taken)
