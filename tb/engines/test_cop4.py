@@ -4,11 +4,13 @@ pressed meshes, codes next to them, full scale of every sign, nothing, anything;
 
 from dataclasses import replace
 from fractions import Fraction
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from meissner import engines
+from meissner.cop.cop4 import faults
 from meissner.cop.cop4_config import TOUCHES, Cop4Config
 from meissner.engines import float_cop4
 from meissner.scenes import four_wires
@@ -104,6 +106,34 @@ def test_float_is_the_formula_in_fractions():
             assert abs(max(-1, min(1, value)) * 16384 - int(got)) <= Fraction(1, 2) + Fraction(1, 10**6)
         load = Fraction(mesh.Kf) * n / d / Fraction(given.load_lsb_n)
         assert abs(load - int(result.load[k])) <= Fraction(1, 2) + Fraction(1, 10**6)
+
+
+FLAGS = [  # codes, then saturated, imbalance, open, by docs/cop4.md
+    ([15000, -14500, 14000, -14500], (0, 0, 1)),
+    ([14999, -14500, 14000, -14500], (0, 0, 0)),
+    ([15000, -14500, 14001, -14500], (0, 0, 0)),
+    ([14000, -14500, 15000, -14500], (0, 0, 4)),
+    ([14501, -15001, 14501, -14001], (0, 0, 2)),
+    ([14501, -15000, 14501, -14001], (0, 0, 0)),
+    ([14501, -15001, 14501, -14002], (0, 0, 0)),
+    ([14501, -14001, 14501, -15001], (0, 0, 8)),
+    ([14010, -14000, 14010, -14000], (0, 0, 0)),
+    ([14011, -14000, 14010, -14000], (0, 1, 0)),
+    ([14000, -14010, 14000, -14010], (0, 0, 0)),
+    ([14000, -14010, 14000, -14011], (0, 1, 0)),
+    ([32766, -32766, 0, 0], (0, 0, 3)),
+    ([32767, -32766, 0, 0], (1, 0, 3)),
+    ([32766, -32767, 0, 0], (0, 0, 3)),
+    ([32766, -32768, 0, 0], (1, 0, 3)),
+]
+
+
+def test_flags_by_hand():
+    """At each level and one beside it: of the twin and of engine float, which has its own."""
+    levels = SimpleNamespace(rail=30000, top=32767, idle=15000, busy=14000, imbalance=20)
+    for codes, expected in FLAGS:
+        for flags in (faults, float_cop4.flags):
+            assert tuple(int(flag[0]) for flag in flags([codes], levels)) == expected, (codes, flags)
 
 
 def test_float_at_and_beyond_every_limit():

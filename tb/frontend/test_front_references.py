@@ -52,9 +52,10 @@ def test_bursts_by_hand():
 
 def test_convert_times_by_hand():
     """Of each frame the last convert start before its first sample was offered, not of the same clock."""
-    convert, sample, taken, last = (1, 0, 0, 0), (0, 1, 0, 0), (0, 1, 1, 0), (0, 1, 1, 1)
+    convert, sample, last = (1, 0, 0, 0), (0, 1, 0, 0), (0, 1, 1, 1)
+    waits = (0, 1, 0, 1)  # the last sample, not taken yet
     idle, both = (0, 0, 0, 0), (1, 1, 1, 1)
-    clocks = [idle, convert, idle, sample, taken, last, convert, convert, taken, both, last, last]
+    clocks = [idle, convert, idle, sample, waits, last, convert, convert, waits, both, last, last]
     #         0     1        2     3       4      5     6        7        8      9     10    11
     assert convert_times(clocks) == [1, 7, 9, 9]
 
@@ -105,6 +106,11 @@ def test_a_scan_by_hand():
     assert [c.switch for c in done if c.first] == [4, 134, 264] and overrun == 0
     done, overrun, _ = plan.schedule(Settings(settle=4, period=60), 310)
     assert [c.switch for c in done if c.first] == [4, 124, 244] and overrun == 3
+    # The last switch of a frame from 4 on is at 104: a tick at 106 finds it under way, one at 107 waits.
+    done, overrun, _ = plan.schedule(Settings(settle=4, period=102), 330)
+    assert [c.switch for c in done if c.first] == [4, 208] and overrun == 2
+    done, overrun, _ = plan.schedule(Settings(settle=4, period=103), 330)
+    assert [c.switch for c in done if c.first] == [4, 124, 313] and overrun == 1
 
 
 def test_a_preset_by_hand():

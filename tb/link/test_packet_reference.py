@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from meissner.link import bridge, packet
-from meissner.link.cobs import encode
+from meissner.link.cobs import decode, encode, stuff
 from meissner.link.decoder import Decoder
 from meissner.link.packet_slip import packets
 
@@ -16,7 +16,7 @@ def with_crc(text):
     return body + zlib.crc32(body).to_bytes(4, "little")
 
 
-HEAD = "05 060504030201"  # number 261 mod 256, time 0x010203040506
+HEAD = "85 060504030201"  # number 389 mod 256, time 0x010203040506
 LITERALS = [
     (packet.SLIP, packet.slip_event(0x0201, 0x050403, 2), "01", "0102 030405 02"),
     (packet.SLIP, packet.slip_event(65535, 7, 3), "01", "ffff 070000 03"),
@@ -32,7 +32,7 @@ LITERALS = [
 @pytest.mark.parametrize("kind, payload, code, text", LITERALS)
 def test_packets_by_hand(kind, payload, code, text):
     expected = with_crc(f"{code} {HEAD} {text}")
-    assert packet.packet(kind, 261, 0x7F_0102_0304_0506, payload) == expected
+    assert packet.packet(kind, 389, 0x7F_0102_0304_0506, payload) == expected
 
 
 def test_an_image_by_hand():
@@ -41,6 +41,7 @@ def test_an_image_by_hand():
         "2c 00 00 00 00 01 00 03 02",
         "2c 01 02 00 00 ff ff",
     ]
+    assert [part.hex(" ") for part in packet.image_chunks(128, [7, 8], 2)] == ["80 01 00 00 00 07 00 08 00"]
 
 
 FIELDS = [
@@ -57,7 +58,7 @@ FIELDS = [
 def test_the_host_reads_them_by_hand(literal, fields):
     found = Decoder().next(encode(with_crc(f"{literal[2]} {HEAD} {literal[3]}")))
     assert [(one.kind, one.number, one.time, one.fields) for one in found] == [
-        (literal[0], 5, 0x010203040506, fields)
+        (literal[0], 133, 0x010203040506, fields)
     ]
 
 
@@ -96,3 +97,58 @@ def test_checksums_are_zlib_s():
     for length in (1, 12, 240):
         payload = rng.bytes(length)
         assert packet.packet(77, 1, 2, payload) == with_crc(f"4d 01 020000000000 {payload.hex()}")
+
+
+# docs/link.md: each zero, and the end, becomes one more than the bytes since the zero before.
+STUFFED = [
+    ("01 00 02 03 00", "00 01 02 02 03 03 01 00"),
+    ("00", "00 01 01 00"),
+    ("00 00", "00 01 01 01 00"),
+    ("07", "00 07 02 00"),
+    ("07 00 09", "00 07 02 09 02 00"),
+    ("ff " * 253, "00 " + "ff " * 253 + "fe 00"),
+]
+
+
+@pytest.mark.parametrize("packet_, line", STUFFED, ids=range(len(STUFFED)))
+def test_stuffing_by_hand(packet_, line):
+    assert encode(bytes.fromhex(packet_)) == bytes.fromhex(line)
+    assert decode(bytes.fromhex(line)[1:-1]) == bytes.fromhex(packet_)
+
+
+def test_plain_cobs_by_hand():
+    """To the core it is the other way round: codes before their runs."""
+    assert stuff(bytes.fromhex("01 00 02 03 00")) == bytes.fromhex("00 02 01 03 02 03 01 00")
+    assert stuff(bytes(1)) == bytes.fromhex("00 01 01 00")
+
+
+def test_what_a_host_drops_by_hand():
+    """What does not unstuff, is shorter than 12 bytes or has a wrong checksum; empty frames count nowhere."""
+    whole, other = (encode(with_crc(f"63 {number} 000000000000 aa")) for number in ("07", "09"))
+    least, short = encode(with_crc("63 08 000000000000")), encode(with_crc("63 08 0000000000"))
+    spoilt = bytes([whole[0], whole[1] ^ 1]) + whole[2:]
+    bad_end = whole[:-2] + bytes([len(whole) + 9, 0])
+    for dropped, damaged in ((b"\0\0\0", 0), (short, 1), (spoilt, 1), (bad_end, 1), (b"\0\x05\x05\0", 1)):
+        decoder = Decoder()
+        assert [one.number for one in decoder.next(whole + dropped + other)] == [7, 9]
+        assert (decoder.damaged, decoder.missed) == (damaged, 1)
+    decoder = Decoder()
+    assert [one.number for one in decoder.next(whole + least + other)] == [7, 8, 9]
+    assert (decoder.damaged, decoder.missed) == (0, 0)
+
+
+def test_a_lost_zero_by_hand():
+    """Each packet is between two zeros of its own: one lost costs nothing, both cost two packets."""
+    frames = [encode(with_crc(f"63 0{number} 000000000000")) for number in (1, 2, 3)]
+    one_lost = frames[0] + frames[1][1:] + frames[2]
+    both_lost = frames[0][:-1] + frames[1][1:] + frames[2]
+    assert [one.number for one in Decoder().next(one_lost)] == [1, 2, 3]
+    decoder = Decoder()
+    assert [one.number for one in decoder.next(both_lost)] == [3]
+    assert decoder.damaged == 1
+
+
+def test_a_known_type_of_another_length_is_dropped_and_an_unknown_is_passed():
+    decoder = Decoder()
+    found = decoder.next(encode(with_crc(f"04 {HEAD} 010203 01 00")) + encode(with_crc(f"63 {HEAD} 01")))
+    assert [(one.kind, one.payload) for one in found] == [(0x63, b"\1")]
