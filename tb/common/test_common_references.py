@@ -9,6 +9,7 @@ import bench
 from common.test_frame_place import damaged_beats
 from meissner.common.compare import compare
 from meissner.common.frame_check import FrameCheck
+from meissner.common.frame_owed import FrameOwed
 from meissner.common.frame_place import FramePlace
 from meissner.common.multiply import multiply
 from meissner.common.times import times
@@ -102,3 +103,24 @@ def test_checked_frames_by_their_ends(channels):
     assert (kept, restarts) == (expected, marks)
     assert twin.damaged == damaged > 50 * (channels > 1)
     assert np.any(restarts)
+
+
+OWED = {  # by msn_frame_owed's header, two results, given up after three quiet clocks; a letter a clock
+    # B first beat, b later beat, 0 and 1 results, d dropped, q quiet between frames, w waits, . in a frame
+    "Bb0.1...": "01111000",
+    "B10.Bb.d.": "01100111" + "0",
+    "Bqqqqq": "011110",
+    "Bqqwqqqqq": "011111110",
+    "B.......0.1.": "0" + "1" * 10 + "0",
+    "B01B01.": "0110110",
+}
+
+
+@pytest.mark.parametrize("clocks", OWED)
+def test_owed_results_by_hand(clocks):
+    twin, busy = FrameOwed(results=2, quiet_bits=2), ""
+    for letter in clocks:
+        done = [letter == "0", letter == "1"]
+        first, quiet = letter in "Bqw", letter == "q"
+        busy += "01"[twin.next(letter in "Bb", first, done, letter == "d", quiet)]
+    assert busy == OWED[clocks]
