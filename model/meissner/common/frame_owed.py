@@ -2,7 +2,7 @@
 
 
 class FrameOwed:
-    """``results``: of each frame; ``quiet_bits``: a lost result is given up after 2**quiet_bits - 1 quiet clocks."""
+    """``results`` of each frame; one that is lost is given up after 2**``quiet_bits`` - 1 quiet clocks."""
 
     def __init__(self, results=1, quiet_bits=9):
         if results < 1:

