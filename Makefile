@@ -67,8 +67,8 @@ powerup: $(SIM)  ## twenty power-ups of each block with random registers: docs/t
 registers: $(SIM)  ## RTL, Python map, C header and page of the registers, from rtl/registers.rdl
 	@$(BIN)/python tools/registers.py
 
-synth: $(SYNTH)  ## bitstream of a board: BOARD=ulx3s, icebreaker, tangnano20k or orangecrab [CONFIG=...] [DEVICE=85F]
-	@$(BIN)/python tools/synth.py $(BOARD) $(CONFIG) $(if $(DEVICE),--device $(DEVICE))
+synth: $(SYNTH)  ## bitstream of a board: BOARD=ulx3s, icebreaker, tangnano20k or orangecrab [CONFIG=name or mine.toml] [DEVICE=85F]
+	@$(BIN)/python tools/synth.py $(BOARD) $(if $(CONFIG),"$(CONFIG)") $(if $(DEVICE),--device $(DEVICE))
 
 resources: $(SYNTH)  ## constraints/resources.json anew: every board with every configuration, three seeds each
 	@$(BIN)/python tools/synth.py --record

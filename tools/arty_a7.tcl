@@ -3,7 +3,7 @@
 #   python tools/synth.py --macros arty_a7 fingertip     build/synth/arty_a7-fingertip/msn_build.svh
 #   vivado -mode batch -source tools/arty_a7.tcl -tclargs fingertip
 #
-# From the repository's root; slip1 or fingertip. For the -100T change the part.
+# From the repository's root; slip1, fingertip, or the name of a TOML file without its ending. For the -100T change the part.
 
 set config [expr {$argc > 0 ? [lindex $argv 0] : "fingertip"}]
 set folder build/synth/arty_a7-$config
@@ -15,10 +15,10 @@ if {![file exists $folder/msn_build.svh]} {
 set list [open rtl/rtl.f]
 set sources [split [string trim [read $list]] "\n"]
 close $list
-lappend sources rtl/boards/msn_board_reset.sv rtl/boards/msn_board.sv rtl/boards/arty_a7_top.sv
+lappend sources rtl/boards/msn_board_reset.sv rtl/boards/msn_board.sv rtl/boards/arty_a7_clock.sv $folder/arty_a7_top.sv
 
 read_verilog -sv $sources
-read_xdc constraints/arty_a7.xdc
+read_xdc $folder/arty_a7_top.xdc
 synth_design -top arty_a7_top -part xc7a35ticsg324-1L -include_dirs $folder
 opt_design
 place_design

@@ -34,10 +34,13 @@ def main():
     problems += [f"{path} does not define module {path.stem}" for path in misnamed]
     verilator = ["verilator", "--lint-only", "--quiet", "-Wall", str(WAIVERS), *map(str, files)]
     jobs = [(f"verilator {top.stem}", [*verilator, "--top-module", top.stem]) for top in tops]
+    written = []
     for board, name in pairs:
         folder = f"build/lint/{board.name}-{name}"
-        boards.write_build(folder, board.parameters(name))
-        command = [*verilator, *board.sources, str(CELLS), f"-I{folder}", "--top-module", board.top]
+        boards.write_board(folder, board, name)
+        made = f"{folder}/{board.top}.sv"
+        written.append(made)
+        command = [*verilator, *board.sources, made, str(CELLS), f"-I{folder}", "--top-module", board.top]
         jobs.append((f"verilator {board.top}, {name}", command))
     for name in config.names():
         given = [f"-G{k}={v}" for k, v in verilog(config.load(name).parameters).items()]
@@ -48,7 +51,7 @@ def main():
     jobs += [
         (
             "verible",
-            [str(binaries / "verible-verilog-lint"), f"--rules_config={RULES}", *map(str, (*files, *outer))],
+            [str(binaries / "verible-verilog-lint"), f"--rules_config={RULES}", *map(str, (*files, *outer, *written))],
         ),
         ("ruff check", [str(binaries / "ruff"), "check", "--quiet", *PYTHON]),
         ("ruff format", [str(binaries / "ruff"), "format", "--quiet", "--check", *PYTHON]),

@@ -2,11 +2,13 @@
 
     python tools/synth.py ulx3s                    its first configuration
     python tools/synth.py icebreaker slip1         into build/synth/icebreaker-slip1/
-    python tools/synth.py ulx3s slip1 --device 85F  for a board with another device
+    python tools/synth.py ulx3s mine.toml          a configuration of yours (docs/config.md)
+    python tools/synth.py ulx3s slip1 --device 85F  for a board with another device, into ulx3s-slip1-85F/
+    python tools/synth.py ulx3s mine.toml --pins   only its pins
     python tools/synth.py --list                   every pair there is
     python tools/synth.py --record [BOARD CONFIG]  all or one, three seeds, into constraints/resources.json
     python tools/synth.py --check [BOARD CONFIG]   the same, held against that file
-    python tools/synth.py --macros arty_a7 CONFIG   only the configuration's macros, for Vivado
+    python tools/synth.py --macros arty_a7 CONFIG   only what Vivado reads: macros, top, constraints
 
 A bitstream comes from the first seed that meets the clock; resources.json has the worst of three. It is an
 error if no seed meets the clock, if a design does not fit, and in a check if anything grew by more than 3 %.
@@ -14,129 +16,19 @@ error if no seed meets the clock, if a design does not fit, and in a check if an
 
 import argparse
 import json
-import math
-import re
 import sys
 import time
-from collections import Counter
 
 from meissner import boards
 from meissner import config as configurations
+from meissner.bitstream import AREA, LIMIT_S, OUT, build, label, private
 from meissner.frontend.adc_spi import AdcSpi
-from meissner.yowasp import ROOT, ToolError, read_rtl, tool, warm_up, yosys
+from meissner.yowasp import ROOT, ToolError, warm_up
 
-OUT = "build/synth"  # relative to ROOT: YoWASP sees nothing outside the directory it starts in
 RESOURCES = ROOT / "constraints/resources.json"
 SEEDS = (1, 2, 3)
 GROWTH = 0.03
 PAGES = ("README.md", "docs/boards.md", "docs/boards.md")
-AREA = ("lut", "ff", "bram", "dsp")
-PIN = re.compile(r"(adc|ext)_(cs_n|sclk|mosi|miso)_")
-
-
-def synthesise(board, config, parameters):
-    """Yosys up to the netlist for place and route; returns the stem of its files and the cells counted."""
-    folder = f"{OUT}/{board.name}-{config}"
-    (ROOT / folder).mkdir(parents=True, exist_ok=True)
-    boards.write_build(folder, parameters)
-    stem = f"{folder}/{board.top}"
-    tops = " ".join(board.sources)
-    script = f"{read_rtl(board.cells)}; read_verilog -sv -I{folder} {tops}; "
-    script += f"{board.synth} -top {board.top} -json {stem}.json"
-    yosys(script, f"{stem}.yosys.log")
-    modules = json.loads((ROOT / f"{stem}.json").read_text())["modules"]
-    return stem, Counter(cell["type"] for cell in modules[board.top]["cells"].values())
-
-
-def area(board, cells, report):
-    """LUT (of an iCE40: logic cells), FF, BRAM and DSP; FFs of the netlist, as some reports have none."""
-    counts = {cell: row["used"] for cell, row in report["utilization"].items()}
-
-    def count(short):
-        return sum(
-            n
-            for cell, n in (cells if short == "ff" else counts).items()
-            if re.fullmatch(board.area[short], cell)
-        )
-
-    return {short: count(short) for short in AREA}
-
-
-def too_large(log):
-    """What of the device is asked for more often than it is there, in words; empty if nothing is."""
-    text = (ROOT / log).read_text() if (ROOT / log).exists() else ""  # none if the tool is not installed
-    rows = re.findall(r"Info:\s+(\w+):\s*(\d+)/\s*(\d+)\s", text)
-    return ", ".join(f"{used} of {there} {cell}" for cell, used, there in rows if int(used) > int(there))
-
-
-def spi_delays(report):
-    """ns from the clock to the converter's pins and from its pins to a register; None if not modelled."""
-    out, back = [], []
-    for net in report["detailed_net_timings"]:
-        for end in net["endpoints"]:
-            if end["event"] == "<async>" and PIN.match(end["cell"]):
-                out.append(max(end["delay"]))
-            elif net["event"] == "<async>" and PIN.match(net["driver"]):
-                back.append(max(end["delay"]))
-    return tuple(round(max(way), 1) if way else None for way in (out, back))
-
-
-def label(board, device):
-    return f"{board} {device}" if device else board
-
-
-def place(board, config, device, stem, parameters, seed):
-    """Place and route with one seed; returns nextpnr's report."""
-    words = board.pnr.format(constraints=board.constraints, stem=stem, device=board.devices.get(device))
-    program, *options = words.split()
-    report, log = f"{stem}.{seed}.report.json", f"{stem}.{seed}.pnr.log"
-    options += ["--json", f"{stem}.json", "--seed", str(seed), "--report", report, "--timing-allow-fail"]
-    options += ["--freq", str(parameters["ClkKhz"] / 1000), "--detailed-timing-report"]
-    try:
-        tool(f"yowasp-{program}", options, log)
-    except ToolError as error:
-        missing = too_large(log)
-        if not missing:
-            raise
-        raise ToolError(
-            f"{config} does not fit the {label(board.name, device)}: it needs {missing}"
-        ) from error
-    return json.loads((ROOT / report).read_text())
-
-
-def build(board, config, device, parameters, seeds, patient):
-    """Make it with ``seeds``; returns what resources.json says of a pair.
-
-    ``patient``: place with every seed; otherwise only until one meets the clock.
-    """
-    stem, cells = synthesise(board, config, parameters)
-    clk_mhz = parameters["ClkKhz"] / 1000
-    mhz, delays, packed = [], [], False
-    for seed in seeds:
-        report = place(board, config, device, stem, parameters, seed)
-        clocks = [clock["achieved"] for clock in report["fmax"].values()]
-        mhz.append(math.floor(10 * min(clocks)) / 10)  # 99.95 is not 100
-        delays.append(spi_delays(report))
-        if mhz[-1] >= clk_mhz and not packed:
-            program, *options = board.pack.format(stem=stem).split()
-            tool(program, options, f"{stem}.pack.log")
-            packed = True
-            if not patient:
-                break
-    if not packed:
-        raise ToolError(
-            f"{config} on the {label(board.name, device)} does not meet its {clk_mhz:g} MHz: "
-            f"{max(mhz)} MHz at best with seeds {', '.join(map(str, seeds[: len(mhz)]))}"
-        )
-    return {
-        **({"device": device} if device else {}),
-        "clk_mhz": clk_mhz,
-        **area(board, cells, report),
-        "mhz": mhz,
-        "mhz_worst": min(mhz),
-        "spi_out_ns": max(out for out, _ in delays) if delays[0][0] else None,
-        "spi_in_ns": max(back for _, back in delays) if delays[0][1] else None,
-    }
 
 
 def compare(name, before, now):
@@ -253,61 +145,85 @@ def tell(name, result):
     return f"{name}: {used}; {result['mhz_worst']} MHz (its clock is {result['clk_mhz']:g})"
 
 
-def main():
+def options_of(arguments):
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("board", nargs="?")
-    parser.add_argument("config", nargs="?")
+    parser.add_argument("config", nargs="?", help="a name, or a TOML file")
     parser.add_argument("--list", action="store_true")
     parser.add_argument("--record", action="store_true")
     parser.add_argument("--check", action="store_true")
     parser.add_argument("--macros", action="store_true")
+    parser.add_argument("--pins", action="store_true", help="print the pin map, build nothing")
     parser.add_argument(
         "--device", help="of those that the board is sold with; else the smallest that will do"
     )
     parser.add_argument("--seeds", type=int, nargs="+", default=SEEDS)
-    options = parser.parse_args()
-    if options.list:
-        for board in boards.BOARDS.values():
-            offered = [f"{name} on {board.device(name)}" if board.devices else name for name in board.configs]
-            print(f"{board.name:12} {board.title:28} {', '.join(offered)}")
-            for name, reason in board.left_out.items():
-                print(f"{'':12} {'':28} not {name}: {reason}")
-        return
-    if options.macros and options.board == boards.ARTY.name and options.config in boards.ARTY.configs:
-        folder = f"{OUT}/{options.board}-{options.config}"
-        boards.write_build(folder, boards.ARTY.parameters(options.config))
-        print(f"{folder}/msn_build.svh")
-        return
-    try:
-        pairs = boards.pairs(options.board, options.config)
-    except ValueError as error:
-        parser.exit(2, f"synth: {error}\n")
-    kept = json.loads(RESOURCES.read_text()) if RESOURCES.exists() else {}
+    parser.add_argument(
+        "--limit", type=int, default=LIMIT_S, metavar="S", help="of processor time for a seed (%(default)s)"
+    )
+    return parser.parse_args(arguments)
+
+
+def refuse(problem):
+    print(f"synth: {problem}", file=sys.stderr)
+    sys.exit(2)
+
+
+def print_list():
+    for board in boards.BOARDS.values():
+        offered = [f"{name} on {board.device(name)}" if board.devices else name for name in board.configs]
+        print(f"{board.name:12} {board.title:28} {', '.join(offered)}")
+        for name, reason in board.left_out.items():
+            print(f"{'':12} {'':28} not {name}: {reason}")
+
+
+def chosen(options):
+    """Pairs that are to be built, each with its Plan; ValueError of a sentence before anything is written."""
     whole = options.record or options.check
+    if options.macros and options.board == boards.ARTY.name:
+        pairs = [(boards.ARTY, options.config or "slip1")]
+    else:
+        pairs = boards.pairs(options.board, options.config)
     if not whole:
         if options.board is None:
-            parser.exit(2, f"synth: name a board, BOARD=...: {', '.join(boards.BOARDS)}\n")
+            raise ValueError(f"name a board, BOARD=...: {', '.join(boards.BOARDS)}")
         pairs = pairs[:1]
+    elif options.config and options.config not in configurations.names():
+        raise ValueError("only the named configurations are recorded")
     given = options.device
     if given and (whole or given not in pairs[0][0].devices):
         known = ", ".join(pairs[0][0].devices) or "one device only"
-        parser.exit(2, f"synth: --device {given} is for a bitstream of a board that has it; here: {known}\n")
+        raise ValueError(f"--device {given} is for a bitstream of a board that has it; here: {known}")
+    return [(board, config, board.plan(config)) for board, config in pairs]
+
+
+def make(board, config, plan, options):
+    """One bitstream, with its pin map beside it."""
+    name = "-".join(filter(None, [board.name, boards.label(config), options.device]))
+    begin = time.monotonic()
+    known = board.device(config)
+    if known and not options.device:
+        print(f"{name}: for a {known}, the smallest that it fits and is fast enough on", flush=True)
+    with private(name) as folder:
+        result = build(board, config, options.device or known, folder, options.seeds, False, options.limit)
+    print(f"{tell(name, result)}, {time.monotonic() - begin:.0f} s\n\n{plan.text()}")
+    print(f"pins: {OUT}/{name}/pins.txt and pins.json\nbitstream: {OUT}/{name}/{board.top}{board.bitstream}")
+
+
+def measure(pairs, options):
+    """Every pair with every seed, recorded or held against what is recorded; sentences of what is wrong."""
+    kept = json.loads(RESOURCES.read_text()) if RESOURCES.exists() else {}
     problems = missing(kept) if options.check and options.board is None else []
-    (ROOT / OUT).mkdir(parents=True, exist_ok=True)
-    warm_up()
-    for board, config in pairs:
-        name = f"{board.name}-{config}"
-        begin = time.monotonic()
+    for board, config, _ in pairs:
+        name, begin = f"{board.name}-{config}", time.monotonic()
         try:
-            device = given or board.device(config)
-            if device and not given:
-                print(f"{name}: for a {device}, the smallest that it fits and is fast enough on", flush=True)
-            result = build(board, config, device, board.parameters(config), options.seeds, whole)
+            with private(name) as folder:
+                result = build(
+                    board, config, board.device(config), folder, options.seeds, True, options.limit
+                )
         except ToolError as error:
-            if not whole:
-                sys.exit(f"synth: {error}\n{error.tail}".rstrip())
             problems.append(str(error))
             if options.record:
                 kept = write({name: {"left_out": str(error)}})
@@ -317,12 +233,40 @@ def main():
             problems += compare(name, kept.get(name), result)
         if options.record:
             kept = write({name: result})
-        if not whole:
-            print(f"bitstream: {OUT}/{name}/{board.top}{board.bitstream}")
     if options.record and not missing(kept):
         write_tables(kept)
-    if problems:
-        sys.exit("\n".join(problems))
+    return problems
+
+
+def main(arguments=None):
+    options = options_of(arguments)
+    if options.list:
+        print_list()
+        return
+    try:
+        pairs = chosen(options)
+    except ValueError as problem:
+        refuse(problem)
+    if options.pins:
+        print(pairs[0][2].text(), end="")
+        return
+    if options.macros:
+        board, config, _ = pairs[0]
+        folder = f"{OUT}/{board.name}-{boards.label(config)}"
+        boards.write_board(folder, board, config)
+        print(f"{folder}/msn_build.svh")
+        return
+    (ROOT / OUT).mkdir(parents=True, exist_ok=True)
+    warm_up()
+    if options.record or options.check:
+        problems = measure(pairs, options)
+        if problems:
+            sys.exit("\n".join(problems))
+        return
+    try:
+        make(*pairs[0], options)
+    except ToolError as error:
+        sys.exit(f"synth: {error}\n{error.tail}".rstrip())
 
 
 if __name__ == "__main__":

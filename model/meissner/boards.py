@@ -1,8 +1,12 @@
-"""The boards a bitstream can be made for, and the configurations each is offered with."""
+"""The boards a bitstream can be made for, and the configurations each is offered with; a file makes others."""
 
+import os
+import re
+import tempfile
 from dataclasses import dataclass, field
+from pathlib import Path
 
-from meissner import config
+from meissner import board_files, config, pins
 from meissner.build import verilog
 from meissner.toolchain import ROOT
 
@@ -18,9 +22,9 @@ COMMON = ("rtl/boards/msn_board_reset.sv", "rtl/boards/msn_board.sv")
 
 @dataclass(frozen=True)
 class Board:
-    """One board: ``pnr`` and ``pack`` are commands of which synth.py fills in the files.
+    """One board: ``pnr`` and ``pack`` are commands of which bitstream.py fills in the files.
 
-    ``cells``: family whose cells the netlist has; ``configs``: the named configurations it is offered with,
+    ``cells``: family whose cells the netlist has; ``constraints``: how place and route reads them; ``configs``: the named configurations it is offered with,
     each with what is the board's, not the file's (see meissner.config.load); ``more``: other parameters.
     ``left_out``: every other named configuration, with the reason in a sentence's words.
     ``devices``: what the board is sold with, smallest first, by name, and place and route's word for each;
@@ -45,16 +49,20 @@ class Board:
         return f"{self.name}_top"
 
     def device(self, name):
-        """Name of the smallest device for that configuration; None if the board has one only."""
+        """Name of the smallest device for that configuration; None if the board has one only, or nobody knows."""
         return self.changes(name).get("device")
+
+    def plan(self, name):
+        """meissner.pins.Plan; ValueError if the board has not the pins, or not the clock."""
+        return pins.assign(pins.description(self.name), label(name), self.parameters(name))
 
     def parameters(self, name):
         """Of rtl/msn_core.sv, for this board with that configuration."""
         return self.config(name).parameters | self.changes(name).get("more", {})
 
     def changes(self, name):
-        """What is the board's of that configuration, not the file's."""
-        return self.configs[name]
+        """What is the board's of that configuration, not the file's: nothing where the file is the user's."""
+        return self.configs.get(name, {})
 
     def config(self, name):
         """meissner.build.Config of that name as this board has it."""
@@ -63,23 +71,39 @@ class Board:
 
     @property
     def sources(self):
-        """What a board has besides rtl/rtl.f, from the repository's root."""
-        return [*COMMON, f"rtl/boards/{self.top}.sv"]
+        """What a board has besides rtl/rtl.f and the top that write_board makes, from the repository's root."""
+        return [*COMMON, f"rtl/boards/{self.name}_clock.sv"]
+
+
+def label(name):
+    """What a configuration is called in files and folders: its name, or its file's."""
+    if name in config.names():
+        return name
+    stem = re.sub(r"[^A-Za-z0-9_.-]+", "_", Path(name).stem)
+    return f"{stem}.toml" if stem in config.names() else stem  # a user's slip1.toml is not ours
 
 
 def sizes(parameters):
     """What rtl/boards must know of msn_core's parameters, by the names of its macros."""
-    columns, converters = parameters.get("Columns", 1), parameters.get("Converters", 1)
-    inputs = 1 if parameters.get("Demod") else parameters.get("AdcChannels", 8)
-    groups = -(-columns // (converters * inputs))
+    converters = parameters.get("Converters", 1)
     return {
         "CLK_KHZ": parameters["ClkKhz"],
-        "ADC": parameters["Adc"],
         "ROWS": parameters.get("Rows", 1),
+        "ROW_PINS": pins.row_pins(parameters),
         "CONVERTERS": converters,
-        "ADC_LANES": parameters.get("AdcLanes", 1),
-        "GROUP_BITS": max((groups - 1).bit_length(), 1),
+        "DATA_LINES": converters * parameters.get("AdcLanes", 1),
+        "GROUP_BITS": max((pins.groups(parameters) - 1).bit_length(), 1),
     }
+
+
+def _write(path, text):
+    """``text`` as the whole of a file, or the file as it was: several builds may write it at once."""
+    if path.exists() and path.read_text("utf-8") == text:
+        return
+    with tempfile.NamedTemporaryFile("w", encoding="utf-8", dir=path.parent, delete=False) as fresh:
+        fresh.write(text)
+    os.chmod(fresh.name, 0o644)
+    os.replace(fresh.name, path)
 
 
 def write_build(folder, parameters):
@@ -88,10 +112,21 @@ def write_build(folder, parameters):
     listed = ", ".join(f".{name}({value})" for name, value in verilog(parameters).items())
     macros = sizes(parameters) | {"PARAMETERS": listed}
     text = "".join(f"`define MSN_{name} {value}\n" for name, value in macros.items())
-    path = ROOT / folder / "msn_build.svh"
-    text = "// Written by meissner.boards.\n" + text
-    if not path.exists() or path.read_text() != text:
-        path.write_text(text)
+    _write(ROOT / folder / "msn_build.svh", "// Written by meissner.boards.\n" + text)
+
+
+def write_board(folder, board, name):
+    """All that a board's build is made of besides rtl: macros, top, constraints and the pin map; the Plan."""
+    plan = board.plan(name)
+    write_build(folder, board.parameters(name))
+    for file, text in (
+        (f"{board.top}.sv", board_files.top(plan)),
+        (f"{board.top}{board.constraints}", board_files.constraints(plan, board.constraints)),
+        ("pins.txt", plan.text()),
+        ("pins.json", plan.json()),
+    ):
+        _write(ROOT / folder / file, text)
+    return plan
 
 
 # The better part of those that a ULX3S may have; the other gives zeros in the low bits.
@@ -109,8 +144,8 @@ BOARDS = {
             # The fingertip fills 93 % of the cells: with clock enables of a few flip-flops each, which a tile
             # of eight must share, nextpnr does not place or route it with every seed.
             synth="synth_ice40 -dsp -device u -dffe_min_ce_use 5",
-            pnr="nextpnr-ice40 --up5k --package sg48 --pcf {constraints} --asc {stem}.asc",
-            constraints="constraints/icebreaker.pcf",
+            pnr="nextpnr-ice40 --up5k --package sg48 --pcf {stem}.pcf --asc {stem}.asc",
+            constraints=".pcf",
             pack="yowasp-icepack {stem}.asc {stem}.bin",
             bitstream=".bin",
             area=ICE40_AREA,
@@ -123,9 +158,9 @@ BOARDS = {
             title="ULX3S (ECP5 12F to 85F)",
             cells="ecp5",
             synth="synth_ecp5",
-            pnr="nextpnr-ecp5 {device} --package CABGA381 --speed 6 --lpf {constraints} "
+            pnr="nextpnr-ecp5 {device} --package CABGA381 --speed 6 --lpf {stem}.lpf "
             "--textcfg {stem}.config",
-            constraints="constraints/ulx3s.lpf",
+            constraints=".lpf",
             pack="yowasp-ecppack --compress --input {stem}.config --bit {stem}.bit",
             bitstream=".bit",
             area=ECP5_AREA,
@@ -146,9 +181,9 @@ BOARDS = {
             title="OrangeCrab r0.2 (ECP5 25F)",
             cells="ecp5",
             synth="synth_ecp5",
-            pnr="nextpnr-ecp5 --25k --package CSFBGA285 --speed 8 --lpf {constraints} "
+            pnr="nextpnr-ecp5 --25k --package CSFBGA285 --speed 8 --lpf {stem}.lpf "
             "--textcfg {stem}.config",
-            constraints="constraints/orangecrab.lpf",
+            constraints=".lpf",
             pack="yowasp-ecppack --compress --freq 38.8 --input {stem}.config --bit {stem}.bit",
             bitstream=".bit",
             area=ECP5_AREA,
@@ -161,8 +196,8 @@ BOARDS = {
             cells="gowin",
             synth="synth_gowin -family gw2a",
             pnr="nextpnr-himbaechel-gowin --device GW2AR-LV18QN88C8/I7 --vopt family=GW2A-18C "
-            "--vopt cst={constraints} --write {stem}.pnr.json",
-            constraints="constraints/tangnano20k.cst",
+            "--vopt cst={stem}.cst --write {stem}.pnr.json",
+            constraints=".cst",
             pack="gowin_pack -d GW2A-18C -o {stem}.fs {stem}.pnr.json",
             bitstream=".fs",
             area=GOWIN_AREA,
@@ -180,7 +215,7 @@ ARTY = Board(
     cells="",
     synth="",
     pnr="",
-    constraints="constraints/arty_a7.xdc",
+    constraints=".xdc",
     pack="",
     bitstream=".bit",
     area={},
@@ -189,7 +224,10 @@ ARTY = Board(
 
 
 def pairs(board=None, name=None):
-    """(Board, configuration) of these names, all if none is given; ValueError if one is unknown."""
+    """(Board, configuration) of these names, all if none is given; ValueError if one is unknown.
+
+    ``name`` may be a TOML file; whether the board has its pins and its clock, Board.plan says.
+    """
     if board is not None and board not in BOARDS:
         raise ValueError(f"unknown board '{board}'; the boards are: {', '.join(BOARDS)}")
     chosen = BOARDS.values() if board is None else [BOARDS[board]]
@@ -197,7 +235,9 @@ def pairs(board=None, name=None):
         offered, left_out = BOARDS[board].configs, BOARDS[board].left_out
         if name in left_out:
             raise ValueError(f"the {board} is not offered with {name}: {left_out[name]}")
-        if name not in offered:
-            raise ValueError(f"the {board} has no configuration '{name}'; it has: {', '.join(offered)}")
+        if name not in offered and not Path(name).is_file():
+            raise ValueError(
+                f"the {board} has no configuration '{name}'; it has: {', '.join(offered)}, or any TOML file"
+            )
         return [(BOARDS[board], name)]
     return [(b, c) for b in chosen for c in b.configs if name in (None, c)]

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What every board has behind its pins: the reset and the core. Each board's top only adds clock and pins.
+// What every board has behind its pins: the reset and the core. A board's top only adds clock and pins, those that the
+// configuration needs (model/meissner/pins.py writes it).
 //
 // Converters side by side run as one: they share all lines but DOUT and BUSY. Up to eight rows leave one line each;
 // more leave as a number for multiplexers, from registers, so that their lines do not glitch, a clock later.
@@ -8,35 +9,31 @@
 `include "msn_build.svh"  // the configuration, written by tools/synth.py
 
 module msn_board (
-  input  logic        clk_i,
-  input  logic        good_i,       // the clock runs
+  input  logic                       clk_i,
+  input  logic                       good_i,       // the clock runs
 
-  output logic [7:0]  row_o,
-  output logic [2:0]  group_o,      // of columns: the multiplexers before the converters
-  output logic        adc_cs_n_o,
-  output logic        adc_sclk_o,
-  output logic        adc_mosi_o,
-  output logic        adc_convst_o,
-  output logic        adc_reset_o,
-  input  logic [15:0] adc_miso_i,   // converter by converter, DOUTA lowest
-  input  logic [7:0]  adc_busy_i,
-  input  logic        moving_i,     // the actuator moves
+  output logic [`MSN_ROW_PINS-1:0]   row_o,
+  output logic [`MSN_GROUP_BITS-1:0] group_o,      // of columns: the multiplexers before the converters
+  output logic                       adc_cs_n_o,
+  output logic                       adc_sclk_o,
+  output logic                       adc_mosi_o,
+  output logic                       adc_convst_o,
+  output logic                       adc_reset_o,
+  input  logic [`MSN_DATA_LINES-1:0] adc_miso_i,   // converter by converter, DOUTA lowest
+  input  logic [`MSN_CONVERTERS-1:0] adc_busy_i,
+  input  logic                       moving_i,     // the actuator moves
 
-  input  logic        rx_i,
-  output logic        tx_o,
+  input  logic                       rx_i,
+  output logic                       tx_o,
 
-  output logic        slip_o,       // levels, for LEDs or pins
-  output logic        gross_o,
-  output logic        touched_o,
-  output logic        pressed_o
+  output logic                       slip_o,       // levels, for LEDs or pins
+  output logic                       gross_o,
+  output logic                       touched_o,
+  output logic                       pressed_o
 );
 
   localparam int unsigned Rows       = `MSN_ROWS;
   localparam int unsigned Converters = `MSN_CONVERTERS;
-  localparam int unsigned DataLines  = `MSN_CONVERTERS * `MSN_ADC_LANES;
-  if (Rows > 256 || Converters > 8 || `MSN_GROUP_BITS > 3) begin : gen_check_pins
-    $fatal(1, "msn_board: a board has pins for 256 rows, 8 converters and 8 groups of columns");
-  end
 
   logic rst;
   msn_board_reset u_reset (
@@ -45,22 +42,21 @@ module msn_board (
     .rst_o(rst)
   );
 
-  logic [Rows-1:0]            row;
-  logic [`MSN_GROUP_BITS-1:0] group;
-  logic [Converters-1:0]      cs_n, sclk, mosi, convst, reset;
+  logic [Rows-1:0]       row;
+  logic [Converters-1:0] cs_n, sclk, mosi, convst, reset;
   msn_core #(
     `MSN_PARAMETERS
   ) u_core (
     .clk_i,
     .rst_i            (rst),
     .row_o            (row),
-    .group_o          (group),
+    .group_o,
     .adc_cs_n_o       (cs_n),
     .adc_sclk_o       (sclk),
     .adc_mosi_o       (mosi),
-    .adc_miso_i       (adc_miso_i[DataLines-1:0]),
+    .adc_miso_i,
     .adc_convst_o     (convst),
-    .adc_busy_i       (adc_busy_i[Converters-1:0]),
+    .adc_busy_i,
     .adc_reset_o      (reset),
     .actuator_moving_i(moving_i),
     .in_valid_i       (1'b0),
@@ -93,20 +89,19 @@ module msn_board (
   assign adc_mosi_o   = mosi[0];
   assign adc_convst_o = convst[0];
   assign adc_reset_o  = reset[0];
-  assign group_o      = 3'(group);
 
   if (Rows <= 8) begin : gen_lines
-    assign row_o = 8'(row);
+    assign row_o = row;
   end else begin : gen_number
-    logic [7:0] number;
+    logic [`MSN_ROW_PINS-1:0] number;
     always_comb begin
       number = '0;
-      for (int unsigned i = 0; i < Rows; i++) number |= row[i] ? 8'(i) : '0;
+      for (int unsigned i = 0; i < Rows; i++) number |= row[i] ? `MSN_ROW_PINS'(i) : '0;
     end
     always_ff @(posedge clk_i) row_o <= number;
   end
 
   logic unused;
-  assign unused = ^{adc_miso_i, adc_busy_i, cs_n, sclk, mosi, convst, reset};
+  assign unused = ^{cs_n, sclk, mosi, convst, reset};
 
 endmodule

@@ -58,7 +58,7 @@ class CoreOnPins:
             raise ValueError(f"the codes must have the shape [frames, {', '.join(map(str, shape))}]")
         folder, parameters = None, config.parameters
         if board is not None:
-            folder, parameters = f"build/board/{board[0].name}-{board[1]}", board[0].parameters(board[1])
+            folder, parameters = f"build/board/{board[0].name}-{boards.label(board[1])}", board[0].parameters(board[1])
             boards.write_build(folder, parameters)
         self._lib = _open(tuple(verilog(parameters).items()), folder)
         size = _Size(
