@@ -51,7 +51,11 @@ def main():
     jobs += [
         (
             "verible",
-            [str(binaries / "verible-verilog-lint"), f"--rules_config={RULES}", *map(str, (*files, *outer, *written))],
+            [
+                str(binaries / "verible-verilog-lint"),
+                f"--rules_config={RULES}",
+                *map(str, (*files, *outer, *written)),
+            ],
         ),
         ("ruff check", [str(binaries / "ruff"), "check", "--quiet", *PYTHON]),
         ("ruff format", [str(binaries / "ruff"), "format", "--quiet", "--check", *PYTHON]),

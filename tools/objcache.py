@@ -6,6 +6,7 @@ include nothing of the model, so the command names them fully. All else is compi
 """
 
 import hashlib
+import importlib.util
 import os
 import shutil
 import subprocess
@@ -13,7 +14,12 @@ import sys
 import tempfile
 from pathlib import Path
 
-KEPT = Path(__file__).resolve().parents[1] / "build" / "objects"
+ROOT = Path(__file__).resolve().parents[1]
+KEPT = ROOT / "build" / "objects"
+# Without its package, which takes a second to import.
+SPEC = importlib.util.spec_from_file_location("kept", ROOT / "model/meissner/engines/kept.py")
+kept = importlib.util.module_from_spec(SPEC)
+SPEC.loader.exec_module(kept)
 
 
 def main():
@@ -27,17 +33,17 @@ def main():
     compiler = subprocess.run([command[0], "-dumpfullversion"], capture_output=True, text=True).stdout
     words = [word for word in command if word != str(output)]
     key = hashlib.sha256("\0".join([compiler, *words]).encode()).hexdigest()
-    kept = KEPT / f"{key}.o"
-    if not kept.exists():
+    found = KEPT / f"{key}.o"
+    if not kept.intact(found):
         status = subprocess.run(command).returncode
         if status:
             sys.exit(status)
         KEPT.mkdir(parents=True, exist_ok=True)
         with tempfile.NamedTemporaryFile(dir=KEPT, delete=False) as fresh:
             fresh.write(output.read_bytes())
-        os.replace(fresh.name, kept)  # atomic: several builds may do this at once
+        kept.keep(Path(fresh.name), found)
     else:
-        shutil.copyfile(kept, output)
+        shutil.copyfile(found, output)
 
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
 """From a board and a configuration to a bitstream: Yosys, nextpnr, the packer, and what they say of it.
 
-Each build works in a folder of its own, which takes the place of the one before when it is whole: two builds at once,
-or one that is stopped, leave no mixture. A build that fails leaves its logs in <folder>.failed.
+Each build works in a folder of its own, which takes the place of the one before when it is whole: two builds
+at once, or one that is stopped, leave no mixture. A build that fails leaves its logs in <folder>.failed.
 """
 
 import fcntl
@@ -61,7 +61,7 @@ def _replace(fresh, final):
 
 
 def synthesise(board, config, folder):
-    """Yosys up to the netlist for place and route, in ``folder``; returns the stem of its files and the cells counted."""
+    """The netlist for place and route, in ``folder``; returns the stem of its files and the cells counted."""
     boards.write_board(folder, board, config)
     stem = f"{folder}/{board.top}"
     script = f"{read_rtl(board.cells)}; read_verilog -sv -I{folder} {' '.join(board.sources)} {stem}.sv; "
@@ -129,8 +129,8 @@ def place(board, config, device, stem, clk_mhz, seed, limit_s=LIMIT_S):
 def build(board, config, device, folder, seeds, patient, limit_s=LIMIT_S):
     """Make it in ``folder`` with ``seeds``; returns what resources.json says of a pair.
 
-    ``device``: its name, or None: the smallest of the board's that it fits. ``patient``: place with every seed, each
-    must come to an end; otherwise only until one meets the clock, and one that does not end is passed over.
+    ``device``: its name, or None: the smallest of the board's that it fits. ``patient``: place with every
+    seed, each must end; otherwise only until one meets the clock, and one that fails is passed over.
     """
     clk_mhz = board.parameters(config)["ClkKhz"] / 1000
     stem, cells = synthesise(board, config, folder)

@@ -1,10 +1,10 @@
 """A board's top and its constraints, written from a plan of its pins (meissner.pins).
 
-    top(plan)                 SystemVerilog: the ports, the clock, rtl/boards/msn_board.sv, the LEDs
-    constraints(plan, ".lpf") for nextpnr (.pcf, .lpf, .cst) or Vivado (.xdc)
+top(plan)                 SystemVerilog: the ports, the clock, rtl/boards/msn_board.sv, the LEDs
+constraints(plan, ".lpf") for nextpnr (.pcf, .lpf, .cst) or Vivado (.xdc)
 """
 
-# What of msn_board leaves by a port of the top, by the plan's roles, and what a build without it gets.
+# Ports of msn_board, by the plan's roles.
 OUTPUTS = {
     "row": "row_o",
     "group": "group_o",
@@ -29,10 +29,12 @@ def top(plan):
         for port in plan.ports
     )
     wires = {"clk_i": "clk", "good_i": "good"}
-    wires |= {of: roles[role].port if role in roles else "" for role, of in OUTPUTS.items()}
+    wires |= {of: roles[role].port if role in roles else f"unused_{role}" for role, of in OUTPUTS.items()}
     wires |= {of: roles[role].port if role in roles else "'0" for role, of in INPUTS.items()}
     wires |= {"tx_o": roles["tx"].port} | {f"{flag}_o": flag for flag in FLAGS}
     wired = ",\n".join(f"    .{port:<12}({wire})" for port, wire in wires.items())
+    idle = [wire for wire in wires.values() if wire.startswith("unused_")]  # one bit each
+    named = ["clk", "good", *FLAGS, *idle]
     rest = [(port.port, f"1'b{port.idle}") for port in plan.ports if port.idle is not None]
     rest += [(led, told["shows"]) for led, told in board.leds.items()]
     rest += [(roles[flag].port, flag) for flag in FLAGS if flag in roles]
@@ -47,7 +49,7 @@ module {name}_top (
 {ports}
 );
 
-  logic clk, good, slip, gross, touched, pressed;
+  logic {", ".join(named)};
   {name}_clock u_clock (
     .{clock},
     .clk_o (clk),
@@ -119,5 +121,5 @@ FORMATS = {".pcf": _pcf, ".lpf": _lpf, ".cst": _cst, ".xdc": _xdc}
 def constraints(plan, suffix):
     """The pins as ``suffix`` writes them."""
     remark = "//" if suffix == ".cst" else "#"
-    head = f"{remark} Written by tools/synth.py: the {plan.board.name} with {plan.config}, from {plan.board.source}"
-    return "\n".join([head, *FORMATS[suffix](plan)]) + "\n"
+    head = f"{remark} Written by tools/synth.py: the {plan.board.name} with {plan.config}"
+    return "\n".join([head, f"{remark} Pins: {plan.board.source}", *FORMATS[suffix](plan)]) + "\n"

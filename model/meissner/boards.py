@@ -1,4 +1,4 @@
-"""The boards a bitstream can be made for, and the configurations each is offered with; a file makes others."""
+"""The boards a bitstream can be made for, and the named configurations each is offered with."""
 
 import os
 import re
@@ -24,7 +24,8 @@ COMMON = ("rtl/boards/msn_board_reset.sv", "rtl/boards/msn_board.sv")
 class Board:
     """One board: ``pnr`` and ``pack`` are commands of which bitstream.py fills in the files.
 
-    ``cells``: family whose cells the netlist has; ``constraints``: how place and route reads them; ``configs``: the named configurations it is offered with,
+    ``cells``: family whose cells the netlist has; ``constraints``: ending of the file of pins;
+    ``configs``: the named configurations it is offered with,
     each with what is the board's, not the file's (see meissner.config.load); ``more``: other parameters.
     ``left_out``: every other named configuration, with the reason in a sentence's words.
     ``devices``: what the board is sold with, smallest first, by name, and place and route's word for each;
@@ -49,7 +50,7 @@ class Board:
         return f"{self.name}_top"
 
     def device(self, name):
-        """Name of the smallest device for that configuration; None if the board has one only, or nobody knows."""
+        """Name of the smallest device for that configuration; None: there is one only, or it is not known."""
         return self.changes(name).get("device")
 
     def plan(self, name):
@@ -71,7 +72,7 @@ class Board:
 
     @property
     def sources(self):
-        """What a board has besides rtl/rtl.f and the top that write_board makes, from the repository's root."""
+        """What a board has besides rtl/rtl.f and the top that write_board makes, from ROOT."""
         return [*COMMON, f"rtl/boards/{self.name}_clock.sv"]
 
 
@@ -158,8 +159,7 @@ BOARDS = {
             title="ULX3S (ECP5 12F to 85F)",
             cells="ecp5",
             synth="synth_ecp5",
-            pnr="nextpnr-ecp5 {device} --package CABGA381 --speed 6 --lpf {stem}.lpf "
-            "--textcfg {stem}.config",
+            pnr="nextpnr-ecp5 {device} --package CABGA381 --speed 6 --lpf {stem}.lpf --textcfg {stem}.config",
             constraints=".lpf",
             pack="yowasp-ecppack --compress --input {stem}.config --bit {stem}.bit",
             bitstream=".bit",
@@ -181,8 +181,7 @@ BOARDS = {
             title="OrangeCrab r0.2 (ECP5 25F)",
             cells="ecp5",
             synth="synth_ecp5",
-            pnr="nextpnr-ecp5 --25k --package CSFBGA285 --speed 8 --lpf {stem}.lpf "
-            "--textcfg {stem}.config",
+            pnr="nextpnr-ecp5 --25k --package CSFBGA285 --speed 8 --lpf {stem}.lpf --textcfg {stem}.config",
             constraints=".lpf",
             pack="yowasp-ecppack --compress --freq 38.8 --input {stem}.config --bit {stem}.bit",
             bitstream=".bit",

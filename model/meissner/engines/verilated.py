@@ -13,6 +13,7 @@ from functools import cache, wraps
 from pathlib import Path
 
 from meissner import boards, netlist, toolchain
+from meissner.engines import kept
 
 HERE = Path(__file__).parent
 # The family whose cells library() builds from; None: the sources themselves.
@@ -69,7 +70,8 @@ def library(top, driver, parameters, trace=False, include=None):
         digest.update(file.read_bytes())
     folder = toolchain.BUILD / "rtl" / digest.hexdigest()[:16]
     built = folder / "core.so"
-    if not built.exists():
+    if not kept.intact(built):
+        toolchain.need_compiler()
         if sys.stderr.isatty():
             print("building the core for the rtl engine, once for this configuration ...", file=sys.stderr)
         folder.parent.mkdir(parents=True, exist_ok=True)
@@ -79,6 +81,7 @@ def library(top, driver, parameters, trace=False, include=None):
             if done.returncode:
                 raise RuntimeError(f"the core did not build:\n{done.stdout}{done.stderr}")
             folder.mkdir(exist_ok=True)
-            shutil.copy(Path(scratch) / "core.so", folder / f"core.{os.getpid()}")
-            (folder / f"core.{os.getpid()}").replace(built)  # atomic: several may build at once
+            fresh = folder / f"core.{os.getpid()}"
+            shutil.copy(Path(scratch) / "core.so", fresh)
+            kept.keep(fresh, built)
     return built

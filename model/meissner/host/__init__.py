@@ -27,18 +27,22 @@ __all__ = [
 ]
 
 
-def connect(url, units=None, registers=None, **settings):
+def connect(url, units=None, registers=None, baud=None, **settings):
     """The Core at ``url`` (meissner.host.line), found and checked; ValueError or NoAnswer in one sentence.
 
     ``units``: what the core does not know of itself; ``registers``: False only listens, to a core built
-    without registers; None: asks unless the line is a file. ``settings``: timeout_s (of a command), retries,
+    without registers; None: asks unless the line is a file, or a build here that has none. ``baud``: of a
+    serial port, unless the url says. ``settings``: timeout_s (of a command), retries,
     give_up_s (for a line that is gone while a register is asked), say (a function that takes a sentence).
     """
-    line = open_line(url)
+    line = open_line(url, baud)
     pipe = getattr(line, "pipe", None)
     try:
+        asks = getattr(pipe, "registers", True)
+        if registers and not asks:
+            raise ValueError(f"{url} is built without registers: it can only be listened to (meissner live)")
         if registers is None:
-            registers = not url.startswith("file:")
+            registers = not url.startswith("file:") and bool(asks)
         return Core(line, units or getattr(pipe, "units", None), registers, **settings)
     except BaseException:
         line.close()

@@ -66,12 +66,19 @@ def _connect(arguments, registers=None, say=_tell):
         raise ValueError(f"seconds = {seconds:g} must be a number above 0")
     if clk_khz is not None and clk_khz < 1:
         raise ValueError(f"clk-khz = {clk_khz} must be 1 or more")
-    known = None
+    known = baud = None
     if arguments.config is not None:
-        known = config.load(arguments.config).units
+        build = config.load(arguments.config)
+        known, baud = build.units, build.link["baud"]
+        if not build.link["registers"]:
+            if registers:
+                raise ValueError(
+                    f"{arguments.config} is built without registers: it can only be listened to (live)"
+                )
+            registers = False
     if clk_khz is not None:
         known = replace(known or host.Units(), clk_khz=clk_khz)
-    core = host.connect(arguments.port, known, registers, say=say)
+    core = host.connect(arguments.port, known, registers, baud, say=say)
     for name in ("clk_khz", "rows", "columns") if arguments.config is not None else ():
         told, own = getattr(known, name), getattr(core.units, name)
         if told != own:

@@ -221,7 +221,9 @@ class Core:
         if heard:
             return f"no packet understood in {heard} bytes from {name}: {self._baud_question()}"
         return (
-            f"nothing came from {name}: is the core powered, its line connected and loaded with a bitstream?"
+            f"nothing came from {name}: is the core powered, its line connected and loaded with a bitstream? "
+            "A build without registers (slip1, and every one for the iCEBreaker) never answers: "
+            "it can only be listened to (--listen)"
         )
 
     def _baud_question(self):

@@ -135,8 +135,8 @@ class Pipe:
         pass
 
 
-def open_line(url):
-    """The line that ``url`` names; ValueError with one sentence if there is none."""
+def open_line(url, baud=None):
+    """The line that ``url`` names, or ValueError of one sentence; ``baud``: unless the url says."""
     kind, colon, rest = url.partition(":")
     if not colon and url.startswith("/dev/tty"):
         kind, rest = "serial", url
@@ -144,7 +144,7 @@ def open_line(url):
     options = {key: values[-1] for key, values in parse_qs(options, keep_blank_values=True).items()}
     try:
         if kind == "serial" and path and set(options) <= {"baud"}:
-            baud = options.get("baud", str(BAUD))
+            baud = options.get("baud", str(baud or BAUD))
             if not baud.isdecimal() or not 300 <= int(baud) <= 100_000_000:
                 raise ValueError(f"baud = {baud} must lie in 300 .. 100000000")
             return Device(path, int(baud))
@@ -158,10 +158,10 @@ def open_line(url):
             return Pipe(simulated.of_scenes(path, options.get("speed", "1")), url)
         if kind == "core" and path and not options:
             from meissner import config
-            from meissner.engines.rtl_core import CoreOnPins, codes_of
+            from meissner.engines.rtl_core import CoreOnPins, shown
 
             build = config.load(path)
-            return Pipe(CoreOnPins(build, codes_of(build)), url)
+            return Pipe(CoreOnPins(build, shown(build)), url)
     except OSError as problem:
         raise ValueError(f"{path} cannot be opened: {problem.strerror or problem}") from None
     raise ValueError(

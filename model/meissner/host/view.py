@@ -96,10 +96,16 @@ class View:
         place = f"x {cop.x:+.3f} y {cop.y:+.3f}"
         return f"{place}{'' if cop.x_mm is None else f' ({cop.x_mm:+.2f}, {cop.y_mm:+.2f} mm)'}, {load}"
 
+    def _simulated(self):
+        """How far a core that is simulated in this process has come: not as fast as a real one."""
+        seconds = getattr(getattr(self.core.line, "pipe", None), "simulated_s", None)
+        return "" if seconds is None else f"simulated {seconds:.3f} s, "
+
     def _line(self):
         counts = self.core.counts
         return (
-            f"{self._rate[2]:.0f} packets/s, {counts.lost} lost, {counts.damaged} damaged, "
+            f"{self._simulated()}{self._rate[2]:.0f} packets/s, "
+            f"{counts.lost} lost, {counts.damaged} damaged, "
             f"{counts.images_lost} images lost, {counts.gaps} gaps ({counts.gap_s:.1f} s)"
         )
 
