@@ -79,6 +79,8 @@ def _connect(arguments, registers=None, say=_tell):
     if clk_khz is not None:
         known = replace(known or host.Units(), clk_khz=clk_khz)
     core = host.connect(arguments.port, known, registers, baud, say=say)
+    if getattr(getattr(core.line, "pipe", None), "registers", True) is False:
+        say(f"{arguments.port} is built without registers: it is only listened to")
     for name in ("clk_khz", "rows", "columns") if arguments.config is not None else ():
         told, own = getattr(known, name), getattr(core.units, name)
         if told != own:

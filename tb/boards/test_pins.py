@@ -1,0 +1,250 @@
+"""Pins of any configuration on any board: each line that it needs has one, no pin has two, what does not fit
+is refused before anything is written, and the pins that the pages name stay where they are."""
+
+import json
+import re
+import subprocess
+
+import pytest
+
+import synth
+from boards import users
+from meissner import board_files, boards, config, pins, toolchain
+from meissner.yowasp import ROOT
+
+ALL = {**boards.BOARDS, "arty_a7": boards.ARTY}
+LOCATED = {
+    ".lpf": r'LOCATE COMP "(\S+)" SITE "(\w+)"',
+    ".pcf": r"(?m)^set_io\s+(?:-\S+\s+yes\s+)*(\S+)\s+(\w+)",
+    ".cst": r'IO_LOC "(\S+)" (\w+)',
+    ".xdc": r"PACKAGE_PIN (\w+) .*\[get_ports \{?([\w\[\]]+?)\}?\]",
+}
+
+
+def located(text, suffix):
+    """[(bit of a port, pin)] of a file of constraints."""
+    found = re.findall(LOCATED[suffix], re.sub(r"(?m)(#|//).*$", "", text))
+    return [pair[::-1] for pair in found] if suffix == ".xdc" else found
+
+
+def port_bits(top):
+    """Every bit of every port of a top, as place and route names them, with its direction."""
+    found = {}
+    for way, high, name in re.findall(r"(?m)^  (input|output)\s+logic (?:\[(\d+):0\] )?(\w+),?$", top):
+        bits = [name] if not high else [f"{name}[{k}]" for k in range(int(high) + 1)]
+        found |= dict.fromkeys(bits, way)
+    return found
+
+
+@pytest.mark.parametrize("board", users.CLOCKS)
+@pytest.mark.parametrize("name", users.USERS)
+def test_every_line_has_a_pin_and_no_pin_has_two(board, name, tmp_path):
+    file = users.write(tmp_path, name, users.CLOCKS[board])
+    try:
+        plan = ALL[board].plan(file)
+    except ValueError as problem:
+        assert board in ("orangecrab", "tangnano20k") and "without a pin" in str(problem)
+        pytest.skip(str(problem))  # this board has fewer: what it says is below
+    top, suffix = board_files.top(plan), ALL[board].constraints
+    placed = located(board_files.constraints(plan, suffix), suffix)
+    assert {bit for bit, _ in placed} == set(port_bits(top))
+    assert len({bit for bit, _ in placed}) == len({pin for _, pin in placed}) == len(placed)
+    free = set(pins.description(board).headers.values())
+    needed = {}
+    for bit, pin in placed:
+        if pin in free and bit not in ("slip_o", "gross_o"):
+            needed[bit.partition("[")[0]] = needed.get(bit.partition("[")[0], 0) + 1
+    assert needed == users.USERS[name][1]
+    told = json.loads(plan.json())["pins"]
+    assert [(row["port"], row["pin"]) for row in told] == placed
+    ways = {bit: {"input": "in", "output": "out"}[way] for bit, way in port_bits(top).items()}
+    assert {row["port"]: row["direction"] for row in told} == ways
+    for row in told:  # the table has them too, a line each
+        assert re.search(
+            rf"(?m)^{re.escape(row['port'])} +{row['pin']} .*{re.escape(row['what'])}$", plan.text()
+        )
+
+
+@pytest.mark.parametrize("board", ALL)
+def test_each_pin_of_a_named_pair_is_used_once(board):
+    for name in ALL[board].configs:
+        plan, suffix = ALL[board].plan(name), ALL[board].constraints
+        placed = located(board_files.constraints(plan, suffix), suffix)
+        assert len({port for port, _ in placed}) == len({pin for _, pin in placed}) == len(placed) > 5
+        assert {bit for bit, _ in placed} == set(port_bits(board_files.top(plan)))
+
+
+WIRED = {  # docs/boards.md, from the boards' own constraint files
+    ("icebreaker", "fingertip"): {
+        "clk_12m_i": "35", "rx_i": "6", "tx_o": "9", "led_red_n_o": "11", "led_green_n_o": "37",
+        "adc_cs_n_o": "4", "adc_mosi_o": "2", "adc_miso_i": "47", "adc_sclk_o": "45", "moving_i": "3",
+        "row_o[0]": "43", "row_o[1]": "38", "row_o[2]": "34",
+    },
+    ("ulx3s", "slip1"): {
+        "clk_25m_i": "G2", "rx_i": "M1", "tx_o": "L4", "led_gross_o": "B2", "led_slip_o": "C2",
+        "led_touched_o": "C1", "led_pressed_o": "D2", "led_good_o": "D1", "led_5_o": "E2", "led_6_o": "E1",
+        "led_7_o": "H3", "adc_cs_n_o": "R17", "adc_mosi_o": "R16", "adc_miso_i": "U16", "adc_sclk_o": "P17",
+        "moving_i": "A5", "slip_o": "B1", "gross_o": "B4",
+    },
+    ("ulx3s", "cop4"): {
+        "clk_25m_i": "G2", "rx_i": "M1", "tx_o": "L4", "led_gross_o": "B2", "led_slip_o": "C2",
+        "led_touched_o": "C1", "led_pressed_o": "D2", "led_good_o": "D1", "led_5_o": "E2", "led_6_o": "E1",
+        "led_7_o": "H3", "onboard_cs_n_o": "R17", "onboard_sclk_o": "P17", "onboard_mosi_o": "R16",
+        "adc_cs_n_o": "C4", "adc_sclk_o": "B13", "adc_convst_o": "A4", "adc_reset_o": "A2",
+        "adc_busy_i": "C11", "adc_miso_i": "H18", "moving_i": "A5", "slip_o": "B1", "gross_o": "B4",
+    },
+    ("orangecrab", "fingertip"): {
+        "clk_48m_i": "A9", "rx_i": "N17", "tx_o": "M18", "led_red_n_o": "K4", "led_green_n_o": "M3",
+        "led_blue_n_o": "J3", "adc_cs_n_o": "B10", "adc_miso_i": "N15", "adc_mosi_o": "N16",
+        "adc_sclk_o": "R17", "moving_i": "L4", "row_o[0]": "C10", "row_o[1]": "C9", "row_o[2]": "B9",
+    },
+    ("tangnano20k", "slip1"): {
+        "clk_27m_i": "4", "rx_i": "70", "tx_o": "69", "led_touched_n_o": "15", "led_pressed_n_o": "16",
+        "led_slip_n_o": "17", "led_gross_n_o": "18", "adc_cs_n_o": "73", "adc_mosi_o": "74",
+        "adc_miso_i": "75", "adc_sclk_o": "85", "moving_i": "77",
+    },
+    ("arty_a7", "slip1"): {
+        "clk_100m_i": "E3", "rx_i": "A9", "tx_o": "D10", "led_gross_o": "H5", "led_slip_o": "J5",
+        "led_touched_o": "T9", "led_pressed_o": "T10", "adc_cs_n_o": "G13", "adc_mosi_o": "B11",
+        "adc_miso_i": "A11", "adc_sclk_o": "D12", "moving_i": "D13",
+    },
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("board, name", WIRED)
+def test_the_named_pairs_are_wired_as_the_page_says(board, name):
+    suffix = ALL[board].constraints
+    assert dict(located(board_files.constraints(ALL[board].plan(name), suffix), suffix)) == WIRED[board, name]
+
+
+def test_eight_converters_are_wired_as_the_page_says():
+    """BUSY of converter k is GNk, DOUTA GP(18+k), DOUTB GN(18+k); the row's number is GP0 to GP5."""
+    at = {row["port"]: row["at"] for row in boards.BOARDS["ulx3s"].plan("array64").rows()}
+    for k in range(8):
+        assert at[f"adc_busy_i[{k}]"] == f"J1 GN{k}"
+        assert (at[f"adc_miso_i[{2 * k}]"], at[f"adc_miso_i[{2 * k + 1}]"]) == (
+            f"J2 GP{18 + k}",
+            f"J2 GN{18 + k}",
+        )
+    assert [at[f"row_o[{k}]"] for k in range(6)] == [f"J1 GP{k}" for k in range(6)] and "row_o[6]" not in at
+    assert (at["adc_convst_o"], at["adc_reset_o"], at["adc_cs_n_o"]) == ("J1 GP8", "J1 GP9", "J1 GP10")
+
+
+def test_a_pull_is_written_as_each_tool_reads_it():
+    port = pins.Port("moving", "moving_i", ("7",), ("x",), ("y",), "up")
+    plan = pins.Plan(pins.description("ulx3s"), "x", (port,))
+    written = {suffix: board_files.constraints(plan, suffix) for suffix in LOCATED}
+    assert "\nset_io -pullup yes moving_i 7\n" in written[".pcf"]
+    assert '\nIOBUF PORT "moving_i" PULLMODE=UP IO_TYPE=LVCMOS33;\n' in written[".lpf"]
+    assert '\nIO_PORT "moving_i" IO_TYPE=LVCMOS33 PULL_MODE=UP;\n' in written[".cst"]
+    assert "{PACKAGE_PIN 7 IOSTANDARD LVCMOS33 PULLUP TRUE} [get_ports {moving_i}]" in written[".xdc"]
+    down = pins.Plan(plan.board, "x", (pins.Port("busy", "busy_i", ("8",), ("x",), ("y",), "down"),))
+    assert "PULLMODE=DOWN" in board_files.constraints(down, ".lpf")
+    with pytest.raises(ValueError, match="an iCE40 has no pull-down, busy_i"):
+        board_files.constraints(down, ".pcf")
+
+
+def test_no_description_gives_a_pin_twice(tmp_path, monkeypatch):
+    text = (ROOT / "constraints/orangecrab.toml").read_text()
+    (tmp_path / "constraints").mkdir()
+    monkeypatch.setattr(pins, "ROOT", tmp_path)
+    for wrong, said in (
+        (text.replace('A5 = "T17"', 'A5 = "A9"'), "the pin A9 is there twice"),
+        (text.replace('cs_n = ["feather 5"]', 'cs_n = ["feather 7"]'), "cs_n prefers 'feather 7'"),
+        (text.replace('busy = "down"', 'busy = "left"'), "the pull of busy must be"),
+    ):
+        assert wrong != text
+        (tmp_path / "constraints/wrong.toml").write_text(wrong)
+        with pytest.raises(ValueError, match=said):
+            pins.description.__wrapped__("wrong")
+
+
+def said_of(capsys, *arguments):
+    """What synth refuses with: one sentence, exit code 2, nothing written."""
+    there = sorted((ROOT / "build/synth").glob("*")) if (ROOT / "build/synth").exists() else []
+    with pytest.raises(SystemExit) as end:
+        synth.main(list(arguments))
+    out, err = capsys.readouterr()
+    assert end.value.code == 2 and not out and err.startswith("synth: ") and err.count("\n") == 1
+    assert [p for p in there if not p.exists()] == []
+    assert not list((ROOT / "build/synth").glob("*refused-here*"))
+    return err
+
+
+def test_what_does_not_fit_is_refused_with_what_is_missing(capsys, tmp_path):
+    file = tmp_path / "refused-here.toml"
+    file.write_text(users.array(24.0, "AD7606", 8, 64, 8, 8, lanes=2, rate_hz=100.0), "utf-8")
+    said = said_of(capsys, "icebreaker", str(file))
+    assert (
+        "refused-here needs 37 pins of the icebreaker's headers (1 adc_cs_n_o, 1 adc_sclk_o, 1 adc_convst_o, "
+        "1 adc_reset_o, 8 adc_busy_i, 16 adc_miso_i, 8 row_o, 1 moving_i) and there are 24; without a pin: "
+    ) in said
+    assert said.count("(DOUT") == 13 and said.endswith("adc_miso_i (DOUTB of converter 7)\n")
+
+
+@pytest.mark.parametrize(
+    "board, text, said",
+    [
+        ("ulx3s", users.array(24.0, "MCP3208", 2, 4, 2, 2),
+         "the ulx3s makes a clock of 25 or 50 or 100 MHz and refused-here asks for 24"),
+        ("tangnano20k", users.array(25.0, "MCP3208", 2, 4, 2, 2),
+         "the tangnano20k makes a clock of 27 MHz and refused-here asks for 25"),
+        ("ulx3s", "about = 'no more'", "refused-here.toml: "),
+        ("ulx3s", "[[[", "is not a TOML file"),
+        ("ulx3s", users.array(25.0, "MCP3208", 2, 4, 3, 2), "converters = 3"),
+    ],
+)  # fmt: skip
+def test_a_bad_file_is_answered_by_a_sentence(capsys, tmp_path, board, text, said):
+    file = tmp_path / "refused-here.toml"
+    file.write_text(text, "utf-8")
+    assert said in said_of(capsys, board, str(file))
+
+
+def test_neither_a_folder_nor_nothing_is_a_configuration(capsys, tmp_path):
+    for where in (tmp_path, tmp_path / "none.toml"):
+        assert "has no configuration" in said_of(capsys, "ulx3s", str(where))
+
+
+def test_only_the_named_are_recorded(capsys, tmp_path):
+    file = users.write(tmp_path, "two", 25.0)
+    assert "only the named configurations are recorded" in said_of(capsys, "ulx3s", file, "--check")
+
+
+def test_the_pins_alone(capsys, tmp_path):
+    synth.main(["ulx3s", users.write(tmp_path, "two", 25.0), "--pins"])
+    lines = capsys.readouterr().out.splitlines()
+    # On the headers: cs, sclk, din, 2 dout, 2 rows, moving, slip, gross.
+    assert lines[0] == "pins of two on the ulx3s: 10 of the headers' 42"
+    assert [line.split()[1] for line in lines if line.startswith("adc_miso_i")] == ["H18", "H17"]
+
+
+def test_a_users_file_does_not_take_a_named_ones_folder(tmp_path):
+    assert boards.label("slip1") == "slip1"
+    assert boards.label(str(tmp_path / "slip1.toml")) == "slip1.toml"
+    assert boards.label("my finger (left).toml") == "my_finger_left_"
+    assert boards.label("mine.toml") == "mine"
+
+
+@pytest.mark.parametrize("board, name", [("ulx3s", "two"), ("ulx3s", "groups"), ("icebreaker", "lanes")])
+def test_the_top_lints(board, name, tmp_path):
+    folder = f"build/tb/top-{board}-{name}"
+    board = ALL[board]
+    boards.write_board(folder, board, users.write(tmp_path, name, users.CLOCKS[board.name]))
+    own = [toolchain.ROOT / path for path in (*board.sources, f"{folder}/{board.top}.sv", "tb/lint/cells.v")]
+    flags = ["--lint-only", "--quiet", "-Wall", str(ROOT / "tb/lint/verilator.vlt"), f"-I{ROOT / folder}"]
+    command = ["verilator", *flags, *map(str, [*toolchain.sources(), *own]), "--top-module", board.top]
+    done = subprocess.run(command, env=toolchain.environment(), capture_output=True, text=True)
+    assert (done.returncode, done.stdout + done.stderr) == (0, "")
+
+
+def test_the_named_configurations_that_a_board_leaves_out_do_not_fit():
+    """Or are too large for it: docs/boards.md."""
+    for board in boards.BOARDS.values():
+        for name, reason in board.left_out.items():
+            build = config.load(name)
+            needed = sum(need.count for need in pins.needs(build.parameters))
+            there = len(pins.description(board.name).headers)
+            if "pins" in reason:
+                assert needed > there and f"needs {needed} pins" in reason and f"has {there}" in reason
+            else:
+                assert needed <= there

@@ -1,0 +1,104 @@
+"""A user's configuration with two converters on a board's top, from its pins to its line: an MCP3208 written
+from its data sheet at each DOUT, a terminal at tx_o. Every taxel of the image is the code of its own
+converter, channel and row; codes are literals, all different."""
+
+import os
+
+import cocotb
+import pytest
+from cocotb.clock import Clock
+from cocotb.triggers import Edge, FallingEdge, First, RisingEdge, Timer
+from cocotb_tools.runner import get_results, get_runner
+
+from boards import users
+from meissner import boards, toolchain
+from meissner.link import packet as p
+from meissner.link.decoder import Decoder
+
+BIT_PS = 333_333  # 3 Mbaud
+# [converter][channel][row]; the second converter's are nowhere the first's.
+CODES = [[[101, 1102], [203, 1204]], [[2305, 3306], [2407, 3408]]]
+# Column = 2 × channel + converter; a line a row, top to bottom.
+IMAGE = [101, 2305, 203, 2407, 1102, 3306, 1204, 3408]
+
+
+async def mcp3208(dut, converter, miso):
+    """Start, SGL, D2 to D0 on rising edges 1 to 5; B11 to B0 leave on falling edges 7 to 18."""
+    while True:
+        if dut.adc_cs_n_o.value:
+            await FallingEdge(dut.adc_cs_n_o)
+        bits, falling, code = [], 0, 0
+        while True:
+            await First(Edge(dut.adc_sclk_o), RisingEdge(dut.adc_cs_n_o))
+            if dut.adc_cs_n_o.value:
+                break
+            if dut.adc_sclk_o.value:
+                bits.append(int(dut.adc_mosi_o.value))
+                if len(bits) == 5:
+                    assert bits[:2] == [1, 1], "no start bit, or a differential input"
+                    channel = 4 * bits[2] + 2 * bits[3] + bits[4]
+                    row = {0b01: 0, 0b10: 1}[int(dut.row_o.value)]
+                    code = CODES[converter][channel][row]
+            elif bits:
+                falling += 1
+                miso[converter] = code >> 18 - falling & 1 if 7 <= falling <= 18 else 0
+                dut.adc_miso_i.value = miso[0] | miso[1] << 1
+
+
+async def terminal(dut, received):
+    while True:
+        await FallingEdge(dut.tx_o)
+        await Timer(BIT_PS * 3 // 2, "ps")
+        byte = 0
+        for place in range(8):
+            byte |= int(dut.tx_o.value) << place
+            await Timer(BIT_PS, "ps")
+        assert dut.tx_o.value == 1
+        received.append(byte)
+
+
+@cocotb.test(timeout_time=200, timeout_unit="ms")
+async def both_converters_arrive(dut):
+    dut.rx_i.value, dut.moving_i.value, dut.adc_miso_i.value = 1, 0, 0
+    miso, received, decoder, images = [0, 0], [], Decoder(), []
+    cocotb.start_soon(Clock(dut.clk_25m_i, 40, "ns").start())
+    for converter in (0, 1):
+        cocotb.start_soon(mcp3208(dut, converter, miso))
+    cocotb.start_soon(terminal(dut, received))
+    while len(images) < 3:
+        await Timer(1, "ms")
+        for packet in decoder.next(bytes(received)):
+            if packet.kind == p.IMAGE:
+                images.append(list(packet.fields["taxels"]))
+        received.clear()
+    # A frame may have begun before its first codes were there; the others are whole.
+    assert images[1:3] == [IMAGE, IMAGE]
+    assert (dut.onboard_cs_n_o.value, dut.onboard_sclk_o.value) == (1, 1)
+
+
+@pytest.mark.parametrize("name", ["two"])
+def test_two_converters(name, tmp_path):
+    board = boards.BOARDS["ulx3s"]
+    folder = "build/tb/two_converters"
+    boards.write_board(folder, board, users.write(tmp_path, name, 25.0))
+    own = [*board.sources, f"{folder}/{board.top}.sv", "tb/boards/EHXPLLL.sv", "tb/lint/verilator.vlt"]
+    os.environ.update(toolchain.environment())
+    os.environ["MAKEFLAGS"] = "-- CFG_CXXFLAGS_PCH_I=-include"
+    runner = get_runner("verilator")
+    where = toolchain.ROOT / folder
+    runner.build(
+        sources=[*toolchain.sources(), *(toolchain.ROOT / path for path in own)],
+        includes=[where],
+        hdl_toplevel=board.top,
+        build_args=toolchain.VERILATOR_FLAGS,
+        build_dir=where / "sim",
+        timescale=("1ns", "1ps"),
+    )
+    results = runner.test(
+        hdl_toplevel=board.top,
+        hdl_toplevel_lang="verilog",  # or the runner takes the waivers' for the top's
+        test_module="boards.test_two_converters",
+        build_dir=where / "sim",
+        test_dir=where,
+    )
+    assert get_results(results) == (1, 0)

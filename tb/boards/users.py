@@ -1,0 +1,78 @@
+"""Configurations as a user may write them, that no pair of ours has, and the lines that each needs, counted
+by hand."""
+
+ARRAY = """
+about = "{about}"
+[clock]
+mhz = {mhz}
+[sensor]
+kind = "array"
+rows = {rows}
+columns = {columns}
+[adc]
+part = "{part}"
+converters = {converters}
+channels = {channels}
+lanes = {lanes}
+volts = 5.0
+rate_hz = {rate_hz}
+[array]
+tare = false
+[link]
+images = true
+"""
+
+
+def array(mhz, part, rows, columns, converters, channels, lanes=1, rate_hz=200.0):
+    return ARRAY.format(**locals(), about=f"{rows}×{columns} on {converters} {part}")
+
+
+CHANNELS = """
+about = "three rubber sensors on one AD7606"
+[clock]
+mhz = {mhz}
+[sensor]
+kind = "channels"
+channels = 3
+[adc]
+part = "AD7606"
+volts = 5.0
+rate_hz = 5000.0
+[slip]
+threshold_v = 0.02
+gross_threshold_v = 0.12
+contact_level_v = 4.5
+release_level_v = 4.8
+contact_rises = false
+"""
+
+SPI = {"adc_cs_n_o": 1, "adc_sclk_o": 1, "moving_i": 1}
+BUSY = SPI | {"adc_convst_o": 1, "adc_reset_o": 1}
+USERS = {  # name: (text but for the clock, lines on the headers)
+    "two": (
+        lambda mhz: array(mhz, "MCP3208", 2, 4, 2, 2),
+        SPI | {"adc_mosi_o": 1, "adc_miso_i": 2, "row_o": 2},
+    ),
+    # 12 columns in three groups of 2 converters × 2 channels; 12 rows as a number.
+    "groups": (
+        lambda mhz: array(mhz, "MCP3208", 12, 12, 2, 2, rate_hz=5.0),
+        SPI | {"adc_mosi_o": 1, "adc_miso_i": 2, "row_o": 4, "group_o": 2},
+    ),
+    "lanes": (
+        lambda mhz: array(mhz, "AD7606", 5, 16, 2, 8, lanes=2),
+        BUSY | {"adc_busy_i": 2, "adc_miso_i": 4, "row_o": 5},
+    ),
+    "max": (
+        lambda mhz: array(mhz, "MAX11125", 3, 4, 2, 2),
+        SPI | {"adc_mosi_o": 1, "adc_miso_i": 2, "row_o": 3},
+    ),
+    "channels": (lambda mhz: CHANNELS.format(mhz=mhz), BUSY | {"adc_busy_i": 1, "adc_miso_i": 1}),
+}
+CLOCKS = {"icebreaker": 24.0, "ulx3s": 25.0, "orangecrab": 48.0, "tangnano20k": 27.0, "arty_a7": 50.0}
+
+
+def write(folder, name, mhz):
+    """Path of the configuration's file in ``folder``, as a string."""
+    path = folder / f"{name}.toml"
+    path.write_text(USERS[name][0](mhz), "utf-8")
+    return str(path)
