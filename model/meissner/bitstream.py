@@ -138,7 +138,7 @@ def build(board, config, device, folder, seeds, patient, limit_s=LIMIT_S):
     sizes = [device] if device or not board.devices else [name for name in board.devices if name != "12F"]
     for seed in seeds:
         try:
-            report, sizes = _fitting(board, config, sizes, stem, clk_mhz, seed, limit_s)
+            report = _fitting(board, config, sizes, stem, clk_mhz, seed, limit_s)
         except TooLarge:
             raise
         except ToolError as error:
@@ -174,11 +174,11 @@ def build(board, config, device, folder, seeds, patient, limit_s=LIMIT_S):
 
 
 def _fitting(board, config, sizes, stem, clk_mhz, seed, limit_s):
-    """(nextpnr's report, the devices from the first that has the room on)."""
-    for k, device in enumerate(sizes):
+    """nextpnr's report for the first of the devices that has the room; smaller ones leave the list."""
+    while True:
         try:
-            return place(board, config, device, stem, clk_mhz, seed, limit_s), sizes[k:]
+            return place(board, config, sizes[0], stem, clk_mhz, seed, limit_s)
         except TooLarge:
-            if k == len(sizes) - 1:
+            if len(sizes) == 1:
                 raise
-    raise AssertionError("a board has a device")
+            del sizes[0]

@@ -132,8 +132,16 @@ def write_board(folder, board, name):
 
 # The better part of those that a ULX3S may have; the other gives zeros in the low bits.
 ON_BOARD = "MAX11125"
-# Of the boards here only the ULX3S brings out enough lines.
-NO_PINS = "its top has no CONVST, BUSY and RESET lines for an AD7606; the ULX3S's has"
+
+
+def _too_few(there):
+    """Why eight AD7606 do not go on a board with so many pins; what they need, meissner.pins counts."""
+    reason = f"it needs 35 pins of the headers and the board has {there}"
+    return {"array64": reason, "full": reason}
+
+
+# Offered with nothing that was not measured: the pins would do.
+UNMEASURED = "not measured; a file of yours with this board's clock makes it"
 
 BOARDS = {
     board.name: board
@@ -152,7 +160,7 @@ BOARDS = {
             area=ICE40_AREA,
             # With registers the fingertip takes 7,456 logic cells; a UP5K has 5,280.
             configs={"slip1": {}, "fingertip": {"mhz": 24.0, "registers": False}},
-            left_out={"cop4": NO_PINS, "array64": NO_PINS, "full": NO_PINS},
+            left_out={"cop4": COP4_ICE} | _too_few(24),
         ),
         Board(
             name="ulx3s",
@@ -187,7 +195,7 @@ BOARDS = {
             bitstream=".bit",
             area=ECP5_AREA,
             configs={"slip1": {"mhz": 48.0}, "fingertip": {"mhz": 48.0}},
-            left_out={"cop4": NO_PINS, "array64": NO_PINS, "full": NO_PINS},
+            left_out={"cop4": UNMEASURED} | _too_few(18),
         ),
         Board(
             name="tangnano20k",
@@ -201,7 +209,7 @@ BOARDS = {
             bitstream=".fs",
             area=GOWIN_AREA,
             configs={"slip1": {"mhz": 27.0}, "fingertip": {"mhz": 27.0}},
-            left_out={"cop4": NO_PINS, "array64": NO_PINS, "full": NO_PINS},
+            left_out={"cop4": UNMEASURED} | _too_few(16),
         ),
     )
 }

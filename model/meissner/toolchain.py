@@ -42,7 +42,7 @@ def need_compiler():
     gone = [tool for tool in ("g++", "make") if shutil.which(tool, path=environment()["PATH"]) is None]
     if gone:
         names = " and ".join(gone)
-        raise OSError(
+        raise ValueError(
             f"{names} not found: the core is compiled with g++ and make (apt install {' '.join(gone)})"
         )
 

@@ -55,7 +55,7 @@ def tool(name, arguments, log, limit_s=None):
         process.wait()
     said = (ROOT / log).read_text().partition("\n")[2]
     if process.returncode == -signal.SIGXCPU:
-        raise ToolError(f"{name} takes more than its limit of processor time; see {log}")
+        raise ToolError(f"{name} takes more than its limit of {limit_s} s of processor time; see {log}")
     if process.returncode:
         tail = "\n".join(said.splitlines()[-12:])
         raise ToolError(f"{name} failed; see {log}", tail)

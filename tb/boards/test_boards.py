@@ -1,8 +1,7 @@
 """The boards: a bitstream is made from the sources of today; a wrong, slow or grown netlist is refused; bad
-input is answered by a sentence; each board's pins are named once."""
+input is answered by a sentence."""
 
 import json
-import re
 import subprocess
 import sys
 
@@ -27,11 +26,11 @@ def run(*arguments):
         ),
         (
             ["icebreaker", "array64"],
-            "synth: the icebreaker is not offered with array64: its top has no CONVST",
+            "synth: the icebreaker is not offered with array64: it needs 35 pins of the headers",
         ),
         (
             ["icebreaker", "none"],
-            "synth: the icebreaker has no configuration 'none'; it has: slip1, fingertip\n",
+            "synth: the icebreaker has no configuration 'none'; it has: slip1, fingertip, or any TOML file\n",
         ),
         (
             ["icebreaker", "slip1", "--device", "85F"],
@@ -162,26 +161,3 @@ def test_what_is_too_large_is_told():
         "Info: \t  ICESTORM_LC:    6100/   5280   115%\nInfo: \t  ICESTORM_RAM:      4/     30    13%\n"
     )
     assert synth.too_large("build/tb/large/pnr.log") == "6100 of 5280 ICESTORM_LC"
-
-
-def pins(path):
-    """Port to pin of a .lpf, .pcf, .cst or .xdc file."""
-    text = re.sub(r"(?m)(#|//).*$", "", path.read_text())
-    patterns = {
-        ".lpf": r'LOCATE COMP "(\S+)" SITE "(\w+)"',
-        ".pcf": r"(?m)^set_io\s+(?:-\S+\s+)*(\S+)\s+(\w+)",
-        ".cst": r'IO_LOC "(\S+)" (\w+)',
-        ".xdc": r"PACKAGE_PIN (\w+) .*\[get_ports \{?([\w\[\]]+?)\}?\]",
-    }
-    found = re.findall(patterns[path.suffix], text)
-    return [pair[::-1] for pair in found] if path.suffix == ".xdc" else found
-
-
-@pytest.mark.parametrize("board", [*boards.BOARDS.values(), boards.ARTY], ids=lambda board: board.name)
-def test_each_pin_is_used_once(board):
-    located = pins(ROOT / board.constraints)
-    assert len(located) > 5
-    assert len({port for port, _ in located}) == len({pin for _, pin in located}) == len(located)
-    top = (ROOT / f"rtl/boards/{board.top}.sv").read_text()
-    for port, _ in located:
-        assert re.search(rf"\b{port.partition('[')[0]}\b", top), f"{port} is no port of {board.top}"

@@ -4,6 +4,7 @@ done."""
 
 import os
 import pty as ptys
+import re
 import select
 import signal
 import subprocess
@@ -14,7 +15,7 @@ import time
 import numpy as np
 import pytest
 
-from meissner import cli, engines, host
+from meissner import cli, config, engines, host
 from meissner.host import line, log, packets, view
 from meissner.host.pty import Pty
 from meissner.host.simulated import SimulatedCore, of_scenes
@@ -220,6 +221,81 @@ def test_a_core_without_registers_is_listened_to(meissner):
     with Pty(model) as pty:
         code, out, _ = meissner("live", pty.url, "--listen", "--seconds", 0.2)
         assert code == 0 and "5 slip events" in out
+
+
+def test_live_shows_the_slip_of_a_build_without_registers(meissner):
+    """slip1 is listened to by itself; its events and how far the simulation has come are shown."""
+    with host.connect("core:slip1") as core:
+        assert core.registers is False
+        shown = view.View(core)
+        for item in core.packets(300.0):
+            told = shown.add(item)
+            break
+        assert told.startswith("0.1") and "s: slip, channel 0, incipient, peak-to-peak" in told
+        assert core.line.pipe.simulated_s >= item.time_s > 0.1
+        now = core.line.pipe.now
+        assert f"; 1 slip event; simulated {now / 12_000_000:.3f} s, " in shown.line()
+    code, out, err = meissner("live", "core:slip1", "--seconds", 0.2)
+    assert (code, err) == (0, "meissner: core:slip1 is built without registers: it is only listened to\n")
+    assert re.search(r"; simulated \d\.\d{3} s, ", out.splitlines()[-1])
+
+
+def test_live_takes_a_users_configuration(meissner, tmp_path):
+    build = config.load("fingertip")
+    text = (config.FOLDER / "fingertip.toml").read_text()
+    for old, new in (
+        ("rows = 3", "rows = 2"),
+        ("columns = 3", "columns = 5"),
+        ("channels = 3", "channels = 5"),
+    ):
+        assert old in text
+        text = text.replace(old, new)
+    (tmp_path / "mine.toml").write_text(text)
+    with host.connect("core:mine.toml") as core:
+        assert (core["core.size.rows"], core["core.size.columns"], build.clk_khz) == (
+            2,
+            5,
+            core.units.clk_khz,
+        )
+        images = (item for item in core.packets(300.0) if isinstance(item, packets.Image))
+        assert next(images).taxels.shape == (2, 5)
+
+
+@pytest.mark.parametrize("arguments", [("regs", "core:slip1"), ("regs", "pty:/none", "--config", "slip1")])
+def test_a_build_without_registers_is_not_asked(meissner, arguments):
+    code, out, err = meissner(*arguments)
+    assert (code, out) == (2, "") and len(err.splitlines()) == 1
+    assert "slip1 is built without registers: it can only be listened to" in err
+
+
+def test_a_core_that_never_answers_may_be_one_without_registers(meissner):
+    with Pty(SimulatedCore()) as pty:
+        pty.pipe.write = lambda data: None
+        code, _, err = meissner("regs", pty.url)
+        assert code == 2 and "nothing came from" in err and len(err.splitlines()) == 1
+        assert "A build without registers (slip1, and every one for the iCEBreaker) never answers" in err
+
+
+@pytest.mark.parametrize(
+    "port, more, baud",
+    [
+        ("serial:/dev/ttyX", (), 3_000_000),
+        ("serial:/dev/ttyX", ("--config", "slip1"), 1_000_000),
+        ("serial:/dev/ttyX?baud=57600", ("--config", "slip1"), 57_600),
+        ("/dev/ttyX", ("--config", "slip1"), 1_000_000),
+    ],
+)
+def test_the_rate_of_a_line_is_the_configurations(meissner, monkeypatch, port, more, baud):
+    asked = []
+
+    def device(path, rate=None):
+        asked.append((path, rate))
+        raise OSError("not here")
+
+    monkeypatch.setattr(line, "Device", device)
+    code, _, err = meissner("live", port, *more)
+    assert code == 2 and "not here" in err
+    assert asked == [("/dev/ttyX", baud)]
 
 
 @pytest.mark.parametrize(

@@ -186,6 +186,8 @@ def _live_lines(core, view, seconds, messages):
         if beat:
             view.tick(time.monotonic())
             print(view.line(), flush=True)
+    for message in messages:
+        _tell(message)
     view.tick(time.monotonic())
     print(view.line(), flush=True)
 

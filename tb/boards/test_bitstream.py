@@ -1,0 +1,167 @@
+"""How a bitstream comes about: builds at once and builds that fail leave no mixture, each device has its own
+folder, a seed that does not end is passed over, and a larger device is taken where one is too small."""
+
+import json
+import multiprocessing
+import re
+
+import pytest
+
+import synth
+from boards import users
+from meissner import bitstream, boards, yowasp
+from meissner.yowasp import ROOT, ToolError
+
+REPORT = {"utilization": {"TRELLIS_COMB": {"used": 11}}, "detailed_net_timings": []}
+
+
+@pytest.fixture
+def out(monkeypatch, tmp_path):
+    """Builds go to a folder of this test's, which takes the place of the repository."""
+    monkeypatch.setattr(bitstream, "ROOT", tmp_path)
+    return tmp_path / bitstream.OUT
+
+
+def test_a_build_takes_its_place_whole(out):
+    for text in ("first", "second"):
+        with bitstream.private("a-b") as folder:
+            place = out.parent.parent / folder
+            assert place.parent == out and place != out / "a-b"
+            (place / "x.bit").write_text(text)
+            (place / f"{text}.log").write_text("")
+            assert text == "first" or (out / "a-b/x.bit").read_text() == "first"  # until it is whole
+    assert (out / "a-b/x.bit").read_text() == "second"
+    assert sorted(path.name for path in (out / "a-b").iterdir()) == ["second.log", "x.bit"]
+    assert sorted(path.name for path in out.iterdir()) == [".lock", "a-b"]
+
+
+def test_a_build_that_fails_leaves_the_one_before_and_its_logs(out):
+    with bitstream.private("a-b") as folder:
+        (out.parent.parent / folder / "x.bit").write_text("good")
+    with pytest.raises(ToolError) as told, bitstream.private("a-b") as folder:
+        (out.parent.parent / folder / "x.bit").write_text("half")
+        (out.parent.parent / folder / "x.log").write_text("why")
+        raise ToolError(f"nextpnr failed; see {folder}/x.log", f"in {folder}")
+    assert (out / "a-b/x.bit").read_text() == "good"
+    log = re.search(r"see (\S+)", str(told.value))[1]
+    assert (
+        out.parent.parent / log
+    ).read_text() == "why" and told.value.tail == f"in {log.rpartition('/')[0]}"
+    with pytest.raises(KeyboardInterrupt), bitstream.private("a-b"):
+        raise KeyboardInterrupt
+    assert sorted(path.name for path in out.iterdir()) == [".lock", "a-b", "a-b.failed"]
+    with bitstream.private("a-b") as folder:
+        pass
+    assert sorted(path.name for path in out.iterdir()) == [".lock", "a-b"]  # what failed before is gone
+
+
+def _builds(root, text, count):
+    bitstream.ROOT = root
+    for _ in range(count):
+        with bitstream.private("a-b") as folder:
+            for name in ("1", "2", "3"):
+                (root / folder / name).write_text(text)
+
+
+def test_two_builds_at_once_leave_one_of_them(out):
+    root = out.parent.parent
+    others = [
+        multiprocessing.get_context("fork").Process(target=_builds, args=(root, text, 40)) for text in "xyz"
+    ]
+    for other in others:
+        other.start()
+    for other in others:
+        other.join()
+    assert [other.exitcode for other in others] == [0, 0, 0]
+    found = [(out / "a-b" / name).read_text() for name in ("1", "2", "3")]
+    assert found[0] in "xyz" and found == 3 * found[:1]
+    assert sorted(path.name for path in out.iterdir()) == [".lock", "a-b"]
+
+
+def test_each_device_has_its_own_folder(out, monkeypatch, capsys):
+    def build(board, config, device, folder, *_):
+        (out.parent.parent / folder / "x.bit").write_text(device)
+        return {"device": device, "clk_mhz": 50.0, "mhz_worst": 60, **dict.fromkeys(bitstream.AREA, 0)}
+
+    monkeypatch.setattr(synth, "build", build)
+    monkeypatch.setattr(synth, "ROOT", out.parent.parent)
+    monkeypatch.setattr(synth, "warm_up", lambda: None)
+    for device in ("85F", "12F"):
+        synth.main(["ulx3s", "slip1", "--device", device])
+        said = capsys.readouterr().out
+        assert f"bitstream: build/synth/ulx3s-slip1-{device}/ulx3s_top.bit" in said
+        assert f"pins: build/synth/ulx3s-slip1-{device}/pins.txt and pins.json" in said
+        assert re.search(r"(?m)^adc_cs_n_o +R17 ", said)
+    assert [(out / f"ulx3s-slip1-{device}/x.bit").read_text() for device in ("85F", "12F")] == ["85F", "12F"]
+
+
+@pytest.fixture
+def placed(monkeypatch):
+    """``build`` with place and route as told: {(device, seed): MHz or an exception}; what was asked for."""
+    asked, packed, results = [], [], {}
+
+    def place(board, config, device, stem, clk_mhz, seed, limit_s):
+        asked.append((device, seed, limit_s))
+        result = results[device, seed]
+        if isinstance(result, Exception):
+            raise result
+        return REPORT | {"fmax": {"clk": {"achieved": result}}}
+
+    monkeypatch.setattr(bitstream, "synthesise", lambda *_: ("stem", {}))
+    monkeypatch.setattr(bitstream, "place", place)
+    monkeypatch.setattr(bitstream, "tool", lambda program, *_: packed.append(program))
+    return asked, packed, results
+
+
+def test_a_seed_that_does_not_end_is_passed_over(placed, tmp_path):
+    asked, packed, results = placed
+    board = boards.BOARDS["orangecrab"]
+    results |= {(None, 1): ToolError("no end"), (None, 2): 47.96, (None, 3): 48.04}
+    made = bitstream.build(board, "slip1", None, "x", (1, 2, 3), False, 77)
+    assert asked == [(None, 1, 77), (None, 2, 77), (None, 3, 77)] and packed == ["yowasp-ecppack"]
+    assert (made["mhz"], made["clk_mhz"]) == ([47.9, 48.0], 48.0)  # rounded down; 48.0 is enough
+    with pytest.raises(ToolError, match="no end"):  # every seed is measured: each must end
+        bitstream.build(board, "slip1", None, "x", (1, 2, 3), True, 77)
+    with pytest.raises(ToolError, match="no end"):
+        bitstream.build(board, "slip1", None, "x", (1,), False, 77)
+    with pytest.raises(
+        ToolError, match=r"slip1 on the orangecrab does not meet its 48 MHz: 47\.9 MHz at best of 1"
+    ):
+        bitstream.build(board, "slip1", None, "x", (1, 2), False, 77)
+
+
+def test_a_larger_device_where_one_is_too_small(placed, tmp_path):
+    asked, packed, results = placed
+    board, mine = boards.BOARDS["ulx3s"], users.write(tmp_path, "two", 25.0)
+    results |= {("25F", 1): bitstream.TooLarge("25F"), ("45F", 1): ToolError("no way")}
+    results |= {("45F", 2): 25.0, ("85F", 1): 99.0}
+    made = bitstream.build(board, mine, None, "x", (1, 2), False)
+    assert [(device, seed) for device, seed, _ in asked] == [("25F", 1), ("45F", 1), ("25F", 2)] or made
+    assert made["device"] == "45F" and packed == ["yowasp-ecppack"]
+    results |= {("45F", 1): bitstream.TooLarge("45F"), ("85F", 1): bitstream.TooLarge("85F")}
+    with pytest.raises(bitstream.TooLarge, match="85F"):
+        bitstream.build(board, mine, None, "x", (1, 2), False)
+    with pytest.raises(bitstream.TooLarge, match="25F"):  # the one that was asked for
+        bitstream.build(board, mine, "25F", "x", (1, 2), False)
+
+
+def test_a_tool_that_does_not_end_is_stopped(tmp_path, monkeypatch):
+    (ROOT / "build/tb/endless").mkdir(parents=True, exist_ok=True)
+    with pytest.raises(ToolError, match="python takes more than its limit of 1 s of processor time"):
+        yowasp.tool("python", ["-c", "while True: pass"], "build/tb/endless/log", 1)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("board, name", [("ulx3s", "lanes"), ("icebreaker", "two")])
+def test_yosys_makes_a_netlist_with_every_port(board, name, tmp_path):
+    board = boards.BOARDS[board]
+    folder = f"build/tb/netlist-{board.name}-{name}"
+    file = users.write(tmp_path, name, users.CLOCKS[board.name])
+    stem, cells = bitstream.synthesise(board, file, folder)
+    module = json.loads((ROOT / f"{stem}.json").read_text())["modules"][board.top]
+    bits = {port: len(told["bits"]) for port, told in module["ports"].items()}
+    assert bits == {port.port: len(port.pins) for port in board.plan(file).ports}
+    data = module["ports"]["adc_miso_i"]["bits"]
+    read = {bit for cell in module["cells"].values() for net in cell["connections"].values() for bit in net}
+    assert set(data) <= read, "a converter's data go nowhere"
+    assert cells

@@ -1,0 +1,76 @@
+"""Libraries that are built once and kept: one that is whole is not built again, one that is damaged is;
+without a compiler there is one sentence."""
+
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from meissner import cli, toolchain
+from meissner.engines import kept, verilated
+
+WHOLE = bytes(range(256)) * 40
+
+
+@pytest.fixture
+def builds(monkeypatch, tmp_path):
+    """verilated.library() with a compiler that writes WHOLE; the commands that it was asked for."""
+    asked = []
+
+    def run(command, **_):
+        asked.append(command)
+        (Path(command[command.index("-Mdir") + 1]) / "core.so").write_bytes(WHOLE)
+        return subprocess.CompletedProcess(command, 0, "", "")
+
+    toolchain.environment()
+    monkeypatch.setattr(toolchain, "BUILD", tmp_path)
+    monkeypatch.setattr(verilated.subprocess, "run", run)
+    return asked
+
+
+def library():
+    return verilated.library("msn_core", "core_driver.cpp", {})
+
+
+def test_what_is_whole_is_kept(builds):
+    first = library()
+    assert first.read_bytes() == WHOLE and len(builds) == 1
+    assert library() == first and len(builds) == 1
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [
+        lambda path: path.write_bytes(WHOLE[:-1]),
+        lambda path: path.write_bytes(b""),
+        lambda path: path.write_bytes(WHOLE[:5000] + b"?" + WHOLE[5001:]),
+        lambda path: path.unlink(),
+        lambda path: path.with_name("core.so.sha256").unlink(),
+        lambda path: path.with_name("core.so.sha256").write_bytes(b"\xff"),
+    ],
+    ids=["short", "empty", "changed", "gone", "no digest", "digest"],
+)
+def test_what_is_damaged_is_built_again(builds, damage):
+    damage(library())
+    assert library().read_bytes() == WHOLE and len(builds) == 2
+    library()
+    assert len(builds) == 2
+
+
+def test_a_new_file_takes_the_place_of_an_old_one(tmp_path):
+    for text in ("first", "second"):
+        (tmp_path / "fresh").write_text(text)
+        kept.keep(tmp_path / "fresh", tmp_path / "x")
+        assert kept.intact(tmp_path / "x") and (tmp_path / "x").read_text() == text
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["x", "x.sha256"]
+
+
+def test_without_a_compiler_there_is_one_sentence(builds, monkeypatch, capsys):
+    monkeypatch.setattr(
+        toolchain.shutil, "which", lambda name, path=None: None if name == "g++" else f"/{name}"
+    )
+    with pytest.raises(SystemExit) as end:
+        cli.main(["live", "core:slip1", "--seconds", "1"])
+    out, err = capsys.readouterr()
+    assert end.value.code == 2 and not out and not builds
+    assert err == "meissner: g++ not found: the core is compiled with g++ and make (apt install g++)\n"
