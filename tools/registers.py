@@ -380,8 +380,9 @@ def page(groups):
         "register in the build at hand, or a write to a register that can only be read, is answered with an",
         "error. A group marked *at a frame's boundary* is changed as a whole between two frames.",
         "",
-        "A build without registers (`registers = false`: `slip1`, and every build for the iCEBreaker) answers",
-        "no access at all: its settings are those of its configuration, and a host can only listen to it.",
+        "A build without registers (`registers = false`: `slip1`, and every build for the iCEBreaker)",
+        "answers no access at all: its settings are those of its configuration, and a host can only",
+        "listen to it.",
     ]
     for group in groups:
         when = ", settings take effect at a frame's boundary" if group.at_frame else ""

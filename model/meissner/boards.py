@@ -140,6 +140,7 @@ def _too_few(there):
     return {"array64": reason, "full": reason}
 
 
+COP4_ICE = "measuring"
 # Offered with nothing that was not measured: the pins would do.
 UNMEASURED = "not measured; a file of yours with this board's clock makes it"
 

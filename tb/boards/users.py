@@ -53,14 +53,23 @@ USERS = {  # name: (text but for the clock, lines on the headers)
         lambda mhz: array(mhz, "MCP3208", 2, 4, 2, 2),
         SPI | {"adc_mosi_o": 1, "adc_miso_i": 2, "row_o": 2},
     ),
-    # 12 columns in three groups of 2 converters × 2 channels; 12 rows as a number.
+    # 16 columns in four groups of 2 converters × 2 channels; 16 rows as a number.
     "groups": (
-        lambda mhz: array(mhz, "MCP3208", 12, 12, 2, 2, rate_hz=5.0),
+        lambda mhz: array(mhz, "MCP3208", 16, 16, 2, 2, rate_hz=5.0),
         SPI | {"adc_mosi_o": 1, "adc_miso_i": 2, "row_o": 4, "group_o": 2},
     ),
     "lanes": (
         lambda mhz: array(mhz, "AD7606", 5, 16, 2, 8, lanes=2),
         BUSY | {"adc_busy_i": 2, "adc_miso_i": 4, "row_o": 5},
+    ),
+    # The most rows with a line each, and the fewest without.
+    "eight": (
+        lambda mhz: array(mhz, "AD7606", 8, 7, 1, 7),
+        BUSY | {"adc_busy_i": 1, "adc_miso_i": 1, "row_o": 8},
+    ),
+    "nine": (
+        lambda mhz: array(mhz, "AD7606", 9, 7, 1, 7),
+        BUSY | {"adc_busy_i": 1, "adc_miso_i": 1, "row_o": 4},
     ),
     "max": (
         lambda mhz: array(mhz, "MAX11125", 3, 4, 2, 2),
