@@ -130,6 +130,45 @@ def test_eight_converters_are_wired_as_the_page_says():
     assert (at["adc_convst_o"], at["adc_reset_o"], at["adc_cs_n_o"]) == ("J1 GP8", "J1 GP9", "J1 GP10")
 
 
+SAME = ("rx_i", "tx_o", "moving_i", "adc_cs_n_o", "adc_sclk_o", "adc_miso_i")
+FLAGS = {"clk_i": "clk", "good_i": "good", "slip_o": "slip", "gross_o": "gross"}
+FLAGS |= {"touched_o": "touched", "pressed_o": "pressed"}
+
+
+@pytest.mark.parametrize(
+    "name, same, other",
+    [
+        (
+            "lanes",
+            ("adc_convst_o", "adc_reset_o", "adc_busy_i", "row_o"),
+            {"adc_mosi_o": "unused_mosi", "group_o": "unused_group"},
+        ),
+        (
+            "groups",
+            ("adc_mosi_o", "row_o", "group_o"),
+            {"adc_convst_o": "unused_convst", "adc_reset_o": "unused_reset", "adc_busy_i": "'0"},
+        ),
+        (
+            "channels",
+            ("adc_convst_o", "adc_reset_o", "adc_busy_i"),
+            {"adc_mosi_o": "unused_mosi", "row_o": "unused_row", "group_o": "unused_group"},
+        ),
+    ],
+)
+def test_each_line_of_the_core_goes_to_the_port_of_its_name(name, same, other, tmp_path):
+    top = board_files.top(boards.BOARDS["ulx3s"].plan(users.write(tmp_path, name, 25.0)))
+    instance = top.partition("msn_board u_board (")[2].partition(");")[0]
+    wired = dict(re.findall(r"\.(\w+) *\(([^()]+)\)", instance))
+    assert wired == {port: port for port in (*SAME, *same)} | FLAGS | other
+    shown = dict(re.findall(r"assign (\w+) = (.+);", top))
+    assert shown == {
+        "onboard_cs_n_o": "1'b1", "onboard_sclk_o": "1'b1", "onboard_mosi_o": "1'b0", "slip_o": "slip",
+        "gross_o": "gross", "led_gross_o": "gross", "led_slip_o": "slip", "led_touched_o": "touched",
+        "led_pressed_o": "pressed", "led_good_o": "good", "led_5_o": "1'b0", "led_6_o": "1'b0",
+        "led_7_o": "1'b0",
+    }  # fmt: skip
+
+
 def test_a_pull_is_written_as_each_tool_reads_it():
     port = pins.Port("moving", "moving_i", ("7",), ("x",), ("y",), "up")
     plan = pins.Plan(pins.description("ulx3s"), "x", (port,))
