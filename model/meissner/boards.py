@@ -140,9 +140,8 @@ def _too_few(there):
     return {"array64": reason, "full": reason}
 
 
-COP4_ICE = "measuring"
-# Offered with nothing that was not measured: the pins would do.
-UNMEASURED = "not measured; a file of yours with this board's clock makes it"
+COP4_ICE = "even without registers it needs 10 multipliers, and a UP5K has 8"
+UNMEASURED = "not measured; the board has the pins for it"
 
 BOARDS = {
     board.name: board

@@ -8,7 +8,7 @@ import sys
 import pytest
 
 import synth
-from meissner import boards, config
+from meissner import bitstream, boards, config
 from meissner.yowasp import ROOT, ToolError, yosys
 
 
@@ -160,4 +160,4 @@ def test_what_is_too_large_is_told():
     (folder / "pnr.log").write_text(
         "Info: \t  ICESTORM_LC:    6100/   5280   115%\nInfo: \t  ICESTORM_RAM:      4/     30    13%\n"
     )
-    assert synth.too_large("build/tb/large/pnr.log") == "6100 of 5280 ICESTORM_LC"
+    assert bitstream.too_large("build/tb/large/pnr.log") == "6100 of 5280 ICESTORM_LC"
