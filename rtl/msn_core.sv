@@ -896,8 +896,8 @@ module msn_core #(
     assign unused_slip = ^{actuator_moving_i, sample, sample_id, sample_mask};
     if (!CopSlip) begin : gen_no_decision
       assign {decision_valid, decision_raised, decision_last, decision_state, decision_p2p, decision_id} = '0;
-      logic unused_last;
-      assign unused_last = decision_last;
+      logic unused_decision;
+      assign unused_decision = ^{decision_last, decision_ready};
     end
   end
 

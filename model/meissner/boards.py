@@ -136,7 +136,7 @@ ON_BOARD = "MAX11125"
 
 def _too_few(there):
     """Why eight AD7606 do not go on a board with so many pins; what they need, meissner.pins counts."""
-    reason = f"it needs 35 pins of the headers and the board has {there}"
+    reason = f"it needs 36 pins of the headers and the board has {there}"
     return {"array64": reason, "full": reason}
 
 

@@ -23,7 +23,7 @@ PULLS = (None, "up", "down", "none")
 class Description:
     """A board's pins. ``leds``: {port: {"pin": its pin, "shows": an expression of the top's signals}};
     ``headers``: {label: pin}, in the order in which they are given; ``prefer``: {role: labels}; ``onboard``:
-    its own converter's lines; ``pulls``: {role: pull}.
+    its own converter's lines; ``pulls``: {role: pull}; ``inverted``: inputs that rest high on this board.
     """
 
     name: str
@@ -35,6 +35,7 @@ class Description:
     prefer: dict
     pulls: dict
     onboard: dict = field(default_factory=dict)
+    inverted: tuple = ()
 
 
 @cache
@@ -152,9 +153,9 @@ class Plan:
 
 
 def row_pins(parameters):
-    """Lines on which the rows leave: one each, or a number's bits."""
+    """Lines on which the rows leave: one each, or a number's bits and an enable above them."""
     rows = parameters.get("Rows", 1)
-    return rows if rows <= MOST_ROW_LINES else (rows - 1).bit_length()
+    return rows if rows <= MOST_ROW_LINES else (rows - 1).bit_length() + 1
 
 
 def groups(parameters):
@@ -163,8 +164,16 @@ def groups(parameters):
     return -(-parameters.get("Columns", 1) // (parameters.get("Converters", 1) * inputs))
 
 
-def needs(parameters):
-    """What a configuration's lines are, but for those that every board has on it."""
+def needs(board, parameters):
+    """What a configuration's lines are, but for those that are on the board."""
+    moving = Need("moving", "moving_i", 1, ("high while the actuator moves",))
+    if "moving" in board.inverted:
+        moving = Need("moving", "moving_n_i", 1, ("low while the actuator moves",))
+    return [*_lines(parameters), moving]
+
+
+def _lines(parameters):
+    """Of the sensor."""
     part = PARTS[parameters["Adc"]]
     converters, lanes = parameters.get("Converters", 1), parameters.get("AdcLanes", 1)
     every = "the converter" if converters == 1 else f"all {converters} converters"
@@ -189,13 +198,14 @@ def needs(parameters):
         if rows <= MOST_ROW_LINES:
             drives = tuple(f"row {k}" for k in range(rows))
         else:
-            drives = tuple(f"bit {k} of the row's number" for k in range(lines))
+            number = [f"bit {k} of the row's number" for k in range(lines - 1)]
+            drives = (*number, "low while a row is driven")
         found += [Need("row", "row_o", lines, drives)]
         if groups(parameters) > 1:
             bits = (groups(parameters) - 1).bit_length()
             shown = tuple(f"bit {k} of the number of the group of columns" for k in range(bits))
             found += [Need("group", "group_o", bits, shown)]
-    return [*found, Need("moving", "moving_i", 1, ("high while the actuator moves",))]
+    return found
 
 
 # Levels that come out where the board prefers a pin for them and nothing else needs it.
@@ -238,7 +248,7 @@ def assign(board, config, parameters):
         made = " or ".join(f"{value:g}" for value in board.clock["core_mhz"])
         raise ValueError(f"the {board.name} makes a clock of {made} MHz and {config} asks for {mhz:g}")
     own = _onboard(board, parameters)
-    ports, wanted, got, used = _fixed(board, own), needs(parameters), {}, set()
+    ports, wanted, got, used = _fixed(board, own), needs(board, parameters), {}, set()
     for need in list(wanted):
         if own and need.role in board.onboard:
             pin, what = board.onboard[need.role], need.what[0]

@@ -3,8 +3,10 @@
 // What every board has behind its pins: the reset and the core. A board's top only adds clock and pins, those that the
 // configuration needs (model/meissner/pins.py writes it).
 //
-// Converters side by side run as one: they share all lines but DOUT and BUSY. Up to eight rows leave one line each;
-// more leave as a number for multiplexers, from registers, so that their lines do not glitch, a clock later.
+// Converters side by side run as one: they share all lines but DOUT and BUSY. Up to eight rows leave one line each.
+// More leave as a number for decoders, and the line above it is low while a row is driven: without that line "no row",
+// between two conversions and while nothing is scanned, would be row 0. Meanwhile the number stays that of the last
+// row, so that no other is visited. All from registers, so that the lines do not glitch, a clock later.
 
 `include "msn_build.svh"  // the configuration, written by tools/synth.py
 
@@ -93,12 +95,19 @@ module msn_board (
   if (Rows <= 8) begin : gen_lines
     assign row_o = row;
   end else begin : gen_number
-    logic [`MSN_ROW_PINS-1:0] number;
+    localparam int unsigned NumberBits = $clog2(Rows);
+    logic [NumberBits-1:0] number, number_q;
+    logic                  driven, driven_q;
+    assign driven = |row;
     always_comb begin
       number = '0;
-      for (int unsigned i = 0; i < Rows; i++) number |= row[i] ? `MSN_ROW_PINS'(i) : '0;
+      for (int unsigned i = 0; i < Rows; i++) number |= row[i] ? NumberBits'(i) : '0;
     end
-    always_ff @(posedge clk_i) row_o <= number;
+    always_ff @(posedge clk_i) begin
+      driven_q <= driven;
+      if (driven) number_q <= number;
+    end
+    assign row_o = {!driven_q, number_q};
   end
 
   logic unused;

@@ -53,10 +53,10 @@ USERS = {  # name: (text but for the clock, lines on the headers)
         lambda mhz: array(mhz, "MCP3208", 2, 4, 2, 2),
         SPI | {"adc_mosi_o": 1, "adc_miso_i": 2, "row_o": 2},
     ),
-    # 16 columns in four groups of 2 converters × 2 channels; 16 rows as a number.
+    # 16 columns in four groups of 2 converters × 2 channels; 16 rows as a number and an enable.
     "groups": (
         lambda mhz: array(mhz, "MCP3208", 16, 16, 2, 2, rate_hz=5.0),
-        SPI | {"adc_mosi_o": 1, "adc_miso_i": 2, "row_o": 4, "group_o": 2},
+        SPI | {"adc_mosi_o": 1, "adc_miso_i": 2, "row_o": 5, "group_o": 2},
     ),
     "lanes": (
         lambda mhz: array(mhz, "AD7606", 5, 16, 2, 8, lanes=2),
@@ -69,7 +69,7 @@ USERS = {  # name: (text but for the clock, lines on the headers)
     ),
     "nine": (
         lambda mhz: array(mhz, "AD7606", 9, 7, 1, 7),
-        BUSY | {"adc_busy_i": 1, "adc_miso_i": 1, "row_o": 4},
+        BUSY | {"adc_busy_i": 1, "adc_miso_i": 1, "row_o": 5},
     ),
     "max": (
         lambda mhz: array(mhz, "MAX11125", 3, 4, 2, 2),

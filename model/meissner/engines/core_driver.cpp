@@ -75,8 +75,15 @@ struct Sensor {
     core.top.good_i = 1;
     core.top.moving_i = 0;
   }
-  // Up to eight rows have a line each.
-  int row() const { return size.rows > 8 ? core.top.row_o : one_of(core.top.row_o, size.rows); }
+  // Up to eight rows have a line each; more are a number, and the line above it is low while a row is driven.
+  int number_bits() const {
+    int bits = 1;
+    while (1 << bits < size.rows) ++bits;
+    return bits;
+  }
+  int row() const {
+    return size.rows > 8 ? core.top.row_o & ((1 << number_bits()) - 1) : one_of(core.top.row_o, size.rows);
+  }
   bool converts() const { return true; }  // what stands there is seen at any time
   int line(int) const { return 0; }
 #else

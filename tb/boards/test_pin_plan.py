@@ -21,6 +21,9 @@ LOCATED = {
 }
 
 
+LANES = {"Adc": 2, "Converters": 2, "AdcLanes": 2}  # AD7606
+
+
 def located(text, suffix):
     """[(bit of a port, pin)] of a file of constraints."""
     found = re.findall(LOCATED[suffix], re.sub(r"(?m)(#|//).*$", "", text))
@@ -53,7 +56,8 @@ def test_every_line_has_a_pin_and_no_pin_has_two(board, name, tmp_path):
     needed = {}
     for bit, pin in placed:
         if pin in free and bit not in ("slip_o", "gross_o"):
-            needed[bit.partition("[")[0]] = needed.get(bit.partition("[")[0], 0) + 1
+            port = bit.partition("[")[0].replace("moving_n_i", "moving_i")
+            needed[port] = needed.get(port, 0) + 1
     assert needed == users.USERS[name][1]
     told = json.loads(plan.json())["pins"]
     assert [(row["port"], row["pin"]) for row in told] == placed
@@ -77,7 +81,7 @@ def test_each_pin_of_a_named_pair_is_used_once(board):
 WIRED = {  # docs/boards.md, from the boards' own constraint files
     ("icebreaker", "fingertip"): {
         "clk_12m_i": "35", "rx_i": "6", "tx_o": "9", "led_red_n_o": "11", "led_green_n_o": "37",
-        "adc_cs_n_o": "4", "adc_mosi_o": "2", "adc_miso_i": "47", "adc_sclk_o": "45", "moving_i": "3",
+        "adc_cs_n_o": "4", "adc_mosi_o": "2", "adc_miso_i": "47", "adc_sclk_o": "45", "moving_n_i": "3",
         "row_o[0]": "43", "row_o[1]": "38", "row_o[2]": "34",
     },
     ("ulx3s", "slip1"): {
@@ -118,7 +122,8 @@ def test_the_named_pairs_are_wired_as_the_page_says(board, name):
 
 
 def test_eight_converters_are_wired_as_the_page_says():
-    """BUSY of converter k is GNk, DOUTA GP(18+k), DOUTB GN(18+k); the row's number is GP0 to GP5."""
+    """BUSY of converter k is GNk, DOUTA GP(18+k), DOUTB GN(18+k); the row's number is GP0 to GP5,
+    its enable GP6."""
     at = {row["port"]: row["at"] for row in boards.BOARDS["ulx3s"].plan("array64").rows()}
     for k in range(8):
         assert at[f"adc_busy_i[{k}]"] == f"J1 GN{k}"
@@ -126,7 +131,7 @@ def test_eight_converters_are_wired_as_the_page_says():
             f"J2 GP{18 + k}",
             f"J2 GN{18 + k}",
         )
-    assert [at[f"row_o[{k}]"] for k in range(6)] == [f"J1 GP{k}" for k in range(6)] and "row_o[6]" not in at
+    assert [at[f"row_o[{k}]"] for k in range(7)] == [f"J1 GP{k}" for k in range(7)] and "row_o[7]" not in at
     assert (at["adc_convst_o"], at["adc_reset_o"], at["adc_cs_n_o"]) == ("J1 GP8", "J1 GP9", "J1 GP10")
 
 
@@ -183,6 +188,25 @@ def test_a_pull_is_written_as_each_tool_reads_it():
         board_files.constraints(down, ".pcf")
 
 
+def test_an_input_that_rests_high_is_turned_around():
+    """An iCE40 cannot pull down: left open, moving_n_i says that the actuator rests."""
+    plan = boards.BOARDS["icebreaker"].plan("slip1")
+    assert "\nset_io -pullup yes moving_n_i 3\n" in board_files.constraints(plan, ".pcf")
+    assert ".moving_i    (!moving_n_i)" in board_files.top(plan)
+    assert "low while the actuator moves" in plan.text()
+
+
+@pytest.mark.parametrize("board", ALL)
+def test_every_input_but_the_clock_has_a_pull_to_its_rest(board):
+    rest = {"rx_i": "up", "adc_miso_i": "up", "adc_busy_i": "down", "moving_i": "down", "moving_n_i": "up"}
+    plan = pins.assign(pins.description(board), "x", LANES | {"ClkKhz": 1000 * round(users.CLOCKS[board])})
+    inputs = [port for port in plan.ports if port.is_input and port.role != "clock"]
+    assert len(inputs) == 4
+    for port in inputs:
+        none = (board, port.port) == ("icebreaker", "adc_busy_i")  # an iCE40 cannot; its converter drives it
+        assert port.pull == (None if none else rest[port.port])
+
+
 def test_no_description_gives_a_pin_twice(tmp_path, monkeypatch):
     text = (ROOT / "constraints/orangecrab.toml").read_text()
     (tmp_path / "constraints").mkdir()
@@ -216,7 +240,7 @@ def test_what_does_not_fit_is_refused_with_what_is_missing(capsys, tmp_path):
     said = said_of(capsys, "icebreaker", str(file))
     assert (
         "refused-here needs 37 pins of the icebreaker's headers (1 adc_cs_n_o, 1 adc_sclk_o, 1 adc_convst_o, "
-        "1 adc_reset_o, 8 adc_busy_i, 16 adc_miso_i, 8 row_o, 1 moving_i) and there are 24; without a pin: "
+        "1 adc_reset_o, 8 adc_busy_i, 16 adc_miso_i, 8 row_o, 1 moving_n_i) and there are 24; without a pin: "
     ) in said
     assert said.count("(DOUT") == 13 and said.endswith("adc_miso_i (DOUTB of converter 7)\n")
 
@@ -281,9 +305,9 @@ def test_the_named_configurations_that_a_board_leaves_out_do_not_fit():
     for board in boards.BOARDS.values():
         for name, reason in board.left_out.items():
             build = config.load(name)
-            needed = sum(need.count for need in pins.needs(build.parameters))
+            needed = sum(need.count for need in pins.needs(pins.description(board.name), build.parameters))
             there = len(pins.description(board.name).headers)
-            if "pins" in reason:
+            if "pins of the headers" in reason:
                 assert needed > there and f"needs {needed} pins" in reason and f"has {there}" in reason
             else:
                 assert needed <= there
