@@ -3,7 +3,7 @@ set_property -dict {PACKAGE_PIN E3 IOSTANDARD LVCMOS33} [get_ports clk_100m_i]
 create_clock -period 10.000 -name clk_100m [get_ports clk_100m_i]
 
 # USB serial
-set_property -dict {PACKAGE_PIN A9 IOSTANDARD LVCMOS33} [get_ports rx_i]
+set_property -dict {PACKAGE_PIN A9 IOSTANDARD LVCMOS33 PULLUP TRUE} [get_ports rx_i]
 set_property -dict {PACKAGE_PIN D10 IOSTANDARD LVCMOS33} [get_ports tx_o]
 
 # LD4 to LD7
@@ -15,7 +15,7 @@ set_property -dict {PACKAGE_PIN T10 IOSTANDARD LVCMOS33} [get_ports {led_o[3]}]
 # PMOD JA: 1 to 4, and 7
 set_property -dict {PACKAGE_PIN G13 IOSTANDARD LVCMOS33} [get_ports adc_cs_n_o]
 set_property -dict {PACKAGE_PIN B11 IOSTANDARD LVCMOS33} [get_ports adc_mosi_o]
-set_property -dict {PACKAGE_PIN A11 IOSTANDARD LVCMOS33} [get_ports adc_miso_i]
+set_property -dict {PACKAGE_PIN A11 IOSTANDARD LVCMOS33 PULLUP TRUE} [get_ports adc_miso_i]
 set_property -dict {PACKAGE_PIN D12 IOSTANDARD LVCMOS33} [get_ports adc_sclk_o]
 set_property -dict {PACKAGE_PIN D13 IOSTANDARD LVCMOS33 PULLDOWN TRUE} [get_ports moving_i]
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // iCEBreaker 1.0: 12 MHz, or 24 MHz from the PLL (MSN_CLK_KHZ); converter on PMOD 1A. docs/boards.md has the wiring.
+// An iCE40 pulls its pins up or not at all, so that moving_n_i is low while the actuator moves: left open, it rests.
 
 `include "msn_build.svh"  // the configuration, written by tools/synth.py
 
@@ -10,7 +11,7 @@ module icebreaker_top (
   output logic       tx_o,
   output logic       led_red_n_o,
   output logic       led_green_n_o,
-  input  logic       moving_i,
+  input  logic       moving_n_i,
   output logic [7:0] row_o,
   output logic       adc_cs_n_o,
   output logic       adc_sclk_o,
@@ -55,7 +56,7 @@ module icebreaker_top (
     .adc_reset_o (),
     .adc_miso_i  ({15'd0, adc_miso_i}),
     .adc_busy_i  ('0),
-    .moving_i    (moving_i),
+    .moving_i    (!moving_n_i),
     .rx_i        (rx_i),
     .tx_o        (tx_o),
     .slip_o      (slip),

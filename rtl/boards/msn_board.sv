@@ -2,8 +2,10 @@
 //
 // What every board has behind its pins: the reset and the core. Each board's top only adds clock and pins.
 //
-// Converters side by side run as one: they share all lines but DOUT and BUSY. Up to eight rows leave one line each;
-// more leave as a number for multiplexers, from registers, so that their lines do not glitch, a clock later.
+// Converters side by side run as one: they share all lines but DOUT and BUSY. Up to eight rows leave one line each.
+// More leave as a number for decoders, and the line above it is low while a row is driven: without that line "no row",
+// between two conversions and while nothing is scanned, would be row 0. Meanwhile the number stays that of the last
+// row, so that no other is visited. All from registers, so that the lines do not glitch, a clock later.
 
 `include "msn_build.svh"  // the configuration, written by tools/synth.py
 
@@ -34,8 +36,8 @@ module msn_board (
   localparam int unsigned Rows       = `MSN_ROWS;
   localparam int unsigned Converters = `MSN_CONVERTERS;
   localparam int unsigned DataLines  = `MSN_CONVERTERS * `MSN_ADC_LANES;
-  if (Rows > 256 || Converters > 8 || `MSN_GROUP_BITS > 3) begin : gen_check_pins
-    $fatal(1, "msn_board: a board has pins for 256 rows, 8 converters and 8 groups of columns");
+  if (Rows > 128 || Converters > 8 || `MSN_GROUP_BITS > 3) begin : gen_check_pins
+    $fatal(1, "msn_board: a board has pins for 128 rows, 8 converters and 8 groups of columns");
   end
 
   logic rst;
@@ -98,12 +100,19 @@ module msn_board (
   if (Rows <= 8) begin : gen_lines
     assign row_o = 8'(row);
   end else begin : gen_number
-    logic [7:0] number;
+    localparam int unsigned NumberBits = $clog2(Rows);
+    logic [NumberBits-1:0] number, number_q;
+    logic                  driven, driven_q;
+    assign driven = |row;
     always_comb begin
       number = '0;
-      for (int unsigned i = 0; i < Rows; i++) number |= row[i] ? 8'(i) : '0;
+      for (int unsigned i = 0; i < Rows; i++) number |= row[i] ? NumberBits'(i) : '0;
     end
-    always_ff @(posedge clk_i) row_o <= number;
+    always_ff @(posedge clk_i) begin
+      driven_q <= driven;
+      if (driven) number_q <= number;
+    end
+    assign row_o = 8'({!driven_q, number_q});
   end
 
   logic unused;

@@ -75,8 +75,16 @@ struct Sensor {
     core.top.good_i = 1;
     core.top.moving_i = 0;
   }
-  // Up to eight rows have a line each.
-  int row() const { return size.rows > 8 ? core.top.row_o : one_of(core.top.row_o, size.rows); }
+  // Up to eight rows have a line each; more are a number, and the line above it is low while a row is driven.
+  int number_bits() const {
+    int bits = 1;
+    while (1 << bits < size.rows) ++bits;
+    return bits;
+  }
+  int row() const {
+    return size.rows > 8 ? core.top.row_o & ((1 << number_bits()) - 1) : one_of(core.top.row_o, size.rows);
+  }
+  bool dark() const { return size.rows > 8 && bit_of(core.top.row_o, number_bits()); }
   bool converts() const { return true; }  // what stands there is seen at any time
   int line(int) const { return 0; }
 #else
@@ -90,6 +98,7 @@ struct Sensor {
     core.top.rst_i = 0;
   }
   int row() const { return one_of(core.top.row_o, size.rows); }
+  bool dark() const { return false; }
   bool converts() const { return core.top.rootp->msn_core__DOT__convert; }
   int line(int lane) const { return lane; }
 #endif
@@ -104,7 +113,7 @@ struct Sensor {
     for (int lane = 0; lane < lanes; ++lane) {
       for (int channel = 0; channel < size.channels; ++channel) {
         const int column = (core.top.group_o * size.channels + channel) * lanes + lane;
-        held[8 * lane + channel] = column < size.columns ? first[column] : 0;
+        held[8 * lane + channel] = column < size.columns && !dark() ? first[column] : 0;
       }
     }
   }
