@@ -63,10 +63,8 @@ def _slip(at, table, config):
     one_of(at, "level", given["level"], (1, 2, 3))
     units = replace(config.units, level=given["level"])
     keep = f"keep_threshold_{unit}"
-    if keep in table and given[keep] > given[f"threshold_{unit}"]:
-        raise ValueError(f"{at}: {keep} = {given[keep]:g} must not be above threshold_{unit}")
     try:
-        return given["serial"], SlipConfig(
+        slip = SlipConfig(
             *(given[key] for key in ("window", "hop", "level")),
             *(units.code(f"slip.{key}", of, given[f"{key}_{unit}"]) for key in codes),
             given["contact_rises"],
@@ -75,6 +73,9 @@ def _slip(at, table, config):
         )
     except ValueError as problem:
         raise ValueError(f"{at}: {problem}") from None
+    if keep in table and given[keep] > given[f"threshold_{unit}"]:
+        raise ValueError(f"{at}: {keep} = {given[keep]:g} must not be above threshold_{unit}")
+    return given["serial"], slip
 
 
 def load(name, mhz=None, part=None, registers=None):

@@ -64,7 +64,7 @@ module formal_slip #(
   always_comb if (started) assume (cfg == cfg_q);
 
   // 1: what a detail says.
-  logic                  seen, pressed, lifted, over, gross, weak, moving, anew, mask, last, end_q, stalled;
+  logic                  seen, pressed, lifted, over, gross, keeps, moving, anew, mask, last, end_q, stalled;
   logic [DetailBits-1:0] p2p;
   logic [IdBits-1:0]     id;
   logic                  high_enough, low_enough;
@@ -79,7 +79,7 @@ module formal_slip #(
       lifted  <= low_enough;
       over    <= in_p2p_i > cfg_threshold_i;
       gross   <= in_p2p_i > cfg_gross_threshold_i;
-      weak    <= in_p2p_i > cfg_keep_threshold_i;
+      keeps   <= in_p2p_i > cfg_keep_threshold_i;
       moving  <= actuator_moving_i;
       anew    <= in_restart_i;
       p2p     <= in_p2p_i;
@@ -124,7 +124,7 @@ module formal_slip #(
         if (lifted) begin
           next       = Release;
           since_next = '0;
-        end else if (act || (weak && !moving && !mask)) begin
+        end else if (act || (keeps && !moving && !mask)) begin
           since_next = '0;
           if (act && gross) next = Gross;
         end else if (!waits) begin
@@ -229,6 +229,7 @@ module formal_slip #(
       assert (dut.seen_valid == seen);
       if (seen) begin
         assert (dut.pressed == (pressed && !mask) && dut.lifted == lifted && dut.over == (over && !mask));
+        assert (dut.kept == ((over || keeps) && !mask));
         assert (dut.gross == gross && dut.moving == moving && dut.restart == (anew || mask));
         assert (dut.seen_p2p == p2p && dut.seen_id == id && dut.seen_last == last && dut.seen_end == end_q);
         assert (32'(id) < Channels && last == (32'(id) == Channels - 1));
