@@ -1,6 +1,6 @@
 """What keeps the slip flag up while an object slides: the table of docs/slip.md, as Markdown.
 
-    python tools/slip_keep.py [SEEDS]      all seeds of the scenes unless given
+    python tools/slip_keep.py [SEEDS]      of each condition, 20 unless given
 
 Every condition and seed of the scenes with a slip, on the fixed engine's twins, by the keep threshold as a
 share of the threshold, and the hold. ``contact while sliding``: share of the time from the slip of the whole
@@ -68,7 +68,7 @@ def runs(seeds):
     for name in SCENES:
         scene = scenes.load(name)
         for condition in scene.conditions:
-            numbers = range(1, 1 + (seeds or scene.seeds))
+            numbers = range(1, 1 + seeds)
             recordings = [scenes.simulate(scene, condition, seed) for seed in numbers]
             found[name, condition.name] = [Run(recording) for recording in recordings]
     return found
@@ -96,7 +96,7 @@ def row(found, share, hold_s):
 
 
 def main():
-    found = runs(int(sys.argv[1]) if len(sys.argv) > 1 else None)
+    found = runs(int(sys.argv[1]) if len(sys.argv) > 1 else 20)
     print(
         "| keep / threshold | hold, ms | contact while sliding | worst condition | release: median "
         "| largest, ms | missed | false alarms |"

@@ -156,7 +156,7 @@ def test_a_core_that_differs_is_reported(tmp_path, monkeypatch):
 
 
 def test_a_sliding_object_is_said_to_slip(tmp_path, monkeypatch):
-    """Paper, the worst of all conditions: half of the time is lost without a lower threshold, none with it."""
+    """Paper, the worst of all conditions: half the time is lost without a lower threshold, none with it."""
     scene = scenes.load("slip_materials")
     scene = dataclasses.replace(scene, seeds=3, conditions=scene.conditions[3:])
     summary = run(scene, "fixed", tmp_path / "kept", 1)

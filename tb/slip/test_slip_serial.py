@@ -352,6 +352,7 @@ def test_refuses_illegal_parameters(parameters, message):
         ({"sample_bits": 13}, {"threshold": 1 << 14}, "threshold = 16384 must lie in 0 .. 16383"),
         ({"sample_bits": 13}, {"contact_level": -8193}, "contact_level = -8193 must lie in -8192 .. 8191"),
         ({"timer_bits": 10}, {"blank": 1024}, "blank = 1024 must lie in 0 .. 1023"),
+        ({"sample_bits": 13}, {"keep_threshold": 1 << 14}, "keep_threshold = 16384 must lie in 0 .. 16383"),
     ],
 )
 def test_model_refuses(arguments, settings, message):
