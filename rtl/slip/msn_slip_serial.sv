@@ -150,7 +150,8 @@ module msn_slip_serial #(
   assign touching     = out_state_o == msn_pkg::Contact || was_slipping;
 
   logic [Digit-1:0]             sample, limit, threshold, gross_threshold, keep_threshold;
-  logic [Steps-1:0][Digit-1:0]  samples, contact_levels, release_levels, thresholds, gross_thresholds, keep_thresholds;
+  logic [Steps-1:0][Digit-1:0]  samples, contact_levels, release_levels;
+  logic [Steps-1:0][Digit-1:0]  thresholds, gross_thresholds, keep_thresholds;
   assign samples          = Width'(in_data_i);
   assign contact_levels   = Width'(cfg_contact_level_i);
   assign release_levels   = Width'(cfg_release_level_i);

@@ -125,7 +125,7 @@ class Netlist:
 
 
 @pytest.mark.parametrize(
-    "board, name, unused", CASES, ids=lambda value: getattr(value, "name", str(value))[:12]
+    "board, name, unused", CASES, ids=[f"{board.name}-{name}" for board, name, _ in CASES]
 )
 def test_inputs_go_into_one_register_each(board, name, unused):
     module = netlist(board, name)
