@@ -52,6 +52,7 @@
 #define MSN_SLIP_BLANK 0x21cu
 #define MSN_SLIP_DAMAGED 0x220u
 #define MSN_SLIP_BLANKED 0x224u
+#define MSN_SLIP_KEEP_THRESHOLD 0x228u
 
 /* Scan of an array */
 #define MSN_SCAN_ENABLE 0x300u

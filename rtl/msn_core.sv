@@ -155,6 +155,7 @@ module msn_core #(
   logic [19:0] cfg_threshold, cfg_gross_threshold, cfg_contact_level, cfg_release_level;
   logic        cfg_contact_rises;
   logic [15:0] cfg_hold, cfg_refractory, cfg_blank;
+  logic [19:0] cfg_keep_threshold;
   logic [15:0] cfg_settle;
   logic [31:0] cfg_scan_period, cfg_min_load;
   logic [16:0] cfg_band, cfg_jump, cfg_low, cfg_high, cfg_contact, cfg_zero, cfg_offset;
@@ -225,6 +226,7 @@ module msn_core #(
     .slip_blank_o            (cfg_blank),
     .slip_damaged_i          (slip_damaged),
     .slip_blanked_i          (slip_blanked),
+    .slip_keep_threshold_o   (cfg_keep_threshold),
     .scan_enable_o           (cfg_scan_enable),
     .scan_settle_o           (cfg_settle),
     .scan_period_o           (cfg_scan_period),
@@ -315,7 +317,7 @@ module msn_core #(
   assign unused_settings = ^{
       cfg_adc_enable, cfg_adc_period, cfg_threshold, cfg_gross_threshold, cfg_contact_level,
       cfg_release_level, cfg_contact_rises, cfg_hold, cfg_refractory, cfg_blank, cfg_scan_enable,
-      cfg_interleave, cfg_settle,
+      cfg_keep_threshold, cfg_interleave, cfg_settle,
       cfg_scan_period, cfg_min_load, cfg_band, cfg_jump, cfg_low, cfg_high, cfg_edges, cfg_user, cfg_still,
       cfg_rail, cfg_blink, cfg_clear, cfg_report, cfg_contact, cfg_step, cfg_force, cfg_at_start, cfg_average,
       cfg_load, cfg_zero_word, cfg_zero, cfg_zero_written, cfg_zero_lanes, cfg_preset, cfg_word, cfg_offset,
@@ -823,6 +825,14 @@ module msn_core #(
       assign slip_mask    = sample_mask;
     end
 
+    // A pin: it changes whenever the actuator does, and every flip-flop that it steers must see the same.
+    logic moving;
+    msn_sync u_moving (
+      .clk_i,
+      .in_data_i (actuator_moving_i),
+      .out_data_o(moving)
+    );
+
     logic                   found_valid, found_ready, found_raised, found_last;
     logic [2:0]             found_state;
     logic [DetailBits-1:0]  found_p2p, p2p;
@@ -849,7 +859,8 @@ module msn_core #(
       .cfg_hold_i           (cfg_hold[TimerBits-1:0]),
       .cfg_refractory_i     (cfg_refractory[TimerBits-1:0]),
       .cfg_blank_i          (cfg_blank[TimerBits-1:0]),
-      .actuator_moving_i,
+      .cfg_keep_threshold_i (cfg_keep_threshold[DetailBits-1:0]),
+      .actuator_moving_i    (moving),
       .in_valid_i           (slip_valid),
       .in_ready_o           (slip_ready),
       .in_data_i            (slip_sample),

@@ -34,17 +34,17 @@ if recorder.FILE:
     recorder.install()
 
 
-def run(stage, block, parameters=None, test_filter=None, module=None, sources=None):
+def run(stage, block, parameters=None, test_filter=None, module=None, sources=None, include=None):
     """Build ``msn_<block>`` with Verilator and run the cocotb tests of tb/<stage>/test_<block>.py.
 
     ``module``: another test file of that stage, in place of test_<block>; ``sources``: other files than those
-    of rtl/rtl.f.
+    of rtl/rtl.f; ``include``: a folder with a header that they include.
     """
     parameters = parameters or {}
     module = module or f"test_{block}"
     file = module.removeprefix("test_")
     name = "-".join([file, *([] if block in file else [block]), *(f"{k}{v}" for k, v in parameters.items())])
-    name += f"-{sources[-1].parent.name}" if sources else ""
+    name += f"-{(include or sources[-1].parent).name}" if sources else ""
     name = name.replace("'", "")  # of sized numbers
     if len(name) > 150:  # a file's name has 255 at most
         name = f"{name[:100]}-{hashlib.sha256(name.encode()).hexdigest()[:12]}"
@@ -67,6 +67,7 @@ def run(stage, block, parameters=None, test_filter=None, module=None, sources=No
     runner.build(
         sources=sources,
         hdl_toplevel=f"msn_{block}",
+        includes=[include] if include else [],
         parameters=parameters,
         build_args=flags,
         build_dir=build_dir,

@@ -136,6 +136,8 @@ class Config:
             keys = ("threshold", "gross_threshold", "contact_level", "release_level", "contact_rises")
             keys += ("hold", "refractory", "blank")
             found |= {f"slip.{key}": int(getattr(self.slip, key)) for key in keys}
+            if self.slip.keep_threshold is not None:
+                found["slip.keep_threshold"] = self.slip.keep_threshold
         if self.cop4:
             found |= {f"cop4.{key}": value for key, value in asdict(self.cop4.registers).items()}
             if self.cop4.terms:

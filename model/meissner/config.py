@@ -58,19 +58,24 @@ def _slip(at, table, config):
         at,
         table,
         dict.fromkeys((f"{key}_{unit}" for key in codes), float),
-        SLIP | {"contact_rises": config.kind == "array", "serial": False},
+        SLIP | {"contact_rises": config.kind == "array", "serial": False, f"keep_threshold_{unit}": 0.0},
     )
     one_of(at, "level", given["level"], (1, 2, 3))
     units = replace(config.units, level=given["level"])
+    keep = f"keep_threshold_{unit}"
     try:
-        return given["serial"], SlipConfig(
+        slip = SlipConfig(
             *(given[key] for key in ("window", "hop", "level")),
             *(units.code(f"slip.{key}", of, given[f"{key}_{unit}"]) for key in codes),
             given["contact_rises"],
             *(units.code(f"slip.{key}", "seconds", given[f"{key}_ms"] / 1000) for key in times),
+            units.code("slip.keep_threshold", of, given[keep]) if keep in table else None,
         )
     except ValueError as problem:
         raise ValueError(f"{at}: {problem}") from None
+    if keep in table and given[keep] > given[f"threshold_{unit}"]:
+        raise ValueError(f"{at}: {keep} = {given[keep]:g} must not be above threshold_{unit}")
+    return given["serial"], slip
 
 
 def load(name, mhz=None, part=None, registers=None):

@@ -62,6 +62,7 @@ module msn_registers #(
   output logic [15:0] slip_blank_o,
   input  logic [31:0] slip_damaged_i,
   input  logic [31:0] slip_blanked_i,
+  output logic [19:0] slip_keep_threshold_o,
 
   output logic        scan_enable_o,
   output logic [15:0] scan_settle_o,
@@ -326,9 +327,22 @@ module msn_registers #(
   logic slip_blanked_hit;
   assign slip_blanked_hit = Slip && word == 10'h089;
 
+  logic slip_keep_threshold_hit, slip_keep_threshold_write;
+  assign slip_keep_threshold_hit = Slip && word == 10'h08a;
+  assign slip_keep_threshold_write = slip_keep_threshold_hit && write;
+  logic [19:0] slip_keep_threshold_q;
+  always_ff @(posedge clk_i) begin
+    if (slip_keep_threshold_write) slip_keep_threshold_q <= (slip_keep_threshold_q & ~mask[19:0]) | (bus_data_i[19:0] & mask[19:0]);
+    if (rst_i) slip_keep_threshold_q <= Resets[186+:20];
+  end
+  always_ff @(posedge clk_i) begin
+    if (slip_commit_i) slip_keep_threshold_o <= slip_keep_threshold_q;
+    if (rst_i) slip_keep_threshold_o <= Resets[186+:20];
+  end
+
   always_ff @(posedge clk_i) begin
     if (slip_commit_i) slip_pending_o <= 1'b0;
-    if (slip_threshold_write || slip_gross_threshold_write || slip_contact_level_write || slip_release_level_write || slip_contact_rises_write || slip_hold_write || slip_refractory_write || slip_blank_write) slip_pending_o <= 1'b1;
+    if (slip_threshold_write || slip_gross_threshold_write || slip_contact_level_write || slip_release_level_write || slip_contact_rises_write || slip_hold_write || slip_refractory_write || slip_blank_write || slip_keep_threshold_write) slip_pending_o <= 1'b1;
     if (rst_i) slip_pending_o <= 1'b0;
   end
 
@@ -337,7 +351,7 @@ module msn_registers #(
   assign scan_enable_write = scan_enable_hit && write;
   always_ff @(posedge clk_i) begin
     if (scan_enable_write) scan_enable_o <= (scan_enable_o & ~mask[0]) | (bus_data_i[0] & mask[0]);
-    if (rst_i) scan_enable_o <= Resets[186];
+    if (rst_i) scan_enable_o <= Resets[206];
   end
 
   logic scan_settle_hit, scan_settle_write;
@@ -345,7 +359,7 @@ module msn_registers #(
   assign scan_settle_write = scan_settle_hit && write;
   always_ff @(posedge clk_i) begin
     if (scan_settle_write) scan_settle_o <= (scan_settle_o & ~mask[15:0]) | (bus_data_i[15:0] & mask[15:0]);
-    if (rst_i) scan_settle_o <= Resets[187+:16];
+    if (rst_i) scan_settle_o <= Resets[207+:16];
   end
 
   logic scan_period_hit, scan_period_write;
@@ -353,7 +367,7 @@ module msn_registers #(
   assign scan_period_write = scan_period_hit && write;
   always_ff @(posedge clk_i) begin
     if (scan_period_write) scan_period_o <= (scan_period_o & ~mask[31:0]) | (bus_data_i[31:0] & mask[31:0]);
-    if (rst_i) scan_period_o <= Resets[203+:32];
+    if (rst_i) scan_period_o <= Resets[223+:32];
   end
 
   logic scan_interleave_hit, scan_interleave_write;
@@ -361,7 +375,7 @@ module msn_registers #(
   assign scan_interleave_write = scan_interleave_hit && write;
   always_ff @(posedge clk_i) begin
     if (scan_interleave_write) scan_interleave_o <= (scan_interleave_o & ~mask[0]) | (bus_data_i[0] & mask[0]);
-    if (rst_i) scan_interleave_o <= Resets[235];
+    if (rst_i) scan_interleave_o <= Resets[255];
   end
 
   logic scan_dropped_hit;
@@ -381,7 +395,7 @@ module msn_registers #(
   assign health_band_write = health_band_hit && write;
   always_ff @(posedge clk_i) begin
     if (health_band_write) health_band_o <= (health_band_o & ~mask[16:0]) | (bus_data_i[16:0] & mask[16:0]);
-    if (rst_i) health_band_o <= Resets[236+:17];
+    if (rst_i) health_band_o <= Resets[256+:17];
   end
 
   logic health_jump_hit, health_jump_write;
@@ -389,7 +403,7 @@ module msn_registers #(
   assign health_jump_write = health_jump_hit && write;
   always_ff @(posedge clk_i) begin
     if (health_jump_write) health_jump_o <= (health_jump_o & ~mask[16:0]) | (bus_data_i[16:0] & mask[16:0]);
-    if (rst_i) health_jump_o <= Resets[253+:17];
+    if (rst_i) health_jump_o <= Resets[273+:17];
   end
 
   logic health_low_hit, health_low_write;
@@ -397,7 +411,7 @@ module msn_registers #(
   assign health_low_write = health_low_hit && write;
   always_ff @(posedge clk_i) begin
     if (health_low_write) health_low_o <= (health_low_o & ~mask[16:0]) | (bus_data_i[16:0] & mask[16:0]);
-    if (rst_i) health_low_o <= Resets[270+:17];
+    if (rst_i) health_low_o <= Resets[290+:17];
   end
 
   logic health_high_hit, health_high_write;
@@ -405,7 +419,7 @@ module msn_registers #(
   assign health_high_write = health_high_hit && write;
   always_ff @(posedge clk_i) begin
     if (health_high_write) health_high_o <= (health_high_o & ~mask[16:0]) | (bus_data_i[16:0] & mask[16:0]);
-    if (rst_i) health_high_o <= Resets[287+:17];
+    if (rst_i) health_high_o <= Resets[307+:17];
   end
 
   logic health_use_hit, health_use_write;
@@ -413,11 +427,11 @@ module msn_registers #(
   assign health_use_write = health_use_hit && write;
   always_ff @(posedge clk_i) begin
     if (health_use_write) health_use_edges_o <= (health_use_edges_o & ~mask[1]) | (bus_data_i[1] & mask[1]);
-    if (rst_i) health_use_edges_o <= Resets[305];
+    if (rst_i) health_use_edges_o <= Resets[325];
   end
   always_ff @(posedge clk_i) begin
     if (health_use_write) health_use_user_o <= (health_use_user_o & ~mask[0]) | (bus_data_i[0] & mask[0]);
-    if (rst_i) health_use_user_o <= Resets[304];
+    if (rst_i) health_use_user_o <= Resets[324];
   end
 
   logic health_still_hit, health_still_write;
@@ -425,7 +439,7 @@ module msn_registers #(
   assign health_still_write = health_still_hit && write;
   always_ff @(posedge clk_i) begin
     if (health_still_write) health_still_o <= (health_still_o & ~mask[7:0]) | (bus_data_i[7:0] & mask[7:0]);
-    if (rst_i) health_still_o <= Resets[306+:8];
+    if (rst_i) health_still_o <= Resets[326+:8];
   end
 
   logic health_rail_hit, health_rail_write;
@@ -433,7 +447,7 @@ module msn_registers #(
   assign health_rail_write = health_rail_hit && write;
   always_ff @(posedge clk_i) begin
     if (health_rail_write) health_rail_o <= (health_rail_o & ~mask[7:0]) | (bus_data_i[7:0] & mask[7:0]);
-    if (rst_i) health_rail_o <= Resets[314+:8];
+    if (rst_i) health_rail_o <= Resets[334+:8];
   end
 
   logic health_blink_hit, health_blink_write;
@@ -441,7 +455,7 @@ module msn_registers #(
   assign health_blink_write = health_blink_hit && write;
   always_ff @(posedge clk_i) begin
     if (health_blink_write) health_blink_o <= (health_blink_o & ~mask[7:0]) | (bus_data_i[7:0] & mask[7:0]);
-    if (rst_i) health_blink_o <= Resets[322+:8];
+    if (rst_i) health_blink_o <= Resets[342+:8];
   end
 
   logic health_clear_hit, health_clear_write;
@@ -474,7 +488,7 @@ module msn_registers #(
   assign tare_contact_write = tare_contact_hit && write;
   always_ff @(posedge clk_i) begin
     if (tare_contact_write) tare_contact_o <= (tare_contact_o & ~mask[16:0]) | (bus_data_i[16:0] & mask[16:0]);
-    if (rst_i) tare_contact_o <= Resets[330+:17];
+    if (rst_i) tare_contact_o <= Resets[350+:17];
   end
 
   logic tare_step_hit, tare_step_write;
@@ -482,7 +496,7 @@ module msn_registers #(
   assign tare_step_write = tare_step_hit && write;
   always_ff @(posedge clk_i) begin
     if (tare_step_write) tare_step_o <= (tare_step_o & ~mask[7:0]) | (bus_data_i[7:0] & mask[7:0]);
-    if (rst_i) tare_step_o <= Resets[347+:8];
+    if (rst_i) tare_step_o <= Resets[367+:8];
   end
 
   logic tare_force_hit, tare_force_write;
@@ -490,7 +504,7 @@ module msn_registers #(
   assign tare_force_write = tare_force_hit && write;
   always_ff @(posedge clk_i) begin
     if (tare_force_write) tare_force_o <= (tare_force_o & ~mask[0]) | (bus_data_i[0] & mask[0]);
-    if (rst_i) tare_force_o <= Resets[355];
+    if (rst_i) tare_force_o <= Resets[375];
   end
 
   logic tare_at_start_hit, tare_at_start_write;
@@ -498,7 +512,7 @@ module msn_registers #(
   assign tare_at_start_write = tare_at_start_hit && write;
   always_ff @(posedge clk_i) begin
     if (tare_at_start_write) tare_at_start_o <= (tare_at_start_o & ~mask[0]) | (bus_data_i[0] & mask[0]);
-    if (rst_i) tare_at_start_o <= Resets[356];
+    if (rst_i) tare_at_start_o <= Resets[376];
   end
 
   logic tare_average_hit, tare_average_write;
@@ -514,7 +528,7 @@ module msn_registers #(
   assign tare_load_write = tare_load_hit && write;
   always_ff @(posedge clk_i) begin
     if (tare_load_write) tare_load_o <= (tare_load_o & ~mask[0]) | (bus_data_i[0] & mask[0]);
-    if (rst_i) tare_load_o <= Resets[357];
+    if (rst_i) tare_load_o <= Resets[377];
   end
 
   logic tare_word_hit, tare_word_write;
@@ -522,7 +536,7 @@ module msn_registers #(
   assign tare_word_write = tare_word_hit && write;
   always_ff @(posedge clk_i) begin
     if (tare_word_write) tare_word_o <= (tare_word_o & ~mask[19:0]) | (bus_data_i[19:0] & mask[19:0]);
-    if (rst_i) tare_word_o <= Resets[358+:20];
+    if (rst_i) tare_word_o <= Resets[378+:20];
   end
 
   logic tare_zero_hit, tare_zero_write;
@@ -530,7 +544,7 @@ module msn_registers #(
   assign tare_zero_write = tare_zero_hit && write;
   always_ff @(posedge clk_i) begin
     if (tare_zero_write) tare_zero_o <= (tare_zero_o & ~mask[16:0]) | (bus_data_i[16:0] & mask[16:0]);
-    if (rst_i) tare_zero_o <= Resets[378+:17];
+    if (rst_i) tare_zero_o <= Resets[398+:17];
   end
 
   logic tare_write_hit, tare_write_write;
@@ -542,7 +556,7 @@ module msn_registers #(
   end
   always_ff @(posedge clk_i) begin
     if (tare_write_write) tare_write_o <= (tare_write_o & ~mask[7:0]) | (bus_data_i[7:0] & mask[7:0]);
-    if (rst_i) tare_write_o <= Resets[395+:8];
+    if (rst_i) tare_write_o <= Resets[415+:8];
   end
 
   logic tare_state_hit;
@@ -562,7 +576,7 @@ module msn_registers #(
   assign calibrate_preset_write = calibrate_preset_hit && write;
   always_ff @(posedge clk_i) begin
     if (calibrate_preset_write) calibrate_preset_o <= (calibrate_preset_o & ~mask[15:0]) | (bus_data_i[15:0] & mask[15:0]);
-    if (rst_i) calibrate_preset_o <= Resets[403+:16];
+    if (rst_i) calibrate_preset_o <= Resets[423+:16];
   end
 
   logic calibrate_word_hit, calibrate_word_write;
@@ -570,7 +584,7 @@ module msn_registers #(
   assign calibrate_word_write = calibrate_word_hit && write;
   always_ff @(posedge clk_i) begin
     if (calibrate_word_write) calibrate_word_o <= (calibrate_word_o & ~mask[19:0]) | (bus_data_i[19:0] & mask[19:0]);
-    if (rst_i) calibrate_word_o <= Resets[419+:20];
+    if (rst_i) calibrate_word_o <= Resets[439+:20];
   end
 
   logic calibrate_offset_hit, calibrate_offset_write;
@@ -578,7 +592,7 @@ module msn_registers #(
   assign calibrate_offset_write = calibrate_offset_hit && write;
   always_ff @(posedge clk_i) begin
     if (calibrate_offset_write) calibrate_offset_o <= (calibrate_offset_o & ~mask[16:0]) | (bus_data_i[16:0] & mask[16:0]);
-    if (rst_i) calibrate_offset_o <= Resets[439+:17];
+    if (rst_i) calibrate_offset_o <= Resets[459+:17];
   end
 
   logic calibrate_gain_hit, calibrate_gain_write;
@@ -586,7 +600,7 @@ module msn_registers #(
   assign calibrate_gain_write = calibrate_gain_hit && write;
   always_ff @(posedge clk_i) begin
     if (calibrate_gain_write) calibrate_gain_o <= (calibrate_gain_o & ~mask[15:0]) | (bus_data_i[15:0] & mask[15:0]);
-    if (rst_i) calibrate_gain_o <= Resets[456+:16];
+    if (rst_i) calibrate_gain_o <= Resets[476+:16];
   end
 
   logic calibrate_write_hit, calibrate_write_write;
@@ -598,11 +612,11 @@ module msn_registers #(
   end
   always_ff @(posedge clk_i) begin
     if (calibrate_write_write) calibrate_write_row_o <= (calibrate_write_row_o & ~mask[8]) | (bus_data_i[8] & mask[8]);
-    if (rst_i) calibrate_write_row_o <= Resets[480];
+    if (rst_i) calibrate_write_row_o <= Resets[500];
   end
   always_ff @(posedge clk_i) begin
     if (calibrate_write_write) calibrate_write_lanes_o <= (calibrate_write_lanes_o & ~mask[7:0]) | (bus_data_i[7:0] & mask[7:0]);
-    if (rst_i) calibrate_write_lanes_o <= Resets[472+:8];
+    if (rst_i) calibrate_write_lanes_o <= Resets[492+:8];
   end
 
   logic calibrate_swap_hit, calibrate_swap_write;
@@ -622,11 +636,11 @@ module msn_registers #(
   logic [31:0] cop_min_load_q;
   always_ff @(posedge clk_i) begin
     if (cop_min_load_write) cop_min_load_q <= (cop_min_load_q & ~mask[31:0]) | (bus_data_i[31:0] & mask[31:0]);
-    if (rst_i) cop_min_load_q <= Resets[481+:32];
+    if (rst_i) cop_min_load_q <= Resets[501+:32];
   end
   always_ff @(posedge clk_i) begin
     if (cop_commit_i) cop_min_load_o <= cop_min_load_q;
-    if (rst_i) cop_min_load_o <= Resets[481+:32];
+    if (rst_i) cop_min_load_o <= Resets[501+:32];
   end
 
   logic cop_damaged_hit;
@@ -644,11 +658,11 @@ module msn_registers #(
   logic [16:0] cop4_rail_q;
   always_ff @(posedge clk_i) begin
     if (cop4_rail_write) cop4_rail_q <= (cop4_rail_q & ~mask[16:0]) | (bus_data_i[16:0] & mask[16:0]);
-    if (rst_i) cop4_rail_q <= Resets[513+:17];
+    if (rst_i) cop4_rail_q <= Resets[533+:17];
   end
   always_ff @(posedge clk_i) begin
     if (cop4_commit_i) cop4_rail_o <= cop4_rail_q;
-    if (rst_i) cop4_rail_o <= Resets[513+:17];
+    if (rst_i) cop4_rail_o <= Resets[533+:17];
   end
 
   logic cop4_kx_hit, cop4_kx_write;
@@ -657,11 +671,11 @@ module msn_registers #(
   logic [16:0] cop4_kx_q;
   always_ff @(posedge clk_i) begin
     if (cop4_kx_write) cop4_kx_q <= (cop4_kx_q & ~mask[16:0]) | (bus_data_i[16:0] & mask[16:0]);
-    if (rst_i) cop4_kx_q <= Resets[530+:17];
+    if (rst_i) cop4_kx_q <= Resets[550+:17];
   end
   always_ff @(posedge clk_i) begin
     if (cop4_commit_i) cop4_kx_o <= cop4_kx_q;
-    if (rst_i) cop4_kx_o <= Resets[530+:17];
+    if (rst_i) cop4_kx_o <= Resets[550+:17];
   end
 
   logic cop4_shift_x_hit, cop4_shift_x_write;
@@ -670,11 +684,11 @@ module msn_registers #(
   logic [3:0] cop4_shift_x_q;
   always_ff @(posedge clk_i) begin
     if (cop4_shift_x_write) cop4_shift_x_q <= (cop4_shift_x_q & ~mask[3:0]) | (bus_data_i[3:0] & mask[3:0]);
-    if (rst_i) cop4_shift_x_q <= Resets[547+:4];
+    if (rst_i) cop4_shift_x_q <= Resets[567+:4];
   end
   always_ff @(posedge clk_i) begin
     if (cop4_commit_i) cop4_shift_x_o <= cop4_shift_x_q;
-    if (rst_i) cop4_shift_x_o <= Resets[547+:4];
+    if (rst_i) cop4_shift_x_o <= Resets[567+:4];
   end
 
   logic cop4_ky_hit, cop4_ky_write;
@@ -683,11 +697,11 @@ module msn_registers #(
   logic [16:0] cop4_ky_q;
   always_ff @(posedge clk_i) begin
     if (cop4_ky_write) cop4_ky_q <= (cop4_ky_q & ~mask[16:0]) | (bus_data_i[16:0] & mask[16:0]);
-    if (rst_i) cop4_ky_q <= Resets[551+:17];
+    if (rst_i) cop4_ky_q <= Resets[571+:17];
   end
   always_ff @(posedge clk_i) begin
     if (cop4_commit_i) cop4_ky_o <= cop4_ky_q;
-    if (rst_i) cop4_ky_o <= Resets[551+:17];
+    if (rst_i) cop4_ky_o <= Resets[571+:17];
   end
 
   logic cop4_shift_y_hit, cop4_shift_y_write;
@@ -696,11 +710,11 @@ module msn_registers #(
   logic [3:0] cop4_shift_y_q;
   always_ff @(posedge clk_i) begin
     if (cop4_shift_y_write) cop4_shift_y_q <= (cop4_shift_y_q & ~mask[3:0]) | (bus_data_i[3:0] & mask[3:0]);
-    if (rst_i) cop4_shift_y_q <= Resets[568+:4];
+    if (rst_i) cop4_shift_y_q <= Resets[588+:4];
   end
   always_ff @(posedge clk_i) begin
     if (cop4_commit_i) cop4_shift_y_o <= cop4_shift_y_q;
-    if (rst_i) cop4_shift_y_o <= Resets[568+:4];
+    if (rst_i) cop4_shift_y_o <= Resets[588+:4];
   end
 
   logic cop4_kf_hit, cop4_kf_write;
@@ -709,11 +723,11 @@ module msn_registers #(
   logic [16:0] cop4_kf_q;
   always_ff @(posedge clk_i) begin
     if (cop4_kf_write) cop4_kf_q <= (cop4_kf_q & ~mask[16:0]) | (bus_data_i[16:0] & mask[16:0]);
-    if (rst_i) cop4_kf_q <= Resets[572+:17];
+    if (rst_i) cop4_kf_q <= Resets[592+:17];
   end
   always_ff @(posedge clk_i) begin
     if (cop4_commit_i) cop4_kf_o <= cop4_kf_q;
-    if (rst_i) cop4_kf_o <= Resets[572+:17];
+    if (rst_i) cop4_kf_o <= Resets[592+:17];
   end
 
   logic cop4_shift_load_hit, cop4_shift_load_write;
@@ -722,11 +736,11 @@ module msn_registers #(
   logic [3:0] cop4_shift_load_q;
   always_ff @(posedge clk_i) begin
     if (cop4_shift_load_write) cop4_shift_load_q <= (cop4_shift_load_q & ~mask[3:0]) | (bus_data_i[3:0] & mask[3:0]);
-    if (rst_i) cop4_shift_load_q <= Resets[589+:4];
+    if (rst_i) cop4_shift_load_q <= Resets[609+:4];
   end
   always_ff @(posedge clk_i) begin
     if (cop4_commit_i) cop4_shift_load_o <= cop4_shift_load_q;
-    if (rst_i) cop4_shift_load_o <= Resets[589+:4];
+    if (rst_i) cop4_shift_load_o <= Resets[609+:4];
   end
 
   logic cop4_p0_hit, cop4_p0_write;
@@ -735,11 +749,11 @@ module msn_registers #(
   logic [17:0] cop4_p0_q;
   always_ff @(posedge clk_i) begin
     if (cop4_p0_write) cop4_p0_q <= (cop4_p0_q & ~mask[17:0]) | (bus_data_i[17:0] & mask[17:0]);
-    if (rst_i) cop4_p0_q <= Resets[593+:18];
+    if (rst_i) cop4_p0_q <= Resets[613+:18];
   end
   always_ff @(posedge clk_i) begin
     if (cop4_commit_i) cop4_p0_o <= cop4_p0_q;
-    if (rst_i) cop4_p0_o <= Resets[593+:18];
+    if (rst_i) cop4_p0_o <= Resets[613+:18];
   end
 
   logic cop4_p1_hit, cop4_p1_write;
@@ -748,11 +762,11 @@ module msn_registers #(
   logic [17:0] cop4_p1_q;
   always_ff @(posedge clk_i) begin
     if (cop4_p1_write) cop4_p1_q <= (cop4_p1_q & ~mask[17:0]) | (bus_data_i[17:0] & mask[17:0]);
-    if (rst_i) cop4_p1_q <= Resets[611+:18];
+    if (rst_i) cop4_p1_q <= Resets[631+:18];
   end
   always_ff @(posedge clk_i) begin
     if (cop4_commit_i) cop4_p1_o <= cop4_p1_q;
-    if (rst_i) cop4_p1_o <= Resets[611+:18];
+    if (rst_i) cop4_p1_o <= Resets[631+:18];
   end
 
   logic cop4_p2_hit, cop4_p2_write;
@@ -761,11 +775,11 @@ module msn_registers #(
   logic [17:0] cop4_p2_q;
   always_ff @(posedge clk_i) begin
     if (cop4_p2_write) cop4_p2_q <= (cop4_p2_q & ~mask[17:0]) | (bus_data_i[17:0] & mask[17:0]);
-    if (rst_i) cop4_p2_q <= Resets[629+:18];
+    if (rst_i) cop4_p2_q <= Resets[649+:18];
   end
   always_ff @(posedge clk_i) begin
     if (cop4_commit_i) cop4_p2_o <= cop4_p2_q;
-    if (rst_i) cop4_p2_o <= Resets[629+:18];
+    if (rst_i) cop4_p2_o <= Resets[649+:18];
   end
 
   logic cop4_p3_hit, cop4_p3_write;
@@ -774,11 +788,11 @@ module msn_registers #(
   logic [17:0] cop4_p3_q;
   always_ff @(posedge clk_i) begin
     if (cop4_p3_write) cop4_p3_q <= (cop4_p3_q & ~mask[17:0]) | (bus_data_i[17:0] & mask[17:0]);
-    if (rst_i) cop4_p3_q <= Resets[647+:18];
+    if (rst_i) cop4_p3_q <= Resets[667+:18];
   end
   always_ff @(posedge clk_i) begin
     if (cop4_commit_i) cop4_p3_o <= cop4_p3_q;
-    if (rst_i) cop4_p3_o <= Resets[647+:18];
+    if (rst_i) cop4_p3_o <= Resets[667+:18];
   end
 
   logic cop4_p4_hit, cop4_p4_write;
@@ -787,11 +801,11 @@ module msn_registers #(
   logic [17:0] cop4_p4_q;
   always_ff @(posedge clk_i) begin
     if (cop4_p4_write) cop4_p4_q <= (cop4_p4_q & ~mask[17:0]) | (bus_data_i[17:0] & mask[17:0]);
-    if (rst_i) cop4_p4_q <= Resets[665+:18];
+    if (rst_i) cop4_p4_q <= Resets[685+:18];
   end
   always_ff @(posedge clk_i) begin
     if (cop4_commit_i) cop4_p4_o <= cop4_p4_q;
-    if (rst_i) cop4_p4_o <= Resets[665+:18];
+    if (rst_i) cop4_p4_o <= Resets[685+:18];
   end
 
   logic cop4_p5_hit, cop4_p5_write;
@@ -800,11 +814,11 @@ module msn_registers #(
   logic [17:0] cop4_p5_q;
   always_ff @(posedge clk_i) begin
     if (cop4_p5_write) cop4_p5_q <= (cop4_p5_q & ~mask[17:0]) | (bus_data_i[17:0] & mask[17:0]);
-    if (rst_i) cop4_p5_q <= Resets[683+:18];
+    if (rst_i) cop4_p5_q <= Resets[703+:18];
   end
   always_ff @(posedge clk_i) begin
     if (cop4_commit_i) cop4_p5_o <= cop4_p5_q;
-    if (rst_i) cop4_p5_o <= Resets[683+:18];
+    if (rst_i) cop4_p5_o <= Resets[703+:18];
   end
 
   logic cop4_min_load_hit, cop4_min_load_write;
@@ -813,11 +827,11 @@ module msn_registers #(
   logic [15:0] cop4_min_load_q;
   always_ff @(posedge clk_i) begin
     if (cop4_min_load_write) cop4_min_load_q <= (cop4_min_load_q & ~mask[15:0]) | (bus_data_i[15:0] & mask[15:0]);
-    if (rst_i) cop4_min_load_q <= Resets[701+:16];
+    if (rst_i) cop4_min_load_q <= Resets[721+:16];
   end
   always_ff @(posedge clk_i) begin
     if (cop4_commit_i) cop4_min_load_o <= cop4_min_load_q;
-    if (rst_i) cop4_min_load_o <= Resets[701+:16];
+    if (rst_i) cop4_min_load_o <= Resets[721+:16];
   end
 
   logic cop4_top_hit, cop4_top_write;
@@ -826,11 +840,11 @@ module msn_registers #(
   logic [15:0] cop4_top_q;
   always_ff @(posedge clk_i) begin
     if (cop4_top_write) cop4_top_q <= (cop4_top_q & ~mask[15:0]) | (bus_data_i[15:0] & mask[15:0]);
-    if (rst_i) cop4_top_q <= Resets[717+:16];
+    if (rst_i) cop4_top_q <= Resets[737+:16];
   end
   always_ff @(posedge clk_i) begin
     if (cop4_commit_i) cop4_top_o <= cop4_top_q;
-    if (rst_i) cop4_top_o <= Resets[717+:16];
+    if (rst_i) cop4_top_o <= Resets[737+:16];
   end
 
   logic cop4_idle_hit, cop4_idle_write;
@@ -839,11 +853,11 @@ module msn_registers #(
   logic [16:0] cop4_idle_q;
   always_ff @(posedge clk_i) begin
     if (cop4_idle_write) cop4_idle_q <= (cop4_idle_q & ~mask[16:0]) | (bus_data_i[16:0] & mask[16:0]);
-    if (rst_i) cop4_idle_q <= Resets[733+:17];
+    if (rst_i) cop4_idle_q <= Resets[753+:17];
   end
   always_ff @(posedge clk_i) begin
     if (cop4_commit_i) cop4_idle_o <= cop4_idle_q;
-    if (rst_i) cop4_idle_o <= Resets[733+:17];
+    if (rst_i) cop4_idle_o <= Resets[753+:17];
   end
 
   logic cop4_busy_hit, cop4_busy_write;
@@ -852,11 +866,11 @@ module msn_registers #(
   logic [16:0] cop4_busy_q;
   always_ff @(posedge clk_i) begin
     if (cop4_busy_write) cop4_busy_q <= (cop4_busy_q & ~mask[16:0]) | (bus_data_i[16:0] & mask[16:0]);
-    if (rst_i) cop4_busy_q <= Resets[750+:17];
+    if (rst_i) cop4_busy_q <= Resets[770+:17];
   end
   always_ff @(posedge clk_i) begin
     if (cop4_commit_i) cop4_busy_o <= cop4_busy_q;
-    if (rst_i) cop4_busy_o <= Resets[750+:17];
+    if (rst_i) cop4_busy_o <= Resets[770+:17];
   end
 
   logic cop4_imbalance_hit, cop4_imbalance_write;
@@ -865,11 +879,11 @@ module msn_registers #(
   logic [17:0] cop4_imbalance_q;
   always_ff @(posedge clk_i) begin
     if (cop4_imbalance_write) cop4_imbalance_q <= (cop4_imbalance_q & ~mask[17:0]) | (bus_data_i[17:0] & mask[17:0]);
-    if (rst_i) cop4_imbalance_q <= Resets[767+:18];
+    if (rst_i) cop4_imbalance_q <= Resets[787+:18];
   end
   always_ff @(posedge clk_i) begin
     if (cop4_commit_i) cop4_imbalance_o <= cop4_imbalance_q;
-    if (rst_i) cop4_imbalance_o <= Resets[767+:18];
+    if (rst_i) cop4_imbalance_o <= Resets[787+:18];
   end
 
   always_ff @(posedge clk_i) begin
@@ -884,11 +898,11 @@ module msn_registers #(
   logic [7:0] cop_slip_drop_q;
   always_ff @(posedge clk_i) begin
     if (cop_slip_drop_write) cop_slip_drop_q <= (cop_slip_drop_q & ~mask[7:0]) | (bus_data_i[7:0] & mask[7:0]);
-    if (rst_i) cop_slip_drop_q <= Resets[785+:8];
+    if (rst_i) cop_slip_drop_q <= Resets[805+:8];
   end
   always_ff @(posedge clk_i) begin
     if (cop_slip_commit_i) cop_slip_drop_o <= cop_slip_drop_q;
-    if (rst_i) cop_slip_drop_o <= Resets[785+:8];
+    if (rst_i) cop_slip_drop_o <= Resets[805+:8];
   end
 
   logic cop_slip_move_hit, cop_slip_move_write;
@@ -897,11 +911,11 @@ module msn_registers #(
   logic [15:0] cop_slip_move_q;
   always_ff @(posedge clk_i) begin
     if (cop_slip_move_write) cop_slip_move_q <= (cop_slip_move_q & ~mask[15:0]) | (bus_data_i[15:0] & mask[15:0]);
-    if (rst_i) cop_slip_move_q <= Resets[793+:16];
+    if (rst_i) cop_slip_move_q <= Resets[813+:16];
   end
   always_ff @(posedge clk_i) begin
     if (cop_slip_commit_i) cop_slip_move_o <= cop_slip_move_q;
-    if (rst_i) cop_slip_move_o <= Resets[793+:16];
+    if (rst_i) cop_slip_move_o <= Resets[813+:16];
   end
 
   logic cop_slip_min_load_hit, cop_slip_min_load_write;
@@ -910,11 +924,11 @@ module msn_registers #(
   logic [15:0] cop_slip_min_load_q;
   always_ff @(posedge clk_i) begin
     if (cop_slip_min_load_write) cop_slip_min_load_q <= (cop_slip_min_load_q & ~mask[15:0]) | (bus_data_i[15:0] & mask[15:0]);
-    if (rst_i) cop_slip_min_load_q <= Resets[809+:16];
+    if (rst_i) cop_slip_min_load_q <= Resets[829+:16];
   end
   always_ff @(posedge clk_i) begin
     if (cop_slip_commit_i) cop_slip_min_load_o <= cop_slip_min_load_q;
-    if (rst_i) cop_slip_min_load_o <= Resets[809+:16];
+    if (rst_i) cop_slip_min_load_o <= Resets[829+:16];
   end
 
   logic cop_slip_hold_hit, cop_slip_hold_write;
@@ -923,11 +937,11 @@ module msn_registers #(
   logic [15:0] cop_slip_hold_q;
   always_ff @(posedge clk_i) begin
     if (cop_slip_hold_write) cop_slip_hold_q <= (cop_slip_hold_q & ~mask[15:0]) | (bus_data_i[15:0] & mask[15:0]);
-    if (rst_i) cop_slip_hold_q <= Resets[825+:16];
+    if (rst_i) cop_slip_hold_q <= Resets[845+:16];
   end
   always_ff @(posedge clk_i) begin
     if (cop_slip_commit_i) cop_slip_hold_o <= cop_slip_hold_q;
-    if (rst_i) cop_slip_hold_o <= Resets[825+:16];
+    if (rst_i) cop_slip_hold_o <= Resets[845+:16];
   end
 
   logic cop_slip_refractory_hit, cop_slip_refractory_write;
@@ -936,11 +950,11 @@ module msn_registers #(
   logic [15:0] cop_slip_refractory_q;
   always_ff @(posedge clk_i) begin
     if (cop_slip_refractory_write) cop_slip_refractory_q <= (cop_slip_refractory_q & ~mask[15:0]) | (bus_data_i[15:0] & mask[15:0]);
-    if (rst_i) cop_slip_refractory_q <= Resets[841+:16];
+    if (rst_i) cop_slip_refractory_q <= Resets[861+:16];
   end
   always_ff @(posedge clk_i) begin
     if (cop_slip_commit_i) cop_slip_refractory_o <= cop_slip_refractory_q;
-    if (rst_i) cop_slip_refractory_o <= Resets[841+:16];
+    if (rst_i) cop_slip_refractory_o <= Resets[861+:16];
   end
 
   always_ff @(posedge clk_i) begin
@@ -954,7 +968,7 @@ module msn_registers #(
   assign link_images_write = link_images_hit && write;
   always_ff @(posedge clk_i) begin
     if (link_images_write) link_images_o <= (link_images_o & ~mask[0]) | (bus_data_i[0] & mask[0]);
-    if (rst_i) link_images_o <= Resets[857];
+    if (rst_i) link_images_o <= Resets[877];
   end
 
   logic link_packets_hit;
@@ -970,7 +984,7 @@ module msn_registers #(
   assign link_rejected_hit = Link && word == 10'h244;
 
   // Which register, a clock after the address: decoding takes one clock, the word another.
-  logic core_id_hit_q, core_version_hit_q, core_features_hit_q, core_size_hit_q, core_clk_khz_hit_q, core_scratch_hit_q, adc_enable_hit_q, adc_period_hit_q, adc_dropped_hit_q, adc_overrun_hit_q, adc_timeout_hit_q, adc_mistagged_hit_q, adc_over_range_hit_q, slip_threshold_hit_q, slip_gross_threshold_hit_q, slip_contact_level_hit_q, slip_release_level_hit_q, slip_contact_rises_hit_q, slip_hold_hit_q, slip_refractory_hit_q, slip_blank_hit_q, slip_damaged_hit_q, slip_blanked_hit_q, scan_enable_hit_q, scan_settle_hit_q, scan_period_hit_q, scan_interleave_hit_q, scan_dropped_hit_q, scan_overrun_hit_q, scan_held_hit_q, scan_lost_hit_q, health_band_hit_q, health_jump_hit_q, health_low_hit_q, health_high_hit_q, health_use_hit_q, health_still_hit_q, health_rail_hit_q, health_blink_hit_q, health_clear_hit_q, health_report_hit_q, health_dead_hit_q, health_railed_hit_q, health_blinking_hit_q, tare_contact_hit_q, tare_step_hit_q, tare_force_hit_q, tare_at_start_hit_q, tare_average_hit_q, tare_load_hit_q, tare_word_hit_q, tare_zero_hit_q, tare_write_hit_q, tare_state_hit_q, tare_tared_hit_q, tare_refused_hit_q, tare_swallowed_hit_q, calibrate_preset_hit_q, calibrate_word_hit_q, calibrate_offset_hit_q, calibrate_gain_hit_q, calibrate_write_hit_q, calibrate_swap_hit_q, calibrate_swapping_hit_q, cop_min_load_hit_q, cop_damaged_hit_q, cop4_rail_hit_q, cop4_kx_hit_q, cop4_shift_x_hit_q, cop4_ky_hit_q, cop4_shift_y_hit_q, cop4_kf_hit_q, cop4_shift_load_hit_q, cop4_p0_hit_q, cop4_p1_hit_q, cop4_p2_hit_q, cop4_p3_hit_q, cop4_p4_hit_q, cop4_p5_hit_q, cop4_min_load_hit_q, cop4_top_hit_q, cop4_idle_hit_q, cop4_busy_hit_q, cop4_imbalance_hit_q, cop_slip_drop_hit_q, cop_slip_move_hit_q, cop_slip_min_load_hit_q, cop_slip_hold_hit_q, cop_slip_refractory_hit_q, link_images_hit_q, link_packets_hit_q, link_cop_dropped_hit_q, link_image_dropped_hit_q, link_rejected_hit_q;
+  logic core_id_hit_q, core_version_hit_q, core_features_hit_q, core_size_hit_q, core_clk_khz_hit_q, core_scratch_hit_q, adc_enable_hit_q, adc_period_hit_q, adc_dropped_hit_q, adc_overrun_hit_q, adc_timeout_hit_q, adc_mistagged_hit_q, adc_over_range_hit_q, slip_threshold_hit_q, slip_gross_threshold_hit_q, slip_contact_level_hit_q, slip_release_level_hit_q, slip_contact_rises_hit_q, slip_hold_hit_q, slip_refractory_hit_q, slip_blank_hit_q, slip_damaged_hit_q, slip_blanked_hit_q, slip_keep_threshold_hit_q, scan_enable_hit_q, scan_settle_hit_q, scan_period_hit_q, scan_interleave_hit_q, scan_dropped_hit_q, scan_overrun_hit_q, scan_held_hit_q, scan_lost_hit_q, health_band_hit_q, health_jump_hit_q, health_low_hit_q, health_high_hit_q, health_use_hit_q, health_still_hit_q, health_rail_hit_q, health_blink_hit_q, health_clear_hit_q, health_report_hit_q, health_dead_hit_q, health_railed_hit_q, health_blinking_hit_q, tare_contact_hit_q, tare_step_hit_q, tare_force_hit_q, tare_at_start_hit_q, tare_average_hit_q, tare_load_hit_q, tare_word_hit_q, tare_zero_hit_q, tare_write_hit_q, tare_state_hit_q, tare_tared_hit_q, tare_refused_hit_q, tare_swallowed_hit_q, calibrate_preset_hit_q, calibrate_word_hit_q, calibrate_offset_hit_q, calibrate_gain_hit_q, calibrate_write_hit_q, calibrate_swap_hit_q, calibrate_swapping_hit_q, cop_min_load_hit_q, cop_damaged_hit_q, cop4_rail_hit_q, cop4_kx_hit_q, cop4_shift_x_hit_q, cop4_ky_hit_q, cop4_shift_y_hit_q, cop4_kf_hit_q, cop4_shift_load_hit_q, cop4_p0_hit_q, cop4_p1_hit_q, cop4_p2_hit_q, cop4_p3_hit_q, cop4_p4_hit_q, cop4_p5_hit_q, cop4_min_load_hit_q, cop4_top_hit_q, cop4_idle_hit_q, cop4_busy_hit_q, cop4_imbalance_hit_q, cop_slip_drop_hit_q, cop_slip_move_hit_q, cop_slip_min_load_hit_q, cop_slip_hold_hit_q, cop_slip_refractory_hit_q, link_images_hit_q, link_packets_hit_q, link_cop_dropped_hit_q, link_image_dropped_hit_q, link_rejected_hit_q;
   always_ff @(posedge clk_i) begin
     core_id_hit_q <= core_id_hit;
     core_version_hit_q <= core_version_hit;
@@ -995,6 +1009,7 @@ module msn_registers #(
     slip_blank_hit_q <= slip_blank_hit;
     slip_damaged_hit_q <= slip_damaged_hit;
     slip_blanked_hit_q <= slip_blanked_hit;
+    slip_keep_threshold_hit_q <= slip_keep_threshold_hit;
     scan_enable_hit_q <= scan_enable_hit;
     scan_settle_hit_q <= scan_settle_hit;
     scan_period_hit_q <= scan_period_hit;
@@ -1092,6 +1107,7 @@ module msn_registers #(
       || slip_blank_hit_q
       || slip_damaged_hit_q
       || slip_blanked_hit_q
+      || slip_keep_threshold_hit_q
       || scan_enable_hit_q
       || scan_settle_hit_q
       || scan_period_hit_q
@@ -1174,6 +1190,7 @@ module msn_registers #(
       || slip_hold_hit_q
       || slip_refractory_hit_q
       || slip_blank_hit_q
+      || slip_keep_threshold_hit_q
       || scan_enable_hit_q
       || scan_settle_hit_q
       || scan_period_hit_q
@@ -1231,7 +1248,7 @@ module msn_registers #(
 
   logic [31:0] read_word;
   assign read_word = ({32{core_id_hit_q}} & 32'h4d534e52)
-      | ({32{core_version_hit_q}} & {16'h0, 8'h3, 8'h0})
+      | ({32{core_version_hit_q}} & {16'h0, 8'h4, 8'h0})
       | ({32{core_features_hit_q}} & core_features_i)
       | ({32{core_size_hit_q}} & {core_size_columns_i, core_size_rows_i})
       | ({32{core_clk_khz_hit_q}} & core_clk_khz_i)
@@ -1253,6 +1270,7 @@ module msn_registers #(
       | ({32{slip_blank_hit_q}} & {16'd0, slip_blank_q})
       | ({32{slip_damaged_hit_q}} & slip_damaged_i)
       | ({32{slip_blanked_hit_q}} & slip_blanked_i)
+      | ({32{slip_keep_threshold_hit_q}} & {12'd0, slip_keep_threshold_q})
       | ({32{scan_enable_hit_q}} & {31'd0, scan_enable_o})
       | ({32{scan_settle_hit_q}} & {16'd0, scan_settle_o})
       | ({32{scan_period_hit_q}} & scan_period_o)

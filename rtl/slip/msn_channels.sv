@@ -47,6 +47,7 @@ module msn_channels #(
   input  logic        [TimerBits-1:0]  cfg_hold_i,
   input  logic        [TimerBits-1:0]  cfg_refractory_i,
   input  logic        [TimerBits-1:0]  cfg_blank_i,
+  input  logic        [DetailBits-1:0] cfg_keep_threshold_i,
   input  logic                         actuator_moving_i,
 
   input  logic                         in_valid_i,
@@ -142,6 +143,7 @@ module msn_channels #(
     .cfg_hold_i,
     .cfg_refractory_i,
     .cfg_blank_i,
+    .cfg_keep_threshold_i,
     .actuator_moving_i,
     .in_valid_i (sample_valid),
     .in_ready_o (sample_ready),

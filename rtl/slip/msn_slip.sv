@@ -4,11 +4,11 @@
 //
 //   pressed = level >= contact_level   lifted = level < release_level     (contact_rises)
 //   pressed = level <= contact_level   lifted = level > release_level     (otherwise)
-//   over = p2p > threshold             gross = p2p > gross_threshold
+//   over = p2p > threshold             gross = p2p > gross_threshold     kept = over or p2p > keep_threshold
 //
 // None, Release -> Contact when pressed; Contact -> Incipient (Gross) when over, unless blanked (the
 // first `blank` details of a contact), moving, or refractory; back to Contact after `hold` details that
-// were not over, then deaf for `refractory` details; any contact -> Release when lifted, then None after
+// were not kept, then deaf for `refractory` details; any contact -> Release when lifted, then None after
 // `hold` details. `raised` marks the detail at which the slip flag rises. All times count details. Mask: a masked
 // detail leads to None from anywhere and is never over.
 //
@@ -35,6 +35,7 @@ module msn_slip #(
   input  logic        [TimerBits-1:0]  cfg_hold_i,
   input  logic        [TimerBits-1:0]  cfg_refractory_i,
   input  logic        [TimerBits-1:0]  cfg_blank_i,
+  input  logic        [DetailBits-1:0] cfg_keep_threshold_i,  // as the threshold or above it: no hysteresis
   input  logic                         actuator_moving_i,
 
   input  logic                         in_valid_i,
@@ -69,7 +70,7 @@ module msn_slip #(
   end
 
   // 1: compare. Both stages move together.
-  logic under_contact, over_contact, under_release, over_release, is_over, is_gross;
+  logic under_contact, over_contact, under_release, over_release, is_over, is_gross, is_kept;
   msn_compare #(.Width(DetailBits)) u_under_contact (
     .a_i(cfg_contact_level_i), .b_i(in_total_i), .greater_o(under_contact)
   );
@@ -88,8 +89,11 @@ module msn_slip #(
   msn_compare #(.Width(DetailBits + 1)) u_gross (
     .a_i({1'b0, in_p2p_i}), .b_i({1'b0, cfg_gross_threshold_i}), .greater_o(is_gross)
   );
+  msn_compare #(.Width(DetailBits + 1)) u_kept (
+    .a_i({1'b0, in_p2p_i}), .b_i({1'b0, cfg_keep_threshold_i}), .greater_o(is_kept)
+  );
 
-  logic                  seen_valid, pressed, lifted, over, gross, moving, restart, masked;
+  logic                  seen_valid, pressed, lifted, over, gross, kept, moving, restart, masked;
   logic [DetailBits-1:0] seen_p2p;
   logic [IdBits-1:0]     seen_id;
   logic                  seen_last, seen_end;
@@ -104,6 +108,7 @@ module msn_slip #(
       lifted     <= cfg_contact_rises_i ? under_release : over_release;
       over       <= is_over && !masked;
       gross      <= is_gross;
+      kept       <= (is_over || is_kept) && !masked;
       moving     <= actuator_moving_i;
       restart    <= in_restart_i || masked;
       seen_p2p   <= in_p2p_i;
@@ -155,9 +160,9 @@ module msn_slip #(
       next_timer = load_hold;
     end else if (was_slipping) begin
       blank_this = over && moving;
-      if (acts) begin
+      if (kept && !moving) begin
         next_timer = load_hold;
-        if (gross) next_state = msn_pkg::Gross;
+        if (acts && gross) next_state = msn_pkg::Gross;
       end else if (!running) begin
         next_state    = msn_pkg::Contact;
         next_timer    = load_refractory;

@@ -32,6 +32,7 @@ module msn_slip_path #(
   input  logic        [TimerBits-1:0]  cfg_hold_i,
   input  logic        [TimerBits-1:0]  cfg_refractory_i,
   input  logic        [TimerBits-1:0]  cfg_blank_i,
+  input  logic        [DetailBits-1:0] cfg_keep_threshold_i,
   input  logic                         actuator_moving_i,
 
   input  logic                         in_valid_i,
@@ -91,6 +92,7 @@ module msn_slip_path #(
       .cfg_hold_i,
       .cfg_refractory_i,
       .cfg_blank_i,
+      .cfg_keep_threshold_i,
       .actuator_moving_i,
       .in_valid_i,
       .in_ready_o,
@@ -211,6 +213,7 @@ module msn_slip_path #(
       .cfg_hold_i,
       .cfg_refractory_i,
       .cfg_blank_i,
+      .cfg_keep_threshold_i,
       .actuator_moving_i,
       .in_valid_i  (window_valid),
       .in_ready_o  (window_ready),

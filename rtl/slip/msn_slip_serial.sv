@@ -32,6 +32,7 @@ module msn_slip_serial #(
   input  logic        [TimerBits-1:0]  cfg_hold_i,
   input  logic        [TimerBits-1:0]  cfg_refractory_i,
   input  logic        [TimerBits-1:0]  cfg_blank_i,
+  input  logic        [DetailBits-1:0] cfg_keep_threshold_i,  // as the threshold or above it: no hysteresis
   input  logic                         actuator_moving_i,
 
   input  logic                         in_valid_i,
@@ -148,18 +149,21 @@ module msn_slip_serial #(
   assign was_slipping = out_state_o == msn_pkg::Incipient || out_state_o == msn_pkg::Gross;
   assign touching     = out_state_o == msn_pkg::Contact || was_slipping;
 
-  logic [Digit-1:0]             sample, limit, threshold, gross_threshold;
-  logic [Steps-1:0][Digit-1:0]  samples, contact_levels, release_levels, thresholds, gross_thresholds;
+  logic [Digit-1:0]             sample, limit, threshold, gross_threshold, keep_threshold;
+  logic [Steps-1:0][Digit-1:0]  samples, contact_levels, release_levels;
+  logic [Steps-1:0][Digit-1:0]  thresholds, gross_thresholds, keep_thresholds;
   assign samples          = Width'(in_data_i);
   assign contact_levels   = Width'(cfg_contact_level_i);
   assign release_levels   = Width'(cfg_release_level_i);
   assign thresholds       = Width'(cfg_threshold_i);
   assign gross_thresholds = Width'(cfg_gross_threshold_i);
+  assign keep_thresholds  = Width'(cfg_keep_threshold_i);
   always_ff @(posedge clk_i) begin
     sample          <= samples[next_digit];
     limit           <= touching ? release_levels[next_digit] : contact_levels[next_digit];
     threshold       <= thresholds[next_digit];
     gross_threshold <= gross_thresholds[next_digit];
+    keep_threshold  <= keep_thresholds[next_digit];
   end
 
   // The Haar levels. A level keeps its value for the next one whenever all levels below it have one.
@@ -222,7 +226,7 @@ module msn_slip_serial #(
   end
 
   // Pass 2: the window's extremes, their difference, and the thresholds.
-  logic             p2p_borrow, over, gross;
+  logic             p2p_borrow, over, gross, above_keep;
   logic [Digit-1:0] p2p;
   logic [Width-1:0] p2p_q;
   assign new_high  = (first || higher) ? detail : high;
@@ -233,9 +237,11 @@ module msn_slip_serial #(
     p2p_borrow <= !restart && greater(new_low, new_high, p2p_borrow);
     over       <= greater(p2p, threshold, over);
     gross      <= greater(p2p, gross_threshold, gross);
+    above_keep <= greater(p2p, keep_threshold, above_keep);
     if (!second && !finish) begin
-      over  <= 1'b0;
-      gross <= 1'b0;
+      over       <= 1'b0;
+      gross      <= 1'b0;
+      above_keep <= 1'b0;
     end
     if (second) p2p_q <= {p2p, p2p_q[Width-1:Digit]};
   end
@@ -261,8 +267,9 @@ module msn_slip_serial #(
   end
 
   // The state, as in msn_slip.
-  logic counts, slipping, acts;
-  assign acts = over && !actuator_moving_i;
+  logic counts, slipping, acts, renews;
+  assign acts   = over && !actuator_moving_i;
+  assign renews = (over || above_keep) && !actuator_moving_i;
   always_comb begin
     next_state    = out_state_o;
     next_load     = beyond || !running;
@@ -272,9 +279,9 @@ module msn_slip_serial #(
       next_state = msn_pkg::Release;
     end else if (was_slipping) begin
       counts    = over && actuator_moving_i;
-      next_load = acts || !running;
+      next_load = renews || !running;
       if (acts && gross) next_state = msn_pkg::Gross;
-      if (!acts && !running) next_state = msn_pkg::Contact;
+      if (!renews && !running) next_state = msn_pkg::Contact;
     end else if (touching) begin
       counts        = over && (actuator_moving_i || (blanking && running));
       next_load     = acts && !running;

@@ -341,9 +341,10 @@ def test_run_writes_its_results_and_prints_the_same(tmp_path):
     printed = json.loads(done.stdout)
     assert printed == json.loads((tmp_path / "results/summary.json").read_text())
     keys = "scene engine seed seconds_simulated seconds_taken samples_per_second twin_mismatches"
-    keys += " modelled left_out onset_s flag_s delay_s missed false_alarms"
+    keys += " modelled left_out onset_s flag_s delay_s missed false_alarms contact_share_of_sliding"
     assert set(keys.split()) <= set(printed)
     assert printed["scene"] == "normal_force"
+    assert printed["contact_share_of_sliding"] is None
     assert printed["false_alarms"] == 0
     assert printed["onset_s"] is None
     assert "stick-slip" in printed["left_out"]

@@ -81,6 +81,7 @@ INSIDE = {
     "flags": "gen_flags.u_flags",
     "flagged": "gen_flags",
     "slip": "gen_slip.u_slip_path",
+    "moving": "gen_slip.u_moving",
     "skid": "gen_slip.gen_skid.u_skid",
     "array": "gen_array.u_array",
     "preset": "gen_array.u_preset",

@@ -77,7 +77,8 @@ WIRES = {
     "slip": [
         ("slip.{}_o", "registers.slip_{}_i", "damaged blanked"),
         ("slip.out_{}_o", "flags.in_{}_i", "state last"),
-        ("actuator_moving_i", "slip.actuator_moving_i"),
+        ("actuator_moving_i", "moving.in_data_i"),
+        ("moving.out_data_o", "slip.actuator_moving_i"),
     ],
     "channels": [
         ("gate.out_valid_o", "slip.in_valid_i"),

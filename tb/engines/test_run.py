@@ -51,6 +51,23 @@ def test_judge_counts_details_of_any_level():
     assert slip_run.judge(recording(0.0, 0.1), np.array([C, C, G]), SlipConfig(level=3))["flag_s"] == 0.023
 
 
+@pytest.mark.parametrize(
+    "states, gross_s, sliding_s, share",
+    [
+        # A pair k of samples is known at sample 2k + 1, here at 1, 3, 5, 7, 9 ms.
+        ([N, C, I, C, G], 0.005, 0.006, 1 / 3),
+        ([N, C, I, C, G], 0.0051, 0.004, 0.5),  # the detail of 5 ms was known before
+        ([N, C, I, State.RELEASE, N], 0.001, 0.010, 4 / 5),
+        ([C, C, I, G, I], 0.0049, 0.006, 0.0),
+        ([C, C, I, G, C], 0.0091, 0.0, None),
+        ([C, C, I, G, C], None, None, None),
+    ],
+)
+def test_the_share_of_sliding_by_hand(states, gross_s, sliding_s, share):
+    verdict = slip_run.judge(recording(gross_s and 0.0005, gross_s), np.array(states), SlipConfig())
+    assert (verdict["sliding_s"], verdict["contact_share_of_sliding"]) == pytest.approx((sliding_s, share))
+
+
 def test_crossing_is_the_reference_window_s():
     """A step of 41 codes inside the pair of samples 60 and 61 crosses 40 once that pair is known."""
     run_ = recording(0.050, 0.1)
@@ -77,13 +94,18 @@ def test_every_difference_from_the_twin_counts():
 def test_statistics_are_of_all_runs():
     none = dict.fromkeys(("flag_s", "crossing_s", "delay_s", "lead_s")) | {"missed": True, "false_alarms": 1}
     found = {"delay_s": 0.003, "lead_s": 0.2, "missed": False, "false_alarms": 2}
-    found |= {"flag_s": 0.7, "crossing_s": 0.698}
+    found |= {"flag_s": 0.7, "crossing_s": 0.698, "sliding_s": 0.5, "contact_share_of_sliding": 0.2}
+    none |= {"sliding_s": 1.5, "contact_share_of_sliding": 1.0}
     later = found | {"delay_s": 0.005, "lead_s": 0.1, "false_alarms": 0, "crossing_s": None}
+    later |= {"sliding_s": 0.0, "contact_share_of_sliding": None}  # the run ends before the object slides
     row = slip_run._statistics(SimpleNamespace(name="x"), [found, none, later, none])
     assert (row["runs"], row["missed"], row["false_alarms"]) == (4, 2, 4)
     assert (row["delay_ms_median"], row["delay_ms_mean"], row["delay_ms_max"]) == (4.0, 4.0, 5.0)
     assert (row["lead_ms_median"], row["lead_ms_min"]) == (150.0, 100.0)
     assert row["detector_ms_max"] == 2.0
+    assert row["contact_share_of_sliding"] == round(3.1 / 3.5, 6)
+    still = later | {"sliding_s": None}
+    assert slip_run._statistics(SimpleNamespace(name="x"), [still])["contact_share_of_sliding"] is None
     assert "detector_ms_max" not in slip_run._statistics(SimpleNamespace(name="x"), [later])
 
 
@@ -131,3 +153,16 @@ def test_a_core_that_differs_is_reported(tmp_path, monkeypatch):
 
     summary, _ = watched_by(tmp_path, monkeypatch, "rtl", seed=5, spoil=spoil)
     assert summary["twin_mismatches"] == 3
+
+
+def test_a_sliding_object_is_said_to_slip(tmp_path, monkeypatch):
+    """Paper, the worst of all conditions: half the time is lost without a lower threshold, none with it."""
+    scene = scenes.load("slip_materials")
+    scene = dataclasses.replace(scene, seeds=3, conditions=scene.conditions[3:])
+    summary = run(scene, "fixed", tmp_path / "kept", 1)
+    assert scene.conditions[0].name == "paper 2 N"
+    assert summary["contact_share_of_sliding"] == summary["conditions"][0]["contact_share_of_sliding"] == 0
+    slip = dataclasses.replace(scene.slip, keep_threshold_v=scene.slip.threshold_v)
+    summary = run(dataclasses.replace(scene, slip=slip), "fixed", tmp_path / "lost", 1)
+    assert summary["contact_share_of_sliding"] > 0.4
+    assert f"{100 * summary['contact_share_of_sliding']:.2f} %" in "\n".join(slip_run.tell(summary))

@@ -25,6 +25,7 @@ module formal_slip #(
   input logic        [TimerBits-1:0]  cfg_hold_i,
   input logic        [TimerBits-1:0]  cfg_refractory_i,
   input logic        [TimerBits-1:0]  cfg_blank_i,
+  input logic        [DetailBits-1:0] cfg_keep_threshold_i,
   input logic                         actuator_moving_i,
   input logic                         in_valid_i,
   input logic        [DetailBits-1:0] in_p2p_i,
@@ -55,15 +56,15 @@ module formal_slip #(
   );
 
   // Registers.
-  localparam int unsigned CfgBits = 4 * DetailBits + 1 + 3 * TimerBits;
+  localparam int unsigned CfgBits = 5 * DetailBits + 1 + 3 * TimerBits;
   logic [CfgBits-1:0] cfg, cfg_q;
   assign cfg = {cfg_threshold_i, cfg_gross_threshold_i, cfg_contact_level_i, cfg_release_level_i,
-                cfg_contact_rises_i, cfg_hold_i, cfg_refractory_i, cfg_blank_i};
+                cfg_contact_rises_i, cfg_hold_i, cfg_refractory_i, cfg_blank_i, cfg_keep_threshold_i};
   always_ff @(posedge clk_i) cfg_q <= cfg;
   always_comb if (started) assume (cfg == cfg_q);
 
   // 1: what a detail says.
-  logic                  seen, pressed, lifted, over, gross, moving, anew, mask, last, end_q, stalled;
+  logic                  seen, pressed, lifted, over, gross, keeps, moving, anew, mask, last, end_q, stalled;
   logic [DetailBits-1:0] p2p;
   logic [IdBits-1:0]     id;
   logic                  high_enough, low_enough;
@@ -78,6 +79,7 @@ module formal_slip #(
       lifted  <= low_enough;
       over    <= in_p2p_i > cfg_threshold_i;
       gross   <= in_p2p_i > cfg_gross_threshold_i;
+      keeps   <= in_p2p_i > cfg_keep_threshold_i;
       moving  <= actuator_moving_i;
       anew    <= in_restart_i;
       p2p     <= in_p2p_i;
@@ -122,9 +124,9 @@ module formal_slip #(
         if (lifted) begin
           next       = Release;
           since_next = '0;
-        end else if (act) begin
+        end else if (act || (keeps && !moving && !mask)) begin
           since_next = '0;
-          if (gross) next = Gross;
+          if (act && gross) next = Gross;
         end else if (!waits) begin
           next       = Contact;
           since_next = '0;
@@ -227,6 +229,7 @@ module formal_slip #(
       assert (dut.seen_valid == seen);
       if (seen) begin
         assert (dut.pressed == (pressed && !mask) && dut.lifted == lifted && dut.over == (over && !mask));
+        assert (dut.kept == ((over || keeps) && !mask));
         assert (dut.gross == gross && dut.moving == moving && dut.restart == (anew || mask));
         assert (dut.seen_p2p == p2p && dut.seen_id == id && dut.seen_last == last && dut.seen_end == end_q);
         assert (32'(id) < Channels && last == (32'(id) == Channels - 1));

@@ -27,7 +27,9 @@ def test_codes_are_those_of_the_quantities(name):
     else:
         unit, lsb = "v", Fraction(str(given["adc"]["volts"])) / (1 << build.part.data_bits)
     group = 1 << build.slip.level
-    for key in ("threshold", "gross_threshold"):
+    keeps = f"keep_threshold_{unit}" in exact
+    assert (build.slip.keep_threshold is not None) == keeps == ("slip.keep_threshold" in build.settings)
+    for key in ("threshold", "gross_threshold", *(["keep_threshold"] if keeps else [])):
         code, square = getattr(build.slip, key), (exact[f"{key}_{unit}"] / lsb) ** 2 * group
         assert code**2 <= square < (code + 1) ** 2, key
     for key in ("contact_level", "release_level"):
@@ -56,6 +58,13 @@ def test_the_converter_is_the_files(name):
         ("slip1", "slip", {"level": 4}, "[slip]: level = '4' must be one of: 1, 2, 3"),
         ("slip1", "slip", {"threshold_v": -0.01}, "[slip]: threshold = -12 must not be negative"),
         ("fingertip", "slip", {"threshold_n": 1e9}, "[slip]: threshold = "),
+        (
+            "slip1",
+            "slip",
+            {"keep_threshold_v": 0.0201},
+            "[slip]: keep_threshold_v = 0.0201 must not be above threshold_v",
+        ),
+        ("slip1", "slip", {"keep_threshold_v": -0.01}, "[slip]: keep_threshold = -12 must not be negative"),
         ("fingertip", "slip", {"hold_ms": 1e6}, "[slip]: hold = 2000000 must be below 65536"),
         ("fingertip", "slip", {"serial": True}, "[slip]: serial must go with one channel"),
         ("slip1", "slip", {"thresholds": 1.0}, "[slip]: unknown key 'thresholds'; the keys are: "),

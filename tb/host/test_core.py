@@ -136,6 +136,7 @@ def test_settings_in_volts_newtons_and_seconds():
     for name, quantity, amount in (
         ("threshold", "volts", 2 * slip.threshold_v),
         ("gross_threshold", "volts", 2 * slip.gross_threshold_v),
+        ("keep_threshold", "volts", 2 * slip.keep_threshold_v),
         ("contact_level", "volts", slip.contact_v),
         ("release_level", "volts", slip.release_v),
         ("hold", "seconds", slip.hold_s),

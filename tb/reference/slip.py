@@ -8,7 +8,8 @@ class SlipReference:
     """The states. ``detail`` takes one detail's p2p and level and returns the state that follows it.
 
     ``settings``: attributes threshold, gross_threshold, contact_level, release_level, contact_rises, hold,
-    refractory, blank. ``quiet``, ``in_contact`` and ``calm`` count up: details since the last that was over,
+    refractory, blank, and keep_threshold (None: there is none). ``quiet``, ``in_contact`` and ``calm`` count
+    up: details since the last that was over,
     since the onset, since the last slip.
     """
 
@@ -25,8 +26,9 @@ class SlipReference:
         return p2p > self.settings.threshold
 
     def keeps(self, p2p):
-        """What keeps a slip that has been raised."""
-        return self.over(p2p)
+        """What keeps a slip that has been raised: the threshold, or a lower one if there is any."""
+        lower = getattr(self.settings, "keep_threshold", None)
+        return self.over(p2p) or (lower is not None and p2p > lower)
 
     def detail(self, p2p, level, moving=False, masked=False):
         given = self.settings

@@ -21,7 +21,7 @@ async def begin(dut):
 
 
 async def apply(dut, settings):
-    for name, value in settings.items():
+    for name, value in ({"keep_threshold": -1} | settings).items():  # -1: there is none
         port = getattr(dut, f"cfg_{name}_i")
         port.value = int(value) & ((1 << len(port)) - 1)
     await bench.reset(dut)
@@ -111,8 +111,9 @@ async def does_what_the_loop_does(dut, rises):
     """Walks over the sizes and levels of the cases, every timer at 0, 1, between and its longest."""
     channels, draw = dut.Channels.value.to_unsigned(), random.Random(bench.SEED)
     await begin(dut)
-    for hold, refractory, blank in ((0, 1, 15), (1, 15, 0), (15, 0, 1), (2, 4, 3)):
+    for hold, refractory, blank, keep in ((0, 1, 15, None), (1, 15, 0, 39), (15, 0, 1, 0), (2, 4, 3, 41)):
         settings = CASES[0].settings(rises) | {"hold": hold, "refractory": refractory, "blank": blank}
+        settings |= {"keep_threshold": keep} if keep is not None else {}
         await apply(dut, settings)
         loops = [SlipReference(SimpleNamespace(**settings)) for _ in range(channels)]
         details = walk(draw, channels, 400, rises, bool(dut.Mask.value.to_unsigned()))

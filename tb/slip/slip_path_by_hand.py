@@ -13,6 +13,7 @@ from reference.slip import NUMBERS, SlipPathReference
 
 FIELDS = ["state", "raised", "over", "p2p", "end"]
 SETTINGS = {"threshold": 5, "gross_threshold": 8, "hold": 2, "refractory": 5, "blank": 3}
+SETTINGS |= {"keep_threshold": 2}
 
 
 @cocotb.test(timeout_time=40, timeout_unit="ms")

@@ -25,7 +25,15 @@ from parts import ad7606, mcp3208
 
 RATE_HZ = 10_000
 FIELDS = ("id", "state", "raised", "over", "p2p", "last", "end")
-CONFIG = SlipConfig(threshold=300, gross_threshold=900, contact_level=600, release_level=500, hold=4, blank=3)
+CONFIG = SlipConfig(
+    threshold=300,
+    gross_threshold=900,
+    keep_threshold=150,
+    contact_level=600,
+    release_level=500,
+    hold=4,
+    blank=3,
+)
 
 
 def number(dut, name):
@@ -48,9 +56,10 @@ class Rubber:
 
 def put(dut, config):
     names = "threshold gross_threshold contact_level release_level hold refractory blank contact_rises"
+    names += " keep_threshold"
     for name in names.split():
-        port = getattr(dut, f"cfg_{name}_i")
-        port.value = int(getattr(config, name)) & ((1 << len(port)) - 1)
+        port, value = getattr(dut, f"cfg_{name}_i"), getattr(config, name)
+        port.value = int(-1 if value is None else value) & ((1 << len(port)) - 1)
 
 
 def twin_of(dut):
@@ -174,7 +183,8 @@ def settings_of_any_bit(rng, p2p, total, bits, timer_bits):
     bit = lambda: 1 << int(rng.integers(bits))
     near = lambda values: int(rng.choice(values)) - int(rng.integers(2))
     alone, rises = lambda: rng.random() < 0.25, rng.random() < 0.5
-    levels = {name: bit() if alone() else max(0, near(p2p)) for name in ("threshold", "gross_threshold")}
+    thresholds = ("threshold", "gross_threshold", "keep_threshold")
+    levels = {name: bit() if alone() else max(0, near(p2p)) for name in thresholds}
     for name in ("contact_level", "release_level"):
         levels[name] = bench.as_signed(bit(), bits) if alone() else near(total + 1)
     if rng.random() < 0.5:

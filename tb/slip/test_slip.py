@@ -17,6 +17,7 @@ from meissner.slip.slip import Slip, State
 
 FIELDS = ["state", "raised", "over", "p2p", "id", "last", "end"]
 THRESHOLD, GROSS, CONTACT, RELEASE = 40, 80, 1000, 900
+KEEP = 25
 
 # Every change of state that the rules allow.
 ARCS = {
@@ -38,7 +39,7 @@ def walk(channels, length, rises, draw):
     """p2p and level [channels, length] that stay a while and then jump, at and around each threshold."""
     sign = 1 if rises else -1
     levels = [sign * v for v in (CONTACT, CONTACT - 1, CONTACT + 500, RELEASE, RELEASE - 1, 0)]
-    sizes = [0, THRESHOLD, THRESHOLD + 1, GROSS, GROSS + 1, (1 << 18) - 1]
+    sizes = [0, KEEP, KEEP + 1, THRESHOLD, THRESHOLD + 1, GROSS, GROSS + 1, (1 << 18) - 1]
     sizes += [draw.getrandbits(18) for _ in range(6)]
 
     def steps(choices, stay):
@@ -62,9 +63,10 @@ async def apply(dut, config):
         "hold",
         "refractory",
         "blank",
+        "keep_threshold",
     ):
-        port = getattr(dut, f"cfg_{name}_i")
-        port.value = getattr(config, name) & ((1 << len(port)) - 1)
+        port, value = getattr(dut, f"cfg_{name}_i"), getattr(config, name)
+        port.value = (-1 if value is None else value) & ((1 << len(port)) - 1)
     dut.cfg_contact_rises_i.value = int(config.contact_rises)
 
 
@@ -84,7 +86,8 @@ async def matches_model(dut, rises, stall_rate):
     arcs, blanked = set(), 0
     length = (1000 if channels == 1 else 400) if channels < 100 else 3
     timers = [(0, 0, 0), (1, 1, 1), (3, 9, 5), (10, 0, 9), (2, 6, 14)] if channels < 100 else [(1, 1, 1)]
-    for hold, refractory, blank in timers:
+    keeps = itertools.cycle([KEEP, None, GROSS - 1, 0])  # lower, the threshold's own, above it, anything
+    for (hold, refractory, blank), keep in zip(timers, keeps):
         config = SlipConfig(
             threshold=THRESHOLD,
             gross_threshold=GROSS,
@@ -94,6 +97,7 @@ async def matches_model(dut, rises, stall_rate):
             hold=hold,
             refractory=refractory,
             blank=blank,
+            keep_threshold=keep,
         )
         await bench.reset(dut)
         await apply(dut, config)
@@ -216,26 +220,29 @@ async def thresholds_and_levels_use_every_bit(dut):
         [0, 1, high, high + 1, high + 2, 2 * high, 2 * high + 1],
         [low, low + 1, -1, 0, 1, high - 1, high],
     )
-    settings = [(high + 1, 2 * high, low, low), (high, high + 1, 0, low), (0, high, high, low)]
+    settings = [(high + 1, 2 * high, low, low, high), (high, high + 1, 0, low, 1), (0, high, high, low, 0)]
     draw = random.Random(bench.SEED)
     sign = 1 << bits
-    numbers = [draw.randrange(1, sign - 1) for _ in range(4)]
+    numbers = [draw.randrange(1, sign - 1) for _ in range(5)]
     for _ in range(3):  # every bit of every register up and down
-        settings.append((*numbers[:2], *(bench.as_signed(number, bits) for number in numbers[2:])))
+        levels = [bench.as_signed(number, bits) for number in numbers[2:4]]
+        settings.append((*numbers[:2], *levels, numbers[4]))
         numbers = [sign - 1 - number for number in numbers]
     await bench.start(dut, actuator_moving_i=0, in_mask_i=0)
-    for number, (threshold, gross, contact, release) in enumerate(settings):
+    for number, (threshold, gross, contact, release, keep) in enumerate(settings):
         config = SlipConfig(
             threshold=threshold,
             gross_threshold=gross,
             contact_level=contact,
             release_level=release,
             contact_rises=number != 4,
+            keep_threshold=keep,
         )
         await apply(dut, config)
         sizes, levels = ends_of
         if number > 2:
-            sizes = [t + off for t in (threshold, gross) for off in (-1, 0, 1) if 0 <= t + off < sign]
+            limits = (threshold, gross, keep)
+            sizes = [t + off for t in limits for off in (-1, 0, 1) if 0 <= t + off < sign]
             levels = [t + off for t in (contact, release) for off in (-1, 0, 1) if low <= t + off <= high]
         p2p, total = (np.tile(a.ravel(), (channels, 1)) for a in np.meshgrid(sizes, levels))
         if channels > 100:
@@ -245,6 +252,75 @@ async def thresholds_and_levels_use_every_bit(dut):
         got = await bench.stream(dut, bench.frames(p2p=p2p, total=total, end=ends), ["state", "over"])
         rows = bench.frames(state=states, over=p2p > threshold)
         assert got == [{"state": row["state"], "over": row["over"]} for row in rows], config
+
+
+# By hand: p2p, level, moving, and the state. 6 keeps nothing, 7 does; 10 raises nothing, 11 does.
+KEPT_CONFIG = SlipConfig(
+    threshold=10,
+    gross_threshold=20,
+    keep_threshold=6,
+    contact_level=5,
+    release_level=3,
+    hold=2,
+    refractory=3,
+    blank=1,
+)
+_N, _C, _I, _G, _R = State
+KEPT = [
+    *[
+        (0, 0, 0, _N),
+        (0, 5, 0, _C),
+        (11, 5, 0, _C),
+        (7, 5, 0, _C),
+        (10, 5, 0, _C),
+    ],  # blanked; kept raises nothing
+    *[(11, 5, 0, _I), (6, 5, 0, _I), (7, 5, 0, _I), (10, 5, 0, _I)],
+    *[(6, 5, 0, _I), (6, 5, 0, _I), (7, 5, 0, _I)],  # in the last detail of the hold
+    *[(5, 5, 0, _I), (6, 5, 0, _I), (0, 5, 0, _C)],
+    *[(11, 5, 0, _C), (11, 5, 0, _C), (11, 5, 0, _C), (7, 5, 0, _C)],  # refractory
+    *[
+        (21, 5, 0, _G),
+        (7, 5, 0, _G),
+        (6, 5, 0, _G),
+        (20, 5, 0, _G),
+        (6, 5, 0, _G),
+        (6, 5, 0, _G),
+        (6, 5, 0, _C),
+    ],
+    *[(0, 5, 0, _C), (0, 5, 0, _C), (0, 5, 0, _C), (11, 5, 0, _I)],
+    *[(7, 5, 1, _I), (11, 5, 1, _I), (7, 5, 0, _I)],  # what moves keeps nothing
+    *[(7, 5, 1, _I), (10, 5, 1, _I), (7, 5, 1, _C)],
+    *[
+        (0, 5, 0, _C),
+        (0, 5, 0, _C),
+        (0, 5, 0, _C),
+        (11, 5, 0, _I),
+        (7, 2, 0, _R),
+        (7, 2, 0, _R),
+        (7, 2, 0, _R),
+    ],
+    (7, 2, 0, _N),
+]
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def keeps_a_flag_as_told(dut):
+    """Every channel, the same story: expectations by hand."""
+    channels = dut.Channels.value.to_unsigned()
+    await bench.start(dut, actuator_moving_i=0, in_mask_i=0)
+    await apply(dut, KEPT_CONFIG)
+    dut.out_ready_i.value = dut.in_valid_i.value = 1
+    p2p, level, moving, states = (np.tile(column, (channels, 1)) for column in zip(*KEPT))
+    seen = []
+    beats = bench.frames(p2p=p2p, total=level, moving=moving)
+    for beat in (*beats, beats[-1], beats[-1]):
+        dut.actuator_moving_i.value = beat.pop("moving", 0)
+        bench.offer(dut, beat)
+        await bench.ReadOnly()
+        if dut.out_valid_o.value == 1:
+            seen.append(bench.read(dut.out_state_o))
+        await bench.RisingEdge(dut.clk_i)
+    assert seen == [int(state) for state in states.T.ravel()]
 
 
 async def note_changes(port, seen):
@@ -322,6 +398,22 @@ def test_model_tells_one_slip_as_a_story():
     assert twin.blanked == 2
 
 
+def test_model_keeps_a_flag_as_told():
+    p2p, level, moving, states = zip(*KEPT)
+    assert Slip(1, KEPT_CONFIG).process([p2p], [level], moving)[0].tolist() == [*states]
+
+
+def test_a_keep_threshold_above_the_threshold_changes_nothing():
+    draw = np.random.default_rng(3)
+    p2p, level = draw.integers(0, 30, (1, 3000)), np.ones((1, 3000), int)
+    kept = [
+        Slip(1, SlipConfig(threshold=10, hold=2, keep_threshold=keep)).process(p2p, level)
+        for keep in (None, 10, 11, 25, 9)
+    ]
+    assert all(np.array_equal(states, kept[0]) for states in kept[1:4])
+    assert not np.array_equal(kept[4], kept[0])
+
+
 def test_refractory_time_is_honoured():
     """However the input is, two rises of the flag are more than ``refractory`` details apart."""
     config = SlipConfig(threshold=10, contact_level=1, release_level=0, hold=0, refractory=7)
@@ -370,6 +462,9 @@ def test_refuses_illegal_parameters():
         ({"threshold": -1}, "threshold = -1 must not be negative"),
         ({"blank": 1 << 16}, "blank = 65536 must be below 65536"),
         ({"threshold": 1 << 18}, "threshold = 262144 must be below 262144"),
+        ({"keep_threshold": -1}, "keep_threshold = -1 must not be negative"),
+        ({"keep_threshold": 1 << 18}, "keep_threshold = 262144 must be below 262144"),
+        ({"keep_threshold": 2.5}, "keep_threshold = 2.5 must be an integer"),
         ({"gross_threshold": 1 << 32, "level": 2}, "gross_threshold = 4294967296 must be below 524288"),
         ({"contact_level": 1 << 17}, "contact_level = 131072 must be below 131072"),
         ({"release_level": -(1 << 17) - 1}, "release_level = -131073 must not be below -131072"),

@@ -16,6 +16,7 @@ from meissner.slip.slip_path import decide
 
 FIELDS = ["state", "over", "p2p", "id", "last", "end"]
 LEVELS = {"contact_level": 200, "release_level": 100, "threshold": 60, "gross_threshold": 110}
+LEVELS |= {"keep_threshold": 35}
 TIMES = {"hold": 3, "refractory": 4, "blank": 5}
 
 
@@ -35,7 +36,10 @@ def settings(dut):
 
 async def begin(dut, config):
     names = "threshold gross_threshold contact_level release_level hold refractory blank contact_rises"
-    registers = {f"cfg_{name}_i": int(getattr(config, name)) for name in names.split()}
+    names += " keep_threshold"
+    registers = {f"cfg_{name}_i": getattr(config, name) for name in names.split()}
+    none = (1 << len(dut.cfg_keep_threshold_i)) - 1
+    registers = {port: none if value is None else int(value) for port, value in registers.items()}
     dut.in_mask_i.value = 0
     await bench.start(dut, actuator_moving_i=0, **registers)
 
@@ -91,12 +95,13 @@ def any_settings(rng, run, dut):
     shift = run % 9
     x = (recording(rng, channels, 160) << shift) + rng.integers(0, 1 << shift, (channels, 160))
     sizes = [v << shift for v in (60, 110, 100 << level, 60 << level)] + rng.integers(0, 1 << shift, 4)
+    sizes = [*sizes, int(rng.integers(0, 60 << shift))]
     if run >= 16:
         x = rng.integers(-1 << 16, 1 << 16, x.shape)
-        sizes = [*rng.integers(0, top, 2), *rng.integers(-top // 2, top // 2, 2)]
+        sizes = [*rng.integers(0, top, 2), *rng.integers(-top // 2, top // 2, 2), rng.integers(0, top)]
     sign = 1 if rises else -1
-    names = ("threshold", "gross_threshold", "contact_level", "release_level")
-    registers = dict(zip(names, (int(v) * s for v, s in zip(sizes, (1, 1, sign, sign)))))
+    names = ("threshold", "gross_threshold", "contact_level", "release_level", "keep_threshold")
+    registers = dict(zip(names, (int(v) * s for v, s in zip(sizes, (1, 1, sign, sign, 1)))))
     times = zip(("hold", "refractory", "blank"), (run, run + 5, run + 10))
     registers |= {name: 1 << at % 16 for name, at in times}
     return sign * x - (sign < 0), moving, SlipConfig(window, hop, level, contact_rises=rises, **registers)
@@ -125,7 +130,8 @@ async def settings_of_any_size_match_the_model(dut):
 def near_the_limits(rng, channels, config):
     """Details of 0 and one threshold, one less or one more, for two windows each; levels near a limit."""
     level, details = config.level, 2 * config.window >> config.level
-    near = [limit + off for limit in (config.threshold, config.gross_threshold) for off in (-1, 0, 1)]
+    limits = (config.threshold, config.gross_threshold, config.keep_threshold)
+    near = [limit + off for limit in limits for off in (-1, 0, 1)]
     p2p = rng.permuted(np.tile(near, (channels, 2)), axis=1)[..., None]
     shape = p2p.shape
     detail = np.where(rng.random((*shape[:2], details)) < 0.5, p2p, 0)
@@ -145,10 +151,11 @@ async def compares_exactly_at_each_limit(dut):
     channels, level, window, hop = parameters(dut)
     rng = np.random.default_rng(bench.SEED)
     for run in range(8):
-        threshold, gross = sorted(int(v) for v in rng.integers(4, 1 << 16, 2))
+        keep, threshold, gross = sorted(int(v) for v in rng.integers(4, 1 << 16, 3))
         contact, release = (int(v) for v in rng.integers(-1 << 14, 1 << 14, 2))
         limits = {"threshold": threshold, "gross_threshold": gross, "contact_level": contact}
         limits |= {"release_level": contact if run < 2 else release, "contact_rises": bool(run % 2)}
+        limits |= {"keep_threshold": keep, "hold": run % 4}
         config = SlipConfig(window=window, hop=hop, level=level, **limits)
         x = near_the_limits(rng, channels, config)
         await begin(dut, config)

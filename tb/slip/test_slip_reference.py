@@ -56,6 +56,7 @@ def test_engine_float_does_what_the_hand_found(case, rises):
 def test_the_twin_does_what_the_loop_does(rises, times):
     draw = random.Random(bench.SEED)
     settings = CASES[0].settings(rises) | dict(zip(("hold", "refractory", "blank"), times))
+    settings |= {} if times[0] == 0 else {"keep_threshold": {1: 39, 15: 0, 2: 41, 7: 40}[times[0]]}
     details = walk(draw, 3, 4000, rises, True)
     moving = [row[0][2] for row in details]
     p2p, level, _, masked = np.array(details, dtype=int).T
@@ -134,7 +135,7 @@ def test_the_path_is_the_loop_s(level, window, hop, rises):
     rng = np.random.default_rng(bench.SEED)
     group, sign = 1 << level, 1 if rises else -1
     levels = {"contact_level": sign * 6 * group, "release_level": sign * 5 * group, "contact_rises": rises}
-    times = {"hold": 2, "refractory": 5, "blank": 3}
+    times = {"hold": 2, "refractory": 5, "blank": 3, "keep_threshold": 2}
     config = SlipConfig(
         level=level, window=window, hop=hop, threshold=5, gross_threshold=8, **levels, **times
     )

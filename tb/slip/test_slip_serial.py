@@ -31,6 +31,7 @@ def usual(dut, rises=True, **settings):
     half = 1 << (dut.Level.value.to_unsigned() - 1)
     given = {"contact_level": sign * 200 * half, "release_level": sign * 100 * half, "contact_rises": rises}
     given |= {"threshold": 60, "gross_threshold": 110, "hold": 3, "refractory": 4, "blank": 5}
+    given |= {"keep_threshold": 35}
     given |= settings
     longest = (1 << dut.TimerBits.value.to_unsigned()) - 1
     times = {name: min(given[name], longest) for name in ("hold", "refractory", "blank")}
@@ -39,9 +40,10 @@ def usual(dut, rises=True, **settings):
 
 async def apply(dut, twin):
     names = "threshold gross_threshold contact_level release_level hold refractory blank contact_rises"
+    names += " keep_threshold"
     for name in names.split():
-        port = getattr(dut, f"cfg_{name}_i")
-        port.value = int(getattr(twin.config, name)) & ((1 << len(port)) - 1)
+        port, value = getattr(dut, f"cfg_{name}_i"), getattr(twin.config, name)
+        port.value = int(-1 if value is None else value) & ((1 << len(port)) - 1)
 
 
 def recording(rng, samples, rises=True):
@@ -110,14 +112,14 @@ async def samples_and_thresholds_use_every_bit(dut):
     rng = np.random.default_rng(bench.SEED + 1)
     x = bench.extremes_then_random(rng, 1, 80, bits)[0]
     x = np.concatenate([x, rng.choice([*bench.width(bits), -1, 0], 80)])
-    for threshold, gross, contact, release in (
-        (high + 1, 2 * high, low, low),
-        (high, high + 1, 0, 0),
-        (0, high, high, high),
-        (2 * high + 1, 0, -1, low + 1),
-        (2 * high, 2 * high + 1, high, low),
+    for threshold, gross, contact, release, keep in (
+        (high + 1, 2 * high, low, low, high),
+        (high, high + 1, 0, 0, 1),
+        (0, high, high, high, 2 * high),
+        (2 * high + 1, 0, -1, low + 1, 0),
+        (2 * high, 2 * high + 1, high, low, 2 * high - 1),
     ):
-        levels = {"contact_level": contact, "release_level": release}
+        levels = {"contact_level": contact, "release_level": release, "keep_threshold": keep}
         for rises in (True, False):
             twin = build(dut, threshold=threshold, gross_threshold=gross, contact_rises=rises, **levels)
             await bench.reset(dut)
@@ -129,23 +131,26 @@ async def samples_and_thresholds_use_every_bit(dut):
 async def compares_exactly_at_each_limit(dut):
     """p2p and level at, one below and one above each limit, and where that is a power of two."""
     level, window = (getattr(dut, n).value.to_unsigned() for n in ("Level", "Window"))
+    longest = (1 << dut.TimerBits.value.to_unsigned()) - 1
     await bench.start(dut, actuator_moving_i=0)
-    for limit in (1, 2, 63, 64, 100):
-        for rises in (True, False):
-            levels = {"contact_level": limit, "release_level": limit, "contact_rises": rises}
-            twin = build(dut, threshold=limit, gross_threshold=limit + 1, **levels)
-            await bench.reset(dut)
-            await apply(dut, twin)
-            x = []
-            for step in (limit - 1, limit, limit + 1, limit + 2):
-                # Level at ``step`` and details of 0, and once a window one that makes p2p ``step`` too.
-                for detail in range(window >> level):
-                    group = [0] * (1 << level)
-                    group[-1] = step
-                    if detail % 3:
-                        group[-1 if detail % 2 else 0] = limit - step
-                    x += group
-            await check(dut, twin, np.array(x))
+    for limit, rises, lower in itertools.product((1, 2, 63, 64, 100), (True, False), (True, False)):
+        levels = {"contact_level": limit, "release_level": limit, "contact_rises": rises}
+        # The least p2p above ``limit`` raises the flag, or a greater one does and that keeps it.
+        keep = {"threshold": limit + 1, "keep_threshold": limit} if lower else {"threshold": limit}
+        hold = min(window >> level, longest) if lower else 0
+        twin = build(dut, gross_threshold=limit + 1, hold=hold, **keep, **levels)
+        await bench.reset(dut)
+        await apply(dut, twin)
+        x = []
+        for step in (limit - 1, limit, limit + 1, limit + 2, limit + 1, limit, limit, limit):
+            # Level at ``step`` and details of 0, and once a window one that makes p2p ``step`` too.
+            for detail in range(window >> level):
+                group = [0] * (1 << level)
+                group[-1] = step
+                if detail % 3:
+                    group[-1 if detail % 2 else 0] = limit - step
+                x += group
+        await check(dut, twin, np.array(x))
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
@@ -347,6 +352,7 @@ def test_refuses_illegal_parameters(parameters, message):
         ({"sample_bits": 13}, {"threshold": 1 << 14}, "threshold = 16384 must lie in 0 .. 16383"),
         ({"sample_bits": 13}, {"contact_level": -8193}, "contact_level = -8193 must lie in -8192 .. 8191"),
         ({"timer_bits": 10}, {"blank": 1024}, "blank = 1024 must lie in 0 .. 1023"),
+        ({"sample_bits": 13}, {"keep_threshold": 1 << 14}, "keep_threshold = 16384 must lie in 0 .. 16383"),
     ],
 )
 def test_model_refuses(arguments, settings, message):

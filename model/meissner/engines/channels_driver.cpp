@@ -41,7 +41,7 @@ extern "C" {
 struct SlipRegisters {
   uint32_t threshold, gross_threshold;
   int32_t contact_level, release_level;
-  uint32_t contact_rises, hold, refractory, blank;
+  uint32_t contact_rises, hold, refractory, blank, keep_threshold;
 };
 
 Core *core_new() { return new Core; }
@@ -60,6 +60,7 @@ void core_start(Core *core, const SlipRegisters *registers, uint32_t detail_bits
   top.cfg_hold_i = registers->hold;
   top.cfg_refractory_i = registers->refractory;
   top.cfg_blank_i = registers->blank;
+  top.cfg_keep_threshold_i = registers->keep_threshold & mask;
   top.actuator_moving_i = 0;
   top.in_valid_i = 0;
   top.out_ready_i = 1;

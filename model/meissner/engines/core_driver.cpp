@@ -84,6 +84,7 @@ struct Sensor {
   int row() const {
     return size.rows > 8 ? core.top.row_o & ((1 << number_bits()) - 1) : one_of(core.top.row_o, size.rows);
   }
+  bool dark() const { return size.rows > 8 && bit_of(core.top.row_o, number_bits()); }
   bool converts() const { return true; }  // what stands there is seen at any time
   int line(int) const { return 0; }
 #else
@@ -97,6 +98,7 @@ struct Sensor {
     core.top.rst_i = 0;
   }
   int row() const { return one_of(core.top.row_o, size.rows); }
+  bool dark() const { return false; }
   bool converts() const { return core.top.rootp->msn_core__DOT__convert; }
   int line(int lane) const { return lane; }
 #endif
@@ -111,7 +113,7 @@ struct Sensor {
     for (int lane = 0; lane < lanes; ++lane) {
       for (int channel = 0; channel < size.channels; ++channel) {
         const int column = (core.top.group_o * size.channels + channel) * lanes + lane;
-        held[8 * lane + channel] = column < size.columns ? first[column] : 0;
+        held[8 * lane + channel] = column < size.columns && !dark() ? first[column] : 0;
       }
     }
   }

@@ -37,9 +37,10 @@ def _channel(sizes, levels, moving, config):
                 state, slipped = GROSS if size > config.gross_threshold else INCIPIENT, now
         else:
             blanked += over and moves
-            if over and not moves:
+            kept = over or (config.keep_threshold is not None and size > config.keep_threshold)
+            if kept and not moves:
                 slipped = now
-                state = GROSS if size > config.gross_threshold else state
+                state = GROSS if over and size > config.gross_threshold else state
             elif now - slipped > config.hold:
                 state, calmed = CONTACT, now
         states.append(state)

@@ -30,6 +30,7 @@ class _SlipRegisters(ctypes.Structure):
         ("hold", ctypes.c_uint32),
         ("refractory", ctypes.c_uint32),
         ("blank", ctypes.c_uint32),
+        ("keep_threshold", ctypes.c_uint32),
     )
 
 
@@ -70,7 +71,8 @@ class Core:
     def __init__(self, parameters, config, trace=False):
         self._lib = _open(library("msn_channels", "channels_driver.cpp", parameters, trace))
         self._core = self._lib.core_new()
-        values = {name: int(getattr(config, name)) for name, _ in _SlipRegisters._fields_}
+        values = {name: int(getattr(config, name)) for name, _ in _SlipRegisters._fields_[:-1]}
+        values["keep_threshold"] = config.keeps_above
         self._lib.core_start(self._core, _SlipRegisters(**values), SAMPLE_BITS + config.level)
 
     def __enter__(self):

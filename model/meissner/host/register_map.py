@@ -22,7 +22,7 @@ GROUPS = (
                 "Of this register map. A host refuses another major and, while major is 0, another minor.",
                 (
                     Field("patch", 7, 0, "constant", 0x0),
-                    Field("minor", 15, 8, "constant", 0x3),
+                    Field("minor", 15, 8, "constant", 0x4),
                     Field("major", 31, 16, "constant", 0x0),
                 ),
             ),
@@ -157,6 +157,12 @@ GROUPS = (
                 0x224,
                 "Details over the threshold while deaf.",
                 (Field("value", 31, 0, "status", 0x0),),
+            ),
+            Register(
+                "keep_threshold",
+                0x228,
+                "A flag that is up stays up above this too, in codes; the threshold or more: no hysteresis.",
+                (Field("value", 19, 0, "setting", 0xFFFFF),),
             ),
         ),
     ),

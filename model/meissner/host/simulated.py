@@ -116,7 +116,7 @@ class SimulatedCore:
             if name.startswith("slip.") and names.place(name).writable:
                 key = name.removeprefix("slip.")
                 values[key] = names.place(name).value(self.registers.setting("slip", key))
-        for key in ("threshold", "gross_threshold"):
+        for key in ("threshold", "gross_threshold", "keep_threshold"):
             values[key] = min(values[key], most)
         for key in ("contact_level", "release_level"):
             values[key] = int(np.clip(values[key], -(most + 1) // 2, most // 2))
@@ -127,7 +127,8 @@ class SimulatedCore:
 def settings_of(config):
     """{name: value} of the group slip's registers for a SlipConfig."""
     keys = [name.removeprefix("slip.") for name in names.PLACES if name.startswith("slip.")]
-    return {f"slip.{key}": int(getattr(config, key)) for key in keys if hasattr(config, key)}
+    values = {key: getattr(config, key, None) for key in keys}  # None: no such setting, or none is set
+    return {f"slip.{key}": int(value) for key, value in values.items() if value is not None}
 
 
 def blocks_of(codes, level=1, loop=False):

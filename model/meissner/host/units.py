@@ -19,6 +19,8 @@ CODES = {  # of an amount: register, quantity, and what of Units turns it into a
     ("slip.threshold", "newtons"): "detail_code_of_newtons",
     ("slip.gross_threshold", "volts"): "detail_code",
     ("slip.gross_threshold", "newtons"): "detail_code_of_newtons",
+    ("slip.keep_threshold", "volts"): "detail_code",
+    ("slip.keep_threshold", "newtons"): "detail_code_of_newtons",
     ("slip.contact_level", "volts"): "level_code",
     ("slip.release_level", "volts"): "level_code",
     ("slip.contact_level", "newtons"): "level_code_of_newtons",

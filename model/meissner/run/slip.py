@@ -11,10 +11,15 @@ from meissner.slip.haar import haar
 from meissner.slip.slip import State
 
 
+def slipping(state):
+    """Where the slip flag is up."""
+    return (state == State.INCIPIENT) | (state == State.GROSS)
+
+
 def _raised(state):
     """Indices of the details at which the slip flag rises."""
-    slipping = (state == State.INCIPIENT) | (state == State.GROSS)
-    return np.flatnonzero(slipping & ~np.concatenate([[False], slipping[:-1]]))
+    slips = slipping(state)
+    return np.flatnonzero(slips & ~np.concatenate([[False], slips[:-1]]))
 
 
 def judge(recording, state, config):
@@ -24,7 +29,8 @@ def judge(recording, state, config):
     ``false_alarms``: rises before the onset, or any where nothing slips; ``crossing_s``: when the exact
     sliding window of the float reference first crosses after the onset. What lies before it is the wait for
     an event large enough, what lies after it is the detector's own delay. A detail is known at its last
-    sample, so that sample's time is its time.
+    sample, so that sample's time is its time. ``sliding_s``: from the slip of the whole contact to the end;
+    ``contact_share_of_sliding``: share of its details in which the state is not incipient or gross.
     """
     group, rate_hz = 1 << config.level, recording.scene.rate_hz
     rises = ((_raised(state) + 1) * group - 1) / rate_hz
@@ -35,9 +41,17 @@ def judge(recording, state, config):
         crossing = None if detail is None else ((detail + 1) * group - 1) / rate_hz
     early = rises if onset is None else rises[rises < onset]
     flag = None if onset is None or len(early) == len(rises) else float(rises[len(early)])
+    sliding = contact_share = None
+    if recording.gross_s is not None:
+        known_s = ((np.arange(len(state)) + 1) * group - 1) / rate_hz
+        slides = ~slipping(state[known_s >= recording.gross_s])
+        sliding = len(slides) * group / rate_hz
+        contact_share = float(slides.mean()) if len(slides) else None
     return {
         "onset_s": onset,
         "gross_s": recording.gross_s,
+        "sliding_s": sliding,
+        "contact_share_of_sliding": contact_share,
         "crossing_s": crossing,
         "flag_s": flag,
         "delay_s": None if flag is None else flag - onset,
@@ -74,6 +88,15 @@ def _world_cost(scene, repeats=5):
     return round(float(np.median(costs)), 3)
 
 
+def _contact_share(verdicts):
+    """Share of the time in which objects slid without the state saying so, of all runs; None if none slid."""
+    slid = [verdict for verdict in verdicts if verdict["sliding_s"]]
+    if not slid:
+        return None
+    without = sum(verdict["sliding_s"] * verdict["contact_share_of_sliding"] for verdict in slid)
+    return round(without / sum(verdict["sliding_s"] for verdict in slid), 6)
+
+
 def _statistics(condition, verdicts):
     """One row of the table of conditions."""
     delays = np.array([v["delay_s"] for v in verdicts if v["delay_s"] is not None]) * 1e3
@@ -84,6 +107,7 @@ def _statistics(condition, verdicts):
         "missed": sum(v["missed"] for v in verdicts),
         "false_alarms": sum(v["false_alarms"] for v in verdicts),
     }
+    row["contact_share_of_sliding"] = _contact_share(verdicts)
     # A flag without a crossing: what raised it came before the onset, but was blanked until after.
     own = [v["flag_s"] - v["crossing_s"] for v in verdicts if None not in (v["flag_s"], v["crossing_s"])]
     if len(delays):
@@ -156,6 +180,7 @@ def run(scene, engine, out, seed, waves, progress):
         **{key: first[key] for key in ("onset_s", "crossing_s", "flag_s", "delay_s", "gross_s")},
         "missed": sum(row["missed"] for row in rows),
         "false_alarms": sum(row["false_alarms"] for row in rows),
+        "contact_share_of_sliding": _contact_share([v for of in verdicts.values() for v in of]),
         "runs": len(jobs),
         "conditions": rows,
         "pins": None if pins is None else pins.facts,
@@ -198,6 +223,11 @@ def tell(summary):
         f"shown run (seed {summary['seed']}): onset at {_seconds(summary['onset_s'])}, flag at "
         f"{_seconds(summary['flag_s'])}, delay {_milliseconds(summary['delay_s'])}"
     )
+    share = summary["contact_share_of_sliding"]
+    if share is not None:
+        lines.append(
+            f"of the time in which the whole contact slid, the state said contact in {100 * share:.2f} %"
+        )
     return [*lines, "", *table(summary["conditions"])]
 
 

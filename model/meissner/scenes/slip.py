@@ -37,6 +37,7 @@ _SLIP = dict.fromkeys(("window", "hop", "level"), int) | dict.fromkeys(
     (
         "threshold_v",
         "gross_threshold_v",
+        "keep_threshold_v",
         "contact_v",
         "release_v",
         "hold_s",
@@ -71,6 +72,7 @@ class Slip:
 
     threshold_v: float
     gross_threshold_v: float
+    keep_threshold_v: float
     window: int
     hop: int
     level: int
@@ -145,6 +147,7 @@ class Scene:
             level=slip.level,
             threshold=threshold(slip.threshold_v),
             gross_threshold=threshold(slip.gross_threshold_v),
+            keep_threshold=threshold(slip.keep_threshold_v),
             contact_level=level(slip.contact_v),
             release_level=level(slip.release_v),
             contact_rises=False,
@@ -198,6 +201,10 @@ def build(name, table):
     slip = Slip(**fields(f"{where}, [slip]", top["slip"], _SLIP))
     if not slip.contact_v < slip.release_v:
         raise ValueError(f"{where}, [slip]: contact_v = {slip.contact_v} must be below release_v")
+    if slip.keep_threshold_v > slip.threshold_v:
+        raise ValueError(
+            f"{where}, [slip]: keep_threshold_v = {slip.keep_threshold_v} must not be above threshold_v"
+        )
 
     world = dict(top["world"])
     kind, rows = world.pop("kind", None), world.pop("conditions", None)

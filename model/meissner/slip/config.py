@@ -18,9 +18,10 @@ def check_channels(channels):
 class SlipConfig:
     """Settings of the slip path. Times count details (2**level samples), thresholds count codes.
 
-    ``window`` and ``hop`` are in samples; ``threshold`` and ``gross_threshold`` in codes of the
-    unnormalised level-``level`` detail, peak to peak, compared with ``>``; ``contact_level`` and
-    ``release_level`` in codes of the level-``level`` sum (2**level samples).
+    ``window`` and ``hop`` are in samples; ``threshold``, ``keep_threshold`` and ``gross_threshold`` in codes
+    of the unnormalised level-``level`` detail, peak to peak, compared with ``>``; ``contact_level`` and
+    ``release_level`` in codes of the level-``level`` sum (2**level samples). A flag that is up stays up
+    above ``keep_threshold`` too; None: above ``threshold`` alone.
     """
 
     window: int = 64
@@ -34,9 +35,13 @@ class SlipConfig:
     hold: int = 0
     refractory: int = 0
     blank: int = 0
+    keep_threshold: int | None = None
 
     def __post_init__(self):
-        for name in (field.name for field in fields(self)):
+        given = [field.name for field in fields(self)]
+        if self.keep_threshold is None:
+            given.remove("keep_threshold")
+        for name in given:
             if not isinstance(getattr(self, name), Integral):
                 raise ValueError(f"{name} = {getattr(self, name)} must be an integer")
         if self.level not in (1, 2, 3):
@@ -50,11 +55,12 @@ class SlipConfig:
             raise ValueError(
                 f"hop = {self.hop} must be a multiple of {step} from {step} to the window, {self.window}"
             )
-        for name in ("threshold", "gross_threshold", "hold", "refractory", "blank"):
+        detail_bits = SAMPLE_BITS + self.level  # the registers of the RTL
+        thresholds = [name for name in ("threshold", "gross_threshold", "keep_threshold") if name in given]
+        for name in (*thresholds, "hold", "refractory", "blank"):
             if getattr(self, name) < 0:
                 raise ValueError(f"{name} = {getattr(self, name)} must not be negative")
-        detail_bits = SAMPLE_BITS + self.level  # the registers of the RTL
-        limits = dict.fromkeys(("threshold", "gross_threshold"), 1 << detail_bits)
+        limits = dict.fromkeys(thresholds, 1 << detail_bits)
         limits |= dict.fromkeys(("contact_level", "release_level"), 1 << (detail_bits - 1))
         limits |= dict.fromkeys(("hold", "refractory", "blank"), 1 << TIMER_BITS)
         for name, limit in limits.items():
@@ -63,3 +69,8 @@ class SlipConfig:
         for name in ("contact_level", "release_level"):
             if getattr(self, name) < -limits[name]:
                 raise ValueError(f"{name} = {getattr(self, name)} must not be below -{limits[name]}")
+
+    @property
+    def keeps_above(self):
+        """The peak-to-peak above which a flag that is up stays up: never more than ``threshold``."""
+        return self.threshold if self.keep_threshold is None else min(self.keep_threshold, self.threshold)

@@ -23,11 +23,12 @@ class Slip:
         pressed = level >= contact_level   lifted = level < release_level     (contact_rises)
         pressed = level <= contact_level   lifted = level > release_level     (otherwise)
         over = p2p > threshold             gross = p2p > gross_threshold
+        kept = over or p2p > keep_threshold
 
     NONE, RELEASE -> CONTACT when pressed; the next ``blank`` details are blanked.
     CONTACT -> INCIPIENT (GROSS if gross) when over, unless blanked, refractory or moving.
-    INCIPIENT -> GROSS when gross; both fall back to CONTACT when ``hold`` details passed that were not
-    over (or moving), and then ``refractory`` details are deaf.
+    INCIPIENT -> GROSS when over and gross; both fall back to CONTACT when ``hold`` details passed that were
+    not kept (or moving), and then ``refractory`` details are deaf.
     CONTACT, INCIPIENT, GROSS -> RELEASE when lifted; RELEASE -> NONE after ``hold`` details.
     A masked detail leads to NONE from anywhere and is never over.
     ``blanked`` counts, over all channels, the details that were over while blanked or moving.
@@ -56,14 +57,18 @@ class Slip:
         moving = np.zeros(p2p.shape[1], bool) if moving is None else np.asarray(moving, bool)
         pressed = level >= c.contact_level if c.contact_rises else level <= c.contact_level
         lifted = level < c.release_level if c.contact_rises else level > c.release_level
-        over, gross = p2p > c.threshold, p2p > c.gross_threshold
+        over, gross, kept = p2p > c.threshold, p2p > c.gross_threshold, p2p > c.keeps_above
         mask = np.zeros(p2p.shape, bool) if mask is None else np.asarray(mask, bool)
         states = np.empty(p2p.shape, dtype=np.int8)
         for channel in range(self.channels):
             inputs = zip(
                 *(
                     a.tolist()
-                    for a in (*(b[channel] for b in (pressed, lifted, over, gross)), moving, mask[channel])
+                    for a in (
+                        *(b[channel] for b in (pressed, lifted, over, gross, kept)),
+                        moving,
+                        mask[channel],
+                    )
                 )
             )
             states[channel] = self._channel(channel, inputs)
@@ -81,7 +86,7 @@ class Slip:
         # blanking: deaf because of a contact onset, so what is over meanwhile is counted.
         state, hold, deaf, blanking = self._memory[channel]
         states = []
-        for pressed, lifted, over, gross, moving, masked in inputs:
+        for pressed, lifted, over, gross, kept, moving, masked in inputs:
             slipping = state in (State.INCIPIENT, State.GROSS)
             if masked:
                 state = State.NONE
@@ -96,9 +101,9 @@ class Slip:
                 state, hold, deaf = State.RELEASE, c.hold, 0
             elif slipping:
                 self.blanked += over and moving
-                if over and not moving:
+                if kept and not moving:
                     hold = c.hold
-                    state = State.GROSS if gross else state
+                    state = State.GROSS if over and gross else state
                 elif hold:
                     hold -= 1
                 else:

@@ -31,6 +31,8 @@ class SlipSerial:
         limits |= dict.fromkeys(("hold", "refractory", "blank"), (0, 1 << timer_bits))
         level = 1 << (detail_bits - 1)
         limits |= dict.fromkeys(("contact_level", "release_level"), (-level, level))
+        if config.keep_threshold is not None:
+            limits["keep_threshold"] = limits["threshold"]
         for name, (low, high) in limits.items():
             if not low <= getattr(config, name) < high:
                 raise ValueError(f"{name} = {getattr(config, name)} must lie in {low} .. {high - 1}")
