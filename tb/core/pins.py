@@ -1,0 +1,243 @@
+"""A core without a line, by what its pins, packets and registers say and nothing inside it: a host that reads
+packets byte by byte and registers by their addresses in docs/registers.md, converters of one kind at the pins,
+and the clock of each edge. Addresses and layouts are written out here, not taken from the register map."""
+
+import struct
+import zlib
+from dataclasses import dataclass
+
+import cocotb
+from cocotb.clock import Clock
+from cocotb.triggers import ReadOnly, RisingEdge, Timer, ValueChange
+from cocotb.utils import get_sim_time
+
+import bench
+
+PERIOD_NS = 250
+SLIP, COP, IMAGE, HEALTH, STATISTIC = 1, 2, 3, 4, 5
+# docs/link.md: the counters of statistics, by their index.
+STATISTICS = {
+    "dropped": 0,
+    "overrun": 1,
+    "timeout": 2,
+    "slip_damaged": 3,
+    "slip_blanked": 4,
+    "cop_damaged": 5,
+    "image_dropped": 6,
+    "rejected": 7,
+}
+# docs/registers.md.
+ADDRESS = {
+    **{"adc.enable": 0x100, "adc.period": 0x104, "adc.dropped": 0x108, "adc.overrun": 0x10C},
+    **{"adc.timeout": 0x110, "adc.mistagged": 0x114, "adc.over_range": 0x118},
+    **{"slip.threshold": 0x200, "slip.gross_threshold": 0x204, "slip.contact_level": 0x208},
+    **{"slip.release_level": 0x20C, "slip.contact_rises": 0x210, "slip.hold": 0x214},
+    **{"slip.refractory": 0x218, "slip.blank": 0x21C, "slip.damaged": 0x220, "slip.blanked": 0x224},
+    **{"scan.enable": 0x300, "scan.settle": 0x304, "scan.period": 0x308, "scan.interleave": 0x30C},
+    **{"scan.dropped": 0x310, "scan.overrun": 0x314, "scan.held": 0x318, "scan.lost": 0x31C},
+    **{"health.band": 0x400, "health.jump": 0x404, "health.low": 0x408, "health.high": 0x40C},
+    **{"health.use": 0x410, "health.still": 0x414, "health.rail": 0x418, "health.blink": 0x41C},
+    **{"health.clear": 0x420, "health.report": 0x424},
+    **{"health.dead": 0x428, "health.railed": 0x42C, "health.blinking": 0x430},
+    **{"tare.contact": 0x480, "tare.step": 0x484, "tare.force": 0x488, "tare.at_start": 0x48C},
+    **{"tare.average": 0x490, "tare.load": 0x494, "tare.word": 0x498, "tare.zero": 0x49C},
+    **{"tare.write": 0x4A0, "tare.state": 0x4A4, "tare.tared": 0x4A8, "tare.refused": 0x4AC},
+    **{"tare.swallowed": 0x4B0, "calibrate.preset": 0x500, "calibrate.word": 0x504},
+    **{"calibrate.offset": 0x508, "calibrate.gain": 0x50C, "calibrate.write": 0x510},
+    **{"calibrate.swap": 0x514, "calibrate.swapping": 0x518, "cop.min_load": 0x600, "cop.damaged": 0x604},
+    **{"cop4.rail": 0x700, "cop4.kx": 0x704, "cop4.shift_x": 0x708, "cop4.ky": 0x70C},
+    **{"cop4.shift_y": 0x710, "cop4.kf": 0x714, "cop4.shift_load": 0x718, "cop4.p0": 0x71C},
+    **{"cop4.p1": 0x720, "cop4.p2": 0x724, "cop4.p3": 0x728, "cop4.p4": 0x72C, "cop4.p5": 0x730},
+    **{"cop4.min_load": 0x734, "cop4.top": 0x738, "cop4.idle": 0x73C, "cop4.busy": 0x740},
+    **{"cop4.imbalance": 0x744, "cop_slip.drop": 0x800, "cop_slip.move": 0x804},
+    **{"cop_slip.min_load": 0x808, "cop_slip.hold": 0x80C, "cop_slip.refractory": 0x810},
+    **{"link.images": 0x900, "link.packets": 0x904, "link.cop_dropped": 0x908},
+    **{"link.image_dropped": 0x90C, "link.rejected": 0x910},
+}
+
+
+@dataclass(frozen=True)
+class Packet:
+    """``at``: the clock in which its first byte was offered."""
+
+    kind: int
+    number: int
+    time: int
+    payload: bytes
+    at: int
+
+
+def signed(data):
+    return int.from_bytes(data, "little", signed=True)
+
+
+def unsigned(data):
+    return int.from_bytes(data, "little")
+
+
+def slip_of(packet):
+    """(channel, peak-to-peak, state)"""
+    data = packet.payload
+    assert packet.kind == SLIP and len(data) == 6
+    return unsigned(data[0:2]), unsigned(data[2:5]), data[5]
+
+
+def cop_of(packet):
+    """(x, y, load, pressed)"""
+    data = packet.payload
+    assert packet.kind == COP and len(data) == 12
+    return signed(data[0:3]), signed(data[3:6]), unsigned(data[6:11]), data[11]
+
+
+def image_of(packet):
+    """Taxels of an image that one packet holds."""
+    data = packet.payload
+    assert packet.kind == IMAGE and data[1] == 1 and unsigned(data[2:5]) == 0
+    return list(struct.unpack(f"<{(len(data) - 5) // 2}H", data[5:]))
+
+
+def health_of(packet):
+    """(taxel, faults)"""
+    assert packet.kind == HEALTH and len(packet.payload) == 4
+    return unsigned(packet.payload[0:3]), packet.payload[3]
+
+
+def statistic_of(packet):
+    """(index, counter)"""
+    assert packet.kind == STATISTIC and len(packet.payload) == 5
+    return packet.payload[0], unsigned(packet.payload[1:5])
+
+
+async def rest(dut, clocks):
+    """Let ``clocks`` pass, without a look at each."""
+    await Timer(clocks * PERIOD_NS - PERIOD_NS // 2, "ns")
+    await RisingEdge(dut.clk_i)
+
+
+class Host:
+    """``packets``: all since reset; ``clock()``: clocks since then, the core's time."""
+
+    def __init__(self, dut):
+        self.dut, self.packets, self.data, self.began = dut, [], bytearray(), None
+        self.zero = 0
+        cocotb.start_soon(self._watch())
+
+    def clock(self):
+        """Of the core: after the last edge in reset it is 0."""
+        return round(get_sim_time("ns") / PERIOD_NS) - self.zero
+
+    async def _watch(self):
+        """A byte stays until it is taken, and none is offered in the clock after."""
+        while True:
+            await RisingEdge(self.dut.out_valid_o)
+            await ReadOnly()
+            if not self.data:
+                self.began = self.clock()
+            self.data.append(bench.read(self.dut.out_data_o))
+            if self.dut.out_last_o.value == 1:
+                data = bytes(self.data)
+                self.data.clear()
+                assert zlib.crc32(data[:-4]) == unsigned(data[-4:])
+                assert data[1] == len(self.packets) % 256, "a packet is missing"
+                self.packets.append(Packet(data[0], data[1], unsigned(data[2:8]), data[8:-4], self.began))
+
+    def of_kind(self, kind, since=0):
+        return [packet for packet in self.packets[since:] if packet.kind == kind]
+
+    async def access(self, write, address, data=0):
+        """(data, error) of one access."""
+        dut = self.dut
+        dut.bus_valid_i.value, dut.bus_write_i.value, dut.bus_strobe_i.value = 1, int(write), 15
+        dut.bus_address_i.value, dut.bus_data_i.value = address, data & 0xFFFF_FFFF
+        await RisingEdge(dut.clk_i)
+        dut.bus_valid_i.value = 0
+        await ReadOnly()
+        while dut.bus_done_o.value != 1:
+            await RisingEdge(dut.clk_i)
+            await ReadOnly()
+        answer = bench.read(dut.bus_data_o), bench.read(dut.bus_error_o)
+        await RisingEdge(dut.clk_i)
+        return answer
+
+    async def write(self, **values):
+        """``group__register=value``, in this order."""
+        for name, value in values.items():
+            assert (await self.access(True, ADDRESS[name.replace("__", ".")], value))[1] == 0, name
+
+    async def set(self, values):
+        """{"group.register": value}, in this order."""
+        await self.write(**{name.replace(".", "__"): value for name, value in values.items()})
+
+    async def read(self, *names):
+        found = []
+        for name in names:
+            data, error = await self.access(False, ADDRESS[name])
+            assert error == 0, name
+            found.append(data)
+        return found
+
+    async def statistics(self):
+        """The next value of each, by its index; each time is that of its packet, 4 clocks before its first byte."""
+        first = len(self.packets)
+        while len(self.of_kind(STATISTIC, first)) < 9:
+            await rest(self.dut, 200)
+        got = self.of_kind(STATISTIC, first)[1:]
+        assert {packet.at - packet.time for packet in got} == {4}
+        return dict(map(statistic_of, got))
+
+
+class Edges:
+    """Clocks at which a pin rose, or fell."""
+
+    def __init__(self, host, pin, to=1, bit=0):
+        self.host, self.pin, self.to, self.bit, self.at = host, pin, to, bit, []
+        cocotb.start_soon(self._watch())
+
+    async def _watch(self):
+        before = int(self.pin.value) >> self.bit & 1
+        while True:
+            await ValueChange(self.pin)
+            level = int(self.pin.value) >> self.bit & 1
+            if level != before and level == self.to:
+                self.at.append(self.host.clock())
+            before = level
+
+
+async def begin(dut, part, reset=3):
+    """Clock, converter ``part(dut)`` and a reset; the host, and what ``part`` gave."""
+    idle = {"actuator_moving_i": 0, "in_valid_i": 0, "rx_i": 1, "bus_valid_i": 0, "out_ready_i": 1}
+    for port, value in (idle | {"adc_miso_i": 0, "adc_busy_i": 0, "rst_i": 1}).items():
+        getattr(dut, port).value = value
+    Clock(dut.clk_i, PERIOD_NS, unit="ns").start()
+    host = Host(dut)
+    await bench.clocks(dut, 2)
+    made = part(dut)
+    await bench.clocks(dut, reset)
+    host.zero = round(get_sim_time("ns") / PERIOD_NS)
+    dut.rst_i.value = 0
+    return host, made
+
+
+def put(sources, turn):
+    """A value of its own in each counter, every bit at both levels over ``turn`` 0 and 1; what was put."""
+    values = {}
+    for place, (name, source) in enumerate(sources.items()):
+        mask = (1 << len(source)) - 1
+        values[name] = ((place + 1) * 0x9E37_79B1 ^ (0xFFFF_FFFF * turn)) & mask
+        source.value = values[name]
+    assert len(set(values.values())) == len(values)
+    return values
+
+
+async def counters_are_their_own(host, sources, statistics):
+    """``sources``: {register, or a name if it has none: where it is counted}; ``statistics``: {name: index}.
+
+    Each is read in its register and in its statistic; statistics without a counter here are 0.
+    """
+    for turn in (0, 1):
+        values = put(sources, turn)
+        await bench.clocks(host.dut, 2)
+        names = [name for name in sources if name in ADDRESS]
+        assert await host.read(*names) == [values[name] for name in names]
+        expected = dict.fromkeys(range(8), 0) | {index: values[name] for name, index in statistics.items()}
+        assert await host.statistics() == expected
