@@ -1,6 +1,6 @@
-"""A core without a line, by what its pins, packets and registers say and nothing inside it: a host that reads
-packets byte by byte and registers by their addresses in docs/registers.md, converters of one kind at the pins,
-and the clock of each edge. Addresses and layouts are written out here, not taken from the register map."""
+"""A core by what its pins, packets and registers say: a host that reads packets, byte by byte or at the line,
+and registers by their addresses in docs/registers.md; the clock of each edge at a pin. Addresses and layouts
+are written out here from docs/, not taken from the register map or the decoder."""
 
 import struct
 import zlib
@@ -8,13 +8,13 @@ from dataclasses import dataclass
 
 import cocotb
 from cocotb.clock import Clock
-from cocotb.triggers import ReadOnly, RisingEdge, Timer, ValueChange
+from cocotb.triggers import FallingEdge, ReadOnly, RisingEdge, Timer, ValueChange
 from cocotb.utils import get_sim_time
 
 import bench
 
 PERIOD_NS = 250
-SLIP, COP, IMAGE, HEALTH, STATISTIC = 1, 2, 3, 4, 5
+SLIP, COP, IMAGE, HEALTH, STATISTIC, ANSWER = 1, 2, 3, 4, 5, 16
 # docs/link.md: the counters of statistics, by their index.
 STATISTICS = {
     "dropped": 0,
@@ -117,6 +117,8 @@ async def rest(dut, clocks):
 class Host:
     """``packets``: all since reset; ``clock()``: clocks since then, the core's time."""
 
+    begins = 4  # clocks from the time of a packet that waits for nothing to its first byte
+
     def __init__(self, dut):
         self.dut, self.packets, self.data, self.began = dut, [], bytearray(), None
         self.zero = 0
@@ -135,11 +137,13 @@ class Host:
                 self.began = self.clock()
             self.data.append(bench.read(self.dut.out_data_o))
             if self.dut.out_last_o.value == 1:
-                data = bytes(self.data)
+                self._keep(bytes(self.data))
                 self.data.clear()
-                assert zlib.crc32(data[:-4]) == unsigned(data[-4:])
-                assert data[1] == len(self.packets) % 256, "a packet is missing"
-                self.packets.append(Packet(data[0], data[1], unsigned(data[2:8]), data[8:-4], self.began))
+
+    def _keep(self, data):
+        assert zlib.crc32(data[:-4]) == unsigned(data[-4:])
+        assert data[1] == len(self.packets) % 256, "a packet is missing"
+        self.packets.append(Packet(data[0], data[1], unsigned(data[2:8]), data[8:-4], self.began))
 
     def of_kind(self, kind, since=0):
         return [packet for packet in self.packets[since:] if packet.kind == kind]
@@ -177,20 +181,82 @@ class Host:
         return found
 
     async def statistics(self):
-        """The next value of each, by its index; each time is that of its packet, 4 clocks before its first byte."""
+        """The next value of each, by its index; the time of each is that of its packet."""
         first = len(self.packets)
         while len(self.of_kind(STATISTIC, first)) < 9:
             await rest(self.dut, 200)
         got = self.of_kind(STATISTIC, first)[1:]
-        assert {packet.at - packet.time for packet in got} == {4}
+        assert {packet.at - packet.time for packet in got} == {self.begins}
         return dict(map(statistic_of, got))
 
 
-class Edges:
-    """Clocks at which a pin rose, or fell."""
+class LineHost(Host):
+    """The same at the serial line, four clocks a bit: each packet between two zeros, answers among them."""
 
-    def __init__(self, host, pin, to=1, bit=0):
+    begins = 1  # from the time of a packet that waits for nothing to the line's start bit
+
+    async def _watch(self):
+        while True:
+            await FallingEdge(self.dut.tx_o)
+            at, byte = self.clock(), 0
+            await Timer(5 * PERIOD_NS + PERIOD_NS // 2, "ns")
+            for bit in range(8):
+                byte |= int(self.dut.tx_o.value) << bit
+                await Timer(4 * PERIOD_NS, "ns")
+            assert self.dut.tx_o.value == 1, "no stop bit"
+            if byte:
+                self.data.append(byte)
+            elif self.data:
+                self._unstuff(self.data)
+                self.data.clear()
+                self.began = None
+            else:
+                self.began = at
+
+    def _unstuff(self, frame):
+        """docs/link.md: the codes stand behind their runs; read from the end."""
+        place = len(frame) - 1
+        code = frame[place]
+        while code <= place:
+            place -= code
+            code, frame[place] = frame[place], 0
+        assert code == place + 1
+        self._keep(bytes(frame[:-1]))
+
+    async def send(self, data):
+        for byte in data:
+            for level in (0, *(byte >> bit & 1 for bit in range(8)), 1):
+                self.dut.rx_i.value = level
+                await Timer(4 * PERIOD_NS, "ns")
+
+    @staticmethod
+    def command(write, tag, address, data):
+        """12 bytes, plain COBS, between zeros."""
+        body = struct.pack("<BBHI", write, tag, address, data & 0xFFFF_FFFF)
+        runs = (body + struct.pack("<I", zlib.crc32(body))).split(b"\0")
+        return b"\0" + b"".join(bytes([len(run) + 1]) + run for run in runs) + b"\0"
+
+    async def access(self, write, address, data=0):
+        tag, first = len(self.packets) % 251, len(self.packets)
+        await self.send(self.command(write, tag, address, data))
+        for _ in range(100):
+            answers = self.of_kind(ANSWER, first)
+            if answers:
+                (got,) = answers
+                assert got.payload[0] == tag and got.payload[1] < 2
+                assert unsigned(got.payload[2:4]) == address
+                await RisingEdge(self.dut.clk_i)
+                return unsigned(got.payload[4:8]), got.payload[1]
+            await rest(self.dut, 100)
+        raise AssertionError("no answer")
+
+
+class Edges:
+    """Clocks at which a pin rose, or fell; with ``gap`` only those so many clocks after the one before."""
+
+    def __init__(self, host, pin, to=1, bit=0, gap=0):
         self.host, self.pin, self.to, self.bit, self.at = host, pin, to, bit, []
+        self.gap, self.latest = gap, -1 << 30
         cocotb.start_soon(self._watch())
 
     async def _watch(self):
@@ -199,17 +265,20 @@ class Edges:
             await ValueChange(self.pin)
             level = int(self.pin.value) >> self.bit & 1
             if level != before and level == self.to:
-                self.at.append(self.host.clock())
+                now = self.host.clock()
+                if now - self.latest >= self.gap:
+                    self.at.append(now)
+                self.latest = now
             before = level
 
 
-async def begin(dut, part, reset=3):
-    """Clock, converter ``part(dut)`` and a reset; the host, and what ``part`` gave."""
+async def begin(dut, part, kind=Host, reset=3):
+    """Clock, converter ``part(dut)`` and a reset; the host, of that kind, and what ``part`` gave."""
     idle = {"actuator_moving_i": 0, "in_valid_i": 0, "rx_i": 1, "bus_valid_i": 0, "out_ready_i": 1}
     for port, value in (idle | {"adc_miso_i": 0, "adc_busy_i": 0, "rst_i": 1}).items():
         getattr(dut, port).value = value
     Clock(dut.clk_i, PERIOD_NS, unit="ns").start()
-    host = Host(dut)
+    host = kind(dut)
     await bench.clocks(dut, 2)
     made = part(dut)
     await bench.clocks(dut, reset)

@@ -1,7 +1,8 @@
 """Four electrodes at the pins of an AD7606: each setting of cop4 and cop_slip, written through its register,
 changes what it should and nothing else. Every setting has a value that no other has; the results are those of
-the formulas in docs/cop4.md and docs/mesh.md in exact rationals, each limit is met exactly and missed by one. Each
-packet carries the clock of its CONVST edge, also where the host stalls; each counter has a value of its own."""
+the formulas in docs/cop4.md and docs/mesh.md in exact rationals, each limit is met exactly and missed by
+one. Each packet carries the clock of its CONVST edge, also while the host stalls; each counter has a value
+that no other has."""
 
 from fractions import Fraction
 
@@ -172,7 +173,7 @@ async def each_setting_of_cop_slip_changes_its_own_flag(dut):
     move, drop = max(abs(less_x - x), abs(less_y - y)), (old - less) * 256 // old
     changes = [{}, {"drop": drop}, {"drop": drop + 1}, {"move": move}, {"move": move + 1}]
     changes += [{"min_load": old}, {"min_load": old + 1}, {"hold": 3}, {"refractory": 4}]
-    done, expected_flags, outcomes = [], [], []
+    done, outcomes = [], []
     for change in changes:
         await core.host.set({f"cop_slip.{name}": value for name, value in change.items()})
         await bench.clocks(dut, 100)
