@@ -191,18 +191,19 @@ class Host:
 
 
 class LineHost(Host):
-    """The same at the serial line, four clocks a bit: each packet between two zeros, answers among them."""
+    """The same at the serial line: each packet between two zeros, answers among them."""
 
+    bit = 4  # clocks
     begins = 1  # from the time of a packet that waits for nothing to the line's start bit
 
     async def _watch(self):
         while True:
             await FallingEdge(self.dut.tx_o)
             at, byte = self.clock(), 0
-            await Timer(5 * PERIOD_NS + PERIOD_NS // 2, "ns")
+            await Timer((3 * self.bit - 1) * PERIOD_NS // 2, "ns")
             for bit in range(8):
                 byte |= int(self.dut.tx_o.value) << bit
-                await Timer(4 * PERIOD_NS, "ns")
+                await Timer(self.bit * PERIOD_NS, "ns")
             assert self.dut.tx_o.value == 1, "no stop bit"
             if byte:
                 self.data.append(byte)
@@ -227,7 +228,7 @@ class LineHost(Host):
         for byte in data:
             for level in (0, *(byte >> bit & 1 for bit in range(8)), 1):
                 self.dut.rx_i.value = level
-                await Timer(4 * PERIOD_NS, "ns")
+                await Timer(self.bit * PERIOD_NS, "ns")
 
     @staticmethod
     def command(write, tag, address, data):
@@ -292,9 +293,9 @@ def put(sources, turn):
     values = {}
     for place, (name, source) in enumerate(sources.items()):
         mask = (1 << len(source)) - 1
-        values[name] = ((place + 1) * 0x9E37_79B1 ^ (0xFFFF_FFFF * turn)) & mask
+        values[name] = ((place + 1) * 0x9E37_79B5 ^ (0xFFFF_FFFF * turn)) & mask
         source.value = values[name]
-    assert len(set(values.values())) == len(values)
+    assert len(set(values.values())) == len(values), values
     return values
 
 

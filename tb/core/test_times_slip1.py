@@ -1,0 +1,60 @@
+"""The smallest core, one channel of an MCP3208 and nothing but slip packets on the line: each packet carries
+the clock of the CS edge that began the conversion that decided, in whatever phase of the sender's sweep. Settings
+are constants of the build, no two alike; events are those of a loop written from docs/slip.md."""
+
+import cocotb
+import numpy as np
+
+import bench
+from core import pins
+from core.test_settings_channels import Contact
+from meissner.link.registers import RESET_BITS, reset_word
+from parts.mcp3208 import Mcp3208
+
+PERIOD, WINDOW = 397, 4
+SETTINGS = {
+    **{"threshold": 201, "gross_threshold": 603, "contact_level": 2000, "release_level": 1500},
+    **{"contact_rises": 1, "hold": 1, "refractory": 2, "blank": 3},
+}
+
+
+class Line(pins.LineHost):
+    bit = 8
+
+
+def scene():
+    """Held at 1500, with a step in every sixth detail: each falls into another part of the sweep."""
+    codes = np.full(2 * 80, 1500)
+    codes[12::12] += np.tile([202, 203, 201, 604, 603], 3)[: len(codes[12::12])]
+    return codes
+
+
+@cocotb.test(timeout_time=100, timeout_unit="ms")
+async def each_event_carries_its_converts_clock(dut):
+    codes, contact = scene(), Contact()
+
+    def part(dut):
+        taken = iter(codes.tolist())
+        code = lambda channel, _: next(taken, 1500)
+        return Mcp3208(dut.adc_cs_n_o, dut.adc_sclk_o, dut.adc_mosi_o, dut.adc_miso_i, code)
+
+    host, _ = await pins.begin(dut, part, Line)
+    starts = pins.Edges(host, dut.adc_cs_n_o, to=0)
+    await pins.rest(dut, (len(codes) + 12) * PERIOD)
+    found = [(starts.at.index(packet.time), pins.slip_of(packet)) for packet in host.packets]
+    expected = []
+    for detail in range(len(codes) // 2):
+        event, _ = contact.step(*codes[2 * detail : 2 * detail + 2].tolist(), detail, False, SETTINGS)
+        if event:
+            expected.append((2 * detail + 1, (0, *event)))
+    assert set(np.diff(starts.at)) == {PERIOD}
+    assert len({starts.at[frame] % 64 for frame, _ in expected}) == len(expected) > 5
+    assert found == expected
+
+
+def test_times_slip1():
+    build = {"Adc": 1, "ClkKhz": 4000, "AdcPeriod": PERIOD, "BaudHz": 500_000, "Serial": 1, "SlipOnly": 1}
+    build |= {"Registers": 0, "Statistics": 0, "SampleBits": 13, "TimerBits": 10}
+    build |= {"Window": WINDOW, "Hop": WINDOW}
+    word = reset_word({"adc.enable": 1} | {f"slip.{name}": value for name, value in SETTINGS.items()})
+    bench.run("core", "core", build | {"Resets": f"{RESET_BITS}'h{word:x}"}, module="test_times_slip1")
