@@ -108,6 +108,11 @@ def parameters(dut):
     return dut.SampleBits.value.to_unsigned(), dut.BitsPerClock.value.to_unsigned()
 
 
+# By bits a clock and Correct: clocks of the first and of the hundredth of samples offered without a pause,
+# which wait for one another inside.
+BACK_TO_BACK = {(2, 0): (17, 62), (1, 0): (25, 110), (2, 1): (37, 141), (1, 1): (52, 271)}
+
+
 def latency(dut):
     per_clock = dut.BitsPerClock.value.to_unsigned()
     return steps(16, per_clock) + (20 + steps(14, per_clock) if dut.Correct.value else 8)
@@ -173,10 +178,10 @@ async def matches_model_on_a_mesh(dut):
 async def clocks_are_as_stated_whatever_the_numbers(dut):
     bits, per_clock = parameters(dut)
     registers = register_sets(bits)[0]
-    beats = beats_of(around(np.random.default_rng(bench.SEED), registers, bits, 0)[:30])
+    beats = beats_of(around(np.random.default_rng(bench.SEED), registers, bits, 20)[:100])
     await bench.start(dut, **ports(registers), out_ready_i=1)
     accepted, seen = [], []
-    for clock in range(35 * (steps(16, per_clock) + 1)):
+    for clock in range(120 * (steps(16, per_clock) + 1)):
         dut.in_valid_i.value = int(len(accepted) < len(beats))
         for name, value in beats[min(len(accepted), len(beats) - 1)].items():
             getattr(dut, f"in_{name}_i").value = value
@@ -188,6 +193,8 @@ async def clocks_are_as_stated_whatever_the_numbers(dut):
         await bench.RisingEdge(dut.clk_i)
     assert seen[0] - accepted[0] == latency(dut)
     assert len(seen) == len(beats) and set(np.diff(seen)) == {steps(16, per_clock) + 1}
+    waits = [out - taken for taken, out in zip(accepted, seen)]
+    assert (waits[0], waits[-1]) == BACK_TO_BACK[per_clock, int(dut.Correct.value)]
 
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")

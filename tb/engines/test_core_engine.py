@@ -1,5 +1,9 @@
 """The named configurations on engine rtl, from codes at the pins to bytes of the line: every packet is the
-model's; the host finds such a core, through a pty too, and shows slip and CoP."""
+model's, with its frame's time, and none is missing, of arrays too on which many taxels slip; the host finds
+such a core, through a pty too, and shows slip and CoP."""
+
+from collections import Counter
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -7,9 +11,14 @@ import pytest
 from meissner import cli, config, core, host
 from meissner.engines.rtl_core import CoreOnPins, codes_of
 from meissner.host.pty import Pty
+from meissner.host.register_map import GROUPS
+from meissner.link import bridge
 from meissner.link import packet as p
 from meissner.link.decoder import Decoder
 
+ADDRESS = {
+    f"{group.name}.{register.name}": register.address for group in GROUPS for register in group.registers
+}
 SECONDS = {"slip1": 0.9, "fingertip": 0.1, "cop4": 0.45, "full": 0.05}
 
 
@@ -23,36 +32,87 @@ def images(packets):
     return found
 
 
+def check(build, got, expected, frames):
+    """``got``: packets of ``frames`` frames begun. All but the last two frames' have left by then."""
+    due = lambda found: [item for item in found if item[0] < frames - 2]
+    slips, events = [q for q in got if q.kind == p.SLIP], expected.slip
+    assert [q.payload for q in slips] == [payload for _, payload in events][: len(slips)]
+    assert len(slips) >= len(due(events))
+    starts = {frame: slips[0].time + (frame - events[0][0]) * build.period_clocks for frame in range(frames)}
+    assert [q.time for q in slips] == [starts[frame] for frame, _ in events][: len(slips)]
+    if build.kind != "channels":
+        # CoP frames that found the one before unsent replace it: never with events as sparse as here.
+        cops = [q for q in got if q.kind == p.COP]
+        assert [q.payload for q in cops] == [payload for _, payload in expected.cop][: len(cops)]
+        assert [q.time for q in cops] == [starts[frame] for frame, _ in expected.cop][: len(cops)]
+        assert len(cops) >= len(due(expected.cop)) == frames - 2
+    if build.link["images"]:
+        frame_of = {time: frame for frame, time in starts.items()}
+        whole = [(time, taxels) for time, taxels in images(got) if len(taxels) == expected.images.shape[1]]
+        assert whole
+        for time, taxels in whole:
+            assert taxels == expected.images[frame_of[time]].tolist()
+
+
 @pytest.mark.parametrize("name", SECONDS)
 def test_every_packet_is_the_models(name):
     build = config.load(name)
     codes = codes_of(build)
     if name == "slip1":
         codes = codes[30_000:]  # held since the second before, and soon to slip
-    if build.kind == "array" and build.sensor["rows"] == 64:
-        codes = codes[:: max(1, len(codes) // 25)]  # the press passes in a few frames
     with CoreOnPins(build, codes) as built:
         decoder = Decoder()
         got = decoder.next(built.run(round(SECONDS[name] * 1000 * build.clk_khz)))
         frames = built.frames
     assert (decoder.damaged, decoder.missed) == (0, 0)
-    order = np.arange(frames) % len(codes)
-    expected = core.expected(build, codes[order])
-    events = [q.payload for q in got if q.kind == p.SLIP]
-    assert events == [payload for _, payload in expected.slip][: len(events)]
-    assert len(events) >= len(expected.slip) - (8 if build.kind == "array" else 1)
-    assert len(events) > 0 or build.kind == "array"
-    cops = [(q.time, q.payload) for q in got if q.kind == p.COP]
-    if build.kind != "channels":
-        # CoP frames that found the one before unsent replace it: never with events as sparse as here.
-        assert [payload for _, payload in cops] == [payload for _, payload in expected.cop][: len(cops)]
-        assert len(cops) >= frames - 3
-        assert set(np.diff([time for time, _ in cops])) == {build.period_clocks}
-    if build.link["images"]:
-        sent = [tuple(taxels) for _, taxels in images(got)]
-        whole = [taxels for taxels in sent if len(taxels) == codes[0].size]
-        assert len(whole) >= 1
-        assert set(whole) <= {tuple(image) for image in expected.images.tolist()}
+    expected = core.expected(build, codes[np.arange(frames) % len(codes)])
+    check(build, got, expected, frames)
+
+
+SOON = {"slip.hold": 2, "slip.refractory": 1, "slip.blank": 3}
+PATCH = {  # of an array's rows and columns: what slides
+    "fingertip": (range(3), range(1, 3)),
+    "array64": (range(20, 30), range(7, 13)),
+    "full": (range(33, 43), range(50, 55)),
+}
+SLIPS = 2  # of each taxel of the patch, one in each window but the first
+
+
+def sliding(build, rows, columns):
+    """Codes [frames, rows, columns]: at rest while the zeros are found, then a patch is pressed, and each of
+    its taxels gives way for one sample of every window, at its own time."""
+    i, j = np.indices((build.sensor["rows"], build.sensor["columns"]))
+    window = build.slip.window
+    codes = np.tile(30 + (3 * i + 5 * j) % 17, ((SLIPS + 1) * window + 4, 1, 1))
+    for k, (row, column) in enumerate((row, column) for row in rows for column in columns):
+        codes[20:, row, column] += 900 + 7 * k
+        for slip in range(1, SLIPS + 1):
+            codes[slip * window + 2 * (4 + 5 * k % 7) + 1, row, column] -= 150 + 3 * k + 20 * slip
+    return codes
+
+
+@pytest.mark.parametrize("name", PATCH)
+def test_every_taxel_that_slips_is_reported(name):
+    """The slip states' times are written on the line first, so short that each window can have a slip."""
+    build = config.load(name)
+    codes = sliding(build, *PATCH[name])
+    decoder, got = Decoder(), []
+    with CoreOnPins(build, codes) as built:
+        for tag, (register, value) in enumerate(SOON.items()):
+            built.write(bridge.command(bridge.WRITE, tag, ADDRESS[register], value))
+            got += decoder.next(built.run(round(0.0006 * 1000 * build.clk_khz)))
+        got += decoder.next(built.run(len(codes) * build.period_clocks - built.now))
+        frames = built.frames
+    assert (decoder.damaged, decoder.missed) == (0, 0)
+    answers = [q.fields["status"] for q in got if q.kind == p.ANSWER]
+    assert answers == [bridge.DONE] * len(SOON)
+    changed = {register.partition(".")[2]: value for register, value in SOON.items()}
+    build = replace(build, slip=replace(build.slip, **changed))
+    expected = core.expected(build, codes[:frames])
+    rows, columns = PATCH[name]
+    slips = Counter(int.from_bytes(payload[:2], "little") for _, payload in expected.slip)
+    assert slips == {row * codes.shape[2] + column: SLIPS for row in rows for column in columns}
+    check(build, got, expected, frames)
 
 
 def test_the_host_finds_a_core_behind_a_pty_and_hears_slip_and_cop():
