@@ -318,9 +318,9 @@ async def what_goes_wrong_is_counted_where_it_belongs(dut):
 
 @cocotb.test(timeout_time=100, timeout_unit="ms")
 async def a_frame_that_waits_for_the_host_keeps_its_time(dut):
-    """All twelve taxels slip at once, and the host takes nothing for three frames: no event is lost. The next
-    frame waits in the scan's buffer, the two after it are dropped, and the CoP and the image of the frame that
-    slipped are replaced by newer ones before they are sent."""
+    """All taxels slip at once, and the host takes nothing for three frames: no event is lost. The next frame
+    waits in the scan's buffer, the two after it are dropped, and CoP and image of the frame that slipped are
+    replaced by newer ones before they are sent."""
     core = await Core().begin(dut, tare__at_start=0, tare__step=0)
     await core.host.write(slip__threshold=99, slip__gross_threshold=0x3FFFF, slip__contact_level=1)
 
