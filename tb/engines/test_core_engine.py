@@ -77,7 +77,7 @@ SOON = {"slip.hold": 2, "slip.refractory": 1, "slip.blank": 3}
 PATCH = {  # of an array's rows and columns: what slides
     "fingertip": (range(3), range(1, 3)),
     "array64": (range(20, 30), range(7, 13)),
-    "full": (range(33, 43), range(50, 55)),
+    "full": (range(33, 38), range(50, 52)),  # its images leave the line room for an event in a frame
 }
 SLIPS = 2  # of each taxel of the patch, one in each window but the first
 
@@ -91,7 +91,7 @@ def sliding(build, rows, columns):
     for k, (row, column) in enumerate((row, column) for row in rows for column in columns):
         codes[20:, row, column] += 900 + 7 * k
         for slip in range(1, SLIPS + 1):
-            codes[slip * window + 2 * (4 + 5 * k % 7) + 1, row, column] -= 150 + 3 * k + 20 * slip
+            codes[slip * window + 2 * (4 + 5 * k % 11) + 1, row, column] -= 150 + 3 * k + 20 * slip
     return codes
 
 
