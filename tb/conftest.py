@@ -20,6 +20,7 @@ BIG = [
     "tb/core/test_axis.py::test_axis[electrodes]",
     "tb/core/test_core.py::test_core[channels]",
     "tb/engines/test_core_engine.py::test_every_packet_is_the_models[full]",
+    "tb/engines/test_core_engine.py::test_every_taxel_that_slips_is_reported[full]",
     "tb/frontend/test_adc_spi.py::test_adc_spi[2-8-25000-14500]",
     "tb/frontend/test_adc_spi.py::test_adc_spi[3-8-25000-16000]",
     "tb/frontend/test_calibrate.py::test_calibrate[64-64-1-17-12-1-0]",
