@@ -28,6 +28,8 @@ STATISTICS = {
 }
 # docs/registers.md.
 ADDRESS = {
+    **{"core.id": 0x000, "core.version": 0x004, "core.features": 0x008, "core.size": 0x00C},
+    **{"core.clk_khz": 0x010, "core.scratch": 0x014},
     **{"adc.enable": 0x100, "adc.period": 0x104, "adc.dropped": 0x108, "adc.overrun": 0x10C},
     **{"adc.timeout": 0x110, "adc.mistagged": 0x114, "adc.over_range": 0x118},
     **{"slip.threshold": 0x200, "slip.gross_threshold": 0x204, "slip.contact_level": 0x208},
@@ -286,6 +288,15 @@ async def begin(dut, part, kind=Host, reset=3):
     host.zero = round(get_sim_time("ns") / PERIOD_NS)
     dut.rst_i.value = 0
     return host, made
+
+
+async def says_what_it_is(host, groups, rows, columns):
+    """``groups``: whose registers it has, of docs/registers.md's list without core."""
+    order = ("adc", "slip", "scan", "health", "tare", "calibrate", "cop", "cop4", "cop_slip", "link")
+    features = sum(1 << order.index(group) for group in groups.split())
+    await host.set({"core.scratch": 0xA5C3_0F96})
+    names = ("core.id", "core.features", "core.size", "core.clk_khz", "core.scratch")
+    assert await host.read(*names) == [0x4D53_4E52, features, columns << 16 | rows, 4000, 0xA5C3_0F96]
 
 
 def put(sources, turn):

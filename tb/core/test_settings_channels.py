@@ -220,6 +220,7 @@ async def what_goes_wrong_is_counted_where_it_belongs(dut):
 async def each_counter_has_its_own_register_and_statistic(dut):
     """Every bit, of values put where they are counted."""
     core = await Core().begin(dut)
+    await pins.says_what_it_is(core.host, "adc slip link", 1, CHANNELS)
     spi, path = dut.gen_channels.u_acquire.gen_adc.u_adc_spi, dut.gen_slip.u_slip_path
     names = ("dropped", "overrun", "timeout", "mistagged", "over_range")
     sources = {f"adc.{name}": getattr(spi, f"{name}_o") for name in names}

@@ -238,6 +238,7 @@ async def what_goes_wrong_is_counted_where_it_belongs(dut):
 async def each_counter_has_its_own_register_and_statistic(dut):
     """Every bit, of values put where they are counted."""
     core = await Core().begin(dut)
+    await pins.says_what_it_is(core.host, "adc cop4 cop_slip link", 1, 4)
     await bench.clocks(dut, 40)
     spi = dut.gen_channels.u_acquire.gen_adc.u_adc_spi
     sources = {
