@@ -297,6 +297,7 @@ async def says_what_it_is(host, groups, rows, columns):
     await host.set({"core.scratch": 0xA5C3_0F96})
     names = ("core.id", "core.features", "core.size", "core.clk_khz", "core.scratch")
     assert await host.read(*names) == [0x4D53_4E52, features, columns << 16 | rows, 4000, 0xA5C3_0F96]
+    assert (await host.access(False, 0xFFC))[1] == 1, "there is no such register"
 
 
 def put(sources, turn):

@@ -213,6 +213,9 @@ async def what_goes_wrong_is_counted_where_it_belongs(dut):
     _, starts, _ = await core.convert(np.full((8, CHANNELS), 1500), every=2, period=120)
     assert set(np.diff(starts)) == {240}
     assert await core.host.read(*counters) == [0, 9, 0, 2, 5, 3]
+    # Packets begun before the answer, which is the next.
+    (begun,) = await core.host.read("link.packets")
+    assert begun == max(n for n, packet in enumerate(core.host.packets) if packet.kind == pins.ANSWER)
     assert await core.host.statistics() == {0: 0, 1: 9, 2: 0, 3: 0, 4: 0, 5: 0, 6: 0, 7: 3}
 
 

@@ -1,13 +1,13 @@
 """The smallest core, one channel of an MCP3208 and nothing but slip packets on the line: each packet carries
-the clock of the CS edge that began the conversion that decided, in whatever phase of the sender's sweep.
-Settings are constants of the build; events are those of a loop written from docs/slip.md."""
+the clock of the CS edge that began the conversion that decided, in whatever phase of the sender's sweep; the
+pins show each detail's state. Settings are constants; events are those of a loop written from docs/slip.md."""
 
 import cocotb
 import numpy as np
 
 import bench
 from core import pins
-from core.test_settings_channels import Contact
+from core.test_settings_channels import CONTACT, GROSS, INCIPIENT, Contact
 from meissner.link.registers import RESET_BITS, reset_word
 from parts.mcp3208 import Mcp3208
 
@@ -40,16 +40,26 @@ async def each_event_carries_its_converts_clock(dut):
 
     host, _ = await pins.begin(dut, part, Line)
     starts = pins.Edges(host, dut.adc_cs_n_o, to=0)
-    await pins.rest(dut, (len(codes) + 12) * PERIOD)
+    flags, wanted = [], []
+    for n in range(len(codes)):
+        while len(starts.at) <= n:
+            await pins.rest(dut, 5)
+        await pins.rest(dut, PERIOD - 30)
+        if n % 2:
+            flags.append([bench.read(getattr(dut, f"{name}_o")) for name in ("touched", "gross", "slip")])
+    await pins.rest(dut, 12 * PERIOD)
     found = [(starts.at.index(packet.time), pins.slip_of(packet)) for packet in host.packets]
     expected = []
     for detail in range(len(codes) // 2):
         event, _ = contact.step(*codes[2 * detail : 2 * detail + 2].tolist(), detail, False, SETTINGS)
         if event:
             expected.append((2 * detail + 1, (0, *event)))
+        slips = contact.state in (INCIPIENT, GROSS)
+        wanted.append([int(slips or contact.state == CONTACT), int(contact.state == GROSS), int(slips)])
     assert set(np.diff(starts.at)) == {PERIOD}
     assert len({starts.at[frame] % 64 for frame, _ in expected}) == len(expected) > 5
     assert found == expected
+    assert flags == wanted
 
 
 def test_times_slip1():
