@@ -1,6 +1,6 @@
 """The smallest core, one channel of an MCP3208 and nothing but slip packets on the line: each packet carries
 the clock of the CS edge that began the conversion that decided, in whatever phase of the sender's sweep; the
-pins show each detail's state. Settings are constants; events are those of a loop written from docs/slip.md."""
+pins show each detail's state. Settings are constants; events are of a loop written from docs/slip.md."""
 
 import cocotb
 import numpy as np
