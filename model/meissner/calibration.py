@@ -270,7 +270,8 @@ def fit(codes, force_n, lsb_n=None, gain_shift=GAIN_SHIFT):
     return answer, np.where(dead, np.nan, residual)
 
 
-def _calibrate(arguments):
+def command(arguments):
+    """``meissner calibrate``."""
     codes, force_n = read_recording(arguments.recording, arguments.force)
     lines, residual_n = fit(codes, force_n, arguments.lsb)
     with files.written(arguments.out) as file:
@@ -284,13 +285,3 @@ def _calibrate(arguments):
     )
     if dead:
         print(f"dead (row, column): {named(lines.dead)}")
-
-
-def add_command(commands):
-    """The command ``calibrate`` in a parser's ``commands``."""
-    parser = commands.add_parser("calibrate", help="a straight line per cell from a press recording")
-    parser.add_argument("recording", metavar="RECORDING", help=".npz of codes and force_n; or .npy of codes")
-    parser.add_argument("--force", metavar="FORCE.npy", help="newtons [frames] or [frames, rows, columns]")
-    parser.add_argument("--lsb", type=float, metavar="N", help="newtons of one code of force (the finest)")
-    parser.add_argument("--out", required=True, metavar="CAL.npz", help="where offsets and gains go")
-    parser.set_defaults(call=_calibrate)

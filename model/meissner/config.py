@@ -209,34 +209,20 @@ def _electrodes(tables, adc, base):
     return found
 
 
-def add_command(commands):
-    """``meissner config list | check FILE | show FILE``."""
-    config = commands.add_parser("config", help="check a configuration, or show what it comes to")
-    actions = config.add_subparsers(dest="action", required=True, metavar="ACTION")
-    listing = actions.add_parser("list", help="the named configurations, one line each")
-    listing.set_defaults(call=_list)
-    check = actions.add_parser("check", help="say what is wrong with a file, or that nothing is")
-    check.add_argument("file", metavar="FILE", help="a TOML file (docs/config.md), or a name")
-    check.set_defaults(call=_check)
-    show = actions.add_parser("show", help="its RTL parameters and register values")
-    show.add_argument("file", metavar="FILE", help="a TOML file, or a name")
-    show.set_defaults(call=_show)
-
-
-def _list(_):
+def command_list(_):
     width = max(map(len, names()))
     for name in names():
         print(f"{name:<{width}}  {load(name).about}")
 
 
-def _check(arguments):
+def command_check(arguments):
     config = load(arguments.file)
     print(
         f"{config.name}: {config.about}; {len(config.parameters)} parameters, {len(config.settings)} settings"
     )
 
 
-def _show(arguments):
+def command_show(arguments):
     config = load(arguments.file)
     print(f"{config.name}: {config.about}\n\nparameters of msn_core")
     for name, value in verilog(config.parameters).items():

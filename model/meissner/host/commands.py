@@ -12,45 +12,6 @@ import numpy as np
 from meissner import engines, files
 
 LINE_S, PICTURE_S = 1.0, 0.1  # between two lines in a pipe, two pictures on a terminal
-PORT = "serial:/dev/ttyUSB0?baud=3000000, pty:/dev/pts/7, file:capture.bin, sim:SCENE (docs/host.md)"
-CONFIG = "what the core was built from, for physical units: a name or a TOML file"
-
-
-def add_commands(commands):
-    """Add the commands to those of the parser."""
-    regs = commands.add_parser("regs", help="registers of a core: all, the named ones, or write NAME=VALUE")
-    regs.add_argument("port", metavar="PORT", help=PORT)
-    regs.add_argument(
-        "names", metavar="NAME[=VALUE]", nargs="*", help="docs/registers.md; VALUE 40, 0x28, 20mV, 0.5N, 5ms"
-    )
-    regs.add_argument("--config", metavar="FILE", help=CONFIG)
-    regs.set_defaults(call=_regs)
-
-    live = commands.add_parser(
-        "live", help="what a core says, as it says it: slip, centre of pressure, image"
-    )
-    _line_arguments(live)
-    live.set_defaults(call=_live)
-
-    log = commands.add_parser("log", help="write what a core says to MCAP (ROS 2) or npz")
-    _line_arguments(log)
-    log.add_argument("--out", required=True, metavar="FILE", help="a .mcap or a .npz file")
-    log.set_defaults(call=_log)
-
-    replay = commands.add_parser("replay", help="a log's images through an engine, beside what the core said")
-    replay.add_argument("log", metavar="LOG", help="what `meissner log` wrote")
-    replay.add_argument("--min-load", type=int, help="least sum of forces with a position (the log's, or 1)")
-    replay.add_argument("--engine", default="fixed", metavar="E", help=f"{', '.join(engines.NAMES)} (fixed)")
-    replay.add_argument("--out", required=True, metavar="OUT.npz", help="where the arrays go")
-    replay.set_defaults(call=_replay)
-
-
-def _line_arguments(parser):
-    parser.add_argument("port", metavar="PORT", help=PORT)
-    parser.add_argument("--seconds", type=float, metavar="S", help="then stop (at Ctrl-C or the file's end)")
-    parser.add_argument("--listen", action="store_true", help="ask no registers: for a core without them")
-    parser.add_argument("--config", metavar="FILE", help=CONFIG)
-    parser.add_argument("--clk-khz", type=int, metavar="KHZ", help="the core's clock, where it is not asked")
 
 
 def _tell(sentence):
@@ -129,7 +90,7 @@ def _wanted(core, given):
     return wanted
 
 
-def _regs(arguments):
+def regs(arguments):
     with _connect(arguments, registers=True) as core:
         wanted = _wanted(core, arguments.names)
         for name, value in wanted:
@@ -142,7 +103,7 @@ def _regs(arguments):
             print(f"{name:<{width}}  {value:<10} 0x{value & (field.most if field else 0xFFFFFFFF):x}")
 
 
-def _live(arguments):
+def live(arguments):
     from meissner.host.view import View
 
     messages = []
@@ -226,7 +187,7 @@ def _stopping(core):
             signal.signal(which, handler)
 
 
-def _log(arguments):
+def log(arguments):
     from meissner.host import log
 
     log.check_out(arguments.out)
@@ -245,7 +206,7 @@ def _log(arguments):
     )
 
 
-def _replay(arguments):
+def replay(arguments):
     from meissner.host import log
     from meissner.host.replay import differences, replay
 
