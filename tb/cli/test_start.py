@@ -48,7 +48,16 @@ def imported(*arguments, cwd=None):
 
 def test_every_command_is_looked_at():
     names = {" ".join(path) for path in EVERY}
-    assert names >= {"", "scenes", "run", "process slip", "process cop", "process cop4", "calibrate", "budget"}
+    assert names >= {
+        "",
+        "scenes",
+        "run",
+        "process slip",
+        "process cop",
+        "process cop4",
+        "calibrate",
+        "budget",
+    }
     assert names >= {"regs", "live", "log", "replay", "config list", "config check", "config show"}
 
 

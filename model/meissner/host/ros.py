@@ -28,7 +28,7 @@ _DEFINITIONS = {
 def definition(name):
     """The text of ``name`` ("package/Type") with all that it needs, as an MCAP schema wants it."""
     known = dict(_DEFINITIONS)
-    known["meissner_msgs/TactileFrame"] = (ROOT / "host/msg/TactileFrame.msg").read_text()
+    known["meissner_msgs/TactileFrame"] = (ROOT / "host/msg/TactileFrame.msg").read_text("utf-8")
     needed, text = [name], ""
     for one in needed:
         text += f"{'=' * 80}\nMSG: {one}\n{known[one]}\n" if one != name else f"{known[one]}\n"
