@@ -5,6 +5,7 @@ What a command needs is imported when it runs: meissner.parser says why.
 
 import os
 import sys
+from contextlib import suppress
 from importlib import import_module
 
 from meissner.parser import parser
@@ -87,7 +88,8 @@ def main(arguments=None):
 
 
 def _refuse(problem):
-    print(f"meissner: {plain(problem)}", file=sys.stderr)
+    with suppress(OSError):  # the terminal may be what is gone
+        print(f"meissner: {plain(problem)}", file=sys.stderr, flush=True)
     return 2
 
 

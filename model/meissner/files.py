@@ -46,8 +46,13 @@ def read_array(path):
 
 def read_arrays(path):
     """The arrays of a .npz file by name; {} if it is none."""
+    return arrays_of(path)
+
+
+def arrays_of(file):
+    """The same of a path or a file that is open."""
     with warnings.catch_warnings(action="ignore"):
-        found = _load(path, whole=True)
+        found = _load(file, whole=True)
     whole = isinstance(found, dict) and all(isinstance(array, np.ndarray) for array in found.values())
     return found if whole else {}
 
@@ -66,9 +71,8 @@ def _load(path, whole=False):
         return None
 
 
-@contextmanager
-def written(path):
-    """A binary file that takes the name ``path`` only when all of it was written."""
+def check_out(path):
+    """``path`` if a file can take this name; ValueError in one sentence if not."""
     path = Path(path)
     if not path.parent.is_dir():
         raise ValueError(f"there is no folder {path.parent} to write {path.name} into")
@@ -76,6 +80,13 @@ def written(path):
         raise ValueError(f"{path} is a folder; name a file")
     if path.exists() and not path.is_file():
         raise ValueError(f"{path} is not a file that could be replaced")  # a device, a pipe
+    return path
+
+
+@contextmanager
+def written(path):
+    """A binary file that takes the name ``path`` only when all of it was written."""
+    path = check_out(path)
     with tempfile.NamedTemporaryFile(dir=path.parent, prefix=f".{path.name}.", delete=False) as fresh:
         try:
             yield fresh

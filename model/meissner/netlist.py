@@ -52,7 +52,8 @@ def verilog(top, parameters, cells, kept=(), include=None):
     if include is not None:
         read += f"; read_verilog -sv -I{include} {' '.join(boards.COMMON)}"
         text = "".join(
-            (toolchain.ROOT / file).read_text("utf-8") for file in (*boards.COMMON, f"{include}/msn_build.svh")
+            (toolchain.ROOT / file).read_text("utf-8")
+            for file in (*boards.COMMON, f"{include}/msn_build.svh")
         )
     # Yosys may have renamed it for its parameters.
     before = f"{read}; {yowasp.chparam(top, parameters)}hierarchy -top {top}; rename -top {top}; "

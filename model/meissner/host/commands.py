@@ -4,18 +4,20 @@ import re
 import signal
 import sys
 import time
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 
 import numpy as np
 
 from meissner import engines, files
+from meissner.plain import plain
 
 LINE_S, PICTURE_S = 1.0, 0.1  # between two lines in a pipe, two pictures on a terminal
 
 
 def _tell(sentence):
-    print(f"meissner: {sentence}", file=sys.stderr, flush=True)
+    with suppress(OSError):  # a terminal that is gone ends no log
+        print(f"meissner: {plain(sentence)}", file=sys.stderr, flush=True)
 
 
 def _connect(arguments, registers=None, say=_tell):
@@ -173,13 +175,17 @@ def _live_picture(core, view, seconds, messages):
 
 @contextmanager
 def _stopping(core):
-    """Ctrl-C, or a polite kill, ends the stream between two packets: what was written stays whole."""
+    """Ctrl-C, a polite kill or the end of the terminal ends the stream between two packets, and what was
+    written gets its end. Who started this with a signal ignored, as nohup does, has it ignored."""
 
     def stop(*_):
-        _tell("stopped")
         core.stop()
+        with suppress(OSError, RuntimeError):  # the terminal is gone, or is just being written to
+            _tell("stopped")
 
-    before = {which: signal.signal(which, stop) for which in (signal.SIGINT, signal.SIGTERM)}
+    signals = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+    heard = [which for which in signals if signal.getsignal(which) != signal.SIG_IGN]
+    before = {which: signal.signal(which, stop) for which in heard}
     try:
         yield
     finally:
@@ -194,15 +200,26 @@ def log(arguments):
     listen = False if arguments.listen else None
     with (
         _connect(arguments, listen) as core,
-        log.recording(arguments.out, core) as recording,
         _stopping(core),
+        log.recording(arguments.out, core) as recording,
     ):
-        for item in core.packets(arguments.seconds):
-            recording.add(item)
+        for item, beat in _beats(core, arguments.seconds, log.FLUSH_S):
+            if item is not None:
+                recording.add(item)
+            if beat:
+                recording.flush()
     counts = core.counts
+    expected = f"{core.units.rows or 1}×{core.units.columns}"
+    more = [
+        (counts.images_unfit, f"images dropped that are not of {expected} taxels"),
+        (counts.unknown, "of types that this host does not know"),
+        (counts.unread, "dropped because this machine was too slow"),
+        (counts.restarts, "restarts of the core"),
+    ]
     print(
         f"{recording.packets} packets of {counts.bytes} bytes; {counts.lost} lost, {counts.damaged} damaged, "
-        f"{counts.images_lost} images lost, {counts.gaps} gaps ({counts.gap_s:.1f} s); {arguments.out}"
+        f"{counts.images_lost} images lost, {''.join(f'{count} {what}, ' for count, what in more if count)}"
+        f"{counts.gaps} gaps ({counts.gap_s:.1f} s); {plain(arguments.out)}"
     )
 
 
@@ -225,5 +242,5 @@ def replay(arguments):
         f"{frames} image{'s' * (frames > 1)} of {rows}×{columns} on engine {arguments.engine}; "
         f"{both} with the core's own centre of pressure, {wrong} of them differ"
         f"{f' (at most: {apart})' if wrong else ''}; "
-        f"{arguments.out}"
+        f"{'the log ends before its end was written; ' if 'partial' in found else ''}{plain(arguments.out)}"
     )

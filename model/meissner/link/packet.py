@@ -4,6 +4,7 @@ import struct
 import zlib
 
 SLIP, COP, IMAGE, HEALTH, STATISTIC, ANSWER = 1, 2, 3, 4, 5, 16
+KNOWN = (SLIP, COP, IMAGE, HEALTH, STATISTIC, ANSWER)
 MAX_CHUNK = 116
 # The counters of a core's statistics by index, as msn_core joins them; docs/link.md has the same words.
 COUNTERS = (
