@@ -122,7 +122,7 @@ def _budget(commands):
     array.add_argument("--clock", type=float, default=100e6, metavar="HZ", help="of the core (100e6)")
     array.add_argument("--adc", default="ad7606", metavar="PART", help="converter (ad7606)")
     array.add_argument("--converters", type=int, metavar="N", help="1, 2, 4 or 8 (the fewest for 1 ms)")
-    array.add_argument("--channels", type=int, metavar="N", help="inputs used of each converter (8)")
+    array.add_argument("--channels", type=int, metavar="N", help="inputs used of each (the fastest)")
     array.add_argument(
         "--sclk-khz", type=int, metavar="KHZ", help="serial clock, at most (the part's usual one)"
     )
