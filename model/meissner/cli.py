@@ -66,7 +66,7 @@ def run(arguments):
     if summary["twin_mismatches"] is not None:
         print(f"differences between the core and its integer twin: {summary['twin_mismatches']}")
     print(*run.tell(scene, summary), sep="\n")
-    print(f"\nresults: {out}/report.html, summary.json, result.npz and pictures")
+    print(f"\nresults: {plain(out)}/report.html, summary.json, result.npz and pictures")
 
 
 def main(arguments=None):

@@ -15,6 +15,7 @@ from pathlib import Path
 from meissner.build import PARTS, Config, verilog
 from meissner.cop.cop_slip import CopSlipRegisters
 from meissner.frontend.adc_spi import AdcSpi
+from meissner.plain import plain
 from meissner.scenes import four_wires
 from meissner.scenes.check import between, fields, one_of, positive
 from meissner.slip.config import SlipConfig
@@ -212,19 +213,18 @@ def _electrodes(tables, adc, base):
 def command_list(_):
     width = max(map(len, names()))
     for name in names():
-        print(f"{name:<{width}}  {load(name).about}")
+        print(f"{name:<{width}}  {plain(load(name).about)}")
 
 
 def command_check(arguments):
     config = load(arguments.file)
-    print(
-        f"{config.name}: {config.about}; {len(config.parameters)} parameters, {len(config.settings)} settings"
-    )
+    counts = f"{len(config.parameters)} parameters, {len(config.settings)} settings"
+    print(f"{plain(config.name)}: {plain(config.about)}; {counts}")
 
 
 def command_show(arguments):
     config = load(arguments.file)
-    print(f"{config.name}: {config.about}\n\nparameters of msn_core")
+    print(f"{plain(config.name)}: {plain(config.about)}\n\nparameters of msn_core")
     for name, value in verilog(config.parameters).items():
         print(f"  {name:<16} {value}")
     print("\nregisters after reset")

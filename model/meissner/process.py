@@ -2,9 +2,8 @@
 
 import time
 
-import numpy as np
-
 from meissner import calibration, engines, files
+from meissner.plain import plain
 
 
 def slip(arguments):
@@ -20,19 +19,19 @@ def slip(arguments):
         threshold=arguments.threshold,
     )
     x = engines.check_samples(files.read_array(arguments.input))
-    with files.written(arguments.out) as file:
+    with files.results(arguments.out) as save:
         engines.load(arguments.engine)
         engines.process_slip(x[:, : config.window], config, arguments.engine)  # built and warm
         began = time.perf_counter()
         result = engines.process_slip(x, config, arguments.engine)
         taken = time.perf_counter() - began
-        np.savez(file, **result)
+        save(result)
     channels, windows = result["slip"].shape
     fired = result["fired_at"][result["slip"]]
     first = f"first at {int(fired.min()) / arguments.rate:.4f} s" if len(fired) else "none"
     print(
         f"{channels} channel{'s' * (channels > 1)}, {windows} windows, {int(result['slip'].sum())} slips "
-        f"({first}); {x.size / taken:.3g} samples/s on engine {arguments.engine}; {arguments.out}"
+        f"({first}); {x.size / taken:.3g} samples/s on engine {arguments.engine}; {plain(arguments.out)}"
     )
 
 
@@ -47,17 +46,17 @@ def cop(arguments):
         forces = calibration.check_codes(files.read_array(arguments.input), lines.offset.shape)
     else:
         forces = engines.check_forces(files.read_array(arguments.input))
-    with files.written(arguments.out) as file:
+    with files.results(arguments.out) as save:
         engines.process_cop(forces[:1], arguments.engine, arguments.min_load, lines)  # built and warm
         began = time.perf_counter()
         result = engines.process_cop(forces, arguments.engine, arguments.min_load, lines)
         taken = time.perf_counter() - began
-        np.savez(file, **result)
+        save(result)
     frames, rows, columns = forces.shape
     print(
         f"{frames} frame{'s' * (frames > 1)} of {rows}×{columns}, {int(result['valid'].sum())} with a load; "
         f"{'' if lines is None else f'1 of sum is {lines.force_lsb_n:g} N; '}"
-        f"{forces.size / taken:.3g} samples/s on engine {arguments.engine}; {arguments.out}"
+        f"{forces.size / taken:.3g} samples/s on engine {arguments.engine}; {plain(arguments.out)}"
     )
 
 
@@ -72,15 +71,15 @@ def cop4(arguments):
     if arguments.input.lower().endswith(".csv"):
         codes = codes.T  # a column per electrode
     codes = engines.check_electrodes(codes, config.adc.bits)
-    with files.written(arguments.out) as file:
+    with files.results(arguments.out) as save:
         engines.process_cop4(codes[:1], config, arguments.engine)  # built and warm
         began = time.perf_counter()
         result = engines.process_cop4(codes, config, arguments.engine)
         taken = time.perf_counter() - began
-        np.savez(file, **result)
+        save(result)
     saturated, imbalance, opened = (int((flag > 0).sum()) for flag in faults(codes, config.registers))
     print(
         f"{len(codes)} sample{'s' * (len(codes) > 1)}, {int(result['valid'].sum())} with a load; faults: "
         f"{saturated} saturated, {opened} open, {imbalance} out of balance; load in {config.load_lsb_n:g} N; "
-        f"{len(codes) / taken:.3g} samples/s on engine {arguments.engine}; {arguments.out}"
+        f"{len(codes) / taken:.3g} samples/s on engine {arguments.engine}; {plain(arguments.out)}"
     )

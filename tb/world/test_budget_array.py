@@ -47,8 +47,8 @@ def test_the_converters_it_asks_for_are_enough_and_fewer_are_not():
 # An MCP3208 at 1 MHz and 24 MHz: a bit is 24 clocks, a conversion 19 bits and one of rest, 480 clocks. A
 # place of c inputs takes 480·c + 1 clocks; the word of its input w is there after 480·w - 24. 10 rows of 16
 # columns are 10·ceil(16 / (converters·c)) places, and w in the last is c, or 4 where four converters with
-# eight inputs have but four columns each. Behind it: 5 clocks of buffer, 1 of health, 1 of tare, and 14, 15 or
-# 16 of force, sums and division behind one, two and four lanes (docs/cop.md).
+# eight inputs have but four columns each. Behind it: 5 clocks of buffer, 1 of health, 1 of tare, and 14, 15
+# or 16 of force, sums and division behind one, two and four lanes (docs/cop.md).
 @pytest.mark.parametrize(
     "converters, inputs, clocks",
     [

@@ -7,8 +7,6 @@ import time
 from contextlib import contextmanager, suppress
 from dataclasses import replace
 
-import numpy as np
-
 from meissner import engines, files
 from meissner.plain import plain
 
@@ -232,9 +230,9 @@ def replay(arguments):
     min_load = int(found.get("min_load", 1)) if arguments.min_load is None else arguments.min_load
     if min_load < 0:
         raise ValueError(f"min-load = {min_load} must not be negative")
-    with files.written(arguments.out) as file:
+    with files.results(arguments.out) as save:
         result = replay(found, arguments.engine, min_load)
-        np.savez(file, **result)
+        save(result)
     both, wrong, largest = differences(result)
     frames, rows, columns = found["image"].shape
     apart = ", ".join(f"{name} {value}" for name, value in largest.items())

@@ -24,10 +24,10 @@ from pathlib import Path
 
 import numpy as np
 
+from meissner.files import FULL, check_in, read_arrays
 from meissner.files import check_out as check_name
-from meissner.files import read_arrays
 from meissner.host import packets, ros
-from meissner.host.spool import FULL, Spool, part_of
+from meissner.host.spool import Spool, part_of
 from meissner.host.table import COLUMNS, NpzLog, Table, read_rows
 
 FLUSH_S = 0.5  # what a process that is killed may lose; shorter chunks compress less
@@ -159,20 +159,17 @@ def _kept(problem, path, spool, log, say):
 def read(path):
     """The arrays and facts of a log; ValueError in one sentence if it is none."""
     path = Path(path)
-    if not path.is_file():
-        parts = [
-            part_of(path, writer.KIND) for writer in KINDS.values() if part_of(path, writer.KIND).is_file()
-        ]
-        left = "".join(
-            f"; what a log of this name received until it was ended is in {part}" for part in parts
-        )
-        raise ValueError(f"there is no file {path}{left}")
+    if not path.exists():
+        parts = [part_of(path, writer.KIND) for writer in KINDS.values()]
+        left = [f"; what a log received before it was ended is in {part}" for part in parts if part.is_file()]
+        raise ValueError(f"there is no file {path}{''.join(left)}")
+    check_in(path)
     if path.suffix.lower() == ".mcap":
         return _read_mcap(path)
     if path.suffix.lower() == NpzLog.KIND:
         arrays = read_rows(path) | {"partial": np.True_}
     elif path.suffix.lower() == ".npz":
-        arrays = read_arrays(path)
+        arrays = read_arrays(path) or {}
     else:
         raise ValueError(f"{path} must be a .mcap or a .npz file, or what a log that was ended left")
     _check(path, arrays)

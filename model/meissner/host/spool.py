@@ -1,14 +1,7 @@
 """The file beside a log's target that holds what came until the log has its own name."""
 
-import errno
 import os
 from pathlib import Path
-
-FULL = {
-    errno.ENOSPC: "the disk is full",
-    errno.EDQUOT: "the disk's quota is used up",
-    errno.EFBIG: "the file may not grow any more",
-}
 
 
 def part_of(path, kind, number=1):

@@ -129,7 +129,7 @@ def read_rows(path):
             break
         if zlib.crc32(block) != crc:
             raise ValueError(f"{path} is damaged at byte {at}")
-        found = arrays_of(io.BytesIO(block))
+        found = arrays_of(io.BytesIO(block)) or {}
         blocks.append({name: found.pop(name, none) for name, none in empty.items()})
         facts, at = found, at + 8 + length
     if not facts:
