@@ -304,16 +304,15 @@ def test_a_log_with_the_wrong_configuration_says_what_it_dropped(tmp_path, monke
         ("0.0 0.1 4.1 5.0 5.1", [0, 5], 4),
         ("0.1 4.0 4.1", [4], 3),
         ("254.0 254.1 1.0 1.1", [254, 1], 2),  # numbers have 8 bits
+        ("0.0 0.0 0.1", [0], 1),  # again: its end was lost before
     ],
 )
 def test_lost_images_are_counted(parts, whole, lost):
     """IMAGE.PART of images of 2×3 taxels in two parts; the time is the image's own."""
-    model = []
-    for place, text in enumerate(parts.split()):
+    stamped = []
+    for text in parts.split():
         image, part = map(int, text.split("."))
-        model.append((1000 + place // 2, image, p.image_chunks(image, range(6), 4)))
-        model[-1] = (image, list(model[-1][2])[part])
-    stamped = [(100 * (image + 1), p.IMAGE, part) for image, part in model]
+        stamped.append((100 * (image + 1), p.IMAGE, list(p.image_chunks(image, range(6), 4))[part]))
     core = host.Core(line.Pipe(SimulatedCore(stamped)), registers=False, say=pytest.fail)
     core.units = units.Units(rows=2, columns=3)
     found = [item for item in core.packets(0.05) if isinstance(item, packets.Image)]

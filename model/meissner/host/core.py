@@ -16,6 +16,9 @@ from meissner.link.decoder import Decoder
 
 NOISE = 4096  # bytes without a packet among them: sixteen packets of the longest would have come
 UNREAD = 1 << 16  # packets that wait for somebody to take them; then the oldest go
+# A time that goes back is a reset, unless no more clocks than these lie between the two across the end of the
+# time's 48 bits, which comes after 33 days at 100 MHz.
+LONGEST_SILENCE = 1 << 40
 FIRST_WAIT_S, LONGEST_WAIT_S = 0.05, 5.0  # between two tries to open a line that is gone
 
 
@@ -284,7 +287,8 @@ class Core:
         counts.packets += 1
         self._since_packet, self._told_noise = 0, False
         if packet.kind in (p.STATISTIC, p.ANSWER):  # stamped as they leave; the others may have waited
-            if packet.time < self._newest:
+            ended = packet.time + p.TIMES - self._newest <= LONGEST_SILENCE  # the time's 48 bits
+            if packet.time < self._newest and not ended:
                 self._started_over()
             self._newest = packet.time
         counts.lost += self._decoder.missed - self._missed_before

@@ -29,6 +29,7 @@ from meissner.files import check_out as check_name
 from meissner.host import packets, ros
 from meissner.host.spool import Spool, part_of
 from meissner.host.table import COLUMNS, NpzLog, Table, read_rows
+from meissner.link.packet import TIMES
 
 FLUSH_S = 0.5  # what a process that is killed may lose; shorter chunks compress less
 
@@ -75,13 +76,16 @@ class Log:
 
     def _set(self, ticks):
         self._anchor, self._restarts = (time.time_ns(), ticks), self._core.counts.restarts
+        self._last = ticks
 
     def _stamp(self, ticks):
         if self._anchor is None or self._restarts != self._core.counts.restarts:
             self._set(ticks)
             self._writer.tell(self.facts())
+        # The nearest to the last one, on either side: they start again at 0 after 48 bits.
+        self._last += (ticks - self._last + TIMES // 2) % TIMES - TIMES // 2
         start_ns, start = self._anchor
-        return start_ns + (ticks - start) * 10**6 // self._core.units.clk_khz
+        return start_ns + (self._last - start) * 10**6 // self._core.units.clk_khz
 
     def add(self, item):
         stamp = time.time_ns() if isinstance(item, packets.Gap) else self._stamp(item.time)

@@ -123,9 +123,10 @@ class Assembler:
 
     def _image_part(self, packet, at):
         fields, which = packet.fields, (packet.fields["image"], packet.time)
-        if which != self._image:
+        if which != self._image or fields["first"] == 0:
             if self._image is not None:
-                self.images_lost += (which[0] - self._image[0] - 1) % 256 + self._owed
+                between = (which[0] - self._image[0] - 1) % 256 if which != self._image else 0
+                self.images_lost += between + self._owed
             # Of the first image of all the beginning may have been said before anybody listened.
             self._owed = fields["first"] == 0 or self._image is not None
             self._image, self._parts = which, []
