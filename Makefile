@@ -4,9 +4,13 @@ JOBS   ?= $(shell nproc 2>/dev/null || echo 2)
 SEEDS  ?= 200
 BIN    := .venv/bin
 SIM    := .venv/.sim
+BEGUN  := .venv/.begun
 SYNTH  := .venv/.synth
 FORMAL := .venv/.formal
 RTL    := $(shell cat rtl/rtl.f)
+
+# The sources are UTF-8, whatever the locale of who reads them.
+export PYTHONUTF8 := 1
 
 .DEFAULT_GOAL := help
 .PHONY: help setup demo test test-long lint registers synth resources gate fmax bench clean
@@ -17,10 +21,13 @@ help:  ## this list
 
 $(SIM): requirements/sim.txt pyproject.toml
 	@$(PYTHON) tools/check_machine.py
+	@# What an interrupted set-up left looks whole to make and to pip: begin again.
+	@if test -e $(BEGUN) || ! $(BIN)/python -m pip --version >/dev/null 2>&1; then rm -rf .venv; fi
+	@mkdir -p .venv && touch $(BEGUN)
 	@test -x $(BIN)/python || $(PYTHON) -m venv .venv
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps -r requirements/sim.txt
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps -e .
-	@touch $@
+	@rm $(BEGUN) && touch $@
 
 $(SYNTH): requirements/synth.txt $(SIM)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements/synth.txt

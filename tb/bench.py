@@ -9,6 +9,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 import cocotb
+import cocotb_tools.config
 import numpy as np
 import pytest
 from cocotb.clock import Clock
@@ -32,6 +33,8 @@ if os.environ.get("MEISSNER_INSTANCE"):  # one of many in a top without ports, o
     cocotb.top = getattr(cocotb.top, os.environ["MEISSNER_INSTANCE"])
 if recorder.FILE:
     recorder.install()
+for folder in ("libs_dir", "share_dir"):  # the runner writes them into a makefile
+    setattr(cocotb_tools.config, folder, toolchain.for_make(getattr(cocotb_tools.config, folder)))
 
 
 def run(stage, block, parameters=None, test_filter=None, module=None, sources=None, include=None):
@@ -50,7 +53,7 @@ def run(stage, block, parameters=None, test_filter=None, module=None, sources=No
         name = f"{name[:100]}-{hashlib.sha256(name.encode()).hexdigest()[:12]}"
     evidence = os.environ.get("MEISSNER_COVERAGE")  # a folder for the counts; see docs/coverage.md
     where = "coverage/builds" if evidence else "tb" if SIM == "verilator" else SIM
-    build_dir = toolchain.BUILD / where / name
+    build_dir = toolchain.folder_for_make(toolchain.BUILD / where / name)
     sources = sources or toolchain.sources_of(f"msn_{block}")
     flags = [*toolchain.VERILATOR_FLAGS]
     if SIM == "icarus":
@@ -59,6 +62,7 @@ def run(stage, block, parameters=None, test_filter=None, module=None, sources=No
         sources, flags = icarus.adapted(sources, build_dir / "adapted"), ["-g2012"]
     elif evidence:
         sources, flags = [*sources, *covers(sources)], [*flags, *COVERAGE_FLAGS]
+    sources = [toolchain.for_make(source) for source in sources]
     os.environ.update(toolchain.environment())
     # The runner calls make itself, past Verilator's -MAKEFLAGS; larger models need this variable.
     # What counts runs once: there the compiler's time is most of it.

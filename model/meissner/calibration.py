@@ -13,7 +13,9 @@ from pathlib import Path
 import numpy as np
 
 from meissner import files
+from meissner.plain import plain
 
+MAX_SIDE = 1024  # rows, columns: of the core
 RAW_LIMIT, GAIN_LIMIT, FORCE_LIMIT = 1 << 16, 1 << 16, 65535
 GAIN_SHIFT = 12
 LEVELS, LEVEL_SHARE = 3, 0.1  # a cell needs so many forces, so far apart as a share of the largest
@@ -59,21 +61,27 @@ class Calibration:
         )
 
 
-def _arrays(path):
-    """The arrays of a .npz file by name; ValueError with one sentence if it is none."""
-    path = Path(path)
-    if not path.is_file():
-        raise ValueError(f"there is no file {path}")
-    arrays = files.read_arrays(path)
-    if not arrays:
+def _arrays(path, wanted):
+    """Those arrays of a .npz file that are ``wanted`` (files.read_arrays); ValueError if it is none."""
+    path = files.check_in(path)
+    arrays = files.read_arrays(path, wanted)
+    if arrays is None:
         raise ValueError(f"{path} is not a .npz file of arrays")
     return arrays
 
 
 def load(path):
     """The Calibration in a file that ``meissner calibrate`` wrote."""
-    arrays = _arrays(path)
-    for name in ("offset", "gain", "gain_shift", "dead", "force_lsb_n"):
+    names = ("offset", "gain", "gain_shift", "dead", "force_lsb_n")
+
+    def wanted(name, shape, _):
+        if name in names and (len(shape) > 2 or max(shape, default=0) > MAX_SIDE):
+            size = "×".join(map(str, shape))
+            raise files.Unwanted(f"{path} is no calibration: {name} is {size}, beyond {MAX_SIDE}×{MAX_SIDE}")
+        return name in names
+
+    arrays = _arrays(path, wanted)
+    for name in names:
         if name not in arrays:
             raise ValueError(f"{path} is no calibration: it has no {name}")
     try:
@@ -163,8 +171,9 @@ def read_recording(path, force_path=None):
     if path.suffix.lower() == ".npz":
         if force_path is not None:
             raise ValueError(f"{path} holds its forces itself: leave --force out")
-        arrays = _arrays(path)
-        for name in ("codes", "force_n"):
+        names = ("codes", "force_n", "probed")
+        arrays = _arrays(path, lambda name, *_: name in names)
+        for name in names[:2]:
             if name not in arrays:
                 raise ValueError(f"{path} is no press recording: it has no {name}")
         codes, force_n, probed = arrays["codes"], arrays["force_n"], arrays.get("probed")
@@ -270,9 +279,12 @@ def fit(codes, force_n, lsb_n=None, gain_shift=GAIN_SHIFT):
     return answer, np.where(dead, np.nan, residual)
 
 
-def _calibrate(arguments):
+def command(arguments):
+    """``meissner calibrate``."""
     codes, force_n = read_recording(arguments.recording, arguments.force)
     lines, residual_n = fit(codes, force_n, arguments.lsb)
+    if files.check_out(arguments.out).suffix.lower() != ".npz":
+        raise ValueError(f"{arguments.out} must be a .npz file")
     with files.written(arguments.out) as file:
         lines.save(file)
     frames, rows, columns = codes.shape
@@ -280,17 +292,7 @@ def _calibrate(arguments):
     print(
         f"{rows}×{columns} cells from {frames} frames, {dead or 'none'} dead; 1 of force is "
         f"{lines.force_lsb_n:g} N; off the line by {np.nanmedian(residual_n):.3g} N rms in the median, "
-        f"{np.nanmax(residual_n):.3g} N at most; {arguments.out}"
+        f"{np.nanmax(residual_n):.3g} N at most; {plain(arguments.out)}"
     )
     if dead:
         print(f"dead (row, column): {named(lines.dead)}")
-
-
-def add_command(commands):
-    """The command ``calibrate`` in a parser's ``commands``."""
-    parser = commands.add_parser("calibrate", help="a straight line per cell from a press recording")
-    parser.add_argument("recording", metavar="RECORDING", help=".npz of codes and force_n; or .npy of codes")
-    parser.add_argument("--force", metavar="FORCE.npy", help="newtons [frames] or [frames, rows, columns]")
-    parser.add_argument("--lsb", type=float, metavar="N", help="newtons of one code of force (the finest)")
-    parser.add_argument("--out", required=True, metavar="CAL.npz", help="where offsets and gains go")
-    parser.set_defaults(call=_calibrate)

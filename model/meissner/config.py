@@ -15,6 +15,7 @@ from pathlib import Path
 from meissner.build import PARTS, Config, verilog
 from meissner.cop.cop_slip import CopSlipRegisters
 from meissner.frontend.adc_spi import AdcSpi
+from meissner.plain import plain
 from meissner.scenes import four_wires
 from meissner.scenes.check import between, fields, one_of, positive
 from meissner.slip.config import SlipConfig
@@ -209,36 +210,21 @@ def _electrodes(tables, adc, base):
     return found
 
 
-def add_command(commands):
-    """``meissner config list | check FILE | show FILE``."""
-    config = commands.add_parser("config", help="check a configuration, or show what it comes to")
-    actions = config.add_subparsers(dest="action", required=True, metavar="ACTION")
-    listing = actions.add_parser("list", help="the named configurations, one line each")
-    listing.set_defaults(call=_list)
-    check = actions.add_parser("check", help="say what is wrong with a file, or that nothing is")
-    check.add_argument("file", metavar="FILE", help="a TOML file (docs/config.md), or a name")
-    check.set_defaults(call=_check)
-    show = actions.add_parser("show", help="its RTL parameters and register values")
-    show.add_argument("file", metavar="FILE", help="a TOML file, or a name")
-    show.set_defaults(call=_show)
-
-
-def _list(_):
+def command_list(_):
     width = max(map(len, names()))
     for name in names():
-        print(f"{name:<{width}}  {load(name).about}")
+        print(f"{name:<{width}}  {plain(load(name).about)}")
 
 
-def _check(arguments):
+def command_check(arguments):
     config = load(arguments.file)
-    print(
-        f"{config.name}: {config.about}; {len(config.parameters)} parameters, {len(config.settings)} settings"
-    )
+    counts = f"{len(config.parameters)} parameters, {len(config.settings)} settings"
+    print(f"{plain(config.name)}: {plain(config.about)}; {counts}")
 
 
-def _show(arguments):
+def command_show(arguments):
     config = load(arguments.file)
-    print(f"{config.name}: {config.about}\n\nparameters of msn_core")
+    print(f"{plain(config.name)}: {plain(config.about)}\n\nparameters of msn_core")
     for name, value in verilog(config.parameters).items():
         print(f"  {name:<16} {value}")
     print("\nregisters after reset")

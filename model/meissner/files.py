@@ -1,14 +1,33 @@
 """Reading and writing of users' files: whole or not at all, and one sentence when it cannot be done."""
 
+import errno
+import io
+import math
 import os
 import tempfile
 import warnings
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import numpy as np
+from numpy.lib import format
 
 from meissner.toolchain import ROOT
+
+HEADER_LIMIT = 1 << 16  # bytes; NumPy itself takes 10,000
+MEMORY_SHARE = 0.5
+FULL = {
+    errno.ENOSPC: "the disk is full",
+    errno.EDQUOT: "the disk's quota is used up",
+    errno.EFBIG: "the file may not grow any more",
+}
+
+
+class NoRoom(OSError):
+    """For a file that was being written."""
+
+    def __str__(self):
+        return self.strerror
 
 
 def recordings(name):
@@ -21,11 +40,21 @@ def recordings(name):
     return path
 
 
+def check_in(path):
+    """``path`` if it is a file; ValueError in one sentence if not: a pipe would be waited for."""
+    path = Path(path)
+    if path.is_dir():
+        raise ValueError(f"{path} is a folder; name a file")
+    if not path.exists():
+        raise ValueError(f"there is no file {path}")
+    if not path.is_file():
+        raise ValueError(f"{path} is a pipe or a device; name a file")
+    return path
+
+
 def read_array(path):
     """The array in a .npy file or a .csv file (one column per channel, returned as [channels, samples])."""
-    path = Path(path)
-    if not path.is_file():
-        raise ValueError(f"there is no file {path}")
+    path = check_in(path)
     if path.suffix.lower() == ".csv":
         try:
             with warnings.catch_warnings(action="ignore"):  # of an empty file: refused below
@@ -44,31 +73,75 @@ def read_array(path):
     raise ValueError(f"{path} must be a .npy or a .csv file")
 
 
-def read_arrays(path):
-    """The arrays of a .npz file by name; {} if it is none."""
+def read_arrays(path, wanted=None):
+    """The arrays of a .npz file by name; None if it is none.
+
+    ``wanted``: a function of (name, shape, dtype), called before anything of an array is unpacked, that says
+    whether to read it, or raises ValueError. Together they may take half of the machine's memory.
+    """
+    return arrays_of(path, wanted)
+
+
+def arrays_of(file, wanted=None):
+    """The same of a path or a file that is open."""
     with warnings.catch_warnings(action="ignore"):
-        found = _load(path, whole=True)
+        found = _load(file, whole=True, wanted=wanted)
     whole = isinstance(found, dict) and all(isinstance(array, np.ndarray) for array in found.values())
-    return found if whole else {}
+    return found if whole else None
 
 
-def _load(path, whole=False):
+class Unwanted(ValueError):
+    """What a file says that it holds is not what is asked for: a sentence of ``wanted``, or too much."""
+
+
+def _header(file):
+    """(shape, dtype) of a .npy whose beginning ``file`` gives; ValueError if it is none."""
+    head = file.read(8)
+    size = {1: 2, 2: 4}.get(head[6] if len(head) == 8 else 0, 0)
+    length = int.from_bytes(file.read(size), "little")
+    if not size or length > HEADER_LIMIT:  # it is unpacked whole, and may say 4 GB
+        raise ValueError("no header of numbers")
+    rest = io.BytesIO(length.to_bytes(size, "little") + file.read(length))
+    shape, _, dtype = (format.read_array_header_1_0 if size == 2 else format.read_array_header_2_0)(rest)
+    return shape, dtype
+
+
+def _names(path, archive, wanted):
+    """Names of the arrays to read of an archive that is open, by what their headers say."""
+    names, total = [], 0
+    for member in archive.zip.namelist():
+        name = member.removesuffix(".npy")
+        with archive.zip.open(member) as file:
+            shape, dtype = _header(file)
+        if wanted is None or wanted(name, shape, dtype):
+            names.append(name)
+            total += math.prod(shape) * dtype.itemsize
+    if total > MEMORY_SHARE * os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"):
+        raise Unwanted(f"{path} would take {total / 1e9:.1f} GB of memory, more than half of this machine's")
+    return names
+
+
+def _load(path, whole=False, wanted=None):
     """What numpy finds in a file, None if nothing: a damaged one stops it, and what unpacks, anywhere."""
     try:
+        if isinstance(path, Path) and not whole:
+            with path.open("rb") as file:
+                shape, dtype = _header(file)
+                if math.prod(shape) * dtype.itemsize > path.stat().st_size:
+                    return None  # it says more than it has, and would get the memory first
         found = np.load(path, allow_pickle=False)
         if not whole or isinstance(found, np.ndarray):
             return found
         with found:
-            return {name: found[name] for name in found.files}
-    except PermissionError:
+            return {name: found[name] for name in _names(path, found, wanted)}
+    except (PermissionError, Unwanted):
         raise
     except Exception:
         return None
 
 
-@contextmanager
-def written(path):
-    """A binary file that takes the name ``path`` only when all of it was written."""
+def check_out(path):
+    """``path`` if a file can take this name; ValueError in one sentence if not."""
     path = Path(path)
     if not path.parent.is_dir():
         raise ValueError(f"there is no folder {path.parent} to write {path.name} into")
@@ -76,11 +149,47 @@ def written(path):
         raise ValueError(f"{path} is a folder; name a file")
     if path.exists() and not path.is_file():
         raise ValueError(f"{path} is not a file that could be replaced")  # a device, a pipe
-    with tempfile.NamedTemporaryFile(dir=path.parent, prefix=f".{path.name}.", delete=False) as fresh:
-        try:
-            yield fresh
-        except BaseException:
-            os.unlink(fresh.name)
-            raise
+    return path
+
+
+@contextmanager
+def written(path):
+    """A binary file that takes the name ``path`` only when all of it was written."""
+    path = check_out(path)
+    fresh = tempfile.NamedTemporaryFile(dir=path.parent, prefix=f".{path.name}.", delete=False)  # noqa: SIM115
+    try:
+        yield fresh
+        fresh.close()
+    except BaseException as problem:
+        with suppress(OSError):  # what is left of it would be written now, and have no room again
+            fresh.close()
+        os.unlink(fresh.name)
+        if isinstance(problem, OSError) and problem.errno in FULL:
+            sentence = f"{path} could not be written: {FULL[problem.errno]}"
+            raise NoRoom(problem.errno, sentence) from None
+        raise
     os.chmod(fresh.name, 0o644)
     os.replace(fresh.name, path)
+
+
+@contextmanager
+def results(path):
+    """A function that writes named arrays to ``path``, as the .npz or .csv that its name says."""
+    path = check_out(path)
+    kind = path.suffix.lower()
+    if kind not in (".npz", ".csv"):
+        raise ValueError(f"{path} must be a .npz or a .csv file")
+    with written(path) as file:
+        yield lambda arrays: np.savez(file, **arrays) if kind == ".npz" else _write_table(file, arrays)
+
+
+def _write_table(file, arrays):
+    """A column for each array, of one [channels, rows] for each channel: p2p_0, p2p_1, ...; flags as 0, 1."""
+    columns = {}
+    for name, array in arrays.items():
+        several = {f"{name}_{channel}": row for channel, row in enumerate(array)} if array.ndim == 2 else {}
+        columns |= several or {name: array}
+    file.write((",".join(columns) + "\r\n").encode("ascii"))
+    for row in zip(*(column.tolist() for column in columns.values()), strict=True):
+        cells = (str(int(cell) if isinstance(cell, bool) else cell) for cell in row)
+        file.write((",".join(cells) + "\r\n").encode("ascii"))

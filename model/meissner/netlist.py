@@ -30,11 +30,11 @@ def _yosys_models(cells, folder):
     if spec is None:
         raise yowasp.ToolError("yosys is not installed; `make synth` fetches the synthesis tools")
     share = Path(spec.origin).parent / "share" / cells
-    text = re.sub(rf"(?s)\nmodule {SLOW}\b.*?\nendmodule", "", (share / "cells_sim.v").read_text())
+    text = re.sub(rf"(?s)\nmodule {SLOW}\b.*?\nendmodule", "", (share / "cells_sim.v").read_text("utf-8"))
     while found := re.search(r'(?m)^`include "(\S+)"$', text):
-        text = text.replace(found[0], (share / found[1]).read_text())
+        text = text.replace(found[0], (share / found[1]).read_text("utf-8"))
     (toolchain.ROOT / folder).mkdir(parents=True, exist_ok=True)
-    (toolchain.ROOT / folder / "cells.v").write_text(text)
+    (toolchain.ROOT / folder / "cells.v").write_text(text, "utf-8")
     return f"{folder}/cells.v"
 
 
@@ -52,7 +52,8 @@ def verilog(top, parameters, cells, kept=(), include=None):
     if include is not None:
         read += f"; read_verilog -sv -I{include} {' '.join(boards.COMMON)}"
         text = "".join(
-            (toolchain.ROOT / file).read_text() for file in (*boards.COMMON, f"{include}/msn_build.svh")
+            (toolchain.ROOT / file).read_text("utf-8")
+            for file in (*boards.COMMON, f"{include}/msn_build.svh")
         )
     # Yosys may have renamed it for its parameters.
     before = f"{read}; {yowasp.chparam(top, parameters)}hierarchy -top {top}; rename -top {top}; "
@@ -75,7 +76,7 @@ def verilog(top, parameters, cells, kept=(), include=None):
             f"read_verilog -overwrite {mapped} {models}{after}{fresh}",
             f"{folder}/{top}.log",
         )
-        text = (toolchain.ROOT / fresh).read_text()
+        text = (toolchain.ROOT / fresh).read_text("utf-8")
         if re.search(r"\.INIT(VAL|_RAM)_..\(\d+'h[0-9a-f]*[1-9a-f]", text):
             raise yowasp.ToolError(f"{top}: the models of the block RAMs know no contents at power-up")
         (toolchain.ROOT / fresh).rename(made)

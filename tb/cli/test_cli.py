@@ -2,14 +2,17 @@
 
 import json
 import os
+import resource
 import subprocess
 import sys
+import zipfile
 
 import numpy as np
 import pytest
 
 from meissner import cli, engines, files, run, scenes
 from meissner.slip.config import SlipConfig
+from meissner.toolchain import ROOT
 
 
 def meissner(*arguments, cwd):
@@ -37,6 +40,19 @@ def presses(few=False):
     if few:
         force_n[2:, 0, 1] = force_n[1:, 2, 0] = np.nan
     return {"codes": codes.astype(int), "force_n": force_n}
+
+
+def header(shape):
+    """The beginning of a .npy of 64-bit integers, as NEP 1 has it."""
+    text = f"{{'descr': '<i8', 'fortran_order': False, 'shape': {shape}}}".ljust(117) + "\n"
+    return b"\x93NUMPY\x01\x00" + len(text).to_bytes(2, "little") + text.encode()
+
+
+def archive(path, **shapes):
+    """A .npz whose arrays are headers with a few zeros behind them."""
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as file:
+        for name, shape in shapes.items():
+            file.writestr(f"{name}.npy", header(shape) + bytes(800))
 
 
 @pytest.fixture
@@ -132,6 +148,48 @@ BAD = {
     "words": (slip("words.csv"), "words.csv is not a table of numbers"),
     "no folder": (slip("in.npy", out="no/out.npz"), "there is no folder no"),
     "not a file": (slip("in.npy", out="pipe"), "pipe is not a file"),
+    "out a folder": (slip("in.npy", out="folder"), "folder is a folder; name a file"),
+    "out of another kind": (slip("in.npy", out="out.npy"), "out.npy must be a .npz or a .csv file"),
+    "out without a kind": (cop("cube.npy", out="out"), "out must be a .npz or a .csv file"),
+    "calibrate out": (calibrate("press.npz", out="cal.csv"), "cal.csv must be a .npz file"),
+    "in a pipe": (slip("pipe"), "pipe is a pipe or a device; name a file"),
+    "in a pipe of a kind": (slip("pipe.npy"), "pipe.npy is a pipe or a device; name a file"),
+    "in a folder": (cop("folder"), "folder is a folder; name a file"),
+    "in a folder of a kind": (cop("folder.csv"), "folder.csv is a folder; name a file"),
+    "in a device": (slip("/dev/zero"), "/dev/zero is a pipe or a device"),
+    "calibration a pipe": (cop("cube.npy", "--calibration", "pipe"), "pipe is a pipe or a device"),
+    "calibrate a pipe": (calibrate("pipe"), "holds codes only"),
+    "calibrate a pipe of a kind": (calibrate("pipe.npz"), "pipe.npz is a pipe or a device"),
+    "calibrate forces a pipe": (calibrate("cube.npy", "--force", "pipe.npy"), "pipe.npy is a pipe or a"),
+    "cop4 config a pipe": (
+        ("process", "cop4", "in.npy", "--config", "pipe", "--out", "out.npz"),
+        "pipe is a pipe or a device",
+    ),
+    "config a pipe": (("config", "check", "pipe"), "'pipe' is neither a file nor one of"),
+    "config a folder": (("config", "show", "folder"), "'folder' is neither a file nor one of"),
+    "replay a pipe": (("replay", "pipe.npz", "--out", "out.npz"), "pipe.npz is a pipe or a device"),
+    "replay a folder": (("replay", "folder", "--out", "out.npz"), "folder is a folder; name a file"),
+    "replay out": (("replay", "press.npz", "--out", "out.txt"), "press.npz is no log of a core"),
+    "log a pipe": (("log", "file:pipe", "--out", "out.npz"), "pipe is a pipe or a device; name a file"),
+    "live a folder": (("live", "file:folder"), "folder is a folder; name a file"),
+    "run into a pipe": (("run", "acrylic_slip", "--out", "pipe"), "pipe is a file; name a folder"),
+    "says more than it has": (slip("tall_header.npy"), "tall_header.npy is not a .npy file"),
+    "cop calibration inflated": (
+        cop("cube.npy", "--calibration", "bomb.npz"),
+        "bomb.npz is no calibration: offset is 20000×20000, beyond 1024×1024",
+    ),
+    "cop calibration long": (
+        cop("cube.npy", "--calibration", "bomb1.npz"),
+        "bomb1.npz is no calibration: gain is 400000000, beyond 1024×1024",
+    ),
+    "cop calibration header": (
+        cop("cube.npy", "--calibration", "bomb2.npz"),
+        "bomb2.npz is not a .npz file of arrays",
+    ),
+    "calibrate inflated": (calibrate("bomb3.npz"), "bomb3.npz would take 9007199.3 GB of memory, more than"),
+    "replay inflated": (("replay", "bomb3.npz", "--out", "out.npz"), "bomb3.npz would take 9007199.3 GB of"),
+    "escapes in a name": (slip("\x1b[2J\u202e\n.npy"), "there is no file \\x1b[2J\\u202e\\n.npy"),
+    "escapes in an option": (("run", "x", "--\x1b[2J"), "unrecognized arguments: --\\x1b[2J"),
     "NaN": (slip("nan.npy"), "NaN"),
     "fractions": (slip("half.npy"), "not integers"),
     "range": (slip("wide.npy"), "outside"),
@@ -209,7 +267,16 @@ def test_bad_input_is_one_sentence_and_writes_nothing(tmp_path, recording, case)
     (tmp_path / "broken.npy").write_bytes(b"PK\x03\x04 and no more")
     with open(tmp_path / "archive.npy", "wb") as file:
         np.savez(file, x=np.zeros(100, int))
-    os.mkfifo(tmp_path / "pipe")
+    for name in ("pipe", "pipe.npy", "pipe.npz"):
+        os.mkfifo(tmp_path / name)
+    for name in ("folder", "folder.csv"):
+        (tmp_path / name).mkdir()
+    (tmp_path / "tall_header.npy").write_bytes(header((1 << 40,)) + bytes(64))
+    archive(tmp_path / "bomb.npz", offset=(20_000, 20_000), gain=(3, 2))
+    archive(tmp_path / "bomb1.npz", offset=(3, 2), gain=(400_000_000,))
+    archive(tmp_path / "bomb3.npz", codes=(1 << 40, 32, 32), force_n=(5,))
+    with zipfile.ZipFile(tmp_path / "bomb2.npz", "w", zipfile.ZIP_DEFLATED) as file:
+        file.writestr("offset.npy", b"\x93NUMPY\x02\x00" + (1 << 24).to_bytes(4, "little") + bytes(1 << 24))
     for name, x in {
         "single": np.int64(5),
         "complex": np.zeros(100, complex),
@@ -397,3 +464,71 @@ def test_run_a_mesh_scene_on_the_core(tmp_path, engine):
     assert 0.1 < summary["load_error"]["maximum"] < 0.15
     names = {path.name for path in (tmp_path / "results").iterdir()}
     assert names == {"summary.json", "result.npz", "report.html", "cop_load.png"}
+
+
+def test_process_writes_a_table(tmp_path):
+    """One row a frame or window, channels side by side, flags as 0 and 1."""
+    frames = np.zeros((2, 2, 3), int)
+    frames[0, 1] = [7, 0, 21]
+    np.save(tmp_path / "in.npy", frames)
+    done = meissner(*cop("in.npy", out="out.CSV"), cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    rows = "sum,mx,my,x,y,valid", "28,28,-28,8192,-16384,1", "0,0,0,0,0,0", ""
+    assert (tmp_path / "out.CSV").read_bytes().decode() == "\r\n".join(rows)
+    x = np.zeros((2, 8), int)
+    x[1, 4:6] = 30, -20
+    np.save(tmp_path / "slip.npy", x)
+    done = meissner(*slip("slip.npy", "--window", 4, out="slip.csv"), cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert (tmp_path / "slip.csv").read_text().splitlines() == [
+        "p2p_0,p2p_1,window_end,slip_0,slip_1,fired_at_0,fired_at_1",
+        "0,0,3,0,0,-1,-1",
+        "0,50,7,0,1,-1,7",
+    ]
+
+
+def test_words_of_a_file_move_no_cursor(tmp_path):
+    source = (ROOT / "model/meissner/configs/slip1.toml").read_text("utf-8")
+    about = [text for text in source.splitlines() if text.startswith("about")]
+    text = source.replace(about[0], 'about = "\\u001b]0;title\\u0007\\u001b[2Jnice\\u009b\\u202e"')
+    (tmp_path / "c.toml").write_text(text, "utf-8")
+    for action in ("check", "show"):
+        done = meissner("config", action, "c.toml", cwd=tmp_path)
+        assert done.returncode == 0
+        assert done.stdout.startswith(r"c: \x1b]0;title\x07\x1b[2Jnice\x9b\u202e")
+
+
+@pytest.mark.parametrize("locale", ["C", "POSIX"])
+def test_a_terminal_without_unicode(tmp_path, locale):
+    """Python kept from UTF-8: what it prints has letters in place of signs, and no file is read otherwise."""
+    np.save(tmp_path / "in.npy", np.ones((2, 3, 4), int))
+    environment = {key: value for key, value in os.environ.items() if not key.startswith(("LC_", "LANG"))}
+    environment |= {"LC_ALL": locale, "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
+    for arguments, said in (
+        (cop("in.npy"), b"2 frames of 3x4, 2 with a load; "),
+        (("config", "list"), b"fingertip"),
+        (("scenes",), b"walk_25x5"),
+        (("budget", "--rows", "3", "--cols", "4"), b"3x4 taxels, "),
+    ):
+        command = [sys.executable, "-X", "warn_default_encoding", "-W", "error::EncodingWarning"]
+        command += ["-m", "meissner.cli", *map(str, arguments)]
+        done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True)
+        assert (done.returncode, done.stderr) == (0, b"")
+        assert said in done.stdout
+    done = subprocess.run(
+        [*command[:5], "-m", "meissner.cli", "process", "cop", "é.npy", "--out", "out.npz"],
+        cwd=tmp_path, env=environment, capture_output=True,
+    )  # fmt: skip
+    assert done.returncode == 2 and done.stderr.startswith(b"meissner: there is no file ")
+    assert len(done.stderr.splitlines()) == 1
+
+
+@pytest.mark.parametrize("out", ["out.npz", "out.csv"])
+def test_a_full_disk_is_one_sentence(tmp_path, out):
+    np.save(tmp_path / "in.npy", np.ones((3000, 2, 2), np.uint8))
+    limit = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000))
+    command = [sys.executable, "-m", "meissner.cli", *cop("in.npy", out=out)]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, preexec_fn=limit)
+    assert done.returncode == 2 and done.stdout == ""
+    assert done.stderr == f"meissner: {out} could not be written: the file may not grow any more\n"
+    assert [path.name for path in tmp_path.iterdir()] == ["in.npy"]

@@ -29,7 +29,7 @@ def code(frame, channel):
     ids=["mcp3208", "ad7606", "ad7606-2", "max11123", "max11125"],
 )
 def test_adc_parts(struct, twin):
-    build = toolchain.BUILD / f"tb/adc_parts-{struct}-{twin.channels}-{twin.lanes}"
+    build = toolchain.folder_for_make(toolchain.BUILD / f"tb/adc_parts-{struct}-{twin.channels}-{twin.lanes}")
     parameters = {
         "Part": twin.part.number,
         "Channels": twin.channels,
@@ -37,13 +37,13 @@ def test_adc_parts(struct, twin):
         "ClkKhz": twin.clk_khz,
         "SclkKhz": twin.sclk_khz,
     }
-    include = toolchain.ROOT / "model/meissner/engines"
+    include = toolchain.for_make(toolchain.ROOT) / "model/meissner/engines"
     command = [
         "verilator", "--cc", "--exe", "--build", "-Mdir", str(build), "--prefix", "Vtop", "-o", "adc_parts",
         "--top-module", "msn_adc_spi", *toolchain.VERILATOR_FLAGS,
         "-CFLAGS", f"-I{include} -DPART=meissner::{struct} -DLANES={twin.lanes}",
         *(f"-G{name}={value}" for name, value in parameters.items()),
-        *map(str, toolchain.sources()), str(HERE / "adc_parts_main.cpp"),
+        *(str(toolchain.for_make(path)) for path in [*toolchain.sources(), HERE / "adc_parts_main.cpp"]),
     ]  # fmt: skip
     subprocess.run(command, env=toolchain.environment(), check=True, capture_output=True, text=True)
     run = [build / "adc_parts", str(FRAMES), str(twin.safe_period())]

@@ -22,14 +22,14 @@ def command(*arguments):
 @pytest.mark.parametrize("rows, columns", [(1, 1), (3, 3), (16, 16), (64, 64), (5, 100)])
 @pytest.mark.parametrize("part", [AD7606, MCP3208, MAX11125], ids=lambda part: part.name)
 def test_terms_add_up_and_follow_what_they_stand_for(rows, columns, part):
-    found = budget.budget(rows, columns, 50e6, part, converters=2)
+    found = budget.budget(rows, columns, 50e6, part, converters=2, channels=8)
     assert sum(found["terms_clocks"].values()) == found["total_clocks"]
     places = rows * -(-columns // 16)
     assert found["frame_clocks"] == places * found["slot_clocks"]
     assert found["terms_clocks"]["scan"] == (places - 1) * found["slot_clocks"]
-    later = budget.budget(rows, columns, 50e6, part, converters=2, settle_s=1e-6 + 1e-3)
+    later = budget.budget(rows, columns, 50e6, part, converters=2, channels=8, settle_s=1e-6 + 1e-3)
     assert later["slot_clocks"] >= 50_000 and later["total_clocks"] >= found["total_clocks"]
-    bare = budget.budget(rows, columns, 50e6, part, converters=2, health=False, tare=False)
+    bare = budget.budget(rows, columns, 50e6, part, converters=2, channels=8, health=False, tare=False)
     assert found["total_clocks"] - bare["total_clocks"] == 2
 
 
@@ -42,6 +42,45 @@ def test_the_converters_it_asks_for_are_enough_and_fewer_are_not():
             assert within == (lanes is not None and other >= lanes), (side, other)
     assert budget.budget(16, 16, 100e6, AD7606)["converters_needed"] == 1
     assert budget.budget(64, 64, 100e6, AD7606)["converters_needed"] == 8
+
+
+# An MCP3208 at 1 MHz and 24 MHz: a bit is 24 clocks, a conversion 19 bits and one of rest, 480 clocks. A
+# place of c inputs takes 480·c + 1 clocks; the word of its input w is there after 480·w - 24. 10 rows of 16
+# columns are 10·ceil(16 / (converters·c)) places, and w in the last is c, or 4 where four converters with
+# eight inputs have but four columns each. Behind it: 5 clocks of buffer, 1 of health, 1 of tare, and 14, 15
+# or 16 of force, sums and division behind one, two and four lanes (docs/cop.md).
+@pytest.mark.parametrize(
+    "converters, inputs, clocks",
+    [
+        (1, 8, 19 * 3841 + 3816 + 21),
+        (1, 4, 39 * 1921 + 1896 + 21),
+        (2, 8, 9 * 3841 + 3816 + 22),
+        (2, 4, 19 * 1921 + 1896 + 22),
+        (4, 1, 39 * 481 + 456 + 23),
+        (4, 2, 19 * 961 + 936 + 23),
+        (4, 4, 9 * 1921 + 1896 + 23),
+        (4, 8, 9 * 3841 + 1896 + 23),
+    ],
+)
+def test_clocks_worked_out_by_hand(converters, inputs, clocks):
+    found = budget.budget(10, 16, 24e6, MCP3208, converters=converters, channels=inputs)
+    assert found["total_clocks"] == clocks
+
+
+def test_the_inputs_used_are_searched_too():
+    """Four converters with four inputs each: 9·1921 + 1896 + 23 = 19,208 clocks, 800.3 us. One and two do not
+    do it with any number of inputs: 10·16 conversions of 20 us are 3.2 ms for one and 1.6 ms for two."""
+    found = budget.budget(10, 16, 24e6, MCP3208)
+    chosen = {key: found[key] for key in ("converters", "channels", "converters_needed", "total_clocks")}
+    assert chosen == {"converters": 4, "channels": 4, "converters_needed": 4, "total_clocks": 19_208}
+    assert found["within_1_ms"]
+    two = budget.budget(10, 16, 24e6, MCP3208, converters=2)
+    assert (two["channels"], two["converters_needed"], two["within_1_ms"]) == (8, 4, False)
+    # Eight inputs of which three have no column would be 5 places of 3841 clocks and not of 2401.
+    assert budget.budget(5, 5, 24e6, MCP3208, converters=1)["channels"] == 5
+    done = command("--rows", "10", "--cols", "16", "--adc", "MCP3208", "--clock", "24e6").stdout
+    assert done.startswith("10×16 taxels, 4 MCP3208s with 4 inputs used, 24 MHz, settle 24 clocks\n")
+    assert "800.333  from first convert to CoP, within 1 ms" in done and "no number" not in done
 
 
 def test_a_carrier_takes_its_samples():

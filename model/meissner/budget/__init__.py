@@ -8,49 +8,7 @@ import json
 from pathlib import Path
 
 from meissner.files import written
-
-PICTURE = "budget_cop4.png"
-
-
-def add_command(commands):
-    """Add ``budget`` to the commands of the parser."""
-    parser = commands.add_parser(
-        "budget", help="what a scanned array takes, term by term; --cop4: what a four-wire sensor resolves"
-    )
-    parser.add_argument("--cop4", action="store_true", help="position and load resolution of four electrodes")
-    parser.add_argument("--rows", type=int, metavar="M", help="taxels (64; four-wire: 41)")
-    parser.add_argument("--columns", "--cols", type=int, metavar="N", help="taxels (64; four-wire: 41)")
-    parser.add_argument("--json", action="store_true", help="print the numbers as JSON instead")
-    parser.set_defaults(call=_budget)
-    array = parser.add_argument_group("a scanned array")
-    array.add_argument("--clock", type=float, default=100e6, metavar="HZ", help="of the core (100e6)")
-    array.add_argument("--adc", default="ad7606", metavar="PART", help="converter (ad7606)")
-    array.add_argument("--converters", type=int, metavar="N", help="1, 2, 4 or 8 (the fewest for 1 ms)")
-    array.add_argument("--channels", type=int, metavar="N", help="inputs used of each converter (8)")
-    array.add_argument(
-        "--sclk-khz", type=int, metavar="KHZ", help="serial clock, at most (the part's usual one)"
-    )
-    array.add_argument(
-        "--settle-us", type=float, default=1.0, metavar="US", help="lines to convert start (1)"
-    )
-    array.add_argument("--demod", action="store_true", help="taxels are amplitudes of a carrier")
-    array.add_argument("--sample-period", type=int, default=500, metavar="CLOCKS", help="with --demod (500)")
-    array.add_argument("--periods", type=int, default=4, metavar="N", help="of 4 samples, with --demod (4)")
-    array.add_argument("--skip", type=int, default=4, metavar="N", help="samples to settle, with --demod (4)")
-    array.add_argument("--no-health", action="store_true", help="without the mask of faulty taxels")
-    array.add_argument("--no-tare", action="store_true", help="without zeros of the taxels")
-    array.add_argument(
-        "--bits-per-clock", type=int, default=2, metavar="N", help="of the division, 1 or 2 (2)"
-    )
-    parser = parser.add_argument_group("a four-wire sensor")
-    parser.add_argument("--r", type=float, default=10.0, help="resistor between taxels, ohms (10)")
-    parser.add_argument("--R0", type=float, default=10e3, help="resistor to the supply, ohms (10000)")
-    parser.add_argument("--V0", type=float, default=15.0, help="supply, plus and minus, volts (15)")
-    parser.add_argument("--k", type=float, default=4320.0, help="taxel: k / force, newton ohms (4320)")
-    parser.add_argument("--adc-bits", type=int, default=16, metavar="B", help="8 to 24 (16)")
-    parser.add_argument("--gain", type=float, default=1.0, help="of the differences, 1: none (1)")
-    parser.add_argument("--load", type=float, default=5.0, metavar="F", help="on one point, newtons (5)")
-    parser.add_argument("--out", metavar="PATH", help=f"a picture: a .png file, or a folder for {PICTURE}")
+from meissner.parser import PICTURE
 
 
 def _picture(out):
@@ -65,7 +23,8 @@ def _picture(out):
     return path / PICTURE
 
 
-def _budget(arguments):
+def command(arguments):
+    """``meissner budget``."""
     side = 41 if arguments.cop4 else 64
     for name in ("rows", "columns"):
         if getattr(arguments, name) is None:

@@ -8,6 +8,7 @@ from meissner.frontend.scan_demod import ScanDemod
 
 BUDGET_S = 1e-3
 LANES = (1, 2, 4, 8)
+INPUTS = range(1, 9)  # of a converter
 SLIP_CLOCKS = (
     6  # of a tumbling window at level 1, after the sample that completes a pair (tb/slip/test_slip_path.py)
 )
@@ -33,10 +34,10 @@ def part_of(name):
 
 
 def scan_of(rows, columns, part, clk_khz, converters, channels=None, sclk_khz=None, carrier=None):
-    """The scan of such an array; ``carrier``: what ScanDemod takes, None if taxels are read as they are."""
+    """The scan of such an array; ``carrier``: what ScanDemod takes, None if taxels are read as they are, and
+    then ``channels`` inputs of each converter."""
     if carrier is not None:
         return ScanDemod(rows, columns, converters, part, clk_khz, sclk_khz, **carrier)
-    channels = 8 if channels is None else channels
     adc_lanes = part.max_lanes if channels > part.lane_channels else 1
     return ScanAdc(rows, columns, converters, part, channels, adc_lanes, clk_khz, sclk_khz)
 
@@ -70,7 +71,7 @@ def budget(
     bits_per_clock=2,
 ):
     """What the array takes, as a dict; ``converters`` None: the fewest with which a frame meets BUDGET_S, or
-    8.
+    8; ``channels`` None: as many inputs of each as take the least time, the fewest of those.
 
     ValueError for what cannot be built.
     """
@@ -87,6 +88,20 @@ def budget(
         )
 
     def found(lanes):
+        if channels is not None or carrier is not None:
+            return found_with(lanes, channels)
+        # Inputs that have no column cost their conversion all the same; not every number can be built.
+        every, why = [], None
+        for count in INPUTS:
+            try:
+                every.append(found_with(lanes, count))
+            except ValueError as problem:
+                why = problem
+        if not every:
+            raise why
+        return min(every, key=lambda found: found["total_clocks"])
+
+    def found_with(lanes, channels):
         scan = scan_of(rows, columns, part, round(clock_hz / 1e3), lanes, channels, sclk_khz, carrier)
         array = Array(scan, Limits() if health else None, {} if tare else None, bits_per_clock)
         clocks, steps = terms(array, settle)
@@ -98,6 +113,7 @@ def budget(
             "columns": columns,
             "adc": part.name,
             "converters": lanes,
+            "channels": channels,
             "clock_hz": clock_hz,
             "settle_clocks": settle,
             "terms_clocks": clocks,
@@ -129,6 +145,8 @@ def tell(found):
     """The lines to print."""
     clock_us = 1e6 / found["clock_hz"]
     kind = f"{found['converters']} {found['adc'].upper()}" + ("s" if found["converters"] > 1 else "")
+    if found["channels"] is not None:
+        kind += f" with {found['channels']} input{'s' * (found['channels'] > 1)} used"
     lines = [
         f"{found['rows']}×{found['columns']} taxels, {kind}, {found['clock_hz'] / 1e6:g} MHz, "
         f"settle {found['settle_clocks']} clocks",

@@ -15,12 +15,10 @@ import numpy as np
 
 from meissner.calibration import check_codes
 from meissner.cop.cop_accumulate import sum_bits
+from meissner.engine_names import EVERY, NAMES, VERILATED  # noqa: F401 - users name them engines.NAMES
 from meissner.frontend.am_demod import AmDemod
 from meissner.slip.config import MAX_CHANNELS, SAMPLE_BITS
 
-NAMES = ("float", "fixed", "rtl")
-VERILATED = ("rtl", "gate")  # held against fixed whenever they run; gate is rtl after synthesis
-EVERY = (*NAMES, "gate")
 COP_ONE = 1 << 14  # 1.0 in Q2.14
 MAX_SIDE = 1024  # rows, columns
 MAX_FORCE = 65535

@@ -50,10 +50,11 @@ def library(top, driver, parameters, trace=False, include=None):
         if include is not None:
             sources += [toolchain.ROOT / source for source in boards.COMMON]
             sources.append(toolchain.ROOT / include / "msn_build.svh")
-            checks += [f"-I{toolchain.ROOT / include}", str(toolchain.ROOT / "tb/lint/verilator.vlt")]
+            checks += [f"-I{toolchain.for_make(toolchain.ROOT / include)}"]
+            checks += [str(toolchain.for_make(toolchain.ROOT) / "tb/lint/verilator.vlt")]
         checks += [*(f"-G{name}={value}" for name, value in parameters.items())]
     else:  # a netlist is not written in the house style, and its parameters are no more
-        text = told.read_text() if told.exists() else ""
+        text = told.read_text("utf-8") if told.exists() else ""
         read = re.findall(rf'public_flat_rd -module "{top}" -var "(\w+)"', text)
         sources = netlist.verilog(top, parameters, CELLS.get(), read, include)
         checks = [*toolchain.VERILATOR_FLAGS, "-Wno-lint", "-Wno-style"]
@@ -61,7 +62,15 @@ def library(top, driver, parameters, trace=False, include=None):
         *(["--trace-vcd"] if trace else []),
         *("--cc", "--quiet", "-O3", "--x-assign", "fast", "--x-initial", "fast", "--top-module", top),
         *checks,
-        *("-CFLAGS", f"-fPIC -O3 -I{HERE}", "-LDFLAGS", "-shared", "--exe", "-o", "core.so"),
+        *(
+            "-CFLAGS",
+            f"-fPIC -O3 -I{toolchain.for_make(HERE)}",
+            "-LDFLAGS",
+            "-shared",
+            "--exe",
+            "-o",
+            "core.so",
+        ),
     ]
     inputs = [driver, *filter(Path.exists, [told]), *sources]
     digest = hashlib.sha256(repr(flags).encode())
@@ -74,13 +83,16 @@ def library(top, driver, parameters, trace=False, include=None):
         toolchain.need_compiler()
         if sys.stderr.isatty():
             print("building the core for the rtl engine, once for this configuration ...", file=sys.stderr)
-        folder.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(dir=folder.parent) as scratch:
-            command = ["verilator", *flags, "--build", "-j", "2", "-Mdir", scratch, *map(str, inputs)]
-            done = subprocess.run(command, env=environment, capture_output=True, text=True)
+        place = toolchain.folder_for_make(folder.parent)
+        with tempfile.TemporaryDirectory(dir=place) as scratch:
+            command = ["verilator", *flags, "--build", "-j", "2", "-Mdir", scratch]
+            command += [str(toolchain.for_make(path)) for path in inputs]
+            done = subprocess.run(
+                command, env=environment, capture_output=True, encoding="utf-8", errors="replace"
+            )
             if done.returncode:
                 raise RuntimeError(f"the core did not build:\n{done.stdout}{done.stderr}")
-            folder.mkdir(exist_ok=True)
+            folder.mkdir(parents=True, exist_ok=True)
             fresh = folder / f"core.{os.getpid()}"
             shutil.copy(Path(scratch) / "core.so", fresh)
             kept.keep(fresh, built)

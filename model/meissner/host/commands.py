@@ -4,57 +4,18 @@ import re
 import signal
 import sys
 import time
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 
-import numpy as np
-
 from meissner import engines, files
+from meissner.plain import plain
 
 LINE_S, PICTURE_S = 1.0, 0.1  # between two lines in a pipe, two pictures on a terminal
-PORT = "serial:/dev/ttyUSB0?baud=3000000, pty:/dev/pts/7, file:capture.bin, sim:SCENE (docs/host.md)"
-CONFIG = "what the core was built from, for physical units: a name or a TOML file"
-
-
-def add_commands(commands):
-    """Add the commands to those of the parser."""
-    regs = commands.add_parser("regs", help="registers of a core: all, the named ones, or write NAME=VALUE")
-    regs.add_argument("port", metavar="PORT", help=PORT)
-    regs.add_argument(
-        "names", metavar="NAME[=VALUE]", nargs="*", help="docs/registers.md; VALUE 40, 0x28, 20mV, 0.5N, 5ms"
-    )
-    regs.add_argument("--config", metavar="FILE", help=CONFIG)
-    regs.set_defaults(call=_regs)
-
-    live = commands.add_parser(
-        "live", help="what a core says, as it says it: slip, centre of pressure, image"
-    )
-    _line_arguments(live)
-    live.set_defaults(call=_live)
-
-    log = commands.add_parser("log", help="write what a core says to MCAP (ROS 2) or npz")
-    _line_arguments(log)
-    log.add_argument("--out", required=True, metavar="FILE", help="a .mcap or a .npz file")
-    log.set_defaults(call=_log)
-
-    replay = commands.add_parser("replay", help="a log's images through an engine, beside what the core said")
-    replay.add_argument("log", metavar="LOG", help="what `meissner log` wrote")
-    replay.add_argument("--min-load", type=int, help="least sum of forces with a position (the log's, or 1)")
-    replay.add_argument("--engine", default="fixed", metavar="E", help=f"{', '.join(engines.NAMES)} (fixed)")
-    replay.add_argument("--out", required=True, metavar="OUT.npz", help="where the arrays go")
-    replay.set_defaults(call=_replay)
-
-
-def _line_arguments(parser):
-    parser.add_argument("port", metavar="PORT", help=PORT)
-    parser.add_argument("--seconds", type=float, metavar="S", help="then stop (at Ctrl-C or the file's end)")
-    parser.add_argument("--listen", action="store_true", help="ask no registers: for a core without them")
-    parser.add_argument("--config", metavar="FILE", help=CONFIG)
-    parser.add_argument("--clk-khz", type=int, metavar="KHZ", help="the core's clock, where it is not asked")
 
 
 def _tell(sentence):
-    print(f"meissner: {sentence}", file=sys.stderr, flush=True)
+    with suppress(OSError):  # a terminal that is gone ends no log
+        print(f"meissner: {plain(sentence)}", file=sys.stderr, flush=True)
 
 
 def _connect(arguments, registers=None, say=_tell):
@@ -129,7 +90,7 @@ def _wanted(core, given):
     return wanted
 
 
-def _regs(arguments):
+def regs(arguments):
     with _connect(arguments, registers=True) as core:
         wanted = _wanted(core, arguments.names)
         for name, value in wanted:
@@ -142,7 +103,7 @@ def _regs(arguments):
             print(f"{name:<{width}}  {value:<10} 0x{value & (field.most if field else 0xFFFFFFFF):x}")
 
 
-def _live(arguments):
+def live(arguments):
     from meissner.host.view import View
 
     messages = []
@@ -212,13 +173,17 @@ def _live_picture(core, view, seconds, messages):
 
 @contextmanager
 def _stopping(core):
-    """Ctrl-C, or a polite kill, ends the stream between two packets: what was written stays whole."""
+    """Ctrl-C, a polite kill or the end of the terminal ends the stream between two packets, and what was
+    written gets its end. Who started this with a signal ignored, as nohup does, has it ignored."""
 
     def stop(*_):
-        _tell("stopped")
         core.stop()
+        with suppress(OSError, RuntimeError):  # the terminal is gone, or is just being written to
+            _tell("stopped")
 
-    before = {which: signal.signal(which, stop) for which in (signal.SIGINT, signal.SIGTERM)}
+    signals = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+    heard = [which for which in signals if signal.getsignal(which) != signal.SIG_IGN]
+    before = {which: signal.signal(which, stop) for which in heard}
     try:
         yield
     finally:
@@ -226,26 +191,37 @@ def _stopping(core):
             signal.signal(which, handler)
 
 
-def _log(arguments):
+def log(arguments):
     from meissner.host import log
 
     log.check_out(arguments.out)
     listen = False if arguments.listen else None
     with (
         _connect(arguments, listen) as core,
-        log.recording(arguments.out, core) as recording,
         _stopping(core),
+        log.recording(arguments.out, core) as recording,
     ):
-        for item in core.packets(arguments.seconds):
-            recording.add(item)
+        for item, beat in _beats(core, arguments.seconds, log.FLUSH_S):
+            if item is not None:
+                recording.add(item)
+            if beat:
+                recording.flush()
     counts = core.counts
+    expected = f"{core.units.rows or 1}×{core.units.columns}"
+    more = [
+        (counts.images_unfit, f"images dropped that are not of {expected} taxels"),
+        (counts.unknown, "of types that this host does not know"),
+        (counts.unread, "dropped because this machine was too slow"),
+        (counts.restarts, "restarts of the core"),
+    ]
     print(
         f"{recording.packets} packets of {counts.bytes} bytes; {counts.lost} lost, {counts.damaged} damaged, "
-        f"{counts.images_lost} images lost, {counts.gaps} gaps ({counts.gap_s:.1f} s); {arguments.out}"
+        f"{counts.images_lost} images lost, {''.join(f'{count} {what}, ' for count, what in more if count)}"
+        f"{counts.gaps} gaps ({counts.gap_s:.1f} s); {plain(arguments.out)}"
     )
 
 
-def _replay(arguments):
+def replay(arguments):
     from meissner.host import log
     from meissner.host.replay import differences, replay
 
@@ -254,9 +230,9 @@ def _replay(arguments):
     min_load = int(found.get("min_load", 1)) if arguments.min_load is None else arguments.min_load
     if min_load < 0:
         raise ValueError(f"min-load = {min_load} must not be negative")
-    with files.written(arguments.out) as file:
+    with files.results(arguments.out) as save:
         result = replay(found, arguments.engine, min_load)
-        np.savez(file, **result)
+        save(result)
     both, wrong, largest = differences(result)
     frames, rows, columns = found["image"].shape
     apart = ", ".join(f"{name} {value}" for name, value in largest.items())
@@ -264,5 +240,5 @@ def _replay(arguments):
         f"{frames} image{'s' * (frames > 1)} of {rows}×{columns} on engine {arguments.engine}; "
         f"{both} with the core's own centre of pressure, {wrong} of them differ"
         f"{f' (at most: {apart})' if wrong else ''}; "
-        f"{arguments.out}"
+        f"{'the log ends before its end was written; ' if 'partial' in found else ''}{plain(arguments.out)}"
     )

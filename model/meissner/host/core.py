@@ -16,6 +16,9 @@ from meissner.link.decoder import Decoder
 
 NOISE = 4096  # bytes without a packet among them: sixteen packets of the longest would have come
 UNREAD = 1 << 16  # packets that wait for somebody to take them; then the oldest go
+# A time that goes back is a reset, unless no more clocks than these lie between the two across the end of the
+# time's 48 bits, which comes after 33 days at 100 MHz.
+LONGEST_SILENCE = 1 << 40
 FIRST_WAIT_S, LONGEST_WAIT_S = 0.05, 5.0  # between two tries to open a line that is gone
 
 
@@ -30,9 +33,10 @@ class NoAnswer(OSError):
 @dataclass
 class Counts:
     """Of the line. ``lost``: packets whose numbers did not come, mod 256 in each gap; ``damaged``: frames
-    that were no packet; ``images_lost``: images of which a part was lost; ``gaps``, ``gap_s``: how often and
-    how long the line was gone; ``restarts``: of the core; ``retries``: commands sent again; ``unread``:
-    packets dropped because nobody took them.
+    that were no packet; ``images_lost``: images of which a part was lost; ``images_unfit``: images dropped
+    because they have another size than the units say; ``unknown``: packets of types that this host does not
+    know; ``gaps``, ``gap_s``: how often and how long the line was gone; ``restarts``: of the core;
+    ``retries``: commands sent again; ``unread``: packets dropped because nobody took them.
     """
 
     bytes: int = 0
@@ -40,6 +44,8 @@ class Counts:
     lost: int = 0
     damaged: int = 0
     images_lost: int = 0
+    images_unfit: int = 0
+    unknown: int = 0
     gaps: int = 0
     gap_s: float = 0.0
     restarts: int = 0
@@ -63,7 +69,7 @@ class Core:
         self._assembler = Assembler(known)
         self._decoder, self._waiting = Decoder(), deque()
         self._missed_before, self._joining = 0, True
-        self._since_packet, self._told_noise = 0, False
+        self._since_packet, self._told_noise, self._told_unfit = 0, False, set()
         self._tag, self._asked, self._answer = 0, None, None
         self._newest, self._restarted, self._written = 0, False, {}
         self._down, self._reason, self._try_at, self._wait_s = None, "", 0.0, FIRST_WAIT_S
@@ -281,7 +287,8 @@ class Core:
         counts.packets += 1
         self._since_packet, self._told_noise = 0, False
         if packet.kind in (p.STATISTIC, p.ANSWER):  # stamped as they leave; the others may have waited
-            if packet.time < self._newest:
+            ended = packet.time + p.TIMES - self._newest <= LONGEST_SILENCE  # the time's 48 bits
+            if packet.time < self._newest and not ended:
                 self._started_over()
             self._newest = packet.time
         counts.lost += self._decoder.missed - self._missed_before
@@ -290,10 +297,26 @@ class Core:
             if self._asked == (packet.fields["tag"], packet.fields["address"]):
                 self._answer = packet.fields
             return
+        if packet.kind not in p.KNOWN:
+            counts.unknown += 1
+            return
         item = self._assembler.next(packet)
         counts.images_lost = self._assembler.images_lost
+        if self._assembler.images_unfit > counts.images_unfit:
+            counts.images_unfit = self._assembler.images_unfit
+            self._say_unfit(self._assembler.unfit)
         if item is not None:
             self._put(item)
+
+    def _say_unfit(self, taxels):
+        """Once for each size that comes."""
+        if taxels not in self._told_unfit:
+            self._told_unfit.add(taxels)
+            rows, columns = self.units.rows or 1, self.units.columns
+            self.say(
+                f"images of {taxels} taxels come from {self.line.name} and {rows}×{columns} are expected: "
+                "they are dropped; is this the configuration that the core was built from?"
+            )
 
     def _put(self, item):
         if len(self._waiting) == UNREAD:

@@ -15,6 +15,8 @@ import tty
 from pathlib import Path
 from urllib.parse import parse_qs
 
+from meissner.files import check_in
+
 BAUD = 3_000_000
 
 
@@ -89,7 +91,7 @@ class File:
     baud = None
 
     def __init__(self, path):
-        self.name, self._path, self._file = path, path, None
+        self.name, self._path, self._file = str(path), path, None
         self.reopen()
 
     def reopen(self):
@@ -151,7 +153,7 @@ def open_line(url, baud=None):
         if kind == "pty" and path and not options:
             return Device(path)
         if kind == "file" and path and not options:
-            return File(path)
+            return File(check_in(path))
         if kind == "sim" and set(options) <= {"speed"}:
             from meissner.host import simulated
 

@@ -8,86 +8,57 @@ Arrays, one row a packet, times in clocks and ``_ns`` in nanoseconds of UTC:
     gap_ns, _seconds, _reason
 
 and the facts: clk_khz, start_ns and start_time (the same instant), newtons_per_code (nan: not known),
-min_load where the core told it, and the counters of the line (meissner.host.core.Counts).
+min_load where the core told it, and the counters of the line (meissner.host.core.Counts); ``partial`` where
+the log was ended by force.
+
+While it comes, everything goes to a spool beside the target every FLUSH_S seconds: chunks of an MCAP file,
+which at the end gets the target's name; or rows in blocks (meissner.host.table), removed when the arrays are
+written. Whatever ends a log before that leaves the spool, which ``read`` reads.
 """
 
 import io
 import time
-from contextlib import contextmanager, redirect_stderr, redirect_stdout
+from contextlib import contextmanager, redirect_stderr, redirect_stdout, suppress
 from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
 
-from meissner.files import read_arrays, written
+from meissner.files import FULL, check_in, read_arrays
+from meissner.files import check_out as check_name
 from meissner.host import packets, ros
-from meissner.host.units import FRACTION_BITS
+from meissner.host.spool import Spool, part_of
+from meissner.host.table import COLUMNS, NpzLog, Table, read_rows
+from meissner.link.packet import TIMES
 
-_COLUMNS = {
-    "slip": {"time": "u8", "ns": "i8", "channel": "u2", "state": "u1", "p2p": "u4"},
-    "cop": {"time": "u8", "ns": "i8", "x": "i4", "y": "i4", "load": "u8", "pressed": "?"},
-    "image": {"time": "u8", "ns": "i8", "number": "u1"},
-    "health": {"time": "u8", "ns": "i8", "taxel": "u4", "faults": "u1"},
-    "statistics": {"time": "u8", "ns": "i8", "index": "u1", "value": "u4"},
-    "gap": {"ns": "i8", "seconds": "f8", "reason": "U"},
-}
-_KINDS = {
-    packets.SlipEvent: "slip",
-    packets.CopFrame: "cop",
-    packets.Image: "image",
-    packets.Health: "health",
-    packets.Statistics: "statistics",
-    packets.Gap: "gap",
-}
+FLUSH_S = 0.5  # what a process that is killed may lose; shorter chunks compress less
+
 _FACTS = {"clk_khz": int, "start_ns": int, "start_time": int, "newtons_per_code": float, "min_load": int}
 
 
-class Table:
-    """Packets as columns of numbers."""
+class McapLog:
+    """Writes a .mcap, whose spool is its beginning."""
 
-    def __init__(self):
-        self._columns = {kind: {name: [] for name in names} for kind, names in _COLUMNS.items()}
-        self._images = []
+    KIND = ".mcap"
 
-    def add(self, stamp_ns, item):
-        kind = _KINDS[type(item)]
-        for name, column in self._columns[kind].items():
-            value = stamp_ns if name == "ns" else getattr(item, name)
-            column.append(round(value * (1 << FRACTION_BITS)) if name in ("x", "y") else value)
-        if kind == "image":
-            if self._images and item.taxels.shape != self._images[0].shape:
-                raise ValueError(
-                    f"an image of {item.taxels.size} taxels came after one of {self._images[0].size}: "
-                    "a log holds images of one size"
-                )
-            self._images.append(item.taxels)
+    def __init__(self, spool, known):
+        self._spool, self._writer = spool, ros.McapWriter(spool, known)
+        self.add, self.tell = self._writer.add, self._writer.tell
 
-    def arrays(self):
-        found = {
-            f"{kind}_{name}": np.array(column, dtype=_COLUMNS[kind][name])
-            for kind, columns in self._columns.items()
-            for name, column in columns.items()
-        }
-        found["image"] = np.array(self._images, dtype=np.uint16).reshape(
-            len(self._images), *(self._images[0].shape if self._images else (0, 0))
-        )
-        return found
+    def flush(self, facts):
+        self._writer.flush()
+
+    def finish(self, path, facts):
+        self._writer.finish(facts)
+        self._spool.rename(path)
 
 
-class NpzWriter(Table):
-    def __init__(self, file, known):
-        super().__init__()
-        self._file = file
-
-    def finish(self, facts):
-        np.savez_compressed(self._file, **self.arrays(), **{k: np.asarray(v) for k, v in facts.items()})
-
-
-WRITERS = {".npz": NpzWriter, ".mcap": ros.McapWriter}
+KINDS = {".npz": NpzLog, ".mcap": McapLog}
 
 
 class Log:
-    """``add`` packets of ``core``; clocks become time with the core's clock, and anew after its reset."""
+    """``add`` packets of ``core`` to a ``writer``, one of the above; clocks become time with the core's
+    clock, and again after its reset."""
 
     def __init__(self, writer, core):
         if not core.units.clk_khz:
@@ -95,27 +66,41 @@ class Log:
                 "the core's clock is not known, so its clocks cannot become time: name it in kHz"
             )
         self._writer, self._core, self._anchor, self._restarts = writer, core, None, 0
-        self.packets, self._facts = 0, {}
+        self.packets, self.kept, self._flushed_at, self._facts = 0, 0, time.monotonic(), {}
         if core.registers and "cop" in core.features:
             self._facts["min_load"] = core["cop.min_load"]
         if core.now:
             self._set(core.now)
+        self._writer.tell(self.facts())
+        self.flush()
 
     def _set(self, ticks):
         self._anchor, self._restarts = (time.time_ns(), ticks), self._core.counts.restarts
+        self._last = ticks
 
     def _stamp(self, ticks):
         if self._anchor is None or self._restarts != self._core.counts.restarts:
             self._set(ticks)
+            self._writer.tell(self.facts())
+        # The nearest to the last one, on either side: they start again at 0 after 48 bits.
+        self._last += (ticks - self._last + TIMES // 2) % TIMES - TIMES // 2
         start_ns, start = self._anchor
-        return start_ns + (ticks - start) * 10**6 // self._core.units.clk_khz
+        return start_ns + (self._last - start) * 10**6 // self._core.units.clk_khz
 
     def add(self, item):
         stamp = time.time_ns() if isinstance(item, packets.Gap) else self._stamp(item.time)
         self._writer.add(stamp, item)
         self.packets += 1
+        if time.monotonic() - self._flushed_at > FLUSH_S:
+            self.flush()
 
-    def finish(self):
+    def flush(self):
+        """What came is kept, whatever happens now."""
+        self._flushed_at = time.monotonic()
+        self._writer.flush(self.facts())
+        self.kept = self.packets
+
+    def facts(self):
         start_ns, start = self._anchor or (time.time_ns(), 0)
         known = self._core.units
         newtons = float("nan") if known.newtons_per_code is None else known.newtons_per_code
@@ -125,37 +110,72 @@ class Log:
             "start_time": start,
             "newtons_per_code": newtons,
         }
-        self._writer.finish(facts | self._facts | asdict(self._core.counts))
+        return facts | self._facts | asdict(self._core.counts)
 
 
 def check_out(path):
     """The kind of log that ``path`` names, ValueError if none."""
     kind = Path(path).suffix.lower()
-    if kind not in WRITERS:
+    if kind not in KINDS:
         raise ValueError(f"{path} must be a .mcap or a .npz file")
     return kind
 
 
 @contextmanager
 def recording(path, core):
-    """A Log that takes the name ``path`` when it is whole; ValueError if there can be none."""
-    kind = check_out(path)
-    with written(path) as file:
-        log = Log(WRITERS[kind](file, core.units), core)
+    """A Log that takes the name ``path`` when it is whole; ValueError if there can be none.
+
+    What ends it before leaves a spool with what came, unless that was nothing; OSError, ValueError and
+    ``core.say`` name it.
+    """
+    kind, path = check_out(path), check_name(path)
+    spool, log = Spool(path, KINDS[kind].KIND), None
+    try:
+        writer = KINDS[kind](spool, core.units)
+        log = Log(writer, core)
         yield log
-        log.finish()
+        log.flush()
+        writer.finish(path, log.facts())
+    except BaseException as problem:
+        if log is None or not log.packets:
+            spool.remove()
+            raise
+        raise _kept(problem, path, spool, log, core.say) from None
+
+
+def _kept(problem, path, spool, log, say):
+    """The exception to raise: what went wrong, and where what came until then is."""
+    with suppress(OSError):
+        if not isinstance(problem, OSError):  # the newest half second too
+            log.flush()
+    with suppress(OSError):
+        spool.give_up()
+    kept = f"{log.kept} packets that came are in {spool.path}, which `meissner replay` reads"
+    if isinstance(problem, OSError):
+        why = FULL.get(problem.errno, problem.strerror or problem)
+        return OSError(f"{path} could not be written, {why}: the {kept}")
+    if isinstance(problem, ValueError):
+        return ValueError(f"{problem}; the {kept}")
+    say(f"{path} was not finished: the {kept}")
+    return problem
 
 
 def read(path):
     """The arrays and facts of a log; ValueError in one sentence if it is none."""
     path = Path(path)
-    if not path.is_file():
-        raise ValueError(f"there is no file {path}")
+    if not path.exists():
+        parts = [part_of(path, writer.KIND) for writer in KINDS.values()]
+        left = [f"; what a log received before it was ended is in {part}" for part in parts if part.is_file()]
+        raise ValueError(f"there is no file {path}{''.join(left)}")
+    check_in(path)
     if path.suffix.lower() == ".mcap":
         return _read_mcap(path)
-    if path.suffix.lower() != ".npz":
-        raise ValueError(f"{path} must be a .mcap or a .npz file")
-    arrays = read_arrays(path)
+    if path.suffix.lower() == NpzLog.KIND:
+        arrays = read_rows(path) | {"partial": np.True_}
+    elif path.suffix.lower() == ".npz":
+        arrays = read_arrays(path) or {}
+    else:
+        raise ValueError(f"{path} must be a .mcap or a .npz file, or what a log that was ended left")
     _check(path, arrays)
     return arrays
 
@@ -164,7 +184,7 @@ def _read_mcap(path):
     table = Table()
     try:
         with redirect_stdout(io.StringIO()), redirect_stderr(io.StringIO()):  # a parser of messages prints
-            facts, items = ros.read(path)
+            facts, items, whole = ros.read(path)
             for stamp, item in items:
                 table.add(stamp, item)
         found = {name: np.asarray(kind(facts[name])) for name, kind in _FACTS.items() if name in facts}
@@ -173,12 +193,12 @@ def _read_mcap(path):
     except Exception as problem:  # a damaged file stops its reader, and what unpacks for it, anywhere
         what = str(problem).splitlines()[0] if str(problem) else type(problem).__name__
         raise ValueError(f"{path} is not a whole MCAP log of a core: {what}") from None
-    return table.arrays() | found
+    return table.arrays() | found | ({} if whole else {"partial": np.True_})
 
 
 def _check(path, arrays):
     """ValueError unless these are the arrays of a log, each with its length."""
-    for kind, names in _COLUMNS.items():
+    for kind, names in COLUMNS.items():
         columns = [f"{kind}_{name}" for name in names] + (["image"] if kind == "image" else [])
         missing = [name for name in columns if name not in arrays]
         if missing:

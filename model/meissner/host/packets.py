@@ -88,16 +88,18 @@ class Gap:
 class Assembler:
     """``next`` takes a link.decoder.Packet and returns one of the above, or None (part of an image, unknown).
 
-    ``images_lost``: images begun by the core, after the first whole one, that did not come whole.
+    ``images_lost``: images that did not come whole, from the first of which a part came on, if that was its
+    first part; ``images_unfit``: whole ones of another size than ``units`` say, which are dropped.
     """
 
     def __init__(self, units=None):
-        self.units, self.images_lost = units or Units(), 0
-        self._parts, self._image, self._last = [], None, None
+        self.units, self.images_lost, self.images_unfit = units or Units(), 0, 0
+        self.unfit = None  # taxels of the newest image, if they were not those that ``units`` say
+        self.restart()
 
     def restart(self):
-        """The core started over: its images are numbered anew; one of them may already be under way."""
-        self._last = None
+        """The core started over: its images are numbered from 0; one of them may already be under way."""
+        self._image, self._parts, self._owed = None, [], False
 
     def next(self, packet):
         fields, units = packet.fields, self.units
@@ -121,21 +123,24 @@ class Assembler:
 
     def _image_part(self, packet, at):
         fields, which = packet.fields, (packet.fields["image"], packet.time)
-        if fields["first"] == 0:
+        if which != self._image or fields["first"] == 0:
+            if self._image is not None:
+                between = (which[0] - self._image[0] - 1) % 256 if which != self._image else 0
+                self.images_lost += between + self._owed
+            # Of the first image of all the beginning may have been said before anybody listened.
+            self._owed = fields["first"] == 0 or self._image is not None
             self._image, self._parts = which, []
-        elif which != self._image or fields["first"] != len(self._parts):
-            self._image = None  # a part is missing: so is the image
+        if self._parts is None or fields["first"] != len(self._parts):
+            self._parts = None  # a part is missing: so is the image
             return None
         self._parts.extend(fields["taxels"])
         if not fields["last"]:
             return None
-        taxels, self._image = np.array(self._parts, dtype=np.uint16), None
+        taxels, self._parts, self._owed = np.array(self._parts, dtype=np.uint16), None, False
         rows, columns = self.units.rows or 1, self.units.columns
-        if len(taxels) != rows * (columns or len(taxels)):
+        self.unfit = len(taxels) if len(taxels) != rows * (columns or len(taxels)) else None
+        if self.unfit:
+            self.images_unfit += 1
             return None
-        number = fields["image"]
-        if self._last is not None:
-            self.images_lost += (number - self._last - 1) % 256
-        self._last = number
         shape = (rows, len(taxels) // rows)
-        return Image(*at, number, taxels.reshape(shape), self.units.newtons_per_code)
+        return Image(*at, which[0], taxels.reshape(shape), self.units.newtons_per_code)

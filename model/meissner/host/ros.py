@@ -1,5 +1,6 @@
 """ROS 2 messages in MCAP files, without ROS: definitions, writer, reader. Topics are in docs/host.md."""
 
+import io
 import json
 from types import SimpleNamespace
 
@@ -28,7 +29,7 @@ _DEFINITIONS = {
 def definition(name):
     """The text of ``name`` ("package/Type") with all that it needs, as an MCAP schema wants it."""
     known = dict(_DEFINITIONS)
-    known["meissner_msgs/TactileFrame"] = (ROOT / "host/msg/TactileFrame.msg").read_text()
+    known["meissner_msgs/TactileFrame"] = (ROOT / "host/msg/TactileFrame.msg").read_text("utf-8")
     needed, text = [name], ""
     for one in needed:
         text += f"{'=' * 80}\nMSG: {one}\n{known[one]}\n" if one != name else f"{known[one]}\n"
@@ -66,7 +67,10 @@ def _frame(stamp_ns, item, newtons_per_code):
 
 
 class McapWriter:
-    """``add`` takes packets with their time in ns; ``finish`` the facts about the log."""
+    """``add`` takes packets with their time in ns, ``tell`` facts about the log, ``finish`` the last of them.
+
+    ``flush`` writes what came as a chunk, from which on a file that ends too early is read.
+    """
 
     def __init__(self, file, known):
         from mcap_ros2.writer import Writer
@@ -115,26 +119,94 @@ class McapWriter:
         message = _array(values.keys(), list(values.values()))
         self._write(stamp_ns, topic, "std_msgs/Int64MultiArray", message)
 
-    def finish(self, facts):
+    def tell(self, facts):
         self._writer.add_metadata(METADATA, {name: str(value) for name, value in facts.items()})
+
+    def flush(self):
+        self._writer._writer.flush()  # the writer of ROS 2 messages has none of its own
+
+    def finish(self, facts):
+        self.tell(facts)
         self._writer.finish()
 
 
 def read(path):
-    """(facts, [(ns, packet)]) of a file that McapWriter wrote, positions and loads without physical units."""
+    """(facts, [(ns, packet)], whether it is whole) of a file that McapWriter wrote, positions and loads
+    without physical units. Of a file that ends too early: what is in its whole records."""
+    facts, items = {}, []
+    with open(path, "rb") as file:
+        whole = _whole(file)
+        for found in _of_whole(file) if whole else _of_part(file):
+            if isinstance(found, dict):
+                facts |= found
+            else:
+                topic, stamp, message = found
+                items += [(stamp, item) for item in _items(topic, message)]
+    if not facts:
+        raise ValueError("it does not say that a core's log is in it")
+    return facts, items, whole
+
+
+def _whole(file):
+    """Whether an MCAP file ends as one does."""
+    from mcap.writer import MCAP0_MAGIC
+
+    size = file.seek(0, io.SEEK_END)
+    file.seek(max(0, size - len(MCAP0_MAGIC)))
+    end = file.read()
+    file.seek(0)
+    return end == MCAP0_MAGIC and size > len(MCAP0_MAGIC)
+
+
+def _of_whole(file):
+    """Facts, and (topic, ns, message) of each message."""
     from mcap.reader import make_reader
     from mcap_ros2.decoder import DecoderFactory
 
-    items = []
-    with open(path, "rb") as file:
-        reader = make_reader(file, validate_crcs=True, decoder_factories=[DecoderFactory()])
-        facts = {data.name: data.metadata for data in reader.iter_metadata()}.get(METADATA)
-        if facts is None:
-            raise ValueError("it does not say that a core's log is in it")
-        for decoded in reader.iter_decoded_messages(log_time_order=False):
-            topic, stamp, message = decoded.channel.topic, decoded.message.log_time, decoded.decoded_message
-            items += [(stamp, item) for item in _items(topic, message)]
-    return facts, items
+    reader = make_reader(file, validate_crcs=True, decoder_factories=[DecoderFactory()])
+    yield from (data.metadata for data in reader.iter_metadata() if data.name == METADATA)
+    for decoded in reader.iter_decoded_messages(log_time_order=False):
+        yield decoded.channel.topic, decoded.message.log_time, decoded.decoded_message
+
+
+def _of_part(file):
+    """The same of a file without its end: record by record, as far as they are whole."""
+    from mcap.exceptions import EndOfFile
+    from mcap.records import Channel, Message, Metadata, Schema
+    from mcap.stream_reader import StreamReader
+    from mcap_ros2.decoder import DecoderFactory
+
+    factory, schemas, channels, decoders = DecoderFactory(), {}, {}, {}
+    records = StreamReader(io.BytesIO(_whole_records(file)), validate_crcs=True).records
+    while True:
+        try:
+            record = next(records, None)
+        except EndOfFile:
+            return
+        if record is None:
+            return
+        if isinstance(record, Metadata) and record.name == METADATA:
+            yield record.metadata
+        elif isinstance(record, Schema):
+            schemas[record.id] = record
+        elif isinstance(record, Channel):
+            channels[record.id] = record
+            decoders[record.id] = factory.decoder_for(record.message_encoding, schemas[record.schema_id])
+        elif isinstance(record, Message):
+            message = decoders[record.channel_id](record.data)
+            yield channels[record.channel_id].topic, record.log_time, message
+
+
+def _whole_records(file):
+    """A file up to the end of its last whole record: a byte of kind, 8 of length, content."""
+    data = file.read()
+    end = 8  # of the magic
+    while end + 9 <= len(data):
+        following = end + 9 + int.from_bytes(data[end + 1 : end + 9], "little")
+        if following > len(data):
+            break
+        end = following
+    return data[:end]
 
 
 def _items(topic, message):

@@ -4,7 +4,9 @@ import struct
 import zlib
 
 SLIP, COP, IMAGE, HEALTH, STATISTIC, ANSWER = 1, 2, 3, 4, 5, 16
+KNOWN = (SLIP, COP, IMAGE, HEALTH, STATISTIC, ANSWER)
 MAX_CHUNK = 116
+TIMES = 1 << 48  # of a packet
 # The counters of a core's statistics by index, as msn_core joins them; docs/link.md has the same words.
 COUNTERS = (
     *("frames dropped", "overruns", "time-outs", "slip frames damaged", "slip blanked"),
@@ -14,7 +16,7 @@ COUNTERS = (
 
 def packet(kind, number, time, payload):
     """The bytes of a packet: type, number mod 256, time in clocks mod 2**48, payload, CRC-32 of it all."""
-    head = struct.pack("<BBQ", kind, number & 255, time & (1 << 48) - 1)[:8]
+    head = struct.pack("<BBQ", kind, number & 255, time % TIMES)[:8]
     return head + payload + struct.pack("<I", zlib.crc32(head + payload))
 
 

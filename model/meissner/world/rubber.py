@@ -26,11 +26,10 @@ of the carbon paths, the spatial field of the contact (events are independent), 
 events, inertia of the plate, speeds outside the fit's 0.01 to 3 mm/s (used beyond it as it stands).
 """
 
+from functools import cache
 from itertools import pairwise
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
-from scipy.signal import lfilter
 
 SUPPLY_V = 5.0
 SERIES_OHM = 1000.0
@@ -60,8 +59,15 @@ GROSS_SHARE = 25.0  # of EVENT_SHARE, when the last core lets go; chosen: publis
 
 _FORCE, _VOLTS = np.array(POINTS[1:]).T
 _LOG_FORCE = np.log(_FORCE)
-_CURVE = PchipInterpolator(_LOG_FORCE, np.log((SUPPLY_V - _VOLTS) / _VOLTS / SERIES_OHM))
-_SLOPES = _CURVE(_LOG_FORCE[[0, -1]], 1)
+
+
+@cache
+def _curve():
+    """log G over log F inside the published points, and its slopes at both ends."""
+    from scipy.interpolate import PchipInterpolator  # here: what simulates no rubber does not wait for SciPy
+
+    curve = PchipInterpolator(_LOG_FORCE, np.log((SUPPLY_V - _VOLTS) / _VOLTS / SERIES_OHM))
+    return curve, curve(_LOG_FORCE[[0, -1]], 1)
 
 
 def conductance(force_n):
@@ -71,7 +77,8 @@ def conductance(force_n):
     below = np.minimum(log_force - _LOG_FORCE[0], 0.0)
     above = np.maximum(log_force - _LOG_FORCE[-1], 0.0)
     inside = np.clip(log_force, _LOG_FORCE[0], _LOG_FORCE[-1])
-    return np.exp(_CURVE(inside) + _SLOPES[0] * below + _SLOPES[1] * above)
+    curve, slopes = _curve()
+    return np.exp(curve(inside) + slopes[0] * below + slopes[1] * above)
 
 
 def divider_volts(siemens):
@@ -139,6 +146,8 @@ def fluctuation(times_s, shares, samples, rate_hz):
     One complex pole does all events; the first sample after each carries the phase it has by then, so
     that events keep their exact instants.
     """
+    from scipy.signal import lfilter
+
     pole = (-1.0 / RING_S + 2j * np.pi * RING_HZ) / rate_hz
     position = np.asarray(times_s) * rate_hz
     index = np.ceil(position).astype(np.int64)

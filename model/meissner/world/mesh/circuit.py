@@ -7,8 +7,6 @@ A short merges its two nodes; the unit between them moves into the resistors aro
 """
 
 import numpy as np
-import scipy.sparse as sparse
-from scipy.sparse import linalg
 
 LONG = np.longdouble
 LONG_UNIT = float(np.finfo(LONG).eps)
@@ -49,6 +47,8 @@ class Circuit:
 
     def matrix(self):
         """The assembled symmetric M-matrix, CSC."""
+        from scipy import sparse  # here: a command that solves no mesh does not wait for SciPy
+
         count = len(self.live)
         p, q, g = (a[~self.grounded] for a in (self.p, self.q, self.g))
         diagonal = np.bincount(self.p, self.g, count) + np.bincount(q, g, count)
@@ -71,6 +71,8 @@ class Circuit:
         return left[:-1], (edges + 4) * LONG_UNIT * 1.01 * size[:-1]
 
     def factor(self):
+        from scipy.sparse import linalg
+
         return linalg.splu(self.matrix(), permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
 
     def plain(self):
@@ -137,6 +139,8 @@ class Circuit:
             ratio = ((-carried).astype(float) - slack) / wanted
             if ratio.min() > 0.1:
                 bound = u.astype(float) / min(ratio.min(), 1) * (1 + 1e-9)
+        from scipy.sparse import linalg
+
         stiff = linalg.onenormest(linalg.LinearOperator(factor.shape, factor.solve, factor.solve))
         condition = float(stiff * abs(self.matrix()).sum(0).max())
         residual = float(np.abs(left).max() / max((self.g * np.abs(self.emf)).max(), np.finfo(float).tiny))

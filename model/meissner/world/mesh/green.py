@@ -11,7 +11,6 @@ keeps apart (so R0 >> r costs no digits), plus H below: positive definite, writt
 """
 
 import numpy as np
-from scipy import fft
 
 UNIT = np.finfo(float).eps / 2
 TABLE_LIMIT = 3_000_000  # entries; beyond it the modes are summed for each pair of contacts
@@ -104,6 +103,8 @@ class Layer:
 
     def field(self, current):
         """Drop at every node [..., free, along] for currents drawn [..., free, along], R0/2 apart."""
+        from scipy import fft  # here: a command that solves no mesh does not wait for SciPy
+
         free, along = self.free, self.along
         cosine = 4 * np.sin(np.pi * np.arange(free) / (2 * free)) ** 2
         sine = 4 * np.sin(np.pi * np.arange(1, along + 1) / (2 * (along + 1))) ** 2

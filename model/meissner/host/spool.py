@@ -1,0 +1,59 @@
+"""The file beside a log's target that holds what came until the log has its own name."""
+
+import os
+from pathlib import Path
+
+
+def part_of(path, kind, number=1):
+    """The name of the spool of ``path``, which is a file of ``kind``; another log's may be there already."""
+    path = Path(path)
+    return path.with_name(f"{path.name}.part{number if number > 1 else ''}{kind}")
+
+
+class Spool:
+    """A file to append to. Every write reaches the system before it returns, so whatever ends the process
+    leaves it; one that cannot be done whole is taken back by ``give_up``.
+    """
+
+    def __init__(self, path, kind):
+        number = 1
+        while True:
+            self.path = part_of(path, kind, number)
+            try:  # what an earlier log left is not touched
+                self._fd = os.open(self.path, os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o644)
+                break
+            except FileExistsError:
+                number += 1
+        self._at = self._kept = 0
+
+    def write(self, data):
+        left = memoryview(data).cast("B")
+        while left:
+            count = os.write(self._fd, left)
+            self._at += count
+            left = left[count:]
+
+    def tell(self):
+        return self._at
+
+    def flush(self):
+        """All that was written is worth keeping."""
+        self._kept = self._at
+
+    def give_up(self):
+        """End it after the last ``flush``."""
+        os.ftruncate(self._fd, self._kept)
+        self.close()
+
+    def close(self):
+        if self._fd is not None:
+            os.close(self._fd)
+        self._fd = None
+
+    def remove(self):
+        self.close()
+        self.path.unlink(missing_ok=True)
+
+    def rename(self, path):
+        self.close()
+        os.replace(self.path, path)

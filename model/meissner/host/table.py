@@ -1,0 +1,137 @@
+"""Packets as columns of numbers, and a file of them that can end anywhere: rows, block by block."""
+
+import io
+import zlib
+from pathlib import Path
+
+import numpy as np
+
+from meissner.files import arrays_of, written
+from meissner.host import packets
+from meissner.host.units import FRACTION_BITS
+
+MAGIC = b"MSNROWS1"  # then blocks: length of 32 bits, CRC-32 of the content, which is a .npz
+
+COLUMNS = {
+    "slip": {"time": "u8", "ns": "i8", "channel": "u2", "state": "u1", "p2p": "u4"},
+    "cop": {"time": "u8", "ns": "i8", "x": "i4", "y": "i4", "load": "u8", "pressed": "?"},
+    "image": {"time": "u8", "ns": "i8", "number": "u1"},
+    "health": {"time": "u8", "ns": "i8", "taxel": "u4", "faults": "u1"},
+    "statistics": {"time": "u8", "ns": "i8", "index": "u1", "value": "u4"},
+    "gap": {"ns": "i8", "seconds": "f8", "reason": "U"},
+}
+_KINDS = {
+    packets.SlipEvent: "slip",
+    packets.CopFrame: "cop",
+    packets.Image: "image",
+    packets.Health: "health",
+    packets.Statistics: "statistics",
+    packets.Gap: "gap",
+}
+
+
+class Table:
+    """``add`` packets; ``new`` gives those since it was called before, ``arrays`` all."""
+
+    def __init__(self):
+        self._blocks, self._shape = [], None
+        self._clear()
+
+    def _clear(self):
+        self._columns = {kind: {name: [] for name in names} for kind, names in COLUMNS.items()}
+        self._images = []
+
+    def add(self, stamp_ns, item):
+        kind = _KINDS[type(item)]
+        if kind == "image":
+            self._shape = self._shape or item.taxels.shape
+            if item.taxels.shape != self._shape:
+                raise ValueError(
+                    f"an image of {item.taxels.size} taxels came after one of {np.prod(self._shape)}: "
+                    "a log holds images of one size"
+                )
+            self._images.append(item.taxels)
+        for name, column in self._columns[kind].items():
+            value = stamp_ns if name == "ns" else getattr(item, name)
+            column.append(round(value * (1 << FRACTION_BITS)) if name in ("x", "y") else value)
+
+    def new(self):
+        found = {
+            f"{kind}_{name}": np.array(column, dtype=COLUMNS[kind][name])
+            for kind, columns in self._columns.items()
+            for name, column in columns.items()
+        }
+        size = (len(self._images), *(self._shape or (0, 0)))
+        found["image"] = np.array(self._images, dtype=np.uint16).reshape(size)
+        self._clear()
+        self._blocks.append(found)
+        return found
+
+    def arrays(self):
+        self.new()
+        return joined(self._blocks)
+
+
+def joined(blocks):
+    """The arrays of tables that follow each other; ValueError if their images differ in size."""
+    if not blocks:
+        return Table().arrays()
+    found = {name: np.concatenate([block[name] for block in blocks]) for name in blocks[0] if name != "image"}
+    images = [block["image"] for block in blocks if len(block["image"])] or [blocks[0]["image"]]
+    return found | {"image": np.concatenate(images)}
+
+
+class NpzLog:
+    """Writes a .npz at the end, and until then its rows to a spool."""
+
+    KIND = ".rows"
+
+    def __init__(self, spool, known):
+        self.spool, self._table, self._facts, self._told = spool, Table(), {}, False
+        self.add = self._table.add
+        spool.write(MAGIC)
+
+    def tell(self, facts):
+        self._facts, self._told = facts, False
+
+    def flush(self, facts):
+        found = {name: array for name, array in self._table.new().items() if len(array)}
+        if found or not self._told:
+            block = io.BytesIO()
+            np.savez_compressed(block, **found, **_facts(facts))
+            data = block.getvalue()
+            head = [len(data).to_bytes(4, "little"), zlib.crc32(data).to_bytes(4, "little")]
+            self.spool.write(b"".join([*head, data]))
+            self._told = True
+        self.spool.flush()
+
+    def finish(self, path, facts):
+        with written(path) as file:
+            np.savez_compressed(file, **self._table.arrays(), **_facts(facts))
+        self.spool.remove()
+
+
+def _facts(facts):
+    return {name: np.asarray(value) for name, value in facts.items()}
+
+
+def read_rows(path):
+    """Arrays and facts of an NpzLog's spool up to its last whole block; ValueError if it is none."""
+    data = Path(path).read_bytes()
+    if not data.startswith(MAGIC):
+        raise ValueError(f"{path} does not hold the rows of a log")
+    at, blocks, facts = len(MAGIC), [], {}
+    empty = Table().arrays()
+    while at + 8 <= len(data):
+        length, crc = (int.from_bytes(data[at + k : at + k + 4], "little") for k in (0, 4))
+        block = data[at + 8 : at + 8 + length]
+        if len(block) < length:
+            break
+        if zlib.crc32(block) != crc:
+            raise ValueError(f"{path} is damaged at byte {at}")
+        found = arrays_of(io.BytesIO(block)) or {}
+        blocks.append({name: found.pop(name, none) for name, none in empty.items()})
+        facts, at = found, at + 8 + length
+    if not facts:
+        raise ValueError(f"{path} ends before a log began")
+    return joined(blocks) | facts

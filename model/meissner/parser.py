@@ -1,0 +1,172 @@
+"""What the command line takes. It imports none of the commands, so that help and mistakes need no NumPy or
+SciPy: ``call`` names the function that does the work, "module:function"."""
+
+import argparse
+
+from meissner.engine_names import EVERY, NAMES
+from meissner.plain import plain
+
+PICTURE = "budget_cop4.png"
+PORT = "serial:/dev/ttyUSB0?baud=3000000, pty:/dev/pts/7, file:capture.bin, sim:SCENE (docs/host.md)"
+CONFIG = "what the core was built from, for physical units: a name or a TOML file"
+
+
+class _Parser(argparse.ArgumentParser):
+    def error(self, message):
+        self.exit(2, f"{self.prog}: {plain(message)} (see {self.prog} --help)\n")
+
+
+def parser():
+    """The parser of every command."""
+    top = _Parser(prog="meissner", description="Slip, pressure and grip from a tactile sensor's ADC pins.")
+    commands = top.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    _run(commands)
+    _process(commands)
+    _host(commands)
+    _budget(commands)
+    _calibrate(commands)
+    _config(commands)
+    return top
+
+
+def _run(commands):
+    listing = commands.add_parser("scenes", help="list the scenes, one line each")
+    listing.set_defaults(call="meissner.cli:scenes")
+
+    run = commands.add_parser("run", help="run a scene: physics, converter, core, report")
+    run.add_argument("scene", metavar="SCENE", help="a name that `meissner scenes` lists")
+    run.add_argument("--engine", default="fixed", metavar="E", help=f"{', '.join(EVERY)} (fixed)")
+    run.add_argument("--out", metavar="DIR", help="folder for the results (build/run/SCENE)")
+    run.add_argument("--seed", type=int, default=1, help="first seed; the scene says how many follow (1)")
+    run.add_argument("--waves", action="store_true", help="also write waves.vcd (rtl engine)")
+    run.add_argument("--json", action="store_true", help="print summary.json on standard output instead")
+    run.set_defaults(call="meissner.cli:run")
+
+
+def _process(commands):
+    process = commands.add_parser("process", help="run one part of the core over recorded samples")
+    parts = process.add_subparsers(dest="part", required=True, metavar="PART")
+    slip = parts.add_parser("slip", help="slip per window from samples [samples] or [channels, samples]")
+    slip.add_argument("input", metavar="IN.npy", help="integer codes; or .csv with one column per channel")
+    slip.add_argument("--rate", type=float, required=True, help="samples per second of each channel")
+    slip.add_argument("--threshold", type=int, required=True, help="codes of the unnormalised detail")
+    slip.add_argument("--window", type=int, default=64, help="samples, a power of two from 4 (64)")
+    slip.add_argument("--hop", type=int, help="samples, even, 2 to window (the window)")
+    slip.add_argument("--level", type=int, default=1, help="Haar level, 1 to 3 (1)")
+    slip.add_argument("--engine", default="fixed", metavar="E", help=f"{', '.join(EVERY)} (fixed)")
+    slip.add_argument("--out", required=True, metavar="OUT.npz", help="where the arrays go")
+    slip.set_defaults(call="meissner.process:slip")
+
+    cop = parts.add_parser("cop", help="centre of pressure and load from forces [frames, rows, columns]")
+    cop.add_argument("input", metavar="IN.npy", help="integers, 0 to 65535; codes with --calibration")
+    cop.add_argument("--min-load", type=int, default=1, help="least sum of forces with a position (1)")
+    cop.add_argument("--calibration", metavar="CAL.npz", help="what `meissner calibrate` wrote")
+    cop.add_argument("--engine", default="fixed", metavar="E", help=f"{', '.join(EVERY)} (fixed)")
+    cop.add_argument("--out", required=True, metavar="OUT.npz", help="where the arrays go")
+    cop.set_defaults(call="meissner.process:cop")
+
+    cop4 = parts.add_parser("cop4", help="centre of pressure and load from four electrodes [samples, 4]")
+    cop4.add_argument("input", metavar="IN.npy", help="codes of E1 to E4; or .csv with a column each")
+    cop4.add_argument("--config", required=True, metavar="C.toml", help="sensor and converter: docs/cop4.md")
+    cop4.add_argument("--engine", default="fixed", metavar="E", help=f"{', '.join(EVERY)} (fixed)")
+    cop4.add_argument("--out", required=True, metavar="OUT.npz", help="where the arrays go")
+    cop4.set_defaults(call="meissner.process:cop4")
+
+
+def _host(commands):
+    regs = commands.add_parser("regs", help="registers of a core: all, the named ones, or write NAME=VALUE")
+    regs.add_argument("port", metavar="PORT", help=PORT)
+    regs.add_argument(
+        "names", metavar="NAME[=VALUE]", nargs="*", help="docs/registers.md; VALUE 40, 0x28, 20mV, 0.5N, 5ms"
+    )
+    regs.add_argument("--config", metavar="FILE", help=CONFIG)
+    regs.set_defaults(call="meissner.host.commands:regs")
+
+    live = commands.add_parser(
+        "live", help="what a core says, as it says it: slip, centre of pressure, image"
+    )
+    _line_arguments(live)
+    live.set_defaults(call="meissner.host.commands:live")
+
+    log = commands.add_parser("log", help="write what a core says to MCAP (ROS 2) or npz")
+    _line_arguments(log)
+    log.add_argument("--out", required=True, metavar="FILE", help="a .mcap or a .npz file")
+    log.set_defaults(call="meissner.host.commands:log")
+
+    replay = commands.add_parser("replay", help="a log's images through an engine, beside what the core said")
+    replay.add_argument("log", metavar="LOG", help="what `meissner log` wrote")
+    replay.add_argument("--min-load", type=int, help="least sum of forces with a position (the log's, or 1)")
+    replay.add_argument("--engine", default="fixed", metavar="E", help=f"{', '.join(NAMES)} (fixed)")
+    replay.add_argument("--out", required=True, metavar="OUT.npz", help="where the arrays go")
+    replay.set_defaults(call="meissner.host.commands:replay")
+
+
+def _line_arguments(parser):
+    parser.add_argument("port", metavar="PORT", help=PORT)
+    parser.add_argument("--seconds", type=float, metavar="S", help="then stop (at Ctrl-C or the file's end)")
+    parser.add_argument("--listen", action="store_true", help="ask no registers: for a core without them")
+    parser.add_argument("--config", metavar="FILE", help=CONFIG)
+    parser.add_argument("--clk-khz", type=int, metavar="KHZ", help="the core's clock, where it is not asked")
+
+
+def _budget(commands):
+    parser = commands.add_parser(
+        "budget", help="what a scanned array takes, term by term; --cop4: what a four-wire sensor resolves"
+    )
+    parser.add_argument("--cop4", action="store_true", help="position and load resolution of four electrodes")
+    parser.add_argument("--rows", type=int, metavar="M", help="taxels (64; four-wire: 41)")
+    parser.add_argument("--columns", "--cols", type=int, metavar="N", help="taxels (64; four-wire: 41)")
+    parser.add_argument("--json", action="store_true", help="print the numbers as JSON instead")
+    parser.set_defaults(call="meissner.budget:command")
+    array = parser.add_argument_group("a scanned array")
+    array.add_argument("--clock", type=float, default=100e6, metavar="HZ", help="of the core (100e6)")
+    array.add_argument("--adc", default="ad7606", metavar="PART", help="converter (ad7606)")
+    array.add_argument("--converters", type=int, metavar="N", help="1, 2, 4 or 8 (the fewest for 1 ms)")
+    array.add_argument("--channels", type=int, metavar="N", help="inputs used of each (the fastest)")
+    array.add_argument(
+        "--sclk-khz", type=int, metavar="KHZ", help="serial clock, at most (the part's usual one)"
+    )
+    array.add_argument(
+        "--settle-us", type=float, default=1.0, metavar="US", help="lines to convert start (1)"
+    )
+    array.add_argument("--demod", action="store_true", help="taxels are amplitudes of a carrier")
+    array.add_argument("--sample-period", type=int, default=500, metavar="CLOCKS", help="with --demod (500)")
+    array.add_argument("--periods", type=int, default=4, metavar="N", help="of 4 samples, with --demod (4)")
+    array.add_argument("--skip", type=int, default=4, metavar="N", help="samples to settle, with --demod (4)")
+    array.add_argument("--no-health", action="store_true", help="without the mask of faulty taxels")
+    array.add_argument("--no-tare", action="store_true", help="without zeros of the taxels")
+    array.add_argument(
+        "--bits-per-clock", type=int, default=2, metavar="N", help="of the division, 1 or 2 (2)"
+    )
+    parser = parser.add_argument_group("a four-wire sensor")
+    parser.add_argument("--r", type=float, default=10.0, help="resistor between taxels, ohms (10)")
+    parser.add_argument("--R0", type=float, default=10e3, help="resistor to the supply, ohms (10000)")
+    parser.add_argument("--V0", type=float, default=15.0, help="supply, plus and minus, volts (15)")
+    parser.add_argument("--k", type=float, default=4320.0, help="taxel: k / force, newton ohms (4320)")
+    parser.add_argument("--adc-bits", type=int, default=16, metavar="B", help="8 to 24 (16)")
+    parser.add_argument("--gain", type=float, default=1.0, help="of the differences, 1: none (1)")
+    parser.add_argument("--load", type=float, default=5.0, metavar="F", help="on one point, newtons (5)")
+    parser.add_argument("--out", metavar="PATH", help=f"a picture: a .png file, or a folder for {PICTURE}")
+
+
+def _calibrate(commands):
+    parser = commands.add_parser("calibrate", help="a straight line per cell from a press recording")
+    parser.add_argument("recording", metavar="RECORDING", help=".npz of codes and force_n; or .npy of codes")
+    parser.add_argument("--force", metavar="FORCE.npy", help="newtons [frames] or [frames, rows, columns]")
+    parser.add_argument("--lsb", type=float, metavar="N", help="newtons of one code of force (the finest)")
+    parser.add_argument("--out", required=True, metavar="CAL.npz", help="where offsets and gains go")
+    parser.set_defaults(call="meissner.calibration:command")
+
+
+def _config(commands):
+    """``meissner config list | check FILE | show FILE``."""
+    config = commands.add_parser("config", help="check a configuration, or show what it comes to")
+    actions = config.add_subparsers(dest="action", required=True, metavar="ACTION")
+    listing = actions.add_parser("list", help="the named configurations, one line each")
+    listing.set_defaults(call="meissner.config:command_list")
+    check = actions.add_parser("check", help="say what is wrong with a file, or that nothing is")
+    check.add_argument("file", metavar="FILE", help="a TOML file (docs/config.md), or a name")
+    check.set_defaults(call="meissner.config:command_check")
+    show = actions.add_parser("show", help="its RTL parameters and register values")
+    show.add_argument("file", metavar="FILE", help="a TOML file, or a name")
+    show.set_defaults(call="meissner.config:command_show")

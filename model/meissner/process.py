@@ -1,0 +1,85 @@
+"""``meissner process``: one part of the core over recorded samples."""
+
+import time
+
+from meissner import calibration, engines, files
+from meissner.plain import plain
+
+
+def slip(arguments):
+    """``meissner process slip``."""
+    from meissner.slip.config import SlipConfig
+
+    if not 0 < arguments.rate < float("inf"):
+        raise ValueError(f"rate = {arguments.rate:g} must be a number of samples per second above 0")
+    config = SlipConfig(
+        window=arguments.window,
+        hop=arguments.window if arguments.hop is None else arguments.hop,
+        level=arguments.level,
+        threshold=arguments.threshold,
+    )
+    x = engines.check_samples(files.read_array(arguments.input))
+    with files.results(arguments.out) as save:
+        engines.load(arguments.engine)
+        engines.process_slip(x[:, : config.window], config, arguments.engine)  # built and warm
+        began = time.perf_counter()
+        result = engines.process_slip(x, config, arguments.engine)
+        taken = time.perf_counter() - began
+        save(result)
+    channels, windows = result["slip"].shape
+    fired = result["fired_at"][result["slip"]]
+    first = f"first at {int(fired.min()) / arguments.rate:.4f} s" if len(fired) else "none"
+    print(
+        f"{channels} channel{'s' * (channels > 1)}, {windows} windows, {int(result['slip'].sum())} slips "
+        f"({first}); {x.size / taken:.3g} samples/s on engine {arguments.engine}; {plain(arguments.out)}"
+    )
+
+
+def cop(arguments):
+    """``meissner process cop``."""
+    if arguments.min_load < 0:
+        raise ValueError(f"min-load = {arguments.min_load} must not be negative")
+    lines = None
+    if arguments.calibration is not None:
+        lines = calibration.load(arguments.calibration)
+        engines.load(arguments.engine)
+        forces = calibration.check_codes(files.read_array(arguments.input), lines.offset.shape)
+    else:
+        forces = engines.check_forces(files.read_array(arguments.input))
+    with files.results(arguments.out) as save:
+        engines.process_cop(forces[:1], arguments.engine, arguments.min_load, lines)  # built and warm
+        began = time.perf_counter()
+        result = engines.process_cop(forces, arguments.engine, arguments.min_load, lines)
+        taken = time.perf_counter() - began
+        save(result)
+    frames, rows, columns = forces.shape
+    print(
+        f"{frames} frame{'s' * (frames > 1)} of {rows}×{columns}, {int(result['valid'].sum())} with a load; "
+        f"{'' if lines is None else f'1 of sum is {lines.force_lsb_n:g} N; '}"
+        f"{forces.size / taken:.3g} samples/s on engine {arguments.engine}; {plain(arguments.out)}"
+    )
+
+
+def cop4(arguments):
+    """``meissner process cop4``."""
+    from meissner.cop.cop4 import faults
+    from meissner.scenes import four_wires
+
+    engines.load(arguments.engine)
+    config = four_wires.load(arguments.config)
+    codes = files.read_array(arguments.input)
+    if arguments.input.lower().endswith(".csv"):
+        codes = codes.T  # a column per electrode
+    codes = engines.check_electrodes(codes, config.adc.bits)
+    with files.results(arguments.out) as save:
+        engines.process_cop4(codes[:1], config, arguments.engine)  # built and warm
+        began = time.perf_counter()
+        result = engines.process_cop4(codes, config, arguments.engine)
+        taken = time.perf_counter() - began
+        save(result)
+    saturated, imbalance, opened = (int((flag > 0).sum()) for flag in faults(codes, config.registers))
+    print(
+        f"{len(codes)} sample{'s' * (len(codes) > 1)}, {int(result['valid'].sum())} with a load; faults: "
+        f"{saturated} saturated, {opened} open, {imbalance} out of balance; load in {config.load_lsb_n:g} N; "
+        f"{len(codes) / taken:.3g} samples/s on engine {arguments.engine}; {plain(arguments.out)}"
+    )

@@ -1,0 +1,86 @@
+"""A checkout whose path has a space and a letter beyond ASCII: make, which Verilator builds with, can read no
+such path, so it gets links and folders elsewhere. The path of everybody else stays as it is."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from meissner import toolchain
+
+
+@pytest.fixture
+def cache(monkeypatch, tmp_path):
+    """The cache folder that links go to, this test's own."""
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    toolchain._elsewhere.cache_clear()
+    yield tmp_path / "cache/meissner"
+    toolchain._elsewhere.cache_clear()
+
+
+def test_the_rtl_engine_runs_there(tmp_path, cache):
+    checkout = tmp_path / "tac tile é"
+    for name in ("model", "rtl", "host", "tools"):
+        shutil.copytree(toolchain.ROOT / name, checkout / name, ignore=shutil.ignore_patterns("__pycache__"))
+    # Its own environment too: where Python finds its packages has the space as well.
+    (checkout / ".venv").symlink_to(sys.prefix)
+    frame = np.zeros((1, 2, 3), np.uint16)
+    frame[0, 1] = [7, 0, 21]  # right of the middle by half, wholly below it
+    np.save(checkout / "in.npy", frame)
+    command = [checkout / ".venv/bin/python", "-m", "meissner.cli", "process", "cop", "in.npy"]
+    command += ["--engine", "rtl", "--out", "out.npz"]
+    environment = os.environ | {"PYTHONPATH": str(checkout / "model")}
+    done = subprocess.run(command, cwd=checkout, env=environment, capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (0, "")
+    found = np.load(checkout / "out.npz")
+    assert {name: found[name].tolist() for name in ("sum", "x", "y")} == {
+        "sum": [28],
+        "x": [8192],
+        "y": [-16384],
+    }
+    assert len(list((checkout / "build/rtl").glob("*/core.so"))) == 1
+    assert os.readlink(next(path for path in cache.iterdir() if path.is_symlink())).startswith(str(checkout))
+
+
+def test_a_path_that_make_can_read_stays(cache):
+    path = Path("/srv/meissner-2.0/a_b/x+y,z@1/file.sv")
+    assert toolchain.for_make(path) == path
+    assert not cache.exists()
+
+
+@pytest.mark.parametrize(
+    "name", ["a b", "é", "a$b", "a:b", "a#b", "a%b", "a'b", 'a"b', "a;b", "a(b)", "~a", "a=b"]
+)
+def test_any_other_path_gets_a_link(tmp_path, cache, name):
+    source = tmp_path / name / "top.sv"
+    source.parent.mkdir()
+    source.write_text("module top; endmodule\n")
+    link = toolchain.for_make(source)
+    assert toolchain._FOR_MAKE.fullmatch(str(link)) and link.samefile(source) and link.name == "top.sv"
+    assert toolchain.for_make(source) == link  # the same again: what was built stays valid
+    build = toolchain.folder_for_make(source.parent / "build")
+    assert toolchain._FOR_MAKE.fullmatch(str(build.resolve())) and build.is_dir()
+    assert toolchain.folder_for_make(source.parent / "build") == build
+    assert toolchain.folder_for_make(source.parent / "build2") != build
+
+
+def test_a_stale_link_is_replaced(tmp_path, cache):
+    source = tmp_path / "a b/top.sv"
+    source.parent.mkdir()
+    source.touch()
+    link = toolchain.for_make(source).parent
+    link.unlink()
+    link.symlink_to(tmp_path / "gone")
+    assert toolchain.for_make(source).samefile(source)
+
+
+def test_without_a_home_that_can_be_written_to(tmp_path, monkeypatch, cache):
+    monkeypatch.setenv("XDG_CACHE_HOME", "/proc/nowhere")
+    (tmp_path / "a b").mkdir()
+    (tmp_path / "a b/top.sv").touch()
+    link = toolchain.for_make(tmp_path / "a b/top.sv")
+    assert link.samefile(tmp_path / "a b/top.sv") and not link.is_relative_to("/proc")
