@@ -7,8 +7,8 @@ from dataclasses import dataclass
 class Field:
     """Bits high .. low. ``kind``: setting (the host's), status (the core's), constant, command (a pulse).
 
-    ``signed``: two's complement; ``held_to``: the field of core.widths that says how many bits a build has for
-    it, at whose ends the core holds it.
+    ``signed``: two's complement; ``held_to``: the field of core.widths that says how many bits a build has
+    for it, at whose ends the core holds it.
     """
 
     name: str

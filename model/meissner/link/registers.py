@@ -1,8 +1,8 @@
 """Twin of rtl/link/msn_registers.sv: what each access answers, and what the core sees.
 
 An access is an error, and changes nothing, at an address without a register in this build, at one that is no
-multiple of four, and for a write where all is read-only. What is written to a setting that the build has fewer
-bits for is kept byte by byte; where it is read and where the core takes it, it is held at the ends of those.
+multiple of four, and for a write where all is read-only. What is written to a setting that the build has
+fewer bits for is kept byte by byte; where it is read and where the core takes it, it is held at their ends.
 """
 
 from meissner.host.register_map import GROUPS
@@ -29,19 +29,17 @@ def held(field, bits, widths):
 def reset_word(values, widths=None):
     """The parameter Resets: the map's reset values, but {"group.register" or "group.register.field": value}.
 
-    Signed values are taken mod 2**width. ValueError for a name that is no setting and a value without room,
-    in its register or in the build's ``widths`` {name in core.widths: bits}.
+    ValueError for a name that is no setting and a value without room, in its register or in the build's
+    ``widths`` {name in core.widths: bits}.
     """
     left, word, at = dict(values), 0, 0
     for group, register, field in settings():
         name = f"{group.name}.{register.name}" + ("" if field.name == "value" else f".{field.name}")
-        given, value = name in left, int(left.pop(name, field.reset))
-        if not -(field.most + 1) // 2 <= value <= field.most:
-            raise ValueError(f"{name} = {value} does not fit its {field.width} bits")
-        if given and widths is not None and field.held_to:
-            least, most = field.ends(widths[field.held_to])
-            if not least <= field.number(value & field.most) <= most:
-                raise ValueError(f"{name} = {value} must lie in {least} .. {most} in this build")
+        value = int(left.pop(name)) if name in left else None
+        least, most = field.ends(widths[field.held_to] if widths and field.held_to else None)
+        if value is not None and not least <= value <= most:
+            raise ValueError(f"{name} = {value} must lie in {least} .. {most}")
+        value = field.reset if value is None else value
         word |= (value & field.most) << at
         at += field.width
     if left:
