@@ -1,5 +1,5 @@
-"""Gains of rows and columns in a core of 3 rows of 5 columns, in beats of two: the default of GainShift makes 4096 a
-gain of one of both; offsets have 16 bits, and words of rows and of columns that are not there are lost."""
+"""Gains of rows and columns in a core of 3 rows of 5 columns, in beats of two: the default of GainShift makes
+4096 a gain of one in both; offsets have 16 bits; words of rows and columns that are not there are lost."""
 
 import cocotb
 
@@ -37,7 +37,7 @@ async def words_that_are_not_there_are_lost(dut):
 
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 async def an_offset_is_held_at_both_ends(dut):
-    """Of column 1, word 0, lane 1: -40000 is -32768, was 25536; 40000 is 32767, was -25536. Rows' offsets add."""
+    """Column 1 is word 0, lane 1: -40000 is -32768, was 25536; 40000 is 32767, was -25536. Rows' add."""
     core = await Bench(dut).begin()
     for word in range(3):
         await core.write(word=word, offset=0, gain=4096, write=0x100)

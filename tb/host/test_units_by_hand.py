@@ -1,7 +1,9 @@
-"""Register words of three configurations whose supply, clock and rates are odd numbers, worked out by hand
-from the formulas of docs/config.md, docs/host.md and docs/cop4.md and the data sheets' codes: MCP3208, 12 bits
-from 0 V to the supply; AD7606, 16 bits of two's complement over ±range. Each fraction is shown, so that which
-way it is rounded is held too; and the way back, codes to volts, newtons and seconds."""
+"""Register words of three configurations whose supply, clock and rates are odd numbers, worked out by hand.
+
+From the formulas of docs/config.md, host.md and cop4.md and the data sheets' codes: MCP3208, 12 bits from 0 V
+to the supply; AD7606, 16 bits, two's complement over ±range. Each fraction is shown, so that which way it is
+rounded is held too; and the way back, codes to volts, newtons and seconds.
+"""
 
 import pytest
 

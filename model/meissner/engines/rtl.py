@@ -7,11 +7,10 @@ from pathlib import Path
 
 import numpy as np
 
-from meissner.engines import Watched
+from meissner.engines import Watched, verilated
 from meissner.engines.rtl_cop import cop  # noqa: F401 - this engine's centre of pressure
 from meissner.engines.rtl_cop4 import cop4, cop_slip  # noqa: F401 - of four electrodes
 from meissner.engines.rtl_frontend import calibrate, demodulate  # noqa: F401 - and its front end
-from meissner.engines import verilated
 from meissner.engines.verilated import library
 from meissner.slip.config import SAMPLE_BITS, TIMER_BITS
 

@@ -138,7 +138,7 @@ GROUPS = (
             Register(
                 "contact_level",
                 0x208,
-                "Contact where a group's sum passes this, in codes, signed.",
+                "Contact where a group's sum reaches this, in codes, signed.",
                 (Field("value", 19, 0, "setting", 0x0, True, "detail"),),
             ),
             Register(
