@@ -201,6 +201,9 @@ module msn_calibrate #(
       end
     end
 
+    logic unused_word;  // a row's or a column's number has fewer bits than a beat's
+    assign unused_word = ^cfg_word_i;
+
     logic loaded;
     logic [Lanes*SampleBits-1:0] offset;
     logic [Lanes*32-1:0]         gain;
