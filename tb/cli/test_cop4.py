@@ -190,6 +190,7 @@ def test_a_builds_configuration_is_taken_too(tmp_path, codes):
     own += "[converter]\nbits = 16\nreference_v = 5.0\ngain = 0.3\n"
     own += '[load]\nlsb_n = 0.001\nmin_n = 0.1\ncorrection = "none"\n'
     (tmp_path / "own.toml").write_text(own)
+    np.save(tmp_path / "in.npy", codes.astype(np.int64) >> 8)  # of 24 bits
     (tmp_path / "build.toml").write_text((config.FOLDER / "cop4.toml").read_text())
     found = []
     for name in ("own.toml", "build.toml", "cop4"):
