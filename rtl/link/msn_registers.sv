@@ -7,8 +7,8 @@
 // multiple of four, and for a write where all is read-only. bus_strobe_i: the bytes that a write changes. A
 // group with commit_i keeps two copies: a read sees what was written, the core what was committed.
 // Resets: the reset value of every setting, in the page's order, the first lowest. Without a bus: constants.
-// Some settings are wider than the build has bits for. What was written is kept byte by byte; what is read and
-// what the core takes is held at the ends of DetailBits, TimerBits, LoadBits or OffsetBits.
+// Some settings are wider than the build has bits for. What was written is kept byte by byte; what a read and
+// the core get is held at the ends of DetailBits, TimerBits, LoadBits or OffsetBits.
 // Model: model/meissner/link/registers.py
 
 // verilog_lint: waive-start line-length

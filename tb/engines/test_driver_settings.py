@@ -103,9 +103,9 @@ def test_wider_settings_are_refused():
     for name, value in (
         *(("threshold", 1 << 18), ("gross_threshold", (1 << 32) + 5), ("contact_level", 1 << 17)),
         *(("release_level", -(1 << 17) - 1), ("hold", 1 << 16), ("refractory", (1 << 32) + 7), ("blank", -1)),
-        *(("contact_rises", 2), ("contact_level", (1 << 40) + 1)),
+        *(("contact_rises", 2), ("contact_level", (1 << 40) + 1), ("keeps_above", 1 << 18)),
     ):
-        config = SimpleNamespace(**vars(SlipConfig()) | {name: value})
+        config = SimpleNamespace(**vars(SlipConfig()) | {"keeps_above": 40} | {name: value})
         with pytest.raises(ValueError, match="wider than the core has bits for"):
             rtl.Core(parameters, config)
 

@@ -150,6 +150,7 @@ def test_a_field_leaves_its_neighbours_when_the_core_was_reset_before():
 TOO_WIDE = {
     "slip.threshold": (0, 524_287),
     "slip.gross_threshold": (0, 524_287),
+    "slip.keep_threshold": (0, 524_287),
     "slip.contact_level": (-262_144, 262_143),
     "slip.release_level": (-262_144, 262_143),
     "slip.hold": (0, 65_535),
