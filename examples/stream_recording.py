@@ -21,10 +21,8 @@ def main(path=None, threshold=40):
     else:
         codes = engines.check_samples(files.read_array(path))
         config = SlipConfig(threshold=int(threshold), contact_level=-(1 << 17), release_level=-(1 << 17))
-    source = slip_source(
-        blocks_of(codes, config.level), scene.rate_hz, config.window, config.hop, config.level
-    )
-    core = SimulatedCore(source, settings=settings_of(config))
+    source = slip_source(blocks_of(codes, config.level), scene.rate_hz, config.window, config.hop)
+    core = SimulatedCore(source, settings=settings_of(config), level=config.level)
     decoder, assembler = Decoder(), packets.Assembler(Units(clk_khz=core.clk_khz))
     count = 0
     while data := core.read(4096):  # the bytes that the core would send over its line

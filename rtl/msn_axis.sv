@@ -27,7 +27,7 @@ module msn_axis #(
   parameter  int unsigned Level            = 1,
   parameter  int unsigned Window           = 64,
   parameter  int unsigned Hop              = 64,
-  parameter  int unsigned GainShift        = 12,
+  parameter  int unsigned GainShift        = RowColumn ? 24 : 12,
   parameter  int unsigned TareLog2         = 4,
   parameter  int unsigned Lag              = 16,
   parameter  int unsigned SlipDepth        = 64,

@@ -47,7 +47,7 @@ module msn_core #(
   parameter  int unsigned Hop              = 64,
   parameter  int unsigned TimerBits        = 16,
   parameter  int unsigned SampleBits       = 17,                // narrower for single channels only
-  parameter  int unsigned GainShift        = 12,
+  parameter  int unsigned GainShift        = RowColumn ? 24 : 12,  // a gain of 4096 is 1.0, and so is the product of two
   parameter  int unsigned TareLog2         = 4,
   parameter  int unsigned FractionBits     = 14,
   parameter  int unsigned BitsPerClock     = 2,
@@ -141,7 +141,13 @@ module msn_core #(
   logic [47:0] now;
   always_ff @(posedge clk_i) now <= rst_i ? '0 : now + 1'b1;
 
-  // Registers.
+  // Registers. A setting is as wide here as the block that takes it: msn_registers holds it at the ends of that, so
+  // that nothing here cuts it. OffsetBits, SumBits: of msn_array.
+  localparam int unsigned OffsetBits = (Tare ? 18 : 17) - 32'(RowColumn);
+  localparam int unsigned SumBits    = 16 + $clog2(Taxels);
+  localparam int unsigned GivenBits  = OffsetBits < 17 ? OffsetBits : 17;
+  localparam int unsigned LoadBits   = SumBits < 32 ? SumBits : 32;
+  localparam int unsigned Beats      = Rows * RowBeats;
   logic        bus_valid, bus_write, bus_done, bus_error;
   logic [11:0] bus_address;
   logic [31:0] bus_question, bus_answer;
@@ -152,13 +158,15 @@ module msn_core #(
 
   logic        cfg_adc_enable, cfg_scan_enable, cfg_interleave, cfg_edges, cfg_user, cfg_clear, cfg_report;
   logic [23:0] cfg_adc_period;
-  logic [19:0] cfg_threshold, cfg_gross_threshold, cfg_contact_level, cfg_release_level;
+  logic [DetailBits-1:0] cfg_threshold, cfg_gross_threshold, cfg_contact_level, cfg_release_level;
   logic        cfg_contact_rises;
-  logic [15:0] cfg_hold, cfg_refractory, cfg_blank;
-  logic [19:0] cfg_keep_threshold;
+  logic [TimerBits-1:0] cfg_hold, cfg_refractory, cfg_blank;
+  logic [DetailBits-1:0] cfg_keep_threshold;
   logic [15:0] cfg_settle;
-  logic [31:0] cfg_scan_period, cfg_min_load;
-  logic [16:0] cfg_band, cfg_jump, cfg_low, cfg_high, cfg_contact, cfg_zero, cfg_offset;
+  logic [31:0] cfg_scan_period;
+  logic [LoadBits-1:0] cfg_min_load;
+  logic [16:0] cfg_band, cfg_jump, cfg_low, cfg_high, cfg_contact, cfg_zero;
+  logic [GivenBits-1:0] cfg_offset;
   logic [7:0]  cfg_still, cfg_rail, cfg_blink, cfg_step, cfg_zero_lanes, cfg_lanes;
   logic        cfg_force, cfg_at_start, cfg_average, cfg_load, cfg_zero_written;
   logic        cfg_written, cfg_row, cfg_swap;
@@ -190,7 +198,11 @@ module msn_core #(
     .Cop4     (Cop4),
     .CopSlip  (CopSlip),
     .Link     (1'b1),
-    .Resets   (Resets)
+    .Resets   (Resets),
+    .DetailBits(DetailBits),
+    .TimerBits (TimerBits),
+    .LoadBits  (LoadBits),
+    .OffsetBits(GivenBits)
   ) u_registers (
     .clk_i,
     .rst_i,
@@ -207,6 +219,11 @@ module msn_core #(
     .core_size_rows_i        (Array ? 16'(Rows) : 16'd1),
     .core_clk_khz_i          (32'(ClkKhz)),
     .core_scratch_o          (unused_scratch),
+    .core_widths_detail_i    (8'(DetailBits)),
+    .core_widths_timer_i     (8'(TimerBits)),
+    .core_widths_load_i      (8'(LoadBits)),
+    .core_widths_offset_i    (8'(GivenBits)),
+    .core_beats_i            (Array ? 21'(Beats) : 21'd0),
     .adc_enable_o            (cfg_adc_enable),
     .adc_period_o            (cfg_adc_period),
     .adc_dropped_i           (adc_dropped),
@@ -347,16 +364,21 @@ module msn_core #(
   logic [15:0] decision_id;
 
   if (Array) begin : gen_array
-    localparam int unsigned IdBits     = msn_pkg::index_width(Rows * RowBeats);
-    localparam int unsigned OffsetBits = (Tare ? 18 : 17) - 32'(RowColumn);
-    localparam int unsigned SumBits    = 16 + $clog2(Rows * Columns);
+    localparam int unsigned IdBits     = msn_pkg::index_width(Beats);
     localparam int unsigned CountBits  = msn_pkg::index_width(Rows * Columns + 1);
     localparam int unsigned CopBits    = FractionBits + 2;
 
-    logic signed [16:0]           narrow_offset;
-    logic signed [OffsetBits-1:0] given_offset;  // as wide as the table's, one bit more or less
+    logic signed [GivenBits-1:0]  narrow_offset;
+    logic signed [OffsetBits-1:0] given_offset;  // as wide as the table's: behind a tare one bit more
     assign narrow_offset = cfg_offset;
     assign given_offset  = OffsetBits'(narrow_offset);
+
+    // A write to a word that is not there would be one to another word, whose number has the same low bits.
+    localparam int unsigned Words = RowColumn ? RowBeats : Beats;
+    logic word_there, row_there, zero_there;
+    assign word_there = {1'b0, cfg_word} < 21'(Words);
+    assign row_there  = {1'b0, cfg_word} < 21'(Rows);
+    assign zero_there = {1'b0, cfg_zero_word} < 21'(Beats);
 
     // A gain from reset on, and a zero as soon as it is in use.
     logic [Lanes-1:0]      write;
@@ -374,8 +396,8 @@ module msn_core #(
       .clk_i,
       .rst_i,
       .cfg_gain_i     (cfg_preset),
-      .in_write_i     ((cfg_written && !cfg_row) ? cfg_lanes[Lanes-1:0] : '0),
-      .in_write_row_i (cfg_written && cfg_row),
+      .in_write_i     ((cfg_written && !cfg_row && word_there) ? cfg_lanes[Lanes-1:0] : '0),
+      .in_write_row_i (cfg_written && cfg_row && row_there),
       .in_word_i      (cfg_word[IdBits-1:0]),
       .in_offset_i    (given_offset),
       .in_gain_i      (cfg_gain),
@@ -450,7 +472,7 @@ module msn_core #(
       .cfg_tare_i      (cfg_average || (started && cfg_at_start)),
       .cfg_force_i     (cfg_force || started),
       .cfg_load_i      (cfg_load),
-      .cfg_zero_write_i(cfg_zero_written ? cfg_zero_lanes[Lanes-1:0] : '0),
+      .cfg_zero_write_i((cfg_zero_written && zero_there) ? cfg_zero_lanes[Lanes-1:0] : '0),
       .cfg_zero_word_i (cfg_zero_word[IdBits-1:0]),
       .cfg_zero_i      (cfg_zero),
       .cfg_loading_o   (loading),
@@ -851,15 +873,15 @@ module msn_core #(
     ) u_slip_path (
       .clk_i,
       .rst_i,
-      .cfg_threshold_i      (cfg_threshold[DetailBits-1:0]),
-      .cfg_gross_threshold_i(cfg_gross_threshold[DetailBits-1:0]),
-      .cfg_contact_level_i  (cfg_contact_level[DetailBits-1:0]),
-      .cfg_release_level_i  (cfg_release_level[DetailBits-1:0]),
+      .cfg_threshold_i      (cfg_threshold),
+      .cfg_gross_threshold_i(cfg_gross_threshold),
+      .cfg_contact_level_i  (cfg_contact_level),
+      .cfg_release_level_i  (cfg_release_level),
       .cfg_contact_rises_i  (cfg_contact_rises),
-      .cfg_hold_i           (cfg_hold[TimerBits-1:0]),
-      .cfg_refractory_i     (cfg_refractory[TimerBits-1:0]),
-      .cfg_blank_i          (cfg_blank[TimerBits-1:0]),
-      .cfg_keep_threshold_i (cfg_keep_threshold[DetailBits-1:0]),
+      .cfg_hold_i           (cfg_hold),
+      .cfg_refractory_i     (cfg_refractory),
+      .cfg_blank_i          (cfg_blank),
+      .cfg_keep_threshold_i (cfg_keep_threshold),
       .actuator_moving_i    (moving),
       .in_valid_i           (slip_valid),
       .in_ready_o           (slip_ready),

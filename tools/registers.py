@@ -16,6 +16,9 @@ ROOT = Path(__file__).resolve().parents[1]
 SOURCE = "rtl/registers.rdl"
 MADE = f"Made by tools/registers.py from {SOURCE}: change that, then `make registers`."
 
+# What a build may have fewer bits for than the map: core.widths, and the map's bits.
+HELD = {"detail": 20, "timer": 16, "load": 32, "offset": 17}
+
 
 @dataclass(frozen=True)
 class Field:
@@ -27,10 +30,17 @@ class Field:
     low: int
     kind: str
     reset: int
+    signed: bool = False
+    held_to: str = ""  # of HELD
 
     @property
     def width(self):
         return self.high - self.low + 1
+
+    @property
+    def parameter(self):
+        """Bits that the build has for it."""
+        return f"{self.held_to.capitalize()}Bits" if self.held_to else str(self.width)
 
 
 @dataclass(frozen=True)
@@ -74,7 +84,13 @@ def _field(prefix, field):
     if kind == "command" and field.width != 1:
         sys.exit(f"{SOURCE}: {prefix}.{field.inst_name} is a pulse and must be one bit")
     assert seen or kind in ("status", "constant"), field.inst_name
-    return Field(field.inst_name, port, field.high, field.low, kind, reset or 0)
+    signed, held_to = (
+        field.get_property("is_signed", default=False),
+        field.get_property("held_to", default=""),
+    )
+    if held_to and (held_to not in HELD or HELD[held_to] != field.width):
+        sys.exit(f"{SOURCE}: {prefix}.{field.inst_name} is held to no width of {', '.join(HELD)}")
+    return Field(field.inst_name, port, field.high, field.low, kind, reset or 0, bool(signed), held_to)
 
 
 def read():
@@ -181,6 +197,7 @@ def rtl(groups):
     lines = [*HEADER.strip("\n").split("\n"), ""]
     lines.append("module msn_registers #(")
     parameters.append("parameter logic [msn_registers_pkg::ResetBits-1:0] Resets = msn_registers_pkg::Reset")
+    parameters += [f"parameter int unsigned {name.capitalize()}Bits = {bits}" for name, bits in HELD.items()]
     lines.append(",\n".join(f"  {p}" for p in parameters))
     lines.append(") (")
     lines += BUS.strip("\n").split("\n")
@@ -192,7 +209,15 @@ def rtl(groups):
         comma = "," if index < last else ""
         note = f"  // {port[1]}" if port[1] else ""
         lines.append(f"  {port[0]}{comma}{note}")
-    lines += [");", "", *DECODE.strip("\n").split("\n"), *body, ""]
+    lines += [");", ""]
+    for name, bits in HELD.items():
+        width = f"{name.capitalize()}Bits"
+        lines += [
+            f"  if ({width} < 1 || {width} > {bits}) begin : gen_check_{name}_bits",
+            f'    $fatal(1, "msn_registers: {width} = %0d must lie in 1 .. {bits}", {width});',
+            "  end",
+        ]
+    lines += ["", *DECODE.strip("\n").split("\n"), *body, ""]
     lines += ["  // Which register, a clock after the address: decoding takes one clock, the word another."]
     lines += ["  logic " + ", ".join(f"{hit}_q" for hit in hits) + ";"]
     lines += ["  always_ff @(posedge clk_i) begin"]
@@ -226,22 +251,44 @@ def _field_rtl(field, base, waits, ports, body, group_writes, places):
     if field.kind == "status":
         ports.append((f"input  logic {bits:6} {field.port}_i", ""))
         return f"{field.port}_i"
-    ports.append((f"output logic {bits:6} {field.port}_o", ""))
+    shown = f"[{field.parameter}-1:0]" if field.held_to else bits
+    ports.append((f"output logic {shown:6} {field.port}_o", ""))
     if field.kind == "command":
         body += _flip_flop(
             f"{field.port}_o", "1'b0", f"{base}_write && mask[{field.low}] && bus_data_i{slice_}", None
         )
         return "1'b0"
-    held = f"{field.port}_q" if waits else f"{field.port}_o"
-    if waits:
+    held = f"{field.port}_q" if waits or field.held_to else f"{field.port}_o"
+    if waits or field.held_to:
         body.append(f"  logic {bits}{' ' if bits else ''}{held};")
+    if waits:
         group_writes.append(f"{base}_write")
     merged = f"({held} & ~mask{slice_}) | (bus_data_i{slice_} & mask{slice_})"
     constant = places[field.port]
     body += _flip_flop(held, constant, merged, f"{base}_write")
+    if not field.held_to:
+        if waits:
+            body += _flip_flop(f"{field.port}_o", constant, held, f"{waits}_commit_i")
+        return held
+    name = "".join(part.capitalize() for part in field.port.split("_"))
+    body.append(f"  logic {shown} {field.port}_fit;")
+    body.append(f"  assign {field.port}_fit = {_fit(field, held)};")
     if waits:
-        body += _flip_flop(f"{field.port}_o", constant, held, f"{waits}_commit_i")
-    return held
+        body.append(f"  localparam logic {bits} {name}Reset = {constant};")
+        reset = _fit(field, f"{name}Reset")
+        body += _flip_flop(f"{field.port}_o", reset, f"{field.port}_fit", f"{waits}_commit_i")
+    else:
+        body.append(f"  assign {field.port}_o = {field.port}_fit;")
+    return f"{field.width}'(" + (f"signed'({field.port}_fit))" if field.signed else f"{field.port}_fit)")
+
+
+def _fit(field, value):
+    """``value`` held at the ends of the bits that the build has for the field."""
+    bits, top = field.parameter, field.width - 1
+    if not field.signed:
+        return f"({value} >> {bits}) == '0 ? {bits}'({value}) : '1"
+    beyond, sign = f"{value}[{top}:{bits}-1]", f"{value}[{top}]"
+    return f"(&{beyond} || !(|{beyond})) ? {bits}'({value}) : {{{sign}, {{({bits}-1){{!{sign}}}}}}}"
 
 
 HEADER = f"""
@@ -254,6 +301,8 @@ HEADER = f"""
 // multiple of four, and for a write where all is read-only. bus_strobe_i: the bytes that a write changes. A
 // group with commit_i keeps two copies: a read sees what was written, the core what was committed.
 // Resets: the reset value of every setting, in the page's order, the first lowest. Without a bus: constants.
+// Some settings are wider than the build has bits for. What was written is kept byte by byte; what a read and
+// the core get is held at the ends of DetailBits, TimerBits, LoadBits or OffsetBits.
 // Model: model/meissner/link/registers.py
 
 // verilog_lint: waive-start line-length
@@ -338,7 +387,9 @@ def python(groups):
         )
         for register in group.registers:
             fields = ", ".join(
-                f'Field("{f.name}", {f.high}, {f.low}, "{f.kind}", {f.reset:#x})' for f in register.fields
+                f'Field("{f.name}", {f.high}, {f.low}, "{f.kind}", {f.reset:#x}'
+                + (f', {f.signed}, "{f.held_to}")' if f.signed or f.held_to else ")")
+                for f in register.fields
             )
             lines.append(
                 f'Register("{register.name}", {register.address:#05x}, {register.text!r}, ({fields},)'
@@ -424,9 +475,10 @@ def proof(groups):
             for field in register.fields:
                 begin = f"{index}, {on}, {word}, {field.low}"
                 if field.kind == "setting":
-                    inner = f"dut.{field.port}_{'q' if group.at_frame else 'o'}"
+                    inner = f"dut.{field.port}_{'q' if group.at_frame or field.held_to else 'o'}"
                     waits = f"{int(group.at_frame)}, {commit}, {inner}"
-                    lines.append(f"`SETTING({begin}, {field.width}, {place}, {field.port}, {waits})")
+                    ends = f"{field.parameter}, {int(field.signed)}"
+                    lines.append(f"`SETTING({begin}, {field.width}, {place}, {field.port}, {waits}, {ends})")
                     place += field.width
                 elif field.kind == "status":
                     lines.append(f"`STATUS({begin}, {field.width}, {field.port})")

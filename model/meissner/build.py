@@ -2,12 +2,14 @@
 
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
+from math import ceil
 
 from meissner.cop.cop4_config import Cop4Config
 from meissner.frontend.adc_spi import PARTS as ADC_PARTS
 from meissner.frontend.adc_spi import AdcSpi
 from meissner.frontend.scan_adc import ScanAdc
-from meissner.host.units import Units
+from meissner.host.units import Units, exact
+from meissner.link import cobs, packet
 from meissner.link.registers import RESET_BITS, reset_word
 from meissner.slip.config import SAMPLE_BITS, TIMER_BITS, SlipConfig
 
@@ -64,12 +66,21 @@ class Config:
         return max(1, *(t.bit_length() for t in (self.slip.hold, self.slip.refractory, self.slip.blank)))
 
     @property
+    def widths(self):
+        """Bits that the build has of what core.widths says."""
+        taxels = self.sensor["rows"] * self.sensor["columns"] if self.kind == "array" else self.channels
+        array, level = self.array, self.slip.level if self.slip else 1
+        offset = 16 if array.get("gains") == "row_column" and not array["tare"] else 17
+        load = min(32, 16 + (taxels - 1).bit_length())
+        return {"detail": self.sample_bits + level, "timer": self.timer_bits, "load": load, "offset": offset}
+
+    @property
     def period_clocks(self):
-        return round(1000 * self.clk_khz / self.rate_hz)
+        return round(1000 * self.clk_khz / exact(self.rate_hz))
 
     @property
     def settle_clocks(self):
-        return max(1, -(-round(self.adc["settle_us"] * self.clk_khz) // 1000))
+        return max(1, ceil(exact(self.adc["settle_us"]) * self.clk_khz / 1000))
 
     @cached_property
     def scan(self):
@@ -192,6 +203,18 @@ class Config:
             raise ValueError(
                 f"[adc]: rate_hz = {self.rate_hz:g} is too fast: {what} takes {needed} clocks, {most:.0f} Hz"
             )
+        longest = (1 << (32 if self.kind == "array" else 24)) - 1
+        if self.period_clocks > longest:
+            least = 1000 * self.clk_khz / longest
+            raise ValueError(
+                f"[adc]: rate_hz = {self.rate_hz:g} is too slow: the longest period is {longest} clocks, "
+                f"{least:.3g} Hz"
+            )
+        if self.kind == "array" and self.settle_clocks > 65535:
+            most = 65535 * 1000 / self.clk_khz
+            raise ValueError(
+                f"[adc]: settle_us = {self.adc['settle_us']:g} must be at most {most:.1f}, 65535 clocks"
+            )
         if self.serial and (self.channels != 1 or self.part.data_bits > 12 or self.link["registers"]):
             raise ValueError(
                 "[slip]: serial must go with one channel of at most 12 bits and registers = false"
@@ -205,8 +228,27 @@ class Config:
             raise ValueError(
                 f"[link]: baud = {self.link['baud']} must be at most {most}, a quarter of the clock"
             )
-        reset_word(self.settings)
+        if self.link["images"]:
+            self._images_pass()
+        reset_word(self.settings, self.widths)
         return self
+
+    def _images_pass(self):
+        """ValueError if the line carries less than an image a second beside a CoP frame of every frame."""
+        room = self.link["baud"] / 10 - self.rate_hz * line_bytes(packet.cop_frame(0, 0, 0, 0))
+        taxels = self.sensor["rows"] * self.sensor["columns"]
+        image = sum(map(line_bytes, packet.image_chunks(0, [0] * taxels)))
+        if room < image:
+            needed = ceil(10 * (image + self.link["baud"] / 10 - room))
+            raise ValueError(
+                f"[link]: baud = {self.link['baud']} is too slow for images: with {self.rate_hz:g} CoP "
+                f"frames and one image a second it must be at least {needed}"
+            )
+
+
+def line_bytes(payload):
+    """Bytes on the line for a packet with this payload."""
+    return len(cobs.encode(packet.packet(0, 0, 0, payload)))
 
 
 def verilog(parameters):

@@ -17,10 +17,11 @@ from meissner.cop.cop_slip import CopSlipRegisters
 from meissner.frontend.adc_spi import AdcSpi
 from meissner.plain import plain
 from meissner.scenes import four_wires
-from meissner.scenes.check import between, fields, one_of, positive
+from meissner.scenes.check import between, fields, not_negative, one_of, positive, shown
 from meissner.slip.config import SlipConfig
 
 FOLDER = Path(__file__).parent / "configs"
+SMALLEST, LARGEST = 1e-12, 1e12
 KINDS = ("channels", "array", "electrodes")
 LINK = {"baud": 3_000_000, "registers": True, "statistics": True, "images": False, "slip_only": False}
 SLIP_CODES = ("threshold", "gross_threshold", "contact_level", "release_level")
@@ -45,7 +46,7 @@ def _with(where, table, required, defaults):
     kinds = dict(required) | {key: type(value) for key, value in defaults.items() if key in table}
     for key, kind in kinds.items():
         if kind is bool and not isinstance(table.get(key), bool):
-            raise ValueError(f"{where}: {key} = {table.get(key)!r} must be true or false")
+            raise ValueError(f"{where}: {key} = {shown(table.get(key))} must be true or false")
     plain = {key: value for key, value in table.items() if kinds.get(key) is not bool}
     checked = fields(where, plain, {key: kind for key, kind in kinds.items() if kind is not bool})
     return defaults | checked | {key: table[key] for key, kind in kinds.items() if kind is bool}
@@ -62,10 +63,13 @@ def _slip(at, table, config):
         SLIP | {"contact_rises": config.kind == "array", "serial": False, f"keep_threshold_{unit}": 0.0},
     )
     one_of(at, "level", given["level"], (1, 2, 3))
+    if "hop" not in table:
+        given["hop"] = given["window"]
+    not_negative(at, given, ["hold_ms", "refractory_ms", "blank_ms"])
     units = replace(config.units, level=given["level"])
     keep = f"keep_threshold_{unit}"
     try:
-        slip = SlipConfig(
+        found = SlipConfig(
             *(given[key] for key in ("window", "hop", "level")),
             *(units.code(f"slip.{key}", of, given[f"{key}_{unit}"]) for key in codes),
             given["contact_rises"],
@@ -76,7 +80,23 @@ def _slip(at, table, config):
         raise ValueError(f"{at}: {problem}") from None
     if keep in table and given[keep] > given[f"threshold_{unit}"]:
         raise ValueError(f"{at}: {keep} = {given[keep]:g} must not be above threshold_{unit}")
-    return given["serial"], slip
+    _levels(at, unit, given)
+    return given["serial"], found
+
+
+def _levels(at, unit, given):
+    """ValueError where one level of [slip] would undo the other; the same twice is allowed."""
+    rises = given["contact_rises"]
+    for upper, lower, way in (
+        ("gross_threshold", "threshold", True),
+        ("contact_level", "release_level", rises),
+    ):
+        upper, lower = f"{upper}_{unit}", f"{lower}_{unit}"
+        if given[upper] != given[lower] and (given[upper] > given[lower]) != way:
+            side, why = ("least", "") if way else ("most", ", as the code falls with the force")
+            raise ValueError(
+                f"{at}: {upper} = {given[upper]:g} must be at {side} {lower} = {given[lower]:g}{why}"
+            )
 
 
 def load(name, mhz=None, part=None, registers=None):
@@ -88,29 +108,57 @@ def load(name, mhz=None, part=None, registers=None):
         raise ValueError(f"'{name}' is neither a file nor one of the configurations {', '.join(names())}")
     try:
         tables = tomllib.loads(path.read_text("utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as problem:
+    except RecursionError:
+        raise ValueError(f"{path} is no configuration: its lists are nested too deep") from None
+    except ValueError as problem:
         raise ValueError(f"{path} is not a TOML file: {problem}") from None
     for table, key, value in (("clock", "mhz", mhz), ("adc", "part", part), ("link", "registers", registers)):
-        if value is not None and table in tables:
+        if value is not None and isinstance(tables.get(table), dict):
             tables[table] = tables[table] | {key: value}
     try:
         return read(path.stem, tables)
     except ValueError as problem:
         raise ValueError(f"{path.name}: {problem}") from None
-    except OverflowError as problem:
-        raise ValueError(f"{path.name}: a number in it is beyond all computing: {problem}") from None
+
+
+def _sizes(tables):
+    """ValueError for a number that no sensor, clock or converter has: what follows from it cannot be said."""
+    for table, keys in tables.items():
+        for key, value in keys.items() if isinstance(keys, dict) else ():
+            if isinstance(value, (int, float)) and value and not SMALLEST <= abs(value) <= LARGEST:
+                if not abs(value) < float("inf"):
+                    raise ValueError(f"[{table}]: {key} = {value} must be a finite number")
+                limits = f"{SMALLEST:g} .. {LARGEST:g} in size, or be 0"
+                raise ValueError(f"[{table}]: {key} = {shown(value)} must lie in {limits}")
 
 
 def read(name, tables):
     """The Config of ``tables``, as a TOML file has them."""
+    _sizes(tables)
+    try:
+        return _read(name, tables)
+    except (OverflowError, ZeroDivisionError):
+        raise ValueError("its numbers are too far apart for what follows from them") from None
+
+
+def _read(name, tables):
     optional = ("link", "slip", "array", "health", "tare", "cop", "mesh", "load", "cop_slip")
     known = {"about": str, "clock": dict, "sensor": dict, "adc": dict}
+    if "converter" in tables and "adc" not in tables:
+        raise ValueError(
+            "[converter] is of a file for `meissner process cop4` (docs/cop4.md); a build has [clock], "
+            "[sensor] and [adc] in its place"
+        )
     for key in tables:
         if key not in known and key not in optional:
-            raise ValueError(f"unknown table [{key}]; the tables are: {', '.join([*known, *optional])}")
+            raise ValueError(
+                f"unknown table [{shown(key)[1:-1]}]; the tables are: {', '.join([*known, *optional])}"
+            )
         if key in optional and not isinstance(tables[key], dict):
-            raise ValueError(f"{key} = {tables[key]!r} must be a table")
+            raise ValueError(f"{key} = {shown(tables[key])} must be a table")
     top = fields("the top", {key: tables[key] for key in known if key in tables}, known)
+    if not top["about"].isprintable():
+        raise ValueError(f"about = {shown(top['about'])} must be one line of text")
     clock = fields("[clock]", top["clock"], {"mhz": float})
     between("[clock]", clock, {"mhz": (1, 200)})
     sensor = dict(top["sensor"])
@@ -137,6 +185,7 @@ def read(name, tables):
         positive("[array]", array, ["newtons_per_count", "pitch_mm"])
         one_of("[array]", "gains", array["gains"], ("taxel", "row_column"))
         cop = _with("[cop]", tables.get("cop", {}), {}, {"min_load_n": 0.0})
+        not_negative("[cop]", cop, ["min_load_n"])
         health, tare = _tables(tables, array)
         base = replace(base, array=array, min_load_n=cop["min_load_n"], health=health, tare=tare)
     elif kind == "electrodes":
@@ -197,6 +246,8 @@ def _electrodes(tables, adc, base):
         at = "[cop_slip]"
         slip = _with(at, tables["cop_slip"], {}, COP_SLIP)
         between(at, slip, {"drop": (0, 0.99), "move": (0, 1.99), "min_n": (0, 60)})
+        positive(at, slip, ["lag_ms"])
+        not_negative(at, slip, ["hold_ms", "refractory_ms"])
         samples = base.rate_hz / 1000
         lag = max(1, round(slip["lag_ms"] * samples))
         between(at, {"lag_ms": lag}, {"lag_ms": (1, 4096)})

@@ -67,7 +67,9 @@ def _process(commands):
 
     cop4 = parts.add_parser("cop4", help="centre of pressure and load from four electrodes [samples, 4]")
     cop4.add_argument("input", metavar="IN.npy", help="codes of E1 to E4; or .csv with a column each")
-    cop4.add_argument("--config", required=True, metavar="C.toml", help="sensor and converter: docs/cop4.md")
+    cop4.add_argument(
+        "--config", required=True, metavar="C.toml", help="docs/cop4.md, or a build's (docs/config.md)"
+    )
     cop4.add_argument("--engine", default="fixed", metavar="E", help=f"{', '.join(EVERY)} (fixed)")
     cop4.add_argument("--out", required=True, metavar="OUT.npz", help="where the arrays go")
     cop4.set_defaults(call="meissner.process:cop4")

@@ -33,7 +33,7 @@ module msn_array #(
   parameter  int unsigned Skip             = 4,
   parameter  int unsigned Shift            = 3,
   parameter  bit          RowColumn        = 1'b0,                // gains of rows and columns, not of taxels
-  parameter  int unsigned GainShift        = 12,
+  parameter  int unsigned GainShift        = RowColumn ? 24 : 12,
   parameter  int unsigned TareLog2         = 4,
   parameter  int unsigned FractionBits     = 14,
   parameter  int unsigned BitsPerClock     = 2,

@@ -20,9 +20,9 @@ module msn_calibrate #(
   parameter  int unsigned Columns    = 64,
   parameter  int unsigned Lanes      = 1,
   parameter  int unsigned SampleBits = 17,
-  parameter  int unsigned GainShift  = 12,
   parameter  bit          Offset     = 1'b1,
   parameter  bit          RowColumn  = 1'b0,
+  parameter  int unsigned GainShift  = RowColumn ? 24 : 12,  // a gain of 4096 is 1.0, and so is the product of two
   localparam int unsigned Beats      = Rows * ((Columns + Lanes - 1) / Lanes),
   localparam int unsigned IdBits     = msn_pkg::index_width(Beats),
   localparam int unsigned OffsetBits = SampleBits - 32'(RowColumn)
@@ -200,6 +200,9 @@ module msn_calibrate #(
         in_ready_o <= 1'b0;
       end
     end
+
+    logic unused_word;  // a row's or a column's number has fewer bits than a beat's
+    assign unused_word = ^cfg_word_i;
 
     logic loaded;
     logic [Lanes*SampleBits-1:0] offset;

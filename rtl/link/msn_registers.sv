@@ -7,6 +7,8 @@
 // multiple of four, and for a write where all is read-only. bus_strobe_i: the bytes that a write changes. A
 // group with commit_i keeps two copies: a read sees what was written, the core what was committed.
 // Resets: the reset value of every setting, in the page's order, the first lowest. Without a bus: constants.
+// Some settings are wider than the build has bits for. What was written is kept byte by byte; what a read and
+// the core get is held at the ends of DetailBits, TimerBits, LoadBits or OffsetBits.
 // Model: model/meissner/link/registers.py
 
 // verilog_lint: waive-start line-length
@@ -22,7 +24,11 @@ module msn_registers #(
   parameter bit Cop4 = 1'b1,
   parameter bit CopSlip = 1'b1,
   parameter bit Link = 1'b1,
-  parameter logic [msn_registers_pkg::ResetBits-1:0] Resets = msn_registers_pkg::Reset
+  parameter logic [msn_registers_pkg::ResetBits-1:0] Resets = msn_registers_pkg::Reset,
+  parameter int unsigned DetailBits = 20,
+  parameter int unsigned TimerBits = 16,
+  parameter int unsigned LoadBits = 32,
+  parameter int unsigned OffsetBits = 17
 ) (
   input  logic        clk_i,
   input  logic        rst_i,
@@ -41,6 +47,11 @@ module msn_registers #(
   input  logic [15:0] core_size_rows_i,
   input  logic [31:0] core_clk_khz_i,
   output logic [31:0] core_scratch_o,
+  input  logic [7:0]  core_widths_offset_i,
+  input  logic [7:0]  core_widths_load_i,
+  input  logic [7:0]  core_widths_timer_i,
+  input  logic [7:0]  core_widths_detail_i,
+  input  logic [20:0] core_beats_i,
 
   output logic        adc_enable_o,
   output logic [23:0] adc_period_o,
@@ -52,17 +63,17 @@ module msn_registers #(
 
   input  logic        slip_commit_i,  // written values take effect
   output logic        slip_pending_o,  // some wait for it
-  output logic [19:0] slip_threshold_o,
-  output logic [19:0] slip_gross_threshold_o,
-  output logic [19:0] slip_contact_level_o,
-  output logic [19:0] slip_release_level_o,
+  output logic [DetailBits-1:0] slip_threshold_o,
+  output logic [DetailBits-1:0] slip_gross_threshold_o,
+  output logic [DetailBits-1:0] slip_contact_level_o,
+  output logic [DetailBits-1:0] slip_release_level_o,
   output logic        slip_contact_rises_o,
-  output logic [15:0] slip_hold_o,
-  output logic [15:0] slip_refractory_o,
-  output logic [15:0] slip_blank_o,
+  output logic [TimerBits-1:0] slip_hold_o,
+  output logic [TimerBits-1:0] slip_refractory_o,
+  output logic [TimerBits-1:0] slip_blank_o,
   input  logic [31:0] slip_damaged_i,
   input  logic [31:0] slip_blanked_i,
-  output logic [19:0] slip_keep_threshold_o,
+  output logic [DetailBits-1:0] slip_keep_threshold_o,
 
   output logic        scan_enable_o,
   output logic [15:0] scan_settle_o,
@@ -107,7 +118,7 @@ module msn_registers #(
 
   output logic [15:0] calibrate_preset_o,
   output logic [19:0] calibrate_word_o,
-  output logic [16:0] calibrate_offset_o,
+  output logic [OffsetBits-1:0] calibrate_offset_o,
   output logic [15:0] calibrate_gain_o,
   output logic        calibrate_write_written_o,
   output logic        calibrate_write_row_o,
@@ -117,7 +128,7 @@ module msn_registers #(
 
   input  logic        cop_commit_i,  // written values take effect
   output logic        cop_pending_o,  // some wait for it
-  output logic [31:0] cop_min_load_o,
+  output logic [LoadBits-1:0] cop_min_load_o,
   input  logic [31:0] cop_damaged_i,
 
   input  logic        cop4_commit_i,  // written values take effect
@@ -156,6 +167,19 @@ module msn_registers #(
   input  logic [31:0] link_rejected_i
 );
 
+  if (DetailBits < 1 || DetailBits > 20) begin : gen_check_detail_bits
+    $fatal(1, "msn_registers: DetailBits = %0d must lie in 1 .. 20", DetailBits);
+  end
+  if (TimerBits < 1 || TimerBits > 16) begin : gen_check_timer_bits
+    $fatal(1, "msn_registers: TimerBits = %0d must lie in 1 .. 16", TimerBits);
+  end
+  if (LoadBits < 1 || LoadBits > 32) begin : gen_check_load_bits
+    $fatal(1, "msn_registers: LoadBits = %0d must lie in 1 .. 32", LoadBits);
+  end
+  if (OffsetBits < 1 || OffsetBits > 17) begin : gen_check_offset_bits
+    $fatal(1, "msn_registers: OffsetBits = %0d must lie in 1 .. 17", OffsetBits);
+  end
+
   logic        write;
   logic [9:0]  word;
   logic [31:0] mask;
@@ -185,6 +209,12 @@ module msn_registers #(
     if (core_scratch_write) core_scratch_o <= (core_scratch_o & ~mask[31:0]) | (bus_data_i[31:0] & mask[31:0]);
     if (rst_i) core_scratch_o <= Resets[0+:32];
   end
+
+  logic core_widths_hit;
+  assign core_widths_hit = word == 10'h006;
+
+  logic core_beats_hit;
+  assign core_beats_hit = word == 10'h007;
 
   logic adc_enable_hit, adc_enable_write;
   assign adc_enable_hit = Adc && word == 10'h040;
@@ -225,9 +255,12 @@ module msn_registers #(
     if (slip_threshold_write) slip_threshold_q <= (slip_threshold_q & ~mask[19:0]) | (bus_data_i[19:0] & mask[19:0]);
     if (rst_i) slip_threshold_q <= Resets[57+:20];
   end
+  logic [DetailBits-1:0] slip_threshold_fit;
+  assign slip_threshold_fit = (slip_threshold_q >> DetailBits) == '0 ? DetailBits'(slip_threshold_q) : '1;
+  localparam logic [19:0] SlipThresholdReset = Resets[57+:20];
   always_ff @(posedge clk_i) begin
-    if (slip_commit_i) slip_threshold_o <= slip_threshold_q;
-    if (rst_i) slip_threshold_o <= Resets[57+:20];
+    if (slip_commit_i) slip_threshold_o <= slip_threshold_fit;
+    if (rst_i) slip_threshold_o <= (SlipThresholdReset >> DetailBits) == '0 ? DetailBits'(SlipThresholdReset) : '1;
   end
 
   logic slip_gross_threshold_hit, slip_gross_threshold_write;
@@ -238,9 +271,12 @@ module msn_registers #(
     if (slip_gross_threshold_write) slip_gross_threshold_q <= (slip_gross_threshold_q & ~mask[19:0]) | (bus_data_i[19:0] & mask[19:0]);
     if (rst_i) slip_gross_threshold_q <= Resets[77+:20];
   end
+  logic [DetailBits-1:0] slip_gross_threshold_fit;
+  assign slip_gross_threshold_fit = (slip_gross_threshold_q >> DetailBits) == '0 ? DetailBits'(slip_gross_threshold_q) : '1;
+  localparam logic [19:0] SlipGrossThresholdReset = Resets[77+:20];
   always_ff @(posedge clk_i) begin
-    if (slip_commit_i) slip_gross_threshold_o <= slip_gross_threshold_q;
-    if (rst_i) slip_gross_threshold_o <= Resets[77+:20];
+    if (slip_commit_i) slip_gross_threshold_o <= slip_gross_threshold_fit;
+    if (rst_i) slip_gross_threshold_o <= (SlipGrossThresholdReset >> DetailBits) == '0 ? DetailBits'(SlipGrossThresholdReset) : '1;
   end
 
   logic slip_contact_level_hit, slip_contact_level_write;
@@ -251,9 +287,12 @@ module msn_registers #(
     if (slip_contact_level_write) slip_contact_level_q <= (slip_contact_level_q & ~mask[19:0]) | (bus_data_i[19:0] & mask[19:0]);
     if (rst_i) slip_contact_level_q <= Resets[97+:20];
   end
+  logic [DetailBits-1:0] slip_contact_level_fit;
+  assign slip_contact_level_fit = (&slip_contact_level_q[19:DetailBits-1] || !(|slip_contact_level_q[19:DetailBits-1])) ? DetailBits'(slip_contact_level_q) : {slip_contact_level_q[19], {(DetailBits-1){!slip_contact_level_q[19]}}};
+  localparam logic [19:0] SlipContactLevelReset = Resets[97+:20];
   always_ff @(posedge clk_i) begin
-    if (slip_commit_i) slip_contact_level_o <= slip_contact_level_q;
-    if (rst_i) slip_contact_level_o <= Resets[97+:20];
+    if (slip_commit_i) slip_contact_level_o <= slip_contact_level_fit;
+    if (rst_i) slip_contact_level_o <= (&SlipContactLevelReset[19:DetailBits-1] || !(|SlipContactLevelReset[19:DetailBits-1])) ? DetailBits'(SlipContactLevelReset) : {SlipContactLevelReset[19], {(DetailBits-1){!SlipContactLevelReset[19]}}};
   end
 
   logic slip_release_level_hit, slip_release_level_write;
@@ -264,9 +303,12 @@ module msn_registers #(
     if (slip_release_level_write) slip_release_level_q <= (slip_release_level_q & ~mask[19:0]) | (bus_data_i[19:0] & mask[19:0]);
     if (rst_i) slip_release_level_q <= Resets[117+:20];
   end
+  logic [DetailBits-1:0] slip_release_level_fit;
+  assign slip_release_level_fit = (&slip_release_level_q[19:DetailBits-1] || !(|slip_release_level_q[19:DetailBits-1])) ? DetailBits'(slip_release_level_q) : {slip_release_level_q[19], {(DetailBits-1){!slip_release_level_q[19]}}};
+  localparam logic [19:0] SlipReleaseLevelReset = Resets[117+:20];
   always_ff @(posedge clk_i) begin
-    if (slip_commit_i) slip_release_level_o <= slip_release_level_q;
-    if (rst_i) slip_release_level_o <= Resets[117+:20];
+    if (slip_commit_i) slip_release_level_o <= slip_release_level_fit;
+    if (rst_i) slip_release_level_o <= (&SlipReleaseLevelReset[19:DetailBits-1] || !(|SlipReleaseLevelReset[19:DetailBits-1])) ? DetailBits'(SlipReleaseLevelReset) : {SlipReleaseLevelReset[19], {(DetailBits-1){!SlipReleaseLevelReset[19]}}};
   end
 
   logic slip_contact_rises_hit, slip_contact_rises_write;
@@ -290,9 +332,12 @@ module msn_registers #(
     if (slip_hold_write) slip_hold_q <= (slip_hold_q & ~mask[15:0]) | (bus_data_i[15:0] & mask[15:0]);
     if (rst_i) slip_hold_q <= Resets[138+:16];
   end
+  logic [TimerBits-1:0] slip_hold_fit;
+  assign slip_hold_fit = (slip_hold_q >> TimerBits) == '0 ? TimerBits'(slip_hold_q) : '1;
+  localparam logic [15:0] SlipHoldReset = Resets[138+:16];
   always_ff @(posedge clk_i) begin
-    if (slip_commit_i) slip_hold_o <= slip_hold_q;
-    if (rst_i) slip_hold_o <= Resets[138+:16];
+    if (slip_commit_i) slip_hold_o <= slip_hold_fit;
+    if (rst_i) slip_hold_o <= (SlipHoldReset >> TimerBits) == '0 ? TimerBits'(SlipHoldReset) : '1;
   end
 
   logic slip_refractory_hit, slip_refractory_write;
@@ -303,9 +348,12 @@ module msn_registers #(
     if (slip_refractory_write) slip_refractory_q <= (slip_refractory_q & ~mask[15:0]) | (bus_data_i[15:0] & mask[15:0]);
     if (rst_i) slip_refractory_q <= Resets[154+:16];
   end
+  logic [TimerBits-1:0] slip_refractory_fit;
+  assign slip_refractory_fit = (slip_refractory_q >> TimerBits) == '0 ? TimerBits'(slip_refractory_q) : '1;
+  localparam logic [15:0] SlipRefractoryReset = Resets[154+:16];
   always_ff @(posedge clk_i) begin
-    if (slip_commit_i) slip_refractory_o <= slip_refractory_q;
-    if (rst_i) slip_refractory_o <= Resets[154+:16];
+    if (slip_commit_i) slip_refractory_o <= slip_refractory_fit;
+    if (rst_i) slip_refractory_o <= (SlipRefractoryReset >> TimerBits) == '0 ? TimerBits'(SlipRefractoryReset) : '1;
   end
 
   logic slip_blank_hit, slip_blank_write;
@@ -316,9 +364,12 @@ module msn_registers #(
     if (slip_blank_write) slip_blank_q <= (slip_blank_q & ~mask[15:0]) | (bus_data_i[15:0] & mask[15:0]);
     if (rst_i) slip_blank_q <= Resets[170+:16];
   end
+  logic [TimerBits-1:0] slip_blank_fit;
+  assign slip_blank_fit = (slip_blank_q >> TimerBits) == '0 ? TimerBits'(slip_blank_q) : '1;
+  localparam logic [15:0] SlipBlankReset = Resets[170+:16];
   always_ff @(posedge clk_i) begin
-    if (slip_commit_i) slip_blank_o <= slip_blank_q;
-    if (rst_i) slip_blank_o <= Resets[170+:16];
+    if (slip_commit_i) slip_blank_o <= slip_blank_fit;
+    if (rst_i) slip_blank_o <= (SlipBlankReset >> TimerBits) == '0 ? TimerBits'(SlipBlankReset) : '1;
   end
 
   logic slip_damaged_hit;
@@ -335,9 +386,12 @@ module msn_registers #(
     if (slip_keep_threshold_write) slip_keep_threshold_q <= (slip_keep_threshold_q & ~mask[19:0]) | (bus_data_i[19:0] & mask[19:0]);
     if (rst_i) slip_keep_threshold_q <= Resets[186+:20];
   end
+  logic [DetailBits-1:0] slip_keep_threshold_fit;
+  assign slip_keep_threshold_fit = (slip_keep_threshold_q >> DetailBits) == '0 ? DetailBits'(slip_keep_threshold_q) : '1;
+  localparam logic [19:0] SlipKeepThresholdReset = Resets[186+:20];
   always_ff @(posedge clk_i) begin
-    if (slip_commit_i) slip_keep_threshold_o <= slip_keep_threshold_q;
-    if (rst_i) slip_keep_threshold_o <= Resets[186+:20];
+    if (slip_commit_i) slip_keep_threshold_o <= slip_keep_threshold_fit;
+    if (rst_i) slip_keep_threshold_o <= (SlipKeepThresholdReset >> DetailBits) == '0 ? DetailBits'(SlipKeepThresholdReset) : '1;
   end
 
   always_ff @(posedge clk_i) begin
@@ -590,10 +644,14 @@ module msn_registers #(
   logic calibrate_offset_hit, calibrate_offset_write;
   assign calibrate_offset_hit = Calibrate && word == 10'h142;
   assign calibrate_offset_write = calibrate_offset_hit && write;
+  logic [16:0] calibrate_offset_q;
   always_ff @(posedge clk_i) begin
-    if (calibrate_offset_write) calibrate_offset_o <= (calibrate_offset_o & ~mask[16:0]) | (bus_data_i[16:0] & mask[16:0]);
-    if (rst_i) calibrate_offset_o <= Resets[459+:17];
+    if (calibrate_offset_write) calibrate_offset_q <= (calibrate_offset_q & ~mask[16:0]) | (bus_data_i[16:0] & mask[16:0]);
+    if (rst_i) calibrate_offset_q <= Resets[459+:17];
   end
+  logic [OffsetBits-1:0] calibrate_offset_fit;
+  assign calibrate_offset_fit = (&calibrate_offset_q[16:OffsetBits-1] || !(|calibrate_offset_q[16:OffsetBits-1])) ? OffsetBits'(calibrate_offset_q) : {calibrate_offset_q[16], {(OffsetBits-1){!calibrate_offset_q[16]}}};
+  assign calibrate_offset_o = calibrate_offset_fit;
 
   logic calibrate_gain_hit, calibrate_gain_write;
   assign calibrate_gain_hit = Calibrate && word == 10'h143;
@@ -638,9 +696,12 @@ module msn_registers #(
     if (cop_min_load_write) cop_min_load_q <= (cop_min_load_q & ~mask[31:0]) | (bus_data_i[31:0] & mask[31:0]);
     if (rst_i) cop_min_load_q <= Resets[501+:32];
   end
+  logic [LoadBits-1:0] cop_min_load_fit;
+  assign cop_min_load_fit = (cop_min_load_q >> LoadBits) == '0 ? LoadBits'(cop_min_load_q) : '1;
+  localparam logic [31:0] CopMinLoadReset = Resets[501+:32];
   always_ff @(posedge clk_i) begin
-    if (cop_commit_i) cop_min_load_o <= cop_min_load_q;
-    if (rst_i) cop_min_load_o <= Resets[501+:32];
+    if (cop_commit_i) cop_min_load_o <= cop_min_load_fit;
+    if (rst_i) cop_min_load_o <= (CopMinLoadReset >> LoadBits) == '0 ? LoadBits'(CopMinLoadReset) : '1;
   end
 
   logic cop_damaged_hit;
@@ -984,7 +1045,7 @@ module msn_registers #(
   assign link_rejected_hit = Link && word == 10'h244;
 
   // Which register, a clock after the address: decoding takes one clock, the word another.
-  logic core_id_hit_q, core_version_hit_q, core_features_hit_q, core_size_hit_q, core_clk_khz_hit_q, core_scratch_hit_q, adc_enable_hit_q, adc_period_hit_q, adc_dropped_hit_q, adc_overrun_hit_q, adc_timeout_hit_q, adc_mistagged_hit_q, adc_over_range_hit_q, slip_threshold_hit_q, slip_gross_threshold_hit_q, slip_contact_level_hit_q, slip_release_level_hit_q, slip_contact_rises_hit_q, slip_hold_hit_q, slip_refractory_hit_q, slip_blank_hit_q, slip_damaged_hit_q, slip_blanked_hit_q, slip_keep_threshold_hit_q, scan_enable_hit_q, scan_settle_hit_q, scan_period_hit_q, scan_interleave_hit_q, scan_dropped_hit_q, scan_overrun_hit_q, scan_held_hit_q, scan_lost_hit_q, health_band_hit_q, health_jump_hit_q, health_low_hit_q, health_high_hit_q, health_use_hit_q, health_still_hit_q, health_rail_hit_q, health_blink_hit_q, health_clear_hit_q, health_report_hit_q, health_dead_hit_q, health_railed_hit_q, health_blinking_hit_q, tare_contact_hit_q, tare_step_hit_q, tare_force_hit_q, tare_at_start_hit_q, tare_average_hit_q, tare_load_hit_q, tare_word_hit_q, tare_zero_hit_q, tare_write_hit_q, tare_state_hit_q, tare_tared_hit_q, tare_refused_hit_q, tare_swallowed_hit_q, calibrate_preset_hit_q, calibrate_word_hit_q, calibrate_offset_hit_q, calibrate_gain_hit_q, calibrate_write_hit_q, calibrate_swap_hit_q, calibrate_swapping_hit_q, cop_min_load_hit_q, cop_damaged_hit_q, cop4_rail_hit_q, cop4_kx_hit_q, cop4_shift_x_hit_q, cop4_ky_hit_q, cop4_shift_y_hit_q, cop4_kf_hit_q, cop4_shift_load_hit_q, cop4_p0_hit_q, cop4_p1_hit_q, cop4_p2_hit_q, cop4_p3_hit_q, cop4_p4_hit_q, cop4_p5_hit_q, cop4_min_load_hit_q, cop4_top_hit_q, cop4_idle_hit_q, cop4_busy_hit_q, cop4_imbalance_hit_q, cop_slip_drop_hit_q, cop_slip_move_hit_q, cop_slip_min_load_hit_q, cop_slip_hold_hit_q, cop_slip_refractory_hit_q, link_images_hit_q, link_packets_hit_q, link_cop_dropped_hit_q, link_image_dropped_hit_q, link_rejected_hit_q;
+  logic core_id_hit_q, core_version_hit_q, core_features_hit_q, core_size_hit_q, core_clk_khz_hit_q, core_scratch_hit_q, core_widths_hit_q, core_beats_hit_q, adc_enable_hit_q, adc_period_hit_q, adc_dropped_hit_q, adc_overrun_hit_q, adc_timeout_hit_q, adc_mistagged_hit_q, adc_over_range_hit_q, slip_threshold_hit_q, slip_gross_threshold_hit_q, slip_contact_level_hit_q, slip_release_level_hit_q, slip_contact_rises_hit_q, slip_hold_hit_q, slip_refractory_hit_q, slip_blank_hit_q, slip_damaged_hit_q, slip_blanked_hit_q, slip_keep_threshold_hit_q, scan_enable_hit_q, scan_settle_hit_q, scan_period_hit_q, scan_interleave_hit_q, scan_dropped_hit_q, scan_overrun_hit_q, scan_held_hit_q, scan_lost_hit_q, health_band_hit_q, health_jump_hit_q, health_low_hit_q, health_high_hit_q, health_use_hit_q, health_still_hit_q, health_rail_hit_q, health_blink_hit_q, health_clear_hit_q, health_report_hit_q, health_dead_hit_q, health_railed_hit_q, health_blinking_hit_q, tare_contact_hit_q, tare_step_hit_q, tare_force_hit_q, tare_at_start_hit_q, tare_average_hit_q, tare_load_hit_q, tare_word_hit_q, tare_zero_hit_q, tare_write_hit_q, tare_state_hit_q, tare_tared_hit_q, tare_refused_hit_q, tare_swallowed_hit_q, calibrate_preset_hit_q, calibrate_word_hit_q, calibrate_offset_hit_q, calibrate_gain_hit_q, calibrate_write_hit_q, calibrate_swap_hit_q, calibrate_swapping_hit_q, cop_min_load_hit_q, cop_damaged_hit_q, cop4_rail_hit_q, cop4_kx_hit_q, cop4_shift_x_hit_q, cop4_ky_hit_q, cop4_shift_y_hit_q, cop4_kf_hit_q, cop4_shift_load_hit_q, cop4_p0_hit_q, cop4_p1_hit_q, cop4_p2_hit_q, cop4_p3_hit_q, cop4_p4_hit_q, cop4_p5_hit_q, cop4_min_load_hit_q, cop4_top_hit_q, cop4_idle_hit_q, cop4_busy_hit_q, cop4_imbalance_hit_q, cop_slip_drop_hit_q, cop_slip_move_hit_q, cop_slip_min_load_hit_q, cop_slip_hold_hit_q, cop_slip_refractory_hit_q, link_images_hit_q, link_packets_hit_q, link_cop_dropped_hit_q, link_image_dropped_hit_q, link_rejected_hit_q;
   always_ff @(posedge clk_i) begin
     core_id_hit_q <= core_id_hit;
     core_version_hit_q <= core_version_hit;
@@ -992,6 +1053,8 @@ module msn_registers #(
     core_size_hit_q <= core_size_hit;
     core_clk_khz_hit_q <= core_clk_khz_hit;
     core_scratch_hit_q <= core_scratch_hit;
+    core_widths_hit_q <= core_widths_hit;
+    core_beats_hit_q <= core_beats_hit;
     adc_enable_hit_q <= adc_enable_hit;
     adc_period_hit_q <= adc_period_hit;
     adc_dropped_hit_q <= adc_dropped_hit;
@@ -1090,6 +1153,8 @@ module msn_registers #(
       || core_size_hit_q
       || core_clk_khz_hit_q
       || core_scratch_hit_q
+      || core_widths_hit_q
+      || core_beats_hit_q
       || adc_enable_hit_q
       || adc_period_hit_q
       || adc_dropped_hit_q
@@ -1253,6 +1318,8 @@ module msn_registers #(
       | ({32{core_size_hit_q}} & {core_size_columns_i, core_size_rows_i})
       | ({32{core_clk_khz_hit_q}} & core_clk_khz_i)
       | ({32{core_scratch_hit_q}} & core_scratch_o)
+      | ({32{core_widths_hit_q}} & {core_widths_offset_i, core_widths_load_i, core_widths_timer_i, core_widths_detail_i})
+      | ({32{core_beats_hit_q}} & {11'd0, core_beats_i})
       | ({32{adc_enable_hit_q}} & {31'd0, adc_enable_o})
       | ({32{adc_period_hit_q}} & {8'd0, adc_period_o})
       | ({32{adc_dropped_hit_q}} & adc_dropped_i)
@@ -1260,17 +1327,17 @@ module msn_registers #(
       | ({32{adc_timeout_hit_q}} & adc_timeout_i)
       | ({32{adc_mistagged_hit_q}} & adc_mistagged_i)
       | ({32{adc_over_range_hit_q}} & adc_over_range_i)
-      | ({32{slip_threshold_hit_q}} & {12'd0, slip_threshold_q})
-      | ({32{slip_gross_threshold_hit_q}} & {12'd0, slip_gross_threshold_q})
-      | ({32{slip_contact_level_hit_q}} & {12'd0, slip_contact_level_q})
-      | ({32{slip_release_level_hit_q}} & {12'd0, slip_release_level_q})
+      | ({32{slip_threshold_hit_q}} & {12'd0, 20'(slip_threshold_fit)})
+      | ({32{slip_gross_threshold_hit_q}} & {12'd0, 20'(slip_gross_threshold_fit)})
+      | ({32{slip_contact_level_hit_q}} & {12'd0, 20'(signed'(slip_contact_level_fit))})
+      | ({32{slip_release_level_hit_q}} & {12'd0, 20'(signed'(slip_release_level_fit))})
       | ({32{slip_contact_rises_hit_q}} & {31'd0, slip_contact_rises_q})
-      | ({32{slip_hold_hit_q}} & {16'd0, slip_hold_q})
-      | ({32{slip_refractory_hit_q}} & {16'd0, slip_refractory_q})
-      | ({32{slip_blank_hit_q}} & {16'd0, slip_blank_q})
+      | ({32{slip_hold_hit_q}} & {16'd0, 16'(slip_hold_fit)})
+      | ({32{slip_refractory_hit_q}} & {16'd0, 16'(slip_refractory_fit)})
+      | ({32{slip_blank_hit_q}} & {16'd0, 16'(slip_blank_fit)})
       | ({32{slip_damaged_hit_q}} & slip_damaged_i)
       | ({32{slip_blanked_hit_q}} & slip_blanked_i)
-      | ({32{slip_keep_threshold_hit_q}} & {12'd0, slip_keep_threshold_q})
+      | ({32{slip_keep_threshold_hit_q}} & {12'd0, 20'(slip_keep_threshold_fit)})
       | ({32{scan_enable_hit_q}} & {31'd0, scan_enable_o})
       | ({32{scan_settle_hit_q}} & {16'd0, scan_settle_o})
       | ({32{scan_period_hit_q}} & scan_period_o)
@@ -1307,12 +1374,12 @@ module msn_registers #(
       | ({32{tare_swallowed_hit_q}} & tare_swallowed_i)
       | ({32{calibrate_preset_hit_q}} & {16'd0, calibrate_preset_o})
       | ({32{calibrate_word_hit_q}} & {12'd0, calibrate_word_o})
-      | ({32{calibrate_offset_hit_q}} & {15'd0, calibrate_offset_o})
+      | ({32{calibrate_offset_hit_q}} & {15'd0, 17'(signed'(calibrate_offset_fit))})
       | ({32{calibrate_gain_hit_q}} & {16'd0, calibrate_gain_o})
       | ({32{calibrate_write_hit_q}} & {23'd0, calibrate_write_row_o, calibrate_write_lanes_o})
       | ({32{calibrate_swap_hit_q}} & {31'd0, 1'b0})
       | ({32{calibrate_swapping_hit_q}} & {31'd0, calibrate_swapping_i})
-      | ({32{cop_min_load_hit_q}} & cop_min_load_q)
+      | ({32{cop_min_load_hit_q}} & 32'(cop_min_load_fit))
       | ({32{cop_damaged_hit_q}} & cop_damaged_i)
       | ({32{cop4_rail_hit_q}} & {15'd0, cop4_rail_q})
       | ({32{cop4_kx_hit_q}} & {15'd0, cop4_kx_q})

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from cli.test_cli import meissner
-from meissner import engines
+from meissner import config, engines
 from meissner.scenes import four_wires
 from meissner.toolchain import ROOT
 
@@ -181,3 +181,36 @@ def test_every_value_of_the_file_arrives_in_its_place(tmp_path):
     assert (config.adc.bits, config.adc.low_v, config.adc.high_v, config.adc.noise_v) == (18, -4, 4, 0)
     assert config.convert(np.array([[1.0, -1.0, 0.0, 2.0]])).tolist() == [[49152, -49152, 0, 98304]]
     assert (config.load_lsb_n, config.registers.min_load, config.sample_bits) == (0.002, 200, 18)
+
+
+def test_a_builds_configuration_is_taken_too(tmp_path, codes):
+    """The same sensor in both forms, by its file and by its name: 16 bits of 5 V, a gain of 0.3."""
+    build = tomllib.loads((config.FOLDER / "cop4.toml").read_text())
+    own = "[mesh]\n" + "".join(f"{key} = {value}\n" for key, value in build["mesh"].items())
+    own += "[converter]\nbits = 16\nreference_v = 5.0\ngain = 0.3\n"
+    own += '[load]\nlsb_n = 0.001\nmin_n = 0.1\ncorrection = "none"\n'
+    (tmp_path / "own.toml").write_text(own)
+    np.save(tmp_path / "in.npy", codes.astype(np.int64) >> 8)  # of 24 bits
+    (tmp_path / "build.toml").write_text((config.FOLDER / "cop4.toml").read_text())
+    found = []
+    for name in ("own.toml", "build.toml", "cop4"):
+        done = meissner(*cop4(config=name), cwd=tmp_path)
+        assert (done.returncode, done.stderr) == (0, ""), done.stderr
+        found.append(np.load(tmp_path / "out.npz"))
+    for other in found[1:]:
+        assert all(np.array_equal(found[0][name], other[name]) for name in ("x", "y", "load", "valid"))
+
+
+@pytest.mark.parametrize(
+    "name, sentence",
+    [
+        ("fingertip", "fingertip: [sensor] has kind = 'array', which must be 'electrodes' here"),
+        ("nothing", "there is no file nothing"),
+        ("half.toml", "half.toml: the key 'sensor' is missing"),
+    ],
+)
+def test_another_builds_configuration_is_refused(tmp_path, codes, name, sentence):
+    (tmp_path / "half.toml").write_text('about = "half"\n[clock]\nmhz = 25.0\n')
+    done = meissner(*cop4(config=name), cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert sentence.split(": ")[-1] in done.stderr and len(done.stderr.splitlines()) == 1

@@ -2,15 +2,18 @@
 //
 // A field of the registers that the host sets: a write to its word changes the bits of the bytes that are written,
 // nothing else does but reset. held_i: what was written, which the core has at once, as port_i, or with Waits after
-// commit_i. Each clock against the one before: solvers find that far easier than a second copy of every field.
+// commit_i. A build that has Bits bits for it gives the core the number nearest to what was written, fit_o, that
+// those can hold. Each clock against the one before: solvers find that far easier than a second copy of every field.
 
 module owed_field #(
-  parameter bit               On    = 1'b1,
-  parameter logic [9:0]       Word  = 10'h000,
-  parameter int unsigned      Low   = 0,
-  parameter int unsigned      Width = 32,
-  parameter logic [Width-1:0] Reset = '0,
-  parameter bit               Waits = 1'b0
+  parameter bit               On     = 1'b1,
+  parameter logic [9:0]       Word   = 10'h000,
+  parameter int unsigned      Low    = 0,
+  parameter int unsigned      Width  = 32,
+  parameter logic [Width-1:0] Reset  = '0,
+  parameter bit               Waits  = 1'b0,
+  parameter int unsigned      Bits   = Width,
+  parameter bit               Signed = 1'b0
 ) (
   input  logic             clk_i,
   input  logic             rst_i,
@@ -19,25 +22,37 @@ module owed_field #(
   input  logic [31:0]      data_i,
   input  logic [31:0]      mask_i,
   input  logic             commit_i,
-  input  logic [Width-1:0] port_i,
+  input  logic [Bits-1:0]  port_i,
   input  logic [Width-1:0] held_i,
+  output logic [Width-1:0] fit_o,
   output logic             written_o  // in this clock
 );
+
+  // Compared as numbers of one bit more, so that both ends are there.
+  localparam logic signed [Width:0] Top = (Width + 1)'((33'd1 << (Signed ? Bits - 1 : Bits)) - 33'd1);
+  localparam logic signed [Width:0] Bottom = Signed ? -Top - 1 : '0;
+  function automatic logic [Width-1:0] fit(input logic [Width-1:0] bits);
+    logic signed [Width:0] number;
+    number = signed'({Signed && bits[Width-1], bits});
+    fit = Width'(number > Top ? Top : number < Bottom ? Bottom : number);
+  endfunction
 
   logic             started = 1'b0;
   logic [Width-1:0] held, shown;  // what has to be there
   assign written_o = On && write_i && word_i == Word;
+  assign fit_o     = fit(held_i);
   always_ff @(posedge clk_i) begin
     started <= 1'b1;
     held    <= held_i;
-    shown   <= port_i;
+    shown   <= Signed ? Width'(signed'(port_i)) : Width'(port_i);
     if (written_o) held <= (held_i & ~mask_i[Low+:Width]) | (data_i[Low+:Width] & mask_i[Low+:Width]);
-    if (commit_i) shown <= held_i;
-    if (rst_i) {held, shown} <= {Reset, Reset};
+    if (commit_i) shown <= fit_o;
+    if (rst_i) {held, shown} <= {Reset, fit(Reset)};
   end
   always_comb begin
     if (started) assert (held_i == held);
-    if (started && Waits) assert (port_i == shown);
+    if (started && Waits) assert (port_i == Bits'(shown));
+    if (!Waits) assert (port_i == Bits'(fit_o));
   end
 
 endmodule

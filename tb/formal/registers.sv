@@ -3,7 +3,8 @@
 // Every access is answered once, two clocks later. An error, which changes nothing: an address that is no multiple of
 // four, one where this build has no register, a write to what is only read. Every setting is what was written to it,
 // byte by byte, at once or after its group's commit; a read gives all fields of its word in their places, the core's
-// counters as they were in the clock before the answer; a pulse comes a clock after it is written, once.
+// counters as they were in the clock before the answer; a pulse comes a clock after it is written, once. Where the
+// build has fewer bits than the map, core and read get the nearest number that those hold.
 // registers_map.svh, made by tools/registers.py, has a line for each field.
 
 module formal_registers #(
@@ -17,7 +18,11 @@ module formal_registers #(
   parameter bit Cop4 = 1'b1,
   parameter bit CopSlip = 1'b1,
   parameter bit Link = 1'b1,
-  parameter logic [msn_registers_pkg::ResetBits-1:0] Resets = msn_registers_pkg::Reset
+  parameter logic [msn_registers_pkg::ResetBits-1:0] Resets = msn_registers_pkg::Reset,
+  parameter int unsigned DetailBits = 18,  // fewer than the map's, as in most builds
+  parameter int unsigned TimerBits = 11,
+  parameter int unsigned LoadBits = 22,
+  parameter int unsigned OffsetBits = 16
 ) (
   input logic        clk_i,
   input logic        rst_i,
@@ -51,16 +56,18 @@ module formal_registers #(
   always_ff @(posedge clk_i) {asked_``n, was_``n} <= {there[n], (width)'(value)}; \
   always_comb if (started && done && !empty && asked_``n) assert (bus_data_o[low+:width] == was_``n);
 
-`define SETTING(n, on, at, low, width, place, name, waits, commit, inner) \
-  logic [width-1:0] name``_o; \
+`define SETTING(n, on, at, low, width, place, name, waits, commit, inner, ends, sign) \
+  logic [ends-1:0]  name``_o; \
+  logic [width-1:0] name``_fit; \
   owed_field #( \
-    .On(on), .Word(at), .Low(low), .Width(width), .Reset(Resets[place+:width]), .Waits(waits) \
+    .On(on), .Word(at), .Low(low), .Width(width), .Reset(Resets[place+:width]), .Waits(waits), .Bits(ends), \
+    .Signed(sign) \
   ) owed_``name ( \
     .clk_i, .rst_i, .write_i(write), .word_i(bus_address_i[11:2]), .data_i(bus_data_i), .mask_i(mask), \
-    .commit_i(commit), .port_i(name``_o), .held_i(inner), \
+    .commit_i(commit), .port_i(name``_o), .held_i(inner), .fit_o(name``_fit), \
     .written_o(written[n]) \
   ); \
-  `READS(n, on, at, low, width, inner) \
+  `READS(n, on, at, low, width, name``_fit) \
   assign writable[n] = there[n];
 
 `define STATUS(n, on, at, low, width, name) \
@@ -100,7 +107,8 @@ module formal_registers #(
 
   msn_registers #(
     .Adc(Adc), .Slip(Slip), .Scan(Scan), .Health(Health), .Tare(Tare), .Calibrate(Calibrate), .Cop(Cop),
-    .Cop4(Cop4), .CopSlip(CopSlip), .Link(Link), .Resets(Resets)
+    .Cop4(Cop4), .CopSlip(CopSlip), .Link(Link), .Resets(Resets),
+    .DetailBits(DetailBits), .TimerBits(TimerBits), .LoadBits(LoadBits), .OffsetBits(OffsetBits)
   ) dut (.*);
 
   logic [31:0] used, mask_q;  // bits of the word that some field has

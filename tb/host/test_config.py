@@ -2,8 +2,10 @@
 converter's twin is; every mistake is one sentence that names its table."""
 
 import copy
+import re
 import tomllib
 from fractions import Fraction
+from itertools import product
 from math import floor
 
 import pytest
@@ -83,3 +85,185 @@ def test_mistakes_are_answered_by_a_sentence(name, table, change, said):
         config.read(name, given)
     assert str(told.value).startswith(said), told.value
     assert "\n" not in str(told.value)
+
+
+def changed(name, table, **change):
+    given = copy.deepcopy(tables(name))
+    given[table] = {key: value for key, value in (given.get(table, {}) | change).items() if value is not None}
+    return given
+
+
+@pytest.mark.parametrize("window", [16, 32, 64, 128])
+def test_hop_is_the_windows_where_none_is_given(window):
+    """slip1 gives no hop."""
+    assert config.read("x", changed("slip1", "slip", window=window)).slip.hop == window
+    assert config.read("x", changed("array64", "slip", window=window, hop=None)).slip.hop == window
+    assert config.read("x", changed("array64", "slip", window=64, hop=16)).slip.hop == 16
+
+
+@pytest.mark.parametrize(
+    "name, good, bad, said",
+    [
+        (
+            "fingertip",
+            {"threshold_n": 0.4, "gross_threshold_n": 0.4},
+            {"threshold_n": 0.4, "gross_threshold_n": 0.399},
+            "[slip]: gross_threshold_n = 0.399 must be at least threshold_n = 0.4",
+        ),
+        (
+            "slip1",
+            {"threshold_v": 0.12},
+            {"threshold_v": 0.1201},
+            "[slip]: gross_threshold_v = 0.12 must be at least threshold_v = 0.1201",
+        ),
+        (
+            "fingertip",
+            {"contact_level_n": 0.1},
+            {"contact_level_n": 0.0999},
+            "[slip]: contact_level_n = 0.0999 must be at least release_level_n = 0.1",
+        ),
+        (
+            "slip1",
+            {"contact_level_v": 4.8},
+            {"contact_level_v": 4.81},
+            "[slip]: contact_level_v = 4.81 must be at most release_level_v = 4.8, "
+            "as the code falls with the force",
+        ),
+        (
+            "slip1",
+            {"contact_rises": True, "contact_level_v": 4.8},
+            {"contact_rises": True, "contact_level_v": 4.79},
+            "[slip]: contact_level_v = 4.79 must be at least release_level_v = 4.8",
+        ),
+    ],
+)
+def test_levels_that_undo_each_other_are_refused(name, good, bad, said):
+    config.read(name, changed(name, "slip", **good))
+    with pytest.raises(ValueError) as told:
+        config.read(name, changed(name, "slip", **bad))
+    assert str(told.value) == said
+
+
+@pytest.mark.parametrize(
+    "name, least",
+    # A CoP packet is 00, 8 + 12 + 4 bytes, a code, 00: 27. fingertip: 4000 of them and an image of 9 taxels,
+    # 3 + 8 + 5 + 18 + 4 = 38 bytes: 10·(4000·27 + 38). full: 1400; 64 packets of 3 + 8 + 5 + 128 + 4 = 148.
+    [("fingertip", 1_080_380), ("full", 472_720)],
+)
+def test_a_line_too_slow_for_its_images_is_refused(name, least):
+    config.read(name, changed(name, "link", baud=least))
+    with pytest.raises(
+        ValueError, match=rf"^\[link\]: baud = {least - 1} is too slow for images: .* at least {least}$"
+    ):
+        config.read(name, changed(name, "link", baud=least - 1))
+    config.read(name, changed(name, "link", baud=9600, images=False))
+
+
+@pytest.mark.parametrize(
+    "name, good, bad, said",
+    # 24 MHz, 2^32 - 1 clocks: 0.00559 Hz; 12 MHz, 2^24 - 1 clocks: 0.715 Hz.
+    [
+        ("fingertip", {"rate_hz": 0.00559}, {"rate_hz": 0.00558}, "rate_hz = 0.00558 is too slow"),
+        ("slip1", {"rate_hz": 0.7153}, {"rate_hz": 0.7152}, "rate_hz = 0.7152 is too slow"),
+        (
+            "slip1",
+            {"rate_hz": 9000},
+            {"rate_hz": 1e-300},
+            "rate_hz = 1e-300 must lie in 1e-12 .. 1e+12 in size",
+        ),
+        ("slip1", {"rate_hz": 9000}, {"rate_hz": 1e-12}, "rate_hz = 1e-12 is too slow: the longest period"),
+        ("slip1", {"rate_hz": 9000}, {"rate_hz": float("inf")}, "rate_hz = inf must be a finite number"),
+        ("slip1", {"rate_hz": 9000}, {"rate_hz": float("nan")}, "rate_hz = nan must be a finite number"),
+        ("slip1", {"rate_hz": 9000}, {"rate_hz": True}, "rate_hz = True must be a number"),
+    ],
+)
+def test_rates_that_no_period_holds_are_refused(name, good, bad, said):
+    longer = {"hold_ms": 0.0, "refractory_ms": 0.0, "blank_ms": 0.0}
+    given = changed(name, "adc", **good)
+    given["slip"] |= longer
+    config.read(name, given)
+    given["adc"] |= bad
+    with pytest.raises(ValueError, match=rf"^\[adc\]: {re.escape(said)}"):
+        config.read(name, given)
+
+
+def test_a_load_wider_than_the_build_is_refused():
+    """fingertip: 9 taxels, 16 + 4 bits, 2 mN: 1048575 codes are 2097.15 N."""
+    assert (
+        config.read("x", changed("fingertip", "cop", min_load_n=2097.15)).settings["cop.min_load"]
+        == 1_048_575
+    )
+    with pytest.raises(ValueError, match=r"^cop.min_load = 1048576 must lie in 0 .. 1048575$"):
+        config.read("x", changed("fingertip", "cop", min_load_n=2097.151))
+    with pytest.raises(ValueError, match=r"^\[cop\]: min_load_n = -0.1 must not be negative$"):
+        config.read("x", changed("fingertip", "cop", min_load_n=-0.1))
+
+
+def test_a_threshold_wider_than_the_build_is_refused():
+    """slip1 is serial, 13 + 1 bits: 16383 codes of 5/4096 V are 16383·5/4096/sqrt(2) = 14.14127 V."""
+    given = changed("slip1", "slip", threshold_v=14.141, gross_threshold_v=14.1413)
+    assert config.read("x", given).slip.gross_threshold == 16_383
+    given["slip"]["gross_threshold_v"] = 14.1422
+    with pytest.raises(ValueError, match=r"^slip.gross_threshold = 16384 must lie in 0 .. 16383$"):
+        config.read("x", given)
+
+
+WRONG = [
+    *(float("nan"), float("inf"), float("-inf"), True, False, "x", "", "\x1b[31m", [], [[1]], {}, {"a": 1}),
+    *(-1, 0, -0.5, 1e300, 1e-300, -1e300, 5e-324, 10**400, 2**63, -(2**63), 1e12, -1e12, 1e-12, 1e9, 1e6),
+]
+DEFAULTS = {
+    **{"link": config.LINK, "array": config.ARRAY, "health": config.HEALTH, "tare": config.TARE},
+    **{
+        "cop": {"min_load_n": 0.0},
+        "cop_slip": config.COP_SLIP,
+        "slip": config.SLIP | {"serial": 0, "hop": 0},
+    },
+    "adc": dict.fromkeys(("lanes", "sclk_khz", "converters", "channels", "settle_us")),
+}
+
+
+@pytest.mark.parametrize("name", ["slip1", "fingertip", "cop4", "full"])
+def test_any_value_of_any_key_is_taken_or_refused_in_a_sentence(name):
+    original, refused = tables(name), 0
+    for table in original:
+        keys = [None]
+        if isinstance(original[table], dict):
+            keys += dict.fromkeys([*original[table], *DEFAULTS.get(table, {})])
+        for key, value in product(keys, WRONG):
+            given = copy.deepcopy(original)
+            if key is None:
+                given[table] = value
+            else:
+                given[table][key] = value
+            try:
+                build = config.read(name, given)
+                assert build.parameters and build.settings and build.units
+            except ValueError as problem:
+                sentence, refused = str(problem), refused + 1
+                assert sentence.isprintable() and len(sentence) < 250, (table, key, value)
+                where = table if key is None else key
+                if isinstance(value, (str, list, dict, bool)) and value != "":
+                    assert where in sentence or "[" in sentence, (table, key, value, sentence)
+    assert refused > 300
+
+
+@pytest.mark.parametrize(
+    "text, said",
+    [
+        ("x = " + "[" * 5000 + "]" * 5000, "its lists are nested too deep"),
+        ("about = [[[[[[[[[[1]]]]]]]]]]", "about = [[[...]]] must be text"),
+        ("about = [[1, 2], [3]]", "about = "),
+        ("about = " + "9" * 5000, "is not a TOML file"),
+        ('about = "\\u001b[31m"', "must be one line of text"),
+        ("[converter]\nbits = 16", "[converter] is of a file for `meissner process cop4`"),
+    ],
+)
+def test_files_that_are_no_configuration(tmp_path, text, said):
+    file = tmp_path / "mine.toml"
+    good = "".join(f"[{table}]\n" for table in ("clock", "sensor", "adc")) if text.startswith("about") else ""
+    file.write_text(text + "\n" + good)
+    with pytest.raises(ValueError) as told:
+        config.load(file)
+    assert said in str(told.value) and "mine.toml" in str(told.value)
+    assert str(told.value).isprintable() and len(str(told.value)) < 250

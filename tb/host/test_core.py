@@ -95,14 +95,14 @@ def test_every_register_by_name():
             core[name]
             continue
         most = place.field.most
-        values = (0, 1, most >> 1) + ((-1, -(most >> 1) - 1) if place.signed else (most,))
-        for value in values:
+        least, greatest = place.ends(core.build)
+        for value in {0, min(1, greatest), greatest >> 1, greatest, least, max(-1, least)}:
             core[name] = value
             if place.field.kind == "setting":
                 assert core[name] == value
                 key = (place.group.name, place.register.name, place.field.name)
                 assert model.registers._written[key] == value & most
-        for value in (most + 1, -most - 2):
+        for value in (greatest + 1, least - 1):
             with pytest.raises(ValueError, match=f"{name} = {value} must lie in"):
                 core[name] = value
 
@@ -112,6 +112,93 @@ def test_a_field_leaves_its_neighbours():
     assert place.into(0xABCD1234, 7) == 0x00071234
     assert place.value(0xABCD1234) == 0xABCD
     assert names.place("slip.contact_level").value(0xFFFFF) == -1
+
+
+def test_a_field_that_is_written_leaves_its_neighbours():
+    """health.use: user is bit 0, edges bit 1, both 1 after reset; calibrate.write: lanes 7:0, row bit 8."""
+    model = simulated()
+    core = connected(model)
+    core["health.use.edges"] = 0
+    assert core["health.use"] == 0b01 and core["health.use.user"] == 1
+    core["health.use.user"] = 0
+    core["health.use.edges"] = 1
+    assert core["health.use"] == 0b10
+    core["calibrate.write.lanes"] = 0xA5
+    core["calibrate.write.row"] = 1
+    assert core["calibrate.write"] == 0x1A5
+    core["calibrate.write.lanes"] = 0x5A
+    assert core["calibrate.write"] == 0x15A and core["calibrate.write.row"] == 1
+    core["calibrate.write"] = 0x0FF
+    assert (core["calibrate.write.lanes"], core["calibrate.write.row"]) == (0xFF, 0)
+
+
+def test_a_field_leaves_its_neighbours_when_the_core_was_reset_before():
+    """What it reads of them then are the reset values: those that were written come first."""
+    model = simulated()
+    core = connected(model, say=lambda sentence: None)
+    core["health.use.user"] = 0
+    model.say(p.STATISTIC, 5000, p.statistic(0, 0))
+    list(core.packets(0.05))
+    model.restart()
+    assert model.registers.setting("health", "use", "user") == 1
+    core["health.use.edges"] = 0
+    assert core["health.use"] == 0 and model.registers.setting("health", "use", "user") == 0
+
+
+# Of a core of 5 rows and 3 columns at level 2: 17 + 2 = 19 bits of a detail, 16 + 4 = 20 of a load (15 taxels
+# need 4), 15 words.
+TOO_WIDE = {
+    "slip.threshold": (0, 524_287),
+    "slip.gross_threshold": (0, 524_287),
+    "slip.keep_threshold": (0, 524_287),
+    "slip.contact_level": (-262_144, 262_143),
+    "slip.release_level": (-262_144, 262_143),
+    "slip.hold": (0, 65_535),
+    "cop.min_load": (0, 1_048_575),
+    "tare.word": (0, 14),
+    "calibrate.word": (0, 14),
+    "calibrate.offset": (-65_536, 65_535),
+    "cop4.p5": (-131_072, 131_071),
+    "cop4.imbalance": (0, 262_143),
+    "scan.settle": (0, 65_535),
+}
+
+
+@pytest.mark.parametrize("name", TOO_WIDE)
+def test_values_wider_than_the_build_are_refused(name):
+    core = connected(simulated(size=(5, 3), level=2))
+    least, most = TOO_WIDE[name]
+    for value in (least, most):
+        core[name] = value
+        assert core[name] == value
+    for value in (least - 1, most + 1, 2**40):
+        with pytest.raises(
+            ValueError, match=rf"^{name} = {value} must lie in {least if least else 0} .. "
+        ) as told:
+            core[name] = value
+        assert "\n" not in str(told.value)
+        with pytest.raises(ValueError):
+            core.check(name, value)
+    assert core[name] == most
+
+
+def test_a_simulated_core_holds_what_another_host_writes():
+    """As the registers do: a host that knows no widths wrote more than 18 bits and 20 bits."""
+    model = simulated(size=(3, 3))
+    core = connected(model)
+    core.build = None
+    core["slip.threshold"], core["cop.min_load"], core["slip.contact_level"] = 262_444, 2**31, -200_000
+    assert (core["slip.threshold"], core["cop.min_load"]) == (262_143, 1_048_575)
+    assert core["slip.contact_level"] == -131_072
+    model.boundary("slip")
+    config = model.slip_config()
+    assert (config.threshold, config.contact_level) == (262_143, -131_072)
+
+
+def test_bits_that_no_field_has_are_refused():
+    core = connected(simulated())
+    with pytest.raises(ValueError, match=r"health\.use = 4 has bits that no field of it has; they are 0x3"):
+        core["health.use"] = 4
 
 
 def test_refuses_what_is_not_there():
@@ -271,9 +358,7 @@ def test_a_stream_of_twins_is_what_the_engine_says():
     slipping = (state == State.INCIPIENT) | (state == State.GROSS)
     rises = np.flatnonzero(slipping & ~np.concatenate([[False], slipping[:-1]]))
     cop = engines.process_cop(frames, "fixed")
-    slips = slip_source(
-        blocks_of(codes, config.level), scene.rate_hz, config.window, config.hop, config.level
-    )
+    slips = slip_source(blocks_of(codes, config.level), scene.rate_hz, config.window, config.hop)
     source = together(slips, array_source(frames, 1000, image_every=10))
     settings = settings_of(config)
     end = 10**9
@@ -281,6 +366,7 @@ def test_a_stream_of_twins_is_what_the_engine_says():
         together(source, lambda core: [(end, p.STATISTIC, p.statistic(0, 0))]),
         settings=settings,
         size=(25, 5),
+        level=config.level,
     )
     with Pty(model) as pty, host.connect(pty.url, registers=False) as core:
         core.units = units.Units(clk_khz=25_000, rows=25, columns=5)

@@ -39,34 +39,35 @@ extern "C" {
 
 // The registers of the slip path, in the units of their ports.
 struct SlipRegisters {
-  uint32_t threshold, gross_threshold;
-  int32_t contact_level, release_level;
-  uint32_t contact_rises, hold, refractory, blank, keep_threshold;
+  int64_t threshold, gross_threshold, contact_level, release_level, contact_rises, hold, refractory, blank,
+      keep_threshold;
 };
 
 Core *core_new() { return new Core; }
 
 void core_delete(Core *core) { delete core; }
 
-// Reset the core and set its registers.
-void core_start(Core *core, const SlipRegisters *registers, uint32_t detail_bits) {
+// Reset the core and set its registers; 0, or kNoRoom.
+int64_t core_start(Core *core, const SlipRegisters *registers, int32_t detail_bits, int32_t timer_bits) {
   auto &top = core->top;
-  const uint32_t mask = detail_bits >= 32 ? ~0u : (1u << detail_bits) - 1;
-  top.cfg_threshold_i = registers->threshold & mask;
-  top.cfg_gross_threshold_i = registers->gross_threshold & mask;
-  top.cfg_contact_level_i = static_cast<uint32_t>(registers->contact_level) & mask;
-  top.cfg_release_level_i = static_cast<uint32_t>(registers->release_level) & mask;
-  top.cfg_contact_rises_i = registers->contact_rises;
-  top.cfg_hold_i = registers->hold;
-  top.cfg_refractory_i = registers->refractory;
-  top.cfg_blank_i = registers->blank;
-  top.cfg_keep_threshold_i = registers->keep_threshold & mask;
+  meissner::Settings settings;
+  settings.put(top.cfg_threshold_i, registers->threshold, detail_bits);
+  settings.put(top.cfg_gross_threshold_i, registers->gross_threshold, detail_bits);
+  settings.put_signed(top.cfg_contact_level_i, registers->contact_level, detail_bits);
+  settings.put_signed(top.cfg_release_level_i, registers->release_level, detail_bits);
+  settings.put(top.cfg_contact_rises_i, registers->contact_rises, 1);
+  settings.put(top.cfg_hold_i, registers->hold, timer_bits);
+  settings.put(top.cfg_refractory_i, registers->refractory, timer_bits);
+  settings.put(top.cfg_blank_i, registers->blank, timer_bits);
+  settings.put(top.cfg_keep_threshold_i, registers->keep_threshold, detail_bits);
+  if (!settings.ok) return meissner::kNoRoom;
   top.actuator_moving_i = 0;
   top.in_valid_i = 0;
   top.out_ready_i = 1;
   top.rst_i = 1;
   for (int i = 0; i < 4; i++) core->clock();
   top.rst_i = 0;
+  return 0;
 }
 
 // Send `frames` frames of `channels` samples, one sample per clock, and collect every decision:
@@ -109,13 +110,15 @@ int64_t core_slip(Core *core, const int32_t *samples, int64_t frames, int32_t ch
 // The same through the pins of a converter, channel 0 only: `part` of msn_pkg::adc_part_e, one with
 // BUSY busy for `busy_clocks`. Frames trace_from .. trace_to-1 go to trace_path if the core was built for it.
 int64_t core_pins(Core *core, int32_t part, int32_t busy_clocks, const int32_t *codes, int64_t frames,
-                  uint32_t period, const uint8_t *moving, uint32_t *p2p, uint8_t *flags, int64_t room,
+                  int64_t period, const uint8_t *moving, uint32_t *p2p, uint8_t *flags, int64_t room,
                   int64_t trace_from, int64_t trace_to, const char *trace_path, int64_t clk_khz,
                   PinFacts *facts) {
   const auto adc = meissner::converter(part, busy_clocks);
   Decisions decisions{p2p, flags, room};
   auto &top = core->top;
-  top.cfg_adc_period_i = period;
+  meissner::Settings settings;
+  settings.put(top.cfg_adc_period_i, period, 24);
+  if (!settings.ok) return meissner::kNoRoom;
   top.cfg_adc_enable_i = 1;
   int32_t channels[8] = {};
   int64_t frame = -1, started = 0;

@@ -9,8 +9,8 @@ extern "C" {
 
 // Every register as a number; `p` are the six terms of the correction.
 struct Cop4Registers {
-  int32_t rail, kx, shift_x, ky, shift_y, kf, shift_load, top, idle, busy, imbalance, min_load;
-  int32_t p[6];
+  int64_t rail, kx, shift_x, ky, shift_y, kf, shift_load, top, idle, busy, imbalance, min_load;
+  int64_t p[6];
 };
 
 // Send `count` samples [count][4] of `bits` bits, one whenever the core takes it. flags: pressed, over << 1,
@@ -38,18 +38,25 @@ int64_t cop4_run(const int32_t *codes, int64_t count, uint32_t bits, const Cop4R
     done++;
   };
 
-  top.cfg_rail_i = registers->rail;
-  top.cfg_kx_i = registers->kx;
-  top.cfg_shift_x_i = registers->shift_x;
-  top.cfg_ky_i = registers->ky;
-  top.cfg_shift_y_i = registers->shift_y;
-  top.cfg_kf_i = registers->kf;
-  top.cfg_shift_load_i = registers->shift_load;
-  top.cfg_min_load_i = registers->min_load;
-  top.cfg_top_i = registers->top;
-  top.cfg_idle_i = static_cast<uint32_t>(registers->idle) & mask;
-  top.cfg_busy_i = static_cast<uint32_t>(registers->busy) & mask;
-  top.cfg_imbalance_i = registers->imbalance;
+  meissner::Settings settings;
+  const int width = static_cast<int>(bits);
+  settings.put(top.cfg_rail_i, registers->rail, width);
+  settings.put(top.cfg_kx_i, registers->kx, 17);
+  settings.put(top.cfg_shift_x_i, registers->shift_x, 4);
+  settings.put(top.cfg_ky_i, registers->ky, 17);
+  settings.put(top.cfg_shift_y_i, registers->shift_y, 4);
+  settings.put(top.cfg_kf_i, registers->kf, 17);
+  settings.put(top.cfg_shift_load_i, registers->shift_load, 4);
+  settings.put(top.cfg_min_load_i, registers->min_load, 16);
+  settings.put(top.cfg_top_i, registers->top, width - 1);
+  settings.put_signed(top.cfg_idle_i, registers->idle, width);
+  settings.put_signed(top.cfg_busy_i, registers->busy, width);
+  settings.put(top.cfg_imbalance_i, registers->imbalance, width + 1);
+  for (int term = 0; term < 6; term++) {
+    uint32_t word;
+    settings.put_signed(word, registers->p[term], 18);
+  }
+  if (!settings.ok) return meissner::kNoRoom;
   for (int word = 0; word < 4; word++) top.cfg_p_i[word] = 0;
   for (int bit = 0; bit < 6 * 18; bit++) {
     const uint32_t set = static_cast<uint32_t>(registers->p[bit / 18]) >> (bit % 18) & 1;

@@ -18,7 +18,7 @@ struct CopResults {
 // Send `frames` frames of `rows` x `columns` forces, a beat a clock unless the core waits, each row padded
 // to whole beats. The last `trace_beats` beats and what follows go to `trace_path`, if there is one and the
 // core was built for it. Returns the clocks it took, or -1 if not one result per frame came out.
-int64_t cop_run(const uint16_t *forces, int64_t frames, int32_t rows, int32_t columns, uint64_t min_load,
+int64_t cop_run(const uint16_t *forces, int64_t frames, int32_t rows, int32_t columns, int64_t min_load, int32_t sum_bits,
                 const CopResults *results, const char *trace_path, int64_t trace_beats, int64_t clk_khz) {
   meissner::Core<Vmsn_cop> core;
   auto &top = core.top;
@@ -49,7 +49,9 @@ int64_t cop_run(const uint16_t *forces, int64_t frames, int32_t rows, int32_t co
     }
   };
 
-  top.cfg_min_load_i = min_load;
+  meissner::Settings settings;
+  settings.put(top.cfg_min_load_i, min_load, sum_bits);
+  if (!settings.ok) return meissner::kNoRoom;
   top.out_ready_i = 1;
   top.in_valid_i = 0;
   top.rst_i = 1;

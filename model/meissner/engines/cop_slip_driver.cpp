@@ -8,7 +8,7 @@
 extern "C" {
 
 struct CopSlipRegisters {
-  int32_t drop, move, min_load, hold, refractory;
+  int64_t drop, move, min_load, hold, refractory;
 };
 
 // Send `count` samples, one whenever the core takes it. moves: dx, dy [count][2]; flags: slip, raised << 1,
@@ -34,11 +34,13 @@ int64_t cop_slip_run(const int16_t *x, const int16_t *y, const uint16_t *load, c
     done++;
   };
 
-  top.cfg_drop_i = registers->drop;
-  top.cfg_move_i = registers->move;
-  top.cfg_min_load_i = registers->min_load;
-  top.cfg_hold_i = registers->hold;
-  top.cfg_refractory_i = registers->refractory;
+  meissner::Settings settings;
+  settings.put(top.cfg_drop_i, registers->drop, 8);
+  settings.put(top.cfg_move_i, registers->move, 16);
+  settings.put(top.cfg_min_load_i, registers->min_load, 16);
+  settings.put(top.cfg_hold_i, registers->hold, 16);
+  settings.put(top.cfg_refractory_i, registers->refractory, 16);
+  if (!settings.ok) return meissner::kNoRoom;
   top.out_ready_i = 1;
   top.in_valid_i = 0;
   top.rst_i = 1;

@@ -9,6 +9,27 @@
 
 namespace meissner {
 
+// Settings on ports, none of them cut: `ok` is false once one had no room in the bits that its port has.
+struct Settings {
+  bool ok = true;
+
+  template <typename Port>
+  void put(Port &port, int64_t value, int bits) {
+    ok = ok && value >= 0 && (bits > 62 || value >> bits == 0);
+    port = static_cast<Port>(value);
+  }
+
+  // Two's complement.
+  template <typename Port>
+  void put_signed(Port &port, int64_t value, int bits) {
+    const int64_t half = int64_t{1} << (bits - 1);
+    ok = ok && value >= -half && value < half;
+    port = static_cast<Port>(value & (2 * half - 1));
+  }
+};
+
+constexpr int64_t kNoRoom = -2;  // what a driver returns then
+
 template <typename Top>
 struct Core {
   VerilatedContext context;

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from meissner.engines import Watched
+from meissner.engines import Watched, verilated
 from meissner.engines.rtl_cop import cop  # noqa: F401 - this engine's centre of pressure
 from meissner.engines.rtl_cop4 import cop4, cop_slip  # noqa: F401 - of four electrodes
 from meissner.engines.rtl_frontend import calibrate, demodulate  # noqa: F401 - and its front end
@@ -21,16 +21,12 @@ PIN_CLK_KHZ, PIN_SCLK_KHZ, PIN_BUSY_CLOCKS = 4000, 2000, 16
 
 
 class _SlipRegisters(ctypes.Structure):
-    _fields_ = (
-        ("threshold", ctypes.c_uint32),
-        ("gross_threshold", ctypes.c_uint32),
-        ("contact_level", ctypes.c_int32),
-        ("release_level", ctypes.c_int32),
-        ("contact_rises", ctypes.c_uint32),
-        ("hold", ctypes.c_uint32),
-        ("refractory", ctypes.c_uint32),
-        ("blank", ctypes.c_uint32),
-        ("keep_threshold", ctypes.c_uint32),
+    _fields_ = tuple(
+        (name, ctypes.c_int64)
+        for name in (
+            *("threshold", "gross_threshold", "contact_level", "release_level", "contact_rises"),
+            *("hold", "refractory", "blank", "keep_threshold"),
+        )
     )
 
 
@@ -46,7 +42,10 @@ def _open(path):
     lib = ctypes.CDLL(str(path))
     lib.core_new.restype = ctypes.c_void_p
     lib.core_delete.argtypes = [ctypes.c_void_p]
-    lib.core_start.argtypes = [ctypes.c_void_p, ctypes.POINTER(_SlipRegisters), ctypes.c_uint32]
+    lib.core_start.restype = ctypes.c_int64
+    lib.core_start.argtypes = [
+        *(ctypes.c_void_p, ctypes.POINTER(_SlipRegisters), ctypes.c_int32, ctypes.c_int32),
+    ]
     lib.core_slip.restype = ctypes.c_int64
     pointer = ctypes.c_void_p
     lib.core_slip.argtypes = [
@@ -55,7 +54,7 @@ def _open(path):
     ]
     lib.core_pins.restype = ctypes.c_int64
     lib.core_pins.argtypes = [
-        *(pointer, ctypes.c_int32, ctypes.c_int32, pointer, ctypes.c_int64, ctypes.c_uint32),
+        *(pointer, ctypes.c_int32, ctypes.c_int32, pointer, ctypes.c_int64, ctypes.c_int64),
         *(pointer, pointer, pointer, ctypes.c_int64, ctypes.c_int64, ctypes.c_int64, ctypes.c_char_p),
         *(ctypes.c_int64, ctypes.POINTER(_PinFacts)),
     ]
@@ -72,8 +71,9 @@ class Core:
         self._lib = _open(library("msn_channels", "channels_driver.cpp", parameters, trace))
         self._core = self._lib.core_new()
         values = {name: int(getattr(config, name)) for name, _ in _SlipRegisters._fields_[:-1]}
-        values["keep_threshold"] = config.keeps_above
-        self._lib.core_start(self._core, _SlipRegisters(**values), SAMPLE_BITS + config.level)
+        settings = _SlipRegisters(**values, keep_threshold=config.keeps_above)
+        bits = SAMPLE_BITS + config.level
+        verilated.check_room(self._lib.core_start(self._core, settings, bits, TIMER_BITS))
 
     def __enter__(self):
         return self
@@ -108,6 +108,7 @@ class Core:
             *(moving.ctypes.data, p2p.ctypes.data, flags.ctypes.data, p2p.size, *trace),
             *(None if trace_path is None else str(trace_path).encode(), PIN_CLK_KHZ, ctypes.byref(facts)),
         )
+        verilated.check_room(count)
         if count < 0:
             raise RuntimeError("more decisions came out of the core than samples went in")
         return p2p[:count], flags[:count], facts

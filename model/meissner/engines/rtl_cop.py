@@ -28,7 +28,7 @@ def _open(rows, columns, trace=False):
     lib.cop_run.restype = ctypes.c_int64
     size, wide = ctypes.c_int32, ctypes.c_int64
     lib.cop_run.argtypes = [
-        *(ctypes.c_void_p, wide, size, size, ctypes.c_uint64, ctypes.c_void_p),
+        *(ctypes.c_void_p, wide, size, size, wide, size, ctypes.c_void_p),
         *(ctypes.c_char_p, wide, wide),
     ]
     return lib
@@ -53,9 +53,11 @@ def cop(forces, min_load=1, waves=None):
     valid = np.zeros(frames, dtype=np.uint8)
     pointers = [row.ctypes.data for row in (*wide, *narrow, valid)]
     count = lib.cop_run(
-        *(forces.ctypes.data, frames, rows, columns, min_load, ctypes.byref(_Results(*pointers))),
+        *(forces.ctypes.data, frames, rows, columns, min_load, sum_bits(rows, columns)),
+        ctypes.byref(_Results(*pointers)),
         *(None if waves is None else str(waves).encode(), min(TRACE_BEATS, beats), TRACE_CLK_KHZ),
     )
+    verilated.check_room(count)
     if count < 0:
         raise RuntimeError("the core did not give one result per frame")
     bits = sum_bits(rows, columns)

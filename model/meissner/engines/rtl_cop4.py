@@ -19,8 +19,8 @@ _TRACE = (ctypes.c_char_p, ctypes.c_int64, ctypes.c_int64)
 
 class _Registers(ctypes.Structure):
     _fields_ = (
-        *((field.name, ctypes.c_int32) for field in fields(Cop4Registers)),
-        ("p", ctypes.c_int32 * TERMS),
+        *((field.name, ctypes.c_int64) for field in fields(Cop4Registers)),
+        ("p", ctypes.c_int64 * TERMS),
     )
 
 
@@ -48,7 +48,7 @@ def cop4(codes, config, waves=None):
     codes = np.ascontiguousarray(codes, dtype=np.int32)
     values = {field.name: getattr(config.registers, field.name) for field in fields(Cop4Registers)}
     p = (0,) * TERMS if config.terms is None else config.terms.p
-    registers = _Registers(**values, p=(ctypes.c_int32 * TERMS)(*p))
+    registers = _Registers(**values, p=(ctypes.c_int64 * TERMS)(*p))
     x, y = np.zeros((2, len(codes)), dtype=np.int16)
     load = np.zeros(len(codes), dtype=np.uint16)
     flags = np.zeros(len(codes), dtype=np.uint8)
@@ -57,6 +57,7 @@ def cop4(codes, config, waves=None):
         *(array.ctypes.data for array in (x, y, load, flags)),
         *_traced(waves, len(codes)),
     )
+    verilated.check_room(count)
     if count < 0:
         raise RuntimeError("the core did not give one result per sample")
     pressed, over, saturated, imbalance = ((flags >> bit & 1).astype(bool) for bit in range(4))
@@ -66,7 +67,7 @@ def cop4(codes, config, waves=None):
 
 
 class _SlipRegisters(ctypes.Structure):
-    _fields_ = tuple((field.name, ctypes.c_int32) for field in fields(CopSlipRegisters))
+    _fields_ = tuple((field.name, ctypes.c_int64) for field in fields(CopSlipRegisters))
 
 
 @verilated.cached
@@ -97,6 +98,7 @@ def cop_slip(codes, config, lag, registers, waves=None):
         *(count, ctypes.byref(values), moves.ctypes.data, flags.ctypes.data),
         *_traced(waves, count),
     )
+    verilated.check_room(clocks)
     if clocks < 0:
         raise RuntimeError("the core did not give one decision per sample")
     slip, raised, over = ((flags >> bit & 1).astype(bool) for bit in range(3))

@@ -36,6 +36,12 @@ def cached(build):
     return wraps(build)(lambda *arguments: kept(CELLS.get(), *arguments))
 
 
+def check_room(found):
+    """ValueError where a driver says that a setting is wider than its port: kNoRoom of core.hpp."""
+    if found == -2:
+        raise ValueError("a setting is wider than the core has bits for")
+
+
 def library(top, driver, parameters, trace=False, include=None):
     """Path of ``top`` with these parameters behind ``driver``; built now if this source was not before.
 

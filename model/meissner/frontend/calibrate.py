@@ -35,9 +35,12 @@ class Calibrate:
     All forces are 0 until the first swap.
     """
 
-    def __init__(self, rows, columns, lanes=1, sample_bits=17, gain_shift=12, offset=True, row_column=False):
+    def __init__(
+        self, rows, columns, lanes=1, sample_bits=17, gain_shift=None, offset=True, row_column=False
+    ):
         table = CalibrationGrid if row_column else CalibrationTable
         self.table = table(rows, columns, lanes, sample_bits, offset)
+        gain_shift = (24 if row_column else 12) if gain_shift is None else gain_shift
         self.sample_bits, self.gain_shift, self.gain_bits = sample_bits, gain_shift, 32 if row_column else 16
         forces(0, 0, 0, gain_shift, gain_bits=self.gain_bits)  # the same check of the shift
         self._place = FramePlace(rows * self.table.row_beats)

@@ -65,7 +65,7 @@ class Core:
         self.timeout_s, self.retries, self.give_up_s = timeout_s, retries, give_up_s
         self.say = say or logging.getLogger("meissner.host").warning
         self.counts = Counts()
-        self.features = None
+        self.features = self.build = None
         self._assembler = Assembler(known)
         self._decoder, self._waiting = Decoder(), deque()
         self._missed_before, self._joining = 0, True
@@ -100,7 +100,7 @@ class Core:
         return self._newest
 
     def _identify(self):
-        """ID, VERSION, FEATURES, SIZE and clock; Refused in one sentence if this host cannot speak to it."""
+        """ID, VERSION, FEATURES, SIZE, clock, widths; Refused in one sentence if it is another."""
         name = self.line.name
         found = self._ask(bridge.READ, names.place("core.id"))
         if found != names.place("core.id").field.reset:
@@ -115,6 +115,9 @@ class Core:
             )
         bits = self._ask(bridge.READ, names.place("core.features"))
         size = self._ask(bridge.READ, names.place("core.size"))
+        widths = self._ask(bridge.READ, names.place("core.widths"))
+        self.build = {name: names.place(f"core.widths.{name}").value(widths) for name in names.WIDTHS}
+        self.build["beats"] = self._ask(bridge.READ, names.place("core.beats"))
         self.features = [group for bit, group in enumerate(names.FEATURES) if bits >> bit & 1]
         self._assembler.units = replace(
             self.units,
@@ -150,7 +153,7 @@ class Core:
         if value is not None:
             if not place.writable:
                 raise ValueError(f"{name} can only be read")
-            place.into(0, value)
+            place.into(0, value, self.build)
         return place
 
     def __getitem__(self, name):
@@ -162,9 +165,12 @@ class Core:
 
     def __setitem__(self, name, value):
         place = self.check(name, value)
-        word = place.into(0, value)
-        if place.field is not None and len(place.register.fields) > 1:
-            word = place.into(self._ask(bridge.READ, place), value)
+        word = 0
+        if place.field is not None and len(place.register.fields) > 1:  # its neighbours stay
+            word = self._ask(bridge.READ, place)
+            if self._restarted and self._restore():
+                word = self._ask(bridge.READ, place)
+        word = place.into(word, value, self.build)
         self._ask(bridge.WRITE, place, word)
         if place.setting:
             self._written[place.address] = (place, word)

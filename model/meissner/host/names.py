@@ -13,6 +13,8 @@ VERSION = {
     if (group.name, register.name) == ("core", "version")
 }
 FEATURES = [group.name for group in GROUPS if group.feature]  # bit by bit, the first lowest
+WIDTHS = ("detail", "timer", "load", "offset")  # of core.widths
+WORDS = ("tare.word", "calibrate.word")  # count beats of a frame
 
 
 @dataclass(frozen=True)
@@ -30,8 +32,7 @@ class Place:
 
     @property
     def signed(self):
-        """The register's text says so; it is a number of two's complement then."""
-        return self.register.text.endswith("signed.")
+        return self.field is not None and self.field.signed
 
     @property
     def writable(self):
@@ -47,15 +48,29 @@ class Place:
         """What ``word`` holds here."""
         if self.field is None:
             return word
-        value = word >> self.field.low & self.field.most
-        return value - (self.signed and value > self.field.most >> 1) * (self.field.most + 1)
+        return self.field.number(word >> self.field.low & self.field.most)
 
-    def into(self, word, value):
-        """``word`` with ``value`` here; ValueError if it does not fit."""
-        most, low = (0xFFFFFFFF, 0) if self.field is None else (self.field.most, self.field.low)
-        first, last = (-(most + 1 >> 1), most >> 1) if self.signed else (0, most)
-        if not first <= value <= last:
-            raise ValueError(f"{self.name} = {value} must lie in {first} .. {last}")
+    def ends(self, build=None):
+        """(least, greatest) value; ``build``: what a core says of itself, {of WIDTHS, or "beats": number}."""
+        if self.field is None:
+            return 0, 0xFFFFFFFF
+        if build and self.name in WORDS:
+            return 0, max(0, build["beats"] - 1)
+        return self.field.ends(build[self.field.held_to] if build and self.field.held_to else None)
+
+    def into(self, word, value, build=None):
+        """``word`` with ``value`` here; ValueError if it does not fit what ``ends`` says."""
+        least, most = self.ends(build)
+        if not least <= value <= most:
+            raise ValueError(f"{self.name} = {value} must lie in {least} .. {most}")
+        if self.field is None:
+            known = sum(field.most << field.low for field in self.register.fields)
+            if value & ~known:
+                raise ValueError(
+                    f"{self.name} = {value} has bits that no field of it has; they are 0x{known:x}"
+                )
+            return value
+        most, low = self.field.most, self.field.low
         return word & ~(most << low) & 0xFFFFFFFF | (value & most) << low
 
 

@@ -5,13 +5,19 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Field:
-    """Bits high .. low. ``kind``: setting (the host's), status (the core's), constant, command (a pulse)."""
+    """Bits high .. low. ``kind``: setting (the host's), status (the core's), constant, command (a pulse).
+
+    ``signed``: two's complement; ``held_to``: the field of core.widths that says how many bits a build has
+    for it, at whose ends the core holds it.
+    """
 
     name: str
     high: int
     low: int
     kind: str
     reset: int
+    signed: bool = False
+    held_to: str = ""
 
     @property
     def width(self):
@@ -20,6 +26,15 @@ class Field:
     @property
     def most(self):
         return (1 << self.width) - 1
+
+    def number(self, bits):
+        """The number that the field's bits stand for."""
+        return bits - (self.signed and bits > self.most >> 1) * (self.most + 1)
+
+    def ends(self, width=None):
+        """(least, greatest) number of ``width`` bits, None: of all."""
+        width = self.width if width is None else min(width, self.width)
+        return (-(1 << width - 1), (1 << width - 1) - 1) if self.signed else (0, (1 << width) - 1)
 
 
 @dataclass(frozen=True)

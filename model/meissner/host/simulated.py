@@ -16,7 +16,7 @@ from meissner.host import names, units
 from meissner.link import bridge, cobs
 from meissner.link import packet as p
 from meissner.link.registers import Registers, reset_word
-from meissner.slip.config import SAMPLE_BITS, SlipConfig
+from meissner.slip.config import SAMPLE_BITS, TIMER_BITS, SlipConfig
 from meissner.slip.haar import haar
 from meissner.slip.peak_to_peak import PeakToPeak
 from meissner.slip.slip import Slip, State
@@ -32,12 +32,18 @@ class SimulatedCore:
     """A pipe for meissner.host.pty or meissner.host.line.
 
     ``source``: a function as above, or a list of (time, type, payload). ``settings``: {name: value} that the
-    build starts with. ``speed``: simulated seconds a second; 0: as fast as it is read. ``status``: {(group,
-    register, field): value} of what the core reports.
+    build starts with. ``speed``: simulated seconds a second; 0: as fast as it is read. ``level``: of the slip
+    path. ``status``: {(group, register, field): value} of what the core reports.
     """
 
-    def __init__(self, source=(), features=None, settings=None, size=(1, 1), clk_khz=CLK_KHZ, speed=0.0):
-        self.registers = Registers(features, reset_word(settings or {}))
+    def __init__(
+        self, source=(), features=None, settings=None, size=(1, 1), clk_khz=CLK_KHZ, speed=0.0, level=1
+    ):
+        taxels = size[0] * size[1]
+        widths = {"detail": SAMPLE_BITS + level, "timer": TIMER_BITS, "offset": 17}
+        widths["load"] = 16 + (taxels - 1).bit_length()
+        self.level = level
+        self.registers = Registers(features, reset_word(settings or {}, widths), widths)
         self.clk_khz, self.speed = clk_khz, speed
         present = names.FEATURES if features is None else features
         bits = sum(1 << bit for bit, name in enumerate(names.FEATURES) if name in present)
@@ -46,6 +52,8 @@ class SimulatedCore:
             ("core", "size", "rows"): size[0],
             ("core", "size", "columns"): size[1],
             ("core", "clk_khz", "value"): clk_khz,
+            **{("core", "widths", name): bits for name, bits in widths.items()},
+            ("core", "beats", "value"): taxels,
         }
         self.units = units.Units()  # what a host should be told of this core
         self._make = source if callable(source) else lambda core: iter(source)
@@ -108,20 +116,14 @@ class SimulatedCore:
             self.say(p.ANSWER, self.now, bridge.answer(tag, status, address, word))
 
     def slip_config(self, **build):
-        """SlipConfig of the registers of the group slip; ``build``: window, hop, level."""
-        level = build.get("level", 1)
-        most = (1 << SAMPLE_BITS + level) - 1  # no peak-to-peak is above it
+        """SlipConfig of the registers of the group slip; ``build``: window, hop."""
         values = {}
         for name in names.PLACES:
             if name.startswith("slip.") and names.place(name).writable:
                 key = name.removeprefix("slip.")
                 values[key] = names.place(name).value(self.registers.setting("slip", key))
-        for key in ("threshold", "gross_threshold", "keep_threshold"):
-            values[key] = min(values[key], most)
-        for key in ("contact_level", "release_level"):
-            values[key] = int(np.clip(values[key], -(most + 1) // 2, most // 2))
         values["contact_rises"] = bool(values["contact_rises"])
-        return SlipConfig(**build, **values)
+        return SlipConfig(level=self.level, **build, **values)
 
 
 def settings_of(config):
@@ -140,19 +142,20 @@ def blocks_of(codes, level=1, loop=False):
             yield codes[:, start : min(start + step, usable)]
 
 
-def slip_source(blocks, rate_hz, window=64, hop=64, level=1):
+def slip_source(blocks, rate_hz, window=64, hop=64):
     """Blocks of codes [channels, whole details] through the slip path's twins: a packet where a flag rises.
 
     Settings are the core's registers, looked at before each block; ``blocks`` may make each when it is asked.
     """
 
     def source(core):
+        level = core.level
         clocks, group = 1000 * core.clk_khz / rate_hz, 1 << level
         spans = twin = None
         done, flag = 0, False
         for codes in blocks:
             core.boundary("slip")
-            config = core.slip_config(window=window, hop=hop, level=level)
+            config = core.slip_config(window=window, hop=hop)
             if twin is None:
                 spans = PeakToPeak(len(codes), window // group, hop // group)
                 twin, flag = Slip(len(codes), config), np.zeros((len(codes), 1), dtype=bool)
@@ -215,14 +218,15 @@ def of_scenes(which=SHOWN, speed="1"):
             raise ValueError
     except ValueError:
         raise ValueError(f"speed = {speed} must be a number above 0") from None
-    sources, settings, size, known = [statistics_source], {}, (1, 1), units.Units()
+    sources, settings, size, known, level = [statistics_source], {}, (1, 1), units.Units(), 1
     for name in (which or SHOWN).split("+"):
         scene = scenes.load(name)
         if scene.sensor == "rubber":
             config = scene.slip_config()
             recording = scenes.simulate(scene, 0, 1)
             blocks = blocks_of(recording.codes, config.level, loop=True)
-            sources.append(slip_source(blocks, scene.rate_hz, config.window, config.hop, config.level))
+            sources.append(slip_source(blocks, scene.rate_hz, config.window, config.hop))
+            level = config.level
             settings |= settings_of(config)
             known = replace(units.of_scene(scene), newtons_per_code=known.newtons_per_code)
         elif scene.sensor == "array":
@@ -234,6 +238,6 @@ def of_scenes(which=SHOWN, speed="1"):
             known = replace(known, newtons_per_code=scene.load_lsb)
         else:
             raise ValueError(f"scene {name} is neither of rubber nor of an array: it gives no packets here")
-    core = SimulatedCore(together(*sources), settings=settings, size=size, speed=speed)
+    core = SimulatedCore(together(*sources), settings=settings, size=size, speed=speed, level=level)
     core.units = known
     return core

@@ -6,10 +6,15 @@ samples:
     code of a peak-to-peak = floor(volts·sqrt(2)^l / volts_per_code)       compared with >, so exact
     code of a level        = round(2^l·(min_code + (volts - low_v)/volts_per_code))
     code of a least load   = ceil(newtons / newtons_per_code)             pressed from it on, so exact
+    clocks of a settling   = ceil(seconds·clk_hz), 1 at least
+
+Exact: numbers are taken as they are written, 0.57 as 57/100. In floating point 0.57/0.001 is below 570.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from fractions import Fraction
+from math import ceil, isqrt
 
 import numpy as np
 
@@ -33,8 +38,19 @@ CODES = {  # of an amount: register, quantity, and what of Units turns it into a
     ("cop_slip.min_load", "newtons"): "load_code",
     ("adc.period", "seconds"): "clocks",
     ("scan.period", "seconds"): "clocks",
-    ("scan.settle", "seconds"): "clocks",
+    ("scan.settle", "seconds"): "settle_clocks",
 }
+
+
+def exact(value):
+    """The number as it is written."""
+    return value if isinstance(value, (int, Fraction)) else Fraction(repr(float(value)))
+
+
+def floor_root(value, level):
+    """floor(value·sqrt(2)^level) without a root."""
+    square = value * value * (1 << level)
+    return isqrt(square.__floor__()) if value >= 0 else -1 - isqrt(max(0, ceil(square) - 1))
 
 
 @dataclass(frozen=True)
@@ -65,7 +81,12 @@ class Units:
             raise ValueError(f"{name} is not set in {quantity}, but in {' or '.join(takes) or 'codes only'}")
         if not np.isfinite(value):
             raise ValueError(f"{name} = {value} {quantity} is no number")
-        return getattr(self, CODES[name, quantity])(value)
+        found = getattr(self, CODES[name, quantity])(value)
+        if name in ("adc.period", "scan.period") and not found:
+            raise ValueError(
+                f"{name} = {value:g} {quantity} is less than a clock, and 0 there is another mode"
+            )
+        return found
 
     def _need(self, name, what):
         value = getattr(self, name)
@@ -82,11 +103,11 @@ class Units:
 
     def detail_code(self, volts):
         lsb = self._need("volts_per_code", "a threshold in volts")
-        return int(np.floor(volts * 2 ** (self.level / 2) / lsb))
+        return floor_root(exact(volts) / exact(lsb), self.level)
 
     def level_code(self, volts):
         lsb = self._need("volts_per_code", "a level in volts")
-        return round((1 << self.level) * (self.min_code + (volts - self.low_v) / lsb))
+        return round((1 << self.level) * (self.min_code + (exact(volts) - exact(self.low_v)) / exact(lsb)))
 
     @property
     def of_forces(self):
@@ -100,22 +121,26 @@ class Units:
     def detail_code_of_newtons(self, newtons):
         if not self.of_forces:
             raise ValueError("a threshold in newtons cannot be set: the samples are not known to be forces")
-        return int(np.floor(newtons * 2 ** (self.level / 2) / self.newtons_per_code))
+        return floor_root(exact(newtons) / exact(self.newtons_per_code), self.level)
 
     def level_code_of_newtons(self, newtons):
         if self.of_forces:
-            return round((1 << self.level) * newtons / self.newtons_per_code)
+            return round((1 << self.level) * exact(newtons) / exact(self.newtons_per_code))
         return self.level_code(float(self._need("volts_of", "a level in newtons")(newtons)))
 
     def details(self, seconds):
-        return round(seconds * self._need("rate_hz", "a time in seconds") / (1 << self.level))
+        return round(exact(seconds) * exact(self._need("rate_hz", "a time in seconds")) / (1 << self.level))
 
     def clocks(self, seconds):
-        return round(seconds * 1000 * self._need("clk_khz", "a time in seconds"))
+        return round(exact(seconds) * 1000 * self._need("clk_khz", "a time in seconds"))
+
+    def settle_clocks(self, seconds):
+        """At least that long."""
+        return max(1, ceil(exact(seconds) * 1000 * self._need("clk_khz", "a time in seconds")))
 
     def load_code(self, newtons):
         """The least load of that many newtons."""
-        return int(np.ceil(newtons / self._need("newtons_per_code", "a load in newtons")))
+        return ceil(exact(newtons) / exact(self._need("newtons_per_code", "a load in newtons")))
 
     def load_newtons(self, load):
         return None if self.newtons_per_code is None else load * self.newtons_per_code

@@ -1,6 +1,16 @@
 """What every scene's table is checked with; each raises ValueError with one sentence that names the place."""
 
+from reprlib import Repr
+
+_SHORT = Repr()
+_SHORT.maxstring = _SHORT.maxother = _SHORT.maxlong = 40
+_SHORT.maxlevel = 2
 _KINDS = {str: "text", int: "a whole number", float: "a number", list: "a list", dict: "a table"}
+
+
+def shown(value):
+    """A wrong value, in few words whatever it is."""
+    return _SHORT.repr(value)
 
 
 def fields(where, table, expected):
@@ -15,9 +25,11 @@ def fields(where, table, expected):
         value = table[key]
         fits = isinstance(value, (int, float) if kind is float else kind) and not isinstance(value, bool)
         if not fits:
-            raise ValueError(f"{where}: {key} = {value!r} must be {_KINDS[kind]}")
+            raise ValueError(f"{where}: {key} = {shown(value)} must be {_KINDS[kind]}")
         if kind is float and value != value:
             raise ValueError(f"{where}: {key} = {value!r} must be a number")
+        if isinstance(value, int) and kind in (int, float) and abs(value) >= 1 << 63:
+            raise ValueError(f"{where}: {key} = {shown(value)} has more than 64 bits")
         checked[key] = float(value) if kind is float else value
     return checked
 
@@ -29,6 +41,12 @@ def positive(where, table, keys):
             raise ValueError(f"{where}: {key} = {table[key]:g} must be {what}")
 
 
+def not_negative(where, table, keys):
+    for key in keys:
+        if table[key] < 0:
+            raise ValueError(f"{where}: {key} = {table[key]:g} must not be negative")
+
+
 def between(where, table, limits):
     """``limits``: {key: (least, most)}."""
     for key, (least, most) in limits.items():
@@ -38,14 +56,18 @@ def between(where, table, limits):
 
 def one_of(where, key, value, allowed):
     if value not in list(allowed):  # a list has no place in a dict
-        raise ValueError(f"{where}: {key} = '{value}' must be one of: {', '.join(map(str, allowed))}")
+        plain = isinstance(value, str) and len(value) < 40 and value.isprintable()
+        given = value if plain else shown(value)
+        raise ValueError(f"{where}: {key} = '{given}' must be one of: {', '.join(map(str, allowed))}")
 
 
 def numbers(where, key, values, count=None, least=float("-inf"), most=float("inf")):
     """A list of ``count`` (or at least one) numbers in least .. most as floats."""
     fits = isinstance(values, list) and (len(values) == count if count else len(values) > 0)
     if not fits or not all(isinstance(v, (int, float)) and not isinstance(v, bool) for v in values):
-        raise ValueError(f"{where}: {key} = {values!r} must be a list of {count or 'one or more'} numbers")
+        raise ValueError(
+            f"{where}: {key} = {shown(values)} must be a list of {count or 'one or more'} numbers"
+        )
     for value in values:
         if not least <= value <= most:
             raise ValueError(f"{where}: {key} = {value:g} must lie in {least:g} .. {most:g}")

@@ -1,0 +1,226 @@
+"""Settings that a core has too few bits for, and words that it has not, from the bus to what leaves it.
+
+3 rows of 5 columns in beats of two: 9 beats of a frame, 3 of a row, 20 bits of a load, 18 of a detail, 4 of a
+time. Expected values are worked out here; what a value with room does is seen beside it.
+"""
+
+import cocotb
+import pytest
+from cocotb.triggers import ReadOnly, RisingEdge
+
+import bench
+from meissner.link.registers import RESET_BITS, reset_word
+
+ROWS, COLUMNS, LANES = 3, 5, 2
+RESETS = {
+    **{"calibrate.preset": 4096, "cop.min_load": 1, "tare.at_start": 0, "tare.step": 0},
+    **{"slip.threshold": 100_000, "slip.contact_level": 500, "slip.release_level": 400},
+}
+SIZE = {
+    "Array": 1,
+    "Rows": ROWS,
+    "Columns": COLUMNS,
+    "Converters": LANES,
+    "Uart": 0,
+    "Image": 1,
+    "Statistics": 0,
+}
+BUILD = SIZE | {"Window": 8, "Hop": 8, "TimerBits": 4, "Tare": 1, "TareLog2": 1, "SlipDepth": 8}
+COP, IMAGE, SLIP = 2, 3, 1
+AT = {  # of docs/registers.md
+    **{"threshold": 0x200, "gross": 0x204, "contact_level": 0x208, "release_level": 0x20C, "hold": 0x214},
+    **{"tare_load": 0x494, "tare_word": 0x498, "tare_zero": 0x49C, "tare_write": 0x4A0, "min_load": 0x600},
+    **{"word": 0x504, "offset": 0x508, "gain": 0x50C, "write": 0x510, "swap": 0x514},
+}
+
+
+class Bench:
+    def __init__(self, dut):
+        self.dut, self.packets, self.byte = dut, [], bytearray()
+
+    async def begin(self):
+        dut = self.dut
+        idle = {port._name: 0 for port in dut if port._name.endswith("_i") and port._name != "clk_i"}
+        await bench.start(dut, **idle | {"out_ready_i": 1, "rx_i": 1})
+        cocotb.start_soon(self._watch())
+        await bench.clocks(dut, 100)  # the preset gains are written
+        return self
+
+    async def _watch(self):
+        while True:
+            await RisingEdge(self.dut.clk_i)
+            if self.dut.out_valid_o.value == 1:
+                self.byte.append(bench.read(self.dut.out_data_o))
+                if self.dut.out_last_o.value == 1:
+                    self.packets.append(bytes(self.byte))
+                    self.byte.clear()
+
+    async def write(self, **values):
+        for name, value in values.items():
+            dut = self.dut
+            dut.bus_valid_i.value, dut.bus_write_i.value, dut.bus_strobe_i.value = 1, 1, 15
+            dut.bus_address_i.value, dut.bus_data_i.value = AT[name], value & 0xFFFF_FFFF
+            await RisingEdge(dut.clk_i)
+            dut.bus_valid_i.value = 0
+            await ReadOnly()
+            while dut.bus_done_o.value != 1:
+                await RisingEdge(dut.clk_i)
+                await ReadOnly()
+            assert dut.bus_error_o.value == 0, name
+            await RisingEdge(dut.clk_i)
+
+    async def frame(self, codes):
+        """Send codes [rows][columns]; what came of it until the core rests."""
+        dut, before = self.dut, len(self.packets)
+        beats = -(-COLUMNS // LANES)
+        for row in range(ROWS):
+            for beat in range(beats):
+                lanes = [*codes[row], 0][beat * LANES : beat * LANES + LANES]
+                dut.in_data_i.value = sum((code & 0x1FFFF) << 17 * lane for lane, code in enumerate(lanes))
+                dut.in_id_i.value = row * beats + beat
+                dut.in_last_i.value = int((row, beat) == (ROWS - 1, beats - 1))
+                dut.in_valid_i.value = 1
+                await RisingEdge(dut.clk_i)
+                while dut.in_ready_o.value != 1:
+                    await RisingEdge(dut.clk_i)
+        dut.in_valid_i.value = 0
+        await bench.clocks(dut, 400)
+        return self.packets[before:]
+
+    async def image(self, codes):
+        """Forces [rows][columns] of a frame."""
+        (image,) = [packet for packet in await self.frame(codes) if packet[0] == IMAGE]
+        taxels = [int.from_bytes(image[n : n + 2], "little") for n in range(13, len(image) - 4, 2)]
+        assert len(taxels) == ROWS * COLUMNS
+        return [taxels[n : n + COLUMNS] for n in range(0, len(taxels), COLUMNS)]
+
+
+def flat(code):
+    return [[code] * COLUMNS for _ in range(ROWS)]
+
+
+CODES = [[101 + 10 * row + column for column in range(COLUMNS)] for row in range(ROWS)]
+
+
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def a_least_load_is_held_at_its_end(dut):
+    """15 taxels of 1000 are 15000. 2^20 was 0, and 2^20 + 15000 the load itself."""
+    core = await Bench(dut).begin()
+    for least, pressed in (
+        *((15_000, 1), (15_001, 0), (1 << 20, 0), (14_999, 1), ((1 << 20) + 15_000, 0), (2**32 - 1, 0)),
+        *((0x40_0000, 0), (0, 1), ((1 << 20) - 1, 0), (1, 1)),
+    ):
+        await core.write(min_load=least)
+        await core.frame(flat(1000))  # settings change between frames
+        (cop,) = [packet for packet in await core.frame(flat(1000)) if packet[0] == COP]
+        assert int.from_bytes(cop[14:19], "little") == 15_000
+        assert cop[19] == bench.read(dut.pressed_o) == pressed, least
+
+
+async def swings(core, frames):
+    """Whether anything slips after each frame of codes that go to and fro: a detail of 700, then -700."""
+    seen = []
+    for n in range(frames):
+        await core.frame(flat((1000, 300, 300, 1000)[n % 4]))
+        seen.append(bench.read(core.dut.slip_o))
+    return seen
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def a_threshold_is_held_at_its_end(dut):
+    """Peak to peak is 1400. 262144 + 300 was 300; both ends of equality are seen at 1400 and 1399."""
+    core = await Bench(dut).begin()
+    for threshold, slips in ((1400, 0), (262_444, 0), (1399, 1), (262_144, 0), (300, 1), (0xF_FFFF, 0)):
+        await core.write(threshold=threshold, gross=0xF_FFFF)
+        await core.frame(flat(0))  # released: what was raised ends
+        await core.frame(flat(0))
+        assert max(await swings(core, 16)) == slips, threshold
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def levels_are_held_at_both_ends(dut):
+    """A group's sum is 2000. 262144 - 5 was -5, contact always; -262144 + 60000 was 60000, contact never."""
+    core = await Bench(dut).begin()
+    for contact, release, touched in (
+        *((2000, 100, 1), (2001, 100, 0), (262_139, 100, 0), (131_072, 100, 0)),
+        *((-202_144, -300_000, 1), (131_071, 100, 0), (-131_073, -131_073, 1)),
+    ):
+        await core.write(contact_level=0x7_FFFF, release_level=0x7_FFFF)
+        for _ in range(4):
+            await core.frame(flat(0))
+        assert dut.touched_o.value == 0
+        await core.write(contact_level=contact, release_level=release)
+        for _ in range(4):
+            await core.frame(flat(1000))
+        assert bench.read(dut.touched_o) == touched, (contact, release)
+
+
+@cocotb.test(timeout_time=50, timeout_unit="ms")
+async def a_time_is_held_at_its_end(dut):
+    """Four bits: 16 was 0 and 30 was 14, both are 15. A flag outlasts its cause by two frames a detail."""
+    core, found = await Bench(dut).begin(), {}
+    await core.write(threshold=1399, gross=0xF_FFFF, contact_level=-100, release_level=-101)
+    for hold in (0, 14, 15, 16, 30, 0xFFFF):
+        await core.write(hold=hold)
+        seen = await swings(core, 8)
+        for _ in range(56):
+            await core.frame(flat(300))
+            seen.append(bench.read(dut.slip_o))
+        assert seen[-1] == 0 and 1 in seen
+        found[hold] = sum(seen)
+    assert found[15] == found[14] + 2 == found[0] + 30
+    assert found[16] == found[30] == found[0xFFFF] == found[15]
+
+
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def zeros_of_words_that_are_not_there_are_lost(dut):
+    """Word 4, lane 1 is row 1, column 3. 9 is the first that is not there; 16 + 4 and 2^19 were 4 and 0."""
+    core = await Bench(dut).begin()
+    await core.write(tare_load=1)
+    await core.frame(CODES)
+    for word in range(9):
+        await core.write(tare_word=word, tare_zero=0, tare_write=0b11)
+    await core.write(tare_word=4, tare_zero=-5, tare_write=0b10)
+    for word in (9, 15, 16, 20, 32, 1 << 19, (1 << 20) - 1):
+        await core.write(tare_word=word, tare_zero=77, tare_write=0xFF)
+    await core.write(tare_load=0)
+    expected = [[*row] for row in CODES]
+    expected[1][3] += 5
+    assert await core.image(CODES) == expected
+    await core.write(tare_load=1)
+    await core.frame(CODES)
+    await core.write(tare_word=8, tare_zero=77, tare_write=0b01, tare_load=0)
+    expected[2][4] -= 77
+    assert await core.image(CODES) == expected
+
+
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def gains_of_words_that_are_not_there_are_lost(dut):
+    core = await Bench(dut).begin()
+    for word in range(9):
+        await core.write(word=word, offset=0, gain=4096, write=0b11)
+    await core.write(word=8, gain=8192, write=0b01)
+    for word in (9, 15, 16, 24, 1 << 19, (1 << 20) - 1):
+        await core.write(word=word, gain=0, write=0xFF)
+        await core.write(word=word, gain=0, write=0x100)
+    await core.write(swap=1)
+    await core.frame(CODES)
+    expected = [[*row] for row in CODES]
+    expected[2][4] *= 2
+    assert await core.image(CODES) == expected
+
+
+def test_core_ends():
+    word = f"{RESET_BITS}'h{reset_word(RESETS):x}"
+    bench.run("core", "core", BUILD | {"Resets": word}, module="test_core_ends")
+
+
+def test_core_ends_of_rows_and_columns():
+    word = f"{RESET_BITS}'h{reset_word(RESETS):x}"
+    given = SIZE | {"RowColumn": 1, "Slip": 0, "Resets": word}
+    bench.run("core", "core", given, module="test_core_ends_row_column")
+
+
+@pytest.mark.parametrize("bits", [0, 17])
+def test_times_have_one_to_sixteen_bits(bits):
+    assert f"TimerBits = {bits}" in bench.refuses("core", {"TimerBits": bits}, of="registers")

@@ -1,0 +1,263 @@
+"""Register words of three configurations whose supply, clock and rates are odd numbers, worked out by hand.
+
+From the formulas of docs/config.md, host.md and cop4.md and the data sheets' codes: MCP3208, 12 bits from 0 V
+to the supply; AD7606, 16 bits, two's complement over ±range. Each fraction is shown, so that which way it is
+rounded is held too; and the way back, codes to volts, newtons and seconds.
+"""
+
+import pytest
+
+from meissner import config
+from meissner.build import verilog
+from meissner.host.units import Units
+from meissner.link.registers import RESET_BITS, settings
+
+CHANNELS = {
+    "about": "odd",
+    "clock": {"mhz": 13.37},
+    "sensor": {"kind": "channels", "channels": 3},
+    "adc": {"part": "MCP3208", "volts": 3.3, "rate_hz": 7331.0},
+    "slip": {
+        **{"window": 32, "threshold_v": 0.0175, "gross_threshold_v": 0.111, "contact_level_v": 2.913},
+        **{"release_level_v": 3.0175, "contact_rises": False},
+        **{"hold_ms": 12.3, "refractory_ms": 7.7, "blank_ms": 33.2},
+    },
+    "link": {"baud": 1_234_567},
+}
+ARRAY = {
+    "about": "odd",
+    "clock": {"mhz": 33.333},
+    "sensor": {"kind": "array", "rows": 5, "columns": 6},
+    "adc": {
+        **{"part": "AD7606", "volts": 10.0, "rate_hz": 611.3, "converters": 2, "channels": 3},
+        "settle_us": 1.37,
+    },
+    "array": {"health": True, "newtons_per_count": 0.0037, "pitch_mm": 3.3},
+    "health": {"band": 13, "jump": 4021, "still": 117, "rail": 9, "blink": 121},
+    "tare": {"contact_codes": 67, "step": 3},
+    "cop": {"min_load_n": 0.55},
+    "slip": {
+        **{"window": 64, "hop": 32, "level": 2, "threshold_n": 0.083, "gross_threshold_n": 0.57},
+        **{"contact_level_n": 0.31, "release_level_n": 0.2007},
+        **{"hold_ms": 21.0, "refractory_ms": 11.5, "blank_ms": 55.0},
+    },
+}
+ELECTRODES = {
+    "about": "odd",
+    "clock": {"mhz": 21.7},
+    "sensor": {"kind": "electrodes"},
+    "adc": {"part": "AD7606", "volts": 10.0, "rate_hz": 777.0},
+    "mesh": {"rows": 9, "columns": 11, "r_ohm": 47.0, "R0_ohm": 910.0, "V0_v": 12.0, "k_n_ohm": 5100.0},
+    "load": {"gain": 0.7, "lsb_n": 0.0017, "min_n": 0.123, "correction": "none"},
+    "cop_slip": {
+        **{"lag_ms": 33.0, "drop": 0.37, "move": 0.0123, "min_n": 0.3},
+        **{"hold_ms": 41.0, "refractory_ms": 90.0},
+    },
+}
+
+
+def of(table):
+    return config.read(
+        "odd", {key: dict(value) if isinstance(value, dict) else value for key, value in table.items()}
+    )
+
+
+def test_single_channels():
+    """LSB 3.3/4096 = 0.8056640625 mV. Level 1: a detail is sqrt(2) coefficients, a sum is two samples."""
+    build = of(CHANNELS)
+    assert build.settings == {
+        "link.images": 0,
+        "adc.enable": 1,
+        "adc.period": 1824,  # 13 370 000 / 7331 = 1823.76
+        "slip.threshold": 30,  # 17.5 / 0.8056640625 · 1.414214 = 30.718, down: compared with >
+        "slip.gross_threshold": 194,  # 111 / 0.8056640625 · 1.414214 = 194.843, down
+        "slip.contact_level": 7231,  # 2 · 2913 / 0.8056640625 = 7231.30
+        "slip.release_level": 7491,  # 2 · 3017.5 / 0.8056640625 = 7490.72
+        "slip.contact_rises": 0,
+        "slip.hold": 45,  # 12.3 ms · 7.331 / 2 = 45.09 details
+        "slip.refractory": 28,  # 28.22
+        "slip.blank": 122,  # 33.2 · 7.331 / 2 = 121.69
+    }
+    assert build.parameters | {"Resets": 0} == {
+        **{"Adc": 1, "ClkKhz": 13_370, "SclkKhz": 1000, "AdcLanes": 1, "BaudHz": 1_234_567, "Channels": 3},
+        **{"Slip": 1, "Level": 1, "Window": 32, "Hop": 32, "TimerBits": 16, "SampleBits": 17},
+        **{"Registers": 1, "Statistics": 1, "SlipOnly": 0, "Resets": 0},
+    }
+    units = build.units
+    assert units.volts_per_code == 0.0008056640625
+    assert units.detail_volts(30) == pytest.approx(0.017090715, abs=1e-9)  # 30 · 0.8056640625 mV / 1.41421356
+    assert units.detail_volts(194) == pytest.approx(0.110519961, abs=1e-9)
+    assert units.seconds(1824) == pytest.approx(136.42483e-6, abs=1e-11)  # 1824 / 13.37 MHz
+    assert units.detail_newtons(30) is None and units.load_newtons(1) is None
+    assert (units.rows, units.columns, units.clk_khz, units.rate_hz) == (1, 3, 13_370, 7331.0)
+    assert units.place(8192, -4096)[:2] == (0.5, -0.25)
+
+
+def test_an_array():
+    build = of(ARRAY)
+    assert build.settings == {
+        "link.images": 0,
+        "scan.enable": 1,
+        "scan.settle": 46,  # 1.37 us · 33.333 = 45.67 clocks, up: at least that long
+        "scan.period": 54_528,  # 33 333 000 / 611.3 = 54528.05
+        "calibrate.preset": 4096,  # 1.0 in 12 bits of fraction
+        "cop.min_load": 149,  # 0.55 / 0.0037 = 148.65, up: pressed from it on
+        "health.band": 13,
+        "health.jump": 4021,
+        "health.still": 117,
+        "health.rail": 9,
+        "health.blink": 121,
+        "health.low": -32_768,  # the ends of 16 bits of two's complement
+        "health.high": 32_767,
+        "tare.contact": 67,
+        "tare.step": 3,
+        "slip.threshold": 44,  # level 2, so 2 · 0.083 / 0.0037 = 44.86, down
+        "slip.gross_threshold": 308,  # 2 · 0.57 / 0.0037 = 308.11
+        "slip.contact_level": 335,  # 4 · 0.31 / 0.0037 = 335.14: a sum is four samples
+        "slip.release_level": 217,  # 4 · 0.2007 / 0.0037 = 216.97
+        "slip.contact_rises": 1,
+        "slip.hold": 3,  # 21 ms · 0.6113 / 4 = 3.21
+        "slip.refractory": 2,  # 11.5 · 0.6113 / 4 = 1.76
+        "slip.blank": 8,  # 55 · 0.6113 / 4 = 8.41
+    }
+    assert build.parameters | {"Resets": 0} == {
+        **{"Adc": 2, "ClkKhz": 33_333, "SclkKhz": 14_500, "AdcLanes": 1, "BaudHz": 3_000_000, "Array": 1},
+        **{"Rows": 5, "Columns": 6, "Converters": 2, "AdcChannels": 3, "Health": 1, "Tare": 1},
+        **{"RowColumn": 0, "GainShift": 12, "Image": 0, "Slip": 1, "Level": 2, "Window": 64, "Hop": 32},
+        **{"TimerBits": 16, "SampleBits": 17, "Registers": 1, "Statistics": 1, "SlipOnly": 0, "Resets": 0},
+    }
+    units = build.units
+    assert units.detail_newtons(44) == pytest.approx(0.0814, abs=1e-12)  # 44 · 3.7 mN / 2
+    assert units.load_newtons(149) == pytest.approx(0.5513, abs=1e-12)
+    assert units.seconds(54_528) == pytest.approx(1.635856359e-3, abs=1e-12)  # 54528 / 33.333 MHz
+    assert units.detail_volts(44) is None
+    # Half right of the middle, at the upper edge: 0.5 · 3.3 · 5/2 mm, -1 · 3.3 · 4/2 mm.
+    assert units.place(8192, -16_384) == (0.5, -1.0, pytest.approx(4.125), pytest.approx(-6.6))
+
+
+def test_a_converter_from_zero_up_rails_at_its_lowest_and_its_highest_code():
+    """MCP3208: 0 and 4095; MAX11123: 8 bits, 0 and 255. A limit beyond the top would never be met."""
+    for part, top in (("MCP3208", 4095), ("MAX11123", 255), ("MAX11124", 1023), ("MAX11125", 4095)):
+        table = ARRAY | {
+            "adc": {"part": part, "volts": 3.3, "rate_hz": 100.0, "converters": 1, "channels": 8}
+        }
+        found = of(table).settings
+        assert (found["health.low"], found["health.high"]) == (0, top), part
+
+
+def test_four_electrodes():
+    """R0/r = 910/47 = 19.361702; a code is 10 V / 32768 behind a gain of 0.7."""
+    build = of(ELECTRODES)
+    assert build.settings == {
+        "link.images": 0,
+        "adc.enable": 1,
+        "adc.period": 27_928,  # 21 700 000 / 777 = 27927.93
+        "cop4.rail": 55_050,  # 2 · 12 V · 0.7 · 32768 / 10 V = 55050.24
+        "cop4.kx": 73_833,  # Cx = (2·9·19.361702 + 12)/10 = 36.051064; · 2^11 = 73832.58, 2^12 is too much
+        "cop4.shift_x": 11,
+        "cop4.ky": 111_605,  # Cy = (2·11·19.361702 + 10)/8 = 54.494681; · 2^11 = 111605.11
+        "cop4.shift_y": 11,
+        "cop4.kf": 105_495,  # Kf = 2·5100/910 = 11.208791 N; / 1.7 mN / 65536 · 2^(8+12) = 105494.51
+        "cop4.shift_load": 12,
+        "cop4.top": 32_767,
+        "cop4.idle": 27_470,  # V0 is 27525.12 codes, and a 500th of it 55
+        "cop4.busy": 27_461,  # 27525.12 - (55 + 3)·(36.051064 + 1)/(36.051064 - 1) = 27463.81; less 3
+        "cop4.imbalance": 55,  # a thousandth of 2V0
+        "cop4.min_load": 72,  # 0.123 / 0.0017 = 72.35
+        "cop_slip.drop": 95,  # 0.37 · 256 = 94.72
+        "cop_slip.move": 202,  # 0.0123 · 16384 = 201.52
+        "cop_slip.min_load": 176,  # 0.3 / 0.0017 = 176.47
+        "cop_slip.hold": 32,  # 41 ms · 0.777 = 31.86 samples
+        "cop_slip.refractory": 70,  # 69.93
+    }
+    assert build.parameters | {"Resets": 0} == {
+        **{"Adc": 2, "ClkKhz": 21_700, "SclkKhz": 14_500, "AdcLanes": 1, "BaudHz": 3_000_000, "Channels": 4},
+        **{"Slip": 0, "Cop4": 1, "Correct": 0, "CopSlip": 1, "Lag": 26},  # 33 ms · 0.777 = 25.64
+        **{"Registers": 1, "Statistics": 1, "SlipOnly": 0, "Resets": 0},
+    }
+    assert build.units.load_newtons(1000) == pytest.approx(1.7)
+    assert build.cop4.volts_per_code == pytest.approx(10 / 32_768 / 0.7)
+
+
+def test_the_word_of_the_reset_values_has_each_at_its_place():
+    """docs/registers.md: core.scratch has 32 bits, adc.enable one, adc.period 24; slip.threshold follows."""
+    word, at = of(CHANNELS).parameters["Resets"], 0
+    found = {}
+    for group, register, field in settings():
+        found[f"{group.name}.{register.name}.{field.name}"] = word >> at & (1 << field.width) - 1
+        at += field.width
+    assert at == RESET_BITS and word >> at == 0
+    assert word >> 32 & 1 == 1 and word >> 33 & 0xFF_FFFF == 1824 and word >> 57 & 0xF_FFFF == 30
+    assert found["slip.release_level.value"] == 7491 and found["slip.blank.value"] == 122
+    below = of(CHANNELS | {"slip": CHANNELS["slip"] | {"contact_level_v": -0.01}}).parameters["Resets"]
+    # 2 · -10 / 0.8056640625 = -24.82, in 20 bits of two's complement; behind 57 + 2·20 bits.
+    assert below >> 97 & 0xF_FFFF == (1 << 20) - 25
+    assert verilog({"Resets": 10, "Rows": 3}) == {"Resets": f"{RESET_BITS}'ha", "Rows": "3"}
+
+
+@pytest.mark.parametrize(
+    "volts, level, code",
+    # Of 5 V / 4096: 4096 codes a volt over 5, 819.2; times sqrt(2)^level.
+    [(0.02, 1, 23), (0.02, 2, 32), (0.02, 3, 46), (0.25, 2, 409), (5.0, 2, 8192), (0.0, 3, 0)],
+)
+def test_thresholds_in_volts(volts, level, code):
+    """23.17, 32.77, 46.34, 409.6, 8192."""
+    assert Units(volts_per_code=5 / 4096, level=level).detail_code(volts) == code
+
+
+@pytest.mark.parametrize("newtons, code", [(0.57, 1140), (0.07, 140), (0.29, 580), (0.0005, 1), (0.0004, 0)])
+def test_a_threshold_in_decimal_newtons_is_exact(newtons, code):
+    """Of 1 mN at level 2: twice as many codes. In floating point 0.57·2/0.001 is below 1140."""
+    assert Units(newtons_per_code=0.001, level=2).detail_code_of_newtons(newtons) == code
+
+
+@pytest.mark.parametrize(
+    "newtons, code", [(0.56, 560), (0.57, 570), (0.5601, 561), (0.0, 0), (0.0001, 1), (1.1, 1100), (0.009, 9)]
+)
+def test_a_least_load_in_decimal_newtons_is_exact(newtons, code):
+    """Of 1 mN. In floating point 0.56/0.001 is above 560."""
+    assert Units(newtons_per_code=0.001).code("cop.min_load", "newtons", newtons) == code
+
+
+def test_levels_of_a_symmetric_and_of_a_falling_range():
+    """±5 V in 16 bits: 10 V are 65536 codes, 6553.6 a volt, from -32768 at -5 V on."""
+    units = Units(volts_per_code=10 / 65_536, low_v=-5.0, min_code=-32_768, level=1)
+    assert units.level_code(1.2345) == 16_181  # 2 · 1.2345 · 6553.6 = 16180.84
+    assert units.level_code(-1.2345) == -16_181
+    assert units.level_code(-5.0) == -65_536 and units.level_code(0.0) == 0
+    falling = Units(volts_per_code=5 / 4096, level=3, volts_of=lambda newtons: 5 - 2 * newtons)
+    assert falling.code("slip.contact_level", "newtons", 0.3) == 28_836  # 8 · 4.4 · 819.2 = 28835.84
+
+
+def test_times():
+    """13.37 MHz: 1 us is 13.37 clocks. Samples at 7331 Hz, four of them a detail of level 2."""
+    units = Units(clk_khz=13_370, rate_hz=7331.0, level=2)
+    assert units.code("adc.period", "seconds", 100e-6) == 1337
+    assert units.code("scan.period", "seconds", 1.5e-6) == 20  # 20.06
+    assert units.code("scan.period", "seconds", 1.6e-6) == 21  # 21.39
+    assert units.code("scan.settle", "seconds", 1.5e-6) == 21  # at least 20.06
+    assert units.code("scan.settle", "seconds", 100e-6) == 1337
+    assert units.code("scan.settle", "seconds", 0.0) == 1
+    assert units.code("slip.hold", "seconds", 0.010) == 18  # 18.33
+    assert units.code("slip.blank", "seconds", 0.0101) == 19  # 18.51
+    for name in ("adc.period", "scan.period"):
+        with pytest.raises(ValueError, match=f"{name} = 1e-09 seconds is less than a clock"):
+            units.code(name, "seconds", 1e-9)
+
+
+@pytest.mark.parametrize(
+    "mhz, settle_us, clocks",
+    [(25.0, 1.0, 25), (25.0, 1.0001, 26), (24.0, 2.0, 48), (13.37, 1.0, 14), (1.0, 0.0, 1), (27.0, 0.3, 9)],
+)
+def test_settling_is_never_shorter(mhz, settle_us, clocks):
+    """25.0025, 13.37 and 8.1 clocks are rounded up."""
+    adc = {
+        "part": "MCP3208",
+        "volts": 3.3,
+        "rate_hz": 20.0,
+        "channels": 8,
+        "settle_us": settle_us,
+        "sclk_khz": 250,
+    }
+    link = {"baud": 115_200}
+    assert of(ARRAY | {"adc": adc, "clock": {"mhz": mhz}, "link": link}).settings["scan.settle"] == clocks
