@@ -1,7 +1,5 @@
-"""Pictures of a run and a report in one HTML file that needs nothing else."""
+"""Pictures of a slip run; the page of every report is written by meissner.report_page."""
 
-import base64
-import html
 from pathlib import Path
 
 import numpy as np
@@ -11,19 +9,15 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator, MultipleLocator
 
+from meissner.report_page import write_html
+
+__all__ = ["draw_slip", "write_html"]
+
 STATES = ("none", "contact", "incipient", "gross", "release")
 # Okabe and Ito's palette, which colour-blind readers can tell apart; grey for nothing.
 INK, BLUE, ORANGE, GREEN, RED = "#222222", "#0072B2", "#E69F00", "#009E73", "#D55E00"
 SKY, PURPLE = "#56B4E9", "#A0307A"
 STATE_COLOURS = ("#E4E4E4", SKY, ORANGE, RED, "#999999")
-
-_STYLE = """
-body { font: 16px/1.5 system-ui, sans-serif; color: #222; max-width: 72rem; margin: 2rem auto; }
-h1 { font-size: 1.6rem; margin-bottom: .2rem; } h2 { font-size: 1.15rem; margin-top: 2rem; }
-table { border-collapse: collapse; margin: .5rem 0; } th, td { padding: .25rem .8rem; text-align: left; }
-th { border-bottom: 2px solid #222; } td { border-bottom: 1px solid #ddd; }
-img { max-width: 100%; height: auto; } figure { margin: 1rem 0; } figcaption { color: #555; }
-"""
 
 
 def _envelope(time_s, values, columns=4000):
@@ -177,51 +171,4 @@ def draw_slip(
         outcome += f", {(gross_s - flag_s) * 1e3:.0f} ms before the whole contact slips"
     figure.suptitle(f"{name}: {outcome}", fontsize=13, x=0.01, ha="left", fontweight="bold")
     figure.savefig(path, dpi=110, facecolor="white")
-    return Path(path)
-
-
-def _cell(value):
-    return f"{value:.4g}" if isinstance(value, float) else html.escape(str(value))
-
-
-def _table(rows):
-    """A list of dicts with the same keys as an HTML table."""
-    head = "".join(f"<th>{html.escape(str(key))}</th>" for key in rows[0])
-    body = "".join("<tr>" + "".join(f"<td>{_cell(v)}</td>" for v in row.values()) + "</tr>" for row in rows)
-    return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
-
-
-def write_html(path, summary, pictures=(), tables=None, title="Meissner"):
-    """Write one file that needs no other: pictures are embedded, styles are inside.
-
-    ``summary``: a dict, shown as two columns. ``pictures``: PNG paths, or (path, caption) pairs.
-    ``tables``: {heading: list of dicts with the same keys}.
-    """
-    parts = [f"<h1>{html.escape(title)}</h1>"]
-    facts = "".join(
-        f"<tr><td>{html.escape(str(key))}</td><td>"
-        + (html.escape(", ".join(map(str, v)) or "nothing") if isinstance(v, (list, tuple)) else _cell(v))
-        + "</td></tr>"
-        for key, v in summary.items()
-    )
-    parts.append(f"<table><tbody>{facts}</tbody></table>")
-    for heading, rows in (tables or {}).items():
-        if rows:
-            parts.append(f"<h2>{html.escape(heading)}</h2>{_table(rows)}")
-    for picture in pictures:
-        file, caption = (picture, "") if isinstance(picture, (str, Path)) else picture
-        data = base64.b64encode(Path(file).read_bytes()).decode("ascii")
-        caption = html.escape(caption)
-        parts.append(
-            f'<figure><img alt="{caption}" src="data:image/png;base64,{data}">'
-            f"<figcaption>{caption}</figcaption></figure>"
-        )
-    page = (
-        '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
-        '<meta name="viewport" content="width=device-width, initial-scale=1">'
-        f"<title>{html.escape(title)}</title><style>{_STYLE}</style></head>\n<body>\n"
-        + "\n".join(parts)
-        + "\n</body></html>\n"
-    )
-    Path(path).write_text(page, encoding="utf-8")
     return Path(path)

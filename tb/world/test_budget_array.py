@@ -101,6 +101,24 @@ def test_the_command_prints_what_the_function_finds():
 
 
 @pytest.mark.parametrize(
+    "converters, needs, says",
+    [
+        (4, 4, "within 1 ms"),
+        (8, 4, "within 1 ms; 1 ms needs 4 of these converters"),
+        (2, 4, "above 1 ms; 1 ms needs 4 of these converters"),
+        (8, None, "above 1 ms; no number of these converters brings it within 1 ms: scan a smaller region or "
+         "take a faster part"),
+    ],
+)  # fmt: skip
+def test_the_verdict_comes_first(converters, needs, says):
+    found = budget.budget(16, 24, 40e6, AD7606, converters=converters)
+    found |= {"total_clocks": 39_999, "within_1_ms": says.startswith("within"), "converters_needed": needs}
+    lines = budget.tell(found)
+    assert lines[0] == f"from first convert to CoP 999.975 us, {says}"
+    assert lines[1].startswith(f"16×24 taxels, {converters} AD7606s, 40 MHz")
+
+
+@pytest.mark.parametrize(
     "arguments, says",
     [
         (["--rows", "0"], "rows = 0"),

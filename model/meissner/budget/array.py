@@ -142,12 +142,21 @@ def needed(found):
 
 
 def tell(found):
-    """The lines to print."""
+    """The lines to print, the verdict first."""
     clock_us = 1e6 / found["clock_hz"]
     kind = f"{found['converters']} {found['adc'].upper()}" + ("s" if found["converters"] > 1 else "")
     if found["channels"] is not None:
         kind += f" with {found['channels']} input{'s' * (found['channels'] > 1)} used"
+    total, needs = found["total_clocks"], found["converters_needed"]
+    verdict = f"from first convert to CoP {total * clock_us:.3f} us, "
+    verdict += "within 1 ms" if found["within_1_ms"] else "above 1 ms"
+    if needs is None:
+        verdict += "; no number of these converters brings it within 1 ms: "
+        verdict += "scan a smaller region or take a faster part"
+    elif needs != found["converters"]:
+        verdict += f"; 1 ms needs {needs} of these converters"
     lines = [
+        verdict,
         f"{found['rows']}×{found['columns']} taxels, {kind}, {found['clock_hz'] / 1e6:g} MHz, "
         f"settle {found['settle_clocks']} clocks",
         "",
@@ -156,10 +165,8 @@ def tell(found):
     for name, clocks in found["terms_clocks"].items():
         if clocks:
             lines.append(f"{name:15} {clocks:9} {clocks * clock_us:10.3f}  {NAMES[name]}")
-    total = found["total_clocks"]
-    verdict = "within" if found["within_1_ms"] else "above"
     lines += [
-        f"{'total':15} {total:9} {total * clock_us:10.3f}  from first convert to CoP, {verdict} 1 ms",
+        f"{'total':15} {total:9} {total * clock_us:10.3f}  from first convert to CoP",
         "",
         f"{found['frames_per_second']:.1f} frames/s, {found['slot_clocks']} clocks a place; computed within "
         f"{found['compute_clocks']} clocks of the last sample, the same in every frame",
@@ -169,11 +176,4 @@ def tell(found):
         lines.append(
             f"slip: a slip round's convert start to its decision, {slip} clocks, {slip * clock_us:.3f} us"
         )
-    needs = found["converters_needed"]
-    if needs is None:
-        lines.append(
-            "no number of these converters brings it within 1 ms: scan a smaller region or take a faster part"
-        )
-    elif needs != found["converters"]:
-        lines.append(f"1 ms needs {needs} of these converters")
     return lines

@@ -19,10 +19,15 @@ def _place(row, name):
 
 
 def tell(found):
-    """Lines to print."""
+    """Lines to print, the verdict first."""
     f = found
     gain = f["greatest_gain"]
-    lines = [
+    lines = []
+    if f["needed"]:
+        needed = ", ".join(f"{n['bits'] or 'more than 24'} bits at gain {n['gain']}" for n in f["needed"])
+        half = _percent(f["half_pitch"])
+        lines.append(f"a position at {f['load_n']:g} N below half a taxel's pitch ({half} %) needs: {needed}")
+    lines += [
         f"{f['rows']}×{f['columns']}, r = {f['r_ohm']:g} Ω, R0 = {f['R0_ohm']:g} Ω, V0 = ±{f['V0_v']:g} V, "
         f"k = {f['k_n_ohm']:g} N·Ω: Cx = {f['Cx']:.5g}, Cy = {f['Cy']:.5g}, Kf = {f['Kf_n']:.4g} N",
         f"{f['bits']} bits over ±{f['range_v']:g} V at the electrodes, {f['code_v'] * 1e6:.4g} µV a code; "
@@ -54,9 +59,6 @@ def tell(found):
     for row in f["sweep"]:
         rows[row["bits"]]["load"] = _percent(row["load"]["greatest"])
     lines += table(list(rows.values()))
-    if f["needed"]:
-        needed = ", ".join(f"{n['bits'] or 'more than 24'} bits at gain {n['gain']}" for n in f["needed"])
-        lines += ["", f"below half a taxel's pitch ({_percent(f['half_pitch'])} %): {needed}"]
     return lines
 
 
@@ -65,7 +67,7 @@ def draw(file, found):
     figure = Figure(figsize=(13, 4.8), layout="constrained")
     FigureCanvasAgg(figure)
     f = found
-    size = f"{f['rows']}×{f['columns']}, r = {f['r_ohm']:g} Ω, R0 = {f['R0_ohm']:g} Ω"
+    size = f"{f['rows']}×{f['columns']}, r = {f['r_ohm']:g} Ω, R0 = {f['R0_ohm']:g} Ω, V0 = ±{f['V0_v']:g} V"
     figure.suptitle(f"{size}: what the converter resolves", fontsize=13, x=0.01, ha="left", fontweight="bold")
     bits, over, load = figure.subplots(1, 3)
     gains = list(dict.fromkeys(row["gain"] for row in f["sweep"]))

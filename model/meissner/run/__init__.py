@@ -12,8 +12,9 @@ from pathlib import Path
 
 import numpy as np
 
-from meissner import engines, report
+from meissner import engines, report_page
 from meissner.files import written
+from meissner.run.verdict import verdict
 
 _MODULES = {"rubber": "slip", "array": "cop", "grip": "cop_slip"}  # the others have the sensor's name
 
@@ -68,6 +69,7 @@ def tell(scene, summary):
 def finish(scene, summary, out, arrays, pictures, tables, began, hidden=()):
     """Write result.npz, report.html and summary.json; sets ``seconds_taken`` and ``files``.
 
+    ``pictures``: (PNG path, condition, what is shown); the caption adds seed and engine to the condition.
     ``hidden``: keys of the summary that the report shows as tables instead.
     """
     summary["seconds_taken"] = round(time.perf_counter() - began, 3)
@@ -75,14 +77,13 @@ def finish(scene, summary, out, arrays, pictures, tables, began, hidden=()):
         np.savez_compressed(file, **arrays)
     there = {path.name for path in out.iterdir()}
     summary["files"] = sorted({*there, "report.html", "summary.json"})
-    facts = {
-        key: f"{value['mean']:.4g} in the mean, {value['maximum']:.4g} at most"
-        if isinstance(value, dict)
-        else value
-        for key, value in summary.items()
-        if key not in (*hidden, "files")
-    }
-    report.write_html(out / "report.html", facts, pictures, tables, title=f"{scene.name}: {scene.title}")
+    facts = {key: value for key, value in summary.items() if key not in (*hidden, "files")}
+    named = [
+        (path, f"{condition}, seed {summary['seed']}, engine {summary['engine']}", shown)
+        for path, condition, shown in pictures
+    ]
+    title = f"{scene.name}: {scene.title}"
+    report_page.write_html(out / "report.html", facts, named, tables, title, verdict(summary))
     with written(out / "summary.json") as file:
         file.write(json.dumps(summary, indent=2).encode() + b"\n")
     return summary

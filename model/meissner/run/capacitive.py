@@ -14,6 +14,14 @@ from meissner.world.capacitive import GRAM_N, PITCH_MM
 
 SHARES = (0.1, 0.05, 0.01)  # of the output that the unselected cells may take
 HERTZ = np.logspace(4, 6.5, 251)
+# What each picture shows, by the function that draws it.
+SHOWN = {
+    "draw_crosstalk": "output over the amplifier's gain, eq. 18 and demodulated; error over the carrier",
+    "draw_cell": "loading and unloading, a held force and its release, and repeated presses of one cell",
+    "draw_select": "reading of each cell over the place of the probe, before and after calibration",
+    "draw_shapes": "each object's outline over its calibrated image, and the image as bars",
+    "draw_even": "an even press before and after calibration, each cell's distance from the mean",
+}
 
 
 def _rounded(row):
@@ -266,7 +274,7 @@ def run(scene, engine, out, seed, waves, progress):
     pictures = []
     for k, (draw, what) in enumerate(drawings):
         path = out / f"{scene.name}{f'_{k + 1}' if k else ''}.png"
-        pictures.append((draw(path, scene, **what), f"seed {seed}"))
+        pictures.append((draw(path, scene, **what), scene.title, SHOWN[draw.__name__]))
     return finish(
         scene, summary, out, arrays, pictures, {"Results": summary["conditions"]}, began, ("conditions",)
     )

@@ -11,6 +11,11 @@ from meissner.run.truth import errors, percent, summarise
 
 KEPT_SAMPLES = 1 << 22  # frames beyond so many taxel samples are left out of result.npz
 
+SHOWN = (
+    "the way of the centre of pressure over the largest force on each taxel; position, load and their errors "
+    "over time"
+)
+
 
 def check(scene, engine, waves):
     """ValueError with one sentence if this engine cannot run the scene."""
@@ -77,7 +82,7 @@ def run(scene, engine, out, seed, waves, progress):
         "load_error": of_load,
         **({"codes": codes} if codes.size <= KEPT_SAMPLES else {}),
     }
-    return finish(scene, summary, out, arrays, [(picture, f"seed {seed}")], {}, began)
+    return finish(scene, summary, out, arrays, [(picture, scene.title, SHOWN)], {}, began)
 
 
 def tell(summary):

@@ -15,6 +15,8 @@ from meissner.world.grip import FULL_SCALE_V
 AFTER_S = 0.02  # of waves.vcd after the flag
 BEFORE_S = 0.02  # of rest before the onset, what a fall and a move are measured from
 
+SHOWN = "load output, position output and forces over time, with the pull's beginning, the flag and the move"
+
 
 def check(scene, engine, waves):
     """ValueError with one sentence if this engine cannot run the scene."""
@@ -173,7 +175,7 @@ def run(scene, engine, out, seed, waves, progress):
     pictures, arrays = [], {}
     for index, (condition, one) in enumerate(shown.items()):
         path = report_cop_slip.draw(out / f"{scene.name}_{index + 1}.png", *one, verdicts[condition][0])
-        pictures.append((path, f"{condition.name}, seed {seed}"))
+        pictures.append((path, condition.name, SHOWN))
         arrays |= {f"c{index}_{name}": values for name, values in _arrays(*one).items()}
     ways = [
         (condition.direction_deg, verdict["direction_deg"])
@@ -181,7 +183,9 @@ def run(scene, engine, out, seed, waves, progress):
         if isinstance(condition, Pull)
         for verdict in verdicts[condition]
     ]
-    pictures.insert(0, (report_cop_slip.draw_ways(out / f"{scene.name}.png", scene, ways), "directions"))
+    pulled = "; ".join(condition.name for condition in scene.conditions if isinstance(condition, Pull))
+    picture = report_cop_slip.draw_ways(out / f"{scene.name}.png", scene, ways)
+    pictures.insert(0, (picture, pulled, "the reported direction of each slip beside the true one"))
     return finish(scene, summary, out, arrays, pictures, {"Conditions": rows}, began, ("conditions",))
 
 

@@ -12,6 +12,11 @@ from meissner.scenes.fsr import broken_cells
 from meissner.world import mesh_loads
 
 FAINT = 0.02  # of the largest force: a cell with less counts as unpressed
+SHOWN = (
+    "the frame with the largest load as pressed, as converted and as calibrated; position and load over time",
+    "an even press on all cells before and after calibration, each cell's distance from the mean",
+    "the same press read by four circuits, each as a share of its largest reading",
+)
 
 
 def ghosts(recording):
@@ -101,7 +106,7 @@ def run(scene, engine, out, seed, waves, progress):
     masked = {name: np.where(lines.dead, np.nan, image) for name, image in named.items()}
     second = report_arrays.draw_even(out / f"{scene.name}_2.png", scene, masked)
     third = report_arrays.draw_ghosts(out / f"{scene.name}_3.png", scene, recording)
-    pictures = [(picture, f"seed {seed}") for picture in (path, second, third)]
+    pictures = [(picture, scene.title, shown) for picture, shown in zip((path, second, third), SHOWN)]
     return finish(scene, summary, out, arrays, pictures, {"Ways to read it": rows}, began, ("conditions",))
 
 

@@ -10,6 +10,15 @@ from meissner.run.locus import circle
 from meissner.run.truth import errors, percent, summarise
 from meissner.scenes.mesh import CONVERTER
 
+# What the picture of a scene's kind shows (report_cop.draw_mesh).
+SHOWN = {
+    "points": "reported place and load against the true ones, and their errors",
+    "surface": "voltage of layer A, the whole layer for the first r and the loaded row for each r",
+    "random": "errors of position and load over the total load, mean and deviation of all draws",
+    "pulse": "what presses, what the taxels feel and what is reported, over time",
+    "stroke": "the locus of the reported centre over the taxels, and its radius around the circle",
+}
+
 
 def check(scene, engine, waves):
     """ValueError with one sentence if this engine cannot run the scene."""
@@ -102,7 +111,10 @@ def run(scene, engine, out, seed, waves, progress):
         summary["response_s"] = round(_response_s(first, runs[0]["load"]), 9)
     if scene.kind == "stroke":
         summary["locus"] = circle(runs[0]["x"], runs[0]["y"])
-    pictures = [(report_cop.draw_mesh(out / f"{scene.name}.png", recordings, runs), f"seed {seed}")]
+    picture = report_cop.draw_mesh(out / f"{scene.name}.png", recordings, runs)
+    kind = "surface" if scene.kind == "points" and len(first.load) == 1 else scene.kind
+    condition = f"{scene.title}, r = {' and '.join(f'{r.r_ohm:g}' for r in recordings)} Ω"
+    pictures = [(picture, condition, SHOWN[kind])]
     arrays = {}
     for recording, one in zip(recordings, runs):
         prefix = f"r{recording.r_ohm:g}_" if len(runs) > 1 else ""

@@ -10,6 +10,11 @@ from meissner.run import check_waves, finish, table
 from meissner.slip.haar import haar
 from meissner.slip.slip import State
 
+SHOWN = (
+    "the sensor's voltage, its Haar detail, the peak to peak over the window with the threshold, the state "
+    "and the forces over time; left the whole run, right its shaded part"
+)
+
 
 def slipping(state):
     """Where the slip flag is up."""
@@ -190,7 +195,7 @@ def run(scene, engine, out, seed, waves, progress):
         name = f"{scene.name}.png" if len(shown) == 1 else f"{scene.name}_{index + 1}.png"
         verdict = verdicts[condition][0]
         _draw(out / name, recording, watched, config, verdict)
-        pictures.append((out / name, f"{condition.name}, seed {seed}"))
+        pictures.append((out / name, condition.name, SHOWN))
         arrays |= _arrays(recording, watched, config, f"c{index}_" if len(shown) > 1 else "")
     tables = {"Conditions": rows, **({"At the converter's pins": [pins.facts]} if pins else {})}
     return finish(scene, summary, out, arrays, pictures, tables, began, ("conditions", "pins", "saved"))
