@@ -47,7 +47,7 @@ module msn_core #(
   parameter  int unsigned Hop              = 64,
   parameter  int unsigned TimerBits        = 16,
   parameter  int unsigned SampleBits       = 17,                // narrower for single channels only
-  parameter  int unsigned GainShift        = RowColumn ? 24 : 12,  // a gain of 4096 is 1.0, and so is the product of two
+  parameter  int unsigned GainShift        = RowColumn ? 24 : 12,  // 4096 and 4096^2 are a gain of 1.0
   parameter  int unsigned TareLog2         = 4,
   parameter  int unsigned FractionBits     = 14,
   parameter  int unsigned BitsPerClock     = 2,

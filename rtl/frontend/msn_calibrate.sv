@@ -22,7 +22,7 @@ module msn_calibrate #(
   parameter  int unsigned SampleBits = 17,
   parameter  bit          Offset     = 1'b1,
   parameter  bit          RowColumn  = 1'b0,
-  parameter  int unsigned GainShift  = RowColumn ? 24 : 12,  // a gain of 4096 is 1.0, and so is the product of two
+  parameter  int unsigned GainShift  = RowColumn ? 24 : 12,  // 4096 and 4096^2 are a gain of 1.0
   localparam int unsigned Beats      = Rows * ((Columns + Lanes - 1) / Lanes),
   localparam int unsigned IdBits     = msn_pkg::index_width(Beats),
   localparam int unsigned OffsetBits = SampleBits - 32'(RowColumn)

@@ -12,7 +12,8 @@ import pytest
 
 from meissner.cop.cop4 import Cop4Registers, cop4
 from meissner.cop.cop_slip import CopSlip, CopSlipRegisters
-from meissner.engines import rtl, rtl_cop, rtl_cop4
+from meissner.engines import Carrier, rtl, rtl_cop, rtl_cop4, rtl_frontend
+from meissner.frontend.am_demod import AmDemod
 from meissner.slip.config import SlipConfig
 
 LOW, HIGH = -65_536, 65_535  # of samples
@@ -45,6 +46,18 @@ def test_thresholds(name, threshold):
         assert found.p2p.max() == swing
         state = 3 if name == "gross_threshold" else 2
         assert (found.state == state).any() == (swing > threshold), (swing, threshold)
+
+
+@pytest.mark.parametrize("keep", [300, 65_536, 70_000, 199_999])
+def test_the_lower_threshold(keep):
+    """A flag that is up stays up with a swing of one more, and ends with one of as much."""
+    for swing, stays in ((keep + 1, True), (keep, False)):
+        codes = []
+        for size in (200_001, swing, swing):
+            for detail in (-(-size // 2), -(size // 2)):
+                codes += [detail // 2, detail // 2 - detail]
+        found = states(codes, threshold=200_000, keep_threshold=keep)
+        assert found.state[0][1] == 2 and (found.state[0][-1] == 2) == stays, swing
 
 
 @pytest.mark.parametrize(
@@ -199,3 +212,34 @@ def test_latencies_at_the_pins(part, level, offered):
     assert len(flags) == frames >> level
     assert facts.decision_min == facts.decision_max == offered + level + 5
     assert facts.period_min == facts.period_max == 401 and facts.frames == frames
+
+
+def test_calibrations():
+    """3 taxels: F = (code - offset)·gain/4096, of the widest offsets and gains; wider ones are refused."""
+    codes = np.array([[[0, 100, -65_536]]])
+    offset, gain = np.array([[-65_536, 65_535, -65_536]]), np.array([[4095, 65_535, 65_535]])
+    dead = np.zeros((1, 3), bool)
+    given = {"offset": offset, "gain": gain, "dead": dead, "gain_shift": 12}
+    forces = rtl_frontend.calibrate(codes, SimpleNamespace(**given))
+    assert forces.tolist() == [[[65_520, 0, 0]]]  # 65536·4095/4096 = 65520
+    for name, value in (
+        ("offset", 65_536),
+        ("offset", -65_537),
+        ("gain", 65_536),
+        ("gain", (1 << 40) + 4096),
+    ):
+        wrong = given | {name: np.array([[0, value, 0]])}
+        with pytest.raises(ValueError, match="wider than the core has bits for"):
+            rtl_frontend.calibrate(codes, SimpleNamespace(**wrong))
+
+
+def test_carriers():
+    """Skips of 255 samples, the most of 8 bits; 256 of them and a shift of 32 are refused."""
+    block = AmDemod()
+    samples = np.concatenate([np.full(255, 30_000), np.tile([1000, 0, -1000, 0], 4)])
+    carrier = Carrier(block, 4, 255, 3)
+    alone = Carrier(block, 4, 0, 3)
+    assert rtl_frontend.demodulate(samples, carrier) == rtl_frontend.demodulate(samples[255:], alone) > 0
+    for wrong in (Carrier(block, 4, 256, 3), Carrier(block, 4, 4, 32), Carrier(block, 4, 4, (1 << 32) + 3)):
+        with pytest.raises(ValueError, match="wider than the core has bits for"):
+            rtl_frontend.demodulate(np.zeros(wrong.samples), wrong)

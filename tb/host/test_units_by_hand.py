@@ -20,6 +20,7 @@ CHANNELS = {
     "slip": {
         **{"window": 32, "threshold_v": 0.0175, "gross_threshold_v": 0.111, "contact_level_v": 2.913},
         **{"release_level_v": 3.0175, "contact_rises": False},
+        "keep_threshold_v": 0.0101,
         **{"hold_ms": 12.3, "refractory_ms": 7.7, "blank_ms": 33.2},
     },
     "link": {"baud": 1_234_567},
@@ -71,6 +72,7 @@ def test_single_channels():
         "adc.period": 1824,  # 13 370 000 / 7331 = 1823.76
         "slip.threshold": 30,  # 17.5 / 0.8056640625 · 1.414214 = 30.718, down: compared with >
         "slip.gross_threshold": 194,  # 111 / 0.8056640625 · 1.414214 = 194.843, down
+        "slip.keep_threshold": 17,  # 10.1 / 0.8056640625 · 1.414214 = 17.729, down
         "slip.contact_level": 7231,  # 2 · 2913 / 0.8056640625 = 7231.30
         "slip.release_level": 7491,  # 2 · 3017.5 / 0.8056640625 = 7490.72
         "slip.contact_rises": 0,
@@ -133,6 +135,14 @@ def test_an_array():
     assert units.detail_volts(44) is None
     # Half right of the middle, at the upper edge: 0.5 · 3.3 · 5/2 mm, -1 · 3.3 · 4/2 mm.
     assert units.place(8192, -16_384) == (0.5, -1.0, pytest.approx(4.125), pytest.approx(-6.6))
+
+
+@pytest.mark.parametrize("gains, parameters", [("taxel", (0, 12)), ("row_column", (1, 24))])
+def test_a_gain_of_one(gains, parameters):
+    """4096 from reset on: 2^12, or 2^12 of the row times 2^12 of the column."""
+    build = of(ARRAY | {"array": ARRAY["array"] | {"gains": gains}})
+    assert (build.parameters["RowColumn"], build.parameters["GainShift"]) == parameters
+    assert build.settings["calibrate.preset"] == 4096
 
 
 def test_a_converter_from_zero_up_rails_at_its_lowest_and_its_highest_code():

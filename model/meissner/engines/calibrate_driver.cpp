@@ -3,6 +3,7 @@
 
 #include "Vmsn_calibrate.h"
 #include "Vmsn_calibrate___024root.h"
+#include "core.hpp"
 #include "verilated.h"
 
 namespace {
@@ -26,8 +27,8 @@ extern "C" {
 
 // Load `taxels` offsets and gains, then send `frames` frames of codes, a taxel a clock unless the core waits;
 // `mask`: taxels to leave out. Returns the clocks it took, or -1 if not one force per code came out.
-int64_t calibrate_run(const int32_t *codes, int64_t frames, int32_t taxels, const int32_t *offset,
-                      const int32_t *gain, const uint8_t *mask, uint16_t *forces) {
+int64_t calibrate_run(const int32_t *codes, int64_t frames, int32_t taxels, const int64_t *offset,
+                      const int64_t *gain, const uint8_t *mask, uint16_t *forces) {
   Core core;
   auto &top = core.top;
   const int64_t count = frames * taxels;
@@ -48,11 +49,13 @@ int64_t calibrate_run(const int32_t *codes, int64_t frames, int32_t taxels, cons
   top.rst_i = 1;
   for (int i = 0; i < 4; i++) core.clock();
   top.rst_i = 0;
+  meissner::Settings settings;
   top.cfg_write_i = 1;
   for (int32_t k = 0; k < taxels; k++) {
     top.cfg_word_i = k;
-    top.cfg_offset_i = static_cast<uint32_t>(offset[k]) & 0x1ffff;
-    top.cfg_gain_i = gain[k];
+    settings.put_signed(top.cfg_offset_i, offset[k], 17);
+    settings.put(top.cfg_gain_i, gain[k], 16);
+    if (!settings.ok) return meissner::kNoRoom;
     clock();
   }
   top.cfg_write_i = 0;

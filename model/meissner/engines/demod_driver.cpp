@@ -3,11 +3,12 @@
 
 #include "Vmsn_am_demod.h"
 #include "Vmsn_am_demod___024root.h"
+#include "core.hpp"
 #include "verilated.h"
 
 namespace {
 
-struct Core {
+struct Core {  // without traces
   VerilatedContext context;
   Vmsn_am_demod top{&context};
 
@@ -26,8 +27,8 @@ extern "C" {
 
 // Measure `count` carriers of `length` samples each, skipped ones included. Returns the clocks it took, or -1
 // if not one amplitude per carrier came out.
-int64_t demod_run(const int32_t *samples, int64_t count, int32_t length, int32_t periods, int32_t skip,
-                  int32_t shift, int64_t *amplitudes) {
+int64_t demod_run(const int32_t *samples, int64_t count, int64_t length, int64_t periods, int64_t skip,
+                  int64_t shift, int32_t period_bits, int32_t skip_bits, int64_t *amplitudes) {
   Core core;
   auto &top = core.top;
   int64_t clocks = 0, done = 0;
@@ -44,9 +45,11 @@ int64_t demod_run(const int32_t *samples, int64_t count, int32_t length, int32_t
   top.in_id_i = 0;
   top.in_last_i = 0;
   top.in_user_i = 0;
-  top.cfg_periods_i = periods;
-  top.cfg_skip_i = skip;
-  top.cfg_shift_i = shift;
+  meissner::Settings settings;
+  settings.put(top.cfg_periods_i, periods, period_bits);
+  settings.put(top.cfg_skip_i, skip, skip_bits);
+  settings.put(top.cfg_shift_i, shift, 5);
+  if (!settings.ok) return meissner::kNoRoom;
   top.rst_i = 1;
   for (int i = 0; i < 4; i++) core.clock();
   top.rst_i = 0;

@@ -12,8 +12,8 @@ def _open_demod(form, samples_per_period):
     parameters = {"Form": form, "SamplesPerPeriod": samples_per_period}
     lib = ctypes.CDLL(str(verilated.library("msn_am_demod", "demod_driver.cpp", parameters)))
     lib.demod_run.restype = ctypes.c_int64
-    size = ctypes.c_int32
-    lib.demod_run.argtypes = [ctypes.c_void_p, ctypes.c_int64, size, size, size, size, ctypes.c_void_p]
+    long = ctypes.c_int64
+    lib.demod_run.argtypes = [ctypes.c_void_p, *[long] * 5, *[ctypes.c_int32] * 2, ctypes.c_void_p]
     return lib
 
 
@@ -31,8 +31,10 @@ def demodulate(samples, carrier):
         periods,
         carrier.skip,
         carrier.shift,
+        *(block.period_bits, block.skip_bits),
         amplitudes.ctypes.data,
     )
+    verilated.check_room(clocks)
     if clocks < 0:
         raise RuntimeError("the demodulator did not give one amplitude per carrier")
     return amplitudes
@@ -52,11 +54,14 @@ def calibrate(codes, calibration):
     """Forces [frames, rows, columns] of codes; ``calibration``: meissner.calibration.Calibration."""
     frames, rows, columns = codes.shape
     lib = _open_calibrate(rows, columns, calibration.gain_shift)
-    words = [codes, calibration.offset, calibration.gain]
-    codes, offset, gain = (np.ascontiguousarray(values, dtype=np.int32) for values in words)
+    codes = np.ascontiguousarray(codes, dtype=np.int32)
+    words = (calibration.offset, calibration.gain)
+    offset, gain = (np.ascontiguousarray(values, dtype=np.int64) for values in words)
     mask = np.ascontiguousarray(calibration.dead, dtype=np.uint8)
     forces = np.zeros(codes.shape, dtype=np.uint16)
     pointers = [values.ctypes.data for values in (offset, gain, mask, forces)]
-    if lib.calibrate_run(codes.ctypes.data, frames, rows * columns, *pointers) < 0:
+    clocks = lib.calibrate_run(codes.ctypes.data, frames, rows * columns, *pointers)
+    verilated.check_room(clocks)
+    if clocks < 0:
         raise RuntimeError("the calibration did not give one force per code")
     return forces
