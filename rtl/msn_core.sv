@@ -399,6 +399,13 @@ module msn_core #(
     logic [IdBits-1:0]         event_id;
     logic [Lanes-1:0]          event_dead, event_railed, event_blinking;
     logic [CountBits-1:0]      dead, railed, blinking;
+    localparam int unsigned SlipIdBits = msn_pkg::index_width(Inputs);
+    logic                  unused_slip_valid, unused_slip_last;
+    logic [Lanes*17-1:0]   unused_slip_data;
+    logic [SlipIdBits-1:0] unused_slip_id;
+    logic [Lanes-1:0]      unused_slip_user;
+    logic [31:0]           unused_slip_frame, unused_slip_dropped, unused_slip_overrun;
+    logic [47:0]           unused_slip_time;
     msn_array #(
       .Rows            (Rows),
       .Columns         (Columns),
@@ -522,13 +529,6 @@ module msn_core #(
       .swallowed_o     (tare_swallowed),
       .damaged_o       (cop_damaged)
     );
-    localparam int unsigned SlipIdBits = msn_pkg::index_width(Inputs);
-    logic                  unused_slip_valid, unused_slip_last;
-    logic [Lanes*17-1:0]   unused_slip_data;
-    logic [SlipIdBits-1:0] unused_slip_id;
-    logic [Lanes-1:0]      unused_slip_user;
-    logic [31:0]           unused_slip_frame, unused_slip_dropped, unused_slip_overrun;
-    logic [47:0]           unused_slip_time;
 
     assign cop_x          = 24'(x);
     assign cop_y          = 24'(y);
@@ -601,7 +601,7 @@ module msn_core #(
       .convert_o   (convert),
       .in_valid_i,
       .in_ready_o,
-      .in_data_i,
+      .in_data_i   (signed'(in_data_i)),
       .in_id_i,
       .in_last_i,
       .out_valid_o (adc_valid),
