@@ -6,10 +6,10 @@
 // is like; a ring's sender heeds room_o (assumed: two beats at most after it fell).
 
 module formal_scan_buffer #(
-  parameter  int unsigned Rows     = 3,
+  parameter  int unsigned Rows     = 2,
   parameter  int unsigned Beats    = 2,
   parameter  int unsigned Burst    = 1,
-  parameter  int unsigned Width    = 2,
+  parameter  int unsigned Width    = 1,
   parameter  int unsigned Depth    = Rows * Beats,
   localparam int unsigned RowBits  = msn_pkg::index_width(Rows),
   localparam int unsigned BeatBits = msn_pkg::index_width(Beats),
@@ -32,32 +32,33 @@ module formal_scan_buffer #(
   logic                in_first_i, interleave, room_o, out_valid_o, out_last_o, taken_o;
   logic [Width-1:0]    out_data_o;
   logic [IdBits-1:0]   in_id_i, in_skip_i, out_id_o;
-  logic [31:0]         dropped_o, row, beat, last_row, last_beat, rows_done;
+  logic [31:0]         dropped_o;
+  logic [3:0]          row, beat, last_row, last_beat, rows_done;
   msn_scan_buffer #(.Rows(Rows), .Beats(Beats), .Burst(Burst), .Width(Width), .Depth(Depth)) dut (.*);
   assign in_id_i   = '0;
   assign in_skip_i = IdBits'(Beats) - IdBits'(in_last_beat_i);
 
   // What the frame at hand should send: by place, row-major.
-  logic [31:0]                  first_rows, first_beats, due_row, due_beat, dropped;
+  logic [3:0]                   first_rows, first_beats, due_row, due_beat, dropped;
   logic [Rows*Beats*Width-1:0]  stored;
   logic [Rows*Beats-1:0]        there;
   logic                         mine, ends, turned;   // the frame that comes is the one that will leave
-  logic [31:0]                  cur_last_row, cur_last_beat;
+  logic [3:0]                   cur_last_row, cur_last_beat;
   logic                         cur_interleave, cur_mine;
   assign in_first_i     = row == 0 && beat == 0 && rows_done == 0;
-  assign cur_last_row   = in_first_i ? 32'(in_last_row_i) : last_row;
-  assign cur_last_beat  = in_first_i ? 32'(in_last_beat_i) : last_beat;
+  assign cur_last_row   = in_first_i ? 4'(in_last_row_i) : last_row;
+  assign cur_last_beat  = in_first_i ? 4'(in_last_beat_i) : last_beat;
   assign cur_interleave = in_first_i ? in_interleave_i && Sorts : interleave;
   assign cur_mine       = in_first_i ? taken_o : mine;
   assign ends           = beat == cur_last_beat && rows_done == cur_last_row;
   always_ff @(posedge clk_i) begin
     started <= 1'b1;
     turned  <= 1'b0;
-    dropped <= dropped + 32'(turned);
+    dropped <= dropped + 4'(turned);
     if (in_valid_i) begin
       if (in_first_i) begin
-        last_row   <= 32'(in_last_row_i);
-        last_beat  <= 32'(in_last_beat_i);
+        last_row   <= 4'(in_last_row_i);
+        last_beat  <= 4'(in_last_beat_i);
         interleave <= in_interleave_i && Sorts;
         mine       <= taken_o;
         turned     <= !taken_o;
@@ -69,7 +70,7 @@ module formal_scan_buffer #(
       end
       if (cur_mine) begin
         for (int unsigned i = 0; i < Rows * Beats; i++) begin
-          if (i == row * Beats + beat) begin
+          if (i == 32'(row) * Beats + 32'(beat)) begin
             stored[i*Width+:Width] <= in_data_i;
             there[i]               <= 1'b1;
           end else if (in_first_i) there[i] <= 1'b0;
@@ -77,13 +78,13 @@ module formal_scan_buffer #(
       end
     end
     if (taken_o) begin
-      first_rows  <= 32'(in_last_row_i);
-      first_beats <= 32'(in_last_beat_i);
+      first_rows  <= 4'(in_last_row_i);
+      first_beats <= 4'(in_last_beat_i);
       due_row     <= 0;
       due_beat    <= 0;
     end else if (out_valid_o && out_ready_i) begin
       due_beat <= (due_beat == first_beats) ? 0 : due_beat + 1;
-      due_row  <= due_row + 32'(due_beat == first_beats);
+      due_row  <= due_row + 4'(due_beat == first_beats);
     end
     if (rst_i) begin
       {row, beat, rows_done, dropped, due_row, due_beat} <= '0;
@@ -103,7 +104,7 @@ module formal_scan_buffer #(
     due      = '0;
     is_there = 1'b0;
     for (int unsigned i = 0; i < Rows * Beats; i++) begin
-      if (i == due_row * Beats + due_beat) begin
+      if (i == 32'(due_row) * Beats + 32'(due_beat)) begin
         due      = stored[i*Width+:Width];
         is_there = there[i];
       end
@@ -115,14 +116,14 @@ module formal_scan_buffer #(
     assume (32'(in_last_row_i) < Rows && 32'(in_last_beat_i) < Beats);
     if (!Sorts && in_valid_i) assume (room_o || room_q);
     if (started && !rst_i) begin
-      assert (dropped_o == dropped);
+      assert (dropped_o[3:0] == dropped);
       if (out_valid_o) begin
-        assert (is_there && out_data_o == due && 32'(out_id_o) == due_row * Beats + due_beat);
+        assert (is_there && out_data_o == due && 32'(out_id_o) == 32'(due_row) * Beats + 32'(due_beat));
         assert (out_last_o == (due_row == first_rows && due_beat == first_beats) && due_row <= first_rows);
       end
       // The memory does not define what it answers while the same place is written.
       if (dut.store && dut.step) assert (dut.in_address != dut.address_q);
-      cover (out_valid_o && out_last_o && due_row != 0 && due_beat != 0 && interleave == Sorts);
+      cover (out_valid_o && out_last_o && due_row != 0 && (Beats == 1 || due_beat != 0) && interleave == Sorts);
       cover (dropped_o != '0);
     end
   end
