@@ -576,8 +576,9 @@ module msn_core #(
 
   end else begin : gen_channels
     logic                         adc_valid, adc_ready, adc_last;
-    logic signed [SampleBits-1:0] adc_data;
+    logic signed [SampleBits-1:0] adc_data, stream;
     logic [ChannelBits-1:0]       adc_id;
+    assign stream = signed'(in_data_i);
     msn_acquire #(
       .Adc       (Adc),
       .AdcLanes  (AdcLanes),
@@ -601,7 +602,7 @@ module msn_core #(
       .convert_o   (convert),
       .in_valid_i,
       .in_ready_o,
-      .in_data_i   (signed'(in_data_i)),
+      .in_data_i   (stream),
       .in_id_i,
       .in_last_i,
       .out_valid_o (adc_valid),

@@ -122,7 +122,7 @@ async def damage_meets_every_other_event(dut, stall_rate):
     fields = ["data", "id", "last", "restart"]
     for sent, left, count in script:
         beats = [dict(zip(fields, (data % (1 << bits), *rest))) for data, *rest in sent]
-        pause = bench.pauses(stall_rate)
+        pause = bench.pauses(stall_rate, "stalls")
         got = await bench.stream(dut, beats, fields, None, pause, drain=0)
         got += await bench.stream(dut, [], fields, drain=3)
         assert got == [dict(zip(fields, (data % (1 << bits), *rest))) for data, *rest in left], sent
