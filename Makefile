@@ -62,7 +62,7 @@ fuzz: $(SIM)  ## a million mutated inputs to every reader of lines and files: do
 regress: $(SIM)  ## blocks in SEEDS=N random sizes with random stimulus [REGRESS="--scheduler ADDRESS"]
 	@$(BIN)/python tools/regress.py $(SEEDS) --jobs $(JOBS) --record $(REGRESS)
 
-lint: $(SIM)  ## Verilator -Wall on every module as its own top, Verible, ruff
+lint: $(SIM)  ## Verilator -Wall and slang on every module as its own top, Verible, ruff
 	@$(BIN)/python tools/lint.py
 
 coverage: $(SIM)  ## coverage of the RTL and its twins, with the holes: docs/trust/coverage.json [BLOCKS="haar slip"]

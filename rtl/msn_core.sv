@@ -421,6 +421,13 @@ module msn_core #(
     logic [IdBits-1:0]         event_id;
     logic [Lanes-1:0]          event_dead, event_railed, event_blinking;
     logic [CountBits-1:0]      dead, railed, blinking;
+    localparam int unsigned SlipIdBits = msn_pkg::index_width(Inputs);
+    logic                  unused_slip_valid, unused_slip_last;
+    logic [Lanes*17-1:0]   unused_slip_data;
+    logic [SlipIdBits-1:0] unused_slip_id;
+    logic [Lanes-1:0]      unused_slip_user;
+    logic [31:0]           unused_slip_frame, unused_slip_dropped, unused_slip_overrun;
+    logic [47:0]           unused_slip_time;
     msn_array #(
       .Rows            (Rows),
       .Columns         (Columns),
@@ -544,13 +551,6 @@ module msn_core #(
       .swallowed_o     (tare_swallowed),
       .damaged_o       (cop_damaged)
     );
-    localparam int unsigned SlipIdBits = msn_pkg::index_width(Inputs);
-    logic                  unused_slip_valid, unused_slip_last;
-    logic [Lanes*17-1:0]   unused_slip_data;
-    logic [SlipIdBits-1:0] unused_slip_id;
-    logic [Lanes-1:0]      unused_slip_user;
-    logic [31:0]           unused_slip_frame, unused_slip_dropped, unused_slip_overrun;
-    logic [47:0]           unused_slip_time;
 
     assign cop_x          = 24'(x);
     assign cop_y          = 24'(y);
@@ -598,8 +598,9 @@ module msn_core #(
 
   end else begin : gen_channels
     logic                         adc_valid, adc_ready, adc_last;
-    logic signed [SampleBits-1:0] adc_data;
+    logic signed [SampleBits-1:0] adc_data, stream;
     logic [ChannelBits-1:0]       adc_id;
+    assign stream = signed'(in_data_i);
     msn_acquire #(
       .Adc       (Adc),
       .AdcLanes  (AdcLanes),
@@ -623,7 +624,7 @@ module msn_core #(
       .convert_o   (convert),
       .in_valid_i,
       .in_ready_o,
-      .in_data_i,
+      .in_data_i   (stream),
       .in_id_i,
       .in_last_i,
       .out_valid_o (adc_valid),

@@ -131,12 +131,15 @@ def powerups(simulate, test_filter, first):
         simulate(alone, random_start, f"+verilator+seed+{first + 1 + turn}")
 
 
-def refuses(block, parameters, of=None):
-    """Elaborate ``msn_<block>`` with illegal parameters; the message, of ``msn_<of>``, that stopped it."""
+def refuses(block, parameters, of=None, sources=None):
+    """Elaborate ``msn_<block>`` with illegal parameters; the message, of ``msn_<of>``, that stopped it.
+
+    ``sources``: as for ``run``.
+    """
     command = ["verilator", "--lint-only", "-Wall", "--top-module", f"msn_{block}"]
     command += [f"-G{k}={v}" for k, v in parameters.items()]
     done = subprocess.run(
-        command + [str(path) for path in toolchain.sources_of(f"msn_{block}")],
+        command + [str(path) for path in sources or toolchain.sources_of(f"msn_{block}")],
         env=toolchain.environment(),
         capture_output=True,
         text=True,

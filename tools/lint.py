@@ -1,18 +1,22 @@
-"""Lint everything, without a warning: each RTL module as its own top, the core in every named configuration,
-Verible's style rules, ruff."""
+"""Lint everything, without a warning: by Verilator and by slang each RTL module as its own top, the core in
+every named configuration and on every board; Verible's style rules, ruff."""
 
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from meissner import boards, config, toolchain
+from meissner import boards, config, toolchain, yowasp
 from meissner.build import verilog
 
 ROOT = toolchain.ROOT
 RULES = ROOT / "tb/lint/verible.rules"
-CELLS = ROOT / "tb/lint/cells.v"
+CELLS = "tb/lint/cells.v"
 WAIVERS = ROOT / "tb/lint/verilator.vlt"
+# Without a waiver.
+SLANG = [sys.executable, str(ROOT / "tools/slang.py"), "-Werror"]
+# Models of the vendors' cells that rtl/ecp5 uses.
+MODELS = ["tb/common/MULT18X18D.v"]
 PYTHON = ("model", "tb", "tools", "examples")
 
 
@@ -25,28 +29,38 @@ def run(name, command):
 def main():
     files = [path.relative_to(ROOT) for path in toolchain.sources()]
     pairs = [*boards.pairs(), *((boards.ARTY, name) for name in boards.ARTY.configs)]
-    outer = sorted({Path(source) for board, _ in pairs for source in board.sources})
+    own = {Path(source) for instead in yowasp.INSTEAD.values() for source in instead.values()}
+    outer = sorted(own | {Path(source) for board, _ in pairs for source in board.sources})
     listed = {*files, *outer}
     strays = [str(p.relative_to(ROOT)) for p in ROOT.glob("rtl/**/*.sv") if p.relative_to(ROOT) not in listed]
-    problems = [f"neither rtl/rtl.f nor a board lists {stray}" for stray in strays]
+    problems = [f"neither rtl/rtl.f nor a board nor a family lists {stray}" for stray in strays]
     tops = [path for path in files if not path.stem.endswith("_pkg")]
     misnamed = [path for path in tops if f"module {path.stem} " not in (ROOT / path).read_text()]
     problems += [f"{path} does not define module {path.stem}" for path in misnamed]
-    verilator = ["verilator", "--lint-only", "--quiet", "-Wall", str(WAIVERS), *map(str, files)]
-    jobs = [(f"verilator {top.stem}", [*verilator, "--top-module", top.stem]) for top in tops]
+    verilator = ["verilator", "--lint-only", "--quiet", "-Wall", str(WAIVERS)]
+
+    def elaborate(name, top, *more, instead=None):
+        sources = [(instead or {}).get(str(path), str(path)) for path in files]
+        for tool, command, option in (("verilator", verilator, "--top-module"), ("slang", SLANG, "--top")):
+            jobs.append((f"{tool} {name}", [*command, *sources, *more, option, top]))
+
+    jobs = []
+    for top in tops:
+        elaborate(top.stem, top.stem)
+    for family, instead in yowasp.INSTEAD.items():
+        for source in instead:
+            elaborate(f"{Path(source).stem}, {family}", Path(source).stem, *MODELS, instead=instead)
     written = []
     for board, name in pairs:
         folder = f"build/lint/{board.name}-{name}"
         boards.write_board(folder, board, name)
         made = f"{folder}/{board.top}.sv"
         written.append(made)
-        command = [*verilator, *board.sources, made, str(CELLS), f"-I{folder}", "--top-module", board.top]
-        jobs.append((f"verilator {board.top}, {name}", command))
+        elaborate(f"{board.top}, {name}", board.top, *board.sources, made, CELLS, f"-I{folder}")
     for name in config.names():
         given = [f"-G{k}={v}" for k, v in verilog(config.load(name).parameters).items()]
-        jobs.append((f"verilator msn_core {name}", [*verilator, "--top-module", "msn_core", *given]))
-    example = "examples/instantiate/finger.sv"
-    jobs.append(("verilator finger", [*verilator, example, "--top-module", "finger"]))
+        elaborate(f"msn_core {name}", "msn_core", *given)
+    elaborate("finger", "finger", "examples/instantiate/finger.sv")
     binaries = Path(sys.executable).parent
     jobs += [
         (

@@ -23,7 +23,7 @@ class ToolError(RuntimeError):
 
 
 # What a family has of its own in place of a source.
-INSTEAD = {"ecp5": {"rtl/common/msn_multiply.sv": "rtl/ecp5/msn_multiply.v"}}
+INSTEAD = {"ecp5": {"rtl/common/msn_multiply.sv": "rtl/ecp5/msn_multiply.sv"}}
 
 
 def read_rtl(cells=None):

@@ -62,6 +62,18 @@ module msn_delay #(
       end
       if (rst_i) slot <= '0;
     end
+
+`ifndef SYNTHESIS
+    // The memory does not define what it answers while the same place is written.
+    // verilator coverage_off
+    always_ff @(posedge clk_i) begin
+      if (step_i && !rst_i) begin
+        assert (slot != slot_next)
+        else $fatal(1, "msn_delay: slot %0d is read and written in one clock", slot);
+      end
+    end
+    // verilator coverage_on
+`endif
   end
 
 endmodule

@@ -59,4 +59,16 @@ module msn_fifo #(
     end
   end
 
+`ifndef SYNTHESIS
+  // The memory does not define what it answers while the same place is written.
+  // verilator coverage_off
+  always_ff @(posedge clk_i) begin
+    if (put && get && !rst_i) begin
+      assert (written[PlaceBits-1:0] != read[PlaceBits-1:0])
+      else $fatal(1, "msn_fifo: place %0d is read and written in one clock", read[PlaceBits-1:0]);
+    end
+  end
+  // verilator coverage_on
+`endif
+
 endmodule

@@ -55,6 +55,24 @@ module msn_adc_spi #(
   output logic [31:0]                  over_range_o   // samples sent with out_user_o
 );
 
+  localparam int unsigned DataBits     = msn_adc_pkg::data_bits(Part);
+  localparam int unsigned Half         = msn_adc_pkg::half_clocks(Part, ClkKhz, SclkKhz);
+  localparam int unsigned LaneChannels = msn_adc_pkg::lane_channels(Part);
+  localparam int unsigned Words        = msn_adc_pkg::frame_words(Part, Channels, Lanes);
+  localparam int unsigned SetupWords   = msn_adc_pkg::setup_words(Part);
+  localparam int unsigned WordBits     = msn_pkg::index_width((Words > SetupWords) ? Words : SetupWords);
+  localparam int unsigned KeptBits     = msn_adc_pkg::kept_bits(Part);
+  localparam bit          Tagged       = msn_adc_pkg::has_tag(Part);
+  localparam bit          Signed       = msn_adc_pkg::is_signed(Part);
+  localparam bit          HasBusy      = msn_adc_pkg::has_busy(Part);
+  localparam bit          CsPerChannel = msn_adc_pkg::cs_per_channel(Part);
+  localparam int unsigned WatchBits    = msn_adc_pkg::watch_bits(Part, ClkKhz);
+  localparam bit          HasReset     = msn_adc_pkg::has_reset(Part);
+  localparam bit          NeedsStart   = HasReset || SetupWords > 0;
+  // Before it is set up a part without RESET rests as long as one with RESET.
+  localparam int unsigned StartClocks  = 2 * msn_pkg::clocks_of_ns(msn_adc_pkg::start_ns(Part), ClkKhz);
+  localparam int unsigned StartBits    = msn_pkg::index_width(StartClocks);
+
   if (!msn_adc_pkg::known(Part)) begin : gen_check_part
     $fatal(1, "msn_adc_spi: Part = %0d must be one of msn_pkg::adc_part_e", Part);
   end
@@ -82,24 +100,6 @@ module msn_adc_spi #(
   if (PeriodBits < 1 || PeriodBits > 32) begin : gen_check_period_bits
     $fatal(1, "msn_adc_spi: PeriodBits = %0d must lie in 1 .. 32", PeriodBits);
   end
-
-  localparam int unsigned DataBits     = msn_adc_pkg::data_bits(Part);
-  localparam int unsigned Half         = msn_adc_pkg::half_clocks(Part, ClkKhz, SclkKhz);
-  localparam int unsigned LaneChannels = msn_adc_pkg::lane_channels(Part);
-  localparam int unsigned Words        = msn_adc_pkg::frame_words(Part, Channels, Lanes);
-  localparam int unsigned SetupWords   = msn_adc_pkg::setup_words(Part);
-  localparam int unsigned WordBits     = msn_pkg::index_width((Words > SetupWords) ? Words : SetupWords);
-  localparam int unsigned KeptBits     = msn_adc_pkg::kept_bits(Part);
-  localparam bit          Tagged       = msn_adc_pkg::has_tag(Part);
-  localparam bit          Signed       = msn_adc_pkg::is_signed(Part);
-  localparam bit          HasBusy      = msn_adc_pkg::has_busy(Part);
-  localparam bit          CsPerChannel = msn_adc_pkg::cs_per_channel(Part);
-  localparam int unsigned WatchBits    = msn_adc_pkg::watch_bits(Part, ClkKhz);
-  localparam bit          HasReset     = msn_adc_pkg::has_reset(Part);
-  localparam bit          NeedsStart   = HasReset || SetupWords > 0;
-  // Before it is set up a part without RESET rests as long as one with RESET.
-  localparam int unsigned StartClocks  = 2 * msn_pkg::clocks_of_ns(msn_adc_pkg::start_ns(Part), ClkKhz);
-  localparam int unsigned StartBits    = msn_pkg::index_width(StartClocks);
 
   typedef enum logic [2:0] {
     Reset,     // RESET is high, then low for as long; CS rests

@@ -53,6 +53,15 @@ module msn_am_demod #(
   output logic [31:0]                  broken_o        // measurements cut off by the next start, since reset
 );
 
+  localparam bit          Rectify   = Form == 32'(msn_pkg::DemodRectifier);
+  localparam int unsigned N         = SamplesPerPeriod;
+  localparam int unsigned PhaseBits = $clog2(N);
+  // Of a period: rectifier N/2 pairs; synchronous 1, 14 and 26 pairs, 4 and 5 bits.
+  localparam int unsigned GrowBits  = Rectify ? PhaseBits - 1 : (N == 4) ? 0 : (N == 8) ? 4 : 5;
+  localparam int unsigned SumBits   = SampleBits + GrowBits + PeriodBits;  // of |I|, |Q|, M
+  localparam int unsigned RootBits  = SumBits + 2;                         // of 2 M
+  localparam int unsigned HeldBits  = 2 * (SumBits + 1) + 1;               // I, Q, over-range
+
   if (Form > 32'(msn_pkg::DemodIqFast)) begin : gen_check_form
     $fatal(1, "msn_am_demod: Form = %0d must be one of msn_pkg::demod_form_e", Form);
   end
@@ -74,15 +83,6 @@ module msn_am_demod #(
   if (SkipBits < 1 || SkipBits > 32) begin : gen_check_skip_bits
     $fatal(1, "msn_am_demod: SkipBits = %0d must lie in 1 .. 32", SkipBits);
   end
-
-  localparam bit          Rectify   = Form == 32'(msn_pkg::DemodRectifier);
-  localparam int unsigned N         = SamplesPerPeriod;
-  localparam int unsigned PhaseBits = $clog2(N);
-  // Of a period: rectifier N/2 pairs; synchronous 1, 14 and 26 pairs, 4 and 5 bits.
-  localparam int unsigned GrowBits  = Rectify ? PhaseBits - 1 : (N == 4) ? 0 : (N == 8) ? 4 : 5;
-  localparam int unsigned SumBits   = SampleBits + GrowBits + PeriodBits;  // of |I|, |Q|, M
-  localparam int unsigned RootBits  = SumBits + 2;                         // of 2 M
-  localparam int unsigned HeldBits  = 2 * (SumBits + 1) + 1;               // I, Q, over-range
 
   // Where in its measurement a sample lies.
   logic                  take, active, active_q, counts, fresh, fresh_q, ends, broken;
@@ -221,7 +221,7 @@ module msn_am_demod #(
   logic [4:0]                held_shift;
   always_ff @(posedge clk_i) begin
     if (pull) begin
-      held       <= held >> HeldBits;
+      held       <= (Lanes > 1) ? held >> HeldBits : '0;
       held_id    <= held_id + 1'b1;
       lanes_left <= lanes_left - 1'b1;
     end

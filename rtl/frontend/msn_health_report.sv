@@ -50,9 +50,9 @@ module msn_health_report #(
     end else if (out_ready_i || !out_valid_o) begin
       busy     <= lane != LaneBits'(Lanes - 1);
       lane     <= lane + 1'b1;
-      dead     <= dead >> 1;
-      railed   <= railed >> 1;
-      blinking <= blinking >> 1;
+      dead     <= (Lanes > 1) ? dead >> 1 : '0;
+      railed   <= (Lanes > 1) ? railed >> 1 : '0;
+      blinking <= (Lanes > 1) ? blinking >> 1 : '0;
     end
     if (rst_i) busy <= 1'b0;
   end

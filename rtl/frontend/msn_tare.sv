@@ -279,12 +279,10 @@ module msn_tare #(
       .a_i(seen), .b_i(signed'({1'b0, cfg_contact_i})), .greater_o(over)
     );
 
-    logic surplus;
+    logic                       surplus, mask_q, follow;
+    logic signed [ZeroBits-1:0] rate;
     assign surplus     = row_end_q && (RowBeats - 1) * Lanes + k >= Columns;
     assign pressing[k] = over_q && !mask_q;
-
-    logic                       mask_q, follow;
-    logic signed [ZeroBits-1:0] rate;
     assign rate       = signed'(ZeroBits'(cfg_step_i));
     assign zero_moved = negative ? zero_2 - rate : zero_2 + rate;
     assign follow     = nonzero && !over_q && !averaging && !commit;

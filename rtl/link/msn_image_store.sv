@@ -90,4 +90,17 @@ module msn_image_store #(
     end
   end
 
+`ifndef SYNTHESIS
+  // The memories do not define what they answer while the same taxel is written: while an image is read, taxels that
+  // come in go to the other bank.
+  // verilator coverage_off
+  always_ff @(posedge clk_i) begin
+    if (read_valid_o && (read_begun_i || read_done_i) && in_valid_i && !dropping && !rst_i) begin
+      assert ((bank ^ move) == bank)
+      else $fatal(1, "msn_image_store: bank %0d is read and written in one clock", !bank);
+    end
+  end
+  // verilator coverage_on
+`endif
+
 endmodule

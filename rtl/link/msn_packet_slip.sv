@@ -138,4 +138,15 @@ module msn_packet_slip #(
     .out_crc_o(crc)
   );
 
+`ifndef SYNTHESIS
+  // The memory does not define what it answers while the same column is written.
+  // verilator coverage_off
+  always_ff @(posedge clk_i) begin
+    if (!rst_i) begin
+      assert (at != ahead) else $fatal(1, "msn_packet_slip: column %0d is read and written in one clock", at);
+    end
+  end
+  // verilator coverage_on
+`endif
+
 endmodule

@@ -316,4 +316,16 @@ module msn_slip_serial #(
     end
   end
 
+`ifndef SYNTHESIS
+  // The memories do not define what they answer while the same word is written.
+  // verilator coverage_off
+  always_ff @(posedge clk_i) begin
+    if (!idle && !finish && !rst_i) begin
+      assert (at[StepBits-1:0] != next_digit)
+      else $fatal(1, "msn_slip_serial: word %0d is read and written in one clock", next_digit);
+    end
+  end
+  // verilator coverage_on
+`endif
+
 endmodule

@@ -65,6 +65,47 @@ async def clocks_are_as_stated_and_reset_empties(dut):
         dut.out_ready_i.value = 1
 
 
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def exactly_full_and_empty_for_longer_than_it_is_deep(dut):
+    """Full, and held there: a word is taken the clock after one leaves, and then no other; so for every place
+    of the ring. Then empty, and held there: a word leaves three clocks after it came."""
+    depth, top = dut.Depth.value.to_unsigned(), (1 << len(dut.in_data_i)) - 1
+    word = lambda n: (7 * n + 1) & top
+    await bench.start(dut, in_data_i=0)
+    put = got = 0
+
+    async def clock(valid, ready):
+        """(a word went in, a word came out) in a clock; each that comes out is the next in order."""
+        nonlocal put, got
+        dut.in_valid_i.value, dut.out_ready_i.value = valid, ready
+        dut.in_data_i.value = word(put) if valid else ~word(put) & top
+        await bench.ReadOnly()
+        took, gave = valid & bench.read(dut.in_ready_o), ready & bench.read(dut.out_valid_o)
+        if gave:
+            assert bench.read(dut.out_data_o) == word(got), got
+        put, got = put + took, got + gave
+        await bench.RisingEdge(dut.clk_i)
+        return took, gave
+
+    for _ in range(2 * depth + 9):
+        await clock(1, 0)
+    assert put == depth + 2
+    for _ in range(2 * depth + 1):  # each word that leaves makes room for one, a clock later
+        assert await clock(1, 1) == (0, 1)
+        assert await clock(1, 0) == (1, 0)
+        for _ in range(3):
+            assert await clock(1, 0) == (0, 0)
+    for _ in range(2 * depth + 1):  # full and taken from in every clock: none lost, none twice
+        await clock(1, 1)
+    while got < put:
+        await clock(0, 1)
+    for _ in range(2 * depth + 3):
+        assert await clock(0, 1) == (0, 0)
+    for _ in range(2 * depth + 1):
+        assert [await clock(n == 0, 1) for n in range(4)] == [(1, 0), (0, 0), (0, 0), (0, 1)]
+    assert put == got
+
+
 SPACE = lambda draw: {"Depth": 1 << draw.randint(1, 8), "Width": draw.randint(1, 91)}
 
 

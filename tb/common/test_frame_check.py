@@ -81,6 +81,54 @@ async def restarts_after_reset_in_mid_frame(dut):
     assert bench.read(dut.damaged_o) == 0
 
 
+def good(channels, mark):
+    return [(mark + channel, channel, int(channel == channels - 1)) for channel in range(channels)]
+
+
+@cocotb.test(timeout_time=2, timeout_unit="ms")
+@cocotb.parametrize(stall_rate=[0.0, 0.7])
+async def damage_meets_every_other_event(dut, stall_rate):
+    """Damage right after a reset, right behind damage, in a frame marked `restart`, in a frame's first and
+    last beat, by a number, by an early `last` and by a missing one: what leaves, and the count, worked out by
+    hand."""
+    channels = dut.Channels.value.to_unsigned()
+    await bench.start(dut)
+    whole = lambda mark, restart: [(*beat, restart) for beat in good(channels, mark)]
+    final = channels - 1
+    wrong_last = 0 if final else 1
+    script = [
+        # beats in, beats out, frames counted so far
+        ([(11, 1, 1)], [], 1),  # after the reset, of a single beat
+        ([(12, 1, 0), (13, 0, 1)], [], 2),  # right behind damage, right numbers within
+        (good(channels, 20), whole(20, 1), 2),
+        (good(channels, 40), whole(40, 0), 2),
+        # its last beat's number alone is wrong: what went before has left
+        (
+            [*good(channels, 60)[:-1], (60 + final, wrong_last, 1)],
+            [(60 + channel, channel, 0, 0) for channel in range(final)],
+            3,
+        ),
+        # damage again in the frame that begins anew
+        (
+            [*good(channels, 80)[:-1], (80 + final, final, 0), (99, 0, 0), (98, final, 1)],
+            [(80 + channel, channel, 0, 1) for channel in range(final)],
+            4,
+        ),
+        (good(channels, 120), whole(120, 1), 4),
+    ]
+    if channels > 1:  # an early `last`
+        script += [([(7, 0, 1)], [], 5), (good(channels, 140), whole(140, 1), 5)]
+    bits = len(dut.in_data_i)
+    fields = ["data", "id", "last", "restart"]
+    for sent, left, count in script:
+        beats = [dict(zip(fields, (data % (1 << bits), *rest))) for data, *rest in sent]
+        pause = bench.pauses(stall_rate, "stalls")
+        got = await bench.stream(dut, beats, fields, None, pause, drain=0)
+        got += await bench.stream(dut, [], fields, drain=3)
+        assert got == [dict(zip(fields, (data % (1 << bits), *rest))) for data, *rest in left], sent
+        assert bench.read(dut.damaged_o) == count, sent
+
+
 SPACE = lambda draw: {"Channels": draw.randint(1, 40)}
 
 

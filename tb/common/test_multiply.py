@@ -11,7 +11,7 @@ from meissner import toolchain
 from meissner.common.multiply import multiply
 
 LATENCY = 2
-ECP5 = [toolchain.ROOT / name for name in ("tb/common/MULT18X18D.v", "rtl/ecp5/msn_multiply.v")]
+ECP5 = [toolchain.ROOT / name for name in ("tb/common/MULT18X18D.v", "rtl/ecp5/msn_multiply.sv")]
 
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
@@ -48,9 +48,15 @@ def test_multiply(a_width, b_width, sources):
     bench.run("common", "multiply", {"AWidth": a_width, "BWidth": b_width}, sources=sources)
 
 
-def test_refuses_illegal_parameters():
-    assert "AWidth = 19" in bench.refuses("multiply", {"AWidth": 19})
-    assert "BWidth = 18" in bench.refuses("multiply", {"BWidth": 18})
+@pytest.mark.parametrize("sources", [None, ECP5], ids=["common", "ecp5"])
+def test_refuses_illegal_parameters(sources):
+    assert "AWidth = 19" in bench.refuses("multiply", {"AWidth": 19}, sources=sources)
+    assert "AWidth = 1 " in bench.refuses("multiply", {"AWidth": 1}, sources=sources)
+    assert "BWidth = 18" in bench.refuses("multiply", {"BWidth": 18}, sources=sources)
+    assert "BWidth = 0 " in bench.refuses("multiply", {"BWidth": 0}, sources=sources)
+
+
+def test_the_model_refuses_illegal_parameters():
     with pytest.raises(ValueError, match="a_width = 19"):
         multiply(0, 0, 19, 16)
     with pytest.raises(ValueError, match="b_width = 0"):

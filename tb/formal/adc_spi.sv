@@ -202,7 +202,6 @@ module formal_adc_spi #(
       if (reading) assert (!adc_convst_o);
       if (!dut.HasBusy) assert (!adc_convst_o && dut.state_q != 3'd3 && dut.state_q != 3'd4);
       if (dut.SetupWords == 0) assert (dut.state_q != 3'd1);
-      if (!started) assert (!convst);
     end
   end
 

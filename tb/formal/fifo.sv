@@ -41,6 +41,8 @@ module formal_fifo #(
   always_comb begin
     if (started) begin
       assert (stored <= (PlaceBits + 1)'(Depth));
+      // The memory does not define what it answers while the same place is written.
+      if (dut.put && dut.get) assert (dut.written[PlaceBits-1:0] != dut.read[PlaceBits-1:0]);
       assert (level == CountBits'(stored) + CountBits'(dut.fetched_valid) + CountBits'(dut.out_valid_o));
       if (held) begin
         if (dut.out_valid_o && ahead == '0) assert (dut.out_data_o == kept);

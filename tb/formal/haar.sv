@@ -24,7 +24,7 @@ module formal_haar #(
   input logic                         out_ready_i
 );
 
-  logic                         in_ready_o, out_valid_o, out_last_o, out_restart_o, out_mask_o;
+  logic                         in_ready_o, out_valid_o, out_last_o, out_restart_o, out_mask_o, busy_o;
   logic signed [DetailBits-1:0] out_detail_o, out_total_o;
   logic [IdBits-1:0]            out_id_o;
   msn_haar #(.Channels(Channels), .SampleBits(SampleBits), .Level(Level), .Mask(Mask)) dut (.*);
@@ -72,7 +72,7 @@ module formal_haar #(
   assign twice_x1 = (DetailBits + 1)'(due_x1) <<< 1;
   always_comb begin
     if (started) begin
-      assert (out_valid_o == due);
+      assert (out_valid_o == due && busy_o == due);
       if (!rst_i) assert (in_ready_o == (out_ready_i || !out_valid_o));
       if (stalled) assert (out_valid_o);
       if (out_valid_o) assert (out_id_o == due_id && out_last_o == due_last && out_restart_o == due_restart);

@@ -108,6 +108,7 @@ module formal_packet #(
   logic         valid, last, emit, image, odd;
   assign emit = run && turn == '0 && phase == 2'd3 && !out_valid_o;
   assign odd  = sent[0] != first[0];
+  logic [159:0] rest;
   always_comb begin
     record = '0;
     for (int unsigned s = 0; s < 6; s++) if (turn[s]) begin
@@ -127,7 +128,6 @@ module formal_packet #(
     for (int unsigned i = 0; i < 8; i++) crc_next = (crc_next >> 1) ^ ((crc_next[0] != byte_out[i]) ? 32'hEDB8_8320 : 32'h0);
     if (sent >= second) crc_next = crc >> 8;
   end
-  logic [159:0] rest;
   always_ff @(posedge clk_i) begin
     started <= 1'b1;
     turn    <= idle ? waits & (~waits + First) : '0;
@@ -212,14 +212,14 @@ module formal_packet #(
     end
   end
 
+  logic warm;
+  always_ff @(posedge clk_i) warm <= started;
   if (Statistics > 0) begin : gen_statistics
     always_comb if (started) begin
       assert (dut.gen_statistics.wait_clocks == pause && dut.gen_statistics.index == which);
       if (warm) assert (dut.gen_statistics.counter == counter);
     end
   end
-  logic warm;
-  always_ff @(posedge clk_i) warm <= started;
 
   // Of an image: the place reached, which is the store's address, and when it is begun and done.
   if (Taxels == 0) begin : gen_no_image

@@ -26,7 +26,7 @@ module formal_peak_to_peak #(
   input logic                         out_ready_i
 );
 
-  logic                         in_ready_o, out_valid_o, out_last_o, out_restart_o, out_mask_o, out_end_o;
+  logic                         in_ready_o, out_valid_o, out_last_o, out_restart_o, out_mask_o, out_end_o, busy_o;
   logic [DetailBits-1:0]        out_p2p_o;
   logic signed [DetailBits-1:0] out_total_o;
   logic [IdBits-1:0]            out_id_o;
@@ -91,7 +91,7 @@ module formal_peak_to_peak #(
     if (started) begin
       assume (threshold_i == threshold);
       if (Mask && in_valid_i && !in_mask_i) assume (in_detail_i != Lowest);  // msn_haar's never are
-      assert (out_valid_o == due2);
+      assert (out_valid_o == due2 && busy_o == (due1 || due2));
       if (!rst_i) assert (in_ready_o == (out_ready_i || !out_valid_o));
       if (stalled) assert (out_valid_o);
       if (out_valid_o) begin

@@ -38,7 +38,7 @@ module formal_slip #(
   input logic                         out_ready_i
 );
 
-  logic                  in_ready_o, out_valid_o, out_raised_o, out_over_o, out_last_o, out_end_o;
+  logic                  in_ready_o, out_valid_o, out_raised_o, out_over_o, out_last_o, out_end_o, busy_o;
   logic [2:0]            out_state_o;
   logic [DetailBits-1:0] out_p2p_o;
   logic [IdBits-1:0]     out_id_o;
@@ -185,7 +185,7 @@ module formal_slip #(
 
   always_comb begin
     if (started) begin
-      assert (out_valid_o == due);
+      assert (out_valid_o == due && busy_o == (seen || due));
       if (!rst_i) assert (in_ready_o == (out_ready_i || !out_valid_o));
       if (stalled) assert (out_valid_o);
       if (out_valid_o) assert (out_id_o == due_id && out_last_o == due_last && out_end_o == due_end);

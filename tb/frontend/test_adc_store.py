@@ -183,20 +183,71 @@ async def reset_empties_it(dut):
     assert dut.pending_o.value == 0
 
 
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def meets_every_other_event(dut):
+    """One lane: a code in the clock in which the sample before it leaves; a frame's begin while a sample is
+    offered, in the clock in which the last one leaves, and a clock later; each sample's value and number
+    worked out by hand."""
+    channels = dut.Channels.value.to_unsigned()
+    await bench.start(dut, begin_i=0, in_word_i=0, in_data_i=0, in_bad_i=0)
+
+    async def clock(word=None, code=0, ready=0, begin=0):
+        """The sample that is offered in this clock, (number, value), or None."""
+        dut.in_valid_i.value, dut.begin_i.value, dut.out_ready_i.value = int(word is not None), begin, ready
+        dut.in_word_i.value, dut.in_data_i.value = word or 0, code
+        await ReadOnly()
+        offered = (
+            (bench.read(dut.out_id_o), bench.read(dut.out_data_o)) if dut.out_valid_o.value == 1 else None
+        )
+        await RisingEdge(dut.clk_i)
+        return offered
+
+    # A code for channel 0 in the clock in which its sample leaves: it follows the other channels'.
+    assert await clock(0, 101) is None
+    assert await clock(0, 102, ready=1) == (0, 101)
+    for channel in range(1, channels):
+        assert await clock(channel, 200 + channel, ready=1) is None
+        assert await clock(ready=0) == (channel, 200 + channel)
+        assert await clock(ready=1) == (channel, 200 + channel)
+    assert await clock() == await clock(ready=1) == (0, 102)
+    for channel in range(1, channels):
+        assert await clock(channel, 300 + channel) is None
+        assert await clock(ready=1) == (channel, 300 + channel)
+    # A begin while a sample is offered, stalled and taken, and in the clock in which the last one leaves.
+    for channel in range(channels):
+        await clock(channel, 400 + channel)
+    assert await clock(begin=1) == (0, 400)
+    for channel in range(channels):
+        assert await clock(begin=1, ready=1) == (channel, 400 + channel)
+    assert await clock(begin=1) is None and await clock() is None
+    assert await clock(0, 500) is None
+    assert await clock(ready=1) == (0, 500)
+    # A begin with nothing offered: channel 0 is next, whatever had left.
+    assert await clock(begin=1) is None
+    assert await clock(0, 600) is None
+    assert await clock(ready=1) == (0, 600)
+
+
 @pytest.mark.parametrize(
     "parameters",
     [
         {"Channels": 1},
+        {"Channels": 2},
         {"Channels": 7, "SampleBits": 13},
         {"Channels": 7, "Lanes": 2, "LaneChannels": 4, "DataBits": 16, "Signed": 1},
     ],
     ids=str,
 )
 def test_adc_store(parameters):
-    bench.run("frontend", "adc_store", parameters, test_filter=r"^(?!.*whole_)")
+    bench.run("frontend", "adc_store", parameters, test_filter=r"^(?!.*(whole_|meets_))")
 
 
-@pytest.mark.parametrize("channels", [1, 3, 8])
+@pytest.mark.parametrize("channels", [1, 2, 5])
+def test_what_meets(channels):
+    bench.run("frontend", "adc_store", {"Channels": channels}, test_filter="meets_")
+
+
+@pytest.mark.parametrize("channels", [1, 2, 3, 8])
 def test_adc_store_whole(channels):
     bench.run("frontend", "adc_store", {"Channels": channels, "Whole": 1}, test_filter="whole_")
 

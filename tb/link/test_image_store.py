@@ -106,6 +106,85 @@ async def recovers_after_reset(dut):
         assert images and images[-1] is not None
 
 
+async def write(dut, image, taxels, clocks=None):
+    """Image number ``image``, a taxel a clock; its taxels are 1000 image + place, its time 10^12 + image."""
+    for place in range(taxels):
+        dut.in_valid_i.value, dut.in_last_i.value = 1, int(place == taxels - 1)
+        dut.in_data_i.value, dut.in_time_i.value = 1000 * image + place, 10**12 + image - 7 * place
+        await bench.clocks(dut, 1)
+    dut.in_valid_i.value = 0
+
+
+async def read_image(dut, taxels):
+    """The number of the image that is read from this clock on; every taxel and the time are that one's."""
+    dut.read_begun_i.value = 1
+    got = []
+    for clock in range(taxels + 2):
+        dut.read_address_i.value = min(clock, taxels - 1)
+        await bench.ReadOnly()
+        assert dut.read_valid_o.value == 1
+        time = bench.read(dut.read_time_o)
+        if clock >= 2:
+            got.append(bench.read(dut.read_data_o))
+        if clock < taxels + 1:
+            await bench.RisingEdge(dut.clk_i)
+    image = got[0] // 1000
+    assert got == [1000 * image + place for place in range(taxels)] and time == 10**12 + image
+    await bench.RisingEdge(dut.clk_i)
+    dut.read_begun_i.value, dut.read_done_i.value = 0, 1
+    await bench.RisingEdge(dut.clk_i)
+    dut.read_done_i.value = 0
+    return image
+
+
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def an_images_end_meets_the_readers_begin_and_end(dut):
+    """The second image ends so many clocks before the reader begins (0: in that clock), and while it reads;
+    it is the one that is read if it ended two clocks before, else the one that is read next."""
+    taxels = dut.Taxels.value.to_unsigned()
+    for before, expected, lost in ((3, 2, 1), (2, 2, 1), (1, 1, 0), (0, 1, 0), (-1, 1, 0)):
+        await begin(dut) if before == 3 else await bench.reset(dut)
+        await write(dut, 1, taxels)
+        await bench.clocks(dut, 4)
+        writer = cocotb.start_soon(write(dut, 2, taxels))
+        await bench.clocks(dut, taxels - 1 + before)
+        assert await read_image(dut, taxels) == expected, before
+        await writer
+        await bench.clocks(dut, 3)
+        assert bench.read(dut.dropped_o) == lost, before
+        assert bench.read(dut.read_valid_o) == 1 - lost
+        if not lost:
+            assert await read_image(dut, taxels) == 2, before
+            await bench.clocks(dut, 3)
+            assert bench.read(dut.read_valid_o) == 0 and bench.read(dut.dropped_o) == 0
+
+
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def an_image_begins_as_the_reader_ends(dut):
+    """A whole image waits for the reader to end. The next one's first taxel in the clock of that end or
+    before drops it; a clock later it has moved on, and both are read."""
+    taxels = dut.Taxels.value.to_unsigned()
+    for after, images in ((-1, [1, 3]), (0, [1, 3]), (1, [1, 2, 3]), (2, [1, 2, 3])):
+        await begin(dut) if after == -1 else await bench.reset(dut)
+        await write(dut, 1, taxels)
+        await bench.clocks(dut, 4)
+        dut.read_begun_i.value = 1
+        await write(dut, 2, taxels)
+        await bench.clocks(dut, 2)
+        reader = cocotb.start_soon(read_image(dut, taxels))  # its end: taxels + 2 clocks on
+        await bench.clocks(dut, taxels + 2 + after)
+        writer = cocotb.start_soon(write(dut, 3, taxels))
+        got = [await reader]
+        if images == [1, 2, 3]:
+            await bench.clocks(dut, 1)
+            got.append(await read_image(dut, taxels))
+        await writer
+        await bench.clocks(dut, 3)
+        got.append(await read_image(dut, taxels))
+        assert got == images, after
+        assert bench.read(dut.dropped_o) == 3 - len(images)
+
+
 SPACE = lambda draw: {"Taxels": draw.randint(2, 80)}
 
 

@@ -166,6 +166,45 @@ async def moving_is_that_of_the_clock_that_takes_a_detail(dut):
 
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
+async def moving_changes_while_the_stage_waits(dut):
+    """Decisions are taken in one of four clocks; in each clock that takes no detail the actuator does the
+    contrary of what it did for the last one. Each third detail of a contact is over: a slip if the actuator
+    rested in the clock that took it."""
+    channels = dut.Channels.value.to_unsigned()
+    config = SlipConfig(
+        threshold=THRESHOLD, gross_threshold=GROSS, contact_level=CONTACT, hold=1, refractory=0, blank=0
+    )
+    await bench.start(dut, actuator_moving_i=0, in_mask_i=0)
+    await apply(dut, config)
+    steps = ((0, 0), (CONTACT, 0), (CONTACT, THRESHOLD + 1))
+    beats, expected = [], []
+    for trial in range(12 if channels < 100 else 1):
+        for step, (level, p2p) in enumerate(steps):
+            for channel in range(channels):
+                moving = (5 * trial + 3 * channel + step // 2) % 7 < 3
+                beats.append((p2p, level, int(step == 0), int(moving)))
+                expected.append((0, 1, 1 if moving else 2)[step])  # None, Contact, Contact or Incipient
+    got, before, clock = [], 0, 0
+    while len(got) < len(expected):
+        offer = beats[0] if beats else None
+        p2p, level, restart, moving = offer or (0, 0, 0, 1 - before)
+        dut.in_valid_i.value, dut.in_p2p_i.value, dut.in_total_i.value = int(offer is not None), p2p, level
+        dut.in_restart_i.value, dut.out_ready_i.value = restart, int(clock % 4 == 3)
+        await bench.Timer(1, "ns")
+        takes = offer is not None and dut.in_ready_o.value == 1
+        dut.actuator_moving_i.value = moving if takes else 1 - before
+        await bench.ReadOnly()
+        if dut.out_valid_o.value == 1 and clock % 4 == 3:
+            got.append(bench.read(dut.out_state_o))
+        if takes:
+            beats.pop(0)
+            before = moving
+        await bench.RisingEdge(dut.clk_i)
+        clock += 1
+    assert got == expected
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
 async def a_level_may_be_pressed_and_lifted(dut):
     """Release above contact: what lies between touches in one detail and lets go in the next."""
     channels = dut.Channels.value.to_unsigned()

@@ -12,6 +12,12 @@ from meissner.trust import formal, formal_mutants
 BUGS = {  # proof: file, what is there, what is put in its place
     "skid": ("rtl/common/msn_skid.sv", "if (!aside) kept", "if (out_ready_i) kept"),
     "fork": ("rtl/common/msn_fork.sv", "&& !a_has", ""),
+    # Full, it reads and writes one place in a clock: all is in order, but the memory's answer is not defined.
+    "fifo": (
+        "rtl/common/msn_fifo.sv",
+        "!= {1'b1, PlaceBits'(0)};",
+        "!= {1'b1, PlaceBits'(0)} || out_ready_i;",
+    ),
 }
 
 
@@ -74,7 +80,8 @@ def test_a_block_is_broken_in_its_own_cells():
 
     plan, scan = "rtl/frontend/msn_scan_plan.sv", "rtl/frontend/msn_scan.sv"
     assert broken("scan", "$1", scan) and broken("scan", "$1", plan, scan) and broken("scan_plan", "$1", plan)
-    assert broken("scan", "$1", "rtl/frontend/msn_scan_buffer.sv"), "has no proof"
+    assert broken("scan", "$1", "rtl/common/msn_times.sv"), "has no proof"
+    assert not broken("scan", "$1", "rtl/frontend/msn_scan_buffer.sv")
     assert not broken("scan", "$1", plan) and not broken("scan", "$1", scan, plan)
     assert not broken("scan", "$auto$setundef.cc:550:execute$1", scan)
     assert not broken("scan", "$1", "tb/formal/scan.sv") and not broken("scan", "$1")

@@ -129,7 +129,7 @@ def read(proof, parameters):
     anything at any time, before `opt` can choose a value for it."""
     given = " ".join(f"-G {key}={_literal(value)}" for key, value in parameters.items())
     files = " ".join(sources(proof))
-    slang = "read_slang --threads 1 --allow-use-before-declare"
+    slang = "read_slang --threads 1"
     return f"{slang} {given} {files} --top formal_{proof.name}; proc; flatten; setundef -undriven -anyseq"
 
 
@@ -185,6 +185,7 @@ def steps(proof):
 def prove(proof, parameters, where, index=0):
     """Base case and induction with each solver, then the covers with the first; returns a Result."""
     result, stem = Result(proof, parameters, where), stem_of(proof, index)
+    (ROOT / OUT).mkdir(parents=True, exist_ok=True)
     try:
         begun = time.monotonic()
         yowasp.yosys(f"{read(proof, parameters)}; {lower(proof, stem)}", f"{stem}.log")

@@ -4,20 +4,32 @@
 // does not use by itself: the way to the multiplier and the way from it then have a clock each.
 
 module msn_multiply #(
-  parameter AWidth = 18,
-  parameter BWidth = 16
+  parameter int unsigned AWidth = 18,
+  parameter int unsigned BWidth = 16
 ) (
-  input                             clk_i,
-  input                             enable_i,
-  input  signed [AWidth-1:0]        a_i,
-  input         [BWidth-1:0]        b_i,
-  output signed [AWidth+BWidth-1:0] y_o
+  input  logic                            clk_i,
+  input  logic                            enable_i,
+
+  input  logic signed [AWidth-1:0]        a_i,
+  input  logic        [BWidth-1:0]        b_i,
+  output logic signed [AWidth+BWidth-1:0] y_o
 );
 
-  wire [17:0] a = 18'({{18{a_i[AWidth-1]}}, a_i});
-  wire [17:0] b = 18'(b_i);
-  wire [35:0] p;
-  assign y_o = p[AWidth+BWidth-1:0];
+  if (AWidth < 2 || AWidth > 18) begin : gen_check_a_width
+    $fatal(1, "msn_multiply: AWidth = %0d must lie in 2 .. 18", AWidth);
+  end
+  if (BWidth < 1 || BWidth > 17) begin : gen_check_b_width
+    $fatal(1, "msn_multiply: BWidth = %0d must lie in 1 .. 17", BWidth);
+  end
+
+  logic signed [17:0] a;
+  logic        [17:0] b;
+  logic        [35:0] p;
+  assign a   = 18'(a_i);
+  assign b   = 18'(b_i);
+  assign y_o = signed'(p[AWidth+BWidth-1:0]);
+  logic unused_top;
+  assign unused_top = ^p;
 
   MULT18X18D #(
     .REG_INPUTA_CLK("CLK0"),

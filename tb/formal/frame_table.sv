@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Words come round and round from Start, one with every advance, the first two advances after a restart; each is what
+// was last written there, whichever the word (`watch_i`, constant), before it was read. No word is read in the clock in
+// which it is written. With two banks the one that is not read is written, with one no word as it is read (assumed: proof
+// obligations of msn_calibration_table, msn_health and msn_tare, which restart before they use such a word).
+
+module formal_frame_table #(
+  parameter  int unsigned Words    = 5,
+  parameter  int unsigned Parts    = 2,
+  parameter  int unsigned PartBits = 20,
+  parameter  int unsigned Banks    = 2,
+  parameter  int unsigned Start    = 2,
+  localparam int unsigned WordBits = msn_pkg::index_width(Words)
+) (
+  input logic                      clk_i,
+  input logic                      restart_i,
+  input logic                      bank_i,
+  input logic                      advance_i,
+  input logic [WordBits-1:0]       watch_i,
+  input logic                      watch_bank_i,
+  input logic [Parts-1:0]          write_i,
+  input logic                      write_bank_i,
+  input logic [WordBits-1:0]       write_word_i,
+  input logic [Parts*PartBits-1:0] write_data_i
+);
+
+  logic                      out_valid_o, at_end_o;
+  logic [Parts*PartBits-1:0] out_data_o;
+  msn_frame_table #(.Words(Words), .Parts(Parts), .PartBits(PartBits), .Banks(Banks), .Start(Start)) dut (.*);
+
+  localparam int unsigned AddressBits = msn_pkg::index_width(Words * Banks);
+  logic                      started = 1'b0;
+  logic                      taken, watched, written, watch_bank_q, ours_read, ours_out;
+  logic [WordBits-1:0]       watch_q;
+  logic [31:0]               place;        // the next to be looked up
+  logic [1:0]                advances;     // since the restart, 2 at most
+  logic [Parts*PartBits-1:0] value, value_read, value_out;  // of the watched word: now, as read, as handed on
+  logic [AddressBits-1:0]    at;
+  assign watched = place == 32'(watch_i) && (Banks == 1 || taken == watch_bank_i);
+  assign written = write_word_i == watch_i && (Banks == 1 || write_bank_i == watch_bank_i);
+  assign at      = AddressBits'(32'(watch_i) + ((Banks == 2 && watch_bank_i) ? Words : 0));
+  always_ff @(posedge clk_i) begin
+    started      <= 1'b1;
+    watch_q      <= watch_i;
+    watch_bank_q <= watch_bank_i;
+    for (int unsigned p = 0; p < Parts; p++) begin
+      if (write_i[p] && written) value[p*PartBits+:PartBits] <= write_data_i[p*PartBits+:PartBits];
+    end
+    if (advance_i) begin
+      ours_read  <= watched;
+      value_read <= value;
+      ours_out   <= ours_read;
+      value_out  <= value_read;
+      place      <= (place == Words - 1) ? 0 : place + 1;
+      advances   <= (advances == 2'd2) ? 2'd2 : advances + 1'b1;
+    end
+    if (restart_i) begin
+      place    <= Start;
+      advances <= 2'd0;
+      taken    <= Banks == 2 && bank_i;
+    end
+  end
+
+  always_comb begin
+    if (!started) assume (restart_i);
+    assume (32'(watch_i) < Words && 32'(write_word_i) < Words);
+    if (started) begin
+      assume (watch_i == watch_q && watch_bank_i == watch_bank_q);
+      if (Banks == 2) assume (write_i == '0 || write_bank_i != taken);
+      else            assume (write_i == '0 || !advance_i || 32'(write_word_i) != place);
+      assert (out_valid_o == (advances == 2'd2));
+      if (out_valid_o && ours_out) assert (out_data_o == value_out);
+      // The memory does not define what it answers while the same word is written.
+      if (write_i != '0 && advance_i) assert (dut.address != dut.write_address);
+      // Invariant.
+      assert (place < Words && dut.taken == taken && 32'(dut.address) == place + (taken ? Words : 0));
+      assert (dut.read_valid == (advances != 2'd0) && advances <= 2'd2);
+      if (Banks == 1) assert (!taken);
+    end
+  end
+  localparam int unsigned Depth     = Words * Banks;
+  localparam int unsigned SliceBits = (Depth <= 1024) ? 18 : (Depth <= 2048) ? 9 :
+                                      (Depth <= 4096) ? 4 : (Depth <= 8192) ? 2 : 1;
+  for (genvar p = 0; p < Parts; p++) begin : gen_part
+    for (genvar low = 0; low < PartBits; low += SliceBits) begin : gen_slice
+      localparam int unsigned Bits = (PartBits - low < SliceBits) ? PartBits - low : SliceBits;
+      always_comb begin
+        if (!started) assume (dut.gen_part[p].gen_slice[low].memory[at] == value[p*PartBits+low+:Bits]);
+        if (started) begin
+          assert (dut.gen_part[p].gen_slice[low].memory[at] == value[p*PartBits+low+:Bits]);
+          if (ours_read && advances != 2'd0) begin
+            assert (dut.gen_part[p].gen_slice[low].read == value_read[p*PartBits+low+:Bits]);
+          end
+        end
+      end
+    end
+  end
+
+  // A word that was written after the reset has come round, and one is written while another is read.
+  logic fresh;
+  always_ff @(posedge clk_i) begin
+    if (started && write_i[0] && written && write_data_i[0]) fresh <= 1'b1;
+    if (!started) fresh <= 1'b0;
+  end
+  always_comb begin
+    if (started && Words < 16) cover (out_valid_o && ours_out && fresh && value_out != '0 && !restart_i);
+    if (started) cover (write_i != '0 && advance_i && out_valid_o);
+  end
+
+endmodule

@@ -1,0 +1,153 @@
+"""What meets in one clock or one frame in msn_tare, with results worked out by hand: an averaging asked for
+at every clock around a frame's first and last beat; a contact in the first and last taxel around an
+averaging, and inside a damaged frame; zeros written while a frame ends."""
+
+from fractions import Fraction
+from math import floor
+
+import cocotb
+
+import bench
+
+CONTACT, TAXELS, AVERAGED = 20, 6, 2
+QUIET = {"cfg_tare_i": 0, "cfg_force_i": 0, "cfg_load_i": 0, "cfg_write_i": 0}
+
+
+class Line:
+    """Offers beats without a gap and notes in which clock each goes in, and what comes out."""
+
+    def __init__(self, dut):
+        self.dut, self.clock, self.taken, self.out = dut, 0, [], []
+
+    async def tick(self, beat=None):
+        """A clock; whether ``beat`` (value, number, last) went in."""
+        dut = self.dut
+        dut.in_valid_i.value, dut.out_ready_i.value = int(beat is not None), 1
+        if beat is not None:
+            for name, value in zip(("data", "id", "last"), beat):
+                getattr(dut, f"in_{name}_i").value = value & ((1 << len(getattr(dut, f"in_{name}_i"))) - 1)
+        await bench.ReadOnly()
+        if dut.out_valid_o.value == 1:
+            self.out.append(bench.as_signed(bench.read(dut.out_data_o), len(dut.out_data_o)))
+        took = beat is not None and dut.in_ready_o.value == 1
+        await bench.RisingEdge(dut.clk_i)
+        self.clock += 1
+        return took
+
+    async def send(self, beats, tare_at=None, force=1):
+        """All ``beats``, one after the other; cfg_tare_i in the clock ``tare_at``."""
+        for beat in beats:
+            took = False
+            while not took:
+                self.dut.cfg_tare_i.value = int(self.clock == tare_at)
+                self.dut.cfg_force_i.value = int(self.clock == tare_at) & force
+                at = self.clock
+                took = await self.tick(beat)
+            self.taken.append(at)
+        self.dut.cfg_tare_i.value = 0
+
+    async def status(self):
+        for _ in range(12):
+            await self.tick()
+        return tuple(bench.read(getattr(self.dut, f"{name}_o")) for name in ("tared", "refused", "damaged"))
+
+
+def frame(*values):
+    """Beats of a frame; one value is that of every taxel."""
+    values = values * TAXELS if len(values) == 1 else values
+    return [(value, place, int(place == TAXELS - 1)) for place, value in enumerate(values)]
+
+
+async def begin(dut):
+    await bench.start(dut, cfg_contact_i=CONTACT, cfg_step_i=0, in_mask_i=0, **QUIET)
+    return Line(dut)
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def asked_for_at_every_clock_around_a_frames_ends(dut):
+    """Asked for before a frame's first beat goes in, that frame and the next are averaged; in that clock, or
+    in any until the frame after it begins, the two that follow."""
+    levels = [100, -231, 397, 604, -853, 1200, 77]
+    beats = [beat for level in levels for beat in frame(level)]
+    line = await begin(dut)
+    await line.send(beats)
+    firsts = line.taken[::TAXELS]
+    seen = set()
+    for at in range(firsts[1] - 2, firsts[2] + 3):
+        await bench.reset(dut)
+        line = Line(dut)
+        await line.send(beats, tare_at=at)
+        first = 1 if at < firsts[1] else 2 if at < firsts[2] else 3
+        zero = floor(Fraction(levels[first] + levels[first + 1], AVERAGED) + Fraction(1, 2))
+        assert await line.status() == (1, 0, 0)
+        zeros = [0] * (first + AVERAGED) + [zero] * (len(levels) - first - AVERAGED)
+        raw = [level - own for level, own in zip(levels, zeros) for _ in range(TAXELS)]
+        assert line.out == raw, at - firsts[1]
+        seen.add(first)
+    assert seen == {1, 2, 3}
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def a_contact_next_to_an_averaging_and_in_it(dut):
+    """Frame 1 and 2 are averaged, 3 is the first with the new zero. A contact is more than CONTACT above
+    zero; it refuses in the frames that are averaged alone, in their first and in their last taxel, unless
+    forced."""
+    still, met, contact = 9, CONTACT, CONTACT + 1
+    line = await begin(dut)
+    await line.send(frame(still))
+    asked = line.taken[1]
+    for number in range(5):
+        for place in (0, TAXELS - 1):
+            for value, force in ((met, 0), (contact, 0), (contact, 1)):
+                frames = [[still] * TAXELS for _ in range(6)]
+                # With the new zero of 9 a contact is 9 more.
+                frames[number][place] = value + (still if number > 2 else 0)
+                await bench.reset(dut)
+                line = Line(dut)
+                beats = [beat for values in frames for beat in frame(*values)]
+                await line.send(beats, tare_at=asked, force=force)
+                refused = int(number in (1, 2) and value == contact and not force)
+                which = (number, place, value, force)
+                assert await line.status() == (1 - refused, refused, 0), which
+                # The last taxel's zero: 9; of 9 and 20 or 21 floor(14.5 + 1/2) or floor(15 + 1/2), 15.
+                averaged = number in (1, 2) and place == TAXELS - 1
+                assert line.out[-1] == (still if refused else -6 if averaged else 0), which
+                assert bench.read(dut.taring_o) == 0
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def a_contact_inside_a_damaged_frame_is_forgotten(dut):
+    """Damage begins the averaging again; what pressed in the damaged frame refuses nothing, wherever the
+    frame broke, nor is it reported. A contact before the damage, in a whole frame, refuses at that frame's
+    end."""
+    still, contact = 9, 500
+    line = await begin(dut)
+    await line.send(frame(still))
+    asked = line.taken[1]
+    for length in range(1, TAXELS):
+        for place in range(length):
+            await bench.reset(dut)
+            line = Line(dut)
+            await line.send([*frame(still), *frame(still)], tare_at=asked, force=0)  # the second is averaged
+            broken = frame(*(contact if at == place else still for at in range(TAXELS)))[:length]
+            broken[-1] = (*broken[-1][:2], 1)
+            await line.send(broken)
+            assert await line.status() == (0, 0, 1)
+            assert bench.read(dut.pressed_o) == 0 and bench.read(dut.taring_o) == 1
+            await line.send(frame(still))
+            assert await line.status() == (0, 0, 1) and bench.read(dut.taring_o) == 1
+            await line.send([*frame(still), *frame(still)])
+            assert await line.status() == (1, 0, 1), (length, place)
+            assert line.out[-TAXELS:] == [0] * TAXELS
+    await bench.reset(dut)
+    line = Line(dut)
+    await line.send(
+        [*frame(still), *frame(still, still, contact, still, still, still)], tare_at=asked, force=0
+    )
+    assert await line.status() == (0, 1, 0)
+    assert bench.read(dut.pressed_o) == 1 and bench.read(dut.taring_o) == 0
+
+
+def test_tare_coincidences():
+    build = {"Rows": 2, "Columns": 3, "Lanes": 1, "FractionBits": 5, "TareLog2": 1}
+    bench.run("frontend", "tare", build, module="test_tare_coincidences")
