@@ -286,7 +286,8 @@ def _fit(field, value):
     """``value`` held at the ends of the bits that the build has for the field."""
     bits, top = field.parameter, field.width - 1
     if not field.signed:
-        return f"({value} >> {bits}) == '0 ? {bits}'({value}) : '1"
+        # A bit more: shifting by the whole width would be out of range where the build has every bit.
+        return f"({{1'b0, {value}}} >> {bits}) == '0 ? {bits}'({value}) : '1"
     beyond, sign = f"{value}[{top}:{bits}-1]", f"{value}[{top}]"
     return f"(&{beyond} || !(|{beyond})) ? {bits}'({value}) : {{{sign}, {{({bits}-1){{!{sign}}}}}}}"
 

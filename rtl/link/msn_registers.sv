@@ -256,11 +256,11 @@ module msn_registers #(
     if (rst_i) slip_threshold_q <= Resets[57+:20];
   end
   logic [DetailBits-1:0] slip_threshold_fit;
-  assign slip_threshold_fit = (slip_threshold_q >> DetailBits) == '0 ? DetailBits'(slip_threshold_q) : '1;
+  assign slip_threshold_fit = ({1'b0, slip_threshold_q} >> DetailBits) == '0 ? DetailBits'(slip_threshold_q) : '1;
   localparam logic [19:0] SlipThresholdReset = Resets[57+:20];
   always_ff @(posedge clk_i) begin
     if (slip_commit_i) slip_threshold_o <= slip_threshold_fit;
-    if (rst_i) slip_threshold_o <= (SlipThresholdReset >> DetailBits) == '0 ? DetailBits'(SlipThresholdReset) : '1;
+    if (rst_i) slip_threshold_o <= ({1'b0, SlipThresholdReset} >> DetailBits) == '0 ? DetailBits'(SlipThresholdReset) : '1;
   end
 
   logic slip_gross_threshold_hit, slip_gross_threshold_write;
@@ -272,11 +272,11 @@ module msn_registers #(
     if (rst_i) slip_gross_threshold_q <= Resets[77+:20];
   end
   logic [DetailBits-1:0] slip_gross_threshold_fit;
-  assign slip_gross_threshold_fit = (slip_gross_threshold_q >> DetailBits) == '0 ? DetailBits'(slip_gross_threshold_q) : '1;
+  assign slip_gross_threshold_fit = ({1'b0, slip_gross_threshold_q} >> DetailBits) == '0 ? DetailBits'(slip_gross_threshold_q) : '1;
   localparam logic [19:0] SlipGrossThresholdReset = Resets[77+:20];
   always_ff @(posedge clk_i) begin
     if (slip_commit_i) slip_gross_threshold_o <= slip_gross_threshold_fit;
-    if (rst_i) slip_gross_threshold_o <= (SlipGrossThresholdReset >> DetailBits) == '0 ? DetailBits'(SlipGrossThresholdReset) : '1;
+    if (rst_i) slip_gross_threshold_o <= ({1'b0, SlipGrossThresholdReset} >> DetailBits) == '0 ? DetailBits'(SlipGrossThresholdReset) : '1;
   end
 
   logic slip_contact_level_hit, slip_contact_level_write;
@@ -333,11 +333,11 @@ module msn_registers #(
     if (rst_i) slip_hold_q <= Resets[138+:16];
   end
   logic [TimerBits-1:0] slip_hold_fit;
-  assign slip_hold_fit = (slip_hold_q >> TimerBits) == '0 ? TimerBits'(slip_hold_q) : '1;
+  assign slip_hold_fit = ({1'b0, slip_hold_q} >> TimerBits) == '0 ? TimerBits'(slip_hold_q) : '1;
   localparam logic [15:0] SlipHoldReset = Resets[138+:16];
   always_ff @(posedge clk_i) begin
     if (slip_commit_i) slip_hold_o <= slip_hold_fit;
-    if (rst_i) slip_hold_o <= (SlipHoldReset >> TimerBits) == '0 ? TimerBits'(SlipHoldReset) : '1;
+    if (rst_i) slip_hold_o <= ({1'b0, SlipHoldReset} >> TimerBits) == '0 ? TimerBits'(SlipHoldReset) : '1;
   end
 
   logic slip_refractory_hit, slip_refractory_write;
@@ -349,11 +349,11 @@ module msn_registers #(
     if (rst_i) slip_refractory_q <= Resets[154+:16];
   end
   logic [TimerBits-1:0] slip_refractory_fit;
-  assign slip_refractory_fit = (slip_refractory_q >> TimerBits) == '0 ? TimerBits'(slip_refractory_q) : '1;
+  assign slip_refractory_fit = ({1'b0, slip_refractory_q} >> TimerBits) == '0 ? TimerBits'(slip_refractory_q) : '1;
   localparam logic [15:0] SlipRefractoryReset = Resets[154+:16];
   always_ff @(posedge clk_i) begin
     if (slip_commit_i) slip_refractory_o <= slip_refractory_fit;
-    if (rst_i) slip_refractory_o <= (SlipRefractoryReset >> TimerBits) == '0 ? TimerBits'(SlipRefractoryReset) : '1;
+    if (rst_i) slip_refractory_o <= ({1'b0, SlipRefractoryReset} >> TimerBits) == '0 ? TimerBits'(SlipRefractoryReset) : '1;
   end
 
   logic slip_blank_hit, slip_blank_write;
@@ -365,11 +365,11 @@ module msn_registers #(
     if (rst_i) slip_blank_q <= Resets[170+:16];
   end
   logic [TimerBits-1:0] slip_blank_fit;
-  assign slip_blank_fit = (slip_blank_q >> TimerBits) == '0 ? TimerBits'(slip_blank_q) : '1;
+  assign slip_blank_fit = ({1'b0, slip_blank_q} >> TimerBits) == '0 ? TimerBits'(slip_blank_q) : '1;
   localparam logic [15:0] SlipBlankReset = Resets[170+:16];
   always_ff @(posedge clk_i) begin
     if (slip_commit_i) slip_blank_o <= slip_blank_fit;
-    if (rst_i) slip_blank_o <= (SlipBlankReset >> TimerBits) == '0 ? TimerBits'(SlipBlankReset) : '1;
+    if (rst_i) slip_blank_o <= ({1'b0, SlipBlankReset} >> TimerBits) == '0 ? TimerBits'(SlipBlankReset) : '1;
   end
 
   logic slip_damaged_hit;
@@ -387,11 +387,11 @@ module msn_registers #(
     if (rst_i) slip_keep_threshold_q <= Resets[186+:20];
   end
   logic [DetailBits-1:0] slip_keep_threshold_fit;
-  assign slip_keep_threshold_fit = (slip_keep_threshold_q >> DetailBits) == '0 ? DetailBits'(slip_keep_threshold_q) : '1;
+  assign slip_keep_threshold_fit = ({1'b0, slip_keep_threshold_q} >> DetailBits) == '0 ? DetailBits'(slip_keep_threshold_q) : '1;
   localparam logic [19:0] SlipKeepThresholdReset = Resets[186+:20];
   always_ff @(posedge clk_i) begin
     if (slip_commit_i) slip_keep_threshold_o <= slip_keep_threshold_fit;
-    if (rst_i) slip_keep_threshold_o <= (SlipKeepThresholdReset >> DetailBits) == '0 ? DetailBits'(SlipKeepThresholdReset) : '1;
+    if (rst_i) slip_keep_threshold_o <= ({1'b0, SlipKeepThresholdReset} >> DetailBits) == '0 ? DetailBits'(SlipKeepThresholdReset) : '1;
   end
 
   always_ff @(posedge clk_i) begin
@@ -697,11 +697,11 @@ module msn_registers #(
     if (rst_i) cop_min_load_q <= Resets[501+:32];
   end
   logic [LoadBits-1:0] cop_min_load_fit;
-  assign cop_min_load_fit = (cop_min_load_q >> LoadBits) == '0 ? LoadBits'(cop_min_load_q) : '1;
+  assign cop_min_load_fit = ({1'b0, cop_min_load_q} >> LoadBits) == '0 ? LoadBits'(cop_min_load_q) : '1;
   localparam logic [31:0] CopMinLoadReset = Resets[501+:32];
   always_ff @(posedge clk_i) begin
     if (cop_commit_i) cop_min_load_o <= cop_min_load_fit;
-    if (rst_i) cop_min_load_o <= (CopMinLoadReset >> LoadBits) == '0 ? LoadBits'(CopMinLoadReset) : '1;
+    if (rst_i) cop_min_load_o <= ({1'b0, CopMinLoadReset} >> LoadBits) == '0 ? LoadBits'(CopMinLoadReset) : '1;
   end
 
   logic cop_damaged_hit;
