@@ -3,6 +3,7 @@ back with mcap-ros2's own decoder, message by message; clocks become time with t
 cannot be written or read is refused whole; a replay finds every frame that the engine sees otherwise."""
 
 import math
+import time
 import types
 from unittest import mock
 
@@ -39,7 +40,7 @@ def items():
 
 
 NOW = 1_790_000_000_123_456_789  # ns of UTC
-STOPPED = types.SimpleNamespace(time_ns=lambda: NOW)
+STOPPED = types.SimpleNamespace(time_ns=lambda: NOW, monotonic=time.monotonic)
 
 
 def logged(path, known=None, more=()):

@@ -153,7 +153,7 @@ def open_line(url, baud=None):
         if kind == "pty" and path and not options:
             return Device(path)
         if kind == "file" and path and not options:
-            return File(check_in(path))
+            return File(check_in(path) if Path(path).exists() else path)
         if kind == "sim" and set(options) <= {"speed"}:
             from meissner.host import simulated
 
