@@ -54,29 +54,33 @@ WIRE = {
         f"02 ff {LATE} 00 00 80 ff ff 7f 76 98 ba dc fe 01",
         {"x": -8_388_608, "y": 8_388_607, "load": 1_094_624_909_430, "pressed": 1},
     ),
+    "cop, most and least": (
+        f"02 00 {LATE} ff ff 7f 00 00 80 01 00 00 00 80 ff",
+        {"x": 8_388_607, "y": -8_388_608, "load": 549_755_813_889, "pressed": 1},
+    ),
     "cop, either side of 0": (
-        f"02 00 {LATE} ff ff ff 01 00 00 02 00 00 00 00 00",
+        f"02 01 {LATE} ff ff ff 01 00 00 02 00 00 00 00 00",
         {"x": -1, "y": 1, "load": 2, "pressed": 0},
     ),
     "cop, a byte of its own each": (
-        f"02 01 {LATE} 56 34 92 bc 9a 78 09 08 07 06 05 01",
+        f"02 02 {LATE} 56 34 92 bc 9a 78 09 08 07 06 05 01",
         {"x": -7_195_562, "y": 7_903_932, "load": 21_575_960_585, "pressed": 1},
     ),
     "image, last part": (
-        f"03 02 {LATE} c8 01 56 34 12 02 01 ff ff 00 80",
+        f"03 03 {LATE} c8 01 56 34 12 02 01 ff ff 00 80",
         {"image": 200, "last": 1, "first": 1_193_046, "taxels": (258, 65_535, 32_768)},
     ),
     "image, not the last": (
-        f"03 03 {LATE} 09 00 03 00 00 fe ca",
+        f"03 04 {LATE} 09 00 03 00 00 fe ca",
         {"image": 9, "last": 0, "first": 3, "taxels": (51_966,)},
     ),
-    "health": (f"04 04 {LATE} ba dc fe 07", {"taxel": 16_702_650, "faults": 7}),
-    "statistic": (f"05 05 {LATE} 06 98 ba dc fe", {"index": 6, "counter": 4_275_878_552}),
+    "health": (f"04 05 {LATE} ba dc fe 07", {"taxel": 16_702_650, "faults": 7}),
+    "statistic": (f"05 06 {LATE} 06 98 ba dc fe", {"index": 6, "counter": 4_275_878_552}),
     "answer": (
-        f"10 06 {LATE} a5 01 fc 0f ef cd ab 89",
+        f"10 07 {LATE} a5 01 fc 0f ef cd ab 89",
         {"tag": 165, "status": 1, "address": 4_092, "data": 2_309_737_967},
     ),
-    "unknown": (f"4d 07 {LATE} 01 02 03", {}),
+    "unknown": (f"4d 08 {LATE} 01 02 03", {}),
 }
 STREAM = b"".join(frame(text) for text, _ in WIRE.values())
 
@@ -155,10 +159,10 @@ def test_a_log_keeps_every_bit(tmp_path, kind):
         "slip_channel": [65_244, 65_535],
         "slip_p2p": [11_259_375, 5],
         "slip_state": [4, 2],
-        "cop_x": [-8_388_608, -1, -7_195_562],
-        "cop_y": [8_388_607, 1, 7_903_932],
-        "cop_load": [1_094_624_909_430, 2, 21_575_960_585],
-        "cop_pressed": [True, False, True],
+        "cop_x": [-8_388_608, 8_388_607, -1, -7_195_562],
+        "cop_y": [8_388_607, -8_388_608, 1, 7_903_932],
+        "cop_load": [1_094_624_909_430, 549_755_813_889, 2, 21_575_960_585],
+        "cop_pressed": [True, True, False, True],
         "image": [[[258, 65_535], [32_768, 51_966]]],
         "image_number": [200],
         "health_taxel": [16_702_650],
@@ -167,7 +171,7 @@ def test_a_log_keeps_every_bit(tmp_path, kind):
         "statistics_value": [4_275_878_552],
     }
     assert {name: found[name].tolist() for name in wanted} == wanted
-    for name, count in (("slip", 2), ("cop", 3), ("image", 1), ("health", 1), ("statistics", 1)):
+    for name, count in (("slip", 2), ("cop", 4), ("image", 1), ("health", 1), ("statistics", 1)):
         assert found[f"{name}_time"].tolist() == count * [LATE_TICKS]
 
 
