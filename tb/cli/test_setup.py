@@ -22,10 +22,9 @@ case "$*" in
     test "$BREAK" != venv || exit 130
     touch .venv/pip && rm .venv/half ;;
   "-m pip --version") test -e "$here/../pip" ;;
-  "-m pip install"*requirements*)
-    touch .venv/half
-    test "$BREAK" != packages || exit 130
-    touch .venv/packages && rm .venv/half ;;
+  "-m pip install"*requirements*)  # half a package that pip takes for whole, and so never mends
+    test "$BREAK" != packages || { touch .venv/half; exit 130; }
+    touch .venv/packages ;;
   "-m pip install"*) test "$BREAK" != own || exit 130 ; touch .venv/own ;;
   *) exit 99 ;;
 esac
