@@ -54,7 +54,7 @@ def _process(commands):
     slip.add_argument("--hop", type=int, help="samples, even, 2 to window (the window)")
     slip.add_argument("--level", type=int, default=1, help="Haar level, 1 to 3 (1)")
     slip.add_argument("--engine", default="fixed", metavar="E", help=f"{', '.join(EVERY)} (fixed)")
-    slip.add_argument("--out", required=True, metavar="OUT.npz", help="where the arrays go")
+    slip.add_argument("--out", required=True, metavar="OUT.npz", help="where the arrays go, .npz or .csv")
     slip.set_defaults(call="meissner.process:slip")
 
     cop = parts.add_parser("cop", help="centre of pressure and load from forces [frames, rows, columns]")
@@ -62,7 +62,7 @@ def _process(commands):
     cop.add_argument("--min-load", type=int, default=1, help="least sum of forces with a position (1)")
     cop.add_argument("--calibration", metavar="CAL.npz", help="what `meissner calibrate` wrote")
     cop.add_argument("--engine", default="fixed", metavar="E", help=f"{', '.join(EVERY)} (fixed)")
-    cop.add_argument("--out", required=True, metavar="OUT.npz", help="where the arrays go")
+    cop.add_argument("--out", required=True, metavar="OUT.npz", help="where the arrays go, .npz or .csv")
     cop.set_defaults(call="meissner.process:cop")
 
     cop4 = parts.add_parser("cop4", help="centre of pressure and load from four electrodes [samples, 4]")
@@ -71,7 +71,7 @@ def _process(commands):
         "--config", required=True, metavar="C.toml", help="docs/cop4.md, or a build's (docs/config.md)"
     )
     cop4.add_argument("--engine", default="fixed", metavar="E", help=f"{', '.join(EVERY)} (fixed)")
-    cop4.add_argument("--out", required=True, metavar="OUT.npz", help="where the arrays go")
+    cop4.add_argument("--out", required=True, metavar="OUT.npz", help="where the arrays go, .npz or .csv")
     cop4.set_defaults(call="meissner.process:cop4")
 
 
@@ -99,7 +99,7 @@ def _host(commands):
     replay.add_argument("log", metavar="LOG", help="what `meissner log` wrote")
     replay.add_argument("--min-load", type=int, help="least sum of forces with a position (the log's, or 1)")
     replay.add_argument("--engine", default="fixed", metavar="E", help=f"{', '.join(NAMES)} (fixed)")
-    replay.add_argument("--out", required=True, metavar="OUT.npz", help="where the arrays go")
+    replay.add_argument("--out", required=True, metavar="OUT.npz", help="where the arrays go, .npz or .csv")
     replay.set_defaults(call="meissner.host.commands:replay")
 
 
