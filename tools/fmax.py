@@ -3,6 +3,7 @@
     python tools/fmax.py                    every entry of TABLE on every target it names
     python tools/fmax.py 'divide*' -t ecp5  only these entries, only this target
     python tools/fmax.py --list             the entries
+    python tools/fmax.py --record 'slip*'   into constraints/fmax.json too, with the RTL they are of
 
 A generated Verilog harness shifts every input of the block in through one pin and folds every output into
 one pin, with registers on both sides, so that neither the pin count nor pin timing matters. Its own cells
@@ -12,16 +13,21 @@ their last result).
 """
 
 import argparse
+import datetime
+import hashlib
 import json
 import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
 from fnmatch import fnmatch
 from pathlib import Path
+from threading import Lock
 
+from meissner.trust import revision
 from meissner.yowasp import ROOT, ToolError, chparam, read_rtl, tool, warm_up, yosys
 
 OUT = Path("build/fmax")  # relative to ROOT: YoWASP sees nothing outside the directory it starts in
+RECORD = ROOT / "constraints/fmax.json"
 SEEDS = (1, 2, 3)
 
 # Target: synthesis command, place and route command, MHz asked for, names of the resources in the report.
@@ -157,6 +163,21 @@ TABLE = {
 }
 
 
+def revision_of(name, target):
+    """Eight digits that change with the RTL, the entry, the target's commands or the tools' versions."""
+    module, parameters, clocks, _, *tied = TABLE[name]
+    rtl = revision.digest(module.removeprefix("msn_"), "fmax")
+    setting = repr((rtl, module, parameters, clocks, tied, TARGETS[target]))
+    return hashlib.sha256(setting.encode()).hexdigest()[:8]
+
+
+def record(result, of):
+    """Put what ``measure`` returned, of revision ``of``, into constraints/fmax.json as it is by now."""
+    kept = json.loads(RECORD.read_text()) if RECORD.exists() else {}
+    kept[f"{result['name']} {result['target']}"] = result | {"date": str(datetime.date.today()), "of": of}
+    RECORD.write_text(json.dumps(dict(sorted(kept.items())), indent=1) + "\n")
+
+
 def ports(module, parameters, stem):
     """The block's ports with these parameters, but outputs that are constant: [(name, direction, bits)]."""
     netlist = f"{stem}.ports.json"
@@ -276,8 +297,11 @@ def main():
     parser.add_argument("-t", "--target", choices=TARGETS, action="append", help="default: all of an entry")
     parser.add_argument("-s", "--seeds", type=int, nargs="+", default=SEEDS)
     parser.add_argument("-j", "--jobs", type=int, default=1)
+    parser.add_argument("--record", action="store_true", help="into constraints/fmax.json too")
     parser.add_argument("--list", action="store_true", help="print the entries and stop")
     options = parser.parse_args()
+    if options.record and tuple(options.seeds) != SEEDS:
+        parser.error(f"--record is of seeds {SEEDS}")
     unknown = [n for n in options.names if not any(fnmatch(entry, n) for entry in TABLE)]
     if unknown:
         parser.error(f"no entry matches {unknown[0]}; try --list")
@@ -294,11 +318,16 @@ def main():
     (ROOT / OUT).mkdir(parents=True, exist_ok=True)
     warm_up()
 
+    recording = Lock()
+
     def job(pair):
-        begin = time.monotonic()
+        begin, of = time.monotonic(), revision_of(*pair)  # the RTL that is read, not what it has become
         result = measure(*pair, options.seeds)
         took = time.monotonic() - begin
         print(f"{pair[0]} {pair[1]}: {result['mhz_worst']} MHz, {took:.0f} s", file=sys.stderr, flush=True)
+        if options.record:
+            with recording:
+                record(result, of)
         return result
 
     with ThreadPoolExecutor(options.jobs) as pool:
