@@ -186,7 +186,7 @@ def test_a_scene_names_every_file_that_it_rests_on():
 
 
 def test_the_harness_is_taken_off_the_area_as_it_was_left():
-    """Two outputs' registers and one fold of two tables are the harness's; what reads a block's register is not."""
+    """Two outputs' registers and a fold with its table; nothing that reads a block's register."""
 
     def cell(kind, source="", **connections):
         pins = {pin: [bit] for pin, bit in connections.items()}
