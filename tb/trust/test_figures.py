@@ -118,9 +118,10 @@ def tree(tmp_path, monkeypatch):
 CHANGES = [
     ("rtl/slip/msn_slip.sv", "<=", "<= ~", "slip-1 icebreaker ulx3s"),
     ("rtl/slip/msn_slip.sv", "// What", "// Of what", ""),
+    ("rtl/common/msn_delay.sv", "slot != slot_next", "1", ""),
     ("rtl/cop/msn_cop4.sv", "<=", "<= ~", "cop4 icebreaker ulx3s"),
-    ("rtl/common/msn_divide.sv", "<=", "<= ~", "cop4 icebreaker ulx3s"),
-    ("rtl/ecp5/msn_multiply.v", ".P35(p[35])", ".P35(p[34])", "cop_array-64x64 icebreaker ulx3s"),
+    ("rtl/common/msn_divide.sv", "<=", "<= ~", "cop4 cop_array-64x64 icebreaker ulx3s"),
+    ("rtl/ecp5/msn_multiply.sv", ".P35(p[35])", ".P35(p[34])", "cop_array-64x64 icebreaker ulx3s"),
     ("rtl/boards/msn_board.sv", "assign", "assign ", ""),
     ("rtl/boards/msn_board.sv", "assign", "assign #1", "icebreaker ulx3s"),
     ("rtl/boards/ulx3s_clock.sv", "(", "(1", "ulx3s"),

@@ -39,9 +39,9 @@ OWN = {  # files of a kind that decide what it finds of any block
 }
 
 
-def _plain(path):
-    """A file's text without what only a reader sees."""
-    text = path.read_text()
+def _plain(path, text=None):
+    """A file's text, or ``text`` in place of it, without what only a reader sees."""
+    text = path.read_text() if text is None else text
     if path.suffix == ".py":
         tree = ast.parse(text)
         for node in ast.walk(tree):
@@ -52,6 +52,11 @@ def _plain(path):
                     said.value = ""
         return ast.dump(tree)
     return " ".join(re.sub(r"//.*", "", text).split())
+
+
+def _synthesised(path):
+    """The same of a source as Yosys reads it, which defines SYNTHESIS: without the simulation's assertions."""
+    return _plain(path, re.sub(r"`ifndef SYNTHESIS\b.*?`endif", "", path.read_text("utf-8"), flags=re.DOTALL))
 
 
 def _imports(path):
@@ -114,7 +119,7 @@ def _instead(sources):
     """What a family has in place of some of ``sources``."""
     names = {str(source.relative_to(toolchain.ROOT)) for source in sources}
     return [
-        _plain(toolchain.ROOT / other)
+        _synthesised(toolchain.ROOT / other)
         for family in INSTEAD.values()
         for source, other in family.items()
         if source in names
@@ -129,7 +134,9 @@ def of_board(board, config):
     sources = sorted({path for name in named for path in toolchain.sources_of(name)})
     pins = (toolchain.ROOT / f"constraints/{board.name}.toml").read_text("utf-8")
     setting = repr((board.synth, board.pnr, board.device(config), sorted(board.parameters(config).items())))
-    return _hashed([*map(_plain, [*own, *sources]), *_instead(sources), pins, setting, *_versions("boards")])
+    return _hashed(
+        [*map(_synthesised, [*own, *sources]), *_instead(sources), pins, setting, *_versions("boards")]
+    )
 
 
 def of_files(names, kind):
@@ -147,9 +154,10 @@ def digest(block, kind):
     path = next(path for path in toolchain.sources() if path.stem == f"msn_{block}")
     stage = "core" if path.parent.name == "rtl" else path.parent.name
     sources = toolchain.sources_of(f"msn_{block}")
-    parts = [_plain(source) for source in sources]
     if kind == "fmax":
-        parts += _instead(sources)
+        parts = [*map(_synthesised, sources), *_instead(sources)]
+    else:
+        parts = [*map(_plain, sources)]
     parts += _versions(kind)
     parts += [_plain(toolchain.ROOT / name) for name in OWN.get(kind, ())]
     if kind in BENCH:
