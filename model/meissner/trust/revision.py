@@ -55,7 +55,7 @@ def _plain(path, text=None):
 
 
 def _synthesised(path):
-    """The same of a source as Yosys reads it, which defines SYNTHESIS: without the simulation's assertions."""
+    """The same of a source as Yosys reads it, which defines SYNTHESIS: without assertions."""
     return _plain(path, re.sub(r"`ifndef SYNTHESIS\b.*?`endif", "", path.read_text("utf-8"), flags=re.DOTALL))
 
 
@@ -154,10 +154,8 @@ def digest(block, kind):
     path = next(path for path in toolchain.sources() if path.stem == f"msn_{block}")
     stage = "core" if path.parent.name == "rtl" else path.parent.name
     sources = toolchain.sources_of(f"msn_{block}")
-    if kind == "fmax":
-        parts = [*map(_synthesised, sources), *_instead(sources)]
-    else:
-        parts = [*map(_plain, sources)]
+    parts = [*map(_synthesised if kind == "fmax" else _plain, sources)]
+    parts += _instead(sources) if kind == "fmax" else []
     parts += _versions(kind)
     parts += [_plain(toolchain.ROOT / name) for name in OWN.get(kind, ())]
     if kind in BENCH:
