@@ -143,6 +143,7 @@ def widths(name, **array):
     table = tomllib.loads((config.FOLDER / f"{name}.toml").read_text())
     if array:
         table["array"] |= array
+        del table["tare"]
     return config.read(name, table).widths
 
 
