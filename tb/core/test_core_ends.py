@@ -69,6 +69,19 @@ class Bench:
             assert dut.bus_error_o.value == 0, name
             await RisingEdge(dut.clk_i)
 
+    async def read(self, address):
+        dut = self.dut
+        dut.bus_valid_i.value, dut.bus_write_i.value, dut.bus_address_i.value = 1, 0, address
+        await RisingEdge(dut.clk_i)
+        dut.bus_valid_i.value = 0
+        await ReadOnly()
+        while dut.bus_done_o.value != 1:
+            await RisingEdge(dut.clk_i)
+            await ReadOnly()
+        data = bench.read(dut.bus_data_o)
+        await RisingEdge(dut.clk_i)
+        return data
+
     async def frame(self, codes):
         """Send codes [rows][columns]; what came of it until the core rests."""
         dut, before = self.dut, len(self.packets)
@@ -100,6 +113,15 @@ def flat(code):
 
 
 CODES = [[101 + 10 * row + column for column in range(COLUMNS)] for row in range(ROWS)]
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def says_its_bits_and_its_words(dut):
+    core = await Bench(dut).begin()
+    assert await core.read(0x018) == 17 << 24 | 20 << 16 | 4 << 8 | 18
+    assert await core.read(0x01C) == 9
+    await core.write(threshold=300_000)
+    assert await core.read(0x200) == 262_143
 
 
 @cocotb.test(timeout_time=5, timeout_unit="ms")

@@ -10,6 +10,8 @@ from core.test_core_ends import CODES, Bench
 async def forces_are_the_codes_by_default(dut):
     core = await Bench(dut).begin()
     assert await core.image(CODES) == CODES
+    assert await core.read(0x018) == 16 << 24 | 20 << 16 | 16 << 8 | 18
+    assert await core.read(0x01C) == 9
 
 
 @cocotb.test(timeout_time=5, timeout_unit="ms")

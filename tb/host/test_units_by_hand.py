@@ -5,6 +5,8 @@ to the supply; AD7606, 16 bits, two's complement over ±range. Each fraction is 
 rounded is held too; and the way back, codes to volts, newtons and seconds.
 """
 
+import tomllib
+
 import pytest
 
 from meissner import config
@@ -135,6 +137,25 @@ def test_an_array():
     assert units.detail_volts(44) is None
     # Half right of the middle, at the upper edge: 0.5 · 3.3 · 5/2 mm, -1 · 3.3 · 4/2 mm.
     assert units.place(8192, -16_384) == (0.5, -1.0, pytest.approx(4.125), pytest.approx(-6.6))
+
+
+def widths(name, **array):
+    table = tomllib.loads((config.FOLDER / f"{name}.toml").read_text())
+    if array:
+        table["array"] |= array
+        del table["tare"]
+    return config.read(name, table).widths
+
+
+def test_the_bits_of_a_build():
+    """A detail has level bits more than a sample, a load 16 and those that number taxels, an offset 17."""
+    assert widths("full") == {"detail": 18, "timer": 16, "load": 28, "offset": 17}  # 4096 taxels: 12
+    assert widths("fingertip") == {"detail": 18, "timer": 16, "load": 20, "offset": 17}  # 9 taxels: 4
+    # A serial path has samples of 13 bits, and 1000 details of hold have 10.
+    assert widths("slip1") == {"detail": 14, "timer": 10, "load": 16, "offset": 17}
+    assert widths("fingertip", gains="row_column")["offset"] == 17
+    assert widths("fingertip", gains="row_column", tare=False)["offset"] == 16
+    assert of(ARRAY).widths == {"detail": 19, "timer": 16, "load": 21, "offset": 17}  # 30 taxels: 5
 
 
 @pytest.mark.parametrize("gains, parameters", [("taxel", (0, 12)), ("row_column", (1, 24))])
