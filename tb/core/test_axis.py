@@ -307,7 +307,7 @@ SETTINGS = {
     **{
         f"slip.{key}": int(value)
         for key, value in vars(SLIP).items()
-        if key not in ("window", "hop", "level")
+        if key not in ("window", "hop", "level") and value is not None
     },
     "tare.contact": CONTACT,
     "tare.step": STEP,

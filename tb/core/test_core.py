@@ -488,6 +488,8 @@ async def every_bit_of_every_setting_is_kept(dut):
     twin = Registers(
         [group.name for group in GROUPS if group.feature and group.name in present],
         build.parameters["Resets"],
+        # 17 bits and the level's of a detail; 16 bits of a load and those that number the taxels.
+        {"array": {"detail": 18, "load": 20}, "electrodes": {"detail": 18, "load": 18}}[name],
     )
     ends = Ends(dut, INSIDE, ())
 

@@ -120,7 +120,7 @@ def _pending(v):
     return any(v(f"registers.{name}_pending_o") for name in ("slip", "cop", "cop4", "cop_slip"))
 
 
-# What is more than a wire, of one lane: where it goes to, and what of the values ``v`` of other ends.
+# What is more than a wire, of one lane, 3 rows and 3 columns: where it goes to, and what of the values ``v`` of other ends.
 GLUE = {
     "array": {
         "array.cfg_pending_i": _pending,
@@ -130,15 +130,20 @@ GLUE = {
         ),
         "array.cfg_force_i": lambda v: v("registers.tare_force_o") or v("preset.done_o"),
         "array.cfg_zero_write_i": lambda v: (
-            v("registers.tare_write_written_o") and v("registers.tare_write_o[0:0]")
+            v("registers.tare_write_written_o")
+            and v("registers.tare_write_o[0:0]")
+            and v("registers.tare_word_o") < 9
         ),
         "preset.in_write_i": lambda v: (
             v("registers.calibrate_write_written_o")
             and not v("registers.calibrate_write_row_o")
             and v("registers.calibrate_write_lanes_o[0:0]")
+            and v("registers.calibrate_word_o") < 9
         ),
         "preset.in_write_row_i": lambda v: (
-            v("registers.calibrate_write_written_o") and v("registers.calibrate_write_row_o")
+            v("registers.calibrate_write_written_o")
+            and v("registers.calibrate_write_row_o")
+            and v("registers.calibrate_word_o") < 3
         ),
         "link.image_valid_i": lambda v: (
             v("registers.link_images_o") and v("narrow.out_valid_o") and v("skid.in_ready_o")
