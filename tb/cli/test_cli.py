@@ -494,8 +494,9 @@ def test_words_of_a_file_move_no_cursor(tmp_path):
     (tmp_path / "c.toml").write_text(text, "utf-8")
     for action in ("check", "show"):
         done = meissner("config", action, "c.toml", cwd=tmp_path)
-        assert done.returncode == 0
-        assert done.stdout.startswith(r"c: \x1b]0;title\x07\x1b[2Jnice\x9b\u202e")
+        assert (done.returncode, done.stdout) == (2, "")
+        said = r"about = '\x1b]0;title\x07\x1b[2Jnice\x9b\u202e' must be one line of text"
+        assert done.stderr == f"meissner: c.toml: {said}\n"
 
 
 @pytest.mark.parametrize("locale", ["C", "POSIX"])

@@ -27,8 +27,9 @@ def results(tmp_path, monkeypatch):
                 (out / picture).write_bytes(PIXEL)
             if fails:
                 raise KeyboardInterrupt
-            summary = {"scene": name, "left_out": []}
-            return run.finish(scene, summary, out, {"x": np.arange(3)}, [out / p for p in pictures], {}, 0.0)
+            summary = {"scene": name, "seed": 1, "engine": engine, "runs": 1, "left_out": []}
+            shown = [(out / picture, "any", "a picture") for picture in pictures]
+            return run.finish(scene, summary, out, {"x": np.arange(3)}, shown, {}, 0.0)
 
         module = SimpleNamespace(check=lambda *_: None, run=module_run)
         monkeypatch.setattr(run, "_module", lambda _: module)

@@ -15,7 +15,7 @@ import time
 import numpy as np
 import pytest
 
-from meissner import cli, config, engines, host
+from meissner import cli, config, engines, host, toolchain
 from meissner.host import line, log, packets, view
 from meissner.host.pty import Pty
 from meissner.host.simulated import SimulatedCore, of_scenes
@@ -66,7 +66,7 @@ def test_regs_reads_and_writes(meissner, port):
     ]
     code, out, _ = meissner("regs", port.url, "slip")
     assert code == 0 and out.splitlines()[0].split()[:2] == ["slip.threshold", "48"]
-    assert len(out.splitlines()) == 10
+    assert len(out.splitlines()) == 11
     code, out, _ = meissner("regs", port.url)
     assert {text.split()[0] for text in out.splitlines()} >= {"core.id", "adc.period", "slip.blanked"}
 
@@ -89,8 +89,13 @@ def test_regs_writes_all_or_nothing(meissner, given, sentence):
     assert model.registers.access(False, 0x200)[0] == 0x3FFFF  # of 18 bits
 
 
-def test_regs_in_physical_units(meissner):
-    """A fingertip's samples are forces of 2 mN, at 4 kHz and level 1; slip1's are 5 V in 12 bits."""
+def test_regs_in_physical_units(meissner, tmp_path):
+    """A fingertip's samples are forces of 2 mN, at 4 kHz and level 1; a rubber sensor's are 5 V in 12 bits."""
+    rubber = tmp_path / "rubber.toml"  # the smallest build, with registers
+    text = (toolchain.ROOT / "model/meissner/configs/slip1.toml").read_text()
+    text = text.replace("registers = false", "registers = true").replace("slip_only = true", "")
+    rubber.write_text(text.replace("statistics = false", "statistics = true"))
+    rubber = str(rubber)
     with Pty(SimulatedCore(size=(3, 3), clk_khz=24_000)) as pty:
         given = ("slip.threshold=50mN", "slip.contact_level=0.2N", "slip.hold=20ms", "cop.min_load=.2N")
         code, out, err = meissner("regs", "--config", "fingertip", pty.url, *given, "scan.settle=2e-6s")
@@ -98,7 +103,7 @@ def test_regs_in_physical_units(meissner):
         assert [text.split()[1] for text in out.splitlines()] == ["35", "200", "40", "100", "48"]
     with Pty(SimulatedCore(size=(1, 1), clk_khz=12_000)) as pty:
         code, out, err = meissner(
-            "regs", "--config", "slip1", pty.url, "slip.threshold=20mV", "slip.contact_level=4.3V"
+            "regs", "--config", rubber, pty.url, "slip.threshold=20mV", "slip.contact_level=4.3V"
         )
         assert (code, err) == (0, "")
         assert [text.split()[1] for text in out.splitlines()] == ["23", "7045"]
@@ -108,7 +113,7 @@ def test_regs_in_physical_units(meissner):
             ("slip.hold=0.0.5s", "'0.0.5s' is neither an integer nor"),
             ("adc.drapped=1V", "there is no register 'adc.drapped'"),
         ):
-            code, out, err = meissner("regs", "--config", "slip1", pty.url, given)
+            code, out, err = meissner("regs", "--config", rubber, pty.url, given)
             assert (code, out) == (2, "") and sentence in err and len(err.splitlines()) == 1
         code, _, err = meissner("regs", "--config", "fingertip", pty.url, "core.id")
         assert (

@@ -43,9 +43,10 @@ def _with(program, paths):
 
 
 def test_finds_damage_that_nobody_tells(monkeypatch, tmp_path):
-    count = "if (damage) damaged_o <= damaged_o + 1'b1;"
-    planted(monkeypatch, tmp_path, "frame_check", count, "")
-    assert any(result.outcome == "silent" for result in faults.inject("frame_check", 60, 3))
+    told = "if (in_last_i) restart <= !keep;\n    end\n"
+    told += "    damage    <= in_valid_i && in_ready_o && in_last_i && !keep;"
+    planted(monkeypatch, tmp_path, "frame_check", told, "restart <= 1'b0;\n    end\n    damage <= 1'b0;")
+    assert any(result.outcome == "silent" for result in faults.inject("frame_check", 200, 3))
 
 
 def test_finds_bytes_that_stay_wrong(monkeypatch, tmp_path):
