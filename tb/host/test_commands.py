@@ -94,6 +94,7 @@ def test_regs_in_physical_units(meissner, tmp_path):
     rubber = tmp_path / "rubber.toml"  # the smallest build, with registers
     text = (toolchain.ROOT / "model/meissner/configs/slip1.toml").read_text()
     text = text.replace("registers = false", "registers = true").replace("slip_only = true", "")
+    text = text.replace("serial = true", "")
     rubber.write_text(text.replace("statistics = false", "statistics = true"))
     rubber = str(rubber)
     with Pty(SimulatedCore(size=(3, 3), clk_khz=24_000)) as pty:

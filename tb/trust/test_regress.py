@@ -15,9 +15,9 @@ from meissner.trust import regress
 
 
 def test_two_sizes_pass():
-    one, other = regress.sizes("frame_gate", 2, 5)
+    one, other = regress.sizes("frame_owed", 2, 5)
     runs = [(one, 5, None), (one, 6, None), (other, 7, None)]
-    assert regress.some("frame_gate", [(one, [5, 6]), (other, [7])]) == runs
+    assert regress.some("frame_owed", [(one, [5, 6]), (other, [7])]) == runs
 
 
 def test_a_planted_bug_is_found_and_made_small(monkeypatch, tmp_path, capsys):
@@ -59,10 +59,10 @@ def test_through_a_scheduler(monkeypatch, capsys):
     stub.Client, stub.as_completed = Client, as_completed
     monkeypatch.setitem(sys.modules, "dask", types.ModuleType("dask"))
     monkeypatch.setitem(sys.modules, "dask.distributed", stub)
-    monkeypatch.setattr(sys, "argv", ["regress.py", "1", "frame_gate", "--scheduler", "tcp://here:8786"])
+    monkeypatch.setattr(sys, "argv", ["regress.py", "1", "frame_owed", "--scheduler", "tcp://here:8786"])
     tool.main()
     assert "1 runs of 1 blocks pass, 0 fail" in capsys.readouterr().out
-    monkeypatch.setattr(sys, "argv", ["regress.py", "1", "frame_gate", "--scheduler", "nobody"])
+    monkeypatch.setattr(sys, "argv", ["regress.py", "1", "frame_owed", "--scheduler", "nobody"])
     with pytest.raises(SystemExit, match="no scheduler answers at nobody"):
         tool.main()
 
@@ -74,6 +74,6 @@ def test_sizes_repeat():
 
 
 def test_nothing_is_no_success(monkeypatch):
-    monkeypatch.setattr(sys, "argv", ["regress.py", "0", "frame_gate"])
+    monkeypatch.setattr(sys, "argv", ["regress.py", "0", "frame_owed"])
     with pytest.raises(SystemExit, match="nothing ran"):
         tool.main()
