@@ -240,7 +240,7 @@ def build(parameters, select):
     settings |= {
         f"slip.{key}": int(value)
         for key, value in vars(SLIP).items()
-        if key not in ("window", "hop", "level")
+        if key not in ("window", "hop", "level") and value is not None
     }
     settings |= {f"cop4.{key}": value for key, value in vars(ELECTRODES.registers).items()}
     settings |= {"cop_slip.drop": 77, "cop_slip.min_load": 200, "cop_slip.hold": 9, "cop_slip.refractory": 7}
