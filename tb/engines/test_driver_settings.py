@@ -56,7 +56,7 @@ def test_the_lower_threshold(keep):
         for size in (200_001, swing, swing):
             for detail in (-(-size // 2), -(size // 2)):
                 codes += [detail // 2, detail // 2 - detail]
-        found = states(codes, threshold=200_000, keep_threshold=keep)
+        found = states(codes, threshold=200_000, keep_threshold=keep, hold=1)  # a window begins with none
         assert found.state[0][1] == 2 and (found.state[0][-1] == 2) == stays, swing
 
 
