@@ -120,8 +120,8 @@ def _pending(v):
     return any(v(f"registers.{name}_pending_o") for name in ("slip", "cop", "cop4", "cop_slip"))
 
 
-# What is more than a wire, of one lane, 3 rows and 3 columns: where it goes to, and what of the values ``v`` of
-# other ends.
+# What is more than a wire, of one lane, 3 rows and 3 columns: where it goes to, and what of the values ``v``
+# of other ends.
 GLUE = {
     "array": {
         "array.cfg_pending_i": _pending,

@@ -90,7 +90,7 @@ def test_regs_writes_all_or_nothing(meissner, given, sentence):
 
 
 def test_regs_in_physical_units(meissner, tmp_path):
-    """A fingertip's samples are forces of 2 mN, at 4 kHz and level 1; a rubber sensor's are 5 V in 12 bits."""
+    """A fingertip's samples are forces of 2 mN, at 4 kHz and level 1; a rubber sensor's 5 V in 12 bits."""
     rubber = tmp_path / "rubber.toml"  # the smallest build, with registers
     text = (toolchain.ROOT / "model/meissner/configs/slip1.toml").read_text()
     text = text.replace("registers = false", "registers = true").replace("slip_only = true", "")
