@@ -77,7 +77,7 @@ async def matches_model(dut, stall_rate):
     channels = parameters(dut)[0]
     config = settings(dut)
     await begin(dut, config)
-    x = recording(np.random.default_rng(bench.SEED), channels, 1001 if channels < 100 else 40)
+    x = recording(np.random.default_rng(bench.SEED), channels, 3001 if channels < 100 else 40)
     should, watched = expected(x, config)
     pauses = bench.gaps_and_stalls(stall_rate)
     assert await bench.stream(dut, beats_of(x), FIELDS, *pauses, **patience(dut)) == should
