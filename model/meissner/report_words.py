@@ -36,6 +36,7 @@ WORDS = {
     "scene": Words("scene"),
     "engine": Words("engine"),
     "seed": Words("first seed"),
+    "files": Words("files of the run"),
     "seconds_simulated": Words("simulated time", "s"),
     "seconds_taken": Words("time taken", "s"),
     "samples_per_second": Words("samples through the engine per second"),

@@ -241,7 +241,7 @@ def change(path, value):
         (("title",), None, "the key 'title' is missing"),
         (("slip", "treshold_v"), 0.01, r"\[slip\]: unknown key 'treshold_v'"),
         (("slip", "window"), 48, "window = 48 must be a power of two"),
-        (("slip", "threshold_v"), -1.0, "threshold = "),
+        (("slip", "threshold_v"), -1.0, "must not be above threshold_v"),
         (("slip", "contact_v"), 4.9, "must be below release_v"),
         (("slip", "hold_s"), True, "hold_s = True must be a number"),
         (("world", "kind"), "twist", "kind = 'twist' must be one of: press, pull"),
