@@ -37,6 +37,17 @@ for folder in ("libs_dir", "share_dir"):  # the runner writes them into a makefi
     setattr(cocotb_tools.config, folder, toolchain.for_make(getattr(cocotb_tools.config, folder)))
 
 
+def passed(results, name, *plusargs):
+    """The names of the tests of a run, by the runner's file of results; AssertionError if one failed."""
+    tests, failures = get_results(results)
+    assert tests > 0, f"{name}: no cocotb test ran"  # the runner itself accepts an empty run
+    how = " ".join([f"MEISSNER_SEED={SEED}", *plusargs])
+    assert failures == 0, f"{name}: {failures} of {tests} failed ({how})"
+    cases = list(ElementTree.parse(results).iter("testcase"))
+    bodies.RAN.update(f"{case.get('classname')}.{case.get('name')}" for case in cases)
+    return [case.get("name") for case in cases]
+
+
 def run(stage, block, parameters=None, test_filter=None, module=None, sources=None, include=None):
     """Build ``msn_<block>`` with Verilator and run the cocotb tests of tb/<stage>/test_<block>.py.
 
@@ -89,13 +100,7 @@ def run(stage, block, parameters=None, test_filter=None, module=None, sources=No
             plusargs=[*plusargs],
             seed=SEED,
         )
-        tests, failures = get_results(results)
-        assert tests > 0, f"{name}: no cocotb test ran"  # the runner itself accepts an empty run
-        how = " ".join([f"MEISSNER_SEED={SEED}", *plusargs])
-        assert failures == 0, f"{name}: {failures} of {tests} failed ({how})"
-        cases = list(ElementTree.parse(results).iter("testcase"))
-        bodies.RAN.update(f"{case.get('classname')}.{case.get('name')}" for case in cases)
-        return [case.get("name") for case in cases]
+        return passed(results, name, *plusargs)
 
     if POWERUPS:
         powerups(simulate, test_filter, int(hashlib.sha256(name.encode()).hexdigest()[:6], 16))

@@ -58,6 +58,21 @@ ADDRESS = {
 }
 
 
+async def access(dut, write, address, data=0, strobe=15):
+    """(data, error) of one access at the bus of ``dut``."""
+    dut.bus_valid_i.value, dut.bus_write_i.value, dut.bus_strobe_i.value = 1, int(write), strobe
+    dut.bus_address_i.value, dut.bus_data_i.value = address, data & 0xFFFF_FFFF
+    await RisingEdge(dut.clk_i)
+    dut.bus_valid_i.value = 0
+    await ReadOnly()
+    while dut.bus_done_o.value != 1:
+        await RisingEdge(dut.clk_i)
+        await ReadOnly()
+    answer = bench.read(dut.bus_data_o), bench.read(dut.bus_error_o)
+    await RisingEdge(dut.clk_i)
+    return answer
+
+
 @dataclass(frozen=True)
 class Packet:
     """``at``: the clock in which its first byte was offered."""
@@ -152,18 +167,7 @@ class Host:
 
     async def access(self, write, address, data=0):
         """(data, error) of one access."""
-        dut = self.dut
-        dut.bus_valid_i.value, dut.bus_write_i.value, dut.bus_strobe_i.value = 1, int(write), 15
-        dut.bus_address_i.value, dut.bus_data_i.value = address, data & 0xFFFF_FFFF
-        await RisingEdge(dut.clk_i)
-        dut.bus_valid_i.value = 0
-        await ReadOnly()
-        while dut.bus_done_o.value != 1:
-            await RisingEdge(dut.clk_i)
-            await ReadOnly()
-        answer = bench.read(dut.bus_data_o), bench.read(dut.bus_error_o)
-        await RisingEdge(dut.clk_i)
-        return answer
+        return await access(self.dut, write, address, data)
 
     async def write(self, **values):
         """``group__register=value``, in this order."""

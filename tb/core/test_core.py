@@ -17,6 +17,7 @@ from cocotb.triggers import FallingEdge, ReadOnly, RisingEdge, Timer
 from cocotb.utils import get_sim_time
 
 import bench
+from core import pins
 from core.wires import Ends, port_of
 from meissner import config, core
 from meissner.build import Config, verilog
@@ -169,19 +170,10 @@ class Bus:
 
     async def ask(self, asked, strobe=15, **_):
         """Accesses, one after the other: (tag, status, address, data) of each."""
-        dut, answers = self.dut, []
+        answers = []
         for operation, tag, address, data in asked:
-            dut.bus_valid_i.value, dut.bus_write_i.value, dut.bus_strobe_i.value = 1, operation, strobe
-            dut.bus_address_i.value, dut.bus_data_i.value = address, data
-            await RisingEdge(dut.clk_i)
-            dut.bus_valid_i.value = 0
-            await ReadOnly()
-            while dut.bus_done_o.value != 1:
-                await RisingEdge(dut.clk_i)
-                await ReadOnly()
-            status = bridge.BUS_ERROR if bench.read(dut.bus_error_o) else bridge.DONE
-            answers.append((tag, status, address, bench.read(dut.bus_data_o)))
-            await RisingEdge(dut.clk_i)
+            found, error = await pins.access(self.dut, operation, address, data, strobe)
+            answers.append((tag, bridge.BUS_ERROR if error else bridge.DONE, address, found))
         return answers
 
 

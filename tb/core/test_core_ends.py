@@ -6,9 +6,10 @@ time. Expected values are worked out here; what a value with room does is seen b
 
 import cocotb
 import pytest
-from cocotb.triggers import ReadOnly, RisingEdge
+from cocotb.triggers import RisingEdge
 
 import bench
+from core import pins
 from meissner.link.registers import RESET_BITS, reset_word
 
 ROWS, COLUMNS, LANES = 3, 5, 2
@@ -57,29 +58,11 @@ class Bench:
 
     async def write(self, **values):
         for name, value in values.items():
-            dut = self.dut
-            dut.bus_valid_i.value, dut.bus_write_i.value, dut.bus_strobe_i.value = 1, 1, 15
-            dut.bus_address_i.value, dut.bus_data_i.value = AT[name], value & 0xFFFF_FFFF
-            await RisingEdge(dut.clk_i)
-            dut.bus_valid_i.value = 0
-            await ReadOnly()
-            while dut.bus_done_o.value != 1:
-                await RisingEdge(dut.clk_i)
-                await ReadOnly()
-            assert dut.bus_error_o.value == 0, name
-            await RisingEdge(dut.clk_i)
+            _, error = await pins.access(self.dut, True, AT[name], value)
+            assert error == 0, name
 
     async def read(self, address):
-        dut = self.dut
-        dut.bus_valid_i.value, dut.bus_write_i.value, dut.bus_address_i.value = 1, 0, address
-        await RisingEdge(dut.clk_i)
-        dut.bus_valid_i.value = 0
-        await ReadOnly()
-        while dut.bus_done_o.value != 1:
-            await RisingEdge(dut.clk_i)
-            await ReadOnly()
-        data = bench.read(dut.bus_data_o)
-        await RisingEdge(dut.clk_i)
+        data, _ = await pins.access(self.dut, False, address)
         return data
 
     async def frame(self, codes):

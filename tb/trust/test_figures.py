@@ -4,7 +4,6 @@ asserts it."""
 
 import json
 import re
-import shutil
 import subprocess
 import sys
 
@@ -82,36 +81,16 @@ def test_figures_are_those_of_the_record():
     assert records.stale("cop_slip"), "a file that is no longer there"
 
 
-@pytest.fixture
-def tree(tmp_path, monkeypatch):
-    """A copy of what digests read; returns a function: digests in it, after ``text`` became ``other``."""
-    for folder in ("rtl", "model", "requirements", "constraints"):
-        shutil.copytree(
-            toolchain.ROOT / folder, tmp_path / folder, ignore=shutil.ignore_patterns("__pycache__")
-        )
-    monkeypatch.setattr(toolchain, "ROOT", tmp_path)
-
-    def digests(file="", text="", other=""):
-        if file:
-            path = tmp_path / file
-            before = path.read_text("utf-8")
-            assert text in before
-            path.write_text(before.replace(text, other), "utf-8")
-        for known in (revision.digest, toolchain.sources_of):
-            known.cache_clear()
-        rests_on = ["model/meissner/slip/slip.py", "model/meissner/scenes/acrylic_slip.toml"]
-        found = {
-            key: fmax.revision_of(*key.split())
-            for key in ("slip-1 ecp5", "cop4 ecp5", "cop_array-64x64 ecp5", "cobs ecp5")
-        }
-        found["scene"] = revision.of_files(rests_on, "scenes")
-        for name in ("icebreaker", "ulx3s"):
-            found[name] = revision.of_board(boards.BOARDS[name], "slip1")
-        return found
-
-    yield digests
-    for known in (revision.digest, toolchain.sources_of):
-        known.cache_clear()
+def digests():
+    rests_on = ["model/meissner/slip/slip.py", "model/meissner/scenes/acrylic_slip.toml"]
+    found = {
+        key: fmax.revision_of(*key.split())
+        for key in ("slip-1 ecp5", "cop4 ecp5", "cop_array-64x64 ecp5", "cobs ecp5")
+    }
+    found["scene"] = revision.of_files(rests_on, "scenes")
+    for name in ("icebreaker", "ulx3s"):
+        found[name] = revision.of_board(boards.BOARDS[name], "slip1")
+    return found
 
 
 # What is changed, and the figures it makes stale.
@@ -136,10 +115,11 @@ CHANGES = [
 
 
 @pytest.mark.parametrize(("file", "text", "other", "stale"), CHANGES)
-def test_a_figure_rests_on_all_that_it_was_made_with(tree, file, text, other, stale):
-    before = tree()
-    assert tree() == before
-    after = tree(file, text, other)
+def test_a_figure_rests_on_all_that_it_was_made_with(change, file, text, other, stale):
+    before = digests()
+    assert digests() == before
+    change(file, text, other)
+    after = digests()
     assert {key.split()[0] for key in before if before[key] != after[key]} == set(stale.split())
 
 

@@ -32,8 +32,14 @@ def gates(cells):
 
 def cached(build):
     """functools.cache for what is built by library(): netlists are kept apart from sources."""
-    kept = cache(lambda cells, *arguments: build(*arguments))
-    return wraps(build)(lambda *arguments: kept(CELLS.get(), *arguments))
+    known = cache(lambda cells, *arguments: build(*arguments))
+
+    @wraps(build)
+    def built(*arguments):
+        return known(CELLS.get(), *arguments)
+
+    built.cache_clear = known.cache_clear
+    return built
 
 
 def check_room(found):

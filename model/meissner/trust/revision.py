@@ -39,46 +39,54 @@ OWN = {  # files of a kind that decide what it finds of any block
 }
 
 
-def _plain(path, text=None):
-    """A file's text, or ``text`` in place of it, without what only a reader sees."""
-    text = path.read_text() if text is None else text
-    if path.suffix == ".py":
-        tree = ast.parse(text)
-        for node in ast.walk(tree):
-            body = getattr(node, "body", None)
-            if isinstance(body, list) and body and isinstance(body[0], ast.Expr):
-                said = body[0].value
-                if isinstance(said, ast.Constant) and isinstance(said.value, str):
-                    said.value = ""
-        return ast.dump(tree)
-    return " ".join(re.sub(r"//.*", "", text).split())
+@cache
+def _unread(suffix, text):
+    """The text of a file without what only a reader sees."""
+    if suffix != ".py":
+        return " ".join(re.sub(r"//.*", "", text).split())
+    tree = ast.parse(text)
+    for node in ast.walk(tree):
+        body = getattr(node, "body", None)
+        if isinstance(body, list) and body and isinstance(body[0], ast.Expr):
+            said = body[0].value
+            if isinstance(said, ast.Constant) and isinstance(said.value, str):
+                said.value = ""
+    return ast.dump(tree)
+
+
+def _plain(path):
+    return _unread(path.suffix, path.read_text("utf-8"))
 
 
 def _synthesised(path):
     """The same of a source as Yosys reads it, which defines SYNTHESIS: without assertions."""
-    return _plain(path, re.sub(r"`ifndef SYNTHESIS\b.*?`endif", "", path.read_text("utf-8"), flags=re.DOTALL))
+    text = path.read_text("utf-8")
+    return _unread(path.suffix, re.sub(r"`ifndef SYNTHESIS\b.*?`endif", "", text, flags=re.DOTALL))
+
+
+@cache
+def _imported(text):
+    """Names of modules that a Python file may mean by its imports."""
+    names = []
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.Import):
+            names += [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            names += [node.module, *(f"{node.module}.{alias.name}" for alias in node.names)]
+    return names
 
 
 def _imports(path):
     """Files of tb/ that a test imports: bench, parts, references."""
-    found = set()
-    for node in ast.walk(ast.parse(path.read_text())):
-        names = []
-        if isinstance(node, ast.Import):
-            names = [alias.name for alias in node.names]
-        elif isinstance(node, ast.ImportFrom) and node.module:
-            names = [node.module, *(f"{node.module}.{alias.name}" for alias in node.names)]
-        for name in names:
-            other = toolchain.ROOT / "tb" / (name.replace(".", "/") + ".py")
-            if other.exists():
-                found.add(other)
-    return found
+    names = _imported(path.read_text("utf-8"))
+    files = {toolchain.ROOT / "tb" / (name.replace(".", "/") + ".py") for name in names}
+    return {file for file in files if file.exists()}
 
 
 def _versions(kind):
     pins = {}
     for path in sorted((toolchain.ROOT / "requirements").glob("*.txt")):
-        for line in path.read_text().splitlines():
+        for line in path.read_text("utf-8").splitlines():
             name, _, version = line.partition("==")
             pins[name] = version
     return [f"{name}=={pins[name]}" for name in TOOLS.get(kind, ())]
@@ -87,7 +95,7 @@ def _versions(kind):
 def _proofs(block):
     """Harnesses of the block's proofs, and what proofs.toml asks of them."""
     folder = toolchain.ROOT / "tb/formal"
-    table = tomllib.loads((folder / "proofs.toml").read_text())
+    table = tomllib.loads((folder / "proofs.toml").read_text("utf-8"))
     own = {name: row for name, row in table.items() if row.get("block", name) == block}
     files = [folder / f"{name}.sv" for name in sorted(own)]
     return [repr({name: {**row, "says": ""} for name, row in own.items()}), *map(_plain, files)]
@@ -96,7 +104,7 @@ def _proofs(block):
 def _waivers(block):
     """The exclusions that coverage grants the block, and its functional cover points."""
     folder = toolchain.ROOT / "tb/coverage"
-    rows = tomllib.loads((folder / "waivers.toml").read_text())["waiver"]
+    rows = tomllib.loads((folder / "waivers.toml").read_text("utf-8"))["waiver"]
     own = [{**row, "reason": ""} for row in rows if row["block"] in ("*", block)]
     points = folder / f"cover_{block}.sv"
     return [repr(own), *([_plain(points)] if points.exists() else [])]
