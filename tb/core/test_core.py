@@ -426,7 +426,7 @@ async def an_events_first_bit_comes_within_20_clocks_of_its_sample(dut):
     first = [now for before, now in pairwise([-1000, *falls]) if now - before > quiet]
     waits = {now - max(at for at in offered if at < now) for now in first}
     dut._log.info(f"clocks from a sample to the line's first bit: {sorted(waits)}")
-    assert len(first) > 3 and max(waits) <= 20
+    assert len(first) > 3 and max(waits) == {"channels": 10, "smallest": 19}[name]  # the README's
 
 
 @bench.applies(lambda dut: case_of(dut)[1].link["registers"])

@@ -494,7 +494,7 @@ def test_unplugged_in_the_middle_of_a_packet(tmp_path):
         second = Pty(pipe)
         name.symlink_to(second.path)
         (gap,) = until(core, lambda item: isinstance(item, Gap))
-        assert "is gone" in gap.reason and 0.1 < gap.seconds < 10
+        assert "is gone" in gap.reason and gap.seconds > 0.1
         assert "is back after" in said[1]
         pipe.core.say(*(p.SLIP, 9, event(9)[2]))
         assert until(core, lambda item: True)[0].time == 9
