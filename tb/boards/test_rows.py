@@ -9,7 +9,8 @@ and with fewer.
 import cocotb
 import pytest
 from cocotb.clock import Clock
-from cocotb.triggers import ReadOnly, RisingEdge
+from cocotb.triggers import FallingEdge, First, ReadOnly, ValueChange
+from cocotb.utils import get_sim_time
 
 import bench
 from meissner import boards, config, toolchain
@@ -39,35 +40,35 @@ async def one_row_after_the_other_and_none_between(dut):
     dut.good_i.value = dut.rx_i.value = 1
     dut.adc_miso_i.value = dut.adc_busy_i.value = dut.moving_i.value = 0
     cocotb.start_soon(Clock(dut.clk_i, 10, unit="ns").start())
-    seen = []  # [row, clocks driven, clocks before it without a row, transfers]
-    dark, cs_n, last = 0, 1, None
-    while len(seen) <= FRAMES * rows:
-        await RisingEdge(dut.clk_i)
+    await FallingEdge(dut.u_reset.rst_o)
+    await ReadOnly()
+    clock = lambda: round(get_sim_time("ns")) // 10
+    row, cs_n, since, last = bench.read(dut.row_o), bench.read(dut.adc_cs_n_o), clock(), None
+    seen = []  # [row, clocks before it without a row, transfers]
+    while len(seen) <= FRAMES * rows:  # from one change to the next
+        await First(ValueChange(dut.row_o), ValueChange(dut.adc_cs_n_o))
         await ReadOnly()
-        if bench.read(dut.u_reset.rst_o):
-            continue
-        value, was = bench.read(dut.row_o), cs_n
-        cs_n = bench.read(dut.adc_cs_n_o)
-        number, off = value & (1 << lines) - 1, value >> lines
-        assert off in (0, 1), f"{value:b}: a line above those of {rows} rows"
+        row_was, cs_was, now = row, cs_n, clock()
+        row, cs_n = bench.read(dut.row_o), bench.read(dut.adc_cs_n_o)
+        number, off = row & (1 << lines) - 1, row >> lines
+        assert off in (0, 1), f"{row:b}: a line above those of {rows} rows"
         if off:
             assert last is None or number == last, f"{number} after row {last}, while no row is driven"
-            assert not (was and not cs_n), "a transfer begins while no row is driven"
-            dark += 1
-            continue
-        if dark or last is None:
-            seen.append([number, 0, dark, 0])
-            dark, last = 0, number
-        assert number == last, f"row {last} to {number} without a pause"
-        if was and not cs_n:
-            assert seen[-1][3] or seen[-1][1] == SETTLE - 1, f"after {seen[-1][1]} clocks of row {number}"
-            seen[-1][3] += 1
-        seen[-1][1] += 1
+        elif row != row_was:
+            assert last is None or row_was >> lines, f"row {last} to {number} without a pause"
+            seen.append([number, now - since, 0])
+            last = number
+        if row != row_was:
+            since = now
+        if cs_was and not cs_n:
+            assert not off, "a transfer begins while no row is driven"
+            assert seen[-1][2] or now - since == SETTLE - 1, f"after {now - since} clocks of row {number}"
+            seen[-1][2] += 1
     assert [row for row, *_ in seen] == [*range(rows)] * FRAMES + [0]
-    pauses = [dark for _, _, dark, _ in seen[1:]]
+    pauses = [dark for _, dark, _ in seen[1:]]
     assert [pause for at, pause in enumerate(pauses, 1) if at % rows] == [1] * (rows - 1) * FRAMES
     assert all(pause > 1000 for at, pause in enumerate(pauses, 1) if at % rows == 0), "no rest to look at"
-    assert len({transfers for *_, transfers in seen[:-1]}) == 1 and seen[0][3] > 0
+    assert len({transfers for *_, transfers in seen[:-1]}) == 1 and seen[0][2] > 0
 
 
 @pytest.mark.parametrize("rows, columns", [(16, 3), (33, 2)])

@@ -284,7 +284,7 @@ GROUPS = (
             Register(
                 "rail",
                 0x418,
-                "Railed after 16 times this many frames; 0: off.",
+                "At the rail in this many of the frames 0, 16, 32, .. in a row; 0: off.",
                 (Field("value", 7, 0, "setting", 0x0),),
             ),
             Register(
