@@ -19,6 +19,8 @@ BIG = [
     "tb/core/test_axis.py::test_axis[array-plain]",
     "tb/core/test_axis.py::test_axis[electrodes]",
     "tb/core/test_core.py::test_core[channels]",
+    "tb/core/test_core.py::test_core_of_a_stream[array]",
+    "tb/core/test_core.py::test_core_of_a_stream[channels]",
     "tb/engines/test_core_engine.py::test_every_packet_is_the_models[full]",
     "tb/engines/test_core_engine.py::test_every_taxel_that_slips_is_reported[full]",
     "tb/frontend/test_adc_spi.py::test_adc_spi[2-8-25000-14500]",

@@ -17,7 +17,7 @@ from cocotb.triggers import FallingEdge, ReadOnly, RisingEdge, Timer
 from cocotb.utils import get_sim_time
 
 import bench
-from core import pins
+from core import core_by_hand, pins
 from core.wires import Ends, port_of
 from meissner import config, core
 from meissner.build import Config, verilog
@@ -721,6 +721,11 @@ async def every_bit_of_a_counter_reaches_its_register(dut):
 @pytest.mark.parametrize("name", CASES)
 def test_core(name):
     bench.run("core", "core", verilog(parameters_of(name)))
+
+
+@pytest.mark.parametrize("name", core_by_hand.BUILDS)
+def test_core_of_a_stream(name):
+    bench.run("core", "core", core_by_hand.BUILDS[name], module="core_by_hand")
 
 
 def test_what_a_configuration_leaves_out_the_model_leaves_out():
