@@ -3,10 +3,11 @@ health, tare, calibration and centre of pressure, all stages at once.
 
 The cases: a capacitive array on its carrier behind a MAX11125, demodulated; 4×8 behind an MCP3208 and 16×16
 behind an AD7606; 3×16 behind eight MCP3208 and 64×64 behind eight AD7606, whose pins move together (one
-model, so all eight give the same codes). Gains differ from taxel to taxel, zeros are found by a tare of the first frames, then something
-presses and moves. Every result is, bit for bit, the twin's of the very codes at the pins; every latency is
-the twin's, which is what `meissner budget` prints; each stands below 1 ms where the array's converters allow
-it. Slip rounds by themselves; the smallest array's forces on its tap, its faults, what its counters count.
+model, so all eight give the same codes). Gains differ from taxel to taxel, zeros are found by a tare of the
+first frames, then something presses and moves. Every result is, bit for bit, the twin's of the very codes at
+the pins; every latency is the twin's, which is what `meissner budget` prints; each stands below 1 ms where
+the array's converters allow it. Slip rounds by themselves; the smallest array's forces on its tap, its
+faults, what its counters count.
 """
 
 import cocotb
