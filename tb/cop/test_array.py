@@ -1,12 +1,13 @@
 """A scanned array at pin level: row lines, column multiplexer, converters that check their timing, then
 health, tare, calibration and centre of pressure, all stages at once.
 
-Four cases: a capacitive array on its carrier behind a MAX11125, demodulated; 4×8 behind an MCP3208 and 16×16
-behind an AD7606; 64×64 behind eight AD7606, whose pins move together (one model, so all eight give the same
-codes). Gains differ from taxel to taxel, zeros are found by a tare of the first frames, then something
-presses and moves. Every result is, bit for bit, the twin's of the very codes at the pins; every latency is
-the twin's, which is what `meissner budget` prints; each stands below 1 ms where the array's converters allow
-it. Slip rounds by themselves; the smallest array's forces on its tap, its faults, what its counters count.
+The cases: a capacitive array on its carrier behind a MAX11125, demodulated; 4×8 behind an MCP3208 and 16×16
+behind an AD7606; 3×16 behind eight MCP3208 and 64×64 behind eight AD7606, whose pins move together (one
+model, so all eight give the same codes). Gains differ from taxel to taxel, zeros are found by a tare of the
+first frames, then something presses and moves. Every result is, bit for bit, the twin's of the very codes at
+the pins; every latency is the twin's, which is what `meissner budget` prints; each stands below 1 ms where
+the array's converters allow it. Slip rounds by themselves; the smallest array's forces on its tap, its
+faults, what its counters count.
 """
 
 import cocotb
@@ -15,6 +16,7 @@ import pytest
 from cocotb.triggers import FallingEdge, ReadOnly, RisingEdge
 
 import bench
+from cop import array_by_hand
 from meissner.budget.array import terms
 from meissner.cop.array import Array
 from meissner.cop.cop_array import CopArray
@@ -26,6 +28,7 @@ from parts.ad7606 import Ad7606
 from parts.carrier import CarrierMatrix
 from parts.max1112x import Max1112x
 from parts.mcp3208 import Mcp3208
+from parts.timing import Line
 
 CLK_KHZ = 100_000  # the bench's 10 ns
 CARRIER_HZ = 1e8 / 256
@@ -43,6 +46,10 @@ CASES = {
     },
     "2x2": {"Rows": 2, "Columns": 2, "Part": MCP3208.number, "Channels": 2, "SclkKhz": 2000, "Tap": 1},
     "4x8": {"Rows": 4, "Columns": 8, "Part": MCP3208.number, "Channels": 8, "SclkKhz": 2000},
+    "3x16": {
+        **{"Rows": 3, "Columns": 16, "Part": MCP3208.number, "Channels": 2, "SclkKhz": 2000},
+        "Converters": 8,
+    },
     "16x16": {"Rows": 16, "Columns": 16, "Part": AD7606.number, "Channels": 8, "AdcLanes": 2},
     "64x64": {
         "Rows": 64,
@@ -97,6 +104,19 @@ class Together:
     def value(self, level):
         copies = len(self.handle) // self.lanes
         self.handle.value = sum(int(level) << copy * self.lanes for copy in range(copies))
+
+
+class Alike(Line):
+    """Pins of several converters that must be driven alike, as one."""
+
+    def __init__(self, port):
+        super().__init__(port, 0, {})
+
+    @property
+    def value(self):
+        levels = int(self.port.value)
+        assert levels in (0, (1 << len(self.port)) - 1), f"{self.port._name} is {levels:b}"
+        return levels & 1
 
 
 class Matrix:
@@ -206,7 +226,7 @@ async def begin(dut, limits=None, load=True):
         convst, busy, reset = dut.adc_convst_o, Together(dut.adc_busy_i), dut.adc_reset_o
         part = Ad7606(cs_n, sclk, miso, convst, busy, reset, matrix.code, conversion_ns=CONVERSION_NS)
     elif scan.part is MCP3208:
-        part = Mcp3208(cs_n, sclk, mosi, miso, matrix.code)
+        part = Mcp3208(Alike(cs_n), Alike(sclk), Alike(mosi), miso, matrix.code)
     else:
         part = Max1112x(cs_n, sclk, mosi, miso, bits, matrix.code)
 
@@ -287,6 +307,30 @@ def check(twin, matrix, out):
     expected = [tuple(map(int, values)) for values in zip(x, y, load, pressed)]
     assert [values[1:] for values in out] == expected
     assert expected[-1][2] > 0 and expected[-1][3] == 1, "nothing pressed"
+
+
+@bench.applies(lambda dut: not hasattr(dut, "mutsel"))  # of mutants: nothing can be seen inside
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def every_bit_of_the_counts_of_faults(dut):
+    """They are health's, up to a count of all taxels."""
+    await begin(dut, load=False)
+    health = dut.gen_health.u_health
+    taxels = number(dut, "Rows") * number(dut, "Columns")
+    for values in (
+        (taxels, 0, 1),
+        (0, 2 * taxels - 1, taxels),
+        (taxels - 1, taxels, 0),
+        (0, 0, 2 * taxels - 1),
+    ):
+        for kind, value in zip(("dead", "railed", "blinking"), values):
+            port = getattr(dut, f"{kind}_o")
+            assert len(port) == taxels.bit_length()
+            getattr(health, f"{kind}_o").value = value & (1 << len(port)) - 1
+        await FallingEdge(dut.clk_i)
+        for kind, value in zip(("dead", "railed", "blinking"), values):
+            port = getattr(dut, f"{kind}_o")
+            assert bench.read(port) == value & (1 << len(port)) - 1
+        await RisingEdge(dut.clk_i)
 
 
 @bench.starts_known
@@ -634,3 +678,7 @@ LONG = {"4x8": pytest.mark.long}
 @pytest.mark.parametrize("case", [pytest.param(name, marks=LONG.get(name, ())) for name in CASES])
 def test_array(case):
     bench.run("cop", "array", {"ClkKhz": CLK_KHZ, "TareLog2": TARE_LOG2} | CASES[case])
+
+
+def test_array_of_a_stream():
+    bench.run("cop", "array", array_by_hand.BUILD, module="array_by_hand")

@@ -17,7 +17,7 @@ from cocotb.triggers import FallingEdge, ReadOnly, RisingEdge, Timer
 from cocotb.utils import get_sim_time
 
 import bench
-from core import pins
+from core import core_by_hand, pins
 from core.wires import Ends, port_of
 from meissner import config, core
 from meissner.build import Config, verilog
@@ -42,10 +42,12 @@ SLIP_N = {
     **{"window": 16, "hop": 16, "threshold_n": 0.3, "gross_threshold_n": 1.0, "contact_level_n": 0.8},
     **{"release_level_n": 0.4, "hold_ms": 1.0, "refractory_ms": 1.0, "blank_ms": 1.0},
 }
+ROWS, COLUMNS = 3, 7  # of the array; two columns a conversion
+TAXELS = ROWS * COLUMNS
 CASES = {
     "array": {
-        "sensor": {"kind": "array", "rows": 3, "columns": 3},
-        "adc": {"part": "MCP3208", "channels": 2, "volts": 5.0, "rate_hz": 800.8, "settle_us": 2.0},
+        "sensor": {"kind": "array", "rows": ROWS, "columns": COLUMNS},
+        "adc": {"part": "MCP3208", "channels": 2, "volts": 5.0, "rate_hz": 500.5, "settle_us": 2.0},
         "array": {"health": True, "newtons_per_count": 1e-3 / 16},
         "slip": SLIP_N,
         "link": {"baud": 1_000_000, "images": True, "statistics": False},
@@ -106,7 +108,7 @@ PARTS = {  # whose wires a core has
     "smallest": ("acquire", "slip", "sender", "flags"),
 }
 IS = {  # rows, columns, groups of registers
-    "array": (3, 3, "slip scan health tare calibrate cop link"),
+    "array": (ROWS, COLUMNS, "slip scan health tare calibrate cop link"),
     "channels": (1, 3, "adc slip link"),
     "electrodes": (1, 4, "adc cop4 cop_slip link"),
 }
@@ -165,6 +167,9 @@ class Bus:
                 self.frames += encode(bytes(self.data))
                 self.data.clear()
 
+    def forget(self):
+        self.data.clear()
+
     def packets(self):
         return whole(Decoder(), bytes(self.frames))
 
@@ -190,6 +195,9 @@ class Line:
             await changed(self.dut.tx_o)
             self.edges.append((get_sim_time("ns"), int(self.dut.tx_o.value)))
 
+    def forget(self):
+        self.edges.clear()
+
     def packets(self):
         return whole(Decoder(), self.bytes())
 
@@ -208,11 +216,12 @@ class Line:
         return [tuple(q.fields.values()) for q in self.packets() if q.kind == p.ANSWER][-len(asked) :]
 
     def bytes(self):
-        """8 bits, none parity, 1 stop, sampled in the middle of each bit."""
+        """8 bits, none parity, 1 stop, sampled in the middle of each bit; of a byte under way nothing."""
         found, busy, bit_ns = bytearray(), 0, 1e9 / self.baud
+        last = get_sim_time("ns") - 9.5 * bit_ns
         times = np.array([time for time, _ in self.edges])
         for time, level in self.edges:
-            if level == 0 and time >= busy:
+            if level == 0 and busy <= time <= last:
                 middles = time + bit_ns * (np.arange(1, 9) + 0.5)
                 places = np.searchsorted(times, middles, side="right") - 1
                 found.append(sum(self.edges[place][1] << bit for bit, place in enumerate(places)))
@@ -265,12 +274,12 @@ def codes_of(name, build, frames):
     """What the sensor gives, [frames, ...]."""
     rng = np.random.default_rng(bench.SEED)
     if name == "array":
-        i, j = np.indices((3, 3))
-        press = 1500 * np.exp(-((i - 0.6) ** 2 + (j - 1.2) ** 2) / 1.5)
+        i, j = np.indices((ROWS, COLUMNS))
+        press = 1500 * np.exp(-((i - 0.6) ** 2 + (j - 3.2) ** 2) / 1.5)
         n = np.arange(frames)[:, None, None]
-        shape = 100 + 40 * i + rng.integers(-2, 3, (frames, 3, 3))
+        shape = 100 + 40 * i + rng.integers(-2, 3, (frames, ROWS, COLUMNS))
         codes = shape + np.rint(press * (n >= 12) * (1 + 0.5 * ((n // 11) % 2) * (n % 2))).astype(np.int64)
-        codes[20:26] = rng.choice([0, 4095], (6, 3, 3))
+        codes[20:26] = rng.choice([0, 4095], (6, ROWS, COLUMNS))
         codes[22] = 4095
         return codes
     if name == "electrodes":  # a press that slips, presses anywhere, then whatever a converter can give
@@ -302,6 +311,7 @@ async def begin(dut, name, build):
     Clock(dut.clk_i, PERIOD_NS, unit="ns").start()
     await bench.clocks(dut, 3)
     dut.rst_i.value = 0
+    host.forget()  # what the test before had under way
     starts = []
 
     async def watch():
@@ -481,7 +491,7 @@ async def every_bit_of_every_setting_is_kept(dut):
         [group.name for group in GROUPS if group.feature and group.name in present],
         build.parameters["Resets"],
         # 17 bits and the level's of a detail; 16 bits of a load and those that number the taxels.
-        {"array": {"detail": 18, "load": 20}, "electrodes": {"detail": 18, "load": 18}}[name],
+        {"array": {"detail": 18, "load": 21}, "electrodes": {"detail": 18, "load": 18}}[name],
     )
     ends = Ends(dut, INSIDE, ())
 
@@ -571,21 +581,21 @@ async def faults_are_told_and_every_counter_counts_its_own(dut):
     name, build = case_of(dut)
     host, sensor, starts = await begin(dut, name, build)
     twin, given = core.array_of(build), []
-    i, j = np.indices((3, 3))
+    i, j = np.indices((ROWS, COLUMNS))
     even, quiet = (i + j) % 2 == 0, 100 + 40 * i
     done = lambda: len(sensor.taken) // sensor.per_frame
 
-    async def stage(codes, frames=0, **settings):
+    async def stage(codes, frames=0, rest=500, **settings):
         """Let the scan run with ``codes``, the last ones as long as it does; what was converted then."""
         before = done()
         sensor.codes = [codes[0]] * before + list(codes)
         await write(host, settings | {"scan.enable": 1})
         while done() < before + max(frames, len(codes)):
             await bench.clocks(dut, 500)
-        await write(host, {"scan.enable": 0})
+        await write(host, {"scan.enable": 0}, rest=rest)
         await bench.clocks(dut, 3000)
-        taken = np.array(sensor.taken[before * sensor.per_frame :]).reshape(-1, 3, 4)
-        return taken[:, :, :3]
+        taken = np.array(sensor.taken[before * sensor.per_frame :]).reshape(-1, ROWS, COLUMNS + 1)
+        return taken[:, :, :COLUMNS]  # the last conversion of a row has a channel without a column
 
     def expect(samples):
         forces, _ = twin.forces(samples)
@@ -602,14 +612,16 @@ async def faults_are_told_and_every_counter_counts_its_own(dut):
     expect(await stage(moves, **{f"health.{key}": value for key, value in limits.items()}))
     faults = ("health.dead", "health.railed", "health.blinking")
     assert (
-        await read(host, *faults) == [9, 9, 9] == [twin.health.dead, twin.health.railed, twin.health.blinking]
+        await read(host, *faults)
+        == [TAXELS] * 3
+        == [twin.health.dead, twin.health.railed, twin.health.blinking]
     )
     twin.health.report()
     before = len(host.packets())
     # Not so fast that the CoP frames, which go first, fill the line.
-    expect(await stage([quiet], 8, **{"health.report": 1, "scan.period": 2600}))
+    expect(await stage([quiet], 12, **{"health.report": 1, "scan.period": 3300}))
     told = [tuple(q.fields.values()) for q in host.packets()[before:] if q.kind == p.HEALTH]
-    assert sorted(told) == [(taxel, 7) for taxel in range(9)]
+    assert sorted(told) == [(taxel, 7) for taxel in range(TAXELS)]
 
     limits = dict.fromkeys(limits, 0) | {"high": 65535}
     for key, value in limits.items():
@@ -620,7 +632,8 @@ async def faults_are_told_and_every_counter_counts_its_own(dut):
     settings |= {"health.clear": 1, "tare.average": 1, "scan.period": 0}
     settings |= {"calibrate.swap": 1, "link.images": 0}
     rng = np.random.default_rng(bench.SEED)
-    for word, (offset, gain) in enumerate(zip(rng.integers(-900, 900, 9), rng.integers(1, 65536, 9))):
+    gains = rng.integers(1, 65536, TAXELS)
+    for word, (offset, gain) in enumerate(zip(rng.integers(-900, 900, TAXELS), gains)):
         twin.cop.calibrate.table.write(word, offset, gain)
         entry = {"word": word, "offset": int(offset) & 0x1FFFF, "gain": int(gain), "write": 1}
         await write(host, {f"calibrate.{key}": value for key, value in entry.items()})
@@ -637,9 +650,11 @@ async def faults_are_told_and_every_counter_counts_its_own(dut):
 
     # All at once slip, and more events than the queue holds wait for the line, and the scan for them.
     assert dut.pressed_o.value == 1
-    settings = {"slip.contact_level": 0, "slip.threshold": 0, "scan.period": 1, "cop.min_load": (1 << 20) - 1}
+    settings = {"slip.contact_level": 0, "slip.threshold": 0, "scan.period": 1, "cop.min_load": (1 << 21) - 1}
     watch_wires(dut, name)
-    lost = len(await stage(rng.integers(200, 4000, (60, 3, 3)), **settings))
+    # The answer comes behind an event of each taxel.
+    unchecked = rng.integers(200, 4000, (40, ROWS, COLUMNS))
+    lost = len(await stage(unchecked, rest=1000 * TAXELS, **settings))
     assert dut.pressed_o.value == 0
     spoilt = bytearray(bridge.command(bridge.READ, 0, 0))
     spoilt[3] ^= 2
@@ -670,9 +685,47 @@ async def faults_are_told_and_every_counter_counts_its_own(dut):
     assert await read(host, *counters, rest=8 * 700) == [0] * 4
 
 
+@bench.applies(lambda dut: case_of(dut)[0] in ("array", "channels"))
+@cocotb.test(timeout_time=200, timeout_unit="ms")
+async def every_bit_of_a_counter_reaches_its_register(dut):
+    """Of values put where they are counted, and of what these parts have no fault for."""
+    name, build = case_of(dut)
+    host, *_ = await begin(dut, name, build)
+    await write(host, {"scan.enable" if name == "array" else "adc.enable": 0}, rest=8 * 700)
+    await bench.clocks(dut, 8000)
+    path = dut.gen_slip.u_slip_path.gen_parallel
+    sources = {
+        "slip.damaged": path.u_frame_check.damaged_o,
+        "slip.blanked": path.u_slip.blanked_o,
+        "link.rejected": dut.gen_link.u_link.gen_registers.u_bridge.rejected_o,
+    }
+    if name == "array":
+        array, packet = dut.gen_array.u_array, dut.gen_link.u_link.u_packet
+        scan = array.gen_scan_adc.u_scan_adc.u_scan
+        sources |= {"scan.dropped": scan.u_frames.dropped_o, "scan.overrun": scan.u_plan.overrun_o}
+        sources |= {"scan.held": scan.u_plan.held_o, "scan.lost": scan.lost_o}
+        kinds = ("tared", "refused", "swallowed")
+        sources |= {f"tare.{kind}": getattr(array.gen_tare.u_tare, f"{kind}_o") for kind in kinds}
+        sources["cop.damaged"] = array.u_cop_array.u_cop.u_accumulate.damaged_o
+        sources["link.cop_dropped"] = packet.cop_dropped_o
+        sources["link.image_dropped"] = packet.gen_image.u_store.dropped_o
+    else:
+        spi = dut.gen_channels.u_acquire.gen_adc.u_adc_spi
+        kinds = ("dropped", "overrun", "timeout", "mistagged", "over_range")
+        sources |= {f"adc.{kind}": getattr(spi, f"{kind}_o") for kind in kinds}
+    for turn in (0, 1, 0):
+        values = pins.put(sources, turn)
+        assert await read(host, *sources) == list(values.values())
+
+
 @pytest.mark.parametrize("name", CASES)
 def test_core(name):
     bench.run("core", "core", verilog(parameters_of(name)))
+
+
+@pytest.mark.parametrize("name", core_by_hand.BUILDS)
+def test_core_of_a_stream(name):
+    bench.run("core", "core", core_by_hand.BUILDS[name], module="core_by_hand")
 
 
 def test_what_a_configuration_leaves_out_the_model_leaves_out():
@@ -682,7 +735,7 @@ def test_what_a_configuration_leaves_out_the_model_leaves_out():
     del plain["slip"]
     codes = codes_of("array", configuration("array"), 40)[:6]
     found = core.expected(config.read("plain", plain), codes)
-    assert found.images.tolist() == codes.reshape(6, 9).tolist() and not found.slip
+    assert found.images.tolist() == codes.reshape(6, TAXELS).tolist() and not found.slip
     loads = [int.from_bytes(payload[6:11], "little") for _, payload in found.cop]
     assert loads == codes.sum(axis=(1, 2)).tolist()
 

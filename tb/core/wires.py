@@ -7,7 +7,7 @@ WIRES = {
         ("preset.out_{}_o", "array.cfg_{}_i", "write write_row word offset gain swap"),
         ("registers.calibrate_{}_o", "preset.in_{}_i", "swap gain"),
         ("~registers.calibrate_offset_o", "preset.in_offset_i"),
-        ("registers.calibrate_word_o[3:0]", "preset.in_word_i"),
+        ("registers.calibrate_word_o[4:0]", "preset.in_word_i"),
         ("registers.health_{}_o", "array.cfg_{}_i", "clear report"),
         ("array.event_{}_o", "report.in_{}_i", "valid id dead railed blinking"),
         ("report.in_ready_o", "array.event_ready_i"),
@@ -20,14 +20,14 @@ WIRES = {
         ("narrow.out_data_o[15:0]", "link.image_data_i"),
         ("narrow.out_last_o", "link.image_last_i"),
         ("narrow.out_valid_o", "skid.in_valid_i"),
-        ("narrow.out_data_o[15:0]", "skid.in_data_i[22:6]"),
-        ("narrow.out_id_o", "skid.in_data_i[5:2]"),
+        ("narrow.out_data_o[15:0]", "skid.in_data_i[23:7]"),
+        ("narrow.out_id_o", "skid.in_data_i[6:2]"),
         ("narrow.out_last_o", "skid.in_data_i[1:1]"),
         ("narrow.out_data_o[16:16]", "skid.in_data_i[0:0]"),
         ("skid.in_ready_o", "narrow.out_ready_i"),
         ("skid.out_valid_o", "slip.in_valid_i"),
-        ("skid.out_data_o[22:6]", "slip.in_data_i"),
-        ("skid.out_data_o[5:2]", "slip.in_id_i"),
+        ("skid.out_data_o[23:7]", "slip.in_data_i"),
+        ("skid.out_data_o[6:2]", "slip.in_id_i"),
         ("skid.out_data_o[1:1]", "slip.in_last_i"),
         ("skid.out_data_o[0:0]", "slip.in_mask_i"),
         ("slip.in_ready_o", "skid.out_ready_i"),
@@ -120,7 +120,7 @@ def _pending(v):
     return any(v(f"registers.{name}_pending_o") for name in ("slip", "cop", "cop4", "cop_slip"))
 
 
-# What is more than a wire, of one lane, 3 rows and 3 columns: where it goes to, and what of the values ``v``
+# What is more than a wire, of one lane, 3 rows and 7 columns: where it goes to, and what of the values ``v``
 # of other ends.
 GLUE = {
     "array": {
@@ -133,13 +133,13 @@ GLUE = {
         "array.cfg_zero_write_i": lambda v: (
             v("registers.tare_write_written_o")
             and v("registers.tare_write_o[0:0]")
-            and v("registers.tare_word_o") < 9
+            and v("registers.tare_word_o") < 21
         ),
         "preset.in_write_i": lambda v: (
             v("registers.calibrate_write_written_o")
             and not v("registers.calibrate_write_row_o")
             and v("registers.calibrate_write_lanes_o[0:0]")
-            and v("registers.calibrate_word_o") < 9
+            and v("registers.calibrate_word_o") < 21
         ),
         "preset.in_write_row_i": lambda v: (
             v("registers.calibrate_write_written_o")

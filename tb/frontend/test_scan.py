@@ -503,11 +503,20 @@ def test_scan(parameters):
     bench.run("frontend", "scan", parameters)
 
 
-@pytest.mark.parametrize("size", [64, pytest.param(256, marks=pytest.mark.long)])
-def test_scan_large(size):
-    parameters = {"Rows": size, "Columns": size, "Channels": 8, "Lanes": 8, "Cycle": 16, "SettleBits": 6}
-    tests = ["over_range_on_every_sample", "largest_settle", *["one_taxel"] * (size == 64)]
-    bench.run("frontend", "scan", parameters, test_filter="|".join(tests))
+WHOLE = ("over_range_on_every_sample", "largest_settle")  # of large arrays
+
+
+@pytest.mark.parametrize(
+    "rows, columns, lanes, tests",
+    [
+        (64, 56, 8, (*WHOLE, "one_taxel")),
+        (2, 1024, 4, ("one_taxel",)),  # of numbers and of what one row skips every bit
+        pytest.param(256, 256, 8, WHOLE, marks=pytest.mark.long),
+    ],
+)
+def test_scan_large(rows, columns, lanes, tests):
+    parameters = {"Rows": rows, "Columns": columns, "Channels": 8, "Lanes": lanes, "Cycle": 16}
+    bench.run("frontend", "scan", parameters | {"SettleBits": 6}, test_filter="|".join(tests))
 
 
 def test_refuses_what_cannot_work():

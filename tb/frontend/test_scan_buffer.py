@@ -309,7 +309,7 @@ async def a_frame_that_misses_a_beat_gives_way_to_the_next(dut):
     [
         {"Rows": 1, "Beats": 1, "Burst": 1, "Width": 5},
         {"Rows": 5, "Beats": 3, "Burst": 3, "Width": 18},
-        {"Rows": 8, "Beats": 8, "Burst": 8, "Width": 9},
+        {"Rows": 8, "Beats": 2, "Burst": 2, "Width": 9},
         {"Rows": 7, "Beats": 20, "Burst": 4, "Width": 9, "Depth": 16},
         {"Rows": 2, "Beats": 32, "Burst": 4, "Width": 12},
     ],

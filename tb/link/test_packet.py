@@ -356,13 +356,59 @@ async def recovers_after_reset(dut):
             source.rate = rates[name]
 
 
+async def collect(dut, count):
+    """Packets in docs/link.md's layout, (type, payload), with a host that is always ready."""
+    packets, data = [], bytearray()
+    dut.out_ready_i.value = 1
+    while len(packets) < count:
+        await bench.RisingEdge(dut.out_valid_o)
+        await bench.ReadOnly()
+        data.append(bench.read(dut.out_data_o))
+        if dut.out_last_o.value == 1:
+            packets.append((data[0], bytes(data[8:-4])))
+            data.clear()
+    await bench.RisingEdge(dut.clk_i)
+    return packets
+
+
+@bench.applies(lambda dut: parameters(dut)["Statistics"] == 256)
+@cocotb.test(timeout_time=50, timeout_unit="ms")
+async def each_of_the_most_statistics_has_its_turn(dut):
+    """Index in a byte, counter in four: from 0 to 255 and on with 0."""
+    _, _, counters = await begin(dut, np.random.default_rng(bench.SEED), {})
+    assert len(set(counters)) == 256
+    got = await collect(dut, 258)
+    wanted = [bytes([index]) + counters[index].to_bytes(4, "little") for index in (*range(256), 0, 1)]
+    assert got == [(5, payload) for payload in wanted]
+
+
+@bench.applies(lambda dut: parameters(dut)["Taxels"] and not parameters(dut)["SlipDepth"])
+@cocotb.test(timeout_time=50, timeout_unit="ms")
+async def images_are_numbered_modulo_256(dut):
+    """A packet each taxel: number, whether it is the image's last, place in three bytes, taxel in two."""
+    build = parameters(dut)
+    await begin(dut, np.random.default_rng(bench.SEED), {})
+    for number in range(258):
+        taxels = [(number * 251 + 9973 * place) % 65536 for place in range(build["Taxels"])]
+        for place, taxel in enumerate(taxels):
+            dut.image_valid_i.value, dut.image_data_i.value = 1, taxel
+            dut.image_last_i.value, dut.image_time_i.value = int(place == len(taxels) - 1), number
+            await bench.RisingEdge(dut.clk_i)
+        dut.image_valid_i.value = 0
+        assert await collect(dut, len(taxels)) == [
+            (3, bytes([number % 256, place == len(taxels) - 1, place, 0, 0]) + taxel.to_bytes(2, "little"))
+            for place, taxel in enumerate(taxels)
+        ]
+    assert bench.read(dut.image_dropped_o) == 0
+
+
 ALONE = {"SlipDepth": 0, "Cop": 0, "Health": 0, "Answers": 0, "Statistics": 0, "Taxels": 0}
 BUILDS = [
     {"SlipDepth": 4, "Statistics": 3, "StatisticBits": 10, "Taxels": 36, "Chunk": 16},
     {"SlipDepth": 16, "Statistics": 1, "StatisticBits": 8, "Taxels": 9, "Chunk": 64},
     {"SlipDepth": 2, "Statistics": 0, "Taxels": 128, "Chunk": 116},
     ALONE | {"SlipDepth": 2, "Cop": 1},
-    ALONE | {"Statistics": 2, "StatisticBits": 9, "Answers": 1},
+    ALONE | {"Statistics": 256, "StatisticBits": 8, "Answers": 1},  # the most
     ALONE | {"Taxels": 4, "Chunk": 1},
 ]
 
