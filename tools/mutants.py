@@ -37,6 +37,7 @@ SEEDS = [1, 2, 3]
 JUDGED = ROOT / "tb/trust/equivalent.toml"  # by hand
 LARGE = {  # sets that take longer than --limit, or one chosen for its size; solvers that would not end
     "calibrate": {"sets": [1]},
+    "uart_rx": {"sets": [1, 3]},  # few clocks a bit
     "array": {"sets": [1], "limit": 60, "unsolved": True},
     "core": {"sets": [0], "limit": 100, "unsolved": True},
     "axis": {"limit": 60, "unsolved": True},
@@ -79,7 +80,7 @@ def one_set(runs, number, count, options, kind=mutate):
         return [], known, 0.0
     simulate.build(runs[0], folder)
     seconds = 0.0
-    alive = mutants
+    alive = [mutant for mutant in mutants if mutant.verdict != "equivalent"]
     for run in runs:
         seconds += simulate.judge(run, alive, folder, options.jobs, limit=options.limit)
         alive = [mutant for mutant in alive if mutant.verdict == "survived"]
@@ -90,7 +91,6 @@ def one_set(runs, number, count, options, kind=mutate):
     if alive:
         equivalence.classify(alive, folder, block, briefly=options.unsolved)
     if kind is source_netlist:
-        source_netlist.lint([mutant for mutant in alive if mutant.verdict != "equivalent"], runs[0], folder)
         by_hand(alive, block)
     return mutants, known, seconds
 
@@ -155,7 +155,7 @@ def one_kind(block, options, kind, count, wanted):
 
 
 def entry(mutants, sets, slow, seconds):
-    killed = [m for m in mutants if m.verdict in ("failed", "time", "stopped", "lint")]
+    killed = [m for m in mutants if m.verdict in ("failed", "time", "stopped")]
     equal = [m for m in mutants if m.verdict == "equivalent"]
     alive = [m for m in mutants if m not in killed and m not in equal]
     score = len(killed) / max(1, len(mutants) - len(equal))

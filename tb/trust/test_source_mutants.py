@@ -7,7 +7,6 @@ import argparse
 import pytest
 
 import mutants as tool
-from meissner.toolchain import ROOT
 from meissner.trust import source_mutants, source_netlist, source_text
 
 SMALL = """
@@ -178,14 +177,16 @@ def test_draws_every_kind_first_and_otherwise_by_its_seed(listed):
 
 
 def test_a_real_block_kills_changes_of_both_sorts():
-    """msn_skid, one word deep: a constant has a copy of the block, the others stand in one text."""
-    options = argparse.Namespace(seed=[1, 2], jobs=2, limit=5, unsolved=False)
-    found, known, _ = tool.one_set(tool.parameter_sets("skid")[0], "source-test", 5, options, source_netlist)
-    assert {mutant.command.constant for mutant in found} == {False, True}
-    assert known >= len(found) == 5
-    assert {mutant.verdict for mutant in found} <= {"failed", "time", "stopped", "equivalent"}
-    assert len([mutant for mutant in found if mutant.verdict == "failed"]) >= 2
-    assert (ROOT / "build/mutants/skid-source-test/mutated.v").exists()
+    """Of msn_delay, seven steps deep: a constant has a copy of the block, the others stand in one text; a
+    limit between two forms of the block that leaves this size where it was changes nothing."""
+    options = argparse.Namespace(seed=[1, 2], jobs=2, limit=5, unsolved=True)
+    runs = tool.parameter_sets("delay", 2)[1]
+    assert runs[0]["parameters"]["Depth"] == "7"
+    found, known, _ = tool.one_set(runs, "source-test", 99, options, source_netlist)
+    assert known >= len(found) > 6
+    verdicts = {mutant.what: mutant.verdict for mutant in found}
+    assert verdicts["one: 3 -> 4"] == verdicts["one: 1'b1 -> 1'b0"] == "failed"
+    assert verdicts["one: 4 -> 5"] == verdicts["comparison: Depth <= 4 -> Depth < 4"] == "equivalent"
 
 
 def test_lint_refuses_a_change_that_loses_a_bit():

@@ -4,11 +4,13 @@
 
 Changes that may stand together are in one text, each behind its number on `mutsel`. One of a constant is
 another block: the netlist has a copy of the block for each, side by side, and `mutsel` chooses whose outputs
-count. A change with which the block does not elaborate is no mutant; another is drawn in its place.
+count. A change that the project's lint finds, style aside, or with which the block does not elaborate is no
+mutant; another is drawn in its place.
 """
 
 import re
 import subprocess
+from itertools import islice
 
 from meissner import toolchain
 from meissner.trust import mutate, source_mutants, source_text
@@ -16,7 +18,7 @@ from meissner.trust.mutate import BITS, INNER, SYNTHESIS, Mutant
 from meissner.yowasp import ROOT, ToolError, chparam, yosys
 
 BLOCK = "plain"  # the module that holds the changes of one text, where there are copies
-LINT = ("verilator", "--lint-only", "--quiet", "-Wall", "tb/lint/verilator.vlt")
+LINT = ("verilator", "--lint-only", "--quiet", "-Wall", "-Wno-style", "tb/lint/verilator.vlt")
 
 
 class Source:
@@ -42,26 +44,34 @@ class Source:
         numbered = {number: change for number, change in enumerate(changes, 1) if change}
         return source_text.together(self.text, numbered, len(changes).bit_length())
 
-    def elaborate(self, name, text, more=""):
-        """Write folder/<name>.il, the block of ``text`` as module ``name``; ToolError if Yosys refuses it."""
-        sources = " ".join(self.write(name, text))
-        kept = " ".join(f"{name}/w:{wire}" for wire in mutate.named(self.run))
-        yosys(
-            f"read_verilog -sv {sources}; {chparam(self.block, self.run['parameters'])}"
-            f"hierarchy -check -top {self.block}; rename -top {name}; setattr -set keep 1 {kept}; "
-            f"{more}{SYNTHESIS}; write_rtlil {self.folder}/{name}.il",
-            f"{self.folder}/{name}.log",
-        )
+    def elaborate(self, texts):
+        """Write folder/<name>.il of each of {name: (text, commands)}: its block as module ``name``.
 
-    def elaborates(self, name, text, *more):
+        ToolError if Yosys refuses one.
+        """
+        script = []
+        for name, (text, more) in texts.items():
+            sources = " ".join(self.write(name, text))
+            kept = " ".join(f"{name}/w:{wire}" for wire in mutate.named(self.run))
+            script.append(
+                f"design -reset; read_verilog -sv {sources}; {chparam(self.block, self.run['parameters'])}"
+                f"hierarchy -check -top {self.block}; rename -top {name}; setattr -set keep 1 {kept}; "
+                f"{more}{SYNTHESIS}; write_rtlil {self.folder}/{name}.il"
+            )
+        (ROOT / self.folder / "read.ys").write_text("\n".join(script) + "\n")
+        yosys(f"script {self.folder}/read.ys", f"{self.folder}/read.log")
+
+    def elaborates(self, change):
+        """Whether Yosys reads the block with this change."""
+        text = source_text.alone(self.text, change) if change.constant else self.together([change])
         try:
-            self.elaborate(name, text, *more)
+            self.elaborate({"tried": (text, "")})
         except ToolError:
             return False
         return True
 
     def refused(self, change):
-        """Whether the lint of the project finds the change, at these parameters."""
+        """Whether the lint of the project, but for style, finds the change at these parameters."""
         if not hasattr(self, "fine"):
             self.fine = not self.lint(self.text)
         return self.fine and self.lint(source_text.alone(self.text, change))
@@ -71,6 +81,13 @@ class Source:
         command = [*LINT, "--top-module", self.block, *given, *self.write("lint", text)]
         done = subprocess.run(command, cwd=ROOT, env=toolchain.environment(), capture_output=True, text=True)
         return bool(done.returncode or done.stderr.strip())
+
+    def drawn(self, known, seeds):
+        """Of the changes ``known``, in the order of the draws of all seeds, those that lint lets pass."""
+        orders = [source_mutants.draw(known, len(known), seed) for seed in seeds]
+        for change in dict.fromkeys(change for turn in zip(*orders) for change in turn):
+            if not self.refused(change):
+                yield change
 
 
 def _ports(text, name):
@@ -107,27 +124,25 @@ def netlist(run, count, seeds, folder):
     source = Source(run, folder)
     inside = _looked_into(run, source.text)
     known = [change for change in source.changes if not (inside and change.constant)]
-    chosen, copied = [], {}
-    orders = [source_mutants.draw(known, len(known), seed) for seed in seeds]
-    for change in dict.fromkeys(change for turn in zip(*orders) for change in turn):
-        if len(chosen) == count:
+    waiting = source.drawn(known, seeds)
+    chosen = list(islice(waiting, count))
+    while chosen:
+        copied = {number: change for number, change in enumerate(chosen, 1) if change.constant}
+        texts = {f"copy_{n}": (source_text.alone(source.text, c), "flatten; ") for n, c in copied.items()}
+        if copied:
+            texts["copy_0"] = source.text, "flatten; "
+        texts[BLOCK] = source.together([None if change.constant else change for change in chosen]), ""
+        try:
+            source.elaborate(texts)
             break
-        if change.constant:
-            number = len(chosen) + 1
-            alone = source_text.alone(source.text, change)
-            if not source.elaborates(f"copy_{number}", alone, "flatten; "):
-                continue
-            copied[number] = change
-        chosen.append(change)
+        except ToolError:
+            bad = [change for change in chosen if not source.elaborates(change)]
+            if not bad:
+                raise
+            chosen = [change for change in chosen if change not in bad]
+            chosen += islice(waiting, count - len(chosen))
     if not chosen:
         return [], len(known)
-    beside = [None if number in copied else change for number, change in enumerate(chosen, 1)]
-    if not source.elaborates(BLOCK, source.together(beside)):
-        beside = [
-            change if change and source.elaborates("tried", source.together([change])) else None
-            for change in beside
-        ]
-        source.elaborate(BLOCK, source.together(beside))
     width = len(chosen).bit_length()
     read = f"read_rtlil {folder}/{BLOCK}.il; "
     if copied:
@@ -144,11 +159,23 @@ def netlist(run, count, seeds, folder):
     )
     mutate.wrap(run, folder, width)
     file = source.paths[-1].name
-    return [
+    mutants = [
         Mutant(number, change.what, f"{file}:{change.line}", change, parameters=run["parameters"])
         for number, change in enumerate(chosen, 1)
-        if number in copied or beside[number - 1]
-    ], len(known)
+    ]
+    for mutant in mutants:
+        if mutant.number in copied and _netlist(folder, mutant.number) == _netlist(folder, 0):
+            mutant.verdict = "equivalent"
+    return mutants, len(known)
+
+
+def _netlist(folder, number):
+    """A copy of the block as Yosys wrote it; names that come from places in its source are counted anew."""
+    text = (ROOT / folder / f"copy_{number}.il").read_text()
+    text = re.sub(rf"copy_{number}\b|[\w/-]+\.sv:[\d.-]+", "", text)
+    lines = [line for line in text.splitlines() if not re.match(r" *attribute|autoidx|#", line)]
+    names = {}
+    return re.sub(r"\$\d+", lambda found: names.setdefault(found[0], f"${len(names)}"), "\n".join(lines))
 
 
 def _looked_into(run, text):
@@ -158,11 +185,3 @@ def _looked_into(run, text):
     body = text.replace(head, "")
     seen = any(re.search(rf"\b{name}\b", body) for name in named)
     return seen or bool(mutate.scopes_of(mutate.tests_of(run).read_text()))
-
-
-def lint(mutants, run, folder):
-    """The verdict of those mutants of ``run`` that the project's lint finds."""
-    source = Source(run, folder)
-    for mutant in mutants:
-        if source.refused(mutant.command):
-            mutant.verdict = "lint"
