@@ -150,6 +150,8 @@ def one_kind(block, options, kind, count, wanted):
         sets.append(runs[0]["parameters"])
         tally = Counter(mutant.verdict for mutant in judged)
         print(f"  {runs[0]['parameters'] or 'defaults'}: {dict(tally)}, tests {seconds:.1f} s", flush=True)
+        for one in entry(judged, [], [], 0)["survived"]:
+            print(f"    {one['what']} at {one['source']}, {one['solver']}", flush=True)
     drawn = {"there": known, "seeds": options.seed}
     return drawn | entry(mutants, sets, slow, time.monotonic() - began)
 
@@ -192,8 +194,6 @@ def told(name, part):
     """What is printed of a block and a kind."""
     row = {k: part[k] for k in ("there", "mutants", "killed", "equivalent", "seconds")}
     print(f"{name}: {row}, survived {len(part['survived'])}, {100 * part['score']:.1f} %", flush=True)
-    for one in part["survived"]:
-        print(f"    {one['what']} at {one['source']}, {one['solver']}, {one['parameters']}", flush=True)
 
 
 def main():
