@@ -2,6 +2,8 @@
 
     python tools/mutants.py                  every block of rtl/rtl.f
     python tools/mutants.py haar divide      only these
+    python tools/mutants.py --source haar    only mutants of the source text; --cells: of the netlist's cells
+    python tools/mutants.py --seed 4 5 6     others than those of the record
     python tools/mutants.py --record         and merge the results into docs/trust/mutants.json and
                                              docs/mutants.md
 
@@ -13,10 +15,11 @@ import argparse
 import json
 import sys
 import time
+import tomllib
 from collections import Counter
 
 from meissner.toolchain import ROOT
-from meissner.trust import benches, equivalence, mutate, record, simulate
+from meissner.trust import benches, equivalence, mutants_page, mutate, record, simulate, source_netlist
 from meissner.yowasp import ToolError, warm_up
 
 PAGE = ROOT / "docs/mutants.md"
@@ -29,8 +32,12 @@ COUNTS = "counts_over_the_whole_width"  # the test of bench.turn_over
 FEWEST_A_SET = 25  # mutants; fewer sets if fewer are wanted
 FEWEST, MOST = 100, 200  # mutants of a block of WHOLE; between them one for each line of its source
 OTHERS = 25  # of another block: all of them in three hours of a processor
+SOURCE, SOURCE_SETS = 24, 2  # mutants of a block's source, over so many sets
+SEEDS = [1, 2, 3]
+JUDGED = ROOT / "tb/trust/equivalent.toml"  # by hand
 LARGE = {  # sets that take longer than --limit, or one chosen for its size; solvers that would not end
     "calibrate": {"sets": [1]},
+    "uart_rx": {"sets": [1, 3]},  # few clocks a bit
     "array": {"sets": [1], "limit": 60, "unsolved": True},
     "core": {"sets": [0], "limit": 100, "unsolved": True},
     "axis": {"limit": 60, "unsolved": True},
@@ -63,16 +70,17 @@ def size_of(block):
     return min(MOST, max(FEWEST, lines))
 
 
-def one_set(runs, number, count, options):
-    """Mutants of one parameter set, judged; and the seconds that the tests take on the unchanged block."""
+def one_set(runs, number, count, options, kind=mutate):
+    """Mutants of one parameter set, judged; of how many; and the seconds that the tests take on the unchanged
+    block. ``kind``: the module that makes them, mutate or source_netlist."""
     block = runs[0]["block"]
     folder = f"build/mutants/{block}-{number}"
-    mutants = mutate.netlist(runs[0], count, options.seed, folder)
+    mutants, known = kind.netlist(runs[0], count, options.seed, folder)
     if not mutants:
-        return [], 0.0
+        return [], known, 0.0
     simulate.build(runs[0], folder)
     seconds = 0.0
-    alive = mutants
+    alive = [mutant for mutant in mutants if mutant.verdict != "equivalent"]
     for run in runs:
         seconds += simulate.judge(run, alive, folder, options.jobs, limit=options.limit)
         alive = [mutant for mutant in alive if mutant.verdict == "survived"]
@@ -82,7 +90,20 @@ def one_set(runs, number, count, options):
             alive = [mutant for mutant in alive if mutant.verdict == "survived"]
     if alive:
         equivalence.classify(alive, folder, block, briefly=options.unsolved)
-    return mutants, seconds
+    if kind is source_netlist:
+        by_hand(alive, block)
+    return mutants, known, seconds
+
+
+def by_hand(mutants, block):
+    """Those of a block's source that a person has shown to change nothing are equivalent."""
+    judged = tomllib.loads(JUDGED.read_text())["mutant"]
+    same = {(row["text"], row["change"]) for row in judged if row["block"] == block}
+    lines = mutate.source_of(block).read_text().splitlines()
+    for mutant in mutants:
+        text = lines[mutant.command.line - 1].strip()
+        if mutant.verdict != "equivalent" and (text, mutant.what) in same:
+            mutant.verdict = "equivalent"
 
 
 def fitted(options, block, default):
@@ -94,29 +115,45 @@ def fitted(options, block, default):
 
 
 def one_block(block, options):
-    """The block's entry of docs/trust/mutants.json."""
-    began, revision = time.monotonic(), record.digest(block, "mutants")
-    count = options.samples or size_of(block)
-    wanted = len(options.sets) or min(SETS, -(-count // FEWEST_A_SET))
+    """The block's entry of docs/trust/mutants.json: of its cells, and under "source" of its text."""
+    found = {"of": record.digest(block, "mutants")}
+    if options.cells:
+        count = options.samples or size_of(block)
+        found |= one_kind(block, options, mutate, count, min(SETS, -(-count // FEWEST_A_SET)))
+    if options.source:
+        count = options.samples or SOURCE
+        found["source"] = one_kind(block, options, source_netlist, count, min(SOURCE_SETS, count))
+    return found
+
+
+def one_kind(block, options, kind, count, wanted):
+    """Mutants that the module ``kind`` makes of a block, over ``wanted`` of its sets."""
+    began = time.monotonic()
+    wanted = len(options.sets) or wanted
     groups = parameter_sets(block, wanted, options.sets)
     wanted = min(wanted, len(groups))
-    mutants, sets, slow = [], [], []
+    mutants, sets, slow, known = [], [], [], 0
     for number, runs in enumerate(groups):
         if len(sets) == wanted:
             break
         share = count // wanted + (len(sets) < count % wanted)
+        name = f"source-{number}" if kind is source_netlist else number
         try:
-            judged, seconds = one_set(runs, number, share, options)
+            judged, there, seconds = one_set(runs, name, share, options, kind)
         except simulate.TooSlow:
             slow.append(runs[0]["parameters"])
             continue
         if not judged:  # nothing but wires
             continue
         mutants += judged
+        known += there
         sets.append(runs[0]["parameters"])
         tally = Counter(mutant.verdict for mutant in judged)
         print(f"  {runs[0]['parameters'] or 'defaults'}: {dict(tally)}, tests {seconds:.1f} s", flush=True)
-    return {"of": revision} | entry(mutants, sets, slow, time.monotonic() - began)
+        for one in entry(judged, [], [], 0)["survived"]:
+            print(f"    {one['what']} at {one['source']}, {one['solver']}", flush=True)
+    drawn = {"there": known, "seeds": options.seed}
+    return drawn | entry(mutants, sets, slow, time.monotonic() - began)
 
 
 def entry(mutants, sets, slow, seconds):
@@ -141,69 +178,36 @@ def entry(mutants, sets, slow, seconds):
 
 
 def good(block, found):
-    return found["score"] >= (1 if block in WHOLE else LEAST)
-
-
-def summary(found):
-    """A block's cell in docs/trust.md."""
-    made = found["mutants"] - found["equivalent"]
-    return f"{found['mutants']} drawn, {found['killed']} of {made} killed, {found['equivalent']} equivalent"
-
-
-def total(blocks):
-    """One line of all blocks."""
-    killed, equal, made = (sum(b[k] for b in blocks) for k in ("killed", "equivalent", "mutants"))
-    return (
-        f"{made:,} mutants drawn in {len(blocks)} blocks: {equal} shown equivalent, {killed:,} of the other "
-        f"{made - equal:,} killed by the blocks' own tests"
-    )
+    least = 1 if block in WHOLE else LEAST
+    return all(part["score"] >= least for part in mutants_page.parts(found))
 
 
 def write(block, found):
     """Merge what was found of a block into the record, and write the page's table anew from it."""
-    own = {block: found}, summary, total
-    path = record.merge("mutants", "make mutants", *own, listed=benches.blocks())
+    own = {block: found}, mutants_page.summary, mutants_page.total
+    path = record.merge("mutants", "make mutants", *own, join=dict.__or__, listed=benches.blocks())
     prose = PAGE.read_text().split(MARK)[0]
-    PAGE.write_text(prose + MARK + "\n" + table(json.loads(path.read_text())))
+    PAGE.write_text(prose + MARK + "\n" + mutants_page.table(json.loads(path.read_text())))
 
 
-def table(told):
-    """The Markdown of the results: a row per block, then the survivors."""
-    lines = [
-        "| block | mutants | killed | equivalent | survived | score | seconds |",
-        "|---|--:|--:|--:|--:|--:|--:|",
-    ]
-    every = Counter()
-    for name, found in told["blocks"].items():
-        row = {k: found[k] for k in ("mutants", "killed", "equivalent")} | {
-            "survived": len(found["survived"])
-        }
-        row["seconds"] = found["seconds"]
-        every.update(row)
-        lines.append(_row(name, row))
-    lines.append(_row("**all**", every))
-    lines += ["", "Survivors; *different*: the solver has inputs that tell it from the block.", ""]
-    for name, found in told["blocks"].items():
-        for one in found["survived"]:
-            at = " ".join(f"{k}={v}" for k, v in one["parameters"].items()) or "defaults"
-            lines.append(f"- {name} ({at}): `{one['what']}` at {one['source'] or '?'}, {one['solver']}")
-    return "\n".join(lines) + "\n"
-
-
-def _row(name, row):
-    score = row["killed"] / max(1, row["mutants"] - row["equivalent"])
-    cells = [row["mutants"], row["killed"], row["equivalent"], row["survived"], f"{100 * score:.1f} %"]
-    return f"| {name} | " + " | ".join(map(str, cells)) + f" | {row['seconds']} |"
+def told(name, part):
+    """What is printed of a block and a kind."""
+    row = {k: part[k] for k in ("there", "mutants", "killed", "equivalent", "seconds")}
+    print(f"{name}: {row}, survived {len(part['survived'])}, {100 * part['score']:.1f} %", flush=True)
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("block", nargs="*", help="without msn_; all if none is named")
-    parser.add_argument("--samples", type=int, help="mutants per block, in place of 25, or 100 to 200")
+    parser.add_argument("--source", action="store_true", help="only mutants of the source text")
+    parser.add_argument("--cells", action="store_true", help="only mutants of the netlist's cells")
+    parser.add_argument(
+        "--samples", type=int, help="mutants per block of a kind, in place of 25, or 100 to 200, and 24"
+    )
     parser.add_argument(
         "--sets", type=int, nargs="+", default=[], help="parameter sets, by place in its tests"
     )
-    parser.add_argument("--seed", type=int, default=1, help="of Yosys's choice of mutants")
+    parser.add_argument("--seed", type=int, nargs="+", default=SEEDS, help="of the choice of mutants")
     parser.add_argument("--jobs", type=int, default=2, help="mutants that run at a time")
     parser.add_argument("--limit", type=float, default=30, help="seconds of a set's tests, else passed over")
     parser.add_argument("--unsolved", action="store_true", help="ask the solver of a single clock only")
@@ -211,6 +215,8 @@ def main():
         "--record", action="store_true", help="write docs/trust/mutants.json and docs/mutants.md"
     )
     options = parser.parse_args()
+    if not (options.source or options.cells):
+        options.source = options.cells = True
     if refusal := benches.unknown(options.block):
         parser.exit(2, f"mutants: {refusal}\n")
     warm_up()
@@ -223,13 +229,12 @@ def main():
             print(f"{block}: FAILED, {error}\n{getattr(error, 'tail', '')}", flush=True)
             wrong.append(block)
             continue
-        row = {k: found[k] for k in ("mutants", "killed", "equivalent", "seconds")}
-        print(f"{block}: {row}, survived {len(found['survived'])}, {100 * found['score']:.1f} %", flush=True)
-        for one in found["survived"]:
-            print(f"    {one['what']} at {one['source']}, {one['solver']}, {one['parameters']}", flush=True)
-        if found["mutants"]:
+        for name, part in (("cells", found), ("source", found.get("source", {}))):
+            if "mutants" in part:
+                told(f"{block}, {name}", part)
+        if mutants_page.both(found, "mutants"):
             results[block] = found
-        if not found["mutants"] or not good(block, found):
+        if block not in results or not good(block, found):
             wrong.append(block)
         if options.record and block in results:
             write(block, found)

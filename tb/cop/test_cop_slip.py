@@ -1,7 +1,7 @@
 """msn_cop_slip against its model, the model against fractions and times counted anew: drops at, just above
 and just below the fraction, moves at the limit in every direction, octants at their limits, full scale, the
-gate, hold and refractory of 0, some and many samples, lags of 1 to 40; the published slip found with its
-direction, a slow or plain release not; gaps, stalls, reset in each state, exact clocks."""
+gate, hold and refractory of 0, some and many samples and to the sample, lags of 1 to 40; the published slip
+found with its direction, a slow or plain release not; gaps, stalls, reset in each state, exact clocks."""
 
 from dataclasses import asdict, replace
 from fractions import Fraction
@@ -97,6 +97,69 @@ async def each_bit_of_a_time_counts(dut):
         expected = expected_of(samples, lag, registers)
         assert sum(beat["raised"] for beat in expected) > 0
         assert await bench.stream(dut, beats_of(samples), FIELDS) == expected
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def a_time_ends_to_the_sample(dut):
+    """One drop: slip for it and `hold` samples more; then a drop is not heard for `refractory` samples."""
+    lag = dut.Lag.value.to_unsigned()
+    await bench.start(dut)
+    for hold, refractory in ((0, 0xAAA), (0, 0x1555), (0xAAA, 0), (0x1555, 0), (5, 3)):
+        for name, value in ports(CopSlipRegisters(26, 0, 1, hold, refractory)).items():
+            getattr(dut, name).value = value
+        await bench.reset(dut)
+        first = lag + 3
+        after = first + hold + 1
+        again = after + refractory + 1
+        loads = [1000] * again + [10]
+        loads[first] = 100
+        if refractory:
+            loads[again - 1] = 100  # the last that is not heard
+        beats = [{"x": 7, "y": -9, "load": load, "pressed": 1} for load in loads]
+        got = await bench.stream(dut, beats, ["slip", "raised"], drain=9)
+        assert [k for k, beat in enumerate(got) if beat["raised"]] == [first, again]
+        assert [k for k, beat in enumerate(got) if beat["slip"]] == [*range(first, after), again]
+        assert len(got) == again + 1
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def octants_end_where_the_header_says(dut):
+    """128 of the smaller side are at most 53 of the larger, or just more: at many lengths, all eight."""
+    lag = dut.Lag.value.to_unsigned()
+    await bench.start(dut, **ports(CopSlipRegisters(26, 0, 1, 2, 3)))
+    long = [1 << k for k in range(7, 15)] + [127, 255, 1023, 4095, 16383, 0x2A55, 0x155A, 0x3C3C, 11111]
+    moves = []
+    for larger in long:
+        for smaller in (53 * larger // 128, 53 * larger // 128 + 1):
+            near = smaller * 128 <= 53 * larger  # an axis, not a diagonal
+            moves += [(larger, smaller, 0 if near else 1), (smaller, larger, 2 if near else 1)]
+            moves += [(-smaller, larger, 2 if near else 3), (-larger, smaller, 4 if near else 3)]
+    moves += [(0, 0, 0)] * (-len(moves) % lag)
+    beats, expected = [], []
+    for place in range(0, len(moves), lag):  # there and back, `lag` moves side by side
+        some = moves[place : place + lag]
+        beats += [
+            {"x": x, "y": y, "load": 9, "pressed": 1} for x, y in [(0, 0)] * lag + [m[:2] for m in some]
+        ]
+        back = [(4 + octant) % 8 if x or y else 0 for x, y, octant in moves[max(0, place - lag) : place]]
+        expected += (back or [0] * lag) + [octant for _, _, octant in some]
+    got = await bench.stream(dut, beats, ["octant"], drain=9)
+    assert [beat["octant"] for beat in got] == expected
+    assert set(expected) == set(range(8))
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def takes_five_samples_while_none_is_taken(dut):
+    """One for each stage, back to back; the sixth waits."""
+    await bench.start(dut, **ports(SETS[0]), out_ready_i=0, in_x_i=1, in_y_i=2, in_load_i=9, in_pressed_i=1)
+    dut.in_valid_i.value = 1
+    for clock in range(9):
+        await bench.ReadOnly()
+        assert dut.in_ready_o.value == (clock < 5), f"clock {clock}"
+        await bench.RisingEdge(dut.clk_i)
+    dut.out_ready_i.value = 1
+    await bench.ReadOnly()
+    assert dut.in_ready_o.value == 1
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")

@@ -104,10 +104,10 @@ def nothing_went_wrong(dut):
     return not any(bench.read(getattr(dut, f"{n}_o")) for n in ("dropped", "overrun", "timeout", "damaged"))
 
 
-async def watch(dut, rubber, frames):
+async def watch(dut, rubber, frames, config=CONFIG):
     """Run ``frames`` frames through the pins; returns the part, the decisions and the times of both."""
     channels, period = number(dut, "Channels"), number(dut, "ClkKhz") * 1000 // RATE_HZ
-    model = await begin(dut, rubber, CONFIG, period)
+    model = await begin(dut, rubber, config, period)
     decisions, converts = [], []
     clock = 0
     while len(decisions) < frames // 2 * channels:
@@ -176,6 +176,18 @@ async def decides_in_time_at_the_pins(dut):
             assert round(us) == {MCP3208: 107, AD7606: 106}[acquire.part]
     intervals = np.diff([round(1000 * time) for time in converts])  # whole picoseconds
     assert (intervals == round(1e12 / RATE_HZ)).all()
+
+
+@cocotb.test(timeout_time=50, timeout_unit="ms")
+async def is_blank_as_long_as_is_set(dut):
+    """Pressed from the first detail on, over from the second: raised after the three that are blanked. No
+    other time is as long."""
+    rubber = Rubber(number(dut, "Channels"), 24)
+    rubber.codes[0, 2] += 600
+    _, decisions, _ = await watch(dut, rubber, 24, replace(CONFIG, hold=7, refractory=5, blank=3))
+    of_first = [(state, over) for _, which, state, _, over, *_ in decisions if which == 0]
+    assert of_first == [(State.CONTACT, 0)] + [(State.CONTACT, 1)] * 3 + [(State.INCIPIENT, 1)] * 8
+    assert {state for _, which, state, *_ in decisions if which} <= {State.CONTACT}
 
 
 def settings_of_any_bit(rng, p2p, total, bits, timer_bits):

@@ -1,6 +1,7 @@
 """All mutants of a block in one netlist: Yosys reads the sources, `mutate` changes one cell's port bit each.
 
-    netlist(run, count, seed, folder)   [Mutant, ...]; writes folder/mutated.v, mutated.il and wrapper.sv
+    netlist(run, count, seeds, folder)  [Mutant, ...], of how many; writes folder/mutated.v, mutated.il and
+                                        wrapper.sv
 
 Only cells of the block itself are changed, and the ports of the blocks in it; these have mutants of their
 own. An input `mutsel` of the netlist chooses the mutant, 0 the unchanged block; a generated wrapper has the
@@ -59,12 +60,22 @@ def _listed(text):
         yield what, source, line
 
 
-def _module(text, name):
+def head_of(text, module):
+    """The head of a module in a source."""
+    return re.search(rf"^module {module}\b.*?^\);", text, re.DOTALL | re.MULTILINE).group()
+
+
+def scopes_of(tests):
+    """Paths of blocks inside that stand in quotes in the tests."""
+    return re.findall(r'"((?:gen_\w+\.)*u_\w+)"', tests)
+
+
+def module_of(text, name):
     """A module of a netlist, from its head to its end."""
     return text.partition(f"\nmodule {name}(")[2].partition("\nendmodule")[0]
 
 
-def _named(run):
+def named(run):
     """The signals that the tests name, of the block's own."""
     return sorted(set(re.findall(r"\bdut\.(\w+)", tests_of(run).read_text())))
 
@@ -81,33 +92,31 @@ def _seen_inside(run, folder):
     """The wrapper's copies of those signals inside the block that its tests name, and, in scopes of the same
     names, of all ports of those blocks in it whose path stands in quotes there."""
     text, tests = (ROOT / folder / "mutated.v").read_text(), tests_of(run).read_text()
-    module = _module(text, INNER)
+    module = module_of(text, INNER)
     port = rf"^  (?:in|out)put ({BITS})(\w+);"
     ports = [name for _, name in re.findall(port, module, re.MULTILINE)]
     wires = {name: bits for bits, name in re.findall(rf"^  (?:wire|reg) ({BITS})(\w+);", module, re.M)}
     copy = "  logic {bits}{name};\n  assign {name} = u_mutated.{at}{name};\n".format
     seen = "".join(
-        copy(bits=wires[name], at="", name=name)
-        for name in _named(run)
-        if name in wires and name not in ports
+        copy(bits=wires[name], at="", name=name) for name in named(run) if name in wires and name not in ports
     )
-    paths, tree = re.findall(r'"((?:gen_\w+\.)*u_\w+)"', tests), {}
+    paths, tree = scopes_of(tests), {}
     for kind, path in re.findall(r"^  (\S+) +\\?([\w.]+) +\($", module, re.MULTILINE):
         if path in paths:
             scope = tree
             for name in path.split("."):
                 scope = scope.setdefault(name, {})
-            block = _module(text, f"{kind} " if kind.startswith("\\") else kind)
+            block = module_of(text, f"{kind} " if kind.startswith("\\") else kind)
             at = f"\\{path} ." if "." in path else f"{path}."  # the name itself has dots in it
             for bits, name in re.findall(port, block, re.MULTILINE):
                 scope[name] = copy(bits=bits, at=at, name=name)
     return seen + _scopes(tree)
 
 
-def netlist(run, count, seed, folder):
+def netlist(run, count, seeds, folder):
     """Write the netlist of ``run`` (an entry of benches.runs) with at most ``count`` mutants into ``folder``.
 
-    ``folder`` is relative to ROOT. Returns the mutants, numbered from 1.
+    ``folder`` is relative to ROOT. Returns the mutants, numbered from 1, and how many there are to draw from.
     """
     block = f"msn_{run['block']}"
     (ROOT / folder).mkdir(parents=True, exist_ok=True)
@@ -117,15 +126,21 @@ def netlist(run, count, seed, folder):
         f"hierarchy -check -top {block}; rename -top {INNER}; {SYNTHESIS}; write_rtlil {folder}/plain.il",
         f"{folder}/read.log",
     )
-    # More than wanted, as some are of clocks; several at one place are thinned by Yosys itself.
-    for more in (count + count // 4 + 8, 4 * count):
-        yosys(
-            f"read_rtlil {folder}/plain.il; mutate -list {more} -seed {seed} -o {folder}/listed {INNER}",
-            f"{folder}/list.log",
-        )
-        listed = list(_listed((ROOT / folder / "listed").read_text()))[:count]
-        if len(listed) == count:
-            break
+    listed = {}
+    for place, seed in enumerate(seeds, 1):
+        wanted = count * place // len(seeds)
+        # More than wanted, as some are of clocks; several at one place are thinned by Yosys itself.
+        for more in (count + count // 4 + 8, 4 * count):
+            said = yosys(
+                f"read_rtlil {folder}/plain.il; mutate -list {more} -seed {seed} -o {folder}/listed {INNER}",
+                f"{folder}/list.log",
+            )
+            found = {entry[2]: entry for entry in _listed((ROOT / folder / "listed").read_text())}
+            new = [line for line in found if line not in listed]
+            if len(listed) + len(new) >= wanted:
+                break
+        listed |= {line: found[line] for line in new[: wanted - len(listed)]}
+    listed = list(listed.values())
     width = len(listed).bit_length()
     mutants = [Mutant(n, *entry) for n, entry in enumerate(listed, 1)]
     for mutant in mutants:
@@ -133,14 +148,20 @@ def netlist(run, count, seed, folder):
     control = [m.command.replace("mutate ", f"mutate -ctrl mutsel {width} {m.number} ", 1) for m in mutants]
     (ROOT / folder / "apply.ys").write_text("\n".join(control) + "\n")
     # What only the tests read stays, even if a mutant takes its name from it.
-    kept = " ".join(f"{INNER}/w:{name}" for name in _named(run))
+    kept = " ".join(f"{INNER}/w:{name}" for name in named(run))
     yosys(
         f"read_rtlil {folder}/plain.il; setattr -set keep 1 {kept}; script {folder}/apply.ys; opt_clean; "
         f"write_rtlil {folder}/mutated.il; write_verilog -noattr {folder}/mutated.v",
         f"{folder}/apply.log",
     )
+    wrap(run, folder, width)
+    return mutants, int(re.search(r"^Raw database size: (\d+)", said, re.MULTILINE)[1])
+
+
+def wrap(run, folder, width):
+    """Write the wrapper of the netlist in ``folder``, whose ``mutsel`` has ``width`` bits."""
+    block = f"msn_{run['block']}"
     text = source_of(run["block"]).read_text()
-    header = re.search(rf"^module {block}\b.*?^\);", text, re.DOTALL | re.MULTILINE).group()
+    header = head_of(text, block)
     inner = f"  logic [{width - 1}:0] mutsel;\n  {INNER} u_mutated (.*);\n{_seen_inside(run, folder)}"
     (ROOT / folder / "wrapper.sv").write_text(f"{header}\n\n{inner}\nendmodule\n")
-    return mutants

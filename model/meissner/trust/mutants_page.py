@@ -1,0 +1,77 @@
+"""What docs/trust/mutants.json says of its blocks, in words and in tables. Of each there may be a part of the
+netlist's cells, which is the block's own entry, and one of its source text, under "source" in it."""
+
+from collections import Counter
+
+
+def parts(found):
+    """What was found of the cells, and of the source, where it was looked for."""
+    return [part for part in (found, found.get("source", {})) if "mutants" in part]
+
+
+def both(found, key):
+    """The sum of a number over both kinds."""
+    return sum(part.get(key, 0) for part in parts(found))
+
+
+def summary(found):
+    """A block's cell in docs/trust.md."""
+    drawn, killed, equal = (both(found, key) for key in ("mutants", "killed", "equivalent"))
+    return f"{drawn} drawn, {killed} of {drawn - equal} killed, {equal} equivalent"
+
+
+def total(blocks):
+    """One line of all blocks."""
+    kinds = (
+        ("mutants of cells", [b for b in blocks if "mutants" in b]),
+        ("of source", [b["source"] for b in blocks if "source" in b]),
+    )
+    told = []
+    for name, some in kinds:
+        if some:
+            killed, equal, made, there = (
+                sum(b.get(k, 0) for b in some) for k in ("killed", "equivalent", "mutants", "there")
+            )
+            of = f" of {there:,}" if all("there" in b for b in some) else ""
+            told.append(
+                f"{made:,}{of} {name} drawn in {len(some)} blocks: {equal} shown equivalent, {killed:,} of "
+                f"the other {made - equal:,} killed by the blocks' own tests"
+            )
+    return "; ".join(told)
+
+
+COLUMNS = ("there", "mutants", "killed", "equivalent", "survived", "score", "seconds")
+
+
+def table(told):
+    """The Markdown of the results: a row per block, first of cells, then of source, then the survivors."""
+    lines = [
+        "| block | " + " | ".join(["of", *COLUMNS[1:]] * 2) + " |",
+        "|---" + "|--:" * 2 * len(COLUMNS) + "|",
+    ]
+    every = [Counter(), Counter()]
+    for name, found in told["blocks"].items():
+        cells = []
+        for sums, part in zip(every, (found, found.get("source", {}))):
+            row = {k: part[k] for k in ("mutants", "killed", "equivalent", "seconds", "there") if k in part}
+            if "mutants" in part:
+                row["survived"] = len(part["survived"])
+            sums.update(row)
+            cells += _cells(row)
+        lines.append(f"| {name} | " + " | ".join(cells) + " |")
+    lines.append("| **all** | " + " | ".join([cell for sums in every for cell in _cells(sums)]) + " |")
+    lines += ["", "Survivors; *different*: the solver has inputs that tell it from the block.", ""]
+    for name, found in told["blocks"].items():
+        for one in [one for part in parts(found) for one in part["survived"]]:
+            at = " ".join(f"{k}={v}" for k, v in one["parameters"].items()) or "defaults"
+            lines.append(f"- {name} ({at}): `{one['what']}` at {one['source'] or '?'}, {one['solver']}")
+    return "\n".join(lines) + "\n"
+
+
+def _cells(row):
+    """Of one kind; empty where there was none."""
+    if "mutants" not in row:
+        return [""] * len(COLUMNS)
+    made = row["mutants"] - row["equivalent"]
+    shown = {**row, "score": f"{100 * row['killed'] / max(1, made):.1f} %"}
+    return [str(shown.get(column, "")) for column in COLUMNS]
