@@ -335,8 +335,19 @@ def program(block):
         (folder / "faults_top.sv").write_text(wrapper(block, own))
         (folder / "shim.cpp").write_text(SHIM)
         if not (folder / "libverilated.a").exists():
-            command = ["verilator", "--cc", "--build", "--vpi", "--public-flat-rw", "-Wno-fatal", "-Wno-lint"]
-            command += ["-Wno-style", "--top-module", "faults_top", "-Mdir", folder, *given, "-MAKEFLAGS"]
+            # Without assertions: what an upset brings about is judged by what comes out.
+            command = ["verilator", "--cc", "--build", "--no-assert", "--vpi", "--public-flat-rw"]
+            command += [
+                "-Wno-fatal",
+                "-Wno-lint",
+                "-Wno-style",
+                "--top-module",
+                "faults_top",
+                "-Mdir",
+                folder,
+                *given,
+                "-MAKEFLAGS",
+            ]
             command += ["OPT_FAST=-O1 OPT_SLOW=-O0 OPT_GLOBAL=-O1 CFG_CXXFLAGS_PCH_I=-include"]
             _do(block, [*command, *sources, folder / "faults_top.sv"])
         shim = _compiled(folder / "shim.cpp", folder, "-O1")
