@@ -73,11 +73,12 @@ async def matches_model(dut, pause_rate):
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def a_word_that_is_written_as_it_is_read_shows(dut):
-    """A word read in the clock in which it is written is undefined in the memories: simulated, it is what stood
-    there with every bit inverted, in the parts that are written; as it stood, written in a clock without an advance
-    or in the other bank; the new one after the next restart. Written a clock before or after it is read: new, old."""
-    words, parts, bits, banks, start = [
-        getattr(dut, name).value.to_unsigned() for name in ("Words", "Parts", "PartBits", "Banks", "Start")
+    """A word read in the clock in which it is written is undefined in the memories: simulated, the parts
+    that are written are what stood there with every bit inverted, and the new ones after the next restart.
+    Written in a clock without an advance before it is read: new; in the other bank or a clock after it was
+    read: old."""
+    parts, bits, banks, start = [
+        getattr(dut, name).value.to_unsigned() for name in ("Parts", "PartBits", "Banks", "Start")
     ]
     top, every = (1 << bits) - 1, (1 << parts) - 1
     old = [(5 * part + 11) & top for part in range(parts)]

@@ -1,7 +1,8 @@
-"""What meets in one clock in msn_calibrate, with forces worked out from the header's formula by hand: a swap asked
-for at every clock around a frame's first and last beat, in a frame's middle and asked twice; an entry written in
-the clock of the request and right after the exchange; row x column: its credit with the FIFO exactly full and
-exactly empty, and beats of a damaged frame that leave, are dropped and come in one clock."""
+"""What meets in one clock in msn_calibrate, with forces worked out from the header's formula by hand: a
+swap asked for at every clock around a frame's first and last beat, in a frame's middle and asked twice; an
+entry written in the clock of the request and right after the exchange; row x column: its credit with the
+FIFO exactly full and exactly empty, and beats of a damaged frame that leave, are dropped and come in one
+clock."""
 
 import cocotb
 import pytest
@@ -21,7 +22,7 @@ def raw_of(frame, beat, lane):
     return 3000 + 211 * frame + 17 * beat + 5 * lane
 
 
-# The gains are 1, 2, 3 ... of 4096; per taxel the offsets differ in every beat and lane, else in every row, column.
+# Gains are 1, 2, 3 .. of 4096; of taxels the offsets differ in every beat and lane, else in rows and columns.
 def force(dut, level, frame, beat, lane):
     """(raw - offset) gain of the calibration ``level``; the surplus lane of a row is calibrated too."""
     row, column = divmod(beat, ROW_BEATS)
@@ -33,7 +34,9 @@ def entries(dut, level):
     """(of a row?, word, lanes, offset, gain) of a whole bank."""
     gain = 4096 * (level + 1)
     if not row_column(dut):
-        return [(0, word, lane, 11 * word + lane + 7 * level, gain) for word in range(BEATS) for lane in (0, 1)]
+        return [
+            (0, word, lane, 11 * word + lane + 7 * level, gain) for word in range(BEATS) for lane in (0, 1)
+        ]
     columns = [(0, word, lane, 10 * word + lane, gain) for word in range(ROW_BEATS) for lane in (0, 1)]
     return columns + [(1, row, 0, 100 * row + 7 * level, 4096) for row in range(ROWS)]
 
@@ -62,7 +65,10 @@ class Line:
             frame, number = beat[:2]
             bits = len(dut.in_data_i) // LANES
             dut.in_data_i.value = bench.lane_word([raw_of(frame, number, lane) for lane in (0, 1)], bits)
-            dut.in_id_i.value, dut.in_last_i.value = beat[2] if len(beat) > 2 else number, int(number == BEATS - 1)
+            dut.in_id_i.value, dut.in_last_i.value = (
+                beat[2] if len(beat) > 2 else number,
+                int(number == BEATS - 1),
+            )
             dut.in_mask_i.value = 0
         await bench.ReadOnly()
         if ready and dut.out_valid_o.value == 1:
@@ -88,7 +94,9 @@ class Line:
     async def send(self, beats, swaps=(), writes=None):
         """``beats`` without a gap; cfg_swap_i in the clocks ``swaps``, entries in those of ``writes``."""
         for beat in beats:
-            while not await self.tick(beat, swap=int(self.clock in swaps), write=(writes or {}).get(self.clock)):
+            while not await self.tick(
+                beat, swap=int(self.clock in swaps), write=(writes or {}).get(self.clock)
+            ):
                 pass
         for _ in range(20):
             await self.tick()
@@ -123,8 +131,9 @@ QUIET = {"cfg_write_i": 0, "cfg_write_row_i": 0, "cfg_swap_i": 0}
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def a_swap_around_a_frames_first_and_last_beat(dut):
-    """In the clock of a beat, before or after it: it counts from the first frame that begins in a later clock. Up to
-    four clocks pass before that frame's first beat, and none anywhere else; row x column never waits."""
+    """In the clock of a beat, before or after it: it counts from the first frame that begins in a later
+    clock. Three clocks pass before that frame's first beat, and none anywhere else; row x column never
+    waits."""
     await bench.start(dut, **QUIET)
     line = await begin(dut)
     await line.send(whole(0, 1, 2, 3))
@@ -147,8 +156,8 @@ async def a_swap_around_a_frames_first_and_last_beat(dut):
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def swapping_until_the_frame_is_over(dut):
-    """cfg_swapping_o from the clock after the request to the one after the frame's last beat; a second request
-    while the first waits changes nothing more."""
+    """cfg_swapping_o from the clock after the request to the one after the frame's last beat; a second
+    request while the first waits changes nothing more."""
     await bench.start(dut, **QUIET)
     for again in (None, 2, BEATS - 2):
         line = await begin(dut)
@@ -166,8 +175,8 @@ async def swapping_until_the_frame_is_over(dut):
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def an_entry_in_the_clock_of_the_request(dut):
-    """The last entry of a calibration is written in the clock that asks for the swap: it belongs to it. One that
-    is written while the first frame with it passes belongs to the next."""
+    """The last entry of a calibration is written in the clock that asks for the swap: it belongs to it. One
+    that is written while the first frame with it passes belongs to the next."""
     await bench.start(dut, **QUIET)
     line = await begin(dut)
     *most, last = entries(dut, 2)
@@ -186,8 +195,8 @@ async def an_entry_in_the_clock_of_the_request(dut):
 @bench.applies(row_column)
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def the_credit_is_whole_after_full_and_empty(dut):
-    """Row x column: nobody takes any for 100 clocks, then one beat now and then, then all; again and again. The
-    credit is used up at 31 beats; when 28 are left, 3 come in before that is seen."""
+    """Row x column: nobody takes any for 100 clocks, then one beat now and then, then all; again and again.
+    The credit is used up at 31 beats; when 28 are left, 3 come in before that is seen."""
     await bench.start(dut, **QUIET)
     line = await begin(dut)
     frames = 24
@@ -222,14 +231,14 @@ async def the_credit_is_whole_after_full_and_empty(dut):
 @bench.applies(row_column)
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def what_is_dropped_gives_its_place_back(dut):
-    """Beats of a damaged frame are dropped behind the input; with the consumer stalled, ready and in turns. After
-    400 of them the credit is what it was, and the next frames are whole."""
+    """Beats of a damaged frame are dropped behind the input; with the consumer stalled, ready and in turns.
+    After 400 of them the credit is what it was, and the next frames are whole."""
     await bench.start(dut, **QUIET)
     for stalled in (lambda n: True, lambda n: False, lambda n: n % 2, lambda n: n % 7 < 5):
         line = await begin(dut)
         # Beat 2's number is wrong: it leaves as the frame's last, and all that follow are dropped.
         broken = [(0, 0), (0, 1), (0, 2, 5), *((0, 3) for _ in range(400)), (0, BEATS - 1)]
-        for number, beat in enumerate(broken):
+        for beat in broken:
             while not await line.tick(beat, ready=int(not stalled(line.clock))):
                 assert line.clock < 3000, "the credit leaked"
         for _ in range(40):

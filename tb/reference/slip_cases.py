@@ -100,7 +100,7 @@ CASES = [
     Case("the longest blank", "P" * 17, "o" * 17, "c" * 16 + "i", 15, blank=LONGEST),
     Case("each contact is blanked", "PPPLPPP", "0oo00oo", "ccircci", 2, blank=1),
     Case("blank once a contact", "PPPPP", "0oo.o", "ccici", 1, blank=1),
-    # What ends in one detail: a release's hold and a new contact's begin, a hold and a lift, a blank and a slip.
+    # What meets in one detail: a hold's end and a new contact, a hold's and a lift, a blank's and a slip.
     Case("touched one before a release ends", "PLp PPPP", "000 oooo", "crr ccii", 1, hold=2, blank=1),
     Case("touched in a release's last detail", "PLpp PPP", "0000 ooo", "crrr cci", 1, hold=2, blank=1),
     Case("touched as a release is over", "PLppp PPP", "00000 ooo", "crrrn cci", 1, hold=2, blank=1),
