@@ -6,6 +6,8 @@ Settle 2 and a cycle of 20: a conversion every 20 clocks, trigger_o in the clock
 at the pins a clock later; a frame has two, of 3 beats of 2 columns, the last one a column beside the array.
 """
 
+import itertools
+
 import cocotb
 import pytest
 
@@ -34,6 +36,10 @@ def code(conversion, channel, lane):
 
 def now(clock):
     return (0xABCD_0000_0000 + 7 * clock) & ((1 << 48) - 1)
+
+
+def wide(dut):
+    return dut.Lanes.value.to_unsigned() == 2
 
 
 class Scene:
@@ -113,6 +119,7 @@ async def anew(dut, **given):
     return Scene(dut, **given)
 
 
+@bench.applies(wide)
 @cocotb.test(timeout_time=10, timeout_unit="ms")
 async def a_frames_end_around_the_next_trigger(dut):
     """The last sample up to the clock before the next trigger_o: the frame's last beat leaves in that clock
@@ -128,6 +135,7 @@ async def a_frames_end_around_the_next_trigger(dut):
         assert scene.triggers == [TRIGGER + SLOT * n for n in range(8)]
 
 
+@bench.applies(wide)
 @cocotb.test(timeout_time=10, timeout_unit="ms")
 async def a_consumer_wakes_around_the_next_frames_first_beat(dut):
     """A frame's first beat is in the buffer 2 clocks after its sample. If the last of the frame before
@@ -149,6 +157,7 @@ async def a_consumer_wakes_around_the_next_frames_first_beat(dut):
     assert met == {True, False}
 
 
+@bench.applies(wide)
 @cocotb.test(timeout_time=10, timeout_unit="ms")
 async def a_lost_strobe_around_the_other_samples(dut):
     """Of one converter and of both, at every clock from the trigger's next to the latest: its samples are 0
@@ -170,6 +179,7 @@ async def a_lost_strobe_around_the_other_samples(dut):
         assert got[: len(due)] == due and bench.read(dut.lost_o) == 2
 
 
+@bench.applies(wide)
 @cocotb.test(timeout_time=10, timeout_unit="ms")
 async def enable_falls_around_triggers(dut):
     """At every clock of a frame: it is whole, and none follows; in the clock of the next one's first switch
@@ -183,6 +193,7 @@ async def enable_falls_around_triggers(dut):
         assert bench.read(dut.row_o) == 0
 
 
+@bench.applies(wide)
 @cocotb.test(timeout_time=10, timeout_unit="ms")
 async def a_reset_in_every_clock_of_a_frame(dut):
     """Nothing of it leaves afterwards; the frames after it are whole, from number 0 on."""
@@ -196,6 +207,63 @@ async def a_reset_in_every_clock_of_a_frame(dut):
         assert bench.read(dut.lost_o) == bench.read(dut.dropped_o) == 0
 
 
-@pytest.mark.parametrize("size", [SIZE], ids=["2x5"])
+RING = {"Rows": 3, "Columns": 8, "Lanes": 1, "Channels": 2, "Cycle": 20, "SampleBits": 13, "Depth": 8}
+RING |= {"SettleBits": 6, "PeriodBits": 16}
+
+
+async def ring(dut, ready, clocks):
+    """Clocks of trigger_o, and how many beats left; ``ready``(clock, beats so far): is the consumer awake."""
+    dut.cfg_enable_i.value = dut.in_valid_i.value = 0
+    await bench.reset(dut)
+    await bench.clocks(dut, 5)
+    triggers, out = [], []
+    for clock in range(clocks):
+        awake = ready(clock, len(out))
+        dut.cfg_enable_i.value, dut.out_ready_i.value = 1, awake
+        channel = clock - triggers[-1] - 2 if triggers else -1
+        dut.in_valid_i.value = int(0 <= channel < 2)
+        dut.in_data_i.value = 10 * len(triggers) + max(channel, 0)
+        await bench.ReadOnly()
+        if dut.out_valid_o.value == 1 and awake:
+            out.append((bench.read(dut.out_id_o), bench.read(dut.out_data_o)))
+        if dut.trigger_o.value == 1:
+            triggers.append(clock)
+        await bench.RisingEdge(dut.clk_i)
+    await bench.ReadOnly()
+    held, dropped = bench.read(dut.held_o), bench.read(dut.dropped_o)
+    await bench.RisingEdge(dut.clk_i)
+    assert dropped == 0 and out == [(n % 24, 10 * (n // 2 + 1) + n % 2) for n in range(len(out))]
+    return triggers, len(out), held
+
+
+@bench.applies(lambda dut: not wide(dut))
+@cocotb.test(timeout_time=10, timeout_unit="ms")
+async def a_consumer_wakes_around_a_switch_that_waits_for_room(dut):
+    """A buffer of 8 beats for frames of 24, conversions of two. Two beats wait behind it: with three
+    conversions 4 beats are in it, no more than two further ones fit, and the scan waits. A beat that
+    leaves makes room two clocks later: the fourth switch, due in clock 64, comes then. Each clock counts."""
+    idle = {f"cfg_{name}_i": 0 for name in IDLE}
+    idle |= {"cfg_settle_i": 2, "cfg_last_row_i": 2, "cfg_last_column_i": 7, "in_user_i": 0}
+    await bench.start(dut, slip_ready_i=1, now_i=0, in_data_i=0, in_lost_i=0, **idle)
+    for awake in range(56, 76):
+        triggers, left, held = await ring(dut, lambda clock, _, awake=awake: int(clock >= awake), 120)
+        late = max(0, awake + 2 - 64)
+        assert triggers[:5] == [7, 27, 47, 67 + late, 87 + late] and held == late, awake
+        assert left >= 8
+    # Asleep for much longer than the buffer is deep, in each frame, at another place of the ring.
+    until = {}
+
+    def ready(clock, left):
+        if left % 24 == 9 + left // 24:
+            until.setdefault(left, clock + 150)
+        return int(clock >= max(until.values(), default=0))
+
+    triggers, left, held = await ring(dut, ready, 2450)
+    waits = [after - before - SLOT for before, after in itertools.pairwise(triggers)]
+    assert len(until) == 7 and held == sum(waits) and left > 6 * 24
+    assert sum(wait > 0 for wait in waits) == 7 and min(filter(None, waits)) > 80
+
+
+@pytest.mark.parametrize("size", [SIZE, RING], ids=["whole", "ring"])
 def test_scan_coincidences(size):
     bench.run("frontend", "scan", size, module="test_scan_coincidences")
