@@ -53,7 +53,8 @@ async def bits_are_those_of_the_link(dut):
 @cocotb.test(timeout_time=2, timeout_unit="ms")
 async def a_reader_asleep_at_each_report(dut):
     """Every lane faulty, and the next event offered all the time: the reader sleeps for 2 Lanes + 5 clocks
-    before it takes one report in turn. What is offered stays, the next event waits, each report comes once."""
+    before it takes one report in turn. What is offered stays, the next event waits, each report comes once.
+    """
     lanes = len(dut.in_dead_i)
     given = [(9 + 4 * number, (1 << lanes) - 1, 0, 0) for number in range(4)]
     expected = [(event[0] * lanes + lane, 1) for event in given for lane in range(lanes)]
