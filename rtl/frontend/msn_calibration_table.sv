@@ -116,7 +116,7 @@ module msn_calibration_table #(
   always_ff @(posedge clk_i) begin
     if (loaded_o && cfg_write_i != '0 && u_beats.advance_i && !rst_i) begin
       assert (u_beats.address != u_beats.write_address)
-      else $fatal(1, "msn_calibration_table: word %0d of the memory is read and written in one clock", u_beats.address);
+      else $fatal(1, "msn_calibration_table: word %0d is read and written in one clock", u_beats.address);
     end
   end
   // verilator coverage_on
