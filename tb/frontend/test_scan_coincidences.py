@@ -145,14 +145,16 @@ async def a_consumer_wakes_around_the_next_frames_first_beat(dut):
     delay = 2
     first = TRIGGER + 2 * SLOT + delay + 2  # of frame 1
     met = set()
-    for last in range(first - 4, first + 5):
-        # Awake for 6 clocks in a row, the last of which takes the frame's last beat.
-        scene = await anew(dut, delay=delay, ready=lambda clock, last=last: int(clock > last - 6))
+    for last, one in itertools.product(range(first - 4, first + 5), (False, True)):
+        # Awake from 6 clocks before on, the last of which takes the frame's last beat; or asleep for that
+        # beat alone, which is offered in clock 36.
+        asleep = range(36, last) if one else range(last - 5)
+        scene = await anew(dut, delay=delay, ready=lambda clock, asleep=asleep: int(clock not in asleep))
         got = await scene.run(220)
         kept = last < first
         due = frames(*([] if kept else [1]))
-        assert scene.out[5][0] == last and got == due[: len(got)] and len(got) >= 18, last - first
-        assert bench.read(dut.dropped_o) == int(not kept), last - first
+        assert scene.out[5][0] == last and got == due[: len(got)] and len(got) >= 18, (last - first, one)
+        assert bench.read(dut.dropped_o) == int(not kept), (last - first, one)
         met.add(kept)
     assert met == {True, False}
 
@@ -172,6 +174,11 @@ async def a_lost_strobe_around_the_other_samples(dut):
             due = [*frame(0, 0), *frame(1, 2, {3: lanes}), *frame(2, 4)]
             assert got[: len(due)] == due, (lanes, at)
             assert bench.read(dut.lost_o) == 1 and bench.read(dut.dropped_o) == 0
+    for one, other in ((3, 9), (9, 3), (8, 9)):  # both of a conversion, one after the other
+        scene = await anew(dut, lost={(3, 0): one, (3, 1): other})
+        got = await scene.run(170)
+        due = [*frame(0, 0), *frame(1, 2, {3: (0, 1)}), *frame(2, 4)]
+        assert got[: len(due)] == due and bench.read(dut.lost_o) == 1
     for one, other in ((1, 2), (2, 1), (4, 9)):  # each alone, in two conversions that follow each other
         scene = await anew(dut, delay=latest + 1, lost={(1, 0): one, (2, 1): other})
         got = await scene.run(170)

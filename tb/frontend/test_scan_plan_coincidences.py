@@ -119,6 +119,10 @@ async def room_falls_around_a_switch(dut):
     for room, at in (([203], 204), ([204], 205), ([204, 205, 206], 207), ([205], 204)):  # with a tick
         switches, counts, _ = await scene(dut, 380, room=room, period=200)
         assert switches == frames(4, at, until=380) and counts == (0, 0, at - 204), room
+    # The next tick, at 404, is counted: the frame of the one before has just begun, begins, or still waits.
+    for start in (403, 404, 405, 430):
+        switches, counts, _ = await scene(dut, 480, room=range(203, start), period=200)
+        assert switches == frames(4, start, until=480) and counts == (1, 0, start - 204), start
 
 
 @cocotb.test(timeout_time=10, timeout_unit="ms")
