@@ -5,6 +5,8 @@
 // A word brings one code per lane: word w of lane l is channel w + l*LaneChannels. A sample leaves as soon as it
 // and all channels before it are there. out_user_o marks a code at either end of the part's range.
 // Whole: nothing leaves before the last word, and nothing at all if in_bad_i came with that.
+// A word comes for channels whose samples have left, or leave in its clock: codes are registers, so what is offered in
+// that clock is still the code before.
 // What is held but not offered as a frame begins would wait for ever: it is forgotten. Only an upset brings that about.
 //
 // Latency 1 cycle from in_valid_i to out_valid_o.   Model: model/meissner/frontend/adc_store.py
@@ -89,5 +91,17 @@ module msn_adc_store #(
       out_id_o    <= '0;
     end
   end
+
+`ifndef SYNTHESIS
+  // A code that is written over before its sample has left is lost, unreported.
+  // verilator coverage_off
+  always_ff @(posedge clk_i) begin
+    if (!rst_i) begin
+      assert ((written & full_q & ~taken) == '0)
+      else $fatal(1, "msn_adc_store: a code is written over before its sample has left");
+    end
+  end
+  // verilator coverage_on
+`endif
 
 endmodule

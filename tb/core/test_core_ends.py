@@ -31,7 +31,7 @@ COP, IMAGE, SLIP = 2, 3, 1
 AT = {  # of docs/registers.md
     **{"threshold": 0x200, "gross": 0x204, "contact_level": 0x208, "release_level": 0x20C, "hold": 0x214},
     **{"tare_load": 0x494, "tare_word": 0x498, "tare_zero": 0x49C, "tare_write": 0x4A0, "min_load": 0x600},
-    **{"word": 0x504, "offset": 0x508, "gain": 0x50C, "write": 0x510, "swap": 0x514},
+    **{"word": 0x504, "offset": 0x508, "gain": 0x50C, "write": 0x510, "swap": 0x514, "swapping": 0x518},
 }
 
 
@@ -65,12 +65,15 @@ class Bench:
         data, _ = await pins.access(self.dut, False, address)
         return data
 
-    async def frame(self, codes):
-        """Send codes [rows][columns]; what came of it until the core rests."""
+    async def frame(self, codes, midway=None):
+        """Send codes [rows][columns]; what came until the core rests. ``midway``: done before beat 5."""
         dut, before = self.dut, len(self.packets)
         beats = -(-COLUMNS // LANES)
         for row in range(ROWS):
             for beat in range(beats):
+                if midway and (row, beat) == (1, 2):
+                    dut.in_valid_i.value = 0
+                    await midway()
                 lanes = [*codes[row], 0][beat * LANES : beat * LANES + LANES]
                 dut.in_data_i.value = sum((code & 0x1FFFF) << 17 * lane for lane, code in enumerate(lanes))
                 dut.in_id_i.value = row * beats + beat
@@ -83,9 +86,9 @@ class Bench:
         await bench.clocks(dut, 400)
         return self.packets[before:]
 
-    async def image(self, codes):
+    async def image(self, codes, midway=None):
         """Forces [rows][columns] of a frame."""
-        (image,) = [packet for packet in await self.frame(codes) if packet[0] == IMAGE]
+        (image,) = [packet for packet in await self.frame(codes, midway) if packet[0] == IMAGE]
         taxels = [int.from_bytes(image[n : n + 2], "little") for n in range(13, len(image) - 4, 2)]
         assert len(taxels) == ROWS * COLUMNS
         return [taxels[n : n + COLUMNS] for n in range(0, len(taxels), COLUMNS)]
@@ -213,6 +216,44 @@ async def gains_of_words_that_are_not_there_are_lost(dut):
     expected = [[*row] for row in CODES]
     expected[2][4] *= 2
     assert await core.image(CODES) == expected
+
+
+async def swapping_in_a_frame(dut, words, row_words):
+    """A swap that is asked for while a frame is under way: calibrate.swapping is 1 until its last beat, then
+    0; the frame keeps its gains, the next one has the new: 2, 3, 4 of a row's beats, 5 for word 1, lane 1."""
+    core = await Bench(dut).begin()
+    for word in range(words):
+        await core.write(word=word, offset=-word, gain=4096 * (2 + word % 3), write=0b11)
+    await core.write(word=1, offset=-1, gain=5 * 4096, write=0b10)
+    for word in range(row_words):
+        await core.write(word=word, offset=-10 * word, gain=4096, write=0x100)
+    seen = []
+
+    async def midway():
+        seen.append(await core.read(AT["swapping"]))
+        await core.write(swap=1)
+        seen.append(await core.read(AT["swapping"]))
+        await bench.clocks(dut, 90)
+        seen.append(await core.read(AT["swapping"]))
+
+    assert await core.image(CODES, midway) == CODES
+    seen.append(await core.read(AT["swapping"]))
+    assert seen == [0, 1, 1, 0]
+
+    def force(row, column):
+        beat, lane = divmod(column, LANES)
+        offset = 10 * row + beat if row_words else 0  # those of taxels are the zeros' here
+        gain = 5 if (beat, lane) == (1, 1) and (row_words or row == 0) else 2 + beat
+        return (CODES[row][column] + offset) * gain
+
+    expected = [[force(row, column) for column in range(COLUMNS)] for row in range(ROWS)]
+    assert await core.image(CODES) == expected
+    assert await core.read(AT["swapping"]) == 0
+
+
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def says_that_a_swap_waits(dut):
+    await swapping_in_a_frame(dut, 9, 0)
 
 
 def test_core_ends():

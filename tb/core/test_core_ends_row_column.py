@@ -3,7 +3,7 @@
 
 import cocotb
 
-from core.test_core_ends import CODES, Bench
+from core.test_core_ends import CODES, Bench, swapping_in_a_frame
 
 
 @cocotb.test(timeout_time=5, timeout_unit="ms")
@@ -57,3 +57,8 @@ async def an_offset_is_held_at_both_ends(dut):
     for row, more in enumerate((0, 30_000, 0)):
         expected[row][1] = max(0, CODES[row][1] + more - 32_767)
     assert await core.image(CODES) == expected
+
+
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def says_that_a_swap_waits(dut):
+    await swapping_in_a_frame(dut, 3, 3)

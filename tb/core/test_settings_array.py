@@ -303,6 +303,31 @@ async def each_setting_of_health(dut):
 
 
 @cocotb.test(timeout_time=100, timeout_unit="ms")
+async def every_taxel_fails_while_the_host_sleeps(dut):
+    """All twelve are at the limit for the sixteenth time, and the host takes nothing for three frames around
+    that: each is reported, once, in that frame or in a later one."""
+    core = await Core().begin(dut, tare__step=0)
+    settings = {"band": 29, "jump": 60, "low": 50, "high": 900, "use": 3, "still": 0, "rail": 1, "blink": 0}
+    await core.host.set({f"health.{name}": value for name, value in settings.items()})
+    await core.host.write(health__clear=1)
+    first = len(core.converts.at)
+
+    async def hold():
+        while len(core.converts.at) < first + 14 * CONVERSIONS:
+            await pins.rest(dut, 11)
+        dut.out_ready_i.value = 0
+        await pins.rest(dut, 3 * PERIOD)
+        dut.out_ready_i.value = 1
+
+    holding = cocotb.start_soon(hold())
+    packets, _ = await core.scan([np.full((ROWS, COLUMNS), 900)] * 40)
+    await holding
+    found = [pins.health_of(packet) for packet in packets if packet.kind == pins.HEALTH]
+    assert sorted(found) == [(taxel, RAILED) for taxel in range(12)]
+    assert await core.host.read("health.dead", "health.railed", "health.blinking") == [0, 12, 0]
+
+
+@cocotb.test(timeout_time=100, timeout_unit="ms")
 async def what_goes_wrong_is_counted_where_it_belongs(dut):
     core = await Core().begin(dut)
     counters = ("scan.dropped", "scan.overrun", "scan.held", "scan.lost", "tare.swallowed")
@@ -319,8 +344,8 @@ async def what_goes_wrong_is_counted_where_it_belongs(dut):
 @cocotb.test(timeout_time=100, timeout_unit="ms")
 async def a_frame_that_waits_for_the_host_keeps_its_time(dut):
     """All taxels slip at once, and the host takes nothing for three frames: no event is lost. The next frame
-    waits in the scan's buffer, the two after it are dropped, and CoP and image of the frame that slipped are
-    replaced by newer ones before they are sent."""
+    waits in the scan's buffer, which holds all of it, so the scan never waits for room; the two after it are
+    dropped, and CoP and image of the frame that slipped are replaced by newer ones before they are sent."""
     core = await Core().begin(dut, tare__at_start=0, tare__step=0)
     await core.host.write(slip__threshold=99, slip__gross_threshold=0x3FFFF, slip__contact_level=1)
 
@@ -340,8 +365,8 @@ async def a_frame_that_waits_for_the_host_keeps_its_time(dut):
     sent = edges[[0, 1, 2, 4, 7, 8, 9], 0].tolist()
     for kind in (pins.COP, pins.IMAGE):
         assert [packet.time for packet in packets if packet.kind == kind] == sent
-    counters = ("scan.dropped", "scan.overrun", "link.cop_dropped", "link.image_dropped")
-    assert await core.host.read(*counters) == [2, 0, 1, 1]
+    counters = ("scan.dropped", "scan.overrun", "link.cop_dropped", "link.image_dropped", "scan.held")
+    assert await core.host.read(*counters) == [2, 0, 1, 1, 0]
 
 
 @cocotb.test(timeout_time=100, timeout_unit="ms")

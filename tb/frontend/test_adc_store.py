@@ -172,7 +172,7 @@ async def a_frames_begin_forgets_what_would_wait_for_ever(dut):
 async def reset_empties_it(dut):
     await bench.start(dut, begin_i=0, in_word_i=0, in_data_i=5, in_bad_i=0)
     dut.in_valid_i.value = 1
-    await bench.clocks(dut, 2)
+    await RisingEdge(dut.clk_i)
     dut.in_valid_i.value = 0
     await ReadOnly()
     assert dut.out_valid_o.value == 1

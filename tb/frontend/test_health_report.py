@@ -50,6 +50,38 @@ async def bits_are_those_of_the_link(dut):
     assert [(row["id"], row["faults"]) for row in got] == expected
 
 
+@cocotb.test(timeout_time=2, timeout_unit="ms")
+async def a_reader_asleep_at_each_report(dut):
+    """Every lane faulty, and the next event offered all the time: the reader sleeps for 2 Lanes + 5 clocks
+    before it takes one report in turn. What is offered stays, the next event waits, each report comes once.
+    """
+    lanes = len(dut.in_dead_i)
+    given = [(9 + 4 * number, (1 << lanes) - 1, 0, 0) for number in range(4)]
+    expected = [(event[0] * lanes + lane, 1) for event in given for lane in range(lanes)]
+    await bench.start(dut)
+    for asleep in range(2 * lanes):
+        sent, got, slept = 0, [], 0
+        for _ in range(10 * lanes + 40):
+            dut.in_valid_i.value = int(sent < len(given))
+            bench.offer(dut, dict(zip(("id", "dead", "railed", "blinking"), given[min(sent, 3)])))
+            ready = len(got) != asleep or slept == 2 * lanes + 5
+            dut.out_ready_i.value = int(ready)
+            await bench.ReadOnly()
+            valid = dut.out_valid_o.value == 1
+            report = (bench.read(dut.out_id_o), bench.read(dut.out_faults_o))
+            assert not slept or (valid and report == expected[asleep]), asleep
+            if not ready and valid:
+                slept += 1
+                assert dut.in_ready_o.value == 0
+            if ready and valid:
+                got.append(report)
+                slept = 0
+            sent += sent < len(given) and dut.in_ready_o.value == 1
+            await bench.RisingEdge(dut.clk_i)
+        assert got == expected, asleep
+        assert dut.in_ready_o.value == 1 and dut.out_valid_o.value == 0
+
+
 @pytest.mark.parametrize("lanes", LITERALS)
 def test_model_s_bits_are_those_of_the_link(lanes):
     given, expected = LITERALS[lanes]

@@ -173,6 +173,40 @@ async def recovers_after_reset(dut):
         assert line.packets == packets([(time, 2, 4)])
 
 
+@cocotb.test(timeout_time=50, timeout_unit="ms")
+async def a_convert_around_an_event(dut):
+    """At every clock of the sweep: a convert in the clock before an event is its time, one in the event's
+    clock or in the one after is not. With the last byte of its packet taken late, by more than a sweep, the
+    next event that is offered meanwhile is whole, and so is the packet."""
+    asleep, slept = 17, 0
+
+    def ready():
+        nonlocal slept
+        slept += len(line.bytes) == asleep
+        return len(line.bytes) != asleep or slept > 150
+
+    line, events = await begin(dut, ready), []
+    for phase in range(64):
+        while line.clock % 64 != phase:
+            await line.step()
+        events.append((line.clock, 3 + phase, 2))
+        await line.step(convert=1)
+        at = line.clock + phase % 2
+        slept = 0
+        await line.offer((1, 3 + phase, 2), lambda at=at: int(line.clock == at))
+        if phase % 8 == 0:
+            while len(line.bytes) < 10:
+                await line.step()
+            events.append((line.clock, 70 + phase, 3))
+            await line.step(convert=1)
+            await line.offer((1, 70 + phase, 3))
+            assert len(line.packets) == len(events) - 1 and slept == 151
+            slept = 0
+        await line.drain(len(events))
+        assert slept == 151
+    assert line.packets == packets(events)
+
+
 @pytest.mark.parametrize(
     "bits", [24, pytest.param(14, marks=pytest.mark.long), pytest.param(18, marks=pytest.mark.long)]
 )

@@ -208,6 +208,82 @@ async def starts_over_at_reset(dut):
         await RisingEdge(dut.clk_i)
 
 
+THRESHOLD, HOLD, SWAP, SWAPPING, DROPPED = 0x200, 0x214, 0x514, 0x518, 0x310  # docs/registers.md
+
+
+@bench.applies(lambda dut: all(int(getattr(dut, name).value) for name in ("Slip", "Scan", "Calibrate")))
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def what_meets_in_one_clock(dut):
+    """By hand. A write and a commit in one clock: the core gets what was written before it, and the write
+    waits. A read in the clock before a write gives the old value, in the clock after it the new one. A
+    status is that of the clock before the answer. A command pulses in the clock after its write, whatever
+    is read then."""
+    await begin(dut)
+    seen, answers, number, swapping = [], {}, 0, 0
+
+    async def clock(access=None, commit=0):
+        """(address, data) writes, an address reads. What the core has after it: threshold, hold, pending."""
+        nonlocal number, swapping
+        dut.bus_valid_i.value, dut.bus_write_i.value = int(access is not None), int(isinstance(access, tuple))
+        address, data = access if isinstance(access, tuple) else (access or 0, 0xDEAD)
+        dut.bus_address_i.value, dut.bus_data_i.value, dut.bus_strobe_i.value = address, data, 15
+        dut.slip_commit_i.value = commit
+        dut.scan_dropped_i.value, dut.calibrate_swapping_i.value = 7000 + number, swapping
+        await ReadOnly()
+        if dut.bus_done_o.value == 1:
+            assert dut.bus_error_o.value == 0
+            answers[number - 2] = bench.read(dut.bus_data_o)  # to the access of two clocks ago
+        pulse = bench.read(dut.calibrate_swap_o)
+        swapping = pulse  # a core says so a clock later, here for one clock
+        await RisingEdge(dut.clk_i)
+        number += 1
+        seen.append(pulse)
+        await ReadOnly()
+        got = tuple(bench.read(getattr(dut, f"slip_{n}_o")) for n in ("threshold", "hold", "pending"))
+        await FallingEdge(dut.clk_i)
+        return got
+
+    assert (await clock((THRESHOLD, 301)))[1:] == (0, 1)
+    assert (await clock((HOLD, 17)))[1:] == (0, 1)
+    assert await clock(commit=1) == (301, 17, 0)
+    # The same register, and the other of the group, written in the clock of the commit and in those around
+    # it.
+    assert await clock((THRESHOLD, 302)) == (301, 17, 1)
+    assert await clock((THRESHOLD, 303), commit=1) == (302, 17, 1)
+    assert await clock() == (302, 17, 1)
+    assert await clock((HOLD, 18), commit=1) == (303, 17, 1)
+    assert await clock(commit=1) == (303, 18, 0)
+    assert await clock((HOLD, 19), commit=1) == (303, 18, 1)
+    assert await clock((THRESHOLD, 304), commit=1) == (303, 19, 1)
+    assert await clock(commit=1) == (304, 19, 0)
+    assert await clock(commit=1) == (304, 19, 0)
+    # Read around a write, and around its commit: a read gives what was written last.
+    first = number
+    for access in (HOLD, (HOLD, 20), HOLD, (HOLD, 21), (HOLD, 22), HOLD, THRESHOLD):
+        await clock(access)
+    assert await clock(HOLD, commit=1) == (304, 22, 0)
+    assert await clock(HOLD) == (304, 22, 0)
+    await clock()
+    await clock()
+    told = [answers[n] for n in range(first, number - 2)]
+    assert told == [19, 0, 20, 0, 0, 22, 304, 22, 22]
+    # A status that changes in every clock, asked for in each, between writes to other registers.
+    first = number
+    for access in (DROPPED, DROPPED, (HOLD, 23), DROPPED, None, DROPPED):
+        await clock(access)
+    await clock()
+    await clock()
+    due = {at: 7000 + first + at + 1 for at in (0, 1, 3, 5)} | {2: 0}
+    assert {at - first: value for at, value in answers.items() if at >= first} == due
+    # A command, and its status asked for in the clock of the pulse and in those around it; and no other
+    # pulse.
+    first = number
+    for access in (SWAPPING, (SWAP, 1), SWAPPING, SWAPPING, SWAP, (SWAP, 0), SWAPPING, None, None):
+        await clock(access)
+    assert seen[first:] == [0, 0, 1, 0, 0, 0, 0, 0, 0]
+    assert [answers[first + at] for at in (0, 2, 3, 6)] == [0, 1, 0, 0]
+
+
 @pytest.mark.parametrize(
     "features", [FEATURES, [], FEATURES[::2], pytest.param(FEATURES[1::2], marks=pytest.mark.long)], ids=len
 )

@@ -100,6 +100,16 @@ CASES = [
     Case("the longest blank", "P" * 17, "o" * 17, "c" * 16 + "i", 15, blank=LONGEST),
     Case("each contact is blanked", "PPPLPPP", "0oo00oo", "ccircci", 2, blank=1),
     Case("blank once a contact", "PPPPP", "0oo.o", "ccici", 1, blank=1),
+    # What meets in one detail: a hold's end and a new contact, a hold's and a lift, a blank's and a slip.
+    Case("touched one before a release ends", "PLp PPPP", "000 oooo", "crr ccii", 1, hold=2, blank=1),
+    Case("touched in a release's last detail", "PLpp PPP", "0000 ooo", "crrr cci", 1, hold=2, blank=1),
+    Case("touched as a release is over", "PLppp PPP", "00000 ooo", "crrrn cci", 1, hold=2, blank=1),
+    Case("over as a hold ends", "PPPP PPPPPPP", "0..o ..o...o", "ccci iiiiici", 0, hold=2, blank=2),
+    Case("lifted as a hold ends", "PPPL ppp", "0o.g 000", "ciir rnn", 0, hold=1),
+    Case("lifted one after a hold ends", "PPPPL pp", "0o..g 00", "ciicr rn", 0, hold=1, refractory=2),
+    Case("lifted as a blank ends", "PPL pP", "0og 0o", "ccr nc", 1, blank=1),
+    Case("lifted as a refractory time ends", "PPPPL pPP", "0o.oo 0oo", "ciccr nci", 0, refractory=2),
+    Case("a hold as long as the blank", "PPPP PPPPP", "oooo ...oo", "ccci iicii", 2, hold=2, blank=2),
     # Moving.
     Case("moving", "PPPP", "0oo.", "ccic", 1, "-m"),
     Case("moving and gross", "PPP", "0gg", "ccg", 1, "-m"),

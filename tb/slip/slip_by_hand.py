@@ -3,6 +3,7 @@
 Run by test_slip.py, with timers of four bits.
 """
 
+import itertools
 import random
 from types import SimpleNamespace
 
@@ -103,6 +104,38 @@ async def does_what_the_hand_found(dut, rises):
                 }
                 assert expected.items() <= row.items(), f"{case.name}, detail {number} of channel {channel}"
         assert bench.read(dut.blanked_o) == case.blanked * channels, case.name
+
+
+# In the same detail, number 8, of three channels: a blank of 2 ends and a slip is raised; a slip's hold of 3
+# ends; a release's hold ends. Levels, p2p, states and what is counted as blanked.
+ENDS = [
+    ("pppppPPPPPP", "ooooooooooo", "nnnnnccciii", 2),
+    ("PPPPPPPPPPP", "0000o......", "cccciiiiccc", 0),
+    ("PPPPLpppppp", "0000ooooooo", "ccccrrrrnnn", 0),
+]
+
+
+@cocotb.test(timeout_time=10, timeout_unit="ms")
+@cocotb.parametrize(rises=[True, False])
+async def blank_and_holds_end_in_one_detail(dut, rises):
+    """Every two of them in neighbouring channels, in the same detail, one before and one after it."""
+    channels, levels = dut.Channels.value.to_unsigned(), RISES if rises else FALLS
+    await begin(dut)
+    far = (0, levels["l"], False, False)
+    for first, second, late in itertools.product(range(3), range(3), range(3)):
+        await apply(dut, CASES[0].settings(rises) | {"hold": 3, "refractory": 1, "blank": 2})
+        chosen = [ENDS[(first, second)[channel % 2]] for channel in range(channels)]
+        details = [[far] * channels for _ in range(13)]
+        for channel, (level, p2p, _, _) in enumerate(chosen):
+            for number, (letter, size) in enumerate(zip(level, p2p)):
+                shift = late if channel % 2 else 1
+                details[number + shift][channel] = (SIZES[size], levels[letter], False, False)
+        got = await decisions(dut, details)
+        for channel, (_, _, states, _) in enumerate(chosen):
+            shift = late if channel % 2 else 1
+            seen = [got[(number + shift) * channels + channel]["state"] for number in range(11)]
+            assert seen == [NUMBERS[state] for state in states], (first, second, late, channel)
+        assert bench.read(dut.blanked_o) == sum(blanked for *_, blanked in chosen)
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")

@@ -231,7 +231,7 @@ GROUPS = (
             Register(
                 "held",
                 0x318,
-                "Clocks that the scan waited for room.",
+                "Clocks that the scan waited for room: none, as its buffer holds a whole frame.",
                 (Field("value", 31, 0, "status", 0x0),),
             ),
             Register(

@@ -293,6 +293,19 @@ def _do(what, command, cwd=None):
         raise RuntimeError(f"{what} did not build:\n{done.stdout}{done.stderr}")
 
 
+# Without assertions: what an upset brings about is judged by what comes out.
+VERILATE = (
+    "--cc",
+    "--build",
+    "--no-assert",
+    "--vpi",
+    "--public-flat-rw",
+    "-Wno-fatal",
+    "-Wno-lint",
+    "-Wno-style",
+)
+
+
 def _digest(*parts):
     digest = hashlib.sha256()
     for part in parts:
@@ -326,7 +339,7 @@ def program(block):
     sources = toolchain.sources_of(f"msn_{block}")
     own = next(path for path in sources if path.stem == f"msn_{block}").read_text()
     given = [f"-G{name}={value}" for name, value in parameters.items()]
-    folder = toolchain.folder_for_make(WORK / f"{block}-{_digest(given, SHIM, *sources)}")
+    folder = toolchain.folder_for_make(WORK / f"{block}-{_digest(given, SHIM, VERILATE, *sources)}")
     sources = [toolchain.for_make(path) for path in sources]
     driver = _compiled(DRIVER, WORK, "-O1")
     built = folder / f"{driver.stem}.run"
@@ -335,8 +348,8 @@ def program(block):
         (folder / "faults_top.sv").write_text(wrapper(block, own))
         (folder / "shim.cpp").write_text(SHIM)
         if not (folder / "libverilated.a").exists():
-            command = ["verilator", "--cc", "--build", "--vpi", "--public-flat-rw", "-Wno-fatal", "-Wno-lint"]
-            command += ["-Wno-style", "--top-module", "faults_top", "-Mdir", folder, *given, "-MAKEFLAGS"]
+            command = ["verilator", *VERILATE, "--top-module", "faults_top", "-Mdir", folder, *given]
+            command += ["-MAKEFLAGS"]
             command += ["OPT_FAST=-O1 OPT_SLOW=-O0 OPT_GLOBAL=-O1 CFG_CXXFLAGS_PCH_I=-include"]
             _do(block, [*command, *sources, folder / "faults_top.sv"])
         shim = _compiled(folder / "shim.cpp", folder, "-O1")

@@ -1,0 +1,171 @@
+"""What meets in one clock in msn_scan_plan, switches and counts worked out from its header by hand: a
+frame's tick around its end, enable and room that fall in the clock of a switch, slip rounds that are due in
+it.
+
+Settle 2: gap = max(7, 20 - 1 - 2) = 17; a slot has 2 + 1 + 17 = 20 clocks, a frame of 3 rows, 3 groups 180.
+The first switch is 4 clocks after enable.
+"""
+
+import cocotb
+
+import bench
+from frontend.test_scan_plan import apply, twin_of
+from meissner.frontend.scan_plan import Region, Settings
+
+SIZE = {"Rows": 3, "Columns": 5, "Channels": 2, "Hold": 7, "Cycle": 20, "SlipSlots": 2}
+SIZE |= {"SettleBits": 6, "PeriodBits": 16}
+PLACES = [(row, group) for row in range(3) for group in range(3)]
+ROUND = [(2, 1), (9, 0)]  # the second without a row
+FIRST, SLOT, FRAME = 4, 20, 180
+
+
+async def scene(dut, clocks, room=(), enabled=None, **settings):
+    """(clock, row, group) of every switch, and the counts. ``room``: clocks without; ``enabled``: that
+    many."""
+    place = tuple((row & 7, group) for row, group in ROUND)
+    apply(dut, twin_of(dut), Settings(settle=2, slip_places=place, **settings))
+    dut.cfg_enable_i.value, dut.room_i.value = 0, 1
+    await bench.reset(dut)
+    await bench.clocks(dut, 6)
+    switches, triggers = [], []
+    for clock in range(clocks):
+        dut.cfg_enable_i.value = int(enabled is None or clock < enabled)
+        dut.room_i.value = int(clock not in room)
+        await bench.ReadOnly()
+        if dut.switch_o.value == 1:
+            switches.append((clock, bench.read(dut.switch_row_o), bench.read(dut.switch_group_o)))
+        if dut.trigger_o.value == 1:
+            triggers.append(clock)
+        await bench.RisingEdge(dut.clk_i)
+    await bench.ReadOnly()
+    counts = tuple(bench.read(getattr(dut, f"{name}_o")) for name in ("overrun", "slip_overrun", "held"))
+    idle = bench.read(dut.idle_o)
+    await bench.RisingEdge(dut.clk_i)
+    assert triggers == [clock + 3 for clock, *_ in switches if clock + 3 < clocks]
+    return switches, counts, idle
+
+
+def frames(*starts, until=10_000):
+    found = [(start + SLOT * n, *place) for start in starts for n, place in enumerate(PLACES)]
+    return [switch for switch in found if switch[0] < until]
+
+
+def rounds(*starts):
+    return [(start + SLOT * n, row & 7, group) for start in starts for n, (row, group) in enumerate(ROUND)]
+
+
+async def begin(dut):
+    await bench.start(dut, cfg_enable_i=0, room_i=1)
+
+
+@cocotb.test(timeout_time=10, timeout_unit="ms")
+async def a_tick_around_a_frames_end(dut):
+    """The place after a switch is found in two clocks: up to the second one after its last switch a frame
+    is under way, and a tick is counted and left out. From the third one it waits, until the slot is over,
+    if it is not."""
+    await begin(dut)
+    late = 3 * FRAME
+    for period, starts, overrun in (
+        (FRAME + 1, [4, 185, 366], 0),
+        (FRAME, [4, 184, 364], 0),
+        (FRAME - 1, [4, 184, 364], 0),  # ticks at 183 and 362 wait
+        (FRAME - 17, [4, 184, 493], 1),  # at 167, as the last one is triggered; at 330 counted; 493
+        (FRAME - 18, [4, 328], 1),  # at 166 counted; 490 too, but that is later
+        (FRAME - 20, [4, 324], 1),  # at 164, with the last switch
+    ):
+        until = {1: 484}.get(overrun, late)
+        switches, counts, _ = await scene(dut, until, period=period)
+        assert switches == frames(*starts, until=until), period
+        assert counts == (overrun, 0, 0), period
+    one = Region(2, 2, 4, 4)  # a single place, group 2
+    for period, starts in (
+        (SLOT + 1, [4, 25, 46, 67, 88]),
+        (SLOT, [4, 24, 44, 64, 84]),
+        (SLOT - 1, [4, 24, 44, 64, 84]),
+    ):
+        switches, counts, _ = await scene(dut, 100, period=period, region=one)
+        assert switches == [(start, 2, 2) for start in starts] and counts == (0, 0, 0), period
+
+
+@cocotb.test(timeout_time=10, timeout_unit="ms")
+async def enable_falls_around_a_frames_first_switch(dut):
+    """In its clock, there is none; a clock later the frame is whole. Back to back and by a tick."""
+    await begin(dut)
+    for period, second in ((0, 184), (200, 204)):
+        for enabled, starts in ((second - 1, [4]), (second, [4]), (second + 1, [4, second])):
+            switches, counts, idle = await scene(dut, 600, period=period, enabled=enabled)
+            assert switches == frames(*starts) and counts == (0, 0, 0) and idle == 1, (period, enabled)
+    for enabled in (3, 4, 5):  # the very first
+        switches, _, idle = await scene(dut, 400, enabled=enabled)
+        assert switches == (frames(4) if enabled == 5 else []) and idle == 1, enabled
+
+
+@cocotb.test(timeout_time=10, timeout_unit="ms")
+async def room_falls_around_a_switch(dut):
+    """The switch comes in the first clock with room; each clock that it waits is counted, and no other."""
+    await begin(dut)
+    for room, at, held in (
+        ([43], 0, 0),
+        ([44], 1, 1),
+        ([45], 0, 0),
+        ([43, 44], 1, 1),
+        ([44, 45, 46], 3, 3),
+        (range(30, 57), 13, 13),
+    ):
+        switches, counts, _ = await scene(dut, 140, room=room)
+        due = [(4, 0, 0), (24, 0, 1), *((clock + at, *place) for clock, *place in frames(4)[2:])]
+        assert switches == [switch for switch in due if switch[0] < 140], room
+        assert counts == (0, 0, held), room
+    for room, at in (([203], 204), ([204], 205), ([204, 205, 206], 207), ([205], 204)):  # with a tick
+        switches, counts, _ = await scene(dut, 380, room=room, period=200)
+        assert switches == frames(4, at, until=380) and counts == (0, 0, at - 204), room
+    # The next tick, at 404, is counted: the frame of the one before has just begun, begins, or still waits.
+    for start in (403, 404, 405, 430):
+        switches, counts, _ = await scene(dut, 480, room=range(203, start), period=200)
+        assert switches == frames(4, start, until=480) and counts == (1, 0, start - 204), start
+
+
+@cocotb.test(timeout_time=10, timeout_unit="ms")
+async def a_round_is_due_around_a_switch(dut):
+    """A round begins in its clock; the frame gets the slots that end before that, to the clock. One that is
+    due before the one before is over is counted and left out."""
+    await begin(dut)
+    for slip_period, starts, slots in (
+        (99, [4, 103, 202], [44, 64, 143, 163, 242, 262]),
+        (100, [4, 104, 204], [44, 64, 84, 144, 164, 184, 244, 264, 284]),
+        (101, [4, 105, 206], [44, 64, 84, 145, 165, 185, 246, 266, 286]),
+        (61, [4, 65, 126, 187, 248], [44, 105, 166, 227, 288]),
+        (60, [4, 64, 124, 184, 244], [44, 104, 164, 224, 284]),
+        (59, [4, 63, 122, 181, 240], []),
+        (40, [4, 44, 84, 124, 164, 204, 244], []),
+    ):
+        until = min(300, starts[-1] + slip_period)
+        switches, counts, _ = await scene(dut, until, slip_period=slip_period, period=5000)
+        due = rounds(*starts) + [(clock, *place) for clock, place in zip(slots, PLACES)]
+        assert switches == sorted(switch for switch in due if switch[0] < until), slip_period
+        assert counts == (0, 0, 0), slip_period
+    # Rounds of 40 clocks, due every 39: every second one, and one slot of the frame in between.
+    switches, counts, _ = await scene(dut, 160, slip_period=39, period=5000)
+    assert switches == sorted([*rounds(4, 82), (44, 0, 0), (122, 0, 1)])
+    assert counts == (0, 2, 0)
+
+
+@cocotb.test(timeout_time=10, timeout_unit="ms")
+async def a_tick_a_round_and_the_end_of_enable(dut):
+    """A tick in the clock of a round: the round goes first. Enable that falls before the frame's first switch
+    leaves the frame out, and the round is whole; if it falls a clock later, both are."""
+    await begin(dut)
+
+    def spread(at):  # the last place of nine is behind the next round
+        return [(at + SLOT * (n + 2 * (n == 8)), *place) for n, place in enumerate(PLACES)]
+
+    for enabled in (403, 404, 405, 424, 444, 445):
+        switches, counts, idle = await scene(dut, 900, slip_period=200, period=400, enabled=enabled)
+        # At 403 nothing is under way: it is off a clock later.
+        due = rounds(4, 204, *([404] if enabled > 403 else [])) + spread(44)
+        due += rounds(604) + spread(444) if enabled > 444 else []
+        assert switches == sorted(due) and counts == (0, 0, 0) and idle == 1, enabled
+
+
+def test_scan_plan_coincidences():
+    bench.run("frontend", "scan_plan", SIZE, module="test_scan_plan_coincidences")

@@ -1,0 +1,297 @@
+"""What meets in one clock in msn_packet, with packets taken apart here by docs/link.md: each two sources
+that ask in the same clock and in the clocks around it; all of them while a packet leaves; a CoP and a
+report in the clock in which the one before is taken; an event at every clock around a packet's end; the
+queue exactly full and exactly empty while the line stands still for longer than it is deep."""
+
+import itertools
+import zlib
+
+import cocotb
+
+import bench
+
+DEPTH, COUNTERS, TAXELS, CHUNK, PERIOD = 4, 3, 6, 4, 1 << 10
+TYPES = {
+    "slip": 1,
+    "answer": 16,
+    "cop": 2,
+    "health": 4,
+    "statistic": 5,
+    "image": 3,
+}  # what waits first goes so
+LENGTH = {"slip": 6, "answer": 8, "cop": 12, "health": 4, "statistic": 5}
+# Clocks from a source's to its place in the order; the first byte of what is chosen is there 5 clocks later.
+WAITS = {"slip": 3, "answer": 0, "cop": 1, "health": 1, "statistic": 1, "image": 2}
+STATISTICS = [0x01020304, 0x11223344, 0xCAFEBABE]
+NAMES = ("slip", "answer", "cop", "health", "image")
+
+
+class Talk:
+    def __init__(self, dut):
+        self.dut, self.clock, self.bytes, self.packets, self.starts = dut, 0, bytearray(), [], []
+        self.left = {}  # clock: what is asked for in it
+        self.answering = self.reporting = None
+
+    def now(self, clock):
+        return (0xFEDC_0000_0000 + 5 * clock + 3) & ((1 << 48) - 1)
+
+    def ask(self, kind, at, number=0):
+        """An image's last taxel comes in that clock."""
+        if kind == "image":
+            for taxel in range(TAXELS):
+                self.left.setdefault(at - TAXELS + 1 + taxel, []).append(("image", (number, taxel)))
+        else:
+            self.left.setdefault(at, []).append((kind, number))
+
+    async def tick(self, ready=1):
+        """A clock; the byte that left in it or None."""
+        dut = self.dut
+        dut.now_i.value, dut.out_ready_i.value = self.now(self.clock), ready
+        for name in NAMES:
+            getattr(dut, f"{name}_valid_i").value = 0
+        for kind, number in self.left.pop(self.clock, []):
+            if kind == "answer":
+                self.answering = number
+            elif kind == "health":
+                self.reporting = number
+            else:
+                self.drive(kind, number)
+        if self.answering is not None:
+            self.drive("answer", self.answering)
+        if self.reporting is not None:
+            self.drive("health", self.reporting)
+        await bench.ReadOnly()
+        took = dut.slip_ready_o.value == 1
+        if self.answering is not None and dut.answer_ready_o.value == 1:
+            self.answering = None
+        if self.reporting is not None and dut.health_ready_o.value == 1:
+            self.reporting = None
+        if ready and dut.out_valid_o.value == 1:
+            if not self.bytes:
+                self.starts.append(self.clock)
+            self.bytes.append(bench.read(dut.out_data_o))
+            if dut.out_last_o.value == 1:
+                self.packets.append(bytes(self.bytes))
+                self.bytes.clear()
+        await bench.RisingEdge(dut.clk_i)
+        self.clock += 1
+        return took
+
+    def drive(self, kind, number):
+        dut = self.dut
+        getattr(dut, f"{kind}_valid_i").value = 1
+        if kind == "slip":
+            dut.slip_id_i.value, dut.slip_p2p_i.value = 0x0102 + number, 0x030405 + number
+            dut.slip_state_i.value, dut.slip_time_i.value = 2 + number % 2, 0x060708090A0B + number
+        elif kind == "answer":
+            dut.answer_data_i.value = 0x0102_0304_0506_0708 + number
+        elif kind == "cop":
+            dut.cop_x_i.value, dut.cop_y_i.value, dut.cop_load_i.value = (
+                0x0A0B0C + number,
+                0xF0E0D0,
+                0x1122334455,
+            )
+            dut.cop_pressed_i.value, dut.cop_time_i.value = 1, 0x0C0D0E0F1011 + number
+        elif kind == "health":
+            dut.health_id_i.value, dut.health_faults_i.value = 0x161718 + number, 5
+        else:
+            image, taxel = number
+            dut.image_data_i.value, dut.image_last_i.value = (
+                0x2000 + 256 * image + taxel,
+                int(taxel == TAXELS - 1),
+            )
+            dut.image_time_i.value = 0x1A1B1C1D1E1F + image
+
+    async def run(self, clocks, ready=1):
+        for _ in range(clocks):
+            await self.tick(ready)
+
+    async def until_still(self):
+        quiet = 0
+        while quiet < 12 or self.left:
+            await self.tick()
+            quiet = 0 if self.dut.out_begin_o.value == 1 else quiet + 1
+            assert self.clock < 5000, "it goes on for ever"
+
+    def kinds(self):
+        """(kind, number) of each packet; its checksum, count, time and payload are right."""
+        found, counters = [], 0
+        for count, (packet, start) in enumerate(zip(self.packets, self.starts)):
+            head, checksum = packet[:-4], int.from_bytes(packet[-4:], "little")
+            assert checksum == zlib.crc32(head)
+            assert head[1] == count
+            kind = next(name for name, number in TYPES.items() if number == head[0])
+            time, payload = int.from_bytes(head[2:8], "little"), head[8:]
+            assert kind == "image" or len(payload) == LENGTH[kind]
+            if kind == "slip":
+                number = time - 0x060708090A0B
+                due = (0x0102 + number).to_bytes(2, "little") + (0x030405 + number).to_bytes(3, "little")
+                assert payload == due + bytes([2 + number % 2])
+            elif kind == "answer":
+                number = int.from_bytes(payload, "little") - 0x0102_0304_0506_0708
+                assert time == self.now(start - 4)  # as it was chosen
+            elif kind == "cop":
+                number = time - 0x0C0D0E0F1011
+                due = (0x0A0B0C + number).to_bytes(3, "little") + bytes([0xD0, 0xE0, 0xF0])
+                assert payload == due + bytes([0x55, 0x44, 0x33, 0x22, 0x11, 1])
+            elif kind == "health":
+                number = int.from_bytes(payload[:3], "little") - 0x161718
+                assert payload[3] == 5
+            elif kind == "statistic":
+                number, counters = payload[0], counters + 1
+                assert number == (counters - 1) % COUNTERS
+                assert int.from_bytes(payload[1:], "little") == STATISTICS[number]
+                assert time == self.now(start - 4)
+            else:
+                number = (time - 0x1A1B1C1D1E1F, payload[2])
+                assert payload[0] == number[0] and payload[1] == int(number[1] == CHUNK)
+                taxels = range(CHUNK) if number[1] == 0 else range(CHUNK, TAXELS)
+                values = [0x2000 + 256 * number[0] + taxel for taxel in taxels]
+                assert payload[5:] == b"".join(value.to_bytes(2, "little") for value in values)
+            found.append((kind, number))
+        return found
+
+
+async def begin(dut):
+    inputs = {f"{name}_valid_i": 0 for name in NAMES}
+    await bench.start(dut, statistics_i=bench.lane_word(STATISTICS, 32), **inputs)
+
+
+async def anew(dut):
+    await bench.reset(dut)
+    return Talk(dut)
+
+
+PARTS = {"image": [("image", (0, 0)), ("image", (0, CHUNK))]}
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def two_sources_ask_in_one_clock(dut):
+    """Each pair, the one up to 3 clocks (statistics: one) before or after the other: the first of those
+    that wait goes, of two that begin to wait in one clock the first of the docs' order; the other follows,
+    both are whole."""
+    await begin(dut)
+    for one, other in itertools.combinations(TYPES, 2):
+        for shift in range(-1, 2) if "statistic" in (one, other) else range(-3, 4):
+            talk = await anew(dut)
+            # Statistics ask once in PERIOD clocks; the other of the pair asks around that.
+            still, moved = (one, other) if one == "statistic" else (other, one)
+            base = PERIOD if still == "statistic" else 20
+            waits = {still: base, moved: base + shift}
+            for kind, clock in waits.items():
+                if kind != "statistic":
+                    talk.ask(kind, clock - WAITS[kind])
+            await talk.run(base + 5)
+            await talk.until_still()
+            order = sorted(TYPES, key=lambda kind: (waits.get(kind, 9999), list(TYPES).index(kind)))[:2]
+            first, second = order
+            parts = [PARTS.get(kind, [(kind, 0)]) for kind in (first, second)]
+            # An image goes in packets, so that what waits never waits for more than one.
+            due = [parts[0][0], *parts[1], *parts[0][1:]]
+            assert talk.kinds() == due, (one, other, shift)
+            assert talk.starts[0] == waits[first] + 5, (one, other, shift)
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def all_of_them_wait_while_a_packet_leaves(dut):
+    """Whatever asked first: in the order of the docs."""
+    await begin(dut)
+    for order in (list(TYPES), list(TYPES)[::-1], ["image", "cop", "slip", "health", "answer"]):
+        talk = await anew(dut)
+        talk.ask("cop", PERIOD - 40, number=7)
+        for place, kind in enumerate(order):
+            if kind != "statistic":
+                talk.ask(kind, PERIOD - 32 + 3 * place)
+        await talk.run(PERIOD + 10)
+        await talk.until_still()
+        due = [("cop", 7)] + [(kind, 0) for kind in TYPES if kind != "image"] + PARTS["image"]
+        assert talk.kinds() == due, order
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def a_cop_and_a_report_as_the_one_before_is_taken(dut):
+    """The CoP of clock n waits in n + 1 and is taken in n + 2: one in n + 1 drops it, one from n + 2 on
+    follows it, whole. A report is held off until the one before has been taken, and then follows it."""
+    await begin(dut)
+    for later in range(1, 6):
+        talk = await anew(dut)
+        talk.ask("cop", 10, number=1)
+        talk.ask("cop", 10 + later, number=2)
+        await talk.run(20)
+        await talk.until_still()
+        assert talk.kinds() == ([("cop", 1), ("cop", 2)] if later > 1 else [("cop", 2)])
+        assert bench.read(dut.cop_dropped_o) == int(later == 1)
+        talk = await anew(dut)
+        talk.ask("health", 10, number=1)
+        talk.ask("health", 10 + later, number=2)
+        await talk.run(20)
+        await talk.until_still()
+        assert talk.kinds() == [("health", 1), ("health", 2)]
+        times = [int.from_bytes(packet[2:8], "little") for packet in talk.packets]
+        # Accepted in its clock, but not while the one before waits, in the clocks 11 and 12.
+        assert times == [talk.now(10), talk.now(max(10 + later, 13))]
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def an_event_at_every_clock_around_a_packets_end(dut):
+    """It is sent whole, and so is what left: none is lost, doubled or changed by the other."""
+    await begin(dut)
+    talk = await anew(dut)
+    talk.ask("slip", 5, number=1)
+    await talk.run(6)
+    await talk.until_still()
+    end = talk.starts[0] + 4 * (len(talk.packets[0]) - 1)  # of the last byte, if the line is free
+    for kind in ("slip", "cop", "answer", "health"):
+        for shift in range(-9, 8):
+            talk = await anew(dut)
+            talk.ask("slip", 5, number=1)
+            talk.ask(kind, end + shift, number=2)
+            await talk.run(end + shift + 1)
+            await talk.until_still()
+            assert talk.kinds() == [("slip", 1), (kind, 2)], (kind, shift)
+            free = end + 1  # from here on the next is chosen
+            assert talk.starts[1] == max(end + shift + WAITS[kind], free) + 5, (kind, shift)
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def the_queue_exactly_full_and_empty(dut):
+    """The line stands still for 60 clocks: the event under way and DEPTH + 2 more go in, and no other. A
+    packet that leaves makes room for one. Then all leave, in order, none twice; again after 60 clocks
+    without any."""
+    await begin(dut)
+    talk = await anew(dut)
+    number = 0
+
+    async def offer(ready):
+        """An event is offered until it is taken."""
+        nonlocal number
+        talk.left.setdefault(talk.clock, []).append(("slip", number))
+        number += await talk.tick(ready)
+
+    for rounds in range(2):
+        before = number
+        for _ in range(60):
+            await offer(0)
+        assert number - before == DEPTH + 3
+        for one in range(1, 2 * DEPTH + 3):
+            count = len(talk.packets)
+            while len(talk.packets) == count:
+                await offer(1)
+            for _ in range(30):
+                await offer(0)
+            assert number - before == DEPTH + 3 + one
+        await talk.until_still()
+        await talk.run(60)
+        sent = [number for kind, number in talk.kinds() if kind == "slip"]
+        assert sent == list(range(number)), rounds
+
+
+def test_packet_coincidences():
+    build = {
+        "SlipDepth": DEPTH,
+        "Statistics": COUNTERS,
+        "StatisticBits": 10,
+        "Taxels": TAXELS,
+        "Chunk": CHUNK,
+    }
+    bench.run("link", "packet", build, module="test_packet_coincidences")
