@@ -13,6 +13,7 @@ unchanged block, or if nothing ran. `build/mutants/<block>-<set>/` keeps the net
 
 import argparse
 import json
+import re
 import sys
 import time
 import tomllib
@@ -90,19 +91,18 @@ def one_set(runs, number, count, options, kind=mutate):
             alive = [mutant for mutant in alive if mutant.verdict == "survived"]
     if alive:
         equivalence.classify(alive, folder, block, briefly=options.unsolved)
-    if kind is source_netlist:
-        by_hand(alive, block)
+    by_hand(alive, block)
     return mutants, known, seconds
 
 
 def by_hand(mutants, block):
-    """Those of a block's source that a person has shown to change nothing are equivalent."""
+    """Those that a person has shown to change nothing are equivalent, while the line is as it was."""
     judged = tomllib.loads(JUDGED.read_text())["mutant"]
     same = {(row["text"], row["change"]) for row in judged if row["block"] == block}
     lines = mutate.source_of(block).read_text().splitlines()
     for mutant in mutants:
-        text = lines[mutant.command.line - 1].strip()
-        if mutant.verdict != "equivalent" and (text, mutant.what) in same:
+        own = re.search(rf"\bmsn_{block}\.sv:(\d+)", mutant.source)
+        if own and (lines[int(own[1]) - 1].strip(), mutant.what) in same:
             mutant.verdict = "equivalent"
 
 

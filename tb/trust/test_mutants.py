@@ -5,6 +5,7 @@ pass."""
 import argparse
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -98,6 +99,29 @@ def test_shows_equivalence_by_what_is_proven_first():
     for mutant in (same, found[0]):
         equivalence.judge_by_lemmas(mutant, circuit, folder)
     assert (same.verdict, found[0].verdict) == ("equivalent", "undecided")
+
+
+def test_a_person_may_show_equivalence_of_a_line_as_it_is(tmp_path, monkeypatch):
+    judged = tmp_path / "equivalent.toml"
+    monkeypatch.setattr(tool, "JUDGED", judged)
+    row = '[[mutant]]\nblock = "skid"\ntext = "{}"\nchange = "inv A"\nreason = "none"\n'.format
+    line = mutate.source_of("skid").read_text().splitlines().index("  assign in_ready_o  = !aside;") + 1
+    for text, block, what, same in (
+        ("assign in_ready_o  = !aside;", "skid", "inv A", True),
+        ("assign in_ready_o  = !aside;", "skid", "inv B", False),
+        ("assign in_ready_o  = !aside;", "fork", "inv A", False),
+        ("assign in_ready_o  = aside;", "skid", "inv A", False),
+    ):
+        judged.write_text(row(text))
+        found = mutate.Mutant(1, what, f"msn_skid.sv:{line} msn_skid.sv:1", "", "undecided")
+        tool.by_hand([found], block)
+        assert found.verdict == ("equivalent" if same else "undecided"), (text, block, what)
+
+
+def test_every_reason_is_of_a_line_that_is_there():
+    for row in tomllib.loads(tool.JUDGED.read_text())["mutant"]:
+        assert row["text"] in map(str.strip, mutate.source_of(row["block"]).read_text().splitlines()), row
+        assert row.keys() == {"block", "text", "change", "reason"} and row["reason"]
 
 
 def test_fails_when_the_tests_fail_unchanged():

@@ -90,7 +90,8 @@ def _scopes(tree):
 
 def _seen_inside(run, folder):
     """The wrapper's copies of those signals inside the block that its tests name, and, in scopes of the same
-    names, of all ports of those blocks in it whose path stands in quotes there."""
+    names, of all ports of those blocks in it whose path stands in quotes there, and all signals of such
+    generate blocks."""
     text, tests = (ROOT / folder / "mutated.v").read_text(), tests_of(run).read_text()
     module = module_of(text, INNER)
     port = rf"^  (?:in|out)put ({BITS})(\w+);"
@@ -110,6 +111,14 @@ def _seen_inside(run, folder):
             at = f"\\{path} ." if "." in path else f"{path}."  # the name itself has dots in it
             for bits, name in re.findall(port, block, re.MULTILINE):
                 scope[name] = copy(bits=bits, at=at, name=name)
+    for bits, path, name in re.findall(rf"^  (?:wire|reg) ({BITS})\\([\w.]+)\.(\w+) ;", module, re.M):
+        if f'"{path}"' in tests and path not in paths:
+            scope = tree
+            for part in path.split("."):
+                scope = scope.setdefault(part, {})
+            scope[name] = copy(bits=bits, at="", name=name).replace(
+                f"u_mutated.{name}", f"u_mutated.\\{path}.{name} "
+            )
     return seen + _scopes(tree)
 
 
