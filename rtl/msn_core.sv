@@ -128,8 +128,8 @@ module msn_core #(
   if (Array && Columns % Lanes != 0 && (Health || SampleBits != 17)) begin : gen_check_columns
     $fatal(1, "msn_core: Columns = %0d must be a multiple of Converters = %0d", Columns, Converters);
   end
-  if (SampleBits != 17 && (Array || Cop4)) begin : gen_check_sample_bits
-    $fatal(1, "msn_core: SampleBits = %0d must be 17 with Array or Cop4", SampleBits);
+  if (SampleBits > 17 || (SampleBits != 17 && (Array || Cop4))) begin : gen_check_sample_bits
+    $fatal(1, "msn_core: SampleBits = %0d must be at most 17, and 17 with Array or Cop4", SampleBits);
   end
   if (SlipOnly && (!Slip || Array || Registers || !Uart)) begin : gen_check_slip_only
     $fatal(1, "msn_core: SlipOnly = 1 must go with Slip and Uart, without Array and Registers");

@@ -10,7 +10,9 @@
 // An event (in_raised_i) waits for a sweep of its own, 64 .. 191 clocks, that fills columns 2 and 3; other
 // decisions pass at once. Then a byte is caught whenever a sweep passes its bits, up to one in 72 clocks, and
 // at last the checksum is drained. out_begin_o rises with the event itself. The time is that of the last convert
-// start before the event was offered, in clocks since reset.   Model: model/meissner/link/packet_slip.py
+// start before the event was offered, in clocks since reset. Converts while an event waits are not kept: an event
+// of a sample that was held back by such a wait bears the time of the last convert before it.
+// Model: model/meissner/link/packet_slip.py
 
 module msn_packet_slip #(
   parameter int unsigned P2pBits = 18

@@ -270,3 +270,12 @@ def test_core_ends_of_rows_and_columns():
 @pytest.mark.parametrize("bits", [0, 17])
 def test_times_have_one_to_sixteen_bits(bits):
     assert f"TimerBits = {bits}" in bench.refuses("core", {"TimerBits": bits}, of="registers")
+
+
+FOUR_WIRES = {"Cop4": 1, "Slip": 0, "Channels": 4}
+
+
+@pytest.mark.parametrize("bits, kind", [(18, {}), (16, {"Array": 1}), (16, FOUR_WIRES), (18, FOUR_WIRES)])
+def test_samples_have_at_most_seventeen_bits(bits, kind):
+    said = bench.refuses("core", {"SampleBits": bits, **kind})
+    assert f"SampleBits = {bits} must be at most 17, and 17 with Array or Cop4" in said
