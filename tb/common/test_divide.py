@@ -113,7 +113,15 @@ SPACE = lambda draw: {
 @pytest.mark.parametrize(
     "den_bits, fraction_bits, bits_per_clock, pipelined",
     [
-        *((34, 14, 2, 0), (46, 20, 1, 0), (12, 5, 2, 1), (12, 3, 1, 1), (34, 7, 2, 0), (46, 20, 2, 1)),
+        *(
+            (34, 14, 2, 0),
+            (46, 20, 1, 0),
+            (12, 5, 2, 1),
+            (12, 3, 1, 1),
+            (12, 5, 1, 1),
+            (34, 7, 2, 0),
+            (46, 20, 2, 1),
+        ),
         (6, 1, 1, 1),  # the fewest bits of a quotient
     ],
 )

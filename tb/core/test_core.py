@@ -73,7 +73,7 @@ CASES = {
         "link": {"baud": 500_000, "registers": False, "statistics": False, "slip_only": True},
     },
 }
-FRAMES = {"array": 40, "channels": 120, "electrodes": 90, "smallest": 120}
+FRAMES = {"array": 24, "channels": 120, "electrodes": 90, "smallest": 120}
 COMMON = {"about": "of a test", "clock": {"mhz": 4.0}}
 # What no configuration says: few events wait, and one core has no line.
 ASIDE = {"array": {"SlipDepth": 2}, "electrodes": {"SlipDepth": 2, "Uart": 0}}

@@ -51,13 +51,16 @@ class Listened:
         termios.tcsetattr(theirs, termios.TCSANOW, attributes)
         command = [sys.executable, "-m", "meissner.cli", "log", f"pty:{os.ttyname(theirs)}", "--listen"]
         command += ["--clk-khz", str(CLK_KHZ), "--out", name]
-        # As at a terminal: a shell's background job ignores Ctrl-C, and so would all that it starts.
-        before = signal.signal(signal.SIGINT, signal.default_int_handler)
+        # As at a terminal: a shell's background job ignores Ctrl-C, and what nohup runs a lost terminal: and
+        # so would all that they start.
+        ends = (signal.SIGINT, signal.SIGHUP)
+        before = [signal.signal(end, signal.default_int_handler) for end in ends]
         try:
             streams = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE} | more
             self.child = subprocess.Popen(command, cwd=folder, text=True, **streams)
         finally:
-            signal.signal(signal.SIGINT, before)
+            for end, handler in zip(ends, before):
+                signal.signal(end, handler)
         self.theirs, self.spool = theirs, part(folder / name)
         self.until(self.spool.exists)
 

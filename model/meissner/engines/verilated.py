@@ -76,7 +76,7 @@ def library(top, driver, parameters, trace=False, include=None):
         *checks,
         *(
             "-CFLAGS",
-            f"-fPIC -O3 -I{toolchain.for_make(HERE)}",
+            f"-fPIC {toolchain.OPTIMISE} -I{toolchain.for_make(HERE)}",
             "-LDFLAGS",
             "-shared",
             "--exe",
