@@ -29,6 +29,9 @@ ONES = "+verilator+rand+reset+1"  # registers start as ones: what needs the rese
 SEED = int(os.environ.get("MEISSNER_SEED", "1"))
 POWERUPS = int(os.environ.get("MEISSNER_POWERUP", "0"))
 SIM = os.environ.get("MEISSNER_SIM", "verilator")  # or icarus
+# The runner calls make itself, past Verilator's -MAKEFLAGS; larger models need the first variable. A build
+# runs once or twice: the compiler's time is more than what its optimising saves.
+MAKEFLAGS = "-- CFG_CXXFLAGS_PCH_I=-include OPT_FAST=-O0"
 if os.environ.get("MEISSNER_INSTANCE"):  # one of many in a top without ports, of meissner.trust.regress
     cocotb.top = getattr(cocotb.top, os.environ["MEISSNER_INSTANCE"])
 if recorder.FILE:
@@ -75,9 +78,7 @@ def run(stage, block, parameters=None, test_filter=None, module=None, sources=No
         sources, flags = [*sources, *covers(sources)], [*flags, *COVERAGE_FLAGS]
     sources = [toolchain.for_make(source) for source in sources]
     os.environ.update(toolchain.environment())
-    # The runner calls make itself, past Verilator's -MAKEFLAGS; larger models need this variable.
-    # A build runs once or twice: the compiler's time is more than what its optimising saves.
-    os.environ["MAKEFLAGS"] = "-- CFG_CXXFLAGS_PCH_I=-include OPT_FAST=-O0"
+    os.environ["MAKEFLAGS"] = MAKEFLAGS
     runner = get_runner(SIM)
     runner.build(
         sources=sources,

@@ -84,7 +84,7 @@ def test_two_converters(name, tmp_path):
     boards.write_board(folder, board, users.write(tmp_path, name, 25.0))
     own = [*board.sources, f"{folder}/{board.top}.sv", "tb/boards/EHXPLLL.sv", "tb/lint/verilator.vlt"]
     os.environ.update(toolchain.environment())
-    os.environ["MAKEFLAGS"] = "-- CFG_CXXFLAGS_PCH_I=-include OPT_FAST=-O0"
+    os.environ["MAKEFLAGS"] = bench.MAKEFLAGS
     runner = get_runner("verilator")
     where = toolchain.ROOT / folder
     runner.build(

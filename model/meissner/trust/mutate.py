@@ -88,6 +88,13 @@ def _scopes(tree):
     )
 
 
+def _scope(tree, path):
+    """The scope of ``path`` in the tree, which has it then."""
+    for name in path.split("."):
+        tree = tree.setdefault(name, {})
+    return tree
+
+
 def _seen_inside(run, folder):
     """The wrapper's copies of those signals inside the block that its tests name, and, in scopes of the same
     names, of all ports of those blocks in it whose path stands in quotes there, and all signals of such
@@ -97,28 +104,22 @@ def _seen_inside(run, folder):
     port = rf"^  (?:in|out)put ({BITS})(\w+);"
     ports = [name for _, name in re.findall(port, module, re.MULTILINE)]
     wires = {name: bits for bits, name in re.findall(rf"^  (?:wire|reg) ({BITS})(\w+);", module, re.M)}
-    copy = "  logic {bits}{name};\n  assign {name} = u_mutated.{at}{name};\n".format
+    # The space ends a name that has dots in it.
+    copy = "  logic {bits}{name};\n  assign {name} = u_mutated.{at}{name} ;\n".format
     seen = "".join(
         copy(bits=wires[name], at="", name=name) for name in named(run) if name in wires and name not in ports
     )
     paths, tree = scopes_of(tests), {}
     for kind, path in re.findall(r"^  (\S+) +\\?([\w.]+) +\($", module, re.MULTILINE):
         if path in paths:
-            scope = tree
-            for name in path.split("."):
-                scope = scope.setdefault(name, {})
+            scope = _scope(tree, path)
             block = module_of(text, f"{kind} " if kind.startswith("\\") else kind)
             at = f"\\{path} ." if "." in path else f"{path}."  # the name itself has dots in it
             for bits, name in re.findall(port, block, re.MULTILINE):
                 scope[name] = copy(bits=bits, at=at, name=name)
     for bits, path, name in re.findall(rf"^  (?:wire|reg) ({BITS})\\([\w.]+)\.(\w+) ;", module, re.M):
         if f'"{path}"' in tests and path not in paths:
-            scope = tree
-            for part in path.split("."):
-                scope = scope.setdefault(part, {})
-            scope[name] = copy(bits=bits, at="", name=name).replace(
-                f"u_mutated.{name}", f"u_mutated.\\{path}.{name} "
-            )
+            _scope(tree, path)[name] = copy(bits=bits, at=f"\\{path}.", name=name)
     return seen + _scopes(tree)
 
 
