@@ -117,7 +117,7 @@ def main():
             f"coverage: {len(holes)} holes, {len(faults)} faulty waivers"
             + ("" if passed else ", tests failed")
         )
-    print(f"coverage: no hole in {len(rows)} blocks")
+    print(f"coverage: no hole in {len(rows)} block{'s' * (len(rows) != 1)}")
 
 
 if __name__ == "__main__":

@@ -37,13 +37,19 @@ def test_adc_parts(struct, twin):
         "ClkKhz": twin.clk_khz,
         "SclkKhz": twin.sclk_khz,
     }
+    main = toolchain.for_make(HERE / "adc_parts_main.cpp")
+    source = build.with_suffix(".cpp")
+    source.write_text(
+        f'#define PART meissner::{struct}\n#define LANES {twin.lanes}\n#include "{main}"\n', "utf-8"
+    )
+    # The flags of engines/verilated.py, so that the runtime compiled for those is taken for these too.
     include = toolchain.for_make(toolchain.ROOT) / "model/meissner/engines"
     command = [
         "verilator", "--cc", "--exe", "--build", "-Mdir", str(build), "--prefix", "Vtop", "-o", "adc_parts",
         "--top-module", "msn_adc_spi", *toolchain.VERILATOR_FLAGS,
-        "-CFLAGS", f"-I{include} -DPART=meissner::{struct} -DLANES={twin.lanes}",
+        "-CFLAGS", f"-fPIC {toolchain.OPTIMISE} -I{include}",
         *(f"-G{name}={value}" for name, value in parameters.items()),
-        *(str(toolchain.for_make(path)) for path in [*toolchain.sources(), HERE / "adc_parts_main.cpp"]),
+        *(str(toolchain.for_make(path)) for path in [*toolchain.sources(), source]),
     ]  # fmt: skip
     subprocess.run(command, env=toolchain.environment(), check=True, capture_output=True, text=True)
     run = [build / "adc_parts", str(FRAMES), str(twin.safe_period())]
