@@ -18,7 +18,7 @@ from cocotb.triggers import FallingEdge, First, ReadOnly, RisingEdge
 from cocotb.utils import get_sim_time
 
 import bench
-from meissner.frontend.adc_spi import AD7606, MCP3208, PARTS, AdcSpi
+from meissner.frontend.adc_spi import AD7606, MAX11123, MCP3208, PARTS, AdcSpi
 from parts import ad7606, max1112x, mcp3208
 from parts.timing import TimingViolation, tightened
 
@@ -835,3 +835,20 @@ def test_twin_never_exceeds_the_parts_clock(part):
             twin = AdcSpi(part, clk_khz=clk_khz, sclk_khz=sclk_khz)
             assert clk_khz <= 2 * twin.half * sclk_khz
             assert (2 * twin.half - 1) * 1e6 / clk_khz >= part.access_ns
+
+
+@pytest.mark.parametrize(
+    "part, clk_khz, half",
+    [
+        (AD7606, 27_000, 1),  # 30 + 7 ns are 0.999 clocks, so one; 14.5 MHz asks for 0.93
+        (AD7606, 27_028, 2),  # 1.00004 clocks, so two, and the clock before the bit's end is its third
+        (AD7606, 29_000, 2),
+        (AD7606, 50_000, 2),
+        (MAX11123, 32_000, 1),  # 17 + 7 ns are 0.77 clocks
+        (MAX11123, 32_001, 2),  # 16 MHz
+        (MCP3208, 48_000, 12),  # 2 MHz; 200 + 7 ns are 9.94 clocks
+    ],
+)
+def test_half_a_bit_by_hand(part, clk_khz, half):
+    """docs/adc.md: 2·half - 1 clocks last at least the access time and 7 ns of round trip."""
+    assert AdcSpi(part, channels=1, clk_khz=clk_khz, sclk_khz=part.sclk_max_khz).half == half

@@ -264,6 +264,52 @@ def test_sums_are_exact_and_rounded_once(form, samples):
                 assert square < Fraction(2 * data + 1, 2) ** 2 * 4**shift
 
 
+@pytest.mark.parametrize("form", [RECTIFIER, IQ, IQ_FAST])
+def test_ends_of_the_range_by_hand(form):
+    """12 bits end at 2047. Two samples that half a period parts: M is their difference, whatever the form."""
+    demod = AmDemod(form, 4, sample_bits=12, period_bits=2)
+    for first, other, shift, data, over in (
+        (2045, -1, 0, 2046, False),
+        (2047, 0, 0, 2047, False),  # the greatest itself is none
+        (2047, -1, 0, 2047, True),
+        (2047, -2046, 1, 2047, False),  # 2046.5, up
+        (2047, -2047, 1, 2047, False),  # 2047
+        (2047, -2048, 1, 2047, True),  # 2047.5, up
+        (2, -1, 1, 2, False),
+    ):
+        got = demod.amplitude([first, 0, other, 0], shift)
+        assert (int(got[0]), bool(got[1])) == (data, over), (first, other, shift)
+
+
+def samples(values, over=()):
+    """Beats of one lane of which the first starts a measurement; ``over``: those over-range."""
+    return [
+        {"data": [value], "user": [place in over], "start": place == 0, "id": 3, "last": True}
+        for place, value in enumerate(values)
+    ]
+
+
+def test_over_range_samples_by_hand():
+    """Any sample of a measurement makes it over-range, none that settles or comes after it."""
+    demod = AmDemod(IQ, 4, sample_bits=12, period_bits=2, skip_bits=3)
+    values = [7, 7, 7, 40, 0, 30, 0, 40, 0, 30, 0, 9]  # three settle, two periods, one too many
+    for place in range(12):
+        results, _ = demod.process(samples(values, {place}), 2, 3, 0)
+        # I = 2 (40 - 30), Q = 0
+        assert results == [{"data": 20, "id": 3, "last": 1, "user": int(3 <= place < 11)}], place
+
+
+def test_measurements_cut_off_by_hand():
+    """Counted wherever the next start finds one that has not all its samples, while it settles too."""
+    demod = AmDemod(IQ, 4, sample_bits=12, period_bits=2, skip_bits=3)
+    whole = samples([7, 7, 7, 40, 0, 30, 0])
+    for cut in range(1, 7):
+        results, broken = demod.process(whole[:cut] + whole, 1, 3, 0)
+        assert (len(results), broken) == (1, 1), cut
+    assert demod.process(whole + whole, 1, 3, 0)[1] == 0
+    assert demod.process(whole[1:] + whole, 1, 3, 0)[1] == 0  # nothing had started
+
+
 @pytest.mark.parametrize("samples", [4, 8, 16])
 @pytest.mark.parametrize("form", [RECTIFIER, IQ, IQ_FAST])
 def test_any_constant_offset_changes_nothing(form, samples):

@@ -134,3 +134,25 @@ def test_a_half_of_a_bit_is_no_clock_short():
         assert (twin.half, twin.latencies()[0], twin.latencies()[-1]) == (half, first, last)
         assert twin.minimum_period() == period
         assert Fraction(clk, 2 * half) <= sclk
+
+
+@pytest.mark.parametrize(
+    "part, channels, lanes, clk, sclk, cycle, hold",
+    [
+        # 8 frames of 20 bits of 26 clocks, and one; the last samples at its sixth falling edge
+        (MCP3208, 8, 1, 25_000, 1_000, 4161, 7 * 520 + 12 * 13 + 1),
+        (MCP3208, 1, 1, 12_000, 2_000, 121, 12 * 3 + 1),
+        # 4.2 us are 105 clocks, seen after one; 3, 129 bits of 2 clocks; the watchdog's 256 + 8 + 4 are less
+        (AD7606, 8, 1, 25_000, 14_500, 106 + 3 + 258, 2),
+        # 65 bits on each of two lanes: now the watchdog's are more
+        (AD7606, 8, 2, 25_000, 14_500, 268, 2),
+        (AD7606, 8, 2, 100_000, 14_500, 1036, 4),  # 8.4 us are 840 clocks, so 1024; 25 ns are three, and one
+        # 9 frames of 17.5 bits of 2 clocks, 8 samples, and the 4 that a lost one takes more
+        (MAX11125, 8, 1, 25_000, 16_000, 9 * 35 + 8 + 4, 8 * 35 + 1),
+        (MAX11123, 3, 1, 100_000, 16_000, 4 * 140 + 3 + 4, 3 * 140 + 1),
+    ],
+)
+def test_clocks_between_triggers_by_hand(part, channels, lanes, clk, sclk, cycle, hold):
+    """From trigger to trigger, and from convert start until lines may change: docs/adc.md, msn_adc_pkg."""
+    twin = AdcSpi(part, channels=channels, lanes=lanes, clk_khz=clk, sclk_khz=sclk)
+    assert (twin.cycle_clocks(), twin.hold_clocks()) == (cycle, hold)

@@ -266,6 +266,8 @@ def test_times():
     assert units.code("adc.period", "seconds", 100e-6) == 1337
     assert units.code("scan.period", "seconds", 1.5e-6) == 20  # 20.06
     assert units.code("scan.period", "seconds", 1.6e-6) == 21  # 21.39
+    assert units.code("scan.period", "seconds", 1.65e-6) == 22  # 22.06
+    assert units.code("adc.period", "seconds", 1.62e-6) == 22  # 21.66
     assert units.code("scan.settle", "seconds", 1.5e-6) == 21  # at least 20.06
     assert units.code("scan.settle", "seconds", 100e-6) == 1337
     assert units.code("scan.settle", "seconds", 0.0) == 1
