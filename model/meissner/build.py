@@ -210,6 +210,11 @@ class Config:
                 f"[adc]: rate_hz = {self.rate_hz:g} is too slow: the longest period is {longest} clocks, "
                 f"{least:.3g} Hz"
             )
+        if self.kind == "array" and self.array["health"] and self.sensor["columns"] % self.adc["converters"]:
+            raise ValueError(
+                f"[sensor]: columns = {self.sensor['columns']} must be a multiple of the "
+                f"{self.adc['converters']} converters for health"
+            )
         if self.kind == "array" and self.settle_clocks > 65535:
             most = 65535 * 1000 / self.clk_khz
             raise ValueError(
