@@ -22,7 +22,7 @@ from meissner.host.simulated import (
     slip_source,
     together,
 )
-from meissner.link import cobs
+from meissner.link import bridge, cobs
 from meissner.link import packet as p
 from meissner.link.uart_rx import UartRx
 from meissner.link.uart_tx import levels
@@ -596,6 +596,28 @@ def test_lost_commands_and_answers_are_asked_again_with_the_same_tag():
     core["slip.threshold"] = 6
     for _ in range(3):
         assert (core["slip.threshold"], core["core.id"]) == (6, 0x4D534E52)
+
+
+def test_an_answer_about_another_register_is_not_taken():
+    """Tags come round after 256 commands: the tag that is asked with another address is an old answer."""
+    pipe, old = Pipe(simulated()), bytearray()
+    core = connected(pipe)
+
+    def to_core(data):
+        [(_, tag, address, _)], _ = bridge.accesses(data)
+        payload = bridge.answer(tag, bridge.DONE, address ^ 4, 99)
+        old[:] = cobs.encode(p.packet(p.ANSWER, 0, core.now, payload))
+        return data
+
+    def to_host(data):
+        before = bytes(old)
+        old.clear()
+        return before + data
+
+    pipe.to_core, pipe.to_host = to_core, to_host
+    core["slip.threshold"] = 6
+    assert (core["slip.threshold"], core["core.id"]) == (6, 0x4D534E52)
+    assert core.counts.restarts == 0
 
 
 def test_a_core_that_does_not_answer():
