@@ -222,6 +222,15 @@ def test_calibrations():
     given = {"offset": offset, "gain": gain, "dead": dead, "gain_shift": 12}
     forces = rtl_frontend.calibrate(codes, SimpleNamespace(**given))
     assert forces.tolist() == [[[65_520, 0, 0]]]  # 65536·4095/4096 = 65520
+    # Frame after frame, its middle dead, each taxel's own gain: 1.0, 2.0, 3.0.
+    gains = {
+        "gain": np.array([[4096, 8192, 12_288]]),
+        "offset": np.zeros((1, 3)),
+        "dead": np.array([[0, 1, 0]]),
+    }
+    codes = np.array([[[4096, 100, -1]], [[1, 5, 7]], [[2, 6, 8]]])
+    forces = rtl_frontend.calibrate(codes, SimpleNamespace(**(given | gains)))
+    assert forces.tolist() == [[[4096, 0, 0]], [[1, 0, 21]], [[2, 0, 24]]]
     for name, value in (
         ("offset", 65_536),
         ("offset", -65_537),
@@ -239,7 +248,10 @@ def test_carriers():
     samples = np.concatenate([np.full(255, 30_000), np.tile([1000, 0, -1000, 0], 4)])
     carrier = Carrier(block, 4, 255, 3)
     alone = Carrier(block, 4, 0, 3)
-    assert rtl_frontend.demodulate(samples, carrier) == rtl_frontend.demodulate(samples[255:], alone) > 0
+    assert rtl_frontend.demodulate(samples, carrier) == rtl_frontend.demodulate(samples[255:], alone) == 1000
+    # One after the other: four periods of ±a are a sum of 8a, shifted by 3.
+    several = np.array([np.tile([size, 0, -size, 0], 4) for size in (7, 65_535, 1, 300)])
+    assert rtl_frontend.demodulate(several, alone).tolist() == [7, 65_535, 1, 300]
     for wrong in (Carrier(block, 4, 256, 3), Carrier(block, 4, 4, 32), Carrier(block, 4, 4, (1 << 32) + 3)):
         with pytest.raises(ValueError, match="wider than the core has bits for"):
             rtl_frontend.demodulate(np.zeros(wrong.samples), wrong)
