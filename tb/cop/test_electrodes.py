@@ -1,4 +1,5 @@
-"""msn_electrodes against its model: frames back to back, gaps and stalls, every kind of damage, reset."""
+"""msn_electrodes against its model: frames back to back, gaps and stalls, every kind of damage, reset;
+the model against frames written down by hand."""
 
 import random
 
@@ -74,6 +75,38 @@ async def forgets_what_a_reset_interrupts(dut):
         await bench.reset(dut)
         await check(dut, beats)
     assert bench.read(dut.damaged_o) == 0
+
+
+# By hand: (data, id, last) of each beat, the frames that come out, and how many were none.
+WHOLE = [(7, 0, 0), (-6, 1, 0), (5, 2, 0), (-4, 3, 1)]
+FRAME = (7, -6, 5, -4)
+LITERALS = {
+    "whole": (WHOLE, [FRAME], 0),
+    "two": (WHOLE + WHOLE, [FRAME, FRAME], 0),
+    **{
+        f"wrong number at {at}": (
+            [(data, wrong if place == at else place, last) for data, place, last in WHOLE] + WHOLE,
+            [FRAME],
+            1,
+        )
+        for at, wrong in ((0, 1), (0, 3), (1, 0), (1, 2), (2, 3), (3, 2), (3, 0))
+    },
+    "first one missing": (WHOLE[1:] + WHOLE, [FRAME], 1),
+    "third one missing": (WHOLE[:2] + WHOLE[3:] + WHOLE, [FRAME], 1),
+    "last one missing": (WHOLE[:3] + WHOLE + WHOLE, [FRAME], 1),  # up to the next one's last
+    "last one only": (WHOLE[3:] + WHOLE, [FRAME], 1),
+    "one too many": ([*WHOLE[:3], (-4, 3, 0), (9, 0, 1), *WHOLE], [FRAME], 1),
+    "last too early": ([(7, 0, 0), (-6, 1, 1), *WHOLE], [FRAME], 1),
+    "each on its own": ([(data, 0, 1) for data, _, _ in WHOLE] + WHOLE, [FRAME], 4),
+    "begun and right so far": (WHOLE[:3], [], 0),
+    "begun and wrong": (WHOLE[1:3], [], 1),
+}
+
+
+@pytest.mark.parametrize("name", LITERALS)
+def test_frames_by_hand(name):
+    beats, found, lost = LITERALS[name]
+    assert electrodes(beats) == (found, lost)
 
 
 SPACE = lambda draw: {"SampleBits": draw.randint(2, 20)}
