@@ -54,6 +54,34 @@ def test_refusal_by_hand(pressed, masked, refused):
     assert loop.zeros == ([0, 0] if refused else [pressed, 1]) == twin.zeros()[0].tolist()
 
 
+def test_swallowed_frames_by_hand():
+    """docs/array.md: while zeros are loaded each frame is swallowed and counted, a damaged one too; the
+    frame under way when loading is asked for, or its end, is not one of them."""
+    twin = Tare(1, 3, fraction_bits=4, tare_log2=1, contact=5, step=0)
+    whole, early, late = [0, 0, 1], [0, 1], [0, 0, 0, 1]  # `last` of each beat
+
+    def frame(lasts, load=None):
+        passed = 0
+        for place, last in enumerate(lasts):
+            passed += twin.beat([7], place, last, [False]) is not None
+            if place == 0 and load is not None:
+                twin.load(load)
+        return passed
+
+    for lasts, load, passed, swallowed, damaged in (
+        (whole, None, 3, 0, 0),
+        (whole, True, 3, 0, 0),  # asked for in it: from the next one on
+        (whole, None, 0, 1, 0),
+        (early, None, 0, 2, 1),
+        (late, None, 0, 3, 2),
+        (whole, False, 0, 4, 2),
+        (whole, None, 3, 4, 2),
+        (early, None, 2, 4, 3),
+    ):
+        assert frame(lasts, load) == passed
+        assert (twin.swallowed, twin.damaged) == (swallowed, damaged)
+
+
 @pytest.mark.parametrize("step, tare_log2, fraction_bits", [(1, 0, 3), (7, 3, 5), (255, 2, 12)])
 def test_the_twin_is_the_loop_s(step, tare_log2, fraction_bits):
     rng = np.random.default_rng(bench.SEED)
