@@ -299,6 +299,23 @@ def test_over_range_samples_by_hand():
         assert results == [{"data": 20, "id": 3, "last": 1, "user": int(3 <= place < 11)}], place
 
 
+@pytest.mark.parametrize("last", [0, 1])
+def test_lanes_by_hand(last):
+    """Lane k has the id of lane 0 and k more; the last one alone ends the frame, if the start says so."""
+    demod = AmDemod(IQ, 4, lanes=3, sample_bits=12, period_bits=2)
+    sizes = (40, 7, 300)
+    beats = [
+        {"data": [turn * size for size in sizes], "user": [0, place == 2, 0], "start": place == 0}
+        | ({"id": 6, "last": last} if place == 0 else {"id": 9, "last": 1 - last})
+        for place, turn in enumerate((1, 0, -1, 0))
+    ]
+    assert demod.process(beats, 1, 0, 1)[0] == [
+        {"data": 40, "id": 6, "last": 0, "user": 0},
+        {"data": 7, "id": 7, "last": 0, "user": 1},
+        {"data": 300, "id": 8, "last": last, "user": 0},
+    ]
+
+
 def test_measurements_cut_off_by_hand():
     """Counted wherever the next start finds one that has not all its samples, while it settles too."""
     demod = AmDemod(IQ, 4, sample_bits=12, period_bits=2, skip_bits=3)

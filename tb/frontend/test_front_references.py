@@ -87,6 +87,19 @@ def test_places_of_a_scan_by_their_columns(rows, columns, lanes, channels):
     assert [row for row, group in plan.places(interleave=True) if group == 0] == order
 
 
+@pytest.mark.parametrize(
+    "first, last, rows",
+    [
+        *((0, 6, [0, 2, 4, 6, 1, 3, 5]), (1, 4, [1, 3, 2, 4]), (1, 5, [1, 3, 5, 2, 4]), (2, 5, [2, 4, 3, 5])),
+        *((3, 3, [3]), (3, 4, [3, 4]), (6, 6, [6]), (5, 9, [5, 6]), (6, 2, [2])),
+    ],
+)
+def test_every_second_row_by_hand(first, last, rows):
+    """From the region's first row on, then those between; a region is cut to the seven rows there are."""
+    found = ScanPlan(7, 2, 1, 2).places(Region(first, last, 0, 1), interleave=True)
+    assert found == [(row, 0) for row in rows]
+
+
 def test_a_scan_by_hand():
     """2 x 5 behind two inputs: three groups a row. Slots: 20 clocks at settle 4, 30 + 1 + 3 at settle 30."""
     plan = ScanPlan(2, 5, 1, 2, hold=3, cycle=20)
