@@ -228,6 +228,23 @@ async def one_command_at_a_time(dut):
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
+async def a_command_that_ends_as_the_last_is_answered(dut):
+    """A clock after the answer is taken its closing zero begins an access; in that clock it is refused."""
+    registers = await begin(dut)
+    first, second = command(WRITE, 1, 8, 99), command(READ, 2, 8)
+    refused = 0
+    for late in (1, 0, -1):
+        taken = iter([False] * (len(second) - 1 - late))
+        registers.seen.clear()
+        assert await send(dut, registers, first, stall=lambda: True) == []
+        got = await send(dut, registers, second, stall=lambda taken=taken: next(taken, True) is False)
+        refused += late < 1
+        same(got, [(1, DONE, 8, 99)] + [(2, DONE, 8, 99)] * (late == 1))
+        assert registers.seen == [(1, 8, 99)] + [(0, 8, 0)] * (late == 1)
+        assert bench.read(dut.rejected_o) == refused
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
 async def recovers_after_reset(dut):
     registers = await begin(dut)
     line = command(WRITE, 9, 0x20, 0x00010203)
