@@ -30,6 +30,29 @@ package msn_pkg;
     DemodIqFast    = 2   // the same estimated by two lines
   } demod_form_e;
 
+  // A decision about one channel.
+  typedef struct packed {
+    logic        raised;
+    logic        last;   // of its frame
+    logic [2:0]  state;  // slip_state_e
+    logic [23:0] p2p;
+    logic [15:0] id;
+  } decision_t;
+
+  // A centre of pressure, in the formats of docs/link.md: x and y have a sign.
+  typedef struct packed {
+    logic [23:0] x;
+    logic [23:0] y;
+    logic [39:0] load;
+    logic        pressed;
+  } cop_t;
+
+  // A report of health about one taxel.
+  typedef struct packed {
+    logic [23:0] id;
+    logic [7:0]  faults;
+  } health_t;
+
   // Bits of an index 0 .. count-1, at least one.
   function automatic int unsigned index_width(int unsigned count);
     index_width = (count > 1) ? $clog2(count) : 1;

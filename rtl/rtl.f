@@ -1,4 +1,5 @@
 rtl/msn_pkg.sv
+rtl/link/msn_registers_pkg.sv
 rtl/common/msn_delay.sv
 rtl/common/msn_frame_check.sv
 rtl/common/msn_frame_gate.sv
@@ -45,6 +46,7 @@ rtl/slip/msn_slip.sv
 rtl/slip/msn_slip_serial.sv
 rtl/slip/msn_slip_flags.sv
 rtl/slip/msn_slip_path.sv
+rtl/slip/msn_slip_chain.sv
 rtl/slip/msn_channels.sv
 rtl/cop/msn_cop_accumulate.sv
 rtl/cop/msn_cop_divide.sv
@@ -64,8 +66,12 @@ rtl/link/msn_uart_tx.sv
 rtl/link/msn_uart_rx.sv
 rtl/link/msn_bridge.sv
 rtl/link/msn_link.sv
-rtl/link/msn_registers_pkg.sv
+rtl/link/msn_link_slip.sv
+rtl/link/msn_core_link.sv
 rtl/link/msn_registers.sv
 rtl/link/msn_axil.sv
+rtl/sensor/msn_sensor_channels.sv
+rtl/sensor/msn_sensor_array.sv
+rtl/sensor/msn_sensor_cop4.sv
 rtl/msn_core.sv
 rtl/msn_axis.sv

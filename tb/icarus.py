@@ -30,7 +30,9 @@ RESET = (
 )
 FUNCTIONS = "a parameter that a package's function makes of another package's functions: not evaluated"
 SLICES = "a packed vector of vectors of which a process drives one element and an assignment another: refused"
+STRUCTS = "ports of a package's packed struct: Icarus 11 crashes on `package::type` there"
 REFUSED = {
+    **dict.fromkeys(("registers", "slip_chain", "link_slip", "core_link"), STRUCTS),
     "adc_spi": FUNCTIONS,
     "adc_single": FUNCTIONS,
     "acquire": FUNCTIONS,

@@ -10,7 +10,7 @@ from meissner import toolchain
 
 PAGE = (toolchain.ROOT / "docs/references.md").read_text()
 MODEL = toolchain.ROOT / "model/meissner"
-STAGES = ("common", "cop", "frontend", "link", "slip")
+STAGES = ("common", "cop", "frontend", "link", "sensor", "slip")
 ROWS = [[cell.strip() for cell in row.split("|")[1:-1]] for row in PAGE.splitlines() if row.startswith("| `")]
 COMPUTES = [row for row in ROWS if len(row) == 3]
 

@@ -20,12 +20,16 @@ MADE = f"Made by tools/registers.py from {SOURCE}: change that, then `make regis
 HELD = {"detail": 20, "timer": 16, "load": 32, "offset": 17}
 
 
+KEYWORDS = {"force"}  # of SystemVerilog: no member's name
+
+
 @dataclass(frozen=True)
 class Field:
     """``kind``: setting (written by the host), status (by the core), constant, or command (a pulse)."""
 
     name: str
-    port: str  # base name of its port
+    port: str  # its group's, its register's and its own name
+    member: str  # of its group's struct
     high: int
     low: int
     kind: str
@@ -49,7 +53,7 @@ class Register:
     address: int
     text: str
     fields: tuple
-    strobe: bool  # a written_o pulse goes with it
+    strobe: bool  # a pulse _written goes with it
 
     @property
     def writable(self):
@@ -69,8 +73,9 @@ class Group:
         return "".join(part.capitalize() for part in self.name.split("_"))
 
 
-def _field(prefix, field):
-    port = prefix if field.inst_name == "value" else f"{prefix}_{field.inst_name}"
+def _field(group, register, field):
+    member = register if field.inst_name == "value" else f"{register}_{field.inst_name}"
+    prefix, port = f"{group}.{register}", f"{group}_{member}"
     writable, seen = field.is_sw_writable, field.is_hw_readable
     if field.get_property("singlepulse"):
         kind = "command"
@@ -90,7 +95,9 @@ def _field(prefix, field):
     )
     if held_to and (held_to not in HELD or HELD[held_to] != field.width):
         sys.exit(f"{SOURCE}: {prefix}.{field.inst_name} is held to no width of {', '.join(HELD)}")
-    return Field(field.inst_name, port, field.high, field.low, kind, reset or 0, bool(signed), held_to)
+    return Field(
+        field.inst_name, port, member, field.high, field.low, kind, reset or 0, bool(signed), held_to
+    )
 
 
 def read():
@@ -105,7 +112,7 @@ def read():
     for group in top.children():
         registers = []
         for register in group.children():
-            fields = tuple(_field(f"{group.inst_name}_{register.inst_name}", f) for f in register.fields())
+            fields = tuple(_field(group.inst_name, register.inst_name, f) for f in register.fields())
             strobe = any(field.get_property("swmod") for field in register.fields())
             text = register.get_property("desc")
             registers.append(Register(register.inst_name, register.absolute_address, text, fields, strobe))
@@ -131,18 +138,49 @@ def settings(groups):
     return [(field.port, field.width, field.reset) for field, _, _ in fields]
 
 
+def _member(field):
+    """Name of a field's member in its group's struct."""
+    return f"{field.member}_" if field.member in KEYWORDS else field.member
+
+
+def _structs(groups):
+    """{"cfg": [(group, [(member, bits)])], "status": ...}: what the core gets, and what it gives."""
+    made = {"cfg": [], "status": []}
+    for group in groups:
+        cfg, status = [], []
+        for register in group.registers:
+            for field in register.fields:
+                if field.kind != "constant":
+                    (status if field.kind == "status" else cfg).append((_member(field), field.width))
+            if register.strobe:
+                cfg.append((f"{register.name}_written", 1))
+        for name, members in (("cfg", cfg), ("status", status)):
+            if members:
+                made[name].append((group.name, members))
+    return made
+
+
 def package(groups):
-    """The width and the default of msn_registers' parameter Resets."""
+    """Structs of settings and status, and the width and the default of msn_registers' parameter Resets."""
     width, value = 0, 0
     for _, bits, reset in settings(groups):
         value |= reset << width
         width += bits
-    return PACKAGE.format(made=MADE, width=width, value=value).lstrip("\n")
+    lines = []
+    for kind, listed in _structs(groups).items():
+        for group, members in listed:
+            lines += ["  typedef struct packed {"]
+            lines += [f"    logic {_bits(bits):6} {member};" for member, bits in members]
+            lines += [f"  }} {group}_{kind}_t;", ""]
+        lines += ["  typedef struct packed {"]
+        lines += [f"    {group}_{kind}_t {group};" for group, _ in listed]
+        lines += [f"  }} {kind}_t;", ""]
+    return PACKAGE.format(made=MADE, structs="\n".join(lines), width=width, value=value).lstrip("\n")
 
 
 def rtl(groups):
-    """The module: decode, a flip-flop per bit of a setting (two where it waits for a frame), a read word."""
-    parameters, ports, body, words, hits, writable = [], [], [], [], [], []
+    """The module: decode, a process per group (its settings, twice where they wait), a read word."""
+    parameters, body, words, hits, writable, waiting = [], [], [], [], [], []
     places, at = {}, 0
     for port, width, _ in settings(groups):
         places[port] = f"Resets[{at}+:{width}]" if width > 1 else f"Resets[{at}]"
@@ -151,64 +189,39 @@ def rtl(groups):
         enable = f"{group.parameter} && " if group.feature else ""
         if group.feature:
             parameters.append(f"parameter bit {group.parameter} = 1'b1")
-        ports.append("")
-        waits = group.name if group.at_frame else ""
-        if waits:
-            ports += [
-                (f"input  logic        {group.name}_commit_i", "written values take effect"),
-                (f"output logic        {group.name}_pending_o", "some wait for it"),
-            ]
-        group_writes = []
+        process = Process(group, places)
+        body += ["", f"  // {group.name}"]
         for register in group.registers:
             base = f"{group.name}_{register.name}"
-            body += (
-                ["", f"  logic {base}_hit, {base}_write;"]
-                if register.writable
-                else ["", f"  logic {base}_hit;"]
-            )
+            names = f"{base}_hit, {base}_write" if register.writable else f"{base}_hit"
+            body.append(f"  logic {names};")
             body.append(f"  assign {base}_hit = {enable}word == 10'h{register.address >> 2:03x};")
             hits.append(f"{base}_hit")
             if register.writable:
                 body.append(f"  assign {base}_write = {base}_hit && write;")
                 writable.append(f"{base}_hit")
             if register.strobe:
-                ports.append((f"output logic        {base}_written_o", ""))
-                body += _flip_flop(f"{base}_written_o", "1'b0", f"{base}_write", None)
+                process.pulse(f"cfg_o.{group.name}.{register.name}_written", f"{base}_write")
             parts, at = [], 32
             for field in sorted(register.fields, key=lambda f: -f.high):
                 if at > field.high + 1:
                     parts.append(f"{at - field.high - 1}'d0")
-                parts.append(_field_rtl(field, base, waits, ports, body, group_writes, places))
+                parts.append(process.field(field, base))
                 at = field.low
             if at:
                 parts.append(f"{at}'d0")
             joined = parts[0] if len(parts) == 1 else "{" + ", ".join(parts) + "}"
             words.append((f"{base}_hit", joined))
-        if waits:
-            any_write = " || ".join(dict.fromkeys(group_writes))
-            body += [
-                "",
-                "  always_ff @(posedge clk_i) begin",
-                f"    if ({group.name}_commit_i) {group.name}_pending_o <= 1'b0;",
-                f"    if ({any_write}) {group.name}_pending_o <= 1'b1;",
-                f"    if (rst_i) {group.name}_pending_o <= 1'b0;",
-                "  end",
-            ]
+        body += process.lines()
+        if group.at_frame:
+            waiting.append(f"{group.name}_pending")
     lines = [*HEADER.strip("\n").split("\n"), ""]
     lines.append("module msn_registers #(")
     parameters.append("parameter logic [msn_registers_pkg::ResetBits-1:0] Resets = msn_registers_pkg::Reset")
     parameters += [f"parameter int unsigned {name.capitalize()}Bits = {bits}" for name, bits in HELD.items()]
     lines.append(",\n".join(f"  {p}" for p in parameters))
     lines.append(") (")
-    lines += BUS.strip("\n").split("\n")
-    last = max(i for i, port in enumerate(ports) if port)
-    for index, port in enumerate(ports):
-        if not port:
-            lines.append("")
-            continue
-        comma = "," if index < last else ""
-        note = f"  // {port[1]}" if port[1] else ""
-        lines.append(f"  {port[0]}{comma}{note}")
+    lines += PORTS.strip("\n").split("\n")
     lines += [");", ""]
     for name, bits in HELD.items():
         width = f"{name.capitalize()}Bits"
@@ -218,6 +231,7 @@ def rtl(groups):
             "  end",
         ]
     lines += ["", *DECODE.strip("\n").split("\n"), *body, ""]
+    lines += [f"  assign pending_o = {' || '.join(waiting)};", ""]
     lines += ["  // Which register, a clock after the address: decoding takes one clock, the word another."]
     lines += ["  logic " + ", ".join(f"{hit}_q" for hit in hits) + ";"]
     lines += ["  always_ff @(posedge clk_i) begin"]
@@ -232,64 +246,83 @@ def rtl(groups):
     return "\n".join(lines) + "\n"
 
 
-def _flip_flop(name, reset, value, enable):
-    condition = f"if ({enable}) " if enable else ""
-    return [
-        "  always_ff @(posedge clk_i) begin",
-        f"    {condition}{name} <= {value};",
-        f"    if (rst_i) {name} <= {reset};",
-        "  end",
-    ]
+class Process:
+    """The flip-flops of a group, written by one process; ``places``: where a setting's reset value is."""
 
+    def __init__(self, group, places):
+        self.group, self.places = group, places
+        self.declared, self.each, self.committed, self.resets, self.writes = [], [], [], [], []
 
-def _field_rtl(field, base, waits, ports, body, group_writes, places):
-    """Ports and flip-flops of one field, whose group ``waits`` for a frame; returns what a read sees."""
-    bits = _bits(field.width)
-    slice_ = f"[{field.high}:{field.low}]" if field.width > 1 else f"[{field.low}]"
-    if field.kind == "constant":
-        return f"{field.width}'h{field.reset:x}"
-    if field.kind == "status":
-        ports.append((f"input  logic {bits:6} {field.port}_i", ""))
-        return f"{field.port}_i"
-    shown = f"[{field.parameter}-1:0]" if field.held_to else bits
-    ports.append((f"output logic {shown:6} {field.port}_o", ""))
-    if field.kind == "command":
-        body += _flip_flop(
-            f"{field.port}_o", "1'b0", f"{base}_write && mask[{field.low}] && bus_data_i{slice_}", None
-        )
-        return "1'b0"
-    held = f"{field.port}_q" if waits or field.held_to else f"{field.port}_o"
-    if waits or field.held_to:
-        body.append(f"  logic {bits}{' ' if bits else ''}{held};")
-    if waits:
-        group_writes.append(f"{base}_write")
-    merged = f"({held} & ~mask{slice_}) | (bus_data_i{slice_} & mask{slice_})"
-    constant = places[field.port]
-    body += _flip_flop(held, constant, merged, f"{base}_write")
-    if not field.held_to:
+    def pulse(self, name, value):
+        self.each.append(f"{name} <= {value};")
+        self.resets.append(f"{name} <= 1'b0;")
+
+    def field(self, field, base):
+        """Flip-flops of one field; returns what a read sees."""
+        member, width = f"{self.group.name}.{_member(field)}", field.width
+        slice_ = f"[{field.high}:{field.low}]" if width > 1 else f"[{field.low}]"
+        if field.kind == "constant":
+            return f"{width}'h{field.reset:x}"
+        if field.kind == "status":
+            return f"status_i.{member}"
+        shown = f"cfg_o.{member}"
+        if field.kind == "command":
+            self.pulse(shown, f"{base}_write && mask[{field.low}] && bus_data_i{slice_}")
+            return "1'b0"
+        waits = self.group.at_frame
+        held = f"{field.port}_q" if waits or field.held_to else shown
+        if held != shown:
+            self.declared.append(f"logic {_bits(width)}{' ' if width > 1 else ''}{held};")
+        self.writes.append(f"{base}_write")
+        merged = f"({held} & ~mask{slice_}) | (bus_data_i{slice_} & mask{slice_})"
+        self.each.append(f"if ({base}_write) {held} <= {merged};")
+        constant = self.places[field.port]
+        self.resets.append(f"{held} <= {constant};")
+        if not field.held_to:
+            if waits:
+                self.committed.append(f"{shown} <= {held};")
+                self.resets.append(f"{shown} <= {constant};")
+            return held
+        fit, name = f"{field.port}_fit", "".join(part.capitalize() for part in field.port.split("_"))
+        self.declared += [f"logic [{width - 1}:0] {fit};", f"assign {fit} = {_fit(field, held)};"]
         if waits:
-            body += _flip_flop(f"{field.port}_o", constant, held, f"{waits}_commit_i")
-        return held
-    name = "".join(part.capitalize() for part in field.port.split("_"))
-    body.append(f"  logic {shown} {field.port}_fit;")
-    body.append(f"  assign {field.port}_fit = {_fit(field, held)};")
-    if waits:
-        body.append(f"  localparam logic {bits} {name}Reset = {constant};")
-        reset = _fit(field, f"{name}Reset")
-        body += _flip_flop(f"{field.port}_o", reset, f"{field.port}_fit", f"{waits}_commit_i")
-    else:
-        body.append(f"  assign {field.port}_o = {field.port}_fit;")
-    return f"{field.width}'(" + (f"signed'({field.port}_fit))" if field.signed else f"{field.port}_fit)")
+            self.declared.append(f"localparam logic {_bits(width)} {name}Reset = {constant};")
+            self.committed.append(f"{shown} <= {fit};")
+            self.resets.append(f"{shown} <= {_fit(field, f'{name}Reset')};")
+        else:
+            self.declared.append(f"always_comb {shown} = {fit};")
+        return fit
+
+    def lines(self):
+        if not self.each:
+            return []
+        each, resets, pending = self.each, self.resets, f"{self.group.name}_pending"
+        if self.group.at_frame:
+            self.declared.append(f"logic {pending};")
+            any_write = " || ".join(dict.fromkeys(self.writes))
+            each = [*each, "if (commit_i) begin", *(f"  {line}" for line in self.committed)]
+            each += [f"  {pending} <= 1'b0;", "end", f"if ({any_write}) {pending} <= 1'b1;"]
+            resets = [*resets, f"{pending} <= 1'b0;"]
+        return [
+            *(f"  {line}" for line in self.declared),
+            "  always_ff @(posedge clk_i) begin",
+            *(f"    {line}" for line in each),
+            "    if (rst_i) begin",
+            *(f"      {line}" for line in resets),
+            "    end",
+            "  end",
+        ]
 
 
 def _fit(field, value):
     """``value`` held at the ends of the bits that the build has for the field."""
-    bits, top = field.parameter, field.width - 1
+    bits, width, top = field.parameter, field.width, field.width - 1
     if not field.signed:
         # A bit more: shifting by the whole width would be out of range where the build has every bit.
-        return f"({{1'b0, {value}}} >> {bits}) == '0 ? {bits}'({value}) : '1"
+        return f"({{1'b0, {value}}} >> {bits}) == '0 ? {value} : {width}'({{{bits}{{1'b1}}}})"
     beyond, sign = f"{value}[{top}:{bits}-1]", f"{value}[{top}]"
-    return f"(&{beyond} || !(|{beyond})) ? {bits}'({value}) : {{{sign}, {{({bits}-1){{!{sign}}}}}}}"
+    ends = f"{{{{({width + 1}-{bits}){{{sign}}}}}, {{({bits}-1){{!{sign}}}}}}}"
+    return f"(&{beyond} || !(|{beyond})) ? {value} : {ends}"
 
 
 HEADER = f"""
@@ -300,10 +333,11 @@ HEADER = f"""
 // The registers of the core. bus_valid_i for one clock asks; bus_done_o answers two clocks later, once; an
 // access is an error, and changes nothing, at an address without a register in this build, at one that is no
 // multiple of four, and for a write where all is read-only. bus_strobe_i: the bytes that a write changes. A
-// group with commit_i keeps two copies: a read sees what was written, the core what was committed.
+// group that waits for a frame's boundary, commit_i, keeps two copies: a read sees what was written, the core
+// what was committed.
 // Resets: the reset value of every setting, in the page's order, the first lowest. Without a bus: constants.
 // Some settings are wider than the build has bits for. What was written is kept byte by byte; what a read and
-// the core get is held at the ends of DetailBits, TimerBits, LoadBits or OffsetBits.
+// the core get is held at the ends of DetailBits, TimerBits, LoadBits or OffsetBits: the lowest bits say all.
 // Model: model/meissner/link/registers.py
 
 // verilog_lint: waive-start line-length
@@ -314,12 +348,14 @@ PACKAGE = """
 //
 // {made}
 //
-// The settings' reset values as one number, the first setting of docs/registers.md lowest.
+// A struct per group of registers: what the core gets of it, what it gives. Members have no sign: `signed'()`
+// where docs/registers.md has one. And the settings' reset values as one number, the first setting lowest.
 
 // verilog_lint: waive-start line-length
 
 package msn_registers_pkg;
 
+{structs}
   localparam int unsigned ResetBits = {width};
   // A default: builds that give their own values do not use it.
   // verilator lint_off UNUSEDPARAM
@@ -329,7 +365,7 @@ package msn_registers_pkg;
 endpackage
 """
 
-BUS = """
+PORTS = """
   input  logic        clk_i,
   input  logic        rst_i,
 
@@ -341,6 +377,11 @@ BUS = """
   output logic        bus_done_o,
   output logic        bus_error_o,
   output logic [31:0] bus_data_o,
+
+  input  logic        commit_i,   // between two frames: what groups that wait were given takes effect
+  output logic        pending_o,  // some wait for it
+  output msn_registers_pkg::cfg_t    cfg_o,
+  input  msn_registers_pkg::status_t status_i
 """
 
 DECODE = """
@@ -464,34 +505,40 @@ def page(groups):
 
 
 def proof(groups):
-    """What tb/formal/registers.sv takes from here: each field, its word, its bits and its port."""
-    lines, index, place = [], 0, 0
+    """What tb/formal/registers.sv takes from here: each field, its word, its bits and its member."""
+    lines, index, place, waiting = [], 0, 0, []
     for group in groups:
         on = group.parameter if group.feature else "1'b1"
-        first, commit = index, f"{group.name}_commit_i" if group.at_frame else "1'b0"
-        if group.at_frame:
-            lines.append(f"`COMMITTED({group.name})")
+        first, waits = index, int(group.at_frame)
         for register in group.registers:
             word = f"10'h{register.address >> 2:03x}"
             for field in register.fields:
                 begin = f"{index}, {on}, {word}, {field.low}"
+                name = f"{field.port}, {group.name}.{_member(field)}"
                 if field.kind == "setting":
-                    inner = f"dut.{field.port}_{'q' if group.at_frame or field.held_to else 'o'}"
-                    waits = f"{int(group.at_frame)}, {commit}, {inner}"
+                    inner = (
+                        f"dut.{field.port}_q"
+                        if waits or field.held_to
+                        else f"cfg_o.{group.name}.{_member(field)}"
+                    )
                     ends = f"{field.parameter}, {int(field.signed)}"
-                    lines.append(f"`SETTING({begin}, {field.width}, {place}, {field.port}, {waits}, {ends})")
+                    lines.append(
+                        f"`SETTING({begin}, {field.width}, {place}, {name}, {waits}, {inner}, {ends})"
+                    )
                     place += field.width
                 elif field.kind == "status":
-                    lines.append(f"`STATUS({begin}, {field.width}, {field.port})")
+                    lines.append(f"`STATUS({begin}, {field.width}, {name})")
                 elif field.kind == "constant":
                     lines.append(f"`CONSTANT({begin}, {field.width}, {field.reset})")
                 else:
-                    lines.append(f"`COMMAND({begin}, {field.port})")
+                    lines.append(f"`COMMAND({begin}, {name})")
                 index += 1
             if register.strobe:
-                lines.append(f"`WRITTEN({on}, {word}, {group.name}_{register.name})")
+                name = f"{group.name}_{register.name}, {group.name}.{register.name}_written"
+                lines.append(f"`WRITTEN({on}, {word}, {name})")
         if group.at_frame:
             lines.append(f"`PENDING({group.name}, {first}, {index - first})")
+            waiting.append(f"{group.name}_waits")
     head = [
         "// SPDX-License-Identifier: Apache-2.0",
         f"// {MADE}",
@@ -500,7 +547,8 @@ def proof(groups):
         "logic [Fields-1:0]    there, writable, written;",
         "logic [32*Fields-1:0] bits;",
     ]
-    return "\n".join([*head, *lines]) + "\n"
+    last = f"always_comb if (started) assert (pending_o == ({' || '.join(waiting)}));"
+    return "\n".join([*head, *lines, last]) + "\n"
 
 
 OUTPUTS = {

@@ -4,14 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from meissner.cop.array import Array
-from meissner.cop.cop4 import cop4
-from meissner.cop.cop_slip import CopSlip
-from meissner.frontend.calibration_preset import preset
 from meissner.frontend.health import Limits
-from meissner.link import packet as p
+from meissner.link.core_link import payloads
+from meissner.sensor.sensor_array import from_reset, sensor_array
+from meissner.sensor.sensor_cop4 import sensor_cop4
 from meissner.slip.slip import State
-from meissner.slip.slip_path import decide
+from meissner.slip.slip_chain import slip_chain
 
 OF_LOAD = 65535  # channel of a slip event that comes from the load of four electrodes
 
@@ -26,19 +24,9 @@ class Expected:
 
 
 def of_channels(samples, config, moving=None, mask=None, change=None):
-    """Slip events of samples [frames, channels]; ``config``: SlipConfig.
-
-    ``mask`` [frames, channels]: samples not to be trusted; ``change``: (frame, threshold) from which frame on
-    another threshold holds.
-    """
-    found = decide(np.asarray(samples).T, config, moving, None if mask is None else mask.T, change)
-    group = 1 << config.level
-    events = [
-        ((detail + 1) * group - 1, p.slip_event(channel, int(found.p2p[channel, detail]), state))
-        for detail, channel in np.argwhere(found.raised.T)
-        for state in [int(found.state[channel, detail])]
-    ]
-    return Expected(events, [], None)
+    """Slip events of samples [frames, channels]; the rest as meissner.slip.slip_chain takes it."""
+    slip, _ = payloads(slip_chain(samples, config, moving, mask, change))
+    return Expected(slip, [], None)
 
 
 def of_array(array, samples, slip=None, over=None):
@@ -46,50 +34,22 @@ def of_array(array, samples, slip=None, over=None):
 
     ``array``: meissner.cop.array.Array; it keeps what it learns, as the core does.
     """
-    forces, mask = array.forces(samples, over)
-    x, y, load, pressed = array.cop.of_forces(forces)
-    cops = [(n, p.cop_frame(*map(int, row))) for n, row in enumerate(zip(x, y, load, pressed))]
-    images = forces.reshape(len(forces), -1)
-    events = []
-    if slip is not None:
-        events = of_channels(images, slip, mask=mask.reshape(len(mask), -1)).slip
-    return Expected(events, cops, images)
+    sensed = sensor_array(array, samples, over)
+    events = slip_chain(sensed.forces, slip, mask=sensed.mask) if slip is not None else ()
+    return Expected(*payloads(events, sensed.cop), sensed.forces)
 
 
 def of_electrodes(samples, registers, terms=None, lag=16, slip=None):
     """CoP frames and slip events of samples [frames, 4]; ``slip``: CopSlipRegisters."""
-    found = cop4(samples, registers, correction=terms)
-    rows = zip(found.x, found.y, found.load, found.pressed)
-    cops = [(n, p.cop_frame(*map(int, row))) for n, row in enumerate(rows)]
-    events = []
-    if slip is not None:
-        slips = CopSlip(lag, slip).process(found.x, found.y, found.load, found.pressed)
-        events = [
-            (int(n), p.slip_event(OF_LOAD, int(slips.octant[n]), State.INCIPIENT))
-            for n in np.flatnonzero(slips.raised)
-        ]
-    return Expected(events, cops, None)
+    cops, slips = sensor_cop4(samples, registers, terms, lag, slip)
+    events = [(frame, OF_LOAD, octant, State.INCIPIENT) for frame, octant in slips]
+    return Expected(*payloads(events, cops), None)
 
 
 def samples_of(config, codes):
     """Signed samples of a converter's codes, and which were over range, of the same shape."""
     mask = (1 << config.part.data_bits) - 1
     return config.converter.samples(np.asarray(codes) & mask)
-
-
-def array_from_reset(size, gain, limits=None, tare=None, **kinds):
-    """meissner.cop.array.Array as a core has it from reset on: preset gains, the first tare asked for.
-
-    ``size``: what has ``rows``, ``columns``, ``lanes``, ``sample_bits``; all else as Array takes it.
-    """
-    twin = Array(size, limits, tare, **kinds)
-    table, row_column = twin.cop.calibrate.table, kinds.get("row_column", False)
-    for of_row, word, offset, value in preset(size.rows, size.columns, size.lanes, gain, row_column):
-        table.write_row(word, offset, value) if of_row else table.write(word, offset, value)
-    twin.cop.calibrate.swap()
-    if tare:
-        twin.tare.tare(force=True)
-    return twin
 
 
 def array_of(config):
@@ -103,7 +63,7 @@ def array_of(config):
     parameters, settings = config.parameters, config.settings
     kinds = {"row_column": bool(parameters["RowColumn"]), "gain_shift": parameters["GainShift"]}
     kinds |= {"min_load": settings["cop.min_load"]}
-    return array_from_reset(config.scan, settings["calibrate.preset"], limits, tare, **kinds)
+    return from_reset(config.scan, settings["calibrate.preset"], limits, tare, **kinds)
 
 
 def expected(config, codes):

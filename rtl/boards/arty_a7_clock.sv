@@ -18,17 +18,10 @@ module arty_a7_clock (
   logic clk_100, clk_50, feedback;
   IBUF u_pad (.I(clk_100m_i), .O(clk_100));
   MMCME2_BASE #(
-    .CLKIN1_PERIOD   (10.0),
-    .CLKFBOUT_MULT_F (10.0),
-    .CLKOUT0_DIVIDE_F(20.0)
+    .CLKIN1_PERIOD(10.0), .CLKFBOUT_MULT_F(10.0), .CLKOUT0_DIVIDE_F(20.0)
   ) u_mmcm (
-    .CLKIN1  (clk_100),
-    .CLKFBIN (feedback),
-    .CLKFBOUT(feedback),
-    .CLKOUT0 (clk_50),
-    .LOCKED  (good_o),
-    .PWRDWN  (1'b0),
-    .RST     (1'b0)
+    .CLKIN1(clk_100), .CLKFBIN(feedback), .CLKFBOUT(feedback), .CLKOUT0(clk_50), .LOCKED(good_o),
+    .PWRDWN(1'b0), .RST(1'b0)
   );
   BUFG u_buffer (.I(clk_50), .O(clk_o));
 

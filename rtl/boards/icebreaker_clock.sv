@@ -19,17 +19,9 @@ module icebreaker_clock (
     end
     // 12 MHz * 64 = 768 MHz, / 32
     SB_PLL40_PAD #(
-      .FEEDBACK_PATH("SIMPLE"),
-      .DIVR         (4'd0),
-      .DIVF         (7'd63),
-      .DIVQ         (3'd5),
-      .FILTER_RANGE (3'd1)
+      .FEEDBACK_PATH("SIMPLE"), .DIVR(4'd0), .DIVF(7'd63), .DIVQ(3'd5), .FILTER_RANGE(3'd1)
     ) u_pll (
-      .PACKAGEPIN   (clk_12m_i),
-      .PLLOUTGLOBAL (clk_o),
-      .LOCK         (good_o),
-      .RESETB       (1'b1),
-      .BYPASS       (1'b0)
+      .PACKAGEPIN(clk_12m_i), .PLLOUTGLOBAL(clk_o), .LOCK(good_o), .RESETB(1'b1), .BYPASS(1'b0)
     );
   end
 

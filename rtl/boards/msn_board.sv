@@ -39,9 +39,7 @@ module msn_board (
 
   logic rst;
   msn_board_reset u_reset (
-    .clk_i,
-    .good_i,
-    .rst_o(rst)
+    .clk_i, .good_i, .rst_o(rst)
   );
 
   logic [Rows-1:0]       row;
@@ -49,41 +47,16 @@ module msn_board (
   msn_core #(
     `MSN_PARAMETERS
   ) u_core (
-    .clk_i,
-    .rst_i            (rst),
-    .row_o            (row),
-    .group_o,
-    .adc_cs_n_o       (cs_n),
-    .adc_sclk_o       (sclk),
-    .adc_mosi_o       (mosi),
-    .adc_miso_i,
-    .adc_convst_o     (convst),
-    .adc_busy_i,
-    .adc_reset_o      (reset),
+    .clk_i, .rst_i(rst),
+    .row_o(row), .group_o,
+    .adc_cs_n_o(cs_n), .adc_sclk_o(sclk), .adc_mosi_o(mosi), .adc_miso_i, .adc_convst_o(convst), .adc_busy_i,
+    .adc_reset_o(reset),
     .actuator_moving_i(moving_i),
-    .in_valid_i       (1'b0),
-    .in_ready_o       (),
-    .in_data_i        ('0),
-    .in_id_i          ('0),
-    .in_last_i        (1'b0),
-    .slip_o,
-    .gross_o,
-    .touched_o,
-    .pressed_o,
-    .rx_i,
-    .tx_o,
-    .bus_valid_i      (1'b0),
-    .bus_write_i      (1'b0),
-    .bus_address_i    ('0),
-    .bus_data_i       ('0),
-    .bus_strobe_i     ('0),
-    .bus_done_o       (),
-    .bus_error_o      (),
-    .bus_data_o       (),
-    .out_valid_o      (),
-    .out_ready_i      (1'b1),
-    .out_data_o       (),
-    .out_last_o       ()
+    .in_valid_i(1'b0), .in_ready_o(), .in_data_i('0), .in_id_i('0), .in_last_i(1'b0),
+    .slip_o, .gross_o, .touched_o, .pressed_o, .rx_i, .tx_o,
+    .bus_valid_i(1'b0), .bus_write_i(1'b0), .bus_address_i('0), .bus_data_i('0), .bus_strobe_i('0),
+    .bus_done_o(), .bus_error_o(), .bus_data_o(),
+    .out_valid_o(), .out_ready_i(1'b1), .out_data_o(), .out_last_o()
   );
 
   assign adc_cs_n_o   = cs_n[0];

@@ -16,9 +16,7 @@ module msn_board_reset (
   assign rst_o = !count[4];
 
   msn_sync u_good (
-    .clk_i,
-    .in_data_i  (good_i),
-    .out_data_o (good)
+    .clk_i, .in_data_i(good_i), .out_data_o(good)
   );
 
   always_ff @(posedge clk_i) begin

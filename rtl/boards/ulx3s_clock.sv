@@ -19,26 +19,12 @@ module ulx3s_clock (
   logic clk;
   (* ICP_CURRENT = "12", LPF_RESISTOR = "8" *)
   EHXPLLL #(
-    .CLKI_DIV     (1),
-    .CLKFB_DIV    (`MSN_CLK_KHZ / 25_000),
-    .CLKOP_DIV    (Divider),
-    .CLKOP_CPHASE (Divider - 1),
-    .CLKOP_ENABLE ("ENABLED"),
-    .FEEDBK_PATH  ("CLKOP")
+    .CLKI_DIV(1), .CLKFB_DIV(`MSN_CLK_KHZ / 25_000), .CLKOP_DIV(Divider), .CLKOP_CPHASE(Divider - 1),
+    .CLKOP_ENABLE("ENABLED"), .FEEDBK_PATH("CLKOP")
   ) u_pll (
-    .CLKI        (clk_25m_i),
-    .CLKFB       (clk),
-    .CLKOP       (clk),
-    .LOCK        (good_o),
-    .RST         (1'b0),
-    .STDBY       (1'b0),
-    .PHASESEL0   (1'b0),
-    .PHASESEL1   (1'b0),
-    .PHASEDIR    (1'b1),
-    .PHASESTEP   (1'b1),
-    .PHASELOADREG(1'b1),
-    .PLLWAKESYNC (1'b0),
-    .ENCLKOP     (1'b0)
+    .CLKI(clk_25m_i), .CLKFB(clk), .CLKOP(clk), .LOCK(good_o), .RST(1'b0), .STDBY(1'b0), .PHASESEL0(1'b0),
+    .PHASESEL1(1'b0), .PHASEDIR(1'b1), .PHASESTEP(1'b1), .PHASELOADREG(1'b1), .PLLWAKESYNC(1'b0),
+    .ENCLKOP(1'b0)
   );
   assign clk_o = clk;
 

@@ -102,22 +102,12 @@ module msn_ratio #(
   end
 
   msn_divide #(
-    .DenBits     (DenBits - 1),
-    .FractionBits(FractionBits),
-    .BitsPerClock(BitsPerClock),
-    .SideBits    (SideBits)
+    .DenBits(DenBits - 1), .FractionBits(FractionBits), .BitsPerClock(BitsPerClock), .SideBits(SideBits)
   ) u_divide (
-    .clk_i,
-    .rst_i,
-    .in_valid_i(limit_valid),
-    .in_ready_o(divide_ready),
-    .in_num_i  (limit_num),
-    .in_den_i  (limit_den),
-    .in_side_i (limit_side),
-    .out_valid_o,
-    .out_ready_i,
-    .out_quotient_o,
-    .out_side_o
+    .clk_i, .rst_i,
+    .in_valid_i(limit_valid), .in_ready_o(divide_ready), .in_num_i(limit_num), .in_den_i(limit_den),
+    .in_side_i(limit_side),
+    .out_valid_o, .out_ready_i, .out_quotient_o, .out_side_o
   );
 
 endmodule

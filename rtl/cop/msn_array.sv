@@ -4,10 +4,10 @@
 //
 //   lines, ADC pins ─ scan_adc, scan_demod or a stream ─ health ─ tare ─ calibrate ─ cop ─ x, y, load
 //
-// Demod: the taxels are read as amplitudes of a carrier (msn_scan_demod), one lane; else Converters lanes, and slip
-// rounds on a stream of their own. Without Health or Tare that stage is not there. With Tare the calibration has
-// gains only: the zero of a taxel is taken off before. Tap: the forces go out too. msn_frame_gate lets one frame through
-// at a time, so that settings change and the frame's time holds between two.
+// Demod: the taxels are read as amplitudes of a carrier (msn_scan_demod), one lane; else Converters lanes. Without
+// Health or Tare that stage is not there. With Tare the calibration has gains only: the zero of a taxel is taken off
+// before. Tap: the forces go out too. msn_frame_gate lets one frame through at a time, so that settings change and
+// the frame's time holds between two.
 // Latency from a scanned frame's last beat: 16 clocks with all stages, the same in every frame.
 // Model: model/meissner/cop/array.py
 
@@ -25,7 +25,6 @@ module msn_array #(
   parameter  int unsigned SclkKhz          = msn_adc_pkg::sclk_default_khz(Part),
   parameter  int unsigned SettleBits       = 16,
   parameter  int unsigned PeriodBits       = 32,
-  parameter  int unsigned SlipSlots        = 1,
   parameter  int unsigned Form             = msn_pkg::DemodIq,    // this and the next five: msn_scan_demod
   parameter  int unsigned SamplesPerPeriod = 4,
   parameter  int unsigned SamplePeriod     = 160,
@@ -42,13 +41,11 @@ module msn_array #(
   localparam int unsigned Lanes            = Demod ? 1 : Converters,
   localparam int unsigned ZeroedBits       = Tare ? SampleBits + 1 : SampleBits,
   localparam int unsigned OffsetBits       = ZeroedBits - 32'(RowColumn),
-  localparam int unsigned RowBits          = msn_pkg::index_width(Rows),
   localparam int unsigned Beats            = (Columns + Lanes - 1) / Lanes,
   localparam int unsigned IdBits           = msn_pkg::index_width(Rows * Beats),
   localparam int unsigned Inputs           = Demod ? 1 : Channels,
   localparam int unsigned GroupBits        = msn_pkg::index_width((Columns + Converters * Inputs - 1)
                                                                   / (Converters * Inputs)),
-  localparam int unsigned SlipIdBits       = msn_pkg::index_width(SlipSlots * Inputs),
   localparam int unsigned CountBits        = msn_pkg::index_width(Rows * Columns + 1),
   localparam int unsigned SumBits          = 16 + $clog2(Rows * Columns),
   localparam int unsigned CopBits          = FractionBits + 2
@@ -61,9 +58,6 @@ module msn_array #(
   input  logic [SettleBits-1:0]            cfg_settle_i,
   input  logic [PeriodBits-1:0]            cfg_period_i,
   input  logic                             cfg_interleave_i,
-  input  logic [PeriodBits-1:0]            cfg_slip_period_i,
-  input  logic [SlipSlots*(RowBits+1)-1:0] cfg_slip_row_i,
-  input  logic [SlipSlots*GroupBits-1:0]   cfg_slip_group_i,
 
   input  logic [SampleBits-1:0]            cfg_band_i,           // msn_health
   input  logic [SampleBits-1:0]            cfg_jump_i,
@@ -131,15 +125,6 @@ module msn_array #(
   output logic [SumBits-1:0]               out_load_o,
   output logic                             out_pressed_o,
 
-  output logic                             slip_valid_o,
-  input  logic                             slip_ready_i,
-  output logic [Lanes*SampleBits-1:0]      slip_data_o,
-  output logic [SlipIdBits-1:0]            slip_id_o,
-  output logic                             slip_last_o,
-  output logic [Lanes-1:0]                 slip_user_o,
-  output logic [31:0]                      slip_frame_o,
-  output logic [47:0]                      slip_time_o,
-
   output logic                             event_valid_o,        // msn_health
   input  logic                             event_ready_i,
   output logic [IdBits-1:0]                event_id_o,
@@ -159,8 +144,6 @@ module msn_array #(
   output logic [31:0]                      overrun_o,
   output logic [31:0]                      held_o,
   output logic [31:0]                      lost_o,
-  output logic [31:0]                      slip_dropped_o,
-  output logic [31:0]                      slip_overrun_o,
   output logic [31:0]                      swallowed_o,          // frames, while zeros are loaded
   output logic [31:0]                      damaged_o             // frames that came without a result
 );
@@ -169,7 +152,6 @@ module msn_array #(
   logic [Lanes*SampleBits-1:0] scan_data;
   logic [IdBits-1:0]           scan_id;
   logic [Lanes-1:0]            scan_user;
-  logic [31:0]                 unused_frame;
   logic [47:0]                 scan_time;
   if (Part == msn_pkg::AdcNone) begin : gen_stream
     assign scan_valid = in_valid_i;
@@ -181,131 +163,62 @@ module msn_array #(
     assign scan_time  = now_i;  // taken at the frame's first beat
     assign {row_o, group_o, adc_sclk_o, adc_mosi_o, adc_convst_o, adc_reset_o, convert_o} = '0;
     assign adc_cs_n_o = '1;
-    assign {slip_valid_o, slip_data_o, slip_id_o, slip_last_o, slip_user_o, slip_frame_o, slip_time_o} = '0;
-    assign {dropped_o, overrun_o, held_o, lost_o, slip_dropped_o, slip_overrun_o} = '0;
-    assign {unused_frame} = '0;
+    assign {dropped_o, overrun_o, held_o, lost_o} = '0;
     logic unused_scan;
-    assign unused_scan = ^{cfg_enable_i, cfg_settle_i, cfg_period_i, cfg_interleave_i, cfg_slip_period_i,
-                           cfg_slip_row_i, cfg_slip_group_i, slip_ready_i, adc_busy_i, adc_miso_i};
+    assign unused_scan = ^{cfg_enable_i, cfg_settle_i, cfg_period_i, cfg_interleave_i, adc_busy_i,
+                           adc_miso_i};
 
   end else if (!Demod) begin : gen_scan_adc
+    localparam int unsigned SlipIdBits = msn_pkg::index_width(Inputs);
+    logic                        unused_slip_valid, unused_slip_last;
+    logic [Lanes*SampleBits-1:0] unused_slip_data;
+    logic [SlipIdBits-1:0]       unused_slip_id;
+    logic [Lanes-1:0]            unused_slip_user;
+    logic [31:0]                 unused_frame, unused_slip_frame, unused_slip_dropped, unused_slip_overrun;
+    logic [47:0]                 unused_slip_time;
     msn_scan_adc #(
-      .Rows      (Rows),
-      .Columns   (Columns),
-      .Lanes     (Lanes),
-      .Part      (Part),
-      .Channels  (Channels),
-      .AdcLanes  (AdcLanes),
-      .ClkKhz    (ClkKhz),
-      .SclkKhz   (SclkKhz),
-      .SampleBits(SampleBits),
-      .SlipSlots (SlipSlots),
-      .SettleBits(SettleBits),
+      .Rows(Rows), .Columns(Columns), .Lanes(Lanes), .Part(Part), .Channels(Channels), .AdcLanes(AdcLanes),
+      .ClkKhz(ClkKhz), .SclkKhz(SclkKhz), .SampleBits(SampleBits), .SettleBits(SettleBits),
       .PeriodBits(PeriodBits)
     ) u_scan_adc (
-      .clk_i,
-      .rst_i,
-      .cfg_enable_i,
-      .cfg_settle_i,
-      .cfg_period_i,
-      .cfg_interleave_i,
-      .cfg_first_row_i   ('0),
-      .cfg_last_row_i    ('1),
-      .cfg_first_column_i('0),
-      .cfg_last_column_i ('1),
-      .cfg_slip_period_i,
-      .cfg_slip_row_i,
-      .cfg_slip_group_i,
-      .now_i,
-      .row_o,
-      .group_o,
-      .adc_cs_n_o,
-      .adc_sclk_o,
-      .adc_mosi_o,
-      .adc_miso_i,
-      .adc_convst_o,
-      .adc_busy_i,
-      .adc_reset_o,
+      .clk_i, .rst_i,
+      .cfg_enable_i, .cfg_settle_i, .cfg_period_i, .cfg_interleave_i, .cfg_first_row_i('0),
+      .cfg_last_row_i('1), .cfg_first_column_i('0), .cfg_last_column_i('1),
+      .cfg_slip_period_i ('0),  // one kind of rounds: every taxel
+      .cfg_slip_row_i('0), .cfg_slip_group_i('0),
+      .now_i, .row_o, .group_o,
+      .adc_cs_n_o, .adc_sclk_o, .adc_mosi_o, .adc_miso_i, .adc_convst_o, .adc_busy_i, .adc_reset_o,
       .convert_o,
-      .out_valid_o       (scan_valid),
-      .out_ready_i       (scan_ready),
-      .out_data_o        (scan_data),
-      .out_id_o          (scan_id),
-      .out_last_o        (scan_last),
-      .out_user_o        (scan_user),
-      .out_frame_o       (unused_frame),
-      .out_time_o        (scan_time),
-      .slip_valid_o,
-      .slip_ready_i,
-      .slip_data_o,
-      .slip_id_o,
-      .slip_last_o,
-      .slip_user_o,
-      .slip_frame_o,
-      .slip_time_o,
-      .dropped_o,
-      .overrun_o,
-      .held_o,
-      .lost_o,
-      .slip_dropped_o,
-      .slip_overrun_o
+      .out_valid_o(scan_valid), .out_ready_i(scan_ready), .out_data_o(scan_data), .out_id_o(scan_id),
+      .out_last_o(scan_last), .out_user_o(scan_user), .out_frame_o(unused_frame), .out_time_o(scan_time),
+      .slip_valid_o(unused_slip_valid), .slip_ready_i(1'b1), .slip_data_o(unused_slip_data),
+      .slip_id_o(unused_slip_id), .slip_last_o(unused_slip_last), .slip_user_o(unused_slip_user),
+      .slip_frame_o(unused_slip_frame), .slip_time_o(unused_slip_time),
+      .dropped_o, .overrun_o, .held_o, .lost_o,
+      .slip_dropped_o(unused_slip_dropped), .slip_overrun_o(unused_slip_overrun)
     );
 
   end else begin : gen_scan_demod
+    logic [31:0] unused_frame;
     msn_scan_demod #(
-      .Rows            (Rows),
-      .Columns         (Columns),
-      .Converters      (Converters),
-      .Part            (Part),
-      .ClkKhz          (ClkKhz),
-      .SclkKhz         (SclkKhz),
-      .SampleBits      (SampleBits),
-      .Form            (Form),
-      .SamplesPerPeriod(SamplesPerPeriod),
-      .SamplePeriod    (SamplePeriod),
-      .Periods         (Periods),
-      .Skip            (Skip),
-      .Shift           (Shift),
-      .SettleBits      (SettleBits),
-      .PeriodBits      (PeriodBits)
+      .Rows(Rows), .Columns(Columns), .Converters(Converters), .Part(Part), .ClkKhz(ClkKhz),
+      .SclkKhz(SclkKhz), .SampleBits(SampleBits), .Form(Form), .SamplesPerPeriod(SamplesPerPeriod),
+      .SamplePeriod(SamplePeriod), .Periods(Periods), .Skip(Skip), .Shift(Shift), .SettleBits(SettleBits),
+      .PeriodBits(PeriodBits)
     ) u_scan_demod (
-      .clk_i,
-      .rst_i,
-      .cfg_enable_i,
-      .cfg_settle_i,
-      .cfg_period_i,
-      .cfg_interleave_i,
-      .cfg_first_row_i   ('0),
-      .cfg_last_row_i    ('1),
-      .cfg_first_column_i('0),
-      .cfg_last_column_i ('1),
-      .now_i,
-      .row_o,
-      .group_o,
-      .adc_cs_n_o,
-      .adc_sclk_o,
-      .adc_mosi_o,
-      .adc_miso_i        (adc_miso_i[Converters-1:0]),
+      .clk_i, .rst_i,
+      .cfg_enable_i, .cfg_settle_i, .cfg_period_i, .cfg_interleave_i, .cfg_first_row_i('0),
+      .cfg_last_row_i('1), .cfg_first_column_i('0), .cfg_last_column_i('1),
+      .now_i, .row_o, .group_o,
+      .adc_cs_n_o, .adc_sclk_o, .adc_mosi_o, .adc_miso_i(adc_miso_i[Converters-1:0]),
       .convert_o,
-      .out_valid_o       (scan_valid),
-      .out_ready_i       (scan_ready),
-      .out_data_o        (scan_data),
-      .out_id_o          (scan_id),
-      .out_last_o        (scan_last),
-      .out_user_o        (scan_user),
-      .out_frame_o       (unused_frame),
-      .out_time_o        (scan_time),
-      .dropped_o,
-      .overrun_o,
-      .held_o,
-      .lost_o
+      .out_valid_o(scan_valid), .out_ready_i(scan_ready), .out_data_o(scan_data), .out_id_o(scan_id),
+      .out_last_o(scan_last), .out_user_o(scan_user), .out_frame_o(unused_frame), .out_time_o(scan_time),
+      .dropped_o, .overrun_o, .held_o, .lost_o
     );
     assign {adc_convst_o, adc_reset_o} = '0;
-    assign {slip_valid_o, slip_data_o, slip_id_o, slip_last_o, slip_user_o, slip_frame_o, slip_time_o} = '0;
-    assign {slip_dropped_o, slip_overrun_o} = '0;
-    logic unused_slip;
-    assign unused_slip = ^{cfg_slip_period_i, cfg_slip_row_i, cfg_slip_group_i, slip_ready_i, adc_busy_i,
-                           adc_miso_i};
+    logic unused_pins;
+    assign unused_pins = ^{adc_busy_i, adc_miso_i};
   end
 
   if (Part != msn_pkg::AdcNone) begin : gen_no_stream
@@ -318,17 +231,10 @@ module msn_array #(
   // left, and what follows the tap is empty. Its time holds until then.
   logic gate_valid, gate_ready, open_valid, open_ready, open_first, owed, opened;
   msn_frame_gate u_gate (
-    .clk_i,
-    .rst_i,
-    .pending_i  (open_valid || cfg_pending_i),
-    .commit_o,
-    .busy_i     (owed || busy_i),
-    .in_valid_i (scan_valid),
-    .in_ready_o (scan_ready),
-    .in_last_i  (scan_last),
-    .out_valid_o(open_valid),
-    .out_ready_i(open_ready),
-    .out_first_o(open_first)
+    .clk_i, .rst_i,
+    .pending_i(open_valid || cfg_pending_i), .commit_o, .busy_i(owed || busy_i),
+    .in_valid_i(scan_valid), .in_ready_o(scan_ready), .in_last_i(scan_last),
+    .out_valid_o(open_valid), .out_ready_i(open_ready), .out_first_o(open_first)
   );
   assign opened = open_valid && open_ready;
 
@@ -344,14 +250,9 @@ module msn_array #(
   assign cop_done = (out_valid_o && out_ready_i) || damaged_o[0] != damaged_q;
   assign tap_done = !Tap || (tap_valid_o && tap_ready_i && tap_last_o);
   msn_frame_owed #(.Results(2)) u_owed (
-    .clk_i,
-    .rst_i,
-    .taken_i(opened),
-    .first_i(open_first),
-    .done_i ({tap_done, cop_done}),
-    .drop_i (swallowed_o[0] != swallowed_q),
-    .quiet_i(!busy_i && !tap_valid_o && !out_valid_o),
-    .busy_o (owed)
+    .clk_i, .rst_i,
+    .taken_i(opened), .first_i(open_first), .done_i({tap_done, cop_done}),
+    .drop_i(swallowed_o[0] != swallowed_q), .quiet_i(!busy_i && !tap_valid_o && !out_valid_o), .busy_o(owed)
   );
 
   // The path of ready from the stages to the scan's buffer ends here.
@@ -361,14 +262,11 @@ module msn_array #(
   logic [Lanes-1:0]            gate_user;
   if (Lanes > 1) begin : gen_skid
     msn_skid #(.Width(Lanes * (SampleBits + 1) + IdBits + 1)) u_skid (
-      .clk_i,
-      .rst_i,
-      .in_valid_i (open_valid),
-      .in_ready_o (open_ready),
-      .in_data_i  ({scan_data, scan_user, scan_id, scan_last}),
-      .out_valid_o(gate_valid),
-      .out_ready_i(gate_ready),
-      .out_data_o ({gate_data, gate_user, gate_id, gate_last})
+      .clk_i, .rst_i,
+      .in_valid_i(open_valid), .in_ready_o(open_ready),
+      .in_data_i({scan_data, scan_user, scan_id, scan_last}),
+      .out_valid_o(gate_valid), .out_ready_i(gate_ready),
+      .out_data_o({gate_data, gate_user, gate_id, gate_last})
     );
   end else begin : gen_no_skid  // a small array: its way is short, and cells count
     assign gate_valid = open_valid;
@@ -383,41 +281,15 @@ module msn_array #(
   logic [31:0]                 unused_health_damaged;  // it stays damaged and is counted at the end
   if (Health) begin : gen_health
     msn_health #(.Rows(Rows), .Columns(Columns), .Lanes(Lanes), .SampleBits(SampleBits)) u_health (
-      .clk_i,
-      .rst_i,
-      .cfg_band_i,
-      .cfg_jump_i,
-      .cfg_low_i,
-      .cfg_high_i,
-      .cfg_user_i,
-      .cfg_edges_i,
-      .cfg_still_i,
-      .cfg_rail_i,
-      .cfg_blink_i,
-      .cfg_clear_i,
-      .cfg_report_i,
-      .in_valid_i (gate_valid),
-      .in_ready_o (gate_ready),
-      .in_data_i  (gate_data),
-      .in_user_i  (gate_user),
-      .in_id_i    (gate_id),
-      .in_last_i  (gate_last),
-      .out_valid_o(sound_valid),
-      .out_ready_i(sound_ready),
-      .out_data_o (sound_data),
-      .out_mask_o (sound_mask),
-      .out_id_o   (sound_id),
-      .out_last_o (sound_last),
-      .event_valid_o,
-      .event_ready_i,
-      .event_id_o,
-      .event_dead_o,
-      .event_railed_o,
-      .event_blinking_o,
-      .dead_o,
-      .railed_o,
-      .blinking_o,
-      .damaged_o  (unused_health_damaged)
+      .clk_i, .rst_i,
+      .cfg_band_i, .cfg_jump_i, .cfg_low_i, .cfg_high_i, .cfg_user_i, .cfg_edges_i, .cfg_still_i, .cfg_rail_i,
+      .cfg_blink_i, .cfg_clear_i, .cfg_report_i,
+      .in_valid_i(gate_valid), .in_ready_o(gate_ready), .in_data_i(gate_data), .in_user_i(gate_user),
+      .in_id_i(gate_id), .in_last_i(gate_last),
+      .out_valid_o(sound_valid), .out_ready_i(sound_ready), .out_data_o(sound_data), .out_mask_o(sound_mask),
+      .out_id_o(sound_id), .out_last_o(sound_last),
+      .event_valid_o, .event_ready_i, .event_id_o, .event_dead_o, .event_railed_o, .event_blinking_o,
+      .dead_o, .railed_o, .blinking_o, .damaged_o(unused_health_damaged)
     );
   end else begin : gen_no_health
     assign sound_valid    = gate_valid;
@@ -442,14 +314,11 @@ module msn_array #(
   logic [Lanes-1:0]            checked_mask;
   if (Lanes > 1 && Health && Tare) begin : gen_health_skid
     msn_skid #(.Width(Lanes * (SampleBits + 1) + IdBits + 1)) u_skid (
-      .clk_i,
-      .rst_i,
-      .in_valid_i (sound_valid),
-      .in_ready_o (sound_ready),
-      .in_data_i  ({sound_data, sound_mask, sound_id, sound_last}),
-      .out_valid_o(checked_valid),
-      .out_ready_i(checked_ready),
-      .out_data_o ({checked_data, checked_mask, checked_id, checked_last})
+      .clk_i, .rst_i,
+      .in_valid_i(sound_valid), .in_ready_o(sound_ready),
+      .in_data_i({sound_data, sound_mask, sound_id, sound_last}),
+      .out_valid_o(checked_valid), .out_ready_i(checked_ready),
+      .out_data_o({checked_data, checked_mask, checked_id, checked_last})
     );
   end else begin : gen_no_health_skid
     assign checked_valid                = sound_valid;
@@ -469,52 +338,24 @@ module msn_array #(
     logic [IdBits-1:0]           tared_id;
     logic [Lanes-1:0]            tared_mask;
     msn_tare #(
-      .Rows      (Rows),
-      .Columns   (Columns),
-      .Lanes     (Lanes),
-      .SampleBits(SampleBits),
-      .TareLog2  (TareLog2)
+      .Rows(Rows), .Columns(Columns), .Lanes(Lanes), .SampleBits(SampleBits), .TareLog2(TareLog2)
     ) u_tare (
-      .clk_i,
-      .rst_i,
-      .cfg_contact_i,
-      .cfg_step_i,
-      .cfg_tare_i,
-      .cfg_force_i,
-      .cfg_load_i,
-      .cfg_write_i (cfg_zero_write_i),
-      .cfg_word_i  (cfg_zero_word_i),
-      .cfg_offset_i(cfg_zero_i),
-      .cfg_loading_o,
-      .taring_o,
-      .pressed_o,
-      .tared_o,
-      .refused_o,
-      .swallowed_o,
-      .damaged_o   (unused_tare_damaged),
-      .in_valid_i  (checked_valid),
-      .in_ready_o  (checked_ready),
-      .in_data_i   (checked_data),
-      .in_mask_i   (checked_mask),
-      .in_id_i     (checked_id),
-      .in_last_i   (checked_last),
-      .out_valid_o (tared_valid),
-      .out_ready_i (tared_ready),
-      .out_data_o  (tared_data),
-      .out_mask_o  (tared_mask),
-      .out_id_o    (tared_id),
-      .out_last_o  (tared_last)
+      .clk_i, .rst_i,
+      .cfg_contact_i, .cfg_step_i, .cfg_tare_i, .cfg_force_i, .cfg_load_i, .cfg_write_i(cfg_zero_write_i),
+      .cfg_word_i(cfg_zero_word_i), .cfg_offset_i(cfg_zero_i), .cfg_loading_o,
+      .taring_o, .pressed_o, .tared_o, .refused_o, .swallowed_o, .damaged_o(unused_tare_damaged),
+      .in_valid_i(checked_valid), .in_ready_o(checked_ready), .in_data_i(checked_data),
+      .in_mask_i(checked_mask), .in_id_i(checked_id), .in_last_i(checked_last),
+      .out_valid_o(tared_valid), .out_ready_i(tared_ready), .out_data_o(tared_data), .out_mask_o(tared_mask),
+      .out_id_o(tared_id), .out_last_o(tared_last)
     );
     // The path of ready from the calibration to the scan ends here.
     msn_skid #(.Width(Lanes * (ZeroedBits + 1) + IdBits + 1)) u_skid (
-      .clk_i,
-      .rst_i,
-      .in_valid_i (tared_valid),
-      .in_ready_o (tared_ready),
-      .in_data_i  ({tared_data, tared_mask, tared_id, tared_last}),
-      .out_valid_o(zeroed_valid),
-      .out_ready_i(zeroed_ready),
-      .out_data_o ({zeroed_data, zeroed_mask, zeroed_id, zeroed_last})
+      .clk_i, .rst_i,
+      .in_valid_i(tared_valid), .in_ready_o(tared_ready),
+      .in_data_i({tared_data, tared_mask, tared_id, tared_last}),
+      .out_valid_o(zeroed_valid), .out_ready_i(zeroed_ready),
+      .out_data_o({zeroed_data, zeroed_mask, zeroed_id, zeroed_last})
     );
   end else begin : gen_no_tare
     assign zeroed_valid  = checked_valid;
@@ -532,46 +373,17 @@ module msn_array #(
 
   logic [31:0] unused_damaged;
   msn_cop_array #(
-    .Rows        (Rows),
-    .Columns     (Columns),
-    .Lanes       (Lanes),
-    .SampleBits  (ZeroedBits),
-    .GainShift   (GainShift),
-    .Offset      (!Tare),
-    .RowColumn   (RowColumn),
-    .FractionBits(FractionBits),
-    .BitsPerClock(BitsPerClock),
-    .Tap         (Tap)
+    .Rows(Rows), .Columns(Columns), .Lanes(Lanes), .SampleBits(ZeroedBits), .GainShift(GainShift),
+    .Offset(!Tare), .RowColumn(RowColumn), .FractionBits(FractionBits), .BitsPerClock(BitsPerClock), .Tap(Tap)
   ) u_cop_array (
-    .clk_i,
-    .rst_i,
-    .cfg_write_i,
-    .cfg_write_row_i,
-    .cfg_word_i,
-    .cfg_offset_i,
-    .cfg_gain_i,
-    .cfg_swap_i,
-    .cfg_swapping_o,
+    .clk_i, .rst_i,
+    .cfg_write_i, .cfg_write_row_i, .cfg_word_i, .cfg_offset_i, .cfg_gain_i, .cfg_swap_i, .cfg_swapping_o,
     .cfg_min_load_i,
-    .in_valid_i(zeroed_valid),
-    .in_ready_o(zeroed_ready),
-    .in_data_i (zeroed_data),
-    .in_mask_i (zeroed_mask),
-    .in_id_i   (zeroed_id),
-    .in_last_i (zeroed_last),
-    .tap_valid_o,
-    .tap_ready_i,
-    .tap_data_o,
-    .tap_mask_o,
-    .tap_last_o,
-    .out_valid_o,
-    .out_ready_i,
-    .out_x_o,
-    .out_y_o,
-    .out_load_o,
-    .out_pressed_o,
-    .damaged_o (unused_damaged),
-    .dropped_o (damaged_o)
+    .in_valid_i(zeroed_valid), .in_ready_o(zeroed_ready), .in_data_i(zeroed_data), .in_mask_i(zeroed_mask),
+    .in_id_i(zeroed_id), .in_last_i(zeroed_last),
+    .tap_valid_o, .tap_ready_i, .tap_data_o, .tap_mask_o, .tap_last_o,
+    .out_valid_o, .out_ready_i, .out_x_o, .out_y_o, .out_load_o, .out_pressed_o,
+    .damaged_o(unused_damaged), .dropped_o(damaged_o)
   );
 
 endmodule

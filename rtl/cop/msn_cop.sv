@@ -44,41 +44,20 @@ module msn_cop #(
   logic signed [MyBits-1:0]  my;
 
   msn_cop_accumulate #(.Rows(Rows), .Columns(Columns), .Lanes(Lanes)) u_accumulate (
-    .clk_i,
-    .rst_i,
-    .in_valid_i,
-    .in_ready_o,
-    .in_data_i,
-    .in_last_i,
-    .out_valid_o(sums_valid),
-    .out_ready_i(sums_ready),
-    .out_sum_o  (sum),
-    .out_mx_o   (mx),
-    .out_my_o   (my),
+    .clk_i, .rst_i,
+    .in_valid_i, .in_ready_o, .in_data_i, .in_last_i,
+    .out_valid_o(sums_valid), .out_ready_i(sums_ready), .out_sum_o(sum), .out_mx_o(mx), .out_my_o(my),
     .damaged_o
   );
 
   msn_cop_divide #(
-    .Rows        (Rows),
-    .Columns     (Columns),
-    .FractionBits(FractionBits),
-    .BitsPerClock(BitsPerClock),
-    .Pipelined   (Pipelined)
+    .Rows(Rows), .Columns(Columns), .FractionBits(FractionBits), .BitsPerClock(BitsPerClock),
+    .Pipelined(Pipelined)
   ) u_divide (
-    .clk_i,
-    .rst_i,
+    .clk_i, .rst_i,
     .cfg_min_load_i,
-    .in_valid_i (sums_valid),
-    .in_ready_o (sums_ready),
-    .in_sum_i   (sum),
-    .in_mx_i    (mx),
-    .in_my_i    (my),
-    .out_valid_o,
-    .out_ready_i,
-    .out_x_o,
-    .out_y_o,
-    .out_load_o,
-    .out_pressed_o
+    .in_valid_i(sums_valid), .in_ready_o(sums_ready), .in_sum_i(sum), .in_mx_i(mx), .in_my_i(my),
+    .out_valid_o, .out_ready_i, .out_x_o, .out_y_o, .out_load_o, .out_pressed_o
   );
 
 endmodule

@@ -153,44 +153,24 @@ module msn_cop4 #(
   assign place_valid = valid_x && valid_y;
 
   msn_ratio #(
-    .NumBits     (SampleBits + 1),
-    .DenBits     (PlaceBits),
-    .FractionBits(14),
-    .BitsPerClock(BitsPerClock),
-    .SideBits    (FlagBits + 2 * SumBits - 1)
+    .NumBits(SampleBits + 1), .DenBits(PlaceBits), .FractionBits(14), .BitsPerClock(BitsPerClock),
+    .SideBits(FlagBits + 2 * SumBits - 1)
   ) u_x (
-    .clk_i,
-    .rst_i,
-    .cfg_scale_i   (cfg_kx_i),
-    .in_valid_i    (start),
-    .in_ready_o    (ready_x),
-    .in_num_i      (num_x),
-    .in_den_i      (den_x),
-    .in_side_i     ({total_open, total_saturated, imbalance, num_load, d}),
-    .out_valid_o   (valid_x),
-    .out_ready_i   (take_place),
-    .out_quotient_o(place_x),
-    .out_side_o    ({place_flags, place_n, place_d})
+    .clk_i, .rst_i,
+    .cfg_scale_i(cfg_kx_i),
+    .in_valid_i(start), .in_ready_o(ready_x), .in_num_i(num_x), .in_den_i(den_x),
+    .in_side_i({total_open, total_saturated, imbalance, num_load, d}),
+    .out_valid_o(valid_x), .out_ready_i(take_place), .out_quotient_o(place_x),
+    .out_side_o({place_flags, place_n, place_d})
   );
 
   msn_ratio #(
-    .NumBits     (SampleBits + 1),
-    .DenBits     (PlaceBits),
-    .FractionBits(14),
-    .BitsPerClock(BitsPerClock)
+    .NumBits(SampleBits + 1), .DenBits(PlaceBits), .FractionBits(14), .BitsPerClock(BitsPerClock)
   ) u_y (
-    .clk_i,
-    .rst_i,
-    .cfg_scale_i   (cfg_ky_i),
-    .in_valid_i    (start),
-    .in_ready_o    (ready_y),
-    .in_num_i      (num_y),
-    .in_den_i      (den_y),
-    .in_side_i     (1'b0),
-    .out_valid_o   (valid_y),
-    .out_ready_i   (take_place),
-    .out_quotient_o(place_y),
-    .out_side_o    (unused_side_y)
+    .clk_i, .rst_i,
+    .cfg_scale_i(cfg_ky_i),
+    .in_valid_i(start), .in_ready_o(ready_y), .in_num_i(num_y), .in_den_i(den_y), .in_side_i(1'b0),
+    .out_valid_o(valid_y), .out_ready_i(take_place), .out_quotient_o(place_y), .out_side_o(unused_side_y)
   );
 
   if (Correct) begin : gen_correct
@@ -198,22 +178,12 @@ module msn_cop4 #(
     assign ratios_ready = ready_x && ready_y;
     assign take_place   = place_valid && correct_ready;
     msn_cop4_correct #(.SumBits(SumBits), .SideBits(38)) u_correct (
-      .clk_i,
-      .rst_i,
-      .cfg_p_i,
-      .cfg_shift_i(cfg_shift_load_i),
-      .in_valid_i (place_valid),
-      .in_ready_o (correct_ready),
-      .in_x_i     (place_x),
-      .in_y_i     (place_y),
-      .in_n_i     (place_n),
-      .in_d_i     (place_d),
-      .in_side_i  ({place_x, place_y, place_flags}),
-      .out_valid_o(load_start),
-      .out_ready_i(load_ready),
-      .out_den_o  (load_den),
-      .out_n_o    (load_n),
-      .out_side_o (load_side)
+      .clk_i, .rst_i,
+      .cfg_p_i, .cfg_shift_i(cfg_shift_load_i),
+      .in_valid_i(place_valid), .in_ready_o(correct_ready), .in_x_i(place_x), .in_y_i(place_y),
+      .in_n_i(place_n), .in_d_i(place_d), .in_side_i({place_x, place_y, place_flags}),
+      .out_valid_o(load_start), .out_ready_i(load_ready), .out_den_o(load_den), .out_n_o(load_n),
+      .out_side_o(load_side)
     );
     assign take                = load_valid && free;
     assign {x, y, load_flags}  = result_side;
@@ -235,24 +205,15 @@ module msn_cop4 #(
   end
 
   msn_ratio #(
-    .NumBits     (SampleBits + 1),
-    .DenBits     (LoadBits),
-    .FractionBits(16),
-    .BitsPerClock(BitsPerClock),
-    .SideBits    (38)
+    .NumBits(SampleBits + 1), .DenBits(LoadBits), .FractionBits(16), .BitsPerClock(BitsPerClock),
+    .SideBits(38)
   ) u_load (
-    .clk_i,
-    .rst_i,
-    .cfg_scale_i   (cfg_kf_i),
-    .in_valid_i    (load_start),
-    .in_ready_o    (load_ready),
-    .in_num_i      (load_n),
-    .in_den_i      (load_den),
-    .in_side_i     (load_side),
-    .out_valid_o   (load_valid),
-    .out_ready_i   (take),
-    .out_quotient_o({unused_sign, over, fraction}),
-    .out_side_o    (result_side)
+    .clk_i, .rst_i,
+    .cfg_scale_i(cfg_kf_i),
+    .in_valid_i(load_start), .in_ready_o(load_ready), .in_num_i(load_n), .in_den_i(load_den),
+    .in_side_i(load_side),
+    .out_valid_o(load_valid), .out_ready_i(take), .out_quotient_o({unused_sign, over, fraction}),
+    .out_side_o(result_side)
   );
 
   // Hold the load, then gate by it. Empty is what counts for `free`, so that out_ready_i does not reach back

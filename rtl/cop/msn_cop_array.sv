@@ -68,62 +68,32 @@ module msn_cop_array #(
   logic [IdBits-1:0]   unused_id;
 
   msn_calibrate #(
-    .Rows      (Rows),
-    .Columns   (Columns),
-    .Lanes     (Lanes),
-    .SampleBits(SampleBits),
-    .GainShift (GainShift),
-    .Offset    (Offset),
-    .RowColumn (RowColumn)
+    .Rows(Rows), .Columns(Columns), .Lanes(Lanes), .SampleBits(SampleBits), .GainShift(GainShift),
+    .Offset(Offset), .RowColumn(RowColumn)
   ) u_calibrate (
-    .clk_i,
-    .rst_i,
-    .cfg_write_i,
-    .cfg_write_row_i,
-    .cfg_word_i,
-    .cfg_offset_i,
-    .cfg_gain_i,
-    .cfg_swap_i,
-    .cfg_swapping_o,
-    .in_valid_i,
-    .in_ready_o,
-    .in_data_i,
-    .in_mask_i,
-    .in_id_i,
-    .in_last_i,
-    .out_valid_o(force_valid),
-    .out_ready_i(force_ready),
-    .out_data_o (force_data),
-    .out_mask_o (force_mask),
-    .out_id_o   (unused_id),
-    .out_last_o (force_last),
+    .clk_i, .rst_i,
+    .cfg_write_i, .cfg_write_row_i, .cfg_word_i, .cfg_offset_i, .cfg_gain_i, .cfg_swap_i, .cfg_swapping_o,
+    .in_valid_i, .in_ready_o, .in_data_i, .in_mask_i, .in_id_i, .in_last_i,
+    .out_valid_o(force_valid), .out_ready_i(force_ready), .out_data_o(force_data), .out_mask_o(force_mask),
+    .out_id_o(unused_id), .out_last_o(force_last),
     .damaged_o
   );
 
   // Everything behind it waits at its register, so that no path of ready goes through the calibration.
   msn_skid #(.Width(Lanes * 17 + 1)) u_skid (
-    .clk_i,
-    .rst_i,
-    .in_valid_i (force_valid),
-    .in_ready_o (force_ready),
-    .in_data_i  ({force_last, force_mask, force_data}),
-    .out_valid_o(skid_valid),
-    .out_ready_i(skid_ready),
-    .out_data_o ({next_last, tap_mask_o, next_data})
+    .clk_i, .rst_i,
+    .in_valid_i(force_valid), .in_ready_o(force_ready), .in_data_i({force_last, force_mask, force_data}),
+    .out_valid_o(skid_valid), .out_ready_i(skid_ready), .out_data_o({next_last, tap_mask_o, next_data})
   );
 
   assign tap_data_o = next_data;
   assign tap_last_o = next_last;
   if (Tap) begin : gen_tap
     msn_fork u_fork (
-      .clk_i,
-      .rst_i,
-      .in_valid_i(skid_valid),
-      .in_ready_o(skid_ready),
-      .a_valid_o (next_valid),
-      .a_ready_i (next_ready),
-      .b_valid_o (tap_valid_o),
-      .b_ready_i (tap_ready_i)
+      .clk_i, .rst_i,
+      .in_valid_i(skid_valid), .in_ready_o(skid_ready),
+      .a_valid_o(next_valid), .a_ready_i(next_ready),
+      .b_valid_o(tap_valid_o), .b_ready_i(tap_ready_i)
     );
   end else begin : gen_no_tap
     assign next_valid  = skid_valid;
@@ -134,27 +104,14 @@ module msn_cop_array #(
   end
 
   msn_cop #(
-    .Rows        (Rows),
-    .Columns     (Columns),
-    .Lanes       (Lanes),
-    .FractionBits(FractionBits),
-    .BitsPerClock(BitsPerClock),
-    .Pipelined   (Pipelined)
+    .Rows(Rows), .Columns(Columns), .Lanes(Lanes), .FractionBits(FractionBits), .BitsPerClock(BitsPerClock),
+    .Pipelined(Pipelined)
   ) u_cop (
-    .clk_i,
-    .rst_i,
+    .clk_i, .rst_i,
     .cfg_min_load_i,
-    .in_valid_i(next_valid),
-    .in_ready_o(next_ready),
-    .in_data_i (next_data),
-    .in_last_i (next_last),
-    .out_valid_o,
-    .out_ready_i,
-    .out_x_o,
-    .out_y_o,
-    .out_load_o,
-    .out_pressed_o,
-    .damaged_o (dropped_o)
+    .in_valid_i(next_valid), .in_ready_o(next_ready), .in_data_i(next_data), .in_last_i(next_last),
+    .out_valid_o, .out_ready_i, .out_x_o, .out_y_o, .out_load_o, .out_pressed_o,
+    .damaged_o(dropped_o)
   );
 
 endmodule

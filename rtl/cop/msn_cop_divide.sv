@@ -77,44 +77,25 @@ module msn_cop_divide #(
   logic                      ready_x, ready_y;
   assign in_ready_o = ready_x && ready_y;
   msn_divide #(
-    .DenBits     (DenXBits),
-    .FractionBits(FractionBits),
-    .BitsPerClock(BitsPerClock),
-    .Pipelined   (Pipelined),
-    .SideBits    (SumBits + 1)
+    .DenBits(DenXBits), .FractionBits(FractionBits), .BitsPerClock(BitsPerClock), .Pipelined(Pipelined),
+    .SideBits(SumBits + 1)
   ) u_x (
-    .clk_i,
-    .rst_i,
-    .in_valid_i    (in_valid_i && ready_y),
-    .in_ready_o    (ready_x),
-    .in_num_i      (num_x),
-    .in_den_i      (den_x),
-    .in_side_i     ({in_sum_i, pressed}),
-    .out_valid_o,
-    .out_ready_i,
-    .out_quotient_o(quotient_x),
-    .out_side_o    ({out_load_o, out_pressed_o})
+    .clk_i, .rst_i,
+    .in_valid_i(in_valid_i && ready_y), .in_ready_o(ready_x), .in_num_i(num_x), .in_den_i(den_x),
+    .in_side_i({in_sum_i, pressed}),
+    .out_valid_o, .out_ready_i, .out_quotient_o(quotient_x), .out_side_o({out_load_o, out_pressed_o})
   );
 
   logic unused_valid, unused_side;
   msn_divide #(
-    .DenBits     (DenYBits),
-    .FractionBits(FractionBits),
-    .BitsPerClock(BitsPerClock),
-    .Pipelined   (Pipelined),
-    .SideBits    (1)
+    .DenBits(DenYBits), .FractionBits(FractionBits), .BitsPerClock(BitsPerClock), .Pipelined(Pipelined),
+    .SideBits(1)
   ) u_y (
-    .clk_i,
-    .rst_i,
-    .in_valid_i    (in_valid_i && ready_x),
-    .in_ready_o    (ready_y),
-    .in_num_i      (num_y),
-    .in_den_i      (den_y),
-    .in_side_i     (1'b0),
-    .out_valid_o   (unused_valid),
-    .out_ready_i   (out_ready_i || !out_valid_o),
-    .out_quotient_o(quotient_y),
-    .out_side_o    (unused_side)
+    .clk_i, .rst_i,
+    .in_valid_i(in_valid_i && ready_x), .in_ready_o(ready_y), .in_num_i(num_y), .in_den_i(den_y),
+    .in_side_i(1'b0),
+    .out_valid_o(unused_valid), .out_ready_i(out_ready_i || !out_valid_o), .out_quotient_o(quotient_y),
+    .out_side_o(unused_side)
   );
 
   assign out_x_o = out_pressed_o ? quotient_x : '0;

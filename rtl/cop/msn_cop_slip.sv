@@ -62,10 +62,8 @@ module msn_cop_slip #(
   logic        [15:0] old_load;
   logic               old_pressed;
   msn_delay #(.Depth(Lag), .Width(49)) u_lag (
-    .clk_i,
-    .rst_i,
-    .step_i    (accept),
-    .in_data_i ({in_x_i, in_y_i, in_load_i, in_pressed_i}),
+    .clk_i, .rst_i,
+    .step_i(accept), .in_data_i({in_x_i, in_y_i, in_load_i, in_pressed_i}),
     .out_data_o({old_x, old_y, old_load, old_pressed})
   );
 

@@ -32,9 +32,7 @@ module msn_multiply #(
   assign unused_top = ^p;
 
   MULT18X18D #(
-    .REG_INPUTA_CLK("CLK0"),
-    .REG_INPUTB_CLK("CLK0"),
-    .REG_OUTPUT_CLK("CLK0")
+    .REG_INPUTA_CLK("CLK0"), .REG_INPUTB_CLK("CLK0"), .REG_OUTPUT_CLK("CLK0")
   ) u_multiplier (
     .CLK0(clk_i), .CE0(enable_i), .RST0(1'b0), .SIGNEDA(1'b1), .SIGNEDB(1'b0), .SOURCEA(1'b0), .SOURCEB(1'b0),
     .A0(a[0]), .A1(a[1]), .A2(a[2]), .A3(a[3]), .A4(a[4]), .A5(a[5]), .A6(a[6]), .A7(a[7]), .A8(a[8]),

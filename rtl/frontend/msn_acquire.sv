@@ -73,25 +73,14 @@ module msn_acquire #(
     end
     logic unused_user;
     msn_adc_single #(
-      .ClkKhz    (ClkKhz),
-      .SclkKhz   (SclkKhz),
-      .Period    (AdcPeriod),
-      .SampleBits(SampleBits)
+      .ClkKhz(ClkKhz), .SclkKhz(SclkKhz), .Period(AdcPeriod), .SampleBits(SampleBits)
     ) u_adc_single (
-      .clk_i,
-      .rst_i,
+      .clk_i, .rst_i,
       .cfg_enable_i,
-      .adc_cs_n_o,
-      .adc_sclk_o,
-      .adc_mosi_o,
-      .adc_miso_i  (adc_miso_i[0]),
+      .adc_cs_n_o, .adc_sclk_o, .adc_mosi_o, .adc_miso_i(adc_miso_i[0]),
       .convert_o,
-      .out_valid_o,
-      .out_ready_i,
-      .out_data_o,
-      .out_user_o  (unused_user),
-      .dropped_o,
-      .over_range_o
+      .out_valid_o, .out_ready_i, .out_data_o, .out_user_o(unused_user),
+      .dropped_o, .over_range_o
     );
     assign out_id_o   = '0;
     assign out_last_o = 1'b1;
@@ -104,40 +93,16 @@ module msn_acquire #(
     logic unused_lost, unused_ready;  // the next whole frame shows it; the timer waits by itself
     logic unused_user;  // what over-range means to a stage is that stage's business; here it is only counted
     msn_adc_spi #(
-      .Part      (Adc),
-      .Channels  (Channels),
-      .Lanes     (AdcLanes),
-      .ClkKhz    (ClkKhz),
-      .SclkKhz   (SclkKhz),
-      .SampleBits(SampleBits),
-      .PeriodBits(PeriodBits)
+      .Part(Adc), .Channels(Channels), .Lanes(AdcLanes), .ClkKhz(ClkKhz), .SclkKhz(SclkKhz),
+      .SampleBits(SampleBits), .PeriodBits(PeriodBits)
     ) u_adc_spi (
-      .clk_i,
-      .rst_i,
-      .cfg_enable_i,
-      .cfg_period_i,
-      .trigger_i   (1'b0),
-      .adc_cs_n_o,
-      .adc_sclk_o,
-      .adc_mosi_o,
-      .adc_miso_i,
-      .adc_convst_o,
-      .adc_busy_i,
-      .adc_reset_o,
-      .ready_o     (unused_ready),
-      .convert_o,
-      .lost_o      (unused_lost),
-      .out_valid_o,
-      .out_ready_i,
-      .out_data_o,
-      .out_id_o,
-      .out_last_o,
-      .out_user_o  (unused_user),
-      .dropped_o,
-      .overrun_o,
-      .timeout_o,
-      .mistagged_o,
-      .over_range_o
+      .clk_i, .rst_i,
+      .cfg_enable_i, .cfg_period_i,
+      .trigger_i(1'b0),
+      .adc_cs_n_o, .adc_sclk_o, .adc_mosi_o, .adc_miso_i, .adc_convst_o, .adc_busy_i, .adc_reset_o,
+      .ready_o(unused_ready), .convert_o, .lost_o(unused_lost),
+      .out_valid_o, .out_ready_i, .out_data_o, .out_id_o, .out_last_o, .out_user_o(unused_user),
+      .dropped_o, .overrun_o, .timeout_o, .mistagged_o, .over_range_o
     );
     assign in_ready_o = 1'b0;
     logic unused_stream;

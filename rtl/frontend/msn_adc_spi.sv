@@ -206,9 +206,7 @@ module msn_adc_spi #(
   end
 
   msn_sync u_busy (
-    .clk_i,
-    .in_data_i  (adc_busy_i),
-    .out_data_o (busy)
+    .clk_i, .in_data_i(adc_busy_i), .out_data_o(busy)
   );
 
   // The AD7606 has no DIN.
@@ -240,50 +238,24 @@ module msn_adc_spi #(
   end
 
   msn_spi_shift #(
-    .Bits     (msn_adc_pkg::word_bits(Part)),
-    .DataBits (KeptBits),
-    .Lanes    (Lanes),
-    .Half     (Half),
-    .IdleHigh (msn_adc_pkg::idles_high(Part)),
-    .Lead     (msn_adc_pkg::leads(Part))
+    .Bits(msn_adc_pkg::word_bits(Part)), .DataBits(KeptBits), .Lanes(Lanes), .Half(Half),
+    .IdleHigh(msn_adc_pkg::idles_high(Part)), .Lead(msn_adc_pkg::leads(Part))
   ) u_shift (
-    .clk_i,
-    .rst_i,
-    .start_i    (read),
-    .again_i    (!CsPerChannel && !word_last),
-    .command_i  (command[15-:KeptBits]),
-    .word_o     (word),
-    .data_o     (kept),
-    .done_o     (done),
-    .spi_cs_n_o (adc_cs_n_o),
-    .spi_sclk_o (adc_sclk_o),
-    .spi_mosi_o (mosi),
-    .spi_miso_i (adc_miso_i)
+    .clk_i, .rst_i,
+    .start_i(read), .again_i(!CsPerChannel && !word_last), .command_i(command[15-:KeptBits]), .word_o(word),
+    .data_o(kept), .done_o(done),
+    .spi_cs_n_o(adc_cs_n_o), .spi_sclk_o(adc_sclk_o), .spi_mosi_o(mosi), .spi_miso_i(adc_miso_i)
   );
 
   msn_adc_store #(
-    .Channels     (Channels),
-    .Lanes        (Lanes),
-    .LaneChannels (LaneChannels),
-    .DataBits     (DataBits),
-    .SampleBits   (SampleBits),
-    .Signed       (Signed),
-    .Whole        (Tagged)
+    .Channels(Channels), .Lanes(Lanes), .LaneChannels(LaneChannels), .DataBits(DataBits),
+    .SampleBits(SampleBits), .Signed(Signed), .Whole(Tagged)
   ) u_store (
-    .clk_i,
-    .rst_i,
+    .clk_i, .rst_i,
     .begin_i    (frame),  // not convert_o: that, upset, would begin a frame within one
-    .in_valid_i (store_valid && !drop_q),
-    .in_word_i  (store_word),
-    .in_data_i  (data),
-    .in_bad_i   (bad_q || bad),
-    .pending_o  (pending),
-    .out_valid_o,
-    .out_ready_i,
-    .out_data_o,
-    .out_id_o,
-    .out_last_o,
-    .out_user_o
+    .in_valid_i(store_valid && !drop_q), .in_word_i(store_word), .in_data_i(data), .in_bad_i(bad_q || bad),
+    .pending_o(pending),
+    .out_valid_o, .out_ready_i, .out_data_o, .out_id_o, .out_last_o, .out_user_o
   );
 
 endmodule

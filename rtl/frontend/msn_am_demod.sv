@@ -176,11 +176,8 @@ module msn_am_demod #(
     if (Rectify) begin : gen_rectifier
       logic [SampleBits-1:0] x_before;  // N/2 samples ago
       msn_delay #(.Depth(N / 2), .Width(SampleBits)) u_half (
-        .clk_i,
-        .rst_i,
-        .step_i    (take),
-        .in_data_i (in_data_i[k*SampleBits+:SampleBits]),
-        .out_data_o(x_before)
+        .clk_i, .rst_i,
+        .step_i(take), .in_data_i(in_data_i[k*SampleBits+:SampleBits]), .out_data_o(x_before)
       );
       assign y = phase[PhaseBits-1] ? TermBits'(x) - TermBits'(signed'(x_before)) : '0;
       assign z = '0;
@@ -256,15 +253,10 @@ module msn_am_demod #(
     assign pull   = hypot_ready && lanes_left != '0;
     always_ff @(posedge clk_i) if (pull) root_side <= held_side;
     msn_hypot #(.Bits(SumBits + 1), .Exact(Form == 32'(msn_pkg::DemodIq))) u_hypot (
-      .clk_i,
-      .rst_i,
-      .in_valid_i (lanes_left != '0),
-      .in_ready_o (hypot_ready),
-      .in_a_i     ({size_i, 1'b0}),
-      .in_b_i     ({size_q, 1'b0}),
-      .out_valid_o(root_valid),
-      .out_ready_i(root_ready),
-      .out_root_o (root)
+      .clk_i, .rst_i,
+      .in_valid_i(lanes_left != '0), .in_ready_o(hypot_ready), .in_a_i({size_i, 1'b0}),
+      .in_b_i({size_q, 1'b0}),
+      .out_valid_o(root_valid), .out_ready_i(root_ready), .out_root_o(root)
     );
   end
 

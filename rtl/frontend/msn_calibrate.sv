@@ -66,17 +66,10 @@ module msn_calibrate #(
   logic placed, keep, last, whole, unused_fits, placed_last;
   logic [IdBits-1:0] placed_id, unused_place;
   msn_frame_place #(.Beats(Beats)) u_place (
-    .clk_i,
-    .rst_i,
-    .accept_i (placed),
-    .in_id_i  (placed_id),
-    .in_last_i(placed_last),
-    .place_o  (unused_place),
-    .keep_o   (keep),
-    .last_o   (last),
-    .fits_o   (unused_fits),
-    .whole_o  (whole),
-    .damaged_o
+    .clk_i, .rst_i,
+    .accept_i(placed),
+    .in_id_i(placed_id), .in_last_i(placed_last),
+    .place_o(unused_place), .keep_o(keep), .last_o(last), .fits_o(unused_fits), .whole_o(whole), .damaged_o
   );
 
   if (!RowColumn) begin : gen_taxels
@@ -92,27 +85,13 @@ module msn_calibrate #(
     assign unused_row  = cfg_write_row_i;
 
     msn_calibration_table #(
-      .Rows      (Rows),
-      .Columns   (Columns),
-      .Lanes     (Lanes),
-      .SampleBits(SampleBits),
-      .Offset    (Offset)
+      .Rows(Rows), .Columns(Columns), .Lanes(Lanes), .SampleBits(SampleBits), .Offset(Offset)
     ) u_table (
-      .clk_i,
-      .rst_i,
-      .cfg_write_i,
-      .cfg_word_i,
-      .cfg_offset_i,
-      .cfg_gain_i,
-      .cfg_swap_i,
-      .cfg_swapping_o,
-      .take_i      (accept),
-      .last_i      (in_last_i),
-      .restart_i   (accept && in_last_i && !whole),
-      .out_valid_o (word_valid),
-      .out_offset_o(offset),
-      .out_gain_o  (gain),
-      .loaded_o    (loaded)
+      .clk_i, .rst_i,
+      .cfg_write_i, .cfg_word_i, .cfg_offset_i, .cfg_gain_i, .cfg_swap_i, .cfg_swapping_o,
+      .take_i(accept), .last_i(in_last_i), .restart_i(accept && in_last_i && !whole),
+      .out_valid_o(word_valid), .out_offset_o(offset), .out_gain_o(gain),
+      .loaded_o(loaded)
     );
 
     logic [2:1]          valid, marks;
@@ -146,22 +125,13 @@ module msn_calibrate #(
       assign difference = in_mask_i[k] || !loaded ? '0 : DiffBits'(raw) - DiffBits'(zero);
 
       msn_multiply #(.AWidth(DiffBits), .BWidth(16)) u_product (
-        .clk_i,
-        .enable_i(move),
-        .a_i     (difference),
-        .b_i     (gain[16*k+:16]),
-        .y_o     (product)
+        .clk_i, .enable_i(move), .a_i(difference), .b_i(gain[16*k+:16]), .y_o(product)
       );
 
       msn_round_sat #(.InWidth(ProductBits), .OutWidth(16), .DropBits(GainShift), .Unsigned(1'b1)) u_round (
-        .clk_i,
-        .rst_i,
-        .in_valid_i (valid[2]),
-        .in_ready_o (ready[k]),
-        .in_data_i  (ProductBits'(product)),
-        .out_valid_o(out_valid[k]),
-        .out_ready_i,
-        .out_data_o (out_data_o[16*k+:16])
+        .clk_i, .rst_i,
+        .in_valid_i(valid[2]), .in_ready_o(ready[k]), .in_data_i(ProductBits'(product)),
+        .out_valid_o(out_valid[k]), .out_ready_i, .out_data_o(out_data_o[16*k+:16])
       );
     end
 
@@ -208,26 +178,13 @@ module msn_calibrate #(
     logic [Lanes*SampleBits-1:0] offset;
     logic [Lanes*32-1:0]         gain;
     msn_calibration_grid #(
-      .Rows      (Rows),
-      .Columns   (Columns),
-      .Lanes     (Lanes),
-      .SampleBits(SampleBits),
-      .Offset    (Offset)
+      .Rows(Rows), .Columns(Columns), .Lanes(Lanes), .SampleBits(SampleBits), .Offset(Offset)
     ) u_grid (
-      .clk_i,
-      .rst_i,
-      .cfg_write_i,
-      .cfg_write_row_i,
-      .cfg_word_i  (WordBits'(cfg_word_i)),
-      .cfg_offset_i,
-      .cfg_gain_i,
-      .cfg_swap_i,
-      .cfg_swapping_o,
-      .take_i      (accept),
-      .last_i      (in_last_i),
-      .out_offset_o(offset),
-      .out_gain_o  (gain),
-      .out_loaded_o(loaded)
+      .clk_i, .rst_i,
+      .cfg_write_i, .cfg_write_row_i, .cfg_word_i(WordBits'(cfg_word_i)), .cfg_offset_i, .cfg_gain_i,
+      .cfg_swap_i, .cfg_swapping_o,
+      .take_i(accept), .last_i(in_last_i),
+      .out_offset_o(offset), .out_gain_o(gain), .out_loaded_o(loaded)
     );
 
     localparam int unsigned DataBits = Lanes * SampleBits;
@@ -258,41 +215,24 @@ module msn_calibrate #(
         product    <= ProductBits'(back_low) + (ProductBits'(back_high) <<< 16);
       end
       msn_multiply #(.AWidth(DiffBits), .BWidth(16)) u_low (
-        .clk_i,
-        .enable_i(1'b1),
-        .a_i(difference),
-        .b_i(factor[15:0]),
-        .y_o(low)
+        .clk_i, .enable_i(1'b1), .a_i(difference), .b_i(factor[15:0]), .y_o(low)
       );
       msn_multiply #(.AWidth(DiffBits), .BWidth(16)) u_high (
-        .clk_i,
-        .enable_i(1'b1),
-        .a_i(difference),
-        .b_i(factor[31:16]),
-        .y_o(high)
+        .clk_i, .enable_i(1'b1), .a_i(difference), .b_i(factor[31:16]), .y_o(high)
       );
 
       msn_round_sat #(.InWidth(ProductBits), .OutWidth(16), .DropBits(GainShift), .Unsigned(1'b1)) u_round (
-        .clk_i,
-        .rst_i,
-        .in_valid_i (1'b1),
-        .in_ready_o (unused_ready),
-        .in_data_i  (product),
-        .out_valid_o(unused_valid),
-        .out_ready_i(1'b1),
-        .out_data_o (rounded[16*k+:16])
+        .clk_i, .rst_i,
+        .in_valid_i(1'b1), .in_ready_o(unused_ready), .in_data_i(product),
+        .out_valid_o(unused_valid), .out_ready_i(1'b1), .out_data_o(rounded[16*k+:16])
       );
     end
 
     msn_fifo #(.Depth(Places), .Width(Lanes * 17 + IdBits + 1)) u_fifo (
-      .clk_i,
-      .rst_i,
-      .in_valid_i (valid[Stages]),
-      .in_ready_o (unused_room),
-      .in_data_i  ({marks[Stages], mask[Stages*Lanes-1-:Lanes], id[Stages*IdBits-1-:IdBits], rounded}),
-      .out_valid_o,
-      .out_ready_i,
-      .out_data_o ({out_last_o, out_mask_o, out_id_o, out_data_o})
+      .clk_i, .rst_i,
+      .in_valid_i(valid[Stages]), .in_ready_o(unused_room),
+      .in_data_i({marks[Stages], mask[Stages*Lanes-1-:Lanes], id[Stages*IdBits-1-:IdBits], rounded}),
+      .out_valid_o, .out_ready_i, .out_data_o({out_last_o, out_mask_o, out_id_o, out_data_o})
     );
   end
 

@@ -113,11 +113,7 @@ module msn_calibration_grid #(
     logic [15:0]        gain_read, gain_near, gain_column;
     logic signed [32:0] gain;
     msn_multiply #(.AWidth(17), .BWidth(16)) u_gain (
-      .clk_i,
-      .enable_i(1'b1),
-      .a_i(signed'({1'b0, of_row[15:0]})),
-      .b_i(gain_column),
-      .y_o(gain)
+      .clk_i, .enable_i(1'b1), .a_i(signed'({1'b0, of_row[15:0]})), .b_i(gain_column), .y_o(gain)
     );
     assign out_gain_o[32*k+:32] = gain[31:0];
     logic unused_sign;

@@ -87,17 +87,10 @@ module msn_calibration_table #(
   assign out_valid_o = valid && !swap && !stale;
 
   msn_frame_table #(.Words(Words), .Parts(Lanes), .PartBits(PartBits)) u_beats (
-    .clk_i,
-    .restart_i   (restart),
-    .bank_i      (bank_next),
-    .advance_i   (take_i || !valid),
-    .out_valid_o (valid),
-    .out_data_o  (word),
-    .at_end_o    (at_end),
-    .write_i     (cfg_write_i),
-    .write_bank_i(!bank),
-    .write_word_i(cfg_word_i),
-    .write_data_i({Lanes{entry}})
+    .clk_i, .restart_i(restart), .bank_i(bank_next), .advance_i(take_i || !valid),
+    .out_valid_o(valid), .out_data_o(word),
+    .at_end_o(at_end),
+    .write_i(cfg_write_i), .write_bank_i(!bank), .write_word_i(cfg_word_i), .write_data_i({Lanes{entry}})
   );
 
   for (genvar k = 0; k < Lanes; k++) begin : gen_lane

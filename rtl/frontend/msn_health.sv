@@ -99,17 +99,10 @@ module msn_health #(
   assign done       = drain == 3'd1;
 
   msn_frame_place #(.Beats(Beats)) u_place (
-    .clk_i,
-    .rst_i,
-    .accept_i (accept),
-    .in_id_i,
-    .in_last_i,
-    .place_o  (place),
-    .keep_o   (keep),
-    .last_o   (last),
-    .fits_o   (fits),
-    .whole_o  (whole),
-    .damaged_o
+    .clk_i, .rst_i,
+    .accept_i(accept),
+    .in_id_i, .in_last_i,
+    .place_o(place), .keep_o(keep), .last_o(last), .fits_o(fits), .whole_o(whole), .damaged_o
   );
 
   // fresh: this frame only writes first states. again: nothing counts as reported. bank: the last whole
@@ -158,56 +151,28 @@ module msn_health #(
   assign advance = accept || !head_valid;
 
   msn_frame_table #(.Words(Beats), .Parts(1), .PartBits(Lanes * StateBits), .Banks(1)) u_states (
-    .clk_i,
-    .restart_i   (restart),
-    .bank_i      (1'b0),
-    .advance_i   (advance),
-    .out_valid_o (state_valid),
-    .out_data_o  (state_ahead),
-    .at_end_o    (unused_states_end),
-    .write_i     (write),
-    .write_bank_i(1'b0),
-    .write_word_i(write_place),
-    .write_data_i(write_state)
+    .clk_i, .restart_i(restart), .bank_i(1'b0), .advance_i(advance),
+    .out_valid_o(state_valid), .out_data_o(state_ahead),
+    .at_end_o(unused_states_end),
+    .write_i(write), .write_bank_i(1'b0), .write_word_i(write_place), .write_data_i(write_state)
   );
   msn_frame_table #(.Words(Beats), .PartBits(2 * Lanes), .Start((Rows - 1) * RowBeats)) u_up (
-    .clk_i,
-    .restart_i   (restart),
-    .bank_i      (bank_next),
-    .advance_i   (advance),
-    .out_valid_o (unused_up_valid),
-    .out_data_o  (up_ahead),
-    .at_end_o    (unused_up_end),
-    .write_i     (write),
-    .write_bank_i(!bank),
-    .write_word_i(write_place),
-    .write_data_i(write_moves)
+    .clk_i, .restart_i(restart), .bank_i(bank_next), .advance_i(advance),
+    .out_valid_o(unused_up_valid), .out_data_o(up_ahead),
+    .at_end_o(unused_up_end),
+    .write_i(write), .write_bank_i(!bank), .write_word_i(write_place), .write_data_i(write_moves)
   );
   msn_frame_table #(.Words(Beats), .PartBits(2 * Lanes)) u_row (
-    .clk_i,
-    .restart_i   (restart),
-    .bank_i      (bank_next),
-    .advance_i   (advance),
-    .out_valid_o (mid_valid),
-    .out_data_o  (ahead),
-    .at_end_o    (unused_row_end),
-    .write_i     (write),
-    .write_bank_i(!bank),
-    .write_word_i(write_place),
-    .write_data_i(write_moves)
+    .clk_i, .restart_i(restart), .bank_i(bank_next), .advance_i(advance),
+    .out_valid_o(mid_valid), .out_data_o(ahead),
+    .at_end_o(unused_row_end),
+    .write_i(write), .write_bank_i(!bank), .write_word_i(write_place), .write_data_i(write_moves)
   );
   msn_frame_table #(.Words(Beats), .PartBits(2 * Lanes), .Start(Rows > 1 ? RowBeats : 0)) u_down (
-    .clk_i,
-    .restart_i   (restart),
-    .bank_i      (bank_next),
-    .advance_i   (advance),
-    .out_valid_o (unused_down_valid),
-    .out_data_o  (down_ahead),
-    .at_end_o    (unused_down_end),
-    .write_i     (write),
-    .write_bank_i(!bank),
-    .write_word_i(write_place),
-    .write_data_i(write_moves)
+    .clk_i, .restart_i(restart), .bank_i(bank_next), .advance_i(advance),
+    .out_valid_o(unused_down_valid), .out_data_o(down_ahead),
+    .at_end_o(unused_down_end),
+    .write_i(write), .write_bank_i(!bank), .write_word_i(write_place), .write_data_i(write_moves)
   );
 
   always_ff @(posedge clk_i) begin

@@ -97,47 +97,19 @@ module msn_scan #(
   logic [RowBits-1:0]   first_row, last_row;
   logic [BeatBits-1:0]  first_beat, last_beat;
   msn_scan_plan #(
-    .Rows(Rows),
-    .Columns(Columns),
-    .Lanes(Lanes),
-    .Channels(Channels),
-    .Hold(Hold),
-    .Cycle(Cycle),
-    .SlipSlots(SlipSlots),
-    .SettleBits(SettleBits),
-    .PeriodBits(PeriodBits),
-    .GroupBits(GroupBits)
+    .Rows(Rows), .Columns(Columns), .Lanes(Lanes), .Channels(Channels), .Hold(Hold), .Cycle(Cycle),
+    .SlipSlots(SlipSlots), .SettleBits(SettleBits), .PeriodBits(PeriodBits), .GroupBits(GroupBits)
   ) u_plan (
-    .clk_i,
-    .rst_i,
-    .cfg_enable_i,
-    .cfg_settle_i,
-    .cfg_period_i,
-    .cfg_interleave_i,
-    .cfg_first_row_i,
-    .cfg_last_row_i,
-    .cfg_first_column_i,
-    .cfg_last_column_i,
-    .cfg_slip_period_i,
-    .cfg_slip_row_i,
-    .cfg_slip_group_i,
-    .room_i            (room),
-    .idle_o            (idle),
-    .switch_o          (switch_now),
-    .switch_row_o      (switch_row),
-    .switch_group_o    (switch_group),
+    .clk_i, .rst_i,
+    .cfg_enable_i, .cfg_settle_i, .cfg_period_i, .cfg_interleave_i, .cfg_first_row_i, .cfg_last_row_i,
+    .cfg_first_column_i, .cfg_last_column_i, .cfg_slip_period_i, .cfg_slip_row_i, .cfg_slip_group_i,
+    .room_i(room), .idle_o(idle),
+    .switch_o(switch_now), .switch_row_o(switch_row), .switch_group_o(switch_group),
     .trigger_o,
-    .done_slip_o       (done_slip),
-    .done_first_o      (done_first),
-    .done_group_o      (done_group),
-    .frame_first_row_o (first_row),
-    .frame_last_row_o  (last_row),
-    .frame_first_beat_o(first_beat),
-    .frame_last_beat_o (last_beat),
-    .frame_interleave_o(frame_interleave),
-    .overrun_o,
-    .slip_overrun_o,
-    .held_o
+    .done_slip_o(done_slip), .done_first_o(done_first), .done_group_o(done_group),
+    .frame_first_row_o(first_row), .frame_last_row_o(last_row), .frame_first_beat_o(first_beat),
+    .frame_last_beat_o(last_beat), .frame_interleave_o(frame_interleave),
+    .overrun_o, .slip_overrun_o, .held_o
   );
 
   // The lines: off for a clock, then the new ones; a row that stays blinks too, so that all are treated alike.
@@ -260,46 +232,25 @@ module msn_scan #(
   end
 
   msn_scan_buffer #(.Rows(Rows), .Beats(Beats), .Burst(Channels), .Width(Width), .Depth(Depth)) u_frames (
-    .clk_i,
-    .rst_i,
-    .in_valid_i     (wanted_q),
-    .in_first_i     (frame_first_q),
-    .in_interleave_i(frame_interleave),
-    .in_last_row_i  (rows),
-    .in_last_beat_i (beats),
-    .in_id_i        (first_id),
-    .in_skip_i      (skip),
-    .in_data_i      (beat_data_q2),
-    .room_o         (room),
-    .out_valid_o,
-    .out_ready_i,
-    .out_data_o     ({out_user_o, out_data_o}),
-    .out_id_o,
-    .out_last_o,
-    .taken_o        (frame_taken),
-    .dropped_o
+    .clk_i, .rst_i,
+    .in_valid_i(wanted_q), .in_first_i(frame_first_q), .in_interleave_i(frame_interleave),
+    .in_last_row_i(rows), .in_last_beat_i(beats), .in_id_i(first_id), .in_skip_i(skip),
+    .in_data_i(beat_data_q2),
+    .room_o(room),
+    .out_valid_o, .out_ready_i, .out_data_o({out_user_o, out_data_o}), .out_id_o, .out_last_o,
+    .taken_o(frame_taken), .dropped_o
   );
 
   logic unused_room;
   msn_scan_buffer #(.Rows(1), .Beats(SlipSlots * Channels), .Burst(Channels), .Width(Width)) u_slip (
-    .clk_i,
-    .rst_i,
-    .in_valid_i     (slip_q),
-    .in_first_i     (round_first_q),
-    .in_interleave_i(1'b0),
-    .in_last_row_i  (1'b0),
-    .in_last_beat_i (SlipIdBits'(SlipSlots * Channels - 1)),
-    .in_id_i        ('0),
-    .in_skip_i      ('0),
-    .in_data_i      (beat_data_q2),
-    .room_o         (unused_room),
-    .out_valid_o    (slip_valid_o),
-    .out_ready_i    (slip_ready_i),
-    .out_data_o     ({slip_user_o, slip_data_o}),
-    .out_id_o       (slip_id_o),
-    .out_last_o     (slip_last_o),
-    .taken_o        (round_taken),
-    .dropped_o      (slip_dropped_o)
+    .clk_i, .rst_i,
+    .in_valid_i(slip_q), .in_first_i(round_first_q), .in_interleave_i(1'b0), .in_last_row_i(1'b0),
+    .in_last_beat_i(SlipIdBits'(SlipSlots * Channels - 1)), .in_id_i('0), .in_skip_i('0),
+    .in_data_i(beat_data_q2),
+    .room_o(unused_room),
+    .out_valid_o(slip_valid_o), .out_ready_i(slip_ready_i), .out_data_o({slip_user_o, slip_data_o}),
+    .out_id_o(slip_id_o), .out_last_o(slip_last_o),
+    .taken_o(round_taken), .dropped_o(slip_dropped_o)
   );
 
 endmodule

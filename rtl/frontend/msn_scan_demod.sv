@@ -105,58 +105,32 @@ module msn_scan_demod #(
   assign convert_o = |convert;
 
   msn_burst #(.CountBits(BurstBits), .PeriodBits(SampleTime)) u_burst (
-    .clk_i,
-    .rst_i,
-    .cfg_count_i (BurstBits'(Count)),
-    .cfg_period_i(SampleTime'(SamplePeriod)),
-    .start_i     (place_trigger),
-    .trigger_o   (trigger),
-    .taken_i     (taken),
-    .first_o     (first),
-    .lost_i      (|lost),
-    .lost_o      (burst_lost),
-    .spoiled_o   (spoiled)
+    .clk_i, .rst_i,
+    .cfg_count_i(BurstBits'(Count)), .cfg_period_i(SampleTime'(SamplePeriod)),
+    .start_i(place_trigger), .trigger_o(trigger), .taken_i(taken), .first_o(first),
+    .lost_i(|lost), .lost_o(burst_lost),
+    .spoiled_o(spoiled)
   );
 
   for (genvar part = 0; part < Converters; part++) begin : gen_adc
     logic        unused_id, unused_last, unused_convst, unused_reset;
     logic [31:0] unused_dropped, unused_overrun, unused_timeout, unused_mistagged, unused_over_range;
     msn_adc_spi #(
-      .Part      (Part),
-      .Channels  (1),
-      .Lanes     (1),
-      .ClkKhz    (ClkKhz),
-      .SclkKhz   (SclkKhz),
-      .SampleBits(SampleBits),
-      .PeriodBits(1),
-      .Trigger   (1'b1)
+      .Part(Part), .Channels(1), .Lanes(1), .ClkKhz(ClkKhz), .SclkKhz(SclkKhz), .SampleBits(SampleBits),
+      .PeriodBits(1), .Trigger(1'b1)
     ) u_adc_spi (
-      .clk_i,
-      .rst_i,
-      .cfg_enable_i(1'b1),
-      .cfg_period_i(1'b0),
-      .trigger_i   (trigger),
-      .adc_cs_n_o  (adc_cs_n_o[part]),
-      .adc_sclk_o  (adc_sclk_o[part]),
-      .adc_mosi_o  (adc_mosi_o[part]),
-      .adc_miso_i  (adc_miso_i[part]),
-      .adc_convst_o(unused_convst),
-      .adc_busy_i  (1'b0),
-      .adc_reset_o (unused_reset),
-      .ready_o     (ready[part]),
-      .convert_o   (convert[part]),
-      .lost_o      (lost[part]),
-      .out_valid_o (sample_valid[part]),
-      .out_ready_i (spoiled || taken),
-      .out_data_o  (sample[part*SampleBits+:SampleBits]),
-      .out_id_o    (unused_id),
-      .out_last_o  (unused_last),
-      .out_user_o  (sample_user[part]),
-      .dropped_o   (unused_dropped),
-      .overrun_o   (unused_overrun),
-      .timeout_o   (unused_timeout),
-      .mistagged_o (unused_mistagged),
-      .over_range_o(unused_over_range)
+      .clk_i, .rst_i,
+      .cfg_enable_i(1'b1), .cfg_period_i(1'b0),
+      .trigger_i(trigger),
+      .adc_cs_n_o(adc_cs_n_o[part]), .adc_sclk_o(adc_sclk_o[part]), .adc_mosi_o(adc_mosi_o[part]),
+      .adc_miso_i(adc_miso_i[part]), .adc_convst_o(unused_convst), .adc_busy_i(1'b0),
+      .adc_reset_o(unused_reset),
+      .ready_o(ready[part]), .convert_o(convert[part]), .lost_o(lost[part]),
+      .out_valid_o(sample_valid[part]), .out_ready_i(spoiled || taken),
+      .out_data_o(sample[part*SampleBits+:SampleBits]), .out_id_o(unused_id), .out_last_o(unused_last),
+      .out_user_o(sample_user[part]),
+      .dropped_o(unused_dropped), .overrun_o(unused_overrun), .timeout_o(unused_timeout),
+      .mistagged_o(unused_mistagged), .over_range_o(unused_over_range)
     );
   end
 
@@ -166,33 +140,16 @@ module msn_scan_demod #(
   logic        [LaneBits-1:0]   unused_level_id;
   logic        [31:0]           unused_broken;  // as many as lost_o
   msn_am_demod #(
-    .Form            (Form),
-    .SamplesPerPeriod(SamplesPerPeriod),
-    .Lanes           (Converters),
-    .Channels        (Converters),
-    .SampleBits      (SampleBits),
-    .PeriodBits      (Measured),
-    .SkipBits        (SkipBits)
+    .Form(Form), .SamplesPerPeriod(SamplesPerPeriod), .Lanes(Converters), .Channels(Converters),
+    .SampleBits(SampleBits), .PeriodBits(Measured), .SkipBits(SkipBits)
   ) u_am_demod (
-    .clk_i,
-    .rst_i,
-    .cfg_periods_i(Measured'(Periods)),
-    .cfg_skip_i   (SkipBits'(Skip)),
-    .cfg_shift_i  (5'(Shift)),
-    .in_valid_i   (together && !spoiled),
-    .in_ready_o   (demod_ready),
-    .in_data_i    (sample),
-    .in_user_i    (sample_user),
-    .in_start_i   (first),
-    .in_id_i      ('0),
-    .in_last_i    (1'b0),
-    .out_valid_o  (level_valid),
-    .out_ready_i  (level_ready),
-    .out_data_o   (level),
-    .out_id_o     (unused_level_id),
-    .out_last_o   (unused_level_last),
-    .out_user_o   (level_user),
-    .broken_o     (unused_broken)
+    .clk_i, .rst_i,
+    .cfg_periods_i(Measured'(Periods)), .cfg_skip_i(SkipBits'(Skip)), .cfg_shift_i(5'(Shift)),
+    .in_valid_i(together && !spoiled), .in_ready_o(demod_ready), .in_data_i(sample), .in_user_i(sample_user),
+    .in_start_i(first), .in_id_i('0), .in_last_i(1'b0),
+    .out_valid_o(level_valid), .out_ready_i(level_ready), .out_data_o(level), .out_id_o(unused_level_id),
+    .out_last_o(unused_level_last), .out_user_o(level_user),
+    .broken_o(unused_broken)
   );
 
   always_ff @(posedge clk_i) begin
@@ -207,60 +164,22 @@ module msn_scan_demod #(
   logic [31:0]           unused_slip_frame, unused_slip_dropped, unused_slip_overrun;
   logic [47:0]           unused_slip_time;
   msn_scan #(
-    .Rows(Rows),
-    .Columns(Columns),
-    .Lanes(1),
-    .Channels(Converters),
-    .Hold(Hold),
-    .Cycle(Cycle),
-    .SampleBits(SampleBits),
-    .SettleBits(SettleBits),
-    .PeriodBits(PeriodBits)
+    .Rows(Rows), .Columns(Columns), .Lanes(1), .Channels(Converters), .Hold(Hold), .Cycle(Cycle),
+    .SampleBits(SampleBits), .SettleBits(SettleBits), .PeriodBits(PeriodBits)
   ) u_scan (
-    .clk_i,
-    .rst_i,
-    .cfg_enable_i     (enable_q),
-    .cfg_settle_i,
-    .cfg_period_i,
-    .cfg_interleave_i,
-    .cfg_first_row_i,
-    .cfg_last_row_i,
-    .cfg_first_column_i,
-    .cfg_last_column_i,
-    .cfg_slip_period_i('0),
-    .cfg_slip_row_i   ('0),
-    .cfg_slip_group_i ('0),
-    .now_i,
-    .row_o,
-    .group_o,
-    .trigger_o        (place_trigger),
-    .in_valid_i       (level_valid),
-    .in_ready_o       (level_ready),
-    .in_data_i        (level),
-    .in_user_i        (level_user),
-    .in_lost_i        (burst_lost),
-    .out_valid_o,
-    .out_ready_i,
-    .out_data_o,
-    .out_id_o,
-    .out_last_o,
-    .out_user_o,
-    .out_frame_o,
-    .out_time_o,
-    .slip_valid_o     (unused_slip_valid),
-    .slip_ready_i     (1'b1),
-    .slip_data_o      (unused_slip_data),
-    .slip_id_o        (unused_slip_id),
-    .slip_last_o      (unused_slip_last),
-    .slip_user_o      (unused_slip_user),
-    .slip_frame_o     (unused_slip_frame),
-    .slip_time_o      (unused_slip_time),
-    .dropped_o,
-    .overrun_o,
-    .held_o,
-    .lost_o,
-    .slip_dropped_o   (unused_slip_dropped),
-    .slip_overrun_o   (unused_slip_overrun)
+    .clk_i, .rst_i,
+    .cfg_enable_i(enable_q), .cfg_settle_i, .cfg_period_i, .cfg_interleave_i, .cfg_first_row_i,
+    .cfg_last_row_i, .cfg_first_column_i, .cfg_last_column_i, .cfg_slip_period_i('0), .cfg_slip_row_i('0),
+    .cfg_slip_group_i('0),
+    .now_i, .row_o, .group_o, .trigger_o(place_trigger),
+    .in_valid_i(level_valid), .in_ready_o(level_ready), .in_data_i(level), .in_user_i(level_user),
+    .in_lost_i(burst_lost),
+    .out_valid_o, .out_ready_i, .out_data_o, .out_id_o, .out_last_o, .out_user_o, .out_frame_o, .out_time_o,
+    .slip_valid_o(unused_slip_valid), .slip_ready_i(1'b1), .slip_data_o(unused_slip_data),
+    .slip_id_o(unused_slip_id), .slip_last_o(unused_slip_last), .slip_user_o(unused_slip_user),
+    .slip_frame_o(unused_slip_frame), .slip_time_o(unused_slip_time),
+    .dropped_o, .overrun_o, .held_o, .lost_o,
+    .slip_dropped_o(unused_slip_dropped), .slip_overrun_o(unused_slip_overrun)
   );
 
 endmodule

@@ -98,17 +98,10 @@ module msn_tare #(
   assign done       = ending && drain == 3'd1;
 
   msn_frame_place #(.Beats(Beats)) u_place (
-    .clk_i,
-    .rst_i,
-    .accept_i (accept),
-    .in_id_i,
-    .in_last_i,
-    .place_o  (place),
-    .keep_o   (keep),
-    .last_o   (last),
-    .fits_o   (fits),
-    .whole_o  (whole),
-    .damaged_o
+    .clk_i, .rst_i,
+    .accept_i(accept),
+    .in_id_i, .in_last_i,
+    .place_o(place), .keep_o(keep), .last_o(last), .fits_o(fits), .whole_o(whole), .damaged_o
   );
 
   // What the frame is for. Averaging and loading begin between frames only.
@@ -189,17 +182,10 @@ module msn_tare #(
   logic [Lanes-1:0]  write;
   logic [IdBits-1:0] place_q, place_q2, write_place;
   msn_frame_table #(.Words(Beats), .Parts(Lanes), .PartBits(PartBits), .Banks(1)) u_state (
-    .clk_i,
-    .restart_i   (restart),
-    .bank_i      (1'b0),
-    .advance_i   (advance),
-    .out_valid_o (table_valid),
-    .out_data_o  (word),
-    .at_end_o    (unused_state_end),
-    .write_i     (write),
-    .write_bank_i(1'b0),
-    .write_word_i(write_place),
-    .write_data_i(write_data)
+    .clk_i, .restart_i(restart), .bank_i(1'b0), .advance_i(advance),
+    .out_valid_o(table_valid), .out_data_o(word),
+    .at_end_o(unused_state_end),
+    .write_i(write), .write_bank_i(1'b0), .write_word_i(write_place), .write_data_i(write_data)
   );
 
   always_ff @(posedge clk_i) begin
@@ -263,14 +249,9 @@ module msn_tare #(
     end
 
     msn_round_sat #(.InWidth(ZeroBits), .OutWidth(SampleBits), .DropBits(FractionBits)) u_round (
-      .clk_i,
-      .rst_i      (restart),
-      .in_valid_i (ahead_valid),
-      .in_ready_o (rounded_ready[k]),
-      .in_data_i  (zero_ahead),
-      .out_valid_o(rounded_valid[k]),
-      .out_ready_i(accept),
-      .out_data_o (rounded)
+      .clk_i, .rst_i(restart),
+      .in_valid_i(ahead_valid), .in_ready_o(rounded_ready[k]), .in_data_i(zero_ahead),
+      .out_valid_o(rounded_valid[k]), .out_ready_i(accept), .out_data_o(rounded)
     );
 
     assign tared = DiffBits'(signed'(in_data_i[k*SampleBits+:SampleBits])) - DiffBits'(signed'(rounded));

@@ -85,11 +85,7 @@ module msn_bridge #(
   end
 
   msn_crc32 #(.Bits(8)) u_crc (
-    .clk_i,
-    .clear_i  (delimiter || !open),
-    .step_i   (push),
-    .in_data_i(pushed),
-    .out_crc_o(crc)
+    .clk_i, .clear_i(delimiter || !open), .step_i(push), .in_data_i(pushed), .out_crc_o(crc)
   );
 
   // Access and answer.

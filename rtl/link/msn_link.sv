@@ -101,30 +101,17 @@ module msn_link #(
     logic       byte_valid, byte_error;
     logic [7:0] byte_data;
     msn_uart_rx #(.ClkHz(ClkHz), .BaudHz(BaudHz)) u_uart_rx (
-      .clk_i,
-      .rst_i,
+      .clk_i, .rst_i,
       .rx_i,
-      .out_valid_o(byte_valid),
-      .out_data_o (byte_data),
-      .error_o    (byte_error)
+      .out_valid_o(byte_valid), .out_data_o(byte_data),
+      .error_o(byte_error)
     );
     msn_bridge #(.TimeoutClocks(TimeoutClocks)) u_bridge (
-      .clk_i,
-      .rst_i,
-      .in_valid_i    (byte_valid),
-      .in_data_i     (byte_data),
-      .in_error_i    (byte_error),
-      .bus_valid_o,
-      .bus_write_o,
-      .bus_address_o,
-      .bus_data_o,
-      .bus_strobe_o,
-      .bus_done_i,
-      .bus_error_i,
+      .clk_i, .rst_i,
+      .in_valid_i(byte_valid), .in_data_i(byte_data), .in_error_i(byte_error),
+      .bus_valid_o, .bus_write_o, .bus_address_o, .bus_data_o, .bus_strobe_o, .bus_done_i, .bus_error_i,
       .bus_data_i,
-      .answer_valid_o(answer_valid),
-      .answer_ready_i(answer_ready),
-      .answer_data_o (answer),
+      .answer_valid_o(answer_valid), .answer_ready_i(answer_ready), .answer_data_o(answer),
       .rejected_o
     );
   end else begin : gen_no_registers
@@ -142,73 +129,34 @@ module msn_link #(
   logic       packet_begin, packet_valid, packet_ready, packet_last;
   logic [7:0] packet_data;
   msn_packet #(
-    .SlipDepth    (SlipDepth),
-    .Cop          (Cop),
-    .Health       (Health),
-    .Answers      (Uart && Registers),
-    .Statistics   (Statistics),
-    .StatisticBits(StatisticBits),
-    .Taxels       (Taxels),
-    .Chunk        (Chunk)
+    .SlipDepth(SlipDepth), .Cop(Cop), .Health(Health), .Answers(Uart && Registers), .Statistics(Statistics),
+    .StatisticBits(StatisticBits), .Taxels(Taxels), .Chunk(Chunk)
   ) u_packet (
-    .clk_i,
-    .rst_i,
+    .clk_i, .rst_i,
     .now_i,
-    .slip_valid_i,
-    .slip_ready_o,
-    .slip_id_i,
-    .slip_state_i,
-    .slip_p2p_i,
-    .slip_time_i,
-    .cop_valid_i,
-    .cop_x_i,
-    .cop_y_i,
-    .cop_load_i,
-    .cop_pressed_i,
-    .cop_time_i,
-    .health_valid_i,
-    .health_ready_o,
-    .health_id_i,
-    .health_faults_i,
-    .answer_valid_i(answer_valid),
-    .answer_ready_o(answer_ready),
-    .answer_data_i (answer),
+    .slip_valid_i, .slip_ready_o, .slip_id_i, .slip_state_i, .slip_p2p_i, .slip_time_i,
+    .cop_valid_i, .cop_x_i, .cop_y_i, .cop_load_i, .cop_pressed_i, .cop_time_i,
+    .health_valid_i, .health_ready_o, .health_id_i, .health_faults_i,
+    .answer_valid_i(answer_valid), .answer_ready_o(answer_ready), .answer_data_i(answer),
     .statistics_i,
-    .image_valid_i,
-    .image_data_i,
-    .image_last_i,
-    .image_time_i,
-    .out_begin_o   (packet_begin),
-    .out_valid_o   (packet_valid),
-    .out_ready_i   (packet_ready),
-    .out_data_o    (packet_data),
-    .out_last_o    (packet_last),
-    .packets_o,
-    .cop_dropped_o,
-    .image_dropped_o
+    .image_valid_i, .image_data_i, .image_last_i, .image_time_i,
+    .out_begin_o(packet_begin), .out_valid_o(packet_valid), .out_ready_i(packet_ready),
+    .out_data_o(packet_data), .out_last_o(packet_last),
+    .packets_o, .cop_dropped_o, .image_dropped_o
   );
 
   if (Uart) begin : gen_line
     logic       framed_valid, framed_ready;
     logic [7:0] framed_data;
     msn_cobs u_cobs (
-      .clk_i,
-      .rst_i,
-      .in_begin_i (packet_begin),
-      .in_valid_i (packet_valid),
-      .in_ready_o (packet_ready),
-      .in_data_i  (packet_data),
-      .in_last_i  (packet_last),
-      .out_valid_o(framed_valid),
-      .out_ready_i(framed_ready),
-      .out_data_o (framed_data)
+      .clk_i, .rst_i,
+      .in_begin_i(packet_begin), .in_valid_i(packet_valid), .in_ready_o(packet_ready),
+      .in_data_i(packet_data), .in_last_i(packet_last),
+      .out_valid_o(framed_valid), .out_ready_i(framed_ready), .out_data_o(framed_data)
     );
     msn_uart_tx #(.ClkHz(ClkHz), .BaudHz(BaudHz)) u_uart_tx (
-      .clk_i,
-      .rst_i,
-      .in_valid_i(framed_valid),
-      .in_ready_o(framed_ready),
-      .in_data_i (framed_data),
+      .clk_i, .rst_i,
+      .in_valid_i(framed_valid), .in_ready_o(framed_ready), .in_data_i(framed_data),
       .tx_o
     );
     assign {out_valid_o, out_data_o, out_last_o} = '0;

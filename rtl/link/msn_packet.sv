@@ -97,14 +97,10 @@ module msn_packet #(
   if (SlipDepth > 0) begin : gen_slip
     logic [90:0] event_data;
     msn_fifo #(.Depth(SlipDepth), .Width(91)) u_queue (
-      .clk_i,
-      .rst_i,
-      .in_valid_i (slip_valid_i),
-      .in_ready_o (slip_ready_o),
-      .in_data_i  ({slip_state_i, slip_p2p_i, slip_id_i, slip_time_i}),
-      .out_valid_o(slip_valid),
-      .out_ready_i(slip_take),
-      .out_data_o (event_data)
+      .clk_i, .rst_i,
+      .in_valid_i(slip_valid_i), .in_ready_o(slip_ready_o),
+      .in_data_i({slip_state_i, slip_p2p_i, slip_id_i, slip_time_i}),
+      .out_valid_o(slip_valid), .out_ready_i(slip_take), .out_data_o(event_data)
     );
     assign slip = {PayloadBits'(event_data[90:48]), event_data[47:0], 4'd6, 8'd1};
   end else begin : gen_no_slip
@@ -208,19 +204,12 @@ module msn_packet #(
       end
     end
     msn_image_store #(.Taxels(Taxels)) u_store (
-      .clk_i,
-      .rst_i,
-      .in_valid_i    (image_valid_i),
-      .in_data_i     (image_data_i),
-      .in_last_i     (image_last_i),
-      .in_time_i     (image_time_i),
-      .read_valid_o  (image_valid),
-      .read_time_o   (image_time),
-      .read_begun_i  (begun || image_take),
-      .read_done_i   (image_done_q),
-      .read_address_i(place),
-      .read_data_o   (taxel),
-      .dropped_o     (image_dropped_o)
+      .clk_i, .rst_i,
+      .in_valid_i(image_valid_i), .in_data_i(image_data_i), .in_last_i(image_last_i),
+      .in_time_i(image_time_i),
+      .read_valid_o(image_valid), .read_time_o(image_time), .read_begun_i(begun || image_take),
+      .read_done_i(image_done_q), .read_address_i(place), .read_data_o(taxel),
+      .dropped_o(image_dropped_o)
     );
   end else begin : gen_no_image
     assign {image_valid, image, image_end, taxel, image_dropped_o} = '0;
@@ -299,11 +288,7 @@ module msn_packet #(
   end
 
   msn_crc32 #(.Bits(8)) u_crc (
-    .clk_i,
-    .clear_i  (idle),
-    .step_i   (emit),
-    .in_data_i((state == Check) ? crc_low : next),
-    .out_crc_o(crc)
+    .clk_i, .clear_i(idle), .step_i(emit), .in_data_i((state == Check) ? crc_low : next), .out_crc_o(crc)
   );
 
 endmodule

@@ -133,11 +133,7 @@ module msn_packet_slip #(
   end
 
   msn_crc32 #(.Bits(1)) u_crc (
-    .clk_i,
-    .clear_i  (!sending),
-    .step_i   (fill),
-    .in_data_i(checksum ? crc_low : present),
-    .out_crc_o(crc)
+    .clk_i, .clear_i(!sending), .step_i(fill), .in_data_i(checksum ? crc_low : present), .out_crc_o(crc)
   );
 
 `ifndef SYNTHESIS

@@ -31,9 +31,7 @@ module msn_uart_rx #(
 
   logic rx;
   msn_sync u_sync (
-    .clk_i,
-    .in_data_i (rx_i),
-    .out_data_o(rx)
+    .clk_i, .in_data_i(rx_i), .out_data_o(rx)
   );
 
   typedef enum logic [1:0] {

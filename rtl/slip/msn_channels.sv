@@ -85,84 +85,32 @@ module msn_channels #(
   logic signed [SampleBits-1:0] sample;
   logic        [IdBits-1:0]     sample_id;
   msn_acquire #(
-    .Adc       (Adc),
-    .AdcLanes  (AdcLanes),
-    .ClkKhz    (ClkKhz),
-    .SclkKhz   (SclkKhz),
-    .PeriodBits(PeriodBits),
-    .AdcPeriod (AdcPeriod),
-    .Channels  (Channels),
-    .SampleBits(SampleBits)
+    .Adc(Adc), .AdcLanes(AdcLanes), .ClkKhz(ClkKhz), .SclkKhz(SclkKhz), .PeriodBits(PeriodBits),
+    .AdcPeriod(AdcPeriod), .Channels(Channels), .SampleBits(SampleBits)
   ) u_acquire (
-    .clk_i,
-    .rst_i,
-    .cfg_enable_i(cfg_adc_enable_i),
-    .cfg_period_i(cfg_adc_period_i),
-    .adc_cs_n_o,
-    .adc_sclk_o,
-    .adc_mosi_o,
-    .adc_miso_i,
-    .adc_convst_o,
-    .adc_busy_i,
-    .adc_reset_o,
+    .clk_i, .rst_i,
+    .cfg_enable_i(cfg_adc_enable_i), .cfg_period_i(cfg_adc_period_i),
+    .adc_cs_n_o, .adc_sclk_o, .adc_mosi_o, .adc_miso_i, .adc_convst_o, .adc_busy_i, .adc_reset_o,
     .convert_o,
-    .in_valid_i,
-    .in_ready_o,
-    .in_data_i,
-    .in_id_i,
-    .in_last_i,
-    .out_valid_o (sample_valid),
-    .out_ready_i (sample_ready),
-    .out_data_o  (sample),
-    .out_id_o    (sample_id),
-    .out_last_o  (sample_last),
-    .dropped_o,
-    .overrun_o,
-    .timeout_o,
-    .mistagged_o,
-    .over_range_o
+    .in_valid_i, .in_ready_o, .in_data_i, .in_id_i, .in_last_i,
+    .out_valid_o(sample_valid), .out_ready_i(sample_ready), .out_data_o(sample), .out_id_o(sample_id),
+    .out_last_o(sample_last),
+    .dropped_o, .overrun_o, .timeout_o, .mistagged_o, .over_range_o
   );
 
   msn_slip_path #(
-    .Channels  (Channels),
-    .SampleBits(SampleBits),
-    .Level     (Level),
-    .Window    (Window),
-    .Hop       (Hop),
-    .TimerBits (TimerBits),
-    .Mask      (Mask),
-    .Serial    (Serial)
+    .Channels(Channels), .SampleBits(SampleBits), .Level(Level), .Window(Window), .Hop(Hop),
+    .TimerBits(TimerBits), .Mask(Mask), .Serial(Serial)
   ) u_slip_path (
-    .clk_i,
-    .rst_i,
-    .cfg_threshold_i,
-    .cfg_gross_threshold_i,
-    .cfg_contact_level_i,
-    .cfg_release_level_i,
-    .cfg_contact_rises_i,
-    .cfg_hold_i,
-    .cfg_refractory_i,
-    .cfg_blank_i,
-    .cfg_keep_threshold_i,
+    .clk_i, .rst_i,
+    .cfg_threshold_i, .cfg_gross_threshold_i, .cfg_contact_level_i, .cfg_release_level_i,
+    .cfg_contact_rises_i, .cfg_hold_i, .cfg_refractory_i, .cfg_blank_i, .cfg_keep_threshold_i,
     .actuator_moving_i,
-    .in_valid_i (sample_valid),
-    .in_ready_o (sample_ready),
-    .in_data_i  (sample),
-    .in_id_i    (sample_id),
-    .in_last_i  (sample_last),
-    .in_mask_i,
-    .out_valid_o,
-    .out_ready_i,
-    .out_state_o,
-    .out_raised_o,
-    .out_over_o,
-    .out_p2p_o,
-    .out_id_o,
-    .out_last_o,
+    .in_valid_i(sample_valid), .in_ready_o(sample_ready), .in_data_i(sample), .in_id_i(sample_id),
+    .in_last_i(sample_last), .in_mask_i,
+    .out_valid_o, .out_ready_i, .out_state_o, .out_raised_o, .out_over_o, .out_p2p_o, .out_id_o, .out_last_o,
     .out_end_o,
-    .busy_o,
-    .damaged_o,
-    .blanked_o
+    .busy_o, .damaged_o, .blanked_o
   );
 
 endmodule

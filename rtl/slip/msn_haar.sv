@@ -88,19 +88,13 @@ module msn_haar #(
     logic signed [DetailBits-1:0] even_sample, odd_sample;
     if (Mask) begin : gen_masked
       msn_delay #(.Depth(Channels), .Width(Width + 1)) u_even (
-        .clk_i,
-        .rst_i,
-        .step_i    (accept),
-        .in_data_i ({mask[l], total[l][Width-1:0]}),
-        .out_data_o({even_mask, even_bits})
+        .clk_i, .rst_i,
+        .step_i(accept), .in_data_i({mask[l], total[l][Width-1:0]}), .out_data_o({even_mask, even_bits})
       );
     end else begin : gen_plain
       msn_delay #(.Depth(Channels), .Width(Width)) u_even (
-        .clk_i,
-        .rst_i,
-        .step_i    (accept),
-        .in_data_i (total[l][Width-1:0]),
-        .out_data_o(even_bits)
+        .clk_i, .rst_i,
+        .step_i(accept), .in_data_i(total[l][Width-1:0]), .out_data_o(even_bits)
       );
       assign even_mask = 1'b0;
     end

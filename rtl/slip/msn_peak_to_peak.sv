@@ -93,11 +93,8 @@ module msn_peak_to_peak #(
     assign new_high = (first || higher) ? high_in : old_high;
     assign new_low  = (first || lower) ? low_in : old_low;
     msn_delay #(.Depth(Channels), .Width(2 * DetailBits)) u_part (
-      .clk_i,
-      .rst_i,
-      .step_i    (accept),
-      .in_data_i ({new_high, new_low}),
-      .out_data_o({old_high, old_low})
+      .clk_i, .rst_i,
+      .step_i(accept), .in_data_i({new_high, new_low}), .out_data_o({old_high, old_low})
     );
 
     logic                         part_valid, part_last, part_restart;
@@ -138,23 +135,16 @@ module msn_peak_to_peak #(
       assign before_high = first ? old_high : kept_high;
       assign before_low  = first ? old_low : kept_low;
       msn_delay #(.Depth(Channels), .Width(2 * DetailBits)) u_before (
-        .clk_i,
-        .rst_i,
-        .step_i    (accept),
-        .in_data_i ({before_high, before_low}),
-        .out_data_o({kept_high, kept_low})
+        .clk_i, .rst_i,
+        .step_i(accept), .in_data_i({before_high, before_low}), .out_data_o({kept_high, kept_low})
       );
 
       logic half_higher, half_lower;
       msn_compare #(.Width(DetailBits)) u_half_higher (
-        .a_i      (half_high),
-        .b_i      (part_high),
-        .greater_o(half_higher)
+        .a_i(half_high), .b_i(part_high), .greater_o(half_higher)
       );
       msn_compare #(.Width(DetailBits)) u_half_lower (
-        .a_i      (part_low),
-        .b_i      (half_low),
-        .greater_o(half_lower)
+        .a_i(part_low), .b_i(half_low), .greater_o(half_lower)
       );
 
       always_ff @(posedge clk_i) begin
@@ -209,28 +199,17 @@ module msn_peak_to_peak #(
     for (genvar s = 0; s < Stages; s++) begin : gen_stage
       logic unused_ready;  // nothing is offered to a stage but when all move
       msn_sliding_extremes #(
-        .Channels  (Channels),
-        .DetailBits(DetailBits),
-        .Lag       ((s == 0) ? 1 : 4 ** s / (Odd + 1)),
-        .Taps      ((s == 0 && Odd == 1) ? 2 : 4),
-        .SideBits  (SideBits)
+        .Channels(Channels), .DetailBits(DetailBits), .Lag((s == 0) ? 1 : 4 ** s / (Odd + 1)),
+        .Taps((s == 0 && Odd == 1) ? 2 : 4), .SideBits(SideBits)
       ) u_extremes (
-        .clk_i,
-        .rst_i,
-        .in_valid_i   (valid[s] && in_ready_o),
-        .in_ready_o   (unused_ready),
-        .in_high_i    (signed'(high[s*DetailBits+:DetailBits])),
-        .in_low_i     (signed'(low[s*DetailBits+:DetailBits])),
-        .in_side_i    (side[s*SideBits+:SideBits]),
-        .in_last_i    (last[s]),
-        .in_restart_i (restart[s]),
-        .out_valid_o  (valid[s+1]),
-        .out_ready_i  (in_ready_o),
-        .out_high_o   (high[(s+1)*DetailBits+:DetailBits]),
-        .out_low_o    (low[(s+1)*DetailBits+:DetailBits]),
-        .out_side_o   (side[(s+1)*SideBits+:SideBits]),
-        .out_last_o   (last[s+1]),
-        .out_restart_o(restart[s+1])
+        .clk_i, .rst_i,
+        .in_valid_i(valid[s] && in_ready_o), .in_ready_o(unused_ready),
+        .in_high_i(signed'(high[s*DetailBits+:DetailBits])),
+        .in_low_i(signed'(low[s*DetailBits+:DetailBits])), .in_side_i(side[s*SideBits+:SideBits]),
+        .in_last_i(last[s]), .in_restart_i(restart[s]),
+        .out_valid_o(valid[s+1]), .out_ready_i(in_ready_o), .out_high_o(high[(s+1)*DetailBits+:DetailBits]),
+        .out_low_o(low[(s+1)*DetailBits+:DetailBits]), .out_side_o(side[(s+1)*SideBits+:SideBits]),
+        .out_last_o(last[s+1]), .out_restart_o(restart[s+1])
       );
     end
 

@@ -61,11 +61,8 @@ module msn_sliding_extremes #(
   assign low[0]  = in_low_i;
   for (genvar j = 1; j < Taps; j++) begin : gen_tap
     msn_delay #(.Depth(Channels * Lag), .Width(2 * DetailBits)) u_lag (
-      .clk_i,
-      .rst_i,
-      .step_i    (accept),
-      .in_data_i ({high[j-1], low[j-1]}),
-      .out_data_o({high[j], low[j]})
+      .clk_i, .rst_i,
+      .step_i(accept), .in_data_i({high[j-1], low[j-1]}), .out_data_o({high[j], low[j]})
     );
     assign exists[j] = frames >= CountBits'(j * Lag);
   end

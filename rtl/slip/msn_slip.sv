@@ -136,10 +136,8 @@ module msn_slip #(
   assign step = seen_valid && in_ready_o;
 
   msn_delay #(.Depth(Channels), .Width(4 + CountBits)) u_memory (
-    .clk_i,
-    .rst_i,
-    .step_i    (step),
-    .in_data_i ({next_state, next_blanking, next_timer}),
+    .clk_i, .rst_i,
+    .step_i(step), .in_data_i({next_state, next_blanking, next_timer}),
     .out_data_o({kept_state, blanking, timer})
   );
   assign state   = restart ? msn_pkg::None : kept_state;  // the timer means nothing in None

@@ -77,38 +77,15 @@ module msn_slip_path #(
     logic unused_mask;
     assign unused_mask = in_mask_i;
     msn_slip_serial #(
-      .SampleBits(SampleBits),
-      .Level     (Level),
-      .Window    (Window),
-      .TimerBits (TimerBits)
+      .SampleBits(SampleBits), .Level(Level), .Window(Window), .TimerBits(TimerBits)
     ) u_slip (
-      .clk_i,
-      .rst_i,
-      .cfg_threshold_i,
-      .cfg_gross_threshold_i,
-      .cfg_contact_level_i,
-      .cfg_release_level_i,
-      .cfg_contact_rises_i,
-      .cfg_hold_i,
-      .cfg_refractory_i,
-      .cfg_blank_i,
-      .cfg_keep_threshold_i,
+      .clk_i, .rst_i,
+      .cfg_threshold_i, .cfg_gross_threshold_i, .cfg_contact_level_i, .cfg_release_level_i,
+      .cfg_contact_rises_i, .cfg_hold_i, .cfg_refractory_i, .cfg_blank_i, .cfg_keep_threshold_i,
       .actuator_moving_i,
-      .in_valid_i,
-      .in_ready_o,
-      .in_data_i,
-      .in_id_i    (in_id_i[0]),
-      .in_last_i,
-      .out_valid_o,
-      .out_ready_i,
-      .out_state_o,
-      .out_raised_o,
-      .out_over_o,
-      .out_p2p_o,
-      .out_end_o,
-      .busy_o,
-      .damaged_o,
-      .blanked_o
+      .in_valid_i, .in_ready_o, .in_data_i, .in_id_i(in_id_i[0]), .in_last_i,
+      .out_valid_o, .out_ready_i, .out_state_o, .out_raised_o, .out_over_o, .out_p2p_o, .out_end_o,
+      .busy_o, .damaged_o, .blanked_o
     );
 
   end else begin : gen_parallel
@@ -119,19 +96,10 @@ module msn_slip_path #(
     logic haar_busy, extremes_busy, slip_busy;
     assign busy_o = whole_valid || haar_busy || extremes_busy || slip_busy;
     msn_frame_check #(.Channels(Channels), .DataBits(SampleBits + 1)) u_frame_check (
-      .clk_i,
-      .rst_i,
-      .in_valid_i,
-      .in_ready_o,
-      .in_data_i    ({Mask && in_mask_i, in_data_i}),
-      .in_id_i,
-      .in_last_i,
-      .out_valid_o  (whole_valid),
-      .out_ready_i  (whole_ready),
-      .out_data_o   ({whole_mask, whole}),
-      .out_id_o     (whole_id),
-      .out_last_o   (whole_last),
-      .out_restart_o(whole_restart),
+      .clk_i, .rst_i,
+      .in_valid_i, .in_ready_o, .in_data_i({Mask && in_mask_i, in_data_i}), .in_id_i, .in_last_i,
+      .out_valid_o(whole_valid), .out_ready_i(whole_ready), .out_data_o({whole_mask, whole}),
+      .out_id_o(whole_id), .out_last_o(whole_last), .out_restart_o(whole_restart),
       .damaged_o
     );
 
@@ -139,29 +107,15 @@ module msn_slip_path #(
     logic signed [DetailBits-1:0] detail, detail_total;
     logic        [IdBits-1:0]     detail_id;
     msn_haar #(
-      .Channels  (Channels),
-      .SampleBits(SampleBits),
-      .Level     (Level),
-      .Mask      (Mask)
+      .Channels(Channels), .SampleBits(SampleBits), .Level(Level), .Mask(Mask)
     ) u_haar (
-      .clk_i,
-      .rst_i,
-      .in_valid_i   (whole_valid),
-      .in_ready_o   (whole_ready),
-      .in_data_i    (whole),
-      .in_id_i      (whole_id),
-      .in_last_i    (whole_last),
-      .in_restart_i (whole_restart),
-      .in_mask_i    (whole_mask),
-      .out_valid_o  (detail_valid),
-      .out_ready_i  (detail_ready),
-      .out_detail_o (detail),
-      .out_total_o  (detail_total),
-      .out_id_o     (detail_id),
-      .out_last_o   (detail_last),
-      .out_restart_o(detail_restart),
-      .out_mask_o   (detail_mask),
-      .busy_o       (haar_busy)
+      .clk_i, .rst_i,
+      .in_valid_i(whole_valid), .in_ready_o(whole_ready), .in_data_i(whole), .in_id_i(whole_id),
+      .in_last_i(whole_last), .in_restart_i(whole_restart), .in_mask_i(whole_mask),
+      .out_valid_o(detail_valid), .out_ready_i(detail_ready), .out_detail_o(detail),
+      .out_total_o(detail_total), .out_id_o(detail_id), .out_last_o(detail_last),
+      .out_restart_o(detail_restart), .out_mask_o(detail_mask),
+      .busy_o(haar_busy)
     );
 
     logic                         window_valid, window_ready, window_last, window_restart, window_end;
@@ -169,72 +123,30 @@ module msn_slip_path #(
     logic signed [DetailBits-1:0] window_total;
     logic        [IdBits-1:0]     window_id;
     msn_peak_to_peak #(
-      .Channels  (Channels),
-      .DetailBits(DetailBits),
-      .Span      (Window / Group),
-      .Hop       (Hop / Group),
-      .Mask      (Mask)
+      .Channels(Channels), .DetailBits(DetailBits), .Span(Window / Group), .Hop(Hop / Group), .Mask(Mask)
     ) u_peak_to_peak (
-      .clk_i,
-      .rst_i,
-      .in_valid_i   (detail_valid),
-      .in_ready_o   (detail_ready),
-      .in_detail_i  (detail),
-      .in_total_i   (detail_total),
-      .in_id_i      (detail_id),
-      .in_last_i    (detail_last),
-      .in_restart_i (detail_restart),
-      .in_mask_i    (detail_mask),
-      .out_valid_o  (window_valid),
-      .out_ready_i  (window_ready),
-      .out_p2p_o    (window_p2p),
-      .out_total_o  (window_total),
-      .out_id_o     (window_id),
-      .out_last_o   (window_last),
-      .out_restart_o(window_restart),
-      .out_mask_o   (window_mask),
-      .out_end_o    (window_end),
-      .busy_o       (extremes_busy)
+      .clk_i, .rst_i,
+      .in_valid_i(detail_valid), .in_ready_o(detail_ready), .in_detail_i(detail), .in_total_i(detail_total),
+      .in_id_i(detail_id), .in_last_i(detail_last), .in_restart_i(detail_restart), .in_mask_i(detail_mask),
+      .out_valid_o(window_valid), .out_ready_i(window_ready), .out_p2p_o(window_p2p),
+      .out_total_o(window_total), .out_id_o(window_id), .out_last_o(window_last),
+      .out_restart_o(window_restart), .out_mask_o(window_mask), .out_end_o(window_end),
+      .busy_o(extremes_busy)
     );
 
     msn_slip #(
-      .Channels  (Channels),
-      .DetailBits(DetailBits),
-      .TimerBits (TimerBits),
-      .Mask      (Mask)
+      .Channels(Channels), .DetailBits(DetailBits), .TimerBits(TimerBits), .Mask(Mask)
     ) u_slip (
-      .clk_i,
-      .rst_i,
-      .cfg_threshold_i,
-      .cfg_gross_threshold_i,
-      .cfg_contact_level_i,
-      .cfg_release_level_i,
-      .cfg_contact_rises_i,
-      .cfg_hold_i,
-      .cfg_refractory_i,
-      .cfg_blank_i,
-      .cfg_keep_threshold_i,
+      .clk_i, .rst_i,
+      .cfg_threshold_i, .cfg_gross_threshold_i, .cfg_contact_level_i, .cfg_release_level_i,
+      .cfg_contact_rises_i, .cfg_hold_i, .cfg_refractory_i, .cfg_blank_i, .cfg_keep_threshold_i,
       .actuator_moving_i,
-      .in_valid_i  (window_valid),
-      .in_ready_o  (window_ready),
-      .in_p2p_i    (window_p2p),
-      .in_total_i  (window_total),
-      .in_id_i     (window_id),
-      .in_last_i   (window_last),
-      .in_restart_i(window_restart),
-      .in_mask_i   (window_mask),
-      .in_end_i    (window_end),
-      .out_valid_o,
-      .out_ready_i,
-      .out_state_o,
-      .out_raised_o,
-      .out_over_o,
-      .out_p2p_o,
-      .out_id_o,
-      .out_last_o,
-      .out_end_o,
-      .busy_o       (slip_busy),
-      .blanked_o
+      .in_valid_i(window_valid), .in_ready_o(window_ready), .in_p2p_i(window_p2p), .in_total_i(window_total),
+      .in_id_i(window_id), .in_last_i(window_last), .in_restart_i(window_restart), .in_mask_i(window_mask),
+      .in_end_i(window_end),
+      .out_valid_o, .out_ready_i, .out_state_o, .out_raised_o, .out_over_o, .out_p2p_o, .out_id_o,
+      .out_last_o, .out_end_o,
+      .busy_o(slip_busy), .blanked_o
     );
   end
 

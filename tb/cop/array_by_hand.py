@@ -32,7 +32,7 @@ class Stream:
             if port._name.startswith(("cfg_", "in_", "adc_")) and "_i" in port._name
         }
         given |= {f"cfg_{name}_i": value for name, value in (LIMITS | {"min_load": 1, "gain": 4096}).items()}
-        given |= {"now_i": 0, "busy_i": 0, "tap_ready_i": 1, "slip_ready_i": 1, "event_ready_i": 1}
+        given |= {"now_i": 0, "busy_i": 0, "tap_ready_i": 1, "event_ready_i": 1}
         await bench.start(dut, **given)
         dut.out_ready_i.value = 1
         dut.cfg_write_i.value = 0xFF

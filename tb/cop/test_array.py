@@ -6,8 +6,8 @@ behind an AD7606; 3×16 behind eight MCP3208 and 64×64 behind eight AD7606, who
 model, so all eight give the same codes). Gains differ from taxel to taxel, zeros are found by a tare of the
 first frames, then something presses and moves. Every result is, bit for bit, the twin's of the very codes at
 the pins; every latency is the twin's, which is what `meissner budget` prints; each stands below 1 ms where
-the array's converters allow it. Slip rounds by themselves; the smallest array's forces on its tap, its
-faults, what its counters count.
+the array's converters allow it. The smallest array's forces on its tap, its faults, what its counters
+count.
 """
 
 import cocotb
@@ -201,16 +201,13 @@ async def begin(dut, limits=None, load=True):
         "settle": SETTLE,
         "period": 0,
         "interleave": 0,
-        "slip_period": 0,
-        "slip_row": 0,
-        "slip_group": 0,
     }
     settings |= {"enable": 0, "clear": 0, "report": 0, "contact": twin.tare.contact, "step": twin.tare.step}
     settings |= {"tare": 0, "force": 0, "load": 0, "zero_write": 0, "zero_word": 0, "zero": 0}
     settings |= {"write": 0, "write_row": 0, "word": 0, "offset": OFFSET, "gain": 0, "swap": 0, "min_load": 1}
     inputs = {f"cfg_{name}_i": value for name, value in settings.items()}
     inputs |= {"cfg_pending_i": 0, "busy_i": 0, "tap_ready_i": 1, "in_valid_i": 0}
-    await bench.start(dut, now_i=0, slip_ready_i=1, event_ready_i=1, adc_miso_i=0, adc_busy_i=0, **inputs)
+    await bench.start(dut, now_i=0, event_ready_i=1, adc_miso_i=0, adc_busy_i=0, **inputs)
 
     scan = twin.scan
     bits = scan.part.data_bits
@@ -341,8 +338,6 @@ async def counts_over_the_whole_width(dut):
         "overrun_o",
         "held_o",
         "lost_o",
-        "slip_dropped_o",
-        "slip_overrun_o",
         "swallowed_o",
         "damaged_o",
     ]
@@ -351,7 +346,7 @@ async def counts_over_the_whole_width(dut):
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def rests_in_reset_whatever_comes(dut):
-    await bench.inputs_in_reset(dut, "row_o", "convert_o", "slip_valid_o", "event_valid_o", "out_valid_o")
+    await bench.inputs_in_reset(dut, "row_o", "convert_o", "event_valid_o", "out_valid_o")
 
 
 @cocotb.test(timeout_time=100, timeout_unit="ms")
@@ -470,57 +465,6 @@ async def the_lines_settle_as_long_as_asked(dut, settle):
         clocks += 1
     assert clocks == settle
     await bench.clocks(dut, 4000)  # until the converter rests
-
-
-@bench.applies(lambda dut: not number(dut, "Demod"))
-@cocotb.test(timeout_time=20, timeout_unit="ms")
-async def slip_rounds_by_themselves_go_their_own_way(dut):
-    """So close that no frame finds a place between them: each with its number and its time.
-
-    Not closer: a round that is due as soon as the one before is done keeps a scan from being turned off.
-    """
-    twin, matrix, _ = await begin(dut, load=False)
-    scan, plan = twin.scan, twin.scan.scan
-    slot, rng = plan.slot(SETTLE), np.random.default_rng(bench.SEED)
-    row, group = scan.rows - 1, plan.groups - 1
-    low, high = (-32768, 32767) if scan.part.signed else (0, 4095)
-    dut.cfg_slip_row_i.value, dut.cfg_slip_group_i.value, dut.cfg_slip_period_i.value = row, group, slot + 1
-    dut.cfg_enable_i.value = 1
-    beats, starts, clock = [], [], 0
-    fields = ("data", "id", "last", "user", "frame", "time")
-    while len(starts) < 24:
-        dut.now_i.value = bench.time(clock)
-        await ReadOnly()
-        if dut.convert_o.value == 1:
-            starts.append(clock)
-            matrix.zero = rng.integers(low, high + 1, matrix.zero.shape)
-            matrix.zero[-1] = matrix.zero[-1] if len(starts) % 3 else high
-        if dut.slip_valid_o.value == 1:
-            beats.append(tuple(bench.read(getattr(dut, f"slip_{name}_o")) for name in fields))
-        await RisingEdge(dut.clk_i)
-        clock += 1
-    expected = []
-    for place, (_, at_row, at_group, _, code) in enumerate(matrix.taken):
-        assert (at_row, at_group) == (row, group)
-        data, over = scan.adc.samples(np.full(scan.lanes, code))
-        frame, channel = divmod(place, scan.channels)
-        data = bench.lane_word(data, number(dut, "SampleBits"))
-        last = int(channel == scan.channels - 1)
-        over = bench.lane_word(over, 1)
-        expected.append((data, channel, last, over, frame, bench.time(starts[frame])))
-    assert len(beats) > 22 * scan.channels and beats == expected[: len(beats)]
-    assert set(np.diff(starts)) == {slot + 1}
-    counters = ("slip_dropped", "slip_overrun", "dropped", "overrun", "held", "lost")
-    assert [bench.read(getattr(dut, f"{name}_o")) for name in counters] == [0] * 6
-
-    dut.slip_ready_i.value = 0
-    await bench.clocks(dut, 4 * slot)
-    dut.cfg_enable_i.value = 0
-    await bench.clocks(dut, 4 * slot)
-    dut.cfg_slip_period_i.value, dut.slip_ready_i.value, dut.cfg_enable_i.value = slot - 1, 1, 1
-    await bench.clocks(dut, 6 * slot)
-    assert bench.read(dut.slip_dropped_o) > 1 and bench.read(dut.slip_overrun_o) > 1
-    assert [bench.read(getattr(dut, f"{name}_o")) for name in counters[2:]] == [0] * 4
 
 
 @bench.applies(lambda dut: PARTS[number(dut, "Part")] is AD7606, long=True)

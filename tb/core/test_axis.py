@@ -28,6 +28,7 @@ from meissner.link import packet as p
 from meissner.link.cobs import encode
 from meissner.link.decoder import Decoder
 from meissner.link.registers import RESET_BITS, reset_word
+from meissner.sensor.sensor_array import from_reset
 from meissner.slip.config import SlipConfig
 from meissner.world.adc import Adc
 from meissner.world.mesh import Mesh
@@ -116,7 +117,7 @@ def array_twin(dut):
     tare = {"tare_log2": TARE_LOG2, "contact": CONTACT, "step": STEP} if number(dut, "Tare") else None
     limits = LIMITS if number(dut, "Health") else None
     kinds = {"row_column": bool(number(dut, "RowColumn")), "gain_shift": number(dut, "GainShift")}
-    twin = core.array_from_reset(size, GAIN, limits, tare, **kinds)
+    twin = from_reset(size, GAIN, limits, tare, **kinds)
     return twin, size
 
 

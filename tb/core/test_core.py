@@ -80,26 +80,30 @@ ASIDE = {"array": {"SlipDepth": 2}, "electrodes": {"SlipDepth": 2, "Uart": 0}}
 # The blocks inside, and where they are.
 INSIDE = {
     "registers": "u_registers",
-    "link": "gen_link.u_link",
-    "flags": "gen_flags.u_flags",
-    "flagged": "gen_flags",
-    "slip": "gen_slip.u_slip_path",
-    "moving": "gen_slip.u_moving",
-    "skid": "gen_slip.gen_skid.u_skid",
-    "array": "gen_array.u_array",
-    "preset": "gen_array.u_preset",
-    "report": "gen_array.u_health_report",
-    "narrow": "gen_array.u_narrow",
-    "acquire": "gen_channels.u_acquire",
-    "gate": "gen_channels.gen_gate.u_frame_gate",
-    "time": "gen_channels.gen_gate.gen_convert_time.u_convert_time",
-    "owed": "gen_channels.gen_gate.gen_owed.u_owed",
-    "electrodes": "gen_channels.gen_cop4.u_electrodes",
-    "cop4": "gen_channels.gen_cop4.u_cop4",
-    "cop_slip": "gen_channels.gen_cop4.gen_cop_slip.u_cop_slip",
-    "sender": "gen_slip_only.u_packet_slip",
-    "cobs": "gen_slip_only.u_cobs",
-    "uart": "gen_slip_only.u_uart_tx",
+    "link": "u_link.gen_link.u_link",
+    "chain": "u_slip",
+    "flags": "u_slip.u_flags",
+    "slip": "u_slip.gen_slip.u_slip_path",
+    "moving": "u_slip.gen_slip.u_moving",
+    "skid": "u_slip.gen_slip.gen_skid.u_skid",
+    "array": "gen_array.u_sensor.u_array",
+    "preset": "gen_array.u_sensor.u_preset",
+    "report": "gen_array.u_sensor.u_health_report",
+    "narrow": "gen_array.u_sensor.u_narrow",
+    "owed": "gen_cop4.u_sensor.u_owed",
+    "electrodes": "gen_cop4.u_sensor.u_electrodes",
+    "cop4": "gen_cop4.u_sensor.u_cop4",
+    "cop_slip": "gen_cop4.u_sensor.gen_cop_slip.u_cop_slip",
+    "sender": "u_link.gen_slip_only.u_link.u_packet_slip",
+    "cobs": "u_link.gen_slip_only.u_link.u_cobs",
+    "uart": "u_link.gen_slip_only.u_link.u_uart_tx",
+}
+PINS = {"channels": "gen_channels.u_sensor", "electrodes": "gen_cop4.u_sensor.u_channels"}
+PINS["smallest"] = PINS["channels"]
+AT_PINS = {
+    "acquire": "u_acquire",
+    "gate": "gen_gate.u_frame_gate",
+    "time": "gen_gate.gen_convert_time.u_convert_time",
 }
 PARTS = {  # whose wires a core has
     "array": ("array", "slip", "events", "flags", "link"),
@@ -115,6 +119,11 @@ IS = {  # rows, columns, groups of registers
 ADDRESS = {
     f"{group.name}.{register.name}": register.address for group in GROUPS for register in group.registers
 }
+
+
+def inside(name):
+    """Where the blocks of a case are: {short name: path}."""
+    return INSIDE | {block: f"{PINS[name]}.{path}" for block, path in AT_PINS.items() if name in PINS}
 
 
 class Strong(Config):
@@ -329,7 +338,7 @@ async def begin(dut, name, build):
 async def counts_over_the_whole_width(dut):
     """The time, from its greatest value; and both ends of every wire, with registers at ones, then reset."""
     name, _ = case_of(dut)
-    ends, draw = Ends(dut, INSIDE, PARTS[name]), random.Random(bench.SEED)
+    ends, draw = Ends(dut, inside(name), PARTS[name]), random.Random(bench.SEED)
     inputs = [port for port in dut if port._name.endswith("_i") and port._name not in ("clk_i", "rst_i")]
     for port in (*inputs, dut.rst_i):
         port.value = 0
@@ -363,7 +372,7 @@ def watch_wires(dut, name, *strobes):
 
     And for a while, clock by clock, when an event comes or no other has room: what is under way then waits.
     """
-    ends = Ends(dut, INSIDE, PARTS[name])
+    ends = Ends(dut, inside(name), PARTS[name])
 
     async def watch(edge, times, span):
         for _ in range(times):
@@ -484,7 +493,7 @@ async def every_bit_of_every_setting_is_kept(dut):
     Between them, the two cores have all groups of settings. Conversions stop with the first ones."""
     name, build = case_of(dut)
     host, *_ = await begin(dut, name, build)
-    watch_wires(dut, name, *(f"registers.{group}_pending_o" for group in ("slip", "cop", "cop4", "cop_slip")))
+    watch_wires(dut, name, "registers.pending_o")
     (features,) = await read(host, "core.features", rest=8 * 700)
     present = [group.name for place, group in enumerate(GROUPS[1:]) if features >> place & 1]
     twin = Registers(
@@ -493,7 +502,7 @@ async def every_bit_of_every_setting_is_kept(dut):
         # 17 bits and the level's of a detail; 16 bits of a load and those that number the taxels.
         {"array": {"detail": 18, "load": 21}, "electrodes": {"detail": 18, "load": 18}}[name],
     )
-    ends = Ends(dut, INSIDE, ())
+    ends = Ends(dut, inside(name), ())
 
     def arrived():
         for group, register, field in all_settings():
@@ -703,14 +712,14 @@ async def every_bit_of_a_counter_reaches_its_register(dut):
     host, *_ = await begin(dut, name, build)
     await write(host, {"scan.enable" if name == "array" else "adc.enable": 0}, rest=8 * 700)
     await bench.clocks(dut, 8000)
-    path = dut.gen_slip.u_slip_path.gen_parallel
+    path = dut.u_slip.gen_slip.u_slip_path.gen_parallel
     sources = {
         "slip.damaged": path.u_frame_check.damaged_o,
         "slip.blanked": path.u_slip.blanked_o,
-        "link.rejected": dut.gen_link.u_link.gen_registers.u_bridge.rejected_o,
+        "link.rejected": dut.u_link.gen_link.u_link.gen_registers.u_bridge.rejected_o,
     }
     if name == "array":
-        array, packet = dut.gen_array.u_array, dut.gen_link.u_link.u_packet
+        array, packet = dut.gen_array.u_sensor.u_array, dut.u_link.gen_link.u_link.u_packet
         scan = array.gen_scan_adc.u_scan_adc.u_scan
         sources |= {"scan.dropped": scan.u_frames.dropped_o, "scan.overrun": scan.u_plan.overrun_o}
         sources |= {"scan.held": scan.u_plan.held_o, "scan.lost": scan.lost_o}
@@ -720,7 +729,7 @@ async def every_bit_of_a_counter_reaches_its_register(dut):
         sources["link.cop_dropped"] = packet.cop_dropped_o
         sources["link.image_dropped"] = packet.gen_image.u_store.dropped_o
     else:
-        spi = dut.gen_channels.u_acquire.gen_adc.u_adc_spi
+        spi = dut.gen_channels.u_sensor.u_acquire.gen_adc.u_adc_spi
         kinds = ("dropped", "overrun", "timeout", "mistagged", "over_range")
         sources |= {f"adc.{kind}": getattr(spi, f"{kind}_o") for kind in kinds}
     for turn in (0, 1, 0):

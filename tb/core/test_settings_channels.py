@@ -224,12 +224,12 @@ async def each_counter_has_its_own_register_and_statistic(dut):
     """Every bit, of values put where they are counted."""
     core = await Core().begin(dut)
     await pins.says_what_it_is(core.host, "adc slip link", 1, CHANNELS)
-    spi, path = dut.gen_channels.u_acquire.gen_adc.u_adc_spi, dut.gen_slip.u_slip_path
+    spi, path = dut.gen_channels.u_sensor.u_acquire.gen_adc.u_adc_spi, dut.u_slip.gen_slip.u_slip_path
     names = ("dropped", "overrun", "timeout", "mistagged", "over_range")
     sources = {f"adc.{name}": getattr(spi, f"{name}_o") for name in names}
     sources["slip.damaged"] = path.gen_parallel.u_frame_check.damaged_o
     sources["slip.blanked"] = path.gen_parallel.u_slip.blanked_o
-    sources["link.rejected"] = dut.gen_link.u_link.gen_registers.u_bridge.rejected_o
+    sources["link.rejected"] = dut.u_link.gen_link.u_link.gen_registers.u_bridge.rejected_o
     places = {"adc.dropped": 0, "adc.overrun": 1, "adc.timeout": 2, "slip.damaged": 3, "slip.blanked": 4}
     await pins.counters_are_their_own(core.host, sources, places | {"link.rejected": 7})
 

@@ -240,12 +240,12 @@ async def each_counter_has_its_own_register_and_statistic(dut):
     core = await Core().begin(dut)
     await pins.says_what_it_is(core.host, "adc cop4 cop_slip link", 1, 4)
     await bench.clocks(dut, 40)
-    spi = dut.gen_channels.u_acquire.gen_adc.u_adc_spi
+    spi = dut.gen_cop4.u_sensor.u_channels.u_acquire.gen_adc.u_adc_spi
     sources = {
         **{f"adc.{name}": getattr(spi, f"{name}_o") for name in ("dropped", "overrun", "timeout")},
         **{f"adc.{name}": getattr(spi, f"{name}_o") for name in ("mistagged", "over_range")},
-        "cop_damaged": dut.gen_channels.gen_cop4.u_electrodes.damaged_o,
-        "link.cop_dropped": dut.gen_link.u_link.u_packet.cop_dropped_o,
+        "cop_damaged": dut.gen_cop4.u_sensor.u_electrodes.damaged_o,
+        "link.cop_dropped": dut.u_link.gen_link.u_link.u_packet.cop_dropped_o,
     }
     await pins.counters_are_their_own(
         core.host,

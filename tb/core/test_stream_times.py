@@ -19,6 +19,7 @@ from meissner.link import packet as p
 from meissner.link.cobs import encode
 from meissner.link.decoder import Decoder
 from meissner.link.registers import RESET_BITS, reset_word
+from meissner.sensor.sensor_array import from_reset
 from meissner.slip.config import SlipConfig
 
 GAIN = 700
@@ -126,7 +127,7 @@ def twin_of(dut):
     tare = {"tare_log2": 1, "contact": 50, "step": 3} if number(dut, "Tare") else None
     limits = core.Limits() if number(dut, "Health") else None
     kinds = {"row_column": bool(number(dut, "RowColumn")), "gain_shift": number(dut, "GainShift")}
-    return core.array_from_reset(Size, GAIN, limits, tare, **kinds)
+    return from_reset(Size, GAIN, limits, tare, **kinds)
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")

@@ -1,14 +1,19 @@
 """What joins the blocks inside msn_core, as tb/core/test_core.py sees it: ends are "<block>.<port>", by the
-short names that the test gives its blocks, or a port of the core itself; "[high:low]" of it."""
+short names that the test gives its blocks, or a port of the core itself; "[high:low]" of it. "cfg.<setting>"
+and "status.<name>" are members of what registers give and get."""
+
+import members
+
+STRUCTS = {members.CFG: "registers.cfg_o", members.STATUS: "registers.status_i"}
 
 # By a block that such wires need: from, to, and what stands for {} in both. "~": signed, and widened.
 WIRES = {
     "array": [
         ("preset.out_{}_o", "array.cfg_{}_i", "write write_row word offset gain swap"),
-        ("registers.calibrate_{}_o", "preset.in_{}_i", "swap gain"),
-        ("~registers.calibrate_offset_o", "preset.in_offset_i"),
-        ("registers.calibrate_word_o[4:0]", "preset.in_word_i"),
-        ("registers.health_{}_o", "array.cfg_{}_i", "clear report"),
+        ("cfg.calibrate_{}", "preset.in_{}_i", "swap gain"),
+        ("~cfg.calibrate_offset", "preset.in_offset_i"),
+        ("cfg.calibrate_word[4:0]", "preset.in_word_i"),
+        ("cfg.health_{}", "array.cfg_{}_i", "clear report"),
         ("array.event_{}_o", "report.in_{}_i", "valid id dead railed blinking"),
         ("report.in_ready_o", "array.event_ready_i"),
         ("report.out_{}_o", "link.health_{}_i", "valid id faults"),
@@ -35,19 +40,19 @@ WIRES = {
         ("array.out_{}_o", "link.cop_{}_i", "valid load pressed"),
         ("array.time_o", "link.{}_time_i", "slip cop image"),
         ("now", "array.now_i"),
-        ("array.commit_o", "registers.{}_commit_i", "slip cop"),
-        ("array.{}_o", "registers.scan_{}_i", "dropped overrun held lost"),
-        ("array.{}_o", "registers.health_{}_i", "dead railed blinking"),
-        ("array.{}_o", "registers.tare_{}_i", "tared refused swallowed"),
-        ("array.{}_o", "registers.tare_state_{}_i", "pressed taring"),
-        ("array.cfg_loading_o", "registers.tare_state_loading_i"),
-        ("array.cfg_swapping_o", "registers.calibrate_swapping_i"),
-        ("array.damaged_o", "registers.cop_damaged_i"),
+        ("array.commit_o", "registers.commit_i"),
+        ("array.{}_o", "status.scan_{}", "dropped overrun held lost"),
+        ("array.{}_o", "status.health_{}", "dead railed blinking"),
+        ("array.{}_o", "status.tare_{}", "tared refused swallowed"),
+        ("array.{}_o", "status.tare_state_{}", "pressed taring"),
+        ("array.cfg_loading_o", "status.tare_state_loading"),
+        ("array.cfg_swapping_o", "status.calibrate_swapping"),
+        ("array.damaged_o", "status.cop_damaged"),
         ("array.adc_{}_o", "adc_{}_o", "cs_n sclk mosi convst reset"),
         ("array.{}_o", "{}_o", "row group"),
     ],
     "acquire": [
-        ("acquire.{}_o", "registers.adc_{}_i", "dropped overrun timeout mistagged over_range"),
+        ("acquire.{}_o", "status.adc_{}", "dropped overrun timeout mistagged over_range"),
         ("acquire.adc_{}_o", "adc_{}_o", "cs_n sclk mosi convst reset"),
     ],
     "gate": [
@@ -70,12 +75,12 @@ WIRES = {
         ("~cop4.out_{}_o", "link.cop_{}_i", "x y"),
         ("cop4.out_{}_o", "link.cop_{}_i", "load pressed"),
         ("cop_slip.out_octant_o", "link.slip_p2p_i"),
-        ("gate.commit_o", "registers.{}_commit_i", "cop4 cop_slip"),
+        ("gate.commit_o", "registers.commit_i"),
         ("gate.out_first_o", "owed.first_i"),
         ("owed.busy_o", "gate.busy_i"),
     ],
     "slip": [
-        ("slip.{}_o", "registers.slip_{}_i", "damaged blanked"),
+        ("slip.{}_o", "status.slip_{}", "damaged blanked"),
         ("slip.out_{}_o", "flags.in_{}_i", "state last"),
         ("actuator_moving_i", "moving.in_data_i"),
         ("moving.out_data_o", "slip.actuator_moving_i"),
@@ -84,13 +89,13 @@ WIRES = {
         ("gate.out_valid_o", "slip.in_valid_i"),
         ("slip.in_ready_o", "gate.out_ready_i"),
         ("acquire.out_{}_o", "slip.in_{}_i", "data id last"),
-        ("gate.commit_o", "registers.slip_commit_i"),
+        ("gate.commit_o", "registers.commit_i"),
     ],
     "events": [("slip.out_{}_o", "link.slip_{}_i", "id state p2p")],
     "link": [
         ("link.bus_{}_o", "registers.bus_{}_i", "valid write address data strobe"),
         ("registers.bus_{}_o", "link.bus_{}_i", "done error data"),
-        ("link.{}_o", "registers.link_{}_i", "packets cop_dropped image_dropped rejected"),
+        ("link.{}_o", "status.link_{}", "packets cop_dropped image_dropped rejected"),
         ("now", "link.now_i"),
         ("bus_{}_i", "link.host_{}_i", "valid write address data strobe"),
         ("link.host_{}_o", "bus_{}_o", "done error data"),
@@ -116,41 +121,33 @@ WIRES = {
 }
 
 
-def _pending(v):
-    return any(v(f"registers.{name}_pending_o") for name in ("slip", "cop", "cop4", "cop_slip"))
-
-
 # What is more than a wire, of one lane, 3 rows and 7 columns: where it goes to, and what of the values ``v``
 # of other ends.
 GLUE = {
     "array": {
-        "array.cfg_pending_i": _pending,
+        "array.cfg_pending_i": lambda v: v("registers.pending_o"),
         "array.busy_i": lambda v: v("skid.out_valid_o") or v("slip.busy_o"),
         "array.cfg_tare_i": lambda v: (
-            v("registers.tare_average_o") or (v("registers.tare_at_start_o") and v("preset.done_o"))
+            v("cfg.tare_average") or (v("cfg.tare_at_start") and v("preset.done_o"))
         ),
-        "array.cfg_force_i": lambda v: v("registers.tare_force_o") or v("preset.done_o"),
+        "array.cfg_force_i": lambda v: v("cfg.tare_force") or v("preset.done_o"),
         "array.cfg_zero_write_i": lambda v: (
-            v("registers.tare_write_written_o")
-            and v("registers.tare_write_o[0:0]")
-            and v("registers.tare_word_o") < 21
+            v("cfg.tare_write_written") and v("cfg.tare_write[0:0]") and v("cfg.tare_word") < 21
         ),
         "preset.in_write_i": lambda v: (
-            v("registers.calibrate_write_written_o")
-            and not v("registers.calibrate_write_row_o")
-            and v("registers.calibrate_write_lanes_o[0:0]")
-            and v("registers.calibrate_word_o") < 21
+            v("cfg.calibrate_write_written")
+            and not v("cfg.calibrate_write_row")
+            and v("cfg.calibrate_write_lanes[0:0]")
+            and v("cfg.calibrate_word") < 21
         ),
         "preset.in_write_row_i": lambda v: (
-            v("registers.calibrate_write_written_o")
-            and v("registers.calibrate_write_row_o")
-            and v("registers.calibrate_word_o") < 3
+            v("cfg.calibrate_write_written") and v("cfg.calibrate_write_row") and v("cfg.calibrate_word") < 3
         ),
         "link.image_valid_i": lambda v: (
-            v("registers.link_images_o") and v("narrow.out_valid_o") and v("skid.in_ready_o")
+            v("cfg.link_images") and v("narrow.out_valid_o") and v("skid.in_ready_o")
         ),
     },
-    "gate": {"gate.pending_i": lambda v: v("gate.out_valid_o") or _pending(v)},
+    "gate": {"gate.pending_i": lambda v: v("gate.out_valid_o") or v("registers.pending_o")},
     "channels": {"gate.busy_i": lambda v: v("slip.in_valid_i") or v("slip.busy_o")},
     "electrodes": {
         "owed.taken_i": lambda v: v("gate.out_valid_o") and v("gate.out_ready_i"),
@@ -163,7 +160,7 @@ GLUE = {
         "link.slip_state_i": lambda v: 2 if v("cop_slip.out_slip_o") else 1,
         "link.slip_id_i": lambda v: 0xFFFF,
         "link.cop_valid_i": lambda v: v("cop4.out_valid_o") and v("cop_slip.in_ready_o"),
-        "flags.in_valid_i": lambda v: v("cop_slip.out_valid_o") and not v("flagged.offered"),
+        "flags.in_valid_i": lambda v: v("cop_slip.out_valid_o") and not v("chain.offered"),
         "flags.in_state_i": lambda v: 2 if v("cop_slip.out_slip_o") else 1,
         "flags.in_last_i": lambda v: 1,
     },
@@ -171,7 +168,7 @@ GLUE = {
         "slip.out_ready_i": lambda v: not v("slip.out_raised_o") or v("link.slip_ready_o"),
         "link.slip_valid_i": lambda v: v("slip.out_valid_o") and v("slip.out_raised_o"),
     },
-    "slip": {"flags.in_valid_i": lambda v: v("slip.out_valid_o") and not v("flagged.offered")},
+    "slip": {"flags.in_valid_i": lambda v: v("slip.out_valid_o") and not v("chain.offered")},
 }
 
 # A setting arrives at cfg_<its name>_i of its group's block, but these, elsewhere or as glue says.
@@ -208,7 +205,7 @@ class Ends:
     """The values at the ends of wires in ``dut``. ``inside``: short name of a block -> where it is."""
 
     def __init__(self, dut, inside, parts):
-        self.dut, self.inside, self.handles = dut, inside, {}
+        self.dut, self.inside, self.handles, self.places = dut, inside, {}, {}
         self.wires = list(joins(parts))
         self.glue = [pair for part in parts for pair in GLUE.get(part, {}).items()]
 
@@ -218,36 +215,45 @@ class Ends:
         return any(block in (a.partition(".")[0], b.partition(".")[0]) for a, b, _ in self.wires)
 
     def handle(self, end):
-        """The signal of an end, without its bits."""
+        """The signal of an end, without its bits; of a setting or a status the whole struct."""
         if end not in self.handles:
-            block, _, port = end.rpartition(".")
+            kind = end.partition(".")[0]
+            block, _, port = STRUCTS.get(kind, end).rpartition(".")
             found = self.dut
             for name in [*(self.inside[block].split(".") if block else ()), port]:
                 found = getattr(found, name)
             self.handles[end] = found
         return self.handles[end]
 
-    def width(self, end):
+    def place(self, end):
+        """(lowest bit, bits) of an end in its signal."""
         name, _, bits = end.partition("[")
-        high, low = map(int, bits[:-1].split(":")) if bits else (len(self.handle(name)) - 1, 0)
-        return high - low + 1
+        kind, _, member = name.partition(".")
+        low, width = members.PLACES[kind][member] if kind in STRUCTS else (0, len(self.handle(name)))
+        if bits:
+            high, lowest = map(int, bits[:-1].split(":"))
+            low, width = low + lowest, high - lowest + 1
+        return low, width
+
+    def width(self, end):
+        return self.place(end)[1]
 
     def __call__(self, end):
         """What is on it, unsigned."""
-        name, _, bits = end.partition("[")
-        value = int(self.handle(name).value)
-        if bits:
-            high, low = map(int, bits[:-1].split(":"))
-            value = value >> low & (1 << high - low + 1) - 1
-        return value
+        if end not in self.places:
+            self.places[end] = self.handle(end.partition("[")[0]), *self.place(end)
+        signal, low, width = self.places[end]
+        return int(signal.value) >> low & (1 << width) - 1
 
     def check(self):
-        """All ends agree, now."""
+        """All ends agree, now. Of a setting the bits that the block has: registers hold it at their ends."""
         for source, sink, widened in self.wires:
             sent, got = self(source), self(sink)
             if widened:
                 top = 1 << self.width(source) - 1
-                sent = ((sent ^ top) - top) & (1 << self.width(sink)) - 1
+                sent = (sent ^ top) - top
+            if widened or source.startswith("cfg."):
+                sent &= (1 << self.width(sink)) - 1
             assert got == sent, f"{sink} is {got:x}, but {source} {sent:x}"
         for sink, of in self.glue:
             assert self(sink) == of(self), f"{sink} is {self(sink):x}, not {of(self):x}"

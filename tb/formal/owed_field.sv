@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // A field of the registers that the host sets: a write to its word changes the bits of the bytes that are written,
-// nothing else does but reset. held_i: what was written, which the core has at once, as port_i, or with Waits after
+// nothing else does but reset. held_i: what was written, which the core has at once, as member_i, or with Waits after
 // commit_i. A build that has Bits bits for it gives the core the number nearest to what was written, fit_o, that
 // those can hold. Each clock against the one before: solvers find that far easier than a second copy of every field.
 
@@ -22,7 +22,7 @@ module owed_field #(
   input  logic [31:0]      data_i,
   input  logic [31:0]      mask_i,
   input  logic             commit_i,
-  input  logic [Bits-1:0]  port_i,
+  input  logic [Width-1:0] member_i,
   input  logic [Width-1:0] held_i,
   output logic [Width-1:0] fit_o,
   output logic             written_o  // in this clock
@@ -44,15 +44,15 @@ module owed_field #(
   always_ff @(posedge clk_i) begin
     started <= 1'b1;
     held    <= held_i;
-    shown   <= Signed ? Width'(signed'(port_i)) : Width'(port_i);
+    shown   <= member_i;
     if (written_o) held <= (held_i & ~mask_i[Low+:Width]) | (data_i[Low+:Width] & mask_i[Low+:Width]);
     if (commit_i) shown <= fit_o;
     if (rst_i) {held, shown} <= {Reset, fit(Reset)};
   end
   always_comb begin
     if (started) assert (held_i == held);
-    if (started && Waits) assert (port_i == Bits'(shown));
-    if (!Waits) assert (port_i == Bits'(fit_o));
+    if (started && Waits) assert (member_i == shown);
+    if (!Waits) assert (member_i == fit_o);
   end
 
 endmodule

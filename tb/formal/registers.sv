@@ -30,10 +30,13 @@ module formal_registers #(
   input logic        bus_write_i,
   input logic [11:0] bus_address_i,
   input logic [31:0] bus_data_i,
-  input logic [3:0]  bus_strobe_i
+  input logic [3:0]  bus_strobe_i,
+  input logic        commit_i,
+  input msn_registers_pkg::status_t status_i
 );
 
-  logic        bus_done_o, bus_error_o;
+  msn_registers_pkg::cfg_t cfg_o;
+  logic        bus_done_o, bus_error_o, pending_o;
   logic [31:0] bus_data_o;
 
   logic        started = 1'b0;
@@ -56,52 +59,46 @@ module formal_registers #(
   always_ff @(posedge clk_i) {asked_``n, was_``n} <= {there[n], (width)'(value)}; \
   always_comb if (started && done && !empty && asked_``n) assert (bus_data_o[low+:width] == was_``n);
 
-`define SETTING(n, on, at, low, width, place, name, waits, commit, inner, ends, sign) \
-  logic [ends-1:0]  name``_o; \
+`define SETTING(n, on, at, low, width, place, name, member, waits, inner, ends, sign) \
   logic [width-1:0] name``_fit; \
   owed_field #( \
     .On(on), .Word(at), .Low(low), .Width(width), .Reset(Resets[place+:width]), .Waits(waits), .Bits(ends), \
     .Signed(sign) \
   ) owed_``name ( \
     .clk_i, .rst_i, .write_i(write), .word_i(bus_address_i[11:2]), .data_i(bus_data_i), .mask_i(mask), \
-    .commit_i(commit), .port_i(name``_o), .held_i(inner), .fit_o(name``_fit), \
+    .commit_i, .member_i(cfg_o.member), .held_i(inner), .fit_o(name``_fit), \
     .written_o(written[n]) \
   ); \
   `READS(n, on, at, low, width, name``_fit) \
   assign writable[n] = there[n];
 
-`define STATUS(n, on, at, low, width, name) \
-  logic [width-1:0] name``_i; \
+`define STATUS(n, on, at, low, width, name, member) \
   assign {written[n], writable[n]} = '0; \
-  `READS(n, on, at, low, width, name``_i)
+  `READS(n, on, at, low, width, status_i.member)
 
 `define CONSTANT(n, on, at, low, width, value) \
   assign {written[n], writable[n]} = '0; \
   `READS(n, on, at, low, width, value)
 
-`define COMMAND(n, on, at, low, name) \
-  logic name``_o, due_``name; \
+`define COMMAND(n, on, at, low, name, member) \
+  logic due_``name; \
   assign {written[n], writable[n]} = {1'b0, there[n]}; \
   always_ff @(posedge clk_i) due_``name <= !rst_i && on && write && bus_address_i[11:2] == at && mask[low] && bus_data_i[low]; \
-  always_comb if (started) assert (name``_o == due_``name); \
+  always_comb if (started) assert (cfg_o.member == due_``name); \
   `READS(n, on, at, low, 1, 0)
 
-`define WRITTEN(on, at, name) \
-  logic name``_written_o, wrote_``name; \
+`define WRITTEN(on, at, name, member) \
+  logic wrote_``name; \
   always_ff @(posedge clk_i) wrote_``name <= !rst_i && on && write && bus_address_i[11:2] == at; \
-  always_comb if (started) assert (name``_written_o == wrote_``name);
-
-`define COMMITTED(name) \
-  logic name``_commit_i, name``_pending_o;
+  always_comb if (started) assert (cfg_o.member == wrote_``name);
 
 `define PENDING(name, first, count) \
   logic name``_waits; \
   always_ff @(posedge clk_i) begin \
-    if (name``_commit_i) name``_waits <= 1'b0; \
+    if (commit_i) name``_waits <= 1'b0; \
     if (written[first+:count] != '0) name``_waits <= 1'b1; \
     if (rst_i) name``_waits <= 1'b0; \
-  end \
-  always_comb if (started) assert (name``_pending_o == name``_waits);
+  end
 
 `include "registers_map.svh"
 

@@ -13,6 +13,7 @@ import pytest
 from cocotb.triggers import FallingEdge, ReadOnly, RisingEdge
 
 import bench
+import members
 from meissner.host.register_map import GROUPS
 from meissner.link.registers import RESET_BITS, WIDTHS, Registers, reset_word
 from meissner.toolchain import ROOT
@@ -22,8 +23,14 @@ STROBES = [(group.name, register.name) for group in GROUPS for register in group
 WAITING = [group.name for group in GROUPS if group.at_frame]
 
 
-def port(group, register, field, suffix):
-    return f"{group}_{register}_{suffix}" if field == "value" else f"{group}_{register}_{field}_{suffix}"
+def member(group, register, field):
+    return f"{group}_{register}" if field == "value" else f"{group}_{register}_{field}"
+
+
+def put(dut, status):
+    """Drive the core's side: {(group, register, field): value}."""
+    values = {member(*key): value for key, value in status.items()}
+    dut.status_i.value = members.word(members.STATUS, values)
 
 
 def parameter(name):
@@ -44,27 +51,25 @@ async def begin(dut):
     present = [name for name in FEATURES if int(getattr(dut, parameter(name)).value)]
     draw = random.Random(bench.SEED)
     status = {(g, r, f.name): draw.randrange(f.most + 1) for g, r, f in keys("status")}
-    idle = {"bus_valid_i": 0} | {port(*key, "i"): value for key, value in status.items()}
-    idle |= {f"{name}_commit_i": 0 for name in WAITING}
-    await bench.start(dut, **idle)
+    put(dut, status)
+    await bench.start(dut, bus_valid_i=0, commit_i=0)
     widths = {name: getattr(dut, f"{name.capitalize()}Bits").value.to_unsigned() for name in WIDTHS}
     return Registers(present, dut.Resets.value.to_unsigned(), widths), status, draw
 
 
 def compare(dut, twin, pulses):
+    seen = members.of(members.CFG, bench.read(dut.cfg_o))
     for g, r, f in keys("setting"):
-        seen = getattr(dut, port(g, r, f.name, "o"))
-        assert bench.read(seen) == twin.setting(g, r, f.name) & (1 << len(seen)) - 1, (g, r, f.name)
+        assert seen[member(g, r, f.name)] == twin.setting(g, r, f.name), (g, r, f.name)
     for g, r, f in keys("command"):
-        assert bench.read(getattr(dut, port(g, r, f.name, "o"))) == ((g, r, f.name) in pulses), (g, r, f.name)
+        assert seen[member(g, r, f.name)] == ((g, r, f.name) in pulses), (g, r, f.name)
     for g, r in STROBES:
-        assert bench.read(getattr(dut, f"{g}_{r}_written_o")) == ((g, r, "written") in pulses), (g, r)
-    for name in WAITING:
-        assert bench.read(getattr(dut, f"{name}_pending_o")) == twin.pending[name], name
+        assert seen[f"{g}_{r}_written"] == ((g, r, "written") in pulses), (g, r)
+    assert bench.read(dut.pending_o) == any(twin.pending.values())
 
 
-async def clock(dut, twin, status, access=None, commits=(), compared=True):
-    """One clock with an access or none, and the commits at its edge; the answer is checked a clock after it.
+async def clock(dut, twin, status, access=None, commit=False, compared=True):
+    """One clock with an access or none, and a commit at its edge; the answer is checked a clock after it.
 
     ``compared``: every port is, too.
     """
@@ -72,15 +77,13 @@ async def clock(dut, twin, status, access=None, commits=(), compared=True):
     write, address, data, strobe = access or (1, 0x200, 0xFFFF_FFFF, 15)  # not valid: must change nothing
     for name, value in (("write", write), ("address", address), ("data", data), ("strobe", strobe)):
         getattr(dut, f"bus_{name}_i").value = value
-    for name in WAITING:
-        getattr(dut, f"{name}_commit_i").value = int(name in commits)
+    dut.commit_i.value = int(commit)
     await RisingEdge(dut.clk_i)
-    for name in commits:  # takes what was written before this clock
+    for name in WAITING if commit else ():  # takes what was written before this clock
         twin.commit(name)
     answer = twin.access(write, address, data, strobe, status) if access else None
     dut.bus_valid_i.value = 0
-    for name in WAITING:
-        getattr(dut, f"{name}_commit_i").value = 0
+    dut.commit_i.value = 0
     await ReadOnly()
     assert bench.read(dut.bus_done_o) == 0, "answered too early"
     if compared:
@@ -118,14 +121,14 @@ async def matches_model_on_random_accesses(dut):
         if count % 100 == 0:
             for key, field in ((key, field) for *key, field in keys("status")):
                 status[*key, field.name] ^= draw.choice((field.most, draw.randrange(field.most + 1)))
-                getattr(dut, port(*key, field.name, "i")).value = status[*key, field.name]
-        commits = [name for name in WAITING if draw.random() < 0.2]
+            put(dut, status)
+        commit = draw.random() < 0.3
         access = None
         if draw.random() < 0.8:
             address = draw.choice(known) if draw.random() < 0.95 else draw.randrange(4096)
             data = draw.choice((0, 0xFFFF_FFFF, draw.getrandbits(32)))
             access = (int(draw.random() < 0.7), address, data, draw.choice((15, 15, draw.randrange(16))))
-        await clock(dut, twin, status, access, commits)
+        await clock(dut, twin, status, access, commit)
 
 
 @cocotb.test(timeout_time=100, timeout_unit="ms")
@@ -139,7 +142,7 @@ async def strobes_guard_every_flag(dut):
                 continue
             for before, data, strobe in itertools.product((0, 0xFFFF_FFFF), (0, 0xFFFF_FFFF), (0, 15)):
                 await clock(dut, twin, status, (1, register.address, before, 15), compared=False)
-                await clock(dut, twin, status, (1, register.address, data, strobe), WAITING, compared=False)
+                await clock(dut, twin, status, (1, register.address, data, strobe), True, compared=False)
                 await clock(dut, twin, status, (0, register.address, 0, 15), compared=False)
             compare(dut, twin, set())
 
@@ -152,10 +155,10 @@ async def every_bit_is_its_own(dut):
         for group in GROUPS:
             for register in group.registers:
                 await clock(dut, twin, status, (1, register.address, data, 15), compared=False)
-        await clock(dut, twin, status, None, WAITING)
+        await clock(dut, twin, status, None, True)
         for key, field in ((key, field) for *key, field in keys("status")):
             status[*key, field.name] = data & field.most
-            getattr(dut, port(*key, field.name, "i")).value = data & field.most
+        put(dut, status)
         for group in GROUPS:
             for register in group.registers:
                 await clock(dut, twin, status, (0, register.address, 0, 15), compared=False)
@@ -196,7 +199,7 @@ async def starts_over_at_reset(dut):
     known = [register.address for group in GROUPS for register in group.registers]
     for g in GROUPS:
         for register in g.registers:
-            await clock(dut, twin, status, (1, register.address, draw.getrandbits(32), 15), WAITING)
+            await clock(dut, twin, status, (1, register.address, draw.getrandbits(32), 15), True)
     for write in (0, 1):  # an access in the clock of the reset is not answered
         dut.bus_valid_i.value, dut.bus_write_i.value, dut.bus_address_i.value = 1, write, known[0]
         await bench.reset(dut)
@@ -227,19 +230,21 @@ async def what_meets_in_one_clock(dut):
         dut.bus_valid_i.value, dut.bus_write_i.value = int(access is not None), int(isinstance(access, tuple))
         address, data = access if isinstance(access, tuple) else (access or 0, 0xDEAD)
         dut.bus_address_i.value, dut.bus_data_i.value, dut.bus_strobe_i.value = address, data, 15
-        dut.slip_commit_i.value = commit
-        dut.scan_dropped_i.value, dut.calibrate_swapping_i.value = 7000 + number, swapping
+        dut.commit_i.value = commit
+        status = {"scan_dropped": 7000 + number, "calibrate_swapping": swapping}
+        dut.status_i.value = members.word(members.STATUS, status)
         await ReadOnly()
         if dut.bus_done_o.value == 1:
             assert dut.bus_error_o.value == 0
             answers[number - 2] = bench.read(dut.bus_data_o)  # to the access of two clocks ago
-        pulse = bench.read(dut.calibrate_swap_o)
+        pulse = members.of(members.CFG, bench.read(dut.cfg_o))["calibrate_swap"]
         swapping = pulse  # a core says so a clock later, here for one clock
         await RisingEdge(dut.clk_i)
         number += 1
         seen.append(pulse)
         await ReadOnly()
-        got = tuple(bench.read(getattr(dut, f"slip_{n}_o")) for n in ("threshold", "hold", "pending"))
+        cfg = members.of(members.CFG, bench.read(dut.cfg_o))
+        got = cfg["slip_threshold"], cfg["slip_hold"], bench.read(dut.pending_o)
         await FallingEdge(dut.clk_i)
         return got
 

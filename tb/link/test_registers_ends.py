@@ -7,6 +7,7 @@ import pytest
 from cocotb.triggers import ReadOnly, RisingEdge
 
 import bench
+import members
 from meissner.link.registers import RESET_BITS, Registers, reset_word
 
 # Bits of a detail, a time, a load and an offset. Ends: 2^18 - 1 = 262143, 2^17 = 131072, 2^11 - 1 = 2047,
@@ -63,16 +64,15 @@ async def access(dut, write, address, data=0, strobe=15):
 
 async def commit(dut):
     for level in (1, 0):
-        dut.slip_commit_i.value = dut.cop_commit_i.value = level
+        dut.commit_i.value = level
         await RisingEdge(dut.clk_i)
     await ReadOnly()
 
 
 def shown(dut, name):
     """What the core has, signed where the register is."""
-    signal = getattr(dut, f"{name}_o")
-    value = bench.read(signal)
-    return bench.as_signed(value, len(signal)) if ENDS[name][0] in BITS else value
+    value = members.of(members.CFG, bench.read(dut.cfg_o))[name]
+    return bench.as_signed(value, BITS[ENDS[name][0]]) if ENDS[name][0] in BITS else value
 
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")

@@ -5,6 +5,7 @@ nobody hears.
 """
 
 import json
+import os
 import subprocess
 import sys
 from dataclasses import replace
@@ -20,7 +21,8 @@ TOOL = [sys.executable, "tools/equivalence.py"]
 
 
 def folder(block):
-    return f"build/equivalence/test_{block}"
+    """Of this process: others may put another fault into the same block."""
+    return f"build/equivalence/test_{block}_{os.getpid()}"
 
 
 @cache
@@ -63,7 +65,7 @@ def test_bug_in_the_netlist_is_found(plant):
 
 MISWIRED = {  # in msn_cop: what is there, what is put in its place
     "input": (".in_last_i,", ".in_last_i(in_valid_i),"),
-    "inputs changed over": (".in_mx_i    (mx)", ".in_mx_i    (my)"),
+    "inputs changed over": (".in_mx_i(mx)", ".in_mx_i(my)"),
     "reset": (".rst_i,", ".rst_i(1'b0),"),
 }
 

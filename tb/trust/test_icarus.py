@@ -28,7 +28,7 @@ def test_refused_is_refused(block, tmp_path):
 
 @pytest.mark.parametrize(
     "block, given",
-    [("divide", {}), ("cop_accumulate", {"Lanes": 1}), ("slip_path", {"Serial": 1}), ("registers", {})],
+    [("divide", {}), ("cop_accumulate", {"Lanes": 1}), ("slip_path", {"Serial": 1}), ("image_store", {})],
 )
 def test_others_are_accepted(block, given, tmp_path):
     assert accepted(block, tmp_path, **given)

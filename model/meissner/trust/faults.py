@@ -140,7 +140,7 @@ OPTIONS = {
         *SCAN,
         "part=1",
         "lead=16",
-        "set=cfg_tare_i:0,cfg_slip_period_i:600",
+        "set=cfg_tare_i:0",
         "quiet=event_",
         f"kept={ARRAY},{SCAN_TAKEN}",
     ],
@@ -359,11 +359,9 @@ def program(block):
 
 
 def settings():
-    """The settings among the state of msn_registers: its outputs, what waits, and that it does."""
+    """The settings among the state of msn_registers: its output, what waits, and that it does."""
     source = next(path for path in toolchain.sources() if path.stem == "msn_registers").read_text()
-    outputs = re.findall(r"^\s*output\s.*?(\w+)_o,?(?:\s*//.*)?$", _header(source, "registers")[0], re.M)
-    stems = [name for name in outputs if not name.startswith("bus_")]
-    return [f"{stem}_{end}" for stem in stems for end in "oq"]
+    return ["cfg_o", *re.findall(r"^\s*logic (?:\[\d+:0\] )?(\w+_(?:q|pending));$", source, re.M)]
 
 
 def inject(block, count, seed):

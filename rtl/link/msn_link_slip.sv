@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The smallest link: slip events of one channel to the line, nothing else and nothing back.
+//
+//   events ─ packet_slip ─ cobs ─ uart_tx ─ line
+//
+// docs/link.md is the contract. convert_i: the convert start, whose instant an event's packet carries.
+// Model: model/meissner/link/link_slip.py
+
+module msn_link_slip #(
+  parameter int unsigned ClkHz   = 12_000_000,
+  parameter int unsigned BaudHz  = 1_000_000,
+  parameter int unsigned P2pBits = 18
+) (
+  input  logic               clk_i,
+  input  logic               rst_i,
+
+  input  logic               convert_i,
+  input  logic               in_valid_i,
+  output logic               in_ready_o,
+  input  msn_pkg::decision_t in_i,
+  output logic               tx_o
+);
+
+  logic       packet_begin, packet_valid, packet_ready, packet_last;
+  logic [7:0] packet_data;
+  msn_packet_slip #(.P2pBits(P2pBits)) u_packet_slip (
+    .clk_i, .rst_i,
+    .convert_i,
+    .in_valid_i, .in_ready_o, .in_raised_i(in_i.raised), .in_state_i(in_i.state),
+    .in_p2p_i(in_i.p2p[P2pBits-1:0]),
+    .out_begin_o(packet_begin), .out_valid_o(packet_valid), .out_ready_i(packet_ready),
+    .out_data_o(packet_data), .out_last_o(packet_last)
+  );
+
+  logic       framed_valid, framed_ready;
+  logic [7:0] framed_data;
+  msn_cobs #(.MaxBytes(18)) u_cobs (
+    .clk_i, .rst_i,
+    .in_begin_i(packet_begin), .in_valid_i(packet_valid), .in_ready_o(packet_ready), .in_data_i(packet_data),
+    .in_last_i(packet_last),
+    .out_valid_o(framed_valid), .out_ready_i(framed_ready), .out_data_o(framed_data)
+  );
+
+  msn_uart_tx #(.ClkHz(ClkHz), .BaudHz(BaudHz)) u_uart_tx (
+    .clk_i, .rst_i,
+    .in_valid_i(framed_valid), .in_ready_o(framed_ready), .in_data_i(framed_data),
+    .tx_o
+  );
+
+  logic unused_in;
+  assign unused_in = ^in_i;
+
+endmodule

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// A converter's channels, from its pins or a stream to samples: instances and wires only.
+//
+//   ADC pins or stream ─ acquire ─ frame_gate ─ samples
+//
+// One frame at a time: the next one waits while busy_i says that what follows has not finished the one before, so that
+// settings change (commit_o) and the frame's time holds between two. Gate = 0: settings are constants, and what
+// follows keeps the time itself.
+// Every sensor of a core has this list of ports. Model: model/meissner/sensor/sensor_channels.py
+
+module msn_sensor_channels #(
+  parameter  int unsigned Adc        = msn_pkg::AdcNone,  // msn_pkg::adc_part_e
+  parameter  int unsigned AdcLanes   = 1,
+  parameter  int unsigned ClkKhz     = 25_000,
+  parameter  int unsigned SclkKhz    = msn_adc_pkg::sclk_default_khz(Adc),
+  parameter  int unsigned AdcPeriod  = 0,                 // clocks, built in: msn_acquire
+  parameter  int unsigned Channels   = 1,
+  parameter  int unsigned SampleBits = 17,
+  parameter  bit          Gate       = 1'b1,
+  localparam int unsigned IdBits     = msn_pkg::index_width(Channels)
+) (
+  input  logic                         clk_i,
+  input  logic                         rst_i,
+  input  logic [47:0]                  now_i,
+
+  input  msn_registers_pkg::cfg_t      cfg_i,
+  output msn_registers_pkg::status_t   status_o,
+  input  logic                         pending_i,      // settings wait for commit_o
+  output logic                         commit_o,
+  input  logic                         busy_i,
+
+  output logic                         adc_cs_n_o,
+  output logic                         adc_sclk_o,
+  output logic                         adc_mosi_o,
+  input  logic [AdcLanes-1:0]          adc_miso_i,
+  output logic                         adc_convst_o,
+  input  logic                         adc_busy_i,
+  output logic                         adc_reset_o,
+  output logic                         convert_o,      // convert start
+
+  input  logic                         in_valid_i,     // Adc = AdcNone
+  output logic                         in_ready_o,
+  input  logic signed [SampleBits-1:0] in_data_i,
+  input  logic [IdBits-1:0]            in_id_i,
+  input  logic                         in_last_i,
+
+  output logic                         sample_valid_o,
+  input  logic                         sample_ready_i,
+  output logic signed [SampleBits-1:0] sample_data_o,
+  output logic [IdBits-1:0]            sample_id_o,
+  output logic                         sample_first_o,
+  output logic                         sample_last_o,
+  output logic [47:0]                  time_o          // of the frame that is let through: its convert start
+);
+
+  msn_registers_pkg::adc_status_t adc;
+  always_comb begin
+    status_o     = '0;
+    status_o.adc = adc;
+  end
+
+  logic adc_valid, adc_ready;
+  msn_acquire #(
+    .Adc(Adc), .AdcLanes(AdcLanes), .ClkKhz(ClkKhz), .SclkKhz(SclkKhz), .AdcPeriod(AdcPeriod),
+    .Channels(Channels), .SampleBits(SampleBits)
+  ) u_acquire (
+    .clk_i, .rst_i,
+    .cfg_enable_i(cfg_i.adc.enable), .cfg_period_i(cfg_i.adc.period),
+    .adc_cs_n_o, .adc_sclk_o, .adc_mosi_o, .adc_miso_i, .adc_convst_o, .adc_busy_i, .adc_reset_o,
+    .convert_o,
+    .in_valid_i, .in_ready_o, .in_data_i, .in_id_i, .in_last_i,
+    .out_valid_o(adc_valid), .out_ready_i(adc_ready), .out_data_o(sample_data_o), .out_id_o(sample_id_o),
+    .out_last_o(sample_last_o),
+    .dropped_o(adc.dropped), .overrun_o(adc.overrun), .timeout_o(adc.timeout), .mistagged_o(adc.mistagged),
+    .over_range_o(adc.over_range)
+  );
+
+  if (Gate) begin : gen_gate
+    msn_frame_gate u_frame_gate (
+      .clk_i, .rst_i,
+      .pending_i(sample_valid_o || pending_i), .commit_o, .busy_i,
+      .in_valid_i(adc_valid), .in_ready_o(adc_ready), .in_last_i(sample_last_o),
+      .out_valid_o(sample_valid_o), .out_ready_i(sample_ready_i), .out_first_o(sample_first_o)
+    );
+    if (Adc == msn_pkg::AdcNone) begin : gen_stream_time
+      always_ff @(posedge clk_i) if (sample_valid_o && sample_ready_i && sample_first_o) time_o <= now_i;
+    end else begin : gen_convert_time
+      msn_convert_time u_convert_time (
+        .clk_i, .rst_i,
+        .now_i, .convert_i(convert_o), .valid_i(adc_valid), .ready_i(adc_ready), .last_i(sample_last_o),
+        .time_o
+      );
+    end
+  end else begin : gen_no_gate
+    assign {sample_valid_o, adc_ready} = {adc_valid, sample_ready_i};
+    assign {commit_o, sample_first_o, time_o} = '0;
+    logic unused_gate;
+    assign unused_gate = ^{pending_i, busy_i, now_i};
+  end
+
+  logic unused_cfg;
+  assign unused_cfg = ^cfg_i;
+
+endmodule

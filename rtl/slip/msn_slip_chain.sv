@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Slip of every channel or taxel of a core: instances and wires only.
+//
+//   samples ─ skid (Array) ─ slip_path ─ skid (Array of several lanes) ─┬─ decisions
+//   decisions about a centre of pressure (Slip = 0) ────────────────────┴─ slip_flags
+//
+// The way back for ready is long: packet, slip, array, scan. An array's is cut before and behind the slip path.
+// Latency: that of msn_slip_path, and a clock for each skid that holds something.
+// Model: model/meissner/slip/slip_chain.py
+
+module msn_slip_chain #(
+  parameter  bit          Slip       = 1'b1,
+  parameter  bit          Array      = 1'b0,
+  parameter  int unsigned Lanes      = 1,     // of the array
+  parameter  int unsigned Channels   = 1,
+  parameter  int unsigned SampleBits = 17,
+  parameter  int unsigned Level      = 1,
+  parameter  int unsigned Window     = 64,
+  parameter  int unsigned Hop        = 64,
+  parameter  int unsigned TimerBits  = 16,
+  parameter  bit          Mask       = 1'b0,
+  parameter  bit          Serial     = 1'b0,
+  localparam int unsigned IdBits     = msn_pkg::index_width(Channels)
+) (
+  input  logic                            clk_i,
+  input  logic                            rst_i,
+
+  input  msn_registers_pkg::slip_cfg_t    cfg_i,
+  output msn_registers_pkg::slip_status_t status_o,
+  input  logic                            actuator_moving_i,  // a pin
+
+  input  logic                            in_valid_i,
+  output logic                            in_ready_o,
+  input  logic signed [SampleBits-1:0]    in_data_i,
+  input  logic        [IdBits-1:0]        in_id_i,
+  input  logic                            in_last_i,
+  input  logic                            in_mask_i,
+
+  input  logic                            cop_valid_i,        // msn_cop_slip's
+  output logic                            cop_ready_o,
+  input  msn_pkg::decision_t              cop_i,
+
+  output logic                            out_valid_o,
+  input  logic                            out_ready_i,
+  output msn_pkg::decision_t              out_o,
+  output logic                            busy_o,             // something of a frame is in here
+  output logic                            slip_o,             // of any channel
+  output logic                            gross_o,
+  output logic                            touched_o
+);
+
+  localparam int unsigned DetailBits = SampleBits + Level;
+
+  if (Slip) begin : gen_slip
+    logic                         sample_valid, sample_ready, sample_last, sample_mask;
+    logic signed [SampleBits-1:0] sample;
+    logic        [IdBits-1:0]     sample_id;
+    if (Array) begin : gen_skid
+      msn_skid #(.Width(SampleBits + IdBits + 2)) u_skid (
+        .clk_i, .rst_i,
+        .in_valid_i, .in_ready_o, .in_data_i({in_data_i, in_id_i, in_last_i, in_mask_i}),
+        .out_valid_o(sample_valid), .out_ready_i(sample_ready),
+        .out_data_o({sample, sample_id, sample_last, sample_mask})
+      );
+    end else begin : gen_no_skid
+      assign {sample_valid, in_ready_o} = {in_valid_i, sample_ready};
+      assign {sample, sample_id, sample_last, sample_mask} = {in_data_i, in_id_i, in_last_i, in_mask_i};
+    end
+
+    // A pin: it changes whenever the actuator does, and every flip-flop that it steers must see the same.
+    logic moving;
+    msn_sync u_moving (
+      .clk_i, .in_data_i(actuator_moving_i), .out_data_o(moving)
+    );
+
+    logic                  found_valid, found_ready, found_raised, found_last, path_busy;
+    logic [2:0]            found_state;
+    logic [DetailBits-1:0] found_p2p, p2p;
+    logic [IdBits-1:0]     found_id, id;
+    logic                  unused_over, unused_end;
+    msn_slip_path #(
+      .Channels(Channels), .SampleBits(SampleBits), .Level(Level), .Window(Window), .Hop(Hop),
+      .TimerBits(TimerBits), .Mask(Mask), .Serial(Serial)
+    ) u_slip_path (
+      .clk_i, .rst_i,
+      .cfg_threshold_i(cfg_i.threshold[DetailBits-1:0]),
+      .cfg_gross_threshold_i(cfg_i.gross_threshold[DetailBits-1:0]),
+      .cfg_contact_level_i(cfg_i.contact_level[DetailBits-1:0]),
+      .cfg_release_level_i(cfg_i.release_level[DetailBits-1:0]), .cfg_contact_rises_i(cfg_i.contact_rises),
+      .cfg_hold_i(cfg_i.hold[TimerBits-1:0]), .cfg_refractory_i(cfg_i.refractory[TimerBits-1:0]),
+      .cfg_blank_i(cfg_i.blank[TimerBits-1:0]), .cfg_keep_threshold_i(cfg_i.keep_threshold[DetailBits-1:0]),
+      .actuator_moving_i(moving),
+      .in_valid_i(sample_valid), .in_ready_o(sample_ready), .in_data_i(sample), .in_id_i(sample_id),
+      .in_last_i(sample_last), .in_mask_i(sample_mask),
+      .out_valid_o(found_valid), .out_ready_i(found_ready), .out_state_o(found_state),
+      .out_raised_o(found_raised), .out_over_o(unused_over), .out_p2p_o(found_p2p), .out_id_o(found_id),
+      .out_last_o(found_last), .out_end_o(unused_end),
+      .busy_o(path_busy), .damaged_o(status_o.damaged), .blanked_o(status_o.blanked)
+    );
+
+    if (Array && Lanes > 1) begin : gen_decision_skid
+      msn_skid #(.Width(DetailBits + IdBits + 5)) u_skid (
+        .clk_i, .rst_i,
+        .in_valid_i(found_valid), .in_ready_o(found_ready),
+        .in_data_i({found_raised, found_last, found_state, found_p2p, found_id}),
+        .out_valid_o, .out_ready_i, .out_data_o({out_o.raised, out_o.last, out_o.state, p2p, id})
+      );
+    end else begin : gen_no_decision_skid
+      assign {out_valid_o, found_ready} = {found_valid, out_ready_i};
+      assign {out_o.raised, out_o.last, out_o.state} = {found_raised, found_last, found_state};
+      assign {p2p, id} = {found_p2p, found_id};
+    end
+    assign out_o.p2p = 24'(p2p);
+    assign out_o.id  = 16'(id);
+    assign busy_o    = sample_valid || path_busy || out_valid_o;
+    logic unused_cop;
+    assign unused_cop = ^{cop_valid_i, cop_i};
+    assign cop_ready_o = 1'b0;
+  end else begin : gen_no_slip
+    assign {out_valid_o, cop_ready_o, out_o} = {cop_valid_i, out_ready_i, cop_i};
+    assign {in_ready_o, busy_o, status_o} = {1'b1, 1'b0, 64'd0};
+    logic unused_slip;
+    assign unused_slip = ^{actuator_moving_i, in_valid_i, in_data_i, in_id_i, in_last_i, in_mask_i};
+  end
+
+  logic offered;  // the decision is one that the flags have seen: a packet's sender may let it wait
+  always_ff @(posedge clk_i) offered <= !rst_i && out_valid_o && !out_ready_i;
+  msn_slip_flags u_flags (
+    .clk_i, .rst_i,
+    .in_valid_i(out_valid_o && !offered), .in_state_i(out_o.state), .in_last_i(out_o.last),
+    .slip_o, .gross_o, .touched_o
+  );
+
+  logic unused_cfg;  // the bits that this build has not
+  assign unused_cfg = ^cfg_i;
+
+endmodule

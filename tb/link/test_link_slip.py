@@ -1,0 +1,58 @@
+"""msn_link_slip from decisions to the levels of the line, as its twin says; what is no event is taken and
+sends nothing; an event carries the convert start's clock."""
+
+import cocotb
+import numpy as np
+from cocotb.triggers import ReadOnly, RisingEdge
+
+import bench
+import members
+from meissner.link.link_slip import link_slip
+from meissner.link.uart_rx import UartRx
+
+CLK, BAUD, BITS = 4_000_000, 500_000, 14
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def events_are_the_models_levels(dut):
+    await bench.start(dut, convert_i=0, in_i=0)
+    rng, line, events, clock = np.random.default_rng(bench.SEED), [], [], 0
+
+    async def step(convert=0, decision=None):
+        """A clock; the decision was taken."""
+        nonlocal clock
+        dut.convert_i.value, dut.in_valid_i.value = convert, int(decision is not None)
+        dut.in_i.value = members.word("decision", decision or {"raised": 1, "state": 7, "id": 0xFFFF})
+        await ReadOnly()
+        line.append(bench.read(dut.tx_o))
+        taken = decision is not None and dut.in_ready_o.value == 1
+        await RisingEdge(dut.clk_i)
+        clock += 1
+        return taken
+
+    for turn in range(6):
+        start = clock
+        await step(convert=1)
+        for _ in range(int(rng.integers(3, 150))):
+            await step()
+        state, p2p = 1 + turn % 4, int(rng.choice([0, (1 << BITS) - 1, rng.integers(1 << BITS)]))
+        quiet = {"raised": 0, "state": 3, "p2p": 99, "last": 1}
+        assert await step(0, quiet)
+        while not await step(0, {"raised": 1, "state": state, "p2p": p2p, "last": 1, "id": 5}):
+            pass
+        events.append((start, p2p, state))
+        for _ in range(21 * 10 * CLK // BAUD + 300):
+            await step()
+    byte = lambda levels: [value for _, value in UartRx(CLK, BAUD).process(levels)]
+    assert byte(line) == byte([1] * 9 + list(link_slip(events, BITS, CLK, BAUD)) + [1] * 99)
+    assert len(byte(line)) == 6 * 21
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def rests_in_reset_whatever_comes(dut):
+    await bench.inputs_in_reset(dut)
+    assert dut.tx_o.value == 1
+
+
+def test_link_slip():
+    bench.run("link", "link_slip", {"ClkHz": CLK, "BaudHz": BAUD, "P2pBits": BITS})

@@ -1,0 +1,54 @@
+"""Packed structs at a core's inside, which a simulator shows as one number: settings and status of
+msn_registers_pkg, whose places follow from the map (groups in its order, a group's members in its order, the
+first highest), and what passes between blocks, of rtl/msn_pkg.sv.
+"""
+
+from meissner.host.register_map import GROUPS
+
+CFG, STATUS = "cfg", "status"
+
+
+def _members(kind):
+    """(group, member, bits) from the first to the last: the register, and "_<field>" where it has one."""
+    for group in GROUPS:
+        for register in group.registers:
+            for field in register.fields:
+                name = register.name if field.name == "value" else f"{register.name}_{field.name}"
+                if field.kind == "status" if kind == STATUS else field.kind in ("setting", "command"):
+                    yield group.name, name, field.width
+            if register.strobe and kind == CFG:
+                yield group.name, f"{register.name}_written", 1
+
+
+def _places(listed):
+    """{name: (lowest bit, bits)} of (name, bits) from the highest to the lowest."""
+    places, low = {}, 0
+    for name, bits in reversed(list(listed)):
+        places[name] = low, bits
+        low += bits
+    return places
+
+
+PLACES = {kind: _places((f"{g}_{m}", bits) for g, m, bits in _members(kind)) for kind in (CFG, STATUS)}
+for _kind in (CFG, STATUS):  # of one group's struct: PLACES["slip_cfg"]["threshold"]
+    for _group in GROUPS:
+        _listed = [(m, bits) for g, m, bits in _members(_kind) if g == _group.name]
+        PLACES[f"{_group.name}_{_kind}"] = _places(_listed)
+PLACES["decision"] = _places([("raised", 1), ("last", 1), ("state", 3), ("p2p", 24), ("id", 16)])
+PLACES["cop"] = _places([("x", 24), ("y", 24), ("load", 40), ("pressed", 1)])
+PLACES["health"] = _places([("id", 24), ("faults", 8)])
+
+
+def of(kind, word):
+    """{name: value} of the struct's ``word``."""
+    return {name: word >> low & (1 << bits) - 1 for name, (low, bits) in PLACES[kind].items()}
+
+
+def word(kind, values):
+    """The struct's word of {name: value}, two's complement if below 0; what is not named is 0."""
+    found = 0
+    for name, value in values.items():
+        low, bits = PLACES[kind][name]
+        assert -1 << bits - 1 <= value < 1 << bits, (name, value)
+        found |= (value & (1 << bits) - 1) << low
+    return found

@@ -1,0 +1,129 @@
+"""msn_sensor_array of a stream: forces one by one, centres of pressure, health and counters as the twin says,
+with settings through the struct; a frame's time is that of its first beat. At the pins: tb/cop/test_array.py
+and tb/core.
+"""
+
+import random
+from dataclasses import asdict
+
+import cocotb
+import numpy as np
+import pytest
+from cocotb.triggers import ReadOnly, RisingEdge
+
+import bench
+import members
+from meissner.frontend.health import Limits
+from meissner.sensor.sensor_array import from_reset, sensor_array
+
+ROWS, COLUMNS, LANES = 3, 4, 2
+LIMITS = Limits(band=30, jump=700, low=5, high=4000, user=True, edges=False, still=40, rail=2, blink=9)
+TARE = {"contact": 50, "step": 3}
+GAIN, LEAST = 5000, {True: 4000, False: 8000}  # a tare takes the quiet taxels' own value off
+
+
+def number(dut, name):
+    return getattr(dut, name).value.to_unsigned()
+
+
+def settings(whole):
+    limits = {f"health_{name}": value for name, value in asdict(LIMITS).items()}
+    limits["health_use_user"] = int(limits.pop("health_user"))
+    limits["health_use_edges"] = int(limits.pop("health_edges"))
+    tare = {"tare_contact": 50, "tare_step": 3, "tare_at_start": 1}
+    return limits | tare | {"calibrate_preset": GAIN, "cop_min_load": LEAST[whole]}
+
+
+def twin_of(dut):
+    class Size:
+        rows, columns, lanes, sample_bits = ROWS, COLUMNS, LANES, 17
+
+    whole = bool(number(dut, "Health"))
+    tare = TARE | {"tare_log2": number(dut, "TareLog2")} if whole else None
+    return from_reset(Size, GAIN, LIMITS if whole else None, tare, min_load=LEAST[whole])
+
+
+def samples():
+    """Quiet, then a press that moves; a taxel that jumps, and one at the end of the range."""
+    rng = np.random.default_rng(bench.SEED)
+    found = rng.integers(100, 140, (40, ROWS, COLUMNS))
+    found[8:, 1:, 1:3] += rng.integers(800, 1500, (32, 2, 2))
+    found[::3, 0, 3] = 1900
+    found[4:, 2, 0] = 4000
+    return found
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+@cocotb.parametrize(pace=[(0.0, 0.0, 0), (0.3, 0.4, 5), (0.0, 0.0, 60)])
+async def everything_is_the_models(dut, pace):
+    gap, stall, rest = pace
+    names = "now pending busy adc_miso adc_busy in_data in_id in_last sample_ready health_ready"
+    given = {f"{name}_i": 0 for name in names.split()}
+    await bench.start(dut, cfg_i=members.word("cfg", settings(bool(number(dut, "Health")))), **given)
+    source, sink = random.Random(f"{bench.SEED} in"), random.Random(f"{bench.SEED} out")
+    frames, clock, held, busy = samples(), 0, False, 0
+    beats = frames.reshape(-1, LANES).tolist()
+    per_frame = len(beats) // len(frames)
+    forces, cops, reports, firsts, sent, quiet = [], [], [], [], 0, 0
+    await bench.clocks(dut, 100)  # the preset gains are written
+    while quiet < 300:
+        offer = sent < len(beats) and (held or source.random() >= gap)
+        beat, place = beats[min(sent, len(beats) - 1)], sent % per_frame
+        dut.in_valid_i.value, dut.in_id_i.value = int(offer), place
+        dut.in_last_i.value = int(place == per_frame - 1)
+        dut.in_data_i.value = bench.lane_word(beat, 17)
+        ready, now = int(sink.random() >= stall), 3 + 7 * clock
+        dut.sample_ready_i.value, dut.health_ready_i.value, dut.now_i.value = ready, ready, now
+        dut.busy_i.value = int(busy > 0)
+        await ReadOnly()
+        time, busy = bench.read(dut.time_o), max(0, busy - 1)
+        if dut.sample_valid_o.value == 1 and ready:
+            values = [bench.read(getattr(dut, f"sample_{name}_o")) for name in ("data", "mask", "id", "last")]
+            forces.append((*values, time))
+            busy = rest
+        if dut.cop_valid_o.value == 1:
+            cop = members.of("cop", bench.read(dut.cop_o))
+            sides = [bench.as_signed(cop[side], 24) for side in "xy"]
+            cops.append((*sides, cop["load"], cop["pressed"], time))
+        if dut.health_valid_o.value == 1 and ready:
+            reports.append(members.of("health", bench.read(dut.health_o)))
+        took = offer and dut.in_ready_o.value == 1
+        if took and place == 0:
+            assert not bench.read(dut.busy_i), "a frame was let in while what follows is busy"
+            firsts.append(now)
+        held = offer and not took
+        sent += took
+        quiet = 0 if took or sent < len(beats) else quiet + 1
+        await RisingEdge(dut.clk_i)
+        clock += 1
+        assert clock < 30_000
+    twin = twin_of(dut)
+    sensed = sensor_array(twin, frames)
+    taxels = ROWS * COLUMNS
+    assert len(firsts) == len(frames) == len(set(firsts))
+    assert cops == [(*cop, time) for cop, time in zip(sensed.cop, firsts)]
+    if number(dut, "Tap"):
+        assert forces == [
+            (int(sensed.forces[n, t]), int(sensed.mask[n, t]), t, int(t == taxels - 1), firsts[n])
+            for n in range(len(frames))
+            for t in range(taxels)
+        ]
+    assert len({cop[:3] for cop in cops}) > 20 and any(not cop[3] for cop in cops)
+    status = {k: v for k, v in members.of("status", bench.read(dut.status_o)).items() if v}
+    if number(dut, "Health"):
+        assert status.pop("health_railed") == twin.health.railed > 0
+        assert status.pop("health_blinking") == twin.health.blinking > 0
+        assert status.pop("tare_tared", 0) == twin.tare.tared > 0
+        assert {r["id"] for r in reports} >= {3, 8} and sensed.mask.any()
+        status.pop("health_dead", 0)
+        status.pop("tare_state_pressed", 0)
+    assert status == {}
+
+
+@pytest.mark.parametrize(
+    "parameters",
+    [{"Health": 1, "Tare": 1, "TareLog2": 2, "Tap": 1}, {"Health": 0, "Tare": 0, "Tap": 0}],
+    ids=["whole", "bare"],
+)
+def test_sensor_array(parameters):
+    bench.run("sensor", "sensor_array", {"Rows": ROWS, "Columns": COLUMNS, "Converters": LANES} | parameters)
