@@ -24,7 +24,7 @@ from pathlib import Path
 from threading import Lock
 
 from meissner.trust import revision
-from meissner.yowasp import ROOT, ToolError, chparam, read_rtl, tool, warm_up, yosys
+from meissner.yowasp import ROOT, ToolError, chparam, read_rtl, synthesis, tool, warm_up, yosys
 
 OUT = Path("build/fmax")  # relative to ROOT: YoWASP sees nothing outside the directory it starts in
 RECORD = ROOT / "constraints/fmax.json"
@@ -33,16 +33,13 @@ SEEDS = (1, 2, 3)
 # Target: synthesis command, place and route command, MHz asked for, names of the resources in the report.
 TARGETS = {
     "ecp5": {
-        # The last step of synth_ecp5 without its `hierarchy -check`: that elaborates a flattened harness once
-        # more when it holds a MULT18X18D, and then misses the block that was flattened.
-        "synth": "synth_ecp5 -run :check -top harness; autoname; stat; check -noinit; blackbox =A:whitebox; "
-        "write_json {json}",
+        "synth": "synth_ecp5",
         "pnr": "nextpnr-ecp5 --25k --package CABGA381 --speed 6 --lpf-allow-unconstrained",
         "freq": 200,
         "area": {"lut": "TRELLIS_COMB", "ff": "TRELLIS_FF", "ram": "DP16KD", "dsp": "MULT18X18D"},
     },
     "up5k": {
-        "synth": "synth_ice40 -dsp -device u -top harness -json {json}",
+        "synth": "synth_ice40 -dsp -device u",
         "pnr": "nextpnr-ice40 --up5k --package sg48 --pcf-allow-unconstrained",
         "freq": 60,
         "area": {"lut": "ICESTORM_LC", "ram": "ICESTORM_RAM", "dsp": "ICESTORM_DSP"},
@@ -259,7 +256,8 @@ def synthesise(name, target):
     stem = f"{OUT}/{name}-{target}"
     text = harness(module, parameters, *(tied or [{}]), ports(module, parameters, stem))
     (ROOT / f"{stem}.v").write_text(text)
-    script = f"{read_rtl(target)} {stem}.v; {TARGETS[target]['synth'].format(json=f'{stem}.json')}"
+    script = f"{read_rtl(target)} {stem}.v; {synthesis(TARGETS[target]['synth'], 'harness')}; "
+    script += f"write_json {stem}.json"
     yosys(script, f"{stem}.yosys.log")
     return stem, own_area(json.loads((ROOT / f"{stem}.json").read_text()), target, f"{stem}.v")
 

@@ -14,7 +14,7 @@ from collections import Counter
 from contextlib import contextmanager
 
 from meissner import boards
-from meissner.yowasp import ROOT, ToolError, read_rtl, tool, yosys
+from meissner.yowasp import ROOT, ToolError, read_rtl, synthesis, tool, yosys
 
 OUT = "build/synth"  # relative to ROOT: YoWASP sees nothing outside the directory it starts in
 LIMIT_S = 1800  # of a processor, for one place and route: the longest that ends takes a few hundred
@@ -65,7 +65,7 @@ def synthesise(board, config, folder):
     boards.write_board(folder, board, config)
     stem = f"{folder}/{board.top}"
     script = f"{read_rtl(board.cells)}; read_verilog -sv -I{folder} {' '.join(board.sources)} {stem}.sv; "
-    script += f"{board.synth} -top {board.top} -json {stem}.json"
+    script += f"{synthesis(board.synth, board.top)}; write_json {stem}.json"
     yosys(script, f"{stem}.yosys.log")
     modules = json.loads((ROOT / f"{stem}.json").read_text())["modules"]
     return stem, Counter(cell["type"] for cell in modules[board.top]["cells"].values())

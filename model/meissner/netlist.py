@@ -57,7 +57,7 @@ def verilog(top, parameters, cells, kept=(), include=None):
         )
     # Yosys may have renamed it for its parameters.
     before = f"{read}; {yowasp.chparam(top, parameters)}hierarchy -top {top}; rename -top {top}; "
-    before += f"{keep}{synth} -top {top}; "
+    before += f"{keep}{yowasp.synthesis(synth, top)}; "
     before += "write_verilog -noattr "
     # Read afresh, as synthesis left boxes of its own in the design.
     after = f"; hierarchy -top {top}; {keep}proc; flatten; opt_expr; opt_clean; check -assert; "

@@ -71,6 +71,17 @@ def chparam(top, parameters):
     return f"chparam {values} {top}; " if values else ""
 
 
+def synthesis(command, top):
+    """Yosys's commands for ``command``, a synth_ script, of ``top``; the netlist is then the design.
+
+    Of synth_ecp5 the last step without its `hierarchy -check`: that elaborates a flattened top once more when
+    it holds a MULT18X18D, and then misses the modules that were flattened into it.
+    """
+    if command != "synth_ecp5":
+        return f"{command} -top {top}"
+    return f"{command} -run :check -top {top}; autoname; stat; check -noinit; blackbox =A:whitebox"
+
+
 def yosys(script, log):
     """Run a Yosys script; its whole output goes to ``log``. ToolError if it fails or drives a wire twice."""
     # On standard output everything after the first call of ABC is lost; its own log file has all.

@@ -9,7 +9,7 @@ import pytest
 
 import synth
 from boards import users
-from meissner import bitstream, boards, yowasp
+from meissner import bitstream, boards, config, yowasp
 from meissner.yowasp import ROOT, ToolError
 
 REPORT = {"utilization": {"TRELLIS_COMB": {"used": 11}}, "detailed_net_timings": []}
@@ -149,6 +149,15 @@ def test_a_tool_that_does_not_end_is_stopped(tmp_path, monkeypatch):
     (ROOT / "build/tb/endless").mkdir(parents=True, exist_ok=True)
     with pytest.raises(ToolError, match="python takes more than its limit of 1 s of processor time"):
         yowasp.tool("python", ["-c", "while True: pass"], "build/tb/endless/log", 1)
+
+
+@pytest.mark.long
+def test_an_array_with_multipliers_is_synthesised_for_an_ecp5():
+    """synth_ecp5's own last check elaborates the top again and then misses what was flattened into it."""
+    _, cells = bitstream.synthesise(
+        boards.BOARDS["ulx3s"], config.load("fingertip"), "build/tb/netlist-mult"
+    )
+    assert cells["MULT18X18D"] == 2 and cells["LUT4"] > 1000
 
 
 @pytest.mark.long
