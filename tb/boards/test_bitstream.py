@@ -9,7 +9,7 @@ import pytest
 
 import synth
 from boards import users
-from meissner import bitstream, boards, config, yowasp
+from meissner import bitstream, boards, yowasp
 from meissner.yowasp import ROOT, ToolError
 
 REPORT = {"utilization": {"TRELLIS_COMB": {"used": 11}}, "detailed_net_timings": []}
@@ -154,7 +154,7 @@ def test_a_tool_that_does_not_end_is_stopped(tmp_path, monkeypatch):
 @pytest.mark.long
 def test_an_array_with_multipliers_is_synthesised_for_an_ecp5():
     """synth_ecp5's own last check elaborates the top again and then misses what was flattened into it."""
-    _, cells = bitstream.synthesise(boards.BOARDS["ulx3s"], config.load("fingertip"), "build/tb/netlist-mult")
+    _, cells = bitstream.synthesise(boards.BOARDS["ulx3s"], "fingertip", "build/tb/netlist-mult")
     assert cells["MULT18X18D"] == 1 and cells["LUT4"] > 1000
 
 
