@@ -8,14 +8,18 @@ from meissner.host.register_map import GROUPS
 CFG, STATUS = "cfg", "status"
 
 
+def member(register, field):
+    """Name of a field's member in its group's struct: the register, and "_<field>" where it has one."""
+    return register if field == "value" else f"{register}_{field}"
+
+
 def _members(kind):
-    """(group, member, bits) from the first to the last: the register, and "_<field>" where it has one."""
+    """(group, member, bits) from the first to the last."""
     for group in GROUPS:
         for register in group.registers:
             for field in register.fields:
-                name = register.name if field.name == "value" else f"{register.name}_{field.name}"
                 if field.kind == "status" if kind == STATUS else field.kind in ("setting", "command"):
-                    yield group.name, name, field.width
+                    yield group.name, member(register.name, field.name), field.width
             if register.strobe and kind == CFG:
                 yield group.name, f"{register.name}_written", 1
 

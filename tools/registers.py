@@ -20,7 +20,7 @@ MADE = f"Made by tools/registers.py from {SOURCE}: change that, then `make regis
 HELD = {"detail": 20, "timer": 16, "load": 32, "offset": 17}
 
 
-KEYWORDS = {"force"}  # of SystemVerilog: no member's name
+KEYWORDS = {"force"}  # of SystemVerilog: a member of that name gets a "_"
 
 
 @dataclass(frozen=True)
@@ -76,6 +76,7 @@ class Group:
 def _field(group, register, field):
     member = register if field.inst_name == "value" else f"{register}_{field.inst_name}"
     prefix, port = f"{group}.{register}", f"{group}_{member}"
+    member += "_" * (member in KEYWORDS)
     writable, seen = field.is_sw_writable, field.is_hw_readable
     if field.get_property("singlepulse"):
         kind = "command"
@@ -138,11 +139,6 @@ def settings(groups):
     return [(field.port, field.width, field.reset) for field, _, _ in fields]
 
 
-def _member(field):
-    """Name of a field's member in its group's struct."""
-    return f"{field.member}_" if field.member in KEYWORDS else field.member
-
-
 def _structs(groups):
     """{"cfg": [(group, [(member, bits)])], "status": ...}: what the core gets, and what it gives."""
     made = {"cfg": [], "status": []}
@@ -151,7 +147,7 @@ def _structs(groups):
         for register in group.registers:
             for field in register.fields:
                 if field.kind != "constant":
-                    (status if field.kind == "status" else cfg).append((_member(field), field.width))
+                    (status if field.kind == "status" else cfg).append((field.member, field.width))
             if register.strobe:
                 cfg.append((f"{register.name}_written", 1))
         for name, members in (("cfg", cfg), ("status", status)):
@@ -259,7 +255,7 @@ class Process:
 
     def field(self, field, base):
         """Flip-flops of one field; returns what a read sees."""
-        member, width = f"{self.group.name}.{_member(field)}", field.width
+        member, width = f"{self.group.name}.{field.member}", field.width
         slice_ = f"[{field.high}:{field.low}]" if width > 1 else f"[{field.low}]"
         if field.kind == "constant":
             return f"{width}'h{field.reset:x}"
@@ -514,12 +510,12 @@ def proof(groups):
             word = f"10'h{register.address >> 2:03x}"
             for field in register.fields:
                 begin = f"{index}, {on}, {word}, {field.low}"
-                name = f"{field.port}, {group.name}.{_member(field)}"
+                name = f"{field.port}, {group.name}.{field.member}"
                 if field.kind == "setting":
                     inner = (
                         f"dut.{field.port}_q"
                         if waits or field.held_to
-                        else f"cfg_o.{group.name}.{_member(field)}"
+                        else f"cfg_o.{group.name}.{field.member}"
                     )
                     ends = f"{field.parameter}, {int(field.signed)}"
                     lines.append(

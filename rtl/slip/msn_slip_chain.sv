@@ -119,7 +119,8 @@ module msn_slip_chain #(
     assign cop_ready_o = 1'b0;
   end else begin : gen_no_slip
     assign {out_valid_o, cop_ready_o, out_o} = {cop_valid_i, out_ready_i, cop_i};
-    assign {in_ready_o, busy_o, status_o} = {1'b1, 1'b0, 64'd0};
+    assign in_ready_o = 1'b1;
+    assign {busy_o, status_o} = '0;
     logic unused_slip;
     assign unused_slip = ^{actuator_moving_i, in_valid_i, in_data_i, in_id_i, in_last_i, in_mask_i};
   end

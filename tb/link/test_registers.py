@@ -24,7 +24,7 @@ WAITING = [group.name for group in GROUPS if group.at_frame]
 
 
 def member(group, register, field):
-    return f"{group}_{register}" if field == "value" else f"{group}_{register}_{field}"
+    return f"{group}_{members.member(register, field)}"
 
 
 def put(dut, status):
