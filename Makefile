@@ -86,7 +86,7 @@ gate: $(SYNTH)  ## every board's netlist against its sources: the same codes in,
 fmax: $(SYNTH)  ## Fmax and area of single blocks, worst of three seeds: build/fmax/fmax.json [FMAX="--record slip-1"]
 	@$(BIN)/python tools/fmax.py --jobs $(JOBS) $(FMAX)
 
-figures: $(SYNTH)  ## README's figures of scenes again, and the page: docs/figures.json [FIGURES="cop_slip"]
+figures: $(SYNTH)  ## README's figures of scenes and tools again, and the page: docs/figures.json [FIGURES="cop_slip"]
 	@$(BIN)/python tools/figures.py --record $(FIGURES)
 
 formal: $(FORMAL)  ## proofs of the blocks by k-induction, two solvers each: docs/trust/formal.json

@@ -1,4 +1,7 @@
-"""Samples per second of each engine through ``meissner process slip``, and a scene's time: medians."""
+"""Samples per second of each engine through ``meissner process slip``, and a scene's time: medians.
+
+A machine's clock decides them: only the ratios within one run say anything of the engines.
+"""
 
 import argparse
 import statistics
@@ -10,27 +13,42 @@ from meissner import engines, scenes
 from meissner.slip.config import SlipConfig
 
 
+def rates(name, samples, config, repeats):
+    """Samples per second of engine ``name``, by the wall's clock and the processor's: medians."""
+    engines.process_slip(samples[:1000], config, name)  # built and warm
+    walls, cpus = [], []
+    for _ in range(repeats):
+        wall, cpu = time.perf_counter(), time.process_time()
+        engines.process_slip(samples, config, name)
+        walls.append(time.perf_counter() - wall)
+        cpus.append(time.process_time() - cpu)
+    return [len(samples) / statistics.median(t) for t in (walls, cpus)]
+
+
+def measure(count, repeats, hops=(64, 32, 2)):
+    """Yield (hop, engine, rate by the wall's clock, rate by the processor's)."""
+    # Quiet noise that slips in about one window of a thousand, like a held object.
+    x = np.random.default_rng(1).integers(-60, 60, count)
+    for hop in hops:
+        config = SlipConfig(threshold=230, hop=hop)
+        for name in engines.NAMES:
+            samples = x if name != "float" or hop == 64 else x[: count // 10]
+            yield hop, name, *rates(name, samples, config, repeats)
+
+
+def figures():
+    """Engine: samples per second of the processor's time, window and hop 64."""
+    return {name: rate for _, name, _, rate in measure(5_000_000, 5, (64,))}
+
+
 def main():
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--samples", type=int, default=5_000_000)
     parser.add_argument("--repeats", type=int, default=5)
     options = parser.parse_args()
-    # Quiet noise that slips in about one window of a thousand, like a held object.
-    x = np.random.default_rng(1).integers(-60, 60, options.samples)
     print(f"{options.samples} samples of one channel, median of {options.repeats}; CPU time in brackets")
-    for hop in (64, 32, 2):
-        config = SlipConfig(threshold=230, hop=hop)
-        for name in engines.NAMES:
-            samples = x if name != "float" or hop == 64 else x[: len(x) // 10]
-            engines.process_slip(samples[:1000], config, name)  # built and warm
-            walls, cpus = [], []
-            for _ in range(options.repeats):
-                wall, cpu = time.perf_counter(), time.process_time()
-                engines.process_slip(samples, config, name)
-                walls.append(time.perf_counter() - wall)
-                cpus.append(time.process_time() - cpu)
-            rate, cpu_rate = (len(samples) / statistics.median(t) for t in (walls, cpus))
-            print(f"window 64, hop {hop:2}, {name:5}: {rate:9.3g} samples/s ({cpu_rate:.3g})")
+    for hop, name, rate, cpu_rate in measure(options.samples, options.repeats):
+        print(f"window 64, hop {hop:2}, {name:5}: {rate:9.3g} samples/s ({cpu_rate:.3g})")
     scene, times = scenes.load("acrylic_slip"), []
     for seed in range(10):
         begin = time.perf_counter()

@@ -2,7 +2,8 @@
 
     python tools/figures.py                     which figures are stale, with the command of each
     python tools/figures.py --page              README from constraints/*.json and docs/figures.json
-    python tools/figures.py --record [NAME...]  scenes on engine fixed into docs/figures.json, then the page
+    python tools/figures.py --record [NAME...]  scenes on engine fixed, and what tools/measured_figures.py
+                                                names, into docs/figures.json, then the page
 
 `python tools/fmax.py --record NAME` and `python tools/synth.py --record BOARD CONFIG` record the others.
 """
@@ -25,7 +26,7 @@ HEAD = "| what | figure | command |"
 
 
 class Records:
-    """What is recorded: measured blocks, and scenes or figures as they were printed."""
+    """What is recorded: measured blocks, and the summaries of scenes and tools."""
 
     def __init__(self, blocks=None, printed=None):
         self.blocks = json.loads(fmax.RECORD.read_text()) if blocks is None else blocks
@@ -40,14 +41,14 @@ class Records:
         return of is None or of != revision.of_files(entry["rests_on"], "scenes")
 
     def says(self, key, template):
-        """``template`` of an entry's fields, marked if it is stale. An entry by hand has its words only."""
+        """``template`` of an entry's fields, marked if it is stale."""
         entry = self.blocks.get(key) or self.printed[key]
         if key in self.blocks:
             fields = entry | entry.get("area", {})
             fields["frames"] = int(1e6 * entry.get("mhz_worst", 0) / BEATS)
             words = template.format(**fields)
         else:
-            words = template(entry["summary"]) if "summary" in entry else entry["figure"]
+            words = template(entry["summary"])
         return words + (" (stale)" if self.stale(key) else "")
 
 
@@ -90,6 +91,11 @@ def evenness(s):
     return f"{before:.1f} % before, {after:.2f} % after{found or ' calibration'}"
 
 
+def two_digits(ratio):
+    """A ratio of two times, as far as one run on a shared machine says it."""
+    return f"{float(f'{ratio:.2g}'):,.0f}"
+
+
 WORDS = {
     "acrylic_slip": acrylic,
     "slip_forces": lambda s: f"{s['runs']} runs of forces: {errors(s)}",
@@ -98,13 +104,26 @@ WORDS = {
     "capacitive_shapes": evenness,
     "fsr_64x64": evenness,
     "cop_slip": grip,
-    # What a machine's clock decides, and other commands' words, as they were written down.
-    "recordings": None,
-    "mesh": None,
-    "soak": None,
-    "set_up": None,
-    "engines": None,
-    "jitter": None,
+    "recordings": lambda s: (
+        f"{s['haar']} false alarms in the hold; "
+        f"plain peak-to-peak of the same signal: {s['plain']} recordings"
+    ),
+    "mesh": lambda s: (
+        f"the same to {s['difference']:.0e}; about {two_digits(s['one'])} times faster one by one, "
+        f"{two_digits(s['batch'])} times in a batch of 1,000"
+    ),
+    "soak": lambda s: f"{s['lost']} lost, {s['wrong']} wrong, {s['images']:,} packets of images beside them",
+    "engines": lambda s: ", ".join(f"{name} {s[name]:.1e}".replace("e+0", "e") for name in s),
+    "jitter": lambda s: f"{s['convert_jitter_clocks']} and {s['decision_jitter_clocks']} clocks",
+}
+
+# What measures a figure that is no scene's on engine fixed.
+COMMANDS = {
+    "engines": "make bench",
+    "jitter": "python tools/jitter.py",
+    "mesh": "python tools/mesh_figures.py",
+    "recordings": "python tools/recordings.py",
+    "soak": "python tools/soak_link.py",
 }
 
 # Rows of Results by their first cell: the figure from records, and the command if it is not the page's.
@@ -151,7 +170,6 @@ GENERATED = {
     "slip from four wires, seven directions and speeds, 70 pulls; 30 runs of grip alone": scene("cop_slip"),
     "resistor mesh 41×41, six contacts: fast solver against sparse LU": scene("mesh"),
     "slip events lost of 1,000,000 at full image load, 6 Mbaud at 24 MHz": scene("soak"),
-    "set-up and demo; tests": scene("set_up"),
     "engines, samples per second on one core": scene("engines"),
 }
 
@@ -175,17 +193,17 @@ def page(text, records, pairs):
 
 
 def measure(names):
-    """Record scenes, each in a process of its own."""
+    """Record figures, each in a process of its own."""
     for name in names:
         done = subprocess.run(
-            [sys.executable, str(toolchain.ROOT / "tools/scene_figures.py"), name],
+            [sys.executable, str(toolchain.ROOT / "tools/measured_figures.py"), name],
             stdout=subprocess.PIPE,
             text=True,
             check=True,
         )
         found = json.loads(done.stdout.splitlines()[-1])
         entry = {
-            "command": f"meissner run {name} --engine fixed --json",
+            "command": COMMANDS.get(name, f"meissner run {name} --engine fixed --json"),
             "date": str(datetime.date.today()),
             "of": revision.of_files(found["rests_on"], "scenes"),
         }
@@ -197,15 +215,14 @@ def measure(names):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("names", nargs="*", help="scenes; all if none is named")
-    parser.add_argument("--record", action="store_true", help="run scenes and record them, then the page")
+    parser.add_argument("names", nargs="*", help="all if none is named")
+    parser.add_argument("--record", action="store_true", help="measure, record, write the page")
     parser.add_argument("--page", action="store_true", help="write README from what is recorded")
     options = parser.parse_args()
-    scenes = [name for name, words in WORDS.items() if words]
-    if strange := [name for name in options.names if name not in scenes]:
-        parser.error(f"no scene {strange[0]}; there are {', '.join(scenes)}")
+    if strange := [name for name in options.names if name not in WORDS]:
+        parser.error(f"no figure {strange[0]}; there are {', '.join(WORDS)}")
     if options.record:
-        measure(options.names or scenes)
+        measure(options.names or list(WORDS))
     records = Records()
     pairs = json.loads(synth.RESOURCES.read_text())
     if options.record or options.page:

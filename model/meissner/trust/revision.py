@@ -148,12 +148,17 @@ def of_board(board, config):
 
 
 def of_files(names, kind):
-    """The same of figures that rest on files of the repository; None if one is no longer there."""
+    """The same of figures that rest on files of the repository; None if one is no longer there.
+
+    Sources of the RTL among them ran on the simulator.
+    """
     paths = [toolchain.ROOT / name for name in names]
     if not all(path.exists() for path in paths):
         return None
-    texts = [_plain(path) if path.suffix == ".py" else path.read_text("utf-8") for path in paths]
-    return _hashed([*names, *texts, *_versions(kind)])
+    code = (".py", ".sv", ".cpp", ".hpp")
+    texts = [_plain(path) if path.suffix in code else path.read_text("utf-8") for path in paths]
+    simulator = _versions("faults") if any(name.endswith(".sv") for name in names) else []
+    return _hashed([*names, *texts, *_versions(kind), *simulator])
 
 
 @cache

@@ -1,0 +1,66 @@
+"""Measure one figure of README in a process of its own; print its summary and the files it rests on.
+
+    python tools/measured_figures.py normal_force     a scene, on engine fixed
+    python tools/measured_figures.py soak             an entry of TOOLS
+
+The files: every Python module of the repository that was imported, every other file of model/ that was read,
+and the RTL below the module that ran.
+"""
+
+import importlib
+import json
+import sys
+import tempfile
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+TIMES = ("seconds_taken", "samples_per_second", "saved")  # of this machine
+# Figure: the module of tools/ whose function ``figures`` measures it, and the RTL's top that runs in it.
+TOOLS = {
+    "engines": ("bench_engines", "msn_channels"),
+    "jitter": ("jitter", "msn_channels"),
+    "mesh": ("mesh_figures", None),
+    "recordings": ("recordings", "msn_channels"),
+    "soak": ("soak_link", "msn_link"),
+}
+opened = set()
+
+
+def watch(event, arguments):
+    if event == "open" and isinstance(arguments[0], str | Path):
+        opened.add(Path(arguments[0]))
+
+
+def scene(name):
+    from meissner import run, scenes
+
+    with tempfile.TemporaryDirectory() as out:
+        summary = run.run(scenes.load(name), "fixed", Path(out))
+    return {key: value for key, value in summary.items() if key not in TIMES}
+
+
+def rests_on(top):
+    """Files of the repository, as sorted names."""
+    from meissner import toolchain
+
+    modules = {Path(path) for m in list(sys.modules.values()) if (path := getattr(m, "__file__", None))}
+    read = {path for path in opened if path.suffix not in (".py", ".pyc") and "__pycache__" not in str(path)}
+    inside = {
+        path
+        for path in (path.resolve() for path in modules | read)
+        if path.is_relative_to(ROOT / "model") or (path in modules and path.is_relative_to(ROOT / "tools"))
+    }
+    inside |= set(toolchain.sources_of(top)) if top else set()
+    names = {str(path.relative_to(ROOT)) for path in inside if path.is_file()}
+    return sorted(names - {str(Path(__file__).resolve().relative_to(ROOT))})
+
+
+def main(name):
+    sys.addaudithook(watch)
+    module, top = TOOLS.get(name, (None, None))
+    summary = importlib.import_module(module).figures() if module else scene(name)
+    print(json.dumps({"summary": summary, "rests_on": rests_on(top)}))
+
+
+if __name__ == "__main__":
+    main(sys.argv[1])
