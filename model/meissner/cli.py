@@ -48,9 +48,13 @@ def run(arguments):
         raise ValueError(f"{there} is a file; name a folder for the results")
     if not os.access(there, os.W_OK | os.X_OK):
         raise ValueError(f"the folder {there} cannot be written to")
-    summary = run.run(
-        scene, arguments.engine, out, arguments.seed, arguments.waves, _progress(f"running {scene.name}")
-    )
+    try:
+        summary = run.run(
+            scene, arguments.engine, out, arguments.seed, arguments.waves, _progress(f"running {scene.name}")
+        )
+    except OSError as problem:  # a write that fails does not say of which file
+        problem.filename = problem.filename or f"the results in {out}"
+        raise
     if arguments.json:
         print(json.dumps(summary, indent=2))
         return
@@ -87,7 +91,17 @@ def main(arguments=None):
         sys.exit(130)  # as a shell reports a program that Ctrl-C ended
 
 
+def _sentence(problem):
+    """What went wrong; of a disk without room, what it was that did not fit."""
+    from meissner.files import FULL, NoRoom
+
+    if isinstance(problem, OSError) and problem.errno in FULL and not isinstance(problem, NoRoom):
+        return f"{problem.filename or 'the output'} could not be written: {FULL[problem.errno]}"
+    return problem
+
+
 def _refuse(problem):
+    problem = _sentence(problem)
     with suppress(OSError):  # the terminal may be what is gone
         print(f"meissner: {plain(problem)}", file=sys.stderr, flush=True)
     return 2

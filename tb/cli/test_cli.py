@@ -533,3 +533,27 @@ def test_a_full_disk_is_one_sentence(tmp_path, out):
     assert done.returncode == 2 and done.stdout == ""
     assert done.stderr == f"meissner: {out} could not be written: the file may not grow any more\n"
     assert [path.name for path in tmp_path.iterdir()] == ["in.npy"]
+
+
+RUN = ("run", "walk_25x5", "--engine", "fixed", "--out", "out")
+
+
+@pytest.mark.parametrize(("arguments", "what"), [(("scenes",), "the output"), (RUN, "the results in out")])
+def test_a_full_disk_names_what_was_being_written(tmp_path, arguments, what):
+    """Standard output on a full device; a picture or table of a run beyond the largest file allowed."""
+    limit = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000))
+    full = arguments is not RUN
+    with open("/dev/full" if full else os.devnull, "w") as out:
+        done = subprocess.run(
+            [sys.executable, "-m", "meissner.cli", *arguments],
+            cwd=tmp_path,
+            stdout=out,
+            stderr=subprocess.PIPE,
+            text=True,
+            preexec_fn=None if full else limit,
+        )
+    assert done.returncode == 2
+    why = "the disk is full" if full else "the file may not grow any more"
+    (line,) = done.stderr.splitlines()
+    assert line.startswith("meissner: ") and line.endswith(f" could not be written: {why}")
+    assert what in line

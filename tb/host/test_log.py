@@ -235,7 +235,12 @@ def test_refuses_what_is_no_log(tmp_path):
     ):
         with pytest.raises(ValueError, match=name):
             log.read(tmp_path / name)
-    for name, sentence in (("absent.npz", "there is no file"), ("x.csv", "no file")):
+    (tmp_path / "cut.npz").write_bytes((tmp_path / "good.npz").read_bytes()[:-30])
+    for name, sentence in (
+        ("absent.npz", "there is no file"),
+        ("x.csv", "no file"),
+        ("cut.npz", "cut.npz is cut off or damaged"),
+    ):
         with pytest.raises(ValueError, match=sentence):
             log.read(tmp_path / name)
     for at in rng.integers(0, len(whole), 60):  # a bit anywhere: read whole or refused in a sentence

@@ -173,7 +173,9 @@ def read(path):
     if path.suffix.lower() == NpzLog.KIND:
         arrays = read_rows(path) | {"partial": np.True_}
     elif path.suffix.lower() == ".npz":
-        arrays = read_arrays(path) or {}
+        arrays = read_arrays(path)
+        if arrays is None:
+            raise ValueError(f"{path} is cut off or damaged: it is not a whole .npz file of arrays")
     else:
         raise ValueError(f"{path} must be a .mcap or a .npz file, or what a log that was ended left")
     _check(path, arrays)
