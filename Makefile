@@ -102,7 +102,7 @@ mutants: $(SYNTH)  ## mutants of every block against its own tests: docs/mutants
 	@$(BIN)/python tools/mutants.py --jobs $(JOBS) --record $(BLOCKS)
 
 mutants-quick: $(SYNTH)  ## a few mutants of a few quick blocks, and whether the tool itself can fail; in make test too
-	@$(BIN)/python -m pytest -n $(JOBS) tb/trust/test_mutants.py
+	@$(BIN)/python -m pytest -n $(JOBS) tb/verify/test_mutants.py
 
 trust: $(FORMAL)  ## all of the evidence anew, hours: docs/trust.md, README's line [TRUST=--due]
 	@$(BIN)/python tools/trust.py --jobs $(JOBS) $(TRUST)

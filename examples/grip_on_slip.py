@@ -13,8 +13,8 @@ import numpy as np
 from meissner import host, scenes
 from meissner.host.pty import Pty
 from meissner.host.simulated import BLOCK, SimulatedCore, settings_of, slip_source
-from meissner.link.packet import STATISTIC, statistic
-from meissner.world import plate, rubber
+from meissner.physics import plate, rubber
+from meissner.twins.link.packet import STATISTIC, statistic
 
 SCENE = scenes.load("acrylic_slip")
 MU = plate.MATERIALS["acrylic"].mu_s

@@ -8,9 +8,9 @@ PORT is serial:/dev/ttyUSB0, say; without it there is a simulated core on a pty.
 import sys
 
 from meissner import host
+from meissner.builds.units import of_scene
 from meissner.host.pty import Pty
 from meissner.host.simulated import of_scenes
-from meissner.host.units import of_scene
 from meissner.scenes import load
 
 

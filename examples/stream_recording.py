@@ -10,8 +10,8 @@ import sys
 from meissner import engines, files, scenes
 from meissner.host import Units, packets
 from meissner.host.simulated import SimulatedCore, blocks_of, settings_of, slip_source
-from meissner.link.decoder import Decoder
-from meissner.slip.config import SlipConfig
+from meissner.twins.link.decoder import Decoder
+from meissner.twins.slip.config import SlipConfig
 
 
 def main(path=None, threshold=40):

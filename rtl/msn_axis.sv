@@ -6,7 +6,7 @@
 //   m_axis   packets (docs/link.md) byte by byte, tlast on the final one; answers are AXI4-Lite's
 //   s_axil   docs/registers.md
 //
-// Packets carry the clock of their frame's first beat. Model: model/meissner/core.py
+// Packets carry the clock of their frame's first beat. Model: model/meissner/twins/core.py
 
 module msn_axis #(
   parameter  bit          Array            = 1'b1,   // this and the following: msn_core

@@ -9,7 +9,7 @@
 //
 // Adc = AdcNone: samples come in on the stream, whole frames, an array's Converters lanes wide. Uart = 0: packets
 // leave as bytes and the registers' bus is open, for msn_axis. SlipOnly: the small sender of slip events alone.
-// Model: model/meissner/core.py
+// Model: model/meissner/twins/core.py
 
 module msn_core #(
   // The sensor and its converters.

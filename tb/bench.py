@@ -21,7 +21,7 @@ import bodies
 import icarus
 import recorder
 from bodies import applies
-from meissner import toolchain
+from meissner.builds import toolchain
 
 # Not --coverage: that adds state machines, which give no points and stop Verilator 5.048 at some sources.
 COVERAGE_FLAGS = ("--coverage-line", "--coverage-toggle", "--coverage-expr")
@@ -34,7 +34,7 @@ SIM = os.environ.get("MEISSNER_SIM", "verilator")  # or icarus
 MAKEFLAGS = "-- CFG_CXXFLAGS_PCH_I=-include OPT_FAST=-O0"
 # Whose assertions say the values they compare: to go through every other module, numpy's too, takes a second.
 os.environ.setdefault("COCOTB_REWRITE_ASSERTION_FILES", "test_*.py *_by_hand.py")
-if os.environ.get("MEISSNER_INSTANCE"):  # one of many in a top without ports, of meissner.trust.regress
+if os.environ.get("MEISSNER_INSTANCE"):  # one of many in a top without ports, of verify.regress
     cocotb.top = getattr(cocotb.top, os.environ["MEISSNER_INSTANCE"])
 if recorder.FILE:
     recorder.install()

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-os.environ.setdefault("MEISSNER_OPTIMISE", "-O1")  # before meissner.toolchain reads it
+os.environ.setdefault("MEISSNER_OPTIMISE", "-O1")  # before meissner.builds.toolchain reads it
 
 import bodies
 
@@ -90,22 +90,22 @@ BIG = [
     "tb/slip/test_slip_serial.py::test_slip_serial[parameters0]",
     "tb/slip/test_slip_serial.py::test_slip_serial[parameters1]",
     "tb/slip/test_slip_serial.py::test_slip_serial[parameters5]",
-    "tb/trust/test_equivalence.py::test_a_state_while_a_bit_is_0_is_a_condition",
-    "tb/trust/test_equivalence.py::test_resets_hold_with_what_is_taken_for_granted",
-    "tb/trust/test_faults.py::test_a_run_in_which_nothing_comes_out_is_refused",
-    "tb/trust/test_faults.py::test_finds_bytes_that_stay_wrong",
-    "tb/trust/test_faults.py::test_finds_damage_that_nobody_tells",
-    "tb/trust/test_faults.py::test_none_is_silent[frame_check]",
-    "tb/trust/test_faults.py::test_none_is_silent[skid]",
-    "tb/trust/test_formal.py::test_holds[packet]",
-    "tb/trust/test_formal.py::test_holds[scan_plan]",
-    "tb/trust/test_mutants.py::test_a_weak_test_leaves_survivors_that_the_solver_tells_apart",
-    "tb/trust/test_mutants.py::test_quick_blocks_kill_theirs[fork]",
-    "tb/trust/test_mutants.py::test_quick_blocks_kill_theirs[round_sat]",
-    "tb/trust/test_mutants.py::test_shows_equivalence_and_never_of_a_killed_mutant",
-    "tb/trust/test_regress.py::test_a_planted_bug_is_found_and_made_small",
-    "tb/trust/test_regress.py::test_through_a_scheduler",
-    "tb/trust/test_regress.py::test_two_sizes_pass",
+    "tb/verify/test_equivalence.py::test_a_state_while_a_bit_is_0_is_a_condition",
+    "tb/verify/test_equivalence.py::test_resets_hold_with_what_is_taken_for_granted",
+    "tb/verify/test_faults.py::test_a_run_in_which_nothing_comes_out_is_refused",
+    "tb/verify/test_faults.py::test_finds_bytes_that_stay_wrong",
+    "tb/verify/test_faults.py::test_finds_damage_that_nobody_tells",
+    "tb/verify/test_faults.py::test_none_is_silent[frame_check]",
+    "tb/verify/test_faults.py::test_none_is_silent[skid]",
+    "tb/verify/test_formal.py::test_holds[packet]",
+    "tb/verify/test_formal.py::test_holds[scan_plan]",
+    "tb/verify/test_mutants.py::test_a_weak_test_leaves_survivors_that_the_solver_tells_apart",
+    "tb/verify/test_mutants.py::test_quick_blocks_kill_theirs[fork]",
+    "tb/verify/test_mutants.py::test_quick_blocks_kill_theirs[round_sat]",
+    "tb/verify/test_mutants.py::test_shows_equivalence_and_never_of_a_killed_mutant",
+    "tb/verify/test_regress.py::test_a_planted_bug_is_found_and_made_small",
+    "tb/verify/test_regress.py::test_through_a_scheduler",
+    "tb/verify/test_regress.py::test_two_sizes_pass",
 ]
 
 

@@ -3,7 +3,7 @@ msn_registers_pkg, whose places follow from the map (groups in its order, a grou
 first highest), and what passes between blocks, of rtl/msn_pkg.sv.
 """
 
-from meissner.host.register_map import GROUPS
+from meissner.twins.link.register_map import GROUPS
 
 CFG, STATUS = "cfg", "status"
 

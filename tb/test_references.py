@@ -6,10 +6,11 @@ from functools import cache
 
 import pytest
 
-from meissner import toolchain
+from meissner.builds import toolchain
 
 PAGE = (toolchain.ROOT / "docs/references.md").read_text()
-MODEL = toolchain.ROOT / "model/meissner"
+PACKAGE = toolchain.ROOT / "model/meissner"
+MODEL = PACKAGE / "twins"
 STAGES = ("common", "cop", "frontend", "link", "sensor", "slip")
 ROWS = [[cell.strip() for cell in row.split("|")[1:-1]] for row in PAGE.splitlines() if row.startswith("| `")]
 COMPUTES = [row for row in ROWS if len(row) == 3]
@@ -59,7 +60,10 @@ def test_the_reference_is_used(twin, reference, used_by):
     module = twin.strip("`").removesuffix(".py").replace("/", ".")
     package, _, block = module.rpartition(".")
     text = (toolchain.ROOT / file).read_text()
-    wanted = rf"from meissner\.{module} import|from meissner\.{package} import .*\b{block}\b"
+    wanted = (
+        rf"from meissner\.twins\.{module} import|from meissner\.twins\.{package} import .*\b{block}\b"
+        rf"|from meissner\.twins import .*\b{module}\b"
+    )
     assert re.search(wanted, text), f"{file} does not import the twin"
 
 
@@ -75,11 +79,9 @@ def test_references_read_no_twin(path):
 
 def test_engine_float_takes_types_and_constants_only():
     """From the files of the twins: names of classes and in capitals."""
-    for path in (MODEL / "engines").glob("float*.py"):
+    for path in (PACKAGE / "engines").glob("float*.py"):
         for node in ast.walk(ast.parse(path.read_text())):
-            if isinstance(node, ast.ImportFrom) and re.match(
-                rf"meissner\.({'|'.join(STAGES)})\b", node.module
-            ):
+            if isinstance(node, ast.ImportFrom) and re.match(r"meissner\.twins\b", node.module):
                 taken = [alias.name for alias in node.names]
                 assert all(name[0].isupper() for name in taken), f"{path.name}: {taken}"
                 assert not {"Slip", "SlipSerial", "CopSlip", "Health"} & set(taken)

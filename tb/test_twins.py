@@ -2,7 +2,7 @@
 
 import pytest
 
-from meissner import toolchain
+from meissner.builds import toolchain
 
 TOPS = ("msn_core", "msn_axis")
 BLOCKS = [path for path in toolchain.sources() if path.stem not in TOPS and not path.stem.endswith("_pkg")]
@@ -11,14 +11,15 @@ BLOCKS = [path for path in toolchain.sources() if path.stem not in TOPS and not 
 @pytest.mark.parametrize("path", BLOCKS, ids=lambda path: path.stem)
 def test_every_block_has_its_twin_and_its_testbench(path):
     stage, block = path.parent.name, path.stem.removeprefix("msn_")
-    assert (toolchain.ROOT / f"model/meissner/{stage}/{block}.py").exists()
+    assert (toolchain.ROOT / f"model/meissner/twins/{stage}/{block}.py").exists()
     assert (toolchain.ROOT / f"tb/{stage}/test_{block}.py").exists()
-    assert f"model/meissner/{stage}/{block}.py" in path.read_text(), "its header does not name its model"
+    twin = f"model/meissner/twins/{stage}/{block}.py"
+    assert twin in path.read_text(), "its header does not name its model"
 
 
 @pytest.mark.parametrize("top", TOPS)
 def test_the_tops_share_a_twin(top):
-    assert "model/meissner/core.py" in (toolchain.ROOT / f"rtl/{top}.sv").read_text()
+    assert "model/meissner/twins/core.py" in (toolchain.ROOT / f"rtl/{top}.sv").read_text()
     assert (toolchain.ROOT / f"tb/core/test_{top.removeprefix('msn_')}.py").exists()
 
 

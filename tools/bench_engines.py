@@ -10,7 +10,7 @@ import time
 import numpy as np
 
 from meissner import engines, scenes
-from meissner.slip.config import SlipConfig
+from meissner.twins.slip.config import SlipConfig
 
 
 def rates(name, samples, config, repeats):

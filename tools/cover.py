@@ -19,7 +19,7 @@ import tomllib
 
 import coverage_points as points
 from coverage_points import FOLDER, KINDS, ROOT
-from meissner.trust import benches, record
+from verify import benches, record
 
 COUNTS = FOLDER / "counts"
 TRACES = FOLDER / "python"

@@ -8,14 +8,14 @@ import sys
 from collections import defaultdict
 from pathlib import Path
 
-from meissner import toolchain
-from meissner.trust import benches
+from meissner.builds import toolchain
+from verify import benches
 
 ROOT = toolchain.ROOT
 FOLDER = toolchain.BUILD / "coverage"
 WAIVERS = ROOT / "tb/coverage/waivers.toml"
 RULES = ROOT / "tb/coverage/coveragerc"
-MODEL = ROOT / "model/meissner"
+MODEL = ROOT / "model/meissner/twins"
 KINDS = ("line", "branch", "toggle", "expr", "cover", "twin")
 STAGES = tuple(dict.fromkeys(map(benches.stage_of, benches.blocks())))
 

@@ -9,7 +9,7 @@ import argparse
 
 import numpy as np
 
-from meissner.frontend.am_demod import IQ, IQ_FAST, RECTIFIER, AmDemod
+from meissner.twins.frontend.am_demod import IQ, IQ_FAST, RECTIFIER, AmDemod
 
 BITS, OFFSET, PERIODS = 12, 2048, 8
 SNR_DB = (60, 40, 30, 20, 10, 5, 0, -5, -10)

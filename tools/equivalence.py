@@ -21,9 +21,9 @@ from dataclasses import replace
 from itertools import product
 from threading import Lock
 
-from meissner.trust import benches, circuit, netlist_proof, record, reset_proof
-from meissner.trust.reset_proof import Task
-from meissner.yowasp import ToolError, warm_up
+from meissner.builds.yowasp import ToolError, warm_up
+from verify import benches, circuit, netlist_proof, record, reset_proof
+from verify.reset_proof import Task
 
 OUT = "build/equivalence"  # relative to ROOT: YoWASP sees nothing outside the directory it starts in
 NAMES = {"ecp5": "ECP5", "ice40": "iCE40", "reset": "reset"}

@@ -13,8 +13,8 @@ import json
 import subprocess
 import sys
 
-from meissner import toolchain
-from meissner.trust import benches, faults, record
+from meissner.builds import toolchain
+from verify import benches, faults, record
 
 TABLE = "## What was recorded\n\n"  # the page's last section
 

@@ -16,8 +16,8 @@ import sys
 
 import fmax
 import synth
-from meissner import toolchain
-from meissner.trust import revision
+from meissner.builds import toolchain
+from verify import revision
 
 README = toolchain.ROOT / "README.md"
 SCENES = toolchain.ROOT / "docs/figures.json"

@@ -23,8 +23,8 @@ from fnmatch import fnmatch
 from pathlib import Path
 from threading import Lock
 
-from meissner.trust import revision
-from meissner.yowasp import ROOT, ToolError, chparam, read_rtl, synthesis, tool, warm_up, yosys
+from meissner.builds.yowasp import ROOT, ToolError, chparam, read_rtl, synthesis, tool, warm_up, yosys
+from verify import revision
 
 OUT = Path("build/fmax")  # relative to ROOT: YoWASP sees nothing outside the directory it starts in
 RECORD = ROOT / "constraints/fmax.json"

@@ -16,8 +16,8 @@ import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
 
-from meissner import yowasp
-from meissner.trust import formal, formal_mutants, record
+from meissner.builds import yowasp
+from verify import formal, formal_mutants, record
 
 
 def words(parameters):

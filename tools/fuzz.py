@@ -13,7 +13,7 @@ import sys
 import time
 import warnings
 
-from meissner.trust import fuzz, record
+from verify import fuzz, record
 
 
 def main():

@@ -13,9 +13,10 @@ import time
 
 import numpy as np
 
-from meissner import boards
-from meissner.engines.rtl_core import codes_of, line
-from meissner.link.decoder import Decoder
+from meissner.builds import boards
+from meissner.engines.rtl_core import line
+from meissner.scenes.shown import codes_of
+from meissner.twins.link.decoder import Decoder
 
 # Of a configuration's scene: from which frame on, how many, and every how many-th (a press in a few of them).
 SCENES = {

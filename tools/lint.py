@@ -6,8 +6,8 @@ import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from meissner import boards, config, toolchain, yowasp
-from meissner.build import verilog
+from meissner.builds import boards, config, toolchain, yowasp
+from meissner.builds.build import verilog
 
 ROOT = toolchain.ROOT
 RULES = ROOT / "tb/lint/verible.rules"

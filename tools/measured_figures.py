@@ -41,7 +41,7 @@ def scene(name):
 
 def rests_on(top):
     """Files of the repository, as sorted names."""
-    from meissner import toolchain
+    from meissner.builds import toolchain
 
     modules = {Path(path) for m in list(sys.modules.values()) if (path := getattr(m, "__file__", None))}
     read = {path for path in opened if path.suffix not in (".py", ".pyc") and "__pycache__" not in str(path)}

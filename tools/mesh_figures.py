@@ -12,9 +12,9 @@ import time
 import numpy as np
 from scipy.spatial import cKDTree
 
-from meissner.world import mesh_loads
-from meissner.world.mesh import Mesh, contacts, correction
-from meissner.world.mesh.circuit import Circuit
+from meissner.physics import mesh_loads
+from meissner.physics.mesh import Mesh, contacts, correction
+from meissner.physics.mesh.circuit import Circuit
 
 
 def show(title, header, rows):

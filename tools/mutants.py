@@ -19,9 +19,9 @@ import time
 import tomllib
 from collections import Counter
 
-from meissner.toolchain import ROOT
-from meissner.trust import benches, equivalence, mutants_page, mutate, record, simulate, source_netlist
-from meissner.yowasp import ToolError, warm_up
+from meissner.builds.toolchain import ROOT
+from meissner.builds.yowasp import ToolError, warm_up
+from verify import benches, equivalence, mutants_page, mutate, record, simulate, source_netlist
 
 PAGE = ROOT / "docs/mutants.md"
 MARK = "<!-- written by make mutants: from here to the end -->\n"
@@ -35,7 +35,7 @@ FEWEST, MOST = 100, 200  # mutants of a block of WHOLE; between them one for eac
 OTHERS = 25  # of another block: all of them in three hours of a processor
 SOURCE, SOURCE_SETS = 24, 2  # mutants of a block's source, over so many sets
 SEEDS = [1, 2, 3]
-JUDGED = ROOT / "tb/trust/equivalent.toml"  # by hand
+JUDGED = ROOT / "tb/verify/equivalent.toml"  # by hand
 LARGE = {  # sets that take longer than --limit, or one chosen for its size; solvers that would not end
     "calibrate": {"sets": [1]},
     "uart_rx": {"sets": [1, 3]},  # few clocks a bit

@@ -14,8 +14,8 @@ import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
 
-from meissner import toolchain
-from meissner.trust import benches, record
+from meissner.builds import toolchain
+from verify import benches, record
 
 ROOT = toolchain.ROOT
 

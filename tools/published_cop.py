@@ -9,8 +9,8 @@ import argparse
 
 import numpy as np
 
-from meissner.world import mesh_loads, rubber
-from meissner.world.mesh import Mesh
+from meissner.physics import mesh_loads, rubber
+from meissner.physics.mesh import Mesh
 from mesh_figures import errors, percent, show
 
 DRAWS = 1000  # beside the papers' 100: the averages of our tables then move by less than their last digit

@@ -8,13 +8,16 @@ runs too, and one array that differs stops the run.
 """
 
 import math
+import os
 import sys
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
-from meissner import engines, files
-from meissner.slip.config import SlipConfig
+from meissner import engines
+from meissner.builds.toolchain import ROOT
+from meissner.twins.slip.config import SlipConfig
 
 NAME = "biotac_hold/pac_all.npz"
 RATE = 2200  # samples per second
@@ -44,9 +47,19 @@ class Watch:
         return Watch(self.samples, self.start[keep], self.p2p[keep], over)
 
 
+def find(name):
+    """Path of recorded data, which the project does not contain: in $MEISSNER_DATA, or ../shared/data."""
+    folder = os.environ.get("MEISSNER_DATA")
+    path = (Path(folder) if folder else ROOT.parent / "shared/data") / name
+    if not path.is_file():
+        looked = "$MEISSNER_DATA" if folder else "../shared/data"
+        raise ValueError(f"the recordings {name} are not in {looked}: nothing was measured on them")
+    return path
+
+
 def read():
     """Name: codes [samples], in the order of the file."""
-    with np.load(files.recordings(NAME)) as recordings:
+    with np.load(find(NAME)) as recordings:
         return {name: recordings[name].astype(np.int64) for name in recordings.files}
 
 

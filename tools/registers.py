@@ -1,6 +1,6 @@
 """Write what follows from rtl/registers.rdl: RTL, Python map, C header and page. ``--check`` only compares.
 
-rtl/link/msn_registers_pkg.sv   rtl/link/msn_registers.sv   model/meissner/host/register_map.py
+rtl/link/msn_registers_pkg.sv   rtl/link/msn_registers.sv   model/meissner/twins/link/register_map.py
 host/msn_registers.h            docs/registers.md                 tb/formal/registers_map.svh
 """
 
@@ -334,7 +334,7 @@ HEADER = f"""
 // Resets: the reset value of every setting, in the page's order, the first lowest. Without a bus: constants.
 // Some settings are wider than the build has bits for. What was written is kept byte by byte; what a read and
 // the core get is held at the ends of DetailBits, TimerBits, LoadBits or OffsetBits: the lowest bits say all.
-// Model: model/meissner/link/registers.py
+// Model: model/meissner/twins/link/registers.py
 
 // verilog_lint: waive-start line-length
 """
@@ -413,7 +413,7 @@ def python(groups):
         "# ruff: noqa: E501 - the texts are as long as their source's",
         f'"""The register map. {MADE}"""',
         "",
-        "from meissner.host.register import Field, Group, Register",
+        "from meissner.twins.link.register import Field, Group, Register",
         "",
     ]
     lines.append("GROUPS = (")
@@ -550,7 +550,7 @@ def proof(groups):
 OUTPUTS = {
     "rtl/link/msn_registers_pkg.sv": package,
     "rtl/link/msn_registers.sv": rtl,
-    "model/meissner/host/register_map.py": python,
+    "model/meissner/twins/link/register_map.py": python,
     "host/msn_registers.h": c_header,
     "docs/registers.md": page,
     "tb/formal/registers_map.svh": proof,

@@ -13,7 +13,7 @@ import itertools
 import sys
 from concurrent.futures import ThreadPoolExecutor, as_completed
 
-from meissner.trust import benches, record, regress
+from verify import benches, record, regress
 
 
 def one(block, given, seed):

@@ -17,10 +17,10 @@ import numpy as np
 
 from meissner import scenes
 from meissner.engines import moving_of_details
-from meissner.run.slip import judge, slipping
-from meissner.slip.haar import haar
-from meissner.slip.peak_to_peak import PeakToPeak
-from meissner.slip.slip import Slip
+from meissner.scenes.rubber.run import judge, slipping
+from meissner.twins.slip.haar import haar
+from meissner.twins.slip.peak_to_peak import PeakToPeak
+from meissner.twins.slip.slip import Slip
 
 SCENES = ("acrylic_slip", "slip_forces", "slip_materials", "normal_force")
 SHARES = (1.0, 0.75, 0.5, 0.25)

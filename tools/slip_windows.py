@@ -10,7 +10,7 @@ import numpy as np
 
 from meissner import scenes
 from meissner.engines import fixed
-from meissner.run.slip import judge
+from meissner.scenes.rubber.run import judge
 
 
 def main():

@@ -11,7 +11,7 @@ import sys
 import time
 
 from meissner.engines import verilated
-from meissner.link.uart_tx import sixteenths
+from meissner.twins.link.uart_tx import sixteenths
 
 TAXELS, DEPTH, CLK_HZ, BAUD_HZ = 1024, 64, 24_000_000, 6_000_000
 NAMES = ("events", "lost", "wrong", "images", "cops", "clocks", "held")

@@ -19,12 +19,12 @@ import json
 import sys
 import time
 
-from meissner import boards
-from meissner import config as configurations
-from meissner.bitstream import AREA, LIMIT_S, OUT, build, label, private
-from meissner.frontend.adc_spi import AdcSpi
-from meissner.trust import revision
-from meissner.yowasp import ROOT, ToolError, warm_up
+from meissner.builds import boards
+from meissner.builds import config as configurations
+from meissner.builds.bitstream import AREA, LIMIT_S, OUT, build, label, private
+from meissner.builds.yowasp import ROOT, ToolError, warm_up
+from meissner.twins.frontend.adc_spi import AdcSpi
+from verify import revision
 
 RESOURCES = ROOT / "constraints/resources.json"
 SEEDS = (1, 2, 3)

@@ -16,8 +16,8 @@ import sys
 from collections.abc import Callable
 from typing import NamedTuple
 
-from meissner import toolchain
-from meissner.trust import benches, faults, formal, fuzz, record, regress
+from meissner.builds import toolchain
+from verify import benches, faults, formal, fuzz, record, regress
 
 ROOT = toolchain.ROOT
 PAGE = ROOT / "docs/trust.md"

@@ -12,8 +12,6 @@ from pathlib import Path
 import numpy as np
 from numpy.lib import format
 
-from meissner.toolchain import ROOT
-
 HEADER_LIMIT = 1 << 16  # bytes; NumPy itself takes 10,000
 MEMORY_SHARE = 0.5
 FULL = {
@@ -28,16 +26,6 @@ class NoRoom(OSError):
 
     def __str__(self):
         return self.strerror
-
-
-def recordings(name):
-    """Path of recorded data, which the project does not contain: in $MEISSNER_DATA, or ../shared/data."""
-    folder = os.environ.get("MEISSNER_DATA")
-    path = (Path(folder) if folder else ROOT.parent / "shared/data") / name
-    if not path.is_file():
-        looked = "$MEISSNER_DATA" if folder else "../shared/data"
-        raise ValueError(f"the recordings {name} are not in {looked}: nothing was measured on them")
-    return path
 
 
 def check_in(path):

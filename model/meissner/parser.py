@@ -3,10 +3,9 @@ SciPy: ``call`` names the function that does the work, "module:function"."""
 
 import argparse
 
-from meissner.engine_names import EVERY, NAMES
+from meissner.names import EVERY, NAMES, PICTURE
 from meissner.plain import plain
 
-PICTURE = "budget_cop4.png"
 PORT = "serial:/dev/ttyUSB0?baud=3000000, pty:/dev/pts/7, file:capture.bin, sim:SCENE (docs/host.md)"
 CONFIG = "what the core was built from, for physical units: a name or a TOML file"
 
@@ -165,10 +164,10 @@ def _config(commands):
     config = commands.add_parser("config", help="check a configuration, or show what it comes to")
     actions = config.add_subparsers(dest="action", required=True, metavar="ACTION")
     listing = actions.add_parser("list", help="the named configurations, one line each")
-    listing.set_defaults(call="meissner.config:command_list")
+    listing.set_defaults(call="meissner.builds.config:command_list")
     check = actions.add_parser("check", help="say what is wrong with a file, or that nothing is")
     check.add_argument("file", metavar="FILE", help="a TOML file (docs/config.md), or a name")
-    check.set_defaults(call="meissner.config:command_check")
+    check.set_defaults(call="meissner.builds.config:command_check")
     show = actions.add_parser("show", help="its RTL parameters and register values")
     show.add_argument("file", metavar="FILE", help="a TOML file, or a name")
-    show.set_defaults(call="meissner.config:command_show")
+    show.set_defaults(call="meissner.builds.config:command_show")

@@ -8,7 +8,7 @@ from meissner.plain import plain
 
 def slip(arguments):
     """``meissner process slip``."""
-    from meissner.slip.config import SlipConfig
+    from meissner.twins.slip.config import SlipConfig
 
     if not 0 < arguments.rate < float("inf"):
         raise ValueError(f"rate = {arguments.rate:g} must be a number of samples per second above 0")
@@ -62,8 +62,8 @@ def cop(arguments):
 
 def cop4(arguments):
     """``meissner process cop4``."""
-    from meissner.cop.cop4 import faults
-    from meissner.scenes import four_wires
+    from meissner.builds import four_wires
+    from meissner.twins.cop.cop4 import faults
 
     engines.load(arguments.engine)
     config = four_wires.load(arguments.config)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // What every board has behind its pins: the reset and the core. A board's top only adds clock and pins, those that the
-// configuration needs (model/meissner/pins.py writes it).
+// configuration needs (model/meissner/builds/pins.py writes it).
 //
 // Converters side by side run as one: they share all lines but DOUT and BUSY. Up to eight rows leave one line each.
 // More leave as a number for decoders, and the line above it is low while a row is driven: without that line "no row",

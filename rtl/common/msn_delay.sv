@@ -7,7 +7,7 @@
 // This is where the state of interleaved channels lives: channels take turns, so a delay of one step per
 // channel hands each its own state, with no address to compute and nothing to forward. Deeper than 4: a
 // ring in block RAM, whose read and write never meet. Undefined for the first Depth steps.
-// Model: model/meissner/common/delay.py
+// Model: model/meissner/twins/common/delay.py
 
 module msn_delay #(
   parameter int unsigned Depth = 8,

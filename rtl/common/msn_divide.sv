@@ -12,7 +12,7 @@
 //          |num|, den      a digit each; at two bits 3 den is made meanwhile, the first digit being below 3
 //
 // Latency Steps + 1 clocks; a quotient every Steps + 1 clocks, every clock if Pipelined.
-// `side` travels along.   Model: model/meissner/common/divide.py
+// `side` travels along.   Model: model/meissner/twins/common/divide.py
 
 module msn_divide #(
   parameter  int unsigned DenBits      = 34,

@@ -3,7 +3,7 @@
 // One stream for two followers: each takes every word once, in its own time; the next comes when both have.
 //
 // Latency 0 clocks, a word a clock. No data pass here: both followers see the source's.
-// Model: model/meissner/common/fork.py
+// Model: model/meissner/twins/common/fork.py
 
 module msn_fork (
   input  logic clk_i,

@@ -6,7 +6,7 @@
 // this, the rest of the frame is swallowed, up to its `last`, which counts the damage once. The next
 // frame is marked `restart`, as is the first after reset: what follows must forget its history there.
 //
-// Latency 1 clock, one sample per clock.   Model: model/meissner/common/frame_check.py
+// Latency 1 clock, one sample per clock.   Model: model/meissner/twins/common/frame_check.py
 
 module msn_frame_check #(
   parameter  int unsigned Channels = 8,

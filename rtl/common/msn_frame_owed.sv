@@ -7,7 +7,7 @@
 // No result comes if an upset has lost it. So that the sensor does not stand still for ever, busy_o falls after
 // 2^QuietBits - 1 clocks between two frames in which nothing waits at an output (quiet_i).
 //
-// One frame at a time: msn_frame_gate is closed while busy_o.   Model: model/meissner/common/frame_owed.py
+// One frame at a time: msn_frame_gate is closed while busy_o.   Model: model/meissner/twins/common/frame_owed.py
 
 module msn_frame_owed #(
   parameter int unsigned Results   = 1,

@@ -8,7 +8,7 @@
 //   `last` missing on the final beat: that beat and the one that brings `last`: one too long
 // so that whoever counts beats drops it and is in step again.
 //
-// Combinational beside the caller's first register.   Model: model/meissner/common/frame_place.py
+// Combinational beside the caller's first register.   Model: model/meissner/twins/common/frame_place.py
 
 module msn_frame_place #(
   parameter  int unsigned Beats  = 4096,

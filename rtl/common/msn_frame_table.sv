@@ -10,7 +10,7 @@
 // With two banks the one not read can be written at any time, each part of a word by itself. A word that is read
 // while it is written is undefined: the user restarts before it takes it. at_end_o: the word
 // before Start waits, as it must with a frame's last beat; who finds it otherwise restarts.
-// Model: model/meissner/common/frame_table.py
+// Model: model/meissner/twins/common/frame_table.py
 
 module msn_frame_table #(
   parameter  int unsigned Words       = 4096,

@@ -12,7 +12,7 @@
 //   clock  1      3k+2                                 3k+3             3k+4
 //          a, b   rest = 4 rest + .., R = 2R, next bit  rest - (4R+4)?   rest - (2R+1)?
 //
-// Latency 3 Bits + 1 clocks, 3 otherwise, and the period is the same.   Model: model/meissner/common/hypot.py
+// Latency 3 Bits + 1 clocks, 3 otherwise, and the period is the same.   Model: model/meissner/twins/common/hypot.py
 
 module msn_hypot #(
   parameter int unsigned Bits  = 24,

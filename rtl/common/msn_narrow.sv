@@ -3,7 +3,7 @@
 // Beats of Lanes taxels, one after the other, as channels 0 .. Rows*Columns-1, row by row. Lanes to spare in a
 // row's last beat are left out.
 //
-// Latency 0 clocks, a taxel a clock, a beat when its last taxel is taken.   Model: model/meissner/common/narrow.py
+// Latency 0 clocks, a taxel a clock, a beat when its last taxel is taken.   Model: model/meissner/twins/common/narrow.py
 
 module msn_narrow #(
   parameter  int unsigned Rows     = 64,

@@ -12,7 +12,7 @@
 //          a, d  k a  limit  msn_divide      (the first gives the multiplier registers of its own)
 //
 // Latency Steps + 4 clocks, a quotient every Steps + 1 (Steps: see msn_divide). `side` travels along.
-// Model: model/meissner/common/ratio.py
+// Model: model/meissner/twins/common/ratio.py
 
 module msn_ratio #(
   parameter int unsigned ScaleBits    = 17,

@@ -4,7 +4,7 @@
 //
 //   out = in, in order; the one word that comes while the follower stands still is kept aside
 //
-// Latency 0 clocks, a word a clock.   Model: model/meissner/common/skid.py
+// Latency 0 clocks, a word a clock.   Model: model/meissner/twins/common/skid.py
 
 module msn_skid #(
   parameter int unsigned Width = 16

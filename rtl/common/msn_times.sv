@@ -5,7 +5,7 @@
 //   out = Constant * in
 //
 // In canonical signed digits: Constant = Plus - Minus with the fewest bits set in both, and no two
-// neighbours; 63 = 64 - 1 costs one subtraction. Latency 0.   Model: model/meissner/common/times.py
+// neighbours; 63 = 64 - 1 costs one subtraction. Latency 0.   Model: model/meissner/twins/common/times.py
 
 module msn_times #(
   parameter  int unsigned Constant = 63,

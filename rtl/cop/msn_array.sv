@@ -9,7 +9,7 @@
 // before. Tap: the forces go out too. msn_frame_gate lets one frame through at a time, so that settings change and
 // the frame's time holds between two.
 // Latency from a scanned frame's last beat: 16 clocks with all stages, the same in every frame.
-// Model: model/meissner/cop/array.py
+// Model: model/meissner/twins/cop/array.py
 
 module msn_array #(
   parameter  int unsigned Rows             = 16,

@@ -12,7 +12,7 @@
 //          beat total, moment  S, A, B, row  Mx, My
 //
 // Latency 2 + log2(Lanes) clocks, a beat a clock, frames without a gap. A frame whose `last` comes early,
-// late or not at all is dropped whole.   Model: model/meissner/cop/cop_accumulate.py
+// late or not at all is dropped whole.   Model: model/meissner/twins/cop/cop_accumulate.py
 
 module msn_cop_accumulate #(
   parameter  int unsigned Rows    = 64,

@@ -6,7 +6,7 @@
 // Tap: the forces go to a second follower too, which takes each beat in its own time (msn_fork).
 //
 // Latency after a frame's last beat: 3 clocks (RowColumn 15) and msn_cop's, the same in every frame: 14 at one
-// lane, Q2.14 and two bits a clock.   Model: model/meissner/cop/cop_array.py
+// lane, Q2.14 and two bits a clock.   Model: model/meissner/twins/cop/cop_array.py
 
 module msn_cop_array #(
   parameter  int unsigned Rows         = 64,

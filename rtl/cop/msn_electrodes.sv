@@ -3,7 +3,7 @@
 // The four electrodes' samples of a frame, one after the other, side by side.
 //
 // Samples 0 .. 3 with `last` on the final one. A frame that is none is left out, up to its `last`, and counted.
-// Latency 1 clock after the fourth sample; a sample a clock.   Model: model/meissner/cop/electrodes.py
+// Latency 1 clock after the fourth sample; a sample a clock.   Model: model/meissner/twins/cop/electrodes.py
 
 module msn_electrodes #(
   parameter int unsigned SampleBits = 17

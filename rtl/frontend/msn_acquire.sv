@@ -8,7 +8,7 @@
 //
 // What is not there gives zeros, and its CS rests high. convert_o is high in the clock that a frame's time is taken:
 // its convert start; with a stream any clock may be one, so it stays high. No latency of its own.
-// Model: model/meissner/frontend/acquire.py
+// Model: model/meissner/twins/frontend/acquire.py
 
 module msn_acquire #(
   parameter  int unsigned Adc        = msn_pkg::AdcNone,  // msn_pkg::adc_part_e

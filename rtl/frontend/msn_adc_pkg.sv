@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // What msn_adc_spi must know of each converter: the shape of its frame and its limits in ns.
-// Adding a part: one line in each function, and the same in model/meissner/frontend/adc_spi.py.
+// Adding a part: one line in each function, and the same in model/meissner/twins/frontend/adc_spi.py.
 // Every figure and where it comes from: docs/adc.md
 
 package msn_adc_pkg;

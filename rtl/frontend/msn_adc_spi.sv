@@ -9,7 +9,7 @@
 // tick without conversion, because the frame before was still under way (overrun_o). All but the first: lost_o.
 // After reset the part is reset or set up first; ticks begin then.
 //
-// Every latency: model/meissner/frontend/adc_spi.py, the twin, has them as functions.
+// Every latency: model/meissner/twins/frontend/adc_spi.py, the twin, has them as functions.
 
 module msn_adc_spi #(
   parameter  int unsigned Part       = msn_pkg::AdcMcp3208,  // msn_pkg::adc_part_e

@@ -6,7 +6,7 @@
 // and spoiled_o until the next one starts.
 // A start while a burst is under way begins anew.
 //
-// Model: model/meissner/frontend/burst.py
+// Model: model/meissner/twins/frontend/burst.py
 
 module msn_burst #(
   parameter int unsigned CountBits  = 10,

@@ -13,7 +13,7 @@
 //
 // Latency 3 clocks (RowColumn 15), a beat a clock, frames without a gap; without RowColumn a few clocks wait after
 // a swap and a damaged frame. Damaged frames leave too short or too long (msn_frame_place).
-// Model: model/meissner/frontend/calibrate.py
+// Model: model/meissner/twins/frontend/calibrate.py
 
 module msn_calibrate #(
   parameter  int unsigned Rows       = 64,

@@ -12,7 +12,7 @@
 //          address  read  register  product, sum
 //
 // 6 clocks after take_i, a beat a clock; nothing ever waits, so nothing has an enable and the memories'
-// slow outputs have a clock of their own.   Model: model/meissner/frontend/calibration_grid.py
+// slow outputs have a clock of their own.   Model: model/meissner/twins/frontend/calibration_grid.py
 
 module msn_calibration_grid #(
   parameter  int unsigned Rows       = 1024,

@@ -7,7 +7,7 @@
 // loaded_o is low. Offsets are signed, gains unsigned.
 //
 // A word a clock, none for 3 clocks after a swap and one more after a restart.
-// Model: model/meissner/frontend/calibration_table.py
+// Model: model/meissner/twins/frontend/calibration_table.py
 
 module msn_calibration_table #(
   parameter  int unsigned Rows       = 64,

@@ -6,7 +6,7 @@
 //
 // So a frame keeps its own time while it waits, however many conversions come to nothing meanwhile, and while what
 // follows still works on the one before. The converter offers a frame's first sample before it converts the next.
-// Model: model/meissner/frontend/convert_time.py
+// Model: model/meissner/twins/frontend/convert_time.py
 
 module msn_convert_time (
   input  logic        clk_i,

@@ -15,7 +15,7 @@
 //   clock  1       2           3            4         5       6
 //          sample  raw - held  moved, jump  counters  events  write
 //
-// Latency 1 clock; a beat a clock, 9 clocks between frames.   Model: model/meissner/frontend/health.py
+// Latency 1 clock; a beat a clock, 9 clocks between frames.   Model: model/meissner/twins/frontend/health.py
 
 module msn_health #(
   parameter  int unsigned Rows       = 64,

@@ -10,7 +10,7 @@
 // from every converter before the next, or a lost strobe, Channels + 3 clocks before; then its samples are 0 and
 // marked in user.
 // Frames leave whole or not at all; so do slip rounds, on a stream of their own, id = slot*Channels + channel.
-// First sample in to out 5 clocks.   Model: model/meissner/frontend/scan.py
+// First sample in to out 5 clocks.   Model: model/meissner/twins/frontend/scan.py
 
 module msn_scan #(
   parameter  int unsigned Rows       = 16,

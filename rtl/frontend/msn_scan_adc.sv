@@ -5,7 +5,7 @@
 // Channels inputs of each part are used; one that converts them one after the other (MCP3208, MAX1112x) holds the
 // row as long as it takes, one that samples all at once (AD7606) lets the row change while it still converts. The
 // lines wait for Hold, the converters for Cycle clocks, both from msn_adc_pkg. Scanning begins when all parts are
-// reset or set up.   Model: model/meissner/frontend/scan_adc.py
+// reset or set up.   Model: model/meissner/twins/frontend/scan_adc.py
 
 module msn_scan_adc #(
   parameter  int unsigned Rows       = 16,

@@ -9,7 +9,7 @@
 // A frame in which a beat is missing would never end: the next takes its place, and its last beat never comes. A beat
 // too many is not taken.
 //
-// Latency 3 clocks from in_valid_i to out_valid_o, a beat a clock.   Model: model/meissner/frontend/scan_buffer.py
+// Latency 3 clocks from in_valid_i to out_valid_o, a beat a clock.   Model: model/meissner/twins/frontend/scan_buffer.py
 
 module msn_scan_buffer #(
   parameter  int unsigned Rows     = 16,

@@ -7,7 +7,7 @@
 //
 // SamplePeriod clocks are 1/SamplesPerPeriod of a carrier period, or that and k whole ones (docs/demod.md). A lost
 // conversion spoils its burst: the place's samples are 0 and marked in user.
-// Model: model/meissner/frontend/scan_demod.py
+// Model: model/meissner/twins/frontend/scan_demod.py
 
 module msn_scan_demod #(
   parameter  int unsigned Rows             = 8,

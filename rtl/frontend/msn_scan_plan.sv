@@ -9,7 +9,7 @@
 // by row or, cfg_interleave_i, every second row first. Slip rounds start exactly every cfg_slip_period_i clocks (0:
 // never) and convert SlipSlots places; the frame gets only slots that end before the next round begins.
 // Settle, periods and slip places are taken while off, region and order as a frame starts; a region is cut to the
-// array. cfg_enable_i low: off after the frame.   Model: model/meissner/frontend/scan_plan.py
+// array. cfg_enable_i low: off after the frame.   Model: model/meissner/twins/frontend/scan_plan.py
 
 module msn_scan_plan #(
   parameter  int unsigned Rows       = 16,

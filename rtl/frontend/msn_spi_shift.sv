@@ -13,7 +13,7 @@
 //
 // DOUT is sampled by one register, 2*Half-1 clocks after the edge that launched the bit: a whole SCLK period less
 // one clock for the part's delay, rather than the half period of sampling at SCLK's own edge.
-// Tested in tb/frontend/test_adc_spi.py   Model: model/meissner/frontend/spi_shift.py
+// Tested in tb/frontend/test_adc_spi.py   Model: model/meissner/twins/frontend/spi_shift.py
 
 module msn_spi_shift #(
   parameter int unsigned Bits     = 19,  // SCLK periods of a word

@@ -14,7 +14,7 @@
 //   clock  1        2           3            4
 //          raw - o  sign, sums  b, sum next  write
 //
-// Latency 1 clock; a beat a clock, 8 clocks between frames.   Model: model/meissner/frontend/tare.py
+// Latency 1 clock; a beat a clock, 8 clocks between frames.   Model: model/meissner/twins/frontend/tare.py
 
 module msn_tare #(
   parameter  int unsigned Rows         = 64,

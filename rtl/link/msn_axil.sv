@@ -7,7 +7,7 @@
 //   clock  0                   2                    3
 //          address (and data)  bus_done_i answers   BVALID or RVALID, until taken
 //
-// Model: model/meissner/link/axil.py
+// Model: model/meissner/twins/link/axil.py
 
 module msn_axil (
   input  logic        clk_i,

@@ -2,7 +2,7 @@
 //
 // A core's link: msn_link, or with SlipOnly the smaller msn_link_slip, fed by what a core has. Instances and wires
 // only. Statistics are of status_i: Array chooses the scan's or the converter's.
-// Model: model/meissner/link/core_link.py
+// Model: model/meissner/twins/link/core_link.py
 
 module msn_core_link #(
   parameter int unsigned ClkKhz        = 25_000,

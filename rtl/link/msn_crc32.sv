@@ -6,7 +6,7 @@
 //
 // The checksum is ~out_crc_o, sent lowest bit first. To feed out_crc_o[0] itself, Bits = 1, only shifts: so a
 // serial sender drains it. After a whole packet, checksum included, out_crc_o is DEBB20E3.
-// Model: model/meissner/link/crc32.py
+// Model: model/meissner/twins/link/crc32.py
 
 module msn_crc32 #(
   parameter int unsigned Bits = 8

@@ -8,7 +8,7 @@
 // missing is dropped too. dropped_o counts every one.
 //
 // The reader sets read_begun_i while it reads and read_done_i for a clock at the end; read_data_o is the taxel of
-// read_address_i two clocks before.   Model: model/meissner/link/image_store.py
+// read_address_i two clocks before.   Model: model/meissner/twins/link/image_store.py
 
 module msn_image_store #(
   parameter  int unsigned Taxels      = 4096,

@@ -8,7 +8,7 @@
 //          register bus ── the host's bus
 //
 // docs/link.md is the contract. With Registers = 0 nothing is received on the line.
-// Model: model/meissner/link/link.py
+// Model: model/meissner/twins/link/link.py
 
 module msn_link #(
   parameter  int unsigned ClkHz         = 25_000_000,

@@ -5,7 +5,7 @@
 //   events ─ packet_slip ─ cobs ─ uart_tx ─ line
 //
 // docs/link.md is the contract. convert_i: the convert start, whose instant an event's packet carries.
-// Model: model/meissner/link/link_slip.py
+// Model: model/meissner/twins/link/link_slip.py
 
 module msn_link_slip #(
   parameter int unsigned ClkHz   = 12_000_000,

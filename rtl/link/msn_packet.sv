@@ -11,7 +11,7 @@
 //   images        in packets of Chunk taxels, so that an event never waits for more than one; msn_image_store
 //
 // A byte in 4 clocks at most. A packet's first byte follows an event by 12 clocks if nothing is under way;
-// out_begin_o, which opens its frame, by 3, anything else by 4.   Model: model/meissner/link/packet.py
+// out_begin_o, which opens its frame, by 3, anything else by 4.   Model: model/meissner/twins/link/packet.py
 
 module msn_packet #(
   parameter  int unsigned SlipDepth     = 64,    // events that wait, a power of two; 0: no slip events

@@ -10,7 +10,7 @@
 // Resets: the reset value of every setting, in the page's order, the first lowest. Without a bus: constants.
 // Some settings are wider than the build has bits for. What was written is kept byte by byte; what a read and
 // the core get is held at the ends of DetailBits, TimerBits, LoadBits or OffsetBits: the lowest bits say all.
-// Model: model/meissner/link/registers.py
+// Model: model/meissner/twins/link/registers.py
 
 // verilog_lint: waive-start line-length
 

@@ -8,7 +8,7 @@
 //                           └─ health_report ─ reports
 //
 // The next frame is let through when the results of the one before have left and busy_i is low.
-// Model: model/meissner/sensor/sensor_array.py
+// Model: model/meissner/twins/sensor/sensor_array.py
 
 module msn_sensor_array #(
   parameter  int unsigned Adc              = msn_pkg::AdcNone,  // msn_pkg::adc_part_e

@@ -7,7 +7,7 @@
 // One frame at a time: the next one waits while busy_i says that what follows has not finished the one before, so that
 // settings change (commit_o) and the frame's time holds between two. Gate = 0: settings are constants, and what
 // follows keeps the time itself.
-// Every sensor of a core has this list of ports. Model: model/meissner/sensor/sensor_channels.py
+// Every sensor of a core has this list of ports. Model: model/meissner/twins/sensor/sensor_channels.py
 
 module msn_sensor_channels #(
   parameter  int unsigned Adc        = msn_pkg::AdcNone,  // msn_pkg::adc_part_e

@@ -5,7 +5,7 @@
 //   ADC pins ─ acquire ─ slip_path ─ decisions
 //
 // Adc = AdcNone: samples come in on the stream (msn_acquire). Latency and formats are those of msn_slip_path.
-// Model: model/meissner/slip/channels.py
+// Model: model/meissner/twins/slip/channels.py
 
 module msn_channels #(
   parameter  int unsigned Adc        = msn_pkg::AdcNone,  // msn_pkg::adc_part_e

@@ -15,7 +15,7 @@
 //   clock  1        2
 //          compare  step the state, whose delay line hands each channel its own
 //
-// Latency 2 clocks, one detail per clock.   Model: model/meissner/slip/slip.py
+// Latency 2 clocks, one detail per clock.   Model: model/meissner/twins/slip/slip.py
 
 module msn_slip #(
   parameter  int unsigned Channels   = 8,

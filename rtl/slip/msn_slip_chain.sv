@@ -7,7 +7,7 @@
 //
 // The way back for ready is long: packet, slip, array, scan. An array's is cut before and behind the slip path.
 // Latency: that of msn_slip_path, and a clock for each skid that holds something.
-// Model: model/meissner/slip/slip_chain.py
+// Model: model/meissner/twins/slip/slip_chain.py
 
 module msn_slip_chain #(
   parameter  bit          Slip       = 1'b1,

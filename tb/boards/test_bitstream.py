@@ -9,8 +9,8 @@ import pytest
 
 import synth
 from boards import users
-from meissner import bitstream, boards, yowasp
-from meissner.yowasp import ROOT, ToolError
+from meissner.builds import bitstream, boards, yowasp
+from meissner.builds.yowasp import ROOT, ToolError
 
 REPORT = {"utilization": {"TRELLIS_COMB": {"used": 11}}, "detailed_net_timings": []}
 

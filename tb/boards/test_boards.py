@@ -8,8 +8,8 @@ import sys
 import pytest
 
 import synth
-from meissner import bitstream, boards, config
-from meissner.yowasp import ROOT, ToolError, yosys
+from meissner.builds import bitstream, boards, config
+from meissner.builds.yowasp import ROOT, ToolError, yosys
 
 
 def run(*arguments):

@@ -9,8 +9,8 @@ import pytest
 
 import synth
 from boards import users
-from meissner import board_files, boards, config, pins, toolchain
-from meissner.yowasp import ROOT
+from meissner.builds import board_files, boards, config, pins, toolchain
+from meissner.builds.yowasp import ROOT
 
 ALL = {**boards.BOARDS, "arty_a7": boards.ARTY}
 LOCATED = {

@@ -10,8 +10,8 @@ import re
 
 import pytest
 
-from meissner import boards
-from meissner.yowasp import ROOT, read_rtl, yosys
+from meissner.builds import boards
+from meissner.builds.yowasp import ROOT, read_rtl, yosys
 
 CLOCK, TIMED = r"clk_\w+_i", r"(onboard_)?adc_miso_i"
 ASYNCHRONOUS = r"rx_i|moving(_n)?_i|adc_busy_i"

@@ -13,7 +13,7 @@ from cocotb.triggers import FallingEdge, First, ReadOnly, ValueChange
 from cocotb.utils import get_sim_time
 
 import bench
-from meissner import boards, config, toolchain
+from meissner.builds import boards, config, toolchain
 
 NUMBER_LINES = {16: 4, 33: 6}  # of so many rows
 SETTLE = 24  # clocks: 1 us at 24 MHz

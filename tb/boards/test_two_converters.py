@@ -12,9 +12,9 @@ from cocotb_tools.runner import get_runner
 
 import bench
 from boards import users
-from meissner import boards, toolchain
-from meissner.link import packet as p
-from meissner.link.decoder import Decoder
+from meissner.builds import boards, toolchain
+from meissner.twins.link import packet as p
+from meissner.twins.link.decoder import Decoder
 
 BIT_PS = 333_333  # 3 Mbaud
 # [converter][channel][row]; the second converter's are nowhere the first's.

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from meissner import cli, engines, files, run, scenes
-from meissner.slip.config import SlipConfig
-from meissner.toolchain import ROOT
+from meissner.builds.toolchain import ROOT
+from meissner.twins.slip.config import SlipConfig
 
 
 def meissner(*arguments, cwd):
@@ -488,7 +488,7 @@ def test_process_writes_a_table(tmp_path):
 
 
 def test_words_of_a_file_move_no_cursor(tmp_path):
-    source = (ROOT / "model/meissner/configs/slip1.toml").read_text("utf-8")
+    source = (ROOT / "model/meissner/builds/configs/slip1.toml").read_text("utf-8")
     about = [text for text in source.splitlines() if text.startswith("about")]
     text = source.replace(about[0], 'about = "\\u001b]0;title\\u0007\\u001b[2Jnice\\u009b\\u202e"')
     (tmp_path / "c.toml").write_text(text, "utf-8")

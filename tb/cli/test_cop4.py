@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from cli.test_cli import meissner
-from meissner import config, engines
-from meissner.scenes import four_wires
-from meissner.toolchain import ROOT
+from meissner import engines
+from meissner.builds import config, four_wires
+from meissner.builds.toolchain import ROOT
 
 EXAMPLE = (ROOT / "docs/cop4.toml").read_text()
 """Each value that the tests spoil stands in it once, as `key = value`."""

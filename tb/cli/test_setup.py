@@ -7,7 +7,7 @@ import subprocess
 
 import pytest
 
-from meissner.toolchain import ROOT
+from meissner.builds.toolchain import ROOT
 
 # Both are this script: `python -m venv` makes an environment whose python is a copy of it. BREAK: after which
 # step it dies; each step leaves half of its work first.

@@ -7,12 +7,12 @@ import pytest
 
 import bench
 from common.test_frame_place import damaged_beats
-from meissner.common.compare import compare
-from meissner.common.frame_check import FrameCheck
-from meissner.common.frame_owed import FrameOwed
-from meissner.common.frame_place import FramePlace
-from meissner.common.multiply import multiply
-from meissner.common.times import times
+from meissner.twins.common.compare import compare
+from meissner.twins.common.frame_check import FrameCheck
+from meissner.twins.common.frame_owed import FrameOwed
+from meissner.twins.common.frame_place import FramePlace
+from meissner.twins.common.multiply import multiply
+from meissner.twins.common.times import times
 
 
 @pytest.mark.parametrize("width", [1, 2, 5])

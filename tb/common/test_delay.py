@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import bench
-from meissner.common.delay import Delay
+from meissner.twins.common.delay import Delay
 
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import bench
-from meissner.common.divide import divide, steps
+from meissner.twins.common.divide import divide, steps
 
 
 def parameters(dut):

@@ -7,7 +7,7 @@ import cocotb
 import pytest
 
 import bench
-from meissner.common.frame_check import FrameCheck
+from meissner.twins.common.frame_check import FrameCheck
 
 
 def damaged_stream(channels, frames, rate, seed):

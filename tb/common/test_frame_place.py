@@ -8,7 +8,7 @@ import cocotb
 import pytest
 
 import bench
-from meissner.common.frame_place import FramePlace
+from meissner.twins.common.frame_place import FramePlace
 
 
 def damaged_beats(beats, frames, rate, seed):

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import bench
-from meissner.common.hypot import hypot, latency
+from meissner.twins.common.hypot import hypot, latency
 
 
 def parameters(dut):

@@ -7,8 +7,8 @@ import pytest
 from cocotb.triggers import FallingEdge
 
 import bench
-from meissner import toolchain
-from meissner.common.multiply import multiply
+from meissner.builds import toolchain
+from meissner.twins.common.multiply import multiply
 
 LATENCY = 2
 ECP5 = [toolchain.ROOT / name for name in ("tb/common/MULT18X18D.v", "rtl/ecp5/msn_multiply.sv")]

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 import bench
-from meissner.common.narrow import narrow
+from meissner.twins.common.narrow import narrow
 
 FIELDS = ["data", "id", "last"]
 

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import bench
-from meissner.common.divide import steps
-from meissner.common.ratio import check_bits, ratio
+from meissner.twins.common.divide import steps
+from meissner.twins.common.ratio import check_bits, ratio
 
 FIELDS = ["quotient~", "side"]
 

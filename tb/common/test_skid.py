@@ -7,7 +7,7 @@ import pytest
 from cocotb.triggers import FallingEdge
 
 import bench
-from meissner.common.skid import skid
+from meissner.twins.common.skid import skid
 
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")

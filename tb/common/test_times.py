@@ -7,7 +7,7 @@ import pytest
 from cocotb.triggers import Timer
 
 import bench
-from meissner.common.times import times
+from meissner.twins.common.times import times
 
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")

@@ -18,12 +18,12 @@ from cocotb.triggers import FallingEdge, ReadOnly, RisingEdge
 import bench
 from cop import array_by_hand
 from meissner.budget.array import terms
-from meissner.cop.array import Array
-from meissner.cop.cop_array import CopArray
-from meissner.frontend.adc_spi import AD7606, MAX11125, MCP3208, PARTS
-from meissner.frontend.health import Limits
-from meissner.frontend.scan_adc import ScanAdc
-from meissner.frontend.scan_demod import ScanDemod
+from meissner.twins.cop.array import Array
+from meissner.twins.cop.cop_array import CopArray
+from meissner.twins.frontend.adc_spi import AD7606, MAX11125, MCP3208, PARTS
+from meissner.twins.frontend.health import Limits
+from meissner.twins.frontend.scan_adc import ScanAdc
+from meissner.twins.frontend.scan_demod import ScanDemod
 from parts.ad7606 import Ad7606
 from parts.carrier import CarrierMatrix
 from parts.max1112x import Max1112x

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import bench
-from meissner.common.divide import steps
-from meissner.cop.cop import cop, latency
+from meissner.twins.common.divide import steps
+from meissner.twins.cop.cop import cop, latency
 
 FIELDS = ["x~", "y~", "load", "pressed"]
 

@@ -13,13 +13,13 @@ import numpy as np
 import pytest
 
 import bench
-from meissner.common.divide import steps
-from meissner.cop.cop4 import Cop4Registers, cop4, cop4_registers, scaled
-from meissner.cop.cop4_correct import correct_registers
-from meissner.world.adc import Adc
-from meissner.world.mesh import Mesh, correction
-from meissner.world.mesh.correction import Registers
-from meissner.world.mesh_loads import true_centre
+from meissner.physics.adc import Adc
+from meissner.physics.cop4_registers import cop4_registers, correct_registers, scaled
+from meissner.physics.mesh import Mesh, correction
+from meissner.physics.mesh_loads import true_centre
+from meissner.twins.common.divide import steps
+from meissner.twins.cop.cop4 import Cop4Registers, cop4
+from meissner.twins.cop.cop4_correct import CorrectionRegisters
 
 FIELDS = ["x~", "y~", "load", "pressed", "over", "saturated", "imbalance", "open"]
 ADC = Adc(bits=16, low_v=-10.0, high_v=10.0)
@@ -95,7 +95,7 @@ def correction_of(dut, registers, which=0):
         return None
     p = [(0,) * 6, (6213, 4021, 5093, 1178, 3489, -1112), (80000, -9000, 9000, 7000, -3, 11)]
     p += [(21845, -21846, 21845, -21846, 9, 9), (-21846, 21845, -21846, 21845, -10, -10)]
-    return Registers(p[which], 8 + registers.shift_load)
+    return CorrectionRegisters(p[which], 8 + registers.shift_load)
 
 
 def ports(registers, fix=None):
@@ -391,7 +391,7 @@ def test_correction_on_a_mesh(r):
 def test_refuses_a_correction_at_another_shift():
     registers = register_sets(17)[0]
     with pytest.raises(ValueError, match="shift, 19"):
-        cop4(np.zeros((1, 4)), registers, 17, Registers((0,) * 6, 19))
+        cop4(np.zeros((1, 4)), registers, 17, CorrectionRegisters((0,) * 6, 19))
 
 
 def test_registers_at_known_values():

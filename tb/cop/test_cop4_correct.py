@@ -11,8 +11,9 @@ import numpy as np
 import pytest
 
 import bench
-from meissner.cop.cop4_correct import SUM_TOP, check_correction, cop4_correct, correct_registers
-from meissner.world.mesh.correction import Correction, Registers
+from meissner.physics.cop4_registers import correct_registers
+from meissner.physics.mesh.correction import Correction
+from meissner.twins.cop.cop4_correct import SUM_TOP, CorrectionRegisters, check_correction, cop4_correct
 
 FIELDS = ["den~", "n~", "side"]
 
@@ -21,16 +22,16 @@ FIELDS = ["den~", "n~", "side"]
 def register_sets():
     """None, each alone at both ends, a published mesh's (150 ohms, halved twice), random to the limit."""
     rng = np.random.default_rng(7)
-    sets = [Registers((0,) * 6, 8)]
+    sets = [CorrectionRegisters((0,) * 6, 8)]
     sets += [
-        Registers(tuple(s * (SUM_TOP - 1) * (i == j) for j in range(6)), 23)
+        CorrectionRegisters(tuple(s * (SUM_TOP - 1) * (i == j) for j in range(6)), 23)
         for i in range(6)
         for s in (1, -1)
     ]
-    sets.append(Registers((24854, 16085, 20375, 4714, 13957, -4448), 21))
+    sets.append(CorrectionRegisters((24854, 16085, 20375, 4714, 13957, -4448), 21))
     for shift in (8, 15, 23):
         share = rng.dirichlet(np.ones(6)) * (SUM_TOP - 6) * rng.choice([-1, 1], 6)
-        sets.append(Registers(tuple(int(v) for v in share), shift))
+        sets.append(CorrectionRegisters(tuple(int(v) for v in share), shift))
     return sets
 
 
@@ -127,7 +128,7 @@ def test_model_against_fractions():
 
 
 def test_registers_share_the_loads_shift():
-    from meissner.cop.cop4 import Cop4Registers
+    from meissner.twins.cop.cop4 import Cop4Registers
 
     cop4 = Cop4Registers(60000, 70000, 5, 70000, 5, 110000, 15, 32767, 30000, 20000, 9)
     found, p = correct_registers(Correction(np.full(6, 0.01), np.zeros(3), np.zeros(3), 0.864), cop4)
@@ -149,6 +150,6 @@ def test_refuses_illegal_parameters():
         ((1,) * 6, 7, "shift = 7"),
     ):
         with pytest.raises(ValueError, match=message):
-            check_correction(Registers(p, shift))
+            check_correction(CorrectionRegisters(p, shift))
     with pytest.raises(ValueError, match="16384"):
         cop4_correct([16385], [0], [1], [1], register_sets()[0])

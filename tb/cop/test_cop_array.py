@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import bench
-from meissner.cop.cop_array import CopArray, latency
+from meissner.twins.cop.cop_array import CopArray, latency
 
 FIELDS = ["x~", "y~", "load", "pressed"]
 IDLE = {"tap_ready_i": 1, "cfg_write_i": 0, "cfg_write_row_i": 0, "cfg_swap_i": 0, "cfg_min_load_i": 2}

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import bench
-from meissner.cop.cop import cop, latency
+from meissner.twins.cop.cop import cop, latency
 
 BUDGET_S = 1e-3
 COMPUTE_CLOCKS = 12

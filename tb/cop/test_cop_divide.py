@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 import bench
-from meissner.common.divide import steps
-from meissner.cop.cop_accumulate import moments, sum_bits
-from meissner.cop.cop_divide import cop_divide
+from meissner.twins.common.divide import steps
+from meissner.twins.cop.cop_accumulate import moments, sum_bits
+from meissner.twins.cop.cop_divide import cop_divide
 
 FIELDS = ["x~", "y~", "load", "pressed"]
 

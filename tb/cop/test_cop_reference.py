@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 import bench
-from meissner.cop.cop import cop
-from meissner.cop.cop_array import CopArray
+from meissner.twins.cop.cop import cop
+from meissner.twins.cop.cop_array import CopArray
 
 
 def place(index, count):

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import bench
-from meissner.cop.cop_slip import CopSlip, CopSlipRegisters, octants
+from meissner.twins.cop.cop_slip import CopSlip, CopSlipRegisters, octants
 
 FIELDS = ["slip", "raised", "over", "dx~", "dy~", "octant"]
 SETS = [

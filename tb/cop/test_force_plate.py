@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 import bench
-from meissner.common.divide import divide
-from meissner.cop.cop_divide import cop_divide
-from meissner.files import recordings
+from meissner.twins.common.divide import divide
+from meissner.twins.cop.cop_divide import cop_divide
+from recordings import find
 
 NAMES = ("eyesOpen_1", "eyesClosed_1")
 SIDE = 128  # the array whose load is wide enough for micronewtons: 30 bits
@@ -36,7 +36,7 @@ def plate():
     """
     rows = []
     for name in NAMES:
-        with open(recordings(f"acuna/{name}.csv"), newline="") as file:
+        with open(find(f"acuna/{name}.csv"), newline="") as file:
             rows += [
                 [micro(row[key]) for key in ("Fz", "Mx", "My", "CoPx", "CoPy")]
                 for row in csv.DictReader(file)

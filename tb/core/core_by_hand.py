@@ -16,7 +16,7 @@ from cocotb.triggers import FallingEdge, ReadOnly, RisingEdge, Timer
 
 import bench
 from core import pins
-from meissner.link.registers import RESET_BITS, reset_word
+from meissner.twins.link.registers import RESET_BITS, reset_word
 
 # The array. A gain of 1.5; 60000 and more are at the end of a force, 65535.
 SIDE, LANES, BEATS = 1024, 8, 1024 * 1024 // 8

@@ -20,18 +20,18 @@ from cocotbext.axi import (
 )
 
 import bench
-from meissner import core
-from meissner.cop.cop4_config import Cop4Config
-from meissner.cop.cop_slip import CopSlipRegisters
-from meissner.frontend.health import Limits
-from meissner.link import packet as p
-from meissner.link.cobs import encode
-from meissner.link.decoder import Decoder
-from meissner.link.registers import RESET_BITS, reset_word
-from meissner.sensor.sensor_array import from_reset
-from meissner.slip.config import SlipConfig
-from meissner.world.adc import Adc
-from meissner.world.mesh import Mesh
+from meissner.physics.adc import Adc
+from meissner.physics.cop4_config import Cop4Config
+from meissner.physics.mesh import Mesh
+from meissner.twins import core
+from meissner.twins.cop.cop_slip import CopSlipRegisters
+from meissner.twins.frontend.health import Limits
+from meissner.twins.link import packet as p
+from meissner.twins.link.cobs import encode
+from meissner.twins.link.decoder import Decoder
+from meissner.twins.link.registers import RESET_BITS, reset_word
+from meissner.twins.sensor.sensor_array import from_reset
+from meissner.twins.slip.config import SlipConfig
 
 GAIN = 5000
 SLIP = SlipConfig(

@@ -19,16 +19,17 @@ from cocotb.utils import get_sim_time
 import bench
 from core import core_by_hand, pins
 from core.wires import Ends, port_of
-from meissner import config, core
-from meissner.build import Config, verilog
-from meissner.host.register_map import GROUPS
-from meissner.link import bridge
-from meissner.link import packet as p
-from meissner.link.cobs import encode
-from meissner.link.decoder import Decoder
-from meissner.link.registers import Registers
-from meissner.link.registers import settings as all_settings
-from meissner.link.uart_tx import levels
+from meissner.builds import config
+from meissner.builds.build import Config, verilog
+from meissner.twins import core
+from meissner.twins.link import bridge
+from meissner.twins.link import packet as p
+from meissner.twins.link.cobs import encode
+from meissner.twins.link.decoder import Decoder
+from meissner.twins.link.register_map import GROUPS
+from meissner.twins.link.registers import Registers
+from meissner.twins.link.registers import settings as all_settings
+from meissner.twins.link.uart_tx import levels
 from parts.ad7606 import Ad7606
 from parts.mcp3208 import Mcp3208
 from parts.timing import changed

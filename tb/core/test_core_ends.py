@@ -10,7 +10,7 @@ from cocotb.triggers import RisingEdge
 
 import bench
 from core import pins
-from meissner.link.registers import RESET_BITS, reset_word
+from meissner.twins.link.registers import RESET_BITS, reset_word
 
 ROWS, COLUMNS, LANES = 3, 5, 2
 RESETS = {

@@ -5,9 +5,9 @@ import re
 
 import pytest
 
-from meissner import config, toolchain
-from meissner.build import verilog
-from meissner.yowasp import chparam, read_rtl, yosys
+from meissner.builds import config, toolchain
+from meissner.builds.build import verilog
+from meissner.builds.yowasp import chparam, read_rtl, yosys
 
 # Blocks of each feature that are of no use to any other.
 BLOCKS = {

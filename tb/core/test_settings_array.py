@@ -11,7 +11,7 @@ import numpy as np
 
 import bench
 from core import pins
-from meissner.link.registers import RESET_BITS, reset_word
+from meissner.twins.link.registers import RESET_BITS, reset_word
 from parts.ad7606 import Ad7606
 
 ROWS, COLUMNS = 3, 4

@@ -14,13 +14,13 @@ from cocotb.triggers import ReadOnly, RisingEdge
 
 import bench
 from core.test_axis import ELECTRODES, _electrodes
-from meissner import core
-from meissner.link import packet as p
-from meissner.link.cobs import encode
-from meissner.link.decoder import Decoder
-from meissner.link.registers import RESET_BITS, reset_word
-from meissner.sensor.sensor_array import from_reset
-from meissner.slip.config import SlipConfig
+from meissner.twins import core
+from meissner.twins.link import packet as p
+from meissner.twins.link.cobs import encode
+from meissner.twins.link.decoder import Decoder
+from meissner.twins.link.registers import RESET_BITS, reset_word
+from meissner.twins.sensor.sensor_array import from_reset
+from meissner.twins.slip.config import SlipConfig
 
 GAIN = 700
 SLIP = SlipConfig(8, 8, 1, 60, 5000, 900, 500, True, 3, 2, 1)

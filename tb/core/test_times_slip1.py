@@ -8,7 +8,7 @@ import numpy as np
 import bench
 from core import pins
 from core.test_settings_channels import CONTACT, GROSS, INCIPIENT, Contact
-from meissner.link.registers import RESET_BITS, reset_word
+from meissner.twins.link.registers import RESET_BITS, reset_word
 from parts.mcp3208 import Mcp3208
 
 PERIOD, WINDOW = 397, 4

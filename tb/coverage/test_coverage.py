@@ -10,8 +10,8 @@ import pytest
 
 import bench
 import coverage_points as points
-from meissner import toolchain
-from meissner.trust import benches
+from meissner.builds import toolchain
+from verify import benches
 
 MODULE = """module msn_tiny (input logic clk_i, input logic a, input logic b, output logic [1:0] y);
   always_ff @(posedge clk_i) begin
@@ -129,7 +129,9 @@ def test_every_waiver_has_a_reason_and_a_block():
     for waiver in tomllib.loads(points.WAIVERS.read_text())["waiver"]:
         assert waiver["reason"].strip() and waiver["points"], waiver
         for name in waiver["block"].split():
-            assert name in ("*", *names) or (toolchain.ROOT / f"model/meissner/{name}.py").exists(), name
+            assert name in ("*", *names) or (toolchain.ROOT / f"model/meissner/twins/{name}.py").exists(), (
+                name
+            )
         for text in waiver["points"]:
             assert text.split(" ")[0] in points.KINDS, text
         assert waiver.get("rule", "never") in points.RULES_OF, waiver

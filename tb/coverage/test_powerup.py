@@ -4,7 +4,7 @@ starts with ones in all registers, and fails with random ones."""
 import pytest
 
 import bench
-from meissner import toolchain
+from meissner.builds import toolchain
 
 RESET = "      restart     <= 1'b1;\n"
 

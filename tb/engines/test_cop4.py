@@ -10,14 +10,14 @@ import numpy as np
 import pytest
 
 from meissner import engines
-from meissner.cop.cop4 import faults
-from meissner.cop.cop4_config import TOUCHES, Cop4Config
+from meissner.builds import four_wires
+from meissner.builds.toolchain import ROOT
 from meissner.engines import float_cop4
-from meissner.scenes import four_wires
-from meissner.toolchain import ROOT
-from meissner.world import mesh_loads
-from meissner.world.adc import Adc
-from meissner.world.mesh import Mesh
+from meissner.physics import mesh_loads
+from meissner.physics.adc import Adc
+from meissner.physics.cop4_config import TOUCHES, Cop4Config
+from meissner.physics.mesh import Mesh
+from meissner.twins.cop.cop4 import faults
 
 EXAMPLE = ROOT / "docs/cop4.toml"
 

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from meissner import engines, run, scenes
-from meissner.cop.cop_slip import CopSlipRegisters, CopSlipResult
-from meissner.run import cop_slip
-from meissner.scenes.cop_slip import Grip, Pull
+from meissner.scenes.grip import run as cop_slip
+from meissner.scenes.grip.scene import Grip, Pull
+from meissner.twins.cop.cop_slip import CopSlipRegisters, CopSlipResult
 
 SCENE = scenes.load("cop_slip")
 

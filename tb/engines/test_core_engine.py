@@ -8,13 +8,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from meissner import cli, config, core, host
-from meissner.engines.rtl_core import CoreOnPins, codes_of
+from meissner import cli, host
+from meissner.builds import config
+from meissner.engines.rtl_core import CoreOnPins
 from meissner.host.pty import Pty
-from meissner.host.register_map import GROUPS
-from meissner.link import bridge
-from meissner.link import packet as p
-from meissner.link.decoder import Decoder
+from meissner.scenes.shown import codes_of
+from meissner.twins import core
+from meissner.twins.link import bridge
+from meissner.twins.link import packet as p
+from meissner.twins.link.decoder import Decoder
+from meissner.twins.link.register_map import GROUPS
 
 ADDRESS = {
     f"{group.name}.{register.name}": register.address for group in GROUPS for register in group.registers

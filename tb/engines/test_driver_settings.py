@@ -10,11 +10,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from meissner.cop.cop4 import Cop4Registers, cop4
-from meissner.cop.cop_slip import CopSlip, CopSlipRegisters
 from meissner.engines import Carrier, rtl, rtl_cop, rtl_cop4, rtl_frontend
-from meissner.frontend.am_demod import AmDemod
-from meissner.slip.config import SlipConfig
+from meissner.twins.cop.cop4 import Cop4Registers, cop4
+from meissner.twins.cop.cop_slip import CopSlip, CopSlipRegisters
+from meissner.twins.frontend.am_demod import AmDemod
+from meissner.twins.slip.config import SlipConfig
 
 LOW, HIGH = -65_536, 65_535  # of samples
 ALWAYS = {

@@ -6,7 +6,7 @@ import pytest
 
 from meissner import engines, scenes
 from meissner.engines import fixed, rtl
-from meissner.slip.config import SlipConfig
+from meissner.twins.slip.config import SlipConfig
 
 
 def noise(channels, samples, seed=1):

@@ -6,12 +6,15 @@ import numpy as np
 import pytest
 
 import gate
-from meissner import boards, config, core, engines
+from meissner import engines
+from meissner.builds import boards, config
 from meissner.engines import gate as gates
 from meissner.engines import rtl_core
-from meissner.link import packet
-from meissner.link.decoder import Decoder
-from meissner.slip.config import SlipConfig
+from meissner.scenes.shown import codes_of
+from meissner.twins import core
+from meissner.twins.link import packet
+from meissner.twins.link.decoder import Decoder
+from meissner.twins.slip.config import SlipConfig
 
 
 def test_the_gate_engine_is_the_integer_twin():
@@ -46,7 +49,7 @@ def test_a_boards_netlist_sends_the_packets_of_its_sources(name):
 def test_a_named_configurations_netlist_says_the_same(name):
     build = config.load(name)
     start, frames, every = gate.SCENES[name]
-    codes = rtl_core.codes_of(build)[start::every][:frames]
+    codes = codes_of(build)[start::every][:frames]
     lines = []
     for engine_of in (rtl_core.CoreOnPins, gates.core_on_pins):
         with engine_of(build, codes) as built:

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from meissner import cli, toolchain
+from meissner import cli
+from meissner.builds import toolchain
 from meissner.engines import kept, rtl_core, verilated
 
 WHOLE = bytes(range(256)) * 40

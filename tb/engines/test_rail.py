@@ -6,10 +6,10 @@ from math import floor
 import numpy as np
 import pytest
 
-from meissner import config
+from meissner.builds import config
 from meissner.engines.rtl_core import CoreOnPins
-from meissner.link import bridge
-from meissner.link.decoder import Decoder
+from meissner.twins.link import bridge
+from meissner.twins.link.decoder import Decoder
 
 HEALTH, RAILED = 4, 2  # docs/link.md
 USE = 0x410  # health.use: bit 0, over-range samples count as railed; bit 1, edges

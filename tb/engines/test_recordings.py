@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 import pywt
 
+from meissner.builds.toolchain import ROOT
 from meissner.engines import fixed, rtl
-from meissner.slip.config import SlipConfig
-from meissner.toolchain import ROOT
+from meissner.twins.slip.config import SlipConfig
 
 TOOL = ROOT / "tools/recordings.py"
 

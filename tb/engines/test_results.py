@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from meissner import run
-from meissner.toolchain import ROOT
+from meissner.builds.toolchain import ROOT
+from meissner.scenes.results import finish
 
 PIXEL = bytes.fromhex(
     "89504e470d0a1a0a0000000d49484452000000010000000108060000001f15c489"
@@ -29,11 +30,11 @@ def results(tmp_path, monkeypatch):
                 raise KeyboardInterrupt
             summary = {"scene": name, "seed": 1, "engine": engine, "runs": 1, "left_out": []}
             shown = [(out / picture, "any", "a picture") for picture in pictures]
-            return run.finish(scene, summary, out, {"x": np.arange(3)}, shown, {}, 0.0)
+            return finish(scene, summary, out, {"x": np.arange(3)}, shown, {}, 0.0)
 
         module = SimpleNamespace(check=lambda *_: None, run=module_run)
-        monkeypatch.setattr(run, "_module", lambda _: module)
-        return run.run(SimpleNamespace(name=name, title=name), "fixed", tmp_path / "out")
+        monkeypatch.setattr(run, "runner", lambda _: module)
+        return run.run(SimpleNamespace(name=name, title=name, sensor="any"), "fixed", tmp_path / "out")
 
     start.folder = tmp_path / "out"
     return start

@@ -10,9 +10,9 @@ import pytest
 from meissner import engines, scenes
 from meissner.engines import Watched, fixed
 from meissner.run import run
-from meissner.run import slip as slip_run
-from meissner.slip.config import SlipConfig
-from meissner.slip.slip import State
+from meissner.scenes.rubber import run as slip_run
+from meissner.twins.slip.config import SlipConfig
+from meissner.twins.slip.slip import State
 
 N, C, I, G = State.NONE, State.CONTACT, State.INCIPIENT, State.GROSS  # noqa: E741
 

@@ -10,7 +10,7 @@ import pytest
 
 from meissner import engines, run, scenes
 from meissner.engines import rtl_cop, rtl_cop4
-from meissner.run import cop_slip
+from meissner.scenes.grip import run as cop_slip
 
 CLOCK_PS = 10**9 // rtl_cop.TRACE_CLK_KHZ
 

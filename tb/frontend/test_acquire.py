@@ -9,8 +9,8 @@ from cocotb.clock import Clock
 from cocotb.triggers import ReadOnly, RisingEdge
 
 import bench
-from meissner.frontend.acquire import Acquire
-from meissner.frontend.adc_spi import AD7606, MAX11125, MCP3208, PARTS, AdcSpi
+from meissner.twins.frontend.acquire import Acquire
+from meissner.twins.frontend.adc_spi import AD7606, MAX11125, MCP3208, PARTS, AdcSpi
 from parts import ad7606, mcp3208
 
 COUNTERS = ("dropped", "overrun", "timeout", "mistagged", "over_range")

@@ -4,8 +4,8 @@ import subprocess
 
 import pytest
 
-from meissner import toolchain
-from meissner.frontend.adc_spi import AD7606, MAX11123, MAX11125, MCP3208, AdcSpi
+from meissner.builds import toolchain
+from meissner.twins.frontend.adc_spi import AD7606, MAX11123, MAX11125, MCP3208, AdcSpi
 
 FRAMES = 200
 HERE = toolchain.ROOT / "tb/frontend"

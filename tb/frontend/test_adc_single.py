@@ -12,7 +12,7 @@ from cocotb.clock import Clock
 from cocotb.triggers import ReadOnly, RisingEdge
 
 import bench
-from meissner.frontend.adc_single import AdcSingle
+from meissner.twins.frontend.adc_single import AdcSingle
 from parts.mcp3208 import Mcp3208
 
 

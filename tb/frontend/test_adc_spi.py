@@ -18,7 +18,7 @@ from cocotb.triggers import FallingEdge, First, ReadOnly, RisingEdge
 from cocotb.utils import get_sim_time
 
 import bench
-from meissner.frontend.adc_spi import AD7606, MAX11123, MCP3208, PARTS, AdcSpi
+from meissner.twins.frontend.adc_spi import AD7606, MAX11123, MCP3208, PARTS, AdcSpi
 from parts import ad7606, max1112x, mcp3208
 from parts.timing import TimingViolation, tightened
 

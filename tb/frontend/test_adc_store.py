@@ -13,7 +13,7 @@ import pytest
 from cocotb.triggers import NextTimeStep, ReadOnly, RisingEdge
 
 import bench
-from meissner.frontend.adc_store import channels_of_word, samples
+from meissner.twins.frontend.adc_store import channels_of_word, samples
 
 
 def codes_of(draw, data_bits):

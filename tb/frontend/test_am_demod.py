@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import bench
-from meissner.frontend.am_demod import IQ, IQ_FAST, RECTIFIER, AmDemod, references
+from meissner.twins.frontend.am_demod import IQ, IQ_FAST, RECTIFIER, AmDemod, references
 
 FIELDS = ["data~", "id", "last", "user"]
 PORTS = ("Form", "SamplesPerPeriod", "Lanes", "Channels", "SampleBits", "PeriodBits", "SkipBits")

@@ -9,7 +9,7 @@ import pytest
 from cocotb.triggers import ReadOnly, RisingEdge
 
 import bench
-from meissner.frontend.burst import samples, triggers
+from meissner.twins.frontend.burst import samples, triggers
 
 
 async def watch(dut, starts, end, taken=(), lost=()):

@@ -12,7 +12,7 @@ import pytest
 from cocotb.triggers import FallingEdge
 
 import bench
-from meissner.frontend.calibrate import Calibrate, forces, latency
+from meissner.twins.frontend.calibrate import Calibrate, forces, latency
 
 FIELDS = ["data", "mask", "id", "last"]
 IDLE = {"cfg_write_i": 0, "cfg_write_row_i": 0, "cfg_swap_i": 0}

@@ -10,7 +10,7 @@ import pytest
 from cocotb.triggers import FallingEdge
 
 import bench
-from meissner.frontend.calibration_grid import CalibrationGrid
+from meissner.twins.frontend.calibration_grid import CalibrationGrid
 
 QUIET = {"cfg_write_i": 0, "cfg_write_row_i": 0, "cfg_swap_i": 0, "take_i": 0, "last_i": 0}
 LATENCY = 6

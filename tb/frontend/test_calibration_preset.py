@@ -8,7 +8,7 @@ import pytest
 from cocotb.triggers import ReadOnly, RisingEdge
 
 import bench
-from meissner.frontend.calibration_preset import preset
+from meissner.twins.frontend.calibration_preset import preset
 
 HOST = ("write", "write_row", "word", "offset", "gain", "swap")
 

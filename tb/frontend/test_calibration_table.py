@@ -9,7 +9,7 @@ import pytest
 from cocotb.triggers import FallingEdge
 
 import bench
-from meissner.frontend.calibration_table import CalibrationTable
+from meissner.twins.frontend.calibration_table import CalibrationTable
 
 
 def twin_of(dut):

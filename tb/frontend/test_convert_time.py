@@ -7,7 +7,7 @@ import cocotb
 from cocotb.triggers import ReadOnly, RisingEdge
 
 import bench
-from meissner.frontend.convert_time import convert_times
+from meissner.twins.frontend.convert_time import convert_times
 
 
 def converter(draw, frames, channels):

@@ -5,14 +5,14 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from meissner.frontend import adc_store, burst
-from meissner.frontend.acquire import Acquire
-from meissner.frontend.adc_single import AdcSingle
-from meissner.frontend.adc_spi import AD7606, MAX11123, MAX11124, MAX11125, MCP3208, AdcSpi
-from meissner.frontend.am_demod import references
-from meissner.frontend.calibration_preset import preset
-from meissner.frontend.convert_time import convert_times
-from meissner.frontend.scan_plan import Region, ScanPlan, Settings
+from meissner.twins.frontend import adc_store, burst
+from meissner.twins.frontend.acquire import Acquire
+from meissner.twins.frontend.adc_single import AdcSingle
+from meissner.twins.frontend.adc_spi import AD7606, MAX11123, MAX11124, MAX11125, MCP3208, AdcSpi
+from meissner.twins.frontend.am_demod import references
+from meissner.twins.frontend.calibration_preset import preset
+from meissner.twins.frontend.convert_time import convert_times
+from meissner.twins.frontend.scan_plan import Region, ScanPlan, Settings
 
 CODES = {  # code: (sample, over-range), by docs/adc.md
     MCP3208: {0: (0, 1), 1: (1, 0), 2047: (2047, 0), 2048: (2048, 0), 4094: (4094, 0), 4095: (4095, 1)},

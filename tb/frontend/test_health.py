@@ -11,7 +11,7 @@ import pytest
 from cocotb.triggers import FallingEdge, Timer
 
 import bench
-from meissner.frontend.health import BLINKING, DEAD, RAILED, Health, Limits
+from meissner.twins.frontend.health import BLINKING, DEAD, RAILED, Health, Limits
 
 FIELDS = ["data", "mask", "id", "last"]
 QUICK = {"band": 5, "jump": 30, "low": -900, "high": 900, "edges": True, "still": 12, "rail": 1, "blink": 30}

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import bench
-from meissner.frontend.health import BLINKING, DEAD, RAILED, Health, Limits
+from meissner.twins.frontend.health import BLINKING, DEAD, RAILED, Health, Limits
 from reference.health import HealthReference
 from reference.health_cases import Case, broken, cases
 

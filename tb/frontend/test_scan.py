@@ -19,8 +19,8 @@ from cocotb.triggers import ReadOnly, RisingEdge
 import bench
 from frontend.test_scan_buffer import stalls
 from frontend.test_scan_plan import NAMES, apply, random_settings
-from meissner.frontend.scan import LATENCY, PIN_CLOCKS, Scan
-from meissner.frontend.scan_plan import START, Region, Settings
+from meissner.twins.frontend.scan import LATENCY, PIN_CLOCKS, Scan
+from meissner.twins.frontend.scan_plan import START, Region, Settings
 
 COUNTERS = ("dropped", "overrun", "held", "lost", "slip_dropped", "slip_overrun")
 BESIDE = 1 << 10  # added to a code that was read with no row driven

@@ -17,9 +17,9 @@ from cocotb.triggers import ReadOnly, RisingEdge, ValueChange
 
 import bench
 from frontend.test_scan_plan import apply
-from meissner.frontend.adc_spi import AD7606, MAX11123, MAX11125, MCP3208, PARTS
-from meissner.frontend.scan_adc import ScanAdc
-from meissner.frontend.scan_plan import Region, Settings
+from meissner.twins.frontend.adc_spi import AD7606, MAX11123, MAX11125, MCP3208, PARTS
+from meissner.twins.frontend.scan_adc import ScanAdc
+from meissner.twins.frontend.scan_plan import Region, Settings
 from parts import ad7606, max1112x, mcp3208
 from parts.timing import Line, now
 

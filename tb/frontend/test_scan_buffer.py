@@ -13,7 +13,7 @@ import pytest
 from cocotb.triggers import ReadOnly, RisingEdge
 
 import bench
-from meissner.frontend.scan_buffer import LATENCY, ScanBuffer
+from meissner.twins.frontend.scan_buffer import LATENCY, ScanBuffer
 
 FIELDS = ("data", "id", "last")
 

@@ -12,9 +12,9 @@ import pytest
 from cocotb.triggers import ReadOnly, RisingEdge
 
 import bench
-from meissner.frontend.adc_spi import AD7606, MAX11125, PARTS
-from meissner.frontend.am_demod import references
-from meissner.frontend.scan_demod import ScanDemod
+from meissner.twins.frontend.adc_spi import AD7606, MAX11125, PARTS
+from meissner.twins.frontend.am_demod import references
+from meissner.twins.frontend.scan_demod import ScanDemod
 from parts.carrier import CarrierMatrix
 from parts.max1112x import Max1112x
 from parts.timing import Line

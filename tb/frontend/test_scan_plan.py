@@ -14,7 +14,7 @@ import pytest
 from cocotb.triggers import ReadOnly, RisingEdge
 
 import bench
-from meissner.frontend.scan_plan import START, Region, ScanPlan, Settings
+from meissner.twins.frontend.scan_plan import START, Region, ScanPlan, Settings
 
 NAMES = {
     "rows": "Rows",

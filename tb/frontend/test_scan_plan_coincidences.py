@@ -10,7 +10,7 @@ import cocotb
 
 import bench
 from frontend.test_scan_plan import apply, twin_of
-from meissner.frontend.scan_plan import Region, Settings
+from meissner.twins.frontend.scan_plan import Region, Settings
 
 SIZE = {"Rows": 3, "Columns": 5, "Channels": 2, "Hold": 7, "Cycle": 20, "SlipSlots": 2}
 SIZE |= {"SettleBits": 6, "PeriodBits": 16}

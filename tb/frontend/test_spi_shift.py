@@ -11,7 +11,7 @@ import pytest
 from cocotb.triggers import ReadOnly, RisingEdge
 
 import bench
-from meissner.frontend import spi_shift
+from meissner.twins.frontend import spi_shift
 
 
 @cocotb.test(timeout_time=10, timeout_unit="ms")

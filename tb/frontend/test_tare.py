@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 
 import bench
-from meissner.cop.cop import cop
-from meissner.frontend.calibrate import forces
-from meissner.frontend.tare import Tare
+from meissner.twins.cop.cop import cop
+from meissner.twins.frontend.calibrate import forces
+from meissner.twins.frontend.tare import Tare
 
 FIELDS = ["data", "mask", "id", "last"]
 QUIET = {"cfg_tare_i": 0, "cfg_force_i": 0, "cfg_load_i": 0, "cfg_write_i": 0}

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import bench
-from meissner.frontend.tare import Tare
+from meissner.twins.frontend.tare import Tare
 from reference.tare import TareReference
 
 

@@ -15,12 +15,13 @@ import time
 import numpy as np
 import pytest
 
-from meissner import cli, config, engines, host, toolchain
+from meissner import cli, engines, host
+from meissner.builds import config, toolchain
 from meissner.host import line, log, packets, view
 from meissner.host.pty import Pty
 from meissner.host.simulated import SimulatedCore, of_scenes
-from meissner.link import cobs
-from meissner.link import packet as p
+from meissner.twins.link import cobs
+from meissner.twins.link import packet as p
 
 
 @pytest.fixture
@@ -92,7 +93,7 @@ def test_regs_writes_all_or_nothing(meissner, given, sentence):
 def test_regs_in_physical_units(meissner, tmp_path):
     """A fingertip's samples are forces of 2 mN, at 4 kHz and level 1; a rubber sensor's 5 V in 12 bits."""
     rubber = tmp_path / "rubber.toml"  # the smallest build, with registers
-    text = (toolchain.ROOT / "model/meissner/configs/slip1.toml").read_text()
+    text = (toolchain.ROOT / "model/meissner/builds/configs/slip1.toml").read_text()
     text = text.replace("registers = false", "registers = true").replace("slip_only = true", "")
     text = text.replace("serial = true", "")
     rubber.write_text(text.replace("statistics = false", "statistics = true"))

@@ -10,9 +10,9 @@ from math import floor
 
 import pytest
 
-from meissner import config
-from meissner.frontend.adc_spi import AdcSpi
-from meissner.slip.config import SAMPLE_BITS
+from meissner.builds import config
+from meissner.twins.frontend.adc_spi import AdcSpi
+from meissner.twins.slip.config import SAMPLE_BITS
 
 
 def tables(name):

@@ -2,7 +2,7 @@
 
 import pytest
 
-from meissner import config
+from meissner.builds import config
 
 SLIP = {
     "threshold_v": 0.02,

@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 from meissner import host
-from meissner.host import Gap, Image, NoAnswer, Refused, SlipEvent, line, names, packets, units
+from meissner.builds import units
+from meissner.host import Gap, Image, NoAnswer, Refused, SlipEvent, line, names, packets
 from meissner.host.pty import Pty
 from meissner.host.simulated import (
     SimulatedCore,
@@ -22,11 +23,11 @@ from meissner.host.simulated import (
     slip_source,
     together,
 )
-from meissner.link import bridge, cobs
-from meissner.link import packet as p
-from meissner.link.uart_rx import UartRx
-from meissner.link.uart_tx import levels
-from meissner.slip.slip import State
+from meissner.twins.link import bridge, cobs
+from meissner.twins.link import packet as p
+from meissner.twins.link.uart_rx import UartRx
+from meissner.twins.link.uart_tx import levels
+from meissner.twins.slip.slip import State
 
 QUICK = {"timeout_s": 0.05, "retries": 1}
 

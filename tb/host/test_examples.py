@@ -6,7 +6,7 @@ import sys
 import numpy as np
 import pytest
 
-from meissner.toolchain import ROOT
+from meissner.builds.toolchain import ROOT
 
 EXAMPLES = {
     ("stream_recording.py",): ["s: channel 0, incipient, p2p ", "slip events"],

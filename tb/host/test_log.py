@@ -13,11 +13,12 @@ from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
 
 from meissner import engines, host
-from meissner.host import line, log, packets, units
+from meissner.builds import units
+from meissner.builds.toolchain import ROOT
+from meissner.host import line, log, packets
 from meissner.host.replay import differences, replay
 from meissner.host.simulated import SimulatedCore
-from meissner.link import packet as p
-from meissner.toolchain import ROOT
+from meissner.twins.link import packet as p
 
 CLK_KHZ = 1000
 FRAMES = np.random.default_rng(1).integers(0, 65536, (4, 3, 4))

@@ -18,10 +18,11 @@ import numpy as np
 import pytest
 
 from meissner import cli, host
-from meissner.host import line, log, packets, units
+from meissner.builds import units
+from meissner.host import line, log, packets
 from meissner.host.simulated import SimulatedCore
-from meissner.link import cobs
-from meissner.link import packet as p
+from meissner.twins.link import cobs
+from meissner.twins.link import packet as p
 
 CLK_KHZ = 1000
 COUNT = 300

@@ -8,10 +8,10 @@ import zlib
 import numpy as np
 import pytest
 
-from meissner.link import packet as p
-from meissner.link.cobs import encode
-from meissner.link.decoder import Decoder
-from meissner.toolchain import ROOT
+from meissner.builds.toolchain import ROOT
+from meissner.twins.link import packet as p
+from meissner.twins.link.cobs import encode
+from meissner.twins.link.decoder import Decoder
 
 STRICT = ("-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-Wconversion")
 SANITIZERS = ("-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")

@@ -9,10 +9,10 @@ import tomllib
 
 import pytest
 
-from meissner import config
-from meissner.build import verilog
-from meissner.host.units import Units
-from meissner.link.registers import RESET_BITS, settings
+from meissner.builds import config
+from meissner.builds.build import verilog
+from meissner.builds.units import Units
+from meissner.twins.link.registers import RESET_BITS, settings
 
 CHANNELS = {
     "about": "odd",

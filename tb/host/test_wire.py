@@ -1,6 +1,6 @@
 """The host's decoders, in Python and in C, and its logs against bytes made by hand from docs/link.md: every
 kind of packet, each field at its full width with a byte of its own in each place, both ends of signed
-numbers, times and numbers of packets across their wrap. Nothing here comes from meissner.link
+numbers, times and numbers of packets across their wrap. Nothing here comes from meissner.twins.link
 but what is tested."""
 
 import numpy as np
@@ -8,8 +8,9 @@ import pytest
 
 from host.test_packet_c import decode_c  # noqa: F401 - a fixture
 from meissner import host
-from meissner.host import line, log, packets, units
-from meissner.link.decoder import Decoder
+from meissner.builds import units
+from meissner.host import line, log, packets
+from meissner.twins.link.decoder import Decoder
 
 LATE = "54 76 98 ba dc fe"  # 280,223,976,814,164 clocks, lowest byte first
 LATE_TICKS = 280_223_976_814_164

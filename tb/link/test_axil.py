@@ -10,8 +10,8 @@ from cocotb.triggers import ReadOnly, RisingEdge, gather
 from cocotbext.axi import AxiLiteBus, AxiLiteMaster, AxiProt, AxiResp
 
 import bench
-from meissner.link import axil
-from meissner.link.registers import Registers
+from meissner.twins.link import axil
+from meissner.twins.link.registers import Registers
 
 
 async def serve(dut, twin, served):

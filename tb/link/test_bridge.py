@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 import bench
-from meissner.link.bridge import BUS_ERROR, DONE, NO_ANSWER, READ, WRITE, accesses, answer, command
-from meissner.link.cobs import stuff
+from meissner.twins.link.bridge import BUS_ERROR, DONE, NO_ANSWER, READ, WRITE, accesses, answer, command
+from meissner.twins.link.cobs import stuff
 
 TIMEOUT = 300
 

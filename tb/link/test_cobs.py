@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import bench
-from meissner.link.cobs import MAX_BYTES, decode, encode, stuff
+from meissner.twins.link.cobs import MAX_BYTES, decode, encode, stuff
 
 
 def beats_of(packets):

@@ -7,10 +7,10 @@ import zlib
 import numpy as np
 import pytest
 
-from meissner.link import decoder as decoder_module
-from meissner.link import packet as p
-from meissner.link.cobs import MAX_BYTES, decode, encode
-from meissner.link.decoder import Decoder
+from meissner.twins.link import decoder as decoder_module
+from meissner.twins.link import packet as p
+from meissner.twins.link.cobs import MAX_BYTES, decode, encode
+from meissner.twins.link.decoder import Decoder
 
 
 def payloads(rng):

@@ -10,10 +10,10 @@ import pytest
 import bench
 from link import test_packet as packet
 from link.test_bridge import Registers
-from meissner.link import packet as p
-from meissner.link.bridge import BUS_ERROR, DONE, NO_ANSWER, READ, WRITE, command
-from meissner.link.link import line_of, packets_of
-from meissner.link.uart_tx import levels
+from meissner.twins.link import packet as p
+from meissner.twins.link.bridge import BUS_ERROR, DONE, NO_ANSWER, READ, WRITE, command
+from meissner.twins.link.link import line_of, packets_of
+from meissner.twins.link.uart_tx import levels
 
 CLK, BAUD, TAXELS, CHUNK = 12_000_000, 3_000_000, 36, 16
 HOST = ("host_valid", "host_write", "host_address", "host_data", "host_strobe")

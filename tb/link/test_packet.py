@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 
 import bench
-from meissner import toolchain
-from meissner.link import packet as p
-from meissner.link.cobs import encode
-from meissner.link.decoder import Decoder
+from meissner.builds import toolchain
+from meissner.twins.link import packet as p
+from meissner.twins.link.cobs import encode
+from meissner.twins.link.decoder import Decoder
 
 INPUTS = (
     *("slip_valid", "slip_id", "slip_state", "slip_p2p", "slip_time"),

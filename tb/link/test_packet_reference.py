@@ -5,10 +5,10 @@ import zlib
 import numpy as np
 import pytest
 
-from meissner.link import bridge, packet
-from meissner.link.cobs import decode, encode, stuff
-from meissner.link.decoder import Decoder
-from meissner.link.packet_slip import packets
+from meissner.twins.link import bridge, packet
+from meissner.twins.link.cobs import decode, encode, stuff
+from meissner.twins.link.decoder import Decoder
+from meissner.twins.link.packet_slip import packets
 
 
 def with_crc(text):

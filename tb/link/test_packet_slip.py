@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import bench
-from meissner.link.packet_slip import packets
+from meissner.twins.link.packet_slip import packets
 
 
 class Line:

@@ -14,9 +14,9 @@ from cocotb.triggers import FallingEdge, ReadOnly, RisingEdge
 
 import bench
 import members
-from meissner.host.register_map import GROUPS
-from meissner.link.registers import RESET_BITS, WIDTHS, Registers, reset_word
-from meissner.toolchain import ROOT
+from meissner.builds.toolchain import ROOT
+from meissner.twins.link.register_map import GROUPS
+from meissner.twins.link.registers import RESET_BITS, WIDTHS, Registers, reset_word
 
 FEATURES = [group.name for group in GROUPS if group.feature]
 STROBES = [(group.name, register.name) for group in GROUPS for register in group.registers if register.strobe]

@@ -8,7 +8,7 @@ from cocotb.triggers import ReadOnly, RisingEdge
 
 import bench
 import members
-from meissner.link.registers import RESET_BITS, Registers, reset_word
+from meissner.twins.link.registers import RESET_BITS, Registers, reset_word
 
 # Bits of a detail, a time, a load and an offset. Ends: 2^18 - 1 = 262143, 2^17 = 131072, 2^11 - 1 = 2047,
 # 2^22 - 1 = 4194303, 2^15 = 32768.

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import bench
-from meissner.link.uart_rx import UartRx
-from meissner.link.uart_tx import sixteenths
+from meissner.twins.link.uart_rx import UartRx
+from meissner.twins.link.uart_tx import sixteenths
 from reference.uart_cases import READS, cases, low_from_the_reset_on
 from reference.uart_rx import receive
 

@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from meissner import toolchain
+from meissner.builds import toolchain
 
 EARLY = """module early (output logic y_o);
   assign y_o = later;

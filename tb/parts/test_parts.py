@@ -9,7 +9,7 @@ from dataclasses import fields
 
 import pytest
 
-from meissner import toolchain
+from meissner.builds import toolchain
 from parts import ad7606, max1112x, mcp3208
 from parts.edges import Edges, Pin
 

@@ -13,8 +13,8 @@ from cocotb.triggers import ReadOnly, RisingEdge
 
 import bench
 import members
-from meissner.frontend.health import Limits
-from meissner.sensor.sensor_array import from_reset, sensor_array
+from meissner.twins.frontend.health import Limits
+from meissner.twins.sensor.sensor_array import from_reset, sensor_array
 
 ROWS, COLUMNS, LANES = 3, 4, 2
 LIMITS = Limits(band=30, jump=700, low=5, high=4000, user=True, edges=False, still=40, rail=2, blink=9)

@@ -14,13 +14,13 @@ from cocotb.triggers import ReadOnly, RisingEdge
 from cocotb.utils import get_sim_time
 
 import bench
-from meissner.frontend.acquire import Acquire
-from meissner.frontend.adc_spi import AD7606, MCP3208, PARTS, AdcSpi
-from meissner.slip.channels import of_codes
-from meissner.slip.config import SlipConfig
-from meissner.slip.haar import haar
-from meissner.slip.peak_to_peak import PeakToPeak
-from meissner.slip.slip import Slip, State
+from meissner.twins.frontend.acquire import Acquire
+from meissner.twins.frontend.adc_spi import AD7606, MCP3208, PARTS, AdcSpi
+from meissner.twins.slip.channels import of_codes
+from meissner.twins.slip.config import SlipConfig
+from meissner.twins.slip.haar import haar
+from meissner.twins.slip.peak_to_peak import PeakToPeak
+from meissner.twins.slip.slip import Slip, State
 from parts import ad7606, mcp3208
 
 RATE_HZ = 10_000

@@ -8,7 +8,7 @@ import pytest
 import pywt
 
 import bench
-from meissner.slip.haar import Haar, haar, masked_groups
+from meissner.twins.slip.haar import Haar, haar, masked_groups
 
 
 def parameters(dut):

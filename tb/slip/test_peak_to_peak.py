@@ -9,7 +9,7 @@ import pytest
 from scipy import ndimage
 
 import bench
-from meissner.slip.peak_to_peak import PeakToPeak, sliding
+from meissner.twins.slip.peak_to_peak import PeakToPeak, sliding
 
 FIELDS = ["p2p", "total~", "id", "last", "restart", "end", "mask"]
 

@@ -12,8 +12,8 @@ from cocotb.triggers import ClockCycles
 from cocotb.utils import get_sim_time
 
 import bench
-from meissner.slip.config import SlipConfig
-from meissner.slip.slip import Slip, State
+from meissner.twins.slip.config import SlipConfig
+from meissner.twins.slip.slip import Slip, State
 
 FIELDS = ["state", "raised", "over", "p2p", "id", "last", "end"]
 THRESHOLD, GROSS, CONTACT, RELEASE = 40, 80, 1000, 900

@@ -9,10 +9,10 @@ import pytest
 
 import bench
 from meissner.engines import fixed
-from meissner.slip.config import SlipConfig
-from meissner.slip.haar import haar
-from meissner.slip.slip import Slip, State
-from meissner.slip.slip_path import decide
+from meissner.twins.slip.config import SlipConfig
+from meissner.twins.slip.haar import haar
+from meissner.twins.slip.slip import Slip, State
+from meissner.twins.slip.slip_path import decide
 
 FIELDS = ["state", "over", "p2p", "id", "last", "end"]
 LEVELS = {"contact_level": 200, "release_level": 100, "threshold": 60, "gross_threshold": 110}

@@ -9,10 +9,10 @@ import pytest
 
 import bench
 from meissner.engines import float_slip
-from meissner.slip.config import SlipConfig
-from meissner.slip.slip import Slip, State
-from meissner.slip.slip_path import decide
-from meissner.slip.slip_serial import SlipSerial
+from meissner.twins.slip.config import SlipConfig
+from meissner.twins.slip.slip import Slip, State
+from meissner.twins.slip.slip_path import decide
+from meissner.twins.slip.slip_serial import SlipSerial
 from reference.slip import NUMBERS, SlipPathReference, SlipReference
 from reference.slip_cases import CASES
 from slip.slip_by_hand import walk

@@ -11,9 +11,9 @@ import pytest
 
 import bench
 from meissner.engines import fixed
-from meissner.slip.config import SlipConfig
-from meissner.slip.slip import State
-from meissner.slip.slip_serial import SlipSerial
+from meissner.twins.slip.config import SlipConfig
+from meissner.twins.slip.slip import State
+from meissner.twins.slip.slip_serial import SlipSerial
 
 FIELDS = ["state", "raised", "over", "p2p", "end"]
 

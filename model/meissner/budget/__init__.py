@@ -8,7 +8,7 @@ import json
 from pathlib import Path
 
 from meissner.files import written
-from meissner.parser import PICTURE
+from meissner.names import PICTURE
 
 
 def _picture(out):
@@ -33,7 +33,7 @@ def command(arguments):
         _array(arguments)
         return
     from meissner.budget import cop4, cop4_report
-    from meissner.world.mesh import Mesh
+    from meissner.physics.mesh import Mesh
 
     for name, value in (("rows", arguments.rows), ("columns", arguments.columns)):
         if not 1 <= value <= cop4.SIDE:

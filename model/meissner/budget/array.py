@@ -1,10 +1,10 @@
 """The latency of a scanned array, term by term: the twins' clock counts, measured in tb/cop/test_array.py."""
 
-from meissner.cop.array import Array
-from meissner.frontend.adc_spi import PARTS
-from meissner.frontend.health import Limits
-from meissner.frontend.scan_adc import ScanAdc
-from meissner.frontend.scan_demod import ScanDemod
+from meissner.twins.cop.array import Array
+from meissner.twins.frontend.adc_spi import PARTS
+from meissner.twins.frontend.health import Limits
+from meissner.twins.frontend.scan_adc import ScanAdc
+from meissner.twins.frontend.scan_demod import ScanDemod
 
 BUDGET_S = 1e-3
 LANES = (1, 2, 4, 8)

@@ -9,7 +9,7 @@ which are then wrong by at most q/2g; N, M and D still come from the four. Each 
 functions, so its greatest error lies at a corner of those intervals: exact, not an estimate.
 
 Not in it: noise (give the converter's effective bits), the layers' own drop (docs/mesh.md, Correction) and
-the core's rounding (meissner.cop.cop4.cop4).
+the core's rounding (meissner.twins.cop.cop4.cop4).
 """
 
 from dataclasses import dataclass

@@ -2,8 +2,8 @@
 
 Each engine module has ``watch``: samples in, what the core says about every detail out; ``windows``, from
 which ``process_slip`` makes the arrays of ``meissner process slip``; ``cop``: frames of forces in, the
-arrays of ``meissner process cop`` out; ``cop4``: codes of the four electrodes in, meissner.cop.cop4.Cop4 out;
-``cop_slip``: the same, and meissner.cop.cop_slip.CopSlipResult; ``demodulate``: samples of a Carrier in,
+arrays of ``meissner process cop`` out; ``cop4``: codes of the four electrodes in, twins.cop.cop4.Cop4 out;
+``cop_slip``: the same, and twins.cop.cop_slip.CopSlipResult; ``demodulate``: samples of a Carrier in,
 amplitudes out; ``calibrate``: codes of an array and its Calibration in, forces out.
 """
 
@@ -14,10 +14,10 @@ from importlib.util import find_spec
 import numpy as np
 
 from meissner.calibration import check_codes
-from meissner.cop.cop_accumulate import sum_bits
-from meissner.engine_names import EVERY, NAMES, VERILATED  # noqa: F401 - users name them engines.NAMES
-from meissner.frontend.am_demod import AmDemod
-from meissner.slip.config import MAX_CHANNELS, SAMPLE_BITS
+from meissner.names import EVERY, NAMES, VERILATED  # noqa: F401 - users name them engines.NAMES
+from meissner.twins.cop.cop_accumulate import sum_bits
+from meissner.twins.frontend.am_demod import AmDemod
+from meissner.twins.slip.config import MAX_CHANNELS, SAMPLE_BITS
 
 COP_ONE = 1 << 14  # 1.0 in Q2.14
 MAX_SIDE = 1024  # rows, columns
@@ -30,7 +30,7 @@ class Watched:
     """What the slip path says about every detail of every channel; all arrays are [channels, details].
 
     ``p2p``: peak-to-peak of the window that runs, in codes; ``over``: p2p > threshold; ``state``:
-    meissner.slip.slip.State; ``end`` [details]: the detail closes a window; ``blanked``: details that
+    meissner.twins.slip.slip.State; ``end`` [details]: the detail closes a window; ``blanked``: details that
     were over while blanked or while the actuator moved.
     """
 
@@ -191,7 +191,7 @@ def check_electrodes(x, bits):
 def process_cop4(codes, config, engine):
     """The arrays of ``meissner process cop4``: x, y (Q2.14), load (LSBs), valid, one of each per sample.
 
-    ``codes``: integers [samples, 4], E1 to E4; ``config``: meissner.cop.cop4_config.Cop4Config.
+    ``codes``: integers [samples, 4], E1 to E4; ``config``: meissner.physics.cop4_config.Cop4Config.
     """
     result = load(engine).cop4(check_electrodes(codes, config.adc.bits), config)
     return {"x": result.x, "y": result.y, "load": result.load, "valid": result.pressed}

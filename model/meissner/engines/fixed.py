@@ -2,15 +2,15 @@
 
 import numpy as np
 
-from meissner.cop import cop4 as electrodes
-from meissner.cop.cop_accumulate import moments
-from meissner.cop.cop_divide import cop_divide
-from meissner.cop.cop_slip import CopSlip
 from meissner.engines import Watched, moving_of_details
-from meissner.frontend.calibrate import forces as calibrated
-from meissner.slip.haar import haar
-from meissner.slip.peak_to_peak import sliding
-from meissner.slip.slip_path import decide
+from meissner.twins.cop import cop4 as electrodes
+from meissner.twins.cop.cop_accumulate import moments
+from meissner.twins.cop.cop_divide import cop_divide
+from meissner.twins.cop.cop_slip import CopSlip
+from meissner.twins.frontend.calibrate import forces as calibrated
+from meissner.twins.slip.haar import haar
+from meissner.twins.slip.peak_to_peak import sliding
+from meissner.twins.slip.slip_path import decide
 
 
 def watch(x, config, moving=None):

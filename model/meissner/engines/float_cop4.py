@@ -3,15 +3,15 @@
     x = Cx (E1-E3) / N     y = Cy (E2-E4) / M     load = Kf N / (D - N p)
     N = 2V0-E1-E3          M = 2V0+E2+E4          D = E1+E3-E2-E4
 
-with p = 0 unless the load is corrected (meissner.world.mesh.correction).
+with p = 0 unless the load is corrected (meissner.physics.mesh.correction).
 """
 
 import numpy as np
 
-from meissner.cop.cop4 import LOAD_BITS, Cop4
-from meissner.cop.cop_slip import CopSlipResult
 from meissner.engines import COP_ONE
-from meissner.world.mesh.correction import load_terms
+from meissner.physics.mesh.correction import load_terms
+from meissner.twins.cop.cop4 import LOAD_BITS, Cop4
+from meissner.twins.cop.cop_slip import CopSlipResult
 
 
 def _ratio(above, below, where):

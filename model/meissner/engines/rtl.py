@@ -12,7 +12,7 @@ from meissner.engines.rtl_cop import cop  # noqa: F401 - this engine's centre of
 from meissner.engines.rtl_cop4 import cop4, cop_slip  # noqa: F401 - of four electrodes
 from meissner.engines.rtl_frontend import calibrate, demodulate  # noqa: F401 - and its front end
 from meissner.engines.verilated import library
-from meissner.slip.config import SAMPLE_BITS, TIMER_BITS
+from meissner.twins.slip.config import SAMPLE_BITS, TIMER_BITS
 
 ADC_PARTS = {"MCP3208": 1, "AD7606": 2}  # msn_pkg::adc_part_e
 # The clock of a pin-level run: the slowest that gives the MCP3208 its full 2 MHz, as simulation time counts

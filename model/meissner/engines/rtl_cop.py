@@ -4,8 +4,8 @@ import ctypes
 
 import numpy as np
 
-from meissner.cop.cop_accumulate import sum_bits
 from meissner.engines import verilated
+from meissner.twins.cop.cop_accumulate import sum_bits
 
 WIDE = 16  # columns from which eight lanes simulate faster than one
 TRACE_CLK_KHZ = 100_000

@@ -5,10 +5,10 @@ from dataclasses import fields
 
 import numpy as np
 
-from meissner.cop.cop4 import Cop4, Cop4Registers
-from meissner.cop.cop_slip import CopSlipRegisters, CopSlipResult
 from meissner.engines import verilated
 from meissner.engines.rtl_cop import TRACE_CLK_KHZ
+from meissner.twins.cop.cop4 import Cop4, Cop4Registers
+from meissner.twins.cop.cop_slip import CopSlipRegisters, CopSlipResult
 
 TERMS = 6
 TRACE_SAMPLES = 200

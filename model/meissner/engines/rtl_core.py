@@ -5,10 +5,10 @@ from contextlib import nullcontext
 
 import numpy as np
 
-from meissner import boards
-from meissner.build import verilog
+from meissner.builds import boards
+from meissner.builds.build import verilog
 from meissner.engines import verilated
-from meissner.link.uart_tx import sixteenths
+from meissner.twins.link.uart_tx import sixteenths
 
 CONVERSION_NS = 4000  # of a converter with BUSY
 PIECE = 2000  # clocks between two looks at the line
@@ -40,7 +40,7 @@ def _open(parameters, folder):
 
 
 class CoreOnPins:
-    """A build of ``config`` (meissner.build.Config) with a sensor that gives ``codes``, over and over.
+    """A build of ``config`` (meissner.builds.build.Config) with a sensor that gives ``codes``, over and over.
 
     ``codes``: integers [frames, rows, columns] of an array, [frames, channels] else. ``read`` and ``write``
     are the bytes of the line, as meissner.host.pty and meissner.host.line take them; reading runs the core.
@@ -132,62 +132,3 @@ def line(board, name, codes, gates=False):
         built = CoreOnPins(board.config(name), codes, (board, name))
     with built:
         return built.run(len(codes) * built.config.period_clocks)
-
-
-SCENES = {(3, 3): "fsr_3x3", (64, 64): "fsr_64x64"}
-PRESS_FRAMES = 256
-BEFORE_S = 0.1  # of a scene of slip, before what it is about
-
-
-def codes_of(config, seed=1):
-    """Codes of the scene that shows what ``config`` is for: what its converter makes of a recording.
-
-    An array that no scene has sees a press: see ``press``.
-    """
-    from meissner import scenes
-    from meissner.host.units import of_scene
-    from meissner.scenes.cop_slip import electrodes
-
-    top = (1 << config.part.data_bits - config.part.signed) - 1
-    if config.kind == "channels":
-        scene = scenes.load("acrylic_slip")
-        codes = scenes.simulate(scene, 0, seed).codes
-        scale = of_scene(scene).volts_per_code / config.volts_per_code
-        if scale != 1:
-            codes = np.clip(np.rint(codes * scale), 0, top).astype(codes.dtype)
-        return np.repeat(codes[:, None], config.channels, axis=1)
-    if config.kind == "electrodes":
-        scene = scenes.load("cop_slip")
-        recording = scenes.simulate(scene, scene.conditions[0], seed)
-        return config.cop4.convert(electrodes(recording.solution))
-    shape = config.sensor["rows"], config.sensor["columns"]
-    if shape in SCENES:
-        codes = scenes.simulate(scenes.load(SCENES[shape]), seed).codes
-        if codes.max() <= top:
-            return codes
-    return press(*shape, top, seed)
-
-
-def press(rows, columns, top, seed=1):
-    """Codes of something round that comes down, goes around and is shaken now and then: no physics."""
-    rng = np.random.default_rng(seed)
-    turn = 2 * np.pi * np.arange(PRESS_FRAMES)[:, None, None] / PRESS_FRAMES
-    y = (np.arange(rows)[:, None] + 0.5) / rows - 0.5 - 0.25 * np.sin(turn)
-    x = (np.arange(columns) + 0.5) / columns - 0.5 - 0.25 * np.cos(turn)
-    held = np.minimum(1, np.arange(PRESS_FRAMES) / (PRESS_FRAMES / 4))[:, None, None]
-    level = (0.02 + 0.6 * held * np.exp(-12 * (x * x + y * y))) * top
-    shaken = np.arange(PRESS_FRAMES)[:, None, None] // 32 % 4 == 3
-    level = level * (1 + np.where(shaken, rng.uniform(-0.2, 0.2, level.shape), 0))
-    return np.clip(np.rint(level), 0, top).astype(np.int32)
-
-
-def shown(config):
-    """``codes_of`` for somebody who watches: where single channels slip, from shortly before that on."""
-    from meissner import core
-
-    codes = codes_of(config)
-    if config.kind != "channels":
-        return codes
-    events = core.of_channels(codes, config.slip).slip
-    before = round(BEFORE_S * config.rate_hz)
-    return np.roll(codes, -max(0, int(events[0][0]) - before), axis=0) if events else codes

@@ -12,7 +12,7 @@ from contextvars import ContextVar
 from functools import cache, wraps
 from pathlib import Path
 
-from meissner import boards, netlist, toolchain
+from meissner.builds import boards, netlist, toolchain
 from meissner.engines import kept
 
 HERE = Path(__file__).parent

@@ -6,10 +6,10 @@ with meissner.host.connect("serial:/dev/ttyUSB0?baud=3000000") as core:
         print(packet)
 """
 
+from meissner.builds.units import Units
 from meissner.host.core import Core, NoAnswer, Refused
 from meissner.host.line import open_line
 from meissner.host.packets import CopFrame, Gap, Health, Image, SlipEvent, Statistics
-from meissner.host.units import Units
 
 __all__ = [
     "CopFrame",

@@ -20,7 +20,8 @@ def _tell(sentence):
 
 def _connect(arguments, registers=None, say=_tell):
     """The Core that the arguments name, its units those of the configuration where one is named."""
-    from meissner import config, host
+    from meissner import host
+    from meissner.builds import config
 
     seconds, clk_khz = getattr(arguments, "seconds", None), getattr(arguments, "clk_khz", None)
     if seconds is not None and not 0 < seconds < float("inf"):

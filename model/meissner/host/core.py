@@ -10,9 +10,9 @@ from dataclasses import dataclass, replace
 from meissner.host import names
 from meissner.host.line import Ended, Gone
 from meissner.host.packets import Assembler, Gap
-from meissner.link import bridge
-from meissner.link import packet as p
-from meissner.link.decoder import Decoder
+from meissner.twins.link import bridge
+from meissner.twins.link import packet as p
+from meissner.twins.link.decoder import Decoder
 
 NOISE = 4096  # bytes without a packet among them: sixteen packets of the longest would have come
 UNREAD = 1 << 16  # packets that wait for somebody to take them; then the oldest go
@@ -180,7 +180,7 @@ class Core:
     def set(self, name, **amount):
         """Write one register in volts, newtons or seconds, by what ``units`` knows; returns the code written.
 
-        ``core.set("slip.threshold", volts=0.02)``: meissner.host.units.CODES says which register takes what.
+        ``core.set("slip.threshold", volts=0.02)``: builds.units.CODES says which register takes what.
         """
         ((quantity, value),) = amount.items()
         code = self.units.code(name, quantity, value)

@@ -159,8 +159,9 @@ def open_line(url, baud=None):
 
             return Pipe(simulated.of_scenes(path, options.get("speed", "1")), url)
         if kind == "core" and path and not options:
-            from meissner import config
-            from meissner.engines.rtl_core import CoreOnPins, shown
+            from meissner.builds import config
+            from meissner.engines.rtl_core import CoreOnPins
+            from meissner.scenes.shown import shown
 
             build = config.load(path)
             return Pipe(CoreOnPins(build, shown(build)), url)

@@ -29,7 +29,7 @@ from meissner.files import check_out as check_name
 from meissner.host import packets, ros
 from meissner.host.spool import Spool, part_of
 from meissner.host.table import COLUMNS, NpzLog, Table, read_rows
-from meissner.link.packet import TIMES
+from meissner.twins.link.packet import TIMES
 
 FLUSH_S = 0.5  # what a process that is killed may lose; shorter chunks compress less
 

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from difflib import get_close_matches
 
-from meissner.host.register_map import GROUPS
+from meissner.twins.link.register_map import GROUPS
 
 VERSION = {
     field.name: field.reset

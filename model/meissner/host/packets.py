@@ -8,14 +8,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from meissner.host.units import Units
-from meissner.link import packet as p
-from meissner.slip.slip import State
+from meissner.builds.units import Units
+from meissner.twins.link import packet as p
+from meissner.twins.slip.slip import State
 
 
 @dataclass(frozen=True)
 class SlipEvent:
-    """``channel``: meissner.core.OF_LOAD is the load of four electrodes; ``state``: meissner.slip.slip.State;
+    """``channel``: twins.core.OF_LOAD is the load of four electrodes; ``state``: twins.slip.slip.State;
     ``p2p``: codes of the detail; ``p2p_v``, ``p2p_n``: of the Haar coefficient, a sensor's volts or
     a taxel's newtons, whichever the samples are.
     """

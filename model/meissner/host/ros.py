@@ -6,9 +6,9 @@ from types import SimpleNamespace
 
 import numpy as np
 
+from meissner.builds.toolchain import ROOT
+from meissner.builds.units import FRACTION_BITS
 from meissner.host import packets
-from meissner.host.units import FRACTION_BITS
-from meissner.toolchain import ROOT
 
 FRAME_ID = "tactile"  # the array's middle, x to the right, y up
 METADATA = "meissner"

@@ -12,14 +12,15 @@ from itertools import count
 import numpy as np
 
 from meissner import engines, scenes
-from meissner.host import names, units
-from meissner.link import bridge, cobs
-from meissner.link import packet as p
-from meissner.link.registers import Registers, reset_word
-from meissner.slip.config import SAMPLE_BITS, TIMER_BITS, SlipConfig
-from meissner.slip.haar import haar
-from meissner.slip.peak_to_peak import PeakToPeak
-from meissner.slip.slip import Slip, State
+from meissner.builds import units
+from meissner.host import names
+from meissner.twins.link import bridge, cobs
+from meissner.twins.link import packet as p
+from meissner.twins.link.registers import Registers, reset_word
+from meissner.twins.slip.config import SAMPLE_BITS, TIMER_BITS, SlipConfig
+from meissner.twins.slip.haar import haar
+from meissner.twins.slip.peak_to_peak import PeakToPeak
+from meissner.twins.slip.slip import Slip, State
 
 CLK_KHZ = 25_000
 STATISTIC_CLOCKS = 1 << 20

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
+from meissner.builds.units import FRACTION_BITS
 from meissner.files import arrays_of, written
 from meissner.host import packets
-from meissner.host.units import FRACTION_BITS
 
 MAGIC = b"MSNROWS1"  # then blocks: length of 32 bits, CRC-32 of the content, which is a .npz
 

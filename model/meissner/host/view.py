@@ -4,9 +4,9 @@ from collections import deque
 
 import numpy as np
 
-from meissner.core import OF_LOAD
 from meissner.host import packets
-from meissner.slip.slip import State
+from meissner.twins.core import OF_LOAD
+from meissner.twins.slip.slip import State
 
 SHADES = " ░▒▓█"
 WIDEST, HIGHEST = 32, 16  # cells of the picture; of a larger array each cell is the largest of its taxels

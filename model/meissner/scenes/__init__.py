@@ -1,28 +1,29 @@
 """The scenes: which sensor, converter, core settings and physics, each in one TOML file.
 
-``load`` checks every key and refuses a mistyped one by name; ``simulate`` builds only the physics that
-the scene names and says what it left out. The sensor decides which module reads the rest: rubber is slip,
-array is cop, grip is cop_slip, every other one has its name. Each has ``build(name, table)`` and
-``simulate(scene, ...)``.
+A folder here is a sensor (meissner.scenes.sensor says what it holds) and has its scenes beside it; nothing
+lists them. ``load`` checks every key and refuses a mistyped one by name; ``simulate`` builds only the physics
+that the scene names and says what it left out.
 """
 
 import tomllib
+from functools import cache
 from importlib import resources
 
-from meissner.scenes import capacitive, cop, cop_slip, fsr, mesh, slip
-from meissner.scenes.check import one_of
-
-SENSORS = {
-    **{"rubber": slip, "array": cop, "mesh": mesh, "grip": cop_slip},
-    **{"capacitive": capacitive, "fsr": fsr},
-}
+from meissner.check import one_of
+from meissner.scenes.sensor import sensor, sensors
 
 
-def names(sensor=None):
+@cache
+def _files():
+    """{name: file} of every scene that comes with the package."""
+    folders = (resources.files(__name__) / sensor for sensor in sensors())
+    files = (file for folder in folders for file in folder.iterdir() if file.name.endswith(".toml"))
+    return dict(sorted((file.name.removesuffix(".toml"), file) for file in files))
+
+
+def names(of=None):
     """Every scene that comes with the package, or every one of a sensor, in alphabetical order."""
-    files = resources.files(__name__).iterdir()
-    every = sorted(file.name.removesuffix(".toml") for file in files if file.name.endswith(".toml"))
-    return [name for name in every if sensor in (None, _table(name).get("sensor"))]
+    return [name for name, file in _files().items() if of in (None, file.parent.name)]
 
 
 def describe(name):
@@ -30,15 +31,16 @@ def describe(name):
     return load(name).title
 
 
-def _table(name):
-    return tomllib.loads((resources.files(__name__) / f"{name}.toml").read_text("utf-8"))
+def source(name):
+    """The text of the scene of that name."""
+    if name not in _files():
+        raise ValueError(f"unknown scene '{name}'; the scenes are: {', '.join(names())}")
+    return _files()[name].read_text("utf-8")
 
 
 def load(name):
     """The scene of that name."""
-    if name not in names():
-        raise ValueError(f"unknown scene '{name}'; the scenes are: {', '.join(names())}")
-    return build(name, _table(name))
+    return build(name, tomllib.loads(source(name)))
 
 
 def build(name, table):
@@ -46,10 +48,10 @@ def build(name, table):
     where = f"scene {name}"
     if "sensor" not in table:
         raise ValueError(f"{where}: the key 'sensor' is missing")
-    one_of(where, "sensor", table["sensor"], tuple(SENSORS))
-    return SENSORS[table["sensor"]].build(name, table)
+    one_of(where, "sensor", table["sensor"], sensors())
+    return sensor(table["sensor"]).build(name, table)
 
 
 def simulate(scene, *arguments, **settings):
     """Run the scene's world: condition and seed of a slip scene, the seed of any other."""
-    return SENSORS[scene.sensor].simulate(scene, *arguments, **settings)
+    return sensor(scene.sensor).simulate(scene, *arguments, **settings)

@@ -1,0 +1,251 @@
+"""The boards a bitstream can be made for, and the named configurations each is offered with."""
+
+import os
+import re
+import tempfile
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from meissner.builds import board_files, config, pins
+from meissner.builds.build import verilog
+from meissner.builds.toolchain import ROOT
+
+# What counts as what: patterns of nextpnr's names, of Yosys's for flip-flops.
+ECP5_AREA = {"lut": "TRELLIS_COMB", "ff": "TRELLIS_FF", "bram": "DP16KD", "dsp": "MULT18X18D"}
+ICE40_AREA = {"lut": "ICESTORM_LC", "ff": "SB_DFF.*", "bram": "ICESTORM_RAM", "dsp": "ICESTORM_DSP"}
+GOWIN_AREA = {"lut": "LUT4|ALU|RAMW", "ff": "DFF.*", "bram": "BSRAM", "dsp": "MULT.*"}
+
+
+# What the boards share.
+COMMON = ("rtl/boards/msn_board_reset.sv", "rtl/boards/msn_board.sv")
+
+
+@dataclass(frozen=True)
+class Board:
+    """One board: ``pnr`` and ``pack`` are commands of which bitstream.py fills in the files.
+
+    ``cells``: family whose cells the netlist has; ``constraints``: ending of the file of pins;
+    ``configs``: the named configurations it is offered with,
+    each with what is the board's, not the file's (see meissner.builds.config.load);
+    ``more``: other parameters.
+    ``left_out``: every other named configuration, with the reason in a sentence's words.
+    ``devices``: what the board is sold with, smallest first, by name, and place and route's word for each;
+    empty if there is one only. A configuration's ``device``: the smallest that it fits and is fast enough on.
+    """
+
+    name: str
+    title: str
+    cells: str
+    synth: str
+    pnr: str
+    constraints: str
+    pack: str
+    bitstream: str
+    area: dict
+    configs: dict
+    left_out: dict = field(default_factory=dict)
+    devices: dict = field(default_factory=dict)
+
+    @property
+    def top(self):
+        return f"{self.name}_top"
+
+    def device(self, name):
+        """Name of the smallest device for that configuration; None: there is one only, or it is not known."""
+        return self.changes(name).get("device")
+
+    def plan(self, name):
+        """meissner.builds.pins.Plan; ValueError if the board has not the pins, or not the clock."""
+        return pins.assign(pins.description(self.name), label(name), self.parameters(name))
+
+    def parameters(self, name):
+        """Of rtl/msn_core.sv, for this board with that configuration."""
+        return self.config(name).parameters | self.changes(name).get("more", {})
+
+    def changes(self, name):
+        """What is the board's of that configuration, not the file's: nothing where the file is the user's."""
+        return self.configs.get(name, {})
+
+    def config(self, name):
+        """meissner.builds.build.Config of that name as this board has it."""
+        own = ("mhz", "part", "registers")
+        return config.load(name, **{key: v for key, v in self.changes(name).items() if key in own})
+
+    @property
+    def sources(self):
+        """What a board has besides rtl/rtl.f and the top that write_board makes, from ROOT."""
+        return [*COMMON, f"rtl/boards/{self.name}_clock.sv"]
+
+
+def label(name):
+    """What a configuration is called in files and folders: its name, or its file's."""
+    if name in config.names():
+        return name
+    stem = re.sub(r"[^A-Za-z0-9_.-]+", "_", Path(name).stem)
+    return f"{stem}.toml" if stem in config.names() else stem  # a user's slip1.toml is not ours
+
+
+def sizes(parameters):
+    """What rtl/boards must know of msn_core's parameters, by the names of its macros."""
+    converters = parameters.get("Converters", 1)
+    return {
+        "CLK_KHZ": parameters["ClkKhz"],
+        "ROWS": parameters.get("Rows", 1),
+        "ROW_PINS": pins.row_pins(parameters),
+        "CONVERTERS": converters,
+        "DATA_LINES": converters * parameters.get("AdcLanes", 1),
+        "GROUP_BITS": max((pins.groups(parameters) - 1).bit_length(), 1),
+    }
+
+
+def _write(path, text):
+    """``text`` as the whole of a file, or the file as it was: several builds may write it at once."""
+    if path.exists() and path.read_text("utf-8") == text:
+        return
+    with tempfile.NamedTemporaryFile("w", encoding="utf-8", dir=path.parent, delete=False) as fresh:
+        fresh.write(text)
+    os.chmod(fresh.name, 0o644)
+    os.replace(fresh.name, path)
+
+
+def write_build(folder, parameters):
+    """The configuration as the macros that rtl/boards read; ``folder``, from ROOT, is made if need be."""
+    (ROOT / folder).mkdir(parents=True, exist_ok=True)
+    listed = ", ".join(f".{name}({value})" for name, value in verilog(parameters).items())
+    macros = sizes(parameters) | {"PARAMETERS": listed}
+    text = "".join(f"`define MSN_{name} {value}\n" for name, value in macros.items())
+    _write(ROOT / folder / "msn_build.svh", "// Written by meissner.builds.boards.\n" + text)
+
+
+def write_board(folder, board, name):
+    """All that a board's build is made of besides rtl: macros, top, constraints and the pin map; the Plan."""
+    plan = board.plan(name)
+    write_build(folder, board.parameters(name))
+    for file, text in (
+        (f"{board.top}.sv", board_files.top(plan)),
+        (f"{board.top}{board.constraints}", board_files.constraints(plan, board.constraints)),
+        ("pins.txt", plan.text()),
+        ("pins.json", plan.json()),
+    ):
+        _write(ROOT / folder / file, text)
+    return plan
+
+
+# The better part of those that a ULX3S may have; the other gives zeros in the low bits.
+ON_BOARD = "MAX11125"
+
+
+def _too_few(there):
+    """Why eight AD7606 do not go on a board with so many pins; builds.pins counts what they need."""
+    reason = f"it needs 36 pins of the headers and the board has {there}"
+    return {"array64": reason, "full": reason}
+
+
+COP4_ICE = "even without registers it needs 10 multipliers, and a UP5K has 8"
+UNMEASURED = "not measured; the board has the pins for it"
+
+BOARDS = {
+    board.name: board
+    for board in (
+        Board(
+            name="icebreaker",
+            title="iCEBreaker (iCE40 UP5K)",
+            cells="ice40",
+            # The fingertip fills 93 % of the cells: with clock enables of a few flip-flops each, which a tile
+            # of eight must share, nextpnr does not place or route it with every seed.
+            synth="synth_ice40 -dsp -device u -dffe_min_ce_use 5",
+            pnr="nextpnr-ice40 --up5k --package sg48 --pcf {stem}.pcf --asc {stem}.asc",
+            constraints=".pcf",
+            pack="yowasp-icepack {stem}.asc {stem}.bin",
+            bitstream=".bin",
+            area=ICE40_AREA,
+            # With registers the fingertip takes 7,456 logic cells; a UP5K has 5,280.
+            configs={"slip1": {}, "fingertip": {"mhz": 24.0, "registers": False}},
+            left_out={"cop4": COP4_ICE} | _too_few(24),
+        ),
+        Board(
+            name="ulx3s",
+            title="ULX3S (ECP5 12F to 85F)",
+            cells="ecp5",
+            synth="synth_ecp5",
+            pnr="nextpnr-ecp5 {device} --package CABGA381 --speed 6 --lpf {stem}.lpf --textcfg {stem}.config",
+            constraints=".lpf",
+            pack="yowasp-ecppack --compress --input {stem}.config --bit {stem}.bit",
+            bitstream=".bit",
+            area=ECP5_AREA,
+            # To these tools a 12F is a 25F of another name: what fits one fits the other.
+            devices={"12F": "--12k", "25F": "--25k", "45F": "--45k", "85F": "--85k"},
+            # At two bits a clock, slip1 has no use for more.
+            configs={
+                "slip1": {"mhz": 50.0, "part": ON_BOARD, "device": "25F"},
+                "fingertip": {"mhz": 50.0, "part": ON_BOARD, "device": "25F"},
+                "cop4": {"mhz": 50.0, "device": "25F"},
+                # A queue of 64 events would take three block RAMs more than a 25F has.
+                "array64": {"mhz": 100.0, "device": "25F", "more": {"SlipDepth": 16}},
+                "full": {"mhz": 100.0, "device": "45F"},
+            },
+        ),
+        Board(
+            name="orangecrab",
+            title="OrangeCrab r0.2 (ECP5 25F)",
+            cells="ecp5",
+            synth="synth_ecp5",
+            pnr="nextpnr-ecp5 --25k --package CSFBGA285 --speed 8 --lpf {stem}.lpf --textcfg {stem}.config",
+            constraints=".lpf",
+            pack="yowasp-ecppack --compress --freq 38.8 --input {stem}.config --bit {stem}.bit",
+            bitstream=".bit",
+            area=ECP5_AREA,
+            configs={"slip1": {"mhz": 48.0}, "fingertip": {"mhz": 48.0}},
+            left_out={"cop4": UNMEASURED} | _too_few(18),
+        ),
+        Board(
+            name="tangnano20k",
+            title="Tang Nano 20K (GW2AR-18C)",
+            cells="gowin",
+            synth="synth_gowin -family gw2a",
+            pnr="nextpnr-himbaechel-gowin --device GW2AR-LV18QN88C8/I7 --vopt family=GW2A-18C "
+            "--vopt cst={stem}.cst --write {stem}.pnr.json",
+            constraints=".cst",
+            pack="gowin_pack -d GW2A-18C -o {stem}.fs {stem}.pnr.json",
+            bitstream=".fs",
+            area=GOWIN_AREA,
+            configs={"slip1": {"mhz": 27.0}, "fingertip": {"mhz": 27.0}},
+            left_out={"cop4": UNMEASURED} | _too_few(16),
+        ),
+    )
+}
+
+
+# With Vivado, by tools/arty_a7.tcl; not built here.
+ARTY = Board(
+    name="arty_a7",
+    title="Arty A7-35T",
+    cells="",
+    synth="",
+    pnr="",
+    constraints=".xdc",
+    pack="",
+    bitstream=".bit",
+    area={},
+    configs={"slip1": {"mhz": 50.0}, "fingertip": {"mhz": 50.0}},
+)
+
+
+def pairs(board=None, name=None):
+    """(Board, configuration) of these names, all if none is given; ValueError if one is unknown.
+
+    ``name`` may be a TOML file; whether the board has its pins and its clock, Board.plan says.
+    """
+    if board is not None and board not in BOARDS:
+        raise ValueError(f"unknown board '{board}'; the boards are: {', '.join(BOARDS)}")
+    chosen = BOARDS.values() if board is None else [BOARDS[board]]
+    if board is not None and name is not None:
+        offered, left_out = BOARDS[board].configs, BOARDS[board].left_out
+        if name in left_out:
+            raise ValueError(f"the {board} is not offered with {name}: {left_out[name]}")
+        if name not in offered and not Path(name).is_file():
+            raise ValueError(
+                f"the {board} has no configuration '{name}'; it has: {', '.join(offered)}, or any TOML file"
+            )
+        return [(BOARDS[board], name)]
+    return [(b, c) for b in chosen for c in b.configs if name in (None, c)]

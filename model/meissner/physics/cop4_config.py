@@ -1,0 +1,74 @@
+"""What makes newtons of four electrodes' codes: sensor, amplifiers, converter, least load, correction."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+from meissner.physics import mesh_loads
+from meissner.physics.adc import Adc
+from meissner.physics.cop4_registers import cop4_registers, correct_registers
+from meissner.physics.mesh import Mesh, correction
+from meissner.twins.cop.cop4 import Cop4Registers
+from meissner.twins.cop.cop4_correct import CorrectionRegisters
+
+MIN_SAMPLE_BITS = 17  # one build of the core serves every converter up to here
+MIN_BITS, MAX_BITS = 8, 24  # of a converter
+TOUCHES = ("none", *mesh_loads.TOUCHES)
+
+
+@dataclass(frozen=True)
+class Cop4Config:
+    """``adc``: symmetric about 0 V, behind amplifiers of ``gain``: code = volts gain / lsb.
+
+    ``load_lsb_n``, ``min_load_n``: newtons; ``touch``: what the load's correction is fitted for, or "none".
+    ValueError with one sentence where the converter or a register has no room.
+    """
+
+    mesh: Mesh
+    adc: Adc
+    gain: float
+    load_lsb_n: float = 1e-3
+    min_load_n: float = 0.05
+    touch: str = "none"
+
+    def __post_init__(self):
+        if not MIN_BITS <= self.adc.bits <= MAX_BITS:
+            raise ValueError(f"bits = {self.adc.bits} must lie in {MIN_BITS} .. {MAX_BITS}")
+        if self.touch not in TOUCHES:
+            raise ValueError(f"correction = '{self.touch}' must be one of: {', '.join(TOUCHES)}")
+        self.registers.check(self.sample_bits)
+
+    @property
+    def sample_bits(self):
+        """SampleBits of the core."""
+        return max(MIN_SAMPLE_BITS, self.adc.bits)
+
+    @property
+    def volts_per_code(self):
+        return self.adc.lsb_v / self.gain
+
+    @cached_property
+    def fix(self) -> correction.Correction | None:
+        """The load's correction, fitted for the touch; None without one."""
+        if self.touch == "none":
+            return None
+        return correction.fit(self.mesh, mesh_loads.touches(self.mesh.m, self.mesh.n, self.touch, seed=1))
+
+    @cached_property
+    def _both(self):
+        registers = cop4_registers(
+            self.mesh, self.adc, self.gain, self.load_lsb_n, self.min_load_n, sample_bits=self.sample_bits
+        )
+        return (registers, None) if self.fix is None else correct_registers(self.fix, registers)
+
+    @property
+    def registers(self) -> Cop4Registers:
+        return self._both[0]
+
+    @property
+    def terms(self) -> CorrectionRegisters | None:
+        """The correction's registers; None for a core built without it."""
+        return self._both[1]
+
+    def convert(self, volts, rng=None):
+        """Codes [samples, 4] of electrode voltages [samples, 4]; noise only with ``rng``."""
+        return self.adc.convert(volts * self.gain, rng)[0]

@@ -1,0 +1,78 @@
+"""The registers of msn_cop4 and of its load correction from a mesh, amplifiers and a converter."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from meissner.physics.mesh.constants import cop_constants
+from meissner.twins.cop.cop4 import LOAD_BITS, SCALE_BITS, Cop4Registers
+from meissner.twins.cop.cop4_correct import LOAD_SHIFT, SHIFT_TOP, SUM_TOP, CorrectionRegisters
+
+
+def scaled(value, lowest, what):
+    """``value`` as k / 2**(lowest + shift), k of 17 bits, the largest shift of 0 .. 15: (k, shift)."""
+    for shift in range(SHIFT_TOP, -1, -1):
+        k = round(value * 2.0 ** (lowest + shift))
+        if k < 1 << SCALE_BITS:
+            if value and not k:
+                raise ValueError(f"{what} is too small for its register")
+            return k, shift
+    raise ValueError(f"{what} is too large for its register")
+
+
+def cop4_registers(mesh, adc, gain=1.0, load_lsb=1e-3, min_load=0.05, imbalance=1e-3, sample_bits=17):
+    """``Cop4Registers`` for a mesh (m, n, r, R0, V0, k) read by ``adc`` through amplifiers of ``gain``.
+
+    ``mesh``: a Mesh or anything with those six; ``adc``: meissner.physics.adc.Adc, symmetric about 0 V since
+    E2 and E4 are negative. ``load_lsb``, ``min_load`` newtons; ``imbalance`` a fraction of 2V0. An electrode
+    counts as open below 1/500 of V0 / R0 (4 codes at least) while its partner has more current than any
+    place of the load could make of that. ValueError where a voltage or a constant has no room.
+    """
+    lsb = adc.lsb_v / gain
+    rail = mesh.V0 / lsb
+    if adc.low_v != -adc.high_v:
+        raise ValueError("the converter must be symmetric about 0 V: E2 and E4 are negative")
+    margin = max(4, round(rail / 500))
+    if round(rail) + margin > adc.max_code:
+        raise ValueError(f"V0 = {mesh.V0:g} V times the gain {gain:g} leaves no room below {adc.high_v:g} V")
+    Cx, Cy, Kf = cop_constants(mesh.m, mesh.n, mesh.r, mesh.R0, mesh.V0, mesh.k)
+    kx, shift_x = scaled(Cx, 0, f"Cx = {Cx:g}")
+    ky, shift_y = scaled(Cy, 0, f"Cy = {Cy:g}")
+    kf, shift_load = scaled(Kf / load_lsb / (1 << LOAD_BITS), LOAD_SHIFT, f"Kf = {Kf:g} N at {load_lsb:g} N")
+    # Of one layer's current no electrode has less than (1 - 1/C) / 2.
+    share = max([(C + 1) / (C - 1) for C in (Cx, Cy) if C] or [1])
+    busy = max(round(rail - (margin + 3) * share) - 3, -adc.max_code)
+    found = Cop4Registers(
+        rail=round(2 * rail),
+        kx=kx,
+        shift_x=shift_x,
+        ky=ky,
+        shift_y=shift_y,
+        kf=kf,
+        shift_load=shift_load,
+        top=adc.max_code,
+        idle=round(rail) - margin,
+        busy=busy,
+        imbalance=max(4, round(2 * rail * imbalance)),
+        min_load=max(1, round(min_load / load_lsb)),
+    )
+    found.check(sample_bits)
+    return found
+
+
+def correct_registers(fix, registers):
+    """``fix`` (correction.Correction) as registers beside ``registers`` (Cop4Registers): both, at one shift.
+
+    The two denominators D and N p share the load's shift, so it is lowered, and kf with it, until every
+    operand has room. kf keeps 2**-12 or ValueError.
+    """
+    shift, kf = registers.shift_load, registers.kf
+    while shift >= 0:
+        p = tuple(int(v) for v in np.round(np.asarray(fix.p) * 2.0 ** (LOAD_SHIFT + shift)))
+        if sum(abs(v) for v in p) < SUM_TOP:
+            scaled = round(kf / 2 ** (registers.shift_load - shift))
+            if scaled < 1 << 11:
+                break
+            return replace(registers, kf=scaled, shift_load=shift), CorrectionRegisters(p, LOAD_SHIFT + shift)
+        shift -= 1
+    raise ValueError("the correction is too large beside this load's LSB: choose a larger load_lsb")

@@ -1,0 +1,65 @@
+"""The fast exact solver: only the loaded taxels are unknown.
+
+K contacts with resistances p draw the currents I. Each layer's drop at each contact is its Green's function
+times I, so (diag(p) + Z + R0) I = 2V0, with Z = r (layer A + layer B) and R0 the same in every entry. With
+
+    (diag(p) + Z) w = 1,   c = sum w:   I = 2V0 w / (1 + R0 c),   reported load = k c,   x = sum(x w) / c,
+
+R0 leaves the report but for the tilt between two rails (``pull``, 1 for R0 >> r), as published, and never
+touches the conditioning.
+"""
+
+import numpy as np
+
+from meissner.physics.mesh.green import UNIT
+
+
+def matrix(mesh, row, column, resistance):
+    """diag(p) + Z [scenes, K, K] in ohms; all arguments [scenes, K], resistance in ohms, 0 for a short."""
+    Z = mesh.layer_a.between(row, column)
+    Z += mesh.layer_b.between(column, row)
+    Z *= mesh.r
+    Z.reshape(len(Z), -1)[:, :: Z.shape[-1] + 1] += resistance
+    return Z
+
+
+def solve(mesh, row, column, resistance):
+    """w [scenes, K] in siemens: each contact's current per volt between the rails behind R0."""
+    M = matrix(mesh, row, column, resistance)
+    scale = 1 / np.sqrt(M.reshape(len(M), -1)[:, :: M.shape[-1] + 1])
+    M *= scale[:, :, None]
+    M *= scale[:, None, :]
+    return scale * np.linalg.solve(M, scale[..., None])[..., 0]
+
+
+def certify(mesh, row, column, resistance, w):
+    """Rigorous |w - exact| [scenes, K], condition [scenes], residual [scenes].
+
+    With R near the inverse of the scaled matrix M and q >= |1 - RM|, |error| <= |R residual| / (1 - q),
+    every norm taken with the rounding of Z, of the products and of R's use added.
+    """
+    M = matrix(mesh, row, column, resistance)
+    count = M.shape[-1]
+    scale = 1 / np.sqrt(np.diagonal(M, axis1=1, axis2=2))
+    reach_a = np.sqrt(mesh.layer_a.reach()[column] * mesh.r)
+    reach_b = np.sqrt(mesh.layer_b.reach()[row] * mesh.r)
+    doubt = mesh.layer_a.rounding * reach_a[:, :, None] * reach_a[:, None, :]
+    doubt += mesh.layer_b.rounding * reach_b[:, :, None] * reach_b[:, None, :]
+    doubt += 4 * UNIT * np.abs(M)
+    both = scale[:, :, None] * scale[:, None, :]
+    M, doubt, v = M * both, doubt * both, w / scale
+    doubt += 2 * UNIT * np.abs(M)
+    R = np.linalg.inv(M)
+    gamma = (count + 3) * UNIT
+    q = np.abs(np.eye(count) - R @ M) + np.abs(R) @ (doubt + gamma * np.abs(M)) + gamma
+    q = q.sum(-1).max(-1) * (1 + 1e-9)
+    gap = scale - (M @ v[..., None])[..., 0]
+    slack = (np.abs(M) * gamma + doubt) @ np.abs(v)[..., None]
+    worst = np.abs(gap)[..., None] + slack + 2 * UNIT * scale[..., None]
+    error = (np.abs(R) @ worst)[..., 0].max(-1) * (1 + 1e-9)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        error = np.where(q < 1, error / (1 - q), np.inf)
+    error = error[:, None] * scale + 2 * UNIT * np.abs(w)
+    condition = np.abs(M).sum(-1).max(-1) * np.abs(R).sum(-1).max(-1)
+    residual = (np.abs(gap) / (np.abs(M) @ np.abs(v)[..., None])[..., 0]).max(-1)
+    return error, condition, residual

@@ -1,0 +1,159 @@
+"""The resistor mesh under the sensor: loads in newtons to electrode voltages, three solvers, one call."""
+
+import numpy as np
+
+from meissner.physics.mesh.circuit import Circuit
+from meissner.physics.mesh.constants import cop_constants
+from meissner.physics.mesh.green import Layer
+from meissner.physics.mesh.groups import Constant, Exact, Nodal
+from meissner.physics.mesh.solution import Solution
+from meissner.physics.mesh.spread_out import Iterated
+
+SOLVERS = ("auto", "lu", "fast", "constant")
+BATCH = 2_000_000  # contact pairs solved at once
+DENSE = 2000  # contacts; beyond it the fast solver iterates, as it does
+MODES = 200_000_000  # beyond so many terms of Green's functions that are too large to tabulate
+SPARSE = 20_000  # taxels up to which auto takes sparse LU for many contacts
+ALL = np.zeros(1, int)
+
+
+class Mesh:
+    """An m x n mesh: layer resistors ``r`` and rail resistors ``R0`` (ohms), rails +-``V0`` (volts).
+
+    A taxel loaded with F newtons is a resistor k / F (eq. 24, ``k`` in newton ohms; 4320 in the paper, so
+    864 ohms at 5 N). ``Cx``, ``Cy``, ``Kf``: the register constants, see ``cop_constants``.
+    Row i runs top to bottom, column j left to right; E1 left, E3 right, E2 top, E4 bottom.
+    """
+
+    def __init__(self, m, n, r, R0=10e3, V0=15.0, k=4320.0):
+        for name, value in (("m", m), ("n", n)):
+            if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < 1:
+                raise ValueError(f"{name} = {value!r} must be a whole number of taxels, 1 or more")
+        for name, value in (("r", r), ("R0", R0), ("V0", V0), ("k", k)):
+            number = np.asarray(value)
+            if number.shape or number.dtype.kind not in "iuf" or not (number > 0 and np.isfinite(number)):
+                raise ValueError(f"{name} = {value!r} must be a positive, finite number")
+        self.m, self.n = int(m), int(n)
+        self.r, self.R0, self.V0, self.k = float(r), float(R0), float(V0), float(k)
+        self.Cx, self.Cy, self.Kf = cop_constants(self.m, self.n, self.r, self.R0, self.V0, self.k)
+        # Ohms: E1-E3 = lift[0] sum(lever I), E2-E4 = lift[1] sum(lever I), levers in taxels; eq. 16, 17.
+        self.lift = (
+            2 / (2 * self.m / self.r + (self.n + 1) / self.R0),
+            2 / (2 * self.n / self.r + (self.m + 1) / self.R0),
+        )
+        rail = 2 * self.R0 / self.r
+        self.layer_a = Layer(self.m, self.n, rail / (rail + (self.n + 1) / self.m))
+        square = self.m == self.n
+        pull = rail / (rail + (self.m + 1) / self.n)
+        self.layer_b = self.layer_a if square else Layer(self.n, self.m, pull)
+
+    def __repr__(self):
+        return f"Mesh({self.m}, {self.n}, r={self.r:g}, R0={self.R0:g}, V0={self.V0:g}, k={self.k:g})"
+
+    def solve(self, load, solver="auto", tolerance=0.0):
+        """Solve ``load`` [m, n] or [scenes, m, n] (newtons, >= 0; ``np.inf`` shorts a taxel): a ``Solution``.
+
+        lu        the (2mn+4) nodal equations, sparse LU, refined and certified: the reference
+        fast      exact; only the loaded taxels are unknown
+        constant  eq. 25: no drop in the layers, so position and load come out ideal
+        auto      fast or lu, whichever the number of loaded taxels makes cheaper; constant where its own
+                  rigorous bounds stay below ``tolerance`` (fraction of the load, and of the position's range)
+
+        Bad input raises ValueError.
+        """
+        if solver not in SOLVERS:
+            raise ValueError(f"solver = {solver!r} must be one of {', '.join(SOLVERS)}")
+        if not tolerance >= 0:
+            raise ValueError(f"tolerance = {tolerance!r} must not be negative")
+        load, single = self._read(load)
+        scenes = len(load)
+        solution = Solution(self, scenes, single)
+        with np.errstate(over="ignore", under="ignore", divide="ignore", invalid="ignore"):
+            flat = load.reshape(-1)
+            index = (flat > 0).nonzero()[0]  # of booleans: ten times faster than of floats
+            resistance = self.k / flat[index]
+            if index.size and not resistance.max() < np.inf:  # less conductance than a double holds: open
+                held = np.isfinite(resistance)
+                index, resistance = index[held], resistance[held]
+            if single:
+                if index.size:
+                    self._solve(solution, ALL, load, index[None], resistance[None], solver, tolerance)
+                return solution
+            scene, place = np.divmod(index, self.m * self.n)
+            counts = np.bincount(scene, minlength=scenes)
+            ends = np.cumsum(counts)
+            for count in np.unique(counts[counts > 0]):
+                step = max(1, BATCH // int(count) ** 2)
+                every = np.flatnonzero(counts == count)
+                for start in range(0, len(every), step):
+                    where = every[start : start + step]
+                    part = (ends[where] - count)[:, None] + np.arange(count)
+                    self._solve(solution, where, load, place[part], resistance[part], solver, tolerance)
+        return solution
+
+    def _solve(self, solution, where, load, place, resistance, solver, tolerance):
+        """Scenes ``where``, each with the same number of contacts: [scenes, K] places and resistances."""
+        row, column = np.divmod(place, self.n)
+        if solver == "constant" or (solver == "auto" and tolerance > 0):
+            defined = (resistance > 0).all(-1)
+            if solver == "constant" and not defined.all():
+                solution.refuse(where[~defined], "constant", "a short has no load at constant potential")
+            chosen = defined
+            if defined.any():
+                group = Constant(self, row[defined], column[defined], resistance[defined])
+                if solver == "auto":
+                    bound, near = group.certificate().bound, defined.copy()
+                    near[defined] = (bound[6] <= tolerance * group.values[6]) & (
+                        np.maximum(bound[4], bound[5]) <= 2 * tolerance
+                    )
+                    chosen = near
+                    group = Constant(self, row[near], column[near], resistance[near])
+                solution.put(where[chosen], group.values, "constant", group)
+            if solver == "constant":
+                return
+            where, row, column, resistance = (a[~chosen] for a in (where, row, column, resistance))
+            if not len(where):
+                return
+        method = self._method(row.shape[1], solver)
+        if method == "contacts":
+            group = Exact(self, row, column, resistance)
+            solution.put(where, group.values, "fast", group)
+            return
+        for scene in range(len(where)):
+            one = slice(scene, scene + 1)
+            if method == "lu":
+                group = Nodal(self, *Circuit(self, load[where[scene]]).refined())
+                if not group.why or solver == "lu":
+                    solution.put(where[one], group.values, "lu", group, group.why)
+                    continue
+            if row.shape[1] <= DENSE:
+                group = Exact(self, row[one], column[one], resistance[one])
+                solution.put(where[one], group.values, "fast", group)
+            else:
+                group = Iterated(self, row[one], column[one], resistance[one])
+                solution.put(where[one], group.values, "fast", group, group.why)
+
+    def _method(self, contacts, solver):
+        """contacts (dense), transforms (iterated) or lu; seconds fitted on one core of a 2020s machine."""
+        if solver == "lu":
+            return "lu"
+        tabulated = self.layer_a.tabulated and self.layer_b.tabulated
+        dense = contacts <= DENSE and (tabulated or contacts**2 * (self.m + self.n) <= MODES)
+        if solver == "auto" and self.m * self.n <= SPARSE:
+            sparse = 1e-7 * (self.m * self.n) ** 1.6 + 1e-3
+            return "contacts" if dense and contacts**3 * 3.5e-11 <= sparse else "lu"
+        return "contacts" if dense else "transforms"
+
+    def _read(self, load):
+        try:
+            load = np.asarray(load, float)
+        except (TypeError, ValueError):
+            raise ValueError("load must be an array of newtons") from None
+        if load.ndim not in (2, 3) or load.shape[-2:] != (self.m, self.n):
+            shape = f"[{self.m}, {self.n}] or [scenes, {self.m}, {self.n}]"
+            raise ValueError(f"load has shape {list(load.shape)}, must be {shape}")
+        if load.size and not load.min() >= 0:
+            if np.isnan(load).any():
+                raise ValueError("load holds NaN: every taxel needs a number of newtons")
+            raise ValueError("load holds a negative force: taxels can only be pressed")
+        return (load[None], True) if load.ndim == 2 else (load, False)

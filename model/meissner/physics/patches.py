@@ -1,0 +1,44 @@
+"""Contact patches that move over an array: each a point force on an elastic cover, spread over the taxels.
+
+    line      from one place to another at a steady speed
+    circle    around a centre, counter-clockwise from its right
+    hold      in one place
+
+Force over the run, as a share of ``force_n``: ``steady`` 1; ``press`` a half sine; ``step`` the two humps
+of a foot that lands, passes over and pushes off, sin(pi p) + sin(3 pi p)/3 scaled to a peak of 1.
+
+Not modelled: friction, the cover's creep and hysteresis, crosstalk of the readout.
+"""
+
+import numpy as np
+
+from meissner.physics import mesh_loads
+
+_STEP_PEAK = 2 * np.sqrt(2) / 3
+PROFILES = {
+    "steady": np.ones_like,
+    "press": lambda phase: np.sin(np.pi * phase),
+    "step": lambda phase: (np.sin(np.pi * phase) + np.sin(3 * np.pi * phase) / 3) / _STEP_PEAK,
+}
+
+
+def place(patch, phase):
+    """x and y of a patch at ``phase`` (0 to 1 over the run)."""
+    if patch["path"] == "line":
+        (x0, y0), (x1, y1) = patch["from"], patch["to"]
+        return x0 + (x1 - x0) * phase, y0 + (y1 - y0) * phase
+    if patch["path"] == "circle":
+        angle = 2 * np.pi * patch["turns"] * phase
+        x, y = patch["centre"]
+        return x + patch["radius"] * np.cos(angle), y + patch["radius"] * np.sin(angle)
+    return tuple(np.full(np.shape(phase), value) for value in patch["at"])
+
+
+def forces(rows, columns, patches, phase, depth):
+    """Newtons on the taxels [frames, rows, columns] under all patches; ``depth``: of the cover, pitches."""
+    total = np.zeros((len(phase), rows, columns))
+    for patch in patches:
+        x, y = place(patch, phase)
+        force_n = patch["force_n"] * np.maximum(PROFILES[patch["profile"]](phase), 0.0)
+        total += mesh_loads.press(rows, columns, x, y, force_n, depth)
+    return total

@@ -1,0 +1,104 @@
+"""A report as one HTML file that needs nothing else: verdict and picture first, then the numbers in words.
+
+No table is wider than its page: headings wrap, and on a narrow page a table of several columns becomes a
+list, each value beside its heading. In the dark style pictures are inverted with their hues kept: their
+white ground becomes the page's dark one, and a colour keeps the name that a caption gives it.
+"""
+
+import base64
+import html
+from pathlib import Path
+
+from meissner.report.words import cell, fact, heading, words
+
+_STYLE = """
+:root { color-scheme: light dark; --ink: #222; --paper: #fff; --soft: #555; --line: #ddd; }
+body { font: 16px/1.5 system-ui, sans-serif; color: var(--ink); background: var(--paper);
+  max-width: 72rem; margin: 1.5rem auto; padding: 0 1rem; overflow-wrap: break-word; }
+h1 { font-size: 1.5rem; line-height: 1.25; margin: 0 0 .5rem; }
+h2 { font-size: 1.15rem; margin: 2rem 0 .5rem; }
+.verdict { font-size: 1.15rem; margin: .5rem 0 1rem; padding-left: .8rem; border-left: 4px solid #0072b2; }
+figure { margin: 1rem 0; } figcaption { color: var(--soft); } figcaption b { color: var(--ink); }
+img { display: block; max-width: 100%; height: auto; margin: 0 auto .4rem; }
+.table { overflow-x: auto; } table { border-collapse: collapse; max-width: 100%; }
+th, td { padding: .25rem .8rem .25rem 0; text-align: left; vertical-align: top; font-weight: normal; }
+thead th { vertical-align: bottom; color: var(--soft); border-bottom: 2px solid var(--ink); }
+tbody th, td { border-bottom: 1px solid var(--line); } .facts th { color: var(--soft); width: 45%; }
+@media (max-width: 48rem) {
+  h1 { font-size: 1.25rem; } .verdict { font-size: 1.05rem; }
+  .rows, .rows tbody, .rows tr, .rows td { display: block; } .rows thead { display: none; }
+  .rows tr { padding: .4rem 0; border-bottom: 2px solid var(--line); }
+  .rows td { display: flex; justify-content: space-between; gap: 1rem; padding-right: 0; border: 0; }
+  .rows td::before { content: attr(data-label); color: var(--soft); font-weight: normal; }
+  .rows td:first-child { font-weight: bold; }
+}
+@media (prefers-color-scheme: dark) {
+  :root { --ink: #e8e8e8; --paper: #121212; --soft: #a8a8a8; --line: #3a3a3a; }
+  .verdict { border-color: #56b4e9; } img { filter: invert(.93) hue-rotate(180deg); }
+}
+"""
+
+
+def _rows(rows):
+    """A list of dicts with the same keys as an HTML table, the keys in words."""
+    # The value that a heading is of: a column's first that is there.
+    samples = {key: next((row[key] for row in rows if row[key] is not None), None) for key in rows[0]}
+    heads = {key: html.escape(heading(key, sample)) for key, sample in samples.items()}
+    head = "".join(f'<th scope="col">{text}</th>' for text in heads.values())
+    body = "".join(
+        "<tr>"
+        + "".join(f'<td data-label="{heads[key]}">{html.escape(cell(key, row[key]))}</td>' for key in heads)
+        + "</tr>"
+        for row in rows
+    )
+    return (
+        f'<div class="table"><table class="rows"><thead><tr>{head}</tr></thead>'
+        f"<tbody>{body}</tbody></table></div>"
+    )
+
+
+def _facts(summary):
+    """A dict as two columns, meaning and value."""
+    body = "".join(
+        f'<tr><th scope="row">{html.escape(words(key, value).label)}</th>'
+        f"<td>{html.escape(fact(key, value))}</td></tr>"
+        for key, value in summary.items()
+    )
+    return f'<div class="table"><table class="facts"><tbody>{body}</tbody></table></div>'
+
+
+def _figure(picture):
+    file, condition, shown = picture
+    data = base64.b64encode(Path(file).read_bytes()).decode("ascii")
+    condition, shown = html.escape(condition), html.escape(shown)
+    return (
+        f'<figure><img alt="{condition}: {shown}" src="data:image/png;base64,{data}">'
+        f"<figcaption><b>{condition}</b>: {shown}</figcaption></figure>"
+    )
+
+
+def write_html(path, summary, pictures=(), tables=None, title="Meissner", verdict=""):
+    """Write one file that needs no other: pictures are embedded, styles are inside.
+
+    ``verdict``: the sentence under the title. ``pictures``: (PNG path, condition, what is shown); the first
+    follows the verdict. ``tables``: {heading: list of dicts with the same keys}. ``summary``: a dict, shown
+    as two columns.
+    """
+    figures = [_figure(picture) for picture in pictures]
+    parts = [f"<h1>{html.escape(title)}</h1>", f'<p class="verdict">{html.escape(verdict)}</p>', *figures[:1]]
+    for name, rows in (tables or {}).items():
+        if rows:
+            parts.append(f"<h2>{html.escape(name)}</h2>{_rows(rows)}")
+    parts.append(f"<h2>Summary</h2>{_facts(summary)}")
+    if figures[1:]:
+        parts += ["<h2>More pictures</h2>", *figures[1:]]
+    page = (
+        '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">'
+        '<meta name="color-scheme" content="light dark">'
+        f"<title>{html.escape(title)}</title><style>{_STYLE}</style></head>\n<body>\n"
+        + "\n".join(parts)
+        + "\n</body></html>\n"
+    )
+    Path(path).write_text(page, encoding="utf-8")
+    return Path(path)

@@ -1,0 +1,214 @@
+"""The words of a report: what each key of a summary or of its tables means, and in which unit it is shown.
+
+A new key needs one line in ``WORDS``. Without it the report shows the key's own words and the unit that its
+ending names, and tb/physics/test_report.py fails.
+"""
+
+from typing import NamedTuple
+
+
+class Words(NamedTuple):
+    """``scale``: the shown number is the value times it; ``none``: what stands for a missing value."""
+
+    label: str
+    unit: str = ""
+    scale: float = 1.0
+    none: str = "none"
+
+
+def _share(label):
+    return Words(label, "%", 100.0)
+
+
+def _ms(label):
+    return Words(label, "ms", 1e3)
+
+
+ENGINES = {
+    "float": "float: floating-point reference",
+    "fixed": "fixed: integer twins of the core",
+    "rtl": "rtl: the core itself, simulated",
+    "gate": "gate: the synthesised netlist, simulated",
+}
+
+WORDS = {
+    # every scene
+    "scene": Words("scene"),
+    "engine": Words("engine"),
+    "seed": Words("first seed"),
+    "files": Words("files of the run"),
+    "seconds_simulated": Words("simulated time", "s"),
+    "seconds_taken": Words("time taken", "s"),
+    "samples_per_second": Words("samples through the engine per second"),
+    "twin_mismatches": Words(
+        "differences between core and integer twin", none="not compared: this engine does not run the core"
+    ),
+    "modelled": Words("modelled"),
+    "left_out": Words("left out"),
+    "runs": Words("runs"),
+    "condition": Words("condition"),
+    # slip; single times are of the shown run; onset: the first partial slip, or the pull's beginning
+    "onset_s": Words("onset (truth), shown run", "s"),
+    "crossing_s": Words("reference window crosses the threshold, shown run", "s"),
+    "flag_s": Words("slip flag rises, shown run", "s"),
+    "delay_s": _ms("from onset to flag, shown run"),
+    "gross_s": Words("whole contact slips (truth), shown run", "s"),
+    "missed": Words("slips missed"),
+    "false_alarms": Words("false alarms"),
+    "contact_share_of_sliding": _share("sliding time in which the state is not slip"),
+    "delay_ms_median": Words("delay, median", "ms"),
+    "delay_ms_mean": Words("delay, mean", "ms"),
+    "delay_ms_max": Words("delay, longest", "ms"),
+    "detector_ms_max": Words("detector's part of the delay, longest", "ms"),
+    "lead_ms_median": Words("lead before the whole contact slips, median", "ms"),
+    "lead_ms_min": Words("lead before the whole contact slips, shortest", "ms"),
+    "adc": Words("converter"),
+    "clk_khz": Words("clock", "MHz", 1e-3),
+    "clocks": Words("clocks"),
+    "convert_jitter_clocks": Words("jitter of convert start", "clocks"),
+    "decision_clocks": Words("convert start to decision, longest", "clocks"),
+    "decision_us": Words("convert start to decision, longest", "µs"),
+    "decision_jitter_clocks": Words("jitter of the decision", "clocks"),
+    # slip from four wires
+    "direction_deg": Words("reported direction of slip, shown run", "°"),
+    "direction_error_deg": Words("error of the direction", "°"),
+    "direction_error_deg_max": Words("error of the direction, largest", "°"),
+    "octants_wrong": Words("directions in the wrong eighth"),
+    "load_drop": _share("load output falls before the object moves"),
+    "grip_rise_n": Words("grip force rises meanwhile (truth)", "N"),
+    "move_v": Words("position output moves meanwhile", "V"),
+    # centre of pressure
+    "position_error": _share("error of the position, of the range −1 to 1"),
+    "load_error": _share("error of the load"),
+    "position_error_maximum": _share("error of the position, largest"),
+    "position_error_mean": _share("error of the position, mean"),
+    "load_error_maximum": _share("error of the load, largest"),
+    "load_error_mean": _share("error of the load, mean"),
+    "load_error_without_shear": _share("error of the load, against what the sheared rubber shows"),
+    "load_error_without_lag": _share("error of the load, without the rubber's lag"),
+    "position_error_of_working_cells": _share("error of the position, against the forces on working cells"),
+    "load_error_of_working_cells": _share("error of the load, against the forces on working cells"),
+    "response_s": _ms("until 95 % of the load is reported"),
+    "below_min_load": Words("frames whose load is too small for a position"),
+    "over_range": Words("samples above the converter's range"),
+    "frames": Words("frames"),
+    "rows": Words("rows"),
+    "columns": Words("columns"),
+    "r_ohm": Words("resistor between taxels", "Ω"),
+    "total_n": Words("total load", "N"),
+    "position": Words("bound of the position's error, of the range"),
+    "load": Words("bound of the load's error, of the load"),
+    "centre_x": Words("centre, x"),
+    "centre_y": Words("centre, y"),
+    "radius": Words("radius"),
+    "deviation": Words("deviation of the radius"),
+    "roundness": _share("out of round"),
+    # cells
+    "dead": Words("cells found dead"),
+    "dead_as_injected": Words("dead cells are those injected"),
+    "unevenness_before": _share("even press, cell farthest from the mean: before calibration"),
+    "unevenness_after": _share("even press, cell farthest from the mean: calibrated"),
+    "unevenness_codes_as_they_are": _share("even press, cell farthest from the mean: codes as they are"),
+    "unevenness_calibrated_by_probe": _share("even press, cell farthest from the mean: by a probe"),
+    "circuit": Words("circuit"),
+    "unselected": Words("unselected rows"),
+    "ghost": _share("ghost in an unpressed cell, of the largest reading"),
+    "pressed_spread": _share("spread of the pressed cells"),
+    "shape": Words("shape"),
+    "load_g": Words("load", "g"),
+    "reported_g": Words("reported load", "g"),
+    "largest_cell_g": Words("largest cell", "g"),
+    "ideal_v": Words("ideal output", "V"),
+    "difference_from_eq18_v": Words("largest difference between demodulated output and eq. 18", "mV", 1e3),
+    "unselected_pf": Words("unselected cells", "pF"),
+    "output_v": Words("output", "V"),
+    "low_by": _share("output too low by"),
+    "low_by_with_lagging_gain": _share("output too low by, gain lagging by 90°"),
+    "gain_for_10_percent": Words("gain for an output 10 % low"),
+    "gain_for_5_percent": Words("gain for an output 5 % low"),
+    "gain_for_1_percent": Words("gain for an output 1 % low"),
+    "noise_g": Words("noise, rms", "g"),
+    "unloading_above_loading_g": Words("unloading reads above loading by", "g"),
+    "off_the_line_g": Words("largest departure from a straight line", "g"),
+    "sag_of_hold": _share("reading of a held force rises by"),
+    "left_after_release_g": Words("left at the release", "g"),
+    "left_after_rest_g": Words("left after the rest", "g"),
+    "calibration_residual_g": Words("residual of the calibration", "g"),
+    "press_g": Words("press", "g"),
+    "mean_g": Words("mean reading", "g"),
+    "deviation_g": Words("standard deviation", "g"),
+    "of_the_mean": _share("standard deviation, of the mean"),
+    "peaks_apart_mm": Words("distance between peaks, mean", "mm"),
+    "peaks_apart_from_mm": Words("distance between peaks, smallest", "mm"),
+    "peaks_apart_to_mm": Words("distance between peaks, largest", "mm"),
+    "neighbour_at_a_centre": _share("neighbour's reading over a cell's centre"),
+    "column": Words("column"),
+    "centre_mm": Words("cell's centre", "mm"),
+    "peak_mm": Words("peak", "mm"),
+    "height_g": Words("height of the peak", "g"),
+    "width_at_half_mm": Words("width at half the height", "mm"),
+}
+# "condition" of the solver's bounds is a number, that of a slip table is a name.
+SOLVER_CONDITION = Words("condition number, at most")
+
+_ENDINGS = {
+    **{unit: unit for unit in ("s", "ms", "mm", "g", "clocks")},
+    **{"us": "µs", "n": "N", "v": "V", "deg": "°", "pf": "pF", "ohm": "Ω", "hz": "Hz"},
+}
+
+
+def words(key, value=None):
+    """The Words of a key; of one that nobody described, its own with the unit that its ending names."""
+    key = str(key)
+    if key == "condition" and isinstance(value, (int, float)):
+        return SOLVER_CONDITION
+    if key in WORDS:
+        return WORDS[key]
+    rest, _, ending = key.rpartition("_")
+    if rest and ending in _ENDINGS:
+        return Words(rest.replace("_", " "), _ENDINGS[ending])
+    return Words(key.replace("_", " "))
+
+
+def number(value):
+    """A number to four digits, whole numbers in full."""
+    if isinstance(value, int) or abs(value) >= 1000:
+        return f"{value:,.0f}"
+    return f"{value:.4g}"
+
+
+def cell(key, value):
+    """A value without its unit, as a table under a heading shows it."""
+    if value is None:
+        return "–"
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, (int, float)):
+        _, unit, scale, _ = words(key, value)
+        if unit == "s":  # instants of one run: their differences count, not their digits
+            return f"{value:,.4f}".rstrip("0").rstrip(".")
+        return number(value if scale == 1 else value * scale)
+    return str(value)
+
+
+def heading(key, value=None):
+    """What heads a column; ``value``: one of its values."""
+    label, unit = words(key, value)[:2]
+    return f"{label} ({unit})" if unit else label
+
+
+def fact(key, value):
+    """A value with its unit, as the list of facts shows it."""
+    meaning = words(key, value)
+    if value is None:
+        return meaning.none
+    if isinstance(value, dict):
+        return f"{fact(key, value['mean'])} in the mean, {fact(key, value['maximum'])} at most"
+    if isinstance(value, (list, tuple)):
+        return ", ".join(map(str, value)) or "nothing"
+    if key == "engine":
+        return ENGINES.get(value, str(value))
+    if key == "seed":
+        return str(value)
+    space = "" if meaning.unit == "°" else " "
+    return cell(key, value) + (space + meaning.unit if meaning.unit else "")

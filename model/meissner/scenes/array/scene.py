@@ -1,0 +1,202 @@
+"""Scenes of an array of taxels: patches that move over it, or a recording, and where it truly presses."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from meissner.check import between, fields, numbers, one_of, positive, tables
+from meissner.physics import mesh_loads, patches, plantar
+from meissner.twins.cop.cop_accumulate import sum_bits
+
+COMPONENTS = ("moving contact", "elastic cover", "taxel converter", "recorded pressures")
+_MODELLED = {
+    "patches": ("moving contact", "elastic cover", "taxel converter"),
+    "recording": ("recorded pressures",),
+}
+
+_TOP = {"title": str, "sensor": str, "features": list, "rate_hz": int, "array": dict, "world": dict}
+_ARRAY = {"rows": int, "columns": int, "min_load": int}
+_CONVERTER = {"bits": int, "full_scale_n": float, "noise_lsb": float}
+_WORLD = {
+    "patches": {"seconds": float, "depth_pitches": float, "patches": list},
+    "recording": {"dataset": str, "subject": int, "trial": int},
+}
+_PATH = {
+    "line": {"from": list, "to": list},
+    "circle": {"centre": list, "radius": float, "turns": float},
+    "hold": {"at": list},
+}
+
+
+@dataclass(frozen=True)
+class Converter:
+    """What makes a taxel's force a code: ``full_scale_n`` newtons are the top code of ``bits``."""
+
+    bits: int
+    full_scale_n: float
+    noise_lsb: float
+
+    @property
+    def top(self):
+        return (1 << self.bits) - 1
+
+    @property
+    def lsb_n(self):
+        return self.full_scale_n / self.top
+
+    def convert(self, force_n, rng):
+        """Codes, uint16: rounded to nearest with white noise, and how many taxels were over the range."""
+        level = force_n / self.lsb_n
+        over = int((level > self.top + 0.5).sum())
+        level = level + self.noise_lsb * rng.standard_normal(level.shape)
+        return np.clip(np.floor(level + 0.5), 0, self.top).astype(np.uint16), over
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A scene, checked. ``world``: its table, ``patches`` a tuple of tables; ``converter`` may be None."""
+
+    name: str
+    title: str
+    sensor: str
+    features: tuple
+    rate_hz: int
+    rows: int
+    columns: int
+    min_load: int
+    converter: Converter | None
+    kind: str
+    world: dict
+
+    @property
+    def unit(self):
+        return "counts" if self.converter is None else "N"
+
+    @property
+    def load_lsb(self):
+        """What one of the core's load codes is, in ``unit``."""
+        return 1.0 if self.converter is None else self.converter.lsb_n
+
+
+@dataclass(frozen=True)
+class Recording:
+    """One run: what the core sees, and the truth.
+
+    ``codes`` uint16 [frames, rows, columns]; ``load`` (the scene's unit), ``x``, ``y`` [frames]: of the
+    forces on the taxels before they were converted. ``over_range``: taxel samples beyond full scale.
+    """
+
+    scene: Scene
+    seed: int
+    time_s: np.ndarray
+    codes: np.ndarray
+    load: np.ndarray
+    x: np.ndarray
+    y: np.ndarray
+    over_range: int
+    modelled: tuple
+    left_out: tuple
+
+
+def patch(where, row):
+    """One table of [[world.patches]], checked."""
+    path = row.get("path")
+    one_of(where, "path", path, tuple(_PATH))
+    row = fields(where, row, {"path": str, **_PATH[path], "force_n": float, "profile": str})
+    one_of(where, "profile", row["profile"], tuple(patches.PROFILES))
+    positive(where, row, ["force_n"])
+    for key in {"from", "to", "centre", "at"} & set(row):
+        row[key] = numbers(where, key, row[key], 2, -1, 1)
+    if path == "circle":
+        positive(where, row, ["radius", "turns"])
+        if max(map(abs, row["centre"])) + row["radius"] > 1:
+            raise ValueError(f"{where}: radius = {row['radius']:g} leads over the edge at 1")
+    return row
+
+
+def build(name, table):
+    """Check a scene's table and return the Scene; ValueError with one sentence if it cannot be."""
+    where = f"scene {name}"
+    # Only patches need a converter: the kind says which tables there must be.
+    expected = _TOP | ({} if "converter" not in table else {"converter": dict})
+    top = fields(where, table, expected)
+    world = dict(top["world"])
+    kind = world.pop("kind", None)
+    one_of(f"{where}, [world]", "kind", kind, tuple(_WORLD))
+    top = fields(where, table, _TOP | ({"converter": dict} if kind == "patches" else {}))
+    positive(where, top, ["rate_hz"])
+    for feature in top["features"]:
+        one_of(where, "features", feature, ("cop",))
+    array = fields(f"{where}, [array]", top["array"], _ARRAY)
+    between(f"{where}, [array]", array, {"rows": (1, 1024), "columns": (1, 1024)})
+    limit = (1 << sum_bits(array["rows"], array["columns"])) - 1
+    between(f"{where}, [array]", array, {"min_load": (0, limit)})
+
+    inside = f"{where}, [world]"
+    world = fields(inside, world, _WORLD[kind])
+    converter = None
+    if kind == "patches":
+        at = f"{where}, [converter]"
+        converter = fields(at, top["converter"], _CONVERTER)
+        positive(at, converter, ["full_scale_n"])
+        between(at, converter, {"bits": (1, 16), "noise_lsb": (0, 1000)})
+        converter = Converter(**converter)
+        positive(inside, world, ["seconds", "depth_pitches"])
+        rows = tables(inside, "world.patches", world["patches"])
+        world["patches"] = tuple(patch(f"{where}, [[world.patches]]", row) for row in rows)
+        if round(world["seconds"] * top["rate_hz"]) < 1:
+            raise ValueError(f"{inside}: seconds = {world['seconds']:g} hold no frame")
+    else:
+        one_of(inside, "dataset", world["dataset"], (plantar.DATASET,))
+        between(inside, world, {"subject": (0, plantar.SUBJECTS - 1), "trial": (0, plantar.TRIALS - 1)})
+    return Scene(
+        name=name,
+        title=top["title"],
+        sensor=top["sensor"],
+        features=tuple(top["features"]),
+        rate_hz=top["rate_hz"],
+        **array,
+        converter=converter,
+        kind=kind,
+        world=world,
+    )
+
+
+def simulate(scene, seed=0):
+    """Run the scene with one seed, which draws the converter's noise."""
+    world, over_range = scene.world, 0
+    if scene.kind == "recording":
+        codes = plantar.step(world["subject"], world["trial"])
+        if codes.shape[1:] != (scene.rows, scene.columns):
+            raise ValueError(
+                f"scene {scene.name}: the recording has {codes.shape[1]}×{codes.shape[2]} taxels, "
+                f"not {scene.rows}×{scene.columns}"
+            )
+        load, x, y = mesh_loads.true_centre(codes)
+    else:
+        rng = np.random.default_rng(seed)
+        phase = np.arange(round(world["seconds"] * scene.rate_hz)) / (world["seconds"] * scene.rate_hz)
+        codes = np.empty((len(phase), scene.rows, scene.columns), dtype=np.uint16)
+        load, x, y = np.empty((3, len(phase)))
+        step = max(1, (1 << 20) // (scene.rows * scene.columns))
+        for start in range(0, len(phase), step):
+            part = slice(start, start + step)
+            force_n = patches.forces(
+                scene.rows, scene.columns, world["patches"], phase[part], world["depth_pitches"]
+            )
+            load[part], x[part], y[part] = mesh_loads.true_centre(force_n)
+            codes[part], over = scene.converter.convert(force_n, rng)
+            over_range += over
+    modelled = _MODELLED[scene.kind]
+    return Recording(
+        scene=scene,
+        seed=seed,
+        time_s=np.arange(len(codes)) / scene.rate_hz,
+        codes=codes,
+        load=load,
+        x=x,
+        y=y,
+        over_range=over_range,
+        modelled=modelled,
+        left_out=tuple(part for part in COMPONENTS if part not in modelled),
+    )

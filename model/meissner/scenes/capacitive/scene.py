@@ -1,0 +1,333 @@
+"""Scenes of the published capacitive pad: forces on its tabs, carriers at the converter, and the truth.
+
+Kinds: ``crosstalk`` (no pad: eq. 18 over gain and unselected capacitance), ``cell`` (one cell pressed up and
+down, held, and again and again), ``select`` (a probe stepped across cells), ``shapes`` (objects pressed on).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from meissner.check import between, fields, numbers, one_of, positive
+from meissner.engines import Carrier
+from meissner.physics import capacitive, footprints, mesh_loads
+from meissner.physics.adc import Adc
+from meissner.physics.capacitive import GRAM_N, PITCH_MM
+from meissner.twins.frontend.am_demod import IQ, IQ_FAST, RECTIFIER, AmDemod
+
+COMPONENTS = (
+    "cells and amplifier",
+    "carrier",
+    "converter",
+    "spread of the parts",
+    "tabs of rubber",
+    "cover",
+    "droop and sag",
+    "placement of the probe",
+    "leakage",
+)
+_PAD = ("cells and amplifier", "carrier", "converter", "spread of the parts", "tabs of rubber", "cover")
+_MODELLED = {
+    "crosstalk": ("cells and amplifier", "carrier", "converter", "leakage"),
+    "cell": (*_PAD, "droop and sag", "placement of the probe"),
+    "select": _PAD,
+    "shapes": _PAD,
+}
+
+_TOP = {"title": str, "sensor": str, "features": list, "readout": dict, "world": dict}
+_READOUT = {
+    "gain": float,
+    "drive_v": float,
+    "stray_pf": float,
+    "form": str,
+    "samples_per_period": int,
+    "periods": int,
+    "skip": int,
+    "shift": int,
+    "bits": int,
+    "full_scale_v": float,
+    "noise_v": float,
+}
+_WORLD = {
+    "crosstalk": {"gains": list, "unselected_pf": list, "leak_mohm": list, "gain_bandwidth_hz": float},
+    "cell": {
+        "force_g": float,
+        "rate_hz": int,
+        "cycles": int,
+        "hold_g": float,
+        "hold_s": float,
+        "rest_s": float,
+        "steps_g": list,
+        "presses": int,
+        "placement_mm": float,
+    },
+    "select": {"force_g": float, "step_mm": float, "cells": int},
+    "shapes": {"pressure_g_mm2": float, "shapes": list, "even_g": float, "frames": int},
+}
+FORMS = {"rectifier": RECTIFIER, "synchronous": IQ, "synchronous estimate": IQ_FAST}
+SIDE = 8  # published
+HOLD_HZ = 2.0  # frames a second while a force is held
+SETTLE_SAMPLES = 1.0  # time constant of the amplitude after a switch, in the converter's samples; chosen
+PHASE = 0.7  # of the carrier at a switch; chosen
+CALIBRATION_G = np.linspace(0.0, 150.0, 7)
+CALIBRATION_FRAMES, EVEN_FRAMES = 6, 24  # at each force: of a probe on each cell, of an even press
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A scene, checked. ``readout``, ``world``: its tables."""
+
+    name: str
+    title: str
+    sensor: str
+    features: tuple
+    readout: dict
+    carrier: Carrier
+    adc: Adc
+    kind: str
+    world: dict
+
+    @property
+    def volts_per_code(self):
+        """Amplitude in volts of one code of the demodulator."""
+        return self.adc.lsb_v / self.carrier.code_per_lsb
+
+
+@dataclass(frozen=True)
+class Part:
+    """Frames of one experiment: the converter's ``samples`` [frames, ..., samples]; ``force_n`` on each cell.
+
+    ``probe_n`` [frames]: what presses altogether; ``probed`` [frames, 2]: the cell under the probe, -1 for
+    none; ``rate_hz``: frames a second.
+    """
+
+    samples: np.ndarray
+    force_n: np.ndarray
+    probe_n: np.ndarray
+    probed: np.ndarray | None
+    rate_hz: float
+
+
+@dataclass(frozen=True)
+class Recording:
+    """One run: Parts by name, "even" and "probe" for calibration among them; ``over_range`` samples."""
+
+    scene: Scene
+    seed: int
+    parts: dict
+    over_range: int
+    modelled: tuple
+    left_out: tuple
+
+
+def _check_world(where, kind, world):
+    world = fields(where, world, _WORLD[kind])
+    if kind == "crosstalk":
+        world["gains"] = numbers(where, "gains", world["gains"], least=1, most=1e6)
+        world["unselected_pf"] = numbers(where, "unselected_pf", world["unselected_pf"], least=0, most=1e6)
+        world["leak_mohm"] = numbers(where, "leak_mohm", world["leak_mohm"], least=1e-6, most=1e9)
+        positive(where, world, ["gain_bandwidth_hz"])
+    elif kind == "cell":
+        positive(where, world, ["force_g", "rate_hz", "hold_g", "hold_s", "rest_s"])
+        between(where, world, {"cycles": (1, 1000), "presses": (2, 1000), "placement_mm": (0, 1)})
+        between(where, world, {"force_g": (0, 150), "hold_g": (0, 150), "rate_hz": (1, 10000)})
+        world["steps_g"] = numbers(where, "steps_g", world["steps_g"], least=1, most=150)
+    elif kind == "select":
+        positive(where, world, ["force_g"])
+        between(where, world, {"step_mm": (0.01, 1), "cells": (2, 5)})
+    else:
+        positive(where, world, ["pressure_g_mm2"])
+        between(where, world, {"even_g": (1, 150), "frames": (1, 1000)})
+        if not world["shapes"]:
+            raise ValueError(f"{where}: there must be at least one shape")
+        for shape in world["shapes"]:
+            one_of(where, "shapes", shape, tuple(footprints.SHAPES))
+    return world
+
+
+def build(name, table):
+    """Check a scene's table and return the Scene; ValueError with one sentence if it cannot be."""
+    where = f"scene {name}"
+    top = fields(where, table, _TOP)
+    for feature in top["features"]:
+        one_of(where, "features", feature, ("demod", "calibrate", "cop"))
+    at = f"{where}, [readout]"
+    readout = fields(at, top["readout"], _READOUT)
+    positive(at, readout, ["gain", "drive_v", "full_scale_v"])
+    one_of(at, "form", readout["form"], tuple(FORMS))
+    one_of(at, "samples_per_period", readout["samples_per_period"], (4, 8, 16))
+    between(at, readout, {"periods": (1, 64), "skip": (0, 255), "shift": (0, 31), "bits": (1, 17)})
+    between(at, readout, {"stray_pf": (0, 1e6), "noise_v": (0, 1e3)})
+    world = dict(top["world"])
+    kind = world.pop("kind", None)
+    one_of(f"{where}, [world]", "kind", kind, tuple(_WORLD))
+    full_v = readout["full_scale_v"]
+    block = AmDemod(FORMS[readout["form"]], readout["samples_per_period"])
+    carrier = Carrier(block, *(readout[key] for key in ("periods", "skip", "shift")))
+    return Scene(
+        name=name,
+        title=top["title"],
+        sensor=top["sensor"],
+        features=tuple(top["features"]),
+        readout=readout,
+        carrier=carrier,
+        adc=Adc(readout["bits"], -full_v, full_v, readout["noise_v"]),
+        kind=kind,
+        world=_check_world(f"{where}, [world]", kind, world),
+    )
+
+
+def place(x_mm, y_mm):
+    """Coordinates -1 to 1 of a place in millimetres from the pad's centre, right and up."""
+    half_mm = (SIDE - 1) / 2 * PITCH_MM
+    return np.asarray(x_mm) / half_mm, np.asarray(y_mm) / half_mm
+
+
+def cell_mm(row, column):
+    """Centre of a cell in millimetres from the pad's centre, right and up."""
+    half = (SIDE - 1) / 2
+    return (np.asarray(column) - half) * PITCH_MM, (half - np.asarray(row)) * PITCH_MM
+
+
+def on_tabs(x_mm, y_mm, force_n):
+    """Newtons on every tab [frames, 8, 8] of a probe at a place in millimetres."""
+    depth = capacitive.COVER_MM / PITCH_MM
+    return mesh_loads.press(SIDE, SIDE, *place(x_mm, y_mm), force_n, depth)
+
+
+class _World:
+    """The pad of one seed and the converter behind it."""
+
+    def __init__(self, scene, seed):
+        self.scene, self.rng = scene, np.random.default_rng(seed)
+        self.pad = capacitive.build_pad(SIDE, SIDE, self.rng, scene.readout["stray_pf"] * 1e-12)
+        self.over_range = 0
+
+    def sampled(self, amplitude_v):
+        """The converter's codes [..., samples], rows of the pad one after another along axis -2."""
+        carrier = self.scene.carrier
+        samples = np.empty((*amplitude_v.shape, carrier.samples), dtype=np.int32)
+        for k, frame in enumerate(amplitude_v):
+            volts = capacitive.carrier(
+                frame,
+                carrier.samples,
+                carrier.block.samples_per_period,
+                PHASE,
+                before_v=np.roll(frame, 1, axis=0),
+                settle_samples=SETTLE_SAMPLES,
+            )
+            samples[k], over = self.scene.adc.convert(volts, self.rng)
+            self.over_range += int(over.sum())
+        return samples
+
+    def part(self, force_n, probe_n, probed=None, rate_hz=100.0, felt_n=None):
+        """A Part of forces on the tabs; ``felt_n``: what the tabs have answered to, if not at once all."""
+        readout = self.scene.readout
+        amplitude_v = self.pad.amplitude_v(
+            force_n if felt_n is None else felt_n, readout["gain"], readout["drive_v"]
+        )
+        return Part(self.sampled(amplitude_v), force_n, np.asarray(probe_n), probed, rate_hz)
+
+    def even(self, forces_g, frames):
+        """The same force on every cell."""
+        each = np.repeat(np.asarray(forces_g) * GRAM_N, frames)
+        return self.part(np.broadcast_to(each[:, None, None], (len(each), SIDE, SIDE)), each * SIDE**2)
+
+    def probed(self, cells, forces_g, frames):
+        """A probe at the centre of each cell (row, column) in turn with each force."""
+        probed = np.repeat(cells, len(forces_g) * frames, axis=0)
+        probe_n = np.tile(np.repeat(np.asarray(forces_g) * GRAM_N, frames), len(cells))
+        return self.part(on_tabs(*cell_mm(*probed.T), probe_n), probe_n, probed)
+
+
+EVERY_CELL = np.argwhere(np.ones((SIDE, SIDE)))
+PROBED_CELL = np.array([[3, 4]])  # of the scene with one cell
+
+
+def _cell(world, scene):
+    """0 to the force and back, a constant force, and many presses at several forces."""
+    setting = scene.world
+    row, column = PROBED_CELL[0]
+    x_mm, y_mm = cell_mm(row, column)
+    period = setting["rate_hz"]
+    cycle = 1 - np.abs(1 - 2 * (np.arange(setting["cycles"] * period) % period) / period)
+    held, rest = (round(setting[key] * HOLD_HZ) for key in ("hold_s", "rest_s"))
+    hold = setting["hold_g"] * np.repeat([0.0, 1.0, 0.0], [1, held, rest])
+    parts = {}
+    for name, grams, rate_hz in (
+        ("cycles", setting["force_g"] * cycle, float(period)),
+        ("hold", hold, HOLD_HZ),
+    ):
+        probe_n = grams * GRAM_N
+        force_n = on_tabs(x_mm, y_mm, probe_n)
+        parts[name] = world.part(force_n, probe_n, None, rate_hz, capacitive.creep(force_n, rate_hz))
+    steps, presses = setting["steps_g"], setting["presses"]
+    placed_mm = setting["placement_mm"] * world.rng.standard_normal((2, presses))
+    probe_n = np.tile(steps, presses) * GRAM_N
+    force_n = on_tabs(*(at + np.repeat(off, len(steps)) for at, off in zip((x_mm, y_mm), placed_mm)), probe_n)
+    parts["presses"] = world.part(force_n, probe_n)
+    return parts
+
+
+def _select(world, scene):
+    """A probe with one force, stepped along a row across the middle of so many cells."""
+    setting = scene.world
+    first = (SIDE - setting["cells"]) // 2
+    left, right = (cell_mm(3, column)[0] for column in (first, first + setting["cells"] - 1))
+    x_mm = np.arange(left - PITCH_MM, right + PITCH_MM + 1e-9, setting["step_mm"])
+    probe_n = np.full(len(x_mm), setting["force_g"] * GRAM_N)
+    return {"steps": world.part(on_tabs(x_mm, cell_mm(3, 0)[1], probe_n), probe_n)}
+
+
+def shape_forces(shape, pressure_g_mm2):
+    """Newtons on the tabs [8, 8] of an object pressed on with an even pressure where it touches."""
+    x_mm, y_mm, area_mm2 = footprints.points(shape)
+    inside = np.maximum(np.abs(x_mm), np.abs(y_mm)) <= (SIDE - 1) / 2 * PITCH_MM
+    force_n = pressure_g_mm2 * GRAM_N * area_mm2[inside]
+    return on_tabs(x_mm[inside], y_mm[inside], force_n).sum(0)
+
+
+def _shapes(world, scene):
+    setting = scene.world
+    parts = {"even press": world.even([setting["even_g"]], setting["frames"])}
+    for shape in setting["shapes"]:
+        force_n = shape_forces(shape, setting["pressure_g_mm2"])
+        frames = np.broadcast_to(force_n, (setting["frames"], SIDE, SIDE))
+        parts[shape] = world.part(frames, frames.sum((1, 2)))
+    return parts
+
+
+def _crosstalk(world, scene):
+    setting, readout = scene.world, scene.readout
+    amplitude_v = capacitive.output_v(
+        capacitive.CELL_F,
+        np.array(setting["unselected_pf"]) * 1e-12,
+        np.array(setting["gains"])[:, None],
+        readout["drive_v"],
+    )
+    return {"sweep": Part(world.sampled(amplitude_v[None]), amplitude_v[None], None, None, 1.0)}
+
+
+_KINDS = {"cell": _cell, "select": _select, "shapes": _shapes, "crosstalk": _crosstalk}
+CALIBRATED_BY = {"cell": ("probe",), "select": ("probe",), "shapes": ("probe", "even")}
+
+
+def simulate(scene, seed=0):
+    """Run the scene with one seed, which draws the parts' spread, the noise and the probe's places."""
+    world = _World(scene, seed)
+    parts = {}
+    for way in CALIBRATED_BY.get(scene.kind, ()):
+        if way == "even":
+            parts[way] = world.even(CALIBRATION_G, EVEN_FRAMES)
+        else:
+            parts[way] = world.probed(EVERY_CELL, CALIBRATION_G, CALIBRATION_FRAMES)
+    parts |= _KINDS[scene.kind](world, scene)
+    modelled = _MODELLED[scene.kind]
+    return Recording(
+        scene=scene,
+        seed=seed,
+        parts=parts,
+        over_range=world.over_range,
+        modelled=modelled,
+        left_out=tuple(part for part in COMPONENTS if part not in modelled),
+    )

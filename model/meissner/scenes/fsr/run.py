@@ -1,0 +1,127 @@
+"""Running a scene of a resistive matrix: codes calibrated on an engine, held against what truly presses."""
+
+import time
+
+import numpy as np
+
+from meissner import calibration, scenes
+from meissner.physics import mesh_loads
+from meissner.scenes import chain
+from meissner.scenes.capacitive import pictures as report_arrays
+from meissner.scenes.chain import check  # noqa: F401 - as of every array
+from meissner.scenes.fsr.scene import broken_cells
+from meissner.scenes.results import finish, table
+from meissner.scenes.truth import errors, percent, summarise
+
+FAINT = 0.02  # of the largest force: a cell with less counts as unpressed
+SHOWN = (
+    "the frame with the largest load as pressed, as converted and as calibrated; position and load over time",
+    "an even press on all cells before and after calibration, each cell's distance from the mean",
+    "the same press read by four circuits, each as a share of its largest reading",
+)
+
+
+def ghosts(recording):
+    """A row for each way of reading the fullest frame: what the network adds to cells, and takes from them.
+
+    ``ghost``: the largest part of an unpressed cell's reading that is not its own, as a share of the largest
+    reading; ``pressed_spread``: deviation over mean of what the pressed cells' readings are to what each
+    would give alone.
+    """
+    force_n = recording.force_n[recording.shown]
+    pressed, unpressed = force_n > 0.5 * force_n.max(), force_n < FAINT * force_n.max()
+    rows = []
+    for (circuit, unselected), volts in recording.readings.items():
+        share = (volts / recording.alone)[pressed]
+        own = np.median(share) * recording.alone
+        rows.append(
+            {
+                "circuit": circuit,
+                "unselected": unselected,
+                "ghost": round(float((volts - own)[unpressed].max() / volts.max()), 4),
+                "pressed_spread": round(float(share.std() / share.mean()), 4),
+            }
+        )
+    return rows
+
+
+def run(scene, engine, out, seed, waves, progress):
+    """Run the scene once; write results to ``out``; return the summary."""
+    began = time.perf_counter()
+    recording = scenes.simulate(scene, seed)
+    stage = chain.Chain(engine)
+    presses, force_n = recording.parts["calibration"]
+    lines, residual_n = calibration.fit(presses, force_n)
+    broken = broken_cells(scene)
+    min_load = round(scene.min_load_n / lines.force_lsb_n)
+    forces = stage.calibrate(recording.codes, lines)
+    total, x, y, valid = stage.cop(forces, min_load)
+    load_n = total * lines.force_lsb_n
+    truth = mesh_loads.true_centre(recording.force_n)
+    position, of_load = errors(x, y, load_n, valid, *truth)
+    # What the broken cells alone cost: the same against the forces on the others.
+    working = mesh_loads.true_centre(np.where(broken, 0.0, recording.force_n))
+    position_rest, of_load_rest = errors(x, y, load_n, valid, *working)
+
+    pressed, _ = recording.parts["even"]
+    rest = presses[force_n[:, 0, 0] == 0].mean(axis=0)
+    before = pressed.mean(axis=0) - rest
+    after = stage.calibrate(pressed, lines).mean(axis=0) * lines.force_lsb_n
+    rows = ghosts(recording)
+    summary = stage.summary(scene, recording, len(recording.codes) / scene.rate_hz, len(recording.codes)) | {
+        "position_error": summarise(position),
+        "load_error": summarise(of_load[valid]),
+        "position_error_of_working_cells": summarise(position_rest),
+        "load_error_of_working_cells": summarise(of_load_rest[valid]),
+        "below_min_load": int(((truth[0] > 0) & ~valid).sum()),
+        "rows": scene.rows,
+        "columns": scene.columns,
+        "dead": int(lines.dead.sum()),
+        "dead_as_injected": bool((lines.dead == broken).all()),
+        "unevenness_before": chain.unevenness(before, lines.dead),
+        "unevenness_after": chain.unevenness(after, lines.dead),
+        "conditions": rows,
+    }
+    arrays = {
+        "time_s": recording.time_s,
+        "codes": recording.codes,
+        "forces": forces,
+        "load_n": load_n,
+        "x": x,
+        "y": y,
+        "valid": valid,
+        "true_load_n": truth[0],
+        "true_x": truth[1],
+        "true_y": truth[2],
+        "dead": lines.dead,
+        "offset": lines.offset,
+        "gain": lines.gain,
+        "force_lsb_n": np.float64(lines.force_lsb_n),
+        "residual_n": residual_n,
+        "even_before": before,
+        "even_after": after,
+    }
+    path = out / f"{scene.name}.png"
+    result = x, y, load_n, valid
+    report_arrays.draw_matrix(path, scene, recording, forces * lines.force_lsb_n, result, truth)
+    named = {"before: codes above rest": before, "after calibration (N)": after}
+    masked = {name: np.where(lines.dead, np.nan, image) for name, image in named.items()}
+    second = report_arrays.draw_even(out / f"{scene.name}_2.png", scene, masked)
+    third = report_arrays.draw_ghosts(out / f"{scene.name}_3.png", scene, recording)
+    pictures = [(picture, scene.title, shown) for picture, shown in zip((path, second, third), SHOWN)]
+    return finish(scene, summary, out, arrays, pictures, {"Ways to read it": rows}, began, ("conditions",))
+
+
+def tell(summary):
+    """The lines to print of a summary."""
+    found = "as injected" if summary["dead_as_injected"] else "not all as injected"
+    return [
+        f"{summary['frames']} frames of {summary['rows']}×{summary['columns']}; "
+        f"{summary['dead']} cells found dead, {found}",
+        f"position error, of the range -1 to 1: {percent(summary['position_error'])}",
+        f"load error: {percent(summary['load_error'])}",
+        f"even press: no cell off the mean by more than {100 * summary['unevenness_before']:.3g} % "
+        f"before and {100 * summary['unevenness_after']:.2g} % after calibration",
+        "",
+        *table(summary["conditions"]),
+    ]

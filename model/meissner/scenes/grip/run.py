@@ -1,0 +1,233 @@
+"""Running a scene of an object held on the four-wire sensor: every condition and seed, against the truth."""
+
+import time
+
+import numpy as np
+
+from meissner import engines, scenes
+from meissner.physics.grip import FULL_SCALE_V
+from meissner.scenes.grip import pictures as report_cop_slip
+from meissner.scenes.grip.scene import Pull
+from meissner.scenes.mesh.run import mismatches
+from meissner.scenes.results import check_waves, finish, table
+from meissner.scenes.truth import errors, percent, summarise
+from meissner.twins.cop.cop_slip import octants
+
+AFTER_S = 0.02  # of waves.vcd after the flag
+BEFORE_S = 0.02  # of rest before the onset, what a fall and a move are measured from
+
+SHOWN = "load output, position output and forces over time, with the pull's beginning, the flag and the move"
+
+
+def check(scene, engine, waves):
+    """ValueError with one sentence if this engine cannot run the scene."""
+    check_waves(engine, waves)
+
+
+def judge(recording, decisions):
+    """Hold the decisions of one run against the truth; seconds, degrees, None where there is none.
+
+    ``flag_s``: the first rise of the flag at or after the onset; ``missed``: a slip without a flag before
+    the object moves; ``false_alarms``: rises before the onset, or any where nothing is pulled;
+    ``direction_deg``: the reported way of the slip at the flag, -180 .. 180, ``direction_error_deg``: how
+    far that is from the truth.
+    """
+    held, rate_hz = recording.held, recording.scene.rate_hz
+    rises = np.flatnonzero(decisions.raised)
+    if held.onset_s is None:
+        early, flag = len(rises), None
+    else:
+        early = int((rises < held.onset_s * rate_hz - 1e-6).sum())
+        flag = int(rises[early]) if early < len(rises) else None
+    verdict = {
+        "onset_s": held.onset_s,
+        "gross_s": held.gross_s,
+        "flag_s": None if flag is None else flag / rate_hz,
+        "delay_s": None if flag is None else flag / rate_hz - held.onset_s,
+        "lead_s": None if flag is None else held.gross_s - flag / rate_hz,
+        "missed": held.onset_s is not None and (flag is None or flag / rate_hz >= held.gross_s),
+        "false_alarms": early,
+        **dict.fromkeys(("direction_deg", "direction_error_deg", "octant_right")),
+    }
+    if flag is not None:
+        way = float(np.degrees(np.arctan2(decisions.dy[flag], decisions.dx[flag])))
+        true_deg = recording.condition.direction_deg
+        along = np.deg2rad(true_deg)
+        octant = int(octants(*np.rint(1e6 * np.array([np.cos(along), np.sin(along)]))))
+        verdict["direction_deg"] = way
+        verdict["direction_error_deg"] = abs((way - true_deg + 180) % 360 - 180)
+        verdict["octant_right"] = octant == int(decisions.octant[flag])
+    return verdict
+
+
+def published(recording, x, y, load):
+    """What the source gives numbers of, before the object moves; None where nothing is pulled.
+
+    ``load_drop``: how far the reported load falls, of what it was before the onset; ``grip_rise_n``: the
+    true grip meanwhile; ``move_v``: the position output along the pull at the slip, 4 V at the edge.
+    """
+    held, rate_hz = recording.held, recording.scene.rate_hz
+    if held.onset_s is None:
+        return None
+    onset, gross = (int(np.ceil(s * rate_hz)) for s in (held.onset_s, held.gross_s))
+    rest = slice(onset - max(1, round(BEFORE_S * rate_hz)), onset)
+    along = np.deg2rad(recording.condition.direction_deg)
+    place = x * np.cos(along) + y * np.sin(along)
+    return {
+        "load_drop": 1 - load[onset:gross].min() / load[rest].mean(),
+        "grip_rise_n": held.grip_n[gross - 1] - held.grip_n[onset - 1],
+        "move_v": FULL_SCALE_V * (place[gross - 1] - place[rest].mean()),
+    }
+
+
+def _statistics(condition, verdicts):
+    """One row of the table of conditions."""
+
+    def of(key, scale=1.0):
+        return np.array([v[key] for v in verdicts if v[key] is not None]) * scale
+
+    row = {
+        "condition": condition.name,
+        "runs": len(verdicts),
+        "missed": sum(v["missed"] for v in verdicts),
+        "false_alarms": sum(v["false_alarms"] for v in verdicts),
+    }
+    delays, leads, ways = of("delay_s", 1e3), of("lead_s", 1e3), of("direction_error_deg")
+    found = len(delays) > 0
+    return row | {
+        "delay_ms_median": round(float(np.median(delays)), 3) if found else None,
+        "delay_ms_max": round(float(delays.max()), 3) if found else None,
+        "lead_ms_min": round(float(leads.min()), 3) if found else None,
+        "direction_error_deg_max": round(float(ways.max()), 2) if found else None,
+        "octants_wrong": sum(v["octant_right"] is False for v in verdicts),
+    }
+
+
+def _summary(values):
+    """``summarise`` of what there is of a list with None in it."""
+    return summarise(np.array([value for value in values if value is not None], dtype=float))
+
+
+def run(scene, engine, out, seed, waves, progress):
+    """Run every condition with its seeds; write results to ``out``; return the summary."""
+    began = time.perf_counter()
+    module, twin_module = engines.load(engine), engines.load("fixed")
+    settings = scene.config, scene.lag, scene.registers
+    seeds = range(seed, seed + scene.seeds)
+    verdicts = {condition: [] for condition in scene.conditions}
+    shown, facts, wrong_place, wrong_load, wrong_felt = {}, [], [], [], []
+    wrong, samples, engine_s = 0, 0, 0.0
+    module.cop_slip(np.zeros((1, 4), dtype=np.int64), *settings)  # built and warm before it is timed
+    for condition, number in progress([(c, n) for c in scene.conditions for n in seeds]):
+        recording = scenes.simulate(scene, condition, number)
+        started = time.perf_counter()
+        found, decisions = module.cop_slip(recording.codes, *settings)
+        engine_s += time.perf_counter() - started
+        if engine in engines.VERILATED:
+            twins = twin_module.cop_slip(recording.codes, *settings)
+            wrong += mismatches((*found, *decisions), [field for twin in twins for field in twin])
+        samples += len(recording.codes)
+        x, y = found.x / engines.COP_ONE, found.y / engines.COP_ONE
+        load = found.load * scene.config.load_lsb_n
+        position, of_load = errors(x, y, load, found.pressed, recording.load, recording.x, recording.y)
+        _, of_felt = errors(x, y, load, found.pressed, recording.held.felt_n, recording.x, recording.y)
+        wrong_place.append(position)
+        wrong_load.append(of_load[found.pressed])
+        wrong_felt.append(of_felt[found.pressed])
+        verdicts[condition].append(judge(recording, decisions))
+        facts.append(published(recording, x, y, load))
+        if number == seed:
+            shown[condition] = (recording, found, decisions)
+
+    rows = [_statistics(condition, verdicts[condition]) for condition in scene.conditions]
+    every = [verdict for condition in scene.conditions for verdict in verdicts[condition]]
+    first = verdicts[scene.conditions[0]][0]
+    recording, *told = shown[scene.conditions[0]]
+    if waves:  # the shown run, to a little after its flag
+        flag_s = recording.time_s[-1] if first["flag_s"] is None else first["flag_s"]
+        part = slice(0, round((flag_s + AFTER_S) * scene.rate_hz))
+        seen = module.cop_slip(recording.codes[part], *settings, out / "waves.vcd")
+        wrong += mismatches(*([field[part] for one in pair for field in one] for pair in (seen, told)))
+    summary = {
+        "scene": scene.name,
+        "engine": engine,
+        "seed": seed,
+        "seconds_simulated": round(samples / scene.rate_hz, 3),
+        "seconds_taken": None,
+        "samples_per_second": round(samples / engine_s),
+        "twin_mismatches": wrong if engine in engines.VERILATED else None,
+        "modelled": list(recording.modelled),
+        "left_out": list(recording.left_out),
+        **{key: first[key] for key in ("onset_s", "flag_s", "delay_s", "gross_s", "direction_deg")},
+        "missed": sum(row["missed"] for row in rows),
+        "false_alarms": sum(row["false_alarms"] for row in rows),
+        "direction_error_deg": _summary([verdict["direction_error_deg"] for verdict in every]),
+        "octants_wrong": sum(row["octants_wrong"] for row in rows),
+        "position_error": summarise(np.concatenate(wrong_place)),
+        "load_error": summarise(np.concatenate(wrong_load)),
+        "load_error_without_shear": summarise(np.concatenate(wrong_felt)),
+        **{
+            key: _summary([fact and fact[key] for fact in facts])
+            for key in ("load_drop", "grip_rise_n", "move_v")
+        },
+        "runs": len(every),
+        "conditions": rows,
+    }
+    pictures, arrays = [], {}
+    for index, (condition, one) in enumerate(shown.items()):
+        path = report_cop_slip.draw(out / f"{scene.name}_{index + 1}.png", *one, verdicts[condition][0])
+        pictures.append((path, condition.name, SHOWN))
+        arrays |= {f"c{index}_{name}": values for name, values in _arrays(*one).items()}
+    ways = [
+        (condition.direction_deg, verdict["direction_deg"])
+        for condition in scene.conditions
+        if isinstance(condition, Pull)
+        for verdict in verdicts[condition]
+    ]
+    pulled = "; ".join(condition.name for condition in scene.conditions if isinstance(condition, Pull))
+    picture = report_cop_slip.draw_ways(out / f"{scene.name}.png", scene, ways)
+    pictures.insert(0, (picture, pulled, "the reported direction of each slip beside the true one"))
+    return finish(scene, summary, out, arrays, pictures, {"Conditions": rows}, began, ("conditions",))
+
+
+def _arrays(recording, found, decisions):
+    """What result.npz keeps of one run."""
+    held = recording.held
+    return {
+        "time_s": recording.time_s,
+        "codes": recording.codes,
+        **{name: getattr(found, name) for name in ("x", "y", "load")},
+        "valid": found.pressed,
+        **{name: getattr(decisions, name) for name in ("slip", "raised", "dx", "dy", "octant")},
+        "true_load": recording.load,
+        "true_x": recording.x,
+        "true_y": recording.y,
+        "felt_load": held.felt_n,
+        "tension_n": held.tension_n,
+        "slip_mm": held.slip_mm,
+    }
+
+
+def tell(summary):
+    """The lines to print of a summary."""
+
+    def mean(key, scale=1.0):
+        return "none" if summary[key] is None else f"{scale * summary[key]['mean']:.3g}"
+
+    shown = "no slip"
+    if summary["onset_s"] is not None:
+        shown = f"pulled from {summary['onset_s']:.3f} s, moving at {summary['gross_s']:.4f} s"
+    flag = "no flag" if summary["flag_s"] is None else f"flag at {summary['flag_s']:.3f} s"
+    return [
+        f"shown run (seed {summary['seed']}): {shown}, {flag}",
+        f"before the object moves, in the mean: load output down by {mean('load_drop', 100)} % (published: "
+        f"50 and 65 %), grip up by {mean('grip_rise_n')} N (0.2 N), position moved by {mean('move_v')} V of "
+        f"±{FULL_SCALE_V:g} V (0.05 V)",
+        f"direction of slip: {mean('direction_error_deg')} degrees off in the mean, "
+        f"{summary['octants_wrong']} in the wrong eighth",
+        f"position error, of the range -1 to 1: {percent(summary['position_error'])}",
+        f"load error: {percent(summary['load_error'])}; against what the sheared rubber shows: "
+        f"{percent(summary['load_error_without_shear'])}",
+        "",
+        *table(summary["conditions"]),
+    ]

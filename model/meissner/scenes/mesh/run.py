@@ -1,0 +1,167 @@
+"""Running a scene of the four-wire mesh: electrode voltages through an engine, held against what presses."""
+
+import time
+
+import numpy as np
+
+from meissner import engines, scenes
+from meissner.scenes.array import pictures as report_cop
+from meissner.scenes.locus import circle
+from meissner.scenes.mesh.scene import CONVERTER
+from meissner.scenes.results import check_waves, finish, table
+from meissner.scenes.truth import errors, percent, summarise
+
+# What the picture of a scene's kind shows (report_cop.draw_mesh).
+SHOWN = {
+    "points": "reported place and load against the true ones, and their errors",
+    "surface": "voltage of layer A, the whole layer for the first r and the loaded row for each r",
+    "random": "errors of position and load over the total load, mean and deviation of all draws",
+    "pulse": "what presses, what the taxels feel and what is reported, over time",
+    "stroke": "the locus of the reported centre over the taxels, and its radius around the circle",
+}
+
+
+def check(scene, engine, waves):
+    """ValueError with one sentence if this engine cannot run the scene."""
+    check_waves(engine, waves)
+
+
+def _response_s(recording, load):
+    """From the start of a pulse to the sample at which the reported load is at 95 % of its greatest."""
+    start = recording.scene.world["start_s"]
+    return float(recording.time_s[np.argmax(load >= 0.95 * load.max())] - start)
+
+
+def reported(recording, engine):
+    """x, y, load (N), valid [samples] and the core's ``Cop4``; float takes the voltages, and gives None."""
+    module = engines.load(engine)
+    if engine == "float":
+        return *module.cop4_of_volts(recording.solution), None
+    got = module.cop4(recording.codes, recording.config)
+    lsb_n = recording.config.load_lsb_n
+    return got.x / engines.COP_ONE, got.y / engines.COP_ONE, got.load * lsb_n, got.pressed, got
+
+
+def certified(recordings):
+    """The solver's own bounds, the worst of all samples: position (of the range), load (of it), condition."""
+    solutions = [recording.solution for recording in recordings]
+    place = max(float(max(s.bound.x.max(), s.bound.y.max())) / 2 for s in solutions)
+    load = max(float((s.bound.load[s.valid] / s.load[s.valid]).max(initial=0)) for s in solutions)
+    return {"position": place, "load": load, "condition": float(max(s.condition.max() for s in solutions))}
+
+
+def mismatches(ours, twin):
+    """Samples that differ from the twin's in any field."""
+    return int(np.any([a != b for a, b in zip(ours, twin)], axis=0).sum())
+
+
+def run(scene, engine, out, seed, waves, progress):
+    """Run every r of the scene; write results to ``out``; return the summary."""
+    began = time.perf_counter()
+    recordings = scenes.simulate(scene, seed)
+    reported(recordings[0], engine)  # built and warm before it is timed
+    engine_s, wrong, runs, rows = 0.0, 0, [], []
+    for recording in progress(recordings):
+        started = time.perf_counter()
+        x, y, load, valid, core = reported(recording, engine)
+        engine_s += time.perf_counter() - started
+        if engine in engines.VERILATED:
+            wrong += mismatches(core, reported(recording, "fixed")[-1])
+        truth = recording.load, recording.x, recording.y
+        position, of_load = errors(x, y, load, valid, *truth)
+        runs.append({"x": x, "y": y, "load": load, "valid": valid, "position": position, "of_load": of_load})
+        parts = {"": slice(None)}
+        if scene.kind == "random":
+            parts = {total: recording.load.round(6) == total for total in scene.world["totals_n"]}
+        for total, part in parts.items():
+            rows.append({"r_ohm": recording.r_ohm} | ({"total_n": total} if total else {}))
+            for name, error in (("position", position[part]), ("load", of_load[part])):
+                error = summarise(error)
+                rows[-1] |= {f"{name}_error_{key}": round(value, 6) for key, value in error.items()}
+    everything = {name: np.concatenate([one[name] for one in runs]) for name in runs[0]}
+    samples = len(everything["x"])
+    first = recordings[0]
+    unused = [CONVERTER] if engine == "float" else []
+    if waves:  # the first r's samples up to the greatest load
+        part = slice(0, int(np.argmax(runs[0]["load"])) + 1)
+        seen = engines.load(engine).cop4(first.codes[part], first.config, out / "waves.vcd")
+        wrong += mismatches(seen, engines.load("fixed").cop4(first.codes[part], first.config))
+    summary = {
+        "scene": scene.name,
+        "engine": engine,
+        "seed": seed,
+        "seconds_simulated": round(samples / scene.rate_hz, 3),
+        "seconds_taken": None,
+        "samples_per_second": round(samples / engine_s),
+        "twin_mismatches": wrong if engine in engines.VERILATED else None,
+        "modelled": [part for part in first.modelled if part not in unused],
+        "left_out": [*unused, *first.left_out],
+        "position_error": summarise(everything["position"]),
+        "load_error": summarise(everything["of_load"]),
+        "solver": certified(recordings),
+        "runs": len(runs),
+        "conditions": rows,
+    }
+    if scene.kind == "pulse":
+        # Against what the taxels feel: without the lag of the rubber, where the sensor gives a load.
+        felt = [
+            errors(o["x"], o["y"], o["load"], o["valid"], r.felt_n, r.x, r.y)[1][o["valid"]]
+            for r, o in zip(recordings, runs)
+        ]
+        summary["load_error_without_lag"] = summarise(np.concatenate(felt))
+        summary["response_s"] = round(_response_s(first, runs[0]["load"]), 9)
+    if scene.kind == "stroke":
+        summary["locus"] = circle(runs[0]["x"], runs[0]["y"])
+    picture = report_cop.draw_mesh(out / f"{scene.name}.png", recordings, runs)
+    kind = "surface" if scene.kind == "points" and len(first.load) == 1 else scene.kind
+    condition = f"{scene.title}, r = {' and '.join(f'{r.r_ohm:g}' for r in recordings)} Ω"
+    pictures = [(picture, condition, SHOWN[kind])]
+    arrays = {}
+    for recording, one in zip(recordings, runs):
+        prefix = f"r{recording.r_ohm:g}_" if len(runs) > 1 else ""
+        solution = recording.solution
+        kept = {
+            **{f"E{k}": getattr(solution, f"E{k}") for k in (1, 2, 3, 4)},
+            **{name: one[name] for name in ("x", "y", "load", "valid")},
+            "position_error": one["position"],
+            "load_error": one["of_load"],
+        }
+        if engine != "float":
+            kept["codes"] = recording.codes
+        arrays |= {prefix + name: values for name, values in kept.items()}
+    arrays |= {
+        "time_s": first.time_s,
+        "true_load": first.load,
+        "true_x": first.x,
+        "true_y": first.y,
+        "felt_load": first.felt_n,
+    }
+    tables = {"Errors": rows, "Bounds of the solver": [summary["solver"]]}
+    if "locus" in summary:
+        tables["Locus"] = [summary["locus"]]
+    return finish(scene, summary, out, arrays, pictures, tables, began, ("conditions", "locus", "solver"))
+
+
+def tell(summary):
+    """The lines to print of a summary."""
+    lines = [
+        f"position error, of the range -1 to 1: {percent(summary['position_error'])}",
+        f"load error: {percent(summary['load_error'])}",
+    ]
+    solver = summary["solver"]
+    lines.append(
+        f"bounds of the mesh's solver: {solver['position']:.1g} of the range, {solver['load']:.1g} of "
+        f"the load; condition number at most {solver['condition']:.3g}"
+    )
+    if "response_s" in summary:
+        lines += [
+            f"without the rubber's lag: {percent(summary['load_error_without_lag'])}",
+            f"95 % of the load is reported {summary['response_s'] * 1e3:.2f} ms after it begins",
+        ]
+    if "locus" in summary:
+        locus = summary["locus"]
+        lines.append(
+            f"locus: a circle of radius {locus['radius']:.4f} ± {locus['deviation']:.4f}, "
+            f"out of round by {100 * locus['roundness']:.3g} % (published: a neat locus, without a number)"
+        )
+    return [*lines, "", *table(summary["conditions"])]

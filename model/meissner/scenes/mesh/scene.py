@@ -1,0 +1,208 @@
+"""Scenes of the four-wire resistor mesh: loads in newtons, electrode voltages, their codes, and the truth."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from meissner.builds import four_wires
+from meissner.check import between, fields, numbers, one_of, positive, tables
+from meissner.physics import mesh_loads
+from meissner.physics.cop4_config import Cop4Config
+from meissner.physics.mesh import Mesh, Solution
+
+CONVERTER = "converter"  # modelled for every engine but float, which takes the voltages as they are
+COMPONENTS = (
+    *("resistor mesh", "taxel resistance", CONVERTER),
+    *("random points", "rubber response", "hemispherical cover"),
+)
+_ADDED = {
+    "points": (),
+    "random": ("random points",),
+    "pulse": ("rubber response",),
+    "stroke": ("hemispherical cover",),
+}
+
+_TOP = {"title": str, "sensor": str, "features": list, "rate_hz": int, **four_wires.TABLES, "world": dict}
+_WORLD = {
+    "points": {"steps": int, "points": list},
+    "random": {"count": int, "draws": int, "totals_n": list, "split": str},
+    "pulse": {"seconds": float, "start_s": float, "pulse_s": float, "response_s": float, "points": list},
+    "stroke": {"steps": int, "force_n": float, "radius": float, "cover_radius": float},
+}
+# Published: the rubber answers within 0.6 ms. Read, as its shear step is, as three time constants: 95 %.
+SETTLED = 3.0
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A scene, checked. Its conditions are the values of ``r_ohm``, each with its own of ``configs``."""
+
+    name: str
+    title: str
+    sensor: str
+    features: tuple
+    rate_hz: int
+    rows: int
+    columns: int
+    r_ohm: tuple
+    configs: tuple
+    kind: str
+    world: dict
+
+    def mesh(self, r_ohm) -> Mesh:
+        return self.configs[self.r_ohm.index(r_ohm)].mesh
+
+
+@dataclass(frozen=True)
+class Recording:
+    """One condition: ``solution``, the mesh under what the taxels feel, and the truth, what presses.
+
+    ``codes`` [samples, 4]: its electrodes as the converter of ``config`` gives them. ``load`` (N), ``x``,
+    ``y`` [samples]: of the forces; ``felt_n``: the load the taxels feel, which lags behind where the
+    rubber's response is modelled.
+    """
+
+    scene: Scene
+    r_ohm: float
+    config: Cop4Config
+    seed: int
+    time_s: np.ndarray
+    solution: Solution
+    codes: np.ndarray
+    load: np.ndarray
+    x: np.ndarray
+    y: np.ndarray
+    felt_n: np.ndarray
+    modelled: tuple
+    left_out: tuple
+
+
+def _taxel(where, scene_rows, scene_columns, at):
+    """Row and column of the place (x, y), which must be a taxel's."""
+    x, y = at
+    column, row = (x + 1) * (scene_columns - 1) / 2, (1 - y) * (scene_rows - 1) / 2
+    if abs(column - round(column)) > 1e-6 or abs(row - round(row)) > 1e-6:
+        raise ValueError(f"{where}: at = [{x:g}, {y:g}] is between the taxels")
+    return round(row), round(column)
+
+
+def build(name, table):
+    """Check a scene's table and return the Scene; ValueError with one sentence if it cannot be."""
+    where = f"scene {name}"
+    top = fields(where, table, _TOP)
+    positive(where, top, ["rate_hz"])
+    for feature in top["features"]:
+        one_of(where, "features", feature, ("cop4",))
+    inside = f"{where}, [mesh]"
+    mesh = four_wires.mesh_table(inside, top["mesh"], r_ohm=list)
+    mesh["r_ohm"] = numbers(inside, "r_ohm", mesh["r_ohm"], least=1e-6, most=1e9)
+    configs = tuple(
+        four_wires.config(where, mesh | {"r_ohm": r}, top["converter"], top["load"], noise=True)
+        for r in mesh["r_ohm"]
+    )
+
+    inside = f"{where}, [world]"
+    world = dict(top["world"])
+    kind = world.pop("kind", None)
+    one_of(inside, "kind", kind, tuple(_WORLD))
+    world = fields(inside, world, _WORLD[kind])
+    if kind == "random":
+        between(inside, world, {"count": (1, mesh["rows"] * mesh["columns"]), "draws": (1, 10**6)})
+        one_of(inside, "split", world["split"], ("equal", "random"))
+        world["totals_n"] = numbers(inside, "totals_n", world["totals_n"], least=1e-6, most=1e6)
+    elif kind == "stroke":
+        between(inside, world, {"steps": (3, 10**6), "radius": (1e-3, 1)})
+        positive(inside, world, ["force_n", "cover_radius"])
+    else:
+        points, at = [], f"{where}, [[world.points]]"
+        for row in tables(inside, "world.points", world["points"]):
+            row = fields(at, row, {"at": list, "force_n": list})
+            force_n = numbers(at, "force_n", row["force_n"], 2 if kind == "points" else 1, 0, 1e6)
+            place = numbers(at, "at", row["at"], 2, -1, 1)
+            points.append((*_taxel(at, mesh["rows"], mesh["columns"], place), force_n))
+        world["points"] = tuple(points)
+    if kind == "points":
+        between(inside, world, {"steps": (1, 10**6)})
+    if kind == "pulse":
+        positive(inside, world, ["seconds", "start_s", "pulse_s", "response_s"])
+        if world["start_s"] + world["pulse_s"] > world["seconds"]:
+            raise ValueError(f"{inside}: the pulse must end within seconds = {world['seconds']:g}")
+    return Scene(
+        name=name,
+        title=top["title"],
+        sensor=top["sensor"],
+        features=tuple(top["features"]),
+        rate_hz=top["rate_hz"],
+        rows=mesh["rows"],
+        columns=mesh["columns"],
+        r_ohm=mesh["r_ohm"],
+        configs=configs,
+        kind=kind,
+        world=world,
+    )
+
+
+def loads(scene, seed=0):
+    """Newtons on the taxels [samples, rows, columns]: what presses, and what the taxels feel of it."""
+    world, shape = scene.world, (scene.rows, scene.columns)
+    if scene.kind == "random":
+        parts = [
+            mesh_loads.random_points(
+                *shape, world["count"], np.full(world["draws"], total), seed, world["split"]
+            )
+            for total in world["totals_n"]
+        ]
+        return (np.concatenate(parts),) * 2
+    if scene.kind == "points":
+        load = np.zeros((world["steps"], *shape))
+        for row, column, (first, last) in world["points"]:
+            load[:, row, column] += np.linspace(first, last, world["steps"])
+        return load, load
+    if scene.kind == "stroke":
+        keys = ("force_n", "radius", "steps", "cover_radius")
+        load = mesh_loads.stroke(*shape, *(world[key] for key in keys))
+        return load, load
+    time_s = np.arange(round(world["seconds"] * scene.rate_hz)) / scene.rate_hz
+    start, stop = world["start_s"], world["start_s"] + world["pulse_s"]
+    tau = world["response_s"] / SETTLED
+    # The taxel's conductance follows its load with one time constant.
+    rise = np.where(time_s >= start, -np.expm1(-np.maximum(time_s - start, 0) / tau), 0.0)
+    fall = np.where(time_s >= stop, -np.expm1(-np.maximum(time_s - stop, 0) / tau), 0.0)
+    true, felt = np.zeros((2, len(time_s), *shape))
+    for row, column, (force_n,) in world["points"]:
+        true[:, row, column] += force_n * ((time_s >= start) & (time_s < stop))
+        felt[:, row, column] += force_n * np.maximum(rise - fall, 0.0)
+    return true, felt
+
+
+def electrodes(solution):
+    """Volts [scenes, 4] of E1 to E4 of a batch."""
+    return np.stack([solution.E1, solution.E2, solution.E3, solution.E4], axis=1)
+
+
+def simulate(scene, seed=0):
+    """One Recording for each r; the seed draws random points and the converter's noise."""
+    true, felt = loads(scene, seed)
+    load, x, y = mesh_loads.true_centre(true)
+    modelled = (*COMPONENTS[:3], *_ADDED[scene.kind])
+    recordings = []
+    for number, (r_ohm, config) in enumerate(zip(scene.r_ohm, scene.configs)):
+        solution = config.mesh.solve(felt)
+        recordings.append(
+            Recording(
+                scene=scene,
+                r_ohm=r_ohm,
+                config=config,
+                seed=seed,
+                time_s=np.arange(len(true)) / scene.rate_hz,
+                solution=solution,
+                codes=config.convert(electrodes(solution), np.random.default_rng([seed, number])),
+                load=load,
+                x=x,
+                y=y,
+                felt_n=felt.sum((1, 2)),
+                modelled=modelled,
+                left_out=tuple(part for part in COMPONENTS if part not in modelled),
+            )
+        )
+    return recordings

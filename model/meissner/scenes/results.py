@@ -1,0 +1,49 @@
+"""What every sensor's run does alike: refuse signals that are not there, write the results, align a table."""
+
+import json
+import time
+
+import numpy as np
+
+from meissner import engines
+from meissner.files import written
+from meissner.report import page
+from meissner.scenes.verdict import verdict
+
+
+def check_waves(engine, waves):
+    """ValueError unless the engine is there, and has signals if ``waves`` of them are asked for."""
+    engines.load(engine)
+    if waves and engine != "rtl":
+        raise ValueError("--waves needs the rtl engine: only it has signals")
+
+
+def finish(scene, summary, out, arrays, pictures, tables, began, hidden=()):
+    """Write result.npz, report.html and summary.json; sets ``seconds_taken`` and ``files``.
+
+    ``pictures``: (PNG path, condition, what is shown); the caption adds seed and engine to the condition.
+    ``hidden``: keys of the summary that the report shows as tables instead.
+    """
+    summary["seconds_taken"] = round(time.perf_counter() - began, 3)
+    with written(out / "result.npz") as file:
+        np.savez_compressed(file, **arrays)
+    there = {path.name for path in out.iterdir()}
+    summary["files"] = sorted({*there, "report.html", "summary.json"})
+    facts = {key: value for key, value in summary.items() if key not in (*hidden, "files")}
+    named = [
+        (path, f"{condition}, seed {summary['seed']}, engine {summary['engine']}", shown)
+        for path, condition, shown in pictures
+    ]
+    title = f"{scene.name}: {scene.title}"
+    page.write_html(out / "report.html", facts, named, tables, title, verdict(summary))
+    with written(out / "summary.json") as file:
+        file.write(json.dumps(summary, indent=2).encode() + b"\n")
+    return summary
+
+
+def table(rows):
+    """Rows of equal keys as aligned columns, one line each."""
+    columns = list(rows[0])
+    cells = [columns, *([str(row[column]) for column in columns] for row in rows)]
+    widths = [max(len(row[i]) for row in cells) for i in range(len(columns))]
+    return ["  ".join(f"{cell:<{width}}" for cell, width in zip(row, widths)).rstrip() for row in cells]

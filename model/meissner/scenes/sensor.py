@@ -1,0 +1,49 @@
+"""What a sensor's folder holds, and which there are: every folder here with a module ``scene``."""
+
+import pkgutil
+from functools import cache
+from importlib import import_module
+from pathlib import Path
+from typing import Any, Protocol
+
+
+class Sensor(Protocol):
+    """The module ``scene``: its scenes and their physics."""
+
+    COMPONENTS: tuple | dict  # parts of the physics; a scene models them or leaves them out
+
+    def build(self, name: str, table: dict) -> Any:
+        """The scene of a TOML file's table; it has ``name``, ``title``, ``sensor``."""
+
+    def simulate(self, scene, *arguments, **settings) -> Any:
+        """A recording; it has ``modelled`` and ``left_out``."""
+
+
+class Runner(Protocol):
+    """The module ``run``: a scene through an engine into a folder of results."""
+
+    def check(self, scene, engine: str, waves: bool) -> None:
+        """ValueError with one sentence if this engine cannot run the scene."""
+
+    def run(self, scene, engine: str, out: Path, seed: int, waves: bool, progress) -> dict:
+        """Write the results (meissner.scenes.results.finish) and return the summary."""
+
+    def tell(self, summary: dict) -> list[str]:
+        """The lines that the command prints of a summary."""
+
+
+@cache
+def sensors():
+    """Names, in alphabetical order."""
+    here = [str(Path(__file__).parent)]
+    return tuple(sorted(found.name for found in pkgutil.iter_modules(here) if found.ispkg))
+
+
+def sensor(name) -> Sensor:
+    """The module of a sensor's scenes."""
+    return import_module(f"meissner.scenes.{name}.scene")
+
+
+def runner(name) -> Runner:
+    """The module that runs them."""
+    return import_module(f"meissner.scenes.{name}.run")

@@ -1,0 +1,53 @@
+"""Twin of rtl/cop/msn_array.sv: a scanned array from what its converters give to its centre of pressure."""
+
+import numpy as np
+
+from meissner.twins.cop import cop_array
+from meissner.twins.cop.cop_array import CopArray
+from meissner.twins.frontend.health import Health
+from meissner.twins.frontend.tare import Tare
+
+
+class Array:
+    """``scan``: ScanAdc or ScanDemod. ``limits``: of msn_health, None without it.
+
+    ``tare``: a dict of what Tare takes (contact, step, tare_log2); then ``cop.calibrate`` has gains only.
+    None without it; then it has offsets too. ``health``, ``tare`` and ``cop`` are the stages.
+    """
+
+    def __init__(self, scan, limits=None, tare=None, bits_per_clock=2, **kinds):
+        rows, columns = scan.rows, scan.columns
+        lanes = getattr(scan, "lanes", 1)  # amplitudes come one by one
+        bits = scan.sample_bits
+        self.scan = scan
+        self.health = None if limits is None else Health(rows, columns, lanes, bits, limits)
+        self.tare = None if tare is None else Tare(rows, columns, lanes, bits, **tare)
+        zeroed = self.tare is not None
+        self.cop = CopArray(rows, columns, lanes, sample_bits=bits + zeroed, offset=not zeroed, **kinds)
+        row_column = kinds.get("row_column", False)
+        behind = cop_array.latency(lanes, self.cop.fraction_bits, bits_per_clock, row_column)
+        self._steps = {"health": int(limits is not None), "tare": int(zeroed), "cop": behind}
+
+    def next(self, samples, over=None):
+        """x, y, load, pressed [frames] of whole frames of signed samples [frames, rows, columns]."""
+        return self.cop.of_forces(self.forces(samples, over)[0])
+
+    def forces(self, samples, over=None):
+        """The calibrated forces of such frames, and which are masked, both [frames, rows, columns]."""
+        samples = np.asarray(samples, dtype=np.int64)
+        mask = np.zeros(samples.shape, dtype=bool)
+        if self.health is not None:
+            mask, _ = self.health.next(samples, over)
+        if self.tare is not None:
+            samples = self.tare.next(samples, mask)
+        return self.cop.calibrate.next(samples, mask), mask
+
+    def latency(self, settle, **given):
+        """Clocks of each step, by name: the scan's, then ``health``, ``tare``, ``cop`` and two sums.
+
+        ``compute``: from the last sample in to the result; ``total``: from a frame's first convert start to
+        it. ``given``: what the scan's latency takes besides.
+        """
+        steps = self.scan.latency(settle, **given) | self._steps
+        tail = sum(self._steps.values())
+        return steps | {"compute": steps["out"] + tail, "total": steps["last_beat"] + tail}

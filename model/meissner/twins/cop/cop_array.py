@@ -1,0 +1,55 @@
+"""Bit-exact twin of rtl/cop/msn_cop_array.sv: centre of pressure and load from an array's samples."""
+
+from meissner.twins.cop import cop
+from meissner.twins.cop.cop_accumulate import CopAccumulate
+from meissner.twins.cop.cop_divide import cop_divide
+from meissner.twins.frontend import calibrate
+from meissner.twins.frontend.calibrate import Calibrate
+
+
+def latency(lanes=1, fraction_bits=14, bits_per_clock=2, row_column=False):
+    """Clocks of the RTL from a frame's last beat to its centre of pressure, the same in every frame."""
+    return calibrate.latency(row_column) + cop.latency(lanes, fraction_bits, bits_per_clock)
+
+
+class CopArray:
+    """Calibrate, then the centre of pressure; ``calibrate`` holds the tables, and what Calibrate takes."""
+
+    def __init__(self, rows, columns, lanes=1, fraction_bits=14, min_load=1, **kinds):
+        self.calibrate = Calibrate(rows, columns, lanes, **kinds)
+        self._accumulate = CopAccumulate(rows, columns, lanes)
+        self.rows, self.columns = rows, columns
+        self.fraction_bits, self.min_load = fraction_bits, min_load
+
+    def reset(self):
+        """The next beat should be the first of a frame; nothing is calibrated."""
+        self.calibrate.reset()
+        self._accumulate.reset()
+
+    @property
+    def dropped(self):
+        """Frames without a result."""
+        return self._accumulate.damaged
+
+    def next(self, raw, mask=None):
+        """x, y, load, pressed of whole frames [..., rows, columns]."""
+        return self.of_forces(self.calibrate.next(raw, mask))
+
+    def of_forces(self, forces):
+        """The same of forces that ``calibrate`` gave."""
+        return cop.cop(forces, self.fraction_bits, self.min_load)
+
+    def process(self, raw, mask=None):
+        """``reset``, take up what was written, and then ``next``."""
+        self.reset()
+        self.calibrate.swap()
+        return self.next(raw, mask)
+
+    def beat(self, raw, id_, last, mask=None):
+        """One beat of samples; returns (x, y, load, pressed) of the frame that it ends, or None."""
+        passed = self.calibrate.beat(raw, id_, last, mask)
+        sums = passed and self._accumulate.next(passed[0].tolist(), passed[2])
+        if not sums:
+            return None
+        x, y, pressed = cop_divide(*sums, self.rows, self.columns, self.fraction_bits, self.min_load)
+        return int(x), int(y), sums[0], bool(pressed)

@@ -1,0 +1,77 @@
+"""Twin of rtl/msn_core.sv: the packets of whole frames of samples."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from meissner.twins.frontend.health import Limits
+from meissner.twins.link.core_link import payloads
+from meissner.twins.sensor.sensor_array import from_reset, sensor_array
+from meissner.twins.sensor.sensor_cop4 import sensor_cop4
+from meissner.twins.slip.slip import State
+from meissner.twins.slip.slip_chain import slip_chain
+
+OF_LOAD = 65535  # channel of a slip event that comes from the load of four electrodes
+
+
+@dataclass(frozen=True)
+class Expected:
+    """Payloads in order, each with the index of its frame: ``slip``, ``cop``; ``images`` [frames, taxels]."""
+
+    slip: list
+    cop: list
+    images: np.ndarray | None
+
+
+def of_channels(samples, config, moving=None, mask=None, change=None):
+    """Slip events of samples [frames, channels]; the rest as meissner.twins.slip.slip_chain takes it."""
+    slip, _ = payloads(slip_chain(samples, config, moving, mask, change))
+    return Expected(slip, [], None)
+
+
+def of_array(array, samples, slip=None, over=None):
+    """Everything of samples [frames, rows, columns]; ``slip``: SlipConfig.
+
+    ``array``: meissner.twins.cop.array.Array; it keeps what it learns, as the core does.
+    """
+    sensed = sensor_array(array, samples, over)
+    events = slip_chain(sensed.forces, slip, mask=sensed.mask) if slip is not None else ()
+    return Expected(*payloads(events, sensed.cop), sensed.forces)
+
+
+def of_electrodes(samples, registers, terms=None, lag=16, slip=None):
+    """CoP frames and slip events of samples [frames, 4]; ``slip``: CopSlipRegisters."""
+    cops, slips = sensor_cop4(samples, registers, terms, lag, slip)
+    events = [(frame, OF_LOAD, octant, State.INCIPIENT) for frame, octant in slips]
+    return Expected(*payloads(events, cops), None)
+
+
+def samples_of(config, codes):
+    """Signed samples of a converter's codes, and which were over range, of the same shape."""
+    mask = (1 << config.part.data_bits) - 1
+    return config.converter.samples(np.asarray(codes) & mask)
+
+
+def array_of(config):
+    """meissner.twins.cop.array.Array of a configuration from reset on."""
+    limits = tare = None
+    if config.array["health"]:
+        given = {k.removeprefix("health."): v for k, v in config.settings.items() if k.startswith("health.")}
+        limits = Limits(**given)
+    if config.array["tare"]:
+        tare = {"contact": config.tare["contact_codes"], "step": config.tare["step"]}
+    parameters, settings = config.parameters, config.settings
+    kinds = {"row_column": bool(parameters["RowColumn"]), "gain_shift": parameters["GainShift"]}
+    kinds |= {"min_load": settings["cop.min_load"]}
+    return from_reset(config.scan, settings["calibrate.preset"], limits, tare, **kinds)
+
+
+def expected(config, codes):
+    """What a core of ``config`` says of whole frames of codes from reset on: shape as of engines.rtl_core."""
+    samples, over = samples_of(config, codes)
+    if config.kind == "array":
+        return of_array(array_of(config), samples, config.slip, over)
+    if config.kind == "electrodes":
+        lag, slip = config.cop_slip or (16, None)
+        return of_electrodes(samples, config.cop4.registers, config.cop4.terms, lag, slip)
+    return of_channels(samples, config.slip)

@@ -1,0 +1,195 @@
+"""Integer twin of rtl/frontend/msn_adc_spi.sv and its package: codes to samples, and the timing in clocks."""
+
+from dataclasses import dataclass
+
+from meissner.twins.frontend import adc_store, spi_shift
+
+ROUND_TRIP_NS = 7
+HOLD_NS = 25
+
+
+@dataclass(frozen=True)
+class Part:
+    """One converter; the same facts as rtl/frontend/msn_adc_pkg.sv, sources in docs/adc.md."""
+
+    name: str
+    number: int  # msn_pkg::adc_part_e
+    data_bits: int
+    word_bits: int
+    signed: bool
+    cs_per_channel: bool
+    has_busy: bool
+    max_lanes: int
+    sclk_max_khz: int
+    sclk_min_khz: int
+    sclk_default_khz: int
+    access_ns: int
+    conversion_max_ns: int = 0
+    cycle_min_ns: int = 0
+    start_ns: int = 0
+    tagged: bool = False  # four bits of channel number before the code; the first word of a frame only asks
+    setup: tuple = ()  # words sent before the first conversion
+
+    @property
+    def lane_channels(self):
+        return 8 // self.max_lanes
+
+    @property
+    def lead(self):
+        return self.tagged
+
+    def cs_clocks(self, half, words=1):
+        """Clocks from one CS frame of ``words`` words to the next."""
+        return spi_shift.done_clock(self.word_bits, half, words, self.lead)
+
+    def command(self, index):
+        """The 16 bits sent, from the top one on, with word ``index`` of a frame."""
+        if self.tagged:
+            return 0x0804 | index % 8 << 7  # mode control: manual scan, channel, its number in the answer
+        return 0 if self.has_busy else 0xC000 | index % 8 << 11
+
+
+def _max1112x(name, number, data_bits):
+    setup = (0x0040, 0x8000, 0x8800, 0x9000, 0x9800)
+    return Part(
+        *(name, number, data_bits, 16, False, True, False, 1, 16_000, 160, 16_000, 17),
+        start_ns=100,
+        tagged=True,
+        setup=setup,
+    )
+
+
+MCP3208 = Part("mcp3208", 1, 12, 19, False, True, False, 1, 2_000, 10, 1_000, 200)
+AD7606 = Part("ad7606", 2, 16, 16, True, False, True, 2, 14_500, 1, 14_500, 30, 4_200, 5_000, 100)
+MAX11123 = _max1112x("max11123", 3, 8)
+MAX11124 = _max1112x("max11124", 4, 10)
+MAX11125 = _max1112x("max11125", 5, 12)
+PARTS = {part.number: part for part in (MCP3208, AD7606, MAX11123, MAX11124, MAX11125)}
+
+
+def clocks_of_ns(ns, clk_khz):
+    """Clocks that last at least ``ns``, at least one."""
+    return max(1, -(-ns * clk_khz // 1_000_000))
+
+
+@dataclass(frozen=True)
+class AdcSpi:
+    """The parameters of msn_adc_spi; illegal ones raise ValueError."""
+
+    part: Part = MCP3208
+    channels: int = 8
+    lanes: int = 1
+    clk_khz: int = 25_000
+    sclk_khz: int | None = None  # upper bound; None: the part's default
+    sample_bits: int = 17
+    period_bits: int = 24
+
+    def __post_init__(self):
+        part = self.part
+        if part not in PARTS.values():
+            raise ValueError(f"part = {part} must be one of msn_pkg::adc_part_e")
+        if self.sclk_khz is None:
+            object.__setattr__(self, "sclk_khz", part.sclk_default_khz)
+        if not 1 <= self.channels <= 8:
+            raise ValueError(f"channels = {self.channels} must lie in 1 .. 8")
+        if not 1 <= self.lanes <= part.max_lanes:
+            raise ValueError(f"lanes = {self.lanes} must lie in 1 .. {part.max_lanes}")
+        if self.lanes > 1 and self.channels <= part.lane_channels:
+            raise ValueError(f"lanes = {self.lanes} must be 1: one lane has all {self.channels} channels")
+        if not 1 <= self.clk_khz <= 400_000:
+            raise ValueError(f"clk_khz = {self.clk_khz} must lie in 1 .. 400000")
+        if not 1 <= self.sclk_khz <= part.sclk_max_khz:
+            raise ValueError(f"sclk_khz = {self.sclk_khz} must lie in 1 .. {part.sclk_max_khz}")
+        if self.clk_khz < 2 * self.half * part.sclk_min_khz:
+            raise ValueError(f"sclk_khz = {self.sclk_khz} is too slow: the sample droops before it is out")
+        if not 1 <= self.period_bits <= 32:
+            raise ValueError(f"period_bits = {self.period_bits} must lie in 1 .. 32")
+        self.samples([])  # checks sample_bits
+
+    @property
+    def half(self):
+        """Clocks in half an SCLK period."""
+        by_rate = -(-self.clk_khz // (2 * self.sclk_khz))
+        by_access = (clocks_of_ns(self.part.access_ns + ROUND_TRIP_NS, self.clk_khz) + 2) // 2
+        return max(by_rate, by_access)
+
+    @property
+    def words(self):
+        """Words per lane in a frame; a tagged part's first only asks."""
+        return (self.part.lane_channels if self.lanes > 1 else self.channels) + self.part.tagged
+
+    @property
+    def watch_clocks(self):
+        """Clocks after convert start at which a frame without BUSY's answer is given up."""
+        wait = clocks_of_ns(2 * self.part.conversion_max_ns, self.clk_khz)
+        return 1 << max(1, (wait - 1).bit_length())
+
+    def samples(self, codes):
+        """Signed samples and over-range flags of the part's raw codes."""
+        return adc_store.samples(codes, self.part.data_bits, self.sample_bits, self.part.signed)
+
+    def read_clocks(self):
+        """Clocks from the start of the transfer to its end."""
+        if self.part.cs_per_channel:
+            return self.words * self.part.cs_clocks(self.half)
+        return self.part.cs_clocks(self.half, self.words)
+
+    def start_clocks(self):
+        """Clocks from the end of reset until a tick can start a conversion."""
+        if not self.part.start_ns:
+            return 0
+        rest = 2 * clocks_of_ns(self.part.start_ns, self.clk_khz)
+        return rest + len(self.part.setup) * self.part.cs_clocks(self.half) + 1
+
+    def hold_clocks(self):
+        """Clocks from convert_o until no channel needs its input any more, which may change then."""
+        if self.part.has_busy:
+            return clocks_of_ns(HOLD_NS, self.clk_khz) + 1
+        if self.part.tagged:
+            return self.channels * self.part.cs_clocks(self.half) + 1
+        return (self.channels - 1) * self.part.cs_clocks(self.half) + 12 * self.half + 1
+
+    def cycle_clocks(self):
+        """Clocks between triggers in which every frame has ended and its samples have left to a consumer that
+        is always ready, and as many could stand in for one that is lost, which takes 4 clocks more."""
+        if self.part.has_busy:
+            return max(self.safe_period(), self.watch_clocks + self.channels + 4)
+        return self.read_clocks() + (self.channels + 4 if self.part.tagged else 1)
+
+    def latencies(self):
+        """Per channel, clocks until its sample is offered, to a consumer that is always ready.
+
+        They count from the clock of convert_o; with BUSY, from the first clock at whose end BUSY is low.
+        """
+        start = 2 if self.part.has_busy else -1  # the clock in which the transfer starts
+        clocks = []
+        for channel in range(self.channels):
+            word = channel % self.part.lane_channels if self.lanes > 1 else channel
+            if self.part.tagged:
+                word = self.channels  # all wait for the last word, whose tag might be wrong
+            if self.part.cs_per_channel:
+                before = word * self.part.cs_clocks(self.half)
+                arrival = before + spi_shift.word_clock(self.part.word_bits, self.half, lead=self.part.lead)
+            else:
+                arrival = spi_shift.word_clock(self.part.word_bits, self.half, word + 1)
+            earliest = clocks[-1] + 1 if clocks else 0
+            clocks.append(max(start + arrival + 1, earliest))
+        return clocks
+
+    def minimum_period(self, conversion_ns=None):
+        """The least cfg_period at which a consumer that is always ready loses nothing, for a part that
+        converts in ``conversion_ns``.
+
+        The transfer must be over, and the samples of two lanes, which arrive together, must have left one by
+        one. The part's own shortest cycle may be longer: see ``safe_period``.
+        """
+        if not self.part.has_busy:
+            return max(self.read_clocks(), self.latencies()[-1]) + 1
+        if conversion_ns is None:
+            conversion_ns = self.part.conversion_max_ns
+        busy = int(conversion_ns * self.clk_khz // 1_000_000) + 1  # from the tick until BUSY is seen low
+        return busy + max(2 + self.read_clocks() + 1, self.latencies()[-1])
+
+    def safe_period(self):
+        """The least cfg_period that suits every sample of the part."""
+        return max(self.minimum_period(), clocks_of_ns(self.part.cycle_min_ns, self.clk_khz))

@@ -1,0 +1,94 @@
+"""Bit-exact twin of rtl/frontend/msn_calibrate.sv: forces of an array's samples."""
+
+import numpy as np
+
+from meissner.twins.common.frame_place import FramePlace
+from meissner.twins.common.round_sat import round_sat
+from meissner.twins.frontend.calibration_grid import CalibrationGrid
+from meissner.twins.frontend.calibration_table import CalibrationTable
+
+
+def forces(raw, offset, gain, gain_shift=12, mask=None, sample_bits=17, gain_bits=16):
+    """Forces 0 .. 65535 of samples [..., rows, columns]; ``offset`` and ``gain``: those of each taxel.
+
+        F = clip(floor((raw - offset) gain / 2^gain_shift + 1/2), 0, 65535)
+
+    ``mask``: taxels that give 0. ``gain_bits``: 16, or 32 for a row's gain times a column's.
+    """
+    if not 1 <= gain_shift <= gain_bits:
+        raise ValueError(f"gain_shift = {gain_shift} must lie in 1 .. {gain_bits}")
+    difference = np.asarray(raw, dtype=np.int64) - offset
+    if mask is not None:
+        difference = np.where(mask, 0, difference)
+    product_bits = sample_bits + 1 + gain_bits + 1
+    return round_sat(difference * gain, product_bits, 16, gain_shift, unsigned=True)
+
+
+def latency(row_column=False):
+    """Clocks of the RTL from a beat in to its forces out."""
+    return 15 if row_column else 3
+
+
+class Calibrate:
+    """The same with the tables: ``table`` is written and swapped, ``next`` calibrates with what is in use.
+
+    All forces are 0 until the first swap.
+    """
+
+    def __init__(
+        self, rows, columns, lanes=1, sample_bits=17, gain_shift=None, offset=True, row_column=False
+    ):
+        table = CalibrationGrid if row_column else CalibrationTable
+        self.table = table(rows, columns, lanes, sample_bits, offset)
+        gain_shift = (24 if row_column else 12) if gain_shift is None else gain_shift
+        self.sample_bits, self.gain_shift, self.gain_bits = sample_bits, gain_shift, 32 if row_column else 16
+        forces(0, 0, 0, gain_shift, gain_bits=self.gain_bits)  # the same check of the shift
+        self._place = FramePlace(rows * self.table.row_beats)
+        self.reset()
+
+    def reset(self):
+        """The next beat should be the first of a frame; nothing is calibrated."""
+        self.table.reset()
+        self._place.reset()
+        self._swapping = self._midway = False
+
+    @property
+    def damaged(self):
+        """Frames that did not come whole."""
+        return self._place.damaged
+
+    def swap(self):
+        """Exchange the banks before the next frame's first beat."""
+        self._swapping = True
+
+    def next(self, raw, mask=None):
+        """Forces of whole frames [..., rows, columns]."""
+        self._take_up()
+        offset, gain = (words[:, : self.table.columns] for words in self.table.words())
+        if not self.table.loaded:
+            gain = np.zeros_like(gain)
+        return forces(raw, offset, gain, self.gain_shift, mask, self.sample_bits, self.gain_bits)
+
+    def beat(self, raw, id_, last, mask=None):
+        """One beat of ``lanes`` samples; returns (forces, id, last) of it, or None if it does not pass."""
+        self._take_up()
+        place = self._place.next(id_, last)
+        self._midway = not last
+        if not place.keep:
+            return None
+        offset, gain = (words.reshape(-1, self.table.lanes)[place.place] for words in self.table.words())
+        if not self.table.loaded:
+            gain = np.zeros_like(gain)
+        result = forces(raw, offset, gain, self.gain_shift, mask, self.sample_bits, self.gain_bits)
+        return result, id_, place.last
+
+    def process(self, raw, mask=None):
+        """``reset``, take up what was written, and then ``next``."""
+        self.reset()
+        self.swap()
+        return self.next(raw, mask)
+
+    def _take_up(self):
+        if self._swapping and not self._midway:
+            self.table.swap()
+            self._swapping = False

@@ -1,0 +1,222 @@
+"""Bit-exact twin of rtl/frontend/msn_health.sv: finds taxels that cannot be trusted."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from meissner.twins.common.frame_place import FramePlace
+from meissner.twins.frontend.calibration_table import check_array
+
+DEAD, RAILED, BLINKING = 1, 2, 4  # as in docs/link.md
+
+# Of a picture with a frame of one around it: what lies left, right, above and below each taxel.
+HERE = (slice(1, -1), slice(1, -1))
+SIDES = tuple((HERE[0], slice(at, at - 2 or None)) for at in (0, 2))
+SIDES += tuple((slice(at, at - 2 or None), HERE[1]) for at in (0, 2))
+
+
+@dataclass
+class Limits:
+    """The registers of msn_health. Codes, except where said; a threshold of 0 turns its kind off."""
+
+    band: int = 24  # less is no move
+    jump: int = 200  # more is a jump
+    low: int = -65536  # at it or below: railed
+    high: int = 65535  # at it or above: railed
+    user: bool = False  # the converter's over-range counts as railed
+    edges: bool = True  # judge a taxel at a border by its one neighbour
+    still: int = 240
+    rail: int = 8  # x 16 frames
+    blink: int = 64
+
+    def __post_init__(self):
+        for name in ("still", "rail", "blink"):
+            if not 0 <= getattr(self, name) <= 255:
+                raise ValueError(f"{name} = {getattr(self, name)} must lie in 0 .. 255")
+
+
+class Health:
+    """Taxels found dead, railed or blinking, from a stream of frames.
+
+        moved = |raw - held| > band, then held = raw      recent = moved in the last 3 frames, up or down
+        dead      no move of its own while both neighbours in its row or column are recent the same way:
+                  +4 a frame (+1 with ``edges`` beside the one neighbour at a border), from ``still`` on
+        railed    at ``low``, ``high`` or (``user``) over-range, without a break in ``rail`` of 0, 16 ..
+        blinking  a step > jump while no neighbour is recent: +16, any other frame -1, from ``blink`` on
+
+    Neighbours are looked at as they were at the end of the last whole frame. A fault masks from the next
+    frame on and stays until ``clear``; a beat out of place is masked. ``faults``: the sum of DEAD, RAILED,
+    BLINKING [rows, columns].
+    """
+
+    def __init__(self, rows, columns, lanes=1, sample_bits=17, limits=None):
+        check_array(rows, columns, lanes, sample_bits)
+        self.rows, self.columns, self.lanes, self.sample_bits = rows, columns, lanes, sample_bits
+        self.limits = limits or Limits()
+        self.row_beats = -(-columns // lanes)
+        self._place = FramePlace(rows * self.row_beats)
+        shape = (rows, columns)
+        self._held, self._rail, self._blink, self._still, self._since = np.zeros((5, *shape), dtype=np.int64)
+        self._rising, self._jumped, self._reported = np.zeros((3, *shape), dtype=bool)
+        self._history = np.zeros((2, 2, rows + 2, columns + 2), dtype=bool)  # bank; recent, rising
+        self._row_ends, self._column_ends = np.zeros((2, *shape), dtype=bool)
+        self._row_ends[:, [0, -1]] = columns > 1
+        self._column_ends[[0, -1], :] = rows > 1
+        self.faults = np.zeros(shape, dtype=np.int64)
+        self.reset()
+
+    def reset(self):
+        """Everything is healthy, nothing is known, the counts are 0."""
+        self._place.reset()
+        self.dead = self.railed = self.blinking = 0
+        self._fresh, self._again, self._clear, self._report, self._midway = True, False, False, False, False
+        self._bank = self._tick = 0
+        self._beats = []
+
+    @property
+    def damaged(self):
+        """Frames that did not come whole."""
+        return self._place.damaged
+
+    def clear(self):
+        """Forget every fault before the next frame."""
+        self._clear = True
+        self._settle()
+
+    def report(self):
+        """Send the events of all faults again with the next frame."""
+        self._report = True
+        self._settle()
+
+    def next(self, raw, over=None):
+        """Masks, bool [frames, rows, columns], of whole frames, and the list of events of each.
+
+        ``over``: over-range flags. An event: (beat, dead, railed, blinking), the latter bits of the lanes.
+        """
+        raw = np.asarray(raw, dtype=np.int64)
+        over = np.zeros(raw.shape, dtype=bool) if over is None else np.asarray(over, bool)
+        masks, events = np.empty(raw.shape, dtype=bool), []
+        for frame in range(len(raw)):
+            masks[frame] = self._mask()
+            events.append(self._learn(raw[frame], over[frame], None, True))
+        return masks, events
+
+    def process(self, raw, over=None):
+        """``reset`` and then ``next``."""
+        self.reset()
+        return self.next(raw, over)
+
+    def beat(self, raw, over, id_, last):
+        """One beat: (mask, id, last), or None if it does not pass, and the events of the frame it ends."""
+        self._midway = True
+        place = self._place.next(id_, last)
+        if place.fits:
+            self._beats.append((raw, over))
+        padded = np.zeros((self.rows, self.row_beats * self.lanes), dtype=bool)
+        padded[:, : self.columns] = self._mask()
+        mask = padded.reshape(-1, self.lanes)[place.place] | (not place.fits)
+        events = self._end(place.whole) if last else []
+        return ((mask, id_, place.last) if place.keep else None), events
+
+    def _settle(self):
+        """Commands are obeyed between frames only."""
+        if self._midway:
+            return
+        if self._clear:
+            self._fresh, self.dead, self.railed, self.blinking = True, 0, 0, 0
+        self._again |= self._report
+        self._clear = self._report = False
+
+    def _mask(self):
+        return (self.faults != 0) & (not self._fresh)
+
+    def _end(self, whole):
+        """Learn from the beats that came in their places."""
+        size = self.rows * self.row_beats, self.lanes
+        raw, over, seen = (
+            np.zeros(size, dtype=np.int64),
+            np.zeros(size, dtype=bool),
+            np.zeros(size, dtype=bool),
+        )
+        for beat, (samples, flags) in enumerate(self._beats):
+            raw[beat], over[beat], seen[beat] = samples, flags, True
+        self._beats = []
+        raw, over, seen = (a.reshape(self.rows, -1)[:, : self.columns] for a in (raw, over, seen))
+        return self._learn(raw, over, seen, whole)
+
+    def _learn(self, raw, over, seen, whole):
+        """Step every taxel that was ``seen`` (None: all); returns the events."""
+        c, tick = self.limits, self._tick == 0
+        recent, rose = self._history[self._bank]
+        recent = recent & (not self._fresh)
+        left, right, up, down = (recent[side] for side in SIDES)
+        rose_left, rose_right, rose_up, rose_down = (rose[side] for side in SIDES)
+        pair = (left & right & (rose_left == rose_right)) | (up & down & (rose_up == rose_down))
+        beside, along = left | right, up | down
+        border = (beside & self._row_ends) | (along & self._column_ends)
+        lonely = ~(beside | along)
+        delta = raw - self._held
+        moved, jump = np.abs(delta) > c.band, np.abs(delta) > c.jump
+        railed = (raw <= c.low) | (raw >= c.high) | (over & c.user)
+
+        rail = np.where(railed, np.minimum(self._rail + tick, 255), 0)
+        more, less = np.minimum(self._blink + 16, 255), np.maximum(self._blink - 1, 0)
+        blink = np.where(self._jumped & lonely, more, less)
+        proof = np.where(pair, 4, border & c.edges)
+        still = np.where(moved | (self._since > 0), 0, np.minimum(self._still + proof, 255))
+        since = np.where(moved, 3, np.maximum(self._since - 1, 0))
+        rising = np.where(moved, delta >= 0, self._rising)
+        held = np.where(moved, raw, self._held)
+        found = np.zeros(raw.shape, dtype=np.int64)
+        for kind, value, limit in (
+            (DEAD, still, c.still),
+            (RAILED, rail, c.rail),
+            (BLINKING, blink, c.blink),
+        ):
+            found += kind * ((value >= limit) & (limit > 0))
+        faults = self.faults | found
+        if self._fresh:
+            held, jump, faults = raw.copy(), np.zeros_like(jump), np.zeros_like(faults)
+            rail, blink, still, since = (np.zeros_like(raw) for _ in range(4))
+        news = np.where(self._fresh, 0, faults & ~self.faults)
+        if seen is not None:
+            news = news * seen
+        if news.any():
+            self.dead += int((news & DEAD != 0).sum())
+            self.railed += int((news & RAILED != 0).sum())
+            self.blinking += int((news & BLINKING != 0).sum())
+        reported = self._reported & (not self._again) & (faults == self.faults)
+        loud = (faults != 0) & ~reported
+        if seen is not None:
+            loud &= seen
+        events = self._events(faults, loud, seen)
+
+        state = {"held": held, "rail": rail, "blink": blink, "still": still, "since": since}
+        state |= {"rising": self._rising if self._fresh else rising, "jumped": jump, "reported": faults != 0}
+        moves = np.stack([since > 0, rising])
+        other = 1 - self._bank
+        if seen is not None:
+            state = {name: np.where(seen, value, getattr(self, f"_{name}")) for name, value in state.items()}
+            faults = np.where(seen, faults, self.faults)
+            moves = np.where(seen, moves, self._history[other][(slice(None), *HERE)])
+        for name, value in state.items():
+            setattr(self, f"_{name}", value)
+        self.faults = faults
+        self._history[other][(slice(None), *HERE)] = moves
+        if whole:
+            self._bank, self._tick = other, (self._tick + 1) % 16
+            self._fresh = self._again = False
+        self._midway = False
+        self._settle()
+        return events
+
+    def _events(self, faults, loud, seen):
+        """(beat, dead, railed, blinking) of each beat with a loud taxel."""
+        if not loud.any():
+            return []
+        words = []
+        for bits in (loud, faults & DEAD != 0, faults & RAILED != 0, faults & BLINKING != 0):
+            padded = np.zeros((self.rows, self.row_beats * self.lanes), dtype=np.int64)
+            padded[:, : self.columns] = bits if seen is None else bits & seen
+            words.append(padded.reshape(-1, self.lanes) @ (1 << np.arange(self.lanes)))
+        return [(int(beat), *(int(word[beat]) for word in words[1:])) for beat in np.flatnonzero(words[0])]

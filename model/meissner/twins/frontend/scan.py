@@ -1,0 +1,63 @@
+"""Twin of rtl/frontend/msn_scan.sv: taxels to beats, and the latencies in clocks.
+
+A frame is an array of samples [rows, columns]; a beat is Lanes samples side by side. What is converted when:
+scan_plan.py.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from meissner.twins.frontend import scan_buffer
+from meissner.twins.frontend.scan_buffer import ScanBuffer
+from meissner.twins.frontend.scan_plan import WHOLE, ScanPlan
+
+PIN_CLOCKS = 1  # from trigger_o to the converter's pin
+LATENCY = 2 + scan_buffer.LATENCY  # clocks from a sample's last lane in to its beat out
+
+
+@dataclass(frozen=True)
+class Scan(ScanPlan):
+    """The parameters of msn_scan; illegal ones raise ValueError."""
+
+    sample_bits: int = 17
+    depth: int | None = None
+
+    def __post_init__(self):
+        super().__post_init__()
+        if self.sample_bits < 2:
+            raise ValueError(f"sample_bits = {self.sample_bits} must be at least 2")
+        width = self.lanes * (self.sample_bits + 1)
+        buffer = ScanBuffer(self.rows, self.beats, self.channels, width, self.depth)
+        object.__setattr__(self, "buffer", buffer)
+
+    def column(self, group, channel, lane):
+        """The column that lane ``lane``'s input ``channel`` sees in ``group``; it may be past the array."""
+        return (group * self.channels + channel) * self.lanes + lane
+
+    def frame(self, samples, over, region=WHOLE):
+        """The beats of a frame: (data, id, last, user) with data and user as the ports have them.
+
+        ``samples`` int [rows, columns], ``over`` bool [rows, columns]. Lanes past the last column are zeros
+        here: the block sends what their converters see, which means nothing.
+        """
+        samples, over = np.asarray(samples, dtype=np.int64), np.asarray(over, dtype=bool)
+        if samples.shape != (self.rows, self.columns) or over.shape != samples.shape:
+            raise ValueError(f"a frame is [{self.rows}, {self.columns}], not {list(samples.shape)}")
+        first, last = self.beat_range(region)
+        region = region.cut(self.rows, self.columns)
+        beats = []
+        for row in range(region.first_row, region.last_row + 1):
+            for beat in range(first, last + 1):
+                columns = range(beat * self.lanes, min((beat + 1) * self.lanes, self.columns))
+                mask = (1 << self.sample_bits) - 1
+                data = sum(
+                    (int(samples[row, c]) & mask) << lane * self.sample_bits for lane, c in enumerate(columns)
+                )
+                user = sum(int(over[row, c]) << lane for lane, c in enumerate(columns))
+                beats.append((data, row * self.beats + beat, (row, beat) == (region.last_row, last), user))
+        return beats
+
+    def coordinates(self, index):
+        """(row, first column) of a beat's id."""
+        return index // self.beats, index % self.beats * self.lanes

@@ -1,0 +1,113 @@
+"""Twin of rtl/frontend/msn_scan_demod.sv: a scan of carriers, and the time each step of it takes."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from meissner.twins.frontend import burst, scan
+from meissner.twins.frontend.adc_spi import MAX11123, AdcSpi, Part
+from meissner.twins.frontend.am_demod import IQ, AmDemod
+from meissner.twins.frontend.scan import Scan
+
+
+@dataclass(frozen=True)
+class ScanDemod:
+    """The parameters of msn_scan_demod; illegal ones raise ValueError."""
+
+    rows: int = 8
+    columns: int = 8
+    converters: int = 1
+    part: Part = MAX11123
+    clk_khz: int = 25_000
+    sclk_khz: int | None = None
+    sample_bits: int = 17
+    form: int = IQ
+    samples_per_period: int = 4
+    sample_period: int = 160  # clocks
+    periods: int = 4
+    skip: int = 4  # samples that settle
+    shift: int = 3
+    settle_bits: int = 16
+    period_bits: int = 32
+
+    def __post_init__(self):
+        if self.part.has_busy:
+            raise ValueError(f"part = {self.part.name} must convert without BUSY")
+        if self.converters not in (1, 2, 4, 8):
+            raise ValueError(f"converters = {self.converters} must be 1, 2, 4 or 8")
+        if self.periods < 1:
+            raise ValueError(f"periods = {self.periods} must be at least 1")
+        if self.skip < 0:
+            raise ValueError(f"skip = {self.skip} must not be negative")
+        cycle = self.adc.cycle_clocks()
+        if self.sample_period < cycle:
+            raise ValueError(
+                f"sample_period = {self.sample_period} must be at least the converter's {cycle} clocks"
+            )
+        assert self.demod and self.scan  # they check themselves
+
+    @property
+    def adc(self):
+        return AdcSpi(self.part, 1, 1, self.clk_khz, self.sclk_khz, self.sample_bits, 1)
+
+    @property
+    def count(self):
+        """Samples of a burst."""
+        return burst.samples(self.skip, self.periods, self.samples_per_period)
+
+    @property
+    def demod(self):
+        return AmDemod(
+            *(self.form, self.samples_per_period, self.converters, self.converters, self.sample_bits),
+            *(self.periods.bit_length(), (self.skip + 1).bit_length()),
+        )
+
+    @property
+    def span(self):
+        """Clocks from a place's trigger to its last convert start."""
+        return 2 + (self.count - 1) * self.sample_period
+
+    @property
+    def scan(self):
+        bound = 3 * (self.sample_bits + 5 + self.periods.bit_length() + 1) + self.shift + 2
+        demod = 5 + self.converters * bound
+        hold = self.span + self.adc.hold_clocks()
+        cycle = self.span + self.adc.cycle_clocks() + demod
+        return Scan(
+            *(self.rows, self.columns, 1, self.converters, hold, cycle),
+            *(1, self.settle_bits, self.period_bits, None, self.sample_bits),
+        )
+
+    def levels(self, samples, user=None):
+        """(amplitude, over-range) [...] of bursts of signed samples [..., count]."""
+        samples = np.asarray(samples)[..., self.skip :]
+        user = None if user is None else np.asarray(user)[..., self.skip :]
+        return self.demod.amplitude(samples, self.shift, user)
+
+    def latency(self, settle):
+        """Clocks of each step, by name, with a consumer that is always ready and frames one after the other.
+
+        As ScanAdc.latency; ``burst``: from a place's first convert start to its last; ``demod_first``,
+        ``demod_last``: from a burst's last sample to its first and last amplitude.
+        """
+        plan, demod = self.scan, self.demod
+        lanes = (self.converters - 1) * demod.lane_clocks(self.shift)
+        steps = {
+            "settle": settle,
+            "burst": (self.count - 1) * self.sample_period,
+            "transfer": self.adc.latencies()[0],
+            "demod_first": demod.latency(self.shift),
+            "demod_last": demod.latency(self.shift) + lanes,
+            "out": scan.LATENCY,
+            "slot": plan.slot(settle),
+            "frame": plan.frame_clocks(settle),
+        }
+        final = steps["frame"] - steps["slot"]
+        to_level = steps["burst"] + steps["transfer"] + steps["out"]
+        used = (self.columns - 1) % self.converters  # lanes before the last one in the last group
+        steps |= {
+            "last_convert": final,
+            "first_beat": to_level + steps["demod_first"],
+            "last_beat": final + to_level + steps["demod_first"] + used * demod.lane_clocks(self.shift),
+        }
+        return steps

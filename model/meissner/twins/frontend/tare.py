@@ -1,0 +1,162 @@
+"""Bit-exact twin of rtl/frontend/msn_tare.sv: each taxel's own zero, found by averaging and followed."""
+
+import numpy as np
+
+from meissner.twins.common.frame_place import FramePlace
+from meissner.twins.common.round_sat import round_sat
+from meissner.twins.frontend.calibration_table import check_array
+
+
+class Tare:
+    """Takes each taxel's own zero b off its samples; finds it, and follows it while nothing presses.
+
+        r = raw - o   o = floor(b + 1/2)   contact = r > contact    b in steps of 2^-fraction_bits codes
+        each frame, not in contact: b += sign(r) step               frozen in contact
+        after ``tare``: b += (sum of r over the next 2^tare_log2 frames) / 2^tare_log2, exact, of all taxels
+        in the same frame; refused, and nothing changed, if any taxel not masked was in contact in them
+
+    ``contact``: codes; ``step``: steps of b per frame, 0 .. 255. The state is all integers.
+    """
+
+    def __init__(
+        self, rows, columns, lanes=1, sample_bits=17, fraction_bits=12, tare_log2=4, contact=64, step=1
+    ):
+        check_array(rows, columns, lanes, sample_bits)
+        if not 1 <= fraction_bits <= 16:
+            raise ValueError(f"fraction_bits = {fraction_bits} must lie in 1 .. 16")
+        if not 0 <= tare_log2 <= min(fraction_bits, 8):
+            raise ValueError(f"tare_log2 = {tare_log2} must be at most 8 and fraction_bits = {fraction_bits}")
+        if not 0 <= step <= 255:
+            raise ValueError(f"step = {step} must lie in 0 .. 255")
+        self.rows, self.columns, self.lanes, self.sample_bits = rows, columns, lanes, sample_bits
+        self.fraction_bits, self.tare_log2, self.contact, self.step = fraction_bits, tare_log2, contact, step
+        self.row_beats = -(-columns // lanes)
+        beats = rows * self.row_beats
+        column = np.arange(beats * lanes).reshape(beats, lanes) % (self.row_beats * lanes)
+        self._surplus = column >= columns
+        self._zero = np.zeros((beats, lanes), dtype=np.int64)
+        self._sum = np.zeros((beats, lanes), dtype=np.int64)
+        self._place = FramePlace(beats)
+        self.reset()
+
+    def reset(self):
+        """All zeros are 0, nothing is asked for, the counters are 0."""
+        self._place.reset()
+        self.tared = self.refused = self.swallowed = 0
+        self.pressed = self.loading = False
+        self._fresh, self._asked, self._midway = True, None, False
+        self._averaging = self._forced = self._commit = self._any_contact = False
+        self._frames = 0
+        self._load = False
+
+    @property
+    def damaged(self):
+        """Frames that did not come whole."""
+        return self._place.damaged
+
+    @property
+    def taring(self):
+        """An averaging is asked for or not finished."""
+        return self._asked is not None or self._averaging or self._commit
+
+    def tare(self, force=False):
+        """Average the next frames into the zeros; ``force``: even if pressed."""
+        self._asked = force
+        self._settle()
+
+    def load(self, on):
+        """While ``on`` (from the next frame, after an averaging), frames are swallowed and zeros written."""
+        self._load = on
+        self._settle()
+
+    def write(self, word, offset, lanes=slice(None)):
+        """Write the zero, in codes, of one beat's ``lanes``, while ``loading``."""
+        if self.loading:
+            self._zero[word, lanes] = offset << self.fraction_bits
+            self._sum[word, lanes] = 0
+
+    def zeros(self):
+        """Zeros in codes, exact [rows, columns] (float64 holds them)."""
+        words = (self._effective(slice(None)) / 2.0**self.fraction_bits).reshape(self.rows, -1)
+        return words[:, : self.columns]
+
+    def next(self, raw, mask=None):
+        """r of whole frames [frames, rows, columns]; ``mask``: taxels that no contact is taken from."""
+        raw = np.asarray(raw, dtype=np.int64)
+        count = len(raw)
+        wide = (count, self.rows, self.row_beats * self.lanes)
+        padded, masked = np.zeros(wide, dtype=np.int64), np.zeros(wide, dtype=bool)
+        padded[:, :, : self.columns] = raw
+        if mask is not None:
+            masked[:, :, : self.columns] = mask
+        flat = (count, *self._zero.shape)
+        padded, masked = padded.reshape(flat), masked.reshape(flat)
+        out = np.empty_like(padded)
+        for frame in range(count):
+            out[frame] = self._take(slice(None), padded[frame], masked[frame], True)
+            self._end(True)
+        return out.reshape(wide)[:, :, : self.columns]
+
+    def process(self, raw, mask=None):
+        """``reset`` and then ``next``."""
+        self.reset()
+        return self.next(raw, mask)
+
+    def beat(self, raw, id_, last, mask):
+        """One beat of ``lanes`` samples: (r, id, last), None if it does not pass; r = 0 out of place."""
+        self._midway = True
+        place = self._place.next(id_, last)
+        swallowed = self.loading
+        r = self._take(place.place, np.asarray(raw), np.asarray(mask, bool), place.fits and not swallowed)
+        if last:
+            self._end(place.whole)
+        r = r if place.fits else np.zeros_like(r)
+        return (r, id_, place.last) if place.keep and not swallowed else None
+
+    def _effective(self, at):
+        if self._fresh:
+            return np.zeros_like(self._zero[at])
+        found = self._sum[at] << (self.fraction_bits - self.tare_log2)
+        return self._zero[at] + found * self._commit
+
+    def _settle(self):
+        """Loading, then averaging, begin and end between frames only."""
+        if self._midway:
+            return
+        wanted = self._load and not self._averaging and not self._commit
+        if wanted != self.loading:
+            self.loading, self._fresh = wanted, False
+        if self._asked is not None and not (self._averaging or self._commit or self.loading):
+            self._averaging, self._forced, self._frames, self._asked = True, self._asked, 0, None
+
+    def _take(self, at, raw, mask, learn):
+        zero = self._effective(at)
+        zero_bits = self.sample_bits + 1 + self.fraction_bits
+        r = raw - round_sat(zero, zero_bits, self.sample_bits, self.fraction_bits)
+        if learn:
+            contact = r > self.contact
+            self._any_contact |= bool((contact & ~mask & ~self._surplus[at]).any())
+            if self._averaging:
+                self._sum[at] = r + (self._sum[at] if self._frames else 0)
+            else:
+                self._sum[at] = 0
+                zero = zero if self._commit else zero + np.sign(r) * ~contact * self.step
+            self._zero[at] = zero
+        return r
+
+    def _end(self, whole):
+        any_contact, self._any_contact, self._midway = self._any_contact, False, False
+        self.swallowed += self.loading
+        if self.loading or not whole:
+            self._frames = 0
+        else:
+            self.pressed, self._fresh = any_contact, False
+            self.tared += self._commit
+            self._commit = False
+            self._frames += 1
+            if self._averaging and any_contact and not self._forced:
+                self._averaging = False
+                self.refused += 1
+            elif self._averaging and self._frames == 1 << self.tare_log2:
+                self._averaging, self._commit = False, True
+        self._settle()

@@ -1,0 +1,44 @@
+"""Bit-exact twin of rtl/link/msn_bridge.sv: register accesses as bytes on a serial line."""
+
+import struct
+import zlib
+
+from meissner.twins.link.cobs import decode, stuff
+
+READ, WRITE = 0, 1
+DONE, BUS_ERROR, NO_ANSWER = 0, 1, 2
+
+
+def command(operation, tag, address, data=0):
+    """The bytes that ask for an access."""
+    if operation not in (READ, WRITE):
+        raise ValueError(f"operation = {operation} must be 0 or 1")
+    if not 0 <= address < 4096:
+        raise ValueError(f"address = {address} must lie in 0 .. 4095")
+    body = struct.pack("<BBHI", operation, tag & 255, address, data)
+    return stuff(body + struct.pack("<I", zlib.crc32(body)))
+
+
+def answer(tag, status, address, data):
+    """Payload of the packet that answers."""
+    return struct.pack("<BBHI", tag, status, address, data)
+
+
+def accesses(line):
+    """What ``line``, bytes without a pause, asks for: ([(operation, tag, address, data)], frames rejected).
+
+    Each command is taken to be answered before the next one ends.
+    """
+    found, rejected = [], 0
+    for frame in line.split(b"\0")[:-1]:
+        body = decode(frame[::-1])
+        body = None if body is None else body[::-1]
+        good = (
+            body is not None and len(body) == 12 and zlib.crc32(body[:8]) == struct.unpack("<I", body[8:])[0]
+        )
+        fields = struct.unpack("<BBHI", body[:8]) if good else None
+        if good and fields[0] < 2 and fields[2] < 4096:
+            found.append(fields)
+        else:
+            rejected += bool(frame)
+    return found, rejected

@@ -1,0 +1,88 @@
+"""The host's side of docs/link.md: packets out of whatever bytes a line brings."""
+
+import struct
+import zlib
+from dataclasses import dataclass
+
+from meissner.twins.link import packet as p
+from meissner.twins.link.cobs import MAX_BYTES, decode
+
+
+@dataclass(frozen=True)
+class Packet:
+    """``kind``: a type of link.packet; ``time``: clocks; ``fields``: the payload's, {} for unknown types."""
+
+    kind: int
+    number: int
+    time: int
+    payload: bytes
+    fields: dict
+
+
+def fields_of(kind, payload):
+    """The payload's fields by name; {} if the type is not known; None if its length is not the type's."""
+    size = {p.SLIP: 6, p.COP: 12, p.HEALTH: 4, p.STATISTIC: 5, p.ANSWER: 8}.get(kind, len(payload))
+    if size != len(payload):
+        return None
+    if kind == p.SLIP:
+        channel, low, high, state = struct.unpack("<HHBB", payload)
+        return {"channel": channel, "p2p": low | high << 16, "state": state}
+    if kind == p.COP:
+        x, y = (int.from_bytes(payload[at : at + 3], "little", signed=True) for at in (0, 3))
+        load = int.from_bytes(payload[6:11], "little")
+        return {"x": x, "y": y, "load": load, "pressed": bool(payload[11] & 1)}
+    if kind == p.HEALTH:
+        return {"taxel": int.from_bytes(payload[:3], "little"), "faults": payload[3]}
+    if kind == p.STATISTIC:
+        return dict(zip(("index", "counter"), struct.unpack("<BI", payload)))
+    if kind == p.ANSWER:
+        return dict(zip(("tag", "status", "address", "data"), struct.unpack("<BBHI", payload)))
+    if kind == p.IMAGE:
+        if len(payload) < 7 or len(payload) % 2 == 0:
+            return None
+        taxels = struct.unpack(f"<{(len(payload) - 5) // 2}H", payload[5:])
+        first = int.from_bytes(payload[2:5], "little")
+        return {"image": payload[0], "last": bool(payload[1] & 1), "first": first, "taxels": taxels}
+    return {}
+
+
+class Decoder:
+    """``next`` takes bytes, cut anywhere, and returns the packets that they complete.
+
+    ``damaged``: frames that were none; ``missed``: packets whose numbers were left out, mod 256.
+    """
+
+    def __init__(self):
+        self.reset()
+
+    def reset(self):
+        self._frame, self._number = bytearray(), None
+        self.damaged = self.missed = 0
+
+    def next(self, data):
+        found = []
+        for piece in bytes(data).split(b"\0")[:-1]:
+            self._frame += piece[: MAX_BYTES + 2]
+            if self._frame:
+                packet = self._packet(bytes(self._frame[: MAX_BYTES + 2]))
+                self.damaged += packet is None
+                found += [packet] if packet else []
+            self._frame.clear()
+        # A frame longer than any is kept just too long to be one.
+        rest = bytes(data).rsplit(b"\0", 1)[-1]
+        self._frame += rest[: max(0, MAX_BYTES + 2 - len(self._frame))]
+        return found
+
+    def _packet(self, frame):
+        body = decode(frame)
+        if body is None or len(body) < 12 or zlib.crc32(body[:-4]) != int.from_bytes(body[-4:], "little"):
+            return None
+        kind, number, time = body[0], body[1], int.from_bytes(body[2:8], "little")
+        payload = body[8:-4]
+        fields = fields_of(kind, payload)
+        if fields is None:
+            return None
+        if self._number is not None:
+            self.missed += (number - self._number - 1) % 256
+        self._number = number
+        return Packet(kind, number, time, payload, fields)

@@ -1,0 +1,132 @@
+"""Twin of rtl/link/msn_registers.sv: what each access answers, and what the core sees.
+
+An access is an error, and changes nothing, at an address without a register in this build, at one that is no
+multiple of four, and for a write where all is read-only. What is written to a setting that the build has
+fewer bits for is kept byte by byte; where it is read and where the core takes it, it is held at their ends.
+"""
+
+from meissner.twins.link.register_map import GROUPS
+
+
+def settings():
+    """(group, register, field) of every setting, in the order of msn_registers' parameter Resets."""
+    return [(g, r, f) for g in GROUPS for r in g.registers for f in r.fields if f.kind == "setting"]
+
+
+FIELDS = {(g.name, r.name, f.name): f for g in GROUPS for r in g.registers for f in r.fields}
+WIDTHS = {f.held_to: f.width for f in FIELDS.values() if f.held_to}  # the most bits that a build can have
+RESET_BITS = sum(field.width for _, _, field in settings())
+
+
+def held(field, bits, widths):
+    """Bits of ``field`` as the core takes ``bits``, of ``widths`` {name in core.widths: bits}."""
+    if widths is None or not field.held_to:
+        return bits
+    least, most = field.ends(widths[field.held_to])
+    return min(max(field.number(bits), least), most) & field.most
+
+
+def reset_word(values, widths=None):
+    """The parameter Resets: the map's reset values, but {"group.register" or "group.register.field": value}.
+
+    ValueError for a name that is no setting and a value without room, in its register or in the build's
+    ``widths`` {name in core.widths: bits}.
+    """
+    left, word, at = dict(values), 0, 0
+    for group, register, field in settings():
+        name = f"{group.name}.{register.name}" + ("" if field.name == "value" else f".{field.name}")
+        value = int(left.pop(name)) if name in left else None
+        least, most = field.ends(widths[field.held_to] if widths and field.held_to else None)
+        if value is not None and not least <= value <= most:
+            raise ValueError(f"{name} = {value} must lie in {least} .. {most}")
+        value = field.reset if value is None else value
+        word |= (value & field.most) << at
+        at += field.width
+    if left:
+        raise ValueError(f"'{next(iter(left))}' is not a setting; docs/registers.md lists them")
+    return word
+
+
+class Registers:
+    """The registers of a build with the groups named in ``features`` (None: all).
+
+    ``resets``: the build's parameter Resets, None for the map's own values; ``widths``: {name in core.widths:
+    bits}, None for as many as the map has.
+    """
+
+    def __init__(self, features=None, resets=None, widths=None):
+        for name, bits in (widths or {}).items():
+            if not 1 <= bits <= WIDTHS[name]:
+                raise ValueError(f"{name} = {bits} bits must lie in 1 .. {WIDTHS[name]}")
+        self.widths = WIDTHS | (widths or {})
+        known = [group.name for group in GROUPS if group.feature]
+        for name in features or ():
+            if name not in known:
+                raise ValueError(f"feature {name!r} must be one of: {', '.join(known)}")
+        self._groups = [g for g in GROUPS if not g.feature or features is None or g.name in features]
+        self.addresses = {register.address for g in self._groups for register in g.registers}
+        self._at = {register.address: (g, register) for g in self._groups for register in g.registers}
+        self.resets = reset_word({}) if resets is None else resets
+        self.reset()
+
+    def reset(self):
+        """Every setting at its reset value, nothing pending."""
+        self._written, self._seen, at = {}, {}, 0
+        for group, register, field in settings():  # the ports of an absent group rest at their reset values
+            key = (group.name, register.name, field.name)
+            given = self.resets >> at & field.most
+            self._written[key], self._seen[key] = given, self._held(key, given)
+            at += field.width
+        self.pending = {group.name: False for group in GROUPS if group.at_frame}
+
+    def _held(self, key, bits):
+        return held(FIELDS[key], bits, self.widths)
+
+    def access(self, write, address, data=0, strobe=15, status=None):
+        """(data, error, pulses) of one access.
+
+        ``status``: {(group, register, field): value} as the core shows it; pulses: the commands given.
+        """
+        if address not in self._at:
+            return 0, True, set()
+        group, register = self._at[address]
+        if write:
+            return (0, *self._write(group, register, data, strobe))
+        word = 0
+        for field in register.fields:
+            key = (group.name, register.name, field.name)
+            value = {
+                "setting": self._held(key, self._written.get(key, 0)),
+                "status": (status or {}).get(key, 0),
+                "constant": field.reset,
+                "command": 0,
+            }[field.kind]
+            word |= value << field.low
+        return word, False, set()
+
+    def _write(self, group, register, data, strobe):
+        if not register.writable:
+            return True, set()
+        mask = sum(255 << 8 * byte for byte in range(4) if strobe >> byte & 1)
+        pulses = {(group.name, register.name, "written")} if register.strobe else set()
+        for field in register.fields:
+            key = (group.name, register.name, field.name)
+            given, kept = data >> field.low & field.most, mask >> field.low & field.most
+            if field.kind == "command" and given & kept:
+                pulses.add(key)
+            elif field.kind == "setting":
+                self._written[key] = (self._written[key] & ~kept) | (given & kept)
+                if group.at_frame:
+                    self.pending[group.name] = True
+                else:
+                    self._seen[key] = self._held(key, self._written[key])
+        return False, pulses
+
+    def commit(self, name):
+        """The frame's boundary of one group."""
+        self._seen |= {key: self._held(key, value) for key, value in self._written.items() if key[0] == name}
+        self.pending[name] = False
+
+    def setting(self, group, register, field="value"):
+        """What the core sees, as wide as the map's field."""
+        return self._seen[group, register, field]

@@ -1,0 +1,48 @@
+"""Bit-exact twin of rtl/link/msn_uart_rx.sv: bytes and broken bytes of a line, clock by clock."""
+
+from meissner.twins.link.uart_tx import sixteenths
+
+
+class UartRx:
+    """``next`` takes levels, one a clock, and returns a list of (clock, byte); byte None: no stop bit.
+
+    ``clock`` counts from the reset; a level of clock t is seen in clock t + 2 (the synchroniser).
+    """
+
+    def __init__(self, clk_hz=12_000_000, baud_hz=1_000_000):
+        self.whole, self.fraction = divmod(sixteenths(clk_hz, baud_hz), 16)
+        self.reset()
+
+    def reset(self):
+        self._clock, self._state, self._left, self._part = 0, "broken", 0, 0
+        self._bits, self._line = [], [1, 1]
+
+    def next(self, levels):
+        found = []
+        for level in levels:
+            self._line.append(level)
+            rx, tick, state = self._line.pop(0), self._left == 0, self._state
+            self._left -= not tick
+            if state == "rest" and not rx:
+                self._state, self._left, self._part = "start", (self.whole - 2) // 2, 8
+            elif state == "broken" and rx:
+                self._state = "rest"
+            elif tick and state in ("start", "data"):
+                self._part += self.fraction
+                self._left = self.whole - 1 + self._part // 16
+                self._part %= 16
+                if state == "start":
+                    self._state, self._bits = "rest" if rx else "data", []
+                elif len(self._bits) == 8:
+                    byte = sum(bit << place for place, bit in enumerate(self._bits))
+                    found.append((self._clock, byte if rx else None))
+                    self._state = "rest" if rx else "broken"
+                else:
+                    self._bits.append(rx)
+            self._clock += 1
+        return found
+
+    def process(self, levels):
+        """``reset`` and then ``next``."""
+        self.reset()
+        return self.next(levels)

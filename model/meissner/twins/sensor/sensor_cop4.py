@@ -1,0 +1,19 @@
+"""Twin of rtl/sensor/msn_sensor_cop4.sv: centres of pressure and slip of four electrodes."""
+
+import numpy as np
+
+from meissner.twins.cop.cop4 import cop4
+from meissner.twins.cop.cop_slip import CopSlip
+
+
+def sensor_cop4(samples, registers, terms=None, lag=16, slip=None):
+    """Of samples [frames, 4]: (x, y, load, pressed) of each frame, and (frame, octant) of each slip event.
+
+    ``registers``: Cop4Registers; ``terms``: of the correction; ``slip``: CopSlipRegisters or None.
+    """
+    found = cop4(samples, registers, correction=terms)
+    cop = [tuple(map(int, row)) for row in zip(found.x, found.y, found.load, found.pressed)]
+    if slip is None:
+        return cop, []
+    slips = CopSlip(lag, slip).process(found.x, found.y, found.load, found.pressed)
+    return cop, [(int(n), int(slips.octant[n])) for n in np.flatnonzero(slips.raised)]

@@ -1,0 +1,54 @@
+"""Bit-exact twin of rtl/slip/msn_slip_path.sv: samples to decisions about every channel."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from meissner.twins.slip.haar import haar, masked_groups
+from meissner.twins.slip.peak_to_peak import PeakToPeak
+from meissner.twins.slip.slip import Slip, State
+
+
+@dataclass(frozen=True)
+class Decisions:
+    """Of every detail: ``p2p``, ``state``, ``raised`` [channels, details]; ``end`` as msn_peak_to_peak's.
+
+    ``raised``: the first details of slips; ``blanked``: how many were over while deaf or moving.
+    """
+
+    p2p: np.ndarray
+    state: np.ndarray
+    raised: np.ndarray
+    end: np.ndarray
+    blanked: int
+
+
+def decide(x, config, moving=None, mask=None, change=None, serial=False):
+    """Decisions about whole frames of samples ``x`` [channels, samples]; ``moving``: [details] or None.
+
+    ``mask`` [channels, samples]: samples not to be trusted; their details count in no window, raise no slip.
+    ``change``: (frame, threshold): from that frame on, another threshold. ``serial``: two bits a clock, the
+    same decisions; ValueError for what that path cannot do.
+    """
+    if serial and (len(x) != 1 or config.hop != config.window):
+        raise ValueError("serial must go with one channel and hop = window")
+    if serial and mask is not None:
+        raise ValueError("serial must go without a mask")
+    detail, total = haar(x, config.level, mask)
+    off = None if mask is None else masked_groups(mask, config.level)
+    group = 1 << config.level
+    p2p, end = PeakToPeak(len(x), config.window // group, config.hop // group).process(detail, off)
+    twin = Slip(len(x), config)
+    if change is None:
+        state = twin.process(p2p, total, moving, off)
+    else:
+        first = -(-(change[0] + 1) // group) - 1  # detail that the frame completes, or the next one
+        moving = np.zeros(p2p.shape[1], bool) if moving is None else moving
+        off = np.zeros(p2p.shape, bool) if off is None else off
+        before = twin.process(p2p[:, :first], total[:, :first], moving[:first], off[:, :first])
+        twin.config = replace(config, threshold=change[1])
+        after = twin.next(p2p[:, first:], total[:, first:], moving[first:], off[:, first:])
+        state = np.concatenate([before, after], axis=1)
+    slipping = (state == State.INCIPIENT) | (state == State.GROSS)
+    was = np.concatenate([np.zeros((len(x), 1), dtype=bool), slipping[:, :-1]], axis=1)
+    return Decisions(p2p, state, slipping & ~was, end, twin.blanked)

@@ -1,7 +1,0 @@
-"""The published four-wire resistor mesh: circuit, solvers, constants and the correction of its load."""
-
-from meissner.world.mesh.constants import cop_constants, position_constant
-from meissner.world.mesh.mesh import Mesh
-from meissner.world.mesh.solution import Bound, Solution
-
-__all__ = ["Bound", "Mesh", "Solution", "cop_constants", "position_constant"]

@@ -1,0 +1,149 @@
+"""The latency budget of scanned arrays: its terms add up and follow what they stand for, the number of
+converters it asks for is enough and none fewer is, the command prints them and refuses what cannot be built.
+That the clocks are those at the pins is shown by tb/cop/test_array.py.
+"""
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+from meissner.budget import array as budget
+from meissner.twins.frontend.adc_spi import AD7606, MAX11125, MCP3208
+
+
+def command(*arguments):
+    return subprocess.run(
+        [sys.executable, "-m", "meissner.cli", "budget", *arguments], capture_output=True, text=True
+    )
+
+
+@pytest.mark.parametrize("rows, columns", [(1, 1), (3, 3), (16, 16), (64, 64), (5, 100)])
+@pytest.mark.parametrize("part", [AD7606, MCP3208, MAX11125], ids=lambda part: part.name)
+def test_terms_add_up_and_follow_what_they_stand_for(rows, columns, part):
+    found = budget.budget(rows, columns, 50e6, part, converters=2, channels=8)
+    assert sum(found["terms_clocks"].values()) == found["total_clocks"]
+    places = rows * -(-columns // 16)
+    assert found["frame_clocks"] == places * found["slot_clocks"]
+    assert found["terms_clocks"]["scan"] == (places - 1) * found["slot_clocks"]
+    later = budget.budget(rows, columns, 50e6, part, converters=2, channels=8, settle_s=1e-6 + 1e-3)
+    assert later["slot_clocks"] >= 50_000 and later["total_clocks"] >= found["total_clocks"]
+    bare = budget.budget(rows, columns, 50e6, part, converters=2, channels=8, health=False, tare=False)
+    assert found["total_clocks"] - bare["total_clocks"] == 2
+
+
+def test_the_converters_it_asks_for_are_enough_and_fewer_are_not():
+    for side in (8, 16, 32, 64, 100):
+        found = budget.budget(side, side, 100e6, AD7606)
+        lanes = found["converters_needed"]
+        for other in budget.LANES:
+            within = budget.budget(side, side, 100e6, AD7606, converters=other)["total_s"] < 1e-3
+            assert within == (lanes is not None and other >= lanes), (side, other)
+    assert budget.budget(16, 16, 100e6, AD7606)["converters_needed"] == 1
+    assert budget.budget(64, 64, 100e6, AD7606)["converters_needed"] == 8
+
+
+# An MCP3208 at 1 MHz and 24 MHz: a bit is 24 clocks, a conversion 19 bits and one of rest, 480 clocks. A
+# place of c inputs takes 480·c + 1 clocks; the word of its input w is there after 480·w - 24. 10 rows of 16
+# columns are 10·ceil(16 / (converters·c)) places, and w in the last is c, or 4 where four converters with
+# eight inputs have but four columns each. Behind it: 5 clocks of buffer, 1 of health, 1 of tare, and 14, 15
+# or 16 of force, sums and division behind one, two and four lanes (docs/cop.md).
+@pytest.mark.parametrize(
+    "converters, inputs, clocks",
+    [
+        (1, 8, 19 * 3841 + 3816 + 21),
+        (1, 4, 39 * 1921 + 1896 + 21),
+        (2, 8, 9 * 3841 + 3816 + 22),
+        (2, 4, 19 * 1921 + 1896 + 22),
+        (4, 1, 39 * 481 + 456 + 23),
+        (4, 2, 19 * 961 + 936 + 23),
+        (4, 4, 9 * 1921 + 1896 + 23),
+        (4, 8, 9 * 3841 + 1896 + 23),
+    ],
+)
+def test_clocks_worked_out_by_hand(converters, inputs, clocks):
+    found = budget.budget(10, 16, 24e6, MCP3208, converters=converters, channels=inputs)
+    assert found["total_clocks"] == clocks
+
+
+def test_the_inputs_used_are_searched_too():
+    """Four converters with four inputs each: 9·1921 + 1896 + 23 = 19,208 clocks, 800.3 us. One and two do not
+    do it with any number of inputs: 10·16 conversions of 20 us are 3.2 ms for one and 1.6 ms for two."""
+    found = budget.budget(10, 16, 24e6, MCP3208)
+    chosen = {key: found[key] for key in ("converters", "channels", "converters_needed", "total_clocks")}
+    assert chosen == {"converters": 4, "channels": 4, "converters_needed": 4, "total_clocks": 19_208}
+    assert found["within_1_ms"]
+    two = budget.budget(10, 16, 24e6, MCP3208, converters=2)
+    assert (two["channels"], two["converters_needed"], two["within_1_ms"]) == (8, 4, False)
+    # Eight inputs of which three have no column would be 5 places of 3841 clocks and not of 2401.
+    assert budget.budget(5, 5, 24e6, MCP3208, converters=1)["channels"] == 5
+    done = command("--rows", "10", "--cols", "16", "--adc", "MCP3208", "--clock", "24e6").stdout
+    first, second, *_ = done.splitlines()
+    assert first == "from first convert to CoP 800.333 us, within 1 ms"
+    assert second == "10×16 taxels, 4 MCP3208s with 4 inputs used, 24 MHz, settle 24 clocks"
+
+
+def test_a_carrier_takes_its_samples():
+    short, long = (
+        budget.budget(8, 8, 100e6, MAX11125, 1, carrier={"sample_period": 500, "periods": periods, "skip": 4})
+        for periods in (4, 8)
+    )
+    assert long["terms_clocks"]["burst"] - short["terms_clocks"]["burst"] == 4 * 4 * 500
+    assert short["slip_round_to_decision_clocks"] is None
+
+
+def test_the_command_prints_what_the_function_finds():
+    done = command("--rows", "16", "--cols", "16", "--json")
+    assert json.loads(done.stdout) == budget.budget(16, 16, 100e6, AD7606)
+    text = command("--rows", "64", "--cols", "64", "--adc", "mcp3208").stdout
+    assert "above 1 ms" in text and "no number of these converters" in text
+    assert "1 ms needs 8 of these" in command("--rows", "64", "--cols", "64", "--converters", "2").stdout
+
+
+@pytest.mark.parametrize(
+    "converters, needs, says",
+    [
+        (4, 4, "within 1 ms"),
+        (8, 4, "within 1 ms; 1 ms needs 4 of these converters"),
+        (2, 4, "above 1 ms; 1 ms needs 4 of these converters"),
+        (8, None, "above 1 ms; no number of these converters brings it within 1 ms: scan a smaller region or "
+         "take a faster part"),
+    ],
+)  # fmt: skip
+def test_the_verdict_comes_first(converters, needs, says):
+    found = budget.budget(16, 24, 40e6, AD7606, converters=converters)
+    found |= {"total_clocks": 39_999, "within_1_ms": says.startswith("within"), "converters_needed": needs}
+    lines = budget.tell(found)
+    assert lines[0] == f"from first convert to CoP 999.975 us, {says}"
+    inputs = found["channels"]
+    assert lines[1].startswith(f"16×24 taxels, {converters} AD7606s with {inputs} inputs used, 40 MHz")
+
+
+@pytest.mark.parametrize(
+    "arguments, says",
+    [
+        (["--rows", "0"], "rows = 0"),
+        (["--cols", "1025"], "columns = 1025"),
+        (["--clock", "1"], "clock = 1 "),
+        (["--clock", "nan"], "clock = nan"),
+        (["--settle-us", "nan"], "settle = nan"),
+        (["--settle-us", "-1"], "settle = -1"),
+        (["--settle-us", "2000"], "200000 clocks"),
+        (["--adc", "abacus"], "adc = 'abacus'"),
+        (["--converters", "3"], "converters = 3"),
+        (["--channels", "9"], "channels = 9"),
+        (["--sclk-khz", "0"], "sclk_khz = 0"),
+        (["--bits-per-clock", "3"], "bits-per-clock = 3"),
+        (["--demod", "--adc", "ad7606"], "without BUSY"),
+        (["--demod", "--adc", "max11123", "--sample-period", "1"], "sample_period = 1 "),
+        (["--demod", "--adc", "max11123", "--periods", "0"], "periods = 0"),
+        (["--demod", "--adc", "max11123", "--skip", "-1"], "skip = -1"),
+        (["--out", "x.png"], "--out is the picture"),
+    ],
+    ids=lambda value: value if isinstance(value, str) else " ".join(value),
+)
+def test_refuses_with_one_sentence(arguments, says):
+    done = command(*arguments)
+    assert done.returncode == 2 and done.stdout == ""
+    assert says in done.stderr and len(done.stderr.splitlines()) == 1

@@ -1,0 +1,225 @@
+"""The resolution budget of a four-wire sensor against brute force: solved circuits whose electrodes are
+converted one by one, every corner of the converter's errors, and the core's twin on the codes. Square, narrow
+and tiny meshes, 8 to 24 bits, with and without difference amplifiers; loads so great or so small that nothing
+is resolved; one row, one column, one taxel; what the command prints, draws and refuses."""
+
+import itertools
+import json
+import re
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from meissner.budget import cop4 as budget
+from meissner.budget import cop4_report
+from meissner.physics.adc import Adc
+from meissner.physics.cop4_registers import cop4_registers
+from meissner.physics.mesh import Mesh
+from meissner.twins.cop.cop4 import cop4
+
+MESHES = [Mesh(41, 41, 10.0), Mesh(5, 5, 47.0), Mesh(3, 7, 150.0, R0=4.7e3)]
+
+
+def scenes(mesh, count=3000, seed=1):
+    """One point anywhere, 0.5 to 20 N: the solution of each."""
+    rng = np.random.default_rng(seed)
+    load = np.zeros((count, mesh.m, mesh.n))
+    place = rng.integers(mesh.m, size=count), rng.integers(mesh.n, size=count)
+    load[np.arange(count), *place] = 0.5 * 40.0 ** rng.random(count)
+    return mesh.solve(load, "fast")
+
+
+def converter(mesh, bits):
+    return Adc(bits, -budget.ROOM * mesh.V0, budget.ROOM * mesh.V0)
+
+
+def read(mesh, solution, bits, gain):
+    """The volts that a converter makes of E1..E4, and of both differences, behind amplifiers if any."""
+    adc = converter(mesh, bits)
+    volts = np.stack([solution.E1, solution.E2, solution.E3, solution.E4])
+    e = adc.volts_of(adc.convert(volts)[0])
+    if gain == 1:
+        return *e, e[0] - e[2], e[1] - e[3]
+    differences = volts[0] - volts[2], volts[1] - volts[3]
+    assert max(np.abs(d).max() for d in differences) * gain < adc.high_v
+    return *e, *(adc.volts_of(adc.convert(gain * d)[0]) / gain for d in differences)
+
+
+def formula(mesh, e1, e2, e3, e4, dx, dy):
+    """The published equations on voltages."""
+    v = 2 * mesh.V0
+    x, y = mesh.Cx * dx / (v - e1 - e3), mesh.Cy * dy / (v + e2 + e4)
+    return np.clip(x, -1, 1), np.clip(y, -1, 1), mesh.Kf * (v - e1 - e3) / (e1 + e3 - e2 - e4)
+
+
+@pytest.mark.parametrize("bits, gain", [(12, 1), (16, 1), (20, 1), (10, 4), (12, 9.5), (16, 64)])
+@pytest.mark.parametrize("mesh", MESHES, ids=repr)
+def test_converted_circuits_lie_within_the_budget_and_reach_it(mesh, bits, gain):
+    gain = min(gain, 0.9 * budget.greatest_gain(mesh))
+    s = scenes(mesh)
+    got = formula(mesh, *read(mesh, s, bits, gain))
+    q, n = budget.code_v(mesh, bits), s.current * mesh.R0
+    d = mesh.Kf * n / s.load
+    cases = [
+        (np.abs(got[0] - s.x), budget.position(mesh.Cx, s.x, n, q, gain)),
+        (np.abs(got[1] - s.y), budget.position(mesh.Cy, s.y, n, q, gain)),
+        (np.abs(got[2] / s.load - 1), budget.load(mesh.Kf, n, d, q)),
+    ]
+    for wrong, (step, greatest, rms) in cases:
+        assert (wrong <= greatest * (1 + 1e-9) + 1e-10).all()
+        assert (wrong / greatest).max() > 0.8
+        # Where the errors stay small and nothing is cut off at the edge.
+        free = (greatest < 0.2) & (np.abs(s.x) + greatest < 1) & (np.abs(s.y) + greatest < 1)
+        for C, at in ((mesh.Cx, s.x), (mesh.Cy, s.y)):  # else E1 and E3 have the same code, the same error
+            free &= np.abs(at) * n / C > 2 * q
+        if free.sum() > 500:
+            assert np.sqrt(np.mean((wrong / rms)[free] ** 2)) == pytest.approx(1, abs=0.1)
+        assert (rms < greatest).all() and (step < 2.1 * greatest).all()
+
+
+@pytest.mark.parametrize("bits, gain", [(8, 1), (14, 1), (12, 16), (24, 4)])
+def test_budget_is_the_worst_corner_of_the_worst_place(bits, gain):
+    """All sixteen (or, amplified, sixty-four) corners in the voltages themselves, of the reference solver."""
+    mesh = Mesh(7, 12, 30.0)
+    found = budget.budget(mesh, bits, gain, 3.0)
+    h = budget.code_v(mesh, bits) / 2
+    rows, columns = (0, 2, 3, 4, 6), (0, 3, 6, 8, 11)
+    for row in found["loads"]:
+        worst = np.zeros(3)
+        for place in itertools.product(rows, columns):
+            load = np.zeros((7, 12))
+            load[place] = row["load_n"]
+            s = mesh.solve(load, "lu")
+            corners = np.array(list(itertools.product((-h, h), repeat=6))).T
+            e = np.array([s.E1, s.E2, s.E3, s.E4])[:, None] + corners[:4]
+            if gain == 1:
+                dx, dy = e[0] - e[2], e[1] - e[3]
+            else:
+                dx, dy = s.E1 - s.E3 + corners[4] / gain, s.E2 - s.E4 + corners[5] / gain
+            x, y, newtons = formula(mesh, *e, dx, dy)
+            wrong = np.abs(x - s.x) / 2, np.abs(y - s.y) / 2, np.abs(newtons / s.load - 1)
+            worst = np.maximum(worst, [w.max() for w in wrong])
+        wanted = [row[what]["greatest"] for what in ("x", "y", "load")]
+        assert wanted == pytest.approx(worst, rel=1e-5)
+        assert found["places"] == 25
+
+
+@pytest.mark.parametrize("bits, gain", [(12, 1), (16, 1), (20, 1), (12, 16), (16, 16)])
+@pytest.mark.parametrize("mesh", MESHES[:2], ids=repr)
+def test_the_core_adds_only_its_rounding(mesh, bits, gain):
+    """msn_cop4's twin on the codes. Amplified differences join them as g (c1 + c3) +- d, steps of q/2g."""
+    s = scenes(mesh, 500, seed=2)
+    adc = converter(mesh, bits)
+    c = np.stack([adc.convert(e)[0] for e in (s.E1, s.E2, s.E3, s.E4)], axis=1)
+    wide = adc
+    if gain > 1:
+        dx, dy = (adc.convert(gain * (a - b))[0] for a, b in ((s.E1, s.E3), (s.E2, s.E4)))
+        upper, lower = gain * (c[:, 0] + c[:, 2]), gain * (c[:, 1] + c[:, 3])
+        c = np.stack([upper + dx, lower + dy, upper - dx, lower - dy], axis=1)
+        wide = converter(mesh, bits + 1 + gain.bit_length() - 1)
+    got = cop4(c, cop4_registers(mesh, wide, load_lsb=1e-3, sample_bits=24), 24)
+    assert got.pressed.all()
+    q, n = budget.code_v(mesh, bits), s.current * mesh.R0
+    codes = n / wide.lsb_v
+    for C, ours, at in ((mesh.Cx, got.x, s.x), (mesh.Cy, got.y, s.y)):
+        core = (0.5 + np.abs(ours / 16384) * (1 / 8 + 8192 / (codes - 2 * gain))) / 16384
+        assert (np.abs(ours / 16384 - at) <= budget.position(C, at, n, q, gain)[1] + core + 1e-9).all()
+    greatest = budget.load(mesh.Kf, n, mesh.Kf * n / s.load, q)[1]
+    assert (np.abs(got.load * 1e-3 / s.load - 1) <= greatest + 0.5e-3 / s.load + 1 / codes + 1e-5).all()
+
+
+def test_bits_and_gain_buy_resolution():
+    found = budget.budget(Mesh(41, 41, 10.0))
+    rows = {(row["bits"], row["gain"]): row for row in found["sweep"]}
+    # One code of E1 - E3 moves x by Cx / N.
+    assert rows[16, 1]["x"]["step"] == pytest.approx(2051.05 * found["code_v"] / 27.57 / 2, rel=1e-2)
+    for (bits, gain), row in rows.items():
+        assert row["x"] == pytest.approx(row["y"], rel=1e-9)  # a square mesh
+        if bits > 12 and (bits, 4 * gain) in rows and gain < 64:
+            assert rows[bits, 4 * gain]["x"]["greatest"] < 0.5 * row["x"]["greatest"]
+        if bits > 12 and (bits + 2, gain) in rows:
+            assert rows[bits + 2, gain]["x"]["greatest"] == pytest.approx(row["x"]["greatest"] / 4, rel=0.02)
+            assert rows[bits + 2, gain]["load"]["greatest"] < 0.3 * row["load"]["greatest"]
+    for need in found["needed"]:
+        assert 8 <= need["bits"] <= 24
+        below = budget.budget(Mesh(41, 41, 10.0), need["bits"], need["gain"])["loads"]
+        assert next(row for row in below if row["load_n"] == 5)["x"]["greatest"] < found["half_pitch"]
+    assert [need["bits"] for need in found["needed"]] == sorted(
+        (n["bits"] for n in found["needed"]), reverse=True
+    )
+
+
+@pytest.mark.parametrize("m, n", [(1, 1), (1, 9), (9, 1), (2, 2), (1024, 1024)])
+def test_every_size_has_an_answer(m, n):
+    found = budget.budget(Mesh(m, n, 10.0))
+    text = json.dumps(found, allow_nan=False)
+    assert found["places"] == min(m, 5) * min(n, 5) and "loads" in text
+    for row in found["loads"]:
+        assert (row["x"]["greatest"] == 0) == (n == 1) and (row["y"]["greatest"] == 0) == (m == 1)
+    assert (found["half_pitch"] is None) == (m == n == 1) == (not found["needed"])
+    assert all(isinstance(line, str) for line in cop4_report.tell(found))
+
+
+def test_a_load_that_drowns_is_not_resolved():
+    found = budget.budget(Mesh(5, 5, 1e-3), 8, 1, 1e5)  # 0.04 ohms: D is far below a code
+    assert found["loads"][-1]["load"]["greatest"] is None
+    assert "none" in "\n".join(cop4_report.tell(found))
+    faint = budget.budget(Mesh(5, 5, 10.0), 8, 1, 1e-3)  # so little current that N is below a code
+    assert faint["loads"][0]["x"]["greatest"] == pytest.approx(1.0)
+    # Errors as large as what they are divided by: anything may come out.
+    assert budget.position(2.0, np.array([0.5]), np.array([0.9]), 1.0, 1)[1] == [1.5]
+    assert budget.position(2.0, np.array([0.5]), np.array([0.9]), 1.0, 4)[1] == [1.5]
+    assert budget.load(1.0, np.array([10.0]), np.array([1.5]), 1.0)[1] == [np.inf]
+    with pytest.raises(ValueError, match="cannot be measured"):
+        budget.solve(Mesh(5, 5, 10.0), 1e-320)
+
+
+def meissner(*arguments, cwd):
+    command = [sys.executable, "-m", "meissner.cli", "budget", *map(str, arguments)]
+    return subprocess.run(command, cwd=cwd, capture_output=True, text=True)
+
+
+def test_the_command_prints_and_draws(tmp_path):
+    done = meissner(
+        "--cop4", "--rows", 5, "--cols", 7, "--r", 47, "--json", "--out", "new/folder", cwd=tmp_path
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    assert json.loads(done.stdout) == budget.budget(Mesh(5, 7, 47.0))
+    assert (tmp_path / "new/folder/budget_cop4.png").stat().st_size > 30_000
+    done = meissner("--cop4", "--out", "one.png", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "17 bits at gain 1, 14 bits at gain 4" in done.stdout and "picture: one.png" in done.stdout
+    assert re.match(r"a position at 5 N below half a taxel's pitch .* needs: 17 bits at gain 1", done.stdout)
+    assert (tmp_path / "one.png").read_bytes().startswith(b"\x89PNG")
+
+
+BAD = {
+    "--out is the picture of --cop4": (),
+    "rows = 0 must lie in 1 .. 1024": ("--cop4", "--rows", 0),
+    "columns = 1025 must lie in": ("--cop4", "--columns", 1025),
+    "invalid int value: '2.5'": ("--cop4", "--columns", 2.5),
+    "r = 0.0 must be a positive, finite": ("--cop4", "--r", 0),
+    "R0 = -1.0 must be": ("--cop4", "--R0", -1),
+    "V0 = inf must be": ("--cop4", "--V0", "inf"),
+    "k = nan must be": ("--cop4", "--k", "nan"),
+    "adc-bits = 7 must lie in 8 .. 24": ("--cop4", "--adc-bits", 7),
+    "adc-bits = 25": ("--cop4", "--adc-bits", 25),
+    "gain = 0.5 must be 1": ("--cop4", "--gain", 0.5),
+    "gain = nan must be 1": ("--cop4", "--gain", "nan"),
+    "gain = 2000 is beyond 1077": ("--cop4", "--gain", 2000),
+    "load = 0 must be a number of newtons": ("--cop4", "--load", 0),
+    "load = nan must be": ("--cop4", "--load", "nan"),
+    "in.txt is a file; name a folder or a .png": ("--cop4", "--out", "in.txt"),
+    "there is no folder no": ("--cop4", "--out", "no/one.png"),
+}
+
+
+@pytest.mark.parametrize("sentence", BAD)
+def test_bad_input_is_one_sentence_and_writes_nothing(tmp_path, sentence):
+    (tmp_path / "in.txt").write_text("1\n")
+    done = meissner("--out", "results", *BAD[sentence], cwd=tmp_path)
+    assert done.returncode == 2 and done.stdout == ""
+    assert sentence in done.stderr and len(done.stderr.strip().splitlines()) == 1
+    assert [path.name for path in tmp_path.iterdir()] == ["in.txt"]

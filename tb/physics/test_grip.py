@@ -1,0 +1,180 @@
+"""The object held on the four-wire sensor: the published fall, rise and move of a slip from the published
+rubber; forces that balance; what a grip alone does and does not; the scene against its own truth; its
+mistakes."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from meissner import scenes
+from meissner.physics import grip, plate, rubber
+from meissner.physics.mesh_loads import true_centre
+from meissner.scenes.grip import scene as grip_scene
+from meissner.scenes.grip.scene import Grip, Pull
+from physics.test_cop_scenes import change
+
+TIME_S = np.arange(1000) / 1000
+LEVELS = [(0.0, 0.1, 2.0)]
+
+
+def pulled(speed=100.0, newtons=2.0, wire=0.2, seed=1, material="acrylic"):
+    rest = grip.ramps(TIME_S, [(0.0, 0.1, newtons)])
+    return grip.pulled(TIME_S, rest, 0.3, speed, material, wire, np.random.default_rng(seed))
+
+
+def before(held):
+    """The samples from the onset to the last one before the object moves."""
+    return slice(300, int(np.ceil(held.gross_s * 1000)))
+
+
+def test_ramps_pass_through_their_levels():
+    force = grip.ramps(TIME_S, [(0.1, 0.2, 3.0), (0.5, 0.1, 1.0), (0.8, 0.1, 0.0)])
+    assert force[:101].max() == 0 and force[200] == pytest.approx(1.5)
+    assert (force[300:501] == 3).all() and force[550] == pytest.approx(2.0) and (force[600:801] == 1).all()
+    assert np.abs(force[900:]).max() < 1e-12 and np.abs(np.diff(force)).max() < 0.04
+
+
+def test_the_published_slip():
+    """2 N at 100 mm/s: two sensors' load outputs fall by 1.0 and 1.3 N, the grip rises by 0.2 N."""
+    held = pulled()
+    part = before(held)
+    fall = 1 - held.felt_n[part].min() / held.felt_n[290]
+    assert 0.5 <= fall <= 0.65
+    assert np.ptp(held.grip_n[part]) == pytest.approx(0.2, rel=0.05)
+    assert (np.diff(held.grip_n[part]) > 0).all()
+    volts = held.move_mm[part][-1] / 10 * grip.FULL_SCALE_V  # 20 mm wide
+    assert volts == pytest.approx(0.05, rel=0.1)
+
+
+def test_the_fall_is_the_published_divider_s():
+    """G left at 2 N: the divider's volts before and with k·v^n of the shear on top, by hand."""
+    speed = 1.7
+    rest = rubber.rest_volts(np.array([2.0]))[0]
+    sheared = rest + (1.55 - 0.27 * rest) * speed**0.11
+    wanted = (5 / sheared - 1) / (5 / rest - 1)
+    assert grip.share(np.array([2.0]), np.array([speed**0.11])) == pytest.approx(wanted)
+    assert grip.share(np.array([0.0, 1.0]), np.array([1.0, 0.0])).tolist() == [1.0, pytest.approx(1.0)]
+
+
+def test_nothing_happens_before_the_onset():
+    held = pulled()
+    assert held.felt_n[:301] == pytest.approx(held.grip_n[:301])
+    assert held.felt_n[301] < 0.9 * held.grip_n[301]
+    assert not held.move_mm[:301].any() and not held.tension_n[:301].any() and held.onset_s == 0.3
+    assert not held.slip_mm[held.gross_s > TIME_S].any() and held.slip_mm[-1] > 10
+
+
+def test_the_pull_ends_at_friction():
+    for newtons, material in ((1.0, "paper"), (3.0, "acrylic")):
+        held = pulled(newtons=newtons, material=material)
+        limit = plate.MATERIALS[material].mu_s * newtons
+        assert held.tension_n.max() == pytest.approx(limit, rel=0.15)
+        assert held.gross_s - 0.3 == pytest.approx(limit / 20, rel=0.15)
+        assert held.move_mm.max() == pytest.approx(
+            grip.LEVER_MM * plate.MATERIALS[material].mu_s / 1.1, rel=0.15
+        )
+
+
+def test_a_stiffer_wire_slips_sooner():
+    assert pulled(wire=0.4).gross_s - 0.3 == pytest.approx((pulled().gross_s - 0.3) / 2)
+
+
+@pytest.mark.parametrize("direction", [0, 90, 135, 250])
+def test_the_centre_moves_the_way_of_the_pull(direction):
+    held = pulled()
+    pressing, felt = grip.loads(held, 7, 9, 2.5, 1.0, direction, np.random.default_rng(3))
+    total, x, y = true_centre(pressing)
+    assert total == pytest.approx(held.grip_n) and felt.sum((1, 2)) == pytest.approx(held.felt_n)
+    end = before(held).stop - 1
+    tilt = grip.TILT * (held.grip_n[end] - held.grip_n[290])
+    dx, dy = (x[end] - x[290]) * 2.5 * 4, (y[end] - y[290]) * 2.5 * 3  # mm
+    along = np.deg2rad(direction)
+    wanted = held.move_mm[end] * np.array([np.cos(along), np.sin(along)])
+    # What reaches beyond the edge of the sensor rests on its last taxels: a little less than all of it.
+    assert np.hypot(dx - wanted[0], dy - wanted[1]) < 0.2 * held.move_mm[end] + 10 * tilt
+
+
+def test_a_grip_alone_shears_nothing_and_hardly_moves():
+    held = grip.gripped(grip.ramps(TIME_S, [*LEVELS, (0.4, 0.05, 4.0), (0.6, 0.02, 1.0)]))
+    pressing, felt = grip.loads(held, 7, 7, 3.3, 1.0, 0.0, np.random.default_rng(1))
+    assert np.array_equal(pressing, felt) and held.onset_s is held.gross_s is None
+    _, x, y = true_centre(pressing[110:])
+    assert 0 < np.hypot(np.ptp(x), np.ptp(y)) < 2 * 3 * grip.TILT
+
+
+def test_the_scene_is_seeded_and_names_what_it_models():
+    scene = scenes.load("cop_slip")
+    first, again, other = (scenes.simulate(scene, scene.conditions[0], seed) for seed in (1, 1, 2))
+    assert np.array_equal(first.codes, again.codes) and not np.array_equal(first.codes[:99], other.codes[:99])
+    assert first.held.gross_s != other.held.gross_s
+    assert set(first.modelled) == set(grip_scene.COMPONENTS) and first.left_out == ()
+    kinds = {type(condition) for condition in scene.conditions}
+    assert kinds == {Pull, Grip}
+    grips = scenes.simulate(scene, scene.conditions[-1], 1)
+    assert "pull" in grips.left_out and "rubber shear" in grips.left_out
+
+
+def test_every_condition_slips_within_its_run():
+    scene = scenes.load("cop_slip")
+    for condition in scene.conditions:
+        for seed in range(1, 4):
+            recording = scenes.simulate(scene, condition, seed)
+            time_s, held = recording.time_s, recording.held
+            assert len(time_s) == len(recording.codes) == round(scene.duration_s(condition) * 1000)
+            assert np.abs(recording.codes).max() < scene.config.adc.max_code
+            if isinstance(condition, Pull):
+                assert held.gross_s + 0.1 < time_s[-1] and held.slip_mm[-1] > 0
+            else:
+                assert held.grip_n[-1] == pytest.approx(condition.to_n[-1])
+
+
+def test_settings_become_registers():
+    scene = scenes.load("cop_slip")
+    assert dataclasses.asdict(scene.registers) == {
+        **{"drop": 77, "move": 49, "min_load": 300, "hold": 50, "refractory": 100}
+    }
+    assert scene.lag == 128
+
+
+PULL, GRIP = ("world", "pulls", 0), ("world", "grips", 0)
+
+
+@pytest.mark.parametrize(
+    "path, value, says",
+    [
+        (("rate_hz",), 0, "rate_hz = 0 must be above 0"),
+        (("seeds",), 0, "seeds = 0 must be above 0"),
+        (("features",), ["slip"], "features = 'slip' must be one of: cop4, cop_slip"),
+        (("mesh", "rows"), 0, r"\[mesh\]: rows = 0 must lie in 1 .. 1024"),
+        (("mesh", "r_ohm"), -1.0, "r_ohm = -1 must be above 0"),
+        (("mesh", "R0_ohm"), 0, "R0_ohm = 0 must be above 0"),
+        (("converter", "gain"), 1.0, "leaves no room"),
+        (("load", "min_n"), float("nan"), "min_n = nan must be a number"),
+        (("slip", "lag_s"), 0.0, r"\[slip\]: lag = 0 samples must lie in 1 .. 4096"),
+        (("slip", "lag_s"), 5.0, "lag = 5000 samples must lie in"),
+        (("slip", "drop"), 1.0, "drop = 256 must lie in 0 .. 255"),
+        (("slip", "drop"), -0.1, "drop = -0.1 must lie in 0 .. 1"),
+        (("slip", "drop"), float("nan"), "drop = nan must be a number"),
+        (("slip", "move"), 3.0, "move = 3 must lie in 0 .. 2"),
+        (("slip", "min_load_n"), 66.0, "min_load = 66000 must lie in"),
+        (("slip", "hold_s"), -1.0, "hold_s = -1 must lie in"),
+        (("slip", "refractory"), 1.0, "unknown key 'refractory'"),
+        (("world", "wire_n_mm"), 0.0, "wire_n_mm = 0 must be above 0"),
+        (("world", "cover_pitches"), -1.0, "cover_pitches = -1 must be above 0"),
+        (("world", "pulls"), [], r"at least one \[\[world.pulls\]\]"),
+        (("world", "grips"), 5, "grips = 5 must be a list"),
+        ((*PULL, "grip_n"), -2.0, "grip_n = -2 must be above 0"),
+        ((*PULL, "grip_n"), float("nan"), "grip_n = nan must be a number"),
+        ((*PULL, "speed_mm_s"), 0.0, "speed_mm_s = 0 must be above 0"),
+        ((*PULL, "direction_deg"), 400.0, "direction_deg = 400 must lie in -360 .. 360"),
+        ((*PULL, "material"), "ice", "material = 'ice' must be one of: acrylic"),
+        ((*GRIP, "to_n"), [-1.0], "to_n = -1 must lie in 0"),
+        ((*GRIP, "to_n"), [], "must be a list of one or more numbers"),
+        ((*GRIP, "ramp_s"), 0.0, "ramp_s = 0 must be above 0"),
+    ],
+)
+def test_a_mistyped_scene_gets_one_sentence(path, value, says):
+    with pytest.raises(ValueError, match=says) as caught:
+        scenes.build("mine", change("cop_slip", path, value))
+    assert "\n" not in str(caught.value) and str(caught.value).startswith("scene mine")

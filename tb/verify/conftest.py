@@ -1,0 +1,35 @@
+"""A copy of what digests are taken of, to be changed by a test."""
+
+import shutil
+
+import pytest
+
+from meissner.builds import toolchain
+from verify import revision
+
+FOLDERS = ("rtl", "tb", "model", "tools", "requirements", "constraints")
+
+
+def forget():
+    for known in (revision.digest, toolchain.sources_of):
+        known.cache_clear()
+
+
+@pytest.fixture
+def change(tmp_path, monkeypatch):
+    """A function: in a file of a copy of the sources ``text`` becomes ``other``; digests are of the copy."""
+    for folder in FOLDERS:
+        without = shutil.ignore_patterns("__pycache__")
+        shutil.copytree(toolchain.ROOT / folder, tmp_path / folder, ignore=without)
+    monkeypatch.setattr(toolchain, "ROOT", tmp_path)
+    forget()
+
+    def changed(file, text, other):
+        path = tmp_path / file
+        before = path.read_text("utf-8")
+        assert text in before
+        path.write_text(before.replace(text, other), "utf-8")
+        forget()
+
+    yield changed
+    forget()

@@ -1,0 +1,154 @@
+"""The proofs of tools/equivalence.py on small blocks: they hold, but not of a wrong netlist or a wrong reset.
+
+Bugs are planted in the bits: an inverter before a register or at an operand, an output stuck, a reset that
+nobody hears.
+"""
+
+import json
+import os
+import subprocess
+import sys
+from dataclasses import replace
+from functools import cache
+
+import pytest
+
+import equivalence
+from meissner.builds import toolchain
+from verify import circuit, netlist_proof, record, reset_proof, two_copies
+
+TOOL = [sys.executable, "tools/equivalence.py"]
+
+
+def folder(block):
+    """Of this process: others may put another fault into the same block."""
+    return f"build/equivalence/test_{block}_{os.getpid()}"
+
+
+@cache
+def bits(block):
+    return circuit.synthesise(block, {}, folder(block))
+
+
+@pytest.mark.parametrize("block", ["skid", "frame_gate", "round_sat"])
+def test_netlist_is_proven_and_so_is_the_reset(block):
+    made = bits(block)
+    for family in circuit.FAMILIES:
+        assert netlist_proof.prove(made["source"], made[family], folder(block), family) == []
+    assert reset_proof.prove(made["source"]) == []
+
+
+def inverted_register(netlist):
+    register, after = next(iter(netlist.registers.items()))
+    return replace(
+        netlist, registers=netlist.registers | {register: "bug"}, gates=netlist.gates | {"bug": (after,)}
+    )
+
+
+def inverted_operand(netlist):
+    gate = netlist.outputs["out_data_o", 5]
+    while len(netlist.gates[gate]) == 1:  # an inverter
+        [gate] = netlist.gates[gate]
+    first, second = netlist.gates[gate]
+    return replace(netlist, gates=netlist.gates | {"bug": (second,), gate: (first, "bug")})
+
+
+def stuck_output(netlist):
+    return replace(netlist, outputs=netlist.outputs | {("out_data_o", 3): "0"})
+
+
+@pytest.mark.parametrize("plant", [inverted_register, inverted_operand, stuck_output])
+def test_bug_in_the_netlist_is_found(plant):
+    made = bits("skid")
+    assert netlist_proof.prove(made["source"], plant(made["ecp5"]), folder("skid"), "bug")
+
+
+MISWIRED = {  # in msn_cop: what is there, what is put in its place
+    "input": (".in_last_i,", ".in_last_i(in_valid_i),"),
+    "inputs changed over": (".in_mx_i(mx)", ".in_mx_i(my)"),
+    "reset": (".rst_i,", ".rst_i(1'b0),"),
+}
+
+
+def around(monkeypatch, families, old="", new=""):
+    """msn_cop's bits around the blocks in it, ``old`` made ``new`` in its file."""
+    copy = toolchain.ROOT / folder("cop") / "msn_cop.sv"
+    copy.parent.mkdir(parents=True, exist_ok=True)
+    text = (toolchain.ROOT / "rtl/cop/msn_cop.sv").read_text()
+    assert old in text
+    copy.write_text(text.replace(old, new, 1))
+    with monkeypatch.context() as patch:
+        listed = [copy if path.name == copy.name else path for path in toolchain.sources_of("msn_cop")]
+        patch.setattr(toolchain, "sources_of", lambda top: listed)
+        return circuit.synthesise("cop", {}, folder("cop"), families, cut=True)
+
+
+def test_a_block_is_proven_around_the_blocks_in_it(monkeypatch):
+    made = around(monkeypatch, circuit.FAMILIES)
+    assert circuit.boxes(made["source"]) == ["cop_accumulate", "cop_divide"]
+    for family in circuit.FAMILIES:
+        assert netlist_proof.prove(made["source"], made[family], folder("cop"), family) == []
+
+
+@pytest.mark.parametrize("plant", MISWIRED)
+def test_wrong_wire_between_blocks_is_found(plant, monkeypatch):
+    source = around(monkeypatch, ())["source"]
+    netlist = around(monkeypatch, ["ecp5"], *MISWIRED[plant])["ecp5"]
+    assert netlist_proof.prove(source, netlist, folder("cop"), "bug")
+
+
+def test_what_is_a_box_is_proven_by_itself():
+    """A block that is proven around others is only as good as their own proofs."""
+    entries = json.loads((record.FOLDER / "equivalence.json").read_text())["blocks"]
+    families = [(block, family) for block in entries for family in circuit.FAMILIES]
+    boxes = {(box, f) for block, f in families for box in entries[block].get(f, {}).get("around", ())}
+    assert not [(box, f) for box, f in boxes if not entries.get(box, {}).get(f, {}).get("proven")]
+
+
+def test_reset_that_is_not_heard_is_found():
+    source = bits("skid")["source"]
+    reset = source.inputs["rst_i", 0]
+
+    def deaf(operands):
+        return tuple("0" if bit == reset else bit for bit in operands)
+
+    gates = {bit: deaf(operands) for bit, operands in source.gates.items()}
+    assert "in_ready_o" in reset_proof.prove(replace(source, gates=gates))
+
+
+def test_payload_counts_only_while_it_is_valid():
+    source = bits("skid")["source"]
+    task = reset_proof.Task(qualifiers={"out_data_o": "in_ready_o !in_ready_o"})  # always
+    assert reset_proof.prove(source, task) == []  # no word is kept aside after reset: it comes from the input
+    source = bits("round_sat")["source"]
+    task = reset_proof.Task(qualifiers={"out_data_o": "out_valid_o !out_valid_o"})
+    assert reset_proof.prove(source, task) == ["out_data_o"]
+
+
+def test_resets_hold_with_what_is_taken_for_granted():
+    blocks = ["delay", "multiply", "adc_store", "uart_rx"]
+    done = subprocess.run([*TOOL, "-k", "reset", *blocks], cwd=toolchain.ROOT, capture_output=True, text=True)
+    assert (done.returncode, done.stdout.splitlines()[-1]) == (0, "4 of 4 proven"), done.stdout
+
+
+def test_a_reset_fails_without_what_is_taken_for_granted():
+    """A frame that begins in the clock of a word shows a code of before the reset."""
+    [chosen] = equivalence.parameters(["adc_store"], equivalence.SETS).values()
+    source = circuit.synthesise("adc_store", chosen, folder("adc_store"), ())["source"]
+    assert "out_data_o" in reset_proof.prove(source)
+
+
+def test_a_state_while_a_bit_is_0_is_a_condition():
+    """Whether msn_adc_spi drops a frame is known while it reads, but in the first clock of that."""
+    [chosen] = equivalence.parameters(["adc_spi"], equivalence.SETS).values()
+    source = circuit.synthesise("adc_spi", chosen, folder("adc_spi"), ())["source"]
+    task = equivalence.TASKS["adc_spi"]
+    assert reset_proof.prove(source, task) == []
+    assert "dropped_o" in reset_proof.prove(source, replace(task, joined=()))
+    with pytest.raises(ValueError, match="nothing of the state is called nosuch"):
+        two_copies.conditions(source, [("nosuch", "!convert_o")])
+
+
+def test_refuses_an_unknown_block():
+    done = subprocess.run([*TOOL, "nosuch"], cwd=toolchain.ROOT, capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (2, "equivalence: rtl/rtl.f has no block nosuch\n")

@@ -1,0 +1,107 @@
+"""`make faults` in a short form: a few hundred faults in small blocks, none wrong in silence; and it finds
+what it is for: a state machine that never finds back, a frame whose damage nobody tells."""
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+
+from meissner.builds import toolchain
+from verify import benches, faults
+
+
+@pytest.mark.parametrize("block", ["frame_check", "skid"])
+def test_none_is_silent(block):
+    results = faults.inject(block, 40, 3)
+    kinds = {result.kind for result in results}
+    assert {"bit", "reset"} <= kinds and len(results) > 40
+    assert [result for result in results if result.outcome == "silent"] == []
+    assert any(result.outcome == "recovered" for result in results)  # they did something
+
+
+def planted(monkeypatch, tmp_path, block, good, bad):
+    """The block with ``bad`` in place of ``good``."""
+    paths = list(toolchain.sources_of(f"msn_{block}"))
+    at = next(n for n, path in enumerate(paths) if path.stem == f"msn_{block}")
+    text = paths[at].read_text()
+    assert good in text
+    paths[at] = Path(tmp_path) / paths[at].name
+    paths[at].write_text(text.replace(good, bad))
+    monkeypatch.setattr(faults, "program", _with(faults.program, paths))
+
+
+def _with(program, paths):
+    def made(block):
+        before, toolchain.sources_of = toolchain.sources_of, lambda _: paths
+        try:
+            return program(block)
+        finally:
+            toolchain.sources_of = before
+
+    return made
+
+
+def test_finds_damage_that_nobody_tells(monkeypatch, tmp_path):
+    told = "if (in_last_i) restart <= !keep;\n    end\n"
+    told += "    damage    <= in_valid_i && in_ready_o && in_last_i && !keep;"
+    planted(monkeypatch, tmp_path, "frame_check", told, "restart <= 1'b0;\n    end\n    damage <= 1'b0;")
+    assert any(result.outcome == "silent" for result in faults.inject("frame_check", 200, 3))
+
+
+def test_finds_bytes_that_stay_wrong(monkeypatch, tmp_path):
+    byte = "code ? 8'(count) : (state == Body) ? in_data_i : '0;"
+    key = "out_data_o = key ^ (" + byte.replace(";", ");")
+    key += " logic [7:0] key; always_ff @(posedge clk_i) if (rst_i) key <= '0;"
+    planted(monkeypatch, tmp_path, "cobs", "out_data_o  = " + byte, key)
+    silent = [result.where for result in faults.inject("cobs", 120, 3) if result.outcome == "silent"]
+    assert silent and all(where.startswith("key") for where in silent)
+
+
+@pytest.mark.long
+def test_finds_an_access_that_never_ends(monkeypatch, tmp_path):
+    kept = "asked <= {2{!taken}} & (asked | {asked[0], bus_valid_o});"
+    planted(monkeypatch, tmp_path, "axil", "asked <= {asked[0], bus_valid_o};", kept)
+    results = faults.inject("axil", 60, 3)
+    assert any("asked" in result.where for result in results if result.outcome == "silent")
+
+
+@pytest.mark.long
+def test_finds_a_block_that_waits_for_ever(monkeypatch, tmp_path):
+    planted(monkeypatch, tmp_path, "tare", "ending && drain > 3'd1;", "ending && !done;")
+    results = faults.inject("tare", 400, 5)
+    assert any("ending" in result.where for result in results if result.outcome == "silent")
+
+
+@pytest.mark.long
+def test_finds_a_state_that_never_ends(monkeypatch, tmp_path):
+    planted(monkeypatch, tmp_path, "hypot", "{phase[1:0], ~|phase[1:0]}", "{phase[1:0], phase[2]}")
+    assert any(result.outcome == "silent" for result in faults.inject("hypot", 300, 1))
+
+
+def test_a_run_in_which_nothing_comes_out_is_refused(monkeypatch):
+    monkeypatch.setitem(faults.OPTIONS, "skid", ["rows=2"])
+    with pytest.raises(RuntimeError, match="too few frames to compare"):
+        faults.inject("skid", 20, 3)
+
+
+def test_what_is_kept_may_be_of_one_instance_alone():
+    assert faults.inside("u_tare", "fresh,zero_") == "u_tare.&fresh,u_tare.&zero_"
+
+
+def test_every_block_takes_part():
+    assert set(faults.blocks()) | set(faults.LEFT_OUT) == set(benches.blocks())
+    for block, (around, _) in faults.INSIDE.items():
+        assert block in faults.blocks() and around in faults.blocks()
+
+
+def test_wrapper_has_the_ports_and_parameters_of_its_block():
+    source = next(path for path in toolchain.sources() if path.stem == "msn_fifo").read_text()
+    text = faults.wrapper("fifo", source)
+    assert "msn_fifo #(.Depth(Depth), .Width(Width)) u_block (.*);" in text
+    assert re.search(r"module faults_top #\(\s*parameter int unsigned Depth = 16", text)
+
+
+def test_the_page_has_what_is_recorded():
+    blocks = json.loads((toolchain.ROOT / "docs/trust/faults.json").read_text())["blocks"]
+    assert (toolchain.ROOT / "docs/faults.md").read_text().endswith(f"recorded\n\n{faults.table(blocks)}")

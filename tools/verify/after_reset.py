@@ -1,0 +1,114 @@
+"""The second look at mutants that equivalence.py leaves open: from any state that both copies share, a reset.
+
+More than a block can get to, so only a proof counts. Registers that the reset sets begin with just that, so
+that what they have in common holds from the first clock on and induction sees it.
+"""
+
+from collections import defaultdict
+
+from meissner.builds.yowasp import ROOT, yosys
+from verify import circuit as netlist
+from verify.aig import FALSE, TRUE, Aig, write
+from verify.clauses import Clauses
+from verify.mutate import INNER
+from verify.two_copies import masked_by
+
+RESET = "rst_i"
+
+
+def bits(folder):
+    """The netlist of all mutants in ``folder`` as a circuit."""
+    yosys(
+        f"read_rtlil {folder}/mutated.il; hierarchy -top {INNER}; flatten; opt_clean; async2sync; "
+        f"techmap -map {netlist.HERE}/defined_map.v; memory -nordff; {netlist.BITS}; "
+        f"write_json {folder}/bits.json",
+        f"{folder}/bits.log",
+    )
+    return netlist.load(ROOT / folder / "bits.json", INNER)
+
+
+def select(circuit, number):
+    """{bit: literal} that chooses mutant ``number``."""
+    wanted = {bit: index for (name, index), bit in circuit.inputs.items() if name == "mutsel"}
+    return {bit: TRUE if number >> index & 1 else FALSE for bit, index in wanted.items()}
+
+
+def miter(circuit, number, frames=None, wrong=None):
+    """(graph, latches, the literal that is 1 where the copies differ) of mutant ``number``.
+
+    ``frames``: a lemmas.Frames; ``wrong(graph, inputs, block, mutant)``: in place of outputs that differ.
+    """
+    graph = Aig()
+    chosen = {"a": 0, "b": number}
+
+    def inputs(reset):
+        found = {bit: graph.input() for (name, _), bit in circuit.inputs.items() if name != "mutsel"}
+        return found | ({circuit.inputs[RESET, 0]: TRUE} if reset else {})
+
+    def copy(side, given):
+        return circuit.build(graph, given | select(circuit, chosen[side]))
+
+    shared = {bit: graph.input() for bit in circuit.registers}
+    resets = (RESET, 0) in circuit.inputs
+    given = shared | inputs(resets)
+    begun = graph.input()
+    now, latches = inputs(False), [(begun, TRUE)]
+    states, held = {}, {}
+    for side in "ab":
+        reset = copy(side, given) if resets else None
+        states[side], held[side] = {}, {}
+        for bit, after in circuit.registers.items():
+            first, latch = reset[after] if resets else shared[bit], graph.input()
+            held[side][bit] = latch, int(first == TRUE)  # a latch begins with 0
+            constant = first in (FALSE, TRUE)
+            states[side][bit] = latch ^ (first == TRUE) if constant else graph.choose(begun, latch, first)
+    if frames:
+        ready = copy("a", now | states["a"])[frames.ready]
+        now, more = frames.inputs(graph, now, ready)
+        latches += more
+    known = {side: copy(side, now | states[side]) for side in "ab"}
+    if frames:
+        if known["a"][frames.ready] != ready:
+            raise ValueError("in_ready_o hangs on what makes frames")
+        taken_over = frames.taken_over(graph, now, known["a"], known["b"])
+        known["b"] = copy("b", now | states["b"] | taken_over)
+    for side in "ab":
+        for bit, (latch, one) in held[side].items():
+            latches.append((latch, known[side][circuit.registers[bit]] ^ one))
+    if wrong:
+        return graph, latches, wrong(graph, now, known["a"], known["b"])
+    return graph, latches, outputs_apart(circuit, graph, known["a"], known["b"])
+
+
+def idle(circuit, number):
+    """Whether mutant ``number`` changes no register and no output that counts, whatever it holds and gets."""
+    graph = Aig()
+    given = {bit: graph.input() for (name, _), bit in circuit.inputs.items() if name != "mutsel"}
+    given |= {bit: graph.input() for bit in circuit.registers}
+    block, mutant = (circuit.build(graph, given | select(circuit, chosen)) for chosen in (0, number))
+    bad = [graph.differ(block[after], mutant[after]) for after in circuit.registers.values()]
+    bad = graph.any([*bad, outputs_apart(circuit, graph, block, mutant)])
+    clauses = Clauses(graph)
+    return bad == FALSE or not clauses.solve([clauses.literal(bad)])
+
+
+def outputs_apart(circuit, graph, block, mutant):
+    """1 where an output differs that counts."""
+    names = defaultdict(list)
+    for (name, _), bit in circuit.outputs.items():
+        names[name].append(bit)
+    bad = []
+    for name, output in names.items():
+        apart = graph.any(graph.differ(block[bit], mutant[bit]) for bit in output)
+        counts = masked_by(name, names, {})
+        when = graph.any(block[names[other][0]] for other, _ in counts) if counts else TRUE
+        bad.append(graph.both(apart, when))
+    return graph.any(bad)
+
+
+def write_all(mutants, folder):
+    """An AIGER file m<number>.aig of each mutant."""
+    circuit = bits(folder)
+    for mutant in mutants:
+        graph, latches, bad = miter(circuit, mutant.number)
+        write(ROOT / folder / f"m{mutant.number}.aig", graph, latches, [bad])

@@ -1,0 +1,63 @@
+"""With which parameters the tests build each block, asked of the tests themselves."""
+
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from functools import cache
+from pathlib import Path
+
+from meissner.builds import toolchain
+
+PLUGIN = """
+import inspect, json, os
+import bench
+def pytest_collection_modifyitems(items):
+    items[:] = [i for i in items if "bench.run(" in inspect.getsource(i.function)]
+def _run(stage, block, parameters=None, test_filter=None, module=None, sources=None):
+    given = {k: str(v) for k, v in (parameters or {}).items()}
+    told = {"stage": stage, "block": block, "parameters": given, "test_filter": test_filter,
+            "module": module or f"test_{block}", "sources": [str(s) for s in sources or []]}
+    with open(os.environ["MEISSNER_RUNS"], "a") as file:
+        file.write(json.dumps(told) + chr(10))
+bench.run = _run
+"""
+
+
+def blocks():
+    """Names of all blocks of rtl/rtl.f, msn_ left off, in their order; packages left out."""
+    names = [path.stem.removeprefix("msn_") for path in toolchain.sources()]
+    return [name for name in names if not name.endswith("pkg")]
+
+
+def unknown(names):
+    """The sentence that refuses the first of ``names`` that is no block; empty if all are."""
+    strange = [name for name in names if name not in blocks()]
+    return f"rtl/rtl.f has no block {strange[0]}" if strange else ""
+
+
+def stage_of(block):
+    path = next(path for path in toolchain.sources() if path.stem == f"msn_{block}")
+    return "core" if path.parent.name == "rtl" else path.parent.name
+
+
+@cache
+def runs(*names):
+    """Every bench.run() of the tests of these blocks (none: of all), as dicts of its arguments, not run."""
+    tests = [f"tb/{stage_of(name)}/test_{name}.py" for name in names or blocks()]
+    with tempfile.TemporaryDirectory() as folder:
+        told = Path(folder) / "runs"
+        told.touch()
+        (Path(folder) / "told_runs.py").write_text(PLUGIN)
+        paths = [folder, str(toolchain.ROOT / "tb"), *filter(None, [os.environ.get("PYTHONPATH")])]
+        done = subprocess.run(
+            [sys.executable, "-m", "pytest", "-p", "no:xdist", "-p", "told_runs", "-q", *tests],
+            cwd=toolchain.ROOT,
+            env={**os.environ, "PYTHONPATH": os.pathsep.join(paths), "MEISSNER_RUNS": str(told)},
+            capture_output=True,
+            text=True,
+        )
+        if done.returncode:
+            raise RuntimeError(f"the tests did not say what they build:\n{done.stdout}{done.stderr}")
+        return [json.loads(line) for line in told.read_text().splitlines()]

@@ -1,0 +1,177 @@
+"""All mutants of a block in one netlist: Yosys reads the sources, `mutate` changes one cell's port bit each.
+
+    netlist(run, count, seeds, folder)  [Mutant, ...], of how many; writes folder/mutated.v, mutated.il and
+                                        wrapper.sv
+
+Only cells of the block itself are changed, and the ports of the blocks in it; these have mutants of their
+own. An input `mutsel` of the netlist chooses the mutant, 0 the unchanged block; a generated wrapper has the
+block's name, parameters and ports, so that its tests run as they are. Clocks are left alone.
+"""
+
+import re
+from dataclasses import dataclass, field
+
+from meissner.builds import toolchain
+from meissner.builds.yowasp import ROOT, chparam, yosys
+
+INNER = "mutated"  # the block's module in the netlist
+BITS = r"(?:signed )?(?:\[\d+:0\] )?"
+CLOCKS = ("CLK", "RD_CLK", "WR_CLK", "clk_i")
+UNREAD = re.compile(r"\\?(.*\.)?unused_")
+SYNTHESIS = "proc; opt_expr; opt_clean; opt -keepdc; wreduce -keepdc; memory_dff; opt_clean; memory_collect"
+SYNTHESIS += "; opt -keepdc -fast; opt_clean"
+
+
+@dataclass
+class Mutant:
+    """One change: ``what`` is Yosys's name of it, ``source`` the lines it came from; ``number`` on mutsel."""
+
+    number: int
+    what: str
+    source: str
+    command: str
+    verdict: str = ""
+    by: str = ""
+    parameters: dict = field(default_factory=dict)
+
+
+def source_of(block):
+    """The block's file."""
+    return next(path for path in toolchain.sources() if path.stem == f"msn_{block}")
+
+
+def tests_of(run):
+    """The test file of an entry of benches.runs."""
+    return ROOT / f"tb/{run['stage']}/{run['module']}.py"
+
+
+def _listed(text):
+    """Mutants of what `mutate -list` wrote, without those of clocks and of wires that nobody reads."""
+    for line in text.splitlines():
+        option = dict(re.findall(r"-(mode|cell|port|portbit|ctrlbit|wire|wirebit) (\S+)", line))
+        if option["port"].lstrip("\\") in CLOCKS or UNREAD.match(option.get("wire", "")):
+            continue
+        lines = dict.fromkeys(re.findall(r"(\w+\.sv):(\d+)", line))
+        source = " ".join(f"{name}:{at}" for name, at in lines)
+        wire = f" {option['wire']}[{option['wirebit']}]".replace("\\", "") if "wire" in option else ""
+        when = f" by [{option['ctrlbit']}]" if "ctrlbit" in option else ""
+        cell = option["cell"].split("$")[1] if option["cell"].startswith("$") else option["cell"]
+        what = f"{option['mode']} {cell} {option['port']}[{option['portbit']}]{when}{wire}".replace("\\", "")
+        yield what, source, line
+
+
+def head_of(text, module):
+    """The head of a module in a source."""
+    return re.search(rf"^module {module}\b.*?^\);", text, re.DOTALL | re.MULTILINE).group()
+
+
+def scopes_of(tests):
+    """Paths of blocks inside that stand in quotes in the tests."""
+    return re.findall(r'"((?:gen_\w+\.)*u_\w+)"', tests)
+
+
+def module_of(text, name):
+    """A module of a netlist, from its head to its end."""
+    return text.partition(f"\nmodule {name}(")[2].partition("\nendmodule")[0]
+
+
+def named(run):
+    """The signals that the tests name, of the block's own."""
+    return sorted(set(re.findall(r"\bdut\.(\w+)", tests_of(run).read_text())))
+
+
+def _scopes(tree):
+    """Scopes in scopes, down to the signals in them."""
+    return "".join(
+        inner if isinstance(inner, str) else f"  if (1) begin : {name}\n{_scopes(inner)}  end\n"
+        for name, inner in tree.items()
+    )
+
+
+def _scope(tree, path):
+    """The scope of ``path`` in the tree, which has it then."""
+    for name in path.split("."):
+        tree = tree.setdefault(name, {})
+    return tree
+
+
+def _seen_inside(run, folder):
+    """The wrapper's copies of those signals inside the block that its tests name, and, in scopes of the same
+    names, of all ports of those blocks in it whose path stands in quotes there, and all signals of such
+    generate blocks."""
+    text, tests = (ROOT / folder / "mutated.v").read_text(), tests_of(run).read_text()
+    module = module_of(text, INNER)
+    port = rf"^  (?:in|out)put ({BITS})(\w+);"
+    ports = [name for _, name in re.findall(port, module, re.MULTILINE)]
+    wires = {name: bits for bits, name in re.findall(rf"^  (?:wire|reg) ({BITS})(\w+);", module, re.M)}
+    # The space ends a name that has dots in it.
+    copy = "  logic {bits}{name};\n  assign {name} = u_mutated.{at}{name} ;\n".format
+    seen = "".join(
+        copy(bits=wires[name], at="", name=name) for name in named(run) if name in wires and name not in ports
+    )
+    paths, tree = scopes_of(tests), {}
+    for kind, path in re.findall(r"^  (\S+) +\\?([\w.]+) +\($", module, re.MULTILINE):
+        if path in paths:
+            scope = _scope(tree, path)
+            block = module_of(text, f"{kind} " if kind.startswith("\\") else kind)
+            at = f"\\{path} ." if "." in path else f"{path}."  # the name itself has dots in it
+            for bits, name in re.findall(port, block, re.MULTILINE):
+                scope[name] = copy(bits=bits, at=at, name=name)
+    for bits, path, name in re.findall(rf"^  (?:wire|reg) ({BITS})\\([\w.]+)\.(\w+) ;", module, re.M):
+        if f'"{path}"' in tests and path not in paths:
+            _scope(tree, path)[name] = copy(bits=bits, at=f"\\{path}.", name=name)
+    return seen + _scopes(tree)
+
+
+def netlist(run, count, seeds, folder):
+    """Write the netlist of ``run`` (an entry of benches.runs) with at most ``count`` mutants into ``folder``.
+
+    ``folder`` is relative to ROOT. Returns the mutants, numbered from 1, and how many there are to draw from.
+    """
+    block = f"msn_{run['block']}"
+    (ROOT / folder).mkdir(parents=True, exist_ok=True)
+    sources = [str(path.relative_to(ROOT)) for path in toolchain.sources_of(block)]
+    yosys(
+        f"read_verilog -sv {' '.join(sources)}; {chparam(block, run['parameters'])}"
+        f"hierarchy -check -top {block}; rename -top {INNER}; {SYNTHESIS}; write_rtlil {folder}/plain.il",
+        f"{folder}/read.log",
+    )
+    listed = {}
+    for place, seed in enumerate(seeds, 1):
+        wanted = count * place // len(seeds)
+        # More than wanted, as some are of clocks; several at one place are thinned by Yosys itself.
+        for more in (count + count // 4 + 8, 4 * count):
+            said = yosys(
+                f"read_rtlil {folder}/plain.il; mutate -list {more} -seed {seed} -o {folder}/listed {INNER}",
+                f"{folder}/list.log",
+            )
+            found = {entry[2]: entry for entry in _listed((ROOT / folder / "listed").read_text())}
+            new = [line for line in found if line not in listed]
+            if len(listed) + len(new) >= wanted:
+                break
+        listed |= {line: found[line] for line in new[: wanted - len(listed)]}
+    listed = list(listed.values())
+    width = len(listed).bit_length()
+    mutants = [Mutant(n, *entry) for n, entry in enumerate(listed, 1)]
+    for mutant in mutants:
+        mutant.parameters = run["parameters"]
+    control = [m.command.replace("mutate ", f"mutate -ctrl mutsel {width} {m.number} ", 1) for m in mutants]
+    (ROOT / folder / "apply.ys").write_text("\n".join(control) + "\n")
+    # What only the tests read stays, even if a mutant takes its name from it.
+    kept = " ".join(f"{INNER}/w:{name}" for name in named(run))
+    yosys(
+        f"read_rtlil {folder}/plain.il; setattr -set keep 1 {kept}; script {folder}/apply.ys; opt_clean; "
+        f"write_rtlil {folder}/mutated.il; write_verilog -noattr {folder}/mutated.v",
+        f"{folder}/apply.log",
+    )
+    wrap(run, folder, width)
+    return mutants, int(re.search(r"^Raw database size: (\d+)", said, re.MULTILINE)[1])
+
+
+def wrap(run, folder, width):
+    """Write the wrapper of the netlist in ``folder``, whose ``mutsel`` has ``width`` bits."""
+    block = f"msn_{run['block']}"
+    text = source_of(run["block"]).read_text()
+    header = head_of(text, block)
+    inner = f"  logic [{width - 1}:0] mutsel;\n  {INNER} u_mutated (.*);\n{_seen_inside(run, folder)}"
+    (ROOT / folder / "wrapper.sv").write_text(f"{header}\n\n{inner}\nendmodule\n")

@@ -1,0 +1,56 @@
+"""What a kind of evidence found, kept in docs/trust/<kind>.json for docs/trust.md."""
+
+import datetime
+import fcntl
+import json
+import re
+
+from meissner.builds import toolchain
+from verify import benches
+from verify.revision import digest
+
+FOLDER = toolchain.ROOT / "docs/trust"
+
+
+def stale(recorded, kind):
+    """Names of the blocks whose entry in ``recorded``, what a kind's file says, rests on what has changed."""
+    listed = set(benches.blocks())
+    blocks = recorded["blocks"].items()
+    return [name for name, facts in blocks if name in listed and facts.get("of") != digest(name, kind)]
+
+
+def _replace(before, now):
+    return now
+
+
+def _on_one_line(numbers):
+    return f"[{' '.join(numbers[1].split())}]"
+
+
+def merge(kind, command, blocks, summary, total, join=_replace, listed=None):
+    """Put ``blocks`` {name: facts} among the recorded. ``summary`` makes a cell of a block's facts, ``total``
+    the sentence of a list of all blocks' facts; ``join`` adds a block's facts to those it had of the same
+    revision, in place of replacing them; ``listed``: names of all blocks that there are, others are dropped.
+    ``of`` among a block's facts: what ``digest`` was when they were found, if that is not now."""
+    FOLDER.mkdir(exist_ok=True)
+    path = FOLDER / f"{kind}.json"
+    with path.open("a+") as file:
+        fcntl.flock(file, fcntl.LOCK_EX)  # several may record at once
+        file.seek(0)
+        before = file.read()
+        known = json.loads(before)["blocks"] if before else {}
+        fresh = {}
+        for name, facts in blocks.items():
+            if name in benches.blocks():  # others are readers of files
+                facts = {"of": digest(name, kind)} | facts
+            old = known.get(name, {})
+            facts = join(old if old.get("of") == facts.get("of") else {}, facts)
+            fresh[name] = facts | {"summary": summary(facts)}
+        merged = {
+            name: facts for name, facts in sorted((known | fresh).items()) if listed is None or name in listed
+        }
+        told = {"command": command, "date": str(datetime.date.today()), "total": total([*merged.values()])}
+        text = json.dumps(told | {"blocks": merged}, indent=1)
+        file.truncate(0)
+        file.write(re.sub(r"\[\s+([-\d.,\s]+?)\s+\]", _on_one_line, text) + "\n")
+    return path

