@@ -4,7 +4,7 @@ misplaced, a follower that stands still, resets in every clock, a converter that
     python tools/faults.py [--faults N] [--seed N] [--record] [BLOCK ...]     default: all that have state
 
 What drives a block is a recording of its own tests; what it should give is its run without the fault. See
-docs/faults.md. Prints a line per block; stops with an error if anything is wrong in silence or nothing ran.
+docs/faults.md. Prints a line per block; stops with an error if anything wrong is undetected or nothing ran.
 """
 
 import argparse
@@ -58,7 +58,7 @@ def main():
     if not totals["injected"]:
         sys.exit("faults: nothing was injected")
     if silent or broken:
-        sys.exit(f"faults: {len(silent)} wrong in silence; not run: {', '.join(broken) or 'none'}")
+        sys.exit(f"faults: {len(silent)} undetected; not run: {', '.join(broken) or 'none'}")
 
 
 if __name__ == "__main__":
