@@ -476,7 +476,7 @@ def test_what_is_no_line_is_refused(url, sentence):
 
 
 def test_unplugged_in_the_middle_of_a_packet(tmp_path):
-    """The pty is closed when half a packet is out; the same name comes back; the gap is told and counted."""
+    """The pty is closed when half a packet is out; the same name comes back; the gap counts."""
     name, said = tmp_path / "core", []
     pipe = Pipe(simulated())
     first = Pty(pipe)

@@ -1,5 +1,5 @@
-"""`make faults` in a short form: a few hundred faults in small blocks, none wrong in silence; and it finds
-what it is for: a state machine that never finds back, a frame whose damage nobody tells."""
+"""`make faults` in a short form: a few hundred faults in small blocks, none of them undetected; and it
+finds what it is for: a state machine that never recovers, a frame whose damage nobody reports."""
 
 import json
 import re

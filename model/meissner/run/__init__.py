@@ -1,7 +1,7 @@
 """``meissner run``: a scene through an engine into a folder of results.
 
 Each sensor has a module here with ``run(scene, engine, out, seed, waves, progress)``, which writes its
-results and returns the summary, and ``tell(summary)``, the lines that the command prints of it.
+results and returns the summary, and ``tell(summary)``, the lines that the command prints about it.
 """
 
 import json
@@ -29,7 +29,7 @@ def check(scene, engine, waves=False):
 
 
 def check_waves(engine, waves):
-    """ValueError unless the engine is there, and has signals if ``waves`` of them are asked for."""
+    """ValueError unless the engine exists, and has signals if ``waves`` are wanted."""
     engines.load(engine)
     if waves and engine != "rtl":
         raise ValueError("--waves needs the rtl engine: only it has signals")
@@ -38,7 +38,7 @@ def check_waves(engine, waves):
 def run(scene, engine, out, seed=1, waves=False, progress=lambda runs: runs):
     """Run a scene; write results to ``out``; return the summary.
 
-    They take the place of an earlier run's when all are there: no picture of another scene stays behind.
+    They replace the results of an earlier run when all are written, so no picture of another scene stays.
     """
     check(scene, engine, waves)
     out = Path(out)

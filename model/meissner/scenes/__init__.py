@@ -1,8 +1,8 @@
 """The scenes: which sensor, converter, core settings and physics, each in one TOML file.
 
 ``load`` checks every key and refuses a mistyped one by name; ``simulate`` builds only the physics that
-the scene names and says what it left out. The sensor decides which module reads the rest: rubber is slip,
-array is cop, grip is cop_slip, every other one has its name. Each has ``build(name, table)`` and
+the scene names and reports what it left out. The sensor determines which module reads the rest: rubber is
+slip, array is cop, grip is cop_slip, every other one has its own name. Each has ``build(name, table)`` and
 ``simulate(scene, ...)``.
 """
 
