@@ -25,6 +25,11 @@ def test_readme_is_short():
     assert len(README.splitlines()) <= 150
 
 
+def test_readme_leads_to_every_page():
+    linked = set(re.findall(r"\((docs/\w+\.md)\)", README))
+    assert linked == {str(path.relative_to(ROOT)) for path in PAGES if path.parent.name == "docs"}
+
+
 def test_the_verilog_of_readme_is_clean(tmp_path):
     """As `make lint` reads the sources, with nothing waived in the example."""
     source = tmp_path / "pad.sv"
