@@ -3,7 +3,7 @@
     python tools/regress.py [SEEDS] [--seed N] [--jobs N] [--scheduler ADDRESS] [--record] [BLOCK ...]
     python tools/regress.py --seed N --only BLOCK NAME=VALUE ...        one size again, as a failure prints it
 
-SEEDS: runs in all, 200 unless told, a seed each; a random size gets STIMULI of them. A failure is made as
+SEEDS: runs in all, 200 by default, a seed each; a random size gets STIMULI of them. A failure is made as
 small as it can be and reported with the command that repeats it. With --scheduler Dask's workers there do the
 work, in the same folder.
 """

@@ -30,6 +30,16 @@ def test_readme_has_at_most_ten_of_the_figures():
     assert 5 <= len(rows) <= 10 and all(row in figures.results(RESULTS) for row in rows)
 
 
+def test_readme_s_picture_is_the_run_that_is_recorded():
+    """The scene's first seed, whose picture a summary keeps with its times."""
+    run = figures.Records().printed["acrylic_slip"]["summary"]
+    after, before = 1e3 * run["delay_s"], 1e3 * (run["gross_s"] - run["flag_s"])
+    words = (
+        f"flag {after:.1f} ms after the first partial slip and {before:.0f} ms before the whole contact slips"
+    )
+    assert " ".join(README.split()).count(words) == 2, "above the picture and below it"
+
+
 def test_every_result_is_generated_or_names_the_test_that_asserts_it():
     """What is measured in clocks or microseconds stands in that test as a literal."""
     rows = figures.results(RESULTS)
