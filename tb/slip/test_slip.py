@@ -437,7 +437,7 @@ def test_model_tells_one_slip_as_a_story():
     assert twin.blanked == 2
 
 
-def test_model_keeps_a_flag_as_told():
+def test_model_keeps_a_flag_above_the_keep_threshold():
     p2p, level, moving, states = zip(*KEPT)
     assert Slip(1, KEPT_CONFIG).process([p2p], [level], moving)[0].tolist() == [*states]
 

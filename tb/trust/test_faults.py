@@ -12,7 +12,7 @@ from meissner.trust import benches, faults
 
 
 @pytest.mark.parametrize("block", ["frame_check", "skid"])
-def test_none_is_silent(block):
+def test_no_fault_is_undetected(block):
     results = faults.inject(block, 40, 3)
     kinds = {result.kind for result in results}
     assert {"bit", "reset"} <= kinds and len(results) > 40
@@ -42,7 +42,7 @@ def _with(program, paths):
     return made
 
 
-def test_finds_damage_that_nobody_tells(monkeypatch, tmp_path):
+def test_finds_damage_that_nobody_reports(monkeypatch, tmp_path):
     told = "if (in_last_i) restart <= !keep;\n    end\n"
     told += "    damage    <= in_valid_i && in_ready_o && in_last_i && !keep;"
     planted(monkeypatch, tmp_path, "frame_check", told, "restart <= 1'b0;\n    end\n    damage <= 1'b0;")
