@@ -13,7 +13,7 @@ RTL    := $(shell cat rtl/rtl.f)
 export PYTHONUTF8 := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test test-long lint registers synth resources gate fmax figures bench clean
+.PHONY: help setup demo picture test test-long lint registers blocks synth resources gate fmax figures bench clean
 .PHONY: formal formal-mutants mutants mutants-quick coverage powerup faults fuzz equivalence regress trust test-icarus
 
 help:  ## this list
@@ -21,7 +21,7 @@ help:  ## this list
 
 $(SIM): requirements/sim.txt pyproject.toml
 	@$(PYTHON) tools/check_machine.py
-	@# What an interrupted set-up left looks whole to make and to pip: begin again.
+	@# An interrupted set-up looks complete to make and to pip: begin again.
 	@if test -e $(BEGUN) || ! $(BIN)/python -m pip --version >/dev/null 2>&1; then rm -rf .venv; fi
 	@mkdir -p .venv && touch $(BEGUN)
 	@test -x $(BIN)/python || $(PYTHON) -m venv .venv
@@ -44,6 +44,9 @@ $(FORMAL): requirements/formal.txt $(SYNTH)
 demo: $(SIM)  ## the acrylic slip scene on the rtl engine, from ADC pins to a slip flag: build/demo/
 	@$(BIN)/meissner run acrylic_slip --engine rtl --out build/demo
 
+picture: demo  ## README's picture, from the demo: docs/acrylic_slip.png
+	@cp build/demo/acrylic_slip.png docs/
+
 test: lint $(FORMAL)  ## lint, twins and every cocotb regression
 	@$(BIN)/python -m pytest -n $$(($(JOBS) + 1)) --dist worksteal -m "not long and not big"
 
@@ -53,7 +56,7 @@ test-long: $(SYNTH)  ## the benches that `make test` leaves out: large sizes, mo
 test-icarus: $(SIM)  ## the blocks' benches on Icarus Verilog, where it can run them (tb/icarus.py)
 	@MEISSNER_SIM=icarus $(BIN)/python -m pytest -n $(JOBS) -m "not long and not big" -k "not refuses" tb/common tb/frontend tb/slip tb/cop tb/link
 
-faults: $(SIM)  ## faults put into every block, what comes of them: docs/trust/faults.json, docs/faults.md
+faults: $(SIM)  ## faults injected into every block, and their effects: docs/trust/faults.json, docs/faults.md
 	@$(BIN)/python tools/faults.py --record $(BLOCKS)
 
 fuzz: $(SIM)  ## a million mutated inputs to every reader of lines and files: docs/trust/fuzz.json
@@ -74,10 +77,13 @@ powerup: $(SIM)  ## twenty power-ups of each block with random registers: docs/t
 registers: $(SIM)  ## RTL, Python map, C header and page of the registers, from rtl/registers.rdl
 	@$(BIN)/python tools/registers.py
 
+blocks: $(SIM)  ## the table of all blocks, from the headers of the sources: docs/blocks.md
+	@$(BIN)/python tools/blocks.py --page
+
 synth: $(SYNTH)  ## bitstream of a board: BOARD=ulx3s, icebreaker, tangnano20k or orangecrab [CONFIG=name or mine.toml] [DEVICE=85F]
 	@$(BIN)/python tools/synth.py $(BOARD) $(if $(CONFIG),"$(CONFIG)") $(if $(DEVICE),--device $(DEVICE))
 
-resources: $(SYNTH)  ## constraints/resources.json anew: every board with every configuration, three seeds each
+resources: $(SYNTH)  ## constraints/resources.json and docs/boards.md: every board with every configuration, three seeds each
 	@$(BIN)/python tools/synth.py --record
 
 gate: $(SYNTH)  ## every board's netlist against its sources: the same codes in, the same bytes out
@@ -86,13 +92,13 @@ gate: $(SYNTH)  ## every board's netlist against its sources: the same codes in,
 fmax: $(SYNTH)  ## Fmax and area of single blocks, worst of three seeds: build/fmax/fmax.json [FMAX="--record slip-1"]
 	@$(BIN)/python tools/fmax.py --jobs $(JOBS) $(FMAX)
 
-figures: $(SYNTH)  ## README's figures of scenes and tools again, and the page: docs/figures.json [FIGURES="cop_slip"]
+figures: $(SYNTH)  ## the figures of scenes and tools: docs/figures.json, docs/results.md, README [FIGURES="cop_slip"]
 	@$(BIN)/python tools/figures.py --record $(FIGURES)
 
 formal: $(FORMAL)  ## proofs of the blocks by k-induction, two solvers each: docs/trust/formal.json
 	@$(BIN)/python tools/formal.py --record --jobs $(JOBS) $(BLOCKS)
 
-formal-mutants: $(FORMAL)  ## is a broken block seen by its proof? 50 mutants each [BLOCKS=...]
+formal-mutants: $(FORMAL)  ## does the proof of a broken block fail? 50 mutants each [BLOCKS=...]
 	@$(BIN)/python tools/formal.py --mutants 50 --record --jobs $(JOBS) $(BLOCKS)
 
 equivalence: $(SYNTH)  ## every block's netlist proven equal to its source, and its reset: docs/trust/equivalence.json
@@ -104,7 +110,7 @@ mutants: $(SYNTH)  ## mutants of every block against its own tests: docs/mutants
 mutants-quick: $(SYNTH)  ## a few mutants of a few quick blocks, and whether the tool itself can fail; in make test too
 	@$(BIN)/python -m pytest -n $(JOBS) tb/verify/test_mutants.py
 
-trust: $(FORMAL)  ## all of the evidence anew, hours: docs/trust.md, README's line [TRUST=--due]
+trust: $(FORMAL)  ## all of the evidence again, hours: docs/trust.md, README's line [TRUST=--due]
 	@$(BIN)/python tools/trust.py --jobs $(JOBS) $(TRUST)
 
 bench: $(SIM)  ## samples per second of each engine, and the time of a scene

@@ -1,4 +1,4 @@
-"""Every block's netlist against its sources, and what a reset leaves of its past: proofs, no simulation.
+"""Every block's netlist against its sources, and whether a reset makes it forget: proofs, no simulation.
 
     python tools/equivalence.py                     every block of rtl/rtl.f: ecp5, ice40, reset
     python tools/equivalence.py divide -k reset     one block, one kind of proof

@@ -1,10 +1,10 @@
-"""Put faults into blocks and see what comes out: bits of state upset, samples lost, repeated or late, `last`
-misplaced, a follower that stands still, resets in every clock, a converter that hangs or is noisy.
+"""Inject faults into blocks and compare their output: bits of state upset, samples lost, repeated or late,
+`last` misplaced, a follower that stands still, resets in every clock, a converter that hangs or is noisy.
 
     python tools/faults.py [--faults N] [--seed N] [--record] [BLOCK ...]     default: all that have state
 
-What drives a block is a recording of its own tests; what it should give is its run without the fault. See
-docs/faults.md. Prints a line per block; stops with an error if anything is wrong in silence or nothing ran.
+A recording of its own tests drives a block; its run without the fault is the expectation. See
+docs/faults.md. Prints a line per block; stops with an error if anything wrong is undetected or nothing ran.
 """
 
 import argparse
@@ -58,7 +58,7 @@ def main():
     if not totals["injected"]:
         sys.exit("faults: nothing was injected")
     if silent or broken:
-        sys.exit(f"faults: {len(silent)} wrong in silence; not run: {', '.join(broken) or 'none'}")
+        sys.exit(f"faults: {len(silent)} undetected; not run: {', '.join(broken) or 'none'}")
 
 
 if __name__ == "__main__":

@@ -1,9 +1,9 @@
-"""README's figures from what is recorded; what was recorded of another revision is marked (stale).
+"""The figures of docs/results.md and README from the records; stale ones are marked (stale).
 
     python tools/figures.py                     which figures are stale, with the command of each
-    python tools/figures.py --page              README from constraints/*.json and docs/figures.json
+    python tools/figures.py --page              the pages from constraints/*.json and docs/figures.json
     python tools/figures.py --record [NAME...]  scenes on engine fixed, and what tools/measured_figures.py
-                                                names, into docs/figures.json, then the page
+                                                names, into docs/figures.json, then the pages
 
 `python tools/fmax.py --record NAME` and `python tools/synth.py --record BOARD CONFIG` record the others.
 """
@@ -19,7 +19,7 @@ import synth
 from meissner.builds import toolchain
 from verify import revision
 
-README = toolchain.ROOT / "README.md"
+PAGES = (toolchain.ROOT / "docs/results.md", toolchain.ROOT / "README.md")  # all of them; the headlines
 SCENES = toolchain.ROOT / "docs/figures.json"
 BEATS = 1024 * 1024 / 8  # of a frame, 8 lanes
 HEAD = "| what | figure | command |"
@@ -175,21 +175,18 @@ GENERATED = {
 
 
 def results(text):
-    """Cells of the rows of README's Results: [[what, figure, command]]."""
+    """Cells of the rows of a page's figures: [[what, figure, command]]."""
     rows = text.partition(HEAD)[2].partition("\n\n")[0].splitlines()[2:]
     return [[cell.strip() for cell in row.strip("| ").split(" | ")] for row in rows]
 
 
-def page(text, records, pairs):
-    """README's ``text`` with its figures as they are recorded; ``pairs``: constraints/resources.json."""
+def page(text, records):
+    """A page's ``text`` with its figures as they are recorded."""
     for what, figure, command in results(text):
         if what in GENERATED:
             row = f"| {what} | {GENERATED[what](records)} | {command} |"
             text = text.replace(f"| {what} | {figure} | {command} |", row)
-    table = synth.tables(pairs)[0]
-    head = table.partition("\n")[0]
-    old = head + text.partition(head)[2].partition("\n\n")[0]
-    return text.replace(old, table)
+    return text
 
 
 def measure(names):
@@ -216,17 +213,18 @@ def measure(names):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("names", nargs="*", help="all if none is named")
-    parser.add_argument("--record", action="store_true", help="measure, record, write the page")
-    parser.add_argument("--page", action="store_true", help="write README from what is recorded")
+    parser.add_argument("--record", action="store_true", help="measure, record, write the pages")
+    parser.add_argument("--page", action="store_true", help="write the pages from the records")
     options = parser.parse_args()
     if strange := [name for name in options.names if name not in WORDS]:
         parser.error(f"no figure {strange[0]}; there are {', '.join(WORDS)}")
     if options.record:
         measure(options.names or list(WORDS))
     records = Records()
-    pairs = json.loads(synth.RESOURCES.read_text())
     if options.record or options.page:
-        README.write_text(page(README.read_text(), records, pairs))
+        for path in PAGES:
+            path.write_text(page(path.read_text(), records))
+        pairs = json.loads(synth.RESOURCES.read_text())
         if not synth.missing(pairs):
             synth.write_tables(pairs)
         return

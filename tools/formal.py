@@ -3,7 +3,7 @@
 python tools/formal.py                   every proof at every shipped parameter set, two solvers
 python tools/formal.py fifo divide       those of blocks or proofs by name
 python tools/formal.py --quick           the quickest, at the defaults
-python tools/formal.py --record          and what came of them into docs/trust/formal.json
+python tools/formal.py --record          and the results into docs/trust/formal.json
 python tools/formal.py --list            the proofs, their kind and their parameter sets
 python tools/formal.py --mutants 50      break each block so often: does its proof fail?
 python tools/formal.py --table           docs/formal.md's table, from docs/trust/formal.json
@@ -99,7 +99,7 @@ def table():
 
 
 def run(proofs, jobs, quick, told):
-    """Prove all; ``told`` gets what came of each proof. Returns the exit code."""
+    """Prove all; ``told`` gets the result of each proof. Returns the exit code."""
     tasks = []
     for proof in proofs:
         sets = [({}, ["default"])] if quick else formal.sets(proof)
@@ -131,7 +131,7 @@ def cpu_seconds():
 
 
 def run_mutants(proofs, count, jobs, told):
-    """Break each block ``count`` times under its proof; ``told`` gets what came of it.
+    """Break each block ``count`` times under its proof; ``told`` gets the result.
 
     Returns the exit code.
     """

@@ -1,4 +1,4 @@
-"""Feed everything that reads what others wrote with mutated and made-up input: packet decoders, recordings,
+"""Feed every reader of lines and files with mutated and invented input: packet decoders, recordings,
 configurations, calibrations, logs.
 
     python tools/fuzz.py [--cases N] [--seed N] [--first N] [--record] [TARGET ...]     default: all

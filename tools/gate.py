@@ -3,7 +3,7 @@
     python tools/gate.py                     every pair of a board and a configuration
     python tools/gate.py icebreaker slip1    one
 
-Twice: with noise, in which after a while something presses and is shaken now and then, and with the scene
+Twice: with noise, in which after a while an object presses and is shaken now and then, and with the scene
 that the configuration is for. Exit code 1 if a byte differs, or if none came.
 """
 

@@ -1,4 +1,4 @@
-"""Measure one figure of README in a process of its own; print its summary and the files it rests on.
+"""Measure one figure of docs/results.md in a process of its own; print its summary and the files it rests on.
 
     python tools/measured_figures.py normal_force     a scene, on engine fixed
     python tools/measured_figures.py soak             an entry of TOOLS

@@ -183,7 +183,7 @@ def good(block, found):
 
 
 def write(block, found):
-    """Merge what was found of a block into the record, and write the page's table anew from it."""
+    """Merge the results of a block into the record, and write the page's table from it."""
     own = {block: found}, mutants_page.summary, mutants_page.total
     path = record.merge("mutants", "make mutants", *own, join=dict.__or__, listed=benches.blocks())
     prose = PAGE.read_text().split(MARK)[0]

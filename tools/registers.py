@@ -465,13 +465,13 @@ def c_header(groups):
 def page(groups):
     lines = ["# Registers", "", f"{MADE}", ""]
     lines += [
-        "Addresses are of bytes; every register is a word of 32 bits. An access to an address without a",
-        "register in the build at hand, or a write to a register that can only be read, is answered with an",
-        "error. A group marked *at a frame's boundary* is changed as a whole between two frames.",
+        "Addresses count bytes; every register is a word of 32 bits. The core answers with an error if an",
+        "address has no register in this build, or if a write goes to a register that can only be read. A",
+        "group marked *at a frame's boundary* changes as a whole between two frames.",
         "",
         "A build without registers (`registers = false`: `slip1`, and every build for the iCEBreaker)",
-        "answers no access at all: its settings are those of its configuration, and a host can only",
-        "listen to it.",
+        "answers no access. Its settings are those of its configuration, and a host can only receive its",
+        "packets.",
     ]
     for group in groups:
         when = ", settings take effect at a frame's boundary" if group.at_frame else ""

@@ -1,10 +1,10 @@
 """Blocks in random legal sizes, each with random stimulus several times, against their own tests.
 
     python tools/regress.py [SEEDS] [--seed N] [--jobs N] [--scheduler ADDRESS] [--record] [BLOCK ...]
-    python tools/regress.py --seed N --only BLOCK NAME=VALUE ...        one size again, as a failure tells
+    python tools/regress.py --seed N --only BLOCK NAME=VALUE ...        one size again, as a failure prints it
 
-SEEDS: runs in all, 200 unless told, a seed each; a random size gets STIMULI of them. A failure is made as
-small as it can be and told with the command that repeats it. With --scheduler Dask's workers there do the
+SEEDS: runs in all, 200 by default, a seed each; a random size gets STIMULI of them. A failure is made as
+small as it can be and reported with the command that repeats it. With --scheduler Dask's workers there do the
 work, in the same folder.
 """
 

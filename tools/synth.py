@@ -29,7 +29,7 @@ from verify import revision
 RESOURCES = ROOT / "constraints/resources.json"
 SEEDS = (1, 2, 3)
 GROWTH = 0.03
-PAGES = ("README.md", "docs/boards.md", "docs/boards.md")
+PAGE = ROOT / "docs/boards.md"
 
 
 def compare(name, before, now):
@@ -91,7 +91,7 @@ def half_bit(board, config):
 
 
 def tables(recorded):
-    """README's table of resources, the page's of pins and of pairs without figures, from resources.json."""
+    """The page's tables of resources, of pins and of pairs without figures, from resources.json."""
     area = [
         "| board, configuration | clock, MHz | Fmax, worst of three | LUT | FF | block RAM | DSP |",
         "|---" * 7 + "|",
@@ -124,13 +124,13 @@ def tables(recorded):
 
 
 def write_tables(recorded):
-    """Both tables into their pages, in place of the ones there."""
-    for page, table in zip(PAGES, tables(recorded)):
-        head = table.partition("\n")[0]
-        text = (ROOT / page).read_text()
-        before, _, after = text.partition(head)
+    """The tables into their page, in place of the ones there."""
+    text = PAGE.read_text()
+    for table in tables(recorded):
+        before, _, after = text.partition(table.partition("\n")[0])
         rest = after.split("\n\n", 1)[1]
-        (ROOT / page).write_text(f"{before}{table}\n\n{rest}")
+        text = f"{before}{table}\n\n{rest}"
+    PAGE.write_text(text)
 
 
 def write(found):

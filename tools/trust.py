@@ -1,4 +1,4 @@
-"""All the evidence, one command: run each kind anew, then write docs/trust.md and README's line.
+"""All the evidence, one command: run each kind again, then write docs/trust.md and README's line.
 
     python tools/trust.py              every kind (hours), each recorded in docs/trust/<kind>.json
     python tools/trust.py faults       some kinds
@@ -17,7 +17,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from meissner.builds import toolchain
-from verify import benches, faults, formal, fuzz, record, regress
+from verify import benches, faults, formal, fuzz, mutants_page, record, regress
 
 ROOT = toolchain.ROOT
 PAGE = ROOT / "docs/trust.md"
@@ -39,7 +39,7 @@ class Step(NamedTuple):
     """A tool's run for a kind."""
 
     kind: str
-    command: str  # in tools/; RUNS stands for fifty runs of each block
+    command: str  # in tools/; RUNS stands for 50 runs of each block
     blocks: Callable[[], list[str]]  # whose evidence it is; of fuzz: the readers
     jobs: bool = True  # does it take --jobs?
     done: Callable[[dict], bool] = bool  # is it in a block's facts?
@@ -66,13 +66,14 @@ STEPS = (
     Step("fuzz", "fuzz.py", lambda: [*fuzz.TARGETS, fuzz.C_NAME], jobs=False),
 )
 STALE = "stale"
+LINE = ("formal", "mutants", "coverage", "equivalence")  # the kinds that README names
+BOXES = "with memories as registers and with products and inner blocks as black boxes"
 HEAD = """# Trust
 
-One row for each block of rtl/rtl.f, in data-path order; an empty cell means that there is nothing of that
-kind. Written by `make trust`, which runs everything, or by `python tools/trust.py --page` from what
-docs/trust/ has recorded. "Stale": what this evidence rests on has changed since, the RTL of the block or of
-one in it, its tests, twin, proof harness or exclusions, or the version of a tool; `make trust TRUST=--due`
-runs what is stale, or missing, again.
+`make trust` runs all the evidence and writes this page; `python tools/trust.py --page` writes it from the
+records in docs/trust/. Evidence is **stale** if anything that it rests on has changed since: the RTL of the
+block or of one inside it, its tests, twin, proof harness or exclusions, or the version of a tool.
+`make trust TRUST=--due` runs what is stale or missing again.
 """
 
 
@@ -89,19 +90,61 @@ def total(kind, told):
 
 
 def cell(kind, told, block):
-    """What a kind tells of a block."""
+    """What a kind says about a block."""
     text = told["blocks"].get(block, {}).get("summary", "")
     return f"{text} ({STALE})" if block in record.stale(told, kind) else text
+
+
+def left_out(recorded):
+    """{kind: sentences}: what each kind does not show, with the numbers of its records."""
+
+    def facts(kind):
+        return recorded.get(kind, {"blocks": {}})["blocks"].values()
+
+    parts = [part for row in facts("mutants") for part in mutants_page.parts(row)]
+    drawn, survived = [part["mutants"] for part in parts], sum(len(part["survived"]) for part in parts)
+    counts = [kind for row in facts("coverage") for kind in row.values() if isinstance(kind, list)]
+    excluded = sum(left for _, _, left in counts)
+    around = sum(
+        any("around" in row.get(key, {}) for key in ("ecp5", "ice40")) for row in facts("equivalence")
+    )
+    resets = [row["reset"] for row in facts("equivalence") if "reset" in row]
+    bounded = sum(not row["proven"] and bool(row.get("clocks")) for row in resets)
+    unproven = sum(not row["proven"] for row in resets) - bounded
+    listed = len(benches.blocks())
+    return {
+        "formal": f"{len(facts('formal'))} of {listed} blocks have proofs, at the parameters and under the "
+        "assumptions in [formal.md](formal.md). No proof spans two blocks, except where the guarantee of one "
+        "is an assumption of another.",
+        "mutants": f"The mutants are a sample: {min(drawn, default=0)} to {max(drawn, default=0)} of each "
+        f"kind for a block. {survived} survived; [mutants.md](mutants.md) lists them.",
+        "coverage": f"{excluded:,} points are excluded, each with a reason in tb/coverage/waivers.toml. A "
+        "test reached each covered point, but need not have checked it.",
+        "powerup": "Random starts are samples of the possible contents of the registers.",
+        "faults": "One fault at a time is injected, at sampled places and clocks "
+        "([faults.md](faults.md)). Until a block has recovered, its data may be wrong and unreported.",
+        "equivalence": f"The netlists are proven {BOXES}: block RAM, LUT RAM and DSP cells are only "
+        f"simulated. In {around} blocks inner blocks are black boxes; each has its own proof, not always "
+        "with the same parameters. Each block is proven with one set of parameters; place and route is not "
+        f"covered. For {bounded} blocks the reset is shown for a limited number of clocks only, for "
+        f"{unproven} it is open ([equivalence.md](equivalence.md)).",
+        "regress": f"{len(facts('regress'))} of {listed} blocks take part, with random sizes and stimulus.",
+        "fuzz": "Inputs are random samples.",
+    }
 
 
 def page(recorded):
     """docs/trust.md as text."""
     columns = [kind for kind in KINDS if KINDS[kind] and kind in recorded]
-    lines = [HEAD, "| kind | all blocks | command | of |", "|---" * 4 + "|"]
+    lines = [HEAD, "| kind | all blocks | command | recorded |", "|---" * 4 + "|"]
     for kind, told in recorded.items():
         words = KINDS[kind] or kind, total(kind, told), f"`{told['command']}`", told["date"]
         lines.append(f"| {' | '.join(words)} |")
-    lines += ["", "| block | " + " | ".join(KINDS[kind] for kind in columns) + " |"]
+    lines += ["", "## What the evidence does not show", ""]
+    limits = left_out(recorded)
+    lines += [f"- **{(KINDS[kind] or kind).capitalize()}**: {limits[kind]}" for kind in recorded]
+    lines += ["", "## Blocks", "", "In the order of rtl/rtl.f. An empty cell: no evidence of that kind.", ""]
+    lines.append("| block | " + " | ".join(KINDS[kind] for kind in columns) + " |")
     lines.append("|---" * (len(columns) + 1) + "|")
     for block in benches.blocks():
         cells = [cell(kind, recorded[kind], block) for kind in columns]
@@ -111,8 +154,10 @@ def page(recorded):
 
 def summary(recorded):
     """README's line, one paragraph."""
-    totals = "; ".join(total(kind, told) for kind, told in recorded.items())
-    return f"{MARK}{totals} ([docs/trust.md](docs/trust.md), `make trust`)."
+    totals = "; ".join(total(kind, recorded[kind]) for kind in LINE if kind in recorded)
+    return (
+        f"{MARK}{totals}, {BOXES} ([docs/trust.md](docs/trust.md): every kind, and what each does not show)."
+    )
 
 
 def strangers(recorded):
@@ -162,7 +207,7 @@ def main():
     failed = []
     for step in () if options.page else STEPS:
         if step.kind in (options.kinds or KINDS):
-            names = due(step) if options.due else []  # a tool that is told none runs all
+            names = due(step) if options.due else []  # a tool without names runs all
             if names or not options.due:
                 failed += run(step, names, options.jobs)
     recorded = records()

@@ -1,4 +1,4 @@
-"""What every scene's table is checked with; each raises ValueError with one sentence that names the place."""
+"""Checks of every scene's table; each raises ValueError with one sentence that names the place."""
 
 from reprlib import Repr
 
@@ -9,7 +9,7 @@ _KINDS = {str: "text", int: "a whole number", float: "a number", list: "a list",
 
 
 def shown(value):
-    """A wrong value, in few words whatever it is."""
+    """A wrong value in few words."""
     return _SHORT.repr(value)
 
 

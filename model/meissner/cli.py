@@ -1,4 +1,4 @@
-"""The command ``meissner``. Bad input is answered by one sentence and exit code 2, with nothing written.
+"""The command ``meissner``. Bad input gives one sentence and exit code 2, and nothing is written.
 
 What a command needs is imported when it runs: meissner.parser says why.
 """
@@ -82,7 +82,7 @@ def main(arguments=None):
         getattr(import_module(module), name)(arguments)
         sys.stdout.flush()
     except BrokenPipeError:
-        # What still waits in the stream goes nowhere, and Python does not complain of it at the end.
+        # Discard what still waits in the stream, so that Python does not report it at the end.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         sys.exit(0)
     except (ValueError, OSError) as problem:
@@ -102,7 +102,7 @@ def _sentence(problem):
 
 def _refuse(problem):
     problem = _sentence(problem)
-    with suppress(OSError):  # the terminal may be what is gone
+    with suppress(OSError):  # perhaps the terminal itself was closed
         print(f"meissner: {plain(problem)}", file=sys.stderr, flush=True)
     return 2
 

@@ -1,5 +1,5 @@
-"""What the command line takes. It imports none of the commands, so that help and mistakes need no NumPy or
-SciPy: ``call`` names the function that does the work, "module:function"."""
+"""The arguments of the command line. It imports none of the commands, so that help and mistakes need no NumPy
+or SciPy: ``call`` names the function that does the work, "module:function"."""
 
 import argparse
 
@@ -36,7 +36,9 @@ def _run(commands):
     run.add_argument("scene", metavar="SCENE", help="a name that `meissner scenes` lists")
     run.add_argument("--engine", default="fixed", metavar="E", help=f"{', '.join(EVERY)} (fixed)")
     run.add_argument("--out", metavar="DIR", help="folder for the results (build/run/SCENE)")
-    run.add_argument("--seed", type=int, default=1, help="first seed; the scene says how many follow (1)")
+    run.add_argument(
+        "--seed", type=int, default=1, help="first seed; the scene determines how many follow (1)"
+    )
     run.add_argument("--waves", action="store_true", help="also write waves.vcd (rtl engine)")
     run.add_argument("--json", action="store_true", help="print summary.json on standard output instead")
     run.set_defaults(call="meissner.cli:run")
@@ -59,7 +61,7 @@ def _process(commands):
     cop = parts.add_parser("cop", help="centre of pressure and load from forces [frames, rows, columns]")
     cop.add_argument("input", metavar="IN.npy", help="integers, 0 to 65535; codes with --calibration")
     cop.add_argument("--min-load", type=int, default=1, help="least sum of forces with a position (1)")
-    cop.add_argument("--calibration", metavar="CAL.npz", help="what `meissner calibrate` wrote")
+    cop.add_argument("--calibration", metavar="CAL.npz", help="a file that `meissner calibrate` wrote")
     cop.add_argument("--engine", default="fixed", metavar="E", help=f"{', '.join(EVERY)} (fixed)")
     cop.add_argument("--out", required=True, metavar="OUT.npz", help="where the arrays go, .npz or .csv")
     cop.set_defaults(call="meissner.process:cop")
@@ -84,18 +86,20 @@ def _host(commands):
     regs.set_defaults(call="meissner.host.commands:regs")
 
     live = commands.add_parser(
-        "live", help="what a core says, as it says it: slip, centre of pressure, image"
+        "live", help="show a core's packets as they come: slip, centre of pressure, image"
     )
     _line_arguments(live)
     live.set_defaults(call="meissner.host.commands:live")
 
-    log = commands.add_parser("log", help="write what a core says to MCAP (ROS 2) or npz")
+    log = commands.add_parser("log", help="write a core's packets to MCAP (ROS 2) or npz")
     _line_arguments(log)
     log.add_argument("--out", required=True, metavar="FILE", help="a .mcap or a .npz file")
     log.set_defaults(call="meissner.host.commands:log")
 
-    replay = commands.add_parser("replay", help="a log's images through an engine, beside what the core said")
-    replay.add_argument("log", metavar="LOG", help="what `meissner log` wrote")
+    replay = commands.add_parser(
+        "replay", help="a log's images through an engine, beside the core's own results"
+    )
+    replay.add_argument("log", metavar="LOG", help="a file that `meissner log` wrote")
     replay.add_argument("--min-load", type=int, help="least sum of forces with a position (the log's, or 1)")
     replay.add_argument("--engine", default="fixed", metavar="E", help=f"{', '.join(NAMES)} (fixed)")
     replay.add_argument("--out", required=True, metavar="OUT.npz", help="where the arrays go, .npz or .csv")
@@ -105,14 +109,16 @@ def _host(commands):
 def _line_arguments(parser):
     parser.add_argument("port", metavar="PORT", help=PORT)
     parser.add_argument("--seconds", type=float, metavar="S", help="then stop (at Ctrl-C or the file's end)")
-    parser.add_argument("--listen", action="store_true", help="ask no registers: for a core without them")
+    parser.add_argument("--listen", action="store_true", help="read no registers: for a core without them")
     parser.add_argument("--config", metavar="FILE", help=CONFIG)
-    parser.add_argument("--clk-khz", type=int, metavar="KHZ", help="the core's clock, where it is not asked")
+    parser.add_argument(
+        "--clk-khz", type=int, metavar="KHZ", help="the core's clock, if its registers are not read"
+    )
 
 
 def _budget(commands):
     parser = commands.add_parser(
-        "budget", help="what a scanned array takes, term by term; --cop4: what a four-wire sensor resolves"
+        "budget", help="latency of a scanned array, term by term; --cop4: resolution of a four-wire sensor"
     )
     parser.add_argument("--cop4", action="store_true", help="position and load resolution of four electrodes")
     parser.add_argument("--rows", type=int, metavar="M", help="taxels (64; four-wire: 41)")
@@ -161,11 +167,11 @@ def _calibrate(commands):
 
 def _config(commands):
     """``meissner config list | check FILE | show FILE``."""
-    config = commands.add_parser("config", help="check a configuration, or show what it comes to")
+    config = commands.add_parser("config", help="check a configuration, or show its parameters")
     actions = config.add_subparsers(dest="action", required=True, metavar="ACTION")
     listing = actions.add_parser("list", help="the named configurations, one line each")
     listing.set_defaults(call="meissner.builds.config:command_list")
-    check = actions.add_parser("check", help="say what is wrong with a file, or that nothing is")
+    check = actions.add_parser("check", help="report what is wrong with a file, or that nothing is")
     check.add_argument("file", metavar="FILE", help="a TOML file (docs/config.md), or a name")
     check.set_defaults(call="meissner.builds.config:command_check")
     show = actions.add_parser("show", help="its RTL parameters and register values")

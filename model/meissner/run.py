@@ -15,7 +15,7 @@ def check(scene, engine, waves=False):
 def run(scene, engine, out, seed=1, waves=False, progress=lambda runs: runs):
     """Run a scene; write results to ``out``; return the summary.
 
-    They take the place of an earlier run's when all are there: no picture of another scene stays behind.
+    They replace the results of an earlier run when all are written, so no picture of another scene stays.
     """
     check(scene, engine, waves)
     out = Path(out)

@@ -108,7 +108,7 @@ async def damage_meets_every_other_event(dut, stall_rate):
             [(60 + channel, channel, 0, 0) for channel in range(final)],
             3,
         ),
-        # damage again in the frame that begins anew
+        # damage again in the frame that begins again
         (
             [*good(channels, 80)[:-1], (80 + final, final, 0), (99, 0, 0), (98, final, 1)],
             [(80 + channel, channel, 0, 1) for channel in range(final)],

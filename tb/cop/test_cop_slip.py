@@ -1,4 +1,4 @@
-"""msn_cop_slip against its model, the model against fractions and times counted anew: drops at, just above
+"""msn_cop_slip against its model, the model against fractions and times counted again: drops at, just above
 and just below the fraction, moves at the limit in every direction, octants at their limits, full scale, the
 gate, hold and refractory of 0, some and many samples and to the sample, lags of 1 to 40; the published slip
 found with its direction, a slow or plain release not; gaps, stalls, reset in each state, exact clocks."""
@@ -270,7 +270,7 @@ def test_a_release_is_no_slip(kind):
         *scene(kind, 0, np.random.default_rng(1))
     )
     assert not got.slip.any()
-    if kind == "release":  # what tells it apart is the move alone
+    if kind == "release":  # only the move distinguishes it
         assert (
             CopSlip(16, CopSlipRegisters(77, 0, 200))
             .process(*scene(kind, 0, np.random.default_rng(1)))

@@ -1,5 +1,6 @@
 """The folder of ``meissner run``: a second run's results take the place of the first one's, all or none of
-them, and nothing of the user's; README's commands do not share a folder, and git ignores what they write."""
+them, and nothing of the user's. The runs that README and docs/commands.md name do not share a folder, and git
+ignores what they write."""
 
 import json
 import re
@@ -69,8 +70,10 @@ def test_a_summary_of_others_removes_nothing(results, summary):
     assert (results.folder.parent / "own").exists()
 
 
-def test_readme_s_commands_have_folders_of_their_own_which_git_ignores():
-    folders = re.findall(r"--out (results\S*)", (ROOT / "README.md").read_text())
+def test_the_commands_of_the_pages_have_folders_of_their_own_which_git_ignores():
+    pages = [(ROOT / name).read_text() for name in ("README.md", "docs/commands.md")]
+    runs = {found for page in pages for found in re.findall(r"meissner (.*) --out (results\S*)", page)}
+    folders = [folder for _, folder in runs]
     assert len(folders) >= 4 and len(set(folders)) == len(folders)
     for folder in folders:
         ignored = subprocess.run(["git", "check-ignore", "-q", f"{folder}/report.html"], cwd=ROOT)

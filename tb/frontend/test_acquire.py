@@ -137,13 +137,13 @@ async def each_counter_counts_its_own(dut):
     serial = hasattr(dut, "Serial") and number(dut, "Serial")
     part = PARTS[number(dut, "Adc")]
     twin = AdcSpi(part, *(number(dut, name) for name in ("Channels", "AdcLanes", "ClkKhz", "SclkKhz")))
-    period = twin.safe_period() + twin.watch_clocks + twin.start_clocks()  # a wrong tag: it is set up anew
+    period = twin.safe_period() + twin.watch_clocks + twin.start_clocks()  # a wrong tag: it is set up again
     if serial:
         period += 66  # a sample of the frame before must have been taken when a frame starts
     cases = [("over_range", period, 1), ("dropped", period, 0), ("overrun", 1, 1)]
     if part is AD7606:
         cases = [("timeout", period, 1)]
-    if part is MAX11125:  # every answer bears the number 15
+    if part is MAX11125:  # every answer carries the number 15
         cases = [("mistagged", period, 1)]
     if number(dut, "AdcPeriod"):  # it has no register for the period, and so no overrun
         period = number(dut, "AdcPeriod")

@@ -560,7 +560,7 @@ async def busy_released_late_is_not_taken_for_an_answer(dut):
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 @cocotb.parametrize(spoilt=range(1, 9), asleep=[False, True])
 async def tag_of_another_channel_loses_the_frame(dut, spoilt, asleep):
-    """One answer of one frame bears a wrong number: that frame is lost whole, the part set up again."""
+    """One answer of one frame carries a wrong number: that frame is lost whole, the part set up again."""
     harness = Harness(dut)
     await harness.start(2 * harness.twin.safe_period() + 2 * harness.twin.start_clocks())
     await harness.frames(2)

@@ -1,5 +1,6 @@
 """Bursts: every count and period that the registers hold in a small build (0 is the greatest), starts apart,
-back to back and within a burst; the mark of the first sample; a loss told once a burst; reset in the middle.
+back to back and within a burst; the mark of the first sample; a loss reported once a burst; reset in the
+middle.
 """
 
 import random

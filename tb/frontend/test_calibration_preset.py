@@ -1,5 +1,5 @@
 """msn_calibration_preset against its model: every write after a reset, the swap, then the writes of a host as
-they are and none before; a reset in the middle starts anew."""
+they are and none before; a reset in the middle starts again."""
 
 import random
 

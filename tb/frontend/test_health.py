@@ -52,7 +52,7 @@ async def begin(dut, limits):
 
 
 async def begin_again(dut, limits, events):
-    """Reset with other limits, nothing told yet; returns their twin."""
+    """Reset with other limits, nothing reported yet; returns their twin."""
     for name, value in registers_of(dut, limits).items():
         getattr(dut, name).value = value
     await bench.reset(dut)
@@ -165,7 +165,7 @@ async def matches_model(dut, stall_rate, damage):
 @bench.applies(lambda dut: taxels(dut) <= 500)
 @cocotb.test(timeout_time=40, timeout_unit="ms")
 async def no_event_is_lost_that_nobody_takes(dut):
-    """With an event taken now and then, every fault is told in the end, as often as without stalls."""
+    """With an event taken now and then, every fault is reported in the end, as often as without stalls."""
     rng, draw = np.random.default_rng(bench.SEED), random.Random(bench.SEED)
     twin, events, listener = await begin(dut, Limits(**QUICK))
 

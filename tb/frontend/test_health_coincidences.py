@@ -89,7 +89,7 @@ async def cleared_and_reported_at_every_clock(dut):
 
 @cocotb.test(timeout_time=50, timeout_unit="ms")
 async def events_that_nobody_takes_meet_the_next_ones(dut):
-    """Nobody takes an event until any clock of the frames after: each is told once, none is lost, and no
+    """Nobody takes an event until any clock of the frames after: each is reported once, none is lost, and no
     count waits."""
     settings = {f"cfg_{name}_i": value for name, value in LIMITS.items()}
     idle = {"in_user_i": 0, "out_ready_i": 1, "cfg_clear_i": 0, "cfg_report_i": 0}

@@ -269,7 +269,7 @@ def test_live_takes_a_users_configuration(meissner, tmp_path):
 
 
 @pytest.mark.parametrize("arguments", [("regs", "core:slip1"), ("regs", "pty:/none", "--config", "slip1")])
-def test_a_build_without_registers_is_not_asked(meissner, arguments):
+def test_a_build_without_registers_is_not_read(meissner, arguments):
     code, out, err = meissner(*arguments)
     assert (code, out) == (2, "") and len(err.splitlines()) == 1
     assert "slip1 is built without registers: it can only be listened to" in err

@@ -477,7 +477,7 @@ def test_what_is_no_line_is_refused(url, sentence):
 
 
 def test_unplugged_in_the_middle_of_a_packet(tmp_path):
-    """The pty is closed when half a packet is out; the same name comes back; the gap is told and counted."""
+    """The pty is closed when half a packet is out; the same name comes back; the gap counts."""
     name, said = tmp_path / "core", []
     pipe = Pipe(simulated())
     first = Pty(pipe)
@@ -506,7 +506,7 @@ def test_unplugged_in_the_middle_of_a_packet(tmp_path):
         second.unplug()
 
 
-def test_unplugged_while_a_register_is_asked(tmp_path):
+def test_unplugged_while_a_register_is_read(tmp_path):
     name = tmp_path / "core"
     pipe = Pipe(simulated())
     first = Pty(pipe)
@@ -565,7 +565,7 @@ def until_quiet(core):
         pass
 
 
-def test_lost_commands_and_answers_are_asked_again_with_the_same_tag():
+def test_lost_commands_and_answers_are_repeated_with_the_same_tag():
     pipe, seen = Pipe(simulated()), []
     core = connected(pipe, timeout_s=0.02)
     lose = iter([True, True, False])
@@ -649,7 +649,7 @@ def test_another_baud_rate_is_named():
             connected(pipe, **QUICK)
 
 
-def test_noise_is_told_once_until_packets_come_again():
+def test_noise_is_reported_once_until_packets_come_again():
     rng, said = np.random.default_rng(1), []
     pipe = Pipe(simulated())
     core = connected(pipe, say=said.append)

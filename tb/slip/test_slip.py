@@ -137,7 +137,7 @@ async def matches_model(dut, rises, stall_rate):
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def moving_is_that_of_the_clock_that_takes_a_detail(dut):
-    """The actuator moves or rests anew at every clock, most often otherwise between two details."""
+    """The actuator may move or rest at every clock, most often otherwise between two details."""
     channels = dut.Channels.value.to_unsigned()
     draw = random.Random(bench.SEED)
     config = SlipConfig(threshold=THRESHOLD, gross_threshold=GROSS, contact_level=CONTACT)
@@ -395,7 +395,7 @@ async def timers_end_on_time_with_every_bit(dut):
         dut.in_valid_i.value = 0
         await bench.clocks(dut, 2)
         watch.cancel()
-        # A detail is taken a clock after it is offered, and tells its state after two.
+        # A detail is taken a clock after it is offered, and gives its state after two.
         expected = [(before + 10 * (at + 2), states[at]) for at in np.flatnonzero(np.diff(states)) + 1]
         assert [change for change in seen if change[0] > before + 20] == expected, config
 
@@ -437,7 +437,7 @@ def test_model_tells_one_slip_as_a_story():
     assert twin.blanked == 2
 
 
-def test_model_keeps_a_flag_as_told():
+def test_model_keeps_a_flag_above_the_keep_threshold():
     p2p, level, moving, states = zip(*KEPT)
     assert Slip(1, KEPT_CONFIG).process([p2p], [level], moving)[0].tolist() == [*states]
 

@@ -182,7 +182,7 @@ async def timers_reach_their_top_bit(dut):
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def moving_is_that_of_the_clock_that_takes_a_sample(dut):
-    """The actuator moves or rests anew at every clock, most often otherwise than when a sample is taken."""
+    """The actuator may move or rest at every clock, most often otherwise than when a sample is taken."""
     twin = usual(dut, hold=1, refractory=0, blank=0)
     await bench.start(dut, out_ready_i=1, actuator_moving_i=0)
     await apply(dut, twin)

@@ -1,5 +1,5 @@
-"""`make faults` in a short form: a few hundred faults in small blocks, none wrong in silence; and it finds
-what it is for: a state machine that never finds back, a frame whose damage nobody tells."""
+"""`make faults` in a short form: a few hundred faults in small blocks, none of them undetected; and it
+finds what it is for: a state machine that never recovers, a frame whose damage nobody reports."""
 
 import json
 import re
@@ -12,7 +12,7 @@ from verify import benches, faults
 
 
 @pytest.mark.parametrize("block", ["frame_check", "skid"])
-def test_none_is_silent(block):
+def test_no_fault_is_undetected(block):
     results = faults.inject(block, 40, 3)
     kinds = {result.kind for result in results}
     assert {"bit", "reset"} <= kinds and len(results) > 40
@@ -42,7 +42,7 @@ def _with(program, paths):
     return made
 
 
-def test_finds_damage_that_nobody_tells(monkeypatch, tmp_path):
+def test_finds_damage_that_nobody_reports(monkeypatch, tmp_path):
     told = "if (in_last_i) restart <= !keep;\n    end\n"
     told += "    damage    <= in_valid_i && in_ready_o && in_last_i && !keep;"
     planted(monkeypatch, tmp_path, "frame_check", told, "restart <= 1'b0;\n    end\n    damage <= 1'b0;")

@@ -1,4 +1,4 @@
-"""README's Results and Boards have what constraints/*.json and docs/figures.json record, to the letter, and a
+"""docs/results.md and README have what constraints/*.json and docs/figures.json record, to the letter, and a
 figure whose RTL, model or entry has changed since is marked (stale); each other row names the test that
 asserts it."""
 
@@ -15,17 +15,34 @@ import synth
 from meissner.builds import boards, toolchain
 from verify import revision
 
-README = figures.README.read_text("utf-8")
+RESULTS, README = (path.read_text("utf-8") for path in figures.PAGES)
 PAIRS = json.loads(synth.RESOURCES.read_text("utf-8"))
 
 
-def test_the_page_has_what_is_recorded():
-    assert figures.page(README, figures.Records(), PAIRS) == README, "`python tools/figures.py --page`"
+@pytest.mark.parametrize("path", figures.PAGES, ids=lambda path: path.name)
+def test_the_pages_have_what_is_recorded(path):
+    text = path.read_text("utf-8")
+    assert figures.page(text, figures.Records()) == text, "`python tools/figures.py --page`"
+
+
+def test_readme_has_at_most_ten_of_the_figures():
+    rows = figures.results(README)
+    assert 5 <= len(rows) <= 10 and all(row in figures.results(RESULTS) for row in rows)
+
+
+def test_readme_s_picture_is_the_run_that_is_recorded():
+    """The scene's first seed, whose picture a summary keeps with its times."""
+    run = figures.Records().printed["acrylic_slip"]["summary"]
+    after, before = 1e3 * run["delay_s"], 1e3 * (run["gross_s"] - run["flag_s"])
+    words = (
+        f"flag {after:.1f} ms after the first partial slip and {before:.0f} ms before the whole contact slips"
+    )
+    assert " ".join(README.split()).count(words) == 2, "above the picture and below it"
 
 
 def test_every_result_is_generated_or_names_the_test_that_asserts_it():
     """What is measured in clocks or microseconds stands in that test as a literal."""
-    rows = figures.results(README)
+    rows = figures.results(RESULTS)
     assert len(rows) > 20 and all(len(row) == 3 for row in rows)
     whats = [what for what, _, _ in rows]
     assert len(set(whats)) == len(whats) and set(figures.GENERATED) <= set(whats)

@@ -107,7 +107,7 @@ def test_a_mutant_that_changes_a_memory_is_not_equivalent():
 
 
 def test_a_mutant_that_changes_what_is_before_the_first_reset_is_equivalent():
-    """If the harness tells it; there the invariant says nothing."""
+    """If the harness says so; before that the invariant does not hold."""
     after = "(assert (|t_n started| a))"
     assert after in formal_mutants.question(f"{STATE}; yosys-smt2-wire started 1\n", "t", 3)
     assert after not in formal_mutants.question(STATE, "t", 3)

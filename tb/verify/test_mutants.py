@@ -46,7 +46,7 @@ def test_a_large_block_has_options_of_its_own():
     assert tool.fitted(OPTIONS, "skid", default) == OPTIONS
 
 
-def test_a_weak_test_leaves_survivors_that_the_solver_tells_apart():
+def test_a_weak_test_leaves_survivors_that_the_solver_distinguishes():
     """Only the reset of msn_skid is tested: the solver finds what those mutants do, none is equivalent."""
     folder = "build/mutants/skid-weak"
     run, found = one("skid", 20, "skid-weak", test_filter="forgets_what")

@@ -1,5 +1,5 @@
 """`make regress` in a short form: two sizes of a small block in one build; a planted bug is found, made small
-and told with its command; Dask's workers do the same; sizes are legal and repeat with their seed."""
+and reported with its command; Dask's workers do the same; sizes are legal and repeat with their seed."""
 
 import random
 import sys

@@ -117,7 +117,7 @@ def test_what_is_recorded_is_of_blocks_that_are_there():
     assert trust.strangers(trust.records()) == []
 
 
-def test_a_stranger_is_told():
+def test_a_stranger_is_reported():
     said = trust.strangers({"mutants": {"blocks": {"skid": {}, "none": {}}}})
     assert said == ["docs/trust/mutants.json has none, which rtl/rtl.f does not list"]
 
@@ -125,3 +125,32 @@ def test_a_stranger_is_told():
 def test_every_block_has_a_row():
     rows = trust.page({}).splitlines()
     assert benches.blocks() and all(f"| {block} |" in rows for block in benches.blocks())
+
+
+def test_what_the_evidence_does_not_show_is_counted():
+    around = {"proven": True, "around": ["skid"]}
+    recorded = {
+        "formal": {"blocks": {"skid": {}, "fork": {}}},
+        "mutants": {
+            "blocks": {
+                "skid": {"mutants": 25, "survived": ["a"]},
+                "fork": {"mutants": 50, "survived": [], "source": {"mutants": 24, "survived": ["b", "c"]}},
+            }
+        },
+        "coverage": {"blocks": {"skid": {"of": "x", "line": [5, 5, 7], "toggle": [4, 4, 1100]}}},
+        "equivalence": {
+            "blocks": {
+                "skid": {"ecp5": {"proven": True}, "reset": {"proven": True}},
+                "fork": {"ecp5": around, "ice40": around, "reset": {"proven": False, "clocks": 5}},
+                "sync": {"ice40": around, "reset": {"proven": False, "clocks": 2}},
+                "fifo": {"ice40": around, "reset": {"proven": False, "error": "x"}},
+            }
+        },
+    }
+    said = trust.left_out(recorded)
+    assert f"2 of {len(benches.blocks())} blocks" in said["formal"]
+    assert "24 to 50 of each kind" in said["mutants"] and "3 survived" in said["mutants"]
+    assert "1,107 points are excluded" in said["coverage"]
+    assert "In 3 blocks inner blocks are black boxes" in said["equivalence"]
+    assert "For 2 blocks the reset" in said["equivalence"] and "for 1 it is open" in said["equivalence"]
+    assert set(said) == set(trust.KINDS)

@@ -62,7 +62,7 @@ SETTLE = {
         "electrodes": 2,
     },
 }
-# What the driver must be told of a block, see there.
+# What the driver needs to know about a block, see there.
 # Of calibrations: the tables, which of the two is in use and whether any is, until they are written again.
 # Of a scan: what it took as it was switched on, until it is switched off; what counts to its next row, frame.
 SCAN_TAKEN = "settle_q,period_q,slip_row_q,slip_group_q"
@@ -405,6 +405,7 @@ def total(blocks):
 
 def table(blocks):
     """The recorded facts of all blocks {name: facts}, as the table of docs/faults.md."""
-    rows = [["block", *COLUMNS], ["---"] * (1 + len(COLUMNS))]
+    named = {"told": "reported", "silent": "undetected"}
+    rows = [["block", *(named.get(key, key) for key in COLUMNS)], ["---"] * (1 + len(COLUMNS))]
     rows += [[f"`{name}`", *(str(facts.get(key, 0)) for key in COLUMNS)] for name, facts in blocks.items()]
     return "".join(f"| {' | '.join(row)} |\n" for row in rows)

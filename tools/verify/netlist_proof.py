@@ -108,7 +108,7 @@ def prove(source, netlist, folder, name, from_reset=False):
     """Names of the outputs that are not proven equal; files in ``folder`` begin with ``name``.
 
     ``from_reset``: registers that a reset sets begin as it leaves them: for a state machine whose states
-    synthesis numbered anew, so that its registers have nothing in common.
+    synthesis encoded again, so that its registers have nothing in common.
     """
     graph, latches, differs = miter(source, netlist, from_reset)
     stem = f"{folder}/{name}"

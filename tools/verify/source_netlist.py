@@ -170,7 +170,7 @@ def netlist(run, count, seeds, folder):
 
 
 def _netlist(folder, number):
-    """A copy of the block as Yosys wrote it; names that come from places in its source are counted anew."""
+    """A copy of the block as Yosys wrote it; names that come from places in its source are counted again."""
     text = (ROOT / folder / f"copy_{number}.il").read_text()
     text = re.sub(rf"copy_{number}\b|[\w/-]+\.sv:[\d.-]+", "", text)
     lines = [line for line in text.splitlines() if not re.match(r" *attribute|autoidx|#", line)]

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-ROOM = 1.05  # above the rails: their tolerance, and a clipped code must be told from a rail's
+ROOM = 1.05  # above the rails: their tolerance, and a clipped code must differ from a rail's
 BITS = (8, 24)
 SIDE = 1024
 PLACES = 5  # along each axis, both ends included

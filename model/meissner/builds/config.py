@@ -2,7 +2,7 @@
 
     config = load("fingertip")          a name of model/meissner/builds/configs, or the path of a TOML file
     config.parameters                   {name: int} of rtl/msn_core.sv
-    config.settings                     {"slip.threshold": code, ...}, every setting it decides
+    config.settings                     {"slip.threshold": code, ...}, every setting that it determines
     config.units                        meissner.builds.units.Units
 
 docs/config.md describes the tables. Every mistake is a ValueError of one sentence that names file and place.
@@ -38,7 +38,7 @@ def names():
 
 
 def _with(where, table, required, defaults):
-    """The checked table, absent optional keys filled in."""
+    """The checked table, with absent optional keys filled in."""
     unknown = [key for key in table if key not in required and key not in defaults]
     if unknown:
         known = ", ".join([*required, *defaults])
@@ -85,7 +85,7 @@ def _slip(at, table, config):
 
 
 def _levels(at, unit, given):
-    """ValueError where one level of [slip] would undo the other; the same twice is allowed."""
+    """ValueError if one level of [slip] would undo the other; equal levels are allowed."""
     rises = given["contact_rises"]
     for upper, lower, way in (
         ("gross_threshold", "threshold", True),
@@ -122,7 +122,7 @@ def load(name, mhz=None, part=None, registers=None):
 
 
 def _sizes(tables):
-    """ValueError for a number that no sensor, clock or converter has: what follows from it cannot be said."""
+    """ValueError for a number that no sensor, clock or converter has; nothing could be derived from it."""
     for table, keys in tables.items():
         for key, value in keys.items() if isinstance(keys, dict) else ():
             if isinstance(value, (int, float)) and value and not SMALLEST <= abs(value) <= LARGEST:

@@ -18,7 +18,7 @@ _LOAD = {"lsb_n": float, "min_n": float, "correction": str}
 
 
 def mesh_table(where, table, r_ohm=float):
-    """The checked [mesh], r_ohm as its kind says: a number, or a list that the caller checks."""
+    """The checked [mesh]; r_ohm is a number, or by its kind a list that the caller checks."""
     table = fields(where, table, _SIZE | {"r_ohm": r_ohm} | _CIRCUIT)
     between(where, table, {"rows": (1, 1024), "columns": (1, 1024)})
     positive(where, table, [*(["r_ohm"] if r_ohm is float else []), *_CIRCUIT])

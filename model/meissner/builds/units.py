@@ -1,4 +1,4 @@
-"""What ticks, codes and taxels of a core are worth; what a core does not know of itself.
+"""The units of a core's ticks, codes and taxels; what a core does not know about itself.
 
 A detail of level l is sqrt(2)^l times the Haar coefficient (meissner.twins.slip.haar), a level's sum is
 that of 2^l samples:
@@ -8,7 +8,7 @@ that of 2^l samples:
     code of a least load   = ceil(newtons / newtons_per_code)             pressed from it on, so exact
     clocks of a settling   = ceil(seconds·clk_hz), 1 at least
 
-Exact: numbers are taken as they are written, 0.57 as 57/100. In floating point 0.57/0.001 is below 570.
+Exact: a number means exactly what is written, 0.57 is 57/100. In floating point 0.57/0.001 is below 570.
 """
 
 from collections.abc import Callable
@@ -135,7 +135,7 @@ class Units:
         return round(exact(seconds) * 1000 * self._need("clk_khz", "a time in seconds"))
 
     def settle_clocks(self, seconds):
-        """At least that long."""
+        """Clocks that last at least that long."""
         return max(1, ceil(exact(seconds) * 1000 * self._need("clk_khz", "a time in seconds")))
 
     def load_code(self, newtons):

@@ -91,7 +91,7 @@ def cop(forces, min_load=1):
     """sum, mx, my, x, y, valid of each frame of ``forces`` [frames, rows, columns].
 
     The moments are integers below 2^53 and so exact; x and y can differ from the exact ones by the last
-    bit, where the quotient lies closer to a half than float64 can tell.
+    bit, where the quotient lies closer to a half than float64 resolves.
     """
     frames, rows, columns = forces.shape
     total, mx, my = np.empty((3, frames))

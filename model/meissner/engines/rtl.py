@@ -139,7 +139,7 @@ def _run(x, config, moving=None):
 
 @dataclass(frozen=True)
 class Pins:
-    """A run at the converter's pins: what came out, and the clocks it took."""
+    """A run at the converter's pins: its output, and the clocks it took."""
 
     watched: Watched
     facts: dict

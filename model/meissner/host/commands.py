@@ -14,12 +14,12 @@ LINE_S, PICTURE_S = 1.0, 0.1  # between two lines in a pipe, two pictures on a t
 
 
 def _tell(sentence):
-    with suppress(OSError):  # a terminal that is gone ends no log
+    with suppress(OSError):  # a closed terminal does not end a log
         print(f"meissner: {plain(sentence)}", file=sys.stderr, flush=True)
 
 
 def _connect(arguments, registers=None, say=_tell):
-    """The Core that the arguments name, its units those of the configuration where one is named."""
+    """The Core that the arguments name, with the units of the configuration if they name one."""
     from meissner import host
     from meissner.builds import config
 
@@ -61,7 +61,7 @@ def _amount(text):
 
 
 def _wanted(core, given):
-    """[(name, value or None)] of the arguments, all checked; a group's name stands for its registers."""
+    """[(name, value or None)] of the arguments, all checked; a group's name means all its registers."""
     from meissner.host import names
 
     wanted = []
@@ -117,7 +117,7 @@ def live(arguments):
 
 
 def _beats(core, seconds, every_s):
-    """(item or None, whether ``every_s`` passed again): the packets with a beat between them."""
+    """(item or None, whether ``every_s`` passed again): packets, and a beat at intervals."""
     end = None if seconds is None else time.monotonic() + seconds
     following = time.monotonic() + every_s
     while True:
@@ -175,7 +175,7 @@ def _live_picture(core, view, seconds, messages):
 @contextmanager
 def _stopping(core):
     """Ctrl-C, a polite kill or the end of the terminal ends the stream between two packets, and what was
-    written gets its end. Who started this with a signal ignored, as nohup does, has it ignored."""
+    written gets its end. A signal that the parent ignores, as nohup does, stays ignored."""
 
     def stop(*_):
         core.stop()

@@ -1,4 +1,4 @@
-"""A core at the other end of a line: found, checked, set up, listened to; found again when it was gone."""
+"""A core at the other end of a line: find it, check it, set it up, receive from it, reconnect to it."""
 
 import logging
 import random
@@ -14,29 +14,29 @@ from meissner.twins.link import bridge
 from meissner.twins.link import packet as p
 from meissner.twins.link.decoder import Decoder
 
-NOISE = 4096  # bytes without a packet among them: sixteen packets of the longest would have come
-UNREAD = 1 << 16  # packets that wait for somebody to take them; then the oldest go
+NOISE = 4096  # bytes without a packet among them: as many as sixteen of the longest packets
+UNREAD = 1 << 16  # packets that wait for the program; beyond that the oldest are dropped
 # A time that goes back is a reset, unless no more clocks than these lie between the two across the end of the
 # time's 48 bits, which comes after 33 days at 100 MHz.
 LONGEST_SILENCE = 1 << 40
-FIRST_WAIT_S, LONGEST_WAIT_S = 0.05, 5.0  # between two tries to open a line that is gone
+FIRST_WAIT_S, LONGEST_WAIT_S = 0.05, 5.0  # between two tries to open an interrupted line
 
 
 class Refused(ValueError):
-    """What answers is not what this host speaks to."""
+    """The device that answers is not a core that this host supports."""
 
 
 class NoAnswer(OSError):
-    """The core did not answer, and why that may be."""
+    """The core did not answer; the message gives the likely reason."""
 
 
 @dataclass
 class Counts:
-    """Of the line. ``lost``: packets whose numbers did not come, mod 256 in each gap; ``damaged``: frames
-    that were no packet; ``images_lost``: images of which a part was lost; ``images_unfit``: images dropped
-    because they have another size than the units say; ``unknown``: packets of types that this host does not
-    know; ``gaps``, ``gap_s``: how often and how long the line was gone; ``restarts``: of the core;
-    ``retries``: commands sent again; ``unread``: packets dropped because nobody took them.
+    """Counters of the line. ``lost``: packets whose numbers are missing, mod 256 in each gap; ``damaged``:
+    frames that were no packet; ``images_lost``: images of which a part was lost; ``images_unfit``: images
+    dropped because they have another size than the units say; ``unknown``: packets of types that this host
+    does not know; ``gaps``, ``gap_s``: how often and how long the line was interrupted; ``restarts``: of the
+    core; ``retries``: commands sent again; ``unread``: packets dropped because the program did not take them.
     """
 
     bytes: int = 0
@@ -57,7 +57,7 @@ class Core:
     """``line``: of meissner.host.line; see ``meissner.host.connect`` for the rest.
 
     ``core["slip.threshold"]`` reads and writes registers by the names of docs/registers.md; ``packets()``
-    yields what the core says. Both see to it that the line is opened again when it was gone.
+    yields its packets. Both open the line again after an interruption.
     """
 
     def __init__(self, line, known=None, registers=True, timeout_s=0.25, retries=3, give_up_s=30.0, say=None):
@@ -77,7 +77,7 @@ class Core:
         if registers:
             try:
                 self._identify()
-                self._waiting.clear()  # came before its units were known
+                self._waiting.clear()  # they came before the units were known
                 self["core.scratch"] = random.randrange(1, 1 << 32)  # gone after a reset: see _greet
             except Gone as gone:
                 raise NoAnswer(str(gone)) from None
@@ -90,17 +90,17 @@ class Core:
 
     @units.setter
     def units(self, known):
-        """The core's own part, clock and size, stays."""
+        """The core's own part of them, clock and size, stays."""
         own = {name: getattr(self.units, name) for name in ("clk_khz", "rows", "columns")}
         self._assembler.units = replace(known, **{k: v for k, v in own.items() if v is not None})
 
     @property
     def now(self):
-        """Clocks since the core's reset when it last told them; 0: not yet."""
+        """Clocks since the core's reset, as it last reported them; 0: not yet."""
         return self._newest
 
     def _identify(self):
-        """ID, VERSION, FEATURES, SIZE, clock, widths; Refused in one sentence if it is another."""
+        """ID, VERSION, FEATURES, SIZE, clock, widths; Refused in one sentence if the core is another."""
         name = self.line.name
         found = self._ask(bridge.READ, names.place("core.id"))
         if found != names.place("core.id").field.reset:
@@ -138,7 +138,7 @@ class Core:
 
     @property
     def ended(self):
-        """There is no more to come: the end of a file."""
+        """No more will come: the end of a file."""
         return self._ended and not self._waiting
 
     def names(self):
@@ -166,7 +166,7 @@ class Core:
     def __setitem__(self, name, value):
         place = self.check(name, value)
         word = 0
-        if place.field is not None and len(place.register.fields) > 1:  # its neighbours stay
+        if place.field is not None and len(place.register.fields) > 1:  # the other fields keep their values
             word = self._ask(bridge.READ, place)
             if self._restarted and self._restore():
                 word = self._ask(bridge.READ, place)
@@ -188,7 +188,7 @@ class Core:
         return code
 
     def _ask(self, operation, place, data=0):
-        """The word that the core answers; NoAnswer, or ValueError if it refuses the access."""
+        """The word in the core's answer; NoAnswer, or ValueError if it refuses the access."""
         self._tag = self._tag + 1 & 255
         tag, address = self._tag, place.address
         attempts, heard, packets = 0, self.counts.bytes, self.counts.packets
@@ -223,7 +223,7 @@ class Core:
         raise ValueError(f"{place.name} could not be {what}: {why}".replace("be write", "be written"))
 
     def _silence(self, heard, packets):
-        """Why nothing may have answered."""
+        """Why there may have been no answer."""
         name = self.line.name
         if packets:
             return (
@@ -263,7 +263,7 @@ class Core:
                 return
 
     def _hear(self, timeout_s):
-        """Take what comes within the time, at once if something does."""
+        """Take the bytes that come within the time; return at once when some do."""
         try:
             data = self.line.read(timeout_s)
         except Ended:
@@ -274,13 +274,13 @@ class Core:
             return
         self.counts.bytes += len(data)
         self._since_packet += len(data)
-        if self._joining:  # in the middle of a packet, perhaps: its rest is no damage
+        if self._joining:  # perhaps in the middle of a packet: its rest is no damage
             data = data[data.find(0) :] if 0 in data else b""
             self._joining = not data
         for packet in self._decoder.next(data):
             self._take(packet)
         self.counts.damaged = self._decoder.damaged
-        greeting = self.registers and self.features is None  # whose failure says the same
+        greeting = self.registers and self.features is None  # its failure reports the same
         if self._since_packet >= NOISE and not self._told_noise and not greeting:
             self._told_noise = True
             name = self.line.name
@@ -315,7 +315,7 @@ class Core:
             self._put(item)
 
     def _say_unfit(self, taxels):
-        """Once for each size that comes."""
+        """Report it once for each size."""
         if taxels not in self._told_unfit:
             self._told_unfit.add(taxels)
             rows, columns = self.units.rows or 1, self.units.columns
@@ -331,14 +331,14 @@ class Core:
         self._waiting.append(item)
 
     def _started_over(self):
-        """Time went back: the core was reset, its numbers and settings started over."""
+        """Time went back: the core was reset, and its numbers and settings with it."""
         self.counts.restarts += 1
         self._missed_before = self._decoder.missed
         self._assembler.restart()
         self._restarted = True
 
     def _restore(self):
-        """Write again what this host had written; whether it could be."""
+        """Write again what this host had written; returns whether that succeeded."""
         known = [item for item in self._written.values() if self._has(item[0].group)]
         try:
             with self._impatient():
@@ -355,7 +355,7 @@ class Core:
 
     @contextmanager
     def _impatient(self):
-        """A line that goes meanwhile is not waited for."""
+        """Do not wait for a line that is interrupted meanwhile."""
         patience, self.give_up_s = self.give_up_s, -1.0
         try:
             yield
@@ -371,7 +371,7 @@ class Core:
         self.say(f"{gone}; trying to open it again")
 
     def _reopen(self, timeout_s):
-        """One try to have the line again, when its time has come; waits at most about ``timeout_s``."""
+        """Try once to open the line again, if it is time to; waits at most about ``timeout_s``."""
         wait = self._try_at - time.monotonic()
         if wait > timeout_s:
             time.sleep(timeout_s)
@@ -397,7 +397,7 @@ class Core:
         self._put(Gap(self._reason, seconds))
 
     def _greet(self):
-        """``_identify`` on a line that has just come back, and whether it was reset meanwhile."""
+        """``_identify`` on a line that has just come back; returns whether the core was reset meanwhile."""
         with self._impatient():
             restarts = self.counts.restarts
             self._identify()
@@ -409,7 +409,7 @@ class Core:
                 self._started_over()
 
     def stop(self):
-        """No more packets than have come: ``packets`` ends."""
+        """``packets`` ends after the packets that have come."""
         self._ended = True
 
     def close(self):

@@ -1,8 +1,8 @@
 """Where a core's bytes come from, behind one interface: ``read``, ``write``, ``close``, ``reopen``.
 
-serial:/dev/ttyUSB0?baud=3000000     a serial port (3 Mbaud unless told); /dev/tty... alone is one too
+serial:/dev/ttyUSB0?baud=3000000     a serial port (3 Mbaud by default); /dev/tty... alone is one too
 pty:/dev/pts/7                       a pseudo-terminal, as a simulated core offers
-file:capture.bin                     what came over a line, as it came; nothing can be written
+file:capture.bin                     the recorded bytes of a line; nothing can be written
 sim:SCENE[+SCENE]                    a simulated core in this process: meissner.host.simulated
 core:CONFIG                          the RTL of a configuration in this process, its sensor showing a scene
 """
@@ -21,11 +21,11 @@ BAUD = 3_000_000
 
 
 class Gone(OSError):
-    """The line is gone (unplugged, closed); it may come back."""
+    """The line is interrupted (unplugged, closed); it may come back."""
 
 
 class Ended(Exception):
-    """There is no more to come."""
+    """No more will come."""
 
 
 class Device:
@@ -37,14 +37,14 @@ class Device:
         self.reopen()
 
     def reopen(self):
-        """Open it (again); OSError if it cannot be."""
+        """Open it (again); OSError if that fails."""
         self.close()
         if self.baud is None:
             self._fd = os.open(self.path, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
             if not os.isatty(self._fd):
                 self.close()
                 raise OSError(f"{self.path} is not a terminal")
-            tty.setraw(self._fd, termios.TCSANOW)  # without throwing away what came
+            tty.setraw(self._fd, termios.TCSANOW)  # without discarding the bytes that came
         else:
             import serial
 
@@ -53,7 +53,7 @@ class Device:
             self._fd = self._port.fileno()
 
     def read(self, timeout_s):
-        """The bytes that are there, waiting for them up to ``timeout_s``; b"" if none came; Gone."""
+        """The bytes that have come, after a wait of up to ``timeout_s``; b"" if none came; Gone."""
         try:
             if not select.select([self._fd], [], [], max(0.0, timeout_s))[0]:
                 return b""

@@ -1,4 +1,4 @@
-"""Logs of what a core said: written to .mcap (ROS 2 messages) or .npz (arrays), read back from either.
+"""Logs of a core's packets: written to .mcap (ROS 2 messages) or .npz (arrays), read back from either.
 
 Arrays, one row a packet, times in clocks and ``_ns`` in nanoseconds of UTC:
 
@@ -8,10 +8,10 @@ Arrays, one row a packet, times in clocks and ``_ns`` in nanoseconds of UTC:
     gap_ns, _seconds, _reason
 
 and the facts: clk_khz, start_ns and start_time (the same instant), newtons_per_code (nan: not known),
-min_load where the core told it, and the counters of the line (meissner.host.core.Counts); ``partial`` where
+min_load if the core reported it, and the counters of the line (meissner.host.core.Counts); ``partial`` where
 the log was ended by force.
 
-While it comes, everything goes to a spool beside the target every FLUSH_S seconds: chunks of an MCAP file,
+Until the end, all packets go to a spool beside the target every FLUSH_S seconds: chunks of an MCAP file,
 which at the end gets the target's name; or rows in blocks (meissner.host.table), removed when the arrays are
 written. Whatever ends a log before that leaves the spool, which ``read`` reads.
 """

@@ -40,7 +40,7 @@ class Place:
 
     @property
     def setting(self):
-        """What is written stays, and does nothing by being written: it can be written again."""
+        """Whether a write only stores the value, so that it can be repeated."""
         kinds = [field.kind for field in self.register.fields]
         return "setting" in kinds and "command" not in kinds and not self.register.strobe
 
@@ -51,7 +51,7 @@ class Place:
         return self.field.number(word >> self.field.low & self.field.most)
 
     def ends(self, build=None):
-        """(least, greatest) value; ``build``: what a core says of itself, {of WIDTHS, or "beats": number}."""
+        """(least, greatest) value; ``build``: as a core reports it, {of WIDTHS, or "beats": number}."""
         if self.field is None:
             return 0, 0xFFFFFFFF
         if build and self.name in WORDS:

@@ -1,7 +1,7 @@
-"""What a core says, as values in physical units; images put together from their parts.
+"""A core's packets as values in physical units; images put together from their parts.
 
-``time``: clocks since the core's reset, as in docs/link.md; ``time_s``: the same in seconds. What the units
-do not tell is None.
+``time``: clocks since the core's reset, as in docs/link.md; ``time_s``: the same in seconds. A value whose
+unit is unknown is None.
 """
 
 from dataclasses import dataclass
@@ -46,7 +46,7 @@ class CopFrame:
 
 @dataclass(frozen=True)
 class Image:
-    """``taxels``: uint16 [rows, columns]; [1, taxels] where the core did not say its size."""
+    """``taxels``: uint16 [rows, columns]; [1, taxels] if the core did not report its size."""
 
     time: int
     time_s: float | None
@@ -65,7 +65,7 @@ class Health:
 
 @dataclass(frozen=True)
 class Statistics:
-    """One counter of the core; which one ``index`` and ``name`` say."""
+    """One counter of the core, named by ``index`` and ``name``."""
 
     time: int
     time_s: float | None
@@ -79,7 +79,7 @@ class Statistics:
 
 @dataclass(frozen=True)
 class Gap:
-    """The line was gone for ``seconds``; what the core said meanwhile is lost."""
+    """The line was interrupted for ``seconds``; the core's packets of that time are lost."""
 
     reason: str
     seconds: float
@@ -94,11 +94,11 @@ class Assembler:
 
     def __init__(self, units=None):
         self.units, self.images_lost, self.images_unfit = units or Units(), 0, 0
-        self.unfit = None  # taxels of the newest image, if they were not those that ``units`` say
+        self.unfit = None  # taxels of the newest image, if not as many as ``units`` say
         self.restart()
 
     def restart(self):
-        """The core started over: its images are numbered from 0; one of them may already be under way."""
+        """The core was reset: its images are numbered from 0; one of them may already have begun."""
         self._image, self._parts, self._owed = None, [], False
 
     def next(self, packet):
@@ -127,7 +127,7 @@ class Assembler:
             if self._image is not None:
                 between = (which[0] - self._image[0] - 1) % 256 if which != self._image else 0
                 self.images_lost += between + self._owed
-            # Of the first image of all the beginning may have been said before anybody listened.
+            # The beginning of the very first image may have been sent before the host listened.
             self._owed = fields["first"] == 0 or self._image is not None
             self._image, self._parts = which, []
         if self._parts is None or fields["first"] != len(self._parts):

@@ -1,7 +1,7 @@
-"""A pipe behind a pseudo-terminal: so that whatever speaks a core's bytes can be opened like a serial port.
+"""A pipe behind a pseudo-terminal: so that anything with a core's protocol can be opened like a serial port.
 
 The pipe is any object with two methods, neither of which waits: ``read(n)``, at most n bytes that the core
-says now (b"" for none), and ``write(data)``, bytes for the core. A pty that nobody empties holds it back.
+sends now (b"" for none), and ``write(data)``, bytes for the core. A pty that is not read stalls it.
 """
 
 import os
@@ -40,7 +40,7 @@ class Pty:
                 self._stop.wait(POLL_S)
 
     def unplug(self):
-        """As if the cable were pulled: the host's side reports that it is gone."""
+        """As if the cable were pulled: the host's side reports an interruption."""
         if not self._stop.is_set():
             self._stop.set()
             self._thread.join()

@@ -1,4 +1,4 @@
-"""A log's images through an engine again, beside what the core itself said of the same frames."""
+"""A log's images through an engine again, beside the core's own results for the same frames."""
 
 import numpy as np
 
@@ -9,7 +9,7 @@ def replay(log, engine, min_load=1):
     """Arrays of ``process_cop`` for each logged image, and those of the log beside them.
 
     ``log``: of meissner.host.log.read. ``time``: clocks; ``logged``: the core's CoP of that frame is in the
-    log; ``logged_x``, ``logged_y``, ``logged_load``, ``logged_pressed``: what it was, 0 where not.
+    log; ``logged_x``, ``logged_y``, ``logged_load``, ``logged_pressed``: its values, 0 if it is not.
     """
     images = log["image"]
     if not images.size:

@@ -27,7 +27,7 @@ _DEFINITIONS = {
 
 
 def definition(name):
-    """The text of ``name`` ("package/Type") with all that it needs, as an MCAP schema wants it."""
+    """The text of ``name`` ("package/Type") with all that it refers to, as an MCAP schema needs it."""
     known = dict(_DEFINITIONS)
     known["meissner_msgs/TactileFrame"] = (ROOT / "host/msg/TactileFrame.msg").read_text("utf-8")
     needed, text = [name], ""
@@ -69,7 +69,7 @@ def _frame(stamp_ns, item, newtons_per_code):
 class McapWriter:
     """``add`` takes packets with their time in ns, ``tell`` facts about the log, ``finish`` the last of them.
 
-    ``flush`` writes what came as a chunk, from which on a file that ends too early is read.
+    ``flush`` writes the packets so far as a chunk; a file that ends too early is read up to that.
     """
 
     def __init__(self, file, known):

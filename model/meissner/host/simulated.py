@@ -1,4 +1,4 @@
-"""A core without hardware: it speaks docs/link.md, made of the twins of registers, bridge, packets and slip.
+"""A core without hardware: docs/link.md, made of the twins of registers, bridge, packets and slip.
 
 A source is a function that takes the core and yields (time in clocks, type, payload), times ascending; the
 type None passes time only. It may read the core's registers, which change at ``core.boundary``.
@@ -25,7 +25,7 @@ from meissner.twins.slip.slip import Slip, State
 CLK_KHZ = 25_000
 STATISTIC_CLOCKS = 1 << 20
 LATE_S = 0.1  # of catching up, before the clock waits
-BLOCK = 64  # details between two looks at the registers
+BLOCK = 64  # details between two reads of the registers
 SHOWN = "acrylic_slip+walk_25x5"
 
 
@@ -34,7 +34,7 @@ class SimulatedCore:
 
     ``source``: a function as above, or a list of (time, type, payload). ``settings``: {name: value} that the
     build starts with. ``speed``: simulated seconds a second; 0: as fast as it is read. ``level``: of the slip
-    path. ``status``: {(group, register, field): value} of what the core reports.
+    path. ``status``: {(group, register, field): value} that the core reports.
     """
 
     def __init__(
@@ -56,12 +56,12 @@ class SimulatedCore:
             **{("core", "widths", name): bits for name, bits in widths.items()},
             ("core", "beats", "value"): taxels,
         }
-        self.units = units.Units()  # what a host should be told of this core
+        self.units = units.Units()  # what a host should know about this core
         self._make = source if callable(source) else lambda core: iter(source)
         self.restart()
 
     def restart(self):
-        """As after a reset: settings, packet numbers and time start over."""
+        """As after a reset: settings, packet numbers and time begin again."""
         self.registers.reset()
         self._source, self._next = self._make(self), None
         self._out, self._in, self._number = bytearray(), bytearray(), 0
@@ -75,7 +75,7 @@ class SimulatedCore:
         return max(self._now, int(passed))
 
     def boundary(self, group):
-        """A frame of the group's begins: what was written to it counts from now on."""
+        """A frame begins: the values written to the group take effect."""
         if self.registers.pending[group]:
             self.registers.commit(group)
 
@@ -146,7 +146,7 @@ def blocks_of(codes, level=1, loop=False):
 def slip_source(blocks, rate_hz, window=64, hop=64):
     """Blocks of codes [channels, whole details] through the slip path's twins: a packet where a flag rises.
 
-    Settings are the core's registers, looked at before each block; ``blocks`` may make each when it is asked.
+    The core's registers are the settings, read before each block; ``blocks`` may make each block on demand.
     """
 
     def source(core):
@@ -199,7 +199,7 @@ def array_source(forces, rate_hz, min_load=1, image_every=1, chunk=64, loop=Fals
 
 
 def statistics_source(core):
-    """The core's counters in turn, without end; here nothing happens but commands that are rejected."""
+    """The core's counters in turn, without end; here only rejected commands count."""
     for turn in count():
         name = p.COUNTERS[turn % len(p.COUNTERS)]
         value = core.rejected if name == "commands rejected" else 0
@@ -207,12 +207,12 @@ def statistics_source(core):
 
 
 def together(*sources):
-    """All of them, in the order of time, as long as there are."""
+    """The packets of all sources, in the order of time, until the last source ends."""
     return lambda core: heapq.merge(*(source(core) for source in sources), key=lambda item: item[0])
 
 
 def of_scenes(which=SHOWN, speed="1"):
-    """A core that senses what slip scenes and scenes of arrays show, over and over: names joined by +."""
+    """A core whose sensors play slip scenes and scenes of arrays again and again: names joined by +."""
     try:
         speed = float(speed)
         if not 0 < speed < float("inf"):

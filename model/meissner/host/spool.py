@@ -1,4 +1,4 @@
-"""The file beside a log's target that holds what came until the log has its own name."""
+"""The file beside a log's target that holds the packets until the log gets its name."""
 
 import os
 from pathlib import Path
@@ -19,7 +19,7 @@ class Spool:
         number = 1
         while True:
             self.path = part_of(path, kind, number)
-            try:  # what an earlier log left is not touched
+            try:  # the file of an earlier log is not touched
                 self._fd = os.open(self.path, os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o644)
                 break
             except FileExistsError:
@@ -37,7 +37,7 @@ class Spool:
         return self._at
 
     def flush(self):
-        """All that was written is worth keeping."""
+        """Keep all that was written."""
         self._kept = self._at
 
     def give_up(self):

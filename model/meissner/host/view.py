@@ -68,7 +68,7 @@ class View:
         return None
 
     def tick(self, now_s):
-        """Once in a while, for the packets a second."""
+        """Call at intervals, for the packets a second."""
         when, before, _ = self._rate
         count = self.core.counts.packets
         self._rate = (now_s, count, (count - before) / (now_s - when) if now_s > when else 0.0)
@@ -97,7 +97,7 @@ class View:
         return f"{place}{'' if cop.x_mm is None else f' ({cop.x_mm:+.2f}, {cop.y_mm:+.2f} mm)'}, {load}"
 
     def _simulated(self):
-        """How far a core that is simulated in this process has come: not as fast as a real one."""
+        """The progress of a core that is simulated in this process, which is slower than a real one."""
         seconds = getattr(getattr(self.core.line, "pipe", None), "simulated_s", None)
         return "" if seconds is None else f"simulated {seconds:.3f} s, "
 
@@ -115,7 +115,7 @@ class View:
         return f"{self._cop()}; {slips}; {self._line()}"
 
     def picture(self):
-        """The same for rich."""
+        """The same as a picture for rich."""
         from rich.console import Group
         from rich.panel import Panel
         from rich.table import Table

@@ -1,4 +1,4 @@
-"""What the scenes of arrays send through an engine: demodulation, calibration, centre of pressure; timed."""
+"""The stages of an engine for scenes of arrays: demodulation, calibration, centre of pressure; timed."""
 
 import time
 
@@ -49,7 +49,7 @@ class Chain:
         return total, x / engines.COP_ONE, y / engines.COP_ONE, valid.astype(bool)
 
     def summary(self, scene, recording, seconds, frames):
-        """What every summary begins with."""
+        """The first entries of every summary."""
         return {
             "scene": scene.name,
             "engine": self.engine,

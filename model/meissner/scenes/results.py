@@ -12,7 +12,7 @@ from meissner.scenes.verdict import verdict
 
 
 def check_waves(engine, waves):
-    """ValueError unless the engine is there, and has signals if ``waves`` of them are asked for."""
+    """ValueError unless the engine exists, and has signals if ``waves`` are wanted."""
     engines.load(engine)
     if waves and engine != "rtl":
         raise ValueError("--waves needs the rtl engine: only it has signals")

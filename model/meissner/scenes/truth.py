@@ -1,4 +1,4 @@
-"""Errors of a centre of pressure and a load against what truly presses."""
+"""Errors of a centre of pressure and a load compared with the true forces."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""What came out of a run, as the one sentence that its report begins with."""
+"""The outcome of a run, as the one sentence that its report begins with."""
 
 from meissner.report.words import fact, number
 
@@ -8,7 +8,7 @@ def _count(count, one, many=None):
 
 
 def _slip(summary):
-    """Slips detected, missed and invented, of all runs; a condition without delays and misses never slips."""
+    """Slips detected, missed and falsely reported, of all runs; without delays and misses nothing slips."""
     rows = summary["conditions"]
     slipping = [row for row in rows if row["missed"] or row.get("delay_ms_median") is not None]
     slips, missed, false = sum(row["runs"] for row in slipping), summary["missed"], summary["false_alarms"]

@@ -1,4 +1,4 @@
-"""Running a scene of an array of taxels: its frames through an engine, held against what truly presses."""
+"""Running a scene of an array of taxels: its frames through an engine, compared with the true forces."""
 
 import time
 

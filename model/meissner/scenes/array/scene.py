@@ -1,4 +1,4 @@
-"""Scenes of an array of taxels: patches that move over it, or a recording, and where it truly presses."""
+"""Scenes of an array of taxels: patches that move over it, or a recording, with the true forces."""
 
 from dataclasses import dataclass
 
@@ -30,7 +30,7 @@ _PATH = {
 
 @dataclass(frozen=True)
 class Converter:
-    """What makes a taxel's force a code: ``full_scale_n`` newtons are the top code of ``bits``."""
+    """Converts a taxel's force to a code: ``full_scale_n`` newtons are the top code of ``bits``."""
 
     bits: int
     full_scale_n: float
@@ -74,13 +74,13 @@ class Scene:
 
     @property
     def load_lsb(self):
-        """What one of the core's load codes is, in ``unit``."""
+        """The value of one of the core's load codes, in ``unit``."""
         return 1.0 if self.converter is None else self.converter.lsb_n
 
 
 @dataclass(frozen=True)
 class Recording:
-    """One run: what the core sees, and the truth.
+    """One run: the core's input, and the truth.
 
     ``codes`` uint16 [frames, rows, columns]; ``load`` (the scene's unit), ``x``, ``y`` [frames]: of the
     forces on the taxels before they were converted. ``over_range``: taxel samples beyond full scale.

@@ -1,4 +1,4 @@
-"""Running a scene of the capacitive pad: carriers demodulated, calibrated, and held against the published."""
+"""Running a scene of the capacitive pad: carriers demodulated, calibrated, and compared with the paper."""
 
 import time
 
@@ -43,7 +43,7 @@ def _calibrations(recording, codes):
 
 
 def _crosstalk(scene, codes, *_):
-    """Eq. 18 against what the carrier's demodulation gives; what gain each accuracy asks for."""
+    """Eq. 18 against what the carrier's demodulation gives; the gain that each accuracy needs."""
     readout, world = scene.readout, scene.world
     gains, others_pf = np.array(world["gains"]), np.array(world["unselected_pf"])
     measured_v = codes["sweep"][0] * scene.volts_per_code
@@ -165,7 +165,7 @@ def peak(x, values, reach):
 
 
 def _select(scene, codes, recording, fits, stage):
-    """Where each cell answers most, and what its neighbours say there."""
+    """Where each cell responds most, and the readings of its neighbours there."""
     lines, _ = fits["probe"]
     cells = scene.world["cells"]
     first = (codes["steps"].shape[2] - cells) // 2

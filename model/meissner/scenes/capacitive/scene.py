@@ -97,7 +97,7 @@ class Scene:
 class Part:
     """Frames of one experiment: the converter's ``samples`` [frames, ..., samples]; ``force_n`` on each cell.
 
-    ``probe_n`` [frames]: what presses altogether; ``probed`` [frames, 2]: the cell under the probe, -1 for
+    ``probe_n`` [frames]: the total force; ``probed`` [frames, 2]: the cell under the probe, -1 for
     none; ``rate_hz``: frames a second.
     """
 
@@ -221,7 +221,7 @@ class _World:
         return samples
 
     def part(self, force_n, probe_n, probed=None, rate_hz=100.0, felt_n=None):
-        """A Part of forces on the tabs; ``felt_n``: what the tabs have answered to, if not at once all."""
+        """A Part of forces on the tabs; ``felt_n``: the force that tabs respond to, if not all at once."""
         readout = self.scene.readout
         amplitude_v = self.pad.amplitude_v(
             force_n if felt_n is None else felt_n, readout["gain"], readout["drive_v"]

@@ -1,4 +1,4 @@
-"""Running a scene of a resistive matrix: codes calibrated on an engine, held against what truly presses."""
+"""Running a scene of a resistive matrix: codes calibrated on an engine, compared with the true forces."""
 
 import time
 
@@ -22,7 +22,7 @@ SHOWN = (
 
 
 def ghosts(recording):
-    """A row for each way of reading the fullest frame: what the network adds to cells, and takes from them.
+    """A row for each way of reading the fullest frame: what the network adds to cells and takes from them.
 
     ``ghost``: the largest part of an unpressed cell's reading that is not its own, as a share of the largest
     reading; ``pressed_spread``: deviation over mean of what the pressed cells' readings are to what each

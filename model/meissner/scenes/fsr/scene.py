@@ -1,4 +1,4 @@
-"""Scenes of a matrix of force-sensing resistors: what presses, the network, its faults, and the truth."""
+"""Scenes of a matrix of force-sensing resistors: the forces, the network, its faults, and the truth."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""Running a scene of an object held on the four-wire sensor: every condition and seed, against the truth."""
+"""Running a scene of an object held on the four-wire sensor: each condition and seed, beside the truth."""
 
 import time
 
@@ -25,7 +25,7 @@ def check(scene, engine, waves):
 
 
 def judge(recording, decisions):
-    """Hold the decisions of one run against the truth; seconds, degrees, None where there is none.
+    """Compare the decisions of one run with the truth; seconds, degrees, None where there is none.
 
     ``flag_s``: the first rise of the flag at or after the onset; ``missed``: a slip without a flag before
     the object moves; ``false_alarms``: rises before the onset, or any where nothing is pulled;
@@ -61,7 +61,7 @@ def judge(recording, decisions):
 
 
 def published(recording, x, y, load):
-    """What the source gives numbers of, before the object moves; None where nothing is pulled.
+    """The quantities with published numbers, before the object moves; None where nothing is pulled.
 
     ``load_drop``: how far the reported load falls, of what it was before the onset; ``grip_rise_n``: the
     true grip meanwhile; ``move_v``: the position output along the pull at the slip, 4 V at the edge.
@@ -191,7 +191,7 @@ def run(scene, engine, out, seed, waves, progress):
 
 
 def _arrays(recording, found, decisions):
-    """What result.npz keeps of one run."""
+    """The arrays of one run for result.npz."""
     held = recording.held
     return {
         "time_s": recording.time_s,

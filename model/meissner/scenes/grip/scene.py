@@ -75,7 +75,7 @@ class Scene:
 
 @dataclass(frozen=True)
 class Recording:
-    """One run: ``codes`` [samples, 4]; the truth: ``load`` (N), ``x``, ``y`` [samples] of what presses."""
+    """One run: ``codes`` [samples, 4]; the truth: ``load`` (N), ``x``, ``y`` [samples] of the forces."""
 
     scene: Scene
     condition: Pull | Grip

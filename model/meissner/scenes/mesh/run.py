@@ -1,4 +1,4 @@
-"""Running a scene of the four-wire mesh: electrode voltages through an engine, held against what presses."""
+"""Running a scene of the four-wire mesh: electrode voltages through an engine, beside the true forces."""
 
 import time
 

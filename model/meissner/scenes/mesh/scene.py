@@ -55,7 +55,7 @@ class Scene:
 
 @dataclass(frozen=True)
 class Recording:
-    """One condition: ``solution``, the mesh under what the taxels feel, and the truth, what presses.
+    """One condition: ``solution``, the mesh under the load that the taxels feel, and the truth, the forces.
 
     ``codes`` [samples, 4]: its electrodes as the converter of ``config`` gives them. ``load`` (N), ``x``,
     ``y`` [samples]: of the forces; ``felt_n``: the load the taxels feel, which lags behind where the
@@ -143,7 +143,7 @@ def build(name, table):
 
 
 def loads(scene, seed=0):
-    """Newtons on the taxels [samples, rows, columns]: what presses, and what the taxels feel of it."""
+    """Newtons on the taxels [samples, rows, columns]: the forces, and the loads that the taxels feel."""
     world, shape = scene.world, (scene.rows, scene.columns)
     if scene.kind == "random":
         parts = [

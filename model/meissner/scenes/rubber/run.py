@@ -1,4 +1,4 @@
-"""Running a slip scene: every condition and seed through an engine, held against the truth."""
+"""Running a slip scene: every condition and seed through an engine, compared with the truth."""
 
 import time
 
@@ -29,12 +29,12 @@ def _raised(state):
 
 
 def judge(recording, state, config):
-    """Hold the states of one run against the truth; times in seconds, None where there is none.
+    """Compare the states of one run with the truth; times in seconds, None where there is none.
 
     ``flag_s``: the first rise of the flag at or after the onset; ``missed``: a slip without one;
     ``false_alarms``: rises before the onset, or any where nothing slips; ``crossing_s``: when the exact
-    sliding window of the float reference first crosses after the onset. What lies before it is the wait for
-    an event large enough, what lies after it is the detector's own delay. A detail is known at its last
+    sliding window of the float reference first crosses after the onset. Before it lies the wait for
+    an event that is large enough, after it the detector's own delay. A detail is known at its last
     sample, so that sample's time is its time. ``sliding_s``: from the slip of the whole contact to the end;
     ``contact_share_of_sliding``: share of its details in which the state is not incipient or gross.
     """
@@ -77,7 +77,7 @@ def _mismatches(watched, twin):
 
 
 def _saved(scene):
-    """What leaving physics out saved: milliseconds per simulated second, here and with everything."""
+    """The time saved by leaving physics out: milliseconds per simulated second, here and with everything."""
     everything = scenes.load("acrylic_slip")
     return {
         "world_ms_per_s": _world_cost(scene),
@@ -95,7 +95,7 @@ def _world_cost(scene, repeats=5):
 
 
 def _contact_share(verdicts):
-    """Share of the time in which objects slid without the state saying so, of all runs; None if none slid."""
+    """Share of the sliding time in which the state does not say so, of all runs; None if none slid."""
     slid = [verdict for verdict in verdicts if verdict["sliding_s"]]
     if not slid:
         return None
@@ -238,7 +238,7 @@ def tell(summary):
 
 
 def _arrays(recording, watched, config, prefix):
-    """What result.npz keeps of one run."""
+    """The arrays of one run for result.npz."""
     kept = {
         "time_s": recording.time_s,
         "codes": recording.codes,

@@ -159,13 +159,13 @@ class Scene:
 
 @dataclass(frozen=True)
 class Recording:
-    """One run of one condition: what the core sees, what an experimenter sees, and the truth.
+    """One run of one condition: the core's input, an experimenter's measurements, and the truth.
 
     ``onset_s``: the first event of partial slip; ``gross_s``: the whole contact slips; both None without
     a slip. ``events_s``, ``events_v``: every event of partial slip and the step of Vc it makes, so that
-    waiting for an event large enough can be told from the detector's own delay. ``contacts_s``: (from,
-    until) where the normal force is not zero, until None if it lasts. ``moving``: the loading stage
-    moves, the motion a hand would know to be its own.
+    the wait for an event that is large enough can be separated from the detector's delay. ``contacts_s``:
+    (from, until) where the normal force is not zero, until None if it lasts. ``moving``: the loading stage
+    moves, the motion that a hand knows to be its own.
     """
 
     scene: Scene

@@ -2,7 +2,7 @@
 
 
 def triggers(starts, count, period, end):
-    """Clocks of trigger_o before ``end``; ``starts``: clocks of start_i. A start begins the burst anew.
+    """Clocks of trigger_o before ``end``; ``starts``: clocks of start_i. A start begins the burst again.
 
     ``count`` and ``period``: as meant, from 1; the registers hold them without their top bit.
     """

@@ -1,4 +1,4 @@
-"""What a register map is made of; the map itself is register_map.py."""
+"""The parts of a register map; the map itself is register_map.py."""
 
 from dataclasses import dataclass
 

@@ -101,7 +101,7 @@ class PeakToPeak:
         return max(0, needed - first)
 
     def _by_parts(self, history):
-        """Running p2p where the maximum starts anew every ``part`` details, joined with the part before."""
+        """Running p2p where the maximum starts again every ``part`` details, joined with the part before."""
         length = history.shape[1]
         parts = -(-length // self.part)
         padded = np.zeros((self.channels, parts * self.part), dtype=np.int64)

@@ -1,0 +1,99 @@
+"""docs/blocks.md: every block, from the header comments of the sources that rtl/rtl.f lists.
+
+    python tools/blocks.py           print the page
+    python tools/blocks.py --page    write it
+
+Of a header, the first sentence is what the block does, the sentence that begins with "Latency" or
+"Combinational" is its latency, and a path under model/meissner/ is its twin. The test has the block's name.
+"""
+
+import argparse
+import re
+
+from meissner.builds import toolchain
+
+PAGE = toolchain.ROOT / "docs/blocks.md"
+MODEL = "model/meissner/twins/"
+HEAD = """# Blocks
+
+Written by `python tools/blocks.py --page` from the header comments of the sources, in the order of
+`rtl/rtl.f`. The headers also have each block's formula and formats. [frames.md](frames.md) describes the
+handshake and what each block does with damaged frames, [references.md](references.md) what each twin is
+checked against, [trust.md](trust.md) the evidence for each block. An empty cell: the header gives no single
+latency, or the file does not exist.
+
+| block | stage | what it does | latency, throughput | twin | test |
+|---|---|---|---|---|---|
+"""
+
+
+def header(path):
+    """Paragraphs of the comment at the head of a source, without the licence."""
+    lines = []
+    for line in path.read_text().splitlines():
+        if not line.startswith("//"):
+            break
+        lines.append(line.removeprefix("//").removeprefix(" ").rstrip())
+    paragraphs = "\n".join(lines[1:]).strip().split("\n\n")
+    # What tools/registers.py makes says so first.
+    return [text for text in paragraphs if not text.startswith("Made by ")]
+
+
+END = r"(?<!\.)\.(?=\s|$)"  # of a sentence; no ".." of a range, no 1.5
+
+
+def purpose(paragraphs):
+    """The first sentence, without a formula that ends it."""
+    sentence = re.split(rf"{END}|:\s{{2,}}|\s+Model:", paragraphs[0])[0]
+    return " ".join(sentence.split()).rstrip(":")
+
+
+def latency(paragraphs):
+    """What the sentence about latency says; empty if the header has none."""
+    begin = r"(?:^|[.:]\s|\s\s)(Latency(?: and formats are)?|Combinational)\b"
+    found = re.search(rf"{begin}(.*?){END}", "\n".join(paragraphs), re.DOTALL | re.MULTILINE)
+    if not found:
+        return ""
+    words = " ".join(found[2].split()).strip(" :")
+    return {"Combinational": f"0 clocks {words}".strip()}.get(found[1], words)
+
+
+def link(path):
+    """Markdown for a file, named as the reader of docs/ finds it."""
+    text = str(path).removeprefix(MODEL).removeprefix("tb/")
+    return f"[`{text}`](../{path})"
+
+
+def row(path):
+    """A block's row."""
+    paragraphs = header(path)
+    block = path.stem.removeprefix("msn_")
+    twins = re.findall(rf"{MODEL}[\w/]+\.py", " ".join(paragraphs))
+    tests = sorted(test.relative_to(toolchain.ROOT) for test in toolchain.ROOT.glob(f"tb/**/test_{block}.py"))
+    cells = [
+        f"[`{path.stem}`](../{path.relative_to(toolchain.ROOT)})",
+        path.parent.name.replace("rtl", "top"),
+        purpose(paragraphs),
+        latency(paragraphs),
+        "" if path.stem.endswith("_pkg") else ", ".join(map(link, dict.fromkeys(twins))),
+        ", ".join(link(test) for test in tests if test.parent.name in (path.parent.name, "core")),
+    ]
+    return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
+
+
+def page():
+    """docs/blocks.md as text."""
+    return HEAD + "\n".join(map(row, toolchain.sources())) + "\n"
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--page", action="store_true", help="write docs/blocks.md")
+    if parser.parse_args().page:
+        PAGE.write_text(page())
+    else:
+        print(page(), end="")
+
+
+if __name__ == "__main__":
+    main()
