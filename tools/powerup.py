@@ -3,7 +3,7 @@
     python tools/powerup.py [--seeds 20] [--jobs 2] [--record] [BLOCK ...]
 
 Each block is started ``--seeds`` times, each time with other values, the seeds shared out among the builds of
-its tests (tb/bench.py, ``powerups``). What needs a reset that it does not get fails. Exits 1 then, or if a
+its tests (tb/runner.py, ``powerups``). What needs a reset that it does not get fails. Exits 1 then, or if a
 block has no test that simulates it.
 """
 
