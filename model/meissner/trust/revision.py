@@ -77,7 +77,7 @@ def _imported(text):
 
 
 def imports(path):
-    """Files of tb/ that a test imports, and that these import: the benches' shared code, parts, references."""
+    """Files of tb/ that a test imports, and that these import: benches' shared code, parts, references."""
     found, waiting = set(), [path]
     while waiting:
         names = _imported(waiting.pop().read_text("utf-8"))
