@@ -7,7 +7,7 @@ from cocotb.clock import Clock
 from cocotb.triggers import ReadOnly, RisingEdge, Timer
 
 from bodies import applies
-from runner import COVERAGE_FLAGS, MAKEFLAGS, ONES, passed, refuses, run
+from runner import COVERAGE_FLAGS, ONES, passed, refuses, run
 from stimulus import (
     SEED,
     as_signed,

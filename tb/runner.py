@@ -18,15 +18,13 @@ import icarus
 import recorder
 from meissner import toolchain
 from stimulus import SEED
+from units import Units
 
 # Not --coverage: that adds state machines, which give no points and stop Verilator 5.048 at some sources.
 COVERAGE_FLAGS = ("--coverage-line", "--coverage-toggle", "--coverage-expr")
 ONES = "+verilator+rand+reset+1"  # registers start as ones: what needs the reset shows it
 POWERUPS = int(os.environ.get("MEISSNER_POWERUP", "0"))
 SIM = os.environ.get("MEISSNER_SIM", "verilator")  # or icarus
-# The runner calls make itself, past Verilator's -MAKEFLAGS; larger models need the first variable. A build
-# runs once or twice: the compiler's time is more than what its optimising saves.
-MAKEFLAGS = "-- CFG_CXXFLAGS_PCH_I=-include OPT_FAST=-O0"
 # Whose assertions say the values they compare: to go through every other module, numpy's too, takes a second.
 os.environ.setdefault("COCOTB_REWRITE_ASSERTION_FILES", "test_*.py *_by_hand.py")
 if os.environ.get("MEISSNER_INSTANCE"):  # one of many in a top without ports, of meissner.trust.regress
@@ -75,8 +73,7 @@ def run(stage, block, parameters=None, test_filter=None, module=None, sources=No
         sources, flags = [*sources, *covers(sources)], [*flags, *COVERAGE_FLAGS]
     sources = [toolchain.for_make(source) for source in sources]
     os.environ.update(toolchain.environment())
-    os.environ["MAKEFLAGS"] = MAKEFLAGS
-    runner = get_runner(SIM)
+    runner = Units() if SIM == "verilator" else get_runner(SIM)
     runner.build(
         sources=sources,
         hdl_toplevel=f"msn_{block}",
