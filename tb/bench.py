@@ -28,6 +28,7 @@ from stimulus import (
 from streams import (
     clocks,
     force_frame,
+    high,
     inputs_in_reset,
     offer,
     read,
