@@ -31,6 +31,7 @@ from streams import (
     high,
     inputs_in_reset,
     offer,
+    putter,
     read,
     reset,
     start,
