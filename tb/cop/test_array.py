@@ -114,7 +114,7 @@ class Alike(Line):
 
     @property
     def value(self):
-        levels = int(self.port.value)
+        levels = bench.read(self.port)
         assert levels in (0, (1 << len(self.port)) - 1), f"{self.port._name} is {levels:b}"
         return levels & 1
 

@@ -45,7 +45,7 @@ class Line:
 
 def level(pin):
     """The level of ``pin``: a handle, a Line, or what stands in for a handle."""
-    return read(pin) if isinstance(pin, ValueObjectBase) else pin.value
+    return read(pin) if isinstance(pin, ValueObjectBase) else int(pin.value)
 
 
 async def changed(pin):
