@@ -2,7 +2,7 @@
 
     python tools/cover.py [--record] [--no-run] [--long] [BLOCK ...]
 
-Runs the tests of the blocks named, or of all, in builds that count (tb/bench.py), merges the counts by point
+Runs the tests of the blocks named, or of all, in builds that count (tb/runner.py), merges the counts by point
 of the source over all instances and parameter sets, leaves out what tb/coverage/waivers.toml excludes, each
 with its reason, and prints a row per block and every hole. Exits 1 if there is a hole, a waiver without
 reason, one that was hit after all or one that matches nothing. ``--no-run`` reads the counts of the run

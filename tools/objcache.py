@@ -6,6 +6,7 @@ of the model, so the command names them fully. What is compiled at -O0 or -O1, f
 runtime's headers, precompiled once for all: reading it is two thirds of what is left.
 """
 
+import fcntl
 import hashlib
 import importlib.util
 import os
@@ -13,6 +14,8 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from contextlib import contextmanager
+from functools import cache
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -21,6 +24,21 @@ KEPT = ROOT / "build" / "objects"
 SPEC = importlib.util.spec_from_file_location("kept", ROOT / "model/meissner/engines/kept.py")
 kept = importlib.util.module_from_spec(SPEC)
 SPEC.loader.exec_module(kept)
+
+
+def _precompile(compiler, flags, header, found):
+    """Whether the compiler could."""
+    header.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.NamedTemporaryFile("w", dir=header.parent, suffix=".h", delete=False) as fresh:
+        fresh.write('#include "verilated.h"\n#include "verilated_vpi.h"\n')
+    compiled = Path(f"{fresh.name}.gch")
+    command = [compiler, *flags, "-x", "c++-header", "-o", str(compiled), fresh.name]
+    if subprocess.run(command, capture_output=True).returncode:
+        Path(fresh.name).unlink()
+        return False
+    Path(fresh.name).replace(header)  # whole or not at all: a build may begin with it at once
+    compiled.replace(found)
+    return True
 
 
 def precompiled(command):
@@ -32,49 +50,57 @@ def precompiled(command):
     header = KEPT / key / "runtime.h"
     found = header.with_name("runtime.h.gch")
     if not found.exists():
-        header.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.NamedTemporaryFile("w", dir=header.parent, suffix=".h", delete=False) as fresh:
-            fresh.write('#include "verilated.h"\n#include "verilated_vpi.h"\n')
-        compiled = Path(f"{fresh.name}.gch")
-        status = subprocess.run(
-            [command[0], *flags, "-x", "c++-header", "-o", str(compiled), fresh.name], capture_output=True
-        ).returncode
-        if status:
-            Path(fresh.name).unlink()
-            return None
-        Path(fresh.name).replace(header)  # whole or not at all: several builds may do this at once
-        compiled.replace(found)
+        with alone(key):
+            return header if found.exists() or _precompile(command[0], flags, header, found) else None
     return header
 
 
+@contextmanager
+def alone(key):
+    """One process at a time: those that start together would all compile the same."""
+    KEPT.mkdir(parents=True, exist_ok=True)
+    with open(KEPT / f"{key}.lock", "w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        yield
+
+
+@cache
 def version(compiler):
     return subprocess.run([compiler, "-dumpfullversion"], capture_output=True, text=True).stdout
+
+
+def _compile(command, found):
+    with tempfile.NamedTemporaryFile(dir=KEPT, suffix=".o", delete=False) as fresh:
+        status = subprocess.run([*command, "-o", fresh.name]).returncode
+    if status:
+        Path(fresh.name).unlink()
+        sys.exit(status)
+    kept.keep(Path(fresh.name), found)
+
+
+def runtime(command):
+    """The object of a compiler's ``command`` without output, whose source is one of the runtime's."""
+    key = hashlib.sha256("\0".join([version(command[0]), *command]).encode()).hexdigest()
+    found = KEPT / f"{key}.o"
+    if not kept.intact(found):
+        with alone(key):
+            if not kept.intact(found):
+                _compile(command, found)
+    return found
 
 
 def main():
     command = sys.argv[1:]
     sources = [Path(word) for word in command if word.endswith(".cpp") and Path(word).is_absolute()]
-    runtime = [source for source in sources if source.parent.name == "include"]
-    shared = len(sources) == 1 and len(runtime) == 1 and runtime[0].stem.startswith("verilated")
+    own = [source for source in sources if source.parent.name == "include"]
+    shared = len(sources) == 1 and len(own) == 1 and own[0].stem.startswith("verilated")
     if not shared or "-o" not in command:
         source = [word for word in command if word.endswith(".cpp")]
         quick = {"-c", "-o"} <= {*command} and {"-O0", "-O1"} & {*command} and len(source) == 1
         header = precompiled(command) if quick else None
         os.execvp(command[0], [command[0], *(["-include", str(header)] if header else []), *command[1:]])
     output = Path(command[command.index("-o") + 1])
-    words = [word for word in command if word != str(output)]
-    key = hashlib.sha256("\0".join([version(command[0]), *words]).encode()).hexdigest()
-    found = KEPT / f"{key}.o"
-    if not kept.intact(found):
-        status = subprocess.run(command).returncode
-        if status:
-            sys.exit(status)
-        KEPT.mkdir(parents=True, exist_ok=True)
-        with tempfile.NamedTemporaryFile(dir=KEPT, delete=False) as fresh:
-            fresh.write(output.read_bytes())
-        kept.keep(Path(fresh.name), found)
-    else:
-        shutil.copyfile(found, output)
+    shutil.copyfile(runtime([word for word in command if word not in ("-o", "-MMD", str(output))]), output)
 
 
 if __name__ == "__main__":

@@ -8,13 +8,13 @@ import cocotb
 import pytest
 from cocotb.clock import Clock
 from cocotb.triggers import Edge, FallingEdge, First, RisingEdge, Timer
-from cocotb_tools.runner import get_runner
 
 import bench
 from boards import users
 from meissner.builds import boards, toolchain
 from meissner.twins.link import packet as p
 from meissner.twins.link.decoder import Decoder
+from units import Units
 
 BIT_PS = 333_333  # 3 Mbaud
 # [converter][channel][row]; the second converter's are nowhere the first's.
@@ -84,8 +84,7 @@ def test_two_converters(name, tmp_path):
     boards.write_board(folder, board, users.write(tmp_path, name, 25.0))
     own = [*board.sources, f"{folder}/{board.top}.sv", "tb/boards/EHXPLLL.sv", "tb/lint/verilator.vlt"]
     os.environ.update(toolchain.environment())
-    os.environ["MAKEFLAGS"] = bench.MAKEFLAGS
-    runner = get_runner("verilator")
+    runner = Units()
     where = toolchain.ROOT / folder
     runner.build(
         sources=[*toolchain.sources(), *(toolchain.ROOT / path for path in own)],

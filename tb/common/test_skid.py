@@ -5,6 +5,7 @@ import cocotb
 import numpy as np
 import pytest
 from cocotb.triggers import FallingEdge
+from cocotb.utils import get_sim_time
 
 import bench
 from meissner.twins.common.skid import skid
@@ -47,6 +48,24 @@ async def forgets_what_a_reset_interrupts(dut):
     await bench.stream(dut, [{"data": 3}], ["data"], stalls=lambda: True, drain=0)
     await bench.reset(dut)
     assert await bench.stream(dut, [], ["data"]) == []
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def readers_and_clocks_of_the_bench_are_the_simulators(dut):
+    """tb/streams.py: levels as the handle's own value has them; many clocks end at their last edge."""
+    await bench.start(dut)
+    for value in (0, 1, 5, (1 << len(dut.in_data_i)) - 1):
+        dut.in_data_i.value = value
+        dut.in_valid_i.value = value & 1
+        await bench.ReadOnly()
+        assert (bench.read(dut.in_data_i), bench.high(dut.in_valid_i)) == (value, value & 1 == 1)
+        assert bench.read(dut.in_data_i) == dut.in_data_i.value.to_unsigned()
+        await bench.RisingEdge(dut.clk_i)
+    for count in (0, 1, 2, 3, 4, 5, 17, 2):
+        before = get_sim_time("ns")
+        await bench.clocks(dut, count)
+        assert get_sim_time("ns") == before + 10 * count
+        assert dut.clk_i.value == 1
 
 
 SPACE = lambda draw: {"Width": draw.randint(4, 62)}

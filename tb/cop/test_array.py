@@ -114,7 +114,7 @@ class Alike(Line):
 
     @property
     def value(self):
-        levels = int(self.port.value)
+        levels = bench.read(self.port)
         assert levels in (0, (1 << len(self.port)) - 1), f"{self.port._name} is {levels:b}"
         return levels & 1
 
@@ -279,22 +279,26 @@ async def results(dut, matrix, twin, count, stalls=None, press=None):
     ``matrix``: gets the results' times.
     ``press``: added to all codes; None: the last two frames are pressed.
     """
-    out, converts, clock = [], [], 0
+    out, converts, clock, pressed = [], [], 0, None
     conversions = len(twin.scan.scan.places()) * getattr(twin.scan, "count", 1)
+    put_ready, put_now = bench.putter(dut.out_ready_i), bench.putter(dut.now_i)
+    settled, edge, convert, valid = ReadOnly(), RisingEdge(dut.clk_i), dut.convert_o, dut.out_valid_o
     while len(out) < count:
         ready = not (stalls and stalls())
-        dut.out_ready_i.value, dut.now_i.value = int(ready), bench.time(clock)
-        if len(converts) % conversions == 0:
-            frame = len(converts) // conversions
+        put_ready(ready)
+        put_now(bench.time(clock))
+        frame, place = divmod(len(converts), conversions)
+        if place == 0 and frame != pressed:
             matrix.press = pressing(twin, frame) if press is None else 0 * matrix.press + press
-        await ReadOnly()
-        if dut.convert_o.value == 1:
+            pressed = frame
+        await settled
+        if bench.high(convert):
             converts.append(clock)
-        if ready and dut.out_valid_o.value == 1:
+        if ready and bench.high(valid):
             x, y = (bench.as_signed(bench.read(port), len(port)) for port in (dut.out_x_o, dut.out_y_o))
             out.append((clock, x, y, bench.read(dut.out_load_o), bench.read(dut.out_pressed_o)))
             matrix.times.append(bench.read(dut.time_o))
-        await RisingEdge(dut.clk_i)
+        await edge
         clock += 1
     return out, converts
 
@@ -403,9 +407,10 @@ async def a_taxel_over_range_is_told_and_counts_in_nothing(dut):
     events = []
 
     async def listen():
+        edge, valid = FallingEdge(dut.clk_i), dut.event_valid_o
         while True:
-            await FallingEdge(dut.clk_i)
-            if dut.event_valid_o.value == 1:
+            await edge
+            if bench.high(valid):
                 kinds = (dut.event_id_o, dut.event_dead_o, dut.event_railed_o, dut.event_blinking_o)
                 events.append(tuple(bench.read(kind) for kind in kinds))
 
@@ -504,14 +509,15 @@ async def the_smallest_arrays_faults_and_counters(dut):
     async def run(ready=True, tap_ready=True, patience=100):
         """What comes out and of the tap until nothing was converted for ``patience`` clocks."""
         dut.out_ready_i.value, dut.tap_ready_i.value, still = int(ready), int(tap_ready), 0
+        put_enable = bench.putter(dut.cfg_enable_i)
         while still < patience:
-            dut.cfg_enable_i.value = int(len(matrix.taken) <= (len(matrix.plan) - 1) * matrix.per_frame)
+            put_enable(len(matrix.taken) <= (len(matrix.plan) - 1) * matrix.per_frame)
             await ReadOnly()
-            still = 0 if dut.convert_o.value == 1 else still + 1
-            if dut.out_valid_o.value == 1 and ready:
+            still = 0 if bench.high(dut.convert_o) else still + 1
+            if bench.high(dut.out_valid_o) and ready:
                 x, y = (bench.as_signed(bench.read(port), len(port)) for port in (dut.out_x_o, dut.out_y_o))
                 out.append((x, y, counter("out_load"), counter("out_pressed")))
-            if dut.tap_valid_o.value == 1 and tap_ready:
+            if bench.high(dut.tap_valid_o) and tap_ready:
                 tapped.append((counter("tap_data"), counter("tap_mask"), counter("tap_last")))
             await RisingEdge(dut.clk_i)
 

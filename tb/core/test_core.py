@@ -203,7 +203,7 @@ class Line:
     async def _watch(self):
         while True:
             await changed(self.dut.tx_o)
-            self.edges.append((get_sim_time("ns"), int(self.dut.tx_o.value)))
+            self.edges.append((get_sim_time("ns"), bench.read(self.dut.tx_o)))
 
     def forget(self):
         self.edges.clear()
@@ -227,16 +227,18 @@ class Line:
 
     def bytes(self):
         """8 bits, none parity, 1 stop, sampled in the middle of each bit; of a byte under way nothing."""
-        found, busy, bit_ns = bytearray(), 0, 1e9 / self.baud
+        starts, busy, bit_ns = [], 0, 1e9 / self.baud
         last = get_sim_time("ns") - 9.5 * bit_ns
-        times = np.array([time for time, _ in self.edges])
         for time, level in self.edges:
             if level == 0 and busy <= time <= last:
-                middles = time + bit_ns * (np.arange(1, 9) + 0.5)
-                places = np.searchsorted(times, middles, side="right") - 1
-                found.append(sum(self.edges[place][1] << bit for bit, place in enumerate(places)))
+                starts.append(time)
                 busy = time + 9.5 * bit_ns
-        return bytes(found)
+        if not starts:
+            return b""
+        times, levels = (np.array(column) for column in zip(*self.edges))
+        middles = np.array(starts)[:, None] + bit_ns * (np.arange(1, 9) + 0.5)
+        places = np.searchsorted(times, middles, side="right") - 1
+        return (levels[places] << np.arange(8)).sum(axis=1).astype(np.uint8).tobytes()
 
 
 class Sensor:

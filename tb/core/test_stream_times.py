@@ -55,26 +55,32 @@ class Watch:
 
     async def run(self):
         draw = random.Random(f"{bench.SEED} sink")
-        dut = self.dut
+        dut, edge, settled = self.dut, RisingEdge(self.dut.clk_i), ReadOnly()
+        names = ("tvalid", "tready", "tlast", "tdata")
+        in_valid, in_ready, in_last, _ = (getattr(dut, f"s_axis_{name}") for name in names)
+        out_valid, out_ready, out_last, out_data = (getattr(dut, f"m_axis_{name}") for name in names)
+        names = ("commit", "sample_valid", "sample_ready", "cop_valid")
+        commit, sample_valid, sample_ready, cop_valid = (getattr(dut.u_core, name) for name in names)
+        put_ready = bench.putter(out_ready)
         while True:
-            dut.m_axis_tready.value = int(draw.random() >= self.stall)
-            await ReadOnly()
-            if bench.read(dut.s_axis_tvalid) and bench.read(dut.s_axis_tready):
+            put_ready(draw.random() >= self.stall)
+            await settled
+            if bench.read(in_valid) and bench.read(in_ready):
                 if not self.midway:
                     self.first.append(self.clock)
-                self.midway = not bench.read(dut.s_axis_tlast)
+                self.midway = not bench.read(in_last)
                 if not self.midway:
                     self.last.append(self.clock)
-            if bench.read(dut.m_axis_tvalid) and bench.read(dut.m_axis_tready):
-                self.bytes.append(bench.read(dut.m_axis_tdata))
-                if bench.read(dut.m_axis_tlast):
+            if bench.read(out_valid) and bench.read(out_ready):
+                self.bytes.append(bench.read(out_data))
+                if bench.read(out_last):
                     self.packets += self.decoder.next(encode(bytes(self.bytes)))
                     self.bytes.clear()
-            if bench.read(dut.u_core.commit):
+            if bench.read(commit):
                 self.commits.append((self.taxels, self.cops, len(self.first), len(self.last)))
-            self.taxels += bench.read(dut.u_core.sample_valid) & bench.read(dut.u_core.sample_ready)
-            self.cops += bench.read(dut.u_core.cop_valid)
-            await RisingEdge(dut.clk_i)
+            self.taxels += bench.read(sample_valid) & bench.read(sample_ready)
+            self.cops += bench.read(cop_valid)
+            await edge
             self.clock = 0 if bench.read(dut.rst_i) else self.clock + 1
 
 

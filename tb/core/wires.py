@@ -2,6 +2,7 @@
 short names that the test gives its blocks, or a port of the core itself; "[high:low]" of it. "cfg.<setting>"
 and "status.<name>" are members of what registers give and get."""
 
+import bench
 import members
 
 STRUCTS = {members.CFG: "registers.cfg_o", members.STATUS: "registers.status_i"}
@@ -235,15 +236,19 @@ class Ends:
             low, width = low + lowest, high - lowest + 1
         return low, width
 
+    def placed(self, end):
+        """(signal, lowest bit, bits) of an end."""
+        if end not in self.places:
+            self.places[end] = self.handle(end.partition("[")[0]), *self.place(end)
+        return self.places[end]
+
     def width(self, end):
-        return self.place(end)[1]
+        return self.placed(end)[2]
 
     def __call__(self, end):
         """What is on it, unsigned."""
-        if end not in self.places:
-            self.places[end] = self.handle(end.partition("[")[0]), *self.place(end)
-        signal, low, width = self.places[end]
-        return int(signal.value) >> low & (1 << width) - 1
+        signal, low, width = self.placed(end)
+        return bench.read(signal) >> low & (1 << width) - 1
 
     def check(self):
         """All ends agree, now. Of a setting the bits that the block has: registers hold it at their ends."""

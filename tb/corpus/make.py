@@ -5,10 +5,11 @@ from pathlib import Path
 import numpy as np
 
 from meissner import host
-from meissner.host import line, log, units
+from meissner.builds import units
+from meissner.host import line, log
 from meissner.host.simulated import SimulatedCore
-from meissner.link import packet as p
-from meissner.link.cobs import encode
+from meissner.twins.link import packet as p
+from meissner.twins.link.cobs import encode
 
 HERE = Path(__file__).parent
 

@@ -4,6 +4,7 @@ starts with ones in all registers, and fails with random ones."""
 import pytest
 
 import bench
+import runner
 from meissner.builds import toolchain
 
 RESET = "      restart     <= 1'b1;\n"
@@ -22,8 +23,8 @@ def test_finds_a_forgotten_reset(tmp_path, monkeypatch):
         bench.run("common", "frame_check", {"Channels": 2}, "rate=0.0/stall_rate=0.0$", sources=sources)
 
     monkeypatch.delenv("MEISSNER_COVERAGE", raising=False)
-    monkeypatch.setattr(bench, "POWERUPS", 0)
+    monkeypatch.setattr(runner, "POWERUPS", 0)
     start()
-    monkeypatch.setattr(bench, "POWERUPS", 6)
+    monkeypatch.setattr(runner, "POWERUPS", 6)
     with pytest.raises(SystemExit):  # of the runner, which prints the seed
         start()

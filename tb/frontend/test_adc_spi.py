@@ -119,29 +119,30 @@ class Harness:
 
     async def run(self, clocks):
         """Let ``clocks`` pass, watching. Leaves just after a rising clock edge."""
-        dut = self.dut
+        dut, edge, settled = self.dut, RisingEdge(self.dut.clk_i), ReadOnly()
+        put_ready, has_busy = bench.putter(dut.out_ready_i), self.twin.part.has_busy
+        convert, convst, cs_n, lost = dut.convert_o, dut.adc_convst_o, dut.adc_cs_n_o, dut.lost_o
+        out_valid, tagged = dut.out_valid_o, (dut.out_id_o, dut.out_last_o, dut.out_user_o)
         busy = 0
         for _ in range(clocks):
             self.clock += 1
             ready = not self.stall()
-            dut.out_ready_i.value = int(ready)
-            await ReadOnly()
-            if dut.convert_o.value == 1:
+            put_ready(ready)
+            await settled
+            if bench.high(convert):
                 self.converts.append(self.clock)
                 self.times.append(get_sim_time("ps") / 1000)
-                launched = (
-                    dut.adc_convst_o.value == 1 if self.twin.part.has_busy else dut.adc_cs_n_o.value == 0
-                )
+                launched = bench.high(convst) if has_busy else cs_n.value == 0
                 assert launched, "convert_o without a conversion"
-            assert self.twin.part.has_busy or dut.adc_convst_o.value == 0, "CONVST of a part that has none"
-            if dut.lost_o.value == 1:
+            assert has_busy or bench.read(convst) == 0, "CONVST of a part that has none"
+            if bench.high(lost):
                 self.losses.append(self.clock)
-            valid = dut.out_valid_o.value == 1
+            valid = bench.high(out_valid)
             assert valid or self.held is None, "valid was withdrawn while stalled"
             if valid:
                 beat = (
                     bench.as_signed(bench.read(dut.out_data_o), self.twin.sample_bits),
-                    *(bench.read(port) for port in (dut.out_id_o, dut.out_last_o, dut.out_user_o)),
+                    *(bench.read(port) for port in tagged),
                 )
                 assert self.held in (None, beat), f"payload changed while stalled: {self.held} -> {beat}"
                 if self.held is None:
@@ -149,9 +150,9 @@ class Harness:
                 self.held = None if ready else beat
                 if ready:
                     self.beats.append((self.clock, *beat))
-            await RisingEdge(dut.clk_i)
-            if self.twin.part.has_busy:
-                level = int(dut.adc_busy_i.value)
+            await edge
+            if has_busy:
+                level = bench.read(dut.adc_busy_i)
                 if busy and not level:
                     self.busy_low.append(self.clock)
                 busy = level

@@ -42,9 +42,10 @@ async def begin(dut, limits):
     events = []
 
     async def listen():
+        edge, valid, ready = FallingEdge(dut.clk_i), dut.event_valid_o, dut.event_ready_i
         while True:
-            await FallingEdge(dut.clk_i)
-            if dut.event_valid_o.value == 1 and dut.event_ready_i.value == 1:
+            await edge
+            if bench.high(valid) and bench.high(ready):
                 kinds = [getattr(dut, f"event_{name}_o") for name in ("id", "dead", "railed", "blinking")]
                 events.append(tuple(bench.read(kind) for kind in kinds))
 

@@ -15,28 +15,29 @@ class Line:
 
     def __init__(self, dut, ready):
         self.dut, self.ready = dut, ready
+        ports = ("convert_i", "in_valid_i", "in_raised_i", "in_p2p_i", "in_state_i", "out_ready_i")
+        self.put = [bench.putter(getattr(dut, name)) for name in ports]
+        self.valid, self.last, self.data = dut.out_valid_o, dut.out_last_o, dut.out_data_o
+        self.edge = bench.RisingEdge(dut.clk_i)
         self.clock, self.bytes, self.packets = 0, bytearray(), []
         self.waits, self.opened = [], True
 
     async def step(self, convert=0, decision=None):
         """One clock; true if the decision (raised, p2p, state) was taken."""
-        dut = self.dut
-        dut.convert_i.value = convert
-        dut.in_valid_i.value = int(decision is not None)
         raised, p2p, state = decision or (1, 0, 7)
-        dut.in_raised_i.value, dut.in_p2p_i.value, dut.in_state_i.value = raised, p2p, state
         ready = int(self.ready())
-        dut.out_ready_i.value = ready
+        for put, value in zip(self.put, (convert, decision is not None, raised, p2p, state, ready)):
+            put(value)
         await bench.ReadOnly()
         if decision and raised:
-            assert dut.out_begin_o.value == 1
-        if dut.out_valid_o.value == 1 and ready:
-            self.bytes.append(bench.read(dut.out_data_o))
-            if dut.out_last_o.value == 1:
+            assert self.dut.out_begin_o.value == 1
+        if bench.high(self.valid) and ready:
+            self.bytes.append(bench.read(self.data))
+            if bench.high(self.last):
                 self.packets.append(bytes(self.bytes))
                 self.bytes.clear()
-        taken = decision is not None and dut.in_ready_o.value == 1
-        await bench.RisingEdge(dut.clk_i)
+        taken = decision is not None and bench.high(self.dut.in_ready_o)
+        await self.edge
         self.clock += 1
         return taken
 

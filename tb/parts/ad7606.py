@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import cocotb
 from cocotb.triggers import Timer
 
-from parts.timing import PartModel, TimingViolation, changed, now
+from parts.timing import PartModel, TimingViolation, changed, level, now
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ class Ad7606(PartModel):
         super().__init__(limits or Limits(), report)
         self.cs_n, self.sclk, self.miso, self.convst, self.busy = cs_n, sclk, miso, convst, busy
         self.reset = reset
-        self.reset_rose = now() if int(reset.value) else None
+        self.reset_rose = now() if level(reset) else None
         self.reset_fell = None
         self.code = code
         self.conversion_ns = conversion_ns
@@ -75,7 +75,7 @@ class Ad7606(PartModel):
     async def watch_reset(self):
         while True:
             await changed(self.reset)
-            if int(self.reset.value):
+            if level(self.reset):
                 self.reset_rose = now()
                 self.reset_fell = None
                 self.converting = None  # what was under way is given up
@@ -89,7 +89,7 @@ class Ad7606(PartModel):
     async def watch_convst(self):
         while True:
             await changed(self.convst)
-            if int(self.convst.value):
+            if level(self.convst):
                 self.least("t_convst_low", self.since(self.convst_fell))
                 self.least("t_cycle", self.since(self.convst_rose))
                 if self.reset_fell is None:
@@ -97,7 +97,7 @@ class Ad7606(PartModel):
                 self.least("t_reset_convst", self.since(self.reset_fell))
                 if self.converting:
                     self.report(TimingViolation("rule: CONVST rises during a conversion"))
-                if not int(self.cs_n.value):
+                if not level(self.cs_n):
                     self.report(TimingViolation("rule: CONVST rises during a read"))
                 self.convst_rose = now()
                 self.converting = token = object()
@@ -119,7 +119,7 @@ class Ad7606(PartModel):
         await Timer(round((duration - rise) * 1000), "ps")
         if self.converting is not token:
             return
-        if not int(self.cs_n.value):
+        if not level(self.cs_n):
             self.report(TimingViolation("rule: BUSY falls during a read"))
         self.results = codes
         self.converting = None
@@ -129,8 +129,8 @@ class Ad7606(PartModel):
     async def watch_cs(self):
         while True:
             await changed(self.cs_n)
-            if int(self.cs_n.value) == 0:
-                if not int(self.sclk.value):
+            if level(self.cs_n) == 0:
+                if not level(self.sclk):
                     self.report(TimingViolation("mode: SCLK is low as CS falls"))
                 self.least("t_busy_cs", self.since(self.busy_fell))
                 self.bit = 0
@@ -143,9 +143,9 @@ class Ad7606(PartModel):
     async def watch_sclk(self):
         while True:
             await changed(self.sclk)
-            if int(self.sclk.value):
+            if level(self.sclk):
                 self.rising()
-            elif int(self.cs_n.value):
+            elif level(self.cs_n):
                 self.report(TimingViolation("mode: SCLK runs while CS is high"))
             else:
                 self.falling()
@@ -161,7 +161,7 @@ class Ad7606(PartModel):
     def rising(self):
         self.rose = now()
         self.bit += 1
-        if not int(self.cs_n.value):
+        if not level(self.cs_n):
             self.show(self.limits.t_sclk_dout, self.limits.t_hold)
 
     def show(self, delay, hold):

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import cocotb
 
-from parts.timing import PartModel, TimingViolation, changed, now
+from parts.timing import PartModel, TimingViolation, changed, level, now
 
 # Registers that must have been written since power-up: mode control's reset, configuration, unipolar,
 # bipolar, range; each with the value that single-ended inputs against ground need.
@@ -65,7 +65,7 @@ class Max1112x(PartModel):
     async def watch_cs(self):
         while True:
             await changed(self.cs_n)
-            if int(self.cs_n.value) == 0:
+            if level(self.cs_n) == 0:
                 self.select()
             else:
                 self.cs_rose = now()
@@ -74,7 +74,7 @@ class Max1112x(PartModel):
                     self.execute(int("".join(map(str, self.received)), 2))
 
     def select(self):
-        if not int(self.sclk.value):
+        if not level(self.sclk):
             self.report(TimingViolation("mode: SCLK is low as CS falls"))
         self.least("t_csw", self.since(self.cs_rose))
         self.least("t_acq", self.since(self.rose))
@@ -113,16 +113,16 @@ class Max1112x(PartModel):
         while True:
             await changed(self.mosi)
             self.mosi_moved = now()
-            if int(self.cs_n.value) == 0 and self.received and len(self.received) < 16:
+            if level(self.cs_n) == 0 and self.received and len(self.received) < 16:
                 self.least("t_dh", self.since(self.rose))
 
     async def watch_sclk(self):
         while True:
             await changed(self.sclk)
-            if int(self.cs_n.value):
-                if not int(self.sclk.value):  # a word that is broken off may end both at once
+            if level(self.cs_n):
+                if not level(self.sclk):  # a word that is broken off may end both at once
                     self.report(TimingViolation("mode: SCLK runs while CS is high"))
-            elif int(self.sclk.value):
+            elif level(self.sclk):
                 self.rising()
             else:
                 self.falling()
@@ -144,6 +144,6 @@ class Max1112x(PartModel):
         self.least("t_ds", self.since(self.mosi_moved))
         self.rose = now()
         if len(self.received) < 16:
-            self.received.append(int(self.mosi.value))
+            self.received.append(level(self.mosi))
         else:
             self.report(TimingViolation("mode: more than 16 SCLK periods"))

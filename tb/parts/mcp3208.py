@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import cocotb
 
-from parts.timing import PartModel, TimingViolation, changed, now
+from parts.timing import PartModel, TimingViolation, changed, level, now
 
 
 @dataclass(frozen=True)
@@ -46,11 +46,11 @@ class Mcp3208(PartModel):
     async def watch_cs(self):
         while True:
             await changed(self.cs_n)
-            if int(self.cs_n.value) == 0:
+            if level(self.cs_n) == 0:
                 self.least("t_csh", self.since(self.cs_rose))
                 self.cs_fell = now()
                 self.clear()
-                if int(self.sclk.value):
+                if level(self.sclk):
                     self.report(TimingViolation("mode: CLK is high as CS falls"))
             else:
                 self.cs_rose = now()
@@ -60,19 +60,19 @@ class Mcp3208(PartModel):
         while True:
             await changed(self.mosi)
             self.mosi_moved = now()
-            if int(self.cs_n.value) == 0 and not self.first and len(self.command) <= 5 and self.falls < 5:
+            if level(self.cs_n) == 0 and not self.first and len(self.command) <= 5 and self.falls < 5:
                 self.least("t_hd", self.since(self.rose))
 
     async def watch_sclk(self):
         while True:
             await changed(self.sclk)
-            if int(self.sclk.value):
+            if level(self.sclk):
                 self.rising()
             else:
                 self.falling()
 
     def rising(self):
-        if int(self.cs_n.value):
+        if level(self.cs_n):
             self.report(TimingViolation("mode: CLK runs while CS is high"))
         if self.first:
             self.least("t_sucs", self.since(self.cs_fell))
@@ -81,7 +81,7 @@ class Mcp3208(PartModel):
             self.least("t_clk", self.since(self.rose))
         self.first = False
         self.rose = now()
-        bit = int(self.mosi.value)
+        bit = level(self.mosi)
         if len(self.command) < 5 and (self.command or bit):
             self.least("t_su", self.since(self.mosi_moved))
             self.command.append(bit)
@@ -90,7 +90,7 @@ class Mcp3208(PartModel):
 
     def falling(self):
         self.fell = now()
-        if int(self.cs_n.value):  # CLK falls with the end of the frame: nothing more is expected of it
+        if level(self.cs_n):  # CLK falls with the end of the frame: nothing more is expected of it
             return
         self.least("t_hi", self.since(self.rose))
         if not self.command:

@@ -4,8 +4,11 @@ import random
 from dataclasses import fields
 
 import cocotb
+from cocotb.handle import ValueObjectBase
 from cocotb.triggers import Timer, ValueChange
 from cocotb.utils import get_sim_time
+
+from streams import read
 
 
 class TimingViolation(Exception):
@@ -31,13 +34,18 @@ class Line:
 
     @property
     def value(self):
-        return int(self.port.value) >> self.index & 1
+        return read(self.port) >> self.index & 1
 
     @value.setter
     def value(self, level):
         levels = self.driven.get(self.port._path, 0) & ~(1 << self.index) | int(level) << self.index
         self.driven[self.port._path] = levels
         self.port.value = levels
+
+
+def level(pin):
+    """The level of ``pin``: a handle, a Line, or what stands in for a handle."""
+    return read(pin) if isinstance(pin, ValueObjectBase) else int(pin.value)
 
 
 async def changed(pin):

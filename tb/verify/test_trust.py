@@ -85,7 +85,8 @@ CHANGES = [
     ("tb/formal/fifo.sv", "// SPDX", "// So: SPDX", {}),
     ("tb/link/test_crc32.py", "assert ", "assert 1 or ", dict.fromkeys(revision.BENCH, "crc32")),
     ("tb/link/test_crc32.py", '"""msn_crc32 against', '"""Said: msn_crc32 against', {}),
-    ("tb/bench.py", "drain=40", "drain=41", dict.fromkeys(revision.BENCH, "crc32 packet link fifo skid")),
+    ("tb/streams.py", "drain=40", "drain=41", dict.fromkeys(revision.BENCH, "crc32 packet link fifo skid")),
+    ("tb/bodies.py", "yield test", "pass", dict.fromkeys(revision.BENCH, "crc32 packet link fifo skid")),
     ("model/meissner/twins/link/crc32.py", "^", "|", dict.fromkeys(revision.BENCH, "crc32")),
     ("tb/coverage/waivers.toml", 'block = "packet"', 'block = "skid"', {"coverage": "packet skid"}),
     (

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from meissner.builds import toolchain
-from verify import benches
+from verify import benches, revision
 
 DRIVER = Path(__file__).with_name("faults_driver.cpp")
 HERE = toolchain.ROOT / "model/meissner/engines"  # the converters' models
@@ -243,7 +243,7 @@ def recording(block):
     """Path of what the block's tests drive; made now if there is none of these sources."""
     run = run_of(block)
     test = toolchain.ROOT / f"tb/{run['stage']}/test_{block}.py"
-    inputs = [test, toolchain.ROOT / "tb/bench.py", toolchain.ROOT / "tb/recorder.py"]
+    inputs = [test, *sorted(revision.imports(test))]
     inputs += toolchain.sources_of(f"msn_{block}")
     digest = hashlib.sha256(repr(run).encode() + b"".join(path.read_bytes() for path in inputs)).hexdigest()[
         :12

@@ -76,11 +76,15 @@ def _imported(text):
     return names
 
 
-def _imports(path):
-    """Files of tb/ that a test imports: bench, parts, references."""
-    names = _imported(path.read_text("utf-8"))
-    files = {toolchain.ROOT / "tb" / (name.replace(".", "/") + ".py") for name in names}
-    return {file for file in files if file.exists()}
+def imports(path):
+    """Files of tb/ that a test imports, and that these import: benches' shared code, parts, references."""
+    found, waiting = set(), [path]
+    while waiting:
+        names = _imported(waiting.pop().read_text("utf-8"))
+        files = {toolchain.ROOT / "tb" / (name.replace(".", "/") + ".py") for name in names}
+        waiting += [file for file in files - found if file.exists()]
+        found |= {*waiting}
+    return found - {path}
 
 
 def _versions(kind):
@@ -115,7 +119,7 @@ def _bench(stage, block):
     twin = toolchain.ROOT / f"model/meissner/twins/{stage}/{block}.py"
     if not test.exists():
         return []
-    files = [test, *sorted(_imports(test)), *([twin] if twin.exists() else [])]
+    files = [test, *sorted(imports(test)), *([twin] if twin.exists() else [])]
     return [_plain(path) for path in files]
 
 

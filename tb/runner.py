@@ -1,0 +1,150 @@
+"""Build a block with Verilator and run its cocotb tests; what a simulation sets up before its first test."""
+
+import hashlib
+import os
+import re
+import subprocess
+from pathlib import Path
+from xml.etree import ElementTree
+
+import cocotb
+import cocotb_tools.config
+import pytest
+from cocotb_tools.check_results import get_results
+from cocotb_tools.runner import get_runner
+
+import bodies
+import icarus
+import recorder
+from meissner.builds import toolchain
+from stimulus import SEED
+from units import Units
+
+# Not --coverage: that adds state machines, which give no points and stop Verilator 5.048 at some sources.
+COVERAGE_FLAGS = ("--coverage-line", "--coverage-toggle", "--coverage-expr")
+ONES = "+verilator+rand+reset+1"  # registers start as ones: what needs the reset shows it
+POWERUPS = int(os.environ.get("MEISSNER_POWERUP", "0"))
+SIM = os.environ.get("MEISSNER_SIM", "verilator")  # or icarus
+# Whose assertions say the values they compare: to go through every other module, numpy's too, takes a second.
+os.environ.setdefault("COCOTB_REWRITE_ASSERTION_FILES", "test_*.py *_by_hand.py")
+if os.environ.get("MEISSNER_INSTANCE"):  # one of many in a top without ports, of verify.regress
+    cocotb.top = getattr(cocotb.top, os.environ["MEISSNER_INSTANCE"])
+if recorder.FILE:
+    recorder.install()
+for folder in ("libs_dir", "share_dir"):  # the runner writes them into a makefile
+    setattr(cocotb_tools.config, folder, toolchain.for_make(getattr(cocotb_tools.config, folder)))
+
+
+def passed(results, name, *plusargs):
+    """The names of the tests of a run, by the runner's file of results; AssertionError if one failed."""
+    tests, failures = get_results(results)
+    assert tests > 0, f"{name}: no cocotb test ran"  # the runner itself accepts an empty run
+    how = " ".join([f"MEISSNER_SEED={SEED}", *plusargs])
+    assert failures == 0, f"{name}: {failures} of {tests} failed ({how})"
+    cases = list(ElementTree.parse(results).iter("testcase"))
+    bodies.RAN.update(f"{case.get('classname')}.{case.get('name')}" for case in cases)
+    return [case.get("name") for case in cases]
+
+
+def run(stage, block, parameters=None, test_filter=None, module=None, sources=None, include=None):
+    """Build ``msn_<block>`` with Verilator and run the cocotb tests of tb/<stage>/test_<block>.py.
+
+    ``module``: another test file of that stage, in place of test_<block>; ``sources``: other files than those
+    of rtl/rtl.f; ``include``: a folder with a header that they include.
+    """
+    parameters = parameters or {}
+    module = module or f"test_{block}"
+    file = module.removeprefix("test_")
+    name = "-".join([file, *([] if block in file else [block]), *(f"{k}{v}" for k, v in parameters.items())])
+    name += f"-{(include or sources[-1].parent).name}" if sources else ""
+    name = name.replace("'", "")  # of sized numbers
+    if len(name) > 150:  # a file's name has 255 at most
+        name = f"{name[:100]}-{hashlib.sha256(name.encode()).hexdigest()[:12]}"
+    evidence = os.environ.get("MEISSNER_COVERAGE")  # a folder for the counts; see docs/coverage.md
+    where = "coverage/builds" if evidence else "tb" if SIM == "verilator" else SIM
+    build_dir = toolchain.folder_for_make(toolchain.BUILD / where / name)
+    sources = sources or toolchain.sources_of(f"msn_{block}")
+    flags = [*toolchain.VERILATOR_FLAGS]
+    if SIM == "icarus":
+        if reason := icarus.refused(block, parameters):
+            pytest.skip(f"Icarus: {reason}")
+        sources, flags = icarus.adapted(sources, build_dir / "adapted"), ["-g2012"]
+    elif evidence:
+        sources, flags = [*sources, *covers(sources)], [*flags, *COVERAGE_FLAGS]
+    sources = [toolchain.for_make(source) for source in sources]
+    os.environ.update(toolchain.environment())
+    runner = Units() if SIM == "verilator" else get_runner(SIM)
+    runner.build(
+        sources=sources,
+        hdl_toplevel=f"msn_{block}",
+        includes=[include] if include else [],
+        parameters=parameters,
+        build_args=flags,
+        build_dir=build_dir,
+        timescale=("1ns", "1ps"),
+    )
+
+    def simulate(select, *plusargs):
+        """Run the tests that ``select`` names; the names of those that ran."""
+        results = runner.test(
+            hdl_toplevel=f"msn_{block}",
+            test_module=f"{stage}.{module}",
+            build_dir=build_dir,
+            test_dir=build_dir,
+            test_filter=select,
+            plusargs=[*plusargs],
+            seed=SEED,
+        )
+        return passed(results, name, *plusargs)
+
+    if POWERUPS:
+        powerups(simulate, test_filter, int(hashlib.sha256(name.encode()).hexdigest()[:6], 16))
+        return
+    start = [ONES]
+    if evidence:
+        asks = Path(os.environ["PYTEST_CURRENT_TEST"].split("::")[0])  # the file, whosever tests it runs
+        folder = Path(evidence) / asks.stem.removeprefix("test_")
+        folder.mkdir(parents=True, exist_ok=True)
+        which = hashlib.sha256(f"{name} {test_filter}".encode()).hexdigest()[:12]
+        # From zeros: the way from ones to the reset's values would count as a toggle.
+        start = [f"+verilator+coverage+file+{folder / which}.dat"]
+    simulate(test_filter, *start)
+
+
+def covers(sources):
+    """The functional cover points of ``sources``' modules, which bind themselves to them."""
+    folder = toolchain.ROOT / "tb/coverage"
+    files = [folder / f"cover_{path.stem.removeprefix('msn_')}.sv" for path in sources]
+    return [folder / "bin.svh", *(path for path in files if path.exists())]
+
+
+def powerups(simulate, test_filter, first):
+    """Run the tests with registers that start with random values, ``POWERUPS`` times, seeds from ``first``.
+
+    Only a run's first test meets them, the others what the one before left: so all tests run with the first
+    seed, and with each further one the test whose turn it is alone.
+    """
+    random_start = "+verilator+rand+reset+2"
+    tests = simulate(test_filter, random_start, f"+verilator+seed+{first + 1}")
+    for turn in range(1, POWERUPS):
+        alone = rf"\b{re.escape(tests[turn % len(tests)])}$"
+        simulate(alone, random_start, f"+verilator+seed+{first + 1 + turn}")
+
+
+def refuses(block, parameters, of=None, sources=None):
+    """Elaborate ``msn_<block>`` with illegal parameters; the message, of ``msn_<of>``, that stopped it.
+
+    ``sources``: as for ``run``.
+    """
+    command = ["verilator", "--lint-only", "-Wall", "--top-module", f"msn_{block}"]
+    command += [f"-G{k}={v}" for k, v in parameters.items()]
+    done = subprocess.run(
+        command + [str(path) for path in sources or toolchain.sources_of(f"msn_{block}")],
+        env=toolchain.environment(),
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode != 0, f"msn_{block} accepted {parameters}"
+    fatal = [line for line in done.stderr.splitlines() if f"msn_{of or block}: " in line]
+    assert fatal, f"msn_{block} stopped without its own message:\n{done.stderr}"
+    return fatal[0]

@@ -1,0 +1,172 @@
+"""What benches drive into a block: numbers, frames of them, beats of a stream and pauses in it."""
+
+import os
+import random
+
+import numpy as np
+
+SEED = int(os.environ.get("MEISSNER_SEED", "1"))
+
+
+def pauses(rate, role):
+    """A stall pattern: true with probability ``rate``; each ``role`` of a test has a sequence of its own.
+
+    Two equal sequences at both ends of a block pause both in the same clocks: it never waits with a beat
+    offered, nor is it ever ready with none. The seed is in the name of what failed (``run``).
+    """
+    draw = random.Random(f"{SEED} {role}")
+    return lambda: draw.random() < rate
+
+
+def gaps_and_stalls(gap_rate, stall_rate=None):
+    """The two patterns of ``stream``; of one rate if only one is given."""
+    stall_rate = gap_rate if stall_rate is None else stall_rate
+    return pauses(gap_rate, "gaps"), pauses(stall_rate, "stalls")
+
+
+def as_signed(value, bits):
+    """Two's complement reading of an unsigned port value."""
+    return value - (1 << bits) if value >> (bits - 1) & 1 else value
+
+
+def time(clock):
+    """A time for each clock, 48 bits of which none stays as it is for long."""
+    return (clock * 0x9E37_79B9_7F4A_7C15 >> 8) % (1 << 48)
+
+
+def frames(restart=True, **payload):
+    """Interleave payload arrays [channels, n] into beats: n frames, channels in order, ``last`` on the final.
+
+    ``restart`` marks the first frame, as msn_frame_check does after reset.
+    """
+    arrays = {name: np.atleast_2d(values) for name, values in payload.items()}
+    channels, length = next(iter(arrays.values())).shape
+    return [
+        {name: int(a[channel, frame]) for name, a in arrays.items()}
+        | {"id": channel, "last": channel == channels - 1, "restart": restart and frame == 0}
+        for frame in range(length)
+        for channel in range(channels)
+    ]
+
+
+def column(beats, field, channels):
+    """The values of one output field as an array [channels, frames]."""
+    return np.array([beat[field] for beat in beats], dtype=np.int64).reshape(-1, channels).T
+
+
+def width(bits):
+    """Smallest and largest signed integer of ``bits`` bits."""
+    return -(1 << (bits - 1)), (1 << (bits - 1)) - 1
+
+
+def extremes_then_random(rng, channels, length, bits):
+    """Integers [channels, length] that begin with full-scale steps of both signs, then are random."""
+    low, high = width(bits)
+    x = rng.integers(low, high + 1, (channels, length))
+    corners = np.array([high, low, low, high, high, high, low, low, 0, -1, -1, 0, 1, 0])
+    x[:, : len(corners)] = corners[:length]
+    return x
+
+
+def force_frames(rng, rows, columns):
+    """Forces [frames, rows, columns]: the telling frames of an array of this size, then random ones."""
+    i, j = np.indices((rows, columns))
+    corner = np.full((rows, columns), 65535)
+    corner[0, 0] = 1
+    frames = [
+        np.zeros((rows, columns)),
+        np.full((rows, columns), 65535),
+        np.ones((rows, columns)),
+        corner,
+        corner[::-1, ::-1],
+        65535 * ((i + j) % 2),
+        65535 * (j % 2),
+        65535 * (i % 2),
+        np.minimum(i, rows - 1 - i) + np.minimum(j, columns - 1 - j) + 1,  # symmetric both ways
+    ]
+    for row, column in {
+        (0, 0),
+        (0, columns - 1),
+        (rows - 1, 0),
+        (rows - 1, columns - 1),
+        (rows // 2, columns // 3),
+    }:
+        for force in (1, 65535):
+            single = np.zeros((rows, columns))
+            single[row, column] = force
+            frames.append(single)
+    for _ in range(4):
+        frames.append(rng.integers(0, 65536, (rows, columns)))
+        frames.append(rng.integers(0, 65536, (rows, columns)) * (rng.random((rows, columns)) < 0.1))
+    return np.array(frames).astype(np.int64)
+
+
+def force_beats(forces, lanes=1, surplus=0xA5A5):
+    """Beats of frames [frames, rows, columns]; the surplus lanes of a row's last beat hold ``surplus``."""
+    count, rows, columns = forces.shape
+    row_beats = -(-columns // lanes)
+    padded = np.full((count, rows, row_beats * lanes), surplus, dtype="<u2")
+    padded[:, :, :columns] = forces
+    words = padded.reshape(count, rows * row_beats, lanes)
+    return [
+        {"data": int.from_bytes(word.tobytes(), "little"), "last": index == len(frame) - 1}
+        for frame in words
+        for index, word in enumerate(frame)
+    ]
+
+
+def lane_word(values, bits):
+    """Integers of ``bits`` bits side by side in one word, the first lowest."""
+    return sum((int(value) & ((1 << bits) - 1)) << (bits * lane) for lane, value in enumerate(values))
+
+
+def lane_values(word, lanes, bits, signed=False):
+    """What ``lane_word`` put together."""
+    values = [word >> (bits * lane) & ((1 << bits) - 1) for lane in range(lanes)]
+    return [as_signed(value, bits) for value in values] if signed else values
+
+
+def lane_beats(frames, lanes, bits, surplus=0, **flags):
+    """Beats of an array's frames [frames, rows, columns]: data, id, last, and a bit per lane of each of
+    ``flags`` (arrays of the same shape); the surplus lanes of a row's last beat hold ``surplus``."""
+    count, rows, columns = np.shape(frames)
+    row_beats = -(-columns // lanes)
+
+    def words(array, fill):
+        padded = np.full((count, rows, row_beats * lanes), fill, dtype=np.int64)
+        padded[:, :, :columns] = array
+        return padded.reshape(count, rows * row_beats, lanes)
+
+    data = words(frames, surplus)
+    flags = {name: words(array, 0) for name, array in flags.items()}
+    return [
+        {"data": lane_word(data[frame, beat], bits), "id": beat, "last": beat == rows * row_beats - 1}
+        | {name: lane_word(array[frame, beat], 1) for name, array in flags.items()}
+        for frame in range(count)
+        for beat in range(rows * row_beats)
+    ]
+
+
+def damage(beats, length, draw):
+    """Beats of frames of ``length`` beats with about every third one damaged in a random way."""
+    sent = []
+    for at in range(0, len(beats), length):
+        part = [dict(beat) for beat in beats[at : at + length]]
+        where = draw.randrange(length)
+        kind = draw.choice(["whole"] * 9 + ["missing", "doubled", "id", "early", "lost", "late"])
+        if kind == "missing":
+            del part[where]
+        elif kind == "doubled":
+            part.insert(where, dict(part[where]))
+        elif kind == "id":
+            part[where]["id"] = (part[where]["id"] + 1) % length
+        elif kind == "early":
+            part = part[: where + 1]
+            part[-1]["last"] = True
+        elif kind == "lost":
+            part[-1]["last"] = False
+        elif kind == "late":
+            part += [dict(part[-1])]
+            part[-2]["last"] = False
+        sent += part
+    return sent
