@@ -3,11 +3,10 @@
 A file of a larger model reads all of it again: a core's took 17 s, in two units they take 6 s. What runs in
 every clock is compiled at -Og: a core's benches take half of the time that they do at -O0, for 1 s of the
 compiler. What runs once is left at -O0: one of its constructors takes GCC minutes at -O1. The runtime is kept
-by tools/objcache.py, and linked where it is.
+by model/meissner/builds/objcache.py, and linked where it is.
 """
 
 import hashlib
-import importlib.util
 import re
 import subprocess
 from pathlib import Path
@@ -15,12 +14,9 @@ from pathlib import Path
 import cocotb_tools.config
 from cocotb_tools.runner import Verilator
 
-from meissner.builds import toolchain
+from meissner.builds import objcache, toolchain
 
 SMALL = 200_000  # bytes of what runs once that are compiled sooner at -Og than in a unit of their own
-_spec = importlib.util.spec_from_file_location("objcache", toolchain.ROOT / "tools/objcache.py")
-objcache = importlib.util.module_from_spec(_spec)  # tools/ is not on the path of whoever records a bench
-_spec.loader.exec_module(objcache)
 
 
 class Units(Verilator):

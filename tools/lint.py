@@ -12,11 +12,11 @@ from meissner.builds.build import verilog
 ROOT = toolchain.ROOT
 RULES = ROOT / "tb/lint/verible.rules"
 CELLS = "tb/lint/cells.v"
-WAIVERS = ROOT / "tb/lint/verilator.vlt"
+WAIVERS = ROOT / "rtl/verilator.vlt"
 # Without a waiver.
 SLANG = [sys.executable, str(ROOT / "tools/slang.py"), "-Werror"]
 # Models of the vendors' cells that rtl/ecp5 uses.
-MODELS = ["tb/common/MULT18X18D.v"]
+MODELS = ["model/meissner/engines/cells/MULT18X18D.v"]
 PYTHON = ("model", "tb", "tools", "examples")
 
 

@@ -294,7 +294,7 @@ def test_the_top_lints(board, name, tmp_path):
     board = ALL[board]
     boards.write_board(folder, board, users.write(tmp_path, name, users.CLOCKS[board.name]))
     own = [toolchain.ROOT / path for path in (*board.sources, f"{folder}/{board.top}.sv", "tb/lint/cells.v")]
-    flags = ["--lint-only", "--quiet", "-Wall", str(ROOT / "tb/lint/verilator.vlt"), f"-I{ROOT / folder}"]
+    flags = ["--lint-only", "--quiet", "-Wall", str(ROOT / "rtl/verilator.vlt"), f"-I{ROOT / folder}"]
     command = ["verilator", *flags, *map(str, [*toolchain.sources(), *own]), "--top-module", board.top]
     done = subprocess.run(command, env=toolchain.environment(), capture_output=True, text=True)
     assert (done.returncode, done.stdout + done.stderr) == (0, "")

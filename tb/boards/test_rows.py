@@ -77,6 +77,6 @@ def test_rows(rows, columns):
     folder = f"build/tb/include/rows{rows}"
     boards.write_build(folder, made.parameters)
     outer = [toolchain.ROOT / source for source in boards.COMMON]
-    waivers = toolchain.ROOT / "tb/lint/verilator.vlt"
+    waivers = toolchain.ROOT / "rtl/verilator.vlt"
     sources = [waivers, *toolchain.sources_of("msn_core"), *outer]
     bench.run("boards", "board", module="test_rows", sources=sources, include=toolchain.ROOT / folder)

@@ -82,7 +82,7 @@ def test_two_converters(name, tmp_path):
     board = boards.BOARDS["ulx3s"]
     folder = "build/tb/two_converters"
     boards.write_board(folder, board, users.write(tmp_path, name, 25.0))
-    own = [*board.sources, f"{folder}/{board.top}.sv", "tb/boards/EHXPLLL.sv", "tb/lint/verilator.vlt"]
+    own = [*board.sources, f"{folder}/{board.top}.sv", "tb/boards/EHXPLLL.sv", "rtl/verilator.vlt"]
     os.environ.update(toolchain.environment())
     runner = Units()
     where = toolchain.ROOT / folder

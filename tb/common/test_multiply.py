@@ -11,7 +11,10 @@ from meissner.builds import toolchain
 from meissner.twins.common.multiply import multiply
 
 LATENCY = 2
-ECP5 = [toolchain.ROOT / name for name in ("tb/common/MULT18X18D.v", "rtl/ecp5/msn_multiply.sv")]
+ECP5 = [
+    toolchain.ROOT / name
+    for name in ("model/meissner/engines/cells/MULT18X18D.v", "rtl/ecp5/msn_multiply.sv")
+]
 
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from meissner import cli
-from meissner.builds import toolchain
-from meissner.engines import kept, rtl_core, verilated
+from meissner.builds import kept, toolchain
+from meissner.engines import rtl_core, verilated
 
 WHOLE = bytes(range(256)) * 40
 

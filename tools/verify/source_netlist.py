@@ -18,7 +18,7 @@ from verify import mutate, source_mutants, source_text
 from verify.mutate import BITS, INNER, SYNTHESIS, Mutant
 
 BLOCK = "plain"  # the module that holds the changes of one text, where there are copies
-LINT = ("verilator", "--lint-only", "--quiet", "-Wall", "-Wno-style", "tb/lint/verilator.vlt")
+LINT = ("verilator", "--lint-only", "--quiet", "-Wall", "-Wno-style", "rtl/verilator.vlt")
 
 
 class Source:

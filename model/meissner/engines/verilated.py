@@ -12,8 +12,7 @@ from contextvars import ContextVar
 from functools import cache, wraps
 from pathlib import Path
 
-from meissner.builds import boards, netlist, toolchain
-from meissner.engines import kept
+from meissner.builds import boards, kept, netlist, toolchain
 
 HERE = Path(__file__).parent
 # The family whose cells library() builds from; None: the sources themselves.
@@ -63,7 +62,7 @@ def library(top, driver, parameters, trace=False, include=None):
             sources += [toolchain.ROOT / source for source in boards.COMMON]
             sources.append(toolchain.ROOT / include / "msn_build.svh")
             checks += [f"-I{toolchain.for_make(toolchain.ROOT / include)}"]
-            checks += [str(toolchain.for_make(toolchain.ROOT) / "tb/lint/verilator.vlt")]
+            checks += [str(toolchain.for_make(toolchain.ROOT) / "rtl/verilator.vlt")]
         checks += [*(f"-G{name}={value}" for name, value in parameters.items())]
     else:  # a netlist is not written in the house style, and its parameters are no more
         text = told.read_text("utf-8") if told.exists() else ""

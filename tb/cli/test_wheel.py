@@ -1,0 +1,113 @@
+"""What users install: the wheel alone carries sources, scenes and configurations, and its commands run from
+an empty folder, on the twins and on the core."""
+
+import os
+import subprocess
+import sys
+import sysconfig
+import zipfile
+
+import numpy as np
+import pytest
+
+from meissner.builds import toolchain
+from meissner.builds.toolchain import ROOT
+
+SHIPPED = ("model", "rtl", "constraints", "host", "setup.py", "pyproject.toml")
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory):
+    """Built from a copy with nothing else of the checkout beside it."""
+    folder = tmp_path_factory.mktemp("wheel")
+    for name in SHIPPED:
+        subprocess.run(["cp", "-r", ROOT / name, folder / name], check=True)
+    for left in (folder / "model").glob("*.egg-info"):
+        subprocess.run(["rm", "-r", left], check=True)
+    command = [sys.executable, "-m", "pip", "wheel", "--quiet", "--no-deps", "--no-build-isolation", "."]
+    subprocess.run([*command, "--disable-pip-version-check", "-w", "dist"], cwd=folder, check=True)
+    (found,) = (folder / "dist").iterdir()
+    return found
+
+
+@pytest.fixture(scope="module")
+def installed(wheel, tmp_path_factory):
+    """A function: ``meissner`` of an environment with the wheel and the packages it asks for, in a folder."""
+    home = tmp_path_factory.mktemp("home")
+    environment = home / "env"
+    subprocess.run([sys.executable, "-m", "venv", "--without-pip", environment], check=True)
+    python = environment / "bin/python"
+    command = [sys.executable, "-m", "pip", "--python", python, "install", "--quiet", "--no-deps", wheel]
+    subprocess.run([*command, "--disable-pip-version-check"], check=True)
+    (site,) = environment.glob("lib/python*/site-packages")
+    (site / "dependencies.pth").write_text(sysconfig.get_path("purelib"))  # none of its own .pth is read
+    known = {"HOME": str(home), "MEISSNER_OPTIMISE": "-O1", "PATH": os.environ["PATH"]}
+
+    def run(*arguments, cwd, **more):
+        command = [environment / "bin/meissner", *map(str, arguments)]
+        return subprocess.run(command, cwd=cwd, env=known | more, capture_output=True, text=True)
+
+    run.cache, run.python, run.known = home / ".cache/meissner", python, known
+    return run
+
+
+def test_it_carries_all_that_the_core_is_made_of(wheel):
+    names = set(zipfile.ZipFile(wheel).namelist())
+    sources = {f"meissner/sources/{path.relative_to(ROOT)}" for path in toolchain.sources()}
+    assert len(sources) > 70 and sources <= names
+    for name in (
+        "py.typed",
+        "scenes/rubber/acrylic_slip.toml",
+        "builds/configs/slip1.toml",
+        "engines/core.hpp",
+    ):
+        assert f"meissner/{name}" in names
+    assert "meissner/sources/host/msg/TactileFrame.msg" in names
+    assert not [name for name in names if "verify" in name or name.startswith("tb")]
+
+
+def test_it_is_what_runs(installed, tmp_path):
+    done = subprocess.run(
+        [installed.python, "-c", "import meissner; print(meissner.__file__)"],
+        cwd=tmp_path,
+        env=installed.known,
+        capture_output=True,
+        text=True,
+    )
+    assert "site-packages/meissner" in done.stdout and str(ROOT) not in done.stdout
+
+
+def test_commands_run_from_an_empty_folder(installed, tmp_path):
+    np.save(tmp_path / "in.npy", np.arange(12).reshape(2, 2, 3))
+    sums = [15, 51]  # 0 + .. + 5, 6 + .. + 11
+    for engine in ("fixed", "rtl"):
+        done = installed("process", "cop", "in.npy", "--engine", engine, "--out", "o.npz", cwd=tmp_path)
+        assert (done.returncode, done.stderr) == (0, "")
+        assert np.load(tmp_path / "o.npz")["sum"].tolist() == sums
+    assert len(list(installed.cache.glob("*/rtl/*/core.so"))) == 1
+    done = installed("run", "walk_25x5", "--engine", "fixed", "--out", "walk", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "") and (tmp_path / "walk/report.html").is_file()
+    done = installed("config", "check", "fingertip", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    done = installed("live", "sim:acrylic_slip?speed=20", "--seconds", "0.3", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    done = installed("log", "sim:walk_25x5?speed=20", "--out", "l.mcap", "--seconds", "0.3", cwd=tmp_path)
+    assert done.returncode == 0 and (tmp_path / "l.mcap").stat().st_size > 1000
+    assert not [path for path in tmp_path.iterdir() if path.name == "build"]
+
+
+def test_the_core_runs_on_a_line(installed, tmp_path):
+    done = installed("live", "core:slip1", "--seconds", "0.2", cwd=tmp_path)
+    said = "meissner: core:slip1 is built without registers: it is only listened to\n"
+    assert (done.returncode, done.stderr) == (0, said)
+    assert done.stdout
+
+
+def test_without_a_compiler_it_says_so(installed, tmp_path):
+    np.save(tmp_path / "in.npy", np.ones((1, 7, 2), int))  # a core that no other test builds
+    command = ("process", "cop", "in.npy", "--engine", "rtl", "--out", "o.npz")
+    done = installed(*command, cwd=tmp_path, PATH=str(tmp_path))
+    assert done.returncode == 2
+    assert done.stderr == (
+        "meissner: g++ and make not found: the core is compiled with g++ and make (apt install g++ make)\n"
+    )
