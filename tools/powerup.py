@@ -3,8 +3,8 @@
     python tools/powerup.py [--seeds 20] [--jobs 2] [--record] [BLOCK ...]
 
 Each block is started ``--seeds`` times, each time with other values, the seeds shared out among the builds of
-its tests (tb/runner.py, ``powerups``). What needs a reset that it does not get fails. Exits 1 then, or if a
-block has no test that simulates it.
+its tests (tb/runner.py, ``powerups``). A register that needs a reset and has none makes a test fail. Exits 1
+then, or if a block has no test that simulates it.
 """
 
 import argparse
