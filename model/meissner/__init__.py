@@ -1,8 +1,30 @@
-"""Meissner: an open FPGA core for touch, its bit-exact twins and the physics it is judged on."""
+"""Meissner: an open FPGA core for touch, its bit-exact twins and the physics it is judged on.
+
+    Slip, Cop, Cop4, Array     what the core computes of a stream: ``process(x)``, ``next(x)``
+    SlipConfig                 what a slip detector is asked to do
+    Calibration                a straight line per cell of an array
+
+Each is imported when it is asked for, so that the command line starts at once.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from meissner.calibration import Calibration
+    from meissner.sense import Array, Cop, Cop4, Slip
+    from meissner.twins.slip.config import SlipConfig
+
+__all__ = ["Array", "Calibration", "Cop", "Cop4", "Slip", "SlipConfig"]
+_MODULES = dict.fromkeys(("Array", "Cop", "Cop4", "Slip"), "meissner.sense") | {
+    "Calibration": "meissner.calibration",
+    "SlipConfig": "meissner.twins.slip.config",
+}
 
 
 def __getattr__(name):
-    """``__version__``, looked up when it is asked for: importlib.metadata takes 40 ms of every start."""
+    if name in _MODULES:
+        return getattr(import_module(_MODULES[name]), name)
     if name != "__version__":
         raise AttributeError(f"module 'meissner' has no attribute {name!r}")
     from importlib.metadata import PackageNotFoundError, version
@@ -11,3 +33,7 @@ def __getattr__(name):
         return version("meissner")
     except PackageNotFoundError:  # used from a source tree that was not installed
         return "0+source"
+
+
+def __dir__():
+    return [*globals(), *__all__, "__version__"]

@@ -62,11 +62,11 @@ def cop(arguments):
 
 def cop4(arguments):
     """``meissner process cop4``."""
-    from meissner.builds import four_wires
+    from meissner.builds import cop4_file
     from meissner.twins.cop.cop4 import faults
 
     engines.load(arguments.engine)
-    config = four_wires.load(arguments.config)
+    config = cop4_file.load(arguments.config)
     codes = files.read_array(arguments.input)
     if arguments.input.lower().endswith(".csv"):
         codes = codes.T  # a column per electrode

@@ -8,7 +8,7 @@ import pytest
 
 from cli.test_cli import meissner
 from meissner import engines
-from meissner.builds import config, four_wires
+from meissner.builds import config, cop4_file
 from meissner.builds.toolchain import ROOT
 
 EXAMPLE = (ROOT / "docs/cop4.toml").read_text()
@@ -22,7 +22,7 @@ def cop4(source="in.npy", *extra, config="c.toml", out="out.npz"):
 @pytest.fixture
 def codes(tmp_path):
     (tmp_path / "c.toml").write_text(EXAMPLE)
-    config = four_wires.load(tmp_path / "c.toml")
+    config = cop4_file.load(tmp_path / "c.toml")
     load = np.zeros((6, 41, 41))
     load[1:, 20, 30] = 1, 2, 5, 10, 20
     answer = config.mesh.solve(load)
@@ -41,7 +41,7 @@ def test_process_cop4(tmp_path, codes, engine, name):
     assert done.stdout.startswith("6 samples, 4 with a load; faults: 1 saturated, 1 open, 1 out of balance; ")
     assert f"on engine {engine}" in done.stdout
     result = np.load(tmp_path / "out.npz")
-    expected = engines.process_cop4(codes, four_wires.load(tmp_path / "c.toml"), engine)
+    expected = engines.process_cop4(codes, cop4_file.load(tmp_path / "c.toml"), engine)
     assert set(result.files) == {"x", "y", "load", "valid"}
     for field in expected:
         assert np.array_equal(result[field], expected[field])
@@ -157,7 +157,7 @@ def test_every_mistake_in_the_file_gets_its_sentence(tmp_path, case):
     path = tmp_path / "c.toml"
     path.write_text(spoiled(key, value))
     with pytest.raises(ValueError) as caught:
-        four_wires.load(path)
+        cop4_file.load(path)
     assert sentence in str(caught.value) and "\n" not in str(caught.value)
 
 
@@ -176,7 +176,7 @@ def test_every_value_of_the_file_arrives_in_its_place(tmp_path):
         (line,) = (line for line in text.splitlines() if line.startswith(f"{key} = "))
         text = text.replace(line, f"{key} = {value}")
     (tmp_path / "c.toml").write_text(text)
-    config = four_wires.load(tmp_path / "c.toml")
+    config = cop4_file.load(tmp_path / "c.toml")
     assert repr(config.mesh) == "Mesh(3, 7, r=20, R0=5000, V0=2, k=900)"
     assert (config.adc.bits, config.adc.low_v, config.adc.high_v, config.adc.noise_v) == (18, -4, 4, 0)
     assert config.convert(np.array([[1.0, -1.0, 0.0, 2.0]])).tolist() == [[49152, -49152, 0, 98304]]

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from meissner import engines
-from meissner.builds import four_wires
+from meissner.builds import cop4_file
 from meissner.builds.toolchain import ROOT
 from meissner.engines import float_cop4
 from meissner.physics import mesh_loads
@@ -225,6 +225,6 @@ def test_refuses_configurations():
 
 
 def test_the_example_of_the_documentation_is_the_published_mesh():
-    given = four_wires.load(EXAMPLE)
+    given = cop4_file.load(EXAMPLE)
     assert repr(given.mesh) == repr(Mesh(41, 41, 10.0)) and given.touch == "none"
     assert given.sample_bits == 24 and replace(given, adc=Adc(12, -5.0, 5.0)).sample_bits == 17

@@ -1,0 +1,74 @@
+"""The package's layers: a module imports its own layer and those before it; no import leads up or around."""
+
+import ast
+from itertools import pairwise
+
+import pytest
+
+import structure
+from meissner.builds.toolchain import ROOT
+
+PACKAGE = ROOT / "model/meissner"
+
+
+def test_every_module_has_a_layer():
+    assert sorted(structure.LAYERS, key=structure.LAYERS.index) == structure.LAYERS
+    for module in structure.modules():
+        assert structure.layer(module) is not None, module
+
+
+def test_no_import_leads_up():
+    up = [
+        f"{module} imports {other}"
+        for module, others in structure.imports().items()
+        for other in others
+        if structure.layer(other) > structure.layer(module)
+    ]
+    assert not up
+
+
+def test_no_imports_lead_around():
+    """Within a layer too, those inside functions among them."""
+    imports = structure.imports()
+
+    def visit(module, path):
+        assert module not in path, " -> ".join([*path[path.index(module) :], module])
+        for other in imports[module] - done:
+            visit(other, [*path, module])
+        done.add(module)
+
+    done = set()
+    for module in imports:
+        visit(module, [])
+
+
+@pytest.mark.parametrize("path", sorted(PACKAGE.rglob("*.py")), ids=lambda path: path.stem)
+def test_the_package_reads_nothing_of_tests_or_tools(path):
+    tree = ast.parse(path.read_text("utf-8"))
+    words = [node.value for node in ast.walk(tree) if isinstance(node, ast.Constant)]
+    docstrings = {
+        ast.get_docstring(node, clean=False)
+        for node in ast.walk(tree)
+        if hasattr(node, "body") and isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef)
+    }
+    for word in words:
+        if isinstance(word, str) and word not in docstrings:
+            assert not word.startswith(("tb/", "tools/")), word
+
+
+def test_twins_compute_in_integers():
+    """No twin imports physics, engines or anything else above; NumPy is all it needs."""
+    known = "dataclasses enum functools itertools math numbers numpy struct typing zlib".split()
+    for path in (PACKAGE / "twins").rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+            names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
+            names += [node.module] if isinstance(node, ast.ImportFrom) else []
+            for name in names:
+                top = name.split(".")[0]
+                assert top in known or name.startswith("meissner.twins"), f"{path.name}: {name}"
+
+
+def test_the_page_has_the_layers_in_order():
+    page = (ROOT / "docs/structure.md").read_text("utf-8")
+    places = [page.index(f"| `{name}`") for name in structure.LAYERS]
+    assert all(a < b for a, b in pairwise(places))
