@@ -1,5 +1,6 @@
 """The public interface: results by hand, in pieces of any size as at once, and what it refuses."""
 
+import inspect
 from itertools import pairwise
 
 import numpy as np
@@ -7,6 +8,7 @@ import pytest
 
 import meissner
 from meissner import engines
+from meissner.engines.protocol import Engine
 from meissner.physics.adc import Adc
 from meissner.physics.cop4_config import Cop4Config
 from meissner.physics.mesh import Mesh
@@ -122,6 +124,19 @@ def test_refuses_in_one_sentence(call, says):
     with pytest.raises((ValueError, AttributeError), match=says) as caught:
         call()
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("name", engines.EVERY)
+def test_every_engine_has_what_the_protocol_says(name):
+    """The same parameters in the same order; behind them waves, of those that have signals."""
+    module = engines.load(name)
+    asked = [item for item in vars(Engine).items() if inspect.isfunction(item[1]) and item[0][0] != "_"]
+    assert len(asked) == 7
+    for function, declared in asked:
+        own = list(inspect.signature(getattr(module, function)).parameters)
+        wanted = list(inspect.signature(declared).parameters)[1:]
+        signals = ["waves"] if name in engines.VERILATED and function.startswith("cop") else []
+        assert own == wanted + signals, function
 
 
 def test_limits_are_met_exactly():

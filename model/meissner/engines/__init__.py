@@ -1,10 +1,6 @@
 """The engines: the same work done by textbook float, the integer twins, the Verilated core and its netlist.
 
-Each engine module has ``watch``: samples in, what the core says about every detail out; ``windows``, from
-which ``process_slip`` makes the arrays of ``meissner process slip``; ``cop``: frames of forces in, the
-arrays of ``meissner process cop`` out; ``cop4``: codes of the four electrodes in, twins.cop.cop4.Cop4 out;
-``cop_slip``: the same, and twins.cop.cop_slip.CopSlipResult; ``demodulate``: samples of a Carrier in,
-amplitudes out; ``calibrate``: codes of an array and its Calibration in, forces out.
+``load`` gives the module of a name; meissner.engines.protocol says what each has.
 """
 
 from dataclasses import dataclass
@@ -14,6 +10,7 @@ from importlib.util import find_spec
 import numpy as np
 
 from meissner.calibration import check_codes
+from meissner.engines.protocol import Engine
 from meissner.names import EVERY, NAMES, VERILATED  # noqa: F401 - users name them engines.NAMES
 from meissner.twins.cop.cop_accumulate import sum_bits
 from meissner.twins.frontend.am_demod import AmDemod
@@ -61,7 +58,7 @@ class Carrier:
         return self.block.gain(self.periods) / 2**self.shift
 
 
-def load(name):
+def load(name) -> Engine:
     """The engine module of that name."""
     if name not in EVERY:
         raise ValueError(f"unknown engine '{name}'; the engines are: {', '.join(EVERY)}")
