@@ -10,7 +10,8 @@
 // so that whoever counts beats drops it and is in step again. out_fits_o says it without counting: the beat is that
 // of its place, and no damage came before it. A frame is whole if its `last` fits.
 //
-// Combinational; data pass beside it. Every beat, dropped or not, takes its turn at out_ready_i.
+// Combinational; data pass beside it. Every beat, dropped or not, takes its turn at out_ready_i. A stream without
+// numbers loops out_id_o back to in_id_i: then `last` alone is checked.
 // Model: model/meissner/twins/common/frame_place.py
 
 module msn_frame_place #(
