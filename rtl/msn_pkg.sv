@@ -58,6 +58,19 @@ package msn_pkg;
     index_width = (count > 1) ? $clog2(count) : 1;
   endfunction
 
+  // Of parameters: columns side by side in a beat, rows or columns of an array, a power of two or 0.
+  function automatic logic are_lanes(int unsigned count);
+    are_lanes = count == 1 || count == 2 || count == 4 || count == 8;
+  endfunction
+
+  function automatic logic is_side(int unsigned count);
+    is_side = count >= 1 && count <= 1024;
+  endfunction
+
+  function automatic logic is_power(int unsigned value);
+    is_power = (value & (value - 1)) == 0;
+  endfunction
+
   // Clocks that last at least `ns` nanoseconds, at least one.
   function automatic int unsigned clocks_of_ns(int unsigned ns, int unsigned clk_khz);
     clocks_of_ns = (ns * clk_khz + 999_999) / 1_000_000;

@@ -21,8 +21,11 @@ from stimulus import (
     lane_beats,
     lane_values,
     lane_word,
+    marks,
     pauses,
+    placed,
     time,
+    unnumbered,
     width,
 )
 from streams import (

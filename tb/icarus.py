@@ -36,6 +36,7 @@ REFUSED = {
     "adc_spi": FUNCTIONS,
     "adc_single": FUNCTIONS,
     "acquire": FUNCTIONS,
+    "array_source": FUNCTIONS,
     "scan_adc": FUNCTIONS,
     "scan_demod": FUNCTIONS,
     "channels": FUNCTIONS,

@@ -5,6 +5,8 @@ import random
 
 import numpy as np
 
+from meissner.twins.common.frame_place import FramePlace
+
 SEED = int(os.environ.get("MEISSNER_SEED", "1"))
 
 
@@ -101,15 +103,26 @@ def force_frames(rng, rows, columns):
     return np.array(frames).astype(np.int64)
 
 
+def marks(place, rows, row_beats):
+    """What a beat at ``place`` of a whole frame brings beside its data (docs/frames.md)."""
+    row, column = divmod(place, row_beats)
+    return {
+        "fits": True,
+        "row_last": column == row_beats - 1,
+        "last": column == row_beats - 1 and row == rows - 1,
+    }
+
+
 def force_beats(forces, lanes=1, surplus=0xA5A5):
-    """Beats of frames [frames, rows, columns]; the surplus lanes of a row's last beat hold ``surplus``."""
+    """Beats of frames [frames, rows, columns], with marks; the surplus lanes of a row's last beat hold
+    ``surplus``."""
     count, rows, columns = forces.shape
     row_beats = -(-columns // lanes)
     padded = np.full((count, rows, row_beats * lanes), surplus, dtype="<u2")
     padded[:, :, :columns] = forces
     words = padded.reshape(count, rows * row_beats, lanes)
     return [
-        {"data": int.from_bytes(word.tobytes(), "little"), "last": index == len(frame) - 1}
+        {"data": int.from_bytes(word.tobytes(), "little")} | marks(index, rows, row_beats)
         for frame in words
         for index, word in enumerate(frame)
     ]
@@ -127,7 +140,7 @@ def lane_values(word, lanes, bits, signed=False):
 
 
 def lane_beats(frames, lanes, bits, surplus=0, **flags):
-    """Beats of an array's frames [frames, rows, columns]: data, id, last, and a bit per lane of each of
+    """Beats of an array's frames [frames, rows, columns]: data, id, marks, and a bit per lane of each of
     ``flags`` (arrays of the same shape); the surplus lanes of a row's last beat hold ``surplus``."""
     count, rows, columns = np.shape(frames)
     row_beats = -(-columns // lanes)
@@ -140,7 +153,8 @@ def lane_beats(frames, lanes, bits, surplus=0, **flags):
     data = words(frames, surplus)
     flags = {name: words(array, 0) for name, array in flags.items()}
     return [
-        {"data": lane_word(data[frame, beat], bits), "id": beat, "last": beat == rows * row_beats - 1}
+        {"data": lane_word(data[frame, beat], bits), "id": beat}
+        | marks(beat, rows, row_beats)
         | {name: lane_word(array[frame, beat], 1) for name, array in flags.items()}
         for frame in range(count)
         for beat in range(rows * row_beats)
@@ -170,3 +184,20 @@ def damage(beats, length, draw):
             part[-2]["last"] = False
         sent += part
     return sent
+
+
+def placed(beats, rows, row_beats):
+    """What msn_frame_place passes of ``beats``, with its marks; without an id they count as they come."""
+    check, passed, number = FramePlace(rows, row_beats), [], 0
+    for beat in beats:
+        place = check.next(beat.get("id", number), beat["last"])
+        number = 0 if beat["last"] else number + 1
+        if place:
+            marked = place._asdict()
+            passed.append(beat | {name: value for name, value in marked.items() if name in beat})
+    return passed
+
+
+def unnumbered(beats):
+    """``beats`` without their ids, for blocks that need no places."""
+    return [{name: value for name, value in beat.items() if name != "id"} for beat in beats]

@@ -227,9 +227,10 @@ async def clocks(dut, count):
 async def force_frame(dut, frame, lanes, fields):
     """Send one frame without a gap; return its result and the clocks from the last beat to the result."""
     dut.in_valid_i.value = 1
-    dut.out_ready_i.value = 1
+    dut.out_ready_i.value = dut.in_fits_i.value = 1
     for beat in force_beats(frame[None], lanes):
         dut.in_data_i.value, dut.in_last_i.value = beat["data"], int(beat["last"])
+        dut.in_row_last_i.value = int(beat["row_last"])
         await RisingEdge(dut.clk_i)
     dut.in_valid_i.value = 0
     waited = 1

@@ -35,7 +35,13 @@ def test_the_verilog_of_readme_is_clean(tmp_path):
     source = tmp_path / "pad.sv"
     source.write_text(example("systemverilog"))
     command = ["verilator", "--lint-only", "--quiet", "-Wall", str(ROOT / "rtl/verilator.vlt")]
-    command += [*map(str, toolchain.sources_of("msn_cop")), str(source), "--top-module", "pad"]
+    command += [
+        *map(str, toolchain.sources_of("msn_cop")),
+        str(ROOT / "rtl/common/msn_frame_place.sv"),
+        str(source),
+        "--top-module",
+        "pad",
+    ]
     done = subprocess.run(command, env=toolchain.environment(), capture_output=True, text=True)
     assert (done.returncode, done.stdout + done.stderr) == (0, "")
 

@@ -35,7 +35,7 @@ LIMIT_S = 60  # what closes takes less than half of it
 SETS = {
     "delay": "Depth=7",
     "frame_check": "Channels=5",
-    "frame_place": "Beats=9",
+    "frame_place": "Rows=3 RowBeats=3",
     "frame_table": "Words=3",
     "sync": "Width=5",
     "compare": "Width=18",

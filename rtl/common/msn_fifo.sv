@@ -19,7 +19,7 @@ module msn_fifo #(
   output logic [Width-1:0] out_data_o
 );
 
-  if (Depth < 2 || (Depth & (Depth - 1)) != 0) begin : gen_check_depth
+  if (Depth < 2 || !msn_pkg::is_power(Depth)) begin : gen_check_depth
     $fatal(1, "msn_fifo: Depth = %0d must be a power of two, 2 or more", Depth);
   end
   if (Width < 1) begin : gen_check_width

@@ -1,57 +1,74 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Where in its frame a beat lies, and whether it may pass, so that no damaged frame looks whole behind.
+// The one check of an array's frames: numbers the beats, marks the ends of rows and passes no damaged frame as a
+// whole one.
 //
 // Beats must count 0 .. Beats-1 with `last` on the final one (whose id is then not asked). A frame that
-// breaks this is counted once, and what its follower gets of it is
+// breaks this is counted once, and what passes of it is
 //   broken before the final beat:     the beats so far and the broken one, marked `last`: too short
 //   `last` missing on the final beat: that beat and the one that brings `last`: one too long
-// so that whoever counts beats drops it and is in step again.
+// so that whoever counts beats drops it and is in step again. out_fits_o says it without counting: the beat is that
+// of its place, and no damage came before it. A frame is whole if its `last` fits.
 //
-// Combinational beside the caller's first register.   Model: model/meissner/twins/common/frame_place.py
+// Combinational; data pass beside it. Every beat, dropped or not, takes its turn at out_ready_i. A stream without
+// numbers loops out_id_o back to in_id_i: then `last` alone is checked.
+// Model: model/meissner/twins/common/frame_place.py
 
 module msn_frame_place #(
-  parameter  int unsigned Beats  = 4096,
-  localparam int unsigned IdBits = msn_pkg::index_width(Beats)
+  parameter  int unsigned Rows     = 64,
+  parameter  int unsigned RowBeats = 64,
+  localparam int unsigned Beats    = Rows * RowBeats,
+  localparam int unsigned IdBits   = msn_pkg::index_width(Beats)
 ) (
   input  logic              clk_i,
   input  logic              rst_i,
 
-  input  logic              accept_i,   // a beat is taken
+  input  logic              in_valid_i,
+  output logic              in_ready_o,
   input  logic [IdBits-1:0] in_id_i,
   input  logic              in_last_i,
 
-  output logic [IdBits-1:0] place_o,
-  output logic              keep_o,     // let it pass
-  output logic              last_o,     // marked so
-  output logic              fits_o,     // it is the beat of this place, no damage before it
-  output logic              whole_o,    // and it ends its frame
+  output logic              out_valid_o,
+  input  logic              out_ready_i,
+  output logic [IdBits-1:0] out_id_o,        // the place
+  output logic              out_fits_o,
+  output logic              out_row_last_o,
+  output logic              out_last_o,
 
-  output logic [31:0]       damaged_o   // frames, since reset
+  output logic [31:0]       damaged_o        // frames, since reset
 );
 
-  if (Beats < 1) begin : gen_check_beats
-    $fatal(1, "msn_frame_place: Beats = %0d must be at least 1", Beats);
+  if (Rows < 1) begin : gen_check_rows
+    $fatal(1, "msn_frame_place: Rows = %0d must be at least 1", Rows);
+  end
+  if (RowBeats < 1) begin : gen_check_row_beats
+    $fatal(1, "msn_frame_place: RowBeats = %0d must be at least 1", RowBeats);
   end
 
-  logic dropping, closed, at_final, right, damage;
-  assign at_final = place_o == IdBits'(Beats - 1);
-  assign right    = at_final ? in_last_i : !in_last_i && in_id_i == place_o;
-  assign fits_o   = right && !dropping;
-  assign whole_o  = fits_o && at_final;
-  assign keep_o   = !dropping || (in_last_i && !closed);
-  assign last_o   = in_last_i || (!right && !at_final);
+  localparam int unsigned ColumnBits = msn_pkg::index_width(RowBeats);
+
+  logic [ColumnBits-1:0] column;
+  logic                  dropping, closed, at_final, right, damage;
+  assign at_final       = out_id_o == IdBits'(Beats - 1);
+  assign right          = at_final ? in_last_i : !in_last_i && in_id_i == out_id_o;
+  assign in_ready_o     = out_ready_i;
+  assign out_valid_o    = in_valid_i && (!dropping || (in_last_i && !closed));
+  assign out_fits_o     = right && !dropping;
+  assign out_row_last_o = column == ColumnBits'(RowBeats - 1);
+  assign out_last_o     = in_last_i || (!right && !at_final);
 
   always_ff @(posedge clk_i) begin
-    if (accept_i) begin
-      place_o  <= in_last_i || at_final ? '0 : place_o + 1'b1;
+    if (in_valid_i && in_ready_o) begin
+      out_id_o <= in_last_i || at_final || dropping ? '0 : out_id_o + 1'b1;
+      column   <= in_last_i || out_row_last_o || dropping ? '0 : column + 1'b1;
       dropping <= !in_last_i && (dropping || !right);
       if (!dropping) closed <= !at_final;
     end
-    damage <= accept_i && !right && !dropping;
+    damage <= in_valid_i && in_ready_o && !right && !dropping;
     if (damage) damaged_o <= damaged_o + 1'b1;  // a clock late: 32 enables are slow
     if (rst_i) begin
-      place_o   <= '0;
+      out_id_o  <= '0;
+      column    <= '0;
       dropping  <= 1'b0;
       damage    <= 1'b0;
       damaged_o <= '0;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Beats of Lanes taxels, one after the other, as channels 0 .. Rows*Columns-1, row by row. Lanes to spare in a
-// row's last beat are left out.
+// row's last beat are left out. in_row_last_i: a mark of msn_frame_place.
 //
 // Latency 0 clocks, a taxel a clock, a beat when its last taxel is taken.   Model: model/meissner/twins/common/narrow.py
 
@@ -18,6 +18,7 @@ module msn_narrow #(
   input  logic                      in_valid_i,
   output logic                      in_ready_o,
   input  logic [Lanes*DataBits-1:0] in_data_i,
+  input  logic                      in_row_last_i,
   input  logic                      in_last_i,   // of the frame
 
   output logic                      out_valid_o,
@@ -27,24 +28,21 @@ module msn_narrow #(
   output logic                      out_last_o
 );
 
-  if (Rows < 1 || Rows > 1024) begin : gen_check_rows
+  if (!msn_pkg::is_side(Rows)) begin : gen_check_rows
     $fatal(1, "msn_narrow: Rows = %0d must lie in 1 .. 1024", Rows);
   end
-  if (Columns < 1 || Columns > 1024) begin : gen_check_columns
+  if (!msn_pkg::is_side(Columns)) begin : gen_check_columns
     $fatal(1, "msn_narrow: Columns = %0d must lie in 1 .. 1024", Columns);
   end
-  if (Lanes != 1 && Lanes != 2 && Lanes != 4 && Lanes != 8) begin : gen_check_lanes
+  if (!msn_pkg::are_lanes(Lanes)) begin : gen_check_lanes
     $fatal(1, "msn_narrow: Lanes = %0d must be 1, 2, 4 or 8", Lanes);
   end
 
-  localparam int unsigned LaneBits   = msn_pkg::index_width(Lanes);
-  localparam int unsigned ColumnBits = msn_pkg::index_width(Columns);
+  localparam int unsigned LaneBits = msn_pkg::index_width(Lanes);
 
-  logic [LaneBits-1:0]   lane;
-  logic [ColumnBits-1:0] column;
-  logic                  take, lane_end, row_end;
-  assign row_end     = column == ColumnBits'(Columns - 1);
-  assign lane_end    = lane == LaneBits'(Lanes - 1) || row_end;
+  logic [LaneBits-1:0] lane;
+  logic                take, lane_end;
+  assign lane_end    = lane == (in_row_last_i ? LaneBits'((Columns - 1) % Lanes) : LaneBits'(Lanes - 1));
   assign out_valid_o = in_valid_i;
   assign out_data_o  = in_data_i[lane*DataBits+:DataBits];
   assign out_last_o  = in_last_i && lane_end;
@@ -54,12 +52,10 @@ module msn_narrow #(
   always_ff @(posedge clk_i) begin
     if (take) begin
       lane     <= lane_end ? '0 : lane + 1'b1;
-      column   <= (row_end || out_last_o) ? '0 : column + 1'b1;
       out_id_o <= out_last_o ? '0 : out_id_o + 1'b1;
     end
     if (rst_i) begin
       lane     <= '0;
-      column   <= '0;
       out_id_o <= '0;
     end
   end

@@ -2,7 +2,7 @@
 //
 // A scanned array from its pins to the centre of pressure: instances and wires only, in data-path order.
 //
-//   lines, ADC pins ─ scan_adc, scan_demod or a stream ─ health ─ tare ─ calibrate ─ cop ─ x, y, load
+//   lines, ADC pins or stream ─ array_source ─ frame_gate ─ frame_place ─ condition ─ cop_array ─ x, y, load
 //
 // Demod: the taxels are read as amplitudes of a carrier (msn_scan_demod), one lane; else Converters lanes. Without
 // Health or Tare that stage is not there. With Tare the calibration has gains only: the zero of a taxel is taken off
@@ -116,6 +116,7 @@ module msn_array #(
   input  logic                             tap_ready_i,
   output logic [Lanes*16-1:0]              tap_data_o,
   output logic [Lanes-1:0]                 tap_mask_o,
+  output logic                             tap_row_last_o,
   output logic                             tap_last_o,
 
   output logic                             out_valid_o,
@@ -153,83 +154,27 @@ module msn_array #(
   logic [IdBits-1:0]           scan_id;
   logic [Lanes-1:0]            scan_user;
   logic [47:0]                 scan_time;
-  if (Part == msn_pkg::AdcNone) begin : gen_stream
-    assign scan_valid = in_valid_i;
-    assign in_ready_o = scan_ready;
-    assign scan_data  = in_data_i;
-    assign scan_id    = in_id_i;
-    assign scan_last  = in_last_i;
-    assign scan_user  = '0;
-    assign scan_time  = now_i;  // taken at the frame's first beat
-    assign {row_o, group_o, adc_sclk_o, adc_mosi_o, adc_convst_o, adc_reset_o, convert_o} = '0;
-    assign adc_cs_n_o = '1;
-    assign {dropped_o, overrun_o, held_o, lost_o} = '0;
-    logic unused_scan;
-    assign unused_scan = ^{cfg_enable_i, cfg_settle_i, cfg_period_i, cfg_interleave_i, adc_busy_i,
-                           adc_miso_i};
-
-  end else if (!Demod) begin : gen_scan_adc
-    localparam int unsigned SlipIdBits = msn_pkg::index_width(Inputs);
-    logic                        unused_slip_valid, unused_slip_last;
-    logic [Lanes*SampleBits-1:0] unused_slip_data;
-    logic [SlipIdBits-1:0]       unused_slip_id;
-    logic [Lanes-1:0]            unused_slip_user;
-    logic [31:0]                 unused_frame, unused_slip_frame, unused_slip_dropped, unused_slip_overrun;
-    logic [47:0]                 unused_slip_time;
-    msn_scan_adc #(
-      .Rows(Rows), .Columns(Columns), .Lanes(Lanes), .Part(Part), .Channels(Channels), .AdcLanes(AdcLanes),
-      .ClkKhz(ClkKhz), .SclkKhz(SclkKhz), .SampleBits(SampleBits), .SettleBits(SettleBits),
-      .PeriodBits(PeriodBits)
-    ) u_scan_adc (
-      .clk_i, .rst_i,
-      .cfg_enable_i, .cfg_settle_i, .cfg_period_i, .cfg_interleave_i, .cfg_first_row_i('0),
-      .cfg_last_row_i('1), .cfg_first_column_i('0), .cfg_last_column_i('1),
-      .cfg_slip_period_i ('0),  // one kind of rounds: every taxel
-      .cfg_slip_row_i('0), .cfg_slip_group_i('0),
-      .now_i, .row_o, .group_o,
-      .adc_cs_n_o, .adc_sclk_o, .adc_mosi_o, .adc_miso_i, .adc_convst_o, .adc_busy_i, .adc_reset_o,
-      .convert_o,
-      .out_valid_o(scan_valid), .out_ready_i(scan_ready), .out_data_o(scan_data), .out_id_o(scan_id),
-      .out_last_o(scan_last), .out_user_o(scan_user), .out_frame_o(unused_frame), .out_time_o(scan_time),
-      .slip_valid_o(unused_slip_valid), .slip_ready_i(1'b1), .slip_data_o(unused_slip_data),
-      .slip_id_o(unused_slip_id), .slip_last_o(unused_slip_last), .slip_user_o(unused_slip_user),
-      .slip_frame_o(unused_slip_frame), .slip_time_o(unused_slip_time),
-      .dropped_o, .overrun_o, .held_o, .lost_o,
-      .slip_dropped_o(unused_slip_dropped), .slip_overrun_o(unused_slip_overrun)
-    );
-
-  end else begin : gen_scan_demod
-    logic [31:0] unused_frame;
-    msn_scan_demod #(
-      .Rows(Rows), .Columns(Columns), .Converters(Converters), .Part(Part), .ClkKhz(ClkKhz),
-      .SclkKhz(SclkKhz), .SampleBits(SampleBits), .Form(Form), .SamplesPerPeriod(SamplesPerPeriod),
-      .SamplePeriod(SamplePeriod), .Periods(Periods), .Skip(Skip), .Shift(Shift), .SettleBits(SettleBits),
-      .PeriodBits(PeriodBits)
-    ) u_scan_demod (
-      .clk_i, .rst_i,
-      .cfg_enable_i, .cfg_settle_i, .cfg_period_i, .cfg_interleave_i, .cfg_first_row_i('0),
-      .cfg_last_row_i('1), .cfg_first_column_i('0), .cfg_last_column_i('1),
-      .now_i, .row_o, .group_o,
-      .adc_cs_n_o, .adc_sclk_o, .adc_mosi_o, .adc_miso_i(adc_miso_i[Converters-1:0]),
-      .convert_o,
-      .out_valid_o(scan_valid), .out_ready_i(scan_ready), .out_data_o(scan_data), .out_id_o(scan_id),
-      .out_last_o(scan_last), .out_user_o(scan_user), .out_frame_o(unused_frame), .out_time_o(scan_time),
-      .dropped_o, .overrun_o, .held_o, .lost_o
-    );
-    assign {adc_convst_o, adc_reset_o} = '0;
-    logic unused_pins;
-    assign unused_pins = ^{adc_busy_i, adc_miso_i};
-  end
-
-  if (Part != msn_pkg::AdcNone) begin : gen_no_stream
-    assign in_ready_o = 1'b0;
-    logic unused_stream;
-    assign unused_stream = ^{in_valid_i, in_data_i, in_id_i, in_last_i};
-  end
+  msn_array_source #(
+    .Rows(Rows), .Columns(Columns), .Demod(Demod), .Part(Part), .Converters(Converters), .Channels(Channels),
+    .AdcLanes(AdcLanes), .ClkKhz(ClkKhz), .SclkKhz(SclkKhz), .SettleBits(SettleBits), .PeriodBits(PeriodBits),
+    .Form(Form), .SamplesPerPeriod(SamplesPerPeriod), .SamplePeriod(SamplePeriod), .Periods(Periods),
+    .Skip(Skip), .Shift(Shift)
+  ) u_source (
+    .clk_i, .rst_i,
+    .now_i,
+    .cfg_enable_i, .cfg_settle_i, .cfg_period_i, .cfg_interleave_i,
+    .row_o, .group_o,
+    .adc_cs_n_o, .adc_sclk_o, .adc_mosi_o, .adc_miso_i, .adc_convst_o, .adc_busy_i, .adc_reset_o,
+    .convert_o,
+    .in_valid_i, .in_ready_o, .in_data_i, .in_id_i, .in_last_i,
+    .out_valid_o(scan_valid), .out_ready_i(scan_ready), .out_data_o(scan_data), .out_user_o(scan_user),
+    .out_id_o(scan_id), .out_last_o(scan_last), .out_time_o(scan_time),
+    .dropped_o, .overrun_o, .held_o, .lost_o
+  );
 
   // One frame at a time: the next one waits until the centre of pressure and the tap's last beat of this one have
   // left, and what follows the tap is empty. Its time holds until then.
-  logic gate_valid, gate_ready, open_valid, open_ready, open_first, owed, opened;
+  logic open_valid, open_ready, open_first, owed, opened;
   msn_frame_gate u_gate (
     .clk_i, .rst_i,
     .pending_i(open_valid || cfg_pending_i), .commit_o, .busy_i(owed || busy_i),
@@ -255,123 +200,61 @@ module msn_array #(
     .drop_i(swallowed_o[0] != swallowed_q), .quiet_i(!busy_i && !tap_valid_o && !out_valid_o), .busy_o(owed)
   );
 
+  // Places are counted here and nowhere behind.
+  logic              placed_valid, placed_ready;
+  logic [2:0]        placed_marks;
+  logic [IdBits-1:0] placed_id;
+  logic [31:0]       unused_damaged;  // it stays damaged and is counted at the end
+  msn_frame_place #(.Rows(Rows), .RowBeats(Beats)) u_place (
+    .clk_i, .rst_i,
+    .in_valid_i(open_valid), .in_ready_o(open_ready), .in_id_i(scan_id), .in_last_i(scan_last),
+    .out_valid_o(placed_valid), .out_ready_i(placed_ready), .out_id_o(placed_id),
+    .out_fits_o(placed_marks[2]), .out_row_last_o(placed_marks[1]), .out_last_o(placed_marks[0]),
+    .damaged_o(unused_damaged)
+  );
+
   // The path of ready from the stages to the scan's buffer ends here.
-  logic                        gate_last;
+  logic                        gate_valid, gate_ready;
+  logic [2:0]                  gate_marks;
   logic [Lanes*SampleBits-1:0] gate_data;
   logic [IdBits-1:0]           gate_id;
   logic [Lanes-1:0]            gate_user;
   if (Lanes > 1) begin : gen_skid
-    msn_skid #(.Width(Lanes * (SampleBits + 1) + IdBits + 1)) u_skid (
+    msn_skid #(.Width(Lanes * (SampleBits + 1) + IdBits + 3)) u_skid (
       .clk_i, .rst_i,
-      .in_valid_i(open_valid), .in_ready_o(open_ready),
-      .in_data_i({scan_data, scan_user, scan_id, scan_last}),
+      .in_valid_i(placed_valid), .in_ready_o(placed_ready),
+      .in_data_i({scan_data, scan_user, placed_id, placed_marks}),
       .out_valid_o(gate_valid), .out_ready_i(gate_ready),
-      .out_data_o({gate_data, gate_user, gate_id, gate_last})
+      .out_data_o({gate_data, gate_user, gate_id, gate_marks})
     );
   end else begin : gen_no_skid  // a small array: its way is short, and cells count
-    assign gate_valid = open_valid;
-    assign open_ready = gate_ready;
-    assign {gate_data, gate_user, gate_id, gate_last} = {scan_data, scan_user, scan_id, scan_last};
+    assign {gate_valid, placed_ready} = {placed_valid, gate_ready};
+    assign {gate_data, gate_user, gate_id, gate_marks} = {scan_data, scan_user, placed_id, placed_marks};
   end
 
-  logic                        sound_valid, sound_ready, sound_last;
-  logic [Lanes*SampleBits-1:0] sound_data;
-  logic [IdBits-1:0]           sound_id;
-  logic [Lanes-1:0]            sound_mask;
-  logic [31:0]                 unused_health_damaged;  // it stays damaged and is counted at the end
-  if (Health) begin : gen_health
-    msn_health #(.Rows(Rows), .Columns(Columns), .Lanes(Lanes), .SampleBits(SampleBits)) u_health (
-      .clk_i, .rst_i,
-      .cfg_band_i, .cfg_jump_i, .cfg_low_i, .cfg_high_i, .cfg_user_i, .cfg_edges_i, .cfg_still_i, .cfg_rail_i,
-      .cfg_blink_i, .cfg_clear_i, .cfg_report_i,
-      .in_valid_i(gate_valid), .in_ready_o(gate_ready), .in_data_i(gate_data), .in_user_i(gate_user),
-      .in_id_i(gate_id), .in_last_i(gate_last),
-      .out_valid_o(sound_valid), .out_ready_i(sound_ready), .out_data_o(sound_data), .out_mask_o(sound_mask),
-      .out_id_o(sound_id), .out_last_o(sound_last),
-      .event_valid_o, .event_ready_i, .event_id_o, .event_dead_o, .event_railed_o, .event_blinking_o,
-      .dead_o, .railed_o, .blinking_o, .damaged_o(unused_health_damaged)
-    );
-  end else begin : gen_no_health
-    assign sound_valid    = gate_valid;
-    assign gate_ready     = sound_ready;
-    assign sound_data     = gate_data;
-    assign sound_mask     = '0;
-    assign sound_id       = gate_id;
-    assign sound_last     = gate_last;
-    assign unused_health_damaged = '0;
-    assign {event_valid_o, event_id_o, event_dead_o, event_railed_o, event_blinking_o} = '0;
-    assign {dead_o, railed_o, blinking_o} = '0;
-    logic unused_health;
-    assign unused_health = ^{cfg_band_i, cfg_jump_i, cfg_low_i, cfg_high_i, cfg_user_i, cfg_edges_i,
-                             cfg_still_i, cfg_rail_i, cfg_blink_i, cfg_clear_i, cfg_report_i, event_ready_i,
-                             gate_user};
-  end
-
-  // And the way of ready from tare to the states of health.
-  logic                        checked_valid, checked_ready, checked_last;
-  logic [Lanes*SampleBits-1:0] checked_data;
-  logic [IdBits-1:0]           checked_id;
-  logic [Lanes-1:0]            checked_mask;
-  if (Lanes > 1 && Health && Tare) begin : gen_health_skid
-    msn_skid #(.Width(Lanes * (SampleBits + 1) + IdBits + 1)) u_skid (
-      .clk_i, .rst_i,
-      .in_valid_i(sound_valid), .in_ready_o(sound_ready),
-      .in_data_i({sound_data, sound_mask, sound_id, sound_last}),
-      .out_valid_o(checked_valid), .out_ready_i(checked_ready),
-      .out_data_o({checked_data, checked_mask, checked_id, checked_last})
-    );
-  end else begin : gen_no_health_skid
-    assign checked_valid                = sound_valid;
-    assign sound_ready                  = checked_ready;
-    assign {checked_data, checked_mask} = {sound_data, sound_mask};
-    assign {checked_id, checked_last}   = {sound_id, sound_last};
-  end
-
-  logic                        zeroed_valid, zeroed_ready, zeroed_last;
+  logic                        zeroed_valid, zeroed_ready;
   logic [Lanes*ZeroedBits-1:0] zeroed_data;
-  logic [IdBits-1:0]           zeroed_id;
   logic [Lanes-1:0]            zeroed_mask;
-  logic [31:0]                 unused_tare_damaged;
-  if (Tare) begin : gen_tare
-    logic                        tared_valid, tared_ready, tared_last;
-    logic [Lanes*ZeroedBits-1:0] tared_data;
-    logic [IdBits-1:0]           tared_id;
-    logic [Lanes-1:0]            tared_mask;
-    msn_tare #(
-      .Rows(Rows), .Columns(Columns), .Lanes(Lanes), .SampleBits(SampleBits), .TareLog2(TareLog2)
-    ) u_tare (
-      .clk_i, .rst_i,
-      .cfg_contact_i, .cfg_step_i, .cfg_tare_i, .cfg_force_i, .cfg_load_i, .cfg_write_i(cfg_zero_write_i),
-      .cfg_word_i(cfg_zero_word_i), .cfg_offset_i(cfg_zero_i), .cfg_loading_o,
-      .taring_o, .pressed_o, .tared_o, .refused_o, .swallowed_o, .damaged_o(unused_tare_damaged),
-      .in_valid_i(checked_valid), .in_ready_o(checked_ready), .in_data_i(checked_data),
-      .in_mask_i(checked_mask), .in_id_i(checked_id), .in_last_i(checked_last),
-      .out_valid_o(tared_valid), .out_ready_i(tared_ready), .out_data_o(tared_data), .out_mask_o(tared_mask),
-      .out_id_o(tared_id), .out_last_o(tared_last)
-    );
-    // The path of ready from the calibration to the scan ends here.
-    msn_skid #(.Width(Lanes * (ZeroedBits + 1) + IdBits + 1)) u_skid (
-      .clk_i, .rst_i,
-      .in_valid_i(tared_valid), .in_ready_o(tared_ready),
-      .in_data_i({tared_data, tared_mask, tared_id, tared_last}),
-      .out_valid_o(zeroed_valid), .out_ready_i(zeroed_ready),
-      .out_data_o({zeroed_data, zeroed_mask, zeroed_id, zeroed_last})
-    );
-  end else begin : gen_no_tare
-    assign zeroed_valid  = checked_valid;
-    assign checked_ready = zeroed_ready;
-    assign zeroed_data   = checked_data;
-    assign zeroed_mask   = checked_mask;
-    assign zeroed_id     = checked_id;
-    assign zeroed_last   = checked_last;
-    assign unused_tare_damaged = '0;
-    assign {cfg_loading_o, taring_o, pressed_o, tared_o, refused_o, swallowed_o} = '0;
-    logic unused_tare;
-    assign unused_tare = ^{cfg_contact_i, cfg_step_i, cfg_tare_i, cfg_force_i, cfg_load_i, cfg_zero_write_i,
-                           cfg_zero_word_i, cfg_zero_i};
-  end
+  logic [2:0]                  zeroed_marks;
+  msn_condition #(
+    .Rows(Rows), .Columns(Columns), .Lanes(Lanes), .SampleBits(SampleBits), .Health(Health), .Tare(Tare),
+    .TareLog2(TareLog2)
+  ) u_condition (
+    .clk_i, .rst_i,
+    .cfg_band_i, .cfg_jump_i, .cfg_low_i, .cfg_high_i, .cfg_user_i, .cfg_edges_i, .cfg_still_i, .cfg_rail_i,
+    .cfg_blink_i, .cfg_clear_i, .cfg_report_i,
+    .cfg_contact_i, .cfg_step_i, .cfg_tare_i, .cfg_force_i, .cfg_load_i, .cfg_zero_write_i, .cfg_zero_word_i,
+    .cfg_zero_i, .cfg_loading_o,
+    .in_valid_i(gate_valid), .in_ready_o(gate_ready), .in_data_i(gate_data), .in_user_i(gate_user),
+    .in_id_i(gate_id), .in_fits_i(gate_marks[2]), .in_row_last_i(gate_marks[1]), .in_last_i(gate_marks[0]),
+    .out_valid_o(zeroed_valid), .out_ready_i(zeroed_ready), .out_data_o(zeroed_data),
+    .out_mask_o(zeroed_mask), .out_fits_o(zeroed_marks[2]), .out_row_last_o(zeroed_marks[1]),
+    .out_last_o(zeroed_marks[0]),
+    .event_valid_o, .event_ready_i, .event_id_o, .event_dead_o, .event_railed_o, .event_blinking_o,
+    .dead_o, .railed_o, .blinking_o,
+    .taring_o, .pressed_o, .tared_o, .refused_o, .swallowed_o
+  );
 
-  logic [31:0] unused_damaged;
   msn_cop_array #(
     .Rows(Rows), .Columns(Columns), .Lanes(Lanes), .SampleBits(ZeroedBits), .GainShift(GainShift),
     .Offset(!Tare), .RowColumn(RowColumn), .FractionBits(FractionBits), .BitsPerClock(BitsPerClock), .Tap(Tap)
@@ -380,10 +263,10 @@ module msn_array #(
     .cfg_write_i, .cfg_write_row_i, .cfg_word_i, .cfg_offset_i, .cfg_gain_i, .cfg_swap_i, .cfg_swapping_o,
     .cfg_min_load_i,
     .in_valid_i(zeroed_valid), .in_ready_o(zeroed_ready), .in_data_i(zeroed_data), .in_mask_i(zeroed_mask),
-    .in_id_i(zeroed_id), .in_last_i(zeroed_last),
-    .tap_valid_o, .tap_ready_i, .tap_data_o, .tap_mask_o, .tap_last_o,
+    .in_fits_i(zeroed_marks[2]), .in_row_last_i(zeroed_marks[1]), .in_last_i(zeroed_marks[0]),
+    .tap_valid_o, .tap_ready_i, .tap_data_o, .tap_mask_o, .tap_row_last_o, .tap_last_o,
     .out_valid_o, .out_ready_i, .out_x_o, .out_y_o, .out_load_o, .out_pressed_o,
-    .damaged_o(unused_damaged), .dropped_o(damaged_o)
+    .damaged_o
   );
 
 endmodule

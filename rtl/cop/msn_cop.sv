@@ -26,6 +26,8 @@ module msn_cop #(
   input  logic                       in_valid_i,
   output logic                       in_ready_o,
   input  logic        [Lanes*16-1:0] in_data_i,      // the leftmost column in the low bits
+  input  logic                       in_fits_i,      // marks of msn_frame_place
+  input  logic                       in_row_last_i,
   input  logic                       in_last_i,
 
   output logic                       out_valid_o,
@@ -45,7 +47,7 @@ module msn_cop #(
 
   msn_cop_accumulate #(.Rows(Rows), .Columns(Columns), .Lanes(Lanes)) u_accumulate (
     .clk_i, .rst_i,
-    .in_valid_i, .in_ready_o, .in_data_i, .in_last_i,
+    .in_valid_i, .in_ready_o, .in_data_i, .in_fits_i, .in_row_last_i, .in_last_i,
     .out_valid_o(sums_valid), .out_ready_i(sums_ready), .out_sum_o(sum), .out_mx_o(mx), .out_my_o(my),
     .damaged_o
   );

@@ -11,8 +11,8 @@
 //   clock  1 .. log2(Lanes)    next          next
 //          beat total, moment  S, A, B, row  Mx, My
 //
-// Latency 2 + log2(Lanes) clocks, a beat a clock, frames without a gap. A frame whose `last` comes early,
-// late or not at all is dropped whole.   Model: model/meissner/twins/cop/cop_accumulate.py
+// Latency 2 + log2(Lanes) clocks, a beat a clock, frames without a gap. Beats as msn_frame_place hands them on; a
+// frame with one that does not fit is dropped whole.   Model: model/meissner/twins/cop/cop_accumulate.py
 
 module msn_cop_accumulate #(
   parameter  int unsigned Rows    = 64,
@@ -28,6 +28,8 @@ module msn_cop_accumulate #(
   input  logic                       in_valid_i,
   output logic                       in_ready_o,
   input  logic        [Lanes*16-1:0] in_data_i,  // the leftmost column in the low bits
+  input  logic                       in_fits_i,
+  input  logic                       in_row_last_i,
   input  logic                       in_last_i,
 
   output logic                       out_valid_o,
@@ -39,20 +41,18 @@ module msn_cop_accumulate #(
   output logic        [31:0]         damaged_o   // frames, since reset
 );
 
-  if (Rows < 1 || Rows > 1024) begin : gen_check_rows
+  if (!msn_pkg::is_side(Rows)) begin : gen_check_rows
     $fatal(1, "msn_cop_accumulate: Rows = %0d must lie in 1 .. 1024", Rows);
   end
-  if (Columns < 1 || Columns > 1024) begin : gen_check_columns
+  if (!msn_pkg::is_side(Columns)) begin : gen_check_columns
     $fatal(1, "msn_cop_accumulate: Columns = %0d must lie in 1 .. 1024", Columns);
   end
-  if (Lanes != 1 && Lanes != 2 && Lanes != 4 && Lanes != 8) begin : gen_check_lanes
+  if (!msn_pkg::are_lanes(Lanes)) begin : gen_check_lanes
     $fatal(1, "msn_cop_accumulate: Lanes = %0d must be 1, 2, 4 or 8", Lanes);
   end
 
   localparam int unsigned Levels    = $clog2(Lanes);
   localparam int unsigned Beats     = (Columns + Lanes - 1) / Lanes;
-  localparam int unsigned BeatBits  = msn_pkg::index_width(Beats);
-  localparam int unsigned RowBits   = msn_pkg::index_width(Rows);
   localparam int unsigned TotalBits = 16 + Levels;
   localparam int unsigned InnerBits = 16 + 2 * Levels;
 
@@ -65,28 +65,18 @@ module msn_cop_accumulate #(
   assign step       = !done || !out_valid_o || (OneBeat && out_ready_i);
   assign in_ready_o = step;
 
-  // Place in the frame, and whether the frame's end is where `last` says.
-  logic [BeatBits-1:0] beat;
-  logic [RowBits-1:0]  row;
-  logic                dropping, damage, row_first, row_last, first, final_beat, fits, whole;
-  assign row_last   = beat == BeatBits'(Beats - 1);
-  assign final_beat = row_last && (row == RowBits'(Rows - 1));
-  assign fits       = in_last_i == final_beat;
-  assign whole      = in_last_i && final_beat && !dropping;
+  logic dropping, damage, row_first, first, whole;
+  assign whole = in_last_i && in_fits_i && !dropping;
 
   always_ff @(posedge clk_i) begin
     if (in_valid_i && in_ready_o) begin
-      beat      <= (in_last_i || row_last) ? '0 : beat + 1'b1;
-      row       <= in_last_i || Rows == 1 ? '0 : row_last ? row + 1'b1 : row;  // past the end if dropping
-      row_first <= in_last_i || row_last;  // beat == 0, without the comparison
-      first     <= in_last_i;              // and row == 0
-      dropping  <= !in_last_i && (dropping || !fits);
+      row_first <= in_last_i || in_row_last_i;
+      first     <= in_last_i;
+      dropping  <= !in_last_i && (dropping || !in_fits_i);
     end
-    damage <= in_valid_i && in_ready_o && !fits && !dropping;
+    damage <= in_valid_i && in_ready_o && !in_fits_i && !dropping;
     if (damage) damaged_o <= damaged_o + 1'b1;  // a clock late: 32 enables are slow
     if (rst_i) begin
-      beat      <= '0;
-      row       <= '0;
       row_first <= 1'b1;
       first     <= 1'b1;
       dropping  <= 1'b0;
@@ -101,7 +91,7 @@ module msn_cop_accumulate #(
   logic [2*Lanes-1:1][InnerBits-1:0] inner;
   for (genvar k = 0; k < Lanes; k++) begin : gen_lane
     logic surplus;
-    assign surplus        = row_last && (Beats - 1) * Lanes + k >= Columns;
+    assign surplus        = in_row_last_i && (Beats - 1) * Lanes + k >= Columns;
     assign total[Lanes+k] = surplus ? '0 : TotalBits'(in_data_i[16*k+:16]);
     assign inner[Lanes+k] = '0;
   end

@@ -41,13 +41,15 @@ module msn_cop_array #(
   output logic                        in_ready_o,
   input  logic [Lanes*SampleBits-1:0] in_data_i,
   input  logic [Lanes-1:0]            in_mask_i,
-  input  logic [IdBits-1:0]           in_id_i,
+  input  logic                        in_fits_i,
+  input  logic                        in_row_last_i,
   input  logic                        in_last_i,
 
   output logic                        tap_valid_o,
   input  logic                        tap_ready_i,
   output logic [Lanes*16-1:0]         tap_data_o,
   output logic [Lanes-1:0]            tap_mask_o,
+  output logic                        tap_row_last_o,
   output logic                        tap_last_o,
 
   output logic                        out_valid_o,
@@ -57,15 +59,13 @@ module msn_cop_array #(
   output logic [SumBits-1:0]          out_load_o,
   output logic                        out_pressed_o,
 
-  output logic [31:0]                 damaged_o,        // frames that came damaged, since reset
-  output logic [31:0]                 dropped_o         // of them and all others, without a result
+  output logic [31:0]                 damaged_o         // frames without a result, since reset
 );
 
-  logic                force_valid, force_ready, force_last, skid_valid, skid_ready;
-  logic                next_valid, next_ready, next_last;
+  logic                force_valid, force_ready, skid_valid, skid_ready, next_valid, next_ready, next_fits;
   logic [Lanes*16-1:0] force_data, next_data;
   logic [Lanes-1:0]    force_mask;
-  logic [IdBits-1:0]   unused_id;
+  logic [2:0]          force_marks;
 
   msn_calibrate #(
     .Rows(Rows), .Columns(Columns), .Lanes(Lanes), .SampleBits(SampleBits), .GainShift(GainShift),
@@ -73,21 +73,20 @@ module msn_cop_array #(
   ) u_calibrate (
     .clk_i, .rst_i,
     .cfg_write_i, .cfg_write_row_i, .cfg_word_i, .cfg_offset_i, .cfg_gain_i, .cfg_swap_i, .cfg_swapping_o,
-    .in_valid_i, .in_ready_o, .in_data_i, .in_mask_i, .in_id_i, .in_last_i,
+    .in_valid_i, .in_ready_o, .in_data_i, .in_mask_i, .in_fits_i, .in_row_last_i, .in_last_i,
     .out_valid_o(force_valid), .out_ready_i(force_ready), .out_data_o(force_data), .out_mask_o(force_mask),
-    .out_id_o(unused_id), .out_last_o(force_last),
-    .damaged_o
+    .out_fits_o(force_marks[2]), .out_row_last_o(force_marks[1]), .out_last_o(force_marks[0])
   );
 
   // Everything behind it waits at its register, so that no path of ready goes through the calibration.
-  msn_skid #(.Width(Lanes * 17 + 1)) u_skid (
+  msn_skid #(.Width(Lanes * 17 + 3)) u_skid (
     .clk_i, .rst_i,
-    .in_valid_i(force_valid), .in_ready_o(force_ready), .in_data_i({force_last, force_mask, force_data}),
-    .out_valid_o(skid_valid), .out_ready_i(skid_ready), .out_data_o({next_last, tap_mask_o, next_data})
+    .in_valid_i(force_valid), .in_ready_o(force_ready), .in_data_i({force_marks, force_mask, force_data}),
+    .out_valid_o(skid_valid), .out_ready_i(skid_ready),
+    .out_data_o({next_fits, tap_row_last_o, tap_last_o, tap_mask_o, next_data})
   );
 
   assign tap_data_o = next_data;
-  assign tap_last_o = next_last;
   if (Tap) begin : gen_tap
     msn_fork u_fork (
       .clk_i, .rst_i,
@@ -109,9 +108,10 @@ module msn_cop_array #(
   ) u_cop (
     .clk_i, .rst_i,
     .cfg_min_load_i,
-    .in_valid_i(next_valid), .in_ready_o(next_ready), .in_data_i(next_data), .in_last_i(next_last),
+    .in_valid_i(next_valid), .in_ready_o(next_ready), .in_data_i(next_data), .in_fits_i(next_fits),
+    .in_row_last_i(tap_row_last_o), .in_last_i(tap_last_o),
     .out_valid_o, .out_ready_i, .out_x_o, .out_y_o, .out_load_o, .out_pressed_o,
-    .damaged_o(dropped_o)
+    .damaged_o
   );
 
 endmodule

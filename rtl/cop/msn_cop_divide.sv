@@ -41,10 +41,10 @@ module msn_cop_divide #(
   output logic                      out_pressed_o  // x and y hold
 );
 
-  if (Rows < 1 || Rows > 1024) begin : gen_check_rows
+  if (!msn_pkg::is_side(Rows)) begin : gen_check_rows
     $fatal(1, "msn_cop_divide: Rows = %0d must lie in 1 .. 1024", Rows);
   end
-  if (Columns < 1 || Columns > 1024) begin : gen_check_columns
+  if (!msn_pkg::is_side(Columns)) begin : gen_check_columns
     $fatal(1, "msn_cop_divide: Columns = %0d must lie in 1 .. 1024", Columns);
   end
   if (FractionBits < 4 || FractionBits > 20) begin : gen_check_fraction_bits

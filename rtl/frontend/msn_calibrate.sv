@@ -12,7 +12,7 @@
 //          raw - offset  x gain   round, clip              tables  raw - offset  2 x gain  copy  sum  round  fifo
 //
 // Latency 3 clocks (RowColumn 15), a beat a clock, frames without a gap; without RowColumn a few clocks wait after
-// a swap and a damaged frame. Damaged frames leave too short or too long (msn_frame_place).
+// a swap and a damaged frame. Beats as msn_frame_place hands them on, row by row; their marks go with them.
 // Model: model/meissner/twins/frontend/calibrate.py
 
 module msn_calibrate #(
@@ -42,17 +42,17 @@ module msn_calibrate #(
   output logic                        in_ready_o,
   input  logic [Lanes*SampleBits-1:0] in_data_i,        // signed, the leftmost column in the low bits
   input  logic [Lanes-1:0]            in_mask_i,        // taxels to leave out
-  input  logic [IdBits-1:0]           in_id_i,
+  input  logic                        in_fits_i,
+  input  logic                        in_row_last_i,
   input  logic                        in_last_i,
 
   output logic                        out_valid_o,
   input  logic                        out_ready_i,
   output logic [Lanes*16-1:0]         out_data_o,
   output logic [Lanes-1:0]            out_mask_o,       // as it came in
-  output logic [IdBits-1:0]           out_id_o,
-  output logic                        out_last_o,
-
-  output logic [31:0]                 damaged_o         // frames, since reset
+  output logic                        out_fits_o,
+  output logic                        out_row_last_o,
+  output logic                        out_last_o
 );
 
   localparam int unsigned DiffBits    = SampleBits + 32'(Offset);
@@ -63,46 +63,36 @@ module msn_calibrate #(
     $fatal(1, "msn_calibrate: GainShift = %0d must lie in 1 .. %0d", GainShift, GainBits);
   end
 
-  logic placed, keep, last, whole, unused_fits, placed_last;
-  logic [IdBits-1:0] placed_id, unused_place;
-  msn_frame_place #(.Beats(Beats)) u_place (
-    .clk_i, .rst_i,
-    .accept_i(placed),
-    .in_id_i(placed_id), .in_last_i(placed_last),
-    .place_o(unused_place), .keep_o(keep), .last_o(last), .fits_o(unused_fits), .whole_o(whole), .damaged_o
-  );
+  logic [2:0] marks_in, marks_out;
+  assign marks_in = {in_fits_i, in_row_last_i, in_last_i};
+  assign {out_fits_o, out_row_last_o, out_last_o} = marks_out;
 
   if (!RowColumn) begin : gen_taxels
     // All stages move together.
     logic move, accept, word_valid, loaded, unused_row;
     logic [Lanes*SampleBits-1:0] offset;
     logic [Lanes*16-1:0]         gain;
-    assign in_ready_o  = move && word_valid;
-    assign accept      = in_valid_i && in_ready_o;
-    assign placed      = accept;
-    assign placed_id   = in_id_i;
-    assign placed_last = in_last_i;
-    assign unused_row  = cfg_write_row_i;
+    assign in_ready_o = move && word_valid;
+    assign accept     = in_valid_i && in_ready_o;
+    assign unused_row = cfg_write_row_i;
 
     msn_calibration_table #(
       .Rows(Rows), .Columns(Columns), .Lanes(Lanes), .SampleBits(SampleBits), .Offset(Offset)
     ) u_table (
       .clk_i, .rst_i,
       .cfg_write_i, .cfg_word_i, .cfg_offset_i, .cfg_gain_i, .cfg_swap_i, .cfg_swapping_o,
-      .take_i(accept), .last_i(in_last_i), .restart_i(accept && in_last_i && !whole),
+      .take_i(accept), .last_i(in_last_i), .restart_i(accept && in_last_i && !in_fits_i),
       .out_valid_o(word_valid), .out_offset_o(offset), .out_gain_o(gain),
       .loaded_o(loaded)
     );
 
-    logic [2:1]          valid, marks;
-    logic [2*IdBits-1:0] id;
-    logic [2*Lanes-1:0]  mask;
+    logic [2:1]         valid;
+    logic [5:0]         marks;
+    logic [2*Lanes-1:0] mask;
     always_ff @(posedge clk_i) begin
       if (move) begin
-        valid      <= {valid[1], accept && keep};
-        marks      <= {marks[1], last};
-        out_last_o <= marks[2];
-        {out_id_o, id}     <= {id, in_id_i};
+        valid              <= {valid[1], accept};
+        {marks_out, marks} <= {marks, marks_in};
         {out_mask_o, mask} <= {mask, in_mask_i};
       end
       if (rst_i) valid <= '0;
@@ -142,31 +132,22 @@ module msn_calibrate #(
     localparam int unsigned Places   = 32;
     localparam int unsigned RowBeats = Beats / Rows;
     localparam int unsigned WordBits = msn_pkg::index_width(Rows > RowBeats ? Rows : RowBeats);
-    logic accept, unused_whole, unused_room, gone, dropped;
+    logic accept, unused_room, gone;
     logic [5:0] owed;  // places of the fifo, up to two clocks ago
-    assign accept       = in_valid_i && in_ready_o;
-    assign unused_whole = whole;
+    assign accept = in_valid_i && in_ready_o;
 
-    logic [Stages:1]          valid, marks;
-    logic [Stages*IdBits-1:0] id;
-    assign placed      = valid[1];
-    assign placed_id   = id[IdBits-1:0];
-    assign placed_last = marks[1];
-
+    logic [Stages:1]     valid;
+    logic [3*Stages-1:0] marks;
     always_ff @(posedge clk_i) begin
-      valid <= {valid[Stages-1:2], valid[1] && keep, accept};
-      marks <= {marks[Stages-1:2], last, in_last_i};
-      id    <= {id[(Stages-1)*IdBits-1:0], in_id_i};
-
+      valid      <= {valid[Stages-1:1], accept};
+      marks      <= {marks[3*(Stages-1)-1:0], marks_in};
       gone       <= out_valid_o && out_ready_i;
-      dropped    <= valid[1] && !keep;
-      owed     <= owed + 6'(valid[1]) - 6'(gone) - 6'(dropped);
+      owed       <= owed + 6'(valid[1]) - 6'(gone);
       in_ready_o <= owed < 6'(Places - 3);
       if (rst_i) begin
         valid      <= '0;
-        owed     <= '0;
+        owed       <= '0;
         gone       <= 1'b0;
-        dropped    <= 1'b0;
         in_ready_o <= 1'b0;
       end
     end
@@ -228,11 +209,11 @@ module msn_calibrate #(
       );
     end
 
-    msn_fifo #(.Depth(Places), .Width(Lanes * 17 + IdBits + 1)) u_fifo (
+    msn_fifo #(.Depth(Places), .Width(Lanes * 17 + 3)) u_fifo (
       .clk_i, .rst_i,
       .in_valid_i(valid[Stages]), .in_ready_o(unused_room),
-      .in_data_i({marks[Stages], mask[Stages*Lanes-1-:Lanes], id[Stages*IdBits-1-:IdBits], rounded}),
-      .out_valid_o, .out_ready_i, .out_data_o({out_last_o, out_mask_o, out_id_o, out_data_o})
+      .in_data_i({marks[3*Stages-1-:3], mask[Stages*Lanes-1-:Lanes], rounded}),
+      .out_valid_o, .out_ready_i, .out_data_o({marks_out, out_mask_o, out_data_o})
     );
   end
 

@@ -36,7 +36,7 @@ module msn_calibration_preset #(
   output logic                  done_o           // for one clock
 );
 
-  if (Lanes != 1 && Lanes != 2 && Lanes != 4 && Lanes != 8) begin : gen_check_lanes
+  if (!msn_pkg::are_lanes(Lanes)) begin : gen_check_lanes
     $fatal(1, "msn_calibration_preset: Lanes = %0d must be 1, 2, 4 or 8", Lanes);
   end
 

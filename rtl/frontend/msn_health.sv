@@ -9,13 +9,14 @@
 //   blinking  a step > jump while no neighbour is recent: +16, any other frame -1, from cfg_blink on
 //
 // A threshold of 0 turns a kind off. Faults stay until cfg_clear_i or reset. Each new one is an event; one that
-// nobody takes is offered again in the next frame; cfg_report_i sends them all again. A beat out of place is
-// masked: round again in a frame too long, its taxels' states would be those this frame has written.
+// nobody takes is offered again in the next frame; cfg_report_i sends them all again. Beats as msn_frame_place hands
+// them on; one that does not fit is masked: in a frame too long its taxels' states are those this frame has written.
 //
-//   clock  1       2           3            4         5       6
-//          sample  raw - held  moved, jump  counters  events  write
+//   clock  1       2 .. 4            5       6
+//          sample  msn_health_taxel  events  write
 //
-// Latency 1 clock; a beat a clock, 9 clocks between frames.   Model: model/meissner/twins/frontend/health.py
+// Here are frames, tables and neighbours. Latency 1 clock; a beat a clock, 9 clocks between frames.
+// Model: model/meissner/twins/frontend/health.py
 
 module msn_health #(
   parameter  int unsigned Rows       = 64,
@@ -46,7 +47,9 @@ module msn_health #(
   output logic                         in_ready_o,
   input  logic [Lanes*SampleBits-1:0]  in_data_i,     // signed
   input  logic [Lanes-1:0]             in_user_i,     // over-range
-  input  logic [IdBits-1:0]            in_id_i,
+  input  logic [IdBits-1:0]            in_id_i,       // its place
+  input  logic                         in_fits_i,
+  input  logic                         in_row_last_i,
   input  logic                         in_last_i,
 
   output logic                         out_valid_o,
@@ -54,6 +57,8 @@ module msn_health #(
   output logic [Lanes*SampleBits-1:0]  out_data_o,
   output logic [Lanes-1:0]             out_mask_o,
   output logic [IdBits-1:0]            out_id_o,
+  output logic                         out_fits_o,
+  output logic                         out_row_last_o,
   output logic                         out_last_o,
 
   output logic                         event_valid_o, // all faults of one beat's taxels
@@ -65,22 +70,18 @@ module msn_health #(
 
   output logic [CountBits-1:0]         dead_o,        // taxels, since reset or clear
   output logic [CountBits-1:0]         railed_o,
-  output logic [CountBits-1:0]         blinking_o,
-  output logic [31:0]                  damaged_o
+  output logic [CountBits-1:0]         blinking_o
 );
 
   localparam int unsigned StateBits = SampleBits + 32;
-  localparam int unsigned DiffBits  = SampleBits + 1;
-  localparam int unsigned RowBits   = msn_pkg::index_width(Rows);
-  localparam int unsigned BeatBits  = msn_pkg::index_width(RowBeats);
 
-  if (Rows < 1 || Rows > 1024) begin : gen_check_rows
+  if (!msn_pkg::is_side(Rows)) begin : gen_check_rows
     $fatal(1, "msn_health: Rows = %0d must lie in 1 .. 1024", Rows);
   end
-  if (Columns < 1 || Columns > 1024) begin : gen_check_columns
+  if (!msn_pkg::is_side(Columns)) begin : gen_check_columns
     $fatal(1, "msn_health: Columns = %0d must lie in 1 .. 1024", Columns);
   end
-  if (Lanes != 1 && Lanes != 2 && Lanes != 4 && Lanes != 8) begin : gen_check_lanes
+  if (!msn_pkg::are_lanes(Lanes)) begin : gen_check_lanes
     $fatal(1, "msn_health: Lanes = %0d must be 1, 2, 4 or 8", Lanes);
   end
   if (SampleBits < 2 || SampleBits > 18) begin : gen_check_sample_bits
@@ -89,21 +90,13 @@ module msn_health #(
 
   // Frames. At each end the next waits until all of this one is written and its first words are read again.
   localparam int unsigned Drain = 6;
-  logic accept, keep, last, fits, whole, was_whole, midway, restart, done, due, head_valid;
+  logic accept, was_whole, midway, restart, done, due, head_valid;
   logic closed;  // due || drain != '0, found a clock ahead: the memories are far
-  logic [2:0]        drain, drain_next;  // clocks until all of a frame is written
-  logic [IdBits-1:0] place;
+  logic [2:0] drain, drain_next;  // clocks until all of a frame is written
   assign in_ready_o = (out_ready_i || !out_valid_o) && head_valid && !closed;
   assign accept     = in_valid_i && in_ready_o;
   assign restart    = rst_i || drain != '0;  // a clock after the last beat: who takes that is known late
   assign done       = drain == 3'd1;
-
-  msn_frame_place #(.Beats(Beats)) u_place (
-    .clk_i, .rst_i,
-    .accept_i(accept),
-    .in_id_i, .in_last_i,
-    .place_o(place), .keep_o(keep), .last_o(last), .fits_o(fits), .whole_o(whole), .damaged_o
-  );
 
   // fresh: this frame only writes first states. again: nothing counts as reported. bank: the last whole
   // frame's moves. tick: every 16th whole frame.
@@ -119,7 +112,7 @@ module msn_health #(
   always_ff @(posedge clk_i) begin
     midway <= midway_next;
     closed <= ((clear_next || report_next) && !midway_next) || drain_next != '0;
-    if (accept) was_whole <= whole;
+    if (accept) was_whole <= in_last_i && in_fits_i;
     drain  <= drain_next;
     clear_asked  <= clear_next;
     report_asked <= report_next;
@@ -187,12 +180,8 @@ module msn_health #(
     if (restart) head_valid <= 1'b0;
   end
 
-  // Place in the array.
-  logic [BeatBits-1:0] beat;
-  logic [RowBits-1:0]  row;
-  logic                row_begin, row_end;
-  assign row_begin = beat == '0;
-  assign row_end   = beat == BeatBits'(RowBeats - 1);
+  // Which borders of the array the next beat touches.
+  logic row_first, top, bottom;
 
   // What is learnt follows behind the sample's own register, stalled by nothing.
   logic [4:1]              learn;
@@ -203,17 +192,20 @@ module msn_health #(
 
   always_ff @(posedge clk_i) begin
     if (accept) begin
-      beat <= in_last_i || row_end ? '0 : beat + 1'b1;
-      row  <= in_last_i ? '0 : row + RowBits'(row_end);
+      row_first <= in_last_i || in_row_last_i;
+      top       <= in_last_i || (top && !in_row_last_i);
+      bottom    <= Rows == 1 || (!in_last_i && (bottom || in_id_i == IdBits'(Beats - RowBeats - 1)));
     end
     if (out_ready_i || !out_valid_o) begin
-      out_valid_o <= accept && keep;
-      out_data_o  <= in_data_i;
-      out_id_o    <= in_id_i;
-      out_last_o  <= last;
+      out_valid_o    <= accept;
+      out_data_o     <= in_data_i;
+      out_id_o       <= in_id_i;
+      out_fits_o     <= in_fits_i;
+      out_row_last_o <= in_row_last_i;
+      out_last_o     <= in_last_i;
     end
-    learn       <= {learn[3:1], accept && fits};
-    learn_place <= {learn_place[3:1], place};
+    learn       <= {learn[3:1], accept && in_fits_i};
+    learn_place <= {learn_place[3:1], in_id_i};
     write       <= learn[4];
     write_place <= learn_place[4];
 
@@ -231,8 +223,9 @@ module msn_health #(
     end
     if (rst_i || (due && clear_asked)) {dead_o, railed_o, blinking_o} <= '0;
     if (rst_i) begin
-      beat          <= '0;
-      row           <= '0;
+      row_first     <= 1'b1;
+      top           <= 1'b1;
+      bottom        <= Rows == 1;
       out_valid_o   <= 1'b0;
       event_valid_o <= 1'b0;
       learn         <= '0;
@@ -240,33 +233,23 @@ module msn_health #(
     end
   end
 
-  // Thresholds less what a counter may grow by.
-  logic signed [9:0] still_less_1, still_less_4, blink_edge;
-  logic [7:0]        rail_edge;
-  always_ff @(posedge clk_i) begin
-    still_less_1 <= signed'({2'b0, cfg_still_i}) - 10'sd1;
-    still_less_4 <= signed'({2'b0, cfg_still_i}) - 10'sd4;
-    blink_edge   <= signed'({2'b0, cfg_blink_i}) - 10'sd16;
-    rail_edge    <= cfg_rail_i - 8'd1;
-  end
-
   for (genvar k = 0; k < Lanes; k++) begin : gen_lane
     // Neighbours: does one exist, has it moved of late, and upwards?
     logic has_left, has_right, has_up, has_down;
     logic [1:0] left, right, up, down;
-    assign has_left = k > 0 || !row_begin;
-    assign has_up   = row != '0;
-    assign has_down = row != RowBits'(Rows - 1);
+    assign has_left = k > 0 || !row_first;
+    assign has_up   = !top;
+    assign has_down = !bottom;
     if (k > 0) begin : gen_left
       assign left = {2{!fresh}} & here[2*k-1-:2];
     end else begin : gen_left_outside
       assign left = {2{has_left && !fresh}} & behind;
     end
     if (k < Lanes - 1) begin : gen_inside
-      assign has_right = (RowBeats - 1) * Lanes + k + 1 < Columns || !row_end;
+      assign has_right = (RowBeats - 1) * Lanes + k + 1 < Columns || !in_row_last_i;
       assign right     = {2{has_right && !fresh}} & here[2*(k+1)+:2];
     end else begin : gen_outside
-      assign has_right = !row_end;
+      assign has_right = !in_row_last_i;
       assign right     = {2{has_right && !fresh}} & ahead[1:0];
     end
     assign up   = {2{has_up && !fresh}} & up_head[2*k+:2];
@@ -277,120 +260,27 @@ module msn_health #(
     assign border = ((has_left != has_right) && (left[1] || right[1])) ||
                     ((has_up != has_down) && (up[1] || down[1]));
 
-    // State: held sample, three counters, frames since a move, its direction, a jump in the last frame,
-    // the faults, and whether they were reported.
+    logic                         surplus;
     logic [StateBits-1:0]         head;
-    logic signed [SampleBits-1:0] held, raw;
-    logic [28:0]                  kept_1, kept_2, kept_3;
-    logic [2:0]                   faults_head;
-    logic                         reported_head;
-    assign head          = state_head[k*StateBits+:StateBits];
-    assign reported_head = head[0];
-    assign faults_head   = head[3:1];
-    assign raw           = signed'(out_data_o[k*SampleBits+:SampleBits]);
-
-    logic [2:0]                 fault_1, fault_2, fault_3;
-    logic                       surplus, surplus_2, surplus_3, user_1, pair_1, border_1, lonely_1, low, high;
-    logic signed [DiffBits-1:0] delta;
-    logic [SampleBits-1:0]      raw_2, raw_3, held_2, held_3;
-    logic                       over_2, over_3, lonely_2, lonely_3;
-    logic [2:0]                 proof_2, proof_3;
-    msn_compare #(.Width(SampleBits)) u_low  (.a_i(raw), .b_i(cfg_low_i), .greater_o(low));
-    msn_compare #(.Width(SampleBits)) u_high (.a_i(cfg_high_i), .b_i(raw), .greater_o(high));
-
-    logic above, below, far_above, far_below, moved, jump, rises;
-    logic signed [DiffBits-1:0] band_minus, jump_minus;
-    msn_compare #(.Width(DiffBits)) u_above (
-      .a_i(delta), .b_i(signed'({1'b0, cfg_band_i})), .greater_o(above)
-    );
-    msn_compare #(.Width(DiffBits)) u_below (.a_i(band_minus), .b_i(delta), .greater_o(below));
-    msn_compare #(.Width(DiffBits)) u_far_above (
-      .a_i(delta), .b_i(signed'({1'b0, cfg_jump_i})), .greater_o(far_above)
-    );
-    msn_compare #(.Width(DiffBits)) u_far_below (.a_i(jump_minus), .b_i(delta), .greater_o(far_below));
-
-    // 4: the next state.
-    logic [7:0] rail, blink, still, rail_next, blink_next, still_next;
-    logic [7:0] rail_more;
-    logic [8:0] blink_more, still_more;
-    logic       more_blinks;
-    logic [1:0] since, since_next;
-    logic       up_last, jumped, up_next, reported;
-    logic [2:0] faults, found, faults_next;
-    assign {rail, blink, still, since, up_last, jumped} = {kept_3[28:1]};
-    assign faults     = fault_3;
-    assign reported   = kept_3[0];
-    assign rail_more  = rail + 8'(tick == '0 && rail != '1);
-    assign rail_next  = !over_3 ? '0 : rail_more;
-    assign blink_more = {1'b0, blink} + 9'd16;
-    assign more_blinks = jumped && lonely_3;
-    assign blink_next = more_blinks ? blink_more[7:0] | {8{blink_more[8]}} : blink - 8'(blink != '0);
-    assign still_more = {1'b0, still} + 9'(proof_3);
-    assign still_next = moved || since != '0 ? '0 : still_more[7:0] | {8{still_more[8]}};
-    assign since_next = moved ? 2'd3 : since - 2'(since != '0);
-    assign up_next    = moved ? rises : up_last;
-    // Are still_next, rail_next, blink_next as high? What they grow by is taken off the other side.
-    logic signed [9:0] still_edge;
-    assign still_edge = proof_3[2] ? still_less_4 : proof_3[0] ? still_less_1 : signed'({2'b0, cfg_still_i});
-    assign found      = {signed'({2'b0, still}) >= still_edge && !moved && since == '0 && cfg_still_i != '0,
-                         (rail >= cfg_rail_i || (tick == '0 && rail == rail_edge)) && over_3
-                         && cfg_rail_i != '0,
-                         (more_blinks ? signed'({2'b0, blink}) >= blink_edge : blink > cfg_blink_i)
-                         && cfg_blink_i != '0};
-    assign faults_next = surplus_3 || fresh ? '0 : faults | found;
-
-    logic [StateBits-1:4] state_4;
-    logic [1:0]           moves_4;
-    logic [2:0]           faults_4, news_4;
-    logic                 known_4, reported_4;
-    assign reported_4 = known_4 && news_4 == '0;  // where there are faults; else it does not matter
-    assign loud[k]    = |faults_4 && !reported_4;
-    assign {dead[k], railed[k], blinking[k]}             = faults_4;
-    assign {dead_new[k], railed_new[k], blinking_new[k]} = news_4;
-
+    logic signed [SampleBits-1:0] raw;
+    assign raw     = signed'(out_data_o[k*SampleBits+:SampleBits]);
+    assign surplus = in_row_last_i && (RowBeats - 1) * Lanes + k >= Columns;
+    assign head    = state_head[k*StateBits+:StateBits];
     always_ff @(posedge clk_i) begin
-      if (out_ready_i || !out_valid_o) out_mask_o[k] <= (|faults_head && !fresh) || !fits;
-      if (accept) begin
-        held     <= signed'(head[StateBits-1-:SampleBits]);
-        kept_1   <= {head[31:4], reported_head && !again};
-        fault_1  <= faults_head;
-        surplus  <= row_end && (RowBeats - 1) * Lanes + k >= Columns;
-        user_1   <= in_user_i[k];
-        pair_1   <= pair;
-        border_1 <= border && cfg_edges_i;
-        lonely_1 <= !(left[1] || right[1] || up[1] || down[1]);
-      end
-      band_minus <= '0 - DiffBits'(cfg_band_i);
-      jump_minus <= '0 - DiffBits'(cfg_jump_i);
-
-      delta          <= DiffBits'(raw) - DiffBits'(held);
-      raw_2          <= raw;
-      held_2         <= held;
-      over_2         <= !low || !high || (user_1 && cfg_user_i);
-      lonely_2 <= lonely_1;
-      proof_2        <= pair_1 ? 3'd4 : 3'(border_1);
-      {kept_2, fault_2, surplus_2} <= {kept_1, fault_1, surplus};
-
-      moved          <= above || below;
-      jump           <= far_above || far_below;
-      rises          <= !delta[DiffBits-1];
-      raw_3          <= raw_2;
-      held_3         <= held_2;
-      over_3         <= over_2;
-      lonely_3 <= lonely_2;
-      proof_3        <= proof_2;
-      {kept_3, fault_3, surplus_3} <= {kept_2, fault_2, surplus_2};
-
-      faults_4   <= faults_next;
-      news_4     <= faults_next & ~faults;
-      known_4    <= reported;
-      moves_4    <= {since_next != '0 && !fresh, up_next};
-      state_4    <= fresh ? {raw_3, 28'd0} :
-                    {moved ? raw_3 : held_3, rail_next, blink_next, still_next, since_next, up_next, jump};
-
-      write_state[k*StateBits+:StateBits] <= {state_4, faults_4, |faults_4 && (reported_4 || send)};
-      write_moves[2*k+:2]                 <= moves_4;
+      if (out_ready_i || !out_valid_o) out_mask_o[k] <= (|head[3:1] && !fresh) || !in_fits_i;
     end
+
+    msn_health_taxel #(.SampleBits(SampleBits)) u_taxel (
+      .clk_i,
+      .cfg_band_i, .cfg_jump_i, .cfg_low_i, .cfg_high_i, .cfg_user_i, .cfg_still_i, .cfg_rail_i, .cfg_blink_i,
+      .take_i(accept), .state_i(head), .pair_i(pair), .border_i(border && cfg_edges_i),
+      .alone_i(!(left[1] || right[1] || up[1] || down[1])), .user_i(in_user_i[k]),
+      .surplus_i(surplus), .again_i(again),
+      .raw_i(raw), .tick_i(tick == '0), .fresh_i(fresh),
+      .loud_o(loud[k]), .faults_o({dead[k], railed[k], blinking[k]}),
+      .news_o({dead_new[k], railed_new[k], blinking_new[k]}),
+      .send_i(send), .state_o(write_state[k*StateBits+:StateBits]), .moves_o(write_moves[2*k+:2])
+    );
   end
 
 endmodule

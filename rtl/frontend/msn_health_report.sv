@@ -28,7 +28,7 @@ module msn_health_report #(
   output logic [7:0]        out_faults_o
 );
 
-  if (Lanes != 1 && Lanes != 2 && Lanes != 4 && Lanes != 8) begin : gen_check_lanes
+  if (!msn_pkg::are_lanes(Lanes)) begin : gen_check_lanes
     $fatal(1, "msn_health_report: Lanes = %0d must be 1, 2, 4 or 8", Lanes);
   end
 

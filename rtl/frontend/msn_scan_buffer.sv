@@ -53,7 +53,7 @@ module msn_scan_buffer #(
   if (Width < 1) begin : gen_check_width
     $fatal(1, "msn_scan_buffer: Width = %0d must be at least 1", Width);
   end
-  if (!Sorts && (Depth < 4 * Burst || (Depth & (Depth - 1)) != 0)) begin : gen_check_depth
+  if (!Sorts && (Depth < 4 * Burst || !msn_pkg::is_power(Depth))) begin : gen_check_depth
     $fatal(1, "msn_scan_buffer: Depth = %0d must hold a frame, or be 2^n of 4 bursts or more", Depth);
   end
 

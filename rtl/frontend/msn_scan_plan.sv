@@ -7,7 +7,7 @@
 //
 // Frames start every cfg_period_i clocks (0: one after the other) and convert the rows and groups of a region, row
 // by row or, cfg_interleave_i, every second row first. Slip rounds start exactly every cfg_slip_period_i clocks (0:
-// never) and convert SlipSlots places; the frame gets only slots that end before the next round begins.
+// never) and convert SlipSlots places; the frame (msn_scan_walk) gets only slots that end before the next begins.
 // Settle, periods and slip places are taken while off, region and order as a frame starts; a region is cut to the
 // array. cfg_enable_i low: off after the frame.   Model: model/meissner/twins/frontend/scan_plan.py
 
@@ -68,19 +68,19 @@ module msn_scan_plan #(
   output logic [31:0]                        held_o           // clocks for which the frame waited for room
 );
 
-  if (Rows < 1 || Rows > 1024) begin : gen_check_rows
+  if (!msn_pkg::is_side(Rows)) begin : gen_check_rows
     $fatal(1, "msn_scan_plan: Rows = %0d must lie in 1 .. 1024", Rows);
   end
-  if (Columns < 1 || Columns > 1024) begin : gen_check_columns
+  if (!msn_pkg::is_side(Columns)) begin : gen_check_columns
     $fatal(1, "msn_scan_plan: Columns = %0d must lie in 1 .. 1024", Columns);
   end
-  if (Lanes != 1 && Lanes != 2 && Lanes != 4 && Lanes != 8) begin : gen_check_lanes
+  if (!msn_pkg::are_lanes(Lanes)) begin : gen_check_lanes
     $fatal(1, "msn_scan_plan: Lanes = %0d must be 1, 2, 4 or 8", Lanes);
   end
   if (Channels < 1 || Channels > 8) begin : gen_check_channels
     $fatal(1, "msn_scan_plan: Channels = %0d must lie in 1 .. 8", Channels);
   end
-  if (Groups > 1 && (Channels & (Channels - 1)) != 0) begin : gen_check_groups
+  if (Groups > 1 && !msn_pkg::is_power(Channels)) begin : gen_check_groups
     $fatal(1, "msn_scan_plan: Channels = %0d must be 1, 2, 4 or 8 for %0d groups", Channels, Groups);
   end
   if (Hold < 2) begin : gen_check_hold
@@ -104,8 +104,6 @@ module msn_scan_plan #(
 
   localparam int unsigned CountBits = msn_pkg::index_width(
       ((1 << SettleBits) > Cycle + Hold) ? (1 << SettleBits) : Cycle + Hold) + 1;
-  localparam int unsigned LaneShift = $clog2(Lanes);
-  localparam int unsigned ChanShift = $clog2(Channels);
 
   typedef enum logic [1:0] {
     Off,     // takes the registers; four clocks from enable to Free, as much as follows from them needs
@@ -117,7 +115,7 @@ module msn_scan_plan #(
   state_e                state_q;
   logic [CountBits-1:0]  count_q;
   logic                  take_slip, take_frame, take_first, off_end;
-  logic                  active_q;  // a frame has conversions left
+  logic                  active;  // a frame has conversions left
   assign switch_o  = take_slip || take_frame;
   assign idle_o    = state_q == Off || (state_q == Free && !switch_o);
   assign off_end   = state_q == Off && count_q == '0 && cfg_enable_i;
@@ -165,9 +163,9 @@ module msn_scan_plan #(
       end
       Free: begin
         // Without an enable and a frame under way it is a slip round or nothing: no need to wait for take_frame.
-        count_q <= (!cfg_enable_i && !active_q && !take_slip) ? CountBits'(3) : CountBits'(settle_q);
+        count_q <= (!cfg_enable_i && !active && !take_slip) ? CountBits'(3) : CountBits'(settle_q);
         if (switch_o) state_q <= Settle;
-        else if (!cfg_enable_i && !active_q) state_q <= Off;
+        else if (!cfg_enable_i && !active) state_q <= Off;
       end
       Settle: begin
         if (trigger_o) begin
@@ -208,79 +206,21 @@ module msn_scan_plan #(
     end
   end
 
-  // The region, cut to the array, in beats and groups.
-  logic [RowBits-1:0]    last_row, region_first_row_q, region_last_row_q;
-  logic [ColumnBits-1:0] last_column, first_column;
-  logic [BeatBits-1:0]   region_first_beat_q, region_last_beat_q;
-  logic                  region_interleave_q;
-  assign last_row     = (32'(cfg_last_row_i) < Rows) ? cfg_last_row_i : RowBits'(Rows - 1);
-  assign last_column  = (32'(cfg_last_column_i) < Columns) ? cfg_last_column_i : ColumnBits'(Columns - 1);
-  assign first_column = (cfg_first_column_i < last_column) ? cfg_first_column_i : last_column;
-  always_ff @(posedge clk_i) begin
-    region_first_row_q  <= (cfg_first_row_i < last_row) ? cfg_first_row_i : last_row;
-    region_last_row_q   <= last_row;
-    region_first_beat_q <= BeatBits'(first_column >> LaneShift);
-    region_last_beat_q  <= BeatBits'(last_column >> LaneShift);
-    region_interleave_q <= cfg_interleave_i;
-  end
-
-  // A frame's region is that of its first switch, whose place is in its registers a clock ahead.
-  logic [RowBits-1:0]    next_first_row_q, next_last_row_q, now_first_row_q, now_last_row_q;
-  logic [BeatBits-1:0]   next_first_beat_q, next_last_beat_q, now_first_beat_q, now_last_beat_q;
-  logic                  next_interleave_q, now_interleave_q;
-  always_ff @(posedge clk_i) begin
-    next_first_row_q  <= region_first_row_q;
-    next_last_row_q   <= region_last_row_q;
-    next_first_beat_q <= region_first_beat_q;
-    next_last_beat_q  <= region_last_beat_q;
-    next_interleave_q <= region_interleave_q;
-    if (take_first && !active_q) begin
-      now_first_row_q  <= next_first_row_q;
-      now_last_row_q   <= next_last_row_q;
-      now_first_beat_q <= next_first_beat_q;
-      now_last_beat_q  <= next_last_beat_q;
-      now_interleave_q <= next_interleave_q;
-    end
-  end
-
-  // The next place of the frame. The one after it is found in the two clocks that follow a switch.
-  logic [RowBits-1:0]    row_q;
-  logic [RowBits:0]      row_next_q;
-  logic [GroupBits-1:0]  group_q, now_first_group, now_last_group;
-  logic                  odd_q;  // the second half of an interleaved frame
-  logic                  find_q, found_q, row_ends_q;
-  assign now_first_group = (Groups > 1) ? GroupBits'(now_first_beat_q >> ChanShift) : '0;
-  assign now_last_group  = (Groups > 1) ? GroupBits'(now_last_beat_q >> ChanShift) : '0;
-  always_ff @(posedge clk_i) begin
-    find_q     <= take_frame;
-    found_q    <= find_q;
-    row_next_q <= {1'b0, row_q} + (now_interleave_q ? (RowBits+1)'(2) : (RowBits+1)'(1));
-    row_ends_q <= group_q == now_last_group;
-    if (!active_q && !take_first) begin  // the first place
-      row_q   <= region_first_row_q;
-      group_q <= (Groups > 1) ? GroupBits'(region_first_beat_q >> ChanShift) : '0;
-      odd_q   <= 1'b0;
-    end
-    if (take_frame) active_q <= 1'b1;
-    if (found_q) begin
-      group_q <= row_ends_q ? now_first_group : group_q + 1'b1;
-      if (row_ends_q) begin
-        if (row_next_q <= {1'b0, now_last_row_q}) begin
-          row_q <= row_next_q[RowBits-1:0];
-        end else if (now_interleave_q && !odd_q && now_first_row_q != now_last_row_q) begin
-          row_q <= now_first_row_q + 1'b1;
-          odd_q <= 1'b1;
-        end else begin
-          active_q <= 1'b0;
-        end
-      end
-    end
-    if (rst_i) begin
-      find_q   <= 1'b0;
-      found_q  <= 1'b0;
-      active_q <= 1'b0;
-    end
-  end
+  // Where the frame goes.
+  logic [RowBits-1:0]   row, now_first_row, now_last_row;
+  logic [GroupBits-1:0] group;
+  logic [BeatBits-1:0]  now_first_beat, now_last_beat;
+  logic                 now_interleave;
+  msn_scan_walk #(
+    .Rows(Rows), .Columns(Columns), .Lanes(Lanes), .Channels(Channels), .GroupBits(GroupBits)
+  ) u_walk (
+    .clk_i, .rst_i,
+    .cfg_interleave_i, .cfg_first_row_i, .cfg_last_row_i, .cfg_first_column_i, .cfg_last_column_i,
+    .begin_i(take_first), .step_i(take_frame), .active_o(active),
+    .row_o(row), .group_o(group),
+    .first_row_o(now_first_row), .last_row_o(now_last_row), .first_beat_o(now_first_beat),
+    .last_beat_o(now_last_beat), .interleave_o(now_interleave)
+  );
 
   // A frame starts at its tick, or as soon as it can.
   logic [PeriodBits-1:0] left_q;
@@ -288,7 +228,7 @@ module msn_scan_plan #(
   logic                  timed_q, tick, want_q, want;
   assign tick       = state_q != Off && cfg_enable_i && timed_q && zero_q;
   assign want       = cfg_enable_i && (!timed_q || want_q || tick);
-  assign take_frame = state_q == Free && !take_slip && (active_q || want) && fits_q && room_i;
+  assign take_frame = state_q == Free && !take_slip && (active || want) && fits_q && room_i;
   // A frame's first, or, without an enable, none: then Off follows, and all is as if it had not been.
   assign take_first = state_q == Free && !take_slip && (!timed_q || want_q || zero_q) && fits_q && room_i;
   always_ff @(posedge clk_i) begin
@@ -296,10 +236,10 @@ module msn_scan_plan #(
     else                                 left_q <= (tick ? period_q : left_q) - 1'b1;
     zero_q  <= state_q == Off || !cfg_enable_i || (tick ? period_one_q : left_q == PeriodBits'(1));
     timed_q <= period_q != '0;
-    if (tick && !active_q) want_q <= 1'b1;
+    if (tick && !active) want_q <= 1'b1;
     if (take_frame) want_q <= 1'b0;
-    overrun_o <= overrun_o + 32'(tick && (active_q || want_q));
-    held_o    <= held_o + 32'(state_q == Free && !take_slip && (active_q || want) && fits_q && !room_i);
+    overrun_o <= overrun_o + 32'(tick && (active || want_q));
+    held_o    <= held_o + 32'(state_q == Free && !take_slip && (active || want) && fits_q && !room_i);
     if (rst_i || state_q == Off) want_q <= 1'b0;
     if (rst_i) begin
       overrun_o <= '0;
@@ -307,8 +247,8 @@ module msn_scan_plan #(
     end
   end
 
-  assign switch_row_o   = take_slip ? slip_row_q[32'(slot_index)*(RowBits+1)+:RowBits+1] : {1'b0, row_q};
-  assign switch_group_o = take_slip ? slip_group_q[32'(slot_index)*GroupBits+:GroupBits] : group_q;
+  assign switch_row_o   = take_slip ? slip_row_q[32'(slot_index)*(RowBits+1)+:RowBits+1] : {1'b0, row};
+  assign switch_group_o = take_slip ? slip_group_q[32'(slot_index)*GroupBits+:GroupBits] : group;
 
   // What was switched to becomes what was converted.
   logic                  slip_q, first_q;
@@ -316,7 +256,7 @@ module msn_scan_plan #(
   always_ff @(posedge clk_i) begin
     if (switch_o) begin
       slip_q  <= take_slip;
-      first_q <= take_slip ? slot_index == '0 : !active_q;
+      first_q <= take_slip ? slot_index == '0 : !active;
       place_q <= switch_group_o;
     end
     if (trigger_o) begin
@@ -324,11 +264,11 @@ module msn_scan_plan #(
       done_first_o <= first_q;
       done_group_o <= place_q;
       if (!slip_q) begin
-        frame_first_row_o  <= now_first_row_q;
-        frame_last_row_o   <= now_last_row_q;
-        frame_first_beat_o <= now_first_beat_q;
-        frame_last_beat_o  <= now_last_beat_q;
-        frame_interleave_o <= now_interleave_q;
+        frame_first_row_o  <= now_first_row;
+        frame_last_row_o   <= now_last_row;
+        frame_first_beat_o <= now_first_beat;
+        frame_last_beat_o  <= now_last_beat;
+        frame_interleave_o <= now_interleave;
       end
     end
   end

@@ -8,8 +8,9 @@
 //   same frame; refused, and nothing changed, if any taxel that is not masked was in contact in them
 //
 // cfg_force_i: never refuse (the first time, when nothing is known). While cfg_load_i frames are swallowed
-// whole and zeros can be written. After a reset all zeros are 0. Damage starts an averaging again. A beat out
-// of place leaves as 0: round again in a frame too long, its zeros would be those this frame has written.
+// whole and zeros can be written. After a reset all zeros are 0. Damage starts an averaging again. Beats as
+// msn_frame_place hands them on; one that does not fit leaves as 0: in a frame too long its zeros are those that this
+// frame has written.
 //
 //   clock  1        2           3            4
 //          raw - o  sign, sums  b, sum next  write
@@ -46,13 +47,14 @@ module msn_tare #(
   output logic [15:0]                 tared_o,        // averagings done, since reset
   output logic [15:0]                 refused_o,
   output logic [31:0]                 swallowed_o,    // frames, while loading
-  output logic [31:0]                 damaged_o,
 
   input  logic                        in_valid_i,
   output logic                        in_ready_o,
   input  logic [Lanes*SampleBits-1:0] in_data_i,      // signed
   input  logic [Lanes-1:0]            in_mask_i,      // taxels that cannot be trusted
-  input  logic [IdBits-1:0]           in_id_i,
+  input  logic [IdBits-1:0]           in_id_i,        // its place
+  input  logic                        in_fits_i,
+  input  logic                        in_row_last_i,
   input  logic                        in_last_i,
 
   output logic                        out_valid_o,
@@ -60,21 +62,22 @@ module msn_tare #(
   output logic [Lanes*DiffBits-1:0]   out_data_o,     // r, signed
   output logic [Lanes-1:0]            out_mask_o,
   output logic [IdBits-1:0]           out_id_o,
+  output logic                        out_fits_o,
+  output logic                        out_row_last_o,
   output logic                        out_last_o
 );
 
   localparam int unsigned ZeroBits = DiffBits + FractionBits;  // b
   localparam int unsigned SumBits  = DiffBits + TareLog2;      // of r
   localparam int unsigned PartBits = ZeroBits + SumBits;
-  localparam int unsigned BeatBits = msn_pkg::index_width(RowBeats);
 
-  if (Rows < 1 || Rows > 1024) begin : gen_check_rows
+  if (!msn_pkg::is_side(Rows)) begin : gen_check_rows
     $fatal(1, "msn_tare: Rows = %0d must lie in 1 .. 1024", Rows);
   end
-  if (Columns < 1 || Columns > 1024) begin : gen_check_columns
+  if (!msn_pkg::is_side(Columns)) begin : gen_check_columns
     $fatal(1, "msn_tare: Columns = %0d must lie in 1 .. 1024", Columns);
   end
-  if (Lanes != 1 && Lanes != 2 && Lanes != 4 && Lanes != 8) begin : gen_check_lanes
+  if (!msn_pkg::are_lanes(Lanes)) begin : gen_check_lanes
     $fatal(1, "msn_tare: Lanes = %0d must be 1, 2, 4 or 8", Lanes);
   end
   if (FractionBits < 1 || FractionBits > 16) begin : gen_check_fraction_bits
@@ -87,22 +90,14 @@ module msn_tare #(
   // Frames. At each end the next waits until all of this one is written and its first words are read again,
   // so that no word is read before it was written, however small the array.
   localparam int unsigned Drain = 4;
-  logic accept, keep, last, fits, whole, was_whole, midway, ending, restart, done, word_valid;
+  logic accept, was_whole, midway, ending, restart, done, word_valid;
   logic load_due, load_change, change_next, midway_next, ending_next;
   logic closed;  // load_due || ending, found a clock ahead: the memories are far
-  logic [2:0]        drain;
-  logic [IdBits-1:0] place;
+  logic [2:0] drain;
   assign in_ready_o = (out_ready_i || !out_valid_o) && word_valid && !closed;
   assign accept     = in_valid_i && in_ready_o;
   assign restart    = rst_i || drain != '0 || load_due;  // a clock after the last beat: it is known late
   assign done       = ending && drain == 3'd1;
-
-  msn_frame_place #(.Beats(Beats)) u_place (
-    .clk_i, .rst_i,
-    .accept_i(accept),
-    .in_id_i, .in_last_i,
-    .place_o(place), .keep_o(keep), .last_o(last), .fits_o(fits), .whole_o(whole), .damaged_o
-  );
 
   // What the frame is for. Averaging and loading begin between frames only.
   logic fresh, asked, asked_force, averaging, forced, commit, any_contact, load_next;
@@ -120,7 +115,7 @@ module msn_tare #(
     midway <= midway_next;
     ending <= ending_next;
     closed <= (change_next && !midway_next) || ending_next;
-    if (accept) was_whole <= whole;
+    if (accept) was_whole <= in_last_i && in_fits_i;
     if (accept && in_last_i) drain <= 3'(Drain);
     else if (drain != '0) drain <= drain - 1'b1;
 
@@ -180,7 +175,7 @@ module msn_tare #(
   end
 
   logic [Lanes-1:0]  write;
-  logic [IdBits-1:0] place_q, place_q2, write_place;
+  logic [IdBits-1:0] place_q, write_place;
   msn_frame_table #(.Words(Beats), .Parts(Lanes), .PartBits(PartBits), .Banks(1)) u_state (
     .clk_i, .restart_i(restart), .bank_i(1'b0), .advance_i(advance),
     .out_valid_o(table_valid), .out_data_o(word),
@@ -194,34 +189,26 @@ module msn_tare #(
   end
 
   // 1: the sample's own register. What is learnt from it follows behind, stalled by nothing.
-  logic                learn, learn_q, row_end, row_end_q;
-  logic                misfit;  // the sample is at a wrong place: it leaves as 0
-  logic [BeatBits-1:0] beat;
-  logic [Lanes-1:0]    pressing;
-  assign row_end = beat == BeatBits'(RowBeats - 1);
+  logic             learn, learn_q;
+  logic [Lanes-1:0] pressing;
 
   always_ff @(posedge clk_i) begin
-    if (accept) begin
-      beat      <= in_last_i || row_end ? '0 : beat + 1'b1;
-      row_end_q <= row_end;
-      place_q   <= place;
-    end
     if (out_ready_i || !out_valid_o) begin
-      out_valid_o <= accept && keep && !cfg_loading_o;
-      misfit      <= !fits;
-      out_mask_o  <= in_mask_i;
-      out_id_o    <= in_id_i;
-      out_last_o  <= last;
+      out_valid_o    <= accept && !cfg_loading_o;
+      out_mask_o     <= in_mask_i;
+      out_id_o       <= in_id_i;
+      out_fits_o     <= in_fits_i;
+      out_row_last_o <= in_row_last_i;
+      out_last_o     <= in_last_i;
     end
-    learn       <= accept && fits && !cfg_loading_o;
+    learn       <= accept && in_fits_i && !cfg_loading_o;
     learn_q     <= learn;
-    place_q2    <= place_q;
+    place_q     <= out_id_o;
     write       <= cfg_loading_o ? cfg_write_i : {Lanes{learn_q}};
-    write_place <= cfg_loading_o ? cfg_word_i : place_q2;
+    write_place <= cfg_loading_o ? cfg_word_i : place_q;
     any_contact <= any_contact || (learn_q && |pressing);
     if (done) any_contact <= 1'b0;
     if (rst_i) begin
-      beat        <= '0;
       out_valid_o <= 1'b0;
       learn       <= 1'b0;
       learn_q     <= 1'b0;
@@ -255,14 +242,14 @@ module msn_tare #(
     );
 
     assign tared = DiffBits'(signed'(in_data_i[k*SampleBits+:SampleBits])) - DiffBits'(signed'(rounded));
-    assign out_data_o[k*DiffBits+:DiffBits] = misfit ? '0 : seen;
+    assign out_data_o[k*DiffBits+:DiffBits] = out_fits_o ? seen : '0;
     msn_compare #(.Width(DiffBits)) u_over (
       .a_i(seen), .b_i(signed'({1'b0, cfg_contact_i})), .greater_o(over)
     );
 
     logic                       surplus, mask_q, follow;
     logic signed [ZeroBits-1:0] rate;
-    assign surplus     = row_end_q && (RowBeats - 1) * Lanes + k >= Columns;
+    assign surplus     = out_row_last_o && (RowBeats - 1) * Lanes + k >= Columns;
     assign pressing[k] = over_q && !mask_q;
     assign rate       = signed'(ZeroBits'(cfg_step_i));
     assign zero_moved = negative ? zero_2 - rate : zero_2 + rate;

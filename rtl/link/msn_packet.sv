@@ -70,7 +70,7 @@ module msn_packet #(
   output logic [31:0]            image_dropped_o
 );
 
-  if (SlipDepth == 1 || (SlipDepth & (SlipDepth - 1)) != 0) begin : gen_check_slip_depth
+  if (SlipDepth == 1 || !msn_pkg::is_power(SlipDepth)) begin : gen_check_slip_depth
     $fatal(1, "msn_packet: SlipDepth = %0d must be 0 or a power of two, 2 or more", SlipDepth);
   end
   if (Statistics > 256) begin : gen_check_statistics

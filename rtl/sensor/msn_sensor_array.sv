@@ -134,7 +134,7 @@ module msn_sensor_array #(
     status_o.cop       = cop;
   end
 
-  logic                      tap_valid, tap_ready, tap_last;
+  logic                      tap_valid, tap_ready, tap_row_last, tap_last;
   logic [Lanes*16-1:0]       tap_data;
   logic [Lanes-1:0]          tap_mask;
   logic signed [CopBits-1:0] x, y;
@@ -171,7 +171,7 @@ module msn_sensor_array #(
     .in_valid_i, .in_ready_o, .in_data_i, .in_id_i, .in_last_i,
     .cfg_pending_i(pending_i), .commit_o, .busy_i, .time_o,
     .tap_valid_o(tap_valid), .tap_ready_i(tap_ready), .tap_data_o(tap_data), .tap_mask_o(tap_mask),
-    .tap_last_o(tap_last),
+    .tap_row_last_o(tap_row_last), .tap_last_o(tap_last),
     .out_valid_o(cop_valid_o), .out_ready_i(1'b1), .out_x_o(x), .out_y_o(y), .out_load_o(load),
     .out_pressed_o(cop_o.pressed),
     .event_valid_o(event_valid), .event_ready_i(event_ready), .event_id_o(event_id),
@@ -203,7 +203,8 @@ module msn_sensor_array #(
   logic [15:0] force_of_taxel;
   msn_narrow #(.Rows(Rows), .Columns(Columns), .Lanes(Lanes), .DataBits(17)) u_narrow (
     .clk_i, .rst_i,
-    .in_valid_i(tap_valid), .in_ready_o(tap_ready), .in_data_i(tap), .in_last_i(tap_last),
+    .in_valid_i(tap_valid), .in_ready_o(tap_ready), .in_data_i(tap), .in_row_last_i(tap_row_last),
+    .in_last_i(tap_last),
     .out_valid_o(sample_valid_o), .out_ready_i(sample_ready_i), .out_data_o({sample_mask_o, force_of_taxel}),
     .out_id_o(sample_id_o), .out_last_o(sample_last_o)
   );

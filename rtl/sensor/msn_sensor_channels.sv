@@ -14,6 +14,7 @@ module msn_sensor_channels #(
   parameter  int unsigned AdcLanes   = 1,
   parameter  int unsigned ClkKhz     = 25_000,
   parameter  int unsigned SclkKhz    = msn_adc_pkg::sclk_default_khz(Adc),
+  parameter  int unsigned PeriodBits = 24,
   parameter  int unsigned AdcPeriod  = 0,                 // clocks, built in: msn_acquire
   parameter  int unsigned Channels   = 1,
   parameter  int unsigned SampleBits = 17,
@@ -62,11 +63,11 @@ module msn_sensor_channels #(
 
   logic adc_valid, adc_ready;
   msn_acquire #(
-    .Adc(Adc), .AdcLanes(AdcLanes), .ClkKhz(ClkKhz), .SclkKhz(SclkKhz), .AdcPeriod(AdcPeriod),
-    .Channels(Channels), .SampleBits(SampleBits)
+    .Adc(Adc), .AdcLanes(AdcLanes), .ClkKhz(ClkKhz), .SclkKhz(SclkKhz), .PeriodBits(PeriodBits),
+    .AdcPeriod(AdcPeriod), .Channels(Channels), .SampleBits(SampleBits)
   ) u_acquire (
     .clk_i, .rst_i,
-    .cfg_enable_i(cfg_i.adc.enable), .cfg_period_i(cfg_i.adc.period),
+    .cfg_enable_i(cfg_i.adc.enable), .cfg_period_i(cfg_i.adc.period[PeriodBits-1:0]),
     .adc_cs_n_o, .adc_sclk_o, .adc_mosi_o, .adc_miso_i, .adc_convst_o, .adc_busy_i, .adc_reset_o,
     .convert_o,
     .in_valid_i, .in_ready_o, .in_data_i, .in_id_i, .in_last_i,

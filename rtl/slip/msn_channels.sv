@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Channels of a converter from their pins to slip decisions: instances and wires only, in data-path order.
+// Channels of a converter from their pins to slip decisions, without registers and link: instances and wires only.
 //
-//   ADC pins ─ acquire ─ slip_path ─ decisions
+//   ADC pins ─ sensor_channels ─ slip_path ─ decisions
 //
-// Adc = AdcNone: samples come in on the stream (msn_acquire). Latency and formats are those of msn_slip_path.
+// The two are those of a core, without what there stands between them: no gate and no skid, and actuator_moving_i is
+// not a pin. Adc = AdcNone: samples come in on the stream. Latency and formats are those of msn_slip_path.
 // Model: model/meissner/twins/slip/channels.py
 
 module msn_channels #(
@@ -81,21 +82,35 @@ module msn_channels #(
     $fatal(1, "msn_channels: Mask = 1 must have Adc = 0: a converter's samples bear no mask");
   end
 
-  logic                         sample_valid, sample_ready, sample_last;
+  msn_registers_pkg::cfg_t    cfg;
+  msn_registers_pkg::status_t status;
+  always_comb begin
+    cfg            = '0;
+    cfg.adc.enable = cfg_adc_enable_i;
+    cfg.adc.period = 24'(cfg_adc_period_i);
+    dropped_o      = status.adc.dropped;
+    overrun_o      = status.adc.overrun;
+    timeout_o      = status.adc.timeout;
+    mistagged_o    = status.adc.mistagged;
+    over_range_o   = status.adc.over_range;
+  end
+
+  logic                         sample_valid, sample_ready, sample_last, unused_commit, unused_first;
   logic signed [SampleBits-1:0] sample;
   logic        [IdBits-1:0]     sample_id;
-  msn_acquire #(
+  logic        [47:0]           unused_time;
+  msn_sensor_channels #(
     .Adc(Adc), .AdcLanes(AdcLanes), .ClkKhz(ClkKhz), .SclkKhz(SclkKhz), .PeriodBits(PeriodBits),
-    .AdcPeriod(AdcPeriod), .Channels(Channels), .SampleBits(SampleBits)
-  ) u_acquire (
-    .clk_i, .rst_i,
-    .cfg_enable_i(cfg_adc_enable_i), .cfg_period_i(cfg_adc_period_i),
+    .AdcPeriod(AdcPeriod), .Channels(Channels), .SampleBits(SampleBits), .Gate(1'b0)
+  ) u_sensor (
+    .clk_i, .rst_i, .now_i('0),
+    .cfg_i(cfg), .status_o(status), .pending_i(1'b0), .commit_o(unused_commit), .busy_i(1'b0),
     .adc_cs_n_o, .adc_sclk_o, .adc_mosi_o, .adc_miso_i, .adc_convst_o, .adc_busy_i, .adc_reset_o,
     .convert_o,
     .in_valid_i, .in_ready_o, .in_data_i, .in_id_i, .in_last_i,
-    .out_valid_o(sample_valid), .out_ready_i(sample_ready), .out_data_o(sample), .out_id_o(sample_id),
-    .out_last_o(sample_last),
-    .dropped_o, .overrun_o, .timeout_o, .mistagged_o, .over_range_o
+    .sample_valid_o(sample_valid), .sample_ready_i(sample_ready), .sample_data_o(sample),
+    .sample_id_o(sample_id), .sample_first_o(unused_first), .sample_last_o(sample_last),
+    .time_o(unused_time)
   );
 
   msn_slip_path #(
@@ -112,5 +127,8 @@ module msn_channels #(
     .out_end_o,
     .busy_o, .damaged_o, .blanked_o
   );
+
+  logic unused_status;
+  assign unused_status = ^status;
 
 endmodule

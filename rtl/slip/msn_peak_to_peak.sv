@@ -49,7 +49,7 @@ module msn_peak_to_peak #(
   if (Channels < 1 || Channels > 4096) begin : gen_check_channels
     $fatal(1, "msn_peak_to_peak: Channels = %0d must lie in 1 .. 4096", Channels);
   end
-  if (Span < 2 || (Span & (Span - 1)) != 0) begin : gen_check_span
+  if (Span < 2 || !msn_pkg::is_power(Span)) begin : gen_check_span
     $fatal(1, "msn_peak_to_peak: Span = %0d details must be a power of two, 2 or more", Span);
   end
   if (Hop < 1 || Hop > Span) begin : gen_check_hop

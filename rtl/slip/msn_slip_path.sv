@@ -58,7 +58,7 @@ module msn_slip_path #(
 );
 
   localparam int unsigned Group = 1 << Level;  // samples in a detail
-  if (Window < 2 * Group || (Window & (Window - 1)) != 0) begin : gen_check_window
+  if (Window < 2 * Group || !msn_pkg::is_power(Window)) begin : gen_check_window
     $fatal(1, "msn_slip_path: Window = %0d must be a power of two, %0d or more", Window, 2 * Group);
   end
   if (Hop < Group || Hop > Window || Hop % Group != 0) begin : gen_check_hop

@@ -10,8 +10,7 @@
 //
 // A sample is taken (in_ready_o) 2*Steps + 1 clocks after it is first offered, with actuator_moving_i of that
 // clock; the decision follows one clock later. Steps: the power of two of digits that holds a detail and a timer's
-// sign.
-// Model: model/meissner/twins/slip/slip_serial.py
+// sign. Model: model/meissner/twins/slip/slip_serial.py
 
 module msn_slip_serial #(
   parameter  int unsigned SampleBits = 17,
@@ -54,8 +53,7 @@ module msn_slip_serial #(
   output logic        [31:0]           blanked_o     // details that were over while blanked or moving
 );
 
-  localparam int unsigned CountBits = TimerBits + 1;
-  localparam int unsigned Bits      = (DetailBits > CountBits) ? DetailBits : CountBits;
+  localparam int unsigned Bits      = (DetailBits > TimerBits) ? DetailBits : TimerBits + 1;
   localparam int unsigned StepBits  = $clog2((Bits + Digit - 1) / Digit);
   localparam int unsigned Steps     = 1 << StepBits;
   localparam int unsigned Width     = Steps * Digit;
@@ -67,13 +65,12 @@ module msn_slip_serial #(
   if (Level < 1 || Level > 3) begin : gen_check_level
     $fatal(1, "msn_slip_serial: Level = %0d must be 1, 2 or 3", Level);
   end
-  if (Window < (2 << Level) || (Window & (Window - 1)) != 0) begin : gen_check_window
+  if (Window < (2 << Level) || !msn_pkg::is_power(Window)) begin : gen_check_window
     $fatal(1, "msn_slip_serial: Window = %0d must be a power of two, %0d or more", Window, 2 << Level);
   end
   if (TimerBits < 1 || TimerBits > 31) begin : gen_check_timer_bits
     $fatal(1, "msn_slip_serial: TimerBits = %0d must lie in 1 .. 31", TimerBits);
   end
-
   if (Digit != 1 && Digit != 2) begin : gen_check_digit
     $fatal(1, "msn_slip_serial: Digit = %0d must be 1 or 2", Digit);
   end
@@ -98,15 +95,9 @@ module msn_slip_serial #(
     at     <= ahead;
     ahead  <= (finish || (idle && !start)) ? '0 : ahead + 1'b1;
     finish <= top && second && !idle;
-    idle   <= finish || (idle && !start);
+    idle   <= finish || (idle && !start) || rst_i;
     if (in_valid_i && in_ready_o) dropping <= !in_last_i && !keep;
-    if (rst_i) begin
-      at       <= '0;
-      ahead    <= '0;
-      finish   <= 1'b0;
-      idle     <= 1'b1;
-      dropping <= 1'b0;
-    end
+    if (rst_i) {at, ahead, finish, dropping} <= '0;
   end
 
   // Which sample of its group this is, and which detail of its window.
@@ -119,11 +110,14 @@ module msn_slip_serial #(
     member <= member + Level'(finish);
     if (decide) {first, place} <= {1'b0, place} + 1'b1;
     if (forget || rst_i) begin
-      member <= '0;
-      place  <= '0;
-      first  <= 1'b1;
+      {member, place} <= '0;
+      first           <= 1'b1;
     end
   end
+
+  function automatic logic [Digit-1:0] digit(logic [Steps-1:0][Digit-1:0] word, logic [StepBits-1:0] which);
+    digit = word[which];
+  endfunction
 
   // Is a number greater than another, from the lowest bit on: where two bits differ they decide. So are borrows.
   // Not "if they differ": that becomes a clock enable, and a second table for each.
@@ -149,21 +143,14 @@ module msn_slip_serial #(
   assign was_slipping = out_state_o == msn_pkg::Incipient || out_state_o == msn_pkg::Gross;
   assign touching     = out_state_o == msn_pkg::Contact || was_slipping;
 
-  logic [Digit-1:0]             sample, limit, threshold, gross_threshold, keep_threshold;
-  logic [Steps-1:0][Digit-1:0]  samples, contact_levels, release_levels;
-  logic [Steps-1:0][Digit-1:0]  thresholds, gross_thresholds, keep_thresholds;
-  assign samples          = Width'(in_data_i);
-  assign contact_levels   = Width'(cfg_contact_level_i);
-  assign release_levels   = Width'(cfg_release_level_i);
-  assign thresholds       = Width'(cfg_threshold_i);
-  assign gross_thresholds = Width'(cfg_gross_threshold_i);
-  assign keep_thresholds  = Width'(cfg_keep_threshold_i);
+  logic [Digit-1:0] sample, limit, threshold, gross_threshold, keep_threshold;
   always_ff @(posedge clk_i) begin
-    sample          <= samples[next_digit];
-    limit           <= touching ? release_levels[next_digit] : contact_levels[next_digit];
-    threshold       <= thresholds[next_digit];
-    gross_threshold <= gross_thresholds[next_digit];
-    keep_threshold  <= keep_thresholds[next_digit];
+    sample          <= digit(Width'(in_data_i), next_digit);
+    limit           <= touching ? digit(Width'(cfg_release_level_i), next_digit)
+                       : digit(Width'(cfg_contact_level_i), next_digit);
+    threshold       <= digit(Width'(cfg_threshold_i), next_digit);
+    gross_threshold <= digit(Width'(cfg_gross_threshold_i), next_digit);
+    keep_threshold  <= digit(Width'(cfg_keep_threshold_i), next_digit);
   end
 
   // The Haar levels. A level keeps its value for the next one whenever all levels below it have one.
@@ -208,21 +195,17 @@ module msn_slip_serial #(
   end
 
   // Pass 1: comparisons of signed numbers, so at the sign the other way round.
-  logic             higher, lower, beyond, rises;
-  logic [Digit-1:0] sign;
-  assign rises = cfg_contact_rises_i;
-  assign sign  = Digit'(top) << (Digit - 1);
+  logic             higher, lower, beyond;
+  logic [Digit-1:0] sign, more, less;
+  assign sign = Digit'(top) << (Digit - 1);
+  assign {more, less} = cfg_contact_rises_i ? {limit, total} : {total, limit};
   always_ff @(posedge clk_i) begin
     if (!second) begin
       higher <= greater(detail ^ sign, high ^ sign, higher);
       lower  <= greater(low ^ sign, detail ^ sign, lower);
-      beyond <= greater((rises ? limit : total) ^ sign, (rises ? total : limit) ^ sign, beyond);
+      beyond <= greater(more ^ sign, less ^ sign, beyond);
     end
-    if (idle) begin
-      higher <= 1'b0;
-      lower  <= 1'b0;
-      beyond <= 1'b0;
-    end
+    if (idle) {higher, lower, beyond} <= '0;
   end
 
   // Pass 2: the window's extremes, their difference, and the thresholds.
@@ -238,32 +221,23 @@ module msn_slip_serial #(
     over       <= greater(p2p, threshold, over);
     gross      <= greater(p2p, gross_threshold, gross);
     above_keep <= greater(p2p, keep_threshold, above_keep);
-    if (!second && !finish) begin
-      over       <= 1'b0;
-      gross      <= 1'b0;
-      above_keep <= 1'b0;
-    end
+    if (!second && !finish) {over, gross, above_keep} <= '0;
     if (second) p2p_q <= {p2p, p2p_q[Width-1:Digit]};
   end
 
   // The timer counts up from minus a register's value, so that "still running" is its sign. A detail that loads it
   // leaves that, and the step of 1 otherwise, to the next one's pass 1. Only one time runs in any state: hold in
   // slips and in Release, blank or refractory in Contact.
-  logic                        running, tick_carry, load, next_load, blanking, next_blanking;
-  logic [Digit-1:0]            load_digit;
-  logic [Steps-1:0][Digit-1:0] holds, refractories, blanks;
-  assign holds        = '0 - Width'(cfg_hold_i);
-  assign refractories = '0 - Width'(cfg_refractory_i);
-  assign blanks       = '0 - Width'(cfg_blank_i);
-  assign next_count   = load ? load_digit : rest(count, '1, !tick_carry);
+  logic             running, tick_carry, load, next_load, blanking, next_blanking;
+  logic [Digit-1:0] load_digit;
+  assign next_count = load ? load_digit : rest(count, '1, !tick_carry);
   always_ff @(posedge clk_i) begin
-    if (was_slipping || !touching) load_digit <= holds[next_digit];
-    else load_digit <= blanking ? blanks[next_digit] : refractories[next_digit];
+    load_digit <= (was_slipping || !touching) ? digit('0 - Width'(cfg_hold_i), next_digit)
+                  : blanking ? digit('0 - Width'(cfg_blank_i), next_digit)
+                  : digit('0 - Width'(cfg_refractory_i), next_digit);
     tick_carry <= idle ? running : (tick_carry && &count);
     // Its own sign: what stands above it may have been upset.
-    if (complete && !idle && !second && at[StepBits-1:0] == StepBits'(TimerBits / Digit)) begin
-      running <= next_count[TimerBits%Digit];
-    end
+    if (complete && !idle && at == (StepBits+1)'(TimerBits / Digit)) running <= next_count[TimerBits%Digit];
   end
 
   // The state, as in msn_slip.
@@ -302,17 +276,14 @@ module msn_slip_serial #(
       out_raised_o <= slipping && !was_slipping;
       out_over_o   <= over;
       out_end_o    <= &place;
-      load         <= next_load;
-      blanking     <= next_blanking;
+      {load, blanking} <= {next_load, next_blanking};
       if (counts) blanked_o <= blanked_o + 1'b1;
     end
     if (forget) out_state_o <= msn_pkg::None;
     if (forget && in_last_i) damaged_o <= damaged_o + 1'b1;
     if (rst_i) begin
-      out_valid_o <= 1'b0;
+      {out_valid_o, damaged_o, blanked_o} <= '0;
       out_state_o <= msn_pkg::None;
-      damaged_o   <= '0;
-      blanked_o   <= '0;
     end
   end
 
@@ -320,10 +291,8 @@ module msn_slip_serial #(
   // The memories do not define what they answer while the same word is written.
   // verilator coverage_off
   always_ff @(posedge clk_i) begin
-    if (!idle && !finish && !rst_i) begin
-      assert (at[StepBits-1:0] != next_digit)
-      else $fatal(1, "msn_slip_serial: word %0d is read and written in one clock", next_digit);
-    end
+    assert (idle || finish || rst_i || at[StepBits-1:0] != next_digit)
+    else $fatal(1, "msn_slip_serial: word %0d is read and written in one clock", next_digit);
   end
   // verilator coverage_on
 `endif

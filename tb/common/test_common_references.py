@@ -68,14 +68,18 @@ def frames_by_their_ends(stream, beats):
     return fits, whole, damaged
 
 
-@pytest.mark.parametrize("beats", [1, 2, 3, 8])
-def test_places_by_the_frames_ends(beats):
+@pytest.mark.parametrize("rows, row_beats", [(1, 1), (2, 1), (1, 3), (2, 4)])
+def test_places_by_the_frames_ends(rows, row_beats):
+    beats = rows * row_beats
     stream = [(id_, last) for id_, last, _ in damaged_beats(beats, 500, 0.4, bench.SEED)]
-    twin = FramePlace(beats)
+    twin = FramePlace(rows, row_beats)
     places = twin.process(*zip(*stream))
     fits, whole, damaged = frames_by_their_ends(stream, beats)
-    assert [place.fits for place in places] == fits
-    assert [place.whole for place in places] == whole
+    assert [bool(place and place.fits) for place in places] == fits
+    assert [bool(place and place.fits and place.last) for place in places] == whole
+    assert [place.id for place in places if place and place.fits] == [
+        id_ if not last else beats - 1 for (id_, last), fit in zip(stream, fits) if fit
+    ]
     assert twin.damaged == damaged > 50 * (beats > 1)
 
 

@@ -1,6 +1,6 @@
 """msn_frame_place against its model: whole frames, every kind of damage (missing, doubled, wrong id, early,
-lost and late last) in every size from one beat on; and that a damaged frame never looks whole to a counter of
-beats, while each whole frame behind it does."""
+lost and late last) in every size from one beat on; places and rows' ends; and that a damaged frame never
+looks whole to a counter of beats, while each whole frame behind it does."""
 
 import random
 
@@ -39,52 +39,81 @@ def damaged_beats(beats, frames, rate, seed):
 @bench.starts_known
 @cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
 async def counts_over_the_whole_width(dut):
-    await bench.turn_over(dut, "damaged_o", accept_i=0)
+    await bench.turn_over(dut, "damaged_o", in_valid_i=0)
 
 
 @cocotb.test(timeout_time=2, timeout_unit="ms")
 @cocotb.parametrize(rate=[0.0, 0.4])
 async def matches_model(dut, rate):
-    beats = dut.Beats.value.to_unsigned()
+    rows, row_beats = (getattr(dut, name).value.to_unsigned() for name in ("Rows", "RowBeats"))
+    beats = rows * row_beats
     stream = damaged_beats(beats, 300 if beats < 50 else 8, rate, bench.SEED)
-    twin = FramePlace(beats)
+    twin = FramePlace(rows, row_beats)
     draw = random.Random(bench.SEED)
-    await bench.start(dut, accept_i=0)
+    ports = [getattr(dut, f"out_{name}_o") for name in ("id", "fits", "row_last", "last")]
+    await bench.start(dut, in_valid_i=0, out_ready_i=0)
     for reset_before in (False, True):
         if reset_before:  # in the middle of a frame
             await bench.reset(dut)
             twin.reset()
         for id_, last, _ in stream[: len(stream) - beats // 2]:
-            while draw.random() < 0.2:
-                dut.accept_i.value, dut.in_last_i.value = 0, draw.getrandbits(1)
+            expected, taken = None, False
+            while not taken:
+                offered, ready = draw.random() < 0.8, draw.random() < 0.8
+                dut.in_valid_i.value, dut.out_ready_i.value = int(offered), int(ready)
+                dut.in_id_i.value, dut.in_last_i.value = id_, int(last)
+                taken = offered and ready
+                expected = twin.next(id_, last) if taken else None
+                await bench.ReadOnly()
+                assert bench.read(dut.in_ready_o) == ready
+                if taken or not offered:
+                    assert bench.read(dut.out_valid_o) == (expected is not None)
+                if expected:
+                    assert [bench.read(port) for port in ports] == list(map(int, expected))
                 await bench.RisingEdge(dut.clk_i)
-            dut.accept_i.value, dut.in_id_i.value, dut.in_last_i.value = 1, id_, int(last)
-            expected = twin.next(id_, last)
-            await bench.ReadOnly()
-            ports = [bench.read(getattr(dut, f"{name}_o")) for name in ("keep", "last", "fits", "whole")]
-            assert ports == list(map(int, expected[1:]))
-            assert not expected.fits or bench.read(dut.place_o) == expected.place
-            await bench.RisingEdge(dut.clk_i)
-        dut.accept_i.value = 0
+        dut.in_valid_i.value = 0
         await bench.clocks(dut, 2)
         assert bench.read(dut.damaged_o) == twin.damaged
         assert (twin.damaged == 0) == (rate == 0.0)
 
 
-SPACE = lambda draw: {"Beats": draw.randint(1, 60)}
+@cocotb.test(timeout_time=2, timeout_unit="ms")
+async def rows_end_where_they_end(dut):
+    """Of whole frames each place and the mark of each row's last beat; an offer that waits stays as it is."""
+    rows, row_beats = (getattr(dut, name).value.to_unsigned() for name in ("Rows", "RowBeats"))
+    await bench.start(dut, in_valid_i=1, out_ready_i=0)
+    for _ in range(3):
+        place = 0
+        for row in range(rows):
+            for column in range(row_beats):
+                end = row == rows - 1 and column == row_beats - 1
+                dut.in_id_i.value, dut.in_last_i.value = place, int(end)
+                for ready in (0, 1):
+                    dut.out_ready_i.value = ready
+                    await bench.ReadOnly()
+                    assert (dut.out_valid_o.value, dut.out_fits_o.value) == (1, 1)
+                    assert bench.read(dut.out_id_o) == place
+                    ends = bench.read(dut.out_row_last_o), bench.read(dut.out_last_o)
+                    assert ends == (column == row_beats - 1, end)
+                    await bench.RisingEdge(dut.clk_i)
+                place += 1
+    assert bench.read(dut.damaged_o) == 0
 
 
-@pytest.mark.parametrize("beats", [1, 2, 3, 9, 100])
-def test_frame_place(beats):
-    bench.run("common", "frame_place", {"Beats": beats})
+SPACE = lambda draw: {"Rows": draw.randint(1, 8), "RowBeats": draw.randint(1, 8)}
+
+
+@pytest.mark.parametrize("rows, row_beats", [(1, 1), (2, 1), (1, 3), (3, 3), (5, 20)])
+def test_frame_place(rows, row_beats):
+    bench.run("common", "frame_place", {"Rows": rows, "RowBeats": row_beats})
 
 
 @pytest.mark.parametrize("beats", [1, 2, 3, 4, 9])
 def test_no_damaged_frame_looks_whole_and_no_whole_one_is_lost(beats):
     """A follower that only counts beats between `last`s takes exactly the whole frames."""
-    twin = FramePlace(beats)
+    twin = FramePlace(1, beats)
     stream = damaged_beats(beats, 2000, 0.4, 3)
-    passed, kept, whole, received, places = [], [], [], [], []
+    passed, kept, whole, received, places, frames_in, frames_out = [], [], [], [], [], 0, 0
     for id_, last, frame in stream:
         place = twin.next(id_, last)
         places.append(place)
@@ -94,19 +123,27 @@ def test_no_damaged_frame_looks_whole_and_no_whole_one_is_lost(beats):
             if in_order:
                 whole.append(frame)
             received = []
-        if place.keep:
-            passed.append(frame)
+        if place:
+            passed.append((frame, place))
             if place.last:
                 if len(passed) == beats:
                     kept.append(frame)
-                passed = []
+                counts = [other.id for _, other in passed] == list(range(beats))
+                assert all(other.fits for _, other in passed) == (len(passed) == beats and counts)
+                assert place.fits == (len(passed) == beats)
+                passed, frames_out = [], frames_out + 1
+        frames_in += last
+        assert frames_out == frames_in or not last, "one frame out for one in"
     assert kept == whole
     assert len(whole) < 1900
     ids, lasts, _ = zip(*stream)
-    assert twin.process(ids, lasts) == places  # from anew
+    assert twin.process(ids, lasts) == places
 
 
 def test_refuses_illegal_parameters():
-    assert "Beats = 0" in bench.refuses("frame_place", {"Beats": 0})
-    with pytest.raises(ValueError, match="beats = 0"):
-        FramePlace(0)
+    assert "Rows = 0" in bench.refuses("frame_place", {"Rows": 0})
+    assert "RowBeats = 0" in bench.refuses("frame_place", {"RowBeats": 0})
+    with pytest.raises(ValueError, match="rows = 0"):
+        FramePlace(0, 2)
+    with pytest.raises(ValueError, match="row_beats = 0"):
+        FramePlace(2, 0)

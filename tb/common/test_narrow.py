@@ -15,15 +15,20 @@ def shape(dut):
 
 
 def frame(rng, rows, columns, lanes, bits, beats=None):
-    """Values of the lanes and last, beat by beat, of one frame; cut after ``beats``."""
-    count = beats or rows * -(-columns // lanes)
+    """Values of the lanes, row's last and last, beat by beat, of one frame; cut after ``beats``."""
+    row_beats = -(-columns // lanes)
+    count = beats or rows * row_beats
     values = rng.integers(0, 1 << bits, (count, lanes))
-    return [(row.tolist(), index == count - 1) for index, row in enumerate(values)]
+    marks = [(index % row_beats == row_beats - 1, index == count - 1) for index in range(count)]
+    return [(row.tolist(), *ends) for row, ends in zip(values, marks)]
 
 
 async def check(dut, frames, gap=0.0, stall=0.0):
     _, columns, lanes, bits = shape(dut)
-    beats = [{"data": bench.lane_word(values, bits), "last": int(last)} for values, last in frames]
+    beats = [
+        {"data": bench.lane_word(values, bits), "row_last": int(row_last), "last": int(last)}
+        for values, row_last, last in frames
+    ]
     got = await bench.stream(dut, beats, FIELDS, *bench.gaps_and_stalls(gap, stall), hold=True)
     expected = [dict(zip(FIELDS, map(int, taxel))) for taxel in narrow(frames, columns, lanes)]
     assert got == expected
@@ -43,7 +48,9 @@ async def starts_anew_after_a_short_frame_and_a_reset(dut):
     rng = np.random.default_rng(bench.SEED)
     await bench.start(dut)
     await check(dut, frame(rng, *shape(dut), beats=1) + frame(rng, *shape(dut)))
-    await bench.stream(dut, [{"data": 1, "last": 0}], FIELDS, stalls=bench.pauses(0.5, "stalls"), drain=0)
+    await bench.stream(
+        dut, [{"data": 1, "row_last": 0, "last": 0}], FIELDS, stalls=bench.pauses(0.5, "stalls"), drain=0
+    )
     await bench.reset(dut)
     await check(dut, frame(rng, *shape(dut)))
 

@@ -315,7 +315,7 @@ def check(twin, matrix, out):
 async def every_bit_of_the_counts_of_faults(dut):
     """They are health's, up to a count of all taxels."""
     await begin(dut, load=False)
-    health = dut.gen_health.u_health
+    health = dut.u_condition.gen_health.u_health
     taxels = number(dut, "Rows") * number(dut, "Columns")
     for values in (
         (taxels, 0, 1),
@@ -518,7 +518,8 @@ async def the_smallest_arrays_faults_and_counters(dut):
                 x, y = (bench.as_signed(bench.read(port), len(port)) for port in (dut.out_x_o, dut.out_y_o))
                 out.append((x, y, counter("out_load"), counter("out_pressed")))
             if bench.high(dut.tap_valid_o) and tap_ready:
-                tapped.append((counter("tap_data"), counter("tap_mask"), counter("tap_last")))
+                marks = (counter("tap_row_last"), counter("tap_last"))
+                tapped.append((counter("tap_data"), counter("tap_mask"), *marks))
             await RisingEdge(dut.clk_i)
 
     async def stage(*presses, swallowed=False, **ready):
@@ -531,7 +532,8 @@ async def the_smallest_arrays_faults_and_counters(dut):
         if not swallowed:
             forces, mask = twin.forces(*samples)
             expected.extend(tuple(map(int, found)) for found in zip(*twin.cop.of_forces(forces)))
-            beats = zip(forces.ravel(), mask.ravel(), np.resize([0, 0, 0, 1], mask.size))
+            ends = [np.resize(marks, mask.size) for marks in ([0, 1], [0, 0, 0, 1])]
+            beats = zip(forces.ravel(), mask.ravel(), *ends)
             images.extend(tuple(map(int, beat)) for beat in beats)
 
     def follow(**limits):

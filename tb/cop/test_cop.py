@@ -116,7 +116,7 @@ async def clocks_are_the_same_in_every_frame(dut):
         offer = sent < len(beats)
         dut.in_valid_i.value = int(offer)
         beat = beats[min(sent, len(beats) - 1)]
-        dut.in_data_i.value, dut.in_last_i.value = beat["data"], int(beat["last"])
+        bench.offer(dut, beat)
         await bench.ReadOnly()
         ready = dut.in_ready_o.value == 1
         assert ready or not keeps_up, f"waits at clock {clock}"
@@ -142,7 +142,7 @@ async def survives_damage_and_resets(dut):
     await bench.start(dut, cfg_min_load_i=1)
     expected = expected_of(forces, fraction_bits, min_load=1)
     lost = [beat | {"last": False} for beat in beats[:length]]
-    got = await bench.stream(dut, lost + beats, FIELDS)
+    got = await bench.stream(dut, bench.placed(lost + beats, rows, length // rows), FIELDS)
     assert got == expected[1:]  # the end that comes next is the first frame's
     assert bench.read(dut.damaged_o) == 1
     await bench.stream(dut, beats[: length + length // 2], FIELDS, drain=0)

@@ -110,7 +110,7 @@ async def clocks_are_as_stated_and_frames_never_wait(dut):
     for clock in range(len(beats) + latency(lanes) + 2):
         dut.in_valid_i.value = int(clock < len(beats))
         beat = beats[min(clock, len(beats) - 1)]
-        dut.in_data_i.value, dut.in_last_i.value = beat["data"], int(beat["last"])
+        bench.offer(dut, beat)
         await bench.ReadOnly()
         assert dut.in_ready_o.value == 1, f"stalled at clock {clock}"
         if dut.out_valid_o.value == 1:
@@ -133,7 +133,7 @@ async def waits_only_when_two_results_are_not_taken(dut, every):
     sent = 0
     for clock in range(every * room + 40):
         dut.in_valid_i.value = int(clock % every == 0)
-        dut.in_data_i.value, dut.in_last_i.value = beats[sent]["data"], int(beats[sent]["last"])
+        bench.offer(dut, beats[sent])
         await bench.ReadOnly()
         sent += int(dut.in_ready_o.value) if clock % every == 0 else 0
         await bench.RisingEdge(dut.clk_i)
@@ -149,7 +149,8 @@ async def counts_every_damaged_frame(dut):
     rows, columns, lanes = parameters(dut)
     await bench.start(dut)
     lone = rows == 1 and columns <= lanes
-    beats = [{"data": 0, "last": last} for last in ((False, True) if lone else (True,))] * 1100
+    marks = {"data": 0, "fits": False, "row_last": lone}
+    beats = [marks | {"last": last} for last in ((False, True) if lone else (True,))] * 1100
     assert await bench.stream(dut, beats, FIELDS) == []
     assert bench.read(dut.damaged_o) == 1100
 
@@ -165,9 +166,11 @@ async def drops_damaged_frames_whole(dut, stall_rate):
     beats = bench.force_beats(forces, lanes)
     length = len(beats) // len(forces)
     sent, whole = damaged_frames(beats, length, random.Random(bench.SEED))
+    sent = bench.placed(sent, rows, length // rows)
     twin = CopAccumulate(rows, columns, lanes)
     data = [[beat["data"] >> 16 * k & 0xFFFF for k in range(lanes)] for beat in sent]
-    expected = [dict(zip(("sum", "mx", "my"), r)) for r in twin.process(data, [b["last"] for b in sent])]
+    ends = [[beat[name] for beat in sent] for name in ("last", "fits")]
+    expected = [dict(zip(("sum", "mx", "my"), r)) for r in twin.process(data, *ends)]
     if length > 1:
         assert [frame for frame in expected_of(forces[whole]) if frame not in expected] == []
     await bench.start(dut)

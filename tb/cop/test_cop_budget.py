@@ -37,7 +37,7 @@ async def frame_fits_in_a_millisecond(dut):
     dut.in_valid_i.value = 1
     scan = sent = 0
     while sent < len(beats):
-        dut.in_data_i.value, dut.in_last_i.value = beats[sent]["data"], int(beats[sent]["last"])
+        bench.offer(dut, beats[sent])
         await bench.ReadOnly()
         sent += int(dut.in_ready_o.value)
         scan += 1

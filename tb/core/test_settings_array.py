@@ -375,8 +375,8 @@ async def each_counter_has_its_own_register_and_statistic(dut):
     core = await Core().begin(dut)
     await pins.says_what_it_is(core.host, "slip scan health tare calibrate cop link", ROWS, COLUMNS)
     array, link = dut.gen_array.u_sensor.u_array, dut.u_link.gen_link.u_link.u_packet
-    scan, path = array.gen_scan_adc.u_scan_adc.u_scan, dut.u_slip.gen_slip.u_slip_path.gen_parallel
-    health, tare = array.gen_health.u_health, array.gen_tare.u_tare
+    scan, path = array.u_source.gen_adc.u_scan_adc.u_scan, dut.u_slip.gen_slip.u_slip_path.gen_parallel
+    health, tare = array.u_condition.gen_health.u_health, array.u_condition.gen_tare.u_tare
     sources = {
         **{"scan.dropped": scan.u_frames.dropped_o, "scan.overrun": scan.u_plan.overrun_o},
         **{"scan.held": scan.u_plan.held_o, "scan.lost": scan.lost_o},

@@ -3,7 +3,8 @@
 // Of a frame whose `last` is where it belongs, and of no other, S, A and B as sums of prefix sums (that these are the
 // header's sums is algebra), Mx = (2N - n - 1) S - 2 A and My = 2 B - (m-1) S leave two clocks after the tree; they hold
 // until they are taken. No sum wraps at the frame's full size, every force 65535: S counts exactly what the beats bring,
-// in a register one bit wider, and so does a row's total. Damaged frames are counted.
+// in a register one bit wider, and so does a row's total. Damaged frames are counted. Beats come as msn_frame_place hands
+// them on: a frame ends early with a beat that does not fit, or brings beats that do not fit from its final place on.
 
 module formal_cop_accumulate #(
   parameter  int unsigned Rows    = 64,
@@ -17,6 +18,8 @@ module formal_cop_accumulate #(
   input logic                rst_i,
   input logic                in_valid_i,
   input logic [Lanes*16-1:0] in_data_i,
+  input logic                in_fits_i,
+  input logic                in_row_last_i,
   input logic                in_last_i,
   input logic                out_ready_i
 );
@@ -64,7 +67,7 @@ module formal_cop_accumulate #(
     damaged <= damaged + 32'(damage);
     if (take) begin
       place  <= (in_last_i || final_here) ? '0 : place + 1'b1;
-      column <= (in_last_i || row_ends) ? '0 : column + 1'b1;
+      column <= (in_last_i || in_row_last_i) ? '0 : drops ? 21'd1 : column + 1'b1;
       drops  <= !in_last_i && (drops || final_here);
       if (drops) place <= '0;
     end
@@ -130,6 +133,8 @@ module formal_cop_accumulate #(
 
   always_comb begin
     if (!started) assume (rst_i);
+    assume (in_fits_i == (in_last_i == final_here && !drops));
+    if (!drops) assume (in_row_last_i == row_ends);
     if (started) begin
       if (valid[Levels] && !gone[Levels]) assert (carried + total < Wide'(1) << SumBits);  // no carry out of S
       if (stalled) assert (out_valid_o);
@@ -166,16 +171,15 @@ module formal_cop_accumulate #(
   end
   always_comb begin
     if (started) begin
-      assert (dut.dropping == drops && dut.damage == damage && dut.done == due && 21'(dut.beat) == column);
+      assert (dut.dropping == drops && dut.damage == damage && dut.done == due);
       if (drops) assert (place == '0 && !dut.first);
       else begin
         assert (place == '0 || place == expected[0]);
         assert (column == '0 || column == follows[0]);
         if (place == '0) assert (column == '0);
-        assert (place < 21'(Rows * Beats) && place == 21'(dut.row) * 21'(Beats) + column);
-        assert (32'(dut.row) < Rows && dut.first == (place == '0));
+        assert (place < 21'(Rows * Beats) && 32'(column) < Beats && dut.first == (place == '0));
       end
-      assert (32'(column) < Beats && dut.row_first == (column == '0));
+      assert (dut.row_first == (column == '0));
       if (due) assert (known);
       if (known) begin
         assert (reached != '0 && reached <= 21'(Rows * Beats) && sum <= most && sum == Wide'(dut.sum));

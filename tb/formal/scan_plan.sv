@@ -250,8 +250,8 @@ module formal_scan_plan #(
   endfunction
   always_comb begin
     if (started) begin
-      assert (legal(cut_q) && cut_q == {dut.region_interleave_q, dut.region_first_row_q, dut.region_last_row_q, dut.region_first_beat_q, dut.region_last_beat_q});
-      if (warm) assert (legal(fresh) && fresh == {dut.next_interleave_q, dut.next_first_row_q, dut.next_last_row_q, dut.next_first_beat_q, dut.next_last_beat_q});
+      assert (legal(cut_q) && cut_q == {dut.u_walk.region_interleave_q, dut.u_walk.region_first_row_q, dut.u_walk.region_last_row_q, dut.u_walk.region_first_beat_q, dut.u_walk.region_last_beat_q});
+      if (warm) assert (legal(fresh) && fresh == {dut.u_walk.next_interleave_q, dut.u_walk.next_first_row_q, dut.u_walk.next_last_row_q, dut.u_walk.next_first_beat_q, dut.u_walk.next_last_beat_q});
       if (!warm) assert (blank);
 
       // States and counters.
@@ -289,12 +289,12 @@ module formal_scan_plan #(
       assert (dut.want_q == wanted);
 
       // The walk.
-      assert (dut.active_q == active && dut.find_q == (lag == 2'd2) && dut.found_q == (lag == 2'd1) && lag <= 2'd2);
+      assert (dut.u_walk.active_o == active && dut.u_walk.find_q == (lag == 2'd2) && dut.u_walk.found_q == (lag == 2'd1) && lag <= 2'd2);
       if (lag != '0) begin
         assert (Wide'(lag) + slot == rest + Wide'(3));
-        assert (dut.row_q == row_was && dut.group_q == group_was && dut.odd_q == odd_was);
-        if (lag == 2'd1) assert (dut.row_next_q == (RowBits+1)'(row_was) + (now.interleave ? (RowBits+1)'(2) : (RowBits+1)'(1)));
-        if (lag == 2'd1) assert (dut.row_ends_q == (group_was == last_group));
+        assert (dut.u_walk.row_o == row_was && dut.u_walk.group_o == group_was && dut.u_walk.odd_q == odd_was);
+        if (lag == 2'd1) assert (dut.u_walk.row_next_q == (RowBits+1)'(row_was) + (now.interleave ? (RowBits+1)'(2) : (RowBits+1)'(1)));
+        if (lag == 2'd1) assert (dut.u_walk.row_ends_q == (group_was == last_group));
         // What the place to come is of the one before it.
         if (group_was != last_group) assert (more && group == group_was + 1'b1 && row == row_was && odd == odd_was);
         else begin
@@ -305,17 +305,17 @@ module formal_scan_plan #(
           else assert (!more);
         end
       end else if (more) begin
-        assert (dut.row_q == row && dut.group_q == group && dut.odd_q == odd);
+        assert (dut.u_walk.row_o == row && dut.u_walk.group_o == group && dut.u_walk.odd_q == odd);
       end else if (was_idle) begin
-        assert (dut.row_q == fresh.first_row && dut.group_q == first_group && !dut.odd_q);
+        assert (dut.u_walk.row_o == fresh.first_row && dut.u_walk.group_o == first_group && !dut.u_walk.odd_q);
       end else begin
         assert ((off && waits == 2'd3) || rest + Wide'(3) == slot);
       end
       if (active) begin
         assert (legal(now) && row <= now.last_row && group >= first_group && group <= last_group);
-        assert (now == {dut.now_interleave_q, dut.now_first_row_q, dut.now_last_row_q, dut.now_first_beat_q, dut.now_last_beat_q});
+        assert (now == {dut.u_walk.interleave_o, dut.u_walk.first_row_o, dut.u_walk.last_row_o, dut.u_walk.first_beat_o, dut.u_walk.last_beat_o});
       end
-      if (settling && !slip) assert (now == {dut.now_interleave_q, dut.now_first_row_q, dut.now_last_row_q, dut.now_first_beat_q, dut.now_last_beat_q});
+      if (settling && !slip) assert (now == {dut.u_walk.interleave_o, dut.u_walk.first_row_o, dut.u_walk.last_row_o, dut.u_walk.first_beat_o, dut.u_walk.last_beat_o});
       if (settling) assert (dut.slip_q == slip && dut.first_q == first_q && dut.place_q == place);
     end
   end

@@ -48,6 +48,7 @@ async def frame(dut, codes, over, whole=None):
     beats = bench.lane_beats([codes], lanes, bits, surplus=-1, user=np.array([over]))
     if whole is not None:
         beats = [beats[place] | {"id": place, "last": last} for place, last in broken(whole, len(beats))]
+        beats = bench.placed(beats, len(codes), -(-len(codes[0]) // lanes))
     got = await bench.stream(dut, beats, ["mask"], drain=12)
     flags = [bench.lane_values(beat["mask"], lanes, 1) for beat in got]
     row_beats = -(-len(codes[0]) // lanes)

@@ -1,8 +1,7 @@
 """What meets in one clock in msn_calibrate, with forces worked out from the header's formula by hand: a
 swap asked for at every clock around a frame's first and last beat, in a frame's middle and asked twice; an
 entry written in the clock of the request and right after the exchange; row x column: its credit with the
-FIFO exactly full and exactly empty, and beats of a damaged frame that leave, are dropped and come in one
-clock."""
+FIFO exactly full and exactly empty."""
 
 import cocotb
 import pytest
@@ -62,18 +61,15 @@ class Line:
         else:
             dut.cfg_write_i.value = dut.cfg_write_row_i.value = 0
         if beat is not None:
-            frame, number = beat[:2]
+            frame, number = beat
             bits = len(dut.in_data_i) // LANES
             dut.in_data_i.value = bench.lane_word([raw_of(frame, number, lane) for lane in (0, 1)], bits)
-            dut.in_id_i.value, dut.in_last_i.value = (
-                beat[2] if len(beat) > 2 else number,
-                int(number == BEATS - 1),
-            )
-            dut.in_mask_i.value = 0
+            bench.offer(dut, {"mask": 0, **bench.marks(number, ROWS, ROW_BEATS)})
         await bench.ReadOnly()
         if ready and dut.out_valid_o.value == 1:
             forces = bench.lane_values(bench.read(dut.out_data_o), LANES, 16)
-            self.out.append((bench.read(dut.out_id_o), bench.read(dut.out_last_o), *forces))
+            marks = [bench.read(getattr(dut, f"out_{name}_o")) for name in ("fits", "row_last", "last")]
+            self.out.append((*marks, *forces))
         took = beat is not None and dut.in_ready_o.value == 1
         if took:
             self.taken.append(self.clock)
@@ -109,7 +105,10 @@ def whole(*frames):
 def beats_of(dut, levels):
     """What leaves of frames 0, 1, .. with these calibrations."""
     return [
-        (number, int(number == BEATS - 1), *(force(dut, level, frame, number, lane) for lane in (0, 1)))
+        (
+            *(1, int(number % ROW_BEATS == ROW_BEATS - 1), int(number == BEATS - 1)),
+            *(force(dut, level, frame, number, lane) for lane in (0, 1)),
+        )
         for frame, level in enumerate(levels)
         for number in range(BEATS)
     ]
@@ -226,34 +225,6 @@ async def the_credit_is_whole_after_full_and_empty(dut):
         await clocks(1, ready=1, offer=False)
         assert len(line.out) == sent
     assert line.out == beats_of(dut, [0] * frames)[:sent]
-
-
-@bench.applies(row_column)
-@cocotb.test(timeout_time=20, timeout_unit="ms")
-async def what_is_dropped_gives_its_place_back(dut):
-    """Beats of a damaged frame are dropped behind the input; with the consumer stalled, ready and in turns.
-    After 400 of them the credit is what it was, and the next frames are whole."""
-    await bench.start(dut, **QUIET)
-    for stalled in (lambda n: True, lambda n: False, lambda n: n % 2, lambda n: n % 7 < 5):
-        line = await begin(dut)
-        # Beat 2's number is wrong: it leaves as the frame's last, and all that follow are dropped.
-        broken = [(0, 0), (0, 1), (0, 2, 5), *((0, 3) for _ in range(400)), (0, BEATS - 1)]
-        for beat in broken:
-            while not await line.tick(beat, ready=int(not stalled(line.clock))):
-                assert line.clock < 3000, "the credit leaked"
-        for _ in range(40):
-            await line.tick()
-        assert bench.read(dut.damaged_o) == 1
-        assert [beat[:2] for beat in line.out] == [(0, 0), (1, 0), (5, 1)]
-        line.out, sent, beats = [], 0, whole(*range(5))
-        for _ in range(100):
-            sent += await line.tick(beats[sent], ready=0)
-        assert sent == CREDIT
-        while sent < len(beats):
-            sent += await line.tick(beats[sent])
-        for _ in range(40):
-            await line.tick()
-        assert line.out == beats_of(dut, [0] * 5)
 
 
 @pytest.mark.parametrize("grid", [0, 1])

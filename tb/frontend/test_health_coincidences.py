@@ -33,7 +33,7 @@ async def run(dut, frames, pulses=(), ready_from=0):
         dut.in_valid_i.value = int(beat is not None)
         place = beat[1] if beat else 0
         value = RAILED.get(place, 100 + place) & 0xFFF
-        dut.in_data_i.value, dut.in_id_i.value, dut.in_last_i.value = value, place, int(place == TAXELS - 1)
+        bench.offer(dut, {"data": value, "id": place, **bench.marks(place, 2, 3)})
         for name in ("clear", "report"):
             getattr(dut, f"cfg_{name}_i").value = int((name, clock) in pulses)
         dut.event_ready_i.value = int(clock >= ready_from)

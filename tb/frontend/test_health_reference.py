@@ -39,7 +39,7 @@ def twins_frame(twin, codes, over, whole=None):
     beats = [(code, flag) for row in zip(codes, over) for code, flag in zip(*row)]
     for place, last in broken(whole, len(beats)):
         code, flag = beats[place]
-        twin.beat([code], [bool(flag)], place, last)
+        twin.beat([code], [bool(flag)], place, last, place < whole)
     return None
 
 

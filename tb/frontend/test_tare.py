@@ -16,7 +16,7 @@ from meissner.twins.cop.cop import cop
 from meissner.twins.frontend.calibrate import forces
 from meissner.twins.frontend.tare import Tare
 
-FIELDS = ["data", "mask", "id", "last"]
+FIELDS = ["data", "mask", "id", "fits", "row_last", "last"]
 QUIET = {"cfg_tare_i": 0, "cfg_force_i": 0, "cfg_load_i": 0, "cfg_write_i": 0}
 
 
@@ -35,10 +35,10 @@ def expected_of(twin, beats):
     for beat in beats:
         raw = bench.lane_values(beat["data"], twin.lanes, twin.sample_bits, signed=True)
         mask = bench.lane_values(beat["mask"], twin.lanes, 1)
-        passed = twin.beat(raw, beat["id"], beat["last"], mask)
-        if passed:
-            data = bench.lane_word(passed[0], twin.sample_bits + 1)
-            got.append({"data": data, "mask": beat["mask"], "id": passed[1], "last": int(passed[2])})
+        r = twin.beat(raw, beat["id"], beat["last"], mask, beat["fits"])
+        if r is not None:
+            marks = {name: int(beat[name]) for name in ("mask", "id", "fits", "row_last", "last")}
+            got.append({"data": bench.lane_word(r, twin.sample_bits + 1)} | marks)
     return got
 
 
@@ -64,7 +64,7 @@ async def pulse(dut, name, **others):
 
 async def status_is(dut, twin):
     await bench.clocks(dut, 12)
-    for name in ("pressed", "tared", "refused", "swallowed", "damaged", "taring"):
+    for name in ("pressed", "tared", "refused", "swallowed", "taring"):
         assert bench.read(getattr(dut, f"{name}_o")) == getattr(twin, name), name
     assert bench.read(dut.cfg_loading_o) == twin.loading
 
@@ -72,7 +72,7 @@ async def status_is(dut, twin):
 @bench.starts_known
 @cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
 async def counts_over_the_whole_width(dut):
-    await bench.turn_over(dut, "swallowed_o", "damaged_o", wraps=False)
+    await bench.turn_over(dut, "swallowed_o", wraps=False)
 
 
 @cocotb.test(timeout_time=40, timeout_unit="ms")
@@ -90,12 +90,14 @@ async def matches_model(dut, stall_rate, damage):
     beats = frames_of(rng, twin, count // 2, press=0.05) + frames_of(rng, twin, count // 4)
     beats += frames_of(rng, twin, count // 4, press=0)
     if damage:
-        beats = bench.damage(beats, length, draw)
+        beats = bench.placed(bench.damage(beats, length, draw), twin.rows, twin.row_beats)
     at = 0
     while at < len(beats):
         piece = beats[at : at + draw.randint(1, 1 + 4 * length)]
         at += len(piece)
-        assert await bench.stream(dut, piece, FIELDS, *pauses, drain=3) == expected_of(twin, piece)
+        got = await bench.stream(dut, piece, FIELDS, *pauses, drain=3)
+        assert got == expected_of(twin, piece)
+        assert not any(beat["data"] for beat in got if not beat["fits"])
         await status_is(dut, twin)
         what = draw.choice(["none", "tare", "tare", "force", "load"])
         if what in ("tare", "force"):

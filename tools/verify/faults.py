@@ -72,7 +72,8 @@ TABLES = "memory,gains,offsets,rows,bank,loaded,cfg_swapping"
 ZEROS = "fresh,u_state.,u_round.,zero_,sum_,write,learn,place_q,cfg_loading_o,drain,frames,averaging"
 ZEROS += ",commit,forced,asked,dropping,contact,nonzero,over_q,negative,mask_q,seen"
 # Of what health knows of a taxel, likewise.
-STATES = "state,u_row.,u_up.,u_down.,gen_lane,out_data_o,head,ahead,behind,here,write,learn,place,beat,row"
+STATES = "state,u_row.,u_up.,u_down.,gen_lane,out_data_o,head,ahead,behind,here,write,learn,place,row_first"
+STATES += ",top,bottom,u_taxel."
 STATES += ",tick,asked,bank,fresh,again,drain,was_whole"
 
 
@@ -183,6 +184,8 @@ INSIDE = {
 SIZES = {
     "tare": {"Rows": 3, "Columns": 3},
     "health": {"Rows": 3, "Columns": 3},
+    "condition": {"Health": 1, "Tare": 1},
+    "array_source": {"Part": 1},
     "calibrate": {"Rows": 3, "RowColumn": 0},
     "calibration_table": {"Rows": 3},
     "calibration_grid": {"Rows": 6},

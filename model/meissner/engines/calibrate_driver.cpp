@@ -27,7 +27,7 @@ extern "C" {
 
 // Load `taxels` offsets and gains, then send `frames` frames of codes, a taxel a clock unless the core waits;
 // `mask`: taxels to leave out. Returns the clocks it took, or -1 if not one force per code came out.
-int64_t calibrate_run(const int32_t *codes, int64_t frames, int32_t taxels, const int64_t *offset,
+int64_t calibrate_run(const int32_t *codes, int64_t frames, int32_t taxels, int32_t columns, const int64_t *offset,
                       const int64_t *gain, const uint8_t *mask, uint16_t *forces) {
   Core core;
   auto &top = core.top;
@@ -68,7 +68,8 @@ int64_t calibrate_run(const int32_t *codes, int64_t frames, int32_t taxels, cons
     const int32_t taxel = k % taxels;
     top.in_data_i = static_cast<uint32_t>(codes[k]) & 0x1ffff;
     top.in_mask_i = mask[taxel];
-    top.in_id_i = taxel;
+    top.in_fits_i = 1;
+    top.in_row_last_i = taxel % columns == columns - 1;
     top.in_last_i = taxel == taxels - 1;
     bool taken;
     int waited = 0;
@@ -80,7 +81,7 @@ int64_t calibrate_run(const int32_t *codes, int64_t frames, int32_t taxels, cons
   }
   top.in_valid_i = 0;
   for (int i = 0; i < 100 && done < count; i++) clock();
-  return room && done == count && !top.damaged_o ? clocks : -1;
+  return room && done == count ? clocks : -1;
 }
 
 }  // extern "C"

@@ -65,6 +65,8 @@ int64_t cop_run(const uint16_t *forces, int64_t frames, int32_t rows, int32_t co
       uint16_t beat[kLanes] = {};
       std::memcpy(beat, forces + column, count * sizeof(uint16_t));
       std::memcpy(&top.in_data_i, beat, sizeof(beat));  // both little-endian, the leftmost column lowest
+      top.in_fits_i = 1;
+      top.in_row_last_i = column + kLanes >= columns;
       top.in_last_i = last_row && column + kLanes >= columns;
       bool taken;
       int waited = 0;

@@ -46,7 +46,7 @@ def _open_calibrate(rows, columns, gain_shift):
     lib = ctypes.CDLL(str(verilated.library("msn_calibrate", "calibrate_driver.cpp", parameters)))
     lib.calibrate_run.restype = ctypes.c_int64
     pointer = ctypes.c_void_p
-    lib.calibrate_run.argtypes = [pointer, ctypes.c_int64, ctypes.c_int32, *[pointer] * 4]
+    lib.calibrate_run.argtypes = [pointer, ctypes.c_int64, *[ctypes.c_int32] * 2, *[pointer] * 4]
     return lib
 
 
@@ -60,7 +60,7 @@ def calibrate(codes, calibration):
     mask = np.ascontiguousarray(calibration.dead, dtype=np.uint8)
     forces = np.zeros(codes.shape, dtype=np.uint16)
     pointers = [values.ctypes.data for values in (offset, gain, mask, forces)]
-    clocks = lib.calibrate_run(codes.ctypes.data, frames, rows * columns, *pointers)
+    clocks = lib.calibrate_run(codes.ctypes.data, frames, rows * columns, columns, *pointers)
     verilated.check_room(clocks)
     if clocks < 0:
         raise RuntimeError("the calibration did not give one force per code")

@@ -1,30 +1,31 @@
-"""Bit-exact twin of rtl/common/msn_frame_place.sv: the place of a beat in its frame, may it pass."""
+"""Bit-exact twin of rtl/common/msn_frame_place.sv: numbers beats, passes no damaged frame as whole."""
 
 from typing import NamedTuple
 
 
 class Place(NamedTuple):
-    """What is known of one beat."""
+    """What passes of a beat beside its data."""
 
-    place: int
-    keep: bool  # let it pass
-    last: bool  # marked so
+    id: int  # its place in the frame
     fits: bool  # it is the beat of this place, no damage before it
-    whole: bool  # and it ends its frame
+    row_last: bool
+    last: bool
 
 
 class FramePlace:
-    """Beats must count 0 .. beats-1 with ``last`` on the final one (whose id is then not asked).
+    """Beats must count 0 .. rows*row_beats-1 with ``last`` on the final one (whose id is then not asked).
 
     A frame that breaks this is counted in ``damaged``, and what passes of it is too short (broken before
     the final beat: the broken one is marked ``last``, the rest dropped) or one too long (``last`` missing
-    on the final beat: of the rest only the beat that brings ``last`` passes).
+    on the final beat: of the rest only the beat that brings ``last`` passes). A frame is whole if its last
+    fits.
     """
 
-    def __init__(self, beats):
-        if beats < 1:
-            raise ValueError(f"beats = {beats} must be at least 1")
-        self.beats = beats
+    def __init__(self, rows, row_beats):
+        for name, value in (("rows", rows), ("row_beats", row_beats)):
+            if value < 1:
+                raise ValueError(f"{name} = {value} must be at least 1")
+        self.rows, self.row_beats = rows, row_beats
         self.reset()
 
     def reset(self):
@@ -33,20 +34,22 @@ class FramePlace:
         self._place, self._dropping, self._closed = 0, False, False
 
     def next(self, id_, last):
-        """One beat; returns its Place."""
-        final = self._place == self.beats - 1
-        right = bool(last) if final else not last and id_ == self._place
-        fits = right and not self._dropping
-        keep = not self._dropping or (bool(last) and not self._closed)
-        result = Place(self._place, keep, bool(last) or not (right or final), fits, fits and final)
-        self.damaged += not right and not self._dropping
-        if not self._dropping:
+        """One beat; returns its Place, or None if it does not pass."""
+        place, dropping = self._place, self._dropping
+        final = place == self.rows * self.row_beats - 1
+        right = bool(last) if final else not last and id_ == place
+        row_last = place % self.row_beats == self.row_beats - 1
+        passes = not dropping or (bool(last) and not self._closed)
+        self.damaged += not right and not dropping
+        if not dropping:
             self._closed = not final
-        self._dropping = not last and (self._dropping or not right)
-        self._place = 0 if last or final else self._place + 1
-        return result
+        self._dropping = not last and (dropping or not right)
+        self._place = 0 if last or final or dropping else place + 1
+        if not passes:
+            return None
+        return Place(place, right and not dropping, row_last, bool(last) or not (right or final))
 
     def process(self, ids, lasts):
-        """``reset`` and then ``next`` for each beat; returns the list of Places."""
+        """``reset`` and then ``next`` for each beat; returns the list of Places, None where one stops."""
         self.reset()
         return [self.next(int(id_), bool(last)) for id_, last in zip(ids, lasts)]

@@ -2,17 +2,16 @@
 
 
 def narrow(beats, columns, lanes):
-    """(data, id, last) of every taxel of ``beats``, (values of the lanes, last of the frame)."""
+    """(data, id, last) of every taxel of ``beats``, (values of the lanes, last of the row, of the frame)."""
     if lanes not in (1, 2, 4, 8):
         raise ValueError(f"lanes = {lanes} must be 1, 2, 4 or 8")
     if not 1 <= columns <= 1024:
         raise ValueError(f"columns = {columns} must lie in 1 .. 1024")
-    found, column, channel = [], 0, 0
-    for values, last in beats:
-        kept = list(values)[: columns - column]
+    found, channel = [], 0
+    for values, row_last, last in beats:
+        kept = list(values)[: (columns - 1) % lanes + 1 if row_last else lanes]
         for place, value in enumerate(kept):
             final = bool(last) and place == len(kept) - 1
             found.append((value, channel, final))
-            column = 0 if final or column == columns - 1 else column + 1
             channel = 0 if final else channel + 1
     return found

@@ -1,11 +1,8 @@
 """Twin of rtl/cop/msn_array.sv: a scanned array from what its converters give to its centre of pressure."""
 
-import numpy as np
-
 from meissner.twins.cop import cop_array
 from meissner.twins.cop.cop_array import CopArray
-from meissner.twins.frontend.health import Health
-from meissner.twins.frontend.tare import Tare
+from meissner.twins.frontend.condition import Condition
 
 
 class Array:
@@ -20,13 +17,13 @@ class Array:
         lanes = getattr(scan, "lanes", 1)  # amplitudes come one by one
         bits = scan.sample_bits
         self.scan = scan
-        self.health = None if limits is None else Health(rows, columns, lanes, bits, limits)
-        self.tare = None if tare is None else Tare(rows, columns, lanes, bits, **tare)
+        self.condition = Condition(rows, columns, lanes, bits, limits, tare)
+        self.health, self.tare = self.condition.health, self.condition.tare
         zeroed = self.tare is not None
         self.cop = CopArray(rows, columns, lanes, sample_bits=bits + zeroed, offset=not zeroed, **kinds)
         row_column = kinds.get("row_column", False)
         behind = cop_array.latency(lanes, self.cop.fraction_bits, bits_per_clock, row_column)
-        self._steps = {"health": int(limits is not None), "tare": int(zeroed), "cop": behind}
+        self._steps = self.condition.steps | {"cop": behind}
 
     def next(self, samples, over=None):
         """x, y, load, pressed [frames] of whole frames of signed samples [frames, rows, columns]."""
@@ -34,12 +31,7 @@ class Array:
 
     def forces(self, samples, over=None):
         """The calibrated forces of such frames, and which are masked, both [frames, rows, columns]."""
-        samples = np.asarray(samples, dtype=np.int64)
-        mask = np.zeros(samples.shape, dtype=bool)
-        if self.health is not None:
-            mask, _ = self.health.next(samples, over)
-        if self.tare is not None:
-            samples = self.tare.next(samples, mask)
+        samples, mask = self.condition.next(samples, over)
         return self.cop.calibrate.next(samples, mask), mask
 
     def latency(self, settle, **given):

@@ -35,9 +35,9 @@ def moments(forces):
 
 
 class CopAccumulate:
-    """The same on the stream: beats of ``lanes`` columns, a row's last padded, ``last`` on the final one.
+    """The same on the stream: beats of ``lanes`` columns, a row's last padded, as FramePlace passes them.
 
-    A frame whose ``last`` comes early, late or not at all is dropped whole and counted in ``damaged``.
+    A frame with a beat that does not fit is dropped whole and counted in ``damaged``.
     """
 
     def __init__(self, rows, columns, lanes=1):
@@ -53,15 +53,13 @@ class CopAccumulate:
         self.damaged = 0
         self._beats, self._dropping = [], False
 
-    def next(self, data, last):
+    def next(self, data, last, fits=True):
         """One beat of ``lanes`` forces; returns (S, Mx, My) of the frame that it completes, or None."""
         self._beats.append(data)
-        final = len(self._beats) == self.rows * self.row_beats
-        fits = bool(last) == final
         self.damaged += not fits and not self._dropping
-        whole = fits and final and not self._dropping
+        whole = fits and not self._dropping
         self._dropping = not last and (self._dropping or not fits)
-        if not last and not final:
+        if not last:
             return None
         beats, self._beats = self._beats, []
         if not whole:
@@ -69,8 +67,9 @@ class CopAccumulate:
         padded = np.array(beats, dtype=np.int64).reshape(self.rows, self.row_beats * self.lanes)
         return tuple(int(value) for value in moments(padded[:, : self.columns]))
 
-    def process(self, data, lasts):
+    def process(self, data, lasts, fits=None):
         """``reset`` and then ``next`` for each beat; returns the list of frames' (S, Mx, My)."""
         self.reset()
-        results = [self.next(beat, last) for beat, last in zip(data, lasts)]
+        fits = [True] * len(lasts) if fits is None else fits
+        results = [self.next(*beat) for beat in zip(data, lasts, fits)]
         return [result for result in results if result is not None]

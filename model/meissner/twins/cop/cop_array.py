@@ -27,7 +27,7 @@ class CopArray:
         self._accumulate.reset()
 
     @property
-    def dropped(self):
+    def damaged(self):
         """Frames without a result."""
         return self._accumulate.damaged
 
@@ -45,10 +45,10 @@ class CopArray:
         self.calibrate.swap()
         return self.next(raw, mask)
 
-    def beat(self, raw, id_, last, mask=None):
-        """One beat of samples; returns (x, y, load, pressed) of the frame that it ends, or None."""
-        passed = self.calibrate.beat(raw, id_, last, mask)
-        sums = passed and self._accumulate.next(passed[0].tolist(), passed[2])
+    def beat(self, raw, id_, last, mask=None, fits=True):
+        """One beat as FramePlace passes it; (x, y, load, pressed) of the frame that it ends, or None."""
+        forces = self.calibrate.beat(raw, id_, last, mask)
+        sums = self._accumulate.next(forces.tolist(), last, fits)
         if not sums:
             return None
         x, y, pressed = cop_divide(*sums, self.rows, self.columns, self.fraction_bits, self.min_load)

@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from meissner.twins.common.frame_place import FramePlace
 from meissner.twins.common.round_sat import round_sat
 from meissner.twins.frontend.calibration_grid import CalibrationGrid
 from meissner.twins.frontend.calibration_table import CalibrationTable
@@ -43,19 +42,12 @@ class Calibrate:
         gain_shift = (24 if row_column else 12) if gain_shift is None else gain_shift
         self.sample_bits, self.gain_shift, self.gain_bits = sample_bits, gain_shift, 32 if row_column else 16
         forces(0, 0, 0, gain_shift, gain_bits=self.gain_bits)  # the same check of the shift
-        self._place = FramePlace(rows * self.table.row_beats)
         self.reset()
 
     def reset(self):
         """The next beat should be the first of a frame; nothing is calibrated."""
         self.table.reset()
-        self._place.reset()
         self._swapping = self._midway = False
-
-    @property
-    def damaged(self):
-        """Frames that did not come whole."""
-        return self._place.damaged
 
     def swap(self):
         """Exchange the banks before the next frame's first beat."""
@@ -70,17 +62,13 @@ class Calibrate:
         return forces(raw, offset, gain, self.gain_shift, mask, self.sample_bits, self.gain_bits)
 
     def beat(self, raw, id_, last, mask=None):
-        """One beat of ``lanes`` samples; returns (forces, id, last) of it, or None if it does not pass."""
+        """Forces of one beat of ``lanes`` samples as FramePlace passes it."""
         self._take_up()
-        place = self._place.next(id_, last)
         self._midway = not last
-        if not place.keep:
-            return None
-        offset, gain = (words.reshape(-1, self.table.lanes)[place.place] for words in self.table.words())
+        offset, gain = (words.reshape(-1, self.table.lanes)[id_] for words in self.table.words())
         if not self.table.loaded:
             gain = np.zeros_like(gain)
-        result = forces(raw, offset, gain, self.gain_shift, mask, self.sample_bits, self.gain_bits)
-        return result, id_, place.last
+        return forces(raw, offset, gain, self.gain_shift, mask, self.sample_bits, self.gain_bits)
 
     def process(self, raw, mask=None):
         """``reset``, take up what was written, and then ``next``."""

@@ -4,10 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from meissner.twins.common.frame_place import FramePlace
 from meissner.twins.frontend.calibration_table import check_array
-
-DEAD, RAILED, BLINKING = 1, 2, 4  # as in docs/link.md
+from meissner.twins.frontend.health_taxel import BLINKING, DEAD, RAILED, State, judge
 
 # Of a picture with a frame of one around it: what lies left, right, above and below each taxel.
 HERE = (slice(1, -1), slice(1, -1))
@@ -44,9 +42,9 @@ class Health:
         railed    at ``low``, ``high`` or (``user``) over-range, without a break in ``rail`` of 0, 16 ..
         blinking  a step > jump while no neighbour is recent: +16, any other frame -1, from ``blink`` on
 
-    Neighbours are looked at as they were at the end of the last whole frame. A fault masks from the next
-    frame on and stays until ``clear``; a beat out of place is masked. ``faults``: the sum of DEAD, RAILED,
-    BLINKING [rows, columns].
+    Neighbours are looked at as they were at the end of the last whole frame; each taxel is judged by
+    health_taxel. A fault masks from the next frame on and stays until ``clear``; a beat that does not fit is
+    masked.
     """
 
     def __init__(self, rows, columns, lanes=1, sample_bits=17, limits=None):
@@ -54,29 +52,25 @@ class Health:
         self.rows, self.columns, self.lanes, self.sample_bits = rows, columns, lanes, sample_bits
         self.limits = limits or Limits()
         self.row_beats = -(-columns // lanes)
-        self._place = FramePlace(rows * self.row_beats)
         shape = (rows, columns)
-        self._held, self._rail, self._blink, self._still, self._since = np.zeros((5, *shape), dtype=np.int64)
-        self._rising, self._jumped, self._reported = np.zeros((3, *shape), dtype=bool)
+        self._state = State.none(shape)
         self._history = np.zeros((2, 2, rows + 2, columns + 2), dtype=bool)  # bank; recent, rising
         self._row_ends, self._column_ends = np.zeros((2, *shape), dtype=bool)
         self._row_ends[:, [0, -1]] = columns > 1
         self._column_ends[[0, -1], :] = rows > 1
-        self.faults = np.zeros(shape, dtype=np.int64)
         self.reset()
+
+    @property
+    def faults(self):
+        """Of each taxel, the sum of DEAD, RAILED, BLINKING."""
+        return self._state.faults
 
     def reset(self):
         """Everything is healthy, nothing is known, the counts are 0."""
-        self._place.reset()
         self.dead = self.railed = self.blinking = 0
         self._fresh, self._again, self._clear, self._report, self._midway = True, False, False, False, False
         self._bank = self._tick = 0
         self._beats = []
-
-    @property
-    def damaged(self):
-        """Frames that did not come whole."""
-        return self._place.damaged
 
     def clear(self):
         """Forget every fault before the next frame."""
@@ -106,17 +100,15 @@ class Health:
         self.reset()
         return self.next(raw, over)
 
-    def beat(self, raw, over, id_, last):
-        """One beat: (mask, id, last), or None if it does not pass, and the events of the frame it ends."""
+    def beat(self, raw, over, id_, last, fits=True):
+        """One beat as FramePlace passes it: its mask, and the events of the frame it ends."""
         self._midway = True
-        place = self._place.next(id_, last)
-        if place.fits:
+        if fits:
             self._beats.append((raw, over))
         padded = np.zeros((self.rows, self.row_beats * self.lanes), dtype=bool)
         padded[:, : self.columns] = self._mask()
-        mask = padded.reshape(-1, self.lanes)[place.place] | (not place.fits)
-        events = self._end(place.whole) if last else []
-        return ((mask, id_, place.last) if place.keep else None), events
+        mask = padded.reshape(-1, self.lanes)[id_] | (not fits)
+        return mask, self._end(bool(fits)) if last else []
 
     def _settle(self):
         """Commands are obeyed between frames only."""
@@ -155,53 +147,23 @@ class Health:
         beside, along = left | right, up | down
         border = (beside & self._row_ends) | (along & self._column_ends)
         lonely = ~(beside | along)
-        delta = raw - self._held
-        moved, jump = np.abs(delta) > c.band, np.abs(delta) > c.jump
-        railed = (raw <= c.low) | (raw >= c.high) | (over & c.user)
-
-        rail = np.where(railed, np.minimum(self._rail + tick, 255), 0)
-        more, less = np.minimum(self._blink + 16, 255), np.maximum(self._blink - 1, 0)
-        blink = np.where(self._jumped & lonely, more, less)
-        proof = np.where(pair, 4, border & c.edges)
-        still = np.where(moved | (self._since > 0), 0, np.minimum(self._still + proof, 255))
-        since = np.where(moved, 3, np.maximum(self._since - 1, 0))
-        rising = np.where(moved, delta >= 0, self._rising)
-        held = np.where(moved, raw, self._held)
-        found = np.zeros(raw.shape, dtype=np.int64)
-        for kind, value, limit in (
-            (DEAD, still, c.still),
-            (RAILED, rail, c.rail),
-            (BLINKING, blink, c.blink),
-        ):
-            found += kind * ((value >= limit) & (limit > 0))
-        faults = self.faults | found
-        if self._fresh:
-            held, jump, faults = raw.copy(), np.zeros_like(jump), np.zeros_like(faults)
-            rail, blink, still, since = (np.zeros_like(raw) for _ in range(4))
-        news = np.where(self._fresh, 0, faults & ~self.faults)
+        around = (pair, border & c.edges, lonely)
+        judged = judge(self._state, raw, over, around, c, tick, self._fresh, self._again)
+        news, loud = judged.news, judged.loud
         if seen is not None:
-            news = news * seen
+            news, loud = news * seen, loud & seen
         if news.any():
             self.dead += int((news & DEAD != 0).sum())
             self.railed += int((news & RAILED != 0).sum())
             self.blinking += int((news & BLINKING != 0).sum())
-        reported = self._reported & (not self._again) & (faults == self.faults)
-        loud = (faults != 0) & ~reported
-        if seen is not None:
-            loud &= seen
-        events = self._events(faults, loud, seen)
+        events = self._events(judged.state.faults, loud, seen)
 
-        state = {"held": held, "rail": rail, "blink": blink, "still": still, "since": since}
-        state |= {"rising": self._rising if self._fresh else rising, "jumped": jump, "reported": faults != 0}
-        moves = np.stack([since > 0, rising])
+        after, moves = judged.state, np.stack([judged.moved, judged.rose])
         other = 1 - self._bank
         if seen is not None:
-            state = {name: np.where(seen, value, getattr(self, f"_{name}")) for name, value in state.items()}
-            faults = np.where(seen, faults, self.faults)
+            after = State(*(np.where(seen, new, old) for new, old in zip(after, self._state)))
             moves = np.where(seen, moves, self._history[other][(slice(None), *HERE)])
-        for name, value in state.items():
-            setattr(self, f"_{name}", value)
-        self.faults = faults
+        self._state = after
         self._history[other][(slice(None), *HERE)] = moves
         if whole:
             self._bank, self._tick = other, (self._tick + 1) % 16

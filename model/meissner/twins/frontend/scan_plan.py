@@ -6,26 +6,9 @@ Clocks count from the first one in which the block is enabled (and was off befor
 from dataclasses import dataclass
 from itertools import count
 
+from meissner.twins.frontend.scan_walk import WHOLE, Region, places
+
 START = 4  # the first clock in which a line may be switched
-
-
-@dataclass(frozen=True)
-class Region:
-    """First and last row and column, all included; cut to the array as the block does."""
-
-    first_row: int = 0
-    last_row: int = 1023
-    first_column: int = 0
-    last_column: int = 1023
-
-    def cut(self, rows, columns):
-        last_row, last_column = min(self.last_row, rows - 1), min(self.last_column, columns - 1)
-        return Region(
-            min(self.first_row, last_row), last_row, min(self.first_column, last_column), last_column
-        )
-
-
-WHOLE = Region()
 
 
 @dataclass(frozen=True)
@@ -110,16 +93,11 @@ class ScanPlan:
 
     def beat_range(self, region):
         """First and last beat of each row of the region."""
-        region = region.cut(self.rows, self.columns)
-        return region.first_column // self.lanes, region.last_column // self.lanes
+        return region.beats(self.rows, self.columns, self.lanes)
 
     def places(self, region=WHOLE, interleave=False):
         """(row, group) of a frame's conversions, in their order."""
-        first, last = (beat // self.channels for beat in self.beat_range(region))
-        region = region.cut(self.rows, self.columns)
-        rows = range(region.first_row, region.last_row + 1)
-        rows = [*rows[::2], *rows[1::2]] if interleave else rows
-        return [(row, group) for row in rows for group in range(first, last + 1)]
+        return places(self.rows, self.columns, self.lanes, self.channels, region, interleave)
 
     def frame_clocks(self, settle, region=WHOLE):
         """Clocks from a frame's first convert start to that of the next, without slip rounds."""

@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from meissner.twins.common.frame_place import FramePlace
 from meissner.twins.common.round_sat import round_sat
 from meissner.twins.frontend.calibration_table import check_array
 
@@ -36,23 +35,16 @@ class Tare:
         self._surplus = column >= columns
         self._zero = np.zeros((beats, lanes), dtype=np.int64)
         self._sum = np.zeros((beats, lanes), dtype=np.int64)
-        self._place = FramePlace(beats)
         self.reset()
 
     def reset(self):
         """All zeros are 0, nothing is asked for, the counters are 0."""
-        self._place.reset()
         self.tared = self.refused = self.swallowed = 0
         self.pressed = self.loading = False
         self._fresh, self._asked, self._midway = True, None, False
         self._averaging = self._forced = self._commit = self._any_contact = False
         self._frames = 0
         self._load = False
-
-    @property
-    def damaged(self):
-        """Frames that did not come whole."""
-        return self._place.damaged
 
     @property
     def taring(self):
@@ -102,16 +94,14 @@ class Tare:
         self.reset()
         return self.next(raw, mask)
 
-    def beat(self, raw, id_, last, mask):
-        """One beat of ``lanes`` samples: (r, id, last), None if it does not pass; r = 0 out of place."""
+    def beat(self, raw, id_, last, mask, fits=True):
+        """One beat as FramePlace passes it: r of its ``lanes``, 0 if it does not fit; None while loading."""
         self._midway = True
-        place = self._place.next(id_, last)
         swallowed = self.loading
-        r = self._take(place.place, np.asarray(raw), np.asarray(mask, bool), place.fits and not swallowed)
+        r = self._take(id_, np.asarray(raw), np.asarray(mask, bool), fits and not swallowed)
         if last:
-            self._end(place.whole)
-        r = r if place.fits else np.zeros_like(r)
-        return (r, id_, place.last) if place.keep and not swallowed else None
+            self._end(bool(fits))
+        return None if swallowed else r if fits else np.zeros_like(r)
 
     def _effective(self, at):
         if self._fresh:
