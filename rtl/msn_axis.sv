@@ -82,7 +82,7 @@ module msn_axis #(
 
   logic        bus_valid, bus_write, bus_done, bus_error;
   logic [11:0] bus_address;
-  logic [31:0] bus_question, bus_answer;
+  logic [31:0] bus_wdata, bus_rdata;
   logic [3:0]  bus_strobe;
   msn_axil u_axil (
     .clk_i, .rst_i,
@@ -90,8 +90,8 @@ module msn_axis #(
     .s_axil_wdata, .s_axil_wstrb, .s_axil_bvalid, .s_axil_bready, .s_axil_bresp, .s_axil_arvalid,
     .s_axil_arready, .s_axil_araddr, .s_axil_arprot, .s_axil_rvalid, .s_axil_rready, .s_axil_rdata,
     .s_axil_rresp,
-    .bus_valid_o(bus_valid), .bus_write_o(bus_write), .bus_address_o(bus_address), .bus_data_o(bus_question),
-    .bus_strobe_o(bus_strobe), .bus_done_i(bus_done), .bus_error_i(bus_error), .bus_data_i(bus_answer)
+    .bus_valid_o(bus_valid), .bus_write_o(bus_write), .bus_address_o(bus_address), .bus_wdata_o(bus_wdata),
+    .bus_strobe_o(bus_strobe), .bus_done_i(bus_done), .bus_error_i(bus_error), .bus_rdata_i(bus_rdata)
   );
 
   // The place in a frame: a frame that is too short or too long is found by what follows.
@@ -130,8 +130,8 @@ module msn_axis #(
     .in_valid_i(s_axis_tvalid), .in_ready_o(s_axis_tready), .in_data_i(samples), .in_id_i(id),
     .in_last_i(s_axis_tlast),
     .slip_o, .gross_o, .touched_o, .pressed_o, .rx_i(1'b1), .tx_o(unused_tx),
-    .bus_valid_i(bus_valid), .bus_write_i(bus_write), .bus_address_i(bus_address), .bus_data_i(bus_question),
-    .bus_strobe_i(bus_strobe), .bus_done_o(bus_done), .bus_error_o(bus_error), .bus_data_o(bus_answer),
+    .bus_valid_i(bus_valid), .bus_write_i(bus_write), .bus_address_i(bus_address), .bus_wdata_i(bus_wdata),
+    .bus_strobe_i(bus_strobe), .bus_done_o(bus_done), .bus_error_o(bus_error), .bus_rdata_o(bus_rdata),
     .out_valid_o(m_axis_tvalid), .out_ready_i(m_axis_tready), .out_data_o(m_axis_tdata),
     .out_last_o(m_axis_tlast)
   );

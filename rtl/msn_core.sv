@@ -99,11 +99,11 @@ module msn_core #(
   input  logic                            bus_valid_i,       // Uart = 0
   input  logic                            bus_write_i,
   input  logic [11:0]                     bus_address_i,
-  input  logic [31:0]                     bus_data_i,
+  input  logic [31:0]                     bus_wdata_i,
   input  logic [3:0]                      bus_strobe_i,
   output logic                            bus_done_o,
   output logic                            bus_error_o,
-  output logic [31:0]                     bus_data_o,
+  output logic [31:0]                     bus_rdata_o,
   output logic                            out_valid_o,
   input  logic                            out_ready_i,
   output logic [7:0]                      out_data_o,
@@ -146,7 +146,7 @@ module msn_core #(
   msn_registers_pkg::status_t status, sensor_status;
   logic        bus_valid, bus_write, bus_done, bus_error, commit, pending;
   logic [11:0] bus_address;
-  logic [31:0] bus_question, bus_answer;
+  logic [31:0] bus_wdata, bus_rdata;
   logic [3:0]  bus_strobe;
   msn_registers #(
     .Adc(!Array && Pins), .Slip(Slip), .Scan(Array && Pins), .Health(Health), .Tare(Tare), .Calibrate(Array),
@@ -154,8 +154,8 @@ module msn_core #(
     .TimerBits(TimerBits), .LoadBits(LoadBits), .OffsetBits(OffsetBits)
   ) u_registers (
     .clk_i, .rst_i,
-    .bus_valid_i(bus_valid), .bus_write_i(bus_write), .bus_address_i(bus_address), .bus_data_i(bus_question),
-    .bus_strobe_i(bus_strobe), .bus_done_o(bus_done), .bus_error_o(bus_error), .bus_data_o(bus_answer),
+    .bus_valid_i(bus_valid), .bus_write_i(bus_write), .bus_address_i(bus_address), .bus_wdata_i(bus_wdata),
+    .bus_strobe_i(bus_strobe), .bus_done_o(bus_done), .bus_error_o(bus_error), .bus_rdata_o(bus_rdata),
     .commit_i(commit), .pending_o(pending), .cfg_o(cfg), .status_i(status)
   );
 
@@ -284,12 +284,12 @@ module msn_core #(
     .health_valid_i(health_valid), .health_ready_o(health_ready), .health_i(health),
     .image_valid_i(Image && cfg.link.images && sample_valid && sample_ready), .image_data_i(16'(sample)),
     .image_last_i(sample_last),
-    .bus_valid_o(bus_valid), .bus_write_o(bus_write), .bus_address_o(bus_address), .bus_data_o(bus_question),
-    .bus_strobe_o(bus_strobe), .bus_done_i(bus_done), .bus_error_i(bus_error), .bus_data_i(bus_answer),
+    .bus_valid_o(bus_valid), .bus_write_o(bus_write), .bus_address_o(bus_address), .bus_wdata_o(bus_wdata),
+    .bus_strobe_o(bus_strobe), .bus_done_i(bus_done), .bus_error_i(bus_error), .bus_rdata_i(bus_rdata),
     .rx_i, .tx_o,
     .host_valid_i(bus_valid_i), .host_write_i(bus_write_i), .host_address_i(bus_address_i),
-    .host_data_i(bus_data_i), .host_strobe_i(bus_strobe_i), .host_done_o(bus_done_o),
-    .host_error_o(bus_error_o), .host_data_o(bus_data_o),
+    .host_wdata_i(bus_wdata_i), .host_strobe_i(bus_strobe_i), .host_done_o(bus_done_o),
+    .host_error_o(bus_error_o), .host_rdata_o(bus_rdata_o),
     .out_valid_o, .out_ready_i, .out_data_o, .out_last_o
   );
 

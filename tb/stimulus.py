@@ -5,7 +5,7 @@ import random
 
 import numpy as np
 
-from meissner.twins.common.frame_place import FramePlace
+from meissner.twins.common.frame_marker import FrameMarker
 
 SEED = int(os.environ.get("MEISSNER_SEED", "1"))
 
@@ -39,7 +39,7 @@ def time(clock):
 def frames(restart=True, **payload):
     """Interleave payload arrays [channels, n] into beats: n frames, channels in order, ``last`` on the final.
 
-    ``restart`` marks the first frame, as msn_frame_check does after reset.
+    ``restart`` marks the first frame, as msn_frame_filter does after reset.
     """
     arrays = {name: np.atleast_2d(values) for name, values in payload.items()}
     channels, length = next(iter(arrays.values())).shape
@@ -187,8 +187,8 @@ def damage(beats, length, draw):
 
 
 def placed(beats, rows, row_beats):
-    """What msn_frame_place passes of ``beats``, with its marks; without an id they count as they come."""
-    check, passed, number = FramePlace(rows, row_beats), [], 0
+    """What msn_frame_marker passes of ``beats``, with its marks; without an id they count as they come."""
+    check, passed, number = FrameMarker(rows, row_beats), [], 0
     for beat in beats:
         place = check.next(beat.get("id", number), beat["last"])
         number = 0 if beat["last"] else number + 1

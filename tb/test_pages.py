@@ -37,7 +37,7 @@ def test_the_verilog_of_readme_is_clean(tmp_path):
     command = ["verilator", "--lint-only", "--quiet", "-Wall", str(ROOT / "rtl/verilator.vlt")]
     command += [
         *map(str, toolchain.sources_of("msn_cop")),
-        str(ROOT / "rtl/common/msn_frame_place.sv"),
+        str(ROOT / "rtl/common/msn_frame_marker.sv"),
         str(source),
         "--top-module",
         "pad",

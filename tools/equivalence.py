@@ -34,14 +34,14 @@ LIMIT_S = 60  # what closes takes less than half of it
 # whatever there can be more than one of.
 SETS = {
     "delay": "Depth=7",
-    "frame_check": "Channels=5",
-    "frame_place": "Rows=3 RowBeats=3",
+    "frame_filter": "Channels=5",
+    "frame_marker": "Rows=3 RowBeats=3",
     "frame_table": "Words=3",
     "sync": "Width=5",
     "compare": "Width=18",
-    "times": "Constant=1023",
+    "constant_multiplier": "Constant=1023",
     "fifo": "Depth=16",
-    "narrow": "Columns=19",
+    "width_converter": "Columns=19",
     "adc_store": "Lanes=2",
     "scan_plan": "Rows=5",
     "scan_buffer": "Rows=5",
@@ -85,7 +85,7 @@ CUT = {
 # Not proven, {block: kinds}: docs/equivalence.md says why; of the last three lines: not run to its end.
 OPEN = dict.fromkeys(
     (
-        *("adc_single", "convert_time", "am_demod", "scan_plan", "scan_buffer", "slip_serial"),
+        *("adc_single", "time_stamp", "am_demod", "scan_plan", "scan_buffer", "slip_serial"),
         *("packet_slip", "image_store", "axil"),
         *("scan", "scan_adc", "scan_demod", "health", "tare", "calibration_table", "calibrate"),
         *("calibration_grid", "slip_path", "channels", "cop", "cop_array", "array"),
@@ -122,9 +122,9 @@ TASKS = {
     ),
     "cop_slip": Task(joined=(("seen_pair", "seen_valid"), ("size_pair", "size_valid"))),
     **dict.fromkeys(("channels", "acquire"), Task(qualifiers={"adc_mosi_o": "!adc_cs_n_o"})),
-    "registers": Task(qualifiers=dict.fromkeys(("bus_data_o", "bus_error_o"), "bus_done_o")),
+    "registers": Task(qualifiers=dict.fromkeys(("bus_rdata_o", "bus_error_o"), "bus_done_o")),
     "scan": Task(since={"group_o": "trigger_o"}),
-    "convert_time": Task(since={"time_o": "convert_i"}),
+    "time_stamp": Task(since={"time_o": "convert_i"}),
     "image_store": Task(since={"read_data_o": "read_valid_o"}),
     "scan_plan": Task(
         qualifiers={

@@ -263,14 +263,14 @@ class Process:
             return f"status_i.{member}"
         shown = f"cfg_o.{member}"
         if field.kind == "command":
-            self.pulse(shown, f"{base}_write && mask[{field.low}] && bus_data_i{slice_}")
+            self.pulse(shown, f"{base}_write && mask[{field.low}] && bus_wdata_i{slice_}")
             return "1'b0"
         waits = self.group.at_frame
         held = f"{field.port}_q" if waits or field.held_to else shown
         if held != shown:
             self.declared.append(f"logic {_bits(width)}{' ' if width > 1 else ''}{held};")
         self.writes.append(f"{base}_write")
-        merged = f"({held} & ~mask{slice_}) | (bus_data_i{slice_} & mask{slice_})"
+        merged = f"({held} & ~mask{slice_}) | (bus_wdata_i{slice_} & mask{slice_})"
         self.each.append(f"if ({base}_write) {held} <= {merged};")
         constant = self.places[field.port]
         self.resets.append(f"{held} <= {constant};")
@@ -368,11 +368,11 @@ PORTS = """
   input  logic        bus_valid_i,
   input  logic        bus_write_i,
   input  logic [11:0] bus_address_i,
-  input  logic [31:0] bus_data_i,
+  input  logic [31:0] bus_wdata_i,
   input  logic [3:0]  bus_strobe_i,
   output logic        bus_done_o,
   output logic        bus_error_o,
-  output logic [31:0] bus_data_o,
+  output logic [31:0] bus_rdata_o,
 
   input  logic        commit_i,   // between two frames: what groups that wait were given takes effect
   output logic        pending_o,  // some wait for it
@@ -397,7 +397,7 @@ ANSWER = """
     odd         <= bus_address_i[1:0] != 2'd0;
     bus_done_o  <= asked;
     bus_error_o <= !hit || odd || (wrote && !writable);
-    bus_data_o  <= (wrote || odd) ? 32'd0 : read_word;
+    bus_rdata_o  <= (wrote || odd) ? 32'd0 : read_word;
     if (rst_i) begin
       asked      <= 1'b0;
       bus_done_o <= 1'b0;

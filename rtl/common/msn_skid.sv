@@ -2,7 +2,7 @@
 //
 // Cuts the path of `ready` at a boundary: in_ready_o is a register, what goes through is not.
 //
-//   out = in, in order; the one word that comes while the follower stands still is kept aside
+//   out = in, in order; the one word that comes while the follower stands still is kept held
 //
 // Latency 0 clocks, a word a clock.   Model: model/meissner/twins/common/skid.py
 
@@ -25,16 +25,16 @@ module msn_skid #(
     $fatal(1, "msn_skid: Width = %0d must be at least 1", Width);
   end
 
-  logic             aside;
+  logic             held;
   logic [Width-1:0] kept;
-  assign in_ready_o  = !aside;
-  assign out_valid_o = in_valid_i || aside;
-  assign out_data_o  = aside ? kept : in_data_i;
+  assign in_ready_o  = !held;
+  assign out_valid_o = in_valid_i || held;
+  assign out_data_o  = held ? kept : in_data_i;
 
   always_ff @(posedge clk_i) begin
-    if (!aside) kept <= in_data_i;
-    aside <= out_valid_o && !out_ready_i;
-    if (rst_i) aside <= 1'b0;
+    if (!held) kept <= in_data_i;
+    held <= out_valid_o && !out_ready_i;
+    if (rst_i) held <= 1'b0;
   end
 
 endmodule

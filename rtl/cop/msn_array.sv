@@ -2,7 +2,7 @@
 //
 // A scanned array from its pins to the centre of pressure: instances and wires only, in data-path order.
 //
-//   lines, ADC pins or stream ─ array_source ─ frame_gate ─ frame_place ─ condition ─ cop_array ─ x, y, load
+//   lines, ADC pins or stream ─ array_source ─ frame_gate ─ frame_marker ─ condition ─ cop_array ─ x, y, load
 //
 // Demod: the taxels are read as amplitudes of a carrier (msn_scan_demod), one lane; else Converters lanes. Without
 // Health or Tare that stage is not there. With Tare the calibration has gains only: the zero of a taxel is taken off
@@ -63,7 +63,7 @@ module msn_array #(
   input  logic [SampleBits-1:0]            cfg_jump_i,
   input  logic signed [SampleBits-1:0]     cfg_low_i,
   input  logic signed [SampleBits-1:0]     cfg_high_i,
-  input  logic                             cfg_user_i,
+  input  logic                             cfg_over_range_i,
   input  logic                             cfg_edges_i,
   input  logic [7:0]                       cfg_still_i,
   input  logic [7:0]                       cfg_rail_i,
@@ -205,7 +205,7 @@ module msn_array #(
   logic [2:0]        placed_marks;
   logic [IdBits-1:0] placed_id;
   logic [31:0]       unused_damaged;  // it stays damaged and is counted at the end
-  msn_frame_place #(.Rows(Rows), .RowBeats(Beats)) u_place (
+  msn_frame_marker #(.Rows(Rows), .RowBeats(Beats)) u_place (
     .clk_i, .rst_i,
     .in_valid_i(open_valid), .in_ready_o(open_ready), .in_id_i(scan_id), .in_last_i(scan_last),
     .out_valid_o(placed_valid), .out_ready_i(placed_ready), .out_id_o(placed_id),
@@ -241,7 +241,8 @@ module msn_array #(
     .TareLog2(TareLog2)
   ) u_condition (
     .clk_i, .rst_i,
-    .cfg_band_i, .cfg_jump_i, .cfg_low_i, .cfg_high_i, .cfg_user_i, .cfg_edges_i, .cfg_still_i, .cfg_rail_i,
+    .cfg_band_i, .cfg_jump_i, .cfg_low_i, .cfg_high_i, .cfg_over_range_i, .cfg_edges_i, .cfg_still_i,
+    .cfg_rail_i,
     .cfg_blink_i, .cfg_clear_i, .cfg_report_i,
     .cfg_contact_i, .cfg_step_i, .cfg_tare_i, .cfg_force_i, .cfg_load_i, .cfg_zero_write_i, .cfg_zero_word_i,
     .cfg_zero_i, .cfg_loading_o,

@@ -26,7 +26,7 @@ module msn_cop #(
   input  logic                       in_valid_i,
   output logic                       in_ready_o,
   input  logic        [Lanes*16-1:0] in_data_i,      // the leftmost column in the low bits
-  input  logic                       in_fits_i,      // marks of msn_frame_place
+  input  logic                       in_fits_i,      // marks of msn_frame_marker
   input  logic                       in_row_last_i,
   input  logic                       in_last_i,
 

@@ -11,7 +11,7 @@
 //   clock  1 .. log2(Lanes)    next          next
 //          beat total, moment  S, A, B, row  Mx, My
 //
-// Latency 2 + log2(Lanes) clocks, a beat a clock, frames without a gap. Beats as msn_frame_place hands them on; a
+// Latency 2 + log2(Lanes) clocks, a beat a clock, frames without a gap. Beats as msn_frame_marker hands them on; a
 // frame with one that does not fit is dropped whole.   Model: model/meissner/twins/cop/cop_accumulate.py
 
 module msn_cop_accumulate #(
@@ -153,8 +153,10 @@ module msn_cop_accumulate #(
   localparam int unsigned ScaleY = Rows - 1;
   logic [SumBits+msn_pkg::index_width(ScaleX+1)-1:0] sum_x;
   logic [SumBits+msn_pkg::index_width(ScaleY+1)-1:0] sum_y;
-  msn_times #(.Constant(ScaleX), .InBits(SumBits)) u_scale_x (.in_data_i(sum), .out_data_o(sum_x));
-  msn_times #(.Constant(ScaleY), .InBits(SumBits)) u_scale_y (.in_data_i(sum), .out_data_o(sum_y));
+  msn_constant_multiplier #(.Constant(ScaleX), .InBits(SumBits))
+    u_scale_x (.in_data_i(sum), .out_data_o(sum_x));
+  msn_constant_multiplier #(.Constant(ScaleY), .InBits(SumBits))
+    u_scale_y (.in_data_i(sum), .out_data_o(sum_y));
 
   always_ff @(posedge clk_i) begin
     if (free) begin

@@ -64,8 +64,10 @@ module msn_cop_divide #(
   logic        [DenYBits-1:0] span_y, den_y;
   logic signed [DenXBits:0]   num_x;
   logic signed [DenYBits:0]   num_y;
-  msn_times #(.Constant(SpanX), .InBits(SumBits)) u_span_x (.in_data_i(in_sum_i), .out_data_o(span_x));
-  msn_times #(.Constant(SpanY), .InBits(SumBits)) u_span_y (.in_data_i(in_sum_i), .out_data_o(span_y));
+  msn_constant_multiplier #(.Constant(SpanX), .InBits(SumBits))
+    u_span_x (.in_data_i(in_sum_i), .out_data_o(span_x));
+  msn_constant_multiplier #(.Constant(SpanY), .InBits(SumBits))
+    u_span_y (.in_data_i(in_sum_i), .out_data_o(span_y));
   assign den_x = span_x | DenXBits'(nothing);
   assign den_y = span_y | DenYBits'(nothing);
   assign num_x = (Columns > 1) ? (DenXBits + 1)'(in_mx_i) : '0;

@@ -94,8 +94,8 @@ module msn_cop_slip #(
 
   logic [22:0] width_53, height_53, times_width_53, times_height_53;
   logic        flat, upright;
-  msn_times #(.Constant(53), .InBits(17)) u_width (.in_data_i(width), .out_data_o(width_53));
-  msn_times #(.Constant(53), .InBits(17)) u_height (.in_data_i(height), .out_data_o(height_53));
+  msn_constant_multiplier #(.Constant(53), .InBits(17)) u_width (.in_data_i(width), .out_data_o(width_53));
+  msn_constant_multiplier #(.Constant(53), .InBits(17)) u_height (.in_data_i(height), .out_data_o(height_53));
   assign flat    = {times_height, 7'b0} <= 24'(times_width_53);
   assign upright = {times_width, 7'b0} <= 24'(times_height_53);
   assign moves   = width >= 17'(cfg_move_i) || height >= 17'(cfg_move_i);

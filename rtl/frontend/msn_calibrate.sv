@@ -12,7 +12,7 @@
 //          raw - offset  x gain   round, clip              tables  raw - offset  2 x gain  copy  sum  round  fifo
 //
 // Latency 3 clocks (RowColumn 15), a beat a clock, frames without a gap; without RowColumn a few clocks wait after
-// a swap and a damaged frame. Beats as msn_frame_place hands them on, row by row; their marks go with them.
+// a swap and a damaged frame. Beats as msn_frame_marker hands them on, row by row; their marks go with them.
 // Model: model/meissner/twins/frontend/calibrate.py
 
 module msn_calibrate #(

@@ -22,7 +22,7 @@ module msn_health_taxel #(
   input  logic [SampleBits-1:0]        cfg_jump_i,
   input  logic signed [SampleBits-1:0] cfg_low_i,
   input  logic signed [SampleBits-1:0] cfg_high_i,
-  input  logic                         cfg_user_i,
+  input  logic                         cfg_over_range_i,
   input  logic [7:0]                   cfg_still_i,
   input  logic [7:0]                   cfg_rail_i,
   input  logic [7:0]                   cfg_blink_i,
@@ -39,7 +39,7 @@ module msn_health_taxel #(
   input  logic                         tick_i,     // the frame looks at rails
   input  logic                         fresh_i,    // the first frame: the state is none
 
-  output logic                         loud_o,     // there are faults that were not all reported
+  output logic                         event_o,     // there are faults that were not all reported
   output logic [2:0]                   faults_o,
   output logic [2:0]                   news_o,
   input  logic                         send_i,     // they are reported now
@@ -114,7 +114,7 @@ module msn_health_taxel #(
   logic [1:0]           moves_4;
   logic                 known_4, reported_4;
   assign reported_4 = known_4 && news_o == '0;  // where there are faults; else it does not matter
-  assign loud_o     = |faults_o && !reported_4;
+  assign event_o     = |faults_o && !reported_4;
 
   always_ff @(posedge clk_i) begin
     if (take_i) begin
@@ -131,7 +131,7 @@ module msn_health_taxel #(
     delta   <= DiffBits'(raw_i) - DiffBits'(held);
     raw_2   <= raw_i;
     held_2  <= held;
-    over_2  <= !low || !high || (user_1 && cfg_user_i);
+    over_2  <= !low || !high || (user_1 && cfg_over_range_i);
     alone_2 <= alone_1;
     proof_2 <= pair_1 ? 3'd4 : 3'(border_1);
     {kept_2, fault_2, surplus_2} <= {kept_1, fault_1, surplus_1};

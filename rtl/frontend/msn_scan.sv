@@ -223,7 +223,8 @@ module msn_scan #(
   logic [IdBits-1:0]         first_id, skip;
   localparam int unsigned ProductBits = RowBits + msn_pkg::index_width(Beats + 1);
   logic [ProductBits-1:0] row_id;
-  msn_times #(.Constant(Beats), .InBits(RowBits)) u_row_id (.in_data_i(first_row), .out_data_o(row_id));
+  msn_constant_multiplier #(.Constant(Beats), .InBits(RowBits))
+    u_row_id (.in_data_i(first_row), .out_data_o(row_id));
   always_ff @(posedge clk_i) begin
     rows     <= last_row - first_row;
     beats    <= last_beat - first_beat;

@@ -9,7 +9,7 @@
 //
 // cfg_force_i: never refuse (the first time, when nothing is known). While cfg_load_i frames are swallowed
 // whole and zeros can be written. After a reset all zeros are 0. Damage starts an averaging again. Beats as
-// msn_frame_place hands them on; one that does not fit leaves as 0: in a frame too long its zeros are those that this
+// msn_frame_marker hands them on; one that does not fit leaves as 0: in a frame too long its zeros are those that this
 // frame has written.
 //
 //   clock  1        2           3            4

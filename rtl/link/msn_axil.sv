@@ -36,11 +36,11 @@ module msn_axil (
   output logic        bus_valid_o,
   output logic        bus_write_o,
   output logic [11:0] bus_address_o,
-  output logic [31:0] bus_data_o,
+  output logic [31:0] bus_wdata_o,
   output logic [3:0]  bus_strobe_o,
   input  logic        bus_done_i,
   input  logic        bus_error_i,
-  input  logic [31:0] bus_data_i
+  input  logic [31:0] bus_rdata_i
 );
 
   // Nothing is taken from an access until its answer is: the bus need not hold more than one. Busy is what is under
@@ -59,7 +59,7 @@ module msn_axil (
   assign bus_valid_o   = take_write || take_read;
   assign bus_write_o   = take_write;
   assign bus_address_o = {take_write ? s_axil_awaddr[11:2] : s_axil_araddr[11:2], 2'b00};
-  assign bus_data_o    = s_axil_wdata;
+  assign bus_wdata_o    = s_axil_wdata;
   assign bus_strobe_o  = s_axil_wstrb;
 
   logic taken;
@@ -83,7 +83,7 @@ module msn_axil (
       s_axil_bvalid <= write_pending;
       s_axil_rvalid <= !write_pending;
       response      <= {bus_error_i, 1'b0};
-      s_axil_rdata  <= bus_data_i;
+      s_axil_rdata  <= bus_rdata_i;
     end
     if (rst_i) begin
       asked         <= '0;

@@ -23,11 +23,11 @@ module msn_bridge #(
   output logic        bus_valid_o,
   output logic        bus_write_o,
   output logic [11:0] bus_address_o,
-  output logic [31:0] bus_data_o,
+  output logic [31:0] bus_wdata_o,
   output logic [3:0]  bus_strobe_o,
   input  logic        bus_done_i,
   input  logic        bus_error_i,
-  input  logic [31:0] bus_data_i,
+  input  logic [31:0] bus_rdata_i,
 
   output logic        answer_valid_o,
   input  logic        answer_ready_i,
@@ -89,27 +89,27 @@ module msn_bridge #(
   );
 
   // Access and answer.
-  logic       busy, asked, start, given_up, reject;
-  logic [7:0] patience;
+  logic       busy, asked, start, timed_out, reject;
+  logic [7:0] timeout;
   assign busy     = asked || answer_valid_o;
   assign start    = delimiter && good && !busy;
-  assign given_up = asked && (&patience) && !bus_done_i;
+  assign timed_out = asked && (&timeout) && !bus_done_i;
 
   always_ff @(posedge clk_i) begin
     bus_valid_o <= start;
-    patience    <= asked ? patience + 1'b1 : '0;
+    timeout    <= asked ? timeout + 1'b1 : '0;
     if (start) begin
       asked         <= 1'b1;
       bus_write_o   <= command[0];
       bus_address_o <= command[27:16];
-      bus_data_o    <= command[63:32];
+      bus_wdata_o    <= command[63:32];
     end
     if (start) answer_data_o[31:0] <= {4'd0, command[27:16], 8'd0, command[15:8]};
-    if (asked && (bus_done_i || given_up)) begin
+    if (asked && (bus_done_i || timed_out)) begin
       asked                <= 1'b0;
       answer_valid_o       <= 1'b1;
-      answer_data_o[9:8]   <= {given_up, bus_done_i && bus_error_i};
-      answer_data_o[63:32] <= bus_data_i;
+      answer_data_o[9:8]   <= {timed_out, bus_done_i && bus_error_i};
+      answer_data_o[63:32] <= bus_rdata_i;
     end
     if (answer_valid_o && answer_ready_i) answer_valid_o <= 1'b0;
     reject     <= (delimiter && open && !start) || late;

@@ -44,22 +44,22 @@ module msn_core_link #(
   output logic                            bus_valid_o,       // to the registers
   output logic                            bus_write_o,
   output logic [11:0]                     bus_address_o,
-  output logic [31:0]                     bus_data_o,
+  output logic [31:0]                     bus_wdata_o,
   output logic [3:0]                      bus_strobe_o,
   input  logic                            bus_done_i,
   input  logic                            bus_error_i,
-  input  logic [31:0]                     bus_data_i,
+  input  logic [31:0]                     bus_rdata_i,
 
   input  logic                            rx_i,
   output logic                            tx_o,
   input  logic                            host_valid_i,      // Uart = 0
   input  logic                            host_write_i,
   input  logic [11:0]                     host_address_i,
-  input  logic [31:0]                     host_data_i,
+  input  logic [31:0]                     host_wdata_i,
   input  logic [3:0]                      host_strobe_i,
   output logic                            host_done_o,
   output logic                            host_error_o,
-  output logic [31:0]                     host_data_o,
+  output logic [31:0]                     host_rdata_o,
   output logic                            out_valid_o,
   input  logic                            out_ready_i,
   output logic [7:0]                      out_data_o,
@@ -72,12 +72,13 @@ module msn_core_link #(
       .in_valid_i(decision_valid_i), .in_ready_o(decision_ready_o), .in_i(decision_i),
       .tx_o
     );
-    assign {status_o, health_ready_o, bus_valid_o, bus_write_o, bus_address_o, bus_data_o, bus_strobe_o} = '0;
-    assign {host_done_o, host_error_o, host_data_o, out_valid_o, out_data_o, out_last_o} = '0;
+    assign {status_o, health_ready_o, bus_valid_o, bus_write_o, bus_address_o, bus_wdata_o,
+            bus_strobe_o} = '0;
+    assign {host_done_o, host_error_o, host_rdata_o, out_valid_o, out_data_o, out_last_o} = '0;
     logic unused;
     assign unused = ^{now_i, status_i, time_i, cop_valid_i, cop_i, health_valid_i, health_i, image_valid_i,
-                      image_data_i, image_last_i, bus_done_i, bus_error_i, bus_data_i, rx_i, host_valid_i,
-                      host_write_i, host_address_i, host_data_i, host_strobe_i, out_ready_i};
+                      image_data_i, image_last_i, bus_done_i, bus_error_i, bus_rdata_i, rx_i, host_valid_i,
+                      host_write_i, host_address_i, host_wdata_i, host_strobe_i, out_ready_i};
 
   end else begin : gen_link
     localparam int unsigned StatisticsBits = Statistics ? 256 : 32;
@@ -99,10 +100,10 @@ module msn_core_link #(
       .clk_i, .rst_i, .now_i,
       .rx_i, .tx_o,
       .out_valid_o, .out_ready_i, .out_data_o, .out_last_o,
-      .host_valid_i, .host_write_i, .host_address_i, .host_data_i, .host_strobe_i,
-      .host_done_o, .host_error_o, .host_data_o,
-      .bus_valid_o, .bus_write_o, .bus_address_o, .bus_data_o, .bus_strobe_o,
-      .bus_done_i, .bus_error_i, .bus_data_i,
+      .host_valid_i, .host_write_i, .host_address_i, .host_wdata_i, .host_strobe_i,
+      .host_done_o, .host_error_o, .host_rdata_o,
+      .bus_valid_o, .bus_write_o, .bus_address_o, .bus_wdata_o, .bus_strobe_o,
+      .bus_done_i, .bus_error_i, .bus_rdata_i,
       .slip_valid_i(decision_valid_i && decision_i.raised), .slip_ready_o(slip_ready),
       .slip_id_i(decision_i.id), .slip_state_i(decision_i.state), .slip_p2p_i(decision_i.p2p),
       .slip_time_i(time_i),

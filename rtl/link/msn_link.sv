@@ -39,20 +39,20 @@ module msn_link #(
   input  logic                   host_valid_i,     // Uart = 0
   input  logic                   host_write_i,
   input  logic [11:0]            host_address_i,
-  input  logic [31:0]            host_data_i,
+  input  logic [31:0]            host_wdata_i,
   input  logic [3:0]             host_strobe_i,
   output logic                   host_done_o,
   output logic                   host_error_o,
-  output logic [31:0]            host_data_o,
+  output logic [31:0]            host_rdata_o,
 
   output logic                   bus_valid_o,
   output logic                   bus_write_o,
   output logic [11:0]            bus_address_o,
-  output logic [31:0]            bus_data_o,
+  output logic [31:0]            bus_wdata_o,
   output logic [3:0]             bus_strobe_o,
   input  logic                   bus_done_i,
   input  logic                   bus_error_i,
-  input  logic [31:0]            bus_data_i,
+  input  logic [31:0]            bus_rdata_i,
 
   input  logic [47:0]            now_i,
 
@@ -91,9 +91,9 @@ module msn_link #(
   logic        answer_valid, answer_ready;
   logic [63:0] answer;
   if (!Uart) begin : gen_host
-    assign {bus_valid_o, bus_write_o, bus_address_o, bus_data_o, bus_strobe_o} =
-        {host_valid_i, host_write_i, host_address_i, host_data_i, host_strobe_i};
-    assign {host_done_o, host_error_o, host_data_o} = {bus_done_i, bus_error_i, bus_data_i};
+    assign {bus_valid_o, bus_write_o, bus_address_o, bus_wdata_o, bus_strobe_o} =
+        {host_valid_i, host_write_i, host_address_i, host_wdata_i, host_strobe_i};
+    assign {host_done_o, host_error_o, host_rdata_o} = {bus_done_i, bus_error_i, bus_rdata_i};
     assign {answer_valid, answer, rejected_o} = '0;
     logic unused_line;
     assign unused_line = ^{rx_i, answer_ready};
@@ -109,21 +109,21 @@ module msn_link #(
     msn_bridge #(.TimeoutClocks(TimeoutClocks)) u_bridge (
       .clk_i, .rst_i,
       .in_valid_i(byte_valid), .in_data_i(byte_data), .in_error_i(byte_error),
-      .bus_valid_o, .bus_write_o, .bus_address_o, .bus_data_o, .bus_strobe_o, .bus_done_i, .bus_error_i,
-      .bus_data_i,
+      .bus_valid_o, .bus_write_o, .bus_address_o, .bus_wdata_o, .bus_strobe_o, .bus_done_i, .bus_error_i,
+      .bus_rdata_i,
       .answer_valid_o(answer_valid), .answer_ready_i(answer_ready), .answer_data_o(answer),
       .rejected_o
     );
   end else begin : gen_no_registers
-    assign {bus_valid_o, bus_write_o, bus_address_o, bus_data_o, bus_strobe_o} = '0;
+    assign {bus_valid_o, bus_write_o, bus_address_o, bus_wdata_o, bus_strobe_o} = '0;
     assign {answer_valid, answer, rejected_o} = '0;
     logic unused_registers;
-    assign unused_registers = ^{rx_i, bus_done_i, bus_error_i, bus_data_i, answer_ready};
+    assign unused_registers = ^{rx_i, bus_done_i, bus_error_i, bus_rdata_i, answer_ready};
   end
   if (Uart) begin : gen_no_host
-    assign {host_done_o, host_error_o, host_data_o} = '0;
+    assign {host_done_o, host_error_o, host_rdata_o} = '0;
     logic unused_host;
-    assign unused_host = ^{host_valid_i, host_write_i, host_address_i, host_data_i, host_strobe_i};
+    assign unused_host = ^{host_valid_i, host_write_i, host_address_i, host_wdata_i, host_strobe_i};
   end
 
   logic       packet_begin, packet_valid, packet_ready, packet_last;

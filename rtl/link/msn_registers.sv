@@ -37,11 +37,11 @@ module msn_registers #(
   input  logic        bus_valid_i,
   input  logic        bus_write_i,
   input  logic [11:0] bus_address_i,
-  input  logic [31:0] bus_data_i,
+  input  logic [31:0] bus_wdata_i,
   input  logic [3:0]  bus_strobe_i,
   output logic        bus_done_o,
   output logic        bus_error_o,
-  output logic [31:0] bus_data_o,
+  output logic [31:0] bus_rdata_o,
 
   input  logic        commit_i,   // between two frames: what groups that wait were given takes effect
   output logic        pending_o,  // some wait for it
@@ -88,7 +88,7 @@ module msn_registers #(
   logic core_beats_hit;
   assign core_beats_hit = word == 10'h007;
   always_ff @(posedge clk_i) begin
-    if (core_scratch_write) cfg_o.core.scratch <= (cfg_o.core.scratch & ~mask[31:0]) | (bus_data_i[31:0] & mask[31:0]);
+    if (core_scratch_write) cfg_o.core.scratch <= (cfg_o.core.scratch & ~mask[31:0]) | (bus_wdata_i[31:0] & mask[31:0]);
     if (rst_i) begin
       cfg_o.core.scratch <= Resets[0+:32];
     end
@@ -112,8 +112,8 @@ module msn_registers #(
   logic adc_over_range_hit;
   assign adc_over_range_hit = Adc && word == 10'h046;
   always_ff @(posedge clk_i) begin
-    if (adc_enable_write) cfg_o.adc.enable <= (cfg_o.adc.enable & ~mask[0]) | (bus_data_i[0] & mask[0]);
-    if (adc_period_write) cfg_o.adc.period <= (cfg_o.adc.period & ~mask[23:0]) | (bus_data_i[23:0] & mask[23:0]);
+    if (adc_enable_write) cfg_o.adc.enable <= (cfg_o.adc.enable & ~mask[0]) | (bus_wdata_i[0] & mask[0]);
+    if (adc_period_write) cfg_o.adc.period <= (cfg_o.adc.period & ~mask[23:0]) | (bus_wdata_i[23:0] & mask[23:0]);
     if (rst_i) begin
       cfg_o.adc.enable <= Resets[32];
       cfg_o.adc.period <= Resets[33+:24];
@@ -187,15 +187,15 @@ module msn_registers #(
   localparam logic [19:0] SlipKeepThresholdReset = Resets[186+:20];
   logic slip_pending;
   always_ff @(posedge clk_i) begin
-    if (slip_threshold_write) slip_threshold_q <= (slip_threshold_q & ~mask[19:0]) | (bus_data_i[19:0] & mask[19:0]);
-    if (slip_gross_threshold_write) slip_gross_threshold_q <= (slip_gross_threshold_q & ~mask[19:0]) | (bus_data_i[19:0] & mask[19:0]);
-    if (slip_contact_level_write) slip_contact_level_q <= (slip_contact_level_q & ~mask[19:0]) | (bus_data_i[19:0] & mask[19:0]);
-    if (slip_release_level_write) slip_release_level_q <= (slip_release_level_q & ~mask[19:0]) | (bus_data_i[19:0] & mask[19:0]);
-    if (slip_contact_rises_write) slip_contact_rises_q <= (slip_contact_rises_q & ~mask[0]) | (bus_data_i[0] & mask[0]);
-    if (slip_hold_write) slip_hold_q <= (slip_hold_q & ~mask[15:0]) | (bus_data_i[15:0] & mask[15:0]);
-    if (slip_refractory_write) slip_refractory_q <= (slip_refractory_q & ~mask[15:0]) | (bus_data_i[15:0] & mask[15:0]);
-    if (slip_blank_write) slip_blank_q <= (slip_blank_q & ~mask[15:0]) | (bus_data_i[15:0] & mask[15:0]);
-    if (slip_keep_threshold_write) slip_keep_threshold_q <= (slip_keep_threshold_q & ~mask[19:0]) | (bus_data_i[19:0] & mask[19:0]);
+    if (slip_threshold_write) slip_threshold_q <= (slip_threshold_q & ~mask[19:0]) | (bus_wdata_i[19:0] & mask[19:0]);
+    if (slip_gross_threshold_write) slip_gross_threshold_q <= (slip_gross_threshold_q & ~mask[19:0]) | (bus_wdata_i[19:0] & mask[19:0]);
+    if (slip_contact_level_write) slip_contact_level_q <= (slip_contact_level_q & ~mask[19:0]) | (bus_wdata_i[19:0] & mask[19:0]);
+    if (slip_release_level_write) slip_release_level_q <= (slip_release_level_q & ~mask[19:0]) | (bus_wdata_i[19:0] & mask[19:0]);
+    if (slip_contact_rises_write) slip_contact_rises_q <= (slip_contact_rises_q & ~mask[0]) | (bus_wdata_i[0] & mask[0]);
+    if (slip_hold_write) slip_hold_q <= (slip_hold_q & ~mask[15:0]) | (bus_wdata_i[15:0] & mask[15:0]);
+    if (slip_refractory_write) slip_refractory_q <= (slip_refractory_q & ~mask[15:0]) | (bus_wdata_i[15:0] & mask[15:0]);
+    if (slip_blank_write) slip_blank_q <= (slip_blank_q & ~mask[15:0]) | (bus_wdata_i[15:0] & mask[15:0]);
+    if (slip_keep_threshold_write) slip_keep_threshold_q <= (slip_keep_threshold_q & ~mask[19:0]) | (bus_wdata_i[19:0] & mask[19:0]);
     if (commit_i) begin
       cfg_o.slip.threshold <= slip_threshold_fit;
       cfg_o.slip.gross_threshold <= slip_gross_threshold_fit;
@@ -254,10 +254,10 @@ module msn_registers #(
   logic scan_lost_hit;
   assign scan_lost_hit = Scan && word == 10'h0c7;
   always_ff @(posedge clk_i) begin
-    if (scan_enable_write) cfg_o.scan.enable <= (cfg_o.scan.enable & ~mask[0]) | (bus_data_i[0] & mask[0]);
-    if (scan_settle_write) cfg_o.scan.settle <= (cfg_o.scan.settle & ~mask[15:0]) | (bus_data_i[15:0] & mask[15:0]);
-    if (scan_period_write) cfg_o.scan.period <= (cfg_o.scan.period & ~mask[31:0]) | (bus_data_i[31:0] & mask[31:0]);
-    if (scan_interleave_write) cfg_o.scan.interleave <= (cfg_o.scan.interleave & ~mask[0]) | (bus_data_i[0] & mask[0]);
+    if (scan_enable_write) cfg_o.scan.enable <= (cfg_o.scan.enable & ~mask[0]) | (bus_wdata_i[0] & mask[0]);
+    if (scan_settle_write) cfg_o.scan.settle <= (cfg_o.scan.settle & ~mask[15:0]) | (bus_wdata_i[15:0] & mask[15:0]);
+    if (scan_period_write) cfg_o.scan.period <= (cfg_o.scan.period & ~mask[31:0]) | (bus_wdata_i[31:0] & mask[31:0]);
+    if (scan_interleave_write) cfg_o.scan.interleave <= (cfg_o.scan.interleave & ~mask[0]) | (bus_wdata_i[0] & mask[0]);
     if (rst_i) begin
       cfg_o.scan.enable <= Resets[206];
       cfg_o.scan.settle <= Resets[207+:16];
@@ -304,17 +304,17 @@ module msn_registers #(
   logic health_blinking_hit;
   assign health_blinking_hit = Health && word == 10'h10c;
   always_ff @(posedge clk_i) begin
-    if (health_band_write) cfg_o.health.band <= (cfg_o.health.band & ~mask[16:0]) | (bus_data_i[16:0] & mask[16:0]);
-    if (health_jump_write) cfg_o.health.jump <= (cfg_o.health.jump & ~mask[16:0]) | (bus_data_i[16:0] & mask[16:0]);
-    if (health_low_write) cfg_o.health.low <= (cfg_o.health.low & ~mask[16:0]) | (bus_data_i[16:0] & mask[16:0]);
-    if (health_high_write) cfg_o.health.high <= (cfg_o.health.high & ~mask[16:0]) | (bus_data_i[16:0] & mask[16:0]);
-    if (health_use_write) cfg_o.health.use_edges <= (cfg_o.health.use_edges & ~mask[1]) | (bus_data_i[1] & mask[1]);
-    if (health_use_write) cfg_o.health.use_user <= (cfg_o.health.use_user & ~mask[0]) | (bus_data_i[0] & mask[0]);
-    if (health_still_write) cfg_o.health.still <= (cfg_o.health.still & ~mask[7:0]) | (bus_data_i[7:0] & mask[7:0]);
-    if (health_rail_write) cfg_o.health.rail <= (cfg_o.health.rail & ~mask[7:0]) | (bus_data_i[7:0] & mask[7:0]);
-    if (health_blink_write) cfg_o.health.blink <= (cfg_o.health.blink & ~mask[7:0]) | (bus_data_i[7:0] & mask[7:0]);
-    cfg_o.health.clear <= health_clear_write && mask[0] && bus_data_i[0];
-    cfg_o.health.report <= health_report_write && mask[0] && bus_data_i[0];
+    if (health_band_write) cfg_o.health.band <= (cfg_o.health.band & ~mask[16:0]) | (bus_wdata_i[16:0] & mask[16:0]);
+    if (health_jump_write) cfg_o.health.jump <= (cfg_o.health.jump & ~mask[16:0]) | (bus_wdata_i[16:0] & mask[16:0]);
+    if (health_low_write) cfg_o.health.low <= (cfg_o.health.low & ~mask[16:0]) | (bus_wdata_i[16:0] & mask[16:0]);
+    if (health_high_write) cfg_o.health.high <= (cfg_o.health.high & ~mask[16:0]) | (bus_wdata_i[16:0] & mask[16:0]);
+    if (health_use_write) cfg_o.health.use_edges <= (cfg_o.health.use_edges & ~mask[1]) | (bus_wdata_i[1] & mask[1]);
+    if (health_use_write) cfg_o.health.use_user <= (cfg_o.health.use_user & ~mask[0]) | (bus_wdata_i[0] & mask[0]);
+    if (health_still_write) cfg_o.health.still <= (cfg_o.health.still & ~mask[7:0]) | (bus_wdata_i[7:0] & mask[7:0]);
+    if (health_rail_write) cfg_o.health.rail <= (cfg_o.health.rail & ~mask[7:0]) | (bus_wdata_i[7:0] & mask[7:0]);
+    if (health_blink_write) cfg_o.health.blink <= (cfg_o.health.blink & ~mask[7:0]) | (bus_wdata_i[7:0] & mask[7:0]);
+    cfg_o.health.clear <= health_clear_write && mask[0] && bus_wdata_i[0];
+    cfg_o.health.report <= health_report_write && mask[0] && bus_wdata_i[0];
     if (rst_i) begin
       cfg_o.health.band <= Resets[256+:17];
       cfg_o.health.jump <= Resets[273+:17];
@@ -367,16 +367,16 @@ module msn_registers #(
   logic tare_swallowed_hit;
   assign tare_swallowed_hit = Tare && word == 10'h12c;
   always_ff @(posedge clk_i) begin
-    if (tare_contact_write) cfg_o.tare.contact <= (cfg_o.tare.contact & ~mask[16:0]) | (bus_data_i[16:0] & mask[16:0]);
-    if (tare_step_write) cfg_o.tare.step <= (cfg_o.tare.step & ~mask[7:0]) | (bus_data_i[7:0] & mask[7:0]);
-    if (tare_force_write) cfg_o.tare.force_ <= (cfg_o.tare.force_ & ~mask[0]) | (bus_data_i[0] & mask[0]);
-    if (tare_at_start_write) cfg_o.tare.at_start <= (cfg_o.tare.at_start & ~mask[0]) | (bus_data_i[0] & mask[0]);
-    cfg_o.tare.average <= tare_average_write && mask[0] && bus_data_i[0];
-    if (tare_load_write) cfg_o.tare.load <= (cfg_o.tare.load & ~mask[0]) | (bus_data_i[0] & mask[0]);
-    if (tare_word_write) cfg_o.tare.word <= (cfg_o.tare.word & ~mask[19:0]) | (bus_data_i[19:0] & mask[19:0]);
-    if (tare_zero_write) cfg_o.tare.zero <= (cfg_o.tare.zero & ~mask[16:0]) | (bus_data_i[16:0] & mask[16:0]);
+    if (tare_contact_write) cfg_o.tare.contact <= (cfg_o.tare.contact & ~mask[16:0]) | (bus_wdata_i[16:0] & mask[16:0]);
+    if (tare_step_write) cfg_o.tare.step <= (cfg_o.tare.step & ~mask[7:0]) | (bus_wdata_i[7:0] & mask[7:0]);
+    if (tare_force_write) cfg_o.tare.force_ <= (cfg_o.tare.force_ & ~mask[0]) | (bus_wdata_i[0] & mask[0]);
+    if (tare_at_start_write) cfg_o.tare.at_start <= (cfg_o.tare.at_start & ~mask[0]) | (bus_wdata_i[0] & mask[0]);
+    cfg_o.tare.average <= tare_average_write && mask[0] && bus_wdata_i[0];
+    if (tare_load_write) cfg_o.tare.load <= (cfg_o.tare.load & ~mask[0]) | (bus_wdata_i[0] & mask[0]);
+    if (tare_word_write) cfg_o.tare.word <= (cfg_o.tare.word & ~mask[19:0]) | (bus_wdata_i[19:0] & mask[19:0]);
+    if (tare_zero_write) cfg_o.tare.zero <= (cfg_o.tare.zero & ~mask[16:0]) | (bus_wdata_i[16:0] & mask[16:0]);
     cfg_o.tare.write_written <= tare_write_write;
-    if (tare_write_write) cfg_o.tare.write <= (cfg_o.tare.write & ~mask[7:0]) | (bus_data_i[7:0] & mask[7:0]);
+    if (tare_write_write) cfg_o.tare.write <= (cfg_o.tare.write & ~mask[7:0]) | (bus_wdata_i[7:0] & mask[7:0]);
     if (rst_i) begin
       cfg_o.tare.contact <= Resets[350+:17];
       cfg_o.tare.step <= Resets[367+:8];
@@ -417,14 +417,14 @@ module msn_registers #(
   assign calibrate_offset_fit = (&calibrate_offset_q[16:OffsetBits-1] || !(|calibrate_offset_q[16:OffsetBits-1])) ? calibrate_offset_q : {{(18-OffsetBits){calibrate_offset_q[16]}}, {(OffsetBits-1){!calibrate_offset_q[16]}}};
   always_comb cfg_o.calibrate.offset = calibrate_offset_fit;
   always_ff @(posedge clk_i) begin
-    if (calibrate_preset_write) cfg_o.calibrate.preset <= (cfg_o.calibrate.preset & ~mask[15:0]) | (bus_data_i[15:0] & mask[15:0]);
-    if (calibrate_word_write) cfg_o.calibrate.word <= (cfg_o.calibrate.word & ~mask[19:0]) | (bus_data_i[19:0] & mask[19:0]);
-    if (calibrate_offset_write) calibrate_offset_q <= (calibrate_offset_q & ~mask[16:0]) | (bus_data_i[16:0] & mask[16:0]);
-    if (calibrate_gain_write) cfg_o.calibrate.gain <= (cfg_o.calibrate.gain & ~mask[15:0]) | (bus_data_i[15:0] & mask[15:0]);
+    if (calibrate_preset_write) cfg_o.calibrate.preset <= (cfg_o.calibrate.preset & ~mask[15:0]) | (bus_wdata_i[15:0] & mask[15:0]);
+    if (calibrate_word_write) cfg_o.calibrate.word <= (cfg_o.calibrate.word & ~mask[19:0]) | (bus_wdata_i[19:0] & mask[19:0]);
+    if (calibrate_offset_write) calibrate_offset_q <= (calibrate_offset_q & ~mask[16:0]) | (bus_wdata_i[16:0] & mask[16:0]);
+    if (calibrate_gain_write) cfg_o.calibrate.gain <= (cfg_o.calibrate.gain & ~mask[15:0]) | (bus_wdata_i[15:0] & mask[15:0]);
     cfg_o.calibrate.write_written <= calibrate_write_write;
-    if (calibrate_write_write) cfg_o.calibrate.write_row <= (cfg_o.calibrate.write_row & ~mask[8]) | (bus_data_i[8] & mask[8]);
-    if (calibrate_write_write) cfg_o.calibrate.write_lanes <= (cfg_o.calibrate.write_lanes & ~mask[7:0]) | (bus_data_i[7:0] & mask[7:0]);
-    cfg_o.calibrate.swap <= calibrate_swap_write && mask[0] && bus_data_i[0];
+    if (calibrate_write_write) cfg_o.calibrate.write_row <= (cfg_o.calibrate.write_row & ~mask[8]) | (bus_wdata_i[8] & mask[8]);
+    if (calibrate_write_write) cfg_o.calibrate.write_lanes <= (cfg_o.calibrate.write_lanes & ~mask[7:0]) | (bus_wdata_i[7:0] & mask[7:0]);
+    cfg_o.calibrate.swap <= calibrate_swap_write && mask[0] && bus_wdata_i[0];
     if (rst_i) begin
       cfg_o.calibrate.preset <= Resets[423+:16];
       cfg_o.calibrate.word <= Resets[439+:20];
@@ -449,7 +449,7 @@ module msn_registers #(
   localparam logic [31:0] CopMinLoadReset = Resets[501+:32];
   logic cop_pending;
   always_ff @(posedge clk_i) begin
-    if (cop_min_load_write) cop_min_load_q <= (cop_min_load_q & ~mask[31:0]) | (bus_data_i[31:0] & mask[31:0]);
+    if (cop_min_load_write) cop_min_load_q <= (cop_min_load_q & ~mask[31:0]) | (bus_wdata_i[31:0] & mask[31:0]);
     if (commit_i) begin
       cfg_o.cop.min_load <= cop_min_load_fit;
       cop_pending <= 1'b0;
@@ -537,24 +537,24 @@ module msn_registers #(
   logic [17:0] cop4_imbalance_q;
   logic cop4_pending;
   always_ff @(posedge clk_i) begin
-    if (cop4_rail_write) cop4_rail_q <= (cop4_rail_q & ~mask[16:0]) | (bus_data_i[16:0] & mask[16:0]);
-    if (cop4_kx_write) cop4_kx_q <= (cop4_kx_q & ~mask[16:0]) | (bus_data_i[16:0] & mask[16:0]);
-    if (cop4_shift_x_write) cop4_shift_x_q <= (cop4_shift_x_q & ~mask[3:0]) | (bus_data_i[3:0] & mask[3:0]);
-    if (cop4_ky_write) cop4_ky_q <= (cop4_ky_q & ~mask[16:0]) | (bus_data_i[16:0] & mask[16:0]);
-    if (cop4_shift_y_write) cop4_shift_y_q <= (cop4_shift_y_q & ~mask[3:0]) | (bus_data_i[3:0] & mask[3:0]);
-    if (cop4_kf_write) cop4_kf_q <= (cop4_kf_q & ~mask[16:0]) | (bus_data_i[16:0] & mask[16:0]);
-    if (cop4_shift_load_write) cop4_shift_load_q <= (cop4_shift_load_q & ~mask[3:0]) | (bus_data_i[3:0] & mask[3:0]);
-    if (cop4_p0_write) cop4_p0_q <= (cop4_p0_q & ~mask[17:0]) | (bus_data_i[17:0] & mask[17:0]);
-    if (cop4_p1_write) cop4_p1_q <= (cop4_p1_q & ~mask[17:0]) | (bus_data_i[17:0] & mask[17:0]);
-    if (cop4_p2_write) cop4_p2_q <= (cop4_p2_q & ~mask[17:0]) | (bus_data_i[17:0] & mask[17:0]);
-    if (cop4_p3_write) cop4_p3_q <= (cop4_p3_q & ~mask[17:0]) | (bus_data_i[17:0] & mask[17:0]);
-    if (cop4_p4_write) cop4_p4_q <= (cop4_p4_q & ~mask[17:0]) | (bus_data_i[17:0] & mask[17:0]);
-    if (cop4_p5_write) cop4_p5_q <= (cop4_p5_q & ~mask[17:0]) | (bus_data_i[17:0] & mask[17:0]);
-    if (cop4_min_load_write) cop4_min_load_q <= (cop4_min_load_q & ~mask[15:0]) | (bus_data_i[15:0] & mask[15:0]);
-    if (cop4_top_write) cop4_top_q <= (cop4_top_q & ~mask[15:0]) | (bus_data_i[15:0] & mask[15:0]);
-    if (cop4_idle_write) cop4_idle_q <= (cop4_idle_q & ~mask[16:0]) | (bus_data_i[16:0] & mask[16:0]);
-    if (cop4_busy_write) cop4_busy_q <= (cop4_busy_q & ~mask[16:0]) | (bus_data_i[16:0] & mask[16:0]);
-    if (cop4_imbalance_write) cop4_imbalance_q <= (cop4_imbalance_q & ~mask[17:0]) | (bus_data_i[17:0] & mask[17:0]);
+    if (cop4_rail_write) cop4_rail_q <= (cop4_rail_q & ~mask[16:0]) | (bus_wdata_i[16:0] & mask[16:0]);
+    if (cop4_kx_write) cop4_kx_q <= (cop4_kx_q & ~mask[16:0]) | (bus_wdata_i[16:0] & mask[16:0]);
+    if (cop4_shift_x_write) cop4_shift_x_q <= (cop4_shift_x_q & ~mask[3:0]) | (bus_wdata_i[3:0] & mask[3:0]);
+    if (cop4_ky_write) cop4_ky_q <= (cop4_ky_q & ~mask[16:0]) | (bus_wdata_i[16:0] & mask[16:0]);
+    if (cop4_shift_y_write) cop4_shift_y_q <= (cop4_shift_y_q & ~mask[3:0]) | (bus_wdata_i[3:0] & mask[3:0]);
+    if (cop4_kf_write) cop4_kf_q <= (cop4_kf_q & ~mask[16:0]) | (bus_wdata_i[16:0] & mask[16:0]);
+    if (cop4_shift_load_write) cop4_shift_load_q <= (cop4_shift_load_q & ~mask[3:0]) | (bus_wdata_i[3:0] & mask[3:0]);
+    if (cop4_p0_write) cop4_p0_q <= (cop4_p0_q & ~mask[17:0]) | (bus_wdata_i[17:0] & mask[17:0]);
+    if (cop4_p1_write) cop4_p1_q <= (cop4_p1_q & ~mask[17:0]) | (bus_wdata_i[17:0] & mask[17:0]);
+    if (cop4_p2_write) cop4_p2_q <= (cop4_p2_q & ~mask[17:0]) | (bus_wdata_i[17:0] & mask[17:0]);
+    if (cop4_p3_write) cop4_p3_q <= (cop4_p3_q & ~mask[17:0]) | (bus_wdata_i[17:0] & mask[17:0]);
+    if (cop4_p4_write) cop4_p4_q <= (cop4_p4_q & ~mask[17:0]) | (bus_wdata_i[17:0] & mask[17:0]);
+    if (cop4_p5_write) cop4_p5_q <= (cop4_p5_q & ~mask[17:0]) | (bus_wdata_i[17:0] & mask[17:0]);
+    if (cop4_min_load_write) cop4_min_load_q <= (cop4_min_load_q & ~mask[15:0]) | (bus_wdata_i[15:0] & mask[15:0]);
+    if (cop4_top_write) cop4_top_q <= (cop4_top_q & ~mask[15:0]) | (bus_wdata_i[15:0] & mask[15:0]);
+    if (cop4_idle_write) cop4_idle_q <= (cop4_idle_q & ~mask[16:0]) | (bus_wdata_i[16:0] & mask[16:0]);
+    if (cop4_busy_write) cop4_busy_q <= (cop4_busy_q & ~mask[16:0]) | (bus_wdata_i[16:0] & mask[16:0]);
+    if (cop4_imbalance_write) cop4_imbalance_q <= (cop4_imbalance_q & ~mask[17:0]) | (bus_wdata_i[17:0] & mask[17:0]);
     if (commit_i) begin
       cfg_o.cop4.rail <= cop4_rail_q;
       cfg_o.cop4.kx <= cop4_kx_q;
@@ -641,11 +641,11 @@ module msn_registers #(
   logic [15:0] cop_slip_refractory_q;
   logic cop_slip_pending;
   always_ff @(posedge clk_i) begin
-    if (cop_slip_drop_write) cop_slip_drop_q <= (cop_slip_drop_q & ~mask[7:0]) | (bus_data_i[7:0] & mask[7:0]);
-    if (cop_slip_move_write) cop_slip_move_q <= (cop_slip_move_q & ~mask[15:0]) | (bus_data_i[15:0] & mask[15:0]);
-    if (cop_slip_min_load_write) cop_slip_min_load_q <= (cop_slip_min_load_q & ~mask[15:0]) | (bus_data_i[15:0] & mask[15:0]);
-    if (cop_slip_hold_write) cop_slip_hold_q <= (cop_slip_hold_q & ~mask[15:0]) | (bus_data_i[15:0] & mask[15:0]);
-    if (cop_slip_refractory_write) cop_slip_refractory_q <= (cop_slip_refractory_q & ~mask[15:0]) | (bus_data_i[15:0] & mask[15:0]);
+    if (cop_slip_drop_write) cop_slip_drop_q <= (cop_slip_drop_q & ~mask[7:0]) | (bus_wdata_i[7:0] & mask[7:0]);
+    if (cop_slip_move_write) cop_slip_move_q <= (cop_slip_move_q & ~mask[15:0]) | (bus_wdata_i[15:0] & mask[15:0]);
+    if (cop_slip_min_load_write) cop_slip_min_load_q <= (cop_slip_min_load_q & ~mask[15:0]) | (bus_wdata_i[15:0] & mask[15:0]);
+    if (cop_slip_hold_write) cop_slip_hold_q <= (cop_slip_hold_q & ~mask[15:0]) | (bus_wdata_i[15:0] & mask[15:0]);
+    if (cop_slip_refractory_write) cop_slip_refractory_q <= (cop_slip_refractory_q & ~mask[15:0]) | (bus_wdata_i[15:0] & mask[15:0]);
     if (commit_i) begin
       cfg_o.cop_slip.drop <= cop_slip_drop_q;
       cfg_o.cop_slip.move <= cop_slip_move_q;
@@ -683,7 +683,7 @@ module msn_registers #(
   logic link_rejected_hit;
   assign link_rejected_hit = Link && word == 10'h244;
   always_ff @(posedge clk_i) begin
-    if (link_images_write) cfg_o.link.images <= (cfg_o.link.images & ~mask[0]) | (bus_data_i[0] & mask[0]);
+    if (link_images_write) cfg_o.link.images <= (cfg_o.link.images & ~mask[0]) | (bus_wdata_i[0] & mask[0]);
     if (rst_i) begin
       cfg_o.link.images <= Resets[877];
     end
@@ -1064,7 +1064,7 @@ module msn_registers #(
     odd         <= bus_address_i[1:0] != 2'd0;
     bus_done_o  <= asked;
     bus_error_o <= !hit || odd || (wrote && !writable);
-    bus_data_o  <= (wrote || odd) ? 32'd0 : read_word;
+    bus_rdata_o  <= (wrote || odd) ? 32'd0 : read_word;
     if (rst_i) begin
       asked      <= 1'b0;
       bus_done_o <= 1'b0;

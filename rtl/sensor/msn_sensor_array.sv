@@ -3,7 +3,7 @@
 // A scanned array, from its lines and pins or a stream to single forces, centres of pressure and reports of health:
 // instances and wires only.
 //
-//   pins or stream ─ array ─┬─ narrow (Tap) ─ samples      registers ─ preset ─ array's calibration
+//   pins or stream ─ array ─┬─ width_converter (Tap) ─ samples      registers ─ preset ─ array's calibration
 //                           ├─ centres of pressure
 //                           └─ health_report ─ reports
 //
@@ -154,7 +154,7 @@ module msn_sensor_array #(
     .now_i,
     .cfg_enable_i(cfg_i.scan.enable), .cfg_settle_i(cfg_i.scan.settle), .cfg_period_i(cfg_i.scan.period),
     .cfg_interleave_i(cfg_i.scan.interleave), .cfg_band_i(cfg_i.health.band), .cfg_jump_i(cfg_i.health.jump),
-    .cfg_low_i(cfg_i.health.low), .cfg_high_i(cfg_i.health.high), .cfg_user_i(cfg_i.health.use_user),
+    .cfg_low_i(cfg_i.health.low), .cfg_high_i(cfg_i.health.high), .cfg_over_range_i(cfg_i.health.use_user),
     .cfg_edges_i(cfg_i.health.use_edges), .cfg_still_i(cfg_i.health.still), .cfg_rail_i(cfg_i.health.rail),
     .cfg_blink_i(cfg_i.health.blink), .cfg_clear_i(cfg_i.health.clear), .cfg_report_i(cfg_i.health.report),
     .cfg_contact_i(cfg_i.tare.contact), .cfg_step_i(cfg_i.tare.step),
@@ -201,7 +201,7 @@ module msn_sensor_array #(
     assign tap[17*k+:17] = {tap_mask[k], tap_data[16*k+:16]};
   end
   logic [15:0] force_of_taxel;
-  msn_narrow #(.Rows(Rows), .Columns(Columns), .Lanes(Lanes), .DataBits(17)) u_narrow (
+  msn_width_converter #(.Rows(Rows), .Columns(Columns), .Lanes(Lanes), .DataBits(17)) u_width_converter (
     .clk_i, .rst_i,
     .in_valid_i(tap_valid), .in_ready_o(tap_ready), .in_data_i(tap), .in_row_last_i(tap_row_last),
     .in_last_i(tap_last),

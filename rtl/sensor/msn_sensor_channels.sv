@@ -86,8 +86,8 @@ module msn_sensor_channels #(
     );
     if (Adc == msn_pkg::AdcNone) begin : gen_stream_time
       always_ff @(posedge clk_i) if (sample_valid_o && sample_ready_i && sample_first_o) time_o <= now_i;
-    end else begin : gen_convert_time
-      msn_convert_time u_convert_time (
+    end else begin : gen_time_stamp
+      msn_time_stamp u_time_stamp (
         .clk_i, .rst_i,
         .now_i, .convert_i(convert_o), .valid_i(adc_valid), .ready_i(adc_ready), .last_i(sample_last_o),
         .time_o

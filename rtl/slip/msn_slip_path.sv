@@ -2,7 +2,7 @@
 //
 // The slip path: samples to slip decisions about each channel. Instances and wires only, in data-path order.
 //
-//   samples ─ frame_check ─ haar ─ peak_to_peak ─ slip ─ decisions
+//   samples ─ frame_filter ─ haar ─ peak_to_peak ─ slip ─ decisions
 //
 // Whole frames come in, channels in order, `last` on the final one. Decision Level + 5 clocks after the sample that
 // completes a group with tumbling windows, Level + 7 with a sliding one of 64. Serial: one block in place of the four,
@@ -95,7 +95,7 @@ module msn_slip_path #(
     logic whole_mask, detail_mask, window_mask;
     logic haar_busy, extremes_busy, slip_busy;
     assign busy_o = whole_valid || haar_busy || extremes_busy || slip_busy;
-    msn_frame_check #(.Channels(Channels), .DataBits(SampleBits + 1)) u_frame_check (
+    msn_frame_filter #(.Channels(Channels), .DataBits(SampleBits + 1)) u_frame_filter (
       .clk_i, .rst_i,
       .in_valid_i, .in_ready_o, .in_data_i({Mask && in_mask_i, in_data_i}), .in_id_i, .in_last_i,
       .out_valid_o(whole_valid), .out_ready_i(whole_ready), .out_data_o({whole_mask, whole}),

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The whole slip path of one channel, a digit a clock: msn_frame_check, msn_haar, msn_peak_to_peak with tumbling
+// The whole slip path of one channel, a digit a clock: msn_frame_filter, msn_haar, msn_peak_to_peak with tumbling
 // windows and msn_slip, the same decisions bit for bit, for the smallest builds. Two passes over a sample's digits of
 // one bit or two, lowest first; digit i of every variable is a column of word i of a small memory.
 //

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 import bench
-from common.test_frame_place import damaged_beats
+from common.test_frame_marker import damaged_beats
 from meissner.twins.common.compare import compare
-from meissner.twins.common.frame_check import FrameCheck
+from meissner.twins.common.constant_multiplier import constant_multiplier
+from meissner.twins.common.frame_filter import FrameFilter
+from meissner.twins.common.frame_marker import FrameMarker
 from meissner.twins.common.frame_owed import FrameOwed
-from meissner.twins.common.frame_place import FramePlace
 from meissner.twins.common.multiply import multiply
-from meissner.twins.common.times import times
 
 
 @pytest.mark.parametrize("width", [1, 2, 5])
@@ -37,7 +37,9 @@ def test_products_by_shifts_and_sums():
     draw = random.Random(bench.SEED)
     values = [0, 1, -1, 131071, -131072, *(draw.randrange(-131072, 131072) for _ in range(200))]
     for factor in (0, 1, 2, 3, 255, 65535, draw.randrange(65536)):
-        assert times(values, factor).tolist() == [shifted_sum(value, factor) for value in values]
+        assert constant_multiplier(values, factor).tolist() == [
+            shifted_sum(value, factor) for value in values
+        ]
         assert multiply(values, factor).tolist() == [shifted_sum(value, factor) for value in values]
 
 
@@ -72,7 +74,7 @@ def frames_by_their_ends(stream, beats):
 def test_places_by_the_frames_ends(rows, row_beats):
     beats = rows * row_beats
     stream = [(id_, last) for id_, last, _ in damaged_beats(beats, 500, 0.4, bench.SEED)]
-    twin = FramePlace(rows, row_beats)
+    twin = FrameMarker(rows, row_beats)
     places = twin.process(*zip(*stream))
     fits, whole, damaged = frames_by_their_ends(stream, beats)
     assert [bool(place and place.fits) for place in places] == fits
@@ -85,9 +87,9 @@ def test_places_by_the_frames_ends(rows, row_beats):
 
 @pytest.mark.parametrize("channels", [1, 2, 5])
 def test_checked_frames_by_their_ends(channels):
-    """By msn_frame_check's header: a frame passes up to its first wrong sample, the next one restarts."""
+    """By msn_frame_filter's header: a frame passes up to its first wrong sample, the next one restarts."""
     stream = [(id_, last) for id_, last, _ in damaged_beats(channels, 500, 0.4, bench.SEED)]
-    twin = FrameCheck(channels)
+    twin = FrameFilter(channels)
     kept, restarts = twin.process(*zip(*stream))
     frames, expected, marks, damaged, restart = [[]], [], [], 0, True
     for one in stream:

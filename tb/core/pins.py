@@ -61,14 +61,14 @@ ADDRESS = {
 async def access(dut, write, address, data=0, strobe=15):
     """(data, error) of one access at the bus of ``dut``."""
     dut.bus_valid_i.value, dut.bus_write_i.value, dut.bus_strobe_i.value = 1, int(write), strobe
-    dut.bus_address_i.value, dut.bus_data_i.value = address, data & 0xFFFF_FFFF
+    dut.bus_address_i.value, dut.bus_wdata_i.value = address, data & 0xFFFF_FFFF
     await RisingEdge(dut.clk_i)
     dut.bus_valid_i.value = 0
     await ReadOnly()
     while dut.bus_done_o.value != 1:
         await RisingEdge(dut.clk_i)
         await ReadOnly()
-    answer = bench.read(dut.bus_data_o), bench.read(dut.bus_error_o)
+    answer = bench.read(dut.bus_rdata_o), bench.read(dut.bus_error_o)
     await RisingEdge(dut.clk_i)
     return answer
 

@@ -90,7 +90,7 @@ INSIDE = {
     "array": "gen_array.u_sensor.u_array",
     "preset": "gen_array.u_sensor.u_preset",
     "report": "gen_array.u_sensor.u_health_report",
-    "narrow": "gen_array.u_sensor.u_narrow",
+    "width_converter": "gen_array.u_sensor.u_width_converter",
     "owed": "gen_cop4.u_sensor.u_owed",
     "electrodes": "gen_cop4.u_sensor.u_electrodes",
     "cop4": "gen_cop4.u_sensor.u_cop4",
@@ -104,7 +104,7 @@ PINS["smallest"] = PINS["channels"]
 AT_PINS = {
     "acquire": "u_acquire",
     "gate": "gen_gate.u_frame_gate",
-    "time": "gen_gate.gen_convert_time.u_convert_time",
+    "time": "gen_gate.gen_time_stamp.u_time_stamp",
 }
 PARTS = {  # whose wires a core has
     "array": ("array", "slip", "events", "flags", "link"),
@@ -717,7 +717,7 @@ async def every_bit_of_a_counter_reaches_its_register(dut):
     await bench.clocks(dut, 8000)
     path = dut.u_slip.gen_slip.u_slip_path.gen_parallel
     sources = {
-        "slip.damaged": path.u_frame_check.damaged_o,
+        "slip.damaged": path.u_frame_filter.damaged_o,
         "slip.blanked": path.u_slip.blanked_o,
         "link.rejected": dut.u_link.gen_link.u_link.gen_registers.u_bridge.rejected_o,
     }

@@ -15,7 +15,7 @@ BLOCKS = {
         "msn_array",
         "msn_scan",
         "msn_calibrate",
-        "msn_narrow",
+        "msn_width_converter",
         "msn_calibration_preset",
         "msn_cop_divide",
     },

@@ -380,7 +380,7 @@ async def each_counter_has_its_own_register_and_statistic(dut):
     sources = {
         **{"scan.dropped": scan.u_frames.dropped_o, "scan.overrun": scan.u_plan.overrun_o},
         **{"scan.held": scan.u_plan.held_o, "scan.lost": scan.lost_o},
-        **{"slip.damaged": path.u_frame_check.damaged_o, "slip.blanked": path.u_slip.blanked_o},
+        **{"slip.damaged": path.u_frame_filter.damaged_o, "slip.blanked": path.u_slip.blanked_o},
         **{f"health.{name}": getattr(health, f"{name}_o") for name in ("dead", "railed", "blinking")},
         **{f"tare.{name}": getattr(tare, f"{name}_o") for name in ("tared", "refused", "swallowed")},
         "cop.damaged": array.u_cop_array.u_cop.u_accumulate.damaged_o,

@@ -227,7 +227,7 @@ async def each_counter_has_its_own_register_and_statistic(dut):
     spi, path = dut.gen_channels.u_sensor.u_acquire.gen_adc.u_adc_spi, dut.u_slip.gen_slip.u_slip_path
     names = ("dropped", "overrun", "timeout", "mistagged", "over_range")
     sources = {f"adc.{name}": getattr(spi, f"{name}_o") for name in names}
-    sources["slip.damaged"] = path.gen_parallel.u_frame_check.damaged_o
+    sources["slip.damaged"] = path.gen_parallel.u_frame_filter.damaged_o
     sources["slip.blanked"] = path.gen_parallel.u_slip.blanked_o
     sources["link.rejected"] = dut.u_link.gen_link.u_link.gen_registers.u_bridge.rejected_o
     places = {"adc.dropped": 0, "adc.overrun": 1, "adc.timeout": 2, "slip.damaged": 3, "slip.blanked": 4}

@@ -11,7 +11,7 @@ RESET = "      restart     <= 1'b1;\n"
 
 
 def test_finds_a_forgotten_reset(tmp_path, monkeypatch):
-    package, block = (toolchain.ROOT / f"rtl/{name}.sv" for name in ("msn_pkg", "common/msn_frame_check"))
+    package, block = (toolchain.ROOT / f"rtl/{name}.sv" for name in ("msn_pkg", "common/msn_frame_filter"))
     folder = tmp_path / "forgotten"
     folder.mkdir()
     text = block.read_text()
@@ -20,7 +20,7 @@ def test_finds_a_forgotten_reset(tmp_path, monkeypatch):
     sources = [package, folder / block.name]
 
     def start():
-        bench.run("common", "frame_check", {"Channels": 2}, "rate=0.0/stall_rate=0.0$", sources=sources)
+        bench.run("common", "frame_filter", {"Channels": 2}, "rate=0.0/stall_rate=0.0$", sources=sources)
 
     monkeypatch.delenv("MEISSNER_COVERAGE", raising=False)
     monkeypatch.setattr(runner, "POWERUPS", 0)

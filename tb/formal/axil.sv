@@ -19,12 +19,12 @@ module formal_axil (
   input logic [2:0]  s_axil_arprot,
   input logic        s_axil_rready,
   input logic        bus_error_i,
-  input logic [31:0] bus_data_i
+  input logic [31:0] bus_rdata_i
 );
 
   logic        s_axil_awready, s_axil_wready, s_axil_bvalid, s_axil_arready, s_axil_rvalid;
   logic [1:0]  s_axil_bresp, s_axil_rresp;
-  logic [31:0] s_axil_rdata, bus_data_o;
+  logic [31:0] s_axil_rdata, bus_wdata_o;
   logic        bus_valid_o, bus_write_o, bus_asked, bus_done_i;
   logic [11:0] bus_address_o;
   logic [3:0]  bus_strobe_o;
@@ -55,7 +55,7 @@ module formal_axil (
     asked_ar   <= {s_axil_araddr, s_axil_arprot, 1'b0};
     if (b) write_open <= 1'b0;
     if (r) read_open <= 1'b0;
-    if (bus_done_i) {answered, error, word} <= {1'b1, bus_error_i, bus_data_i};
+    if (bus_done_i) {answered, error, word} <= {1'b1, bus_error_i, bus_rdata_i};
     if (b || r) answered <= 1'b0;
     if (wrote) write_open <= 1'b1;
     if (read) read_open <= 1'b1;
@@ -85,7 +85,7 @@ module formal_axil (
       assert (bus_valid_o == (wrote || read) && !(wrote && read));
       if (wrote || read) assert (!write_open && !read_open && bus_write_o == wrote);
       if (wrote) assert (bus_address_o == {s_axil_awaddr[11:2], 2'b00});
-      if (wrote) assert (bus_data_o == s_axil_wdata && bus_strobe_o == s_axil_wstrb);
+      if (wrote) assert (bus_wdata_o == s_axil_wdata && bus_strobe_o == s_axil_wstrb);
       if (read) assert (bus_address_o == {s_axil_araddr[11:2], 2'b00});
       // its answer
       assert (s_axil_bvalid == (write_open && answered) && s_axil_rvalid == (read_open && answered));

@@ -3,7 +3,7 @@
 // Of a frame whose `last` is where it belongs, and of no other, S, A and B as sums of prefix sums (that these are the
 // header's sums is algebra), Mx = (2N - n - 1) S - 2 A and My = 2 B - (m-1) S leave two clocks after the tree; they hold
 // until they are taken. No sum wraps at the frame's full size, every force 65535: S counts exactly what the beats bring,
-// in a register one bit wider, and so does a row's total. Damaged frames are counted. Beats come as msn_frame_place hands
+// in a register one bit wider, and so does a row's total. Damaged frames are counted. Beats come as msn_frame_marker hands
 // them on: a frame ends early with a beat that does not fit, or brings beats that do not fit from its final place on.
 
 module formal_cop_accumulate #(

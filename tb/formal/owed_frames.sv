@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What a block of the slip path may count on (assumed; msn_frame_check owes it, msn_haar hands it on): frames whose
+// What a block of the slip path may count on (assumed; msn_frame_filter owes it, msn_haar hands it on): frames whose
 // samples count 0 .. Channels-1, the final one marked `last`; `restart` is the same all through a frame, and set in
 // the first after reset. watch_i is a channel, whichever, the same for ever.
 

@@ -29,7 +29,7 @@ module formal_registers #(
   input logic        bus_valid_i,
   input logic        bus_write_i,
   input logic [11:0] bus_address_i,
-  input logic [31:0] bus_data_i,
+  input logic [31:0] bus_wdata_i,
   input logic [3:0]  bus_strobe_i,
   input logic        commit_i,
   input msn_registers_pkg::status_t status_i
@@ -37,7 +37,7 @@ module formal_registers #(
 
   msn_registers_pkg::cfg_t cfg_o;
   logic        bus_done_o, bus_error_o, pending_o;
-  logic [31:0] bus_data_o;
+  logic [31:0] bus_rdata_o;
 
   logic        started = 1'b0;
   logic        write, odd;
@@ -57,7 +57,7 @@ module formal_registers #(
   assign there[n] = on && word == at; \
   assign bits[32*n+:32] = there[n] ? {width{1'b1}} << low : '0; \
   always_ff @(posedge clk_i) {asked_``n, was_``n} <= {there[n], (width)'(value)}; \
-  always_comb if (started && done && !empty && asked_``n) assert (bus_data_o[low+:width] == was_``n);
+  always_comb if (started && done && !empty && asked_``n) assert (bus_rdata_o[low+:width] == was_``n);
 
 `define SETTING(n, on, at, low, width, place, name, member, waits, inner, ends, sign) \
   logic [width-1:0] name``_fit; \
@@ -65,7 +65,7 @@ module formal_registers #(
     .On(on), .Word(at), .Low(low), .Width(width), .Reset(Resets[place+:width]), .Waits(waits), .Bits(ends), \
     .Signed(sign) \
   ) owed_``name ( \
-    .clk_i, .rst_i, .write_i(write), .word_i(bus_address_i[11:2]), .data_i(bus_data_i), .mask_i(mask), \
+    .clk_i, .rst_i, .write_i(write), .word_i(bus_address_i[11:2]), .data_i(bus_wdata_i), .mask_i(mask), \
     .commit_i, .member_i(cfg_o.member), .held_i(inner), .fit_o(name``_fit), \
     .written_o(written[n]) \
   ); \
@@ -83,7 +83,7 @@ module formal_registers #(
 `define COMMAND(n, on, at, low, name, member) \
   logic due_``name; \
   assign {written[n], writable[n]} = {1'b0, there[n]}; \
-  always_ff @(posedge clk_i) due_``name <= !rst_i && on && write && bus_address_i[11:2] == at && mask[low] && bus_data_i[low]; \
+  always_ff @(posedge clk_i) due_``name <= !rst_i && on && write && bus_address_i[11:2] == at && mask[low] && bus_wdata_i[low]; \
   always_comb if (started) assert (cfg_o.member == due_``name); \
   `READS(n, on, at, low, 1, 0)
 
@@ -130,15 +130,15 @@ module formal_registers #(
     if (started) begin
       assert (bus_done_o == done);
       if (done) assert (bus_error_o == error);
-      if (done) assert ((bus_data_o & (empty ? '1 : ~mask_q)) == '0);
+      if (done) assert ((bus_rdata_o & (empty ? '1 : ~mask_q)) == '0);
     end
   end
 
   always_comb begin
     if (started && !rst_i) begin
-      cover (done && !error && bus_data_o == 32'hCAFE_0001 && !wrote);
+      cover (done && !error && bus_rdata_o == 32'hCAFE_0001 && !wrote);
       cover (done && error && asked && writable != '0 && wrote);
-      cover (done && !error && bus_data_o == 32'h4d534e52);
+      cover (done && !error && bus_rdata_o == 32'h4d534e52);
     end
   end
 

@@ -11,8 +11,8 @@ from meissner.twins.frontend.adc_single import AdcSingle
 from meissner.twins.frontend.adc_spi import AD7606, MAX11123, MAX11124, MAX11125, MCP3208, AdcSpi
 from meissner.twins.frontend.am_demod import references
 from meissner.twins.frontend.calibration_preset import preset
-from meissner.twins.frontend.convert_time import convert_times
 from meissner.twins.frontend.scan_plan import Region, ScanPlan, Settings
+from meissner.twins.frontend.time_stamp import time_stamps
 
 CODES = {  # code: (sample, over-range), by docs/adc.md
     MCP3208: {0: (0, 1), 1: (1, 0), 2047: (2047, 0), 2048: (2048, 0), 4094: (4094, 0), 4095: (4095, 1)},
@@ -50,14 +50,14 @@ def test_bursts_by_hand():
     assert burst.samples(skip=3, periods=5, samples_per_period=8) == 43
 
 
-def test_convert_times_by_hand():
+def test_time_stamps_by_hand():
     """Of each frame the last convert start before its first sample was offered, not of the same clock."""
     convert, sample, last = (1, 0, 0, 0), (0, 1, 0, 0), (0, 1, 1, 1)
     waits = (0, 1, 0, 1)  # the last sample, not taken yet
     idle, both = (0, 0, 0, 0), (1, 1, 1, 1)
     clocks = [idle, convert, idle, sample, waits, last, convert, convert, waits, both, last, last]
     #         0     1        2     3       4      5     6        7        8      9     10    11
-    assert convert_times(clocks) == [1, 7, 9, 9]
+    assert time_stamps(clocks) == [1, 7, 9, 9]
 
 
 def test_references_of_a_carrier_by_hand():

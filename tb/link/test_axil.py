@@ -20,16 +20,16 @@ async def serve(dut, twin, served):
         await ReadOnly()
         asked = dut.bus_valid_o.value == 1
         access = [bench.read(getattr(dut, f"bus_{name}_o")) for name in ("write", "address") if asked]
-        for name in ("data", "strobe") if asked else ():  # of a write: a read leaves them as they were
+        for name in ("wdata", "strobe") if asked else ():  # of a write: a read leaves them as they were
             access.append(bench.read(getattr(dut, f"bus_{name}_o")) if access[0] else 0)
         await RisingEdge(dut.clk_i)
         dut.bus_done_i.value = int(asked)
         if asked:
             served.append(access)
             data, error, _ = twin.access(*access)
-            dut.bus_data_i.value, dut.bus_error_i.value = data, int(error)
+            dut.bus_rdata_i.value, dut.bus_error_i.value = data, int(error)
         else:
-            dut.bus_data_i.value, dut.bus_error_i.value = 0xBAD0_BAD0, 1
+            dut.bus_rdata_i.value, dut.bus_error_i.value = 0xBAD0_BAD0, 1
 
 
 async def begin(dut):

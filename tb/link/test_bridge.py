@@ -29,7 +29,7 @@ class Registers:
         done = self.pending is not None
         self.dut.bus_done_i.value = int(done)
         self.dut.bus_error_i.value = int(done and self.pending[1])
-        self.dut.bus_data_i.value = self.pending[0] if done else 0xDEADBEEF
+        self.dut.bus_rdata_i.value = self.pending[0] if done else 0xDEADBEEF
 
     def after(self):
         """See what is asked in this clock."""
@@ -37,7 +37,7 @@ class Registers:
         if dut.bus_valid_o.value == 1:
             write, address = int(dut.bus_write_o.value), bench.read(dut.bus_address_o)
             assert dut.bus_strobe_o.value == 15
-            data = bench.read(dut.bus_data_o)
+            data = bench.read(dut.bus_wdata_o)
             self.seen.append((write, address, data if write else 0))
             if address & 0x400:
                 return

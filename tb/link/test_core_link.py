@@ -15,7 +15,7 @@ COUNTERS = {
     0: ("adc_dropped", "adc_overrun", "adc_timeout", *REST),
     1: ("scan_dropped", "scan_overrun", "scan_lost", *REST),
 }
-BUS = ("valid", "write", "address", "data", "strobe")
+BUS = ("valid", "write", "address", "wdata", "strobe")
 
 
 def number(dut, name):
@@ -24,7 +24,7 @@ def number(dut, name):
 
 async def begin(dut):
     names = "status convert decision_valid decision cop_valid cop health_valid health image_valid image_data"
-    names += " image_last bus_done bus_error bus_data " + " ".join(f"host_{name}" for name in BUS)
+    names += " image_last bus_done bus_error bus_rdata " + " ".join(f"host_{name}" for name in BUS)
     await bench.start(dut, **{f"{name}_i": 0 for name in names.split()}, rx_i=1, now_i=0, time_i=TIME)
 
 
@@ -134,7 +134,7 @@ async def the_hosts_bus_goes_straight_through(dut):
         asked = {name: turn * 0x9E3779B1 >> 3 & (1 << len(getattr(dut, f"bus_{name}_o"))) - 1 for name in BUS}
         answer = {
             name: turn * 0x85EBCA6B >> 5 & (1 << n) - 1
-            for name, n in (("done", 1), ("error", 1), ("data", 32))
+            for name, n in (("done", 1), ("error", 1), ("rdata", 32))
         }
         for name, value in asked.items():
             getattr(dut, f"host_{name}_i").value = value

@@ -16,12 +16,12 @@ from meissner.twins.link.link import line_of, packets_of
 from meissner.twins.link.uart_tx import levels
 
 CLK, BAUD, TAXELS, CHUNK = 12_000_000, 3_000_000, 36, 16
-HOST = ("host_valid", "host_write", "host_address", "host_data", "host_strobe")
+HOST = ("host_valid", "host_write", "host_address", "host_wdata", "host_strobe")
 
 
 async def begin(dut, rates, ready=lambda: True):
     """The bench of msn_packet's test; nobody asks for registers."""
-    rest = {f"{name}_i": 0 for name in ("bus_done", "bus_error", "bus_data", *HOST)}
+    rest = {f"{name}_i": 0 for name in ("bus_done", "bus_error", "bus_rdata", *HOST)}
     return await packet.begin(dut, np.random.default_rng(bench.SEED), rates, ready, rx_i=1, **rest)
 
 
@@ -174,13 +174,13 @@ async def without_a_line_the_bus_is_the_hosts(dut):
     rng = np.random.default_rng(bench.SEED)
     await begin(dut, {})
     uart = dut.Uart.value.to_unsigned()
-    widths = {"valid": 1, "write": 1, "address": 12, "data": 32, "strobe": 4}
+    widths = {"valid": 1, "write": 1, "address": 12, "wdata": 32, "strobe": 4}
     for _ in range(50):
         asked = {name: int(rng.integers(1 << width)) for name, width in widths.items()}
         answer = {
             "done": int(rng.integers(2)),
             "error": int(rng.integers(2)),
-            "data": int(rng.integers(1 << 32)),
+            "rdata": int(rng.integers(1 << 32)),
         }
         for name, value in asked.items():
             getattr(dut, f"host_{name}_i").value = value

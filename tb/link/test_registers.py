@@ -75,7 +75,7 @@ async def clock(dut, twin, status, access=None, commit=False, compared=True):
     """
     dut.bus_valid_i.value = int(access is not None)
     write, address, data, strobe = access or (1, 0x200, 0xFFFF_FFFF, 15)  # not valid: must change nothing
-    for name, value in (("write", write), ("address", address), ("data", data), ("strobe", strobe)):
+    for name, value in (("write", write), ("address", address), ("wdata", data), ("strobe", strobe)):
         getattr(dut, f"bus_{name}_i").value = value
     dut.commit_i.value = int(commit)
     await RisingEdge(dut.clk_i)
@@ -92,7 +92,7 @@ async def clock(dut, twin, status, access=None, commit=False, compared=True):
     await ReadOnly()
     assert bench.read(dut.bus_done_o) == (answer is not None)
     if answer:
-        assert (bench.read(dut.bus_data_o), bool(bench.read(dut.bus_error_o))) == answer[:2], access
+        assert (bench.read(dut.bus_rdata_o), bool(bench.read(dut.bus_error_o))) == answer[:2], access
     if compared:
         compare(dut, twin, set())
     await RisingEdge(dut.clk_i)
@@ -173,20 +173,20 @@ async def answers_an_access_every_clock(dut):
     for _ in range(500):
         address = draw.choice(known) if draw.random() < 0.8 else draw.randrange(4096)
         access = (draw.randrange(2), address, draw.getrandbits(32), draw.choice((15, draw.randrange(16))))
-        for name, value in zip(("write", "address", "data", "strobe"), access):
+        for name, value in zip(("write", "address", "wdata", "strobe"), access):
             getattr(dut, f"bus_{name}_i").value = value
         await RisingEdge(dut.clk_i)
         expected = twin.access(*access, status)[:2]
         await ReadOnly()
         assert dut.bus_done_o.value == (due is not None)
-        assert due is None or (bench.read(dut.bus_data_o), bool(bench.read(dut.bus_error_o))) == due
+        assert due is None or (bench.read(dut.bus_rdata_o), bool(bench.read(dut.bus_error_o))) == due
         due = expected
         await FallingEdge(dut.clk_i)
     dut.bus_valid_i.value = 0
     await RisingEdge(dut.clk_i)
     await ReadOnly()
     assert dut.bus_done_o.value == 1
-    assert (bench.read(dut.bus_data_o), bool(bench.read(dut.bus_error_o))) == due
+    assert (bench.read(dut.bus_rdata_o), bool(bench.read(dut.bus_error_o))) == due
     await RisingEdge(dut.clk_i)
     await ReadOnly()
     assert dut.bus_done_o.value == 0
@@ -229,14 +229,14 @@ async def what_meets_in_one_clock(dut):
         nonlocal number, swapping
         dut.bus_valid_i.value, dut.bus_write_i.value = int(access is not None), int(isinstance(access, tuple))
         address, data = access if isinstance(access, tuple) else (access or 0, 0xDEAD)
-        dut.bus_address_i.value, dut.bus_data_i.value, dut.bus_strobe_i.value = address, data, 15
+        dut.bus_address_i.value, dut.bus_wdata_i.value, dut.bus_strobe_i.value = address, data, 15
         dut.commit_i.value = commit
         status = {"scan_dropped": 7000 + number, "calibrate_swapping": swapping}
         dut.status_i.value = members.word(members.STATUS, status)
         await ReadOnly()
         if dut.bus_done_o.value == 1:
             assert dut.bus_error_o.value == 0
-            answers[number - 2] = bench.read(dut.bus_data_o)  # to the access of two clocks ago
+            answers[number - 2] = bench.read(dut.bus_rdata_o)  # to the access of two clocks ago
         pulse = members.of(members.CFG, bench.read(dut.cfg_o))["calibrate_swap"]
         swapping = pulse  # a core says so a clock later, here for one clock
         await RisingEdge(dut.clk_i)

@@ -51,13 +51,13 @@ async def begin(dut):
 async def access(dut, write, address, data=0, strobe=15):
     """The data that answers an access."""
     dut.bus_valid_i.value, dut.bus_write_i.value, dut.bus_strobe_i.value = 1, write, strobe
-    dut.bus_address_i.value, dut.bus_data_i.value = address, data & 0xFFFF_FFFF
+    dut.bus_address_i.value, dut.bus_wdata_i.value = address, data & 0xFFFF_FFFF
     await RisingEdge(dut.clk_i)
     dut.bus_valid_i.value = 0
     await RisingEdge(dut.clk_i)
     await ReadOnly()
     assert (dut.bus_done_o.value, dut.bus_error_o.value) == (1, 0)
-    data = bench.read(dut.bus_data_o)
+    data = bench.read(dut.bus_rdata_o)
     await RisingEdge(dut.clk_i)
     return data
 

@@ -11,7 +11,7 @@ from meissner.builds import toolchain
 from verify import benches, faults
 
 
-@pytest.mark.parametrize("block", ["frame_check", "skid"])
+@pytest.mark.parametrize("block", ["frame_filter", "skid"])
 def test_no_fault_is_undetected(block):
     results = faults.inject(block, 40, 3)
     kinds = {result.kind for result in results}
@@ -45,8 +45,8 @@ def _with(program, paths):
 def test_finds_damage_that_nobody_reports(monkeypatch, tmp_path):
     told = "if (in_last_i) restart <= !keep;\n    end\n"
     told += "    damage    <= in_valid_i && in_ready_o && in_last_i && !keep;"
-    planted(monkeypatch, tmp_path, "frame_check", told, "restart <= 1'b0;\n    end\n    damage <= 1'b0;")
-    assert any(result.outcome == "silent" for result in faults.inject("frame_check", 200, 3))
+    planted(monkeypatch, tmp_path, "frame_filter", told, "restart <= 1'b0;\n    end\n    damage <= 1'b0;")
+    assert any(result.outcome == "silent" for result in faults.inject("frame_filter", 200, 3))
 
 
 def test_finds_bytes_that_stay_wrong(monkeypatch, tmp_path):

@@ -150,7 +150,7 @@ SAYS = {
 
 
 def framed(block, circuit, channels):
-    """Verilog around a block of the slip path, which gets frames as msn_frame_check lets them through.
+    """Verilog around a block of the slip path, which gets frames as msn_frame_filter lets them through.
 
     Samples count 0 .. channels - 1, the last marked; ``restart`` all through a frame and in the first of all.
     """

@@ -5,7 +5,7 @@ a clock of reset and with it the change. From then on no output may differ, what
 `*_valid_o` qualifies counts only while that is 1. One that changes nothing in any clock, whatever the state,
 needs no more (after_reset.idle). Of the others ABC, which is part of Yosys, merges what it proves equal by
 induction (scorr), looks for a difference (bmc3), and proves that there is none (pdr). What it leaves open is
-no proof. A block with `in_restart_i` gets whole frames, as msn_frame_check hands them on, the first one
+no proof. A block with `in_restart_i` gets whole frames, as msn_frame_filter hands them on, the first one
 after a reset with restart; what it gets while `in_valid_i` is 0 is free there too. What stays open is looked
 at once more, from more states (after_reset.py), then signal by signal (lemmas.py); msn_divide has a contract
 (contract.py).

@@ -18,7 +18,7 @@ LONG_S = 3600  # by the clock: a build on a busy machine
 COLUMNS = ("injected", "masked", "recovered", "detected", "told", "late", "kept", "silent")
 LEFT_OUT = {
     "compare": "no state",
-    "times": "no state",
+    "constant_multiplier": "no state",
     "axis": "the core behind msn_axil, both done alone",
 }
 
@@ -39,7 +39,7 @@ SETTLE = {
     "channels": 28,
     **{
         "tare": 6,
-        "convert_time": 150,  # its recording marks ends that are no ends, too
+        "time_stamp": 150,  # its recording marks ends that are no ends, too
         "health": 40,
         "calibration_grid": 2,
         "calibrate": 3,
@@ -91,7 +91,7 @@ OPTIONS = {
     "multiply": ["frame=enable_i"],
     "spi_shift": ["frame=start_i", "strobe=word_o", "repeat=4"],
     "burst": ["frame=start_i"],
-    "convert_time": ["frame=last_i"],
+    "time_stamp": ["frame=last_i"],
     "slip_flags": ["frame=in_valid_i"],
     "calibration_preset": ["kept=all"],  # runs once after a reset: what it spoils is a table
     "calibration_grid": ["frame=last_i", f"kept={TABLES}"],

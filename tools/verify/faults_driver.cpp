@@ -508,7 +508,7 @@ std::vector<Access> accesses(const std::string &key) {
 }
 void access(Model &model, const std::vector<Access> &all, long since) {
   static const int valid = find("bus_valid_i"), write = find("bus_write_i"), address = find("bus_address_i"),
-                   data = find("bus_data_i"), strobe = find("bus_strobe_i");
+                   data = find("bus_wdata_i"), strobe = find("bus_strobe_i");
   if (since < 0 || since % 4 || static_cast<size_t>(since / 4) >= all.size()) return;
   const auto &one = all[since / 4];
   model.set(valid, true), model.set(write, true), model.set(address, &one.address), model.set(data, &one.data);
@@ -578,7 +578,7 @@ void play(Model &model, Trace &trace, const std::vector<Cell> *cells, const Faul
   Pins pins;
   static const bool bus = options.count("bus");
   static const int asks = bus ? find("bus_valid_o") : -1, asked_at = find("bus_address_o"), writes = find("bus_write_o"),
-                   done = find("bus_done_i"), error = find("bus_error_i"), answer = find("bus_data_i");
+                   done = find("bus_done_i"), error = find("bus_error_i"), answer = find("bus_rdata_i");
   bool asked = false, answers = false;  // a clock ago, two clocks ago
   uint32_t word = 0, next_word = 0;
   const bool free = options.count("free");

@@ -30,7 +30,7 @@ EVALUATIONS = 12_000_000  # of nodes in simulation: seconds
 class Task:
     """``ties``: of Pair; ``qualifiers``: {output: outputs one of which has to be 1, or with ! 0};
     ``clocks``: before outputs count; ``alike``: memories begin alike; ``reset``: the input that resets,
-    ``held`` for so many of these clocks; ``framed``: it gets frames, as msn_frame_check hands them on.
+    ``held`` for so many of these clocks; ``framed``: it gets frames, as msn_frame_filter hands them on.
 
     ``since``: {output, with * for any: the port that has to have been 1 before it counts}, in ``bounded``;
     ``joined``: of ``conditions``.

@@ -35,7 +35,7 @@ def moments(forces):
 
 
 class CopAccumulate:
-    """The same on the stream: beats of ``lanes`` columns, a row's last padded, as FramePlace passes them.
+    """The same on the stream: beats of ``lanes`` columns, a row's last padded, as FrameMarker passes them.
 
     A frame with a beat that does not fit is dropped whole and counted in ``damaged``.
     """

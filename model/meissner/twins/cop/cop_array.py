@@ -46,7 +46,7 @@ class CopArray:
         return self.next(raw, mask)
 
     def beat(self, raw, id_, last, mask=None, fits=True):
-        """One beat as FramePlace passes it; (x, y, load, pressed) of the frame that it ends, or None."""
+        """One beat as FrameMarker passes it; (x, y, load, pressed) of the frame that it ends, or None."""
         forces = self.calibrate.beat(raw, id_, last, mask)
         sums = self._accumulate.next(forces.tolist(), last, fits)
         if not sums:

@@ -62,7 +62,7 @@ class Calibrate:
         return forces(raw, offset, gain, self.gain_shift, mask, self.sample_bits, self.gain_bits)
 
     def beat(self, raw, id_, last, mask=None):
-        """Forces of one beat of ``lanes`` samples as FramePlace passes it."""
+        """Forces of one beat of ``lanes`` samples as FrameMarker passes it."""
         self._take_up()
         self._midway = not last
         offset, gain = (words.reshape(-1, self.table.lanes)[id_] for words in self.table.words())

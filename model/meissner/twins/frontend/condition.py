@@ -29,7 +29,7 @@ class Condition:
         return samples, mask
 
     def beat(self, raw, over, id_, last, fits=True):
-        """One beat as FramePlace passes it: samples (None while zeros are loaded), mask, events."""
+        """One beat as FrameMarker passes it: samples (None while zeros are loaded), mask, events."""
         mask, events = np.zeros(len(raw), dtype=bool), []
         if self.health is not None:
             mask, events = self.health.beat(raw, over, id_, last, fits)

@@ -101,7 +101,7 @@ class Health:
         return self.next(raw, over)
 
     def beat(self, raw, over, id_, last, fits=True):
-        """One beat as FramePlace passes it: its mask, and the events of the frame it ends."""
+        """One beat as FrameMarker passes it: its mask, and the events of the frame it ends."""
         self._midway = True
         if fits:
             self._beats.append((raw, over))

@@ -95,7 +95,7 @@ class Tare:
         return self.next(raw, mask)
 
     def beat(self, raw, id_, last, mask, fits=True):
-        """One beat as FramePlace passes it: r of its ``lanes``, 0 if it does not fit; None while loading."""
+        """One beat as FrameMarker passes it: r of its ``lanes``, 0 if it does not fit; None while loading."""
         self._midway = True
         swallowed = self.loading
         r = self._take(id_, np.asarray(raw), np.asarray(mask, bool), fits and not swallowed)

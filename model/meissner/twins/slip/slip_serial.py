@@ -2,14 +2,14 @@
 
 import numpy as np
 
-from meissner.twins.common.frame_check import FrameCheck
+from meissner.twins.common.frame_filter import FrameFilter
 from meissner.twins.slip.haar import Haar
 from meissner.twins.slip.peak_to_peak import PeakToPeak
 from meissner.twins.slip.slip import Slip, State
 
 
 class SlipSerial:
-    """FrameCheck, Haar, PeakToPeak with tumbling windows and Slip of one channel, one after the other.
+    """FrameFilter, Haar, PeakToPeak with tumbling windows and Slip of one channel, one after the other.
 
         d = x[2k] - x[2k+1]   p2p = max d - min d of the window so far   the states as in Slip
 
@@ -39,7 +39,7 @@ class SlipSerial:
         self.config = config
         digits = -(-max(detail_bits, timer_bits + 1) // digit)
         self.steps = 1 << (digits - 1).bit_length()
-        self._check, self._slip = FrameCheck(1), Slip(1, config)
+        self._check, self._slip = FrameFilter(1), Slip(1, config)
         self._haar = Haar(1, config.level)
         span = config.window >> config.level
         self._extremes = PeakToPeak(1, span, span)

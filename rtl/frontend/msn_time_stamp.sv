@@ -6,9 +6,9 @@
 //
 // So a frame keeps its own time while it waits, however many conversions come to nothing meanwhile, and while what
 // follows still works on the one before. The converter offers a frame's first sample before it converts the next.
-// Model: model/meissner/twins/frontend/convert_time.py
+// Model: model/meissner/twins/frontend/time_stamp.py
 
-module msn_convert_time (
+module msn_time_stamp (
   input  logic        clk_i,
   input  logic        rst_i,
   input  logic [47:0] now_i,

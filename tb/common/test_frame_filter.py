@@ -1,4 +1,4 @@
-"""msn_frame_check against its model: whole frames pass, every kind of damage is dropped, counted once,
+"""msn_frame_filter against its model: whole frames pass, every kind of damage is dropped, counted once,
 and followed by a restart. Damage: missing, doubled, swapped samples; last early, late or lost."""
 
 import random
@@ -7,7 +7,7 @@ import cocotb
 import pytest
 
 import bench
-from meissner.twins.common.frame_check import FrameCheck
+from meissner.twins.common.frame_filter import FrameFilter
 
 
 def damaged_stream(channels, frames, rate, seed):
@@ -46,7 +46,7 @@ async def counts_over_the_whole_width(dut):
 async def matches_model(dut, rate, stall_rate):
     channels = dut.Channels.value.to_unsigned()
     pairs = damaged_stream(channels, 300 if channels < 50 else 6, rate, bench.SEED)
-    model = FrameCheck(channels)
+    model = FrameFilter(channels)
     kept, restart = model.process(*zip(*pairs))
     await bench.start(dut)
     draw = random.Random(bench.SEED)
@@ -133,12 +133,12 @@ SPACE = lambda draw: {"Channels": draw.randint(1, 40)}
 
 
 @pytest.mark.parametrize("channels", [1, 2, 5, 8, 100])
-def test_frame_check(channels):
-    bench.run("common", "frame_check", {"Channels": channels})
+def test_frame_filter(channels):
+    bench.run("common", "frame_filter", {"Channels": channels})
 
 
 def test_refuses_illegal_parameters():
-    assert "Channels = 0" in bench.refuses("frame_check", {"Channels": 0})
-    assert "DataBits = 0" in bench.refuses("frame_check", {"DataBits": 0})
+    assert "Channels = 0" in bench.refuses("frame_filter", {"Channels": 0})
+    assert "DataBits = 0" in bench.refuses("frame_filter", {"DataBits": 0})
     with pytest.raises(ValueError, match="channels = 0"):
-        FrameCheck(0)
+        FrameFilter(0)

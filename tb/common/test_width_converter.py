@@ -1,11 +1,12 @@
-"""msn_narrow against its model: full and part-filled last beats, gaps and stalls, frames cut short, reset."""
+"""msn_width_converter against its model: full and part-filled last beats, gaps and stalls,
+frames cut short, reset."""
 
 import cocotb
 import numpy as np
 import pytest
 
 import bench
-from meissner.twins.common.narrow import narrow
+from meissner.twins.common.width_converter import width_converter
 
 FIELDS = ["data", "id", "last"]
 
@@ -30,7 +31,7 @@ async def check(dut, frames, gap=0.0, stall=0.0):
         for values, row_last, last in frames
     ]
     got = await bench.stream(dut, beats, FIELDS, *bench.gaps_and_stalls(gap, stall), hold=True)
-    expected = [dict(zip(FIELDS, map(int, taxel))) for taxel in narrow(frames, columns, lanes)]
+    expected = [dict(zip(FIELDS, map(int, taxel))) for taxel in width_converter(frames, columns, lanes)]
     assert got == expected
 
 
@@ -65,8 +66,8 @@ SPACE = lambda draw: {
 @pytest.mark.parametrize(
     "rows, columns, lanes", [(3, 5, 1), (3, 5, 2), (2, 19, 4), (4, 16, 8), (2, 3, 8), (1, 1, 1)]
 )
-def test_narrow(rows, columns, lanes):
-    bench.run("common", "narrow", {"Rows": rows, "Columns": columns, "Lanes": lanes})
+def test_width_converter(rows, columns, lanes):
+    bench.run("common", "width_converter", {"Rows": rows, "Columns": columns, "Lanes": lanes})
 
 
 @pytest.mark.parametrize(
@@ -74,7 +75,7 @@ def test_narrow(rows, columns, lanes):
     [("Lanes", 3, "Lanes = 3"), ("Columns", 1025, "Columns = 1025"), ("Rows", 0, "Rows = 0")],
 )
 def test_refuses_illegal_parameters(name, value, sentence):
-    assert sentence in bench.refuses("narrow", {name: value})
+    assert sentence in bench.refuses("width_converter", {name: value})
     if name != "Rows":
         with pytest.raises(ValueError, match=sentence.lower()):
-            narrow([], **({"columns": 4, "lanes": 2} | {name.lower(): value}))
+            width_converter([], **({"columns": 4, "lanes": 2} | {name.lower(): value}))

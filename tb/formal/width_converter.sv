@@ -3,7 +3,7 @@
 // Of each beat every taxel that lies within the row, once, lowest lane first; the number counts from 0 after a
 // frame's last beat. `beat`: place of the beat in its row; `sent`: taxels of it that have left.
 
-module formal_narrow #(
+module formal_width_converter #(
   parameter  int unsigned Rows     = 64,
   parameter  int unsigned Columns  = 64,
   parameter  int unsigned Lanes    = 8,
@@ -19,10 +19,10 @@ module formal_narrow #(
 );
 
   logic                in_ready_o, out_valid_o, out_last_o;
-  logic                in_row_last_i;  // as msn_frame_place marks it
+  logic                in_row_last_i;  // as msn_frame_marker marks it
   logic [DataBits-1:0] out_data_o;
   logic [IdBits-1:0]   out_id_o;
-  msn_narrow #(.Rows(Rows), .Columns(Columns), .Lanes(Lanes), .DataBits(DataBits)) dut (.*);
+  msn_width_converter #(.Rows(Rows), .Columns(Columns), .Lanes(Lanes), .DataBits(DataBits)) dut (.*);
 
   localparam int unsigned Beats = (Columns + Lanes - 1) / Lanes;
   localparam int unsigned Final = Columns - (Beats - 1) * Lanes;  // taxels of a row's last beat

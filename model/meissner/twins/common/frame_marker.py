@@ -1,4 +1,4 @@
-"""Bit-exact twin of rtl/common/msn_frame_place.sv: numbers beats, passes no damaged frame as whole."""
+"""Bit-exact twin of rtl/common/msn_frame_marker.sv: numbers beats, passes no damaged frame as whole."""
 
 from typing import NamedTuple
 
@@ -12,7 +12,7 @@ class Place(NamedTuple):
     last: bool
 
 
-class FramePlace:
+class FrameMarker:
     """Beats must count 0 .. rows*row_beats-1 with ``last`` on the final one (whose id is then not asked).
 
     A frame that breaks this is counted in ``damaged``, and what passes of it is too short (broken before

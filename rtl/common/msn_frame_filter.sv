@@ -6,9 +6,9 @@
 // this, the rest of the frame is swallowed, up to its `last`, which counts the damage once. The next
 // frame is marked `restart`, as is the first after reset: what follows must forget its history there.
 //
-// Latency 1 clock, one sample per clock.   Model: model/meissner/twins/common/frame_check.py
+// Latency 1 clock, one sample per clock.   Model: model/meissner/twins/common/frame_filter.py
 
-module msn_frame_check #(
+module msn_frame_filter #(
   parameter  int unsigned Channels = 8,
   parameter  int unsigned DataBits = 17,
   localparam int unsigned IdBits   = msn_pkg::index_width(Channels)
@@ -33,10 +33,10 @@ module msn_frame_check #(
 );
 
   if (Channels < 1) begin : gen_check_channels
-    $fatal(1, "msn_frame_check: Channels = %0d must be at least 1", Channels);
+    $fatal(1, "msn_frame_filter: Channels = %0d must be at least 1", Channels);
   end
   if (DataBits < 1) begin : gen_check_data_bits
-    $fatal(1, "msn_frame_check: DataBits = %0d must be at least 1", DataBits);
+    $fatal(1, "msn_frame_filter: DataBits = %0d must be at least 1", DataBits);
   end
 
   logic [IdBits-1:0] expected;

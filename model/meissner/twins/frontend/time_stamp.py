@@ -1,7 +1,7 @@
-"""Bit-exact twin of rtl/frontend/msn_convert_time.sv: the convert start of each frame that is taken."""
+"""Bit-exact twin of rtl/frontend/msn_time_stamp.sv: the convert start of each frame that is taken."""
 
 
-def convert_times(clocks):
+def time_stamps(clocks):
     """Of every frame in ``clocks``, (convert, valid, ready, last) of each, the clock of its convert start.
 
     A frame's convert start is the last one before its first sample was offered.

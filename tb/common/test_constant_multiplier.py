@@ -1,5 +1,5 @@
-"""msn_times against its model: constants with runs of ones, single bits, none and all; extreme and random
-factors. The stimulus is combinational, so one build per constant, kept to the telling ones."""
+"""msn_constant_multiplier against its model: constants with runs of ones, single bits, none and all; extreme
+and random factors. The stimulus is combinational, so one build per constant, kept to the telling ones."""
 
 import cocotb
 import numpy as np
@@ -7,7 +7,7 @@ import pytest
 from cocotb.triggers import Timer
 
 import bench
-from meissner.twins.common.times import times
+from meissner.twins.common.constant_multiplier import constant_multiplier
 
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
@@ -15,7 +15,7 @@ async def matches_model(dut):
     constant, bits = (getattr(dut, name).value.to_unsigned() for name in ("Constant", "InBits"))
     rng = np.random.default_rng(bench.SEED)
     values = [0, 1, 2, 3, (1 << bits) - 1, 1 << (bits - 1), *map(int, rng.integers(0, 1 << bits, 200))]
-    for value, expected in zip(values, times(values, constant)):
+    for value, expected in zip(values, constant_multiplier(values, constant)):
         dut.in_data_i.value = value
         await Timer(1, "ns")
         assert bench.read(dut.out_data_o) == expected, f"{constant} * {value}"
@@ -25,12 +25,12 @@ SPACE = lambda draw: {"Constant": draw.randrange(65536), "InBits": draw.randint(
 
 
 @pytest.mark.parametrize("constant", [0, 1, 1023, 43691])
-def test_times(constant):
-    bench.run("common", "times", {"Constant": constant, "InBits": 36})
+def test_constant_multiplier(constant):
+    bench.run("common", "constant_multiplier", {"Constant": constant, "InBits": 36})
 
 
 def test_refuses_illegal_parameters():
-    assert "Constant = 65536" in bench.refuses("times", {"Constant": 65536})
-    assert "InBits = 0" in bench.refuses("times", {"InBits": 0})
+    assert "Constant = 65536" in bench.refuses("constant_multiplier", {"Constant": 65536})
+    assert "InBits = 0" in bench.refuses("constant_multiplier", {"InBits": 0})
     with pytest.raises(ValueError, match="constant = 65536"):
-        times(1, 65536)
+        constant_multiplier(1, 65536)

@@ -5,9 +5,9 @@
 //   out = Constant * in
 //
 // In canonical signed digits: Constant = Plus - Minus with the fewest bits set in both, and no two
-// neighbours; 63 = 64 - 1 costs one subtraction. Latency 0.   Model: model/meissner/twins/common/times.py
+// neighbours; 63 = 64 - 1 costs one subtraction. Latency 0.   Model: model/meissner/twins/common/constant_multiplier.py
 
-module msn_times #(
+module msn_constant_multiplier #(
   parameter  int unsigned Constant = 63,
   parameter  int unsigned InBits   = 28,
   localparam int unsigned OutBits  = InBits + msn_pkg::index_width(Constant + 1)
@@ -17,10 +17,10 @@ module msn_times #(
 );
 
   if (Constant >= 65536) begin : gen_check_constant
-    $fatal(1, "msn_times: Constant = %0d must be below 65536", Constant);
+    $fatal(1, "msn_constant_multiplier: Constant = %0d must be below 65536", Constant);
   end
   if (InBits < 1) begin : gen_check_in_bits
-    $fatal(1, "msn_times: InBits = %0d must be at least 1", InBits);
+    $fatal(1, "msn_constant_multiplier: InBits = %0d must be at least 1", InBits);
   end
 
   // 3c - c = 2c: where 3c has a bit that c lacks, a digit is +1, where c has one that 3c lacks, -1.

@@ -1,7 +1,7 @@
-"""Bit-exact twin of rtl/common/msn_frame_check.sv: passes whole frames, resynchronises on ``last``."""
+"""Bit-exact twin of rtl/common/msn_frame_filter.sv: passes whole frames, resynchronises on ``last``."""
 
 
-class FrameCheck:
+class FrameFilter:
     """Channels must count 0 .. channels-1 with ``last`` on the final one.
 
     From the first sample of a frame that breaks this, the rest of the frame is dropped, up to its

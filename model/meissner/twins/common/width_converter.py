@@ -1,7 +1,7 @@
-"""Bit-exact twin of rtl/common/msn_narrow.sv: lanes side by side become taxels one after the other."""
+"""Bit-exact twin of rtl/common/msn_width_converter.sv: lanes side by side to taxels in sequence."""
 
 
-def narrow(beats, columns, lanes):
+def width_converter(beats, columns, lanes):
     """(data, id, last) of every taxel of ``beats``, (values of the lanes, last of the row, of the frame)."""
     if lanes not in (1, 2, 4, 8):
         raise ValueError(f"lanes = {lanes} must be 1, 2, 4 or 8")

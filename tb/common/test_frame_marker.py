@@ -1,4 +1,4 @@
-"""msn_frame_place against its model: whole frames, every kind of damage (missing, doubled, wrong id, early,
+"""msn_frame_marker against its model: whole frames, every kind of damage (missing, doubled, wrong id, early,
 lost and late last) in every size from one beat on; places and rows' ends; and that a damaged frame never
 looks whole to a counter of beats, while each whole frame behind it does."""
 
@@ -8,7 +8,7 @@ import cocotb
 import pytest
 
 import bench
-from meissner.twins.common.frame_place import FramePlace
+from meissner.twins.common.frame_marker import FrameMarker
 
 
 def damaged_beats(beats, frames, rate, seed):
@@ -48,7 +48,7 @@ async def matches_model(dut, rate):
     rows, row_beats = (getattr(dut, name).value.to_unsigned() for name in ("Rows", "RowBeats"))
     beats = rows * row_beats
     stream = damaged_beats(beats, 300 if beats < 50 else 8, rate, bench.SEED)
-    twin = FramePlace(rows, row_beats)
+    twin = FrameMarker(rows, row_beats)
     draw = random.Random(bench.SEED)
     ports = [getattr(dut, f"out_{name}_o") for name in ("id", "fits", "row_last", "last")]
     await bench.start(dut, in_valid_i=0, out_ready_i=0)
@@ -104,14 +104,14 @@ SPACE = lambda draw: {"Rows": draw.randint(1, 8), "RowBeats": draw.randint(1, 8)
 
 
 @pytest.mark.parametrize("rows, row_beats", [(1, 1), (2, 1), (1, 3), (3, 3), (5, 20)])
-def test_frame_place(rows, row_beats):
-    bench.run("common", "frame_place", {"Rows": rows, "RowBeats": row_beats})
+def test_frame_marker(rows, row_beats):
+    bench.run("common", "frame_marker", {"Rows": rows, "RowBeats": row_beats})
 
 
 @pytest.mark.parametrize("beats", [1, 2, 3, 4, 9])
 def test_no_damaged_frame_looks_whole_and_no_whole_one_is_lost(beats):
     """A follower that only counts beats between `last`s takes exactly the whole frames."""
-    twin = FramePlace(1, beats)
+    twin = FrameMarker(1, beats)
     stream = damaged_beats(beats, 2000, 0.4, 3)
     passed, kept, whole, received, places, frames_in, frames_out = [], [], [], [], [], 0, 0
     for id_, last, frame in stream:
@@ -141,9 +141,9 @@ def test_no_damaged_frame_looks_whole_and_no_whole_one_is_lost(beats):
 
 
 def test_refuses_illegal_parameters():
-    assert "Rows = 0" in bench.refuses("frame_place", {"Rows": 0})
-    assert "RowBeats = 0" in bench.refuses("frame_place", {"RowBeats": 0})
+    assert "Rows = 0" in bench.refuses("frame_marker", {"Rows": 0})
+    assert "RowBeats = 0" in bench.refuses("frame_marker", {"RowBeats": 0})
     with pytest.raises(ValueError, match="rows = 0"):
-        FramePlace(0, 2)
+        FrameMarker(0, 2)
     with pytest.raises(ValueError, match="row_beats = 0"):
-        FramePlace(2, 0)
+        FrameMarker(2, 0)

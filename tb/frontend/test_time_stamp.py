@@ -1,4 +1,4 @@
-"""msn_convert_time against its model: frames of one to five samples that come in time, wait, or are dropped,
+"""msn_time_stamp against its model: frames of one to five samples that come in time, wait, or are dropped,
 with a converter that goes on converting all the while; reset."""
 
 import random
@@ -7,7 +7,7 @@ import cocotb
 from cocotb.triggers import ReadOnly, RisingEdge
 
 import bench
-from meissner.twins.frontend.convert_time import convert_times
+from meissner.twins.frontend.time_stamp import time_stamps
 
 
 def converter(draw, frames, channels):
@@ -43,7 +43,7 @@ async def matches_model(dut, channels):
     draw = random.Random(bench.SEED)
     clocks = converter(draw, 200, channels)
     await bench.start(dut, convert_i=0, valid_i=0, ready_i=0, last_i=0, now_i=0)
-    expected, found, first, show = convert_times(clocks), [], True, False
+    expected, found, first, show = time_stamps(clocks), [], True, False
     for now, (convert, valid, ready, last) in enumerate(clocks):
         values = {"now": stamp(now), "convert": convert, "valid": valid, "ready": ready, "last": last}
         for name, value in values.items():
@@ -83,5 +83,5 @@ async def forgets_what_a_reset_interrupts(dut):
         await bench.reset(dut)
 
 
-def test_convert_time():
-    bench.run("frontend", "convert_time")
+def test_time_stamp():
+    bench.run("frontend", "time_stamp")

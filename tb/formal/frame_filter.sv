@@ -4,7 +4,7 @@
 // from the first sample that is out of place on; the next frame, and the first since reset, bear `restart` on each
 // sample; damage is counted once a frame, with its last. What the slip path's proofs assume of their frames.
 
-module formal_frame_check #(
+module formal_frame_filter #(
   parameter  int unsigned Channels = 8,
   parameter  int unsigned DataBits = 17,
   localparam int unsigned IdBits   = msn_pkg::index_width(Channels)
@@ -22,7 +22,7 @@ module formal_frame_check #(
   logic [DataBits-1:0] out_data_o;
   logic [IdBits-1:0]   out_id_o;
   logic [31:0]         damaged_o;
-  msn_frame_check #(.Channels(Channels), .DataBits(DataBits)) dut (.*);
+  msn_frame_filter #(.Channels(Channels), .DataBits(DataBits)) dut (.*);
 
   logic                started = 1'b0;
   logic                take, give, stalled;

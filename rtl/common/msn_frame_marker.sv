@@ -12,9 +12,9 @@
 //
 // Combinational; data pass beside it. Every beat, dropped or not, takes its turn at out_ready_i. A stream without
 // numbers loops out_id_o back to in_id_i: then `last` alone is checked.
-// Model: model/meissner/twins/common/frame_place.py
+// Model: model/meissner/twins/common/frame_marker.py
 
-module msn_frame_place #(
+module msn_frame_marker #(
   parameter  int unsigned Rows     = 64,
   parameter  int unsigned RowBeats = 64,
   localparam int unsigned Beats    = Rows * RowBeats,
@@ -39,10 +39,10 @@ module msn_frame_place #(
 );
 
   if (Rows < 1) begin : gen_check_rows
-    $fatal(1, "msn_frame_place: Rows = %0d must be at least 1", Rows);
+    $fatal(1, "msn_frame_marker: Rows = %0d must be at least 1", Rows);
   end
   if (RowBeats < 1) begin : gen_check_row_beats
-    $fatal(1, "msn_frame_place: RowBeats = %0d must be at least 1", RowBeats);
+    $fatal(1, "msn_frame_marker: RowBeats = %0d must be at least 1", RowBeats);
   end
 
   localparam int unsigned ColumnBits = msn_pkg::index_width(RowBeats);

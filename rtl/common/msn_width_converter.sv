@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Beats of Lanes taxels, one after the other, as channels 0 .. Rows*Columns-1, row by row. Lanes to spare in a
-// row's last beat are left out. in_row_last_i: a mark of msn_frame_place.
+// row's last beat are left out. in_row_last_i: a mark of msn_frame_marker.
 //
-// Latency 0 clocks, a taxel a clock, a beat when its last taxel is taken.   Model: model/meissner/twins/common/narrow.py
+// Latency 0 clocks, a taxel a clock, a beat when its last taxel is taken.   Model: model/meissner/twins/common/width_converter.py
 
-module msn_narrow #(
+module msn_width_converter #(
   parameter  int unsigned Rows     = 64,
   parameter  int unsigned Columns  = 64,
   parameter  int unsigned Lanes    = 8,
@@ -29,13 +29,13 @@ module msn_narrow #(
 );
 
   if (!msn_pkg::is_side(Rows)) begin : gen_check_rows
-    $fatal(1, "msn_narrow: Rows = %0d must lie in 1 .. 1024", Rows);
+    $fatal(1, "msn_width_converter: Rows = %0d must lie in 1 .. 1024", Rows);
   end
   if (!msn_pkg::is_side(Columns)) begin : gen_check_columns
-    $fatal(1, "msn_narrow: Columns = %0d must lie in 1 .. 1024", Columns);
+    $fatal(1, "msn_width_converter: Columns = %0d must lie in 1 .. 1024", Columns);
   end
   if (!msn_pkg::are_lanes(Lanes)) begin : gen_check_lanes
-    $fatal(1, "msn_narrow: Lanes = %0d must be 1, 2, 4 or 8", Lanes);
+    $fatal(1, "msn_width_converter: Lanes = %0d must be 1, 2, 4 or 8", Lanes);
   end
 
   localparam int unsigned LaneBits = msn_pkg::index_width(Lanes);
