@@ -5,7 +5,7 @@
 //   out_data_o at a step = in_data_i of Depth steps before
 //
 // This is where the state of interleaved channels lives: channels take turns, so a delay of one step per
-// channel hands each its own state, with no address to compute and nothing to forward. Deeper than 4: a
+// channel gives each channel its own state back, with no address to compute and nothing to forward. Deeper than 4: a
 // ring in block RAM, whose read and write never meet. Undefined for the first Depth steps.
 // Model: model/meissner/twins/common/delay.py
 

@@ -13,7 +13,7 @@
 //   clock  1                         2                   3           4       5
 //          old, differences, drop old  magnitudes, compare  53 |d|, move  octant  state
 //
-// Latency 5 clocks, a sample a clock. A plain release drops the load too: move > 0 tells it apart.
+// Latency 5 clocks, a sample a clock. A plain release drops the load too: move > 0 excludes it.
 // Model: model/meissner/twins/cop/cop_slip.py
 
 module msn_cop_slip #(

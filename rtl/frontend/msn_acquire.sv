@@ -51,7 +51,7 @@ module msn_acquire #(
   output logic        [31:0]           dropped_o,     // frames: the consumer was not ready
   output logic        [31:0]           overrun_o,     // ticks: the frame before was still under way
   output logic        [31:0]           timeout_o,     // frames: BUSY did not answer
-  output logic        [31:0]           mistagged_o,   // frames: an answer bore another channel's number
+  output logic        [31:0]           mistagged_o,   // frames: an answer had another channel's number
   output logic        [31:0]           over_range_o   // samples at an end of the converter's range
 );
 

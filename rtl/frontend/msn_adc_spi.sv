@@ -5,7 +5,7 @@
 // Conversions start every cfg_period_i clocks (0: 2^PeriodBits) while cfg_enable_i, or a clock after each trigger_i,
 // whatever the consumer and the transfer do. Each tick is one of: a frame sent out whole; a frame dropped whole
 // because a sample of the one before was still waiting at its start (dropped_o); a frame given up because BUSY did
-// not answer (timeout_o) or an answer bore another channel's number (mistagged_o: the part is then set up anew); a
+// not answer (timeout_o) or an answer had another channel's number (mistagged_o: the part is then set up again); a
 // tick without conversion, because the frame before was still under way (overrun_o). All but the first: lost_o.
 // After reset the part is reset or set up first; ticks begin then.
 //
@@ -117,7 +117,7 @@ module msn_adc_spi #(
   logic                  drop_q;   // this frame is dropped
   logic                  over_q;   // a sample was sent with out_user_o
   logic                  ready_q;  // the part has been reset or set up
-  logic                  bad_q;    // an answer of this frame bore another channel's number
+  logic                  bad_q;    // an answer of this frame had another channel's number
   logic                  busy, busy_q;
   logic                  enable, tick, frame, give_up, read, done, word, word_last, frame_end;
   logic                  pending, bad, lost;

@@ -93,7 +93,7 @@ module msn_adc_store #(
   end
 
 `ifndef SYNTHESIS
-  // A code that is written over before its sample has left is lost, unreported. Before the first reset any may be held.
+  // A code that is written over before its sample has left is lost and not reported. Before the first reset any may be held.
   // verilator coverage_off
   logic begun;
   initial begun = 1'b0;

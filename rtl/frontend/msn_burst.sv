@@ -4,7 +4,7 @@
 // measured over several samples (msn_am_demod). trigger_o comes a clock after start_i, then every period; first_o
 // marks the burst's first sample, up to which it stays. A lost conversion spoils the burst: lost_o says so, once,
 // and spoiled_o until the next one starts.
-// A start while a burst is under way begins anew.
+// A start during a burst begins the burst again.
 //
 // Model: model/meissner/twins/frontend/burst.py
 

@@ -91,7 +91,7 @@ module msn_health #(
   // Frames. At each end the next waits until all of this one is written and its first words are read again.
   localparam int unsigned Drain = 6;
   logic accept, was_whole, midway, restart, done, due, head_valid;
-  logic closed;  // due || drain != '0, found a clock ahead: the memories are far
+  logic closed;  // due || drain != '0, registered a clock ahead, for timing
   logic [2:0] drain, drain_next;  // clocks until all of a frame is written
   assign in_ready_o = (out_ready_i || !out_valid_o) && head_valid && !closed;
   assign accept     = in_valid_i && in_ready_o;

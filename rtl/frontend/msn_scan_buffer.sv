@@ -99,7 +99,7 @@ module msn_scan_buffer #(
       in_beat_q <= row_full ? '0 : in_beat + 1'b1;
       in_rows_q <= in_rows + (RowBits+1)'(row_full);
       in_base_q <= base_next;
-      // Found a beat ahead: the memory's blocks are far.
+      // Registered a beat ahead (timing: the memory's blocks are placed far apart).
       in_address_q <= row_full ? base_next : in_address + 1'b1;
     end
     drop_q <= whole || (in_valid_i && in_first_i ? busy : drop_q);

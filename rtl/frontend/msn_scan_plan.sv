@@ -149,7 +149,7 @@ module msn_scan_plan #(
     period_one_q <= period_q == PeriodBits'(1);
   end
 
-  // In the clock in which Settle has counted down, found a clock ahead: the converters are far.
+  // In the clock in which Settle has counted down, registered a clock ahead, for timing.
   always_ff @(posedge clk_i) begin
     trigger_o <= !rst_i && ((state_q == Settle && count_q == CountBits'(1)) || (switch_o && at_once_q));
   end

@@ -92,7 +92,7 @@ module msn_tare #(
   localparam int unsigned Drain = 4;
   logic accept, was_whole, midway, ending, restart, done, word_valid;
   logic load_due, load_change, change_next, midway_next, ending_next;
-  logic closed;  // load_due || ending, found a clock ahead: the memories are far
+  logic closed;  // load_due || ending, registered a clock ahead, for timing
   logic [2:0] drain;
   assign in_ready_o = (out_ready_i || !out_valid_o) && word_valid && !closed;
   assign accept     = in_valid_i && in_ready_o;

@@ -62,7 +62,7 @@ module msn_image_store #(
       read_valid_o <= 1'b1;
       read_time_o  <= written_time;
     end
-    drops     <= 2'(broken) + 2'(replaced) + 2'(move && read_valid_o);  // counted a clock late: it is far
+    drops     <= 2'(broken) + 2'(replaced) + 2'(move && read_valid_o);  // counted a clock late, for timing
     dropped_o <= dropped_o + 32'(drops);
     if (rst_i) begin
       place        <= '0;

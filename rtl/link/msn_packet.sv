@@ -191,7 +191,7 @@ module msn_packet #(
         place <= final_place ? '0 : place + 1'b1;
         left  <= left - 1'b1;
       end
-      image_done_q <= image_done;  // the store is far; nothing is chosen before the checksum has gone
+      image_done_q <= image_done;  // a register for timing; nothing is chosen before the checksum has gone
       if (image_done) begin
         begun  <= 1'b0;
         number <= number + 1'b1;
@@ -248,8 +248,8 @@ module msn_packet #(
   logic [23:0]             unused_crc;
   logic [7:0]              next;
   assign {unused_crc, crc_low} = crc;
-  assign out_begin_o = slip_valid || state != Idle;  // the others' a clock later: the line is far
-  assign emit        = state != Idle && (&phase) && !out_valid_o;  // not out_ready_i: it comes from far
+  assign out_begin_o = slip_valid || state != Idle;  // the others' a clock later, for timing
+  assign emit        = state != Idle && (&phase) && !out_valid_o;  // not out_ready_i, whose path is long
   assign next        = (state == Record) ? bytes[7:0] : (state == Pixels) ? (upper ? taxel[15:8] : taxel[7:0])
                                          : ~crc_low;
   assign section_end = (state == Pixels) ? upper && image_end : left == '0;

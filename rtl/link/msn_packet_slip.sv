@@ -11,7 +11,7 @@
 // decisions pass at once. Then a byte is caught whenever a sweep passes its bits, up to one in 72 clocks, and
 // at last the checksum is drained. out_begin_o rises with the event itself. The time is that of the last convert
 // start before the event was offered, in clocks since reset. Converts while an event waits are not kept: an event
-// of a sample that was held back by such a wait bears the time of the last convert before it.
+// of a sample that was held back by such a wait has the time of the last convert before it.
 // Model: model/meissner/twins/link/packet_slip.py
 
 module msn_packet_slip #(

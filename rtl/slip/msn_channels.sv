@@ -72,14 +72,14 @@ module msn_channels #(
   output logic        [31:0]           dropped_o,     // frames: the chain was not ready
   output logic        [31:0]           overrun_o,     // ticks: the frame before was still under way
   output logic        [31:0]           timeout_o,     // frames: BUSY did not answer
-  output logic        [31:0]           mistagged_o,   // frames: an answer bore another channel's number
+  output logic        [31:0]           mistagged_o,   // frames: an answer had another channel's number
   output logic        [31:0]           over_range_o,  // samples at an end of the converter's range
   output logic        [31:0]           damaged_o,     // frames: channels out of order
   output logic        [31:0]           blanked_o      // details: over, but blanked or moving
 );
 
   if (Mask && Adc != msn_pkg::AdcNone) begin : gen_check_mask
-    $fatal(1, "msn_channels: Mask = 1 must have Adc = 0: a converter's samples bear no mask");
+    $fatal(1, "msn_channels: Mask = 1 must have Adc = 0: a converter's samples have no mask");
   end
 
   msn_registers_pkg::cfg_t    cfg;

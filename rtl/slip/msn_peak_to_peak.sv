@@ -78,7 +78,7 @@ module msn_peak_to_peak #(
   assign side_in = {in_total_i, in_id_i, closes, masked};
 
   if (Hop == Span || 2 * Hop == Span) begin : gen_parts
-    // The maximum starts anew with each part of Hop details.
+    // The maximum restarts with each part of Hop details.
     localparam int unsigned HopBits = msn_pkg::index_width(Hop);
     logic [HopBits-1:0] place, place_q;
     logic               first, final_place;

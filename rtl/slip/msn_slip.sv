@@ -99,7 +99,7 @@ module msn_slip #(
   logic                  seen_last, seen_end;
   assign in_ready_o = out_ready_i || !out_valid_o;
   assign busy_o     = seen_valid || out_valid_o;
-  assign masked     = Mask && in_mask_i;  // begins anew, and touches nothing
+  assign masked     = Mask && in_mask_i;  // starts again from none, and changes nothing else
 
   always_ff @(posedge clk_i) begin
     if (in_ready_o) begin

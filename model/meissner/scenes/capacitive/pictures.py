@@ -88,7 +88,9 @@ def draw_cell(path, scene, rise, cycles, noise_g, hold_s, hold, hold_g, held_s, 
             np.arange(1, len(values) + 1), values, "o-", color=colour, ms=3.5, lw=0.8, label=f"{step:g} g"
         )
         repeat.axhline(step, **MUTED)
-    repeat.set(xlabel="press", ylabel="calibrated cell (g)", title="the same forces again, probe placed anew")
+    repeat.set(
+        xlabel="press", ylabel="calibrated cell (g)", title="the same forces again, probe placed again"
+    )
     repeat.set_ylim(0, 1.35 * max(steps))
     for axis in (loop, sag, repeat):
         _plain(axis)

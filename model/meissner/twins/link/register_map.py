@@ -106,7 +106,7 @@ GROUPS = (
             Register(
                 "mistagged",
                 0x114,
-                "Frames whose answers bore another channel's number.",
+                "Frames whose answers had another channel's number.",
                 (Field("value", 31, 0, "status", 0x0),),
             ),
             Register(

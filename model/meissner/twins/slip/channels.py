@@ -9,6 +9,6 @@ def of_codes(codes, acquire, config, moving=None, mask=None):
     ``config``, ``moving``, ``mask``: as of slip_path.decide; a mask only with a stream.
     """
     if mask is not None and acquire.part is not None:
-        raise ValueError("a mask must go with a stream: a converter's samples bear none")
+        raise ValueError("a mask must go with a stream: a converter's samples have none")
     samples, _ = acquire.samples(codes)
     return decide(samples, config, moving, mask)
