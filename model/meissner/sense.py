@@ -1,6 +1,6 @@
 """The public interface: what the core computes of a stream, in the core's own integers.
 
-Each class has ``process(x)``, which starts from reset, and ``next(x)``, which goes on where the last call ended:
+Each class has ``process(x)``, which starts from reset, and ``next(x)``, which continues the last call:
 ``process(x)`` equals the results of ``next`` over any pieces of ``x``. The numbers are those of the RTL, bit
 for bit (meissner.twins); meissner.engines runs the same on the RTL itself.
 """
