@@ -8,6 +8,8 @@ from pathlib import Path
 import pytest
 
 os.environ.setdefault("MEISSNER_OPTIMISE", "-O1")  # before meissner.builds.toolchain reads it
+# A worker is a process already: threads of its own for small matrices wait for each other, at twice the time.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before NumPy reads it
 
 import bodies
 

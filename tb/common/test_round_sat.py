@@ -84,5 +84,7 @@ def test_refuses_illegal_parameters():
     ):
         with pytest.raises(ValueError, match=message):
             round_sat(0, *size)
-    with pytest.raises(ValueError, match="24 signed bits"):
-        round_sat(1 << 23, 24, 16, 8)
+    for beyond in (1 << 23, -(1 << 23) - 1, 1 << 62, -(1 << 63)):
+        with pytest.raises(ValueError, match="24 signed bits"):
+            round_sat([0, beyond], 24, 16, 8)
+    assert round_sat([(1 << 23) - 1, -(1 << 23)], 24, 16, 8).tolist() == [32767, -32768]

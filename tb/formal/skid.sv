@@ -35,7 +35,7 @@ module formal_skid #(
 
   // Invariant.
   always_comb begin
-    if (started) assert (dut.aside == (level == 2'd1));
+    if (started) assert (dut.held == (level == 2'd1));
     if (started && held) assert (dut.kept == kept);
   end
 

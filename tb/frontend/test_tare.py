@@ -305,15 +305,19 @@ def hour_of_drift(rng, size, step=STEP):
     base = rng.integers(200, 900, (size, size))
     slope = rng.uniform(-40, 40, (size, size))
     phase = rng.uniform(0, 2 * np.pi, (size, size))
+    # slope t + 20 (sin(turn + phase) - sin(phase)), as a product of matrices: its sines are most of the time
+    amounts = np.stack([slope, 20 * np.cos(phase), 20 * np.sin(phase)]).reshape(3, -1)
     load = np.where((i - 5) ** 2 + (j - 9) ** 2 <= 8, 2000, 0)
     twin.tare(force=True)
     truth, measured = [], []
     chunk = RATE_HZ * 60
     for minute in range(MINUTES):
-        t = (minute * chunk + np.arange(chunk))[:, None, None] / (3600 * RATE_HZ)
-        drift = slope * t + 20 * (np.sin(2 * np.pi * t + phase) - np.sin(phase))
+        t = (minute * chunk + np.arange(chunk)) / (3600 * RATE_HZ)
+        turn = 2 * np.pi * t
+        drift = (np.stack([t, np.sin(turn), np.cos(turn) - 1], axis=1) @ amounts).reshape(chunk, size, size)
         held = load * (2 <= minute < 62)
-        raw = base + np.rint(drift + rng.normal(0, 1.5, (chunk, size, size))).astype(np.int64) + held
+        noise = rng.standard_normal(drift.shape, dtype=np.float32) * 1.5
+        raw = np.rint(drift + noise).astype(np.int64) + (base + held)
         r = twin.next(raw)
         truth.append(cop(held))
         measured.append(cop(forces(r[-1], 0, 4096)))

@@ -49,7 +49,10 @@ def precompiled(command):
     """The header that ``command`` can begin with, which its compiler has read before; None if it cannot."""
     source = next(word for word in command if word.endswith(".cpp"))
     output = command.index("-o")
-    flags = [word for word in command[1:output] + command[output + 2 :] if word not in ("-c", "-MMD", source)]
+    words = [word for word in command[1:output] + command[output + 2 :] if word not in ("-c", "-MMD", source)]
+    # Makefiles write the level before or behind the rest, and the last one counts: one header for both.
+    levels = [word for word in words if word.startswith("-O")]
+    flags = [*levels[-1:], *(word for word in words if word not in levels)]
     key = hashlib.sha256("\0".join([version(command[0]), *flags]).encode()).hexdigest()
     header = folder() / key / "runtime.h"
     found = header.with_name("runtime.h.gch")

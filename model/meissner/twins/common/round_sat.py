@@ -16,9 +16,9 @@ def round_sat(x, in_width, out_width, drop_bits, unsigned=False):
     if not 1 <= out_width <= widest:
         raise ValueError(f"out_width = {out_width} must lie in 1 .. {widest}")
     x = np.asarray(x, dtype=np.int64)
-    if np.any(x != np.clip(x, -(1 << (in_width - 1)), (1 << (in_width - 1)) - 1)):
+    if (x >> (in_width - 1) != x >> 63).any():  # more than copies of the sign
         raise ValueError(f"x must fit {in_width} signed bits")
     rounded = ((x >> (drop_bits - 1)) + 1) >> 1
-    if unsigned:
-        return np.clip(rounded, 0, (1 << out_width) - 1)
-    return np.clip(rounded, -(1 << (out_width - 1)), (1 << (out_width - 1)) - 1)
+    bits = out_width - (not unsigned)
+    low, high = (0 if unsigned else -(1 << bits)), (1 << bits) - 1
+    return np.minimum(np.maximum(rounded, low), high)  # np.clip takes ten times as long of a few numbers

@@ -106,8 +106,9 @@ class Tare:
     def _effective(self, at):
         if self._fresh:
             return np.zeros_like(self._zero[at])
-        found = self._sum[at] << (self.fraction_bits - self.tare_log2)
-        return self._zero[at] + found * self._commit
+        if not self._commit:
+            return self._zero[at]
+        return self._zero[at] + (self._sum[at] << (self.fraction_bits - self.tare_log2))
 
     def _settle(self):
         """Loading, then averaging, begin and end between frames only."""
@@ -125,7 +126,8 @@ class Tare:
         r = raw - round_sat(zero, zero_bits, self.sample_bits, self.fraction_bits)
         if learn:
             contact = r > self.contact
-            self._any_contact |= bool((contact & ~mask & ~self._surplus[at]).any())
+            if contact.any():
+                self._any_contact |= bool((contact & ~mask & ~self._surplus[at]).any())
             if self._averaging:
                 self._sum[at] = r + (self._sum[at] if self._frames else 0)
             else:
