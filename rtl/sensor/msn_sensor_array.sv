@@ -154,7 +154,7 @@ module msn_sensor_array #(
     .now_i,
     .cfg_enable_i(cfg_i.scan.enable), .cfg_settle_i(cfg_i.scan.settle), .cfg_period_i(cfg_i.scan.period),
     .cfg_interleave_i(cfg_i.scan.interleave), .cfg_band_i(cfg_i.health.band), .cfg_jump_i(cfg_i.health.jump),
-    .cfg_low_i(cfg_i.health.low), .cfg_high_i(cfg_i.health.high), .cfg_over_range_i(cfg_i.health.use_user),
+    .cfg_low_i(cfg_i.health.low), .cfg_high_i(cfg_i.health.high), .cfg_user_i(cfg_i.health.use_user),
     .cfg_edges_i(cfg_i.health.use_edges), .cfg_still_i(cfg_i.health.still), .cfg_rail_i(cfg_i.health.rail),
     .cfg_blink_i(cfg_i.health.blink), .cfg_clear_i(cfg_i.health.clear), .cfg_report_i(cfg_i.health.report),
     .cfg_contact_i(cfg_i.tare.contact), .cfg_step_i(cfg_i.tare.step),

@@ -170,7 +170,7 @@ async def matches_model(dut):
                 if fourth["surplus"]:
                     state, news, loud = state | {"faults": 0}, 0, False
                 assert bench.read(dut.faults_o) == turned(state["faults"])
-                assert bench.read(dut.loud_o) == loud
+                assert bench.read(dut.event_o) == loud
                 if not fourth["surplus"]:
                     assert bench.read(dut.news_o) == turned(news)
             if fifth and not fifth["surplus"]:
