@@ -610,6 +610,30 @@ def tare_after(twin, samples, count):
     yield twin.next(*(a[count:] for a in samples))
 
 
+EVIDENCE = {
+    "equivalence": {"size": {"Columns": 2}, "defined": True, "boxes": True, "open": ["reset"]},
+    "mutants": {"sets": [1], "limit": 60, "unsolved": True},
+    "faults": {
+        "size": {"Rows": 2, "Part": 1},
+        "program": {"Tap": 1, "ClkKhz": 16000},
+        "settle": 4,
+        # Gains of the recording; no tare: what the converter gives is what presses; no taxel fails.
+        "driver": {
+            "free": 40000,
+            # What counts to a scan's next row, frame.
+            "late": "left_q count_q",
+            "part": 1,
+            "lead": 16,
+            "set": "cfg_tare_i:0",
+            "quiet": "event_",
+            # What a scan took as it was switched on, until it is switched off.
+            "kept": "settle_q period_q slip_row_q slip_group_q",
+        },
+        "kept_inside": {"u_calibrate": "calibrate", "u_tare": "tare", "u_health": "health"},
+    },
+}
+
+
 def test_model_without_health_and_tare_is_the_calibration_alone():
     rng = np.random.default_rng(bench.SEED)
     scan = ScanAdc(3, 5, 2, MCP3208, 3, 1, CLK_KHZ, 2000)
