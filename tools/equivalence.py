@@ -200,7 +200,7 @@ def main():
     )
     parser.add_argument("--record", action="store_true", help="into docs/trust/equivalence.json")
     options = parser.parse_args()
-    if refusal := benches.unknown(options.blocks):
+    if refusal := evidence.refusal(options.blocks):
         parser.exit(2, f"equivalence: {refusal}\n")
     warm_up()
     kinds = options.kind or KINDS

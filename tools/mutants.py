@@ -211,7 +211,7 @@ def main():
     options = parser.parse_args()
     if not (options.source or options.cells):
         options.source = options.cells = True
-    if refusal := benches.unknown(options.block):
+    if refusal := evidence.refusal(options.block):
         parser.exit(2, f"mutants: {refusal}\n")
     warm_up()
     sys.path.insert(0, str(ROOT / "tb"))

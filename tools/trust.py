@@ -17,7 +17,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from meissner.builds import toolchain
-from verify import benches, faults, formal, fuzz, mutants_page, record, regress
+from verify import benches, evidence, faults, formal, fuzz, mutants_page, record, regress
 
 ROOT = toolchain.ROOT
 PAGE = ROOT / "docs/trust.md"
@@ -204,6 +204,8 @@ def main():
     options = parser.parse_args()
     if unknown := sorted(set(options.kinds) - set(KINDS)):
         parser.exit(2, f"trust: there is no {unknown[0]}; there are {', '.join(KINDS)}\n")
+    if refusal := evidence.refusal([]):
+        parser.exit(2, f"trust: {refusal}\n")
     failed = []
     for step in () if options.page else STEPS:
         if step.kind in (options.kinds or KINDS):

@@ -106,6 +106,31 @@ def of(block, kind):
     return _read(path.read_text("utf-8"), str(name)).get(kind, {})
 
 
+def resting(block, kind):
+    """{block: what its tests state of the kind} of the block and of those that it names there."""
+    found, waiting = {}, [block] if kind in KEYS else []
+    while waiting:
+        name = waiting.pop()
+        if name not in found:
+            found[name] = of(name, kind)
+            waiting += [*found[name].get("inside", [])[:1], *found[name].get("kept_inside", {}).values()]
+    return {name: entry for name, entry in sorted(found.items()) if entry}
+
+
+def refusal(blocks):
+    """The sentence that refuses the first of ``blocks`` that is none, or whose tests (of all, without a name)
+    state what cannot be read; empty if all are good."""
+    known = benches.blocks()
+    for block in blocks or known:
+        if block not in known:
+            return f"rtl/rtl.f has no block {block}"
+        try:
+            of(block, "")
+        except ValueError as error:
+            return str(error)
+    return ""
+
+
 def fits(size, parameters):
     """Whether a size of the tests, {name: text}, is the one that an entry asks for."""
     return all(parameters.get(name) == str(value) for name, value in size.items())

@@ -12,7 +12,7 @@ from meissner.builds import toolchain
 from verify import benches, evidence, revision
 
 DRIVER = Path(__file__).with_name("faults_driver.cpp")
-HERE = toolchain.ROOT / "model/meissner/engines"  # the converters' models
+ENGINES = toolchain.ROOT / "model/meissner/engines"  # the converters' models
 WORK = toolchain.BUILD / "faults"
 LONG_S = 3600  # by the clock: a build on a busy machine
 COLUMNS = ("injected", "masked", "recovered", "detected", "told", "late", "kept", "silent")
@@ -145,13 +145,14 @@ def _digest(*parts):
 def _compiled(source, folder, *flags):
     """Path of an object file of this C++ source, which sees Verilator's headers."""
     include = Path(toolchain.environment()["VERILATOR_ROOT"]) / "include"
-    target = folder / f"{source.stem}-{_digest(source, flags, *sorted(HERE.glob('*.hpp')))}.o"
+    target = folder / f"{source.stem}-{_digest(source, flags, *sorted(ENGINES.glob('*.hpp')))}.o"
     if not target.exists():
         folder.mkdir(parents=True, exist_ok=True)
         see = [
             f"-I{include}",
             f"-I{include}/vltstd",
             f"-I{folder}",
+            f"-I{ENGINES}",
             "-DVERILATOR=1",
             "-DVM_TRACE=0",
             "-DVM_SC=0",
