@@ -310,7 +310,7 @@ def check(twin, matrix, out):
     assert expected[-1][2] > 0 and expected[-1][3] == 1, "nothing pressed"
 
 
-@bench.applies(lambda dut: not hasattr(dut, "mutsel"))  # of mutants: nothing can be seen inside
+@bench.applies(bench.whole)
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def every_bit_of_the_counts_of_faults(dut):
     """They are health's, up to a count of all taxels."""

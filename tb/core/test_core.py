@@ -707,7 +707,7 @@ async def faults_are_told_and_every_counter_counts_its_own(dut):
     assert await read(host, *counters, rest=8 * 700) == [0] * 4
 
 
-@bench.applies(lambda dut: case_of(dut)[0] in ("array", "channels"))
+@bench.applies(lambda dut: case_of(dut)[0] in ("array", "channels") and bench.whole(dut))
 @cocotb.test(timeout_time=200, timeout_unit="ms")
 async def every_bit_of_a_counter_reaches_its_register(dut):
     """Of values put where they are counted, and of what these parts have no fault for."""
