@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 
 from meissner.builds import toolchain
 from meissner.builds.yowasp import ROOT, chparam, yosys
+from verify import revision
 
 INNER = "mutated"  # the block's module in the netlist
 BITS = r"(?:signed )?(?:\[\d+:0\] )?"
@@ -80,6 +81,13 @@ def named(run):
     return sorted(set(re.findall(r"\bdut\.(\w+)", tests_of(run).read_text())))
 
 
+def signals_of(run):
+    """Names that stand behind a block's, "<block>.<signal>" in quotes, in the tests and what they import."""
+    test = tests_of(run)
+    text = "".join(path.read_text() for path in (test, *sorted(revision.imports(test))))
+    return set(re.findall(r'"\w+\.(\w+)[\["]', text))
+
+
 def _scopes(tree):
     """Scopes in scopes, down to the signals in them."""
     return "".join(
@@ -100,8 +108,9 @@ PORT = rf"^  (?:in|out)put ({BITS})(\w+);"
 _copy = "  logic {bits}{name};\n  assign {name} = u_mutated.{at}{name} ;\n".format
 
 
-def _blocks_inside(text, module, wanted, paths, at, tree):
-    """Put copies of the ports of the blocks at ``wanted`` in ``module``, which is ``at``, into the tree.
+def _blocks_inside(text, module, wanted, paths, signals, at, tree):
+    """Put copies of ports of the blocks at ``wanted`` in ``module``, which is ``at``, into the tree, and of
+    their ``signals``.
 
     In a block that is wanted itself, all ``paths`` are looked for: tests join two.
     """
@@ -113,12 +122,14 @@ def _blocks_inside(text, module, wanted, paths, at, tree):
         there = f"{at}\\{path} ." if "." in path else f"{at}{path}."  # the name itself has dots in it
         scope = {}
         if path in wanted:
+            own = re.findall(rf"^  (?:wire|reg) ({BITS})(\w+);", block, re.MULTILINE)
+            own = [(bits, name) for bits, name in own if name in signals]
             scope = {
                 name: _copy(bits=bits, at=there, name=name)
-                for bits, name in re.findall(PORT, block, re.MULTILINE)
+                for bits, name in re.findall(PORT, block, re.MULTILINE) + own
             }
             deeper += paths
-        _blocks_inside(text, block, deeper, paths, there, scope)
+        _blocks_inside(text, block, deeper, paths, signals, there, scope)
         if scope:
             _scope(tree, path).update(scope)
 
@@ -137,7 +148,7 @@ def _seen_inside(run, folder):
         if name in wires and name not in ports
     )
     paths, tree = scopes_of(tests), {}
-    _blocks_inside(text, module, paths, paths, "", tree)
+    _blocks_inside(text, module, paths, paths, signals_of(run), "", tree)
     for bits, path, name in re.findall(rf"^  (?:wire|reg) ({BITS})\\([\w.]+)\.(\w+) ;", module, re.M):
         if f'"{path}"' in tests and path not in paths:
             _scope(tree, path)[name] = _copy(bits=bits, at=f"\\{path}.", name=name)
