@@ -1,5 +1,5 @@
-"""docs/blocks.md: every block, from the header comments of the sources that rtl/rtl.f lists; and those sources
-in meissner.core, for FuseSoC.
+"""docs/blocks.md: every block, from the header comments of the sources that rtl/rtl.f lists; and the list of
+these sources in meissner.core, for FuseSoC.
 
     python tools/blocks.py           print the page
     python tools/blocks.py --page    write both
