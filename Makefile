@@ -77,7 +77,7 @@ powerup: $(SIM)  ## twenty power-ups of each block with random registers: docs/t
 registers: $(SIM)  ## RTL, Python map, C header and page of the registers, from rtl/registers.rdl
 	@$(BIN)/python tools/registers.py
 
-blocks: $(SIM)  ## the table of all blocks, from the headers of the sources: docs/blocks.md
+blocks: $(SIM)  ## docs/blocks.md from the headers of the sources that rtl/rtl.f lists, and its list for FuseSoC: meissner.core
 	@$(BIN)/python tools/blocks.py --page
 
 synth: $(SYNTH)  ## bitstream of a board: BOARD=ulx3s, icebreaker, tangnano20k or orangecrab [CONFIG=name or mine.toml] [DEVICE=85F]

@@ -6,7 +6,7 @@ beats: stimulus.py."""
 from cocotb.clock import Clock
 from cocotb.triggers import ReadOnly, RisingEdge, Timer
 
-from bodies import applies
+from bodies import applies, whole
 from runner import COVERAGE_FLAGS, ONES, passed, refuses, run
 from stimulus import (
     SEED,

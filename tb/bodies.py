@@ -43,6 +43,12 @@ def applies(condition, long=False):
     return declare
 
 
+def whole(dut):
+    """Whether the build is of the sources: in a netlist of mutants (verify.mutate) blocks inside can be seen,
+    but not given values."""
+    return not hasattr(dut, "mutsel")
+
+
 def of(module):
     """{name: whether only `make test-long` has its builds} of the cocotb tests that a module defines."""
     found = [value for value in vars(module).values() if isinstance(value, TestGenerator)]

@@ -8,6 +8,8 @@ factor that was never written is 0, but X there. Registers begin as X.
 
 import re
 
+from meissner.builds import toolchain
+
 REPLACED = (
     (r"^ *(?:end else )?if \([^;]*?begin : gen_check_\w+\s+\$fatal\([^;]*;\s+end\n", ""),
     (r"\b(parameter|localparam)(\s+)int unsigned\b", r"\1\2[31:0]"),
@@ -28,38 +30,36 @@ REPLACED = (
 RESET = (
     2  # clocks of the first: msn_calibration_table's reads begin in a bank that the first clock makes known
 )
-FUNCTIONS = "a parameter that a package's function makes of another package's functions: not evaluated"
-SLICES = "a packed vector of vectors of which a process drives one element and an assignment another: refused"
+# Among a block's ports.
+STRUCT = re.compile(r"^\s*(?:input|output)\s+msn_\w*pkg::\w+", re.M)
 STRUCTS = "ports of a package's packed struct: Icarus 11 crashes on `package::type` there"
-REFUSED = {
-    **dict.fromkeys(("registers", "slip_chain", "link_slip", "core_link"), STRUCTS),
-    "adc_spi": FUNCTIONS,
-    "adc_single": FUNCTIONS,
-    "acquire": FUNCTIONS,
-    "array_source": FUNCTIONS,
-    "scan_adc": FUNCTIONS,
-    "scan_demod": FUNCTIONS,
-    "channels": FUNCTIONS,
-    "array": FUNCTIONS,
-    "haar": SLICES,
-    "slip_path": SLICES,
-    "cop_accumulate": SLICES,
-    "cop": SLICES,
-    "cop_array": SLICES,
-}
-# Of these, the sizes that it does run: what it refuses is not there.
-RUNS = {
-    "slip_path": lambda p: int(p.get("Serial", 0)) == 1,
-    "cop_accumulate": lambda p: int(p.get("Lanes", 1)) == 1,
-    "cop": lambda p: int(p.get("Lanes", 1)) == 1,
-    "cop_array": lambda p: int(p.get("Lanes", 1)) == 1,
-}
+
+
+def default(block, name):
+    """The number that a parameter of a block is if nobody sets it."""
+    text = next(path for path in toolchain.sources() if path.stem == f"msn_{block}").read_text("utf-8")
+    return re.search(rf"^\s*parameter\s[^=]*?\b{name}\s*=\s*(?:\d+'\w)?(\d+)", text, re.M)[1]
 
 
 def refused(block, parameters):
-    """Why Icarus cannot run this size of a block; None if it can."""
-    runs = RUNS.get(block)
-    return None if runs and runs(parameters) else REFUSED.get(block)
+    """Why Icarus cannot run this size of a block; None if it can.
+
+    For its own sake or that of a block in it: a struct among the ports, or what its tests state.
+    """
+    from verify import evidence  # in tools/, for which not every user of this file looks
+
+    runs = evidence.of(block, "icarus").get("runs", {})
+    given = {name: str(parameters.get(name, default(block, name))) for name in runs}
+    if runs and evidence.fits(runs, given):
+        return None
+    for path in sorted(toolchain.sources_of(f"msn_{block}"), key=lambda path: path.stem != f"msn_{block}"):
+        inner = path.stem.removeprefix("msn_")
+        if not inner.endswith("pkg"):
+            if STRUCT.search(path.read_text("utf-8")):
+                return STRUCTS
+            if reason := evidence.of(inner, "icarus").get("refused"):
+                return reason
+    return None
 
 
 def named(found):

@@ -56,7 +56,7 @@ def test_the_python_of_readme_prints_what_it_says():
 
 
 def test_the_page_of_blocks_is_that_of_the_sources():
-    assert blocks.PAGE.read_text("utf-8") == blocks.page(), "`python tools/blocks.py --page`"
+    assert blocks.PAGE.read_text("utf-8") == blocks.page(), "`make blocks`"
 
 
 @pytest.fixture

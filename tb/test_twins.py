@@ -2,6 +2,7 @@
 
 import pytest
 
+import blocks
 from meissner.builds import toolchain
 
 TOPS = ("msn_core", "msn_axis")
@@ -27,4 +28,12 @@ def test_the_core_file_lists_the_same_sources():
     """FuseSoC's meissner.core and rtl/rtl.f name the same files in the same order."""
     lines = (toolchain.ROOT / "meissner.core").read_text().splitlines()
     listed = [line.split("- ")[1] for line in lines if line.strip().startswith("- rtl/")]
-    assert listed == (toolchain.ROOT / "rtl/rtl.f").read_text().split()
+    assert listed == (toolchain.ROOT / "rtl/rtl.f").read_text().split(), "`make blocks`"
+
+
+def test_the_core_file_is_written_from_the_list(monkeypatch):
+    top = toolchain.ROOT
+    monkeypatch.setattr(toolchain, "sources", lambda: [top / "rtl/a/msn_a.sv", top / "rtl/msn_b.sv"])
+    before = "files:\n      - rtl/a/msn_a.sv\n      - rtl/msn_c.sv\n    file_type: x\n"
+    after = "files:\n      - rtl/a/msn_a.sv\n      - rtl/msn_b.sv\n    file_type: x\n"
+    assert (blocks.core(before), blocks.core(after)) == (after, after)

@@ -1,7 +1,8 @@
-"""docs/blocks.md: every block, from the header comments of the sources that rtl/rtl.f lists.
+"""docs/blocks.md: every block, from the header comments of the sources that rtl/rtl.f lists; and the list of
+these sources in meissner.core, for FuseSoC.
 
     python tools/blocks.py           print the page
-    python tools/blocks.py --page    write it
+    python tools/blocks.py --page    write both
 
 Of a header, the first sentence is what the block does, the sentence that begins with "Latency" or
 "Combinational" is its latency, and a path under model/meissner/ is its twin. The test has the block's name.
@@ -13,6 +14,7 @@ import re
 from meissner.builds import toolchain
 
 PAGE = toolchain.ROOT / "docs/blocks.md"
+CORE = toolchain.ROOT / "meissner.core"
 MODEL = "model/meissner/twins/"
 HEAD = """# Blocks
 
@@ -86,11 +88,18 @@ def page():
     return HEAD + "\n".join(map(row, toolchain.sources())) + "\n"
 
 
+def core(before):
+    """The text of meissner.core with the sources of rtl/rtl.f in place of those that it lists."""
+    listed = "".join(f"      - {path.relative_to(toolchain.ROOT)}\n" for path in toolchain.sources())
+    return re.sub(r"(?m)(?:^ +- rtl/.*\n)+", listed, before, count=1)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--page", action="store_true", help="write docs/blocks.md")
+    parser.add_argument("--page", action="store_true", help="write docs/blocks.md and meissner.core")
     if parser.parse_args().page:
         PAGE.write_text(page())
+        CORE.write_text(core(CORE.read_text()))
     else:
         print(page(), end="")
 

@@ -19,7 +19,7 @@ import tomllib
 
 import coverage_points as points
 from coverage_points import FOLDER, KINDS, ROOT
-from verify import benches, record
+from verify import benches, evidence, record
 
 COUNTS = FOLDER / "counts"
 TRACES = FOLDER / "python"
@@ -89,7 +89,7 @@ def main():
     parser.add_argument("--long", action="store_true", help="with the tests of `make test-long`")
     parser.add_argument("--jobs", type=int, default=1)
     arguments = parser.parse_args()
-    if refusal := benches.unknown(arguments.blocks):
+    if refusal := evidence.refusal(arguments.blocks):
         parser.exit(2, f"cover: {refusal}\n")
     passed = arguments.no_run or run(arguments.blocks, arguments.long, arguments.jobs)
     wanted = arguments.blocks or ["*"]

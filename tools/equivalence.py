@@ -4,8 +4,9 @@
     python tools/equivalence.py divide -k reset     one block, one kind of proof
     python tools/equivalence.py --record            the results into docs/trust/equivalence.json
 
-A block's parameters are a set that its own tests build it with: the first, or the first that SETS asks for.
-Exit code 1 if something is open that OPEN does not name, or if nothing ran. docs/equivalence.md has more.
+A block's parameters are a set that its own tests build it with: the first, or the first of the size
+that they state (verify/evidence.py). Exit code 1 if something is open that they do not state as open, or if
+nothing ran. docs/equivalence.md has more.
 """
 
 import argparse
@@ -22,7 +23,7 @@ from itertools import product
 from threading import Lock
 
 from meissner.builds.yowasp import ToolError, warm_up
-from verify import benches, circuit, netlist_proof, record, reset_proof
+from verify import benches, circuit, evidence, netlist_proof, record, reset_proof
 from verify.reset_proof import Task
 
 OUT = "build/equivalence"  # relative to ROOT: YoWASP sees nothing outside the directory it starts in
@@ -30,131 +31,30 @@ NAMES = {"ecp5": "ECP5", "ice40": "iCE40", "reset": "reset"}
 KINDS = tuple(NAMES)
 LIMIT_S = 60  # what closes takes less than half of it
 
-# In place of the first set of a block's tests: small memories, as they become registers, but more than one of
-# whatever there can be more than one of.
-SETS = {
-    "delay": "Depth=7",
-    "frame_filter": "Channels=5",
-    "frame_marker": "Rows=3 RowBeats=3",
-    "frame_table": "Words=3",
-    "sync": "Width=5",
-    "compare": "Width=18",
-    "constant_multiplier": "Constant=1023",
-    "fifo": "Depth=16",
-    "width_converter": "Columns=19",
-    "adc_store": "Lanes=2",
-    "scan_plan": "Rows=5",
-    "scan_buffer": "Rows=5",
-    "scan": "Rows=3",
-    "scan_adc": "Rows=3 Columns=3",
-    "health": "Columns=3",
-    "health_report": "Lanes=2",
-    "tare": "Columns=5",
-    "calibration_table": "Rows=3",
-    "calibration_grid": "Rows=6",
-    "calibrate": "Rows=3",
-    "haar": "Channels=3",
-    "sliding_extremes": "Channels=3",
-    "peak_to_peak": "Channels=3 Hop=4",
-    "slip": "Channels=6",
-    "channels": "Channels=3",
-    "cop_accumulate": "Rows=5",
-    "cop": "Rows=3",
-    "cop_array": "Rows=5",
-    "array": "Columns=2",
-    "crc32": "Bits=8",
-    "image_store": "Taxels=9",
-    "packet": "Taxels=9",
-    "cop_slip": "Lag=4",
-}
 
-# Whose source leaves something undefined that synthesis makes use of: words beside the end of a memory, bits
-# beside that of a vector. They read 0 in both, else a proof would have to know that nobody reads them. And
-# slip_serial, whose memory asks for block RAM.
-DEFINED = {
-    *("slip_serial", "frame_table", "scan_plan", "scan", "scan_adc", "scan_demod", "tare", "health"),
-    *("calibration_table", "calibration_grid", "calibrate", "cop_array", "array", "core", "axis"),
-}
-
-# Whose netlists are proven around the blocks in them: these are boxes, proven by themselves.
-CUT = {
-    *("acquire", "scan", "scan_adc", "scan_demod", "health", "tare", "calibrate", "slip_path", "channels"),
-    *("cop", "cop_array", "array", "cop4", "packet", "link", "core", "axis"),
-}
-
-# Not proven, {block: kinds}: docs/equivalence.md says why; of the last three lines: not run to its end.
-OPEN = dict.fromkeys(
-    (
-        *("adc_single", "time_stamp", "am_demod", "scan_plan", "scan_buffer", "slip_serial"),
-        *("packet_slip", "image_store", "axil"),
-        *("scan", "scan_adc", "scan_demod", "health", "tare", "calibration_table", "calibrate"),
-        *("calibration_grid", "slip_path", "channels", "cop", "cop_array", "array"),
-        *("cop4", "packet", "link", "registers", "core", "axis"),
-    ),
-    ("reset",),
-)
-
-# What the reset proof takes for granted, and sets of its own: docs/equivalence.md says why.
-RESET_SETS = {
-    "channels": "Channels=1",
-    "cop": "Rows=1",
-    "cop_accumulate": "Rows=3 Lanes=1",
-    "haar": "Channels=1 Mask=1",
-    "peak_to_peak": "Channels=1 Span=32 Hop=32",
-    "sliding_extremes": "Channels=1 Taps=2",
-    "slip": "Channels=1",
-}
-REGION = ("first_row", "last_row", "first_beat", "last_beat", "interleave")
-TASKS = {
-    "sync": Task(clocks=2),
-    "multiply": Task(clocks=2, ties={"enable_i": 1}),
-    "crc32": Task(reset="clear_i"),
-    "uart_rx": Task(clocks=3, held=3),
-    **dict.fromkeys(("sliding_extremes", "peak_to_peak"), Task(framed=True)),
-    "delay": Task(clocks=9, ties={"step_i": 1}),
-    "frame_table": Task(clocks=2, reset="restart_i", alike=True),
-    "adc_store": Task(ties={"begin_i": "!in_valid_i"}),
-    "adc_spi": Task(qualifiers={"adc_mosi_o": "!adc_cs_n_o"}, joined=(("state_q", "!convert_o"),)),
-    "adc_single": Task(qualifiers={"adc_mosi_o": "!adc_cs_n_o", "adc_sclk_o": "!adc_cs_n_o"}),
-    "slip": Task(
-        framed=True,
-        joined=(("block.seen_valid", "!moved"), ("block.restart", "begun"), ("block.kept_state", "moved")),
-    ),
-    "cop_slip": Task(joined=(("seen_pair", "seen_valid"), ("size_pair", "size_valid"))),
-    **dict.fromkeys(("channels", "acquire"), Task(qualifiers={"adc_mosi_o": "!adc_cs_n_o"})),
-    "registers": Task(qualifiers=dict.fromkeys(("bus_rdata_o", "bus_error_o"), "bus_done_o")),
-    "scan": Task(since={"group_o": "trigger_o"}),
-    "time_stamp": Task(since={"time_o": "convert_i"}),
-    "image_store": Task(since={"read_data_o": "read_valid_o"}),
-    "scan_plan": Task(
-        qualifiers={
-            **dict.fromkeys(("switch_row_o", "switch_group_o"), "switch_o"),
-            **dict.fromkeys((f"frame_{end}_o" for end in REGION), "!done_slip_o"),
-        },
-        since={"done_*": "trigger_o", "frame_*": "trigger_o"},
-    ),
-    "axil": Task(
-        qualifiers={
-            "s_axil_bresp": "s_axil_bvalid",
-            "s_axil_rdata": "s_axil_rvalid",
-            "s_axil_rresp": "s_axil_rvalid",
-        }
-    ),
-    "spi_shift": Task(qualifiers={"spi_mosi_o": "!spi_cs_n_o", "data_o": "done_o word_o"}),
-}
+def asked(block, key):
+    """What the block's tests state of these proofs (verify.evidence.KEYS), None if nothing."""
+    return evidence.of(block, "equivalence").get(key)
 
 
-def parameters(blocks, asked):
-    """{block: the set of its tests that its proofs use}; ``asked``: {block: what of a set decides}."""
-    found = {}
+def task_of(block):
+    """What the proof of its reset assumes: docs/equivalence.md says why."""
+    return Task(**(asked(block, "reset") or {}))
+
+
+def parameters(blocks, *keys):
+    """{block: the set of its tests that its proofs use}: the first of the size that they state, under the
+    last of ``keys`` that they have."""
+    found, sizes = {}, {}
+    for block in blocks:
+        stated = [asked(block, key) for key in keys]
+        sizes[block] = next((size for size in reversed(stated) if size), {})
     for run in benches.runs(*blocks):
-        wanted = dict(pair.split("=") for pair in asked.get(run["block"], "").split())
-        if wanted.items() <= run["parameters"].items():
+        if evidence.fits(sizes.get(run["block"], {}), run["parameters"]):
             found.setdefault(run["block"], run["parameters"])
     if missing := [block for block in blocks if block not in found]:
-        raise ValueError(
-            f"the tests of {missing[0]} build nothing with {asked.get(missing[0], 'any parameters')}"
-        )
+        wanted = spelt(sizes[missing[0]]) or "any parameters"
+        raise ValueError(f"the tests of {missing[0]} build nothing with {wanted}")
     return found
 
 
@@ -162,10 +62,12 @@ def prove_netlists(block, chosen, families):
     """{family: result} of ``block`` with ``chosen`` parameters, as docs/trust/equivalence.json has them."""
     folder = f"{OUT}/{block}"
     result = {"parameters": spelt(chosen)}
-    for defined in (True,) if block in DEFINED else (False, True):
+    for defined in (True,) if asked(block, "defined") else (False, True):
         again = [family for family in families if not result.get(family, {}).get("proven")]
         try:
-            bits = again and circuit.synthesise(block, chosen, folder, again, defined, cut=block in CUT)
+            bits = again and circuit.synthesise(
+                block, chosen, folder, again, defined, cut=bool(asked(block, "boxes"))
+            )
         except ValueError as error:  # a memory that asks for block RAM
             result |= {family: {"proven": False, "error": str(error)} for family in again}
             continue
@@ -189,7 +91,7 @@ def source_of(block, chosen, folder, task):
 
 def prove_reset(block, chosen):
     """{"reset": result} of ``block`` with ``chosen`` parameters, as docs/trust/equivalence.json has it."""
-    task, folder = TASKS.get(block, Task()), f"{OUT}/{block}/reset"
+    task, folder = task_of(block), f"{OUT}/{block}/reset"
     source = source_of(block, chosen, folder, task)
     result = said(lambda: reset_proof.prove(source, task))
     if not result["proven"] and not task.alike:
@@ -201,7 +103,7 @@ def prove_reset(block, chosen):
 
 def prove_clocks(block, chosen):
     """{"reset": how many clocks after a reset nothing differs}, again and again; memories begin alike."""
-    task = replace(TASKS.get(block, Task()), alike=True)
+    task = replace(task_of(block), alike=True)
     source = source_of(block, chosen, f"{OUT}/{block}/clocks", task)
     for differ, clocks in reset_proof.bounded(source, task):
         yield {"reset": {"clocks": clocks} | ({"then": sorted(differ)} if differ else {})}
@@ -298,12 +200,12 @@ def main():
     )
     parser.add_argument("--record", action="store_true", help="into docs/trust/equivalence.json")
     options = parser.parse_args()
-    if refusal := benches.unknown(options.blocks):
+    if refusal := evidence.refusal(options.blocks):
         parser.exit(2, f"equivalence: {refusal}\n")
     warm_up()
     kinds = options.kind or KINDS
     blocks = options.blocks or benches.blocks()
-    sets, of_reset = parameters(blocks, SETS), parameters(blocks, SETS | RESET_SETS)
+    sets, of_reset = parameters(blocks, "size"), parameters(blocks, "size", "reset_size")
     families = [kind for kind in kinds if kind != "reset"]
     lock = Lock()
 
@@ -332,7 +234,7 @@ def main():
         f"{block}: {NAMES[kind]} {word(result[kind])}"
         for block, result in zip(blocks, results)
         for kind in kinds
-        if not result[kind]["proven"] and kind not in OPEN.get(block, ())
+        if not result[kind]["proven"] and kind not in (asked(block, "open") or ())
     ]
     proven = sum(result[kind]["proven"] for result in results for kind in kinds)
     print("\n".join([f"{proven} of {len(results) * len(kinds)} proven", *wrong]))

@@ -14,7 +14,7 @@ import subprocess
 import sys
 
 from meissner.builds import toolchain
-from verify import benches, faults, record
+from verify import evidence, faults, record
 
 TABLE = "## What was recorded\n\n"  # the page's last section
 
@@ -27,10 +27,13 @@ def main():
     parser.add_argument("--record", action="store_true", help="into docs/trust/faults.json, docs/faults.md")
     parser.add_argument("--show", action="store_true", help="each fault that is not masked")
     given = parser.parse_args()
-    names = given.blocks or faults.blocks()
-    stateless = [name for name in names if name not in faults.blocks()]
-    if refusal := benches.unknown(names) or (stateless and f"{stateless[0]} has no clock, so no state"):
+    refusal = evidence.refusal(given.blocks)
+    for name in () if refusal else given.blocks:
+        if reason := faults.stated(name, "none", ""):
+            refusal = f"no faults are injected into {name}: {reason}"
+    if refusal:
         parser.exit(2, f"faults: {refusal}\n")
+    names = given.blocks or faults.blocks()
     totals, silent, broken, done = collections.Counter(), [], [], {}
     for name in names:
         revision = record.digest(name, "faults")  # now: it may change before the end

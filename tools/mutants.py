@@ -21,28 +21,20 @@ from collections import Counter
 
 from meissner.builds.toolchain import ROOT
 from meissner.builds.yowasp import ToolError, warm_up
-from verify import benches, equivalence, mutants_page, mutate, record, simulate, source_netlist
+from verify import benches, equivalence, evidence, mutants_page, mutate, record, simulate, source_netlist
 
 PAGE = ROOT / "docs/mutants.md"
 MARK = "<!-- written by make mutants: from here to the end -->\n"
-WHOLE = ("divide", "round_sat", "haar", "peak_to_peak", "cop_accumulate")  # must kill every one
-LEAST = 0.95  # of those that are not equivalent, in every other block
+LEAST = 0.95  # to kill of those that are not equivalent; all where the tests state ``whole``
 SETS = 4  # parameter sets of a block, evenly out of its tests' list
 POWERUPS = 8  # for counters, whose upper bits are ones or zeros otherwise
 COUNTS = "counts_over_the_whole_width"  # the test of bench.turn_over
 FEWEST_A_SET = 25  # mutants; fewer sets if fewer are wanted
-FEWEST, MOST = 100, 200  # mutants of a block of WHOLE; between them one for each line of its source
+FEWEST, MOST = 100, 200  # mutants of a ``whole`` block; between them one for each line of its source
 OTHERS = 25  # of another block: all of them in three hours of a processor
 SOURCE, SOURCE_SETS = 24, 2  # mutants of a block's source, over so many sets
 SEEDS = [1, 2, 3]
 JUDGED = ROOT / "tb/verify/equivalent.toml"  # by hand
-LARGE = {  # sets that take longer than --limit, or one chosen for its size; solvers that would not end
-    "calibrate": {"sets": [1]},
-    "uart_rx": {"sets": [1, 3]},  # few clocks a bit
-    "array": {"sets": [1], "limit": 60, "unsolved": True},
-    "core": {"sets": [0], "limit": 100, "unsolved": True},
-    "axis": {"limit": 60, "unsolved": True},
-}
 
 
 def parameter_sets(block, wanted=SETS, chosen=()):
@@ -65,7 +57,7 @@ def parameter_sets(block, wanted=SETS, chosen=()):
 
 def size_of(block):
     """How many mutants a block gets."""
-    if block not in WHOLE:
+    if not evidence.of(block, "mutants").get("whole"):
         return OTHERS
     lines = mutate.source_of(block).read_text().count("\n")
     return min(MOST, max(FEWEST, lines))
@@ -107,11 +99,13 @@ def by_hand(mutants, block):
 
 
 def fitted(options, block, default):
-    """``options`` for ``block``: of LARGE what the command line leaves at its ``default``."""
-    large = {
-        key: value for key, value in LARGE.get(block, {}).items() if getattr(options, key) == default(key)
+    """``options`` for ``block``: what its tests state, where the command line leaves the ``default``."""
+    stated = {
+        key: value
+        for key, value in evidence.of(block, "mutants").items()
+        if key != "whole" and getattr(options, key) == default(key)
     }
-    return argparse.Namespace(**vars(options) | large)
+    return argparse.Namespace(**vars(options) | stated)
 
 
 def one_block(block, options):
@@ -178,7 +172,7 @@ def entry(mutants, sets, slow, seconds):
 
 
 def good(block, found):
-    least = 1 if block in WHOLE else LEAST
+    least = 1 if evidence.of(block, "mutants").get("whole") else LEAST
     return all(part["score"] >= least for part in mutants_page.parts(found))
 
 
@@ -217,7 +211,7 @@ def main():
     options = parser.parse_args()
     if not (options.source or options.cells):
         options.source = options.cells = True
-    if refusal := benches.unknown(options.block):
+    if refusal := evidence.refusal(options.block):
         parser.exit(2, f"mutants: {refusal}\n")
     warm_up()
     sys.path.insert(0, str(ROOT / "tb"))

@@ -15,7 +15,7 @@ import sys
 from concurrent.futures import ThreadPoolExecutor
 
 from meissner.builds import toolchain
-from verify import benches, record
+from verify import benches, evidence, record
 
 ROOT = toolchain.ROOT
 
@@ -65,7 +65,7 @@ def main():
     parser.add_argument("--jobs", type=int, default=2, help="blocks at a time")
     parser.add_argument("--record", action="store_true", help="into docs/trust/powerup.json")
     arguments = parser.parse_args()
-    refusal = benches.unknown(arguments.blocks)
+    refusal = evidence.refusal(arguments.blocks)
     if refusal or arguments.seeds < 1:
         parser.exit(2, f"powerup: {refusal or '--seeds must be 1 or more'}\n")
     blocks = arguments.blocks or benches.blocks()

@@ -13,7 +13,7 @@ import itertools
 import sys
 from concurrent.futures import ThreadPoolExecutor, as_completed
 
-from verify import benches, record, regress
+from verify import evidence, record, regress
 
 
 def one(block, given, seed):
@@ -72,7 +72,7 @@ def main():
     if given.only:
         sys.exit(one(given.only[0], given.only[1:], given.seed))
     fixed = [name for name in given.blocks if name not in regress.blocks()]
-    if refusal := benches.unknown(given.blocks) or (fixed and f"the tests of {fixed[0]} have no SPACE"):
+    if refusal := evidence.refusal(given.blocks) or (fixed and f"the tests of {fixed[0]} have no SPACE"):
         parser.exit(2, f"regress: {refusal}\n")
     passed, failed, pieces = {}, [], spread(given)
     waiting = [block for block, _ in pieces]

@@ -2,7 +2,9 @@
 
     python tools/trust.py              every kind (hours), each recorded in docs/trust/<kind>.json
     python tools/trust.py faults       some kinds
-    python tools/trust.py --due        only blocks that have none, or stale ones
+    python tools/trust.py --due        only blocks that have none or stale ones, those that were changed first
+                                       and for 15 minutes [--minutes 90]; what is left is shown
+    python tools/trust.py --due --list only a list of these, with the seconds of a processor that they took
     python tools/trust.py --page       only the pages, from what is recorded
 
 Each kind has tools of its own that take --record. Exit code 1 if one of them failed. What was recorded before
@@ -17,7 +19,8 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from meissner.builds import toolchain
-from verify import benches, faults, formal, fuzz, mutants_page, record, regress
+from verify import benches, evidence, faults, formal, fuzz, mutants_page, record, regress
+from verify import due as due_of
 
 ROOT = toolchain.ROOT
 PAGE = ROOT / "docs/trust.md"
@@ -66,6 +69,7 @@ STEPS = (
     Step("fuzz", "fuzz.py", lambda: [*fuzz.TARGETS, fuzz.C_NAME], jobs=False),
 )
 STALE = "stale"
+MINUTES = 15  # of --due
 LINE = ("formal", "mutants", "coverage", "equivalence")  # the kinds that README names
 BOXES = "with memories as registers and with products and inner blocks as black boxes"
 HEAD = """# Trust
@@ -73,7 +77,10 @@ HEAD = """# Trust
 `make trust` runs all the evidence and writes this page; `python tools/trust.py --page` writes it from the
 records in docs/trust/. Evidence is **stale** if anything that it rests on has changed since: the RTL of the
 block or of one inside it, its tests, twin, proof harness or exclusions, or the version of a tool.
-`make trust TRUST=--due` runs what is stale or missing again.
+A change of a block makes the evidence of the blocks around it stale as well, since they are simulated,
+proven and upset with the block in them. `make trust TRUST=--due` runs what is stale or missing, for at most
+15 minutes (`TRUST="--due --minutes 90"`): first the blocks in which no other stale one lies, which are those
+that were changed, then those around them, in both what takes longest last. What did not fit stays stale.
 """
 
 
@@ -179,13 +186,44 @@ def due(step):
     return [name for name in step.blocks() if name not in kept]
 
 
+def due_pieces(kinds):
+    """The pieces that are due, in order."""
+    listed = [(step, due(step)) for step in STEPS if step.kind in kinds]
+    return due_of.pieces(listed, records())
+
+
+def run_due(kinds, jobs, minutes):
+    """Run what is due for so many minutes, 0: to the end; sentences of what failed or is left."""
+    failed = []
+
+    def one(piece, rest):
+        told = command_of(piece.step, [piece.block], jobs)
+        print("==", *told, flush=True)
+        code = due_of.limited(told, rest)
+        if code:
+            failed.append(f"{' '.join(told[:-1])} failed")
+        if code is None:
+            failed.append(f"{' '.join(told)} did not end in time")
+
+    left = due_of.within(due_pieces(kinds), 60 * minutes or None, one)
+    if left:
+        words = f"{left[0].step.kind} of {left[0].block}"
+        print(f"{len(left)} runs are still due, from {words} on: their evidence stays stale or missing")
+    return failed
+
+
+def command_of(step, names, jobs):
+    """The words of a step's command for ``names``, of all if there are none."""
+    told = step.command.replace("RUNS", str(50 * len(names or step.blocks())))
+    return f"tools/{told}".split() + names + ["--record"] + step.jobs * ["--jobs", str(jobs)]
+
+
 def run(step, names, jobs):
     """Run ``step`` of ``names``, of all if there are none; a sentence if it failed."""
-    told = step.command.replace("RUNS", str(50 * len(names or step.blocks())))
-    command = f"tools/{told}".split() + names + ["--record"] + step.jobs * ["--jobs", str(jobs)]
+    command = command_of(step, names, jobs)
     print("==", *command, flush=True)
     failed = subprocess.run([sys.executable, *command], cwd=ROOT).returncode
-    return [f"{told} failed"] if failed else []
+    return [f"{' '.join(command)} failed"] if failed else []
 
 
 def write(recorded):
@@ -199,17 +237,28 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("kinds", nargs="*", metavar="KIND", help=", ".join(KINDS))
     parser.add_argument("--due", action="store_true", help="only what is missing or stale")
+    parser.add_argument("--minutes", type=float, help="of --due; 0: until all is done")
+    parser.add_argument("--list", action="store_true", help="of --due: run nothing")
     parser.add_argument("--page", action="store_true", help="run nothing")
     parser.add_argument("--jobs", type=int, default=2)
     options = parser.parse_args()
     if unknown := sorted(set(options.kinds) - set(KINDS)):
         parser.exit(2, f"trust: there is no {unknown[0]}; there are {', '.join(KINDS)}\n")
-    failed = []
-    for step in () if options.page else STEPS:
-        if step.kind in (options.kinds or KINDS):
-            names = due(step) if options.due else []  # a tool without names runs all
-            if names or not options.due:
-                failed += run(step, names, options.jobs)
+    if refusal := evidence.refusal([]):
+        parser.exit(2, f"trust: {refusal}\n")
+    if not options.due and (options.list or options.minutes is not None):
+        parser.exit(2, "trust: --minutes and --list are of --due\n")
+    failed, kinds = [], options.kinds or KINDS
+    if options.list:
+        for piece in due_pieces(kinds):
+            rank = "around what is stale" if piece.around else ""
+            print(f"{piece.step.command:26} {piece.block:20} {piece.seconds:6.0f} s {rank}".rstrip())
+        return
+    if options.due:
+        failed += run_due(kinds, options.jobs, MINUTES if options.minutes is None else options.minutes)
+    for step in () if options.page or options.due else STEPS:
+        if step.kind in kinds:
+            failed += run(step, [], options.jobs)
     recorded = records()
     failed += [f"{kind} was never recorded" for kind in KINDS if kind not in recorded]
     failed += strangers(recorded)

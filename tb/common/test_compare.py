@@ -24,6 +24,8 @@ async def matches_model(dut):
         assert bool(dut.greater_o.value) == compare(a, b, bits), (a, b)
 
 
+EVIDENCE = {"equivalence": {"size": {"Width": 18}}, "faults": {"none": "no state"}}
+
 SPACE = lambda draw: {"Width": draw.randint(1, 60)}
 
 

@@ -31,6 +31,11 @@ async def matches_model(dut, gap_rate):
         await bench.RisingEdge(dut.clk_i)
 
 
+EVIDENCE = {
+    "equivalence": {"size": {"Depth": 7}, "reset": {"ties": {"step_i": 1}, "clocks": 9}},
+    "faults": {"settle": 12, "driver": {"frame": "step_i"}},
+}
+
 SPACE = lambda draw: {"Depth": draw.randint(1, 90), "Width": 9}
 
 

@@ -102,6 +102,8 @@ async def forgets_what_a_reset_interrupts(dut):
         assert await bench.stream(dut, beats_of(pairs), FIELDS) == expected_of(pairs, fraction_bits)
 
 
+EVIDENCE = {"mutants": {"whole": True}}
+
 SPACE = lambda draw: {
     "DenBits": draw.randint(4, 46),
     "FractionBits": draw.randint(1, 24),

@@ -59,5 +59,8 @@ async def forgets_what_a_reset_interrupts(dut):
         await bench.reset(dut)
 
 
+EVIDENCE = {}
+
+
 def test_fork():
     bench.run("common", "fork")

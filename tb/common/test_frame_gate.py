@@ -158,6 +158,9 @@ async def opens_again_when_an_upset_closes_it_inside_a_frame(dut):
     assert commits == [0, 0, 0] and ready[-1] == 1
 
 
+EVIDENCE = {}
+
+
 def test_frame_gate():
     bench.run("common", "frame_gate")
 

@@ -109,6 +109,8 @@ async def matches_model(dut):
     assert not twin.next(0, 1, [0] * results, 0, 1)
 
 
+EVIDENCE = {}
+
 SPACE = lambda draw: {"Results": draw.randint(1, 3), "QuietBits": draw.randint(2, 6)}
 
 

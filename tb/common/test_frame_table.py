@@ -130,6 +130,16 @@ async def a_word_that_is_written_as_it_is_read_shows(dut):
         assert await word() == old, strobes
 
 
+EVIDENCE = {
+    "equivalence": {
+        "size": {"Words": 3},
+        "defined": True,
+        "reset": {"clocks": 2, "alike": True, "reset": "restart_i"},
+    },
+    "faults": {"inside": ["calibrate", "u_beats."]},
+}
+
+
 @pytest.mark.parametrize(
     "words, parts, bits, banks, start",
     [

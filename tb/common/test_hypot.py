@@ -97,6 +97,8 @@ async def forgets_what_a_reset_interrupts(dut):
         assert got == expected_of(pairs, exact)
 
 
+EVIDENCE = {}
+
 SPACE = lambda draw: {"Bits": draw.randint(1, 18), "Exact": draw.randint(0, 1)}
 
 

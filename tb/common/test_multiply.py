@@ -42,6 +42,12 @@ async def matches_model(dut, rest_rate):
         dut.a_i.value, dut.b_i.value = a & ((1 << a_width) - 1), b
 
 
+EVIDENCE = {
+    "equivalence": {"reset": {"ties": {"enable_i": 1}, "clocks": 2}},
+    # Two registers one after the other, shown before the next.
+    "faults": {"settle": 4, "driver": {"frame": "enable_i"}},
+}
+
 SPACE = lambda draw: {"AWidth": draw.randint(2, 18), "BWidth": draw.randint(1, 17)}
 
 

@@ -100,6 +100,8 @@ async def forgets_what_a_reset_interrupts(dut):
         assert await bench.stream(dut, beats_of(pairs), FIELDS) == expected_of(1, pairs, fraction_bits)
 
 
+EVIDENCE = {}
+
 SPACE = lambda draw: {
     "ScaleBits": draw.randint(2, 17),
     "NumBits": draw.randint(3, 20),

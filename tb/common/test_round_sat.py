@@ -56,6 +56,9 @@ async def forgets_what_a_reset_interrupts(dut):
     assert await bench.stream(dut, [], ["data"]) == []
 
 
+EVIDENCE = {"mutants": {"whole": True}}
+
+
 @pytest.mark.parametrize("in_width, out_width, drop_bits, unsigned", SIZES)
 def test_round_sat(in_width, out_width, drop_bits, unsigned):
     size = {"InWidth": in_width, "OutWidth": out_width, "DropBits": drop_bits, "Unsigned": unsigned}

@@ -151,6 +151,13 @@ async def survives_damage_and_resets(dut):
     assert bench.read(dut.damaged_o) == 0
 
 
+EVIDENCE = {
+    "equivalence": {"size": {"Rows": 3}, "reset_size": {"Rows": 1}, "boxes": True, "open": ["reset"]},
+    "faults": {"size": {"Rows": 3}, "settle": 3},
+    "icarus": {"runs": {"Lanes": 1}},
+}
+
+
 @pytest.mark.parametrize(
     "rows, columns, lanes, fraction_bits, bits_per_clock, pipelined",
     [

@@ -215,6 +215,10 @@ async def forgets_what_a_reset_interrupts(dut):
         assert await bench.stream(dut, beats_of(samples), FIELDS, drain=80) == expected
 
 
+# Samples inside.
+EVIDENCE = {"equivalence": {"boxes": True, "open": ["reset"]}, "faults": {"settle": 8}}
+
+
 @pytest.mark.parametrize("bits, per_clock, correct", [(17, 2, 0), (9, 1, 0), (17, 2, 1), (12, 1, 1)])
 def test_cop4(bits, per_clock, correct):
     bench.run("cop", "cop4", {"SampleBits": bits, "BitsPerClock": per_clock, "Correct": correct})

@@ -104,6 +104,9 @@ async def forgets_what_a_reset_interrupts(dut):
         assert await bench.stream(dut, beats_of(rows), FIELDS) == expected_of(rows, registers)
 
 
+EVIDENCE = {}
+
+
 @pytest.mark.parametrize("sum_bits", [19, 6])
 def test_cop4_correct(sum_bits):
     bench.run("cop", "cop4_correct", {"SumBits": sum_bits})

@@ -195,6 +195,17 @@ async def forgets_what_a_reset_interrupts(dut):
         assert await bench.stream(dut, beats, FIELDS) == expected_of(forces)
 
 
+EVIDENCE = {
+    "equivalence": {"size": {"Rows": 5}, "reset_size": {"Rows": 3, "Lanes": 1}},
+    "mutants": {"whole": True},
+    "faults": {"size": {"Rows": 3}, "settle": 2},
+    "icarus": {
+        "refused": "a packed vector of vectors of which a process drives one element and an "
+        "assignment another: refused",
+        "runs": {"Lanes": 1},
+    },
+}
+
 SPACE = lambda draw: {
     "Rows": draw.randint(1, 12),
     "Columns": draw.randint(1, 20),

@@ -227,6 +227,18 @@ async def forgets_what_a_reset_interrupts(dut):
         assert bench.read(dut.damaged_o) == 0
 
 
+EVIDENCE = {
+    "equivalence": {"size": {"Rows": 5}, "defined": True, "boxes": True, "open": ["reset"]},
+    "faults": {
+        "size": {"Rows": 5},
+        "settle": 4,
+        # The tables, which of the two is in use and whether any is, until they are written again.
+        "driver": {"kept": "memory gains offsets rows bank loaded cfg_swapping"},
+    },
+    "icarus": {"runs": {"Lanes": 1}},
+}
+
+
 @pytest.mark.parametrize(
     "rows, columns, lanes, gain_shift, row_column, tap",
     [(64, 64, 1, 12, 0, 0), (32, 32, 1, 12, 0, 0), (5, 19, 2, 12, 0, 1), (24, 61, 8, 24, 1, 0)],

@@ -116,6 +116,9 @@ async def no_divider_sees_a_zero_denominator(dut):
             await bench.RisingEdge(dut.clk_i)
 
 
+EVIDENCE = {}
+
+
 @pytest.mark.parametrize(
     "rows, columns, fraction_bits, bits_per_clock, pipelined",
     [(63, 64, 20, 2, 0), (1, 9, 4, 2, 1), (1024, 1, 14, 1, 0)],

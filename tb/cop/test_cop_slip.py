@@ -188,6 +188,15 @@ async def clocks_are_as_stated(dut):
         await bench.RisingEdge(dut.clk_i)
 
 
+EVIDENCE = {
+    "equivalence": {
+        "size": {"Lag": 4},
+        "reset": {"joined": (("seen_pair", "seen_valid"), ("size_pair", "size_valid"))},
+    },
+    "faults": {"short": {"TimerBits": 6}, "settle": 90},
+}
+
+
 @pytest.mark.parametrize("lag", [1, 4, 5, 40])
 def test_cop_slip(lag):
     bench.run("cop", "cop_slip", {"Lag": lag})

@@ -109,6 +109,8 @@ def test_frames_by_hand(name):
     assert electrodes(beats) == (found, lost)
 
 
+EVIDENCE = {"faults": {"settle": 2}}
+
 SPACE = lambda draw: {"SampleBits": draw.randint(2, 20)}
 
 

@@ -172,6 +172,12 @@ CLOCKS = {"ClkKhz": 8_000, "SclkKhz": 2_000}
 SINGLE = {"ClkKhz": 16_000, "SclkKhz": 2_000, "SampleBits": 13, "AdcPeriod": 1_600}
 
 
+EVIDENCE = {
+    "equivalence": {"boxes": True, "reset": {"qualifiers": {"adc_mosi_o": "!adc_cs_n_o"}}},
+    "faults": {"size": {"Adc": 1, "Channels": 3}, "driver": {"free": 16000, "part": 1, "late": "left_q"}},
+}
+
+
 @pytest.mark.parametrize(
     "parameters",
     [

@@ -164,6 +164,18 @@ async def recovers_after_reset_in_mid_frame(dut):
         assert bench.read(dut.dropped_o) == 0
 
 
+EVIDENCE = {
+    "equivalence": {
+        "open": ["reset"],
+        "reset": {"qualifiers": {"adc_mosi_o": "!adc_cs_n_o", "adc_sclk_o": "!adc_cs_n_o"}},
+    },
+    "faults": {"settle": 3, "driver": {"free": 12000, "part": 1}},
+    "icarus": {
+        "refused": "a parameter that a package's function makes of another package's functions: not evaluated"
+    },
+}
+
+
 @pytest.mark.parametrize(
     "parameters",
     [

@@ -750,6 +750,17 @@ BUILDS = [
 ]
 
 
+EVIDENCE = {
+    "equivalence": {
+        "reset": {"qualifiers": {"adc_mosi_o": "!adc_cs_n_o"}, "joined": (("state_q", "!convert_o"),)}
+    },
+    "faults": {"driver": {"free": 16000, "part": 1, "late": "left_q"}},
+    "icarus": {
+        "refused": "a parameter that a package's function makes of another package's functions: not evaluated"
+    },
+}
+
+
 @pytest.mark.parametrize("parameters", BUILDS, ids=lambda p: "-".join(map(str, p.values())))
 def test_adc_spi(parameters):
     skipped = ["triggers_"]

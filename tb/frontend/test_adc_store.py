@@ -228,6 +228,12 @@ async def meets_every_other_event(dut):
     assert await clock(ready=1) == (0, 600)
 
 
+EVIDENCE = {
+    "equivalence": {"size": {"Lanes": 2}, "reset": {"ties": {"begin_i": "!in_valid_i"}}},
+    "faults": {"inside": ["adc_spi", "u_store."]},
+}
+
+
 @pytest.mark.parametrize(
     "parameters",
     [

@@ -193,6 +193,9 @@ async def recovers_after_reset(dut):
             assert await bench.stream(dut, sent, FIELDS, drain=drain) == expected
 
 
+EVIDENCE = {"equivalence": {"open": ["reset"]}, "faults": {"settle": 3, "driver": {"frame": "in_start_i"}}}
+
+
 @pytest.mark.parametrize(
     "form, samples, lanes, sample_bits, period_bits",
     [

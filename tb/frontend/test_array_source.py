@@ -86,6 +86,9 @@ async def frames_of_a_scan(dut):
     assert counters(dut) == [0, 0, 0, 18 if carrier else 0]  # that part's answers name their channel
 
 
+EVIDENCE = {"faults": {"size": {"Part": 1}}}
+
+
 @pytest.mark.parametrize("build", [STREAM, SCAN, CARRIER], ids=["stream", "scan", "carrier"])
 def test_array_source(build):
     bench.run("frontend", "array_source", build)

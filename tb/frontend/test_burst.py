@@ -104,6 +104,9 @@ async def a_reset_ends_the_burst(dut):
     assert seen == {"trigger_o": [], "first_o": [], "lost_o": [3], "spoiled_o": [*range(4, 12)]}
 
 
+EVIDENCE = {"faults": {"settle": 2, "driver": {"frame": "start_i"}}}
+
+
 def test_burst():
     bench.run("frontend", "burst", {"CountBits": 2, "PeriodBits": 3})
 

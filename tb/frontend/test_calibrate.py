@@ -263,6 +263,18 @@ async def clocks_are_as_stated_and_frames_never_wait(dut):
     assert seen == [clock + stated for clock in range(len(beats))]
 
 
+EVIDENCE = {
+    "equivalence": {"size": {"Rows": 3}, "defined": True, "boxes": True, "open": ["reset"]},
+    "mutants": {"sets": [1]},
+    "faults": {
+        "size": {"Rows": 3, "RowColumn": 0},
+        "settle": 3,
+        # The tables, which of the two is in use and whether any is, until they are written again.
+        "driver": {"kept": "memory gains offsets rows bank loaded cfg_swapping"},
+    },
+}
+
+
 @pytest.mark.parametrize(
     "rows, columns, lanes, sample_bits, gain_shift, offset, row_column",
     [

@@ -123,6 +123,17 @@ async def matches_model(dut, pause_rate):
     assert dut.out_loaded_o.value == 0
 
 
+EVIDENCE = {
+    "equivalence": {"size": {"Rows": 6}, "defined": True, "open": ["reset"]},
+    "faults": {
+        "size": {"Rows": 6},
+        "settle": 2,
+        # The tables, which of the two is in use and whether any is, until they are written again.
+        "driver": {"frame": "last_i", "kept": "memory gains offsets rows bank loaded cfg_swapping"},
+    },
+}
+
+
 @pytest.mark.parametrize(
     "rows, columns, lanes, sample_bits, offset",
     [(1, 1, 1, 17, 1), (8, 1, 4, 17, 0), (5, 27, 8, 17, 1), (6, 3, 1, 12, 1), (2, 40, 2, 18, 1)],

@@ -115,6 +115,12 @@ async def matches_model(dut, pause_rate):
             dut.cfg_swap_i.value = 0
 
 
+EVIDENCE = {
+    "equivalence": {"size": {"Rows": 3}, "defined": True, "open": ["reset"]},
+    "faults": {"size": {"Rows": 3}, "inside": ["calibrate", "u_table."]},
+}
+
+
 @pytest.mark.parametrize(
     "rows, columns, lanes, sample_bits, offset",
     [(1, 1, 1, 17, 1), (3, 5, 2, 17, 1), (4, 4, 1, 18, 0), (5, 19, 8, 17, 1)],

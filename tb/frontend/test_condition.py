@@ -155,6 +155,9 @@ async def clocks_are_as_stated(dut):
         dut.in_valid_i.value = 0
 
 
+EVIDENCE = {"faults": {"size": {"Health": 1, "Tare": 1}}}
+
+
 @pytest.mark.parametrize("health, tare, lanes", [(1, 1, 2), (1, 0, 1), (0, 1, 4), (0, 0, 2)])
 def test_condition(health, tare, lanes):
     size = {"Rows": 3, "Columns": 5, "Lanes": lanes, "SampleBits": 17, "TareLog2": 2}

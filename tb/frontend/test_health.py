@@ -349,6 +349,25 @@ async def clocks_are_as_stated(dut):
     listener.cancel()
 
 
+EVIDENCE = {
+    "equivalence": {"size": {"Columns": 3}, "defined": True, "boxes": True, "open": ["reset"]},
+    "faults": {
+        "size": {"Rows": 3, "Columns": 3},
+        "settle": 40,
+        "driver": {
+            # It counts frames, and frames that are missing whole are not seen here.
+            "skip": "gone",
+            # An event that is not taken at once comes with the next frame.
+            "ready": "event_",
+            # Of what it knows of a taxel.
+            "kept": "state u_row. u_up. u_down. gen_lane out_data_o head ahead behind here "
+            "write learn place row_first top bottom u_taxel. tick asked bank fresh again drain "
+            "was_whole",
+        },
+    },
+}
+
+
 @pytest.mark.parametrize(
     "rows, columns, lanes, sample_bits",
     [

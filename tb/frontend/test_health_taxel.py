@@ -180,6 +180,9 @@ async def matches_model(dut):
             await bench.RisingEdge(dut.clk_i)
 
 
+EVIDENCE = {}
+
+
 @pytest.mark.parametrize("bits", [17, 6])
 def test_health_taxel(bits):
     bench.run("frontend", "health_taxel", {"SampleBits": bits})

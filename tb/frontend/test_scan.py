@@ -498,6 +498,18 @@ SIZES = [
 ]
 
 
+EVIDENCE = {
+    "equivalence": {
+        "size": {"Rows": 3},
+        "defined": True,
+        "boxes": True,
+        "open": ["reset"],
+        "reset": {"since": {"group_o": "trigger_o"}},
+    },
+    "faults": {"inside": ["scan_adc", "u_scan."]},
+}
+
+
 @pytest.mark.parametrize("parameters", SIZES, ids=lambda p: "-".join(map(str, p.values())))
 def test_scan(parameters):
     bench.run("frontend", "scan", parameters)

@@ -388,6 +388,22 @@ BUILDS = [
 ]
 
 
+EVIDENCE = {
+    "equivalence": {"size": {"Rows": 3, "Columns": 3}, "defined": True, "boxes": True, "open": ["reset"]},
+    "faults": {
+        "size": {"Rows": 3, "Columns": 3},
+        "driver": {
+            "free": 40000,
+            # What a scan took as it was switched on, until it is switched off.
+            "kept": "settle_q period_q slip_row_q slip_group_q",
+            # What counts to a scan's next row, frame.
+            "late": "left_q count_q",
+            "part": 1,
+        },
+    },
+}
+
+
 @pytest.mark.parametrize("parameters", BUILDS, ids=lambda p: "-".join(map(str, p.values())))
 def test_scan_adc(parameters):
     bench.run("frontend", "scan_adc", parameters)

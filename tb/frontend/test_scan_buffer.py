@@ -304,6 +304,12 @@ async def a_frame_that_misses_a_beat_gives_way_to_the_next(dut):
     assert cuts or twin.rows * twin.beats == 1
 
 
+EVIDENCE = {
+    "equivalence": {"size": {"Rows": 5}, "open": ["reset"]},
+    "faults": {"inside": ["scan_adc", "u_buffer."]},
+}
+
+
 @pytest.mark.parametrize(
     "parameters",
     [

@@ -266,6 +266,24 @@ CASES = [
 ]
 
 
+EVIDENCE = {
+    "equivalence": {"defined": True, "boxes": True, "open": ["reset"]},
+    "faults": {
+        "program": {"ClkKhz": 32000, "SamplePeriod": 100},
+        "settle": 2,
+        "driver": {
+            "free": 60000,
+            # What a scan took as it was switched on, until it is switched off.
+            "kept": "settle_q period_q slip_row_q slip_group_q",
+            # What counts to a scan's next row, frame.
+            "late": "left_q count_q",
+            "part": 5,
+            "carrier": 2,
+        },
+    },
+}
+
+
 @pytest.mark.parametrize("case", CASES, ids=lambda case: "-".join(f"{k}{v}" for k, v in case.items()))
 def test_scan_demod(case):
     bench.run("frontend", "scan_demod", BASE | case)

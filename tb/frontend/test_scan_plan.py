@@ -369,6 +369,28 @@ BUILDS = [
 ]
 
 
+EVIDENCE = {
+    "equivalence": {
+        "size": {"Rows": 5},
+        "defined": True,
+        "open": ["reset"],
+        "reset": {
+            "qualifiers": {
+                "switch_row_o": "switch_o",
+                "switch_group_o": "switch_o",
+                "frame_first_row_o": "!done_slip_o",
+                "frame_last_row_o": "!done_slip_o",
+                "frame_first_beat_o": "!done_slip_o",
+                "frame_last_beat_o": "!done_slip_o",
+                "frame_interleave_o": "!done_slip_o",
+            },
+            "since": {"done_*": "trigger_o", "frame_*": "trigger_o"},
+        },
+    },
+    "faults": {"inside": ["scan_adc", "u_plan."]},
+}
+
+
 @pytest.mark.parametrize("parameters", BUILDS, ids=lambda p: "-".join(map(str, p.values())))
 def test_scan_plan(parameters):
     bench.run("frontend", "scan_plan", parameters)

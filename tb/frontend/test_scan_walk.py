@@ -77,6 +77,8 @@ async def walks_as_the_model(dut):
         await RisingEdge(dut.clk_i)
 
 
+EVIDENCE = {}
+
 SPACE = lambda draw: {
     "Rows": draw.randint(1, 9),
     "Columns": draw.randint(1, 40),

@@ -64,6 +64,12 @@ async def words_match_the_model(dut):
         assert found == [[spi_shift.word(line, data_bits) for line in lines] for lines in cut]
 
 
+EVIDENCE = {
+    "equivalence": {"reset": {"qualifiers": {"spi_mosi_o": "!spi_cs_n_o", "data_o": "done_o word_o"}}},
+    "faults": {"settle": 2, "driver": {"frame": "start_i", "strobe": "word_o", "repeat": 4}},
+}
+
+
 @pytest.mark.parametrize(
     "parameters",
     [

@@ -238,6 +238,23 @@ async def clocks_are_as_stated(dut):
     assert gaps == [9 if (n + 1) % length == 0 else 1 for n in range(len(gaps))]
 
 
+EVIDENCE = {
+    "equivalence": {"size": {"Columns": 5}, "defined": True, "boxes": True, "open": ["reset"]},
+    "faults": {
+        "size": {"Rows": 3, "Columns": 3},
+        "settle": 6,
+        "driver": {
+            # The words, and all on the way to them, a frame of an averaging among it.
+            "kept": "fresh u_state. u_round. zero_ sum_ write learn place_q cfg_loading_o "
+            "drain frames averaging commit forced asked dropping contact nonzero "
+            "over_q negative mask_q seen",
+            # A frame that is missing in the words.
+            "skip": "gone",
+        },
+    },
+}
+
+
 @pytest.mark.parametrize(
     "rows, columns, lanes, fraction_bits, tare_log2",
     [

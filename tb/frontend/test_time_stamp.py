@@ -83,5 +83,12 @@ async def forgets_what_a_reset_interrupts(dut):
         await bench.reset(dut)
 
 
+EVIDENCE = {
+    "equivalence": {"open": ["reset"], "reset": {"since": {"time_o": "convert_i"}}},
+    # Its recording also marks ends that are no ends.
+    "faults": {"settle": 150, "driver": {"frame": "last_i"}},
+}
+
+
 def test_time_stamp():
     bench.run("frontend", "time_stamp")

@@ -146,5 +146,28 @@ async def a_reset_in_the_middle_leaves_no_answer_behind(dut):
     assert dut.s_axil_rvalid.value == 1 and bench.read(dut.s_axil_rdata) == 0x4D534E52
 
 
+EVIDENCE = {
+    "equivalence": {
+        "open": ["reset"],
+        "reset": {
+            "qualifiers": {
+                "s_axil_bresp": "s_axil_bvalid",
+                "s_axil_rdata": "s_axil_rvalid",
+                "s_axil_rresp": "s_axil_rvalid",
+            }
+        },
+    },
+    "faults": {
+        "settle": 3,
+        "driver": {
+            "bus": 1,
+            "inputs": "s_axil_awvalid s_axil_awaddr s_axil_awprot s_axil_wvalid s_axil_wdata "
+            "s_axil_wstrb s_axil_bready s_axil_arvalid s_axil_araddr s_axil_arprot "
+            "s_axil_rready",
+        },
+    },
+}
+
+
 def test_axil():
     bench.run("link", "axil")

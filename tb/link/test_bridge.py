@@ -258,6 +258,10 @@ async def recovers_after_reset(dut):
         assert len(registers.seen) == 1
 
 
+# A zero before and behind each command.
+EVIDENCE = {"faults": {"settle": 4, "driver": {"frame": "in_data_i:0", "when": "in_valid_i", "bus": 1}}}
+
+
 def test_bridge():
     bench.run("link", "bridge", {"TimeoutClocks": TIMEOUT})
 

@@ -68,6 +68,9 @@ async def recovers_after_reset(dut):
         assert bytes(beat["data"] for beat in got) == encode(packet)
 
 
+EVIDENCE = {"faults": {"driver": {"end": 0}}}
+
+
 @pytest.mark.parametrize("longest", [18, 253])
 def test_cobs(longest):
     bench.run("link", "cobs", {"MaxBytes": longest})

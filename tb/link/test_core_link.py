@@ -183,6 +183,9 @@ WHOLE = {"ClkKhz": 4000, "Uart": 0, "SlipDepth": 4, "StatisticBits": 10, "Taxels
 SMALL = {"ClkKhz": 4000, "BaudHz": 500_000, "SlipOnly": 1, "Registers": 0, "DetailBits": 14}
 
 
+EVIDENCE = {}
+
+
 @pytest.mark.parametrize(
     "parameters",
     [WHOLE | {"Health": 1}, WHOLE | {"Health": 1, "Array": 1}, SMALL],

@@ -61,6 +61,12 @@ async def drains_bit_by_bit(dut):
     assert sent == 0xCBF43926
 
 
+EVIDENCE = {
+    "equivalence": {"size": {"Bits": 8}, "reset": {"reset": "clear_i"}},
+    # The sum is there up to the next packet's first byte.
+    "faults": {"settle": 2, "driver": {"frame": "clear_i", "join": 1, "repeat": 4}},
+}
+
 SPACE = lambda draw: {"Bits": draw.randint(1, 32)}
 
 

@@ -185,6 +185,26 @@ async def an_image_begins_as_the_reader_ends(dut):
         assert bench.read(dut.dropped_o) == 3 - len(images)
 
 
+EVIDENCE = {
+    "equivalence": {
+        "size": {"Taxels": 9},
+        "open": ["reset"],
+        "reset": {"since": {"read_data_o": "read_valid_o"}},
+    },
+    "faults": {
+        "size": {"Taxels": 9},
+        # One being written, one that waits, one being read.
+        "settle": 4,
+        "driver": {
+            "frame": "in_last_i",
+            "when": "in_valid_i",
+            "strobe": "read_valid_o",
+            # What is not read yet; its time.
+            "kept": "memory read_time_o written_time",
+        },
+    },
+}
+
 SPACE = lambda draw: {"Taxels": draw.randint(2, 80)}
 
 

@@ -194,6 +194,24 @@ async def without_a_line_the_bus_is_the_hosts(dut):
         await bench.RisingEdge(dut.clk_i)
 
 
+EVIDENCE = {
+    "equivalence": {"boxes": True, "open": ["reset"]},
+    "faults": {
+        "size": {"Uart": 0},
+        "settle": 8,
+        "driver": {
+            "packets": 1,
+            "frame": "cop_valid_i",
+            "when": "cop_valid_i",
+            # An image that waits, and its time.
+            "kept": "memory read_time_o written_time",
+            "slow": 24,
+            "rows": 1000,
+        },
+    },
+}
+
+
 @pytest.mark.parametrize("uart", [1, 0])
 def test_link(uart):
     build = {

@@ -54,5 +54,8 @@ async def rests_in_reset_whatever_comes(dut):
     assert dut.tx_o.value == 1
 
 
+EVIDENCE = {}
+
+
 def test_link_slip():
     bench.run("link", "link_slip", {"ClkHz": CLK, "BaudHz": BAUD, "P2pBits": BITS})

@@ -413,6 +413,24 @@ BUILDS = [
 ]
 
 
+EVIDENCE = {
+    "equivalence": {"size": {"Taxels": 9}, "boxes": True, "open": ["reset"]},
+    "faults": {
+        # Events, images.
+        "settle": 8,
+        "driver": {
+            "packets": 1,
+            "frame": "cop_valid_i",
+            "when": "cop_valid_i",
+            # An image that waits, and its time.
+            "kept": "memory read_time_o written_time",
+            "slow": 40,
+            "rows": 700,
+        },
+    },
+}
+
+
 @pytest.mark.parametrize("build", BUILDS, ids=lambda b: "-".join(f"{v}" for v in b.values()))
 def test_packet(build):
     bench.run("link", "packet", build)

@@ -208,6 +208,12 @@ async def a_convert_around_an_event(dut):
     assert line.packets == packets(events)
 
 
+EVIDENCE = {
+    "equivalence": {"open": ["reset"]},
+    "faults": {"driver": {"packets": 1, "join": 1, "rows": 20000}},
+}
+
+
 @pytest.mark.parametrize(
     "bits", [24, pytest.param(14, marks=pytest.mark.long), pytest.param(18, marks=pytest.mark.long)]
 )

@@ -289,6 +289,15 @@ async def what_meets_in_one_clock(dut):
     assert [answers[first + at] for at in (0, 2, 3, 6)] == [0, 1, 0, 0]
 
 
+EVIDENCE = {
+    "equivalence": {
+        "open": ["reset"],
+        "reset": {"qualifiers": {"bus_data_o": "bus_done_o", "bus_error_o": "bus_done_o"}},
+    },
+    "faults": {"keeps_settings": True},
+}
+
+
 @pytest.mark.parametrize(
     "features", [FEATURES, [], FEATURES[::2], pytest.param(FEATURES[1::2], marks=pytest.mark.long)], ids=len
 )

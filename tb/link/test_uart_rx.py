@@ -89,6 +89,14 @@ async def recovers_after_reset(dut):
         assert [byte for _, byte in found] == [0x96]
 
 
+EVIDENCE = {
+    "equivalence": {"reset": {"clocks": 3, "held": 3}},
+    # Few clocks a bit.
+    "mutants": {"sets": [1, 3]},
+    "faults": {"settle": 2, "driver": {"strobe": "out_valid_o", "idle": "rx_i:38", "repeat": 6}},
+}
+
+
 @pytest.mark.parametrize("rate", RATES)
 def test_uart_rx(rate):
     bench.run("link", "uart_rx", dict(zip(("ClkHz", "BaudHz"), rate)))

@@ -37,6 +37,9 @@ def edges_of(data, clk_hz, baud_hz):
     return [level for level, begin, end in zip(bits, [0, *ends], ends) for _ in range(end - begin)]
 
 
+EVIDENCE = {}
+
+
 @pytest.mark.parametrize("rate", [*RATES, (11_000_000, 2_000_000), (100_000_000, 115_200)])
 def test_model_against_fractions(rate):
     data = bytes([0, 255, 0x55, 0xAA, 1, 128, 0x96])

@@ -120,6 +120,9 @@ async def everything_is_the_models(dut, pace):
     assert status == {}
 
 
+EVIDENCE = {}
+
+
 @pytest.mark.parametrize(
     "parameters",
     [{"Health": 1, "Tare": 1, "TareLog2": 2, "Tap": 1}, {"Health": 0, "Tare": 0, "Tap": 0}],

@@ -105,6 +105,9 @@ async def a_converter_that_is_not_there_rests(dut):
         await RisingEdge(dut.clk_i)
 
 
+EVIDENCE = {}
+
+
 @pytest.mark.parametrize("gate", [1, 0])
 def test_sensor_channels(gate):
     bench.run("sensor", "sensor_channels", {"Adc": 0, "Channels": CHANNELS, "Gate": gate})

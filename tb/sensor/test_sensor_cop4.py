@@ -120,6 +120,9 @@ async def a_damaged_frame_is_counted_and_holds_nothing(dut):
     assert {name: value for name, value in status.items() if value} == {"cop_damaged": 1}
 
 
+EVIDENCE = {}
+
+
 @pytest.mark.parametrize("cop_slip", [1, 0])
 def test_sensor_cop4(cop_slip):
     bench.run("sensor", "sensor_cop4", {"CopSlip": cop_slip, "Lag": LAG})

@@ -313,6 +313,29 @@ SMALLEST = {
 }
 
 
+EVIDENCE = {
+    "equivalence": {
+        "size": {"Channels": 3},
+        "reset_size": {"Channels": 1},
+        "boxes": True,
+        "open": ["reset"],
+        "reset": {"qualifiers": {"adc_mosi_o": "!adc_cs_n_o"}},
+    },
+    "faults": {
+        "size": {"Adc": 1, "Channels": 8},
+        "short": {"Channels": 2, "Window": 4, "Hop": 4, "TimerBits": 3},
+        "settle": 28,
+        # Some channels are in contact, some not.
+        "driver": {
+            "free": 60000,
+            "part": 1,
+            "late": "left_q",
+            "set": "cfg_adc_period_i:160 cfg_contact_level_i:d0 cfg_release_level_i:c0",
+        },
+    },
+}
+
+
 @pytest.mark.parametrize(
     "part, parameters",
     [

@@ -163,6 +163,16 @@ async def latency_is_one_clock_a_level(dut):
     assert dut.out_last_o.value == 1
 
 
+EVIDENCE = {
+    "equivalence": {"size": {"Channels": 3}, "reset_size": {"Channels": 1, "Mask": 1}},
+    "mutants": {"whole": True},
+    "faults": {"size": {"Level": 2, "Mask": 0}, "settle": 8, "driver": {"phases": 8}},
+    "icarus": {
+        "refused": "a packed vector of vectors of which a process drives one element and an "
+        "assignment another: refused"
+    },
+}
+
 SPACE = lambda draw: {
     "Channels": draw.randint(1, 30),
     "Level": draw.randint(1, 3),

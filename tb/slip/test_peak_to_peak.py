@@ -127,6 +127,17 @@ async def latency_is_as_stated(dut):
         await bench.RisingEdge(dut.clk_i)
 
 
+EVIDENCE = {
+    "equivalence": {
+        "size": {"Channels": 3, "Hop": 4},
+        "reset_size": {"Channels": 1, "Span": 32, "Hop": 32},
+        "reset": {"framed": True},
+    },
+    "mutants": {"whole": True},
+    "faults": {"size": {"Channels": 3, "Hop": 4, "Mask": 0}, "settle": 24, "driver": {"phases": 8}},
+}
+
+
 @pytest.mark.parametrize(
     "channels, span, hop, mask",
     [

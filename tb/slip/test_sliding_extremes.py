@@ -54,6 +54,15 @@ async def matches_model(dut, stall_rate):
     assert await bench.stream(dut, sent, FIELDS, *pauses) == expected
 
 
+EVIDENCE = {
+    "equivalence": {
+        "size": {"Channels": 3},
+        "reset_size": {"Channels": 1, "Taps": 2},
+        "reset": {"framed": True},
+    },
+    "faults": {"size": {"Channels": 3}, "settle": 14},
+}
+
 SPACE = lambda draw: {
     "Channels": draw.randint(1, 12),
     "Lag": draw.randint(1, 8),

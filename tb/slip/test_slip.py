@@ -400,6 +400,23 @@ async def timers_end_on_time_with_every_bit(dut):
         assert [change for change in seen if change[0] > before + 20] == expected, config
 
 
+EVIDENCE = {
+    "equivalence": {
+        "size": {"Channels": 6},
+        "reset_size": {"Channels": 1},
+        "reset": {
+            "framed": True,
+            "joined": (
+                ("block.seen_valid", "!moved"),
+                ("block.restart", "begun"),
+                ("block.kept_state", "moved"),
+            ),
+        },
+    },
+    "faults": {"size": {"TimerBits": 4}, "settle": 40},
+}
+
+
 # Timers of 4 bits: those of matches_model then reach the top bit.
 @pytest.mark.parametrize(
     "channels, timer_bits, mask",

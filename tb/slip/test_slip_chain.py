@@ -163,6 +163,9 @@ async def passes_on_the_decisions_about_a_centre_of_pressure(dut):
 PATH = {"Window": 16, "Hop": 8, "Level": 1}
 
 
+EVIDENCE = {}
+
+
 @pytest.mark.parametrize(
     "parameters",
     [

@@ -65,6 +65,9 @@ def of_frames(decisions):
     return found
 
 
+EVIDENCE = {"faults": {"settle": 20, "driver": {"frame": "in_valid_i"}}}
+
+
 @pytest.mark.parametrize("channels", [1, 2, 7])
 def test_model_against_a_plain_loop(channels):
     draw = random.Random(bench.SEED)

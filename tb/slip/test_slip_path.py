@@ -300,6 +300,18 @@ async def masked_taxels_raise_no_slip(dut, rises):
     assert np.array_equal(found.state[0], plain.state[0])
 
 
+EVIDENCE = {
+    "equivalence": {"boxes": True, "open": ["reset"]},
+    "faults": {
+        "size": {"Channels": 3, "Window": 16},
+        "short": {"TimerBits": 5},
+        "settle": 160,
+        "driver": {"phases": 16},
+    },
+    "icarus": {"runs": {"Serial": 1}},
+}
+
+
 @pytest.mark.parametrize(
     "parameters",
     [

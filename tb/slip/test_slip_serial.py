@@ -274,6 +274,13 @@ async def takes_as_long_as_the_twin_says(dut):
     dut._log.info(f"a sample takes {twin.clocks} clocks, its decision stands one clock later")
 
 
+EVIDENCE = {
+    # Its memory asks for block RAM.
+    "equivalence": {"defined": True, "open": ["reset"]},
+    "faults": {"size": {"Window": 8, "TimerBits": 3}, "settle": 60, "driver": {"phases": 8}},
+}
+
+
 @pytest.mark.parametrize(
     "parameters",
     [

@@ -133,16 +133,16 @@ def test_resets_hold_with_what_is_taken_for_granted():
 
 def test_a_reset_fails_without_what_is_taken_for_granted():
     """A frame that begins in the clock of a word shows a code of before the reset."""
-    [chosen] = equivalence.parameters(["adc_store"], equivalence.SETS).values()
+    [chosen] = equivalence.parameters(["adc_store"], "size").values()
     source = circuit.synthesise("adc_store", chosen, folder("adc_store"), ())["source"]
     assert "out_data_o" in reset_proof.prove(source)
 
 
 def test_a_state_while_a_bit_is_0_is_a_condition():
     """Whether msn_adc_spi drops a frame is known while it reads, but in the first clock of that."""
-    [chosen] = equivalence.parameters(["adc_spi"], equivalence.SETS).values()
+    [chosen] = equivalence.parameters(["adc_spi"], "size").values()
     source = circuit.synthesise("adc_spi", chosen, folder("adc_spi"), ())["source"]
-    task = equivalence.TASKS["adc_spi"]
+    task = equivalence.task_of("adc_spi")
     assert reset_proof.prove(source, task) == []
     assert "dropped_o" in reset_proof.prove(source, replace(task, joined=()))
     with pytest.raises(ValueError, match="nothing of the state is called nosuch"):

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from meissner.builds import toolchain
-from verify import benches, faults
+from verify import benches, evidence, faults
 
 
 @pytest.mark.parametrize("block", ["frame_filter", "skid"])
@@ -80,19 +80,25 @@ def test_finds_a_state_that_never_ends(monkeypatch, tmp_path):
 
 
 def test_a_run_in_which_nothing_comes_out_is_refused(monkeypatch):
-    monkeypatch.setitem(faults.OPTIONS, "skid", ["rows=2"])
+    monkeypatch.setattr(faults, "stated", lambda block, key, other: {"rows": 2} if key == "driver" else other)
     with pytest.raises(RuntimeError, match="too few frames to compare"):
         faults.inject("skid", 20, 3)
 
 
 def test_what_is_kept_may_be_of_one_instance_alone():
-    assert faults.inside("u_tare", "fresh,zero_") == "u_tare.&fresh,u_tare.&zero_"
+    assert faults.inside("u_tare", ["fresh", "zero_"]) == ["u_tare.&fresh", "u_tare.&zero_"]
+    kept = faults.kept_of("core")
+    assert {"settle_q", "u_tare.&fresh", "u_calibrate.&memory", "u_health.&tick", "cfg_o"} <= {*kept}
 
 
 def test_every_block_takes_part():
-    assert set(faults.blocks()) | set(faults.LEFT_OUT) == set(benches.blocks())
-    for block, (around, _) in faults.INSIDE.items():
-        assert block in faults.blocks() and around in faults.blocks()
+    left_out = {block for block in benches.blocks() if evidence.of(block, "faults").get("none")}
+    assert left_out == {"compare", "times", "axis"}
+    assert set(faults.blocks()) | left_out == set(benches.blocks())
+    for block in benches.blocks():
+        stated = evidence.of(block, "faults")
+        others = [*stated.get("inside", [block])[:1], *stated.get("kept_inside", {}).values()]
+        assert block in left_out or set(others) <= set(faults.blocks())
 
 
 def test_wrapper_has_the_ports_and_parameters_of_its_block():

@@ -12,7 +12,7 @@ import pytest
 
 import mutants as tool
 from meissner.builds.toolchain import ROOT
-from verify import after_reset, benches, contract, equivalence, mutate, simulate
+from verify import after_reset, benches, contract, equivalence, evidence, mutate, simulate
 
 OPTIONS = argparse.Namespace(samples=6, seed=[7], jobs=2, limit=5, sets=[], unsolved=False)
 
@@ -38,9 +38,11 @@ def test_quick_blocks_kill_theirs(block):
 def test_a_large_block_has_options_of_its_own():
     """They are names of options and of blocks, and what the command line says goes before them."""
     default = vars(OPTIONS).get
-    for block, options in tool.LARGE.items():
-        assert not benches.unknown([block]) and options.keys() <= vars(OPTIONS).keys()
-        assert vars(tool.fitted(OPTIONS, block, default)).items() >= options.items()
+    large = {block: evidence.of(block, "mutants") for block in benches.blocks()}
+    assert large["array"] == {"sets": [1], "limit": 60, "unsolved": True}
+    for block, stated in large.items():
+        options = {key: value for key, value in stated.items() if key != "whole"}
+        assert vars(tool.fitted(OPTIONS, block, default)) == vars(OPTIONS) | options
     asked = argparse.Namespace(**vars(OPTIONS) | {"limit": 7})
     assert tool.fitted(asked, "array", default).limit == 7
     assert tool.fitted(OPTIONS, "skid", default) == OPTIONS

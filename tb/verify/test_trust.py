@@ -65,7 +65,7 @@ def test_a_step_runs_for_the_blocks_that_are_named(tmp_path, monkeypatch):
     step = trust.Step("kind", "kind.py RUNS", lambda: ["skid", "fork", "fifo"])
     assert trust.run(step, ["skid", "fork"], 2) == []
     assert (tmp_path / "asked").read_text() == "100 skid fork --record --jobs 2"
-    assert trust.run(step._replace(jobs=False), ["fifo"], 2) == ["kind.py 50 failed"]
+    assert trust.run(step._replace(jobs=False), ["fifo"], 2) == ["tools/kind.py 50 fifo --record failed"]
     assert (tmp_path / "asked").read_text() == "50 fifo --record"
     assert trust.run(step, [], 1) == [] and (tmp_path / "asked").read_text() == "150 --record --jobs 1"
 

@@ -31,12 +31,6 @@ def blocks():
     return [name for name in names if not name.endswith("pkg")]
 
 
-def unknown(names):
-    """The sentence that refuses the first of ``names`` that is no block; empty if all are."""
-    strange = [name for name in names if name not in blocks()]
-    return f"rtl/rtl.f has no block {strange[0]}" if strange else ""
-
-
 def stage_of(block):
     path = next(path for path in toolchain.sources() if path.stem == f"msn_{block}")
     return "core" if path.parent.name == "rtl" else path.parent.name

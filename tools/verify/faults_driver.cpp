@@ -51,7 +51,7 @@
 #include "verilated_sym_props.h"
 #include "verilated_syms.h"
 
-#include "../engines/adc_parts.hpp"
+#include "adc_parts.hpp"  // of model/meissner/engines
 
 // The block behind its wrapper, see faults.py: so that this file is compiled once for all blocks.
 struct Block;

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 
 from meissner.builds import toolchain
 from meissner.builds.yowasp import ROOT, chparam, yosys
+from verify import revision
 
 INNER = "mutated"  # the block's module in the netlist
 BITS = r"(?:signed )?(?:\[\d+:0\] )?"
@@ -66,8 +67,8 @@ def head_of(text, module):
 
 
 def scopes_of(tests):
-    """Paths of blocks inside that stand in quotes in the tests."""
-    return re.findall(r'"((?:gen_\w+\.)*u_\w+)"', tests)
+    """Paths of blocks inside that stand in quotes in the tests, through generate blocks and other blocks."""
+    return re.findall(r'"((?:(?:gen|u)_\w+\.)*u_\w+)"', tests)
 
 
 def module_of(text, name):
@@ -78,6 +79,13 @@ def module_of(text, name):
 def named(run):
     """The signals that the tests name, of the block's own."""
     return sorted(set(re.findall(r"\bdut\.(\w+)", tests_of(run).read_text())))
+
+
+def signals_of(run):
+    """Names that stand behind a block's, "<block>.<signal>" in quotes, in the tests and what they import."""
+    test = tests_of(run)
+    text = "".join(path.read_text() for path in (test, *sorted(revision.imports(test))))
+    return set(re.findall(r'"\w+\.(\w+)[\["]', text))
 
 
 def _scopes(tree):
@@ -95,31 +103,55 @@ def _scope(tree, path):
     return tree
 
 
+PORT = rf"^  (?:in|out)put ({BITS})(\w+);"
+# The space ends a name that has dots in it.
+_copy = "  logic {bits}{name};\n  assign {name} = u_mutated.{at}{name} ;\n".format
+
+
+def _blocks_inside(text, module, wanted, paths, signals, at, tree):
+    """Put copies of ports of the blocks at ``wanted`` in ``module``, which is ``at``, into the tree, and of
+    their ``signals``.
+
+    In a block that is wanted itself, all ``paths`` are looked for: tests join two.
+    """
+    for kind, path in re.findall(r"^  (\S+) +\\?([\w.]+) +\($", module, re.MULTILINE):
+        deeper = [other.removeprefix(f"{path}.") for other in wanted if other.startswith(f"{path}.")]
+        if not deeper and path not in wanted:
+            continue
+        block = module_of(text, f"{kind} " if kind.startswith("\\") else kind)
+        there = f"{at}\\{path} ." if "." in path else f"{at}{path}."  # the name itself has dots in it
+        scope = {}
+        if path in wanted:
+            own = re.findall(rf"^  (?:wire|reg) ({BITS})(\w+);", block, re.MULTILINE)
+            own = [(bits, name) for bits, name in own if name in signals]
+            scope = {
+                name: _copy(bits=bits, at=there, name=name)
+                for bits, name in re.findall(PORT, block, re.MULTILINE) + own
+            }
+            deeper += paths
+        _blocks_inside(text, block, deeper, paths, signals, there, scope)
+        if scope:
+            _scope(tree, path).update(scope)
+
+
 def _seen_inside(run, folder):
     """The wrapper's copies of those signals inside the block that its tests name, and, in scopes of the same
-    names, of all ports of those blocks in it whose path stands in quotes there, and all signals of such
-    generate blocks."""
+    names, of all ports of those blocks in it whose path stands in quotes there, however deep, and all signals
+    of such generate blocks."""
     text, tests = (ROOT / folder / "mutated.v").read_text(), tests_of(run).read_text()
     module = module_of(text, INNER)
-    port = rf"^  (?:in|out)put ({BITS})(\w+);"
-    ports = [name for _, name in re.findall(port, module, re.MULTILINE)]
+    ports = [name for _, name in re.findall(PORT, module, re.MULTILINE)]
     wires = {name: bits for bits, name in re.findall(rf"^  (?:wire|reg) ({BITS})(\w+);", module, re.M)}
-    # The space ends a name that has dots in it.
-    copy = "  logic {bits}{name};\n  assign {name} = u_mutated.{at}{name} ;\n".format
     seen = "".join(
-        copy(bits=wires[name], at="", name=name) for name in named(run) if name in wires and name not in ports
+        _copy(bits=wires[name], at="", name=name)
+        for name in named(run)
+        if name in wires and name not in ports
     )
     paths, tree = scopes_of(tests), {}
-    for kind, path in re.findall(r"^  (\S+) +\\?([\w.]+) +\($", module, re.MULTILINE):
-        if path in paths:
-            scope = _scope(tree, path)
-            block = module_of(text, f"{kind} " if kind.startswith("\\") else kind)
-            at = f"\\{path} ." if "." in path else f"{path}."  # the name itself has dots in it
-            for bits, name in re.findall(port, block, re.MULTILINE):
-                scope[name] = copy(bits=bits, at=at, name=name)
+    _blocks_inside(text, module, paths, paths, signals_of(run), "", tree)
     for bits, path, name in re.findall(rf"^  (?:wire|reg) ({BITS})\\([\w.]+)\.(\w+) ;", module, re.M):
         if f'"{path}"' in tests and path not in paths:
-            _scope(tree, path)[name] = copy(bits=bits, at=f"\\{path}.", name=name)
+            _scope(tree, path)[name] = _copy(bits=bits, at=f"\\{path}.", name=name)
     return seen + _scopes(tree)
 
 

@@ -4,6 +4,7 @@ import datetime
 import fcntl
 import json
 import re
+import resource
 
 from meissner.builds import toolchain
 from verify import benches
@@ -27,12 +28,22 @@ def _on_one_line(numbers):
     return f"[{' '.join(numbers[1].split())}]"
 
 
+def _since(told=[0.0]):  # noqa: B006
+    """Seconds of a processor, of this process and of those it waited for, since this was asked last."""
+    usages = map(resource.getrusage, (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
+    now, before = sum(usage.ru_utime + usage.ru_stime for usage in usages), told[0]
+    told[0] = now
+    return now - before
+
+
 def merge(kind, command, blocks, summary, total, join=_replace, listed=None):
     """Put ``blocks`` {name: facts} among the recorded. ``summary`` makes a cell of a block's facts, ``total``
     the sentence of a list of all blocks' facts; ``join`` adds a block's facts to those it had of the same
     revision, in place of replacing them; ``listed``: names of all blocks that there are, others are dropped.
-    ``of`` among a block's facts: what ``digest`` was when they were found, if that is not now."""
+    ``of`` among a block's facts: what ``digest`` was when they were found, if that is not now. ``cpu_s`` of
+    them: seconds of a processor since this process recorded last, an equal share of each block."""
     FOLDER.mkdir(exist_ok=True)
+    spent = round(_since() / max(1, len(blocks)), 1)
     path = FOLDER / f"{kind}.json"
     with path.open("a+") as file:
         fcntl.flock(file, fcntl.LOCK_EX)  # several may record at once
@@ -44,8 +55,9 @@ def merge(kind, command, blocks, summary, total, join=_replace, listed=None):
             if name in benches.blocks():  # others are readers of files
                 facts = {"of": digest(name, kind)} | facts
             old = known.get(name, {})
+            before_s = old.get("cpu_s", 0) if join is not _replace else 0  # what is joined may be a part
             facts = join(old if old.get("of") == facts.get("of") else {}, facts)
-            fresh[name] = facts | {"summary": summary(facts)}
+            fresh[name] = facts | {"summary": summary(facts), "cpu_s": max(spent, before_s)}
         merged = {
             name: facts for name, facts in sorted((known | fresh).items()) if listed is None or name in listed
         }

@@ -1,6 +1,6 @@
 """What a block's evidence of a kind rests on, as a digest: its RTL and that of all blocks in it, the tests,
-twin, proof harnesses and exclusions that the kind uses, and the pinned versions of its tools. Comments do not
-count.
+twin, proof harnesses and exclusions that the kind uses, what the tests state of the kind (evidence.py), and
+the pinned versions of its tools. Comments do not count, nor what the tests state of other kinds.
 """
 
 import ast
@@ -11,6 +11,7 @@ from functools import cache
 
 from meissner.builds import toolchain
 from meissner.builds.yowasp import INSTEAD
+from verify import evidence
 
 # Packages of requirements/*.txt whose version matters to a kind.
 TOOLS = {
@@ -28,10 +29,10 @@ TOOLS = {
     ),
     "scenes": ("numpy", "scipy"),
 }
-BENCH = ("mutants", "coverage", "powerup", "regress")  # kinds that run a block's tests
+BENCH = ("mutants", "coverage", "powerup", "faults", "regress")  # kinds that run a block's tests
 TRUST = "tools/verify"
 OWN = {  # files of a kind that decide what it finds of any block
-    "faults": (f"{TRUST}/faults_driver.cpp",),
+    "faults": (f"{TRUST}/faults_driver.cpp", "model/meissner/engines/adc_parts.hpp"),
     "equivalence": (
         *(f"{TRUST}/leaves.v", f"{TRUST}/leaves_map.v"),
         *(f"{TRUST}/carry_map.v", f"{TRUST}/defined_map.v"),
@@ -45,6 +46,8 @@ def _unread(suffix, text):
     if suffix != ".py":
         return " ".join(re.sub(r"//.*", "", text).split())
     tree = ast.parse(text)
+    if (stated := evidence.statement(tree)) is not None:
+        tree.body.remove(stated)
     for node in ast.walk(tree):
         body = getattr(node, "body", None)
         if isinstance(body, list) and body and isinstance(body[0], ast.Expr):
@@ -114,9 +117,9 @@ def _waivers(block):
     return [repr(own), *([_plain(points)] if points.exists() else [])]
 
 
-def _bench(stage, block):
-    test = toolchain.ROOT / f"tb/{stage}/test_{block}.py"
-    twin = toolchain.ROOT / f"model/meissner/twins/{stage}/{block}.py"
+def _bench(block):
+    test = evidence.path_of(block)
+    twin = toolchain.ROOT / f"model/meissner/twins/{test.parent.name}/{block}.py"
     if not test.exists():
         return []
     files = [test, *sorted(imports(test)), *([twin] if twin.exists() else [])]
@@ -168,15 +171,16 @@ def of_files(names, kind):
 @cache
 def digest(block, kind):
     """Eight digits that change when what the block's evidence of ``kind`` rests on does."""
-    path = next(path for path in toolchain.sources() if path.stem == f"msn_{block}")
-    stage = "core" if path.parent.name == "rtl" else path.parent.name
-    sources = toolchain.sources_of(f"msn_{block}")
+    stated = evidence.resting(block, kind)
+    around = stated.get(block, {}).get("inside", [block])[0]  # in which it is run
+    sources = toolchain.sources_of(f"msn_{around}")
     parts = [*map(_synthesised if kind == "fmax" else _plain, sources)]
     parts += _instead(sources) if kind == "fmax" else []
     parts += _versions(kind)
+    parts += [repr(stated)] if stated else []
     parts += [_plain(toolchain.ROOT / name) for name in OWN.get(kind, ())]
     if kind in BENCH:
-        parts += _bench(stage, block)
+        parts += _bench(around)
     if kind == "formal":
         parts += _proofs(block)
     if kind == "coverage":
