@@ -10,7 +10,7 @@ from meissner.builds import toolchain
 from verify import formal, formal_mutants
 
 BUGS = {  # proof: file, what is there, what is put in its place
-    "skid": ("rtl/common/msn_skid.sv", "if (!aside) kept", "if (out_ready_i) kept"),
+    "skid": ("rtl/common/msn_skid.sv", "if (!held) kept", "if (out_ready_i) kept"),
     "fork": ("rtl/common/msn_fork.sv", "&& !a_has", ""),
     # Full, it reads and writes one place in a clock: all is in order, but the memory's answer is not defined.
     "fifo": (

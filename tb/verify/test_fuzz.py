@@ -100,7 +100,7 @@ def test_a_header_that_python_cannot_parse(tmp_path):
 def test_an_archive_of_what_is_no_array(tmp_path):
     with zipfile.ZipFile(tmp_path / "a.npz", "w") as archive:
         archive.writestr("slip_time.npy", b"no array")
-    with pytest.raises(ValueError, match="is no log of a core"):
+    with pytest.raises(ValueError, match="is cut off or damaged"):
         log.read(tmp_path / "a.npz")
 
 

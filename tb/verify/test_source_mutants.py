@@ -193,5 +193,5 @@ def test_lint_refuses_a_change_that_loses_a_bit():
     run = tool.parameter_sets("skid")[0][0]
     source = source_netlist.Source(run, "build/mutants/skid-lint")
     known = {change.what: change for change in source.changes}
-    assert not source.refused(known["operands: aside ? kept : in_data_i -> aside ? in_data_i : kept"])
+    assert not source.refused(known["operands: held ? kept : in_data_i -> held ? in_data_i : kept"])
     assert source.refused(known["one: 0 -> 1"])
