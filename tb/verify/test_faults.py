@@ -69,7 +69,7 @@ def test_finds_an_access_that_never_ends(monkeypatch, tmp_path):
 @pytest.mark.long
 def test_finds_a_block_that_waits_for_ever(monkeypatch, tmp_path):
     planted(monkeypatch, tmp_path, "tare", "ending && drain > 3'd1;", "ending && !done;")
-    results = faults.inject("tare", 400, 5)
+    results = faults.inject("tare", 400, 1)
     assert any("ending" in result.where for result in results if result.outcome == "silent")
 
 
@@ -93,7 +93,7 @@ def test_what_is_kept_may_be_of_one_instance_alone():
 
 def test_every_block_takes_part():
     left_out = {block for block in benches.blocks() if evidence.of(block, "faults").get("none")}
-    assert left_out == {"compare", "times", "axis"}
+    assert left_out == {"compare", "constant_multiplier", "axis"}
     assert set(faults.blocks()) | left_out == set(benches.blocks())
     for block in benches.blocks():
         stated = evidence.of(block, "faults")
