@@ -6,6 +6,7 @@ from functools import cache
 
 import pytest
 
+import references
 from meissner.builds import toolchain
 
 PAGE = (toolchain.ROOT / "docs/references.md").read_text()
@@ -14,6 +15,27 @@ MODEL = PACKAGE / "twins"
 STAGES = ("common", "cop", "frontend", "link", "sensor", "slip")
 ROWS = [[cell.strip() for cell in row.split("|")[1:-1]] for row in PAGE.splitlines() if row.startswith("| `")]
 COMPUTES = [row for row in ROWS if len(row) == 3]
+
+
+def test_the_page_is_what_the_tests_state():
+    assert references.page(PAGE) == PAGE, "`make blocks`"
+
+
+def test_a_table_follows_its_statement(monkeypatch):
+    monkeypatch.setattr(
+        references,
+        "stated",
+        lambda: {"a/b.py": {"moves": "bytes"}, "c.py": {"against": "`x`", "test": "t::u"}},
+    )
+    before = "|---|\n| `old` | x |\n\n## M\n\n|---|\n| `old` | y |\n\nend\n"
+    after = "|---|\n| `c.py` | `x` | `t::u` |\n\n## M\n\n|---|\n| `a/b.py` | bytes |\n\nend\n"
+    assert references.page(before) == after
+
+
+def test_refuses_a_block_whose_tests_name_no_reference(monkeypatch):
+    monkeypatch.setattr(references.evidence, "of", lambda block, kind: {"against": "`x`"})
+    with pytest.raises(ValueError, match="needs against and test"):
+        references.stated()
 
 
 def test_every_twin_stands_in_one_table():

@@ -1,8 +1,8 @@
-"""docs/blocks.md: every block, from the header comments of the sources that rtl/rtl.f lists; and the list of
-these sources in meissner.core, for FuseSoC.
+"""docs/blocks.md: every block, from the header comments of the sources that rtl/rtl.f lists; the list of
+these sources in meissner.core, for FuseSoC; and the tables of docs/references.md.
 
     python tools/blocks.py           print the page
-    python tools/blocks.py --page    write both
+    python tools/blocks.py --page    write all three
 
 Of a header, the first sentence is what the block does, the sentence that begins with "Latency" or
 "Combinational" is its latency, and a path under model/meissner/ is its twin. The test has the block's name.
@@ -11,6 +11,7 @@ Of a header, the first sentence is what the block does, the sentence that begins
 import argparse
 import re
 
+import references
 from meissner.builds import toolchain
 
 PAGE = toolchain.ROOT / "docs/blocks.md"
@@ -96,10 +97,13 @@ def core(before):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--page", action="store_true", help="write docs/blocks.md and meissner.core")
+    parser.add_argument(
+        "--page", action="store_true", help="write docs/blocks.md, docs/references.md, meissner.core"
+    )
     if parser.parse_args().page:
         PAGE.write_text(page())
         CORE.write_text(core(CORE.read_text()))
+        references.PAGE.write_text(references.page(references.PAGE.read_text()))
     else:
         print(page(), end="")
 

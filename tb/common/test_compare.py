@@ -24,7 +24,14 @@ async def matches_model(dut):
         assert bool(dut.greater_o.value) == compare(a, b, bits), (a, b)
 
 
-EVIDENCE = {"equivalence": {"size": {"Width": 18}}, "faults": {"none": "no state"}}
+EVIDENCE = {
+    "reference": {
+        "against": "the numbers' `digits`",
+        "test": "tb/common/test_common_references.py::test_compare_by_digits",
+    },
+    "equivalence": {"size": {"Width": 18}},
+    "faults": {"none": "no state"},
+}
 
 SPACE = lambda draw: {"Width": draw.randint(1, 60)}
 

@@ -21,7 +21,14 @@ async def matches_model(dut):
         assert bench.read(dut.out_data_o) == expected, f"{constant} * {value}"
 
 
-EVIDENCE = {"equivalence": {"size": {"Constant": 1023}}, "faults": {"none": "no state"}}
+EVIDENCE = {
+    "reference": {
+        "against": "`shifted_sum`",
+        "test": "tb/common/test_common_references.py::test_products_by_shifts_and_sums",
+    },
+    "equivalence": {"size": {"Constant": 1023}},
+    "faults": {"none": "no state"},
+}
 
 SPACE = lambda draw: {"Constant": draw.randrange(65536), "InBits": draw.randint(2, 44)}
 

@@ -102,7 +102,10 @@ async def forgets_what_a_reset_interrupts(dut):
         assert await bench.stream(dut, beats_of(pairs), FIELDS) == expected_of(pairs, fraction_bits)
 
 
-EVIDENCE = {"mutants": {"whole": True}}
+EVIDENCE = {
+    "reference": {"against": "`Fraction`", "test": "tb/common/test_divide.py::test_model_against_fractions"},
+    "mutants": {"whole": True},
+}
 
 SPACE = lambda draw: {
     "DenBits": draw.randint(4, 46),

@@ -106,7 +106,11 @@ async def exactly_full_and_empty_for_longer_than_it_is_deep(dut):
     assert put == got
 
 
-EVIDENCE = {"equivalence": {"size": {"Depth": 16}}, "faults": {"settle": 24}}
+EVIDENCE = {
+    "reference": {"moves": "words in their order"},
+    "equivalence": {"size": {"Depth": 16}},
+    "faults": {"settle": 24},
+}
 
 SPACE = lambda draw: {"Depth": 1 << draw.randint(1, 8), "Width": draw.randint(1, 91)}
 

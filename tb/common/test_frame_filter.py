@@ -129,7 +129,13 @@ async def damage_meets_every_other_event(dut, stall_rate):
         assert bench.read(dut.damaged_o) == count, sent
 
 
-EVIDENCE = {"equivalence": {"size": {"Channels": 5}}}
+EVIDENCE = {
+    "reference": {
+        "against": "`frames` cut at their ends",
+        "test": "tb/common/test_common_references.py::test_checked_frames_by_their_ends",
+    },
+    "equivalence": {"size": {"Channels": 5}},
+}
 
 SPACE = lambda draw: {"Channels": draw.randint(1, 40)}
 

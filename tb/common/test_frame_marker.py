@@ -100,7 +100,13 @@ async def rows_end_where_they_end(dut):
     assert bench.read(dut.damaged_o) == 0
 
 
-EVIDENCE = {"equivalence": {"size": {"Rows": 3, "RowBeats": 3}}}
+EVIDENCE = {
+    "reference": {
+        "against": "`frames_by_their_ends`",
+        "test": "tb/common/test_common_references.py::test_places_by_the_frames_ends",
+    },
+    "equivalence": {"size": {"Rows": 3, "RowBeats": 3}},
+}
 
 SPACE = lambda draw: {"Rows": draw.randint(1, 8), "RowBeats": draw.randint(1, 8)}
 

@@ -43,6 +43,10 @@ async def matches_model(dut, rest_rate):
 
 
 EVIDENCE = {
+    "reference": {
+        "against": "`shifted_sum`",
+        "test": "tb/common/test_common_references.py::test_products_by_shifts_and_sums",
+    },
     "equivalence": {"reset": {"ties": {"enable_i": 1}, "clocks": 2}},
     # Two registers one after the other, shown before the next.
     "faults": {"settle": 4, "driver": {"frame": "enable_i"}},

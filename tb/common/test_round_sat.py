@@ -56,7 +56,13 @@ async def forgets_what_a_reset_interrupts(dut):
     assert await bench.stream(dut, [], ["data"]) == []
 
 
-EVIDENCE = {"mutants": {"whole": True}}
+EVIDENCE = {
+    "reference": {
+        "against": "`Fraction`",
+        "test": "tb/common/test_round_sat.py::test_model_against_fractions",
+    },
+    "mutants": {"whole": True},
+}
 
 
 @pytest.mark.parametrize("in_width, out_width, drop_bits, unsigned", SIZES)

@@ -32,7 +32,10 @@ def test_twin_is_the_same_in_pieces():
     assert [*twin.process(x[:37]), *twin.process(x[37:])] == list(Sync(4).process(x))
 
 
-EVIDENCE = {"equivalence": {"size": {"Width": 5}, "reset": {"clocks": 2}}}
+EVIDENCE = {
+    "reference": {"moves": "a level by clocks"},
+    "equivalence": {"size": {"Width": 5}, "reset": {"clocks": 2}},
+}
 
 SPACE = lambda draw: {"Width": draw.randint(1, 40)}
 

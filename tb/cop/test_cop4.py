@@ -216,7 +216,11 @@ async def forgets_what_a_reset_interrupts(dut):
 
 
 # Samples inside.
-EVIDENCE = {"equivalence": {"boxes": True, "open": ["reset"]}, "faults": {"settle": 8}}
+EVIDENCE = {
+    "reference": {"against": "`Fraction`", "test": "tb/cop/test_cop4.py::test_model_against_fractions"},
+    "equivalence": {"boxes": True, "open": ["reset"]},
+    "faults": {"settle": 8},
+}
 
 
 @pytest.mark.parametrize("bits, per_clock, correct", [(17, 2, 0), (9, 1, 0), (17, 2, 1), (12, 1, 1)])

@@ -104,7 +104,12 @@ async def forgets_what_a_reset_interrupts(dut):
         assert await bench.stream(dut, beats_of(rows), FIELDS) == expected_of(rows, registers)
 
 
-EVIDENCE = {}
+EVIDENCE = {
+    "reference": {
+        "against": "`Fraction`",
+        "test": "tb/cop/test_cop4_correct.py::test_model_against_fractions",
+    },
+}
 
 
 @pytest.mark.parametrize("sum_bits", [19, 6])

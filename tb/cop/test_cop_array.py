@@ -228,6 +228,10 @@ async def forgets_what_a_reset_interrupts(dut):
 
 
 EVIDENCE = {
+    "reference": {
+        "against": "`centre` of forces rounded as `Fraction`",
+        "test": "tb/cop/test_cop_reference.py::test_cop_array_is_the_centre_of_rounded_forces",
+    },
     "equivalence": {"size": {"Rows": 5}, "defined": True, "boxes": True, "open": ["reset"]},
     "faults": {
         "size": {"Rows": 5},

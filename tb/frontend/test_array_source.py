@@ -86,7 +86,7 @@ async def frames_of_a_scan(dut):
     assert counters(dut) == [0, 0, 0, 18 if carrier else 0]  # that part's answers name their channel
 
 
-EVIDENCE = {"faults": {"size": {"Part": 1}}}
+EVIDENCE = {"reference": {"moves": "frames of a scan or a stream"}, "faults": {"size": {"Part": 1}}}
 
 
 @pytest.mark.parametrize("build", [STREAM, SCAN, CARRIER], ids=["stream", "scan", "carrier"])

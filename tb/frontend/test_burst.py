@@ -104,7 +104,13 @@ async def a_reset_ends_the_burst(dut):
     assert seen == {"trigger_o": [], "first_o": [], "lost_o": [3], "spoiled_o": [*range(4, 12)]}
 
 
-EVIDENCE = {"faults": {"settle": 2, "driver": {"frame": "start_i"}}}
+EVIDENCE = {
+    "reference": {
+        "against": "clocks `by_hand`",
+        "test": "tb/frontend/test_front_references.py::test_bursts_by_hand",
+    },
+    "faults": {"settle": 2, "driver": {"frame": "start_i"}},
+}
 
 
 def test_burst():

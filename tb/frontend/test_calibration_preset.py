@@ -59,7 +59,13 @@ async def writes_every_word_once_then_steps_aside(dut):
 
 
 # It runs once after a reset: what it spoils is a table.
-EVIDENCE = {"faults": {"driver": {"kept": "all"}}}
+EVIDENCE = {
+    "reference": {
+        "against": "writes `by_hand`",
+        "test": "tb/frontend/test_front_references.py::test_a_preset_by_hand",
+    },
+    "faults": {"driver": {"kept": "all"}},
+}
 
 
 @pytest.mark.parametrize(

@@ -82,7 +82,13 @@ async def a_reader_asleep_at_each_report(dut):
         assert dut.in_ready_o.value == 1 and dut.out_valid_o.value == 0
 
 
-EVIDENCE = {"equivalence": {"size": {"Lanes": 2}}}
+EVIDENCE = {
+    "reference": {
+        "against": "`LITERALS`",
+        "test": "tb/frontend/test_health_report.py::test_model_s_bits_are_those_of_the_link",
+    },
+    "equivalence": {"size": {"Lanes": 2}},
+}
 
 
 @pytest.mark.parametrize("lanes", LITERALS)

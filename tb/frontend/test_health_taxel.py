@@ -180,7 +180,12 @@ async def matches_model(dut):
             await bench.RisingEdge(dut.clk_i)
 
 
-EVIDENCE = {}
+EVIDENCE = {
+    "reference": {
+        "against": "`plain`",
+        "test": "tb/frontend/test_health_taxel.py::test_model_against_a_plain_loop",
+    },
+}
 
 
 @pytest.mark.parametrize("bits", [17, 6])

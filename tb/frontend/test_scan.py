@@ -499,6 +499,7 @@ SIZES = [
 
 
 EVIDENCE = {
+    "reference": {"joins": "scan_plan, scan_buffer"},
     "equivalence": {
         "size": {"Rows": 3},
         "defined": True,

@@ -267,6 +267,7 @@ CASES = [
 
 
 EVIDENCE = {
+    "reference": {"joins": "scan, burst, am_demod; likewise"},
     "equivalence": {"defined": True, "boxes": True, "open": ["reset"]},
     "faults": {
         "program": {"ClkKhz": 32000, "SamplePeriod": 100},

@@ -370,6 +370,10 @@ BUILDS = [
 
 
 EVIDENCE = {
+    "reference": {
+        "against": "columns of a region; clocks `by_hand`",
+        "test": "tb/frontend/test_front_references.py::test_a_scan_by_hand",
+    },
     "equivalence": {
         "size": {"Rows": 5},
         "defined": True,

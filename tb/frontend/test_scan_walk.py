@@ -77,7 +77,12 @@ async def walks_as_the_model(dut):
         await RisingEdge(dut.clk_i)
 
 
-EVIDENCE = {}
+EVIDENCE = {
+    "reference": {
+        "against": "places `by_hand`",
+        "test": "tb/frontend/test_scan_walk.py::test_places_by_hand",
+    },
+}
 
 SPACE = lambda draw: {
     "Rows": draw.randint(1, 9),

@@ -84,6 +84,10 @@ async def forgets_what_a_reset_interrupts(dut):
 
 
 EVIDENCE = {
+    "reference": {
+        "against": "clocks `by_hand`",
+        "test": "tb/frontend/test_front_references.py::test_time_stamps_by_hand",
+    },
     "equivalence": {"open": ["reset"], "reset": {"since": {"time_o": "convert_i"}}},
     # Its recording also marks ends that are no ends.
     "faults": {"settle": 150, "driver": {"frame": "last_i"}},

@@ -68,7 +68,10 @@ async def recovers_after_reset(dut):
         assert bytes(beat["data"] for beat in got) == encode(packet)
 
 
-EVIDENCE = {"faults": {"driver": {"end": 0}}}
+EVIDENCE = {
+    "reference": {"against": "`plain_cobs`", "test": "tb/link/test_cobs.py::test_model_against_plain_cobs"},
+    "faults": {"driver": {"end": 0}},
+}
 
 
 @pytest.mark.parametrize("longest", [18, 253])

@@ -62,6 +62,7 @@ async def drains_bit_by_bit(dut):
 
 
 EVIDENCE = {
+    "reference": {"against": "`zlib`", "test": "tb/link/test_crc32.py::test_model_against_zlib"},
     "equivalence": {"size": {"Bits": 8}, "reset": {"reset": "clear_i"}},
     # The sum is there up to the next packet's first byte.
     "faults": {"settle": 2, "driver": {"frame": "clear_i", "join": 1, "repeat": 4}},

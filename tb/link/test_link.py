@@ -195,6 +195,7 @@ async def without_a_line_the_bus_is_the_hosts(dut):
 
 
 EVIDENCE = {
+    "reference": {"joins": "packet, cobs, uart_tx, uart_rx, bridge"},
     "equivalence": {"boxes": True, "open": ["reset"]},
     "faults": {
         "size": {"Uart": 0},

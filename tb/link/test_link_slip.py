@@ -54,7 +54,9 @@ async def rests_in_reset_whatever_comes(dut):
     assert dut.tx_o.value == 1
 
 
-EVIDENCE = {}
+EVIDENCE = {
+    "reference": {"joins": "packet_slip, cobs, uart_tx"},
+}
 
 
 def test_link_slip():

@@ -105,7 +105,9 @@ async def a_converter_that_is_not_there_rests(dut):
         await RisingEdge(dut.clk_i)
 
 
-EVIDENCE = {}
+EVIDENCE = {
+    "reference": {"joins": "acquire, frame_gate, time_stamp"},
+}
 
 
 @pytest.mark.parametrize("gate", [1, 0])

@@ -120,7 +120,9 @@ async def a_damaged_frame_is_counted_and_holds_nothing(dut):
     assert {name: value for name, value in status.items() if value} == {"cop_damaged": 1}
 
 
-EVIDENCE = {}
+EVIDENCE = {
+    "reference": {"joins": "sensor_channels, electrodes, cop4, cop_slip"},
+}
 
 
 @pytest.mark.parametrize("cop_slip", [1, 0])

@@ -314,6 +314,7 @@ SMALLEST = {
 
 
 EVIDENCE = {
+    "reference": {"joins": "sensor_channels, slip_path"},
     "equivalence": {
         "size": {"Channels": 3},
         "reset_size": {"Channels": 1},

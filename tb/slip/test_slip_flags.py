@@ -65,7 +65,13 @@ def of_frames(decisions):
     return found
 
 
-EVIDENCE = {"faults": {"settle": 20, "driver": {"frame": "in_valid_i"}}}
+EVIDENCE = {
+    "reference": {
+        "against": "`of_frames`",
+        "test": "tb/slip/test_slip_flags.py::test_model_against_a_plain_loop",
+    },
+    "faults": {"settle": 20, "driver": {"frame": "in_valid_i"}},
+}
 
 
 @pytest.mark.parametrize("channels", [1, 2, 7])

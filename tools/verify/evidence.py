@@ -16,6 +16,12 @@ from verify import benches
 
 NAME = "EVIDENCE"
 KEYS = {  # {kind: {key: (type, what it says)}}
+    "reference": {
+        "against": (str, "what the twin is checked against, in docs/references.md"),
+        "test": (str, "the test that does so, as pytest names it"),
+        "moves": (str, "in place of these: what the block moves, as it computes nothing"),
+        "joins": (str, "or the blocks that it joins"),
+    },
     "equivalence": {
         "size": (dict, "which of the tests' sizes: a small memory, but more than one of each thing"),
         "reset_size": (dict, "the same of the reset's proof, where that takes a smaller one"),
