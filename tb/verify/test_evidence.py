@@ -59,7 +59,7 @@ def test_a_tool_refuses_what_a_block_states_wrongly(tool, change, monkeypatch, c
     assert stopped.value.code == 2
     assert capsys.readouterr().err == (
         f"{tool}: tb/common/test_fork.py: EVIDENCE has no kind 'mutant'; there are equivalence, mutants, "
-        "faults, icarus\n"
+        "equivalence, mutants, faults, icarus\n"
     )
 
 
