@@ -24,7 +24,7 @@ def test_every_block_states_its_evidence():
         ("EVIDENCE = []\n", "t.py: EVIDENCE is not a dict"),
         (
             "EVIDENCE = {'fault': {}}\n",
-            "t.py: EVIDENCE has no kind 'fault'; there are equivalence, mutants, faults, icarus",
+            "t.py: EVIDENCE has no kind 'fault'; there are reference, equivalence, mutants, faults, icarus",
         ),
         ("EVIDENCE = {'faults': 3}\n", "t.py: EVIDENCE['faults'] is not a dict"),
         (
@@ -58,7 +58,7 @@ def test_a_tool_refuses_what_a_block_states_wrongly(tool, change, monkeypatch, c
         module.main()
     assert stopped.value.code == 2
     assert capsys.readouterr().err == (
-        f"{tool}: tb/common/test_fork.py: EVIDENCE has no kind 'mutant'; there are equivalence, mutants, "
+        f"{tool}: tb/common/test_fork.py: EVIDENCE has no kind 'mutant'; there are reference, "
         "equivalence, mutants, faults, icarus\n"
     )
 
