@@ -68,6 +68,10 @@ def points_of(rows):
     return f"{share} % of {reachable:,} points" + (left_out if excluded else "")
 
 
+def total(rows):
+    return f"coverage: {points_of(rows)} in {len(rows)} blocks"
+
+
 def write(rows):
     """Merge ``rows`` into docs/trust/coverage.json; each kind of points: hit, reachable, excluded."""
     revisions = json.loads(REVISIONS.read_text())
@@ -77,7 +81,6 @@ def write(rows):
         if "/" not in name
     }
     summary = lambda row: points_of([row])
-    total = lambda rows: f"coverage: {points_of(rows)} in {len(rows)} blocks"
     record.merge("coverage", "make coverage", fresh, summary, total, listed=benches.blocks())
 
 

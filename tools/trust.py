@@ -12,6 +12,7 @@ what it rests on changed (RTL, tests, twin, harness, exclusions, tools) is shown
 """
 
 import argparse
+import importlib
 import json
 import subprocess
 import sys
@@ -70,6 +71,10 @@ STEPS = (
 )
 STALE = "stale"
 MINUTES = 15  # of --due
+WRITERS = {  # {kind: the module whose ``total`` it is}, if not a tool of the kind's name
+    **{"mutants": "verify.mutants_page", "coverage": "cover", "faults": "verify.faults"},
+    **{"regress": "verify.regress", "fuzz": "verify.fuzz"},
+}
 LINE = ("formal", "mutants", "coverage", "equivalence")  # the kinds that README names
 BOXES = "with memories as registers and with products and inner blocks as black boxes"
 HEAD = """# Trust
@@ -91,9 +96,20 @@ def records():
 
 
 def total(kind, told):
-    """A kind's sentence of all blocks."""
-    before = len(record.stale(told, kind))
-    return told["total"] + (f" ({before} block{'s' * (before > 1)} {STALE})" if before else "")
+    """A kind's sentence of the blocks whose evidence is current, and how many are stale and not counted."""
+    before = record.stale(told, kind)
+    if not before:
+        return told["total"]
+    current = [facts for name, facts in told["blocks"].items() if name not in before]
+    words = f"{len(before)} block{'s' * (len(before) > 1)} {STALE}, not counted"
+    if not current:
+        return f"{KINDS.get(kind) or kind}: none current ({words})"
+    return f"{sentence_of(kind)(current)} ({words})"
+
+
+def sentence_of(kind):
+    """The function that says a list of blocks' facts in a sentence."""
+    return importlib.import_module(WRITERS.get(kind, kind)).total
 
 
 def cell(kind, told, block):

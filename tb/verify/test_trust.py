@@ -29,15 +29,27 @@ def kept(tmp_path, monkeypatch):
     return keep
 
 
-def test_what_is_stale_is_shown_so(kept):
+def test_what_is_stale_is_shown_so(kept, monkeypatch):
     told = kept(skid={"of": "before", "a": [1, 2.5, 3]}, fork={"a": 1}, calibration={"a": 1})
     assert "of" not in told["blocks"]["calibration"], "no block, so of no revision"
     assert record.stale(told, "kind") == ["skid"]
     assert trust.cell("kind", told, "skid") == "known (stale)"
     assert (trust.cell("kind", told, "fork"), trust.cell("kind", told, "sync")) == ("known", "")
-    assert trust.total("kind", told) == "3 known (1 block stale)"
+    monkeypatch.setattr(trust, "sentence_of", lambda kind: lambda facts: f"{len(facts)} known")
+    assert trust.total("kind", told) == "2 known (1 block stale, not counted)"
+    blocks = {name: told["blocks"][name] for name in ("fork", "calibration")}
+    assert trust.total("kind", told | {"blocks": blocks}) == "3 known", "as recorded"
+    fork = {"fork": {"of": "before"}}
+    assert trust.total("kind", {"blocks": fork}) == "kind: none current (1 block stale, not counted)"
     assert record.stale({"blocks": {"skid": {"a": 1}}}, "kind") == ["skid"], "without a digest"
     assert record.stale(told, "formal") == ["fork", "skid"], "of another kind"
+
+
+@pytest.mark.parametrize("kind", [path.stem for path in (toolchain.ROOT / "docs/trust").glob("*.json")])
+def test_each_kind_can_say_its_current_blocks_in_a_sentence(kind):
+    """As it says all of them, of the record as it is."""
+    told = json.loads((toolchain.ROOT / f"docs/trust/{kind}.json").read_text())
+    assert trust.sentence_of(kind)([*told["blocks"].values()]) == told["total"]
 
 
 def test_facts_of_an_earlier_revision_are_not_joined(kept):
