@@ -59,7 +59,7 @@ def test_it_carries_all_that_the_core_is_made_of(wheel):
         "py.typed",
         "scenes/rubber/acrylic_slip.toml",
         "builds/configs/slip1.toml",
-        "engines/core.hpp",
+        "engines/driver.hpp",
     ):
         assert f"meissner/{name}" in names
     assert "meissner/sources/host/msg/TactileFrame.msg" in names

@@ -1,37 +1,27 @@
 // Batch driver of the Verilated core behind a C ABI: whole arrays in, whole arrays out.
-#include <cstdint>
-
 #include "Vmsn_channels.h"
 #include "Vmsn_channels___024root.h"
 #include "adc_parts.hpp"
-#include "core.hpp"
+#include "driver.hpp"
 
 namespace {
 
-using Core = meissner::Core<Vmsn_channels>;
+using Core = meissner::Driver<Vmsn_channels>;
 
 // What core_pins tells besides the decisions.
 struct PinFacts {
   int64_t clocks, frames;
-  int64_t period_min, period_max;      // clocks from convert start to convert start
-  int64_t decision_min, decision_max;  // clocks from convert start to the decision
+  meissner::Span period;    // clocks from convert start to convert start
+  meissner::Span decision;  // clocks from convert start to the decision
 };
 
-struct Decisions {
-  uint32_t *p2p;
-  uint8_t *flags;
-  int64_t room, count = 0;
-
-  bool take(const Vmsn_channels &top) {
-    if (!top.out_valid_o) return true;
-    if (count == room) return false;
-    p2p[count] = top.out_p2p_o;
-    flags[count] = static_cast<uint8_t>(top.out_state_o | top.out_over_o << 3 | top.out_end_o << 4 |
-                                        top.out_raised_o << 5);
-    count++;
-    return true;
-  }
-};
+auto decisions_of(const Core &core, uint32_t *p2p, uint8_t *flags, int64_t room) {
+  return core.results(room, [=, &top = core.top](int64_t k) {
+    p2p[k] = top.out_p2p_o;
+    flags[k] = static_cast<uint8_t>(top.out_state_o | top.out_over_o << 3 | top.out_end_o << 4 |
+                                    top.out_raised_o << 5);
+  });
+}
 
 }  // namespace
 
@@ -62,11 +52,7 @@ int64_t core_start(Core *core, const SlipRegisters *registers, int32_t detail_bi
   settings.put(top.cfg_keep_threshold_i, registers->keep_threshold, detail_bits);
   if (!settings.ok) return meissner::kNoRoom;
   top.actuator_moving_i = 0;
-  top.in_valid_i = 0;
-  top.out_ready_i = 1;
-  top.rst_i = 1;
-  for (int i = 0; i < 4; i++) core->clock();
-  top.rst_i = 0;
+  core->start();
   return 0;
 }
 
@@ -77,34 +63,22 @@ int64_t core_slip(Core *core, const int32_t *samples, int64_t frames, int32_t ch
                   uint32_t sample_bits, const uint8_t *moving, uint32_t *p2p, uint8_t *flags,
                   int64_t room) {
   auto &top = core->top;
-  const uint32_t mask = (1u << sample_bits) - 1;
-  Decisions decisions{p2p, flags, room};
-  const auto drain = [&] {
-    for (int i = 0; i < 32; i++) {
-      core->clock();
-      if (!decisions.take(top)) return false;
-    }
-    return true;
+  auto decisions = decisions_of(*core, p2p, flags, room);
+  int32_t channel = 0;
+  const auto put = [&](int64_t) {
+    top.in_data_i = meissner::low_bits(*samples++, sample_bits);
+    top.in_id_i = channel;
+    top.in_last_i = channel == channels - 1;
+    channel = channel == channels - 1 ? 0 : channel + 1;
   };
-  top.in_valid_i = 1;
-  for (int64_t frame = 0; frame < frames; frame++) {
-    if (moving && moving[frame] != top.actuator_moving_i) {
-      // The input is not delayed with the samples: let those of the frames before pass first.
-      top.in_valid_i = 0;
-      if (!drain()) return -1;
-      top.actuator_moving_i = moving[frame];
-      top.in_valid_i = 1;
-    }
-    for (int32_t channel = 0; channel < channels; channel++) {
-      top.in_data_i = static_cast<uint32_t>(*samples++) & mask;
-      top.in_id_i = channel;
-      top.in_last_i = channel == channels - 1;
-      core->clock();
-      if (!top.in_ready_o || !decisions.take(top)) return -1;
-    }
+  // Between frames with and without motion the samples on their way pass first: that input is not delayed with them.
+  for (int64_t first = 0, end; first < frames; first = end) {
+    for (end = first + 1; end < frames && (!moving || moving[end] == moving[first]);) ++end;
+    if (moving) top.actuator_moving_i = moving[first];
+    if (!core->send((end - first) * channels, 1, {}, put, decisions)) return meissner::kFailed;
+    for (int i = 0; i < 32; i++) core->clock(decisions);
   }
-  top.in_valid_i = 0;
-  return drain() ? decisions.count : -1;
+  return decisions.ok ? decisions.count : meissner::kFailed;
 }
 
 // The same through the pins of a converter, channel 0 only: `part` of msn_pkg::adc_part_e, one with
@@ -114,7 +88,7 @@ int64_t core_pins(Core *core, int32_t part, int32_t busy_clocks, const int32_t *
                   int64_t trace_from, int64_t trace_to, const char *trace_path, int64_t clk_khz,
                   PinFacts *facts) {
   const auto adc = meissner::converter(part, busy_clocks);
-  Decisions decisions{p2p, flags, room};
+  auto decisions = decisions_of(*core, p2p, flags, room);
   auto &top = core->top;
   meissner::Settings settings;
   settings.put(top.cfg_adc_period_i, period, 24);
@@ -122,34 +96,28 @@ int64_t core_pins(Core *core, int32_t part, int32_t busy_clocks, const int32_t *
   top.cfg_adc_enable_i = 1;
   int32_t channels[8] = {};
   int64_t frame = -1, started = 0;
-  *facts = {0, frames, INT64_MAX, 0, INT64_MAX, 0};
-  for (;; facts->clocks++) {
+  const int64_t first = core->clocks + 1;
+  *facts = {0, frames, {}, {}};
+  while (decisions.ok) {
     core->clock();
     if (top.convert_o) {
-      if (frame >= 0) {
-        const int64_t clocks = facts->clocks - started;
-        if (clocks < facts->period_min) facts->period_min = clocks;
-        if (clocks > facts->period_max) facts->period_max = clocks;
-      }
-      started = facts->clocks;
+      if (frame >= 0) facts->period.add(core->clocks - started);
+      started = core->clocks;
       if (++frame == frames) break;
       channels[0] = codes[frame];
       top.actuator_moving_i = moving[frame];
       if (trace_path && frame == trace_from) core->start_trace(trace_path, clk_khz);
       if (frame == trace_to) core->stop_trace();
     }
-    if (top.out_valid_o) {
-      const int64_t clocks = facts->clocks - started;
-      if (clocks < facts->decision_min) facts->decision_min = clocks;
-      if (clocks > facts->decision_max) facts->decision_max = clocks;
-      if (!decisions.take(top)) return -1;
-    }
+    if (top.out_valid_o) facts->decision.add(core->clocks - started);
+    decisions.look();
     adc->step(top.adc_cs_n_o, top.adc_sclk_o, top.adc_mosi_o, top.adc_convst_o, channels);
     top.adc_miso_i = adc->miso & 1;
     top.adc_busy_i = adc->busy;
   }
   core->stop_trace();
-  return decisions.count;
+  facts->clocks = core->clocks - first;
+  return decisions.ok ? decisions.count : meissner::kFailed;
 }
 
 uint32_t core_blanked(const Core *core) { return core->top.blanked_o; }

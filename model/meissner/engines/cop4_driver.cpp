@@ -1,9 +1,7 @@
-// Batch driver of the Verilated msn_cop4 behind a C ABI: the codes of E1..E4 in, one result per sample out.
-#include <cstdint>
-
+// Batch driver of the Verilated msn_cop4: the codes of E1..E4 in, one result per sample out.
 #include "Vmsn_cop4.h"
 #include "Vmsn_cop4___024root.h"
-#include "core.hpp"
+#include "driver.hpp"
 
 extern "C" {
 
@@ -17,27 +15,11 @@ struct Cop4Registers {
 // saturated << 2, imbalance << 3, open << 4. The last `trace_samples` samples and what follows go to
 // `trace_path`, if there is one and the core was built for it. Returns the clocks it took, or -1 if not one
 // result per sample came out.
-int64_t cop4_run(const int32_t *codes, int64_t count, uint32_t bits, const Cop4Registers *registers,
-                 int16_t *x, int16_t *y, uint16_t *load, uint8_t *flags, const char *trace_path,
-                 int64_t trace_samples, int64_t clk_khz) {
-  meissner::Core<Vmsn_cop4> core;
-  auto &top = core.top;
-  const uint32_t mask = (1u << bits) - 1;
-  int64_t clocks = 0, done = 0;
-  bool room = true;
-
-  const auto clock = [&] {
-    core.clock();
-    clocks++;
-    if (!top.out_valid_o || !(room = room && done < count)) return;
-    x[done] = static_cast<int16_t>(top.out_x_o);
-    y[done] = static_cast<int16_t>(top.out_y_o);
-    load[done] = top.out_load_o;
-    flags[done] = static_cast<uint8_t>(top.out_pressed_o | top.out_over_o << 1 | top.out_saturated_o << 2 |
-                                       top.out_imbalance_o << 3 | top.out_open_o << 4);
-    done++;
-  };
-
+int64_t cop4_run(const int32_t *codes, int64_t count, uint32_t bits, const Cop4Registers *registers, int16_t *x,
+                 int16_t *y, uint16_t *load, uint8_t *flags, const char *trace_path, int64_t trace_samples,
+                 int64_t clk_khz) {
+  meissner::Driver<Vmsn_cop4> driver;
+  auto &top = driver.top;
   meissner::Settings settings;
   const int width = static_cast<int>(bits);
   settings.put(top.cfg_rail_i, registers->rail, width);
@@ -52,39 +34,30 @@ int64_t cop4_run(const int32_t *codes, int64_t count, uint32_t bits, const Cop4R
   settings.put_signed(top.cfg_idle_i, registers->idle, width);
   settings.put_signed(top.cfg_busy_i, registers->busy, width);
   settings.put(top.cfg_imbalance_i, registers->imbalance, width + 1);
+  for (int word = 0; word < 4; word++) top.cfg_p_i[word] = 0;
   for (int term = 0; term < 6; term++) {
     uint32_t word;
     settings.put_signed(word, registers->p[term], 18);
+    for (int bit = 0, place = 18 * term; bit < 18; bit++, place++) {
+      top.cfg_p_i[place / 32] |= (word >> bit & 1) << place % 32;
+    }
   }
   if (!settings.ok) return meissner::kNoRoom;
-  for (int word = 0; word < 4; word++) top.cfg_p_i[word] = 0;
-  for (int bit = 0; bit < 6 * 18; bit++) {
-    const uint32_t set = static_cast<uint32_t>(registers->p[bit / 18]) >> (bit % 18) & 1;
-    top.cfg_p_i[bit / 32] |= set << (bit % 32);
-  }
-  top.out_ready_i = 1;
-  top.in_valid_i = 0;
-  top.rst_i = 1;
-  for (int i = 0; i < 4; i++) core.clock();
-  top.rst_i = 0;
-  top.in_valid_i = 1;
-  for (int64_t sample = 0; sample < count; sample++, codes += 4) {
-    top.in_e1_i = static_cast<uint32_t>(codes[0]) & mask;
-    top.in_e2_i = static_cast<uint32_t>(codes[1]) & mask;
-    top.in_e3_i = static_cast<uint32_t>(codes[2]) & mask;
-    top.in_e4_i = static_cast<uint32_t>(codes[3]) & mask;
-    bool taken;
-    int waited = 0;
-    if (trace_path && count - sample == trace_samples) core.start_trace(trace_path, clk_khz);
-    do {
-      taken = top.in_ready_o;
-      clock();
-    } while (!taken && ++waited < 1000);
-    if (!taken) return -1;
-  }
-  top.in_valid_i = 0;
-  for (int i = 0; i < 1000 && done < count; i++) clock();  // a full pipeline, one result every S + 1
-  return room && done == count ? clocks : -1;
+  const auto put = [&](int64_t k) {
+    top.in_e1_i = meissner::low_bits(codes[4 * k], width);
+    top.in_e2_i = meissner::low_bits(codes[4 * k + 1], width);
+    top.in_e3_i = meissner::low_bits(codes[4 * k + 2], width);
+    top.in_e4_i = meissner::low_bits(codes[4 * k + 3], width);
+  };
+  auto results = driver.results(count, [&](int64_t k) {
+    x[k] = static_cast<int16_t>(top.out_x_o);
+    y[k] = static_cast<int16_t>(top.out_y_o);
+    load[k] = top.out_load_o;
+    flags[k] = static_cast<uint8_t>(top.out_pressed_o | top.out_over_o << 1 | top.out_saturated_o << 2 |
+                                    top.out_imbalance_o << 3 | top.out_open_o << 4);
+  });
+  driver.start();
+  return driver.run(count, {trace_path, trace_samples, clk_khz}, put, results);
 }
 
 }  // extern "C"

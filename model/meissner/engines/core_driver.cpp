@@ -15,7 +15,7 @@ using Top = Vmsn_board;
 using Top = Vmsn_core;
 #endif
 #include "adc_parts.hpp"
-#include "core.hpp"
+#include "driver.hpp"
 #include "serial.hpp"
 
 namespace {
@@ -43,7 +43,7 @@ struct Size {
 };
 
 struct Sensor {
-  meissner::Core<Top> core;
+  meissner::Driver<Top> core;
   const Size size;
   const int64_t frame_codes;
   const std::vector<int32_t> codes;
@@ -52,7 +52,7 @@ struct Sensor {
   meissner::Sender to_core;
   std::vector<std::unique_ptr<meissner::Converter>> converters;
   std::vector<int32_t> held;  // eight codes of each converter
-  int64_t now = 0, converted = 0;
+  int64_t converted = 0;
 
   Sensor(const Size &size, int32_t busy_clocks, int64_t places, int64_t shown, const int32_t *given, int64_t frames,
          int64_t sixteenths)
@@ -90,12 +90,8 @@ struct Sensor {
 #else
   void start() {
     core.top.actuator_moving_i = 0;
-    core.top.in_valid_i = 0;
     core.top.bus_valid_i = 0;
-    core.top.out_ready_i = 1;
-    core.top.rst_i = 1;
-    for (int i = 0; i < 4; ++i) core.clock();
-    core.top.rst_i = 0;
+    core.start();
   }
   int row() const { return one_of(core.top.row_o, size.rows); }
   bool dark() const { return false; }
@@ -104,7 +100,7 @@ struct Sensor {
 #endif
 
   // Frames begun.
-  int64_t frame() const { return shown ? now / shown : converted / places; }
+  int64_t frame() const { return shown ? core.clocks / shown : converted / places; }
 
   // What stands at the inputs of every converter from this clock on.
   void show() {
@@ -120,7 +116,6 @@ struct Sensor {
 
   void clock() {
     core.clock();
-    ++now;
     if (converts()) {
       show();
       ++converted;
@@ -168,7 +163,7 @@ int64_t sensor_run(Sensor *sensor, int64_t clocks, uint8_t *out, int64_t room) {
   return count;
 }
 
-int64_t sensor_now(const Sensor *sensor) { return sensor->now; }
+int64_t sensor_now(const Sensor *sensor) { return sensor->core.clocks; }
 
 int64_t sensor_frames(const Sensor *sensor) { return sensor->frame(); }
 

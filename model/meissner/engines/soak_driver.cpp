@@ -7,7 +7,7 @@
 #include "../../../host/msn_packet.c"
 #include "Vmsn_link.h"
 #include "Vmsn_link___024root.h"
-#include "core.hpp"
+#include "driver.hpp"
 #include "serial.hpp"
 
 namespace {
@@ -30,14 +30,12 @@ struct Soak {
 // Until `events` events came out. `sixteenths`: of a clock, in a bit; `mean`: clocks between two events on the average; `burst`:
 // events that come together at most.
 void soak_run(int64_t events, int64_t sixteenths, int32_t mean, int32_t burst, int32_t taxels, uint32_t seed, Soak *out) {
-  meissner::Core<Vmsn_link> core;
+  meissner::Driver<Vmsn_link> core;
   auto &top = core.top;
   std::mt19937 draw(seed);
   std::deque<Event> offered, sent;
   top.rx_i = 1;
-  top.rst_i = 1;
-  for (int i = 0; i < 4; ++i) core.clock();
-  top.rst_i = 0;
+  core.reset();
   *out = {};
   msn_decoder decoder{};
   meissner::Receiver line(sixteenths);

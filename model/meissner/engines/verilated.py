@@ -42,7 +42,7 @@ def cached(build):
 
 
 def check_room(found):
-    """ValueError where a driver says that a setting is wider than its port: kNoRoom of core.hpp."""
+    """ValueError where a driver says that a setting is wider than its port: kNoRoom of driver.hpp."""
     if found == -2:
         raise ValueError("a setting is wider than the core has bits for")
 

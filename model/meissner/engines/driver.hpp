@@ -1,0 +1,195 @@
+// The driver of a Verilated block, behind a C ABI: its clock and reset, settings and words in, results out, the clocks
+// that they take, and in a build with traces a VCD of the clocks that someone wants to see. A block's own .cpp says
+// only which pins get which word, and which pins are a result.
+#pragma once
+#include <algorithm>
+#include <cstdint>
+
+#include "verilated.h"
+#if VM_TRACE
+#include "verilated_vcd_c.h"
+#endif
+
+namespace meissner {
+
+constexpr int64_t kFailed = -1;  // what a driver returns: a word was not taken, or the number of results was wrong
+constexpr int64_t kNoRoom = -2;  // a setting does not fit its port
+constexpr int kPatience = 1000;  // clocks that a word, or all results after the last word, may take
+
+// The lowest bits of a number, as a port takes it: Verilator does not cut what it is given.
+constexpr uint32_t low_bits(int64_t value, int bits) {
+  return static_cast<uint32_t>(value & ((int64_t{1} << bits) - 1));
+}
+
+// Settings on ports, none of them cut: `ok` is false once one had no room in the bits that its port has.
+struct Settings {
+  bool ok = true;
+
+  template <typename Port>
+  void put(Port &port, int64_t value, int bits) {
+    ok = ok && value >= 0 && (bits > 62 || value >> bits == 0);
+    port = static_cast<Port>(value);
+  }
+
+  // Two's complement.
+  template <typename Port>
+  void put_signed(Port &port, int64_t value, int bits) {
+    const int64_t half = int64_t{1} << (bits - 1);
+    ok = ok && value >= -half && value < half;
+    port = static_cast<Port>(value & (2 * half - 1));
+  }
+};
+
+// The least and the most clocks between two events.
+struct Span {
+  int64_t least = INT64_MAX, most = 0;
+
+  void add(int64_t clocks) {
+    least = std::min(least, clocks);
+    most = std::max(most, clocks);
+  }
+};
+
+// Up to `room` results: in each clock in which `valid()`, `take(k)` stores number k.
+template <typename Valid, typename Take>
+struct Results {
+  const int64_t room;
+  Valid valid;
+  Take take;
+  int64_t count = 0;
+  bool ok = true;  // none came that there was no room for
+
+  Results(int64_t room, Valid valid, Take take) : room(room), valid(valid), take(take) {}
+
+  void look() {
+    if (!valid()) return;
+    if (count < room) {
+      take(count++);
+    } else {
+      ok = false;
+    }
+  }
+
+  bool complete() const { return ok && count == room; }
+};
+
+// The last `words` words and what follows go to a VCD file at `path`; nullptr: none.
+struct Trace {
+  const char *path = nullptr;
+  int64_t words = 0, clk_khz = 0;
+};
+
+template <typename Top>
+struct Driver {
+  VerilatedContext context;
+  Top top{&context};
+  int64_t clocks = 0;  // since reset
+
+#if VM_TRACE
+  VerilatedVcdC vcd;
+  bool tracing = false;
+  uint64_t half_clock_ps = 500;
+#endif
+
+  Driver() {
+    top.clk_i = 1;
+#if VM_TRACE
+    context.traceEverOn(true);
+    top.trace(&vcd, 99);
+#endif
+  }
+
+  ~Driver() { stop_trace(); }
+
+  // One rising edge, and a look at results. Nothing in the core acts on the falling edge, so it is not evaluated,
+  // which is a third of the time: telling Verilator that the clock was low is enough. Should a release rename this
+  // member, the build fails.
+  template <typename... Out>
+  void clock(Out &...results) {
+    ++clocks;
+#if VM_TRACE
+    if (tracing) {
+      for (const int level : {0, 1}) {
+        top.clk_i = level;
+        top.eval();
+        vcd.dump(context.time());
+        context.timeInc(half_clock_ps);
+      }
+    } else
+#endif
+    {
+      top.rootp->__Vtrigprevexpr___TOP__clk_i__0 = 0;
+      top.eval();
+    }
+    (results.look(), ...);
+  }
+
+  void reset() {
+    top.rst_i = 1;
+    for (int i = 0; i < 4; ++i) clock();
+    top.rst_i = 0;
+    clocks = 0;
+  }
+
+  // The same, of a block with one stream in and one out; its results are always taken.
+  void start() {
+    top.in_valid_i = 0;
+    top.out_ready_i = 1;
+    reset();
+  }
+
+  template <typename Take>
+  auto results(int64_t room, Take take) const {
+    return Results(room, [this] { return bool{top.out_valid_o != 0}; }, take);
+  }
+
+  // Sends words 0 .. count-1, one whenever the block takes it: `put(k)` sets the pins of number k. False if one had to
+  // wait for `patience` clocks.
+  template <typename Put, typename... Out>
+  bool send(int64_t count, int patience, const Trace &trace, const Put &put, Out &...results) {
+    top.in_valid_i = 1;
+    for (int64_t k = 0; k < count; ++k) {
+      put(k);
+      if (trace.path && count - k == trace.words) start_trace(trace.path, trace.clk_khz);
+      bool taken;
+      int left = patience;
+      do {
+        taken = top.in_ready_o;
+        clock(results...);
+      } while (!taken && --left > 0);
+      if (!taken) return false;
+    }
+    top.in_valid_i = 0;
+    return true;
+  }
+
+  // Sends words until the last has its results. Returns the clocks since reset, or kFailed.
+  template <typename Put, typename... Out>
+  int64_t run(int64_t count, const Trace &trace, const Put &put, Out &...results) {
+    if (!send(count, kPatience, trace, put, results...)) return kFailed;
+    for (int i = 0; i < kPatience && !(results.complete() && ...); ++i) clock(results...);
+    return (results.complete() && ...) ? clocks : kFailed;
+  }
+
+  // The clocks from here to stop_trace() go to a VCD file; a build without traces writes none.
+  void start_trace(const char *path, int64_t clk_khz) {
+#if VM_TRACE
+    vcd.open(path);
+    tracing = true;
+    half_clock_ps = 500'000'000 / clk_khz;
+#else
+    (void)path, (void)clk_khz;
+#endif
+  }
+
+  void stop_trace() {
+#if VM_TRACE
+    if (!tracing) return;
+    tracing = false;
+    vcd.close();
+    top.clk_i = 1;
+#endif
+  }
+};
+
+}  // namespace meissner
