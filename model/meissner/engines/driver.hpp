@@ -140,7 +140,7 @@ struct Driver {
 
   template <typename Take>
   auto results(int64_t room, Take take) const {
-    return Results(room, [this] { return bool{top.out_valid_o != 0}; }, take);
+    return Results(room, [this] { return top.out_valid_o != 0; }, take);
   }
 
   // Sends words 0 .. count-1, one whenever the block takes it: `put(k)` sets the pins of number k. False if one had to
