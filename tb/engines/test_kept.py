@@ -1,6 +1,7 @@
 """Libraries that are built once and kept: one that is whole is not built again, one that is damaged is;
 without a compiler there is one sentence."""
 
+import shutil
 import subprocess
 from pathlib import Path
 
@@ -56,6 +57,24 @@ def test_what_is_damaged_is_built_again(builds, damage):
     assert library().read_bytes() == WHOLE and len(builds) == 2
     library()
     assert len(builds) == 2
+
+
+@pytest.mark.parametrize(
+    "name", ["core_driver.cpp", "core_driver.vlt", "driver.hpp", "serial.hpp", "adc_parts.hpp"]
+)
+def test_a_changed_driver_is_built_again(builds, monkeypatch, tmp_path, name):
+    """A copy of the drivers, one of their files with a line more, is another library."""
+    drivers = tmp_path / "drivers"
+    drivers.mkdir()
+    for file in verilated.HERE.glob("*.[ch]pp"):
+        shutil.copy(file, drivers)
+    shutil.copy(verilated.HERE / "core_driver.vlt", drivers)
+    monkeypatch.setattr(verilated, "HERE", drivers)
+    first = library()
+    assert library() == first and len(builds) == 1
+    with open(drivers / name, "a") as file:
+        file.write("// more\n")
+    assert library() != first and len(builds) == 2
 
 
 def test_a_new_file_takes_the_place_of_an_old_one(tmp_path):
