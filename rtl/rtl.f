@@ -27,7 +27,6 @@ rtl/frontend/msn_acquire.sv
 rtl/frontend/msn_time_stamp.sv
 rtl/frontend/msn_burst.sv
 rtl/frontend/msn_am_demod.sv
-rtl/frontend/msn_scan_walk.sv
 rtl/frontend/msn_scan_plan.sv
 rtl/frontend/msn_scan_buffer.sv
 rtl/frontend/msn_scan.sv

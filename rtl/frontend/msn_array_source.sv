@@ -90,33 +90,20 @@ module msn_array_source #(
                            adc_busy_i, adc_miso_i};
 
   end else if (!Demod) begin : gen_adc
-    localparam int unsigned SlipIdBits = msn_pkg::index_width(Inputs);
-    logic                        unused_slip_valid, unused_slip_last;
-    logic [Lanes*SampleBits-1:0] unused_slip_data;
-    logic [SlipIdBits-1:0]       unused_slip_id;
-    logic [Lanes-1:0]            unused_slip_user;
-    logic [31:0]                 unused_frame, unused_slip_frame, unused_slip_dropped, unused_slip_overrun;
-    logic [47:0]                 unused_slip_time;
+    logic [31:0] unused_frame;
     msn_scan_adc #(
       .Rows(Rows), .Columns(Columns), .Lanes(Lanes), .Part(Part), .Channels(Channels), .AdcLanes(AdcLanes),
       .ClkKhz(ClkKhz), .SclkKhz(SclkKhz), .SampleBits(SampleBits), .SettleBits(SettleBits),
       .PeriodBits(PeriodBits)
     ) u_scan_adc (
       .clk_i, .rst_i,
-      .cfg_enable_i, .cfg_settle_i, .cfg_period_i, .cfg_interleave_i, .cfg_first_row_i('0),
-      .cfg_last_row_i('1), .cfg_first_column_i('0), .cfg_last_column_i('1),
-      .cfg_slip_period_i ('0),  // one kind of rounds: every taxel
-      .cfg_slip_row_i('0), .cfg_slip_group_i('0),
+      .cfg_enable_i, .cfg_settle_i, .cfg_period_i, .cfg_interleave_i,
       .now_i, .row_o, .group_o,
       .adc_cs_n_o, .adc_sclk_o, .adc_mosi_o, .adc_miso_i, .adc_convst_o, .adc_busy_i, .adc_reset_o,
       .convert_o,
       .out_valid_o, .out_ready_i, .out_data_o, .out_id_o, .out_last_o, .out_user_o, .out_time_o,
       .out_frame_o(unused_frame),
-      .slip_valid_o(unused_slip_valid), .slip_ready_i(1'b1), .slip_data_o(unused_slip_data),
-      .slip_id_o(unused_slip_id), .slip_last_o(unused_slip_last), .slip_user_o(unused_slip_user),
-      .slip_frame_o(unused_slip_frame), .slip_time_o(unused_slip_time),
-      .dropped_o, .overrun_o, .held_o, .lost_o,
-      .slip_dropped_o(unused_slip_dropped), .slip_overrun_o(unused_slip_overrun)
+      .dropped_o, .overrun_o, .held_o, .lost_o
     );
 
   end else begin : gen_demod
@@ -128,8 +115,7 @@ module msn_array_source #(
       .PeriodBits(PeriodBits)
     ) u_scan_demod (
       .clk_i, .rst_i,
-      .cfg_enable_i, .cfg_settle_i, .cfg_period_i, .cfg_interleave_i, .cfg_first_row_i('0),
-      .cfg_last_row_i('1), .cfg_first_column_i('0), .cfg_last_column_i('1),
+      .cfg_enable_i, .cfg_settle_i, .cfg_period_i, .cfg_interleave_i,
       .now_i, .row_o, .group_o,
       .adc_cs_n_o, .adc_sclk_o, .adc_mosi_o, .adc_miso_i(adc_miso_i[Converters-1:0]),
       .convert_o,

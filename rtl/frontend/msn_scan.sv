@@ -9,8 +9,7 @@
 // at the pins) exactly cfg_settle_i clocks after row_o and group_o changed. Each trigger must bring Channels samples
 // from every converter before the next, or a lost strobe, Channels + 3 clocks before; then its samples are 0 and
 // marked in user.
-// Frames leave whole or not at all; so do slip rounds, on a stream of their own, id = slot*Channels + channel.
-// First sample in to out 5 clocks.   Model: model/meissner/twins/frontend/scan.py
+// Frames leave whole or not at all. First sample in to out 5 clocks.   Model: model/meissner/twins/frontend/scan.py
 
 module msn_scan #(
   parameter  int unsigned Rows       = 16,
@@ -20,68 +19,46 @@ module msn_scan #(
   parameter  int unsigned Hold       = 2,    // see msn_scan_plan
   parameter  int unsigned Cycle      = 268,
   parameter  int unsigned SampleBits = 17,
-  parameter  int unsigned SlipSlots  = 1,
   parameter  int unsigned SettleBits = 16,
   parameter  int unsigned PeriodBits = 32,
   localparam int unsigned RowBits    = msn_pkg::index_width(Rows),
-  localparam int unsigned ColumnBits = msn_pkg::index_width(Columns),
   localparam int unsigned Beats      = (Columns + Lanes - 1) / Lanes,
-  localparam int unsigned BeatBits   = msn_pkg::index_width(Beats),
   localparam int unsigned IdBits     = msn_pkg::index_width(Rows * Beats),
   parameter  int unsigned Depth      = Rows * Beats,  // beats of buffer, see msn_scan_buffer
-  parameter  int unsigned GroupBits  = msn_pkg::index_width((Beats + Channels - 1) / Channels),
-  localparam int unsigned SlipIdBits = msn_pkg::index_width(SlipSlots * Channels)
+  localparam int unsigned GroupBits  = msn_pkg::index_width((Beats + Channels - 1) / Channels)
 ) (
-  input  logic                             clk_i,
-  input  logic                             rst_i,
+  input  logic                        clk_i,
+  input  logic                        rst_i,
 
-  input  logic                             cfg_enable_i,
-  input  logic [SettleBits-1:0]            cfg_settle_i,
-  input  logic [PeriodBits-1:0]            cfg_period_i,
-  input  logic                             cfg_interleave_i,
-  input  logic [RowBits-1:0]               cfg_first_row_i,
-  input  logic [RowBits-1:0]               cfg_last_row_i,
-  input  logic [ColumnBits-1:0]            cfg_first_column_i,
-  input  logic [ColumnBits-1:0]            cfg_last_column_i,
-  input  logic [PeriodBits-1:0]            cfg_slip_period_i,
-  input  logic [SlipSlots*(RowBits+1)-1:0] cfg_slip_row_i,
-  input  logic [SlipSlots*GroupBits-1:0]   cfg_slip_group_i,
-  input  logic [47:0]                      now_i,          // clock ticks
+  input  logic                        cfg_enable_i,
+  input  logic [SettleBits-1:0]       cfg_settle_i,
+  input  logic [PeriodBits-1:0]       cfg_period_i,
+  input  logic                        cfg_interleave_i,
+  input  logic [47:0]                 now_i,         // clock ticks
 
-  output logic [Rows-1:0]                  row_o,
-  output logic [GroupBits-1:0]             group_o,
-  output logic                             trigger_o,
+  output logic [Rows-1:0]             row_o,
+  output logic [GroupBits-1:0]        group_o,
+  output logic                        trigger_o,
 
-  input  logic [Lanes-1:0]                 in_valid_i,     // lane by lane
-  output logic [Lanes-1:0]                 in_ready_o,
-  input  logic [Lanes*SampleBits-1:0]      in_data_i,
-  input  logic [Lanes-1:0]                 in_user_i,
-  input  logic [Lanes-1:0]                 in_lost_i,
+  input  logic [Lanes-1:0]            in_valid_i,    // lane by lane
+  output logic [Lanes-1:0]            in_ready_o,
+  input  logic [Lanes*SampleBits-1:0] in_data_i,
+  input  logic [Lanes-1:0]            in_user_i,
+  input  logic [Lanes-1:0]            in_lost_i,
 
-  output logic                             out_valid_o,
-  input  logic                             out_ready_i,
-  output logic [Lanes*SampleBits-1:0]      out_data_o,     // the leftmost column in the low bits
-  output logic [IdBits-1:0]                out_id_o,
-  output logic                             out_last_o,
-  output logic [Lanes-1:0]                 out_user_o,     // over-range or lost
-  output logic [31:0]                      out_frame_o,    // frames converted before this one
-  output logic [47:0]                      out_time_o,     // now_i as its first conversion started
+  output logic                        out_valid_o,
+  input  logic                        out_ready_i,
+  output logic [Lanes*SampleBits-1:0] out_data_o,    // the leftmost column in the low bits
+  output logic [IdBits-1:0]           out_id_o,
+  output logic                        out_last_o,
+  output logic [Lanes-1:0]            out_user_o,    // over-range or lost
+  output logic [31:0]                 out_frame_o,   // frames converted before this one
+  output logic [47:0]                 out_time_o,    // now_i as its first conversion started
 
-  output logic                             slip_valid_o,
-  input  logic                             slip_ready_i,
-  output logic [Lanes*SampleBits-1:0]      slip_data_o,
-  output logic [SlipIdBits-1:0]            slip_id_o,
-  output logic                             slip_last_o,
-  output logic [Lanes-1:0]                 slip_user_o,
-  output logic [31:0]                      slip_frame_o,
-  output logic [47:0]                      slip_time_o,
-
-  output logic [31:0]                      dropped_o,      // frames: the one before was not taken yet
-  output logic [31:0]                      overrun_o,      // frame ticks: the frame before was not done
-  output logic [31:0]                      held_o,         // clocks the scan waited for room in the buffer
-  output logic [31:0]                      lost_o,         // conversions in which a converter did not answer
-  output logic [31:0]                      slip_dropped_o,
-  output logic [31:0]                      slip_overrun_o
+  output logic [31:0]                 dropped_o,     // frames: the one before was not taken yet
+  output logic [31:0]                 overrun_o,     // frame ticks: the frame before was not done
+  output logic [31:0]                 held_o,        // clocks the scan waited for room in the buffer
+  output logic [31:0]                 lost_o         // conversions in which a converter did not answer
 );
 
   if (SampleBits < 2) begin : gen_check_sample_bits
@@ -91,29 +68,24 @@ module msn_scan #(
   localparam int unsigned Width    = Lanes * (SampleBits + 1);
   localparam int unsigned ChanBits = msn_pkg::index_width(Channels);
 
-  logic                 idle, switch_now, done_slip, done_first, frame_interleave, room;
-  logic [RowBits:0]     switch_row;
+  logic                 idle, switch_now, done_first, done_interleave, room;
+  logic [RowBits-1:0]   switch_row;
   logic [GroupBits-1:0] switch_group, done_group;
-  logic [RowBits-1:0]   first_row, last_row;
-  logic [BeatBits-1:0]  first_beat, last_beat;
   msn_scan_plan #(
     .Rows(Rows), .Columns(Columns), .Lanes(Lanes), .Channels(Channels), .Hold(Hold), .Cycle(Cycle),
-    .SlipSlots(SlipSlots), .SettleBits(SettleBits), .PeriodBits(PeriodBits), .GroupBits(GroupBits)
+    .SettleBits(SettleBits), .PeriodBits(PeriodBits)
   ) u_plan (
     .clk_i, .rst_i,
-    .cfg_enable_i, .cfg_settle_i, .cfg_period_i, .cfg_interleave_i, .cfg_first_row_i, .cfg_last_row_i,
-    .cfg_first_column_i, .cfg_last_column_i, .cfg_slip_period_i, .cfg_slip_row_i, .cfg_slip_group_i,
+    .cfg_enable_i, .cfg_settle_i, .cfg_period_i, .cfg_interleave_i,
     .room_i(room), .idle_o(idle),
     .switch_o(switch_now), .switch_row_o(switch_row), .switch_group_o(switch_group),
     .trigger_o,
-    .done_slip_o(done_slip), .done_first_o(done_first), .done_group_o(done_group),
-    .frame_first_row_o(first_row), .frame_last_row_o(last_row), .frame_first_beat_o(first_beat),
-    .frame_last_beat_o(last_beat), .frame_interleave_o(frame_interleave),
-    .overrun_o, .slip_overrun_o, .held_o
+    .done_first_o(done_first), .done_group_o(done_group), .done_interleave_o(done_interleave),
+    .overrun_o, .held_o
   );
 
   // The lines: off for a clock, then the new ones; a row that stays blinks too, so that all are treated alike.
-  logic [RowBits:0]     row_q;
+  logic [RowBits-1:0]   row_q;
   logic [GroupBits-1:0] group_q;
   logic                 change_q;
   always_ff @(posedge clk_i) begin
@@ -123,7 +95,7 @@ module msn_scan #(
     if (idle || switch_now) row_o <= '0;
     if (change_q) begin
       group_o <= group_q;
-      for (int unsigned r = 0; r < Rows; r++) row_o[r] <= row_q == (RowBits+1)'(r);
+      for (int unsigned r = 0; r < Rows; r++) row_o[r] <= row_q == RowBits'(r);
     end
     if (rst_i) begin
       change_q <= 1'b0;
@@ -167,6 +139,8 @@ module msn_scan #(
   logic                 wanted, frame_first;
   if (Channels == 1) begin : gen_one
     assign place = PlaceBits'(done_group);
+    logic unused_channel;
+    assign unused_channel = ^channel_q2;
   end else if ((Channels & (Channels - 1)) == 0) begin : gen_power
     assign place = {done_group, channel_q2};
   end else begin : gen_alone
@@ -174,84 +148,46 @@ module msn_scan #(
     logic unused_group;
     assign unused_group = ^done_group;
   end
-  assign wanted      = beat_q && !done_slip && 32'(place) >= 32'(first_beat) && 32'(place) <= 32'(last_beat);
-  assign frame_first = done_first && 32'(place) == 32'(first_beat);
+  assign wanted      = beat_q && 32'(place) < Beats;  // not of columns past the array
+  assign frame_first = done_first && place == '0;
 
-  logic             wanted_q, frame_first_q, slip_q, round_first_q;
+  logic             wanted_q, frame_first_q;
   logic [Width-1:0] beat_data_q2;
   always_ff @(posedge clk_i) begin
     wanted_q      <= wanted;
     frame_first_q <= frame_first;
-    slip_q        <= beat_q && done_slip;
-    round_first_q <= done_first && channel_q2 == '0;
     beat_data_q2  <= beat_data_q;
-    if (rst_i) begin
-      wanted_q <= 1'b0;
-      slip_q   <= 1'b0;
-    end
+    if (rst_i) wanted_q <= 1'b0;
   end
 
-  // Number and time of the frame or round at hand, and of the one that leaves.
+  // Number and time of the frame at hand, and of the one that leaves.
   logic        trigger_q;
-  logic [31:0] frame_q, round_q;
+  logic [31:0] frame_q;
   logic [47:0] time_q;
-  logic        frame_taken, round_taken;
+  logic        taken;
   always_ff @(posedge clk_i) begin
     trigger_q <= trigger_o;
     if (trigger_q && done_first) begin
-      time_q <= now_i;
-      if (done_slip) round_q <= round_q + 1'b1;
-      else           frame_q <= frame_q + 1'b1;
+      time_q  <= now_i;
+      frame_q <= frame_q + 1'b1;
     end
-    if (frame_taken) begin
+    if (taken) begin
       out_frame_o <= frame_q;
       out_time_o  <= time_q;
-    end
-    if (round_taken) begin
-      slip_frame_o <= round_q;
-      slip_time_o  <= time_q;
     end
     if (rst_i) begin
       trigger_q <= 1'b0;
       frame_q   <= '1;
-      round_q   <= '1;
     end
   end
 
-  logic [RowBits-1:0]        rows;
-  logic [BeatBits-1:0]       beats;
-  logic [IdBits-1:0]         first_id, skip;
-  localparam int unsigned ProductBits = RowBits + msn_pkg::index_width(Beats + 1);
-  logic [ProductBits-1:0] row_id;
-  msn_constant_multiplier #(.Constant(Beats), .InBits(RowBits))
-    u_row_id (.in_data_i(first_row), .out_data_o(row_id));
-  always_ff @(posedge clk_i) begin
-    rows     <= last_row - first_row;
-    beats    <= last_beat - first_beat;
-    first_id <= IdBits'(row_id + ProductBits'(first_beat));
-    skip     <= IdBits'(Beats) - IdBits'(last_beat) + IdBits'(first_beat);
-  end
-
-  msn_scan_buffer #(.Rows(Rows), .Beats(Beats), .Burst(Channels), .Width(Width), .Depth(Depth)) u_frames (
+  msn_scan_buffer #(.Rows(Rows), .Beats(Beats), .Burst(Channels), .Width(Width), .Depth(Depth)) u_buffer (
     .clk_i, .rst_i,
-    .in_valid_i(wanted_q), .in_first_i(frame_first_q), .in_interleave_i(frame_interleave),
-    .in_last_row_i(rows), .in_last_beat_i(beats), .in_id_i(first_id), .in_skip_i(skip),
+    .in_valid_i(wanted_q), .in_first_i(frame_first_q), .in_interleave_i(done_interleave),
     .in_data_i(beat_data_q2),
     .room_o(room),
     .out_valid_o, .out_ready_i, .out_data_o({out_user_o, out_data_o}), .out_id_o, .out_last_o,
-    .taken_o(frame_taken), .dropped_o
-  );
-
-  logic unused_room;
-  msn_scan_buffer #(.Rows(1), .Beats(SlipSlots * Channels), .Burst(Channels), .Width(Width)) u_slip (
-    .clk_i, .rst_i,
-    .in_valid_i(slip_q), .in_first_i(round_first_q), .in_interleave_i(1'b0), .in_last_row_i(1'b0),
-    .in_last_beat_i(SlipIdBits'(SlipSlots * Channels - 1)), .in_id_i('0), .in_skip_i('0),
-    .in_data_i(beat_data_q2),
-    .room_o(unused_room),
-    .out_valid_o(slip_valid_o), .out_ready_i(slip_ready_i), .out_data_o({slip_user_o, slip_data_o}),
-    .out_id_o(slip_id_o), .out_last_o(slip_last_o),
-    .taken_o(round_taken), .dropped_o(slip_dropped_o)
+    .taken_o(taken), .dropped_o
   );
 
 endmodule

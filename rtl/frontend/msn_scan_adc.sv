@@ -17,69 +17,47 @@ module msn_scan_adc #(
   parameter  int unsigned ClkKhz     = 25_000,
   parameter  int unsigned SclkKhz    = msn_adc_pkg::sclk_default_khz(Part),
   parameter  int unsigned SampleBits = 17,
-  parameter  int unsigned SlipSlots  = 1,
   parameter  int unsigned SettleBits = 16,
   parameter  int unsigned PeriodBits = 32,
-  localparam int unsigned RowBits    = msn_pkg::index_width(Rows),
-  localparam int unsigned ColumnBits = msn_pkg::index_width(Columns),
   localparam int unsigned Beats      = (Columns + Lanes - 1) / Lanes,
   localparam int unsigned IdBits     = msn_pkg::index_width(Rows * Beats),
   parameter  int unsigned Depth      = Rows * Beats,
-  parameter  int unsigned GroupBits  = msn_pkg::index_width((Beats + Channels - 1) / Channels),
-  localparam int unsigned SlipIdBits = msn_pkg::index_width(SlipSlots * Channels)
+  localparam int unsigned GroupBits  = msn_pkg::index_width((Beats + Channels - 1) / Channels)
 ) (
-  input  logic                             clk_i,
-  input  logic                             rst_i,
+  input  logic                        clk_i,
+  input  logic                        rst_i,
 
-  input  logic                             cfg_enable_i,
-  input  logic [SettleBits-1:0]            cfg_settle_i,
-  input  logic [PeriodBits-1:0]            cfg_period_i,
-  input  logic                             cfg_interleave_i,
-  input  logic [RowBits-1:0]               cfg_first_row_i,
-  input  logic [RowBits-1:0]               cfg_last_row_i,
-  input  logic [ColumnBits-1:0]            cfg_first_column_i,
-  input  logic [ColumnBits-1:0]            cfg_last_column_i,
-  input  logic [PeriodBits-1:0]            cfg_slip_period_i,
-  input  logic [SlipSlots*(RowBits+1)-1:0] cfg_slip_row_i,
-  input  logic [SlipSlots*GroupBits-1:0]   cfg_slip_group_i,
-  input  logic [47:0]                      now_i,
+  input  logic                        cfg_enable_i,
+  input  logic [SettleBits-1:0]       cfg_settle_i,
+  input  logic [PeriodBits-1:0]       cfg_period_i,
+  input  logic                        cfg_interleave_i,
+  input  logic [47:0]                 now_i,
 
-  output logic [Rows-1:0]                  row_o,
-  output logic [GroupBits-1:0]             group_o,
+  output logic [Rows-1:0]             row_o,
+  output logic [GroupBits-1:0]        group_o,
 
-  output logic [Lanes-1:0]                 adc_cs_n_o,
-  output logic [Lanes-1:0]                 adc_sclk_o,
-  output logic [Lanes-1:0]                 adc_mosi_o,
-  input  logic [Lanes*AdcLanes-1:0]        adc_miso_i,
-  output logic [Lanes-1:0]                 adc_convst_o,
-  input  logic [Lanes-1:0]                 adc_busy_i,
-  output logic [Lanes-1:0]                 adc_reset_o,
-  output logic                             convert_o,
+  output logic [Lanes-1:0]            adc_cs_n_o,
+  output logic [Lanes-1:0]            adc_sclk_o,
+  output logic [Lanes-1:0]            adc_mosi_o,
+  input  logic [Lanes*AdcLanes-1:0]   adc_miso_i,
+  output logic [Lanes-1:0]            adc_convst_o,
+  input  logic [Lanes-1:0]            adc_busy_i,
+  output logic [Lanes-1:0]            adc_reset_o,
+  output logic                        convert_o,
 
-  output logic                             out_valid_o,
-  input  logic                             out_ready_i,
-  output logic [Lanes*SampleBits-1:0]      out_data_o,
-  output logic [IdBits-1:0]                out_id_o,
-  output logic                             out_last_o,
-  output logic [Lanes-1:0]                 out_user_o,
-  output logic [31:0]                      out_frame_o,
-  output logic [47:0]                      out_time_o,
+  output logic                        out_valid_o,
+  input  logic                        out_ready_i,
+  output logic [Lanes*SampleBits-1:0] out_data_o,
+  output logic [IdBits-1:0]           out_id_o,
+  output logic                        out_last_o,
+  output logic [Lanes-1:0]            out_user_o,
+  output logic [31:0]                 out_frame_o,
+  output logic [47:0]                 out_time_o,
 
-  output logic                             slip_valid_o,
-  input  logic                             slip_ready_i,
-  output logic [Lanes*SampleBits-1:0]      slip_data_o,
-  output logic [SlipIdBits-1:0]            slip_id_o,
-  output logic                             slip_last_o,
-  output logic [Lanes-1:0]                 slip_user_o,
-  output logic [31:0]                      slip_frame_o,
-  output logic [47:0]                      slip_time_o,
-
-  output logic [31:0]                      dropped_o,
-  output logic [31:0]                      overrun_o,
-  output logic [31:0]                      held_o,
-  output logic [31:0]                      lost_o,
-  output logic [31:0]                      slip_dropped_o,
-  output logic [31:0]                      slip_overrun_o
+  output logic [31:0]                 dropped_o,
+  output logic [31:0]                 overrun_o,
+  output logic [31:0]                 held_o,
+  output logic [31:0]                 lost_o
 );
 
   localparam int unsigned Half  = msn_adc_pkg::half_clocks(Part, ClkKhz, SclkKhz);
@@ -123,21 +101,15 @@ module msn_scan_adc #(
 
   msn_scan #(
     .Rows(Rows), .Columns(Columns), .Lanes(Lanes), .Channels(Channels), .Hold(Hold), .Cycle(Cycle),
-    .SampleBits(SampleBits), .SlipSlots(SlipSlots), .SettleBits(SettleBits), .PeriodBits(PeriodBits),
-    .Depth(Depth), .GroupBits(GroupBits)
+    .SampleBits(SampleBits), .SettleBits(SettleBits), .PeriodBits(PeriodBits), .Depth(Depth)
   ) u_scan (
     .clk_i, .rst_i,
-    .cfg_enable_i(enable_q), .cfg_settle_i, .cfg_period_i, .cfg_interleave_i, .cfg_first_row_i,
-    .cfg_last_row_i, .cfg_first_column_i, .cfg_last_column_i, .cfg_slip_period_i, .cfg_slip_row_i,
-    .cfg_slip_group_i,
+    .cfg_enable_i(enable_q), .cfg_settle_i, .cfg_period_i, .cfg_interleave_i,
     .now_i, .row_o, .group_o, .trigger_o(trigger),
     .in_valid_i(sample_valid), .in_ready_o(sample_ready), .in_data_i(sample), .in_user_i(sample_user),
     .in_lost_i(lost),
     .out_valid_o, .out_ready_i, .out_data_o, .out_id_o, .out_last_o, .out_user_o, .out_frame_o, .out_time_o,
-    .slip_valid_o, .slip_ready_i, .slip_data_o, .slip_id_o, .slip_last_o, .slip_user_o, .slip_frame_o,
-    .slip_time_o,
-    .dropped_o, .overrun_o, .held_o, .lost_o,
-    .slip_dropped_o, .slip_overrun_o
+    .dropped_o, .overrun_o, .held_o, .lost_o
   );
 
 endmodule

@@ -4,48 +4,45 @@
 //
 // A frame comes row by row, or (in_interleave_i) rows 0, 2, 4 .., then 1, 3, 5 ..; each beat leaves as soon as it
 // and all before it are there. A frame of which a beat is still here a clock before the next frame's first one makes
-// the next frame go, whole (dropped_o). What a frame is like comes with its first beat. Depth below Rows*Beats:
-// natural order only, and the sender must stop when room_o is low: two conversions of Burst beats still fit then.
+// the next frame go, whole (dropped_o). Depth below Rows*Beats: natural order only, and the sender must stop when
+// room_o is low: two conversions of Burst beats still fit then.
 // A frame in which a beat is missing would never end: the next takes its place, and its last beat never comes. A beat
 // too many is not taken.
 //
 // Latency 3 clocks from in_valid_i to out_valid_o, a beat a clock.   Model: model/meissner/twins/frontend/scan_buffer.py
 
 module msn_scan_buffer #(
-  parameter  int unsigned Rows     = 16,
-  parameter  int unsigned Beats    = 16,  // of a row
-  parameter  int unsigned Burst    = 8,
-  parameter  int unsigned Width    = 18,
-  parameter  int unsigned Depth    = Rows * Beats,
-  localparam int unsigned RowBits  = msn_pkg::index_width(Rows),
-  localparam int unsigned BeatBits = msn_pkg::index_width(Beats),
-  localparam int unsigned IdBits   = msn_pkg::index_width(Rows * Beats)
+  parameter  int unsigned Rows   = 16,
+  parameter  int unsigned Beats  = 16,  // of a row
+  parameter  int unsigned Burst  = 8,
+  parameter  int unsigned Width  = 18,
+  parameter  int unsigned Depth  = Rows * Beats,
+  localparam int unsigned IdBits = msn_pkg::index_width(Rows * Beats)
 ) (
-  input  logic                clk_i,
-  input  logic                rst_i,
+  input  logic              clk_i,
+  input  logic              rst_i,
 
-  input  logic                in_valid_i,
-  input  logic                in_first_i,       // a frame's first beat; with it:
-  input  logic                in_interleave_i,
-  input  logic [RowBits-1:0]  in_last_row_i,    // rows less one
-  input  logic [BeatBits-1:0] in_last_beat_i,   // beats of a row, less one
-  input  logic [IdBits-1:0]   in_id_i,          // of the frame's first beat
-  input  logic [IdBits-1:0]   in_skip_i,        // from the last beat of a row to the first of the next
-  input  logic [Width-1:0]    in_data_i,
-  output logic                room_o,
+  input  logic              in_valid_i,
+  input  logic              in_first_i,       // a frame's first beat
+  input  logic              in_interleave_i,  // with it: the frame's order
+  input  logic [Width-1:0]  in_data_i,
+  output logic              room_o,
 
-  output logic                out_valid_o,
-  input  logic                out_ready_i,
-  output logic [Width-1:0]    out_data_o,
-  output logic [IdBits-1:0]   out_id_o,
-  output logic                out_last_o,
+  output logic              out_valid_o,
+  input  logic              out_ready_i,
+  output logic [Width-1:0]  out_data_o,
+  output logic [IdBits-1:0] out_id_o,
+  output logic              out_last_o,
 
-  output logic                taken_o,          // the frame whose first beat came in this clock will be sent
-  output logic [31:0]         dropped_o
+  output logic              taken_o,          // the frame whose first beat came in this clock will be sent
+  output logic [31:0]       dropped_o
 );
 
+  localparam int unsigned RowBits     = msn_pkg::index_width(Rows);
+  localparam int unsigned BeatBits    = msn_pkg::index_width(Beats);
   localparam int unsigned AddressBits = msn_pkg::index_width(Depth);
   localparam bit          Sorts       = Depth >= Rows * Beats;
+  localparam int unsigned EvenRows    = (Rows + 1) / 2;  // they come first in an interleaved frame
 
   if (Rows < 1 || Beats < 1) begin : gen_check_size
     $fatal(1, "msn_scan_buffer: Rows = %0d and Beats must be at least 1", Rows);
@@ -57,38 +54,21 @@ module msn_scan_buffer #(
     $fatal(1, "msn_scan_buffer: Depth = %0d must hold a frame, or be 2^n of 4 bursts or more", Depth);
   end
 
-  // What the frame at hand is like.
-  logic                interleave_q, drop_q, turned_away;
-  logic [RowBits-1:0]  last_row_q, last_row;
-  logic [BeatBits-1:0] last_beat_q;
-  logic [IdBits-1:0]   skip_q;
-
   // The writer: beats of the present row, and rows, that are there.
   logic                   busy;  // all has come; a beat was left a clock ago: the last's taker is late
   logic                   whole, whole_q;  // all of the frame has come
-  logic                   store;
-  logic [BeatBits-1:0]    in_beat_q, in_beat, last_beat;
+  logic                   store, row_full, interleave, interleave_q, drop_q, turned_away;
+  logic [BeatBits-1:0]    in_beat_q, in_beat;
   logic [RowBits:0]       in_rows_q, in_rows;
-  logic [AddressBits-1:0] in_base_q, in_base, base_next, span;  // of the row
   logic [AddressBits-1:0] in_address_q, in_address;
-  logic                   interleave, row_full, half;
-  logic [RowBits:0]       half_rows_q;                // rows of the first half of an interleaved frame
-  logic [RowBits:0]       half_last_q, half_last;     // the last of them
   assign taken_o    = in_valid_i && in_first_i && !busy;
   assign store      = in_valid_i && (in_first_i ? !busy : !drop_q);
   assign in_beat    = in_first_i ? '0 : in_beat_q;
   assign in_rows    = in_first_i ? '0 : in_rows_q;
-  assign in_base    = in_first_i ? '0 : in_base_q;
-  assign last_beat  = in_first_i ? in_last_beat_i : last_beat_q;
-  assign interleave = Sorts && (in_first_i ? in_interleave_i : interleave_q);
-  assign half_last  = in_first_i ? {1'b0, in_last_row_i} >> 1 : half_last_q;
-  assign row_full   = in_beat == last_beat;
-  assign last_row   = in_first_i ? in_last_row_i : last_row_q;
-  assign whole      = store ? row_full && in_rows == {1'b0, last_row} : whole_q;
-  assign half       = in_rows == half_last;
-  assign span       = AddressBits'(last_beat) + 1'b1;
   assign in_address = in_first_i ? '0 : in_address_q;
-  assign base_next  = !row_full ? in_base : (interleave && half) ? span : in_base + (span << interleave);
+  assign interleave = Sorts && (in_first_i ? in_interleave_i : interleave_q);
+  assign row_full   = in_beat == BeatBits'(Beats - 1);
+  assign whole      = store ? row_full && in_rows == (RowBits+1)'(Rows - 1) : whole_q;
 
   (* no_rw_check *) logic [Width-1:0] frame [Depth];
   always_ff @(posedge clk_i) if (store) frame[in_address] <= in_data_i;
@@ -98,21 +78,13 @@ module msn_scan_buffer #(
     if (store) begin
       in_beat_q <= row_full ? '0 : in_beat + 1'b1;
       in_rows_q <= in_rows + (RowBits+1)'(row_full);
-      in_base_q <= base_next;
       // Registered a beat ahead (timing: the memory's blocks are placed far apart).
-      in_address_q <= row_full ? base_next : in_address + 1'b1;
+      if (!row_full || !interleave)                   in_address_q <= in_address + 1'b1;
+      else if (in_rows == (RowBits+1)'(EvenRows - 1)) in_address_q <= AddressBits'(Beats);
+      else                                            in_address_q <= in_address + AddressBits'(Beats + 1);
     end
     drop_q <= whole || (in_valid_i && in_first_i ? busy : drop_q);
-    if (in_valid_i && in_first_i) begin
-      if (!busy) begin
-        interleave_q <= interleave;
-        last_row_q   <= in_last_row_i;
-        last_beat_q  <= in_last_beat_i;
-        skip_q       <= in_skip_i;
-        half_last_q  <= half_last;
-        half_rows_q  <= half_last + 1'b1;
-      end
-    end
+    if (taken_o) interleave_q <= interleave;
     turned_away <= in_valid_i && in_first_i && busy;
     dropped_o   <= dropped_o + 32'(turned_away);
     if (rst_i) begin
@@ -123,20 +95,18 @@ module msn_scan_buffer #(
   end
 
   // The reader. place_q: how many rows come in before the row that is read; follower_q: before the next.
-  logic                   open_q, step, row_read, all_read;
-  logic                   ahead_q;     // the beat that is read is there; found a clock ahead
-  logic [RowBits-1:0]     row_q;
-  logic [RowBits:0]       place_q, follower_q;
-  logic [BeatBits-1:0]    beat_q;
-  logic [AddressBits-1:0] address_q;
-  logic [IdBits-1:0]      id_q;
-  logic                   move, read_valid_q, read_last_q;
-  logic [IdBits-1:0]      read_id_q;
-  logic [Width-1:0]       read_q;
+  logic                open_q, step, row_read, all_read;
+  logic                ahead_q;  // the beat that is read is there; found a clock ahead
+  logic [RowBits:0]    place_q, follower_q;
+  logic [BeatBits-1:0] beat_q;
+  logic [IdBits-1:0]   id_q;
+  logic                move, read_valid_q, read_last_q;
+  logic [IdBits-1:0]   read_id_q;
+  logic [Width-1:0]    read_q;
   assign move     = out_ready_i || !out_valid_o;
   assign step     = open_q && ahead_q && move;
-  assign row_read = beat_q == last_beat_q;
-  assign all_read = row_read && row_q == last_row_q;
+  assign row_read = beat_q == BeatBits'(Beats - 1);
+  assign all_read = id_q == IdBits'(Rows * Beats - 1);
 
   // In the writer's row the reader is never beyond it: the beat is there unless it is the next to be stored.
   logic stay_there, next_there, row_there;
@@ -146,30 +116,26 @@ module msn_scan_buffer #(
 
   always_ff @(posedge clk_i) begin
     busy    <= !rst_i && whole && (taken_o || open_q || read_valid_q || (out_valid_o && !out_ready_i));
-    ahead_q <= taken_o || (!step ? stay_there : row_read ? row_there : next_there);
+    // Of a whole frame each beat is there: a reader whose place was upset comes to its end all the same.
+    ahead_q <= taken_o || whole_q || (!step ? stay_there : row_read ? row_there : next_there);
     if (step) begin
-      beat_q    <= row_read ? '0 : beat_q + 1'b1;
-      address_q <= address_q + 1'b1;
-      id_q      <= row_read ? id_q + skip_q : id_q + 1'b1;
-      row_q     <= row_q + RowBits'(row_read);
-      open_q    <= !all_read;
+      beat_q <= row_read ? '0 : beat_q + 1'b1;
+      id_q   <= id_q + 1'b1;
+      open_q <= !all_read;
       if (row_read) begin
         place_q    <= follower_q;
-        follower_q <= !interleave_q ? follower_q + 1'b1
-                      : row_q[0] ? follower_q + half_rows_q : follower_q - half_rows_q + 1'b1;
+        follower_q <= (interleave_q ? place_q : follower_q) + 1'b1;
       end
     end
     if (taken_o) begin
       open_q     <= 1'b1;
-      row_q      <= '0;
       place_q    <= '0;
-      follower_q <= interleave ? half_last + 1'b1 : (RowBits+1)'(1);
+      follower_q <= interleave ? (RowBits+1)'(EvenRows) : (RowBits+1)'(1);
       beat_q     <= '0;
-      address_q  <= '0;
-      id_q       <= in_id_i;
+      id_q       <= '0;
     end
     if (move) begin
-      read_q       <= frame[address_q];
+      read_q       <= frame[AddressBits'(id_q)];
       read_id_q    <= id_q;
       read_last_q  <= all_read;
       read_valid_q <= step;
@@ -191,8 +157,8 @@ module msn_scan_buffer #(
   // verilator coverage_off
   always_ff @(posedge clk_i) begin
     if (store && step && !(in_first_i && !whole_q) && !rst_i) begin
-      assert (in_address != address_q)
-      else $fatal(1, "msn_scan_buffer: place %0d is read and written in one clock", address_q);
+      assert (in_address != AddressBits'(id_q))
+      else $fatal(1, "msn_scan_buffer: place %0d is read and written in one clock", in_address);
     end
   end
   // verilator coverage_on

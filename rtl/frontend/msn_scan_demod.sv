@@ -25,8 +25,6 @@ module msn_scan_demod #(
   parameter  int unsigned Shift            = 3,                     // amplitude = sum / 2^Shift
   parameter  int unsigned SettleBits       = 16,
   parameter  int unsigned PeriodBits       = 32,
-  localparam int unsigned RowBits          = msn_pkg::index_width(Rows),
-  localparam int unsigned ColumnBits       = msn_pkg::index_width(Columns),
   localparam int unsigned GroupBits        = msn_pkg::index_width((Columns + Converters - 1) / Converters),
   localparam int unsigned IdBits           = msn_pkg::index_width(Rows * Columns)
 ) (
@@ -37,10 +35,6 @@ module msn_scan_demod #(
   input  logic [SettleBits-1:0] cfg_settle_i,
   input  logic [PeriodBits-1:0] cfg_period_i,
   input  logic                  cfg_interleave_i,
-  input  logic [RowBits-1:0]    cfg_first_row_i,
-  input  logic [RowBits-1:0]    cfg_last_row_i,
-  input  logic [ColumnBits-1:0] cfg_first_column_i,
-  input  logic [ColumnBits-1:0] cfg_last_column_i,
   input  logic [47:0]           now_i,
 
   output logic [Rows-1:0]       row_o,
@@ -157,29 +151,17 @@ module msn_scan_demod #(
     if (rst_i) enable_q <= 1'b0;
   end
 
-  localparam int unsigned SlipIdBits = msn_pkg::index_width(Converters);
-  logic                  unused_slip_valid, unused_slip_last, unused_slip_user;
-  logic [SampleBits-1:0] unused_slip_data;
-  logic [SlipIdBits-1:0] unused_slip_id;
-  logic [31:0]           unused_slip_frame, unused_slip_dropped, unused_slip_overrun;
-  logic [47:0]           unused_slip_time;
   msn_scan #(
     .Rows(Rows), .Columns(Columns), .Lanes(1), .Channels(Converters), .Hold(Hold), .Cycle(Cycle),
     .SampleBits(SampleBits), .SettleBits(SettleBits), .PeriodBits(PeriodBits)
   ) u_scan (
     .clk_i, .rst_i,
-    .cfg_enable_i(enable_q), .cfg_settle_i, .cfg_period_i, .cfg_interleave_i, .cfg_first_row_i,
-    .cfg_last_row_i, .cfg_first_column_i, .cfg_last_column_i, .cfg_slip_period_i('0), .cfg_slip_row_i('0),
-    .cfg_slip_group_i('0),
+    .cfg_enable_i(enable_q), .cfg_settle_i, .cfg_period_i, .cfg_interleave_i,
     .now_i, .row_o, .group_o, .trigger_o(place_trigger),
     .in_valid_i(level_valid), .in_ready_o(level_ready), .in_data_i(level), .in_user_i(level_user),
     .in_lost_i(burst_lost),
     .out_valid_o, .out_ready_i, .out_data_o, .out_id_o, .out_last_o, .out_user_o, .out_frame_o, .out_time_o,
-    .slip_valid_o(unused_slip_valid), .slip_ready_i(1'b1), .slip_data_o(unused_slip_data),
-    .slip_id_o(unused_slip_id), .slip_last_o(unused_slip_last), .slip_user_o(unused_slip_user),
-    .slip_frame_o(unused_slip_frame), .slip_time_o(unused_slip_time),
-    .dropped_o, .overrun_o, .held_o, .lost_o,
-    .slip_dropped_o(unused_slip_dropped), .slip_overrun_o(unused_slip_overrun)
+    .dropped_o, .overrun_o, .held_o, .lost_o
   );
 
 endmodule

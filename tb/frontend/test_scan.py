@@ -4,11 +4,10 @@ The matrix watches its lines in every clock: never two rows at once, and a conve
 its taxel only if row and group have been still for exactly the settle time (else the test fails), and
 they stay so for the hold time. Every taxel has a value of its own in every frame. Converters answer as
 late and as unevenly as their cycle allows, and now and then not at all. Beats, ids, numbers and time
-stamps against the twin, over array sizes, regions, orders, mixed rates, stalls and sleep on both
-streams, settle 0 and maximum, over-range on every sample, reset in the middle of a frame.
+stamps against the twin, over array sizes, orders, stalls and sleep, settle 0 and maximum, over-range on
+every sample, reset in the middle of a frame.
 """
 
-import itertools
 import random
 
 import cocotb
@@ -20,10 +19,9 @@ import bench
 from frontend.test_scan_buffer import stalls
 from frontend.test_scan_plan import NAMES, apply, random_settings
 from meissner.twins.frontend.scan import LATENCY, PIN_CLOCKS, Scan
-from meissner.twins.frontend.scan_plan import START, Region, Settings
+from meissner.twins.frontend.scan_plan import START, Settings
 
-COUNTERS = ("dropped", "overrun", "held", "lost", "slip_dropped", "slip_overrun")
-BESIDE = 1 << 10  # added to a code that was read with no row driven
+COUNTERS = ("dropped", "overrun", "held", "lost")
 
 
 def twin_of(dut):
@@ -38,7 +36,7 @@ class Matrix:
         self.dut, self.settings = dut, settings
         self.twin = twin_of(dut)
         self.draw = random.Random(bench.SEED)
-        self.stall = self.slip_stall = lambda: False
+        self.stall = lambda: False
         self.lose = lambda conversion, lane: False  # the converter of this lane does not answer
         self.uneven = True
         self.over = lambda conversion, column: False
@@ -46,11 +44,10 @@ class Matrix:
         self.lines = (None, None)
         self.still = 0  # the clock since which the lines are as they are
         self.free = 0  # the clock from which they may change
-        self.triggers = []  # (clock at the pins, row or None, group, {(channel, lane): ..})
+        self.triggers = []  # (clock at the pins, row, group, {(channel, lane): ..})
         self.coming = [[] for _ in range(self.twin.lanes)]  # per lane (clock from which offered, value, user)
         self.losing = [[] for _ in range(self.twin.lanes)]  # per lane clocks of a lost strobe
-        self.beats, self.slip_beats = [], []
-        self.held = {}
+        self.beats, self.held = [], None
         self.triggered = False
         self.origin = random.Random(f"{bench.SEED} {settings}").getrandbits(48)  # of time
 
@@ -59,9 +56,7 @@ class Matrix:
 
     def value(self, row, column):
         """Another code for every taxel and conversion."""
-        seed = (
-            len(self.triggers) * 1_000_003 + (BESIDE if row is None else row) * 1009 + column
-        ) * 2654435761
+        seed = (len(self.triggers) * 1_000_003 + row * 1009 + column) * 2654435761
         bits = self.twin.sample_bits
         return (seed >> 7) % (1 << bits) - (1 << bits - 1)
 
@@ -70,8 +65,7 @@ class Matrix:
         row, group = self.lines
         twin = self.twin
         settled = self.clock - self.still
-        still = row is None  # the lines may have been so for longer
-        assert settled == self.settings.settle or (still and settled > self.settings.settle), settled
+        assert row is not None and settled == self.settings.settle, settled
         self.free = self.clock + twin.hold
         codes = {}
         number = len(self.triggers)
@@ -113,8 +107,8 @@ class Matrix:
                     lost |= 1 << lane
             dut.in_valid_i.value, dut.in_data_i.value = valid, data
             dut.in_user_i.value, dut.in_lost_i.value = user, lost
-            ready, slip_ready = not self.stall(), not self.slip_stall()
-            dut.out_ready_i.value, dut.slip_ready_i.value = int(ready), int(slip_ready)
+            ready = not self.stall()
+            dut.out_ready_i.value = int(ready)
             await ReadOnly()
             self.watch_lines()
             if self.triggered:
@@ -123,8 +117,7 @@ class Matrix:
             for lane in range(twin.lanes):
                 if valid >> lane & 1 and bench.read(dut.in_ready_o) >> lane & 1:
                     self.coming[lane].pop(0)
-            self.take("out", ready, self.beats)
-            self.take("slip", slip_ready, self.slip_beats)
+            self.take(ready)
             await RisingEdge(dut.clk_i)
 
     def watch_lines(self):
@@ -139,23 +132,23 @@ class Matrix:
                 assert row == self.lines[0], "two rows without a pause"
             self.lines, self.still = lines, self.clock
 
-    def take(self, name, ready, beats):
-        port = lambda field: bench.read(getattr(self.dut, f"{name}_{field}_o"))
+    def take(self, ready):
+        port = lambda field: bench.read(getattr(self.dut, f"out_{field}_o"))
         valid = port("valid")
-        assert valid or self.held.get(name) is None, "valid was withdrawn"
+        assert valid or self.held is None, "valid was withdrawn"
         if not valid:
             return
         beat = tuple(port(field) for field in ("data", "id", "last", "user", "frame", "time"))
-        assert self.held.get(name) in (None, beat), "payload changed while stalled"
-        self.held[name] = None if ready else beat
+        assert self.held in (None, beat), "payload changed while stalled"
+        self.held = None if ready else beat
         if ready:
-            beats.append((self.clock, *beat))
+            self.beats.append((self.clock, *beat))
 
     async def start(self):
-        apply(self.dut, self.twin, self.settings)
+        apply(self.dut, self.settings)
         self.dut.now_i.value = self.origin
         inputs = {f"in_{name}_i": 0 for name in ("valid", "data", "user", "lost")}
-        await bench.start(self.dut, cfg_enable_i=0, slip_ready_i=0, **inputs)
+        await bench.start(self.dut, cfg_enable_i=0, **inputs)
         await self.run(5)
         self.dut.cfg_enable_i.value = 1
         self.still = self.clock + 1
@@ -163,11 +156,9 @@ class Matrix:
 
     async def stop(self):
         self.dut.cfg_enable_i.value = 0
-        self.stall = self.slip_stall = lambda: False
+        self.stall = lambda: False
         slot = self.twin.slot(self.settings.settle)
-        frame = self.twin.frame_clocks(self.settings.settle, self.settings.region)
-        slow = 1 + (self.settings.slip_period > 0) * self.twin.slip_slots
-        await self.run(2 * slow * frame + 3 * slot + 2 * min(self.settings.slip_period, 5000) + 100)
+        await self.run(2 * self.twin.frame_clocks(self.settings.settle) + 3 * slot + 100)
         await self.run(self.twin.rows * self.twin.beats + 20)
         await ReadOnly()
         self.counts = {name: bench.read(getattr(self.dut, f"{name}_o")) for name in COUNTERS}
@@ -184,60 +175,43 @@ class Matrix:
         return data, user
 
     def expected(self, order):
-        """Frames and rounds as they should leave: [(first clock at the pins, beats)].
+        """Frames as they should leave: [(first clock at the pins, beats)].
 
-        ``order``: (slip, first) of each conversion, from the plan's twin.
+        ``order``: the conversions, from the plan's twin.
         """
-        twin, settings = self.twin, self.settings
-        frames, rounds = [], []
-        first_beat, last_beat = twin.beat_range(settings.region)
+        twin, frames = self.twin, []
         for (clock, row, group, codes), conversion in zip(self.triggers, order):
-            groups = rounds if conversion.slip else frames
             if conversion.first:
-                groups.append((clock, {}))
+                frames.append((clock, {}))
             for channel in range(twin.channels):
                 beat = group * twin.channels + channel
-                if conversion.slip:
-                    groups[-1][1][len(groups[-1][1])] = self.beat(codes, channel)
-                elif first_beat <= beat <= last_beat:
-                    groups[-1][1][row * twin.beats + beat] = self.beat(codes, channel)
-        return frames, rounds
+                if beat < twin.beats:
+                    frames[-1][1][row * twin.beats + beat] = self.beat(codes, channel)
+        return frames
 
     def check(self, lossless=True):
         """Everything that left is right and whole; nothing is missing that was not counted."""
-        twin, settings = self.twin, self.settings
-        conversions, *_ = twin.schedule(settings, self.clock + 1)
+        conversions, _ = self.twin.schedule(self.settings, self.clock + 1)
         order = conversions[: len(self.triggers)]
-        if settings.slip_period == 0 and self.counts["held"] == 0:
+        if self.counts["held"] == 0:
             pins = [self.begin + c.trigger + PIN_CLOCKS for c in order]
             assert [trigger[0] for trigger in self.triggers] == pins
-        for (_, row, group, _), conversion in zip(self.triggers, order):
-            driven = conversion.row if conversion.row < twin.rows else None
-            assert (row, group) == (driven, conversion.group), settings
-        frames, rounds = self.expected(order)
-        for stream, groups, dropped in (
-            (self.beats, frames, self.counts["dropped"]),
-            (self.slip_beats, rounds, self.counts["slip_dropped"]),
-        ):
-            left = {}
-            for _, data, index, last, user, number, time in stream:
-                left.setdefault(number, []).append((index, data, user, last, time))
-            assert list(left) == sorted(left)
-            assert len(groups) == len(left) + dropped, "frames that are neither sent nor counted"
-            for number, beats in left.items():
-                clock, codes = groups[number]
-                assert [index for index, *_ in beats] == sorted(codes), f"frame {number} is not whole"
-                assert [last for *_, last, _ in beats] == [False] * (len(codes) - 1) + [True]
-                assert {time for *_, time in beats} == {self.time(clock)}
-                assert [(data, user) for _, data, user, *_ in beats] == [codes[i] for i in sorted(codes)]
-            assert dropped == 0 or not lossless
-        return frames, rounds
-
-
-def with_rounds(twin, settle=0, row=0, **settings):
-    """Slip rounds of ``row`` that leave the frame two slots."""
-    period = (twin.slip_slots + 2) * twin.slot(settle)
-    return Settings(settle, slip_period=period, slip_places=((row, 0),) * twin.slip_slots, **settings)
+        places = [(row, group) for _, row, group, _ in self.triggers]
+        assert places == [(c.row, c.group) for c in order], self.settings
+        frames, dropped = self.expected(order), self.counts["dropped"]
+        left = {}
+        for _, data, index, last, user, number, time in self.beats:
+            left.setdefault(number, []).append((index, data, user, last, time))
+        assert list(left) == sorted(left)
+        assert len(frames) == len(left) + dropped, "frames that are neither sent nor counted"
+        for number, beats in left.items():
+            clock, codes = frames[number]
+            assert [index for index, *_ in beats] == sorted(codes), f"frame {number} is not whole"
+            assert [last for *_, last, _ in beats] == [False] * (len(codes) - 1) + [True]
+            assert {time for *_, time in beats} == {self.time(clock)}
+            assert [(data, user) for _, data, user, *_ in beats] == [codes[i] for i in sorted(codes)]
+        assert dropped == 0 or not lossless
+        return frames
 
 
 async def scan(dut, settings, clocks, **attributes):
@@ -253,8 +227,7 @@ async def scan(dut, settings, clocks, **attributes):
 @bench.starts_known
 @cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
 async def counts_over_the_whole_width(dut):
-    counters = ["dropped_o", "overrun_o", "held_o", "lost_o", "slip_dropped_o", "slip_overrun_o"]
-    await bench.turn_over(dut, *counters, wraps=False)
+    await bench.turn_over(dut, *(f"{name}_o" for name in COUNTERS), wraps=False)
 
 
 @cocotb.test(timeout_time=100, timeout_unit="ms")
@@ -264,7 +237,7 @@ async def every_taxel_is_read_settled_and_in_its_place(dut):
         for settle in (0, 1, 7):
             settings = Settings(settle=settle, interleave=interleave and twin.buffer.sorts)
             matrix = await scan(dut, settings, START + 3 * twin.frame_clocks(settle))
-            frames, _ = matrix.check()
+            frames = matrix.check()
             assert len(frames) >= 3
             # The last frame against the taxels themselves, by the twin's layout.
             clock, _codes = frames[-1]
@@ -301,52 +274,22 @@ async def latency_is_the_twins(dut):
 
 
 @cocotb.test(timeout_time=200, timeout_unit="ms")
-async def regions_orders_and_rates(dut):
+async def orders_and_rates(dut):
     """Random registers of every kind, with consumers of every kind."""
     draw = random.Random(bench.SEED)
     twin = twin_of(dut)
     for number in range(24):
         settings = random_settings(draw, twin)
-        if not twin.buffer.sorts:
-            settings = Settings(**{**settings.__dict__, "interleave": False})
         # Ticks that come in time or not: test_scan_plan. Here a frame follows the other, or there is but one.
-        times = {"period": 0}
-        if number % 5 == 4:
-            times = {name: draw.getrandbits(32) | 1 << 16 for name in ("period", "slip_period")}
-        settings = Settings(**{**settings.__dict__, **times})
-        if 0 < settings.slip_period < (twin.slip_slots + 1) * twin.slot(settings.settle):
-            continue
-        kinds = [("ready", "ready"), ("stalls", "stalls"), ("sleeps", "ready"), ("ready", "sleeps")][
-            number % 4
-        ]
-        clocks = min(6000, START + 3 * twin.frame_clocks(settings.settle, settings.region))
-        matrix = await scan(
-            dut, settings, clocks, stall=stalls(kinds[0], draw), slip_stall=stalls(kinds[1], draw)
-        )
+        period = draw.getrandbits(twin.period_bits) | 1 << 16 if number % 5 == 4 else 0
+        settings = Settings(settings.settle, period, settings.interleave and twin.buffer.sorts)
+        kind = ("ready", "stalls", "sleeps")[number % 3]
+        clocks = min(6000, START + 3 * twin.frame_clocks(settings.settle))
+        matrix = await scan(dut, settings, clocks, stall=stalls(kind, draw))
         if matrix.counts["held"]:
             continue  # where a frame waits, the plan's twin does not know
         matrix.check(lossless=False)
-        if kinds == ("ready", "ready"):
-            assert matrix.counts["dropped"] == matrix.counts["slip_dropped"] == 0
-
-
-@cocotb.test(timeout_time=100, timeout_unit="ms")
-async def slip_rounds_are_exactly_periodic_at_the_pins(dut):
-    """A few places at a high rate while the array is scanned: one period apart, to the clock."""
-    twin = twin_of(dut)
-    slot = twin.slot(3)
-    period = (twin.slip_slots + 2) * slot + 5
-    places = tuple((index % (twin.rows + 1), 0) for index in range(twin.slip_slots))
-    settings = Settings(settle=3, slip_period=period, slip_places=places)
-    rounds_wanted = max(30, min(200, 2 * len(twin.places())))
-    draw = random.Random(bench.SEED)
-    matrix = await scan(dut, settings, rounds_wanted * period, stall=lambda: draw.random() < 0.2)
-    frames, rounds = matrix.check(lossless=False)
-    starts = [clock for clock, _ in rounds]
-    assert len(starts) >= rounds_wanted - 1
-    assert {b - a for a, b in itertools.pairwise(starts)} == {period}
-    assert len(frames) >= 2
-    assert matrix.counts["slip_dropped"] == 0
+        assert kind != "ready" or matrix.counts["dropped"] == 0
 
 
 @cocotb.test(timeout_time=100, timeout_unit="ms")
@@ -367,10 +310,9 @@ async def a_consumer_that_sleeps_loses_whole_frames_only(dut):
     await matrix.start()
     await matrix.run(12 * frame)
     await matrix.stop()
-    frames, _ = matrix.check(lossless=False) if twin.buffer.sorts else ([], [])
     if twin.buffer.sorts:
         assert matrix.counts["dropped"] > 0 and matrix.counts["held"] == 0
-        assert len(frames) >= 10
+        assert len(matrix.check(lossless=False)) >= 10
     else:
         assert matrix.counts["held"] > 0 or twin.rows * twin.beats < 2 * twin.buffer.depth
         numbers = [beat[5] for beat in matrix.beats]
@@ -390,7 +332,7 @@ async def lost_conversions_are_marked_and_frames_stay_whole(dut):
         lambda conversion, lane: conversion % twin.lanes == lane,
     ):
         clocks = START + 4 * twin.frame_clocks(0)
-        matrix = await scan(dut, with_rounds(twin), clocks, lose=lose)
+        matrix = await scan(dut, Settings(), clocks, lose=lose)
         matrix.check()
         lost = sum(any(code is None for code in codes.values()) for *_, codes in matrix.triggers)
         assert matrix.counts["lost"] == lost
@@ -400,48 +342,28 @@ async def lost_conversions_are_marked_and_frames_stay_whole(dut):
 @cocotb.test(timeout_time=100, timeout_unit="ms")
 async def over_range_on_every_sample(dut):
     twin = twin_of(dut)
-    settings = with_rounds(twin)
-    clocks = START + twin.frame_clocks(0) + settings.slip_period
-    matrix = await scan(dut, settings, clocks, over=lambda *_: True)
+    matrix = await scan(dut, Settings(), START + twin.frame_clocks(0), over=lambda *_: True)
     matrix.check()
-    for beats in (matrix.beats, matrix.slip_beats):
-        assert {beat[4] for beat in beats} == {(1 << twin.lanes) - 1}
+    assert {beat[4] for beat in matrix.beats} == {(1 << twin.lanes) - 1}
 
 
 @cocotb.test(timeout_time=100, timeout_unit="ms")
-async def one_taxel_and_rounds_without_a_row(dut):
-    """Every second bit of the row's number and the others of the column's, the other way round, the last."""
-    twin = twin_of(dut)
-    for row, column in ((0x155, 0x2AA), (0x2AA, 0x155), (-1, -1)):
-        row, column = row % twin.rows, column % twin.columns
-        settings = with_rounds(twin, 1, twin.rows, region=Region(row, row, column, column))
-        matrix = await scan(dut, settings, START + 4 * settings.slip_period)
-        frames, rounds = matrix.check()
-        assert len(frames) >= 6 and len(rounds) >= 4
-
-
-@cocotb.test(timeout_time=100, timeout_unit="ms")
-async def what_comes_too_early_is_counted(dut):
-    """A tick each clock while a frame is under way; rounds a clock shorter than they take."""
-    twin = twin_of(dut)
-    rounds = twin.slip_slots * twin.slot(1)
-    places = ((0, 0),) * twin.slip_slots
-    for settings in (Settings(1, period=1), Settings(1, slip_period=rounds - 1, slip_places=places)):
-        matrix = Matrix(dut, settings)
-        await matrix.start()
-        clocks = START + 4 * rounds
-        await matrix.run(clocks)
-        await ReadOnly()
-        counted = (bench.read(dut.overrun_o), bench.read(dut.slip_overrun_o))
-        assert counted == twin.schedule(settings, clocks)[1:] != (0, 0)
-        await RisingEdge(dut.clk_i)
+async def a_tick_that_comes_too_early_is_counted(dut):
+    twin, settings = twin_of(dut), Settings(1, period=1)
+    matrix = Matrix(dut, settings)
+    await matrix.start()
+    clocks = START + 4 * twin.slot(1)
+    await matrix.run(clocks)
+    await ReadOnly()
+    assert bench.read(dut.overrun_o) == twin.schedule(settings, clocks)[1] > 0
+    await RisingEdge(dut.clk_i)
 
 
 @cocotb.test(timeout_time=400, timeout_unit="ms")
 async def largest_settle(dut):
     twin = twin_of(dut)
     largest = (1 << twin.settle_bits) - 1
-    settings = Settings(settle=largest, region=Region(0, 0, 0, 0))
+    settings = Settings(settle=largest)
     matrix = await scan(dut, settings, START + 2 * twin.slot(largest))
     matrix.check()
     assert len(matrix.triggers) >= 2
@@ -464,12 +386,12 @@ async def recovers_after_reset(dut):
         # The converters are reset too: nothing comes of what was under way.
         matrix.coming = [[] for _ in range(twin.lanes)]
         matrix.losing = [[] for _ in range(twin.lanes)]
-        matrix.beats, matrix.slip_beats, matrix.triggers, matrix.held = [], [], [], {}
+        matrix.beats, matrix.triggers, matrix.held = [], [], None
         matrix.clock += 1
         matrix.lines, matrix.free, matrix.triggered = (None, None), 0, False
         matrix.begin = matrix.clock + 1
         await ReadOnly()
-        assert (dut.row_o.value, dut.out_valid_o.value, dut.slip_valid_o.value) == (0, 0, 0)
+        assert (dut.row_o.value, dut.out_valid_o.value) == (0, 0)
         await RisingEdge(dut.clk_i)
         matrix.clock += 1
     matrix.stall = lambda: False
@@ -479,17 +401,16 @@ async def recovers_after_reset(dut):
     matrix.beats = []
     await matrix.run(START + 2 * frame)
     await matrix.stop()
-    frames, _ = matrix.check()
-    assert len(frames) >= 2
+    assert len(matrix.check()) >= 2
 
 
 SIZES = [
     {"Rows": 1, "Columns": 1, "Channels": 1, "Cycle": 12, "SettleBits": 6},
     {"Rows": 1, "Columns": 19, "Channels": 4, "Cycle": 30, "SettleBits": 6},
-    {"Rows": 9, "Columns": 1, "Channels": 1, "Cycle": 20, "Hold": 12, "SettleBits": 6, "SlipSlots": 3},
+    {"Rows": 9, "Columns": 1, "Channels": 1, "Cycle": 20, "Hold": 12, "SettleBits": 6},
     {"Rows": 3, "Columns": 3, "Channels": 3, "Cycle": 70, "Hold": 60, "SettleBits": 8, "SampleBits": 13},
-    {"Rows": 8, "Columns": 8, "Channels": 1, "Lanes": 8, "Cycle": 20, "SettleBits": 6, "SlipSlots": 2},
-    {"Rows": 6, "Columns": 21, "Channels": 2, "Lanes": 4, "Cycle": 24, "SettleBits": 6, "GroupBits": 3},
+    {"Rows": 8, "Columns": 8, "Channels": 1, "Lanes": 8, "Cycle": 20, "SettleBits": 6},
+    {"Rows": 6, "Columns": 21, "Channels": 2, "Lanes": 4, "Cycle": 24, "SettleBits": 6},
     pytest.param(
         {"Rows": 16, "Columns": 16, "Channels": 8, "Cycle": 40, "SettleBits": 6, "Depth": 64},
         marks=pytest.mark.long,
@@ -522,8 +443,8 @@ WHOLE = ("over_range_on_every_sample", "largest_settle")  # of large arrays
 @pytest.mark.parametrize(
     "rows, columns, lanes, tests",
     [
-        (64, 56, 8, (*WHOLE, "one_taxel")),
-        (2, 1024, 4, ("one_taxel",)),  # of numbers and of what one row skips every bit
+        (64, 56, 8, WHOLE),
+        (2, 1024, 4, WHOLE),
         pytest.param(256, 256, 8, WHOLE, marks=pytest.mark.long),
     ],
 )

@@ -17,17 +17,7 @@ SIZE = {"Rows": 2, "Columns": 5, "Lanes": 2, "Channels": 3, "Hold": 4, "Cycle": 
 SIZE |= {"SettleBits": 6, "PeriodBits": 16}
 TRIGGER, SLOT, LATENCY, BEATS, ROWS = 7, 20, 5, 3, 2
 FIELDS = ("id", "last", "user", "frame", "time")
-FIELDS = ("id", "last", "user", "frame", "time")
-IDLE = (
-    "enable",
-    "period",
-    "interleave",
-    "first_row",
-    "first_column",
-    "slip_period",
-    "slip_row",
-    "slip_group",
-)
+IDLE = ("enable", "period", "interleave")
 
 
 def code(conversion, channel, lane):
@@ -102,13 +92,7 @@ def frames(*dropped):
 
 async def begin(dut):
     idle = {f"cfg_{name}_i": 0 for name in IDLE}
-    idle |= {
-        "cfg_settle_i": 2,
-        "cfg_last_row_i": 1,
-        "cfg_last_column_i": 4,
-        "in_user_i": 0,
-        "slip_ready_i": 1,
-    }
+    idle |= {"cfg_settle_i": 2, "in_user_i": 0}
     await bench.start(dut, now_i=0, in_data_i=0, in_lost_i=0, **idle)
 
 
@@ -250,8 +234,8 @@ async def a_consumer_wakes_around_a_switch_that_waits_for_room(dut):
     conversions 4 beats are in it, no more than two further ones fit, and the scan waits. A beat that
     leaves makes room two clocks later: the fourth switch, due in clock 64, comes then. Each clock counts."""
     idle = {f"cfg_{name}_i": 0 for name in IDLE}
-    idle |= {"cfg_settle_i": 2, "cfg_last_row_i": 2, "cfg_last_column_i": 7, "in_user_i": 0}
-    await bench.start(dut, slip_ready_i=1, now_i=0, in_data_i=0, in_lost_i=0, **idle)
+    idle |= {"cfg_settle_i": 2, "in_user_i": 0}
+    await bench.start(dut, now_i=0, in_data_i=0, in_lost_i=0, **idle)
     for awake in range(56, 76):
         triggers, left, held = await ring(dut, lambda clock, _, awake=awake: int(clock >= awake), 120)
         late = max(0, awake + 2 - 64)

@@ -1,6 +1,5 @@
 """What meets in one clock in msn_scan_plan, switches and counts worked out from its header by hand: a
-frame's tick around its end, enable and room that fall in the clock of a switch, slip rounds that are due in
-it.
+frame's tick around its end, enable and room that fall in the clock of a switch.
 
 Settle 2: gap = max(7, 20 - 1 - 2) = 17; a slot has 2 + 1 + 17 = 20 clocks, a frame of 3 rows, 3 groups 180.
 The first switch is 4 clocks after enable.
@@ -9,21 +8,19 @@ The first switch is 4 clocks after enable.
 import cocotb
 
 import bench
-from frontend.test_scan_plan import apply, twin_of
-from meissner.twins.frontend.scan_plan import Region, Settings
+from frontend.test_scan_plan import apply
+from meissner.twins.frontend.scan_plan import Settings
 
-SIZE = {"Rows": 3, "Columns": 5, "Channels": 2, "Hold": 7, "Cycle": 20, "SlipSlots": 2}
+SIZE = {"Rows": 3, "Columns": 5, "Channels": 2, "Hold": 7, "Cycle": 20}
 SIZE |= {"SettleBits": 6, "PeriodBits": 16}
 PLACES = [(row, group) for row in range(3) for group in range(3)]
-ROUND = [(2, 1), (9, 0)]  # the second without a row
 FIRST, SLOT, FRAME = 4, 20, 180
 
 
 async def scene(dut, clocks, room=(), enabled=None, **settings):
     """(clock, row, group) of every switch, and the counts. ``room``: clocks without; ``enabled``: that
     many."""
-    place = tuple((row & 7, group) for row, group in ROUND)
-    apply(dut, twin_of(dut), Settings(settle=2, slip_places=place, **settings))
+    apply(dut, Settings(settle=2, **settings))
     dut.cfg_enable_i.value, dut.room_i.value = 0, 1
     await bench.reset(dut)
     await bench.clocks(dut, 6)
@@ -38,7 +35,7 @@ async def scene(dut, clocks, room=(), enabled=None, **settings):
             triggers.append(clock)
         await bench.RisingEdge(dut.clk_i)
     await bench.ReadOnly()
-    counts = tuple(bench.read(getattr(dut, f"{name}_o")) for name in ("overrun", "slip_overrun", "held"))
+    counts = tuple(bench.read(getattr(dut, f"{name}_o")) for name in ("overrun", "held"))
     idle = bench.read(dut.idle_o)
     await bench.RisingEdge(dut.clk_i)
     assert triggers == [clock + 3 for clock, *_ in switches if clock + 3 < clocks]
@@ -48,10 +45,6 @@ async def scene(dut, clocks, room=(), enabled=None, **settings):
 def frames(*starts, until=10_000):
     found = [(start + SLOT * n, *place) for start in starts for n, place in enumerate(PLACES)]
     return [switch for switch in found if switch[0] < until]
-
-
-def rounds(*starts):
-    return [(start + SLOT * n, row & 7, group) for start in starts for n, (row, group) in enumerate(ROUND)]
 
 
 async def begin(dut):
@@ -76,15 +69,7 @@ async def a_tick_around_a_frames_end(dut):
         until = {1: 484}.get(overrun, late)
         switches, counts, _ = await scene(dut, until, period=period)
         assert switches == frames(*starts, until=until), period
-        assert counts == (overrun, 0, 0), period
-    one = Region(2, 2, 4, 4)  # a single place, group 2
-    for period, starts in (
-        (SLOT + 1, [4, 25, 46, 67, 88]),
-        (SLOT, [4, 24, 44, 64, 84]),
-        (SLOT - 1, [4, 24, 44, 64, 84]),
-    ):
-        switches, counts, _ = await scene(dut, 100, period=period, region=one)
-        assert switches == [(start, 2, 2) for start in starts] and counts == (0, 0, 0), period
+        assert counts == (overrun, 0), period
 
 
 @cocotb.test(timeout_time=10, timeout_unit="ms")
@@ -94,7 +79,7 @@ async def enable_falls_around_a_frames_first_switch(dut):
     for period, second in ((0, 184), (200, 204)):
         for enabled, starts in ((second - 1, [4]), (second, [4]), (second + 1, [4, second])):
             switches, counts, idle = await scene(dut, 600, period=period, enabled=enabled)
-            assert switches == frames(*starts) and counts == (0, 0, 0) and idle == 1, (period, enabled)
+            assert switches == frames(*starts) and counts == (0, 0) and idle == 1, (period, enabled)
     for enabled in (3, 4, 5):  # the very first
         switches, _, idle = await scene(dut, 400, enabled=enabled)
         assert switches == (frames(4) if enabled == 5 else []) and idle == 1, enabled
@@ -115,56 +100,14 @@ async def room_falls_around_a_switch(dut):
         switches, counts, _ = await scene(dut, 140, room=room)
         due = [(4, 0, 0), (24, 0, 1), *((clock + at, *place) for clock, *place in frames(4)[2:])]
         assert switches == [switch for switch in due if switch[0] < 140], room
-        assert counts == (0, 0, held), room
+        assert counts == (0, held), room
     for room, at in (([203], 204), ([204], 205), ([204, 205, 206], 207), ([205], 204)):  # with a tick
         switches, counts, _ = await scene(dut, 380, room=room, period=200)
-        assert switches == frames(4, at, until=380) and counts == (0, 0, at - 204), room
+        assert switches == frames(4, at, until=380) and counts == (0, at - 204), room
     # The next tick, at 404, is counted: the frame of the one before has just begun, begins, or still waits.
     for start in (403, 404, 405, 430):
         switches, counts, _ = await scene(dut, 480, room=range(203, start), period=200)
-        assert switches == frames(4, start, until=480) and counts == (1, 0, start - 204), start
-
-
-@cocotb.test(timeout_time=10, timeout_unit="ms")
-async def a_round_is_due_around_a_switch(dut):
-    """A round begins in its clock; the frame gets the slots that end before that, to the clock. One that is
-    due before the one before is over is counted and left out."""
-    await begin(dut)
-    for slip_period, starts, slots in (
-        (99, [4, 103, 202], [44, 64, 143, 163, 242, 262]),
-        (100, [4, 104, 204], [44, 64, 84, 144, 164, 184, 244, 264, 284]),
-        (101, [4, 105, 206], [44, 64, 84, 145, 165, 185, 246, 266, 286]),
-        (61, [4, 65, 126, 187, 248], [44, 105, 166, 227, 288]),
-        (60, [4, 64, 124, 184, 244], [44, 104, 164, 224, 284]),
-        (59, [4, 63, 122, 181, 240], []),
-        (40, [4, 44, 84, 124, 164, 204, 244], []),
-    ):
-        until = min(300, starts[-1] + slip_period)
-        switches, counts, _ = await scene(dut, until, slip_period=slip_period, period=5000)
-        due = rounds(*starts) + [(clock, *place) for clock, place in zip(slots, PLACES)]
-        assert switches == sorted(switch for switch in due if switch[0] < until), slip_period
-        assert counts == (0, 0, 0), slip_period
-    # Rounds of 40 clocks, due every 39: every second one, and one slot of the frame in between.
-    switches, counts, _ = await scene(dut, 160, slip_period=39, period=5000)
-    assert switches == sorted([*rounds(4, 82), (44, 0, 0), (122, 0, 1)])
-    assert counts == (0, 2, 0)
-
-
-@cocotb.test(timeout_time=10, timeout_unit="ms")
-async def a_tick_a_round_and_the_end_of_enable(dut):
-    """A tick in the clock of a round: the round goes first. Enable that falls before the frame's first switch
-    leaves the frame out, and the round is whole; if it falls a clock later, both are."""
-    await begin(dut)
-
-    def spread(at):  # the last place of nine is behind the next round
-        return [(at + SLOT * (n + 2 * (n == 8)), *place) for n, place in enumerate(PLACES)]
-
-    for enabled in (403, 404, 405, 424, 444, 445):
-        switches, counts, idle = await scene(dut, 900, slip_period=200, period=400, enabled=enabled)
-        # At 403 nothing is under way: it is off a clock later.
-        due = rounds(4, 204, *([404] if enabled > 403 else [])) + spread(44)
-        due += rounds(604) + spread(444) if enabled > 444 else []
-        assert switches == sorted(due) and counts == (0, 0, 0) and idle == 1, enabled
+        assert switches == frames(4, start, until=480) and counts == (1, start - 204), start
 
 
 def test_scan_plan_coincidences():

@@ -9,9 +9,6 @@ from meissner.twins.frontend.scan_demod import ScanDemod
 BUDGET_S = 1e-3
 LANES = (1, 2, 4, 8)
 INPUTS = range(1, 9)  # of a converter
-SLIP_CLOCKS = (
-    6  # of a tumbling window at level 1, after the sample that completes a pair (tb/slip/test_slip_path.py)
-)
 NAMES = {
     "scan": "from a frame's first convert start to its last",
     "burst": "samples of the carrier after the last place's first",
@@ -107,7 +104,6 @@ def budget(
         clocks, steps = terms(array, settle)
         total = sum(clocks.values())
         assert total == steps["total"]
-        slip = steps.get("convert", 0) + steps.get("transfer_last", 0) + steps["out"] + SLIP_CLOCKS
         return {
             "rows": rows,
             "columns": columns,
@@ -123,7 +119,6 @@ def budget(
             "slot_clocks": steps["slot"],
             "frame_clocks": steps["frame"],
             "frames_per_second": clock_hz / steps["frame"],
-            "slip_round_to_decision_clocks": None if carrier is not None else slip,
             "within_1_ms": total / clock_hz < BUDGET_S,
         }
 
@@ -152,7 +147,7 @@ def tell(found):
     verdict += "within 1 ms" if found["within_1_ms"] else "above 1 ms"
     if needs is None:
         verdict += "; no number of these converters brings it within 1 ms: "
-        verdict += "scan a smaller region or take a faster part"
+        verdict += "scan a smaller array or take a faster part"
     elif needs != found["converters"]:
         verdict += f"; 1 ms needs {needs} of these converters"
     lines = [
@@ -171,9 +166,4 @@ def tell(found):
         f"{found['frames_per_second']:.1f} frames/s, {found['slot_clocks']} clocks a place; computed within "
         f"{found['compute_clocks']} clocks of the last sample, the same in every frame",
     ]
-    if found["slip_round_to_decision_clocks"] is not None:
-        slip = found["slip_round_to_decision_clocks"]
-        lines.append(
-            f"slip: a slip round's convert start to its decision, {slip} clocks, {slip * clock_us:.3f} us"
-        )
     return lines

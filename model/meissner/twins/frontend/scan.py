@@ -10,7 +10,7 @@ import numpy as np
 
 from meissner.twins.frontend import scan_buffer
 from meissner.twins.frontend.scan_buffer import ScanBuffer
-from meissner.twins.frontend.scan_plan import WHOLE, ScanPlan
+from meissner.twins.frontend.scan_plan import ScanPlan
 
 PIN_CLOCKS = 1  # from trigger_o to the converter's pin
 LATENCY = 2 + scan_buffer.LATENCY  # clocks from a sample's last lane in to its beat out
@@ -35,7 +35,7 @@ class Scan(ScanPlan):
         """The column that lane ``lane``'s input ``channel`` sees in ``group``; it may be past the array."""
         return (group * self.channels + channel) * self.lanes + lane
 
-    def frame(self, samples, over, region=WHOLE):
+    def frame(self, samples, over):
         """The beats of a frame: (data, id, last, user) with data and user as the ports have them.
 
         ``samples`` int [rows, columns], ``over`` bool [rows, columns]. Lanes past the last column are zeros
@@ -44,18 +44,18 @@ class Scan(ScanPlan):
         samples, over = np.asarray(samples, dtype=np.int64), np.asarray(over, dtype=bool)
         if samples.shape != (self.rows, self.columns) or over.shape != samples.shape:
             raise ValueError(f"a frame is [{self.rows}, {self.columns}], not {list(samples.shape)}")
-        first, last = self.beat_range(region)
-        region = region.cut(self.rows, self.columns)
         beats = []
-        for row in range(region.first_row, region.last_row + 1):
-            for beat in range(first, last + 1):
+        for row in range(self.rows):
+            for beat in range(self.beats):
                 columns = range(beat * self.lanes, min((beat + 1) * self.lanes, self.columns))
                 mask = (1 << self.sample_bits) - 1
                 data = sum(
                     (int(samples[row, c]) & mask) << lane * self.sample_bits for lane, c in enumerate(columns)
                 )
                 user = sum(int(over[row, c]) << lane for lane, c in enumerate(columns))
-                beats.append((data, row * self.beats + beat, (row, beat) == (region.last_row, last), user))
+                beats.append(
+                    (data, row * self.beats + beat, (row, beat) == (self.rows - 1, self.beats - 1), user)
+                )
         return beats
 
     def coordinates(self, index):

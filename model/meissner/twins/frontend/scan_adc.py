@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from meissner.twins.frontend import scan
 from meissner.twins.frontend.adc_spi import AD7606, AdcSpi, Part
 from meissner.twins.frontend.scan import Scan
-from meissner.twins.frontend.scan_plan import WHOLE
 
 
 @dataclass(frozen=True)
@@ -21,11 +20,9 @@ class ScanAdc:
     clk_khz: int = 25_000
     sclk_khz: int | None = None
     sample_bits: int = 17
-    slip_slots: int = 1
     settle_bits: int = 16
     period_bits: int = 32
     depth: int | None = None
-    group_bits: int | None = None
 
     def __post_init__(self):
         adc = AdcSpi(
@@ -33,13 +30,12 @@ class ScanAdc:
         )
         plan = Scan(
             *(self.rows, self.columns, self.lanes, self.channels, adc.hold_clocks(), adc.cycle_clocks()),
-            *(self.slip_slots, self.settle_bits, self.period_bits, self.group_bits),
-            *(self.sample_bits, self.depth),
+            *(self.settle_bits, self.period_bits, self.sample_bits, self.depth),
         )
         object.__setattr__(self, "adc", adc)
         object.__setattr__(self, "scan", plan)
 
-    def latency(self, settle, region=WHOLE, conversion_ns=None):
+    def latency(self, settle, conversion_ns=None):
         """Clocks of each step, by name, with a consumer that is always ready and frames one after the other.
 
         ``conversion_ns``: what a part with BUSY takes, at the converter's pins; None: the longest.
@@ -54,7 +50,6 @@ class ScanAdc:
         - ``first_beat``, ``last_beat``: from a frame's first convert start to its first and last beat
         """
         plan, adc = self.scan, self.adc
-        first, last = plan.beat_range(region)
         convert = 0
         if self.part.has_busy:
             if conversion_ns is None:
@@ -62,7 +57,7 @@ class ScanAdc:
             convert = int(conversion_ns * self.clk_khz // 1_000_000)
         offered = adc.latencies()
         slot = plan.slot(settle)
-        frame = plan.frame_clocks(settle, region)
+        frame = plan.frame_clocks(settle)
         final = frame - slot
         return {
             "settle": settle,
@@ -73,6 +68,6 @@ class ScanAdc:
             "slot": slot,
             "frame": frame,
             "last_convert": final,
-            "first_beat": convert + offered[first % self.channels] + scan.LATENCY,
-            "last_beat": final + convert + offered[last % self.channels] + scan.LATENCY,
+            "first_beat": convert + offered[0] + scan.LATENCY,
+            "last_beat": final + convert + offered[(plan.beats - 1) % self.channels] + scan.LATENCY,
         }

@@ -32,26 +32,17 @@ class ScanBuffer:
         """A frame may come with every second row first."""
         return self.depth >= self.rows * self.beats
 
-    def row_order(self, rows, interleave):
-        """The rows of a frame in the order in which they come in."""
-        order = range(rows)
-        return [*order[::2], *order[1::2]] if interleave and self.sorts else list(order)
+    def frame(self, data, interleave=False):
+        """Beats (data, id, last) that leave for the words of ``data``, a frame as it came in."""
+        if len(data) != self.rows * self.beats:
+            raise ValueError(f"a frame of {self.rows} rows of {self.beats} beats has not {len(data)} words")
+        rows = list(range(self.rows))
+        order = [*rows[::2], *rows[1::2]] if interleave and self.sorts else rows
+        words = [data[order.index(row) * self.beats + beat] for row in rows for beat in range(self.beats)]
+        return [(word, index, index == len(words) - 1) for index, word in enumerate(words)]
 
-    def frame(self, data, rows, beats, first_id, skip, interleave=False):
-        """Beats (data, id, last) that leave for the ``rows * beats`` words of ``data`` as they came in."""
-        if len(data) != rows * beats:
-            raise ValueError(f"a frame of {rows} rows of {beats} beats has not {len(data)} words")
-        order = self.row_order(rows, interleave)
-        out = []
-        for row in range(rows):
-            begin = order.index(row) * beats
-            for beat, word in enumerate(data[begin : begin + beats]):
-                index = first_id + row * (beats - 1 + skip) + beat
-                out.append((word, index, (row, beat) == (rows - 1, beats - 1)))
-        return out
-
-    def begun(self, data, rows, beats, first_id, skip, interleave=False):
+    def begun(self, data, interleave=False):
         """Beats that leave of a frame of which ``data`` comes and no more."""
-        missing = rows * beats - len(data)
-        out = self.frame([*data, *[None] * missing], rows, beats, first_id, skip, interleave)
+        missing = self.rows * self.beats - len(data)
+        out = self.frame([*data, *[None] * missing], interleave)
         return out[: next((n for n, (word, _, _) in enumerate(out) if word is None), len(out))]

@@ -75,7 +75,7 @@ class ScanDemod:
         cycle = self.span + self.adc.cycle_clocks() + demod
         return Scan(
             *(self.rows, self.columns, 1, self.converters, hold, cycle),
-            *(1, self.settle_bits, self.period_bits, None, self.sample_bits),
+            *(self.settle_bits, self.period_bits, self.sample_bits),
         )
 
     def levels(self, samples, user=None):
