@@ -1,9 +1,8 @@
-// Cover points of msn_scan: each lane alone and all lanes without an answer, at a row's start and end, in frames and
-// slip rounds; over-range marks; beats held back in mid-frame and at the end of both streams; waits for room.
+// Cover points of msn_scan: each lane alone and all lanes without an answer, at a row's start and end; over-range marks;
+// beats held back in mid-frame and at its end; waits for room.
 module cover_scan #(
-  parameter int unsigned Lanes     = 1,
-  parameter int unsigned Channels  = 1,
-  parameter int unsigned SlipSlots = 1
+  parameter int unsigned Lanes    = 1,
+  parameter int unsigned Channels = 1
 ) (
   input logic             clk_i,
   input logic             rst_i,
@@ -14,30 +13,23 @@ module cover_scan #(
   input logic             room,
   input logic             beat,
   input logic             beat_end,
-  input logic             done_slip,
   input logic [Lanes-1:0] lost_q,
   input logic [Lanes-1:0] in_lost_i,
   input logic [Lanes-1:0] in_valid_i,
   input logic [Lanes-1:0] in_user_i,
   input logic             out_valid_o,
   input logic             out_ready_i,
-  input logic             out_last_o,
-  input logic             slip_valid_o,
-  input logic             slip_ready_i,
-  input logic             slip_last_o
+  input logic             out_last_o
 );
-  for (genvar s = 0; s <= 1; s++) begin : gen_slip
-    logic here;
-    assign here = !rst_i && beat && beat_end && done_slip == (s == 1);
-    `BIN(answered, here && lost_q == '0)
-    `BIN(all_lost, here && &lost_q)
-    `BIN(over_range, here && |in_user_i)
-    for (genvar many = 0; many <= 1; many++) begin : gen_pair
-      `BIN(lanes, here && (Lanes > 1) == (many == 1))
-      `BIN(channels, here && (Channels > 1) == (many == 1))
-      `BIN(slots, here && (SlipSlots > 1) == (many == 1))
-      `BIN(interleaved, here && cfg_interleave_i == (many == 1))
-    end
+  logic here;
+  assign here = !rst_i && beat && beat_end;
+  `BIN(answered, here && lost_q == '0)
+  `BIN(all_lost, here && &lost_q)
+  `BIN(over_range, here && |in_user_i)
+  for (genvar many = 0; many <= 1; many++) begin : gen_pair
+    `BIN(lanes, here && (Lanes > 1) == (many == 1))
+    `BIN(channels, here && (Channels > 1) == (many == 1))
+    `BIN(interleaved, here && cfg_interleave_i == (many == 1))
   end
   for (genvar lane = 0; lane < Lanes; lane++) begin : gen_lane
     `BIN(lost, !rst_i && in_lost_i[lane])
@@ -49,13 +41,10 @@ module cover_scan #(
   end
   `BIN(held, !rst_i && out_valid_o && !out_ready_i && !out_last_o)
   `BIN(held_last, !rst_i && out_valid_o && !out_ready_i && out_last_o)
-  `BIN(slip_held, !rst_i && slip_valid_o && !slip_ready_i && !slip_last_o)
-  `BIN(slip_held_last, !rst_i && slip_valid_o && !slip_ready_i && slip_last_o)
-  `BIN(both_leave, !rst_i && slip_valid_o && slip_ready_i && out_valid_o && out_ready_i)
   `BIN(waits_for_room, !rst_i && !idle && !room)
   `BIN(taken_away, !rst_i && !idle && !cfg_enable_i)
   `BIN(reset_while_converting, rst_i && trigger_o)
   `BIN(reset_while_leaving, rst_i && out_valid_o && !out_last_o)
 endmodule
 
-bind msn_scan cover_scan #(.Lanes(Lanes), .Channels(Channels), .SlipSlots(SlipSlots)) u_cover (.*);
+bind msn_scan cover_scan #(.Lanes(Lanes), .Channels(Channels)) u_cover (.*);

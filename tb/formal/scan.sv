@@ -2,8 +2,8 @@
 //
 // Never two rows at once; a row comes on only where all were off for a clock; the lines are what the plan switched to,
 // and off while it has nothing to do (when a converter starts is proof `scan_plan`). A beat is taken when every
-// converter has one or is lost, and goes, with its lost lanes 0 and marked, where the conversion belongs: to the frame
-// if it is in its region, to the slip round, or nowhere; its number and time are those of its first conversion.
+// converter has one or is lost, and goes, with its lost lanes 0 and marked, to the frame if it has columns of the array,
+// else nowhere; a frame's number and time are those of its first conversion.
 
 module formal_scan #(
   parameter  int unsigned Rows       = 16,
@@ -14,14 +14,10 @@ module formal_scan #(
   parameter  int unsigned Hold       = 2,
   parameter  int unsigned Cycle      = 268,
   parameter  int unsigned Depth      = 256,
-  parameter  int unsigned SlipSlots  = 1,
   parameter  int unsigned SettleBits = 16,
   parameter  int unsigned PeriodBits = 32,
-  parameter  int unsigned GroupBits  = 1,
   localparam int unsigned Beats      = (Columns + Lanes - 1) / Lanes,
-  localparam int unsigned RowBits    = msn_pkg::index_width(Rows),
-  localparam int unsigned BeatBits   = msn_pkg::index_width(Beats),
-  localparam int unsigned IdBits     = msn_pkg::index_width(Rows * Beats),
+  localparam int unsigned GroupBits  = msn_pkg::index_width((Beats + Channels - 1) / Channels),
   localparam int unsigned Width      = Lanes * (SampleBits + 1)
 ) (
   input logic                        clk_i,
@@ -43,8 +39,7 @@ module formal_scan #(
   logic [31:0]          lost_o;
   msn_scan #(
     .Rows(Rows), .Columns(Columns), .Lanes(Lanes), .Channels(Channels), .SampleBits(SampleBits), .Hold(Hold),
-    .Cycle(Cycle), .Depth(Depth), .SlipSlots(SlipSlots), .SettleBits(SettleBits), .PeriodBits(PeriodBits),
-    .GroupBits(GroupBits)
+    .Cycle(Cycle), .Depth(Depth), .SettleBits(SettleBits), .PeriodBits(PeriodBits)
   ) dut (
     .clk_i, .rst_i, .cfg_enable_i, .cfg_settle_i, .cfg_period_i, .now_i, .row_o, .group_o, .trigger_o,
     .in_valid_i, .in_ready_o, .in_data_i, .in_user_i, .in_lost_i, .lost_o
@@ -95,10 +90,10 @@ module formal_scan #(
   // Beats, to the clock in which a buffer gets them.
   logic [Lanes-1:0]            lost;
   logic [Lanes*SampleBits-1:0] data;
-  logic                        beat, last, missed, come, wanted, opens, slip, slip_opens, triggered;
+  logic                        beat, last, missed, come, wanted, opens, triggered;
   logic [7:0]                  channel, come_channel;
   logic [Width-1:0]            come_data, wanted_data;
-  logic [31:0]                 losses, frames, rounds, place;
+  logic [31:0]                 losses, frames, place;
   logic [47:0]                 moment;
   logic                        timed;
   assign beat = (in_valid_i | lost) == '1;
@@ -118,18 +113,15 @@ module formal_scan #(
     come_channel <= channel;
     come_data    <= {in_user_i | lost, data};
 
-    wanted      <= come && !dut.done_slip && place >= 32'(dut.first_beat) && place <= 32'(dut.last_beat);
-    opens       <= dut.done_first && place == 32'(dut.first_beat);
-    slip        <= come && dut.done_slip;
-    slip_opens  <= dut.done_first && come_channel == '0;
+    wanted      <= come && place < Beats;
+    opens       <= dut.done_first && place == 32'd0;
     wanted_data <= come_data;
 
     triggered <= trigger_o;
     if (triggered && dut.done_first) begin
       moment <= now_i;
       timed  <= 1'b1;
-      if (dut.done_slip) rounds <= rounds + 1'b1;
-      else frames <= frames + 1'b1;
+      frames <= frames + 1'b1;
     end
     if (rst_i) begin
       lost      <= '0;
@@ -138,34 +130,20 @@ module formal_scan #(
       losses    <= '0;
       come      <= 1'b0;
       wanted    <= 1'b0;
-      slip      <= 1'b0;
       triggered <= 1'b0;
       timed     <= 1'b0;
-      rounds    <= '1;
       frames    <= '1;
     end
-  end
-
-  // Where the region begins and how far it goes, a clock after the plan says so.
-  logic [31:0]       rows, beats, first, skip;
-  always_ff @(posedge clk_i) begin
-    rows  <= 32'(dut.last_row) - 32'(dut.first_row);
-    beats <= 32'(dut.last_beat) - 32'(dut.first_beat);
-    first <= 32'(dut.first_row) * Beats + 32'(dut.first_beat);
-    skip  <= Beats - 32'(dut.last_beat) + 32'(dut.first_beat);
   end
 
   always_comb begin
     if (started) begin
       assert (lost_o == losses);
       if (!rst_i) assert (in_ready_o == {Lanes{beat}});
-      assert (dut.u_frames.in_valid_i == wanted && dut.u_slip.in_valid_i == slip);
-      if (wanted) assert (dut.u_frames.in_first_i == opens && dut.u_frames.in_data_i == wanted_data);
-      if (slip) assert (dut.u_slip.in_first_i == slip_opens && dut.u_slip.in_data_i == wanted_data);
-      assert (dut.frame_q == frames && dut.round_q == rounds);
+      assert (dut.u_buffer.in_valid_i == wanted);
+      if (wanted) assert (dut.u_buffer.in_first_i == opens && dut.u_buffer.in_data_i == wanted_data);
+      assert (dut.frame_q == frames);
       if (timed) assert (dut.time_q == moment);
-      assert (dut.rows == RowBits'(rows) && dut.beats == BeatBits'(beats));
-      assert (dut.first_id == IdBits'(first) && dut.skip == IdBits'(skip));
       // Invariant.
       assert (dut.lost_q == lost && 8'(dut.channel_q) == channel && 32'(channel) < Channels && dut.missed == missed);
       assert (dut.beat_q == come && dut.trigger_q == triggered);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Whole frames in any size up to the array's, in natural order or interleaved, leave row by row, each beat once, with its
-// number and what was stored of it; one that comes while the one before is still here does not come at all, and is
-// counted. No place is read in the clock in which it is written. Beats of a frame come in order, its first with what it
-// is like; a ring's sender heeds room_o (assumed: two beats at most after it fell).
+// Whole frames in natural order or interleaved leave row by row, each beat once, with its number and what was stored of
+// it; one that comes while the one before is still here does not come at all, and is counted. No place is read in the
+// clock in which it is written. Beats of a frame come in order; a ring's sender heeds room_o (assumed: two beats at most
+// after it fell).
 
 module formal_scan_buffer #(
   parameter  int unsigned Rows     = 2,
@@ -11,18 +11,14 @@ module formal_scan_buffer #(
   parameter  int unsigned Burst    = 1,
   parameter  int unsigned Width    = 1,
   parameter  int unsigned Depth    = Rows * Beats,
-  localparam int unsigned RowBits  = msn_pkg::index_width(Rows),
-  localparam int unsigned BeatBits = msn_pkg::index_width(Beats),
   localparam int unsigned IdBits   = msn_pkg::index_width(Rows * Beats)
 ) (
-  input logic                clk_i,
-  input logic                rst_i,
-  input logic                in_valid_i,
-  input logic                in_interleave_i,
-  input logic [RowBits-1:0]  in_last_row_i,
-  input logic [BeatBits-1:0] in_last_beat_i,
-  input logic [Width-1:0]    in_data_i,
-  input logic                out_ready_i
+  input logic             clk_i,
+  input logic             rst_i,
+  input logic             in_valid_i,
+  input logic             in_interleave_i,
+  input logic [Width-1:0] in_data_i,
+  input logic             out_ready_i
 );
 
   localparam bit Sorts = Depth >= Rows * Beats;
@@ -31,42 +27,35 @@ module formal_scan_buffer #(
   logic                started = 1'b0;
   logic                in_first_i, interleave, room_o, out_valid_o, out_last_o, taken_o;
   logic [Width-1:0]    out_data_o;
-  logic [IdBits-1:0]   in_id_i, in_skip_i, out_id_o;
+  logic [IdBits-1:0]   out_id_o;
   logic [31:0]         dropped_o;
-  logic [3:0]          row, beat, last_row, last_beat, rows_done;
+  logic [3:0]          row, beat, rows_done;
   msn_scan_buffer #(.Rows(Rows), .Beats(Beats), .Burst(Burst), .Width(Width), .Depth(Depth)) dut (.*);
-  assign in_id_i   = '0;
-  assign in_skip_i = IdBits'(Beats) - IdBits'(in_last_beat_i);
 
   // What the frame at hand should send: by place, row-major.
-  logic [3:0]                   first_rows, first_beats, due_row, due_beat, dropped;
+  logic [3:0]                   due_row, due_beat, dropped;
   logic [Rows*Beats*Width-1:0]  stored;
   logic [Rows*Beats-1:0]        there;
   logic                         mine, ends, turned;   // the frame that comes is the one that will leave
-  logic [3:0]                   cur_last_row, cur_last_beat;
   logic                         cur_interleave, cur_mine;
   assign in_first_i     = row == 0 && beat == 0 && rows_done == 0;
-  assign cur_last_row   = in_first_i ? 4'(in_last_row_i) : last_row;
-  assign cur_last_beat  = in_first_i ? 4'(in_last_beat_i) : last_beat;
   assign cur_interleave = in_first_i ? in_interleave_i && Sorts : interleave;
   assign cur_mine       = in_first_i ? taken_o : mine;
-  assign ends           = beat == cur_last_beat && rows_done == cur_last_row;
+  assign ends           = beat == 4'(Beats - 1) && rows_done == 4'(Rows - 1);
   always_ff @(posedge clk_i) begin
     started <= 1'b1;
     turned  <= 1'b0;
     dropped <= dropped + 4'(turned);
     if (in_valid_i) begin
       if (in_first_i) begin
-        last_row   <= 4'(in_last_row_i);
-        last_beat  <= 4'(in_last_beat_i);
         interleave <= in_interleave_i && Sorts;
         mine       <= taken_o;
         turned     <= !taken_o;
       end
-      beat <= (beat == cur_last_beat) ? 0 : beat + 1;
-      if (beat == cur_last_beat) begin
+      beat <= (beat == 4'(Beats - 1)) ? 0 : beat + 1;
+      if (beat == 4'(Beats - 1)) begin
         rows_done <= ends ? 0 : rows_done + 1;
-        row       <= ends ? 0 : !cur_interleave ? row + 1 : (row + 2 <= cur_last_row) ? row + 2 : 1;
+        row       <= ends ? 0 : !cur_interleave ? row + 1 : (32'(row) + 2 < Rows) ? row + 2 : 1;
       end
       if (cur_mine) begin
         for (int unsigned i = 0; i < Rows * Beats; i++) begin
@@ -78,13 +67,11 @@ module formal_scan_buffer #(
       end
     end
     if (taken_o) begin
-      first_rows  <= 4'(in_last_row_i);
-      first_beats <= 4'(in_last_beat_i);
-      due_row     <= 0;
-      due_beat    <= 0;
+      due_row  <= 0;
+      due_beat <= 0;
     end else if (out_valid_o && out_ready_i) begin
-      due_beat <= (due_beat == first_beats) ? 0 : due_beat + 1;
-      due_row  <= due_row + 4'(due_beat == first_beats);
+      due_beat <= (due_beat == 4'(Beats - 1)) ? 0 : due_beat + 1;
+      due_row  <= due_row + 4'(due_beat == 4'(Beats - 1));
     end
     if (rst_i) begin
       {row, beat, rows_done, dropped, due_row, due_beat} <= '0;
@@ -113,16 +100,15 @@ module formal_scan_buffer #(
   always_comb begin
     if (!started) assume (rst_i);
     if (rst_i) assume (!in_valid_i);
-    assume (32'(in_last_row_i) < Rows && 32'(in_last_beat_i) < Beats);
     if (!Sorts && in_valid_i) assume (room_o || room_q);
     if (started && !rst_i) begin
       assert (dropped_o[3:0] == dropped);
       if (out_valid_o) begin
         assert (is_there && out_data_o == due && 32'(out_id_o) == 32'(due_row) * Beats + 32'(due_beat));
-        assert (out_last_o == (due_row == first_rows && due_beat == first_beats) && due_row <= first_rows);
+        assert (out_last_o == (due_row == 4'(Rows - 1) && due_beat == 4'(Beats - 1)) && 32'(due_row) < Rows);
       end
       // The memory does not define what it answers while the same place is written.
-      if (dut.store && dut.step) assert (dut.in_address != dut.address_q);
+      if (dut.store && dut.step) assert (32'(dut.in_address) != 32'(dut.id_q) % Depth);
       cover (out_valid_o && out_last_o && due_row != 0 && (Beats == 1 || due_beat != 0) && interleave == Sorts);
       cover (dropped_o != '0);
     end

@@ -3,11 +3,9 @@ parts.
 
 A part that samples asks the matrix, which answers with the taxel that the lines select in that moment,
 and fails the test if they have not been still for the settle time. Every taxel has another code in
-every conversion. Each step's clocks against the twin; slip rounds at the pins without jitter; a part
-that fails in mid-frame.
+every conversion. Each step's clocks against the twin; a part that fails in mid-frame.
 """
 
-import itertools
 import random
 
 import cocotb
@@ -19,10 +17,11 @@ import bench
 from frontend.test_scan_plan import apply
 from meissner.twins.frontend.adc_spi import AD7606, MAX11123, MAX11125, MCP3208, PARTS
 from meissner.twins.frontend.scan_adc import ScanAdc
-from meissner.twins.frontend.scan_plan import Region, Settings
+from meissner.twins.frontend.scan_plan import Settings
 from parts import ad7606, max1112x, mcp3208
 from parts.timing import Line, now
 
+COUNTERS = ("dropped", "overrun", "held", "lost")
 CONVERSION_NS = (4017.3, 3512.0)  # of an AD7606 on lane 0 and on the others
 
 
@@ -31,8 +30,8 @@ def twin_of(dut):
     return ScanAdc(
         *(value(name) for name in ("Rows", "Columns", "Lanes")),
         PARTS[value("Part")],
-        *(value(name) for name in ("Channels", "AdcLanes", "ClkKhz", "SclkKhz", "SampleBits", "SlipSlots")),
-        *(value(name) for name in ("SettleBits", "PeriodBits", "Depth", "GroupBits")),
+        *(value(name) for name in ("Channels", "AdcLanes", "ClkKhz", "SclkKhz", "SampleBits")),
+        *(value(name) for name in ("SettleBits", "PeriodBits", "Depth")),
     )
 
 
@@ -46,11 +45,10 @@ class Board:
         self.moved = 0.0
         self.converted = 0.0
         self.number = -1  # of the conversion under way
-        self.converts, self.beats, self.slip_beats = [], [], []
+        self.converts, self.beats = [], []
         self.clock = 0
-        # Time begins again at 0 in the midst of the frames or rounds.
-        self.wrap = 5 * settings.slip_period or 3 * self.scan.frame_clocks(settings.settle) // 2
-        self.wrap += self.twin.adc.start_clocks()
+        # Time begins again at 0 in the midst of the frames.
+        self.wrap = 3 * self.scan.frame_clocks(settings.settle) // 2 + self.twin.adc.start_clocks()
 
     def time(self, clock):
         return (clock - self.wrap) % (1 << 48)
@@ -61,7 +59,8 @@ class Board:
         assert rows & rows - 1 == 0
         settled = time - self.moved
         assert settled >= self.settings.settle * self.clock_ns - 0.01, f"settled for {settled} ns"
-        row = rows.bit_length() - 1 if rows else self.twin.rows
+        row = rows.bit_length() - 1
+        assert row >= 0, "no row is driven"
         column = self.scan.column(int(self.dut.group_o.value), channel, lane)
         return self.value(self.number, row, column)
 
@@ -85,10 +84,10 @@ class Board:
 
     async def start(self):
         dut, twin = self.dut, self.twin
-        for name in ["rst", "cfg_enable", "out_ready", "slip_ready", "adc_miso", "adc_busy", "now", "clk"]:
+        for name in ["rst", "cfg_enable", "out_ready", "adc_miso", "adc_busy", "now", "clk"]:
             getattr(dut, f"{name}_i").value = int(name == "rst")
         driven = {}
-        apply(dut, self.scan, self.settings)
+        apply(dut, self.settings)
         Clock(dut.clk_i, 1_000_000_000 // twin.clk_khz, unit="ps").start()
         await bench.clocks(dut, 3)
         self.parts = []
@@ -109,7 +108,7 @@ class Board:
         dut.rst_i.value = 0
         for task in (self.watch_lines(), self.watch_group(), self.count()):
             cocotb.start_soon(task)
-        dut.out_ready_i.value = dut.slip_ready_i.value = 1
+        dut.out_ready_i.value = 1
         dut.cfg_enable_i.value = 1
 
     def lenient(self, code):
@@ -129,10 +128,9 @@ class Board:
             await ReadOnly()
             if dut.convert_o.value == 1:
                 self.converts.append(self.clock)
-            for name, beats in (("out", self.beats), ("slip", self.slip_beats)):
-                if getattr(dut, f"{name}_valid_o").value == 1:
-                    fields = ("data", "id", "last", "user", "frame", "time")
-                    beats.append((self.clock, *(bench.read(getattr(dut, f"{name}_{f}_o")) for f in fields)))
+            if dut.out_valid_o.value == 1:
+                fields = ("data", "id", "last", "user", "frame", "time")
+                self.beats.append((self.clock, *(bench.read(getattr(dut, f"out_{f}_o")) for f in fields)))
             await RisingEdge(dut.clk_i)
             self.clock += 1
 
@@ -145,56 +143,46 @@ class Board:
                 self.converted = now() + self.clock_ns
 
     def expected(self, conversions):
-        """(frames, rounds) as dicts of id: data, and the number of each one's first conversion."""
+        """[(the number of a frame's first conversion, {id: (data, user)})]."""
         twin, scan = self.twin, self.scan
-        first_beat, last_beat = scan.beat_range(self.settings.region)
-        frames, rounds = [], []
+        frames = []
         mask = (1 << twin.sample_bits) - 1
         for number, conversion in enumerate(conversions):
-            groups = rounds if conversion.slip else frames
             if conversion.first:
-                groups.append((number, {}))
-            row = min(conversion.row, twin.rows)
+                frames.append((number, {}))
             for channel in range(twin.channels):
                 beat = conversion.group * twin.channels + channel
                 codes = [
-                    self.value(number, row, scan.column(conversion.group, channel, lane))
+                    self.value(number, conversion.row, scan.column(conversion.group, channel, lane))
                     for lane in range(twin.lanes)
                 ]
                 data, over = twin.adc.samples(codes)
                 word = sum((int(v) & mask) << lane * twin.sample_bits for lane, v in enumerate(data))
                 user = sum(int(o) << lane for lane, o in enumerate(over))
-                if conversion.slip:
-                    groups[-1][1][len(groups[-1][1])] = (word, user)
-                elif first_beat <= beat <= last_beat:
-                    groups[-1][1][conversion.row * scan.beats + beat] = (word, user)
-        return frames, rounds
+                if beat < scan.beats:
+                    frames[-1][1][conversion.row * scan.beats + beat] = (word, user)
+        return frames
 
     def check(self):
-        conversions, *_ = self.scan.schedule(self.settings, self.clock)
+        conversions, _ = self.scan.schedule(self.settings, self.clock)
         begin = self.converts[0] - conversions[0].trigger
         assert self.converts == [begin + c.trigger for c in conversions][: len(self.converts)]
-        frames, rounds = self.expected(conversions[: len(self.converts)])
-        for beats, groups in ((self.beats, frames), (self.slip_beats, rounds)):
-            at = 0
-            for index, (number, codes) in enumerate(groups[:-1]):  # the last may be under way
-                part = beats[at : at + len(codes)]
-                at += len(codes)
-                assert [(beat[2], beat[1], beat[4]) for beat in part] == [
-                    (i, *codes[i]) for i in sorted(codes)
-                ]
-                assert [beat[3] for beat in part] == [0] * (len(codes) - 1) + [1]
-                assert {beat[5] for beat in part} == {index}
-                assert {beat[6] for beat in part} == {self.time(self.converts[number])}
+        frames = self.expected(conversions[: len(self.converts)])
+        at = 0
+        for index, (number, codes) in enumerate(frames[:-1]):  # the last may be under way
+            part = self.beats[at : at + len(codes)]
+            at += len(codes)
+            assert [(beat[2], beat[1], beat[4]) for beat in part] == [(i, *codes[i]) for i in sorted(codes)]
+            assert [beat[3] for beat in part] == [0] * (len(codes) - 1) + [1]
+            assert {beat[5] for beat in part} == {index}
+            assert {beat[6] for beat in part} == {self.time(self.converts[number])}
         assert not self.counted()
         idle = ["mosi"] if self.twin.part is AD7606 else ["convst", "reset"]
         assert not any(bench.read(getattr(self.dut, f"adc_{name}_o")) for name in idle)
-        return frames, rounds
 
     def counted(self):
         """The counters that are not 0."""
-        counters = ("dropped", "overrun", "held", "lost", "slip_dropped", "slip_overrun")
-        return {name for name in counters if bench.read(getattr(self.dut, f"{name}_o"))}
+        return {name for name in COUNTERS if bench.read(getattr(self.dut, f"{name}_o"))}
 
 
 async def board(dut, settings, clocks):
@@ -208,13 +196,12 @@ async def board(dut, settings, clocks):
 @bench.starts_known
 @cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
 async def counts_over_the_whole_width(dut):
-    counters = ["dropped_o", "overrun_o", "held_o", "lost_o", "slip_dropped_o", "slip_overrun_o"]
-    await bench.turn_over(dut, *counters, wraps=False)
+    await bench.turn_over(dut, *(f"{name}_o" for name in COUNTERS), wraps=False)
 
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def rests_in_reset_whatever_comes(dut):
-    await bench.inputs_in_reset(dut, "row_o", "convert_o", "adc_convst_o", "out_valid_o", "slip_valid_o")
+    await bench.inputs_in_reset(dut, "row_o", "convert_o", "adc_convst_o", "out_valid_o")
 
 
 @cocotb.test(timeout_time=100, timeout_unit="ms")
@@ -224,7 +211,7 @@ async def every_taxel_in_its_place_in_its_clock(dut, settle):
     settings = Settings(settle=settle, interleave=settle > 0 and twin.scan.buffer.sorts)
     frame = twin.scan.frame_clocks(settle)
     made = await board(dut, settings, 2 * frame + 2 * twin.scan.slot(settle) + 40)
-    _frames, _ = made.check()
+    made.check()
     assert len(made.beats) >= 2 * twin.rows * twin.scan.beats
 
     steps = twin.latency(settle, conversion_ns=CONVERSION_NS[0])
@@ -241,38 +228,13 @@ async def every_taxel_in_its_place_in_its_clock(dut, settle):
 
 
 @cocotb.test(timeout_time=100, timeout_unit="ms")
-async def slip_rounds_between_a_slow_frame(dut):
-    twin = twin_of(dut)
-    slot = twin.scan.slot(5)
-    places = tuple((index % (twin.rows + 1), 0) for index in range(twin.slip_slots))
-    period = (twin.slip_slots + 2) * slot + 17
-    region = Region(twin.rows // 3, twin.rows - 1, twin.columns // 3, twin.columns - 1)
-    settings = Settings(settle=5, slip_period=period, slip_places=places, region=region)
-    made = await board(dut, settings, 12 * period)
-    _, rounds = made.check()
-    starts = [made.converts[number] for number, _ in rounds]
-    assert len(starts) >= 11
-    assert {b - a for a, b in itertools.pairwise(starts)} == {period}
-    assert len(made.beats) > 0
-
-
-@cocotb.test(timeout_time=100, timeout_unit="ms")
 @cocotb.parametrize(turn=range(4))
 async def settings_of_any_size(dut, turn):
-    """Regions, settle times and periods as they come; in every second turn slip rounds of any places."""
+    """Orders, settle times and periods as they come."""
     twin, draw = twin_of(dut), random.Random(4 * bench.SEED + turn)
     settle = draw.randrange(min(twin.scan.cycle, 1 << twin.settle_bits))
-    rows, columns = (sorted(draw.choices(range(size), k=2)) for size in (twin.rows, twin.columns))
-    region = Region(*rows, *columns)
-    chosen = {"interleave": twin.scan.buffer.sorts and draw.random() < 0.5, "region": region}
-    if turn % 2:
-        row_bits = len(dut.cfg_first_row_i)
-        places = [(draw.randrange(2 << row_bits), draw.randrange(twin.scan.groups))] * twin.slip_slots
-        period = (twin.slip_slots + 2) * twin.scan.slot(settle) + draw.randrange(256)
-        settings = Settings(settle, slip_period=period, slip_places=tuple(places), **chosen)
-    else:
-        period = draw.randint(1, 2) * twin.scan.frame_clocks(settle, region) + draw.randrange(256)
-        settings = Settings(settle, period, **chosen)
+    period = (1 + turn % 2) * twin.scan.frame_clocks(settle) + draw.randrange(256)
+    settings = Settings(settle, period, twin.scan.buffer.sorts and draw.random() < 0.5)
     made = await board(dut, settings, min(4 * period, 15_000))
     made.check()
     assert made.converts
@@ -280,25 +242,26 @@ async def settings_of_any_size(dut, turn):
 
 @cocotb.test(timeout_time=100, timeout_unit="ms")
 async def long_times_are_long(dut):
-    """Each bit of settle time and periods beyond those of the other tests: for long, nothing comes again."""
-    twin, region = twin_of(dut), Region(0, 0, 0, 0)
+    """Each bit of settle time and period beyond those of the other tests: for long, nothing comes again.
+
+    Of a period bit by bit where a frame is short; else every second bit at once, and the others."""
+    twin = twin_of(dut)
     scan, slot = twin.scan, twin.scan.slot(1)
-    watched = (twin.slip_slots + 2) * slot
-    places, bits = ((0, 0),) * twin.slip_slots, range(watched.bit_length(), 32)
-    cases = [Settings(1 << bit, region=region) for bit in bits if bit < twin.settle_bits]
-    cases += [
-        Settings(1, (1 << bit) + slot, False, region, (1 << bit) + watched, places)
-        for bit in bits
-        if bit < twin.period_bits
-    ]
-    made = await board(dut, cases[0], 0)
-    for settings in cases:
+    frame = scan.frame_clocks(1) + slot
+    bits = range(frame.bit_length(), twin.period_bits)
+    lone = [1 << bit for bit in bits]
+    periods = lone if frame < 1000 else [sum(lone[::2]), sum(lone[1::2])]
+    settles = range((2 * slot).bit_length(), twin.settle_bits)
+    cases = [(Settings(1 << bit), 2 * slot) for bit in settles]
+    cases += [(Settings(1, period), frame) for period in periods]
+    made = await board(dut, cases[0][0], 0)
+    for settings, watched in cases:
         await RisingEdge(dut.clk_i)
         dut.cfg_enable_i.value = 0
         await bench.clocks(dut, 2 * slot)
         await bench.reset(dut)  # what waits for its settle time would go on
         made.settings = settings
-        apply(dut, scan, settings)
+        apply(dut, settings)
         dut.cfg_enable_i.value = 1
         made.converts.clear()
         await made.run(twin.adc.start_clocks() + watched)
@@ -308,33 +271,24 @@ async def long_times_are_long(dut):
 
 
 @cocotb.test(timeout_time=100, timeout_unit="ms")
-@cocotb.parametrize(case=["nobody takes any", "a tick each clock", "rounds too short"])
+@cocotb.parametrize(case=["nobody takes any", "a tick each clock"])
 async def each_counter_counts_its_own(dut, case):
     """In the first case all is over-range, and what waits says so."""
     twin = twin_of(dut)
-    sorts, rounds = twin.scan.buffer.sorts, twin.slip_slots * twin.scan.slot(1)
-    places = ((0, 0),) * twin.slip_slots
-    few = Region() if case == "nobody takes any" and not sorts else Region(0, 0, 0, 0)
-    settings, counted = {
-        "nobody takes any": (
-            Settings(1, region=few, slip_period=rounds + 3 * twin.scan.slot(1), slip_places=places),
-            {"dropped" if sorts else "held", "slip_dropped"},
-        ),
-        "a tick each clock": (Settings(1, period=1, region=few), {"overrun"}),
-        "rounds too short": (Settings(1, slip_period=rounds - 1, slip_places=places), {"slip_overrun"}),
-    }[case]
-    made = Board(dut, settings)
     waits = case == "nobody takes any"
+    settings = Settings(1) if waits else Settings(1, period=1)
+    made = Board(dut, settings)
     if waits:
         bits = twin.part.data_bits
         made.value = lambda *_: 1 << bits - 1 if twin.part.signed else (1 << bits) - 1
     await made.start()
-    dut.out_ready_i.value = dut.slip_ready_i.value = int(not waits)
-    await made.run(twin.adc.start_clocks() + (4 if sorts else 12) * (settings.slip_period or rounds))
+    dut.out_ready_i.value = int(not waits)
+    clocks = 2 * twin.scan.frame_clocks(1) if waits else 0
+    await made.run(twin.adc.start_clocks() + clocks + 3 * twin.scan.slot(1))
     await ReadOnly()
-    assert made.counted() == counted
+    assert made.counted() == {("dropped" if twin.scan.buffer.sorts else "held") if waits else "overrun"}
     if waits:
-        assert bench.read(dut.out_user_o) == bench.read(dut.slip_user_o) == (1 << twin.lanes) - 1
+        assert bench.read(dut.out_user_o) == (1 << twin.lanes) - 1
 
 
 @bench.applies(lambda dut: twin_of(dut).part is not MCP3208)  # nothing tells that an MCP3208 does not answer
@@ -368,8 +322,8 @@ async def a_part_that_fails_spoils_no_frame(dut):
     marked = [beat for beat in made.beats if beat[4] >> twin.lanes - 1 & 1]
     lane = lambda beat: beat[1] >> (twin.lanes - 1) * twin.sample_bits
     assert sum(lane(beat) == 0 for beat in marked) >= (lost - 1) * min(twin.channels, twin.scan.beats)
-    conversions, *_ = twin.scan.schedule(settings, made.clock)
-    frames, _ = made.expected(conversions[: len(made.converts)])
+    conversions, _ = twin.scan.schedule(settings, made.clock)
+    frames = made.expected(conversions[: len(made.converts)])
     whole = frames[len(ids) // beats - 1][1]
     final = made.beats[(len(ids) // beats - 1) * beats :][:beats]
     assert [(beat[2], beat[1], beat[4]) for beat in final] == [(i, *whole[i]) for i in sorted(whole)]
@@ -378,7 +332,7 @@ async def a_part_that_fails_spoils_no_frame(dut):
 BUILDS = [
     {"Rows": 16, "Columns": 16, "Part": AD7606.number, "Channels": 8, "ClkKhz": 25_000},
     {"Rows": 3, "Columns": 3, "Part": MCP3208.number, "Channels": 3, "ClkKhz": 8_000, "SclkKhz": 2_000},
-    {"Rows": 8, "Columns": 8, "Part": MAX11123.number, "Channels": 8, "ClkKhz": 25_000, "SlipSlots": 2},
+    {"Rows": 8, "Columns": 8, "Part": MAX11123.number, "Channels": 8, "ClkKhz": 25_000},
     {"Rows": 4, "Columns": 15, "Part": MAX11125.number, "Channels": 4, "Lanes": 2, "ClkKhz": 50_000},
     {"Rows": 3, "Columns": 32, "Part": AD7606.number, "Channels": 8, "Lanes": 2, "ClkKhz": 20_000},
     {
