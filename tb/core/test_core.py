@@ -724,7 +724,7 @@ async def every_bit_of_a_counter_reaches_its_register(dut):
     if name == "array":
         array, packet = dut.gen_array.u_sensor.u_array, dut.u_link.gen_link.u_link.u_packet
         scan = array.u_source.gen_adc.u_scan_adc.u_scan
-        sources |= {"scan.dropped": scan.u_frames.dropped_o, "scan.overrun": scan.u_plan.overrun_o}
+        sources |= {"scan.dropped": scan.u_buffer.dropped_o, "scan.overrun": scan.u_plan.overrun_o}
         sources |= {"scan.held": scan.u_plan.held_o, "scan.lost": scan.lost_o}
         kinds = ("tared", "refused", "swallowed")
         sources |= {f"tare.{kind}": getattr(array.u_condition.gen_tare.u_tare, f"{kind}_o") for kind in kinds}

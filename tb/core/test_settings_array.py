@@ -378,7 +378,7 @@ async def each_counter_has_its_own_register_and_statistic(dut):
     scan, path = array.u_source.gen_adc.u_scan_adc.u_scan, dut.u_slip.gen_slip.u_slip_path.gen_parallel
     health, tare = array.u_condition.gen_health.u_health, array.u_condition.gen_tare.u_tare
     sources = {
-        **{"scan.dropped": scan.u_frames.dropped_o, "scan.overrun": scan.u_plan.overrun_o},
+        **{"scan.dropped": scan.u_buffer.dropped_o, "scan.overrun": scan.u_plan.overrun_o},
         **{"scan.held": scan.u_plan.held_o, "scan.lost": scan.lost_o},
         **{"slip.damaged": path.u_frame_filter.damaged_o, "slip.blanked": path.u_slip.blanked_o},
         **{f"health.{name}": getattr(health, f"{name}_o") for name in ("dead", "railed", "blinking")},
