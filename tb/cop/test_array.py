@@ -628,7 +628,7 @@ EVIDENCE = {
             "set": "cfg_tare_i:0",
             "quiet": "event_",
             # What a scan took as it was switched on, until it is switched off.
-            "kept": "settle_q period_q slip_row_q slip_group_q",
+            "kept": "settle_q period_q",
         },
         "kept_inside": {"u_calibrate": "calibrate", "u_tare": "tare", "u_health": "health"},
     },

@@ -350,7 +350,7 @@ EVIDENCE = {
         "driver": {
             "free": 40000,
             # What a scan took as it was switched on, until it is switched off.
-            "kept": "settle_q period_q slip_row_q slip_group_q",
+            "kept": "settle_q period_q",
             # What counts to a scan's next row, frame.
             "late": "left_q count_q",
             "part": 1,

@@ -280,25 +280,14 @@ BUILDS = [
 
 EVIDENCE = {
     "reference": {
-        "against": "columns of a region; clocks `by_hand`",
+        "against": "places from columns; rows and clocks `by_hand`",
         "test": "tb/frontend/test_front_references.py::test_a_scan_by_hand",
     },
     "equivalence": {
         "size": {"Rows": 5},
         "defined": True,
         "open": ["reset"],
-        "reset": {
-            "qualifiers": {
-                "switch_row_o": "switch_o",
-                "switch_group_o": "switch_o",
-                "frame_first_row_o": "!done_slip_o",
-                "frame_last_row_o": "!done_slip_o",
-                "frame_first_beat_o": "!done_slip_o",
-                "frame_last_beat_o": "!done_slip_o",
-                "frame_interleave_o": "!done_slip_o",
-            },
-            "since": {"done_*": "trigger_o", "frame_*": "trigger_o"},
-        },
+        "reset": {"since": {"done_*": "trigger_o"}},
     },
     "faults": {"inside": ["scan_adc", "u_plan."]},
 }
