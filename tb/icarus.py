@@ -8,6 +8,7 @@ factor that was never written is 0, but X there. Registers begin as X.
 
 import re
 
+import members
 from meissner.builds import toolchain
 
 REPLACED = (
@@ -30,8 +31,9 @@ REPLACED = (
 RESET = (
     2  # clocks of the first: msn_calibration_table's reads begin in a bank that the first clock makes known
 )
-# Among a block's ports.
-STRUCT = re.compile(r"^\s*(?:input|output)\s+msn_\w*pkg::\w+", re.M)
+# Among a block's ports: the struct of a group's settings, which becomes a vector, and others.
+SETTINGS = re.compile(r"\bmsn_registers_pkg::(\w+)_cfg_t(\s+cfg_i\b)")
+STRUCT = re.compile(r"^\s*(?:input|output)\s+msn_\w*pkg::(?!\w+_cfg_t\s+cfg_i\b)\w+", re.M)
 STRUCTS = "ports of a package's packed struct: Icarus 11 crashes on `package::type` there"
 
 
@@ -70,12 +72,24 @@ def named(found):
     return f"localparam [{width}] {values}; typedef logic [{width}] {name};"
 
 
+def of_vectors(text):
+    """A source with its struct of settings as a vector and each member as its bits."""
+    found = SETTINGS.search(text)
+    if not found or STRUCT.search(text):
+        return text
+    places = members.PLACES[f"{found[1]}_cfg"]
+    bits = {name: f"cfg_i[{low + width - 1}:{low}]" for name, (low, width) in places.items()}
+    top = max(low + width for low, width in places.values()) - 1
+    text = re.sub(r"\bcfg_i\.(\w+)", lambda used: bits[used[1]], text)
+    return SETTINGS.sub(rf"logic [{top}:0]\2", text)
+
+
 def adapted(sources, folder):
     """Copies of the sources in ``folder`` as Icarus reads them."""
     folder.mkdir(parents=True, exist_ok=True)
     copies = []
     for path in sources:
-        text = path.read_text()
+        text = of_vectors(path.read_text())
         for pattern, put in REPLACED:
             text = re.sub(pattern, put, text, flags=re.M)
         text = re.sub(r"typedef enum logic \[(\d+:0)\] \{([^}=]*)\} (\w+);", named, text)

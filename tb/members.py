@@ -48,6 +48,12 @@ def of(kind, word):
     return {name: word >> low & (1 << bits) - 1 for name, (low, bits) in PLACES[kind].items()}
 
 
+def slip_word(config):
+    """The word of slip_cfg for a SlipConfig; what it leaves open is all ones."""
+    values = {name: getattr(config, name) for name in PLACES["slip_cfg"]}
+    return word("slip_cfg", {name: -1 if value is None else int(value) for name, value in values.items()})
+
+
 def word(kind, values):
     """The struct's word of {name: value}, two's complement if below 0; what is not named is 0."""
     found = 0

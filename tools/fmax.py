@@ -24,6 +24,7 @@ from pathlib import Path
 from threading import Lock
 
 from meissner.builds.yowasp import ROOT, ToolError, chparam, read_rtl, synthesis, tool, warm_up, yosys
+from meissner.twins.link.registers import members, struct_word
 from verify import revision
 
 OUT = Path("build/fmax")  # relative to ROOT: YoWASP sees nothing outside the directory it starts in
@@ -78,18 +79,15 @@ def cop_entries():
 SLIP1 = {"Channels": 1, "SampleBits": 13, "TimerBits": 10}
 MCP3208_PINS = {"Adc": 1, "ClkKhz": 12000, "SclkKhz": 2000, "PeriodBits": 11}
 SMALLEST = SLIP1 | MCP3208_PINS | {"Serial": 1, "AdcPeriod": 1200}
+SLIP1_SETTINGS = {name: 0 for name in members("slip")} | {
+    **{"threshold": 23, "gross_threshold": 200, "keep_threshold": 11, "contact_level": 7000},
+    **{"release_level": 7400, "hold": 100, "refractory": 50, "blank": 250},
+}
 SLIP1_TIED = {
     "cfg_adc_enable_i": 1,
     "cfg_adc_period_i": 1200,
     "adc_busy_i": 0,
-    "cfg_threshold_i": 23,
-    "cfg_gross_threshold_i": 200,
-    "cfg_contact_level_i": 7000,
-    "cfg_release_level_i": 7400,
-    "cfg_contact_rises_i": 0,
-    "cfg_hold_i": 100,
-    "cfg_refractory_i": 50,
-    "cfg_blank_i": 250,
+    "cfg_i": struct_word("slip", SLIP1_SETTINGS, {"detail": 14, "timer": 10}),
     "actuator_moving_i": 0,
     "in_id_i": 0,
     "in_last_i": 1,

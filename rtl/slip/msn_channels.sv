@@ -40,15 +40,7 @@ module msn_channels #(
   output logic                         adc_reset_o,
   output logic                         convert_o,         // convert start: the instant of a frame's time
 
-  input  logic        [DetailBits-1:0] cfg_threshold_i,
-  input  logic        [DetailBits-1:0] cfg_gross_threshold_i,
-  input  logic signed [DetailBits-1:0] cfg_contact_level_i,
-  input  logic signed [DetailBits-1:0] cfg_release_level_i,
-  input  logic                         cfg_contact_rises_i,
-  input  logic        [TimerBits-1:0]  cfg_hold_i,
-  input  logic        [TimerBits-1:0]  cfg_refractory_i,
-  input  logic        [TimerBits-1:0]  cfg_blank_i,
-  input  logic        [DetailBits-1:0] cfg_keep_threshold_i,
+  input  msn_registers_pkg::slip_cfg_t cfg_i,
   input  logic                         actuator_moving_i,
 
   input  logic                         in_valid_i,
@@ -118,9 +110,7 @@ module msn_channels #(
     .TimerBits(TimerBits), .Mask(Mask), .Serial(Serial)
   ) u_slip_path (
     .clk_i, .rst_i,
-    .cfg_threshold_i, .cfg_gross_threshold_i, .cfg_contact_level_i, .cfg_release_level_i,
-    .cfg_contact_rises_i, .cfg_hold_i, .cfg_refractory_i, .cfg_blank_i, .cfg_keep_threshold_i,
-    .actuator_moving_i,
+    .cfg_i, .actuator_moving_i,
     .in_valid_i(sample_valid), .in_ready_o(sample_ready), .in_data_i(sample), .in_id_i(sample_id),
     .in_last_i(sample_last), .in_mask_i,
     .out_valid_o, .out_ready_i, .out_state_o, .out_raised_o, .out_over_o, .out_p2p_o, .out_id_o, .out_last_o,

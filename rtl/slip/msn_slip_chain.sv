@@ -84,12 +84,7 @@ module msn_slip_chain #(
       .TimerBits(TimerBits), .Mask(Mask), .Serial(Serial)
     ) u_slip_path (
       .clk_i, .rst_i,
-      .cfg_threshold_i(cfg_i.threshold[DetailBits-1:0]),
-      .cfg_gross_threshold_i(cfg_i.gross_threshold[DetailBits-1:0]),
-      .cfg_contact_level_i(cfg_i.contact_level[DetailBits-1:0]),
-      .cfg_release_level_i(cfg_i.release_level[DetailBits-1:0]), .cfg_contact_rises_i(cfg_i.contact_rises),
-      .cfg_hold_i(cfg_i.hold[TimerBits-1:0]), .cfg_refractory_i(cfg_i.refractory[TimerBits-1:0]),
-      .cfg_blank_i(cfg_i.blank[TimerBits-1:0]), .cfg_keep_threshold_i(cfg_i.keep_threshold[DetailBits-1:0]),
+      .cfg_i,
       .actuator_moving_i(moving),
       .in_valid_i(sample_valid), .in_ready_o(sample_ready), .in_data_i(sample), .in_id_i(sample_id),
       .in_last_i(sample_last), .in_mask_i(sample_mask),
@@ -122,7 +117,7 @@ module msn_slip_chain #(
     assign in_ready_o = 1'b1;
     assign {busy_o, status_o} = '0;
     logic unused_slip;
-    assign unused_slip = ^{actuator_moving_i, in_valid_i, in_data_i, in_id_i, in_last_i, in_mask_i};
+    assign unused_slip = ^{cfg_i, actuator_moving_i, in_valid_i, in_data_i, in_id_i, in_last_i, in_mask_i};
   end
 
   logic offered;  // the decision is one that the flags have seen: a packet's sender may let it wait
@@ -132,8 +127,5 @@ module msn_slip_chain #(
     .in_valid_i(out_valid_o && !offered), .in_state_i(out_o.state), .in_last_i(out_o.last),
     .slip_o, .gross_o, .touched_o
   );
-
-  logic unused_cfg;  // the bits that this build has not
-  assign unused_cfg = ^cfg_i;
 
 endmodule

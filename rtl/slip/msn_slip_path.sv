@@ -24,15 +24,7 @@ module msn_slip_path #(
   input  logic                         clk_i,
   input  logic                         rst_i,
 
-  input  logic        [DetailBits-1:0] cfg_threshold_i,
-  input  logic        [DetailBits-1:0] cfg_gross_threshold_i,
-  input  logic signed [DetailBits-1:0] cfg_contact_level_i,
-  input  logic signed [DetailBits-1:0] cfg_release_level_i,
-  input  logic                         cfg_contact_rises_i,
-  input  logic        [TimerBits-1:0]  cfg_hold_i,
-  input  logic        [TimerBits-1:0]  cfg_refractory_i,
-  input  logic        [TimerBits-1:0]  cfg_blank_i,
-  input  logic        [DetailBits-1:0] cfg_keep_threshold_i,
+  input  msn_registers_pkg::slip_cfg_t cfg_i,
   input  logic                         actuator_moving_i,
 
   input  logic                         in_valid_i,
@@ -64,12 +56,33 @@ module msn_slip_path #(
   if (Hop < Group || Hop > Window || Hop % Group != 0) begin : gen_check_hop
     $fatal(1, "msn_slip_path: Hop = %0d must be a multiple of %0d up to Window", Hop, Group);
   end
+  if (DetailBits > 20) begin : gen_check_detail_bits
+    $fatal(1, "msn_slip_path: SampleBits = %0d must be at most %0d", SampleBits, 20 - Level);
+  end
+  if (TimerBits > 16) begin : gen_check_timer_bits
+    $fatal(1, "msn_slip_path: TimerBits = %0d must be at most 16", TimerBits);
+  end
   if (Mask && Serial) begin : gen_check_mask
     $fatal(1, "msn_slip_path: Mask = 1 must have Serial = 0");
   end
   if (Serial && (Channels != 1 || Hop != Window)) begin : gen_check_serial
     $fatal(1, "msn_slip_path: Serial = 1 must have Channels = 1 and Hop = Window");
   end
+
+  // Of each setting the bits that this build has.
+  logic        [DetailBits-1:0] threshold, gross_threshold, keep_threshold;
+  logic signed [DetailBits-1:0] contact_level, release_level;
+  logic        [TimerBits-1:0]  hold, refractory, blank;
+  assign threshold       = DetailBits'(cfg_i.threshold);
+  assign gross_threshold = DetailBits'(cfg_i.gross_threshold);
+  assign keep_threshold  = DetailBits'(cfg_i.keep_threshold);
+  assign contact_level   = signed'(DetailBits'(cfg_i.contact_level));
+  assign release_level   = signed'(DetailBits'(cfg_i.release_level));
+  assign hold            = TimerBits'(cfg_i.hold);
+  assign refractory      = TimerBits'(cfg_i.refractory);
+  assign blank           = TimerBits'(cfg_i.blank);
+  logic unused_cfg;
+  assign unused_cfg = ^cfg_i;
 
   if (Serial) begin : gen_serial
     assign out_id_o   = '0;
@@ -80,8 +93,10 @@ module msn_slip_path #(
       .SampleBits(SampleBits), .Level(Level), .Window(Window), .TimerBits(TimerBits)
     ) u_slip (
       .clk_i, .rst_i,
-      .cfg_threshold_i, .cfg_gross_threshold_i, .cfg_contact_level_i, .cfg_release_level_i,
-      .cfg_contact_rises_i, .cfg_hold_i, .cfg_refractory_i, .cfg_blank_i, .cfg_keep_threshold_i,
+      .cfg_threshold_i(threshold), .cfg_gross_threshold_i(gross_threshold),
+      .cfg_contact_level_i(contact_level), .cfg_release_level_i(release_level),
+      .cfg_contact_rises_i(cfg_i.contact_rises), .cfg_hold_i(hold), .cfg_refractory_i(refractory),
+      .cfg_blank_i(blank), .cfg_keep_threshold_i(keep_threshold),
       .actuator_moving_i,
       .in_valid_i, .in_ready_o, .in_data_i, .in_id_i(in_id_i[0]), .in_last_i,
       .out_valid_o, .out_ready_i, .out_state_o, .out_raised_o, .out_over_o, .out_p2p_o, .out_end_o,
@@ -138,8 +153,10 @@ module msn_slip_path #(
       .Channels(Channels), .DetailBits(DetailBits), .TimerBits(TimerBits), .Mask(Mask)
     ) u_slip (
       .clk_i, .rst_i,
-      .cfg_threshold_i, .cfg_gross_threshold_i, .cfg_contact_level_i, .cfg_release_level_i,
-      .cfg_contact_rises_i, .cfg_hold_i, .cfg_refractory_i, .cfg_blank_i, .cfg_keep_threshold_i,
+      .cfg_threshold_i(threshold), .cfg_gross_threshold_i(gross_threshold),
+      .cfg_contact_level_i(contact_level), .cfg_release_level_i(release_level),
+      .cfg_contact_rises_i(cfg_i.contact_rises), .cfg_hold_i(hold), .cfg_refractory_i(refractory),
+      .cfg_blank_i(blank), .cfg_keep_threshold_i(keep_threshold),
       .actuator_moving_i,
       .in_valid_i(window_valid), .in_ready_o(window_ready), .in_p2p_i(window_p2p), .in_total_i(window_total),
       .in_id_i(window_id), .in_last_i(window_last), .in_restart_i(window_restart), .in_mask_i(window_mask),

@@ -5,7 +5,7 @@ and "status.<name>" are members of what registers give and get."""
 import bench
 import members
 
-STRUCTS = {members.CFG: "registers.cfg_o", members.STATUS: "registers.status_i"}
+STRUCTS = {members.CFG: "registers.cfg_o", members.STATUS: "registers.status_i", "slip_cfg": "slip.cfg_i"}
 
 # By a block that such wires need: from, to, and what stands for {} in both. "~": signed, and widened.
 WIRES = {
@@ -172,8 +172,9 @@ GLUE = {
     "slip": {"flags.in_valid_i": lambda v: v("slip.out_valid_o") and not v("chain.offered")},
 }
 
-# A setting arrives at cfg_<its name>_i of its group's block, but these, elsewhere or as glue says.
-OWN = {"slip": "slip", "adc": "acquire", "cop4": "cop4", "cop_slip": "cop_slip"}
+# A setting arrives at cfg_<its name>_i of its group's block, but these, elsewhere or as glue says; those of
+# slip in the struct of its path.
+OWN = {"adc": "acquire", "cop4": "cop4", "cop_slip": "cop_slip"}
 OWN |= dict.fromkeys(("scan", "health", "tare", "cop"), "array")
 ELSEWHERE = {
     **{"tare.word.value": "array.cfg_zero_word_i", "tare.zero.value": "array.cfg_zero_i"},
@@ -191,6 +192,8 @@ OF_GLUE = (
 def port_of(group, register, field):
     """The port at which a setting arrives; None if it is not there as it was written."""
     name = f"{group}.{register}.{field}"
+    if group == "slip":
+        return f"slip_cfg.{members.member(register, field)}"
     return None if name in OF_GLUE else ELSEWHERE.get(name, f"{OWN.get(group)}.cfg_{register}_i")
 
 

@@ -9,6 +9,7 @@ import cocotb
 import numpy as np
 
 import bench
+import members
 from reference.slip import NUMBERS, SlipPathReference
 
 FIELDS = ["state", "raised", "over", "p2p", "end"]
@@ -26,7 +27,9 @@ async def decides_as_the_loop(dut, rises):
     settings["contact_rises"] = rises
     given = {port._name: 0 for port in dut if port._name.startswith("cfg_")}
     await bench.start(dut, **given, actuator_moving_i=0)
-    for name, number in settings.items():
+    if hasattr(dut, "cfg_i"):
+        dut.cfg_i.value = members.word("slip_cfg", {name: int(number) for name, number in settings.items()})
+    for name, number in settings.items() if not hasattr(dut, "cfg_i") else ():
         port = getattr(dut, f"cfg_{name}_i")
         port.value = int(number) & ((1 << len(port)) - 1)
     rng, samples = np.random.default_rng(bench.SEED), 40 * window

@@ -14,6 +14,7 @@ from cocotb.triggers import ReadOnly, RisingEdge
 from cocotb.utils import get_sim_time
 
 import bench
+import members
 from meissner.twins.frontend.acquire import Acquire
 from meissner.twins.frontend.adc_spi import AD7606, MCP3208, PARTS, AdcSpi
 from meissner.twins.slip.channels import of_codes
@@ -55,11 +56,7 @@ class Rubber:
 
 
 def put(dut, config):
-    names = "threshold gross_threshold contact_level release_level hold refractory blank contact_rises"
-    names += " keep_threshold"
-    for name in names.split():
-        port, value = getattr(dut, f"cfg_{name}_i"), getattr(config, name)
-        port.value = int(-1 if value is None else value) & ((1 << len(port)) - 1)
+    dut.cfg_i.value = members.slip_word(config)
 
 
 def twin_of(dut):
@@ -331,7 +328,7 @@ EVIDENCE = {
             "free": 60000,
             "part": 1,
             "late": "left_q",
-            "set": "cfg_adc_period_i:160 cfg_contact_level_i:d0 cfg_release_level_i:c0",
+            "set": "cfg_adc_period_i:160 slip.contact_level:d0 slip.release_level:c0",
         },
     },
 }

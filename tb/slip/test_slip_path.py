@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import bench
+import members
 from meissner.engines import fixed
 from meissner.twins.slip.config import SlipConfig
 from meissner.twins.slip.haar import haar
@@ -35,13 +36,8 @@ def settings(dut):
 
 
 async def begin(dut, config):
-    names = "threshold gross_threshold contact_level release_level hold refractory blank contact_rises"
-    names += " keep_threshold"
-    registers = {f"cfg_{name}_i": getattr(config, name) for name in names.split()}
-    none = (1 << len(dut.cfg_keep_threshold_i)) - 1
-    registers = {port: none if value is None else int(value) for port, value in registers.items()}
     dut.in_mask_i.value = 0
-    await bench.start(dut, actuator_moving_i=0, **registers)
+    await bench.start(dut, actuator_moving_i=0, cfg_i=members.slip_word(config))
 
 
 def recording(rng, channels, samples):
@@ -361,6 +357,9 @@ def test_slip_path_by_hand(parameters):
         ({"Serial": 1, "Hop": 32}, "Serial = 1"),
         ({"Serial": 1, "Channels": 2}, "Serial = 1"),
         ({"Serial": 1, "Mask": 1}, "Mask = 1"),
+        ({"SampleBits": 20, "Level": 1}, "SampleBits = 20 must be at most 19"),
+        ({"SampleBits": 19, "Level": 2, "Window": 64}, "SampleBits = 19 must be at most 18"),
+        ({"TimerBits": 17}, "TimerBits = 17"),
     ],
 )
 def test_refuses_illegal_parameters(parameters, message):

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from meissner.builds import toolchain
+from meissner.twins.link.registers import members
 from verify import benches, evidence, revision
 
 DRIVER = Path(__file__).with_name("faults_driver.cpp")
@@ -194,10 +195,24 @@ def settings():
     return ["cfg_o", *re.findall(r"^\s*logic (?:\[\d+:0\] )?(\w+_(?:q|pending));$", source, re.M)]
 
 
+def placed(text):
+    """The option ``set`` with each GROUP.SETTING as its bits of the block's port cfg_i."""
+
+    def bits(found):
+        group, setting = found.groups()
+        listed = list(members(group).items())
+        below = [field.width for _, field in listed[[name for name, _ in listed].index(setting) + 1 :]]
+        return f"cfg_i[{sum(below) + members(group)[setting].width - 1}:{sum(below)}]:"
+
+    return re.sub(r"\b(\w+)\.(\w+):", bits, text)
+
+
 def inject(block, count, seed):
     """``count`` upsets and a share of every other fault; a Result for each."""
     around, instance = stated(block, "inside", (block, ""))
     options = stated(around, "driver", {})
+    if "set" in options:
+        options = options | {"set": placed(options["set"])}
     if kept := kept_of(around):
         options = options | {"kept": " ".join(kept)}
     if instance:

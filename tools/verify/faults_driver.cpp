@@ -27,7 +27,8 @@
 //                Frames may then shift in time: each must be one of the undisturbed run's
 //   carrier=N    the codes are those of a carrier, a quarter of whose period is N words
 //   lead=ROWS    of one that runs by itself: that much of the recording first, which writes tables
-//   set=PORT:VALUE,..  these inputs at other values than those of the recording, in hexadecimal
+//   set=PORT:VALUE,..  these inputs at other values than those of the recording, in hexadecimal; of a struct
+//                      PORT[HIGH:LOW]:VALUE, for which a test writes GROUP.SETTING:VALUE
 //   quiet=NAMES  streams out that give less than a few frames
 //   ready=NAMES  streams out that are not stalled by chance: what they could not give in time comes in another frame
 //
@@ -339,9 +340,20 @@ void read(const char *path) {
     }
     rows.resize(option("free", 1), usual);
     for (const auto &one : names("set")) {
-      const size_t colon = one.find(':');
+      const size_t colon = one.rfind(':'), bracket = std::min(one.find('['), colon);
       const auto value = static_cast<uint32_t>(std::stoul(one.substr(colon + 1), nullptr, 16));
-      for (auto &row : rows) row[offset[find(one.substr(0, colon))]] = value;
+      const size_t port = find(one.substr(0, bracket));
+      if (bracket == colon) {
+        for (auto &row : rows) row[offset[port]] = value;
+        continue;
+      }
+      const size_t high = std::stoul(one.substr(bracket + 1));
+      const size_t low = std::stoul(one.substr(one.find(':', bracket) + 1));
+      for (auto &row : rows)
+        for (size_t bit = low; bit <= high; ++bit) {
+          auto &word = row[offset[port] + bit / 32];
+          word = (word & ~(1u << bit % 32)) | (value >> (bit - low) & 1) << bit % 32;
+        }
     }
     return;
   }

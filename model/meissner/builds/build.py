@@ -12,6 +12,7 @@ from meissner.twins.frontend.scan_adc import ScanAdc
 from meissner.twins.link import cobs, packet
 from meissner.twins.link.registers import RESET_BITS, reset_word
 from meissner.twins.slip.config import SAMPLE_BITS, TIMER_BITS, SlipConfig
+from meissner.twins.slip.slip_path import check_serial
 
 PARTS = {part.name.upper(): part for part in ADC_PARTS.values()}
 
@@ -144,11 +145,7 @@ class Config:
         else:
             found |= {"adc.enable": 1, "adc.period": self.period_clocks}
         if self.slip:
-            keys = ("threshold", "gross_threshold", "contact_level", "release_level", "contact_rises")
-            keys += ("hold", "refractory", "blank")
-            found |= {f"slip.{key}": int(getattr(self.slip, key)) for key in keys}
-            if self.slip.keep_threshold is not None:
-                found["slip.keep_threshold"] = self.slip.keep_threshold
+            found |= {f"slip.{name}": value for name, value in self.slip.settings.items()}
         if self.cop4:
             found |= {f"cop4.{key}": value for key, value in asdict(self.cop4.registers).items()}
             if self.cop4.terms:
@@ -224,6 +221,11 @@ class Config:
             raise ValueError(
                 "[slip]: serial must go with one channel of at most 12 bits and registers = false"
             )
+        if self.serial:
+            try:
+                check_serial(self.channels, self.slip)
+            except ValueError as problem:
+                raise ValueError(f"[slip]: {problem}") from None
         if self.link["slip_only"] and (self.kind != "channels" or self.link["registers"]):
             raise ValueError("[link]: slip_only must go with single channels and registers = false")
         if self.link["images"] and self.kind != "array":

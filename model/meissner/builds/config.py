@@ -18,7 +18,7 @@ from meissner.check import between, fields, not_negative, one_of, positive, show
 from meissner.plain import plain
 from meissner.twins.cop.cop_slip import CopSlipRegisters
 from meissner.twins.frontend.adc_spi import AdcSpi
-from meissner.twins.slip.config import SlipConfig
+from meissner.twins.slip.config import SWITCHES, SlipConfig
 
 FOLDER = Path(__file__).parent / "configs"
 SMALLEST, LARGEST = 1e-12, 1e12
@@ -55,12 +55,12 @@ def _with(where, table, required, defaults):
 def _slip(at, table, config):
     """(serial, SlipConfig) of [slip], thresholds in newtons of an array's taxels, in volts else."""
     unit, of = ("n", "newtons") if config.kind == "array" else ("v", "volts")
-    codes, times = SLIP_CODES, ("hold", "refractory", "blank")
+    codes, times, rises = SLIP_CODES, ("hold", "refractory", "blank"), config.kind == "array"
     given = _with(
         at,
         table,
         dict.fromkeys((f"{key}_{unit}" for key in codes), float),
-        SLIP | {"contact_rises": config.kind == "array", "serial": False, f"keep_threshold_{unit}": 0.0},
+        SLIP | SWITCHES | {"contact_rises": rises, "serial": False, f"keep_threshold_{unit}": 0.0},
     )
     one_of(at, "level", given["level"], (1, 2, 3))
     if "hop" not in table:
@@ -70,11 +70,10 @@ def _slip(at, table, config):
     keep = f"keep_threshold_{unit}"
     try:
         found = SlipConfig(
-            *(given[key] for key in ("window", "hop", "level")),
-            *(units.code(f"slip.{key}", of, given[f"{key}_{unit}"]) for key in codes),
-            given["contact_rises"],
-            *(units.code(f"slip.{key}", "seconds", given[f"{key}_ms"] / 1000) for key in times),
-            units.code("slip.keep_threshold", of, given[keep]) if keep in table else None,
+            **{key: given[key] for key in ("window", "hop", "level", *SWITCHES)},
+            **{key: units.code(f"slip.{key}", of, given[f"{key}_{unit}"]) for key in codes},
+            **{key: units.code(f"slip.{key}", "seconds", given[f"{key}_ms"] / 1000) for key in times},
+            keep_threshold=units.code("slip.keep_threshold", of, given[keep]) if keep in table else None,
         )
     except ValueError as problem:
         raise ValueError(f"{at}: {problem}") from None

@@ -1,4 +1,6 @@
 // Batch driver of the Verilated core behind a C ABI: whole arrays in, whole arrays out.
+#include <cstring>
+
 #include "Vmsn_channels.h"
 #include "Vmsn_channels___024root.h"
 #include "adc_parts.hpp"
@@ -27,30 +29,16 @@ auto decisions_of(const Core &core, uint32_t *p2p, uint8_t *flags, int64_t room)
 
 extern "C" {
 
-// The registers of the slip path, in the units of their ports.
-struct SlipRegisters {
-  int64_t threshold, gross_threshold, contact_level, release_level, contact_rises, hold, refractory, blank,
-      keep_threshold;
-};
-
 Core *core_new() { return new Core; }
 
 void core_delete(Core *core) { delete core; }
 
-// Reset the core and set its registers; 0, or kNoRoom.
-int64_t core_start(Core *core, const SlipRegisters *registers, int32_t detail_bits, int32_t timer_bits) {
+// Reset the core with the settings of the slip path, msn_registers_pkg::slip_cfg_t, lowest byte first; 0, or
+// kNoRoom if they are not as many bytes as its port has.
+int64_t core_start(Core *core, const char *settings, int64_t bytes) {
   auto &top = core->top;
-  meissner::Settings settings;
-  settings.put(top.cfg_threshold_i, registers->threshold, detail_bits);
-  settings.put(top.cfg_gross_threshold_i, registers->gross_threshold, detail_bits);
-  settings.put_signed(top.cfg_contact_level_i, registers->contact_level, detail_bits);
-  settings.put_signed(top.cfg_release_level_i, registers->release_level, detail_bits);
-  settings.put(top.cfg_contact_rises_i, registers->contact_rises, 1);
-  settings.put(top.cfg_hold_i, registers->hold, timer_bits);
-  settings.put(top.cfg_refractory_i, registers->refractory, timer_bits);
-  settings.put(top.cfg_blank_i, registers->blank, timer_bits);
-  settings.put(top.cfg_keep_threshold_i, registers->keep_threshold, detail_bits);
-  if (!settings.ok) return meissner::kNoRoom;
+  if (bytes != sizeof(top.cfg_i)) return meissner::kNoRoom;
+  std::memcpy(&top.cfg_i, settings, sizeof(top.cfg_i));
   top.actuator_moving_i = 0;
   core->start();
   return 0;

@@ -8,9 +8,8 @@ from meissner.twins.cop.cop_accumulate import moments
 from meissner.twins.cop.cop_divide import cop_divide
 from meissner.twins.cop.cop_slip import CopSlip
 from meissner.twins.frontend.calibrate import forces as calibrated
-from meissner.twins.slip.haar import haar
 from meissner.twins.slip.peak_to_peak import sliding
-from meissner.twins.slip.slip_path import decide
+from meissner.twins.slip.slip_path import decide, details
 
 
 def watch(x, config, moving=None):
@@ -32,8 +31,8 @@ def windows(x, config, count):
     piece = max(1, (1 << 15) // (config.hop * len(x)))
     for start in range(0, count, piece):
         stop = min(count, start + piece)
-        samples = x[:, start * config.hop : (stop - 1) * config.hop + config.window]
-        detail = haar(samples.astype(np.int32), config.level)[0]
+        last = (stop - 1) * config.hop + config.window
+        detail, _ = details(x, config, start=start * config.hop, stop=last)
         if hop == span:
             part = detail.reshape(len(x), stop - start, span)
             p2p[:, start:stop] = part.max(axis=2) - part.min(axis=2)

@@ -12,8 +12,9 @@ from meissner.engines.float_slip import states
 HALF_CODE = 0.5
 
 
-def _coefficients(x, level):
+def _coefficients(x, config):
     """Detail and sum in codes: PyWavelets' cD and cA of that level times sqrt(2)**level."""
+    level = config.level
     whole = x.shape[1] >> level << level
     approximation, detail, *_ = pywt.wavedec(
         x[:, :whole].astype(np.float64), "haar", mode="periodization", level=level
@@ -47,7 +48,7 @@ def first_crossing(x, config, start=0):
 
     The earliest that any detector with this wavelet, window and threshold can know; ``x``: [samples].
     """
-    detail, _ = _coefficients(np.asarray(x)[None], config.level)
+    detail, _ = _coefficients(np.asarray(x)[None], config)
     p2p = _sliding(detail, config.window >> config.level)[0]
     crossing = np.flatnonzero(p2p[start:] > config.threshold + HALF_CODE)
     return start + int(crossing[0]) if len(crossing) else None
@@ -55,7 +56,7 @@ def first_crossing(x, config, start=0):
 
 def watch(x, config, moving=None):
     """Run the slip path over ``x`` [channels, samples] with ``moving`` [samples]; returns Watched."""
-    detail, total = _coefficients(x, config.level)
+    detail, total = _coefficients(x, config)
     group = 1 << config.level
     span, hop = config.window // group, config.hop // group
     p2p = _running(detail, span, hop)
@@ -76,7 +77,7 @@ def windows(x, config, count):
     """(p2p, slip, first) [channels, windows]: ``first`` is the detail of a tumbling window that crosses."""
     group = 1 << config.level
     span, hop = config.window // group, config.hop // group
-    detail, _ = _coefficients(x, config.level)
+    detail, _ = _coefficients(x, config)
     limit = config.threshold + HALF_CODE
     if hop != span:
         p2p = _running(detail, span, 1 if span > 2 else hop)[:, span - 1 :: hop]

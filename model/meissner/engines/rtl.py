@@ -12,22 +12,13 @@ from meissner.engines.rtl_cop import cop  # noqa: F401 - this engine's centre of
 from meissner.engines.rtl_cop4 import cop4, cop_slip  # noqa: F401 - of four electrodes
 from meissner.engines.rtl_frontend import calibrate, demodulate  # noqa: F401 - and its front end
 from meissner.engines.verilated import library
+from meissner.twins.link.registers import members, struct_word
 from meissner.twins.slip.config import SAMPLE_BITS, TIMER_BITS
 
 ADC_PARTS = {"MCP3208": 1, "AD7606": 2}  # msn_pkg::adc_part_e
 # The clock of a pin-level run: the slowest that gives the MCP3208 its full 2 MHz, as simulation time counts
 # clocks. BUSY then lasts the AD7606's 4 us.
 PIN_CLK_KHZ, PIN_SCLK_KHZ, PIN_BUSY_CLOCKS = 4000, 2000, 16
-
-
-class _SlipRegisters(ctypes.Structure):
-    _fields_ = tuple(
-        (name, ctypes.c_int64)
-        for name in (
-            *("threshold", "gross_threshold", "contact_level", "release_level", "contact_rises"),
-            *("hold", "refractory", "blank", "keep_threshold"),
-        )
-    )
 
 
 class _PinFacts(ctypes.Structure):
@@ -43,9 +34,7 @@ def _open(path):
     lib.core_new.restype = ctypes.c_void_p
     lib.core_delete.argtypes = [ctypes.c_void_p]
     lib.core_start.restype = ctypes.c_int64
-    lib.core_start.argtypes = [
-        *(ctypes.c_void_p, ctypes.POINTER(_SlipRegisters), ctypes.c_int32, ctypes.c_int32),
-    ]
+    lib.core_start.argtypes = [ctypes.c_void_p, ctypes.c_char_p, ctypes.c_int64]
     lib.core_slip.restype = ctypes.c_int64
     pointer = ctypes.c_void_p
     lib.core_slip.argtypes = [
@@ -64,16 +53,24 @@ def _open(path):
     return lib
 
 
+def _settings(config):
+    """The bytes of msn_channels' cfg_i, the lowest first, in whole words: each setting of the group slip."""
+    fields = members("slip")
+    values = {member: int(getattr(config, member) or 0) for member in fields}
+    values["keep_threshold"] = config.keeps_above
+    word = struct_word("slip", values, {"detail": SAMPLE_BITS + config.level, "timer": TIMER_BITS})
+    words = -(-sum(field.width for field in fields.values()) // 32)
+    return word.to_bytes(4 * words, "little")
+
+
 class Core:
     """One Verilated core with its registers set; ``parameters`` are those of rtl/slip/msn_channels.sv."""
 
     def __init__(self, parameters, config, trace=False):
         self._lib = _open(library("msn_channels", "channels_driver.cpp", parameters, trace))
         self._core = self._lib.core_new()
-        values = {name: int(getattr(config, name)) for name, _ in _SlipRegisters._fields_[:-1]}
-        settings = _SlipRegisters(**values, keep_threshold=config.keeps_above)
-        bits = SAMPLE_BITS + config.level
-        verilated.check_room(self._lib.core_start(self._core, settings, bits, TIMER_BITS))
+        settings = _settings(config)
+        verilated.check_room(self._lib.core_start(self._core, settings, len(settings)))
 
     def __enter__(self):
         return self

@@ -17,10 +17,10 @@ from meissner.host import names
 from meissner.twins.link import bridge, cobs
 from meissner.twins.link import packet as p
 from meissner.twins.link.registers import Registers, reset_word
-from meissner.twins.slip.config import SAMPLE_BITS, TIMER_BITS, SlipConfig
-from meissner.twins.slip.haar import haar
+from meissner.twins.slip.config import SAMPLE_BITS, SWITCHES, TIMER_BITS, SlipConfig
 from meissner.twins.slip.peak_to_peak import PeakToPeak
 from meissner.twins.slip.slip import Slip, State
+from meissner.twins.slip.slip_path import details
 
 CLK_KHZ = 25_000
 STATISTIC_CLOCKS = 1 << 20
@@ -123,15 +123,14 @@ class SimulatedCore:
             if name.startswith("slip.") and names.place(name).writable:
                 key = name.removeprefix("slip.")
                 values[key] = names.place(name).value(self.registers.setting("slip", key))
-        values["contact_rises"] = bool(values["contact_rises"])
+        for name in SWITCHES:
+            values[name] = bool(values[name])
         return SlipConfig(level=self.level, **build, **values)
 
 
 def settings_of(config):
     """{name: value} of the group slip's registers for a SlipConfig."""
-    keys = [name.removeprefix("slip.") for name in names.PLACES if name.startswith("slip.")]
-    values = {key: getattr(config, key, None) for key in keys}  # None: no such setting, or none is set
-    return {f"slip.{key}": int(value) for key, value in values.items() if value is not None}
+    return {f"slip.{name}": value for name, value in config.settings.items()}
 
 
 def blocks_of(codes, level=1, loop=False):
@@ -160,8 +159,10 @@ def slip_source(blocks, rate_hz, window=64, hop=64):
             if twin is None:
                 spans = PeakToPeak(len(codes), window // group, hop // group)
                 twin, flag = Slip(len(codes), config), np.zeros((len(codes), 1), dtype=bool)
+                before = codes[:, :0]
             twin.config = config
-            detail, total = haar(codes, level)
+            detail, total = details(np.concatenate([before, codes], axis=1), config, start=before.shape[1])
+            before = codes
             p2p, _ = spans.next(detail)
             state = twin.next(p2p, total)
             slipping = (state == State.INCIPIENT) | (state == State.GROSS)

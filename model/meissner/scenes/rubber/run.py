@@ -8,8 +8,8 @@ from meissner import engines, scenes
 from meissner.engines.float import first_crossing
 from meissner.scenes.results import check_waves, finish, table
 from meissner.scenes.rubber import pictures as report
-from meissner.twins.slip.haar import haar
 from meissner.twins.slip.slip import State
+from meissner.twins.slip.slip_path import details
 
 SHOWN = (
     "the sensor's voltage, its Haar detail, the peak to peak over the window with the threshold, the state "
@@ -253,7 +253,7 @@ def _arrays(recording, watched, config, prefix):
 
 
 def _draw(path, recording, watched, config, verdict):
-    detail, _ = haar(recording.codes[None], config.level)
+    detail, _ = details(recording.codes[None], config)
     group = 1 << config.level
     volts = recording.scene.adc.lsb_v / 2 ** (config.level / 2)  # of one code of the unnormalised detail
     report.draw_slip(

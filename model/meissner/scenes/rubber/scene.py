@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from meissner.check import fields, one_of, positive
+from meissner.check import fields, one_of, positive, shown
 from meissner.physics import plate, rubber
 from meissner.physics.adc import PARTS, Adc
-from meissner.twins.slip.config import SlipConfig
+from meissner.twins.slip.config import SWITCHES, SlipConfig
 
 COMPONENTS = (
     "rubber divider",
@@ -81,6 +81,7 @@ class Slip:
     hold_s: float
     refractory_s: float
     blank_s: float
+    switches: dict  # of SlipConfig, those that are not for the sensor to say
 
 
 @dataclass(frozen=True)
@@ -151,6 +152,7 @@ class Scene:
             contact_level=level(slip.contact_v),
             release_level=level(slip.release_v),
             contact_rises=False,
+            **slip.switches,
             hold=details(slip.hold_s),
             refractory=details(slip.refractory_s),
             blank=details(slip.blank_s),
@@ -188,6 +190,15 @@ class Recording:
     left_out: tuple
 
 
+def _switches(where, table):
+    """({name: value} of the switches in [slip], what else is there); what is not there is as ever."""
+    switches = {key: table.pop(key, SWITCHES[key]) for key in SWITCHES if key != "contact_rises"}
+    for key, value in switches.items():
+        if not isinstance(value, bool):
+            raise ValueError(f"{where}: {key} = {shown(value)} must be true or false")
+    return switches, table
+
+
 def build(name, table):
     """Check a scene's table and return the Scene; ValueError with one sentence if it cannot be."""
     where = f"scene {name}"
@@ -198,7 +209,8 @@ def build(name, table):
     for feature in top["features"]:
         one_of(where, "features", feature, ("slip",))
 
-    slip = Slip(**fields(f"{where}, [slip]", top["slip"], _SLIP))
+    switches, slip = _switches(f"{where}, [slip]", dict(top["slip"]))
+    slip = Slip(**fields(f"{where}, [slip]", slip, _SLIP), switches=switches)
     if not slip.contact_v < slip.release_v:
         raise ValueError(f"{where}, [slip]: contact_v = {slip.contact_v} must be below release_v")
     if slip.keep_threshold_v > slip.threshold_v:

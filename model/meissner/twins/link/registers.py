@@ -47,6 +47,31 @@ def reset_word(values, widths=None):
     return word
 
 
+def members(name):
+    """{member: field} of the settings in msn_registers_pkg::<name>_cfg_t, the highest bits first."""
+    [group] = [group for group in GROUPS if group.name == name]
+    return {
+        register.name if field.name == "value" else f"{register.name}_{field.name}": field
+        for register in group.registers
+        for field in register.fields
+        if field.kind == "setting"
+    }
+
+
+def struct_word(name, values, widths):
+    """The number that the struct of a group is with {member: value}: one without strobes and commands.
+
+    ``widths``: as of ``reset_word``; ValueError for a value without room in them.
+    """
+    word = 0
+    for member, field in members(name).items():
+        least, most = field.ends(widths[field.held_to] if field.held_to else None)
+        if not least <= values[member] <= most:
+            raise ValueError(f"{name}.{member} = {values[member]} is wider than the core has bits for")
+        word = word << field.width | values[member] & field.most
+    return word
+
+
 class Registers:
     """The registers of a build with the groups named in ``features`` (None: all).
 

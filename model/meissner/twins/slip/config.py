@@ -71,6 +71,17 @@ class SlipConfig:
                 raise ValueError(f"{name} = {getattr(self, name)} must not be below -{limits[name]}")
 
     @property
+    def settings(self):
+        """{name: value} of the registers of the group slip that it determines."""
+        built = ("window", "hop", "level")  # parameters of the RTL
+        found = {field.name: getattr(self, field.name) for field in fields(self) if field.name not in built}
+        return {name: int(value) for name, value in found.items() if value is not None}
+
+    @property
     def keeps_above(self):
         """The peak-to-peak above which a flag that is up stays up: never more than ``threshold``."""
         return self.threshold if self.keep_threshold is None else min(self.keep_threshold, self.threshold)
+
+
+# The settings that are on or off, with what they are if nobody sets them.
+SWITCHES = {field.name: field.default for field in fields(SlipConfig) if field.type is bool}

@@ -23,6 +23,21 @@ class Decisions:
     blanked: int
 
 
+def check_serial(channels, config):
+    """ValueError for what the path with two bits a clock cannot do."""
+    if channels != 1 or config.hop != config.window:
+        raise ValueError("serial must go with one channel and hop = window")
+
+
+def details(x, config, mask=None, start=0, stop=None):
+    """(detail, total) of the samples start .. stop of ``x`` [channels, samples], as the windows get them.
+
+    A detail may depend on samples before its own: these are to be in ``x``.
+    """
+    mask = None if mask is None else mask[:, start:stop]
+    return haar(x[:, start:stop], config.level, mask)
+
+
 def decide(x, config, moving=None, mask=None, change=None, serial=False):
     """Decisions about whole frames of samples ``x`` [channels, samples]; ``moving``: [details] or None.
 
@@ -30,11 +45,11 @@ def decide(x, config, moving=None, mask=None, change=None, serial=False):
     ``change``: (frame, threshold): from that frame on, another threshold. ``serial``: two bits a clock, the
     same decisions; ValueError for what that path cannot do.
     """
-    if serial and (len(x) != 1 or config.hop != config.window):
-        raise ValueError("serial must go with one channel and hop = window")
-    if serial and mask is not None:
-        raise ValueError("serial must go without a mask")
-    detail, total = haar(x, config.level, mask)
+    if serial:
+        check_serial(len(x), config)
+        if mask is not None:
+            raise ValueError("serial must go without a mask")
+    detail, total = details(x, config, mask)
     off = None if mask is None else masked_groups(mask, config.level)
     group = 1 << config.level
     p2p, end = PeakToPeak(len(x), config.window // group, config.hop // group).process(detail, off)
