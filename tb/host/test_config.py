@@ -69,6 +69,7 @@ def test_the_converter_is_the_files(name):
         ("slip1", "slip", {"keep_threshold_v": -0.01}, "[slip]: keep_threshold = -12 must not be negative"),
         ("fingertip", "slip", {"hold_ms": 1e6}, "[slip]: hold = 2000000 must be below 65536"),
         ("fingertip", "slip", {"serial": True}, "[slip]: serial must go with one channel"),
+        ("slip1", "slip", {"hop": 32}, "[slip]: serial must go with one channel and hop = window"),
         ("slip1", "slip", {"thresholds": 1.0}, "[slip]: unknown key 'thresholds'; the keys are: "),
         ("slip1", "adc", {"rate_hz": 1e5}, "[adc]: rate_hz = 100000 is too fast: a conversion takes "),
         ("fingertip", "adc", {"rate_hz": 1e5}, "[adc]: rate_hz = 100000 is too fast: a scan takes "),

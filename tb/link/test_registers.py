@@ -16,7 +16,7 @@ import bench
 import members
 from meissner.builds.toolchain import ROOT
 from meissner.twins.link.register_map import GROUPS
-from meissner.twins.link.registers import RESET_BITS, WIDTHS, Registers, reset_word
+from meissner.twins.link.registers import RESET_BITS, WIDTHS, Registers, reset_word, struct_word
 
 FEATURES = [group.name for group in GROUPS if group.feature]
 STROBES = [(group.name, register.name) for group in GROUPS for register in group.registers if register.strobe]
@@ -347,3 +347,17 @@ def test_a_group_has_room_and_every_setting_fits():
 def test_an_unknown_feature_is_refused():
     with pytest.raises(ValueError, match="must be one of"):
         Registers(["telepathy"])
+
+
+def test_the_word_of_a_groups_struct():
+    """By hand: a bit and 24 of adc, the first setting highest. Of slip as tb/members.py places them."""
+    assert struct_word("adc", {"enable": 1, "period": 5}, {}) == 0x100_0005
+    assert struct_word("adc", {"enable": 0, "period": 0xFF_FFFF}, {}) == 0xFF_FFFF
+    places = members.PLACES["slip_cfg"].items()
+    values = {name: bits + at if bits > 1 else 1 for at, (name, (_, bits)) in enumerate(places)}
+    values |= {"contact_level": -77, "release_level": -131_072, "threshold": 262_143}
+    widths = {"detail": 18, "timer": 16}
+    assert struct_word("slip", values, widths) == members.word("slip_cfg", values)
+    for name, value in (("contact_level", -131_073), ("threshold", 262_144), ("hold", 65_536), ("blank", -1)):
+        with pytest.raises(ValueError, match=f"slip.{name} = {value} is wider than the core has bits for"):
+            struct_word("slip", values | {name: value}, widths)

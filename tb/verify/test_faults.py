@@ -91,6 +91,11 @@ def test_what_is_kept_may_be_of_one_instance_alone():
     assert {"settle_q", "u_tare.&fresh", "u_calibrate.&memory", "u_health.&tick", "cfg_o"} <= {*kept}
 
 
+def test_a_setting_is_put_at_its_bits_of_the_struct():
+    """adc: 24 bits of period, the bit of enable above."""
+    assert faults.placed("in_i:3 adc.period:1f adc.enable:1") == "in_i:3 cfg_i[23:0]:1f cfg_i[24:24]:1"
+
+
 def test_every_block_takes_part():
     left_out = {block for block in benches.blocks() if evidence.of(block, "faults").get("none")}
     assert left_out == {"compare", "constant_multiplier", "axis"}

@@ -67,3 +67,11 @@ def test_a_bench_runs_on_it():
     done = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True)
     assert done.returncode == 0, done.stdout + done.stderr
     assert list((toolchain.BUILD / "icarus").glob("frame_gate*/*.vvp"))
+
+
+def test_a_struct_of_settings_becomes_a_vector():
+    """adc: 24 bits of period, the bit of enable above. A struct of another kind leaves all as it is."""
+    text = "  input  msn_registers_pkg::adc_cfg_t cfg_i,\n  x = cfg_i.enable && W'(cfg_i.period);\n"
+    assert icarus.of_vectors(text) == "  input  logic [24:0] cfg_i,\n  x = cfg_i[24:24] && W'(cfg_i[23:0]);\n"
+    other = "  output msn_registers_pkg::adc_status_t status_o\n" + text
+    assert icarus.of_vectors(other) == other
