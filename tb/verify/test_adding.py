@@ -43,58 +43,56 @@ def said(which):
     return int(re.search(rf"Existing files changed by hand in {which}: (\d+)", PAGE.read_text("utf-8"))[1])
 
 
+class Tree:
+    """A copy of what git tracks, with this environment."""
+
+    def __init__(self, top):
+        self.top = top
+        listed = subprocess.run(
+            ["git", "ls-files", "-z"], cwd=toolchain.ROOT, capture_output=True, check=True
+        )
+        self.names = [name for name in listed.stdout.decode().split("\0") if name]
+        for name in self.names:
+            (top / name).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(toolchain.ROOT / name, top / name)
+        self.before = {name: (top / name).read_bytes() for name in self.names}
+        (top / ".venv").symlink_to(sys.prefix)
+        (toolchain.BUILD / "objects").mkdir(parents=True, exist_ok=True)
+        (top / "build").mkdir()
+        (top / "build/objects").symlink_to(toolchain.BUILD / "objects")  # Verilator's runtime, compiled once
+
+    def changed(self):
+        """Existing files that the steps so far have changed."""
+        return [name for name in self.names if (self.top / name).read_bytes() != self.before[name]]
+
+
 @pytest.fixture
 def tree(tmp_path):
-    """A copy of what git tracks, with this environment."""
-    listed = subprocess.run(["git", "ls-files", "-z"], cwd=toolchain.ROOT, capture_output=True, check=True)
-    for name in filter(None, listed.stdout.decode().split("\0")):
-        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
-        shutil.copy(toolchain.ROOT / name, tmp_path / name)
-    (tmp_path / ".venv").symlink_to(sys.prefix)
-    return tmp_path
+    return Tree(tmp_path)
+
+
+def run(tree, command, environment, given=None):
+    told = {"cwd": tree.top, "env": environment, "input": given}
+    done = subprocess.run(command, **told, capture_output=True, text=True)
+    assert done.returncode == 0, f"{done.stdout[-8000:]}{done.stderr[-8000:]}{given or ''}"
 
 
 def do(step, tree):
-    """Follow one step. Every kind that is not known here would be left out undetected: it is refused."""
+    """Follow one step. A kind that is not known would be left out undetected: it is refused."""
     if step.what.startswith("file="):
-        path = tree / step.what.removeprefix("file=")
+        path = tree.top / step.what.removeprefix("file=")
         assert not path.exists(), f"{path} is there already"
         path.write_text(step.text, "utf-8")
     elif (step.language, step.what) == ("diff", "patch"):
-        apart = {"GIT_CEILING_DIRECTORIES": str(tree.parent)}
-        done = subprocess.run(
-            ["git", "apply", "--whitespace=error", "-"],
-            **{
-                "cwd": tree,
-                "input": step.text,
-                "env": os.environ | apart,
-                "capture_output": True,
-                "text": True,
-            },
-        )
-        assert done.returncode == 0, f"{done.stderr}{step.text}"
+        apart = {"GIT_CEILING_DIRECTORIES": str(tree.top.parent)}
+        run(tree, ["git", "apply", "--whitespace=error", "-"], os.environ | apart, step.text)
     elif step.language == "console" and step.what in ("", "long"):
-        # A run of pytest of its own, whose meissner is the copy's.
+        # A pytest in it is one of its own, whose meissner is the copy's.
         known = {k: v for k, v in os.environ.items() if not k.startswith(("PYTEST_", "COV_", "MEISSNER_"))}
-        known |= {"PYTHONPATH": str(tree / "model"), "PYTHONDONTWRITEBYTECODE": "1"}
-        done = subprocess.run(
-            ["bash", "-euxo", "pipefail", "-c", step.text],
-            **{"cwd": tree, "env": known, "capture_output": True, "text": True},
-        )
-        assert done.returncode == 0, f"{done.stdout[-8000:]}{done.stderr[-8000:]}"
+        known |= {"PYTHONPATH": str(tree.top / "model"), "PYTHONDONTWRITEBYTECODE": "1"}
+        run(tree, ["bash", "-euxo", "pipefail", "-c", step.text], known)
     else:
         assert (step.language, step.what) == ("console", "by-hand"), f"{step.language} {step.what}"
-
-
-def changed(tree):
-    """Existing files that the steps so far have changed."""
-    paths = [path for path in tree.rglob("*") if path.is_file() and ".venv" not in path.parts]
-    old = [(path, toolchain.ROOT / path.relative_to(tree)) for path in paths]
-    return sorted(
-        str(path.relative_to(tree))
-        for path, before in old
-        if before.exists() and before.read_bytes() != path.read_bytes()
-    )
 
 
 def test_a_leaf_is_three_files_and_a_line(tree):
@@ -105,7 +103,7 @@ def test_a_leaf_is_three_files_and_a_line(tree):
         do(step, tree)
     made = [step.what for step in by_hand if step.what.startswith("file=")]
     assert [Path(name).suffix for name in made] == [".sv", ".py", ".py"]
-    assert changed(tree) == ["rtl/rtl.f"] and said("part A") == 1
+    assert tree.changed() == ["rtl/rtl.f"] and said("part A") == 1
     assert "+rtl/" in by_hand[1].text and by_hand[1].text.count("\n+") == 2  # "+++" and the line
     commands = [step for step in part if step not in by_hand]
     assert any("tb/test_twins.py tb/test_references.py" in step.text for step in commands)
@@ -117,9 +115,9 @@ def test_a_feature_changes_few_files_by_hand(tree):
     for step in STEPS:
         if step.language != "console":
             do(step, tree)
-    files = changed(tree)
+    files = tree.changed()
     patched = {name for step in STEPS for name in re.findall(r"^\+\+\+ b/(.+)$", step.text, re.M)}
-    assert files == sorted(patched)
+    assert sorted(files) == sorted(patched)
     assert len(files) == said("both parts") <= GOAL
 
 
@@ -129,11 +127,11 @@ def test_the_feature_works(tree):
     for step in STEPS:
         if step.language != "console":
             do(step, tree)
-    by_hand = changed(tree)
+    by_hand = tree.changed()
     for step in STEPS:
         if step.language == "console":
             do(step, tree)
-    made = [name for name in changed(tree) if name not in by_hand]
+    made = [name for name in tree.changed() if name not in by_hand]
     assert len(made) == 9, made
 
 
@@ -147,4 +145,4 @@ def test_an_unknown_kind_of_step_is_refused(tree):
         do(Step("A", "diff", "patch", "--- a/rtl/rtl.f\n+++ b/rtl/rtl.f\n@@ -1 +1 @@\n-no\n+yes\n"), tree)
     with pytest.raises(AssertionError):
         do(Step("A", "console", "", "false\ntrue\n"), tree)
-    assert changed(tree) == []
+    assert tree.changed() == []
