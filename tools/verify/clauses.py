@@ -1,12 +1,12 @@
 """A SAT solver that is asked about a graph."""
 
-from pysat.solvers import Solver
-
 
 class Clauses:
     """A solver that takes in what of a graph it is asked about."""
 
     def __init__(self, graph):
+        from pysat.solvers import Solver  # of the synthesis tools: pages of evidence are written without
+
         self.graph = graph
         self.solver = Solver(name="cadical153")
         self.variables = {0: 1}  # of nodes
