@@ -27,11 +27,13 @@ async def decides_as_the_loop(dut, rises):
     settings["contact_rises"] = rises
     given = {port._name: 0 for port in dut if port._name.startswith("cfg_")}
     await bench.start(dut, **given, actuator_moving_i=0)
+    numbers = {name: int(number) for name, number in settings.items()}
     if hasattr(dut, "cfg_i"):
-        dut.cfg_i.value = members.word("slip_cfg", {name: int(number) for name, number in settings.items()})
-    for name, number in settings.items() if not hasattr(dut, "cfg_i") else ():
-        port = getattr(dut, f"cfg_{name}_i")
-        port.value = int(number) & ((1 << len(port)) - 1)
+        dut.cfg_i.value = members.word("slip_cfg", numbers)
+    else:
+        for name, number in numbers.items():
+            port = getattr(dut, f"cfg_{name}_i")
+            port.value = number & ((1 << len(port)) - 1)
     rng, samples = np.random.default_rng(bench.SEED), 40 * window
     pressed = np.repeat(rng.random((channels, samples // 40)) < 0.7, 40, axis=1)
     tremor = np.repeat(rng.choice([0, 1, 3], (channels, samples // 10)), 10, axis=1)

@@ -200,9 +200,10 @@ def placed(text):
 
     def bits(found):
         group, setting = found.groups()
-        listed = list(members(group).items())
-        below = [field.width for _, field in listed[[name for name, _ in listed].index(setting) + 1 :]]
-        return f"cfg_i[{sum(below) + members(group)[setting].width - 1}:{sum(below)}]:"
+        fields = members(group)
+        names = list(fields)
+        low = sum(fields[name].width for name in names[names.index(setting) + 1 :])
+        return f"cfg_i[{low + fields[setting].width - 1}:{low}]:"
 
     return re.sub(r"\b(\w+)\.(\w+):", bits, text)
 

@@ -1,0 +1,29 @@
+"""How sure a rate is that was counted in a number of runs."""
+
+CONFIDENCE = 0.95
+
+
+def exact(count, runs, confidence=CONFIDENCE):
+    """Lowest and highest rate that ``count`` of ``runs`` leaves possible (exact, Clopper-Pearson):
+    half of what ``confidence`` leaves lies on each side."""
+    from scipy.special import betaincinv  # here: what runs no scene does not wait for SciPy
+
+    if not 0 <= count <= runs or runs < 1:
+        raise ValueError(f"{count} of {runs} runs is no count of runs")
+    tail = (1.0 - confidence) / 2.0
+    low = float(betaincinv(count, runs - count + 1, tail)) if count else 0.0
+    high = float(betaincinv(count + 1, runs - count, 1.0 - tail)) if count < runs else 1.0
+    return low, high
+
+
+def rate(count, runs):
+    """The entry of a summary: {"count", "runs", "rate", "low", "high"}, the last three as shares."""
+    low, high = exact(count, runs)
+    shares = {"rate": count / runs, "low": low, "high": high}
+    return {"count": count, "runs": runs, **{key: round(share, 6) for key, share in shares.items()}}
+
+
+def words(found):
+    """``3 of 40 runs (7.5 %, 95 % interval 1.57 to 20.4 %)``."""
+    low, high, share = (f"{100 * found[key]:.3g}" for key in ("low", "high", "rate"))
+    return f"{found['count']} of {found['runs']} runs ({share} %, 95 % interval {low} to {high} %)"
