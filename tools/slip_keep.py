@@ -16,8 +16,7 @@ from dataclasses import replace
 import numpy as np
 
 from meissner import scenes
-from meissner.engines import moving_of_details
-from meissner.scenes.rubber.run import judge, slipping
+from meissner.scenes.rubber.judge import judge, slipping
 from meissner.twins.slip.haar import haar
 from meissner.twins.slip.peak_to_peak import PeakToPeak
 from meissner.twins.slip.slip import Slip
@@ -44,8 +43,6 @@ class Run:
         detail, self.total = haar(codes, self.config.level)
         span, hop = self.config.window // group, self.config.hop // group
         self.p2p, _ = PeakToPeak(1, span, hop).process(detail)
-        moving = np.concatenate([recording.moving, np.zeros(len(rest), dtype=bool)])
-        self.moving = moving_of_details(moving, self.config.level, detail.shape[1])
 
     def measure(self, share, hold_s):
         """(verdict, seconds from the stop to the fall of the flag; None if none is up)."""
@@ -54,7 +51,7 @@ class Run:
             keep_threshold=int(self.config.threshold * share),
             hold=round(hold_s / self.detail_s),
         )
-        state = Slip(1, config).process(self.p2p, self.total, self.moving)[0]
+        state = Slip(1, config).process(self.p2p, self.total)[0]
         verdict = judge(self.recording, state[: self.details], config)
         if not slipping(state[self.details - 1]):
             return verdict, None

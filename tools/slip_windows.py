@@ -10,7 +10,7 @@ import numpy as np
 
 from meissner import scenes
 from meissner.engines import fixed
-from meissner.scenes.rubber.run import judge
+from meissner.scenes.rubber.judge import judge
 
 
 def main():
@@ -26,7 +26,7 @@ def main():
         for recording in recordings:
             slip = replace(recording.scene.slip, window=window, hop=hop, level=level)
             config = replace(recording.scene, slip=slip).slip_config()
-            watched = fixed.watch(recording.codes[None], config, recording.moving)
+            watched = fixed.watch(recording.codes[None], config)
             verdicts.append(judge(recording, watched.state[0], config))
         delays = np.array([v["delay_s"] for v in verdicts if v["delay_s"] is not None]) * 1e3
         missed, alarms = (sum(v[key] for v in verdicts) for key in ("missed", "false_alarms"))

@@ -14,7 +14,7 @@ from meissner.builds.toolchain import ROOT
 MODEL = ROOT / "model"
 # From the lowest: each imports its own and those before it. A name is a module or all below a package.
 LAYERS = [
-    *("names", "plain", "check", "files", "builds.kept", "builds.objcache", "builds.toolchain"),
+    *("names", "plain", "interval", "check", "files", "builds.kept", "builds.objcache", "builds.toolchain"),
     *("twins", "physics", "calibration", "sense", "builds", "engines", "report", "scenes", "run"),
     *("host", "budget", "process", "parser", "cli"),
 ]

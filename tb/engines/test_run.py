@@ -10,6 +10,7 @@ import pytest
 from meissner import engines, scenes
 from meissner.engines import Watched, fixed
 from meissner.run import run
+from meissner.scenes.rubber import judge as judging
 from meissner.scenes.rubber import run as slip_run
 from meissner.twins.slip.config import SlipConfig
 from meissner.twins.slip.slip import State
@@ -19,7 +20,25 @@ N, C, I, G = State.NONE, State.CONTACT, State.INCIPIENT, State.GROSS  # noqa: E7
 
 def recording(onset_s, gross_s=None):
     scene, codes = SimpleNamespace(rate_hz=1000), np.zeros(200, dtype=np.int64)
-    return SimpleNamespace(scene=scene, codes=codes, onset_s=onset_s, gross_s=gross_s)
+    pressed = np.arange(200) > 3  # so two of the pairs are known before the plate presses
+    return SimpleNamespace(scene=scene, codes=codes, onset_s=onset_s, gross_s=gross_s, normal_n=0.3 * pressed)
+
+
+@pytest.mark.parametrize(
+    "states, wrong",
+    [
+        ([N, N, C, I, G], 0),
+        ([N, C, C, I, G], 1),
+        ([C, N, State.RELEASE, I, N], 3),
+        ([G, I, N, N, State.RELEASE], 5),
+    ],
+)
+def test_contact_that_is_wrong_by_hand(states, wrong):
+    """Pairs known at 1, 3, 5, 7, 9 ms; the plate presses from the sample of 4 ms on."""
+    verdict = judging.judge(recording(0.006, 0.1), np.array(states), SlipConfig())
+    assert verdict["contact_wrong_share"] == wrong / 5
+    others = [verdict | {"contact_wrong_share": share} for share in (0.25, 0.5)]
+    assert judging.contact_wrong(others) == 0.375
 
 
 @pytest.mark.parametrize(
@@ -36,10 +55,10 @@ def recording(onset_s, gross_s=None):
     ],
 )
 def test_judge_by_hand(states, onset_s, flag_s, false_alarms):
-    verdict = slip_run.judge(recording(onset_s, onset_s and 0.1), np.array(states), SlipConfig())
+    verdict = judging.judge(recording(onset_s, onset_s and 0.1), np.array(states), SlipConfig())
     assert verdict["flag_s"] == flag_s
     assert verdict["false_alarms"] == false_alarms
-    assert verdict["missed"] == (onset_s is not None and flag_s is None)
+    assert verdict["missed"] == (onset_s is not None and flag_s is None) and not verdict["late"]
     if flag_s is None:
         assert verdict["delay_s"] is verdict["lead_s"] is None
     else:
@@ -47,8 +66,17 @@ def test_judge_by_hand(states, onset_s, flag_s, false_alarms):
         assert verdict["lead_s"] == pytest.approx(0.1 - flag_s)
 
 
+@pytest.mark.parametrize("gross_s, missed", [(0.006, True), (0.007, True), (0.0071, False)])
+def test_a_flag_that_does_not_come_before_the_whole_contact_slips_is_a_miss(gross_s, missed):
+    """The pair whose flag it is, the fourth, is known at 7 ms."""
+    verdict = judging.judge(recording(0.002, gross_s), np.array([N, C, C, I, G]), SlipConfig())
+    assert (verdict["missed"], verdict["late"]) == (missed, missed)
+    assert verdict["lead_s"] == pytest.approx(gross_s - 0.007) and verdict["delay_s"] == 0.005
+    assert verdict["false_alarms"] == 0
+
+
 def test_judge_counts_details_of_any_level():
-    assert slip_run.judge(recording(0.0, 0.1), np.array([C, C, G]), SlipConfig(level=3))["flag_s"] == 0.023
+    assert judging.judge(recording(0.0, 0.1), np.array([C, C, G]), SlipConfig(level=3))["flag_s"] == 0.023
 
 
 @pytest.mark.parametrize(
@@ -64,7 +92,7 @@ def test_judge_counts_details_of_any_level():
     ],
 )
 def test_the_share_of_sliding_by_hand(states, gross_s, sliding_s, share):
-    verdict = slip_run.judge(recording(gross_s and 0.0005, gross_s), np.array(states), SlipConfig())
+    verdict = judging.judge(recording(gross_s and 0.0005, gross_s), np.array(states), SlipConfig())
     assert (verdict["sliding_s"], verdict["contact_share_of_sliding"]) == pytest.approx((sliding_s, share))
 
 
@@ -73,10 +101,10 @@ def test_crossing_is_the_reference_window_s():
     run_ = recording(0.050, 0.1)
     run_.codes[61:] = 41
     states = np.repeat([C, I], [40, 60])
-    verdict = slip_run.judge(run_, states, SlipConfig())
+    verdict = judging.judge(run_, states, SlipConfig())
     assert verdict["crossing_s"] == 0.061
     assert verdict["flag_s"] == 0.081
-    assert slip_run.judge(recording(0.050, 0.1), states, SlipConfig())["crossing_s"] is None
+    assert judging.judge(recording(0.050, 0.1), states, SlipConfig())["crossing_s"] is None
 
 
 def test_every_difference_from_the_twin_counts():
@@ -93,20 +121,28 @@ def test_every_difference_from_the_twin_counts():
 
 def test_statistics_are_of_all_runs():
     none = dict.fromkeys(("flag_s", "crossing_s", "delay_s", "lead_s")) | {"missed": True, "false_alarms": 1}
-    found = {"delay_s": 0.003, "lead_s": 0.2, "missed": False, "false_alarms": 2}
+    none |= {"contact_wrong_share": 0.25, "onset_s": 0.6, "late": False, "false_alarms_masked": 3}
+    found = {"onset_s": 0.6, "delay_s": 0.003, "lead_s": 0.2, "missed": False, "false_alarms": 2}
+    found |= {"late": False, "false_alarms_masked": 0, "contact_wrong_share": 0.5}
     found |= {"flag_s": 0.7, "crossing_s": 0.698, "sliding_s": 0.5, "contact_share_of_sliding": 0.2}
     none |= {"sliding_s": 1.5, "contact_share_of_sliding": 1.0}
     later = found | {"delay_s": 0.005, "lead_s": 0.1, "false_alarms": 0, "crossing_s": None}
     later |= {"sliding_s": 0.0, "contact_share_of_sliding": None}  # the run ends before the object slides
-    row = slip_run._statistics(SimpleNamespace(name="x"), [found, none, later, none])
-    assert (row["runs"], row["missed"], row["false_alarms"]) == (4, 2, 4)
+    row = judging.statistics(SimpleNamespace(name="x"), [found, none, later, none])
+    assert (row["runs"], row["missed"], row["false_alarms"], row["false_alarms_masked"]) == (4, 2, 4, 6)
+    # Of 4 runs 2 and 3, those with an alarm: 1 - (1 - p)^4 - 4 p (1 - p)^3 = 0.025 at p = 0.0676.
+    assert row["missed_interval"] == [0.067586, 0.932414]
+    assert row["false_alarm_interval"] == [0.194120, 0.993691]
     assert (row["delay_ms_median"], row["delay_ms_mean"], row["delay_ms_max"]) == (4.0, 4.0, 5.0)
     assert (row["lead_ms_median"], row["lead_ms_min"]) == (150.0, 100.0)
-    assert row["detector_ms_max"] == 2.0
+    assert row["detector_ms_max"] == 2.0 and row["contact_wrong_share"] == 0.375
     assert row["contact_share_of_sliding"] == round(3.1 / 3.5, 6)
+    tardy = found | {"missed": True, "late": True, "delay_s": 0.5, "lead_s": -0.3}
+    row = judging.statistics(SimpleNamespace(name="x"), [tardy, found])
+    assert (row["missed"], row["late"], row["delay_ms_max"], row["lead_ms_min"]) == (1, 1, 500.0, -300.0)
     still = later | {"sliding_s": None}
-    assert slip_run._statistics(SimpleNamespace(name="x"), [still])["contact_share_of_sliding"] is None
-    assert "detector_ms_max" not in slip_run._statistics(SimpleNamespace(name="x"), [later])
+    assert judging.statistics(SimpleNamespace(name="x"), [still])["contact_share_of_sliding"] is None
+    assert "detector_ms_max" not in judging.statistics(SimpleNamespace(name="x"), [later])
 
 
 def test_rows_of_the_table_have_the_same_columns():
@@ -131,28 +167,26 @@ def watched_by(tmp_path, monkeypatch, engine, seed, spoil=lambda watched: watche
 def test_each_run_has_its_seed_and_its_motion(tmp_path, monkeypatch):
     scene = scenes.load("acrylic_slip")
     _, seen = watched_by(tmp_path, monkeypatch, "fixed", seed=5)
-    assert len(seen) == 2
-    for number, (codes, moving) in enumerate(seen):
+    assert len(seen) == 4  # of each seed one that is told of no motion, which counts, and one that is
+    for number in range(2):
         truth = scenes.simulate(scene, 0, 5 + number)
-        assert np.array_equal(codes, truth.codes[None])
-        assert np.array_equal(moving, truth.moving)
-        assert moving.any()
+        (codes, still), (same, moving) = seen[2 * number : 2 * number + 2]
+        assert np.array_equal(codes, truth.codes[None]) and np.array_equal(same, codes)
+        assert still is None and np.array_equal(moving, truth.moving) and moving.any()
     kept = np.load(tmp_path / "result.npz")
     truth = scenes.simulate(scene, 0, 5)
-    assert np.array_equal(
-        kept["state"], fixed.watch(truth.codes[None], scene.slip_config(), truth.moving).state[0]
-    )
+    assert np.array_equal(kept["state"], fixed.watch(truth.codes[None], scene.slip_config()).state[0])
 
 
 def test_a_core_that_differs_is_reported(tmp_path, monkeypatch):
-    """One wrong detail in each of two runs, and the run at the pins compared with the first of them."""
+    """One wrong detail in each of two runs, twice, and the pins compared with what the first was told."""
 
     def spoil(watched):
         watched.state[0, 10] = State.GROSS
         return watched
 
     summary, _ = watched_by(tmp_path, monkeypatch, "rtl", seed=5, spoil=spoil)
-    assert summary["twin_mismatches"] == 3
+    assert summary["twin_mismatches"] == 5
 
 
 def test_a_sliding_object_is_said_to_slip(tmp_path, monkeypatch):

@@ -6,7 +6,7 @@ from math import comb
 import pytest
 from scipy.stats import binomtest
 
-from meissner.scenes import interval
+from meissner import interval
 
 
 def tail(rate, counts, runs):

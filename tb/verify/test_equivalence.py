@@ -98,11 +98,37 @@ def test_wrong_wire_between_blocks_is_found(plant, monkeypatch):
 
 
 def test_what_is_a_box_is_proven_by_itself():
-    """A block that is proven around others is only as good as their own proofs."""
-    entries = json.loads((record.FOLDER / "equivalence.json").read_text())["blocks"]
-    families = [(block, family) for block in entries for family in circuit.FAMILIES]
-    boxes = {(box, f) for block, f in families for box in entries[block].get(f, {}).get("around", ())}
-    assert not [(box, f) for box, f in boxes if not entries.get(box, {}).get(f, {}).get("proven")]
+    """A proof around other blocks is only as good as their own, so it is not counted without these."""
+    recorded = json.loads((record.FOLDER / "equivalence.json").read_text())
+    entries, stale = recorded["blocks"], record.stale(recorded, "equivalence")
+    current = [(block, family) for block in entries if block not in stale for family in circuit.FAMILIES]
+    boxes = {(box, f) for block, f in current for box in entries[block].get(f, {}).get("around", ())}
+    assert not [(box, f) for box, f in boxes if box in stale or not entries[box][f]["proven"]]
+
+
+def test_a_proof_around_a_block_without_one_is_not_counted(monkeypatch):
+    """cop_array lies around cop, and that around cop_divide; each has what it rests on, as a digest."""
+    monkeypatch.setattr(record, "digest", lambda name, kind: name)
+    proven = {"proven": True}
+    blocks = {
+        "cop_array": {"of": "cop_array", "ecp5": proven | {"around": ["cop"]}, "ice40": proven},
+        "cop": {"of": "cop", "ecp5": proven | {"around": ["cop_divide"]}, "ice40": proven},
+        "cop_divide": {"of": "cop_divide", "ecp5": proven, "ice40": {"proven": False}},
+        "skid": {"of": "skid", "ecp5": proven, "ice40": proven | {"around": ["cop_divide"]}},
+    }
+
+    def stale(**changes):
+        return record.stale({"blocks": {k: v for k, v in (blocks | changes).items() if v}}, "equivalence")
+
+    assert stale() == ["skid"], "cop_divide is proven of one family only"
+    assert stale(skid=None) == []
+    assert stale(skid=None, cop=None) == ["cop_array"]
+    assert stale(skid=None, cop_divide=None) == ["cop_array", "cop"], "what is around what is around it, too"
+    assert stale(skid=None, cop_divide=blocks["cop_divide"] | {"of": "before"}) == [
+        "cop_array",
+        "cop",
+        "cop_divide",
+    ]
 
 
 def test_reset_that_is_not_heard_is_found():

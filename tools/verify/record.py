@@ -14,10 +14,27 @@ FOLDER = toolchain.ROOT / "docs/trust"
 
 
 def stale(recorded, kind):
-    """Names of the blocks whose entry in ``recorded``, what a kind's file says, rests on what has changed."""
+    """Names of the blocks whose entry in ``recorded``, what a kind's file says, rests on what has changed; of
+    netlists also on the proof of a block in it that is not there, not proven or stale itself."""
     listed = set(benches.blocks())
-    blocks = recorded["blocks"].items()
-    return [name for name, facts in blocks if name in listed and facts.get("of") != digest(name, kind)]
+    blocks = recorded["blocks"]
+    found = {name for name in listed & blocks.keys() if blocks[name].get("of") != digest(name, kind)}
+    waits = {name: _boxes(facts) for name, facts in blocks.items() if name in listed - found}
+
+    def lacks(box, family):
+        return box in found or not blocks.get(box, {}).get(family, {}).get("proven")
+
+    while more := {
+        name for name, boxes in waits.items() if name not in found and any(lacks(*b) for b in boxes)
+    }:
+        found |= more
+    return [name for name in blocks if name in found]
+
+
+def _boxes(facts):
+    """{(block, family)} that a netlist is proven around, by families."""
+    entries = [(family, entry) for family, entry in facts.items() if isinstance(entry, dict)]
+    return {(box, family) for family, entry in entries for box in entry.get("around", ())}
 
 
 def _replace(before, now):

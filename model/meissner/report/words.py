@@ -6,6 +6,8 @@ ending names, and tb/physics/test_report.py fails.
 
 from typing import NamedTuple
 
+from meissner import interval
+
 
 class Words(NamedTuple):
     """``scale``: the shown number is the value times it; ``none``: what stands for a missing value."""
@@ -53,9 +55,17 @@ WORDS = {
     "flag_s": Words("slip flag rises, shown run", "s"),
     "delay_s": _ms("from onset to flag, shown run"),
     "gross_s": Words("whole contact slips (truth), shown run", "s"),
+    "seeds": Words("seeds"),
     "missed": Words("slips missed"),
+    "late": Words("of these with a flag after the whole contact slipped"),
     "false_alarms": Words("false alarms"),
+    "false_alarms_masked": Words("false alarms of a core told of its own motion"),
+    "missed_rate": Words("slips missed", none="nothing slips"),
+    "false_alarm_rate": Words("runs with a false alarm"),
+    "missed_interval": Words("slips missed, 95 % interval", "%"),
+    "false_alarm_interval": Words("runs with a false alarm, 95 % interval", "%"),
     "contact_share_of_sliding": _share("sliding time in which the state is not slip"),
+    "contact_wrong_share": _share("time in which state and truth disagree on contact"),
     "delay_ms_median": Words("delay, median", "ms"),
     "delay_ms_mean": Words("delay, mean", "ms"),
     "delay_ms_max": Words("delay, longest", "ms"),
@@ -157,6 +167,9 @@ _ENDINGS = {
 }
 
 
+INTERVALS = ("missed_interval", "false_alarm_interval")  # of a row: the ends of a rate's interval
+
+
 def words(key, value=None):
     """The Words of a key; of one that nobody described, its own with the unit that its ending names."""
     key = str(key)
@@ -188,6 +201,8 @@ def cell(key, value):
         if unit == "s":  # instants of one run: their differences count, not their digits
             return f"{value:,.4f}".rstrip("0").rstrip(".")
         return number(value if scale == 1 else value * scale)
+    if key in INTERVALS:
+        return interval.ends(*value)
     return str(value)
 
 
@@ -202,13 +217,17 @@ def fact(key, value):
     meaning = words(key, value)
     if value is None:
         return meaning.none
+    if isinstance(value, dict) and "low" in value:
+        return interval.words(value)
     if isinstance(value, dict):
         return f"{fact(key, value['mean'])} in the mean, {fact(key, value['maximum'])} at most"
-    if isinstance(value, (list, tuple)):
+    if isinstance(value, (list, tuple)) and key != "seeds":
         return ", ".join(map(str, value)) or "nothing"
     if key == "engine":
         return ENGINES.get(value, str(value))
     if key == "seed":
         return str(value)
+    if key == "seeds":
+        return f"{value[0]} to {value[1]}"
     space = "" if meaning.unit == "°" else " "
     return cell(key, value) + (space + meaning.unit if meaning.unit else "")

@@ -17,13 +17,18 @@ def _slip(summary):
         reported = f"{_count(false, 'false alarm')} rose" if false else "no slip was reported"
         return f"Nothing slips in {_count(summary['runs'], 'run')}, and {reported}."
     grip = "direction_error_deg" in summary
+    found = [row for row in slipping if row.get("delay_ms_median") is not None]
     if missed == slips:
-        return f"{'The slip was' if slips == 1 else f'All {number(slips)} slips were'} missed, {alarms}."
-    if missed:
+        text = f"{'The slip was' if slips == 1 else f'All {number(slips)} slips were'} missed"
+        if not found:
+            return f"{text}, {alarms}."
+        text += "; the flag rose"
+    elif any(row["lead_ms_min"] <= 0 for row in found):
+        text = f"{number(missed)} of {_count(slips, 'slip')} were missed; the flags rose"
+    elif missed:
         text = f"{number(missed)} of {_count(slips, 'slip')} were missed; the others were detected"
     else:
         text = "The slip was detected" if slips == 1 else f"All {number(slips)} slips were detected"
-    found = [row for row in slipping if row.get("delay_ms_median") is not None]
     delay_ms, lead_ms = max(row["delay_ms_max"] for row in found), min(row["lead_ms_min"] for row in found)
     began, moved = (
         ("the pull began", "the object moved")
@@ -31,7 +36,7 @@ def _slip(summary):
         else ("the first partial slip", "the whole contact slipped")
     )
     text += f" at most {number(delay_ms)} ms after {began}"
-    if lead_ms >= 0:
+    if lead_ms > 0:
         text += f" and at least {number(lead_ms)} ms before {moved}"
     else:
         text += f", the latest {number(-lead_ms)} ms after {moved}"

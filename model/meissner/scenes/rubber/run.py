@@ -5,66 +5,15 @@ import time
 import numpy as np
 
 from meissner import engines, scenes
-from meissner.engines.float import first_crossing
-from meissner.scenes.results import check_waves, finish, table
+from meissner.scenes.results import check_waves, finish, table, told_rates
 from meissner.scenes.rubber import pictures as report
-from meissner.twins.slip.slip import State
+from meissner.scenes.rubber.judge import COUNTS, contact_share, contact_wrong, judge, rates, statistics
 from meissner.twins.slip.slip_path import details
 
 SHOWN = (
     "the sensor's voltage, its Haar detail, the peak to peak over the window with the threshold, the state "
     "and the forces over time; left the whole run, right its shaded part"
 )
-
-
-def slipping(state):
-    """Where the slip flag is up."""
-    return (state == State.INCIPIENT) | (state == State.GROSS)
-
-
-def _raised(state):
-    """Indices of the details at which the slip flag rises."""
-    slips = slipping(state)
-    return np.flatnonzero(slips & ~np.concatenate([[False], slips[:-1]]))
-
-
-def judge(recording, state, config):
-    """Compare the states of one run with the truth; times in seconds, None where there is none.
-
-    ``flag_s``: the first rise of the flag at or after the onset; ``missed``: a slip without one;
-    ``false_alarms``: rises before the onset, or any where nothing slips; ``crossing_s``: when the exact
-    sliding window of the float reference first crosses after the onset. Before it lies the wait for
-    an event that is large enough, after it the detector's own delay. A detail is known at its last
-    sample, so that sample's time is its time. ``sliding_s``: from the slip of the whole contact to the end;
-    ``contact_share_of_sliding``: share of its details in which the state is not incipient or gross.
-    """
-    group, rate_hz = 1 << config.level, recording.scene.rate_hz
-    rises = ((_raised(state) + 1) * group - 1) / rate_hz
-    onset = recording.onset_s
-    crossing = None
-    if onset is not None:
-        detail = first_crossing(recording.codes, config, int(np.ceil(onset * rate_hz)) // group)
-        crossing = None if detail is None else ((detail + 1) * group - 1) / rate_hz
-    early = rises if onset is None else rises[rises < onset]
-    flag = None if onset is None or len(early) == len(rises) else float(rises[len(early)])
-    sliding = contact_share = None
-    if recording.gross_s is not None:
-        known_s = ((np.arange(len(state)) + 1) * group - 1) / rate_hz
-        slides = ~slipping(state[known_s >= recording.gross_s])
-        sliding = len(slides) * group / rate_hz
-        contact_share = float(slides.mean()) if len(slides) else None
-    return {
-        "onset_s": onset,
-        "gross_s": recording.gross_s,
-        "sliding_s": sliding,
-        "contact_share_of_sliding": contact_share,
-        "crossing_s": crossing,
-        "flag_s": flag,
-        "delay_s": None if flag is None else flag - onset,
-        "lead_s": None if flag is None else recording.gross_s - flag,
-        "missed": onset is not None and flag is None,
-        "false_alarms": len(early),
-    }
 
 
 def _mismatches(watched, twin):
@@ -94,44 +43,15 @@ def _world_cost(scene, repeats=5):
     return round(float(np.median(costs)), 3)
 
 
-def _contact_share(verdicts):
-    """Share of the sliding time in which the state does not say so, of all runs; None if none slid."""
-    slid = [verdict for verdict in verdicts if verdict["sliding_s"]]
-    if not slid:
-        return None
-    without = sum(verdict["sliding_s"] * verdict["contact_share_of_sliding"] for verdict in slid)
-    return round(without / sum(verdict["sliding_s"] for verdict in slid), 6)
-
-
-def _statistics(condition, verdicts):
-    """One row of the table of conditions."""
-    delays = np.array([v["delay_s"] for v in verdicts if v["delay_s"] is not None]) * 1e3
-    leads = np.array([v["lead_s"] for v in verdicts if v["lead_s"] is not None]) * 1e3
-    row = {
-        "condition": condition.name,
-        "runs": len(verdicts),
-        "missed": sum(v["missed"] for v in verdicts),
-        "false_alarms": sum(v["false_alarms"] for v in verdicts),
-    }
-    row["contact_share_of_sliding"] = _contact_share(verdicts)
-    # A flag without a crossing: what raised it came before the onset, but was blanked until after.
-    own = [v["flag_s"] - v["crossing_s"] for v in verdicts if None not in (v["flag_s"], v["crossing_s"])]
-    if len(delays):
-        row |= {
-            "delay_ms_median": round(float(np.median(delays)), 3),
-            "delay_ms_mean": round(float(delays.mean()), 3),
-            "delay_ms_max": round(float(delays.max()), 3),
-            **({"detector_ms_max": round(max(own) * 1e3, 3)} if own else {}),
-            "lead_ms_median": round(float(np.median(leads)), 3),
-            "lead_ms_min": round(float(leads.min()), 3),
-        }
-    return row
-
-
 def _table(rows):
     """The rows with the keys of all of them: a condition without a flag has no delays."""
     keys = dict.fromkeys(key for row in rows for key in row)
     return [{key: row.get(key) for key in keys} for row in rows]
+
+
+def _watch(module, recording, config):
+    """What a core says that is told of no motion, and one that is told of its own."""
+    return [module.watch(recording.codes[None], config, moving) for moving in (None, recording.moving)]
 
 
 def check(scene, engine, waves):
@@ -152,25 +72,27 @@ def run(scene, engine, out, seed, waves, progress):
     verdicts = {condition: [] for condition in scene.conditions}
     for condition, number in progress(jobs):
         recording = scenes.simulate(scene, condition, number)
-        codes = recording.codes[None]
         started = time.perf_counter()
-        watched = module.watch(codes, config, recording.moving)
+        watched, masked = _watch(module, recording, config)
         engine_s += time.perf_counter() - started
         if engine in engines.VERILATED:
-            mismatches += _mismatches(watched, twin_module.watch(codes, config, recording.moving))
-        samples += codes.size
+            mismatches += sum(map(_mismatches, (watched, masked), _watch(twin_module, recording, config)))
+        samples += 2 * len(recording.codes)
         simulated += len(recording.time_s) / scene.rate_hz
-        verdicts[condition].append(judge(recording, watched.state[0], config))
+        alarms = judge(recording, masked.state[0], config)["false_alarms"]
+        verdict = judge(recording, watched.state[0], config)
+        verdicts[condition].append(verdict | {"false_alarms_masked": alarms})
         if number == seed:
-            shown[condition] = (recording, watched)
+            shown[condition] = (recording, watched, masked)
     saved = _saved(scene) if shown[scene.conditions[0]][0].left_out else None
     pins = None
     if engine in engines.VERILATED:
-        recording, watched = shown[scene.conditions[0]]
+        recording, _, masked = shown[scene.conditions[0]]
         pins = module.watch_pins(recording, config, waves=out / "waves.vcd" if waves else None)
-        mismatches += _mismatches(pins.watched, watched)
+        mismatches += _mismatches(pins.watched, masked)
 
-    rows = _table([_statistics(condition, verdicts[condition]) for condition in scene.conditions])
+    rows = _table([statistics(condition, verdicts[condition]) for condition in scene.conditions])
+    every = [verdict for condition in scene.conditions for verdict in verdicts[condition]]
     first = verdicts[scene.conditions[0]][0]
     summary = {
         "scene": scene.name,
@@ -184,15 +106,17 @@ def run(scene, engine, out, seed, waves, progress):
         "left_out": list(shown[scene.conditions[0]][0].left_out),
         "saved": saved,
         **{key: first[key] for key in ("onset_s", "crossing_s", "flag_s", "delay_s", "gross_s")},
-        "missed": sum(row["missed"] for row in rows),
-        "false_alarms": sum(row["false_alarms"] for row in rows),
-        "contact_share_of_sliding": _contact_share([v for of in verdicts.values() for v in of]),
+        **{key: sum(row[key] for row in rows) for key in COUNTS},
+        **rates(every),
+        "contact_share_of_sliding": contact_share(every),
+        "contact_wrong_share": contact_wrong(every),
         "runs": len(jobs),
+        "seeds": [seeds[0], seeds[-1]],
         "conditions": rows,
         "pins": None if pins is None else pins.facts,
     }
     pictures = []
-    for index, (condition, (recording, watched)) in enumerate(shown.items()):
+    for index, (condition, (recording, watched, _)) in enumerate(shown.items()):
         name = f"{scene.name}.png" if len(shown) == 1 else f"{scene.name}_{index + 1}.png"
         verdict = verdicts[condition][0]
         _draw(out / name, recording, watched, config, verdict)
@@ -225,15 +149,24 @@ def tell(summary):
             f"at the pins of the {pins['adc']}: {pins['frames']} frames in {pins['clocks']} clocks; "
             f"decision {pins['decision_us']:.2f} us after convert start"
         )
-    lines.append(
-        f"shown run (seed {summary['seed']}): onset at {_seconds(summary['onset_s'])}, flag at "
-        f"{_seconds(summary['flag_s'])}, delay {_milliseconds(summary['delay_s'])}"
-    )
+    if summary["onset_s"] is None:
+        flags = f"{summary['false_alarms']} in all runs" if summary["false_alarms"] else "no flag in any run"
+        lines.append(f"nothing slips here, so each flag is a false alarm: {flags}")
+    else:
+        lines.append(
+            f"shown run (seed {summary['seed']}): onset at {_seconds(summary['onset_s'])}, flag at "
+            f"{_seconds(summary['flag_s'])}, delay {_milliseconds(summary['delay_s'])}"
+        )
+    lines += told_rates(summary)
+    if summary["false_alarms_masked"] != summary["false_alarms"]:
+        lines.append(f"with the core told of its own motion: {summary['false_alarms_masked']} false alarms")
     share = summary["contact_share_of_sliding"]
     if share is not None:
         lines.append(
             f"of the time in which the whole contact slid, the state said contact in {100 * share:.2f} %"
         )
+    wrong = 100 * summary["contact_wrong_share"]
+    lines.append(f"state and truth disagree on whether the plate presses in {wrong:.3g} % of the time")
     return [*lines, "", *table(summary["conditions"])]
 
 

@@ -25,5 +25,12 @@ def rate(count, runs):
 
 def words(found):
     """``3 of 40 runs (7.5 %, 95 % interval 1.57 to 20.4 %)``."""
-    low, high, share = (f"{100 * found[key]:.3g}" for key in ("low", "high", "rate"))
-    return f"{found['count']} of {found['runs']} runs ({share} %, 95 % interval {low} to {high} %)"
+    between = ends(found["low"], found["high"])
+    return (
+        f"{found['count']} of {found['runs']} runs ({100 * found['rate']:.3g} %, 95 % interval {between} %)"
+    )
+
+
+def ends(low, high):
+    """Two shares as percentages: ``0 to 3.62``."""
+    return f"{100 * low:.3g} to {100 * high:.3g}"

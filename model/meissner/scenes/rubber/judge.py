@@ -1,0 +1,128 @@
+"""Judging a slip scene: what the flag of each run is worth beside the truth, and the figures of all runs.
+
+A miss is a flag that does not come before the whole contact slips: none, or a late one.
+"""
+
+import numpy as np
+
+from meissner import interval
+from meissner.engines.float import first_crossing
+from meissner.twins.slip.slip import State
+
+COUNTS = ("missed", "late", "false_alarms", "false_alarms_masked")  # of a run, added up
+
+
+def slipping(state):
+    """Where the slip flag is up."""
+    return (state == State.INCIPIENT) | (state == State.GROSS)
+
+
+def _raised(state):
+    """Indices of the details at which the slip flag rises."""
+    slips = slipping(state)
+    return np.flatnonzero(slips & ~np.concatenate([[False], slips[:-1]]))
+
+
+def judge(recording, state, config):
+    """Compare the states of one run with the truth; times in seconds, None where there is none.
+
+    ``flag_s``: the first rise of the flag at or after the onset; ``missed``: a slip without one before the
+    whole contact slips, ``late`` if there is one at or after that; ``lead_s``: from the flag to that,
+    negative if it is late; ``false_alarms``: rises before the onset, or any where nothing slips;
+    ``crossing_s``: when the exact sliding window of the float reference first crosses after the onset.
+    Before it lies the wait for an event that is large enough, after it the detector's own delay. A detail is
+    known at its last sample, so that sample's time is its time. ``sliding_s``: from the slip of the whole
+    contact to the end; ``contact_share_of_sliding``: share of its details in which the state is not incipient
+    or gross. ``contact_wrong_share``: share of all details in which state and truth disagree on whether the
+    plate presses; the truth begins with the first force, the state where its level says contact.
+    """
+    group, rate_hz = 1 << config.level, recording.scene.rate_hz
+    rises = ((_raised(state) + 1) * group - 1) / rate_hz
+    onset = recording.onset_s
+    crossing = None
+    if onset is not None:
+        detail = first_crossing(recording.codes, config, int(np.ceil(onset * rate_hz)) // group)
+        crossing = None if detail is None else ((detail + 1) * group - 1) / rate_hz
+    early = rises if onset is None else rises[rises < onset]
+    flag = None if onset is None or len(early) == len(rises) else float(rises[len(early)])
+    late = flag is not None and flag >= recording.gross_s
+    sliding = contact_share = None
+    if recording.gross_s is not None:
+        known_s = ((np.arange(len(state)) + 1) * group - 1) / rate_hz
+        slides = ~slipping(state[known_s >= recording.gross_s])
+        sliding = len(slides) * group / rate_hz
+        contact_share = float(slides.mean()) if len(slides) else None
+    return {
+        "onset_s": onset,
+        "gross_s": recording.gross_s,
+        "sliding_s": sliding,
+        "contact_share_of_sliding": contact_share,
+        "contact_wrong_share": _contact_wrong(recording, state, group),
+        "crossing_s": crossing,
+        "flag_s": flag,
+        "delay_s": None if flag is None else flag - onset,
+        "lead_s": None if flag is None else recording.gross_s - flag,
+        "missed": late or (onset is not None and flag is None),
+        "late": late,
+        "false_alarms": len(early),
+    }
+
+
+def _contact_wrong(recording, state, group):
+    pressed = recording.normal_n[group - 1 :: group][: len(state)] > 0
+    says = (state != State.NONE) & (state != State.RELEASE)
+    return float((says != pressed).mean())
+
+
+def contact_share(verdicts):
+    """Share of the sliding time in which the state does not say so, of all runs; None if none slid."""
+    slid = [verdict for verdict in verdicts if verdict["sliding_s"]]
+    if not slid:
+        return None
+    without = sum(verdict["sliding_s"] * verdict["contact_share_of_sliding"] for verdict in slid)
+    return round(without / sum(verdict["sliding_s"] for verdict in slid), 6)
+
+
+def contact_wrong(verdicts):
+    """The mean of all runs."""
+    return round(float(np.mean([verdict["contact_wrong_share"] for verdict in verdicts])), 6)
+
+
+def rates(verdicts):
+    """``missed_rate`` of the runs with a slip, ``false_alarm_rate`` of all: interval.rate of the runs with
+    one, so two alarms of a run count once; None where no run is concerned."""
+    slips = [verdict for verdict in verdicts if verdict["onset_s"] is not None]
+    alarmed = sum(verdict["false_alarms"] > 0 for verdict in verdicts)
+    return {
+        "missed_rate": interval.rate(sum(v["missed"] for v in slips), len(slips)) if slips else None,
+        "false_alarm_rate": interval.rate(alarmed, len(verdicts)),
+    }
+
+
+def statistics(condition, verdicts):
+    """One row of the table of conditions. Delays and leads are of every flag, so of late ones too."""
+    delays = np.array([v["delay_s"] for v in verdicts if v["delay_s"] is not None]) * 1e3
+    leads = np.array([v["lead_s"] for v in verdicts if v["lead_s"] is not None]) * 1e3
+    row = {
+        "condition": condition.name,
+        "runs": len(verdicts),
+        **{key: sum(v[key] for v in verdicts) for key in COUNTS},
+        **{
+            key.replace("rate", "interval"): found and [found["low"], found["high"]]
+            for key, found in rates(verdicts).items()
+        },
+    }
+    row["contact_share_of_sliding"] = contact_share(verdicts)
+    row["contact_wrong_share"] = contact_wrong(verdicts)
+    # A flag without a crossing: what raised it came before the onset, but was blanked until after.
+    own = [v["flag_s"] - v["crossing_s"] for v in verdicts if None not in (v["flag_s"], v["crossing_s"])]
+    if len(delays):
+        row |= {
+            "delay_ms_median": round(float(np.median(delays)), 3),
+            "delay_ms_mean": round(float(delays.mean()), 3),
+            "delay_ms_max": round(float(delays.max()), 3),
+            **({"detector_ms_max": round(max(own) * 1e3, 3)} if own else {}),
+            "lead_ms_median": round(float(np.median(leads)), 3),
+            "lead_ms_min": round(float(leads.min()), 3),
+        }
+    return row
