@@ -1,27 +1,20 @@
-"""Scenes of the pressure-conductive rubber: a plate pressed on it, and pulled until it slips."""
+"""Scenes of the pressure-conductive rubber: a plate pressed on it, and pulled until it slips.
+
+``kind``: press, load and unload; pull, under a steady normal force; grip, a pull under a normal force that
+follows it. A condition's optional keys (Condition) are off where it does not name them.
+"""
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from meissner.check import fields, one_of, positive, shown
+from meissner.check import between, fields, one_of, positive, shown
 from meissner.physics import plate, rubber
 from meissner.physics.adc import PARTS, Adc
+from meissner.scenes.rubber.recording import COMPONENTS, Recording, simulate
 from meissner.twins.slip.config import SWITCHES, SlipConfig
 
-COMPONENTS = (
-    "rubber divider",
-    "normal force profile",
-    "shear step",
-    "partial slip",
-    "plate friction",
-    "stick-slip",
-    "adc",
-)
-_MODELLED = {
-    "press": ("rubber divider", "normal force profile", "adc"),
-    "pull": COMPONENTS,
-}
+__all__ = ["COMPONENTS", "Condition", "Recording", "Scene", "Slip", "build", "simulate"]
 
 _TOP = {
     "title": str,
@@ -49,21 +42,38 @@ _SLIP = dict.fromkeys(("window", "hop", "level"), int) | dict.fromkeys(
 _WORLD = {
     "press": ("press_start_s", "press_s", "rest_s", "unload_s", "after_s"),
     "pull": ("press_start_s", "press_s", "stage_start_s", "slide_s"),
+    "grip": ("press_start_s", "press_s", "stage_start_s", "slide_s"),
 }
-_CONDITION = {
-    "press": {"name": str, "normal_n": float},
-    "pull": {"name": str, "normal_n": float, "speed_mm_s": float, "material": str},
-}
+_PRESS = {"name": str, "normal_n": float}
+_PULL = _PRESS | {"speed_mm_s": float, "material": str}
+_CONDITION = {"press": _PRESS, "pull": _PULL, "grip": _PULL | {"follow": float}}
+# The optional keys, (least, most). Events begin by 0.9 of the friction limit: later, a slip may have none.
+_DISTURBED = {"hum_v": (0.0, 5.0), "flicker": (0.0, 0.1), "hysteresis": (0.0, 0.5)}
+_SLIPPING = {"first_event": (0.0, 0.9), "recovers": (0.0, 1.0), "burst": (1.0, 50.0)}
+_OPTIONAL = {"press": _DISTURBED, "pull": _DISTURBED | _SLIPPING, "grip": _DISTURBED | _SLIPPING}
 
 
 @dataclass(frozen=True)
 class Condition:
-    """One row of a sweep. ``speed_mm_s`` and ``material`` only where a plate is pulled."""
+    """One row of a sweep. ``speed_mm_s`` and ``material`` only where a plate is pulled.
+
+    ``follow``: newtons that the grip rises by for each newton pulled. ``first_event``: share of the friction
+    limit from which Vc shows events; ``recovers``: share of the shear step that is taken back (both
+    physics.rubber); ``burst``: mean events of a burst; ``hum_v``: amplitude; ``flicker``: rms of G in a
+    decade; ``hysteresis``: of the force, loading to unloading (all physics.disturbances).
+    """
 
     name: str
     normal_n: float
     speed_mm_s: float = 0.0
     material: str | None = None
+    follow: float = 0.0
+    first_event: float = rubber.ONSET_RATIO
+    recovers: float = rubber.RESTORED
+    burst: float = 1.0
+    hum_v: float = 0.0
+    flicker: float = 0.0
+    hysteresis: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -117,7 +127,11 @@ class Scene:
         world = self.world
         if self.kind == "press":
             return sum(world.values())
-        rise_s = plate.rise_s(condition.normal_n, condition.speed_mm_s, condition.material)
+        # Friction moves the slip of a grip that follows by more than its own share: four deviations of it.
+        spread = 1.0 + 4.0 * plate.FRICTION_SPREAD if self.kind == "grip" else 1.0
+        rise_s = plate.rise_s(
+            condition.normal_n, condition.speed_mm_s, condition.material, condition.follow, spread
+        )
         return world["stage_start_s"] + rise_s + world["slide_s"]
 
     def peak_to_peak_v(self):
@@ -159,37 +173,6 @@ class Scene:
         )
 
 
-@dataclass(frozen=True)
-class Recording:
-    """One run of one condition: the core's input, an experimenter's measurements, and the truth.
-
-    ``onset_s``: the first event of partial slip; ``gross_s``: the whole contact slips; both None without
-    a slip. ``events_s``, ``events_v``: every event of partial slip and the step of Vc it makes, so that
-    the wait for an event that is large enough can be separated from the detector's delay. ``contacts_s``:
-    (from, until) where the normal force is not zero, until None if it lasts. ``moving``: the loading stage
-    moves, the motion that a hand knows to be its own.
-    """
-
-    scene: Scene
-    condition: Condition
-    seed: int
-    time_s: np.ndarray
-    volts: np.ndarray  # before the converter
-    codes: np.ndarray
-    over_range: np.ndarray
-    normal_n: np.ndarray
-    tension_n: np.ndarray
-    slip_mm: np.ndarray
-    moving: np.ndarray
-    contacts_s: tuple
-    onset_s: float | None
-    gross_s: float | None
-    events_s: np.ndarray
-    events_v: np.ndarray
-    modelled: tuple
-    left_out: tuple
-
-
 def _switches(where, table):
     """({name: value} of the switches in [slip], what else is there); what is not there is as ever."""
     switches = {key: table.pop(key, SWITCHES[key]) for key in SWITCHES if key != "contact_rises"}
@@ -197,6 +180,20 @@ def _switches(where, table):
         if not isinstance(value, bool):
             raise ValueError(f"{where}: {key} = {shown(value)} must be true or false")
     return switches, table
+
+
+def _condition(where, kind, row):
+    needed, optional = _CONDITION[kind], _OPTIONAL[kind]
+    row = fields(where, row, needed | {key: float for key in optional if key in row})
+    positive(where, row, [key for key in needed if key.endswith(("_n", "_s"))])
+    between(where, row, {key: limits for key, limits in optional.items() if key in row})
+    if kind != "press":
+        one_of(where, "material", row["material"], tuple(plate.MATERIALS))
+    if kind == "grip":
+        # With 1/mu, and the spread of friction on it, the grip would outrun the pull and nothing would slip.
+        most = 0.8 / plate.MATERIALS[row["material"]].mu_s
+        between(where, row, {"follow": (0.0, round(most, 3))})
+    return Condition(**row)
 
 
 def build(name, table):
@@ -224,17 +221,13 @@ def build(name, table):
     one_of(inside, "kind", kind, tuple(_WORLD))
     world = fields(inside, world, dict.fromkeys(_WORLD[kind], float))
     positive(inside, world, world)
-    if kind == "pull" and world["stage_start_s"] < world["press_start_s"] + world["press_s"]:
+    if kind != "press" and world["stage_start_s"] < world["press_start_s"] + world["press_s"]:
         raise ValueError(f"{inside}: stage_start_s must not come before the end of pressing")
     if not isinstance(rows, list) or not rows or not all(isinstance(row, dict) for row in rows):
         raise ValueError(f"{inside}: there must be at least one [[world.conditions]]")
     conditions = []
     for row in rows:
-        row = fields(f"{where}, [[world.conditions]]", row, _CONDITION[kind])
-        positive(f"{where}, [[world.conditions]]", row, [k for k in row if k.endswith(("_n", "_s"))])
-        if kind == "pull":
-            one_of(f"{where}, [[world.conditions]]", "material", row["material"], tuple(plate.MATERIALS))
-        conditions.append(Condition(**row))
+        conditions.append(_condition(f"{where}, [[world.conditions]]", kind, row))
 
     scene = Scene(
         name=name,
@@ -254,76 +247,3 @@ def build(name, table):
     except ValueError as problem:
         raise ValueError(f"{where}, [slip]: {problem}") from None
     return scene
-
-
-def _contacts(time_s, force_n):
-    edges = np.flatnonzero(np.diff(force_n > 0, prepend=False, append=False))
-    return tuple(
-        (float(time_s[first]), float(time_s[last]) if last < len(time_s) else None)
-        for first, last in zip(edges[::2], edges[1::2])
-    )
-
-
-def simulate(scene, condition=0, seed=0):
-    """Run one condition (a Condition, its name or its number) with one seed."""
-    condition = scene.condition(condition)
-    rng = np.random.default_rng([seed, scene.conditions.index(condition)])
-    samples = round(scene.duration_s(condition) * scene.rate_hz)
-    time_s = np.arange(samples) / scene.rate_hz
-    world = scene.world
-
-    ramps = [(world["press_start_s"], world["press_s"])]
-    if scene.kind == "press":
-        ramps.append((sum(ramps[0]) + world["rest_s"], world["unload_s"]))
-    normal_n, moving = plate.press(time_s, condition.normal_n, ramps, rng)
-
-    tension_n = slip_mm = np.zeros(samples)
-    events_s = events_v = np.zeros(0)
-    onset_s = gross_s = None
-    if scene.kind == "pull":
-        pull = plate.pull(
-            time_s, condition.normal_n, condition.speed_mm_s, condition.material, world["stage_start_s"], rng
-        )
-        scale = plate.MATERIALS[condition.material].fluctuation
-        partial_s = pull.time_of(rubber.event_ratios(rng))
-        shares = rubber.event_shares(len(partial_s), scale, rng)
-        gross = rubber.GROSS_SHARE * rubber.EVENT_SHARE * scale  # conductance rises: Vc drops
-        sliding = rubber.SLIDING_SHARE * rubber.event_shares(len(pull.slips_s), scale, rng)
-        share = rubber.fluctuation(
-            np.concatenate([partial_s, [pull.gross_s], pull.slips_s]),
-            np.concatenate([shares, [gross], sliding]),
-            samples,
-            scene.rate_hz,
-        )
-        level = rubber.shear_level(time_s, pull.shear_mm_s)
-        volts = rubber.volts(normal_n, level, share)
-        before = np.minimum((partial_s * scene.rate_hz).astype(np.int64), samples - 1)
-        events_v = rubber.event_steps(rubber.volts(normal_n[before], level[before]), shares)
-        events_s = partial_s
-        tension_n, slip_mm = pull.tension_n, pull.slip_mm
-        onset_s, gross_s = float(partial_s[0]), float(pull.gross_s)
-    else:
-        volts = rubber.volts(normal_n)
-
-    codes, over_range = scene.adc.convert(volts, rng)
-    modelled = _MODELLED[scene.kind]
-    return Recording(
-        scene=scene,
-        condition=condition,
-        seed=seed,
-        time_s=time_s,
-        volts=volts,
-        codes=codes,
-        over_range=over_range,
-        normal_n=normal_n,
-        tension_n=tension_n,
-        slip_mm=slip_mm,
-        moving=moving,
-        contacts_s=_contacts(time_s, normal_n),
-        onset_s=onset_s,
-        gross_s=gross_s,
-        events_s=events_s,
-        events_v=events_v,
-        modelled=modelled,
-        left_out=tuple(part for part in COMPONENTS if part not in modelled),
-    )

@@ -1,0 +1,83 @@
+"""What disturbs a rubber sensor beside slip; every one is off unless a scene's condition asks for it.
+
+    hum          V + hum_v·sin(2·pi·HUM_HZ·t + phase)    mains on the leads, one phase a run
+    flicker      G·(1 + n(t)),  S_n(f) = flicker²/(ln 10·f)     1/f noise: flicker rms in each decade
+    hysteresis   F' = F·exp(h·(y - ln F)),  y the play of ln F, one HYSTERESIS_WIDTH wide
+    bursts       patches let go in groups of a geometric number, mean ``burst``, within about BURST_S
+
+Play (backlash): y rises with ln F and holds when F turns, until ln F has fallen by the width. So Vc follows
+the published curve, measured while loading, as long as the force rises; while it falls, Vc shows up to exp(h)
+times the force, as rubber does that unloads. A small reversal still shows 1 - h of itself.
+
+Not modelled: harmonics of the mains, flicker that grows with the current, minor loops that creep.
+"""
+
+import numpy as np
+
+HUM_HZ = 50.0
+HYSTERESIS_WIDTH = 1.0  # of ln F, from one branch to the other
+FORCE_FLOOR_N = 1e-3  # below it no branch is remembered
+BURST_S = 0.002  # mean wait of a burst's patches for its first
+
+ORIGINS = {
+    "HUM_HZ": ("chosen", "the mains where the papers were written in part: 50 Hz", "place of the hum's line"),
+    "HYSTERESIS_WIDTH": (
+        "chosen",
+        "no paper gives the loop's shape",
+        "how far a force must fall until Vc is on the unloading branch; grip_slip, hysteresis alone",
+    ),
+    "FORCE_FLOOR_N": ("chosen", "numerical: ln 0", "none"),
+    "BURST_S": (
+        "chosen",
+        "the width of a third of a window; no paper counts events",
+        "delay in grip_slip, correlated: events within a window add up in p2p",
+    ),
+}
+
+
+def hum(time_s, amplitude_v, rng):
+    """Volts to add to Vc."""
+    return amplitude_v * np.sin(2 * np.pi * HUM_HZ * np.asarray(time_s) + rng.uniform(0, 2 * np.pi))
+
+
+def flicker(samples, rate_hz, share, rng):
+    """Share of G to add [samples]: a spectrum of share²/(ln 10·f), from one period of the run to Nyquist."""
+    hertz = np.fft.rfftfreq(samples, 1.0 / rate_hz)
+    density = np.zeros(len(hertz))
+    density[1:] = share**2 / np.log(10.0) / hertz[1:]
+    draw = rng.standard_normal((2, len(hertz)))
+    spectrum = np.sqrt(density * rate_hz * samples / 4.0) * (draw[0] + 1j * draw[1])
+    return np.fft.irfft(spectrum, samples)
+
+
+def play(x, width):
+    """y[t] = max(x[t], min(x[t] + width, y[t-1])), y[-1] = x[0].
+
+    Each step clamps y to [x, x + width], and a clamp after a clamp is one again, so that log2 of the length
+    passes over all of x do.
+    """
+    low, high = np.array(x, dtype=float), np.asarray(x, dtype=float) + width
+    high[0] = low[0]
+    reach = 1
+    while reach < len(low):
+        before = low[:-reach].copy(), high[:-reach].copy()
+        own = low[reach:].copy(), high[reach:].copy()
+        low[reach:], high[reach:] = (np.clip(edge, *own) for edge in before)
+        reach *= 2
+    return low
+
+
+def hysteresis(force_n, share):
+    """The force that the divider curve shows of ``force_n`` [samples]."""
+    logarithm = np.log(np.maximum(force_n, FORCE_FLOOR_N))
+    return force_n * np.exp(share * (play(logarithm, HYSTERESIS_WIDTH) - logarithm))
+
+
+def bursts(first_s, mean, until_s, rng):
+    """Instants, ascending, before ``until_s``, of patches in bursts of ``mean`` that begin at ``first_s``."""
+    sizes = rng.geometric(1.0 / mean, len(first_s))
+    begins = np.cumsum(sizes) - sizes
+    wait_s = rng.exponential(BURST_S, int(sizes.sum()))
+    wait_s[begins] = 0.0
+    times_s = np.sort(np.repeat(first_s, sizes) + wait_s)
+    return times_s[times_s < until_s]

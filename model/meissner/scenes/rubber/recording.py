@@ -1,0 +1,173 @@
+"""One run of a scene of the rubber: the physics that its condition names, and the truth about it."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from meissner.physics import disturbances, plate, rubber
+
+COMPONENTS = (
+    "rubber divider",
+    "normal force profile",
+    "shear step",
+    "partial slip",
+    "plate friction",
+    "stick-slip",
+    "adc",
+)
+_MODELLED = {
+    "press": ("rubber divider", "normal force profile", "adc"),
+    "pull": COMPONENTS,
+    "grip": (*COMPONENTS, "grip follows load"),
+}
+# Keys of a condition that add physics to a run: what is then modelled beyond COMPONENTS, and the key's off.
+OPTIONS = {
+    "hum_v": ("hum", 0.0),
+    "flicker": ("1/f noise", 0.0),
+    "hysteresis": ("hysteresis", 0.0),
+    "burst": ("correlated events", 1.0),
+}
+
+
+@dataclass(frozen=True)
+class Recording:
+    """One run of one condition: the core's input, an experimenter's measurements, and the truth.
+
+    ``onset_s``: the first event of partial slip; ``gross_s``: the whole contact slips; both None without
+    a slip. ``events_s``, ``events_v``: every event of partial slip and the step of Vc it makes, so that
+    the wait for an event that is large enough can be separated from the detector's delay. ``contacts_s``:
+    (from, until) where the normal force is not zero, until None if it lasts. ``moving``: the loading stage
+    moves, the motion that a hand knows to be its own. A grip that follows the load is not marked as moving:
+    it moves through the whole of the pull, and a detector that it masked would be blind.
+    """
+
+    scene: Any
+    condition: Any
+    seed: int
+    time_s: np.ndarray
+    volts: np.ndarray  # before the converter
+    codes: np.ndarray
+    over_range: np.ndarray
+    normal_n: np.ndarray
+    tension_n: np.ndarray
+    slip_mm: np.ndarray
+    moving: np.ndarray
+    contacts_s: tuple
+    onset_s: float | None
+    gross_s: float | None
+    events_s: np.ndarray
+    events_v: np.ndarray
+    modelled: tuple
+    left_out: tuple
+
+
+@dataclass(frozen=True)
+class _Slip:
+    """What a pull adds to the rubber: its level of shear, its fluctuation, and the events before the slip."""
+
+    level: np.ndarray
+    share: np.ndarray
+    events_s: np.ndarray
+    shares: np.ndarray
+
+
+def _contacts(time_s, force_n):
+    edges = np.flatnonzero(np.diff(force_n > 0, prepend=False, append=False))
+    return tuple(
+        (float(time_s[first]), float(time_s[last]) if last < len(time_s) else None)
+        for first, last in zip(edges[::2], edges[1::2])
+    )
+
+
+def _slip(pull, condition, time_s, rate_hz, rng):
+    scale = plate.MATERIALS[condition.material].fluctuation
+    ratios = rubber.event_ratios(rng, condition.first_event, 1.0 / condition.burst)
+    partial_s = pull.time_of(ratios)
+    if condition.burst > 1:
+        partial_s = disturbances.bursts(partial_s, condition.burst, pull.gross_s, rng)
+    shares = rubber.event_shares(len(partial_s), scale, rng)
+    gross = rubber.GROSS_SHARE * rubber.EVENT_SHARE * scale  # conductance rises: Vc drops
+    sliding = rubber.SLIDING_SHARE * rubber.event_shares(len(pull.slips_s), scale, rng)
+    share = rubber.fluctuation(
+        np.concatenate([partial_s, [pull.gross_s], pull.slips_s]),
+        np.concatenate([shares, [gross], sliding]),
+        len(time_s),
+        rate_hz,
+    )
+    level = rubber.shear_level(time_s, pull.shear_mm_s, condition.recovers)
+    return _Slip(level, share, partial_s, shares)
+
+
+def simulate(scene, condition=0, seed=0):
+    """Run one condition (a Condition, its name or its number) with one seed."""
+    condition = scene.condition(condition)
+    number = scene.conditions.index(condition)
+    rng = np.random.default_rng([seed, number])
+    disturbed = np.random.default_rng([seed, number, 1])  # its own: the slip is the same with and without
+    samples = round(scene.duration_s(condition) * scene.rate_hz)
+    time_s = np.arange(samples) / scene.rate_hz
+    world = scene.world
+
+    ramps = [(world["press_start_s"], world["press_s"])]
+    if scene.kind == "press":
+        ramps.append((sum(ramps[0]) + world["rest_s"], world["unload_s"]))
+    normal_n, moving = plate.press(time_s, condition.normal_n, ramps, rng)
+
+    slip, tension_n, slip_mm = None, *np.zeros((2, samples))
+    onset_s = gross_s = None
+    if scene.kind != "press":
+        pull = plate.pull(
+            time_s,
+            condition.normal_n,
+            condition.speed_mm_s,
+            condition.material,
+            world["stage_start_s"],
+            rng,
+            follow=condition.follow,
+        )
+        slip = _slip(pull, condition, time_s, scene.rate_hz, rng)
+        tension_n, slip_mm = pull.tension_n, pull.slip_mm
+        onset_s, gross_s = float(slip.events_s[0]), float(pull.gross_s)
+    if scene.kind == "grip":
+        normal_n = plate.followed(time_s, normal_n, pull, condition.follow, disturbed)
+
+    shown_n = disturbances.hysteresis(normal_n, condition.hysteresis) if condition.hysteresis else normal_n
+    share = None if slip is None else slip.share
+    if condition.flicker:
+        noise = disturbances.flicker(samples, scene.rate_hz, condition.flicker, disturbed)
+        share = noise if share is None else share + noise
+    volts = rubber.volts(shown_n, None if slip is None else slip.level, share)
+    if condition.hum_v:
+        volts = volts + disturbances.hum(time_s, condition.hum_v, disturbed)
+
+    events_s = events_v = np.zeros(0)
+    if slip is not None:
+        events_s = slip.events_s
+        before = np.minimum((events_s * scene.rate_hz).astype(np.int64), samples - 1)
+        events_v = rubber.event_steps(rubber.volts(shown_n[before], slip.level[before]), slip.shares)
+
+    codes, over_range = scene.adc.convert(volts, rng)
+    modelled = _MODELLED[scene.kind] + tuple(
+        part for key, (part, off) in OPTIONS.items() if getattr(condition, key) != off
+    )
+    return Recording(
+        scene=scene,
+        condition=condition,
+        seed=seed,
+        time_s=time_s,
+        volts=volts,
+        codes=codes,
+        over_range=over_range,
+        normal_n=normal_n,
+        tension_n=tension_n,
+        slip_mm=slip_mm,
+        moving=moving,
+        contacts_s=_contacts(time_s, normal_n),
+        onset_s=onset_s,
+        gross_s=gross_s,
+        events_s=events_s,
+        events_v=events_v,
+        modelled=modelled,
+        left_out=tuple(part for part in COMPONENTS if part not in modelled),
+    )

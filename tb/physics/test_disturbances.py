@@ -1,0 +1,185 @@
+"""Hum, 1/f noise, hysteresis and bursts of the rubber sensor: each alone in the signal, as its formula says.
+
+A recording with one of them is compared with the same run without: the slip and the converter's noise are
+drawn from another generator, so the difference is the disturbance. Expectations are worked out by hand.
+"""
+
+import dataclasses
+import tomllib
+
+import numpy as np
+import pytest
+
+from meissner import scenes
+from meissner.physics import disturbances, plate, rubber
+
+RATE = 10_000
+
+
+def grip(seed=3, **options):
+    """A run of grip_slip's plain condition, with these options on."""
+    scene = scenes.load("grip_slip")
+    plain = dataclasses.replace(scene.condition("plain"), **options)
+    return scenes.simulate(dataclasses.replace(scene, conditions=(plain,)), 0, seed)
+
+
+def test_the_grip_follows_the_pull_until_the_contact_slips():
+    """mu 0.7, 2 N and half the pull: T = 0.7·2/(1 - 0.35) = 2.154 N, N = 3.077 N at the slip."""
+    tensions = []
+    for seed in range(40):
+        run = grip(seed)
+        rising = (run.time_s > 1.4) & (run.time_s < run.gross_s - 0.06)
+        assert np.abs(run.normal_n - 2.0 - 0.5 * run.tension_n)[rising].max() < 0.03  # the motor's ripple
+        sliding = run.time_s > run.gross_s
+        assert np.abs(run.normal_n - 2.0 - 0.5 * run.tension_n)[sliding].max() < 1e-12
+        assert run.onset_s < run.gross_s < run.time_s[-1] - 0.3
+        tensions.append(run.tension_n.max())
+    assert np.median(tensions) == pytest.approx(2.154, rel=0.04)
+    assert run.moving[run.time_s > 1.3].sum() == 0
+
+
+def test_events_come_at_their_share_of_the_limit_of_that_moment():
+    """The plate's own numbers: T(t) at the event over mu·N(t) is the ratio, where N rises with T."""
+    time = np.arange(90_000) / RATE
+    pull = plate.pull(time, 2.0, 10.0, "acrylic", 1.0, np.random.default_rng(2), follow=0.5)
+    stiffness = plate.PULL_STIFFNESS_N_MM * 10.0  # N/s
+    limit = stiffness * (pull.gross_s - 1.0)
+    mu = limit / (2.0 + 0.5 * limit)
+    for ratio in (0.0, 0.12, 0.5, 0.875, 1.0):
+        tension = stiffness * (float(pull.time_of(ratio)) - 1.0)
+        assert tension / (mu * (2.0 + 0.5 * tension)) == pytest.approx(ratio, abs=1e-12)
+
+
+def test_hum_is_a_line_at_50_hz_and_nothing_else():
+    added = grip(hum_v=0.1).volts - grip().volts
+    samples = len(added) // 200 * 200  # whole periods
+    line = 2 * np.abs(np.fft.rfft(added[:samples])) / samples
+    at = round(50 * samples / RATE)
+    assert line[at] == pytest.approx(0.1, abs=1e-12)
+    assert np.delete(line, at).max() < 1e-12
+
+
+def test_flicker_has_the_slope_and_the_size_of_1_over_f():
+    """1/f gives each octave the same power, ln 2/ln 10 = 0.30103 of share²."""
+    noise = np.stack(
+        [disturbances.flicker(1 << 16, RATE, 0.02, np.random.default_rng(seed)) for seed in range(30)]
+    )
+    power = 2 * np.mean(np.abs(np.fft.rfft(noise)) ** 2, axis=0) / (1 << 16) ** 2
+    hertz = np.fft.rfftfreq(1 << 16, 1 / RATE)
+    for low in (2.0, 20.0, 200.0, 2000.0):
+        octave = power[(hertz >= low) & (hertz < 2 * low)].sum()
+        assert octave == pytest.approx(0.30103 * 0.02**2, rel=0.15), low
+    slope = np.polyfit(np.log(hertz[8:-1]), np.log(power[8:-1]), 1)[0]
+    assert slope == pytest.approx(-1, abs=0.02)
+
+
+def test_flicker_is_in_the_signal_where_the_rubber_conducts():
+    run, plain = grip(flicker=0.01), grip()
+    added = run.volts - plain.volts
+    assert not added[plain.normal_n == 0].any()
+    held = (plain.time_s > 0.9) & (plain.time_s < 1.3)  # 2 N: 1.70 V, so dV = -1.70·3.30/5 of dG/G
+    vc = plain.volts[held].mean()
+    step = np.diff(added[held]).std() / (vc * (5 - vc) / 5)
+    # Differences of neighbours: the sum over f of S·4·sin²(pi·f/rate), which is 4·0.8237 of share²/ln 10.
+    assert step == pytest.approx(0.01 * np.sqrt(4 * 0.8237 / 2.302585), rel=0.05)
+
+
+def test_hysteresis_is_a_loop_of_vc_over_force():
+    """Down by more than a factor e, the rubber shows e^0.1 = 1.10517 times the force; up again, the force."""
+    scene = scenes.load("normal_force")
+    looped = dataclasses.replace(scene.condition("load 4 N"), hysteresis=0.1)
+    run = scenes.simulate(dataclasses.replace(scene, conditions=(looped,)), 0, 3)
+    plain = scenes.simulate(dataclasses.replace(scene, conditions=(scene.condition("load 4 N"),)), 0, 3)
+    assert np.array_equal(run.normal_n, plain.normal_n)
+    for force in (0.3, 0.9, 1.4):  # all below 4/e = 1.47 N
+        up = np.flatnonzero(run.normal_n >= force)[0]
+        down = np.flatnonzero(run.normal_n >= force)[-1]
+        assert run.volts[up] == pytest.approx(plain.volts[up], abs=0.01)
+        shown = float(rubber.rest_volts(1.10517 * run.normal_n[down]))
+        assert run.volts[down] == pytest.approx(shown, abs=1e-3)
+        assert plain.volts[down] - run.volts[down] > 0.05
+    top = (run.time_s > 1.5) & (run.time_s < 2.5)
+    assert np.abs(run.volts - plain.volts)[top].max() < 0.01
+
+
+def test_play_is_its_recurrence():
+    x = np.random.default_rng(1).standard_normal(1001).cumsum()
+    slow, last = [], x[0]
+    for value in x:
+        last = max(value, min(value + 1.7, last))
+        slow.append(last)
+    assert np.array_equal(disturbances.play(x, 1.7), slow)
+    assert np.array_equal(disturbances.play([0.0, 2.0, 1.5, 0.0, 0.4, 3.0], 1.0), [0, 2, 2, 1, 1, 3])
+
+
+def fano(counts):
+    return counts.var() / counts.mean()
+
+
+def test_bursts_bring_events_together_and_no_more_of_them():
+    """Counts in 20 ms: variance over mean 1 if independent; 2·5 - 1 = 9 for geometric groups of 5."""
+    rng = np.random.default_rng(8)
+    counts, edges = {1: [], 5: []}, np.arange(0, 1.0, 0.02)
+    for _ in range(200):
+        alone = np.sort(rng.uniform(0, 1, rng.poisson(1000)))
+        together = disturbances.bursts(np.sort(rng.uniform(0, 1, rng.poisson(200))), 5.0, 1.0, rng)
+        assert together.max() < 1.0 and (np.diff(together) >= 0).all()
+        for size, times in ((1, alone), (5, together)):
+            counts[size].append(np.histogram(times, edges)[0])
+    counts = {size: np.concatenate(found) for size, found in counts.items()}
+    assert counts[5].mean() == pytest.approx(counts[1].mean(), rel=0.02)
+    assert fano(counts[1]) == pytest.approx(1.0, abs=0.05)
+    assert 7.5 < fano(counts[5]) < 9.0  # a burst on an edge is counted in two
+
+
+def test_bursts_are_in_the_recording():
+    """Waits below 0.2 ms from event to event: few if independent, many within a burst of about 2 ms."""
+    shares = {}
+    for burst in (1.0, 5.0):
+        waits = [np.diff(grip(seed, burst=burst).events_s) for seed in range(20)]
+        shares[burst] = np.mean(np.concatenate(waits) < 2e-4)
+    assert shares[5.0] > 2.5 * shares[1.0]
+    counts = [len(grip(seed, burst=5.0).events_s) for seed in range(30)]
+    assert np.mean(counts) == pytest.approx(200, rel=0.1)
+
+
+@pytest.mark.parametrize(
+    "options, added",
+    [
+        ({}, ()),
+        ({"hum_v": 0.1}, ("hum",)),
+        ({"flicker": 0.01}, ("1/f noise",)),
+        ({"hysteresis": 0.1}, ("hysteresis",)),
+        ({"burst": 5.0}, ("correlated events",)),
+    ],
+)
+def test_a_run_names_what_disturbs_it(options, added):
+    run = grip(**options)
+    assert run.modelled[-len(added) :] == added if added else run.modelled[-1] == "grip follows load"
+    assert run.left_out == ()
+
+
+@pytest.mark.parametrize(
+    "key, value, says",
+    [
+        ("first_event", 0.95, "first_event = 0.95 must lie in 0 .. 0.9"),
+        ("recovers", 1.5, "recovers = 1.5 must lie in 0 .. 1"),
+        ("burst", 0.5, "burst = 0.5 must lie in 1 .. 50"),
+        ("hum_v", -1.0, "hum_v = -1 must lie in 0 .. 5"),
+        ("follow", 1.2, "follow = 1.2 must lie in 0 .. 1.143"),
+        ("hum", 1.0, "unknown key 'hum'"),
+    ],
+)
+def test_an_option_out_of_its_range_gets_one_sentence(key, value, says):
+    table = tomllib.loads(scenes.source("grip_slip"))
+    table["world"]["conditions"][0][key] = value
+    with pytest.raises(ValueError, match=says) as caught:
+        scenes.build("mine", table)
+    assert "\n" not in str(caught.value)
+
+
+def test_pressing_has_no_events_to_place():
+    table = tomllib.loads(scenes.source("normal_force"))
+    table["world"]["conditions"][0]["first_event"] = 0.5
+    with pytest.raises(ValueError, match="unknown key 'first_event'"):
+        scenes.build("mine", table)
