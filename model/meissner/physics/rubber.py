@@ -57,10 +57,16 @@ STIFFNESS_N_MM = 12.0
 # is chosen. The 2011 sensor is 0.5 mm thick (published), which would ring at 5.9 kHz, above half the rate.
 # Density and loss factor (quality 3) are ordinary values for a filled silicone, chosen.
 SIDE_MM, THICKNESS_MM, DENSITY_KG_M3, QUALITY = 6.0, 1.5, 1200.0, 3.0
-# Quarter-wave shear resonance of a layer with that stiffness: sqrt(k·h/(A·rho))/(4·h), 3.4 kHz.
-_MODULUS_PA = STIFFNESS_N_MM * THICKNESS_MM / SIDE_MM**2 * 1e6
-RING_HZ = np.sqrt(_MODULUS_PA / DENSITY_KG_M3) / (4e-3 * THICKNESS_MM)
-RING_S = QUALITY / (np.pi * RING_HZ)
+
+
+def ring(thickness_mm, quality):
+    """Hertz and seconds of a layer of that stiffness: a quarter wave of shear, sqrt(k·h/(A·rho))/(4·h)."""
+    modulus_pa = STIFFNESS_N_MM * thickness_mm / SIDE_MM**2 * 1e6
+    hz = np.sqrt(modulus_pa / DENSITY_KG_M3) / (4e-3 * thickness_mm)
+    return hz, quality / (np.pi * hz)
+
+
+RING_HZ, RING_S = ring(THICKNESS_MM, QUALITY)  # 3.4 kHz
 
 CONDUCTING_RADIUS = 0.5  # of the contact's radius; chosen: events in the last eighth of the pull
 PUBLISHED_ONSET = 0.12  # of the friction limit: published, 0.05 s of 0.4 s

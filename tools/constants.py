@@ -1,0 +1,231 @@
+"""Where each constant of the physics is from, and what slip's headline figures owe to those that are chosen.
+
+    python tools/constants.py --page                 docs/constants.md, from the modules and what is recorded
+    python tools/figures.py --record constants       measure the changes of ``CHANGES`` again (minutes)
+
+Each module of meissner.physics says it beside its constants, as ``ORIGINS``: {name: (kind, where, effect)}.
+"""
+
+import argparse
+import contextlib
+import importlib
+import pkgutil
+import re
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from meissner import physics, scenes
+from meissner.builds import toolchain
+from meissner.engines import fixed
+from meissner.physics import plate, rubber
+from meissner.scenes.rubber.judge import judge, rates
+
+PAGE = toolchain.ROOT / "docs/constants.md"
+FORMATS = ("meissner.physics.cop4_config", "meissner.physics.cop4_registers")  # widths of registers
+KINDS = ("published", "read off", "datasheet", "computed", "chosen")
+SLIPS, PRESSES = "acrylic_slip", "normal_force"
+RUNS = 100
+
+
+class Change(NamedTuple):
+    """One constant changed; ``first``: of the scene's condition; ``presses``: it matters to pressing too."""
+
+    name: str
+    value: float
+    module: object = rubber
+    first: float | None = None
+    presses: bool = False
+
+
+CHANGES = (
+    Change("QUALITY", 1.0),
+    Change("QUALITY", 10.0),
+    Change("THICKNESS_MM", 0.5),
+    Change("THICKNESS_MM", 1.0),
+    Change("PATCHES", 20),
+    Change("PATCHES", 1000),
+    Change("EVENT_SHARE", rubber.EVENT_SHARE / 4),
+    Change("EVENT_SHARE", rubber.EVENT_SHARE / 2),
+    Change("EVENT_SHARE", rubber.EVENT_SHARE * 2),
+    Change("EVENT_SPREAD", 0.2),
+    Change("EVENT_SPREAD", 0.5),
+    Change("first event", rubber.PUBLISHED_ONSET, first=rubber.PUBLISHED_ONSET),
+    Change("RIPPLE_N", 2 * plate.RIPPLE_N, plate, presses=True),
+    Change("RIPPLE_LIMIT_HZ", 2000.0, plate, presses=True),
+    Change("FRICTION_SPREAD", 0.1, plate),
+)
+
+
+def constants(module):
+    """{name: value} of a module's constants: numbers, and tables of them."""
+    return {
+        name: value
+        for name, value in vars(module).items()
+        if re.fullmatch(r"[A-Z][A-Z0-9_]*", name) and name != "ORIGINS" and _has_numbers(value)
+    }
+
+
+def _has_numbers(value):
+    if isinstance(value, dict):
+        value = list(value.values())
+    if isinstance(value, (list, tuple, np.ndarray)):
+        return any(map(_has_numbers, value))
+    if hasattr(value, "__dataclass_fields__"):
+        return any(_has_numbers(getattr(value, name)) for name in value.__dataclass_fields__)
+    return isinstance(value, (int, float, np.number)) and not isinstance(value, bool)
+
+
+def modules():
+    """Those of meissner.physics that have constants. Its packages have none of physics: they are solvers."""
+    found = pkgutil.iter_modules(physics.__path__, "meissner.physics.")
+    loaded = [importlib.import_module(one.name) for one in found if not one.ispkg]
+    return [module for module in loaded if constants(module) and module.__name__ not in FORMATS]
+
+
+@contextlib.contextmanager
+def changed(change):
+    """The physics with one constant changed, and those that are computed from it."""
+    if change.first is not None:
+        yield
+        return
+    names = (change.name, *(("RING_HZ", "RING_S") if change.module is rubber else ()))
+    before = {name: getattr(change.module, name) for name in names}
+    setattr(change.module, change.name, change.value)
+    if change.module is rubber:
+        rubber.RING_HZ, rubber.RING_S = rubber.ring(rubber.THICKNESS_MM, rubber.QUALITY)
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            setattr(change.module, name, value)
+
+
+def _verdicts(name, first=None):
+    scene = scenes.load(name)
+    if first is not None:
+        scene = replace(scene, conditions=tuple(replace(c, first_event=first) for c in scene.conditions))
+    config = scene.slip_config()
+    for condition in scene.conditions:
+        for seed in range(1, 1 + RUNS):
+            recording = scenes.simulate(scene, condition, seed)
+            state = fixed.watch(recording.codes[None], config).state[0]
+            yield judge(recording, state, config)
+
+
+def _row(change=None):
+    """What a change gives; without one, the figures as they are."""
+    slips = list(_verdicts(SLIPS, change and change.first))
+    presses = list(_verdicts(PRESSES)) if change is None or change.presses else None
+    delays = [1e3 * one["delay_s"] for one in slips if one["delay_s"] is not None]
+    leads = [1e3 * one["lead_s"] for one in slips if one["lead_s"] is not None]
+    return {
+        "missed": rates(slips)["missed_rate"],
+        "false_alarm": rates(slips + presses)["false_alarm_rate"] if presses else None,
+        "delay_ms": round(float(np.median(delays)), 3) if delays else None,
+        "lead_ms": round(min(leads), 3) if leads else None,
+    }
+
+
+def figures():
+    """The record: rows of ``CHANGES``, the first as it is."""
+    rows = [{"name": "as they are", "value": None} | _row()]
+    for change in CHANGES:
+        with changed(change):
+            rows.append({"name": change.name, "value": change.value} | _row(change))
+    return {"runs": RUNS, "rows": rows}
+
+
+def most_missed(row):
+    return 2 * row["missed"]["count"] > row["missed"]["runs"]
+
+
+def ranges(summary):
+    """(least, most) of the median delay, and of the least lead, of all rows in which not most are missed."""
+    rows = [row for row in summary["rows"] if not most_missed(row)]
+    delays, leads = [row["delay_ms"] for row in rows], [row["lead_ms"] for row in rows]
+    return (min(delays), max(delays)), (min(leads), max(leads))
+
+
+def text_of(value):
+    """A constant's value for a cell; tables are named by their size."""
+    if isinstance(value, (dict, list, tuple, np.ndarray)) and len(str(value)) > 60:
+        return f"table of {len(value)}"
+    if isinstance(value, (float, np.floating)):
+        return f"{value:.6g}"
+    return str(value).replace("|", "\\|").replace("\n", " ")
+
+
+def changes_table(summary):
+    """The table of ``CHANGES`` as Markdown, from what is recorded."""
+    lines = [
+        "| constant | instead of | value | missed | with a false alarm | delay, median | lead, least |",
+        "|---|---|---|---|---|---|---|",
+    ]
+    present = {change.name: change.module for change in CHANGES}
+    for row in summary["rows"]:
+        usual = ""
+        if row["name"] in present:
+            usual = text_of(getattr(present[row["name"]], row["name"], rubber.ONSET_RATIO))
+
+        def share(found):
+            return f"{found['count']} of {found['runs']}" if found else "–"
+
+        delay, lead = (
+            f"{row[key]:.1f} ms" if row[key] is not None else "–" for key in ("delay_ms", "lead_ms")
+        )
+        value = "" if row["value"] is None else text_of(row["value"])
+        alarms = share(row["false_alarm"])
+        lines.append(
+            f"| {row['name']} | {usual} | {value} | {share(row['missed'])} | {alarms} | {delay} | {lead} |"
+        )
+    return "\n".join(lines)
+
+
+HEAD = """# Constants of the physics
+
+`python tools/constants.py --page` writes this page from `ORIGINS` of the modules in `model/meissner/physics`.
+Each constant is *published* (a paper prints it), *read off* a figure or a sentence of a paper, from a
+*datasheet*, *computed* from others, or *chosen*. A scene's figures are worth what its chosen constants are
+worth; the last column says which figures those are.
+
+## What the slip figures owe to constants
+
+`python tools/figures.py --record constants` changes one constant at a time{stale}. Missed, delay and lead:
+{runs} runs of `acrylic_slip`. False alarms: these and {presses} runs of `normal_force`, for constants that
+matter there. The delay is the median from the first partial slip to the flag, of all flags; the lead is the
+least from the flag to the slip of the whole contact, negative if a flag is late. A flag that is not before it
+is a miss.
+"""
+
+
+def page(summary, stale=False):
+    """The page's text."""
+    head = HEAD.format(
+        runs=summary["runs"], stale="; what it rests on has changed since: **stale**" if stale else ""
+    )
+    parts = [head, changes_table(summary)]
+    for module in modules():
+        name = module.__name__.removeprefix("meissner.physics.")
+        rows = ["| constant | value | from | where | what it does |", "|---|---|---|---|---|"]
+        values, origins = constants(module), getattr(module, "ORIGINS", {})
+        for key, value in values.items():
+            kind, where, effect = (str(cell).replace("|", "\\|") for cell in origins[key])
+            rows.append(f"| {key} | {text_of(value)} | {kind} | {where} | {effect} |")
+        parts.append(f"## {name}\n\n" + "\n".join(rows))
+    return "\n\n".join(part.strip() for part in parts) + "\n"
+
+
+def main():
+    import figures as figures_page
+
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--page", action="store_true", required=True, help="write docs/constants.md")
+    parser.parse_args()
+    records = figures_page.Records()
+    PAGE.write_text(page(records.printed["constants"]["summary"], records.stale("constants")), "utf-8")
+
+
+if __name__ == "__main__":
+    main()
