@@ -252,7 +252,7 @@ GRAIN = {
     "cop_six_random": (1e-3, 5e-4),
     "cop_one_point": (1e-3, 5e-4),
     "cop_impulse": (2e-3, 5e-3),
-    "cop_impulse_place": (4e-4, 5e-4),
+    "cop_impulse_place": (4e-4, 1e-3),
     "cop_circle": (4e-4, 5e-4),
 }
 
