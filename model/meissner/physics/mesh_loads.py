@@ -38,8 +38,8 @@ ORIGINS = {
     ),
     "COVER_RADIUS": (
         "chosen",
-        f"{_MESH}, figure 14, shows a hemisphere over the elements and no size: it just covers taxels as wide "
-        "as their pitch",
+        f"{_MESH}, figure 14, shows a hemisphere over the elements and no size: it just covers taxels as "
+        "wide as their pitch",
         "cop_circle: out of round by 0.05 % at 1.5, 26 % at 0.8, 1.3 % at 2.0",
     ),
     "LEAST_DEPTH": (

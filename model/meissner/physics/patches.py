@@ -23,7 +23,7 @@ PROFILES = {
 ORIGINS = {
     "PROFILES": (
         "chosen",
-        "a steady finger, a tap, and a foot's two humps; walk_25x5 stands for the walk on the net paper's 25 by 5",
+        "a steady finger, a tap, a foot's two humps; walk_25x5 stands for a walk on the net paper's 25×5",
         "walk_25x5, dense_64: where the load is least, and so the largest errors",
     ),
 }
