@@ -87,12 +87,13 @@ def recording(onset_s=0.05, gross_s=0.1, direction_deg=0.0):
         ([49], None, True, 1),
         ([20, 70, 90], 0.070, False, 1),
         ([99], 0.099, False, 0),
-        ([100], 0.100, True, 0),  # not before the object moves
+        ([100], 0.100, True, 0),  # late: not before the object moves
         ([], None, True, 0),
     ],
 )
 def test_judge_by_hand(raised, flag_s, missed, false_alarms):
     verdict = cop_slip.judge(recording(), decided(raised))
+    assert verdict["late"] == (raised == [100])
     assert (verdict["flag_s"], verdict["missed"], verdict["false_alarms"]) == (flag_s, missed, false_alarms)
     if flag_s is None:
         assert verdict["delay_s"] is verdict["lead_s"] is verdict["direction_deg"] is None
@@ -156,12 +157,17 @@ def test_run_the_scene(tmp_path, engine):
     assert [rows[c.name]["delay_ms_max"] is None for c in scene.conditions] == [
         isinstance(c, Grip) for c in scene.conditions
     ]
-    assert summary["runs"] == 2 * len(scene.conditions)
+    assert summary["runs"] == 2 * len(scene.conditions) and summary["seeds"] == [3, 4]
+    # None of 14 pulls and of 20 runs: by the exact interval up to 1 - 0.025^(1/n).
+    assert summary["missed_rate"] == {"count": 0, "runs": 14, "rate": 0, "low": 0, "high": 0.231636}
+    assert summary["false_alarm_rate"] == {"count": 0, "runs": 20, "rate": 0, "low": 0, "high": 0.168433}
+    assert summary["lead_ms_min"] == min(row["lead_ms_min"] or 1e9 for row in summary["conditions"]) > 20
     result = np.load(tmp_path / "result.npz")
     assert np.array_equal(result["c0_codes"], scenes.simulate(scene, scene.conditions[0], 3).codes)
     assert len(list(tmp_path.glob("*.png"))) == 1 + len(scene.conditions)
     told = "\n".join(run.tell(scene, summary))
     assert "load output down by" in told and "0 in the wrong eighth" in told
+    assert "0 of 14 runs (0 %, 95 % interval 0 to 23.2 %)" in told and "seeds 3 to 4" in told
 
 
 def test_a_core_that_differs_is_reported(tmp_path, monkeypatch):

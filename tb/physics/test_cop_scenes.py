@@ -34,7 +34,8 @@ def centre(frames):
 def test_the_scenes_are_there():
     assert set(ARRAYS) == {"walk_25x5", "dense_64", "dense_1024", "plantar_step"}
     assert set(MESHES) == {
-        *("cop_two_point", "cop_load", "cop_six_random", "cop_one_point", "cop_impulse", "cop_circle")
+        *("cop_two_point", "cop_load", "cop_six_random", "cop_one_point", "cop_circle"),
+        *("cop_impulse", "cop_impulse_place"),
     }
     others = [name for sensor in ("rubber", "capacitive", "fsr", "grip") for name in scenes.names(sensor)]
     assert set(scenes.names()) == {*ARRAYS, *MESHES, *others}
@@ -231,6 +232,12 @@ def test_run_a_mesh_scene(tmp_path, name):
         assert summary["response_s"] == pytest.approx(0.6e-3, abs=5e-5)
         assert summary["position_error"]["maximum"] < 1e-9
         assert summary["load_error_without_lag"]["maximum"] < 0.02 < summary["load_error"]["maximum"]
+        assert summary["position_response_s"] == pytest.approx(5e-5)  # the first sample with a load
+    if name == "cop_impulse_place":
+        # Of 5 N there are f after tau ln(1/(1-f)), tau = 0.2 ms; the centre is at f/(f + 0.45/5) of its way,
+        # and there is 95 % of its end, 1/1.09, behind it at f = 0.611: after 0.189 ms.
+        assert summary["position_response_s"] == pytest.approx(0.19e-3, abs=1.1e-5)
+        assert summary["response_s"] == pytest.approx(0.6e-3, abs=2e-5)
     if name == "cop_circle":  # figures 14 and 15: a neat locus
         assert summary["locus"]["roundness"] < 1e-3 and summary["locus"]["radius"] == pytest.approx(
             1 / 3, 1e-3
@@ -245,6 +252,7 @@ GRAIN = {
     "cop_six_random": (1e-3, 5e-4),
     "cop_one_point": (1e-3, 5e-4),
     "cop_impulse": (2e-3, 5e-3),
+    "cop_impulse_place": (4e-4, 1e-3),
     "cop_circle": (4e-4, 5e-4),
 }
 
@@ -383,6 +391,7 @@ PATCH = ("world", "patches", 0)
         ("cop_six_random", ("world", "split"), "half", "split = 'half' must be one of: equal, random"),
         ("cop_six_random", ("world", "count"), 2000, "count = 2000 must lie in 1 .. 1681"),
         ("cop_impulse", ("world", "pulse_s"), 1.0, "the pulse must end within"),
+        ("cop_impulse", ("world", "rest_n"), -0.1, "rest_n = -0.1 must lie in 0"),
     ],
 )
 def test_a_mistyped_scene_gets_one_sentence(name, path, value, says):

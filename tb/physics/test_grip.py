@@ -76,6 +76,31 @@ def test_the_pull_ends_at_friction():
         )
 
 
+def test_a_cover_lengthens_the_lever():
+    """0.2 and 0.6 mm of silicone on a lever of 0.2 mm: twice and four times the move, and nothing else."""
+    bare = pulled()
+    for cover_mm, times in ((0.2, 2), (0.6, 4)):
+        rest = grip.ramps(TIME_S, [(0.0, 0.1, 2.0)])
+        rng = np.random.default_rng(1)
+        held = grip.pulled(TIME_S, rest, 0.3, 100.0, "acrylic", 0.2, rng, cover_mm=cover_mm)
+        assert held.move_mm == pytest.approx(times * bare.move_mm)
+        assert np.array_equal(held.felt_n, bare.felt_n) and held.gross_s == bare.gross_s
+
+
+def test_the_second_sensor_sees_the_same_pull_from_the_other_side():
+    assert [grip.mirrored(way) for way in (0, 90, 220)] == [180, 90, -40]
+    scene = scenes.load("cop_slip")
+    for condition in (scene.conditions[0], scene.conditions[2], scene.conditions[-1]):
+        one, other = (scenes.simulate(scene, condition, 3, side=side) for side in (0, 1))
+        assert np.array_equal(one.held.felt_n, other.held.felt_n) and one.held.gross_s == other.held.gross_s
+        assert np.abs(one.x[200] - other.x[200]) > 0.01 and np.abs(one.codes - other.codes).max() > 100
+        assert one.condition is condition
+    one, other = (scenes.simulate(scene, scene.conditions[0], 3, side=side) for side in (0, 1))
+    gross = int(one.held.gross_s * 1000)
+    assert one.x[gross] - one.x[295] == pytest.approx(-(other.x[gross] - other.x[295]), rel=0.2)
+    assert other.condition.direction_deg == 180
+
+
 def test_a_stiffer_wire_slips_sooner():
     assert pulled(wire=0.4).gross_s - 0.3 == pytest.approx((pulled().gross_s - 0.3) / 2)
 

@@ -13,6 +13,15 @@ from meissner.twins.cop.cop4_correct import CorrectionRegisters
 MIN_SAMPLE_BITS = 17  # one build of the core serves every converter up to here
 MIN_BITS, MAX_BITS = 8, 24  # of a converter
 TOUCHES = ("none", *mesh_loads.TOUCHES)
+ORIGINS = {
+    "MIN_SAMPLE_BITS": (
+        "chosen",
+        "the width of the core's operands",
+        "no figure: converters below it use it too",
+    ),
+    "MIN_BITS": ("chosen", "below, no position is left (docs/cop4.md)", "which converters are accepted"),
+    "MAX_BITS": ("chosen", "the widest converters in docs/adc.md", "which converters are accepted"),
+}
 
 
 @dataclass(frozen=True)

@@ -39,6 +39,15 @@ SHAPES = {
     "washer": [ring(0.0, 0.0, 10.0, 5.3)],
     "connector": [ring(x, y, 3.2) for x in (-4.75, 0.0, 4.75) for y in (-2.4, 2.4)],
 }
+ORIGINS = {
+    "STEP_MM": ("chosen", "a tenth of a cell's pitch", "capacitive_shapes: the edges of its images"),
+    "SHAPES": (
+        "published",
+        "Performance Analysis of a Tactile Sensor: which objects, the gap of 3 mm, six pins; sizes chosen: "
+        "8-pin socket, M4 bolt, M5 washer, 2 by 3 barrels",
+        "capacitive_shapes: every image; position and load errors of its rows",
+    ),
+}
 
 
 def _within(piece, x_mm, y_mm):

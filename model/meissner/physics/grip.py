@@ -3,19 +3,21 @@
     T = K v t                              until T = mu_s N0, when the whole contact slips (world.plate)
     N = N0 (1 + GRIP_RISE (T/T_slip)^3)    the grip rises before the slip
     felt = N G(N, u)/G(N, 0)               the load that the taxels' conductance shows (world.rubber)
-    centre = place + LEVER T/N             along the pull; the tilt of the grip moves it too
+    centre = place + (LEVER + cover) T/N   along the pull; the tilt of the grip moves it too
 
 While the wire's force rises, the rubber shears at dT/dt over its stiffness and conducts less: the reported
 load falls although the grip rises, by about half with the published divider and shear fit, nothing chosen.
 The force acts on top of the rubber and the pressure is felt beneath: its moment moves the centre the way the
 object will slip. The source puts the move down to the change of stuck and slipped areas and says that a
-layer of silicone doubled or quadrupled it, as a longer lever would.
+layer of silicone doubled or quadrupled it, as a longer lever would: a cover's thickness adds to the lever.
 
 The contact's edge slips from the first of the force on (Cattaneo and Mindlin): that is the onset.
 
-Not modelled: the areas of stick and slip in the taxels (all rubber under the contact shears alike), the
-second sensor of a gripper, stick-slip and micro events in the load (about 1 %, see world.rubber), ripple of
-the grip, hysteresis and creep, inertia, bending of the sensor around a cylinder.
+A gripper's second sensor feels the same grip and the same pull, seen from its own side: ``mirrored``.
+
+Not modelled: the areas of stick and slip in the taxels (all rubber under the contact shears alike), a pull
+that the two sensors share unequally, stick-slip and micro events in the load (about 1 %, see world.rubber),
+ripple of the grip, hysteresis and creep, inertia, bending of the sensor around a cylinder.
 """
 
 from dataclasses import dataclass
@@ -28,6 +30,25 @@ GRIP_RISE = 0.1  # published: 0.2 N of 2 N just before the slip; that it goes wi
 LEVER_MM = 0.2  # chosen to reach the published 0.05 V of +-4 V at friction 0.7 on a sensor 20 mm wide
 TILT = 0.0005  # of the half range and newton; chosen: a tenth of the move of a slip, over 2 N
 FULL_SCALE_V = 4.0  # published: the position output at the sensor's edge
+_PAPER = "Development of High Speed and High Sensitivity Slip Sensor"
+ORIGINS = {
+    "GRIP_RISE": (
+        "published",
+        f"{_PAPER}, III-A: 0.2 N of 2 N; chosen: that it goes with the third power of the pull",
+        "cop_slip: grip_rise_n, which is it times the grip; load_drop by a sixth of it",
+    ),
+    "LEVER_MM": (
+        "chosen",
+        f"reaches the 0.05 V of {_PAPER}, III-A, at friction 0.7 on a sensor 20 mm wide",
+        "cop_slip: move_v is proportional to it, the delay falls and the lead grows with it",
+    ),
+    "TILT": (
+        "chosen",
+        "a tenth of the move of a slip, over 2 N",
+        "cop_slip: false_alarms, of every release at four times as much; direction_error_deg",
+    ),
+    "FULL_SCALE_V": ("published", f"{_PAPER}, III-A and figure 4 (b)", "the unit of move_v, nothing else"),
+}
 
 
 @dataclass(frozen=True)
@@ -67,8 +88,16 @@ def share(force_n, level):
     return np.divide(left, rubber.SUPPLY_V - rest_v, out=np.ones(len(rest_v)), where=pressed)
 
 
-def pulled(time_s, grip_n, start_s, speed_mm_s, material, wire_n_mm, rng):
-    """Pull an object held with the force ``grip_n`` [samples], steady from ``start_s`` on: ``Held``."""
+def mirrored(direction_deg):
+    """The direction of a pull as the sensor on the object's other side sees it: left is right there."""
+    return 180.0 - direction_deg
+
+
+def pulled(time_s, grip_n, start_s, speed_mm_s, material, wire_n_mm, rng, cover_mm=0.0):
+    """Pull an object held with the force ``grip_n`` [samples], steady from ``start_s`` on: ``Held``.
+
+    ``cover_mm``: thickness of a layer of silicone on the sensor.
+    """
     steady_n = float(grip_n[-1])
     pull = plate.pull(time_s, steady_n, speed_mm_s, material, start_s, rng, wire_n_mm)
     limit_n = wire_n_mm * speed_mm_s * (pull.gross_s - start_s)
@@ -77,7 +106,8 @@ def pulled(time_s, grip_n, start_s, speed_mm_s, material, wire_n_mm, rng):
     shear_mm_s = np.where(time_s > start_s + 1e-9, pull.shear_mm_s, 0.0)
     felt_n = grip_n * share(grip_n, rubber.shear_level(time_s, shear_mm_s))
     lever = np.divide(pull.tension_n, grip_n, out=np.zeros(len(time_s)), where=grip_n > 0)
-    return Held(grip_n, felt_n, pull.tension_n, pull.slip_mm, LEVER_MM * lever, start_s, float(pull.gross_s))
+    move_mm = (LEVER_MM + cover_mm) * lever
+    return Held(grip_n, felt_n, pull.tension_n, pull.slip_mm, move_mm, start_s, float(pull.gross_s))
 
 
 def gripped(grip_n):

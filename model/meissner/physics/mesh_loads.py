@@ -11,6 +11,48 @@ SIX_R = (10.0, 47.0, 100.0, 150.0)  # ohms
 SIX_TOTALS = (5.0, 10.0, 15.0, 20.0)  # newtons
 TOUCHES = ("point", "cover", "two covers", "equal points", "uneven points")
 TAXELS = 20_000_000  # at once in ``touches``
+COVER_RADIUS = 1.5  # pitches, of the hemisphere
+LEAST_DEPTH = 0.25  # pitches, of a cover at its edge
+TRIM = 0.02  # of the strongest taxel
+_MESH = "A High-Speed Mesh of Tactile Sensors"
+ORIGINS = {
+    "K_PAPER": (
+        "published",
+        f"{_MESH}: caption of table I, 864 ohms at 5 N",
+        "every load in newtons; no position",
+    ),
+    "SIX_R": (
+        "published",
+        f"{_MESH}, IV-B",
+        "cop_six_random, cop_one_point: one condition each",
+    ),
+    "SIX_TOTALS": (
+        "published",
+        f"{_MESH}, IV-C",
+        "cop_six_random: one condition each",
+    ),
+    "TAXELS": (
+        "chosen",
+        "keeps the scenes of a fit of the correction below 2 GB",
+        "no figure: time and memory alone",
+    ),
+    "COVER_RADIUS": (
+        "chosen",
+        f"{_MESH}, figure 14, shows a hemisphere over the elements and no size: it just covers taxels as "
+        "wide as their pitch",
+        "cop_circle: out of round by 0.05 % at 1.5, 26 % at 0.8, 1.3 % at 2.0",
+    ),
+    "LEAST_DEPTH": (
+        "chosen",
+        "a cover that ends at nothing would press points",
+        "cop_circle: only with a cover_radius below 0.56",
+    ),
+    "TRIM": (
+        "chosen",
+        "what a taxel carries below it costs time only",
+        "docs/mesh.md: the corrections fitted for presses",
+    ),
+}
 
 
 class MeshScene(NamedTuple):
@@ -115,7 +157,7 @@ def press(m, n, x, y, force, depth):
 
 def _trim(load):
     """Drop what a taxel carries below 2 % of the strongest: it only costs time."""
-    return np.where(load < 0.02 * load.max((1, 2), keepdims=True), 0, load)
+    return np.where(load < TRIM * load.max((1, 2), keepdims=True), 0, load)
 
 
 def touches(m, n, kind, seed, total=None):
@@ -147,7 +189,7 @@ def hemisphere_depth(x, y, radius, base):
     ``base``: height at the middle; it falls as the sphere does, to no less than a quarter pitch.
     """
     fall = 1 - (np.square(x) + np.square(y)) / radius**2
-    return np.maximum(base * np.sqrt(np.maximum(fall, 0)), 0.25)
+    return np.maximum(base * np.sqrt(np.maximum(fall, 0)), LEAST_DEPTH)
 
 
 def stroke(m, n, force, circle, steps, cover_radius):
@@ -161,10 +203,10 @@ def stroke(m, n, force, circle, steps, cover_radius):
     return press(m, n, x, y, force, hemisphere_depth(x, y, cover_radius, cover_radius * (max(m, n) - 1) / 2))
 
 
-def cop_stroke(m=3, n=3, r=47.0, force=5.0, circle=0.5, steps=72):
+def cop_stroke(m=3, n=3, r=47.0, force=5.0, circle=0.5, steps=72, cover=COVER_RADIUS):
     """A fingertip draws a circle on a hemispherical cover over 3×3 taxels (mesh paper, figures 14, 15).
 
     The hemisphere just covers the taxels, which are as wide as their pitch: 1.5 pitches.
     """
-    load = stroke(m, n, force, circle, steps, 1.5)
+    load = stroke(m, n, force, circle, steps, cover)
     return MeshScene(Mesh(m, n, r, 10e3, 15.0, K_PAPER), load)

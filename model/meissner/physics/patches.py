@@ -20,6 +20,13 @@ PROFILES = {
     "press": lambda phase: np.sin(np.pi * phase),
     "step": lambda phase: (np.sin(np.pi * phase) + np.sin(3 * np.pi * phase) / 3) / _STEP_PEAK,
 }
+ORIGINS = {
+    "PROFILES": (
+        "chosen",
+        "a steady finger, a tap, a foot's two humps; walk_25x5 stands for a walk on the net paper's 25×5",
+        "walk_25x5, dense_64: where the load is least, and so the largest errors",
+    ),
+}
 
 
 def place(patch, phase):

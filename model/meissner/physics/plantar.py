@@ -11,6 +11,10 @@ from pathlib import Path
 import numpy as np
 
 DATASET, SUBJECTS, TRIALS = "SpeedPP2DS", 10, 60
+ORIGINS = {
+    "SUBJECTS": ("published", "Pataky et al. 2008: the data set", "which recordings there are"),
+    "TRIALS": ("published", "Pataky et al. 2008: the data set", "which recordings there are"),
+}
 
 
 def step(subject, trial):

@@ -99,6 +99,7 @@ WORDS = {
     "position_error_of_working_cells": _share("error of the position, against the forces on working cells"),
     "load_error_of_working_cells": _share("error of the load, against the forces on working cells"),
     "response_s": _ms("until 95 % of the load is reported"),
+    "position_response_s": _ms("until the position is within 5 % of its way"),
     "below_min_load": Words("frames whose load is too small for a position"),
     "over_range": Words("samples above the converter's range"),
     "frames": Words("frames"),

@@ -66,6 +66,7 @@ def run(scene, engine, out, seed, waves, progress):
         "below_min_load": int(((recording.load > 0) & ~result["valid"]).sum()),
         "over_range": recording.over_range,
         "runs": 1,
+        "seeds": [seed, seed],
         "frames": len(codes),
         "rows": scene.rows,
         "columns": scene.columns,
@@ -89,8 +90,8 @@ def run(scene, engine, out, seed, waves, progress):
 def tell(summary):
     """The lines to print of a summary."""
     return [
-        f"{summary['frames']} frames of {summary['rows']}×{summary['columns']}; "
-        f"{summary['below_min_load']} with less than the least load",
+        f"1 run, seed {summary['seed']}: {summary['frames']} frames of "
+        f"{summary['rows']}×{summary['columns']}; {summary['below_min_load']} with less than the least load",
         f"position error, of the range -1 to 1: {percent(summary['position_error'])}",
         f"load error: {percent(summary['load_error'])}",
     ]

@@ -20,7 +20,8 @@ def draw(path, recording, found, decisions, verdict):
     load.set_ylim(bottom=0)
     for name, values, colour in (("x", found.x, BLUE), ("y", found.y, ORANGE)):
         volts = np.where(found.pressed, values / COP_ONE * FULL_SCALE_V, np.nan)
-        place.plot(time_s, volts - np.nanmedian(volts), color=colour, lw=1.6, label=f"position output {name}")
+        middle = np.median(volts[found.pressed]) if found.pressed.any() else 0.0
+        place.plot(time_s, volts - middle, color=colour, lw=1.6, label=f"position output {name}")
     place.set(ylabel=f"from its median (V of ±{FULL_SCALE_V:g})", ylim=(-0.1, 0.1))
     force.plot(time_s, held.tension_n, color=INK, lw=1.6, label="pulling force (truth)")
     force.set(ylabel="force (N)", xlabel="time (s)")

@@ -5,6 +5,7 @@ import time
 import numpy as np
 
 from meissner import engines, scenes
+from meissner.interval import rate, words
 from meissner.physics.grip import FULL_SCALE_V
 from meissner.scenes.grip import pictures as report_cop_slip
 from meissner.scenes.grip.scene import Pull
@@ -28,7 +29,8 @@ def judge(recording, decisions):
     """Compare the decisions of one run with the truth; seconds, degrees, None where there is none.
 
     ``flag_s``: the first rise of the flag at or after the onset; ``missed``: a slip without a flag before
-    the object moves; ``false_alarms``: rises before the onset, or any where nothing is pulled;
+    the object moves; ``late``: one whose flag comes then or afterwards, missed too, with a ``lead_s`` of 0 or
+    less; ``false_alarms``: rises before the onset, or any where nothing is pulled;
     ``direction_deg``: the reported way of the slip at the flag, -180 .. 180, ``direction_error_deg``: how
     far that is from the truth.
     """
@@ -46,6 +48,7 @@ def judge(recording, decisions):
         "delay_s": None if flag is None else flag / rate_hz - held.onset_s,
         "lead_s": None if flag is None else held.gross_s - flag / rate_hz,
         "missed": held.onset_s is not None and (flag is None or flag / rate_hz >= held.gross_s),
+        "late": flag is not None and flag / rate_hz >= held.gross_s,
         "false_alarms": early,
         **dict.fromkeys(("direction_deg", "direction_error_deg", "octant_right")),
     }
@@ -89,8 +92,7 @@ def _statistics(condition, verdicts):
     row = {
         "condition": condition.name,
         "runs": len(verdicts),
-        "missed": sum(v["missed"] for v in verdicts),
-        "false_alarms": sum(v["false_alarms"] for v in verdicts),
+        **{key: sum(v[key] for v in verdicts) for key in ("missed", "late", "false_alarms")},
     }
     delays, leads, ways = of("delay_s", 1e3), of("lead_s", 1e3), of("direction_error_deg")
     found = len(delays) > 0
@@ -100,6 +102,20 @@ def _statistics(condition, verdicts):
         "lead_ms_min": round(float(leads.min()), 3) if found else None,
         "direction_error_deg_max": round(float(ways.max()), 2) if found else None,
         "octants_wrong": sum(v["octant_right"] is False for v in verdicts),
+    }
+
+
+def _rates(verdicts):
+    """What the runs leave possible of the rates, and the worst lead; None where nothing is pulled or found.
+
+    ``missed_rate``: of the pulls; ``false_alarm_rate``: runs with one or more, of all runs.
+    """
+    pulls = [verdict for verdict in verdicts if verdict["onset_s"] is not None]
+    leads = [verdict["lead_s"] * 1e3 for verdict in pulls if verdict["lead_s"] is not None]
+    return {
+        "missed_rate": rate(sum(v["missed"] for v in pulls), len(pulls)) if pulls else None,
+        "false_alarm_rate": rate(sum(v["false_alarms"] > 0 for v in verdicts), len(verdicts)),
+        "lead_ms_min": round(min(leads), 3) if leads else None,
     }
 
 
@@ -159,8 +175,8 @@ def run(scene, engine, out, seed, waves, progress):
         "modelled": list(recording.modelled),
         "left_out": list(recording.left_out),
         **{key: first[key] for key in ("onset_s", "flag_s", "delay_s", "gross_s", "direction_deg")},
-        "missed": sum(row["missed"] for row in rows),
-        "false_alarms": sum(row["false_alarms"] for row in rows),
+        **{key: sum(row[key] for row in rows) for key in ("missed", "late", "false_alarms")},
+        **_rates(every),
         "direction_error_deg": _summary([verdict["direction_error_deg"] for verdict in every]),
         "octants_wrong": sum(row["octants_wrong"] for row in rows),
         "position_error": summarise(np.concatenate(wrong_place)),
@@ -171,6 +187,7 @@ def run(scene, engine, out, seed, waves, progress):
             for key in ("load_drop", "grip_rise_n", "move_v")
         },
         "runs": len(every),
+        "seeds": [seeds[0], seeds[-1]],
         "conditions": rows,
     }
     pictures, arrays = [], {}
@@ -218,8 +235,15 @@ def tell(summary):
     if summary["onset_s"] is not None:
         shown = f"pulled from {summary['onset_s']:.3f} s, moving at {summary['gross_s']:.4f} s"
     flag = "no flag" if summary["flag_s"] is None else f"flag at {summary['flag_s']:.3f} s"
+    missed, lead_ms = summary["missed_rate"], summary["lead_ms_min"]
+    first, last = summary["seeds"]
     return [
         f"shown run (seed {summary['seed']}): {shown}, {flag}",
+        f"missed, without a flag before the object moves: {words(missed) if missed else 'nothing is pulled'}"
+        f"; {summary['late']} of them flagged then or later",
+        f"a false alarm: {words(summary['false_alarm_rate'])}; seeds {first} to {last} of each condition",
+        "worst lead of a flag before the object moves: "
+        + ("none" if lead_ms is None else f"{lead_ms:.1f} ms"),
         f"before the object moves, in the mean: load output down by {mean('load_drop', 100)} % (published: "
         f"50 and 65 %), grip up by {mean('grip_rise_n')} N (0.2 N), position moved by {mean('move_v')} V of "
         f"±{FULL_SCALE_V:g} V (0.05 V)",

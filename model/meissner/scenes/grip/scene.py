@@ -1,6 +1,6 @@
 """Scenes of an object held on the four-wire sensor: pulled until it slips, or gripped harder and softer."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -20,7 +20,7 @@ _TOP = {"title": str, "sensor": str, "features": list, "rate_hz": int, "seeds": 
 _TOP |= {**four_wires.TABLES, "slip": dict, "world": dict}
 _SLIP = dict.fromkeys(("lag_s", "drop", "move", "min_load_n", "hold_s", "refractory_s"), float)
 _TIMES = ("press_s", "rest_s", "after_s")
-_WORLD = dict.fromkeys((*_TIMES, "wire_n_mm", "pitch_mm", "cover_pitches"), float)
+_WORLD = dict.fromkeys((*_TIMES, "wire_n_mm", "pitch_mm", "cover_pitches", "cover_mm"), float)
 _WORLD |= {"pulls": list, "grips": list}
 _PULL = {"name": str, "grip_n": float, "direction_deg": float, "speed_mm_s": float, "material": str}
 _GRIP = {"name": str, "grip_n": float, "ramp_s": float, "to_n": list}
@@ -131,6 +131,7 @@ def build(name, table):
     inside = f"{where}, [world]"
     world = fields(inside, top["world"], _WORLD)
     positive(inside, world, [*_TIMES, "wire_n_mm", "pitch_mm", "cover_pitches"])
+    between(inside, world, {"cover_mm": (0, 100)})
     conditions, at = [], f"{where}, [[world.pulls]]"
     for row in tables(inside, "world.pulls", world.pop("pulls")):
         row = fields(at, row, _PULL)
@@ -159,10 +160,15 @@ def build(name, table):
     )
 
 
-def simulate(scene, condition, seed=0):
-    """Run one of the scene's conditions with one seed: friction, place, tilt and the converter's noise."""
+def simulate(scene, condition, seed=0, side=0):
+    """Run one of the scene's conditions with one seed: friction, place, tilt and the converter's noise.
+
+    ``side``: 1 for the gripper's second sensor, with the same grip, pull and friction, and the rest its own.
+    Its recording's condition has the direction as that sensor sees it.
+    """
     world, mesh = scene.world, scene.config.mesh
-    rng = np.random.default_rng([seed, scene.conditions.index(condition)])
+    number = scene.conditions.index(condition)
+    rng = np.random.default_rng([seed, number])
     time_s = np.arange(round(scene.duration_s(condition) * scene.rate_hz)) / scene.rate_hz
     levels = [(0.0, world["press_s"], condition.grip_n)]
     start_s = world["press_s"] + world["rest_s"]
@@ -170,17 +176,20 @@ def simulate(scene, condition, seed=0):
     if pulled:
         rest_n = grip.ramps(time_s, levels)
         held = grip.pulled(
-            *(time_s, rest_n, start_s, condition.speed_mm_s, condition.material, world["wire_n_mm"], rng)
+            *(time_s, rest_n, start_s, condition.speed_mm_s, condition.material, world["wire_n_mm"], rng),
+            cover_mm=world["cover_mm"],
         )
     else:
         for number, to_n in enumerate(condition.to_n):
             each_s = condition.ramp_s + world["after_s"]
             levels.append((start_s + number * each_s, condition.ramp_s, to_n))
         held = grip.gripped(grip.ramps(time_s, levels))
-    pressing, felt = grip.loads(
-        *(held, mesh.m, mesh.n, world["pitch_mm"], world["cover_pitches"]),
-        *(condition.direction_deg if pulled else 0.0, rng),
-    )
+    direction_deg = condition.direction_deg if pulled else 0.0
+    if side:
+        rng, direction_deg = np.random.default_rng([seed, number, side]), grip.mirrored(direction_deg)
+        condition = replace(condition, direction_deg=direction_deg) if pulled else condition
+    depth = world["cover_pitches"] + world["cover_mm"] / world["pitch_mm"]
+    pressing, felt = grip.loads(held, mesh.m, mesh.n, world["pitch_mm"], depth, direction_deg, rng)
     solution = mesh.solve(felt)
     load, x, y = mesh_loads.true_centre(pressing)
     modelled = COMPONENTS if pulled else _BASE

@@ -27,9 +27,22 @@ def check(scene, engine, waves):
 
 
 def _response_s(recording, load):
-    """From the start of a pulse to the sample at which the reported load is at 95 % of its greatest."""
-    start = recording.scene.world["start_s"]
-    return float(recording.time_s[np.argmax(load >= 0.95 * load.max())] - start)
+    """From the start of a pulse to the sample at which 95 % of the reported load's rise is there."""
+    start_s = recording.scene.world["start_s"]
+    before = load[recording.time_s < start_s].max(initial=0.0)
+    return float(recording.time_s[np.argmax(load >= before + 0.95 * (load.max() - before))] - start_s)
+
+
+def _position_response_s(recording, x, y):
+    """From the start of a pulse to the first sample from which on 95 % of the way to its place at the pulse's
+    end is behind the position, and stays so; it begins where it was before, or at 0 with none."""
+    world, rate_hz = recording.scene.world, recording.scene.rate_hz
+    start, stop = (
+        int(np.ceil(s * rate_hz - 1e-6)) for s in (world["start_s"], world["start_s"] + world["pulse_s"])
+    )
+    left = np.hypot(x - x[stop - 1], y - y[stop - 1])[max(start - 1, 0) : stop]
+    away = np.flatnonzero(left > 0.05 * left[0])
+    return float((start + away[-1] if len(away) else start) / rate_hz - world["start_s"])
 
 
 def reported(recording, engine):
@@ -76,8 +89,11 @@ def run(scene, engine, out, seed, waves, progress):
         for total, part in parts.items():
             rows.append({"r_ohm": recording.r_ohm} | ({"total_n": total} if total else {}))
             for name, error in (("position", position[part]), ("load", of_load[part])):
-                error = summarise(error)
-                rows[-1] |= {f"{name}_error_{key}": round(value, 6) for key, value in error.items()}
+                error = summarise(error) or {"maximum": None, "mean": None}
+                rows[-1] |= {
+                    f"{name}_error_{key}": None if value is None else round(value, 6)
+                    for key, value in error.items()
+                }
     everything = {name: np.concatenate([one[name] for one in runs]) for name in runs[0]}
     samples = len(everything["x"])
     first = recordings[0]
@@ -100,6 +116,7 @@ def run(scene, engine, out, seed, waves, progress):
         "load_error": summarise(everything["of_load"]),
         "solver": certified(recordings),
         "runs": len(runs),
+        "seeds": [seed, seed],
         "conditions": rows,
     }
     if scene.kind == "pulse":
@@ -110,6 +127,7 @@ def run(scene, engine, out, seed, waves, progress):
         ]
         summary["load_error_without_lag"] = summarise(np.concatenate(felt))
         summary["response_s"] = round(_response_s(first, runs[0]["load"]), 9)
+        summary["position_response_s"] = round(_position_response_s(first, runs[0]["x"], runs[0]["y"]), 9)
     if scene.kind == "stroke":
         summary["locus"] = circle(runs[0]["x"], runs[0]["y"])
     picture = report_cop.draw_mesh(out / f"{scene.name}.png", recordings, runs)
@@ -144,7 +162,9 @@ def run(scene, engine, out, seed, waves, progress):
 
 def tell(summary):
     """The lines to print of a summary."""
+    count = f"{summary['runs']} run{'s' if summary['runs'] > 1 else ''}, one for each r"
     lines = [
+        f"{count}, seed {summary['seed']}",
         f"position error, of the range -1 to 1: {percent(summary['position_error'])}",
         f"load error: {percent(summary['load_error'])}",
     ]
@@ -156,7 +176,8 @@ def tell(summary):
     if "response_s" in summary:
         lines += [
             f"without the rubber's lag: {percent(summary['load_error_without_lag'])}",
-            f"95 % of the load is reported {summary['response_s'] * 1e3:.2f} ms after it begins",
+            f"95 % of the load is reported {summary['response_s'] * 1e3:.2f} ms after it begins, and the "
+            f"position settles after {summary['position_response_s'] * 1e3:.2f} ms (published: about 0.6 ms)",
         ]
     if "locus" in summary:
         locus = summary["locus"]

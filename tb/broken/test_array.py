@@ -1,0 +1,177 @@
+"""Each metric of a scene of an array of taxels: what turns it, by how much, and what it leaves alone."""
+
+import dataclasses
+
+import matplotlib.figure
+import numpy as np
+import pytest
+
+from meissner import engines, run, scenes
+from meissner.engines import fixed
+
+WALK = scenes.load("walk_25x5")
+SCENE = dataclasses.replace(WALK, rate_hz=200)  # 300 frames of it
+METRICS = {"position_error", "load_error", "below_min_load", "over_range", "frames", "seconds_simulated"}
+
+
+@pytest.fixture(autouse=True)
+def undrawn(monkeypatch):
+    monkeypatch.setattr(matplotlib.figure.Figure, "savefig", lambda _, path, **__: path.write_bytes(b""))
+
+
+@pytest.fixture(scope="module")
+def sound(tmp_path_factory):
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(matplotlib.figure.Figure, "savefig", lambda _, path, **__: path.write_bytes(b""))
+        return run.run(SCENE, "fixed", tmp_path_factory.mktemp("sound"))
+
+
+@pytest.fixture
+def turned(tmp_path, sound):
+    """The scene's summary once more, and the metrics that are no longer what they were."""
+
+    def again(scene=SCENE, engine="fixed"):
+        found = run.run(scene, engine, tmp_path)
+        return found, {key for key in METRICS if found[key] != sound[key]}
+
+    return again
+
+
+def taxels(monkeypatch, break_it):
+    """Put ``break_it(codes)`` between the converter and the core; codes [frames, 25, 5]."""
+    right = engines.process_cop
+    monkeypatch.setattr(
+        engines, "process_cop", lambda codes, *at: right(break_it(codes.copy()).astype(np.uint16), *at)
+    )
+
+
+def answers(monkeypatch, break_it, engine="fixed"):
+    """Put ``break_it(arrays)`` behind an engine."""
+    right = engines.process_cop
+
+    def broken(codes, name, *at):
+        return break_it(dict(right(codes, "fixed", *at))) if name == engine else right(codes, name, *at)
+
+    monkeypatch.setattr(engines, "process_cop", broken)
+
+
+def test_every_metric_of_the_summary_is_here(sound):
+    told = (
+        "scene engine seed seconds_taken samples_per_second modelled left_out twin_mismatches runs seeds rows"
+    )
+    assert set(sound) - METRICS == {*told.split(), "columns", "files"}
+    assert sound["seeds"] == [1, 1] and (sound["rows"], sound["columns"], sound["frames"]) == (25, 5, 300)
+    assert sound["over_range"] == 0 and sound["position_error"]["mean"] < 5e-4
+
+
+def test_a_shifted_centre(monkeypatch, turned, sound):
+    """x and y by 0.06 and -0.08 of the half range: 0.05 of the range."""
+
+    def shift(found):
+        dx, dy = (round(part * engines.COP_ONE) for part in (0.06, -0.08))
+        return found | {"x": found["x"] + dx * found["valid"], "y": found["y"] + dy * found["valid"]}
+
+    answers(monkeypatch, shift)
+    found, which = turned()
+    assert which == {"position_error"}
+    assert found["position_error"]["mean"] == pytest.approx(0.05, abs=2e-4)
+
+
+def test_a_wrong_gain(monkeypatch, turned, sound):
+    """Sums an eighth too small: the load by as much, the place not at all."""
+    answers(monkeypatch, lambda found: found | {"sum": found["sum"] * 7 // 8})
+    found, which = turned()
+    assert which == {"load_error"}
+    assert found["load_error"]["mean"] == pytest.approx(0.125, abs=1e-3)
+
+
+def test_a_wrong_sign(monkeypatch, turned):
+    """Columns read from right to left: x has the wrong sign, by up to 2 * 0.36 / 2 of the range; the load has
+    none."""
+    taxels(monkeypatch, lambda codes: codes[:, :, ::-1])
+    found, which = turned()
+    assert which == {"position_error"}
+    assert 0.25 < found["position_error"]["maximum"] < 0.4
+
+
+def test_a_dead_column_of_taxels(monkeypatch, turned, sound):
+    """The patch passes over the middle column: without it load is lost and the centre, as much to one side
+    as to the other, errs on the way."""
+
+    def dead(codes):
+        codes[:, :, 2] = 0
+        return codes
+
+    taxels(monkeypatch, dead)
+    found, which = turned()
+    assert {"position_error", "load_error"} <= which <= {"position_error", "load_error", "below_min_load"}
+    assert found["load_error"]["mean"] > 0.15 > 100 * sound["load_error"]["mean"]
+    assert found["position_error"]["mean"] > 20 * sound["position_error"]["mean"]
+
+
+def test_a_stuck_taxel(monkeypatch, turned, sound):
+    """One corner always at the top of its converter, 2 N: by as much is every load too large."""
+
+    def stuck(codes):
+        codes[:, 0, 0] = 4095
+        return codes
+
+    taxels(monkeypatch, stuck)
+    found, which = turned()
+    assert which >= {"position_error", "load_error"}
+    assert found["load_error"]["maximum"] > 1 and found["position_error"]["mean"] > 0.05
+
+
+def test_a_louder_converter(turned, sound):
+    """White noise of 16 in place of a quarter of a code: both errors grow, the count of what is beyond does
+    not."""
+    loud = dataclasses.replace(SCENE, converter=dataclasses.replace(SCENE.converter, noise_lsb=16.0))
+    found, which = turned(loud)
+    assert {"position_error", "load_error"} <= which <= {"position_error", "load_error", "below_min_load"}
+    assert found["position_error"]["mean"] > 5 * sound["position_error"]["mean"]
+
+
+def test_a_range_too_small(turned, sound):
+    """Taxels of 0.25 N under up to 8 N: those beyond are counted, and what they carry is lost."""
+    small = dataclasses.replace(SCENE, converter=dataclasses.replace(SCENE.converter, full_scale_n=0.25))
+    found, which = turned(small)
+    assert (
+        found["over_range"] == (over := int((true_forces() > 0.25 * (1 + 0.5 / 4095)).sum())) and over > 100
+    )
+    assert {"over_range", "load_error", "position_error"} <= which
+
+
+def true_forces():
+    from meissner.physics import patches
+
+    phase = np.arange(300) / 300
+    return patches.forces(25, 5, SCENE.world["patches"], phase, SCENE.world["depth_pitches"])
+
+
+def test_a_least_load_too_large(turned, sound):
+    """4 N in place of 0.2 N: frames with less have no position, counted by the true force's two humps."""
+    total = true_forces().sum((1, 2))
+    lsb_n = 2.0 / 4095
+    assert sound["below_min_load"] == ((total > 0) & (total < 400 * lsb_n)).sum()
+    found, which = turned(dataclasses.replace(SCENE, min_load=round(4 / lsb_n)))
+    assert which >= {"below_min_load"} and "over_range" not in which
+    assert found["below_min_load"] == pytest.approx(((total > 0) & (total < 4)).sum(), abs=1)
+    assert found["below_min_load"] > 10 + sound["below_min_load"]
+
+
+def test_half_the_frames(turned):
+    found, which = turned(dataclasses.replace(SCENE, rate_hz=100))
+    assert which >= {"frames"} and found["frames"] == 150 and found["seconds_simulated"] == 1.5
+
+
+def test_a_core_that_differs_from_its_twin(monkeypatch, turned):
+    """One frame's x and another's sum and load count as two frames."""
+    answers(monkeypatch, lambda found: found, "rtl")
+    assert turned(engine="rtl")[0]["twin_mismatches"] == 0
+
+    def spoil(found):
+        at = np.arange(len(found["x"]))
+        return found | {"x": found["x"] + (at == 100), "sum": found["sum"] + ((at == 120) | (at == 100))}
+
+    answers(monkeypatch, spoil, "rtl")
+    assert turned(engine="rtl")[0]["twin_mismatches"] == 2 and callable(fixed.cop4)
