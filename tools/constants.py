@@ -203,7 +203,9 @@ is a miss.
 def page(summary, stale=False):
     """The page's text."""
     head = HEAD.format(
-        runs=summary["runs"], stale="; what it rests on has changed since: **stale**" if stale else ""
+        runs=summary["runs"],
+        presses=2 * summary["runs"],
+        stale="; what it rests on has changed since: **stale**" if stale else "",
     )
     parts = [head, changes_table(summary)]
     for module in modules():

@@ -1,0 +1,80 @@
+"""docs/constants.md: every constant of the physics says where it is from, and what the slip figures owe to
+some of them is measured."""
+
+import types
+
+import numpy as np
+import pytest
+
+import constants
+import figures
+from meissner.physics import plate, rubber
+
+
+@pytest.mark.parametrize("module", constants.modules(), ids=lambda module: module.__name__.split(".")[-1])
+def test_every_constant_says_where_it_is_from(module):
+    origins = module.ORIGINS
+    assert set(origins) == set(constants.constants(module))
+    for name, (kind, where, effect) in origins.items():
+        assert kind in constants.KINDS, name
+        assert len(where) > 4 and effect, name
+
+
+def test_constants_are_numbers_and_tables_of_them():
+    made = types.SimpleNamespace(
+        A=1, B_2=2.5, C=((1, 2.0), "x"), D={"a": plate.MATERIALS["wood"]}, E=np.ones(2), ORIGINS={"A": 1},
+        lower=3, _HIDDEN=4, WORD="x", FLAG=True, NAMES=("a", "b"),
+    )  # fmt: skip
+    assert list(constants.constants(made)) == ["A", "B_2", "C", "D", "E"]
+
+
+def test_the_page_says_what_is_recorded():
+    records = figures.Records()
+    summary = records.printed["constants"]["summary"]
+    page = constants.page(summary, records.stale("constants"))
+    assert constants.PAGE.read_text("utf-8") == page, "`python tools/constants.py --page`"
+    assert "**stale**" in constants.page(summary, True) and "**stale**" not in constants.page(summary)
+    assert [row["name"] for row in summary["rows"][1:]] == [change.name for change in constants.CHANGES]
+    assert [row["value"] for row in summary["rows"][1:]] == [change.value for change in constants.CHANGES]
+
+
+def test_a_change_reaches_what_is_computed_from_it_and_ends():
+    """A layer a third as thick rings at the square root of 3 of the frequency: stiffness is kept."""
+    before = rubber.RING_HZ, rubber.RING_S, rubber.QUALITY, rubber.THICKNESS_MM
+    with constants.changed(constants.Change("THICKNESS_MM", rubber.THICKNESS_MM / 3)):
+        assert pytest.approx(before[0] * 3**0.5) == rubber.RING_HZ
+        assert pytest.approx(5893, abs=1) == rubber.RING_HZ, "above half of 10 kHz"
+    with constants.changed(constants.Change("QUALITY", 10.0)):
+        assert pytest.approx(10 / 3 * before[1]) == rubber.RING_S and before[0] == rubber.RING_HZ
+    ripple = plate.RIPPLE_N
+    with constants.changed(constants.Change("RIPPLE_N", 2.0, plate)):
+        assert plate.RIPPLE_N == 2.0
+    assert ripple == plate.RIPPLE_N
+    assert before == (rubber.RING_HZ, rubber.RING_S, rubber.QUALITY, rubber.THICKNESS_MM)
+
+
+def test_a_change_that_matters_turns_the_figures(monkeypatch):
+    """Three runs: none of a slip four times as quiet is found in time, as it is all are."""
+    monkeypatch.setattr(constants, "RUNS", 3)
+    as_is = constants._row()
+    quiet = constants.Change("EVENT_SHARE", rubber.EVENT_SHARE / 4)
+    with constants.changed(quiet):
+        found = constants._row(quiet)
+    assert (as_is["missed"]["count"], as_is["false_alarm"]["count"], as_is["false_alarm"]["runs"]) == (
+        0,
+        0,
+        9,
+    )
+    assert found["missed"]["count"] == 3 and constants.most_missed(found) and not constants.most_missed(as_is)
+    assert found["false_alarm"] is None and found["lead_ms"] < 0 < as_is["lead_ms"]
+    assert found["delay_ms"] > as_is["delay_ms"]
+    early = constants._row(constants.Change("first event", 0.12, first=0.12))
+    assert early["lead_ms"] > 4 * as_is["lead_ms"]
+
+
+def test_ranges_are_of_the_rows_in_which_most_slips_are_found():
+    def row(count, delay_ms, lead_ms):
+        return {"missed": {"count": count, "runs": 4}, "delay_ms": delay_ms, "lead_ms": lead_ms}
+
+    rows = [row(0, 5.0, 30.0), row(2, 90.0, -2.0), row(3, 370.0, -9.0), row(1, 0.5, 28.0)]
+    assert constants.ranges({"rows": rows}) == ((0.5, 90.0), (-2.0, 30.0))
