@@ -39,7 +39,7 @@ def _slip(summary):
     if lead_ms > 0:
         text += f" and at least {number(lead_ms)} ms before {moved}"
     else:
-        text += f", the latest {number(-lead_ms)} ms after {moved}"
+        text += f", the latest {number(abs(lead_ms))} ms after {moved}"
     text += f", {alarms}"
     if grip and summary["direction_error_deg"] is not None:
         worst = fact("direction_error_deg", summary["direction_error_deg"]["maximum"])

@@ -1,0 +1,177 @@
+"""The pages' modules of the four-wire sensors: what the papers print is as printed, what is ours as worked
+out here by hand or by another way; each row owes what exists; pictures are small enough for a phone."""
+
+import math
+import struct
+import sys
+
+import numpy as np
+import pytest
+
+from meissner.builds.toolchain import ROOT
+from meissner.physics import grip
+
+sys.path.insert(0, str(ROOT / "tools"))
+
+from published import Row, Table, _mesh, _net, _parts, cop_slip_and_net
+
+
+def rows(parts):
+    return {(part.figure, part.what): part for part in parts if isinstance(part, Row)}
+
+
+def find(parts, figure, start=""):
+    (row,) = [row for (where, what), row in rows(parts).items() if where == figure and what.startswith(start)]
+    return row
+
+
+@pytest.fixture(scope="module")
+def mesh():
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(_mesh, "DRAWS", 100)
+        return _mesh.compute()
+
+
+@pytest.fixture(scope="module")
+def net():
+    return _net.compute()
+
+
+@pytest.fixture(scope="module")
+def slip():
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(cop_slip_and_net, "SEEDS", range(1, 2))
+        patch.setattr(cop_slip_and_net._net, "compute", list)
+        return cop_slip_and_net.compute()
+
+
+def test_every_part_is_whole(mesh, net, slip):
+    for part in (*mesh, *net, *slip):
+        if isinstance(part, Table):
+            assert part.title and all(len(row) == len(part.header) for row in part.rows)
+            assert all(
+                isinstance(cell, str) and cell and "nan" not in cell for row in part.rows for cell in row
+            )
+        else:
+            cells = (part.figure, part.what, part.published, part.ours)
+            assert all(isinstance(cell, str) and cell and "nan" not in cell for cell in cells), part
+            assert part.ours == "no counterpart" or part.owes
+
+
+def test_owed_constants_exist_and_name_their_origin():
+    assert _parts.owes("grip.LEVER_MM", "grip.GRIP_RISE") == "LEVER_MM (chosen), GRIP_RISE (published)"
+    with pytest.raises(ValueError, match=r"grip\.LEVERS has no origin"):
+        _parts.owes("grip.LEVERS")
+
+
+def test_r0_and_one_code(mesh):
+    """By hand: I R0 = 30 c/(1+c) V with c = R0/864 ohms less the layers' drop, one code 31.5 V/65536, and
+    x is
+    Cx times it over I R0; half of that is its share of the range, -1 to 1."""
+    for r0, share in ((1e3, 0.00311), (10e3, 0.0179)):
+        across = (2 * 41 * r0 / 10 + 42) / 40
+        n_v = 30 * (r0 / 864) / (1 + r0 / 864)
+        assert _mesh.resolved(r0)[0] == pytest.approx(across * 31.5 / 65536 / n_v / 2, rel=0.02)
+        assert _mesh.resolved(r0)[0] == pytest.approx(share, rel=2e-3)
+    ours = find(mesh, "IV-D", "R0 and signal").ours
+    assert "1.79 % of the range at 10 kΩ" in ours and "0.311 % at 1 kΩ" in ours
+
+
+def test_the_position_settles_by_hand():
+    """f/(f + a) = 0.95/(1 + a), t = -tau ln(1 - f): for a = 0.1 at f = 0.6333, for a = 1 at 0.9048."""
+    for rest_n, f in ((0.5, 0.6333), (5.0, 0.9048)):
+        wanted = -0.2e-3 * math.log(1 - f)
+        assert _mesh.blow(rest_n)[2] == pytest.approx(wanted, rel=0.03)
+        assert _mesh.rubber_for(rest_n) == pytest.approx(0.6e-3 * 0.6e-3 / wanted, rel=0.03)
+    assert _mesh.blow(0.0)[2] <= 2 / _mesh.RATE_HZ and _mesh.rubber_for(0.0) is None
+
+
+def test_a_cover_s_radius_turns_the_circle(mesh):
+    round_by = {radius: 100 * locus["roundness"] for radius, (locus, _) in _mesh.covers().items()}
+
+    # By hand, R = 1: on the axis the force is sqrt(0.75) pitches high, halfway from the middle to the
+    # edge's taxel;
+    # of the far column, the middle and the near one each has a taxel on the axis and two beside it.
+    def column(d2):
+        return sum(count * (1 + (d2 + beside) / 0.75) ** -2.5 for count, beside in ((1, 0), (2, 1)))
+
+    far, near = column(2.25), column(0.25)
+    on_axis = (near - far) / (far + 2 * near)
+    assert _mesh.covers()[1.0][1].x[0] == pytest.approx(on_axis, abs=0.01)  # r = 47: the layers' drop
+    assert [round(round_by[radius], 2) for radius in (0.8, 1.0, 1.5, 2.0)] == [25.51, 11.0, 0.04, 1.33]
+    table = next(part for part in mesh if isinstance(part, Table) and part.title.startswith("The cover"))
+    assert dict((row[0], row[2]) for row in table.rows)["1.5"] == "0.0449 %"
+
+
+def test_table_i_and_its_misprints(mesh):
+    table = next(part for part in mesh if isinstance(part, Table) and part.title.startswith("Table I"))
+    assert table.rows[0][1] == "0.0115 / 0.0116 (-0.0001)"  # 10 * 5 / 4320 = 0.01157
+    assert table.rows[1][2] == "0.01088 / 0.1088 (-0.0979)"  # 47 * 10 / 4320 = 0.10880
+    assert table.rows[3][2] == "0.2178 / 0.2176 (+0.0002)"
+
+
+def test_figures_8_and_9_are_the_issue_s(mesh):
+    assert find(mesh, "fig. 8", "six random points, equal").difference == "inside"
+    assert "points" in find(mesh, "fig. 9", "six random points, random").difference
+
+
+def test_two_points_go_with_the_current_s_shares(net):
+    x, centre, straight = _net.two_points(r=1e-3)
+    assert x == pytest.approx(centre, abs=1e-5)  # 3 N against F: (3-F)/(3+F)
+    assert straight[3] == 0.5 and centre[3] == pytest.approx(1 / 3)
+    assert _net.two_points()[0][3] == pytest.approx(0.314, abs=5e-4)
+    assert find(net, "fig. 9").ours.startswith("0.314 of the half range")
+
+
+def test_the_loop_closes_and_is_as_wide_as_its_share(net):
+    """Falling at half the force, ln F has fallen by ln 2 < 1 from its peak: the whole of that times the
+    share."""
+    _, force_n, load = _net.cycle()
+    quarter = len(load) // 4
+    up, down = load[2 * quarter : 3 * quarter], load[3 * quarter :][::-1]
+    at = int(np.argmin(np.abs(force_n[2 * quarter : 3 * quarter] - 1.5)))
+    assert down[at] / up[at] == pytest.approx(2**_net.HYSTERESIS, rel=0.015)  # less the layers' drop
+    assert (down - up).min() > -1e-9 and down[-1] == pytest.approx(up[-1], rel=2e-3)
+
+
+def test_sheets_with_elements_cut_out(net):
+    """Four corners gone: layer A is a chain of four resistors from E1 through three elements to E3. Pressed
+    on the last one, I leaves E1 by 3r + R0 and E3 by r + R0: E1-E3 = R0 I 2r/(2 R0 + 4r). The whole mesh's
+    constant,
+    (6 R0/r + 4)/2, makes nearly 3 of it."""
+    _, found, gains, plain, fitted = _net.pressed(*_net.CUTS["3×3, all four corners"])
+    r0 = 1e4 / 150
+    wanted = (6 * r0 + 4) / 2 * 2 / (2 * r0 + 4)
+    assert found.x.max() == pytest.approx(wanted, rel=1e-9)
+    assert gains == pytest.approx([1 / wanted] * 2) and fitted.max() < 1e-9
+    assert plain.max() == pytest.approx((wanted - 1) / 2)
+    assert _net.pressed(*_net.CUTS["3×3, none"])[3].max() < 1e-9
+
+
+def test_what_cop_slip_finds(slip):
+    assert find(slip, "fig. 4 (a)").difference == "between the two"
+    assert "0 of 7 runs" in find(slip, "III-A", "flag before").ours
+    ours = find(slip, "III-A", "a layer of silicone").ours
+    assert ours.startswith("0.2 mm of silicone: 2.0") or ours.startswith("0.2 mm of silicone: 1.9")
+    assert "7 of 7 pulls" in find(slip, "III-A", "flags of the two").ours
+    assert "2.05 V: restored" in find(slip, "figs. 6-8").ours  # 2 + 1.01 exp(-3), and what it rises meanwhile
+    tables = {part.title: part for part in slip if isinstance(part, Table)}
+    one = next(part for title, part in tables.items() if title.startswith("Voltage step"))
+    # 2 V: k = 1.55 - 0.54 = 1.01, times 0.05^0.11, 0.1^0.11 and 1.
+    assert [row[3] for row in one.rows] == ["0.73 V", "0.78 V", "1.01 V"]
+    assert [row[1] for row in one.rows] == ["1.4 V", "1.6 V", "2.1 V"]
+    cover = tables["CoP slip with a cover"]
+    assert [row[0] for row in cover.rows] == ["0 mm", "0.2 mm", "0.6 mm"] and grip.LEVER_MM == 0.2
+    assert sum(row.ours == "no counterpart" for row in rows(slip).values()) == 5
+
+
+@pytest.mark.parametrize("module", [_mesh, _net])
+def test_pictures_suit_a_phone(module, tmp_path, monkeypatch):
+    monkeypatch.setattr(_mesh, "DRAWS", 50)
+    pictures = module.draw(tmp_path)
+    assert len(pictures) >= 2
+    for file, caption in pictures:
+        data = (tmp_path / file).read_bytes()
+        width, height = struct.unpack(">II", data[16:24])
+        assert data.startswith(b"\x89PNG") and 600 <= width <= 1000 and height <= 1000, file
+        assert len(data) <= 120_000 and len(caption) > 20

@@ -1,0 +1,63 @@
+"""What the pages of the four-wire sensors share: the constants a row owes, numbers in words, pictures."""
+
+import importlib
+
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+NONE = "none stated"
+EXACT = "none: the circuit's equations alone"
+
+
+def owes(*names):
+    """``grip.LEVER_MM`` and others of meissner.physics, each with its origin; ValueError for an unknown
+    one."""
+    parts = []
+    for name in names:
+        module, _, constant = name.rpartition(".")
+        found = importlib.import_module(f"meissner.physics.{module}").ORIGINS
+        if constant not in found:
+            raise ValueError(f"{name} has no origin")
+        parts.append(f"{constant} ({found[constant][0]})")
+    return ", ".join(parts)
+
+
+def signed(value, digits=4):
+    """So many digits; no sign on what rounds to nothing."""
+    return f"{value:+.{digits}f}" if abs(value) >= 0.5 * 10**-digits else "0"
+
+
+def percent(values, digits=2):
+    return f"{100 * values.mean():.{digits}f} ± {100 * values.std():.{digits}f}"
+
+
+def beside(ours, theirs):
+    """How far ours is from the paper's, in percent of the paper's."""
+    return f"{100 * (ours / theirs - 1):+.0f} %"
+
+
+def figure(columns=1, rows=1, width=9.0, height=4.4, **axes):
+    """A figure of 900 to 1000 pixels with letters that a phone shows; its axes."""
+    drawn = Figure(figsize=(width, height), layout="constrained")
+    FigureCanvasAgg(drawn)
+    axes = drawn.subplots(rows, columns, **axes)
+    for axis in getattr(axes, "flat", [axes]):
+        axis.tick_params(labelsize=13)
+        axis.grid(color="#E6E6E6", lw=0.7)
+        axis.set_axisbelow(True)
+        axis.spines[["top", "right"]].set_visible(False)
+    return drawn, axes
+
+
+def label(axis, x, y, title=None, legend=True):
+    axis.set_xlabel(x, fontsize=14)
+    axis.set_ylabel(y, fontsize=14)
+    if title:
+        axis.set_title(title, fontsize=14, loc="left")
+    if legend:
+        axis.legend(frameon=False, fontsize=12)
+
+
+def save(drawn, folder, name):
+    drawn.savefig(folder / name, dpi=100, facecolor="white")
+    return name
