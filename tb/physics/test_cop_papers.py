@@ -3,16 +3,11 @@ out here by hand or by another way; each row owes what exists; pictures are smal
 
 import math
 import struct
-import sys
 
 import numpy as np
 import pytest
 
-from meissner.builds.toolchain import ROOT
 from meissner.physics import grip
-
-sys.path.insert(0, str(ROOT / "tools"))
-
 from published import Row, Table, _mesh, _net, _parts, cop_slip_and_net
 
 

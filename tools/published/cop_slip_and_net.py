@@ -240,7 +240,7 @@ def shear_tables():
 def compute():
     return [
         Table("Pins of the Optacon-II", OPTACON),
-        *(Row(*cells, "no counterpart", "", "") for cells in OPTACON_ROWS),
+        *(Row(*cells, "no counterpart", "all of it", "none") for cells in OPTACON_ROWS),
         Table("Development of High Speed and High Sensitivity Slip Sensor", SLIP),
         *(*slip(), *second_sensor(), *covers(), *sheared()),
         *(*cover_table(), *shear_tables()),
