@@ -11,18 +11,6 @@ import numpy as np
 LONG = np.longdouble
 LONG_UNIT = float(np.finfo(LONG).eps)
 GROUND = -1
-ORIGINS = {
-    "LONG_UNIT": (
-        "computed",
-        "a unit in the last place of the machine's long double",
-        "the bounds of solver lu",
-    ),
-    "GROUND": (
-        "chosen",
-        "a number that is no node",
-        "nothing",
-    ),
-}
 
 
 class Circuit:

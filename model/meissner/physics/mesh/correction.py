@@ -20,18 +20,6 @@ import numpy as np
 from meissner.twins.cop.cop4_correct import COEFFICIENT_BITS, CorrectionRegisters
 
 LOAD_TERMS, PLACE_TERMS = 6, 3
-ORIGINS = {
-    "LOAD_TERMS": (
-        "chosen",
-        "even powers of x and y to the fourth: what a symmetric mesh has",
-        "docs/mesh.md: the load's error after correction",
-    ),
-    "PLACE_TERMS": (
-        "chosen",
-        "the same to the second",
-        "docs/mesh.md: the position's error after correction",
-    ),
-}
 
 
 def load_terms(x, y):

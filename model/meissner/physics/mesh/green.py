@@ -16,24 +16,6 @@ UNIT = np.finfo(float).eps / 2
 TABLE_LIMIT = 3_000_000  # entries; beyond it the modes are summed for each pair of contacts
 CHUNK = 4_000_000  # modes times pairs evaluated at once
 
-ORIGINS = {
-    "UNIT": (
-        "computed",
-        "half a unit in the last place of a double",
-        "the solver's bounds",
-    ),
-    "TABLE_LIMIT": (
-        "chosen",
-        "24 MB a layer",
-        "no figure: time and memory alone",
-    ),
-    "CHUNK": (
-        "chosen",
-        "32 MB at once",
-        "no figure: time and memory alone",
-    ),
-}
-
 
 class Layer:
     """Green's function of one layer: ``free`` nodes across, ``along`` nodes between the electrodes.

@@ -14,14 +14,6 @@ from meissner.physics.mesh.solution import Certificate
 
 VOUCH = 1e-3  # sparse LU: bounds beyond this fraction are not called a measurement
 
-ORIGINS = {
-    "VOUCH": (
-        "chosen",
-        "three digits",
-        "which solver answers near-ideal wires; no result",
-    ),
-}
-
 
 def levers(mesh, row, column):
     """Distance of contacts from the middle: columns rightward, rows upward, in taxels."""

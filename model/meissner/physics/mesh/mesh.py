@@ -15,33 +15,6 @@ DENSE = 2000  # contacts; beyond it the fast solver iterates, as it does
 MODES = 200_000_000  # beyond so many terms of Green's functions that are too large to tabulate
 SPARSE = 20_000  # taxels up to which auto takes sparse LU for many contacts
 ALL = np.zeros(1, int)
-ORIGINS = {
-    "BATCH": (
-        "chosen",
-        "16 MB at once",
-        "no figure: time and memory alone",
-    ),
-    "DENSE": (
-        "chosen",
-        "32 MB, and about where iterating is faster",
-        "no figure: time and memory alone",
-    ),
-    "MODES": (
-        "chosen",
-        "some seconds",
-        "no figure: time and memory alone",
-    ),
-    "SPARSE": (
-        "chosen",
-        "141 by 141 taxels",
-        "no figure: time and memory alone",
-    ),
-    "ALL": (
-        "computed",
-        "the index of the only scene",
-        "nothing",
-    ),
-}
 
 
 class Mesh:

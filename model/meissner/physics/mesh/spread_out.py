@@ -14,24 +14,6 @@ from meissner.physics.mesh.solution import Certificate
 STEPS = 2000
 TARGET, SETTLED = 1e-13, 1e-8  # residual over right-hand side: where to stop, what still counts
 
-ORIGINS = {
-    "STEPS": (
-        "chosen",
-        "ten times what a full mesh of 1024 by 1024 needs",
-        "no figure: time and memory alone",
-    ),
-    "TARGET": (
-        "chosen",
-        "below what the transforms round",
-        "the solver's bounds beyond 2000 contacts",
-    ),
-    "SETTLED": (
-        "chosen",
-        "beyond it the result is refused",
-        "which results are refused; none so far",
-    ),
-}
-
 
 class Iterated(Contacts):
     """One scene; the same interface as ``Exact``."""

@@ -9,6 +9,7 @@ from meissner.check import between, fields, numbers, one_of, positive, tables
 from meissner.physics import mesh_loads
 from meissner.physics.cop4_config import Cop4Config
 from meissner.physics.mesh import Mesh, Solution
+from meissner.physics.mesh_loads import SETTLED
 
 CONVERTER = "converter"  # modelled for every engine but float, which takes the voltages as they are
 COMPONENTS = (
@@ -35,15 +36,6 @@ _WORLD = {
         "points": list,
     },
     "stroke": {"steps": int, "force_n": float, "radius": float, "cover_radius": float},
-}
-# Published: the rubber answers within 0.6 ms. Read, as its shear step is, as three time constants: 95 %.
-SETTLED = 3.0
-ORIGINS = {
-    "SETTLED": (
-        "chosen",
-        "0.6 ms (mesh, figure 13; net, figure 10) is read as 95 %: three time constants",
-        "cop_impulse: response_s is response_s of the scene whatever it is; load_error during the rise",
-    ),
 }
 
 
