@@ -8,6 +8,7 @@ import pytest
 
 from meissner import engines, run, scenes
 from meissner.engines import fixed
+from meissner.physics import patches
 
 WALK = scenes.load("walk_25x5")
 SCENE = dataclasses.replace(WALK, rate_hz=200)  # 300 frames of it
@@ -141,10 +142,15 @@ def test_a_range_too_small(turned, sound):
     assert {"over_range", "load_error", "position_error"} <= which
 
 
-def true_forces():
-    from meissner.physics import patches
+def test_a_range_too_small_is_counted_in_every_piece():
+    """9000 frames, more than are made at once."""
+    small = dataclasses.replace(SCENE.converter, full_scale_n=0.25, noise_lsb=0.0)
+    recording = scenes.simulate(dataclasses.replace(SCENE, rate_hz=6000, converter=small))
+    assert recording.over_range == (true_forces(9000) > 0.25 * (1 + 0.5 / 4095)).sum() > 3000
 
-    phase = np.arange(300) / 300
+
+def true_forces(frames=300):
+    phase = np.arange(frames) / frames
     return patches.forces(25, 5, SCENE.world["patches"], phase, SCENE.world["depth_pitches"])
 
 

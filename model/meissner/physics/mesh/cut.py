@@ -48,7 +48,7 @@ class CutMesh:
         for name, array in (("elements", there), ("rubber", felt)):
             if array.shape != (m, n):
                 raise ValueError(f"{name} has shape {list(array.shape)}, must be [{m}, {n}]")
-        self.mesh, self.elements, self.felt = mesh, there, there & felt
+        self.mesh, self.elements, self.felt = mesh, there, felt
         p, q, g = grid_edges(m, n, mesh.r / mesh.R0)
         kept = np.concatenate([there.ravel(), there.ravel(), np.ones(5, bool)])  # the last one is ground
         keep = kept[p] & kept[q]
