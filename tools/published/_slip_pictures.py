@@ -47,7 +47,7 @@ def curve(axis, time_s, values, colour=BLUE, **look):
     axis.plot(*envelope(time_s, values), **({"color": colour, "lw": 1.4} | look))
 
 
-def save(picture, path, colours=48):
+def save(picture, path, colours=96):
     """As a PNG with a palette, a third of the size of one without."""
     drawn = io.BytesIO()
     picture.savefig(drawn, dpi=100, facecolor="white")
