@@ -121,8 +121,8 @@ def of_pull():
         "tangential force while it slides",
         "almost constant",
         f"a saw from {sliding.min():.2f} to {sliding.max():.2f} N",
-        f"not as published, and above the static {pull.tension_n[round(gross * RATE)]:.2f} N: with a drive this "
-        "stiff, sticks whose length is drawn go too far (the scenes' string is 250 times as soft)",
+        f"not as published, and above the static {pull.tension_n[round(gross * RATE)]:.2f} N: with a drive "
+        "this stiff, sticks whose length is drawn go too far (the scenes' string is 250 times as soft)",
         "MATERIALS (chosen), STIFFNESS_N_MM (read off)",
     )
     yield Row(

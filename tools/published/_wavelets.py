@@ -6,7 +6,7 @@ import numpy as np
 import pywt
 
 from meissner import scenes
-from meissner.scenes.interval import rate, words
+from meissner.interval import rate, words
 
 SEEDS = range(1, 21)
 THRESHOLD_V = 0.01
