@@ -50,6 +50,26 @@ def test_events_come_at_their_share_of_the_limit_of_that_moment():
         assert tension / (mu * (2.0 + 0.5 * tension)) == pytest.approx(ratio, abs=1e-12)
 
 
+def test_what_is_drawn_for_a_disturbance_moves_no_other_draw():
+    """A disturbance too small for the converter leaves the codes as they are, noise and all."""
+    plain = grip()
+    for tiny in ({"hum_v": 1e-12}, {"flicker": 1e-12}):
+        assert np.array_equal(grip(**tiny).codes, plain.codes), tiny
+
+
+def test_vc_recovers_as_far_as_the_condition_says():
+    """1 s after the slip, e^-0.6 = 0.5488 of what is taken back is still there: 0.6 + 0.4·0.5488 = 0.8195."""
+    scene = scenes.load("acrylic_slip")
+    runs = []
+    for recovers in (1.0, 0.4):
+        condition = dataclasses.replace(scene.conditions[0], recovers=recovers)
+        runs.append(scenes.simulate(dataclasses.replace(scene, conditions=(condition,)), 0, 3))
+    late = np.abs(runs[0].time_s - runs[0].gross_s - 1.0) < 0.02
+    held = (runs[0].time_s > 1.0) & (runs[0].time_s < 1.3)
+    restored, converged = (np.median(run.volts[late]) - run.volts[held].mean() for run in runs)
+    assert converged / restored == pytest.approx(0.8195 / 0.5488, rel=0.01)
+
+
 def test_hum_is_a_line_at_50_hz_and_nothing_else():
     added = grip(hum_v=0.1).volts - grip().volts
     samples = len(added) // 200 * 200  # whole periods
@@ -122,7 +142,9 @@ def test_bursts_bring_events_together_and_no_more_of_them():
     counts, edges = {1: [], 5: []}, np.arange(0, 1.0, 0.02)
     for _ in range(200):
         alone = np.sort(rng.uniform(0, 1, rng.poisson(1000)))
-        together = disturbances.bursts(np.sort(rng.uniform(0, 1, rng.poisson(200))), 5.0, 1.0, rng)
+        begins = np.sort(rng.uniform(0, 1, rng.poisson(200)))
+        together = disturbances.bursts(begins, 5.0, 1.0, rng)
+        assert np.isin(begins, together).all()
         assert together.max() < 1.0 and (np.diff(together) >= 0).all()
         for size, times in ((1, alone), (5, together)):
             counts[size].append(np.histogram(times, edges)[0])

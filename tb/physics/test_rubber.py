@@ -102,11 +102,12 @@ def stopped_at(seconds, recovers, speed=1.0):
 
 
 def test_a_restored_step_is_taken_back_and_a_converged_one_leaves_about_a_volt():
-    """The 2011 sensor: "to the initial state". CoP slip: 2 V, up by 1.4, 1.6, 2.1 V, then to about 3 V."""
+    """High-sensitivity sensor: "to the initial state". CoP slip: 2 V, up by 1.4, 1.6, 2.1 V, to about 3 V."""
     for recovers, left in ((1.0, 0.0), (0.4, 0.6), (0.25, 0.75)):
         full, rest = stopped_at(20.0, recovers)
         assert full == pytest.approx(1.0, abs=1e-3)  # 1 mm/s to the power 0.11
         assert rest == pytest.approx(left, abs=1e-3), recovers
+    assert stopped_at(20.0, 0.4, 0.5)[1] == pytest.approx(0.6 * 0.92661, abs=1e-3)  # 0.5 mm/s: 0.5^0.11
     assert rubber.RESTORED == 1.0
     converged = [2.0 + (1.0 - rubber.CONVERGED) * step for step in (1.4, 1.6, 2.1)]
     assert converged == pytest.approx([2.84, 2.96, 3.26])

@@ -92,7 +92,7 @@ def test_the_first_event_at_0_875_is_acrylic_slip_bit_for_bit():
     assert np.array_equal(ours.volts, theirs.volts) and np.array_equal(ours.codes, theirs.codes)
 
 
-def test_the_first_event_at_0_12_brings_the_onset_to_where_the_2011_sensor_has_it():
+def test_the_first_event_at_0_12_brings_the_onset_to_where_the_high_sensitivity_sensor_has_it():
     """Published: fluctuation from about 0.05 s on of a static phase of 0.4 s."""
     scene = scenes.load("slip_first_event")
     start = scene.world["stage_start_s"]

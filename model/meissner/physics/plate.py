@@ -14,9 +14,10 @@ Mindlin's of q = T/(mu·N) under the force of the moment. The follower ripples a
 Pressing: a raised-cosine ramp, plus a ripple of force while the loading stage moves. The ripple has no
 content above 600 Hz, as published for a changing normal force.
 
-Not modelled: inertia of the plate and its resonance with the string, wear, humidity, rotation, the
-dependence of friction on speed or load, vibration of the pulling stage, and friction coefficients of any
-measured sample: the table's are ordinary values against silicone rubber, chosen.
+Not modelled: inertia of the plate and its resonance with the string, static friction as the end of a stick
+(its length is drawn, so a drive as stiff as the rubber lifts a long one above mu_s·N), wear, humidity,
+rotation, the dependence of friction on speed or load, vibration of the pulling stage, and friction
+coefficients of any measured sample: the table's are ordinary values against silicone rubber, chosen.
 """
 
 from dataclasses import dataclass

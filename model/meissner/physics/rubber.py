@@ -9,7 +9,7 @@ Between the points log G is a monotone cubic of log F, beyond them a power law w
 
 Shear: with u = dV/k, du/dt = (v^n - u)·(v/X0 + 1/T0). While shearing, u reaches v^n within 0.01 mm; when
 the shear stops, u falls within about 5 s to a residual. Both numbers are published. The papers disagree about
-the residual. The high-sensitivity slip sensor (2011) says that Vc is restored to the initial state. The
+the residual. The high-sensitivity slip sensor says that Vc is restored to the initial state. The
 CoP slip paper says that it converges to about 3 V from an initial 2 V, for steps of 1.4, 1.6 and 2.1 V, and
 blames hysteresis. So ``recovers``, the share of the step that is taken back, is a parameter: RESTORED, the
 default, for the first, CONVERGED for the second, which is a share because the steps of its Table I are twice
@@ -47,15 +47,16 @@ SHEAR_LINE = (1.55, 0.27)  # published: k = 1.55 - 0.27·Vi
 SHEAR_TAPER = 0.47  # V of k per V that Vi is below the supply, from where the line has it at 4 V; chosen
 SHEAR_FULL_MM = 0.01  # published: the step is complete by then
 RECOVERY_S = 5.0  # published: stable by then
-RESTORED = 1.0  # share of the step that is taken back; published (2011): restored to the initial state
+# Share of the step that is taken back. Published (high-sensitivity sensor): restored to the initial state.
+RESTORED = 1.0
 # Published (CoP slip): about 3 V from 2 V. A volt is left of its 1.4, 1.6 and 2.1 V: 0.71, 0.63 and 0.48.
 CONVERGED = 0.4
 
 # The plate moved about 0.1 mm while the force rose to slip (about 1.2 N at 2 N): published, as a reading.
 STIFFNESS_N_MM = 12.0
 # The initial-slip sensor is 2.0 mm thick with its electrodes (published); the rubber's share of it, 1.5 mm,
-# is chosen. The 2011 sensor is 0.5 mm thick (published), which would ring at 5.9 kHz, above half the rate.
-# Density and loss factor (quality 3) are ordinary values for a filled silicone, chosen.
+# is chosen. The high-sensitivity sensor is 0.5 mm thick (published), which would ring at 5.9 kHz, above half
+# the rate. Density and loss factor (quality 3) are ordinary values for a filled silicone, chosen.
 SIDE_MM, THICKNESS_MM, DENSITY_KG_M3, QUALITY = 6.0, 1.5, 1200.0, 3.0
 
 
@@ -181,8 +182,8 @@ ORIGINS = {
     ),
     "SHEAR_FULL_MM": (
         "published",
-        "shear (journal), 3.2 and fig. 8; 2011 sensor, II and III: by 0.01 mm or less; that this is 95 % of "
-        "an exponential is chosen",
+        "shear (journal), 3.2 and fig. 8; high-sensitivity sensor, II, III: by 0.01 mm or less; that this is "
+        "95 % of an exponential is chosen",
         "rise of the shear step",
     ),
     "RECOVERY_S": (
@@ -192,7 +193,7 @@ ORIGINS = {
     ),
     "RESTORED": (
         "published",
-        "2011 sensor, II: gradually restored to the initial state; CoP slip says otherwise (CONVERGED)",
+        "high-sensitivity sensor, II: restored to the initial state; CoP slip disagrees (CONVERGED)",
         "Vc after a shear stops; delay and lead are the same with either",
     ),
     "CONVERGED": (
@@ -204,14 +205,14 @@ ORIGINS = {
     "STIFFNESS_N_MM": (
         "read off",
         "shear (journal), fig. 6: about 0.1 mm while the force rises to slip, about 1.2 N under 2 N. The "
-        "2011 sensor's text has 0.2 mm, which would be 6",
+        "high-sensitivity sensor's text has 0.2 mm, which would be 6",
         "ring (2.4 kHz at 6, 4.8 kHz at 24); delay 2.7 ms at 6, 29.7 ms at 24, lead 314 and 194 ms",
     ),
     "SIDE_MM": ("published", "slip papers, structure: 6 mm x 6 mm", "the ring's frequency"),
     "THICKNESS_MM": (
         "chosen",
         "share of the initial-slip sensor's published 2.0 mm with electrodes. 0.5 mm IS published: "
-        "the 2011 sensor (III; so cited by the initial-slip paper), the rubber of CoP slip (V)",
+        "the high-sensitivity sensor (III; so cited by the initial-slip paper), the rubber of CoP slip (V)",
         "ring 5.9 kHz at 0.5, above half the rate: delay 21.7 ms, lead 278 ms",
     ),
     "DENSITY_KG_M3": (
@@ -238,7 +239,7 @@ ORIGINS = {
     ),
     "PUBLISHED_ONSET": (
         "read off",
-        "2011 sensor, III-D and fig. 9: from about 0.05 s to 0.4 s of a static phase that ends at 0.4 s",
+        "high-sensitivity sensor, III-D and fig. 9: from about 0.05 s on, of a static phase of 0.4 s",
         "slip_first_event: lead 2415 ms in the median, against 364 ms at 0.875 (100 seeds)",
     ),
     "PATCHES": (
@@ -259,7 +260,7 @@ ORIGINS = {
     ),
     "SLIDING_SHARE": (
         "chosen",
-        "published only as small changes while sliding (shear, fig. 5; 2011 sensor, fig. 8)",
+        "published only as small changes while sliding (shear, fig. 5; high-sensitivity sensor, fig. 8)",
         "share of the sliding in which the state says contact: 29 % at 0.25, none at 0.5; not delay nor lead",
     ),
     "GROSS_SHARE": (

@@ -1,0 +1,87 @@
+"""What the initial-slip paper's figures are made of: recordings, their Haar details, their CWT by Morlet."""
+
+from functools import cache
+
+import numpy as np
+import pywt
+
+from meissner import scenes
+from meissner.interval import rate, words
+
+SEEDS = range(1, 21)
+THRESHOLD_V = 0.01
+MORLET = "morl"
+# From 5 kHz, half the rate, to 125 Hz. Its centre is at 0.8125 of the rate at scale 1.
+SCALES = np.geomspace(1.625, 65, 48)
+EDGE = 4000  # samples held before and after, so that a run's ends are no steps
+
+
+@cache
+def recording(name, condition, seed=1):
+    return scenes.simulate(scenes.load(name), condition, seed)
+
+
+def converted(run):
+    return run.scene.adc.volts_of(run.codes)
+
+
+def details(run):
+    """cD in volts and the time of the last sample of each pair."""
+    even = len(run.codes) // 2 * 2
+    return pywt.dwt(converted(run)[:even], "haar")[1], run.time_s[1:even:2]
+
+
+@cache
+def largest(name, condition):
+    """Of each seed: largest coefficient while nothing slips, and from the first event to the slip."""
+    rows = []
+    for seed in SEEDS:
+        run = scenes.simulate(scenes.load(name), condition, seed)
+        coefficient, at = details(run)
+        onset, gross = (np.inf if when is None else when for when in (run.onset_s, run.gross_s))
+        quiet = np.abs(coefficient[at < onset]).max()
+        rows.append((quiet, np.abs(coefficient[(at >= onset) & (at < gross)]).max(initial=0.0)))
+    return np.array(rows).T
+
+
+def volts(values):
+    mean, low, high = values.mean(), values.min(), values.max()
+    return f"largest of a run {mean:.4f} V in the mean ({low:.4f} to {high:.4f}), {len(values)} runs"
+
+
+def crossed(values):
+    return words(rate(int(np.count_nonzero(values > THRESHOLD_V)), len(values)))
+
+
+@cache
+def power(name, condition, hertz):
+    """CWT power in V² at these frequencies, [frequencies, samples], of the converted samples."""
+    run = recording(name, condition)
+    scales = pywt.central_frequency(MORLET) * run.scene.rate_hz / np.array(hertz)
+    held = np.pad(converted(run), EDGE, "edge")
+    return pywt.cwt(held, scales, MORLET, method="fft")[0][:, EDGE:-EDGE] ** 2
+
+
+def mean_power(name, condition, hertz, spans):
+    """Mean power in the time spans (from, until)."""
+    run = recording(name, condition)
+    inside = np.zeros(len(run.time_s), dtype=bool)
+    for first, last in spans:
+        inside |= (run.time_s >= first) & (run.time_s < last)
+    return power(name, condition, tuple(hertz))[:, inside].mean(axis=1)
+
+
+def columns(found, count=400):
+    """The greatest of each of ``count`` groups of neighbouring samples."""
+    width = max(found.shape[1] // count, 1)
+    kept = found[:, : found.shape[1] // width * width]
+    return kept.reshape(len(found), -1, width).max(axis=2)
+
+
+def first_flag(run):
+    """When the peak to peak of a window of 32 details first exceeds the threshold from the first event on."""
+    coefficient, at = details(run)
+    blocks = coefficient[: len(coefficient) // 32 * 32].reshape(-1, 32)
+    spread = np.maximum.accumulate(blocks, axis=1) - np.minimum.accumulate(blocks, axis=1)
+    over = (spread.ravel() > 2 * THRESHOLD_V) & (at[: spread.size] >= run.onset_s)
+    return float(at[np.argmax(over)]) if over.any() else None
