@@ -118,6 +118,8 @@ WORDS = {
     "roundness": _share("out of round"),
     # cells
     "dead": Words("cells found dead"),
+    "dead_found": Words("broken cells found dead", "cells", none="no cell is broken"),
+    "dead_falsely": Words("working cells found dead", "cells"),
     "dead_as_injected": Words("dead cells are those injected"),
     "unevenness_before": _share("even press, cell farthest from the mean: before calibration"),
     "unevenness_after": _share("even press, cell farthest from the mean: calibrated"),
@@ -151,8 +153,8 @@ WORDS = {
     "low_at_full_second_order_g": Words("low at the top of the cycles with the second-order term", "g"),
     "reads_0_below_g": Words("forces that read 0, below", "g"),
     "sag_of_hold": _share("reading of a held force rises by"),
-    "left_after_release_g": Words("left at the release", "g"),
-    "left_after_rest_g": Words("left after the rest", "g"),
+    "left_after_release_g": Words("left at the release, above the reading at rest", "g"),
+    "left_after_rest_g": Words("left after the rest, above the reading at rest", "g"),
     "calibration_residual_g": Words("residual of the calibration", "g"),
     "press_g": Words("press", "g"),
     "mean_g": Words("mean reading", "g"),
@@ -230,7 +232,7 @@ def fact(key, value):
     if value is None:
         return meaning.none
     if isinstance(value, dict) and "low" in value:
-        return interval.words(value)
+        return interval.words(value, meaning.unit or "runs")
     if isinstance(value, dict):
         return f"{fact(key, value['mean'])} in the mean, {fact(key, value['maximum'])} at most"
     if isinstance(value, (list, tuple)) and key != "seeds":

@@ -123,6 +123,9 @@ def _cell(scene, codes, recording, fits, stage):
     presses, bent_presses = (values["presses"].reshape(-1, len(steps)) for values in (grams, bent))
     hold, held = grams["hold"], np.flatnonzero(applied["hold"])
     first, last = hold[held[:4]].mean(), hold[held[-20:]].mean()
+    # Of the codes above those at rest: the core reads 0 where its line does, and would hide what is left.
+    at_rest = codes["settled"][:SETTLED_FRAMES, row, column].mean()
+    left = (codes["hold"][:, row, column] - at_rest) * gram
     # The whole of the mean cycle, its turning points too, against the straight line that fits it best.
     cycle = cycles.mean(axis=0)
     departure = cycle - np.polyval(np.polyfit(rise, cycle, 1), rise)
@@ -141,8 +144,8 @@ def _cell(scene, codes, recording, fits, stage):
         "low_at_full_second_order_g": float((rise[top] - bent_cycles[:, top]).mean()),
         "reads_0_below_g": float(terms[row, column, 0] / GRAM_N),
         "sag_of_hold": float(last / first - 1),
-        "left_after_release_g": float(hold[held[-1] + 1]),
-        "left_after_rest_g": float(hold[-20:].mean()),
+        "left_after_release_g": float(left[held[-1] + 1]),
+        "left_after_rest_g": float(left[-20:].mean()),
         "calibration_residual_g": float(fit.residual_n[row, column] / GRAM_N),
         "conditions": [
             _rounded(

@@ -64,7 +64,8 @@ def tell(summary):
             f"{summary['settled_off_second_order_g']:.2g} g ({summary['low_at_full_second_order_g']:.2g} g "
             f"low at the top of a cycle); forces below {summary['reads_0_below_g']:.2g} g read 0",
             f"a constant force rises by {100 * summary['sag_of_hold']:.2g} % while it is held, and leaves "
-            f"{summary['left_after_release_g']:.2g} g at its release",
+            f"{summary['left_after_release_g']:.2g} g at its release, "
+            f"{summary['left_after_rest_g']:.2g} g after the rest",
         ]
     if "peaks_apart_mm" in summary:
         lines.append(

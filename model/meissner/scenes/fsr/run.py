@@ -6,7 +6,7 @@ import numpy as np
 
 from meissner import calibration, scenes
 from meissner.physics import mesh_loads
-from meissner.scenes import chain
+from meissner.scenes import chain, interval
 from meissner.scenes.capacitive import pictures as report_arrays
 from meissner.scenes.chain import check  # noqa: F401 - as of every array
 from meissner.scenes.fsr.scene import broken_cells
@@ -77,6 +77,10 @@ def run(scene, engine, out, seed, waves, progress):
         "rows": scene.rows,
         "columns": scene.columns,
         "dead": int(lines.dead.sum()),
+        "dead_found": interval.rate(int((lines.dead & broken).sum()), int(broken.sum()))
+        if broken.any()
+        else None,
+        "dead_falsely": interval.rate(int((lines.dead & ~broken).sum()), int((~broken).sum())),
         "dead_as_injected": bool((lines.dead == broken).all()),
         "unevenness_before": chain.unevenness(before, lines.dead),
         "unevenness_after": chain.unevenness(after, lines.dead),
@@ -115,9 +119,15 @@ def run(scene, engine, out, seed, waves, progress):
 def tell(summary):
     """The lines to print of a summary."""
     found = "as injected" if summary["dead_as_injected"] else "not all as injected"
+    rates = [
+        f"{word}: {interval.words(summary[key], 'cells')}"
+        for key, word in (("dead_found", "broken cells found"), ("dead_falsely", "working cells found dead"))
+        if summary[key]
+    ]
     return [
         f"{summary['frames']} frames of {summary['rows']}×{summary['columns']}; "
         f"{summary['dead']} cells found dead, {found}",
+        *rates,
         f"position error, of the range -1 to 1: {percent(summary['position_error'])}",
         f"load error: {percent(summary['load_error'])}",
         f"even press: no cell off the mean by more than {100 * summary['unevenness_before']:.3g} % "
