@@ -170,7 +170,7 @@ def test_a_load_that_is_too_small_for_a_position(turned, sound):
 
 
 def test_a_column_whose_amplifier_gains_a_tenth(monkeypatch, turned):
-    """Under the even press only. Its codes hold the rest, 1 of 15 microsiemens: 1.1067 over a mean of 1.0108."""
+    """Under the even press only. Codes hold the rest too, 1 of 15 µS: 1.1067 over a mean of 1.0108."""
 
     def louder(codes, part):
         if part == "even":

@@ -51,6 +51,16 @@ ORIGINS = {
 }
 
 
+ORIGINS = {
+    "STEP_MM": ("chosen", "finer than a tab", "areas within 5 % of the outlines"),
+    "SHAPES": (
+        "chosen",
+        "002, figures 9 to 13: kinds of objects, both diagonals, 6 pins and the gap of 3 mm published",
+        "the images of capacitive_shapes; the gap of one row",
+    ),
+}
+
+
 def _within(piece, x_mm, y_mm):
     """Which points lie in the piece."""
     kind, x0, y0, *sizes = piece

@@ -74,6 +74,25 @@ CALIBRATION_G = np.linspace(0.0, 150.0, 7)
 # Frames at each force: of a probe on each cell, of an even press, of a probe left on the scene's one cell.
 CALIBRATION_FRAMES, EVEN_FRAMES, SETTLED_FRAMES = 6, 24, 64
 CHOSEN_FRAMES = 16  # of the crosstalk at the scene's own gain
+ORIGINS = {
+    "SIDE": ("published", "002, fabrication: 8 x 8", "all images"),
+    "HOLD_HZ": ("chosen", "figure 6 prints no rate", "when the first reading after a release is: 0.5 s"),
+    "SETTLE_SAMPLES": ("chosen", "no circuit is printed", "3 samples: nothing moves by more than 0.02 g"),
+    "PHASE": ("chosen", "free-running carrier", "0: noise 1.0 g, the same; another draw"),
+    "CALIBRATION_G": (
+        "published",
+        "002: the tester's range, 0 to 150 g; seven forces are ours, each settled",
+        "the line: -4.3 g at 150 g, +3.3 g half way",
+    ),
+    "CALIBRATION_FRAMES": (
+        "chosen",
+        "a short press",
+        "the second-order term: 0.8 g off, 0.35 g without noise",
+    ),
+    "EVEN_FRAMES": ("chosen", "a short press", "even press after: 0.41 %"),
+    "SETTLED_FRAMES": ("chosen", "noise 0.12 g", "how sure low_settled_g is"),
+    "CHOSEN_FRAMES": ("chosen", "noise 0.1 mV", "how sure output_v is"),
+}
 
 
 @dataclass(frozen=True)
