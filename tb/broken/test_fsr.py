@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from meissner import scenes
+from meissner.interval import words
 from meissner.physics import fsr
 from meissner.scenes.chain import Chain
 from meissner.scenes.fsr import run
 from meissner.scenes.fsr import scene as of_matrix
-from meissner.scenes.interval import words
 
 COMMON = "scene engine seed seconds_simulated seconds_taken samples_per_second twin_mismatches modelled"
 COMMON = {*COMMON.split(), "left_out", "runs", "seeds", "frames", "rows", "columns"}

@@ -48,7 +48,6 @@ WORDS = {
     "modelled": Words("modelled"),
     "left_out": Words("left out"),
     "runs": Words("runs"),
-    "seeds": Words("seeds, first and last"),
     "condition": Words("condition"),
     # slip; single times are of the shown run; onset: the first partial slip, or the pull's beginning
     "onset_s": Words("onset (truth), shown run", "s"),

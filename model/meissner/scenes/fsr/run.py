@@ -4,9 +4,9 @@ import time
 
 import numpy as np
 
-from meissner import calibration, scenes
+from meissner import calibration, interval, scenes
 from meissner.physics import mesh_loads
-from meissner.scenes import chain, interval
+from meissner.scenes import chain
 from meissner.scenes.capacitive import pictures as report_arrays
 from meissner.scenes.chain import check  # noqa: F401 - as of every array
 from meissner.scenes.fsr.scene import broken_cells
