@@ -49,7 +49,7 @@ def run(scene, engine, out, seed, waves, progress):
 
 def tell(summary):
     """The lines to print of a summary."""
-    lines = []
+    lines = [f"1 run, seed {summary['seed']}"]
     if "difference_from_eq18_v" in summary:
         apart_mv = 1e3 * summary["difference_from_eq18_v"]
         lines.append(f"demodulated output against eq. 18: {apart_mv:.2g} mV apart")

@@ -132,8 +132,8 @@ def tell(summary):
         if summary[key]
     ]
     return [
-        f"{summary['frames']} frames of {summary['rows']}×{summary['columns']}; "
-        f"{summary['dead']} cells found dead, {found}",
+        f"1 run, seed {summary['seed']}: {summary['frames']} frames of "
+        f"{summary['rows']}×{summary['columns']}; {summary['dead']} cells found dead, {found}",
         *rates,
         f"position error, of the range -1 to 1: {percent(summary['position_error'])}",
         f"load error: {percent(summary['load_error'])}",
