@@ -42,18 +42,12 @@ def gain(folder, measured):
     figure, axis = _figure(1, 1, 5.0)
     for k, pf in enumerate(arrays["unselected_pf"]):
         shade = (0.0, 0.35 + 0.1 * (5 - k), 0.75 - 0.08 * k)
-        axis.plot(arrays["gain"], arrays["eq18_v"][:, k], color=shade, lw=2)
+        axis.plot(arrays["gain"], arrays["eq18_v"][:, k], color=shade, lw=2, label=f"{pf:g} pF")
         axis.plot(arrays["gain"], arrays["measured_v"][:, k], "o", color=shade, ms=5)
-        axis.annotate(
-            f"{pf:g} pF",
-            (arrays["gain"][4], arrays["eq18_v"][4, k]),
-            (7, -13),
-            textcoords="offset points",
-            fontsize=12,
-        )
     axis.axhline(10, color="#999999", ls="--")
     axis.axvline(200, color=INK, ls=":")
-    axis.set(xlim=(0, 560), ylim=(0, 10.6))
+    axis.set(xlim=(0, 520), ylim=(0, 10.6))
+    axis.legend(frameon=False, fontsize=14, loc="lower right")
     _plain(axis, "amplifier gain", "sensor output (V)", "2: lines eq. 18, dots the demodulated carrier")
     return _save(
         figure, folder, "capacitive_array_gain.png"

@@ -1,4 +1,4 @@
-"""Fingertip Tactile Sensor for Detecting Rope Slip beside the matrix of 3×3 FSR400; no rope, no forest yet."""
+"""Fingertip Tactile Sensor for Detecting Rope Slip beside the matrix of 3×3 FSR400; no forest yet."""
 
 import io
 from functools import cache
@@ -174,7 +174,7 @@ def draw(folder):
     return [
         (
             name,
-            "Figure 6 as our scene has it: the reported centre, numbers every 150 steps; a contact, no rope. At both ends "
-            "only one row answers: an FSR400 needs 0.2 N.",
+            "Figure 6 as our scene has it: the reported centre, numbers every 150 steps. A contact, no rope. "
+            "At both ends only one row answers: an FSR400 needs 0.2 N.",
         )
     ]
