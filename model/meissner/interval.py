@@ -23,12 +23,11 @@ def rate(count, runs):
     return {"count": count, "runs": runs, **{key: round(share, 6) for key, share in shares.items()}}
 
 
-def words(found):
-    """``3 of 40 runs (7.5 %, 95 % interval 1.57 to 20.4 %)``."""
+def words(found, of="runs"):
+    """``3 of 40 runs (7.5 %, 95 % interval 1.57 to 20.4 %)``; ``of``: what was counted."""
     between = ends(found["low"], found["high"])
-    return (
-        f"{found['count']} of {found['runs']} runs ({100 * found['rate']:.3g} %, 95 % interval {between} %)"
-    )
+    share = f"{100 * found['rate']:.3g} %, 95 % interval {between} %"
+    return f"{found['count']} of {found['runs']} {of} ({share})"
 
 
 def ends(low, high):

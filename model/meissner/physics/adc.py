@@ -66,9 +66,24 @@ class Adc:
 
 # MCP3208 at 5 V: typical SINAD 72 dB, THD -82 dB (DS21298, 1 kHz, 0.1 to 4.9 V). Taking the distortion
 # out leaves 0.404 mV rms, of which 0.352 mV is quantisation: 0.198 mV are the part's own.
+MCP3208_NOISE_V = 0.198e-3
 # AD7606, +-5 V, no oversampling: typical SNR 89 dB of a full-scale sine is 0.1255 mV rms, of which
 # 0.044 mV is quantisation: 0.117 mV.
+AD7606_NOISE_V = 0.117e-3
 PARTS = {
-    "MCP3208": Adc(bits=12, low_v=0.0, high_v=5.0, noise_v=0.198e-3),
-    "AD7606": Adc(bits=16, low_v=-5.0, high_v=5.0, noise_v=0.117e-3),
+    "MCP3208": Adc(bits=12, low_v=0.0, high_v=5.0, noise_v=MCP3208_NOISE_V),
+    "AD7606": Adc(bits=16, low_v=-5.0, high_v=5.0, noise_v=AD7606_NOISE_V),
+}
+ORIGINS = {
+    "MCP3208_NOISE_V": (
+        "computed",
+        "DS21298: SINAD 72 dB, THD -82 dB, less the quantisation of 12 bits of 5 V",
+        "a sixth of a code: less than the quantisation itself",
+    ),
+    "AD7606_NOISE_V": (
+        "computed",
+        "data sheet: SNR 89 dB of a full-scale sine at +-5 V, less the quantisation of 16 bits",
+        "0.8 of a code: the noise below the slip scenes of 16 bits",
+    ),
+    "PARTS": ("datasheet", "bits and ranges of MCP3208 and AD7606; the noise is computed", "codes a volt"),
 }

@@ -39,6 +39,69 @@ STIFFNESS_SPREAD, PLATE_SPREAD, COLUMN_SPREAD = 0.04, 0.03, 0.06
 # (share, seconds) of the force that acts late; chosen. Expanding takes longer (published) by the factor.
 CREEP = ((0.02, 0.15), (0.02, 5.0), (0.03, 80.0))
 EXPANDING = 2.0
+ORIGINS = {
+    "GRAM_N": ("published", "standard gravity, exact", "the unit of 002: every figure in grams"),
+    "PITCH_MM": ("published", "002, fabrication: centre to centre", "figure 8: peaks 1.9 mm apart"),
+    "TRACE_MM": (
+        "published",
+        "002, fabrication: wide and square",
+        "plate_f alone: 0.057 pF, not the pad's 1 pF",
+    ),
+    "TAB_MM": (
+        "published",
+        "002, fabrication: 0.25 to 0.75, the highest taken",
+        "range: 100 g at 0.75 mm are 702 g at 0.25; the rise by 100 g 29 % and 6.1 %",
+    ),
+    "BACKING_MM": (
+        "published",
+        "002, fabrication",
+        "0.125 mm: the settled cell 3.3 g low at 150 g, 0.5 mm: 5.6 g, not 4.3",
+    ),
+    "TAB_DIAMETER_MM": ("published", "002, fabrication", "1.27 mm, the trace's: 5.3 g low, not 4.3"),
+    "PERMITTIVITY": ("published", "002, design: about 4", "plate_f alone, in proportion"),
+    "CELL_F": (
+        "published",
+        "002, design: on the order of 1 pF; the printed sizes give 0.057",
+        "noise against signal: at 0.1 pF noise 9.3 g, not 0.99, load of objects 6.6 % off, not 2.7",
+    ),
+    "REF_F": (
+        "published",
+        "002, eq. 18's example",
+        "eq. 18: the gain for a loss, in proportion to 1 + (Cu + C)/Cref",
+    ),
+    "CARRIER_HZ": ("published", "002, design", "leakage: 0.3 % at 10 megohms, 1.3 % at 100 kHz"),
+    "MODULUS_MPA": (
+        "chosen",
+        "100 g then lift the capacitance by 29 %, which fills figure 8's axes (1800 to 2500 codes)",
+        "0.5 MPa: settled cell 7.7 g low, load of objects 5.6 % off; 2 MPa: 2.4 g, 1.5 %, noise 1.8 g",
+    ),
+    "COVER_MM": (
+        "chosen",
+        "insulation and shield above the tabs; the paper prints 'thin'",
+        "0.6 mm: a neighbour reads 0 %, not 2; 2.4 mm: 33 %, and a probe's calibration leaves 30 %, not 7.5",
+    ),
+    "STIFFNESS_SPREAD": (
+        "chosen",
+        "the paper names the cause, no number",
+        "even press: 0 gives 7.9 % before and 0.28 % after, 0.08 17.6 and 0.68; taken: 10.7 and 0.41",
+    ),
+    "PLATE_SPREAD": ("chosen", "the paper names no number", "even press before: 0 gives 11.6 %, 0.06 15.1 %"),
+    "COLUMN_SPREAD": (
+        "chosen",
+        "the paper calls the columns' amplifiers the largest cause",
+        "even press before: 0 gives 9.3 %, 0.12 14.5 %; after unchanged",
+    ),
+    "CREEP": (
+        "chosen",
+        "the paper draws droop and sag (figure 6) without numbers; shares and seconds",
+        "none: a cycle's top 4.4 g low, no sag; twice: 17.4 g, 11 %; taken: 10.8 g, 5.5 %",
+    ),
+    "EXPANDING": (
+        "chosen",
+        "the paper: expands slower than it contracts; the factor is ours",
+        "1 or 4: unloading 1.25 or 1.15 g above loading; what is left after a rest of 60 s",
+    ),
+}
 
 
 def output_v(

@@ -34,6 +34,7 @@ SHAPES = {
     "edge": [bar(0.0, 0.95, 14.0, 1.2, 4.0)],
     "upright edge": [bar(0.95, 0.0, 1.2, 13.3)],
     "IC socket": _rows_of_pins(45.0),
+    "opposite socket": _rows_of_pins(-45.0),
     "two edges": [bar(0.0, 2.85, 13.0, 1.5), bar(0.0, -2.85, 13.0, 3.9)],
     "bolt": [bar(-4.2, 0.0, 3.0, 7.0), bar(2.0, 0.0, 9.4, 1.6)],
     "washer": [ring(0.0, 0.0, 10.0, 5.3)],
@@ -46,6 +47,16 @@ ORIGINS = {
         "Performance Analysis of a Tactile Sensor: which objects, the gap of 3 mm, six pins; sizes chosen: "
         "8-pin socket, M4 bolt, M5 washer, 2 by 3 barrels",
         "capacitive_shapes: every image; position and load errors of its rows",
+    ),
+}
+
+
+ORIGINS = {
+    "STEP_MM": ("chosen", "finer than a tab", "areas within 5 % of the outlines"),
+    "SHAPES": (
+        "chosen",
+        "002, figures 9 to 13: kinds of objects, both diagonals, 6 pins and the gap of 3 mm published",
+        "the images of capacitive_shapes; the gap of one row",
     ),
 }
 

@@ -46,9 +46,71 @@ class Material:
 
 # Interlink, FSR 400 series data sheet: more than 10 megohms unpressed, from 0.2 N, +-6 % from part to part
 # in a batch, drift below 5 % per decade; resistance and power are read off its curve. Velostat: chosen.
+FSR400_OHM_1N, FSR400_POWER = 6e3, 0.9
+FSR400_REST_OHM, FSR400_BREAK_N, FSR400_SPREAD = 10e6, 0.2, 0.06
+FSR400_DRIFT = 0.03
+VELOSTAT_OHM_1N, VELOSTAT_REST_OHM, VELOSTAT_SPREAD, VELOSTAT_DRIFT = 20e3, 1e6, 0.08, 0.02
 MATERIALS = {
-    "FSR400": Material(ohm_1n=6e3, power=0.9, rest_ohm=10e6, break_n=0.2, spread=0.06, drift=0.03),
-    "Velostat": Material(ohm_1n=20e3, power=1.0, rest_ohm=1e6, break_n=0.0, spread=0.08, drift=0.02),
+    "FSR400": Material(
+        FSR400_OHM_1N, FSR400_POWER, FSR400_REST_OHM, FSR400_BREAK_N, FSR400_SPREAD, FSR400_DRIFT
+    ),
+    "Velostat": Material(VELOSTAT_OHM_1N, 1.0, VELOSTAT_REST_OHM, 0.0, VELOSTAT_SPREAD, VELOSTAT_DRIFT),
+}
+HOLD_OHM = 0.5  # of an amplifier that holds its column; chosen
+_FSR400 = "Interlink, FSR 400 series data sheet"
+ORIGINS = {
+    "SHORT_SIEMENS": ("chosen", "well above a cell at full force", "no scene injects a saturated cell"),
+    "STUCK_SHARE": ("chosen", "anywhere but an end", "none: the calibration finds a stuck cell at any code"),
+    "BLINK_S": ("chosen", "a loose contact's chatter", "no scene injects a blinking cell"),
+    "DRIFT_FROM_S": ("chosen", "the data sheet's drift begins at a log of time", "as the drift's share"),
+    "FSR400_OHM_1N": (
+        "read off",
+        f"{_FSR400}, curve",
+        "fsr_3x3: 3 kohm is over range; 12 kohm: load 7.7 % off, not 7.2",
+    ),
+    "FSR400_POWER": ("read off", f"{_FSR400}, curve", "fsr_3x3: 0.8 position 2.6 % off, not 2.3"),
+    "FSR400_REST_OHM": ("datasheet", f"{_FSR400}: more than 10 megohms", "1 megohm: nothing in fsr_3x3"),
+    "FSR400_BREAK_N": (
+        "datasheet",
+        f"{_FSR400}: actuation force",
+        "fsr_3x3: 0 N position 1.7 % and load 3.2 % off; 0.4 N 4.0 and 6.0 %; taken 2.3 and 7.2 %",
+    ),
+    "FSR400_SPREAD": (
+        "datasheet",
+        f"{_FSR400}: +-6 % in a batch, taken as a standard deviation",
+        "even press before: 0.03 4.5 %, 0.12 17.8 %, taken 9.0 %; after 0.05 to 0.07 %",
+    ),
+    "FSR400_DRIFT": (
+        "chosen",
+        f"{_FSR400}: below 0.05 a decade",
+        "fsr_3x3: load 11 % off without, 4.5 % at 0.06: it hides what the straight line loses",
+    ),
+    "VELOSTAT_OHM_1N": (
+        "chosen",
+        "no data sheet",
+        "fsr_64x64: 40 kohm, working cells' load 6.8 % off, not 3.2",
+    ),
+    "VELOSTAT_REST_OHM": (
+        "chosen",
+        "no data sheet",
+        "fsr_64x64: 0.1 megohm, load 31 % off; ghost of the floating divider 47 %, not 12.5",
+    ),
+    "VELOSTAT_SPREAD": (
+        "chosen",
+        "no data sheet",
+        "even press before: 0.16 60 %, taken 30 %; after 0.15 to 0.17",
+    ),
+    "VELOSTAT_DRIFT": (
+        "chosen",
+        "no data sheet",
+        "fsr_64x64: working cells' load 4.9 % off without, 2.0 % at 0.04, taken 3.2 %",
+    ),
+    "MATERIALS": ("computed", "of the constants above; Velostat in proportion to force", "as those"),
+    "HOLD_OHM": (
+        "chosen",
+        "an operational amplifier's input",
+        "50 ohm: working cells' load 13 % off, not 3.2",
+    ),
 }
 
 
@@ -61,7 +123,7 @@ class Readout:
     supply_v: float
     driver_ohm: float
     load_ohm: float
-    hold_ohm: float = 0.5
+    hold_ohm: float = HOLD_OHM
 
     @property
     def column_siemens(self):

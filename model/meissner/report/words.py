@@ -97,6 +97,7 @@ WORDS = {
     "load_error_without_shear": _share("error of the load, against what the sheared rubber shows"),
     "load_error_without_lag": _share("error of the load, without the rubber's lag"),
     "position_error_of_working_cells": _share("error of the position, against the forces on working cells"),
+    "load_error_second_order": _share("error of the load, with the second-order term on the host"),
     "load_error_of_working_cells": _share("error of the load, against the forces on working cells"),
     "response_s": _ms("until 95 % of the load is reported"),
     "position_response_s": _ms("until the position is within 5 % of its way"),
@@ -116,6 +117,8 @@ WORDS = {
     "roundness": _share("out of round"),
     # cells
     "dead": Words("cells found dead"),
+    "dead_found": Words("broken cells found dead", "cells", none="no cell is broken"),
+    "dead_falsely": Words("working cells found dead", "cells"),
     "dead_as_injected": Words("dead cells are those injected"),
     "unevenness_before": _share("even press, cell farthest from the mean: before calibration"),
     "unevenness_after": _share("even press, cell farthest from the mean: calibrated"),
@@ -128,6 +131,7 @@ WORDS = {
     "shape": Words("shape"),
     "load_g": Words("load", "g"),
     "reported_g": Words("reported load", "g"),
+    "second_order_g": Words("load with the second-order term", "g"),
     "largest_cell_g": Words("largest cell", "g"),
     "ideal_v": Words("ideal output", "V"),
     "difference_from_eq18_v": Words("largest difference between demodulated output and eq. 18", "mV", 1e3),
@@ -140,13 +144,21 @@ WORDS = {
     "gain_for_1_percent": Words("gain for an output 1 % low"),
     "noise_g": Words("noise, rms", "g"),
     "unloading_above_loading_g": Words("unloading reads above loading by", "g"),
-    "off_the_line_g": Words("largest departure from a straight line", "g"),
+    "off_the_line_g": Words("largest departure of the mean cycle from its own straight line", "g"),
+    "low_at_full_g": Words("calibrated cell reads low at the top of the cycles by", "g"),
+    "low_settled_g": Words("the same, force settled", "g"),
+    "settled_off_g": Words("settled presses, largest error", "g"),
+    "settled_off_second_order_g": Words("the same with the second-order term", "g"),
+    "low_at_full_second_order_g": Words("low at the top of the cycles with the second-order term", "g"),
+    "reads_0_below_g": Words("forces that read 0, below", "g"),
     "sag_of_hold": _share("reading of a held force rises by"),
-    "left_after_release_g": Words("left at the release", "g"),
-    "left_after_rest_g": Words("left after the rest", "g"),
+    "left_after_release_g": Words("left at the release, above the reading at rest", "g"),
+    "left_after_rest_g": Words("left after the rest, above the reading at rest", "g"),
     "calibration_residual_g": Words("residual of the calibration", "g"),
     "press_g": Words("press", "g"),
     "mean_g": Words("mean reading", "g"),
+    "off_share": _share("mean reading off the press by"),
+    "off_share_second_order": _share("the same with the second-order term"),
     "deviation_g": Words("standard deviation", "g"),
     "of_the_mean": _share("standard deviation, of the mean"),
     "peaks_apart_mm": Words("distance between peaks, mean", "mm"),
@@ -219,7 +231,7 @@ def fact(key, value):
     if value is None:
         return meaning.none
     if isinstance(value, dict) and "low" in value:
-        return interval.words(value)
+        return interval.words(value, meaning.unit or "runs")
     if isinstance(value, dict):
         return f"{fact(key, value['mean'])} in the mean, {fact(key, value['maximum'])} at most"
     if isinstance(value, (list, tuple)) and key != "seeds":

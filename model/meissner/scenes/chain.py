@@ -62,6 +62,7 @@ class Chain:
             "left_out": list(recording.left_out),
             "over_range": recording.over_range,
             "runs": 1,
+            "seeds": [recording.seed, recording.seed],
             "frames": frames,
         }
 

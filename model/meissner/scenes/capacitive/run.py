@@ -2,20 +2,13 @@
 
 import time
 
-import numpy as np
-
-from meissner import calibration, scenes
-from meissner.physics import capacitive, mesh_loads
-from meissner.physics.capacitive import GRAM_N, PITCH_MM
+from meissner import scenes
 from meissner.scenes import chain
-from meissner.scenes.capacitive import pictures as report_arrays
-from meissner.scenes.capacitive.scene import CALIBRATION_FRAMES, PROBED_CELL, cell_mm
+from meissner.scenes.capacitive.judge import ANSWERS, calibrations
 from meissner.scenes.chain import check  # noqa: F401 - as of every array
 from meissner.scenes.results import finish, table
-from meissner.scenes.truth import errors, percent, summarise
+from meissner.scenes.truth import percent
 
-SHARES = (0.1, 0.05, 0.01)  # of the output that the unselected cells may take
-HERTZ = np.logspace(4, 6.5, 251)
 # What each picture shows, by the function that draws it.
 SHOWN = {
     "draw_crosstalk": "output over the amplifier's gain, eq. 18 and demodulated; error over the carrier",
@@ -26,253 +19,25 @@ SHOWN = {
 }
 
 
-def _rounded(row):
-    return {key: float(f"{value:.4g}") if isinstance(value, float) else value for key, value in row.items()}
-
-
-def _calibrations(recording, codes):
-    """A Calibration and its residual for each way that the recording was calibrated in."""
-    fits = {}
-    for way in ("probe", "even"):
-        if way in recording.parts:
-            part = recording.parts[way]
-            known = part.probe_n if part.probed is not None else part.force_n
-            force_n = calibration.cell_forces(known, codes[way].shape, part.probed)
-            fits[way] = calibration.fit(codes[way], force_n)
-    return fits
-
-
-def _crosstalk(scene, codes, *_):
-    """Eq. 18 against what the carrier's demodulation gives; the gain that each accuracy needs."""
-    readout, world = scene.readout, scene.world
-    gains, others_pf = np.array(world["gains"]), np.array(world["unselected_pf"])
-    measured_v = codes["sweep"][0] * scene.volts_per_code
-    ideal_v = readout["drive_v"] * capacitive.CELL_F / capacitive.REF_F
-    formula_v = capacitive.output_v(capacitive.CELL_F, others_pf * 1e-12, gains[:, None], readout["drive_v"])
-    chosen = readout["gain"]
-    rows = []
-    for pf in others_pf:
-        # Eq. 18 solved for the gain at which the output is lower by a share.
-        total = 1 + (capacitive.CELL_F + pf * 1e-12) / capacitive.REF_F
-        at, lagging = (
-            float(capacitive.output_v(capacitive.CELL_F, pf * 1e-12, g, readout["drive_v"]))
-            for g in (chosen, -1j * chosen)
-        )
-        row = {
-            "unselected_pf": float(pf),
-            "output_v": at,
-            "low_by": 1 - at / ideal_v,
-            "low_by_with_lagging_gain": 1 - lagging / ideal_v,
-        } | {f"gain_for_{100 * share:g}_percent": total * (1 - share) / share for share in SHARES}
-        rows.append(_rounded(row))
-    # Leakage wants a high carrier, the amplifier's gain-bandwidth product a low one.
-    leaking_v = np.array(
-        [
-            capacitive.output_v(
-                capacitive.CELL_F,
-                others_pf.max() * 1e-12,
-                world["gain_bandwidth_hz"] / HERTZ,
-                readout["drive_v"],
-                hertz=HERTZ,
-                cell_ohm=mohm * 1e6,
-            )
-            for mohm in world["leak_mohm"]
-        ]
-    )
-    summary = {
-        "ideal_v": ideal_v,
-        "difference_from_eq18_v": float(np.abs(measured_v - formula_v).max()),
-        "conditions": rows,
-    }
-    arrays = {
-        "gain": gains,
-        "unselected_pf": others_pf,
-        "measured_v": measured_v,
-        "eq18_v": formula_v,
-        "hertz": HERTZ,
-        "leaking_v": leaking_v,
-    }
-    draw = {**arrays, "ideal_v": ideal_v, "leak_mohm": world["leak_mohm"], "chosen": chosen}
-    return summary, arrays, [(report_arrays.draw_crosstalk, draw)]
-
-
-def _cell(scene, codes, recording, fits, stage):
-    """Loading against unloading, sag, and how well presses repeat; all in grams of the calibrated cell."""
-    row, column = PROBED_CELL[0]
-    lines, residual_n = fits["probe"]
-    grams = {
-        name: stage.calibrate(codes[name], lines)[:, row, column] * lines.force_lsb_n / GRAM_N
-        for name in ("cycles", "hold", "presses")
-    }
-    applied = {name: recording.parts[name].probe_n / GRAM_N for name in grams}
-
-    period = scene.world["rate_hz"]
-    cycles = grams["cycles"].reshape(-1, period)
-    rise = applied["cycles"][:period]
-    # Loading and unloading at the same forces, without the two turning points.
-    up, down = cycles[:, 1 : period // 2], cycles[:, : period // 2 : -1]
-    still = codes["probe"][:, row, column].reshape(-1, CALIBRATION_FRAMES)
-    gram = lines.gain[row, column] / 2**lines.gain_shift * lines.force_lsb_n / GRAM_N  # of one code
-    noise_g = float(np.sqrt(still.var(axis=1, ddof=1).mean()) * gram)
-    steps = np.array(scene.world["steps_g"])
-    presses = grams["presses"].reshape(-1, len(steps))
-    hold, held = grams["hold"], np.flatnonzero(applied["hold"])
-    first, last = hold[held[:4]].mean(), hold[held[-20:]].mean()
-    straight = np.polyfit(np.concatenate([rise[1 : period // 2]] * len(cycles)), up.ravel(), 1)
-    departure = up.mean(0) - np.polyval(straight, rise[1 : period // 2])
-    summary = {
-        "noise_g": noise_g,
-        "unloading_above_loading_g": float((down - up).mean()),
-        "off_the_line_g": float(np.abs(departure).max()),
-        "sag_of_hold": float(last / first - 1),
-        "left_after_release_g": float(hold[held[-1] + 1]),
-        "left_after_rest_g": float(hold[-20:].mean()),
-        "calibration_residual_g": float(residual_n[row, column] / GRAM_N),
-        "conditions": [
-            _rounded(
-                {
-                    "press_g": float(step),
-                    "mean_g": float(column_g.mean()),
-                    "deviation_g": float(column_g.std(ddof=1)),
-                    "of_the_mean": float(column_g.std(ddof=1) / column_g.mean()),
-                }
-            )
-            for step, column_g in zip(steps, presses.T)
-        ],
-    }
-    arrays = {f"{name}_g": values for name, values in grams.items()}
-    arrays |= {f"{name}_applied_g": values for name, values in applied.items()}
-    draw = {
-        "rise": rise,
-        "cycles": cycles,
-        "noise_g": noise_g,
-        "hold_s": np.arange(len(hold)) / recording.parts["hold"].rate_hz,
-        "held_s": scene.world["hold_s"],
-        "hold": hold,
-        "hold_g": scene.world["hold_g"],
-        "steps": steps,
-        "presses": presses,
-    }
-    return summary, arrays, [(report_arrays.draw_cell, draw)]
-
-
-def peak(x, values, reach):
-    """Place and height of the top of a parabola through what lies within ``reach`` of the largest value."""
-    near = np.abs(x - x[np.argmax(values)]) <= reach + 1e-9
-    middle = x[near].mean()
-    a, b, c = np.polyfit(x[near] - middle, values[near], 2)
-    return float(middle - b / (2 * a)), float(c - b * b / (4 * a))
-
-
-def _select(scene, codes, recording, fits, stage):
-    """Where each cell responds most, and the readings of its neighbours there."""
-    lines, _ = fits["probe"]
-    cells = scene.world["cells"]
-    first = (codes["steps"].shape[2] - cells) // 2
-    columns = range(first, first + cells)
-    grams = stage.calibrate(codes["steps"], lines)[:, 3, list(columns)] * lines.force_lsb_n / GRAM_N
-    left = cell_mm(3, first)[0] - PITCH_MM
-    x_mm = np.arange(len(grams)) * scene.world["step_mm"]
-    centres = [float(cell_mm(3, column)[0] - left) for column in columns]
-    peaks = [peak(x_mm, values, 0.6) for values in grams.T]
-    spacing = np.diff([place for place, _ in peaks])
-    at_centre = [grams[np.argmin(np.abs(x_mm - centre))] for centre in centres]
-    beside = [values[k + 1] / values[k] for k, values in enumerate(at_centre[:-1])]
-    width = [
-        float((values > height / 2).sum() * scene.world["step_mm"])
-        for values, (_, height) in zip(grams.T, peaks)
-    ]
-    rows = [
-        _rounded(
-            {
-                "column": column,
-                "centre_mm": centre,
-                "peak_mm": place,
-                "height_g": height,
-                "width_at_half_mm": wide,
-            }
-        )
-        for column, centre, (place, height), wide in zip(columns, centres, peaks, width)
-    ]
-    summary = {
-        "peaks_apart_mm": float(spacing.mean()),
-        "peaks_apart_from_mm": float(spacing.min()),
-        "peaks_apart_to_mm": float(spacing.max()),
-        "neighbour_at_a_centre": float(np.mean(beside)),
-        "conditions": rows,
-    }
-    arrays = {"x_mm": x_mm, "grams": grams}
-    draw = {**arrays, "codes": codes["steps"][:, 3, list(columns)], "peaks": peaks, "centres": centres}
-    return summary, arrays, [(report_arrays.draw_select, draw)]
-
-
-def _shapes(scene, codes, recording, fits, stage):
-    """Images, their centre of pressure and load, and an even press before and after calibration."""
-    images, rows, position, of_load = {}, [], [], []
-    lines, _ = fits["even"]
-    for name in scene.world["shapes"]:
-        forces = stage.calibrate(codes[name], lines)
-        total, x, y, valid = stage.cop(forces)
-        truth = mesh_loads.true_centre(recording.parts[name].force_n)
-        off, share = errors(x, y, total * lines.force_lsb_n, valid, *truth)
-        position.append(off)
-        of_load.append(share)
-        images[name] = forces.mean(axis=0) * lines.force_lsb_n / GRAM_N
-        rows.append(
-            _rounded(
-                {
-                    "shape": name,
-                    "load_g": float(truth[0][0] / GRAM_N),
-                    "reported_g": float(total.mean() * lines.force_lsb_n / GRAM_N),
-                    "largest_cell_g": float(images[name].max()),
-                    "position_error": float(off.mean()),
-                }
-            )
-        )
-    rest = codes["even"][recording.parts["even"].probe_n == 0].mean(axis=0)
-    pressed = codes["even press"]
-    even = {"before: codes above rest": pressed.mean(axis=0) - rest}
-    for way, title in (("probe", "after, calibrated by a probe (g)"), ("even", "after, by even presses (g)")):
-        one = fits[way][0]
-        even[title] = stage.calibrate(pressed, one).mean(axis=0) * one.force_lsb_n / GRAM_N
-    before, by_probe, after = (chain.unevenness(image) for image in even.values())
-    summary = {
-        "position_error": summarise(np.concatenate(position)),
-        "load_error": summarise(np.concatenate(of_load)),
-        "unevenness_before": before,
-        "unevenness_codes_as_they_are": chain.unevenness(pressed.mean(axis=0)),
-        "unevenness_calibrated_by_probe": by_probe,
-        "unevenness_after": after,
-        "conditions": rows,
-    }
-    arrays = {f"image_{name.replace(' ', '_')}": image for name, image in images.items()}
-    arrays |= {f"even_{k}": image for k, image in enumerate(even.values())}
-    return (
-        summary,
-        arrays,
-        [
-            (report_arrays.draw_shapes, {"images": images}),
-            (report_arrays.draw_even, {"images": even}),
-        ],
-    )
-
-
-_ANSWERS = {"crosstalk": _crosstalk, "cell": _cell, "select": _select, "shapes": _shapes}
-
-
-def run(scene, engine, out, seed, waves, progress):
-    """Run the scene once; write results to ``out``; return the summary."""
-    began = time.perf_counter()
+def measure(scene, engine, seed, progress=list):
+    """Run the scene once: summary, arrays of the result, and [(function that draws, what it is given)]."""
     recording = scenes.simulate(scene, seed)
     stage = chain.Chain(engine)
     codes = {}
     for name, part in progress(list(recording.parts.items())):
         codes[name] = stage.demodulate(part.samples, scene.carrier)
-    fits = _calibrations(recording, codes)
-    answer, arrays, drawings = _ANSWERS[scene.kind](scene, codes, recording, fits, stage)
+    fits = calibrations(recording, codes)
+    answer, arrays, drawings = ANSWERS[scene.kind](scene, codes, recording, fits, stage)
     parts = recording.parts.values()
     seconds = sum(len(part.samples) / part.rate_hz for part in parts)
-    summary = stage.summary(scene, recording, seconds, sum(len(part.samples) for part in parts)) | answer
+    summary = stage.summary(scene, recording, seconds, sum(len(part.samples) for part in parts))
+    return summary | answer, arrays, drawings
+
+
+def run(scene, engine, out, seed, waves, progress):
+    """Run the scene once; write results to ``out``; return the summary."""
+    began = time.perf_counter()
+    summary, arrays, drawings = measure(scene, engine, seed, progress)
     pictures = []
     for k, (draw, what) in enumerate(drawings):
         path = out / f"{scene.name}{f'_{k + 1}' if k else ''}.png"
@@ -284,7 +49,7 @@ def run(scene, engine, out, seed, waves, progress):
 
 def tell(summary):
     """The lines to print of a summary."""
-    lines = []
+    lines = [f"1 run, seed {summary['seed']}"]
     if "difference_from_eq18_v" in summary:
         apart_mv = 1e3 * summary["difference_from_eq18_v"]
         lines.append(f"demodulated output against eq. 18: {apart_mv:.2g} mV apart")
@@ -292,8 +57,15 @@ def tell(summary):
         lines += [
             f"unloading reads {summary['unloading_above_loading_g']:.2g} g above loading, "
             f"noise {summary['noise_g']:.2g} g rms",
+            f"0 to full and back in a second: within {summary['off_the_line_g']:.2g} g of a straight line; "
+            f"calibrated, {summary['low_at_full_g']:.3g} g low at full force, "
+            f"{summary['low_settled_g']:.2g} g once it has settled",
+            f"settled presses: at most {summary['settled_off_g']:.2g} g off, with the second-order term "
+            f"{summary['settled_off_second_order_g']:.2g} g ({summary['low_at_full_second_order_g']:.2g} g "
+            f"low at the top of a cycle); forces below {summary['reads_0_below_g']:.2g} g read 0",
             f"a constant force rises by {100 * summary['sag_of_hold']:.2g} % while it is held, and leaves "
-            f"{summary['left_after_release_g']:.2g} g at its release",
+            f"{summary['left_after_release_g']:.2g} g at its release, "
+            f"{summary['left_after_rest_g']:.2g} g after the rest",
         ]
     if "peaks_apart_mm" in summary:
         lines.append(
@@ -306,6 +78,7 @@ def tell(summary):
             f"before and {100 * summary['unevenness_after']:.2g} % after calibration "
             f"({100 * summary['unevenness_calibrated_by_probe']:.2g} % calibrated by a probe)",
             f"position error, of the range -1 to 1: {percent(summary['position_error'])}",
-            f"load error: {percent(summary['load_error'])}",
+            f"load error: {percent(summary['load_error'])}; with the second-order term "
+            f"{percent(summary['load_error_second_order'])}",
         ]
     return [*lines, "", *table(summary["conditions"])]

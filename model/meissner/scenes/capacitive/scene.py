@@ -1,7 +1,8 @@
 """Scenes of the published capacitive pad: forces on its tabs, carriers at the converter, and the truth.
 
 Kinds: ``crosstalk`` (no pad: eq. 18 over gain and unselected capacitance), ``cell`` (one cell pressed up and
-down, held, and again and again), ``select`` (a probe stepped across cells), ``shapes`` (objects pressed on).
+down, held, again and again, and left at each force until it has settled), ``select`` (a probe stepped across
+cells), ``shapes`` (objects pressed on). A calibration's presses are settled ones too.
 """
 
 from dataclasses import dataclass
@@ -70,7 +71,28 @@ HOLD_HZ = 2.0  # frames a second while a force is held
 SETTLE_SAMPLES = 1.0  # time constant of the amplitude after a switch, in the converter's samples; chosen
 PHASE = 0.7  # of the carrier at a switch; chosen
 CALIBRATION_G = np.linspace(0.0, 150.0, 7)
-CALIBRATION_FRAMES, EVEN_FRAMES = 6, 24  # at each force: of a probe on each cell, of an even press
+# Frames at each force: of a probe on each cell, of an even press, of a probe left on the scene's one cell.
+CALIBRATION_FRAMES, EVEN_FRAMES, SETTLED_FRAMES = 6, 24, 64
+CHOSEN_FRAMES = 16  # of the crosstalk at the scene's own gain
+ORIGINS = {
+    "SIDE": ("published", "002, fabrication: 8 x 8", "all images"),
+    "HOLD_HZ": ("chosen", "figure 6 prints no rate", "when the first reading after a release is: 0.5 s"),
+    "SETTLE_SAMPLES": ("chosen", "no circuit is printed", "3 samples: nothing moves by more than 0.02 g"),
+    "PHASE": ("chosen", "free-running carrier", "0: noise 1.0 g, the same; another draw"),
+    "CALIBRATION_G": (
+        "published",
+        "002: the tester's range, 0 to 150 g; seven forces are ours, each settled",
+        "the line: -4.3 g at 150 g, +3.3 g half way",
+    ),
+    "CALIBRATION_FRAMES": (
+        "chosen",
+        "a short press",
+        "the second-order term: 0.8 g off, 0.35 g without noise",
+    ),
+    "EVEN_FRAMES": ("chosen", "a short press", "even press after: 0.41 %"),
+    "SETTLED_FRAMES": ("chosen", "noise 0.12 g", "how sure low_settled_g is"),
+    "CHOSEN_FRAMES": ("chosen", "noise 0.1 mV", "how sure output_v is"),
+}
 
 
 @dataclass(frozen=True)
@@ -266,6 +288,8 @@ def _cell(world, scene):
     probe_n = np.tile(steps, presses) * GRAM_N
     force_n = on_tabs(*(at + np.repeat(off, len(steps)) for at, off in zip((x_mm, y_mm), placed_mm)), probe_n)
     parts["presses"] = world.part(force_n, probe_n)
+    settled_g = CALIBRATION_G * setting["force_g"] / CALIBRATION_G[-1]
+    parts["settled"] = world.probed(PROBED_CELL, settled_g, SETTLED_FRAMES)
     return parts
 
 
@@ -299,13 +323,14 @@ def _shapes(world, scene):
 
 def _crosstalk(world, scene):
     setting, readout = scene.world, scene.readout
-    amplitude_v = capacitive.output_v(
-        capacitive.CELL_F,
-        np.array(setting["unselected_pf"]) * 1e-12,
-        np.array(setting["gains"])[:, None],
-        readout["drive_v"],
-    )
-    return {"sweep": Part(world.sampled(amplitude_v[None]), amplitude_v[None], None, None, 1.0)}
+
+    def part(gains, frames):
+        others_f, gains = np.array(setting["unselected_pf"]) * 1e-12, np.array(gains)[:, None]
+        amplitude_v = capacitive.output_v(capacitive.CELL_F, others_f, gains, readout["drive_v"])
+        amplitude_v = np.broadcast_to(amplitude_v, (frames, *amplitude_v.shape))
+        return Part(world.sampled(amplitude_v), amplitude_v, None, None, 1.0)
+
+    return {"sweep": part(setting["gains"], 1), "chosen": part([readout["gain"]], CHOSEN_FRAMES)}
 
 
 _KINDS = {"cell": _cell, "select": _select, "shapes": _shapes, "crosstalk": _crosstalk}

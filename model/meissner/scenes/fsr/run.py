@@ -4,7 +4,7 @@ import time
 
 import numpy as np
 
-from meissner import calibration, scenes
+from meissner import calibration, interval, scenes
 from meissner.physics import mesh_loads
 from meissner.scenes import chain
 from meissner.scenes.capacitive import pictures as report_arrays
@@ -45,9 +45,8 @@ def ghosts(recording):
     return rows
 
 
-def run(scene, engine, out, seed, waves, progress):
-    """Run the scene once; write results to ``out``; return the summary."""
-    began = time.perf_counter()
+def measure(scene, engine, seed):
+    """Run the scene once: summary, arrays of the result, and what the pictures are drawn of."""
     recording = scenes.simulate(scene, seed)
     stage = chain.Chain(engine)
     presses, force_n = recording.parts["calibration"]
@@ -77,6 +76,10 @@ def run(scene, engine, out, seed, waves, progress):
         "rows": scene.rows,
         "columns": scene.columns,
         "dead": int(lines.dead.sum()),
+        "dead_found": interval.rate(int((lines.dead & broken).sum()), int(broken.sum()))
+        if broken.any()
+        else None,
+        "dead_falsely": interval.rate(int((lines.dead & ~broken).sum()), int((~broken).sum())),
         "dead_as_injected": bool((lines.dead == broken).all()),
         "unevenness_before": chain.unevenness(before, lines.dead),
         "unevenness_after": chain.unevenness(after, lines.dead),
@@ -101,23 +104,37 @@ def run(scene, engine, out, seed, waves, progress):
         "even_before": before,
         "even_after": after,
     }
-    path = out / f"{scene.name}.png"
-    result = x, y, load_n, valid
-    report_arrays.draw_matrix(path, scene, recording, forces * lines.force_lsb_n, result, truth)
-    named = {"before: codes above rest": before, "after calibration (N)": after}
-    masked = {name: np.where(lines.dead, np.nan, image) for name, image in named.items()}
+    drawn = recording, forces * lines.force_lsb_n, (x, y, load_n, valid), truth
+    return summary, arrays, drawn
+
+
+def run(scene, engine, out, seed, waves, progress):
+    """Run the scene once; write results to ``out``; return the summary."""
+    began = time.perf_counter()
+    summary, arrays, drawn = measure(scene, engine, seed)
+    recording, dead = drawn[0], arrays["dead"]
+    first = report_arrays.draw_matrix(out / f"{scene.name}.png", scene, *drawn)
+    named = {"before: codes above rest": "even_before", "after calibration (N)": "even_after"}
+    masked = {name: np.where(dead, np.nan, arrays[image]) for name, image in named.items()}
     second = report_arrays.draw_even(out / f"{scene.name}_2.png", scene, masked)
     third = report_arrays.draw_ghosts(out / f"{scene.name}_3.png", scene, recording)
-    pictures = [(picture, scene.title, shown) for picture, shown in zip((path, second, third), SHOWN)]
-    return finish(scene, summary, out, arrays, pictures, {"Ways to read it": rows}, began, ("conditions",))
+    pictures = [(picture, scene.title, shown) for picture, shown in zip((first, second, third), SHOWN)]
+    tables = {"Ways to read it": summary["conditions"]}
+    return finish(scene, summary, out, arrays, pictures, tables, began, ("conditions",))
 
 
 def tell(summary):
     """The lines to print of a summary."""
     found = "as injected" if summary["dead_as_injected"] else "not all as injected"
+    rates = [
+        f"{word}: {interval.words(summary[key], 'cells')}"
+        for key, word in (("dead_found", "broken cells found"), ("dead_falsely", "working cells found dead"))
+        if summary[key]
+    ]
     return [
-        f"{summary['frames']} frames of {summary['rows']}×{summary['columns']}; "
-        f"{summary['dead']} cells found dead, {found}",
+        f"1 run, seed {summary['seed']}: {summary['frames']} frames of "
+        f"{summary['rows']}×{summary['columns']}; {summary['dead']} cells found dead, {found}",
+        *rates,
         f"position error, of the range -1 to 1: {percent(summary['position_error'])}",
         f"load error: {percent(summary['load_error'])}",
         f"even press: no cell off the mean by more than {100 * summary['unevenness_before']:.3g} % "

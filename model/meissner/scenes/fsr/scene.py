@@ -36,6 +36,11 @@ _WORLD = {"seconds": float, "depth_pitches": float, "even_n": float, "calibrate_
 _FAULT = {"kind": str, "row": int, "column": int}
 CALIBRATION_STEPS, CALIBRATION_FRAMES = 6, 16  # forces from 0 up, frames at each
 EVEN_FRAMES = 64
+ORIGINS = {
+    "CALIBRATION_STEPS": ("chosen", "a bladder's steps", "even press after: 0.05 and 0.15 %"),
+    "CALIBRATION_FRAMES": ("chosen", "a short press", "as the steps"),
+    "EVEN_FRAMES": ("chosen", "a short press", "how sure the unevenness is"),
+}
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,90 @@
+"""Why the elastic dielectric has tabs, and what their height does to the range of forces.
+
+Hooke's law of an isotropic solid (Timoshenko and Goodier), x along the force:
+
+    strain_x = (s_x - v·(s_y + s_z)) / E        and the same for y and z, v Poisson's ratio
+
+A flat sheet, glued down and pressed evenly, moves neither along y nor along z: strain_y = strain_z = 0, so
+s_y = s_z = v/(1 - v)·s_x and
+
+    strain_x = s_x/E · (1 + v)(1 - 2v)/(1 - v)       0 for rubber that keeps its volume, v = 1/2
+
+A tab has air beside it, so s_y = s_z = 0 and strain_x = s_x/E. That is the published argument (eq. 2 to 7,
+printed with v = 1/2); it leaves out that a tab is glued at its ends, which stiffens it by 1 + 2·S^2.
+Electrically (eq. 16, 17), for an amplifier of large gain:
+
+    |Vout| = Vin·sqrt(Ccell^2 + 1/(w·Rcell)^2) / Cref       leakage counts the less the higher the carrier
+"""
+
+import numpy as np
+
+from meissner.physics import capacitive
+
+# Published: from the flattest to the highest tab that the maker used, "depending on the desired force range".
+HEIGHTS_MM = (0.25, 0.75)
+REFERENCE_G = 100.0  # chosen: the press of figure 8, whose rise of capacitance other heights are to give
+ORIGINS = {
+    "HEIGHTS_MM": ("published", "002, fabrication", "the ends of the range: 7.0 to 1"),
+    "REFERENCE_G": (
+        "chosen",
+        "the press of 002's figure 8",
+        "the range's ratio: 7.0 at 100 g, 5.3 at 10 g, 11 at 200 g",
+    ),
+}
+
+
+def strain_confined(stress, poisson, modulus):
+    """Strain along the force of rubber that cannot move sideways (eq. 3 to 6)."""
+    return stress / modulus * (1 + poisson) * (1 - 2 * poisson) / (1 - poisson)
+
+
+def strain_free(stress, modulus):
+    """Strain along the force of rubber that moves sideways as it likes (eq. 7)."""
+    return stress / modulus
+
+
+def lateral_stress(stress, poisson):
+    """s_y = s_z of rubber that cannot move sideways (eq. 4, 5): the stress itself at v = 1/2."""
+    return stress * poisson / (1 - poisson)
+
+
+def leaking_v(drive_v, hertz, cell_ohm, cell_f=capacitive.CELL_F, ref_f=capacitive.REF_F):
+    """Eq. 17; eq. 16, drive·Ccell/Cref, without leakage (``cell_ohm`` infinite)."""
+    return drive_v * np.hypot(cell_f, 1 / (2 * np.pi * hertz * np.asarray(cell_ohm, float))) / ref_f
+
+
+def rest_f(tab_mm):
+    """Farads between the plates of an unpressed cell, backing and tab, no fringe."""
+    return capacitive.plate_f(
+        capacitive.BACKING_MM + np.asarray(tab_mm, float), permittivity=capacitive.PERMITTIVITY
+    )
+
+
+def rise(force_g, tab_mm=capacitive.TAB_MM):
+    """How much capacitance a press adds, as a share of that at rest, with tabs."""
+    return capacitive.capacitance_ratio(np.asarray(force_g) * capacitive.GRAM_N, tab_mm=tab_mm) - 1
+
+
+def rise_without_tabs(force_g, poisson, thickness_mm=capacitive.BACKING_MM + capacitive.TAB_MM):
+    """The same for a flat sheet pressed evenly, each cell's force on the area of a tab.
+
+    Its share of the thickness does not depend on the thickness, nor does this.
+    """
+    area_mm2 = np.pi / 4 * capacitive.TAB_DIAMETER_MM**2
+    strain = strain_confined(
+        np.asarray(force_g) * capacitive.GRAM_N / area_mm2, poisson, capacitive.MODULUS_MPA
+    )
+    return thickness_mm / (thickness_mm * (1 - strain)) - 1
+
+
+def force_for(share, tab_mm):
+    """Grams on one tab that raise the capacitance by a share; the tab's law turned round.
+
+    (b + h)/(b + h·u) = 1 + share gives u; F = A·E'/3·(1/u^2 - u). Infinite if the backing alone is thicker.
+    """
+    h = np.asarray(tab_mm, float)
+    u = ((capacitive.BACKING_MM + h) / (1 + share) - capacitive.BACKING_MM) / h
+    shape = capacitive.TAB_DIAMETER_MM / (4 * h)
+    stiff = np.pi / 4 * capacitive.TAB_DIAMETER_MM**2 * capacitive.MODULUS_MPA * (1 + 2 * shape**2) / 3
+    safe = np.where(u > 0, u, 1.0)
+    return np.where(u > 0, stiff * (safe**-2.0 - safe), np.inf) / capacitive.GRAM_N

@@ -1,0 +1,360 @@
+"""Performance Analysis of a Tactile Sensor (8×8 capacitive cells) beside the capacitive scenes."""
+
+from functools import cache
+
+import numpy as np
+
+from meissner import calibration, engines, scenes
+from meissner.physics import capacitive, dielectric
+from meissner.physics.capacitive import GRAM_N, PITCH_MM
+from meissner.scenes.capacitive import run
+from meissner.scenes.capacitive import scene as of_pad
+from published import Row, Table, _capacitive_pictures
+
+TITLE = "Performance Analysis of a Tactile Sensor (8×8 capacitive array)"
+HEAD = """
+Siegel, Drucker, Garabieta, 1987. The paper's figures are known here by their text and axes only; where it
+prints no number, none is compared. The text is uncertain in two places: equations 2 to 7 call the direction
+of the force x in one sentence and z in the next (x here), and the signs and subscripts of equation 15 cannot
+be read (Kirchhoff's law at the amplifier gives it again). In the rows of objects: load pressed, load read,
+and load with the second-order term of [capacitive.md](../capacitive.md).
+"""
+SEEDS = range(1, 9)
+PER_MM2 = np.pi / 4 * capacitive.TAB_DIAMETER_MM**2
+
+
+@cache
+def measured(kind, seed=1):
+    """Summary, arrays and drawings of a scene."""
+    return run.measure(scenes.load(f"capacitive_{kind}"), "fixed", seed)
+
+
+def over_seeds(kind, key):
+    """``4.2 (3.6 to 4.8)``: of seed 1, and of all."""
+    values = [measured(kind, seed)[0][key] for seed in SEEDS]
+    return f"{values[0]:.2g} ({min(values):.2g} to {max(values):.2g})"
+
+
+def mean_over_seeds(kind, key):
+    values = [100 * measured(kind, seed)[0][key]["mean"] for seed in SEEDS]
+    return f"{values[0]:.2g} % ({min(values):.2g} to {max(values):.2g})"
+
+
+@cache
+def even_lines(seed):
+    """(lines, codes, newtons) of a calibration by even presses."""
+    scene = scenes.load("capacitive_shapes")
+    part = of_pad._World(scene, seed).even(of_pad.CALIBRATION_G, of_pad.EVEN_FRAMES)
+    codes = engines.demodulate(part.samples, scene.carrier, "fixed")
+    return calibration.fit(codes, np.array(part.force_n))[0], codes, np.array(part.force_n)
+
+
+def columns_share():
+    """Of the variance of the cells' gains, what the means of the columns have, for each seed."""
+    gains = [even_lines(seed)[0].gain.astype(float) for seed in SEEDS]
+    return [100 * gain.mean(axis=0).var() / gain.var() for gain in gains]
+
+
+def integers_off_g():
+    """Grams between the core's line in integers and least squares in real numbers, at most, 25 to 150 g."""
+    lines, codes, force_n = even_lines(1)
+    slope, intercept, _ = calibration.line(codes, force_n)
+    exact = (codes - intercept) / slope / GRAM_N
+    core = engines.calibrate(codes, lines, "fixed") * lines.force_lsb_n / GRAM_N
+    return np.abs(core - exact)[force_n[:, 0, 0] > 20 * GRAM_N].max()
+
+
+def design():
+    ohm = 1 / (2 * np.pi * 1e5 * capacitive.CELL_F)
+    low, high = (1e12 * float(capacitive.plate_f(capacitive.BACKING_MM + h)) for h in (0.75, 0.25))
+    soft = [100 * float(dielectric.rise_without_tabs(100.0, v)) for v in (0.5, 0.499, 0.49)]
+    tabs = 100 * float(dielectric.rise(100.0))
+    leak = [100 * (float(dielectric.leaking_v(1.0, f, 10e6)) - 1) for f in (1e5, 200e3)]
+    share = dielectric.rise(100.0)
+    grams = dielectric.force_for(share, np.array(dielectric.HEIGHTS_MM))
+    at_200 = 200 * PER_MM2
+    rises = [100 * float(dielectric.rise(at_200, h)) for h in (0.75, 0.25)]
+    heights = [100 * float(capacitive.tab_height(at_200 * GRAM_N, tab_mm=h)) for h in (0.75, 0.25)]
+    return [
+        Row(
+            "eq. 2–6",
+            "flat sheet, glued down, even press: strain along the force",
+            "0: no change of position at all",
+            f"stress/E·(1 + ν)(1 − 2ν)/(1 − ν): 0 at ν = ½; 100 g on a cell add {soft[0]:.2g} % of "
+            f"capacitance, {soft[1]:.2g} % at ν = 0.499, {soft[2]:.2g} % at 0.49",
+            "none at ν = ½",
+            "MODULUS_MPA chosen",
+        ),
+        Row(
+            "eq. 7",
+            "the same with tabs",
+            "stress/E",
+            f"the same; with the glued ends a tab is 1 + 2S² = {1 + 2 * (1.4 / 3) ** 2:.2f} times as stiff, "
+            f"and 100 g add {tabs:.3g} %",
+            "the ends, which the paper leaves out",
+            "MODULUS_MPA chosen; TAB_MM, TAB_DIAMETER_MM published",
+        ),
+        Row(
+            "fabrication",
+            "tab of 0.25 to 0.75 mm “depending on the desired force range”",
+            "no number",
+            f"what 100 g do to 0.75 mm takes {grams[0]:.0f} g at 0.25 mm: the range is "
+            f"{grams[0] / grams[1]:.1f} times as wide",
+            "–",
+            "BACKING_MM, TAB_DIAMETER_MM published",
+        ),
+        Row(
+            "fabrication",
+            "range 0 to 200 g/mm²",
+            "“suitable performance”",
+            f"200 g/mm² on a tab are {at_200:.0f} g: capacitance +{rises[0]:.0f} % at 0.75 mm, "
+            f"+{rises[1]:.0f} % at 0.25 mm, a tab pressed to {heights[0]:.0f} and {heights[1]:.0f} %",
+            "–",
+            "MODULUS_MPA chosen",
+        ),
+        Row(
+            "design",
+            "Ccell",
+            "on the order of 1 pF",
+            f"1 pF taken; the printed sizes give {low:.3f} pF (tab 0.75 mm) to {high:.3f} pF (0.25 mm)",
+            f"{1 / high:.0f} to {1 / low:.0f} times",
+            "CELL_F, TRACE_MM, PERMITTIVITY published",
+        ),
+        Row(
+            "eq. 11",
+            "reactance of 1 pF at 100 kHz",
+            "10 MΩ",
+            f"{ohm / 1e6:.2f} MΩ; 10 MΩ is 1/(fC), without 2π",
+            f"{10e6 / ohm:.1f} times",
+            "CELL_F published",
+        ),
+        Row(
+            "eq. 16, 17",
+            "leakage of the cell, large gain",
+            "a high carrier makes it small",
+            f"10 MΩ: {leak[0]:.2g} % too much at 100 kHz, {leak[1]:.2g} % at 200 kHz",
+            "–",
+            "CELL_F, CARRIER_HZ published",
+        ),
+    ]
+
+
+def crosstalk():
+    summary = measured("crosstalk")[0]
+    rows = {row["unselected_pf"]: row for row in summary["conditions"]}
+    volts = ", ".join(f"{rows[pf]['output_v']:.2f} ({pf:g} pF)" for pf in (0, 10, 40, 80))
+    lagging = ", ".join(f"{100 * rows[pf]['low_by_with_lagging_gain']:.2g}" for pf in (0, 10, 40, 80))
+    hertz = scenes.load("capacitive_crosstalk").world["gain_bandwidth_hz"]
+    return [
+        Row(
+            "eq. 18",
+            "output at any gain, 0 to 80 pF unselected",
+            "formula",
+            f"demodulated carrier at most {1e3 * summary['difference_from_eq18_v']:.2g} mV of 10 V off",
+            f"{10 * summary['difference_from_eq18_v']:.2g} %",
+            "REF_F, CELL_F published",
+        ),
+        Row(
+            "2",
+            "“gain over about 200 is adequate”: output near 10 V",
+            "about 10 V",
+            f"at G = 200 {volts} V; with the gain lagging 90°, as of a compensated amplifier, "
+            f"{lagging} % low",
+            f"{100 * rows[0]['low_by']:.1f} to {100 * rows[80]['low_by']:.0f} % low",
+            "REF_F, CELL_F published",
+        ),
+        Row(
+            "design",
+            "carrier from the gain-bandwidth product over 200",
+            "200 kHz",
+            f"asks for a product of {hertz / 1e6:g} MHz",
+            "–",
+            "–",
+        ),
+        Row("1, 3", "schematic, cross section", "drawings", "as described", "–", "–"),
+    ]
+
+
+def cell():
+    summary = measured("cell")[0]
+    rows = summary["conditions"]
+    spread = [100 * row["of_the_mean"] for row in rows]
+    off = [100 * row["off_share"] for row in rows]
+    bent = [100 * row["off_share_second_order"] for row in rows]
+    return [
+        Row(
+            "4, 5",
+            "response from 0 to 150 g and back in a second",
+            "linear",
+            f"within {over_seeds('cell', 'off_the_line_g')} g of the straight line that fits it best",
+            f"{100 * summary['off_the_line_g'] / 150:.2g} % of 150 g",
+            "MODULUS_MPA, CREEP chosen; BACKING_MM published",
+        ),
+        Row(
+            "5",
+            "loading and unloading",
+            "differ within the noise",
+            f"{summary['unloading_above_loading_g']:.2g} g apart, noise {summary['noise_g']:.2g} g rms",
+            f"{summary['unloading_above_loading_g'] / summary['noise_g']:.2g} times the noise",
+            "CREEP, EXPANDING chosen; the noise of the converter chosen",
+        ),
+        Row(
+            "calibration",
+            "straight line by least squares, per cell",
+            "“adequate”: the response is linear",
+            f"top of a cycle {over_seeds('cell', 'low_at_full_g')} g low, of that the curve "
+            f"{over_seeds('cell', 'low_settled_g')} g, the rest late force; settled presses at most "
+            f"{over_seeds('cell', 'settled_off_g')} g off, with a second-order term "
+            f"{over_seeds('cell', 'settled_off_second_order_g')} g",
+            f"{-off[-1]:.2g} % low in presses of 150 g ({-bent[-1]:.2g} % with the second-order term)",
+            "MODULUS_MPA, CREEP chosen",
+        ),
+        Row(
+            "calibration",
+            "fout = (cout − b)/m",
+            "formula",
+            f"the same in integers, at most {integers_off_g():.2g} g from real numbers",
+            "–",
+            "–",
+        ),
+        Row(
+            "6",
+            "constant force, 240 s",
+            "sags; comes back (no hysteresis)",
+            f"reading rises by {100 * summary['sag_of_hold']:.2g} %; 0.5 s after release "
+            f"{over_seeds('cell', 'left_after_release_g')} g of 100 g are left, after 60 s "
+            f"{over_seeds('cell', 'left_after_rest_g')} g",
+            "no number printed",
+            "CREEP, EXPANDING chosen",
+        ),
+        Row(
+            "7",
+            "press to press",
+            "much worse than within a press",
+            f"{min(spread):.2g} to {max(spread):.2g} % (standard deviation of twelve)",
+            "no number printed",
+            "placement of 0.15 mm and COVER_MM chosen",
+        ),
+    ]
+
+
+def images():
+    select, shapes = measured("select")[0], measured("shapes")[0]
+    share = columns_share()
+    arrays = measured("shapes")[1]
+    edges = arrays["image_two_edges"][:, 2:6].mean(axis=1)
+    names = {row["shape"]: row for row in shapes["conditions"]}
+
+    def one(name):
+        row = names[name]
+        return f"{row['load_g']:.0f}, {row['reported_g']:.0f}, {row['second_order_g']:.0f} g"
+
+    return [
+        Row(
+            "8",
+            "peaks of three cells, probe in steps of 0.1 mm",
+            "about 2 mm apart",
+            f"{select['peaks_apart_mm']:.2f} mm ({select['peaks_apart_from_mm']:.3f} to "
+            f"{select['peaks_apart_to_mm']:.3f})",
+            f"pitch {PITCH_MM} mm",
+            "PITCH_MM published",
+        ),
+        Row(
+            "8",
+            "overlap",
+            "some",
+            f"a neighbour reads {100 * select['neighbour_at_a_centre']:.1f} % over a cell's centre",
+            "no number printed",
+            "COVER_MM chosen",
+        ),
+        Row(
+            "calibration",
+            "differences of cells",
+            "mostly the columns' amplifiers",
+            f"columns are {min(share):.0f} to {max(share):.0f} % of the gains' variance (seeds 1 to 8)",
+            "no number printed",
+            "COLUMN_SPREAD, PLATE_SPREAD, STIFFNESS_SPREAD chosen",
+        ),
+        Row(
+            "calibration",
+            "even press, cell farthest from the mean",
+            "every cell should read the same",
+            f"{100 * shapes['unevenness_before']:.1f} % before; calibrated by a probe, as published, "
+            f"{100 * shapes['unevenness_calibrated_by_probe']:.1f} %, by even presses "
+            f"{100 * shapes['unevenness_after']:.2f} %",
+            "no number printed",
+            "the spreads and COVER_MM chosen",
+        ),
+        Row(
+            "9",
+            "straight edges: slightly off horizontal; vertical",
+            "bars",
+            f"edge: {one('edge')}; upright: {one('upright edge')}",
+            "–",
+            "sizes chosen",
+        ),
+        Row(
+            "10",
+            "socket on the diagonal; on the opposite one",
+            "bars",
+            f"{one('IC socket')}; opposite: {one('opposite socket')}",
+            "–",
+            "sizes chosen",
+        ),
+        Row(
+            "11",
+            "two edges, one thicker, 3 mm apart",
+            "a gap of one pixel",
+            f"one row at {100 * edges[3] / edges.max():.0f} % of the thicker edge",
+            "none",
+            "gap published, sizes chosen",
+        ),
+        Row(
+            "12", "bolt; washer", "bars", f"bolt: {one('bolt')}; washer: {one('washer')}", "–", "sizes chosen"
+        ),
+        Row("13", "connector of 6 pins", "bars", one("connector"), "–", "6 pins published, sizes chosen"),
+        Row(
+            "9–13",
+            "load of all objects",
+            "none printed",
+            f"{mean_over_seeds('shapes', 'load_error')} off in the mean, with a second-order term "
+            f"{mean_over_seeds('shapes', 'load_error_second_order')}; position "
+            f"{mean_over_seeds('shapes', 'position_error')} of the range",
+            "–",
+            "MODULUS_MPA, COVER_MM chosen",
+        ),
+    ]
+
+
+def tabs():
+    heights = (0.25, 0.375, 0.5, 0.625, 0.75)
+    share = dielectric.rise(100.0)
+    rows = []
+    for height in heights:
+        grams = float(dielectric.force_for(share, height))
+        rise = 100 * dielectric.rise(np.array([50.0, 100.0, 150.0]), height)
+        rows.append(
+            (f"{height:g}", f"{grams:.0f}", f"{grams / PER_MM2:.0f}", *(f"{one:.1f}" for one in rise))
+        )
+    return Table(
+        "Height of the tab against the range of forces",
+        f"Grams, and grams per mm² of the tab, that raise the capacitance by the {100 * share:.3g} % which "
+        "100 g give at 0.75 mm; and what 50, 100 and 150 g add. A sheet without tabs, of rubber that keeps "
+        "its volume, adds nothing at any thickness.",
+        ("tab, mm", "g for the same rise", "g/mm²", "50 g: %", "100 g: %", "150 g: %"),
+        tuple(rows),
+    )
+
+
+def compute():
+    return [
+        *design(),
+        *crosstalk(),
+        *cell(),
+        *images(),
+        tabs(),
+    ]
+
+
+def draw(folder):
+    return _capacitive_pictures.draw(folder, measured)
