@@ -192,8 +192,8 @@ worth; the last column says which figures those are.
 
 ## What the slip figures owe to constants
 
-`python tools/figures.py --record constants` changes one constant at a time{stale}. Missed, delay and lead:
-{runs} runs of `acrylic_slip`. False alarms: these and {presses} runs of `normal_force`, for constants that
+`python tools/figures.py --record constants` changes one constant at a time{stale}.
+Missed, delay and lead: {runs} runs of `acrylic_slip`. False alarms: these and {presses} runs of `normal_force`, for constants that
 matter there. The delay is the median from the first partial slip to the flag, of all flags; the lead is the
 least from the flag to the slip of the whole contact, negative if a flag is late. A flag that is not before it
 is a miss.

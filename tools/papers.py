@@ -48,7 +48,7 @@ def page(name, record, stale):
     rows = []
     for part in record["parts"]:
         if "figure" in part:
-            rows.append([part[key] for key in Row.__dataclass_fields__])
+            rows.append([part[key] or "–" for key in Row.__dataclass_fields__])
             continue
         if rows:
             parts.append(markdown(HEADER, rows))
