@@ -155,7 +155,16 @@ async def clocks_are_as_stated(dut):
         dut.in_valid_i.value = 0
 
 
-EVIDENCE = {"reference": {"joins": "health, tare"}, "faults": {"size": {"Health": 1, "Tare": 1}}}
+EVIDENCE = {
+    "reference": {"joins": "health, tare"},
+    "equivalence": {
+        "size": {"Health": 1, "Tare": 1},
+        "defined": True,
+        "boxes": True,
+        "open": ["reset"],
+    },
+    "faults": {"size": {"Health": 1, "Tare": 1}},
+}
 
 
 @pytest.mark.parametrize("health, tare, lanes", [(1, 1, 2), (1, 0, 1), (0, 1, 4), (0, 0, 2)])
