@@ -11,7 +11,9 @@ import numpy as np
 import pytest
 
 from meissner import scenes
+from meissner.engines import fixed
 from meissner.physics import disturbances, plate, rubber
+from meissner.scenes.rubber.judge import judge
 
 RATE = 10_000
 
@@ -205,3 +207,21 @@ def test_pressing_has_no_events_to_place():
     table["world"]["conditions"][0]["first_event"] = 0.5
     with pytest.raises(ValueError, match="unknown key 'first_event'"):
         scenes.build("mine", table)
+
+
+@pytest.mark.parametrize(
+    "options, alarms",
+    [({}, 0), ({"hum_v": 0.1}, 0), ({"hum_v": 1.0}, 3), ({"flicker": 0.002}, 0), ({"flicker": 0.006}, 3)],
+)
+def test_a_disturbance_that_is_too_loud_is_judged_so(options, alarms):
+    """Hum adds 2·sin(pi·50/10,000)/sqrt(2) = 2.2 % of its amplitude to a coefficient: 0.1 V stays far below
+    the threshold of 0.01 V, 1 V is over it by itself."""
+    config = scenes.load("grip_slip").slip_config()
+    found = []
+    for seed in (1, 2, 3):
+        run = grip(seed, **options)
+        verdict = judge(run, fixed.watch(run.codes[None], config).state[0], config)
+        found.append((verdict["false_alarms"] > 0, verdict["missed"]))
+    assert sum(alarm for alarm, _ in found) == alarms
+    if not alarms:
+        assert not any(missed for _, missed in found)

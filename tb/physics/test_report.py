@@ -200,7 +200,7 @@ def test_every_scene_is_reported_verdict_first_and_in_words(tmp_path, monkeypatc
     assert page.meta["viewport"].startswith("width=device-width")
 
     (sentence,) = page.texts["p"]
-    assert re.fullmatch(r"[A-Z][^\n]*\.", sentence) and re.search(r"slip|\d", sentence), sentence
+    assert re.fullmatch(r"[A-Z\d][^\n]*\.", sentence) and re.search(r"slip|\d", sentence), sentence
     assert "_" not in sentence and not sentence.endswith("done."), sentence
     # The caption of every picture names the condition, the seed and the engine.
     conditions = page.texts["b"]

@@ -400,16 +400,20 @@ def draw_laws(path):
 
 def draw(folder):
     pictures = [
-        ("shear_5.png", "Figure 5: the slip experiment, 0 to 8 s", lambda path: draw_pull(path, 8.0, False)),
-        ("shear_6.png", "Figure 6: its first second", lambda path: draw_pull(path, 1.0, False)),
+        (
+            "shear_5.png",
+            "Shear, figure 5: the slip experiment, 0 to 8 s",
+            lambda path: draw_pull(path, 8.0, False),
+        ),
+        ("shear_6.png", "Shear, figure 6: its first second", lambda path: draw_pull(path, 1.0, False)),
         (
             "shear_9.png",
-            "Figures 9 to 11: ΔV at three speeds of shear, and what is left after it",
+            "Shear, figures 9 to 11: ΔV at three speeds of shear, and what is left after it",
             draw_steps,
         ),
         (
             "shear_12.png",
-            "Figures 8, 12, 14 and 15 (the sensor's 4 and 5): ΔV by distance, speed and load",
+            "Shear, figures 8, 12, 14 and 15 (the sensor's 4 and 5): ΔV by distance, speed and load",
             draw_laws,
         ),
         ("shear_s8.png", "High-sensitivity slip sensor, figure 8", lambda path: draw_pull(path, 8.0, True)),
