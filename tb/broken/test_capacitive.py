@@ -145,6 +145,7 @@ def test_rubber_that_answers_at_once(monkeypatch, turned, sound):
     found, which = turned("cell")
     assert which == CYCLES | LEFT | {"sag_of_hold"}
     assert found["low_at_full_g"] == pytest.approx(found["low_settled_g"], abs=2 * found["noise_g"] / 2)
+    assert abs(found["low_at_full_second_order_g"]) < 1.5 < sound("cell")["low_at_full_second_order_g"]
     assert abs(found["sag_of_hold"]) < 0.01 < 0.04 < sound("cell")["sag_of_hold"]
     assert abs(found["unloading_above_loading_g"]) < 0.3 < 1.0 < sound("cell")["unloading_above_loading_g"]
     assert (
@@ -208,6 +209,14 @@ def test_a_straight_cell(monkeypatch, turned, sound):
     for key in ("off_the_line_g", "low_at_full_g", "low_settled_g", "settled_off_g", "reads_0_below_g"):
         assert abs(found[key]) < 1.75, key
     assert found["calibration_residual_g"] < 1.4 < 2.5 < sound("cell")["calibration_residual_g"]
+
+
+def test_a_cell_that_stops_half_way(monkeypatch, turned, sound):
+    """At 0.7 N on its tab, 89 g of the probe: no parabola fits a kink, the second-order term is off too."""
+    monkeypatch.setattr(capacitive, "capacitance_ratio", lambda f, s=1.0: 1 + 0.2 * np.minimum(f, 0.7))
+    found, _ = turned("cell")
+    assert found["settled_off_second_order_g"] > 10 > sound("cell")["settled_off_second_order_g"]
+    assert found["low_at_full_second_order_g"] > 15 > sound("cell")["low_at_full_second_order_g"]
 
 
 def test_a_probe_that_is_placed_badly(turned, sound):

@@ -34,7 +34,7 @@ def test_run(tmp_path, name, engine):
     assert set(COMMON.split()) <= set(summary)
     assert summary["twin_mismatches"] == (0 if engine == "rtl" else None)
     assert set(summary["modelled"]) | set(summary["left_out"]) == set(sensor(scene.sensor).COMPONENTS)
-    assert summary["over_range"] == 0
+    assert summary["over_range"] == 0 and (summary["runs"], summary["seeds"]) == (1, [1, 1])
     assert (tmp_path / f"{name}.png").stat().st_size > 30_000
     assert all(isinstance(line, str) for line in run.tell(scene, summary))
     result = np.load(tmp_path / "result.npz")
