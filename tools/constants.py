@@ -19,13 +19,15 @@ import numpy as np
 from meissner import physics, scenes
 from meissner.builds import toolchain
 from meissner.engines import fixed
-from meissner.physics import plate, rubber
-from meissner.scenes.rubber.judge import judge, rates
+from meissner.physics import grip, plate, rubber
+from meissner.scenes.grip.run import judge as judge_held
+from meissner.scenes.rates import rates
+from meissner.scenes.rubber.judge import judge
 
 PAGE = toolchain.ROOT / "docs/constants.md"
 FORMATS = ("meissner.physics.cop4_config", "meissner.physics.cop4_registers")  # widths of registers
 KINDS = ("published", "read off", "datasheet", "computed", "chosen")
-SLIPS, PRESSES = "acrylic_slip", "normal_force"
+SLIPS, PRESSES, HELD = "acrylic_slip", "normal_force", "cop_slip"
 RUNS = 100
 
 
@@ -54,6 +56,13 @@ CHANGES = (
     Change("first event", rubber.PUBLISHED_ONSET, first=rubber.PUBLISHED_ONSET),
     Change("RIPPLE_N", 2 * plate.RIPPLE_N, plate, presses=True),
     Change("RIPPLE_LIMIT_HZ", 2000.0, plate, presses=True),
+    Change("FRICTION_SPREAD", 0.1, plate),
+)
+HELD_CHANGES = (
+    Change("LEVER_MM", grip.LEVER_MM / 2, grip),
+    Change("LEVER_MM", grip.LEVER_MM * 2, grip),
+    Change("TILT", 4 * grip.TILT, grip),
+    Change("GRIP_RISE", 0.0, grip),
     Change("FRICTION_SPREAD", 0.1, plate),
 )
 
@@ -119,31 +128,55 @@ def _row(change=None):
     slips = list(_verdicts(SLIPS, change and change.first))
     presses = list(_verdicts(PRESSES)) if change is None or change.presses else None
     delays = [1e3 * one["delay_s"] for one in slips if one["delay_s"] is not None]
-    leads = [1e3 * one["lead_s"] for one in slips if one["lead_s"] is not None]
+    found = rates(slips)
     return {
-        "missed": rates(slips)["missed_rate"],
+        "missed": found["missed_rate"],
         "false_alarm": rates(slips + presses)["false_alarm_rate"] if presses else None,
         "delay_ms": round(float(np.median(delays)), 3) if delays else None,
-        "lead_ms": round(min(leads), 3) if leads else None,
+        "lead_ms": found["lead_ms_min"],
     }
 
 
-def figures():
-    """The record: rows of ``CHANGES``, the first as it is."""
-    rows = [{"name": "as they are", "value": None} | _row()]
-    for change in CHANGES:
+def _held_row(change=None):
+    """The same of ``HELD``: slip from four wires, all pulls and grips."""
+    scene = scenes.load(HELD)
+    verdicts = []
+    for condition in scene.conditions:
+        for seed in range(1, 1 + scene.seeds):
+            recording = scenes.simulate(scene, condition, seed)
+            _, decisions = fixed.cop_slip(recording.codes, scene.config, scene.lag, scene.registers)
+            verdicts.append(judge_held(recording, decisions))
+    found = rates(verdicts)
+    delays = [1e3 * one["delay_s"] for one in verdicts if one["delay_s"] is not None]
+    return {
+        "missed": found["missed_rate"],
+        "false_alarm": found["false_alarm_rate"],
+        "delay_ms": round(float(np.median(delays)), 3) if delays else None,
+        "lead_ms": found["lead_ms_min"],
+    }
+
+
+def _rows(changes, row):
+    """Rows of ``changes``, the first as it is."""
+    found = [{"name": "as they are", "value": None} | row()]
+    for change in changes:
         with changed(change):
-            rows.append({"name": change.name, "value": change.value} | _row(change))
-    return {"runs": RUNS, "rows": rows}
+            found.append({"name": change.name, "value": change.value} | row(change))
+    return found
+
+
+def figures():
+    """The record of ``CHANGES`` and of ``HELD_CHANGES``."""
+    return {"runs": RUNS, "rows": _rows(CHANGES, _row), "held": _rows(HELD_CHANGES, _held_row)}
 
 
 def most_missed(row):
     return 2 * row["missed"]["count"] > row["missed"]["runs"]
 
 
-def ranges(summary):
+def ranges(rows):
     """(least, most) of the median delay, and of the least lead, of all rows in which not most are missed."""
-    rows = [row for row in summary["rows"] if not most_missed(row)]
+    rows = [row for row in rows if not most_missed(row)]
     delays, leads = [row["delay_ms"] for row in rows], [row["lead_ms"] for row in rows]
     return (min(delays), max(delays)), (min(leads), max(leads))
 
@@ -157,14 +190,14 @@ def text_of(value):
     return str(value).replace("|", "\\|").replace("\n", " ")
 
 
-def changes_table(summary):
-    """The table of ``CHANGES`` as Markdown, from what is recorded."""
+def changes_table(changes, rows):
+    """The table of ``changes`` as Markdown, from what is recorded."""
     lines = [
         "| constant | instead of | value | missed | with a false alarm | delay, median | lead, least |",
         "|---|---|---|---|---|---|---|",
     ]
-    present = {change.name: change.module for change in CHANGES}
-    for row in summary["rows"]:
+    present = {change.name: change.module for change in changes}
+    for row in rows:
         usual = ""
         if row["name"] in present:
             usual = text_of(getattr(present[row["name"]], row["name"], rubber.ONSET_RATIO))
@@ -193,10 +226,13 @@ worth; the last column says which figures those are.
 ## What the slip figures owe to constants
 
 `python tools/figures.py --record constants` changes one constant at a time{stale}.
-Missed, delay and lead: {runs} runs of `acrylic_slip`. False alarms: these and {presses} runs of `normal_force`, for constants that
-matter there. The delay is the median from the first partial slip to the flag, of all flags; the lead is the
-least from the flag to the slip of the whole contact, negative if a flag is late. A flag that is not before it
-is a miss.
+Missed, delay and lead: {runs} runs of `acrylic_slip`. False alarms: these and {presses} runs of
+`normal_force`, for constants that matter there. The delay is the median from the first partial slip to the
+flag, of all flags; the lead is the least from the flag to the slip of the whole contact, negative if a flag
+is late. A flag that is not before it is a miss.
+"""
+HELD_HEAD = """The same of `cop_slip`, slip from four wires: {pulls} pulls and {grips} runs of grip alone. The
+delay is from the pull's beginning, the lead to the object's move. The median is of all pulls, fast and slow.
 """
 
 
@@ -207,7 +243,9 @@ def page(summary, stale=False):
         presses=2 * summary["runs"],
         stale="; what it rests on has changed since: **stale**" if stale else "",
     )
-    parts = [head, changes_table(summary)]
+    pulls, of = summary["held"][0]["missed"]["runs"], summary["held"][0]["false_alarm"]["runs"]
+    parts = [head, changes_table(CHANGES, summary["rows"])]
+    parts += [HELD_HEAD.format(pulls=pulls, grips=of - pulls), changes_table(HELD_CHANGES, summary["held"])]
     for module in modules():
         name = module.__name__.removeprefix("meissner.physics.")
         rows = ["| constant | value | from | where | what it does |", "|---|---|---|---|---|"]

@@ -5,7 +5,7 @@ import time
 
 import numpy as np
 
-from meissner import engines, interval
+from meissner import engines
 from meissner.files import written
 from meissner.report import page
 from meissner.scenes.verdict import verdict
@@ -39,15 +39,6 @@ def finish(scene, summary, out, arrays, pictures, tables, began, hidden=()):
     with written(out / "summary.json") as file:
         file.write(json.dumps(summary, indent=2).encode() + b"\n")
     return summary
-
-
-def told_rates(summary):
-    """The lines to print of how many runs there were, and of the rates of a scene of slip."""
-    first, last = summary["seeds"]
-    lines = [f"{summary['runs']} runs, seeds {first} to {last} of each condition"]
-    if summary["missed_rate"]:
-        lines.append(f"slips missed: {interval.words(summary['missed_rate'])}")
-    return [*lines, f"with a false alarm: {interval.words(summary['false_alarm_rate'])}"]
 
 
 def table(rows):

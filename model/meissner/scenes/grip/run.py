@@ -5,11 +5,12 @@ import time
 import numpy as np
 
 from meissner import engines, scenes
-from meissner.interval import rate, words
 from meissner.physics.grip import FULL_SCALE_V
 from meissner.scenes.grip import pictures as report_cop_slip
 from meissner.scenes.grip.scene import Pull
 from meissner.scenes.mesh.run import mismatches
+from meissner.scenes.rates import rates
+from meissner.scenes.rates import tell as tell_rates
 from meissner.scenes.results import check_waves, finish, table
 from meissner.scenes.truth import errors, percent, summarise
 from meissner.twins.cop.cop_slip import octants
@@ -105,20 +106,6 @@ def _statistics(condition, verdicts):
     }
 
 
-def _rates(verdicts):
-    """What the runs leave possible of the rates, and the worst lead; None where nothing is pulled or found.
-
-    ``missed_rate``: of the pulls; ``false_alarm_rate``: runs with one or more, of all runs.
-    """
-    pulls = [verdict for verdict in verdicts if verdict["onset_s"] is not None]
-    leads = [verdict["lead_s"] * 1e3 for verdict in pulls if verdict["lead_s"] is not None]
-    return {
-        "missed_rate": rate(sum(v["missed"] for v in pulls), len(pulls)) if pulls else None,
-        "false_alarm_rate": rate(sum(v["false_alarms"] > 0 for v in verdicts), len(verdicts)),
-        "lead_ms_min": round(min(leads), 3) if leads else None,
-    }
-
-
 def _summary(values):
     """``summarise`` of what there is of a list with None in it."""
     return summarise(np.array([value for value in values if value is not None], dtype=float))
@@ -176,7 +163,7 @@ def run(scene, engine, out, seed, waves, progress):
         "left_out": list(recording.left_out),
         **{key: first[key] for key in ("onset_s", "flag_s", "delay_s", "gross_s", "direction_deg")},
         **{key: sum(row[key] for row in rows) for key in ("missed", "late", "false_alarms")},
-        **_rates(every),
+        **rates(every),
         "direction_error_deg": _summary([verdict["direction_error_deg"] for verdict in every]),
         "octants_wrong": sum(row["octants_wrong"] for row in rows),
         "position_error": summarise(np.concatenate(wrong_place)),
@@ -235,15 +222,9 @@ def tell(summary):
     if summary["onset_s"] is not None:
         shown = f"pulled from {summary['onset_s']:.3f} s, moving at {summary['gross_s']:.4f} s"
     flag = "no flag" if summary["flag_s"] is None else f"flag at {summary['flag_s']:.3f} s"
-    missed, lead_ms = summary["missed_rate"], summary["lead_ms_min"]
-    first, last = summary["seeds"]
     return [
         f"shown run (seed {summary['seed']}): {shown}, {flag}",
-        f"missed, without a flag before the object moves: {words(missed) if missed else 'nothing is pulled'}"
-        f"; {summary['late']} of them flagged then or later",
-        f"a false alarm: {words(summary['false_alarm_rate'])}; seeds {first} to {last} of each condition",
-        "worst lead of a flag before the object moves: "
-        + ("none" if lead_ms is None else f"{lead_ms:.1f} ms"),
+        *tell_rates(summary),
         f"before the object moves, in the mean: load output down by {mean('load_drop', 100)} % (published: "
         f"50 and 65 %), grip up by {mean('grip_rise_n')} N (0.2 N), position moved by {mean('move_v')} V of "
         f"±{FULL_SCALE_V:g} V (0.05 V)",

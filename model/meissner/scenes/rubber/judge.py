@@ -5,8 +5,8 @@ A miss is a flag that does not come before the whole contact slips: none, or a l
 
 import numpy as np
 
-from meissner import interval
 from meissner.engines.float import first_crossing
+from meissner.scenes.rates import rates
 from meissner.twins.slip.slip import State
 
 COUNTS = ("missed", "late", "false_alarms", "false_alarms_masked")  # of a run, added up
@@ -88,17 +88,6 @@ def contact_wrong(verdicts):
     return round(float(np.mean([verdict["contact_wrong_share"] for verdict in verdicts])), 6)
 
 
-def rates(verdicts):
-    """``missed_rate`` of the runs with a slip, ``false_alarm_rate`` of all: interval.rate of the runs with
-    one, so two alarms of a run count once; None where no run is concerned."""
-    slips = [verdict for verdict in verdicts if verdict["onset_s"] is not None]
-    alarmed = sum(verdict["false_alarms"] > 0 for verdict in verdicts)
-    return {
-        "missed_rate": interval.rate(sum(v["missed"] for v in slips), len(slips)) if slips else None,
-        "false_alarm_rate": interval.rate(alarmed, len(verdicts)),
-    }
-
-
 def statistics(condition, verdicts):
     """One row of the table of conditions. Delays and leads are of every flag, so of late ones too."""
     delays = np.array([v["delay_s"] for v in verdicts if v["delay_s"] is not None]) * 1e3
@@ -108,8 +97,9 @@ def statistics(condition, verdicts):
         "runs": len(verdicts),
         **{key: sum(v[key] for v in verdicts) for key in COUNTS},
         **{
-            key.replace("rate", "interval"): found and [found["low"], found["high"]]
-            for key, found in rates(verdicts).items()
+            f"{key}_interval": found and [found["low"], found["high"]]
+            for key in ("missed", "false_alarm")
+            for found in [rates(verdicts)[f"{key}_rate"]]
         },
     }
     row["contact_share_of_sliding"] = contact_share(verdicts)

@@ -5,9 +5,11 @@ import time
 import numpy as np
 
 from meissner import engines, scenes
-from meissner.scenes.results import check_waves, finish, table, told_rates
+from meissner.scenes.rates import rates
+from meissner.scenes.rates import tell as tell_rates
+from meissner.scenes.results import check_waves, finish, table
 from meissner.scenes.rubber import pictures as report
-from meissner.scenes.rubber.judge import COUNTS, contact_share, contact_wrong, judge, rates, statistics
+from meissner.scenes.rubber.judge import COUNTS, contact_share, contact_wrong, judge, statistics
 from meissner.twins.slip.slip_path import details
 
 SHOWN = (
@@ -157,7 +159,7 @@ def tell(summary):
             f"shown run (seed {summary['seed']}): onset at {_seconds(summary['onset_s'])}, flag at "
             f"{_seconds(summary['flag_s'])}, delay {_milliseconds(summary['delay_s'])}"
         )
-    lines += told_rates(summary)
+    lines += tell_rates(summary)
     if summary["false_alarms_masked"] != summary["false_alarms"]:
         lines.append(f"with the core told of its own motion: {summary['false_alarms_masked']} false alarms")
     share = summary["contact_share_of_sliding"]
