@@ -2,6 +2,7 @@
 published figures; an even press is uneven before calibration and within 1 % after; mistyped scenes."""
 
 import json
+import re
 import tomllib
 from dataclasses import replace
 
@@ -157,6 +158,15 @@ def test_the_page_says_what_the_command_prints(tmp_path, page, name):
     printed = run.tell(scene, run.run(scene, "fixed", tmp_path, seed=1))
     text = (toolchain.ROOT / f"docs/{page}.md").read_text("utf-8")
     assert "\n".join(f"    {line}".rstrip() for line in printed) in text
+
+
+def test_the_page_s_ranges_are_recorded():
+    """docs/capacitive.md has them from the page that computes them."""
+    text = (toolchain.ROOT / "docs/capacitive.md").read_text("utf-8")
+    record = json.loads((toolchain.ROOT / "docs/papers/capacitive_array.json").read_text("utf-8"))
+    computed = " ".join(row["ours"] + " " + row["difference"] for row in record["parts"] if "ours" in row)
+    ranges = re.findall(r"[\d.]+ \([\d.]+ to [\d.]+\)", text.split("## How straight")[1].split("\n## ")[0])
+    assert len(ranges) == 5 and all(one in computed for one in ranges)
 
 
 @pytest.mark.parametrize("seed", [2, 3, 4])

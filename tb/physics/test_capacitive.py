@@ -6,6 +6,7 @@ import pytest
 
 from meissner.physics import capacitive, footprints
 from meissner.physics.capacitive import GRAM_N
+from meissner.scenes.capacitive.scene import cell_mm, on_tabs
 
 RNG = np.random.default_rng(4)
 
@@ -75,6 +76,26 @@ def test_creep_sags_droops_and_comes_back():
     # Expanding is slower than contracting: at equal times less of the late part is done.
     k = 2
     assert (held[k] - held[0]) > 1.2 * (after[0] - after[k])
+
+
+def test_a_line_leaves_4_g_and_a_parabola_a_third():
+    """Without noise: a cell of a whole column behind its amplifier, 0 to 150 g on the cover above it."""
+    pad = capacitive.build_pad(8, 8, np.random.default_rng(1))
+    place = on_tabs(*cell_mm(3, 4), np.linspace(0, 150, 151) * GRAM_N)
+    volts, grams = pad.amplitude_v(place, 200.0, 5.0)[:, 3, 4], np.arange(151.0)
+    slope, rest = np.polyfit(grams[::25], volts[::25], 1)
+    read = (volts - rest) / slope
+    assert read[[0, 75, 150]] - [0, 75, 150] == pytest.approx([-4.1, 3.3, -4.0], abs=0.1)
+    bent = np.polyval(np.polyfit(read[::25], grams[::25], 2), read)
+    assert np.abs(bent - grams).max() == pytest.approx(0.35, abs=0.02)
+
+
+def test_a_twentieth_of_a_fast_press_is_late():
+    """At the tops of four cycles of one second: 5.5, 5.3, 5.1 and 5.0 %, 5.2 % in the mean."""
+    cycle = np.tile(1 - np.abs(1 - 2 * np.arange(50) / 50), 4)
+    late = 1 - capacitive.creep(cycle, 50.0)[25::50]
+    assert late == pytest.approx([0.055, 0.053, 0.051, 0.050], abs=5e-4)
+    assert late.mean() == pytest.approx(0.052, abs=5e-4)
 
 
 def test_creep_is_one_exponential_a_term(monkeypatch):
