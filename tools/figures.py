@@ -101,8 +101,8 @@ def grip(s):
 def owes_held(s):
     (least, most), (lead_least, _) = constants.ranges(s["held"])
     return (
-        f"by one constant of the physics at a time the median of all pulls is {least:.0f} to {most:.0f} ms and "
-        f"the least lead {lead_least:.1f} ms (`docs/constants.md`)"
+        f"by one constant the median of all pulls is {least:.0f} to {most:.0f} ms and the least "
+        f"lead {lead_least:.1f} ms (`docs/constants.md`)"
     )
 
 

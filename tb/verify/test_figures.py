@@ -94,7 +94,7 @@ def test_figures_are_those_of_the_record():
     ]
     printed = {
         "acrylic_slip": {"summary": summary, "rests_on": ["README.md"], "of": of},
-        "constants": {"summary": {"rows": swept}, "rests_on": ["README.md"], "of": of},
+        "constants": {"summary": {"rows": swept, "held": swept[1:3]}, "rests_on": ["README.md"], "of": of},
         "normal_force": {
             "summary": {"false_alarms": 4, "false_alarm_rate": {"high": 0.02}},
             "rests_on": ["README.md"],
@@ -126,6 +126,10 @@ def test_figures_are_those_of_the_record():
         "11 clocks, spread 0; 81 ns on ECP5-25k, 375 ns on UP5K (stale)"
     )
     assert said["pre-slip flag"](records) == flag
+    assert figures.WORDS["constants"](printed["constants"]["summary"]).endswith(
+        "; by one constant the median of all pulls is 120 to 120 ms and the least lead 40.0 ms "
+        "(`docs/constants.md`)"
+    )
     assert said["loading and unloading without slip"](records) == "4 false alarms (at most 2 %) (stale)"
     assert figures.GENERATED["the same, 1 channel"](records) == "131.1 MHz, 7 LUT, 5 FF (stale)"
     assert said["slip events lost of 1"](records) == "5 lost, 6 wrong, 17,303 packets of images beside them"
