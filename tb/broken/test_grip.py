@@ -245,4 +245,6 @@ def test_a_core_that_differs_from_its_twin(monkeypatch, score):
 def test_where_nothing_is_pulled_there_is_no_rate_of_misses(score):
     found = score(dataclasses.replace(SCENE, conditions=(LET_GO,)))
     assert isinstance(LET_GO, Grip) and found["missed_rate"] is found["lead_ms_min"] is None
-    assert "slips missed" not in "\n".join(run.tell(SCENE, found))
+    told = "\n".join(run.tell(SCENE, found))
+    assert "with a false alarm: 0 of 2 runs" in told and "slips missed" not in told
+    assert "worst lead" not in told

@@ -385,6 +385,7 @@ def test_scenes_are_listed_one_line_each(tmp_path):
         "capacitive_shapes",
         "cop_circle",
         "cop_impulse",
+        "cop_impulse_place",
         "cop_load",
         "cop_one_point",
         "cop_six_random",
