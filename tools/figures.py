@@ -17,6 +17,7 @@ import sys
 import constants
 import fmax
 import synth
+from meissner import interval
 from meissner.builds import toolchain
 from verify import revision
 
@@ -136,7 +137,7 @@ WORDS = {
     "constants": lambda s: f"{owes(s)}; {owes_held(s)}",
     "cop_slip": grip,
     "recordings": lambda s: (
-        f"{s['haar']} false alarms in the hold; "
+        f"{s['haar']} false alarms in the hold{at_most(interval.rate(s['haar'], s['recordings']))}; "
         f"plain peak-to-peak of the same signal: {s['plain']} recordings"
     ),
     "mesh": lambda s: (

@@ -108,7 +108,11 @@ def test_figures_are_those_of_the_record():
             "of": "before",
         },
         "mesh": {"summary": {"difference": 3.4e-15, "one": 45.7, "batch": 1479.7}, "rests_on": [], "of": ""},
-        "recordings": {"summary": {"haar": 9, "plain": 10}, "rests_on": ["README.md"], "of": of},
+        "recordings": {
+            "summary": {"haar": 9, "plain": 10, "recordings": 120},
+            "rests_on": ["README.md"],
+            "of": of,
+        },
         "engines": {"summary": {"float": 1.14e8, "rtl": 1.56e7}, "rests_on": ["README.md"], "of": of},
     }
     records = figures.Records(blocks, printed)
@@ -138,7 +142,7 @@ def test_figures_are_those_of_the_record():
         "the same to 3e-15; about 46 times faster one by one, 1,500 times in a batch of 1,000 (stale)"
     )
     assert said["120 real recordings of a gripper holding (no slip)"](records) == (
-        "9 false alarms in the hold; plain peak-to-peak of the same signal: 10 recordings"
+        "9 false alarms in the hold (at most 13.8 %); plain peak-to-peak of the same signal: 10 recordings"
     )
     assert said["engines"](records) == "float 1.1e8, rtl 1.6e7"
     assert records.stale("cop_slip"), "a file that is no longer there"
