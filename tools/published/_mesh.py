@@ -289,7 +289,7 @@ def draw(folder):
         axis.plot(1e3 * (recording.time_s - 0.0005), 3 * x / end, lw=2, label=f"{rest_n:g} N at rest")
     axis.axvline(0.6, color="black", lw=1, ls=":", label="published: about 0.6 ms")
     axis.set_xlim(-0.2, 1.6)
-    label(axis, "time after the blow (ms)", "position, of its end (3 V)")
+    label(axis, "time after the blow (ms)", "position output (V)")
     caption = "Position output after a blow, as a share of its end, drawn as 3 V (figure 13)"
     pictures.append((save(drawn, folder, "mesh_impulse.png"), caption))
 
