@@ -291,8 +291,9 @@ module msn_slip_serial #(
   // The memories do not define what they answer while the same word is written.
   // verilator coverage_off
   always_ff @(posedge clk_i) begin
-    assert (idle || finish || rst_i || at[StepBits-1:0] != next_digit)
-    else $fatal(1, "msn_slip_serial: word %0d is read and written in one clock", next_digit);
+    // Not as an assertion: before a reset a simulator of four states compares unknown bits.
+    if (!idle && !finish && !rst_i && at[StepBits-1:0] == next_digit)
+      $fatal(1, "msn_slip_serial: word %0d is read and written in one clock", next_digit);
   end
   // verilator coverage_on
 `endif
