@@ -54,10 +54,12 @@ def sloped(recording):
     scene, time_s = recording.scene, recording.time_s
     rate_hz, settings = scene.rate_hz, scene.slope
     width_s, near = settings["slope_s"], round(settings["near_s"] * rate_hz)
-    volts = scene.adc.volts_of(recording.codes)
-    change = np.abs(slope(volts, rate_hz, width_s))
     width = round(width_s * rate_hz)
-    over = np.concatenate([np.zeros(width, dtype=bool), (change > settings["slope_v_s"])[:-width]])
+    # In codes, so that a change that just meets the threshold does not hang on the rounding of volts.
+    codes = np.abs(recording.codes[width:] - recording.codes[:-width])
+    most = settings["slope_v_s"] * width / rate_hz / scene.adc.lsb_v
+    over = np.concatenate([np.zeros(width, dtype=bool), codes > most])
+    change = slope(scene.adc.volts_of(recording.codes), rate_hz, width_s)
 
     def of(first_s, last_s):
         return slice(int(np.ceil(first_s * rate_hz - 1e-6)), int(np.ceil(last_s * rate_hz - 1e-6)))

@@ -87,8 +87,8 @@ def slip_figure(pulls, until_s, derivative):
     curve(bottom, pull.time_s[kept], pull.tension_n[kept], INK, lw=2, label="tangential force (N)")
     curve(bottom, pull.time_s[kept], pull.speed_mm_s * pull.time_s[kept], PURPLE, lw=2, label="plate (mm)")
     bottom.set_ylim(0, 3.6)
-    for axis in axes[:, 0]:
-        axis.axvline(pull.gross_s, color=RED, lw=1.5, ls="--")
+    for place, axis in enumerate(axes[:, 0]):
+        axis.axvline(pulls[min(place // per, len(pulls) - 1)].gross_s, color=RED, lw=1.5, ls="--")
         axis.axvline(0.4, color=INK, lw=1.5, ls=":")
     label(bottom, "time (s)", "N, mm")
     bottom.legend(fontsize=14, loc="upper left", ncols=3)
@@ -125,7 +125,7 @@ def step_figure(panels):
 
 
 def draw_distance(axis, moved_mm, step_v, deviation_v=None):
-    """Figure 8: dV over the distance, with the deviation of its measurements."""
+    """Figure 8: dV over the distance, with the deviation of its measurements if there are several."""
     axis.errorbar(moved_mm, step_v, deviation_v, fmt="o", color=BLUE, ms=8, capsize=5, clip_on=False)
     axis.set_ylim(0, 1)
     label(axis, "shear (mm)", "ΔV (V)", "Fig. 8: 0.05 mm/s, 1 N")
@@ -158,6 +158,7 @@ def draw_k(axis, rest_v, k, look="-", width=None):
     """Figure 15: k over the rest, beside Table 2."""
     axis.errorbar(rest_v, k, width, fmt=look, color=BLUE, lw=2, ms=7, capsize=5)
     axis.plot(FIT.keys(), [k for k, _ in FIT.values()], "s", color=INK, ms=9, clip_on=False)
+    axis.margins(0.05)
     label(axis, "initial Vc (V)", "k", "Fig. 15: squares, table 2")
 
 
