@@ -217,7 +217,7 @@ def test_what_a_crossing_counts_as(sample, change, flag, quiet):
 
 
 def test_stick_slips_by_hand():
-    """Sliding counts from 2.1 s on. Found: 2.5 s at once, 3.0 s with its last sample that counts; the crossing
+    """Sliding counts from 2.1 s on. Found: 2.5 s at once, 3.0 s with the last sample that counts. A crossing
     after 2.6 s is a sample too late and belongs to none, as one at 2.8 s. 2.05 s is not counted."""
     slips = np.array([2.05, 2.5, 2.6, 3.0])
     found = judge.sloped(pulled(slips_s=slips, steps=dict.fromkeys((2051, 2500, 2604, 2800, 3003), 0.05)))

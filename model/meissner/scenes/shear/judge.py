@@ -231,8 +231,8 @@ def recover(scene, found):
     every = [run for runs in found.values() for run in runs]
     by = {"restored": [], "converged": [], "converged_table_1": []}
     for case, runs in found.items():
-        way = "restored" if case.recovers == rubber.RESTORED else "converged"
-        by[way if case.lot == 1.0 else f"{way}_table_1"] += [run["after_v"] for run in runs]
+        way = "converged" if case.lot == 1.0 else "converged_table_1"
+        by["restored" if case.recovers == rubber.RESTORED else way] += [run["after_v"] for run in runs]
     return rows, {
         **{f"{name}_after_v": summarise(np.array(values)) for name, values in by.items()},
         "settled_s": summarise(_of(every, "settled_s")),
