@@ -7,13 +7,14 @@ import numpy as np
 from meissner import engines, interval, scenes
 from meissner.files import written
 from meissner.fit_rubber import STEPS
-from meissner.scenes.chain import check  # noqa: F401 - no --waves: the pins are the slip scenes'
+from meissner.scenes import chain
 from meissner.scenes.rates import rates
 from meissner.scenes.results import finish, table
 from meissner.scenes.rubber.judge import judge
 from meissner.scenes.rubber.run import _mismatches
 from meissner.scenes.shear import pictures
 from meissner.scenes.shear.judge import ANSWERS, measured, sloped
+from meissner.scenes.shear.scene import check_supply
 
 RECOVERIES = {
     "restored": "is restored",
@@ -21,6 +22,12 @@ RECOVERIES = {
     "converged_table_1": "converges, of Table 1's lot",
 }
 KEPT = ("time_s", "codes", "normal_n", "speed_mm_s", "tension_n", "slip_mm", "slips_s")
+
+
+def check(scene, engine, waves):
+    """ValueError with one sentence if this engine cannot run the scene. No --waves: those are of slip scenes."""
+    chain.check(scene, engine, waves)
+    check_supply(scene)
 
 
 def _run(recording, state, config):
