@@ -15,8 +15,8 @@ MODEL = ROOT / "model"
 # From the lowest: each imports its own and those before it. A name is a module or all below a package.
 LAYERS = [
     *("names", "plain", "interval", "check", "files", "builds.kept", "builds.objcache", "builds.toolchain"),
-    *("twins", "physics", "calibration", "second_order", "sense", "builds", "engines", "report"),
-    *("scenes", "run"),
+    *("twins", "physics", "calibration", "second_order", "fit_rubber"),
+    *("sense", "builds", "engines", "report", "scenes", "run"),
     *("host", "budget", "process", "parser", "cli"),
 ]
 

@@ -24,6 +24,7 @@ def parser():
     _host(commands)
     _budget(commands)
     _calibrate(commands)
+    _fit_rubber(commands)
     _config(commands)
     return top
 
@@ -163,6 +164,14 @@ def _calibrate(commands):
     parser.add_argument("--lsb", type=float, metavar="N", help="newtons of one code of force (the finest)")
     parser.add_argument("--out", required=True, metavar="CAL.npz", help="where offsets and gains go")
     parser.set_defaults(call="meissner.calibration:command")
+
+
+def _fit_rubber(commands):
+    parser = commands.add_parser("fit-rubber", help="k0, k1 and n of a lot of rubber from its shear steps")
+    parser.add_argument(
+        "recording", metavar="RECORDING", help=".csv or .npz of time_s, volts, speed_mm_s (docs/shear.md)"
+    )
+    parser.set_defaults(call="meissner.fit_rubber:command")
 
 
 def _config(commands):

@@ -56,6 +56,7 @@ def test_every_command_is_looked_at():
         "process cop",
         "process cop4",
         "calibrate",
+        "fit-rubber",
         "budget",
     }
     assert names >= {"regs", "live", "log", "replay", "config list", "config check", "config show"}

@@ -182,7 +182,7 @@ def keys(value):
 
 
 # Keys that are no facts: what holds tables, statistics, and what a report leaves out.
-HOLDERS = {"conditions", "pins", "saved", "solver", "locus", "maximum", "mean"}
+HOLDERS = {"conditions", "constants", "pins", "saved", "solver", "locus", "maximum", "mean"}
 HOLDERS |= {"world_ms_per_s", "everything_ms_per_s", "count", "rate", "low", "high"}
 
 

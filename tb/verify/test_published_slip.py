@@ -26,7 +26,7 @@ def test_a_pressed_and_sheared_rubber_goes_through_2_v_and_ends_where_its_recove
 
 
 def test_the_slope_of_a_ramp_is_its_slope():
-    assert _shear.slope(np.arange(100) * 2e-4)[:90] == pytest.approx(2.0)
+    assert _shear.slope(np.arange(100) * 2e-4, 10_000)[:90] == pytest.approx(2.0)
 
 
 def run(codes, onset_s):

@@ -5,62 +5,33 @@ from functools import cache
 import numpy as np
 
 from meissner import scenes
-from meissner.physics import plate, rubber
+from meissner.physics import rubber
+from meissner.scenes.shear import pictures, published
+from meissner.scenes.shear.judge import slope
+from meissner.scenes.shear.published import FIT, SHEARED_MM, STEP_V, step
+from meissner.scenes.shear.scene import Case
+from meissner.scenes.shear.scene import pulled as plate_pulled
 from published import Row, Table
-from published._slip_pictures import BLUE, GREEN, INK, ORANGE, PURPLE, RED, curve, figure, label, save
+from published._slip_pictures import figure, save
 from published._wavelets import SEEDS, first_flag
 
 RATE = 10_000
-STEP_V = {0.05: 1.4, 0.1: 1.6, 1.0: 2.1}  # table 1: mm/s, volts, from 2 V
-FIT = {2: (0.99, 0.12), 3: (0.75, 0.11), 4: (0.45, 0.11)}  # table 2: initial volts: k, n
 SPEEDS = np.geomspace(0.01, 3.0, 61)  # of fig. 12 and 14
-SHEARED_MM = 0.3
 FIRST = (0.875, rubber.PUBLISHED_ONSET)
 SHEAR = "SHEAR_LINE, SHEAR_EXPONENT (published)"
 LIMIT = "STIFFNESS_N_MM (read off), MATERIALS (chosen)"
 PULL = "plate on the rubber, 2 N, 0.5 mm/s, 4 mm"
 
+sheared = cache(published.sheared)
+
 
 @cache
 def pulled(first):
     """The slip experiment of both papers: time, pull, Vc and the instants of its events, from the pull on."""
-    rng = np.random.default_rng(1)
-    time_s = np.arange(8 * RATE) / RATE
-    pull = plate.pull(time_s, 2.0, 0.5, "acrylic", 0.0, rng, rubber.STIFFNESS_N_MM)
-    events_s = pull.time_of(rubber.event_ratios(rng, first))
-    sizes = [
-        rubber.event_shares(len(events_s), 1.0, rng),
-        [rubber.GROSS_SHARE * rubber.EVENT_SHARE],
-        rubber.SLIDING_SHARE * rubber.event_shares(len(pull.slips_s), 1.0, rng),
-    ]
-    when = np.concatenate([events_s, [pull.gross_s], pull.slips_s])
-    share = rubber.fluctuation(when, np.concatenate(sizes), len(time_s), RATE)
-    vc = rubber.volts(np.full(len(time_s), 2.0), rubber.shear_level(time_s, pull.shear_mm_s), share)
-    return time_s, pull, vc, events_s
-
-
-def slope(vc):
-    """dVc/dt in V/s, over a millisecond."""
-    width = RATE // 1000
-    return np.append((vc[width:] - vc[:-width]) * 1e3, np.zeros(width))
-
-
-def step(force_n, speed_mm_s, moved_mm):
-    """Rise of Vc at the end of a shear over this distance."""
-    time_s = np.linspace(0.0, moved_mm / speed_mm_s, 2001)
-    level = rubber.shear_level(time_s, np.full(len(time_s), speed_mm_s))[-1]
-    at = np.full(1, force_n)
-    return float(rubber.volts(at, level)[0] - rubber.rest_volts(at)[0])
-
-
-@cache
-def sheared(speed_mm_s, recovers):
-    """Figures 9 to 11: pressed by 1.7 N at 2 s, sheared by 0.3 mm from 4 s on, held: time, Vc, when held."""
-    until = 4.0 + SHEARED_MM / speed_mm_s
-    time_s = np.arange(round((until + 10.0) * 1000)) / 1000
-    force_n = 1.7 * (0.5 - 0.5 * np.cos(np.pi * np.clip(time_s - 1.0, 0.0, 1.0)))
-    speed = np.where((time_s >= 4.0) & (time_s < until), speed_mm_s, 0.0)
-    return time_s, rubber.volts(force_n, rubber.shear_level(time_s, speed, recovers)), until
+    rng, time_s = np.random.default_rng(1), np.arange(8 * RATE) / RATE
+    case = Case("", 2.0, 0.5, 4.0, material="acrylic", first_event=first)
+    pull, slip = plate_pulled(time_s, case, 0.0, RATE, rng)
+    return time_s, pull, rubber.volts(np.full(len(time_s), 2.0), slip.level, slip.share), slip.events_s
 
 
 @cache
@@ -284,7 +255,7 @@ def of_sensor():
             "the same; EVENT_SHARE, PATCHES, QUALITY (chosen)",
         )
     _, pull, vc, events_s = pulled(rubber.PUBLISHED_ONSET)
-    change = np.abs(slope(vc))
+    change = np.abs(slope(vc, RATE))
     rough = change[round(events_s[0] * RATE) : round(pull.gross_s * RATE) - 10]
     slides = change[round((pull.gross_s + 0.1) * RATE) : -10]
     rms = [np.sqrt(np.mean(part**2)) for part in (rough, slides)]
@@ -317,84 +288,40 @@ def compute():
 
 
 def draw_pull(path, until_s, derivative):
-    """Vc for both first events, each above its derivative if asked for; the force and the plate below.
-
-    Figures 5 and 6 of the journal version, 8 and 9 of the sensor.
-    """
-    per = 2 if derivative else 1
-    picture, axes = figure(2 * per + 1, 14 if derivative else 9, sharex=True)
-    for first, top in zip(FIRST, axes[::per, 0]):
+    """Figures 5 and 6 of the journal version, 8 and 9 of the sensor, for both first events."""
+    pulls = []
+    for first in FIRST:
         time_s, pull, vc, _ = pulled(first)
-        kept = time_s < until_s
-        curve(top, time_s[kept], vc[kept])
-        label(
-            top,
-            y="Vc (V)",
-            title=f"first event at {first:g} of the limit; slip: dashed ours, dotted published",
-        )
-    if derivative:
-        for first, axis in zip(FIRST, axes[1::per, 0]):
-            curve(axis, time_s[kept], slope(pulled(first)[2])[kept])
-            axis.set_ylim(-60, 60)
-            label(axis, y="V/s")
-    bottom = axes[-1, 0]
-    curve(bottom, time_s[kept], np.full(kept.sum(), 2.0), GREEN, lw=2, label="normal force (N)")
-    curve(bottom, time_s[kept], pull.tension_n[kept], INK, lw=2, label="tangential force (N)")
-    curve(bottom, time_s[kept], 0.5 * time_s[kept], PURPLE, lw=2, label="plate (mm)")
-    bottom.set_ylim(0, 3.6)
-    for axis in axes[:, 0]:
-        axis.axvline(pull.gross_s, color=RED, lw=1.5, ls="--")
-        axis.axvline(0.4, color=INK, lw=1.5, ls=":")
-    label(bottom, "time (s)", "N, mm")
-    bottom.legend(fontsize=14, loc="upper left", ncols=3)
-    save(picture, path)
+        title, normal_n = f"first event at {first:g} of the limit", np.full(len(time_s), 2.0)
+        change = slope(vc, RATE)
+        slipped = (title, time_s, vc, change, normal_n, pull.tension_n, pull.gross_s, 0.5)
+        pulls.append(pictures.Slipped(*slipped))
+    save(pictures.slip_figure(pulls, until_s, derivative), path)
 
 
 def draw_steps(path):
-    """Figures 9 to 11: pressed (I), sheared (II), held (III); both recoveries, and the published steps."""
-    picture, axes = figure(3, 12)
-    for axis, number, (speed, volts) in zip(axes[:, 0], (9, 10, 11), STEP_V.items()):
+    """Figures 9 to 11: both recoveries, and the published steps."""
+    panels = []
+    for number, (speed, volts) in zip((9, 10, 11), STEP_V.items()):
         time_s, restored, until = sheared(speed, rubber.RESTORED)
-        curve(axis, time_s, sheared(speed, rubber.CONVERGED)[1], ORANGE, lw=2.5, label="ours, converges")
-        curve(axis, time_s, restored, BLUE, lw=2, label="ours, restored")
-        axis.plot([4.0, until], [2.0 + volts] * 2, color=INK, lw=2.5, ls=":", label="published")
-        axis.axhline(3.0, color=INK, lw=1.2, ls="--")
-        axis.set_ylim(1.5, 5.2)
-        for when in (4.0, until):
-            axis.axvline(when, color="#999999", lw=1.2)
-        label(axis, y="Vc (V)", title=f"Fig. {number}: {speed:g} mm/s; dashed: 3 V (CoP slip)")
-    axes[0, 0].legend(fontsize=14, loc="upper right")
-    label(axes[-1, 0], "time (s)")
-    save(picture, path)
+        curves = [
+            ("ours, restored", time_s, restored),
+            ("ours, converges", time_s, sheared(speed, rubber.CONVERGED)[1]),
+        ]
+        panels.append(pictures.Sheared(f"Fig. {number}: {speed:g} mm/s", curves, 4.0, until, 2.0 + volts))
+    save(pictures.step_figure(panels), path)
 
 
 def draw_laws(path):
     """Figures 8, 12, 14 and 15."""
     picture, axes = figure(2, 10, 2)
-    moved = np.arange(1, 11) / 100
     by_distance, by_speed, by_load, by_rest = axes.flat
-    by_distance.plot(
-        moved, [step(1.0, 0.05, distance) for distance in moved], "o", color=BLUE, ms=8, clip_on=False
-    )
-    by_distance.set_ylim(0, 1)
-    label(by_distance, "shear (mm)", "ΔV (V)", "Fig. 8: 0.05 mm/s, 1 N")
-    by_speed.plot(SPEEDS, rubber.shear_step(2.0, SPEEDS), color=BLUE, lw=2, label="ours")
-    by_speed.plot(STEP_V.keys(), STEP_V.values(), "s", color=INK, ms=9, label="table 1")
-    by_speed.plot(SPEEDS, FIT[2][0] * SPEEDS ** FIT[2][1], color=INK, lw=2, ls=":", label="table 2")
-    by_speed.set_ylim(0, 2.4)
-    by_speed.legend(fontsize=14)
-    label(by_speed, "mm/s", "ΔV (V)", "Fig. 12: from 2 V")
-    for (rest, (k, n)), colour in zip(FIT.items(), (BLUE, ORANGE, GREEN)):
-        by_load.loglog(SPEEDS, rubber.shear_step(float(rest), SPEEDS), color=colour, lw=2, label=f"{rest} V")
-        by_load.loglog(SPEEDS, k * SPEEDS**n, color=colour, lw=2, ls=":")
-    by_load.legend(fontsize=14)
-    by_load.set_yticks([0.3, 0.5, 1.0], ["0.3", "0.5", "1"])
-    by_load.minorticks_off()
-    label(by_load, "mm/s", "ΔV (V)", "Fig. 14: dotted, table 2")
+    moved = np.arange(1, 11) / 100
+    pictures.draw_distance(by_distance, moved, [step(1.0, 0.05, distance) for distance in moved])
+    pictures.draw_speed(by_speed, SPEEDS, rubber.shear_step(2.0, SPEEDS))
+    pictures.draw_loads(by_load, {rest: (SPEEDS, rubber.shear_step(float(rest), SPEEDS)) for rest in FIT})
     rest = np.linspace(2.0, 4.0, 21)
-    by_rest.plot(rest, rubber.shear_gain(rest), color=BLUE, lw=2)
-    by_rest.plot(FIT.keys(), [k for k, _ in FIT.values()], "s", color=INK, ms=9, clip_on=False)
-    label(by_rest, "initial Vc (V)", "k", "Fig. 15: squares, table 2")
+    pictures.draw_k(by_rest, rest, rubber.shear_gain(rest))
     save(picture, path)
 
 

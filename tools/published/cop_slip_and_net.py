@@ -10,6 +10,7 @@ from meissner.interval import rate, words
 from meissner.physics import grip, rubber
 from meissner.scenes.grip import run as grip_run
 from meissner.scenes.grip.scene import Pull
+from meissner.scenes.shear.published import FIT, STEP_V
 from published import Row, Table, _net
 from published._parts import EXACT, NONE, beside, figure, label, owes, save
 
@@ -45,8 +46,6 @@ GRIP_N = 2.0  # III-A
 FALL = 0.5, 0.65  # figure 4 (a): 1.0 and 1.3 N of 2 N, the right and the left sensor
 MOVE_V, RISE_N = 0.05, 0.2  # figure 4 (b), (c)
 COVERS_MM = (0.0, 0.2, 0.6)
-SHEAR_STEP = {0.05: 1.4, 0.1: 1.6, 1.0: 2.1}  # table I: mm/s, volts, at 2 V
-SHEAR_FIT = {2: (0.99, 0.12), 3: (0.75, 0.11), 4: (0.45, 0.11)}  # table II: initial voltage: k, n
 SHEAR = ("rubber.SHEAR_EXPONENT",)
 
 
@@ -209,10 +208,10 @@ def sheared():
 
 def shear_tables():
     n = rubber.SHEAR_EXPONENT
-    k = {volts: float(rubber.shear_gain(volts)) for volts in SHEAR_FIT}  # eq. 2 in this range
+    k = {volts: float(rubber.shear_gain(volts)) for volts in FIT}  # eq. 2 in this range
     rows = []
-    for speed, step in SHEAR_STEP.items():
-        own, ours = SHEAR_FIT[2][0] * speed ** SHEAR_FIT[2][1], k[2] * speed**n
+    for speed, step in STEP_V.items():
+        own, ours = FIT[2][0] * speed ** FIT[2][1], k[2] * speed**n
         rows.append((f"{speed:g} mm/s", f"{step} V", f"{own:.2f} V", f"{ours:.2f} V", beside(ours, step)))
     text = (
         "The steps of table I are about twice what table II of the same paper gives; ours follows table "
@@ -223,7 +222,7 @@ def shear_tables():
     yield Table("Voltage step of sheared rubber at 2 V (CoP slip, tables I, II)", text, header, rows)
     rows = [
         (f"{volts} V", f"{own:g}", f"{k[volts]:.2f}", f"{k[volts] - own:+.2f}", f"{power:g}", f"{n:g}")
-        for volts, (own, power) in SHEAR_FIT.items()
+        for volts, (own, power) in FIT.items()
     ]
     text = "Equation 3 prints the exponent -0.11 where the inverse of equation 1 has 1/0.11."
     header = (
@@ -272,7 +271,7 @@ def draw(folder):
 
     drawn, axes = figure(2)
     speed = np.geomspace(0.01, 4, 50)
-    for volts, (own, power) in SHEAR_FIT.items():
+    for volts, (own, power) in FIT.items():
         (line,) = axes[0].loglog(speed, rubber.shear_step(volts, speed), lw=2, label=f"Vi = {volts} V")
         axes[0].loglog(speed, own * speed**power, ":", lw=2, color=line.get_color())
     axes[0].set_yticks([0.3, 0.5, 1.0], ["0.3", "0.5", "1"])
@@ -280,7 +279,7 @@ def draw(folder):
     label(axes[0], "shear speed (mm/s)", "ΔV (V)", "fig. 10 (dotted: table II)")
     volts = np.linspace(1.5, 4.5, 40)
     axes[1].plot(volts, rubber.shear_gain(volts), lw=2, label="ours")
-    axes[1].plot(list(SHEAR_FIT), [own for own, _ in SHEAR_FIT.values()], "o", ms=8, label="table II")
+    axes[1].plot(list(FIT), [own for own, _ in FIT.values()], "o", ms=8, label="table II")
     label(axes[1], "initial voltage (V)", "k", "fig. 11")
     caption = (
         "The step of sheared rubber over speed and its constant over the initial voltage (figures 10, 11)"

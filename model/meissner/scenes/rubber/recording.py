@@ -63,7 +63,7 @@ class Recording:
 
 
 @dataclass(frozen=True)
-class _Slip:
+class PartialSlip:
     """What a pull adds to the rubber: its level of shear, its fluctuation, and the events before the slip."""
 
     level: np.ndarray
@@ -80,7 +80,8 @@ def _contacts(time_s, force_n):
     )
 
 
-def _slip(pull, condition, time_s, rate_hz, rng):
+def partial_slip(pull, condition, time_s, rate_hz, rng):
+    """The PartialSlip of a pull under a Condition."""
     scale = plate.MATERIALS[condition.material].fluctuation
     ratios = rubber.event_ratios(rng, condition.first_event, 1.0 / condition.burst)
     partial_s = pull.time_of(ratios)
@@ -96,7 +97,7 @@ def _slip(pull, condition, time_s, rate_hz, rng):
         rate_hz,
     )
     level = rubber.shear_level(time_s, pull.shear_mm_s, condition.recovers)
-    return _Slip(level, share, partial_s, shares)
+    return PartialSlip(level, share, partial_s, shares)
 
 
 def simulate(scene, condition=0, seed=0):
@@ -126,7 +127,7 @@ def simulate(scene, condition=0, seed=0):
             rng,
             follow=condition.follow,
         )
-        slip = _slip(pull, condition, time_s, scene.rate_hz, rng)
+        slip = partial_slip(pull, condition, time_s, scene.rate_hz, rng)
         tension_n, slip_mm = pull.tension_n, pull.slip_mm
         onset_s, gross_s = float(slip.events_s[0]), float(pull.gross_s)
     if scene.kind == "grip":

@@ -6,13 +6,12 @@ follows it. A condition's optional keys (Condition) are off where it does not na
 
 from dataclasses import dataclass
 
-import numpy as np
-
-from meissner.check import between, fields, one_of, positive, shown
+from meissner.check import between, fields, one_of, positive
 from meissner.physics import plate, rubber
 from meissner.physics.adc import PARTS, Adc
 from meissner.scenes.rubber.recording import COMPONENTS, Recording, simulate
-from meissner.twins.slip.config import SWITCHES, SlipConfig
+from meissner.scenes.rubber.settings import Slip, codes, settings
+from meissner.twins.slip.config import SlipConfig
 
 __all__ = ["COMPONENTS", "Condition", "Recording", "Scene", "Slip", "build", "simulate"]
 
@@ -26,19 +25,6 @@ _TOP = {
     "slip": dict,
     "world": dict,
 }
-_SLIP = dict.fromkeys(("window", "hop", "level"), int) | dict.fromkeys(
-    (
-        "threshold_v",
-        "gross_threshold_v",
-        "keep_threshold_v",
-        "contact_v",
-        "release_v",
-        "hold_s",
-        "refractory_s",
-        "blank_s",
-    ),
-    float,
-)
 _WORLD = {
     "press": ("press_start_s", "press_s", "rest_s", "unload_s", "after_s"),
     "pull": ("press_start_s", "press_s", "stage_start_s", "slide_s"),
@@ -74,24 +60,6 @@ class Condition:
     hum_v: float = 0.0
     flicker: float = 0.0
     hysteresis: float = 0.0
-
-
-@dataclass(frozen=True)
-class Slip:
-    """The detector's settings in physical units; ``threshold_v`` is on the Haar coefficient."""
-
-    threshold_v: float
-    gross_threshold_v: float
-    keep_threshold_v: float
-    window: int
-    hop: int
-    level: int
-    contact_v: float
-    release_v: float
-    hold_s: float
-    refractory_s: float
-    blank_s: float
-    switches: dict  # of SlipConfig, those that are not for the sensor to say
 
 
 @dataclass(frozen=True)
@@ -139,47 +107,8 @@ class Scene:
         return 2.0 * self.slip.threshold_v
 
     def slip_config(self) -> SlipConfig:
-        """The same settings in codes and details.
-
-        The unnormalised detail is sqrt(2)^level times the coefficient, so p2p in codes, an integer,
-        exceeds floor(2·threshold_v·sqrt(2)^level / lsb) exactly when the real comparison holds.
-        """
-        slip, lsb_v = self.slip, self.adc.lsb_v
-        step = 1 << slip.level
-
-        def threshold(volts):
-            return int(np.floor(2.0 * volts * 2.0 ** (slip.level / 2) / lsb_v))
-
-        def level(volts):
-            return round(step * self.adc.code_of(volts))
-
-        def details(seconds):
-            return round(seconds * self.rate_hz / step)
-
-        return SlipConfig(
-            window=slip.window,
-            hop=slip.hop,
-            level=slip.level,
-            threshold=threshold(slip.threshold_v),
-            gross_threshold=threshold(slip.gross_threshold_v),
-            keep_threshold=threshold(slip.keep_threshold_v),
-            contact_level=level(slip.contact_v),
-            release_level=level(slip.release_v),
-            contact_rises=False,
-            **slip.switches,
-            hold=details(slip.hold_s),
-            refractory=details(slip.refractory_s),
-            blank=details(slip.blank_s),
-        )
-
-
-def _switches(where, table):
-    """({name: value} of the switches in [slip], what else is there); what is not there is as ever."""
-    switches = {key: table.pop(key, SWITCHES[key]) for key in SWITCHES if key != "contact_rises"}
-    for key, value in switches.items():
-        if not isinstance(value, bool):
-            raise ValueError(f"{where}: {key} = {shown(value)} must be true or false")
-    return switches, table
+        """The same settings in codes and details."""
+        return codes(self.slip, self.adc, self.rate_hz)
 
 
 def _condition(where, kind, row):
@@ -206,15 +135,7 @@ def build(name, table):
     for feature in top["features"]:
         one_of(where, "features", feature, ("slip",))
 
-    switches, slip = _switches(f"{where}, [slip]", dict(top["slip"]))
-    slip = Slip(**fields(f"{where}, [slip]", slip, _SLIP), switches=switches)
-    if not slip.contact_v < slip.release_v:
-        raise ValueError(f"{where}, [slip]: contact_v = {slip.contact_v} must be below release_v")
-    if slip.keep_threshold_v > slip.threshold_v:
-        raise ValueError(
-            f"{where}, [slip]: keep_threshold_v = {slip.keep_threshold_v} must not be above threshold_v"
-        )
-
+    slip = settings(f"{where}, [slip]", top["slip"])
     world = dict(top["world"])
     kind, rows = world.pop("kind", None), world.pop("conditions", None)
     inside = f"{where}, [world]"

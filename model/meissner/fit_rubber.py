@@ -1,0 +1,283 @@
+"""``meissner fit-rubber``: the constants of a lot of rubber from a recording of its shear steps.
+
+    dV = (k0 + k1·Vi)·v^n      Vi: Vc at rest under the normal force; dV: its rise; v: shear speed, mm/s
+
+k0, k1 and n by least squares on log dV (scipy.optimize.curve_fit), because the deviation of repeated steps is
+taken as a share of the step. Their intervals: Student's t with the standard errors of that fit.
+"""
+
+import csv
+import warnings
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from meissner import files
+from meissner.interval import CONFIDENCE
+from meissner.plain import plain
+
+RECORDING = ("time_s", "volts", "speed_mm_s")
+STEPS = ("rest_v", "step_v", "speed_mm_s")
+NAMES = ("k0", "k1", "n")
+UNITS = {"time_s": "s", "volts": "V", "speed_mm_s": "mm/s", "rest_v": "V", "step_v": "V"}
+REST_S = 0.1  # before a step, whose mean is Vi
+END_SHARE = 0.05  # of a step, whose median is Vi + dV
+FULL_MM = 0.01  # published: the step is complete by then
+LEAST_SAMPLES = 5  # of a rest, of a step
+LEAST_STEPS = 5  # two more than there are constants
+LEAST_REST_RANGE_V, LEAST_SPEED_RATIO = 0.2, 2.0
+DRIFT_SHARE = 0.1  # of the step, that Vc may move during the rest before it
+
+
+class Steps(NamedTuple):
+    """One element a step of shear, float64."""
+
+    rest_v: np.ndarray
+    step_v: np.ndarray
+    speed_mm_s: np.ndarray
+
+
+@dataclass(frozen=True)
+class Fit:
+    """``value``, ``low``, ``high``: (k0, k1, n) and the ends of their intervals; ``residual``: of each step,
+    its dV over the fitted one, less 1."""
+
+    steps: Steps
+    value: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+    residual: np.ndarray
+
+    def step_v(self, rest_v, speed_mm_s):
+        """dV of the fitted line."""
+        k0, k1, n = self.value
+        return (k0 + k1 * np.asarray(rest_v)) * np.asarray(speed_mm_s) ** n
+
+    def speed_mm_s(self, rest_v, step_v):
+        """v of a step: (dV/(k0 + k1·Vi))^(1/n)."""
+        k0, k1, n = self.value
+        return (np.asarray(step_v) / (k0 + k1 * np.asarray(rest_v))) ** (1.0 / n)
+
+
+def _table(path):
+    """{column: [text of each row]} of a .csv with a line of names."""
+    try:
+        with files.check_in(path).open(encoding="utf-8-sig", newline="") as file:
+            rows = [(line, row) for line, row in enumerate(csv.reader(file), 1) if row and row[0][:1] != "#"]
+    except (UnicodeDecodeError, csv.Error):
+        raise ValueError(f"{path} is not a table of text") from None
+    if not rows:
+        raise ValueError(f"{path} is empty")
+    names = [name.strip() for name in rows[0][1]]
+    for line, row in rows[1:]:
+        if len(row) != len(names):
+            raise ValueError(f"{path}, line {line}: {len(row)} values under {len(names)} names")
+    return {name: [row[place] for _, row in rows[1:]] for place, name in enumerate(names)}
+
+
+def _numbers(path, name, values):
+    """A column as float64; ValueError unless every value is a finite number."""
+    try:
+        values = np.asarray(values)
+        if values.ndim != 1 or values.dtype.kind not in "iufU":
+            raise TypeError
+        values = values.astype(float)
+    except (TypeError, ValueError):
+        wrong = next((text for text in values if not _is_number(text)), "what it is")
+        raise ValueError(f"{path}: {name} must hold one number a row, not '{str(wrong)[:40]}'") from None
+    wrong = np.flatnonzero(~np.isfinite(values))
+    if len(wrong):
+        raise ValueError(f"{path}: {name} is {values[wrong[0]]} in row {wrong[0] + 1}; it must be finite")
+    return values
+
+
+def _is_number(text):
+    try:
+        float(text)
+    except (TypeError, ValueError):
+        return False
+    return True
+
+
+def read(path):
+    """The Steps in a file: one row a sample (RECORDING), or one row a step (STEPS); ValueError if none.
+
+    A .csv with a line of names, or a .npz with arrays of these names; other columns do not count.
+    """
+    suffix = files.check_in(path).suffix.lower()
+    if suffix == ".csv":
+        found = _table(path)
+    elif suffix == ".npz":
+        found = files.read_arrays(path, lambda name, *_: name in {*RECORDING, *STEPS})
+        if found is None:
+            raise ValueError(f"{path} is not a .npz file of numbers")
+    else:
+        raise ValueError(f"{path} must be a .csv or a .npz file")
+    form = STEPS if "step_v" in found or "rest_v" in found else RECORDING
+    for name in form:
+        if name not in found:
+            raise ValueError(
+                f"{path} has no column {name}; "
+                f"a recording has {', '.join(RECORDING)}, steps {', '.join(STEPS)}"
+            )
+    columns = [_numbers(path, name, found[name]) for name in form]
+    for name, column in zip(form, columns):
+        if len(column) != len(columns[0]):
+            raise ValueError(
+                f"{path}: {form[0]} has {len(columns[0])} rows and {name} has {len(column)}; they must agree"
+            )
+    if not len(columns[0]):
+        raise ValueError(f"{path} holds no rows")
+    return Steps(*columns) if form is STEPS else steps_of(*columns)
+
+
+def steps_of(time_s, volts, speed_mm_s):
+    """The Steps of a recording: each stretch of one speed other than 0 is one, after a rest at 0.
+
+    Vi is the mean of the last REST_S before it, dV from there to the median of its last END_SHARE.
+    """
+    time_s, volts, speed_mm_s = (np.asarray(column, dtype=float) for column in (time_s, volts, speed_mm_s))
+    if (np.diff(time_s) <= 0).any():
+        row = int(np.argmax(np.diff(time_s) <= 0)) + 2
+        raise ValueError(f"time_s must rise from row to row; row {row} has {time_s[row - 1]:g} s")
+    edges = np.concatenate([[0], np.flatnonzero(np.diff(speed_mm_s)) + 1, [len(time_s)]])
+    found, previous = [], None
+    for first, last in pairwise(edges):
+        speed = speed_mm_s[first]
+        if speed:
+            found.append(_step(len(found) + 1, time_s, volts, abs(speed), previous, first, last))
+        previous = None if speed else first
+    if not found:
+        raise ValueError("speed_mm_s is 0 throughout, so there is no step in the recording")
+    return Steps(*np.array(found).T)
+
+
+def _step(number, time_s, volts, speed, rest_from, first, last):
+    """(Vi, dV, speed) of the samples ``first`` up to ``last``, after a rest from ``rest_from`` on."""
+    at = f"step {number}, from {time_s[first]:g} s on"
+    if rest_from is None:
+        raise ValueError(f"{at}: there is no rest before it; speed_mm_s must be 0 for {REST_S:g} s")
+    before = max(rest_from, int(np.searchsorted(time_s, time_s[first] - REST_S * (1 + 1e-9))))
+    if first - before < LEAST_SAMPLES or time_s[first] - time_s[before] < 0.9 * REST_S:
+        raise ValueError(f"{at}: the rest before it is shorter than {REST_S:g} s or {LEAST_SAMPLES} samples")
+    period = (time_s[last - 1] - time_s[first]) / max(last - first - 1, 1)
+    moved = speed * (last - first) * period
+    if last - first < LEAST_SAMPLES or moved < FULL_MM * (1 - 1e-6):
+        raise ValueError(
+            f"{at}: it is {last - first} samples and {moved:.3g} mm long; "
+            f"it needs {LEAST_SAMPLES} samples and {FULL_MM:g} mm"
+        )
+    rest = volts[before:first]
+    end = volts[last - max(1, round(END_SHARE * (last - first))) : last]
+    step = float(np.median(end) - rest.mean())
+    half = len(rest) // 2
+    drift = abs(rest[half:].mean() - rest[:half].mean()) * 2
+    if step > 0 and drift > DRIFT_SHARE * step:
+        raise ValueError(
+            f"{at}: Vc still moves by {drift:.2g} V in the {REST_S:g} s before it; let the rubber recover"
+        )
+    return float(rest.mean()), step, float(speed)
+
+
+def _check(steps):
+    """ValueError with one sentence if the steps do not determine three constants."""
+    rest_v, step_v, speed_mm_s = steps
+    for name, values, least in (
+        ("speed_mm_s", speed_mm_s, "above 0"),
+        ("step_v", step_v, "above 0: Vc rises"),
+    ):
+        wrong = np.flatnonzero(values <= 0)
+        if len(wrong):
+            raise ValueError(
+                f"step {wrong[0] + 1}: {name} = {values[wrong[0]]:.3g} {UNITS[name]} must be {least}"
+            )
+    if len(step_v) < LEAST_STEPS:
+        count = f"{len(step_v)} step{'s' * (len(step_v) != 1)}"
+        raise ValueError(f"{count} of shear: too few for three constants; record {LEAST_STEPS} or more")
+    if np.ptp(rest_v) < LEAST_REST_RANGE_V:
+        raise ValueError(
+            f"every step starts from {rest_v.min():.2f} to {rest_v.max():.2f} V, so k1 stays unknown; "
+            f"press harder for some, by {LEAST_REST_RANGE_V:g} V or more"
+        )
+    if speed_mm_s.max() < LEAST_SPEED_RATIO * speed_mm_s.min():
+        raise ValueError(
+            f"the speeds lie in {speed_mm_s.min():g} .. {speed_mm_s.max():g} mm/s, so n stays unknown; "
+            f"the fastest must be {LEAST_SPEED_RATIO:g} times the slowest or more"
+        )
+
+
+def fit(steps, confidence=CONFIDENCE):
+    """The Fit of Steps; ValueError with one sentence if they do not determine the constants."""
+    from scipy.optimize import OptimizeWarning, curve_fit  # here: help does not wait for SciPy
+    from scipy.stats import t
+
+    steps = Steps(*(np.asarray(column, dtype=float) for column in steps))
+    _check(steps)
+    rest_v, step_v, speed_mm_s = steps
+    log_speed = np.log(speed_mm_s)
+
+    def log_step(_, k0, k1, n):
+        return np.log(np.maximum(k0 + k1 * rest_v, 1e-12)) + n * log_speed
+
+    # The start: n of a plane through the logs, then k0 and k1 of a straight line through dV/v^n.
+    ones = np.ones(len(rest_v))
+    n = np.linalg.lstsq(np.stack([ones, rest_v, log_speed], 1), np.log(step_v), rcond=None)[0][2]
+    start = np.linalg.lstsq(np.stack([ones, rest_v], 1), step_v / speed_mm_s**n, rcond=None)[0]
+    if (start[0] + start[1] * rest_v).min() <= 0:  # a line through 0: begin without a slope
+        start = np.array([np.exp(np.mean(np.log(step_v) - n * log_speed)), 0.0])
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error", OptimizeWarning)
+            value, covariance = curve_fit(
+                log_step, rest_v, np.log(step_v), [*start, n], xtol=1e-15, ftol=1e-15, gtol=1e-15
+            )
+    except (RuntimeError, OptimizeWarning):
+        raise ValueError("no k0, k1 and n fit these steps") from None
+    if (value[0] + value[1] * rest_v).min() <= 0 or value[2] <= 0:
+        raise ValueError(
+            f"no positive step fits: k0 = {value[0]:.3g}, k1 = {value[1]:.3g}, n = {value[2]:.3g}; "
+            "are the speeds those of the steps?"
+        )
+    half = t.ppf(0.5 + confidence / 2, len(step_v) - 3) * np.sqrt(np.diag(covariance))
+    residual = np.exp(np.log(step_v) - log_step(rest_v, *value)) - 1.0
+    return Fit(steps, value, value - half, value + half, residual)
+
+
+def tell(found):
+    """The lines to print of a Fit: constants and intervals, what was fitted, residuals, a TOML snippet."""
+    rest_v, _, speed_mm_s = found.steps
+    lines = [
+        f"{name:<2} = {value:8.4f}   {100 * CONFIDENCE:g} % interval {low:.4f} to {high:.4f}"
+        for name, value, low, high in zip(NAMES, found.value, found.low, found.high)
+    ]
+    k0, k1, n = found.value
+    worst = int(np.argmax(np.abs(found.residual)))
+    dof = len(rest_v) - 3
+    rms = np.sqrt((found.residual**2).sum() / dof)
+    lines += [
+        f"{len(rest_v)} steps from {rest_v.min():.2f} to {rest_v.max():.2f} V at {speed_mm_s.min():g} to "
+        f"{speed_mm_s.max():g} mm/s; outside them the constants are a guess",
+        f"residuals of dV: {100 * rms:.2g} % rms ({dof} degrees of freedom), "
+        f"{100 * found.residual[worst]:+.2g} % at most, step {worst + 1} "
+        f"({rest_v[worst]:.2f} V, {speed_mm_s[worst]:g} mm/s)",
+        f"1 % of dV is {100 * (1.01 ** (1 / n) - 1):.2g} % of v",
+    ]
+    if k1 < 0:
+        lines.append(f"k0 + k1·Vi is 0 at Vi = {-k0 / k1:.2f} V")
+    return [
+        *lines,
+        "",
+        "# dV = (k0 + k1·Vi)·v^n, v = (dV/(k0 + k1·Vi))^(1/n); volts and mm/s",
+        "[shear_speed]",
+        *(f"{name} = {value:.6g}" for name, value in zip(NAMES, found.value)),
+        f"rest_v = [{rest_v.min():.3g}, {rest_v.max():.3g}]",
+        f"speed_mm_s = [{speed_mm_s.min():.3g}, {speed_mm_s.max():.3g}]",
+    ]
+
+
+def command(arguments):
+    """``meissner fit-rubber``."""
+    print(f"{plain(arguments.recording)}: dV = (k0 + k1·Vi)·v^n")
+    print(*tell(fit(read(arguments.recording))), sep="\n")

@@ -1,0 +1,297 @@
+"""``meissner fit-rubber``: known constants come back, exactly without noise, and inside the intervals
+as often as these say; the papers' Table 2 gives the papers' line; bad input is refused with one sentence.
+
+Known constants are not those of meissner.physics.rubber, and the recordings are written here by a plain loop.
+"""
+
+import csv
+import tomllib
+
+import numpy as np
+import pytest
+
+from meissner import cli, fit_rubber
+from meissner.fit_rubber import STEPS, Steps, fit, read, steps_of
+
+K0, K1, N = 1.31, -0.19, 0.17
+RESTS, SPEEDS = (1.6, 2.5, 3.7), (0.013, 0.07, 0.4, 1.1, 2.9)
+RATE = 2000
+
+
+def steps(k0=K0, k1=K1, n=N, rests=RESTS, speeds=SPEEDS, share=lambda: 1.0):
+    rows = [(rest, (k0 + k1 * rest) * speed**n * share(), speed) for rest in rests for speed in speeds]
+    return Steps(*np.array(rows).T)
+
+
+def recording(rows, rest_s=0.25, moved_mm=0.2):
+    """Columns of a recording: at rest at Vi, then at Vi + dV while the stage moves."""
+    time_s, volts, speed_mm_s = [], [], []
+    for rest_v, step_v, speed in zip(*rows):
+        for count, level, moving in (
+            (round(rest_s * RATE), rest_v, 0.0),
+            (round(moved_mm / speed * RATE), rest_v + step_v, speed),
+        ):
+            for _ in range(count):
+                time_s.append(len(time_s) / RATE)
+                volts.append(level)
+                speed_mm_s.append(moving)
+    return np.array(time_s), np.array(volts), np.array(speed_mm_s)
+
+
+def write(path, names, columns):
+    with path.open("w", newline="") as file:
+        table = csv.writer(file)
+        table.writerow(names)
+        table.writerows(zip(*(np.asarray(column).tolist() for column in columns)))
+    return path
+
+
+def test_without_noise_the_constants_come_back_exactly():
+    found = fit(steps())
+    assert found.value == pytest.approx([K0, K1, N], rel=1e-9)
+    assert np.abs(found.residual).max() < 1e-10 and (found.high - found.low).max() < 1e-8
+    # 1.31 - 0.19·3 = 0.74; 0.5^0.17 = 0.888843; its inverse gives 0.5 back.
+    assert found.step_v(3.0, 0.5) == pytest.approx(0.74 * 0.888843, abs=1e-6)
+    assert found.speed_mm_s(3.0, 0.74 * 0.888843) == pytest.approx(0.5, rel=1e-5)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_recording_gives_its_steps(sign):
+    """Rests and steps as written, either way of shear; the first step's level is Vi + dV by hand."""
+    time_s, volts, speed_mm_s = recording(steps())
+    found = steps_of(time_s, volts, sign * speed_mm_s)
+    for ours, written in zip(found, steps()):
+        assert ours == pytest.approx(written, abs=1e-12)
+    assert volts[round(0.25 * RATE)] == pytest.approx(1.6 + (1.31 - 0.304) * 0.013**0.17, abs=1e-12)
+    assert fit(found).value == pytest.approx([K0, K1, N], rel=1e-9)
+
+
+def test_the_rest_is_its_last_tenth_of_a_second_and_the_end_of_a_step_its_last_twentieth():
+    """What comes before does not count: a press during the rest, the rise at the beginning of the step."""
+    time_s = np.arange(1000) / 1000
+    speed = np.where(time_s >= 0.5, 0.3, 0.0)
+    volts = np.where(time_s < 0.399, 5.0, 2.0)  # 0.4 s is the first sample that counts, 0.399 s is at 2 V
+    volts[500:975], volts[975:] = 2.4, 2.7
+    assert np.array(steps_of(time_s, volts, speed)).ravel() == pytest.approx([2.0, 0.7, 0.3], abs=1e-12)
+    volts[400] = 3.0  # one of a hundred
+    assert steps_of(time_s, volts, speed).rest_v == pytest.approx([2.01])
+    volts[975 - 1 : 987] = 2.4  # half of the last 25 and less: the median is that of the others
+    assert steps_of(time_s, volts, speed).step_v == pytest.approx([0.69])
+
+
+def test_the_fit_is_the_least_sum_of_squares_of_logs():
+    rng = np.random.default_rng(4)
+    rows = steps(share=lambda: np.exp(0.1 * rng.standard_normal()))
+    found = fit(rows)
+
+    def squares(k0, k1, n):
+        return sum(
+            (np.log(step) - np.log((k0 + k1 * rest) * speed**n)) ** 2 for rest, step, speed in zip(*rows)
+        )
+
+    least = squares(*found.value)
+    for place in range(3):
+        for by in (0.999, 1.001):
+            moved = found.value.copy()
+            moved[place] *= by
+            assert squares(*moved) > least
+    # The residuals' own sum is that sum, so they are of the same line.
+    assert (np.log1p(found.residual) ** 2).sum() == pytest.approx(least, rel=1e-9)
+
+
+def test_the_intervals_hold_the_constants_as_often_as_they_say():
+    """Of 600 recordings with a deviation of 4.4 % of the step: 95 % are 570, four deviations of it are 21."""
+    inside = np.zeros(3, int)
+    for seed in range(600):
+        rng = np.random.default_rng([20, seed])
+        found = fit(steps(share=lambda rng=rng: np.exp(0.044 * rng.standard_normal())))
+        inside += (found.low < [K0, K1, N]) & (found.high > [K0, K1, N])
+    assert ((inside >= 549) & (inside <= 591)).all(), inside
+    narrow = fit(steps(share=lambda: 1 + 0.01 * rng.standard_normal()), confidence=0.5)
+    wide = fit(narrow.steps, confidence=0.95)
+    # Student's t of 15 - 3 = 12: 2.17881 at 95 %, 0.69548 at 50 %.
+    assert (wide.high - wide.low) / (narrow.high - narrow.low) == pytest.approx(2.17881 / 0.69548, rel=1e-4)
+
+
+def test_table_2_gives_the_papers_line():
+    """k·v^n of its three rows at 0.01 to 3 mm/s. The papers' line: 1.55, -0.27, 0.11; its own rows of k give
+    1.54 (mean 0.73 at 3 V, -0.27 a volt), and n is the mean of 0.12, 0.11, 0.11."""
+    rows = [
+        (rest, k * speed**n, speed)
+        for rest, k, n in ((2.0, 0.99, 0.12), (3.0, 0.75, 0.11), (4.0, 0.45, 0.11))
+        for speed in np.geomspace(0.01, 3.0, 13)
+    ]
+    found = fit(Steps(*np.array(rows).T))
+    assert found.value == pytest.approx([1.55, -0.27, 0.1133], abs=0.015)
+    assert found.value[2] == pytest.approx(0.34 / 3, abs=1e-6)  # equal speeds in each row: the plain mean
+    assert found.low[0] < 1.55 < found.high[0] and found.low[1] < -0.27 < found.high[1]
+
+
+@pytest.mark.parametrize("kind", ["csv", "npz", "steps.csv", "steps.npz"])
+def test_every_form_of_file(tmp_path, kind):
+    """Columns in any order, another between them, comments and a byte order mark in a .csv."""
+    columns = dict(zip(fit_rubber.RECORDING, recording(steps())))
+    if kind.startswith("steps"):
+        columns = dict(zip(STEPS, steps()))
+    columns = {"note": np.ones(len(columns["speed_mm_s"])), **dict(reversed(columns.items()))}
+    path = tmp_path / f"r.{kind}"
+    if kind.endswith("npz"):
+        np.savez(path, **columns)
+    else:
+        write(path, columns, columns.values())
+        path.write_text("\ufeff# of lot 7\n" + path.read_text(), "utf-8")
+    assert fit(read(path)).value == pytest.approx([K0, K1, N], rel=1e-9)
+
+
+def test_the_command_prints_constants_intervals_residuals_and_toml(tmp_path, capsys):
+    rng = np.random.default_rng(2)
+    rows = steps(share=lambda: np.exp(0.03 * rng.standard_normal()))
+    path = write(tmp_path / "lot.csv", fit_rubber.RECORDING, recording(rows))
+    cli.main(["fit-rubber", str(path)])
+    text = capsys.readouterr().out
+    found = fit(rows)
+    for name, value, low, high in zip(("k0", "k1", "n"), found.value, found.low, found.high):
+        assert f"{name:<2} = {value:8.4f}   95 % interval {low:.4f} to {high:.4f}" in text
+    assert "15 steps from 1.60 to 3.70 V at 0.013 to 2.9 mm/s" in text and "12 degrees of freedom" in text
+    written = tomllib.loads(text[text.index("# dV =") :])["shear_speed"]
+    assert [written[name] for name in ("k0", "k1", "n")] == pytest.approx(found.value, rel=1e-5)
+    assert written["rest_v"] == [1.6, 3.7] and written["speed_mm_s"] == [0.013, 2.9]
+
+
+def refused(path):
+    with pytest.raises(ValueError) as problem:
+        fit(read(path))
+    sentence = str(problem.value)
+    assert "\n" not in sentence and len(sentence) < 200
+    return sentence
+
+
+def of_steps(**columns):
+    rows = steps()._asdict() | columns
+    return list(rows), list(rows.values())
+
+
+def of_recording(change):
+    columns = dict(zip(fit_rubber.RECORDING, (column.copy() for column in recording(steps()))))
+    change(columns)
+    return list(columns), list(columns.values())
+
+
+def put(name, row, value):
+    def change(columns):
+        columns[name][row] = value
+
+    return change
+
+
+REST = round(0.25 * RATE)  # samples
+SECOND = REST + round(0.2 / 0.013 * RATE)  # the first of the second rest, at 15.6345 s
+BAD = {
+    "no volts": (of_recording(lambda c: c.pop("volts")), "has no column volts"),
+    "no speed of steps": ((of_steps()[0][:2], of_steps()[1][:2]), "has no column speed_mm_s"),
+    "NaN": (of_recording(put("volts", 70, np.nan)), "volts is nan in row 71; it must be finite"),
+    "infinity": (of_recording(put("time_s", 4, np.inf)), "time_s is inf in row 5"),
+    "unsorted": (of_recording(put("time_s", 9, 0.0)), "time_s must rise from row to row; row 10 has 0 s"),
+    "twice the same time": (of_recording(put("time_s", 9, 8 / RATE)), "row 10 has 0.004 s"),
+    "no shear": (of_recording(lambda c: c["speed_mm_s"].fill(0)), "speed_mm_s is 0 throughout"),
+    "no rest": (
+        of_recording(put("speed_mm_s", slice(SECOND, SECOND + REST), 0.5)),
+        "step 2, from 15.6345 s on: there is no rest before it",
+    ),
+    "begins moving": (
+        of_recording(put("speed_mm_s", slice(0, 9), 0.5)),
+        "step 1, from 0 s on: there is no rest",
+    ),
+    "speed 0 of a step": (
+        of_steps(speed_mm_s=np.array([0.0, *SPEEDS * 3][:15])),
+        "speed_mm_s = 0 mm/s must be",
+    ),
+    "a fall": (of_steps(step_v=-steps().step_v), "step 1: step_v = -0.481 V must be above 0"),
+    "one rest": (
+        of_steps(rest_v=np.full(15, 2.2)),
+        "every step starts from 2.20 to 2.20 V, so k1 stays unknown",
+    ),
+    "one speed": (
+        of_steps(speed_mm_s=np.full(15, 0.3)),
+        "the speeds lie in 0.3 .. 0.3 mm/s, so n stays unknown",
+    ),
+    "four steps": (
+        (STEPS, [column[[0, 4, 7, 14]] for column in steps()]),
+        "4 steps of shear: too few for three constants",
+    ),
+    "one step": ((STEPS, [column[:1] for column in steps()]), "1 step of shear: too few"),
+    "slower is more": (of_steps(step_v=steps(n=-N).step_v), "no positive step fits"),
+}
+
+
+@pytest.mark.parametrize("case", BAD)
+@pytest.mark.parametrize("kind", ["csv", "npz"])
+def test_bad_input_is_one_sentence(tmp_path, kind, case):
+    (names, columns), sentence = BAD[case]
+    path = tmp_path / f"bad.{kind}"
+    if kind == "csv":
+        write(path, names, columns)
+    else:
+        np.savez(path, **dict(zip(names, columns)))
+    assert sentence in refused(path)
+
+
+@pytest.mark.parametrize(
+    "text, sentence",
+    [
+        ("", "bad.csv is empty"),
+        ("time_s,volts,speed_mm_s\n", "bad.csv holds no rows"),
+        ("time_s,volts,speed_mm_s\n0,2\n", "bad.csv, line 2: 2 values under 3 names"),
+        ("time_s,volts,speed_mm_s\n0,two,1\n", "volts must hold one number a row, not 'two'"),
+        ("time_s,volts,speed_mm_s\n0,,1\n", "volts must hold one number a row, not ''"),
+        ("0,2,1\n1,2,1\n", "has no column time_s; a recording has time_s, volts, speed_mm_s, steps rest_v"),
+        ("rest_v,speed_mm_s\n2,1\n", "has no column step_v"),
+    ],
+)
+def test_bad_text_is_one_sentence(tmp_path, text, sentence):
+    (tmp_path / "bad.csv").write_text(text)
+    assert sentence in refused(tmp_path / "bad.csv")
+
+
+def test_files_that_are_none(tmp_path):
+    (tmp_path / "x.csv").write_bytes(b"\xff\xfe\x00\x81")
+    (tmp_path / "x.npz").write_bytes(b"PK no")
+    (tmp_path / "x.txt").write_text("rest_v")
+    np.savez(tmp_path / "text.npz", rest_v=np.array(["a"]), step_v=[1], speed_mm_s=[1])
+    np.savez(tmp_path / "flat.npz", rest_v=np.ones((2, 2)), step_v=[1], speed_mm_s=[1])
+    np.savez(tmp_path / "long.npz", rest_v=np.ones(5), step_v=np.ones(6), speed_mm_s=np.ones(5))
+    assert "x.csv is not a table of text" in refused(tmp_path / "x.csv")
+    assert "x.npz is not a .npz file of numbers" in refused(tmp_path / "x.npz")
+    assert "must be a .csv or a .npz file" in refused(tmp_path / "x.txt")
+    assert "rest_v must hold one number a row, not 'a'" in refused(tmp_path / "text.npz")
+    assert "rest_v must hold one number a row" in refused(tmp_path / "flat.npz")
+    assert "rest_v has 5 rows and step_v has 6; they must agree" in refused(tmp_path / "long.npz")
+    assert "there is no file" in refused(tmp_path / "gone.csv")
+    assert "is a folder" in refused(tmp_path)
+
+
+def one_step(count, speed=0.5, rest=600, drift=0.0):
+    time_s = np.arange(rest + count) / RATE
+    volts = np.where(time_s < rest / RATE, 2.0 + drift * time_s, 2.5)
+    return time_s, volts, np.where(time_s < rest / RATE, 0.0, speed)
+
+
+def test_a_step_must_be_whole():
+    """At 0.5 mm/s and 2000 samples a second 0.01 mm are 40 samples; 0.1 s of rest 200."""
+    assert len(steps_of(*one_step(40)).step_v) == len(steps_of(*one_step(40, rest=200)).step_v) == 1
+    with pytest.raises(
+        ValueError, match=r"step 1, from 0.3 s on: it is 39 samples and 0.00975 mm long; it needs"
+    ):
+        steps_of(*one_step(39))
+    with pytest.raises(ValueError, match=r"it is 4 samples and 0.04 mm long"):
+        steps_of(*one_step(4, speed=20.0))
+    assert len(steps_of(*one_step(5, speed=20.0)).step_v) == 1
+    with pytest.raises(ValueError, match=r"the rest before it is shorter than 0.1 s"):
+        steps_of(*one_step(40, rest=180))
+
+
+def test_a_rubber_that_still_recovers_is_no_rest():
+    """0.1 s of so many volts a second; the step is about 0.5 V, a tenth of it 0.05 V."""
+    assert len(steps_of(*one_step(40, drift=-0.3)).step_v) == 1
+    with pytest.raises(ValueError, match=r"Vc still moves by 0.07 V in the 0.1 s before it; let the rubber"):
+        steps_of(*one_step(40, drift=-0.7))
