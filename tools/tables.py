@@ -1,4 +1,4 @@
-"""rtl/common/msn_log2_pkg.sv, msn_exp2_pkg.sv: the tables of msn_log2 and msn_exp2, from their twins' integers.
+"""rtl/common/msn_{log2,exp2}_pkg.sv: the tables of msn_log2 and msn_exp2, from their twins' integers.
 
 python tools/tables.py           print the packages
 python tools/tables.py --write   write them

@@ -2,7 +2,7 @@
 //
 // Power of two of a signed number, by a table and the chord between its entries.
 //
-//   y = i + f, FractionBits of fraction;   T[j] = 2^(j/2^TableBits) - 1, j the leading bits of f, r the others
+//   y = i + f, FractionBits of fraction;  T[j] = 2^(j/2^TableBits) - 1, j the leading bits of f, r the others
 //   out = 2^i (1 + T[j] + (T[j+1] - T[j]) r)     unsigned, OutFraction bits of fraction, rounded half up
 //
 // 2^OutBits - 1 also stands for all beyond. Off 2^y, as a share of it: at most 2^-FractionBits / 8 + 2^-29
@@ -52,7 +52,7 @@ module msn_exp2 #(
 
   localparam int unsigned Entries   = 2 ** TableBits;
   localparam int unsigned EntryBits = FractionBits + 2;
-  localparam int unsigned StepBits  = FractionBits - TableBits + 3;  // T' - T, below 1.4 2^(EntryBits - TableBits)
+  localparam int unsigned StepBits  = FractionBits - TableBits + 3;  // of T' - T
   localparam int unsigned RestBits  = FractionBits - TableBits;
   localparam int unsigned Drop      = 28 - EntryBits;
   localparam int unsigned Stride    = 2 ** (8 - TableBits);
@@ -65,7 +65,9 @@ module msn_exp2 #(
   endfunction
   logic [RomBits-1:0] rom [Entries];
   initial begin
-    for (int i = 0; i < Entries; i++) rom[i] = {EntryBits'(entry_at(i)), StepBits'(entry_at(i + 1) - entry_at(i))};
+    for (int i = 0; i < Entries; i++) begin
+      rom[i] = {EntryBits'(entry_at(i)), StepBits'(entry_at(i + 1) - entry_at(i))};
+    end
   end
 
   // All stages move together.

@@ -3,7 +3,7 @@
 // Binary logarithm of an unsigned number, by a table and the chord between its entries.
 //
 //   x = 2^e (1 + m);   T[i] = log2(1 + i/2^TableBits), i the leading bits of m, r the others
-//   out = e + T[i] + (T[i+1] - T[i]) r     unsigned, FractionBits of fraction; T has two more, rounded half up
+//   out = e + T[i] + (T[i+1] - T[i]) r   unsigned, FractionBits of fraction, rounded half up; T has two more
 //
 // Off log2(x), lsb = 2^-FractionBits: at most 5/8 lsb + 2^-29 above; below 1/4 lsb + 0.1804/4^TableBits (the
 // chord) more, and 1.4427/2^(TableBits + 17) where r has more than 17 bits, which are dropped. At the default
@@ -45,7 +45,7 @@ module msn_log2 #(
 
   localparam int unsigned Entries   = 2 ** TableBits;
   localparam int unsigned EntryBits = FractionBits + 2;
-  localparam int unsigned StepBits  = FractionBits - TableBits + 3;  // T' - T, below 1.45 2^(EntryBits - TableBits)
+  localparam int unsigned StepBits  = FractionBits - TableBits + 3;  // of T' - T
   localparam int unsigned LongRest  = InBits - 1 - TableBits;
   localparam int unsigned RestBits  = (LongRest > 17) ? 17 : LongRest;
   localparam int unsigned MantissaBits = TableBits + RestBits;
@@ -60,7 +60,9 @@ module msn_log2 #(
   endfunction
   logic [RomBits-1:0] rom [Entries];
   initial begin
-    for (int i = 0; i < Entries; i++) rom[i] = {EntryBits'(entry_at(i)), StepBits'(entry_at(i + 1) - entry_at(i))};
+    for (int i = 0; i < Entries; i++) begin
+      rom[i] = {EntryBits'(entry_at(i)), StepBits'(entry_at(i + 1) - entry_at(i))};
+    end
   end
 
   // All stages move together.

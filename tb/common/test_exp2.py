@@ -1,4 +1,4 @@
-"""msn_exp2 against its model, and the model against NumPy's exp2 at every number that gives neither 0 nor full scale,
+"""msn_exp2 against its model, and the model against NumPy's exp2 wherever it gives neither 0 nor full scale,
 at the default precision and two others: whole numbers and their neighbours, entries of the table, the ends of
 input and output; gaps and stalls, a reset in mid-flight, exact clocks."""
 
@@ -19,8 +19,8 @@ def parameters(dut):
 
 
 def cases(rng, settings, count):
-    """Numbers: every one where few, else whole ones and their neighbours from below 0 to beyond the output, entries
-    of the table, the ends of the input, then any."""
+    """Numbers: every one where few, else whole ones and their neighbours from below 0 to beyond the output,
+    entries of the table, the ends of the input, then any."""
     whole_bits, table_bits, fraction_bits, out_bits, out_fraction = settings
     low, high = bench.width(whole_bits + fraction_bits)
     if high < 1 << 11:
@@ -149,7 +149,7 @@ def test_every_number_within_the_bound(sizes, bounds):
 
 
 def test_ends_of_the_range():
-    """0 from two octaves below half an lsb on, half an lsb exactly rounds up; at the top held and beyond it."""
+    """0 below half an lsb, which exactly met rounds up; held at the top, and beyond it."""
     one = 1 << 16
     assert exp2([-21 * one - 1, -21 * one, -21 * one + 1, -20 * one]).tolist() == [0, 1, 1, 1]
     assert exp2([-22 * one, -(1 << 26), -(1 << 31)]).tolist() == [0, 0, 0]

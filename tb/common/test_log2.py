@@ -1,6 +1,6 @@
-"""msn_log2 against its model, and the model against NumPy's log2 at every mantissa, at the default precision and
-two others: powers of two and their neighbours, entries of the table and theirs, zero, full scale, every size;
-tables against mpmath; gaps and stalls, a reset in mid-flight, exact clocks."""
+"""msn_log2 against its model, and the model against NumPy's log2 at every mantissa, at the default precision
+and two others: powers of two and their neighbours, entries of the table and theirs, zero, full scale, every
+size; tables against mpmath; gaps and stalls, a reset in mid-flight, exact clocks."""
 
 import cocotb
 import mpmath
@@ -23,7 +23,7 @@ def parameters(dut):
 
 
 def cases(rng, in_bits, table_bits, count):
-    """Numbers: every one where few, else powers of two, a table's entries, their neighbours, then any size."""
+    """Numbers: every one where few, else powers of two, a table's entries, their neighbours, any size."""
     top = (1 << in_bits) - 1
     if in_bits <= 10:
         return list(range(top + 1))

@@ -23,7 +23,7 @@ def finest():
 
 
 def bound(table_bits=6, fraction_bits=16):
-    """(below, above): how far the result lies off 2^y, as a share of it, before its own rounding to an lsb."""
+    """(below, above): how far off 2^y the result is, as a share of it, before it is rounded to an lsb."""
     table(finest(), table_bits, fraction_bits)
     lsb = 2.0**-fraction_bits
     return lsb / 8 + lsb / 4 + 2.0**-29, lsb / 8 + 2.0**-29 + 0.0601 * 4.0**-table_bits

@@ -36,7 +36,7 @@ def finest():
 
 
 def table(entries, table_bits, fraction_bits):
-    """(T, D): every 2^(8 - table_bits)th of ``entries`` with two bits more than the fraction, and its step."""
+    """(T, D): every 2^(8 - table_bits)th entry, with two bits more than the fraction, and the steps."""
     check_bits(table_bits, fraction_bits)
     drop = ENTRY_BITS - fraction_bits - 2
     t = np.array(entries[:: 1 << TABLE_BITS - table_bits], dtype=np.int64)
@@ -61,7 +61,7 @@ def log2(x, in_bits=27, table_bits=6, fraction_bits=16):
 
     ``x``: integers 0 .. 2^in_bits - 1. Exact at powers of two; otherwise within ``bound``: by the chord
     below at most 0.1804/4^table_bits; by rounding (lsb = 2^-fraction_bits) above at most lsb 5/8 + 2^-29,
-    below lsb/4 more; and where r has more than 17 bits the others are dropped: below by 1.4427/2^(table_bits + 17).
+    below lsb/4 more; where r has more than 17 bits the others are dropped: 1.4427/2^(table_bits + 17) below.
     At the default: -0.0000576 .. +0.0000096.
     """
     if not table_bits + 2 <= in_bits <= 48:
