@@ -8,10 +8,10 @@
 // samples, 2^SettleLog2 times; Vi of as many windows at rest: all levels are in that unit of a code. The rules by
 // which Vi is found, held and dropped, the flags and the bounds: docs/shear_speed.md
 //
-//   clock  1      2 .. 19     20  21 .. 29    30 .. 47   48     49     .. 55  56
-//          look   k1 Vi       k   two log2s   y / n      round  exp2          judge
+//   clock  1     2 .. 19  20  21 .. 29      30 .. 47  48     49 .. 54  55        56, 57  58
+//          look  k1 Vi    k   log2 of both  y / n     round  exp2      v taken   judge   out
 //
-// The multiplications take a clock a bit, as a window takes many more. With any flag the speed is 0. Latency 57
+// The multiplications take a clock a bit, as a window takes many more. With any flag the speed is 0. Latency 58
 // clocks after a window's last sample, in which no sample is taken.   Model: model/meissner/twins/slip/shear_speed.py
 
 module msn_shear_speed #(
@@ -135,7 +135,7 @@ module msn_shear_speed #(
   // k0 + k1 Vi, and the logarithms: of k, then of the rise.
   localparam int unsigned KBits = LevelBits + 3;
   logic signed [KBits-1:0]   k;
-  logic                      log_in, log_out, log_ready, positive, slight;
+  logic                      log_in, log_out, log_ready, positive, slight, slight_q;
   logic        [LevelBits:0] log_data;
   logic        [LogBits-1:0] log_result, log_k;
   logic                      log_second;
@@ -193,19 +193,25 @@ module msn_shear_speed #(
   logic [4:0] reasons;  // without a speed
   logic [7:0] flags;
   assign stays   = settled && !held && (clipped || !down);
-  assign reasons = {clipped, {3{stays && !clipped}} & {!positive, slight, outside}, !stays};
-  assign blocked = |reasons;
-
   logic [32:0] travel_sum;
-  logic [31:0] travel_next;
-  assign travel_sum  = 33'(travel) + 33'(speed);
-  assign travel_next = (blocked || up) ? '0 : travel_sum[32] ? '1 : travel_sum[31:0];
-  assign flags       = {{3{!blocked}} & {&speed, speed > cfg_limit_i, travel_next < cfg_travel_i}, reasons};
+  logic        blocked_q, fast;
+  assign reasons    = {clipped, {3{stays && !clipped}} & {!positive, slight, outside}, !stays};
+  assign blocked    = |reasons;
+  assign travel_sum = 33'(travel) + 33'(speed);
+  assign flags      = {{3{!blocked_q}} & {&speed, fast, travel < cfg_travel_i}, reasons};
+  always_ff @(posedge clk_i) begin
+    blocked_q <= blocked;  // both rest since k was found
+    slight_q  <= slight;
+    if (state == Judge && turn == '0) begin
+      travel <= (blocked_q || up) ? '0 : travel_sum[32] ? '1 : travel_sum[31:0];
+      fast   <= speed > cfg_limit_i;
+    end
+  end
 
   logic        [CountBits-1:0] count_now;
   logic signed [LevelBits-1:0] group_now;
   assign fresh     = up || down || !seen;
-  assign rests     = !stays || slight;
+  assign rests     = !stays || slight_q;
   assign count_now = fresh ? '0 : count;
   assign group_now = LevelBits'(total) + ((count_now == '0) ? '0 : group);
   assign full      = rests && count_now == CountBits'((1 << SettleLog2) - 1);
@@ -218,15 +224,14 @@ module msn_shear_speed #(
       Scale:  if (turns_end) begin state <= Logs; turn <= '0; end
       Logs:   if (log_out && log_second) begin state <= Raise; turn <= '0; end
       Raise:  if (turns_end) begin state <= Power; turn <= '0; end
-      Power:  if (speed_valid) state <= Judge;
-      Judge:  state <= Report;
+      Power:  if (speed_valid) begin state <= Judge; turn <= '0; end
+      Judge:  if (turn != '0) state <= Report;
       default: if (out_ready_i) state <= Gather;  // Report
     endcase
     if (speed_valid) speed <= speed_out;
-    if (state == Judge) begin
+    if (state == Judge && turn != '0) begin
       out_speed_o <= (|flags) ? '0 : speed;
       out_flags_o <= flags;
-      travel      <= travel_next;
       if (held || clipped) begin
         count <= '0;
         if (held) {seen, settled} <= 2'b00;

@@ -22,7 +22,7 @@ NAMES = {
     "SpeedBits": "speed_bits",
     "SpeedFraction": "speed_fraction",
 }
-LATENCY = 57
+LATENCY = 58
 OK, UNSETTLED, RANGE, SMALL, DENOMINATOR, CLIPPED, RISING, FAST, SATURATED = 0, 1, 2, 4, 8, 16, 32, 64, 128
 ONE = 1 << 20  # 1 mm/s
 
@@ -239,7 +239,7 @@ def story(rng, size, windows):
         levels += [vi] * int(rng.integers(rest - 2, rest + 3))
         levels += [vi + rng.choice([-0.011, 0.005, 0.15])] * int(rng.integers(0, 3))
         for faster in (v, v * rng.choice([1.0, 1.1, 1.3])):
-            levels += [vi + k * faster**0.11] * int(rng.integers(1, 8))
+            levels += [vi + k * faster**0.11] * int(rng.integers(1, 12))
             levels += [levels[-1] + rng.choice([-0.011, -0.004, 0.005])] * int(rng.integers(0, 2))
         levels += [5.0] * (rng.random() < 0.3)
     volts = np.repeat(levels[:windows], length)
@@ -256,7 +256,7 @@ async def matches_model(dut, stall_rate):
     rng = np.random.default_rng(bench.SEED)
     windows = 400 if size.window_log2 < 4 else 130
     seen = 0
-    for given in ({}, {"n": 0.5, "k1": 0.11, "limit": 0.15, "travel": 1.1e-5 * (1 << size.window_log2)}):
+    for given in ({}, {"n": 0.5, "k1": 0.11, "limit": 0.2, "travel": 0.6e-5 * (1 << size.window_log2)}):
         settings = settings_of(size, **given)
         await begin(dut, settings)
         codes, held = story(rng, size, windows)
@@ -380,8 +380,13 @@ EVIDENCE = {
     },
     "equivalence": {
         "size": {
-            **{"SampleBits": 5, "WindowLog2": 1, "SettleLog2": 1, "TableBits": 3, "FractionBits": 6},
-            **{"SpeedBits": 8, "SpeedFraction": 6},
+            "SampleBits": 5,
+            "WindowLog2": 1,
+            "SettleLog2": 1,
+            "TableBits": 3,
+            "FractionBits": 6,
+            "SpeedBits": 8,
+            "SpeedFraction": 6,
         }
     },
 }
