@@ -326,6 +326,21 @@ async def decides_by_hand(dut):
         assert got == list(zip(*map(np.ndarray.tolist, by_twin))), name
 
 
+# Windows of 1 mm/s = 2^27: the 32nd after the rise brings the travel to 2^32, and it is held at 2^32 - 1.
+LONG_SIZE = ShearSize(20, 3, 2, 8, 22, 32, 27)
+LONG = replace(HAND, k0=32000, k1=-17694, vi_min=32000 - 1, vi_max=32000, limit=1 << 28, travel=(1 << 32) - 1)
+LONG_LEVELS = [8000] * 4 + [8000 + 5840] * 41  # k = 32000 - floor(..) = 32000 - 8640 = 23360 = 4 x 5840
+LONG_CASE = [-UNSETTLED] * 4 + [-RISING] * 32 + [1 << 27] * 9
+
+
+@bench.applies(lambda dut: size_of(dut) == LONG_SIZE)
+@cocotb.test(timeout_time=2, timeout_unit="ms")
+async def holds_the_travel_at_its_end(dut):
+    await begin(dut, LONG)
+    codes, held = samples(LONG_LEVELS, LONG_SIZE)
+    check(LONG_CASE, pairs(await bench.stream(dut, beats_of(codes, held), ["speed", "flags"], drain=70)))
+
+
 @bench.applies(lambda dut: size_of(dut) == SMALL_SIZE)
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def clocks_are_as_stated(dut):
@@ -379,6 +394,7 @@ EVIDENCE = {
         "test": "tb/slip/test_shear_speed.py::test_model_against_a_loop_in_volts",
     },
     "equivalence": {
+        "boxes": True,
         "size": {
             "SampleBits": 5,
             "WindowLog2": 1,
@@ -387,7 +403,7 @@ EVIDENCE = {
             "FractionBits": 6,
             "SpeedBits": 8,
             "SpeedFraction": 6,
-        }
+        },
     },
 }
 
@@ -402,7 +418,7 @@ SIZES = [
     {},
     {"SampleBits": 13, "WindowLog2": 1, "SettleLog2": 0},
     {"SampleBits": 13, "WindowLog2": 1, "SettleLog2": 1},
-    {"SampleBits": 20, "WindowLog2": 3, "SettleLog2": 2, "TableBits": 8, "FractionBits": 22, "SpeedBits": 30}
+    {"SampleBits": 20, "WindowLog2": 3, "SettleLog2": 2, "TableBits": 8, "FractionBits": 22, "SpeedBits": 32}
     | {"SpeedFraction": 27},
     EVIDENCE["equivalence"]["size"],
 ]
@@ -416,8 +432,9 @@ def test_shear_speed(parameters):
 @pytest.mark.parametrize(
     "size, standard, given, levels, case",
     [(SMALL_SIZE, HAND, *case) for case in CASES.values()]
-    + [(PAIR_SIZE, PAIR, *case) for case in PAIR_CASES.values()],
-    ids=[*CASES, *PAIR_CASES],
+    + [(PAIR_SIZE, PAIR, *case) for case in PAIR_CASES.values()]
+    + [(LONG_SIZE, LONG, {}, LONG_LEVELS, LONG_CASE)],
+    ids=[*CASES, *PAIR_CASES, "the travel's end"],
 )
 def test_decisions_by_hand(size, standard, given, levels, case):
     block = ShearSpeed(replace(standard, **given), size)
