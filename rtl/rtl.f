@@ -15,6 +15,10 @@ rtl/common/msn_round_sat.sv
 rtl/common/msn_divide.sv
 rtl/common/msn_ratio.sv
 rtl/common/msn_hypot.sv
+rtl/common/msn_log2_pkg.sv
+rtl/common/msn_log2.sv
+rtl/common/msn_exp2_pkg.sv
+rtl/common/msn_exp2.sv
 rtl/common/msn_fifo.sv
 rtl/common/msn_fork.sv
 rtl/common/msn_width_converter.sv
@@ -51,6 +55,7 @@ rtl/slip/msn_slip_flags.sv
 rtl/slip/msn_slip_path.sv
 rtl/slip/msn_slip_chain.sv
 rtl/slip/msn_channels.sv
+rtl/slip/msn_shear_speed.sv
 rtl/cop/msn_cop_accumulate.sv
 rtl/cop/msn_cop_divide.sv
 rtl/cop/msn_cop.sv
