@@ -154,7 +154,7 @@ module msn_grip #(
   // 2: join the fingers that work. Cycles begin two clocks apart or more, so the comparison has a clock of its own.
   logic [Fingers-1:0][TimerBits-1:0] quiet;   // cycles in a row without a decision
   logic [Fingers-1:0]                nearly;  // one more is the watchdog's
-  logic [Fingers-1:0]                silent, faulty;
+  logic [Fingers-1:0]                silent, faulty, faulty_2;
   logic [CommandBits-1:0]            largest, smallest, joined;
   logic                              slips, falls, any_silent, any_sick;
   assign silent = nearly & ~seen;
@@ -188,11 +188,11 @@ module msn_grip #(
       falls      <= &seen && over == '0 && faulty == '0;
       any_silent <= |silent;
       any_sick   <= |sick;
-      faulty_o   <= faulty;
+      faulty_2   <= faulty;
     end
     if (rst_i) begin
-      {counted, fresh, over, seen, sick, nearly, faulty_o} <= '0;
-      {wish, term, quiet}                                  <= '0;
+      {counted, fresh, over, seen, sick, nearly} <= '0;
+      {wish, term, quiet}                         <= '0;
     end
   end
 
@@ -242,6 +242,7 @@ module msn_grip #(
       end
       out_increment_o <= live_3 ? signed'({1'b0, next}) - signed'({1'b0, out_command_o}) : '0;
       mode_word       <= mode_3;
+      faulty_o        <= faulty_2;
       fault_o         <= {!gives_3, cfg_minimum_i > cfg_maximum_i, gives_3 && reaches && !below,
                           any_sick, any_silent};
     end
@@ -251,6 +252,7 @@ module msn_grip #(
       out_command_o   <= '0;
       armed           <= 1'b0;
       mode_word       <= 1'b0;
+      faulty_o        <= '0;
       fault_o         <= 5'b10000;
     end
   end
