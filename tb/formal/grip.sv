@@ -1,0 +1,260 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The commands, against docs/grip.md written with wide signed sums, and what a hand relies on, each by itself:
+//   within the limits once there is a command, if minimum <= maximum; never by more than `rate`; without an override
+//   down by `decay` at most, and only if every finger was heard, well, not silent and never over since the last cycle
+//   no command moves between cycles; cycles are two clocks apart or more, and a period has one
+//   the first command after a reset has an increment of 0, in mode force only with an override
+// What a speed adds to a window is taken from the block. Limits, rate and watchdog hold while it runs.
+
+module formal_grip #(
+  parameter  int unsigned Fingers     = 2,
+  parameter  int unsigned CommandBits = 16,
+  parameter  int unsigned PeriodBits  = 24,
+  parameter  int unsigned TimerBits   = 16,
+  parameter  int unsigned SpeedBits   = 16,
+  parameter  int unsigned GainBits    = 16,
+  parameter  int unsigned SpeedShift  = 8,
+  localparam int unsigned IdBits      = msn_pkg::index_width(Fingers),
+  localparam int unsigned WideBits    = CommandBits + 3
+) (
+  input logic                   clk_i,
+  input logic                   rst_i,
+  input logic [PeriodBits-1:0]  cfg_period_i,
+  input logic [CommandBits-1:0] cfg_step_i,
+  input logic [GainBits-1:0]    cfg_speed_gain_i,
+  input logic [CommandBits-1:0] cfg_decay_i,
+  input logic [CommandBits-1:0] cfg_minimum_i,
+  input logic [CommandBits-1:0] cfg_maximum_i,
+  input logic [CommandBits-1:0] cfg_rate_i,
+  input logic [TimerBits-1:0]   cfg_watchdog_i,
+  input logic                   cfg_rule_i,
+  input logic                   cfg_mode_i,
+  input logic                   cfg_immediate_i,
+  input logic                   cfg_override_i,
+  input logic [CommandBits-1:0] cfg_override_value_i,
+  input logic                   over_valid_i,
+  input logic [IdBits-1:0]      over_id_i,
+  input logic                   over_i,
+  input logic                   over_end_i,
+  input logic                   speed_valid_i,
+  input logic [IdBits-1:0]      speed_id_i,
+  input logic                   speed_ok_i,
+  input logic [SpeedBits-1:0]   speed_i,
+  input logic [Fingers-1:0]     healthy_i
+);
+
+  logic                        out_valid_o;
+  logic signed [CommandBits:0] out_word_o, out_increment_o;
+  logic [CommandBits-1:0]      out_command_o;
+  logic [4:0]                  fault_o;
+  logic [Fingers-1:0]          faulty_o;
+  msn_grip #(
+    .Fingers(Fingers), .CommandBits(CommandBits), .PeriodBits(PeriodBits), .TimerBits(TimerBits),
+    .SpeedBits(SpeedBits), .GainBits(GainBits), .SpeedShift(SpeedShift)
+  ) dut (.*);
+
+  logic started = 1'b0;
+  logic [3*CommandBits+TimerBits-1:0] cfg, cfg_q;
+  assign cfg = {cfg_minimum_i, cfg_maximum_i, cfg_rate_i, cfg_watchdog_i};
+  always_ff @(posedge clk_i) begin
+    started <= 1'b1;
+    cfg_q   <= cfg;
+  end
+  always_comb begin
+    if (!started) assume (rst_i);
+    if (started) assume (cfg == cfg_q);
+  end
+
+  // Since the last cycle, of each finger.
+  localparam logic [WideBits-1:0] Top = (WideBits)'((1 << CommandBits) - 1);
+  logic [Fingers-1:0][WideBits-1:0] wish;
+  logic [Fingers-1:0]               open, heard, over, unwell, counts, hit;
+  logic [Fingers-1:0][TimerBits-1:0] unheard, unheard_next;
+  logic                             go;
+  assign go = dut.go;
+  always_comb begin
+    for (int unsigned f = 0; f < Fingers; f++) begin
+      hit[f]    = over_valid_i && 32'(over_id_i) == f;
+      counts[f] = hit[f] && over_i && !open[f];
+      unheard_next[f] = heard[f] ? '0 : (&unheard[f]) ? unheard[f] : unheard[f] + 1'b1;
+    end
+  end
+
+  logic [Fingers-1:0][WideBits-1:0] earlier, added;
+  always_comb begin
+    for (int unsigned f = 0; f < Fingers; f++) begin
+      earlier[f] = go ? '0 : wish[f];
+      added[f]  = earlier[f] + WideBits'(cfg_step_i) + WideBits'(dut.term[f]);
+    end
+  end
+  always_ff @(posedge clk_i) begin
+    for (int unsigned f = 0; f < Fingers; f++) begin
+      wish[f] <= !counts[f] ? earlier[f] : added[f] > Top ? Top : added[f];
+      if (hit[f]) open[f] <= !over_end_i && (open[f] || over_i);
+      if (go) unheard[f] <= unheard_next[f];
+    end
+    heard  <= go ? hit : heard | hit;
+    over   <= go ? (hit & {Fingers{over_i}}) : over | (hit & {Fingers{over_i}});
+    unwell <= go ? ~healthy_i : unwell | ~healthy_i;
+    if (rst_i) begin
+      {wish, unheard}             <= '0;
+      {open, heard, over, unwell} <= '0;
+    end
+  end
+
+  // Joined.
+  logic [Fingers-1:0]  silent, faulty;
+  logic [WideBits-1:0] most, least;
+  always_comb begin
+    most  = '0;
+    least = Top;
+    for (int unsigned f = 0; f < Fingers; f++) begin
+      silent[f] = !heard[f] && unheard_next[f] >= cfg_watchdog_i;
+      faulty[f] = silent[f] || unwell[f];
+      if (!faulty[f] && wish[f] > most) most = wish[f];
+      if (!faulty[f] && wish[f] < least) least = wish[f];
+    end
+  end
+
+  logic                go_2, go_3, slips, falls;
+  logic [Fingers-1:0]  was_silent, was_unwell, was_heard, was_over;  // of the last cycle
+  logic [WideBits-1:0] joined;
+  always_ff @(posedge clk_i) begin
+    go_2 <= go && !rst_i;
+    go_3 <= go_2 && !rst_i;
+    if (go) begin
+      joined     <= (&faulty) ? '0 : cfg_rule_i ? least : most;
+      slips      <= |(over & ~faulty);
+      falls      <= &heard && !(|over) && !(|faulty);
+      was_silent <= silent;
+      was_unwell <= unwell;
+      was_heard  <= heard;
+      was_over   <= over;
+    end
+  end
+
+  // The goal, then within the limits, then by the rate.
+  logic                       armed, armed_mode, live, gives;
+  logic signed [WideBits-1:0] was, goal, bounded, next;
+  logic signed [WideBits-1:0] low, high, rate;
+  assign was  = signed'(WideBits'(out_command_o));
+  assign low  = signed'(WideBits'(cfg_minimum_i));
+  assign high = signed'(WideBits'(cfg_maximum_i));
+  assign rate = signed'(WideBits'(cfg_rate_i));
+  assign live  = armed && armed_mode == cfg_mode_i;
+  assign gives = live || !cfg_mode_i || cfg_override_i;
+  always_comb begin
+    goal = was;
+    if (!live && !cfg_mode_i) goal = low;
+    else if (!live || cfg_override_i) goal = signed'(WideBits'(cfg_override_value_i));
+    else if (slips) goal = was + signed'(joined);
+    else if (falls) goal = was - signed'(WideBits'(cfg_decay_i));
+    bounded = goal;
+    if (bounded < low) bounded = low;
+    if (bounded > high) bounded = high;
+    next = bounded;
+    if (live && next > was + rate) next = was + rate;
+    if (live && next < was - rate) next = was - rate;
+  end
+
+  logic                       due, due_live, due_mode, due_override, went;
+  logic signed [WideBits-1:0] due_next, due_was;
+  logic [CommandBits-1:0]     due_decay;
+  logic                       out_due, out_live, out_mode, out_override;
+  logic signed [WideBits-1:0] out_was, out_next;
+  logic [CommandBits-1:0]     out_decay, command_q;
+  logic [Fingers-1:0]         out_silent, out_unwell, out_heard, out_over;  // of the command
+  logic                       ordered;
+  assign ordered = cfg_minimum_i <= cfg_maximum_i;
+  always_ff @(posedge clk_i) begin
+    due          <= go_2 && gives && !rst_i;
+    due_live     <= live;
+    due_mode     <= cfg_mode_i;
+    due_override <= cfg_override_i;
+    due_next     <= next;
+    due_was      <= was;
+    due_decay    <= cfg_decay_i;
+    out_due      <= due && !rst_i;
+    if (due) begin
+      armed      <= 1'b1;
+      armed_mode <= due_mode;
+    end
+    {out_live, out_mode, out_override} <= {due_live, due_mode, due_override};
+    {out_was, out_next, out_decay}     <= {due_was, due_next, due_decay};
+    went      <= go_3 && !rst_i;
+    if (go_3) {out_silent, out_unwell, out_heard, out_over} <= {was_silent, was_unwell, was_heard, was_over};
+    command_q <= out_command_o;
+    if (rst_i) armed <= 1'b0;
+  end
+
+  // Whether this period has had its cycle.
+  logic ended, had;
+  always_ff @(posedge clk_i) begin
+    ended <= dut.ends && !rst_i;
+    had   <= (had && !dut.ends) || (go && !dut.ends);
+    if (rst_i) had <= 1'b0;
+  end
+
+  logic signed [WideBits-1:0] increment;
+  assign increment = WideBits'(out_increment_o);
+  always_comb begin
+    if (started) begin
+      assert (out_valid_o == out_due);
+      if (out_due) begin
+        assert (was == out_next);
+        assert (increment == (out_live ? out_next - out_was : '0));
+        assert (out_word_o == (out_mode ? signed'({1'b0, out_command_o}) : out_increment_o));
+        if (ordered) assert (was >= low && was <= high);
+        assert (increment <= rate && -increment <= rate);
+        if (ordered && increment < 0 && !out_override) begin
+          assert (-increment <= signed'(WideBits'(out_decay)));
+          assert (&out_heard && !(|out_over) && !(|out_unwell) && !(|out_silent));
+        end
+        if (|out_unwell || |out_silent) begin
+          if (ordered && !out_override) assert (increment >= 0);
+        end
+        if (!out_live && out_mode) assert (out_override);
+      end else if (armed) assert (out_command_o == command_q);
+      if (went) begin
+        assert (fault_o[0] == |out_silent && fault_o[1] == |out_unwell && fault_o[3] == !ordered);
+        assert (fault_o[2] == (out_due && was >= high) && fault_o[4] == !out_due);
+        assert (faulty_o == (out_silent | out_unwell));
+      end
+      assert (!(go && go_2));
+      if (!dut.ends) assert (!(go && had));
+      if (dut.ends) assert (go == !had);
+    end
+  end
+
+  // Invariant.
+  always_comb begin
+    if (started) begin
+      for (int unsigned f = 0; f < Fingers; f++) begin
+        assert (WideBits'(dut.wish[f]) == wish[f] && dut.quiet[f] == unheard[f]);
+        if (dut.fresh[f]) assert (over[f]);
+      end
+      assert (dut.counted == open && dut.seen == heard && dut.over == over && dut.sick == unwell);
+      assert (dut.go_2 == go_2 && dut.go_3 == go_3 && dut.armed == armed);
+      if (armed) assert (dut.armed_mode == armed_mode);
+      if (armed && ordered) assert (was >= low && was <= high);
+      assert (dut.done == had && dut.last_clock >= PeriodBits'(15));
+      if (dut.ends) assert (dut.clocks == '0);
+      if (go_2) begin
+        assert (WideBits'(dut.joined) == joined && dut.slips == slips && dut.falls == falls);
+        assert (dut.any_silent == |was_silent && dut.any_sick == |was_unwell);
+        assert (dut.faulty_2 == (was_silent | was_unwell));
+      end
+    end
+  end
+
+  always_comb begin
+    if (started && !rst_i) begin
+      cover (out_valid_o && out_live && increment > 0 && fault_o[2] && !out_override);
+      cover (out_valid_o && out_live && increment > 0 && fault_o[1] && !out_override);
+      cover (out_valid_o && out_live && increment < 0);
+      cover (out_valid_o && out_mode && !out_live);
+    end
+  end
+
+endmodule
