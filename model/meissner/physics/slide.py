@@ -64,7 +64,9 @@ def slide(contacts, force_n, load_n, mass_kg, mu_s, mu_k, slid_mm, rate_hz):
         for f in (0, 1):
             contacts.since_s[f] += dt
             if contacts.sliding[f]:
-                _stick_slip(contacts, f, slid[f] - before[f], (mu_s[f] - mu_k[f]) * force / stiffness, events, sample)
+                _stick_slip(
+                    contacts, f, slid[f] - before[f], (mu_s[f] - mu_k[f]) * force / stiffness, events, sample
+                )
         tensions.append(tension)
         slips.append((slid[0] + slid[1]) / 2)
     return Slid(np.array(tensions).T, np.array(slips), np.array(slid), events)

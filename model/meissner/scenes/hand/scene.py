@@ -98,9 +98,13 @@ class Scene:
         cycle_s, grip = condition.cycle_ms / 1e3, self.grip
         step_mm = grip["step_mm"] if condition.step_mm is None else condition.step_mm
         decay_mm_s = grip["decay_mm_s"] if condition.decay_mm_s is None else condition.decay_mm_s
+        decay = round(decay_mm_s * cycle_s / COUNT_MM)
+        if decay_mm_s > 0 and not decay:
+            least = COUNT_MM / cycle_s
+            raise ValueError(f"decay_mm_s = {decay_mm_s:g} is no count a cycle; one is {least:g} mm/s")
         return GripConfig(
             step=round(step_mm / COUNT_MM),
-            decay=round(decay_mm_s * cycle_s / COUNT_MM),
+            decay=decay,
             rate=round(grip["rate_mm_s"] * cycle_s / COUNT_MM),
             minimum=round(grip["least_mm"] / COUNT_MM),
             maximum=round(grip["most_mm"] / COUNT_MM),
@@ -190,5 +194,3 @@ def grasp(scene, condition, seed):
 def simulate(scene, condition=None, seed=0):
     """The grasp of one seed: in closed loop there is no recording before the engine has run."""
     return grasp(scene, scene.conditions[0] if condition is None else condition, seed)
-
-
