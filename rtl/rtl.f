@@ -60,6 +60,8 @@ rtl/cop/msn_cop4_correct.sv
 rtl/cop/msn_electrodes.sv
 rtl/cop/msn_cop4.sv
 rtl/cop/msn_cop_slip.sv
+rtl/actuate/msn_grip.sv
+rtl/actuate/msn_pwm.sv
 rtl/link/msn_crc32.sv
 rtl/link/msn_packet_slip.sv
 rtl/link/msn_image_store.sv

@@ -139,8 +139,8 @@ class Grip:
         if not 0 <= finger < self.fingers:
             return
         self._seen[finger] = True
+        self._over[finger] |= bool(over)
         if over and not self._counted[finger]:
-            self._over[finger] = True
             addend = self.config.step + self._speed_term[finger]
             self._wish[finger] = min(self._wish[finger] + addend, TOP)
         self._counted[finger] = not end and (self._counted[finger] or bool(over))

@@ -1,0 +1,258 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The grip reflex: windows over the slip threshold of each finger make one command a control cycle. In doubt it holds.
+//
+//   wish = step + (speed_gain * speed >> SpeedShift) for each window over; of the fingers the largest, or the smallest
+//   goal = command + wish (a finger slips), - decay (all were heard, none was over), else command
+//   command = goal within minimum .. maximum, at most `rate` from where it was                    docs/grip.md
+//
+//   clock  1                  2                    3                  4
+//          count the window   begin: join fingers  goal, its limits   command
+//
+// A command leaves 4 clocks after a decision that comes with the end of a period, or with cfg_immediate_i after the
+// first one over in a period; 5 if the period's end has just given one. Every clock takes a decision and a speed; a
+// speed counts for windows from 3 clocks after it on. No ready: nothing waits for the hand.
+// fault_o: silent, unhealthy, at the limit, minimum > maximum, unarmed.   Model: model/meissner/twins/actuate/grip.py
+
+module msn_grip #(
+  parameter  int unsigned Fingers     = 2,
+  parameter  int unsigned CommandBits = 16,
+  parameter  int unsigned PeriodBits  = 24,
+  parameter  int unsigned TimerBits   = 16,
+  parameter  int unsigned SpeedBits   = 16,
+  parameter  int unsigned GainBits    = 16,
+  parameter  int unsigned SpeedShift  = 8,
+  localparam int unsigned IdBits      = msn_pkg::index_width(Fingers)
+) (
+  input  logic                          clk_i,
+  input  logic                          rst_i,
+
+  input  logic        [PeriodBits-1:0]  cfg_period_i,     // clocks; under 16 as 16
+  input  logic        [CommandBits-1:0] cfg_step_i,
+  input  logic        [GainBits-1:0]    cfg_speed_gain_i,
+  input  logic        [CommandBits-1:0] cfg_decay_i,
+  input  logic        [CommandBits-1:0] cfg_minimum_i,
+  input  logic        [CommandBits-1:0] cfg_maximum_i,
+  input  logic        [CommandBits-1:0] cfg_rate_i,
+  input  logic        [TimerBits-1:0]   cfg_watchdog_i,   // cycles
+  input  logic                          cfg_rule_i,       // 0: any finger, 1: the weakest
+  input  logic                          cfg_mode_i,       // 0: position, 1: force
+  input  logic                          cfg_immediate_i,
+  input  logic                          cfg_override_i,
+  input  logic        [CommandBits-1:0] cfg_override_value_i,
+
+  input  logic                          over_valid_i,     // msn_slip's decisions, or one a window
+  input  logic        [IdBits-1:0]      over_id_i,        // the finger
+  input  logic                          over_i,
+  input  logic                          over_end_i,       // the window's last
+
+  input  logic                          speed_valid_i,
+  input  logic        [IdBits-1:0]      speed_id_i,
+  input  logic                          speed_ok_i,       // 0: the estimator flags it as invalid
+  input  logic        [SpeedBits-1:0]   speed_i,
+
+  input  logic        [Fingers-1:0]     healthy_i,
+
+  output logic                          out_valid_o,      // for a clock
+  output logic signed [CommandBits:0]   out_word_o,       // the increment or the command, by mode
+  output logic signed [CommandBits:0]   out_increment_o,
+  output logic        [CommandBits-1:0] out_command_o,
+
+  output logic        [4:0]             fault_o,          // of the last cycle
+  output logic        [Fingers-1:0]     faulty_o          // fingers that took no part
+);
+
+  if (Fingers < 1 || Fingers > 8) begin : gen_check_fingers
+    $fatal(1, "msn_grip: Fingers = %0d must lie in 1 .. 8", Fingers);
+  end
+  if (CommandBits < 2 || CommandBits > 16) begin : gen_check_command_bits
+    $fatal(1, "msn_grip: CommandBits = %0d must lie in 2 .. 16", CommandBits);
+  end
+  if (PeriodBits < 5 || PeriodBits > 32) begin : gen_check_period_bits
+    $fatal(1, "msn_grip: PeriodBits = %0d must lie in 5 .. 32", PeriodBits);
+  end
+  if (TimerBits < 1 || TimerBits > 31) begin : gen_check_timer_bits
+    $fatal(1, "msn_grip: TimerBits = %0d must lie in 1 .. 31", TimerBits);
+  end
+  if (SpeedBits < 1 || SpeedBits > 17) begin : gen_check_speed_bits
+    $fatal(1, "msn_grip: SpeedBits = %0d must lie in 1 .. 17", SpeedBits);
+  end
+  if (GainBits < 1 || GainBits > 17) begin : gen_check_gain_bits
+    $fatal(1, "msn_grip: GainBits = %0d must lie in 1 .. 17", GainBits);
+  end
+  if (SpeedShift >= SpeedBits + GainBits) begin : gen_check_speed_shift
+    $fatal(1, "msn_grip: SpeedShift = %0d must be below %0d", SpeedShift, SpeedBits + GainBits);
+  end
+
+  localparam logic [CommandBits-1:0] Top = '1;
+
+  // What a window of each finger adds because of its speed: 0 until the first report, after one without a speed, and
+  // after a cycle in which the finger was faulty.
+  localparam int unsigned ProductBits = SpeedBits + 1 + GainBits;
+  logic signed [ProductBits-1:0]              product;
+  logic        [ProductBits-1:0]              scaled;
+  logic        [CommandBits-1:0]              new_term;
+  logic        [Fingers-1:0][CommandBits-1:0] term;
+  logic                                       speed_valid_1, speed_valid_2, speed_ok_1, speed_ok_2;
+  logic        [IdBits-1:0]                   speed_id_1, speed_id_2;
+  msn_multiply #(.AWidth(SpeedBits + 1), .BWidth(GainBits)) u_speed (
+    .clk_i, .enable_i(1'b1), .a_i(signed'({1'b0, speed_i})), .b_i(cfg_speed_gain_i), .y_o(product)
+  );
+  assign scaled   = unsigned'(product) >> SpeedShift;
+  assign new_term = !speed_ok_2 ? '0 : scaled > ProductBits'(Top) ? Top : CommandBits'(scaled);
+
+  // When a cycle begins: with the period's end, or in it with the first window over, but once a period.
+  localparam logic [PeriodBits-1:0] Shortest = PeriodBits'(16);
+  logic [PeriodBits-1:0] clocks, last_clock;
+  logic                  ends, done, early, go, go_2, go_3;
+  logic [Fingers-1:0]    counted, fresh, over, seen, sick;  // the last four since the last cycle
+  assign early = cfg_immediate_i && !done && !go_2 && |(fresh & ~sick);
+  assign go    = (ends && !done) || (!ends && early);
+
+  always_ff @(posedge clk_i) begin
+    last_clock    <= (cfg_period_i < Shortest ? Shortest : cfg_period_i) - 1'b1;
+    ends          <= clocks >= last_clock;
+    clocks        <= clocks >= last_clock ? '0 : clocks + 1'b1;
+    done          <= !ends && (done || go);
+    go_2          <= go;
+    go_3          <= go_2;
+    speed_valid_1 <= speed_valid_i;
+    speed_valid_2 <= speed_valid_1;
+    speed_ok_1    <= speed_ok_i;
+    speed_ok_2    <= speed_ok_1;
+    speed_id_1    <= speed_id_i;
+    speed_id_2    <= speed_id_1;
+    if (rst_i) begin
+      ends          <= 1'b0;
+      clocks        <= '0;
+      done          <= 1'b0;
+      go_2          <= 1'b0;
+      go_3          <= 1'b0;
+      speed_valid_1 <= 1'b0;
+      speed_valid_2 <= 1'b0;
+    end
+  end
+
+  // 1: a window counts once, with its first decision that is over. A cycle that begins leaves nothing behind, and
+  // what comes in its first clock belongs to the next.
+  logic [Fingers-1:0]                  hit, counts;
+  logic [Fingers-1:0][CommandBits-1:0] wish;
+  logic [CommandBits-1:0]              old_wish, old_term, new_wish;
+  logic [CommandBits+1:0]              sum;
+  always_comb begin
+    {old_wish, old_term} = '0;
+    for (int unsigned f = 0; f < Fingers; f++) begin
+      hit[f]    = over_valid_i && over_id_i == IdBits'(f);
+      counts[f] = hit[f] && over_i && !counted[f];
+      if (hit[f]) {old_wish, old_term} = {go ? '0 : wish[f], term[f]};
+    end
+  end
+  localparam int unsigned SumBits = CommandBits + 2;
+  assign sum      = SumBits'(old_wish) + SumBits'(old_term) + SumBits'(cfg_step_i);
+  assign new_wish = sum > SumBits'(Top) ? Top : CommandBits'(sum);
+
+  // 2: join the fingers that work. Cycles begin two clocks apart or more, so the comparison has a clock of its own.
+  logic [Fingers-1:0][TimerBits-1:0] quiet;   // cycles in a row without a decision
+  logic [Fingers-1:0]                nearly;  // one more is the watchdog's
+  logic [Fingers-1:0]                silent, faulty;
+  logic [CommandBits-1:0]            largest, smallest, joined;
+  logic                              slips, falls, any_silent, any_sick;
+  assign silent = nearly & ~seen;
+  assign faulty = silent | sick;
+  always_comb begin
+    largest  = '0;
+    smallest = Top;
+    for (int unsigned f = 0; f < Fingers; f++) begin
+      if (!faulty[f] && wish[f] > largest) largest = wish[f];
+      if (!faulty[f] && wish[f] < smallest) smallest = wish[f];
+    end
+  end
+
+  always_ff @(posedge clk_i) begin
+    for (int unsigned f = 0; f < Fingers; f++) begin
+      if (hit[f]) counted[f] <= !over_end_i && (counted[f] || over_i);
+      if (counts[f]) wish[f] <= new_wish;
+      else if (go) wish[f] <= '0;
+      fresh[f]  <= (fresh[f] && !go) || counts[f];
+      over[f]   <= (over[f] && !go) || (hit[f] && over_i);
+      seen[f]   <= (seen[f] && !go) || hit[f];
+      sick[f]   <= (sick[f] && !go) || !healthy_i[f];
+      nearly[f] <= (TimerBits + 1)'(quiet[f]) + 1'b1 >= (TimerBits + 1)'(cfg_watchdog_i);
+      if (go) quiet[f] <= seen[f] ? '0 : quiet[f] + TimerBits'(quiet[f] != '1);
+      if (speed_valid_2 && speed_id_2 == IdBits'(f)) term[f] <= new_term;
+      else if (go && faulty[f]) term[f] <= '0;
+    end
+    if (go) begin
+      joined     <= &faulty ? '0 : cfg_rule_i ? smallest : largest;
+      slips      <= |(over & ~faulty);
+      falls      <= &seen && over == '0 && faulty == '0;
+      any_silent <= |silent;
+      any_sick   <= |sick;
+      faulty_o   <= faulty;
+    end
+    if (rst_i) begin
+      {counted, fresh, over, seen, sick, nearly, faulty_o} <= '0;
+      {wish, term, quiet}                                  <= '0;
+    end
+  end
+
+  // 3: the goal, and what the command may become. Until there is a command, of this mode, nothing is what it may not
+  // become: the first is the minimum of a position, and of a force what a host overrides it with.
+  logic                   armed, armed_mode, live, gives, live_3, gives_3, mode_3;
+  logic [CommandBits:0]   raised, lowered;
+  logic [CommandBits-1:0] goal, ceiling, floor, low, high, at_least, next;
+  logic                   reaches, below;  // the maximum is within reach; the command stays below its limit
+  assign live    = armed && armed_mode == cfg_mode_i;
+  assign gives   = live || !cfg_mode_i || cfg_override_i;
+  assign raised  = (CommandBits + 1)'(out_command_o) + (CommandBits + 1)'(joined);
+  assign lowered = (CommandBits + 1)'(out_command_o) - (CommandBits + 1)'(cfg_decay_i);
+
+  logic [CommandBits:0] up, down;
+  assign up      = (CommandBits + 1)'(out_command_o) + (CommandBits + 1)'(cfg_rate_i);
+  assign down    = (CommandBits + 1)'(out_command_o) - (CommandBits + 1)'(cfg_rate_i);
+  assign ceiling = !live || up[CommandBits] ? Top : CommandBits'(up);
+  assign floor   = !live || down[CommandBits] ? '0 : CommandBits'(down);
+
+  // 4: the command.
+  assign at_least = goal < low ? low : goal;
+  assign below    = at_least < high;
+  assign next     = below ? at_least : high;
+  logic mode_word;
+  assign out_word_o = mode_word ? signed'({1'b0, out_command_o}) : out_increment_o;
+
+  always_ff @(posedge clk_i) begin
+    if (!live) goal <= cfg_mode_i ? cfg_override_value_i : '0;
+    else if (cfg_override_i) goal <= cfg_override_value_i;
+    else if (slips) goal <= raised[CommandBits] ? Top : CommandBits'(raised);
+    else if (falls) goal <= lowered[CommandBits] ? '0 : CommandBits'(lowered);
+    else goal <= out_command_o;
+    low     <= cfg_minimum_i < floor ? floor : cfg_minimum_i > ceiling ? ceiling : cfg_minimum_i;
+    high    <= cfg_maximum_i < floor ? floor : cfg_maximum_i > ceiling ? ceiling : cfg_maximum_i;
+    reaches <= cfg_maximum_i <= ceiling;
+    live_3  <= live;
+    gives_3 <= gives;
+    mode_3  <= cfg_mode_i;
+
+    out_valid_o <= go_3 && gives_3;
+    if (go_3) begin
+      if (gives_3) begin
+        out_command_o <= next;
+        armed         <= 1'b1;
+        armed_mode    <= mode_3;
+      end
+      out_increment_o <= live_3 ? signed'({1'b0, next}) - signed'({1'b0, out_command_o}) : '0;
+      mode_word       <= mode_3;
+      fault_o         <= {!gives_3, cfg_minimum_i > cfg_maximum_i, gives_3 && reaches && !below,
+                          any_sick, any_silent};
+    end
+    if (rst_i) begin
+      out_valid_o     <= 1'b0;
+      out_increment_o <= '0;
+      out_command_o   <= '0;
+      armed           <= 1'b0;
+      mode_word       <= 1'b0;
+      fault_o         <= 5'b10000;
+    end
+  end
+
+endmodule

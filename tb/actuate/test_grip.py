@@ -1,0 +1,459 @@
+"""msn_grip against the loop of tb/reference/grip.py, written from docs/grip.md, clock by clock: both rules
+and modes, with and without `immediate`, slip that comes, stays and goes, fingers that fall silent or ill,
+changes of settings, overrides, resets in a grip; against its model; by hand: clocks, limits, watchdog, what a
+reset does. The model against the same loop, and its settings' limits."""
+
+import random
+from dataclasses import replace
+
+import cocotb
+import pytest
+
+import bench
+from meissner.twins.actuate.grip import Command, Grip, GripConfig
+from reference.grip import LATENCY, GripLoop
+
+NAMES = ("period", "step", "speed_gain", "decay", "minimum", "maximum", "rate", "watchdog", "rule", "mode")
+NAMES += ("immediate", "override", "override_value")
+QUIET = {"over_valid_i": 0, "over_id_i": 0, "over_i": 0, "over_end_i": 1, "speed_valid_i": 0, "speed_id_i": 0}
+QUIET |= {"speed_ok_i": 1, "speed_i": 0}
+HAND = {"period": 20, "step": 7, "speed_gain": 0, "decay": 3, "minimum": 30, "maximum": 100, "rate": 11}
+HAND |= {"watchdog": 4, "rule": 0, "mode": 0, "immediate": 0, "override": 0, "override_value": 0}
+
+
+def sizes(dut):
+    """Fingers, bits of the command, shift of the speed's product."""
+    return [getattr(dut, name).value.to_unsigned() for name in ("Fingers", "CommandBits", "SpeedShift")]
+
+
+def drive(dut, **settings):
+    for name, value in settings.items():
+        getattr(dut, f"cfg_{name}_i").value = int(value)
+
+
+async def begin(dut, **settings):
+    """From reset on with these settings; the clock at hand is the first after the reset."""
+    everyone = (1 << sizes(dut)[0]) - 1
+    inputs = {f"cfg_{name}_i": int(value) for name, value in settings.items()}
+    await bench.start(dut, healthy_i=everyone, **QUIET, **inputs)
+
+
+async def clock(dut, decision=None, speed=None, healthy=None):
+    """One clock with these inputs; what is at the outputs in it."""
+    finger, over, end = decision or (0, 1, 1)  # what is not valid must not be read
+    dut.over_valid_i.value = decision is not None
+    dut.over_id_i.value, dut.over_i.value, dut.over_end_i.value = finger, int(over), int(end)
+    finger, ok, value = speed or (0, 1, 1)
+    dut.speed_valid_i.value = speed is not None
+    dut.speed_id_i.value, dut.speed_ok_i.value, dut.speed_i.value = finger, int(ok), value
+    if healthy is not None:
+        dut.healthy_i.value = sum(well << finger for finger, well in enumerate(healthy))
+    await bench.ReadOnly()
+    got = outputs(dut)
+    await bench.RisingEdge(dut.clk_i)
+    return got
+
+
+def outputs(dut):
+    found = {name: bench.read(getattr(dut, f"out_{name}_o")) for name in ("valid", "command")}
+    for name in ("word", "increment"):
+        port = getattr(dut, f"out_{name}_o")
+        found[name] = bench.as_signed(bench.read(port), len(port))
+    return found | {"fault": bench.read(dut.fault_o), "faulty": bench.read(dut.faulty_o)}
+
+
+def settings_at_random(draw, dut, **fixed):
+    """Of every size, the limits in order mostly; periods short enough for many cycles."""
+    _, bits, _ = sizes(dut)
+    top, gain = 2**bits - 1, 2 ** len(dut.cfg_speed_gain_i) - 1
+    small = lambda most: draw.choice([0, 1, draw.randint(0, most // 50), draw.randint(0, most), most])
+    low, high = sorted((small(top), draw.choice([top, top - 1, draw.randint(0, top)])))
+    if draw.random() < 0.1:
+        low, high = high, low
+    found = {name: small(top) for name in ("step", "decay", "rate", "override_value")}
+    found |= {
+        "minimum": low,
+        "maximum": high,
+        "speed_gain": small(gain),
+        "watchdog": draw.choice([0, 1, 2, 5]),
+    }
+    found |= {"period": draw.choice([0, 15, 16, 17, 23, 31]), "override": draw.random() < 0.2}
+    return found | fixed
+
+
+def stimulus(draw, fingers, ids, top_speed):
+    """(decision, speed, healthy) of each clock: spells in which fingers slip, hold, are silent, are ill."""
+    while True:
+        slipping = [draw.choice([0, 0, 0.3, 1]) for _ in range(fingers)]
+        silent = [draw.random() < 0.15 for _ in range(fingers)]
+        ill = [draw.choice([0, 0, 0, 0, 0.1, 1]) for _ in range(fingers)]
+        often, ends, speedy = draw.choice([0.02, 0.2, 0.7]), draw.choice([0.1, 0.5, 1]), draw.choice([0, 0.2])
+        for _ in range(draw.choice([30, 150, 400])):
+            decision = speed = None
+            finger = draw.randrange(ids)
+            if draw.random() < often and not (finger < fingers and silent[finger]):
+                over = finger >= fingers or draw.random() < slipping[finger]
+                decision = finger, over, draw.random() < ends
+            if draw.random() < speedy:
+                value = draw.choice([0, 1, draw.randint(0, top_speed), top_speed])
+                speed = draw.randrange(ids), draw.random() < 0.8, value
+            yield decision, speed, [draw.random() >= share for share in ill]
+
+
+@cocotb.test(timeout_time=40, timeout_unit="ms")
+@cocotb.parametrize(rule=[0, 1], mode=[0, 1], immediate=[0, 1])
+async def matches_the_loop(dut, rule, mode, immediate):
+    """Reset after reset with other settings; where no cycle can be near, they change in between, too."""
+    fingers, bits, shift = sizes(dut)
+    draw = random.Random(bench.SEED * 8 + 4 * rule + 2 * mode + immediate)
+    ids, top_speed = 1 << len(dut.over_id_i), 2 ** len(dut.speed_i) - 1
+    kinds = {"rule": rule, "mode": mode, "immediate": immediate}
+    feed, seen, started = stimulus(draw, fingers, ids, top_speed), set(), False
+    for _ in range(30):
+        settings = settings_at_random(draw, dut, **kinds, override=draw.random() < (0.8 if mode else 0.2))
+        if started:
+            drive(dut, **settings)
+            await bench.reset(dut)
+        else:
+            await begin(dut, **settings)
+            started = True
+        loop = GripLoop(fingers, bits, shift, **settings)
+        calm, due, shown = 0, {}, {"word": 0, "increment": 0, "command": 0, "fault": 16, "faulty": 0}
+        for now in range(draw.choice([5, 250, 700])):
+            decision, speed, healthy = next(feed)
+            if loop.last_cycle < now - 5 and loop.in_period == 9 and draw.random() < 0.3:
+                calm = now + 6
+                changed = settings_at_random(draw, dut, **kinds, period=loop.period)
+                if draw.random() < 0.2:
+                    changed["mode"] = 1 - loop.settings["mode"]
+                keep = draw.sample(sorted(changed), 8)
+                loop.settings |= {name: changed[name] for name in keep}
+                drive(dut, **loop.settings)
+            decision = None if now < calm else decision
+            ended = loop.clock(decision, speed, healthy)
+            if ended:
+                due[now + LATENCY] = ended
+            valid = 0
+            if now in due:
+                shown = due.pop(now)
+                valid = shown["valid"]
+                seen.add((shown["fault"], (shown["increment"] > 0) - (shown["increment"] < 0)))
+            got = await clock(dut, decision, speed, healthy)
+            # The fingers that took no part show two clocks before the command.
+            assert got.pop("faulty") in (shown["faulty"], *(due[at]["faulty"] for at in due))
+            expected = {name: shown[name] for name in ("word", "increment", "command", "fault")}
+            assert got == expected | {"valid": valid}, f"clock {now} with {loop.settings}"
+    assert {fault & 1 for fault, _ in seen} == {fault >> 1 & 1 for fault, _ in seen} == {0, 1}
+    assert {fault >> 2 & 1 for fault, _ in seen} == {fault >> 3 & 1 for fault, _ in seen} == {0, 1}
+    assert {sign for _, sign in seen} == {-1, 0, 1}
+
+
+@bench.applies(lambda dut: sizes(dut) == [2, 16, 8])
+@cocotb.test(timeout_time=10, timeout_unit="ms")
+@cocotb.parametrize(rule=["any", "weakest"], mode=["position", "force"])
+async def matches_model(dut, rule, mode):
+    """A period at a time: decisions and speeds in its middle."""
+    draw = random.Random(bench.SEED)
+    config = GripConfig(40, 900, 3000, 170, 2000, 41000, 3333, 3, rule, mode)
+    await begin(dut, **config.settings, override=mode == "force", override_value=7777)
+    twin, expected, got = Grip(config), [], []
+    for period in range(400):
+        rates = [(0, 0), (0.4, 0.2), (1, 1), (0, 0.5), (0.1, 0)][period // 20 % 5]
+        silent = period // 20 % 7 == 6
+        events = {n: (draw.randrange(2), draw.random(), draw.random() < 0.7) for n in range(4, 30, 3)}
+        events = {
+            n: (f, share < rates[f], end) for n, (f, share, end) in events.items() if not (f and silent)
+        }
+        speeds = {1: (0, draw.random() < 0.8, draw.randrange(1 << 16)), 33: (1, True, draw.randrange(900))}
+        ill = draw.randrange(2) if draw.random() < 0.1 else None
+        for n in range(40):
+            found = await clock(dut, events.get(n), speeds.get(n), [f != ill or n != 20 for f in range(2)])
+            if n == 3 and period:  # of the period before
+                got.append(
+                    Command(*(found[name] for name in ("increment", "command", "fault", "valid", "word")))
+                )
+            if n == 3:
+                dut.cfg_override_i.value = 0 if period else int(mode == "force")
+            if n - 3 in speeds:
+                finger, ok, value = speeds[n - 3]
+                twin.report(finger, value if ok else None)
+            if n in events:
+                twin.decision(*events[n])
+        command = twin.cycle([f != ill for f in range(2)], 7777 if mode == "force" and not period else None)
+        expected.append(replace(command, faulty=()))
+    assert got == expected[:-1]
+    assert {command.increment for command in got} >= {-170, 0, 3333}
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def four_clocks_from_a_decision_to_its_command(dut):
+    """In the last clock of a period; `immediate`, at once; 5 if the period's end has just given one."""
+    await begin(dut, **HAND)
+    last = sizes(dut)[0] - 1
+    for now in range(20 + 20 + 4):
+        got = await clock(dut, (last, 1, 1) if now == 39 else None)
+        assert got["valid"] == (now in (23, 43))
+    assert (got["increment"], got["command"], got["word"]) == (7, 37, 7)
+    drive(dut, immediate=1)
+    await bench.reset(dut)
+    # Period 20 .. 39 has its cycle at 27, 40 .. 59 at its end; what comes a clock later waits for one clock.
+    decisions, commands = (27, 60, 65), {}
+    for now in range(90):
+        got = await clock(dut, (last, 1, 1) if now in decisions else None)
+        if got["valid"]:
+            commands[now] = got["increment"]
+    assert commands == {19 + 4: 0, 27 + 4: 7, 59 + 4: 0, 60 + 5: 7, 80 + 4: 7}
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def a_window_counts_once_with_its_first_detail_over(dut):
+    """Three windows, of 3, 4 and 3 details; the third begins in one cycle and ends in the next but one."""
+    await begin(dut, **HAND)
+    everyone, period = range(sizes(dut)[0]), []
+    # (over, end) of every finger, from clock to clock
+    details = [(0, 0), (1, 0), (1, 1), (0, 0), (1, 0), (0, 0), (1, 1), (1, 0)]  # the last window stays open
+    for cycle in range(5):
+        now = 0
+        told = {0: [], 1: details, 2: [(1, 0)], 3: [(0, 1)], 4: []}[cycle]
+        queue = [(finger, *detail) for detail in told for finger in everyone]
+        dut.cfg_period_i.value = length = max(20, len(queue) + 3)
+        if cycle:
+            for now in range(length):
+                got = await clock(dut, queue.pop(0) if queue else None)
+                if now == 3:
+                    period.append(got["increment"])
+                    assert got["valid"] == 1
+        else:
+            await bench.reset(dut)
+            await bench.clocks(dut, length)
+    # The first command; three windows, of 21 the rate leaves 11; the open window is over and counts no more,
+    # so the grip holds; all were heard and none was over, so it decays.
+    assert period == [0, 11, 0, -3]
+
+
+async def cycles(dut, count, over=(), silent=(), ill=()):
+    """``count`` periods of 20 clocks in which each finger is heard; the increments, and the last outputs."""
+    fingers, found = range(sizes(dut)[0]), []
+    for _ in range(count):
+        for now in range(20):
+            finger = now - 8
+            decision = (finger, finger in over, 1) if finger in set(fingers) - set(silent) else None
+            got = await clock(dut, decision, healthy=[finger not in ill for finger in fingers])
+            if now == 3:
+                found.append(got["increment"])
+    return found, got
+
+
+async def armed(dut, **settings):
+    """In step: the first command stands, at the minimum; the next clock is the first of a period."""
+    await begin(dut, **HAND | settings)
+    _, got = await cycles(dut, 2)
+    assert (got["command"], got["fault"], got["increment"]) == (30, 0, 0)
+
+
+@cocotb.test(timeout_time=2, timeout_unit="ms")
+async def stops_at_its_limits(dut):
+    """Slip stuck on, then off. 30 + 10 · 7 = 100 meets the limit; then that is one less, one more."""
+    await armed(dut)
+    found, got = await cycles(dut, 11, over=[0])
+    assert found == [0] + [7] * 10 and (got["command"], got["fault"]) == (100, 4)
+    found, got = await cycles(dut, 3, over=[0])
+    assert found == [0, 0, 0] and (got["command"], got["fault"]) == (100, 4)
+    drive(dut, decay=10)
+    found, got = await cycles(dut, 9)
+    assert found == [0, *[-10] * 7, 0] and (got["command"], got["fault"]) == (30, 0)
+    drive(dut, maximum=99)
+    found, got = await cycles(dut, 11, over=[0])
+    assert found == [0, *[7] * 9, 6] and (got["command"], got["fault"]) == (99, 4)
+    drive(dut, maximum=101)  # while the command of the period before is made: it is the first to use it
+    found, got = await cycles(dut, 2, over=[0])
+    assert found == [2, 0] and (got["command"], got["fault"]) == (101, 4)
+    drive(dut, decay=12)  # past the rate of 11
+    found, got = await cycles(dut, 9)
+    assert found == [0, *[-11] * 6, -5, 0] and got["command"] == 30
+
+
+@cocotb.test(timeout_time=2, timeout_unit="ms")
+async def a_dead_converter_holds_and_is_reported(dut):
+    """No decision, not one count of decay; the fault comes with the fourth cycle."""
+    await armed(dut)
+    everyone = range(sizes(dut)[0])
+    await cycles(dut, 6, over=everyone)
+    found, got = await cycles(dut, 1)
+    before = got["command"]
+    found, got = await cycles(dut, 4, silent=everyone)
+    assert found == [-3, 0, 0, 0] and (got["command"], got["fault"]) == (before - 3, 0)
+    found, got = await cycles(dut, 300, silent=everyone)
+    assert set(found) == {0} and (got["command"], got["fault"]) == (before - 3, 1)
+    assert got["faulty"] == (1 << len(everyone)) - 1
+    found, got = await cycles(dut, 1)
+    assert got["fault"] == 1
+    found, got = await cycles(dut, 1)
+    assert found == [-3] and got["fault"] == 0 and got["faulty"] == 0
+
+
+@bench.applies(lambda dut: sizes(dut)[0] > 1)
+@cocotb.test(timeout_time=2, timeout_unit="ms")
+async def a_faulty_finger_takes_no_part_and_stops_the_decay(dut):
+    """Ill, its windows move nothing, the others' do, nothing falls; so with the weakest rule."""
+    await armed(dut)
+    others = range(1, sizes(dut)[0])
+    await cycles(dut, 3, over=others)
+    for weakest in (0, 1):
+        drive(dut, rule=weakest)
+        found, got = await cycles(dut, 4, over=[0], ill=[0])
+        assert found[1:] == [0, 0, 0] and (got["fault"], got["faulty"]) == (2, 1)
+        found, got = await cycles(dut, 3, over=others, ill=[0])
+        assert found == [0, 7, 7] and got["fault"] == 2
+        found, got = await cycles(dut, 3)
+        assert found == [7, -3, -3] and got["fault"] == 0
+    # One that slips alone: by the weakest rule the hand holds, and does not open.
+    found, got = await cycles(dut, 4, over=[0])
+    assert found == [-3, 0, 0, 0]
+    drive(dut, rule=0)
+    found, got = await cycles(dut, 3, over=[0])
+    assert found == [7, 7, 7]
+
+
+@cocotb.test(timeout_time=2, timeout_unit="ms")
+async def a_reset_in_a_grip_moves_nothing(dut):
+    """Position: an increment of 0. Force: no word, until an override sets the force that the hand has."""
+    await armed(dut)
+    await cycles(dut, 5, over=[0])
+    await bench.reset(dut)
+    await bench.ReadOnly()
+    assert outputs(dut) == dict.fromkeys(("valid", "command", "word", "increment", "faulty"), 0) | {
+        "fault": 16
+    }
+    await bench.RisingEdge(dut.clk_i)
+    await bench.clocks(dut, 19)
+    found, got = await cycles(dut, 2, over=[0])
+    assert found == [0, 7] and (got["command"], got["word"], got["fault"]) == (37, 7, 0)
+
+    drive(dut, mode=1)
+    await bench.reset(dut)
+    for _ in range(50):
+        got = await clock(dut, (0, 1, 1))
+        assert (got["valid"], got["fault"]) == (0, 16)
+    drive(dut, override=1, override_value=77)
+    valid = 0
+    while not valid:
+        got = await clock(dut)
+        valid = got["valid"]
+    assert (got["word"], got["increment"], got["fault"]) == (77, 0, 0)
+    drive(dut, override_value=90)
+    await bench.clocks(dut, 20)
+    await bench.ReadOnly()
+    assert outputs(dut)["word"] == 88  # the rate, now that there is a command
+    await bench.RisingEdge(dut.clk_i)
+    drive(dut, override=0, mode=0)  # another meaning: from the minimum again
+    await bench.clocks(dut, 20)
+    await bench.ReadOnly()
+    assert (outputs(dut)["increment"], outputs(dut)["word"], outputs(dut)["command"]) == (0, 0, 30)
+    await bench.RisingEdge(dut.clk_i)
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def rests_in_reset(dut):
+    names = ("out_valid_o", "out_command_o", "out_increment_o", "out_word_o", "faulty_o")
+    await bench.inputs_in_reset(dut, *names)
+
+
+EVIDENCE = {
+    "reference": {
+        "against": "`GripLoop`, a loop written from docs/grip.md",
+        "test": "tb/actuate/test_grip.py::test_model_against_the_loop",
+    },
+    "equivalence": {"size": {"Fingers": 3}},
+    "faults": {"settle": 40, "driver": {"frame": "over_valid_i"}},
+}
+
+SMALL = {"Fingers": 3, "CommandBits": 9, "PeriodBits": 6, "TimerBits": 3, "SpeedBits": 7, "GainBits": 5}
+
+
+@pytest.mark.parametrize("parameters", [{}, SMALL | {"SpeedShift": 3}, {"Fingers": 1, "SpeedShift": 20}])
+def test_grip(parameters):
+    bench.run("actuate", "grip", parameters)
+
+
+def test_refuses_illegal_parameters():
+    for name, wrong in {"Fingers": 9, "CommandBits": 1, "PeriodBits": 4, "TimerBits": 32}.items():
+        assert f"{name} = {wrong} must" in bench.refuses("grip", {name: wrong})
+    for name, wrong in {"SpeedBits": 18, "GainBits": 18, "SpeedShift": 32}.items():
+        assert f"{name} = {wrong} must" in bench.refuses("grip", {name: wrong})
+
+
+@pytest.mark.parametrize("rule", ["any", "weakest"])
+@pytest.mark.parametrize("mode", ["position", "force"])
+def test_model_against_the_loop(rule, mode):
+    """Cycle by cycle with random counts, three fingers, 60 settings; a cycle is a period of the loop."""
+    draw = random.Random(f"{bench.SEED} {rule} {mode}")
+    signs = set()
+    for _ in range(60):
+        small = lambda most: draw.choice([0, draw.randint(0, most // 100), draw.randint(0, most), most])
+        low, high = sorted((small(65535), small(65535)))
+        values = [small(65535) for _ in range(4)]
+        config = GripConfig(40, *values[:3], low, high, values[3], draw.randint(1, 4), rule, mode)
+        twin = Grip(config, 3)
+        loop = GripLoop(3, 16, 8, **config.settings, override=0, override_value=0)
+        for _ in range(80):
+            seen = [draw.choice([0, 1, 1, 3]) for _ in range(3)]
+            over = [draw.randint(0, count) if draw.random() < 0.4 else 0 for count in seen]
+            speed = [draw.choice([None, small(65535)]) for _ in range(3)]
+            healthy = [draw.random() < 0.95 for _ in range(3)]
+            override = draw.choice([None] * 5 + [small(65535)])
+            loop.settings |= {"override": override is not None, "override_value": override or 0}
+            decisions = [(f, n < over[f], True) for f in range(3) for n in range(seen[f])]
+            for now in range(40):
+                report = (now, speed[now] is not None, speed[now] or 0) if now < 3 else None
+                decision = decisions.pop(0) if now > 8 and decisions else None
+                ended = loop.clock(decision, report, healthy if now == 30 else None)
+            found = twin.next(over, healthy, seen, speed, override)
+            faulty = sum(bad << finger for finger, bad in enumerate(found.faulty))
+            assert {name: getattr(found, name) for name in ended} | {"faulty": faulty} == ended
+            signs.add((found.increment > 0) - (found.increment < 0))
+    assert signs == {-1, 0, 1}
+
+
+def test_model_by_hand():
+    """Two fingers at step 100, gain 512: a speed of 25 adds 50. Three windows of the first are 450, of which
+    the rate leaves 400; then the decay of 7, and a hold where the second finger is not heard."""
+    config = GripConfig(step=100, speed_gain=512, decay=7, minimum=1000, maximum=1500, rate=400, watchdog=2)
+    grip = Grip(config)
+    command = lambda **given: grip.next(**given)
+    assert command(over=[3, 0]) == Command(0, 1000, 0, True, 0, (False, False))
+    assert command(over=[3, 0], speed=[25, None]) == Command(400, 1400, 0, True, 400, (False, False))
+    assert command(over=[0, 0]) == Command(-7, 1393, 0, True, -7, (False, False))
+    assert command(over=[0, 0], seen=[1, 0]) == Command(0, 1393, 0, True, 0, (False, False))
+    assert command(over=[1, 0], seen=[1, 0]) == Command(100, 1493, 1, True, 100, (False, True))
+    assert command(over=[1, 1], healthy=[True, False]) == Command(7, 1500, 6, True, 7, (False, True))
+    assert command(over=[0, 0], override=1200) == Command(-300, 1200, 0, True, -300, (False, False))
+    grip = Grip(replace(config, mode="force"))
+    assert command(over=[1, 1]) == Command(0, 0, 16, False, 0, (False, False))
+    assert command(over=[1, 1], override=1300) == Command(0, 1300, 0, True, 1300, (False, False))
+    assert command(over=[1, 0]) == Command(100, 1400, 0, True, 1400, (False, False))
+    grip = Grip(replace(config, mode="force", rule="weakest"), start=1111)
+    assert command(over=[1, 0]).word == 1111 and command(over=[1, 2]).word == 1211
+
+
+def test_model_refuses_what_cannot_work():
+    for name, wrong in {"period": 15, "step": 65536, "decay": -1, "watchdog": 0, "rate": 1.5}.items():
+        with pytest.raises(ValueError, match=f"{name} = {wrong} must"):
+            GripConfig(**{name: wrong})
+    with pytest.raises(ValueError, match="minimum = 9 must not be above maximum = 8"):
+        GripConfig(minimum=9, maximum=8)
+    with pytest.raises(ValueError, match="rule = 'all' must be one of any, weakest"):
+        GripConfig(rule="all")
+    with pytest.raises(ValueError, match="immediate = 1 must be true or false"):
+        GripConfig(immediate=1)
+    for fingers in (0, 9):
+        with pytest.raises(ValueError, match=f"fingers = {fingers} must lie in 1 .. 8"):
+            Grip(fingers=fingers)
+    with pytest.raises(ValueError, match=r"start = 1023 must lie in 1024 .. 60000"):
+        Grip(start=1023)
+    with pytest.raises(ValueError, match=r"over = 2 must lie in 0 .. 1"):
+        Grip().next([2, 0], seen=[1, 1])
+    with pytest.raises(ValueError, match="speed has 1 values for 2 fingers"):
+        Grip().next([0, 0], speed=[3])
+    with pytest.raises(ValueError, match=r"speed = 65536 must lie in 0 .. 65535"):
+        Grip().next([0, 0], speed=[65536, None])

@@ -1,0 +1,124 @@
+"""The grip reflex as docs/grip.md has it, clock by clock: lists of what came since the last cycle."""
+
+LATENCY = 4  # from the decision in whose clock a cycle ends to its command
+SPEED_DELAY = 3  # from a speed to the first window that it counts for
+FORGETS = 2  # from the clock in which a cycle ends until a faulty finger's speed is forgotten
+
+
+class GripLoop:
+    """``clock`` takes what comes in a clock; a cycle that ends with it is returned, else None."""
+
+    def __init__(self, fingers, bits, shift, **settings):
+        self.fingers, self.top, self.shift = range(fingers), 2**bits - 1, shift
+        self.settings = dict(settings)
+        self.now, self.in_period, self.period_done, self.last_cycle = 0, 0, False, -2
+        self.speeds, self.due, self.forget = dict.fromkeys(self.fingers, 0), [], []
+        self.open_windows_over = set()
+        self.unheard = dict.fromkeys(self.fingers, 0)
+        self.command, self.mode = 0, None
+        self.since_last()
+
+    def since_last(self):
+        self.windows, self.heard, self.over, self.unwell = [], set(), set(), set()
+
+    def __getattr__(self, name):
+        return self.settings[name]
+
+    def clock(self, decision=None, speed=None, healthy=None):
+        for finger in [finger for at, finger in self.forget if at == self.now]:
+            self.speeds[finger] = 0
+        for finger, value in [report for at, report in self.due if at == self.now]:
+            self.speeds[finger] = value
+        self.forget = [each for each in self.forget if each[0] > self.now]
+        self.due = [each for each in self.due if each[0] > self.now]
+
+        if speed is not None and speed[0] in self.fingers:
+            finger, ok, value = speed
+            term = min(self.top, self.speed_gain * value // 2**self.shift) if ok else 0
+            self.due.append((self.now + SPEED_DELAY, (finger, term)))
+        self.unwell |= {f for f in self.fingers if healthy is not None and not healthy[f]}
+        if decision is not None and decision[0] in self.fingers:
+            finger, over, end = decision
+            self.heard.add(finger)
+            if over:
+                self.over.add(finger)
+                if finger not in self.open_windows_over:
+                    self.windows.append((finger, self.step + self.speeds[finger]))
+                self.open_windows_over.add(finger)
+            if end:
+                self.open_windows_over.discard(finger)
+
+        ended = None
+        self.in_period += 1
+        if self.in_period >= max(16, self.period):
+            if not self.period_done:
+                ended = self.cycle()
+            self.in_period, self.period_done = 0, False
+        elif (
+            self.immediate
+            and not self.period_done
+            and self.last_cycle != self.now - 1
+            and {finger for finger, _ in self.windows} - self.unwell
+        ):
+            ended, self.period_done = self.cycle(), True
+        self.now += 1
+        return ended
+
+    def cycle(self):
+        self.last_cycle = self.now
+        for finger in self.fingers:
+            self.unheard[finger] = 0 if finger in self.heard else self.unheard[finger] + 1
+        silent = {f for f in self.fingers if self.unheard[f] >= max(1, self.watchdog)}
+        faulty = silent | self.unwell
+        wishes = []
+        for finger in self.fingers:
+            if finger not in faulty:
+                wishes.append(min(self.top, sum(w for of, w in self.windows if of == finger)))
+        wishes.sort()
+        wish = 0 if not wishes else wishes[0] if self.rule else wishes[-1]
+        slips, all_heard = self.over - faulty, self.heard == set(self.fingers)
+        quiet = all_heard and not self.over and not faulty
+        unhealthy = bool(self.unwell)
+        self.forget += [(self.now + FORGETS, finger) for finger in faulty]
+        self.since_last()
+
+        old, valid = self.command, True
+        if self.mode == self.settings["mode"]:
+            goal = old
+            if self.override:
+                goal = self.override_value
+            elif slips:
+                goal = min(self.top, old + wish)
+            elif quiet:
+                goal = max(0, old - self.decay)
+            if goal < self.minimum:
+                goal = self.minimum
+            if goal > self.maximum:
+                goal = self.maximum
+            if goal > old + self.rate:
+                goal = old + self.rate
+            if goal < old - self.rate:
+                goal = old - self.rate
+            self.command = goal
+            increment = goal - old
+        else:
+            increment = 0
+            if self.settings["mode"] == 0 or self.override:
+                goal = self.override_value if self.settings["mode"] else self.minimum
+                self.command = sorted((self.minimum, goal, self.maximum))[1]
+                if self.minimum > self.maximum:
+                    self.command = self.maximum
+                self.mode = self.settings["mode"]
+            else:
+                valid = False
+        fault = [bool(silent), unhealthy, valid and self.command >= self.maximum]
+        fault += [self.minimum > self.maximum, not valid]
+        word = self.command if self.settings["mode"] else increment
+        return {
+            "valid": valid,
+            "word": word,
+            "increment": increment,
+            "command": self.command,
+            "fault": sum(bit << n for n, bit in enumerate(fault)),
+            "faulty": sum(1 << finger for finger in faulty),
+        }
