@@ -11,7 +11,7 @@ object's way has three parts: ``sag`` = load/(2 STIFFNESS), elastic; ``slip``, t
 the slipped rings add (rubber.slipped, mu N/STIFFNESS·S(q)), which the equations of force leave out.
 
 Vc of each finger: rubber.volts of N with its ripple, of the shear level of the speed dT/dt/STIFFNESS, and of
-the events of its ring, its slide (GROSS_SHARE) and its stick-slip (one each (mu_s - mu_k) N/STIFFNESS of way).
+the events of its ring, its slide (GROSS_SHARE) and its stick-slip (one each (mu_s - mu_k) N/STIFFNESS).
 The hand ripples in proportion to its speed, up to plate's RIPPLE_N at RIPPLE_N_S; nothing in the core is told
 that the hand moves.
 
@@ -77,9 +77,9 @@ class Grasp:
 
 @dataclass(frozen=True)
 class Block:
-    """A block of samples: [runs, samples], of fingers [runs, 2, samples]; ``event_s``: by run, or empty.
+    """A block of samples: [runs, samples], ``volts`` and ``tension_n`` [runs, 2, samples].
 
-    ``events``: (contact, sample, share), contact = 2 run + finger.
+    ``ring_mm`` [runs]: at its end; ``events``: (contact, sample, share), contact = 2 run + finger.
     """
 
     volts: np.ndarray
@@ -115,7 +115,6 @@ class Hand:
         self.slid_mm = np.zeros((runs, 2))
         self.sliding = np.zeros(runs, dtype=bool)
         self.dropped = np.zeros(runs, dtype=bool)
-        self._friction = [(one.copy(), two.copy()) for one, two in zip(self.mu_s, self.mu_k)]
         load_n = self.mass_kg[:, 0] * G_MM_S2 / 1e3
         self.tension = np.repeat(load_n / 2, 2)
         self.ring.start(np.repeat(GRIP_N_MM * self.place, 2), self.tension)

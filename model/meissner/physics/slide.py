@@ -1,4 +1,4 @@
-"""What physics.hand does sample by sample: one or both contacts of an object slide, until they stick again."""
+"""What physics.hand does sample by sample: one or both contacts of an object slide, until they stick."""
 
 from dataclasses import dataclass, field
 from math import exp
@@ -29,7 +29,9 @@ class Contacts:
 
 @dataclass(frozen=True)
 class Slid:
-    """``tension_n`` [2, samples], ``slip_mm`` [samples], ``slid_mm`` [2] after it; (finger, sample, share)."""
+    """``tension_n`` [2, samples], ``slip_mm`` [samples], ``slid_mm`` [2] after it, ``events``:
+    (finger, sample, share).
+    """
 
     tension_n: np.ndarray
     slip_mm: np.ndarray
@@ -101,16 +103,16 @@ def _held(contacts, friction, load, slid, stiffness, sample, events):
         other = 1 - loose
         tension = [0.0, 0.0]
         tension[loose], tension[other] = friction[loose], load - friction[loose]
+        if tension[other] > friction[other]:
+            _let_go(contacts, other, sample, events)
+            contacts.speed_mm_s = 0.0
+            return list(friction), slid
         way = slid[other] + (tension[other] - tension[loose]) / stiffness
         if way < slid[loose]:
             _stick(contacts, (loose,))
             continue
         slid = list(slid)
         slid[loose] = way
-        if tension[other] > friction[other]:
-            _let_go(contacts, other, sample, events)
-            contacts.speed_mm_s = 0.0
-            return list(friction), slid
         return tension, slid
     return tension, slid
 

@@ -84,8 +84,8 @@ def _hand(summary):
     )
     return (
         f"{text} {'in' if not rate['count'] else 'of'} {runs} (95 % interval up to "
-        f"{number(100 * rate['high'])} %); held with at most {number(summary['grip_ratio_mean'])} times the least "
-        f"grip that friction allows, in the mean of a condition, while the object slipped by at most "
+        f"{number(100 * rate['high'])} %); held with at most {number(summary['grip_ratio_mean'])} times the "
+        f"least grip that friction allows, in the mean of a condition, while the object slipped by at most "
         f"{number(summary['slip_mm_max'])} mm."
     )
 

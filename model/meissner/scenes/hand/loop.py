@@ -2,16 +2,16 @@
 
     closing -> physics.hand -> converter -> Haar, peak to peak, over -> grip -> increment -> closing
 
-The word of a cycle moves the hand in the next one. A window counts once, where it first is over, as
-twins.actuate.grip counts the stream of decisions. A finger whose samples all stand at the converter's lowest
-or highest code for a whole cycle counts as unhealthy.
+The word of a cycle moves the hand in the next one. A window counts once, where it first is over:
+msn_grip counts the stream of decisions. A finger whose samples all stand at the converter's lowest or highest
+code for a whole cycle counts as unhealthy.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from meissner.physics.hand import COUNT_MM, GRIP_N_MM, Hand
+from meissner.physics.hand import COUNT_MM, Hand
 from meissner.scenes.hand.scene import grasp
 from meissner.twins.slip.haar import Haar
 from meissner.twins.slip.peak_to_peak import PeakToPeak
@@ -68,20 +68,38 @@ class FloatSlip:
         return detail, p2p, p2p > self.config.threshold + 0.5  # half a code: docs/slip.md
 
 
-class Counted:
-    """How many windows went over the threshold, each counted where it first did: [channels] a block."""
+class Windows:
+    """A block's decisions by window, all that the reflex reads of them: [channels, parts].
+
+    A part is what a block has of one window: whether it is over in it, and whether the window ends with it.
+    """
 
     def __init__(self, channels, span):
-        self.span, self.count, self.last = span, 0, np.zeros(channels, dtype=bool)
+        self.span, self.count, self.counted = span, 0, np.zeros(channels, dtype=bool)
 
     def next(self, over):
-        if not over.shape[1]:
-            return np.zeros(len(over), dtype=np.int64)
-        before = np.concatenate([self.last[:, None], over[:, :-1]], axis=1)
-        before[:, (self.count + np.arange(over.shape[1])) % self.span == 0] = False
-        self.count += over.shape[1]
-        self.last = over[:, -1]
-        return (over & ~before).sum(axis=1)
+        """(over [channels, parts], ends [parts], windows over for the first time [channels])."""
+        last = self.count + over.shape[1]
+        if last == self.count:
+            nothing = np.zeros((len(over), 0), dtype=bool)
+            return nothing, [], nothing.sum(axis=1)
+        starts = np.arange(self.count // self.span * self.span, last, self.span)
+        starts[0] = self.count
+        parts = np.logical_or.reduceat(over, starts - self.count, axis=1)
+        ends = [bool(stop % self.span == 0) for stop in (*starts[1:], last)]
+        self.count, fresh = last, np.zeros(len(over), dtype=np.int64)
+        for part, end in zip(parts.T, ends):
+            fresh += part & ~self.counted
+            self.counted = (self.counted | part) & (not end)
+        return parts, ends, fresh
+
+
+def answer(reflex, parts, ends, healthy):
+    """The Command of a cycle; ``parts`` [fingers, parts], ``healthy`` [fingers]."""
+    for finger, row in enumerate(parts):
+        for over, end in zip(row, ends):
+            reflex.decision(finger, over, end)
+    return reflex.cycle(healthy)
 
 
 @dataclass(frozen=True)
@@ -104,7 +122,13 @@ class Trace:
 
 @dataclass(frozen=True)
 class Held:
-    """What became of each run: arrays [runs]; ``trace``: of the first; ``cycles``: of all, with ``taken_s``."""
+    """What became of each run: arrays [runs]; ``trace``: of the first.
+
+    ``slip_mm``: at the end; ``sag_mm``: largest less least; ``ring_mm``: at the end; ``moved_mm``: the
+    object's way, lowest less highest; ``tightenings``: cycles with a window over the threshold,
+    ``false_tightenings``: those in which a finger was over that had no event; ``faults``: cycles with one;
+    ``ratio``: grip over the least that friction allows, in the mean of the hold.
+    """
 
     dropped: np.ndarray
     slip_mm: np.ndarray
@@ -143,7 +167,7 @@ def hold(scene, condition, seeds, parts):
     runs, block = len(grasps), scene.rate_hz * condition.cycle_ms // 1000
     hand = Hand(grasps, scene.rate_hz, block)
     config, number = scene.slip_config(condition), scene.conditions.index(condition)
-    slip, counted = slip_of(2 * runs, config), Counted(2 * runs, config.window >> config.level)
+    slip, windows = slip_of(2 * runs, config), Windows(2 * runs, config.window >> config.level)
     settings = scene.grip_config(condition)
     starts = [
         min(max(round(one.closing_mm / COUNT_MM), settings.minimum), settings.maximum) for one in grasps
@@ -151,7 +175,7 @@ def hold(scene, condition, seeds, parts):
     reflexes = [grip_of(settings, 2, start=start) for start in starts]
     goal = np.array([one.closing_mm for one in grasps])
     noise, adc = _Noise(scene, seeds, number), scene.adc
-    cycles = round(scene.world["duration_s"] * 1000 / condition.cycle_ms)
+    cycles = round(scene.duration_s(condition) * 1000 / condition.cycle_ms)
     dead = np.inf if condition.dead_s is None else condition.dead_s
     since = scene.world["hold_from_s"]
     wait = config.window + WAIT_SAMPLES
@@ -168,18 +192,16 @@ def hold(scene, condition, seeds, parts):
         if time_s >= dead:
             codes[:] = adc.max_code
         detail, _, over = slip.next(codes)
-        counts = counted.next(over)
+        parts, ends, counts = windows.next(over)
         healthy = ~((codes <= adc.min_code).all(axis=1) | (codes >= adc.max_code).all(axis=1))
-        seen = np.full(2 * runs, int(detail.shape[1] > 0))
         contact, at, _ = found.events
         last_event[contact] = cycle * block + np.ceil(at).astype(np.int64)
         wrong = (counts > 0) & (last_event < cycle * block - wait)
         pairs = counts.reshape(-1, 2)
         words = [
-            reflex.next(over=pair, healthy=well, seen=windows)
-            for reflex, pair, well, windows in zip(
-                *(reflexes, pairs.tolist(), healthy.reshape(-1, 2).tolist()),
-                np.maximum(pairs, seen.reshape(-1, 2)).tolist(),
+            answer(reflex, rows_of, ends, well)
+            for reflex, rows_of, well in zip(
+                reflexes, parts.reshape(runs, 2, -1).tolist(), healthy.reshape(-1, 2).tolist()
             )
         ]
         increment = np.array([word.increment for word in words])
@@ -209,8 +231,3 @@ def hold(scene, condition, seeds, parts):
         *(hand.dropped, hand.slid_mm.mean(axis=1), sags[1] - sags[0], found.ring_mm, highest - lowest),
         *(tight, false, faults, ratio / max(held, 1), trace),
     )
-
-
-def newtons(millimetres):
-    """Of grip."""
-    return GRIP_N_MM * millimetres

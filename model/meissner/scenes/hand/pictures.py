@@ -1,4 +1,4 @@
-"""Strip charts of a hand's run in the published layout: gripping force, wavelet detail, the object's position."""
+"""Strip charts of a hand's run in the published layout: grip force, wavelet detail, the object's position."""
 
 import numpy as np
 
@@ -54,6 +54,6 @@ def draw(path, scene, condition, seed, trace):
     for axis in (force, detail, place):
         _plain(axis)
         axis.margins(x=0)
-        axis.legend(frameon=False, fontsize=9, loc="upper left", ncols=4)
+        axis.legend(frameon=False, fontsize=9, loc="lower left" if axis is detail else "upper left", ncols=4)
     figure.savefig(path, dpi=110, facecolor="white")
     return path

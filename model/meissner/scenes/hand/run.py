@@ -1,4 +1,4 @@
-"""Running a hand's scene in closed loop: every condition with its seeds, what fell, what slid, how hard it held."""
+"""Running a hand's scene in closed loop: each condition with its seeds, what fell, slid, and how it held."""
 
 import time
 
@@ -84,7 +84,7 @@ def run(scene, engine, out, seed, waves, progress):
     rows = [statistics(condition, found[condition]) for condition in scene.conditions]
     runs = sum(row["runs"] for row in rows)
     kept = [row for row in rows if row["grip_ratio_mean"] is not None]
-    simulated = runs * scene.world["duration_s"]
+    simulated = sum(row["runs"] * scene.duration_s(one) for row, one in zip(rows, scene.conditions))
     summary = {
         "scene": scene.name,
         "engine": engine,
@@ -132,8 +132,8 @@ def tell(summary):
     ]
     if summary["grip_ratio_mean"] is not None:
         lines.append(
-            f"of the runs that hold: grip at most {summary['grip_ratio_mean']:.3f} of the least that friction "
-            f"allows, in the mean of a condition; the object moved by at most {summary['moved_mm_max']:.3f} mm, "
-            f"of which slip at most {summary['slip_mm_max']:.4f} mm"
+            f"of the runs that hold: grip at most {summary['grip_ratio_mean']:.3f} of the least that "
+            f"friction allows, in the mean of a condition; the object moved by at most "
+            f"{summary['moved_mm_max']:.3f} mm, of which slip at most {summary['slip_mm_max']:.4f} mm"
         )
     return [*lines, "", *table(summary["conditions"])]

@@ -1,4 +1,4 @@
-"""Scenes of a hand of two slip sensors that holds a glass by the reflex: poured into, let go of, tugged at."""
+"""Scenes of a hand of two slip sensors that holds a glass by the reflex: poured into, let go, tugged at."""
 
 from dataclasses import dataclass
 
@@ -38,7 +38,7 @@ _WORLD |= {"material": str, "grip_ratio": list, "tugs": list, "conditions": list
 _CONDITION = {"name": str, "first_event": float, "cycle_ms": int}
 # Keys of a condition that may be left out, (least, most).
 _OPTIONAL = {"heal_s": (0.001, 1e3), "step_mm": (0.0, 1.0), "threshold_v": (0.0, 5.0), "halves_s": (0.0, 1e4)}
-_OPTIONAL |= {"dead_s": (0.0, 1e4), "decay_mm_s": (0.0, 1.0)}
+_OPTIONAL |= {"dead_s": (0.0, 1e4), "decay_mm_s": (0.0, 1.0), "duration_s": (0.1, 1e4)}
 CYCLES_MS = (1, 2, 5, 10)
 
 
@@ -46,8 +46,8 @@ CYCLES_MS = (1, 2, 5, 10)
 class Condition:
     """``first_event``: q of the first event; ``cycle_ms``: control cycle; ``heal_s``: physics.stepped.
 
-    ``step_mm``, ``decay_mm_s``, ``threshold_v``: in place of the scene's. ``halves_s``: friction halves then;
-    ``dead_s``: from when on both converters give their highest code.
+    ``step_mm``, ``decay_mm_s``, ``threshold_v``, ``duration_s``: in place of the scene's. ``halves_s``:
+    friction halves then; ``dead_s``: from when on both converters give their highest code.
     """
 
     name: str
@@ -59,6 +59,7 @@ class Condition:
     threshold_v: float | None = None
     halves_s: float | None = None
     dead_s: float | None = None
+    duration_s: float | None = None
 
 
 @dataclass(frozen=True)
@@ -80,6 +81,9 @@ class Scene:
     @property
     def adc(self) -> Adc:
         return PARTS[self.adc_part]
+
+    def duration_s(self, condition):
+        return self.world["duration_s"] if condition.duration_s is None else condition.duration_s
 
     def threshold_v(self, condition):
         """The threshold on max cD - min cD."""
@@ -170,7 +174,7 @@ def grasp(scene, condition, seed):
     mass_kg = world["mass_kg"] * spread("mass_spread")
     friction = spread("friction_spread") * (1.0 + plate.FRICTION_SPREAD * rng.standard_normal(2))
     pour_kg_s = world["pour_kg_s"] * spread("pour_spread")
-    pieces = round(world["duration_s"] / MASS_S)
+    pieces = round(scene.duration_s(condition) / MASS_S)
     pours = np.arange(pieces) * MASS_S >= world["pour_start_s"]
     grains = rng.poisson(pour_kg_s * MASS_S / world["grain_kg"], pieces) * pours * world["grain_kg"]
     poured = np.minimum(np.concatenate([[0.0], np.cumsum(grains)]), world["poured_kg"])
