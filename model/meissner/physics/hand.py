@@ -140,9 +140,9 @@ class Hand:
     def _load(self):
         """What pulls on the object, [runs, samples] in newtons, and its mass now [runs]."""
         time_s = (self.sample + np.arange(1, self.block + 1)) / self.rate_hz
-        at = time_s / MASS_S
-        low = np.minimum(at.astype(np.int64), self.mass_kg.shape[1] - 2)
-        part = np.minimum(at - low, 1.0)
+        piece = time_s / MASS_S
+        low = np.minimum(piece.astype(np.int64), self.mass_kg.shape[1] - 2)
+        part = np.minimum(piece - low, 1.0)
         mass_kg = self.mass_kg[:, low] * (1 - part) + self.mass_kg[:, low + 1] * part
         load_n = mass_kg * (G_MM_S2 / 1e3)
         for run, grasp in enumerate(self.grasps):
@@ -150,7 +150,8 @@ class Hand:
                 if time_s[0] < start_s + length_s and time_s[-1] > start_s:
                     place = np.clip((time_s - start_s) / length_s, 0, 1)
                     load_n[run] += newtons * (0.5 - 0.5 * np.cos(2 * np.pi * place))
-            if grasp.halves_s is not None and time_s[0] <= grasp.halves_s < time_s[-1] + 1 / self.rate_hz:
+            at = None if grasp.halves_s is None else round(grasp.halves_s * self.rate_hz)
+            if at is not None and self.sample <= at < self.sample + self.block:
                 self._halve(run)
         return load_n, mass_kg[:, -1]
 
