@@ -87,6 +87,20 @@ WORDS = {
     "load_drop": _share("load output falls before the object moves"),
     "grip_rise_n": Words("grip force rises meanwhile (truth)", "N"),
     "move_v": Words("position output moves meanwhile", "V"),
+    # a hand in closed loop
+    "dropped": Words("dropped"),
+    "dropped_rate": Words("dropped"),
+    "dropped_interval": Words("dropped, 95 % interval", "%"),
+    "grip_ratio_mean": Words("grip over the least that friction allows, mean of the hold"),
+    "grip_ratio_max": Words("grip over the least, the run that holds hardest"),
+    "moved_mm_max": Words("object moved by at most", "mm"),
+    "sag_mm_max": Words("of this elastic sag, at most", "mm"),
+    "ring_mm_max": Words("what the slipped rings add, at most", "mm"),
+    "slip_mm_mean": Words("slip, mean", "mm"),
+    "slip_mm_max": Words("slip, at most", "mm"),
+    "tightenings": Words("cycles with a tightening"),
+    "false_tightenings": Words("of these without an event"),
+    "cycles_with_fault": Words("cycles with a reported fault"),
     # centre of pressure
     "position_error": _share("error of the position, of the range −1 to 1"),
     "load_error": _share("error of the load"),
@@ -224,7 +238,11 @@ _ENDINGS = {
 }
 
 
-INTERVALS = ("missed_interval", "false_alarm_interval")  # of a row: the ends of a rate's interval
+INTERVALS = (
+    "missed_interval",
+    "false_alarm_interval",
+    "dropped_interval",
+)  # of a row: the ends of a rate's interval
 
 
 def words(key, value=None):

@@ -112,6 +112,22 @@ def _sheared(summary):
     return text + alarms + "."
 
 
+def _hand(summary):
+    """What fell, and how hard the rest was held."""
+    rate, runs = summary["dropped_rate"], _count(summary["runs"], "run")
+    if rate["count"] == rate["runs"]:
+        return f"The object was dropped in every one of {runs}."
+    text = (
+        "Nothing was dropped" if not rate["count"] else f"The object was dropped in {number(rate['count'])}"
+    )
+    return (
+        f"{text} {'in' if not rate['count'] else 'of'} {runs} (95 % interval up to "
+        f"{number(100 * rate['high'])} %); held with at most {number(summary['grip_ratio_mean'])} times the "
+        f"least grip that friction allows, in the mean of a condition, while the object slipped by at most "
+        f"{number(summary['slip_mm_max'])} mm."
+    )
+
+
 def _answer(summary):
     def of(key):
         return fact(key, summary[key])
@@ -122,6 +138,8 @@ def _answer(summary):
         return _sheared(summary)
     if "missed" in summary:
         return _slip(summary)
+    if "dropped_rate" in summary:
+        return _hand(summary)
     if "difference_from_eq18_v" in summary:
         return f"The demodulated output is at most {of('difference_from_eq18_v')} off eq. 18."
     if "sag_of_hold" in summary:

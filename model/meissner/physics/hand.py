@@ -1,0 +1,220 @@
+"""A hand of two parallel fingers with a slip sensor each, and the object between them, block by block.
+
+    N    = GRIP_N_MM · closing              both fingers feel it; closing: a critically damped position servo
+    T_f  = STIFFNESS · (x - s_f)            x the object's way down, s_f what finger f's contact has slid
+    T_1 + T_2 = m g + tug                   as long as a finger sticks: no inertia (quasi-static)
+    m dv/dt = m g + tug - sum mu(t) N       once both contacts slide, until the object stands
+    mu(t)  = mu_k + (mu_s - mu_k) exp(-t/FALL_S)    t since the contact began to slide; mu_s when it sticks
+
+A finger whose T_f reaches mu_s N slides until the other finger holds what it cannot, or slides too. The
+object's way has three parts: ``sag`` = load/(2 STIFFNESS), elastic; ``slip``, the mean of s_f; ``ring``, what
+the slipped rings add (rubber.slipped, mu N/STIFFNESS·S(q)), which the equations of force leave out.
+
+Vc of each finger: rubber.volts of N with its ripple, of the shear level of the speed dT/dt/STIFFNESS, and of
+the events of its ring, its slide (GROSS_SHARE) and its stick-slip (one each (mu_s - mu_k) N/STIFFNESS).
+The hand ripples in proportion to its speed, up to plate's RIPPLE_N at RIPPLE_N_S; nothing in the core is told
+that the hand moves.
+
+Not modelled: inertia of the object while a finger holds it (tens of hertz), impacts of what is poured, the
+object's turning, fingers that bend, a grip force that differs between the fingers, backlash and friction of
+the hand's drive, dependence of friction on speed, and all that physics.rubber and plate leave out.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from meissner.physics import plate, rubber
+from meissner.physics.slide import G_MM_S2, Contacts, slide
+from meissner.physics.stepped import HEAL_S, Fluctuation, Level, Ring, Ripple
+
+GRIP_N_MM = 1.0
+SERVO_S = 0.002
+COUNT_MM = 1e-4
+RIPPLE_N_S = 3.0
+DROP_MM = 6.0
+MASS_S = 0.01
+ORIGINS = {
+    "GRIP_N_MM": (
+        "chosen",
+        "rubber and the wall of a PET glass in series; no paper gives it",
+        "newtons of a step of the hand: one step of 0.01 mm is 0.01 N",
+    ),
+    "SERVO_S": (
+        "chosen",
+        "a fifth of the published control cycle of 10 ms, critically damped",
+        "how late a step acts: slip_mm of grip_disturb",
+    ),
+    "COUNT_MM": ("chosen", "a stroke of 6.5 mm in the 16 bits of a command", "counts of every setting"),
+    "RIPPLE_N_S": (
+        "chosen",
+        "normal_force's fastest loading, 2 N in 1 s, at which plate has its full ripple",
+        "false tightenings",
+    ),
+    "DROP_MM": ("computed", "the sensor's side, published: by then the object has left it", "dropped"),
+    "MASS_S": ("chosen", "numerical: the poured mass is drawn in pieces of this length", "none"),
+}
+
+
+@dataclass(frozen=True)
+class Grasp:
+    """One run: what is held, and how. ``mass_kg``: at every MASS_S; ``tugs``: (start_s, length_s, newtons).
+
+    ``mu_s``, ``mu_k``: of both fingers; ``halves_s``: from when on friction is half as much, or None.
+    """
+
+    mass_kg: np.ndarray
+    mu_s: tuple
+    mu_k: tuple
+    closing_mm: float
+    first_event: float = rubber.ONSET_RATIO
+    heal_s: float = HEAL_S
+    fluctuation: float = 1.0
+    tugs: tuple = ()
+    halves_s: float | None = None
+    rng: np.random.Generator = field(default_factory=np.random.default_rng)
+
+
+@dataclass(frozen=True)
+class Block:
+    """A block of samples: [runs, samples], ``volts`` and ``tension_n`` [runs, 2, samples].
+
+    ``ring_mm`` [runs]: at its end; ``events``: (contact, sample, share), contact = 2 run + finger.
+    """
+
+    volts: np.ndarray
+    normal_n: np.ndarray
+    tension_n: np.ndarray
+    load_n: np.ndarray
+    sag_mm: np.ndarray
+    slip_mm: np.ndarray
+    ring_mm: np.ndarray
+    events: tuple
+
+
+class Hand:
+    """``grasps``: one a run, all advanced together; ``block`` samples at a time."""
+
+    def __init__(self, grasps, rate_hz, block):
+        self.grasps, self.rate_hz, self.block = grasps, rate_hz, block
+        runs = len(grasps)
+        self.mu_s = np.array([grasp.mu_s for grasp in grasps])
+        self.mu_k = np.array([grasp.mu_k for grasp in grasps])
+        self.mass_kg = np.stack([grasp.mass_kg for grasp in grasps])
+        self.place = np.array([grasp.closing_mm for grasp in grasps], dtype=float)
+        self.speed = np.zeros(runs)
+        self.sample = 0
+        patches = [self._patches(grasp) for grasp in grasps for _ in range(2)]
+        places, shares = zip(*patches)
+        heal_s = np.repeat([grasp.heal_s for grasp in grasps], 2)
+        self.ring = Ring(places, shares, self.mu_s.ravel(), heal_s)
+        self.level = Level(2 * runs)
+        self.noise = Fluctuation(2 * runs, rate_hz)
+        self.ripple = Ripple(rate_hz, [grasp.rng for grasp in grasps])
+        self.contacts = [Contacts(grasp.rng, grasp.fluctuation) for grasp in grasps]
+        self.slid_mm = np.zeros((runs, 2))
+        self.sliding = np.zeros(runs, dtype=bool)
+        self.dropped = np.zeros(runs, dtype=bool)
+        load_n = self.mass_kg[:, 0] * G_MM_S2 / 1e3
+        self.tension = np.repeat(load_n / 2, 2)
+        self.ring.start(np.repeat(GRIP_N_MM * self.place, 2), self.tension)
+
+    @staticmethod
+    def _patches(grasp):
+        places = rubber.event_ratios(grasp.rng, grasp.first_event)
+        return places, rubber.event_shares(len(places), grasp.fluctuation, grasp.rng)
+
+    def _force(self, goal_mm):
+        """N [runs, samples] while the servo goes to ``goal_mm``, and its speed as a share of the fullest."""
+        since_s = np.arange(1, self.block + 1) / self.rate_hz
+        away = (self.place - goal_mm)[:, None]
+        drift = self.speed[:, None] + away / SERVO_S
+        fall = np.exp(-since_s / SERVO_S)
+        place = goal_mm[:, None] + (away + drift * since_s) * fall
+        speed = (drift - (away + drift * since_s) / SERVO_S) * fall
+        self.place, self.speed = place[:, -1], speed[:, -1]
+        full = np.minimum(np.abs(speed) * GRIP_N_MM / RIPPLE_N_S, 1.0)
+        ripple_n = plate.RIPPLE_N * full * self.ripple.next(self.block)
+        return np.maximum(GRIP_N_MM * place + ripple_n, 1e-6)
+
+    def _load(self):
+        """What pulls on the object, [runs, samples] in newtons, and its mass now [runs]."""
+        time_s = (self.sample + np.arange(1, self.block + 1)) / self.rate_hz
+        piece = time_s / MASS_S
+        low = np.minimum(piece.astype(np.int64), self.mass_kg.shape[1] - 2)
+        part = np.minimum(piece - low, 1.0)
+        mass_kg = self.mass_kg[:, low] * (1 - part) + self.mass_kg[:, low + 1] * part
+        load_n = mass_kg * (G_MM_S2 / 1e3)
+        for run, grasp in enumerate(self.grasps):
+            for start_s, length_s, newtons in grasp.tugs:
+                if time_s[0] < start_s + length_s and time_s[-1] > start_s:
+                    place = np.clip((time_s - start_s) / length_s, 0, 1)
+                    load_n[run] += newtons * (0.5 - 0.5 * np.cos(2 * np.pi * place))
+            at = None if grasp.halves_s is None else round(grasp.halves_s * self.rate_hz)
+            if at is not None and self.sample <= at < self.sample + self.block:
+                self._halve(run)
+        return load_n, mass_kg[:, -1]
+
+    def _halve(self, run):
+        self.mu_s[run] /= 2
+        self.mu_k[run] /= 2
+        self.ring.friction[2 * run : 2 * run + 2] = self.mu_s[run]
+
+    def next(self, goal_mm):
+        """The next ``Block``, the servo's goal being ``goal_mm`` [runs]."""
+        force_n = self._force(np.asarray(goal_mm, dtype=float))
+        load_n, mass_kg = self._load()
+        apart = rubber.STIFFNESS_N_MM * (self.slid_mm[:, ::-1] - self.slid_mm) / 2
+        tension = load_n[:, None, :] / 2 + apart[:, :, None]
+        slid_mm = np.broadcast_to(self.slid_mm.mean(axis=1)[:, None], load_n.shape)
+        limit = self.mu_s[:, :, None] * force_n[:, None, :]
+        loose = (self.sliding | (tension > limit).any(axis=(1, 2))) & ~self.dropped
+        more = []
+        if loose.any():
+            slid_mm = slid_mm.copy()
+            for run in np.flatnonzero(loose):
+                found = slide(
+                    *(self.contacts[run], force_n[run], load_n[run], mass_kg[run]),
+                    *(self.mu_s[run], self.mu_k[run], self.slid_mm[run], self.rate_hz),
+                )
+                tension[run], slid_mm[run] = found.tension_n, found.slip_mm
+                self.slid_mm[run], self.sliding[run] = found.slid_mm, any(self.contacts[run].sliding)
+                more += [(2 * run + finger, sample, share) for finger, sample, share in found.events]
+                self.dropped[run] = found.slip_mm[-1] > DROP_MM
+        flat = tension.reshape(-1, self.block)
+        pressed = np.repeat(force_n, 2, axis=0)
+        events = self.ring.next(pressed, flat, self.block / self.rate_hz)
+        if loose.any():
+            self._renew(loose)
+        if more:
+            extra = (np.array(column) for column in zip(*more))
+            events = tuple(np.concatenate(pair) for pair in zip(events, extra))
+        volts = self._volts(force_n, flat, events)
+        self.sample += self.block
+        reach = self.ring.reach(pressed[:, -1]).reshape(-1, 2)
+        ring_mm = (self.mu_s * rubber.slipped(reach)).mean(axis=1) * force_n[:, -1] / rubber.STIFFNESS_N_MM
+        sag_mm = load_n / (2 * rubber.STIFFNESS_N_MM)
+        return Block(volts, force_n, tension, load_n, sag_mm, slid_mm, ring_mm, events)
+
+    def _renew(self, loose):
+        """Other patches for the contacts that have slid since the last block."""
+        for run in np.flatnonzero(loose):
+            for finger in range(2):
+                if self.contacts[run].slid[finger]:
+                    self.ring.renew(2 * run + finger, *self._patches(self.grasps[run]), slid=True)
+
+    def _volts(self, force_n, tension, events):
+        """Vc [runs, 2, samples]."""
+        speed = (tension[:, -1] - self.tension) / rubber.STIFFNESS_N_MM * self.rate_hz / self.block
+        slides = np.array([one.sliding for one in self.contacts]).ravel()
+        speed = np.where(slides, 0.0, speed)  # sliding, it keeps its shear and recovers
+        self.tension = tension[:, -1]
+        level = self.level.next(speed, self.block, self.rate_hz).reshape(-1, 2, self.block)
+        rest_v = rubber.rest_volts(force_n)
+        volts = rest_v[:, None, :] + rubber.shear_gain(rest_v)[:, None, :] * level
+        volts = volts.reshape(-1, self.block)
+        rows, share = self.noise.next(*events, self.block)
+        if len(rows):
+            ratio = (rubber.SUPPLY_V - volts[rows]) / volts[rows] * np.maximum(1.0 + share, 0.0)
+            volts[rows] = rubber.SUPPLY_V / (1.0 + ratio)
+        return volts.reshape(-1, 2, self.block)

@@ -1,0 +1,127 @@
+"""What physics.hand does sample by sample: one or both contacts of an object slide, until they stick."""
+
+from dataclasses import dataclass, field
+from math import exp
+
+import numpy as np
+
+from meissner.physics import plate, rubber
+
+G_MM_S2 = 9810.0
+ORIGINS = {"G_MM_S2": ("computed", "standard gravity", "weights")}
+
+
+@dataclass
+class Contacts:
+    """The state of an object's two contacts. ``since_s``: since each began to slide or to stick.
+
+    ``left_mm``: way until the next event of stick-slip; ``slid``: it has slid in the last block.
+    """
+
+    rng: np.random.Generator
+    fluctuation: float = 1.0
+    speed_mm_s: float = 0.0
+    sliding: list = field(default_factory=lambda: [False, False])
+    since_s: list = field(default_factory=lambda: [float("inf")] * 2)
+    left_mm: list = field(default_factory=lambda: [0.0, 0.0])
+    slid: list = field(default_factory=lambda: [False, False])
+
+
+@dataclass(frozen=True)
+class Slid:
+    """``tension_n`` [2, samples], ``slip_mm`` [samples], ``slid_mm`` [2] after it, ``events``:
+    (finger, sample, share).
+    """
+
+    tension_n: np.ndarray
+    slip_mm: np.ndarray
+    slid_mm: np.ndarray
+    events: list
+
+
+def slide(contacts, force_n, load_n, mass_kg, mu_s, mu_k, slid_mm, rate_hz):
+    """Advance ``contacts`` through a block: ``force_n``, ``load_n`` [samples], ``slid_mm`` [2] before it."""
+    stiffness, dt = rubber.STIFFNESS_N_MM, 1.0 / rate_hz
+    mu_s, mu_k, slid = mu_s.tolist(), mu_k.tolist(), slid_mm.tolist()
+    tensions, slips, events = [], [], []
+    contacts.slid = list(contacts.sliding)
+    for sample, (force, load) in enumerate(zip(force_n.tolist(), load_n.tolist())):
+        before = list(slid)
+        friction = [
+            force * (mu_k[f] + (mu_s[f] - mu_k[f]) * exp(-contacts.since_s[f] / plate.FALL_S))
+            if contacts.sliding[f]
+            else force * mu_s[f]
+            for f in (0, 1)
+        ]
+        tension = None
+        if all(contacts.sliding):
+            contacts.speed_mm_s += (load - sum(friction)) / mass_kg * 1e3 * dt
+            if contacts.speed_mm_s <= 0:
+                _stick(contacts, (0, 1))
+            else:
+                slid = [way + contacts.speed_mm_s * dt for way in slid]
+                tension = friction
+        if tension is None:
+            tension, slid = _held(contacts, friction, load, slid, stiffness, sample, events)
+        for f in (0, 1):
+            contacts.since_s[f] += dt
+            if contacts.sliding[f]:
+                _stick_slip(
+                    contacts, f, slid[f] - before[f], (mu_s[f] - mu_k[f]) * force / stiffness, events, sample
+                )
+        tensions.append(tension)
+        slips.append((slid[0] + slid[1]) / 2)
+    return Slid(np.array(tensions).T, np.array(slips), np.array(slid), events)
+
+
+def _stick(contacts, fingers):
+    for f in fingers:
+        contacts.sliding[f], contacts.since_s[f] = False, 0.0
+    contacts.speed_mm_s = 0.0
+
+
+def _let_go(contacts, f, sample, events):
+    """The last core lets go; one that has stuck for a moment only has hardly a core."""
+    core = 1.0 - exp(-contacts.since_s[f] / plate.FALL_S)
+    share = rubber.GROSS_SHARE * rubber.EVENT_SHARE * contacts.fluctuation * core
+    events.append((f, float(sample), share))
+    contacts.sliding[f], contacts.slid[f], contacts.since_s[f], contacts.left_mm[f] = True, True, 0.0, -1.0
+
+
+def _held(contacts, friction, load, slid, stiffness, sample, events):
+    """Tensions and slides where at least one finger sticks, or begins to slide now."""
+    for _ in range(3):
+        if not any(contacts.sliding):
+            apart = stiffness * (slid[1] - slid[0]) / 2
+            tension = [load / 2 + apart, load / 2 - apart]
+            over = [f for f in (0, 1) if tension[f] > friction[f]]
+            if not over:
+                return tension, slid
+            first = max(over, key=lambda f: tension[f] - friction[f])
+            _let_go(contacts, first, sample, events)
+        loose = contacts.sliding.index(True)
+        other = 1 - loose
+        tension = [0.0, 0.0]
+        tension[loose], tension[other] = friction[loose], load - friction[loose]
+        if tension[other] > friction[other]:
+            _let_go(contacts, other, sample, events)
+            contacts.speed_mm_s = 0.0
+            return list(friction), slid
+        way = slid[other] + (tension[other] - tension[loose]) / stiffness
+        if way < slid[loose]:
+            _stick(contacts, (loose,))
+            continue
+        slid = list(slid)
+        slid[loose] = way
+        return tension, slid
+    return tension, slid
+
+
+def _stick_slip(contacts, f, way_mm, stick_mm, events, sample):
+    if contacts.left_mm[f] < 0:
+        contacts.left_mm[f] = stick_mm * contacts.rng.gamma(2.0, 0.5)
+    contacts.left_mm[f] -= way_mm
+    while contacts.left_mm[f] < 0:
+        share = rubber.event_shares(1, contacts.fluctuation, contacts.rng)[0]
+        events.append((f, float(sample), rubber.SLIDING_SHARE * share))
+        contacts.left_mm[f] += max(stick_mm * contacts.rng.gamma(2.0, 0.5), 1e-6)

@@ -1,0 +1,233 @@
+"""The closed loop: hand, converters, slip path and reflex, a control cycle at a time, all runs together.
+
+    closing -> physics.hand -> converter -> Haar, peak to peak, over -> grip -> increment -> closing
+
+The word of a cycle moves the hand in the next one. A window counts once, where it first is over:
+msn_grip counts the stream of decisions. A finger whose samples all stand at the converter's lowest or highest
+code for a whole cycle counts as unhealthy.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from meissner.physics.hand import COUNT_MM, Hand
+from meissner.scenes.hand.scene import grasp
+from meissner.twins.slip.haar import Haar
+from meissner.twins.slip.peak_to_peak import PeakToPeak
+
+NOISE_S = 1.0  # of the converters' noise are drawn at once
+WAIT_SAMPLES = 20  # of an event's ringing that may still reach the window after it
+
+
+class FixedSlip:
+    """The integer twins, of all fingers of all runs."""
+
+    def __init__(self, channels, config):
+        self.span, self.config = config.window >> config.level, config
+        self.haar, self.extremes = Haar(channels, config.level), PeakToPeak(channels, self.span, self.span)
+
+    def next(self, codes):
+        """(detail, p2p, over) of each detail that ``codes`` [channels, n] complete."""
+        detail, _ = self.haar.next(codes)
+        p2p, _ = self.extremes.next(detail)
+        return detail, p2p, p2p > self.config.threshold
+
+
+class FloatSlip:
+    """Textbook float: PyWavelets' cD, and its extremes so far in each window."""
+
+    def __init__(self, channels, config):
+        self.config, self.count = config, 0
+        self.span, self.group = config.window >> config.level, 1 << config.level
+        self.rest = np.zeros((channels, 0))
+        self.high, self.low = np.full(channels, -np.inf), np.full(channels, np.inf)
+
+    def next(self, codes):
+        """As FixedSlip.next, in codes."""
+        import pywt
+
+        x = np.concatenate([self.rest, codes], axis=1)
+        whole = x.shape[1] // self.group * self.group
+        self.rest = x[:, whole:]
+        if not whole:
+            return (np.zeros((len(x), 0)),) * 2 + (np.zeros((len(x), 0), dtype=bool),)
+        level = self.config.level
+        detail = pywt.wavedec(x[:, :whole], "haar", mode="periodization", level=level)[1] * 2 ** (level / 2)
+        p2p, start = np.empty_like(detail), 0
+        while start < detail.shape[1]:
+            if self.count % self.span == 0:
+                self.high[:], self.low[:] = -np.inf, np.inf
+            stop = min(detail.shape[1], start + self.span - self.count % self.span)
+            part = detail[:, start:stop]
+            high = np.maximum(np.maximum.accumulate(part, axis=1), self.high[:, None])
+            low = np.minimum(np.minimum.accumulate(part, axis=1), self.low[:, None])
+            p2p[:, start:stop] = high - low
+            self.high, self.low = high[:, -1], low[:, -1]
+            self.count, start = self.count + stop - start, stop
+        return detail, p2p, p2p > self.config.threshold + 0.5  # half a code: docs/slip.md
+
+
+class Windows:
+    """A block's decisions by window, all that the reflex reads of them: [channels, parts].
+
+    A part is what a block has of one window: whether it is over in it, and whether the window ends with it.
+    """
+
+    def __init__(self, channels, span):
+        self.span, self.count, self.counted = span, 0, np.zeros(channels, dtype=bool)
+
+    def next(self, over):
+        """(over [channels, parts], ends [parts], windows over for the first time [channels])."""
+        last = self.count + over.shape[1]
+        if last == self.count:
+            nothing = np.zeros((len(over), 0), dtype=bool)
+            return nothing, [], nothing.sum(axis=1)
+        starts = np.arange(self.count // self.span * self.span, last, self.span)
+        starts[0] = self.count
+        parts = np.logical_or.reduceat(over, starts - self.count, axis=1)
+        ends = [bool(stop % self.span == 0) for stop in (*starts[1:], last)]
+        self.count, fresh = last, np.zeros(len(over), dtype=np.int64)
+        for part, end in zip(parts.T, ends):
+            fresh += part & ~self.counted
+            self.counted = (self.counted | part) & (not end)
+        return parts, ends, fresh
+
+
+def answer(reflex, parts, ends, healthy):
+    """The Command of a cycle; ``parts`` [fingers, parts], ``healthy`` [fingers]."""
+    for finger, row in enumerate(parts):
+        for over, end in zip(row, ends):
+            reflex.decision(finger, over, end)
+    return reflex.cycle(healthy)
+
+
+@dataclass(frozen=True)
+class Trace:
+    """The shown run, [cycles]: what the charts show; ``detail_low``, ``detail_high`` [cycles, 2] in codes."""
+
+    time_s: np.ndarray
+    normal_n: np.ndarray
+    least_n: np.ndarray
+    load_n: np.ndarray
+    sag_mm: np.ndarray
+    slip_mm: np.ndarray
+    ring_mm: np.ndarray
+    command: np.ndarray
+    fault: np.ndarray
+    over: np.ndarray
+    detail_low: np.ndarray
+    detail_high: np.ndarray
+
+
+@dataclass(frozen=True)
+class Held:
+    """What became of each run: arrays [runs]; ``trace``: of the first.
+
+    ``slip_mm``: at the end; ``sag_mm``: largest less least; ``ring_mm``: at the end; ``moved_mm``: the
+    object's way, lowest less highest; ``tightenings``: cycles with a window over the threshold,
+    ``false_tightenings``: those in which a finger was over that had no event; ``faults``: cycles with one;
+    ``ratio``: grip over the least that friction allows, in the mean of the hold.
+    """
+
+    dropped: np.ndarray
+    slip_mm: np.ndarray
+    sag_mm: np.ndarray
+    ring_mm: np.ndarray
+    moved_mm: np.ndarray
+    tightenings: np.ndarray
+    false_tightenings: np.ndarray
+    faults: np.ndarray
+    ratio: np.ndarray
+    trace: Trace
+
+
+class _Noise:
+    """The converters' own, of each run from its own seed."""
+
+    def __init__(self, scene, seeds, number):
+        self.rngs = [np.random.default_rng([seed, number, 1]) for seed in seeds]
+        self.scale, self.length = scene.adc.noise_v, round(NOISE_S * scene.rate_hz)
+        self.drawn, self.place = None, self.length
+
+    def next(self, samples):
+        if self.place >= self.length:
+            shape = (2, self.length)
+            self.drawn = self.scale * np.stack([rng.standard_normal(shape) for rng in self.rngs])
+            self.place = 0
+        part = self.drawn[:, :, self.place : self.place + samples]
+        self.place += samples
+        return part
+
+
+def hold(scene, condition, seeds, parts):
+    """Run one condition with ``seeds`` at once; ``parts``: (slip path class, grip class) of the engine."""
+    slip_of, grip_of = parts
+    grasps = [grasp(scene, condition, seed) for seed in seeds]
+    runs, block = len(grasps), scene.rate_hz * condition.cycle_ms // 1000
+    hand = Hand(grasps, scene.rate_hz, block)
+    config, number = scene.slip_config(condition), scene.conditions.index(condition)
+    slip, windows = slip_of(2 * runs, config), Windows(2 * runs, config.window >> config.level)
+    settings = scene.grip_config(condition)
+    starts = [
+        min(max(round(one.closing_mm / COUNT_MM), settings.minimum), settings.maximum) for one in grasps
+    ]
+    reflexes = [grip_of(settings, 2, start=start) for start in starts]
+    goal = np.array([one.closing_mm for one in grasps])
+    noise, adc = _Noise(scene, seeds, number), scene.adc
+    cycles = round(scene.duration_s(condition) * 1000 / condition.cycle_ms)
+    dead = np.inf if condition.dead_s is None else condition.dead_s
+    since = scene.world["hold_from_s"]
+    wait = config.window + WAIT_SAMPLES
+    last_event = np.full(2 * runs, -(10**9))
+    tight, false, faults = np.zeros((3, runs), dtype=np.int64)
+    ratio, held = np.zeros(runs), 0
+    lowest, highest, sags = np.full(runs, np.inf), np.full(runs, -np.inf), []
+    rows = []
+    for cycle in range(cycles):
+        time_s = cycle * condition.cycle_ms / 1e3
+        found = hand.next(goal)
+        volts = found.volts + noise.next(block)
+        codes, _ = adc.convert(volts.reshape(2 * runs, block))
+        if time_s >= dead:
+            codes[:] = adc.max_code
+        detail, _, over = slip.next(codes)
+        parts, ends, counts = windows.next(over)
+        healthy = ~((codes <= adc.min_code).all(axis=1) | (codes >= adc.max_code).all(axis=1))
+        contact, at, _ = found.events
+        last_event[contact] = cycle * block + np.ceil(at).astype(np.int64)
+        wrong = (counts > 0) & (last_event < cycle * block - wait)
+        pairs = counts.reshape(-1, 2)
+        words = [
+            answer(reflex, rows_of, ends, well)
+            for reflex, rows_of, well in zip(
+                reflexes, parts.reshape(runs, 2, -1).tolist(), healthy.reshape(-1, 2).tolist()
+            )
+        ]
+        increment = np.array([word.increment for word in words])
+        goal = goal + increment * COUNT_MM
+        alive = ~hand.dropped
+        tight += alive & (pairs > 0).any(axis=1)
+        false += alive & wrong.reshape(-1, 2).any(axis=1)
+        faults += np.array([word.fault != 0 for word in words])
+        least_n = found.load_n.mean(axis=1) / hand.mu_s.sum(axis=1)
+        normal_n = found.normal_n.mean(axis=1)
+        place_mm = found.sag_mm[:, -1] + found.slip_mm[:, -1] + found.ring_mm
+        lowest, highest = np.minimum(lowest, place_mm), np.maximum(highest, place_mm)
+        sags.append(found.sag_mm[:, -1])
+        if time_s >= since:
+            ratio, held = ratio + normal_n / least_n, held + 1
+        rows.append(
+            (
+                *(time_s, normal_n[0], least_n[0], found.load_n[0, -1], found.sag_mm[0, -1]),
+                *(found.slip_mm[0, -1], found.ring_mm[0], words[0].command, words[0].fault),
+                *(int(pairs[0].sum()), *detail[:2].min(axis=1), *detail[:2].max(axis=1)),
+            )
+        )
+    table = np.array(rows).T
+    trace = Trace(*table[:10], table[10:12].T, table[12:14].T)
+    sags = np.stack([np.min(sags, axis=0), np.max(sags, axis=0)])
+    return Held(
+        *(hand.dropped, hand.slid_mm.mean(axis=1), sags[1] - sags[0], found.ring_mm, highest - lowest),
+        *(tight, false, faults, ratio / max(held, 1), trace),
+    )

@@ -1,0 +1,139 @@
+"""Running a hand's scene in closed loop: each condition with its seeds, what fell, slid, and how it held."""
+
+import time
+
+import numpy as np
+
+from meissner import interval
+from meissner.scenes.hand import loop, pictures
+from meissner.scenes.hand.scene import COMPONENTS
+from meissner.scenes.results import check_waves, finish, table
+from meissner.twins.actuate.grip import Grip
+
+SHOWN = "grip force beside the least that holds the object, the Haar detail of both fingers, and its way down"
+AT_ONCE = 50  # runs that advance together
+# What an engine has of the loop; the reflex is integers in both, docs/grip_scenes.md says why.
+PARTS = {"fixed": (loop.FixedSlip, Grip), "float": (loop.FloatSlip, Grip)}
+KEYS = (
+    "dropped",
+    "slip_mm",
+    "sag_mm",
+    "ring_mm",
+    "moved_mm",
+    "tightenings",
+    "false_tightenings",
+    "faults",
+    "ratio",
+)
+
+
+def check(scene, engine, waves):
+    """ValueError with one sentence if this engine cannot run the scene."""
+    check_waves(engine, waves)
+    if engine not in PARTS:
+        names = " and ".join(PARTS)
+        raise ValueError(
+            f"scene {scene.name} runs in closed loop on the engines {names} only, not on {engine}"
+        )
+    if waves:
+        raise ValueError(f"--waves is not for {scene.name}: no engine of it has signals")
+
+
+def statistics(condition, found):
+    """One row of the table of conditions; ``found``: {key: [runs]} of a condition's runs."""
+    kept = ~found["dropped"]
+
+    def of(key, pick):
+        return round(float(pick(found[key][kept])), 4) if kept.any() else None
+
+    dropped = interval.rate(int(found["dropped"].sum()), len(kept))
+    return {
+        "condition": condition.name,
+        "runs": len(kept),
+        "dropped": dropped["count"],
+        "dropped_interval": [dropped["low"], dropped["high"]],
+        "grip_ratio_mean": of("ratio", np.mean),
+        "grip_ratio_max": of("ratio", np.max),
+        "moved_mm_max": of("moved_mm", np.max),
+        "sag_mm_max": of("sag_mm", np.max),
+        "ring_mm_max": of("ring_mm", np.max),
+        "slip_mm_mean": of("slip_mm", np.mean),
+        "slip_mm_max": of("slip_mm", np.max),
+        "tightenings": int(found["tightenings"].sum()),
+        "false_tightenings": int(found["false_tightenings"].sum()),
+        "cycles_with_fault": int(found["faults"].sum()),
+    }
+
+
+def _joined(helds):
+    return {key: np.concatenate([getattr(held, key) for held in helds]) for key in KEYS}
+
+
+def run(scene, engine, out, seed, waves, progress):
+    """Run every condition with its seeds; write results to ``out``; return the summary."""
+    began = time.perf_counter()
+    helds = {condition: [] for condition in scene.conditions}
+    batches = [
+        range(at, min(at + AT_ONCE, seed + scene.seeds)) for at in range(seed, seed + scene.seeds, AT_ONCE)
+    ]
+    for condition, seeds in progress(
+        [(condition, batch) for condition in scene.conditions for batch in batches]
+    ):
+        helds[condition].append(loop.hold(scene, condition, seeds, PARTS[engine]))
+    found = {condition: _joined(several) for condition, several in helds.items()}
+    rows = [statistics(condition, found[condition]) for condition in scene.conditions]
+    runs = sum(row["runs"] for row in rows)
+    kept = [row for row in rows if row["grip_ratio_mean"] is not None]
+    simulated = sum(row["runs"] * scene.duration_s(one) for row, one in zip(rows, scene.conditions))
+    summary = {
+        "scene": scene.name,
+        "engine": engine,
+        "seed": seed,
+        "seconds_simulated": round(simulated, 3),
+        "seconds_taken": None,
+        "samples_per_second": round(2 * simulated * scene.rate_hz / (time.perf_counter() - began)),
+        "twin_mismatches": None,
+        "modelled": list(modelled(scene)[0]),
+        "left_out": list(modelled(scene)[1]),
+        "dropped_rate": interval.rate(sum(row["dropped"] for row in rows), runs),
+        "tightenings": sum(row["tightenings"] for row in rows),
+        "false_tightenings": sum(row["false_tightenings"] for row in rows),
+        "cycles_with_fault": sum(row["cycles_with_fault"] for row in rows),
+        "grip_ratio_mean": max((row["grip_ratio_mean"] for row in kept), default=None),
+        "moved_mm_max": max((row["moved_mm_max"] for row in kept), default=None),
+        "slip_mm_max": max((row["slip_mm_max"] for row in kept), default=None),
+        "runs": runs,
+        "seeds": [seed, seed + scene.seeds - 1],
+        "conditions": rows,
+    }
+    shown, arrays = [], {}
+    for index, condition in enumerate(scene.conditions):
+        trace = helds[condition][0].trace
+        path = pictures.draw(out / f"{scene.name}_{index + 1}.png", scene, condition, seed, trace)
+        shown.append((path, condition.name, SHOWN))
+        arrays |= {f"c{index}_{name}": values for name, values in vars(trace).items()}
+        arrays |= {f"c{index}_runs_{name}": values for name, values in found[condition].items()}
+    return finish(scene, summary, out, arrays, shown, {"Conditions": rows}, began, ("conditions",))
+
+
+def modelled(scene):
+    """(modelled, left out) of COMPONENTS: what the scene does not ask for is left out."""
+    absent = ("changing mass",) * (not scene.world["poured_kg"]) + ("tug",) * (not scene.world["tugs"])
+    return tuple(part for part in COMPONENTS if part not in absent), absent
+
+
+def tell(summary):
+    """The lines to print of a summary."""
+    first, last = summary["seeds"]
+    lines = [
+        f"{summary['runs']} runs, seeds {first} to {last} of each condition",
+        f"dropped: {interval.words(summary['dropped_rate'])}",
+        f"tightened {summary['tightenings']} times, {summary['false_tightenings']} of them without an event",
+    ]
+    if summary["grip_ratio_mean"] is not None:
+        lines.append(
+            f"of the runs that hold: grip at most {summary['grip_ratio_mean']:.3f} of the least that "
+            f"friction allows, in the mean of a condition; the object moved by at most "
+            f"{summary['moved_mm_max']:.3f} mm, of which slip at most {summary['slip_mm_max']:.4f} mm"
+        )
+    return [*lines, "", *table(summary["conditions"])]

@@ -1,0 +1,200 @@
+"""Scenes of a hand of two slip sensors that holds a glass by the reflex: poured into, let go, tugged at."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from meissner.check import between, fields, numbers, one_of, positive, tables
+from meissner.physics import plate
+from meissner.physics.adc import PARTS, Adc
+from meissner.physics.hand import COUNT_MM, GRIP_N_MM, MASS_S, Grasp
+from meissner.physics.slide import G_MM_S2
+from meissner.physics.stepped import HEAL_S
+from meissner.twins.actuate.grip import RULES, GripConfig
+from meissner.twins.slip.config import SlipConfig
+
+COMPONENTS = (
+    "rubber divider",
+    "shear step",
+    "partial slip that begins again",
+    "friction of two contacts",
+    "slide with inertia",
+    "position servo with ripple",
+    "grip's compliance",
+    "changing mass",
+    "tug",
+    "adc",
+)
+
+_TOP = {"title": str, "sensor": str, "adc": str, "rate_hz": int, "features": list, "seeds": int}
+_TOP |= {"slip": dict, "grip": dict, "world": dict}
+_SLIP = dict.fromkeys(("window", "level"), int) | {"threshold_v": float}
+_GRIP = dict.fromkeys(("step_mm", "decay_mm_s", "rate_mm_s", "least_mm", "most_mm", "silent_s"), float)
+_GRIP |= {"rule": str}
+_SPREADS = ("mass_spread", "friction_spread", "pour_spread")
+_WORLD = dict.fromkeys((*_SPREADS, "duration_s", "hold_from_s", "mass_kg", "poured_kg"), float)
+_WORLD |= dict.fromkeys(("pour_start_s", "pour_kg_s", "grain_kg"), float)
+_WORLD |= {"material": str, "grip_ratio": list, "tugs": list, "conditions": list}
+_CONDITION = {"name": str, "first_event": float, "cycle_ms": int}
+# Keys of a condition that may be left out, (least, most).
+_OPTIONAL = {"heal_s": (0.001, 1e3), "step_mm": (0.0, 1.0), "threshold_v": (0.0, 5.0), "halves_s": (0.0, 1e4)}
+_OPTIONAL |= {"dead_s": (0.0, 1e4), "decay_mm_s": (0.0, 1.0), "duration_s": (0.1, 1e4)}
+CYCLES_MS = (1, 2, 5, 10)
+
+
+@dataclass(frozen=True)
+class Condition:
+    """``first_event``: q of the first event; ``cycle_ms``: control cycle; ``heal_s``: physics.stepped.
+
+    ``step_mm``, ``decay_mm_s``, ``threshold_v``, ``duration_s``: in place of the scene's. ``halves_s``:
+    friction halves then; ``dead_s``: from when on both converters give their highest code.
+    """
+
+    name: str
+    first_event: float
+    cycle_ms: int
+    heal_s: float = HEAL_S
+    step_mm: float | None = None
+    decay_mm_s: float | None = None
+    threshold_v: float | None = None
+    halves_s: float | None = None
+    dead_s: float | None = None
+    duration_s: float | None = None
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A scene, checked. ``grip``: [grip] in millimetres and seconds."""
+
+    name: str
+    title: str
+    sensor: str
+    adc_part: str
+    rate_hz: int
+    features: tuple
+    seeds: int
+    slip: dict
+    grip: dict
+    world: dict
+    conditions: tuple
+
+    @property
+    def adc(self) -> Adc:
+        return PARTS[self.adc_part]
+
+    def duration_s(self, condition):
+        return self.world["duration_s"] if condition.duration_s is None else condition.duration_s
+
+    def threshold_v(self, condition):
+        """The threshold on max cD - min cD."""
+        own = condition.threshold_v
+        return 2.0 * (self.slip["threshold_v"] if own is None else own)
+
+    def slip_config(self, condition) -> SlipConfig:
+        """As a rubber scene's: p2p in codes exceeds this exactly when the real comparison holds."""
+        level = self.slip["level"]
+        codes = int(np.floor(self.threshold_v(condition) * 2.0 ** (level / 2) / self.adc.lsb_v))
+        window = self.slip["window"]
+        return SlipConfig(window=window, hop=window, level=level, threshold=codes, gross_threshold=codes)
+
+    def grip_config(self, condition) -> GripConfig:
+        """[grip] in counts and cycles."""
+        cycle_s, grip = condition.cycle_ms / 1e3, self.grip
+        step_mm = grip["step_mm"] if condition.step_mm is None else condition.step_mm
+        decay_mm_s = grip["decay_mm_s"] if condition.decay_mm_s is None else condition.decay_mm_s
+        decay = round(decay_mm_s * cycle_s / COUNT_MM)
+        if decay_mm_s > 0 and not decay:
+            least = COUNT_MM / cycle_s
+            raise ValueError(f"decay_mm_s = {decay_mm_s:g} is no count a cycle; one is {least:g} mm/s")
+        return GripConfig(
+            step=round(step_mm / COUNT_MM),
+            decay=decay,
+            rate=round(grip["rate_mm_s"] * cycle_s / COUNT_MM),
+            minimum=round(grip["least_mm"] / COUNT_MM),
+            maximum=round(grip["most_mm"] / COUNT_MM),
+            watchdog=max(1, round(grip["silent_s"] / cycle_s)),
+            rule=grip["rule"],
+        )
+
+
+def _world(where, table):
+    world = fields(where, table, _WORLD)
+    positive(where, world, ["duration_s", "mass_kg", "grain_kg", "pour_kg_s"])
+    between(where, world, dict.fromkeys(_SPREADS, (0.0, 0.2)))
+    between(where, world, {"poured_kg": (0.0, 10.0), "pour_start_s": (0.0, 1e4)})
+    between(where, world, {"hold_from_s": (0.0, world["duration_s"])})
+    one_of(where, "material", world["material"], tuple(plate.MATERIALS))
+    world["grip_ratio"] = numbers(where, "grip_ratio", world["grip_ratio"], 2, 1.0, 100.0)
+    world["tugs"] = [numbers(where, "tugs", tug, 3, 0.0, 1e4) for tug in world["tugs"]]
+    return world
+
+
+def build(name, table):
+    """Check a scene's table and return the Scene; ValueError with one sentence if it cannot be."""
+    where = f"scene {name}"
+    top = fields(where, table, _TOP)
+    one_of(where, "adc", top["adc"], tuple(PARTS))
+    positive(where, top, ("rate_hz", "seeds"))
+    if top["rate_hz"] % 1000:
+        raise ValueError(f"{where}: rate_hz = {top['rate_hz']} must be a multiple of 1000")
+    for feature in top["features"]:
+        one_of(where, "features", feature, ("slip", "grip"))
+    slip = fields(f"{where}, [slip]", top["slip"], _SLIP)
+    grip = fields(f"{where}, [grip]", top["grip"], _GRIP)
+    between(f"{where}, [grip]", grip, {key: (0.0, 1e3) for key in grip if key != "rule"})
+    one_of(f"{where}, [grip]", "rule", grip["rule"], RULES)
+    world = _world(f"{where}, [world]", top["world"])
+    conditions, inside = [], f"{where}, [[world.conditions]]"
+    for row in tables(f"{where}, [world]", "world.conditions", world.pop("conditions")):
+        row = fields(inside, row, _CONDITION | {key: float for key in _OPTIONAL if key in row})
+        between(inside, row, {key: limits for key, limits in _OPTIONAL.items() if key in row})
+        between(inside, row, {"first_event": (0.0, 0.9)})
+        one_of(inside, "cycle_ms", row["cycle_ms"], CYCLES_MS)
+        conditions.append(Condition(**row))
+    top |= {"features": tuple(top["features"]), "slip": slip, "grip": grip, "world": world}
+    top |= {"adc_part": top.pop("adc"), "conditions": tuple(conditions)}
+    scene = Scene(name=name, **top)
+    for condition in conditions:
+        try:
+            scene.slip_config(condition), scene.grip_config(condition)
+        except ValueError as problem:
+            raise ValueError(f"{where}: {problem}") from None
+    return scene
+
+
+def grasp(scene, condition, seed):
+    """What one seed draws: mass, friction of both fingers, pour, the grip to begin with."""
+    world = scene.world
+    rng = np.random.default_rng([seed, scene.conditions.index(condition)])
+    kind = plate.MATERIALS[world["material"]]
+
+    def spread(key, count=None):
+        return np.maximum(1.0 + world[key] * rng.standard_normal(count), 0.1)
+
+    mass_kg = world["mass_kg"] * spread("mass_spread")
+    friction = spread("friction_spread") * (1.0 + plate.FRICTION_SPREAD * rng.standard_normal(2))
+    pour_kg_s = world["pour_kg_s"] * spread("pour_spread")
+    pieces = round(scene.duration_s(condition) / MASS_S)
+    pours = np.arange(pieces) * MASS_S >= world["pour_start_s"]
+    grains = rng.poisson(pour_kg_s * MASS_S / world["grain_kg"], pieces) * pours * world["grain_kg"]
+    poured = np.minimum(np.concatenate([[0.0], np.cumsum(grains)]), world["poured_kg"])
+    ratio = rng.uniform(*world["grip_ratio"])
+    mu_s = kind.mu_s * friction
+    closing_mm = ratio * mass_kg * G_MM_S2 / 1e3 / mu_s.sum() / GRIP_N_MM
+    return Grasp(
+        mass_kg=mass_kg + poured,
+        mu_s=tuple(mu_s),
+        mu_k=tuple(kind.mu_k * friction),
+        closing_mm=round(closing_mm / COUNT_MM) * COUNT_MM,
+        first_event=condition.first_event,
+        heal_s=condition.heal_s,
+        fluctuation=kind.fluctuation,
+        tugs=tuple(world["tugs"]),
+        halves_s=condition.halves_s,
+        rng=rng,
+    )
+
+
+def simulate(scene, condition=None, seed=0):
+    """The grasp of one seed: in closed loop there is no recording before the engine has run."""
+    return grasp(scene, scene.conditions[0] if condition is None else condition, seed)

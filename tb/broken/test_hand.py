@@ -1,0 +1,158 @@
+"""Each metric of the hand's scenes turns when the physics, the sensor or the reflex is broken on purpose, and
+those beside it that should not, do not."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from meissner import scenes
+from meissner.physics import hand as physics
+from meissner.physics import plate, rubber
+from meissner.report import words
+from meissner.run import run
+from meissner.scenes.hand import loop
+from meissner.scenes.hand import run as hand
+from meissner.scenes.verdict import verdict
+from meissner.twins.actuate.grip import Grip
+
+RUNS, SECONDS = 4, 8.0
+
+
+def few(name="grip_pour", grip=None, slip=None, **changes):
+    """The scene's first condition, short, with few runs."""
+    scene = scenes.load(name)
+    condition = replace(scene.conditions[0], duration_s=SECONDS, **changes)
+    world = scene.world | {"pour_start_s": 0.5, "hold_from_s": 4.0}
+    grip, slip = scene.grip | (grip or {}), scene.slip | (slip or {})
+    return replace(scene, seeds=RUNS, conditions=(condition,), world=world, grip=grip, slip=slip)
+
+
+@pytest.fixture(autouse=True)
+def no_pictures(monkeypatch):
+    monkeypatch.setattr("matplotlib.figure.Figure.savefig", lambda *_, **__: None)
+    monkeypatch.setattr("meissner.report.page.write_html", lambda *_: None)
+
+
+@pytest.fixture(scope="module")
+def sound(tmp_path_factory):
+    """The summaries of the hand as it is."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("matplotlib.figure.Figure.savefig", lambda *_, **__: None)
+        patch.setattr("meissner.report.page.write_html", lambda *_: None)
+        names = ("grip_pour", "grip_release")
+        return {name: run(few(name), "fixed", tmp_path_factory.mktemp(name)) for name in names}
+
+
+def row(summary):
+    return summary["conditions"][0]
+
+
+def test_as_it_is_all_is_held(sound):
+    for summary in sound.values():
+        assert summary["dropped_rate"] | {"high": None} == {
+            **{"count": 0, "runs": RUNS, "rate": 0.0, "low": 0.0, "high": None}
+        }
+        assert summary["dropped_rate"]["high"] == pytest.approx(1 - 0.025 ** (1 / RUNS), abs=1e-6)
+        assert summary["cycles_with_fault"] == 0 and summary["slip_mm_max"] < 0.01
+    found = row(sound["grip_pour"])
+    assert found["tightenings"] > 100 and found["false_tightenings"] < 0.05 * found["tightenings"]
+    assert 1.0 < found["grip_ratio_mean"] < 1.2
+    # 7.5 s of 0.01 kg/s and its spread, on two springs of 12 N/mm.
+    assert 0.02 < found["sag_mm_max"] < 0.05 and found["moved_mm_max"] > found["sag_mm_max"]
+    assert row(sound["grip_release"])["sag_mm_max"] == 0
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [{"dead_s": 1.0}, {"threshold_v": 0.5}, {"step_mm": 0.0}],
+    ids=["sensor dead", "threshold too high", "step zero"],
+)
+def test_a_reflex_that_feels_or_does_nothing_drops_the_glass(changes, tmp_path):
+    found = run(few(**changes), "fixed", tmp_path)
+    assert found["dropped_rate"]["count"] == row(found)["dropped"] == RUNS
+    assert found["grip_ratio_mean"] is None and row(found)["slip_mm_max"] is None
+    assert verdict(found) == "The object was dropped in every one of 4 runs."
+
+
+def test_a_command_of_the_wrong_sign_drops_it(tmp_path, monkeypatch):
+    class Wrong(Grip):
+        def cycle(self, *arguments):
+            found = super().cycle(*arguments)
+            return replace(found, increment=-found.increment)
+
+    monkeypatch.setitem(hand.PARTS, "fixed", (loop.FixedSlip, Wrong))
+    assert run(few(), "fixed", tmp_path)["dropped_rate"]["count"] == RUNS
+
+
+def test_friction_that_halves_is_slip_and_a_drop(sound, tmp_path):
+    """Twice the grip would be needed at once: one step a window does not get there."""
+    found = run(few(halves_s=4.0), "fixed", tmp_path)
+    assert found["dropped_rate"]["count"] == RUNS
+    scene = few(halves_s=4.0)
+    held = loop.hold(scene, scene.conditions[0], [1], (loop.FixedSlip, Grip)).trace
+    at = np.searchsorted(held.time_s, 4.0)
+    assert held.slip_mm[at - 1] < 0.01 and held.slip_mm[-1] > physics.DROP_MM
+    assert held.least_n[at + 1] == pytest.approx(2 * held.least_n[at - 1], rel=0.01)
+
+
+def test_a_dead_sensor_is_a_fault_and_never_opens_the_hand(tmp_path):
+    """Motion 2 with both sensors dead from the first second on: the hand stays where it is."""
+    scene = few("grip_release", dead_s=1.0)
+    found = run(scene, "fixed", tmp_path)
+    assert found["cycles_with_fault"] == RUNS * round((SECONDS - 1.0) * 100)
+    assert found["dropped_rate"]["count"] == 0
+    trace = loop.hold(scene, scene.conditions[0], [1], (loop.FixedSlip, Grip)).trace
+    after = trace.command[trace.time_s >= 1.0]
+    assert np.ptp(after) == 0 and trace.command[50] < trace.command[0]
+
+
+def test_a_larger_step_holds_harder(sound, tmp_path):
+    found = row(run(few(step_mm=0.1), "fixed", tmp_path))
+    before = row(sound["grip_pour"])
+    assert found["grip_ratio_mean"] > before["grip_ratio_mean"] + 0.03
+    assert found["grip_ratio_max"] > before["grip_ratio_max"]
+    assert found["tightenings"] < before["tightenings"] / 4
+
+
+def test_louder_ripple_is_a_false_tightening(sound, tmp_path, monkeypatch):
+    monkeypatch.setattr(plate, "RIPPLE_N", 12 * plate.RIPPLE_N)
+    found = run(few(), "fixed", tmp_path)
+    assert found["false_tightenings"] > 5 * sound["grip_pour"]["false_tightenings"] + 10
+
+
+def test_softer_rubber_sags_more_and_slips_no_more(sound, tmp_path, monkeypatch):
+    monkeypatch.setattr(rubber, "STIFFNESS_N_MM", rubber.STIFFNESS_N_MM / 2)
+    found, before = row(run(few(), "fixed", tmp_path)), row(sound["grip_pour"])
+    assert found["sag_mm_max"] == pytest.approx(2 * before["sag_mm_max"], abs=2e-4)  # four digits
+    assert found["ring_mm_max"] > 1.5 * before["ring_mm_max"]
+    assert found["moved_mm_max"] > 1.7 * before["moved_mm_max"] and found["slip_mm_max"] < 0.01
+
+
+def test_a_tug_too_quick_for_the_reflex_slips_and_is_caught(tmp_path):
+    """0.6 N within 25 ms: more than two steps of the hand; without it nothing slips."""
+    for newtons, slips in ((0.6, True), (0.0, False)):
+        scene = few("grip_disturb")
+        scene = replace(
+            scene, world=scene.world | {"tugs": [(2.0, 0.05, newtons)], "grip_ratio": (1.1, 1.15)}
+        )
+        found = row(run(scene, "fixed", tmp_path))
+        assert found["dropped"] == 0 and found["moved_mm_max"] >= found["slip_mm_max"]
+        assert (found["slip_mm_mean"] > 0.3) == (found["slip_mm_max"] > 0.5) == slips
+
+
+def test_quieter_events_leave_less_to_spare(sound, tmp_path, monkeypatch):
+    monkeypatch.setattr(rubber, "EVENT_SHARE", rubber.EVENT_SHARE / 2)
+    found = run(few(), "fixed", tmp_path)
+    ratio = found["grip_ratio_mean"]
+    assert found["dropped_rate"]["count"] > 0 or ratio < row(sound["grip_pour"])["grip_ratio_mean"] - 0.02
+
+
+def test_the_verdict_says_what_fell(sound):
+    text = verdict(sound["grip_pour"])
+    assert text.startswith(
+        "Nothing was dropped in 4 runs (95 % interval up to 60.24 %); held with at most 1."
+    )
+    two = sound["grip_pour"] | {"dropped_rate": {"count": 2, "runs": 4, "rate": 0.5, "low": 0.1, "high": 0.9}}
+    assert verdict(two).startswith("The object was dropped in 2 of 4 runs (95 % interval up to 90 %); held")
+    assert words.cell("dropped_interval", [0.0, 0.5]) == "0 to 50"
