@@ -279,5 +279,5 @@ def tell(found):
 
 def command(arguments):
     """``meissner fit-rubber``."""
-    print(f"{plain(arguments.recording)}: dV = (k0 + k1·Vi)·v^n")
-    print(*tell(fit(read(arguments.recording))), sep="\n")
+    found = fit(read(arguments.recording))
+    print(f"{plain(arguments.recording)}: dV = (k0 + k1·Vi)·v^n", *tell(found), sep="\n")

@@ -168,6 +168,45 @@ def test_the_power_law_of_known_constants():
     assert (np.log(k_high / k), np.log(k / k_low)) == pytest.approx((half, half))
 
 
+class Cases:
+    """Pairs as a dict has them, of cases that cannot be keys."""
+
+    def __init__(self, pairs):
+        self.items = lambda: pairs
+
+
+def of_line(rest_v, speed_mm_s, seen_mm_s):
+    """A case at this speed and its runs, whose steps are those of the published line at others."""
+    case = SimpleNamespace(name="x", rest_v=rest_v, speed_mm_s=speed_mm_s)
+    runs = [
+        {"rest_v": rest_v, "step_v": (1.55 - 0.27 * rest_v) * seen**0.11, "false_alarms": 0}
+        for seen in seen_mm_s
+    ]
+    return case, runs
+
+
+def test_the_speeds_of_steps_by_hand():
+    """What is read at 4 mm/s counts as beyond the limit, or not; at 3 mm/s, the limit itself, as up to it."""
+    exact = [of_line(rest, speed, [speed] * 9) for rest in (2.0, 3.0, 4.0) for speed in (0.1, 0.2, 1.0)]
+    found = [*exact, of_line(2.0, 3.0, [2.9, 3.3]), of_line(2.0, 4.0, [2.8, 3.9, 4.0])]
+    answer = judge.speed(None, Cases(found))[1]
+    assert (answer["beyond_found"]["count"], answer["beyond_found"]["runs"]) == (2, 3)
+    assert (answer["beyond_falsely"]["count"], answer["beyond_falsely"]["runs"]) == (1, 83)
+    assert [answer[name] for name in ("k0", "k1", "n")] == pytest.approx([1.55, -0.27, 0.11], abs=2e-3)
+    # 1.01 V of the line to 2.1 of Table 1 at 1 mm/s; 0.1 mm/s: 0.776247 of that to 1.6.
+    off = [1 - 1.01 / 2.1, 1 - 1.01 * 0.776247 / 1.6]
+    assert answer["off_table_1"]["mean"] == pytest.approx(np.mean(off), abs=1e-5)
+    assert answer["off_table_1"]["maximum"] == pytest.approx(max(off), abs=1e-5)
+
+
+def test_the_deviation_is_that_of_measurements():
+    """0.5, 0.6 and 0.7 V: 0.1 V with two degrees of freedom; none of one measurement."""
+    runs = [{"rest_v": 3.0, "step_v": step_v, "false_alarms": 1} for step_v in (0.5, 0.6, 0.7)]
+    row = judge._row(SimpleNamespace(name="x"), runs)
+    assert (row["deviation_v"], row["step_v"], row["false_alarms"], row["runs"]) == (0.1, 0.6, 3, 3)
+    assert judge._row(SimpleNamespace(name="x"), runs[:1])["deviation_v"] is None
+
+
 def pulled(**changes):
     """Levels of a slip in a converter of a millivolt at 1 kHz, slope over 2 ms: pressing from 0.1 to 0.5 s,
     the stage from 1 s on at 0.1 mm/s, so its step counts until 1.202 s; events from 1.5 s, slip at 2 s."""

@@ -148,6 +148,10 @@ def amount(scene, found):
     }
 
 
+def _rate(flags):
+    return interval.rate(int(sum(flags)), len(flags)) if len(flags) else None
+
+
 def power_law(speed_mm_s, step_v):
     """(k, n) of dV = k·v^n by a straight line through the logs, each as (value, low, high)."""
     from scipy.stats import linregress, t
@@ -165,12 +169,10 @@ def _constant(name, found, printed):
 
 def speed(scene, found):
     """k and n from each rest, the joint line, and how well it gives a single step's speed back."""
-    within = {case: runs for case, runs in found.items() if case.speed_mm_s <= published.LIMIT_MM_S}
-    steps = fit_rubber.Steps(
-        *np.array(
-            [(run["rest_v"], run["step_v"], case.speed_mm_s) for case, runs in within.items() for run in runs]
-        ).T
-    )
+    every = [(one["rest_v"], one["step_v"], case.speed_mm_s) for case, runs in found.items() for one in runs]
+    every = np.array(every).T
+    within = every[2] <= published.LIMIT_MM_S
+    steps, fast = (fit_rubber.Steps(*every[:, part]) for part in (within, ~within))
     joint = fit_rubber.fit(steps)
     constants, rows, off = [], [], {1: [], 2: []}
     for rest, printed in published.FIT.items():
@@ -196,9 +198,7 @@ def speed(scene, found):
             _row(case, runs, table_2_v=table_2, table_1_v=table_1, speed_mm_s=case.speed_mm_s, back_mm_s=back)
         )
     single = joint.speed_mm_s(steps.rest_v, steps.step_v)
-    fast = [(joint.speed_mm_s(run["rest_v"], run["step_v"]), case.speed_mm_s) for case, runs in found.items()
-            for run in runs]  # fmt: skip
-    beyond = [bool(seen > published.LIMIT_MM_S) for seen, true in fast if true > published.LIMIT_MM_S]
+    beyond = joint.speed_mm_s(fast.rest_v, fast.step_v) > published.LIMIT_MM_S
     return rows, {
         **{name: float(value) for name, value in zip(fit_rubber.NAMES, joint.value)},
         "residual": float(np.sqrt((joint.residual**2).sum() / (len(steps.step_v) - 3))),
@@ -206,8 +206,8 @@ def speed(scene, found):
         "off_table_1": summarise(np.abs(off[1])),
         "off_table_2": summarise(np.abs(off[2])),
         "speed_error": summarise(np.abs(single / steps.speed_mm_s - 1.0)),
-        "beyond_found": interval.rate(sum(beyond), len(beyond)) if beyond else None,
-        "beyond_falsely": interval.rate(int((single > published.LIMIT_MM_S).sum()), len(single)),
+        "beyond_found": _rate(beyond),
+        "beyond_falsely": _rate(single > published.LIMIT_MM_S),
         "constants": constants,
     }
 
@@ -238,10 +238,6 @@ def recover(scene, found):
         "settled_s": summarise(_of(every, "settled_s")),
         "deviation_v": _spread(rows),
     }
-
-
-def _rate(flags):
-    return interval.rate(int(sum(flags)), len(flags)) if len(flags) else None
 
 
 def _lead_ms(runs, key):

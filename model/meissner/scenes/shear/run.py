@@ -25,7 +25,7 @@ KEPT = ("time_s", "codes", "normal_n", "speed_mm_s", "tension_n", "slip_mm", "sl
 
 
 def check(scene, engine, waves):
-    """ValueError with one sentence if this engine cannot run the scene. No --waves: those are of slip scenes."""
+    """ValueError with one sentence if this engine cannot run the scene. No --waves here."""
     chain.check(scene, engine, waves)
     check_supply(scene)
 
