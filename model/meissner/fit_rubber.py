@@ -17,6 +17,7 @@ import numpy as np
 from meissner import files
 from meissner.interval import CONFIDENCE
 from meissner.plain import plain
+from meissner.twins.slip.shear_speed import ShearSettings
 
 RECORDING = ("time_s", "volts", "speed_mm_s")
 STEPS = ("rest_v", "step_v", "speed_mm_s")
@@ -28,6 +29,7 @@ FULL_MM = 0.01  # published: the step is complete by then
 LEAST_SAMPLES = 5  # of a rest, of a step
 LEAST_STEPS = 5  # two more than there are constants
 LEAST_REST_RANGE_V, LEAST_SPEED_RATIO = 0.2, 2.0
+CODES_PER_V = 819.2  # MCP3208 at 5 V
 DRIFT_SHARE = 0.1  # of the step, that Vc may move during the rest before it
 
 
@@ -245,8 +247,29 @@ def fit(steps, confidence=CONFIDENCE):
     return Fit(steps, value, value - half, value + half, residual)
 
 
-def tell(found):
-    """The lines to print of a Fit: constants and intervals, what was fitted, residuals, a TOML snippet."""
+def registers(found, codes_per_v=CODES_PER_V):
+    """The registers of msn_shear_speed that follow from a Fit, by name."""
+    rest_v, _, speed_mm_s = found.steps
+    named = dict(zip(NAMES, map(float, found.value)))
+    ranges = {"vi_min": rest_v.min(), "vi_max": rest_v.max(), "limit": speed_mm_s.max()}
+    # Its windows' rate is in no register of these.
+    settings = ShearSettings.of(codes_per_v, 10_000, **named, **{k: float(v) for k, v in ranges.items()})
+    return {f"cfg_{name}": getattr(settings, name) for name in ("k0", "k1", "exponent", *ranges)}
+
+
+def _register_lines(found, codes_per_v):
+    try:
+        words = ", ".join(f"{name} = {value}" for name, value in registers(found, codes_per_v).items())
+    except ValueError as problem:
+        return [f"# no registers of msn_shear_speed: {problem}"]
+    return [
+        f"# registers of msn_shear_speed, {codes_per_v:g} codes a volt (docs/shear_speed.md):",
+        f"# {words}",
+    ]
+
+
+def tell(found, codes_per_v=CODES_PER_V):
+    """The lines to print of a Fit: constants and intervals, what was fitted, residuals, TOML, registers."""
     rest_v, _, speed_mm_s = found.steps
     lines = [
         f"{name:<2} = {value:8.4f}   {100 * CONFIDENCE:g} % interval {low:.4f} to {high:.4f}"
@@ -274,10 +297,13 @@ def tell(found):
         *(f"{name} = {value:.6g}" for name, value in zip(NAMES, found.value)),
         f"rest_v = [{rest_v.min():.3g}, {rest_v.max():.3g}]",
         f"speed_mm_s = [{speed_mm_s.min():.3g}, {speed_mm_s.max():.3g}]",
+        *_register_lines(found, codes_per_v),
     ]
 
 
 def command(arguments):
     """``meissner fit-rubber``."""
-    found = fit(read(arguments.recording))
-    print(f"{plain(arguments.recording)}: dV = (k0 + k1·Vi)·v^n", *tell(found), sep="\n")
+    if not 0 < arguments.codes_per_v < float("inf"):
+        raise ValueError(f"codes-per-v = {arguments.codes_per_v:g} must be a number above 0")
+    lines = tell(fit(read(arguments.recording)), arguments.codes_per_v)
+    print(f"{plain(arguments.recording)}: dV = (k0 + k1·Vi)·v^n", *lines, sep="\n")

@@ -171,6 +171,13 @@ def _fit_rubber(commands):
     parser.add_argument(
         "recording", metavar="RECORDING", help=".csv or .npz of time_s, volts, speed_mm_s (docs/shear.md)"
     )
+    parser.add_argument(
+        "--codes-per-v",
+        type=float,
+        default=819.2,
+        metavar="N",
+        help="of the converter, for registers (819.2)",
+    )
     parser.set_defaults(call="meissner.fit_rubber:command")
 
 

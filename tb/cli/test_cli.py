@@ -243,6 +243,7 @@ BAD = {
     "calibrate lsb NaN": (calibrate("press.npz", "--lsb", "nan"), "lsb = nan N must be"),
     "calibrate folder": (calibrate("press.npz", out="no/cal.npz"), "there is no folder no"),
     "fit-rubber missing": (("fit-rubber", "nowhere.csv"), "there is no file nowhere.csv"),
+    "fit-rubber codes": (("fit-rubber", "x.csv", "--codes-per-v", "0"), "codes-per-v = 0 must be a number"),
     "fit-rubber a pipe": (("fit-rubber", "pipe"), "pipe is a pipe or a device"),
     "fit-rubber words": (("fit-rubber", "words.csv"), "words.csv has no column time_s; a recording has"),
     "fit-rubber text": (("fit-rubber", "text.npz"), "text.npz is not a .npz file of numbers"),

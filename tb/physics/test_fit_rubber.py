@@ -158,6 +158,19 @@ def test_the_command_prints_constants_intervals_residuals_and_toml(tmp_path, cap
     assert written["rest_v"] == [1.6, 3.7] and written["speed_mm_s"] == [0.013, 2.9]
 
 
+def test_the_registers_by_hand():
+    """A level is 512 to a code, k1 has 16 bits of fraction, 1/n 11, the limit 20: 1.31·100·512 = 67072,
+    -0.19·65536 = -12451.84, 2048/0.17 = 12047.06; 1.6 and 3.7 V: 81920 and 189440; 2.9·2^20 = 3040870.4."""
+    words = fit_rubber.registers(fit(steps()), codes_per_v=100)
+    names = ("cfg_k0", "cfg_k1", "cfg_exponent", "cfg_vi_min", "cfg_vi_max", "cfg_limit")
+    assert words == dict(zip(names, (67072, -12452, 12047, 81920, 189440, 3040870)))
+    told = "\n".join(fit_rubber.tell(fit(steps()), 100))
+    assert "# cfg_k0 = 67072, cfg_k1 = -12452, cfg_exponent = 12047, cfg_vi_min = 81920" in told
+    assert "# no registers of msn_shear_speed: exponent = 102400 must lie in 0 .. 65535" in "\n".join(
+        fit_rubber.tell(fit(steps(n=0.02)))
+    )
+
+
 def refused(path):
     with pytest.raises(ValueError) as problem:
         fit(read(path))
