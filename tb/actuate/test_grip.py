@@ -280,6 +280,8 @@ async def a_dead_converter_holds_and_is_reported(dut):
     before = got["command"]
     found, got = await cycles(dut, 4, silent=everyone)
     assert found == [-3, 0, 0, 0] and (got["command"], got["fault"]) == (before - 3, 0)
+    found, got = await cycles(dut, 1, silent=everyone)
+    assert found == [0] and (got["command"], got["fault"]) == (before - 3, 1)
     found, got = await cycles(dut, 300, silent=everyone)
     assert set(found) == {0} and (got["command"], got["fault"]) == (before - 3, 1)
     assert got["faulty"] == (1 << len(everyone)) - 1
@@ -304,6 +306,9 @@ async def a_faulty_finger_takes_no_part_and_stops_the_decay(dut):
         assert found == [0, 7, 7] and got["fault"] == 2
         found, got = await cycles(dut, 3)
         assert found == [7, -3, -3] and got["fault"] == 0
+    found, got = await cycles(dut, 3, ill=[0])
+    assert found == [-3, 0, 0] and got["fault"] == 2
+    await cycles(dut, 1)
     # One that slips alone: by the weakest rule the hand holds, and does not open.
     found, got = await cycles(dut, 4, over=[0])
     assert found == [-3, 0, 0, 0]
@@ -361,7 +366,7 @@ EVIDENCE = {
         "against": "`GripLoop`, a loop written from docs/grip.md",
         "test": "tb/actuate/test_grip.py::test_model_against_the_loop",
     },
-    "equivalence": {"size": {"Fingers": 3}},
+    "equivalence": {"size": {"Fingers": 3}, "open": ["reset"]},
     "faults": {"settle": 40, "driver": {"frame": "over_valid_i"}},
 }
 
