@@ -363,7 +363,7 @@ def change(path, value):
         (["world", "material"], "glass", "material = 'glass' must be one of"),
         (["world", "grip_ratio"], [0.9, 1.2], "grip_ratio = 0.9 must lie in 1 .. 100"),
         (["world", "tugs"], [[1.0, 2.0]], "must be a list of 3 numbers"),
-        (["world", "hold_from_s"], 301.0, "hold_from_s = 301 must lie in 0 .. 300"),
+        (["world", "hold_from_s"], 120.0, "hold_from_s = 120 must be below 120 s"),
         (["world", "conditions", 0, "cycle_ms"], 3, "cycle_ms = '3' must be one of: 1, 2, 5, 10"),
         (["world", "conditions", 0, "first_event"], 0.95, "first_event = 0.95 must lie in 0 .. 0.9"),
         (["world", "conditions", 0, "heal"], 0.1, "unknown key 'heal'"),
