@@ -37,7 +37,7 @@ def test_the_scenes_are_there():
         *("cop_two_point", "cop_load", "cop_six_random", "cop_one_point", "cop_circle"),
         *("cop_impulse", "cop_impulse_place"),
     }
-    sensors = ("rubber", "shear", "hand", "capacitive", "fsr", "grip")
+    sensors = ("rubber", "capacitive", "fsr", "grip", "hand", "shear")
     others = [name for sensor in sensors for name in scenes.names(sensor)]
     assert set(scenes.names()) == {*ARRAYS, *MESHES, *others}
     assert scenes.names("grip") == ["cop_slip"]

@@ -24,9 +24,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from meissner.physics import plate, rubber
-from meissner.physics.slide import G_MM_S2, Contacts, slide
-from meissner.physics.stepped import HEAL_S, Fluctuation, Level, Ring, Ripple
+from meissner.physics import plate, rubber, slide, stepped
+from meissner.physics.stepped import Fluctuation, Level, Ring, Ripple
 
 GRIP_N_MM = 1.0
 SERVO_S = 0.002
@@ -68,7 +67,7 @@ class Grasp:
     mu_k: tuple
     closing_mm: float
     first_event: float = rubber.ONSET_RATIO
-    heal_s: float = HEAL_S
+    heal_s: float = stepped.HEAL_S
     fluctuation: float = 1.0
     tugs: tuple = ()
     halves_s: float | None = None
@@ -111,11 +110,11 @@ class Hand:
         self.level = Level(2 * runs)
         self.noise = Fluctuation(2 * runs, rate_hz)
         self.ripple = Ripple(rate_hz, [grasp.rng for grasp in grasps])
-        self.contacts = [Contacts(grasp.rng, grasp.fluctuation) for grasp in grasps]
+        self.contacts = [slide.Contacts(grasp.rng, grasp.fluctuation) for grasp in grasps]
         self.slid_mm = np.zeros((runs, 2))
         self.sliding = np.zeros(runs, dtype=bool)
         self.dropped = np.zeros(runs, dtype=bool)
-        load_n = self.mass_kg[:, 0] * G_MM_S2 / 1e3
+        load_n = self.mass_kg[:, 0] * slide.G_MM_S2 / 1e3
         self.tension = np.repeat(load_n / 2, 2)
         self.ring.start(np.repeat(GRIP_N_MM * self.place, 2), self.tension)
 
@@ -144,7 +143,7 @@ class Hand:
         low = np.minimum(piece.astype(np.int64), self.mass_kg.shape[1] - 2)
         part = np.minimum(piece - low, 1.0)
         mass_kg = self.mass_kg[:, low] * (1 - part) + self.mass_kg[:, low + 1] * part
-        load_n = mass_kg * (G_MM_S2 / 1e3)
+        load_n = mass_kg * (slide.G_MM_S2 / 1e3)
         for run, grasp in enumerate(self.grasps):
             for start_s, length_s, newtons in grasp.tugs:
                 if time_s[0] < start_s + length_s and time_s[-1] > start_s:
@@ -173,7 +172,7 @@ class Hand:
         if loose.any():
             slid_mm = slid_mm.copy()
             for run in np.flatnonzero(loose):
-                found = slide(
+                found = slide.slide(
                     *(self.contacts[run], force_n[run], load_n[run], mass_kg[run]),
                     *(self.mu_s[run], self.mu_k[run], self.slid_mm[run], self.rate_hz),
                 )

@@ -65,7 +65,8 @@ def statistics(condition, found):
     }
 
 
-def _joined(helds):
+def joined(helds):
+    """{key: [runs]} of the Helds of a condition."""
     return {key: np.concatenate([getattr(held, key) for held in helds]) for key in KEYS}
 
 
@@ -80,7 +81,7 @@ def run(scene, engine, out, seed, waves, progress):
         [(condition, batch) for condition in scene.conditions for batch in batches]
     ):
         helds[condition].append(loop.hold(scene, condition, seeds, PARTS[engine]))
-    found = {condition: _joined(several) for condition, several in helds.items()}
+    found = {condition: joined(several) for condition, several in helds.items()}
     rows = [statistics(condition, found[condition]) for condition in scene.conditions]
     runs = sum(row["runs"] for row in rows)
     kept = [row for row in rows if row["grip_ratio_mean"] is not None]
