@@ -12,7 +12,7 @@ from meissner.builds import toolchain
 PAGE = (toolchain.ROOT / "docs/references.md").read_text()
 PACKAGE = toolchain.ROOT / "model/meissner"
 MODEL = PACKAGE / "twins"
-STAGES = ("common", "cop", "frontend", "link", "sensor", "slip")
+STAGES = ("actuate", "common", "cop", "frontend", "link", "sensor", "slip")
 ROWS = [[cell.strip() for cell in row.split("|")[1:-1]] for row in PAGE.splitlines() if row.startswith("| `")]
 COMPUTES = [row for row in ROWS if len(row) == 3]
 

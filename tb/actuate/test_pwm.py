@@ -88,7 +88,7 @@ async def rests_in_reset(dut):
 
 EVIDENCE = {
     "reference": {
-        "against": "counts of clocks, by hand",
+        "against": "counts of clocks, `BY_HAND`",
         "test": "tb/actuate/test_pwm.py::test_model_by_hand",
     },
     "equivalence": {"size": {"Bits": 5}},
@@ -106,9 +106,15 @@ def test_refuses_illegal_parameters():
     assert "DivideBits = 17 must" in bench.refuses("pwm", {"DivideBits": 17})
 
 
+BY_HAND = (  # words, settings, and the pin clock by clock
+    ([0, 1, 3], {"bits": 2}, [0, 0, 0, 1, 0, 0, 1, 1, 1]),
+    ([2], {"bits": 2, "divide": 2}, [1] * 6 + [0] * 3),
+)
+
+
 def test_model_by_hand():
-    assert pwm([0, 1, 3], bits=2) == [0, 0, 0, 1, 0, 0, 1, 1, 1]
-    assert pwm([2], bits=2, divide=2) == [1] * 6 + [0] * 3
+    for words, settings, pin in BY_HAND:
+        assert pwm(words, **settings) == pin
     assert sum(pwm([40000])) == 40000 and len(pwm([40000])) == 65535
     for wrong in ({"bits": 1}, {"bits": 17}, {"divide": -1}, {"divide": 65536}):
         ((name, value),) = wrong.items()
