@@ -555,7 +555,7 @@ def test_n_at_its_limits(exponent):
 
 def test_the_product_with_1_over_n_is_rounded_half_up():
     """log2(3) = 103872/65536, so y = ±38336; times 16/2048 it is ±299.5. In the table 2^(1/64) - 1 is
-    2855/2^18; 2855 · 300 >> 10 = 836 and 4 (2^18 + 836) = 1051920. -299 is entry 63 of the octave below, r = 725."""
+    2855/2^18; 2855 · 300 >> 10 = 836 and 4 (2^18 + 836) = 1051920. -299: entry 63 one octave down, r 725."""
     settings = replace(HAND, exponent=16)
     assert speed(3, 2, settings) == 1051920
     t63, t64 = round(2**18 * (2 ** (63 / 64) - 1)), 1 << 18

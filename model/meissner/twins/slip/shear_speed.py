@@ -67,8 +67,8 @@ class ShearSettings:
     def of(cls, codes_per_v, rate_hz, size=None, **given):
         """Registers for a converter of ``codes_per_v`` at ``rate_hz``; what is not ``given`` is the default.
 
-        ``k0``, ``k1``, ``n``: dV = (k0 + k1 Vi) v^n. ``vi_min``, ``vi_max``, ``noise``, ``still``, ``full`` in
-        volts, ``limit`` in mm/s, ``travel`` in mm.
+        ``k0, k1, n``: dV = (k0 + k1 Vi) v^n; ``vi_min``, ``vi_max``, ``noise``, ``still``, ``full``
+        in volts, ``limit`` in mm/s, ``travel`` in mm.
         """
         size = size or ShearSize()
         named = {"k0": 1.55, "k1": -0.27, "n": 0.11, "vi_min": 2.0, "vi_max": 4.0, "noise": 0.1}
