@@ -7,7 +7,7 @@
 //
 // Off log2(x), lsb = 2^-FractionBits: at most 5/8 lsb + 2^-29 above; below 1/4 lsb + 0.1804/4^TableBits (the
 // chord) more, and 1.4427/2^(TableBits + 17) where r has more than 17 bits, which are dropped. At the default
-// -0.0000576 .. +0.0000096. Exact at powers of two; x = 0 counts as 1.
+// -0.0000576 .. +0.0000096. Exact at powers of two; x = 0 gives 0 as 1 does.
 //
 //   clock  1           2      3         4, 5          6    7
 //          leading bit  shift  T, T' - T  msn_multiply  sum  msn_round_sat
@@ -88,7 +88,7 @@ module msn_log2 #(
   always_ff @(posedge clk_i) begin
     if (step) begin
       valid         <= {valid[5:1], in_valid_i};
-      number        <= (in_data_i == '0) ? InBits'(1) : in_data_i;
+      number        <= in_data_i;
       whole         <= leading;
       mantissa      <= MantissaBits'((number << (WholeBits'(InBits - 1) - whole)) >> (LongRest - RestBits));
       whole_2       <= whole;

@@ -159,6 +159,11 @@ PAIR_CASES = {
         [1000, 1000, 1020, 1020, 1040, 1040, 1085],
         [-UNSETTLED, -UNSETTLED, *[-SMALL] * 5],
     ),
+    "a drift down is no fall": (
+        {"still": 60},
+        [1000, 1000, 980, 980, 960, 960, 1010],
+        [-UNSETTLED, -UNSETTLED, *[-SMALL] * 4, None],
+    ),
     "one window at rest is not enough": (
         {"still": 60},
         [1000, 1000, 1020, 1070],
@@ -546,6 +551,16 @@ def test_n_at_its_limits(exponent):
     shown = exact < 15.9
     assert (np.abs(got - exact) <= bound * exact + 0.5 / ONE)[shown].all() and shown.sum() >= 6
     assert (got[~shown] >= 15.9 * (1 - bound)).all()
+
+
+def test_the_product_with_1_over_n_is_rounded_half_up():
+    """log2(3) = 103872/65536, so y = ±38336; times 16/2048 it is ±299.5. In the table 2^(1/64) - 1 is
+    2855/2^18; 2855 · 300 >> 10 = 836 and 4 (2^18 + 836) = 1051920. -299: entry 63 one octave down, r 725."""
+    settings = replace(HAND, exponent=16)
+    assert speed(3, 2, settings) == 1051920
+    t63, t64 = round(2**18 * (2 ** (63 / 64) - 1)), 1 << 18
+    mantissa = (1 << 18) + t63 + ((t64 - t63) * 725 >> 10)
+    assert speed(2, 3, settings) == 2 * mantissa  # 2^-1, 20 bits of fraction for 18
 
 
 @pytest.mark.parametrize("rest_v, v", [(2.0, 0.05), (3.0, 0.4), (4.0, 2.7)])

@@ -1,4 +1,4 @@
-"""Bit-exact twin of rtl/slip/msn_shear_speed.sv: shear speed from the level of a pressure-conductive rubber."""
+"""Bit-exact twin of rtl/slip/msn_shear_speed.sv: speed of shear from the level of conductive rubber."""
 
 from dataclasses import dataclass, fields
 
@@ -16,7 +16,7 @@ K1_FRACTION, EXPONENT_FRACTION = 16, 11
 
 @dataclass(frozen=True)
 class ShearSize:
-    """The RTL's parameters. A level is a sum of 2^(window_log2 + settle_log2) samples, so its unit is small."""
+    """The RTL's parameters. A level is a sum of 2^(window_log2 + settle_log2) samples: its unit is small."""
 
     sample_bits: int = 17
     window_log2: int = 6
@@ -67,7 +67,7 @@ class ShearSettings:
     def of(cls, codes_per_v, rate_hz, size=None, **given):
         """Registers for a converter of ``codes_per_v`` at ``rate_hz``; what is not ``given`` is the default.
 
-        ``k0``, ``k1``, ``n``: dV = (k0 + k1 Vi) v^n. ``vi_min``, ``vi_max``, ``noise``, ``still`` and ``full``
+        ``k0, k1, n``: dV = (k0 + k1 Vi) v^n; ``vi_min``, ``vi_max``, ``noise``, ``still``, ``full``
         in volts, ``limit`` in mm/s, ``travel`` in mm.
         """
         size = size or ShearSize()
@@ -156,7 +156,7 @@ class ShearSpeed:
         self.reference = self.vi = self.group = self.count = self.travel = 0
 
     def next(self, x, hold=None):
-        """(speed, flags), int64, of the windows that the samples ``x`` complete; ``hold``: bool of a sample."""
+        """(speed, flags), int64, of the windows that the samples ``x`` complete; ``hold``: bool of each."""
         x = np.asarray(x, dtype=np.int64)
         hold = np.zeros(x.shape, bool) if hold is None else np.asarray(hold, dtype=bool)
         self._x, self._held = np.concatenate([self._x, x]), np.concatenate([self._held, hold])
