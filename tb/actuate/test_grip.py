@@ -367,7 +367,10 @@ EVIDENCE = {
         "test": "tb/actuate/test_grip.py::test_model_against_the_loop",
     },
     "equivalence": {"size": {"Fingers": 3}, "open": ["reset"]},
-    "faults": {"settle": 40, "driver": {"frame": "over_valid_i"}},
+    "faults": {
+        "settle": 40,
+        "driver": {"frame": "over_valid_i", "kept": "out_command_o term speed_valid clocks last_clock"},
+    },
 }
 
 SMALL = {"Fingers": 3, "CommandBits": 9, "PeriodBits": 6, "TimerBits": 3, "SpeedBits": 7, "GainBits": 5}

@@ -92,7 +92,9 @@ EVIDENCE = {
         "test": "tb/actuate/test_pwm.py::test_model_by_hand",
     },
     "equivalence": {"size": {"Bits": 5}},
-    "faults": {"settle": 200, "driver": {"frame": "in_valid_i"}},
+    "faults": {
+        "none": "no frames: an upset lasts to the end of its period, one of the word to the next word"
+    },
 }
 
 
