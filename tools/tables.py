@@ -21,9 +21,12 @@ HEAD = """// SPDX-License-Identifier: Apache-2.0
 
 package msn_{name}_pkg;
 
+  // Builds without msn_{name} read this file, too.
+  // verilator lint_off UNUSEDPARAM
   localparam logic [257*{width}-1:0] Entries = {{
 {entries}
   }};
+  // verilator lint_on UNUSEDPARAM
 
 endpackage
 """

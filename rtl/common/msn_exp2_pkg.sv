@@ -9,6 +9,8 @@
 
 package msn_exp2_pkg;
 
+  // Builds without msn_exp2 read this file, too.
+  // verilator lint_off UNUSEDPARAM
   localparam logic [257*29-1:0] Entries = {
     29'h10000000, 29'h0fe9d96b, 29'h0fd3c22c, 29'h0fbdba37, 29'h0fa7c182, 29'h0f91d802,
     29'h0f7bfdae, 29'h0f66327a, 29'h0f50765b, 29'h0f3ac949, 29'h0f252b37, 29'h0f0f9c1d,
@@ -54,5 +56,6 @@ package msn_exp2_pkg;
     29'h00706b2a, 29'h00650a0e, 29'h0059b0d3, 29'h004e5f73, 29'h004315e8, 29'h0037d42e,
     29'h002c9a3e, 29'h00216814, 29'h00163daa, 29'h000b1afa, 29'h00000000
   };
+  // verilator lint_on UNUSEDPARAM
 
 endpackage

@@ -9,6 +9,8 @@
 
 package msn_log2_pkg;
 
+  // Builds without msn_log2 read this file, too.
+  // verilator lint_off UNUSEDPARAM
   localparam logic [257*29-1:0] Entries = {
     29'h10000000, 29'h0ff47279, 29'h0fe8df26, 29'h0fdd4603, 29'h0fd1a709, 29'h0fc60232,
     29'h0fba5778, 29'h0faea6d6, 29'h0fa2f046, 29'h0f9733c1, 29'h0f8b7141, 29'h0f7fa8c0,
@@ -54,5 +56,6 @@ package msn_log2_pkg;
     29'h00e26fd6, 29'h00cc2dfe, 29'h00b5d69c, 29'h009f6985, 29'h0088e68f, 29'h00724d8f,
     29'h005b9e5a, 29'h0044d8c4, 29'h002dfca1, 29'h001709c4, 29'h00000000
   };
+  // verilator lint_on UNUSEDPARAM
 
 endpackage
