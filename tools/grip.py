@@ -1,6 +1,8 @@
 """A hand's scene over more seeds than `meissner run` draws: the table of its conditions.
 
-python tools/grip.py grip_pour --runs 1000 --condition 0
+    python tools/grip.py grip_pour --runs 1000 --condition 0
+
+A condition is named by its number; without one, all are run.
 """
 
 import argparse
