@@ -26,7 +26,7 @@ ORIGINS = {
         "chosen",
         "no paper says how soon a patch that sticks again can let go again; a filled rubber creeps within "
         "tenths of a second",
-        "grip_pour: the grip of the hold; docs/grip_scenes.md has 0.02 and 0.5 s",
+        "grip_pour: ratio 1.13 at 0.02 s, 1.03 and 1 of 20 dropped at 0.5 s",
     ),
 }
 
