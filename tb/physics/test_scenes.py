@@ -257,7 +257,7 @@ def change(path, value):
     "path, value, says",
     [
         (("sensors",), "rubber", "unknown key 'sensors'"),
-        (("sensor",), "skin", "sensor = 'skin' must be one of: array, capacitive, fsr, grip, mesh, rubber"),
+        (("sensor",), "skin", "must be one of: array, capacitive, fsr, grip, hand, mesh, rubber, shear"),
         (("adc",), "MCP", "must be one of: MCP3208, AD7606"),
         (("rate_hz",), "fast", "rate_hz = 'fast' must be a whole number"),
         (("seeds",), 0, "seeds = 0 must be above 0"),
