@@ -127,11 +127,16 @@ def _row(change=None):
     """What a change gives; without one, the figures as they are."""
     slips = list(_verdicts(SLIPS, change and change.first))
     presses = list(_verdicts(PRESSES)) if change is None or change.presses else None
-    delays = [1e3 * one["delay_s"] for one in slips if one["delay_s"] is not None]
-    found = rates(slips)
+    return _of(slips) | {"false_alarm": rates(slips + presses)["false_alarm_rate"] if presses else None}
+
+
+def _of(verdicts):
+    """The entries of a row, of runs in which slips come."""
+    found = rates(verdicts)
+    delays = [1e3 * one["delay_s"] for one in verdicts if one["delay_s"] is not None]
     return {
         "missed": found["missed_rate"],
-        "false_alarm": rates(slips + presses)["false_alarm_rate"] if presses else None,
+        "false_alarm": found["false_alarm_rate"],
         "delay_ms": round(float(np.median(delays)), 3) if delays else None,
         "lead_ms": found["lead_ms_min"],
     }
@@ -146,14 +151,7 @@ def _held_row(change=None):
             recording = scenes.simulate(scene, condition, seed)
             _, decisions = fixed.cop_slip(recording.codes, scene.config, scene.lag, scene.registers)
             verdicts.append(judge_held(recording, decisions))
-    found = rates(verdicts)
-    delays = [1e3 * one["delay_s"] for one in verdicts if one["delay_s"] is not None]
-    return {
-        "missed": found["missed_rate"],
-        "false_alarm": found["false_alarm_rate"],
-        "delay_ms": round(float(np.median(delays)), 3) if delays else None,
-        "lead_ms": found["lead_ms_min"],
-    }
+    return _of(verdicts)
 
 
 def _rows(changes, row):

@@ -5,6 +5,7 @@ import time
 import numpy as np
 
 from meissner import engines
+from meissner.scenes.results import head
 
 
 def check(scene, engine, waves):
@@ -50,16 +51,9 @@ class Chain:
 
     def summary(self, scene, recording, seconds, frames):
         """The first entries of every summary."""
+        took = self.samples, self.taken_s, self.differences
         return {
-            "scene": scene.name,
-            "engine": self.engine,
-            "seed": recording.seed,
-            "seconds_simulated": round(seconds, 3),
-            "seconds_taken": None,
-            "samples_per_second": round(self.samples / self.taken_s),
-            "twin_mismatches": self.differences if self.engine in engines.VERILATED else None,
-            "modelled": list(recording.modelled),
-            "left_out": list(recording.left_out),
+            **head(scene, self.engine, recording.seed, seconds, *took, recording),
             "over_range": recording.over_range,
             "runs": 1,
             "seeds": [recording.seed, recording.seed],

@@ -18,6 +18,26 @@ def check_waves(engine, waves):
         raise ValueError("--waves needs the rtl engine: only it has signals")
 
 
+def head(scene, engine, seed, seconds, samples, engine_s, differences, of):
+    """The first entries of every summary.
+
+    ``seconds`` simulated, ``samples`` that took ``engine_s`` of the engine, ``differences`` from the
+    integer twins, where the engine is compared with them; ``of``: has ``modelled``
+    and ``left_out``.
+    """
+    return {
+        "scene": scene.name,
+        "engine": engine,
+        "seed": seed,
+        "seconds_simulated": round(seconds, 3),
+        "seconds_taken": None,
+        "samples_per_second": round(samples / engine_s),
+        "twin_mismatches": differences if engine in engines.VERILATED else None,
+        "modelled": list(of.modelled),
+        "left_out": list(of.left_out),
+    }
+
+
 def finish(scene, summary, out, arrays, pictures, tables, began, hidden=()):
     """Write result.npz, report.html and summary.json; sets ``seconds_taken`` and ``files``.
 

@@ -7,7 +7,7 @@ import numpy as np
 from meissner import engines, scenes
 from meissner.engines import rtl_cop
 from meissner.scenes.array import pictures as report_cop
-from meissner.scenes.results import check_waves, finish
+from meissner.scenes.results import check_waves, finish, head
 from meissner.scenes.truth import errors, percent, summarise
 
 KEPT_SAMPLES = 1 << 22  # frames beyond so many taxel samples are left out of result.npz
@@ -52,15 +52,7 @@ def run(scene, engine, out, seed, waves, progress):
     load = result["sum"] * scene.load_lsb
     position, of_load = errors(x, y, load, result["valid"], recording.load, recording.x, recording.y)
     summary = {
-        "scene": scene.name,
-        "engine": engine,
-        "seed": seed,
-        "seconds_simulated": round(len(codes) / scene.rate_hz, 3),
-        "seconds_taken": None,
-        "samples_per_second": round(codes.size / engine_s),
-        "twin_mismatches": wrong,
-        "modelled": list(recording.modelled),
-        "left_out": list(recording.left_out),
+        **head(scene, engine, seed, len(codes) / scene.rate_hz, codes.size, engine_s, wrong, recording),
         "position_error": summarise(position),
         "load_error": summarise(of_load[result["valid"]]),
         "below_min_load": int(((recording.load > 0) & ~result["valid"]).sum()),

@@ -11,7 +11,7 @@ from meissner.scenes.grip.scene import Pull
 from meissner.scenes.mesh.run import mismatches
 from meissner.scenes.rates import rates
 from meissner.scenes.rates import tell as tell_rates
-from meissner.scenes.results import check_waves, finish, table
+from meissner.scenes.results import check_waves, finish, head, table
 from meissner.scenes.truth import errors, percent, summarise
 from meissner.twins.cop.cop_slip import octants
 
@@ -152,15 +152,7 @@ def run(scene, engine, out, seed, waves, progress):
         seen = module.cop_slip(recording.codes[part], *settings, out / "waves.vcd")
         wrong += mismatches(*([field[part] for one in pair for field in one] for pair in (seen, told)))
     summary = {
-        "scene": scene.name,
-        "engine": engine,
-        "seed": seed,
-        "seconds_simulated": round(samples / scene.rate_hz, 3),
-        "seconds_taken": None,
-        "samples_per_second": round(samples / engine_s),
-        "twin_mismatches": wrong if engine in engines.VERILATED else None,
-        "modelled": list(recording.modelled),
-        "left_out": list(recording.left_out),
+        **head(scene, engine, seed, samples / scene.rate_hz, samples, engine_s, wrong, recording),
         **{key: first[key] for key in ("onset_s", "flag_s", "delay_s", "gross_s", "direction_deg")},
         **{key: sum(row[key] for row in rows) for key in ("missed", "late", "false_alarms")},
         **rates(every),

@@ -6,8 +6,7 @@ import numpy as np
 
 from meissner import interval
 from meissner.scenes.hand import loop, pictures
-from meissner.scenes.hand.scene import COMPONENTS
-from meissner.scenes.results import check_waves, finish, table
+from meissner.scenes.results import check_waves, finish, head, table
 from meissner.twins.actuate.grip import Grip
 
 SHOWN = "grip force beside the least that holds the object, the Haar detail of both fingers, and its way down"
@@ -86,16 +85,9 @@ def run(scene, engine, out, seed, waves, progress):
     runs = sum(row["runs"] for row in rows)
     kept = [row for row in rows if row["grip_ratio_mean"] is not None]
     simulated = sum(row["runs"] * scene.duration_s(one) for row, one in zip(rows, scene.conditions))
+    samples = 2 * simulated * scene.rate_hz
     summary = {
-        "scene": scene.name,
-        "engine": engine,
-        "seed": seed,
-        "seconds_simulated": round(simulated, 3),
-        "seconds_taken": None,
-        "samples_per_second": round(2 * simulated * scene.rate_hz / (time.perf_counter() - began)),
-        "twin_mismatches": None,
-        "modelled": list(modelled(scene)[0]),
-        "left_out": list(modelled(scene)[1]),
+        **head(scene, engine, seed, simulated, samples, time.perf_counter() - began, None, scene),
         "dropped_rate": interval.rate(sum(row["dropped"] for row in rows), runs),
         "tightenings": sum(row["tightenings"] for row in rows),
         "false_tightenings": sum(row["false_tightenings"] for row in rows),
@@ -115,12 +107,6 @@ def run(scene, engine, out, seed, waves, progress):
         arrays |= {f"c{index}_{name}": values for name, values in vars(trace).items()}
         arrays |= {f"c{index}_runs_{name}": values for name, values in found[condition].items()}
     return finish(scene, summary, out, arrays, shown, {"Conditions": rows}, began, ("conditions",))
-
-
-def modelled(scene):
-    """(modelled, left out) of COMPONENTS: what the scene does not ask for is left out."""
-    absent = ("changing mass",) * (not scene.world["poured_kg"]) + ("tug",) * (not scene.world["tugs"])
-    return tuple(part for part in COMPONENTS if part not in absent), absent
 
 
 def tell(summary):

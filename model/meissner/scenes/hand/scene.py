@@ -10,6 +10,7 @@ from meissner.physics.adc import PARTS, Adc
 from meissner.physics.hand import COUNT_MM, GRIP_N_MM, MASS_S, Grasp
 from meissner.physics.slide import G_MM_S2
 from meissner.physics.stepped import HEAL_S
+from meissner.scenes.rubber.settings import threshold_code
 from meissner.twins.actuate.grip import RULES, GripConfig
 from meissner.twins.slip.config import SlipConfig
 
@@ -82,19 +83,27 @@ class Scene:
     def adc(self) -> Adc:
         return PARTS[self.adc_part]
 
+    @property
+    def left_out(self):
+        """Of COMPONENTS, what the scene does not ask for."""
+        return ("changing mass",) * (not self.world["poured_kg"]) + ("tug",) * (not self.world["tugs"])
+
+    @property
+    def modelled(self):
+        return tuple(part for part in COMPONENTS if part not in self.left_out)
+
     def duration_s(self, condition):
         return self.world["duration_s"] if condition.duration_s is None else condition.duration_s
 
     def threshold_v(self, condition):
-        """The threshold on max cD - min cD."""
+        """The threshold on the Haar coefficient; peak to peak has twice that."""
         own = condition.threshold_v
-        return 2.0 * (self.slip["threshold_v"] if own is None else own)
+        return self.slip["threshold_v"] if own is None else own
 
     def slip_config(self, condition) -> SlipConfig:
-        """As a rubber scene's: p2p in codes exceeds this exactly when the real comparison holds."""
-        level = self.slip["level"]
-        codes = int(np.floor(self.threshold_v(condition) * 2.0 ** (level / 2) / self.adc.lsb_v))
-        window = self.slip["window"]
+        """The slip detector's settings in codes and details."""
+        level, window = self.slip["level"], self.slip["window"]
+        codes = threshold_code(self.threshold_v(condition), level, self.adc.lsb_v)
         return SlipConfig(window=window, hop=window, level=level, threshold=codes, gross_threshold=codes)
 
     def grip_config(self, condition) -> GripConfig:

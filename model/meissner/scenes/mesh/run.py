@@ -8,7 +8,7 @@ from meissner import engines, scenes
 from meissner.scenes.array import pictures as report_cop
 from meissner.scenes.locus import circle
 from meissner.scenes.mesh.scene import CONVERTER
-from meissner.scenes.results import check_waves, finish, table
+from meissner.scenes.results import check_waves, finish, head, table
 from meissner.scenes.truth import errors, percent, summarise
 
 # What the picture of a scene's kind shows (report_cop.draw_mesh).
@@ -103,13 +103,7 @@ def run(scene, engine, out, seed, waves, progress):
         seen = engines.load(engine).cop4(first.codes[part], first.config, out / "waves.vcd")
         wrong += mismatches(seen, engines.load("fixed").cop4(first.codes[part], first.config))
     summary = {
-        "scene": scene.name,
-        "engine": engine,
-        "seed": seed,
-        "seconds_simulated": round(samples / scene.rate_hz, 3),
-        "seconds_taken": None,
-        "samples_per_second": round(samples / engine_s),
-        "twin_mismatches": wrong if engine in engines.VERILATED else None,
+        **head(scene, engine, seed, samples / scene.rate_hz, samples, engine_s, wrong, first),
         "modelled": [part for part in first.modelled if part not in unused],
         "left_out": [*unused, *first.left_out],
         "position_error": summarise(everything["position"]),

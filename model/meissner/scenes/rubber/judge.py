@@ -88,22 +88,24 @@ def contact_wrong(verdicts):
     return round(float(np.mean([verdict["contact_wrong_share"] for verdict in verdicts])), 6)
 
 
+def _ends(rate):
+    return rate and [rate["low"], rate["high"]]
+
+
 def statistics(condition, verdicts):
     """One row of the table of conditions. Delays and leads are of every flag, so of late ones too."""
     delays = np.array([v["delay_s"] for v in verdicts if v["delay_s"] is not None]) * 1e3
     leads = np.array([v["lead_s"] for v in verdicts if v["lead_s"] is not None]) * 1e3
+    found = rates(verdicts)
     row = {
         "condition": condition.name,
         "runs": len(verdicts),
         **{key: sum(v[key] for v in verdicts) for key in COUNTS},
-        **{
-            f"{key}_interval": found and [found["low"], found["high"]]
-            for key in ("missed", "false_alarm")
-            for found in [rates(verdicts)[f"{key}_rate"]]
-        },
+        "missed_interval": _ends(found["missed_rate"]),
+        "false_alarm_interval": _ends(found["false_alarm_rate"]),
+        "contact_share_of_sliding": contact_share(verdicts),
+        "contact_wrong_share": contact_wrong(verdicts),
     }
-    row["contact_share_of_sliding"] = contact_share(verdicts)
-    row["contact_wrong_share"] = contact_wrong(verdicts)
     # A flag without a crossing: what raised it came before the onset, but was blanked until after.
     own = [v["flag_s"] - v["crossing_s"] for v in verdicts if None not in (v["flag_s"], v["crossing_s"])]
     if len(delays):
@@ -113,6 +115,6 @@ def statistics(condition, verdicts):
             "delay_ms_max": round(float(delays.max()), 3),
             **({"detector_ms_max": round(max(own) * 1e3, 3)} if own else {}),
             "lead_ms_median": round(float(np.median(leads)), 3),
-            "lead_ms_min": round(float(leads.min()), 3),
+            "lead_ms_min": found["lead_ms_min"],
         }
     return row

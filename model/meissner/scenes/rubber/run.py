@@ -7,7 +7,7 @@ import numpy as np
 from meissner import engines, scenes
 from meissner.scenes.rates import rates
 from meissner.scenes.rates import tell as tell_rates
-from meissner.scenes.results import check_waves, finish, table
+from meissner.scenes.results import check_waves, finish, head, table
 from meissner.scenes.rubber import pictures as report
 from meissner.scenes.rubber.judge import COUNTS, contact_share, contact_wrong, judge, statistics
 from meissner.twins.slip.slip_path import details
@@ -97,15 +97,7 @@ def run(scene, engine, out, seed, waves, progress):
     every = [verdict for condition in scene.conditions for verdict in verdicts[condition]]
     first = verdicts[scene.conditions[0]][0]
     summary = {
-        "scene": scene.name,
-        "engine": engine,
-        "seed": seed,
-        "seconds_simulated": round(simulated, 3),
-        "seconds_taken": None,
-        "samples_per_second": round(samples / engine_s),
-        "twin_mismatches": mismatches if engine in engines.VERILATED else None,
-        "modelled": list(shown[scene.conditions[0]][0].modelled),
-        "left_out": list(shown[scene.conditions[0]][0].left_out),
+        **head(scene, engine, seed, simulated, samples, engine_s, mismatches, shown[scene.conditions[0]][0]),
         "saved": saved,
         **{key: first[key] for key in ("onset_s", "crossing_s", "flag_s", "delay_s", "gross_s")},
         **{key: sum(row[key] for row in rows) for key in COUNTS},

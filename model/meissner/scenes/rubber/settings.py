@@ -60,17 +60,21 @@ def settings(where, table):
     return slip
 
 
-def codes(slip, adc, rate_hz) -> SlipConfig:
-    """The same settings in codes of a converter and in details.
+def threshold_code(volts, level, lsb_v):
+    """The threshold on peak to peak in codes, of ``volts`` on the Haar coefficient of ``level``.
 
     The unnormalised detail is sqrt(2)^level times the coefficient, so p2p in codes, an integer,
-    exceeds floor(2·threshold_v·sqrt(2)^level / lsb) exactly when the real comparison holds.
+    exceeds floor(2·volts·sqrt(2)^level / lsb) exactly when the real comparison holds.
     """
-    lsb_v = adc.lsb_v
+    return int(np.floor(2.0 * volts * 2.0 ** (level / 2) / lsb_v))
+
+
+def codes(slip, adc, rate_hz) -> SlipConfig:
+    """The same settings in codes of a converter and in details."""
     step = 1 << slip.level
 
     def threshold(volts):
-        return int(np.floor(2.0 * volts * 2.0 ** (slip.level / 2) / lsb_v))
+        return threshold_code(volts, slip.level, adc.lsb_v)
 
     def level(volts):
         return round(step * adc.code_of(volts))

@@ -9,7 +9,7 @@ from meissner.files import written
 from meissner.fit_rubber import STEPS
 from meissner.scenes import chain
 from meissner.scenes.rates import rates
-from meissner.scenes.results import finish, table
+from meissner.scenes.results import finish, head, table
 from meissner.scenes.rubber.judge import judge
 from meissner.scenes.rubber.run import _mismatches
 from meissner.scenes.shear import pictures
@@ -61,15 +61,7 @@ def run(scene, engine, out, seed, waves, progress):
     constants = answer.pop("constants", None)
     first = shown[scene.cases[0]]
     summary = {
-        "scene": scene.name,
-        "engine": engine,
-        "seed": seed,
-        "seconds_simulated": round(samples / scene.rate_hz, 3),
-        "seconds_taken": None,
-        "samples_per_second": round(samples / engine_s),
-        "twin_mismatches": wrong if engine in engines.VERILATED else None,
-        "modelled": list(first.modelled),
-        "left_out": list(first.left_out),
+        **head(scene, engine, seed, samples / scene.rate_hz, samples, engine_s, wrong, first),
         "over_range": over_range,
         "false_alarms": sum(one["false_alarms"] for one in every),
         "false_alarm_rate": rates(every)["false_alarm_rate"],
