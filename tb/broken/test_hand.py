@@ -13,7 +13,7 @@ from meissner.report import words
 from meissner.run import run
 from meissner.scenes.hand import loop
 from meissner.scenes.hand import run as hand
-from meissner.scenes.verdict import verdict
+from meissner.scenes.hand.verdict import answer
 from meissner.twins.actuate.grip import Grip
 
 RUNS, SECONDS = 4, 8.0
@@ -72,7 +72,7 @@ def test_a_reflex_that_feels_or_does_nothing_drops_the_glass(changes, tmp_path):
     found = run(few(**changes), "fixed", tmp_path)
     assert found["dropped_rate"]["count"] == row(found)["dropped"] == RUNS
     assert found["grip_ratio_mean"] is None and row(found)["slip_mm_max"] is None
-    assert verdict(found) == "The object was dropped in every one of 4 runs."
+    assert answer(found) == "The object was dropped in every one of 4 runs."
 
 
 def test_a_command_of_the_wrong_sign_drops_it(tmp_path, monkeypatch):
@@ -149,10 +149,10 @@ def test_quieter_events_leave_less_to_spare(sound, tmp_path, monkeypatch):
 
 
 def test_the_verdict_says_what_fell(sound):
-    text = verdict(sound["grip_pour"])
+    text = answer(sound["grip_pour"])
     assert text.startswith(
         "Nothing was dropped in 4 runs (95 % interval up to 60.24 %); held with at most 1."
     )
     two = sound["grip_pour"] | {"dropped_rate": {"count": 2, "runs": 4, "rate": 0.5, "low": 0.1, "high": 0.9}}
-    assert verdict(two).startswith("The object was dropped in 2 of 4 runs (95 % interval up to 90 %); held")
+    assert answer(two).startswith("The object was dropped in 2 of 4 runs (95 % interval up to 90 %); held")
     assert words.cell("dropped_interval", [0.0, 0.5]) == "0 to 50"

@@ -18,7 +18,7 @@ from meissner import scenes
 from meissner.report import words as report_words
 from meissner.run import run
 from meissner.scenes.rubber import pictures as report
-from meissner.scenes.verdict import verdict
+from meissner.scenes.verdict import slips, verdict
 
 PNG = b"\x89PNG not really"
 
@@ -123,11 +123,13 @@ def _row(runs, missed, false_alarms, delay_ms=None, lead_ms=None):
 def test_the_verdict_on_slip(rows, text):
     summary = {key: sum(row[key] for row in rows) for key in ("runs", "missed", "false_alarms")}
     summary["conditions"] = rows
-    assert verdict(summary) == verdict(summary | {"twin_mismatches": None}) == text
+    assert (
+        slips(summary) == verdict(summary, text) == verdict(summary | {"twin_mismatches": None}, text) == text
+    )
     equal = f"{text[:-1]}; the core equals its integer twin in every value."
-    assert verdict(summary | {"twin_mismatches": 0}) == equal
+    assert verdict(summary | {"twin_mismatches": 0}, text) == equal
     differs = "The core differs from its integer twin in 6 values: do not trust it. "
-    assert verdict(summary | {"twin_mismatches": 6}) == differs + text
+    assert verdict(summary | {"twin_mismatches": 6}, text) == differs + text
 
 
 class Page(HTMLParser):

@@ -8,6 +8,7 @@ import numpy as np
 from meissner import engines
 from meissner.files import written
 from meissner.report import page
+from meissner.scenes.sensor import answer
 from meissner.scenes.verdict import verdict
 
 
@@ -55,7 +56,8 @@ def finish(scene, summary, out, arrays, pictures, tables, began, hidden=()):
         for path, condition, shown in pictures
     ]
     title = f"{scene.name}: {scene.title}"
-    page.write_html(out / "report.html", facts, named, tables, title, verdict(summary))
+    text = verdict(summary, answer(scene.sensor, summary))
+    page.write_html(out / "report.html", facts, named, tables, title, text)
     with written(out / "summary.json") as file:
         file.write(json.dumps(summary, indent=2).encode() + b"\n")
     return summary

@@ -44,6 +44,11 @@ def sensor(name) -> Sensor:
     return import_module(f"meissner.scenes.{name}.scene")
 
 
+def answer(name, summary):
+    """The sentence of the module ``verdict`` about a summary of its runs."""
+    return import_module(f"meissner.scenes.{name}.verdict").answer(summary)
+
+
 def runner(name) -> Runner:
     """The module that runs them."""
     return import_module(f"meissner.scenes.{name}.run")
