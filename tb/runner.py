@@ -15,6 +15,7 @@ from cocotb_tools.runner import get_runner
 
 import bodies
 import icarus
+import quick
 import recorder
 from meissner.builds import toolchain
 from stimulus import SEED
@@ -29,6 +30,8 @@ SIM = os.environ.get("MEISSNER_SIM", "verilator")  # or icarus
 os.environ.setdefault("COCOTB_REWRITE_ASSERTION_FILES", "test_*.py *_by_hand.py")
 if os.environ.get("MEISSNER_INSTANCE"):  # one of many in a top without ports, of verify.regress
     cocotb.top = getattr(cocotb.top, os.environ["MEISSNER_INSTANCE"])
+if cocotb.is_simulation:
+    quick.install()
 if recorder.FILE:
     recorder.install()
 for folder in ("libs_dir", "share_dir"):  # the runner writes them into a makefile

@@ -1,0 +1,155 @@
+"""tb/quick.py against cocotb's own functions, which it replaces: what a port takes and gives, what is
+refused, how a task ends. On msn_delay, whose ports have one bit and more than a word."""
+
+import hashlib
+import inspect
+
+import cocotb
+import numpy as np
+import pytest
+from cocotb import _base_triggers, _event_loop, _gpi_triggers, handle, task
+from cocotb.clock import Clock
+from cocotb.handle import Immediate
+from cocotb.triggers import NullTrigger, ReadOnly, RisingEdge, Timer
+from cocotb.types import Logic, LogicArray
+
+import bench
+import quick
+
+WIDTH = 40
+# What quick.py leaves out of these is known: another version of cocotb may have more.
+REPLACED = {
+    _event_loop.EventLoop.run: "3772d305fa03",
+    _gpi_triggers.GPITrigger._react: "1eee9f9ccb72",
+    _base_triggers.Trigger._do_callbacks: "8a97fc3557dd",
+    _base_triggers.Trigger._register: "e35466fc9660",
+    _gpi_triggers.ReadOnly.__await__: "b7674dd00d01",
+    task.Task._schedule_resume: "f5ed01800830",
+    task.Task._resume: "a157296339e2",
+    handle.HierarchyObject.__getattr__: "211af289c27f",
+    LogicArray._from_handle: "9f4e231161fa",
+    handle.ValueObjectBase.value.fset: "275afe9dce86",
+    handle.LogicObject._set_value: "fce4ac42df11",
+    handle.LogicObject.get: "b15202ce73ba",
+    handle._LogicArrayObjectBase._set_value: "b1199858cca1",
+}
+VALUES = [0, 1, 2, -1, True, False, "1", "z", "02", 1.0, None, np.int64(1), Logic("X"), LogicArray("1")]
+VALUES += [5, (1 << WIDTH) - 1, 1 << WIDTH, 1 << WIDTH - 1, -(1 << WIDTH - 1), -(1 << WIDTH - 1) - 1]
+VALUES += [0x5A_1234_5678, "0" * WIDTH, "10" * (WIDTH // 2), LogicArray(7, WIDTH)]
+
+
+def outcome(function, *given):
+    try:
+        return function(*given)
+    except Exception as error:
+        return type(error), str(error)
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+@cocotb.parametrize(port=["step_i", "in_data_i"])
+async def a_port_takes_what_it_took(dut, port):
+    port = getattr(dut, port)
+    own, quicker = quick._set, type(port).value.fset
+    assert own is not quicker
+    for value in VALUES:
+        found = []
+        for put, before in ((own, 0), (quicker, 1)):
+            port.value = before
+            await Timer(1, "ns")
+            said = outcome(put, port, value)
+            await Timer(1, "ns")
+            got = port.value
+            assert type(got) is type(port.get())
+            found.append((said, str(got) if said is None else None, said is None or int(got) == before))
+        assert found[0] == found[1], value
+    port.value = Immediate(0)
+    assert port.value == 0
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def levels_are_given_as_they_were(dut):
+    for level in (0, 1):
+        dut.step_i.value = level
+        dut.in_data_i.value = 3 * level
+        await Timer(1, "ns")
+        assert dut.step_i.value is dut.step_i.get() is Logic(level)
+        word = dut.in_data_i.value
+        assert (word, len(word), word[0], word[WIDTH - 1]) == (3 * level, WIDTH, level, 0)
+    with pytest.raises(AttributeError, match="no child object named no_such_i"):
+        dut.no_such_i  # noqa: B018
+    assert not hasattr(dut, "no_such_i") and dut.step_i is dut["step_i"]
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def nothing_is_written_once_all_has_settled(dut):
+    await ReadOnly()
+    for port in (dut.step_i, dut.in_data_i):
+        with pytest.raises(RuntimeError, match="during the ReadOnly phase"):
+            port.value = 1
+    with pytest.raises(RuntimeError, match="awaiting ReadOnly in ReadOnly"):
+        await ReadOnly()
+    await Timer(1, "ns")
+    with pytest.raises(TypeError, match="immutable"):
+        dut.Depth.value = 1
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def a_task_ends_as_it_did(dut):
+    Clock(dut.clk_i, 10, unit="ns").start()
+    edge, seen = RisingEdge(dut.clk_i), []
+
+    async def gives(value):
+        await edge
+        return value
+
+    async def raises():
+        await edge
+        raise LookupError("here")
+
+    async def forever():
+        try:
+            while True:
+                seen.append(await edge)
+        finally:
+            seen.append("closed")
+
+    class Odd:
+        def __await__(self):
+            yield "no trigger"
+
+    async def odd():
+        await Odd()
+
+    assert await cocotb.start_soon(gives(7)) == 7
+    assert [await each for each in [cocotb.start_soon(gives(n)) for n in (1, 2)]] == [1, 2]
+    for wrong, error in ((raises, LookupError), (odd, TypeError)):
+        with pytest.raises(error):
+            await cocotb.start_soon(wrong())
+    task = cocotb.start_soon(forever())
+    for _ in range(3):
+        await edge
+    await NullTrigger()
+    task.cancel()
+    await NullTrigger()
+    assert seen == [edge] * 3 + ["closed"] and task.cancelled()
+
+    async def kills():
+        await edge
+        with pytest.deprecated_call():
+            victim.kill()
+
+    cocotb.start_soon(kills())
+    victim = cocotb.start_soon(gives(3))  # has its turn in the same clock, after who kills it
+    await edge
+    await NullTrigger()
+    assert victim.done() and victim.result() is None
+
+
+def test_quick():
+    bench.run("common", "delay", {"Depth": 3, "Width": WIDTH}, module="test_quick")
+
+
+@pytest.mark.parametrize("function", REPLACED, ids=lambda function: function.__qualname__)
+def test_knows_what_it_replaces(function):
+    digest = hashlib.sha256(inspect.getsource(function).encode()).hexdigest()
+    assert digest.startswith(REPLACED[function]), digest[:8]
