@@ -49,11 +49,12 @@ def passed(results, name, *plusargs):
     return [case.get("name") for case in cases]
 
 
-def run(stage, block, parameters=None, test_filter=None, module=None, sources=None, include=None):
+def run(stage, block, parameters=None, test_filter=None, module=None, sources=None, include=None, inside=()):
     """Build ``msn_<block>`` with Verilator and run the cocotb tests of tb/<stage>/test_<block>.py.
 
     ``module``: another test file of that stage, in place of test_<block>; ``sources``: other files than those
-    of rtl/rtl.f; ``include``: a folder with a header that they include.
+    of rtl/rtl.f; ``include``: a folder with a header that they include; ``inside``: what the tests see
+    below the top (units.py).
     """
     parameters = parameters or {}
     module = module or f"test_{block}"
@@ -76,7 +77,7 @@ def run(stage, block, parameters=None, test_filter=None, module=None, sources=No
         sources, flags = [*sources, *covers(sources)], [*flags, *COVERAGE_FLAGS]
     sources = [toolchain.for_make(source) for source in sources]
     os.environ.update(toolchain.environment())
-    runner = Units() if SIM == "verilator" else get_runner(SIM)
+    runner = Units(inside) if SIM == "verilator" else get_runner(SIM)
     runner.build(
         sources=sources,
         hdl_toplevel=f"msn_{block}",

@@ -79,4 +79,5 @@ def test_rows(rows, columns):
     outer = [toolchain.ROOT / source for source in boards.COMMON]
     waivers = toolchain.ROOT / "rtl/verilator.vlt"
     sources = [waivers, *toolchain.sources_of("msn_core"), *outer]
-    bench.run("boards", "board", module="test_rows", sources=sources, include=toolchain.ROOT / folder)
+    files = {"sources": sources, "include": toolchain.ROOT / folder}
+    bench.run("boards", "board", module="test_rows", inside=["msn_core", "msn_board_reset"], **files)

@@ -654,7 +654,7 @@ LONG = {"4x8": pytest.mark.long}
 
 @pytest.mark.parametrize("case", [pytest.param(name, marks=LONG.get(name, ())) for name in CASES])
 def test_array(case):
-    bench.run("cop", "array", {"ClkKhz": CLK_KHZ, "TareLog2": TARE_LOG2} | CASES[case])
+    bench.run("cop", "array", {"ClkKhz": CLK_KHZ, "TareLog2": TARE_LOG2} | CASES[case], inside=["msn_health"])
 
 
 def test_array_of_a_stream():

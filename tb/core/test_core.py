@@ -18,7 +18,7 @@ from cocotb.utils import get_sim_time
 
 import bench
 from core import core_by_hand, pins
-from core.wires import Ends, port_of
+from core.wires import SEEN, Ends, port_of
 from meissner.builds import config
 from meissner.builds.build import Config, verilog
 from meissner.twins import core
@@ -781,12 +781,12 @@ EVIDENCE = {
 
 @pytest.mark.parametrize("name", CASES)
 def test_core(name):
-    bench.run("core", "core", verilog(parameters_of(name)))
+    bench.run("core", "core", verilog(parameters_of(name)), inside=SEEN)
 
 
 @pytest.mark.parametrize("name", core_by_hand.BUILDS)
 def test_core_of_a_stream(name):
-    bench.run("core", "core", core_by_hand.BUILDS[name], module="core_by_hand")
+    bench.run("core", "core", core_by_hand.BUILDS[name], module="core_by_hand", inside=["msn_health"])
 
 
 def test_what_a_configuration_leaves_out_the_model_leaves_out():

@@ -11,6 +11,7 @@ import numpy as np
 
 import bench
 from core import pins
+from core.wires import SEEN
 from meissner.twins.link.registers import RESET_BITS, reset_word
 from parts.ad7606 import Ad7606
 
@@ -397,4 +398,4 @@ def test_settings_array():
     build |= {"Health": 1, "Tare": 1, "TareLog2": 1, "Image": 1, "Window": 4, "Hop": 4, "Uart": 0}
     build |= {"SlipDepth": 2, "StatisticBits": 10}
     build["Resets"] = f"{RESET_BITS}'h{reset_word({'calibrate.preset': 8192}):x}"
-    bench.run("core", "core", build, module="test_settings_array")
+    bench.run("core", "core", build, module="test_settings_array", inside=SEEN)

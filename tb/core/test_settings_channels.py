@@ -8,6 +8,7 @@ import numpy as np
 
 import bench
 from core import pins
+from core.wires import SEEN
 from parts.max1112x import Max1112x
 
 PERIOD = 181
@@ -237,4 +238,4 @@ async def each_counter_has_its_own_register_and_statistic(dut):
 def test_settings_channels():
     build = {"Adc": 5, "ClkKhz": 4000, "Channels": CHANNELS, "BaudHz": 1_000_000, "StatisticBits": 11}
     build |= {"Window": WINDOW, "Hop": WINDOW, "SlipDepth": 2}
-    bench.run("core", "core", build, module="test_settings_channels")
+    bench.run("core", "core", build, module="test_settings_channels", inside=SEEN)

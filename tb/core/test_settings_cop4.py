@@ -12,6 +12,7 @@ from cocotb.triggers import RisingEdge
 
 import bench
 from core import pins
+from core.wires import SEEN
 from parts.ad7606 import Ad7606
 
 PERIOD = 523
@@ -257,4 +258,4 @@ async def each_counter_has_its_own_register_and_statistic(dut):
 def test_settings_cop4():
     build = {"Adc": 2, "ClkKhz": 4000, "Channels": 4, "Slip": 0, "Cop4": 1, "Correct": 1, "CopSlip": 1}
     build |= {"Lag": LAG, "Uart": 0, "SlipDepth": 2, "StatisticBits": 10}
-    bench.run("core", "core", build, module="test_settings_cop4")
+    bench.run("core", "core", build, module="test_settings_cop4", inside=SEEN)

@@ -40,6 +40,9 @@ SIZES = {
 }
 
 
+SEEN = ("commit", "sample_valid", "sample_ready", "cop_valid")  # inside the core
+
+
 def number(dut, name):
     return getattr(dut, name).value.to_unsigned()
 
@@ -59,8 +62,7 @@ class Watch:
         names = ("tvalid", "tready", "tlast", "tdata")
         in_valid, in_ready, in_last, _ = (getattr(dut, f"s_axis_{name}") for name in names)
         out_valid, out_ready, out_last, out_data = (getattr(dut, f"m_axis_{name}") for name in names)
-        names = ("commit", "sample_valid", "sample_ready", "cop_valid")
-        commit, sample_valid, sample_ready, cop_valid = (getattr(dut.u_core, name) for name in names)
+        commit, sample_valid, sample_ready, cop_valid = (getattr(dut.u_core, name) for name in SEEN)
         put_ready = bench.putter(out_ready)
         while True:
             put_ready(draw.random() >= self.stall)
@@ -253,7 +255,8 @@ def build(parameters, select):
     settings |= {"cop_slip.drop": 77, "cop_slip.min_load": 200, "cop_slip.hold": 9, "cop_slip.refractory": 7}
     word = f"{RESET_BITS}'h{reset_word(settings):x}"
     given = {"Statistics": 0, "TareLog2": 1, "Resets": word, "Chunk": 60}
-    bench.run("core", "axis", parameters | given, test_filter=select, module="test_stream_times")
+    inside = [f"msn_core.{name}" for name in SEEN]
+    bench.run("core", "axis", parameters | given, select, module="test_stream_times", inside=inside)
 
 
 @pytest.mark.parametrize("name", SIZES)

@@ -5,6 +5,13 @@ and "status.<name>" are members of what registers give and get."""
 import bench
 import members
 
+# Modules below the core whose ports tests see, and signals: what bench.run makes visible.
+SEEN = """acquire adc_spi array bridge calibration_preset cobs cop4 cop_accumulate cop_slip electrodes
+frame_filter frame_gate frame_owed health health_report image_store link packet packet_slip registers scan
+scan_buffer scan_plan sensor_channels skid slip slip_chain.offered slip_flags slip_path slip_serial sync tare
+time_stamp uart_tx width_converter"""
+SEEN = tuple(f"msn_{name}" for name in SEEN.split())
+
 STRUCTS = {members.CFG: "registers.cfg_o", members.STATUS: "registers.status_i", "slip_cfg": "slip.cfg_i"}
 
 # By a block that such wires need: from, to, and what stands for {} in both. "~": signed, and widened.
