@@ -2,7 +2,6 @@
 
 import dataclasses
 
-import matplotlib.figure
 import numpy as np
 import pytest
 
@@ -15,16 +14,9 @@ SCENE = dataclasses.replace(WALK, rate_hz=200)  # 300 frames of it
 METRICS = {"position_error", "load_error", "below_min_load", "over_range", "frames", "seconds_simulated"}
 
 
-@pytest.fixture(autouse=True)
-def undrawn(monkeypatch):
-    monkeypatch.setattr(matplotlib.figure.Figure, "savefig", lambda _, path, **__: path.write_bytes(b""))
-
-
 @pytest.fixture(scope="module")
 def sound(tmp_path_factory):
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(matplotlib.figure.Figure, "savefig", lambda _, path, **__: path.write_bytes(b""))
-        return run.run(SCENE, "fixed", tmp_path_factory.mktemp("sound"))
+    return run.run(SCENE, "fixed", tmp_path_factory.mktemp("sound"))
 
 
 @pytest.fixture

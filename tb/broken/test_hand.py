@@ -28,20 +28,11 @@ def few(name="grip_pour", grip=None, slip=None, **changes):
     return replace(scene, seeds=RUNS, conditions=(condition,), world=world, grip=grip, slip=slip)
 
 
-@pytest.fixture(autouse=True)
-def no_pictures(monkeypatch):
-    monkeypatch.setattr("matplotlib.figure.Figure.savefig", lambda *_, **__: None)
-    monkeypatch.setattr("meissner.report.page.write_html", lambda *_: None)
-
-
 @pytest.fixture(scope="module")
 def sound(tmp_path_factory):
     """The summaries of the hand as it is."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("matplotlib.figure.Figure.savefig", lambda *_, **__: None)
-        patch.setattr("meissner.report.page.write_html", lambda *_: None)
-        names = ("grip_pour", "grip_release")
-        return {name: run(few(name), "fixed", tmp_path_factory.mktemp(name)) for name in names}
+    names = ("grip_pour", "grip_release")
+    return {name: run(few(name), "fixed", tmp_path_factory.mktemp(name)) for name in names}
 
 
 def row(summary):

@@ -3,7 +3,6 @@
 import dataclasses
 import math
 
-import matplotlib.figure
 import numpy as np
 import pytest
 
@@ -19,17 +18,10 @@ OF = {
 }
 
 
-@pytest.fixture(autouse=True)
-def undrawn(monkeypatch):
-    monkeypatch.setattr(matplotlib.figure.Figure, "savefig", lambda _, path, **__: path.write_bytes(b""))
-
-
 @pytest.fixture(scope="module")
 def sound(tmp_path_factory):
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(matplotlib.figure.Figure, "savefig", lambda _, path, **__: path.write_bytes(b""))
-        folder = tmp_path_factory.mktemp("sound")
-        return {name: run.run(scenes.load(name), "fixed", folder / name) for name in NAMES}
+    folder = tmp_path_factory.mktemp("sound")
+    return {name: run.run(scenes.load(name), "fixed", folder / name) for name in NAMES}
 
 
 @pytest.fixture

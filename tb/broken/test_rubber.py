@@ -23,19 +23,10 @@ def few(name, **changes):
     return replace(scenes.load(name), seeds=RUNS, **changes)
 
 
-@pytest.fixture(autouse=True)
-def no_pictures(monkeypatch):
-    monkeypatch.setattr("matplotlib.figure.Figure.savefig", lambda *_, **__: None)
-    monkeypatch.setattr("meissner.report.page.write_html", lambda *_: None)
-
-
 @pytest.fixture(scope="module")
 def sound(tmp_path_factory):
     """The summaries of the sensor and the core as they are."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("matplotlib.figure.Figure.savefig", lambda *_, **__: None)
-        patch.setattr("meissner.report.page.write_html", lambda *_: None)
-        return {name: run(few(name), "fixed", tmp_path_factory.mktemp(name)) for name in (SLIPS, PRESSES)}
+    return {name: run(few(name), "fixed", tmp_path_factory.mktemp(name)) for name in (SLIPS, PRESSES)}
 
 
 def core(monkeypatch, breaks):
