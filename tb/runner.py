@@ -90,15 +90,20 @@ def run(stage, block, parameters=None, test_filter=None, module=None, sources=No
 
     def simulate(select, *plusargs):
         """Run the tests that ``select`` names; the names of those that ran."""
-        results = runner.test(
-            hdl_toplevel=f"msn_{block}",
-            test_module=f"{stage}.{module}",
-            build_dir=build_dir,
-            test_dir=build_dir,
-            test_filter=select,
-            plusargs=[*plusargs],
-            seed=SEED,
-        )
+        given = {
+            "hdl_toplevel": f"msn_{block}",
+            "test_module": f"{stage}.{module}",
+            "build_dir": build_dir,
+            "test_dir": build_dir,
+            "test_filter": select,
+            "plusargs": [*plusargs],
+            "seed": SEED,
+        }
+        try:
+            results = plainly(runner.test, **given)
+        except SystemExit:
+            runner.test(**given)  # once more, to say what a failed assertion compared
+            raise
         return passed(results, name, *plusargs)
 
     if POWERUPS:
@@ -113,6 +118,13 @@ def run(stage, block, parameters=None, test_filter=None, module=None, sources=No
         # From zeros: the way from ones to the reset's values would count as a toggle.
         start = [f"+verilator+coverage+file+{folder / which}.dat"]
     simulate(test_filter, *start)
+
+
+def plainly(test, **given):
+    """``test`` without the values of assertions: to prepare for them is a quarter of a simulation's start."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("COCOTB_REWRITE_ASSERTION_FILES", "")
+        return test(**given)
 
 
 def covers(sources):
