@@ -49,7 +49,7 @@ def test_adc_parts(struct, twin):
         "--top-module", "msn_adc_spi", *toolchain.VERILATOR_FLAGS,
         "-CFLAGS", f"-fPIC {toolchain.OPTIMISE} -I{include}",
         *(f"-G{name}={value}" for name, value in parameters.items()),
-        *(str(toolchain.for_make(path)) for path in [*toolchain.sources(), source]),
+        *(str(toolchain.for_make(path)) for path in [*toolchain.sources_of("msn_adc_spi"), source]),
     ]  # fmt: skip
     subprocess.run(command, env=toolchain.environment(), check=True, capture_output=True, text=True)
     run = [build / "adc_parts", str(FRAMES), str(twin.safe_period())]
