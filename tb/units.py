@@ -8,6 +8,7 @@ by model/meissner/builds/objcache.py, and linked where it is.
 
 import hashlib
 import re
+import shutil
 import subprocess
 from pathlib import Path
 
@@ -92,7 +93,8 @@ def link(folder, name):
         objects.append(objcache.runtime(["c++", "-Os", *flags, "-c", str(include / f"{stem}.cpp")]))
     libraries = cocotb_tools.config.libs_dir
     shared = [f"-Wl,-rpath,{libraries}", f"-L{libraries}", "-lcocotbvpi_verilator"]
-    _do(["c++", *map(str, objects), *shared, "-o", name], folder)
+    quicker = ["-fuse-ld=gold"] if shutil.which("ld.gold") else []  # a third of GNU ld's time
+    _do(["c++", *quicker, *map(str, objects), *shared, "-o", name], folder)
     stamp.write_text(digest.hexdigest())
 
 
