@@ -52,18 +52,13 @@ async def inputs_in_reset(dut, *resting, also=()):
         await RisingEdge(dut.clk_i)
 
 
-def levels(handle):
-    """The levels of a port, a character a bit: 0, 1, or what else the simulator has there.
-
-    Of cocotb's own object: ``handle.value`` makes a LogicArray of them, at five times the time, and benches
-    read some million values.
-    """
-    return handle._handle.get_signal_val_binstr()
+# Benches read some million values. Of cocotb's own object: ``handle.value`` makes a LogicArray of the levels,
+# a character a bit, at five times the time.
 
 
 def read(handle):
     """The unsigned integer on a port; AssertionError if it is none."""
-    bits = levels(handle)
+    bits = handle._handle.get_signal_val_binstr()
     try:
         return int(bits, 2)
     except ValueError:
@@ -72,7 +67,7 @@ def read(handle):
 
 def high(handle):
     """Whether a port of one bit is 1; X is not."""
-    return levels(handle) == "1"
+    return handle._handle.get_signal_val_binstr() == "1"
 
 
 def putter(port):

@@ -14,7 +14,7 @@ from itertools import pairwise
 import cocotb
 import pytest
 from cocotb.clock import Clock
-from cocotb.triggers import FallingEdge, First, ReadOnly, RisingEdge
+from cocotb.triggers import FallingEdge, ReadOnly, RisingEdge
 from cocotb.utils import get_sim_time
 
 import bench
@@ -105,12 +105,20 @@ class Harness:
         """All that a word says on MOSI is a command to a channel, also where the part does not listen."""
         dut, part = self.dut, self.twin.part
         known = [f"{part.command(channel):016b}"[: part.data_bits] for channel in range(self.twin.channels)]
+        cs_n, mosi, heard = dut.adc_cs_n_o, dut.adc_mosi_o, ""
+
+        async def bits():  # a task for good: First would make three for each bit
+            nonlocal heard
+            while True:
+                await RisingEdge(dut.adc_sclk_o)
+                heard += "" if bench.read(cs_n) else str(mosi.value)
+
+        cocotb.start_soon(bits())
         while True:
-            await FallingEdge(dut.adc_cs_n_o)
+            await FallingEdge(cs_n)
             heard = ""
-            while dut.adc_cs_n_o.value == 0:
-                await First(RisingEdge(dut.adc_sclk_o), RisingEdge(dut.adc_cs_n_o))
-                heard += str(dut.adc_mosi_o.value)
+            await RisingEdge(cs_n)
+            heard += str(mosi.value)
             assert len(heard) <= part.word_bits or heard[: part.data_bits] in known
 
     async def rest(self):
