@@ -21,6 +21,7 @@ ARRAYS = cocotb.handle._LogicArrayObjectBase
 DEPOSIT = cocotb.handle._GPISetAction.DEPOSIT.value
 LEVEL = {0: "0", 1: "1"}
 LOGIC = {level: Logic(level) for level in "01XZ"}
+BIT = {0: Logic(0), 1: Logic(1)}  # there is one of each
 WORD = 32  # bits that cocotb hands on as an integer
 RUNNING, PENDING, SCHEDULED = (getattr(task._TaskState, name) for name in ("RUNNING", "PENDING", "SCHEDULED"))
 READ_ONLY = ReadOnly()  # there is one
@@ -137,6 +138,13 @@ def get_level(self):
     return LOGIC[level] if level in LOGIC else Logic(level)
 
 
+def equal(self, other):
+    """Logic.__eq__"""
+    if type(other) is int:
+        return other in BIT and self is BIT[other]
+    return _equal(self, other)
+
+
 def set_level(self, value):
     """LogicObject._set_value"""
     if type(value) in (int, bool) and 0 <= value <= 1 and may_write(self):
@@ -173,6 +181,7 @@ def from_handle(cls, value, warn_indexing):
 
 
 _resume, _child, _set = task.Task._resume, HierarchyObject.__getattr__, ValueObjectBase.value.fset
+_equal = Logic.__eq__
 
 
 def install():
@@ -187,6 +196,7 @@ def install():
     task.Task._schedule_resume = schedule_resume
     task.Task._resume = resume
     HierarchyObject.__getattr__ = child
+    Logic.__eq__ = equal
     LogicArray._from_handle = classmethod(from_handle)
     if cocotb.handle._trust_inertial:  # else each write waits for its phase
         LogicObject.value = property(get_level, set_level)

@@ -27,6 +27,7 @@ REPLACED = {
     task.Task._schedule_resume: "f5ed01800830",
     task.Task._resume: "a157296339e2",
     handle.HierarchyObject.__getattr__: "211af289c27f",
+    Logic.__eq__: "d826e0c7aa2f",
     LogicArray._from_handle: "9f4e231161fa",
     handle.ValueObjectBase.value.fset: "275afe9dce86",
     handle.LogicObject._set_value: "fce4ac42df11",
@@ -75,6 +76,10 @@ async def levels_are_given_as_they_were(dut):
         assert dut.step_i.value is dut.step_i.get() is Logic(level)
         word = dut.in_data_i.value
         assert (word, len(word), word[0], word[WIDTH - 1]) == (3 * level, WIDTH, level, 0)
+    for level in "UX01ZWLH-":
+        for value in (0, 1, 2, -1, True, "1", "h", "q", Logic("1"), Logic("L"), LogicArray("1"), 1.0, None):
+            found = Logic(level) == value
+            assert found is (quick._equal(Logic(level), value) is True), (level, value)
     with pytest.raises(AttributeError, match="no child object named no_such_i"):
         dut.no_such_i  # noqa: B018
     assert not hasattr(dut, "no_such_i") and dut.step_i is dut["step_i"]
