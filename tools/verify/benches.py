@@ -15,7 +15,7 @@ import inspect, json, os
 import bench
 def pytest_collection_modifyitems(items):
     items[:] = [i for i in items if "bench.run(" in inspect.getsource(i.function)]
-def _run(stage, block, parameters=None, test_filter=None, module=None, sources=None):
+def _run(stage, block, parameters=None, test_filter=None, module=None, sources=None, **_):
     given = {k: str(v) for k, v in (parameters or {}).items()}
     told = {"stage": stage, "block": block, "parameters": given, "test_filter": test_filter,
             "module": module or f"test_{block}", "sources": [str(s) for s in sources or []]}
