@@ -31,3 +31,12 @@ def test_what_is_compiled_for_tests_begins_with_the_runtime(tmp_path, flags, fou
 def test_without_the_runtime_it_compiles_as_usual(tmp_path):
     assert compiles(tmp_path, "int two() { return 2; }\n", "-O0")
     assert not compiles(tmp_path, "int two() { return two; }\n", "-O0")
+
+
+def test_a_runtime_is_one_wherever_a_link_leads_to_it(tmp_path):
+    real, other = tmp_path / "real/include", tmp_path / "other/include"
+    for folder in (real, other):
+        folder.mkdir(parents=True)
+    (tmp_path / "link").symlink_to(tmp_path / "real")
+    key = lambda folder: objcache._key("c++", ["-Og", "-c", f"-I{folder}", f"{folder}/verilated.cpp"])
+    assert key(real) == key(tmp_path / "link/include") != key(other)

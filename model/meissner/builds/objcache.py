@@ -30,6 +30,18 @@ def folder():
     return Path(os.environ["MEISSNER_OBJECTS"])
 
 
+def _key(compiler, words):
+    """The hash of what a command compiles with. A path counts as where it leads to: one environment that
+    several trees link to has one runtime."""
+
+    def meant(word):
+        option = "-I" if word.startswith("-I") else ""
+        path = word[len(option) :]
+        return option + os.path.realpath(path) if os.path.isabs(path) else word
+
+    return hashlib.sha256("\0".join([version(compiler), *map(meant, words)]).encode()).hexdigest()
+
+
 def _precompile(compiler, flags, header, found):
     """Whether the compiler could."""
     header.parent.mkdir(parents=True, exist_ok=True)
@@ -53,7 +65,7 @@ def precompiled(command):
     # Makefiles write the level before or behind the rest, and the last one counts: one header for both.
     levels = [word for word in words if word.startswith("-O")]
     flags = [*levels[-1:], *(word for word in words if word not in levels)]
-    key = hashlib.sha256("\0".join([version(command[0]), *flags]).encode()).hexdigest()
+    key = _key(command[0], flags)
     header = folder() / key / "runtime.h"
     found = header.with_name("runtime.h.gch")
     if not found.exists():
@@ -87,7 +99,7 @@ def _compile(command, found):
 
 def runtime(command):
     """The object of a compiler's ``command`` without output, whose source is one of the runtime's."""
-    key = hashlib.sha256("\0".join([version(command[0]), *command]).encode()).hexdigest()
+    key = _key(command[0], command)
     found = folder() / f"{key}.o"
     if not kept.intact(found):
         with alone(key):
