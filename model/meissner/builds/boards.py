@@ -131,7 +131,7 @@ def write_board(folder, board, name):
     return plan
 
 
-# LUTs of four inputs: the area of wider ones depends on the order in which ABC gets the gates (docs/boards.md).
+# LUTs of four inputs: the number of wider ones depends on the order of the gates for ABC (docs/boards.md).
 ECP5 = "synth_ecp5 -nowidelut"
 
 # The better part of those that a ULX3S may have; the other gives zeros in the low bits.
