@@ -190,11 +190,11 @@ def offer(dut, beat):
         port.value = int(value) & ((1 << len(port)) - 1)
 
 
-async def taken(dut, beats, patience=40):
-    """How many of ``beats`` go in while nobody takes what comes out, until ``patience`` clocks took none."""
+async def taken(dut, beats, timeout=40):
+    """How many of ``beats`` go in while nobody takes what comes out, until ``timeout`` clocks took none."""
     dut.out_ready_i.value = 0
     sent = quiet = 0
-    while sent < len(beats) and quiet < patience:
+    while sent < len(beats) and quiet < timeout:
         dut.in_valid_i.value = 1
         offer(dut, beats[sent])
         await ReadOnly()

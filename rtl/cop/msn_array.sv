@@ -63,7 +63,7 @@ module msn_array #(
   input  logic [SampleBits-1:0]            cfg_jump_i,
   input  logic signed [SampleBits-1:0]     cfg_low_i,
   input  logic signed [SampleBits-1:0]     cfg_high_i,
-  input  logic                             cfg_user_i,
+  input  logic                             cfg_over_range_enable_i,
   input  logic                             cfg_edges_i,
   input  logic [7:0]                       cfg_still_i,
   input  logic [7:0]                       cfg_rail_i,
@@ -241,7 +241,7 @@ module msn_array #(
     .TareLog2(TareLog2)
   ) u_condition (
     .clk_i, .rst_i,
-    .cfg_band_i, .cfg_jump_i, .cfg_low_i, .cfg_high_i, .cfg_user_i, .cfg_edges_i, .cfg_still_i,
+    .cfg_band_i, .cfg_jump_i, .cfg_low_i, .cfg_high_i, .cfg_over_range_enable_i, .cfg_edges_i, .cfg_still_i,
     .cfg_rail_i,
     .cfg_blink_i, .cfg_clear_i, .cfg_report_i,
     .cfg_contact_i, .cfg_step_i, .cfg_tare_i, .cfg_force_i, .cfg_load_i, .cfg_zero_write_i, .cfg_zero_word_i,

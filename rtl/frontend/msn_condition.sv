@@ -27,7 +27,7 @@ module msn_condition #(
   input  logic [SampleBits-1:0]        cfg_jump_i,
   input  logic signed [SampleBits-1:0] cfg_low_i,
   input  logic signed [SampleBits-1:0] cfg_high_i,
-  input  logic                         cfg_user_i,
+  input  logic                         cfg_over_range_enable_i,
   input  logic                         cfg_edges_i,
   input  logic [7:0]                   cfg_still_i,
   input  logic [7:0]                   cfg_rail_i,
@@ -89,7 +89,7 @@ module msn_condition #(
   if (Health) begin : gen_health
     msn_health #(.Rows(Rows), .Columns(Columns), .Lanes(Lanes), .SampleBits(SampleBits)) u_health (
       .clk_i, .rst_i,
-      .cfg_band_i, .cfg_jump_i, .cfg_low_i, .cfg_high_i, .cfg_user_i, .cfg_edges_i, .cfg_still_i,
+      .cfg_band_i, .cfg_jump_i, .cfg_low_i, .cfg_high_i, .cfg_over_range_enable_i, .cfg_edges_i, .cfg_still_i,
       .cfg_rail_i,
       .cfg_blink_i, .cfg_clear_i, .cfg_report_i,
       .in_valid_i, .in_ready_o, .in_data_i, .in_user_i, .in_id_i, .in_fits_i, .in_row_last_i, .in_last_i,
@@ -105,9 +105,9 @@ module msn_condition #(
     assign {event_valid_o, event_id_o, event_dead_o, event_railed_o, event_blinking_o} = '0;
     assign {dead_o, railed_o, blinking_o} = '0;
     logic unused_health;
-    assign unused_health = ^{cfg_band_i, cfg_jump_i, cfg_low_i, cfg_high_i, cfg_user_i, cfg_edges_i,
-                             cfg_still_i, cfg_rail_i, cfg_blink_i, cfg_clear_i, cfg_report_i, event_ready_i,
-                             in_user_i};
+    assign unused_health = ^{cfg_band_i, cfg_jump_i, cfg_low_i, cfg_high_i, cfg_over_range_enable_i,
+                             cfg_edges_i, cfg_still_i, cfg_rail_i, cfg_blink_i, cfg_clear_i, cfg_report_i,
+                             event_ready_i, in_user_i};
   end
 
   if (Skid) begin : gen_skid

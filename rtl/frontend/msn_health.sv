@@ -5,7 +5,7 @@
 //   moved = |raw - held| > band, then held = raw      recent = moved in the last 3 frames, up or down
 //   dead      no move of its own while both neighbours in its row or column are recent the same way:
 //             +4 a frame (+1 with cfg_edges_i beside the one neighbour at a border), from cfg_still on
-//   railed    at cfg_low, at cfg_high or (cfg_user_i) over-range, without a break in cfg_rail of frames 0, 16 ..
+//   railed    at cfg_low, at cfg_high or over-range, without a break in cfg_rail of frames 0, 16 ..
 //   blinking  a step > jump while no neighbour is recent: +16, any other frame -1, from cfg_blink on
 //
 // A threshold of 0 turns a kind off. Faults stay until cfg_clear_i or reset. Each new one is an event; one that
@@ -35,7 +35,7 @@ module msn_health #(
   input  logic [SampleBits-1:0]        cfg_jump_i,    // not less than the band
   input  logic signed [SampleBits-1:0] cfg_low_i,
   input  logic signed [SampleBits-1:0] cfg_high_i,
-  input  logic                         cfg_user_i,
+  input  logic                         cfg_over_range_enable_i,  // over-range counts as railed
   input  logic                         cfg_edges_i,
   input  logic [7:0]                   cfg_still_i,
   input  logic [7:0]                   cfg_rail_i,
@@ -272,7 +272,7 @@ module msn_health #(
 
     msn_health_taxel #(.SampleBits(SampleBits)) u_taxel (
       .clk_i,
-      .cfg_band_i, .cfg_jump_i, .cfg_low_i, .cfg_high_i, .cfg_user_i, .cfg_still_i, .cfg_rail_i,
+      .cfg_band_i, .cfg_jump_i, .cfg_low_i, .cfg_high_i, .cfg_over_range_enable_i, .cfg_still_i, .cfg_rail_i,
       .cfg_blink_i,
       .take_i(accept), .state_i(head), .pair_i(pair), .border_i(border && cfg_edges_i),
       .alone_i(!(left[1] || right[1] || up[1] || down[1])), .user_i(in_user_i[k]),

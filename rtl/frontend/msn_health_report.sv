@@ -2,7 +2,7 @@
 //
 // Reports of single taxels from msn_health's events, which hold all faults of one beat's taxels.
 //
-//   taxel = id*Lanes + lane     faults = 1 dead + 2 railed + 4 blinking; sound taxels are passed over
+//   taxel = id*Lanes + lane     faults = 1 dead + 2 railed + 4 blinking; healthy taxels are passed over
 //
 // A lane a clock; the next event is taken when the last lane is done.
 // Model: model/meissner/twins/frontend/health_report.py

@@ -22,7 +22,7 @@ module msn_health_taxel #(
   input  logic [SampleBits-1:0]        cfg_jump_i,
   input  logic signed [SampleBits-1:0] cfg_low_i,
   input  logic signed [SampleBits-1:0] cfg_high_i,
-  input  logic                         cfg_user_i,
+  input  logic                         cfg_over_range_enable_i,
   input  logic [7:0]                   cfg_still_i,
   input  logic [7:0]                   cfg_rail_i,
   input  logic [7:0]                   cfg_blink_i,
@@ -131,7 +131,7 @@ module msn_health_taxel #(
     delta   <= DiffBits'(raw_i) - DiffBits'(held);
     raw_2   <= raw_i;
     held_2  <= held;
-    over_2  <= !low || !high || (user_1 && cfg_user_i);
+    over_2  <= !low || !high || (user_1 && cfg_over_range_enable_i);
     alone_2 <= alone_1;
     proof_2 <= pair_1 ? 3'd4 : 3'(border_1);
     {kept_2, fault_2, surplus_2} <= {kept_1, fault_1, surplus_1};

@@ -16,7 +16,7 @@ import bench
 
 ROWS, COLUMNS, LANES = 3, 16, 8
 BUILD = {"Part": 0, "Rows": ROWS, "Columns": COLUMNS, "Converters": LANES, "Tare": 0, "Tap": 1}
-LIMITS = {"band": 29, "jump": 60, "low": 50, "high": 900, "user": 0, "edges": 0}
+LIMITS = {"band": 29, "jump": 60, "low": 50, "high": 900, "over_range_enable": 0, "edges": 0}
 ZERO = 100 + 7 * np.arange(ROWS * COLUMNS).reshape(ROWS, COLUMNS)
 
 

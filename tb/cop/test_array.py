@@ -402,7 +402,7 @@ async def gives_the_same_to_a_consumer_that_stalls_and_starts_over_after_a_reset
 @cocotb.test(timeout_time=200, timeout_unit="ms")
 async def a_taxel_over_range_is_told_and_counts_in_nothing(dut):
     """Over-range for sixteen frames, it is masked: out of the load, and it does not refuse a tare."""
-    limits = Limits(low=-65536, high=65535, user=True, rail=1, edges=False)
+    limits = Limits(low=-65536, high=65535, over_range_enable=True, rail=1, edges=False)
     twin, matrix, _ = await begin(dut, limits)
     events = []
 
@@ -446,7 +446,7 @@ async def a_taxel_over_range_is_told_and_counts_in_nothing(dut):
 async def a_taxel_at_a_limit_is_told(dut, low):
     """Both limits, of every bit: at a limit, and beside it."""
     high = low ^ 0xFFF
-    limits = Limits(low=low, high=high, user=False, rail=1, edges=False)
+    limits = Limits(low=low, high=high, over_range_enable=False, rail=1, edges=False)
     twin, matrix, _ = await begin(dut, limits)
     matrix.zero = np.array([[high - 1, high], [low, low + 1]])
     out, _ = await results(dut, matrix, twin, 20, press=0)
@@ -506,11 +506,11 @@ async def the_smallest_arrays_faults_and_counters(dut):
                 getattr(dut, f"cfg_{name}_i").value = level
             await RisingEdge(dut.clk_i)
 
-    async def run(ready=True, tap_ready=True, patience=100):
-        """What comes out and of the tap until nothing was converted for ``patience`` clocks."""
+    async def run(ready=True, tap_ready=True, timeout=100):
+        """What comes out and of the tap until nothing was converted for ``timeout`` clocks."""
         dut.out_ready_i.value, dut.tap_ready_i.value, still = int(ready), int(tap_ready), 0
         put_enable = bench.putter(dut.cfg_enable_i)
-        while still < patience:
+        while still < timeout:
             put_enable(len(matrix.taken) <= (len(matrix.plan) - 1) * matrix.per_frame)
             await ReadOnly()
             still = 0 if bench.high(dut.convert_o) else still + 1
@@ -526,7 +526,7 @@ async def the_smallest_arrays_faults_and_counters(dut):
         """A frame of each."""
         before = matrix.frames
         matrix.plan = [0] * before + [0 * even + press for press in presses]
-        await run(patience=quiet, **ready)
+        await run(timeout=quiet, **ready)
         assert matrix.frames == len(matrix.plan)
         samples = [part[before:] for part in matrix.samples(matrix.frames)]
         if not swallowed:

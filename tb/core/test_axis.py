@@ -316,7 +316,7 @@ SETTINGS = {
         f"health.{key}": int(getattr(LIMITS, key))
         for key in ("band", "jump", "low", "high", "still", "rail", "blink")
     },
-    "health.use.user": int(LIMITS.user),
+    "health.use.user": int(LIMITS.over_range_enable),
     "health.use.edges": int(LIMITS.edges),
     **{f"cop4.{key}": value for key, value in vars(ELECTRODES.registers).items()},
     **{f"cop_slip.{key}": value for key, value in vars(COP_SLIP).items()},

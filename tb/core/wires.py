@@ -185,7 +185,7 @@ OWN = {"adc": "acquire", "cop4": "cop4", "cop_slip": "cop_slip"}
 OWN |= dict.fromkeys(("scan", "health", "tare", "cop"), "array")
 ELSEWHERE = {
     **{"tare.word.value": "array.cfg_zero_word_i", "tare.zero.value": "array.cfg_zero_i"},
-    **{"health.use.user": "array.cfg_user_i", "health.use.edges": "array.cfg_edges_i"},
+    **{"health.use.user": "array.cfg_over_range_enable_i", "health.use.edges": "array.cfg_edges_i"},
     **{"calibrate.preset.value": "preset.cfg_gain_i", "calibrate.word.value": "preset.in_word_i"},
     **{"calibrate.gain.value": "preset.in_gain_i", "calibrate.offset.value": "preset.in_offset_i[16:0]"},
     **{f"cop4.p{n}.value": f"cop4.cfg_p_i[{18 * n + 17}:{18 * n}]" for n in range(6)},

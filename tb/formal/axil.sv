@@ -36,7 +36,7 @@ module formal_axil (
   logic [15:0] asked_aw, asked_ar;
   logic        write_open, read_open, answered, error;  // an access is under way; the bus has answered it
   logic [31:0] word;
-  logic [3:0]  write_patience, read_patience;
+  logic [3:0]  write_wait, read_wait;
   assign wrote = s_axil_awvalid && s_axil_awready;
   assign read  = s_axil_arvalid && s_axil_arready;
   assign b     = s_axil_bvalid && s_axil_bready;
@@ -60,14 +60,14 @@ module formal_axil (
     if (wrote) write_open <= 1'b1;
     if (read) read_open <= 1'b1;
     if (!(s_axil_awvalid && s_axil_wvalid) || wrote || b_waits || r_waits || !s_axil_bready || !s_axil_rready) begin
-      write_patience <= '0;
-    end else write_patience <= write_patience + 1'b1;
-    if (!s_axil_arvalid || read || b_waits || r_waits || !s_axil_bready || !s_axil_rready) read_patience <= '0;
-    else read_patience <= read_patience + 1'b1;
+      write_wait <= '0;
+    end else write_wait <= write_wait + 1'b1;
+    if (!s_axil_arvalid || read || b_waits || r_waits || !s_axil_bready || !s_axil_rready) read_wait <= '0;
+    else read_wait <= read_wait + 1'b1;
     if (rst_i) begin
       {write_open, read_open, answered} <= '0;
-      write_patience <= '0;
-      read_patience  <= '0;
+      write_wait <= '0;
+      read_wait  <= '0;
     end
   end
 
@@ -96,7 +96,7 @@ module formal_axil (
       // progress
       if ((s_axil_awvalid && s_axil_wvalid || s_axil_arvalid) && !write_open && !read_open) assert (wrote || read);
     end
-    if (started) assert (write_patience <= 4'd7 && read_patience <= 4'd7);
+    if (started) assert (write_wait <= 4'd7 && read_wait <= 4'd7);
   end
 
   // Invariant.

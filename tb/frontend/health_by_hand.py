@@ -109,13 +109,13 @@ async def finds_what_the_hand_found(dut):
             for place, kind in new.items():
                 faults[place] = faults.get(place, 0) | kind
             row_beats = -(-shape[1] // lanes)
-            loud = {row * row_beats + column // lanes for row, column in new}
+            beats = {row * row_beats + column // lanes for row, column in new}
             expected = {}
             for (row, column), kind in faults.items():
-                if (beat := row * row_beats + column // lanes) in loud:
+                if (beat := row * row_beats + column // lanes) in beats:
                     expected.setdefault(beat, {})[row, column] = kind
             assert faults_of(dut, events, shape[1]) == expected, f"{case.name}, frame {number}: events"
-            assert len(events) == len(loud), f"{case.name}, frame {number}: events"
+            assert len(events) == len(beats), f"{case.name}, frame {number}: events"
             events.clear()
         await counts_are(dut, faults)
     listener.cancel()
@@ -129,7 +129,7 @@ async def finds_what_the_loop_finds(dut):
     events, listener = await begin(dut)
     some = (
         {"still": 9, "edges": True},
-        {"rail": 2, "user": True},
+        {"rail": 2, "over_range_enable": True},
         {"blink": 17},
         {"still": 22, "rail": 1, "blink": 33},
     )

@@ -13,7 +13,9 @@ from meissner.twins.frontend.condition import Condition
 from meissner.twins.frontend.health import Limits
 
 FIELDS = ["data", "mask", "fits", "row_last", "last"]
-LIMITS = Limits(band=5, jump=30, low=-900, high=901, user=True, edges=True, still=12, rail=1, blink=29)
+LIMITS = Limits(
+    band=5, jump=30, low=-900, high=901, over_range_enable=True, edges=True, still=12, rail=1, blink=29
+)
 TARE = {"contact": 20, "step": 37}
 COMMANDS = ("clear", "report", "tare", "force", "load", "zero_write")
 

@@ -127,7 +127,7 @@ async def passed(dut, frames):
 async def matches_model(dut, stall_rate, damage):
     """Pieces of a stream, cut at any beat, with a command between two of them."""
     rng, draw = np.random.default_rng(bench.SEED), random.Random(bench.SEED)
-    twin, events, listener = await begin(dut, Limits(**QUICK, user=not damage))
+    twin, events, listener = await begin(dut, Limits(**QUICK, over_range_enable=not damage))
     length = twin.rows * twin.row_beats
     pauses = bench.gaps_and_stalls(stall_rate)
     beats = frames_of(rng, twin, 300 if length < 50 else 40 if length < 100 else 8)
@@ -193,7 +193,7 @@ async def no_event_is_lost_that_nobody_takes(dut):
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def over_range_on_every_sample(dut):
     """All railed after the stated frames, not one earlier; the event of each; a clear frees all of them."""
-    limits = Limits(**QUICK | {"low": -65536, "high": 65535}, user=True)
+    limits = Limits(**QUICK | {"low": -65536, "high": 65535}, over_range_enable=True)
     twin, events, listener = await begin(dut, limits)
     x = np.full((36, twin.rows, twin.columns), 40)
     beats = bench.lane_beats(x, twin.lanes, twin.sample_bits, user=np.ones(x.shape))
@@ -224,7 +224,7 @@ async def limits_of_every_size(dut):
         ends = {"low": bench.as_signed(code ^ (1 << twin.sample_bits) - 1, twin.sample_bits)}
         ends["high"] = bench.as_signed(code, twin.sample_bits)
         counts = dict.fromkeys(("still", "rail", "blink"), ones & 255)
-        limits = Limits(code, code, **ends, user=bool(ones & 1), edges=bool(ones & 2), **counts)
+        limits = Limits(code, code, **ends, over_range_enable=bool(ones & 1), edges=bool(ones & 2), **counts)
         twin = await begin_again(dut, limits, events)
         x = np.where(rng.random(shape) < 0.05, rng.integers(low, high + 1, shape), 0)
         x += rng.choice([low, 0, high], (80, 1, 1)) * (rng.random(shape[1:]) < 0.6)
@@ -242,7 +242,7 @@ async def limits_that_counters_come_by(dut):
     rng = np.random.default_rng(bench.SEED)
     twin, events, listener = await begin(dut, Limits(**QUICK))
     for rail, blink, still in ((2, 17, 8), (1, 2, 16), (3, 33, 3), (6, 16, 11), (4, 48, 2)):
-        limits = Limits(**QUICK | {"rail": rail, "blink": blink, "still": still}, user=True)
+        limits = Limits(**QUICK | {"rail": rail, "blink": blink, "still": still}, over_range_enable=True)
         twin = await begin_again(dut, limits, events)
         frames = 120
         # Alone in blinking fields; those around move up and down together.
@@ -262,7 +262,7 @@ async def limits_that_counters_come_by(dut):
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def a_rail_counts_to_its_end_and_stays(dut):
     """Over-range for longer than can be asked for, and for as long as can be; afterwards from 0 again."""
-    twin, _, listener = await begin(dut, Limits(**QUICK | {"rail": 0}, user=True))
+    twin, _, listener = await begin(dut, Limits(**QUICK | {"rail": 0}, over_range_enable=True))
     listener.cancel()
     frames = 16 * 260
     over = np.ones((frames, 1, 1), dtype=bool)

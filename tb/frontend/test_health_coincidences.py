@@ -12,7 +12,7 @@ LIMITS = {
     "jump": 50,
     "low": 7,
     "high": 900,
-    "user": 0,
+    "over_range_enable": 0,
     "edges": 0,
     "still": 0,
     "rail": 1,

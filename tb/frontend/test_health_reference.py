@@ -87,13 +87,13 @@ def test_the_twin_is_the_loop_s(rows, columns, steps):
     """Walks of single steps at and about band, jump and rails; frames that break; clears."""
     kinds = (
         {"still": 9, "edges": True},
-        {"rail": 2, "user": True},
+        {"rail": 2, "over_range_enable": True},
         {"blink": 17},
         {"still": 22, "rail": 1, "blink": 33},
     )
     for seed, kind in enumerate(kinds):
         rng, draw = np.random.default_rng(bench.SEED + seed), random.Random(bench.SEED + seed)
-        given = {"band": 2, "jump": 7, "low": -20, "high": 21, "user": False, "edges": seed > 2}
+        given = {"band": 2, "jump": 7, "low": -20, "high": 21, "over_range_enable": False, "edges": seed > 2}
         given |= {"still": 0, "rail": 0, "blink": 0} | kind
         loop, twin = HealthReference(rows, columns, **given), Health(rows, columns, limits=Limits(**given))
         places = [(row, column) for row in range(rows) for column in range(columns)]

@@ -31,7 +31,7 @@ def limits_of(draw, bits):
         "low": draw.choice((low, low + 9, draw.randint(low, high))),
         "high": draw.choice((high, high - 5, 7)),
     }
-    return Limits(band, jump, **ends, user=draw.random() < 0.5, **counts)
+    return Limits(band, jump, **ends, over_range_enable=draw.random() < 0.5, **counts)
 
 
 def case_of(draw, bits, limits):
@@ -57,7 +57,7 @@ def case_of(draw, bits, limits):
 
 
 def plain(case, limits):
-    """(state, news, loud, moved of late, upwards): the header of msn_health for one taxel, line by line."""
+    """(state, news, event, moved of late, upwards): the header of msn_health for one taxel, line by line."""
     state, raw = dict(case["state"]), case["raw"]
     if case["fresh"]:
         moved = abs(raw - state["held"]) > limits.band
@@ -71,7 +71,7 @@ def plain(case, limits):
         state["still"] = min(255, state["still"] + 4)
     elif case["border"]:
         state["still"] = min(255, state["still"] + 1)
-    if raw <= limits.low or raw >= limits.high or (case["over"] and limits.user):
+    if raw <= limits.low or raw >= limits.high or (case["over"] and limits.over_range_enable):
         if case["tick"] and state["rail"] < 255:
             state["rail"] += 1
     else:
@@ -91,9 +91,9 @@ def plain(case, limits):
             state["faults"] += kind
     news = state["faults"] - before
     told = state["reported"] and not case["again"] and not news
-    loud = state["faults"] > 0 and not told
+    event = state["faults"] > 0 and not told
     state["reported"] = state["faults"] > 0 and (told or case["send"])
-    return state, news, loud, state["since"] > 0, state["rising"]
+    return state, news, event, state["since"] > 0, state["rising"]
 
 
 def of_model(cases, limits):
@@ -141,7 +141,7 @@ async def matches_model(dut):
     Clock(dut.clk_i, 10, unit="ns").start()
     for _ in range(60):
         limits = limits_of(draw, bits)
-        for name in ("band", "jump", "low", "high", "user", *COUNTERS):
+        for name in ("band", "jump", "low", "high", "over_range_enable", *COUNTERS):
             port = getattr(dut, f"cfg_{name}_i")
             port.value = int(getattr(limits, name)) & ((1 << len(port)) - 1)
         await bench.clocks(dut, 3)
@@ -166,11 +166,11 @@ async def matches_model(dut):
                 dut.send_i.value = int(fourth["send"])
             await bench.ReadOnly()
             if fourth:
-                [(state, news, loud, *_)] = of_model([fourth], limits)
+                [(state, news, event, *_)] = of_model([fourth], limits)
                 if fourth["surplus"]:
-                    state, news, loud = state | {"faults": 0}, 0, False
+                    state, news, event = state | {"faults": 0}, 0, False
                 assert bench.read(dut.faults_o) == turned(state["faults"])
-                assert bench.read(dut.event_o) == loud
+                assert bench.read(dut.event_o) == event
                 if not fourth["surplus"]:
                     assert bench.read(dut.news_o) == turned(news)
             if fifth and not fifth["surplus"]:

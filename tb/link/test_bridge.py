@@ -211,7 +211,7 @@ async def what_is_no_command_is_rejected(dut):
 async def a_bus_that_does_not_answer(dut):
     registers = await begin(dut)
     line = command(READ, 5, 0x404)
-    assert await send(dut, registers, line, drain=256) == []  # 255 clocks of patience
+    assert await send(dut, registers, line, drain=256) == []  # a timeout of 255 clocks
     got = await send(dut, registers, b"", drain=1)
     assert [g[:4] for g in got] == [answer(5, NO_ANSWER, 0x404, 0)[:4]]
     same(await send(dut, registers, command(READ, 6, 0x10)), [(6, DONE, 0x10, 0x10 ^ 0x5A5A0000)])

@@ -75,7 +75,7 @@ class HealthReference:
             taxel.faults |= DEAD
 
         # Railed: looked at in every sixteenth frame.
-        if code <= given["low"] or code >= given["high"] or (given["user"] and over):
+        if code <= given["low"] or code >= given["high"] or (given["over_range_enable"] and over):
             if self.frames % 16 == 0 and taxel.looks < 255:
                 taxel.looks += 1
             if given["rail"] != 0 and taxel.looks >= given["rail"]:

@@ -6,7 +6,7 @@ A case names only the taxels that do not rest at code 0. ``found``: {frame: {pla
 from dataclasses import dataclass, field
 
 DEAD, RAILED, BLINKING = 1, 2, 4
-REST = {"band": 2, "jump": 7, "low": -40, "high": 50, "user": False, "edges": False}
+REST = {"band": 2, "jump": 7, "low": -40, "high": 50, "over_range_enable": False, "edges": False}
 REST |= {"still": 0, "rail": 0, "blink": 0}
 
 
@@ -140,9 +140,9 @@ def rail_cases():
     yield case("twice", [50] * 40, at(32, RAILED, T), rail=2)
     yield case("a break", [50] * 20 + [0] + [50] * 30, at(48, RAILED, T), rail=2)
     yield case("off", [50] * 40, {}, rail=0)
-    yield case("over-range", [0] * 20, at(16, RAILED, T), {T: [1] * 20}, rail=1, user=True)
+    yield case("over-range", [0] * 20, at(16, RAILED, T), {T: [1] * 20}, rail=1, over_range_enable=True)
     yield case("over-range is not asked", [0] * 20, {}, {T: [1] * 20}, rail=1)
-    yield case("over-range once", [0] * 20, {}, {T: [1] * 16 + [0] * 4}, rail=1, user=True)
+    yield case("over-range once", [0] * 20, {}, {T: [1] * 16 + [0] * 4}, rail=1, over_range_enable=True)
     again = at(16, RAILED, T) | at(32, RAILED, T)
     yield case("a clear leaves the sixteen frames", [50] * 40, again, clear=20, rail=1)
     yield case("a clear counts from 0", [50] * 50, at(48, RAILED, T), clear=20, rail=2)

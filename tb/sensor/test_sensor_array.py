@@ -17,7 +17,9 @@ from meissner.twins.frontend.health import Limits
 from meissner.twins.sensor.sensor_array import from_reset, sensor_array
 
 ROWS, COLUMNS, LANES = 3, 4, 2
-LIMITS = Limits(band=30, jump=700, low=5, high=4000, user=True, edges=False, still=40, rail=2, blink=9)
+LIMITS = Limits(
+    band=30, jump=700, low=5, high=4000, over_range_enable=True, edges=False, still=40, rail=2, blink=9
+)
 TARE = {"contact": 50, "step": 3}
 GAIN, LEAST = 5000, {True: 4000, False: 8000}  # a tare takes the quiet taxels' own value off
 
@@ -28,7 +30,7 @@ def number(dut, name):
 
 def settings(whole):
     limits = {f"health_{name}": value for name, value in asdict(LIMITS).items()}
-    limits["health_use_user"] = int(limits.pop("health_user"))
+    limits["health_use_user"] = int(limits.pop("health_over_range_enable"))
     limits["health_use_edges"] = int(limits.pop("health_edges"))
     tare = {"tare_contact": 50, "tare_step": 3, "tare_at_start": 1}
     return limits | tare | {"calibrate_preset": GAIN, "cop_min_load": LEAST[whole]}

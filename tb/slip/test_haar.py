@@ -133,7 +133,7 @@ async def forgets_what_a_reset_interrupts(dut):
     mask = np.zeros(x.shape, bool)
     beats = bench.frames(data=x, mask=mask)
     for cut in {2**k for k in range(level)} | {2**level}:
-        await bench.taken(dut, beats[: cut * channels], patience=3)
+        await bench.taken(dut, beats[: cut * channels], timeout=3)
         dut.in_valid_i.value = 1  # a reset takes nothing
         await bench.reset(dut)
         dut.in_valid_i.value = 0

@@ -93,7 +93,7 @@ async def forgets_what_a_reset_interrupts(dut):
     detail = bench.extremes_then_random(np.random.default_rng(bench.SEED), channels, span + 3, bits)
     beats = bench.frames(detail=detail, total=detail)
     for cut in (1, 2, 3, 5):
-        await bench.taken(dut, beats[:cut], patience=1)
+        await bench.taken(dut, beats[:cut], timeout=1)
         await bench.reset(dut)
         assert await bench.stream(dut, [], FIELDS) == []
     assert await bench.stream(dut, beats, FIELDS) == expected_beats(detail, detail, span, hop)

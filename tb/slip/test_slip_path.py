@@ -25,7 +25,7 @@ def parameters(dut):
     return [getattr(dut, n).value.to_unsigned() for n in ("Channels", "Level", "Window", "Hop")]
 
 
-def patience(dut):
+def pace(dut):
     """How bench.stream must be called: the serial path takes its time, and an offer stands until then."""
     return {"hold": True, "drain": 80} if dut.Serial.value.to_unsigned() else {}
 
@@ -76,7 +76,7 @@ async def matches_model(dut, stall_rate):
     x = recording(np.random.default_rng(bench.SEED), channels, 3001 if channels < 100 else 40)
     should, watched = expected(x, config)
     pauses = bench.gaps_and_stalls(stall_rate)
-    assert await bench.stream(dut, beats_of(x), FIELDS, *pauses, **patience(dut)) == should
+    assert await bench.stream(dut, beats_of(x), FIELDS, *pauses, **pace(dut)) == should
     assert bench.read(dut.blanked_o) == watched.blanked
     assert bench.read(dut.damaged_o) == 0
     if channels < 100 and not dut.Mask.value.to_unsigned():
@@ -225,7 +225,7 @@ async def starts_anew_after_a_damaged_frame(dut, frames, lost):
     else:
         del broken[-channels + (channels // 2 if lost == "middle" and channels > 2 else 0)]
     should, _ = expected(after, config)
-    got = await bench.stream(dut, broken + beats_of(after), FIELDS, **patience(dut))
+    got = await bench.stream(dut, broken + beats_of(after), FIELDS, **pace(dut))
     assert got[len(got) - len(should) :] == should
     assert bench.read(dut.damaged_o) == 1
 
@@ -237,7 +237,7 @@ async def recovers_after_reset_in_mid_frame(dut):
     await begin(dut, config)
     rng = np.random.default_rng(bench.SEED + 2)
     first = beats_of(recording(rng, channels, 7))
-    await bench.stream(dut, first[: len(first) - channels // 2], FIELDS, **(patience(dut) | {"drain": 1}))
+    await bench.stream(dut, first[: len(first) - channels // 2], FIELDS, **(pace(dut) | {"drain": 1}))
     await bench.reset(dut)
     # Once more with every stage full, and held by a consumer that sleeps.
     dut.out_ready_i.value = 0
@@ -254,7 +254,7 @@ async def recovers_after_reset_in_mid_frame(dut):
     await bench.reset(dut)
     x = recording(rng, channels, 200 if channels < 100 else 10)
     should, watched = expected(x, config)
-    assert await bench.stream(dut, beats_of(x), FIELDS, **patience(dut)) == should
+    assert await bench.stream(dut, beats_of(x), FIELDS, **pace(dut)) == should
     assert bench.read(dut.blanked_o) == watched.blanked
 
 

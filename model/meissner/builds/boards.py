@@ -131,6 +131,9 @@ def write_board(folder, board, name):
     return plan
 
 
+# LUTs of four inputs: the number of wider ones depends on the order of the gates for ABC (docs/boards.md).
+ECP5 = "synth_ecp5 -nowidelut"
+
 # The better part of those that a ULX3S may have; the other gives zeros in the low bits.
 ON_BOARD = "MAX11125"
 
@@ -167,7 +170,7 @@ BOARDS = {
             name="ulx3s",
             title="ULX3S (ECP5 12F to 85F)",
             cells="ecp5",
-            synth="synth_ecp5",
+            synth=ECP5,
             pnr="nextpnr-ecp5 {device} --package CABGA381 --speed 6 --lpf {stem}.lpf --textcfg {stem}.config",
             constraints=".lpf",
             pack="yowasp-ecppack --compress --input {stem}.config --bit {stem}.bit",
@@ -189,7 +192,7 @@ BOARDS = {
             name="orangecrab",
             title="OrangeCrab r0.2 (ECP5 25F)",
             cells="ecp5",
-            synth="synth_ecp5",
+            synth=ECP5,
             pnr="nextpnr-ecp5 --25k --package CSFBGA285 --speed 8 --lpf {stem}.lpf --textcfg {stem}.config",
             constraints=".lpf",
             pack="yowasp-ecppack --compress --freq 38.8 --input {stem}.config --bit {stem}.bit",

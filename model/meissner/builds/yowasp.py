@@ -77,7 +77,7 @@ def synthesis(command, top):
     Of synth_ecp5 the last step without its `hierarchy -check`: that elaborates a flattened top once more when
     it holds a MULT18X18D, and then misses the modules that were flattened into it.
     """
-    if command != "synth_ecp5":
+    if not command.startswith("synth_ecp5"):
         return f"{command} -top {top}"
     return f"{command} -run :check -top {top}; autoname; stat; check -noinit; blackbox =A:whitebox"
 

@@ -14,7 +14,7 @@ namespace meissner {
 
 constexpr int64_t kFailed = -1;  // what a driver returns: a word was not taken, or the number of results was wrong
 constexpr int64_t kNoRoom = -2;  // a setting does not fit its port
-constexpr int kPatience = 1000;  // clocks that a word, or all results after the last word, may take
+constexpr int kTimeout = 1000;  // clocks that a word, or all results after the last word, may take
 
 // The lowest bits of a number, as a port takes it: Verilator does not cut what it is given.
 constexpr uint32_t low_bits(int64_t value, int bits) {
@@ -144,15 +144,15 @@ struct Driver {
   }
 
   // Sends words 0 .. count-1, one whenever the block takes it: `put(k)` sets the pins of number k. False if one had to
-  // wait for `patience` clocks.
+  // wait for `timeout` clocks.
   template <typename Put, typename... Out>
-  bool send(int64_t count, int patience, const Trace &trace, const Put &put, Out &...results) {
+  bool send(int64_t count, int timeout, const Trace &trace, const Put &put, Out &...results) {
     top.in_valid_i = 1;
     for (int64_t k = 0; k < count; ++k) {
       put(k);
       if (trace.path && count - k == trace.words) start_trace(trace.path, trace.clk_khz);
       bool taken;
-      int left = patience;
+      int left = timeout;
       do {
         taken = top.in_ready_o;
         clock(results...);
@@ -166,8 +166,8 @@ struct Driver {
   // Sends words until the last has its results. Returns the clocks since reset, or kFailed.
   template <typename Put, typename... Out>
   int64_t run(int64_t count, const Trace &trace, const Put &put, Out &...results) {
-    if (!send(count, kPatience, trace, put, results...)) return kFailed;
-    for (int i = 0; i < kPatience && !(results.complete() && ...); ++i) clock(results...);
+    if (!send(count, kTimeout, trace, put, results...)) return kFailed;
+    for (int i = 0; i < kTimeout && !(results.complete() && ...); ++i) clock(results...);
     return (results.complete() && ...) ? clocks : kFailed;
   }
 

@@ -192,10 +192,10 @@ class Core:
         self._tag = self._tag + 1 & 255
         tag, address = self._tag, place.address
         attempts, heard, packets = 0, self.counts.bytes, self.counts.packets
-        patience = time.monotonic() + self.give_up_s
+        deadline = time.monotonic() + self.give_up_s
         while attempts <= self.retries:
             if self._down is not None:
-                if time.monotonic() > patience:
+                if time.monotonic() > deadline:
                     raise NoAnswer(f"{self._reason}, and did not come back within {self.give_up_s:g} s")
                 self._reopen(0.1)
                 continue
@@ -356,11 +356,11 @@ class Core:
     @contextmanager
     def _impatient(self):
         """Do not wait for a line that is interrupted meanwhile."""
-        patience, self.give_up_s = self.give_up_s, -1.0
+        kept, self.give_up_s = self.give_up_s, -1.0
         try:
             yield
         finally:
-            self.give_up_s = patience
+            self.give_up_s = kept
 
     # The line
 

@@ -21,7 +21,7 @@ class Limits:
     jump: int = 200  # more is a jump
     low: int = -65536  # at it or below: railed
     high: int = 65535  # at it or above: railed
-    user: bool = False  # the converter's over-range counts as railed
+    over_range_enable: bool = False  # the converter's over-range counts as railed
     edges: bool = True  # judge a taxel at a border by its one neighbour
     still: int = 240
     rail: int = 8  # x 16 frames
@@ -39,7 +39,7 @@ class Health:
         moved = |raw - held| > band, then held = raw      recent = moved in the last 3 frames, up or down
         dead      no move of its own while both neighbours in its row or column are recent the same way:
                   +4 a frame (+1 with ``edges`` beside the one neighbour at a border), from ``still`` on
-        railed    at ``low``, ``high`` or (``user``) over-range, without a break in ``rail`` of 0, 16 ..
+        railed    at ``low``, ``high`` or over-range, without a break in ``rail`` of frames 0, 16 ..
         blinking  a step > jump while no neighbour is recent: +16, any other frame -1, from ``blink`` on
 
     Neighbours are looked at as they were at the end of the last whole frame; each taxel is judged by
@@ -149,14 +149,14 @@ class Health:
         lonely = ~(beside | along)
         around = (pair, border & c.edges, lonely)
         judged = judge(self._state, raw, over, around, c, tick, self._fresh, self._again)
-        news, loud = judged.news, judged.loud
+        news, event = judged.news, judged.event
         if seen is not None:
-            news, loud = news * seen, loud & seen
+            news, event = news * seen, event & seen
         if news.any():
             self.dead += int((news & DEAD != 0).sum())
             self.railed += int((news & RAILED != 0).sum())
             self.blinking += int((news & BLINKING != 0).sum())
-        events = self._events(judged.state.faults, loud, seen)
+        events = self._events(judged.state.faults, event, seen)
 
         after, moves = judged.state, np.stack([judged.moved, judged.rose])
         other = 1 - self._bank
@@ -172,12 +172,12 @@ class Health:
         self._settle()
         return events
 
-    def _events(self, faults, loud, seen):
-        """(beat, dead, railed, blinking) of each beat with a loud taxel."""
-        if not loud.any():
+    def _events(self, faults, event, seen):
+        """(beat, dead, railed, blinking) of each beat with an event of a taxel."""
+        if not event.any():
             return []
         words = []
-        for bits in (loud, faults & DEAD != 0, faults & RAILED != 0, faults & BLINKING != 0):
+        for bits in (event, faults & DEAD != 0, faults & RAILED != 0, faults & BLINKING != 0):
             padded = np.zeros((self.rows, self.row_beats * self.lanes), dtype=np.int64)
             padded[:, : self.columns] = bits if seen is None else bits & seen
             words.append(padded.reshape(-1, self.lanes) @ (1 << np.arange(self.lanes)))

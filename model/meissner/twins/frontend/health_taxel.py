@@ -29,12 +29,12 @@ class State(NamedTuple):
 
 
 class Judged(NamedTuple):
-    """``state``: the next one; ``news``: faults that are new; ``loud``: not all are reported; ``moved``: of
-    late, ``rose``: upwards."""
+    """``state``: the next one; ``news``: faults that are new; ``event``: some fault is not reported
+    yet; ``moved``: of late, ``rose``: upwards."""
 
     state: State
     news: np.ndarray
-    loud: np.ndarray
+    event: np.ndarray
     moved: np.ndarray
     rose: np.ndarray
 
@@ -44,13 +44,12 @@ def judge(state, raw, over, around, limits, tick, fresh=False, again=False, send
 
     ``around``: bool arrays pair, border, alone, which say how the neighbours moved of late; ``limits``:
     Limits of meissner.frontend.health; ``tick``: the frame looks at rails; ``fresh``: it is the first, of
-    which only the samples are kept; ``again``: nothing counts as reported; ``send``: what is loud is reported
-    now.
+    which only the samples are kept; ``again``: nothing counts as reported; ``send``: events are reported now.
     """
     pair, border, alone = around
     delta = raw - state.held
     moved, jumped = np.abs(delta) > limits.band, np.abs(delta) > limits.jump
-    railed = (raw <= limits.low) | (raw >= limits.high) | (over & limits.user)
+    railed = (raw <= limits.low) | (raw >= limits.high) | (over & limits.over_range_enable)
     rail = np.where(railed, np.minimum(state.rail + tick, 255), 0)
     more, less = np.minimum(state.blink + 16, 255), np.maximum(state.blink - 1, 0)
     blink = np.where(state.jumped & alone, more, less)
@@ -68,9 +67,9 @@ def judge(state, raw, over, around, limits, tick, fresh=False, again=False, send
         faults |= kind * ((value >= limit) & (limit > 0))
     news = faults & ~state.faults
     reported = state.reported & (not again) & (news == 0)
-    loud = (faults != 0) & ~reported
+    event = (faults != 0) & ~reported
     after = State(held, rail, blink, still, since, rising, jumped, faults, (faults != 0) & (reported | send))
     if fresh:
         after = State.none(raw.shape)._replace(held=raw.copy())
-        news, loud = np.zeros_like(news), np.zeros_like(loud)
-    return Judged(after, news, loud, after.since > 0, rising)
+        news, event = np.zeros_like(news), np.zeros_like(event)
+    return Judged(after, news, event, after.since > 0, rising)
