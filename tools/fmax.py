@@ -24,6 +24,7 @@ from pathlib import Path
 from threading import Lock
 
 from meissner.builds.yowasp import ROOT, ToolError, chparam, read_rtl, synthesis, tool, warm_up, yosys
+from meissner.tradeoff import area
 from meissner.twins.link.registers import members, struct_word
 from verify import revision
 
@@ -172,7 +173,11 @@ def revision_of(name, target):
 def record(result, of):
     """Put what ``measure`` returned, of revision ``of``, into constraints/fmax.json as it is by now."""
     kept = json.loads(RECORD.read_text()) if RECORD.exists() else {}
-    kept[f"{result['name']} {result['target']}"] = result | {"date": str(datetime.date.today()), "of": of}
+    rests = area.digest(
+        result["module"], result["parameters"], result["target"]
+    )  # `meissner tradeoff` reads it
+    facts = {"date": str(datetime.date.today()), "of": of, "rests": rests}
+    kept[f"{result['name']} {result['target']}"] = result | facts
     RECORD.write_text(json.dumps(dict(sorted(kept.items())), indent=1) + "\n")
 
 

@@ -17,7 +17,7 @@ LAYERS = [
     *("names", "plain", "interval", "check", "files", "builds.kept", "builds.objcache", "builds.toolchain"),
     *("twins", "physics", "calibration", "second_order", "fit_rubber"),
     *("sense", "builds", "engines", "report", "scenes", "run"),
-    *("host", "budget", "process", "parser", "cli"),
+    *("host", "budget", "tradeoff", "process", "parser", "cli"),
 ]
 
 

@@ -23,6 +23,7 @@ def parser():
     _process(commands)
     _host(commands)
     _budget(commands)
+    _tradeoff(commands)
     _calibrate(commands)
     _fit_rubber(commands)
     _config(commands)
@@ -155,6 +156,18 @@ def _budget(commands):
     parser.add_argument("--gain", type=float, default=1.0, help="of the differences, 1: none (1)")
     parser.add_argument("--load", type=float, default=5.0, metavar="F", help="on one point, newtons (5)")
     parser.add_argument("--out", metavar="PATH", help=f"a picture: a .png file, or a folder for {PICTURE}")
+
+
+def _tradeoff(commands):
+    parser = commands.add_parser("tradeoff", help="what accuracy costs: sweeps, fronts, a report")
+    parser.add_argument("--list", action="store_true", help="the axes, one line each")
+    parser.add_argument("--axis", action="append", metavar="NAME", help="only this one; repeatable (all)")
+    parser.add_argument("--quick", action="store_true", help="few points and runs: minutes, not half an hour")
+    parser.add_argument("--point", metavar="NAME=VALUE,...", help="measure one point of --axis and print it")
+    parser.add_argument("--out", metavar="DIR", help="folder for the results (build/tradeoff)")
+    parser.add_argument("--workers", type=int, metavar="N", help="processes of this machine (one a core)")
+    parser.add_argument("--scheduler", metavar="ADDRESS", help="Dask's, tcp://HOST:8786: its workers instead")
+    parser.set_defaults(call="meissner.tradeoff.command:tradeoff")
 
 
 def _calibrate(commands):

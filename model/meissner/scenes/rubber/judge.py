@@ -23,6 +23,29 @@ def _raised(state):
     return np.flatnonzero(slips & ~np.concatenate([[False], slips[:-1]]))
 
 
+def risen(state, group, rate_hz):
+    """When the slip flag rises, in seconds; a detail is known at its last sample, whose time is its time."""
+    return ((_raised(state) + 1) * group - 1) / rate_hz
+
+
+def flagged(rises, onset, gross):
+    """What flags that rise at ``rises`` are worth: the entries of ``judge`` from flag_s to false_alarms.
+
+    ``onset``, ``gross``: seconds, None without a slip.
+    """
+    early = rises if onset is None else rises[rises < onset]
+    flag = None if onset is None or len(early) == len(rises) else float(rises[len(early)])
+    late = flag is not None and flag >= gross
+    return {
+        "flag_s": flag,
+        "delay_s": None if flag is None else flag - onset,
+        "lead_s": None if flag is None else gross - flag,
+        "missed": late or (onset is not None and flag is None),
+        "late": late,
+        "false_alarms": len(early),
+    }
+
+
 def judge(recording, state, config):
     """Compare the states of one run with the truth; times in seconds, None where there is none.
 
@@ -30,22 +53,17 @@ def judge(recording, state, config):
     whole contact slips, ``late`` if there is one at or after that; ``lead_s``: from the flag to that,
     negative if it is late; ``false_alarms``: rises before the onset, or any where nothing slips;
     ``crossing_s``: when the exact sliding window of the float reference first crosses after the onset.
-    Before it lies the wait for an event that is large enough, after it the detector's own delay. A detail is
-    known at its last sample, so that sample's time is its time. ``sliding_s``: from the slip of the whole
-    contact to the end; ``contact_share_of_sliding``: share of its details in which the state is not incipient
-    or gross. ``contact_wrong_share``: share of all details in which state and truth disagree on whether the
+    Before it lies the wait for an event that is large enough, after it the detector's own delay.
+    ``sliding_s``: from the slip of the whole contact to the end; ``contact_share_of_sliding``: share of its
+    details in which the state is not incipient or gross. ``contact_wrong_share``: share of all details in which state and truth disagree on whether the
     plate presses; the truth begins with the first force, the state where its level says contact.
     """
     group, rate_hz = 1 << config.level, recording.scene.rate_hz
-    rises = ((_raised(state) + 1) * group - 1) / rate_hz
     onset = recording.onset_s
     crossing = None
     if onset is not None:
         detail = first_crossing(recording.codes, config, int(np.ceil(onset * rate_hz)) // group)
         crossing = None if detail is None else ((detail + 1) * group - 1) / rate_hz
-    early = rises if onset is None else rises[rises < onset]
-    flag = None if onset is None or len(early) == len(rises) else float(rises[len(early)])
-    late = flag is not None and flag >= recording.gross_s
     sliding = contact_share = None
     if recording.gross_s is not None:
         known_s = ((np.arange(len(state)) + 1) * group - 1) / rate_hz
@@ -59,12 +77,7 @@ def judge(recording, state, config):
         "contact_share_of_sliding": contact_share,
         "contact_wrong_share": _contact_wrong(recording, state, group),
         "crossing_s": crossing,
-        "flag_s": flag,
-        "delay_s": None if flag is None else flag - onset,
-        "lead_s": None if flag is None else recording.gross_s - flag,
-        "missed": late or (onset is not None and flag is None),
-        "late": late,
-        "false_alarms": len(early),
+        **flagged(risen(state, group, rate_hz), onset, recording.gross_s),
     }
 
 

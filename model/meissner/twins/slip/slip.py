@@ -1,5 +1,6 @@
 """Bit-exact twin of rtl/slip/msn_slip.sv: what the contact on each channel is doing."""
 
+from bisect import bisect_left
 from enum import IntEnum
 
 import numpy as np
@@ -61,17 +62,8 @@ class Slip:
         mask = np.zeros(p2p.shape, bool) if mask is None else np.asarray(mask, bool)
         states = np.empty(p2p.shape, dtype=np.int8)
         for channel in range(self.channels):
-            inputs = zip(
-                *(
-                    a.tolist()
-                    for a in (
-                        *(b[channel] for b in (pressed, lifted, over, gross, kept)),
-                        moving,
-                        mask[channel],
-                    )
-                )
-            )
-            states[channel] = self._channel(channel, inputs)
+            signals = [b[channel] for b in (pressed, lifted, over, gross, kept)]
+            states[channel] = self._channel(channel, [*signals, moving, mask[channel]])
         return states
 
     def process(self, p2p, level, moving=None, mask=None):
@@ -79,14 +71,39 @@ class Slip:
         self.reset()
         return self.next(p2p, level, moving, mask)
 
-    def _channel(self, channel, inputs):
-        """Step one channel through its details; keep its memory and return its states."""
+    def _channel(self, channel, signals):
+        """Step one channel through its details; keep its memory and return its states.
+
+        Without contact nothing happens until the next press; in contact only the deaf time runs until the
+        next detail that is lifted, over or masked. Those details are passed at once.
+        """
+        pressed, lifted, over, _, _, _, masked = signals
+        count = len(pressed)
+        ends = {
+            State.NONE: np.append(np.flatnonzero(pressed & ~masked), count).tolist(),
+            State.CONTACT: np.append(np.flatnonzero(lifted | over | masked), count).tolist(),
+        }
+        inputs = [signal.tolist() for signal in signals]
+        states, at = np.empty(count, dtype=np.int8), 0
+        while at < count:
+            state, hold, deaf, blanking = self._memory[channel]
+            if state in ends:
+                until = ends[state][bisect_left(ends[state], at)]
+                states[at:until] = state
+                deaf = max(0, deaf - (until - at)) if state == State.CONTACT else deaf
+                self._memory[channel] = (state, hold, deaf, blanking)
+                at = until
+            at = self._steps(channel, inputs, at, states)
+        return states
+
+    def _steps(self, channel, inputs, at, states):
+        """The same from detail ``at`` on, one by one, until nothing waits; returns the next detail."""
         c = self.config
         # hold: details until a slip or a release is over; deaf: details until a slip may be raised;
         # blanking: deaf because of a contact onset, so what is over meanwhile is counted.
         state, hold, deaf, blanking = self._memory[channel]
-        states = []
-        for pressed, lifted, over, gross, kept, moving, masked in inputs:
+        for at in range(at, len(states)):
+            pressed, lifted, over, gross, kept, moving, masked = (signal[at] for signal in inputs)
             slipping = state in (State.INCIPIENT, State.GROSS)
             if masked:
                 state = State.NONE
@@ -114,6 +131,10 @@ class Slip:
                     state, hold = State.GROSS if gross else State.INCIPIENT, c.hold
                 elif deaf:
                     deaf -= 1
-            states.append(state)
+            states[at] = state
+            if state in (State.NONE, State.CONTACT):
+                break
+        else:
+            at = len(states) - 1
         self._memory[channel] = (state, hold, deaf, blanking)
-        return states
+        return at + 1

@@ -1,0 +1,65 @@
+"""Converters side by side and their inputs, against how fast an array is read: the twins' clock counts, which
+tb/cop/test_array.py measures at the pins of the RTL."""
+
+from meissner.budget import array
+from meissner.tradeoff.axis import Axis, Figure
+
+
+def found(point):
+    return array.budget(
+        *(point["side"], point["side"], 1e6 * point["clock_mhz"], array.part_of(point["adc"])),
+        *(point["converters"], 1e-6, point["inputs"]),
+        health=False,
+    )
+
+
+def error(point):
+    """What is late of a frame: nothing is wrong in it, but it is older."""
+    one = found(point)
+    return {
+        "latency_us": 1e6 * one["total_s"],
+        "frames_s": one["frames_per_second"],
+        "taxels_ms": point["side"] ** 2 * one["frames_per_second"] / 1e3,
+        "us_taxel": 1e6 / one["frames_per_second"] / point["side"] ** 2,
+    }
+
+
+def cost(point):
+    return {"pins": point["converters"] * point["inputs"], "converters": point["converters"]}
+
+
+def legal(point):
+    try:
+        return bool(found(point))
+    except (ValueError, ZeroDivisionError):
+        return False
+
+
+AXES = (
+    Axis(
+        name="lanes",
+        title="Converters side by side: taxels a millisecond",
+        about="1, 2, 4 or 8 converters whose inputs the columns fill; settle 1 µs, tare, calibration",
+        values={
+            "adc": ("mcp3208", "ad7606", "max11123"),
+            "clock_mhz": (25, 100),
+            "side": (16, 64, 128),
+            "converters": (1, 2, 4, 8),
+            "inputs": (1, 2, 4, 8),
+        },
+        quick={"side": (64,), "clock_mhz": (100,)},
+        shipped={"adc": "ad7606", "clock_mhz": 100, "side": 64, "converters": 8, "inputs": 8},
+        legal=legal,
+        cost=cost,
+        error=error,
+        figures=(
+            Figure("pins", "inputs of converters", "inputs", judged=True),
+            Figure("converters", "converters"),
+            Figure("us_taxel", "time of a taxel", "µs", judged=True),
+            Figure("latency_us", "first convert start to centre of pressure", "µs"),
+            Figure("frames_s", "frames", "1/s"),
+            Figure("taxels_ms", "taxels a millisecond"),
+        ),
+        panels=(("pins", "us_taxel"),),
+    ),
+)

@@ -1,0 +1,68 @@
+"""The control cycle of the grip reflex, against how far a tugged glass slips through the fingers."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from meissner import interval, scenes
+from meissner.scenes.hand import loop
+from meissner.scenes.hand.run import PARTS, statistics
+from meissner.tradeoff.axis import Axis, Figure
+
+SCENE = "grip_disturb"
+KEYS = ("dropped", "slip_mm", "sag_mm", "ring_mm", "moved_mm", "tightenings", "false_tightenings")
+KEYS += ("faults", "ratio")
+
+
+def error(point):
+    scene = scenes.load(SCENE)
+    first = replace(
+        scene.conditions[0],
+        name="swept",
+        cycle_ms=point["cycle_ms"],
+        step_mm=point["step_mm"],
+        decay_mm_s=point["decay_mm_s"],
+    )
+    scene = replace(scene, conditions=(first,))
+    held = loop.hold(scene, first, range(1, 1 + point["runs"]), PARTS["fixed"])
+    found = {key: getattr(held, key) for key in KEYS}
+    row = statistics(first, found)
+    slips = np.where(found["dropped"], np.inf, found["slip_mm"])
+    return {
+        "dropped": interval.rate(row["dropped"], row["runs"]),
+        "slip_mm_max": row["slip_mm_max"],
+        "slip_mm_mean": row["slip_mm_mean"],
+        "slipped": interval.rate(int((slips > 0.001).sum()), row["runs"]),
+        "moved_mm_max": row["moved_mm_max"],
+        "grip_ratio": row["grip_ratio_mean"],
+    }
+
+
+def cost(point):
+    return {"cycles_s": 1000 // point["cycle_ms"]}
+
+
+AXES = (
+    Axis(
+        name="reflex",
+        title="Control cycle of the grip reflex, three tugs at a glass",
+        about="a cycle of 1, 2, 5 or 10 ms; a step of at most 1 mm; decay of 0.1 mm/s is one count in 1 ms",
+        values={"cycle_ms": (1, 2, 5, 10), "step_mm": (0.01, 0.02, 0.05), "decay_mm_s": (0.1,)},
+        quick={"cycle_ms": (2, 5, 10), "step_mm": (0.02,)},
+        shipped={"cycle_ms": 10, "step_mm": 0.02, "decay_mm_s": 0.02},
+        runs={"runs": (20, 4)},
+        legal=lambda point: point["cycle_ms"] in (1, 2, 5, 10) and point["step_mm"] <= 1,
+        cost=cost,
+        error=error,
+        figures=(
+            Figure("cycles_s", "control cycles", "1/s", judged=True),
+            Figure("slip_mm_max", "slip, largest of the runs that hold", "mm", judged=True),
+            Figure("grip_ratio", "grip over the least that friction allows", judged=True),
+            Figure("slip_mm_mean", "slip, mean", "mm"),
+            Figure("slipped", "slipped by more than a micrometre, or dropped"),
+            Figure("dropped", "dropped"),
+            Figure("moved_mm_max", "moved, elastic sag too", "mm"),
+        ),
+        panels=(("cycles_s", "slip_mm_max"), ("cycles_s", "grip_ratio")),
+    ),
+)

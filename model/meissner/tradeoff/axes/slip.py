@@ -1,0 +1,161 @@
+"""Slip of one rubber sensor: converter and detector, against missed slips, false alarms and delay."""
+
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+
+from meissner import interval, scenes
+from meissner.engines import fixed
+from meissner.physics.adc import Adc
+from meissner.scenes.rubber.judge import flagged, risen
+from meissner.scenes.rubber.scene import Scene
+from meissner.tradeoff.axis import Axis, Figure
+
+SLIPS, PRESSES = "acrylic_slip", "normal_force"
+HOPS = {"tumbling": lambda window, step: window, "half": lambda window, step: window // 2}
+HOPS |= {"sliding": lambda window, step: step}
+PART_MV = 0.198  # the MCP3208's own, physics.adc
+
+
+@dataclass(frozen=True)
+class Converted(Scene):
+    """A scene behind another converter."""
+
+    converter: Adc = None
+
+    @property
+    def adc(self):
+        return self.converter
+
+
+def scene_of(name, point):
+    """The scene with a point's converter, sampling rate and detector."""
+    scene, level = scenes.load(name), point["level"]
+    hop = HOPS[point["kind"]](point["window"], 1 << level)
+    slip = replace(scene.slip, window=point["window"], hop=hop, level=level)
+    adc = Adc(point["bits"], 0.0, 5.0, point["noise_mv"] / 1000)
+    given = vars(scene) | {"rate_hz": point["rate_hz"], "slip": slip}
+    return Converted(**given, converter=adc)
+
+
+def recorded(name, point):
+    """([samples] codes, (onset, gross)) of each run: what the detector's settings do not change."""
+    scene, found = scene_of(name, point | SHIPPED_DETECTOR), []
+    kinds = len(scene.conditions)
+    for number in range(point["runs"]):
+        one = scenes.simulate(scene, number % kinds, 1 + number // kinds)
+        found.append((one.codes.astype(np.int32), (one.onset_s, one.gross_s)))
+    return found
+
+
+@lru_cache(maxsize=4)
+def _kept(name, **given):
+    return recorded(name, given)
+
+
+def verdicts(name, point, recordings):
+    """meissner.scenes.rubber.judge.flagged of every run; a core that nobody tells of its own motion."""
+    config = scene_of(name, point).slip_config()
+    for codes, (onset, gross) in recordings:
+        state = fixed.watch(codes[None].astype(np.int64), config).state[0]
+        yield flagged(risen(state, 1 << config.level, point["rate_hz"]), onset, gross)
+
+
+def error(point):
+    given = {key: point[key] for key in ("bits", "noise_mv", "rate_hz", "runs")}
+    return figures(*(list(verdicts(name, point, _kept(name, **given))) for name in (SLIPS, PRESSES)))
+
+
+def figures(slips, presses):
+    """The errors of a point from the verdicts of runs with a slip, and of runs without."""
+    flags = [one for one in slips if one["delay_s"] is not None]
+    delays, leads = (1e3 * np.array([one[key] for one in flags]) for key in ("delay_s", "lead_s"))
+    alarmed = sum(one["false_alarms"] > 0 for one in slips + presses)
+    missed = interval.rate(sum(one["missed"] for one in slips), len(slips))
+    alarms = interval.rate(alarmed, len(slips) + len(presses))
+    return {
+        "missed": missed,
+        "late": sum(one["late"] for one in slips),
+        "false_alarm": alarms,
+        "wrong": 100 * (missed["rate"] + alarms["rate"]),
+        "delay_ms": float(np.median(delays)) if len(flags) else None,
+        "delay_ms_mean": float(delays.mean()) if len(flags) else None,
+        "lead_ms_median": float(np.median(leads)) if len(flags) else None,
+        "lead_ms_min": float(leads.min()) if len(flags) else None,
+    }
+
+
+def state_bits(point):
+    """Bits that a channel keeps between its details: of each open window an extreme of each sign, and of a
+    sliding one, those of its details but the newest (docs/slip.md), beside the detail's open sum."""
+    span = point["window"] >> point["level"]
+    windows = {"tumbling": 1, "half": 2, "sliding": span - 1}[point["kind"]]
+    word = point["bits"] + 1 + point["level"]  # of a detail; peak to peak needs no more to be kept
+    return 2 * windows * word
+
+
+def cost(point):
+    span = point["window"] >> point["level"]
+    sliding = 1 + -(-(span.bit_length() - 1) // 2)  # msn_peak_to_peak's header: 1 + ceil(log4(Span))
+    clocks = point["level"] + 3 + {"tumbling": 2, "half": 3, "sliding": sliding}[point["kind"]]
+    rate = point["rate_hz"] * point["bits"] / 1e3
+    return {"kbit_s": rate, "state_bits": state_bits(point), "clocks": clocks}
+
+
+def placed(point):
+    """The block of 64 channels: its LUTs are of the kind of window; samples are the widest."""
+    if (point["window"], point["level"]) == (64, 1):
+        kind = {"tumbling": "slip-64", "half": "slip-64-half", "sliding": "slip-64-sliding"}[point["kind"]]
+        return kind, "ecp5"
+    return None
+
+
+def legal(point):
+    try:
+        scene_of(SLIPS, point).slip_config()
+    except (KeyError, ValueError):
+        return False
+    return True
+
+
+SHIPPED_DETECTOR = {"level": 1, "window": 64, "kind": "tumbling"}
+SHIPPED = {"rate_hz": 10000, "bits": 12, "noise_mv": PART_MV} | SHIPPED_DETECTOR  # slip1's, and the scenes'
+AXES = (
+    Axis(
+        name="slip",
+        title="Slip: converter, sampling rate, Haar level and window",
+        about="a window is a power of two, 4 samples or more and two details at least; the noise of 0.198 mV "
+        "is the MCP3208's own",
+        values={
+            "rate_hz": (2500, 5000, 10000, 20000),
+            "bits": (8, 10, 12, 16),
+            "noise_mv": (PART_MV, 2.0),
+            "level": (1, 2, 3),
+            "window": (16, 32, 64, 128),
+            "kind": ("tumbling", "half", "sliding"),
+        },
+        near=1,
+        runs={"runs": (100, 20)},
+        shipped=SHIPPED,
+        group=("rate_hz", "bits", "noise_mv"),
+        cost=cost,
+        error=error,
+        legal=legal,
+        placed=placed,
+        figures=(
+            Figure("kbit_s", "converter's data", "kbit/s", judged=True),
+            Figure("state_bits", "state of a channel", "bits", judged=True),
+            Figure("wrong", "missed and false alarms", "% of runs", judged=True),
+            Figure("delay_ms", "onset to flag, median", "ms", judged=True),
+            Figure("delay_ms_mean", "the same, mean", "ms"),
+            Figure("lead_ms_median", "flag to slip of the whole contact, median", "ms"),
+            Figure("lead_ms_min", "the same, least", "ms"),
+            Figure("missed", "missed, late ones too"),
+            Figure("late", "of these late", "runs"),
+            Figure("false_alarm", "with a false alarm"),
+            Figure("clocks", "sample pair to decision", "clocks"),
+        ),
+        panels=(("kbit_s", "wrong"), ("kbit_s", "delay_ms"), ("state_bits", "delay_ms")),
+    ),
+)

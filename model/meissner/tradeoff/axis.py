@@ -1,0 +1,136 @@
+"""An axis of the sweep: its values, what a point costs, how wrong it is, and what the project ships.
+
+``cost`` and ``error`` are functions of one point, a dict, and of nothing else, so that any process may run
+them. They measure: they run the twins, the solvers, the engines, or read what a tool measured.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from itertools import product
+from typing import NamedTuple
+
+
+class Figure(NamedTuple):
+    """A figure of a point; ``judged``: less is better, and the front is of all that are judged."""
+
+    key: str
+    label: str
+    unit: str = ""
+    judged: bool = False
+
+
+def always(_point):
+    return True
+
+
+@dataclass(frozen=True)
+class Axis:
+    """``values``: {parameter: its values}; the points are their product where ``legal``.
+
+    ``quick``: the same for `--quick`. ``runs``: {parameter: (value, value of quick)} of how long is measured.
+    ``shipped``: the point that the project ships. ``panels``: (key across, key up) of each chart; without one
+    a table alone. ``near``: of quick, only points that differ from the shipped one in at most so many
+    parameters. ``group``: parameters whose points go to one process, which keeps what they share. ``timed``:
+    a clock decides its figures, so it is measured alone, and is not repeatable to the digit.
+    ``conclusions``: figures that are true or false, each a sentence. ``placed``: (entry, target) of tools'
+    measured LUTs and Fmax that are a point's, or None (meissner.tradeoff.area).
+    """
+
+    name: str
+    title: str
+    about: str
+    values: dict
+    shipped: dict
+    cost: Callable
+    error: Callable
+    figures: tuple
+    panels: tuple = ()
+    quick: dict = field(default_factory=dict)
+    runs: dict = field(default_factory=dict)
+    near: int | None = None
+    group: tuple = ()
+    timed: tuple = ()
+    conclusions: tuple = ()
+    legal: Callable = always
+    placed: Callable | None = None
+
+    def __post_init__(self):
+        where = f"axis {self.name}"
+        for given in (self.quick, self.shipped):
+            if unknown := [key for key in given if key not in self.values]:
+                raise ValueError(f"{where} has no parameter {unknown[0]}")
+        keys = [figure.key for figure in self.figures]
+        if doubled := [key for key in keys if keys.count(key) > 1]:
+            raise ValueError(f"{where} has the figure {doubled[0]} twice")
+        for key in (*(key for panel in self.panels for key in panel), *self.timed):
+            if key not in keys:
+                raise ValueError(f"{where} has no figure {key}")
+
+    @property
+    def judged(self):
+        return tuple(figure.key for figure in self.figures if figure.judged)
+
+    def figure(self, key):
+        return next(figure for figure in self.figures if figure.key == key)
+
+    def points(self, quick=False):
+        """Every point, in the order of ``values``; the shipped one among them."""
+        values = self.values | (self.quick if quick else {})
+        runs = {key: both[quick] for key, both in self.runs.items()}
+        found = [dict(zip(values, row)) for row in product(*values.values())]
+        found = [point for point in found if self.legal(point)]
+        if quick and self.near is not None:
+            found = [point for point in found if self._away(point) <= self.near]
+        if self.shipped and self.shipped not in found:
+            found.append(self.shipped)
+        return [point | runs for point in found]
+
+    def _away(self, point):
+        return sum(point[key] != value for key, value in self.shipped.items())
+
+    def is_shipped(self, point):
+        return bool(self.shipped) and all(point.get(key) == value for key, value in self.shipped.items())
+
+
+def text_of(point):
+    """``bits=12,rate_hz=10000``, as `--point` takes it."""
+    return ",".join(f"{key}={value}" for key, value in point.items())
+
+
+def command_of(axis, point):
+    """What measures one point again."""
+    text = text_of(point)
+    return f"meissner tradeoff --axis {axis.name} --point {repr(text) if ' ' in text else text}"
+
+
+def point_of(axis, text):
+    """The point of ``text``; what it leaves out is the shipped point's. ValueError with one sentence."""
+    usual = {key: both[0] for key, both in axis.runs.items()}
+    first = {key: values[0] for key, values in axis.values.items()}
+    point = first | axis.shipped | usual
+    for part in text.split(",") if text else ():
+        key, equals, value = (each.strip() for each in part.partition("="))
+        if not equals:
+            raise ValueError(f"--point: '{part}' must be NAME=VALUE; the names are: {', '.join(point)}")
+        if key not in point:
+            raise ValueError(f"--point: {axis.name} has no '{key}'; the names are: {', '.join(point)}")
+        point[key] = _value(key, value, point[key], axis.values.get(key, ()))
+    if not axis.legal(point):
+        raise ValueError(f"--point: {text_of(point)} is no point of {axis.name}: {axis.about}")
+    return point
+
+
+def _value(key, text, usual, values):
+    """``text`` as the kind that ``usual`` is of; of words, only those of ``values``."""
+    if isinstance(usual, str):
+        if text not in values:
+            raise ValueError(f"--point: {key} = '{text}' must be one of: {', '.join(map(str, values))}")
+        return text
+    try:
+        value = float(text) if isinstance(usual, float) else int(text)
+    except ValueError:
+        kind = "a number" if isinstance(usual, float) else "a whole number"
+        raise ValueError(f"--point: {key} = '{text}' must be {kind}") from None
+    if not 0 <= value < 1e12:
+        raise ValueError(f"--point: {key} = {text} must lie in 0 .. 1e12")
+    return value

@@ -1,0 +1,101 @@
+"""``meissner tradeoff`` and ``meissner choose``."""
+
+import json
+import os
+import sys
+from pathlib import Path
+
+from meissner.plain import plain
+from meissner.tradeoff import sweep, table
+from meissner.tradeoff.axis import point_of
+from meissner.tradeoff.pool import cores
+
+
+def _bar(total):
+    """What to call after each point: a bar with the time left on a terminal, nothing in a pipe."""
+    if not sys.stderr.isatty() or not total:
+        return lambda: None
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+    columns = (TextColumn("measuring"), BarColumn(), MofNCompleteColumn(), TextColumn("left"))
+    bar = Progress(*columns, TimeRemainingColumn(), console=Console(stderr=True), transient=True)
+    task = bar.add_task("", total=total)
+    bar.start()
+
+    def done():
+        bar.advance(task)
+        if bar.finished:
+            bar.stop()
+
+    return done
+
+
+def _folder(out):
+    """``out`` as a folder that can be written to; ValueError if it cannot."""
+    out = Path(out)
+    there = next(path for path in (out, *out.parents) if path.exists())
+    if not there.is_dir():
+        raise ValueError(f"{there} is a file; name a folder for the results")
+    if not os.access(there, os.W_OK | os.X_OK):
+        raise ValueError(f"the folder {there} cannot be written to")
+    return out
+
+
+def _workers(count):
+    if count is None:
+        return cores()
+    if not 1 <= count <= 1024:
+        raise ValueError(f"workers = {count} must lie in 1 .. 1024")
+    return count
+
+
+def _point(arguments):
+    """One point, printed; nothing is written."""
+    from meissner.tradeoff import worker
+
+    if not arguments.axis or len(arguments.axis) != 1:
+        raise ValueError("--point is a point of one axis: name it with --axis")
+    axis = table.named(arguments.axis[0])
+    point = point_of(axis, arguments.point)
+    found = worker.measured(axis, point)
+    print(json.dumps({"axis": axis.name, "point": point} | found, indent=2))
+
+
+def tradeoff(arguments):
+    """``meissner tradeoff``."""
+    if arguments.list:
+        for axis in table.every().values():
+            count, few = len(axis.points()), len(axis.points(True))
+            print(f"{axis.name:10} {count:5} points, quick {few:3}  {axis.title}")
+        return
+    if arguments.point is not None:
+        _point(arguments)
+        return
+    axes = [table.named(name) for name in dict.fromkeys(arguments.axis or table.every())]
+    workers, out = _workers(arguments.workers), _folder(arguments.out or "build/tradeoff")
+    out.mkdir(parents=True, exist_ok=True)
+    runner = None
+    if arguments.scheduler:
+        from meissner.tradeoff.cluster import Cluster
+
+        runner = Cluster(arguments.scheduler)
+    try:
+        rows = sweep.run(axes, out, arguments.quick, runner, workers, _bar)
+    except KeyboardInterrupt:
+        print(f"meissner: interrupted; what is finished is in {plain(out)}, and the same command goes on")
+        raise
+    _tell(axes, rows, out, arguments.quick)
+
+
+def _tell(axes, rows, out, quick):
+    from meissner.tradeoff import page
+
+    facts = {"points": sum(map(len, rows.values())), "axes": len(axes), "quick": "yes" if quick else "no"}
+    page.write(out, axes, rows, facts)
+    for axis in axes:
+        print(f"{axis.name}: {page.verdict(axis, rows[axis.name])}")
+    for line in page.not_placed(axes, rows):
+        print(line)
+    files = f"report.html, {sweep.RESULTS}, {sweep.TIMES} (what a clock decides) and pictures"
+    print(f"\nresults: {plain(out)}/{files}")

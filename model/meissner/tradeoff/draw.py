@@ -1,0 +1,88 @@
+"""A picture of an axis: its points, the front that no point beats, the point that ships."""
+
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from meissner.tradeoff import pareto
+from meissner.tradeoff.sweep import figure_of
+
+BLUE, ORANGE, GREY, INK = "#0072B2", "#D55E00", "#C4C4C4", "#222222"
+WIDE = 50  # from this ratio of its ends on, an axis is logarithmic
+
+
+def label(figure):
+    return f"{figure.label} ({figure.unit})" if figure.unit else figure.label
+
+
+def _scale(values):
+    least, most = min(values), max(values)
+    return "log" if least > 0 and most / least > WIDE else "linear"
+
+
+def _panel(axes, axis, rows, across, up):
+    """Points of two figures; the line joins the front of these two alone."""
+    known = [row for row in rows if None not in (figure_of(row, across), figure_of(row, up))]
+    if not known:
+        axes.text(0.5, 0.5, "nothing measured", ha="center", transform=axes.transAxes)
+        return
+    at = {id(row): (figure_of(row, across), figure_of(row, up)) for row in known}
+    groups = (
+        ([row for row in known if not row["front"]], GREY, 14, 1, "beaten by another"),
+        ([row for row in known if row["front"]], BLUE, 24, 3, "on the front of all that is judged"),
+    )
+    for chosen, colour, size, order, name in groups:
+        if chosen:
+            axes.scatter(
+                *zip(*(at[id(row)] for row in chosen)), s=size, color=colour, zorder=order, label=name
+            )
+    corners = pareto.stairs([at[id(row)] for row in known])
+    if len(corners) > 1:
+        line = {"where": "post", "color": BLUE, "lw": 1.2, "zorder": 2}
+        axes.step(*zip(*corners), **line, label="front of these two figures")
+    for row in known:
+        if row["shipped"]:
+            axes.scatter(*at[id(row)], s=110, marker="*", color=ORANGE, zorder=4, label="shipped")
+    axes.set_xscale(_scale([x for x, _ in at.values()]))
+    axes.set_yscale(_scale([y for _, y in at.values()]))
+    axes.set(xlabel=label(axis.figure(across)), ylabel=label(axis.figure(up)))
+    axes.spines[["top", "right"]].set_visible(False)
+    axes.grid(color="#E6E6E6", lw=0.6)
+    axes.set_axisbelow(True)
+
+
+def _conclusions(axes, axis, rows):
+    """A table of what holds: a column for each conclusion, a row for each point."""
+    keys = axis.conclusions
+    for line, row in enumerate(rows):
+        for column, key in enumerate(keys):
+            holds = figure_of(row, key)
+            axes.scatter(
+                column, line, s=90, marker="o" if holds else "X", color=BLUE if holds else ORANGE, zorder=2
+            )
+    axes.set_xticks(range(len(keys)), [axis.figure(key).label for key in keys], rotation=30, ha="left")
+    axes.xaxis.tick_top()
+    names = [", ".join(str(row["point"][key]) for key in axis.values) for row in rows]
+    axes.set_yticks(range(len(rows)), names)
+    axes.set_ylim(len(rows) - 0.4, -0.6)
+    axes.set_xlim(-0.5, len(keys) - 0.5)
+    axes.tick_params(length=0)
+    axes.grid(color="#E6E6E6", lw=0.6)
+    axes.spines[:].set_visible(False)
+
+
+def draw(file, axis, rows):
+    """PNG into the open ``file``."""
+    count = max(1, len(axis.panels))
+    size = (9, 1.9 + 0.3 * len(rows)) if axis.conclusions else (4.6 * count, 4.4)
+    figure = Figure(figsize=size, layout="constrained")
+    FigureCanvasAgg(figure)
+    figure.suptitle(axis.title, fontsize=12, x=0.01, ha="left", fontweight="bold", color=INK)
+    if axis.conclusions:
+        _conclusions(figure.subplots(), axis, rows)
+    else:
+        several = figure.subplots(1, count, squeeze=False)[0]
+        for axes, panel in zip(several, axis.panels):
+            _panel(axes, axis, rows, *panel)
+        handles = {name: one for axes in several for one, name in zip(*axes.get_legend_handles_labels())}
+        figure.legend(handles.values(), handles, loc="outside lower left", ncols=4, frameon=False, fontsize=9)
+    figure.savefig(file, format="png", dpi=110, facecolor="white")

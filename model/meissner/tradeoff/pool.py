@@ -1,0 +1,133 @@
+"""Points to processes: those of this machine, or Dask's. A process that dies loses the point that it ran.
+
+Each process is fed by a thread of its own, which starts another one in its place when it ends.
+"""
+
+import json
+import os
+import subprocess
+import sys
+import threading
+from collections import OrderedDict, deque
+from queue import SimpleQueue
+from typing import NamedTuple
+
+ATTEMPTS = 3  # of a point that ends its process: then it is the point
+# A process is one of several already; threads of its own would add in another order, and wait for each other.
+ALONE = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+
+
+class Task(NamedTuple):
+    """A point of the axis ``name`` in the module ``where``; tasks of one ``group`` go to one process."""
+
+    where: str
+    name: str
+    point: dict
+    group: tuple = ()
+
+
+def cores():
+    return len(os.sched_getaffinity(0))
+
+
+class _Waiting:
+    """The tasks that nobody has yet: the next one of the group that a process had before, if there is one."""
+
+    def __init__(self, tasks):
+        self.groups, self.lock, self.tries = OrderedDict(), threading.Lock(), {}
+        self.taken = set()
+        for number, task in enumerate(tasks):
+            self.groups.setdefault((task.name, task.group), deque()).append(number)
+
+    def next(self, before):
+        """(number of a task, its group); None when there are no more."""
+        with self.lock:
+            if not self.groups:
+                return None
+            if before not in self.groups:
+                fresh = (group for group in self.groups if group not in self.taken)
+                before = next(fresh, None) or max(self.groups, key=lambda group: len(self.groups[group]))
+            self.taken.add(before)
+            number = self.groups[before].popleft()
+            if not self.groups[before]:
+                del self.groups[before]
+            return number, before
+
+    def again(self, number, group):
+        """Back to the front of its group after its process ended; False if it has had its attempts."""
+        with self.lock:
+            self.tries[number] = self.tries.get(number, 0) + 1
+            if self.tries[number] == ATTEMPTS:
+                return False
+            self.groups.setdefault(group, deque()).appendleft(number)
+            return True
+
+
+class Pool:
+    """``count`` processes; ``run(tasks)`` yields (task, answer) as they come, in any order."""
+
+    def __init__(self, count):
+        self.count, self.processes, self.closing, self.died = count, {}, False, 0
+
+    def _start(self, place):
+        path = os.pathsep.join(entry for entry in sys.path if entry)
+        process = subprocess.Popen(
+            [sys.executable, "-m", "meissner.tradeoff.worker"],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            env=os.environ | ALONE | {"PYTHONPATH": path},
+            start_new_session=True,  # Ctrl-C is for who asked, who then ends this one
+        )
+        self.processes[place] = process
+        if self.closing:
+            process.kill()
+        return process
+
+    def _feed(self, place, tasks, waiting, answers):
+        process, group = None, None
+        while not self.closing and (given := waiting.next(group)):
+            number, group = given
+            process = process or self._start(place)
+            task = tasks[number]
+            line = b""
+            try:
+                process.stdin.write(json.dumps([task.where, task.name, task.point]).encode() + b"\n")
+                process.stdin.flush()
+                line = process.stdout.readline()
+            except BrokenPipeError:
+                pass
+            if line.endswith(b"\n"):
+                answers.put((task, json.loads(line)))
+                continue
+            process.wait()
+            process = None
+            self.died += not self.closing
+            if not self.closing and not waiting.again(number, group):
+                answers.put((task, {"problem": f"ended its process {ATTEMPTS} times"}))
+        answers.put(None)
+
+    def run(self, tasks):
+        waiting, answers = _Waiting(tasks), SimpleQueue()
+        count = min(self.count, len(tasks))
+        for place in range(count):
+            given = (place, tasks, waiting, answers)
+            threading.Thread(target=self._feed, args=given, daemon=True).start()
+        left = len(tasks)
+        try:
+            while left:
+                found = answers.get()
+                if found is None:  # one of several has nothing left; a lost point is with the others, or last
+                    count -= 1
+                    if not count:
+                        break
+                    continue
+                left -= 1
+                yield found
+        finally:
+            self.close()
+
+    def close(self):
+        self.closing = True
+        for process in list(self.processes.values()):
+            process.kill()
+            process.wait()

@@ -1,0 +1,130 @@
+"""From axes to results: plan the points, run those that are not on disk, join all as planned."""
+
+import json
+from pathlib import Path
+
+from meissner.files import written
+from meissner.tradeoff import area, pareto
+from meissner.tradeoff.axis import command_of
+from meissner.tradeoff.pool import Pool, Task
+from meissner.tradeoff.store import Store, revision
+
+RESULTS, TIMES = "results.json", "times.json"
+
+
+def tasks_of(axis, quick=False, points=None):
+    """A Task for each point; a timed axis is one group, so that one process measures it."""
+    where = axis.error.__module__
+    chosen = axis.points(quick) if points is None else points
+    return [Task(where, axis.name, point, tuple(point[key] for key in axis.group)) for point in chosen]
+
+
+def run(axes, out, quick=False, runner=None, workers=1, progress=None, say=print, points=None):
+    """Measure what is not in ``out`` yet and write the results there; returns {name: rows}.
+
+    ``runner``: what has ``run(tasks)``, of all axes but the timed ones; ``workers``: processes without it;
+    ``points``: {name: points} in place of an axis's own. ValueError at the end if points failed.
+    """
+    out = Path(out)
+    store = Store(out)
+    store.begin(axis.name for axis in axes)
+    wanted = {axis.name: tasks_of(axis, quick, points and points[axis.name]) for axis in axes}
+    found, todo, stale = {}, {True: [], False: []}, 0
+    for axis in axes:
+        for task in wanted[axis.name]:
+            kept, current = store.read(task)
+            if current:
+                found[_key(task)] = kept
+            else:
+                todo[bool(axis.timed)].append(task)
+                stale += kept is not None
+    count = sum(map(len, wanted.values()))
+    if found or stale:
+        again = f"; {stale} again, as what they rest on has changed" if stale else ""
+        say(f"{len(found)} of {count} points are in {out} already{again}")
+    problems = []
+    report = progress(sum(map(len, todo.values()))) if progress else lambda: None
+    for timed in (False, True):
+        if not todo[timed]:
+            continue
+        several = runner if runner is not None and not timed else Pool(1 if timed else workers)
+        for task, answer in several.run(todo[timed]):
+            if "found" in answer:
+                store.write(task, answer["found"])
+                found[_key(task)] = answer["found"]
+            else:
+                problems.append((task, answer["problem"]))
+            report()
+    rows = {axis.name: _rows(axis, wanted[axis.name], found) for axis in axes}
+    _write(out, axes, rows, quick)
+    if problems:
+        problems.sort(key=lambda each: _key(each[0]))
+        task, why = problems[0]
+        axis = next(axis for axis in axes if axis.name == task.name)
+        again = command_of(axis, task.point)
+        raise ValueError(f"{len(problems)} of {count} points failed; the first: {why}; again: {again}")
+    return rows
+
+
+def _key(task):
+    return task.name, json.dumps(task.point, sort_keys=True)
+
+
+def _rows(axis, tasks, found):
+    """Rows {"point", "cost", "error", "front", "shipped"} of the points that are there, in their order."""
+    rows = []
+    for task in tasks:
+        if (kept := found.get(_key(task))) is not None:
+            cost = kept["cost"]
+            if axis.placed:
+                entry = axis.placed(task.point)
+                cost = cost | (area.placed(*entry) if entry else area.NOTHING)
+            rows.append({"point": task.point, "cost": cost, "error": kept["error"]})
+    judged = [[figure_of(row, key) for key in axis.judged] for row in rows]
+    for row, on in zip(rows, pareto.front(judged) if axis.judged else [False] * len(rows)):
+        row |= {"front": on, "shipped": axis.is_shipped(row["point"])}
+    return rows
+
+
+def figure_of(row, key):
+    """A figure of a row, of its cost or its error; None if it was not measured."""
+    return row["error"].get(key, row["cost"].get(key))
+
+
+def _write(out, axes, rows, quick):
+    """Results, repeatable to the digit, and apart from them what a clock decided."""
+    files = {RESULTS: {}, TIMES: {}}
+    for axis in axes:
+        name = TIMES if axis.timed else RESULTS
+        commanded = [row | {"again": command_of(axis, row["point"])} for row in rows[axis.name]]
+        of = revision(axis.error.__module__)
+        files[name][axis.name] = {"title": axis.title, "of": of, "quick": quick, "points": commanded}
+    for name, fresh in files.items():
+        if fresh:  # the others of an earlier sweep stay
+            whole = dict(sorted((_entries(out / name) | fresh).items()))
+            with written(out / name) as file:
+                file.write(json.dumps(whole, indent=1).encode() + b"\n")
+
+
+def _entries(path):
+    """What a file of results has; nothing if there is none, or it is damaged."""
+    try:
+        found = json.loads(path.read_text("utf-8"))
+        return found if isinstance(found, dict) else {}
+    except (OSError, ValueError):
+        return {}
+
+
+def read(out):
+    """{axis: its entry} of the results in a folder; ValueError if there are none."""
+    found = {}
+    for name in (RESULTS, TIMES):
+        path = Path(out) / name
+        if path.is_file():
+            try:
+                found |= json.loads(path.read_text("utf-8"))
+            except ValueError:
+                raise ValueError(f"{path} is damaged; `meissner tradeoff --out {out}` writes it") from None
+    if not found:
+        raise ValueError(f"{out} has no results of a sweep; `meissner tradeoff --out {out}` makes them")
+    return found
