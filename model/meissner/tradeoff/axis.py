@@ -27,6 +27,7 @@ def always(_point):
 class Axis:
     """``values``: {parameter: its values}; the points are their product where ``legal``.
 
+    ``apart``: parameters that are not for the user to choose: points that differ in them do not compete.
     ``quick``: the same for `--quick`. ``runs``: {parameter: (value, value of quick)} of how long is measured.
     ``shipped``: the point that the project ships. ``panels``: (key across, key up) of each chart; without one
     a table alone. ``near``: of quick, only points that differ from the shipped one in at most so many
@@ -49,6 +50,7 @@ class Axis:
     runs: dict = field(default_factory=dict)
     near: int | None = None
     group: tuple = ()
+    apart: tuple = ()
     timed: tuple = ()
     conclusions: tuple = ()
     legal: Callable = always
@@ -65,6 +67,10 @@ class Axis:
         for key in (*(key for panel in self.panels for key in panel), *self.timed):
             if key not in keys:
                 raise ValueError(f"{where} has no figure {key}")
+
+    def kind(self, point):
+        """What a point competes in."""
+        return tuple(point[key] for key in self.apart)
 
     @property
     def judged(self):

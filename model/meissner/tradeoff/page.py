@@ -97,7 +97,8 @@ def beaten_by(axis, rows, row):
     found = []
     for other in rows:
         theirs = [figure_of(other, key) for key in axis.judged]
-        if other["front"] and None not in own and dominates(theirs, own):
+        same = axis.kind(other["point"]) == axis.kind(row["point"])
+        if same and other["front"] and None not in own and dominates(theirs, own):
             found.append(other)
     return found
 

@@ -80,9 +80,13 @@ def _rows(axis, tasks, found):
                 entry = axis.placed(task.point)
                 cost = cost | (area.placed(*entry) if entry else area.NOTHING)
             rows.append({"point": task.point, "cost": cost, "error": kept["error"]})
-    judged = [[figure_of(row, key) for key in axis.judged] for row in rows]
-    for row, on in zip(rows, pareto.front(judged) if axis.judged else [False] * len(rows)):
-        row |= {"front": on, "shipped": axis.is_shipped(row["point"])}
+    for row in rows:
+        row |= {"front": False, "shipped": axis.is_shipped(row["point"])}
+    for kind in {axis.kind(row["point"]) for row in rows} if axis.judged else ():
+        same = [row for row in rows if axis.kind(row["point"]) == kind]
+        judged = [[figure_of(row, key) for key in axis.judged] for row in same]
+        for row, on in zip(same, pareto.front(judged)):
+            row["front"] = on
     return rows
 
 

@@ -55,8 +55,9 @@ def judge(recording, state, config):
     ``crossing_s``: when the exact sliding window of the float reference first crosses after the onset.
     Before it lies the wait for an event that is large enough, after it the detector's own delay.
     ``sliding_s``: from the slip of the whole contact to the end; ``contact_share_of_sliding``: share of its
-    details in which the state is not incipient or gross. ``contact_wrong_share``: share of all details in which state and truth disagree on whether the
-    plate presses; the truth begins with the first force, the state where its level says contact.
+    details in which the state is not incipient or gross. ``contact_wrong_share``: share of all details in
+    which state and truth disagree on whether the plate presses; the truth begins with the first force, the
+    state where its level says contact.
     """
     group, rate_hz = 1 << config.level, recording.scene.rate_hz
     onset = recording.onset_s

@@ -17,7 +17,7 @@ def mesh_of(point):
 
 @lru_cache(maxsize=8)
 def _solved(side, r_ohm, R0_ohm):
-    """(mesh, electrodes [scenes, 4], true x, true y, loads, solution) of one point at places all over the mesh.
+    """(mesh, electrodes [scenes, 4], true x, true y, loads, solution): one point all over the mesh.
 
     The load is a little different each time, so that its voltages fall anywhere between two codes.
     """

@@ -1,6 +1,5 @@
 """Bit-exact twin of rtl/slip/msn_slip.sv: what the contact on each channel is doing."""
 
-from bisect import bisect_left
 from enum import IntEnum
 
 import numpy as np
@@ -80,15 +79,15 @@ class Slip:
         pressed, lifted, over, _, _, _, masked = signals
         count = len(pressed)
         ends = {
-            State.NONE: np.append(np.flatnonzero(pressed & ~masked), count).tolist(),
-            State.CONTACT: np.append(np.flatnonzero(lifted | over | masked), count).tolist(),
+            State.NONE: np.append(np.flatnonzero(pressed & ~masked), count),
+            State.CONTACT: np.append(np.flatnonzero(lifted | over | masked), count),
         }
         inputs = [signal.tolist() for signal in signals]
         states, at = np.empty(count, dtype=np.int8), 0
         while at < count:
             state, hold, deaf, blanking = self._memory[channel]
             if state in ends:
-                until = ends[state][bisect_left(ends[state], at)]
+                until = int(ends[state][np.searchsorted(ends[state], at)])
                 states[at:until] = state
                 deaf = max(0, deaf - (until - at)) if state == State.CONTACT else deaf
                 self._memory[channel] = (state, hold, deaf, blanking)
@@ -96,13 +95,13 @@ class Slip:
             at = self._steps(channel, inputs, at, states)
         return states
 
-    def _steps(self, channel, inputs, at, states):
-        """The same from detail ``at`` on, one by one, until nothing waits; returns the next detail."""
+    def _steps(self, channel, inputs, first, states):
+        """The same from detail ``first`` on, one by one, until nothing waits; returns the next detail."""
         c = self.config
         # hold: details until a slip or a release is over; deaf: details until a slip may be raised;
         # blanking: deaf because of a contact onset, so what is over meanwhile is counted.
         state, hold, deaf, blanking = self._memory[channel]
-        for at in range(at, len(states)):
+        for at in range(first, len(states)):
             pressed, lifted, over, gross, kept, moving, masked = (signal[at] for signal in inputs)
             slipping = state in (State.INCIPIENT, State.GROSS)
             if masked:
