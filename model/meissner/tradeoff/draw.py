@@ -1,5 +1,7 @@
 """A picture of an axis: its points, the front that no point beats, the point that ships."""
 
+from textwrap import wrap
+
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
@@ -7,6 +9,7 @@ from meissner.tradeoff import pareto
 from meissner.tradeoff.sweep import figure_of
 
 BLUE, ORANGE, GREY, INK = "#0072B2", "#D55E00", "#C4C4C4", "#222222"
+FORMS = (("o", "-"), ("s", "--"), ("^", ":"), ("D", "-."), ("v", "-"), ("P", "--")) * 4
 WIDE = 50  # from this ratio of its ends on, an axis is logarithmic
 
 
@@ -19,6 +22,12 @@ def _scale(values):
     return "log" if least > 0 and most / least > WIDE else "linear"
 
 
+def _named(axis, kind):
+    """What points compete in, in words."""
+    both = zip(axis.apart, kind)
+    return ", ".join(str(v) if isinstance(v, str) else f"{key.replace('_', ' ')} {v:g}" for key, v in both)
+
+
 def _panel(axes, axis, rows, across, up):
     """Points of two figures; the line joins the front of these two alone."""
     known = [row for row in rows if None not in (figure_of(row, across), figure_of(row, up))]
@@ -26,25 +35,26 @@ def _panel(axes, axis, rows, across, up):
         axes.text(0.5, 0.5, "nothing measured", ha="center", transform=axes.transAxes)
         return
     at = {id(row): (figure_of(row, across), figure_of(row, up)) for row in known}
-    groups = (
-        ([row for row in known if not row["front"]], GREY, 14, 1, "beaten by another"),
-        ([row for row in known if row["front"]], BLUE, 24, 3, "on the front of all that is judged"),
-    )
-    for chosen, colour, size, order, name in groups:
-        if chosen:
-            axes.scatter(
-                *zip(*(at[id(row)] for row in chosen)), s=size, color=colour, zorder=order, label=name
-            )
-    corners = pareto.stairs([at[id(row)] for row in known])
-    if len(corners) > 1:
-        line = {"where": "post", "color": BLUE, "lw": 1.2, "zorder": 2}
-        axes.step(*zip(*corners), **line, label="front of these two figures")
+    kinds = list(dict.fromkeys(axis.kind(row["point"]) for row in known))
+    for kind, (marker, dashes) in zip(kinds, FORMS):
+        same = [row for row in known if axis.kind(row["point"]) == kind]
+        what = _named(axis, kind)
+        for on, colour, size, order in ((False, GREY, 14, 1), (True, BLUE, 24, 3)):
+            chosen = [at[id(row)] for row in same if row["front"] == on]
+            name = f"{what}: on the front" if what else "on the front of all that is judged"
+            given = {"s": size, "color": colour, "marker": marker, "zorder": order}
+            if chosen:
+                axes.scatter(*zip(*chosen), **given, label=name if on else "beaten by another")
+        corners = pareto.stairs([at[id(row)] for row in same])
+        if len(corners) > 1:
+            line = {"where": "post", "color": BLUE, "lw": 1, "ls": dashes, "zorder": 2}
+            axes.step(*zip(*corners), **line, label="front of these two figures")
     for row in known:
         if row["shipped"]:
             axes.scatter(*at[id(row)], s=110, marker="*", color=ORANGE, zorder=4, label="shipped")
     axes.set_xscale(_scale([x for x, _ in at.values()]))
     axes.set_yscale(_scale([y for _, y in at.values()]))
-    axes.set(xlabel=label(axis.figure(across)), ylabel=label(axis.figure(up)))
+    axes.set(xlabel=label(axis.figure(across)), ylabel="\n".join(wrap(label(axis.figure(up)), 38)))
     axes.spines[["top", "right"]].set_visible(False)
     axes.grid(color="#E6E6E6", lw=0.6)
     axes.set_axisbelow(True)

@@ -52,6 +52,7 @@ AXES = (
         quick={"side": (5, 41), "batch": (1, 10)},
         shipped={"solver": "fast", "side": 41, "batch": 100},
         runs={"repeats": (5, 2)},
+        apart=("side", "batch"),
         legal=lambda point: 3 <= point["side"] <= 1024 and 1 <= point["batch"] <= 10_000,
         cost=cost,
         error=error,
