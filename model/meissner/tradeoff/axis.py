@@ -121,6 +121,9 @@ def point_of(axis, text):
         if key not in point:
             raise ValueError(f"--point: {axis.name} has no '{key}'; the names are: {', '.join(point)}")
         point[key] = _value(key, value, point[key], axis.values.get(key, ()))
+    for key in axis.runs:
+        if not 1 <= point[key] <= 10**8:
+            raise ValueError(f"--point: {key} = {point[key]} must lie in 1 .. 100000000")
     if not axis.legal(point):
         raise ValueError(f"--point: {text_of(point)} is no point of {axis.name}: {axis.about}")
     return point

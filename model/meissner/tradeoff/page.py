@@ -131,7 +131,8 @@ def write(out, axes, rows, facts):
         kind = "the front and what ships" if axis.judged else "every point"
         tables[f"{axis.title} ({kind}{more})"] = table(axis, rows[axis.name])
     count = sum(map(len, rows.values()))
-    text = f"{count} points on {len(rows)} axes, measured; grey: beaten in all that is judged."
+    kinds = f"{len(rows)} ax{'es' if len(rows) > 1 else 'is'}"
+    text = f"{count} points on {kinds}, measured; grey: beaten in all that is judged."
     text = " ".join([text, *(f"{line}." for line in not_placed(axes, rows))])
     write_html(out / "report.html", facts, pictures, tables, "What accuracy costs", text)
     return [*names, "report.html"]

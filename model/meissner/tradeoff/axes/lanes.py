@@ -49,7 +49,7 @@ AXES = (
         },
         quick={"side": (64,), "clock_mhz": (100,)},
         shipped={"adc": "ad7606", "clock_mhz": 100, "side": 64, "converters": 8, "inputs": 8},
-        apart=("adc", "clock_mhz", "side"),
+        apart=("side",),
         legal=legal,
         cost=cost,
         error=error,

@@ -1,7 +1,7 @@
 """Slip of one rubber sensor: converter and detector, against missed slips, false alarms and delay."""
 
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cache, lru_cache
 
 import numpy as np
 
@@ -29,9 +29,12 @@ class Converted(Scene):
         return self.converter
 
 
+_loaded = cache(scenes.load)
+
+
 def scene_of(name, point):
     """The scene with a point's converter, sampling rate and detector."""
-    scene, level = scenes.load(name), point["level"]
+    scene, level = _loaded(name), point["level"]
     hop = HOPS[point["kind"]](point["window"], 1 << level)
     slip = replace(scene.slip, window=point["window"], hop=hop, level=level)
     adc = Adc(point["bits"], 0.0, 5.0, point["noise_mv"] / 1000)
@@ -112,6 +115,8 @@ def placed(point):
 
 
 def legal(point):
+    if not 1000 <= point["rate_hz"] <= 100_000:
+        return False
     try:
         scene_of(SLIPS, point).slip_config()
     except (KeyError, ValueError):
@@ -125,7 +130,7 @@ AXES = (
     Axis(
         name="slip",
         title="Slip: converter, sampling rate, Haar level and window",
-        about="a window is a power of two, 4 samples or more and two details at least; the noise of 0.198 mV "
+        about="a window is a power of two, 4 samples or more and two details at least; 1000 to 100000 a second; the noise of 0.198 mV "
         "is the MCP3208's own",
         values={
             "rate_hz": (2500, 5000, 10000, 20000),

@@ -1,0 +1,197 @@
+"""The axes: found and whole, each point repeated by its command, figures by hand or by another way."""
+
+import json
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from meissner import cli, scenes
+from meissner.builds import config
+from meissner.engines import fixed
+from meissner.scenes.rubber.judge import judge
+from meissner.tradeoff import area, axes, table, worker
+from meissner.tradeoff.axes import constants, cop4, divider, slip
+from meissner.tradeoff.axis import command_of, point_of, text_of
+
+EVERY = list(table.every().values())
+
+
+def test_every_module_with_axes_is_found():
+    modules = {path.stem for path in Path(axes.__file__).parent.glob("*.py")} - {"__init__"}
+    assert {axis.error.__module__.rpartition(".")[2] for axis in EVERY} == modules
+    assert {axis.name for axis in EVERY} == {
+        *("slip", "divider", "cop4", "shear", "reflex", "demod", "lanes", "mesh", "engine", "constants")
+    }
+
+
+@pytest.mark.parametrize("axis", EVERY, ids=lambda axis: axis.name)
+def test_every_point_is_repeated_by_its_command(axis):
+    for quick in (False, True):
+        points = axis.points(quick)
+        assert len({json.dumps(point) for point in points}) == len(points)
+        assert sum(axis.is_shipped(point) for point in points) == 1
+        for point in points:
+            assert point_of(axis, text_of(point)) == point
+            assert command_of(axis, point).startswith(f"meissner tradeoff --axis {axis.name} --point ")
+    assert len(axis.points(True)) <= len(axis.points())
+
+
+@pytest.mark.parametrize("name", ["divider", "cop4", "shear", "demod", "lanes"])
+def test_a_point_has_the_figures_that_its_axis_names(name):
+    axis = table.named(name)
+    point = next(point for point in axis.points(True) if axis.is_shipped(point))
+    found = worker.answer(axis.error.__module__, name, point)["found"]
+    assert {*found["cost"], *found["error"]} == {figure.key for figure in axis.figures}
+    assert worker.answer(axis.error.__module__, name, point)["found"] == found
+
+
+def test_the_division_errs_by_half_a_step_at_most_and_nearly_that():
+    """0.5 / 2^F of a range from -1 to 1: in per cent of it 25 / 2^F; exact quotients as fractions."""
+    for bits, clocks in ((4, (8, 6)), (14, (18, 11)), (20, (24, 14))):
+        for per_clock, expected in zip((1, 2), clocks):
+            point = {"fraction_bits": bits, "bits_per_clock": per_clock, "frames": 300}
+            found = divider.error(point)
+            assert 0.9 * 25 / 2**bits < found["position"] <= 25 / 2**bits + 1e-12
+            assert divider.cost(point)["clocks"] == expected
+    total, moment = 7, 100  # x = 100/(63 7) = 0.2267..; in Q2.4 that is 3.628, so 4/16
+    x, _, _ = divider.cop_divide([total], [moment], [0], 64, 64, 4)
+    assert x[0] == 4 and abs(Fraction(4, 16) - Fraction(100, 441)) < Fraction(1, 32)
+
+
+@pytest.mark.parametrize(("R0_ohm", "bound"), [(10000.0, 1.79), (1000.0, 0.311)])
+def test_a_larger_resistor_costs_position(R0_ohm, bound):
+    """docs/cop4.md's exact bounds of 41x41, 10 ohms, 16 bits, no gain: the measured errors come near them."""
+    point = {"side": 41, "r_ohm": 10.0, "R0_ohm": R0_ohm, "bits": 16, "gain": 1}
+    found = cop4.error(point)["position"]
+    assert 0.6 * bound < found <= bound * 1.003
+
+
+def test_the_shipped_slip_point_is_what_the_scene_s_judge_says():
+    """Six slips and six presses, one by one, with the scenes' own settings and converter."""
+    point = slip.SHIPPED | {"runs": 6}
+    found = slip.error(point)
+    delays, leads, missed, alarmed = [], [], 0, 0
+    for name in ("acrylic_slip", "normal_force"):
+        scene = scenes.load(name)
+        for number in range(6):
+            kinds = len(scene.conditions)
+            run = scenes.simulate(scene, number % kinds, 1 + number // kinds)
+            states = fixed.watch(run.codes[None], scene.slip_config()).state[0]
+            verdict = judge(run, states, scene.slip_config())
+            missed += verdict["missed"]
+            alarmed += verdict["false_alarms"] > 0
+            if verdict["delay_s"] is not None:
+                delays.append(1e3 * verdict["delay_s"])
+                leads.append(1e3 * verdict["lead_s"])
+    assert len(delays) == 6
+    assert (found["missed"]["count"], found["false_alarm"]["count"]) == (missed, alarmed)
+    assert (found["missed"]["runs"], found["false_alarm"]["runs"]) == (6, 12)
+    assert found["delay_ms"] == np.median(delays) and found["delay_ms_mean"] == np.mean(delays)
+    assert found["lead_ms_min"] == min(leads)
+
+
+def test_a_flag_at_the_slip_of_the_whole_contact_is_a_miss():
+    """One sample before it, at it, after it; a rise before the onset is a false alarm and no flag."""
+    for rises, expected in (
+        ([0.999], (False, False, 0)),
+        ([1.0], (True, True, 0)),
+        ([1.001], (True, True, 0)),
+        ([0.4, 0.7], (False, False, 1)),
+        ([0.4], (True, False, 1)),
+        ([], (True, False, 0)),
+    ):
+        found = slip.flagged(np.array(rises), 0.5, 1.0)
+        assert (found["missed"], found["late"], found["false_alarms"]) == expected, rises
+    assert slip.flagged(np.array([0.1, 0.2]), None, None)["false_alarms"] == 2
+
+
+def test_too_few_bits_are_noticed():
+    """Of 8 bits a code is as large as the threshold, so noise alone raises flags; 12 bits have none."""
+    coarse, usual = (slip.error(slip.SHIPPED | {"bits": bits, "runs": 4}) for bits in (8, 12))
+    assert coarse["false_alarm"]["count"] > 4 and usual["false_alarm"]["count"] == 0
+
+
+def test_what_a_channel_keeps():
+    """docs/slip.md: a maximum and a minimum, two of each, 31 of each; details of 12 bits have 14 at level 1."""
+    for kind, words in (("tumbling", 2), ("half", 4), ("sliding", 62)):
+        assert slip.cost(slip.SHIPPED | {"kind": kind})["state_bits"] == 14 * words
+    clocks = [slip.cost(slip.SHIPPED | {"kind": kind})["clocks"] for kind in ("tumbling", "half", "sliding")]
+    assert clocks == [6, 7, 8]
+
+
+def test_a_change_that_matters_turns_a_conclusion():
+    """Three runs: of events a quarter as large none is found in time; as they are, all are."""
+    usual, quiet = (
+        constants.error({"change": change, "runs": 3}) for change in ("as they are", "EVENT_SHARE 0.003375")
+    )
+    assert usual["none_missed"] and usual["leads_100_ms"] and not quiet["none_missed"]
+    assert constants.error({"change": "as they are", "runs": 3}) == usual, "the change has ended"
+
+
+def test_shipped_points_are_the_named_configurations():
+    """slip1, cop4 and array64 have what the axes call shipped."""
+    slip1, four, array = (config.load(name) for name in ("slip1", "cop4", "array64"))
+    assert (slip1.slip.level, slip1.slip.window, slip1.slip.hop) == (1, 64, 64)
+    assert (slip1.part.data_bits, slip1.adc["rate_hz"]) == (12, 10000)
+    shipped = table.named("cop4").shipped
+    mesh = four.cop4.mesh
+    assert (mesh.m, mesh.r, mesh.R0, four.part.data_bits) == tuple(
+        shipped[key] for key in ("side", "r_ohm", "R0_ohm", "bits")
+    )
+    shipped = table.named("lanes").shipped
+    found = (array.adc["part"].lower(), array.adc["converters"], array.adc["channels"], array.sensor["rows"])
+    assert found == tuple(shipped[key] for key in ("adc", "converters", "inputs", "side"))
+
+
+def test_areas_are_those_that_are_recorded(monkeypatch):
+    """A record of the same sources counts; of others, or without any, there is no figure, and that is said."""
+    kept = {
+        "a ecp5": {"module": "msn_skid", "parameters": {}, "area": {"lut": 12}, "mhz_worst": 99.5},
+        "b ecp5": {"module": "msn_skid", "parameters": {}, "area": {"lut": 13}, "mhz_worst": 98.5},
+    }
+    kept["a ecp5"]["rests"] = area.digest("msn_skid", {}, "ecp5")
+    kept["b ecp5"]["rests"] = "00000000"
+    monkeypatch.setattr(area, "records", lambda: kept)
+    assert area.placed("a", "ecp5") == {"lut": 12, "mhz": 99.5}
+    assert area.placed("b", "ecp5") == area.placed("c", "ecp5") == {"lut": None, "mhz": None}
+    assert area.digest("msn_skid", {"Bits": 3}, "ecp5") != area.digest("msn_skid", {"Bits": 4}, "ecp5")
+    assert area.missing([("a", "ecp5"), ("b", "ecp5"), ("c", "ecp5")]) == [
+        "LUT and Fmax not shown, stale: b, absent: c; `make fmax FMAX=\"--record 'b' 'c'\"` measures them"
+    ]
+
+
+@pytest.mark.parametrize(
+    ("given", "sentence"),
+    [
+        (["--axis", "slp"], "there is no axis 'slp'; the axes are: constants, cop4,"),
+        (["--point", "bits=12"], "--point is a point of one axis: name it with --axis"),
+        (["--axis", "slip", "--point", "bits"], "--point: 'bits' must be NAME=VALUE; the names are: rate_hz"),
+        (["--axis", "slip", "--point", "bit=12"], "--point: slip has no 'bit'; the names are: rate_hz, bits"),
+        (["--axis", "slip", "--point", "bits=1.5"], "--point: bits = '1.5' must be a whole number"),
+        (["--axis", "slip", "--point", "bits=-1"], "--point: bits = -1 must lie in 0 .. 1e12"),
+        (["--axis", "slip", "--point", "noise_mv=nan"], "--point: noise_mv = nan must lie in 0 .. 1e12"),
+        (["--axis", "slip", "--point", "window=48"], "is no point of slip: a window is a power of two"),
+        (["--axis", "slip", "--point", "runs=0"], "--point: runs = 0 must lie in 1 .. 100000000"),
+        (
+            ["--axis", "slip", "--point", "kind=round"],
+            "--point: kind = 'round' must be one of: tumbling, half",
+        ),
+        (["--axis", "cop4", "--point", "R0_ohm=0"], "is no point of cop4: 8 to 24 bits"),
+        (["--workers", "0"], "workers = 0 must lie in 1 .. 1024"),
+        (["--out", "/dev/null"], "/dev/null is a file; name a folder for the results"),
+    ],
+)
+def test_bad_input_is_refused_in_a_sentence(given, sentence, capsys):
+    with pytest.raises(SystemExit) as ended:
+        cli.main(["tradeoff", *given])
+    said = capsys.readouterr().err
+    assert ended.value.code == 2 and sentence in said and said.count("\n") == 1, said
+
+
+def test_a_point_is_printed(capsys):
+    cli.main(["tradeoff", "--axis", "divider", "--point", "fraction_bits=4,frames=50"])
+    found = json.loads(capsys.readouterr().out)
+    assert found["point"] == {"fraction_bits": 4, "bits_per_clock": 2, "frames": 50}
+    assert found["cost"]["clocks"] == 6

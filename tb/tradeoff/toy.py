@@ -1,0 +1,68 @@
+"""An axis that measures nothing: it writes down what was asked for, and ends its process where it is told to.
+
+The environment says where: TOY_FOLDER, with a file `log`; `die_once` and `die_always` hold numbers of points.
+"""
+
+import os
+import signal
+import time
+from pathlib import Path
+
+from meissner.tradeoff.axis import Axis, Figure
+
+COUNT = 24
+
+
+def folder():
+    return Path(os.environ["TOY_FOLDER"])
+
+
+def _told(name, number):
+    path = folder() / name
+    return path.exists() and str(number) in path.read_text("utf-8").split()
+
+
+def log():
+    """Numbers of the points that were measured or begun, in the order of the file."""
+    path = folder() / "log"
+    return [int(line) for line in path.read_text("utf-8").split()] if path.exists() else []
+
+
+def error(point):
+    number = point["number"]
+    with (folder() / "log").open("a", encoding="utf-8") as file:
+        file.write(f"{number}\n")
+    if _told("fails", number):
+        raise ValueError("no such thing")
+    if _told("die_always", number):
+        os.kill(os.getpid(), signal.SIGKILL)
+    if _told("die_once", number):
+        (folder() / "die_once").unlink()
+        os.kill(os.getpid(), signal.SIGKILL)
+    time.sleep(float(os.environ.get("TOY_SECONDS", "0")))
+    return {"wrong": 1 / (1 + number), "third": number / 3}
+
+
+def cost(point):
+    return {"price": point["number"] % 7}
+
+
+AXES = (
+    Axis(
+        name="toy",
+        title="A toy",
+        about="numbers from 0 to 99",
+        values={"number": tuple(range(COUNT))},
+        quick={"number": (0, 5)},
+        shipped={"number": 3},
+        legal=lambda point: point["number"] < 100,
+        cost=cost,
+        error=error,
+        figures=(
+            Figure("price", "price", "€", judged=True),
+            Figure("wrong", "wrong", "%", judged=True),
+            Figure("third", "a third"),
+        ),
+        panels=(("price", "wrong"),),
+    ),
+)
