@@ -24,6 +24,7 @@ def parser():
     _host(commands)
     _budget(commands)
     _tradeoff(commands)
+    _choose(commands)
     _calibrate(commands)
     _fit_rubber(commands)
     _config(commands)
@@ -168,6 +169,28 @@ def _tradeoff(commands):
     parser.add_argument("--workers", type=int, metavar="N", help="processes of this machine (one a core)")
     parser.add_argument("--scheduler", metavar="ADDRESS", help="Dask's, tcp://HOST:8786: its workers instead")
     parser.set_defaults(call="meissner.tradeoff.command:tradeoff")
+
+
+def _choose(commands):
+    parser = commands.add_parser("choose", help="the configuration that meets what matters, as TOML")
+    parser.add_argument("sensor", metavar="SENSOR", help="channels (rubber), electrodes (four wires), array")
+    parser.add_argument("--error", type=float, metavar="PCT", help="largest error in %% (docs/tradeoff.md)")
+    parser.add_argument("--latency", type=float, metavar="MS", help="latest decision, milliseconds")
+    parser.add_argument("--board", metavar="BOARD", help="a board of docs/boards.md: its clock and pins")
+    parser.add_argument("--adc", metavar="PART", help="only this converter")
+    parser.add_argument("--channels", type=int, metavar="N", help="of channels (1)")
+    parser.add_argument(
+        "--window", type=int, metavar="N", help="of channels: only windows of so many samples"
+    )
+    parser.add_argument("--rows", type=int, metavar="M", help="of electrodes (7), of an array (64)")
+    parser.add_argument("--columns", "--cols", type=int, metavar="N", help="likewise")
+    parser.add_argument("--r", type=float, metavar="OHM", help="between taxels, of electrodes (100)")
+    parser.add_argument("--lut", type=int, metavar="N", help="budget of LUTs of the board's chip")
+    parser.add_argument(
+        "--sweep", metavar="DIR", help="results of `meissner tradeoff` (those that came along)"
+    )
+    parser.add_argument("--out", metavar="FILE.toml", help="write the configuration there (printed)")
+    parser.set_defaults(call="meissner.tradeoff.command:choose")
 
 
 def _calibrate(commands):

@@ -114,7 +114,7 @@ def test_too_few_bits_are_noticed():
 
 
 def test_what_a_channel_keeps():
-    """docs/slip.md: a maximum and a minimum, two of each, 31 of each; details of 12 bits have 14 at level 1."""
+    """docs/slip.md: a maximum and a minimum, two of each, 31 of each; a detail of 12 bits has 14."""
     for kind, words in (("tumbling", 2), ("half", 4), ("sliding", 62)):
         assert slip.cost(slip.SHIPPED | {"kind": kind})["state_bits"] == 14 * words
     clocks = [slip.cost(slip.SHIPPED | {"kind": kind})["clocks"] for kind in ("tumbling", "half", "sliding")]
@@ -146,7 +146,7 @@ def test_shipped_points_are_the_named_configurations():
 
 
 def test_areas_are_those_that_are_recorded(monkeypatch):
-    """A record of the same sources counts; of others, or without any, there is no figure, and that is said."""
+    """A record of the same sources counts; of others, or without any, there is no figure: that is said."""
     kept = {
         "a ecp5": {"module": "msn_skid", "parameters": {}, "area": {"lut": 12}, "mhz_worst": 99.5},
         "b ecp5": {"module": "msn_skid", "parameters": {}, "area": {"lut": 13}, "mhz_worst": 98.5},

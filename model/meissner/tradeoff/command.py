@@ -5,10 +5,14 @@ import os
 import sys
 from pathlib import Path
 
+from meissner.files import check_out, written
 from meissner.plain import plain
 from meissner.tradeoff import sweep, table
 from meissner.tradeoff.axis import point_of
 from meissner.tradeoff.pool import cores
+
+NEEDED = ("error", "board", "channels", "window", "rows", "columns", "lut")
+RECORD = Path(__file__).with_name("measured.json")
 
 
 def _bar(total):
@@ -99,3 +103,39 @@ def _tell(axes, rows, out, quick):
         print(line)
     files = f"report.html, {sweep.RESULTS}, {sweep.TIMES} (what a clock decides) and pictures"
     print(f"\nresults: {plain(out)}/{files}")
+
+
+def _results(sweep_folder):
+    """The results in a folder, or those that came with the package."""
+    if sweep_folder:
+        return sweep.read(sweep_folder)
+    return json.loads(RECORD.read_text("utf-8"))
+
+
+def choose(arguments):
+    """``meissner choose``."""
+    from meissner.tradeoff import choose
+    from meissner.tradeoff.candidates import board_of, part_of, tables
+    from meissner.tradeoff.needs import Needs
+
+    given = {key: getattr(arguments, key) for key in NEEDED}
+    needs = Needs(
+        arguments.sensor,
+        latency_ms=arguments.latency,
+        adc=part_of(arguments.adc),
+        r_ohm=arguments.r,
+        **given,
+    )
+    board_of(needs.board)
+    if arguments.out:
+        check_out(arguments.out)
+    row, _, lines = choose.chosen(needs, _results(arguments.sweep))
+    text = choose.toml(tables(needs, row))
+    if arguments.out:
+        with written(arguments.out) as file:
+            file.write(text.encode())
+        print(*lines, sep="\n")
+        print(f"\nwritten: {plain(arguments.out)}")
+        return
+    print(text)
+    print(*(f"# {line}" for line in lines), sep="\n")

@@ -4,11 +4,14 @@ tb/cop/test_array.py measures at the pins of the RTL."""
 from meissner.budget import array
 from meissner.tradeoff.axis import Axis, Figure
 
+SETTLE_S = 1e-6
+
 
 def found(point):
+    """The budget of a square array; ``columns``: of one that is not."""
     return array.budget(
-        *(point["side"], point["side"], 1e6 * point["clock_mhz"], array.part_of(point["adc"])),
-        *(point["converters"], 1e-6, point["inputs"]),
+        *(point["side"], point.get("columns", point["side"]), 1e6 * point["clock_mhz"]),
+        *(array.part_of(point["adc"]), point["converters"], SETTLE_S, point["inputs"]),
         health=False,
     )
 
@@ -16,16 +19,19 @@ def found(point):
 def error(point):
     """What is late of a frame: nothing is wrong in it, but it is older."""
     one = found(point)
+    taxels = one["rows"] * one["columns"]
     return {
         "latency_us": 1e6 * one["total_s"],
         "frames_s": one["frames_per_second"],
-        "taxels_ms": point["side"] ** 2 * one["frames_per_second"] / 1e3,
-        "us_taxel": 1e6 / one["frames_per_second"] / point["side"] ** 2,
+        "taxels_ms": taxels * one["frames_per_second"] / 1e3,
+        "us_taxel": 1e6 / one["frames_per_second"] / taxels,
     }
 
 
 def cost(point):
-    return {"pins": point["converters"] * point["inputs"], "converters": point["converters"]}
+    """A column without an input of its own needs an analogue switch before one."""
+    pins, columns = point["converters"] * point["inputs"], point.get("columns", point["side"])
+    return {"pins": pins, "switched": -(-columns // pins), "converters": point["converters"]}
 
 
 def legal(point):
@@ -41,7 +47,7 @@ AXES = (
         title="Converters side by side: taxels a millisecond",
         about="1, 2, 4 or 8 converters whose inputs the columns fill; settle 1 µs, tare, calibration",
         values={
-            "adc": ("mcp3208", "ad7606", "max11123"),
+            "adc": ("mcp3208", "ad7606", "max11125"),
             "clock_mhz": (25, 100),
             "side": (16, 64, 128),
             "converters": (1, 2, 4, 8),
@@ -55,12 +61,13 @@ AXES = (
         error=error,
         figures=(
             Figure("pins", "inputs of converters", "inputs", judged=True),
+            Figure("switched", "columns at an input", judged=True),
             Figure("converters", "converters"),
             Figure("us_taxel", "time of a taxel", "µs", judged=True),
             Figure("latency_us", "first convert start to centre of pressure", "µs"),
             Figure("frames_s", "frames", "1/s"),
             Figure("taxels_ms", "taxels a millisecond"),
         ),
-        panels=(("pins", "us_taxel"),),
+        panels=(("pins", "us_taxel"), ("switched", "us_taxel")),
     ),
 )

@@ -102,7 +102,7 @@ def cost(point):
     span = point["window"] >> point["level"]
     sliding = 1 + -(-(span.bit_length() - 1) // 2)  # msn_peak_to_peak's header: 1 + ceil(log4(Span))
     clocks = point["level"] + 3 + {"tumbling": 2, "half": 3, "sliding": sliding}[point["kind"]]
-    rate = point["rate_hz"] * point["bits"] / 1e3
+    rate = point["rate_hz"] * (16 if point["bits"] == 15 else point["bits"]) / 1e3
     return {"kbit_s": rate, "state_bits": state_bits(point), "clocks": clocks}
 
 
@@ -130,11 +130,11 @@ AXES = (
     Axis(
         name="slip",
         title="Slip: converter, sampling rate, Haar level and window",
-        about="a window is a power of two, 4 samples or more and two details at least; 1000 to 100000 a second; the noise of 0.198 mV "
-        "is the MCP3208's own",
+        about="a window is a power of two, 4 samples or more and two details at least; 1000 to 100000 samples "
+        "a second; the noise of 0.198 mV is the MCP3208's own; 15 bits of 0 to 5 V are an AD7606's 16 of ±5 V",
         values={
             "rate_hz": (2500, 5000, 10000, 20000),
-            "bits": (8, 10, 12, 16),
+            "bits": (8, 10, 12, 15),
             "noise_mv": (PART_MV, 2.0),
             "level": (1, 2, 3),
             "window": (16, 32, 64, 128),

@@ -1,0 +1,150 @@
+"""The points that a sensor's needs leave to choose from, and each as the tables of a configuration.
+
+A candidate is a row as sweep has it. The tables are those of the named configuration nearest to the sensor,
+with what the point decides in their place.
+"""
+
+import copy
+import tomllib
+
+from meissner.builds import boards, config
+from meissner.builds.build import PARTS
+from meissner.physics.adc import PARTS as RANGES
+from meissner.tradeoff import worker
+from meissner.tradeoff.axes import cop4, lanes
+from meissner.tradeoff.axes.slip import HOPS, PART_MV
+from meissner.tradeoff.sweep import figure_of
+from meissner.tradeoff.table import named
+
+# Converters by the bits that they have between 0 and 5 V; the AD7606's 16 are of ±5 V.
+OF_BITS = {8: ("MAX11123",), 10: ("MAX11124",), 12: ("MCP3208", "MAX11125"), 15: ("AD7606",)}
+MARGIN = 0.95  # of the fastest frame rate
+
+
+def board_of(name):
+    """The Board; ValueError lists what there is."""
+    if name is None:
+        return None
+    every = boards.BOARDS | {boards.ARTY.name: boards.ARTY}
+    if name not in every:
+        raise ValueError(f"there is no board '{name}'; the boards are: {', '.join(every)}")
+    return every[name]
+
+
+def part_of(name):
+    if name is not None and name.upper() not in PARTS:
+        raise ValueError(f"adc = '{name}' must be one of: {', '.join(PARTS)}")
+    return name and name.upper()
+
+
+def base_of(needs):
+    """The named configuration whose tables a configuration begins with."""
+    if needs.sensor == "array":
+        small = (needs.rows or 64) * (needs.columns or 64) <= 64
+        return "fingertip" if small else "array64"
+    return {"channels": "slip1", "electrodes": "cop4"}[needs.sensor]
+
+
+def tables_of(name):
+    return tomllib.loads((config.FOLDER / f"{name}.toml").read_text("utf-8"))
+
+
+def clock_mhz(needs):
+    """The board's clock for that kind of configuration, else the configuration's own."""
+    base, board = base_of(needs), board_of(needs.board)
+    own = tables_of(base)["clock"]["mhz"]
+    return board.changes(base).get("mhz", own) if board else own
+
+
+def _channels(needs, results):
+    for row in results.get("slip", {"points": []})["points"]:
+        point = row["point"]
+        if point["noise_mv"] == PART_MV and needs.window in (None, point["window"]):
+            for part in OF_BITS.get(point["bits"], ()):
+                if needs.adc in (None, part):
+                    yield row | {"part": part}
+
+
+def _electrodes(needs, _):
+    """A converter for four wires is symmetric about 0 V, and the core takes no amplified differences."""
+    axis, rows = named("cop4"), needs.rows or 7
+    if rows != (needs.columns or 7):
+        raise ValueError("the axis cop4 is of square meshes: rows and columns must be equal")
+    if needs.adc not in (None, "AD7606"):
+        raise ValueError(
+            f"adc = '{needs.adc}' must be AD7606: four wires need a converter symmetric about 0 V"
+        )
+    bits = RANGES["AD7606"].bits
+    for R0_ohm in axis.values["R0_ohm"]:
+        point = {"side": rows, "r_ohm": needs.r_ohm or 100.0, "R0_ohm": R0_ohm, "bits": bits, "gain": 1}
+        if not cop4.legal(point):
+            raise ValueError(f"{rows}×{rows} with r = {point['r_ohm']:g} ohms is no mesh that can be solved")
+        yield {"point": point, **worker.measured(axis, point), "part": "AD7606"}
+
+
+def _array(needs, _):
+    axis = named("lanes")
+    for part in PARTS if needs.adc is None else (needs.adc,):
+        for converters in axis.values["converters"]:
+            for inputs in range(1, 9):
+                point = {"adc": part.lower(), "clock_mhz": clock_mhz(needs), "side": needs.rows or 64}
+                point |= {"columns": needs.columns or 64, "converters": converters, "inputs": inputs}
+                if lanes.legal(point):
+                    yield {"point": point, **worker.measured(axis, point), "part": part}
+
+
+ROWS = {"channels": _channels, "electrodes": _electrodes, "array": _array}
+AXIS = {"channels": "slip", "electrodes": "cop4", "array": "lanes"}
+# What is cheap first; then what is right; then what is fast.
+PRICE = {
+    "channels": ("kbit_s", "state_bits", "wrong", "delay_ms"),
+    "electrodes": ("power_mw", "position"),
+    "array": ("switched", "pins", "us_taxel"),
+}
+ERROR = {"channels": "wrong", "electrodes": "position", "array": None}
+LATENCY = {"channels": ("delay_ms", 1.0), "electrodes": (None, 1.0), "array": ("latency_us", 1e-3)}
+
+
+def candidates(needs, results):
+    """Rows with "part", the cheapest first; ValueError if there are none."""
+    found = list(ROWS[needs.sensor](needs, results))
+    if not found:
+        with_adc = f" with adc = {needs.adc}" if needs.adc else ""
+        raise ValueError(
+            f"no measured point is of {needs.sensor}{with_adc}; `meissner tradeoff` measures them"
+        )
+    keys = PRICE[needs.sensor]
+    order = lambda row: [float("inf") if (value := figure_of(row, key)) is None else value for key in keys]
+    return sorted(found, key=lambda row: (order(row), list(PARTS).index(row["part"])))
+
+
+def tables(needs, row):
+    """{table: {key: value}} of a configuration with that point."""
+    found, point = copy.deepcopy(tables_of(base_of(needs))), row["point"]
+    found["clock"]["mhz"] = float(clock_mhz(needs))
+    adc = found["adc"] | {"part": row["part"]}
+    if needs.sensor == "channels":
+        count = needs.channels or 1
+        step = 1 << point["level"]
+        hop = HOPS[point["kind"]](point["window"], step)
+        found["sensor"]["channels"] = count
+        adc["rate_hz"] = float(point["rate_hz"])
+        found["slip"] |= {"window": point["window"], "hop": hop, "level": point["level"]}
+        found["slip"]["serial"] = count == 1 and point["kind"] == "tumbling" and point["bits"] <= 12
+    elif needs.sensor == "electrodes":
+        found["mesh"] |= {"rows": point["side"], "columns": point["side"]}
+        found["mesh"] |= {"r_ohm": point["r_ohm"], "R0_ohm": point["R0_ohm"]}
+    else:
+        found["sensor"] |= {"rows": point["side"], "columns": point["columns"]}
+        adc |= {"converters": point["converters"], "channels": point["inputs"]}
+        adc["lanes"] = 2 if row["part"] == "AD7606" and point["inputs"] > 4 else 1
+        adc["rate_hz"] = rounded_rate(MARGIN * row["error"]["frames_s"])
+    found["adc"] = adc
+    found["about"] = f"chosen by meissner choose: {needs.sensor} on {row['part']}"
+    return found
+
+
+def rounded_rate(rate):
+    """The largest number of two digits that is not above ``rate``."""
+    size = 10.0 ** (len(str(int(rate))) - 2) if rate >= 10 else 0.1
+    return float(rate // size * size)

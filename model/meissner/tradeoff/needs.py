@@ -1,0 +1,67 @@
+"""What a user says that matters, and what the named configurations were made for.
+
+None: it does not matter. ``error``: per cent at most, of a sensor of slip the runs with a missed slip or a
+false alarm, of four wires what the converter adds to the position; the centre of an array has none to speak
+of. ``latency_ms``: at most, the median from the first partial slip to the flag, or from a frame's first convert
+start to the centre of pressure. ``window``: the samples of a window, as the papers' 64.
+"""
+
+from dataclasses import dataclass, fields
+
+LIMITS = (("channels", 8), ("rows", 256), ("columns", 256), ("window", 4096), ("lut", 10**7))
+SENSORS = ("channels", "electrodes", "array")
+
+
+@dataclass(frozen=True)
+class Needs:
+    """``lut``: of the board's chip, for a configuration that was placed there."""
+
+    sensor: str
+    error: float | None = None
+    latency_ms: float | None = None
+    board: str | None = None
+    adc: str | None = None
+    channels: int | None = None
+    rows: int | None = None
+    columns: int | None = None
+    r_ohm: float | None = None
+    window: int | None = None
+    lut: int | None = None
+
+    def __post_init__(self):
+        if self.sensor not in SENSORS:
+            raise ValueError(f"sensor = '{self.sensor}' must be one of: {', '.join(SENSORS)}")
+        for key, most in LIMITS:
+            value = getattr(self, key)
+            if value is not None and not 1 <= value <= most:
+                raise ValueError(f"{key} = {value} must lie in 1 .. {most}")
+        for key in ("error", "latency_ms", "r_ohm"):
+            value = getattr(self, key)
+            if value is not None and not 0 <= value < 1e9:
+                raise ValueError(f"{key} = {value:g} must be a number from 0 on")
+        own = {
+            "channels": ("channels", "window"),
+            "electrodes": ("rows", "columns", "r_ohm"),
+            "array": ("rows", "columns"),
+        }
+        for key in ("channels", "window", "rows", "columns", "r_ohm"):
+            if getattr(self, key) is not None and key not in own[self.sensor]:
+                raise ValueError(f"{key} must not be there with the sensor {self.sensor}")
+
+    def said(self):
+        """The needs that matter, {name: value}."""
+        return {
+            field.name: getattr(self, field.name)
+            for field in fields(self)
+            if getattr(self, field.name) is not None and field.name != "sensor"
+        }
+
+
+NEEDS = {
+    "slip1": Needs(
+        "channels", error=0, latency_ms=10, board="icebreaker", adc="MCP3208", channels=1, lut=500
+    ),
+    "cop4": Needs("electrodes", error=0.05, board="ulx3s", adc="AD7606", rows=7, columns=7, r_ohm=100.0),
+    "array64": Needs("array", latency_ms=1, board="ulx3s", adc="AD7606", rows=64, columns=64),
+    "fingertip": Needs("array", latency_ms=1, board="icebreaker", adc="MCP3208", rows=3, columns=3),
+}
