@@ -2,8 +2,8 @@
 
 None: it does not matter. ``error``: per cent at most, of a sensor of slip the runs with a missed slip or a
 false alarm, of four wires what the converter adds to the position; the centre of an array has none to speak
-of. ``latency_ms``: at most, the median from the first partial slip to the flag, or from a frame's first convert
-start to the centre of pressure. ``window``: the samples of a window, as the papers' 64.
+of. ``latency_ms``: at most, the median from the first partial slip to the flag, or from a frame's first
+convert start to the centre of pressure. ``window``: the samples of a window, as the papers' 64.
 """
 
 from dataclasses import dataclass, fields
