@@ -7,7 +7,7 @@ import subprocess
 import sys
 import time
 import types
-from concurrent.futures import ThreadPoolExecutor, as_completed
+from concurrent.futures import ThreadPoolExecutor, wait
 
 import pytest
 
@@ -195,7 +195,7 @@ class Client:
     def __init__(self, address, timeout):
         if address != "tcp://here:8786":
             raise OSError("nobody there")
-        self.pool = ThreadPoolExecutor(2)
+        self.pool, self.out = ThreadPoolExecutor(2), []
 
     def __enter__(self):
         return self
@@ -205,12 +205,18 @@ class Client:
 
     def submit(self, function, *arguments, pure):
         assert pure is False
-        return self.pool.submit(function, *arguments)
+        self.out = [future for future in self.out if not future.done()]
+        self.out.append(self.pool.submit(function, *arguments))
+        assert len(self.out) <= 4, "two of each thread"
+        return self.out[-1]
+
+    def ncores(self):
+        return {"tcp://a:1": 1, "tcp://b:1": 1}
 
 
 def test_through_a_scheduler(tmp_path, monkeypatch):
     stub = types.ModuleType("dask.distributed")
-    stub.Client, stub.as_completed = Client, as_completed
+    stub.Client, stub.wait = Client, wait
     monkeypatch.setitem(sys.modules, "dask", types.ModuleType("dask"))
     monkeypatch.setitem(sys.modules, "dask.distributed", stub)
     clean = swept(tmp_path / "a")

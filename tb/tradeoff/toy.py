@@ -1,6 +1,7 @@
 """An axis that measures nothing: it writes down what was asked for, and ends its process where it is told to.
 
-The environment says where: TOY_FOLDER, with a file `log`; `die_once` and `die_always` hold numbers of points.
+The environment says where: TOY_FOLDER, with a file `log`; `die_once` and `die_always` hold numbers of points;
+TOY_COUNT: how many points, TOY_SECONDS: how long each takes.
 """
 
 import os
@@ -10,7 +11,7 @@ from pathlib import Path
 
 from meissner.tradeoff.axis import Axis, Figure
 
-COUNT = 24
+COUNT = int(os.environ.get("TOY_COUNT", "24"))
 
 
 def folder():
@@ -51,11 +52,11 @@ AXES = (
     Axis(
         name="toy",
         title="A toy",
-        about="numbers from 0 to 99",
+        about="numbers from 0 to 99999",
         values={"number": tuple(range(COUNT))},
         quick={"number": (0, 5)},
         shipped={"number": 3},
-        legal=lambda point: point["number"] < 100,
+        legal=lambda point: point["number"] < 100_000,
         cost=cost,
         error=error,
         figures=(

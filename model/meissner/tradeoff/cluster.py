@@ -1,6 +1,15 @@
-"""The same points on the workers of a Dask scheduler, which need this package too."""
+"""The same points on the workers of a Dask scheduler, which need this package too.
+
+A worker keeps what it has found until it is fetched, so that all it has of a long list would be lost with it.
+Each therefore gets a point to run and one more, and the next when a result is here.
+"""
+
+import time
 
 from meissner.tradeoff import worker
+
+AHEAD = 2  # points that a thread of a worker has, the one that it runs among them
+COUNTED_S = 1.0  # between two looks at how many threads there are
 
 
 class Cluster:
@@ -8,26 +17,35 @@ class Cluster:
 
     def __init__(self, address):
         try:
-            from dask.distributed import Client, as_completed
+            from dask.distributed import Client, wait
         except ImportError:
             raise ValueError("--scheduler needs Dask: pip install distributed") from None
         try:
             self.client = Client(address, timeout="20s")
         except (OSError, ValueError) as problem:
             raise ValueError(f"no scheduler answers at {address}: {problem}") from None
-        self.completed, self.died = as_completed, 0
+        self.wait, self.room, self.counted = wait, 0, None
+
+    def _room(self):
+        """How many points may be out at once."""
+        now = time.monotonic()
+        if self.counted is None or now - self.counted >= COUNTED_S:
+            self.room, self.counted = AHEAD * max(1, sum(self.client.ncores().values())), now
+        return self.room
 
     def run(self, tasks):
         with self.client as client:
-            waiting = {}
-            for task in tasks:
-                given = (task.where, task.name, task.point)
-                waiting[client.submit(worker.answer, *given, pure=False)] = task
-            for future in self.completed(list(waiting)):
-                try:
-                    found = future.result()
-                except Exception as problem:  # Dask's own: a point whose workers ended again and again
-                    found = {"problem": f"{type(problem).__name__}: {problem}"}
-                yield waiting.pop(future), found
-                if hasattr(future, "release"):
-                    future.release()  # its worker need not keep it
+            waiting, left = {}, iter(tasks)
+            while True:
+                room = self._room() - len(waiting)
+                for _, task in zip(range(room), left):
+                    given = (task.where, task.name, task.point)
+                    waiting[client.submit(worker.answer, *given, pure=False)] = task
+                if not waiting:
+                    return
+                for future in self.wait(list(waiting), return_when="FIRST_COMPLETED").done:
+                    try:
+                        found = future.result()
+                    except Exception as problem:  # Dask's own: a point that ended its workers again and again
+                        found = {"problem": f"{type(problem).__name__}: {problem}"}
+                    yield waiting.pop(future), found
