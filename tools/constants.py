@@ -7,64 +7,27 @@ Each module of meissner.physics says it beside its constants, as ``ORIGINS``: {n
 """
 
 import argparse
-import contextlib
 import importlib
 import pkgutil
 import re
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 
 from meissner import physics, scenes
 from meissner.builds import toolchain
 from meissner.engines import fixed
-from meissner.physics import grip, plate, rubber
+from meissner.physics import rubber
 from meissner.scenes.grip.run import judge as judge_held
 from meissner.scenes.rates import rates
 from meissner.scenes.rubber.judge import judge
+from meissner.tradeoff.changes import CHANGES, HELD_CHANGES, changed
 
 PAGE = toolchain.ROOT / "docs/constants.md"
 FORMATS = ("meissner.physics.cop4_config", "meissner.physics.cop4_registers")  # widths of registers
 KINDS = ("published", "read off", "datasheet", "computed", "chosen")
 SLIPS, PRESSES, HELD = "acrylic_slip", "normal_force", "cop_slip"
 RUNS = 100
-
-
-class Change(NamedTuple):
-    """One constant changed; ``first``: of the scene's condition; ``presses``: it matters to pressing too."""
-
-    name: str
-    value: float
-    module: object = rubber
-    first: float | None = None
-    presses: bool = False
-
-
-CHANGES = (
-    Change("QUALITY", 1.0),
-    Change("QUALITY", 10.0),
-    Change("THICKNESS_MM", 0.5),
-    Change("THICKNESS_MM", 1.0),
-    Change("PATCHES", 20),
-    Change("PATCHES", 1000),
-    Change("EVENT_SHARE", rubber.EVENT_SHARE / 4),
-    Change("EVENT_SHARE", rubber.EVENT_SHARE / 2),
-    Change("EVENT_SHARE", rubber.EVENT_SHARE * 2),
-    Change("EVENT_SPREAD", 0.2),
-    Change("EVENT_SPREAD", 0.5),
-    Change("first event", rubber.PUBLISHED_ONSET, first=rubber.PUBLISHED_ONSET),
-    Change("RIPPLE_N", 2 * plate.RIPPLE_N, plate, presses=True),
-    Change("RIPPLE_LIMIT_HZ", 2000.0, plate, presses=True),
-    Change("FRICTION_SPREAD", 0.1, plate),
-)
-HELD_CHANGES = (
-    Change("LEVER_MM", grip.LEVER_MM / 2, grip),
-    Change("LEVER_MM", grip.LEVER_MM * 2, grip),
-    Change("TILT", 4 * grip.TILT, grip),
-    Change("GRIP_RISE", 0.0, grip),
-    Change("FRICTION_SPREAD", 0.1, plate),
-)
 
 
 def constants(module):
@@ -91,24 +54,6 @@ def modules():
     found = pkgutil.iter_modules(physics.__path__, "meissner.physics.")
     loaded = [importlib.import_module(one.name) for one in found if not one.ispkg]
     return [module for module in loaded if constants(module) and module.__name__ not in FORMATS]
-
-
-@contextlib.contextmanager
-def changed(change):
-    """The physics with one constant changed, and those that are computed from it."""
-    if change.first is not None:
-        yield
-        return
-    names = (change.name, *(("RING_HZ", "RING_S") if change.module is rubber else ()))
-    before = {name: getattr(change.module, name) for name in names}
-    setattr(change.module, change.name, change.value)
-    if change.module is rubber:
-        rubber.RING_HZ, rubber.RING_S = rubber.ring(rubber.THICKNESS_MM, rubber.QUALITY)
-    try:
-        yield
-    finally:
-        for name, value in before.items():
-            setattr(change.module, name, value)
 
 
 def _verdicts(name, first=None):

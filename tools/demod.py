@@ -9,46 +9,9 @@ import argparse
 
 import numpy as np
 
-from meissner.twins.frontend.am_demod import IQ, IQ_FAST, RECTIFIER, AmDemod
+from meissner.tradeoff.axes.demod import FORMS, PERIODS, figures, phase_error
 
-BITS, OFFSET, PERIODS = 12, 2048, 8
 SNR_DB = (60, 40, 30, 20, 10, 5, 0, -5, -10)
-PHASES, RUNS = 64, 400
-FORMS = {"rectifier, offset known": None, "rectifier": RECTIFIER, "I/Q estimated": IQ_FAST, "I/Q": IQ}
-
-
-def samples_of(n, snr_db):
-    """Codes [phases, runs, samples] of noisy carriers and their amplitude; 4 sigma of noise fit the range."""
-    rng = np.random.default_rng(1)
-    ratio = np.sqrt(0.5) / 10 ** (snr_db / 20)  # noise, rms, by amplitude
-    amplitude = min(1000.0, 2000 / (1 + 4 * ratio))
-    phase = 2 * np.pi * (np.arange(PHASES) + 0.5) / PHASES
-    time = 2 * np.pi * np.arange(n * PERIODS) / n
-    noise = ratio * rng.standard_normal((PHASES, RUNS, n * PERIODS))
-    codes = OFFSET + amplitude * (np.cos(time + phase[:, None])[:, None] + noise)
-    return np.clip(np.rint(codes), 0, 2**BITS - 1).astype(np.int64), amplitude
-
-
-def amplitudes(form, n, codes):
-    """Amplitudes in codes."""
-    if form is None:  # the plain precision rectifier, its zero set by hand
-        return np.abs(codes - OFFSET).mean(axis=-1) * np.pi / 2
-    demod = AmDemod(form, n)
-    shift = max(0, int(np.ceil(np.log2(demod.gain(PERIODS) * 1.5 * 2 ** (BITS - 1) / 2**16))))
-    return demod.amplitude(codes, shift)[0] * 2**shift / demod.gain(PERIODS)
-
-
-def figures(form, n, snr_db):
-    """Spread and bias in per cent."""
-    codes, amplitude = samples_of(n, snr_db)
-    got = amplitudes(form, n, codes) / amplitude
-    return 100 * np.sqrt(got.var(axis=-1).mean()), 100 * (got.mean() - 1)
-
-
-def phase_error(form, n):
-    """Largest deviation from the mean over the phases, noise-free, in per cent."""
-    got = amplitudes(form, n, samples_of(n, 200)[0][:, 0])
-    return 100 * np.abs(got / got.mean() - 1).max()
 
 
 def draw(curves, path):

@@ -8,43 +8,21 @@ All without noise. The rubber is meissner.physics.rubber's, whose Vc rises as 1 
 """
 
 import argparse
-from dataclasses import replace
 
 import numpy as np
 
 from meissner.physics import rubber
-from meissner.twins.slip.shear_speed import (
-    RISING,
-    ShearSettings,
-    ShearSize,
-    ShearSpeed,
-    bound,
-    denominator,
-    speed,
-)
+from meissner.tradeoff.axes.shear import PER_V, PRECISIONS, RATE_HZ, size_of
+from meissner.tradeoff.axes.shear import worst as error
+from meissner.twins.slip.shear_speed import RISING, ShearSettings, ShearSize, ShearSpeed
 
-PER_V = 65535 / 5  # codes of 17 bits, signed, over the supply
 MCP3208 = 4096 / 5
-RATE_HZ = 10_000
-PRECISIONS = {3: 10, 4: 12, 5: 14, 6: 16, 7: 18, 8: 20}  # fraction bits that go with a table
-
-
-def error(size):
-    """The largest of |v / true - 1|: as the formula's registers have it, and as the rubber has it."""
-    settings = ShearSettings.of(PER_V, RATE_HZ, size)
-    v, vi = np.meshgrid(np.geomspace(0.01, 3.0, 600), np.linspace(2, 4, 201))
-    code_vi = np.rint(vi * PER_V * size.unit).astype(np.int64)
-    rise = np.rint((1.55 - 0.27 * vi) * v**0.11 * PER_V * size.unit).astype(np.int64)
-    k = denominator(code_vi, settings)
-    got = speed(rise, k, settings, size) / float(1 << size.speed_fraction)
-    by_registers = (rise / k) ** (settings.exponent / 2048)
-    return np.abs(got / by_registers - 1).max(), np.abs(got / v - 1).max(), bound(settings.exponent, size)
 
 
 def precision():
     """Rows of the table of precisions: table bits, ROM bits, errors in per cent, bound."""
     for table_bits, fraction_bits in PRECISIONS.items():
-        size = replace(ShearSize(), table_bits=table_bits, fraction_bits=fraction_bits)
+        size = size_of(table_bits, fraction_bits)
         word = 2 * fraction_bits - table_bits + 5
         by_registers, true, most = error(size)
         half = 0.5 / (1 << size.speed_fraction) / 0.01  # an lsb of the output, at the lowest speed

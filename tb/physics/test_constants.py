@@ -9,6 +9,7 @@ import pytest
 import constants
 import figures
 from meissner.physics import plate, rubber
+from meissner.tradeoff.changes import Change
 
 
 @pytest.mark.parametrize("module", constants.modules(), ids=lambda module: module.__name__.split(".")[-1])
@@ -41,13 +42,13 @@ def test_the_page_says_what_is_recorded():
 def test_a_change_reaches_what_is_computed_from_it_and_ends():
     """A layer a third as thick rings at the square root of 3 of the frequency: stiffness is kept."""
     before = rubber.RING_HZ, rubber.RING_S, rubber.QUALITY, rubber.THICKNESS_MM
-    with constants.changed(constants.Change("THICKNESS_MM", rubber.THICKNESS_MM / 3)):
+    with constants.changed(Change("THICKNESS_MM", rubber.THICKNESS_MM / 3)):
         assert pytest.approx(before[0] * 3**0.5) == rubber.RING_HZ
         assert pytest.approx(5893, abs=1) == rubber.RING_HZ, "above half of 10 kHz"
-    with constants.changed(constants.Change("QUALITY", 10.0)):
+    with constants.changed(Change("QUALITY", 10.0)):
         assert pytest.approx(10 / 3 * before[1]) == rubber.RING_S and before[0] == rubber.RING_HZ
     ripple = plate.RIPPLE_N
-    with constants.changed(constants.Change("RIPPLE_N", 2.0, plate)):
+    with constants.changed(Change("RIPPLE_N", 2.0, plate)):
         assert plate.RIPPLE_N == 2.0
     assert ripple == plate.RIPPLE_N
     assert before == (rubber.RING_HZ, rubber.RING_S, rubber.QUALITY, rubber.THICKNESS_MM)
@@ -57,7 +58,7 @@ def test_a_change_that_matters_turns_the_figures(monkeypatch):
     """Three runs: none of a slip four times as quiet is found in time, as it is all are."""
     monkeypatch.setattr(constants, "RUNS", 3)
     as_is = constants._row()
-    quiet = constants.Change("EVENT_SHARE", rubber.EVENT_SHARE / 4)
+    quiet = Change("EVENT_SHARE", rubber.EVENT_SHARE / 4)
     with constants.changed(quiet):
         found = constants._row(quiet)
     assert (as_is["missed"]["count"], as_is["false_alarm"]["count"], as_is["false_alarm"]["runs"]) == (
@@ -68,7 +69,7 @@ def test_a_change_that_matters_turns_the_figures(monkeypatch):
     assert found["missed"]["count"] == 3 and constants.most_missed(found) and not constants.most_missed(as_is)
     assert found["false_alarm"] is None and found["lead_ms"] < 0 < as_is["lead_ms"]
     assert found["delay_ms"] > as_is["delay_ms"]
-    early = constants._row(constants.Change("first event", 0.12, first=0.12))
+    early = constants._row(Change("first event", 0.12, first=0.12))
     assert early["lead_ms"] > 4 * as_is["lead_ms"]
 
 

@@ -1,6 +1,7 @@
 """The axes: found and whole, each point repeated by its command, figures by hand or by another way."""
 
 import json
+import shlex
 from fractions import Fraction
 from pathlib import Path
 
@@ -13,7 +14,7 @@ from meissner.engines import fixed
 from meissner.scenes.rubber.judge import judge
 from meissner.tradeoff import area, axes, table, worker
 from meissner.tradeoff.axes import constants, cop4, divider, slip
-from meissner.tradeoff.axis import command_of, point_of, text_of
+from meissner.tradeoff.points import command_of, point_of, text_of
 
 EVERY = list(table.every().values())
 
@@ -33,7 +34,7 @@ def test_every_point_is_repeated_by_its_command(axis):
         assert len({json.dumps(point) for point in points}) == len(points)
         assert sum(axis.is_shipped(point) for point in points) == 1
         for point in points:
-            assert point_of(axis, text_of(point)) == point
+            assert point_of(axis, shlex.split(text_of(point))) == point
             assert command_of(axis, point).startswith(f"meissner tradeoff --axis {axis.name} --point ")
     assert len(axis.points(True)) <= len(axis.points())
 
@@ -175,7 +176,7 @@ def test_areas_are_those_that_are_recorded(monkeypatch):
         (["--axis", "slip", "--point", "window=48"], "is no point of slip: a window is a power of two"),
         (["--axis", "slip", "--point", "runs=0"], "--point: runs = 0 must lie in 1 .. 100000000"),
         (
-            ["--axis", "slip", "--point", "kind=round"],
+            ["--axis", "slip", "--point", "bits=8", "kind=round"],
             "--point: kind = 'round' must be one of: tumbling, half",
         ),
         (["--axis", "cop4", "--point", "R0_ohm=0"], "is no point of cop4: 8 to 24 bits"),
@@ -191,7 +192,7 @@ def test_bad_input_is_refused_in_a_sentence(given, sentence, capsys):
 
 
 def test_a_point_is_printed(capsys):
-    cli.main(["tradeoff", "--axis", "divider", "--point", "fraction_bits=4,frames=50"])
+    cli.main(["tradeoff", "--axis", "divider", "--point", "fraction_bits=4", "frames=50"])
     found = json.loads(capsys.readouterr().out)
     assert found["point"] == {"fraction_bits": 4, "bits_per_clock": 2, "frames": 50}
     assert found["cost"]["clocks"] == 6

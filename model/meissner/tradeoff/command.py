@@ -8,7 +8,7 @@ from pathlib import Path
 from meissner.files import check_out, written
 from meissner.plain import plain
 from meissner.tradeoff import sweep, table
-from meissner.tradeoff.axis import point_of
+from meissner.tradeoff.points import point_of
 from meissner.tradeoff.pool import cores
 
 NEEDED = ("error", "board", "channels", "window", "rows", "columns", "lut")

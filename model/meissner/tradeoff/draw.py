@@ -78,6 +78,9 @@ def _conclusions(axes, axis, rows):
     axes.tick_params(length=0)
     axes.grid(color="#E6E6E6", lw=0.6)
     axes.spines[:].set_visible(False)
+    for marker, colour, name in (("o", BLUE, "holds"), ("X", ORANGE, "does not")):
+        axes.scatter([], [], s=90, marker=marker, color=colour, label=name)
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, 0), ncols=2, frameon=False)
 
 
 def draw(file, axis, rows):

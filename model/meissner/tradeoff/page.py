@@ -5,7 +5,7 @@ from meissner.files import written
 from meissner.report.page import write_html
 from meissner.report.words import number
 from meissner.tradeoff import area, draw
-from meissner.tradeoff.axis import command_of
+from meissner.tradeoff.points import command_of
 from meissner.tradeoff.sweep import figure_of
 
 ROWS = 40  # of a table
@@ -38,7 +38,7 @@ def _last(value):
 
 
 def table(axis, rows, command=True):
-    """The same as dicts of words."""
+    """The same as dicts of words, without what all rows have alike."""
     found, _ = listed(axis, rows)
     usual = {key for key in axis.runs} | {key for key in axis.values}
     measured = [
@@ -56,7 +56,10 @@ def table(axis, rows, command=True):
         if command:
             cell["again"] = command_of(axis, row["point"])
         cells.append(cell)
-    return cells
+    if len(cells) == 1:
+        return cells
+    differ = [key for key in cells[0] if len({str(cell[key]) for cell in cells}) > 1]
+    return [{key: cell[key] for key in differ} for cell in cells]
 
 
 def survivors(axis, rows):
@@ -133,6 +136,7 @@ def write(out, axes, rows, facts):
     count = sum(map(len, rows.values()))
     kinds = f"{len(rows)} ax{'es' if len(rows) > 1 else 'is'}"
     text = f"{count} points on {kinds}, measured; grey: beaten in all that is judged."
-    text = " ".join([text, *(f"{line}." for line in not_placed(axes, rows))])
+    text += " What all rows of a table have alike is left out of it."
+    facts = facts | {"not shown": line for line in not_placed(axes, rows)}
     write_html(out / "report.html", facts, pictures, tables, "What accuracy costs", text)
     return [*names, "report.html"]

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from meissner.files import written
 from meissner.tradeoff import area, pareto
-from meissner.tradeoff.axis import command_of
+from meissner.tradeoff.points import command_of
 from meissner.tradeoff.pool import Pool, Task
 from meissner.tradeoff.store import Store, revision
 

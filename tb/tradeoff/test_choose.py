@@ -1,0 +1,138 @@
+"""From needs to a configuration: the shipped ones from theirs, the next in each direction, refusals."""
+
+import json
+import tomllib
+
+import pytest
+
+from meissner import cli
+from meissner.builds import config
+from meissner.tradeoff import choose
+from meissner.tradeoff.candidates import board_of, rounded_rate, tables
+from meissner.tradeoff.command import RECORD
+from meissner.tradeoff.needs import NEEDS, Needs
+
+MEASURED = json.loads(RECORD.read_text("utf-8"))
+# What is chosen otherwise than what ships, docs/tradeoff.md says why: {name: {parameter: (chosen, shipped)}}.
+DIFFERENT = {"fingertip": {"period": (5200.0, 4000.0)}}
+
+
+@pytest.mark.parametrize("name", NEEDS)
+def test_the_shipped_configurations_from_their_needs(name, tmp_path):
+    """Parameters of the RTL and registers, both as the board has them."""
+    needs = NEEDS[name]
+    row, _, _ = choose.chosen(needs, MEASURED)
+    path = tmp_path / "mine.toml"
+    path.write_text(choose.toml(tables(needs, row)), "utf-8")
+    board = board_of(needs.board)
+    found, ships = board.config(str(path)), board.config(name)
+    rates = {"period": (found.rate_hz, ships.rate_hz)} if found.rate_hz != ships.rate_hz else {}
+    assert rates == DIFFERENT.get(name, {})
+    if not rates:
+        assert found.parameters == ships.parameters and found.settings == ships.settings
+    else:
+        same = lambda one: {key: one.parameters[key] for key in one.parameters if "Period" not in key}
+        assert same(found) == same(ships)
+
+
+def row_of(bits, rate_hz, window, kind, wrong, delay_ms, kbit_s, state_bits):
+    point = {"rate_hz": rate_hz, "bits": bits, "noise_mv": 0.198, "level": 1, "window": window, "kind": kind}
+    cost = {"kbit_s": kbit_s, "state_bits": state_bits, "clocks": 6}
+    error = {"wrong": wrong, "delay_ms": delay_ms}
+    return {"point": point | {"runs": 9}, "cost": cost, "error": error, "front": True, "shipped": False}
+
+
+HAND = {
+    "slip": {
+        "points": [
+            row_of(12, 5000, 64, "tumbling", 3.0, 24.0, 60.0, 28),
+            row_of(12, 10000, 64, "tumbling", 0.0, 9.0, 120.0, 28),
+            row_of(12, 10000, 64, "sliding", 0.0, 6.0, 120.0, 868),
+            row_of(12, 20000, 64, "tumbling", 0.0, 4.0, 240.0, 28),
+            row_of(10, 10000, 64, "tumbling", 1.0, 8.0, 100.0, 24),
+        ]
+    }
+}
+
+
+@pytest.mark.parametrize(
+    ("needs", "expected"),
+    [
+        ({}, (5000, 12, "tumbling")),  # the cheapest
+        ({"error": 3.0}, (5000, 12, "tumbling")),
+        ({"error": 2.9}, (10000, 10, "tumbling")),
+        ({"error": 0.9}, (10000, 12, "tumbling")),
+        ({"error": 0.0, "latency_ms": 9.0}, (10000, 12, "tumbling")),
+        ({"error": 0.0, "latency_ms": 8.9}, (10000, 12, "sliding")),
+        ({"error": 0.0, "latency_ms": 5.0}, (20000, 12, "tumbling")),
+        ({"adc": "MAX11124"}, (10000, 10, "tumbling")),
+    ],
+)
+def test_the_cheapest_that_meets_the_needs(needs, expected):
+    row, made, _ = choose.chosen(Needs("channels", **needs), HAND)
+    point = row["point"]
+    assert (point["rate_hz"], point["bits"], point["kind"]) == expected
+    assert (made.rate_hz, made.slip.hop) == (expected[0], 2 if expected[2] == "sliding" else 64)
+    assert made.serial == (expected[2] == "tumbling")
+
+
+def test_the_next_in_each_direction_and_why():
+    _, _, lines = choose.chosen(Needs("channels", error=0.0, latency_ms=10.0, adc="MCP3208"), HAND)
+    assert lines[5:] == [
+        "less of 'converter's data': 60 kbit/s with rate_hz 5000, but missed and false alarms 3 % of runs is "
+        "above 0 % of runs; onset to flag, median 24 ms is above 10 ms",
+        "less of 'state of a channel': no measured point has it",
+        "less of 'missed and false alarms': no measured point has it",
+        "less of 'onset to flag, median': 6 ms with kind sliding, for 868 instead of 28 bits of 'state of a "
+        "channel'",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("given", "sentence"),
+    [
+        ("wires", "sensor = 'wires' must be one of: channels, electrodes, array"),
+        ("channels --board pi", "there is no board 'pi'; the boards are: icebreaker"),
+        ("channels --adc AD1", "adc = 'AD1' must be one of: MCP3208"),
+        ("channels --rows 3", "rows must not be there with the sensor channels"),
+        ("channels --error -1", "error = -1 must be a number from 0 on"),
+        ("channels --error nan", "error = nan must be a number from 0 on"),
+        ("channels --channels 9", "channels = 9 must lie in 1 .. 8"),
+        (
+            "channels --latency 0.001",
+            "no measured point meets the needs; of the cheapest that comes near, onset",
+        ),
+        ("channels --lut 3", "--lut is of a board's chip: name it with --board"),
+        (
+            "channels --lut 3 --board icebreaker --adc MCP3208",
+            "lut = 3 is too few: icebreaker-slip1, the nearest",
+        ),
+        ("electrodes --adc MCP3208", "adc = 'MCP3208' must be AD7606: four wires need a converter symmetric"),
+        ("electrodes --rows 3 --columns 4", "the axis cop4 is of square meshes"),
+        ("electrodes --board icebreaker", "none can be built"),
+        ("array --latency 0.1 --rows 64 --adc MCP3208", "no measured point meets the needs"),
+        ("array --sweep /nowhere", "/nowhere has no results of a sweep"),
+        ("array --out /nowhere/x.toml", "there is no folder /nowhere to write x.toml into"),
+    ],
+)
+def test_bad_needs_are_refused_in_a_sentence(given, sentence, capsys):
+    with pytest.raises(SystemExit) as ended:
+        cli.main(["choose", *given.split()])
+    said = capsys.readouterr().err
+    assert ended.value.code == 2 and sentence in said and said.count("\n") == 1, said
+
+
+def test_what_is_printed_is_a_configuration(tmp_path, capsys):
+    cli.main(["choose", "electrodes", "--error", "0.05"])
+    printed = capsys.readouterr().out
+    assert tomllib.loads(printed)["mesh"]["R0_ohm"] == 1000.0, "comments say why"
+    path = tmp_path / "mine.toml"
+    cli.main(["choose", "electrodes", "--error", "0.05", "--out", str(path)])
+    assert config.load(str(path)).cop4.mesh.R0 == 1000.0
+    assert (
+        "less of 'taken from the rails at 5 N': 212.1 mW with R0_ohm 3300.0, but" in capsys.readouterr().out
+    )
+
+
+def test_a_rate_of_two_digits():
+    assert [rounded_rate(rate) for rate in (1432.8, 99.9, 100.0, 7.26)] == [1400.0, 99.0, 100.0, 7.2]
