@@ -164,9 +164,7 @@ def _tradeoff(commands):
     parser.add_argument("--list", action="store_true", help="the axes, one line each")
     parser.add_argument("--axis", action="append", metavar="NAME", help="only this one; repeatable (all)")
     parser.add_argument("--quick", action="store_true", help="few points and runs: minutes, not half an hour")
-    parser.add_argument(
-        "--point", nargs="+", metavar="NAME=VALUE", help="measure a point of --axis, print it"
-    )
+    parser.add_argument("--point", nargs="+", metavar="NAME=VALUE", help="measure and print one point")
     parser.add_argument("--out", metavar="DIR", help="folder for the results (build/tradeoff)")
     parser.add_argument("--workers", type=int, metavar="N", help="processes of this machine (one a core)")
     parser.add_argument("--scheduler", metavar="ADDRESS", help="Dask's, tcp://HOST:8786: its workers instead")

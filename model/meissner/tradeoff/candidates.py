@@ -122,6 +122,9 @@ def tables(needs, row):
     """{table: {key: value}} of a configuration with that point."""
     found, point = copy.deepcopy(tables_of(base_of(needs))), row["point"]
     found["clock"]["mhz"] = float(clock_mhz(needs))
+    board = board_of(needs.board)
+    if board and "registers" in (own := board.changes(base_of(needs))):
+        found["link"]["registers"] = own["registers"]
     adc = found["adc"] | {"part": row["part"]}
     if needs.sensor == "channels":
         count = needs.channels or 1

@@ -137,6 +137,7 @@ def write(out, axes, rows, facts):
     kinds = f"{len(rows)} ax{'es' if len(rows) > 1 else 'is'}"
     text = f"{count} points on {kinds}, measured; grey: beaten in all that is judged."
     text += " What all rows of a table have alike is left out of it."
-    facts = facts | {"not shown": line for line in not_placed(axes, rows)}
+    if lines := not_placed(axes, rows):
+        facts = facts | {"not shown": " ".join(lines)}
     write_html(out / "report.html", facts, pictures, tables, "What accuracy costs", text)
     return [*names, "report.html"]
