@@ -18,7 +18,7 @@ RATES = {"fingertip": (5200.0, 4000.0)}  # chosen and shipped, where they differ
 
 @pytest.mark.parametrize("name", NEEDS)
 def test_the_shipped_configurations_from_their_needs(name, tmp_path):
-    """Every parameter of the RTL and every register, as the board has them; the rate apart where it differs."""
+    """Every parameter of the RTL and every register, as the board has them; the rate where it is the same."""
     needs = NEEDS[name]
     row, _, _ = choose.chosen(needs, MEASURED)
     made, board = tables(needs, row), board_of(needs.board)

@@ -3,6 +3,7 @@
 import json
 import os
 import sys
+from contextlib import contextmanager
 from pathlib import Path
 
 from meissner.files import check_out, written
@@ -15,24 +16,19 @@ NEEDED = ("error", "board", "channels", "window", "rows", "columns", "lut")
 RECORD = Path(__file__).with_name("measured.json")
 
 
+@contextmanager
 def _bar(total):
     """What to call after each point: a bar with the time left on a terminal, nothing in a pipe."""
     if not sys.stderr.isatty() or not total:
-        return lambda: None
+        yield lambda: None
+        return
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
     columns = (TextColumn("measuring"), BarColumn(), MofNCompleteColumn(), TextColumn("left"))
-    bar = Progress(*columns, TimeRemainingColumn(), console=Console(stderr=True), transient=True)
-    task = bar.add_task("", total=total)
-    bar.start()
-
-    def done():
-        bar.advance(task)
-        if bar.finished:
-            bar.stop()
-
-    return done
+    with Progress(*columns, TimeRemainingColumn(), console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task("", total=total)
+        yield lambda: bar.advance(task)
 
 
 def _folder(out):

@@ -1,6 +1,7 @@
 """From axes to results: plan the points, run those that are not on disk, join all as planned."""
 
 import json
+from contextlib import closing, nullcontext
 from pathlib import Path
 
 from meissner.files import written
@@ -23,7 +24,8 @@ def run(axes, out, quick=False, runner=None, workers=1, progress=None, say=print
     """Measure what is not in ``out`` yet and write the results there; returns {name: rows}.
 
     ``runner``: what has ``run(tasks)``, of all axes but the timed ones; ``workers``: processes without it;
-    ``points``: {name: points} in place of an axis's own. ValueError at the end if points failed.
+    ``progress``: of a number of points a context with what to call after each; ``points``: {name: points} in
+    place of an axis's own. ValueError at the end if points failed.
     """
     out = Path(out)
     store = Store(out)
@@ -43,18 +45,19 @@ def run(axes, out, quick=False, runner=None, workers=1, progress=None, say=print
         again = f"; {stale} again, as what they rest on has changed" if stale else ""
         say(f"{len(found)} of {count} points are in {out} already{again}")
     problems = []
-    report = progress(sum(map(len, todo.values()))) if progress else lambda: None
-    for timed in (False, True):
-        if not todo[timed]:
-            continue
-        several = runner if runner is not None and not timed else Pool(1 if timed else workers)
-        for task, answer in several.run(todo[timed]):
-            if "found" in answer:
-                store.write(task, answer["found"])
-                found[_key(task)] = answer["found"]
-            else:
-                problems.append((task, answer["problem"]))
-            report()
+    with progress(sum(map(len, todo.values()))) if progress else nullcontext(lambda: None) as report:
+        for timed in (False, True):
+            if not todo[timed]:
+                continue
+            several = runner if runner is not None and not timed else Pool(1 if timed else workers)
+            with closing(several.run(todo[timed])) as answers:
+                for task, answer in answers:
+                    if "found" in answer:
+                        store.write(task, answer["found"])
+                        found[_key(task)] = answer["found"]
+                    else:
+                        problems.append((task, answer["problem"]))
+                    report()
     rows = {axis.name: _rows(axis, wanted[axis.name], found) for axis in axes}
     _write(out, axes, rows, quick)
     if problems:
