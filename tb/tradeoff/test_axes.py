@@ -108,6 +108,27 @@ def test_a_flag_at_the_slip_of_the_whole_contact_is_a_miss():
     assert slip.flagged(np.array([0.1, 0.2]), None, None)["false_alarms"] == 2
 
 
+def test_the_figures_of_runs_by_hand():
+    """Four slips: in time after 10 and 30 ms, late after 80 ms, never; one false alarm in one, three in a press."""
+
+    def slipped(delay_ms, lead_ms, early=0):
+        flag = delay_ms is not None
+        seconds = {"delay_s": delay_ms / 1e3 if flag else None, "lead_s": lead_ms / 1e3 if flag else None}
+        late = flag and lead_ms <= 0
+        return seconds | {"missed": late or not flag, "late": late, "false_alarms": early}
+
+    slips = [slipped(10, 40), slipped(30, 20, 1), slipped(80, -30), slipped(None, None)]
+    presses = [slipped(None, None, 3) | {"missed": False}, slipped(None, None) | {"missed": False}]
+    found = slip.figures(slips, presses)
+    assert (found["missed"]["count"], found["missed"]["runs"], found["late"]) == (2, 4, 1)
+    assert (found["false_alarm"]["count"], found["false_alarm"]["runs"]) == (2, 6)
+    assert found["wrong"] == pytest.approx(100 * (2 / 4 + 2 / 6), abs=1e-3)
+    assert (found["delay_ms"], found["delay_ms_mean"], found["lead_ms_min"]) == (30, 40, -30)
+    nothing = slip.figures([slipped(None, None)], [])
+    assert nothing["delay_ms"] is None and nothing["lead_ms_min"] is None
+    assert nothing["missed"]["low"] == pytest.approx(0.025), "exact: 0.05 / 2 of one run"
+
+
 def test_too_few_bits_are_noticed():
     """Of 8 bits a code is as large as the threshold, so noise alone raises flags; 12 bits have none."""
     coarse, usual = (slip.error(slip.SHIPPED | {"bits": bits, "runs": 4}) for bits in (8, 12))
