@@ -109,7 +109,7 @@ def test_a_flag_at_the_slip_of_the_whole_contact_is_a_miss():
 
 
 def test_the_figures_of_runs_by_hand():
-    """Four slips: in time after 10 and 30 ms, late after 80 ms, never; one false alarm in one, three in a press."""
+    """Four slips: after 10 and 30 ms, late after 80 ms, never; a false alarm in one, three in a press."""
 
     def slipped(delay_ms, lead_ms, early=0):
         flag = delay_ms is not None
