@@ -86,7 +86,7 @@ def _conclusions(axes, axis, rows):
 def draw(file, axis, rows):
     """PNG into the open ``file``."""
     count = max(1, len(axis.panels))
-    size = (9, 1.9 + 0.3 * len(rows)) if axis.conclusions else (4.6 * count, 4.4)
+    size = (9, 1.9 + 0.3 * len(rows)) if axis.conclusions else (max(7.2, 4.6 * count), 4.4)
     figure = Figure(figsize=size, layout="constrained")
     FigureCanvasAgg(figure)
     figure.suptitle(axis.title, fontsize=12, x=0.01, ha="left", fontweight="bold", color=INK)
@@ -97,5 +97,12 @@ def draw(file, axis, rows):
         for axes, panel in zip(several, axis.panels):
             _panel(axes, axis, rows, *panel)
         handles = {name: one for axes in several for one, name in zip(*axes.get_legend_handles_labels())}
-        figure.legend(handles.values(), handles, loc="outside lower left", ncols=4, frameon=False, fontsize=9)
+        figure.legend(
+            handles.values(),
+            handles,
+            loc="outside lower left",
+            ncols=2 if count == 1 else 4,
+            frameon=False,
+            fontsize=9,
+        )
     figure.savefig(file, format="png", dpi=110, facecolor="white")
