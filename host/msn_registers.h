@@ -13,6 +13,7 @@
 #define MSN_FEATURE_COP4 (1u << 7)
 #define MSN_FEATURE_COP_SLIP (1u << 8)
 #define MSN_FEATURE_LINK (1u << 9)
+#define MSN_FEATURE_GRIP (1u << 10)
 
 /* What this core is */
 #define MSN_CORE_ID 0x000u
@@ -164,5 +165,30 @@
 #define MSN_LINK_COP_DROPPED 0x908u
 #define MSN_LINK_IMAGE_DROPPED 0x90cu
 #define MSN_LINK_REJECTED 0x910u
+
+/* Grip reflex */
+#define MSN_GRIP_ENABLE 0xa00u
+#define MSN_GRIP_PERIOD 0xa04u
+#define MSN_GRIP_STEP 0xa08u
+#define MSN_GRIP_DECAY 0xa0cu
+#define MSN_GRIP_MINIMUM 0xa10u
+#define MSN_GRIP_MAXIMUM 0xa14u
+#define MSN_GRIP_RATE 0xa18u
+#define MSN_GRIP_WATCHDOG 0xa1cu
+#define MSN_GRIP_RULE 0xa20u
+#define MSN_GRIP_MODE 0xa24u
+#define MSN_GRIP_IMMEDIATE 0xa28u
+#define MSN_GRIP_OVERRIDE 0xa2cu
+#define MSN_GRIP_OVERRIDE_VALUE 0xa30u
+#define MSN_GRIP_DIVIDE 0xa34u
+#define MSN_GRIP_LOW 0xa38u
+#define MSN_GRIP_HIGH 0xa3cu
+#define MSN_GRIP_RAIL 0xa40u
+#define MSN_GRIP_COMMAND 0xa44u
+#define MSN_GRIP_INCREMENT 0xa48u
+#define MSN_GRIP_FAULT 0xa4cu
+#define MSN_GRIP_FAULTY 0xa50u
+#define MSN_GRIP_COMMANDS 0xa54u
+#define MSN_GRIP_TIGHTENINGS 0xa58u
 
 #endif

@@ -112,7 +112,8 @@ module msn_axis #(
   localparam int unsigned CoreColumns = Array ? Columns : 1;
   logic [CoreRows-1:0] unused_row;
   logic [Wide-1:0]     unused_cs_n, unused_sclk, unused_mosi, unused_convst, unused_reset;
-  logic                unused_group, unused_tx;
+  logic                unused_group, unused_tx, unused_valid, unused_pwm;
+  logic [16:0]         unused_word;
   msn_core #(
     .Converters(Wide),
     .AdcChannels  ((CoreColumns + Wide - 1) / Wide),  // one group
@@ -129,7 +130,8 @@ module msn_axis #(
     .actuator_moving_i,
     .in_valid_i(s_axis_tvalid), .in_ready_o(s_axis_tready), .in_data_i(samples), .in_id_i(id),
     .in_last_i(s_axis_tlast),
-    .slip_o, .gross_o, .touched_o, .pressed_o, .rx_i(1'b1), .tx_o(unused_tx),
+    .slip_o, .gross_o, .touched_o, .pressed_o, .grip_valid_o(unused_valid), .grip_word_o(unused_word),
+    .pwm_o(unused_pwm), .rx_i(1'b1), .tx_o(unused_tx),
     .bus_valid_i(bus_valid), .bus_write_i(bus_write), .bus_address_i(bus_address), .bus_wdata_i(bus_wdata),
     .bus_strobe_i(bus_strobe), .bus_done_o(bus_done), .bus_error_o(bus_error), .bus_rdata_o(bus_rdata),
     .out_valid_o(m_axis_tvalid), .out_ready_i(m_axis_tready), .out_data_o(m_axis_tdata),

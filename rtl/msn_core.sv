@@ -6,6 +6,7 @@
 //   registers ─ settings, status of all
 //   sensor_array, sensor_channels or sensor_cop4 ─┬─ samples ─ slip_chain ─┬─ link ─ line or bytes
 //                                                 └─ results, reports ─────┘
+//   actuate (Grip) ─ words and pulses for a hand: of the channels' samples and decisions
 //
 // Adc = AdcNone: samples come in on the stream, whole frames, an array's Converters lanes wide. Uart = 0: packets
 // leave as bytes and the registers' bus is open, for msn_axis. SlipOnly: the small sender of slip events alone.
@@ -35,6 +36,7 @@ module msn_core #(
   parameter  bit          Cop4             = 1'b0,
   parameter  bit          Correct          = 1'b0,
   parameter  bit          CopSlip          = 1'b0,
+  parameter  bit          Grip             = 1'b0,              // the channels are fingers of a hand
   parameter  bit          Statistics       = 1'b1,
   parameter  bit          Registers        = 1'b1,
   parameter  bit          Uart             = 1'b1,
@@ -92,6 +94,9 @@ module msn_core #(
   output logic                            gross_o,
   output logic                            touched_o,
   output logic                            pressed_o,         // the last centre of pressure
+  output logic                            grip_valid_o,      // msn_actuate's
+  output logic signed [16:0]              grip_word_o,
+  output logic                            pwm_o,
 
   input  logic                            rx_i,
   output logic                            tx_o,
@@ -141,7 +146,6 @@ module msn_core #(
 
   logic [47:0] now;
   always_ff @(posedge clk_i) now <= rst_i ? '0 : now + 1'b1;
-
   msn_registers_pkg::cfg_t    cfg;
   msn_registers_pkg::status_t status, sensor_status;
   logic        bus_valid, bus_write, bus_done, bus_error, commit, pending;
@@ -150,8 +154,8 @@ module msn_core #(
   logic [3:0]  bus_strobe;
   msn_registers #(
     .Adc(!Array && Pins), .Slip(Slip), .Scan(Array && Pins), .Health(Health), .Tare(Tare), .Calibrate(Array),
-    .Cop(Array), .Cop4(Cop4), .CopSlip(CopSlip), .Link(1'b1), .Resets(Resets), .DetailBits(DetailBits),
-    .TimerBits(TimerBits), .LoadBits(LoadBits), .OffsetBits(OffsetBits)
+    .Cop(Array), .Cop4(Cop4), .CopSlip(CopSlip), .Link(1'b1), .Grip(Grip), .Resets(Resets),
+    .DetailBits(DetailBits), .TimerBits(TimerBits), .LoadBits(LoadBits), .OffsetBits(OffsetBits)
   ) u_registers (
     .clk_i, .rst_i,
     .bus_valid_i(bus_valid), .bus_write_i(bus_write), .bus_address_i(bus_address), .bus_wdata_i(bus_wdata),
@@ -161,20 +165,18 @@ module msn_core #(
 
   msn_registers_pkg::slip_status_t slip_status;
   msn_registers_pkg::link_status_t link_status;
+  msn_registers_pkg::grip_status_t grip_status;
   always_comb begin
-    status                    = sensor_status;
-    status.core.features      = 32'({1'b1, CopSlip, Cop4, Array, Array, Tare, Health, Array && Pins, Slip,
-                                     !Array && Pins});
-    status.core.size_rows     = Array ? 16'(Rows) : 16'd1;
-    status.core.size_columns  = Array ? 16'(Columns) : 16'(Channels);
-    status.core.clk_khz       = 32'(ClkKhz);
-    status.core.widths_detail = 8'(DetailBits);
-    status.core.widths_timer  = 8'(TimerBits);
-    status.core.widths_load   = 8'(LoadBits);
-    status.core.widths_offset = 8'(OffsetBits);
-    status.core.beats         = Array ? 21'(Rows * RowBeats) : 21'd0;
-    status.slip               = slip_status;
-    status.link               = link_status;
+    status               = sensor_status;
+    status.core.features = 32'({Grip, 1'b1, CopSlip, Cop4, Array, Array, Tare, Health, Array && Pins, Slip,
+                                !Array && Pins});
+    {status.core.size_rows, status.core.size_columns} = Array ? {16'(Rows), 16'(Columns)} :
+                                                                {16'd1, 16'(Channels)};
+    status.core.clk_khz  = 32'(ClkKhz);
+    {status.core.widths_detail, status.core.widths_timer} = {8'(DetailBits), 8'(TimerBits)};
+    {status.core.widths_load, status.core.widths_offset}  = {8'(LoadBits), 8'(OffsetBits)};
+    status.core.beats    = Array ? 21'(Rows * RowBeats) : 21'd0;
+    {status.slip, status.link, status.grip} = {slip_status, link_status, grip_status};
   end
 
   // The sensor, up to single samples that the slip path takes, and to the centre of pressure.
@@ -187,7 +189,7 @@ module msn_core #(
   msn_pkg::cop_t                cop;
   msn_pkg::health_t             health;
   msn_pkg::decision_t           cop_slip, decision;
-
+  msn_pkg::verdict_t            verdict;
   assign stream = signed'(in_data_i[SampleBits-1:0]);  // of one lane
 
   if (Array) begin : gen_array
@@ -199,17 +201,14 @@ module msn_core #(
       .SamplesPerPeriod(SamplesPerPeriod), .SamplePeriod(SamplePeriod), .Periods(Periods), .Skip(Skip),
       .Shift(Shift)
     ) u_sensor (
-      .clk_i, .rst_i,
-      .now_i(now), .cfg_i(cfg), .status_o(sensor_status), .pending_i(pending), .commit_o(commit),
-      .busy_i(slip_busy), .row_o, .group_o,
+      .clk_i, .rst_i, .now_i(now), .cfg_i(cfg), .status_o(sensor_status), .pending_i(pending),
+      .commit_o(commit), .busy_i(slip_busy), .row_o, .group_o,
       .adc_cs_n_o, .adc_sclk_o, .adc_mosi_o, .adc_miso_i, .adc_convst_o, .adc_busy_i, .adc_reset_o,
-      .convert_o(convert),
-      .in_valid_i, .in_ready_o, .in_data_i, .in_id_i, .in_last_i,
+      .convert_o(convert), .in_valid_i, .in_ready_o, .in_data_i, .in_id_i, .in_last_i,
       .sample_valid_o(sample_valid), .sample_ready_i(sample_ready), .sample_data_o(sample),
       .sample_id_o(sample_id), .sample_last_o(sample_last), .sample_mask_o(sample_mask),
-      .cop_valid_o(cop_valid), .cop_o(cop),
-      .health_valid_o(health_valid), .health_ready_i(health_ready), .health_o(health),
-      .time_o(frame_time)
+      .cop_valid_o(cop_valid), .cop_o(cop), .health_valid_o(health_valid), .health_ready_i(health_ready),
+      .health_o(health), .time_o(frame_time)
     );
     assign {cop_slip_valid, cop_slip} = '0;
   end else if (Cop4) begin : gen_cop4
@@ -217,16 +216,13 @@ module msn_core #(
       .Adc(Adc), .AdcLanes(AdcLanes), .ClkKhz(ClkKhz), .SclkKhz(SclkKhz), .AdcPeriod(AdcPeriod),
       .Correct(Correct), .BitsPerClock(BitsPerClock), .CopSlip(CopSlip), .Lag(Lag)
     ) u_sensor (
-      .clk_i, .rst_i,
-      .now_i(now), .cfg_i(cfg), .status_o(sensor_status), .pending_i(pending), .commit_o(commit),
-      .adc_cs_n_o(adc_cs_n_o[0]), .adc_sclk_o(adc_sclk_o[0]), .adc_mosi_o(adc_mosi_o[0]),
+      .clk_i, .rst_i, .now_i(now), .cfg_i(cfg), .status_o(sensor_status), .pending_i(pending),
+      .commit_o(commit), .adc_cs_n_o(adc_cs_n_o[0]), .adc_sclk_o(adc_sclk_o[0]), .adc_mosi_o(adc_mosi_o[0]),
       .adc_miso_i(adc_miso_i[AdcLanes-1:0]), .adc_convst_o(adc_convst_o[0]), .adc_busy_i(adc_busy_i[0]),
-      .adc_reset_o(adc_reset_o[0]),
-      .convert_o(convert),
+      .adc_reset_o(adc_reset_o[0]), .convert_o(convert),
       .in_valid_i, .in_ready_o, .in_data_i(stream), .in_id_i, .in_last_i,
-      .cop_valid_o(cop_valid), .cop_o(cop),
-      .decision_valid_o(cop_slip_valid), .decision_ready_i(cop_slip_ready), .decision_o(cop_slip),
-      .time_o(frame_time)
+      .cop_valid_o(cop_valid), .cop_o(cop), .time_o(frame_time),
+      .decision_valid_o(cop_slip_valid), .decision_ready_i(cop_slip_ready), .decision_o(cop_slip)
     );
     assign {row_o, group_o, sample_valid, sample, sample_id, sample_last, sample_mask} = '0;
     assign {health_valid, health} = '0;
@@ -236,13 +232,10 @@ module msn_core #(
       .Adc(Adc), .AdcLanes(AdcLanes), .ClkKhz(ClkKhz), .SclkKhz(SclkKhz), .AdcPeriod(AdcPeriod),
       .Channels(Channels), .SampleBits(SampleBits), .Gate(!SlipOnly)
     ) u_sensor (
-      .clk_i, .rst_i,
-      .now_i(now), .cfg_i(cfg), .status_o(sensor_status), .pending_i(pending), .commit_o(commit),
-      .busy_i(slip_busy),
-      .adc_cs_n_o(adc_cs_n_o[0]), .adc_sclk_o(adc_sclk_o[0]), .adc_mosi_o(adc_mosi_o[0]),
-      .adc_miso_i(adc_miso_i[AdcLanes-1:0]), .adc_convst_o(adc_convst_o[0]), .adc_busy_i(adc_busy_i[0]),
-      .adc_reset_o(adc_reset_o[0]),
-      .convert_o(convert),
+      .clk_i, .rst_i, .now_i(now), .cfg_i(cfg), .status_o(sensor_status), .pending_i(pending),
+      .commit_o(commit), .busy_i(slip_busy), .adc_cs_n_o(adc_cs_n_o[0]), .adc_sclk_o(adc_sclk_o[0]),
+      .adc_mosi_o(adc_mosi_o[0]), .adc_miso_i(adc_miso_i[AdcLanes-1:0]), .adc_convst_o(adc_convst_o[0]),
+      .adc_busy_i(adc_busy_i[0]), .adc_reset_o(adc_reset_o[0]), .convert_o(convert),
       .in_valid_i, .in_ready_o, .in_data_i(stream), .in_id_i, .in_last_i,
       .sample_valid_o(sample_valid), .sample_ready_i(sample_ready), .sample_data_o(sample),
       .sample_id_o(sample_id), .sample_first_o(unused_first), .sample_last_o(sample_last),
@@ -261,8 +254,16 @@ module msn_core #(
     .in_valid_i(sample_valid), .in_ready_o(sample_ready), .in_data_i(sample), .in_id_i(sample_id),
     .in_last_i(sample_last), .in_mask_i(sample_mask),
     .cop_valid_i(cop_slip_valid), .cop_ready_o(cop_slip_ready), .cop_i(cop_slip),
-    .out_valid_o(decision_valid), .out_ready_i(decision_ready), .out_o(decision),
+    .out_valid_o(decision_valid), .out_ready_i(decision_ready), .out_o(decision), .verdict_o(verdict),
     .busy_o(slip_busy), .slip_o, .gross_o, .touched_o
+  );
+
+  msn_actuate #(
+    .Grip(Grip), .Suits(Slip && Registers && !Array && !Serial), .Fingers(Taxels), .SampleBits(SampleBits)
+  ) u_actuate (
+    .clk_i, .rst_i, .cfg_i(cfg.grip), .status_o(grip_status),
+    .sample_valid_i(sample_valid && sample_ready), .sample_data_i(sample), .sample_id_i(sample_id),
+    .adc_i(sensor_status.adc), .verdict_i(verdict), .grip_valid_o, .grip_word_o, .pwm_o
   );
 
   always_ff @(posedge clk_i) begin
@@ -277,10 +278,9 @@ module msn_core #(
     .Health(Health), .Statistics(Statistics), .StatisticBits(StatisticBits), .Taxels(Image ? Taxels : 0),
     .Chunk(Chunk)
   ) u_link (
-    .clk_i, .rst_i,
-    .now_i(now), .status_i(status), .status_o(link_status), .convert_i(convert), .time_i(frame_time),
-    .decision_valid_i(decision_valid), .decision_ready_o(decision_ready), .decision_i(decision),
-    .cop_valid_i(cop_valid), .cop_i(cop),
+    .clk_i, .rst_i, .now_i(now), .status_i(status), .status_o(link_status), .convert_i(convert),
+    .time_i(frame_time), .cop_valid_i(cop_valid), .cop_i(cop), .decision_valid_i(decision_valid),
+    .decision_ready_o(decision_ready), .decision_i(decision),
     .health_valid_i(health_valid), .health_ready_o(health_ready), .health_i(health),
     .image_valid_i(Image && cfg.link.images && sample_valid && sample_ready), .image_data_i(16'(sample)),
     .image_last_i(sample_last),

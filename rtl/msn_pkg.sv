@@ -39,6 +39,14 @@ package msn_pkg;
     logic [15:0] id;
   } decision_t;
 
+  // What each detail of one channel says to the grip reflex.
+  typedef struct packed {
+    logic        valid;
+    logic        over;   // the threshold on the peak-to-peak
+    logic        last;   // of its window
+    logic [15:0] id;
+  } verdict_t;
+
   // A centre of pressure, in the formats of docs/link.md: x and y have a sign.
   typedef struct packed {
     logic [23:0] x;

@@ -67,6 +67,8 @@ rtl/cop/msn_cop4.sv
 rtl/cop/msn_cop_slip.sv
 rtl/actuate/msn_grip.sv
 rtl/actuate/msn_pwm.sv
+rtl/actuate/msn_finger_health.sv
+rtl/actuate/msn_actuate.sv
 rtl/link/msn_crc32.sv
 rtl/link/msn_packet_slip.sv
 rtl/link/msn_image_store.sv

@@ -20,7 +20,7 @@ MADE = f"Made by tools/registers.py from {SOURCE}: change that, then `make regis
 HELD = {"detail": 20, "timer": 16, "load": 32, "offset": 17}
 
 
-KEYWORDS = {"force"}  # of SystemVerilog: a member of that name gets a "_"
+KEYWORDS = {"force", "override"}  # of SystemVerilog, C++: a member of that name gets a "_"
 
 
 @dataclass(frozen=True)

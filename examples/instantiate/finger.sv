@@ -18,9 +18,11 @@ module finger (
 );
 
   logic        unused_group, unused_convst, unused_adc_reset, unused_ready, unused_done, unused_error;
-  logic        unused_valid, unused_last, unused_gross, unused_touched, unused_pressed;
+  logic        unused_valid, unused_last, unused_gross, unused_touched, unused_pressed, unused_grip,
+               unused_pwm;
   logic [7:0]  unused_bytes;
   logic [31:0] unused_word;
+  logic [16:0] unused_command;
 
   msn_core #(
     .Adc        (msn_pkg::AdcMcp3208),
@@ -53,6 +55,9 @@ module finger (
     .gross_o          (unused_gross),
     .touched_o        (unused_touched),
     .pressed_o        (unused_pressed),
+    .grip_valid_o     (unused_grip),
+    .grip_word_o      (unused_command),
+    .pwm_o            (unused_pwm),
     .rx_i,
     .tx_o,
     .bus_valid_i      (1'b0),

@@ -57,6 +57,7 @@ module msn_grip #(
   output logic signed [CommandBits:0]   out_word_o,       // the increment or the command, by mode
   output logic signed [CommandBits:0]   out_increment_o,
   output logic        [CommandBits-1:0] out_command_o,
+  output logic                          out_force_o,      // the word is the command
 
   output logic        [4:0]             fault_o,          // of the last cycle
   output logic        [Fingers-1:0]     faulty_o          // fingers that took no part
@@ -217,8 +218,7 @@ module msn_grip #(
   assign at_least = goal < low ? low : goal;
   assign below    = at_least < high;
   assign next     = below ? at_least : high;
-  logic mode_word;
-  assign out_word_o = mode_word ? signed'({1'b0, out_command_o}) : out_increment_o;
+  assign out_word_o = out_force_o ? signed'({1'b0, out_command_o}) : out_increment_o;
 
   always_ff @(posedge clk_i) begin
     if (!live) goal <= cfg_mode_i ? cfg_override_value_i : '0;
@@ -241,7 +241,7 @@ module msn_grip #(
         armed_mode    <= mode_3;
       end
       out_increment_o <= live_3 ? signed'({1'b0, next}) - signed'({1'b0, out_command_o}) : '0;
-      mode_word       <= mode_3;
+      out_force_o       <= mode_3;
       faulty_o        <= faulty_2;
       fault_o         <= {!gives_3, cfg_minimum_i > cfg_maximum_i, gives_3 && reaches && !below,
                           any_sick, any_silent};
@@ -251,7 +251,7 @@ module msn_grip #(
       out_increment_o <= '0;
       out_command_o   <= '0;
       armed           <= 1'b0;
-      mode_word       <= 1'b0;
+      out_force_o       <= 1'b0;
       faulty_o        <= '0;
       fault_o         <= 5'b10000;
     end

@@ -25,6 +25,7 @@ module msn_registers #(
   parameter bit Cop4 = 1'b1,
   parameter bit CopSlip = 1'b1,
   parameter bit Link = 1'b1,
+  parameter bit Grip = 1'b1,
   parameter logic [msn_registers_pkg::ResetBits-1:0] Resets = msn_registers_pkg::Reset,
   parameter int unsigned DetailBits = 20,
   parameter int unsigned TimerBits = 16,
@@ -689,10 +690,113 @@ module msn_registers #(
     end
   end
 
+  // grip
+  logic grip_enable_hit, grip_enable_write;
+  assign grip_enable_hit = Grip && word == 10'h280;
+  assign grip_enable_write = grip_enable_hit && write;
+  logic grip_period_hit, grip_period_write;
+  assign grip_period_hit = Grip && word == 10'h281;
+  assign grip_period_write = grip_period_hit && write;
+  logic grip_step_hit, grip_step_write;
+  assign grip_step_hit = Grip && word == 10'h282;
+  assign grip_step_write = grip_step_hit && write;
+  logic grip_decay_hit, grip_decay_write;
+  assign grip_decay_hit = Grip && word == 10'h283;
+  assign grip_decay_write = grip_decay_hit && write;
+  logic grip_minimum_hit, grip_minimum_write;
+  assign grip_minimum_hit = Grip && word == 10'h284;
+  assign grip_minimum_write = grip_minimum_hit && write;
+  logic grip_maximum_hit, grip_maximum_write;
+  assign grip_maximum_hit = Grip && word == 10'h285;
+  assign grip_maximum_write = grip_maximum_hit && write;
+  logic grip_rate_hit, grip_rate_write;
+  assign grip_rate_hit = Grip && word == 10'h286;
+  assign grip_rate_write = grip_rate_hit && write;
+  logic grip_watchdog_hit, grip_watchdog_write;
+  assign grip_watchdog_hit = Grip && word == 10'h287;
+  assign grip_watchdog_write = grip_watchdog_hit && write;
+  logic grip_rule_hit, grip_rule_write;
+  assign grip_rule_hit = Grip && word == 10'h288;
+  assign grip_rule_write = grip_rule_hit && write;
+  logic grip_mode_hit, grip_mode_write;
+  assign grip_mode_hit = Grip && word == 10'h289;
+  assign grip_mode_write = grip_mode_hit && write;
+  logic grip_immediate_hit, grip_immediate_write;
+  assign grip_immediate_hit = Grip && word == 10'h28a;
+  assign grip_immediate_write = grip_immediate_hit && write;
+  logic grip_override_hit, grip_override_write;
+  assign grip_override_hit = Grip && word == 10'h28b;
+  assign grip_override_write = grip_override_hit && write;
+  logic grip_override_value_hit, grip_override_value_write;
+  assign grip_override_value_hit = Grip && word == 10'h28c;
+  assign grip_override_value_write = grip_override_value_hit && write;
+  logic grip_divide_hit, grip_divide_write;
+  assign grip_divide_hit = Grip && word == 10'h28d;
+  assign grip_divide_write = grip_divide_hit && write;
+  logic grip_low_hit, grip_low_write;
+  assign grip_low_hit = Grip && word == 10'h28e;
+  assign grip_low_write = grip_low_hit && write;
+  logic grip_high_hit, grip_high_write;
+  assign grip_high_hit = Grip && word == 10'h28f;
+  assign grip_high_write = grip_high_hit && write;
+  logic grip_rail_hit, grip_rail_write;
+  assign grip_rail_hit = Grip && word == 10'h290;
+  assign grip_rail_write = grip_rail_hit && write;
+  logic grip_command_hit;
+  assign grip_command_hit = Grip && word == 10'h291;
+  logic grip_increment_hit;
+  assign grip_increment_hit = Grip && word == 10'h292;
+  logic grip_fault_hit;
+  assign grip_fault_hit = Grip && word == 10'h293;
+  logic grip_faulty_hit;
+  assign grip_faulty_hit = Grip && word == 10'h294;
+  logic grip_commands_hit;
+  assign grip_commands_hit = Grip && word == 10'h295;
+  logic grip_tightenings_hit;
+  assign grip_tightenings_hit = Grip && word == 10'h296;
+  always_ff @(posedge clk_i) begin
+    if (grip_enable_write) cfg_o.grip.enable <= (cfg_o.grip.enable & ~mask[0]) | (bus_wdata_i[0] & mask[0]);
+    if (grip_period_write) cfg_o.grip.period <= (cfg_o.grip.period & ~mask[23:0]) | (bus_wdata_i[23:0] & mask[23:0]);
+    if (grip_step_write) cfg_o.grip.step <= (cfg_o.grip.step & ~mask[15:0]) | (bus_wdata_i[15:0] & mask[15:0]);
+    if (grip_decay_write) cfg_o.grip.decay <= (cfg_o.grip.decay & ~mask[15:0]) | (bus_wdata_i[15:0] & mask[15:0]);
+    if (grip_minimum_write) cfg_o.grip.minimum <= (cfg_o.grip.minimum & ~mask[15:0]) | (bus_wdata_i[15:0] & mask[15:0]);
+    if (grip_maximum_write) cfg_o.grip.maximum <= (cfg_o.grip.maximum & ~mask[15:0]) | (bus_wdata_i[15:0] & mask[15:0]);
+    if (grip_rate_write) cfg_o.grip.rate <= (cfg_o.grip.rate & ~mask[15:0]) | (bus_wdata_i[15:0] & mask[15:0]);
+    if (grip_watchdog_write) cfg_o.grip.watchdog <= (cfg_o.grip.watchdog & ~mask[15:0]) | (bus_wdata_i[15:0] & mask[15:0]);
+    if (grip_rule_write) cfg_o.grip.rule <= (cfg_o.grip.rule & ~mask[0]) | (bus_wdata_i[0] & mask[0]);
+    if (grip_mode_write) cfg_o.grip.mode <= (cfg_o.grip.mode & ~mask[0]) | (bus_wdata_i[0] & mask[0]);
+    if (grip_immediate_write) cfg_o.grip.immediate <= (cfg_o.grip.immediate & ~mask[0]) | (bus_wdata_i[0] & mask[0]);
+    if (grip_override_write) cfg_o.grip.override_ <= (cfg_o.grip.override_ & ~mask[0]) | (bus_wdata_i[0] & mask[0]);
+    if (grip_override_value_write) cfg_o.grip.override_value <= (cfg_o.grip.override_value & ~mask[15:0]) | (bus_wdata_i[15:0] & mask[15:0]);
+    if (grip_divide_write) cfg_o.grip.divide <= (cfg_o.grip.divide & ~mask[7:0]) | (bus_wdata_i[7:0] & mask[7:0]);
+    if (grip_low_write) cfg_o.grip.low <= (cfg_o.grip.low & ~mask[16:0]) | (bus_wdata_i[16:0] & mask[16:0]);
+    if (grip_high_write) cfg_o.grip.high <= (cfg_o.grip.high & ~mask[16:0]) | (bus_wdata_i[16:0] & mask[16:0]);
+    if (grip_rail_write) cfg_o.grip.rail <= (cfg_o.grip.rail & ~mask[7:0]) | (bus_wdata_i[7:0] & mask[7:0]);
+    if (rst_i) begin
+      cfg_o.grip.enable <= Resets[878];
+      cfg_o.grip.period <= Resets[879+:24];
+      cfg_o.grip.step <= Resets[903+:16];
+      cfg_o.grip.decay <= Resets[919+:16];
+      cfg_o.grip.minimum <= Resets[935+:16];
+      cfg_o.grip.maximum <= Resets[951+:16];
+      cfg_o.grip.rate <= Resets[967+:16];
+      cfg_o.grip.watchdog <= Resets[983+:16];
+      cfg_o.grip.rule <= Resets[999];
+      cfg_o.grip.mode <= Resets[1000];
+      cfg_o.grip.immediate <= Resets[1001];
+      cfg_o.grip.override_ <= Resets[1002];
+      cfg_o.grip.override_value <= Resets[1003+:16];
+      cfg_o.grip.divide <= Resets[1019+:8];
+      cfg_o.grip.low <= Resets[1027+:17];
+      cfg_o.grip.high <= Resets[1044+:17];
+      cfg_o.grip.rail <= Resets[1061+:8];
+    end
+  end
+
   assign pending_o = slip_pending || cop_pending || cop4_pending || cop_slip_pending;
 
   // Which register, a clock after the address: decoding takes one clock, the word another.
-  logic core_id_hit_q, core_version_hit_q, core_features_hit_q, core_size_hit_q, core_clk_khz_hit_q, core_scratch_hit_q, core_widths_hit_q, core_beats_hit_q, adc_enable_hit_q, adc_period_hit_q, adc_dropped_hit_q, adc_overrun_hit_q, adc_timeout_hit_q, adc_mistagged_hit_q, adc_over_range_hit_q, slip_threshold_hit_q, slip_gross_threshold_hit_q, slip_contact_level_hit_q, slip_release_level_hit_q, slip_contact_rises_hit_q, slip_hold_hit_q, slip_refractory_hit_q, slip_blank_hit_q, slip_damaged_hit_q, slip_blanked_hit_q, slip_keep_threshold_hit_q, scan_enable_hit_q, scan_settle_hit_q, scan_period_hit_q, scan_interleave_hit_q, scan_dropped_hit_q, scan_overrun_hit_q, scan_held_hit_q, scan_lost_hit_q, health_band_hit_q, health_jump_hit_q, health_low_hit_q, health_high_hit_q, health_use_hit_q, health_still_hit_q, health_rail_hit_q, health_blink_hit_q, health_clear_hit_q, health_report_hit_q, health_dead_hit_q, health_railed_hit_q, health_blinking_hit_q, tare_contact_hit_q, tare_step_hit_q, tare_force_hit_q, tare_at_start_hit_q, tare_average_hit_q, tare_load_hit_q, tare_word_hit_q, tare_zero_hit_q, tare_write_hit_q, tare_state_hit_q, tare_tared_hit_q, tare_refused_hit_q, tare_swallowed_hit_q, calibrate_preset_hit_q, calibrate_word_hit_q, calibrate_offset_hit_q, calibrate_gain_hit_q, calibrate_write_hit_q, calibrate_swap_hit_q, calibrate_swapping_hit_q, cop_min_load_hit_q, cop_damaged_hit_q, cop4_rail_hit_q, cop4_kx_hit_q, cop4_shift_x_hit_q, cop4_ky_hit_q, cop4_shift_y_hit_q, cop4_kf_hit_q, cop4_shift_load_hit_q, cop4_p0_hit_q, cop4_p1_hit_q, cop4_p2_hit_q, cop4_p3_hit_q, cop4_p4_hit_q, cop4_p5_hit_q, cop4_min_load_hit_q, cop4_top_hit_q, cop4_idle_hit_q, cop4_busy_hit_q, cop4_imbalance_hit_q, cop_slip_drop_hit_q, cop_slip_move_hit_q, cop_slip_min_load_hit_q, cop_slip_hold_hit_q, cop_slip_refractory_hit_q, link_images_hit_q, link_packets_hit_q, link_cop_dropped_hit_q, link_image_dropped_hit_q, link_rejected_hit_q;
+  logic core_id_hit_q, core_version_hit_q, core_features_hit_q, core_size_hit_q, core_clk_khz_hit_q, core_scratch_hit_q, core_widths_hit_q, core_beats_hit_q, adc_enable_hit_q, adc_period_hit_q, adc_dropped_hit_q, adc_overrun_hit_q, adc_timeout_hit_q, adc_mistagged_hit_q, adc_over_range_hit_q, slip_threshold_hit_q, slip_gross_threshold_hit_q, slip_contact_level_hit_q, slip_release_level_hit_q, slip_contact_rises_hit_q, slip_hold_hit_q, slip_refractory_hit_q, slip_blank_hit_q, slip_damaged_hit_q, slip_blanked_hit_q, slip_keep_threshold_hit_q, scan_enable_hit_q, scan_settle_hit_q, scan_period_hit_q, scan_interleave_hit_q, scan_dropped_hit_q, scan_overrun_hit_q, scan_held_hit_q, scan_lost_hit_q, health_band_hit_q, health_jump_hit_q, health_low_hit_q, health_high_hit_q, health_use_hit_q, health_still_hit_q, health_rail_hit_q, health_blink_hit_q, health_clear_hit_q, health_report_hit_q, health_dead_hit_q, health_railed_hit_q, health_blinking_hit_q, tare_contact_hit_q, tare_step_hit_q, tare_force_hit_q, tare_at_start_hit_q, tare_average_hit_q, tare_load_hit_q, tare_word_hit_q, tare_zero_hit_q, tare_write_hit_q, tare_state_hit_q, tare_tared_hit_q, tare_refused_hit_q, tare_swallowed_hit_q, calibrate_preset_hit_q, calibrate_word_hit_q, calibrate_offset_hit_q, calibrate_gain_hit_q, calibrate_write_hit_q, calibrate_swap_hit_q, calibrate_swapping_hit_q, cop_min_load_hit_q, cop_damaged_hit_q, cop4_rail_hit_q, cop4_kx_hit_q, cop4_shift_x_hit_q, cop4_ky_hit_q, cop4_shift_y_hit_q, cop4_kf_hit_q, cop4_shift_load_hit_q, cop4_p0_hit_q, cop4_p1_hit_q, cop4_p2_hit_q, cop4_p3_hit_q, cop4_p4_hit_q, cop4_p5_hit_q, cop4_min_load_hit_q, cop4_top_hit_q, cop4_idle_hit_q, cop4_busy_hit_q, cop4_imbalance_hit_q, cop_slip_drop_hit_q, cop_slip_move_hit_q, cop_slip_min_load_hit_q, cop_slip_hold_hit_q, cop_slip_refractory_hit_q, link_images_hit_q, link_packets_hit_q, link_cop_dropped_hit_q, link_image_dropped_hit_q, link_rejected_hit_q, grip_enable_hit_q, grip_period_hit_q, grip_step_hit_q, grip_decay_hit_q, grip_minimum_hit_q, grip_maximum_hit_q, grip_rate_hit_q, grip_watchdog_hit_q, grip_rule_hit_q, grip_mode_hit_q, grip_immediate_hit_q, grip_override_hit_q, grip_override_value_hit_q, grip_divide_hit_q, grip_low_hit_q, grip_high_hit_q, grip_rail_hit_q, grip_command_hit_q, grip_increment_hit_q, grip_fault_hit_q, grip_faulty_hit_q, grip_commands_hit_q, grip_tightenings_hit_q;
   always_ff @(posedge clk_i) begin
     core_id_hit_q <= core_id_hit;
     core_version_hit_q <= core_version_hit;
@@ -791,6 +895,29 @@ module msn_registers #(
     link_cop_dropped_hit_q <= link_cop_dropped_hit;
     link_image_dropped_hit_q <= link_image_dropped_hit;
     link_rejected_hit_q <= link_rejected_hit;
+    grip_enable_hit_q <= grip_enable_hit;
+    grip_period_hit_q <= grip_period_hit;
+    grip_step_hit_q <= grip_step_hit;
+    grip_decay_hit_q <= grip_decay_hit;
+    grip_minimum_hit_q <= grip_minimum_hit;
+    grip_maximum_hit_q <= grip_maximum_hit;
+    grip_rate_hit_q <= grip_rate_hit;
+    grip_watchdog_hit_q <= grip_watchdog_hit;
+    grip_rule_hit_q <= grip_rule_hit;
+    grip_mode_hit_q <= grip_mode_hit;
+    grip_immediate_hit_q <= grip_immediate_hit;
+    grip_override_hit_q <= grip_override_hit;
+    grip_override_value_hit_q <= grip_override_value_hit;
+    grip_divide_hit_q <= grip_divide_hit;
+    grip_low_hit_q <= grip_low_hit;
+    grip_high_hit_q <= grip_high_hit;
+    grip_rail_hit_q <= grip_rail_hit;
+    grip_command_hit_q <= grip_command_hit;
+    grip_increment_hit_q <= grip_increment_hit;
+    grip_fault_hit_q <= grip_fault_hit;
+    grip_faulty_hit_q <= grip_faulty_hit;
+    grip_commands_hit_q <= grip_commands_hit;
+    grip_tightenings_hit_q <= grip_tightenings_hit;
   end
 
   logic hit, writable;
@@ -890,7 +1017,30 @@ module msn_registers #(
       || link_packets_hit_q
       || link_cop_dropped_hit_q
       || link_image_dropped_hit_q
-      || link_rejected_hit_q;
+      || link_rejected_hit_q
+      || grip_enable_hit_q
+      || grip_period_hit_q
+      || grip_step_hit_q
+      || grip_decay_hit_q
+      || grip_minimum_hit_q
+      || grip_maximum_hit_q
+      || grip_rate_hit_q
+      || grip_watchdog_hit_q
+      || grip_rule_hit_q
+      || grip_mode_hit_q
+      || grip_immediate_hit_q
+      || grip_override_hit_q
+      || grip_override_value_hit_q
+      || grip_divide_hit_q
+      || grip_low_hit_q
+      || grip_high_hit_q
+      || grip_rail_hit_q
+      || grip_command_hit_q
+      || grip_increment_hit_q
+      || grip_fault_hit_q
+      || grip_faulty_hit_q
+      || grip_commands_hit_q
+      || grip_tightenings_hit_q;
   assign writable = core_scratch_hit_q
       || adc_enable_hit_q
       || adc_period_hit_q
@@ -956,7 +1106,24 @@ module msn_registers #(
       || cop_slip_min_load_hit_q
       || cop_slip_hold_hit_q
       || cop_slip_refractory_hit_q
-      || link_images_hit_q;
+      || link_images_hit_q
+      || grip_enable_hit_q
+      || grip_period_hit_q
+      || grip_step_hit_q
+      || grip_decay_hit_q
+      || grip_minimum_hit_q
+      || grip_maximum_hit_q
+      || grip_rate_hit_q
+      || grip_watchdog_hit_q
+      || grip_rule_hit_q
+      || grip_mode_hit_q
+      || grip_immediate_hit_q
+      || grip_override_hit_q
+      || grip_override_value_hit_q
+      || grip_divide_hit_q
+      || grip_low_hit_q
+      || grip_high_hit_q
+      || grip_rail_hit_q;
 
   logic [31:0] read_word;
   assign read_word = ({32{core_id_hit_q}} & 32'h4d534e52)
@@ -1055,7 +1222,30 @@ module msn_registers #(
       | ({32{link_packets_hit_q}} & status_i.link.packets)
       | ({32{link_cop_dropped_hit_q}} & status_i.link.cop_dropped)
       | ({32{link_image_dropped_hit_q}} & status_i.link.image_dropped)
-      | ({32{link_rejected_hit_q}} & status_i.link.rejected);
+      | ({32{link_rejected_hit_q}} & status_i.link.rejected)
+      | ({32{grip_enable_hit_q}} & {31'd0, cfg_o.grip.enable})
+      | ({32{grip_period_hit_q}} & {8'd0, cfg_o.grip.period})
+      | ({32{grip_step_hit_q}} & {16'd0, cfg_o.grip.step})
+      | ({32{grip_decay_hit_q}} & {16'd0, cfg_o.grip.decay})
+      | ({32{grip_minimum_hit_q}} & {16'd0, cfg_o.grip.minimum})
+      | ({32{grip_maximum_hit_q}} & {16'd0, cfg_o.grip.maximum})
+      | ({32{grip_rate_hit_q}} & {16'd0, cfg_o.grip.rate})
+      | ({32{grip_watchdog_hit_q}} & {16'd0, cfg_o.grip.watchdog})
+      | ({32{grip_rule_hit_q}} & {31'd0, cfg_o.grip.rule})
+      | ({32{grip_mode_hit_q}} & {31'd0, cfg_o.grip.mode})
+      | ({32{grip_immediate_hit_q}} & {31'd0, cfg_o.grip.immediate})
+      | ({32{grip_override_hit_q}} & {31'd0, cfg_o.grip.override_})
+      | ({32{grip_override_value_hit_q}} & {16'd0, cfg_o.grip.override_value})
+      | ({32{grip_divide_hit_q}} & {24'd0, cfg_o.grip.divide})
+      | ({32{grip_low_hit_q}} & {15'd0, cfg_o.grip.low})
+      | ({32{grip_high_hit_q}} & {15'd0, cfg_o.grip.high})
+      | ({32{grip_rail_hit_q}} & {24'd0, cfg_o.grip.rail})
+      | ({32{grip_command_hit_q}} & {16'd0, status_i.grip.command})
+      | ({32{grip_increment_hit_q}} & {15'd0, status_i.grip.increment})
+      | ({32{grip_fault_hit_q}} & {27'd0, status_i.grip.fault})
+      | ({32{grip_faulty_hit_q}} & {24'd0, status_i.grip.faulty})
+      | ({32{grip_commands_hit_q}} & status_i.grip.commands)
+      | ({32{grip_tightenings_hit_q}} & status_i.grip.tightenings);
 
   logic asked, wrote, odd;
   always_ff @(posedge clk_i) begin

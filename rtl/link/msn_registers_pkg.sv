@@ -113,6 +113,26 @@ package msn_registers_pkg;
   } link_cfg_t;
 
   typedef struct packed {
+    logic        enable;
+    logic [23:0] period;
+    logic [15:0] step;
+    logic [15:0] decay;
+    logic [15:0] minimum;
+    logic [15:0] maximum;
+    logic [15:0] rate;
+    logic [15:0] watchdog;
+    logic        rule;
+    logic        mode;
+    logic        immediate;
+    logic        override_;
+    logic [15:0] override_value;
+    logic [7:0]  divide;
+    logic [16:0] low;
+    logic [16:0] high;
+    logic [7:0]  rail;
+  } grip_cfg_t;
+
+  typedef struct packed {
     core_cfg_t core;
     adc_cfg_t adc;
     slip_cfg_t slip;
@@ -124,6 +144,7 @@ package msn_registers_pkg;
     cop4_cfg_t cop4;
     cop_slip_cfg_t cop_slip;
     link_cfg_t link;
+    grip_cfg_t grip;
   } cfg_t;
 
   typedef struct packed {
@@ -189,6 +210,15 @@ package msn_registers_pkg;
   } link_status_t;
 
   typedef struct packed {
+    logic [15:0] command;
+    logic [16:0] increment;
+    logic [4:0]  fault;
+    logic [7:0]  faulty;
+    logic [31:0] commands;
+    logic [31:0] tightenings;
+  } grip_status_t;
+
+  typedef struct packed {
     core_status_t core;
     adc_status_t adc;
     slip_status_t slip;
@@ -198,12 +228,13 @@ package msn_registers_pkg;
     calibrate_status_t calibrate;
     cop_status_t cop;
     link_status_t link;
+    grip_status_t grip;
   } status_t;
 
-  localparam int unsigned ResetBits = 878;
+  localparam int unsigned ResetBits = 1069;
   // A default: builds that give their own values do not use it.
   // verilator lint_off UNUSEDPARAM
-  localparam logic [ResetBits-1:0] Reset = 878'h2000000000000000101ffffbfffdfffffffe00020000000000000000000000000000000000000000001fffe00000002000000000000000000000000000000100801000000037fff8000000000002000000000000bffffc0000000000020000000001fffffffffe00000000000000;
+  localparam logic [ResetBits-1:0] Reset = 1069'h100fff00000000000000a0400753002000000008007a1202000000000000000101ffffbfffdfffffffe00020000000000000000000000000000000000000000001fffe00000002000000000000000000000000000000100801000000037fff8000000000002000000000000bffffc0000000000020000000001fffffffffe00000000000000;
   // verilator lint_on UNUSEDPARAM
 
 endpackage

@@ -2,7 +2,7 @@
 //
 // Slip of every channel or taxel of a core: instances and wires only.
 //
-//   samples ─ skid (Array) ─ slip_path ─ skid (Array of several lanes) ─┬─ decisions
+//   samples ─ skid (Array) ─ slip_path ─ skid (Array of several lanes) ─┬─ decisions, verdicts
 //   decisions about a centre of pressure (Slip = 0) ────────────────────┴─ slip_flags
 //
 // The way back for ready is long: packet, slip, array, scan. An array's is cut before and behind the slip path.
@@ -44,6 +44,7 @@ module msn_slip_chain #(
   output logic                            out_valid_o,
   input  logic                            out_ready_i,
   output msn_pkg::decision_t              out_o,
+  output msn_pkg::verdict_t               verdict_o,          // of single channels; it waits for nobody
   output logic                            busy_o,             // something of a frame is in here
   output logic                            slip_o,             // of any channel
   output logic                            gross_o,
@@ -51,6 +52,8 @@ module msn_slip_chain #(
 );
 
   localparam int unsigned DetailBits = SampleBits + Level;
+
+  logic offered;  // the decision is one that flags and reflex have seen: a packet's sender may let it wait
 
   if (Slip) begin : gen_slip
     logic                         sample_valid, sample_ready, sample_last, sample_mask;
@@ -78,7 +81,7 @@ module msn_slip_chain #(
     logic [2:0]            found_state;
     logic [DetailBits-1:0] found_p2p, p2p;
     logic [IdBits-1:0]     found_id, id;
-    logic                  unused_over, unused_end;
+    logic                  found_over, found_end;
     msn_slip_path #(
       .Channels(Channels), .SampleBits(SampleBits), .Level(Level), .Window(Window), .Hop(Hop),
       .TimerBits(TimerBits), .Mask(Mask), .Serial(Serial)
@@ -89,8 +92,8 @@ module msn_slip_chain #(
       .in_valid_i(sample_valid), .in_ready_o(sample_ready), .in_data_i(sample), .in_id_i(sample_id),
       .in_last_i(sample_last), .in_mask_i(sample_mask),
       .out_valid_o(found_valid), .out_ready_i(found_ready), .out_state_o(found_state),
-      .out_raised_o(found_raised), .out_over_o(unused_over), .out_p2p_o(found_p2p), .out_id_o(found_id),
-      .out_last_o(found_last), .out_end_o(unused_end),
+      .out_raised_o(found_raised), .out_over_o(found_over), .out_p2p_o(found_p2p), .out_id_o(found_id),
+      .out_last_o(found_last), .out_end_o(found_end),
       .busy_o(path_busy), .damaged_o(status_o.damaged), .blanked_o(status_o.blanked)
     );
 
@@ -101,10 +104,14 @@ module msn_slip_chain #(
         .in_data_i({found_raised, found_last, found_state, found_p2p, found_id}),
         .out_valid_o, .out_ready_i, .out_data_o({out_o.raised, out_o.last, out_o.state, p2p, id})
       );
+      assign verdict_o = '0;
+      logic unused_found;
+      assign unused_found = ^{found_over, found_end};
     end else begin : gen_no_decision_skid
       assign {out_valid_o, found_ready} = {found_valid, out_ready_i};
       assign {out_o.raised, out_o.last, out_o.state} = {found_raised, found_last, found_state};
       assign {p2p, id} = {found_p2p, found_id};
+      assign verdict_o = {found_valid && !offered, found_over, found_end, 16'(found_id)};
     end
     assign out_o.p2p = 24'(p2p);
     assign out_o.id  = 16'(id);
@@ -115,12 +122,11 @@ module msn_slip_chain #(
   end else begin : gen_no_slip
     assign {out_valid_o, cop_ready_o, out_o} = {cop_valid_i, out_ready_i, cop_i};
     assign in_ready_o = 1'b1;
-    assign {busy_o, status_o} = '0;
+    assign {busy_o, status_o, verdict_o} = '0;
     logic unused_slip;
     assign unused_slip = ^{cfg_i, actuator_moving_i, in_valid_i, in_data_i, in_id_i, in_last_i, in_mask_i};
   end
 
-  logic offered;  // the decision is one that the flags have seen: a packet's sender may let it wait
   always_ff @(posedge clk_i) offered <= !rst_i && out_valid_o && !out_ready_i;
   msn_slip_flags u_flags (
     .clk_i, .rst_i,

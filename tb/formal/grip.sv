@@ -47,6 +47,7 @@ module formal_grip #(
   logic                        out_valid_o;
   logic signed [CommandBits:0] out_word_o, out_increment_o;
   logic [CommandBits-1:0]      out_command_o;
+  logic                        out_force_o;
   logic [4:0]                  fault_o;
   logic [Fingers-1:0]          faulty_o;
   msn_grip #(
@@ -205,6 +206,7 @@ module formal_grip #(
         assert (was == out_next);
         assert (increment == (out_live ? out_next - out_was : '0));
         assert (out_word_o == (out_mode ? signed'({1'b0, out_command_o}) : out_increment_o));
+        assert (out_force_o == out_mode);
         if (ordered) assert (was >= low && was <= high);
         assert (increment <= rate && -increment <= rate);
         if (ordered && increment < 0 && !out_override) begin

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Made by tools/registers.py from rtl/registers.rdl: change that, then `make registers`.
 
-localparam int unsigned Fields = 107;
+localparam int unsigned Fields = 130;
 logic [Fields-1:0]    there, writable, written;
 logic [32*Fields-1:0] bits;
 `CONSTANT(0, 1'b1, 10'h000, 0, 32, 1297305170)
@@ -117,4 +117,27 @@ logic [32*Fields-1:0] bits;
 `STATUS(104, Link, 10'h242, 0, 32, link_cop_dropped, link.cop_dropped)
 `STATUS(105, Link, 10'h243, 0, 32, link_image_dropped, link.image_dropped)
 `STATUS(106, Link, 10'h244, 0, 32, link_rejected, link.rejected)
+`SETTING(107, Grip, 10'h280, 0, 1, 878, grip_enable, grip.enable, 0, cfg_o.grip.enable, 1, 0)
+`SETTING(108, Grip, 10'h281, 0, 24, 879, grip_period, grip.period, 0, cfg_o.grip.period, 24, 0)
+`SETTING(109, Grip, 10'h282, 0, 16, 903, grip_step, grip.step, 0, cfg_o.grip.step, 16, 0)
+`SETTING(110, Grip, 10'h283, 0, 16, 919, grip_decay, grip.decay, 0, cfg_o.grip.decay, 16, 0)
+`SETTING(111, Grip, 10'h284, 0, 16, 935, grip_minimum, grip.minimum, 0, cfg_o.grip.minimum, 16, 0)
+`SETTING(112, Grip, 10'h285, 0, 16, 951, grip_maximum, grip.maximum, 0, cfg_o.grip.maximum, 16, 0)
+`SETTING(113, Grip, 10'h286, 0, 16, 967, grip_rate, grip.rate, 0, cfg_o.grip.rate, 16, 0)
+`SETTING(114, Grip, 10'h287, 0, 16, 983, grip_watchdog, grip.watchdog, 0, cfg_o.grip.watchdog, 16, 0)
+`SETTING(115, Grip, 10'h288, 0, 1, 999, grip_rule, grip.rule, 0, cfg_o.grip.rule, 1, 0)
+`SETTING(116, Grip, 10'h289, 0, 1, 1000, grip_mode, grip.mode, 0, cfg_o.grip.mode, 1, 0)
+`SETTING(117, Grip, 10'h28a, 0, 1, 1001, grip_immediate, grip.immediate, 0, cfg_o.grip.immediate, 1, 0)
+`SETTING(118, Grip, 10'h28b, 0, 1, 1002, grip_override, grip.override_, 0, cfg_o.grip.override_, 1, 0)
+`SETTING(119, Grip, 10'h28c, 0, 16, 1003, grip_override_value, grip.override_value, 0, cfg_o.grip.override_value, 16, 0)
+`SETTING(120, Grip, 10'h28d, 0, 8, 1019, grip_divide, grip.divide, 0, cfg_o.grip.divide, 8, 0)
+`SETTING(121, Grip, 10'h28e, 0, 17, 1027, grip_low, grip.low, 0, cfg_o.grip.low, 17, 1)
+`SETTING(122, Grip, 10'h28f, 0, 17, 1044, grip_high, grip.high, 0, cfg_o.grip.high, 17, 1)
+`SETTING(123, Grip, 10'h290, 0, 8, 1061, grip_rail, grip.rail, 0, cfg_o.grip.rail, 8, 0)
+`STATUS(124, Grip, 10'h291, 0, 16, grip_command, grip.command)
+`STATUS(125, Grip, 10'h292, 0, 17, grip_increment, grip.increment)
+`STATUS(126, Grip, 10'h293, 0, 5, grip_fault, grip.fault)
+`STATUS(127, Grip, 10'h294, 0, 8, grip_faulty, grip.faulty)
+`STATUS(128, Grip, 10'h295, 0, 32, grip_commands, grip.commands)
+`STATUS(129, Grip, 10'h296, 0, 32, grip_tightenings, grip.tightenings)
 always_comb if (started) assert (pending_o == (slip_waits || cop_waits || cop4_waits || cop_slip_waits));

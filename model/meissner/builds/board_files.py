@@ -15,7 +15,7 @@ OUTPUTS = {
     "reset": "adc_reset_o",
 }
 INPUTS = {"miso": "adc_miso_i", "busy": "adc_busy_i", "moving": "moving_i", "rx": "rx_i"}
-FLAGS = ("slip", "gross", "touched", "pressed")
+FLAGS = ("slip", "gross", "touched", "pressed", "pwm")
 
 
 def top(plan):

@@ -146,6 +146,7 @@ def _too_few(there):
 
 COP4_ICE = "even without registers it needs 10 multipliers, and a UP5K has 8"
 UNMEASURED = "not measured; the board has the pins for it"
+GRIP_ICE = "the reflex reports faults in registers, which its builds do not have"
 
 BOARDS = {
     board.name: board
@@ -164,7 +165,7 @@ BOARDS = {
             area=ICE40_AREA,
             # With registers the fingertip takes 7,456 logic cells; a UP5K has 5,280.
             configs={"slip1": {}, "fingertip": {"mhz": 24.0, "registers": False}},
-            left_out={"cop4": COP4_ICE} | _too_few(24),
+            left_out={"cop4": COP4_ICE, "grip": GRIP_ICE} | _too_few(24),
         ),
         Board(
             name="ulx3s",
@@ -187,6 +188,7 @@ BOARDS = {
                 "array64": {"mhz": 100.0, "device": "25F", "more": {"SlipDepth": 16}},
                 "full": {"mhz": 100.0, "device": "45F"},
             },
+            left_out={"grip": UNMEASURED},
         ),
         Board(
             name="orangecrab",
@@ -199,7 +201,7 @@ BOARDS = {
             bitstream=".bit",
             area=ECP5_AREA,
             configs={"slip1": {"mhz": 48.0}, "fingertip": {"mhz": 48.0}},
-            left_out={"cop4": UNMEASURED} | _too_few(18),
+            left_out={"cop4": UNMEASURED, "grip": UNMEASURED} | _too_few(18),
         ),
         Board(
             name="tangnano20k",
@@ -213,7 +215,7 @@ BOARDS = {
             bitstream=".fs",
             area=GOWIN_AREA,
             configs={"slip1": {"mhz": 27.0}, "fingertip": {"mhz": 27.0}},
-            left_out={"cop4": UNMEASURED} | _too_few(16),
+            left_out={"cop4": UNMEASURED, "grip": UNMEASURED} | _too_few(16),
         ),
     )
 }

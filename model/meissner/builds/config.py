@@ -12,7 +12,7 @@ import tomllib
 from dataclasses import replace
 from pathlib import Path
 
-from meissner.builds import four_wires
+from meissner.builds import four_wires, grip_table
 from meissner.builds.build import PARTS, Config, verilog
 from meissner.check import between, fields, not_negative, one_of, positive, shown
 from meissner.plain import plain
@@ -141,7 +141,7 @@ def read(name, tables):
 
 
 def _read(name, tables):
-    optional = ("link", "slip", "array", "health", "tare", "cop", "mesh", "load", "cop_slip")
+    optional = ("link", "slip", "array", "health", "tare", "cop", "mesh", "load", "cop_slip", "grip")
     known = {"about": str, "clock": dict, "sensor": dict, "adc": dict}
     if "converter" in tables and "adc" not in tables:
         raise ValueError(
@@ -171,7 +171,7 @@ def _read(name, tables):
     kind = sensor["kind"]
     allowed = {
         "array": ("link", "slip", "array", "health", "tare", "cop"),
-        "channels": ("link", "slip"),
+        "channels": ("link", "slip", "grip"),
         "electrodes": ("link", "mesh", "load", "cop_slip"),
     }[kind]
     for key in tables:
@@ -196,6 +196,9 @@ def _read(name, tables):
         base = replace(base, serial=serial, slip=slip)
     elif kind == "channels":
         raise ValueError("[slip] is missing: single channels have nothing else to do")
+    if "grip" in tables:
+        given = _with("[grip]", tables["grip"], {}, grip_table.DEFAULTS)
+        base = replace(base, grip=grip_table.config("[grip]", given, base))
     return base.check()
 
 

@@ -169,7 +169,8 @@ def needs(board, parameters):
     moving = Need("moving", "moving_i", 1, ("high while the actuator moves",))
     if "moving" in board.inverted:
         moving = Need("moving", "moving_n_i", 1, ("low while the actuator moves",))
-    return [*_lines(parameters), moving]
+    pulses = [Need("pwm", "pwm_o", 1, ("pulses for the hand",))] if parameters.get("Grip") else []
+    return [*_lines(parameters), moving, *pulses]
 
 
 def _lines(parameters):

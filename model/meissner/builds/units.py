@@ -38,6 +38,7 @@ CODES = {  # of an amount: register, quantity, and what of Units turns it into a
     ("cop_slip.min_load", "newtons"): "load_code",
     ("adc.period", "seconds"): "clocks",
     ("scan.period", "seconds"): "clocks",
+    ("grip.period", "seconds"): "clocks",
     ("scan.settle", "seconds"): "settle_clocks",
 }
 

@@ -1,13 +1,16 @@
-"""Twin of rtl/msn_core.sv: the packets of whole frames of samples."""
+"""Twin of rtl/msn_core.sv: the packets of whole frames of samples; of a hand its commands, too."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
+from meissner.twins.actuate.actuate import Actuate
 from meissner.twins.frontend.health import Limits
 from meissner.twins.link.core_link import payloads
 from meissner.twins.sensor.sensor_array import from_reset, sensor_array
 from meissner.twins.sensor.sensor_cop4 import sensor_cop4
+from meissner.twins.slip.haar import Haar
+from meissner.twins.slip.peak_to_peak import PeakToPeak
 from meissner.twins.slip.slip import State
 from meissner.twins.slip.slip_chain import slip_chain
 
@@ -21,6 +24,28 @@ class Expected:
     slip: list
     cop: list
     images: np.ndarray | None
+
+
+class Hand:
+    """A core with the reflex, a control cycle at a time; ``actuate``: ActuateConfig, ``slip``: SlipConfig.
+
+    ``start``: as of meissner.twins.actuate.grip.Grip.
+    """
+
+    def __init__(self, fingers, slip, actuate, start=None):
+        group = 1 << slip.level
+        self.threshold, self.haar = slip.threshold, Haar(fingers, slip.level)
+        self.extremes = PeakToPeak(fingers, slip.window // group, slip.hop // group)
+        self.actuate = Actuate(actuate, fingers, start)
+
+    def next(self, samples, lost=False, override=None):
+        """Command of the cycle in which samples [frames, fingers] were decided upon.
+
+        ``lost``: a frame of the converter was lost in it; ``override``: what a host asks for.
+        """
+        x = np.asarray(samples).T
+        p2p, ends = self.extremes.next(self.haar.next(x)[0])
+        return self.actuate.next(x, p2p > self.threshold, ends, lost, override)
 
 
 def of_channels(samples, config, moving=None, mask=None, change=None):
@@ -64,6 +89,11 @@ def array_of(config):
     kinds = {"row_column": bool(parameters["RowColumn"]), "gain_shift": parameters["GainShift"]}
     kinds |= {"min_load": settings["cop.min_load"]}
     return from_reset(config.scan, settings["calibrate.preset"], limits, tare, **kinds)
+
+
+def hand_of(config, start=None):
+    """Hand of a configuration with [grip]."""
+    return Hand(config.channels, config.slip, config.grip, start)
 
 
 def expected(config, codes):

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// What a core asks a hand to do: slip decisions about channels, which are the hand's fingers, to words and pulses.
+//
+//   samples ─ finger_health ─┐
+//   decisions ───────────────┴─ grip ─┬─ words
+//                                     └─ pwm (mode force) ─ pulses
+//
+// Grip = 0: nothing is there. cfg_i.enable = 0: all is in reset, but for the counters. A sample that the converter did
+// not give, or gave for another channel, makes all fingers unhealthy in that cycle: which one it was is not known.
+// A word leaves 4 clocks after the decision (msn_grip). Model: model/meissner/twins/actuate/actuate.py
+
+module msn_actuate #(
+  parameter  bit          Grip       = 1'b1,
+  parameter  bit          Suits      = 1'b1,  // the core has slip of single channels, and registers
+  parameter  int unsigned Fingers    = 2,
+  parameter  int unsigned SampleBits = 17,
+  localparam int unsigned IdBits     = msn_pkg::index_width(Fingers)
+) (
+  input  logic                            clk_i,
+  input  logic                            rst_i,
+
+  input  msn_registers_pkg::grip_cfg_t    cfg_i,
+  output msn_registers_pkg::grip_status_t status_o,
+
+  input  logic                            sample_valid_i,  // what the slip path takes
+  input  logic signed [SampleBits-1:0]    sample_data_i,
+  input  logic        [IdBits-1:0]        sample_id_i,
+  input  msn_registers_pkg::adc_status_t  adc_i,           // the converter's counters
+  input  msn_pkg::verdict_t               verdict_i,
+
+  output logic                            grip_valid_o,    // for a clock
+  output logic signed [16:0]              grip_word_o,     // increment of a position, or force: cfg_i.mode
+  output logic                            pwm_o
+);
+
+  if (Grip && !Suits) begin : gen_check_suits
+    $fatal(1, "msn_actuate: Grip = 1 must go with Slip and Registers, without Array and Serial");
+  end
+
+  if (Grip) begin : gen_grip
+    logic rst, lost, timeout_q, mistagged_q;
+    assign rst  = rst_i || !cfg_i.enable;
+    assign lost = adc_i.timeout[0] != timeout_q || adc_i.mistagged[0] != mistagged_q;
+    always_ff @(posedge clk_i) begin
+      timeout_q   <= !rst_i && adc_i.timeout[0];
+      mistagged_q <= !rst_i && adc_i.mistagged[0];
+    end
+
+    logic [Fingers-1:0] healthy, faulty;
+    msn_finger_health #(.Fingers(Fingers), .SampleBits(SampleBits)) u_finger_health (
+      .clk_i, .rst_i(rst),
+      .cfg_low_i(signed'(cfg_i.low)), .cfg_high_i(signed'(cfg_i.high)), .cfg_rail_i(cfg_i.rail),
+      .in_valid_i(sample_valid_i), .in_data_i(sample_data_i), .in_id_i(sample_id_i), .lost_i(lost),
+      .healthy_o(healthy)
+    );
+
+    logic signed [16:0] increment;
+    logic        [15:0] command;
+    logic               is_force;
+    msn_grip #(.Fingers(Fingers)) u_grip (
+      .clk_i, .rst_i(rst),
+      .cfg_period_i(cfg_i.period), .cfg_step_i(cfg_i.step), .cfg_speed_gain_i('0), .cfg_decay_i(cfg_i.decay),
+      .cfg_minimum_i(cfg_i.minimum), .cfg_maximum_i(cfg_i.maximum), .cfg_rate_i(cfg_i.rate),
+      .cfg_watchdog_i(cfg_i.watchdog), .cfg_rule_i(cfg_i.rule), .cfg_mode_i(cfg_i.mode),
+      .cfg_immediate_i(cfg_i.immediate), .cfg_override_i(cfg_i.override_),
+      .cfg_override_value_i(cfg_i.override_value),
+      .over_valid_i(verdict_i.valid), .over_id_i(verdict_i.id[IdBits-1:0]), .over_i(verdict_i.over),
+      .over_end_i(verdict_i.last),
+      .speed_valid_i(1'b0), .speed_id_i('0), .speed_ok_i(1'b0), .speed_i('0),
+      .healthy_i(healthy),
+      .out_valid_o(grip_valid_o), .out_word_o(grip_word_o), .out_increment_o(increment),
+      .out_command_o(command), .out_force_o(is_force), .fault_o(status_o.fault), .faulty_o(faulty)
+    );
+    assign status_o.command   = command;
+    assign status_o.increment = increment;
+    assign status_o.faulty    = 8'(faulty);
+
+    logic tightened;
+    assign tightened = grip_valid_o && increment > 0;
+    always_ff @(posedge clk_i) begin
+      status_o.commands    <= status_o.commands + 32'(grip_valid_o);
+      status_o.tightenings <= status_o.tightenings + 32'(tightened);
+      if (rst_i) begin
+        status_o.commands    <= '0;
+        status_o.tightenings <= '0;
+      end
+    end
+
+    logic unused_begin;
+    msn_pwm u_pwm (
+      .clk_i, .rst_i(rst),
+      .cfg_divide_i(cfg_i.divide),
+      .in_valid_i(grip_valid_o && is_force), .in_data_i(command),
+      .pwm_o, .begin_o(unused_begin)
+    );
+    logic unused;
+    assign unused = ^{adc_i, verdict_i.id};
+  end else begin : gen_none
+    assign {status_o, grip_valid_o, grip_word_o, pwm_o} = '0;
+    logic unused;
+    assign unused = ^{clk_i, rst_i, cfg_i, sample_valid_i, sample_data_i, sample_id_i, adc_i, verdict_i};
+  end
+
+endmodule
