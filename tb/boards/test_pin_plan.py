@@ -138,6 +138,7 @@ def test_eight_converters_are_wired_as_the_page_says():
 SAME = ("rx_i", "tx_o", "moving_i", "adc_cs_n_o", "adc_sclk_o", "adc_miso_i")
 FLAGS = {"clk_i": "clk", "good_i": "good", "slip_o": "slip", "gross_o": "gross"}
 FLAGS |= {"touched_o": "touched", "pressed_o": "pressed"}
+NO_HAND = {"pwm_o": "unused_pwm"}
 
 
 @pytest.mark.parametrize(
@@ -164,7 +165,7 @@ def test_each_line_of_the_core_goes_to_the_port_of_its_name(name, same, other, t
     top = board_files.top(boards.BOARDS["ulx3s"].plan(users.write(tmp_path, name, 25.0)))
     instance = top.partition("msn_board u_board (")[2].partition(");")[0]
     wired = dict(re.findall(r"\.(\w+) *\(([^()]+)\)", instance))
-    assert wired == {port: port for port in (*SAME, *same)} | FLAGS | other
+    assert wired == {port: port for port in (*SAME, *same)} | FLAGS | NO_HAND | other
     shown = dict(re.findall(r"assign (\w+) = (.+);", top))
     assert shown == {
         "onboard_cs_n_o": "1'b1", "onboard_sclk_o": "1'b1", "onboard_mosi_o": "1'b0", "slip_o": "slip",
@@ -172,6 +173,22 @@ def test_each_line_of_the_core_goes_to_the_port_of_its_name(name, same, other, t
         "led_pressed_o": "pressed", "led_good_o": "good", "led_5_o": "1'b0", "led_6_o": "1'b0",
         "led_7_o": "1'b0",
     }  # fmt: skip
+
+
+def test_a_hand_gets_a_pin_for_its_pulses(tmp_path):
+    text = (config.FOLDER / "grip.toml").read_text()
+    assert "mhz = 24.0" in text
+    mine = tmp_path / "hand.toml"
+    mine.write_text(text.replace("mhz = 24.0", "mhz = 25.0"))
+    plan = boards.BOARDS["ulx3s"].plan(str(mine))
+    [row] = [row for row in plan.rows() if row["port"] == "pwm_o"]
+    assert (row["direction"], row["what"]) == ("out", "pulses for the hand") and row["pin"]
+    top = board_files.top(plan)
+    assert re.search(r"output logic pwm_o\b", top) and re.search(r"\.pwm_o +\(pwm_o\)", top)
+    assert (
+        "pwm_o"
+        not in board_files.top(boards.BOARDS["ulx3s"].plan("slip1")).partition("(")[2].partition(")")[0]
+    )
 
 
 def test_a_pull_is_written_as_each_tool_reads_it():

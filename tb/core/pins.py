@@ -296,7 +296,7 @@ async def begin(dut, part, kind=Host, reset=3):
 
 async def says_what_it_is(host, groups, rows, columns):
     """``groups``: whose registers it has, of docs/registers.md's list without core."""
-    order = ("adc", "slip", "scan", "health", "tare", "calibrate", "cop", "cop4", "cop_slip", "link")
+    order = ("adc", "slip", "scan", "health", "tare", "calibrate", "cop", "cop4", "cop_slip", "link", "grip")
     features = sum(1 << order.index(group) for group in groups.split())
     await host.set({"core.scratch": 0xA5C3_0F96})
     names = ("core.id", "core.features", "core.size", "core.clk_khz", "core.scratch")

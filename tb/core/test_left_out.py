@@ -26,6 +26,7 @@ BLOCKS = {
     "Image": {"msn_image_store"},
     "Cop4": {"msn_cop4", "msn_electrodes"},
     "CopSlip": {"msn_cop_slip"},
+    "Grip": {"msn_grip", "msn_pwm", "msn_finger_health"},
     "Registers": {"msn_bridge", "msn_uart_rx"},
     "SlipOnly": {"msn_packet_slip"},
     "Demod": {"msn_am_demod", "msn_scan_demod"},

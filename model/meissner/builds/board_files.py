@@ -13,9 +13,10 @@ OUTPUTS = {
     "mosi": "adc_mosi_o",
     "convst": "adc_convst_o",
     "reset": "adc_reset_o",
+    "pwm": "pwm_o",
 }
 INPUTS = {"miso": "adc_miso_i", "busy": "adc_busy_i", "moving": "moving_i", "rx": "rx_i"}
-FLAGS = ("slip", "gross", "touched", "pressed", "pwm")
+FLAGS = ("slip", "gross", "touched", "pressed")
 
 
 def top(plan):

@@ -23,8 +23,8 @@ class Config:
     """A build. ``sensor``, ``adc``, ``link``, ``array``, ``health``, ``tare``: checked tables.
 
     ``slip``: SlipConfig; ``serial``: the slip path two bits a clock; ``cop4``: Cop4Config; ``cop_slip``:
-    (lag, CopSlipRegisters); ``grip``: ActuateConfig; each None (or empty) where the build has none. ``clk_khz``, ``rate_hz``: the
-    clock, and frames a second.
+    (lag, CopSlipRegisters); ``grip``: ActuateConfig; each None (or empty) where the build has none.
+    ``clk_khz``, ``rate_hz``: the clock, and frames a second.
     """
 
     name: str

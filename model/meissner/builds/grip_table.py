@@ -1,4 +1,4 @@
-"""[grip] of a build: the reflex of a hand whose fingers are the channels, from times and counts of its command."""
+"""[grip] of a build: the reflex of a hand whose fingers are the channels, from times and counts."""
 
 from meissner.builds.units import exact
 from meissner.check import between, one_of, positive

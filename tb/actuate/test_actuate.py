@@ -1,0 +1,313 @@
+"""msn_actuate against the loops of tb/reference/grip.py and test_finger_health, clock by clock, with every
+setting at random; by hand: a converter that is dead or does not answer, what `enable` = 0 does, counters, the
+words and pulses of both modes, a mode that changes. Grip = 0 is nothing. The model against the same loops."""
+
+import random
+from dataclasses import replace
+
+import cocotb
+import numpy as np
+import pytest
+from cocotb.triggers import FallingEdge, RisingEdge
+from cocotb.utils import get_sim_time
+
+import bench
+import members
+from actuate.test_finger_health import Runs
+from meissner.twins.actuate.actuate import Actuate, ActuateConfig
+from meissner.twins.actuate.grip import Command, GripConfig
+from reference.grip import LATENCY, GripLoop
+
+HAND = {"enable": 1, "period": 40, "step": 7, "decay": 0, "minimum": 30, "maximum": 100, "rate": 11}
+HAND |= {"watchdog": 900, "rule": 0, "mode": 0, "immediate": 1, "override": 0, "override_value": 0}
+HAND |= {"divide": 0, "low": 0, "high": 4095, "rail": 3}
+OF_LOOP = ("period", "step", "decay", "minimum", "maximum", "rate", "watchdog", "rule", "mode", "immediate")
+OF_LOOP += ("override", "override_value")
+SILENT, UNHEALTHY, LIMIT, UNARMED = 1, 2, 4, 16
+
+
+class Stage:
+    """The stage behind its pins; ``clock`` is one, and what is at the outputs in it."""
+
+    def __init__(self, dut):
+        self.dut, self.fingers, self.started = dut, dut.Fingers.value.to_unsigned(), False
+        self.adc = {"timeout": 0, "mistagged": 0, "dropped": 0, "overrun": 0, "over_range": 0}
+
+    async def begin(self, **settings):
+        self.settings, self.adc = HAND | settings, dict.fromkeys(self.adc, 0)
+        quiet = {"adc_i": 0, "verdict_i": 0, "sample_valid_i": 0, "sample_data_i": 0, "sample_id_i": 0}
+        if self.started:
+            for name, value in (quiet | {"cfg_i": self.word()}).items():
+                getattr(self.dut, name).value = value
+            await bench.reset(self.dut)
+        else:
+            self.started = True
+            await bench.start(self.dut, cfg_i=self.word(), **quiet)
+
+    def word(self):
+        signed = ("low", "high")
+        return members.word(
+            "grip_cfg", {k: v & 0x1FFFF if k in signed else v for k, v in self.settings.items()}
+        )
+
+    def put(self, **settings):
+        self.settings |= settings
+        self.dut.cfg_i.value = self.word()
+
+    async def clock(self, verdict=None, sample=None, **adc):
+        """``verdict``: (finger, over, end); ``sample``: (finger, code); ``adc``: counters that change."""
+        dut, self.adc = self.dut, self.adc | adc
+        finger, over, end = verdict or (0, 1, 1)
+        word = {"valid": verdict is not None, "over": over, "last": end, "id": finger}
+        dut.verdict_i.value = members.word("verdict", {name: int(value) for name, value in word.items()})
+        finger, code = sample or (0, 4095)
+        dut.sample_valid_i.value = sample is not None
+        dut.sample_id_i.value, dut.sample_data_i.value = finger, code
+        dut.adc_i.value = members.word("adc_status", self.adc)
+        await bench.ReadOnly()
+        got = self.outputs()
+        await bench.RisingEdge(dut.clk_i)
+        return got
+
+    def outputs(self):
+        found = members.of("grip_status", bench.read(self.dut.status_o))
+        found["increment"] = bench.as_signed(found["increment"], 17)
+        found["valid"] = bench.read(self.dut.grip_valid_o)
+        found["word"] = bench.as_signed(bench.read(self.dut.grip_word_o), 17)
+        return found | {"pwm": bench.read(self.dut.pwm_o)}
+
+    async def rest(self, clocks):
+        """So many clocks; what the words of those were that had one."""
+        return [got for got in [await self.clock() for _ in range(clocks)] if got["valid"]]
+
+
+def at_random(draw):
+    low, high = sorted((draw.choice([0, 1, 900, 40000]), draw.choice([50, 30000, 65534, 65535])))
+    some = lambda: draw.choice([0, 1, draw.randrange(300), draw.randrange(65536), 65535])
+    found = {name: some() for name in ("step", "decay", "rate", "override_value")}
+    found |= {name: draw.randrange(2) for name in ("rule", "mode", "immediate")}
+    found |= {"override": int(draw.random() < 0.3), "watchdog": draw.choice([0, 1, 2, 5, 60000])}
+    return found | {
+        **{"minimum": low, "maximum": high, "period": draw.choice([15, 16, 23, 31, 300])},
+        **{
+            "divide": draw.randrange(256),
+            "low": draw.choice([-65536, -7, 0]),
+            "high": draw.choice([9, 65535]),
+        },
+        **{"rail": draw.choice([0, 1, 4]), "enable": 1},
+    }
+
+
+@bench.applies(lambda dut: dut.Grip.value == 1)
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def matches_the_loops(dut):
+    """Reset after reset with other settings. A sample counts for health 3 clocks on, a lost frame 1."""
+    stage, draw = Stage(dut), random.Random(bench.SEED)
+    seen = set()
+    for turn in range(60):
+        settings = at_random(draw)
+        await stage.begin(**settings)
+        loop = GripLoop(stage.fingers, 16, 8, speed_gain=0, **{name: settings[name] for name in OF_LOOP})
+        runs = Runs(stage.fingers, settings["rail"], settings["low"], settings["high"])
+        well = [[True] * stage.fingers] * 3
+        shown, due = {"word": 0, "increment": 0, "command": 0, "fault": UNARMED, "faulty": 0}, {}
+        often, slipping = draw.choice([0.05, 0.3]), draw.choice([0, 0.1, 0.8])
+        counts, lost = {"commands": 0, "tightenings": 0}, False
+        for now in range(draw.choice([50, 300, 900])):
+            verdict = sample = None
+            if draw.random() < often:
+                verdict = draw.randrange(stage.fingers), draw.random() < slipping, draw.random() < 0.3
+            if draw.random() < 0.3:
+                sample = draw.randrange(stage.fingers), draw.choice([-65536, -7, -6, 0, 8, 9, 65535, 3, 4, 5])
+            change = {}
+            if draw.random() < 0.01:
+                name = draw.choice(["timeout", "mistagged"])
+                change[name] = stage.adc[name] + 1
+            if draw.random() < 0.1:  # of no concern here
+                change["dropped"] = draw.randrange(1 << 32)
+                change["overrun"], change["over_range"] = draw.randrange(1 << 32), draw.randrange(1 << 32)
+            ended = loop.clock(verdict, None, [one and not lost for one in well.pop(0)])
+            lost = "timeout" in change or "mistagged" in change
+            if ended:
+                due[now + LATENCY] = ended
+            valid = 0
+            if now in due:
+                shown = due.pop(now)
+                valid = int(shown["valid"])
+                seen.add((shown["fault"], shown["increment"] > 0))
+            got = await stage.clock(verdict, sample, **change)
+            assert got | {"pwm": 0} == shown | counts | {"valid": valid, "pwm": 0}, (turn, now, settings)
+            counts["commands"] += valid
+            counts["tightenings"] += valid and shown["increment"] > 0
+            if sample:
+                runs.sample(*sample)
+            well.append(runs.healthy())
+    assert {fault & 3 for fault, _ in seen} == {0, 1, 2, 3}
+
+
+@bench.applies(lambda dut: dut.Grip.value == 1)
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def by_hand(dut):
+    """The clock of the word, a dead converter, one that does not answer, and off and on again."""
+    stage = Stage(dut)
+    await stage.begin()
+    (first,) = await stage.rest(60)
+    assert (first["word"], first["command"], first["fault"]) == (0, 30, 0)
+    words = [await stage.clock((1, 1, 1) if n == 0 else None) for n in range(6)]
+    assert [got["valid"] for got in words] == [0, 0, 0, 0, 1, 0]
+    assert (words[4]["word"], words[5]["command"]) == (7, 37)
+    # Three samples at the rail, of finger 0: the slip that they seem to be is not answered, and reported.
+    await stage.rest(60)
+    for code in (4095, 4094, 4095, 0, 4095):
+        await stage.clock(sample=(0, code))
+    await stage.rest(5)  # a decision comes Level + 5 clocks after its sample
+    await stage.clock((0, 1, 0))
+    found = await stage.rest(80)
+    assert [(got["word"], got["command"], got["fault"], got["faulty"]) for got in found] == [
+        (0, 37, 2, 1)
+    ] * 2
+    await stage.clock(sample=(0, 4094))
+    await stage.rest(80)
+    for counter in ("timeout", "mistagged"):  # all fingers, for the one cycle
+        await stage.clock(**{counter: 1})
+        found = await stage.rest(80)
+        everyone = (1 << stage.fingers) - 1
+        assert [(got["word"], got["fault"], got["faulty"]) for got in found][:2] == [
+            (0, 2, everyone),
+            (0, 0, 0),
+        ]
+    before = await stage.clock()
+    assert before["tightenings"] == 1 and before["commands"] > 8
+    stage.put(enable=0)
+    await stage.clock()
+    found = [await stage.clock((0, 1, 1)) for _ in range(100)]
+    assert {(got["valid"], got["command"], got["fault"], got["pwm"]) for got in found} == {(0, 0, UNARMED, 0)}
+    stage.put(enable=1)
+    await stage.rest(44)
+    after = await stage.clock()
+    assert (after["command"], after["increment"], after["fault"]) == (30, 0, 0)
+    assert after["commands"] == before["commands"] + 1 + (found[0]["commands"] - before["commands"])
+    assert after["tightenings"] == 1
+
+
+async def width(dut):
+    """Clocks that the next pulse lasts."""
+    await RisingEdge(dut.pwm_o)
+    rose = get_sim_time("ns")
+    await FallingEdge(dut.pwm_o)
+    return round((get_sim_time("ns") - rose) / 10)
+
+
+@bench.applies(lambda dut: dut.Grip.value == 1)
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def forces_and_pulses(dut):
+    """No word and no pulse until a host has said what the force is; then the width is the force's."""
+    stage = Stage(dut)
+    await stage.begin(mode=1, minimum=1, maximum=65535, rate=65535)
+    assert await stage.rest(200) == [] and bench.read(dut.pwm_o) == 0
+    stage.put(override=1, override_value=40000)
+    (found,) = (await stage.rest(50))[:1]
+    assert (found["word"], found["increment"], found["fault"]) == (40000, 0, 0)
+    stage.put(override=0)
+    await FallingEdge(dut.pwm_o)
+    assert await width(dut) == 40000
+    stage.put(mode=0)  # words of the other mode are no widths: the last pulses stay
+    assert await width(dut) == 40000
+    stage.put(mode=1, override=1, override_value=9, divide=2)
+    await width(dut)
+    assert await width(dut) == 27
+    stage.put(enable=0)
+    await bench.RisingEdge(dut.clk_i)
+    await stage.rest(3)
+    assert not any([(await stage.clock())["pwm"] for _ in range(100)])
+
+
+@bench.applies(lambda dut: dut.Grip.value == 1)
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def a_mode_that_changes_sends_no_width_of_the_other(dut):
+    """In whatever clock a position's command leaves: 30 is no force."""
+    stage = Stage(dut)
+    for at in range(36, 50):
+        await stage.begin(mode=0, divide=0, minimum=30, maximum=60000)
+        for n in range(60):
+            if n == at:
+                stage.put(mode=1)
+            assert not (await stage.clock())["pwm"]
+        assert not any([(await stage.clock())["pwm"] for _ in range(20)]), at
+
+
+@bench.applies(lambda dut: dut.Grip.value == 0)
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def without_the_reflex_nothing_comes(dut):
+    stage = Stage(dut)
+    await stage.begin()
+    for n in range(200):
+        assert set((await stage.clock((0, 1, 1), (0, 4095), timeout=n)).values()) == {0}
+
+
+EVIDENCE = {
+    "reference": {
+        "against": "`GripLoop` and `Runs`, loops written from docs/grip.md",
+        "test": "tb/actuate/test_actuate.py::test_model_against_the_loops",
+    },
+    "equivalence": {"size": {"Fingers": 3}, "open": ["reset"]},
+    "faults": {"none": "instances and wires; the reflex' own upsets are those of msn_grip"},
+}
+
+
+@pytest.mark.parametrize("parameters", [{}, {"Fingers": 3, "SampleBits": 17}, {"Grip": 0}])
+def test_actuate(parameters):
+    bench.run("actuate", "actuate", parameters)
+
+
+def test_refuses_a_core_that_does_not_suit():
+    assert "Grip = 1 must go with Slip and Registers" in bench.refuses("actuate", {"Suits": 0})
+    assert "Fingers = 9" in bench.refuses("actuate", {"Fingers": 9}, of="finger_health")
+
+
+@pytest.mark.parametrize("rule, mode", [("any", "position"), ("weakest", "force")])
+def test_model_against_the_loops(rule, mode):
+    """A period of the loop, in whose middle all comes, is a cycle of the model."""
+    draw = random.Random(bench.SEED)
+    grip = GripConfig(200, 900, 0, 170, 2000, 41000, 3333, 3, rule, mode)
+    config = ActuateConfig(grip, -3, 90, 4, 5)
+    assert config.settings == {
+        **{"enable": 1, "period": 200, "step": 900, "decay": 170, "minimum": 2000, "maximum": 41000},
+        **{"rate": 3333, "watchdog": 3, "rule": rule == "weakest", "mode": mode == "force", "immediate": 0},
+        **{"low": -3, "high": 90, "rail": 4, "divide": 5},
+    }
+    override = 7777 if mode == "force" else None
+    loop = GripLoop(2, 16, 8, **grip.settings, override=int(mode == "force"), override_value=7777)
+    runs, twin, expected, got = Runs(2, 4, -3, 90), Actuate(config), [], []
+    for period in range(300):
+        if period == 3 and override:
+            loop.settings["override"], override = 0, None
+        slipping, dying = period // 10 % 3 * 0.4, draw.random() < 0.3
+        length = 0 if period // 7 % 9 == 8 else 6
+        samples = [[90 if dying and draw.random() < 0.9 else 40 for _ in range(length)] for _ in range(2)]
+        over = [[draw.random() < slipping for _ in range(length)] for _ in range(2)]
+        ends, lost = [n % 4 == 3 for n in range(length)], draw.random() < 0.05
+        got.append(twin.next(np.array(samples).reshape(2, -1), over, ends, lost, override))
+        feed = [(f, n) for n in range(length) for f in range(2)]
+        for n in range(200):
+            decision, well = None, [not lost or n != 100] * 2
+            if 20 <= n < 20 + len(feed):
+                finger, place = feed[n - 20]
+                decision = finger, over[finger][place], ends[place]
+                runs.sample(finger, samples[finger][place])
+            well = [one and two for one, two in zip(well, runs.healthy())]
+            ended = loop.clock(decision, None, well)
+        faulty = tuple(bool(ended["faulty"] >> f & 1) for f in range(2))
+        expected.append(
+            Command(*(ended[name] for name in ("increment", "command", "fault", "valid", "word")), faulty)
+        )
+    assert got == expected
+    assert twin.commands == sum(word.valid for word in expected)
+    assert twin.tightenings == sum(word.increment > 0 for word in expected) > 20
+    assert {word.fault & 3 for word in got} == {0, 1, 2, 3}
+
+
+def test_a_start_is_the_reflex_own():
+    config = ActuateConfig(replace(GripConfig(), decay=9))
+    word = Actuate(config, start=5000).next(np.full((2, 4), 7), [[0, 0]] * 2, [0, 1])
+    assert (word.increment, word.command) == (-9, 4991)

@@ -1,0 +1,124 @@
+"""msn_finger_health against a loop written from docs/grip.md, clock by clock: samples at the rails, one code
+beside them and between, runs one short of the count and longer than can be counted, lost frames, numbers that
+no finger has. The model against the same loop, in chunks of any length."""
+
+import random
+
+import cocotb
+import numpy as np
+import pytest
+
+import bench
+from meissner.twins.actuate.finger_health import FingerHealth
+
+LOW, HIGH = -21, 300
+
+
+class Runs:
+    """docs/grip.md: a finger is unhealthy while its last ``rail`` samples or more are at the rail."""
+
+    def __init__(self, fingers, rail, low=LOW, high=HIGH):
+        self.rail, self.low, self.high = rail, low, high
+        self.last = [[] for _ in range(fingers)]
+
+    def sample(self, finger, code):
+        if finger < len(self.last):
+            self.last[finger].append(not self.low < code < self.high)
+
+    def healthy(self):
+        if not self.rail:
+            return [True] * len(self.last)
+        tails = [row[-self.rail :] for row in self.last]
+        return [not (len(tail) == self.rail and all(tail)) for tail in tails]
+
+
+def sizes(dut):
+    return dut.Fingers.value.to_unsigned(), len(dut.in_id_i), dut.SampleBits.value.to_unsigned()
+
+
+def codes(draw, bits):
+    """Spells at a rail, with a sample beside it now and then; every place of a comparison is met."""
+    top = 2 ** (bits - 1) - 1
+    rails = [LOW, LOW - 1, HIGH, HIGH + 1, top, -top - 1]
+    between = [LOW + 1, HIGH - 1, 0, 17]
+    while True:
+        stays = draw.choice([0, 0.5, 0.9, 0.99, 1])
+        for _ in range(draw.choice([20, 100, 1600 if stays == 1 else 400])):
+            yield draw.choice(rails if draw.random() < stays else between)
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+@cocotb.parametrize(rail=[0, 1, 2, 7, 254, 255])
+async def matches_the_loop(dut, rail):
+    """A sample's answer is there 3 clocks after it, a lost frame's 1 clock after."""
+    fingers, id_bits, bits = sizes(dut)
+    draw = random.Random(bench.SEED + rail)
+    idle = {"in_valid_i": 0, "in_data_i": 0, "in_id_i": 0, "lost_i": 0}
+    await bench.start(dut, cfg_low_i=LOW, cfg_high_i=HIGH, cfg_rail_i=rail, **idle)
+    loop, feed, seen = Runs(fingers, rail), codes(draw, bits), set()
+    answers = [[True] * fingers] * 3  # of the clocks to come
+    lost_before = False
+    for _ in range(9000):
+        valid, lost = draw.random() < 0.8, draw.random() < 0.01
+        finger, code = draw.randrange(2**id_bits), next(feed)
+        dut.in_valid_i.value, dut.in_id_i.value, dut.in_data_i.value = valid, finger, code
+        dut.lost_i.value = lost
+        await bench.ReadOnly()
+        now = answers.pop(0)
+        expected = [well and not lost_before for well in now]
+        got = bench.read(dut.healthy_o)
+        assert got == sum(well << place for place, well in enumerate(expected))
+        seen.add((tuple(now), lost_before))
+        if valid:
+            loop.sample(finger, code)
+        answers.append(loop.healthy())
+        lost_before = lost
+        await bench.RisingEdge(dut.clk_i)
+    assert ({lost for _, lost in seen}) == {False, True}
+    assert rail == 0 or {row[0] for row, _ in seen} == {False, True}
+
+
+EVIDENCE = {
+    "reference": {
+        "against": "`Runs`, a loop written from docs/grip.md",
+        "test": "tb/actuate/test_finger_health.py::test_model_against_the_loop",
+    },
+    "equivalence": {"size": {"Fingers": 3}},
+    "faults": {"none": "no frames: an upset of a run lasts until the finger's next sample between the rails"},
+}
+
+
+@pytest.mark.parametrize("parameters", [{}, {"Fingers": 3, "SampleBits": 13}, {"Fingers": 1}])
+def test_finger_health(parameters):
+    bench.run("actuate", "finger_health", parameters)
+
+
+def test_refuses_illegal_parameters():
+    assert "Fingers = 9 must lie" in bench.refuses("finger_health", {"Fingers": 9})
+    assert "SampleBits = 18 must lie" in bench.refuses("finger_health", {"SampleBits": 18})
+
+
+@pytest.mark.parametrize("rail", [0, 1, 2, 7, 255])
+def test_model_against_the_loop(rail):
+    draw = random.Random(bench.SEED)
+    feeds = [codes(draw, 17) for _ in range(2)]
+    twin, loop, seen = FingerHealth(2, LOW, HIGH, rail), Runs(2, rail), set()
+    for _ in range(400):
+        length = draw.choice([0, 1, 3, 20])
+        samples = np.array([[next(feed) for _ in range(length)] for feed in feeds]).reshape(2, length)
+        lost = draw.random() < 0.1
+        well = np.array(loop.healthy())
+        for column in samples.T.tolist():
+            for finger, code in enumerate(column):
+                loop.sample(finger, code)
+            well &= loop.healthy()
+        expected = (well & (not lost)).tolist()
+        assert twin.next(samples, lost).tolist() == expected
+        seen.add((expected[0], lost))
+    assert (False, True) in seen and ((False, False) in seen) == (rail > 0)
+
+
+def test_the_model_refuses_what_the_register_has_no_room_for():
+    for rail in (-1, 256):
+        with pytest.raises(ValueError, match=f"rail = {rail} must lie in 0 .. 255"):
+            FingerHealth(2, rail=rail)
