@@ -55,6 +55,12 @@ ADDRESS = {
     **{"cop_slip.min_load": 0x808, "cop_slip.hold": 0x80C, "cop_slip.refractory": 0x810},
     **{"link.images": 0x900, "link.packets": 0x904, "link.cop_dropped": 0x908},
     **{"link.image_dropped": 0x90C, "link.rejected": 0x910},
+    **{"grip.enable": 0xA00, "grip.period": 0xA04, "grip.step": 0xA08, "grip.decay": 0xA0C},
+    **{"grip.minimum": 0xA10, "grip.maximum": 0xA14, "grip.rate": 0xA18, "grip.watchdog": 0xA1C},
+    **{"grip.rule": 0xA20, "grip.mode": 0xA24, "grip.immediate": 0xA28, "grip.override": 0xA2C},
+    **{"grip.override_value": 0xA30, "grip.divide": 0xA34, "grip.low": 0xA38, "grip.high": 0xA3C},
+    **{"grip.rail": 0xA40, "grip.command": 0xA44, "grip.increment": 0xA48, "grip.fault": 0xA4C},
+    **{"grip.faulty": 0xA50, "grip.commands": 0xA54, "grip.tightenings": 0xA58},
 }
 
 
