@@ -17,6 +17,7 @@ from meissner.physics import hand, plate, rubber
 from meissner.physics.slide import Contacts, slide
 from meissner.physics.stepped import Fluctuation, Level, Ring, Ripple
 from meissner.scenes.hand import loop
+from meissner.scenes.hand import run as hand_run
 from meissner.twins.actuate.grip import Grip, GripConfig
 from meissner.twins.slip.config import SlipConfig
 from meissner.twins.slip.slip_path import decide
@@ -324,6 +325,43 @@ def test_float_and_fixed_hold_alike():
     assert fixed.tightenings.tolist() == exact.tightenings.tolist() and fixed.tightenings.min() > 5
 
 
+@pytest.mark.parametrize(
+    "name, number, changes",
+    [
+        ("grip_pour", 0, {}),
+        ("grip_pour", 3, {"first_event": 0.5}),  # 1 ms a cycle
+        ("grip_release", 0, {"decay_mm_s": 0.5}),
+        ("grip_disturb", 0, {"first_event": 0.4}),
+        ("grip_water", 0, {"dead_s": 1.2}),
+    ],
+)
+def test_a_verilated_core_holds_as_the_twins_do(name, number, changes):
+    """Word for word; each scene, short, with something to answer."""
+    scene = scenes.load(name)
+    condition = replace(scene.conditions[number], duration_s=1.6, **changes)
+    world = scene.world | {"pour_start_s": 0.1, "hold_from_s": 0.1}
+    world |= {"tugs": [(0.2, 0.4, 0.8)]} if world["tugs"] else {}
+    scene = replace(scene, conditions=(condition,), world=world)
+    fixed, rtl = (loop.hold(scene, condition, [1, 2], hand_run.PARTS[engine]) for engine in ("fixed", "rtl"))
+    assert rtl.mismatches.tolist() == [0, 0] and fixed.mismatches is None
+    for key in ("command", "fault", "over", "normal_n", "detail_low", "detail_high"):
+        assert np.array_equal(getattr(fixed.trace, key), getattr(rtl.trace, key)), key
+    for key in hand_run.KEYS:
+        assert np.array_equal(getattr(fixed, key), getattr(rtl, key)), key
+    assert fixed.tightenings.min() > 0 and (fixed.faults.min() > 0) == ("dead_s" in changes)
+
+
+def test_a_core_that_differs_is_counted(monkeypatch):
+    """One that counts a step more: its commands go their own way, and so does the hand."""
+    scene = short(seconds=1.5)
+    right = loop.ActuateConfig
+    monkeypatch.setattr(
+        loop, "ActuateConfig", lambda grip, *more: right(replace(grip, step=grip.step + 1), *more)
+    )
+    held = loop.hold(scene, scene.conditions[0], [1], hand_run.PARTS["rtl"])
+    assert held.tightenings[0] > 0 and held.mismatches[0] > 0
+
+
 def test_the_ratio_is_the_grip_over_what_static_friction_needs():
     """A hand that neither tightens nor lets go: the grip of the draw, over weight by the sum of both mu_s."""
     scene = short("grip_release", step_mm=0.0, decay_mm_s=0.0)
@@ -393,7 +431,7 @@ def test_mistakes_are_named(path, value, text):
 
 def test_other_engines_are_refused_in_a_sentence(tmp_path):
     scene = scenes.load("grip_pour")
-    with pytest.raises(ValueError, match="in closed loop on the engines fixed and float only, not on rtl"):
-        runs.run(scene, "rtl", tmp_path)
+    with pytest.raises(ValueError, match="in closed loop on the engines fixed, float and rtl only, not on gate"):
+        runs.run(scene, "gate", tmp_path)
     with pytest.raises(ValueError, match="--waves"):
         runs.run(scene, "fixed", tmp_path, waves=True)

@@ -99,7 +99,11 @@ struct Driver {
 #endif
   }
 
-  ~Driver() { stop_trace(); }
+  // Scopes leave the thread's context, which is the newest one's: of several drivers it may be gone by then.
+  ~Driver() {
+    stop_trace();
+    Verilated::threadContextp(&context);
+  }
 
   // One rising edge, and a look at results. Nothing in the core acts on the falling edge, so it is not evaluated,
   // which is a third of the time: telling Verilator that the clock was low is enough. Should a release rename this

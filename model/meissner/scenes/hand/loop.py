@@ -3,16 +3,20 @@
     closing -> physics.hand -> converter -> Haar, peak to peak, over -> grip -> increment -> closing
 
 The word of a cycle moves the hand in the next one. A window counts once, where it first is over:
-msn_grip counts the stream of decisions. A finger whose samples all stand at the converter's lowest or highest
-code for a whole cycle counts as unhealthy.
+msn_grip counts the stream of decisions. A finger is unhealthy after eight samples in a row at the converter's
+lowest or highest code. On engine rtl a Verilated core does all of it, beside the twins.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 
+from meissner.engines import rtl_hand
 from meissner.physics.hand import COUNT_MM, Hand
 from meissner.scenes.hand.scene import grasp
+from meissner.twins.actuate.actuate import ActuateConfig
+from meissner.twins.actuate.finger_health import FingerHealth
+from meissner.twins.actuate.grip import Grip
 from meissner.twins.slip.haar import Haar
 from meissner.twins.slip.peak_to_peak import PeakToPeak
 
@@ -94,6 +98,55 @@ class Windows:
         return parts, ends, fresh
 
 
+class Stage:
+    """What answers the codes of both fingers of all runs, a cycle at a time: the slip path and the reflex.
+
+    ``parts``: (slip path class, grip class); ``starts``: the command that each run begins with.
+    """
+
+    mismatches = None  # cycles of each run in which a core was not as the twins
+
+    def __init__(self, parts, config, settings, starts, adc):
+        slip_of, grip_of = parts
+        channels = 2 * len(starts)
+        self.slip, self.windows = slip_of(channels, config), Windows(channels, config.window >> config.level)
+        self.health = FingerHealth(channels, adc.min_code, adc.max_code)
+        self.reflexes = [grip_of(settings, 2, start=start) for start in starts]
+
+    def next(self, codes):
+        """(detail [channels, details], windows over for the first time [channels], Command of each run)."""
+        detail, _, self.over = self.slip.next(codes)
+        parts, ends, counts = self.windows.next(self.over)
+        healthy = self.health.next(codes).reshape(-1, 2).tolist()
+        parts = parts.reshape(len(self.reflexes), 2, -1).tolist()
+        words = [
+            answer(reflex, rows, ends, well) for reflex, rows, well in zip(self.reflexes, parts, healthy)
+        ]
+        return detail, counts, words
+
+
+class Cores:
+    """The same by a Verilated core for each run; the twins run beside them, and draw the detail."""
+
+    def __init__(self, config, settings, starts, adc, block):
+        self.twin = Stage((FixedSlip, Grip), config, settings, starts, adc)
+        actuate = ActuateConfig(settings, adc.min_code, adc.max_code)
+        self.cores = [rtl_hand.Core(2, config, actuate, block, start) for start in starts]
+        self.windows = Windows(2 * len(starts), config.window >> config.level)
+        self.mismatches = np.zeros(len(starts), dtype=np.int64)
+
+    def next(self, codes):
+        """As Stage.next."""
+        detail, _, expected = self.twin.next(codes)
+        found = [core.next(pair) for core, pair in zip(self.cores, codes.reshape(len(self.cores), 2, -1))]
+        overs, words = [over for over, _, _ in found], [word for _, _, word in found]
+        wanted = self.twin.over.reshape(len(self.cores), 2, -1)
+        for run, (over, word) in enumerate(zip(overs, words)):
+            self.mismatches[run] += word != expected[run] or not np.array_equal(over, wanted[run])
+        _, _, counts = self.windows.next(np.concatenate(overs))
+        return detail, counts, words
+
+
 def answer(reflex, parts, ends, healthy):
     """The Command of a cycle; ``parts`` [fingers, parts], ``healthy`` [fingers]."""
     for finger, row in enumerate(parts):
@@ -127,7 +180,8 @@ class Held:
     ``slip_mm``: at the end; ``sag_mm``: largest less least; ``ring_mm``: at the end; ``moved_mm``: the
     object's way, lowest less highest; ``tightenings``: cycles with a window over the threshold,
     ``false_tightenings``: those in which a finger was over that had no event; ``faults``: cycles with one;
-    ``ratio``: grip over the least that friction allows, in the mean of the hold.
+    ``ratio``: grip over the least that friction allows, in the mean of the hold; ``mismatches``: cycles in
+    which the core of engine rtl was not as the twins, None of the others.
     """
 
     dropped: np.ndarray
@@ -140,6 +194,7 @@ class Held:
     faults: np.ndarray
     ratio: np.ndarray
     trace: Trace
+    mismatches: np.ndarray | None = None
 
 
 class _Noise:
@@ -161,18 +216,17 @@ class _Noise:
 
 
 def hold(scene, condition, seeds, parts):
-    """Run one condition with ``seeds`` at once; ``parts``: (slip path class, grip class) of the engine."""
-    slip_of, grip_of = parts
+    """Run one condition with ``seeds`` at once; ``parts``: (slip path class, grip class) or Cores."""
     grasps = [grasp(scene, condition, seed) for seed in seeds]
     runs, block = len(grasps), scene.rate_hz * condition.cycle_ms // 1000
     hand = Hand(grasps, scene.rate_hz, block)
     config, number = scene.slip_config(condition), scene.conditions.index(condition)
-    slip, windows = slip_of(2 * runs, config), Windows(2 * runs, config.window >> config.level)
     settings = scene.grip_config(condition)
     starts = [
         min(max(round(one.closing_mm / COUNT_MM), settings.minimum), settings.maximum) for one in grasps
     ]
-    reflexes = [grip_of(settings, 2, start=start) for start in starts]
+    given = config, settings, starts, scene.adc
+    stage = Cores(*given, block) if parts is Cores else Stage(parts, *given)
     goal = np.array([one.closing_mm for one in grasps])
     noise, adc = _Noise(scene, seeds, number), scene.adc
     cycles = round(scene.duration_s(condition) * 1000 / condition.cycle_ms)
@@ -191,19 +245,11 @@ def hold(scene, condition, seeds, parts):
         codes, _ = adc.convert(volts.reshape(2 * runs, block))
         if time_s >= dead:
             codes[:] = adc.max_code
-        detail, _, over = slip.next(codes)
-        parts, ends, counts = windows.next(over)
-        healthy = ~((codes <= adc.min_code).all(axis=1) | (codes >= adc.max_code).all(axis=1))
+        detail, counts, words = stage.next(codes)
         contact, at, _ = found.events
         last_event[contact] = cycle * block + np.ceil(at).astype(np.int64)
         wrong = (counts > 0) & (last_event < cycle * block - wait)
         pairs = counts.reshape(-1, 2)
-        words = [
-            answer(reflex, rows_of, ends, well)
-            for reflex, rows_of, well in zip(
-                reflexes, parts.reshape(runs, 2, -1).tolist(), healthy.reshape(-1, 2).tolist()
-            )
-        ]
         increment = np.array([word.increment for word in words])
         goal = goal + increment * COUNT_MM
         alive = ~hand.dropped
@@ -229,5 +275,5 @@ def hold(scene, condition, seeds, parts):
     sags = np.stack([np.min(sags, axis=0), np.max(sags, axis=0)])
     return Held(
         *(hand.dropped, hand.slid_mm.mean(axis=1), sags[1] - sags[0], found.ring_mm, highest - lowest),
-        *(tight, false, faults, ratio / max(held, 1), trace),
+        *(tight, false, faults, ratio / max(held, 1), trace, stage.mismatches),
     )

@@ -12,7 +12,7 @@ from meissner.twins.actuate.grip import Grip
 SHOWN = "grip force beside the least that holds the object, the Haar detail of both fingers, and its way down"
 AT_ONCE = 50  # runs that advance together
 # What an engine has of the loop; the reflex is integers in both, docs/grip_scenes.md says why.
-PARTS = {"fixed": (loop.FixedSlip, Grip), "float": (loop.FloatSlip, Grip)}
+PARTS = {"fixed": (loop.FixedSlip, Grip), "float": (loop.FloatSlip, Grip), "rtl": loop.Cores}
 KEYS = (
     "dropped",
     "slip_mm",
@@ -30,7 +30,8 @@ def check(scene, engine, waves):
     """ValueError with one sentence if this engine cannot run the scene."""
     check_waves(engine, waves)
     if engine not in PARTS:
-        names = " and ".join(PARTS)
+        *names, last = PARTS
+        names = f"{', '.join(names)} and {last}"
         raise ValueError(
             f"scene {scene.name} runs in closed loop on the engines {names} only, not on {engine}"
         )
@@ -86,8 +87,10 @@ def run(scene, engine, out, seed, waves, progress):
     kept = [row for row in rows if row["grip_ratio_mean"] is not None]
     simulated = sum(row["runs"] * scene.duration_s(one) for row, one in zip(rows, scene.conditions))
     samples = 2 * simulated * scene.rate_hz
+    compared = [held.mismatches for several in helds.values() for held in several]
+    mismatches = None if compared[0] is None else int(np.concatenate(compared).sum())
     summary = {
-        **head(scene, engine, seed, simulated, samples, time.perf_counter() - began, None, scene),
+        **head(scene, engine, seed, simulated, samples, time.perf_counter() - began, mismatches, scene),
         "dropped_rate": interval.rate(sum(row["dropped"] for row in rows), runs),
         "tightenings": sum(row["tightenings"] for row in rows),
         "false_tightenings": sum(row["false_tightenings"] for row in rows),

@@ -1,0 +1,108 @@
+// A core with the grip reflex behind a C ABI, in lockstep with a hand: frames of a control cycle in, its command out.
+// Samples come on the stream, registers on the open bus; packets are taken and dropped.
+#include "Vmsn_core.h"
+#include "Vmsn_core___024root.h"
+#include "driver.hpp"
+
+namespace {
+
+using Core = meissner::Driver<Vmsn_core>;
+
+// Decisions of a cycle: `flags` = over | end << 1 | channel << 2.
+struct Decisions {
+  uint8_t *flags;
+  int64_t room, count = 0;
+  const Vmsn_core &top;
+  bool word = false, ok = true;
+
+  void look() {
+    const uint32_t verdict = top.rootp->msn_core__DOT__verdict;  // valid, over, last, id: msn_pkg
+    if (verdict >> 18 & 1) {
+      ok = ok && count < room;
+      if (ok) flags[count++] = static_cast<uint8_t>((verdict >> 17 & 1) | (verdict >> 16 & 1) << 1 | (verdict & 7) << 2);
+    }
+    word = word || top.grip_valid_o;
+  }
+};
+
+// One access on the bus; kFailed for an error or no answer.
+int64_t access(Core &core, bool write, int32_t address, uint32_t data) {
+  auto &top = core.top;
+  top.bus_valid_i = 1;
+  top.bus_write_i = write;
+  top.bus_address_i = address;
+  top.bus_wdata_i = data;
+  top.bus_strobe_i = 15;
+  for (int i = 0; i < 8; ++i) {
+    core.clock();
+    top.bus_valid_i = 0;
+    if (top.bus_done_o) return top.bus_error_o ? meissner::kFailed : top.bus_rdata_o;
+  }
+  return meissner::kFailed;
+}
+
+}  // namespace
+
+extern "C" {
+
+Core *hand_new() {
+  auto *core = new Core;
+  auto &top = core->top;
+  top.actuator_moving_i = 0;
+  top.bus_valid_i = 0;
+  top.rx_i = 1;
+  top.in_last_i = 0;
+  core->start();
+  return core;
+}
+
+void hand_delete(Core *core) { delete core; }
+
+int64_t hand_write(Core *core, int32_t address, uint32_t data) { return access(*core, true, address, data); }
+
+int64_t hand_read(Core *core, int32_t address) { return access(*core, false, address, 0); }
+
+// Until the next word, at most `clocks`; the clocks that it took, or kFailed.
+int64_t hand_wait(Core *core, int64_t clocks) {
+  for (int64_t i = 1; i <= clocks; ++i) {
+    core->clock();
+    if (core->top.grip_valid_o) return i;
+  }
+  return meissner::kFailed;
+}
+
+// The frames of a cycle, one every `every` clocks, then the rest of it. Returns how many decisions came, all of them
+// four clocks before the word or earlier, or kFailed: then one was late, or a frame was not taken in its time.
+int64_t hand_next(Core *core, const int32_t *codes, int64_t frames, int32_t channels, int64_t every, int64_t clocks,
+                  uint8_t *flags, int64_t room, int32_t *word) {
+  auto &top = core->top;
+  Decisions decisions{flags, room, 0, top};
+  for (int64_t frame = 0; frame < frames; ++frame) {
+    int64_t left = every;
+    for (int32_t channel = 0; channel < channels; ++channel) {
+      top.in_valid_i = 1;
+      top.in_data_i = meissner::low_bits(*codes++, 17);
+      top.in_id_i = channel;
+      top.in_last_i = channel == channels - 1;
+      bool taken;
+      do {
+        taken = top.in_ready_o;
+        core->clock(decisions);
+      } while (!taken && --left > 0);
+      --left;
+    }
+    top.in_valid_i = 0;
+    if (left < 0) return meissner::kFailed;
+    for (; left > 0; --left) core->clock(decisions);
+  }
+  if (decisions.word) return meissner::kFailed;
+  const int64_t count = decisions.count;
+  int64_t since = 0;
+  while (!decisions.word && since++ < clocks) core->clock(decisions);
+  if (!decisions.word || !decisions.ok || decisions.count != count || since < 5) return meissner::kFailed;
+  const uint32_t raw = top.grip_word_o;
+  *word = static_cast<int32_t>(raw << 15) >> 15;
+  return count;
+}
+
+}  // extern "C"

@@ -1,0 +1,99 @@
+"""Engine ``rtl`` of a hand in closed loop: a Verilated core for each run, stepped with the physics."""
+
+import ctypes
+from functools import cache
+
+import numpy as np
+
+from meissner.engines.verilated import library
+from meissner.twins.actuate.grip import Command
+from meissner.twins.link.register_map import GROUPS
+from meissner.twins.slip.config import SAMPLE_BITS, TIMER_BITS
+
+EVERY = 24  # clocks from frame to frame: two samples, their decisions, and the gate
+REST = 64  # clocks of a cycle besides: registers are read, the last decision comes
+ADDRESS = {f"{g.name}.{r.name}": r.address for g in GROUPS for r in g.registers}
+
+
+@cache
+def _open(path):
+    lib = ctypes.CDLL(str(path))
+    pointer, number, long = ctypes.c_void_p, ctypes.c_int32, ctypes.c_int64
+    lib.hand_new.restype = pointer
+    lib.hand_delete.argtypes = [pointer]
+    lib.hand_write.argtypes = [pointer, number, ctypes.c_uint32]
+    lib.hand_read.argtypes = [pointer, number]
+    lib.hand_wait.argtypes = [pointer, long]
+    lib.hand_next.argtypes = [
+        *(pointer, pointer, long, number, long, long, pointer, long, ctypes.POINTER(number)),
+    ]
+    for name in ("hand_write", "hand_read", "hand_wait", "hand_next"):
+        getattr(lib, name).restype = long
+    return lib
+
+
+class Core:
+    """One core of a hand with ``fingers``; ``slip``: SlipConfig, ``actuate``: ActuateConfig.
+
+    Its control cycle is of ``frames`` frames, whatever the settings say, and as many clocks as these need.
+    ``start``: the command that it begins with, or None: its minimum.
+    """
+
+    def __init__(self, fingers, slip, actuate, frames, start=None):
+        parameters = {"Grip": 1, "Channels": fingers, "Uart": 0, "Statistics": 0, "SlipDepth": 2}
+        parameters |= {"SampleBits": SAMPLE_BITS, "TimerBits": TIMER_BITS}
+        parameters |= {"Level": slip.level, "Window": slip.window, "Hop": slip.hop}
+        self._lib = _open(library("msn_core", "hand_driver.cpp", parameters))
+        self.fingers, self.frames = fingers, frames
+        self.period = frames * EVERY + REST
+        self._core = self._lib.hand_new()
+        for name, value in slip.settings.items():
+            self[f"slip.{name}"] = value
+        settings = actuate.settings | {"period": self.period, "enable": 0}
+        for name, value in settings.items():
+            self[f"grip.{name}"] = value
+        # The first command is the minimum, wherever the hand is: until then the minimum is the start.
+        self["grip.minimum"] = settings["minimum"] if start is None else start
+        self["grip.enable"] = 1
+        self._done(self._lib.hand_wait(self._core, 2 * self.period))
+        self["grip.minimum"] = settings["minimum"]
+
+    def __del__(self):
+        if getattr(self, "_core", None):
+            self._lib.hand_delete(self._core)
+            self._core = None
+
+    @staticmethod
+    def _done(found):
+        if found < 0:
+            raise RuntimeError("the core did not answer in its time")
+        return found
+
+    def __setitem__(self, name, value):
+        self._done(self._lib.hand_write(self._core, ADDRESS[name], int(value) & 0xFFFF_FFFF))
+
+    def __getitem__(self, name):
+        return self._done(self._lib.hand_read(self._core, ADDRESS[name]))
+
+    def next(self, codes):
+        """(over [fingers, details], ends [details], Command) of a cycle with ``codes`` [fingers, frames]."""
+        samples = np.ascontiguousarray(codes.T, dtype=np.int32)
+        flags = np.empty(samples.size, dtype=np.uint8)
+        word = ctypes.c_int32()
+        count = self._done(
+            self._lib.hand_next(
+                *(self._core, samples.ctypes.data, len(samples), self.fingers, EVERY, self.period),
+                *(flags.ctypes.data, flags.size, ctypes.byref(word)),
+            )
+        )
+        flags = flags[:count].reshape(-1, self.fingers)
+        if (flags >> 2 != np.arange(self.fingers)).any():
+            raise RuntimeError("the core's decisions came out of order")
+        increment = self["grip.increment"]
+        increment -= (increment >> 16) << 17
+        faulty = self["grip.faulty"]
+        answer = Command(
+            *(increment, self["grip.command"], self["grip.fault"], True, word.value),
+            tuple(bool(faulty >> finger & 1) for finger in range(self.fingers)),
+        )
+        return (flags & 1).T.astype(bool), (flags[:, 0] & 2).astype(bool), answer
