@@ -121,9 +121,12 @@ def _line_arguments(parser):
 
 def _budget(commands):
     parser = commands.add_parser(
-        "budget", help="latency of a scanned array, term by term; --cop4: resolution of a four-wire sensor"
+        "budget",
+        help="latency of a scanned array, term by term; --config: of a grip reflex; --cop4: resolution of "
+        "a four-wire sensor",
     )
     parser.add_argument("--cop4", action="store_true", help="position and load resolution of four electrodes")
+    parser.add_argument("--config", metavar="NAME", help="slip to command word of a build with [grip]")
     parser.add_argument("--rows", type=int, metavar="M", help="taxels (64; four-wire: 41)")
     parser.add_argument("--columns", "--cols", type=int, metavar="N", help="taxels (64; four-wire: 41)")
     parser.add_argument("--json", action="store_true", help="print the numbers as JSON instead")

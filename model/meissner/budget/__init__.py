@@ -1,7 +1,7 @@
 """``meissner budget``: what a configuration can reach, term by term, before anything is built.
 
 Without ``--cop4`` it is the latency of a scanned array (meissner.budget.array), with it the resolution of a
-four-wire sensor (meissner.budget.cop4).
+four-wire sensor (meissner.budget.cop4). With ``--config`` it is that of a grip reflex (meissner.budget.grip).
 """
 
 import json
@@ -25,6 +25,9 @@ def _picture(out):
 
 def command(arguments):
     """``meissner budget``."""
+    if arguments.config is not None:
+        _grip(arguments)
+        return
     side = 41 if arguments.cop4 else 64
     for name in ("rows", "columns"):
         if getattr(arguments, name) is None:
@@ -49,6 +52,19 @@ def command(arguments):
     print(*cop4_report.tell(found), sep="\n")
     if arguments.out:
         print(f"\npicture: {_picture(arguments.out)}")
+
+
+def _grip(arguments):
+    from meissner.budget import grip
+    from meissner.builds import config
+
+    if arguments.cop4 or arguments.out:
+        raise ValueError("--config must go without --cop4 and --out")
+    found = grip.budget(config.load(arguments.config))
+    if arguments.json:
+        print(json.dumps(found, indent=2))
+    else:
+        print(*grip.tell(found), sep="\n")
 
 
 def _array(arguments):

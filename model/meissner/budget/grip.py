@@ -1,0 +1,83 @@
+"""From the sample that shows slip to the command word, term by term: the latencies in the blocks' headers."""
+
+from math import ceil, log2
+
+MOST = 16  # clocks that a command word may take
+NAMES = {
+    "frame_filter": "whole frames only",
+    "haar": "detail of the sample's group",
+    "peak_to_peak": "of the window so far",
+    "slip": "compare, step the state",
+    "count": "the window, of its finger",
+    "join": "the fingers; a cycle begins",
+    "goal": "and its limits",
+    "command": "within the rate",
+    "after another": "if the period's end gave a command just before",
+}
+
+
+def of_window(window, hop, level):
+    """Clocks of msn_peak_to_peak."""
+    span = window >> level
+    if hop == window:
+        return 2
+    return 3 if 2 * hop == window else 1 + ceil(log2(span) / 2)
+
+
+def budget(config):
+    """What ``meissner budget --config`` prints; ``config``: meissner.builds.build.Config with [grip]."""
+    if config.grip is None:
+        raise ValueError(
+            f"{config.name} has no [grip]: there is no command word; name one that has, like grip"
+        )
+    slip, reflex = config.slip, config.grip.grip
+    terms = {
+        "frame_filter": 1,
+        "haar": slip.level,
+        "peak_to_peak": of_window(slip.window, slip.hop, slip.level),
+    }
+    terms |= {"slip": 2, "count": 1, "join": 1, "goal": 1, "command": 1}
+    if reflex.immediate:
+        terms["after another"] = 1
+    total = sum(terms.values())
+    return {
+        "config": config.name,
+        "clock_hz": 1000 * config.clk_khz,
+        "immediate": reflex.immediate,
+        "terms_clocks": terms,
+        "total_clocks": total,
+        "total_s": total / (1000 * config.clk_khz),
+        "within_16": total <= MOST,
+        "wait_clocks": 0 if reflex.immediate else reflex.period,
+        "cycle_clocks": reflex.period,
+        "convert_clocks": config.converter.latencies()[-1],
+    }
+
+
+def tell(found):
+    """The lines to print, the verdict first."""
+    clock_us = 1e6 / found["clock_hz"]
+    total = found["total_clocks"]
+    side = "within" if found["within_16"] else "above"
+    lines = [
+        f"from the sample that shows slip to the command word at most {total} clocks, {side} {MOST}: "
+        f"{total * clock_us:.3f} us",
+        f"{found['config']}, {found['clock_hz'] / 1e6:g} MHz",
+        "",
+        f"{'term':15} {'clocks':>9} {'us':>10}",
+    ]
+    lines += [
+        f"{name:15} {clocks:9} {clocks * clock_us:10.3f}  {NAMES[name]}"
+        for name, clocks in found["terms_clocks"].items()
+    ]
+    lines += [f"{'total':15} {total:9} {total * clock_us:10.3f}", ""]
+    lines.append(
+        f"before it: {found['convert_clocks']} clocks from convert start to the last finger's sample"
+    )
+    cycle = found["cycle_clocks"]
+    lines.append(
+        f"of the first slip in a period of {cycle} clocks; what comes later waits for the next"
+        if found["immediate"]
+        else f"of slip that comes with a period's end; what comes before waits for it, up to {cycle} clocks"
+    )
+    return lines

@@ -1,0 +1,90 @@
+"""The budget of the grip reflex, by numbers of docs/grip.md: 10 clocks with tumbling windows, 12 with a sliding
+one of 64, and one more behind a period's end; that 10 is what a core needs at its pins, tb/core/test_grip_core.py
+shows. The command prints the terms, and refuses what has no reflex."""
+
+import json
+import subprocess
+import sys
+import tomllib
+from dataclasses import replace
+
+import pytest
+
+from meissner.budget import grip
+from meissner.builds import config
+
+
+def build(immediate=True, **slip):
+    table = tomllib.loads((config.FOLDER / "grip.toml").read_text())
+    table["slip"] |= slip
+    table["grip"]["immediate"] = immediate
+    return config.read("mine", table)
+
+
+@pytest.mark.parametrize(
+    "slip, clocks",
+    [
+        ({}, 10),
+        ({"hop": 32}, 11),
+        ({"hop": 2}, 12),
+        ({"level": 2}, 11),
+        ({"level": 3}, 12),
+        ({"level": 3, "hop": 8}, 13),  # eight details: 1 + log4(8), up
+        ({"window": 4096, "hop": 2}, 15),
+    ],
+)
+def test_the_terms_are_those_of_the_pages(slip, clocks):
+    found = grip.budget(build(immediate=False, **slip))
+    assert found["total_clocks"] == sum(found["terms_clocks"].values()) == clocks
+    assert found["within_16"] and found["wait_clocks"] == 240_000
+    found = grip.budget(build(**slip))
+    assert found["total_clocks"] == clocks + 1 <= 16 and found["wait_clocks"] == 0
+    assert found["total_s"] == pytest.approx((clocks + 1) / 24e6)
+
+
+def test_a_window_too_long_for_16_clocks_is_called_so():
+    """4096 details: filter 1, level 3, 1 + log4(4096) = 7, slip 2, reflex 4, behind another 1."""
+    found = grip.budget(build(level=3, window=32_768, hop=8))
+    assert found["total_clocks"] == 18 and not found["within_16"]
+    assert "above 16" in grip.tell(found)[0]
+
+
+def test_the_terms_of_a_core_as_it_is_shipped():
+    found = grip.budget(config.load("grip"))
+    assert found["terms_clocks"] == {
+        **{"frame_filter": 1, "haar": 1, "peak_to_peak": 2, "slip": 2, "count": 1, "join": 1, "goal": 1},
+        **{"command": 1, "after another": 1},
+    }
+    assert set(found["terms_clocks"]) <= set(grip.NAMES)
+    # Two channels of 24 MHz, SCLK 1 MHz: a word and a half of 24 bits and the rest between them.
+    assert found["cycle_clocks"] == 240_000 and 24 * 19 < found["convert_clocks"] < 2 * 24 * 24
+
+
+def command(*arguments):
+    return subprocess.run(
+        [sys.executable, "-m", "meissner.cli", "budget", *arguments], capture_output=True, text=True
+    )
+
+
+def test_the_command_prints_it():
+    told = command("--config", "grip").stdout.splitlines()
+    assert (
+        told[0]
+        == "from the sample that shows slip to the command word at most 11 clocks, within 16: 0.458 us"
+    )
+    assert any(line.split()[:2] == ["haar", "1"] for line in told)
+    found = json.loads(command("--config", "grip", "--json").stdout)
+    assert found == grip.budget(config.load("grip"))
+    for arguments, said in (
+        (("--config", "slip1"), "slip1 has no [grip]"),
+        (("--config", "grip", "--cop4"), "--config must go without --cop4 and --out"),
+        (("--config", "nothing"), "'nothing' is neither a file nor one of the configurations"),
+    ):
+        done = command(*arguments)
+        assert done.returncode != 0 and said in done.stderr and "Traceback" not in done.stderr
+
+
+def test_a_window_that_waits_says_for_how_long():
+    one = build(immediate=False)
+    told = grip.tell(grip.budget(replace(one, name="slow")))
+    assert "up to 240000 clocks" in told[-1]
