@@ -16,8 +16,8 @@ EXAMPLES = {
         "\n0 slip events",
     ],
     ("read_cop.py",): ["an array of 25×5", "x -0.3", "██"],
-    ("grip_on_slip.py",): ["it begins to slip: grip harder\n", "the object was held with 3.0 N"],
-    ("grip_on_slip.py", "--hold"): ["it begins to slip\n", "the object slipped away with 2.0 N"],
+    ("grip_on_slip.py",): ["s: it begins to slip, the hand tightens\n", "the glass was held with 2.0 N"],
+    ("grip_on_slip.py", "--hold"): ["s: it begins to slip\n", "the glass fell with 1.2 N"],
 }
 
 

@@ -1,6 +1,6 @@
-"""The budget of the grip reflex, by numbers of docs/grip.md: 10 clocks with tumbling windows, 12 with a sliding
-one of 64, and one more behind a period's end; that 10 is what a core needs at its pins, tb/core/test_grip_core.py
-shows. The command prints the terms, and refuses what has no reflex."""
+"""The budget of the grip reflex, by numbers of docs/grip.md: 10 clocks with tumbling windows, 12 with a
+sliding one of 64, and one more behind a period's end; tb/core/test_grip_core.py shows that 10 is what a core
+needs. The command prints the terms, and refuses what has no reflex."""
 
 import json
 import subprocess

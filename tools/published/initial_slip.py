@@ -225,7 +225,7 @@ def compute():
             "Fig. 17",
             "grip loosens until a slip is flagged, then tightens",
             "the glass moves by 0.5 mm only, for minutes",
-            hand + "; `examples/grip_on_slip.py` tightens once on a flag, without a glass",
+            hand,
             "",
             "",
         ),
