@@ -58,6 +58,7 @@ module msn_actuate #(
     logic signed [16:0] increment;
     logic        [15:0] command;
     logic               is_force;
+    logic        [4:0]  fault;
     msn_grip #(.Fingers(Fingers)) u_grip (
       .clk_i, .rst_i(rst),
       .cfg_period_i(cfg_i.period), .cfg_step_i(cfg_i.step), .cfg_speed_gain_i('0), .cfg_decay_i(cfg_i.decay),
@@ -70,22 +71,20 @@ module msn_actuate #(
       .speed_valid_i(1'b0), .speed_id_i('0), .speed_ok_i(1'b0), .speed_i('0),
       .healthy_i(healthy),
       .out_valid_o(grip_valid_o), .out_word_o(grip_word_o), .out_increment_o(increment),
-      .out_command_o(command), .out_force_o(is_force), .fault_o(status_o.fault), .faulty_o(faulty)
+      .out_command_o(command), .out_force_o(is_force), .fault_o(fault), .faulty_o(faulty)
     );
-    assign status_o.command   = command;
-    assign status_o.increment = increment;
-    assign status_o.faulty    = 8'(faulty);
-
-    logic tightened;
+    logic        tightened;
+    logic [31:0] commands, tightenings;
     assign tightened = grip_valid_o && increment > 0;
     always_ff @(posedge clk_i) begin
-      status_o.commands    <= status_o.commands + 32'(grip_valid_o);
-      status_o.tightenings <= status_o.tightenings + 32'(tightened);
+      commands    <= commands + 32'(grip_valid_o);
+      tightenings <= tightenings + 32'(tightened);
       if (rst_i) begin
-        status_o.commands    <= '0;
-        status_o.tightenings <= '0;
+        commands    <= '0;
+        tightenings <= '0;
       end
     end
+    assign status_o = {command, increment, fault, 8'(faulty), commands, tightenings};
 
     logic unused_begin;
     msn_pwm u_pwm (
