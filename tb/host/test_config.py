@@ -218,13 +218,14 @@ DEFAULTS = {
     **{
         "cop": {"min_load_n": 0.0},
         "cop_slip": config.COP_SLIP,
+        "grip": config.grip_table.DEFAULTS,
         "slip": config.SLIP | {"serial": 0, "hop": 0},
     },
     "adc": dict.fromkeys(("lanes", "sclk_khz", "converters", "channels", "settle_us")),
 }
 
 
-@pytest.mark.parametrize("name", ["slip1", "fingertip", "cop4", "full"])
+@pytest.mark.parametrize("name", ["slip1", "fingertip", "cop4", "full", "grip"])
 def test_any_value_of_any_key_is_taken_or_refused_in_a_sentence(name):
     original, refused = tables(name), 0
     for table in original:

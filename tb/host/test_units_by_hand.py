@@ -97,6 +97,59 @@ def test_single_channels():
     assert units.place(8192, -4096)[:2] == (0.5, -0.25)
 
 
+def test_a_hand():
+    """13.37 MHz; an MCP3208's highest code is 4095."""
+    grip = {"mode": "force", "rule": "weakest", "immediate": True, "cycle_ms": 7.3, "silent_ms": 40.0}
+    grip |= {"step": 17, "decay": 3, "minimum": 901, "maximum": 50_003, "rate": 1203}
+    grip |= {"rail_samples": 5, "pulse_divide": 9}
+    build, plain = of(CHANNELS | {"grip": grip}), of(CHANNELS)
+    assert {key: value for key, value in build.settings.items() if key not in plain.settings} == {
+        "grip.enable": 1,
+        "grip.period": 97_601,  # 7.3 · 13 370 = 97 601.0
+        "grip.step": 17,
+        "grip.decay": 3,
+        "grip.minimum": 901,
+        "grip.maximum": 50_003,
+        "grip.rate": 1203,
+        "grip.watchdog": 5,  # 40 / 7.3 = 5.48
+        "grip.rule": 1,
+        "grip.mode": 1,
+        "grip.immediate": 1,
+        "grip.low": 0,
+        "grip.high": 4095,
+        "grip.rail": 5,
+        "grip.divide": 9,
+    }
+    assert {key: value for key, value in build.parameters.items() if key not in plain.parameters} == {
+        "Grip": 1
+    }
+    assert build.units.code("grip.period", "seconds", 0.0073) == 97_601
+    signed = of(CHANNELS | {"grip": {}, "adc": CHANNELS["adc"] | {"part": "AD7606"}})
+    assert (signed.settings["grip.low"], signed.settings["grip.high"]) == (0, 32_767)
+    # The defaults: 10 ms, 50 ms.
+    assert (signed.settings["grip.period"], signed.settings["grip.watchdog"]) == (133_700, 5)
+
+
+@pytest.mark.parametrize(
+    "change, said",
+    [
+        ({"cycle_ms": 0.0011}, "[grip]: cycle_ms = 0.0011 must lie in 0.00119671 .. 1254.84"),
+        ({"cycle_ms": 1255.0, "silent_ms": 2000.0}, "[grip]: cycle_ms = 1255 must lie in"),
+        ({"silent_ms": 9.9}, "[grip]: silent_ms = 9.9 must not be below cycle_ms"),
+        ({"rule": "loudest"}, "[grip]: rule = 'loudest' must be one of: any, weakest"),
+        ({"minimum": 60_001}, "[grip]: minimum = 60001 must not be above maximum = 60000"),
+        ({"rail_samples": 256}, "rail_samples"),
+        ({"steps": 1}, "[grip]: unknown key 'steps'"),
+    ],
+)
+def test_a_hand_that_cannot_be_is_refused(change, said):
+    with pytest.raises(ValueError) as problem:
+        of(CHANNELS | {"grip": change})
+    assert said in str(problem.value)
+    with pytest.raises(ValueError, match=r"\[grip\] must not be there with kind = 'array'"):
+        of(ARRAY | {"grip": {}})
+
+
 def test_an_array():
     build = of(ARRAY)
     assert build.settings == {
