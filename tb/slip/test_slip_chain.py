@@ -37,8 +37,9 @@ async def begin(dut, moving=0):
     await bench.start(dut, actuator_moving_i=moving, **given)
 
 
-async def run(dut, beats, gap=0.0, stall=0.0, drain=120):
-    """Decisions that were taken; the flags a clock after each was offered first."""
+async def run(dut, beats, gap=0.0, stall=0.0, drain=120, verdicts=None):
+    """Decisions that were taken; the flags a clock after each was offered first; ``verdicts``: gets them."""
+    verdicts = [] if verdicts is None else verdicts
     gaps, stalls = bench.gaps_and_stalls(gap, stall)
     decisions, flags, sent, quiet, waits, flagged, held = [], [], 0, 0, False, False, False
     while quiet < drain:
@@ -56,6 +57,10 @@ async def run(dut, beats, gap=0.0, stall=0.0, drain=120):
         waits = valid and not ready
         if valid and ready:
             decisions.append(members.of("decision", bench.read(dut.out_o)))
+        verdict = members.of("verdict", bench.read(dut.verdict_o))
+        if verdict["valid"]:
+            assert flagged, "a verdict comes as its decision is offered first"
+            verdicts.append(tuple(verdict[name] for name in ("id", "over", "last")))
         if valid or (sent < len(beats)):
             assert not valid or dut.busy_o.value == number(dut, "Slip")
         took = offer and dut.in_ready_o.value == 1
@@ -76,11 +81,20 @@ async def events_and_flags_are_the_models(dut, pace, moving):
     channels, config = number(dut, "Channels"), config_of(dut)
     x = recording(np.random.default_rng(bench.SEED), channels, 700)
     beats = [beat | {"mask": 0} for beat in beats_of(x)]
-    decisions, flags = await run(dut, beats, *pace)
+    verdicts = []
+    decisions, flags = await run(dut, beats, *pace, verdicts=verdicts)
     group = 1 << config.level
     assert len(decisions) == 700 // group * channels
     assert [d["id"] for d in decisions] == list(range(channels)) * (700 // group)
     assert all(d["last"] == (d["id"] == channels - 1) for d in decisions)
+    # Of single channels: one of each detail, over by its peak-to-peak alone, whatever moves; docs/slip.md.
+    span, hop = config.window // group, config.hop // group
+    ends = lambda n: n >= span - 1 and (n - (span - 1)) % hop == 0
+    expected = [
+        (d["id"], int(d["p2p"] > 60), int(ends(place // channels))) for place, d in enumerate(decisions)
+    ]
+    assert verdicts == ([] if number(dut, "Array") and number(dut, "Lanes") > 1 else expected)
+    assert {over for _, over, _ in expected} == {0, 1}
     events = [
         ((place // channels + 1) * group - 1, d["id"], d["p2p"], d["state"])
         for place, d in enumerate(decisions)
