@@ -221,10 +221,26 @@ async def what_goes_wrong_is_counted_where_it_belongs(dut):
 
 
 @cocotb.test(timeout_time=200, timeout_unit="ms")
+async def what_the_converter_does_not_give_is_a_fault_of_every_finger(dut):
+    """An answer has another channel's number, in a period without an end; made short, it ends at once."""
+    core = await Core().begin(dut)
+    fault = ("grip.fault", "grip.faulty", "adc.mistagged")
+    for spoilt, expected in ((False, [0, 0, 0]), (True, [2, 7, 1])):
+        await core.host.set({"grip.enable": 0, "grip.period": 0xFF_FFFF, "grip.rail": 0})
+        await core.host.set({"grip.enable": 1})
+        core.part.spoil = (lambda answer: answer ^ 0x1000 if core.frame == 1 else answer) if spoilt else None
+        await core.convert(np.full((8, CHANNELS), 1500))
+        await core.host.set({"grip.period": 12_000})
+        assert await core.host.read(*fault) == expected
+        await pins.rest(dut, 24_000)
+        assert await core.host.read(*fault) == [0, 0, expected[2]]
+
+
+@cocotb.test(timeout_time=200, timeout_unit="ms")
 async def each_counter_has_its_own_register_and_statistic(dut):
     """Every bit, of values put where they are counted."""
     core = await Core().begin(dut)
-    await pins.says_what_it_is(core.host, "adc slip link", 1, CHANNELS)
+    await pins.says_what_it_is(core.host, "adc slip link grip", 1, CHANNELS)
     spi, path = dut.gen_channels.u_sensor.u_acquire.gen_adc.u_adc_spi, dut.u_slip.gen_slip.u_slip_path
     names = ("dropped", "overrun", "timeout", "mistagged", "over_range")
     sources = {f"adc.{name}": getattr(spi, f"{name}_o") for name in names}
@@ -237,5 +253,5 @@ async def each_counter_has_its_own_register_and_statistic(dut):
 
 def test_settings_channels():
     build = {"Adc": 5, "ClkKhz": 4000, "Channels": CHANNELS, "BaudHz": 1_000_000, "StatisticBits": 11}
-    build |= {"Window": WINDOW, "Hop": WINDOW, "SlipDepth": 2}
+    build |= {"Window": WINDOW, "Hop": WINDOW, "SlipDepth": 2, "Grip": 1}
     bench.run("core", "core", build, module="test_settings_channels", inside=SEEN)

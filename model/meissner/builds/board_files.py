@@ -36,7 +36,8 @@ def top(plan):
     wires |= {"tx_o": roles["tx"].port} | {f"{flag}_o": flag for flag in FLAGS}
     wired = ",\n".join(f"    .{port:<12}({wire})" for port, wire in wires.items())
     idle = [wire for wire in wires.values() if wire.startswith("unused_")]  # one bit each
-    named = ["clk", "good", *FLAGS, *idle]
+    named = [["clk", "good", *FLAGS], idle] if idle else [["clk", "good", *FLAGS]]
+    declared = "\n".join(f"  logic {', '.join(names)};" for names in named)
     rest = [(port.port, f"1'b{port.idle}") for port in plan.ports if port.idle is not None]
     rest += [(led, told["shows"]) for led, told in board.leds.items()]
     rest += [(roles[flag].port, flag) for flag in FLAGS if flag in roles]
@@ -51,7 +52,7 @@ module {name}_top (
 {ports}
 );
 
-  logic {", ".join(named)};
+{declared}
   {name}_clock u_clock (
     .{clock},
     .clk_o (clk),
