@@ -26,6 +26,7 @@ THRESHOLD, WINDOW, BLOCK = 23, 64, 10
 COUNT_MM = 1e-4
 # docs/grip.md, level 1 and tumbling windows: 6 clocks to the decision, 4 to the word.
 DECISION, WORD = 6, 10
+SEEN = ("sample_valid", "sample_ready", "sample_id", "sample")  # inside the core
 SILENT, UNHEALTHY, LIMIT = 1, 2, 4
 
 
@@ -328,7 +329,7 @@ async def forces_come_as_pulses(dut):
 
 
 def test_a_hand_at_the_pins():
-    bench.run("core", "core", verilog(build().parameters), module="test_grip_core")
+    bench.run("core", "core", verilog(build().parameters), module="test_grip_core", inside=SEEN)
 
 
 def test_a_core_that_has_no_fingers_is_refused():
