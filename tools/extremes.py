@@ -26,16 +26,18 @@ RECORD = record.FOLDER / "extremes.json"
 COMMAND = "make extremes"
 HEAD = """# Extremes
 
-Each block that computes, and each solver, at the ends of its range and beyond: zero, one LSB, full scale, saturation,
-alternating full scale, the longest sums, the worst cancellation, wraps of time and counters, the least and greatest value of
-each parameter and each pair of them, then what hypothesis draws. Expectations are exact: integers, fractions and 50 digits of
-mpmath, written from the formulas of docs/ in `tb/reference/`, which imports nothing of the twins. A twin equals its RTL
-bit for bit in the block's own tests; the last column names those that drive the RTL at these ends.
+Each block that computes, and each solver, at the ends of its range and beyond: zero, one LSB, full scale,
+saturation, alternating full scale, the longest sums, the worst cancellation, wraps of time and counters,
+the least and greatest value of each parameter and each pair of them, then what hypothesis draws.
+Expectations are exact: integers, fractions and 50 digits of mpmath, written from the formulas of docs/ in
+`tb/reference/`, which imports nothing of the twins. A twin equals its RTL bit for bit in the block's own
+tests; the last column names those that drive the RTL at these ends.
 
-`make extremes` runs all of it and writes this page; `make test` has a short form (`tb/extremes/test_extremes.py`). An error
-beyond its bound, a NaN, an infinity, a warning of NumPy or a value that should have been refused and was not is a finding. The
-bound stands in the block's header too, and a test compares the two. A row is **stale** if its RTL, its twin, its cases or their
-references have changed since.
+`make extremes` runs all of it and writes this page; `make test` has a short form
+(`tb/extremes/test_extremes.py`). An error beyond its bound, a NaN, an infinity, a warning of NumPy or a
+value that should have been refused and was not is a finding. The bound stands in the block's header too,
+and a test compares the two. A row is **stale** if its RTL, its twin, its cases or their references have
+changed since.
 
 """
 SECTIONS = (("Blocks", True), ("Solvers", False))
@@ -98,10 +100,13 @@ def page(told):
     known = told.get("blocks", {})
     text = HEAD
     if told:
-        text += f"`{told['command']}`, {told['date']}: {told['total']}; {told.get('seconds', 0):.0f} s of a processor.\n"
+        text += (
+            f"`{told['command']}`, {told['date']}: {told['total']}; {told['seconds']:.0f} s of a processor.\n"
+        )
     for title, blocks in SECTIONS:
         text += f"\n## {title}\n\n{table(known, blocks)}\n"
-    text += "\n## Blocks without arithmetic\n\nThey move words or join other blocks; their tests compare every word.\n\n"
+    text += "\n## Blocks without arithmetic\n\n"
+    text += "They move words or join other blocks; their tests compare every word.\n\n"
     text += "| block | what it does |\n|---|---|\n"
     text += "".join(f"| `msn_{name}` | {why} |\n" for name, why in extremes.without().items())
     return text

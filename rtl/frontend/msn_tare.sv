@@ -16,6 +16,7 @@
 //          raw - o  sign, sums  b, sum next  write
 //
 // Latency 1 clock; a beat a clock, 8 clocks between frames.   Model: model/meissner/twins/frontend/tare.py
+// Error: none (docs/extremes.md).
 
 module msn_tare #(
   parameter  int unsigned Rows         = 64,
@@ -88,7 +89,8 @@ module msn_tare #(
   end
   // b overshoots by a step of 255 at most: with fewer bits it would turn over.
   if (SampleBits + FractionBits < 9) begin : gen_check_zero
-    $fatal(1, "msn_tare: SampleBits = %0d and FractionBits = %0d must add to 9 or more", SampleBits, FractionBits);
+    $fatal(1, "msn_tare: SampleBits = %0d and FractionBits = %0d must add to 9 or more", SampleBits,
+           FractionBits);
   end
 
   // Frames. At each end the next waits until all of this one is written and its first words are read again,

@@ -1,4 +1,6 @@
-"""Extremes of rtl/actuate: commands at their limits, wishes that add beyond the word, pulses of all widths."""
+"""Extremes of rtl/actuate: commands at their limits, wishes that add beyond the word, pulses of all
+widths.
+"""
 
 from meissner.twins.actuate import grip, pwm
 from verify.extremes import row
@@ -22,13 +24,27 @@ def step(command, given, wishes, heard, over, faulty, override):
     return max(command - given["rate"], min(command + given["rate"], goal))
 
 
-@row("grip", {"": "0"}, ends="wishes, speeds and counts stop at 65535; the command stays within its limits",
-     rtl=["tb/actuate/test_grip.py::test_grip"])
+@row(
+    "grip",
+    {"": "0"},
+    ends="wishes, speeds and counts stop at 65535; the command stays within its limits",
+    rtl=["tb/actuate/test_grip.py::test_grip"],
+)
 def grip_(see):
-    axes = {"step": [0, 1, TOP], "speed_gain": [0, 256, TOP], "decay": [0, 1, TOP], "minimum": [0, 1, TOP],
-            "maximum": [0, TOP - 1, TOP], "rate": [0, 1, TOP], "watchdog": [1, 2, TOP], "rule": ["any", "weakest"],
-            "mode": ["position", "force"], "period": [16, 2**24 - 1]}
-    for one in see.covering(lambda minimum, maximum, **_: minimum <= maximum, fingers=[1, 2, 8], **axes):
+    axes = {
+        "step": [0, 1, TOP],
+        "speed_gain": [0, 256, TOP],
+        "decay": [0, 1, TOP],
+        "minimum": [0, 1, TOP],
+        "maximum": [0, TOP - 1, TOP],
+        "rate": [0, 1, TOP],
+        "watchdog": [1, 2, TOP],
+        "rule": ["any", "weakest"],
+        "mode": ["position", "force"],
+        "period": [16, 2**24 - 1],
+    }
+    sizes = see.covering(lambda minimum, maximum, **_: minimum <= maximum, fingers=[1, 2, 8], **axes)
+    for one in see.some(sizes, 2):
         given = {name: value for name, value in one.items() if name != "fingers"}
         fingers, draw = range(one["fingers"]), see.random
         twin = grip.Grip(grip.GripConfig(**given), len(fingers))
@@ -46,7 +62,9 @@ def grip_(see):
             faulty = [q >= given["watchdog"] or not ok for q, ok in zip(quiet, well)]
             before = command
             if armed:
-                command = step(command, given, wishes, [n > 0 for n in seen], [n > 0 for n in over], faulty, override)
+                command = step(
+                    command, given, wishes, [n > 0 for n in seen], [n > 0 for n in over], faulty, override
+                )
             else:
                 goal = given["minimum"] if given["mode"] == "position" else override
                 command, before = min(max(goal, given["minimum"]), given["maximum"]), None
@@ -57,8 +75,16 @@ def grip_(see):
             see.near(bool(got.fault & grip.LIMIT), command >= given["maximum"], place)
             see.same(0 <= got.command <= TOP, True, place)
     silent(see)
-    for name, outside in (("step", TOP + 1), ("decay", -1), ("rate", TOP + 1), ("watchdog", 0), ("period", 15),
-                          ("period", 2**24), ("speed_gain", TOP + 1), ("maximum", 1023)):
+    for name, outside in (
+        ("step", TOP + 1),
+        ("decay", -1),
+        ("rate", TOP + 1),
+        ("watchdog", 0),
+        ("period", 15),
+        ("period", 2**24),
+        ("speed_gain", TOP + 1),
+        ("maximum", 1023),
+    ):
         see.refused(grip.GripConfig, **{name: outside})
     for fingers in (0, 9):
         see.refused(grip.Grip, None, fingers)
@@ -66,7 +92,9 @@ def grip_(see):
 
 
 def silent(see):
-    """A finger that is never heard: its count stops at 65535, after 1e9 cycles as after 65535; jumps of state."""
+    """A finger that is never heard: its count stops at 65535, after 1e9 cycles as after 65535; jumps
+    of state.
+    """
     twin = grip.Grip(grip.GripConfig(watchdog=TOP, minimum=0), 1, start=500)
     for count in (TOP - 2, TOP - 1, TOP):
         twin._quiet = [count]
@@ -78,10 +106,18 @@ def silent(see):
         see.near(twin._quiet[0], TOP, "ever after")
 
 
-@row("pwm", {"": "0 clocks"}, ends="a word beyond its bits is refused", rtl=["tb/actuate/test_pwm.py::test_pwm"])
+@row(
+    "pwm",
+    {"": "0 clocks"},
+    ends="a word beyond its bits is refused",
+    rtl=["tb/actuate/test_pwm.py::test_pwm"],
+)
 def pwm_(see):
-    for one in see.covering(lambda bits, divide: (2**bits) * (divide + 1) < 3 * 10**6 * (1 + 3 * see.long),
-                            bits=[2, 3, 8, 15, 16], divide=[0, 1, 2, 255, 65535]):
+    for one in see.covering(
+        lambda bits, divide: (2**bits) * (divide + 1) < 3 * 10**6 * (1 + 3 * see.long),
+        bits=[2, 3, 8, 15, 16],
+        divide=[0, 1, 2, 255, 65535],
+    ):
         bits, divide = one.values()
         top = 2**bits - 1
         for word in sorted({0, 1, top // 2, top - 1, top}):

@@ -5,8 +5,20 @@ from fractions import Fraction
 import hypothesis.strategies as st
 import mpmath
 
-from meissner.twins.common import compare, constant_multiplier, divide, exp2, frame_filter, frame_marker
-from meissner.twins.common import frame_owed, hypot, log2, multiply, ratio, round_sat
+from meissner.twins.common import (
+    compare,
+    constant_multiplier,
+    divide,
+    exp2,
+    frame_filter,
+    frame_marker,
+    frame_owed,
+    hypot,
+    log2,
+    multiply,
+    ratio,
+    round_sat,
+)
 from reference import exact
 from verify.extremes import row
 
@@ -26,8 +38,12 @@ def compare_(see):
     see.refused(compare.compare, 0, 0, 0)
 
 
-@row("constant_multiplier", {"": "0"}, ends="as wide as the product: it cannot wrap",
-     rtl=["tb/common/test_constant_multiplier.py::test_constant_multiplier"])
+@row(
+    "constant_multiplier",
+    {"": "0"},
+    ends="as wide as the product: it cannot wrap",
+    rtl=["tb/common/test_constant_multiplier.py::test_constant_multiplier"],
+)
 def constant_multiplier_(see):
     constants = [0, 1, 2, 3, 63, 64, 65, 0x5555, 0xAAAA, 32767, 32768, 32769, 65534, 65535]
     for one in see.covering(Constant=constants, InBits=[1, 2, 16, 28, 36, 46, 47]):
@@ -39,20 +55,31 @@ def constant_multiplier_(see):
         see.refused(constant_multiplier.constant_multiplier, 1, constant)
 
 
-@row("multiply", {"": "0"}, ends="as wide as the product: it cannot wrap",
-     rtl=["tb/common/test_multiply.py::test_multiply"])
+@row(
+    "multiply",
+    {"": "0"},
+    ends="as wide as the product: it cannot wrap",
+    rtl=["tb/common/test_multiply.py::test_multiply"],
+)
 def multiply_(see):
     for one in see.covering(AWidth=[2, 3, 17, 18], BWidth=[1, 2, 16, 17]):
-        pairs = [(a, b) for a in exact.ends(*exact.signed(one["AWidth"]))
-                 for b in exact.ends(0, 2 ** one["BWidth"] - 1)]
+        pairs = [
+            (a, b)
+            for a in exact.ends(*exact.signed(one["AWidth"]))
+            for b in exact.ends(0, 2 ** one["BWidth"] - 1)
+        ]
         got = multiply.multiply(*zip(*pairs), one["AWidth"], one["BWidth"])
         see.all_near(got.tolist(), [sum(a for _ in range(b)) if b < 9 else a * b for a, b in pairs], pairs)
     for widths in ((1, 16), (19, 16), (18, 0), (18, 18)):
         see.refused(multiply.multiply, 1, 1, *widths)
 
 
-@row("round_sat", {"": "1/2 LSB"}, ends="held at both ends of the output",
-     rtl=["tb/common/test_round_sat.py::test_round_sat"])
+@row(
+    "round_sat",
+    {"": "1/2 LSB"},
+    ends="held at both ends of the output",
+    rtl=["tb/common/test_round_sat.py::test_round_sat"],
+)
 def round_sat_(see):
     """The bound is that of what fits; what does not is held at the end, exactly."""
 
@@ -69,14 +96,17 @@ def round_sat_(see):
         return DropBits < InWidth and OutWidth <= InWidth - DropBits + 1 - Unsigned
 
     widths = [2, 3, 9, 16, 24, 36, 52, 53, 62, 63]
-    for one in see.covering(fits, InWidth=widths, OutWidth=[1, 2, 16, 17, 32, 62], DropBits=[1, 2, 8, 16, 31, 61],
-                            Unsigned=[0, 1]):
+    for one in see.covering(
+        fits, InWidth=widths, OutWidth=[1, 2, 16, 17, 32, 62], DropBits=[1, 2, 8, 16, 31, 61], Unsigned=[0, 1]
+    ):
         width, out, drop, unsigned = one.values()
         low, high = exact.signed(width)
         top = 2 ** (out + drop - (not unsigned))
         numbers = set(exact.ends(low, high))
         for edge in (0, 1 << drop, top, -top):  # exactly half, and one to either side
-            numbers |= {edge + half + off for half in (0, 1 << drop - 1, -(1 << drop - 1)) for off in (-1, 0, 1)}
+            numbers |= {
+                edge + half + off for half in (0, 1 << drop - 1, -(1 << drop - 1)) for off in (-1, 0, 1)
+            }
         check(sorted(x for x in numbers if low <= x <= high), width, out, drop, bool(unsigned))
         if width < 63:
             see.refused(round_sat.round_sat, high + 1, width, out, drop, bool(unsigned))
@@ -91,7 +121,9 @@ def round_sat_(see):
         check([low + number % (high - low + 1)], width, out, drop, unsigned)
 
     integers = st.integers(0, 2**63)
-    see.given(drawn, width=st.integers(2, 63), share=integers, cut=integers, unsigned=st.booleans(), number=integers)
+    see.given(
+        drawn, width=st.integers(2, 63), share=integers, cut=integers, unsigned=st.booleans(), number=integers
+    )
 
 
 def quotients(top):
@@ -101,8 +133,12 @@ def quotients(top):
     return sorted({(s * num, den) for num, den in pairs if 0 <= num <= den <= top for s in (-1, 1)})
 
 
-@row("divide", {"": "1/2 LSB"}, ends="refused beyond +-1.0 and for a denominator of 0",
-     rtl=["tb/common/test_divide.py::test_divide"])
+@row(
+    "divide",
+    {"": "1/2 LSB"},
+    ends="refused beyond +-1.0 and for a denominator of 0",
+    rtl=["tb/common/test_divide.py::test_divide"],
+)
 def divide_(see):
     def check(pairs, fraction):
         got = divide.divide(*zip(*pairs), fraction).tolist()
@@ -117,12 +153,20 @@ def divide_(see):
         see.refused(divide.divide, num, den)
     for fraction, rate in ((0, 2), (31, 2), (14, 0), (14, 3)):
         see.refused(divide.steps, fraction, rate)
-    see.given(lambda den, num, fraction: check([(num % (2 * den + 1) - den, den)], fraction),
-              den=st.integers(1, 2**62 - 1), num=st.integers(0, 2**64), fraction=st.integers(1, 30))
+    see.given(
+        lambda den, num, fraction: check([(num % (2 * den + 1) - den, den)], fraction),
+        den=st.integers(1, 2**62 - 1),
+        num=st.integers(0, 2**64),
+        fraction=st.integers(1, 30),
+    )
 
 
-@row("ratio", {"": "1/2 LSB"}, ends="held at +-1.0; a denominator of 0 or less is beyond",
-     rtl=["tb/common/test_ratio.py::test_ratio"])
+@row(
+    "ratio",
+    {"": "1/2 LSB"},
+    ends="held at +-1.0; a denominator of 0 or less is beyond",
+    rtl=["tb/common/test_ratio.py::test_ratio"],
+)
 def ratio_(see):
     def check(scale, cases, fraction):
         got = ratio.ratio(scale, *zip(*cases), fraction).tolist()
@@ -134,11 +178,15 @@ def ratio_(see):
             see.near(quotient, value * 2**fraction, place)
             see.near(quotient, exact.away(value * 2**fraction), place, limit=0)
 
-    for one in see.covering(ScaleBits=[1, 2, 17, 31, 32], NumBits=[2, 3, 18, 31, 32], DenBits=[2, 3, 34, 61, 62],
-                            FractionBits=[1, 14, 16, 30]):
+    for one in see.covering(
+        ScaleBits=[1, 2, 17, 31, 32],
+        NumBits=[2, 3, 18, 31, 32],
+        DenBits=[2, 3, 34, 61, 62],
+        FractionBits=[1, 14, 16, 30],
+    ):
         nums = exact.ends(*exact.signed(one["NumBits"]))
         dens = exact.ends(*exact.signed(one["DenBits"]))
-        for scale in exact.ends(0, 2 ** one["ScaleBits"] - 1):
+        for scale in see.some(exact.ends(0, 2 ** one["ScaleBits"] - 1), 4):
             # A product that is exactly the divisor, one below, one above.
             products = {scale * num + off for num in nums for off in (-1, 0, 1)}
             fit = [p for p in products if abs(p) < 2 ** (one["DenBits"] - 1)]
@@ -146,13 +194,21 @@ def ratio_(see):
     see.refused(ratio.ratio, -1, 1, 1)
     for width in ({"scale_bits": 0}, {"scale_bits": 33}, {"num_bits": 1}, {"num_bits": 33}, {"den_bits": 63}):
         see.refused(ratio.check_bits, **width)
-    see.given(lambda scale, num, den, fraction: check(scale, [(num, den)], fraction),
-              scale=st.integers(0, 2**32 - 1), num=st.integers(*exact.signed(32)),
-              den=st.integers(*exact.signed(62)), fraction=st.integers(1, 30))
+    see.given(
+        lambda scale, num, den, fraction: check(scale, [(num, den)], fraction),
+        scale=st.integers(0, 2**32 - 1),
+        num=st.integers(*exact.signed(32)),
+        den=st.integers(*exact.signed(62)),
+        fraction=st.integers(1, 30),
+    )
 
 
-@row("hypot", {"the root": "1 LSB", "the estimate": "2.99 % and 1 LSB"}, ends="refused beyond 2^30 - 1",
-     rtl=["tb/common/test_hypot.py::test_hypot"])
+@row(
+    "hypot",
+    {"the root": "1 LSB", "the estimate": "2.99 % and 1 LSB"},
+    ends="refused beyond 2^30 - 1",
+    rtl=["tb/common/test_hypot.py::test_hypot"],
+)
 def hypot_(see):
     """The root is its floor, so below it by less than an LSB; the estimate's share is docs/demod.md's."""
 
@@ -192,8 +248,12 @@ def log2_bound(in_bits, table, fraction):
     return below, above
 
 
-@row("log2", {"": "0.0000576 at the default size, exact at powers of two"}, ends="0 counts as 1",
-     rtl=["tb/common/test_log2.py::test_log2"])
+@row(
+    "log2",
+    {"": "0.0000576 at the default size, exact at powers of two"},
+    ends="0 counts as 1",
+    rtl=["tb/common/test_log2.py::test_log2"],
+)
 def log2_(see):
     def check(numbers, in_bits, table, fraction):
         below, above = log2_bound(in_bits, table, fraction)
@@ -217,11 +277,17 @@ def log2_(see):
     see.near(log2_bound(27, 6, 16)[0], Fraction("0.0000576"), "the header's formula", limit=Fraction("5e-8"))
     for bad in ((27, 2, 16), (27, 9, 16), (27, 6, 6), (27, 6, 21), (7, 6, 16), (49, 6, 16)):
         see.refused(log2.log2, 1, *bad)
-    see.given(lambda x, size: check([x], 48, *size), x=st.integers(0, 2**48 - 1), size=st.sampled_from(TABLES))
+    see.given(
+        lambda x, size: check([x], 48, *size), x=st.integers(0, 2**48 - 1), size=st.sampled_from(TABLES)
+    )
 
 
-@row("exp2", {"": "1/2 LSB and 0.0000166 of the result at the default size, exact at whole exponents"},
-     ends="held at the greatest number; below half an LSB 0", rtl=["tb/common/test_exp2.py::test_exp2"])
+@row(
+    "exp2",
+    {"": "1/2 LSB and 0.0000166 of the result at the default size, exact at whole exponents"},
+    ends="held at the greatest number; below half an LSB 0",
+    rtl=["tb/common/test_exp2.py::test_exp2"],
+)
 def exp2_(see):
     def check(numbers, table, fraction, out, point):
         lsb = mpmath.mpf(2) ** -fraction
@@ -235,30 +301,48 @@ def exp2_(see):
             if power > out + 1:
                 see.near(number, top, place, limit=0)
                 continue
-            value = exact.power(2, mpmath.mpf(power.numerator) / power.denominator) if power > -80 else mpmath.mpf(0)
+            value = (
+                exact.power(2, mpmath.mpf(power.numerator) / power.denominator)
+                if power > -80
+                else mpmath.mpf(0)
+            )
             half = mpmath.mpf("0.5")
-            see.between(number, min(value, mpmath.mpf(top)), value * below + half, value * above + half, place)
+            see.between(
+                number, min(value, mpmath.mpf(top)), value * below + half, value * above + half, place
+            )
             see.same(number <= top, True, place)
-            if y % 2**fraction == 0:
-                see.near(number, min(exact.half_up(Fraction(2) ** (y // 2**fraction + point)), top), place, limit=0)
+            if y % 2**fraction == 0 and power > -80:
+                see.near(
+                    number, min(exact.half_up(Fraction(2) ** (y // 2**fraction + point)), top), place, limit=0
+                )
 
     outs = [(24, 20), (32, 0), (32, 32), (2, 0), (2, 32), (8, 16)]
-    for one in see.covering(table=TABLES, out=outs):
+    for one in see.covering(table=TABLES if see.long else TABLES[::2], out=outs):
         (table, fraction), (out, point) = one["table"], one["out"]
         whole = 1 << fraction
         low, high = -(2**31), 2**31 - 1
         numbers = {low, low + 1, high, high - 1, 0, 1, -1, whole - 1, 1 - whole}
-        for k in range(-34, 34):
-            numbers |= {k * whole + off for off in (-1, 0, 1, whole >> 1, whole >> table, (whole >> table) // 2)}
+        for k in range(-34, 34) if see.long else (-33, -32, -21, -20, -1, 0, 1, 3, 4, 11, 12, 31, 32, 33):
+            numbers |= {
+                k * whole + off for off in (-1, 0, 1, whole >> 1, whole >> table, (whole >> table) // 2)
+            }
         check(sorted(y for y in numbers if low <= y <= high), table, fraction, out, point)
     for bad in ((6, 16, 1, 0), (6, 16, 33, 0), (6, 16, 24, 33), (6, 16, 24, -1), (2, 16), (6, 21)):
         see.refused(exp2.exp2, 0, *bad)
-    see.given(lambda y, size, out: check([y], *size, *out), y=st.integers(-(2**31), 2**31 - 1),
-              size=st.sampled_from(TABLES), out=st.sampled_from(outs))
+    see.given(
+        lambda y, size, out: check([y], *size, *out),
+        y=st.integers(-(2**31), 2**31 - 1),
+        size=st.sampled_from(TABLES),
+        out=st.sampled_from(outs),
+    )
 
 
-@row("frame_filter", {"": "0"}, ends="the count of damaged frames stops at 2^16 - 1: the RTL's alone",
-     rtl=["tb/common/test_frame_filter.py::counts_over_the_whole_width"])
+@row(
+    "frame_filter",
+    {"": "0"},
+    ends="the count of damaged frames stops at 2^16 - 1: the RTL's alone",
+    rtl=["tb/common/test_frame_filter.py::counts_over_the_whole_width"],
+)
 def frame_filter_(see):
     """Counted places at 1 and 4096 channels, and with every sample lost, doubled and early."""
     for channels in (1, 2, 4096):
@@ -274,16 +358,23 @@ def frame_filter_(see):
             damaged = 0 if broken is None or (channels == 1) else 1
             see.near(twin.damaged, damaged, (channels, broken))
             wanted = [place for place in range(channels)]
-            see.near(sum(kept[-channels:]), len(wanted) if broken != channels - 1 or channels == 1 else 0,
-                     (channels, broken))
+            see.near(
+                sum(kept[-channels:]),
+                len(wanted) if broken != channels - 1 or channels == 1 else 0,
+                (channels, broken),
+            )
 
 
-@row("frame_owed", {"": "1 clock"}, ends="gives up after 2^QuietBits - 1 clocks in which nothing waits",
-     rtl=["tb/common/test_frame_owed.py::test_frame_owed"])
+@row(
+    "frame_owed",
+    {"": "1 clock"},
+    ends="gives up after 2^QuietBits - 1 clocks in which nothing waits",
+    rtl=["tb/common/test_frame_owed.py::test_frame_owed"],
+)
 def frame_owed_(see):
     """One result of a frame never comes, at every place of it."""
     for results in (1, 2, 3):
-        for quiet_bits in (2, 3, 9, 16):
+        for quiet_bits in (2, 3, 9, 16) if see.long or results == 1 else (2, 3, 9):
             for lost in range(results):
                 twin = frame_owed.FrameOwed(results, quiet_bits)
                 done = [place != lost for place in range(results)]
@@ -296,13 +387,25 @@ def frame_owed_(see):
         see.refused(frame_owed.FrameOwed, *bad)
 
 
-@row("frame_marker", {"": "0"}, ends="an index never leaves its frame: what is beyond does not fit",
-     rtl=["tb/common/test_frame_marker.py::test_frame_marker"])
+@row(
+    "frame_marker",
+    {"": "0"},
+    ends="an index never leaves its frame: what is beyond does not fit",
+    rtl=["tb/common/test_frame_marker.py::test_frame_marker"],
+)
 def frame_marker_(see):
     """Frames of one beat and of 1024 x 1024; a frame without its end, twice as long."""
-    for rows, beats in ((1, 1), (1, 2), (2, 1), (3, 5), (1, 1024), (1024, 1), *([(1024, 1024)] if see.long else [])):
+    for rows, beats in (
+        (1, 1),
+        (1, 2),
+        (2, 1),
+        (3, 5),
+        (1, 1024),
+        (1024, 1),
+        *([(1024, 1024)] if see.long else []),
+    ):
         twin, length = frame_marker.FrameMarker(rows, beats), rows * beats
-        for frame in range(2 if length < 10**5 else 1):
+        for _ in range(2 if length < 10**5 else 1):
             for place in range(length):
                 got = twin.next(place, place == length - 1)
                 wanted = (place, True, (place + 1) % beats == 0, place == length - 1)

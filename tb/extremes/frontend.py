@@ -6,9 +6,23 @@ from math import ceil
 import hypothesis.strategies as st
 import numpy as np
 
-from meissner.twins.frontend import acquire, adc_single, adc_spi, adc_store, am_demod, burst, calibrate
-from meissner.twins.frontend import calibration_grid, calibration_preset, health, health_report, health_taxel
-from meissner.twins.frontend import scan_plan, tare, time_stamp
+from meissner.twins.frontend import (
+    acquire,
+    adc_single,
+    adc_spi,
+    adc_store,
+    am_demod,
+    burst,
+    calibrate,
+    calibration_grid,
+    calibration_preset,
+    health,
+    health_report,
+    health_taxel,
+    scan_plan,
+    tare,
+    time_stamp,
+)
 from reference import exact
 from reference.health import HealthReference
 from reference.tare import TareReference
@@ -17,8 +31,12 @@ from verify.extremes import row
 TOP = 65535
 
 
-@row("adc_store", {"": "0"}, ends="a code at either end of the part's range is over-range",
-     rtl=["tb/frontend/test_adc_store.py::test_adc_store"])
+@row(
+    "adc_store",
+    {"": "0"},
+    ends="a code at either end of the part's range is over-range",
+    rtl=["tb/frontend/test_adc_store.py::test_adc_store"],
+)
 def adc_store_(see):
     for bits in (8, 10, 12, 16):
         codes = exact.ends(0, 2**bits - 1)
@@ -28,8 +46,11 @@ def adc_store_(see):
             for code, value, out in zip(codes, values.tolist(), over.tolist()):
                 wanted = code - 2**bits * (signed and code >= 2 ** (bits - 1))
                 see.near(value, wanted, (bits, signed, code))
-                see.same(out, code in ((2 ** (bits - 1), 2 ** (bits - 1) - 1) if signed else (0, 2**bits - 1)),
-                         (bits, signed, code))
+                see.same(
+                    out,
+                    code in ((2 ** (bits - 1), 2 ** (bits - 1) - 1) if signed else (0, 2**bits - 1)),
+                    (bits, signed, code),
+                )
             see.refused(adc_store.samples, [0], bits, room - 1, signed)
             for outside in (-1, 2**bits):
                 see.refused(adc_store.samples, [outside], bits, room, signed)
@@ -39,8 +60,11 @@ def parts(see):
     """Every part at the ends of clock and SCLK: docs/adc.md, One bit."""
     for part in adc_spi.PARTS.values():
         rates = [1, 2, part.sclk_min_khz, 1000, part.sclk_max_khz - 1, part.sclk_max_khz]
-        for one in see.covering(clk=[1, 100, 12_000, 25_000, 133_333, 399_999, 400_000], sclk=sorted(set(rates)),
-                                channels=[1, 2, 7, 8]):
+        for one in see.covering(
+            clk=[1, 100, 12_000, 25_000, 133_333, 399_999, 400_000],
+            sclk=sorted(set(rates)),
+            channels=[1, 2, 7, 8],
+        ):
             yield part, one
 
 
@@ -49,7 +73,12 @@ def fits(part, half, clk, sclk):
     return Fraction(clk, 2 * half) <= sclk and (2 * half - 1) * 10**6 >= (part.access_ns + 7) * clk
 
 
-@row("adc_spi", {"": "0 clocks"}, ends="refused where the sample would droop", rtl=["tb/frontend/test_adc_spi.py::test_adc_spi"])
+@row(
+    "adc_spi",
+    {"": "0 clocks"},
+    ends="refused where the sample would droop",
+    rtl=["tb/frontend/test_adc_spi.py::test_adc_spi"],
+)
 def adc_spi_(see):
     for part, one in parts(see):
         rough = ceil(Fraction(one["clk"], 2 * one["sclk"]))
@@ -59,12 +88,27 @@ def adc_spi_(see):
             see.refused(adc_spi.AdcSpi, *given)
             continue
         see.near(adc_spi.AdcSpi(*given).half, least, (part.name, one))
-    for bad in ({"clk_khz": 0}, {"clk_khz": 400_001}, {"channels": 0}, {"channels": 9}, {"sclk_khz": 2_001},
-                {"sclk_khz": 0}, {"sample_bits": 12}, {"period_bits": 0}, {"period_bits": 33}, {"lanes": 2}):
+    for bad in (
+        {"clk_khz": 0},
+        {"clk_khz": 400_001},
+        {"channels": 0},
+        {"channels": 9},
+        {"sclk_khz": 2_001},
+        {"sclk_khz": 0},
+        {"sample_bits": 12},
+        {"period_bits": 0},
+        {"period_bits": 33},
+        {"lanes": 2},
+    ):
         see.refused(adc_spi.AdcSpi, **bad)
 
 
-@row("adc_single", {"": "0 clocks"}, ends="refused below its least period", rtl=["tb/frontend/test_adc_single.py::test_adc_single"])
+@row(
+    "adc_single",
+    {"": "0 clocks"},
+    ends="refused below its least period",
+    rtl=["tb/frontend/test_adc_single.py::test_adc_single"],
+)
 def adc_single_(see):
     part = adc_spi.MCP3208
     for clk in (100, 1_000, 12_000, 100_000, 400_000):
@@ -80,7 +124,11 @@ def adc_single_(see):
             see.near(twin.latency, part.word_bits * bit + 1, (clk, sclk))
             see.refused(adc_single.AdcSingle, 0, clk, sclk, least - 1)
             values, over = twin.samples([0, 1, 4094, 4095])
-            see.same((values.tolist(), over.tolist()), ([0, 1, 4094, 4095], [True, False, False, True]), (clk, sclk))
+            see.same(
+                (values.tolist(), over.tolist()),
+                ([0, 1, 4094, 4095], [True, False, False, True]),
+                (clk, sclk),
+            )
     for channel in (-1, 8):
         see.refused(adc_single.AdcSingle, channel)
 
@@ -99,11 +147,17 @@ def acquire_(see):
     see.refused(acquire.Acquire, adc_spi.AD7606, adc_period=1200)
 
 
-@row("time_stamp", {"": "0 clocks"}, ends="the 48 bits of a time turn over by contract (docs/link.md)",
-     rtl=["tb/frontend/test_time_stamp.py::test_time_stamp"])
+@row(
+    "time_stamp",
+    {"": "0 clocks"},
+    ends="the 48 bits of a time turn over by contract (docs/link.md)",
+    rtl=["tb/frontend/test_time_stamp.py::test_time_stamp"],
+)
 def time_stamp_(see):
     """A convert start in each clock, in that of the first sample, in none; a frame as long as all."""
-    see.same(time_stamp.time_stamps([(1, 0, 1, 0), (1, 1, 1, 1), (0, 1, 1, 1)]), [0, 1], "in the first's clock")
+    see.same(
+        time_stamp.time_stamps([(1, 0, 1, 0), (1, 1, 1, 1), (0, 1, 1, 1)]), [0, 1], "in the first's clock"
+    )
     see.same(time_stamp.time_stamps([(0, 1, 1, 1)]), [None], "none")
     many = [(1, 1, 1, k == 9999) for k in range(10_000)]
     see.same(time_stamp.time_stamps([(1, 0, 0, 0), *many, (0, 1, 0, 0)]), [0, 10_000], "a long frame")
@@ -115,7 +169,12 @@ def time_stamp_(see):
         see.all_near(time_stamp.time_stamps(clocks), wanted, [gap] * 5)
 
 
-@row("burst", {"": "0 clocks"}, ends="a start begins the burst again", rtl=["tb/frontend/test_burst.py::test_burst"])
+@row(
+    "burst",
+    {"": "0 clocks"},
+    ends="a start begins the burst again",
+    rtl=["tb/frontend/test_burst.py::test_burst"],
+)
 def burst_(see):
     for one in see.covering(count=[1, 2, 255, 4096], period=[1, 2, 2**24 - 1, 2**24]):
         count, period = one.values()
@@ -132,8 +191,12 @@ def burst_(see):
         see.refused(burst.triggers, [0], *bad, 10)
 
 
-@row("am_demod", {"": "1/2 LSB"}, ends="held at the greatest sample, with over-range set",
-     rtl=["tb/frontend/test_am_demod.py::test_am_demod"])
+@row(
+    "am_demod",
+    {"": "1/2 LSB"},
+    ends="held at the greatest sample, with over-range set",
+    rtl=["tb/frontend/test_am_demod.py::test_am_demod"],
+)
 def am_demod_(see):
     """Form 2 is its estimate, rounded once: what that is off the root stands with hypot."""
 
@@ -152,7 +215,9 @@ def am_demod_(see):
         weights = n // 2 if form == 0 else 2 * sum(map(sum, exact.WEIGHTS[n])) // 2
         return bits + (max(weights, 1) - 1).bit_length() + periods <= 29
 
-    for one in see.covering(fits, form=[0, 1, 2], n=[4, 8, 16], bits=[4, 13, 17, 18], periods=[1, 2, 6, 7, 8]):
+    for one in see.covering(
+        fits, form=[0, 1, 2], n=[4, 8, 16], bits=[4, 13, 17, 18], periods=[1, 2, 6, 7, 8]
+    ):
         form, n, bits, period_bits = one.values()
         try:
             twin = am_demod.AmDemod(form, n, sample_bits=bits, period_bits=period_bits)
@@ -165,7 +230,7 @@ def am_demod_(see):
         shapes += [[low, high] * (n // 2), [1] + [0] * (n - 1), [high] + [0] * (n - 1), [0] * (n - 1) + [low]]
         shapes += [[high if (k * 4 // n) % 2 else low for k in range(n)]]
         rows = [shape * periods for shape in shapes]
-        rows += [(square * periods)[:-1] + [square[-1] + 1]]
+        rows += [[*(square * periods)[:-1], square[-1] + 1]]
         for shift in sorted({0, 1, twin.sum_bits - bits + 1, twin.sum_bits, 31}):
             check(twin, rows, max(shift, 0), lambda: f"{one}, shift {shift}")
     base = am_demod.AmDemod(sample_bits=13)
@@ -173,23 +238,49 @@ def am_demod_(see):
         see.refused(base.amplitude, bad, 0)
     for shift in (-1, 32):
         see.refused(base.amplitude, [[0] * 4], shift)
-    for bad in ({"form": 3}, {"samples_per_period": 2}, {"lanes": 0}, {"lanes": 9}, {"channels": 65537},
-                {"sample_bits": 3}, {"sample_bits": 19}, {"period_bits": 0}, {"period_bits": 28}, {"skip_bits": 33}):
+    for bad in (
+        {"form": 3},
+        {"samples_per_period": 2},
+        {"lanes": 0},
+        {"lanes": 9},
+        {"channels": 65537},
+        {"sample_bits": 3},
+        {"sample_bits": 19},
+        {"period_bits": 0},
+        {"period_bits": 28},
+        {"skip_bits": 33},
+    ):
         see.refused(am_demod.AmDemod, **bad)
     code = st.integers(*exact.signed(18))
-    see.given(lambda form, samples, shift: check(am_demod.AmDemod(form, 8, sample_bits=18), [samples], shift, samples),
-              form=st.integers(0, 2), samples=st.lists(code, min_size=16, max_size=16), shift=st.integers(0, 31))
+    see.given(
+        lambda form, samples, shift: check(
+            am_demod.AmDemod(form, 8, sample_bits=18), [samples], shift, samples
+        ),
+        form=st.integers(0, 2),
+        samples=st.lists(code, min_size=16, max_size=16),
+        shift=st.integers(0, 31),
+    )
 
 
-@row("scan_plan", {"": "0 clocks"}, ends="ticks that find no room are counted as overruns",
-     rtl=["tb/frontend/test_scan_plan.py::test_scan_plan"])
+@row(
+    "scan_plan",
+    {"": "0 clocks"},
+    ends="ticks that find no room are counted as overruns",
+    rtl=["tb/frontend/test_scan_plan.py::test_scan_plan"],
+)
 def scan_plan_(see):
     def fits(rows, columns, lanes, channels, settle):
         beats = ceil(Fraction(columns, lanes))
         return ceil(Fraction(beats, channels)) == 1 or channels in (1, 2, 4, 8)
 
-    for one in see.covering(fits, rows=[1, 2, 1023, 1024], columns=[1, 3, 1024], lanes=[1, 2, 8], channels=[1, 7, 8],
-                            settle=[0, 1, 2**24 - 1]):
+    for one in see.covering(
+        fits,
+        rows=[1, 2, 1023, 1024],
+        columns=[1, 3, 1024],
+        lanes=[1, 2, 8],
+        channels=[1, 7, 8],
+        settle=[0, 1, 2**24 - 1],
+    ):
         rows, columns, lanes, channels, settle = one.values()
         cycle = channels + 8
         twin = scan_plan.ScanPlan(rows, columns, lanes, channels, cycle=cycle, settle_bits=24)
@@ -204,23 +295,48 @@ def scan_plan_(see):
             found, _ = twin.schedule(scan_plan.Settings(settle), twin.frame_clocks(settle) + scan_plan.START)
             see.near(found[-1].switch - found[0].switch, (rows * groups - 1) * slot, one)
             see.near(found[-1].trigger - found[-1].switch, settle + 1, one)
-    for bad in ({"rows": 0}, {"rows": 1025}, {"columns": 1025}, {"channels": 0}, {"channels": 9}, {"hold": 1},
-                {"cycle": 15}, {"settle_bits": 25}, {"period_bits": 33}, {"lanes": 3}):
+    for bad in (
+        {"rows": 0},
+        {"rows": 1025},
+        {"columns": 1025},
+        {"channels": 0},
+        {"channels": 9},
+        {"hold": 1},
+        {"cycle": 15},
+        {"settle_bits": 25},
+        {"period_bits": 33},
+        {"lanes": 3},
+    ):
         see.refused(scan_plan.ScanPlan, **bad)
 
 
-@row("health_taxel", {"": "0"}, ends="counters stop at 0 and 255", rtl=["tb/frontend/test_health_taxel.py::test_health_taxel"])
+@row(
+    "health_taxel",
+    {"": "0"},
+    ends="counters stop at 0 and 255",
+    rtl=["tb/frontend/test_health_taxel.py::test_health_taxel"],
+)
 def health_taxel_(see):
     """Each counter one below, at and beyond its ends, after 1e9 frames as after 255: nothing turns over."""
-    for one in see.covering(count=[0, 1, 14, 15, 239, 240, 251, 252, 254, 255], limit=[0, 1, 239, 240, 255],
-                            pair=[0, 1], border=[0, 1], alone=[0, 1], tick=[0, 1]):
+    for one in see.covering(
+        count=[0, 1, 14, 15, 239, 240, 251, 252, 254, 255],
+        limit=[0, 1, 239, 240, 255],
+        pair=[0, 1],
+        border=[0, 1],
+        alone=[0, 1],
+        tick=[0, 1],
+    ):
         count, limit = one["count"], one["limit"]
         shape = (1,)
         ones = [np.array([value]) for value in (0, count, count, count, 0)]
-        state = health_taxel.State(*ones, np.array([False]), np.array([True]), np.array([0]), np.array([False]))
+        state = health_taxel.State(
+            *ones, np.array([False]), np.array([True]), np.array([0]), np.array([False])
+        )
         limits = health.Limits(band=24, jump=200, low=-5, high=TOP, still=limit, rail=limit, blink=limit)
         around = tuple(np.array([bool(one[name])]) for name in ("pair", "border", "alone"))
-        judged = health_taxel.judge(state, np.full(shape, -5), np.zeros(shape, bool), around, limits, one["tick"])
+        judged = health_taxel.judge(
+            state, np.full(shape, -5), np.zeros(shape, bool), around, limits, one["tick"]
+        )
         proof = 4 if one["pair"] else one["border"]
         still, rail = min(count + proof, 255), min(count + one["tick"], 255)
         blink = min(count + 16, 255) if one["alone"] else max(count - 1, 0)
@@ -233,14 +349,27 @@ def health_taxel_(see):
             see.refused(health.Limits, **{name: bad})
 
 
-@row("health", {"": "0"}, ends="counters of a taxel stop at 255, those of events turn over by contract",
-     rtl=["tb/frontend/test_health.py::test_health"])
+@row(
+    "health",
+    {"": "0"},
+    ends="counters of a taxel stop at 255, those of events turn over by contract",
+    rtl=["tb/frontend/test_health.py::test_health"],
+)
 def health_(see):
-    """Codes at both ends of 18 bits beside still, ramping and blinking taxels, for more frames than 255 x 16."""
+    """Codes at both ends of 18 bits beside still, ramping and blinking taxels, for more frames than
+    255 x 16.
+    """
     low, high = exact.signed(18)
-    sizes = see.covering(size=[(1, 1), (1, 4), (3, 1), (3, 4)], band=[0, 1, 2**18 - 1], jump=[0, 200, 2**18 - 1],
-                         still=[0, 1, 255], rail=[0, 1, 255], blink=[0, 17, 255], edges=[False, True],
-                         rails=[(low, high), (high, low), (-1, 1)])
+    sizes = see.covering(
+        size=[(1, 1), (1, 4), (3, 1), (3, 4)],
+        band=[0, 1, 2**18 - 1],
+        jump=[0, 200, 2**18 - 1],
+        still=[0, 1, 255],
+        rail=[0, 1, 255],
+        blink=[0, 17, 255],
+        edges=[False, True],
+        rails=[(low, high), (high, low), (-1, 1)],
+    )
     for k, one in enumerate(sizes if see.long else sizes[::4]):
         (m, n), (least, most) = one["size"], one["rails"]
         given = {name: one[name] for name in ("band", "jump", "still", "rail", "blink", "edges")}
@@ -250,17 +379,22 @@ def health_(see):
         frames = draw.choice([low, low + 1, -1, 0, 1, high - 1, high], (count, m, n))
         frames[:, 0, 0] = 0  # one stands still
         frames[count // 2 :, -1, -1] = high  # one is railed from then on
-        masks, events = twin.next(frames, np.zeros(frames.shape, bool))
+        masks, _ = twin.next(frames, np.zeros(frames.shape, bool))
         for frame, codes in enumerate(frames.tolist()):
-            see.same(masks[frame].tolist(), [[loop.faults(i, j) != 0 for j in range(n)] for i in range(m)],
-                     lambda: f"{one}, frame {frame}")
+            see.same(
+                masks[frame].tolist(),
+                [[loop.faults(i, j) != 0 for j in range(n)] for i in range(m)],
+                lambda: f"{one}, frame {frame}",
+            )
             loop.frame(codes)
         see.same(twin.faults.tolist(), [[loop.faults(i, j) for j in range(n)] for i in range(m)], one)
     long_rail(see)
 
 
 def long_rail(see):
-    """1e9 frames of one code: the rail's count stands at 255 from 4080 on, and stays there; a jump of state."""
+    """1e9 frames of one code: the rail's count stands at 255 from 4080 on, and stays there; a jump of
+    state.
+    """
     twin = health.Health(1, 1, 1, 17, health.Limits(rail=0))
     twin.next(np.full((4200, 1, 1), TOP))
     held = int(twin._state.rail[0, 0])
@@ -271,29 +405,46 @@ def long_rail(see):
         see.same(again.tolist(), value.tolist(), f"a state of 1e9 frames: {name}")
 
 
-@row("health_report", {"": "0"}, ends="a taxel's number is that of the last of 1024 x 1024",
-     rtl=["tb/frontend/test_health_report.py::test_health_report"])
+@row(
+    "health_report",
+    {"": "0"},
+    ends="a taxel's number is that of the last of 1024 x 1024",
+    rtl=["tb/frontend/test_health_report.py::test_health_report"],
+)
 def health_report_(see):
     for lanes in (1, 2, 4, 8):
         last, every = 1024 * 1024 // lanes - 1, (1 << lanes) - 1
         for beat in (0, 1, last):
             for bits in ((every, every, every), (1 << lanes - 1, 0, 0), (0, 0, 1), (0, 0, 0)):
                 got = health_report.reports([(beat, *bits)], lanes)
-                wanted = [(beat * lanes + k, sum(v << at for at, v in enumerate(b >> k & 1 for b in bits)))
-                          for k in range(lanes)]
+                wanted = [
+                    (beat * lanes + k, sum(v << at for at, v in enumerate(b >> k & 1 for b in bits)))
+                    for k in range(lanes)
+                ]
                 see.same(got, [pair for pair in wanted if pair[1]], (lanes, beat, bits))
     see.same(health_report.reports([(131071, 0, 0, 128)], 8), [(1024 * 1024 - 1, 4)], "the last taxel")
 
 
-@row("tare", {"": "0"}, ends="a zero stays within its bits: the loop stops where nothing is left",
-     rtl=["tb/frontend/test_tare.py::test_tare"])
+@row(
+    "tare",
+    {"": "0"},
+    ends="a zero stays within its bits: the loop stops where nothing is left",
+    rtl=["tb/frontend/test_tare.py::test_tare"],
+)
 def tare_(see):
     """Beside exact rationals: steps from the least to the greatest, samples at both ends, taring pressed."""
+
     def fits(bits, fraction, tare_log2, **_):
         return tare_log2 <= min(fraction, 8) and bits + fraction >= 9
 
-    for one in see.covering(fits, bits=[2, 8, 13, 17, 18], fraction=[1, 2, 7, 12, 16], tare_log2=[0, 1, 4, 8],
-                            contact=[0, 64, 2**18], step=[0, 1, 255]):
+    for one in see.covering(
+        fits,
+        bits=[2, 8, 13, 17, 18],
+        fraction=[1, 2, 7, 12, 16],
+        tare_log2=[0, 1, 4, 8],
+        contact=[0, 64, 2**18],
+        step=[0, 1, 255],
+    ):
         bits, fraction, tare_log2, contact, step = one.values()
         low, high = exact.signed(bits)
         twin = tare.Tare(1, 4, 1, bits, fraction, tare_log2, contact, step)
@@ -312,8 +463,16 @@ def tare_(see):
         see.same(all(room[0] <= zero <= room[1] for zero in zeros), True, one)
     overshoot(see)
     drift(see)
-    for bad in ({"fraction_bits": 0}, {"fraction_bits": 17}, {"tare_log2": 9}, {"step": -1}, {"step": 256}, {"lanes": 3},
-                {"sample_bits": 19}, {"sample_bits": 2, "fraction_bits": 6, "tare_log2": 2}):
+    for bad in (
+        {"fraction_bits": 0},
+        {"fraction_bits": 17},
+        {"tare_log2": 9},
+        {"step": -1},
+        {"step": 256},
+        {"lanes": 3},
+        {"sample_bits": 19},
+        {"sample_bits": 2, "fraction_bits": 6, "tare_log2": 2},
+    ):
         see.refused(tare.Tare, 1, 1, **{"lanes": 1} | bad)
 
 
@@ -341,7 +500,9 @@ def overshoot(see):
 
 
 def drift(see):
-    """1e9 samples that drift: by jumps of the state to where so many steps of one LSB lead, then frame by frame."""
+    """1e9 samples that drift: by jumps of the state to where so many steps of one LSB lead, then frame
+    by frame.
+    """
     for raw in (TOP, -TOP - 1):
         fraction, sign = 16, 1 if raw > 0 else -1
         for frames in (10**9, 2**32 - 1, (abs(raw) << 16) - 1):
@@ -357,12 +518,19 @@ def drift(see):
             see.near(int(twin._zero[0, 0]), loop.zeros[0] * 2**fraction, (raw, frames))
 
 
-@row("calibration_preset", {"": "0"}, ends="the last word is that of 1024 x 1024", rtl=["tb/frontend/test_calibration_preset.py::test_calibration_preset"])
+@row(
+    "calibration_preset",
+    {"": "0"},
+    ends="the last word is that of 1024 x 1024",
+    rtl=["tb/frontend/test_calibration_preset.py::test_calibration_preset"],
+)
 def calibration_preset_(see):
     for one in see.covering(rows=[1, 1024], columns=[1, 7, 1024], lanes=[1, 8], gain=[0, 65535]):
         rows, columns, lanes, gain = one.values()
         beats = ceil(Fraction(columns, lanes))
-        see.same(calibration_preset.preset(rows, columns, lanes, gain)[-1], (False, rows * beats - 1, 0, gain), one)
+        see.same(
+            calibration_preset.preset(rows, columns, lanes, gain)[-1], (False, rows * beats - 1, 0, gain), one
+        )
         both = calibration_preset.preset(rows, columns, lanes, gain, True)
         see.same((len(both), both[-1]), (beats + rows, (True, rows - 1, 0, 4096)), one)
         # A row's 4096 times a column's gain over 2^24 is the gain over 2^12 that the other table has.
@@ -370,11 +538,18 @@ def calibration_preset_(see):
     see.refused(calibration_preset.preset, 1, 1, 3, 0)
 
 
-@row("calibration_grid", {"": "0"}, ends="an offset beyond its bits is refused", rtl=["tb/frontend/test_calibration_grid.py::test_calibration_grid"])
+@row(
+    "calibration_grid",
+    {"": "0"},
+    ends="an offset beyond its bits is refused",
+    rtl=["tb/frontend/test_calibration_grid.py::test_calibration_grid"],
+)
 def calibration_grid_(see):
     for bits in (2, 13, 17, 18):
         low, high = exact.signed(bits - 1)
-        for one in see.covering(row=[low, 0, high], column=[low, -1, high], gain=[0, 1, 65535], by=[0, 4096, 65535]):
+        for one in see.covering(
+            row=[low, 0, high], column=[low, -1, high], gain=[0, 1, 65535], by=[0, 4096, 65535]
+        ):
             twin = calibration_grid.CalibrationGrid(2, 3, 1, bits)
             twin.write_row(1, one["row"], one["gain"])
             twin.write(2, one["column"], one["by"])
@@ -389,7 +564,12 @@ def calibration_grid_(see):
             see.refused(twin.write, 0, 0, gain)
 
 
-@row("calibrate", {"": "1/2 LSB"}, ends="held at 0 and 65535", rtl=["tb/frontend/test_calibrate.py::test_calibrate"])
+@row(
+    "calibrate",
+    {"": "1/2 LSB"},
+    ends="held at 0 and 65535",
+    rtl=["tb/frontend/test_calibrate.py::test_calibrate"],
+)
 def calibrate_(see):
     def check(raws, offset, gain, shift, bits, gain_bits):
         got = calibrate.forces(raws, offset, gain, shift, sample_bits=bits, gain_bits=gain_bits).tolist()
@@ -405,19 +585,36 @@ def calibrate_(see):
         def fits(bits, gain, shift, offset, gain_bits=gain_bits):
             return bits + gain_bits + 2 - shift >= 16  # else 16 bits are more than the product has
 
-        for one in see.covering(fits, bits=[2, 13, 17, 18], gain=[0, 1, 4096, top - 1, top], shift=[1, 2, 12, gain_bits - 1, gain_bits],
-                                offset=["low", "zero", "high"]):
+        for one in see.covering(
+            fits,
+            bits=[2, 13, 17, 18],
+            gain=[0, 1, 4096, top - 1, top],
+            shift=[1, 2, 12, gain_bits - 1, gain_bits],
+            offset=["low", "zero", "high"],
+        ):
             low, high = exact.signed(one["bits"])
             offset = {"low": low, "zero": 0, "high": high}[one["offset"]]
             raws = set(exact.ends(low, high)) | {offset, offset + 1, offset - 1}
             if one["gain"]:  # where the force reaches its end
                 edge = offset + (TOP << one["shift"]) // one["gain"]
                 raws |= {edge - 1, edge, edge + 1}
-            check(sorted(r for r in raws if low <= r <= high), offset, one["gain"], one["shift"], one["bits"], gain_bits)
+            check(
+                sorted(r for r in raws if low <= r <= high),
+                offset,
+                one["gain"],
+                one["shift"],
+                one["bits"],
+                gain_bits,
+            )
     for shift, gain_bits in ((0, 16), (17, 16), (33, 32)):
         see.refused(calibrate.forces, 0, 0, 0, shift, gain_bits=gain_bits)
     twin = calibrate.Calibrate(1, 1)
     see.same(twin.next([[[TOP]]]).tolist(), [[[0]]], "before the first swap")
     code = st.integers(*exact.signed(18))
-    see.given(lambda raw, offset, gain, shift: check([raw], offset, gain, shift, 18, 32), raw=code, offset=code,
-              gain=st.integers(0, (2**16 - 1) ** 2), shift=st.integers(1, 32))
+    see.given(
+        lambda raw, offset, gain, shift: check([raw], offset, gain, shift, 18, 32),
+        raw=code,
+        offset=code,
+        gain=st.integers(0, (2**16 - 1) ** 2),
+        shift=st.integers(1, 32),
+    )

@@ -120,7 +120,9 @@ WEIGHTS = {4: [(1, 0)], 8: [(5, 2), (2, 5)], 16: [(5, 1), (4, 3), (3, 4), (1, 5)
 
 
 def demodulated(samples, per_period, form):
-    """|M| before the shift, a rational or, of the exact root, the floor of twice it over two (docs/demod.md)."""
+    """|M| before the shift, a rational or, of the exact root, the floor of twice it over two
+    (docs/demod.md).
+    """
     n = per_period
     periods = [samples[k : k + n] for k in range(0, len(samples), n)]
     if form == 0:

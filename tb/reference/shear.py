@@ -77,6 +77,8 @@ def within(exponent, level_bits, table_bits, fraction_bits):
     log_below = log_above + lsb / 4 + mpmath.mpf("0.1804") / 4**table_bits
     if level_bits - table_bits > 17:
         log_below += mpmath.mpf("1.4427") * two ** -(table_bits + 17)
-    power = (log_below + log_above) * Fraction(exponent, 2**11).numerator / Fraction(exponent, 2**11).denominator
+    power = (
+        (log_below + log_above) * Fraction(exponent, 2**11).numerator / Fraction(exponent, 2**11).denominator
+    )
     own = max(lsb * 3 / 8 + two**-29, lsb / 8 + two**-29 + mpmath.mpf("0.0601") / 4**table_bits)
     return two ** (power + lsb / 2) * (1 + own) - 1

@@ -48,7 +48,7 @@ class Outside(AssertionError):
 @dataclass(frozen=True)
 class Row:
     """``bounds``: {what: bound}, ``ends``: what happens beyond the range, ``rtl``: tests that drive the RTL
-    there, ``files``: what a solver consists of (a block has its sources), ``long``: not in the short form."""
+    there, ``files``: what a solver consists of (a block has its sources)."""
 
     name: str
     bounds: dict
@@ -57,7 +57,6 @@ class Row:
     rtl: tuple = ()
     files: tuple = ()
     source: str = ""
-    kind: str = ""
 
     def limit(self, part):
         """The number that a bound begins with; None where each case has its own."""
@@ -67,10 +66,11 @@ class Row:
     @property
     def error(self):
         """The line of the block's header."""
-        parts = [f"{bound if self.limit(part) != 0 else 'none'}{f' of {part}' if part else ''}"
-                 for part, bound in self.bounds.items()]
-        words = ", ".join(parts)
-        return f"Error: {words if words.startswith('none') else f'at most {words}'} (docs/extremes.md)."
+        words = []
+        for part, bound in self.bounds.items():
+            bound = "none" if self.limit(part) == 0 else f"at most {bound}"
+            words.append(f"{bound} of {part}" if part else bound)
+        return f"Error: {'; '.join(words)} (docs/extremes.md)."
 
 
 ROWS = {}
@@ -221,6 +221,10 @@ class See:
         )
         seed(self.seed)(drawn(given(**strategies)(check)))()
 
+    def some(self, cases, step):
+        """All cases, in the short form every so manyth."""
+        return cases if self.long else list(cases)[::step]
+
     def covering(self, allowed=lambda **row: True, **axes):
         """Rows of parameters in which each pair of values occurs (verify.pairs)."""
         found = covering(axes, allowed, self.seed)
@@ -244,7 +248,7 @@ def _place(where):
 
 def run(name, long=False, seed=1):
     """{facts} of a row: worst errors, cases, finding (empty if it passes). Warnings are findings too."""
-    see, began, finding = See(rows()[name], long, seed), time.perf_counter(), ""
+    see, began, finding = See(rows()[name], long, seed), time.process_time(), ""
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error", RuntimeWarning)
@@ -254,13 +258,15 @@ def run(name, long=False, seed=1):
     except Exception as problem:
         line = traceback.extract_tb(problem.__traceback__)[-1]
         known = isinstance(problem, Outside)
-        finding = str(problem) if known else f"{type(problem).__name__}: {problem}, {line.filename}:{line.lineno}"
+        finding = (
+            str(problem) if known else f"{type(problem).__name__}: {problem}, {line.filename}:{line.lineno}"
+        )
     worst = {
         part: {"error": float(w.error), "bound": float(w.limit), "where": w.where}
         for part, w in see.worst.items()
     }
     facts = {"worst": worst, "cases": see.cases, "pairs": see.pairs, "finding": finding}
-    return facts | {"seconds": round(time.perf_counter() - began, 2)}
+    return facts | {"seconds": round(time.process_time() - began, 2)}
 
 
 @cache
@@ -268,7 +274,9 @@ def digest(name):
     """Eight digits that change when what a row rests on does: sources, twin, the row's file, references."""
     found = rows()[name]
     files = {found.source, "tools/verify/extremes.py", "tools/verify/pairs.py", *found.files}
-    files |= {str(path.relative_to(toolchain.ROOT)) for path in revision.imports(toolchain.ROOT / found.source)}
+    files |= {
+        str(path.relative_to(toolchain.ROOT)) for path in revision.imports(toolchain.ROOT / found.source)
+    }
     if name in benches.blocks():
         files |= {str(p.relative_to(toolchain.ROOT)) for p in toolchain.sources_of(f"msn_{name}")}
         stage = benches.stage_of(name)
