@@ -74,6 +74,7 @@ def grip_(see):
             see.near(got.increment, 0 if before is None else command - before, place)
             see.near(bool(got.fault & grip.LIMIT), command >= given["maximum"], place)
             see.same(0 <= got.command <= TOP, True, place)
+    sums_of_wishes(see)
     silent(see)
     for name, outside in (
         ("step", TOP + 1),
@@ -89,6 +90,22 @@ def grip_(see):
     for fingers in (0, 9):
         see.refused(grip.Grip, None, fingers)
     see.refused(grip.Grip().report, 0, TOP + 1)
+
+
+def sums_of_wishes(see):
+    """Windows whose wishes add to just below, at and beyond the word, from a command of 0."""
+    for by in (1, 32767, 32768, 30_000, TOP):
+        for windows in (1, 2, 3, 4, 255):
+            for rule in ("any", "weakest"):
+                given = grip.GripConfig(step=by, minimum=0, maximum=TOP, rate=TOP, rule=rule)
+                got = grip.Grip(given, 2, start=0).next([windows, windows])
+                see.near(got.command, min(by * windows, TOP), (by, windows, rule))
+    for speed, gain in ((TOP, TOP), (TOP, 256), (256, TOP), (257, 65281)):
+        twin = grip.Grip(
+            grip.GripConfig(step=1, speed_gain=gain, minimum=0, maximum=TOP, rate=TOP), 1, start=0
+        )
+        wanted = min(1 + min(gain * speed // 256, TOP), TOP)
+        see.near(twin.next([1], speed=[speed]).command, wanted, (speed, gain))
 
 
 def silent(see):

@@ -36,6 +36,7 @@ def compare_(see):
             see.refused(compare.compare, outside, 0, width)
             see.refused(compare.compare, 0, outside, width)
     see.refused(compare.compare, 0, 0, 0)
+    see.elaborates("compare", [{"Width": width} for width in (1, 2, 18, 63, 64)])
 
 
 @row(
@@ -51,6 +52,7 @@ def constant_multiplier_(see):
         got = constant_multiplier.constant_multiplier(numbers, one["Constant"])
         wanted = [sum(x << k for k in range(16) if one["Constant"] >> k & 1) for x in numbers]
         see.all_near(got.tolist(), wanted, [(one["Constant"], x) for x in numbers])
+    see.elaborates("constant_multiplier", see.covering(Constant=constants, InBits=[1, 2, 16, 36, 47]))
     for constant in (-1, 65536):
         see.refused(constant_multiplier.constant_multiplier, 1, constant)
 
@@ -70,6 +72,7 @@ def multiply_(see):
         ]
         got = multiply.multiply(*zip(*pairs), one["AWidth"], one["BWidth"])
         see.all_near(got.tolist(), [sum(a for _ in range(b)) if b < 9 else a * b for a, b in pairs], pairs)
+    see.elaborates("multiply", see.covering(AWidth=[2, 18], BWidth=[1, 17]))
     for widths in ((1, 16), (19, 16), (18, 0), (18, 18)):
         see.refused(multiply.multiply, 1, 1, *widths)
 
@@ -149,6 +152,10 @@ def divide_(see):
 
     for one in see.covering(DenBits=[1, 2, 16, 34, 46, 53, 61, 62], FractionBits=[1, 2, 14, 20, 29, 30]):
         check(quotients(2 ** one["DenBits"] - 1), one["FractionBits"])
+    sizes = see.covering(
+        DenBits=[1, 2, 46, 62], FractionBits=[1, 2, 30], BitsPerClock=[1, 2], Pipelined=[0, 1]
+    )
+    see.elaborates("divide", sizes)
     for num, den in ((1, 0), (0, 0), (2, 1), (-2, 1), (1, -1), (2**62 - 1, 2**62 - 2)):
         see.refused(divide.divide, num, den)
     for fraction, rate in ((0, 2), (31, 2), (14, 0), (14, 3)):
@@ -191,6 +198,8 @@ def ratio_(see):
             products = {scale * num + off for num in nums for off in (-1, 0, 1)}
             fit = [p for p in products if abs(p) < 2 ** (one["DenBits"] - 1)]
             check(scale, [(num, den) for num in nums for den in {*dens, *fit[:6]}], one["FractionBits"])
+    sizes = {"ScaleBits": [1, 32], "NumBits": [2, 32], "DenBits": [2, 62], "FractionBits": [1, 30]}
+    see.elaborates("ratio", see.covering(**sizes, BitsPerClock=[1, 2]))
     see.refused(ratio.ratio, -1, 1, 1)
     for width in ({"scale_bits": 0}, {"scale_bits": 33}, {"num_bits": 1}, {"num_bits": 33}, {"den_bits": 63}):
         see.refused(ratio.check_bits, **width)
@@ -232,6 +241,7 @@ def hypot_(see):
         see.refused(hypot.hypot, a, b)
     for bits in (0, 31):
         see.refused(hypot.latency, bits)
+    see.elaborates("hypot", see.covering(Bits=[1, 2, 29, 30], Exact=[0, 1]))
     see.given(lambda a, b: check([(a, b)]), a=st.integers(0, 2**30 - 1), b=st.integers(0, 2**30 - 1))
 
 
@@ -275,6 +285,8 @@ def log2_(see):
                 numbers |= {2 * one - step, 2 * one - step + step // 2}
             check(sorted(x for x in numbers if x < 2**in_bits), in_bits, table, fraction)
     see.near(log2_bound(27, 6, 16)[0], Fraction("0.0000576"), "the header's formula", limit=Fraction("5e-8"))
+    tables = [{"TableBits": table, "FractionBits": fraction} for table, fraction in TABLES]
+    see.elaborates("log2", [size | {"InBits": bits} for size in tables for bits in (10, 48)])
     for bad in ((27, 2, 16), (27, 9, 16), (27, 6, 6), (27, 6, 21), (7, 6, 16), (49, 6, 16)):
         see.refused(log2.log2, 1, *bad)
     see.given(
@@ -327,6 +339,10 @@ def exp2_(see):
                 k * whole + off for off in (-1, 0, 1, whole >> 1, whole >> table, (whole >> table) // 2)
             }
         check(sorted(y for y in numbers if low <= y <= high), table, fraction, out, point)
+    ends = see.covering(table=TABLES, WholeBits=[2, 12], OutBits=[2, 32], OutFraction=[0, 32])
+    for size in ends:
+        size["TableBits"], size["FractionBits"] = size.pop("table")
+    see.elaborates("exp2", ends)
     for bad in ((6, 16, 1, 0), (6, 16, 33, 0), (6, 16, 24, 33), (6, 16, 24, -1), (2, 16), (6, 21)):
         see.refused(exp2.exp2, 0, *bad)
     see.given(

@@ -97,6 +97,7 @@ def cop_accumulate_(see):
             beats = padded.reshape(-1, lanes).tolist()
             [got] = twin.process(beats, [False] * (len(beats) - 1) + [True])
             see.all_near(got, exact.moments(forces.tolist()), [f"{m} x {n}, {lanes} lanes"] * 3)
+    see.elaborates("cop_accumulate", see.covering(Rows=[1, 2, 1024], Columns=[1, 2, 1024], Lanes=[1, 2, 8]))
     see.refused(cop_accumulate.moments, [[TOP + 1]])
     see.refused(cop_accumulate.moments, [[-1]])
     for m, n in ((0, 1), (1, 0), (1025, 1), (1, 1025)):
@@ -152,6 +153,10 @@ def cop_divide_(see):
             got = zip(*cop_divide.cop_divide(*zip(*cases), m, n, fraction, least))
             for each, sums in zip(got, cases):
                 centre(see, each, sums, m, n, fraction, least, lambda: f"{m} x {n}, {fraction} bits, {sums}")
+    sides = {"Rows": [1, 2, 1024], "Columns": [1, 2, 1024]}
+    see.elaborates(
+        "cop_divide", see.covering(**sides, FractionBits=[4, 20], BitsPerClock=[1, 2], Pipelined=[0, 1])
+    )
     for fraction in (3, 21):
         see.refused(cop_divide.cop_divide, 1, 0, 0, 2, 2, fraction)
 
@@ -311,6 +316,14 @@ def cop4_(see):
         near = [[v, -v, v, -v], [v - 1, -v, v, -v + 1], [v, -v, v - 1, -v], [v + 1, -v, v, -v]]
         rows += [codes for codes in near if all(-half <= code < half for code in codes)]
         check(bits, r, rows, terms)
+    # Loads of 65534, 65535 and 65536 LSBs, and exactly between them: N = 100 and D = 256 N.
+    for kf in (65533, 65534, 65535, 65536, 65537):
+        for more in (-1, 0, 1):
+            r = cop4_ends(24, "sensor") | {"kf": kf, "shift_load": 0, "rail": 2**20}
+            upper = 2**20 - 100 * 256
+            codes = [upper // 2, 0, upper // 2, upper - 256 * 100 * 256 + more]
+            check(24, r, [codes])
+    see.elaborates("cop4", see.covering(SampleBits=[4, 17, 24], BitsPerClock=[1, 2], Correct=[0, 1]))
     for bits in (3, 25):
         see.refused(cop4.check_sample_bits, bits)
     base = cop4_ends(17, "sensor")
@@ -434,6 +447,7 @@ def cop_slip_(see):
         for k, each in enumerate(wanted):
             here = tuple(int(value[k]) for value in got)
             see.same(here, each, lambda: f"{one}, sample {k}")
+    see.elaborates("cop_slip", see.covering(Lag=[1, 2, 4096], TimerBits=[1, 31]))
     for d in exact.ends(-65535, 65535):
         for e in (0, 1, 53, 128, d * 53 // 128, -d, d):
             see.same(int(cop_slip.octants(d, e)), octant(d, e), (d, e))

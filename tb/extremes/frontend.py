@@ -461,6 +461,9 @@ def tare_(see):
         zeros = [int(value) for value in twin._zero[:, 0]]
         room = exact.signed(bits + 1 + fraction)
         see.same(all(room[0] <= zero <= room[1] for zero in zeros), True, one)
+    see.elaborates(
+        "tare", see.covering(fits_rtl, SampleBits=[2, 8, 18], FractionBits=[1, 7, 16], TareLog2=[0, 8])
+    )
     overshoot(see)
     drift(see)
     for bad in (
@@ -474,6 +477,10 @@ def tare_(see):
         {"sample_bits": 2, "fraction_bits": 6, "tare_log2": 2},
     ):
         see.refused(tare.Tare, 1, 1, **{"lanes": 1} | bad)
+
+
+def fits_rtl(SampleBits, FractionBits, TareLog2):
+    return SampleBits + FractionBits >= 9 and TareLog2 <= FractionBits
 
 
 def overshoot(see):
@@ -606,6 +613,15 @@ def calibrate_(see):
                 one["bits"],
                 gain_bits,
             )
+
+    def room(SampleBits, GainShift, Offset, **_):
+        return SampleBits + Offset <= 18 and SampleBits + Offset + 17 - GainShift >= 16
+
+    see.refused(calibrate.Calibrate, 1, 1, sample_bits=18)
+    see.elaborates(
+        "calibrate",
+        see.covering(room, SampleBits=[13, 17, 18], GainShift=[1, 16], Lanes=[1, 8], Offset=[0, 1]),
+    )
     for shift, gain_bits in ((0, 16), (17, 16), (33, 32)):
         see.refused(calibrate.forces, 0, 0, 0, shift, gain_bits=gain_bits)
     twin = calibrate.Calibrate(1, 1)

@@ -63,6 +63,19 @@ def solved(see, solver, powers, must=True):
         R0 = R0 * ratio_of(one["r0"]) if one["rp"] == 0 else R0
         mesh = Mesh(m, n, r, R0, 16.0, k)
         got = mesh.solve(load, solver)
+        for name, value, (across, along) in (("Cx", mesh.Cx, (m, n)), ("Cy", mesh.Cy, (n, m))):
+            c = (
+                (2 * across * Fraction(R0) / Fraction(r) + along + 1) / (along - 1)
+                if along > 1
+                else Fraction(0)
+            )
+            see.near(
+                value / max(mesh.Cx, mesh.Cy, 1),
+                c / Fraction(max(mesh.Cx, mesh.Cy, 1)),
+                name,
+                "its own bound",
+                limit=4 * Fraction(DOUBLE),
+            )
         place = f"{m} x {n}, r/rp 1e{one['rp']}, R0/r {R0 / r:.0e}, {one['load']}"
         if not got.valid:
             see.same((bool(got.why), bool(must)), (True, False), place, "its own bound")

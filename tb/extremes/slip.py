@@ -60,6 +60,7 @@ def haar_(see):
                 )
             masked = haar.haar([high, low] * 8, level, [False] * 15 + [True])
             see.same((int(masked[0][-1]), int(masked[1][-1])), (0, 0), (bits, level, "masked"))
+    see.elaborates("haar", see.covering(Channels=[1, 2, 4096], Level=[1, 2, 3], SampleBits=[2, 17, 32]))
     for bad in ((1, 0), (1, 4), (0, 1), (4097, 1)):
         see.refused(haar.Haar, *bad)
     code = st.integers(*exact.signed(32))
@@ -332,6 +333,12 @@ def plain_settings(size, **given):
 def shear_speed_(see):
     formula(see)
     rules(see)
+    ends = {"SampleBits": [4, 24], "WindowLog2": [1, 12], "SettleLog2": [0, 8], "SpeedBits": [8, 32]}
+
+    def fits(SampleBits, WindowLog2, SettleLog2, TableBits, **_):
+        return SampleBits + WindowLog2 + SettleLog2 + 1 >= TableBits + 2
+
+    see.elaborates("shear_speed", see.covering(fits, **ends, SpeedFraction=[0, 32], TableBits=[3, 6]))
     for bad in (
         {"sample_bits": 3},
         {"sample_bits": 25},

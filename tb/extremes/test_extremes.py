@@ -1,5 +1,5 @@
-"""The short form of `make extremes`, and whether its tool can fail: rows of their own that are wrong, bounds in
-headers that are not the table's, a block without a row, a run of nothing."""
+"""The short form of `make extremes`, and whether its tool can fail: rows of their own that are wrong,
+bounds in headers that are not the table's, a block without a row, a run of nothing."""
 
 import json
 import re
@@ -44,7 +44,7 @@ def test_headers_have_the_bounds_of_the_table():
 
 def test_a_header_with_another_bound_is_found(tmp_path):
     source = tmp_path / "msn_x.sv"
-    source.write_text("// SPDX\n//\n// Adds.\n// Error: at most 1 LSB (docs/extremes.md).\n// Model: y.py\n\nmodule\n")
+    source.write_text("// SPDX\n//\n// Adds.\n// Error: none (docs/extremes.md).\n// Model: y.py\n\nmodule\n")
     line = "Error: at most 1/2 LSB (docs/extremes.md)."
     text = "// SPDX\n//\n// Adds.\n// Error: at most 1/2 LSB (docs/extremes.md).\n// Model: y.py\n\nmodule\n"
     assert tool.header(source, line) == text
@@ -65,7 +65,9 @@ def test_the_page_is_that_of_the_record():
     def fresh(text):
         return text.replace(" (stale)", "")
 
-    assert fresh(tool.PAGE.read_text("utf-8")) == fresh(tool.page(tool.load())), "python tools/extremes.py --page"
+    assert fresh(tool.PAGE.read_text("utf-8")) == fresh(tool.page(tool.load())), (
+        "python tools/extremes.py --page"
+    )
     told = json.loads(tool.RECORD.read_text("utf-8"))
     assert set(told["blocks"]) == set(NAMES)
     assert not [name for name, facts in told["blocks"].items() if facts["finding"]]
@@ -97,7 +99,10 @@ def test_keeps_the_worst_error_and_its_place(own):
 @pytest.mark.parametrize(
     "body, says",
     [
-        (lambda see: see.near(3, Fraction(7, 2) + Fraction(1, 10**30), "here"), "off 3.5, bound 0.5, at here"),
+        (
+            lambda see: see.near(3, Fraction(7, 2) + Fraction(1, 10**30), "here"),
+            "off 3.5, bound 0.5, at here",
+        ),
         (lambda see: see.near(3, 4, "here", limit=0), "bound 0, at here"),
         (lambda see: see.near(float("nan"), 0, "here"), "nan is no number"),
         (lambda see: see.near(np.float64("inf"), 0, "here"), "inf is no number"),

@@ -17,6 +17,7 @@ import importlib.util
 import math
 import random
 import re
+import subprocess
 import sys
 import time
 import traceback
@@ -220,6 +221,21 @@ class See:
             suppress_health_check=list(HealthCheck),
         )
         seed(self.seed)(drawn(given(**strategies)(check)))()
+
+    def elaborates(self, block, sizes):
+        """In the long form: Verilator reads the RTL in each of ``sizes`` {parameter: value}, with no warning
+        but of bits that are not used: no width is wrong, and none is refused that the twin takes."""
+        if not self.long or not toolchain.sources_of(f"msn_{block}"):
+            return
+        base = ["verilator", "--lint-only", "--quiet", "-Wall", "-Wno-UNUSED"]
+        base += [str(toolchain.ROOT / "rtl/verilator.vlt")]
+        base += [*map(str, toolchain.sources_of(f"msn_{block}")), "--top-module", f"msn_{block}"]
+        for size in sizes:
+            command = [*base, *(f"-G{name}={int(value)}" for name, value in size.items())]
+            done = subprocess.run(command, env=toolchain.environment(), capture_output=True, text=True)
+            self.cases += 1
+            if done.returncode or done.stderr.strip():
+                raise Outside(f"msn_{block} with {size}: {(done.stdout + done.stderr).strip()[:300]}")
 
     def some(self, cases, step):
         """All cases, in the short form every so manyth."""
