@@ -13,6 +13,7 @@ import json
 import re
 import sys
 from concurrent.futures import ProcessPoolExecutor
+from fractions import Fraction
 from pathlib import Path
 
 if __name__ == "__main__":
@@ -31,7 +32,8 @@ saturation, alternating full scale, the longest sums, the worst cancellation, wr
 the least and greatest value of each parameter and each pair of them, then what hypothesis draws.
 Expectations are exact: integers, fractions and 50 digits of mpmath, written from the formulas of docs/ in
 `tb/reference/`, which imports nothing of the twins. A twin equals its RTL bit for bit in the block's own
-tests; the last column names those that drive the RTL at these ends.
+tests: the last column names the one that drives both. Verilator reads the RTL of blocks with widths as parameters in
+each pair of their ends, too.
 
 `make extremes` runs all of it and writes this page; `make test` has a short form
 (`tb/extremes/test_extremes.py`). An error beyond its bound, a NaN, an infinity, a warning of NumPy or a
@@ -86,7 +88,7 @@ def table(known, blocks):
             first = part == next(iter(row.bounds))
             label = (f"`{'msn_' * blocks}{name}`" if first else "") + (f" {part}" if part else "")
             shown = "none" if row.limit(part) == 0 else bound
-            if row.limit(part) is None and facts:
+            if facts and limit and row.limit(part) != Fraction(repr(limit)):
                 shown += f" ({number(limit)} there)"
             cells = [label, number(error) if facts else "", shown, where]
             cells += [str(facts["cases"]) if facts and first else "", row.ends if first else ""]

@@ -356,7 +356,7 @@ def exp2_(see):
 @row(
     "frame_filter",
     {"": "0"},
-    ends="the count of damaged frames stops at 2^16 - 1: the RTL's alone",
+    ends="the count of damaged frames turns over by contract (docs/link.md)",
     rtl=["tb/common/test_frame_filter.py::counts_over_the_whole_width"],
 )
 def frame_filter_(see):
