@@ -32,8 +32,8 @@ saturation, alternating full scale, the longest sums, the worst cancellation, wr
 the least and greatest value of each parameter and each pair of them, then what hypothesis draws.
 Expectations are exact: integers, fractions and 50 digits of mpmath, written from the formulas of docs/ in
 `tb/reference/`, which imports nothing of the twins. A twin equals its RTL bit for bit in the block's own
-tests: the last column names the one that drives both. Verilator reads the RTL of blocks with widths as parameters in
-each pair of their ends, too.
+tests: the last column names the one that drives both. Verilator reads the RTL of blocks with widths as
+parameters in each pair of their ends, too.
 
 `make extremes` runs all of it and writes this page; `make test` has a short form
 (`tb/extremes/test_extremes.py`). An error beyond its bound, a NaN, an infinity, a warning of NumPy or a
