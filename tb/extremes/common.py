@@ -237,6 +237,8 @@ def hypot_(see):
     # A square and one less: where a root in doubles is off.
     roots = [2**30 - 1 - k for k in range(40)] + [2**k + off for k in range(2, 30) for off in (-1, 0, 1)]
     check([(r, b) for r in roots for b in (0, 1, 2) if 0 <= r < 2**30])
+    # (2 k^2 + 1)^2 - 1 = (2 k^2)^2 + (2 k)^2: a square less one, which doubles round up to it.
+    check([(2 * k * k, 2 * k) for k in (1, 2, 100, 9742, 9743, *range(23_130, 23_171))])
     for a, b in ((-1, 0), (0, 2**30), (2**30, 0)):
         see.refused(hypot.hypot, a, b)
     for bits in (0, 31):
