@@ -373,7 +373,7 @@ def health_(see):
     for k, one in enumerate(sizes if see.long else sizes[::4]):
         (m, n), (least, most) = one["size"], one["rails"]
         given = {name: one[name] for name in ("band", "jump", "still", "rail", "blink", "edges")}
-        given |= {"low": least, "high": most, "user": True}
+        given |= {"low": least, "high": most, "over_range_enable": True}
         twin, loop = health.Health(m, n, 1, 18, health.Limits(**given)), HealthReference(m, n, **given)
         draw, count = np.random.default_rng(see.seed + k), 600 if see.long else 120
         frames = draw.choice([low, low + 1, -1, 0, 1, high - 1, high], (count, m, n))
