@@ -14,7 +14,7 @@ export PYTHONUTF8 := 1
 
 .DEFAULT_GOAL := help
 .PHONY: help setup demo picture test test-long lint registers blocks synth resources gate fmax figures bench clean
-.PHONY: formal formal-mutants mutants mutants-quick coverage powerup faults fuzz equivalence regress trust test-icarus
+.PHONY: formal formal-mutants mutants mutants-quick coverage powerup faults fuzz extremes equivalence regress trust test-icarus
 
 help:  ## this list
 	@awk -F':.*## ' '/^[a-z-]+:.*## /{printf "  make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -61,6 +61,9 @@ faults: $(SIM)  ## faults injected into every block, and their effects: docs/tru
 
 fuzz: $(SIM)  ## a million mutated inputs to every reader of lines and files: docs/trust/fuzz.json
 	@$(BIN)/python tools/fuzz.py --record $(FUZZ)
+
+extremes: $(SIM)  ## every block and solver at the ends of its range against exact arithmetic: docs/extremes.md [BLOCKS="haar slip"]
+	@$(BIN)/python tools/extremes.py --record --jobs $(JOBS) $(BLOCKS)
 
 regress: $(SIM)  ## blocks in SEEDS=N random sizes with random stimulus [REGRESS="--scheduler ADDRESS"]
 	@$(BIN)/python tools/regress.py $(SEEDS) --jobs $(JOBS) --record $(REGRESS)

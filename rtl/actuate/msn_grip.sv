@@ -13,6 +13,7 @@
 // first one over in a period; 5 if the period's end has just given one. Every clock takes a decision and a speed; a
 // speed counts for windows from 3 clocks after it on. No ready: nothing waits for the hand.
 // fault_o: silent, unhealthy, at the limit, minimum > maximum, unarmed.   Model: model/meissner/twins/actuate/grip.py
+// Error: none (docs/extremes.md).
 
 module msn_grip #(
   parameter  int unsigned Fingers     = 2,

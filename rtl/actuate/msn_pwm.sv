@@ -7,6 +7,7 @@
 // Words come at any time; the last one before a period begins is that period's, so no pulse is cut short and none is
 // torn between two words. No pulses until the first word after a reset: a driver that takes their absence as "hold"
 // holds, where a word of 0 would be an order to open. The first period begins at the pin 3 clocks after the first word.
+// Error: none (docs/extremes.md).
 // Model: model/meissner/twins/actuate/pwm.py
 
 module msn_pwm #(

@@ -7,6 +7,7 @@
 // Written as one subtraction because that is one carry chain; the operator `>` on signed numbers becomes two
 // chains and two tables in Yosys: 112 instead of 143 MHz on ECP5 where it decides what is stored.
 // Combinational.   Model: model/meissner/twins/common/compare.py
+// Error: none (docs/extremes.md).
 
 module msn_compare #(
   parameter int unsigned Width = 18

@@ -6,6 +6,7 @@
 //
 // In canonical signed digits: Constant = Plus - Minus with the fewest bits set in both, and no two
 // neighbours; 63 = 64 - 1 costs one subtraction. Latency 0.   Model: model/meissner/twins/common/constant_multiplier.py
+// Error: none (docs/extremes.md).
 
 module msn_constant_multiplier #(
   parameter  int unsigned Constant = 63,

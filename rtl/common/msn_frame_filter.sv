@@ -7,6 +7,7 @@
 // frame is marked `restart`, as is the first after reset: what follows must forget its history there.
 //
 // Latency 1 clock, one sample per clock.   Model: model/meissner/twins/common/frame_filter.py
+// Error: none (docs/extremes.md).
 
 module msn_frame_filter #(
   parameter  int unsigned Channels = 8,

@@ -12,6 +12,7 @@
 //
 // Combinational; data pass beside it. Every beat, dropped or not, takes its turn at out_ready_i. A stream without
 // numbers loops out_id_o back to in_id_i: then `last` alone is checked.
+// Error: none (docs/extremes.md).
 // Model: model/meissner/twins/common/frame_marker.py
 
 module msn_frame_marker #(

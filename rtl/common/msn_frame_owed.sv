@@ -8,6 +8,7 @@
 // 2^QuietBits - 1 clocks between two frames in which nothing waits at an output (quiet_i).
 //
 // One frame at a time: msn_frame_gate is closed while busy_o.   Model: model/meissner/twins/common/frame_owed.py
+// Error: at most 1 clock (docs/extremes.md).
 
 module msn_frame_owed #(
   parameter int unsigned Results   = 1,

@@ -6,6 +6,7 @@
 //
 // Latency 2 clocks in which enable_i is high, a product a clock. Parts whose synthesis leaves the multiplier's own registers unused have a
 // version of their own: rtl/ecp5/msn_multiply.sv.   Model: model/meissner/twins/common/multiply.py
+// Error: none (docs/extremes.md).
 
 module msn_multiply #(
   parameter int unsigned AWidth = 18,

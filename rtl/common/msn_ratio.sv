@@ -12,6 +12,7 @@
 //          a, d  k a  limit  msn_divide      (the first gives the multiplier registers of its own)
 //
 // Latency Steps + 4 clocks, a quotient every Steps + 1 (Steps: see msn_divide). `side` travels along.
+// Error: at most 1/2 LSB (docs/extremes.md).
 // Model: model/meissner/twins/common/ratio.py
 
 module msn_ratio #(

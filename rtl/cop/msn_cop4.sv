@@ -16,6 +16,7 @@
 // Correct: the load after the position, its D less the layers' own drop (msn_cop4_correct), s = 8 + shift_load.
 // Latency S + 8 clocks, S + P + 20 if Correct; a sample every S + 1. S, P: 9, 8, at one bit a clock 17, 15.
 // Samples back to back fill the stages and wait there: 62 clocks, 141 if Correct, at one bit a clock 110, 271.
+// Error: at most 1/2 LSB of x, y; at most 1/2 LSB of load (docs/extremes.md).
 // Model: model/meissner/twins/cop/cop4.py
 
 module msn_cop4 #(

@@ -13,6 +13,7 @@
 //
 // Latency 8 clocks, a result every 2: whether clock 1 is free is a register, so that the readiness of what
 // follows does not reach back to what went before. `side` travels along.
+// Error: none; at most 5 N of the polynomial (docs/extremes.md).
 // Model: model/meissner/twins/cop/cop4_correct.py
 
 module msn_cop4_correct #(

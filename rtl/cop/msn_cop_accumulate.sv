@@ -13,6 +13,7 @@
 //
 // Latency 2 + log2(Lanes) clocks, a beat a clock, frames without a gap. Beats as msn_frame_marker hands them on; a
 // frame with one that does not fit is dropped whole.   Model: model/meissner/twins/cop/cop_accumulate.py
+// Error: none (docs/extremes.md).
 
 module msn_cop_accumulate #(
   parameter  int unsigned Rows    = 64,

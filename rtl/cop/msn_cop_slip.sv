@@ -14,6 +14,7 @@
 //          old, differences, drop old  magnitudes, compare  53 |d|, move  octant  state
 //
 // Latency 5 clocks, a sample a clock. A plain release drops the load too: move > 0 excludes it.
+// Error: none (docs/extremes.md).
 // Model: model/meissner/twins/cop/cop_slip.py
 
 module msn_cop_slip #(

@@ -8,6 +8,7 @@
 //
 // What is not there gives zeros, and its CS rests high. convert_o is high in the clock that a frame's time is taken:
 // its convert start; with a stream any clock may be one, so it stays high. No latency of its own.
+// Error: none (docs/extremes.md).
 // Model: model/meissner/twins/frontend/acquire.py
 
 module msn_acquire #(

@@ -10,6 +10,7 @@
 // Conversions start on a grid of Period clocks while cfg_enable_i, whatever the consumer does; one that starts while
 // the sample before waits is read from the part and dropped (dropped_o). msn_adc_spi does the rest: more channels,
 // other parts, a period in a register.
+// Error: none (docs/extremes.md).
 // Model: model/meissner/twins/frontend/adc_single.py
 
 module msn_adc_single #(

@@ -10,6 +10,7 @@
 // After reset the part is reset or set up first; ticks begin then.
 //
 // Every latency: model/meissner/twins/frontend/adc_spi.py, the twin, has them as functions.
+// Error: none (docs/extremes.md).
 
 module msn_adc_spi #(
   parameter  int unsigned Part       = msn_pkg::AdcMcp3208,  // msn_pkg::adc_part_e

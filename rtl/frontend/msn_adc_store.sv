@@ -10,6 +10,7 @@
 // What is held but not offered as a frame begins would wait for ever: it is forgotten. Only an upset brings that about.
 //
 // Latency 1 cycle from in_valid_i to out_valid_o.   Model: model/meissner/twins/frontend/adc_store.py
+// Error: none (docs/extremes.md).
 
 module msn_adc_store #(
   parameter  int unsigned Channels     = 8,

@@ -16,6 +16,7 @@
 //
 // The first lane after model.latency() clocks, the others model.lane_clocks() apart; samples wait only when
 // a measurement ends before the lanes of the one before are out.   Model: model/meissner/twins/frontend/am_demod.py
+// Error: at most 1/2 LSB (docs/extremes.md).
 
 module msn_am_demod #(
   parameter  int unsigned Form             = msn_pkg::DemodIq,  // msn_pkg::demod_form_e

@@ -6,6 +6,7 @@
 // and spoiled_o until the next one starts.
 // A start during a burst begins the burst again.
 //
+// Error: none (docs/extremes.md).
 // Model: model/meissner/twins/frontend/burst.py
 
 module msn_burst #(

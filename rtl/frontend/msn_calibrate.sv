@@ -13,6 +13,7 @@
 //
 // Latency 3 clocks (RowColumn 15), a beat a clock, frames without a gap; without RowColumn a few clocks wait after
 // a swap and a damaged frame. Beats as msn_frame_marker hands them on, row by row; their marks go with them.
+// Error: at most 1/2 LSB (docs/extremes.md).
 // Model: model/meissner/twins/frontend/calibrate.py
 
 module msn_calibrate #(

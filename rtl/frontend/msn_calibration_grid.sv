@@ -13,6 +13,7 @@
 //
 // 6 clocks after take_i, a beat a clock; nothing ever waits, so nothing has an enable and the memories'
 // slow outputs have a clock of their own.   Model: model/meissner/twins/frontend/calibration_grid.py
+// Error: none (docs/extremes.md).
 
 module msn_calibration_grid #(
   parameter  int unsigned Rows       = 1024,

@@ -4,6 +4,7 @@
 // gives forces before anyone has talked to it. RowColumn: this gain for the columns, 4096 for the rows.
 //
 // Words + 1 clocks (RowColumn: a row's beats + Rows + 1), in which what a host writes is lost; done_o ends them.
+// Error: none (docs/extremes.md).
 // Model: model/meissner/twins/frontend/calibration_preset.py
 
 module msn_calibration_preset #(

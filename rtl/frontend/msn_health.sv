@@ -16,6 +16,7 @@
 //          sample  msn_health_taxel  events  write
 //
 // Here are frames, tables and neighbours. Latency 1 clock; a beat a clock, 9 clocks between frames.
+// Error: none (docs/extremes.md).
 // Model: model/meissner/twins/frontend/health.py
 
 module msn_health #(

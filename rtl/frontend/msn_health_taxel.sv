@@ -10,6 +10,7 @@
 //
 // What is known of the neighbours and the state come with take_i, raw_i a clock later, tick_i, fresh_i and the outputs
 // for events with clock 4, send_i too. Counters stop at 255. No reset: what is no taxel's is not looked at.
+// Error: none (docs/extremes.md).
 // Model: model/meissner/twins/frontend/health_taxel.py
 
 module msn_health_taxel #(

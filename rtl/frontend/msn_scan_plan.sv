@@ -10,6 +10,7 @@
 // that follow, so until then a frame counts as under way.
 // Settle and period are taken while off, the order in the clock of a frame's first switch. cfg_enable_i low: off
 // after the frame.   Model: model/meissner/twins/frontend/scan_plan.py
+// Error: none (docs/extremes.md).
 
 module msn_scan_plan #(
   parameter  int unsigned Rows       = 16,

@@ -2,7 +2,7 @@
 //
 // Takes each taxel's own zero b off its samples; finds it by averaging, and follows it while nothing presses.
 //
-//   r = raw - o   o = floor(b + 1/2)   contact = r > cfg_contact    b in steps of 2^-FractionBits
+//   r = raw - o   o = floor(b + 1/2), held to a sample's bits   contact = r > cfg_contact   b in 2^-FractionBits
 //   each frame, not in contact: b += sign(r) cfg_step               frozen in contact
 //   on cfg_tare_i: b += (sum of r over the next 2^TareLog2 frames) / 2^TareLog2, exact, of all taxels in the
 //   same frame; refused, and nothing changed, if any taxel that is not masked was in contact in them
@@ -16,6 +16,7 @@
 //          raw - o  sign, sums  b, sum next  write
 //
 // Latency 1 clock; a beat a clock, 8 clocks between frames.   Model: model/meissner/twins/frontend/tare.py
+// Error: none (docs/extremes.md).
 
 module msn_tare #(
   parameter  int unsigned Rows         = 64,
@@ -85,6 +86,11 @@ module msn_tare #(
   end
   if (TareLog2 > FractionBits || TareLog2 > 8) begin : gen_check_tare_log2
     $fatal(1, "msn_tare: TareLog2 = %0d must be at most 8 and FractionBits = %0d", TareLog2, FractionBits);
+  end
+  // b overshoots by a step of 255 at most: with fewer bits it would turn over.
+  if (SampleBits + FractionBits < 9) begin : gen_check_zero
+    $fatal(1, "msn_tare: SampleBits = %0d and FractionBits = %0d must add to 9 or more", SampleBits,
+           FractionBits);
   end
 
   // Frames. At each end the next waits until all of this one is written and its first words are read again,

@@ -6,6 +6,7 @@
 //
 // So a frame keeps its own time while it waits, however many conversions come to nothing meanwhile, and while what
 // follows still works on the one before. The converter offers a frame's first sample before it converts the next.
+// Error: none (docs/extremes.md).
 // Model: model/meissner/twins/frontend/time_stamp.py
 
 module msn_time_stamp (

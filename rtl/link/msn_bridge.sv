@@ -8,6 +8,7 @@
 // The tag comes back as it was. A frame that is not such a command, whose checksum is wrong, that pauses for
 // TimeoutClocks, in which the line broke, or that comes before the last one is answered changes nothing, is not
 // answered and is counted. The access follows the closing zero by 1 clock, the answer bus_done_i by 1.
+// Error: none (docs/extremes.md).
 // Model: model/meissner/twins/link/bridge.py
 
 module msn_bridge #(

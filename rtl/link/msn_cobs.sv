@@ -9,6 +9,7 @@
 //
 // The first 00 leaves as soon as in_begin_i says that a packet comes, the packet's own bytes may take longer.
 // A byte a clock, no latency: out_valid_o follows in_valid_i, which must hold until taken.
+// Error: none (docs/extremes.md).
 // Model: model/meissner/twins/link/cobs.py
 
 module msn_cobs #(

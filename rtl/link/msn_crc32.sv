@@ -6,6 +6,7 @@
 //
 // The checksum is ~out_crc_o, sent lowest bit first. To feed out_crc_o[0] itself, Bits = 1, only shifts: so a
 // serial sender drains it. After a whole packet, checksum included, out_crc_o is DEBB20E3.
+// Error: none (docs/extremes.md).
 // Model: model/meissner/twins/link/crc32.py
 
 module msn_crc32 #(

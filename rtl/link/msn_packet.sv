@@ -12,6 +12,7 @@
 //
 // A byte in 4 clocks at most. A packet's first byte follows an event by 12 clocks if nothing is under way;
 // out_begin_o, which opens its frame, by 3, anything else by 4.   Model: model/meissner/twins/link/packet.py
+// Error: none (docs/extremes.md).
 
 module msn_packet #(
   parameter  int unsigned SlipDepth     = 64,    // events that wait, a power of two; 0: no slip events

@@ -12,6 +12,7 @@
 // at last the checksum is drained. out_begin_o rises with the event itself. The time is that of the last convert
 // start before the event was offered, in clocks since reset. Converts while an event waits are not kept: an event
 // of a sample that was held back by such a wait has the time of the last convert before it.
+// Error: none (docs/extremes.md).
 // Model: model/meissner/twins/link/packet_slip.py
 
 module msn_packet_slip #(

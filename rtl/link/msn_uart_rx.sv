@@ -5,6 +5,7 @@
 // A bit lasts ClkHz / BaudHz clocks, to a sixteenth of a clock, at least 4. Out comes a byte for one clock,
 // in the middle of its stop bit; if that is not 1, error_o in its place, and nothing until the line rests. A
 // start bit that is gone by its middle is no start.   Model: model/meissner/twins/link/uart_rx.py
+// Error: none (docs/extremes.md).
 
 module msn_uart_rx #(
   parameter int unsigned ClkHz  = 12_000_000,

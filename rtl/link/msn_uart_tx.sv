@@ -4,6 +4,7 @@
 //
 // A bit lasts ClkHz / BaudHz clocks on average, to a sixteenth of a clock (0.8 % at 4 clocks a bit, which is
 // the least; exact where it divides). tx_o falls on the clock after a byte is taken by an idle line.
+// Error: at most 1/32 clock (docs/extremes.md).
 // Model: model/meissner/twins/link/uart_tx.py
 
 module msn_uart_tx #(

@@ -10,6 +10,7 @@
 // sample is masked d and a are 0, and it goes out masked.
 //
 // Latency Level clocks after the sample that completes a group; one sample per clock.
+// Error: none (docs/extremes.md).
 // Model: model/meissner/twins/slip/haar.py
 
 module msn_haar #(

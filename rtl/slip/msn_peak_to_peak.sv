@@ -12,6 +12,7 @@
 // Mask: masked details are left out of their windows, a window of none but such has p2p 0; the others must lie
 // above the lowest number, as msn_haar's do. `total` travels along. Latency: 2 clocks, 3 half-overlapped, 1 + ceil(log4(Span)) sliding; one detail
 // per clock.   Model: model/meissner/twins/slip/peak_to_peak.py
+// Error: none (docs/extremes.md).
 
 module msn_peak_to_peak #(
   parameter  int unsigned Channels   = 8,

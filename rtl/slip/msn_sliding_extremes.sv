@@ -6,6 +6,7 @@
 //
 // A chain of these, each Lag being the span of all before it, is an exact sliding window: 2 x 4 x 4 = 32.
 // Values from before the last `restart` do not count. Latency 1 clock, one value per clock.
+// Error: none (docs/extremes.md).
 // Model: model/meissner/twins/slip/sliding_extremes.py
 
 module msn_sliding_extremes #(

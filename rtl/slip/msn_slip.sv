@@ -16,6 +16,7 @@
 //          compare  step the state, whose delay line hands each channel its own
 //
 // Latency 2 clocks, one detail per clock.   Model: model/meissner/twins/slip/slip.py
+// Error: none (docs/extremes.md).
 
 module msn_slip #(
   parameter  int unsigned Channels   = 8,

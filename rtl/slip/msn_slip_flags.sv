@@ -3,6 +3,7 @@
 // Of all channels together, for pins and lamps: whether any slips, slips wholly, is touched.
 //
 // A flag rises on the clock after the channel's decision, and falls when a whole frame of decisions has none.
+// Error: none (docs/extremes.md).
 // Model: model/meissner/twins/slip/slip_flags.py
 
 module msn_slip_flags (

@@ -11,6 +11,7 @@
 // A sample is taken (in_ready_o) 2*Steps + 1 clocks after it is first offered, with actuator_moving_i of that
 // clock; the decision follows one clock later. Steps: the power of two of digits that holds a detail and a timer's
 // sign. Model: model/meissner/twins/slip/slip_serial.py
+// Error: none (docs/extremes.md).
 
 module msn_slip_serial #(
   parameter  int unsigned SampleBits = 17,

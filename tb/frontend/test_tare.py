@@ -385,6 +385,10 @@ def test_refuses_illegal_parameters():
     for name, value in {"Rows": 0, "Columns": 1025, "Lanes": 3, "FractionBits": 17, "TareLog2": 9}.items():
         assert f"{name} = {value}" in bench.refuses("tare", {name: value})
     assert "TareLog2 = 4" in bench.refuses("tare", {"FractionBits": 3})
+    few = {"SampleBits": 5, "FractionBits": 3, "TareLog2": 0}
+    assert "SampleBits = 5 and FractionBits = 3 must add to 9" in bench.refuses("tare", few)
+    with pytest.raises(ValueError, match="sample_bits = 5 and fraction_bits = 3 must add to 9"):
+        Tare(1, 1, sample_bits=5, fraction_bits=3, tare_log2=0)
     for size, message in (
         ({"rows": 0}, "rows = 0"),
         ({"lanes": 3}, "lanes = 3"),

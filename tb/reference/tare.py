@@ -5,9 +5,13 @@ from math import floor
 
 
 class TareReference:
-    """``frame`` takes one whole frame of codes [taxel] and returns what is left of them."""
+    """``frame`` takes one whole frame of codes [taxel] and returns what is left of them.
 
-    def __init__(self, taxels, fraction_bits, tare_log2, contact, step):
+    ``sample_bits``: what is taken off is held to so many bits, signed; None where no zero gets there.
+    """
+
+    def __init__(self, taxels, fraction_bits, tare_log2, contact, step, sample_bits=None):
+        self.end = None if sample_bits is None else 1 << sample_bits - 1
         self.zeros = [Fraction(0)] * taxels
         self.move, self.contact, self.length = Fraction(step, 1 << fraction_bits), contact, 1 << tare_log2
         self.asked = self.forced = False
@@ -19,10 +23,14 @@ class TareReference:
         if self.seen is None and self.average is None:
             self.seen, self.forced = [], force
 
+    def taken_off(self, zero):
+        nearest = floor(zero + Fraction(1, 2))
+        return nearest if self.end is None else max(-self.end, min(self.end - 1, nearest))
+
     def frame(self, codes, masked):
         if self.average is not None:  # a frame in which nothing else writes the zeros
             self.zeros = [zero + more for zero, more in zip(self.zeros, self.average)]
-        left = [code - floor(zero + Fraction(1, 2)) for code, zero in zip(codes, self.zeros)]
+        left = [code - self.taken_off(zero) for code, zero in zip(codes, self.zeros)]
         pressed = any(r > self.contact and not off for r, off in zip(left, masked))
         if self.seen is not None:
             self.seen.append(left)

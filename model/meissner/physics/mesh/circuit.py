@@ -107,7 +107,12 @@ class Circuit:
         rails, so near-ideal wires cost no digits. With A^-1 >= 0 (M-matrix), any u with A u >= |residual|
         bounds the error; u is solved for and A u is checked, roundings included.
         """
-        factor, emf, none = self.factor(), self.emf.astype(LONG), np.zeros(len(self.g))
+        try:
+            factor = self.factor()
+        except RuntimeError:  # singular: its sums have lost all but the largest conductances
+            nothing = np.zeros(len(self.place), LONG)
+            return nothing, nothing, np.full(len(nothing), np.inf), float(np.finfo(float).max), 1.0
+        emf, none = self.emf.astype(LONG), np.zeros(len(self.g))
         upper = np.isin(self.live, [self.size - 4, self.size - 2]) | (self.live < self.mesh.m * self.mesh.n)
         shift = self.lift(upper)
 

@@ -37,6 +37,8 @@ class Calibrate:
     def __init__(
         self, rows, columns, lanes=1, sample_bits=17, gain_shift=None, offset=True, row_column=False
     ):
+        if sample_bits + bool(offset) > 18:  # of a sample less its offset, a multiplier's most
+            raise ValueError(f"sample_bits = {sample_bits} must be at most {18 - bool(offset)}")
         table = CalibrationGrid if row_column else CalibrationTable
         self.table = table(rows, columns, lanes, sample_bits, offset)
         gain_shift = (24 if row_column else 12) if gain_shift is None else gain_shift

@@ -9,7 +9,8 @@ from meissner.twins.frontend.calibration_table import check_array
 class Tare:
     """Takes each taxel's own zero b off its samples; finds it, and follows it while nothing presses.
 
-        r = raw - o   o = floor(b + 1/2)   contact = r > contact    b in steps of 2^-fraction_bits codes
+        r = raw - o   o = floor(b + 1/2)   contact = r > contact    b in steps of 2^-fraction_bits codes,
+        o held to a sample's bits
         each frame, not in contact: b += sign(r) step               frozen in contact
         after ``tare``: b += (sum of r over the next 2^tare_log2 frames) / 2^tare_log2, exact, of all taxels
         in the same frame; refused, and nothing changed, if any taxel not masked was in contact in them
@@ -25,6 +26,10 @@ class Tare:
             raise ValueError(f"fraction_bits = {fraction_bits} must lie in 1 .. 16")
         if not 0 <= tare_log2 <= min(fraction_bits, 8):
             raise ValueError(f"tare_log2 = {tare_log2} must be at most 8 and fraction_bits = {fraction_bits}")
+        if sample_bits + fraction_bits < 9:  # b overshoots by a step of 255 at most
+            raise ValueError(
+                f"sample_bits = {sample_bits} and fraction_bits = {fraction_bits} must add to 9 or more"
+            )
         if not 0 <= step <= 255:
             raise ValueError(f"step = {step} must lie in 0 .. 255")
         self.rows, self.columns, self.lanes, self.sample_bits = rows, columns, lanes, sample_bits

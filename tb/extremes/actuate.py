@@ -1,0 +1,148 @@
+"""Extremes of rtl/actuate: commands at their limits, wishes that add beyond the word, pulses of all
+widths.
+"""
+
+from meissner.twins.actuate import grip, pwm
+from verify.extremes import row
+
+TOP = 65535
+
+
+def step(command, given, wishes, heard, over, faulty, override):
+    """The table of docs/grip.md, one cycle: the command that follows."""
+    working = [wish for wish, bad in zip(wishes, faulty) if not bad]
+    wish = (max if given["rule"] == "any" else min)(working, default=0)
+    if override is not None:
+        goal = override
+    elif any(o and not bad for o, bad in zip(over, faulty)):
+        goal = min(command + wish, TOP)
+    elif all(heard) and not any(over) and not any(faulty):
+        goal = max(command - given["decay"], 0)
+    else:
+        goal = command
+    goal = min(max(goal, given["minimum"]), given["maximum"])
+    return max(command - given["rate"], min(command + given["rate"], goal))
+
+
+@row(
+    "grip",
+    {"": "0"},
+    ends="wishes, speeds and counts stop at 65535; the command stays within its limits",
+    rtl=["tb/actuate/test_grip.py::test_grip"],
+)
+def grip_(see):
+    axes = {
+        "step": [0, 1, TOP],
+        "speed_gain": [0, 256, TOP],
+        "decay": [0, 1, TOP],
+        "minimum": [0, 1, TOP],
+        "maximum": [0, TOP - 1, TOP],
+        "rate": [0, 1, TOP],
+        "watchdog": [1, 2, TOP],
+        "rule": ["any", "weakest"],
+        "mode": ["position", "force"],
+        "period": [16, 2**24 - 1],
+    }
+    sizes = see.covering(lambda minimum, maximum, **_: minimum <= maximum, fingers=[1, 2, 8], **axes)
+    for one in see.some(sizes, 2):
+        given = {name: value for name, value in one.items() if name != "fingers"}
+        fingers, draw = range(one["fingers"]), see.random
+        twin = grip.Grip(grip.GripConfig(**given), len(fingers))
+        command, terms, quiet, armed = 0, [0] * len(fingers), [0] * len(fingers), False
+        for cycle in range(60):
+            over = [draw.choice((0, 0, 1, 2, 40)) for _ in fingers] if cycle % 9 else [0 for _ in fingers]
+            seen = [max(n, draw.choice((0, 1, 1, 3))) for n in over]
+            speeds = [draw.choice((None, 0, 1, 255, 256, TOP)) for _ in fingers]
+            well = [draw.random() > 0.05 for _ in fingers]
+            override = draw.choice((0, 1, TOP, 30_000)) if cycle % 13 == 5 or not armed else None
+            got = twin.next(over, well, seen, speeds, override)
+            terms = [0 if v is None else min(given["speed_gain"] * v // 2**8, TOP) for v in speeds]
+            wishes = [min(n * (given["step"] + term), TOP) for n, term in zip(over, terms)]
+            quiet = [0 if n else min(q + 1, TOP) for n, q in zip(seen, quiet)]
+            faulty = [q >= given["watchdog"] or not ok for q, ok in zip(quiet, well)]
+            before = command
+            if armed:
+                command = step(
+                    command, given, wishes, [n > 0 for n in seen], [n > 0 for n in over], faulty, override
+                )
+            else:
+                goal = given["minimum"] if given["mode"] == "position" else override
+                command, before = min(max(goal, given["minimum"]), given["maximum"]), None
+            armed = True
+            place = f"{one}, cycle {cycle}"
+            see.near(got.command, command, place)
+            see.near(got.increment, 0 if before is None else command - before, place)
+            see.near(bool(got.fault & grip.LIMIT), command >= given["maximum"], place)
+            see.same(0 <= got.command <= TOP, True, place)
+    sums_of_wishes(see)
+    silent(see)
+    for name, outside in (
+        ("step", TOP + 1),
+        ("decay", -1),
+        ("rate", TOP + 1),
+        ("watchdog", 0),
+        ("period", 15),
+        ("period", 2**24),
+        ("speed_gain", TOP + 1),
+        ("maximum", 1023),
+    ):
+        see.refused(grip.GripConfig, **{name: outside})
+    for fingers in (0, 9):
+        see.refused(grip.Grip, None, fingers)
+    see.refused(grip.Grip().report, 0, TOP + 1)
+
+
+def sums_of_wishes(see):
+    """Windows whose wishes add to just below, at and beyond the word, from a command of 0."""
+    for by in (1, 32767, 32768, 30_000, TOP):
+        for windows in (1, 2, 3, 4, 255):
+            for rule in ("any", "weakest"):
+                given = grip.GripConfig(step=by, minimum=0, maximum=TOP, rate=TOP, rule=rule)
+                got = grip.Grip(given, 2, start=0).next([windows, windows])
+                see.near(got.command, min(by * windows, TOP), (by, windows, rule))
+    for speed, gain in ((TOP, TOP), (TOP, 256), (256, TOP), (257, 65281)):
+        twin = grip.Grip(
+            grip.GripConfig(step=1, speed_gain=gain, minimum=0, maximum=TOP, rate=TOP), 1, start=0
+        )
+        wanted = min(1 + min(gain * speed // 256, TOP), TOP)
+        see.near(twin.next([1], speed=[speed]).command, wanted, (speed, gain))
+
+
+def silent(see):
+    """A finger that is never heard: its count stops at 65535, after 1e9 cycles as after 65535; jumps
+    of state.
+    """
+    twin = grip.Grip(grip.GripConfig(watchdog=TOP, minimum=0), 1, start=500)
+    for count in (TOP - 2, TOP - 1, TOP):
+        twin._quiet = [count]
+        got = twin.cycle()
+        see.near(bool(got.fault & grip.SILENT), count + 1 >= TOP, f"{count} cycles before")
+        see.near(got.command, 500, f"{count} cycles before")
+    for _ in range(3):
+        see.near(bool(twin.cycle().fault & grip.SILENT), True, "ever after")
+        see.near(twin._quiet[0], TOP, "ever after")
+
+
+@row(
+    "pwm",
+    {"": "0 clocks"},
+    ends="a word beyond its bits is refused",
+    rtl=["tb/actuate/test_pwm.py::test_pwm"],
+)
+def pwm_(see):
+    for one in see.covering(
+        lambda bits, divide: (2**bits) * (divide + 1) < 3 * 10**6 * (1 + 3 * see.long),
+        bits=[2, 3, 8, 15, 16],
+        divide=[0, 1, 2, 255, 65535],
+    ):
+        bits, divide = one.values()
+        top = 2**bits - 1
+        for word in sorted({0, 1, top // 2, top - 1, top}):
+            levels = pwm.pwm([word], bits, divide)
+            see.near(len(levels), top * (divide + 1), (one, word))
+            see.near(sum(levels), word * (divide + 1), (one, word))
+            see.near(sum(levels[: word * (divide + 1)]), word * (divide + 1), (one, word))
+        for outside in (-1, top + 1):
+            see.refused(pwm.pwm, [outside], bits, divide)
+    for bad in ((1, 0), (17, 0), (16, -1), (16, 65536)):
+        see.refused(pwm.pwm, [0], *bad)

@@ -1,0 +1,636 @@
+"""Extremes of rtl/frontend: codes and gains at their ends, sums at full scale, drift without end, clocks."""
+
+from fractions import Fraction
+from math import ceil
+
+import hypothesis.strategies as st
+import numpy as np
+
+from meissner.twins.frontend import (
+    acquire,
+    adc_single,
+    adc_spi,
+    adc_store,
+    am_demod,
+    burst,
+    calibrate,
+    calibration_grid,
+    calibration_preset,
+    health,
+    health_report,
+    health_taxel,
+    scan_plan,
+    tare,
+    time_stamp,
+)
+from reference import exact
+from reference.health import HealthReference
+from reference.tare import TareReference
+from verify.extremes import row
+
+TOP = 65535
+
+
+@row(
+    "adc_store",
+    {"": "0"},
+    ends="a code at either end of the part's range is over-range",
+    rtl=["tb/frontend/test_adc_store.py::test_adc_store"],
+)
+def adc_store_(see):
+    for bits in (8, 10, 12, 16):
+        codes = exact.ends(0, 2**bits - 1)
+        for signed in (False, True):
+            room = bits + (not signed)
+            values, over = adc_store.samples(codes, bits, room, signed)
+            for code, value, out in zip(codes, values.tolist(), over.tolist()):
+                wanted = code - 2**bits * (signed and code >= 2 ** (bits - 1))
+                see.near(value, wanted, (bits, signed, code))
+                see.same(
+                    out,
+                    code in ((2 ** (bits - 1), 2 ** (bits - 1) - 1) if signed else (0, 2**bits - 1)),
+                    (bits, signed, code),
+                )
+            see.refused(adc_store.samples, [0], bits, room - 1, signed)
+            for outside in (-1, 2**bits):
+                see.refused(adc_store.samples, [outside], bits, room, signed)
+
+
+def parts(see):
+    """Every part at the ends of clock and SCLK: docs/adc.md, One bit."""
+    for part in adc_spi.PARTS.values():
+        rates = [1, 2, part.sclk_min_khz, 1000, part.sclk_max_khz - 1, part.sclk_max_khz]
+        for one in see.covering(
+            clk=[1, 100, 12_000, 25_000, 133_333, 399_999, 400_000],
+            sclk=sorted(set(rates)),
+            channels=[1, 2, 7, 8],
+        ):
+            yield part, one
+
+
+def fits(part, half, clk, sclk):
+    """SCLK is not above its bound, and 2 half - 1 clocks last at least the access time and 7 ns."""
+    return Fraction(clk, 2 * half) <= sclk and (2 * half - 1) * 10**6 >= (part.access_ns + 7) * clk
+
+
+@row(
+    "adc_spi",
+    {"": "0 clocks"},
+    ends="refused where the sample would droop",
+    rtl=["tb/frontend/test_adc_spi.py::test_adc_spi"],
+)
+def adc_spi_(see):
+    for part, one in parts(see):
+        rough = ceil(Fraction(one["clk"], 2 * one["sclk"]))
+        least = next(half for half in range(rough, 10**6) if fits(part, half, one["clk"], one["sclk"]))
+        given = part, one["channels"], 1, one["clk"], one["sclk"]
+        if one["clk"] < 2 * least * part.sclk_min_khz:
+            see.refused(adc_spi.AdcSpi, *given)
+            continue
+        see.near(adc_spi.AdcSpi(*given).half, least, (part.name, one))
+    for bad in (
+        {"clk_khz": 0},
+        {"clk_khz": 400_001},
+        {"channels": 0},
+        {"channels": 9},
+        {"sclk_khz": 2_001},
+        {"sclk_khz": 0},
+        {"sample_bits": 12},
+        {"period_bits": 0},
+        {"period_bits": 33},
+        {"lanes": 2},
+    ):
+        see.refused(adc_spi.AdcSpi, **bad)
+
+
+@row(
+    "adc_single",
+    {"": "0 clocks"},
+    ends="refused below its least period",
+    rtl=["tb/frontend/test_adc_single.py::test_adc_single"],
+)
+def adc_single_(see):
+    part = adc_spi.MCP3208
+    for clk in (100, 1_000, 12_000, 100_000, 400_000):
+        for sclk in (50, 1_000, 2_000):
+            half = next(half for half in range(1, 10**6) if fits(part, half, clk, sclk))
+            bit = next(1 << k for k in range(20) if 1 << k >= 2 * half)
+            least = (part.word_bits + 1) * bit + 1  # a word, and CS high for a bit
+            if clk < bit * part.sclk_min_khz:
+                see.refused(adc_single.AdcSingle, 0, clk, sclk, least)
+                continue
+            twin = adc_single.AdcSingle(7, clk, sclk, least)
+            see.near(twin.bit_clocks, bit, (clk, sclk))
+            see.near(twin.latency, part.word_bits * bit + 1, (clk, sclk))
+            see.refused(adc_single.AdcSingle, 0, clk, sclk, least - 1)
+            values, over = twin.samples([0, 1, 4094, 4095])
+            see.same(
+                (values.tolist(), over.tolist()),
+                ([0, 1, 4094, 4095], [True, False, False, True]),
+                (clk, sclk),
+            )
+    for channel in (-1, 8):
+        see.refused(adc_single.AdcSingle, channel)
+
+
+@row("acquire", {"": "0"}, ends="as the converter's block", rtl=["tb/frontend/test_acquire.py::test_acquire"])
+def acquire_(see):
+    for part in (None, *adc_spi.PARTS.values()):
+        bits = 17 if part is None else part.data_bits
+        codes = exact.ends(*exact.signed(17)) if part is None else exact.ends(0, 2**bits - 1)
+        values, over = acquire.Acquire(part, channels=2).samples(codes)
+        signed = part is not None and part.signed
+        wanted = [code - 2**bits * (signed and code >= 2 ** (bits - 1)) for code in codes]
+        see.all_near(values.tolist(), wanted, [(part and part.name, code) for code in codes])
+        ends = () if part is None else (2 ** (bits - 1), 2 ** (bits - 1) - 1) if signed else (0, 2**bits - 1)
+        see.same(over.tolist(), [code in ends for code in codes], part and part.name)
+    see.refused(acquire.Acquire, adc_spi.AD7606, adc_period=1200)
+
+
+@row(
+    "time_stamp",
+    {"": "0 clocks"},
+    ends="the 48 bits of a time turn over by contract (docs/link.md)",
+    rtl=["tb/frontend/test_time_stamp.py::test_time_stamp"],
+)
+def time_stamp_(see):
+    """A convert start in each clock, in that of the first sample, in none; a frame as long as all."""
+    see.same(
+        time_stamp.time_stamps([(1, 0, 1, 0), (1, 1, 1, 1), (0, 1, 1, 1)]), [0, 1], "in the first's clock"
+    )
+    see.same(time_stamp.time_stamps([(0, 1, 1, 1)]), [None], "none")
+    many = [(1, 1, 1, k == 9999) for k in range(10_000)]
+    see.same(time_stamp.time_stamps([(1, 0, 0, 0), *many, (0, 1, 0, 0)]), [0, 10_000], "a long frame")
+    for gap in (1, 2, 1000):
+        clocks = []
+        for _ in range(5):
+            clocks += [(1, 0, 0, 0)] + [(0, 0, 0, 0)] * gap + [(0, 1, 1, 1)]
+        wanted = [k * (gap + 2) for k in range(5)]
+        see.all_near(time_stamp.time_stamps(clocks), wanted, [gap] * 5)
+
+
+@row(
+    "burst",
+    {"": "0 clocks"},
+    ends="a start begins the burst again",
+    rtl=["tb/frontend/test_burst.py::test_burst"],
+)
+def burst_(see):
+    for one in see.covering(count=[1, 2, 255, 4096], period=[1, 2, 2**24 - 1, 2**24]):
+        count, period = one.values()
+        end = 10 + count * period
+        got = burst.triggers([3], count, period, end)
+        see.same(len(got), count, one)
+        see.all_near((got[0], got[-1]), (4, 4 + (count - 1) * period), [one] * 2)
+        again = burst.triggers([3, 5], count, period, end + 10)
+        wanted = [k for k in range(4, 6, period) if (k - 4) // period < count and k <= 5]
+        see.same(again[: len(wanted)], wanted, one)
+        see.same(again[-1], 6 + (count - 1) * period, one)
+    see.near(burst.samples(2**8 - 1, 2**6, 16), 255 + 1024, "the longest of am_demod")
+    for bad in ((0, 1), (1, 0)):
+        see.refused(burst.triggers, [0], *bad, 10)
+
+
+@row(
+    "am_demod",
+    {"": "1/2 LSB"},
+    ends="held at the greatest sample, with over-range set",
+    rtl=["tb/frontend/test_am_demod.py::test_am_demod"],
+)
+def am_demod_(see):
+    """Form 2 is its estimate, rounded once: what that is off the root stands with hypot."""
+
+    def check(twin, rows, shift, place):
+        got, over = twin.amplitude(rows, shift)
+        top = 2 ** (twin.sample_bits - 1) - 1
+        for samples, value, out in zip(rows, got.tolist(), over.tolist()):
+            m = exact.demodulated(samples, twin.samples_per_period, twin.form)
+            scaled = m / 2**shift
+            see.near(value, min(scaled, Fraction(top)), place)
+            # The root is known to half an LSB of M, so the rounding sees floor(2 M) / 2: the header's form.
+            see.near(value, min(exact.half_up(scaled), top), place, limit=0)
+            see.same(out, exact.half_up(scaled) > top, place)
+
+    def fits(form, n, bits, periods):
+        weights = n // 2 if form == 0 else 2 * sum(map(sum, exact.WEIGHTS[n])) // 2
+        return bits + (max(weights, 1) - 1).bit_length() + periods <= 29
+
+    for one in see.covering(
+        fits, form=[0, 1, 2], n=[4, 8, 16], bits=[4, 13, 17, 18], periods=[1, 2, 6, 7, 8]
+    ):
+        form, n, bits, period_bits = one.values()
+        try:
+            twin = am_demod.AmDemod(form, n, sample_bits=bits, period_bits=period_bits)
+        except ValueError:
+            continue
+        low, high = exact.signed(bits)
+        periods = 2**period_bits if see.long else min(2**period_bits, 8)
+        square = [high] * (n // 2) + [low] * (n // 2)
+        shapes = [[0] * n, [high] * n, [low] * n, square, square[::-1], square[n // 4 :] + square[: n // 4]]
+        shapes += [[low, high] * (n // 2), [1] + [0] * (n - 1), [high] + [0] * (n - 1), [0] * (n - 1) + [low]]
+        shapes += [[high if (k * 4 // n) % 2 else low for k in range(n)]]
+        rows = [shape * periods for shape in shapes]
+        rows += [[*(square * periods)[:-1], square[-1] + 1]]
+        for shift in sorted({0, 1, twin.sum_bits - bits + 1, twin.sum_bits, 31}):
+            check(twin, rows, max(shift, 0), lambda: f"{one}, shift {shift}")
+    base = am_demod.AmDemod(sample_bits=13)
+    for bad in ([[0] * 5], [[0] * 0], [[0] * (4 * 65)], [[4096] * 4], [[-4097] * 4]):
+        see.refused(base.amplitude, bad, 0)
+    for shift in (-1, 32):
+        see.refused(base.amplitude, [[0] * 4], shift)
+    for bad in (
+        {"form": 3},
+        {"samples_per_period": 2},
+        {"lanes": 0},
+        {"lanes": 9},
+        {"channels": 65537},
+        {"sample_bits": 3},
+        {"sample_bits": 19},
+        {"period_bits": 0},
+        {"period_bits": 28},
+        {"skip_bits": 33},
+    ):
+        see.refused(am_demod.AmDemod, **bad)
+    code = st.integers(*exact.signed(18))
+    see.given(
+        lambda form, samples, shift: check(
+            am_demod.AmDemod(form, 8, sample_bits=18), [samples], shift, samples
+        ),
+        form=st.integers(0, 2),
+        samples=st.lists(code, min_size=16, max_size=16),
+        shift=st.integers(0, 31),
+    )
+
+
+@row(
+    "scan_plan",
+    {"": "0 clocks"},
+    ends="ticks that find no room are counted as overruns",
+    rtl=["tb/frontend/test_scan_plan.py::test_scan_plan"],
+)
+def scan_plan_(see):
+    def fits(rows, columns, lanes, channels, settle):
+        beats = ceil(Fraction(columns, lanes))
+        return ceil(Fraction(beats, channels)) == 1 or channels in (1, 2, 4, 8)
+
+    for one in see.covering(
+        fits,
+        rows=[1, 2, 1023, 1024],
+        columns=[1, 3, 1024],
+        lanes=[1, 2, 8],
+        channels=[1, 7, 8],
+        settle=[0, 1, 2**24 - 1],
+    ):
+        rows, columns, lanes, channels, settle = one.values()
+        cycle = channels + 8
+        twin = scan_plan.ScanPlan(rows, columns, lanes, channels, cycle=cycle, settle_bits=24)
+        groups = ceil(Fraction(ceil(Fraction(columns, lanes)), channels))
+        see.near(twin.groups, groups, one)
+        # Triggers are Settle + 1 clocks after their switch, and Cycle apart or more; Hold clocks at least.
+        slot = max(settle + 3, cycle)
+        see.near(twin.frame_clocks(settle), rows * groups * slot, one)
+        places = twin.places(interleave=True)
+        see.same(sorted(places), [(r, g) for r in range(rows) for g in range(groups)], one)
+        if rows * groups < 5000:
+            found, _ = twin.schedule(scan_plan.Settings(settle), twin.frame_clocks(settle) + scan_plan.START)
+            see.near(found[-1].switch - found[0].switch, (rows * groups - 1) * slot, one)
+            see.near(found[-1].trigger - found[-1].switch, settle + 1, one)
+    for bad in (
+        {"rows": 0},
+        {"rows": 1025},
+        {"columns": 1025},
+        {"channels": 0},
+        {"channels": 9},
+        {"hold": 1},
+        {"cycle": 15},
+        {"settle_bits": 25},
+        {"period_bits": 33},
+        {"lanes": 3},
+    ):
+        see.refused(scan_plan.ScanPlan, **bad)
+
+
+@row(
+    "health_taxel",
+    {"": "0"},
+    ends="counters stop at 0 and 255",
+    rtl=["tb/frontend/test_health_taxel.py::test_health_taxel"],
+)
+def health_taxel_(see):
+    """Each counter one below, at and beyond its ends, after 1e9 frames as after 255: nothing turns over."""
+    for one in see.covering(
+        count=[0, 1, 14, 15, 239, 240, 251, 252, 254, 255],
+        limit=[0, 1, 239, 240, 255],
+        pair=[0, 1],
+        border=[0, 1],
+        alone=[0, 1],
+        tick=[0, 1],
+    ):
+        count, limit = one["count"], one["limit"]
+        shape = (1,)
+        ones = [np.array([value]) for value in (0, count, count, count, 0)]
+        state = health_taxel.State(
+            *ones, np.array([False]), np.array([True]), np.array([0]), np.array([False])
+        )
+        limits = health.Limits(band=24, jump=200, low=-5, high=TOP, still=limit, rail=limit, blink=limit)
+        around = tuple(np.array([bool(one[name])]) for name in ("pair", "border", "alone"))
+        judged = health_taxel.judge(
+            state, np.full(shape, -5), np.zeros(shape, bool), around, limits, one["tick"]
+        )
+        proof = 4 if one["pair"] else one["border"]
+        still, rail = min(count + proof, 255), min(count + one["tick"], 255)
+        blink = min(count + 16, 255) if one["alone"] else max(count - 1, 0)
+        after = judged.state
+        see.all_near((after.still[0], after.rail[0], after.blink[0]), (still, rail, blink), [one] * 3)
+        faults = sum(kind for kind, value in ((1, still), (2, rail), (4, blink)) if limit and value >= limit)
+        see.near(after.faults[0], faults, one)
+    for name in ("still", "rail", "blink"):
+        for bad in (-1, 256):
+            see.refused(health.Limits, **{name: bad})
+
+
+@row(
+    "health",
+    {"": "0"},
+    ends="counters of a taxel stop at 255, those of events turn over by contract",
+    rtl=["tb/frontend/test_health.py::test_health"],
+)
+def health_(see):
+    """Codes at both ends of 18 bits beside still, ramping and blinking taxels, for more frames than
+    255 x 16.
+    """
+    low, high = exact.signed(18)
+    sizes = see.covering(
+        size=[(1, 1), (1, 4), (3, 1), (3, 4)],
+        band=[0, 1, 2**18 - 1],
+        jump=[0, 200, 2**18 - 1],
+        still=[0, 1, 255],
+        rail=[0, 1, 255],
+        blink=[0, 17, 255],
+        edges=[False, True],
+        rails=[(low, high), (high, low), (-1, 1)],
+    )
+    for k, one in enumerate(sizes if see.long else sizes[::4]):
+        (m, n), (least, most) = one["size"], one["rails"]
+        given = {name: one[name] for name in ("band", "jump", "still", "rail", "blink", "edges")}
+        given |= {"low": least, "high": most, "over_range_enable": True}
+        twin, loop = health.Health(m, n, 1, 18, health.Limits(**given)), HealthReference(m, n, **given)
+        draw, count = np.random.default_rng(see.seed + k), 600 if see.long else 120
+        frames = draw.choice([low, low + 1, -1, 0, 1, high - 1, high], (count, m, n))
+        frames[:, 0, 0] = 0  # one stands still
+        frames[count // 2 :, -1, -1] = high  # one is railed from then on
+        masks, _ = twin.next(frames, np.zeros(frames.shape, bool))
+        for frame, codes in enumerate(frames.tolist()):
+            see.same(
+                masks[frame].tolist(),
+                [[loop.faults(i, j) != 0 for j in range(n)] for i in range(m)],
+                lambda: f"{one}, frame {frame}",
+            )
+            loop.frame(codes)
+        see.same(twin.faults.tolist(), [[loop.faults(i, j) for j in range(n)] for i in range(m)], one)
+    long_rail(see)
+
+
+def long_rail(see):
+    """1e9 frames of one code: the rail's count stands at 255 from 4080 on, and stays there; a jump of
+    state.
+    """
+    twin = health.Health(1, 1, 1, 17, health.Limits(rail=0))
+    twin.next(np.full((4200, 1, 1), TOP))
+    held = int(twin._state.rail[0, 0])
+    see.near(held, 255, "a rail of 4200 frames")
+    before = [np.array(value) for value in twin._state]
+    twin.next(np.full((64, 1, 1), TOP))
+    for name, value, again in zip(twin._state._fields, before, twin._state):
+        see.same(again.tolist(), value.tolist(), f"a state of 1e9 frames: {name}")
+
+
+@row(
+    "health_report",
+    {"": "0"},
+    ends="a taxel's number is that of the last of 1024 x 1024",
+    rtl=["tb/frontend/test_health_report.py::test_health_report"],
+)
+def health_report_(see):
+    for lanes in (1, 2, 4, 8):
+        last, every = 1024 * 1024 // lanes - 1, (1 << lanes) - 1
+        for beat in (0, 1, last):
+            for bits in ((every, every, every), (1 << lanes - 1, 0, 0), (0, 0, 1), (0, 0, 0)):
+                got = health_report.reports([(beat, *bits)], lanes)
+                wanted = [
+                    (beat * lanes + k, sum(v << at for at, v in enumerate(b >> k & 1 for b in bits)))
+                    for k in range(lanes)
+                ]
+                see.same(got, [pair for pair in wanted if pair[1]], (lanes, beat, bits))
+    see.same(health_report.reports([(131071, 0, 0, 128)], 8), [(1024 * 1024 - 1, 4)], "the last taxel")
+
+
+@row(
+    "tare",
+    {"": "0"},
+    ends="a zero stays within its bits: the loop stops where nothing is left",
+    rtl=["tb/frontend/test_tare.py::test_tare"],
+)
+def tare_(see):
+    """Beside exact rationals: steps from the least to the greatest, samples at both ends, taring pressed."""
+
+    def fits(bits, fraction, tare_log2, **_):
+        return tare_log2 <= min(fraction, 8) and bits + fraction >= 9
+
+    for one in see.covering(
+        fits,
+        bits=[2, 8, 13, 17, 18],
+        fraction=[1, 2, 7, 12, 16],
+        tare_log2=[0, 1, 4, 8],
+        contact=[0, 64, 2**18],
+        step=[0, 1, 255],
+    ):
+        bits, fraction, tare_log2, contact, step = one.values()
+        low, high = exact.signed(bits)
+        twin = tare.Tare(1, 4, 1, bits, fraction, tare_log2, contact, step)
+        loop = TareReference(4, fraction, tare_log2, contact, step, bits)
+        pattern = [[high, low, 0, high], [high, low, 1, low], [high, low, -1, high], [high, low, 0, low]]
+        count = 3 * 2**tare_log2 + 40
+        for frame in range(count):
+            if frame == 20:
+                twin.tare(force=True)
+                loop.tare(force=True)
+            codes = [low] * 4 if frame > count - 8 else pattern[frame % 4]
+            got = twin.next([[codes]])[0, 0].tolist()
+            see.all_near(got, loop.frame(codes, [False] * 4), [lambda: f"{one}, frame {frame}"] * 4)
+        zeros = [int(value) for value in twin._zero[:, 0]]
+        room = exact.signed(bits + 1 + fraction)
+        see.same(all(room[0] <= zero <= room[1] for zero in zeros), True, one)
+    see.elaborates(
+        "tare", see.covering(fits_rtl, SampleBits=[2, 8, 18], FractionBits=[1, 7, 16], TareLog2=[0, 8])
+    )
+    overshoot(see)
+    drift(see)
+    for bad in (
+        {"fraction_bits": 0},
+        {"fraction_bits": 17},
+        {"tare_log2": 9},
+        {"step": -1},
+        {"step": 256},
+        {"lanes": 3},
+        {"sample_bits": 19},
+        {"sample_bits": 2, "fraction_bits": 6, "tare_log2": 2},
+    ):
+        see.refused(tare.Tare, 1, 1, **{"lanes": 1} | bad)
+
+
+def fits_rtl(SampleBits, FractionBits, TareLog2):
+    return SampleBits + FractionBits >= 9 and TareLog2 <= FractionBits
+
+
+def overshoot(see):
+    """Zeros a step before either end, with steps of 127.5 codes: beyond a sample's bits, and back."""
+    for bits, fraction in ((2, 7), (8, 1), (9, 1), (13, 4), (17, 1), (18, 1)):
+        low, high = exact.signed(bits)
+        for start in (low, low + 1, 0, high - 1, high):
+            for raws in ([high] * 4, [low] * 4, [high, low] * 2, [low, high, high, high]):
+                twin = tare.Tare(1, 1, 1, bits, fraction, 0, contact=2**18, step=255)
+                loop = TareReference(1, fraction, 0, 2**18, 255, bits)
+                twin.next([[[0]]])
+                loop.frame([0], [False])
+                twin._zero[:] = (start << fraction) + 1
+                loop.zeros = [start + Fraction(1, 2**fraction)]
+                for frame in range(24):
+                    if frame in (9, 14):
+                        twin.tare(force=True)
+                        loop.tare(force=True)
+                    raw = raws[frame % 4]
+                    place = f"{bits} bits, fraction {fraction}, from {start}, {raws}, frame {frame}"
+                    see.near(twin.next([[[raw]]])[0, 0, 0], loop.frame([raw], [False])[0], place)
+                    if frame == 8:
+                        see.near(int(twin._zero[0, 0]), loop.zeros[0] * 2**fraction, place)
+
+
+def drift(see):
+    """1e9 samples that drift: by jumps of the state to where so many steps of one LSB lead, then frame
+    by frame.
+    """
+    for raw in (TOP, -TOP - 1):
+        fraction, sign = 16, 1 if raw > 0 else -1
+        for frames in (10**9, 2**32 - 1, (abs(raw) << 16) - 1):
+            twin = tare.Tare(1, 1, 1, 17, fraction, 4, contact=2**17 - 1, step=1)
+            loop = TareReference(1, fraction, 4, 2**17 - 1, 1)
+            # The zero moves by an LSB a frame, down or up, until what is left rounds to 0.
+            moved = min(frames, (abs(raw) << 16) - (1 << 15) + (sign < 0))
+            twin.next([[[0]]])  # the first frame makes it know its zeros
+            twin._zero[:] = sign * moved
+            loop.zeros = [Fraction(sign * moved, 1 << fraction)]
+            for frame in range(40):
+                see.near(twin.next([[[raw]]])[0, 0, 0], loop.frame([raw], [False])[0], (raw, frames, frame))
+            see.near(int(twin._zero[0, 0]), loop.zeros[0] * 2**fraction, (raw, frames))
+
+
+@row(
+    "calibration_preset",
+    {"": "0"},
+    ends="the last word is that of 1024 x 1024",
+    rtl=["tb/frontend/test_calibration_preset.py::test_calibration_preset"],
+)
+def calibration_preset_(see):
+    for one in see.covering(rows=[1, 1024], columns=[1, 7, 1024], lanes=[1, 8], gain=[0, 65535]):
+        rows, columns, lanes, gain = one.values()
+        beats = ceil(Fraction(columns, lanes))
+        see.same(
+            calibration_preset.preset(rows, columns, lanes, gain)[-1], (False, rows * beats - 1, 0, gain), one
+        )
+        both = calibration_preset.preset(rows, columns, lanes, gain, True)
+        see.same((len(both), both[-1]), (beats + rows, (True, rows - 1, 0, 4096)), one)
+        # A row's 4096 times a column's gain over 2^24 is the gain over 2^12 that the other table has.
+        see.near(Fraction(4096 * gain, 2**24), Fraction(gain, 2**12), one)
+    see.refused(calibration_preset.preset, 1, 1, 3, 0)
+
+
+@row(
+    "calibration_grid",
+    {"": "0"},
+    ends="an offset beyond its bits is refused",
+    rtl=["tb/frontend/test_calibration_grid.py::test_calibration_grid"],
+)
+def calibration_grid_(see):
+    for bits in (2, 13, 17, 18):
+        low, high = exact.signed(bits - 1)
+        for one in see.covering(
+            row=[low, 0, high], column=[low, -1, high], gain=[0, 1, 65535], by=[0, 4096, 65535]
+        ):
+            twin = calibration_grid.CalibrationGrid(2, 3, 1, bits)
+            twin.write_row(1, one["row"], one["gain"])
+            twin.write(2, one["column"], one["by"])
+            twin.swap()
+            offset, gain = (int(words[1, 2]) for words in twin.words())
+            see.near(offset, one["row"] + one["column"], (bits, one))
+            see.near(gain, one["gain"] * one["by"], (bits, one))
+        for outside in (low - 1, high + 1):
+            see.refused(twin.write_row, 0, outside, 0)
+            see.refused(twin.write, 0, outside, 0)
+        for gain in (-1, 65536):
+            see.refused(twin.write, 0, 0, gain)
+
+
+@row(
+    "calibrate",
+    {"": "1/2 LSB"},
+    ends="held at 0 and 65535",
+    rtl=["tb/frontend/test_calibrate.py::test_calibrate"],
+)
+def calibrate_(see):
+    def check(raws, offset, gain, shift, bits, gain_bits):
+        got = calibrate.forces(raws, offset, gain, shift, sample_bits=bits, gain_bits=gain_bits).tolist()
+        for raw, force in zip(raws, got):
+            value = Fraction((raw - offset) * gain, 2**shift)
+            place = f"({raw} - {offset}) {gain} / 2^{shift}, {bits} bits"
+            see.near(force, exact.held(value, Fraction(0), Fraction(TOP)), place)
+            see.near(force, exact.held(exact.half_up(value), 0, TOP), place, limit=0)
+
+    for gain_bits in (16, 32):
+        top = 2**16 - 1 if gain_bits == 16 else (2**16 - 1) ** 2
+
+        def fits(bits, gain, shift, offset, gain_bits=gain_bits):
+            return bits + gain_bits + 2 - shift >= 16  # else 16 bits are more than the product has
+
+        for one in see.covering(
+            fits,
+            bits=[2, 13, 17, 18],
+            gain=[0, 1, 4096, top - 1, top],
+            shift=[1, 2, 12, gain_bits - 1, gain_bits],
+            offset=["low", "zero", "high"],
+        ):
+            low, high = exact.signed(one["bits"])
+            offset = {"low": low, "zero": 0, "high": high}[one["offset"]]
+            raws = set(exact.ends(low, high)) | {offset, offset + 1, offset - 1}
+            if one["gain"]:  # where the force reaches its end
+                edge = offset + (TOP << one["shift"]) // one["gain"]
+                raws |= {edge - 1, edge, edge + 1}
+            check(
+                sorted(r for r in raws if low <= r <= high),
+                offset,
+                one["gain"],
+                one["shift"],
+                one["bits"],
+                gain_bits,
+            )
+
+    def room(SampleBits, GainShift, Offset, **_):
+        return SampleBits + Offset <= 18 and SampleBits + Offset + 17 - GainShift >= 16
+
+    see.refused(calibrate.Calibrate, 1, 1, sample_bits=18)
+    see.elaborates(
+        "calibrate",
+        see.covering(room, SampleBits=[13, 17, 18], GainShift=[1, 16], Lanes=[1, 8], Offset=[0, 1]),
+    )
+    for shift, gain_bits in ((0, 16), (17, 16), (33, 32)):
+        see.refused(calibrate.forces, 0, 0, 0, shift, gain_bits=gain_bits)
+    twin = calibrate.Calibrate(1, 1)
+    see.same(twin.next([[[TOP]]]).tolist(), [[[0]]], "before the first swap")
+    code = st.integers(*exact.signed(18))
+    see.given(
+        lambda raw, offset, gain, shift: check([raw], offset, gain, shift, 18, 32),
+        raw=code,
+        offset=code,
+        gain=st.integers(0, (2**16 - 1) ** 2),
+        shift=st.integers(1, 32),
+    )

@@ -1,0 +1,207 @@
+"""Every block and solver at the ends of its range and beyond, against exact arithmetic: docs/extremes.md.
+
+    python tools/extremes.py [--quick] [--jobs N] [--seed N] [--record] [ROW ...]     default: all rows
+    python tools/extremes.py --page            the page from the record, without a run
+    python tools/extremes.py --headers         the line of each block's header, where it differs
+
+A row is a function in tb/extremes/; tools/verify/extremes.py says how it is written. Stops with an error if
+a row has a finding, or if nothing ran.
+"""
+
+import argparse
+import json
+import re
+import sys
+from concurrent.futures import ProcessPoolExecutor
+from fractions import Fraction
+from pathlib import Path
+
+if __name__ == "__main__":
+    sys.path.insert(0, str(Path(__file__).parents[1] / "tb"))  # references
+
+from meissner.builds import toolchain
+from verify import benches, extremes, record
+
+PAGE = toolchain.ROOT / "docs/extremes.md"
+RECORD = record.FOLDER / "extremes.json"
+COMMAND = "make extremes"
+HEAD = """# Extremes
+
+Each block that computes, and each solver, at the ends of its range and beyond: zero, one LSB, full scale,
+saturation, alternating full scale, the longest sums, the worst cancellation, wraps of time and counters,
+the least and greatest value of each parameter and each pair of them, then what hypothesis draws.
+Expectations are exact: integers, fractions and 50 digits of mpmath, written from the formulas of docs/ in
+`tb/reference/`, which imports nothing of the twins. A twin equals its RTL bit for bit in the block's own
+tests: the last column names the one that drives both. Verilator reads the RTL of blocks with widths as
+parameters in each pair of their ends, too.
+
+`make extremes` runs all of it and writes this page; `make test` has a short form
+(`tb/extremes/test_extremes.py`). An error beyond its bound, a NaN, an infinity, a warning of NumPy or a
+value that should have been refused and was not is a finding. The bound stands in the block's header too,
+and a test compares the two. A row is **stale** if its RTL, its twin, its cases or their references have
+changed since.
+
+"""
+SECTIONS = (("Blocks", True), ("Solvers", False))
+
+
+def number(value):
+    return "0" if not value else f"{value:.3g}"
+
+
+def places(facts):
+    """{what: (worst error, its bound, where)} of a row."""
+    return {part: (w["error"], w["bound"], w["where"]) for part, w in facts["worst"].items()}
+
+
+def summary(facts):
+    """A row in a cell."""
+    return facts["finding"] or f"{facts['cases']} cases within their bounds"
+
+
+def total(rows):
+    """The sentence of a list of rows."""
+    wrong = sum(bool(facts["finding"]) for facts in rows)
+    cases = sum(facts["cases"] for facts in rows)
+    return f"{len(rows)} rows, {cases} cases, {wrong or 'no'} finding{'s' * (wrong != 1)}"
+
+
+def link(test):
+    path, _, name = test.partition("::")
+    return f"[`{name}`](../{path})"
+
+
+def table(known, blocks):
+    """Markdown of the rows that are blocks, or of those that are not."""
+    lines = ["| row | worst error | bound | where | cases | beyond the range | result | RTL |"]
+    lines += ["|---|---|---|---|---|---|---|---|"]
+    for name, row in extremes.rows().items():
+        if (name in benches.blocks()) is not blocks:
+            continue
+        facts, result = known.get(name), "not run"
+        worst = places(facts) if facts else {}
+        if facts:
+            result = "**finding**" if facts["finding"] else "passes"
+            result += " (stale)" if facts["of"] != extremes.digest(name) else ""
+        for part, bound in row.bounds.items():
+            error, limit, where = worst.get(part, (0, 0, ""))
+            first = part == next(iter(row.bounds))
+            label = (f"`{'msn_' * blocks}{name}`" if first else "") + (f" {part}" if part else "")
+            shown = "none" if row.limit(part) == 0 else bound
+            if facts and limit and row.limit(part) != Fraction(repr(limit)):
+                shown += f" ({number(limit)} there)"
+            cells = [label, number(error) if facts else "", shown, where]
+            cells += [str(facts["cases"]) if facts and first else "", row.ends if first else ""]
+            cells += [result if first else "", ", ".join(map(link, row.rtl)) if first else ""]
+            lines.append("| " + " | ".join(" ".join(c.split()).replace("|", "\\|") for c in cells) + " |")
+    return "\n".join(lines)
+
+
+def page(told):
+    """docs/extremes.md of what was recorded."""
+    known = told.get("blocks", {})
+    text = HEAD
+    if told:
+        text += (
+            f"`{told['command']}`, {told['date']}: {told['total']}; {told['seconds']:.0f} s of a processor.\n"
+        )
+    for title, blocks in SECTIONS:
+        text += f"\n## {title}\n\n{table(known, blocks)}\n"
+    text += "\n## Blocks without arithmetic\n\n"
+    text += "They move words or join other blocks; their tests compare every word.\n\n"
+    text += "| block | what it does |\n|---|---|\n"
+    text += "".join(f"| `msn_{name}` | {why} |\n" for name, why in extremes.without().items())
+    return text
+
+
+def load():
+    return json.loads(RECORD.read_text("utf-8")) if RECORD.exists() else {}
+
+
+def keep(done, seed):
+    """Put rows among the recorded, and write the page."""
+    import datetime
+
+    known = {name: facts for name, facts in load().get("blocks", {}).items() if name in extremes.rows()}
+    merged = known | {
+        name: {"of": of} | facts | {"summary": summary(facts)} for name, (of, facts) in done.items()
+    }
+    ordered = {name: merged[name] for name in sorted(merged)}
+    told = {"command": COMMAND, "date": str(datetime.date.today()), "seed": seed}
+    told |= {"total": total([*ordered.values()]), "seconds": sum(f["seconds"] for f in ordered.values())}
+    RECORD.write_text(json.dumps(told | {"blocks": ordered}, indent=1) + "\n", "utf-8")
+    PAGE.write_text(page(load()), "utf-8")
+
+
+def header(path, line):
+    """A source's text with the line in its header: before the twin's path if that has a line of its own."""
+    text = path.read_text("utf-8")
+    lines = [each for each in text.split("\n") if not each.startswith("// Error: ")]
+    head = next(at for at, each in enumerate(lines) if not each.startswith("//"))
+    at = next((k for k in range(head) if re.match(r"// Model: ", lines[k])), head)
+    lines.insert(at, f"// {line}")
+    return "\n".join(lines)
+
+
+def wrong_headers():
+    """{path: text} of the blocks whose header says something else than their row."""
+    paths = {path.stem.removeprefix("msn_"): path for path in toolchain.sources()}
+    found = {}
+    for name, row in extremes.rows().items():
+        if name in paths:
+            text = header(paths[name], row.error)
+            if text != paths[name].read_text("utf-8"):
+                found[paths[name]] = text
+    return found
+
+
+def _run(given):
+    name, long, seed = given
+    return name, extremes.digest(name), extremes.run(name, long, seed)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
+    parser.add_argument("rows", nargs="*", metavar="ROW")
+    parser.add_argument("--quick", action="store_true", help="the short form of make test")
+    parser.add_argument("--jobs", type=int, default=1)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--record", action="store_true", help=f"into {RECORD.name} and docs/{PAGE.name}")
+    parser.add_argument("--page", action="store_true", help="write the page only")
+    parser.add_argument("--headers", action="store_true", help="write the headers' lines only")
+    given = parser.parse_args()
+    if given.page:
+        PAGE.write_text(page(load()), "utf-8")
+        return
+    if given.headers:
+        for path, text in wrong_headers().items():
+            path.write_text(text, "utf-8")
+            print(path.relative_to(toolchain.ROOT))
+        return
+    if unknown := [name for name in given.rows if name not in extremes.rows()]:
+        parser.exit(2, f"extremes: there is no row {unknown[0]}; there are {', '.join(extremes.rows())}\n")
+    if not given.rows:
+        extremes.without()  # ValueError for a block that has no row
+    done, names = {}, given.rows or [*extremes.rows()]
+    tasks = [(name, not given.quick, given.seed) for name in names]
+    with ProcessPoolExecutor(given.jobs) as pool:
+        for name, of, facts in pool.map(_run, tasks):
+            done[name] = of, facts
+            words = facts["finding"] or "; ".join(
+                f"{part} {number(e)} of {number(b)}".strip() for part, (e, b, _) in places(facts).items()
+            )
+            print(f"{name:20} {facts['cases']:8} cases {facts['seconds']:7.1f} s  {words}", flush=True)
+    facts = [each for _, each in done.values()]
+    print(total(facts))
+    if given.record:
+        if given.quick:
+            parser.exit(2, "extremes: only the long form is recorded\n")
+        keep(done, given.seed)
+    if not sum(each["cases"] for each in facts):
+        sys.exit("extremes: nothing ran")
+    if any(each["finding"] for each in facts):
+        sys.exit("extremes: there are findings")
+
+
+if __name__ == "__main__":
+    main()
