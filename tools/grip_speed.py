@@ -2,10 +2,10 @@
 
     python tools/grip_speed.py --runs 20 --gain 0 70 210
 
-The estimator's twin hears the same codes as the slip path. Its speeds, in 1/4096 mm/s, go to the reflex before the
-windows of a cycle; ``in_hold_i`` is high while the hand closes and for one cycle after, since a larger grip lowers Vc as the
-end of a shear does. --no-hold leaves that out. `speed_gain` = 70 would follow a pull: at 0.1 mm/s, 1.2 N/s a finger, it adds
-0.011 N a window.
+The estimator's twin hears the same codes as the slip path. Its speeds, in 1/4096 mm/s, go to the reflex
+before the windows of a cycle; ``in_hold_i`` is high while the hand closes and for one cycle after, since a
+larger grip lowers Vc as the end of a shear does. --no-hold leaves that out. `speed_gain` = 70 would follow a
+pull: at 0.1 mm/s, 1.2 N/s a finger, it adds 0.011 N a window.
 """
 
 import argparse

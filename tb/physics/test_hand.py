@@ -359,7 +359,7 @@ def test_every_scene_has_its_settings_in_counts(name):
 
 
 def test_the_threshold_is_a_share_of_what_an_event_makes_in_volts():
-    """Vc (1 - Vc/5): 0.8 V of 1 V, 1.1375 of 1.75, 1.25 of 2.5; codes of p2p: 2 sqrt(2) times, of 5/4096 V."""
+    """Vc (1 - Vc/5): 0.8 V of 1 V, 1.1375 of 1.75, 1.25 of 2.5; p2p in codes of 5/4096 V: 2 sqrt(2) times."""
     scene = scenes.load("grip_pour")
     scene = replace(scene, slip=scene.slip | {"threshold_share": 0.0088})
     vc_v = np.array([1.0, 1.75, 2.5, 4.99])
@@ -400,7 +400,7 @@ def test_finer_counts_let_go_as_slowly_in_a_shorter_cycle():
 
 
 def test_the_grip_after_a_tug_is_beside_its_peak():
-    """A hand that does nothing: its grip over (weight + tug)/(mu_1 + mu_2), and after no tug there is none."""
+    """A hand that does nothing: its grip over (weight + tug)/(mu_1 + mu_2); without tugs there is none."""
     scene = short("grip_disturb", step_mm=0.0, decay_mm_s=0.0)
     scene = replace(scene, world=scene.world | {"tugs": [[0.5, 0.4, 0.1]], "grip_ratio": [1.3, 1.3]})
     held = loop.hold(scene, scene.conditions[0], [2], (loop.FixedSlip, Grip))
