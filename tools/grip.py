@@ -28,6 +28,7 @@ RESTS_ON = (
     *(f"{MODEL}/physics/{name}.py" for name in ("adc", "hand", "plate", "rubber", "slide", "stepped")),
     *(f"{MODEL}/twins/slip/{name}.py" for name in ("haar", "peak_to_peak")),
 )
+LIGHT_RUNS = 20
 HEAD = (
     "| scene, condition | runs | dropped (95 % interval) | ratio, mean / largest | runs above 1.2 "
     "| way at most | sag / rings / slip at most | tightenings, false |"
@@ -40,6 +41,14 @@ def rows(scene, runs, which, engine="fixed", first=1):
         batches = [range(at, min(at + AT_ONCE, first + runs)) for at in range(first, first + runs, AT_ONCE)]
         held = [loop.hold(scene, condition, seeds, PARTS[engine]) for seeds in batches]
         yield statistics(condition, joined(held))
+
+
+def figures():
+    """The light figure of docs/results.md: the first condition of what is poured in, 20 seeds each."""
+    return {
+        name: next(rows(scenes.load(name), LIGHT_RUNS, [0])) | {"condition": None}
+        for name in ("grip_pour", "grip_water")
+    }
 
 
 def changed(scene, settings):
