@@ -35,18 +35,19 @@ HEAD = (
 )
 
 
-def rows(scene, runs, which, engine="fixed", first=1):
-    """A row of each condition, of seeds ``first`` on; ``which``: numbers of conditions."""
-    for condition in (scene.conditions[number] for number in which):
-        batches = [range(at, min(at + AT_ONCE, first + runs)) for at in range(first, first + runs, AT_ONCE)]
-        held = [loop.hold(scene, condition, seeds, PARTS[engine]) for seeds in batches]
+def rows(scene, runs, number, engine="fixed", first=1):
+    """The row of a condition, of seeds ``first`` on, again after each batch: the last is of all."""
+    condition, held = scene.conditions[number], []
+    for at in range(first, first + runs, AT_ONCE):
+        seeds = range(at, min(at + AT_ONCE, first + runs))
+        held.append(loop.hold(scene, condition, seeds, PARTS[engine]))
         yield statistics(condition, joined(held))
 
 
 def figures():
     """The light figure of docs/results.md: the first condition of what is poured in, 20 seeds each."""
     return {
-        name: next(rows(scenes.load(name), LIGHT_RUNS, [0])) | {"condition": None}
+        name: next(rows(scenes.load(name), LIGHT_RUNS, 0)) | {"condition": None}
         for name in ("grip_pour", "grip_water")
     }
 
@@ -123,9 +124,10 @@ def main(arguments=None):
         which = range(len(scene.conditions)) if args.condition is None else [args.condition]
         found, of = [], digest(args.scene)
         for number in which:
-            found += rows(scene, args.runs, [number], args.engine, args.first)
-            if args.record:
-                record(args.scene, found[-1:], of)
+            for row in rows(scene, args.runs, number, args.engine, args.first):
+                if args.record:  # a long run that ends early has recorded what it had
+                    record(args.scene, [row], of)
+            found.append(row)
         print("\n".join(table(found)))
         count = sum(row["dropped"] for row in found)
         print("dropped:", interval.words(interval.rate(count, sum(row["runs"] for row in found))))
