@@ -396,7 +396,9 @@ def test_finer_counts_let_go_as_slowly_in_a_shorter_cycle():
         trace = loop.hold(alone, condition, [2], (loop.FixedSlip, Grip)).trace
         assert set(np.diff(trace.command)) == {-counts} and len(trace.command) == cycles
         assert trace.normal_n[-1] == pytest.approx(trace.normal_n[0] - 0.02, abs=1e-3)
-    assert trace.command[0] == round(1.2 / 2e-5) - 1
+    assert trace.command[0] == 59999  # 1.2 mm of the finer counts, less the first
+    fine, coarse = (scene.grip_config(scene.conditions[number]) for number in (2, 0))
+    assert (fine.minimum, fine.maximum) == (0, 65535) and (coarse.minimum, coarse.maximum) == (1000, 60000)
 
 
 def test_the_grip_after_a_tug_is_beside_its_peak():
