@@ -113,6 +113,17 @@ def evenness(s):
     return f"{before:.1f} % before, {after:.2f} % after{found or ' calibration'}"
 
 
+def held(s):
+    """Glasses that a hand holds by the reflex while something is poured in: scenes' rows."""
+    found = interval.rate(sum(row["dropped"] for row in s.values()), sum(row["runs"] for row in s.values()))
+    ratios = [row["grip_ratio_mean"] for row in s.values()]
+    return (
+        f"{found['count']} of {found['runs']} dropped{at_most(found)}; grip {min(ratios):.2f} to "
+        f"{max(ratios):.2f} times the least that friction allows; slip at most "
+        f"{max(row['slip_mm_max'] for row in s.values()):.3f} mm"
+    )
+
+
 def two_digits(ratio):
     """A ratio of two times, as far as one run on a shared machine says it."""
     return f"{float(f'{ratio:.2g}'):,.0f}"
@@ -136,6 +147,7 @@ WORDS = {
     "fsr_64x64": evenness,
     "constants": lambda s: f"{owes(s)}; {owes_held(s)}",
     "cop_slip": grip,
+    "grip": held,
     "recordings": lambda s: (
         f"{s['haar']} false alarms in the hold{at_most(interval.rate(s['haar'], s['recordings']))}; "
         f"plain peak-to-peak of the same signal: {s['plain']} recordings"
@@ -153,6 +165,7 @@ WORDS = {
 COMMANDS = {
     "constants": "python tools/figures.py --record constants",
     "engines": "make bench",
+    "grip": "python tools/figures.py --record grip",
     "jitter": "python tools/jitter.py",
     "mesh": "python tools/mesh_figures.py",
     "recordings": "python tools/recordings.py",
@@ -203,6 +216,7 @@ GENERATED = {
     "slip from four wires, seven directions and speeds, 70 pulls; 30 runs of grip alone": owing(
         "cop_slip", owes_held
     ),
+    "a glass that a hand holds by the grip reflex while particles or water run in, 40 runs": scene("grip"),
     "resistor mesh 41×41, six contacts: fast solver against sparse LU": scene("mesh"),
     "slip events lost of 1,000,000 at full image load, 6 Mbaud at 24 MHz": scene("soak"),
     "engines, samples per second on one core": scene("engines"),

@@ -18,6 +18,7 @@ TIMES = ("seconds_taken", "samples_per_second", "saved")  # of this machine
 # Figure: the module of tools/ whose function ``figures`` measures it, and the RTL's top that runs in it.
 TOOLS = {
     "constants": ("constants", None),
+    "grip": ("grip", None),
     "engines": ("bench_engines", "msn_channels"),
     "jitter": ("jitter", "msn_channels"),
     "mesh": ("mesh_figures", None),

@@ -104,6 +104,7 @@ def test_a_larger_step_holds_harder(sound, tmp_path):
     assert found["grip_ratio_mean"] > before["grip_ratio_mean"] + 0.03
     assert found["grip_ratio_max"] > before["grip_ratio_max"]
     assert found["tightenings"] < before["tightenings"] / 4
+    assert found["runs_above_ratio"] > before["runs_above_ratio"] == 0
 
 
 def test_louder_ripple_is_a_false_tightening(sound, tmp_path, monkeypatch):
@@ -130,6 +131,29 @@ def test_a_tug_too_quick_for_the_reflex_slips_and_is_caught(tmp_path):
         found = row(run(scene, "fixed", tmp_path))
         assert found["dropped"] == 0 and found["moved_mm_max"] >= found["slip_mm_max"]
         assert (found["slip_mm_mean"] > 0.3) == (found["slip_mm_max"] > 0.5) == slips
+
+
+def test_a_reflex_that_does_nothing_has_less_after_a_tug(tmp_path):
+    """0.3 N more on about 2 N: the reflex has tightened by its peak; a hand without a step has not."""
+    world = {"tugs": [(2.0, 1.0, 0.3)], "grip_ratio": (1.2, 1.25)}
+    found = {}
+    for step_mm in (0.0, None):
+        scene = few("grip_disturb", step_mm=step_mm, decay_mm_s=0.0)
+        found[step_mm] = row(run(replace(scene, world=scene.world | world), "fixed", tmp_path))
+        assert found[step_mm]["dropped"] == 0 and found[step_mm]["slip_mm_max"] == 0
+    idle, sound = found[0.0], found[None]
+    assert idle["tug_ratio_min"] < idle["tug_ratio_mean"] < 1.1 < sound["tug_ratio_min"]
+    assert idle["grip_ratio_mean"] < 1.25 < sound["grip_ratio_mean"]
+    assert row(run(few(), "fixed", tmp_path))["tug_ratio_mean"] is None
+
+
+def test_a_threshold_that_does_not_follow_vc_is_deaf_where_the_sensor_is_pressed_hard(tmp_path, monkeypatch):
+    """The sensor feels six times the grip: its events make fewer volts, and all else is as it was."""
+    rest_volts = rubber.rest_volts
+    monkeypatch.setattr(rubber, "rest_volts", lambda force_n: rest_volts(6.0 * force_n))
+    deaf, follows = (row(run(few(threshold_v=volts), "fixed", tmp_path)) for volts in (0.01, None))
+    assert follows["grip_ratio_mean"] > deaf["grip_ratio_mean"] + 0.03
+    assert follows["slip_mm_max"] == 0 and follows["tightenings"] > deaf["tightenings"] + 10
 
 
 def test_quieter_events_leave_less_to_spare(sound, tmp_path, monkeypatch):

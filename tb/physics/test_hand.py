@@ -345,9 +345,9 @@ def test_a_verilated_core_holds_as_the_twins_do(name, number, changes):
     fixed, rtl = (loop.hold(scene, condition, [1, 2], hand_run.PARTS[engine]) for engine in ("fixed", "rtl"))
     assert rtl.mismatches.tolist() == [0, 0] and fixed.mismatches is None
     for key in ("command", "fault", "over", "normal_n", "detail_low", "detail_high"):
-        assert np.array_equal(getattr(fixed.trace, key), getattr(rtl.trace, key)), key
+        assert np.array_equal(getattr(fixed.trace, key), getattr(rtl.trace, key), equal_nan=True), key
     for key in hand_run.KEYS:
-        assert np.array_equal(getattr(fixed, key), getattr(rtl, key)), key
+        assert np.array_equal(getattr(fixed, key), getattr(rtl, key), equal_nan=True), key
     assert fixed.tightenings.sum() > 0 and (fixed.faults.min() > 0) == ("dead_s" in changes)
 
 
@@ -369,7 +369,7 @@ def test_the_ratio_is_the_grip_over_what_static_friction_needs():
     drawn = scenes.simulate(scene, None, 2)
     weight_n = drawn.mass_kg[0] * 9.81
     assert held.ratio[0] == pytest.approx(drawn.closing_mm * 1.0 / (weight_n / sum(drawn.mu_s)), rel=1e-9)
-    assert 1.4 <= held.ratio[0] <= 1.8 and held.tightenings[0] == 0 and held.moved_mm[0] < 1e-9
+    assert 1.15 <= held.ratio[0] <= 1.4 and held.tightenings[0] == 0 and held.moved_mm[0] < 1e-9
 
 
 def test_the_command_moves_the_hand_a_cycle_later():
@@ -388,12 +388,70 @@ def test_every_scene_has_its_settings_in_counts(name):
     for condition in scene.conditions:
         config = scene.grip_config(condition)
         own = scene.grip["decay_mm_s"] if condition.decay_mm_s is None else condition.decay_mm_s
-        assert config.decay * 1000 / condition.cycle_ms * hand.COUNT_MM == pytest.approx(own)
+        assert config.decay * 1000 / condition.cycle_ms * condition.count_mm == pytest.approx(own)
         assert config.rate >= config.step > 0
         # 0.02 V, peak to peak, in codes of 5/4096 V and of a detail that is sqrt(2) times the coefficient.
         assert scene.slip_config(condition).threshold == int(0.02 * 2**0.5 / (5 / 4096)) == 23
     assert {c.first_event for c in scene.conditions} >= {0.12, 0.875}
     assert {c.cycle_ms for c in scene.conditions} == {1, 10}
+
+
+def test_the_threshold_is_a_share_of_what_an_event_makes_in_volts():
+    """Vc (1 - Vc/5): 0.8 V of 1 V, 1.1375 of 1.75, 1.25 of 2.5; p2p in codes of 5/4096 V: 2 sqrt(2) times."""
+    scene = scenes.load("grip_pour")
+    scene = replace(scene, slip=scene.slip | {"threshold_share": 0.0088})
+    vc_v = np.array([1.0, 1.75, 2.5, 4.99])
+    free, fixed = scene.conditions[0], replace(scene.conditions[0], threshold_v=0.01)
+    assert [scene.threshold_v(free, v) for v in vc_v[:3]] == pytest.approx([0.00704, 0.01001, 0.011])
+    assert scene.threshold(free, vc_v).tolist() == [16, 23, 25, 1]
+    assert scene.threshold(fixed, vc_v).tolist() == [23] * 4
+    without = replace(scene, slip=scene.slip | {"threshold_share": 0.0})
+    assert without.threshold(free, vc_v).tolist() == [23] * 4
+
+
+def test_the_threshold_follows_vc_once_a_second():
+    """A plain reading of the trace: the threshold of a second is that of the Vc before it."""
+    scene = short(seconds=4.0)
+    scene = replace(scene, slip=scene.slip | {"threshold_share": 0.02})
+    trace = loop.hold(scene, scene.conditions[0], [2], (loop.FixedSlip, Grip)).trace
+    changes = np.flatnonzero(np.diff(trace.threshold_v)) + 1
+    assert len(changes) and set(changes) <= {100, 200, 300} and trace.load_n[-1] > 1.3 * trace.load_n[0]
+    lsb_v = 5 / 4096 / 2 / 2**0.5  # of peak to peak in codes, as half of it in volts of the coefficient
+    for second in range(4):
+        rest_v = rubber.rest_volts(trace.normal_n[max(100 * second - 1, 0)])
+        codes = trace.threshold_v[100 * second] / lsb_v
+        wanted = 0.02 * rest_v * (1 - rest_v / 5) / lsb_v
+        assert codes == pytest.approx(round(codes), abs=1e-9) and 0.9 * wanted - 1 < codes < 1.1 * wanted
+
+
+def test_finer_counts_let_go_as_slowly_in_a_shorter_cycle():
+    """0.02 mm/s: two counts of 0.1 um in each of 100 cycles, one of 0.02 um in each of 1000."""
+    scene = scenes.load("grip_release")
+    scene = replace(scene, world=scene.world | {"hold_from_s": 0.5})
+    for number, counts, cycles in ((0, 2, 100), (2, 1, 1000)):
+        condition = replace(scene.conditions[number], duration_s=1.0, threshold_v=5.0)
+        alone = replace(scene, conditions=(condition,))
+        trace = loop.hold(alone, condition, [2], (loop.FixedSlip, Grip)).trace
+        assert set(np.diff(trace.command)) == {-counts} and len(trace.command) == cycles
+        assert trace.normal_n[-1] == pytest.approx(trace.normal_n[0] - 0.02, abs=1e-3)
+    assert trace.command[0] == 59999  # 1.2 mm of the finer counts, less the first
+    fine, coarse = (scene.grip_config(scene.conditions[number]) for number in (2, 0))
+    assert (fine.minimum, fine.maximum) == (0, 65535) and (coarse.minimum, coarse.maximum) == (1000, 60000)
+
+
+def test_the_grip_after_a_tug_is_beside_its_peak():
+    """A hand that does nothing: its grip over (weight + tug)/(mu_1 + mu_2); without tugs there is none."""
+    scene = short("grip_disturb", step_mm=0.0, decay_mm_s=0.0)
+    scene = replace(scene, world=scene.world | {"tugs": [[0.5, 0.4, 0.1]], "grip_ratio": [1.3, 1.3]})
+    held = loop.hold(scene, scene.conditions[0], [2], (loop.FixedSlip, Grip))
+    drawn = scenes.simulate(scene, None, 2)
+    weight_n = drawn.mass_kg[0] * 9.81
+    assert held.tug_ratio[0] == pytest.approx(
+        drawn.closing_mm / ((weight_n + 0.1) / sum(drawn.mu_s)), rel=1e-9
+    )
+    assert held.tug_ratio[0] < held.ratio[0] == pytest.approx(1.3, abs=1e-3)
+    none = replace(scene, world=scene.world | {"tugs": []})
+    assert np.isnan(loop.hold(none, scene.conditions[0], [2], (loop.FixedSlip, Grip)).tug_ratio).all()
 
 
 def change(path, value):
@@ -413,11 +471,18 @@ def change(path, value):
         (["grip", "rule"], "loudest", "rule = 'loudest' must be one of: any, weakest"),
         (["grip", "step_mm"], 7.0, "step = 70000 must lie in 0 .. 65535"),
         (["grip", "decay_mm_s"], 0.002, "decay_mm_s = 0.002 is no count a cycle; one is 0.01 mm/s"),
+        (
+            ["world", "conditions", 2, "count_mm"],
+            1e-4,
+            "decay_mm_s = 0.02 is no count a cycle; one is 0.1 mm/s",
+        ),
+        (["world", "conditions", 2, "count_mm"], 2e-4, "count_mm = 0.0002 must lie in 1e-06 .. 0.0001"),
+        (["slip", "threshold_share"], 1.5, "threshold_share = 1.5 must lie in 0 .. 1"),
         (["grip", "least_mm"], 6.5, "minimum = 65000 must not be above maximum = 60000"),
         (["world", "material"], "glass", "material = 'glass' must be one of"),
         (["world", "grip_ratio"], [0.9, 1.2], "grip_ratio = 0.9 must lie in 1 .. 100"),
         (["world", "tugs"], [[1.0, 2.0]], "must be a list of 3 numbers"),
-        (["world", "hold_from_s"], 120.0, "hold_from_s = 120 must be below 120 s"),
+        (["world", "hold_from_s"], 300.0, "hold_from_s = 300 must be below 300 s"),
         (["world", "conditions", 0, "cycle_ms"], 3, "cycle_ms = '3' must be one of: 1, 2, 5, 10"),
         (["world", "conditions", 0, "first_event"], 0.95, "first_event = 0.95 must lie in 0 .. 0.9"),
         (["world", "conditions", 0, "heal"], 0.1, "unknown key 'heal'"),

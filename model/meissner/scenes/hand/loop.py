@@ -12,7 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from meissner.engines import rtl_hand
-from meissner.physics.hand import COUNT_MM, Hand
+from meissner.physics import rubber
+from meissner.physics.hand import GRIP_N_MM, Hand
 from meissner.scenes.hand.scene import grasp
 from meissner.twins.actuate.actuate import ActuateConfig
 from meissner.twins.actuate.finger_health import FingerHealth
@@ -21,6 +22,8 @@ from meissner.twins.slip.haar import Haar
 from meissner.twins.slip.peak_to_peak import PeakToPeak
 
 NOISE_S = 1.0  # of the converters' noise are drawn at once
+FOLLOW_S = 1.0  # a host reads Vc and writes the threshold
+AFTER_S = 1.0  # after a tug
 WAIT_SAMPLES = 20  # of an event's ringing that may still reach the window after it
 
 
@@ -28,21 +31,21 @@ class FixedSlip:
     """The integer twins, of all fingers of all runs."""
 
     def __init__(self, channels, config):
-        self.span, self.config = config.window >> config.level, config
+        self.span, self.threshold = config.window >> config.level, config.threshold
         self.haar, self.extremes = Haar(channels, config.level), PeakToPeak(channels, self.span, self.span)
 
     def next(self, codes):
         """(detail, p2p, over) of each detail that ``codes`` [channels, n] complete."""
         detail, _ = self.haar.next(codes)
         p2p, _ = self.extremes.next(detail)
-        return detail, p2p, p2p > self.config.threshold
+        return detail, p2p, p2p > self.threshold
 
 
 class FloatSlip:
     """Textbook float: PyWavelets' cD, and its extremes so far in each window."""
 
     def __init__(self, channels, config):
-        self.config, self.count = config, 0
+        self.level, self.threshold, self.count = config.level, config.threshold, 0
         self.span, self.group = config.window >> config.level, 1 << config.level
         self.rest = np.zeros((channels, 0))
         self.high, self.low = np.full(channels, -np.inf), np.full(channels, np.inf)
@@ -56,7 +59,7 @@ class FloatSlip:
         self.rest = x[:, whole:]
         if not whole:
             return (np.zeros((len(x), 0)),) * 2 + (np.zeros((len(x), 0), dtype=bool),)
-        level = self.config.level
+        level = self.level
         detail = pywt.wavedec(x[:, :whole], "haar", mode="periodization", level=level)[1] * 2 ** (level / 2)
         p2p, start = np.empty_like(detail), 0
         while start < detail.shape[1]:
@@ -69,7 +72,7 @@ class FloatSlip:
             p2p[:, start:stop] = high - low
             self.high, self.low = high[:, -1], low[:, -1]
             self.count, start = self.count + stop - start, stop
-        return detail, p2p, p2p > self.config.threshold + 0.5  # half a code: docs/slip.md
+        return detail, p2p, p2p > self.threshold + 0.5  # half a code: docs/slip.md
 
 
 class Windows:
@@ -113,6 +116,10 @@ class Stage:
         self.health = FingerHealth(channels, adc.min_code, adc.max_code)
         self.reflexes = [grip_of(settings, 2, start=start) for start in starts]
 
+    def compare_with(self, threshold):
+        """From now on; ``threshold`` [runs] in codes."""
+        self.slip.threshold = np.repeat(threshold, 2)[:, None]
+
     def next(self, codes):
         """(detail [channels, details], windows over for the first time [channels], Command of each run)."""
         detail, _, self.over = self.slip.next(codes)
@@ -134,6 +141,12 @@ class Cores:
         self.cores = [rtl_hand.Core(2, config, actuate, block, start) for start in starts]
         self.windows = Windows(2 * len(starts), config.window >> config.level)
         self.mismatches = np.zeros(len(starts), dtype=np.int64)
+
+    def compare_with(self, threshold):
+        """As Stage.compare_with."""
+        self.twin.compare_with(threshold)
+        for core, value in zip(self.cores, threshold):
+            core["slip.threshold"] = value
 
     def next(self, codes):
         """As Stage.next."""
@@ -169,6 +182,7 @@ class Trace:
     command: np.ndarray
     fault: np.ndarray
     over: np.ndarray
+    threshold_v: np.ndarray
     detail_low: np.ndarray
     detail_high: np.ndarray
 
@@ -177,11 +191,12 @@ class Trace:
 class Held:
     """What became of each run: arrays [runs]; ``trace``: of the first.
 
-    ``slip_mm``: at the end; ``sag_mm``: largest less least; ``ring_mm``: at the end; ``moved_mm``: the
-    object's way, lowest less highest; ``tightenings``: cycles with a window over the threshold,
-    ``false_tightenings``: those in which a finger was over that had no event; ``faults``: cycles with one;
-    ``ratio``: grip over the least that friction allows, in the mean of the hold; ``mismatches``: cycles in
-    which the core of engine rtl was not as the twins, None of the others.
+    ``slip_mm``: at the end; ``sag_mm``, ``ring_mm``: largest less least; ``moved_mm``: the object's way,
+    lowest less highest; ``tightenings``: cycles with a window over the threshold, ``false_tightenings``:
+    those in which a finger was over that had no event; ``faults``: cycles with one; ``ratio``: grip over the
+    least that friction allows, in the mean of the hold; ``tug_ratio``: in the second after each tug, over
+    the least that its peak needed (nan without tugs); ``mismatches``: cycles in which the core of engine rtl
+    was not as the twins, None of the others.
     """
 
     dropped: np.ndarray
@@ -193,6 +208,7 @@ class Held:
     false_tightenings: np.ndarray
     faults: np.ndarray
     ratio: np.ndarray
+    tug_ratio: np.ndarray
     trace: Trace
     mismatches: np.ndarray | None = None
 
@@ -222,21 +238,23 @@ def hold(scene, condition, seeds, parts):
     hand = Hand(grasps, scene.rate_hz, block)
     config, number = scene.slip_config(condition), scene.conditions.index(condition)
     settings = scene.grip_config(condition)
-    starts = [
-        min(max(round(one.closing_mm / COUNT_MM), settings.minimum), settings.maximum) for one in grasps
-    ]
+    starts = [scene.start(condition, one.closing_mm) for one in grasps]
     given = config, settings, starts, scene.adc
     stage = Cores(*given, block) if parts is Cores else Stage(parts, *given)
     goal = np.array([one.closing_mm for one in grasps])
     noise, adc = _Noise(scene, seeds, number), scene.adc
+    vc_v, follow = rubber.rest_volts(GRIP_N_MM * goal), round(FOLLOW_S * 1000 / condition.cycle_ms)
     cycles = round(scene.duration_s(condition) * 1000 / condition.cycle_ms)
     dead = np.inf if condition.dead_s is None else condition.dead_s
     since = scene.world["hold_from_s"]
     wait = config.window + WAIT_SAMPLES
     last_event = np.full(2 * runs, -(10**9))
     tight, false, faults = np.zeros((3, runs), dtype=np.int64)
-    ratio, held = np.zeros(runs), 0
-    lowest, highest, sags = np.full(runs, np.inf), np.full(runs, -np.inf), []
+    ratio, held, tug_ratio, tugged = np.zeros(runs), 0, np.zeros(runs), 0
+    lowest, highest = (
+        np.full((3, runs), np.inf),
+        np.full((3, runs), -np.inf),
+    )  # of the way, its sag, its rings
     rows = []
     for cycle in range(cycles):
         time_s = cycle * condition.cycle_ms / 1e3
@@ -245,35 +263,45 @@ def hold(scene, condition, seeds, parts):
         codes, _ = adc.convert(volts.reshape(2 * runs, block))
         if time_s >= dead:
             codes[:] = adc.max_code
+        if cycle % follow == 0:
+            threshold = scene.threshold(condition, vc_v)
+            stage.compare_with(threshold)
         detail, counts, words = stage.next(codes)
+        vc_v = codes.reshape(runs, -1).mean(axis=1) * adc.lsb_v + adc.low_v
         contact, at, _ = found.events
         last_event[contact] = cycle * block + np.ceil(at).astype(np.int64)
         wrong = (counts > 0) & (last_event < cycle * block - wait)
         pairs = counts.reshape(-1, 2)
         increment = np.array([word.increment for word in words])
-        goal = goal + increment * COUNT_MM
+        goal = goal + increment * condition.count_mm
         alive = ~hand.dropped
         tight += alive & (pairs > 0).any(axis=1)
         false += alive & wrong.reshape(-1, 2).any(axis=1)
         faults += np.array([word.fault != 0 for word in words])
         least_n = found.load_n.mean(axis=1) / hand.mu_s.sum(axis=1)
         normal_n = found.normal_n.mean(axis=1)
-        place_mm = found.sag_mm[:, -1] + found.slip_mm[:, -1] + found.ring_mm
-        lowest, highest = np.minimum(lowest, place_mm), np.maximum(highest, place_mm)
-        sags.append(found.sag_mm[:, -1])
+        sag_mm = found.sag_mm[:, -1]
+        places = np.array([sag_mm + found.slip_mm[:, -1] + found.ring_mm, sag_mm, found.ring_mm])
+        lowest, highest = np.minimum(lowest, places), np.maximum(highest, places)
+        for start_s, length_s, newtons in scene.world["tugs"]:
+            if 0 <= time_s - start_s - length_s < AFTER_S:
+                tug_ratio = tug_ratio + normal_n / (least_n + newtons / hand.mu_s.sum(axis=1))
+                tugged += 1
         if time_s >= since:
             ratio, held = ratio + normal_n / least_n, held + 1
         rows.append(
             (
                 *(time_s, normal_n[0], least_n[0], found.load_n[0, -1], found.sag_mm[0, -1]),
                 *(found.slip_mm[0, -1], found.ring_mm[0], words[0].command, words[0].fault),
-                *(int(pairs[0].sum()), *detail[:2].min(axis=1), *detail[:2].max(axis=1)),
+                *(int(pairs[0].sum()), threshold[0], *detail[:2].min(axis=1), *detail[:2].max(axis=1)),
             )
         )
     table = np.array(rows).T
-    trace = Trace(*table[:10], table[10:12].T, table[12:14].T)
-    sags = np.stack([np.min(sags, axis=0), np.max(sags, axis=0)])
+    table[10] *= adc.lsb_v / 2 ** (1 + config.level / 2)
+    trace = Trace(*table[:11], table[11:13].T, table[13:15].T)
+    moved_mm, sag_mm, ring_mm = highest - lowest
+    tug_ratio = tug_ratio / tugged if tugged else np.full(runs, np.nan)
     return Held(
-        *(hand.dropped, hand.slid_mm.mean(axis=1), sags[1] - sags[0], found.ring_mm, highest - lowest),
-        *(tight, false, faults, ratio / max(held, 1), trace, stage.mismatches),
+        *(hand.dropped, hand.slid_mm.mean(axis=1), sag_mm, ring_mm, moved_mm),
+        *(tight, false, faults, ratio / max(held, 1), tug_ratio, trace, stage.mismatches),
     )

@@ -31,9 +31,9 @@ def draw(path, scene, condition, seed, trace):
         low = thin(trace.detail_low[:, finger], np.minimum) * volts
         high = thin(trace.detail_high[:, finger], np.maximum) * volts
         detail.fill_between(time_s, low, high, color=colour, lw=0.5, alpha=0.8, label=f"finger {finger + 1}")
-    half_v = scene.threshold_v(condition)
-    for level in (-half_v, half_v):
-        detail.axhline(level, color=PURPLE, lw=1, ls="--", label="half the threshold" if level > 0 else None)
+    for sign, label in ((-1, None), (1, "half the threshold")):
+        half_v = thin(sign * trace.threshold_v, np.maximum)
+        detail.plot(time_s, half_v, color=PURPLE, lw=1, ls="--", label=label)
     detail.set(ylabel="Haar detail (V)")
     detail.set_ylim(-0.08, 0.08)
     tight = trace.time_s[trace.over > 0]

@@ -23,7 +23,9 @@ KEYS = (
     "false_tightenings",
     "faults",
     "ratio",
+    "tug_ratio",
 )
+WITHIN = 1.2  # of the least grip that friction allows: asked of the hold
 
 
 def check(scene, engine, waves):
@@ -46,6 +48,7 @@ def statistics(condition, found):
     def of(key, pick):
         return round(float(pick(found[key][kept])), 4) if kept.any() else None
 
+    tugs = "tug_ratio" if not np.isnan(found["tug_ratio"]).any() else None
     dropped = interval.rate(int(found["dropped"].sum()), len(kept))
     return {
         "condition": condition.name,
@@ -54,6 +57,9 @@ def statistics(condition, found):
         "dropped_interval": [dropped["low"], dropped["high"]],
         "grip_ratio_mean": of("ratio", np.mean),
         "grip_ratio_max": of("ratio", np.max),
+        "runs_above_ratio": int((found["ratio"][kept] > WITHIN).sum()),
+        "tug_ratio_mean": of(tugs, np.mean) if tugs else None,
+        "tug_ratio_min": of(tugs, np.min) if tugs else None,
         "moved_mm_max": of("moved_mm", np.max),
         "sag_mm_max": of("sag_mm", np.max),
         "ring_mm_max": of("ring_mm", np.max),

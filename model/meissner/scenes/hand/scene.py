@@ -8,10 +8,11 @@ from meissner.check import between, fields, numbers, one_of, positive, tables
 from meissner.physics import plate
 from meissner.physics.adc import PARTS, Adc
 from meissner.physics.hand import COUNT_MM, GRIP_N_MM, MASS_S, Grasp
+from meissner.physics.rubber import SUPPLY_V
 from meissner.physics.slide import G_MM_S2
 from meissner.physics.stepped import HEAL_S
 from meissner.scenes.rubber.settings import threshold_code
-from meissner.twins.actuate.grip import RULES, GripConfig
+from meissner.twins.actuate.grip import RULES, TOP, GripConfig
 from meissner.twins.slip.config import SlipConfig
 
 COMPONENTS = (
@@ -29,7 +30,7 @@ COMPONENTS = (
 
 _TOP = {"title": str, "sensor": str, "adc": str, "rate_hz": int, "features": list, "seeds": int}
 _TOP |= {"slip": dict, "grip": dict, "world": dict}
-_SLIP = dict.fromkeys(("window", "level"), int) | {"threshold_v": float}
+_SLIP = dict.fromkeys(("window", "level"), int) | {"threshold_v": float, "threshold_share": float}
 _GRIP = dict.fromkeys(("step_mm", "decay_mm_s", "rate_mm_s", "least_mm", "most_mm", "silent_s"), float)
 _GRIP |= {"rule": str}
 _SPREADS = ("mass_spread", "friction_spread", "pour_spread")
@@ -40,6 +41,7 @@ _CONDITION = {"name": str, "first_event": float, "cycle_ms": int}
 # Keys of a condition that may be left out, (least, most).
 _OPTIONAL = {"heal_s": (0.001, 1e3), "step_mm": (0.0, 1.0), "threshold_v": (0.0, 5.0), "halves_s": (0.0, 1e4)}
 _OPTIONAL |= {"dead_s": (0.0, 1e4), "decay_mm_s": (0.0, 1.0), "duration_s": (0.1, 1e4)}
+_OPTIONAL |= {"count_mm": (1e-6, COUNT_MM), "down_mm": (0.0, 10.0)}
 CYCLES_MS = (1, 2, 5, 10)
 
 
@@ -47,8 +49,10 @@ CYCLES_MS = (1, 2, 5, 10)
 class Condition:
     """``first_event``: q of the first event; ``cycle_ms``: control cycle; ``heal_s``: physics.stepped.
 
-    ``step_mm``, ``decay_mm_s``, ``threshold_v``, ``duration_s``: in place of the scene's. ``halves_s``:
-    friction halves then; ``dead_s``: from when on both converters give their highest code.
+    ``step_mm``, ``decay_mm_s``, ``duration_s``: in place of the scene's; ``threshold_v``, too, and it then
+    stays. ``halves_s``: friction halves then; ``dead_s``: from when on both converters give their highest
+    code. ``count_mm``: of a count of the command. Finer counts span less: with ``down_mm`` the command's
+    zero is that far below the grip to begin with, and all 16 bits are its range.
     """
 
     name: str
@@ -61,6 +65,8 @@ class Condition:
     halves_s: float | None = None
     dead_s: float | None = None
     duration_s: float | None = None
+    count_mm: float = COUNT_MM
+    down_mm: float | None = None
 
 
 @dataclass(frozen=True)
@@ -95,10 +101,25 @@ class Scene:
     def duration_s(self, condition):
         return self.world["duration_s"] if condition.duration_s is None else condition.duration_s
 
-    def threshold_v(self, condition):
-        """The threshold on the Haar coefficient; peak to peak has twice that."""
-        own = condition.threshold_v
-        return self.slip["threshold_v"] if own is None else own
+    def threshold_v(self, condition, vc_v=None):
+        """The threshold on the Haar coefficient; peak to peak has twice that.
+
+        An event takes a share of the rubber's conductance, which is Vc (1 - Vc/5 V) times it in volts:
+        with ``threshold_share`` above 0 the threshold follows, under ``vc_v`` (None: at threshold_v).
+        """
+        if condition.threshold_v is not None:
+            return condition.threshold_v
+        share = self.slip["threshold_share"]
+        if vc_v is None or not share:
+            return self.slip["threshold_v"]
+        return share * vc_v * (1.0 - vc_v / SUPPLY_V)
+
+    def threshold(self, condition, vc_v):
+        """The same of peak to peak in codes, at least 1: what a host writes for each run's ``vc_v``."""
+        level = self.slip["level"]
+        return np.array(
+            [max(1, threshold_code(self.threshold_v(condition, v), level, self.adc.lsb_v)) for v in vc_v]
+        )
 
     def slip_config(self, condition) -> SlipConfig:
         """The slip detector's settings in codes and details."""
@@ -108,22 +129,28 @@ class Scene:
 
     def grip_config(self, condition) -> GripConfig:
         """[grip] in counts and cycles."""
-        cycle_s, grip = condition.cycle_ms / 1e3, self.grip
+        cycle_s, grip, count_mm = condition.cycle_ms / 1e3, self.grip, condition.count_mm
         step_mm = grip["step_mm"] if condition.step_mm is None else condition.step_mm
         decay_mm_s = grip["decay_mm_s"] if condition.decay_mm_s is None else condition.decay_mm_s
-        decay = round(decay_mm_s * cycle_s / COUNT_MM)
+        decay = round(decay_mm_s * cycle_s / count_mm)
         if decay_mm_s > 0 and not decay:
-            least = COUNT_MM / cycle_s
+            least = count_mm / cycle_s
             raise ValueError(f"decay_mm_s = {decay_mm_s:g} is no count a cycle; one is {least:g} mm/s")
         return GripConfig(
-            step=round(step_mm / COUNT_MM),
+            step=round(step_mm / count_mm),
             decay=decay,
-            rate=round(grip["rate_mm_s"] * cycle_s / COUNT_MM),
-            minimum=round(grip["least_mm"] / COUNT_MM),
-            maximum=round(grip["most_mm"] / COUNT_MM),
+            rate=round(grip["rate_mm_s"] * cycle_s / count_mm),
+            minimum=round(grip["least_mm"] / count_mm) if condition.down_mm is None else 0,
+            maximum=round(grip["most_mm"] / count_mm) if condition.down_mm is None else TOP,
             watchdog=max(1, round(grip["silent_s"] / cycle_s)),
             rule=grip["rule"],
         )
+
+    def start(self, condition, closing_mm):
+        """The command that stands for the grip to begin with."""
+        config = self.grip_config(condition)
+        place_mm = closing_mm if condition.down_mm is None else condition.down_mm
+        return min(max(round(place_mm / condition.count_mm), config.minimum), config.maximum)
 
 
 def _world(where, table):
@@ -150,6 +177,7 @@ def build(name, table):
         one_of(where, "features", feature, ("slip", "grip"))
     slip = fields(f"{where}, [slip]", top["slip"], _SLIP)
     grip = fields(f"{where}, [grip]", top["grip"], _GRIP)
+    between(f"{where}, [slip]", slip, {"threshold_share": (0.0, 1.0)})
     between(f"{where}, [grip]", grip, {key: (0.0, 1e3) for key in grip if key != "rule"})
     one_of(f"{where}, [grip]", "rule", grip["rule"], RULES)
     world = _world(f"{where}, [world]", top["world"])
