@@ -47,6 +47,8 @@ WORDS = {
     ),
     "modelled": Words("modelled"),
     "left_out": Words("left out"),
+    "built": Words("of the core"),
+    "not_built": Words("left out of the core"),
     "runs": Words("runs"),
     "condition": Words("condition"),
     # slip; single times are of the shown run; onset: the first partial slip, or the pull's beginning
