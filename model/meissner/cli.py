@@ -46,8 +46,7 @@ def check_scene(arguments):
     ):
         print(f"{title}:")
         for name, why in needed.items():
-            shown = f"{name} ({parts.FEATURES[name].top})" if title == "core" else name
-            print(f"  {shown}: {why}")
+            print(f"  {parts.shown([name]) if title == 'core' else name}: {why}")
         print(f"  left out: {', '.join(name for name in every if name not in needed) or 'nothing'}")
     size, what = of.memory(scene)
     print(f"memory: about {size / 1e6:.0f} MB for {what}")
@@ -59,7 +58,7 @@ def run(arguments):
     from pathlib import Path
 
     from meissner import run, scenes
-    from meissner.scenes import saved
+    from meissner.scenes import parts, saved
 
     scene = scenes.load(arguments.scene)
     run.check(scene, arguments.engine, arguments.waves)
@@ -94,7 +93,8 @@ def run(arguments):
     )
     print(f"modelled: {', '.join(summary['modelled'])}")
     print(f"left out: {', '.join(summary['left_out']) or 'nothing'}")
-    print(f"of the core: {', '.join(summary['built'])}; left out: {', '.join(summary['not_built'])}")
+    print(f"modelled of the core: {parts.shown(summary['built'])}")
+    print(f"left out of the core: {parts.shown(summary['not_built'])}")
     print(saved.tell(scene.name, arguments.engine, summary["saved"]))
     if summary["twin_mismatches"] is not None:
         print(f"differences between the core and its integer twin: {summary['twin_mismatches']}")

@@ -20,7 +20,10 @@ def full(scene, engine, seed=1, progress=lambda runs: runs):
     from meissner.scenes import full  # here: a run that does not compare loads no other sensor
 
     parts = full.everything(engine, progress, seed)
-    return saved.compared(full.cost(scene, engine, seed=seed), sum(parts.values())) | {"full": parts}
+    return saved.compared(full.cost(scene, engine, seed=seed), sum(parts.values())) | {
+        "engine": engine,
+        "full": parts,
+    }
 
 
 def run(scene, engine, out, seed=1, waves=False, progress=lambda runs: runs, compared=None):

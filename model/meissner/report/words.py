@@ -47,7 +47,7 @@ WORDS = {
     ),
     "modelled": Words("modelled"),
     "left_out": Words("left out"),
-    "built": Words("of the core"),
+    "built": Words("modelled of the core"),
     "not_built": Words("left out of the core"),
     "runs": Words("runs"),
     "condition": Words("condition"),

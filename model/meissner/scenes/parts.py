@@ -43,15 +43,24 @@ def of(scene):
     return import_module(f"meissner.scenes.{scene.sensor}.parts")
 
 
+def _plain(name):
+    return name.replace("_", " ")
+
+
 def built(features):
-    """The features of a core with its modules: ["slip (msn_channels)", ..]."""
-    return [f"{name} ({FEATURES[name].top})" for name in FEATURES if name in features]
+    """The features of such a core, in the order of FEATURES."""
+    return [_plain(name) for name in FEATURES if name in features]
 
 
 def not_built(features):
-    """What is left out of such a core, alike."""
-    rest = [f"{name} ({feature.top})" for name, feature in FEATURES.items() if name not in features]
-    return rest + [f"{name} ({top})" for name, top in BESIDES.items()]
+    """What is left out of it, BESIDES among them."""
+    return [_plain(name) for name in (*FEATURES, *BESIDES) if name not in features]
+
+
+def shown(names):
+    """Features with the module of rtl/ that each is."""
+    tops = {_plain(name): feature.top for name, feature in FEATURES.items()} | BESIDES
+    return ", ".join(f"{_plain(name)} ({tops[_plain(name)]})" for name in names)
 
 
 def check_features(scene):

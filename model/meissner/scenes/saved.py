@@ -39,20 +39,22 @@ def measured(found):
 
 
 def of(scene, engine):
-    """The comparison of that scene on that engine, measured now or recorded; None without one."""
+    """The comparison of that scene on that engine, measured now or recorded; else on fixed; None without."""
     if _measured and _measured[-1] is not None:
         return _measured[-1]
-    recorded = _recorded().get(engine, {})
-    if scene.name not in recorded.get("scenes", {}):
-        return None
-    return compared(recorded["scenes"][scene.name], sum(recorded["full"].values())) | {"on": recorded["on"]}
+    for other in (engine, "fixed"):
+        recorded = _recorded().get(other, {})
+        if scene.name in recorded.get("scenes", {}):
+            found = compared(recorded["scenes"][scene.name], sum(recorded["full"].values()))
+            return found | {"engine": other, "on": recorded["on"]}
+    return None
 
 
 def tell(scene, engine, found):
     """The line to print of ``of``."""
-    command = f"meissner run {scene} --engine {engine} --full"
+    command = f"meissner run {scene} --engine {found['engine'] if found else engine} --full"
     if found is None:
-        return f"saved: not measured on {engine}; `{command}` does"
+        return f"saved: not measured; `{command}` does"
     when = f"recorded {found['on']} by" if "on" in found else "measured now, by"
     return (
         f"saved: {found['times_faster']:g} times faster than with everything on: a simulated second of world "
