@@ -56,6 +56,9 @@ def finish(scene, summary, out, arrays, pictures, tables, began, hidden=()):
     there = {path.name for path in out.iterdir()}
     summary["files"] = sorted({*there, "report.html", "summary.json"})
     facts = {key: value for key, value in summary.items() if key not in (*hidden, "files", "saved")}
+    if summary.get("saved"):
+        row = {key: value for key, value in summary["saved"].items() if key != "full"}
+        tables = {**tables, "Saved beside everything on": [row]}
     named = [
         (path, f"{condition}, seed {summary['seed']}, engine {summary['engine']}", shown)
         for path, condition, shown in pictures
