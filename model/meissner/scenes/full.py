@@ -43,7 +43,7 @@ def _hand(scene, engine, condition, seed):
     scene = replace(scene, world=scene.world | HAND)
     one = replace(scene.conditions[condition], duration_s=None)
     scene = replace(scene, conditions=(one,))
-    loop.hold(scene, one, [seed], run.PARTS.get(engine, run.PARTS["fixed"]))  # no engine rtl of the loop yet
+    loop.hold(scene, one, [seed], run.PARTS.get(engine, run.PARTS["fixed"]))  # gate has none
     return HAND["duration_s"]
 
 
