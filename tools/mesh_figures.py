@@ -1,12 +1,13 @@
 """Print docs/mesh.md's tables as Markdown: the correction, its limits, solver times.
 
-    python tools/mesh_figures.py [correction] [cross] [limits] [timings] [--large]
+    python tools/mesh_figures.py [correction] [cross] [limits] [timings] [few] [--large]
 
 Without a name: the first three, which are reproducible to the digit. Timings depend on the machine; --large
 adds sparse LU to 1024×1024 (4 GB) and 1024×1024 with every taxel loaded (a minute).
 """
 
 import argparse
+import itertools
 import time
 
 import numpy as np
@@ -181,6 +182,28 @@ def timings(large):
     show("Times", ("what", "time", "× faster than one sparse LU solve", "than solver=lu"), rows)
 
 
+def few():
+    """What a frame costs that six contacts touch: its side must not matter, only its own bytes."""
+    rows = []
+    for side in (64, 1024):
+        mesh = Mesh(side, side, 10.0)
+        frames = np.concatenate([mesh_loads.random_points(side, side, 6, [5.0], seed) for seed in range(16)])
+        touches = [(*np.nonzero(frame), frame[np.nonzero(frame)]) for frame in frames]
+        moved, given = itertools.cycle(frames), itertools.cycle(touches)
+        for name, call in (
+            ("frames, the same taxels", lambda mesh=mesh, frames=frames: mesh.solve(frames[0])),
+            ("frames, other taxels each time", lambda mesh=mesh, moved=moved: mesh.solve(next(moved))),
+            ("contacts, the same", lambda mesh=mesh, touches=touches: mesh.press(*touches[0])),
+            ("contacts, others each time", lambda mesh=mesh, given=given: mesh.press(*next(given))),
+        ):
+            for _ in range(32):
+                call()  # the rows of their lines are kept
+            rows.append((f"{side}×{side}, six contacts, {name}", best(call, 300)))
+    least = rows[0][1]
+    rows = [(name, f"{seconds * 1e6:.0f} µs", f"{seconds / least:.1f}") for name, seconds in rows]
+    show("Few contacts", ("what", "time a frame", "of 64×64, frames, the same taxels"), rows)
+
+
 def figures():
     """The two solvers on 1,000 scenes of six contacts: largest relative difference, ratios of time.
 
@@ -205,12 +228,15 @@ def main():
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("tables", nargs="*", metavar="table", help="correction, cross, limits or timings")
+    parser.add_argument(
+        "tables", nargs="*", metavar="table", help="correction, cross, limits, timings or few"
+    )
     parser.add_argument("--large", action="store_true", help="the slow timings too")
     wanted = parser.parse_args()
     calls = {"correction": correct, "limits": limits}
     calls["cross"] = cross
     calls["timings"] = lambda: timings(wanted.large)
+    calls["few"] = few
     for table in wanted.tables or ["correction", "cross", "limits"]:
         if table not in calls:
             parser.error(f"{table} is none of {', '.join(calls)}")

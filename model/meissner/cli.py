@@ -31,12 +31,34 @@ def scenes(_):
         print(f"{name:<{width}}  {describe(name)}")
 
 
+def check_scene(arguments):
+    """``meissner scene check``: why each part is needed, or one sentence about what is wrong."""
+    from meissner import run, scenes
+    from meissner.scenes import parts
+
+    scene = scenes.read(arguments.scene)
+    run.check(scene, arguments.engine)
+    print(f"{plain(scene.name)}: {plain(scene.title)}")
+    of = parts.of(scene)
+    for title, needed, every in (
+        ("physics", parts.reasons(scene), of.WHY),
+        ("core", of.uses(scene), parts.FEATURES | parts.BESIDES),
+    ):
+        print(f"{title}:")
+        for name, why in needed.items():
+            print(f"  {parts.shown([name]) if title == 'core' else name}: {why}")
+        print(f"  left out: {', '.join(name for name in every if name not in needed) or 'nothing'}")
+    size, what = of.memory(scene)
+    print(f"memory: about {size / 1e6:.0f} MB for {what}")
+
+
 def run(arguments):
     """``meissner run``."""
     import json
     from pathlib import Path
 
     from meissner import run, scenes
+    from meissner.scenes import parts, saved
 
     scene = scenes.load(arguments.scene)
     run.check(scene, arguments.engine, arguments.waves)
@@ -48,9 +70,13 @@ def run(arguments):
         raise ValueError(f"{there} is a file; name a folder for the results")
     if not os.access(there, os.W_OK | os.X_OK):
         raise ValueError(f"the folder {there} cannot be written to")
+    compared = None
+    if arguments.full:
+        compared = run.full(scene, arguments.engine, arguments.seed, _progress("everything on"))
     try:
         summary = run.run(
-            scene, arguments.engine, out, arguments.seed, arguments.waves, _progress(f"running {scene.name}")
+            *(scene, arguments.engine, out, arguments.seed, arguments.waves),
+            *(_progress(f"running {scene.name}"), compared),
         )
     except OSError as problem:  # a write that fails does not say of which file
         problem.filename = problem.filename or f"the results in {out}"
@@ -67,6 +93,9 @@ def run(arguments):
     )
     print(f"modelled: {', '.join(summary['modelled'])}")
     print(f"left out: {', '.join(summary['left_out']) or 'nothing'}")
+    print(f"modelled of the core: {parts.shown(summary['built'])}")
+    print(f"left out of the core: {parts.shown(summary['not_built'])}")
+    print(saved.tell(scene.name, arguments.engine, summary["saved"]))
     if summary["twin_mismatches"] is not None:
         print(f"differences between the core and its integer twin: {summary['twin_mismatches']}")
     print(*run.tell(scene, summary), sep="\n")

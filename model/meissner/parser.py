@@ -43,8 +43,18 @@ def _run(commands):
         "--seed", type=int, default=1, help="first seed; the scene determines how many follow (1)"
     )
     run.add_argument("--waves", action="store_true", help="also write waves.vcd (rtl engine)")
+    run.add_argument(
+        "--full", action="store_true", help="measure what it saves: everything on beside it (docs/scenes.md)"
+    )
     run.add_argument("--json", action="store_true", help="print summary.json on standard output instead")
     run.set_defaults(call="meissner.cli:run")
+
+    scene = commands.add_parser("scene", help="check a scene, and say why it needs each part")
+    actions = scene.add_subparsers(dest="action", required=True, metavar="ACTION")
+    check = actions.add_parser("check", help="report what is wrong with a scene, or why it needs each part")
+    check.add_argument("scene", metavar="SCENE", help="a name, or a TOML file")
+    check.add_argument("--engine", default="fixed", metavar="E", help=f"{', '.join(EVERY)} (fixed)")
+    check.set_defaults(call="meissner.cli:check_scene")
 
 
 def _process(commands):

@@ -4,21 +4,40 @@ import json
 import tempfile
 from pathlib import Path
 
+from meissner.scenes import saved
+from meissner.scenes.parts import check_memory
 from meissner.scenes.sensor import runner
 
 
 def check(scene, engine, waves=False):
-    """ValueError with one sentence if this engine cannot run the scene."""
+    """ValueError with one sentence if this engine or this machine cannot run the scene."""
     runner(scene.sensor).check(scene, engine, waves)
+    check_memory(scene)
 
 
-def run(scene, engine, out, seed=1, waves=False, progress=lambda runs: runs):
-    """Run a scene; write results to ``out``; return the summary.
+def full(scene, engine, seed=1, progress=lambda runs: runs):
+    """What a simulated second of the scene costs, and one with everything on (meissner.scenes.full)."""
+    from meissner.scenes import full  # here: a run that does not compare loads no other sensor
+
+    parts = full.everything(engine, progress, seed)
+    return saved.compared(full.cost(scene, engine, seed=seed), sum(parts.values())) | {
+        "engine": engine,
+        "full": parts,
+    }
+
+
+def run(scene, engine, out, seed=1, waves=False, progress=lambda runs: runs, compared=None):
+    """Run a scene; write results to ``out``; return the summary, with ``compared`` (``full``) if it is given.
 
     They replace the results of an earlier run when all are written, so no picture of another scene stays.
     """
     check(scene, engine, waves)
     out = Path(out)
+    with saved.measured(compared):
+        return _run(scene, engine, out, seed, waves, progress)
+
+
+def _run(scene, engine, out, seed, waves, progress):
     out.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=out, prefix=".run-") as folder:
         summary = runner(scene.sensor).run(scene, engine, Path(folder), seed, waves, progress)

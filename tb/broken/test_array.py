@@ -50,7 +50,8 @@ def answers(monkeypatch, break_it, engine="fixed"):
 
 def test_every_metric_of_the_summary_is_here(sound):
     told = (
-        "scene engine seed seconds_taken samples_per_second modelled left_out twin_mismatches runs seeds rows"
+        "scene engine seed seconds_taken samples_per_second modelled left_out built not_built saved "
+        "twin_mismatches runs seeds rows"
     )
     assert set(sound) - METRICS == {*told.split(), "columns", "files"}
     assert sound["seeds"] == [1, 1] and (sound["rows"], sound["columns"], sound["frames"]) == (25, 5, 300)

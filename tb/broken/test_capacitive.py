@@ -17,7 +17,7 @@ from meissner.scenes.capacitive import scene as of_pad
 NAMES = {kind: f"capacitive_{kind}" for kind in ("crosstalk", "cell", "select", "shapes")}
 FRAMES = 30
 COMMON = "scene engine seed seconds_simulated seconds_taken samples_per_second twin_mismatches modelled"
-COMMON = {*COMMON.split(), "left_out", "runs", "seeds", "frames"}
+COMMON = {*COMMON.split(), "left_out", "built", "not_built", "saved", "runs", "seeds", "frames"}
 EVEN = {"unevenness_before", "unevenness_codes_as_they_are", "unevenness_calibrated_by_probe"}
 EVEN |= {"unevenness_after"}
 LEFT = {"left_after_release_g", "left_after_rest_g"}

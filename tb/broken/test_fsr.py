@@ -14,7 +14,18 @@ from meissner.scenes.fsr import run
 from meissner.scenes.fsr import scene as of_matrix
 
 COMMON = "scene engine seed seconds_simulated seconds_taken samples_per_second twin_mismatches modelled"
-COMMON = {*COMMON.split(), "left_out", "runs", "seeds", "frames", "rows", "columns"}
+COMMON = {
+    *COMMON.split(),
+    "left_out",
+    "built",
+    "not_built",
+    "saved",
+    "runs",
+    "seeds",
+    "frames",
+    "rows",
+    "columns",
+}
 POSITION = {"position_error", "position_error_of_working_cells"}
 LOAD = {"load_error", "load_error_of_working_cells"}
 DEAD = {"dead", "dead_found", "dead_falsely", "dead_as_injected"}

@@ -35,6 +35,10 @@ def results(tmp_path, monkeypatch):
 
         module = SimpleNamespace(check=lambda *_: None, run=module_run)
         monkeypatch.setattr(run, "runner", lambda _: module)
+        monkeypatch.setattr(run, "check_memory", lambda _: None)
+        monkeypatch.setattr("meissner.scenes.results.answer", lambda *_: "Nothing was judged.")
+        monkeypatch.setattr(run, "check_memory", lambda _: None)
+        monkeypatch.setattr("meissner.scenes.results.answer", lambda *_: "Nothing was judged.")
         return run.run(SimpleNamespace(name=name, title=name, sensor="any"), "fixed", tmp_path / "out")
 
     start.folder = tmp_path / "out"

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from meissner.physics import mesh_loads
-from meissner.physics.mesh import Mesh, circuit, correction, green, spread_out
+from meissner.physics.mesh import Mesh, circuit, correction, green, lines, spread_out
 from meissner.physics.mesh import mesh as engine
 from meissner.physics.mesh.circuit import Circuit
 
@@ -228,7 +228,7 @@ def test_tables_and_direct_sums_are_the_same(monkeypatch):
     loads = np.stack([points(41, 23, 6, seed) for seed in range(8)])
     tabulated = Mesh(41, 23, 47.0).solve(loads, "fast")
     monkeypatch.setattr(green, "TABLE_LIMIT", 0)
-    monkeypatch.setattr(green, "CHUNK", 1000)
+    monkeypatch.setattr(lines, "CHUNK", 1000)
     assert np.allclose(table(Mesh(41, 23, 47.0).solve(loads, "fast")), table(tabulated), rtol=1e-12)
 
 

@@ -8,8 +8,10 @@ that the scene names and says what it left out.
 import tomllib
 from functools import cache
 from importlib import resources
+from pathlib import Path
 
 from meissner.check import one_of
+from meissner.scenes.parts import check_features
 from meissner.scenes.sensor import sensor, sensors
 
 
@@ -43,13 +45,28 @@ def load(name):
     return build(name, tomllib.loads(source(name)))
 
 
+def read(name):
+    """The scene of that name, or of a TOML file's path."""
+    path = Path(name)
+    if name in _files() or path.suffix != ".toml":
+        return load(name)
+    try:
+        return build(path.stem, tomllib.loads(path.read_text("utf-8")))
+    except RecursionError:
+        raise ValueError(f"{path} is no scene: its lists are nested too deep") from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as problem:
+        raise ValueError(f"{path} is not a TOML file: {problem}") from None
+
+
 def build(name, table):
     """Check a scene's table and return the scene; ValueError with one sentence if it cannot be."""
     where = f"scene {name}"
     if "sensor" not in table:
         raise ValueError(f"{where}: the key 'sensor' is missing")
     one_of(where, "sensor", table["sensor"], sensors())
-    return sensor(table["sensor"]).build(name, table)
+    scene = sensor(table["sensor"]).build(name, table)
+    check_features(scene)
+    return scene
 
 
 def simulate(scene, *arguments, **settings):

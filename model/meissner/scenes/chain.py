@@ -5,6 +5,7 @@ import time
 import numpy as np
 
 from meissner import engines
+from meissner.engines.stages import STAGES, need
 from meissner.scenes.results import head
 
 
@@ -15,10 +16,17 @@ def check(scene, engine, waves):
         raise ValueError(f"--waves is for scenes of slip and of taxel forces, not for {scene.name}")
 
 
-class Chain:
-    """An engine whose calls are timed and, for rtl and gate, compared with the integer twins."""
+ALL = tuple(STAGES.values())
 
-    def __init__(self, engine):
+
+class Chain:
+    """An engine whose calls are timed and, for rtl and gate, compared with the integer twins.
+
+    ``features``: of the core; a stage that they do not name is neither built nor loaded.
+    """
+
+    def __init__(self, engine, features=ALL):
+        self.features = features
         self.engine, self.taken_s, self.samples, self.differences = engine, 0.0, 0, 0
 
     def _call(self, function, x, *settings):
@@ -33,14 +41,17 @@ class Chain:
 
     def demodulate(self, samples, carrier):
         """Codes [...] of carriers [..., samples]."""
+        need(self.features, "demod")
         return self._call(engines.demodulate, samples, carrier)
 
     def calibrate(self, codes, calibration):
         """Forces [frames, rows, columns] of codes."""
+        need(self.features, "calibrate")
         return self._call(engines.calibrate, codes, calibration)
 
     def cop(self, forces, min_load=1):
         """sum, x, y (-1 to 1) and valid of each frame of forces [frames, rows, columns]."""
+        need(self.features, "cop")
 
         def packed(frames, engine):
             result = engines.process_cop(frames, engine, min_load)

@@ -8,6 +8,8 @@ import numpy as np
 from meissner import engines
 from meissner.files import written
 from meissner.report import page
+from meissner.scenes import saved
+from meissner.scenes.parts import built, not_built
 from meissner.scenes.sensor import answer
 from meissner.scenes.verdict import verdict
 
@@ -36,6 +38,9 @@ def head(scene, engine, seed, seconds, samples, engine_s, differences, of):
         "twin_mismatches": differences if engine in engines.VERILATED else None,
         "modelled": list(of.modelled),
         "left_out": list(of.left_out),
+        "built": built(scene.features),
+        "not_built": not_built(scene.features),
+        "saved": saved.of(scene, engine),
     }
 
 
@@ -50,7 +55,10 @@ def finish(scene, summary, out, arrays, pictures, tables, began, hidden=()):
         np.savez_compressed(file, **arrays)
     there = {path.name for path in out.iterdir()}
     summary["files"] = sorted({*there, "report.html", "summary.json"})
-    facts = {key: value for key, value in summary.items() if key not in (*hidden, "files")}
+    facts = {key: value for key, value in summary.items() if key not in (*hidden, "files", "saved")}
+    if summary.get("saved"):
+        row = {key: value for key, value in summary["saved"].items() if key != "full"}
+        tables = {**tables, "Saved beside everything on": [row]}
     named = [
         (path, f"{condition}, seed {summary['seed']}, engine {summary['engine']}", shown)
         for path, condition, shown in pictures

@@ -19,6 +19,22 @@ class Sensor(Protocol):
         """A recording; it has ``modelled`` and ``left_out``."""
 
 
+class Parts(Protocol):
+    """The module ``parts``: what a scene needs and why; it imports nothing that computes."""
+
+    FEATURES: dict  # {feature of the core: why a scene needs it}
+    WHY: dict  # {part of the physics: why}
+
+    def uses(self, scene) -> dict:
+        """Those of FEATURES that the scene uses."""
+
+    def modelled(self, scene) -> list[str]:
+        """Those of WHY that any of its conditions has."""
+
+    def memory(self, scene) -> tuple[float, str]:
+        """Bytes of its largest arrays, and what they are of."""
+
+
 class Runner(Protocol):
     """The module ``run``: a scene through an engine into a folder of results."""
 

@@ -13,12 +13,36 @@ import numpy as np
 
 from meissner.physics.mesh.green import UNIT
 
+KEPT = 8  # sets of places
+LARGEST = 100_000  # entries of one
+
+
+def drops(mesh, row, column):
+    """Z / r [scenes, K, K]; of a mesh without tables those of the last few sets of places are kept, since a
+    touch whose force changes presses the same taxels."""
+    if mesh.layer_a.tabulated and mesh.layer_b.tabulated:
+        Z = mesh.layer_a.between(row, column)
+        Z += mesh.layer_b.between(column, row)
+        return Z
+    places = row.shape, row.tobytes(), column.tobytes()
+    Z = mesh.kept.pop(places, None)
+    if Z is None:
+        if mesh.layer_a is mesh.layer_b:
+            across, along = np.concatenate([row, column]), np.concatenate([column, row])
+            both = mesh.layer_a.between(across, along)
+            Z = both[: len(row)] + both[len(row) :]
+        else:
+            Z = mesh.layer_a.between(row, column) + mesh.layer_b.between(column, row)
+        if len(mesh.kept) >= KEPT:
+            del mesh.kept[next(iter(mesh.kept))]  # the one that was not asked for longest
+    if Z.size <= LARGEST:
+        mesh.kept[places] = Z
+    return Z
+
 
 def matrix(mesh, row, column, resistance):
     """diag(p) + Z [scenes, K, K] in ohms; all arguments [scenes, K], resistance in ohms, 0 for a short."""
-    Z = mesh.layer_a.between(row, column)
-    Z += mesh.layer_b.between(column, row)
-    Z *= mesh.r
+    Z = mesh.r * drops(mesh, row, column)
     Z.reshape(len(Z), -1)[:, :: Z.shape[-1] + 1] += resistance
     return Z
 

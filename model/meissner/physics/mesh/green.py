@@ -12,9 +12,10 @@ keeps apart (so R0 >> r costs no digits), plus H below: positive definite, writt
 
 import numpy as np
 
+from meissner.physics.mesh.lines import Lines
+
 UNIT = np.finfo(float).eps / 2
 TABLE_LIMIT = 3_000_000  # entries; beyond it the modes are summed for each pair of contacts
-CHUNK = 4_000_000  # modes times pairs evaluated at once
 
 
 class Layer:
@@ -29,6 +30,7 @@ class Layer:
         self.theta = 2 * np.arcsinh(np.sin(np.pi * np.arange(1, free) / (2 * free)))
         self.norm = 2 * np.sinh(self.theta) * -np.expm1(-2 * self.theta * (along + 1))
         self._table = None
+        self._lines = None
         self._reach = None
 
     def _modes(self, low, high):
@@ -38,7 +40,7 @@ class Layer:
         left, right = np.expm1(-2 * self.theta * low), np.expm1(-2 * self.theta * (end - high))
         return np.exp(-self.theta * (high - low)) * left * right / self.norm
 
-    def _ladder(self, low, high):
+    def ladder(self, low, high):
         """H: the drop of mode 0 beyond R0/2 times the current, one-based."""
         end = self.along + 1
         tilt = (low - end / 2) * (high - end / 2) * self.pull
@@ -56,7 +58,7 @@ class Layer:
             turn = np.multiply.outer(np.arange(self.free + 1), np.arange(1, self.free)) % (2 * self.free)
             cosine = np.cos(np.pi * turn / self.free) / self.free
             sums = cosine @ self._modes(low, high).reshape(self.along**2, self.free - 1).T
-            sums += self._ladder(low, high).ravel() / 2
+            sums += self.ladder(low, high).ravel() / 2
             self._table = np.concatenate([sums, sums[-2:0:-1]])
         return self._table
 
@@ -69,27 +71,18 @@ class Layer:
             level = level[..., None, :]
             gap = first - (level - second)  # below 0 it counts from the table's end: one period on
             return table.take(gap) + table.take(first + (level + second + size))
-        gap = np.abs(across[..., :, None] - across[..., None, :])
-        mirror = across[..., :, None] + across[..., None, :] + 1
-        low = np.minimum(along[..., :, None], along[..., None, :]) + 1
-        high = np.maximum(along[..., :, None], along[..., None, :]) + 1
-        out = self._ladder(low, high)
-        flat, parts = out.reshape(-1), [a.reshape(-1) for a in (gap, mirror, low, high)]
-        step = max(1, CHUNK // max(self.free, 1))
-        for start in range(0, flat.size, step):
-            d, e, lo, hi = (a[start : start + step] for a in parts)
-            p = np.arange(1, self.free)
-            cosine = np.cos(np.pi * (d[:, None] * p % (2 * self.free)) / self.free)
-            cosine += np.cos(np.pi * (e[:, None] * p % (2 * self.free)) / self.free)
-            flat[start : start + step] += (cosine * self._modes(lo, hi)).sum(-1) / self.free
-        return out
+        if self._lines is None:
+            self._lines = Lines(self)
+        contacts = across.shape[-1]
+        drop = self._lines.between(across.reshape(-1, contacts), along.reshape(-1, contacts))
+        return drop.reshape(*across.shape, contacts)
 
     def reach(self):
         """[along]: an upper bound of a contact's drop per own ampere; sqrt(reach reach') bounds the sum of
         the magnitudes of all terms of any entry of ``between``."""
         if self._reach is None:
             place = np.arange(1, self.along + 1)
-            self._reach = self._ladder(place, place) + 2 * self._modes(place, place).sum(-1) / self.free
+            self._reach = self.ladder(place, place) + 2 * self._modes(place, place).sum(-1) / self.free
         return self._reach
 
     @property

@@ -8,6 +8,7 @@ from meissner.physics.mesh.green import Layer
 from meissner.physics.mesh.groups import Constant, Exact, Nodal
 from meissner.physics.mesh.solution import Solution
 from meissner.physics.mesh.spread_out import Iterated
+from meissner.physics.mesh.touched import contacts_of, touched
 
 SOLVERS = ("auto", "lu", "fast", "constant")
 BATCH = 2_000_000  # contact pairs solved at once
@@ -43,6 +44,7 @@ class Mesh:
         )
         rail = 2 * self.R0 / self.r
         self.layer_a = Layer(self.m, self.n, rail / (rail + (self.n + 1) / self.m))
+        self.kept = {}  # of meissner.physics.mesh.contacts
         square = self.m == self.n
         pull = rail / (rail + (self.m + 1) / self.n)
         self.layer_b = self.layer_a if square else Layer(self.n, self.m, pull)
@@ -61,23 +63,43 @@ class Mesh:
 
         Bad input raises ValueError.
         """
+        load, single = self._read(load)
+        flat = load.reshape(-1)
+        index = touched(flat)
+        return self._contacts(index, flat[index], len(load), single, load.__getitem__, solver, tolerance)
+
+    def press(self, row, column, force, solver="auto", tolerance=0.0):
+        """``solve`` where only contacts are given: [K] or [scenes, K] rows, columns and newtons on them.
+
+        No frame of taxels is read or made, so a large mesh costs what its contacts cost; ``lu`` makes one.
+        Rows or columns outside the mesh, and a taxel named twice in a scene, raise ValueError too.
+        """
+        index, force, scenes, single = contacts_of(self.m, self.n, row, column, force)
+
+        size = self.m * self.n
+
+        def frame(scene):
+            load, here = np.zeros(size), index // size == scene
+            load[index[here] % size] = force[here]
+            return load.reshape(self.m, self.n)
+
+        return self._contacts(index, force, scenes, single, frame, solver, tolerance)
+
+    def _contacts(self, index, force, scenes, single, frame, solver, tolerance):
+        """A Solution from taxels ``index``, counted through the scenes, and ``force``; ``frame(scene)``."""
         if solver not in SOLVERS:
             raise ValueError(f"solver = {solver!r} must be one of {', '.join(SOLVERS)}")
         if not tolerance >= 0:
             raise ValueError(f"tolerance = {tolerance!r} must not be negative")
-        load, single = self._read(load)
-        scenes = len(load)
         solution = Solution(self, scenes, single)
         with np.errstate(over="ignore", under="ignore", divide="ignore", invalid="ignore"):
-            flat = load.reshape(-1)
-            index = (flat > 0).nonzero()[0]  # of booleans: ten times faster than of floats
-            resistance = self.k / flat[index]
+            resistance = self.k / force
             if index.size and not resistance.max() < np.inf:  # less conductance than a double holds: open
                 held = np.isfinite(resistance)
                 index, resistance = index[held], resistance[held]
             if single:
                 if index.size:
-                    self._solve(solution, ALL, load, index[None], resistance[None], solver, tolerance)
+                    self._solve(solution, ALL, frame, index[None], resistance[None], solver, tolerance)
                 return solution
             scene, place = np.divmod(index, self.m * self.n)
             counts = np.bincount(scene, minlength=scenes)
@@ -88,10 +110,10 @@ class Mesh:
                 for start in range(0, len(every), step):
                     where = every[start : start + step]
                     part = (ends[where] - count)[:, None] + np.arange(count)
-                    self._solve(solution, where, load, place[part], resistance[part], solver, tolerance)
+                    self._solve(solution, where, frame, place[part], resistance[part], solver, tolerance)
         return solution
 
-    def _solve(self, solution, where, load, place, resistance, solver, tolerance):
+    def _solve(self, solution, where, frame, place, resistance, solver, tolerance):
         """Scenes ``where``, each with the same number of contacts: [scenes, K] places and resistances."""
         row, column = np.divmod(place, self.n)
         if solver == "constant" or (solver == "auto" and tolerance > 0):
@@ -122,7 +144,7 @@ class Mesh:
         for scene in range(len(where)):
             one = slice(scene, scene + 1)
             if method == "lu":
-                group = Nodal(self, *Circuit(self, load[where[scene]]).refined())
+                group = Nodal(self, *Circuit(self, frame(where[scene])).refined())
                 if not group.why or solver == "lu":
                     solution.put(where[one], group.values, "lu", group, group.why)
                     continue
@@ -152,8 +174,4 @@ class Mesh:
         if load.ndim not in (2, 3) or load.shape[-2:] != (self.m, self.n):
             shape = f"[{self.m}, {self.n}] or [scenes, {self.m}, {self.n}]"
             raise ValueError(f"load has shape {list(load.shape)}, must be {shape}")
-        if load.size and not load.min() >= 0:
-            if np.isnan(load).any():
-                raise ValueError("load holds NaN: every taxel needs a number of newtons")
-            raise ValueError("load holds a negative force: taxels can only be pressed")
         return (load[None], True) if load.ndim == 2 else (load, False)

@@ -6,6 +6,7 @@ import numpy as np
 
 from meissner import engines, scenes
 from meissner.engines import rtl_cop
+from meissner.engines.stages import need
 from meissner.scenes.array import pictures as report_cop
 from meissner.scenes.results import check_waves, finish, head
 from meissner.scenes.truth import errors, percent, summarise
@@ -31,6 +32,7 @@ def mismatches(result, twin):
 def run(scene, engine, out, seed, waves, progress):
     """Run the scene once; write results to ``out``; return the summary."""
     began = time.perf_counter()
+    need(scene.features, "cop")
     recording = scenes.simulate(scene, seed)
     codes = recording.codes
     engines.process_cop(codes[:1], engine, scene.min_load)  # built and warm before it is timed

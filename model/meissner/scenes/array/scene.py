@@ -6,6 +6,8 @@ import numpy as np
 
 from meissner.check import between, fields, numbers, one_of, positive, tables
 from meissner.physics import mesh_loads, patches, plantar
+from meissner.scenes import base
+from meissner.scenes.array.parts import FEATURES
 from meissner.twins.cop.cop_accumulate import sum_bits
 
 COMPONENTS = ("moving contact", "elastic cover", "taxel converter", "recorded pressures")
@@ -14,7 +16,7 @@ _MODELLED = {
     "recording": ("recorded pressures",),
 }
 
-_TOP = {"title": str, "sensor": str, "features": list, "rate_hz": int, "array": dict, "world": dict}
+_TOP = base.TOP | {"rate_hz": int, "array": dict, "world": dict}
 _ARRAY = {"rows": int, "columns": int, "min_load": int}
 _CONVERTER = {"bits": int, "full_scale_n": float, "noise_lsb": float}
 _WORLD = {
@@ -53,13 +55,9 @@ class Converter:
 
 
 @dataclass(frozen=True)
-class Scene:
+class Scene(base.Scene):
     """A scene, checked. ``world``: its table, ``patches`` a tuple of tables; ``converter`` may be None."""
 
-    name: str
-    title: str
-    sensor: str
-    features: tuple
     rate_hz: int
     rows: int
     columns: int
@@ -119,14 +117,11 @@ def build(name, table):
     where = f"scene {name}"
     # Only patches need a converter: the kind says which tables there must be.
     expected = _TOP | ({} if "converter" not in table else {"converter": dict})
-    top = fields(where, table, expected)
+    top, own = base.top(name, table, expected, FEATURES)
     world = dict(top["world"])
     kind = world.pop("kind", None)
     one_of(f"{where}, [world]", "kind", kind, tuple(_WORLD))
     top = fields(where, table, _TOP | ({"converter": dict} if kind == "patches" else {}))
-    positive(where, top, ["rate_hz"])
-    for feature in top["features"]:
-        one_of(where, "features", feature, ("cop",))
     array = fields(f"{where}, [array]", top["array"], _ARRAY)
     between(f"{where}, [array]", array, {"rows": (1, 1024), "columns": (1, 1024)})
     limit = (1 << sum_bits(array["rows"], array["columns"])) - 1
@@ -150,11 +145,7 @@ def build(name, table):
         one_of(inside, "dataset", world["dataset"], (plantar.DATASET,))
         between(inside, world, {"subject": (0, plantar.SUBJECTS - 1), "trial": (0, plantar.TRIALS - 1)})
     return Scene(
-        name=name,
-        title=top["title"],
-        sensor=top["sensor"],
-        features=tuple(top["features"]),
-        rate_hz=top["rate_hz"],
+        **own,
         **array,
         converter=converter,
         kind=kind,

@@ -22,7 +22,7 @@ SHOWN = {
 def measure(scene, engine, seed, progress=list):
     """Run the scene once: summary, arrays of the result, and [(function that draws, what it is given)]."""
     recording = scenes.simulate(scene, seed)
-    stage = chain.Chain(engine)
+    stage = chain.Chain(engine, scene.features)
     codes = {}
     for name, part in progress(list(recording.parts.items())):
         codes[name] = stage.demodulate(part.samples, scene.carrier)

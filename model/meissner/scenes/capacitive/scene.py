@@ -14,6 +14,8 @@ from meissner.engines import Carrier
 from meissner.physics import capacitive, footprints, mesh_loads
 from meissner.physics.adc import Adc
 from meissner.physics.capacitive import GRAM_N, PITCH_MM
+from meissner.scenes import base
+from meissner.scenes.capacitive.parts import FEATURES
 from meissner.twins.frontend.am_demod import IQ, IQ_FAST, RECTIFIER, AmDemod
 
 COMPONENTS = (
@@ -35,7 +37,7 @@ _MODELLED = {
     "shapes": _PAD,
 }
 
-_TOP = {"title": str, "sensor": str, "features": list, "readout": dict, "world": dict}
+_TOP = base.TOP | {"readout": dict, "world": dict}
 _READOUT = {
     "gain": float,
     "drive_v": float,
@@ -96,13 +98,9 @@ ORIGINS = {
 
 
 @dataclass(frozen=True)
-class Scene:
+class Scene(base.Scene):
     """A scene, checked. ``readout``, ``world``: its tables."""
 
-    name: str
-    title: str
-    sensor: str
-    features: tuple
     readout: dict
     carrier: Carrier
     adc: Adc
@@ -170,9 +168,7 @@ def _check_world(where, kind, world):
 def build(name, table):
     """Check a scene's table and return the Scene; ValueError with one sentence if it cannot be."""
     where = f"scene {name}"
-    top = fields(where, table, _TOP)
-    for feature in top["features"]:
-        one_of(where, "features", feature, ("demod", "calibrate", "cop"))
+    top, own = base.top(name, table, _TOP, FEATURES)
     at = f"{where}, [readout]"
     readout = fields(at, top["readout"], _READOUT)
     positive(at, readout, ["gain", "drive_v", "full_scale_v"])
@@ -187,10 +183,7 @@ def build(name, table):
     block = AmDemod(FORMS[readout["form"]], readout["samples_per_period"])
     carrier = Carrier(block, *(readout[key] for key in ("periods", "skip", "shift")))
     return Scene(
-        name=name,
-        title=top["title"],
-        sensor=top["sensor"],
-        features=tuple(top["features"]),
+        **own,
         readout=readout,
         carrier=carrier,
         adc=Adc(readout["bits"], -full_v, full_v, readout["noise_v"]),

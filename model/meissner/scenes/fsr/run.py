@@ -48,7 +48,7 @@ def ghosts(recording):
 def measure(scene, engine, seed):
     """Run the scene once: summary, arrays of the result, and what the pictures are drawn of."""
     recording = scenes.simulate(scene, seed)
-    stage = chain.Chain(engine)
+    stage = chain.Chain(engine, scene.features)
     presses, force_n = recording.parts["calibration"]
     lines, residual_n = calibration.fit(presses, force_n)
     broken = broken_cells(scene)

@@ -7,7 +7,9 @@ import numpy as np
 from meissner.check import between, fields, one_of, positive, tables
 from meissner.physics import fsr, mesh_loads, patches
 from meissner.physics.adc import Adc
+from meissner.scenes import base
 from meissner.scenes.array import scene as cop
+from meissner.scenes.fsr.parts import FEATURES
 
 COMPONENTS = (
     "moving contact",
@@ -19,16 +21,7 @@ COMPONENTS = (
     "converter",
     "faults",
 )
-_TOP = {
-    "title": str,
-    "sensor": str,
-    "features": list,
-    "rate_hz": int,
-    "array": dict,
-    "readout": dict,
-    "converter": dict,
-    "world": dict,
-}
+_TOP = base.TOP | dict.fromkeys(("array", "readout", "converter", "world"), dict) | {"rate_hz": int}
 _ARRAY = {"rows": int, "columns": int, "material": str, "min_load_n": float}
 _READOUT = {"circuit": str, "unselected": str, "supply_v": float, "driver_ohm": float, "load_ohm": float}
 _CONVERTER = {"bits": int, "noise_v": float}
@@ -44,13 +37,9 @@ ORIGINS = {
 
 
 @dataclass(frozen=True)
-class Scene:
+class Scene(base.Scene):
     """A scene, checked. ``faults``: of meissner.physics.fsr.Fault."""
 
-    name: str
-    title: str
-    sensor: str
-    features: tuple
     rate_hz: int
     rows: int
     columns: int
@@ -96,10 +85,8 @@ def _fault(where, row, rows, columns):
 def build(name, table):
     """Check a scene's table and return the Scene; ValueError with one sentence if it cannot be."""
     where = f"scene {name}"
-    top = fields(where, table, _TOP | ({"faults": list} if "faults" in table else {}))
-    positive(where, top, ["rate_hz"])
-    for feature in top["features"]:
-        one_of(where, "features", feature, ("calibrate", "cop"))
+    expected = _TOP | ({"faults": list} if "faults" in table else {})
+    top, own = base.top(name, table, expected, FEATURES)
     at = f"{where}, [array]"
     array = fields(at, top["array"], _ARRAY)
     between(at, array, {"rows": (1, 1024), "columns": (1, 1024), "min_load_n": (0, 1e6)})
@@ -122,11 +109,7 @@ def build(name, table):
     faults = tables(where, "faults", top["faults"]) if "faults" in top else ()
     size = array["rows"], array["columns"]
     return Scene(
-        name=name,
-        title=top["title"],
-        sensor=top["sensor"],
-        features=tuple(top["features"]),
-        rate_hz=top["rate_hz"],
+        **own,
         rows=array["rows"],
         columns=array["columns"],
         material=fsr.MATERIALS[array["material"]],

@@ -5,6 +5,7 @@ import time
 import numpy as np
 
 from meissner import engines, scenes
+from meissner.engines.stages import Stages
 from meissner.physics.grip import FULL_SCALE_V
 from meissner.scenes.grip import pictures as report_cop_slip
 from meissner.scenes.grip.scene import Pull
@@ -114,7 +115,7 @@ def _summary(values):
 def run(scene, engine, out, seed, waves, progress):
     """Run every condition with its seeds; write results to ``out``; return the summary."""
     began = time.perf_counter()
-    module, twin_module = engines.load(engine), engines.load("fixed")
+    module, twin_module = (Stages(name, scene.features) for name in (engine, "fixed"))
     settings = scene.config, scene.lag, scene.registers
     seeds = range(seed, seed + scene.seeds)
     verdicts = {condition: [] for condition in scene.conditions}

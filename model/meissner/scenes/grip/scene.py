@@ -10,13 +10,15 @@ from meissner.engines import COP_ONE
 from meissner.physics import grip, mesh_loads, plate
 from meissner.physics.cop4_config import Cop4Config
 from meissner.physics.mesh import Solution
+from meissner.scenes import base
+from meissner.scenes.grip.parts import FEATURES
 from meissner.scenes.mesh.scene import electrodes
 from meissner.twins.cop.cop_slip import CopSlip, CopSlipRegisters
 
 _BASE = ("resistor mesh", "taxel resistance", "converter", "grip")
 COMPONENTS = (*_BASE, "pull", "plate friction", "rubber shear", "moment of the pull")
 
-_TOP = {"title": str, "sensor": str, "features": list, "rate_hz": int, "seeds": int}
+_TOP = base.TOP | {"rate_hz": int, "seeds": int}
 _TOP |= {**four_wires.TABLES, "slip": dict, "world": dict}
 _SLIP = dict.fromkeys(("lag_s", "drop", "move", "min_load_n", "hold_s", "refractory_s"), float)
 _TIMES = ("press_s", "rest_s", "after_s")
@@ -48,13 +50,9 @@ class Grip:
 
 
 @dataclass(frozen=True)
-class Scene:
+class Scene(base.Scene):
     """A scene, checked. ``lag``: of msn_cop_slip, in samples, with its ``registers``."""
 
-    name: str
-    title: str
-    sensor: str
-    features: tuple
     rate_hz: int
     seeds: int
     config: Cop4Config
@@ -115,10 +113,7 @@ def _registers(where, slip, rate_hz, load_lsb_n):
 def build(name, table):
     """Check a scene's table and return the Scene; ValueError with one sentence if it cannot be."""
     where = f"scene {name}"
-    top = fields(where, table, _TOP)
-    positive(where, top, ["rate_hz", "seeds"])
-    for feature in top["features"]:
-        one_of(where, "features", feature, ("cop4", "cop_slip"))
+    top, own = base.top(name, table, _TOP, FEATURES)
     mesh = four_wires.mesh_table(f"{where}, [mesh]", top["mesh"])
     config = four_wires.config(where, mesh, top["converter"], top["load"], noise=True)
 
@@ -146,12 +141,7 @@ def build(name, table):
         row["to_n"] = numbers(at, "to_n", row["to_n"], least=0, most=1e6)
         conditions.append(Grip(**row))
     return Scene(
-        name=name,
-        title=top["title"],
-        sensor=top["sensor"],
-        features=tuple(top["features"]),
-        rate_hz=top["rate_hz"],
-        seeds=top["seeds"],
+        **own,
         config=config,
         lag=lag,
         registers=registers,

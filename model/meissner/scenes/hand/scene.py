@@ -6,11 +6,12 @@ import numpy as np
 
 from meissner.check import between, fields, numbers, one_of, positive, tables
 from meissner.physics import plate
-from meissner.physics.adc import PARTS, Adc
 from meissner.physics.hand import COUNT_MM, GRIP_N_MM, MASS_S, Grasp
 from meissner.physics.rubber import SUPPLY_V
 from meissner.physics.slide import G_MM_S2
 from meissner.physics.stepped import HEAL_S
+from meissner.scenes import base
+from meissner.scenes.hand.parts import FEATURES
 from meissner.scenes.rubber.settings import threshold_code
 from meissner.twins.actuate.grip import RULES, TOP, GripConfig
 from meissner.twins.slip.config import SlipConfig
@@ -28,8 +29,7 @@ COMPONENTS = (
     "adc",
 )
 
-_TOP = {"title": str, "sensor": str, "adc": str, "rate_hz": int, "features": list, "seeds": int}
-_TOP |= {"slip": dict, "grip": dict, "world": dict}
+_TOP = base.SAMPLED | {"slip": dict, "grip": dict, "world": dict}
 _SLIP = dict.fromkeys(("window", "level"), int) | {"threshold_v": float, "threshold_share": float}
 _GRIP = dict.fromkeys(("step_mm", "decay_mm_s", "rate_mm_s", "least_mm", "most_mm", "silent_s"), float)
 _GRIP |= {"rule": str}
@@ -70,24 +70,13 @@ class Condition:
 
 
 @dataclass(frozen=True)
-class Scene:
+class Scene(base.Sampled):
     """A scene, checked. ``grip``: [grip] in millimetres and seconds."""
 
-    name: str
-    title: str
-    sensor: str
-    adc_part: str
-    rate_hz: int
-    features: tuple
-    seeds: int
     slip: dict
     grip: dict
     world: dict
     conditions: tuple
-
-    @property
-    def adc(self) -> Adc:
-        return PARTS[self.adc_part]
 
     @property
     def left_out(self):
@@ -168,13 +157,9 @@ def _world(where, table):
 def build(name, table):
     """Check a scene's table and return the Scene; ValueError with one sentence if it cannot be."""
     where = f"scene {name}"
-    top = fields(where, table, _TOP)
-    one_of(where, "adc", top["adc"], tuple(PARTS))
-    positive(where, top, ("rate_hz", "seeds"))
+    top, own = base.top(name, table, _TOP, FEATURES)
     if top["rate_hz"] % 1000:
         raise ValueError(f"{where}: rate_hz = {top['rate_hz']} must be a multiple of 1000")
-    for feature in top["features"]:
-        one_of(where, "features", feature, ("slip", "grip"))
     slip = fields(f"{where}, [slip]", top["slip"], _SLIP)
     grip = fields(f"{where}, [grip]", top["grip"], _GRIP)
     between(f"{where}, [slip]", slip, {"threshold_share": (0.0, 1.0)})
@@ -191,9 +176,7 @@ def build(name, table):
         lasts_s = row.get("duration_s", world["duration_s"])
         if world["hold_from_s"] >= lasts_s:
             raise ValueError(f"{inside}: hold_from_s = {world['hold_from_s']:g} must be below {lasts_s:g} s")
-    top |= {"features": tuple(top["features"]), "slip": slip, "grip": grip, "world": world}
-    top |= {"adc_part": top.pop("adc"), "conditions": tuple(conditions)}
-    scene = Scene(name=name, **top)
+    scene = Scene(**own, slip=slip, grip=grip, world=world, conditions=tuple(conditions))
     for condition in conditions:
         try:
             scene.slip_config(condition), scene.grip_config(condition)

@@ -5,6 +5,7 @@ import time
 import numpy as np
 
 from meissner import engines, scenes
+from meissner.engines.stages import Stages
 from meissner.scenes.array import pictures as report_cop
 from meissner.scenes.locus import circle
 from meissner.scenes.mesh.scene import CONVERTER
@@ -47,10 +48,9 @@ def _position_response_s(recording, x, y):
 
 def reported(recording, engine):
     """x, y, load (N), valid [samples] and the core's ``Cop4``; float takes the voltages, and gives None."""
-    module = engines.load(engine)
     if engine == "float":
-        return *module.cop4_of_volts(recording.solution), None
-    got = module.cop4(recording.codes, recording.config)
+        return *engines.load(engine).cop4_of_volts(recording.solution), None
+    got = Stages(engine, recording.scene.features).cop4(recording.codes, recording.config)
     lsb_n = recording.config.load_lsb_n
     return got.x / engines.COP_ONE, got.y / engines.COP_ONE, got.load * lsb_n, got.pressed, got
 

@@ -10,6 +10,8 @@ from meissner.physics import mesh_loads
 from meissner.physics.cop4_config import Cop4Config
 from meissner.physics.mesh import Mesh, Solution
 from meissner.physics.mesh_loads import SETTLED
+from meissner.scenes import base
+from meissner.scenes.mesh.parts import FEATURES
 
 CONVERTER = "converter"  # modelled for every engine but float, which takes the voltages as they are
 COMPONENTS = (
@@ -23,7 +25,7 @@ _ADDED = {
     "stroke": ("hemispherical cover",),
 }
 
-_TOP = {"title": str, "sensor": str, "features": list, "rate_hz": int, **four_wires.TABLES, "world": dict}
+_TOP = base.TOP | {"rate_hz": int, **four_wires.TABLES, "world": dict}
 _WORLD = {
     "points": {"steps": int, "points": list},
     "random": {"count": int, "draws": int, "totals_n": list, "split": str},
@@ -40,13 +42,9 @@ _WORLD = {
 
 
 @dataclass(frozen=True)
-class Scene:
+class Scene(base.Scene):
     """A scene, checked. Its conditions are the values of ``r_ohm``, each with its own of ``configs``."""
 
-    name: str
-    title: str
-    sensor: str
-    features: tuple
     rate_hz: int
     rows: int
     columns: int
@@ -95,10 +93,7 @@ def _taxel(where, scene_rows, scene_columns, at):
 def build(name, table):
     """Check a scene's table and return the Scene; ValueError with one sentence if it cannot be."""
     where = f"scene {name}"
-    top = fields(where, table, _TOP)
-    positive(where, top, ["rate_hz"])
-    for feature in top["features"]:
-        one_of(where, "features", feature, ("cop4",))
+    top, own = base.top(name, table, _TOP, FEATURES)
     inside = f"{where}, [mesh]"
     mesh = four_wires.mesh_table(inside, top["mesh"], r_ohm=list)
     mesh["r_ohm"] = numbers(inside, "r_ohm", mesh["r_ohm"], least=1e-6, most=1e9)
@@ -135,11 +130,7 @@ def build(name, table):
         if world["start_s"] + world["pulse_s"] > world["seconds"]:
             raise ValueError(f"{inside}: the pulse must end within seconds = {world['seconds']:g}")
     return Scene(
-        name=name,
-        title=top["title"],
-        sensor=top["sensor"],
-        features=tuple(top["features"]),
-        rate_hz=top["rate_hz"],
+        **own,
         rows=mesh["rows"],
         columns=mesh["columns"],
         r_ohm=mesh["r_ohm"],

@@ -30,6 +30,12 @@ OPTIONS = {
 }
 
 
+def modelled(kind, condition):
+    """The parts of the physics that a condition of a scene of that kind has."""
+    added = (part for key, (part, off) in OPTIONS.items() if getattr(condition, key) != off)
+    return (*_MODELLED[kind], *added)
+
+
 @dataclass(frozen=True)
 class Recording:
     """One run of one condition: the core's input, an experimenter's measurements, and the truth.
@@ -149,9 +155,7 @@ def simulate(scene, condition=0, seed=0):
         events_v = rubber.event_steps(rubber.volts(shown_n[before], slip.level[before]), slip.shares)
 
     codes, over_range = scene.adc.convert(volts, rng)
-    modelled = _MODELLED[scene.kind] + tuple(
-        part for key, (part, off) in OPTIONS.items() if getattr(condition, key) != off
-    )
+    parts = modelled(scene.kind, condition)
     return Recording(
         scene=scene,
         condition=condition,
@@ -169,6 +173,6 @@ def simulate(scene, condition=0, seed=0):
         gross_s=gross_s,
         events_s=events_s,
         events_v=events_v,
-        modelled=modelled,
-        left_out=tuple(part for part in COMPONENTS if part not in modelled),
+        modelled=parts,
+        left_out=tuple(part for part in COMPONENTS if part not in parts),
     )

@@ -5,6 +5,7 @@ import time
 import numpy as np
 
 from meissner import engines, scenes
+from meissner.engines.stages import Stages
 from meissner.scenes.rates import rates
 from meissner.scenes.rates import tell as tell_rates
 from meissner.scenes.results import check_waves, finish, head, table
@@ -27,24 +28,6 @@ def _mismatches(watched, twin):
     return int(wrong.sum()) + int((watched.end != twin.end).sum()) + int(watched.blanked != twin.blanked)
 
 
-def _saved(scene):
-    """The time saved by leaving physics out: milliseconds per simulated second, here and with everything."""
-    everything = scenes.load("acrylic_slip")
-    return {
-        "world_ms_per_s": _world_cost(scene),
-        "everything_ms_per_s": _world_cost(everything),
-    }
-
-
-def _world_cost(scene, repeats=5):
-    costs = []
-    for seed in range(repeats):
-        began = time.perf_counter()
-        recording = scenes.simulate(scene, 0, seed)
-        costs.append((time.perf_counter() - began) * 1e3 / (len(recording.time_s) / scene.rate_hz))
-    return round(float(np.median(costs)), 3)
-
-
 def _table(rows):
     """The rows with the keys of all of them: a condition without a flag has no delays."""
     keys = dict.fromkeys(key for row in rows for key in row)
@@ -64,7 +47,7 @@ def check(scene, engine, waves):
 def run(scene, engine, out, seed, waves, progress):
     """Run every condition of a slip scene with its seeds; write results to ``out``; return the summary."""
     began = time.perf_counter()
-    module, twin_module = engines.load(engine), engines.load("fixed")
+    module, twin_module = (Stages(name, scene.features) for name in (engine, "fixed"))
     config = scene.slip_config()
     seeds = range(seed, seed + scene.seeds)
     arrays, shown = {}, {}
@@ -86,7 +69,6 @@ def run(scene, engine, out, seed, waves, progress):
         verdicts[condition].append(verdict | {"false_alarms_masked": alarms})
         if number == seed:
             shown[condition] = (recording, watched, masked)
-    saved = _saved(scene) if shown[scene.conditions[0]][0].left_out else None
     pins = None
     if engine in engines.VERILATED:
         recording, _, masked = shown[scene.conditions[0]]
@@ -98,7 +80,6 @@ def run(scene, engine, out, seed, waves, progress):
     first = verdicts[scene.conditions[0]][0]
     summary = {
         **head(scene, engine, seed, simulated, samples, engine_s, mismatches, shown[scene.conditions[0]][0]),
-        "saved": saved,
         **{key: first[key] for key in ("onset_s", "crossing_s", "flag_s", "delay_s", "gross_s")},
         **{key: sum(row[key] for row in rows) for key in COUNTS},
         **rates(every),
@@ -117,7 +98,7 @@ def run(scene, engine, out, seed, waves, progress):
         pictures.append((out / name, condition.name, SHOWN))
         arrays |= _arrays(recording, watched, config, f"c{index}_" if len(shown) > 1 else "")
     tables = {"Conditions": rows, **({"At the converter's pins": [pins.facts]} if pins else {})}
-    return finish(scene, summary, out, arrays, pictures, tables, began, ("conditions", "pins", "saved"))
+    return finish(scene, summary, out, arrays, pictures, tables, began, ("conditions", "pins"))
 
 
 def _milliseconds(seconds):
@@ -131,12 +112,6 @@ def _seconds(value):
 def tell(summary):
     """The lines to print of a summary."""
     lines = []
-    if summary["saved"]:
-        saved = summary["saved"]
-        lines.append(
-            f"saved by it: the world takes {saved['world_ms_per_s']:.2f} ms per simulated second, "
-            f"{saved['everything_ms_per_s']:.2f} ms with everything"
-        )
     if summary["pins"]:
         pins = summary["pins"]
         lines.append(

@@ -8,23 +8,15 @@ from dataclasses import dataclass
 
 from meissner.check import between, fields, one_of, positive
 from meissner.physics import plate, rubber
-from meissner.physics.adc import PARTS, Adc
+from meissner.scenes import base
+from meissner.scenes.rubber.parts import FEATURES
 from meissner.scenes.rubber.recording import COMPONENTS, Recording, simulate
 from meissner.scenes.rubber.settings import Slip, codes, settings
 from meissner.twins.slip.config import SlipConfig
 
 __all__ = ["COMPONENTS", "Condition", "Recording", "Scene", "Slip", "build", "simulate"]
 
-_TOP = {
-    "title": str,
-    "sensor": str,
-    "adc": str,
-    "rate_hz": int,
-    "features": list,
-    "seeds": int,
-    "slip": dict,
-    "world": dict,
-}
+_TOP = base.SAMPLED | {"slip": dict, "world": dict}
 _WORLD = {
     "press": ("press_start_s", "press_s", "rest_s", "unload_s", "after_s"),
     "pull": ("press_start_s", "press_s", "stage_start_s", "slide_s"),
@@ -63,24 +55,13 @@ class Condition:
 
 
 @dataclass(frozen=True)
-class Scene:
+class Scene(base.Sampled):
     """A scene, checked. ``world`` holds the times of its kind, ``press`` or ``pull``."""
 
-    name: str
-    title: str
-    sensor: str
-    adc_part: str
-    rate_hz: int
-    features: tuple
-    seeds: int
     slip: Slip
     kind: str
     world: dict
     conditions: tuple
-
-    @property
-    def adc(self) -> Adc:
-        return PARTS[self.adc_part]
 
     def condition(self, which=0):
         """The condition of that name or number."""
@@ -128,12 +109,7 @@ def _condition(where, kind, row):
 def build(name, table):
     """Check a scene's table and return the Scene; ValueError with one sentence if it cannot be."""
     where = f"scene {name}"
-    top = fields(where, table, _TOP)
-    one_of(where, "sensor", top["sensor"], ("rubber",))
-    one_of(where, "adc", top["adc"], tuple(PARTS))
-    positive(where, top, ("rate_hz", "seeds"))
-    for feature in top["features"]:
-        one_of(where, "features", feature, ("slip",))
+    top, own = base.top(name, table, _TOP, FEATURES)
 
     slip = settings(f"{where}, [slip]", top["slip"])
     world = dict(top["world"])
@@ -151,13 +127,7 @@ def build(name, table):
         conditions.append(_condition(f"{where}, [[world.conditions]]", kind, row))
 
     scene = Scene(
-        name=name,
-        title=top["title"],
-        sensor=top["sensor"],
-        adc_part=top["adc"],
-        rate_hz=top["rate_hz"],
-        features=tuple(top["features"]),
-        seeds=top["seeds"],
+        **own,
         slip=slip,
         kind=kind,
         world=world,

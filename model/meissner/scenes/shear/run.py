@@ -5,6 +5,7 @@ import time
 import numpy as np
 
 from meissner import engines, interval, scenes
+from meissner.engines.stages import Stages
 from meissner.files import written
 from meissner.fit_rubber import STEPS
 from meissner.scenes import chain
@@ -39,7 +40,7 @@ def _run(recording, state, config):
 def run(scene, engine, out, seed, waves, progress):
     """Run every case with its seeds; write results to ``out``; return the summary."""
     began = time.perf_counter()
-    module, twin = engines.load(engine), engines.load("fixed")
+    module, twin = (Stages(name, scene.features) for name in (engine, "fixed"))
     config, seeds = scene.slip_config(), range(seed, seed + scene.seeds)
     module.watch(np.zeros((1, config.window), dtype=np.int64), config)  # built and warm before it is timed
     found, shown = {case: [] for case in scene.cases}, {}

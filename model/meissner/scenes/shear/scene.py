@@ -13,9 +13,10 @@ import numpy as np
 
 from meissner.check import between, fields, numbers, one_of, positive, tables
 from meissner.physics import plate, rubber
-from meissner.physics.adc import PARTS, Adc
+from meissner.scenes import base
 from meissner.scenes.rubber.recording import partial_slip
 from meissner.scenes.rubber.settings import Slip, codes, settings
+from meissner.scenes.shear.parts import FEATURES
 from meissner.scenes.shear.published import SLOWEST_MM_S
 
 _SHEARED = (
@@ -29,16 +30,7 @@ _SHEARED = (
 _SLIPPED = ("partial slip", "plate friction", "stick-slip")
 COMPONENTS = (*_SHEARED, *_SLIPPED)
 KINDS = ("amount", "speed", "recover", "stick_slip")
-_TOP = {
-    "title": str,
-    "sensor": str,
-    "adc": str,
-    "rate_hz": int,
-    "features": list,
-    "seeds": int,
-    "slip": dict,
-    "world": dict,
-}
+_TOP = base.SAMPLED | {"slip": dict, "world": dict}
 _TIMES = ("press_start_s", "press_s", "shear_start_s", "held_s")
 _LISTS = ("normal_n", "speed_mm_s", "moved_mm")
 _WAY = {"name": str, "recovers": float, "lot": float, "published_v": float}
@@ -69,25 +61,14 @@ class Case:
 
 
 @dataclass(frozen=True)
-class Scene:
+class Scene(base.Sampled):
     """A scene, checked. ``slope``: the derivative of Vc as a detector, of kind stick_slip."""
 
-    name: str
-    title: str
-    sensor: str
-    adc_part: str
-    rate_hz: int
-    features: tuple
-    seeds: int
     slip: Slip
     kind: str
     world: dict
     cases: tuple
     slope: dict | None = None
-
-    @property
-    def adc(self) -> Adc:
-        return PARTS[self.adc_part]
 
     def slip_config(self):
         """The slip detector's settings in codes and details."""
@@ -169,11 +150,7 @@ def check_supply(scene):
 def build(name, table):
     """Check a scene's table and return the Scene; ValueError with one sentence if it cannot be."""
     where = f"scene {name}"
-    top = fields(where, table, _TOP)
-    one_of(where, "adc", top["adc"], tuple(PARTS))
-    positive(where, top, ("rate_hz", "seeds"))
-    for feature in top["features"]:
-        one_of(where, "features", feature, ("slip",))
+    top, own = base.top(name, table, _TOP, FEATURES)
     slip = settings(f"{where}, [slip]", top["slip"])
 
     inside, world = f"{where}, [world]", dict(top["world"])
@@ -195,13 +172,7 @@ def build(name, table):
     if world["shear_start_s"] < world["press_start_s"] + world["press_s"] + REST_S - 1e-9:
         raise ValueError(f"{inside}: shear_start_s must come {REST_S:g} s or more after the end of pressing")
     scene = Scene(
-        name=name,
-        title=top["title"],
-        sensor=top["sensor"],
-        adc_part=top["adc"],
-        rate_hz=top["rate_hz"],
-        features=tuple(top["features"]),
-        seeds=top["seeds"],
+        **own,
         slip=slip,
         kind=kind,
         world=world,

@@ -1,0 +1,30 @@
+"""An engine with the core's features that a scene names: another stage is neither built nor loaded."""
+
+from meissner.engines import load
+
+# {function of an engine: the feature that it is}
+STAGES = {
+    **dict.fromkeys(("watch", "watch_pins", "windows"), "slip"),
+    **{"cop": "cop", "cop4": "cop4", "cop_slip": "cop_slip", "demodulate": "demod", "calibrate": "calibrate"},
+}
+
+
+def need(features, name):
+    """ValueError unless a core with these ``features`` has that one."""
+    if name not in features:
+        raise ValueError(
+            f"the core is built without {name}: features names {', '.join(features) or 'nothing'}"
+        )
+
+
+class Stages:
+    """The functions of an engine (meissner.engines.protocol) that belong to ``features``."""
+
+    def __init__(self, engine, features):
+        self._engine, self._features = engine, features
+
+    def __getattr__(self, name):
+        if name not in STAGES:
+            raise AttributeError(name)
+        need(self._features, STAGES[name])
+        return getattr(load(self._engine), name)

@@ -1,0 +1,107 @@
+"""What a scene is made of: features of the core that it names, parts of the physics that its tables ask for.
+
+A sensor's module ``parts`` says which there are and why a scene needs each. A scene is refused that names a
+feature nothing uses, leaves out one that is used, or needs more memory than the machine has.
+"""
+
+from importlib import import_module
+from pathlib import Path
+from typing import NamedTuple
+
+
+class Feature(NamedTuple):
+    """``top``: the module of rtl/ that engines rtl and gate build for it; ``blocks``: what is in that."""
+
+    top: str
+    blocks: tuple
+    function: str  # of meissner.engines.protocol
+
+
+FEATURES = {
+    "slip": Feature("msn_channels", ("msn_haar", "msn_peak_to_peak", "msn_slip"), "watch"),
+    "cop": Feature("msn_cop", ("msn_cop_accumulate", "msn_cop_divide"), "cop"),
+    "cop4": Feature("msn_cop4", ("msn_electrodes", "msn_ratio", "msn_cop4_correct"), "cop4"),
+    "cop_slip": Feature("msn_cop_slip", ("msn_delay",), "cop_slip"),
+    "demod": Feature("msn_am_demod", (), "demodulate"),
+    "calibrate": Feature("msn_calibrate", (), "calibrate"),
+    "grip": Feature("msn_grip", (), ""),
+}
+# What the core has besides, and no scene asks for.
+BESIDES = {
+    "scan": "msn_scan",
+    "health": "msn_health",
+    "tare": "msn_tare",
+    "shear speed": "msn_shear_speed",
+    "pulses": "msn_pwm",
+    "link": "msn_core_link",
+    "registers": "msn_registers",
+}
+ROOM = 0.8  # of the free memory that a scene may ask for
+
+
+def of(scene):
+    return import_module(f"meissner.scenes.{scene.sensor}.parts")
+
+
+def _plain(name):
+    return name.replace("_", " ")
+
+
+def built(features):
+    """The features of such a core, in the order of FEATURES."""
+    return [_plain(name) for name in FEATURES if name in features]
+
+
+def not_built(features):
+    """What is left out of it, BESIDES among them."""
+    return [_plain(name) for name in (*FEATURES, *BESIDES) if name not in features]
+
+
+def shown(names):
+    """Features with the module of rtl/ that each is."""
+    tops = {_plain(name): feature.top for name, feature in FEATURES.items()} | BESIDES
+    return ", ".join(f"{_plain(name)} ({tops[_plain(name)]})" for name in names)
+
+
+def check_features(scene):
+    """ValueError unless ``features`` are those that the scene uses, each once."""
+    where, used = f"scene {scene.name}", of(scene).uses(scene)
+    for name in scene.features:
+        if scene.features.count(name) > 1:
+            raise ValueError(f"{where}: features names '{name}' twice: once is enough")
+        if name not in used:
+            kind = f" of kind {scene.kind}" if hasattr(scene, "kind") else ""
+            raise ValueError(
+                f"{where}: features names '{name}', which nothing uses in a scene{kind}: leave it out"
+            )
+    for name, why in used.items():
+        if name not in scene.features:
+            raise ValueError(f"{where}: features does not name '{name}', but {why}: add it")
+
+
+def free_bytes():
+    """Memory that this machine can give without swapping; None where it does not say."""
+    try:
+        for line in Path("/proc/meminfo").read_text("ascii").splitlines():
+            if line.startswith("MemAvailable:"):
+                return int(line.split()[1]) * 1024
+    except OSError:
+        pass
+    return None
+
+
+def check_memory(scene):
+    """ValueError if the scene's largest arrays do not fit the machine; from their shapes alone."""
+    needs, what = of(scene).memory(scene)
+    free = free_bytes()
+    if free is not None and needs > ROOM * free:
+        raise ValueError(
+            f"scene {scene.name}: {what} need about {needs / 1e9:.3g} GB, and this machine has "
+            f"{free / 1e9:.1f} GB free: make them fewer, or run it on a larger machine"
+        )
+
+
+def reasons(scene):
+    """{part of the physics: why the scene needs it}, in the order of the sensor's COMPONENTS."""
+    own = of(scene)
+    return {name: own.WHY[name] for name in own.modelled(scene)}

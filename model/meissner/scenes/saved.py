@@ -1,0 +1,63 @@
+"""What a scene saves beside a run with everything on: recorded by ``meissner run SCENE --full``."""
+
+import json
+from contextlib import contextmanager
+from functools import cache
+from importlib import resources
+
+FILE = "saved.json"
+
+
+@cache
+def _recorded():
+    try:
+        return json.loads((resources.files(__package__) / FILE).read_text("utf-8"))
+    except FileNotFoundError:
+        return {}
+
+
+def compared(scene_ms, full_ms):
+    """Of a scene and of everything, milliseconds of world and engine for a simulated second."""
+    return {
+        "scene_ms_per_s": scene_ms,
+        "full_ms_per_s": full_ms,
+        "times_faster": round(full_ms / scene_ms, 1),
+    }
+
+
+_measured = []  # by the run that is going on
+
+
+@contextmanager
+def measured(found):
+    """``of`` gives ``found`` meanwhile, if it is not None."""
+    _measured.append(found)
+    try:
+        yield
+    finally:
+        _measured.pop()
+
+
+def of(scene, engine):
+    """The comparison of that scene on that engine, measured now or recorded; else on fixed; None without."""
+    if _measured and _measured[-1] is not None:
+        return _measured[-1]
+    for other in (engine, "fixed"):
+        recorded = _recorded().get(other, {})
+        if scene.name in recorded.get("scenes", {}):
+            found = compared(recorded["scenes"][scene.name], sum(recorded["full"].values()))
+            return found | {"engine": other, "on": recorded["on"]}
+    return None
+
+
+def tell(scene, engine, found):
+    """The line to print of ``of``."""
+    command = f"meissner run {scene} --engine {found['engine'] if found else engine} --full"
+    if found is None:
+        return f"saved: not measured; `{command}` does"
+    when = f"recorded {found['on']} by" if "on" in found else "measured now, by"
+    return (
+        f"saved: {found['times_faster']:g} times faster than with everything on: a simulated second of world "
+        f"and engine takes {found['scene_ms_per_s']:.4g} ms, full {found['full_ms_per_s']:.5g} ms "
+        f"({when} `{command}`)"
+    )
