@@ -51,10 +51,10 @@ test: lint $(FORMAL)  ## lint, twins and every cocotb regression
 	@$(BIN)/python -m pytest -n $$(($(JOBS) + 1)) --dist worksteal -m "not long and not big"
 
 test-long: $(SYNTH)  ## the benches that `make test` leaves out: large sizes, more builds, netlists
-	@$(BIN)/python -m pytest -n $(JOBS) -m "long or big"
+	@MEISSNER_COCOTB=plain $(BIN)/python -m pytest -n $(JOBS) -m "long or big"
 
 test-icarus: $(SIM)  ## the blocks' benches on Icarus Verilog, where it can run them (tb/icarus.py)
-	@MEISSNER_SIM=icarus $(BIN)/python -m pytest -n $(JOBS) -m "not long and not big" -k "not refuses" tb/common tb/frontend tb/slip tb/cop tb/link
+	@MEISSNER_SIM=icarus $(BIN)/python -m pytest -n $(JOBS) -m "not long and not big" -k "not refuses" tb/common tb/frontend tb/slip tb/cop tb/link tb/actuate
 
 faults: $(SIM)  ## faults injected into every block, and their effects: docs/trust/faults.json, docs/faults.md
 	@$(BIN)/python tools/faults.py --record $(BLOCKS)

@@ -4,7 +4,8 @@ A bench awaits an edge and the settled values of every clock, and reads and writ
 times each in a long one. Half of that time went into guards of cocotb's debug log and profile, into objects
 made for them, and into Logic values made of 0 and 1 to be made a character. Each function here does the plain
 case (an integer is deposited, a coroutine awaits; no log, no profile) as cocotb's own, which its first line
-names, and hands every other case to it. tb/test_quick.py knows the sources of those, of the pinned version.
+names, and hands every other case to it. tb/common/test_quick.py holds the sources of those to the pinned
+version. MEISSNER_COCOTB=plain runs without any of it.
 """
 
 import gc

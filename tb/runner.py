@@ -30,7 +30,7 @@ SIM = os.environ.get("MEISSNER_SIM", "verilator")  # or icarus
 os.environ.setdefault("COCOTB_REWRITE_ASSERTION_FILES", "test_*.py *_by_hand.py")
 if os.environ.get("MEISSNER_INSTANCE"):  # one of many in a top without ports, of verify.regress
     cocotb.top = getattr(cocotb.top, os.environ["MEISSNER_INSTANCE"])
-if cocotb.is_simulation:
+if cocotb.is_simulation and os.environ.get("MEISSNER_COCOTB") != "plain":
     quick.install()
 if recorder.FILE:
     recorder.install()
@@ -68,7 +68,8 @@ def run(stage, block, parameters=None, test_filter=None, module=None, sources=No
     where = "coverage/builds" if evidence else "tb" if SIM == "verilator" else SIM
     build_dir = toolchain.folder_for_make(toolchain.BUILD / where / name)
     sources = sources or toolchain.sources_of(f"msn_{block}")
-    flags = [*toolchain.VERILATOR_FLAGS]
+    # What a size or a form leaves unused is looked at by `make lint`, in the sizes that are built.
+    flags = [*toolchain.VERILATOR_FLAGS, "-Wno-UNUSEDSIGNAL", "-Wno-UNUSEDPARAM"]
     if SIM == "icarus":
         if reason := icarus.refused(block, parameters):
             pytest.skip(f"Icarus: {reason}")

@@ -8,6 +8,7 @@
 //
 // healthy_o follows 3 clocks after the sample, 1 clock after lost_i. Every clock takes a sample; an id beyond the last
 // finger is ignored. After a reset all are healthy.
+// Error: none (docs/extremes.md).
 // Model: model/meissner/twins/actuate/finger_health.py
 
 module msn_finger_health #(

@@ -250,7 +250,7 @@ EVIDENCE = {
         "against": "`GripLoop` and `Runs`, loops written from docs/grip.md",
         "test": "tb/actuate/test_actuate.py::test_model_against_the_loops",
     },
-    "equivalence": {"size": {"Fingers": 3}, "open": ["reset"]},
+    "equivalence": {"size": {"Fingers": 3}, "boxes": True, "open": ["reset"]},
     "faults": {"none": "instances and wires; the reflex' own upsets are those of msn_grip"},
 }
 

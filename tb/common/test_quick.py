@@ -3,6 +3,7 @@ refused, how a task ends. On msn_delay, whose ports have one bit and more than a
 
 import hashlib
 import inspect
+import os
 
 import cocotb
 import numpy as np
@@ -150,6 +151,7 @@ async def a_task_ends_as_it_did(dut):
     assert victim.done() and victim.result() is None
 
 
+@pytest.mark.skipif(os.environ.get("MEISSNER_COCOTB") == "plain", reason="cocotb's own functions are wanted")
 def test_quick():
     bench.run("common", "delay", {"Depth": 3, "Width": WIDTH}, module="test_quick")
 

@@ -2,7 +2,7 @@
 widths.
 """
 
-from meissner.twins.actuate import grip, pwm
+from meissner.twins.actuate import finger_health, grip, pwm
 from verify.extremes import row
 
 TOP = 65535
@@ -146,3 +146,37 @@ def pwm_(see):
             see.refused(pwm.pwm, [outside], bits, divide)
     for bad in ((1, 0), (17, 0), (16, -1), (16, 65536)):
         see.refused(pwm.pwm, [0], *bad)
+
+
+@row(
+    "finger_health",
+    {"": "0"},
+    ends="a count of samples at the rail stops at 255; the count that is asked for lies in 0 .. 255",
+    rtl=["tb/actuate/test_finger_health.py::matches_the_loop"],
+)
+def finger_health_(see):
+    """One below, exactly and one beyond each limit, at both ends of 17 bits; then for a million samples."""
+    least, most = -(2**16), 2**16 - 1
+    for one in see.covering(
+        lambda low, high, **_: low < high,
+        low=[least, -1, 0, most - 1],
+        high=[least + 1, 1, 4095, most],
+        rail=[0, 1, 2, 254, 255],
+    ):
+        low, high, rail = one.values()
+        for code in sorted({least, low - 1, low, low + 1, high - 1, high, high + 1, most}):
+            if not least <= code <= most:
+                continue
+            twin = finger_health.FingerHealth(1, low, high, rail)
+            for count in (1, 2, 253, 254, 255, 256, 257):
+                twin = finger_health.FingerHealth(1, low, high, rail)
+                got = twin.next([[code] * count])[0]
+                bad = rail > 0 and count >= rail and not low < code < high
+                see.same(bool(got), not bad, (one, code, count))
+    twin = finger_health.FingerHealth(1, 0, 4095, 255)
+    twin.next([[0] * 10**6])
+    see.near(int(twin.run[0]), 255, "a million samples at the rail")
+    see.same(bool(twin.next([[7]])[0]), False, "and one between: unhealthy before it")
+    see.same(bool(twin.next([[7]])[0]), True, "healthy after it")
+    for rail in (-1, 256):
+        see.refused(finger_health.FingerHealth, 1, rail=rail)

@@ -220,8 +220,9 @@ def test_a_changed_entry_is_stale(monkeypatch):
 
 def test_a_recorded_block_and_board_are_of_their_rtl(tmp_path, monkeypatch):
     monkeypatch.setattr(fmax, "RECORD", tmp_path / "fmax.json")
-    fmax.record(ENTRY | {"name": "slip-1", "target": "ecp5"}, fmax.revision_of("slip-1", "ecp5"))
-    fmax.record(ENTRY | {"name": "cop4", "target": "ecp5"}, "before")
+    made = ENTRY | {"target": "ecp5", "module": "msn_slip_path", "parameters": {}}
+    fmax.record(made | {"name": "slip-1"}, fmax.revision_of("slip-1", "ecp5"))
+    fmax.record(made | {"name": "cop4"}, "before")
     records = figures.Records(json.loads(fmax.RECORD.read_text()), {})
     assert [records.stale(key) for key in ("slip-1 ecp5", "cop4 ecp5")] == [False, True]
     pairs = dict(PAIRS)

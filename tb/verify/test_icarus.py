@@ -26,7 +26,7 @@ def accepted(block, folder, **parameters):
     return subprocess.run([*map(str, command)], capture_output=True).returncode == 0
 
 
-STAGES = ("common", "frontend", "slip", "cop", "link")  # of `make test-icarus`
+STAGES = ("common", "frontend", "slip", "cop", "link", "actuate")  # of `make test-icarus`
 BLOCKS = [block for block in benches.blocks() if benches.stage_of(block) in STAGES]
 REFUSED = [block for block in BLOCKS if icarus.refused(block, lanes_of(block))]
 

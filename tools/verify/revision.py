@@ -1,6 +1,7 @@
 """What a block's evidence of a kind rests on, as a digest: its RTL and that of all blocks in it, the tests,
 twin, proof harnesses and exclusions that the kind uses, what the tests state of the kind (evidence.py), and
-the pinned versions of its tools. Comments do not count, nor what the tests state of other kinds.
+the pinned versions of its tools. Comments do not count, nor what it does not use of a package, nor what the
+tests state of other kinds.
 """
 
 import ast
@@ -11,7 +12,7 @@ from functools import cache
 
 from meissner.builds import toolchain
 from meissner.builds.yowasp import INSTEAD
-from verify import evidence
+from verify import evidence, packages
 
 # Packages of requirements/*.txt whose version matters to a kind.
 TOOLS = {
@@ -65,6 +66,16 @@ def _synthesised(path):
     """The same of a source as Yosys reads it, which defines SYNTHESIS: without assertions."""
     text = path.read_text("utf-8")
     return _unread(path.suffix, re.sub(r"`ifndef SYNTHESIS\b.*?`endif", "", text, flags=re.DOTALL))
+
+
+def _texts(sources, read, besides=()):
+    """What ``read`` gives of each source; of a package what the others, and texts ``besides``, use of it."""
+    texts = {path: read(path) for path in sources}
+    for path in sources:
+        if path.stem.endswith("_pkg"):
+            users = [*besides, *(text for other, text in texts.items() if other != path)]
+            texts[path] = packages.used(path.stem, texts[path], users)
+    return [*texts.values()]
 
 
 @cache
@@ -149,9 +160,8 @@ def of_board(board, config):
     sources = sorted({path for name in named for path in toolchain.sources_of(name)})
     pins = (toolchain.ROOT / f"constraints/{board.name}.toml").read_text("utf-8")
     setting = repr((board.synth, board.pnr, board.device(config), sorted(board.parameters(config).items())))
-    return _hashed(
-        [*map(_synthesised, [*own, *sources]), *_instead(sources), pins, setting, *_versions("boards")]
-    )
+    texts = _texts([*own, *sources], _synthesised)
+    return _hashed([*texts, *_instead(sources), pins, setting, *_versions("boards")])
 
 
 def of_files(names, kind):
@@ -174,15 +184,12 @@ def digest(block, kind):
     stated = evidence.resting(block, kind)
     around = stated.get(block, {}).get("inside", [block])[0]  # in which it is run
     sources = toolchain.sources_of(f"msn_{around}")
-    parts = [*map(_synthesised if kind == "fmax" else _plain, sources)]
+    harness = _proofs(block) if kind == "formal" else _waivers(block) if kind == "coverage" else []
+    parts = _texts(sources, _synthesised if kind == "fmax" else _plain, harness)
     parts += _instead(sources) if kind == "fmax" else []
     parts += _versions(kind)
     parts += [repr(stated)] if stated else []
     parts += [_plain(toolchain.ROOT / name) for name in OWN.get(kind, ())]
     if kind in BENCH:
         parts += _bench(around)
-    if kind == "formal":
-        parts += _proofs(block)
-    if kind == "coverage":
-        parts += _waivers(block)
-    return _hashed(parts)
+    return _hashed(parts + harness)

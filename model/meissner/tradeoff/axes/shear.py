@@ -55,7 +55,7 @@ AXES = (
             Figure("rom_bits", "both tables", "bits", judged=True),
             Figure("speed", "speed's error, 0.01 to 3 mm/s, largest", "% of v", judged=True),
             Figure("arithmetic", "of this the arithmetic's", "% of v"),
-            Figure("bound", "its bound", "% of v"),
+            Figure("bound", "its bound, half an LSB of the speed aside", "% of v"),
         ),
         panels=(("rom_bits", "speed"),),
     ),
