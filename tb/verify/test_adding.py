@@ -95,14 +95,14 @@ def do(step, tree):
         assert (step.language, step.what) == ("console", "by-hand"), f"{step.language} {step.what}"
 
 
-def test_a_leaf_is_three_files_and_a_line(tree):
+def test_a_leaf_is_four_files_and_a_line(tree):
     """Part A, with its commands; tb/test_twins.py and tb/test_references.py are among them."""
     part = [step for step in STEPS if step.part == "A"]
     by_hand = [step for step in part if step.language != "console"]
     for step in by_hand:
         do(step, tree)
     made = [step.what for step in by_hand if step.what.startswith("file=")]
-    assert [Path(name).suffix for name in made] == [".sv", ".py", ".py"]
+    assert [Path(name).suffix for name in made] == [".sv", ".py", ".py", ".py"]
     assert tree.changed() == ["rtl/rtl.f"] and said("part A") == 1
     assert "+rtl/" in by_hand[1].text and by_hand[1].text.count("\n+") == 2  # "+++" and the line
     commands = [step for step in part if (step.language, step.what) == ("console", "")]
@@ -132,7 +132,7 @@ def test_the_feature_works(tree):
         if step.language == "console":
             do(step, tree)
     made = [name for name in tree.changed() if name not in by_hand]
-    assert len(made) == 11 and "Commands wrote eleven more" in PAGE.read_text("utf-8"), made
+    assert len(made) == 13 and "Commands wrote thirteen more" in PAGE.read_text("utf-8"), made
 
 
 def test_an_unknown_kind_of_step_is_refused(tree):
