@@ -146,7 +146,7 @@ module formal_adc_store #(
       cover (give && out_last_o && value == highest);
       if (!Whole) cover (give && |(leaves & fills));
       if (!Whole && Channels > 1) cover (there[Channels-1] && !there[0] && next == 0);
-      if (!Whole && Channels > 1) cover (forgets && there[Channels-1] && next == 1);
+      if (!Whole && Channels > 2) cover (forgets && there[Channels-1] && next == 1);  // of 2, it is offered
     end
   end
 

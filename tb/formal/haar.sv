@@ -3,6 +3,8 @@
 // Level 1, as all that ship have it. Of a channel's samples x0, x1 of a group: a + d = 2 x0, a - d = 2 x1; d of equal
 // samples is 0; masked, both are 0. One result a group, in the clock after x1 is taken.
 
+`include "owed_ports.svh"
+
 module formal_haar #(
   parameter  int unsigned Channels   = 8,
   parameter  int unsigned SampleBits = 17,
@@ -90,32 +92,34 @@ module formal_haar #(
 
   // Invariant: the watched sample's way through the delay line.
   localparam int unsigned AgeBits = $clog2(Channels + 2);
-  logic [$clog2(Channels-3)-1:0] slot;
+  logic [msn_pkg::index_width(Channels > 4 ? Channels - 3 : 1)-1:0] slot;
   logic [AgeBits-1:0]            age;
   logic [Width-1:0]              kept;
   logic                          frame_second;
   assign frame_second = second_q && !(again && at != '0);
-  if (Mask) begin : gen_masked
+  if (Mask && Channels > 4) begin : gen_masked_ring
     owed_delay #(.Depth(Channels), .Width(Width)) u_owed (
       .clk_i, .rst_i, .step_i(accept), .catch_i(at == watch_i && !second), .in_data_i({in_mask_i, in_data_i}),
-      .out_data_i(dut.gen_level[0].gen_masked.u_even.out_data_o), .line_i('0),
-      .slot_i(dut.gen_level[0].gen_masked.u_even.gen_ring.slot),
-      .newest_i(dut.gen_level[0].gen_masked.u_even.gen_ring.newest),
-      .oldest_i(dut.gen_level[0].gen_masked.u_even.gen_ring.oldest),
-      .oldest_q_i(dut.gen_level[0].gen_masked.u_even.gen_ring.oldest_q),
-      .word_i(dut.gen_level[0].gen_masked.u_even.gen_ring.ring[slot]), .slot_o(slot), .age_o(age),
-      .kept_o(kept)
+      .out_data_i(dut.gen_level[0].gen_masked.u_even.out_data_o), `OWED_RING(dut.gen_level[0].gen_masked.u_even), .slot_o(slot),
+      .age_o(age), .kept_o(kept)
     );
-  end else begin : gen_plain
+  end else if (Mask) begin : gen_masked_line
+    owed_delay #(.Depth(Channels), .Width(Width)) u_owed (
+      .clk_i, .rst_i, .step_i(accept), .catch_i(at == watch_i && !second), .in_data_i({in_mask_i, in_data_i}),
+      .out_data_i(dut.gen_level[0].gen_masked.u_even.out_data_o), `OWED_LINE(dut.gen_level[0].gen_masked.u_even), .slot_o(slot),
+      .age_o(age), .kept_o(kept)
+    );
+  end else if (Channels > 4) begin : gen_ring
     owed_delay #(.Depth(Channels), .Width(Width)) u_owed (
       .clk_i, .rst_i, .step_i(accept), .catch_i(at == watch_i && !second), .in_data_i(in_data_i[SampleBits-1:0]),
-      .out_data_i(dut.gen_level[0].gen_plain.u_even.out_data_o), .line_i('0),
-      .slot_i(dut.gen_level[0].gen_plain.u_even.gen_ring.slot),
-      .newest_i(dut.gen_level[0].gen_plain.u_even.gen_ring.newest),
-      .oldest_i(dut.gen_level[0].gen_plain.u_even.gen_ring.oldest),
-      .oldest_q_i(dut.gen_level[0].gen_plain.u_even.gen_ring.oldest_q),
-      .word_i(dut.gen_level[0].gen_plain.u_even.gen_ring.ring[slot]), .slot_o(slot), .age_o(age),
-      .kept_o(kept)
+      .out_data_i(dut.gen_level[0].gen_plain.u_even.out_data_o), `OWED_RING(dut.gen_level[0].gen_plain.u_even), .slot_o(slot),
+      .age_o(age), .kept_o(kept)
+    );
+  end else begin : gen_line
+    owed_delay #(.Depth(Channels), .Width(Width)) u_owed (
+      .clk_i, .rst_i, .step_i(accept), .catch_i(at == watch_i && !second), .in_data_i(in_data_i[SampleBits-1:0]),
+      .out_data_i(dut.gen_level[0].gen_plain.u_even.out_data_o), `OWED_LINE(dut.gen_level[0].gen_plain.u_even), .slot_o(slot),
+      .age_o(age), .kept_o(kept)
     );
   end
   always_comb begin

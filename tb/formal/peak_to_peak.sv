@@ -4,6 +4,8 @@
 // of the window so far, never falls within one, and whether it is above a threshold, whichever, at the window's end
 // is whether it ever was: the early decision is the window's. Masked details do not count.
 
+`include "owed_ports.svh"
+
 module formal_peak_to_peak #(
   parameter  int unsigned Channels   = 8,
   parameter  int unsigned DetailBits = 18,
@@ -107,17 +109,22 @@ module formal_peak_to_peak #(
 
   // Invariant.
   localparam int unsigned AgeBits = $clog2(Channels + 2);
-  logic [$clog2(Channels-3)-1:0] slot;
+  logic [msn_pkg::index_width(Channels > 4 ? Channels - 3 : 1)-1:0] slot;
   logic [AgeBits-1:0]            age;
   logic [2*DetailBits-1:0]       kept;
-  owed_delay #(.Depth(Channels), .Width(2 * DetailBits)) u_owed (
-    .clk_i, .rst_i, .step_i(accept), .catch_i(at == watch_i),
-    .in_data_i(any ? {high, low} : {Lowest, ~Lowest}),
-    .out_data_i(dut.gen_parts.u_part.out_data_o), .line_i('0),
-    .slot_i(dut.gen_parts.u_part.gen_ring.slot), .newest_i(dut.gen_parts.u_part.gen_ring.newest),
-    .oldest_i(dut.gen_parts.u_part.gen_ring.oldest), .oldest_q_i(dut.gen_parts.u_part.gen_ring.oldest_q),
-    .word_i(dut.gen_parts.u_part.gen_ring.ring[slot]), .slot_o(slot), .age_o(age), .kept_o(kept)
-  );
+  if (Channels > 4) begin : gen_ring
+    owed_delay #(.Depth(Channels), .Width(2 * DetailBits)) u_owed (
+      .clk_i, .rst_i, .step_i(accept), .catch_i(at == watch_i),
+      .in_data_i(any ? {high, low} : {Lowest, ~Lowest}), .out_data_i(dut.gen_parts.u_part.out_data_o),
+      `OWED_RING(dut.gen_parts.u_part), .slot_o(slot), .age_o(age), .kept_o(kept)
+    );
+  end else begin : gen_line
+    owed_delay #(.Depth(Channels), .Width(2 * DetailBits)) u_owed (
+      .clk_i, .rst_i, .step_i(accept), .catch_i(at == watch_i),
+      .in_data_i(any ? {high, low} : {Lowest, ~Lowest}), .out_data_i(dut.gen_parts.u_part.out_data_o),
+      `OWED_LINE(dut.gen_parts.u_part), .slot_o(slot), .age_o(age), .kept_o(kept)
+    );
+  end
   always_comb begin
     if (started) begin
       if (!first) begin

@@ -6,6 +6,8 @@
 //   seen ends after `hold` details, a release too
 // Registers hold while it runs (assumed: msn_frame_gate lets them change between drained frames only).
 
+`include "owed_ports.svh"
+
 module formal_slip #(
   parameter  int unsigned Channels   = 8,
   parameter  int unsigned DetailBits = 18,
@@ -199,7 +201,7 @@ module formal_slip #(
 
   // Invariant.
   localparam int unsigned AgeBits = $clog2(Channels + 2);
-  logic [$clog2(Channels-3)-1:0] slot;
+  logic [msn_pkg::index_width(Channels > 4 ? Channels - 3 : 1)-1:0] slot;
   logic [AgeBits-1:0]            age;
   logic [3+CountBits:0]          kept;
   logic [2:0]                    kept_state;
@@ -208,14 +210,19 @@ module formal_slip #(
   logic [TimerBits-1:0]          kept_limit;
   assign {kept_state, kept_blanking, kept_timer} = kept;
   assign kept_limit = state != Contact ? cfg_hold_i : fresh ? cfg_blank_i : cfg_refractory_i;
-  owed_delay #(.Depth(Channels), .Width(4 + CountBits)) u_owed (
-    .clk_i, .rst_i, .step_i(step), .catch_i(id == watch_i),
-    .in_data_i({dut.next_state, dut.next_blanking, dut.next_timer}),
-    .out_data_i(dut.u_memory.out_data_o), .line_i('0),
-    .slot_i(dut.u_memory.gen_ring.slot), .newest_i(dut.u_memory.gen_ring.newest),
-    .oldest_i(dut.u_memory.gen_ring.oldest), .oldest_q_i(dut.u_memory.gen_ring.oldest_q),
-    .word_i(dut.u_memory.gen_ring.ring[slot]), .slot_o(slot), .age_o(age), .kept_o(kept)
-  );
+  if (Channels > 4) begin : gen_ring
+    owed_delay #(.Depth(Channels), .Width(4 + CountBits)) u_owed (
+      .clk_i, .rst_i, .step_i(step), .catch_i(id == watch_i),
+      .in_data_i({dut.next_state, dut.next_blanking, dut.next_timer}),
+      .out_data_i(dut.u_memory.out_data_o), `OWED_RING(dut.u_memory), .slot_o(slot), .age_o(age), .kept_o(kept)
+    );
+  end else begin : gen_line
+    owed_delay #(.Depth(Channels), .Width(4 + CountBits)) u_owed (
+      .clk_i, .rst_i, .step_i(step), .catch_i(id == watch_i),
+      .in_data_i({dut.next_state, dut.next_blanking, dut.next_timer}),
+      .out_data_i(dut.u_memory.out_data_o), `OWED_LINE(dut.u_memory), .slot_o(slot), .age_o(age), .kept_o(kept)
+    );
+  end
   logic [IdBits-1:0] next_id;  // of the next step
   assign next_id = seen ? id : at;
   logic early, early_first;

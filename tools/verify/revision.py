@@ -116,6 +116,8 @@ def _proofs(block):
     table = tomllib.loads((folder / "proofs.toml").read_text("utf-8"))
     own = {name: row for name, row in table.items() if row.get("block", name) == block}
     files = [folder / f"{name}.sv" for name in sorted(own)]
+    texts = " ".join(path.read_text("utf-8") for path in files)
+    files += [folder / name for name in sorted(set(re.findall(r'`include "(\S+)"', texts)))]
     return [repr({name: {**row, "says": ""} for name, row in own.items()}), *map(_plain, files)]
 
 

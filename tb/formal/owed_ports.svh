@@ -1,0 +1,8 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Ports of owed_delay that look into an msn_delay, `of`: a ring if it is more than 4 deep, else a line of registers.
+
+`define OWED_RING(of) .line_i('0), .slot_i(of.gen_ring.slot), .newest_i(of.gen_ring.newest), \
+    .oldest_i(of.gen_ring.oldest), .oldest_q_i(of.gen_ring.oldest_q), .word_i(of.gen_ring.ring[slot])
+`define OWED_LINE(of) .line_i(of.gen_registers.line), .slot_i('0), .newest_i('0), .oldest_i('0), .oldest_q_i('0), \
+    .word_i('0)
