@@ -242,7 +242,7 @@ module msn_grip #(
         armed_mode    <= mode_3;
       end
       out_increment_o <= live_3 ? signed'({1'b0, next}) - signed'({1'b0, out_command_o}) : '0;
-      out_force_o       <= mode_3;
+      out_force_o     <= mode_3;
       faulty_o        <= faulty_2;
       fault_o         <= {!gives_3, cfg_minimum_i > cfg_maximum_i, gives_3 && reaches && !below,
                           any_sick, any_silent};
@@ -252,7 +252,7 @@ module msn_grip #(
       out_increment_o <= '0;
       out_command_o   <= '0;
       armed           <= 1'b0;
-      out_force_o       <= 1'b0;
+      out_force_o     <= 1'b0;
       faulty_o        <= '0;
       fault_o         <= 5'b10000;
     end

@@ -167,7 +167,6 @@ def finger_health_(see):
         for code in sorted({least, low - 1, low, low + 1, high - 1, high, high + 1, most}):
             if not least <= code <= most:
                 continue
-            twin = finger_health.FingerHealth(1, low, high, rail)
             for count in (1, 2, 253, 254, 255, 256, 257):
                 twin = finger_health.FingerHealth(1, low, high, rail)
                 got = twin.next([[code] * count])[0]

@@ -40,9 +40,8 @@ def _slip(scene, engine, condition, seed):
 def _hand(scene, engine, condition, seed):
     from meissner.scenes.hand import loop, run
 
-    scene = replace(scene, world=scene.world | HAND)
     one = replace(scene.conditions[condition], duration_s=None)
-    scene = replace(scene, conditions=(one,))
+    scene = replace(scene, world=scene.world | HAND, conditions=(one,))
     loop.hold(scene, one, [seed], run.PARTS.get(engine, run.PARTS["fixed"]))  # gate has none
     return HAND["duration_s"]
 
