@@ -76,10 +76,10 @@ def test_the_cheapest_that_meets_the_needs(needs, expected):
 def test_the_next_in_each_direction_and_why():
     _, _, lines = choose.chosen(Needs("channels", error=0.0, latency_ms=10.0, adc="MCP3208"), HAND)
     assert lines[5:] == [
-        "less of 'converter's data': 60 kbit/s with rate_hz 5000, but missed and false alarms 3 % of runs is "
-        "above 0 % of runs; onset to flag, median 24 ms is above 10 ms",
+        "less of 'converter's data': 60 kbit/s with rate_hz 5000, but missed rate + false-alarm rate 3 % is "
+        "above 0 %; onset to flag, median 24 ms is above 10 ms",
         "less of 'state of a channel': no measured point has it",
-        "less of 'missed and false alarms': no measured point has it",
+        "less of 'missed rate + false-alarm rate': no measured point has it",
         "less of 'onset to flag, median': 6 ms with kind sliding, for 868 instead of 28 bits of 'state of a "
         "channel'",
     ]

@@ -54,6 +54,9 @@ def _panel(axes, axis, rows, across, up):
             axes.scatter(*at[id(row)], s=110, marker="*", color=ORANGE, zorder=4, label="shipped")
     axes.set_xscale(_scale([x for x, _ in at.values()]))
     axes.set_yscale(_scale([y for _, y in at.values()]))
+    for one, values in zip((axes.xaxis, axes.yaxis), zip(*at.values())):
+        if one.get_scale() == "linear" and all(value == int(value) for value in values):
+            one.get_major_locator().set_params(integer=True)  # no half clocks
     axes.set(xlabel=label(axis.figure(across)), ylabel="\n".join(wrap(label(axis.figure(up)), 38)))
     axes.spines[["top", "right"]].set_visible(False)
     axes.grid(color="#E6E6E6", lw=0.6)

@@ -152,7 +152,7 @@ AXES = (
         figures=(
             Figure("kbit_s", "converter's data", "kbit/s", judged=True),
             Figure("state_bits", "state of a channel", "bits", judged=True),
-            Figure("wrong", "missed and false alarms", "% of runs", judged=True),
+            Figure("wrong", "missed rate + false-alarm rate", "%", judged=True),
             Figure("delay_ms", "onset to flag, median", "ms", judged=True),
             Figure("delay_ms_mean", "the same, mean", "ms"),
             Figure("lead_ms_median", "flag to slip of the whole contact, median", "ms"),
