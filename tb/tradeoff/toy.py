@@ -1,6 +1,7 @@
 """An axis that measures nothing: it writes down what was asked for, and ends its process where it is told to.
 
 The environment says where: TOY_FOLDER, with a file `log`; `die_once` and `die_always` hold numbers of points;
+while there is a file `hold`, points from HOLD on do not end;
 TOY_COUNT: how many points, TOY_SECONDS: how long each takes.
 """
 
@@ -12,6 +13,7 @@ from pathlib import Path
 from meissner.tradeoff.axis import Axis, Figure
 
 COUNT = int(os.environ.get("TOY_COUNT", "24"))
+HOLD = 7
 
 
 def folder():
@@ -40,6 +42,8 @@ def error(point):
     if _told("die_once", number):
         (folder() / "die_once").unlink()
         os.kill(os.getpid(), signal.SIGKILL)
+    while (folder() / "hold").exists() and number >= HOLD:
+        time.sleep(0.01)
     time.sleep(float(os.environ.get("TOY_SECONDS", "0")))
     return {"wrong": 1 / (1 + number), "third": number / 3}
 
