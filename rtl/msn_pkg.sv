@@ -33,8 +33,8 @@ package msn_pkg;
   // A decision about one channel.
   typedef struct packed {
     logic        raised;
-    logic        last;   // of its frame
-    logic [2:0]  state;  // slip_state_e
+    logic        last;  // of its frame
+    slip_state_e state;
     logic [23:0] p2p;
     logic [15:0] id;
   } decision_t;

@@ -33,7 +33,7 @@ RESET = (
 )
 # Among a block's ports: the struct of a group's settings, which becomes a vector, and others.
 SETTINGS = re.compile(r"\bmsn_registers_pkg::(\w+)_cfg_t(\s+cfg_i\b)")
-STRUCT = re.compile(r"^\s*(?:input|output)\s+msn_\w*pkg::(?!\w+_cfg_t\s+cfg_i\b)\w+", re.M)
+STRUCT = re.compile(r"^\s*(?:input|output)\s+msn_\w*pkg::(?!\w+_cfg_t\s+cfg_i\b)\w+_t\b", re.M)
 STRUCTS = "ports of a package's packed struct: Icarus 11 crashes on `package::type` there"
 
 
@@ -72,6 +72,14 @@ def named(found):
     return f"localparam [{width}] {values}; typedef logic [{width}] {name};"
 
 
+def of_bits(text):
+    """A source with each type of msn_pkg that enumerates as bits: Icarus takes no `package::type`."""
+    package = next(path for path in toolchain.sources() if path.stem == "msn_pkg").read_text("utf-8")
+    for width, name in re.findall(r"typedef enum logic \[(\d+:0)\] \{[^}]*\} (\w+_e);", package):
+        text = re.sub(rf"\bmsn_pkg::{name}\b", f"logic [{width}]", text)
+    return text
+
+
 def of_vectors(text):
     """A source with its struct of settings as a vector and each member as its bits."""
     found = SETTINGS.search(text)
@@ -89,7 +97,7 @@ def adapted(sources, folder):
     folder.mkdir(parents=True, exist_ok=True)
     copies = []
     for path in sources:
-        text = of_vectors(path.read_text())
+        text = of_vectors(of_bits(path.read_text()))
         for pattern, put in REPLACED:
             text = re.sub(pattern, put, text, flags=re.M)
         text = re.sub(r"typedef enum logic \[(\d+:0)\] \{([^}=]*)\} (\w+);", named, text)

@@ -33,7 +33,7 @@ module msn_packet #(
   input  logic                   slip_valid_i,     // an event
   output logic                   slip_ready_o,
   input  logic [15:0]            slip_id_i,
-  input  logic [2:0]             slip_state_i,
+  input  msn_pkg::slip_state_e   slip_state_i,
   input  logic [23:0]            slip_p2p_i,
   input  logic [47:0]            slip_time_i,
 

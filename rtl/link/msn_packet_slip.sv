@@ -18,22 +18,22 @@
 module msn_packet_slip #(
   parameter int unsigned P2pBits = 18
 ) (
-  input  logic               clk_i,
-  input  logic               rst_i,
+  input  logic                 clk_i,
+  input  logic                 rst_i,
 
-  input  logic               convert_i,
+  input  logic                 convert_i,
 
-  input  logic               in_valid_i,
-  output logic               in_ready_o,
-  input  logic               in_raised_i,
-  input  logic [2:0]         in_state_i,
-  input  logic [P2pBits-1:0] in_p2p_i,
+  input  logic                 in_valid_i,
+  output logic                 in_ready_o,
+  input  logic                 in_raised_i,
+  input  msn_pkg::slip_state_e in_state_i,
+  input  logic [P2pBits-1:0]   in_p2p_i,
 
-  output logic               out_begin_o,  // a packet comes or is under way
-  output logic               out_valid_o,
-  input  logic               out_ready_i,
-  output logic [7:0]         out_data_o,
-  output logic               out_last_o
+  output logic                 out_begin_o,  // a packet comes or is under way
+  output logic                 out_valid_o,
+  input  logic                 out_ready_i,
+  output logic [7:0]           out_data_o,
+  output logic                 out_last_o
 );
 
   if (P2pBits < 1 || P2pBits > 24) begin : gen_check_p2p_bits

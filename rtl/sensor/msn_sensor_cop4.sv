@@ -128,7 +128,7 @@ module msn_sensor_cop4 #(
       .out_dy_o(unused_dy), .out_octant_o(octant)
     );
     assign decision_o.last  = 1'b1;
-    assign decision_o.state = slips ? 3'(msn_pkg::Incipient) : 3'(msn_pkg::Contact);
+    assign decision_o.state = slips ? msn_pkg::Incipient : msn_pkg::Contact;
     assign decision_o.p2p   = 24'(octant);
     assign decision_o.id    = '1;
   end else begin : gen_no_cop_slip

@@ -52,7 +52,7 @@ module msn_channels #(
 
   output logic                         out_valid_o,
   input  logic                         out_ready_i,
-  output logic        [2:0]            out_state_o,  // msn_pkg::slip_state_e
+  output msn_pkg::slip_state_e         out_state_o,
   output logic                         out_raised_o,
   output logic                         out_over_o,
   output logic        [DetailBits-1:0] out_p2p_o,

@@ -51,7 +51,7 @@ module msn_slip #(
 
   output logic                         out_valid_o,
   input  logic                         out_ready_i,
-  output logic        [2:0]            out_state_o,  // msn_pkg::slip_state_e
+  output msn_pkg::slip_state_e         out_state_o,
   output logic                         out_raised_o,
   output logic                         out_over_o,
   output logic        [DetailBits-1:0] out_p2p_o,
@@ -131,7 +131,7 @@ module msn_slip #(
     load_blank      <= '0 - CountBits'(cfg_blank_i);
   end
 
-  logic [2:0]           kept_state, state, next_state;
+  msn_pkg::slip_state_e kept_state, state, next_state;
   logic                 blanking, next_blanking, step, running, blank_this, blanked;
   logic [CountBits-1:0] timer, next_timer;
   assign step = seen_valid && in_ready_o;

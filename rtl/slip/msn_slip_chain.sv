@@ -78,7 +78,7 @@ module msn_slip_chain #(
     );
 
     logic                  found_valid, found_ready, found_raised, found_last, path_busy;
-    logic [2:0]            found_state;
+    msn_pkg::slip_state_e  found_state;
     logic [DetailBits-1:0] found_p2p, p2p;
     logic [IdBits-1:0]     found_id, id;
     logic                  found_over, found_end;

@@ -7,23 +7,23 @@
 // Model: model/meissner/twins/slip/slip_flags.py
 
 module msn_slip_flags (
-  input  logic       clk_i,
-  input  logic       rst_i,
+  input  logic                 clk_i,
+  input  logic                 rst_i,
 
-  input  logic       in_valid_i,  // a decision that is taken
-  input  logic [2:0] in_state_i,  // msn_pkg::slip_state_e
-  input  logic       in_last_i,
+  input  logic                 in_valid_i,  // a decision that is taken
+  input  msn_pkg::slip_state_e in_state_i,
+  input  logic                 in_last_i,
 
-  output logic       slip_o,      // incipient or gross
-  output logic       gross_o,
-  output logic       touched_o    // not None, not Release
+  output logic                 slip_o,      // incipient or gross
+  output logic                 gross_o,
+  output logic                 touched_o    // not None, not Release
 );
 
   logic [2:0] now, any, flags;
   logic       slips, gross, held;
-  assign gross = in_state_i == 3'(msn_pkg::Gross);
-  assign slips = in_state_i == 3'(msn_pkg::Incipient) || gross;
-  assign held  = in_state_i == 3'(msn_pkg::Contact);
+  assign gross = in_state_i == msn_pkg::Gross;
+  assign slips = in_state_i == msn_pkg::Incipient || gross;
+  assign held  = in_state_i == msn_pkg::Contact;
   assign now   = {slips || held, gross, slips};
 
   assign {touched_o, gross_o, slip_o} = flags;

@@ -43,7 +43,7 @@ module msn_slip_serial #(
 
   output logic                         out_valid_o,
   input  logic                         out_ready_i,
-  output logic        [2:0]            out_state_o,  // msn_pkg::slip_state_e
+  output msn_pkg::slip_state_e         out_state_o,
   output logic                         out_raised_o,
   output logic                         out_over_o,
   output logic        [DetailBits-1:0] out_p2p_o,
@@ -139,8 +139,8 @@ module msn_slip_serial #(
 
   // What comes in from outside, digit by digit. Pressing is asked for only without a contact, lifting only with one, so
   // that one comparison serves both.
-  logic [2:0] next_state;
-  logic       was_slipping, touching;
+  msn_pkg::slip_state_e next_state;
+  logic                 was_slipping, touching;
   assign was_slipping = out_state_o == msn_pkg::Incipient || out_state_o == msn_pkg::Gross;
   assign touching     = out_state_o == msn_pkg::Contact || was_slipping;
 

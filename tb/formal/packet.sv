@@ -21,7 +21,7 @@ module formal_packet #(
   input logic [47:0]            now_i,
   input logic                   slip_valid_i,
   input logic [15:0]            slip_id_i,
-  input logic [2:0]             slip_state_i,
+  input msn_pkg::slip_state_e   slip_state_i,
   input logic [23:0]            slip_p2p_i,
   input logic [47:0]            slip_time_i,
   input logic                   cop_valid_i,

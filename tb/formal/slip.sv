@@ -41,7 +41,7 @@ module formal_slip #(
 );
 
   logic                  in_ready_o, out_valid_o, out_raised_o, out_over_o, out_last_o, out_end_o, busy_o;
-  logic [2:0]            out_state_o;
+  msn_pkg::slip_state_e  out_state_o;
   logic [DetailBits-1:0] out_p2p_o;
   logic [IdBits-1:0]     out_id_o;
   logic [31:0]           blanked_o;

@@ -75,3 +75,13 @@ def test_a_struct_of_settings_becomes_a_vector():
     assert icarus.of_vectors(text) == "  input  logic [24:0] cfg_i,\n  x = cfg_i[24:24] && W'(cfg_i[23:0]);\n"
     other = "  output msn_registers_pkg::adc_status_t status_o\n" + text
     assert icarus.of_vectors(other) == other
+
+
+def test_a_type_that_enumerates_becomes_its_bits():
+    """Three bits of slip_state_e in a port; its values and a port of a struct stay."""
+    text = "  input  msn_pkg::slip_state_e in_state_i,\n  assign gross = in_state_i == msn_pkg::Gross;\n"
+    bits = "  input  logic [2:0] in_state_i,\n  assign gross = in_state_i == msn_pkg::Gross;\n"
+    assert icarus.of_bits(text) == bits
+    struct = "  output msn_pkg::decision_t out_o\n"
+    assert icarus.of_bits(struct) == struct
+    assert icarus.STRUCT.search(struct) and not icarus.STRUCT.search(text)
