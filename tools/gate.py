@@ -2,6 +2,8 @@
 
     python tools/gate.py                     every pair of a board and a configuration
     python tools/gate.py icebreaker slip1    one
+    python tools/gate.py --scenes            every scene: twins, RTL and netlist (gate_scenes.py)
+    python tools/gate.py --scenes cop_slip   one
 
 Twice: with noise, in which after a while an object presses and is shaken now and then, and with the scene
 that the configuration is for. Exit code 1 if a byte differs, or if none came.
@@ -13,6 +15,8 @@ import time
 
 import numpy as np
 
+import gate_scenes
+from meissner import scenes
 from meissner.builds import boards
 from meissner.engines.rtl_core import line
 from meissner.scenes.shown import codes_of
@@ -63,8 +67,14 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("board", nargs="?")
     parser.add_argument("config", nargs="?")
+    parser.add_argument(
+        "--scenes", nargs="*", metavar="SCENE", help="in place of boards; all of them if none"
+    )
     options = parser.parse_args()
     try:
+        if options.scenes is not None:
+            chosen = [scenes.load(name).name for name in options.scenes or scenes.names()]
+            sys.exit(gate_scenes.table(chosen))
         pairs = boards.pairs(options.board, options.config)
     except ValueError as error:
         parser.exit(2, f"gate: {error}\n")

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from meissner import names, scenes
 from meissner import run as runs
-from meissner import scenes
 from meissner.physics import hand, plate, rubber
 from meissner.physics.slide import Contacts, slide
 from meissner.physics.stepped import Fluctuation, Level, Ring, Ripple
@@ -494,11 +494,10 @@ def test_mistakes_are_named(path, value, text):
     assert text in str(problem.value) and "\n" not in str(problem.value)
 
 
-def test_other_engines_are_refused_in_a_sentence(tmp_path):
+def test_every_engine_runs_it_and_signals_are_refused_in_a_sentence(tmp_path):
     scene = scenes.load("grip_pour")
-    with pytest.raises(
-        ValueError, match="in closed loop on the engines fixed, float and rtl only, not on gate"
-    ):
-        runs.run(scene, "gate", tmp_path)
+    assert set(hand_run.PARTS) == set(names.EVERY)
+    with pytest.raises(ValueError, match="unknown engine 'spice'; the engines are"):
+        runs.run(scene, "spice", tmp_path)
     with pytest.raises(ValueError, match="--waves"):
         runs.run(scene, "fixed", tmp_path, waves=True)

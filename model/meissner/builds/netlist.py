@@ -47,7 +47,8 @@ def verilog(top, parameters, cells, kept=(), include=None):
     """
     synth = next(board.synth for board in boards.BOARDS.values() if board.cells == cells)
     keep = "".join(f"setattr -set keep 1 {top}/w:{wire}; " for wire in kept)
-    read = yowasp.read_rtl(cells)
+    whole = None if include is not None else top  # a board's top is in no list: it takes all
+    read = yowasp.read_rtl(cells, whole)
     text = ""
     if include is not None:
         read += f"; read_verilog -sv -I{include} {' '.join(boards.COMMON)}"
@@ -63,8 +64,8 @@ def verilog(top, parameters, cells, kept=(), include=None):
     after = f"; hierarchy -top {top}; {keep}proc; flatten; opt_expr; opt_clean; check -assert; "
     after += "write_verilog -noattr "
     digest = hashlib.sha256((before + after + text).encode())
-    for source in toolchain.sources():
-        digest.update(source.read_bytes())
+    for source in yowasp.rtl(cells, whole):
+        digest.update((toolchain.ROOT / source).read_bytes())
     folder = f"build/gate/{digest.hexdigest()[:16]}"
     made = toolchain.ROOT / folder / f"{top}.v"
     if not (made.exists() and made.read_text().rstrip().endswith("endmodule")):  # or it was cut short

@@ -26,11 +26,17 @@ class ToolError(RuntimeError):
 INSTEAD = {"ecp5": {"rtl/common/msn_multiply.sv": "rtl/ecp5/msn_multiply.sv"}}
 
 
-def read_rtl(cells=None):
-    """Yosys's command that reads the sources of rtl/rtl.f, as the family ``cells`` has them."""
+def rtl(cells=None, top=None):
+    """The sources of rtl/rtl.f relative to ROOT, as the family ``cells`` has them; ``top``: those in it alone."""
     instead = INSTEAD.get(cells, {})
-    sources = (ROOT / "rtl/rtl.f").read_text("utf-8").split()
-    return "read_verilog -sv " + " ".join(instead.get(source, source) for source in sources)
+    paths = toolchain.sources() if top is None else toolchain.sources_of(top)
+    sources = [path.relative_to(ROOT).as_posix() for path in paths]
+    return [instead.get(source, source) for source in sources]
+
+
+def read_rtl(cells=None, top=None):
+    """Yosys's command that reads ``rtl``."""
+    return "read_verilog -sv " + " ".join(rtl(cells, top))
 
 
 def tool(name, arguments, log, limit_s=None):

@@ -42,7 +42,7 @@ def _hand(scene, engine, condition, seed):
 
     one = replace(scene.conditions[condition], duration_s=None)
     scene = replace(scene, world=scene.world | HAND, conditions=(one,))
-    loop.hold(scene, one, [seed], run.PARTS.get(engine, run.PARTS["fixed"]))  # gate has none
+    loop.hold(scene, one, [seed], run.PARTS[engine])
     return HAND["duration_s"]
 
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from meissner.engines import rtl_hand
+from meissner.engines import gate, rtl_hand
 from meissner.physics import rubber
 from meissner.physics.hand import GRIP_N_MM, Hand
 from meissner.scenes.hand.scene import grasp
@@ -135,10 +135,12 @@ class Stage:
 class Cores:
     """The same by a Verilated core for each run; the twins run beside them, and draw the detail."""
 
+    core = rtl_hand.Core
+
     def __init__(self, config, settings, starts, adc, block):
         self.twin = Stage((FixedSlip, Grip), config, settings, starts, adc)
         actuate = ActuateConfig(settings, adc.min_code, adc.max_code)
-        self.cores = [rtl_hand.Core(2, config, actuate, block, start) for start in starts]
+        self.cores = [self.core(2, config, actuate, block, start) for start in starts]
         self.windows = Windows(2 * len(starts), config.window >> config.level)
         self.mismatches = np.zeros(len(starts), dtype=np.int64)
 
@@ -158,6 +160,12 @@ class Cores:
             self.mismatches[run] += word != expected[run] or not np.array_equal(over, wanted[run])
         _, _, counts = self.windows.next(np.concatenate(overs))
         return detail, counts, words
+
+
+class Netlists(Cores):
+    """The same by a core's netlist."""
+
+    core = staticmethod(gate.core_of_hand)
 
 
 def answer(reflex, parts, ends, healthy):
@@ -196,7 +204,7 @@ class Held:
     those in which a finger was over that had no event; ``faults``: cycles with one; ``ratio``: grip over the
     least that friction allows, in the mean of the hold; ``tug_ratio``: in the second after each tug, over
     the least that its peak needed (nan without tugs); ``mismatches``: cycles in which the core of engine rtl
-    was not as the twins, None of the others.
+    or gate was not as the twins, None of the others.
     """
 
     dropped: np.ndarray
@@ -232,7 +240,7 @@ class _Noise:
 
 
 def hold(scene, condition, seeds, parts):
-    """Run one condition with ``seeds`` at once; ``parts``: (slip path class, grip class) or Cores."""
+    """Run one condition with ``seeds`` at once; ``parts``: (slip path class, grip class), or Cores."""
     grasps = [grasp(scene, condition, seed) for seed in seeds]
     runs, block = len(grasps), scene.rate_hz * condition.cycle_ms // 1000
     hand = Hand(grasps, scene.rate_hz, block)
@@ -240,7 +248,7 @@ def hold(scene, condition, seeds, parts):
     settings = scene.grip_config(condition)
     starts = [scene.start(condition, one.closing_mm) for one in grasps]
     given = config, settings, starts, scene.adc
-    stage = Cores(*given, block) if parts is Cores else Stage(parts, *given)
+    stage = Stage(parts, *given) if isinstance(parts, tuple) else parts(*given, block)
     goal = np.array([one.closing_mm for one in grasps])
     noise, adc = _Noise(scene, seeds, number), scene.adc
     vc_v, follow = rubber.rest_volts(GRIP_N_MM * goal), round(FOLLOW_S * 1000 / condition.cycle_ms)

@@ -12,7 +12,8 @@ from meissner.twins.actuate.grip import Grip
 SHOWN = "grip force beside the least that holds the object, the Haar detail of both fingers, and its way down"
 AT_ONCE = 50  # runs that advance together
 # What an engine has of the loop; the reflex is integers in both, docs/grip_scenes.md says why.
-PARTS = {"fixed": (loop.FixedSlip, Grip), "float": (loop.FloatSlip, Grip), "rtl": loop.Cores}
+PARTS = {"fixed": (loop.FixedSlip, Grip), "float": (loop.FloatSlip, Grip)}
+PARTS |= {"rtl": loop.Cores, "gate": loop.Netlists}
 KEYS = (
     "dropped",
     "slip_mm",
@@ -31,12 +32,6 @@ WITHIN = 1.2  # of the least grip that friction allows: asked of the hold
 def check(scene, engine, waves):
     """ValueError with one sentence if this engine cannot run the scene."""
     check_waves(engine, waves)
-    if engine not in PARTS:
-        *names, last = PARTS
-        names = f"{', '.join(names)} and {last}"
-        raise ValueError(
-            f"scene {scene.name} runs in closed loop on the engines {names} only, not on {engine}"
-        )
     if waves:
         raise ValueError(f"--waves is not for {scene.name}: no engine of it has signals")
 

@@ -1,0 +1,149 @@
+"""Every scene on the twins, the Verilated RTL and its netlist: `python tools/gate.py --scenes`.
+
+A scene runs on the engine `gate` as `meissner run` runs it; whatever it asks of the netlist, the RTL and the
+twins are asked too, with the same arguments. Of a scene with seeds the first one runs, in every condition and
+to its end; of a hand HAND_S alone, as two cores then advance clock by clock with the physics.
+"""
+
+import dataclasses
+import math
+import tempfile
+import time
+from contextlib import contextmanager
+from dataclasses import replace
+from unittest.mock import patch
+
+import numpy as np
+
+from meissner import run as runs
+from meissner import scenes
+from meissner.engines import fixed, gate, rtl, rtl_hand
+from meissner.engines.stages import STAGES
+from meissner.scenes.hand import loop
+
+HAND_S = 3.0  # of each condition: its pour, its tugs, or what its release lets slip all begin in it
+SOON = {"pour_start_s": 0.2, "hold_from_s": 0.2}
+TUGS = ((0.4, 0.4), (1.1, 0.3), (1.7, 0.05))  # start and length in seconds
+RELEASE_MM_S = 0.2  # of a scene that lets go ten times slower
+
+
+def leaves(answer, name=""):
+    """{name: array} of whatever an engine gives: dataclass, dictionary, tuple or array."""
+    if dataclasses.is_dataclass(answer):
+        parts = {field.name: getattr(answer, field.name) for field in dataclasses.fields(answer)}
+    elif isinstance(answer, dict):
+        parts = answer
+    elif isinstance(answer, tuple):
+        parts = answer._asdict() if hasattr(answer, "_asdict") else dict(enumerate(answer))
+    else:
+        return {name or "result": np.asarray(answer)}
+    return {
+        path: array for key, part in parts.items() for path, array in leaves(part, f"{name}.{key}").items()
+    }
+
+
+class Compared:
+    """What the engines were asked and answered. ``different``: {(stage, engine, result): how many values}."""
+
+    def __init__(self):
+        self.inputs, self.results, self.different = 0, 0, {}
+
+    def note(self, stage, count, netlist, others):
+        """An answer of the netlist to ``count`` numbers, and those of {engine: answer} to the same."""
+        found = leaves(netlist)
+        self.inputs += count
+        self.results += sum(array.size for array in found.values())
+        for engine, answer in others.items():
+            wanted = leaves(answer)
+            for name in found.keys() | wanted.keys():
+                ours, theirs = found.get(name), wanted.get(name)
+                if ours is None or theirs is None or ours.shape != theirs.shape:
+                    wrong = max(array.size for array in (ours, theirs) if array is not None)
+                else:
+                    wrong = int((ours != theirs).sum())
+                if wrong:
+                    key = stage, engine, name.lstrip(".")
+                    self.different[key] = self.different.get(key, 0) + wrong
+
+    def stage(self, name):
+        """An engine's function ``name`` that asks all three; the netlist's answer is what it gives."""
+        netlist, source, twin = (getattr(module, name, None) for module in (gate, rtl, fixed))
+
+        def ask(x, *settings):
+            found = netlist(x, *settings)
+            others = {"rtl": source(x, *settings)}
+            if name == "watch_pins":  # the twin has no pins: the same samples and motion
+                twins = fixed.watch(x.codes[None], *settings, x.moving)
+                self.note("watch_pins against samples", 0, found.watched, {"fixed": twins})
+                x = x.codes
+            else:
+                others["fixed"] = twin(x, *settings)
+            self.note(name, np.size(x), found, others)
+            return found
+
+        return ask
+
+    def hand(self, *arguments):
+        """A hand's core that is two in step: the netlist answers, and the source is compared with it."""
+        return _Pair(self, gate_core(*arguments), rtl_hand.Core(*arguments))
+
+    @contextmanager
+    def watching(self):
+        """Within it the engine ``gate`` compares."""
+        stages = {name: self.stage(name) for name in STAGES}
+        with patch.multiple(gate, **stages), patch.object(loop.Netlists, "core", staticmethod(self.hand)):
+            yield self
+
+
+gate_core = gate.core_of_hand
+
+
+class _Pair:
+    def __init__(self, compared, netlist, source):
+        self.compared, self.netlist, self.source = compared, netlist, source
+
+    def __setitem__(self, name, value):
+        self.netlist[name] = self.source[name] = value
+
+    def next(self, codes):
+        found = self.netlist.next(codes)
+        self.compared.note("hand", np.size(codes), found, {"rtl": self.source.next(codes)})
+        return found
+
+
+def stretch(scene):
+    """The part of a scene that is run: see the module's docstring."""
+    if scene.sensor == "hand":
+        world = scene.world | SOON
+        world["tugs"] = [(*when, newtons) for when, (_, _, newtons) in zip(TUGS, scene.world["tugs"])]
+        grip = scene.grip | ({"decay_mm_s": RELEASE_MM_S} if scene.name == "grip_release" else {})
+        conditions = tuple(replace(condition, duration_s=HAND_S) for condition in scene.conditions)
+        scene = replace(scene, conditions=conditions, world=world, grip=grip)
+    return replace(scene, seeds=1) if hasattr(scene, "seeds") else scene
+
+
+def compare(scene):
+    """``Compared`` of a scene, and the summary of its run."""
+    compared = Compared()
+    with compared.watching(), tempfile.TemporaryDirectory() as out:
+        summary = runs.run(scene, "gate", out)
+    return compared, summary
+
+
+def table(names):
+    """Print a line for each scene; True if any differs, or compares nothing."""
+    print(f"{'scene':20} {'numbers in':>11} {'results':>11}  same", flush=True)
+    wrong = False
+    for name in names:
+        began = time.monotonic()
+        compared, summary = compare(stretch(scenes.load(name)))
+        same = not compared.different and summary["twin_mismatches"] == 0 and compared.results > 0
+        wrong |= not same
+        took = math.ceil(time.monotonic() - began)
+        verdict = "the same" if same else "DIFFERENT"
+        print(f"{name:20} {compared.inputs:11} {compared.results:11}  {verdict}; {took} s", flush=True)
+        for (stage, engine, result), count in sorted(compared.different.items()):
+            print(f"    {stage}: {count} values of {result} are not those of {engine}", flush=True)
+        if summary["twin_mismatches"]:
+            print(f"    {summary['twin_mismatches']} mismatches of the run itself", flush=True)
+    return wrong
