@@ -13,7 +13,7 @@ RTL    := $(shell cat rtl/rtl.f)
 export PYTHONUTF8 := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo picture test test-long lint registers blocks synth resources gate fmax figures bench clean
+.PHONY: help setup demo picture test test-long lint registers blocks synth resources gate gate-scenes fmax figures bench clean
 .PHONY: formal formal-mutants mutants mutants-quick coverage powerup faults fuzz extremes equivalence regress trust test-icarus
 
 help:  ## this list
@@ -91,6 +91,9 @@ resources: $(SYNTH)  ## constraints/resources.json and docs/boards.md: every boa
 
 gate: $(SYNTH)  ## every board's netlist against its sources: the same codes in, the same bytes out
 	@$(BIN)/python tools/gate.py $(BOARD) $(CONFIG)
+
+gate-scenes: $(SYNTH)  ## every scene on twins, RTL and netlist: the same answers, bit for bit [SCENES="cop_slip grip_pour"]
+	@$(BIN)/python tools/gate.py --scenes $(SCENES)
 
 fmax: $(SYNTH)  ## Fmax and area of single blocks, worst of three seeds: build/fmax/fmax.json [FMAX="--record slip-1"]
 	@$(BIN)/python tools/fmax.py --jobs $(JOBS) $(FMAX)

@@ -362,6 +362,19 @@ def test_a_core_that_differs_is_counted(monkeypatch):
     assert held.tightenings[0] > 0 and held.mismatches[0] > 0
 
 
+def test_a_core_whose_windows_end_elsewhere_is_counted(monkeypatch):
+    """Against twins whose windows end with every detail but the right one: in each of 30 cycles of 10 ms."""
+    scene, right = short(seconds=0.3), loop.FixedSlip.next
+
+    def wrong(slip, codes):
+        answer = right(slip, codes)
+        slip.ends = ~slip.ends
+        return answer
+
+    monkeypatch.setattr(loop.FixedSlip, "next", wrong)
+    assert loop.hold(scene, scene.conditions[0], [1], hand_run.PARTS["rtl"]).mismatches.tolist() == [30]
+
+
 def test_the_ratio_is_the_grip_over_what_static_friction_needs():
     """A hand that neither tightens nor lets go: the grip of the draw, over weight by the sum of both mu_s."""
     scene = short("grip_release", step_mm=0.0, decay_mm_s=0.0)

@@ -27,7 +27,7 @@ INSTEAD = {"ecp5": {"rtl/common/msn_multiply.sv": "rtl/ecp5/msn_multiply.sv"}}
 
 
 def rtl(cells=None, top=None):
-    """The sources of rtl/rtl.f relative to ROOT, as the family ``cells`` has them; ``top``: those in it alone."""
+    """The sources of rtl/rtl.f from ROOT, as the family ``cells`` has them; ``top``: those in it alone."""
     instead = INSTEAD.get(cells, {})
     paths = toolchain.sources() if top is None else toolchain.sources_of(top)
     sources = [path.relative_to(ROOT).as_posix() for path in paths]

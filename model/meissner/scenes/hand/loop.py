@@ -37,7 +37,7 @@ class FixedSlip:
     def next(self, codes):
         """(detail, p2p, over) of each detail that ``codes`` [channels, n] complete."""
         detail, _ = self.haar.next(codes)
-        p2p, _ = self.extremes.next(detail)
+        p2p, self.ends = self.extremes.next(detail)
         return detail, p2p, p2p > self.threshold
 
 
@@ -156,8 +156,9 @@ class Cores:
         found = [core.next(pair) for core, pair in zip(self.cores, codes.reshape(len(self.cores), 2, -1))]
         overs, words = [over for over, _, _ in found], [word for _, _, word in found]
         wanted = self.twin.over.reshape(len(self.cores), 2, -1)
-        for run, (over, word) in enumerate(zip(overs, words)):
-            self.mismatches[run] += word != expected[run] or not np.array_equal(over, wanted[run])
+        for run, (over, ends, word) in enumerate(found):
+            same = np.array_equal(over, wanted[run]) and np.array_equal(ends, self.twin.slip.ends)
+            self.mismatches[run] += word != expected[run] or not same
         _, _, counts = self.windows.next(np.concatenate(overs))
         return detail, counts, words
 
