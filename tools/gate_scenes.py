@@ -69,13 +69,15 @@ class Compared:
         """An engine's function ``name`` that asks all three; the netlist's answer is what it gives."""
         netlist, source, twin = (getattr(module, name, None) for module in (gate, rtl, fixed))
 
-        def ask(x, *settings):
+        def ask(x, *settings, waves=None):
+            assert waves is None  # signals are one engine's
             found = netlist(x, *settings)
             others = {"rtl": source(x, *settings)}
-            if name == "watch_pins":  # the twin has no pins: the same samples and motion
-                twins = fixed.watch(x.codes[None], *settings, x.moving)
-                self.note("watch_pins against samples", 0, found.watched, {"fixed": twins})
-                x = x.codes
+            if (
+                name == "watch_pins"
+            ):  # the twin has no pins: the same samples and motion; clocks are RTL's alone
+                watched = fixed.watch(x.codes[None], *settings, x.moving)
+                others["fixed"], x = replace(found, watched=watched), x.codes
             else:
                 others["fixed"] = twin(x, *settings)
             self.note(name, np.size(x), found, others)

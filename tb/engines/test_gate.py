@@ -2,12 +2,14 @@
 the command, the smallest build of each family from its converter's pins to its packets, and named
 configurations on the engine `gate`."""
 
+import shutil
+
 import numpy as np
 import pytest
 
 import gate
 from meissner import engines
-from meissner.builds import boards, config
+from meissner.builds import boards, config, netlist, toolchain, yowasp
 from meissner.engines import gate as gates
 from meissner.engines import rtl_core
 from meissner.scenes.shown import codes_of
@@ -60,3 +62,28 @@ def test_a_named_configurations_netlist_says_the_same(name):
 
 def test_every_named_configuration_has_a_scene():
     assert set(gate.SCENES) == set(config.names())
+
+
+def test_a_netlist_is_read_from_what_its_top_needs():
+    assert yowasp.rtl(top="msn_skid") == ["rtl/common/msn_skid.sv"]
+    assert yowasp.rtl("ice40", "msn_multiply") == ["rtl/common/msn_multiply.sv"]
+    assert yowasp.rtl("ecp5", "msn_multiply") == ["rtl/ecp5/msn_multiply.sv"]
+    assert set(yowasp.rtl(top="msn_cop_slip")) < set(yowasp.rtl())
+
+
+def test_a_netlist_is_made_again_when_a_familys_own_source_changes(monkeypatch, tmp_path):
+    own, made = tmp_path / "msn_multiply.sv", []
+
+    def yosys(script, log):
+        made.append(toolchain.ROOT / script.split()[-1])
+        made[-1].write_text("endmodule\n")
+
+    monkeypatch.setitem(yowasp.INSTEAD["ecp5"], "rtl/common/msn_multiply.sv", str(own))
+    monkeypatch.setattr(yowasp, "yosys", yosys)
+    monkeypatch.setattr(yowasp, "warm_up", lambda: None)
+    for text, times in (("one", 1), ("one", 1), ("two", 2)):
+        own.write_text(text)
+        netlist.verilog("msn_multiply", {}, "ecp5")
+        assert len(made) == times
+    for path in made:
+        shutil.rmtree(path.parent)

@@ -4,6 +4,7 @@ and name; a cell of a netlist that is broken on purpose is seen.
 """
 
 import re
+from types import SimpleNamespace
 from typing import NamedTuple
 
 import numpy as np
@@ -13,6 +14,7 @@ import gate_scenes
 from meissner import scenes
 from meissner.engines import Watched, rtl_frontend, verilated
 from meissner.engines.protocol import Engine
+from meissner.engines.rtl import Pins
 from meissner.engines.stages import STAGES
 
 QUICK = "capacitive_crosstalk"
@@ -102,6 +104,28 @@ def test_a_hands_cores_advance_in_step(monkeypatch, source, different):
     over, word = pair.next(np.array([[1, 8], [3, 4]]))
     assert over.all() and word == 8
     assert (compared.inputs, compared.results, compared.different) == (4, 11, different)
+
+
+def test_pins_are_compared_with_rtl_by_clocks_and_with_twins_by_decisions(monkeypatch):
+    recording = SimpleNamespace(codes=np.array([4, 9, 6, 7]), moving=np.array([False, True, False, False]))
+    asked = []
+
+    def twin(x, config, moving):
+        asked.append((x.tolist(), config, moving.tolist()))
+        return watched(blanked=4)
+
+    for module, clocks in ((gate_scenes.gate, 800), (gate_scenes.rtl, 801)):
+        answer = Pins(watched(), {"adc": "MCP3208", "clocks": clocks})
+        monkeypatch.setattr(module, "watch_pins", lambda *_, answer=answer: answer)
+    monkeypatch.setattr(gate_scenes.fixed, "watch", twin)
+    compared = gate_scenes.Compared()
+    compared.stage("watch_pins")(recording, "config", waves=None)
+    assert asked == [([[4, 9, 6, 7]], "config", [False, True, False, False])]
+    assert (compared.inputs, compared.results) == (4, 11)  # nine of the details, two of the pins
+    assert compared.different == {
+        ("watch_pins", "rtl", "facts.clocks"): 1,
+        ("watch_pins", "fixed", "watched.blanked"): 1,
+    }
 
 
 def test_every_stage_of_an_engine_is_compared():
