@@ -11,6 +11,8 @@ RTL    := $(shell cat rtl/rtl.f)
 
 # The sources are UTF-8, whatever the locale of who reads them.
 export PYTHONUTF8 := 1
+# Every process of a test reads its modules again: as Python keeps them, not from their sources.
+unexport PYTHONDONTWRITEBYTECODE
 
 .DEFAULT_GOAL := help
 .PHONY: help setup demo picture test test-long lint registers blocks synth resources gate gate-scenes fmax figures bench clean

@@ -12,6 +12,10 @@ os.environ.setdefault("MEISSNER_OPTIMISE", "-O1")  # before meissner.builds.tool
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before NumPy reads it
 
 import bodies
+import units
+from meissner.engines import verilated
+
+verilated.compiled = units.without_make
 
 BIG = [
     "tb/boards/test_rows.py::test_rows[16-3]",

@@ -1,5 +1,7 @@
-"""The benches' own code: what it compiles again, what a reader makes of levels, what a putter writes."""
+"""The benches' own code: what it compiles again, how it compiles engines, what a reader makes of levels,
+what a putter writes."""
 
+import ctypes
 from types import SimpleNamespace
 
 import pytest
@@ -8,6 +10,7 @@ from cocotb_tools.runner import get_runner
 import bench
 import units
 from meissner.builds import toolchain
+from meissner.engines import verilated
 
 ONE = "module one (\n  input  logic a_i,\n  output logic b_o\n);\n  assign b_o = {} a_i;\nendmodule\n"
 
@@ -39,6 +42,58 @@ def test_compiles_again_only_what_changed(tmp_path, monkeypatch):
 def test_what_does_not_compile_is_reported(tmp_path):
     with pytest.raises(RuntimeError, match=r"none\.cpp"):
         units._do(["c++", "-c", "none.cpp"], tmp_path)
+
+
+DRIVER = """#include "Vmsn_skid.h"
+extern "C" int through(int data) {{
+  Vmsn_skid top;
+  top.rst_i = top.out_ready_i = 1;
+  for (int clock = 0; clock < 4; clock++) {{
+    top.in_valid_i = clock == 1;
+    top.in_data_i = {};
+    top.clk_i = 0, top.eval(), top.clk_i = 1, top.eval();
+    top.rst_i = 0;
+    if (top.out_valid_o) return top.out_data_o;
+  }}
+  return -1;
+}}
+"""
+
+
+@pytest.fixture
+def skid(monkeypatch, tmp_path):
+    """The library of msn_skid behind DRIVER with this input, built by this function."""
+    toolchain.environment()
+    monkeypatch.setattr(toolchain, "BUILD", tmp_path / "build")
+    monkeypatch.setattr(verilated, "HERE", tmp_path)
+
+    def build(data, parameters, compiled=units.without_make):
+        monkeypatch.setattr(verilated, "compiled", compiled)
+        (tmp_path / "skid.cpp").write_text(DRIVER.format(data), "utf-8")
+        return verilated.library("msn_skid", "skid.cpp", parameters)
+
+    return build
+
+
+def test_an_engine_is_the_same_without_make(skid):
+    asked = []
+
+    def compiled(command, environment):
+        asked.append(command)
+        return verilated.with_make(command, environment)
+
+    found = []
+    for given, width in ((units.without_make, 11), (compiled, 12)):
+        through = ctypes.CDLL(str(skid("data + 5", {"Width": width}, given))).through
+        found.append([through(2), through(2039)])
+    assert found == [[7, 2044], [7, 2044]] and len(asked) == 1
+
+
+def test_an_engine_that_does_not_build_is_reported(skid):
+    with pytest.raises(RuntimeError, match=r"did not build:[^$]*skid\.cpp:7:\d+: error: .no_such. "):
+        skid("no_such", {"Width": 9})
+    with pytest.raises(RuntimeError, match=r"did not build:[^$]*NoSuch"):
+        skid("data", {"NoSuch": 1})
 
 
 def test_only_verilators_runner_is_changed():

@@ -41,6 +41,20 @@ def cached(build):
     return built
 
 
+def with_make(command, environment):
+    """Run a command of Verilator's, and the makefile that it writes."""
+    return subprocess.run(
+        [*command, "--build", "-j", "2"],
+        env=environment,
+        capture_output=True,
+        encoding="utf-8",
+        errors="replace",
+    )
+
+
+compiled = with_make  # tests put units.without_make in its place (tb/conftest.py)
+
+
 def check_room(found):
     """ValueError where a driver says that a setting is wider than its port: kNoRoom of driver.hpp."""
     if found == -2:
@@ -98,11 +112,8 @@ def library(top, driver, parameters, trace=False, include=None):
             print("building the core for the rtl engine, once for this configuration ...", file=sys.stderr)
         place = toolchain.folder_for_make(folder.parent)
         with tempfile.TemporaryDirectory(dir=place) as scratch:
-            command = ["verilator", *flags, "--build", "-j", "2", "-Mdir", scratch]
-            command += [str(toolchain.for_make(path)) for path in inputs]
-            done = subprocess.run(
-                command, env=environment, capture_output=True, encoding="utf-8", errors="replace"
-            )
+            command = ["verilator", *flags, "-Mdir", scratch]
+            done = compiled([*command, *(str(toolchain.for_make(path)) for path in inputs)], environment)
             if done.returncode:
                 raise RuntimeError(f"the core did not build:\n{done.stdout}{done.stderr}")
             folder.mkdir(parents=True, exist_ok=True)
