@@ -1,6 +1,6 @@
 """``meissner run SCENE --full``: everything on beside a scene changes nothing of what the scene gives.
 
-Space: every scene, on fixed in ``make test`` and on rtl in ``make test-long``, by few runs of each (a hand by
+Space: every scene, on fixed in ``make test`` and on rtl in ``make test-long``, by one run of each condition (a hand by
 two seconds of one). A first pass runs them in order; then everything on runs in the same process, and a
 second pass runs them with ``--full`` in the other order: summary and result.npz bit for bit, but for times.
 Parts that leave something behind are noticed.
@@ -19,12 +19,12 @@ TIMES = ("seconds_taken", "samples_per_second", "saved")
 
 
 def stretch(name):
-    """Few runs of a scene."""
+    """One run of each condition of a scene."""
     one = scenes.load(name)
     if one.sensor == "hand":
         world = one.world | full.HAND
         return replace(one, seeds=1, world=world, conditions=(replace(one.conditions[0], duration_s=None),))
-    return replace(one, seeds=2) if hasattr(one, "seeds") else one
+    return replace(one, seeds=1) if hasattr(one, "seeds") else one
 
 
 def given(one, engine, out, compared=None):

@@ -1,5 +1,6 @@
 """Bit-exact twin of rtl/slip/msn_slip.sv: what the contact on each channel is doing."""
 
+from bisect import bisect_left
 from enum import IntEnum
 
 import numpy as np
@@ -73,67 +74,111 @@ class Slip:
     def _channel(self, channel, signals):
         """Step one channel through its details; keep its memory and return its states.
 
-        Without contact nothing happens until the next press; in contact only the deaf time runs until the
-        next detail that is lifted, over or masked. Those details are passed at once.
+        Most details change nothing but a count: those are passed at once, up to the next that may, and that
+        one is a step.
         """
-        pressed, lifted, over, _, _, _, masked = signals
-        count = len(pressed)
-        ends = {
-            State.NONE: np.append(np.flatnonzero(pressed & ~masked), count),
-            State.CONTACT: np.append(np.flatnonzero(lifted | over | masked), count),
-        }
-        inputs = [signal.tolist() for signal in signals]
+        passing, count = _Passing(self.config, *signals), len(signals[0])
         states, at = np.empty(count, dtype=np.int8), 0
         while at < count:
-            state, hold, deaf, blanking = self._memory[channel]
-            if state in ends:
-                until = int(ends[state][np.searchsorted(ends[state], at)])
-                states[at:until] = state
-                deaf = max(0, deaf - (until - at)) if state == State.CONTACT else deaf
-                self._memory[channel] = (state, hold, deaf, blanking)
-                at = until
-            at = self._steps(channel, inputs, at, states)
+            at, memory, blanked = passing.over(states, at, self._memory[channel])
+            self.blanked += blanked
+            if at < count:
+                memory = self._step(memory, *(signal[at] for signal in signals))
+                states[at] = memory[0]
+                at += 1
+            self._memory[channel] = memory
         return states
 
-    def _steps(self, channel, inputs, first, states):
-        """The same from detail ``first`` on, one by one, until nothing waits; returns the next detail."""
+    def _step(self, memory, pressed, lifted, over, gross, kept, moving, masked):
+        """One detail."""
         c = self.config
         # hold: details until a slip or a release is over; deaf: details until a slip may be raised;
         # blanking: deaf because of a contact onset, so what is over meanwhile is counted.
-        state, hold, deaf, blanking = self._memory[channel]
-        for at in range(first, len(states)):
-            pressed, lifted, over, gross, kept, moving, masked = (signal[at] for signal in inputs)
-            slipping = state in (State.INCIPIENT, State.GROSS)
-            if masked:
-                state = State.NONE
-            elif state in (State.NONE, State.RELEASE):
-                if pressed:
-                    state, hold, deaf, blanking = State.CONTACT, 0, c.blank, True
-                elif state == State.RELEASE and hold:
-                    hold -= 1
-                else:
-                    state = State.NONE
-            elif lifted:
-                state, hold, deaf = State.RELEASE, c.hold, 0
-            elif slipping:
-                self.blanked += over and moving
-                if kept and not moving:
-                    hold = c.hold
-                    state = State.GROSS if over and gross else state
-                elif hold:
-                    hold -= 1
-                else:
-                    state, deaf, blanking = State.CONTACT, c.refractory, False
+        state, hold, deaf, blanking = memory
+        slipping = state in (State.INCIPIENT, State.GROSS)
+        if masked:
+            state = State.NONE
+        elif state in (State.NONE, State.RELEASE):
+            if pressed:
+                state, hold, deaf, blanking = State.CONTACT, 0, c.blank, True
+            elif state == State.RELEASE and hold:
+                hold -= 1
             else:
-                self.blanked += over and (moving or (deaf > 0 and blanking))
-                if over and not moving and not deaf:
-                    state, hold = State.GROSS if gross else State.INCIPIENT, c.hold
-                elif deaf:
-                    deaf -= 1
-            states[at] = state
-            if state in (State.NONE, State.CONTACT):
-                break
+                state = State.NONE
+        elif lifted:
+            state, hold, deaf = State.RELEASE, c.hold, 0
+        elif slipping:
+            self.blanked += int(over and moving)
+            if kept and not moving:
+                hold = c.hold
+                state = State.GROSS if over and gross else state
+            elif hold:
+                hold -= 1
+            else:
+                state, deaf, blanking = State.CONTACT, c.refractory, False
         else:
-            at = len(states) - 1
-        self._memory[channel] = (state, hold, deaf, blanking)
-        return at + 1
+            self.blanked += int(over and (moving or (deaf > 0 and blanking)))
+            if over and not moving and not deaf:
+                state, hold = State.GROSS if gross else State.INCIPIENT, c.hold
+            elif deaf:
+                deaf -= 1
+        return state, hold, deaf, blanking
+
+
+class _Passing:
+    """Over the details of a channel that lead to no other state, or from INCIPIENT to GROSS."""
+
+    def __init__(self, config, pressed, lifted, over, gross, kept, moving, masked):
+        self.hold, self.count = config.hold, len(pressed)
+        renewed, off = kept & ~moving, lifted | masked
+        self.ends = {
+            State.NONE: _where(pressed & ~masked),
+            State.CONTACT: _where(off | over),
+            State.RELEASE: _where(pressed | masked),
+            State.INCIPIENT: _where(off),
+        }
+        self.ends[State.GROSS] = self.ends[State.INCIPIENT]
+        self.gross = _where(renewed & over & gross)
+        self.renewed = _where(renewed)
+        # Those after which nothing renews the slip for as long as it holds.
+        self.last = _where(np.diff(np.append(self.renewed, self.count + config.hold + 1)) > config.hold + 1)
+        self.counted = over & moving
+
+    def over(self, states, at, memory):
+        """Fill ``states`` from ``at`` on; returns the next detail, the memory before it, what was blanked."""
+        state, hold, deaf, blanking = memory
+        until, blanked = _next(self.ends[state], at, self.count), 0
+        if state == State.CONTACT:
+            deaf = max(0, deaf - (until - at))
+        elif state == State.RELEASE:
+            until = min(until, at + hold)
+            hold -= until - at
+        elif state != State.NONE:
+            until = min(until, self._lets_go(at, hold))
+            renewed = bisect_left(self.renewed, until)
+            latest = self.renewed[renewed - 1] if renewed else -1
+            hold = self.hold - (until - 1 - latest) if latest >= at else hold - (until - at)
+            turns = _next(self.gross, at, self.count)
+            if turns < until:
+                states[at:turns] = state
+                state, blanked = State.GROSS, int(self.counted[at:turns].sum())
+                at = turns
+            blanked += int(self.counted[at:until].sum())
+        states[at:until] = state
+        return until, (state, hold, deaf, blanking), blanked
+
+    def _lets_go(self, at, hold):
+        """The detail at which a slip is over that holds for ``hold`` details from ``at`` on."""
+        first = bisect_left(self.renewed, at)
+        if first == len(self.renewed) or self.renewed[first] > at + hold:
+            return at + hold
+        return self.renewed[self.last[bisect_left(self.last, first)]] + self.hold + 1
+
+
+def _where(signal):
+    return np.flatnonzero(signal).tolist()
+
+
+def _next(places, at, count):
+    index = bisect_left(places, at)
+    return places[index] if index < len(places) else count
