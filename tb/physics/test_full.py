@@ -1,9 +1,9 @@
 """``meissner run SCENE --full``: everything on beside a scene changes nothing of what the scene gives.
 
-Space: every scene, on fixed in ``make test`` and on rtl in ``make test-long``, by one run of each condition (a hand by
-two seconds of one). A first pass runs them in order; then everything on runs in the same process, and a
-second pass runs them with ``--full`` in the other order: summary and result.npz bit for bit, but for times.
-Parts that leave something behind are noticed.
+Space: every scene, on fixed in ``make test`` and on rtl in ``make test-long``, by one run of each condition
+(a hand by two seconds of one). A first pass runs them in order; then everything on runs in the same process,
+and a second pass runs them with ``--full`` in the other order: summary and result.npz bit for bit, but for
+times. Parts that leave something behind are noticed.
 """
 
 from dataclasses import replace
