@@ -66,6 +66,7 @@ fuzz: $(SIM)  ## a million mutated inputs to every reader of lines and files: do
 
 extremes: $(SIM)  ## every block and solver at the ends of its range against exact arithmetic: docs/extremes.md [BLOCKS="haar slip"]
 	@$(BIN)/python tools/extremes.py --record --jobs $(JOBS) $(BLOCKS)
+	@$(if $(BLOCKS),,$(BIN)/python tools/extremes.py --elaborate --jobs $(JOBS))
 
 regress: $(SIM)  ## blocks in SEEDS=N random sizes with random stimulus [REGRESS="--scheduler ADDRESS"]
 	@$(BIN)/python tools/regress.py $(SEEDS) --jobs $(JOBS) --record $(REGRESS)

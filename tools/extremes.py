@@ -3,6 +3,7 @@
     python tools/extremes.py [--quick] [--jobs N] [--seed N] [--record] [ROW ...]     default: all rows
     python tools/extremes.py --page            the page from the record, without a run
     python tools/extremes.py --headers         the line of each block's header, where it differs
+    python tools/extremes.py --elaborate [BLOCK ...]    the RTL at the ends of its parameters and each pair
 
 A row is a function in tb/extremes/; tools/verify/extremes.py says how it is written. Stops with an error if
 a row has a finding, or if nothing ran.
@@ -20,7 +21,7 @@ if __name__ == "__main__":
     sys.path.insert(0, str(Path(__file__).parents[1] / "tb"))  # references
 
 from meissner.builds import toolchain
-from verify import benches, extremes, record
+from verify import benches, elaborations, extremes, record
 
 PAGE = toolchain.ROOT / "docs/extremes.md"
 RECORD = record.FOLDER / "extremes.json"
@@ -32,8 +33,9 @@ saturation, alternating full scale, the longest sums, the worst cancellation, wr
 the least and greatest value of each parameter and each pair of them, then what hypothesis draws.
 Expectations are exact: integers, fractions and 50 digits of mpmath, written from the formulas of docs/ in
 `tb/reference/`, which imports nothing of the twins. A twin equals its RTL bit for bit in the block's own
-tests: the last column names the one that drives both. Verilator reads the RTL of blocks with widths as
-parameters in each pair of their ends, too.
+tests: the last column names the one that drives both. Verilator reads the RTL of each block with two or
+more parameters at the ends of all of them and in each pair of these, too (`python tools/extremes.py
+--elaborate`): what no check of the block refuses has to read without a warning.
 
 `make extremes` runs all of it and writes this page; `make test` has a short form
 (`tb/extremes/test_extremes.py`). An error beyond its bound, a NaN, an infinity, a warning of NumPy or a
@@ -160,6 +162,22 @@ def _run(given):
     return name, extremes.digest(name), extremes.run(name, long, seed)
 
 
+def elaborate(blocks, jobs):
+    """Read each block's RTL at the ends of its parameters; prints a line of each, stops at a finding."""
+    known, wrong = elaborations.ends(), []
+    if unknown := [name for name in blocks if name not in known]:
+        sys.exit(f"extremes: {elaborations.ENDS.name} has no block {unknown[0]}")
+    names = blocks or [*known]
+    with ProcessPoolExecutor(jobs) as pool:
+        for name, facts in zip(names, pool.map(elaborations.elaborate, names)):
+            wrong += [name] if facts["finding"] else []
+            words = facts["finding"] or f"{facts['apart']} pairs that no set may have"
+            print(f"{name:20} {facts['taken']:4} read, {facts['refused']:3} refused  {words}", flush=True)
+    print(f"{len(names)} blocks at the ends of their parameters, {len(wrong) or 'no'} findings")
+    if wrong:
+        sys.exit(f"extremes: there are findings in {', '.join(wrong)}")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("rows", nargs="*", metavar="ROW")
@@ -169,7 +187,11 @@ def main():
     parser.add_argument("--record", action="store_true", help=f"into {RECORD.name} and docs/{PAGE.name}")
     parser.add_argument("--page", action="store_true", help="write the page only")
     parser.add_argument("--headers", action="store_true", help="write the headers' lines only")
+    parser.add_argument("--elaborate", action="store_true", help="the RTL at the ends of its parameters only")
     given = parser.parse_args()
+    if given.elaborate:
+        elaborate(given.rows, given.jobs)
+        return
     if given.page:
         PAGE.write_text(page(load()), "utf-8")
         return

@@ -55,6 +55,10 @@ module msn_sensor_channels #(
   output logic [47:0]                  time_o          // of the frame that is let through: its convert start
 );
 
+  if (PeriodBits > 24) begin : gen_check_period_bits
+    $fatal(1, "msn_sensor_channels: PeriodBits = %0d must be 24 at most, as wide as the register", PeriodBits);
+  end
+
   msn_registers_pkg::adc_status_t adc;
   always_comb begin
     status_o     = '0;

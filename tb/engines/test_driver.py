@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from meissner.engines import Carrier, rtl, rtl_cop, rtl_cop4, rtl_frontend, verilated
+from meissner.engines import Carrier, rtl_cop, rtl_cop4, rtl_frontend, rtl_slip, verilated
 from meissner.twins.cop.cop4 import Cop4Registers
 from meissner.twins.cop.cop_slip import CopSlipRegisters
 from meissner.twins.frontend.am_demod import AmDemod
@@ -59,7 +59,7 @@ def test_results_that_are_missing_or_too_many_are_seen(returned):
         rtl_frontend.demodulate(np.zeros((2, 15)), short)
     assert returned == [-1]
     config, frames = SlipConfig(4, 4, 1), 40
-    with rtl.Core(rtl._parameters(1, config), config) as core:
+    with rtl_slip.Core(rtl_slip._parameters(1, config), config) as core:
         samples = np.arange(frames, dtype=np.int32)
         p2p, flags = np.full(frames, 7, np.uint32), np.full(frames, 255, np.uint8)
         for room, count in ((20, 20), (19, -1)):
@@ -77,5 +77,5 @@ def test_motion_belongs_to_the_frames_it_is_given_for():
     swings = [1, 1, 1, 1, 1, 2, 1, 2]  # contact; slip at the end of a window
     still = [1] * 8
     for moving, expected in (([1, 0], still + swings), ([0, 1], swings + still)):
-        found = rtl.watch(x, config, np.repeat(moving, 16))
+        found = rtl_slip.watch(x, config, np.repeat(moving, 16))
         assert found.state.tolist() == [expected] and found.blanked == 2

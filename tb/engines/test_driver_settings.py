@@ -10,7 +10,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from meissner.engines import Carrier, rtl, rtl_cop, rtl_cop4, rtl_frontend
+from meissner.engines import Carrier, rtl_cop, rtl_cop4, rtl_frontend, rtl_slip
 from meissner.twins.cop.cop4 import Cop4Registers, cop4
 from meissner.twins.cop.cop_slip import CopSlip, CopSlipRegisters
 from meissner.twins.frontend.am_demod import AmDemod
@@ -25,7 +25,7 @@ ALWAYS = {
 
 def states(codes, **settings):
     config = SlipConfig(4, 4, 1, **{"threshold": 262_143, "gross_threshold": 262_143} | ALWAYS | settings)
-    return rtl.watch(np.array([codes]), config)
+    return rtl_slip.watch(np.array([codes]), config)
 
 
 @pytest.mark.parametrize(
@@ -112,7 +112,7 @@ def test_refractory_lasts_to_its_top():
 
 
 def test_wider_settings_are_refused():
-    parameters = rtl._parameters(1, SlipConfig())
+    parameters = rtl_slip._parameters(1, SlipConfig())
     for name, value in (
         *(("threshold", 1 << 18), ("gross_threshold", (1 << 32) + 5), ("contact_level", 1 << 17)),
         *(("release_level", -(1 << 17) - 1), ("hold", 1 << 16), ("refractory", (1 << 32) + 7), ("blank", -1)),
@@ -120,7 +120,7 @@ def test_wider_settings_are_refused():
     ):
         config = SimpleNamespace(**vars(SlipConfig()) | {"keeps_above": 40} | {name: value})
         with pytest.raises(ValueError, match="wider than the core has bits for"):
-            rtl.Core(parameters, config)
+            rtl_slip.Core(parameters, config)
 
 
 def test_least_loads():
@@ -204,10 +204,14 @@ def test_registers_of_slip_from_the_load():
 def test_latencies_at_the_pins(part, level, offered):
     """A decision is level + 5 clocks after its sample; the report says so to the clock."""
     config = SlipConfig(32, 32, level)
-    parameters = rtl._parameters(1, config)
-    parameters |= {"Adc": rtl.ADC_PARTS[part], "ClkKhz": rtl.PIN_CLK_KHZ, "SclkKhz": rtl.PIN_SCLK_KHZ}
+    parameters = rtl_slip._parameters(1, config)
+    parameters |= {
+        "Adc": rtl_slip.ADC_PARTS[part],
+        "ClkKhz": rtl_slip.PIN_CLK_KHZ,
+        "SclkKhz": rtl_slip.PIN_SCLK_KHZ,
+    }
     frames = 64
-    with rtl.Core(parameters, config) as core:
+    with rtl_slip.Core(parameters, config) as core:
         _, flags, facts = core.pins(part, np.arange(frames), 401, np.zeros(frames))
     assert len(flags) == frames >> level
     assert facts.decision_min == facts.decision_max == offered + level + 5

@@ -12,7 +12,7 @@ import pytest
 
 import extremes as tool
 from meissner.builds import toolchain
-from verify import benches, extremes
+from verify import benches, elaborations, extremes
 from verify.pairs import covering, wanted
 
 NAMES = [*extremes.rows()]
@@ -172,3 +172,55 @@ def test_stale_rows_are_marked(monkeypatch):
     told["blocks"]["divide"] = told["blocks"]["divide"] | {"of": "before"}
     [line] = [line for line in tool.page(told).splitlines() if "| `msn_divide`" in line and "LSB" in line]
     assert "passes (stale)" in line
+
+
+SHORT = ("delay", "fifo", "round_sat")  # of the elaborations: a quarter of a second each set
+
+
+def test_every_block_with_two_parameters_has_their_ends(monkeypatch):
+    table = elaborations.ends()
+    assert set(table) | set(elaborations.BY_ROWS) <= set(benches.blocks()) and len(table) >= 50
+    assert not set(table) & set(elaborations.BY_ROWS)
+    assert elaborations.parameters("round_sat") == ["InWidth", "OutWidth", "DropBits", "Unsigned"]
+    for row in elaborations.BY_ROWS:
+        text = (toolchain.ROOT / extremes.rows()[row].source).read_text("utf-8")
+        assert re.search(rf'see\.elaborates\(\s*"{row}"', text), row
+    monkeypatch.setattr(elaborations, "BY_ROWS", elaborations.BY_ROWS[1:])
+    with pytest.raises(ValueError, match="msn_constant_multiplier has 2 parameters and no ends"):
+        elaborations.ends()
+
+
+@pytest.mark.parametrize("block", SHORT)
+def test_the_ends_of_parameters_are_read_or_refused(block):
+    facts = elaborations.elaborate(block)
+    assert not facts["finding"] and facts["taken"] >= 6, f"python tools/extremes.py --elaborate {block}"
+
+
+WIDTHS = """module msn_x #(
+  parameter int unsigned A = 4,
+  parameter int unsigned B = 4
+) (input logic [7:0] in_i, output logic [7:0] out_o);
+  if (A > 8 CHECK) begin : gen_check_a
+    $fatal(1, "msn_x: A = %0d must fit", A);
+  end
+  assign out_o = 8'(in_i[A-1:0]) + 8'(in_i[B-1:0]);
+endmodule
+"""
+
+
+@pytest.mark.parametrize(
+    "check, ends, finds",
+    [
+        ("|| B > 8", {"A": [1, 8, 9], "B": [1, 9]}, "never taken: A = 9, B = 9"),
+        ("|| B > 8", {"A": [1, 8], "B": [1, 8]}, ""),
+        ("", {"A": [1, 8], "B": [1, 9]}, "SELRANGE"),
+        ("|| A + B > 15", {"A": [1, 8], "B": [1, 8]}, ""),
+    ],
+)
+def test_a_pair_that_is_neither_read_nor_refused_is_found(tmp_path, check, ends, finds):
+    source = tmp_path / "msn_x.sv"
+    source.write_text(WIDTHS.replace("CHECK", check))
+    facts = elaborations.elaborate("x", source=source, ends_of=ends)
+    assert finds in facts["finding"] and bool(finds) == bool(facts["finding"])
+    if "15" in check:
+        assert facts["apart"] == 1 and facts["taken"] == 3

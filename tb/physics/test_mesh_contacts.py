@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from meissner.physics.mesh import Mesh, green, lines
+from meissner.physics.mesh.apart import Apart
 from meissner.physics.mesh.touched import LARGE, LINE
 
 
@@ -29,10 +30,18 @@ def response(free, along, pull, one, other):
         return total
 
 
-@pytest.mark.parametrize("free, along", [(9, 83), (2, 130), (1, 40), (60, 1), (31, 47)])
-def test_rows_of_modes_equal_the_closed_form(monkeypatch, free, along):
+SIZES = (9, 83), (2, 130), (1, 40), (60, 1), (31, 47), (60, 30), (61, 30)
+
+
+@pytest.mark.parametrize("free, along", SIZES)
+@pytest.mark.parametrize("limit", [0, 3_000_000])
+def test_large_layers_equal_the_closed_form(monkeypatch, free, along, limit):
+    """By rows of modes, and by distance where the layer is no more than twice as wide as it is long."""
     monkeypatch.setattr(green, "TABLE_LIMIT", 0)
+    monkeypatch.setattr(green, "APART_LIMIT", limit)
     layer, pull = green.Layer(free, along, 0.75), mpmath.mpf(3) / 4
+    by_distance = bool(limit) and (free, along) not in ((60, 1), (61, 30))
+    assert layer.by_distance == by_distance and isinstance(layer.large, Apart if by_distance else lines.Lines)
     # Both electrodes, one line twice, neighbours, a distance beyond which no mode but the ladder reaches.
     columns = [0, along - 1, along // 2, along // 2, min(along // 2 + 1, along - 1), along // 3]
     rows = [0, free - 1, 0, free - 1, free // 2, free // 3]
@@ -83,9 +92,11 @@ def nodal(m, n, r, R0, k, load):
     return np.linalg.solve(G, current)[-4:]
 
 
-@pytest.mark.parametrize("m, n", [(5, 61), (47, 7)])
-def test_a_rectangle_equals_its_nodal_equations(monkeypatch, m, n):
+@pytest.mark.parametrize("m, n", [(5, 61), (47, 7), (19, 23)])
+@pytest.mark.parametrize("limit", [0, 3_000_000])
+def test_a_rectangle_equals_its_nodal_equations(monkeypatch, m, n, limit):
     monkeypatch.setattr(green, "TABLE_LIMIT", 0)
+    monkeypatch.setattr(green, "APART_LIMIT", limit)
     load = np.zeros((m, n))
     for place, force in zip(
         ((0, 0), (m - 1, n - 1), (1, 3), (2, n - 2), (m // 2, n // 2)), (1, 2.5, 4, 0.5, 9)
@@ -158,8 +169,8 @@ def test_few_taxels_of_a_large_frame_are_found(rows):
 
 def test_the_same_taxels_with_another_force_are_not_computed_again(monkeypatch):
     mesh, calls = Mesh(200, 201, 10.0), []
-    between = lines.Lines.between
-    monkeypatch.setattr(lines.Lines, "between", lambda *a: (calls.append(1), between(*a))[1])
+    between = green.Layer.between
+    monkeypatch.setattr(green.Layer, "between", lambda *a: (calls.append(1), between(*a))[1])
     first = [mesh.press([3, 190], [4, 100], [force, 2.0]).load for force in (1.0, 3.0)]
     assert len(calls) == 2  # one of each layer
     mesh.press([3, 190], [5, 100], [1.0, 2.0])
@@ -168,3 +179,39 @@ def test_the_same_taxels_with_another_force_are_not_computed_again(monkeypatch):
     for row in range(20):
         mesh.press([row], [0], [1.0])
     assert len(mesh.kept) <= 8
+
+
+@pytest.mark.parametrize("pair", [((0, 0), (0, 0)), ((1023, 1023), (1022, 1023)), ((3, 700), (1000, 699))])
+def test_a_thousand_lines_equal_the_closed_form(pair):
+    """Both corners, where the differences cancel most, and two contacts on neighbouring lines far apart."""
+    layer, (one, other) = green.Layer(1024, 1024, 0.75), pair
+    assert layer.by_distance
+    got = layer.between(np.array([one[0], other[0]]), np.array([one[1], other[1]]))[0, 1]
+    want = response(1024, 1024, mpmath.mpf(3) / 4, one, other)
+    assert abs(float(want - mpmath.mpf(got))) <= 32 * green.UNIT * layer.terms()[0]
+
+
+def test_a_bound_of_distances_holds_all_their_terms():
+    """At each pair of a row: |T| of the four look-ups and the ladder, summed, below sqrt(terms terms')."""
+    layer = green.Layer(130, 120, 0.75)
+    one, other = np.meshgrid(np.arange(120), np.arange(120), indexing="ij")
+    table, low, high = layer.large.table, np.minimum(one, other) + 1, np.maximum(one, other) + 1
+    near = np.minimum(low + high, 2 * 121 - low - high)
+    worst = layer.ladder(low, high) + 2 * abs(table).max(0)[high - low] + 2 * abs(table).max(0)[near]
+    assert layer.by_distance and (worst <= np.sqrt(layer.terms()[one] * layer.terms()[other])).all()
+
+
+@pytest.mark.parametrize("kind", ["f4", "f2", "u2", "u1", "i4", "u8"])
+@pytest.mark.parametrize("side", [7, 211])
+def test_a_frame_of_narrow_numbers_is_the_frame_of_newtons(kind, side):
+    """Forces that each kind holds exactly; 211 x 211 is looked at in lines, 7 x 7 goes by LU too."""
+    load = np.zeros((2, side, side))
+    load[0, 0, 1], load[0, -1, -1], load[1, side // 2, 3], load[1, 0, 0] = 2.0, 1.0, 255.0, 7.0
+    got, want = (Mesh(side, side, 47.0).solve(frame, "auto") for frame in (load.astype(kind), load))
+    assert np.array_equal(got.load, want.load) and np.array_equal(got.x, want.x) and want.valid.all()
+    sparse = Mesh(7, 7, 47.0).solve(load[:, :7, :7].astype(kind), "lu").load
+    assert np.array_equal(sparse, Mesh(7, 7, 47.0).solve(load[:, :7, :7], "lu").load)
+    if kind[0] in "fi":
+        load[1, side // 2, 4] = -1
+        with pytest.raises(ValueError, match="negative"):
+            Mesh(side, side, 47.0).solve(load.astype(kind))

@@ -6,6 +6,9 @@ everything on must not change.
 """
 
 import copy
+import importlib.util
+import subprocess
+import sys
 import tomllib
 
 import numpy as np
@@ -194,3 +197,31 @@ def test_what_is_recorded_is_ten_times_and_more(engine):
         assert found["engine"] == engine and found["full_ms_per_s"] > found["scene_ms_per_s"]
         if name in ("acrylic_slip", "cop_two_point", "normal_force"):
             assert found["times_faster"] >= 10
+
+
+# Twins and drivers that a scene must not import: of features that it does not name.
+FOREIGN = {
+    "cop_two_point": {"slip.slip_path", "cop.cop_slip", "cop.cop_divide", "frontend.calibrate", "rtl_slip"},
+    "acrylic_slip": {"cop.cop_divide", "frontend.calibrate", "rtl_cop4", "rtl_cop", "rtl_frontend"},
+    "walk_25x5": {"slip.slip_path", "cop.cop4", "frontend.calibrate", "rtl_slip", "rtl_cop4", "rtl_frontend"},
+}
+IMPORTED = """
+import sys
+from meissner import engines, run, scenes
+one = scenes.load(sys.argv[1])
+run.check(one, sys.argv[2])
+engines.load(sys.argv[2])
+assert "meissner.scenes." + one.sensor + ".run" in sys.modules
+print(*(name for name in sys.modules if name.startswith("meissner.")))
+"""
+
+
+@pytest.mark.parametrize("name", FOREIGN)
+@pytest.mark.parametrize("engine", ["fixed", "rtl"])
+def test_an_engine_imports_no_stage_that_no_feature_names(name, engine):
+    done = subprocess.run(
+        [sys.executable, "-c", IMPORTED, name, engine], capture_output=True, text=True, check=True
+    )
+    for module in FOREIGN[name]:
+        whole = f"meissner.{'engines' if module.startswith('rtl') else 'twins'}.{module}"
+        assert importlib.util.find_spec(whole) and whole not in done.stdout.split(), whole

@@ -1,19 +1,17 @@
-"""Engine ``fixed``: the integer twins, vectorised. Bit for bit what the RTL does."""
+"""Engine ``fixed``: the integer twins, vectorised. Bit for bit what the RTL does.
+
+Each stage imports its twins where it runs, so a scene loads those of its features alone.
+"""
 
 import numpy as np
 
 from meissner.engines import Watched, moving_of_details
-from meissner.twins.cop import cop4 as electrodes
-from meissner.twins.cop.cop_accumulate import moments
-from meissner.twins.cop.cop_divide import cop_divide
-from meissner.twins.cop.cop_slip import CopSlip
-from meissner.twins.frontend.calibrate import forces as calibrated
-from meissner.twins.slip.peak_to_peak import sliding
-from meissner.twins.slip.slip_path import decide, details
 
 
 def watch(x, config, moving=None):
     """Run the slip path over ``x`` [channels, samples] with ``moving`` [samples]; returns Watched."""
+    from meissner.twins.slip.slip_path import decide
+
     detail_count = x.shape[1] >> config.level
     found = decide(x, config, moving_of_details(moving, config.level, detail_count))
     over = found.p2p > config.threshold
@@ -22,6 +20,9 @@ def watch(x, config, moving=None):
 
 def windows(x, config, count):
     """(p2p, slip, first) [channels, windows]: ``first`` is the detail of a tumbling window that crosses."""
+    from meissner.twins.slip.peak_to_peak import sliding
+    from meissner.twins.slip.slip_path import details
+
     group = 1 << config.level
     span, hop = config.window // group, config.hop // group
     shape = (len(x), count)
@@ -48,6 +49,9 @@ def windows(x, config, count):
 
 def cop(forces, min_load=1):
     """sum, mx, my, x, y, valid of each frame of ``forces`` [frames, rows, columns]."""
+    from meissner.twins.cop.cop_accumulate import moments
+    from meissner.twins.cop.cop_divide import cop_divide
+
     frames, rows, columns = forces.shape
     sums = np.empty((3, frames), dtype=np.int64)
     piece = max(1, (1 << 17) // (rows * columns))  # stays in the cache as int64
@@ -59,11 +63,15 @@ def cop(forces, min_load=1):
 
 def cop4(codes, config):
     """``Cop4`` of codes [samples, 4]; ``config``: Cop4Config."""
+    from meissner.twins.cop import cop4 as electrodes
+
     return electrodes.cop4(codes, config.registers, config.sample_bits, config.terms)
 
 
 def cop_slip(codes, config, lag, registers):
     """``Cop4`` and ``CopSlipResult`` of codes [samples, 4]; ``registers``: CopSlipRegisters."""
+    from meissner.twins.cop.cop_slip import CopSlip
+
     found = cop4(codes, config)
     return found, CopSlip(lag, registers).process(found.x, found.y, found.load, found.pressed)
 
@@ -75,5 +83,7 @@ def demodulate(samples, carrier):
 
 def calibrate(codes, calibration):
     """Forces of codes; ``calibration``: meissner.calibration.Calibration."""
+    from meissner.twins.frontend.calibrate import forces as calibrated
+
     offset, gain, dead = calibration.offset, calibration.gain, calibration.dead
     return calibrated(codes, offset, gain, calibration.gain_shift, mask=dead)

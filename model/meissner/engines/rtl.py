@@ -1,210 +1,60 @@
-"""Engine ``rtl``: the Verilated core behind a batch C++ driver, whole numpy arrays in and out."""
+"""Engine ``rtl``: the Verilated core behind batch C++ drivers, whole numpy arrays in and out.
 
-import ctypes
-from dataclasses import dataclass
-from functools import cache
-from pathlib import Path
-
-import numpy as np
-
-from meissner.engines import Watched, verilated
-from meissner.engines.rtl_cop import cop  # noqa: F401 - this engine's centre of pressure
-from meissner.engines.rtl_cop4 import cop4, cop_slip  # noqa: F401 - of four electrodes
-from meissner.engines.rtl_frontend import calibrate, demodulate  # noqa: F401 - and its front end
-from meissner.engines.verilated import library
-from meissner.twins.link.registers import members, struct_word
-from meissner.twins.slip.config import SAMPLE_BITS, TIMER_BITS
-
-ADC_PARTS = {"MCP3208": 1, "AD7606": 2}  # msn_pkg::adc_part_e
-# The clock of a pin-level run: the slowest that gives the MCP3208 its full 2 MHz, as simulation time counts
-# clocks. BUSY then lasts the AD7606's 4 us.
-PIN_CLK_KHZ, PIN_SCLK_KHZ, PIN_BUSY_CLOCKS = 4000, 2000, 16
-
-
-class _PinFacts(ctypes.Structure):
-    _fields_ = tuple(
-        (name, ctypes.c_int64)
-        for name in ("clocks", "frames", "period_min", "period_max", "decision_min", "decision_max")
-    )
-
-
-@cache
-def _open(path):
-    lib = ctypes.CDLL(str(path))
-    lib.core_new.restype = ctypes.c_void_p
-    lib.core_delete.argtypes = [ctypes.c_void_p]
-    lib.core_start.restype = ctypes.c_int64
-    lib.core_start.argtypes = [ctypes.c_void_p, ctypes.c_char_p, ctypes.c_int64]
-    lib.core_slip.restype = ctypes.c_int64
-    pointer = ctypes.c_void_p
-    lib.core_slip.argtypes = [
-        *(pointer, pointer, ctypes.c_int64, ctypes.c_int32, ctypes.c_uint32),
-        *(pointer, pointer, pointer, ctypes.c_int64),
-    ]
-    lib.core_pins.restype = ctypes.c_int64
-    lib.core_pins.argtypes = [
-        *(pointer, ctypes.c_int32, ctypes.c_int32, pointer, ctypes.c_int64, ctypes.c_int64),
-        *(pointer, pointer, pointer, ctypes.c_int64, ctypes.c_int64, ctypes.c_int64, ctypes.c_char_p),
-        *(ctypes.c_int64, ctypes.POINTER(_PinFacts)),
-    ]
-    for count in ("core_blanked", "core_damaged"):
-        getattr(lib, count).argtypes = [pointer]
-        getattr(lib, count).restype = ctypes.c_uint32
-    return lib
-
-
-def _settings(config):
-    """The bytes of msn_channels' cfg_i, the lowest first, in whole words: each setting of the group slip."""
-    fields = members("slip")
-    values = {member: int(getattr(config, member) or 0) for member in fields}
-    values["keep_threshold"] = config.keeps_above
-    word = struct_word("slip", values, {"detail": SAMPLE_BITS + config.level, "timer": TIMER_BITS})
-    words = -(-sum(field.width for field in fields.values()) // 32)
-    return word.to_bytes(4 * words, "little")
-
-
-class Core:
-    """One Verilated core with its registers set; ``parameters`` are those of rtl/slip/msn_channels.sv."""
-
-    def __init__(self, parameters, config, trace=False):
-        self._lib = _open(library("msn_channels", "channels_driver.cpp", parameters, trace))
-        self._core = self._lib.core_new()
-        settings = _settings(config)
-        verilated.check_room(self._lib.core_start(self._core, settings, len(settings)))
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
-        self._lib.core_delete(self._core)
-
-    def slip(self, x, moving=None):
-        """Send ``x`` [channels, samples]; returns (p2p, flags), one of each per decision in their order."""
-        channels, frames = x.shape
-        samples = np.ascontiguousarray(x.T, dtype=np.int32)
-        p2p = np.empty(samples.size, dtype=np.uint32)
-        flags = np.empty(samples.size, dtype=np.uint8)
-        moving = None if moving is None else np.ascontiguousarray(moving, dtype=np.uint8)
-        count = self._lib.core_slip(
-            *(self._core, samples.ctypes.data, frames, channels, SAMPLE_BITS),
-            *(None if moving is None else moving.ctypes.data, p2p.ctypes.data, flags.ctypes.data, p2p.size),
-        )
-        if count < 0:
-            raise RuntimeError("the core stalled, though its output was always taken")
-        return p2p[:count], flags[:count]
-
-    def pins(self, part, codes, period, moving, trace_path=None, trace=(0, 0)):
-        """Put ``codes`` [samples] behind the pins of ``part``; returns (p2p, flags, facts)."""
-        codes = np.ascontiguousarray(codes, dtype=np.int32)
-        moving = np.ascontiguousarray(moving, dtype=np.uint8)
-        p2p = np.empty(codes.size, dtype=np.uint32)
-        flags = np.empty(codes.size, dtype=np.uint8)
-        facts = _PinFacts()
-        count = self._lib.core_pins(
-            *(self._core, ADC_PARTS[part], PIN_BUSY_CLOCKS, codes.ctypes.data, codes.size, period),
-            *(moving.ctypes.data, p2p.ctypes.data, flags.ctypes.data, p2p.size, *trace),
-            *(None if trace_path is None else str(trace_path).encode(), PIN_CLK_KHZ, ctypes.byref(facts)),
-        )
-        verilated.check_room(count)
-        if count < 0:
-            raise RuntimeError("more decisions came out of the core than samples went in")
-        return p2p[:count], flags[:count], facts
-
-    @property
-    def blanked(self):
-        """Details that were over while blanked or while the actuator moved, since reset."""
-        return self._lib.core_blanked(self._core)
-
-
-def _parameters(channels, config):
-    return {
-        "Channels": channels,
-        "SampleBits": SAMPLE_BITS,
-        "Level": config.level,
-        "Window": config.window,
-        "Hop": config.hop,
-        "TimerBits": TIMER_BITS,
-    }
-
-
-def _run(x, config, moving=None):
-    """p2p and flags as [details, channels], and the count of blanked details."""
-    with Core(_parameters(len(x), config), config) as core:
-        p2p, flags = core.slip(x, moving)
-        return p2p.reshape(-1, len(x)), flags.reshape(-1, len(x)), core.blanked
-
-
-@dataclass(frozen=True)
-class Pins:
-    """A run at the converter's pins: its output, and the clocks it took."""
-
-    watched: Watched
-    facts: dict
-
-
-def watch_pins(recording, config, waves=None):
-    """Run a scene's recording through the pins of its converter; ``waves``: path of a VCD file.
-
-    The VCD holds 20 ms around the first rise of the flag (or the start, if it never rises).
-    """
-    part = recording.scene.adc_part
-    period = round(PIN_CLK_KHZ * 1000 / recording.scene.rate_hz)
-    parameters = _parameters(1, config) | {
-        "Adc": ADC_PARTS[part],
-        "ClkKhz": PIN_CLK_KHZ,
-        "SclkKhz": PIN_SCLK_KHZ,
-    }
-    around = (0, 0)
-    if waves is not None:
-        raised = np.flatnonzero(_run(recording.codes[None], config, recording.moving)[1][:, 0] & 32)
-        middle = int(raised[0]) << config.level if len(raised) else 0
-        half = round(0.01 * recording.scene.rate_hz)
-        around = (max(0, middle - half), middle + half)
-        Path(waves).parent.mkdir(parents=True, exist_ok=True)
-    with Core(parameters, config, trace=waves is not None) as core:
-        p2p, flags, facts = core.pins(part, recording.codes, period, recording.moving, waves, around)
-        watched = _watched(p2p[:, None], flags[:, None], core.blanked)
-    return Pins(
-        watched,
-        {
-            "adc": part,
-            "clk_khz": PIN_CLK_KHZ,
-            "frames": facts.frames,
-            "clocks": facts.clocks,
-            "convert_jitter_clocks": facts.period_max - facts.period_min,
-            "decision_clocks": facts.decision_max,
-            "decision_us": facts.decision_max / PIN_CLK_KHZ * 1000,
-            "decision_jitter_clocks": facts.decision_max - facts.decision_min,
-        },
-    )
+Each stage imports its driver where it runs, so a scene loads those of its features alone.
+"""
 
 
 def watch(x, config, moving=None):
     """Run the slip path over ``x`` [channels, samples] with ``moving`` [samples]; returns Watched."""
-    return _watched(*_run(x, config, moving))
+    from meissner.engines import rtl_slip
+
+    return rtl_slip.watch(x, config, moving)
 
 
-def _watched(p2p, flags, blanked):
-    return Watched(
-        p2p=p2p.T.astype(np.int64),
-        over=(flags.T >> 3 & 1).astype(bool),
-        state=(flags.T & 7).astype(np.int8),
-        end=(flags[:, 0] >> 4 & 1).astype(bool),
-        blanked=blanked,
-    )
+def watch_pins(recording, config, waves=None):
+    """Run a scene's recording through the pins of its converter; see rtl_slip."""
+    from meissner.engines import rtl_slip
+
+    return rtl_slip.watch_pins(recording, config, waves)
 
 
 def windows(x, config, count):
     """(p2p, slip, first) [channels, windows]: ``first`` is the detail of a tumbling window that crosses."""
-    p2p, flags, _ = _run(x, config)
-    ends = np.flatnonzero(flags[:, 0] & 16)
-    if len(ends) != count:
-        raise RuntimeError(f"the core closed {len(ends)} windows instead of {count}")
-    slip = (flags[ends].T & 8).astype(bool)
-    first = np.zeros(slip.shape, dtype=np.int64)
-    span = config.window >> config.level
-    if config.hop == config.window:
-        channels, hits = np.nonzero(slip)
-        inside = flags[: count * span].reshape(count, span, len(x))[hits, :, channels]
-        first[channels, hits] = np.argmax(inside & 8, axis=1)
-    return p2p[ends].T.astype(np.int64), slip, first
+    from meissner.engines import rtl_slip
+
+    return rtl_slip.windows(x, config, count)
+
+
+def cop(forces, min_load=1, waves=None):
+    """sum, mx, my, x, y, valid of each frame of ``forces`` [frames, rows, columns]."""
+    from meissner.engines import rtl_cop
+
+    return rtl_cop.cop(forces, min_load, waves)
+
+
+def cop4(codes, config, waves=None):
+    """``Cop4`` of codes [samples, 4] on the core that ``config`` (Cop4Config) asks for."""
+    from meissner.engines import rtl_cop4
+
+    return rtl_cop4.cop4(codes, config, waves)
+
+
+def cop_slip(codes, config, lag, registers, waves=None):
+    """``Cop4`` and ``CopSlipResult`` of codes [samples, 4]: msn_cop4, and msn_cop_slip on what it gave."""
+    from meissner.engines import rtl_cop4
+
+    return rtl_cop4.cop_slip(codes, config, lag, registers, waves)
+
+
+def demodulate(samples, carrier):
+    """Amplitudes [...] of carriers [..., samples]; ``carrier``: meissner.engines.Carrier."""
+    from meissner.engines import rtl_frontend
+
+    return rtl_frontend.demodulate(samples, carrier)
+
+
+def calibrate(codes, calibration):
+    """Forces [frames, rows, columns] of codes; ``calibration``: meissner.calibration.Calibration."""
+    from meissner.engines import rtl_frontend
+
+    return rtl_frontend.calibrate(codes, calibration)

@@ -1,4 +1,4 @@
-"""What a scene saves beside a run with everything on: recorded by ``meissner run SCENE --full``."""
+"""What a scene saves beside a run with everything on: tools/saved.py records it and says what is stale."""
 
 import json
 from contextlib import contextmanager
@@ -45,8 +45,9 @@ def of(scene, engine):
     for other in (engine, "fixed"):
         recorded = _recorded().get(other, {})
         if scene.name in recorded.get("scenes", {}):
-            found = compared(recorded["scenes"][scene.name], sum(recorded["full"].values()))
-            return found | {"engine": other, "on": recorded["on"]}
+            own, every = recorded["scenes"][scene.name], recorded["full"].values()
+            found = compared(own["ms"], sum(part["ms"] for part in every))
+            return found | {"engine": other, "on": min(own["on"], *(part["on"] for part in every))}
     return None
 
 

@@ -65,8 +65,8 @@ def certify(mesh, row, column, resistance, w):
     M = matrix(mesh, row, column, resistance)
     count = M.shape[-1]
     scale = 1 / np.sqrt(np.diagonal(M, axis1=1, axis2=2))
-    reach_a = np.sqrt(mesh.layer_a.reach()[column] * mesh.r)
-    reach_b = np.sqrt(mesh.layer_b.reach()[row] * mesh.r)
+    reach_a = np.sqrt(mesh.layer_a.terms()[column] * mesh.r)
+    reach_b = np.sqrt(mesh.layer_b.terms()[row] * mesh.r)
     doubt = mesh.layer_a.rounding * reach_a[:, :, None] * reach_a[:, None, :]
     doubt += mesh.layer_b.rounding * reach_b[:, :, None] * reach_b[:, None, :]
     doubt += 4 * UNIT * np.abs(M)

@@ -12,10 +12,12 @@ keeps apart (so R0 >> r costs no digits), plus H below: positive definite, writt
 
 import numpy as np
 
+from meissner.physics.mesh.apart import Apart, suits
 from meissner.physics.mesh.lines import Lines
 
 UNIT = np.finfo(float).eps / 2
-TABLE_LIMIT = 3_000_000  # entries; beyond it the modes are summed for each pair of contacts
+TABLE_LIMIT = 3_000_000  # entries of a table of three places
+APART_LIMIT = 3_000_000  # entries of a table of two distances; beyond it the modes are summed for each pair
 
 
 class Layer:
@@ -30,7 +32,7 @@ class Layer:
         self.theta = 2 * np.arcsinh(np.sin(np.pi * np.arange(1, free) / (2 * free)))
         self.norm = 2 * np.sinh(self.theta) * -np.expm1(-2 * self.theta * (along + 1))
         self._table = None
-        self._lines = None
+        self._large = None
         self._reach = None
 
     def _modes(self, low, high):
@@ -49,6 +51,18 @@ class Layer:
     @property
     def tabulated(self):
         return 2 * self.free * self.along**2 <= TABLE_LIMIT
+
+    @property
+    def by_distance(self):
+        fits = (self.free + 1) * (self.along + 2) <= APART_LIMIT and suits(self.free, self.along)
+        return fits and not self.tabulated
+
+    @property
+    def large(self):
+        """What answers where there is no table of three places."""
+        if self._large is None:
+            self._large = Apart(self) if self.by_distance else Lines(self)
+        return self._large
 
     def table(self):
         """[2 free, along, along]: half of H plus the modes' sum for one cosine argument, period 2 free."""
@@ -71,23 +85,27 @@ class Layer:
             level = level[..., None, :]
             gap = first - (level - second)  # below 0 it counts from the table's end: one period on
             return table.take(gap) + table.take(first + (level + second + size))
-        if self._lines is None:
-            self._lines = Lines(self)
         contacts = across.shape[-1]
-        drop = self._lines.between(across.reshape(-1, contacts), along.reshape(-1, contacts))
+        drop = self.large.between(across.reshape(-1, contacts), along.reshape(-1, contacts))
         return drop.reshape(*across.shape, contacts)
 
     def reach(self):
         """[along]: an upper bound of a contact's drop per own ampere; sqrt(reach reach') bounds the sum of
-        the magnitudes of all terms of any entry of ``between``."""
+        the magnitudes of all terms of any entry of ``between``, but for those by distance (``terms``)."""
         if self._reach is None:
             place = np.arange(1, self.along + 1)
             self._reach = self.ladder(place, place) + 2 * self._modes(place, place).sum(-1) / self.free
         return self._reach
 
+    def terms(self):
+        """[along]: sqrt(terms terms') bounds the sum of the magnitudes of all terms of any entry."""
+        if not self.by_distance:
+            return self.reach()
+        return np.full(self.along, self.large.most())
+
     @property
     def rounding(self):
-        """|error of an entry of between| <= rounding * sqrt(reach reach'): free+64 roundings.
+        """|error of an entry of between| <= rounding * sqrt(terms terms'): free+64 roundings.
 
         Sums of free terms in any order, and 64 for the term itself with functions good to 4 ulp; the
         exponential's argument t d adds at most 4/e more, since x exp(-x) <= 1/e.

@@ -1,4 +1,4 @@
-"""One layer's response between few contacts on a mesh too large to tabulate: a row of modes for each line.
+"""One layer's response between few contacts on a mesh too large for tables: a row of modes for each line.
 
 cos pd + cos pe = 2 cos p(i+1/2) cos p(i'+1/2), and g_p(j<, j>) of meissner.physics.mesh.green is a factor of
 j<, one of j> and exp(-t (j>-j<)). So a contact brings rows that belong to its two lines alone, and the rest

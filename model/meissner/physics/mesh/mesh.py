@@ -15,6 +15,7 @@ BATCH = 2_000_000  # contact pairs solved at once
 DENSE = 2000  # contacts; beyond it the fast solver iterates, as it does
 MODES = 200_000_000  # beyond so many terms of Green's functions that are too large to tabulate
 SPARSE = 20_000  # taxels up to which auto takes sparse LU for many contacts
+NARROW = tuple(map(np.dtype, ("f4", "f2", "u2", "u1")))
 ALL = np.zeros(1, int)
 
 
@@ -55,6 +56,8 @@ class Mesh:
     def solve(self, load, solver="auto", tolerance=0.0):
         """Solve ``load`` [m, n] or [scenes, m, n] (newtons, >= 0; ``np.inf`` shorts a taxel): a ``Solution``.
 
+        Numbers of 4, 2 or 1 bytes (float32, float16, uint16, uint8) are taken as they are.
+
         lu        the (2mn+4) nodal equations, sparse LU, refined and certified: the reference
         fast      exact; only the loaded taxels are unknown
         constant  eq. 25: no drop in the layers, so position and load come out ideal
@@ -66,7 +69,10 @@ class Mesh:
         load, single = self._read(load)
         flat = load.reshape(-1)
         index = touched(flat)
-        return self._contacts(index, flat[index], len(load), single, load.__getitem__, solver, tolerance)
+        force = flat[index].astype(float, copy=False)
+        return self._contacts(
+            index, force, len(load), single, lambda scene: load[scene].astype(float), solver, tolerance
+        )
 
     def press(self, row, column, force, solver="auto", tolerance=0.0):
         """``solve`` where only contacts are given: [K] or [scenes, K] rows, columns and newtons on them.
@@ -168,7 +174,9 @@ class Mesh:
 
     def _read(self, load):
         try:
-            load = np.asarray(load, float)
+            load = np.asarray(load)
+            if load.dtype not in NARROW:  # those as they are: a large frame costs what its bytes cost to read
+                load = load.astype(float, copy=False)
         except (TypeError, ValueError):
             raise ValueError("load must be an array of newtons") from None
         if load.ndim not in (2, 3) or load.shape[-2:] != (self.m, self.n):

@@ -14,14 +14,14 @@ def _check(load):
 
 
 def touched(load):
-    """Indices of what is above 0 in ``load``, flat float64; ValueError if a number is NaN or below 0.
+    """Indices of what is above 0 in ``load``, flat numbers; ValueError if one is NaN or below 0.
 
     A line whose words have no bit set holds only +0, so neither is looked for in it.
     """
     whole = load.size // LINE
     if load.size >= LARGE:
-        lines = np.bitwise_or.reduce(load[: whole * LINE].view(np.uint64).reshape(whole, LINE), axis=1)
-        lines = lines.nonzero()[0]
+        words = load[: whole * LINE].view(np.uint64).reshape(whole, LINE * load.itemsize // 8)
+        lines = np.bitwise_or.reduce(words, axis=1).nonzero()[0]
         if 4 * len(lines) < whole:
             part = np.concatenate(
                 [load[: whole * LINE].reshape(whole, LINE)[lines].reshape(-1), load[whole * LINE :]]

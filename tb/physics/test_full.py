@@ -1,0 +1,100 @@
+"""``meissner run SCENE --full``: everything on beside a scene changes nothing of what the scene gives.
+
+Space: every scene, on fixed in ``make test`` and on rtl in ``make test-long``, by one run of each condition
+(a hand by two seconds of one). A first pass runs them in order; then everything on runs in the same process,
+and a second pass runs them with ``--full`` in the other order: summary and result.npz bit for bit, but for
+times. Parts that leave something behind are noticed.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from meissner import run, scenes
+from meissner.physics import rubber
+from meissner.scenes import full
+
+TIMES = ("seconds_taken", "samples_per_second", "saved")
+
+
+def stretch(name):
+    """One run of each condition of a scene."""
+    one = scenes.load(name)
+    if one.sensor == "hand":
+        world = one.world | full.HAND
+        return replace(one, seeds=1, world=world, conditions=(replace(one.conditions[0], duration_s=None),))
+    return replace(one, seeds=1) if hasattr(one, "seeds") else one
+
+
+def given(one, engine, out, compared=None):
+    """What a run gives, by name: the entries of its summary but times, and the bytes of its arrays."""
+    summary = run.run(one, engine, out, compared=compared)
+    found = {key: repr(value) for key, value in summary.items() if key not in TIMES}
+    for name, array in np.load(out / "result.npz").items():
+        found[f"result.npz {name}"] = array.dtype, array.shape, array.tobytes()
+    return found
+
+
+@pytest.fixture
+def once(monkeypatch):
+    """No pictures, and each part of everything on runs once: no time is judged here."""
+    monkeypatch.setattr("matplotlib.figure.Figure.savefig", lambda _, path, **__: path.write_bytes(b""))
+    monkeypatch.setattr(full, "_ms_per_s", lambda part: round(1e3 / part(), 3))
+
+
+def changed(names, engine, folder, monkeypatch, everything=full.everything):
+    """{scene: what everything on changes of it}; runs it once for all of them."""
+    plain = {name: given(stretch(name), engine, folder / "plain") for name in names}
+    parts = everything(engine)
+    monkeypatch.setattr(full, "everything", lambda *_: parts)
+    found = {}
+    for name in reversed(names):
+        one = stretch(name)
+        whole = given(one, engine, folder / "full", run.full(one, engine))
+        differ = {key for key in plain[name] | whole if plain[name].get(key) != whole.get(key)}
+        if differ:
+            found[name] = differ
+    return found
+
+
+def test_everything_on_changes_no_scene_on_fixed(tmp_path, monkeypatch, once):
+    names = scenes.names()
+    assert len(names) == 32
+    assert changed(names, "fixed", tmp_path, monkeypatch) == {}
+
+
+@pytest.mark.long
+def test_everything_on_changes_no_scene_on_rtl(tmp_path, monkeypatch, once):
+    assert changed(scenes.names(), "rtl", tmp_path, monkeypatch) == {}
+
+
+def spoil_an_array():
+    rubber._curve()[0].c[:] *= 1 + 2**-20
+
+
+def spoil_a_constant():
+    rubber.RING_S *= 2
+
+
+def spoil_a_draw():
+    """A generator that all would share."""
+    np.random.default_rng = lambda *_, made=np.random.default_rng: made(3)
+
+
+@pytest.mark.parametrize("leak", [spoil_an_array, spoil_a_constant, spoil_a_draw])
+def test_a_part_that_leaves_something_behind_is_noticed(tmp_path, monkeypatch, once, leak):
+    for module, name in ((rubber, "RING_S"), (np.random, "default_rng")):
+        monkeypatch.setattr(module, name, getattr(module, name))  # put back at the end
+    coefficients = rubber._curve()[0].c
+    kept = coefficients.copy()
+
+    def everything(engine):
+        leak()
+        return {"leaks": 1.0}
+
+    try:
+        found = changed(["cop_two_point", "acrylic_slip"], "fixed", tmp_path, monkeypatch, everything)
+    finally:
+        coefficients[:] = kept
+    assert "acrylic_slip" in found and any("result.npz" in key for key in found["acrylic_slip"])
