@@ -167,15 +167,13 @@ module msn_core #(
   msn_registers_pkg::link_status_t link_status;
   msn_registers_pkg::grip_status_t grip_status;
   always_comb begin
-    status               = sensor_status;
-    status.core.features = 32'({Grip, 1'b1, CopSlip, Cop4, Array, Array, Tare, Health, Array && Pins, Slip,
-                                !Array && Pins});
+    status              = sensor_status;
     {status.core.size_rows, status.core.size_columns} = Array ? {16'(Rows), 16'(Columns)} :
                                                                 {16'd1, 16'(Channels)};
-    status.core.clk_khz  = 32'(ClkKhz);
+    status.core.clk_khz = 32'(ClkKhz);
     {status.core.widths_detail, status.core.widths_timer} = {8'(DetailBits), 8'(TimerBits)};
     {status.core.widths_load, status.core.widths_offset}  = {8'(LoadBits), 8'(OffsetBits)};
-    status.core.beats    = Array ? 21'(Rows * RowBeats) : 21'd0;
+    status.core.beats   = Array ? 21'(Rows * RowBeats) : 21'd0;
     {status.slip, status.link, status.grip} = {slip_status, link_status, grip_status};
   end
 

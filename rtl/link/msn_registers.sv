@@ -63,6 +63,8 @@ module msn_registers #(
     $fatal(1, "msn_registers: OffsetBits = %0d must lie in 1 .. 17", OffsetBits);
   end
 
+  localparam logic [10:0] Features = {Grip, Link, CopSlip, Cop4, Cop, Calibrate, Tare, Health, Scan, Slip, Adc};
+
   logic        write;
   logic [9:0]  word;
   logic [31:0] mask;
@@ -1128,7 +1130,7 @@ module msn_registers #(
   logic [31:0] read_word;
   assign read_word = ({32{core_id_hit_q}} & 32'h4d534e52)
       | ({32{core_version_hit_q}} & {16'h0, 8'h4, 8'h0})
-      | ({32{core_features_hit_q}} & status_i.core.features)
+      | ({32{core_features_hit_q}} & 32'(Features))
       | ({32{core_size_hit_q}} & {status_i.core.size_columns, status_i.core.size_rows})
       | ({32{core_clk_khz_hit_q}} & status_i.core.clk_khz)
       | ({32{core_scratch_hit_q}} & cfg_o.core.scratch)

@@ -148,7 +148,6 @@ package msn_registers_pkg;
   } cfg_t;
 
   typedef struct packed {
-    logic [31:0] features;
     logic [15:0] size_rows;
     logic [15:0] size_columns;
     logic [31:0] clk_khz;

@@ -4,11 +4,12 @@
 localparam int unsigned Fields = 130;
 logic [Fields-1:0]    there, writable, written;
 logic [32*Fields-1:0] bits;
+localparam logic [10:0] Features = {Grip, Link, CopSlip, Cop4, Cop, Calibrate, Tare, Health, Scan, Slip, Adc};
 `CONSTANT(0, 1'b1, 10'h000, 0, 32, 1297305170)
 `CONSTANT(1, 1'b1, 10'h001, 0, 8, 0)
 `CONSTANT(2, 1'b1, 10'h001, 8, 8, 4)
 `CONSTANT(3, 1'b1, 10'h001, 16, 16, 0)
-`STATUS(4, 1'b1, 10'h002, 0, 32, core_features, core.features)
+`CONSTANT(4, 1'b1, 10'h002, 0, 32, Features)
 `STATUS(5, 1'b1, 10'h003, 0, 16, core_size_rows, core.size_rows)
 `STATUS(6, 1'b1, 10'h003, 16, 16, core_size_columns, core.size_columns)
 `STATUS(7, 1'b1, 10'h004, 0, 32, core_clk_khz, core.clk_khz)

@@ -30,7 +30,7 @@ GROUPS = (
                 "features",
                 0x008,
                 "A bit for each group of registers below, the first lowest: 1 where the build has it.",
-                (Field("value", 31, 0, "status", 0x0),),
+                (Field("value", 31, 0, "features", 0x0),),
             ),
             Register(
                 "size",
