@@ -218,7 +218,7 @@ DEFAULTS = {
     **{
         "cop": {"min_load_n": 0.0},
         "cop_slip": config.COP_SLIP,
-        "grip": config.grip_table.DEFAULTS,
+        "grip": config.STAGES["grip"].DEFAULTS,
         "slip": config.SLIP | {"serial": 0, "hop": 0},
     },
     "adc": dict.fromkeys(("lanes", "sclk_khz", "converters", "channels", "settle_us")),

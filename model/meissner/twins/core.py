@@ -93,7 +93,7 @@ def array_of(config):
 
 def hand_of(config, start=None):
     """Hand of a configuration with [grip]."""
-    return Hand(config.channels, config.slip, config.grip, start)
+    return Hand(config.channels, config.slip, config.stages["grip"], start)
 
 
 def expected(config, codes):

@@ -8,6 +8,12 @@ from meissner.twins.actuate.grip import MIN_PERIOD, MODES, PERIOD_BITS, RULES, G
 DEFAULTS = {"mode": "position", "rule": "any", "immediate": False, "cycle_ms": 10.0, "step": 256, "decay": 0}
 DEFAULTS |= {"minimum": 1024, "maximum": 60_000, "rate": 2048, "silent_ms": 50.0, "rail_samples": 8}
 DEFAULTS |= {"pulse_divide": 0}
+PARAMETERS = {"Grip": 1}
+
+
+def check(base):
+    if base.serial or not base.link["registers"]:
+        raise ValueError("[grip] must go with serial = false and registers = true, which report a fault")
 
 
 def config(at, given, base):
