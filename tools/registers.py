@@ -20,13 +20,14 @@ MADE = f"Made by tools/registers.py from {SOURCE}: change that, then `make regis
 HELD = {"detail": 20, "timer": 16, "load": 32, "offset": 17}
 
 
+OWN = ("features", "width")  # kinds of fields that follow from the module's parameters
 KEYWORDS = {"force", "override"}  # of SystemVerilog, C++: a member of that name gets a "_"
 
 
 @dataclass(frozen=True)
 class Field:
-    """``kind``: setting (written by the host), status (by the core), constant, features (the parameters of
-    the groups), or command (a pulse)."""
+    """``kind``: setting (written by the host), status (by the core), constant, command (a pulse), or of the
+    module's own parameters: features (of the groups), width (of what fields are held to)."""
 
     name: str
     port: str  # its group's, its register's and its own name
@@ -81,6 +82,8 @@ def _field(group, register, field):
     writable, seen = field.is_sw_writable, field.is_hw_readable
     if field.get_property("group_bits", default=False):
         kind = "features"
+    elif field.get_property("width_bits", default=False):
+        kind = "width"
     elif field.get_property("singlepulse"):
         kind = "command"
     elif writable:
@@ -92,7 +95,7 @@ def _field(group, register, field):
         sys.exit(f"{SOURCE}: {prefix}.{field.inst_name} has no reset value")
     if kind == "command" and field.width != 1:
         sys.exit(f"{SOURCE}: {prefix}.{field.inst_name} is a pulse and must be one bit")
-    assert seen or kind in ("status", "constant", "features"), field.inst_name
+    assert seen or kind in ("status", "constant", *OWN), field.inst_name
     signed, held_to = (
         field.get_property("is_signed", default=False),
         field.get_property("held_to", default=""),
@@ -149,7 +152,7 @@ def _structs(groups):
         cfg, status = [], []
         for register in group.registers:
             for field in register.fields:
-                if field.kind not in ("constant", "features"):
+                if field.kind not in ("constant", *OWN):
                     (status if field.kind == "status" else cfg).append((field.member, field.width))
             if register.strobe:
                 cfg.append((f"{register.name}_written", 1))
@@ -245,6 +248,11 @@ def rtl(groups):
     return "\n".join(lines) + "\n"
 
 
+def _own(field):
+    """The module's parameter that a field reads as."""
+    return "Features" if field.kind == "features" else f"{field.name.capitalize()}Bits"
+
+
 def _features(groups):
     """A bit for each group that may be absent."""
     names = [group.parameter for group in groups if group.feature]
@@ -268,8 +276,8 @@ class Process:
         slice_ = f"[{field.high}:{field.low}]" if width > 1 else f"[{field.low}]"
         if field.kind == "constant":
             return f"{width}'h{field.reset:x}"
-        if field.kind == "features":
-            return f"{width}'(Features)"
+        if field.kind in OWN:
+            return f"{width}'({_own(field)})"
         if field.kind == "status":
             return f"status_i.{member}"
         shown = f"cfg_o.{member}"
@@ -502,9 +510,9 @@ def page(groups):
                     "command": "write 1",
                     "status": "read",
                     "constant": "read",
-                    "features": "read",
+                    **dict.fromkeys(OWN, "read"),
                 }[field.kind]
-                reset = "" if field.kind in ("status", "features") else f"{field.reset:#x}"
+                reset = "" if field.kind in ("status", *OWN) else f"{field.reset:#x}"
                 text = register.text if index == 0 else ""
                 lines.append(
                     f"| 0x{register.address:03x} | `{name}` | {bits} | {access} | {reset} | {text} |"
@@ -536,8 +544,8 @@ def proof(groups):
                     place += field.width
                 elif field.kind == "status":
                     lines.append(f"`STATUS({begin}, {field.width}, {name})")
-                elif field.kind in ("constant", "features"):
-                    value = "Features" if field.kind == "features" else field.reset
+                elif field.kind in ("constant", *OWN):
+                    value = _own(field) if field.kind in OWN else field.reset
                     lines.append(f"`CONSTANT({begin}, {field.width}, {value})")
                 else:
                     lines.append(f"`COMMAND({begin}, {name})")

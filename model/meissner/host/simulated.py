@@ -50,7 +50,6 @@ class SimulatedCore:
             ("core", "size", "rows"): size[0],
             ("core", "size", "columns"): size[1],
             ("core", "clk_khz", "value"): clk_khz,
-            **{("core", "widths", name): bits for name, bits in widths.items()},
             ("core", "beats", "value"): taxels,
         }
         self.units = units.Units()  # what a host should know about this core

@@ -126,6 +126,7 @@ class Registers:
                 "status": (status or {}).get(key, 0),
                 "constant": field.reset,
                 "features": self._bits,
+                "width": self.widths.get(field.name),
                 "command": 0,
             }[field.kind]
             word |= value << field.low
