@@ -24,6 +24,7 @@ module msn_axis #(
   parameter  bit          Correct          = 1'b0,
   parameter  bit          CopSlip          = 1'b0,
   parameter  bit          Grip             = 1'b0,
+  parameter  bit          ShearSpeed       = 1'b0,
   parameter  bit          Statistics       = 1'b1,
   parameter  int unsigned Level            = 1,
   parameter  int unsigned Window           = 64,
@@ -122,9 +123,9 @@ module msn_axis #(
     .AdcChannels  ((CoreColumns + Wide - 1) / Wide),  // one group
     .ClkKhz(ClkKhz), .Array(Array), .Rows(CoreRows), .Columns(CoreColumns), .Channels(Channels),
     .Health(Health), .Tare(Tare), .RowColumn(RowColumn), .Slip(Slip), .Image(Image), .Cop4(Cop4),
-    .Correct(Correct), .CopSlip(CopSlip), .Grip(Grip), .Statistics(Statistics), .Uart(1'b0),
-    .Level(Level), .Window(Window), .Hop(Hop), .GainShift(GainShift), .TareLog2(TareLog2), .Lag(Lag),
-    .SlipDepth(SlipDepth), .StatisticBits(StatisticBits), .Chunk(Chunk), .Resets(Resets)
+    .Correct(Correct), .CopSlip(CopSlip), .Grip(Grip), .ShearSpeed(ShearSpeed), .Statistics(Statistics),
+    .Uart(1'b0), .Level(Level), .Window(Window), .Hop(Hop), .GainShift(GainShift), .TareLog2(TareLog2),
+    .Lag(Lag), .SlipDepth(SlipDepth), .StatisticBits(StatisticBits), .Chunk(Chunk), .Resets(Resets)
   ) u_core (
     .clk_i, .rst_i,
     .row_o(unused_row), .group_o(unused_group),

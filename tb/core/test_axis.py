@@ -3,6 +3,7 @@ its stages on one lane and on several, single channels, four electrodes; packets
 pauses on both streams; registers found, written while frames pass, in force from one frame on; errors; a
 calibration loaded while it runs."""
 
+import itertools
 import logging
 import re
 import zlib
@@ -258,7 +259,7 @@ async def a_hand_gets_words_and_pulses(dut):
         if dut.grip_valid_o.value == 1:
             at.append(clock)
             assert bench.read(dut.grip_word_o) == 41
-    assert [later - one for one, later in zip(at, at[1:])] == [300] * (len(at) - 1) and len(at) >= 3
+    assert [later - one for one, later in itertools.pairwise(at)] == [300] * (len(at) - 1) and len(at) >= 3
     await RisingEdge(dut.pwm_o)
     rose = get_sim_time("ns")
     await FallingEdge(dut.pwm_o)

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Made by tools/registers.py from rtl/registers.rdl: change that, then `make registers`.
 
-localparam int unsigned Fields = 130;
+localparam int unsigned Fields = 164;
 logic [Fields-1:0]    there, writable, written;
 logic [32*Fields-1:0] bits;
-localparam logic [10:0] Features = {Grip, Link, CopSlip, Cop4, Cop, Calibrate, Tare, Health, Scan, Slip, Adc};
+localparam logic [11:0] Features = {ShearSpeed, Grip, Link, CopSlip, Cop4, Cop, Calibrate, Tare, Health, Scan, Slip, Adc};
 `CONSTANT(0, 1'b1, 10'h000, 0, 32, 1297305170)
 `CONSTANT(1, 1'b1, 10'h001, 0, 8, 0)
 `CONSTANT(2, 1'b1, 10'h001, 8, 8, 4)
@@ -14,10 +14,10 @@ localparam logic [10:0] Features = {Grip, Link, CopSlip, Cop4, Cop, Calibrate, T
 `STATUS(6, 1'b1, 10'h003, 16, 16, core_size_columns, core.size_columns)
 `STATUS(7, 1'b1, 10'h004, 0, 32, core_clk_khz, core.clk_khz)
 `SETTING(8, 1'b1, 10'h005, 0, 32, 0, core_scratch, core.scratch, 0, cfg_o.core.scratch, 32, 0)
-`STATUS(9, 1'b1, 10'h006, 0, 8, core_widths_detail, core.widths_detail)
-`STATUS(10, 1'b1, 10'h006, 8, 8, core_widths_timer, core.widths_timer)
-`STATUS(11, 1'b1, 10'h006, 16, 8, core_widths_load, core.widths_load)
-`STATUS(12, 1'b1, 10'h006, 24, 8, core_widths_offset, core.widths_offset)
+`CONSTANT(9, 1'b1, 10'h006, 0, 8, DetailBits)
+`CONSTANT(10, 1'b1, 10'h006, 8, 8, TimerBits)
+`CONSTANT(11, 1'b1, 10'h006, 16, 8, LoadBits)
+`CONSTANT(12, 1'b1, 10'h006, 24, 8, OffsetBits)
 `STATUS(13, 1'b1, 10'h007, 0, 21, core_beats, core.beats)
 `SETTING(14, Adc, 10'h040, 0, 1, 32, adc_enable, adc.enable, 0, cfg_o.adc.enable, 1, 0)
 `SETTING(15, Adc, 10'h041, 0, 24, 33, adc_period, adc.period, 0, cfg_o.adc.period, 24, 0)
@@ -141,4 +141,38 @@ localparam logic [10:0] Features = {Grip, Link, CopSlip, Cop4, Cop, Calibrate, T
 `STATUS(127, Grip, 10'h294, 0, 8, grip_faulty, grip.faulty)
 `STATUS(128, Grip, 10'h295, 0, 32, grip_commands, grip.commands)
 `STATUS(129, Grip, 10'h296, 0, 32, grip_tightenings, grip.tightenings)
+`SETTING(130, Grip, 10'h297, 0, 16, 1069, grip_speed_gain, grip.speed_gain, 0, cfg_o.grip.speed_gain, 16, 0)
+`SETTING(131, ShearSpeed, 10'h2c0, 0, 1, 1085, shear_speed_enable, shear_speed.enable, 0, cfg_o.shear_speed.enable, 1, 0)
+`SETTING(132, ShearSpeed, 10'h2c1, 0, 26, 1086, shear_speed_k0, shear_speed.k0, 0, cfg_o.shear_speed.k0, 26, 0)
+`SETTING(133, ShearSpeed, 10'h2c2, 0, 18, 1112, shear_speed_k1, shear_speed.k1, 0, cfg_o.shear_speed.k1, 18, 1)
+`SETTING(134, ShearSpeed, 10'h2c3, 0, 16, 1130, shear_speed_exponent, shear_speed.exponent, 0, cfg_o.shear_speed.exponent, 16, 0)
+`SETTING(135, ShearSpeed, 10'h2c4, 0, 26, 1146, shear_speed_vi_min, shear_speed.vi_min, 0, cfg_o.shear_speed.vi_min, 26, 1)
+`SETTING(136, ShearSpeed, 10'h2c5, 0, 26, 1172, shear_speed_vi_max, shear_speed.vi_max, 0, cfg_o.shear_speed.vi_max, 26, 1)
+`SETTING(137, ShearSpeed, 10'h2c6, 0, 26, 1198, shear_speed_noise, shear_speed.noise, 0, cfg_o.shear_speed.noise, 26, 0)
+`SETTING(138, ShearSpeed, 10'h2c7, 0, 26, 1224, shear_speed_still, shear_speed.still, 0, cfg_o.shear_speed.still, 26, 0)
+`SETTING(139, ShearSpeed, 10'h2c8, 0, 17, 1250, shear_speed_full, shear_speed.full, 0, cfg_o.shear_speed.full, 17, 1)
+`SETTING(140, ShearSpeed, 10'h2c9, 0, 24, 1267, shear_speed_limit, shear_speed.limit, 0, cfg_o.shear_speed.limit, 24, 0)
+`SETTING(141, ShearSpeed, 10'h2ca, 0, 32, 1291, shear_speed_travel, shear_speed.travel, 0, cfg_o.shear_speed.travel, 32, 0)
+`SETTING(142, ShearSpeed, 10'h2cb, 0, 1, 1323, shear_speed_hold, shear_speed.hold, 0, cfg_o.shear_speed.hold, 1, 0)
+`SETTING(143, ShearSpeed, 10'h2cc, 0, 8, 1324, shear_speed_hold_cycles, shear_speed.hold_cycles, 0, cfg_o.shear_speed.hold_cycles, 8, 0)
+`SETTING(144, ShearSpeed, 10'h2cd, 0, 3, 1332, shear_speed_select, shear_speed.select, 0, cfg_o.shear_speed.select, 3, 0)
+`STATUS(145, ShearSpeed, 10'h2ce, 0, 24, shear_speed_channel0_speed, shear_speed.channel0_speed)
+`STATUS(146, ShearSpeed, 10'h2ce, 24, 8, shear_speed_channel0_flags, shear_speed.channel0_flags)
+`STATUS(147, ShearSpeed, 10'h2cf, 0, 24, shear_speed_channel1_speed, shear_speed.channel1_speed)
+`STATUS(148, ShearSpeed, 10'h2cf, 24, 8, shear_speed_channel1_flags, shear_speed.channel1_flags)
+`STATUS(149, ShearSpeed, 10'h2d0, 0, 24, shear_speed_channel2_speed, shear_speed.channel2_speed)
+`STATUS(150, ShearSpeed, 10'h2d0, 24, 8, shear_speed_channel2_flags, shear_speed.channel2_flags)
+`STATUS(151, ShearSpeed, 10'h2d1, 0, 24, shear_speed_channel3_speed, shear_speed.channel3_speed)
+`STATUS(152, ShearSpeed, 10'h2d1, 24, 8, shear_speed_channel3_flags, shear_speed.channel3_flags)
+`STATUS(153, ShearSpeed, 10'h2d2, 0, 24, shear_speed_channel4_speed, shear_speed.channel4_speed)
+`STATUS(154, ShearSpeed, 10'h2d2, 24, 8, shear_speed_channel4_flags, shear_speed.channel4_flags)
+`STATUS(155, ShearSpeed, 10'h2d3, 0, 24, shear_speed_channel5_speed, shear_speed.channel5_speed)
+`STATUS(156, ShearSpeed, 10'h2d3, 24, 8, shear_speed_channel5_flags, shear_speed.channel5_flags)
+`STATUS(157, ShearSpeed, 10'h2d4, 0, 24, shear_speed_channel6_speed, shear_speed.channel6_speed)
+`STATUS(158, ShearSpeed, 10'h2d4, 24, 8, shear_speed_channel6_flags, shear_speed.channel6_flags)
+`STATUS(159, ShearSpeed, 10'h2d5, 0, 24, shear_speed_channel7_speed, shear_speed.channel7_speed)
+`STATUS(160, ShearSpeed, 10'h2d5, 24, 8, shear_speed_channel7_flags, shear_speed.channel7_flags)
+`STATUS(161, ShearSpeed, 10'h2d6, 0, 26, shear_speed_vi, shear_speed.vi)
+`STATUS(162, ShearSpeed, 10'h2d7, 0, 27, shear_speed_rise, shear_speed.rise)
+`STATUS(163, ShearSpeed, 10'h2d8, 0, 32, shear_speed_windows, shear_speed.windows)
 always_comb if (started) assert (pending_o == (slip_waits || cop_waits || cop4_waits || cop_slip_waits));

@@ -1,4 +1,4 @@
-"""Stages of a core with tables of their own in a build's file: [grip] is what the module grip here says of it.
+"""Stages of a core with tables of their own in a build's file: the module grip here says what [grip] is.
 
 A module has DEFAULTS, the table's keys; PARAMETERS, of rtl/msn_core.sv; ``config(at, given, base)``, the
 stage's settings of the checked table, with ``settings`` {register of the group of that name: value}; and
