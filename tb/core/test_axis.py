@@ -234,10 +234,10 @@ async def says_what_it_is_and_refuses_what_it_has_not(dut):
     features = (await axi.read(0x008))[0]
     array, cop4 = number(dut, "Array"), number(dut, "Cop4")
     bits = (0, number(dut, "Slip"), 0, number(dut, "Health"), number(dut, "Tare"), array, array, cop4)
-    bits += (number(dut, "CopSlip"), 1, number(dut, "Grip"))
+    bits += (number(dut, "CopSlip"), 1, number(dut, "Grip"), number(dut, "ShearSpeed"))
     assert features == sum(bit << place for place, bit in enumerate(bits))
     for place, address in enumerate(
-        (0x100, 0x200, 0x300, 0x400, 0x480, 0x500, 0x600, 0x700, 0x800, 0x900, 0xA00)
+        (0x100, 0x200, 0x300, 0x400, 0x480, 0x500, 0x600, 0x700, 0x800, 0x900, 0xA00, 0xB00)
     ):
         resp = (await axi.read(address))[1]
         assert resp == (AxiResp.OKAY if bits[place] else AxiResp.SLVERR), hex(address)
@@ -355,7 +355,7 @@ BUILDS = {
     "array": {"Rows": 4, "Columns": 6, "Lanes": 2, "Health": 1, "Tare": 1, "Chunk": 16} | PATH,
     "array-lane": {"Rows": 3, "Columns": 3, "Lanes": 1, "Tare": 1} | PATH,
     "array-plain": {"Rows": 3, "Columns": 8, "Lanes": 8, "RowColumn": 1, "GainShift": 24} | PATH,
-    "channels": {"Array": 0, "Image": 0, "Channels": 3, "Grip": 1} | PATH,
+    "channels": {"Array": 0, "Image": 0, "Channels": 3, "Grip": 1, "ShearSpeed": 1} | PATH,
     "electrodes": {"Array": 0, "Image": 0, "Slip": 0, "Channels": 4, "Cop4": 1, "CopSlip": 1, "Lag": LAG},
 }
 
@@ -379,7 +379,7 @@ def test_it_has_every_feature_of_the_core():
     declared = re.compile(r"^  parameter +bit +(\w+)", re.MULTILINE)
     core_text, axis_text = ((ROOT / f"rtl/msn_{name}.sv").read_text() for name in ("core", "axis"))
     own = set(declared.findall(core_text)) - {"Demod", "Serial", "Registers", "Uart", "SlipOnly"}
-    assert own == set(declared.findall(axis_text)) and len(own) >= 11
+    assert own == set(declared.findall(axis_text)) and len(own) >= 12
     for name in own:
         assert f".{name}({name})" in axis_text, name
 

@@ -14,7 +14,7 @@ AFTER = 3  # windows that a slow fall by `still` takes as a shear ends
 
 
 class Estimator:
-    """The estimator of ``engine``; ``of`` a recording its figures. ``differences``: from ``twin``, in windows."""
+    """The estimator of ``engine``; ``of`` a recording its figures; ``differences`` from ``twin``, windows."""
 
     def __init__(self, scene, engine, twin="fixed"):
         per_v = 1.0 / scene.adc.lsb_v
