@@ -184,7 +184,7 @@ async def speeds_are_read_and_answered(dut):
 
 @cocotb.test(timeout_time=1, timeout_unit="sec")
 async def what_may_change_the_force_holds(dut):
-    """The pin for one frame, then commands: with hold_cycles = 1 each that is not 0 forgets Vi for a cycle."""
+    """The pin for one frame, then commands: with hold_cycles = 1 each but 0 forgets Vi for a cycle."""
     world, host = await begin(dut, ripples=False)
     await frames(world, 11 * WINDOW + 30)
     first = host.clock()
