@@ -9,7 +9,7 @@
 // held where actuator_moving_i is high, cfg_i.hold = 1, or a command of the reflex changed in the last
 // cfg_i.hold_cycles control cycles: the normal force may change. cfg_i.enable = 0: all is in reset, and samples pass.
 // Report of a window 60 clocks after its last sample, later by 1 for each other channel that reports before it.
-// ShearSpeed = 0: nothing is there. Error: none of its own (docs/extremes.md).
+// ShearSpeed = 0: nothing is there.
 // Model: model/meissner/twins/slip/shear_speeds.py
 
 module msn_shear_speeds #(

@@ -249,7 +249,7 @@ def test_speeds_at_the_pins():
 
 @pytest.mark.parametrize("rule", ["any", "weakest"])
 def test_the_model_of_a_hand_hears_speeds_when_the_core_does(rule):
-    """70 frames a period, not immediate: the loop clock by clock, the model a cycle at a time, in odd pieces."""
+    """70 frames a period, not immediate: the loop clock by clock, the model a cycle at a time."""
     world = Rubbers(None, begins=(9, 10))
     world.taken = [
         (FRAME * n + 60 + 200 * channel, channel, world.code(channel, n))

@@ -22,7 +22,7 @@ def test_words():
 
 
 def test_speeds_of_the_channels_that_there_are():
-    pipe, core = connected(channel0__speed=262_144, channel1__flags=4)
+    _, core = connected(channel0__speed=262_144, channel1__flags=4)
     assert core.features == ["adc", "slip", "shear_speed"]
     assert shear.speeds(core) == [shear.Speed(0.25, ()), shear.Speed(None, ("small",))]
 
@@ -46,7 +46,7 @@ def test_levels_are_of_one_window():
 
 
 def test_a_lot_is_written_while_it_rests():
-    pipe, core = connected()
+    _, core = connected()
     shear.write_lot(core.__setitem__, shear.Rubber(k0_v=1.6, k1=-0.25, n=0.125), 4096 / 5)
     expected = {"enable": 1, "k0": 671_089, "k1": -16_384, "exponent": 16_384}  # 1.6 · 419430.4 = 671088.64
     assert {name: core[f"shear_speed.{name}"] for name in expected} == expected

@@ -1,7 +1,7 @@
-"""msn_shear_speeds against ShearReference, a loop in integers written from docs/shear_speed.md, and exact
-rationals for the speeds; by hand: the clock of a report, channels that end their windows together, damaged frames, all
-that holds (pin, register, changed commands), settings by their places, off and on again, samples that wait. The
-model against the same."""
+"""msn_shear_speeds against ShearReference, a loop in integers written from docs/shear_speed.md, speeds within
+the page's bound; by hand: the clock of a report, channels that end their windows together, damaged frames,
+all that holds (pin, register, changed commands), settings by their places, off and on again, samples that
+wait. The model against the same."""
 
 import random
 from dataclasses import replace
@@ -20,7 +20,7 @@ from reference.shear import FAST, RISING, SATURATED, ShearReference, within
 
 UNSETTLED, SMALL = 1, 4
 LATENCY = 60
-# Levels are sums of 512 samples. k of Vi = 512·1000 is 500000 - 0.25·512000 = 372000: a rise of that is 1 mm/s.
+# Levels are sums of 512 samples. k of Vi = 512·1000 is 500000 - 0.25·512000 = 372000, a rise of 1 mm/s.
 HAND = {"k0": 500_000, "k1": -16384, "exponent": 18618, "vi_min": 300_000, "vi_max": 900_000, "noise": 5000}
 HAND |= {"still": 700, "full": 4000, "limit": 3 << 20, "travel": 0, "hold": 0, "hold_cycles": 0, "select": 0}
 OF_LOOP = ("k0", "k1", "exponent", "vi_min", "vi_max", "noise", "still", "full", "limit", "travel")
@@ -131,7 +131,7 @@ class Stage:
 
 
 def story(rng, channels, windows):
-    """Codes [channels, samples] of levels that rest, are sheared, drift, fall and clip, each at its own time."""
+    """Codes [channels, samples] of levels that rest, are sheared, fall and clip, each at its own time."""
     rows = []
     for _ in range(channels):
         levels = []
@@ -391,11 +391,11 @@ def test_refuses_a_core_that_does_not_suit():
     assert "Channels = 9 must lie in 1 .. 8" in bench.refuses("shear_speeds", {"Channels": 9})
     assert "samples have 17 bits" in bench.refuses("shear_speeds", {"SampleBits": 13})
     settings = ShearSettings(**{name: HAND[name] for name in OF_LOOP})
-    with pytest.raises(ValueError, match="channels = 9 must lie in 1 .. 8"):
+    with pytest.raises(ValueError, match=r"channels = 9 must lie in 1 .. 8"):
         ShearSpeeds(ShearConfig(settings), 9)
-    with pytest.raises(ValueError, match="hold_cycles = 256 must lie in 0 .. 255"):
+    with pytest.raises(ValueError, match=r"hold_cycles = 256 must lie in 0 .. 255"):
         ShearConfig(settings, 256)
-    with pytest.raises(ValueError, match="k0 = -1 must lie in 0 .. 67108863"):
+    with pytest.raises(ValueError, match=r"k0 = -1 must lie in 0 .. 67108863"):
         ShearConfig(replace(settings, k0=-1))
 
 
