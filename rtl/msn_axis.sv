@@ -23,6 +23,8 @@ module msn_axis #(
   parameter  bit          Cop4             = 1'b0,
   parameter  bit          Correct          = 1'b0,
   parameter  bit          CopSlip          = 1'b0,
+  parameter  bit          Grip             = 1'b0,
+  parameter  bit          ShearSpeed       = 1'b0,
   parameter  bit          Statistics       = 1'b1,
   parameter  int unsigned Level            = 1,
   parameter  int unsigned Window           = 64,
@@ -74,7 +76,10 @@ module msn_axis #(
   output logic               slip_o,
   output logic               gross_o,
   output logic               touched_o,
-  output logic               pressed_o
+  output logic               pressed_o,
+  output logic               grip_valid_o,
+  output logic signed [16:0] grip_word_o,
+  output logic               pwm_o
 );
 
   localparam int unsigned Beats  = Array ? Rows * ((Columns + Wide - 1) / Wide) : Channels;
@@ -112,16 +117,15 @@ module msn_axis #(
   localparam int unsigned CoreColumns = Array ? Columns : 1;
   logic [CoreRows-1:0] unused_row;
   logic [Wide-1:0]     unused_cs_n, unused_sclk, unused_mosi, unused_convst, unused_reset;
-  logic                unused_group, unused_tx, unused_valid, unused_pwm;
-  logic [16:0]         unused_word;
+  logic                unused_group, unused_tx;
   msn_core #(
     .Converters(Wide),
     .AdcChannels  ((CoreColumns + Wide - 1) / Wide),  // one group
     .ClkKhz(ClkKhz), .Array(Array), .Rows(CoreRows), .Columns(CoreColumns), .Channels(Channels),
     .Health(Health), .Tare(Tare), .RowColumn(RowColumn), .Slip(Slip), .Image(Image), .Cop4(Cop4),
-    .Correct(Correct), .CopSlip(CopSlip), .Statistics(Statistics), .Uart(1'b0), .Level(Level),
-    .Window(Window), .Hop(Hop), .GainShift(GainShift), .TareLog2(TareLog2), .Lag(Lag), .SlipDepth(SlipDepth),
-    .StatisticBits(StatisticBits), .Chunk(Chunk), .Resets(Resets)
+    .Correct(Correct), .CopSlip(CopSlip), .Grip(Grip), .ShearSpeed(ShearSpeed), .Statistics(Statistics),
+    .Uart(1'b0), .Level(Level), .Window(Window), .Hop(Hop), .GainShift(GainShift), .TareLog2(TareLog2),
+    .Lag(Lag), .SlipDepth(SlipDepth), .StatisticBits(StatisticBits), .Chunk(Chunk), .Resets(Resets)
   ) u_core (
     .clk_i, .rst_i,
     .row_o(unused_row), .group_o(unused_group),
@@ -130,8 +134,8 @@ module msn_axis #(
     .actuator_moving_i,
     .in_valid_i(s_axis_tvalid), .in_ready_o(s_axis_tready), .in_data_i(samples), .in_id_i(id),
     .in_last_i(s_axis_tlast),
-    .slip_o, .gross_o, .touched_o, .pressed_o, .grip_valid_o(unused_valid), .grip_word_o(unused_word),
-    .pwm_o(unused_pwm), .rx_i(1'b1), .tx_o(unused_tx),
+    .slip_o, .gross_o, .touched_o, .pressed_o, .grip_valid_o, .grip_word_o, .pwm_o,
+    .rx_i(1'b1), .tx_o(unused_tx),
     .bus_valid_i(bus_valid), .bus_write_i(bus_write), .bus_address_i(bus_address), .bus_wdata_i(bus_wdata),
     .bus_strobe_i(bus_strobe), .bus_done_o(bus_done), .bus_error_o(bus_error), .bus_rdata_o(bus_rdata),
     .out_valid_o(m_axis_tvalid), .out_ready_i(m_axis_tready), .out_data_o(m_axis_tdata),

@@ -6,7 +6,7 @@
 //   registers ─ settings, status of all
 //   sensor_array, sensor_channels or sensor_cop4 ─┬─ samples ─ slip_chain ─┬─ link ─ line or bytes
 //                                                 └─ results, reports ─────┘
-//   actuate (Grip) ─ words and pulses for a hand: of the channels' samples and decisions
+//   shear_speeds (ShearSpeed) ─ actuate (Grip) ─ words, pulses for a hand: of channels' samples, decisions, speeds
 //
 // Adc = AdcNone: samples come in on the stream, whole frames, an array's Converters lanes wide. Uart = 0: packets
 // leave as bytes and the registers' bus is open, for msn_axis. SlipOnly: the small sender of slip events alone.
@@ -37,6 +37,7 @@ module msn_core #(
   parameter  bit          Correct          = 1'b0,
   parameter  bit          CopSlip          = 1'b0,
   parameter  bit          Grip             = 1'b0,              // the channels are fingers of a hand
+  parameter  bit          ShearSpeed       = 1'b0,              // the channels are sheared rubber
   parameter  bit          Statistics       = 1'b1,
   parameter  bit          Registers        = 1'b1,
   parameter  bit          Uart             = 1'b1,
@@ -115,17 +116,11 @@ module msn_core #(
   output logic                            out_last_o
 );
 
-  if (Array && (Cop4 || Serial)) begin : gen_check_array
-    $fatal(1, "msn_core: Array = 1 must go without Cop4 and Serial: a core reads one sensor");
+  if (Array ? Cop4 || Serial : Health || Tare || Demod || RowColumn || Image) begin : gen_check_array
+    $fatal(1, "msn_core: Array = 1 must go without Cop4, Serial; stages of an array must go with Array = 1");
   end
-  if (Cop4 && (Slip || Channels != 4)) begin : gen_check_cop4
-    $fatal(1, "msn_core: Cop4 = 1 must go with Channels = 4 and without Slip (CopSlip is its own)");
-  end
-  if ((Health || Tare || Demod || RowColumn || Image) && !Array) begin : gen_check_of_array
-    $fatal(1, "msn_core: Health, Tare, Demod, RowColumn and Image must go with Array = 1");
-  end
-  if ((CopSlip || Correct) && !Cop4) begin : gen_check_of_cop4
-    $fatal(1, "msn_core: CopSlip and Correct must go with Cop4 = 1");
+  if (Cop4 ? Slip || Channels != 4 : CopSlip || Correct) begin : gen_check_cop4
+    $fatal(1, "msn_core: Cop4 = 1 must go with Channels = 4, not Slip; CopSlip, Correct must go with Cop4 = 1");
   end
   if (Array && Columns % Lanes != 0 && (Health || SampleBits != 17)) begin : gen_check_columns
     $fatal(1, "msn_core: Columns = %0d must be a multiple of Converters = %0d", Columns, Converters);
@@ -141,8 +136,7 @@ module msn_core #(
   localparam int unsigned IdBits     = msn_pkg::index_width(Taxels);
   // What the build has bits for, of what registers hold: docs/registers.md, core.widths.
   localparam int unsigned OffsetBits = (RowColumn && !Tare) ? 16 : 17;
-  localparam int unsigned SumBits    = 16 + $clog2(Taxels);
-  localparam int unsigned LoadBits   = SumBits < 32 ? SumBits : 32;
+  localparam int unsigned LoadBits   = (Taxels > 65536) ? 32 : 16 + $clog2(Taxels);
 
   logic [47:0] now;
   always_ff @(posedge clk_i) now <= rst_i ? '0 : now + 1'b1;
@@ -154,7 +148,8 @@ module msn_core #(
   logic [3:0]  bus_strobe;
   msn_registers #(
     .Adc(!Array && Pins), .Slip(Slip), .Scan(Array && Pins), .Health(Health), .Tare(Tare), .Calibrate(Array),
-    .Cop(Array), .Cop4(Cop4), .CopSlip(CopSlip), .Link(1'b1), .Grip(Grip), .Resets(Resets),
+    .Cop(Array), .Cop4(Cop4), .CopSlip(CopSlip), .Link(1'b1), .Grip(Grip),
+    .ShearSpeed(ShearSpeed), .Resets(Resets),
     .DetailBits(DetailBits), .TimerBits(TimerBits), .LoadBits(LoadBits), .OffsetBits(OffsetBits)
   ) u_registers (
     .clk_i, .rst_i,
@@ -163,20 +158,17 @@ module msn_core #(
     .commit_i(commit), .pending_o(pending), .cfg_o(cfg), .status_i(status)
   );
 
-  msn_registers_pkg::slip_status_t slip_status;
-  msn_registers_pkg::link_status_t link_status;
-  msn_registers_pkg::grip_status_t grip_status;
+  msn_registers_pkg::slip_status_t        of_slip;
+  msn_registers_pkg::link_status_t        of_link;
+  msn_registers_pkg::grip_status_t        of_grip;
+  msn_registers_pkg::shear_speed_status_t of_shear;
   always_comb begin
-    status               = sensor_status;
-    status.core.features = 32'({Grip, 1'b1, CopSlip, Cop4, Array, Array, Tare, Health, Array && Pins, Slip,
-                                !Array && Pins});
+    status              = sensor_status;
     {status.core.size_rows, status.core.size_columns} = Array ? {16'(Rows), 16'(Columns)} :
                                                                 {16'd1, 16'(Channels)};
-    status.core.clk_khz  = 32'(ClkKhz);
-    {status.core.widths_detail, status.core.widths_timer} = {8'(DetailBits), 8'(TimerBits)};
-    {status.core.widths_load, status.core.widths_offset}  = {8'(LoadBits), 8'(OffsetBits)};
-    status.core.beats    = Array ? 21'(Rows * RowBeats) : 21'd0;
-    {status.slip, status.link, status.grip} = {slip_status, link_status, grip_status};
+    status.core.clk_khz = 32'(ClkKhz);
+    status.core.beats   = Array ? 21'(Rows * RowBeats) : 21'd0;
+    {status.slip, status.link, status.grip, status.shear_speed} = {of_slip, of_link, of_grip, of_shear};
   end
 
   // The sensor, up to single samples that the slip path takes, and to the centre of pressure.
@@ -184,12 +176,13 @@ module msn_core #(
   logic signed [SampleBits-1:0] sample, stream;
   logic        [IdBits-1:0]     sample_id;
   logic        [47:0]           frame_time;
-  logic                         slip_busy, cop_valid, health_valid, health_ready;
+  logic                         slip_valid, slip_ready, slip_busy, cop_valid, health_valid, health_ready;
   logic                         cop_slip_valid, cop_slip_ready, decision_valid, decision_ready;
   msn_pkg::cop_t                cop;
   msn_pkg::health_t             health;
   msn_pkg::decision_t           cop_slip, decision;
   msn_pkg::verdict_t            verdict;
+  msn_pkg::shear_t              shear;
   assign stream = signed'(in_data_i[SampleBits-1:0]);  // of one lane
 
   if (Array) begin : gen_array
@@ -244,14 +237,24 @@ module msn_core #(
     assign {row_o, group_o, sample_mask, cop_valid, cop, health_valid, health, cop_slip_valid, cop_slip} = '0;
   end
 
+  localparam bit Fingers = Slip && Registers && !Array && !Serial;  // what hands and their rubber need
+  msn_shear_speeds #(
+    .ShearSpeed(ShearSpeed), .Suits(Fingers), .Channels(Taxels), .SampleBits(SampleBits)
+  ) u_shear_speeds (
+    .clk_i, .rst_i, .cfg_i(cfg.shear_speed), .status_o(of_shear), .actuator_moving_i,
+    .grip_valid_i(grip_valid_o), .grip_i(of_grip), .in_valid_i(sample_valid), .in_ready_o(sample_ready),
+    .in_data_i(sample), .in_id_i(sample_id), .in_last_i(sample_last),
+    .out_valid_o(slip_valid), .out_ready_i(slip_ready), .report_o(shear)
+  );
+
   // Slip of every channel or taxel, or of the centre of pressure.
   msn_slip_chain #(
     .Slip(Slip), .Array(Array), .Lanes(Lanes), .Channels(Taxels), .SampleBits(SampleBits), .Level(Level),
     .Window(Window), .Hop(Hop), .TimerBits(TimerBits), .Mask(Health), .Serial(Serial)
   ) u_slip (
     .clk_i, .rst_i,
-    .cfg_i(cfg.slip), .status_o(slip_status), .actuator_moving_i,
-    .in_valid_i(sample_valid), .in_ready_o(sample_ready), .in_data_i(sample), .in_id_i(sample_id),
+    .cfg_i(cfg.slip), .status_o(of_slip), .actuator_moving_i,
+    .in_valid_i(slip_valid), .in_ready_o(slip_ready), .in_data_i(sample), .in_id_i(sample_id),
     .in_last_i(sample_last), .in_mask_i(sample_mask),
     .cop_valid_i(cop_slip_valid), .cop_ready_o(cop_slip_ready), .cop_i(cop_slip),
     .out_valid_o(decision_valid), .out_ready_i(decision_ready), .out_o(decision), .verdict_o(verdict),
@@ -259,17 +262,14 @@ module msn_core #(
   );
 
   msn_actuate #(
-    .Grip(Grip), .Suits(Slip && Registers && !Array && !Serial), .Fingers(Taxels), .SampleBits(SampleBits)
+    .Grip(Grip), .Suits(Fingers), .Fingers(Taxels), .SampleBits(SampleBits)
   ) u_actuate (
-    .clk_i, .rst_i, .cfg_i(cfg.grip), .status_o(grip_status),
+    .clk_i, .rst_i, .cfg_i(cfg.grip), .status_o(of_grip),
     .sample_valid_i(sample_valid && sample_ready), .sample_data_i(sample), .sample_id_i(sample_id),
-    .adc_i(sensor_status.adc), .verdict_i(verdict), .grip_valid_o, .grip_word_o, .pwm_o
+    .adc_i(sensor_status.adc), .verdict_i(verdict), .shear_i(shear), .grip_valid_o, .grip_word_o, .pwm_o
   );
 
-  always_ff @(posedge clk_i) begin
-    if (cop_valid) pressed_o <= cop.pressed;
-    if (rst_i) pressed_o <= 1'b0;
-  end
+  always_ff @(posedge clk_i) pressed_o <= !rst_i && (cop_valid ? cop.pressed : pressed_o);
 
   // Packets, and commands.
   msn_core_link #(
@@ -278,7 +278,7 @@ module msn_core #(
     .Health(Health), .Statistics(Statistics), .StatisticBits(StatisticBits), .Taxels(Image ? Taxels : 0),
     .Chunk(Chunk)
   ) u_link (
-    .clk_i, .rst_i, .now_i(now), .status_i(status), .status_o(link_status), .convert_i(convert),
+    .clk_i, .rst_i, .now_i(now), .status_i(status), .status_o(of_link), .convert_i(convert),
     .time_i(frame_time), .cop_valid_i(cop_valid), .cop_i(cop), .decision_valid_i(decision_valid),
     .decision_ready_o(decision_ready), .decision_i(decision),
     .health_valid_i(health_valid), .health_ready_o(health_ready), .health_i(health),

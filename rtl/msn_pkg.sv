@@ -47,6 +47,14 @@ package msn_pkg;
     logic [15:0] id;
   } verdict_t;
 
+  // A window's speed of shear for the grip reflex; ok = 0: there is none.
+  typedef struct packed {
+    logic        valid;
+    logic        ok;
+    logic [2:0]  id;
+    logic [15:0] speed;  // 2^-12 mm/s
+  } shear_t;
+
   // A centre of pressure, in the formats of docs/link.md: x and y have a sign.
   typedef struct packed {
     logic [23:0] x;

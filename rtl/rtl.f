@@ -56,6 +56,7 @@ rtl/slip/msn_slip_path.sv
 rtl/slip/msn_slip_chain.sv
 rtl/slip/msn_channels.sv
 rtl/slip/msn_shear_speed.sv
+rtl/slip/msn_shear_speeds.sv
 rtl/cop/msn_cop_accumulate.sv
 rtl/cop/msn_cop_divide.sv
 rtl/cop/msn_cop.sv

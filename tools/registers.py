@@ -20,12 +20,14 @@ MADE = f"Made by tools/registers.py from {SOURCE}: change that, then `make regis
 HELD = {"detail": 20, "timer": 16, "load": 32, "offset": 17}
 
 
+OWN = ("features", "width")  # kinds of fields that follow from the module's parameters
 KEYWORDS = {"force", "override"}  # of SystemVerilog, C++: a member of that name gets a "_"
 
 
 @dataclass(frozen=True)
 class Field:
-    """``kind``: setting (written by the host), status (by the core), constant, or command (a pulse)."""
+    """``kind``: setting (written by the host), status (by the core), constant, command (a pulse), or of the
+    module's own parameters: features (of the groups), width (of what fields are held to)."""
 
     name: str
     port: str  # its group's, its register's and its own name
@@ -78,7 +80,11 @@ def _field(group, register, field):
     prefix, port = f"{group}.{register}", f"{group}_{member}"
     member += "_" * (member in KEYWORDS)
     writable, seen = field.is_sw_writable, field.is_hw_readable
-    if field.get_property("singlepulse"):
+    if field.get_property("group_bits", default=False):
+        kind = "features"
+    elif field.get_property("width_bits", default=False):
+        kind = "width"
+    elif field.get_property("singlepulse"):
         kind = "command"
     elif writable:
         kind = "setting"
@@ -89,7 +95,7 @@ def _field(group, register, field):
         sys.exit(f"{SOURCE}: {prefix}.{field.inst_name} has no reset value")
     if kind == "command" and field.width != 1:
         sys.exit(f"{SOURCE}: {prefix}.{field.inst_name} is a pulse and must be one bit")
-    assert seen or kind in ("status", "constant"), field.inst_name
+    assert seen or kind in ("status", "constant", *OWN), field.inst_name
     signed, held_to = (
         field.get_property("is_signed", default=False),
         field.get_property("held_to", default=""),
@@ -146,7 +152,7 @@ def _structs(groups):
         cfg, status = [], []
         for register in group.registers:
             for field in register.fields:
-                if field.kind != "constant":
+                if field.kind not in ("constant", *OWN):
                     (status if field.kind == "status" else cfg).append((field.member, field.width))
             if register.strobe:
                 cfg.append((f"{register.name}_written", 1))
@@ -226,7 +232,7 @@ def rtl(groups):
             f'    $fatal(1, "msn_registers: {width} = %0d must lie in 1 .. {bits}", {width});',
             "  end",
         ]
-    lines += ["", *DECODE.strip("\n").split("\n"), *body, ""]
+    lines += ["", *_features(groups), *DECODE.strip("\n").split("\n"), *body, ""]
     lines += [f"  assign pending_o = {' || '.join(waiting)};", ""]
     lines += ["  // Which register, a clock after the address: decoding takes one clock, the word another."]
     lines += ["  logic " + ", ".join(f"{hit}_q" for hit in hits) + ";"]
@@ -240,6 +246,17 @@ def rtl(groups):
     lines += ["  assign read_word = " + "\n      | ".join(terms) + ";", ""]
     lines += ANSWER.strip("\n").split("\n")
     return "\n".join(lines) + "\n"
+
+
+def _own(field):
+    """The module's parameter that a field reads as."""
+    return "Features" if field.kind == "features" else f"{field.name.capitalize()}Bits"
+
+
+def _features(groups):
+    """A bit for each group that may be absent."""
+    names = [group.parameter for group in groups if group.feature]
+    return [f"  localparam logic [{len(names) - 1}:0] Features = {{{', '.join(reversed(names))}}};", ""]
 
 
 class Process:
@@ -259,6 +276,8 @@ class Process:
         slice_ = f"[{field.high}:{field.low}]" if width > 1 else f"[{field.low}]"
         if field.kind == "constant":
             return f"{width}'h{field.reset:x}"
+        if field.kind in OWN:
+            return f"{width}'({_own(field)})"
         if field.kind == "status":
             return f"status_i.{member}"
         shown = f"cfg_o.{member}"
@@ -491,8 +510,9 @@ def page(groups):
                     "command": "write 1",
                     "status": "read",
                     "constant": "read",
+                    **dict.fromkeys(OWN, "read"),
                 }[field.kind]
-                reset = "" if field.kind == "status" else f"{field.reset:#x}"
+                reset = "" if field.kind in ("status", *OWN) else f"{field.reset:#x}"
                 text = register.text if index == 0 else ""
                 lines.append(
                     f"| 0x{register.address:03x} | `{name}` | {bits} | {access} | {reset} | {text} |"
@@ -524,8 +544,9 @@ def proof(groups):
                     place += field.width
                 elif field.kind == "status":
                     lines.append(f"`STATUS({begin}, {field.width}, {name})")
-                elif field.kind == "constant":
-                    lines.append(f"`CONSTANT({begin}, {field.width}, {field.reset})")
+                elif field.kind in ("constant", *OWN):
+                    value = _own(field) if field.kind in OWN else field.reset
+                    lines.append(f"`CONSTANT({begin}, {field.width}, {value})")
                 else:
                     lines.append(f"`COMMAND({begin}, {name})")
                 index += 1
@@ -542,6 +563,7 @@ def proof(groups):
         f"localparam int unsigned Fields = {index};",
         "logic [Fields-1:0]    there, writable, written;",
         "logic [32*Fields-1:0] bits;",
+        *(line.strip() for line in _features(groups)[:1]),
     ]
     last = f"always_comb if (started) assert (pending_o == ({' || '.join(waiting)}));"
     return "\n".join([*head, *lines, last]) + "\n"

@@ -2,7 +2,7 @@
 
     python tools/shear_speed.py                    the three tables of docs/shear_speed.md, as Markdown
     python tools/shear_speed.py --plot FILE        what one LSB allows, over Vi, as a picture too
-    python tools/shear_speed.py --area [BITS ...]  LUTs and Fmax by table bits too: one seed, ECP5 (minutes)
+    python tools/shear_speed.py --area [BITS ...]  LUTs and Fmax by table bits alone: one seed, ECP5 (minutes)
 
 All without noise. The rubber is meissner.physics.rubber's, whose Vc rises as 1 - exp(-3 x / 0.01 mm).
 """
@@ -17,6 +17,7 @@ from meissner.tradeoff.axes.shear import worst as error
 from meissner.twins.slip.shear_speed import RISING, ShearSettings, ShearSize, ShearSpeed
 
 MCP3208 = 4096 / 5
+CLOCKS = 58  # of msn_shear_speed, whatever the tables: tb/slip/test_shear_speed.py counts them
 
 
 def precision():
@@ -73,13 +74,13 @@ def latency(vi, v, travel=0.01, size=None):
     return (good[0] + 1) * (1 << size.window_log2) / RATE_HZ - 0.5, 100 * off
 
 
-def area(tables):
-    """Rows of LUTs, registers, multipliers and MHz on ECP5 with one seed."""
+def area(tables, widths):
+    """Rows of LUTs, registers, multipliers and MHz on ECP5 with one seed; ``widths``: of samples."""
     import fmax
 
     (fmax.ROOT / fmax.OUT).mkdir(parents=True, exist_ok=True)
     for table_bits in tables:
-        for bits in (13, 17):
+        for bits in widths:
             name = f"shear_speed-{bits}-{table_bits}"
             size = {"SampleBits": bits, "TableBits": table_bits, "FractionBits": PRECISIONS[table_bits]}
             fmax.TABLE[name] = ("msn_shear_speed", size, None, "ecp5")
@@ -89,10 +90,23 @@ def area(tables):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--area", type=int, nargs="*", choices=PRECISIONS, help="table bits; none: all")
+    parser.add_argument("--sample-bits", type=int, nargs="+", default=[17], help="of --area")
     parser.add_argument("--plot", metavar="FILE", help="what one LSB allows, as a picture")
     options = parser.parse_args()
     if options.plot:
         plot(options.plot)
+    if options.area is not None:
+        print("| table bits | sample bits | LUTs | registers | multipliers | block RAM | MHz | clocks |")
+        print("|---|---|---|---|---|---|---|---|")
+        for table_bits, bits, found in area(options.area or PRECISIONS, options.sample_bits):
+            used = found["area"]
+            print(
+                f"| {table_bits} | {bits} | {used['lut']} | {used['ff']} | {used['dsp']} | {used['ram']} ",
+                f"| {found['mhz_worst']:.0f} | {CLOCKS} |",
+                sep="",
+                flush=True,
+            )
+        return
     print("| table bits | fraction bits | bits of a ROM | arithmetic, % of v | with the registers' | bound |")
     print("|---|---|---|---|---|---|")
     for row in precision():
@@ -110,16 +124,6 @@ def main():
     ]:
         after, off = latency(vi, v, travel)
         print(f"| {v} mm/s | {vi} V | {travel} mm | {after:.3f} s | {after * v:.4f} mm | {off:.2f} % |")
-    if options.area is not None:
-        print("\n| table bits | sample bits | LUTs | registers | multipliers | block RAM | MHz |")
-        print("|---|---|---|---|---|---|---|")
-        for table_bits, bits, found in area(options.area or PRECISIONS):
-            used = found["area"]
-            print(
-                f"| {table_bits} | {bits} | {used['lut']} | {used['ff']} | {used['dsp']} | {used['ram']} ",
-                end="",
-            )
-            print(f"| {found['mhz_worst']:.0f} |")
 
 
 if __name__ == "__main__":

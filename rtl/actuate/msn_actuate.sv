@@ -28,6 +28,7 @@ module msn_actuate #(
   input  logic        [IdBits-1:0]        sample_id_i,
   input  msn_registers_pkg::adc_status_t  adc_i,           // the converter's counters
   input  msn_pkg::verdict_t               verdict_i,
+  input  msn_pkg::shear_t                 shear_i,         // of the fingers' rubber
 
   output logic                            grip_valid_o,    // for a clock
   output logic signed [16:0]              grip_word_o,     // increment of a position, or force: cfg_i.mode
@@ -61,14 +62,16 @@ module msn_actuate #(
     logic        [4:0]  fault;
     msn_grip #(.Fingers(Fingers)) u_grip (
       .clk_i, .rst_i(rst),
-      .cfg_period_i(cfg_i.period), .cfg_step_i(cfg_i.step), .cfg_speed_gain_i('0), .cfg_decay_i(cfg_i.decay),
+      .cfg_period_i(cfg_i.period), .cfg_step_i(cfg_i.step), .cfg_speed_gain_i(cfg_i.speed_gain),
+      .cfg_decay_i(cfg_i.decay),
       .cfg_minimum_i(cfg_i.minimum), .cfg_maximum_i(cfg_i.maximum), .cfg_rate_i(cfg_i.rate),
       .cfg_watchdog_i(cfg_i.watchdog), .cfg_rule_i(cfg_i.rule), .cfg_mode_i(cfg_i.mode),
       .cfg_immediate_i(cfg_i.immediate), .cfg_override_i(cfg_i.override_),
       .cfg_override_value_i(cfg_i.override_value),
       .over_valid_i(verdict_i.valid), .over_id_i(verdict_i.id[IdBits-1:0]), .over_i(verdict_i.over),
       .over_end_i(verdict_i.last),
-      .speed_valid_i(1'b0), .speed_id_i('0), .speed_ok_i(1'b0), .speed_i('0),
+      .speed_valid_i(shear_i.valid), .speed_id_i(shear_i.id[IdBits-1:0]), .speed_ok_i(shear_i.ok),
+      .speed_i(shear_i.speed),
       .healthy_i(healthy),
       .out_valid_o(grip_valid_o), .out_word_o(grip_word_o), .out_increment_o(increment),
       .out_command_o(command), .out_force_o(is_force), .fault_o(fault), .faulty_o(faulty)
@@ -94,11 +97,12 @@ module msn_actuate #(
       .pwm_o, .begin_o(unused_begin)
     );
     logic unused;
-    assign unused = ^{adc_i, verdict_i.id};
+    assign unused = ^{adc_i, verdict_i.id, shear_i.id};
   end else begin : gen_none
     assign {status_o, grip_valid_o, grip_word_o, pwm_o} = '0;
     logic unused;
-    assign unused = ^{clk_i, rst_i, cfg_i, sample_valid_i, sample_data_i, sample_id_i, adc_i, verdict_i};
+    assign unused = ^{clk_i, rst_i, cfg_i, sample_valid_i, sample_data_i, sample_id_i, adc_i, verdict_i,
+                      shear_i};
   end
 
 endmodule

@@ -26,6 +26,7 @@ module msn_registers #(
   parameter bit CopSlip = 1'b1,
   parameter bit Link = 1'b1,
   parameter bit Grip = 1'b1,
+  parameter bit ShearSpeed = 1'b1,
   parameter logic [msn_registers_pkg::ResetBits-1:0] Resets = msn_registers_pkg::Reset,
   parameter int unsigned DetailBits = 20,
   parameter int unsigned TimerBits = 16,
@@ -62,6 +63,8 @@ module msn_registers #(
   if (OffsetBits < 1 || OffsetBits > 17) begin : gen_check_offset_bits
     $fatal(1, "msn_registers: OffsetBits = %0d must lie in 1 .. 17", OffsetBits);
   end
+
+  localparam logic [11:0] Features = {ShearSpeed, Grip, Link, CopSlip, Cop4, Cop, Calibrate, Tare, Health, Scan, Slip, Adc};
 
   logic        write;
   logic [9:0]  word;
@@ -754,6 +757,9 @@ module msn_registers #(
   assign grip_commands_hit = Grip && word == 10'h295;
   logic grip_tightenings_hit;
   assign grip_tightenings_hit = Grip && word == 10'h296;
+  logic grip_speed_gain_hit, grip_speed_gain_write;
+  assign grip_speed_gain_hit = Grip && word == 10'h297;
+  assign grip_speed_gain_write = grip_speed_gain_hit && write;
   always_ff @(posedge clk_i) begin
     if (grip_enable_write) cfg_o.grip.enable <= (cfg_o.grip.enable & ~mask[0]) | (bus_wdata_i[0] & mask[0]);
     if (grip_period_write) cfg_o.grip.period <= (cfg_o.grip.period & ~mask[23:0]) | (bus_wdata_i[23:0] & mask[23:0]);
@@ -772,6 +778,7 @@ module msn_registers #(
     if (grip_low_write) cfg_o.grip.low <= (cfg_o.grip.low & ~mask[16:0]) | (bus_wdata_i[16:0] & mask[16:0]);
     if (grip_high_write) cfg_o.grip.high <= (cfg_o.grip.high & ~mask[16:0]) | (bus_wdata_i[16:0] & mask[16:0]);
     if (grip_rail_write) cfg_o.grip.rail <= (cfg_o.grip.rail & ~mask[7:0]) | (bus_wdata_i[7:0] & mask[7:0]);
+    if (grip_speed_gain_write) cfg_o.grip.speed_gain <= (cfg_o.grip.speed_gain & ~mask[15:0]) | (bus_wdata_i[15:0] & mask[15:0]);
     if (rst_i) begin
       cfg_o.grip.enable <= Resets[878];
       cfg_o.grip.period <= Resets[879+:24];
@@ -790,13 +797,112 @@ module msn_registers #(
       cfg_o.grip.low <= Resets[1027+:17];
       cfg_o.grip.high <= Resets[1044+:17];
       cfg_o.grip.rail <= Resets[1061+:8];
+      cfg_o.grip.speed_gain <= Resets[1069+:16];
+    end
+  end
+
+  // shear_speed
+  logic shear_speed_enable_hit, shear_speed_enable_write;
+  assign shear_speed_enable_hit = ShearSpeed && word == 10'h2c0;
+  assign shear_speed_enable_write = shear_speed_enable_hit && write;
+  logic shear_speed_k0_hit, shear_speed_k0_write;
+  assign shear_speed_k0_hit = ShearSpeed && word == 10'h2c1;
+  assign shear_speed_k0_write = shear_speed_k0_hit && write;
+  logic shear_speed_k1_hit, shear_speed_k1_write;
+  assign shear_speed_k1_hit = ShearSpeed && word == 10'h2c2;
+  assign shear_speed_k1_write = shear_speed_k1_hit && write;
+  logic shear_speed_exponent_hit, shear_speed_exponent_write;
+  assign shear_speed_exponent_hit = ShearSpeed && word == 10'h2c3;
+  assign shear_speed_exponent_write = shear_speed_exponent_hit && write;
+  logic shear_speed_vi_min_hit, shear_speed_vi_min_write;
+  assign shear_speed_vi_min_hit = ShearSpeed && word == 10'h2c4;
+  assign shear_speed_vi_min_write = shear_speed_vi_min_hit && write;
+  logic shear_speed_vi_max_hit, shear_speed_vi_max_write;
+  assign shear_speed_vi_max_hit = ShearSpeed && word == 10'h2c5;
+  assign shear_speed_vi_max_write = shear_speed_vi_max_hit && write;
+  logic shear_speed_noise_hit, shear_speed_noise_write;
+  assign shear_speed_noise_hit = ShearSpeed && word == 10'h2c6;
+  assign shear_speed_noise_write = shear_speed_noise_hit && write;
+  logic shear_speed_still_hit, shear_speed_still_write;
+  assign shear_speed_still_hit = ShearSpeed && word == 10'h2c7;
+  assign shear_speed_still_write = shear_speed_still_hit && write;
+  logic shear_speed_full_hit, shear_speed_full_write;
+  assign shear_speed_full_hit = ShearSpeed && word == 10'h2c8;
+  assign shear_speed_full_write = shear_speed_full_hit && write;
+  logic shear_speed_limit_hit, shear_speed_limit_write;
+  assign shear_speed_limit_hit = ShearSpeed && word == 10'h2c9;
+  assign shear_speed_limit_write = shear_speed_limit_hit && write;
+  logic shear_speed_travel_hit, shear_speed_travel_write;
+  assign shear_speed_travel_hit = ShearSpeed && word == 10'h2ca;
+  assign shear_speed_travel_write = shear_speed_travel_hit && write;
+  logic shear_speed_hold_hit, shear_speed_hold_write;
+  assign shear_speed_hold_hit = ShearSpeed && word == 10'h2cb;
+  assign shear_speed_hold_write = shear_speed_hold_hit && write;
+  logic shear_speed_hold_cycles_hit, shear_speed_hold_cycles_write;
+  assign shear_speed_hold_cycles_hit = ShearSpeed && word == 10'h2cc;
+  assign shear_speed_hold_cycles_write = shear_speed_hold_cycles_hit && write;
+  logic shear_speed_select_hit, shear_speed_select_write;
+  assign shear_speed_select_hit = ShearSpeed && word == 10'h2cd;
+  assign shear_speed_select_write = shear_speed_select_hit && write;
+  logic shear_speed_channel0_hit;
+  assign shear_speed_channel0_hit = ShearSpeed && word == 10'h2ce;
+  logic shear_speed_channel1_hit;
+  assign shear_speed_channel1_hit = ShearSpeed && word == 10'h2cf;
+  logic shear_speed_channel2_hit;
+  assign shear_speed_channel2_hit = ShearSpeed && word == 10'h2d0;
+  logic shear_speed_channel3_hit;
+  assign shear_speed_channel3_hit = ShearSpeed && word == 10'h2d1;
+  logic shear_speed_channel4_hit;
+  assign shear_speed_channel4_hit = ShearSpeed && word == 10'h2d2;
+  logic shear_speed_channel5_hit;
+  assign shear_speed_channel5_hit = ShearSpeed && word == 10'h2d3;
+  logic shear_speed_channel6_hit;
+  assign shear_speed_channel6_hit = ShearSpeed && word == 10'h2d4;
+  logic shear_speed_channel7_hit;
+  assign shear_speed_channel7_hit = ShearSpeed && word == 10'h2d5;
+  logic shear_speed_vi_hit;
+  assign shear_speed_vi_hit = ShearSpeed && word == 10'h2d6;
+  logic shear_speed_rise_hit;
+  assign shear_speed_rise_hit = ShearSpeed && word == 10'h2d7;
+  logic shear_speed_windows_hit;
+  assign shear_speed_windows_hit = ShearSpeed && word == 10'h2d8;
+  always_ff @(posedge clk_i) begin
+    if (shear_speed_enable_write) cfg_o.shear_speed.enable <= (cfg_o.shear_speed.enable & ~mask[0]) | (bus_wdata_i[0] & mask[0]);
+    if (shear_speed_k0_write) cfg_o.shear_speed.k0 <= (cfg_o.shear_speed.k0 & ~mask[25:0]) | (bus_wdata_i[25:0] & mask[25:0]);
+    if (shear_speed_k1_write) cfg_o.shear_speed.k1 <= (cfg_o.shear_speed.k1 & ~mask[17:0]) | (bus_wdata_i[17:0] & mask[17:0]);
+    if (shear_speed_exponent_write) cfg_o.shear_speed.exponent <= (cfg_o.shear_speed.exponent & ~mask[15:0]) | (bus_wdata_i[15:0] & mask[15:0]);
+    if (shear_speed_vi_min_write) cfg_o.shear_speed.vi_min <= (cfg_o.shear_speed.vi_min & ~mask[25:0]) | (bus_wdata_i[25:0] & mask[25:0]);
+    if (shear_speed_vi_max_write) cfg_o.shear_speed.vi_max <= (cfg_o.shear_speed.vi_max & ~mask[25:0]) | (bus_wdata_i[25:0] & mask[25:0]);
+    if (shear_speed_noise_write) cfg_o.shear_speed.noise <= (cfg_o.shear_speed.noise & ~mask[25:0]) | (bus_wdata_i[25:0] & mask[25:0]);
+    if (shear_speed_still_write) cfg_o.shear_speed.still <= (cfg_o.shear_speed.still & ~mask[25:0]) | (bus_wdata_i[25:0] & mask[25:0]);
+    if (shear_speed_full_write) cfg_o.shear_speed.full <= (cfg_o.shear_speed.full & ~mask[16:0]) | (bus_wdata_i[16:0] & mask[16:0]);
+    if (shear_speed_limit_write) cfg_o.shear_speed.limit <= (cfg_o.shear_speed.limit & ~mask[23:0]) | (bus_wdata_i[23:0] & mask[23:0]);
+    if (shear_speed_travel_write) cfg_o.shear_speed.travel <= (cfg_o.shear_speed.travel & ~mask[31:0]) | (bus_wdata_i[31:0] & mask[31:0]);
+    if (shear_speed_hold_write) cfg_o.shear_speed.hold <= (cfg_o.shear_speed.hold & ~mask[0]) | (bus_wdata_i[0] & mask[0]);
+    if (shear_speed_hold_cycles_write) cfg_o.shear_speed.hold_cycles <= (cfg_o.shear_speed.hold_cycles & ~mask[7:0]) | (bus_wdata_i[7:0] & mask[7:0]);
+    if (shear_speed_select_write) cfg_o.shear_speed.select <= (cfg_o.shear_speed.select & ~mask[2:0]) | (bus_wdata_i[2:0] & mask[2:0]);
+    if (rst_i) begin
+      cfg_o.shear_speed.enable <= Resets[1085];
+      cfg_o.shear_speed.k0 <= Resets[1086+:26];
+      cfg_o.shear_speed.k1 <= Resets[1112+:18];
+      cfg_o.shear_speed.exponent <= Resets[1130+:16];
+      cfg_o.shear_speed.vi_min <= Resets[1146+:26];
+      cfg_o.shear_speed.vi_max <= Resets[1172+:26];
+      cfg_o.shear_speed.noise <= Resets[1198+:26];
+      cfg_o.shear_speed.still <= Resets[1224+:26];
+      cfg_o.shear_speed.full <= Resets[1250+:17];
+      cfg_o.shear_speed.limit <= Resets[1267+:24];
+      cfg_o.shear_speed.travel <= Resets[1291+:32];
+      cfg_o.shear_speed.hold <= Resets[1323];
+      cfg_o.shear_speed.hold_cycles <= Resets[1324+:8];
+      cfg_o.shear_speed.select <= Resets[1332+:3];
     end
   end
 
   assign pending_o = slip_pending || cop_pending || cop4_pending || cop_slip_pending;
 
   // Which register, a clock after the address: decoding takes one clock, the word another.
-  logic core_id_hit_q, core_version_hit_q, core_features_hit_q, core_size_hit_q, core_clk_khz_hit_q, core_scratch_hit_q, core_widths_hit_q, core_beats_hit_q, adc_enable_hit_q, adc_period_hit_q, adc_dropped_hit_q, adc_overrun_hit_q, adc_timeout_hit_q, adc_mistagged_hit_q, adc_over_range_hit_q, slip_threshold_hit_q, slip_gross_threshold_hit_q, slip_contact_level_hit_q, slip_release_level_hit_q, slip_contact_rises_hit_q, slip_hold_hit_q, slip_refractory_hit_q, slip_blank_hit_q, slip_damaged_hit_q, slip_blanked_hit_q, slip_keep_threshold_hit_q, scan_enable_hit_q, scan_settle_hit_q, scan_period_hit_q, scan_interleave_hit_q, scan_dropped_hit_q, scan_overrun_hit_q, scan_held_hit_q, scan_lost_hit_q, health_band_hit_q, health_jump_hit_q, health_low_hit_q, health_high_hit_q, health_use_hit_q, health_still_hit_q, health_rail_hit_q, health_blink_hit_q, health_clear_hit_q, health_report_hit_q, health_dead_hit_q, health_railed_hit_q, health_blinking_hit_q, tare_contact_hit_q, tare_step_hit_q, tare_force_hit_q, tare_at_start_hit_q, tare_average_hit_q, tare_load_hit_q, tare_word_hit_q, tare_zero_hit_q, tare_write_hit_q, tare_state_hit_q, tare_tared_hit_q, tare_refused_hit_q, tare_swallowed_hit_q, calibrate_preset_hit_q, calibrate_word_hit_q, calibrate_offset_hit_q, calibrate_gain_hit_q, calibrate_write_hit_q, calibrate_swap_hit_q, calibrate_swapping_hit_q, cop_min_load_hit_q, cop_damaged_hit_q, cop4_rail_hit_q, cop4_kx_hit_q, cop4_shift_x_hit_q, cop4_ky_hit_q, cop4_shift_y_hit_q, cop4_kf_hit_q, cop4_shift_load_hit_q, cop4_p0_hit_q, cop4_p1_hit_q, cop4_p2_hit_q, cop4_p3_hit_q, cop4_p4_hit_q, cop4_p5_hit_q, cop4_min_load_hit_q, cop4_top_hit_q, cop4_idle_hit_q, cop4_busy_hit_q, cop4_imbalance_hit_q, cop_slip_drop_hit_q, cop_slip_move_hit_q, cop_slip_min_load_hit_q, cop_slip_hold_hit_q, cop_slip_refractory_hit_q, link_images_hit_q, link_packets_hit_q, link_cop_dropped_hit_q, link_image_dropped_hit_q, link_rejected_hit_q, grip_enable_hit_q, grip_period_hit_q, grip_step_hit_q, grip_decay_hit_q, grip_minimum_hit_q, grip_maximum_hit_q, grip_rate_hit_q, grip_watchdog_hit_q, grip_rule_hit_q, grip_mode_hit_q, grip_immediate_hit_q, grip_override_hit_q, grip_override_value_hit_q, grip_divide_hit_q, grip_low_hit_q, grip_high_hit_q, grip_rail_hit_q, grip_command_hit_q, grip_increment_hit_q, grip_fault_hit_q, grip_faulty_hit_q, grip_commands_hit_q, grip_tightenings_hit_q;
+  logic core_id_hit_q, core_version_hit_q, core_features_hit_q, core_size_hit_q, core_clk_khz_hit_q, core_scratch_hit_q, core_widths_hit_q, core_beats_hit_q, adc_enable_hit_q, adc_period_hit_q, adc_dropped_hit_q, adc_overrun_hit_q, adc_timeout_hit_q, adc_mistagged_hit_q, adc_over_range_hit_q, slip_threshold_hit_q, slip_gross_threshold_hit_q, slip_contact_level_hit_q, slip_release_level_hit_q, slip_contact_rises_hit_q, slip_hold_hit_q, slip_refractory_hit_q, slip_blank_hit_q, slip_damaged_hit_q, slip_blanked_hit_q, slip_keep_threshold_hit_q, scan_enable_hit_q, scan_settle_hit_q, scan_period_hit_q, scan_interleave_hit_q, scan_dropped_hit_q, scan_overrun_hit_q, scan_held_hit_q, scan_lost_hit_q, health_band_hit_q, health_jump_hit_q, health_low_hit_q, health_high_hit_q, health_use_hit_q, health_still_hit_q, health_rail_hit_q, health_blink_hit_q, health_clear_hit_q, health_report_hit_q, health_dead_hit_q, health_railed_hit_q, health_blinking_hit_q, tare_contact_hit_q, tare_step_hit_q, tare_force_hit_q, tare_at_start_hit_q, tare_average_hit_q, tare_load_hit_q, tare_word_hit_q, tare_zero_hit_q, tare_write_hit_q, tare_state_hit_q, tare_tared_hit_q, tare_refused_hit_q, tare_swallowed_hit_q, calibrate_preset_hit_q, calibrate_word_hit_q, calibrate_offset_hit_q, calibrate_gain_hit_q, calibrate_write_hit_q, calibrate_swap_hit_q, calibrate_swapping_hit_q, cop_min_load_hit_q, cop_damaged_hit_q, cop4_rail_hit_q, cop4_kx_hit_q, cop4_shift_x_hit_q, cop4_ky_hit_q, cop4_shift_y_hit_q, cop4_kf_hit_q, cop4_shift_load_hit_q, cop4_p0_hit_q, cop4_p1_hit_q, cop4_p2_hit_q, cop4_p3_hit_q, cop4_p4_hit_q, cop4_p5_hit_q, cop4_min_load_hit_q, cop4_top_hit_q, cop4_idle_hit_q, cop4_busy_hit_q, cop4_imbalance_hit_q, cop_slip_drop_hit_q, cop_slip_move_hit_q, cop_slip_min_load_hit_q, cop_slip_hold_hit_q, cop_slip_refractory_hit_q, link_images_hit_q, link_packets_hit_q, link_cop_dropped_hit_q, link_image_dropped_hit_q, link_rejected_hit_q, grip_enable_hit_q, grip_period_hit_q, grip_step_hit_q, grip_decay_hit_q, grip_minimum_hit_q, grip_maximum_hit_q, grip_rate_hit_q, grip_watchdog_hit_q, grip_rule_hit_q, grip_mode_hit_q, grip_immediate_hit_q, grip_override_hit_q, grip_override_value_hit_q, grip_divide_hit_q, grip_low_hit_q, grip_high_hit_q, grip_rail_hit_q, grip_command_hit_q, grip_increment_hit_q, grip_fault_hit_q, grip_faulty_hit_q, grip_commands_hit_q, grip_tightenings_hit_q, grip_speed_gain_hit_q, shear_speed_enable_hit_q, shear_speed_k0_hit_q, shear_speed_k1_hit_q, shear_speed_exponent_hit_q, shear_speed_vi_min_hit_q, shear_speed_vi_max_hit_q, shear_speed_noise_hit_q, shear_speed_still_hit_q, shear_speed_full_hit_q, shear_speed_limit_hit_q, shear_speed_travel_hit_q, shear_speed_hold_hit_q, shear_speed_hold_cycles_hit_q, shear_speed_select_hit_q, shear_speed_channel0_hit_q, shear_speed_channel1_hit_q, shear_speed_channel2_hit_q, shear_speed_channel3_hit_q, shear_speed_channel4_hit_q, shear_speed_channel5_hit_q, shear_speed_channel6_hit_q, shear_speed_channel7_hit_q, shear_speed_vi_hit_q, shear_speed_rise_hit_q, shear_speed_windows_hit_q;
   always_ff @(posedge clk_i) begin
     core_id_hit_q <= core_id_hit;
     core_version_hit_q <= core_version_hit;
@@ -918,6 +1024,32 @@ module msn_registers #(
     grip_faulty_hit_q <= grip_faulty_hit;
     grip_commands_hit_q <= grip_commands_hit;
     grip_tightenings_hit_q <= grip_tightenings_hit;
+    grip_speed_gain_hit_q <= grip_speed_gain_hit;
+    shear_speed_enable_hit_q <= shear_speed_enable_hit;
+    shear_speed_k0_hit_q <= shear_speed_k0_hit;
+    shear_speed_k1_hit_q <= shear_speed_k1_hit;
+    shear_speed_exponent_hit_q <= shear_speed_exponent_hit;
+    shear_speed_vi_min_hit_q <= shear_speed_vi_min_hit;
+    shear_speed_vi_max_hit_q <= shear_speed_vi_max_hit;
+    shear_speed_noise_hit_q <= shear_speed_noise_hit;
+    shear_speed_still_hit_q <= shear_speed_still_hit;
+    shear_speed_full_hit_q <= shear_speed_full_hit;
+    shear_speed_limit_hit_q <= shear_speed_limit_hit;
+    shear_speed_travel_hit_q <= shear_speed_travel_hit;
+    shear_speed_hold_hit_q <= shear_speed_hold_hit;
+    shear_speed_hold_cycles_hit_q <= shear_speed_hold_cycles_hit;
+    shear_speed_select_hit_q <= shear_speed_select_hit;
+    shear_speed_channel0_hit_q <= shear_speed_channel0_hit;
+    shear_speed_channel1_hit_q <= shear_speed_channel1_hit;
+    shear_speed_channel2_hit_q <= shear_speed_channel2_hit;
+    shear_speed_channel3_hit_q <= shear_speed_channel3_hit;
+    shear_speed_channel4_hit_q <= shear_speed_channel4_hit;
+    shear_speed_channel5_hit_q <= shear_speed_channel5_hit;
+    shear_speed_channel6_hit_q <= shear_speed_channel6_hit;
+    shear_speed_channel7_hit_q <= shear_speed_channel7_hit;
+    shear_speed_vi_hit_q <= shear_speed_vi_hit;
+    shear_speed_rise_hit_q <= shear_speed_rise_hit;
+    shear_speed_windows_hit_q <= shear_speed_windows_hit;
   end
 
   logic hit, writable;
@@ -1040,7 +1172,33 @@ module msn_registers #(
       || grip_fault_hit_q
       || grip_faulty_hit_q
       || grip_commands_hit_q
-      || grip_tightenings_hit_q;
+      || grip_tightenings_hit_q
+      || grip_speed_gain_hit_q
+      || shear_speed_enable_hit_q
+      || shear_speed_k0_hit_q
+      || shear_speed_k1_hit_q
+      || shear_speed_exponent_hit_q
+      || shear_speed_vi_min_hit_q
+      || shear_speed_vi_max_hit_q
+      || shear_speed_noise_hit_q
+      || shear_speed_still_hit_q
+      || shear_speed_full_hit_q
+      || shear_speed_limit_hit_q
+      || shear_speed_travel_hit_q
+      || shear_speed_hold_hit_q
+      || shear_speed_hold_cycles_hit_q
+      || shear_speed_select_hit_q
+      || shear_speed_channel0_hit_q
+      || shear_speed_channel1_hit_q
+      || shear_speed_channel2_hit_q
+      || shear_speed_channel3_hit_q
+      || shear_speed_channel4_hit_q
+      || shear_speed_channel5_hit_q
+      || shear_speed_channel6_hit_q
+      || shear_speed_channel7_hit_q
+      || shear_speed_vi_hit_q
+      || shear_speed_rise_hit_q
+      || shear_speed_windows_hit_q;
   assign writable = core_scratch_hit_q
       || adc_enable_hit_q
       || adc_period_hit_q
@@ -1123,16 +1281,31 @@ module msn_registers #(
       || grip_divide_hit_q
       || grip_low_hit_q
       || grip_high_hit_q
-      || grip_rail_hit_q;
+      || grip_rail_hit_q
+      || grip_speed_gain_hit_q
+      || shear_speed_enable_hit_q
+      || shear_speed_k0_hit_q
+      || shear_speed_k1_hit_q
+      || shear_speed_exponent_hit_q
+      || shear_speed_vi_min_hit_q
+      || shear_speed_vi_max_hit_q
+      || shear_speed_noise_hit_q
+      || shear_speed_still_hit_q
+      || shear_speed_full_hit_q
+      || shear_speed_limit_hit_q
+      || shear_speed_travel_hit_q
+      || shear_speed_hold_hit_q
+      || shear_speed_hold_cycles_hit_q
+      || shear_speed_select_hit_q;
 
   logic [31:0] read_word;
   assign read_word = ({32{core_id_hit_q}} & 32'h4d534e52)
       | ({32{core_version_hit_q}} & {16'h0, 8'h4, 8'h0})
-      | ({32{core_features_hit_q}} & status_i.core.features)
+      | ({32{core_features_hit_q}} & 32'(Features))
       | ({32{core_size_hit_q}} & {status_i.core.size_columns, status_i.core.size_rows})
       | ({32{core_clk_khz_hit_q}} & status_i.core.clk_khz)
       | ({32{core_scratch_hit_q}} & cfg_o.core.scratch)
-      | ({32{core_widths_hit_q}} & {status_i.core.widths_offset, status_i.core.widths_load, status_i.core.widths_timer, status_i.core.widths_detail})
+      | ({32{core_widths_hit_q}} & {8'(OffsetBits), 8'(LoadBits), 8'(TimerBits), 8'(DetailBits)})
       | ({32{core_beats_hit_q}} & {11'd0, status_i.core.beats})
       | ({32{adc_enable_hit_q}} & {31'd0, cfg_o.adc.enable})
       | ({32{adc_period_hit_q}} & {8'd0, cfg_o.adc.period})
@@ -1245,7 +1418,33 @@ module msn_registers #(
       | ({32{grip_fault_hit_q}} & {27'd0, status_i.grip.fault})
       | ({32{grip_faulty_hit_q}} & {24'd0, status_i.grip.faulty})
       | ({32{grip_commands_hit_q}} & status_i.grip.commands)
-      | ({32{grip_tightenings_hit_q}} & status_i.grip.tightenings);
+      | ({32{grip_tightenings_hit_q}} & status_i.grip.tightenings)
+      | ({32{grip_speed_gain_hit_q}} & {16'd0, cfg_o.grip.speed_gain})
+      | ({32{shear_speed_enable_hit_q}} & {31'd0, cfg_o.shear_speed.enable})
+      | ({32{shear_speed_k0_hit_q}} & {6'd0, cfg_o.shear_speed.k0})
+      | ({32{shear_speed_k1_hit_q}} & {14'd0, cfg_o.shear_speed.k1})
+      | ({32{shear_speed_exponent_hit_q}} & {16'd0, cfg_o.shear_speed.exponent})
+      | ({32{shear_speed_vi_min_hit_q}} & {6'd0, cfg_o.shear_speed.vi_min})
+      | ({32{shear_speed_vi_max_hit_q}} & {6'd0, cfg_o.shear_speed.vi_max})
+      | ({32{shear_speed_noise_hit_q}} & {6'd0, cfg_o.shear_speed.noise})
+      | ({32{shear_speed_still_hit_q}} & {6'd0, cfg_o.shear_speed.still})
+      | ({32{shear_speed_full_hit_q}} & {15'd0, cfg_o.shear_speed.full})
+      | ({32{shear_speed_limit_hit_q}} & {8'd0, cfg_o.shear_speed.limit})
+      | ({32{shear_speed_travel_hit_q}} & cfg_o.shear_speed.travel)
+      | ({32{shear_speed_hold_hit_q}} & {31'd0, cfg_o.shear_speed.hold})
+      | ({32{shear_speed_hold_cycles_hit_q}} & {24'd0, cfg_o.shear_speed.hold_cycles})
+      | ({32{shear_speed_select_hit_q}} & {29'd0, cfg_o.shear_speed.select})
+      | ({32{shear_speed_channel0_hit_q}} & {status_i.shear_speed.channel0_flags, status_i.shear_speed.channel0_speed})
+      | ({32{shear_speed_channel1_hit_q}} & {status_i.shear_speed.channel1_flags, status_i.shear_speed.channel1_speed})
+      | ({32{shear_speed_channel2_hit_q}} & {status_i.shear_speed.channel2_flags, status_i.shear_speed.channel2_speed})
+      | ({32{shear_speed_channel3_hit_q}} & {status_i.shear_speed.channel3_flags, status_i.shear_speed.channel3_speed})
+      | ({32{shear_speed_channel4_hit_q}} & {status_i.shear_speed.channel4_flags, status_i.shear_speed.channel4_speed})
+      | ({32{shear_speed_channel5_hit_q}} & {status_i.shear_speed.channel5_flags, status_i.shear_speed.channel5_speed})
+      | ({32{shear_speed_channel6_hit_q}} & {status_i.shear_speed.channel6_flags, status_i.shear_speed.channel6_speed})
+      | ({32{shear_speed_channel7_hit_q}} & {status_i.shear_speed.channel7_flags, status_i.shear_speed.channel7_speed})
+      | ({32{shear_speed_vi_hit_q}} & {6'd0, status_i.shear_speed.vi})
+      | ({32{shear_speed_rise_hit_q}} & {5'd0, status_i.shear_speed.rise})
+      | ({32{shear_speed_windows_hit_q}} & status_i.shear_speed.windows);
 
   logic asked, wrote, odd;
   always_ff @(posedge clk_i) begin

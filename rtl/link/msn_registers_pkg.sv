@@ -130,7 +130,25 @@ package msn_registers_pkg;
     logic [16:0] low;
     logic [16:0] high;
     logic [7:0]  rail;
+    logic [15:0] speed_gain;
   } grip_cfg_t;
+
+  typedef struct packed {
+    logic        enable;
+    logic [25:0] k0;
+    logic [17:0] k1;
+    logic [15:0] exponent;
+    logic [25:0] vi_min;
+    logic [25:0] vi_max;
+    logic [25:0] noise;
+    logic [25:0] still;
+    logic [16:0] full;
+    logic [23:0] limit;
+    logic [31:0] travel;
+    logic        hold;
+    logic [7:0]  hold_cycles;
+    logic [2:0]  select;
+  } shear_speed_cfg_t;
 
   typedef struct packed {
     core_cfg_t core;
@@ -145,17 +163,13 @@ package msn_registers_pkg;
     cop_slip_cfg_t cop_slip;
     link_cfg_t link;
     grip_cfg_t grip;
+    shear_speed_cfg_t shear_speed;
   } cfg_t;
 
   typedef struct packed {
-    logic [31:0] features;
     logic [15:0] size_rows;
     logic [15:0] size_columns;
     logic [31:0] clk_khz;
-    logic [7:0]  widths_detail;
-    logic [7:0]  widths_timer;
-    logic [7:0]  widths_load;
-    logic [7:0]  widths_offset;
     logic [20:0] beats;
   } core_status_t;
 
@@ -219,6 +233,28 @@ package msn_registers_pkg;
   } grip_status_t;
 
   typedef struct packed {
+    logic [23:0] channel0_speed;
+    logic [7:0]  channel0_flags;
+    logic [23:0] channel1_speed;
+    logic [7:0]  channel1_flags;
+    logic [23:0] channel2_speed;
+    logic [7:0]  channel2_flags;
+    logic [23:0] channel3_speed;
+    logic [7:0]  channel3_flags;
+    logic [23:0] channel4_speed;
+    logic [7:0]  channel4_flags;
+    logic [23:0] channel5_speed;
+    logic [7:0]  channel5_flags;
+    logic [23:0] channel6_speed;
+    logic [7:0]  channel6_flags;
+    logic [23:0] channel7_speed;
+    logic [7:0]  channel7_flags;
+    logic [25:0] vi;
+    logic [26:0] rise;
+    logic [31:0] windows;
+  } shear_speed_status_t;
+
+  typedef struct packed {
     core_status_t core;
     adc_status_t adc;
     slip_status_t slip;
@@ -229,12 +265,13 @@ package msn_registers_pkg;
     cop_status_t cop;
     link_status_t link;
     grip_status_t grip;
+    shear_speed_status_t shear_speed;
   } status_t;
 
-  localparam int unsigned ResetBits = 1069;
+  localparam int unsigned ResetBits = 1335;
   // A default: builds that give their own values do not use it.
   // verilator lint_off UNUSEDPARAM
-  localparam logic [ResetBits-1:0] Reset = 1069'h100fff00000000000000a0400753002000000008007a1202000000000000000101ffffbfffdfffffffe00020000000000000000000000000000000000000000001fffe00000002000000000000000000000000000000100801000000037fff8000000000002000000000000bffffc0000000000020000000001fffffffffe00000000000000;
+  localparam logic [ResetBits-1:0] Reset = 1335'hc800018000003fe00004190028f5c19999a033333522ebbae1027ae140000100fff00000000000000a0400753002000000008007a1202000000000000000101ffffbfffdfffffffe00020000000000000000000000000000000000000000001fffe00000002000000000000000000000000000000100801000000037fff8000000000002000000000000bffffc0000000000020000000001fffffffffe00000000000000;
   // verilator lint_on UNUSEDPARAM
 
 endpackage

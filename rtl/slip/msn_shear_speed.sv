@@ -48,8 +48,10 @@ module msn_shear_speed #(
   output logic                         out_valid_o,
   input  logic                         out_ready_i,
   output logic        [SpeedBits-1:0]  out_speed_o,
-  output logic        [7:0]            out_flags_o      // Saturated, Fast, Rising, Clipped,
+  output logic        [7:0]            out_flags_o,     // Saturated, Fast, Rising, Clipped,
                                                         // Denominator, Small, Range, Unsettled
+  output logic signed [LevelBits-1:0]  out_vi_o,        // of this window; both 0 with Unsettled
+  output logic signed [LevelBits:0]    out_rise_o
 );
 
   if (SampleBits < 4 || SampleBits > 24) begin : gen_check_sample_bits
@@ -233,6 +235,8 @@ module msn_shear_speed #(
     if (state == Judge && turn != '0) begin
       out_speed_o <= (|flags) ? '0 : speed;
       out_flags_o <= flags;
+      out_vi_o    <= stays ? vi : '0;
+      out_rise_o  <= stays ? rise : '0;
       if (held || clipped) begin
         count <= '0;
         if (held) {seen, settled} <= 2'b00;

@@ -20,9 +20,9 @@ from reference.grip import LATENCY, GripLoop
 
 HAND = {"enable": 1, "period": 40, "step": 7, "decay": 0, "minimum": 30, "maximum": 100, "rate": 11}
 HAND |= {"watchdog": 900, "rule": 0, "mode": 0, "immediate": 1, "override": 0, "override_value": 0}
-HAND |= {"divide": 0, "low": 0, "high": 4095, "rail": 3}
+HAND |= {"divide": 0, "low": 0, "high": 4095, "rail": 3, "speed_gain": 0}
 OF_LOOP = ("period", "step", "decay", "minimum", "maximum", "rate", "watchdog", "rule", "mode", "immediate")
-OF_LOOP += ("override", "override_value")
+OF_LOOP += ("override", "override_value", "speed_gain")
 SILENT, UNHEALTHY, LIMIT, UNARMED = 1, 2, 4, 16
 
 
@@ -35,7 +35,14 @@ class Stage:
 
     async def begin(self, **settings):
         self.settings, self.adc = HAND | settings, dict.fromkeys(self.adc, 0)
-        quiet = {"adc_i": 0, "verdict_i": 0, "sample_valid_i": 0, "sample_data_i": 0, "sample_id_i": 0}
+        quiet = {
+            "adc_i": 0,
+            "verdict_i": 0,
+            "shear_i": 0,
+            "sample_valid_i": 0,
+            "sample_data_i": 0,
+            "sample_id_i": 0,
+        }
         if self.started:
             for name, value in (quiet | {"cfg_i": self.word()}).items():
                 getattr(self.dut, name).value = value
@@ -54,12 +61,16 @@ class Stage:
         self.settings |= settings
         self.dut.cfg_i.value = self.word()
 
-    async def clock(self, verdict=None, sample=None, **adc):
-        """``verdict``: (finger, over, end); ``sample``: (finger, code); ``adc``: counters that change."""
+    async def clock(self, verdict=None, sample=None, shear=None, **adc):
+        """``verdict``: (finger, over, end); ``sample``: (finger, code); ``shear``: (finger, ok, speed);
+        ``adc``: counters that change."""
         dut, self.adc = self.dut, self.adc | adc
         finger, over, end = verdict or (0, 1, 1)
         word = {"valid": verdict is not None, "over": over, "last": end, "id": finger}
         dut.verdict_i.value = members.word("verdict", {name: int(value) for name, value in word.items()})
+        finger, ok, speed = shear or (0, 1, 0xABCD)
+        word = {"valid": int(shear is not None), "ok": int(ok), "id": finger, "speed": speed}
+        dut.shear_i.value = members.word("shear", word)
         finger, code = sample or (0, 4095)
         dut.sample_valid_i.value = sample is not None
         dut.sample_id_i.value, dut.sample_data_i.value = finger, code
@@ -85,6 +96,7 @@ def at_random(draw):
     low, high = sorted((draw.choice([0, 1, 900, 40000]), draw.choice([50, 30000, 65534, 65535])))
     some = lambda: draw.choice([0, 1, draw.randrange(300), draw.randrange(65536), 65535])
     found = {name: some() for name in ("step", "decay", "rate", "override_value")}
+    found["speed_gain"] = draw.choice([0, 1, draw.randrange(3000), 65535])
     found |= {name: draw.randrange(2) for name in ("rule", "mode", "immediate")}
     found |= {"override": int(draw.random() < 0.3), "watchdog": draw.choice([0, 1, 2, 5, 60000])}
     return found | {
@@ -107,18 +119,21 @@ async def matches_the_loops(dut):
     for turn in range(60):
         settings = at_random(draw)
         await stage.begin(**settings)
-        loop = GripLoop(stage.fingers, 16, 8, speed_gain=0, **{name: settings[name] for name in OF_LOOP})
+        loop = GripLoop(stage.fingers, 16, 8, **{name: settings[name] for name in OF_LOOP})
         runs = Runs(stage.fingers, settings["rail"], settings["low"], settings["high"])
         well = [[True] * stage.fingers] * 3
         shown, due = {"word": 0, "increment": 0, "command": 0, "fault": UNARMED, "faulty": 0}, {}
         often, slipping = draw.choice([0.05, 0.3]), draw.choice([0, 0.1, 0.8])
         counts, lost = {"commands": 0, "tightenings": 0}, False
         for now in range(draw.choice([50, 300, 900])):
-            verdict = sample = None
+            verdict = sample = shear = None
             if draw.random() < often:
                 verdict = draw.randrange(stage.fingers), draw.random() < slipping, draw.random() < 0.3
             if draw.random() < 0.3:
                 sample = draw.randrange(stage.fingers), draw.choice([-65536, -7, -6, 0, 8, 9, 65535, 3, 4, 5])
+            if draw.random() < 0.1:
+                some_speed = draw.choice([0, 1, draw.randrange(600), draw.randrange(65536), 65535])
+                shear = draw.randrange(stage.fingers), draw.random() < 0.8, some_speed
             change = {}
             if draw.random() < 0.01:
                 name = draw.choice(["timeout", "mistagged"])
@@ -126,7 +141,7 @@ async def matches_the_loops(dut):
             if draw.random() < 0.1:  # of no concern here
                 change["dropped"] = draw.randrange(1 << 32)
                 change["overrun"], change["over_range"] = draw.randrange(1 << 32), draw.randrange(1 << 32)
-            ended = loop.clock(verdict, None, [one and not lost for one in well.pop(0)])
+            ended = loop.clock(verdict, shear, [one and not lost for one in well.pop(0)])
             lost = "timeout" in change or "mistagged" in change
             if ended:
                 due[now + LATENCY] = ended
@@ -135,7 +150,7 @@ async def matches_the_loops(dut):
                 shown = due.pop(now)
                 valid = int(shown["valid"])
                 seen.add((shown["fault"], shown["increment"] > 0))
-            got = await stage.clock(verdict, sample, **change)
+            got = await stage.clock(verdict, sample, shear, **change)
             assert got | {"pwm": 0} == shown | counts | {"valid": valid, "pwm": 0}, (turn, now, settings)
             counts["commands"] += valid
             counts["tightenings"] += valid and shown["increment"] > 0
@@ -274,7 +289,7 @@ def test_model_against_the_loops(rule, mode):
     assert config.settings == {
         **{"enable": 1, "period": 200, "step": 900, "decay": 170, "minimum": 2000, "maximum": 41000},
         **{"rate": 3333, "watchdog": 3, "rule": rule == "weakest", "mode": mode == "force", "immediate": 0},
-        **{"low": -3, "high": 90, "rail": 4, "divide": 5},
+        **{"low": -3, "high": 90, "rail": 4, "divide": 5, "speed_gain": 0},
     }
     override = 7777 if mode == "force" else None
     loop = GripLoop(2, 16, 8, **grip.settings, override=int(mode == "force"), override_value=7777)

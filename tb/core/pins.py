@@ -60,7 +60,14 @@ ADDRESS = {
     **{"grip.rule": 0xA20, "grip.mode": 0xA24, "grip.immediate": 0xA28, "grip.override": 0xA2C},
     **{"grip.override_value": 0xA30, "grip.divide": 0xA34, "grip.low": 0xA38, "grip.high": 0xA3C},
     **{"grip.rail": 0xA40, "grip.command": 0xA44, "grip.increment": 0xA48, "grip.fault": 0xA4C},
-    **{"grip.faulty": 0xA50, "grip.commands": 0xA54, "grip.tightenings": 0xA58},
+    **{"grip.faulty": 0xA50, "grip.commands": 0xA54, "grip.tightenings": 0xA58, "grip.speed_gain": 0xA5C},
+    **{"shear_speed.enable": 0xB00, "shear_speed.k0": 0xB04, "shear_speed.k1": 0xB08},
+    **{"shear_speed.exponent": 0xB0C, "shear_speed.vi_min": 0xB10, "shear_speed.vi_max": 0xB14},
+    **{"shear_speed.noise": 0xB18, "shear_speed.still": 0xB1C, "shear_speed.full": 0xB20},
+    **{"shear_speed.limit": 0xB24, "shear_speed.travel": 0xB28, "shear_speed.hold": 0xB2C},
+    **{"shear_speed.hold_cycles": 0xB30, "shear_speed.select": 0xB34},
+    **{f"shear_speed.channel{channel}": 0xB38 + 4 * channel for channel in range(8)},
+    **{"shear_speed.vi": 0xB58, "shear_speed.rise": 0xB5C, "shear_speed.windows": 0xB60},
 }
 
 
@@ -303,6 +310,7 @@ async def begin(dut, part, kind=Host, reset=3):
 async def says_what_it_is(host, groups, rows, columns):
     """``groups``: whose registers it has, of docs/registers.md's list without core."""
     order = ("adc", "slip", "scan", "health", "tare", "calibrate", "cop", "cop4", "cop_slip", "link", "grip")
+    order += ("shear_speed",)
     features = sum(1 << order.index(group) for group in groups.split())
     await host.set({"core.scratch": 0xA5C3_0F96})
     names = ("core.id", "core.features", "core.size", "core.clk_khz", "core.scratch")

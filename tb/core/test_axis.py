@@ -3,12 +3,16 @@ its stages on one lane and on several, single channels, four electrodes; packets
 pauses on both streams; registers found, written while frames pass, in force from one frame on; errors; a
 calibration loaded while it runs."""
 
+import itertools
 import logging
+import re
 import zlib
 
 import cocotb
 import numpy as np
 import pytest
+from cocotb.triggers import FallingEdge, ReadOnly, RisingEdge
+from cocotb.utils import get_sim_time
 from cocotbext.axi import (
     AxiLiteBus,
     AxiLiteMaster,
@@ -20,6 +24,7 @@ from cocotbext.axi import (
 )
 
 import bench
+from meissner.builds.toolchain import ROOT
 from meissner.physics.adc import Adc
 from meissner.physics.cop4_config import Cop4Config
 from meissner.physics.mesh import Mesh
@@ -229,12 +234,36 @@ async def says_what_it_is_and_refuses_what_it_has_not(dut):
     features = (await axi.read(0x008))[0]
     array, cop4 = number(dut, "Array"), number(dut, "Cop4")
     bits = (0, number(dut, "Slip"), 0, number(dut, "Health"), number(dut, "Tare"), array, array, cop4)
-    bits += (number(dut, "CopSlip"), 1)
+    bits += (number(dut, "CopSlip"), 1, number(dut, "Grip"), number(dut, "ShearSpeed"))
     assert features == sum(bit << place for place, bit in enumerate(bits))
-    for place, address in enumerate((0x100, 0x200, 0x300, 0x400, 0x480, 0x500, 0x600, 0x700, 0x800, 0x900)):
+    for place, address in enumerate(
+        (0x100, 0x200, 0x300, 0x400, 0x480, 0x500, 0x600, 0x700, 0x800, 0x900, 0xA00, 0xB00)
+    ):
         resp = (await axi.read(address))[1]
         assert resp == (AxiResp.OKAY if bits[place] else AxiResp.SLVERR), hex(address)
     assert await axi.write(0x000, 1) == AxiResp.SLVERR
+
+
+@bench.applies(lambda dut: number(dut, "Grip"))
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def a_hand_gets_words_and_pulses(dut):
+    """A force that a host sets, 41 counts, each period of 300 clocks; the pulse is as wide."""
+    axi = await begin(dut)
+    settings = {0xA04: 300, 0xA10: 7, 0xA14: 900, 0xA18: 65535, 0xA24: 1, 0xA2C: 1, 0xA30: 41, 0xA00: 1}
+    for address, value in settings.items():
+        assert await axi.write(address, value) == AxiResp.OKAY
+    at = []
+    for clock in range(1000):
+        await RisingEdge(dut.clk_i)
+        await ReadOnly()
+        if dut.grip_valid_o.value == 1:
+            at.append(clock)
+            assert bench.read(dut.grip_word_o) == 41
+    assert [later - one for one, later in itertools.pairwise(at)] == [300] * (len(at) - 1) and len(at) >= 3
+    await RisingEdge(dut.pwm_o)
+    rose = get_sim_time("ns")
+    await FallingEdge(dut.pwm_o)
+    assert (get_sim_time("ns") - rose) / 10 == 41
 
 
 @bench.applies(lambda dut: number(dut, "Slip"))
@@ -326,7 +355,7 @@ BUILDS = {
     "array": {"Rows": 4, "Columns": 6, "Lanes": 2, "Health": 1, "Tare": 1, "Chunk": 16} | PATH,
     "array-lane": {"Rows": 3, "Columns": 3, "Lanes": 1, "Tare": 1} | PATH,
     "array-plain": {"Rows": 3, "Columns": 8, "Lanes": 8, "RowColumn": 1, "GainShift": 24} | PATH,
-    "channels": {"Array": 0, "Image": 0, "Channels": 3} | PATH,
+    "channels": {"Array": 0, "Image": 0, "Channels": 3, "Grip": 1, "ShearSpeed": 1} | PATH,
     "electrodes": {"Array": 0, "Image": 0, "Slip": 0, "Channels": 4, "Cop4": 1, "CopSlip": 1, "Lag": LAG},
 }
 
@@ -343,6 +372,16 @@ def test_axis(name):
     word = f"{RESET_BITS}'h{reset_word(SETTINGS):x}"
     given = {"Statistics": 0, "TareLog2": TARE_LOG2, "Resets": word}
     bench.run("core", "axis", BUILDS[name] | given)
+
+
+def test_it_has_every_feature_of_the_core():
+    """But for what needs a converter's pins, and the ways out that it is in place of."""
+    declared = re.compile(r"^  parameter +bit +(\w+)", re.MULTILINE)
+    core_text, axis_text = ((ROOT / f"rtl/msn_{name}.sv").read_text() for name in ("core", "axis"))
+    own = set(declared.findall(core_text)) - {"Demod", "Serial", "Registers", "Uart", "SlipOnly"}
+    assert own == set(declared.findall(axis_text)) and len(own) >= 12
+    for name in own:
+        assert f".{name}({name})" in axis_text, name
 
 
 @pytest.mark.parametrize(

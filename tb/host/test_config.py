@@ -218,16 +218,17 @@ DEFAULTS = {
     **{
         "cop": {"min_load_n": 0.0},
         "cop_slip": config.COP_SLIP,
-        "grip": config.grip_table.DEFAULTS,
+        **{name: stage.DEFAULTS for name, stage in config.STAGES.items()},
         "slip": config.SLIP | {"serial": 0, "hop": 0},
     },
     "adc": dict.fromkeys(("lanes", "sclk_khz", "converters", "channels", "settle_us")),
 }
 
 
-@pytest.mark.parametrize("name", ["slip1", "fingertip", "cop4", "full", "grip"])
+@pytest.mark.parametrize("name", ["slip1", "fingertip", "cop4", "full", "grip", "grip and shear_speed"])
 def test_any_value_of_any_key_is_taken_or_refused_in_a_sentence(name):
-    original, refused = tables(name), 0
+    original, refused = tables(name.split()[0]), 0
+    original |= {"shear_speed": {}} if "shear_speed" in name else {}
     for table in original:
         keys = [None]
         if isinstance(original[table], dict):

@@ -6,6 +6,7 @@ rounded is held too; and the way back, codes to volts, newtons and seconds.
 """
 
 import tomllib
+from dataclasses import replace
 
 import pytest
 
@@ -101,7 +102,7 @@ def test_a_hand():
     """13.37 MHz; an MCP3208's highest code is 4095."""
     grip = {"mode": "force", "rule": "weakest", "immediate": True, "cycle_ms": 7.3, "silent_ms": 40.0}
     grip |= {"step": 17, "decay": 3, "minimum": 901, "maximum": 50_003, "rate": 1203}
-    grip |= {"rail_samples": 5, "pulse_divide": 9}
+    grip |= {"rail_samples": 5, "pulse_divide": 9, "speed_gain": 311}
     build, plain = of(CHANNELS | {"grip": grip}), of(CHANNELS)
     assert {key: value for key, value in build.settings.items() if key not in plain.settings} == {
         "grip.enable": 1,
@@ -119,6 +120,7 @@ def test_a_hand():
         "grip.high": 4095,
         "grip.rail": 5,
         "grip.divide": 9,
+        "grip.speed_gain": 311,
     }
     assert {key: value for key, value in build.parameters.items() if key not in plain.parameters} == {
         "Grip": 1
@@ -148,6 +150,64 @@ def test_a_hand_that_cannot_be_is_refused(change, said):
     assert said in str(problem.value)
     with pytest.raises(ValueError, match=r"\[grip\] must not be there with kind = 'array'"):
         of(ARRAY | {"grip": {}})
+
+
+RUBBER = {"k0_v": 1.61, "k1": -0.31, "n": 0.127, "vi_min_v": 1.31, "vi_max_v": 2.77, "noise_v": 0.083}
+RUBBER |= {"still_v": 0.0031, "limit_mm_s": 2.3, "travel_mm": 0.0123, "hold_cycles": 3}
+
+
+def test_sheared_rubber():
+    """A level's unit is 1/512 of a code of 3.3/4096 V: 635500.606 a volt. A window lasts 64 / 7331 s."""
+    build, plain = of(CHANNELS | {"shear_speed": RUBBER}), of(CHANNELS)
+    assert {key: value for key, value in build.settings.items() if key not in plain.settings} == {
+        "shear_speed.enable": 1,
+        "shear_speed.k0": 1_023_156,  # 1.61 · 635500.606 = 1023155.98
+        "shear_speed.k1": -20_316,  # -0.31 · 65536 = -20316.16
+        "shear_speed.exponent": 16_126,  # 2048 / 0.127 = 16125.98
+        "shear_speed.vi_min": 832_506,  # 1.31 · 635500.606 = 832505.79
+        "shear_speed.vi_max": 1_760_337,  # 2.77 · 635500.606 = 1760336.68
+        "shear_speed.noise": 52_747,  # 0.083 · 635500.606 = 52746.55
+        "shear_speed.still": 1970,  # 0.0031 · 635500.606 = 1970.05
+        "shear_speed.full": 4095,  # an MCP3208's highest
+        "shear_speed.limit": 2_411_725,  # 2.3 · 2^20 = 2411724.8
+        "shear_speed.travel": 1_477_367,  # 0.0123 · 7331 / 64 · 2^20 = 1477366.58
+        "shear_speed.hold_cycles": 3,
+    }
+    assert {key: value for key, value in build.parameters.items() if key not in plain.parameters} == {
+        "ShearSpeed": 1
+    }
+    signed = of(CHANNELS | {"shear_speed": RUBBER, "adc": CHANNELS["adc"] | {"part": "AD7606"}})
+    assert signed.settings["shear_speed.full"] == 32_767
+    assert signed.settings["shear_speed.k0"] == 8_185_248  # eight times as many codes: 8185247.81
+
+
+@pytest.mark.parametrize(
+    "table, change, said",
+    [
+        ("shear_speed", {"n": 0.0}, "[shear_speed]: n = 0 must be above 0"),
+        ("shear_speed", {"n": 0.03}, "[shear_speed]: exponent = 68267 must lie in 0 .. 65535"),
+        ("shear_speed", {"k1": 2.0}, "[shear_speed]: k1 = 131072 must lie in -131072 .. 131071"),
+        ("shear_speed", {"vi_min_v": 4.1}, "[shear_speed]: vi_min_v = 4.1 must not be above vi_max_v"),
+        ("shear_speed", {"hold_cycles": 256}, "[shear_speed]: hold_cycles = 256 must lie in 0 .. 255"),
+        ("shear_speed", {"limit_mm_s": 16.0}, "[shear_speed]: limit = 16777216 must lie in 0 .. 16777215"),
+        ("shear_speed", {"k": 1}, "[shear_speed]: unknown key 'k'"),
+        ("link", {"registers": False}, "[shear_speed] must go with serial = false and registers = true"),
+    ],
+)
+def test_rubber_that_cannot_be_is_refused(table, change, said):
+    with pytest.raises(ValueError) as problem:
+        of(CHANNELS | {"shear_speed": {}} | {table: CHANNELS.get(table, {}) | change})
+    assert said in str(problem.value)
+    with pytest.raises(ValueError, match=r"\[shear_speed\] must not be there with kind = 'array'"):
+        of(ARRAY | {"shear_speed": {}})
+
+
+def test_frames_too_near_for_the_estimator_are_refused():
+    """70 clocks: 13.37 MHz at 191 kHz; no converter here is as fast, so the check is asked alone."""
+    build, check = of(CHANNELS | {"shear_speed": {}}), config.STAGES["shear_speed"].check
+    check(replace(build, rate_hz=191_000.0))
+    with pytest.raises(ValueError, match=r"rate_hz = 193000 is too fast for \[shear_speed\].* 191000 Hz"):
+        check(replace(build, rate_hz=193_000.0))
 
 
 def test_an_array():

@@ -23,6 +23,7 @@ NAMES = {
     "SpeedFraction": "speed_fraction",
 }
 LATENCY = 58
+FIELDS = ["speed", "flags", "vi~", "rise~"]
 OK, UNSETTLED, RANGE, SMALL, DENOMINATOR, CLIPPED, RISING, FAST, SATURATED = 0, 1, 2, 4, 8, 16, 32, 64, 128
 ONE = 1 << 20  # 1 mm/s
 
@@ -177,6 +178,11 @@ PAIR_CASES = {
 }
 
 
+# (Vi, rise) of windows: 0 while Vi is unknown, beside a speed, a fall to below Vi, a clip, a hold.
+LEVELS = [1000, 1729, 990, 990, 996, "990h", 1010, 1001]
+LEVELS_TOLD = [(0, 0), (1000, 729), (0, 0), (990, 0), (990, 6), (0, 0), (0, 0), (1010, -9)]
+
+
 def samples(levels, size):
     """(codes, held) of windows: a level shared among a window's samples; with h, the last one is held."""
     length = 1 << size.window_log2
@@ -220,6 +226,14 @@ def size_of(dut):
 async def begin(dut, settings):
     put(dut, settings)
     await bench.start(dut, in_hold_i=0, in_restart_i=0, in_data_i=0)
+
+
+def all_of(got):
+    return [tuple(beat.values()) for beat in got]
+
+
+def of_model(settings, size, codes, held):
+    return list(zip(*map(np.ndarray.tolist, ShearSpeed(settings, size).windows(codes, held))))
 
 
 def pairs(got):
@@ -266,10 +280,8 @@ async def matches_model(dut, stall_rate):
         await begin(dut, settings)
         codes, held = story(rng, size, windows)
         stalls = bench.gaps_and_stalls(stall_rate / 8, stall_rate)
-        got = await bench.stream(dut, beats_of(codes, held), ["speed", "flags"], *stalls, drain=80)
-        assert pairs(got) == list(
-            zip(*map(np.ndarray.tolist, ShearSpeed(settings, size).process(codes, held)))
-        )
+        got = await bench.stream(dut, beats_of(codes, held), FIELDS, *stalls, drain=80)
+        assert all_of(got) == of_model(settings, size, codes, held)
         seen |= int(np.bitwise_or.reduce([beat["flags"] for beat in got]))
         assert any(beat["flags"] == OK for beat in got)
     assert seen & (UNSETTLED | SMALL | CLIPPED | RISING) == UNSETTLED | SMALL | CLIPPED | RISING
@@ -292,10 +304,8 @@ async def matches_model_whatever_is_set(dut):
         codes = np.clip(codes + rng.integers(-1, 2, codes.shape), low, high)
         held = np.repeat(rng.random(40) < 0.05, length)[: len(codes)]
         stalls = bench.gaps_and_stalls(0.05, 0.3)
-        got = await bench.stream(dut, beats_of(codes, held), ["speed", "flags"], *stalls, drain=80)
-        assert pairs(got) == list(
-            zip(*map(np.ndarray.tolist, ShearSpeed(settings, size).process(codes, held)))
-        )
+        got = await bench.stream(dut, beats_of(codes, held), FIELDS, *stalls, drain=80)
+        assert all_of(got) == of_model(settings, size, codes, held)
 
 
 def any_settings(rng, size):
@@ -329,6 +339,20 @@ async def decides_by_hand(dut):
         check(case, got)
         by_twin = ShearSpeed(settings, size).process(codes, held)
         assert got == list(zip(*map(np.ndarray.tolist, by_twin))), name
+
+
+@bench.applies(lambda dut: size_of(dut) == SMALL_SIZE)
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def says_vi_and_the_rise(dut):
+    await begin(dut, HAND)
+    codes, held = samples(LEVELS, SMALL_SIZE)
+    got = await bench.stream(dut, beats_of(codes, held), FIELDS, drain=70)
+    assert [(beat["vi"], beat["rise"]) for beat in got] == LEVELS_TOLD
+
+
+def test_the_model_says_vi_and_the_rise():
+    found = ShearSpeed(HAND, SMALL_SIZE).windows(*samples(LEVELS, SMALL_SIZE))
+    assert list(zip(found.vi.tolist(), found.rise.tolist())) == LEVELS_TOLD
 
 
 # Windows of 1 mm/s = 2^27: the 32nd after the rise brings the travel to 2^32, and it is held at 2^32 - 1.

@@ -37,6 +37,7 @@ FOLDER = toolchain.ROOT / "tb/extremes"
 TOPS = {  # no statement of a reference, as they join all
     "core": "joins registers, a sensor, slip_chain, grip and core_link",
     "axis": "joins core and axil",
+    "shear_speeds": "joins frame_filter and shear_speed; its counters turn over by contract (docs/link.md)",
     "actuate": "joins finger_health, grip and pwm; its counters turn over by contract (docs/link.md)",
 }
 EXAMPLES = {False: 40, True: 2000}  # of hypothesis, short and long

@@ -1,10 +1,12 @@
 """``meissner budget``: what a configuration can reach, term by term, before anything is built.
 
 Without ``--cop4`` it is the latency of a scanned array (meissner.budget.array), with it the resolution of a
-four-wire sensor (meissner.budget.cop4). With ``--config`` it is that of a grip reflex (meissner.budget.grip).
+four-wire sensor (meissner.budget.cop4). With ``--config`` it is that of the stages of a build, each of the
+module of its name here (meissner.builds.stages).
 """
 
 import json
+from importlib import import_module
 from pathlib import Path
 
 from meissner.files import written
@@ -26,7 +28,7 @@ def _picture(out):
 def command(arguments):
     """``meissner budget``."""
     if arguments.config is not None:
-        _grip(arguments)
+        _stages(arguments)
         return
     side = 41 if arguments.cop4 else 64
     for name in ("rows", "columns"):
@@ -54,17 +56,22 @@ def command(arguments):
         print(f"\npicture: {_picture(arguments.out)}")
 
 
-def _grip(arguments):
-    from meissner.budget import grip
+def _stages(arguments):
     from meissner.builds import config
 
     if arguments.cop4 or arguments.out:
         raise ValueError("--config must go without --cop4 and --out")
-    found = grip.budget(config.load(arguments.config))
+    build = config.load(arguments.config)
+    if not build.stages:
+        raise ValueError(
+            f"{build.name} has no [grip]: there is no command word; name one that has, like grip"
+        )
+    modules = {name: import_module(f"meissner.budget.{name}") for name in build.stages}
+    found = {name: module.budget(build) for name, module in modules.items()}
     if arguments.json:
-        print(json.dumps(found, indent=2))
+        print(json.dumps(found if len(found) > 1 else next(iter(found.values())), indent=2))
     else:
-        print(*grip.tell(found), sep="\n")
+        print("\n\n".join("\n".join(modules[name].tell(one)) for name, one in found.items()))
 
 
 def _array(arguments):

@@ -26,11 +26,7 @@ def of_window(window, hop, level):
 
 def budget(config):
     """What ``meissner budget --config`` prints; ``config``: meissner.builds.build.Config with [grip]."""
-    if config.grip is None:
-        raise ValueError(
-            f"{config.name} has no [grip]: there is no command word; name one that has, like grip"
-        )
-    slip, reflex = config.slip, config.grip.grip
+    slip, reflex = config.slip, config.stages["grip"].grip
     terms = {
         "frame_filter": 1,
         "haar": slip.level,

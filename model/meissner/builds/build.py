@@ -4,9 +4,9 @@ from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from math import ceil
 
+from meissner.builds.stages import STAGES
 from meissner.builds.units import Units, exact
 from meissner.physics.cop4_config import Cop4Config
-from meissner.twins.actuate.actuate import ActuateConfig
 from meissner.twins.frontend.adc_spi import PARTS as ADC_PARTS
 from meissner.twins.frontend.adc_spi import AdcSpi
 from meissner.twins.frontend.scan_adc import ScanAdc
@@ -23,8 +23,8 @@ class Config:
     """A build. ``sensor``, ``adc``, ``link``, ``array``, ``health``, ``tare``: checked tables.
 
     ``slip``: SlipConfig; ``serial``: the slip path two bits a clock; ``cop4``: Cop4Config; ``cop_slip``:
-    (lag, CopSlipRegisters); ``grip``: ActuateConfig; each None (or empty) where the build has none.
-    ``clk_khz``, ``rate_hz``: the clock, and frames a second.
+    (lag, CopSlipRegisters); each None (or empty) where the build has none; ``stages``: {name: settings} of
+    meissner.builds.stages. ``clk_khz``, ``rate_hz``: the clock, and frames a second.
     """
 
     name: str
@@ -42,7 +42,7 @@ class Config:
     min_load_n: float = 0.0
     cop4: Cop4Config | None = None
     cop_slip: tuple | None = None
-    grip: ActuateConfig | None = None
+    stages: dict = field(default_factory=dict)
 
     @property
     def kind(self):
@@ -154,8 +154,8 @@ class Config:
                 found |= {f"cop4.p{place}": int(value) for place, value in enumerate(self.cop4.terms.p)}
         if self.cop_slip:
             found |= {f"cop_slip.{key}": value for key, value in asdict(self.cop_slip[1]).items()}
-        if self.grip:
-            found |= {f"grip.{key}": value for key, value in self.grip.settings.items()}
+        for name, stage in self.stages.items():
+            found |= {f"{name}.{key}": value for key, value in stage.settings.items()}
         return found
 
     @property
@@ -183,8 +183,8 @@ class Config:
             found |= {"Cop4": 1, "Correct": int(self.cop4.terms is not None)}
             found |= {"CopSlip": int(self.cop_slip is not None)}
             found |= {"Lag": self.cop_slip[0]} if self.cop_slip else {}
-        if self.grip:
-            found |= {"Grip": 1}
+        for name in self.stages:
+            found |= STAGES[name].PARAMETERS
         flags = {
             "Registers": link["registers"],
             "Statistics": link["statistics"],
@@ -232,8 +232,8 @@ class Config:
                 check_serial(self.channels, self.slip)
             except ValueError as problem:
                 raise ValueError(f"[slip]: {problem}") from None
-        if self.grip and (self.serial or not self.link["registers"]):
-            raise ValueError("[grip] must go with serial = false and registers = true, which report a fault")
+        for name in self.stages:
+            STAGES[name].check(self)
         if self.link["slip_only"] and (self.kind != "channels" or self.link["registers"]):
             raise ValueError("[link]: slip_only must go with single channels and registers = false")
         if self.link["images"] and self.kind != "array":

@@ -12,8 +12,9 @@ import tomllib
 from dataclasses import replace
 from pathlib import Path
 
-from meissner.builds import four_wires, grip_table
+from meissner.builds import four_wires
 from meissner.builds.build import PARTS, Config, verilog
+from meissner.builds.stages import STAGES
 from meissner.check import between, fields, not_negative, one_of, positive, shown
 from meissner.plain import plain
 from meissner.twins.cop.cop_slip import CopSlipRegisters
@@ -141,7 +142,7 @@ def read(name, tables):
 
 
 def _read(name, tables):
-    optional = ("link", "slip", "array", "health", "tare", "cop", "mesh", "load", "cop_slip", "grip")
+    optional = ("link", "slip", "array", "health", "tare", "cop", "mesh", "load", "cop_slip", *STAGES)
     known = {"about": str, "clock": dict, "sensor": dict, "adc": dict}
     if "converter" in tables and "adc" not in tables:
         raise ValueError(
@@ -171,7 +172,7 @@ def _read(name, tables):
     kind = sensor["kind"]
     allowed = {
         "array": ("link", "slip", "array", "health", "tare", "cop"),
-        "channels": ("link", "slip", "grip"),
+        "channels": ("link", "slip", *STAGES),
         "electrodes": ("link", "mesh", "load", "cop_slip"),
     }[kind]
     for key in tables:
@@ -196,10 +197,11 @@ def _read(name, tables):
         base = replace(base, serial=serial, slip=slip)
     elif kind == "channels":
         raise ValueError("[slip] is missing: single channels have nothing else to do")
-    if "grip" in tables:
-        given = _with("[grip]", tables["grip"], {}, grip_table.DEFAULTS)
-        base = replace(base, grip=grip_table.config("[grip]", given, base))
-    return base.check()
+    stages = {}
+    for name in (name for name in STAGES if name in tables):
+        given = _with(f"[{name}]", tables[name], {}, STAGES[name].DEFAULTS)
+        stages[name] = STAGES[name].config(f"[{name}]", given, base)
+    return replace(base, stages=stages).check()
 
 
 def _tables(tables, array):

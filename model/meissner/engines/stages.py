@@ -1,11 +1,13 @@
 """An engine with the core's features that a scene names: another stage is neither built nor loaded."""
 
 from meissner.engines import load
+from meissner.engines.features import FEATURES
 
 # {function of an engine: the feature that it is}
 STAGES = {
     **dict.fromkeys(("watch", "watch_pins", "windows"), "slip"),
     **{"cop": "cop", "cop4": "cop4", "cop_slip": "cop_slip", "demodulate": "demod", "calibrate": "calibrate"},
+    **{name: name for name in FEATURES},
 }
 
 
@@ -27,4 +29,7 @@ class Stages:
         if name not in STAGES:
             raise AttributeError(name)
         need(self._features, STAGES[name])
+        if name in FEATURES:
+            load(self._engine)  # refuses what cannot run here
+            return FEATURES[name].ENGINES[self._engine]
         return getattr(load(self._engine), name)

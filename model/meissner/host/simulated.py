@@ -46,14 +46,10 @@ class SimulatedCore:
         self.level = level
         self.registers = Registers(features, reset_word(settings or {}, widths), widths)
         self.clk_khz, self.speed = clk_khz, speed
-        present = names.FEATURES if features is None else features
-        bits = sum(1 << bit for bit, name in enumerate(names.FEATURES) if name in present)
         self.status = {
-            ("core", "features", "value"): bits,
             ("core", "size", "rows"): size[0],
             ("core", "size", "columns"): size[1],
             ("core", "clk_khz", "value"): clk_khz,
-            **{("core", "widths", name): bits for name, bits in widths.items()},
             ("core", "beats", "value"): taxels,
         }
         self.units = units.Units()  # what a host should know about this core

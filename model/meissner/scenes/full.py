@@ -24,7 +24,7 @@ HAND = {
 CORE_FRAMES = {"fixed": 8, "rtl": 2}
 # (scene, condition) that together have every component of each sensor.
 EVERYTHING = (
-    *(("grip_slip", 6), ("stick_slip", 0), ("grip_disturb", 0), ("cop_slip", 0)),
+    *(("grip_slip", 6), ("stick_slip", 0), ("shear_speed", 6), ("grip_disturb", 0), ("cop_slip", 0)),
     *(("cop_six_random", None), ("cop_impulse", None), ("cop_circle", None)),
     *(("dense_64", None), ("plantar_step", None), ("fsr_64x64", None)),
     *(("capacitive_shapes", None), ("capacitive_cell", None), ("capacitive_crosstalk", None)),
@@ -35,6 +35,14 @@ def _slip(scene, engine, condition, seed):
     recording = scenes.simulate(scene, condition, seed)
     engines.load(engine).watch(recording.codes[None], scene.slip_config())
     return len(recording.codes) / scene.rate_hz
+
+
+def _shear(scene, engine, condition, seed):
+    from meissner.scenes.shear.estimate import Estimator
+
+    if "shear_speed" in scene.features:
+        Estimator(scene, engine, engine).of(scenes.simulate(scene, condition, seed))
+    return _slip(scene, engine, condition, seed)
 
 
 def _hand(scene, engine, condition, seed):
@@ -92,7 +100,7 @@ def _capacitive(scene, engine, condition, seed):
     return sum(len(part.samples) / part.rate_hz for part in recording.parts.values())
 
 
-_OF = {"rubber": _slip, "shear": _slip, "hand": _hand, "grip": _grip, "mesh": _mesh, "array": _array}
+_OF = {"rubber": _slip, "shear": _shear, "hand": _hand, "grip": _grip, "mesh": _mesh, "array": _array}
 _OF |= {"fsr": _fsr, "capacitive": _capacitive}
 
 

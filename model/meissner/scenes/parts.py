@@ -8,6 +8,8 @@ from importlib import import_module
 from pathlib import Path
 from typing import NamedTuple
 
+from meissner.engines.features import FEATURES as FOUND
+
 
 class Feature(NamedTuple):
     """``top``: the module of rtl/ that engines rtl and gate build for it; ``blocks``: what is in that."""
@@ -25,13 +27,13 @@ FEATURES = {
     "demod": Feature("msn_am_demod", (), "demodulate"),
     "calibrate": Feature("msn_calibrate", (), "calibrate"),
     "grip": Feature("msn_grip", (), ""),
+    **{name: Feature(found.TOP, found.BLOCKS, name) for name, found in FOUND.items()},
 }
 # What the core has besides, and no scene asks for.
 BESIDES = {
     "scan": "msn_scan",
     "health": "msn_health",
     "tare": "msn_tare",
-    "shear speed": "msn_shear_speed",
     "pulses": "msn_pwm",
     "link": "msn_core_link",
     "registers": "msn_registers",

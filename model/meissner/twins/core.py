@@ -11,6 +11,7 @@ from meissner.twins.sensor.sensor_array import from_reset, sensor_array
 from meissner.twins.sensor.sensor_cop4 import sensor_cop4
 from meissner.twins.slip.haar import Haar
 from meissner.twins.slip.peak_to_peak import PeakToPeak
+from meissner.twins.slip.shear_speeds import ShearSpeeds, report
 from meissner.twins.slip.slip import State
 from meissner.twins.slip.slip_chain import slip_chain
 
@@ -29,11 +30,15 @@ class Expected:
 class Hand:
     """A core with the reflex, a control cycle at a time; ``actuate``: ActuateConfig, ``slip``: SlipConfig.
 
-    ``start``: as of meissner.twins.actuate.grip.Grip.
+    ``start``: as of meissner.twins.actuate.grip.Grip; ``shear``: ShearConfig, of a core with ShearSpeed. A
+    window's speed comes before the next frame: frames are 70 clocks apart or more.
     """
 
-    def __init__(self, fingers, slip, actuate, start=None):
+    def __init__(self, fingers, slip, actuate, start=None, shear=None):
         group = 1 << slip.level
+        self.group, self.left = group, 0  # frames of the detail under way
+        self.shear = None if shear is None else ShearSpeeds(shear, fingers)
+        self.shear_frames = 0
         self.threshold, self.haar = slip.threshold, Haar(fingers, slip.level)
         self.extremes = PeakToPeak(fingers, slip.window // group, slip.hop // group)
         self.actuate = Actuate(actuate, fingers, start)
@@ -45,7 +50,23 @@ class Hand:
         """
         x = np.asarray(samples).T
         p2p, ends = self.extremes.next(self.haar.next(x)[0])
-        return self.actuate.next(x, p2p > self.threshold, ends, lost, override)
+        speeds = self._speeds(x) if self.shear else ()
+        self.left = (self.left + x.shape[1]) % self.group
+        word = self.actuate.next(x, p2p > self.threshold, ends, lost, override, speeds)
+        if self.shear and word.valid:
+            self.shear.commanded(word.increment)
+        return word
+
+    def _speeds(self, x):
+        """(detail that comes next, finger, speed) of each window that ends in ``x``."""
+        found, length = [], 1 << self.shear.estimators[0].size.window_log2
+        first = length - 1 - self.shear_frames % length  # the frame that ends the first window
+        for finger, windows in enumerate(self.shear.next(x)):
+            for n, (speed, flags) in enumerate(zip(windows.speed, windows.flags)):
+                detail = (first + n * length + 1 + self.left) // self.group
+                found.append((detail, finger, report(speed, flags)))
+        self.shear_frames += x.shape[1]
+        return sorted(found, key=lambda one: one[0])
 
 
 def of_channels(samples, config, moving=None, mask=None, change=None):
@@ -92,8 +113,8 @@ def array_of(config):
 
 
 def hand_of(config, start=None):
-    """Hand of a configuration with [grip]."""
-    return Hand(config.channels, config.slip, config.grip, start)
+    """Hand of a configuration with [grip], and perhaps [shear_speed]."""
+    return Hand(config.channels, config.slip, config.stages["grip"], start, config.stages.get("shear_speed"))
 
 
 def expected(config, codes):

@@ -1,6 +1,9 @@
 """Parts of a scene of sheared rubber, and what each is for."""
 
-FEATURES = {"slip": "its false alarms, and of kind stick_slip its flag, are judged"}
+FEATURES = {
+    "slip": "its false alarms, and of kind stick_slip its flag, are judged",
+    "shear_speed": "of kind speed its estimates stand beside the stage's speed",
+}
 WHY = {
     "rubber divider": "the sensor: force and shear to the voltage Vc",
     "normal force profile": "normal_n is pressed on before the shear",
@@ -16,7 +19,7 @@ BYTES = 400  # a sample, as in the scenes of the rubber
 
 
 def uses(scene):
-    return FEATURES
+    return {name: why for name, why in FEATURES.items() if name == "slip" or scene.kind == "speed"}
 
 
 def modelled(scene):

@@ -13,7 +13,7 @@ from meissner.scenes.rates import rates
 from meissner.scenes.results import finish, head, table
 from meissner.scenes.rubber.judge import judge
 from meissner.scenes.rubber.run import _mismatches
-from meissner.scenes.shear import pictures
+from meissner.scenes.shear import estimate, pictures
 from meissner.scenes.shear.judge import ANSWERS, measured, sloped
 from meissner.scenes.shear.scene import check_supply
 
@@ -43,6 +43,7 @@ def run(scene, engine, out, seed, waves, progress):
     module, twin = (Stages(name, scene.features) for name in (engine, "fixed"))
     config, seeds = scene.slip_config(), range(seed, seed + scene.seeds)
     module.watch(np.zeros((1, config.window), dtype=np.int64), config)  # built and warm before it is timed
+    estimator = estimate.Estimator(scene, engine) if "shear_speed" in scene.features else None
     found, shown = {case: [] for case in scene.cases}, {}
     wrong, samples, over_range, engine_s = 0, 0, 0, 0.0
     for case, number in progress([(case, number) for case in scene.cases for number in seeds]):
@@ -54,12 +55,16 @@ def run(scene, engine, out, seed, waves, progress):
             wrong += _mismatches(watched, twin.watch(recording.codes[None], config))
         samples += len(recording.codes)
         over_range += int(recording.over_range.sum())
-        found[case].append(_run(recording, watched.state[0], config))
+        estimated = estimator.of(recording) if estimator else {}
+        found[case].append(_run(recording, watched.state[0], config) | estimated)
         if number == seed:
             shown[case] = recording
     every = [one for runs in found.values() for one in runs]
     rows, answer = ANSWERS[scene.kind](scene, found)
     constants = answer.pop("constants", None)
+    if estimator:
+        estimate.join(rows, answer, found)
+        wrong += estimator.differences
     first = shown[scene.cases[0]]
     summary = {
         **head(scene, engine, seed, samples / scene.rate_hz, samples, engine_s, wrong, first),
@@ -110,6 +115,7 @@ def _speed(summary):
         if summary["beyond_found"]
         else "no step is above the limit",
         f"below it and found above: {interval.words(summary['beyond_falsely'], 'steps')}",
+        *estimate.tell(summary),
     ]
 
 

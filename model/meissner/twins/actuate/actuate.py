@@ -21,7 +21,6 @@ class ActuateConfig:
         """{register of the group grip: value}, the reflex enabled."""
         found = {"enable": 1} | self.grip.settings
         found |= {"low": self.low, "high": self.high, "rail": self.rail, "divide": self.divide}
-        del found["speed_gain"]  # no speed of shear comes to it
         return found
 
 
@@ -34,14 +33,20 @@ class Actuate:
         self.health = FingerHealth(fingers, self.config.low, self.config.high, self.config.rail)
         self.commands = self.tightenings = 0
 
-    def next(self, samples, over, ends, lost=False, override=None):
+    def next(self, samples, over, ends, lost=False, override=None, speeds=()):
         """The Command of the cycle that had ``samples`` [fingers, n] and decisions ``over`` [fingers, m].
 
-        ``ends`` [m]: the decision is its window's last.
+        ``ends`` [m]: the decision is its window's last; ``speeds``: (place, finger, speed) in order, each
+        reported before the decisions [:, place]; speed None: there is none.
         """
+        speeds = list(speeds)
         for place, end in enumerate(ends):
+            while speeds and speeds[0][0] <= place:
+                self.grip.report(*speeds.pop(0)[1:])
             for finger, row in enumerate(over):
                 self.grip.decision(finger, bool(row[place]), bool(end))
+        for _, finger, speed in speeds:
+            self.grip.report(finger, speed)
         word = self.grip.cycle(self.health.next(samples, lost).tolist(), override)
         self.commands += word.valid
         self.tightenings += word.valid and word.increment > 0

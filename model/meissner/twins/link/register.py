@@ -5,7 +5,8 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Field:
-    """Bits high .. low. ``kind``: setting (the host's), status (the core's), constant, command (a pulse).
+    """Bits high .. low. ``kind``: setting (the host's), status (the core's), constant, command (a pulse),
+    features (a bit for each group that a build may leave out, the first lowest), width (of ``held_to``).
 
     ``signed``: two's complement; ``held_to``: the field of core.widths that says how many bits a build has
     for it, at whose ends the core holds it.

@@ -30,7 +30,7 @@ GROUPS = (
                 "features",
                 0x008,
                 "A bit for each group of registers below, the first lowest: 1 where the build has it.",
-                (Field("value", 31, 0, "status", 0x0),),
+                (Field("value", 31, 0, "features", 0x0),),
             ),
             Register(
                 "size",
@@ -58,10 +58,10 @@ GROUPS = (
                 0x018,
                 "Bits that this build has for a detail, a time in details, a load and an offset; settings that are wider are held at their ends, and read so.",
                 (
-                    Field("detail", 7, 0, "status", 0x0),
-                    Field("timer", 15, 8, "status", 0x0),
-                    Field("load", 23, 16, "status", 0x0),
-                    Field("offset", 31, 24, "status", 0x0),
+                    Field("detail", 7, 0, "width", 0x0),
+                    Field("timer", 15, 8, "width", 0x0),
+                    Field("load", 23, 16, "width", 0x0),
+                    Field("offset", 31, 24, "width", 0x0),
                 ),
             ),
             Register(
@@ -707,6 +707,191 @@ GROUPS = (
                 "tightenings",
                 0xA58,
                 "Commands that were larger than the one before.",
+                (Field("value", 31, 0, "status", 0x0),),
+            ),
+            Register(
+                "speed_gain",
+                0xA5C,
+                "What a window over the threshold adds beside step: this times the finger's speed of shear in mm/s, times 16; 0: nothing.",
+                (Field("value", 15, 0, "setting", 0x0),),
+            ),
+        ),
+    ),
+    Group(
+        "shear_speed",
+        "Speed of shear",
+        True,
+        False,
+        (
+            Register(
+                "enable",
+                0xB00,
+                "1: speeds are found; 0: as in reset, all is forgotten. Settings are to change while it is 0.",
+                (Field("value", 0, 0, "setting", 0x0),),
+            ),
+            Register(
+                "k0",
+                0xB04,
+                "dV of 1 mm/s at Vi = 0, a level: the sum of 512 samples. This and the following: 1.55 V, -0.27 and 0.11 at 819.2 codes a volt, 10 kHz.",
+                (Field("value", 25, 0, "setting", 0x9EB85),),
+            ),
+            Register(
+                "k1",
+                0xB08,
+                "By how much less for a unit of Vi, signed, 16 bits of fraction.",
+                (Field("value", 17, 0, "setting", 0x3BAE1, True, ""),),
+            ),
+            Register(
+                "exponent", 0xB0C, "1/n, 11 bits of fraction.", (Field("value", 15, 0, "setting", 0x48BA),)
+            ),
+            Register(
+                "vi_min",
+                0xB10,
+                "Vi below this, a level, signed, is out of range.",
+                (Field("value", 25, 0, "setting", 0xCCCCD, True, ""),),
+            ),
+            Register(
+                "vi_max",
+                0xB14,
+                "Vi above this, a level, signed, is out of range.",
+                (Field("value", 25, 0, "setting", 0x19999A, True, ""),),
+            ),
+            Register(
+                "noise",
+                0xB18,
+                "A rise below this, a level, is too small.",
+                (Field("value", 25, 0, "setting", 0xA3D7),),
+            ),
+            Register(
+                "still",
+                0xB1C,
+                "A level that moves by more from window to window does not rest.",
+                (Field("value", 25, 0, "setting", 0x419),),
+            ),
+            Register(
+                "full",
+                0xB20,
+                "A code, signed, from which on a window is clipped.",
+                (Field("value", 16, 0, "setting", 0xFF8, True, ""),),
+            ),
+            Register(
+                "limit",
+                0xB24,
+                "A speed above this is too fast, in 2^-20 mm/s.",
+                (Field("value", 23, 0, "setting", 0x300000),),
+            ),
+            Register(
+                "travel",
+                0xB28,
+                "Sum of speeds until which a level still rises: mm over the seconds of a window, in 2^-20.",
+                (Field("value", 31, 0, "setting", 0x190000),),
+            ),
+            Register(
+                "hold",
+                0xB2C,
+                "1: the normal force changes, as while actuator_moving_i is high: Vi is forgotten.",
+                (Field("value", 0, 0, "setting", 0x0),),
+            ),
+            Register(
+                "hold_cycles",
+                0xB30,
+                "The same for so many control cycles from each changed command of the reflex on; 0: not.",
+                (Field("value", 7, 0, "setting", 0x0),),
+            ),
+            Register(
+                "select",
+                0xB34,
+                "The channel that vi, rise and windows are of.",
+                (Field("value", 2, 0, "setting", 0x0),),
+            ),
+            Register(
+                "channel0",
+                0xB38,
+                "Of channel 0, the last window: speed in 2^-20 mm/s, 0 with any flag; flags: the sum of 1 unsettled, 2 Vi out of range, 4 rise too small, 8 no denominator, 16 clipped, 32 still rising, 64 too fast, 128 saturated.",
+                (
+                    Field("speed", 23, 0, "status", 0x0),
+                    Field("flags", 31, 24, "status", 0x0),
+                ),
+            ),
+            Register(
+                "channel1",
+                0xB3C,
+                "The same of channel 1.",
+                (
+                    Field("speed", 23, 0, "status", 0x0),
+                    Field("flags", 31, 24, "status", 0x0),
+                ),
+            ),
+            Register(
+                "channel2",
+                0xB40,
+                "The same of channel 2.",
+                (
+                    Field("speed", 23, 0, "status", 0x0),
+                    Field("flags", 31, 24, "status", 0x0),
+                ),
+            ),
+            Register(
+                "channel3",
+                0xB44,
+                "The same of channel 3.",
+                (
+                    Field("speed", 23, 0, "status", 0x0),
+                    Field("flags", 31, 24, "status", 0x0),
+                ),
+            ),
+            Register(
+                "channel4",
+                0xB48,
+                "The same of channel 4.",
+                (
+                    Field("speed", 23, 0, "status", 0x0),
+                    Field("flags", 31, 24, "status", 0x0),
+                ),
+            ),
+            Register(
+                "channel5",
+                0xB4C,
+                "The same of channel 5.",
+                (
+                    Field("speed", 23, 0, "status", 0x0),
+                    Field("flags", 31, 24, "status", 0x0),
+                ),
+            ),
+            Register(
+                "channel6",
+                0xB50,
+                "The same of channel 6.",
+                (
+                    Field("speed", 23, 0, "status", 0x0),
+                    Field("flags", 31, 24, "status", 0x0),
+                ),
+            ),
+            Register(
+                "channel7",
+                0xB54,
+                "The same of channel 7.",
+                (
+                    Field("speed", 23, 0, "status", 0x0),
+                    Field("flags", 31, 24, "status", 0x0),
+                ),
+            ),
+            Register(
+                "vi",
+                0xB58,
+                "Vi of its last window, a level, signed; 0 where it is unknown.",
+                (Field("value", 25, 0, "status", 0x0, True, ""),),
+            ),
+            Register(
+                "rise",
+                0xB5C,
+                "dV of its last window, a level, signed; 0 where Vi is unknown.",
+                (Field("value", 26, 0, "status", 0x0, True, ""),),
+            ),
+            Register(
+                "windows",
+                0xB60,
+                "Its windows since enable; read before and after, it tells whether the others are of one window.",
                 (Field("value", 31, 0, "status", 0x0),),
             ),
         ),

@@ -89,6 +89,7 @@ class Registers:
             if name not in known:
                 raise ValueError(f"feature {name!r} must be one of: {', '.join(known)}")
         self._groups = [g for g in GROUPS if not g.feature or features is None or g.name in features]
+        self._bits = sum(1 << bit for bit, name in enumerate(known) if features is None or name in features)
         self.addresses = {register.address for g in self._groups for register in g.registers}
         self._at = {register.address: (g, register) for g in self._groups for register in g.registers}
         self.resets = reset_word({}) if resets is None else resets
@@ -124,6 +125,8 @@ class Registers:
                 "setting": self._held(key, self._written.get(key, 0)),
                 "status": (status or {}).get(key, 0),
                 "constant": field.reset,
+                "features": self._bits,
+                "width": self.widths.get(field.name),
                 "command": 0,
             }[field.kind]
             word |= value << field.low

@@ -1,6 +1,7 @@
 """Bit-exact twin of rtl/slip/msn_shear_speed.sv: speed of shear from the level of conductive rubber."""
 
 from dataclasses import dataclass, fields
+from typing import NamedTuple
 
 import numpy as np
 
@@ -134,6 +135,15 @@ def bound(exponent, size=None):
     return 2.0**power * (1 + max(exp2_bound(size.table_bits, size.fraction_bits))) - 1
 
 
+class Windows(NamedTuple):
+    """What a core says of each window, int64 [windows]; ``vi``, ``rise``: levels, 0 with UNSETTLED."""
+
+    speed: np.ndarray
+    flags: np.ndarray
+    vi: np.ndarray
+    rise: np.ndarray
+
+
 class ShearSpeed:
     """(speed, flags) of each window of 2^window_log2 samples; the rules are docs/shear_speed.md's.
 
@@ -157,6 +167,10 @@ class ShearSpeed:
 
     def next(self, x, hold=None):
         """(speed, flags), int64, of the windows that the samples ``x`` complete; ``hold``: bool of each."""
+        return self.windows(x, hold)[:2]
+
+    def windows(self, x, hold=None):
+        """The same with Vi and the rise: ``Windows``."""
         x = np.asarray(x, dtype=np.int64)
         hold = np.zeros(x.shape, bool) if hold is None else np.asarray(hold, dtype=bool)
         self._x, self._held = np.concatenate([self._x, x]), np.concatenate([self._held, hold])
@@ -166,7 +180,7 @@ class ShearSpeed:
         clips = (windows >= self.settings.full).any(axis=1)
         self._x, self._held = self._x[count * length :], self._held[count * length :]
         found = [self._window(*each) for each in zip(windows.sum(axis=1).tolist(), helds, clips)]
-        return tuple(np.array(found, dtype=np.int64).reshape(-1, 2).T)
+        return Windows(*np.array(found, dtype=np.int64).reshape(-1, 4).T)
 
     def process(self, x, hold=None):
         """``reset`` and then ``next``: the whole of ``x`` at once."""
@@ -193,8 +207,9 @@ class ShearSpeed:
             self.travel = 0 if up else min(self.travel + v, (1 << 32) - 1)
             flags |= RISING * (self.travel < with_.travel)
             flags |= FAST * (v > with_.limit) | SATURATED * (v == (1 << self.size.speed_bits) - 1)
+        levels = (self.vi, rise) if settled else (0, 0)
         self._follow(total, held, clipped, up, down, settled, small)
-        return 0 if flags else v, flags
+        return 0 if flags else v, flags, *levels
 
     def _follow(self, total, held, clipped, up, down, settled, small):
         """The state after a window."""

@@ -1,0 +1,70 @@
+"""From a window's last sample to its speed, and what comes before: docs/shear_speed.md, term by term."""
+
+from meissner.twins.slip.shear_speeds import SIZE
+
+NAMES = {
+    "frame_filter": "whole frames only",
+    "look": "where the level lies",
+    "k1 Vi": "a bit a clock, and k",
+    "log2": "of k and of the rise",
+    "times 1/n": "a bit a clock, rounded",
+    "exp2": "the speed",
+    "judge": "flags, Vi",
+    "report": "registers, reflex",
+    "other channels": "that end in the same clock",
+}
+
+
+def budget(config):
+    """``config``: meissner.builds.build.Config with [shear_speed]."""
+    settings = config.stages["shear_speed"].shear
+    terms = {
+        "frame_filter": 1,
+        "look": 2,
+        "k1 Vi": 18,
+        "log2": 9,
+        "times 1/n": 19,
+        "exp2": 7,
+        "judge": 3,
+        "report": 1,
+    }
+    terms["other channels"] = config.channels - 1
+    window_s = (1 << SIZE.window_log2) / config.rate_hz
+    travel = settings.travel / (1 << SIZE.speed_fraction) * window_s
+    limit = settings.limit / (1 << SIZE.speed_fraction)
+    total = sum(terms.values())
+    return {
+        "config": config.name,
+        "clock_hz": 1000 * config.clk_khz,
+        "terms_clocks": terms,
+        "total_clocks": total,
+        "total_s": total / (1000 * config.clk_khz),
+        "window_s": window_s,
+        "settle_s": window_s * (1 << SIZE.settle_log2),
+        "travel_mm": travel,
+        "travel_s": [travel / limit, travel / (limit / 100)],
+    }
+
+
+def tell(found):
+    """The lines to print."""
+    clock_us = 1e6 / found["clock_hz"]
+    lines = [
+        f"from a window's last sample to its speed of shear at most {found['total_clocks']} clocks: "
+        f"{found['total_s'] * 1e6:.3f} us",
+        f"{found['config']}, {found['clock_hz'] / 1e6:g} MHz",
+        "",
+        f"{'term':15} {'clocks':>9} {'us':>10}",
+    ]
+    lines += [
+        f"{name:15} {clocks:9} {clocks * clock_us:10.3f}  {NAMES[name]}"
+        for name, clocks in found["terms_clocks"].items()
+    ]
+    fast, slow = found["travel_s"]
+    return [
+        *lines,
+        f"{'total':15} {found['total_clocks']:9} {found['total_s'] * 1e6:10.3f}",
+        "",
+        f"before it: {1e3 * found['window_s']:.3g} ms of a window; {1e3 * found['settle_s']:.3g} ms at rest;",
+        f"{found['travel_mm']:.3g} mm of shear, {fast:.3g} s at the limit, {slow:.3g} s at 1/100 of it",
+    ]

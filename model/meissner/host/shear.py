@@ -1,0 +1,74 @@
+"""The speed of shear that a core finds, by its registers: a lot of rubber in, what the last window says out.
+
+    write_lot(core.__setitem__, Rubber(k0_v=1.6, k1=-0.28, n=0.115), codes_per_v)
+    for one in speeds(core): print(one.speed_mm_s, one.flags)
+
+A register in place of packets: a control loop wants the last speed, the reflex in the core gets every one,
+and the packets stay as they are. ``windows`` counts, so that a host sees which it missed.
+"""
+
+from dataclasses import dataclass
+
+from meissner.twins.slip.shear_speed import ShearSettings
+from meissner.twins.slip.shear_speeds import MAX_CHANNELS, SIZE
+
+FLAGS = ("unsettled", "range", "small", "denominator", "clipped", "rising", "fast", "saturated")
+
+
+@dataclass(frozen=True)
+class Rubber:
+    """A lot: dV = (k0_v + k1 Vi) v^n, as ``meissner fit-rubber`` prints it."""
+
+    k0_v: float = 1.55
+    k1: float = -0.27
+    n: float = 0.11
+
+
+@dataclass(frozen=True)
+class Speed:
+    """A channel's last window. ``speed_mm_s``: None with any of ``flags``."""
+
+    speed_mm_s: float | None
+    flags: tuple
+
+
+@dataclass(frozen=True)
+class Levels:
+    """What a window's speed is of, in volts; ``windows``: since the estimator is enabled."""
+
+    vi_v: float
+    rise_v: float
+    windows: int
+
+
+def write_lot(write, rubber, codes_per_v):
+    """Give the estimator another lot, by ``write(name, value)``; it forgets what it knows of the levels."""
+    found = ShearSettings.of(codes_per_v, 1.0, SIZE, k0=rubber.k0_v, k1=rubber.k1, n=rubber.n, travel=0.0)
+    write("shear_speed.enable", 0)
+    for name in ("k0", "k1", "exponent"):
+        write(f"shear_speed.{name}", getattr(found, name))
+    write("shear_speed.enable", 1)
+
+
+def of_word(word):
+    """Speed of a register ``channel0`` .. ``channel7``."""
+    flags = tuple(name for bit, name in enumerate(FLAGS) if word >> 24 + bit & 1)
+    return Speed(None if flags else (word & 0xFFFFFF) / (1 << SIZE.speed_fraction), flags)
+
+
+def speeds(core):
+    """Speed of each channel of a meissner.host.core.Core; each is of one window."""
+    count = min(core.units.columns, MAX_CHANNELS)
+    return [of_word(core[f"shear_speed.channel{channel}"]) for channel in range(count)]
+
+
+def levels(core, channel, codes_per_v, tries=8):
+    """Levels of a channel, all of one window; OSError if none stays that long."""
+    core["shear_speed.select"] = channel
+    for _ in range(tries):
+        before = core["shear_speed.windows"]
+        vi, rise = core["shear_speed.vi"], core["shear_speed.rise"]
+        if core["shear_speed.windows"] == before:
+            per_v = codes_per_v * SIZE.unit
+            return Levels(vi / per_v, rise / per_v, before)
+    raise OSError("a window ended in each try: the line is too slow for its levels")

@@ -1,0 +1,69 @@
+"""What the core's own estimator makes of a recorded shear: feature ``shear_speed`` of kind ``speed``."""
+
+import numpy as np
+
+from meissner.engines.stages import Stages
+from meissner.scenes.shear.published import LIMIT_MM_S
+from meissner.scenes.truth import percent, summarise
+from meissner.twins.slip.shear_speed import FAST, ShearSettings
+from meissner.twins.slip.shear_speeds import SIZE, ShearConfig
+
+# The scene's rests are 2, 3 and 4 V, the published ends among them: noise puts half of them beyond.
+VI_MIN_V, VI_MAX_V = 1.9, 4.1
+AFTER = 3  # windows that a slow fall by `still` takes as a shear ends
+
+
+class Estimator:
+    """The estimator of ``engine``; ``of`` a recording its figures; ``differences`` from ``twin``, windows."""
+
+    def __init__(self, scene, engine, twin="fixed"):
+        per_v = 1.0 / scene.adc.lsb_v
+        self.config = ShearConfig(ShearSettings.of(per_v, scene.rate_hz, vi_min=VI_MIN_V, vi_max=VI_MAX_V))
+        self.run, self.twin = (Stages(name, scene.features).shear_speed for name in (engine, twin))
+        self.verilated = engine in ("rtl", "gate")
+        self.differences = 0
+
+    def of(self, recording):
+        """``estimate_mm_s``: the last speed of the shear, None without one; ``estimate_fast``: it was flagged
+        above the limit; ``estimates_outside``: windows with a speed where nothing is sheared."""
+        x, window = recording.codes[None], 1 << SIZE.window_log2
+        speed, flags = (rows[0] for rows in self.run(x, self.config, recording.moving))
+        if self.verilated:
+            v, told = (rows[0] for rows in self.twin(x, self.config, recording.moving))
+            self.differences += int(((v != speed) | (told != flags)).sum())
+        last_s = (AFTER + 1) * window / recording.scene.rate_hz
+        ends = (np.arange(len(flags)) + 1) * window / recording.scene.rate_hz
+        inside = (ends > recording.start_s) & (ends <= recording.stop_s)
+        around = (ends > recording.start_s) & (ends <= recording.stop_s + last_s)
+        known = np.flatnonzero(inside & (flags == 0))
+        return {
+            "estimate_mm_s": float(speed[known[-1]]) if len(known) else None,
+            "estimate_fast": bool((flags[inside] & FAST).any()),
+            "estimates_outside": int((~around & (flags == 0)).sum()),
+        }
+
+
+def join(rows, answer, found):
+    """Put the estimates beside the rows of kind ``speed`` and into its answer."""
+    off, missed, beyond = [], 0, []
+    for row, (case, runs) in zip(rows, found.items(), strict=True):
+        speeds = [run["estimate_mm_s"] for run in runs if run["estimate_mm_s"] is not None]
+        row["estimate_mm_s"] = round(float(np.mean(speeds)), 5) if speeds else None
+        if case.speed_mm_s <= LIMIT_MM_S:
+            off += [speed / case.speed_mm_s - 1.0 for speed in speeds]
+            missed += sum(run["estimate_mm_s"] is None for run in runs)
+        else:
+            beyond += [run["estimate_fast"] for run in runs]
+    answer["estimate_error"] = summarise(np.abs(off))
+    answer["estimate_missed"] = missed
+    answer["estimate_beyond"] = f"{sum(beyond)} of {len(beyond)}"
+    answer["estimates_outside"] = sum(run["estimates_outside"] for runs in found.values() for run in runs)
+
+
+def tell(summary):
+    """Lines to print."""
+    return [
+        f"the core's estimator: {percent(summary['estimate_error'])} off; no speed in "
+        f"{summary['estimate_missed']} shears; above the limit flagged in {summary['estimate_beyond']}; "
+        f"{summary['estimates_outside']} windows with a speed where nothing is sheared"
+    ]

@@ -1,0 +1,63 @@
+"""Twin of rtl/slip/msn_shear_speeds.sv: speed of shear of each channel, and what the reflex gets of it."""
+
+from dataclasses import asdict, dataclass
+
+import numpy as np
+
+from meissner.twins.slip.shear_speed import ShearSettings, ShearSize, ShearSpeed
+
+SIZE = ShearSize()  # the core has no other
+REPORT_SHIFT = 8  # from 2^-20 mm/s to the 2^-12 mm/s that the reflex takes
+MAX_CHANNELS = 8
+
+
+@dataclass(frozen=True)
+class ShearConfig:
+    """``shear``: ShearSettings of a lot of rubber; ``hold_cycles``: of the reflex, from a changed command."""
+
+    shear: ShearSettings
+    hold_cycles: int = 0
+
+    def __post_init__(self):
+        self.shear.check(SIZE)
+        if not 0 <= self.hold_cycles <= 255:
+            raise ValueError(f"hold_cycles = {self.hold_cycles} must lie in 0 .. 255")
+
+    @property
+    def settings(self):
+        """{register of the group shear_speed: value}, the estimator enabled."""
+        return {"enable": 1} | asdict(self.shear) | {"hold_cycles": self.hold_cycles}
+
+
+def report(speed, flags):
+    """The reflex' speed of a window, in 2^-12 mm/s; None: there is none."""
+    return None if flags else int(speed) >> REPORT_SHIFT
+
+
+class ShearSpeeds:
+    """``next`` takes whole frames, ``commanded`` what the reflex did; ``last``: (speed, flags) by channel."""
+
+    def __init__(self, config, channels):
+        if not 1 <= channels <= MAX_CHANNELS:
+            raise ValueError(f"channels = {channels} must lie in 1 .. {MAX_CHANNELS}")
+        self.config = config
+        self.estimators = [ShearSpeed(config.shear, SIZE) for _ in range(channels)]
+        self.last, self.windows, self.cycles = [(0, 1)] * channels, [0] * channels, 0
+
+    def commanded(self, increment):
+        """A control cycle gave a command that differs from the one before by ``increment``."""
+        self.cycles = self.config.hold_cycles if increment else max(0, self.cycles - 1)
+
+    def next(self, x, hold=None):
+        """Windows (twins.slip.shear_speed) of each channel that ``x`` [channels, frames] completes.
+
+        ``hold``: bool [frames], where the normal force changes besides.
+        """
+        x = np.asarray(x)
+        hold = np.zeros(x.shape[1], bool) if hold is None else np.asarray(hold, bool)
+        found = [one.windows(row, hold | (self.cycles > 0)) for one, row in zip(self.estimators, x)]
+        for channel, windows in enumerate(found):
+            self.windows[channel] += len(windows.flags)
+            if len(windows.flags):
+                self.last[channel] = int(windows.speed[-1]), int(windows.flags[-1])
+        return found
