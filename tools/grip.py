@@ -24,7 +24,8 @@ from verify import revision
 RECORD, PAGE = toolchain.ROOT / "docs/grip.json", toolchain.ROOT / "docs/grip_scenes.md"
 MODEL = "model/meissner"
 RESTS_ON = (
-    *(f"{MODEL}/scenes/hand/loop.py", f"{MODEL}/scenes/hand/scene.py", f"{MODEL}/twins/actuate/grip.py"),
+    *(f"{MODEL}/scenes/hand/{name}.py" for name in ("host", "loop", "scene")),
+    f"{MODEL}/twins/actuate/grip.py",
     *(f"{MODEL}/physics/{name}.py" for name in ("adc", "hand", "plate", "rubber", "slide", "stepped")),
     *(f"{MODEL}/twins/slip/{name}.py" for name in ("haar", "peak_to_peak")),
 )

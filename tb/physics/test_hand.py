@@ -341,7 +341,8 @@ def test_a_verilated_core_holds_as_the_twins_do(name, number, changes):
     condition = replace(scene.conditions[number], duration_s=1.6, **changes)
     world = scene.world | {"pour_start_s": 0.1, "hold_from_s": 0.1}
     world |= {"tugs": [(0.2, 0.4, 0.8)]} if world["tugs"] else {}
-    scene = replace(scene, conditions=(condition,), world=world)
+    grip = scene.grip | ({"guard_s": 0.3} if "guard_s" in scene.grip else {})  # it is calm before the end
+    scene = replace(scene, conditions=(condition,), world=world, grip=grip)
     fixed, rtl = (loop.hold(scene, condition, [1, 2], hand_run.PARTS[engine]) for engine in ("fixed", "rtl"))
     assert rtl.mismatches.tolist() == [0, 0] and fixed.mismatches is None
     for key in ("command", "fault", "over", "normal_n", "detail_low", "detail_high"):
@@ -353,7 +354,7 @@ def test_a_verilated_core_holds_as_the_twins_do(name, number, changes):
 
 def test_a_core_that_differs_is_counted(monkeypatch):
     """One that counts a step more: its commands go their own way, and so does the hand."""
-    scene = short(seconds=1.5)
+    scene = short(seconds=1.5, step_mm=0.01)
     right = loop.ActuateConfig
     monkeypatch.setattr(
         loop, "ActuateConfig", lambda grip, *more: right(replace(grip, step=grip.step + 1), *more)
@@ -386,7 +387,7 @@ def test_the_ratio_is_the_grip_over_what_static_friction_needs():
 
 
 def test_the_command_moves_the_hand_a_cycle_later():
-    scene = short(seconds=4.0)
+    scene = short(seconds=4.0, step_mm=0.01)
     trace = loop.hold(scene, scene.conditions[0], [1], (loop.FixedSlip, Grip)).trace
     first = int(np.flatnonzero(trace.over)[0])
     step = round(scene.grip["step_mm"] / hand.COUNT_MM)

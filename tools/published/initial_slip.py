@@ -6,7 +6,7 @@ from matplotlib.ticker import NullFormatter
 
 from meissner import scenes
 from meissner.physics import rubber
-from published import Row
+from published import Row, _hand
 from published._slip_pictures import INK, ORANGE, PURPLE, curve, figure, label, save
 from published._wavelets import (
     MORLET,
@@ -29,7 +29,9 @@ conductive rubber, pulls it until it slips, and separates the slip from a change
 level-1 Haar detail of Vc. Ours are the scenes `acrylic_slip`, `slip_forces`, `slip_materials` and
 `normal_force`, seeds 1 to 20 through the scenes' own converters, analysed with PyWavelets. The sizes of the
 events and of the ripple were chosen to reach the paper's ±0.04 V and ±0.005 V, so those rows say nothing
-about a real sensor; that one threshold separates all cases follows from them. Figures 2, 3, 6 and 15 are
+about a real sensor; that one threshold separates all cases follows from them. The hand's rows are of
+`grip_pour` (seeds 1 to 20) and `grip_release` (1 to 10), in closed loop
+([grip_scenes.md](../grip_scenes.md)): there the threshold and the step follow Vc. Figures 2, 3, 6 and 15 are
 drawings and photographs.
 """
 PLATEAU_HZ = (200.0, 300.0, 400.0, 500.0)
@@ -213,22 +215,12 @@ def of_cases():
 
 
 def compute():
-    hand = "no counterpart yet: there is no hand that holds a glass in the model"
     return [
         *of_slip(),
         *of_force(),
         *of_method(),
         *of_cases(),
-        Row("V", "control cycle of the hand", "10 ms", "no counterpart yet", "", ""),
-        Row("Fig. 16", "grip rises while the glass is filled", "the glass hardly moves", hand, "", ""),
-        Row(
-            "Fig. 17",
-            "grip loosens until a slip is flagged, then tightens",
-            "the glass moves by 0.5 mm only, for minutes",
-            hand,
-            "",
-            "",
-        ),
+        *_hand.rows(),
     ]
 
 
@@ -347,4 +339,5 @@ def draw(folder):
         ("initial_slip_8.png", "Figure 8: Vc and level-1 Haar detail of loading and unloading; " + lines),
         ("initial_slip_9.png", "Figures 9 to 11: Vc and level-1 Haar detail at 2, 3 and 4 N; " + lines),
         ("initial_slip_12.png", "Figures 12 to 14: the same on wood, cloth and paper; " + lines),
+        *_hand.draw(folder),
     ]

@@ -10,8 +10,8 @@ from meissner.twins.actuate.grip import Command
 from meissner.twins.link.register_map import GROUPS
 from meissner.twins.slip.config import SAMPLE_BITS, TIMER_BITS
 
-EVERY = 24  # clocks from frame to frame: two samples, their decisions, and the gate
-REST = 64  # clocks of a cycle besides: registers are read, the last decision comes
+EVERY = 8  # clocks from frame to frame: what the core needs for two samples and their decisions
+REST = 32  # clocks of a cycle besides: registers are read, the last decision comes
 ADDRESS = {f"{g.name}.{r.name}": r.address for g in GROUPS for r in g.registers}
 
 

@@ -7,13 +7,14 @@ msn_grip counts the stream of decisions. A finger is unhealthy after eight sampl
 lowest or highest code. On engine rtl a Verilated core does all of it, beside the twins.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from meissner.engines import gate, rtl_hand
 from meissner.physics import rubber
 from meissner.physics.hand import GRIP_N_MM, Hand
+from meissner.scenes.hand.host import Host
 from meissner.scenes.hand.scene import grasp
 from meissner.twins.actuate.actuate import ActuateConfig
 from meissner.twins.actuate.finger_health import FingerHealth
@@ -22,7 +23,6 @@ from meissner.twins.slip.haar import Haar
 from meissner.twins.slip.peak_to_peak import PeakToPeak
 
 NOISE_S = 1.0  # of the converters' noise are drawn at once
-FOLLOW_S = 1.0  # a host reads Vc and writes the threshold
 AFTER_S = 1.0  # after a tug
 WAIT_SAMPLES = 20  # of an event's ringing that may still reach the window after it
 
@@ -120,6 +120,12 @@ class Stage:
         """From now on; ``threshold`` [runs] in codes."""
         self.slip.threshold = np.repeat(threshold, 2)[:, None]
 
+    def answer_by(self, steps, decays):
+        """From now on; both [runs], in counts."""
+        for reflex, step, decay in zip(self.reflexes, steps.tolist(), decays.tolist()):
+            if (step, decay) != (reflex.config.step, reflex.config.decay):
+                reflex.config = replace(reflex.config, step=step, decay=decay)
+
     def next(self, codes):
         """(detail [channels, details], windows over for the first time [channels], Command of each run)."""
         detail, _, self.over = self.slip.next(codes)
@@ -149,6 +155,12 @@ class Cores:
         self.twin.compare_with(threshold)
         for core, value in zip(self.cores, threshold):
             core["slip.threshold"] = value
+
+    def answer_by(self, steps, decays):
+        """As Stage.answer_by."""
+        self.twin.answer_by(steps, decays)
+        for core, step, decay in zip(self.cores, steps, decays):
+            core["grip.step"], core["grip.decay"] = step, decay
 
     def next(self, codes):
         """As Stage.next."""
@@ -252,7 +264,7 @@ def hold(scene, condition, seeds, parts):
     stage = Stage(parts, *given) if isinstance(parts, tuple) else parts(*given, block)
     goal = np.array([one.closing_mm for one in grasps])
     noise, adc = _Noise(scene, seeds, number), scene.adc
-    vc_v, follow = rubber.rest_volts(GRIP_N_MM * goal), round(FOLLOW_S * 1000 / condition.cycle_ms)
+    host = Host(scene, condition, stage, rubber.rest_volts(GRIP_N_MM * goal))
     cycles = round(scene.duration_s(condition) * 1000 / condition.cycle_ms)
     dead = np.inf if condition.dead_s is None else condition.dead_s
     since = scene.world["hold_from_s"]
@@ -272,16 +284,15 @@ def hold(scene, condition, seeds, parts):
         codes, _ = adc.convert(volts.reshape(2 * runs, block))
         if time_s >= dead:
             codes[:] = adc.max_code
-        if cycle % follow == 0:
-            threshold = scene.threshold(condition, vc_v)
-            stage.compare_with(threshold)
+        host.write(cycle)
         detail, counts, words = stage.next(codes)
-        vc_v = codes.reshape(runs, -1).mean(axis=1) * adc.lsb_v + adc.low_v
+        increment = np.array([word.increment for word in words])
+        command = np.array([word.command for word in words])
+        host.read(codes.reshape(runs, -1).mean(axis=1) * adc.lsb_v + adc.low_v, command)
         contact, at, _ = found.events
         last_event[contact] = cycle * block + np.ceil(at).astype(np.int64)
         wrong = (counts > 0) & (last_event < cycle * block - wait)
         pairs = counts.reshape(-1, 2)
-        increment = np.array([word.increment for word in words])
         goal = goal + increment * condition.count_mm
         alive = ~hand.dropped
         tight += alive & (pairs > 0).any(axis=1)
@@ -302,7 +313,7 @@ def hold(scene, condition, seeds, parts):
             (
                 *(time_s, normal_n[0], least_n[0], found.load_n[0, -1], found.sag_mm[0, -1]),
                 *(found.slip_mm[0, -1], found.ring_mm[0], words[0].command, words[0].fault),
-                *(int(pairs[0].sum()), threshold[0], *detail[:2].min(axis=1), *detail[:2].max(axis=1)),
+                *(int(pairs[0].sum()), host.threshold[0], *detail[:2].min(axis=1), *detail[:2].max(axis=1)),
             )
         )
     table = np.array(rows).T

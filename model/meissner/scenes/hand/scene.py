@@ -33,6 +33,9 @@ _TOP = base.SAMPLED | {"slip": dict, "grip": dict, "world": dict}
 _SLIP = dict.fromkeys(("window", "level"), int) | {"threshold_v": float, "threshold_share": float}
 _GRIP = dict.fromkeys(("step_mm", "decay_mm_s", "rate_mm_s", "least_mm", "most_mm", "silent_s"), float)
 _GRIP |= {"rule": str}
+# What a host makes of the step and the decay, may be left out: (least, most).
+_STEPS = dict.fromkeys(("step_share", "calm_share"), (0.0, 0.1)) | {"guard_s": (0.0, 1e3)}
+_STEPS |= {"calm_decay_mm_s": (0.0, 1.0)}
 _SPREADS = ("mass_spread", "friction_spread", "pour_spread")
 _WORLD = dict.fromkeys((*_SPREADS, "duration_s", "hold_from_s", "mass_kg", "poured_kg"), float)
 _WORLD |= dict.fromkeys(("pour_start_s", "pour_kg_s", "grain_kg"), float)
@@ -116,18 +119,27 @@ class Scene(base.Sampled):
         codes = threshold_code(self.threshold_v(condition), level, self.adc.lsb_v)
         return SlipConfig(window=window, hop=window, level=level, threshold=codes, gross_threshold=codes)
 
+    @property
+    def steps(self):
+        """What the host of scenes.hand.host needs; all 0: it writes the threshold only."""
+        return {key: self.grip.get(key, 0.0) for key in _STEPS}
+
+    def decay(self, condition, mm_s=None):
+        """Counts a cycle of ``mm_s``, without one of the condition's own or the scene's."""
+        if mm_s is None:
+            mm_s = self.grip["decay_mm_s"] if condition.decay_mm_s is None else condition.decay_mm_s
+        least = condition.count_mm / (condition.cycle_ms / 1e3)
+        if mm_s > 0 and not round(mm_s / least):
+            raise ValueError(f"decay_mm_s = {mm_s:g} is no count a cycle; one is {least:g} mm/s")
+        return round(mm_s / least)
+
     def grip_config(self, condition) -> GripConfig:
         """[grip] in counts and cycles."""
         cycle_s, grip, count_mm = condition.cycle_ms / 1e3, self.grip, condition.count_mm
         step_mm = grip["step_mm"] if condition.step_mm is None else condition.step_mm
-        decay_mm_s = grip["decay_mm_s"] if condition.decay_mm_s is None else condition.decay_mm_s
-        decay = round(decay_mm_s * cycle_s / count_mm)
-        if decay_mm_s > 0 and not decay:
-            least = count_mm / cycle_s
-            raise ValueError(f"decay_mm_s = {decay_mm_s:g} is no count a cycle; one is {least:g} mm/s")
         return GripConfig(
             step=round(step_mm / count_mm),
-            decay=decay,
+            decay=self.decay(condition),
             rate=round(grip["rate_mm_s"] * cycle_s / count_mm),
             minimum=round(grip["least_mm"] / count_mm) if condition.down_mm is None else 0,
             maximum=round(grip["most_mm"] / count_mm) if condition.down_mm is None else TOP,
@@ -161,9 +173,10 @@ def build(name, table):
     if top["rate_hz"] % 1000:
         raise ValueError(f"{where}: rate_hz = {top['rate_hz']} must be a multiple of 1000")
     slip = fields(f"{where}, [slip]", top["slip"], _SLIP)
-    grip = fields(f"{where}, [grip]", top["grip"], _GRIP)
+    steps = {key: limits for key, limits in _STEPS.items() if key in top["grip"]}
+    grip = fields(f"{where}, [grip]", top["grip"], _GRIP | dict.fromkeys(steps, float))
     between(f"{where}, [slip]", slip, {"threshold_share": (0.0, 1.0)})
-    between(f"{where}, [grip]", grip, {key: (0.0, 1e3) for key in grip if key != "rule"})
+    between(f"{where}, [grip]", grip, {key: (0.0, 1e3) for key in grip if key != "rule"} | steps)
     one_of(f"{where}, [grip]", "rule", grip["rule"], RULES)
     world = _world(f"{where}, [world]", top["world"])
     conditions, inside = [], f"{where}, [[world.conditions]]"
@@ -180,6 +193,7 @@ def build(name, table):
     for condition in conditions:
         try:
             scene.slip_config(condition), scene.grip_config(condition)
+            scene.decay(condition, scene.steps["calm_decay_mm_s"])
         except ValueError as problem:
             raise ValueError(f"{where}: {problem}") from None
     return scene

@@ -1,0 +1,111 @@
+"""What the host of a hand's scenes writes, and when; what the loop counts as a tightening."""
+
+import copy
+import tomllib
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from meissner import scenes
+from meissner.scenes.hand import host, loop
+from meissner.twins.actuate.grip import Grip
+
+
+class Written:
+    """A stage that keeps what a host writes."""
+
+    def __init__(self):
+        self.found = []
+
+    def compare_with(self, threshold):
+        pass
+
+    def answer_by(self, steps, decays):
+        self.found.append((steps.tolist(), decays.tolist()))
+
+
+def test_the_grip_of_a_vc_is_that_of_the_published_points():
+    for volts, newtons in ((4.0, 0.5), (3.0, 1.0), (2.0, 1.7)):
+        assert host.grip_n(volts) == pytest.approx(newtons, rel=1e-4)
+    assert host.grip_n(5.0) == 0.02 and host.grip_n(0.0) == 10.0
+
+
+@pytest.mark.parametrize("number, cycles", [(0, 1), (3, 10)])
+def test_a_step_is_a_share_of_the_grip_and_a_smaller_one_in_calm(monkeypatch, number, cycles):
+    """1 N and 2 N: 100 and 200 counts of 0.1 um; from the first look later than 3 s on 40 and 80, and 6
+    counts of decay in place of 2. 250 counts within a look are a tug at 1 N, 249 are not; at 2 N 500 are.
+    At 1 ms counts are five times as fine, and a cycle is a tenth.
+    """
+    monkeypatch.setattr(host, "grip_n", lambda volts: np.array([1.0, 2.0]))
+    scene = scenes.load("grip_disturb")
+    scene = replace(scene, grip=scene.grip | {"calm_share": 0.004})
+    stage = Written()
+    ours = host.Host(scene, scene.conditions[number], stage, np.array([3.0, 1.8]))
+    finer = 5 if cycles == 10 else 1
+    strong = ([100 * finer, 200 * finer], [2 // (2 if finer == 5 else 1)] * 2)
+    calm = ([40 * finer, 80 * finer], [3 if finer == 5 else 6] * 2)
+    command = np.array([20000, 20000])
+    for cycle in range(380 * cycles):
+        if cycle in (330 * cycles, 350 * cycles):
+            command = command + np.array([[249, 499], [250, 499]][cycle == 350 * cycles]) * finer
+        ours.write(cycle)
+        ours.read(np.array([3.0, 1.8]), command)
+    assert len(stage.found) == 19
+    assert stage.found[:16] == [strong] * 16  # 0 to 3 s
+    assert stage.found[16:18] == [calm] * 2  # 3.2 and 3.4 s
+    assert stage.found[18] == (  # 3.6 s: only the first was tugged at
+        [strong[0][0], calm[0][1]],
+        [strong[1][0], calm[1][1]],
+    )
+
+
+@pytest.mark.parametrize("name, changes", [("grip_water", {}), ("grip_disturb", {"step_mm": 0.03})])
+def test_a_scene_without_shares_and_a_condition_with_a_step_keep_their_own(name, changes):
+    scene = scenes.load(name)
+    stage = Written()
+    ours = host.Host(scene, replace(scene.conditions[0], **changes), stage, np.array([3.0]))
+    for cycle in range(500):
+        ours.write(cycle)
+        ours.read(np.array([3.0]), np.array([20000]))
+    assert stage.found == []
+
+
+@pytest.mark.parametrize(
+    "key, value, text",
+    [
+        ("calm_decay_mm_s", 0.003, "decay_mm_s = 0.003 is no count a cycle; one is 0.01 mm/s"),
+        ("step_share", 0.2, "step_share = 0.2 must lie in 0 .. 0.1"),
+        ("calm_share", -0.1, "calm_share = -0.1 must lie in 0 .. 0.1"),
+        ("guard_s", 2000.0, "guard_s = 2000 must lie in 0 .. 1000"),
+    ],
+)
+def test_mistakes_are_named(key, value, text):
+    table = copy.deepcopy(tomllib.loads(scenes.source("grip_disturb")))
+    table["grip"][key] = value
+    with pytest.raises(ValueError) as problem:
+        scenes.build("a", table)
+    assert text in str(problem.value)
+
+
+class Scripted:
+    """Both fingers over in cycles 10 to 14, the first alone in 20, the second in 25: 50 details a cycle."""
+
+    def __init__(self, channels, config):
+        self.cycle = -1
+
+    def next(self, codes):
+        self.cycle += 1
+        over = np.zeros((2, 50), dtype=bool)
+        over[0], over[1] = self.cycle in (10, 11, 12, 13, 14, 20), self.cycle in (10, 11, 12, 13, 14, 25)
+        return np.zeros((2, 50)), np.zeros((2, 50)), over
+
+
+def test_tightenings_are_cycles_and_not_fingers_or_windows():
+    """Seven cycles, of nine windows of 32 details and more a finger; no patch lets go: all are false."""
+    scene = scenes.load("grip_release")
+    condition = replace(scene.conditions[0], duration_s=0.5, step_mm=0.0, decay_mm_s=0.0)
+    scene = replace(scene, conditions=(condition,), world=scene.world | {"hold_from_s": 0.1})
+    held = loop.hold(scene, condition, [1], (Scripted, Grip))
+    assert held.tightenings.tolist() == [7] and held.false_tightenings.tolist() == [7]
+    assert held.trace.over.sum() > 20
