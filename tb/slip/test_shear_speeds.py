@@ -371,7 +371,7 @@ async def without_it_samples_pass_in_their_clock(dut):
 
 EVIDENCE = {
     "reference": {
-        "against": "`ShearReference`, a loop written from docs/shear_speed.md",
+        "against": "`Loop`, of the loop in tb/reference/shear.py, written from docs/shear_speed.md",
         "test": "tb/slip/test_shear_speeds.py::test_model_against_the_loop",
     },
     "equivalence": {"size": {"Channels": 2}, "boxes": True, "open": ["reset"]},
