@@ -120,7 +120,7 @@ module msn_core #(
     $fatal(1, "msn_core: Array = 1 must go without Cop4, Serial; stages of an array must go with Array = 1");
   end
   if (Cop4 ? Slip || Channels != 4 : CopSlip || Correct) begin : gen_check_cop4
-    $fatal(1, "msn_core: Cop4 = 1 must go with Channels = 4, not Slip; CopSlip, Correct must go with Cop4 = 1");
+    $fatal(1, "msn_core: Cop4 must go with Channels = 4, not Slip; CopSlip and Correct with Cop4 = 1");
   end
   if (Array && Columns % Lanes != 0 && (Health || SampleBits != 17)) begin : gen_check_columns
     $fatal(1, "msn_core: Columns = %0d must be a multiple of Converters = %0d", Columns, Converters);

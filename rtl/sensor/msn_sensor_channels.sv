@@ -56,7 +56,7 @@ module msn_sensor_channels #(
 );
 
   if (PeriodBits > 24) begin : gen_check_period_bits
-    $fatal(1, "msn_sensor_channels: PeriodBits = %0d must be 24 at most, as wide as the register", PeriodBits);
+    $fatal(1, "msn_sensor_channels: PeriodBits = %0d must be at most 24, like its register", PeriodBits);
   end
 
   msn_registers_pkg::adc_status_t adc;
