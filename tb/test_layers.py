@@ -58,8 +58,8 @@ def test_the_package_reads_nothing_of_tests_or_tools(path):
 
 def test_twins_compute_in_integers():
     """No twin imports physics, engines or anything else above; NumPy is all it needs."""
-    known = {"bisect", "dataclasses", "enum", "functools", "itertools", "math", "numbers", "numpy", "struct"}
-    known |= {"bisect", "typing", "zlib"}
+    known = {"dataclasses", "enum", "functools", "itertools", "math", "numbers", "numpy", "struct"}
+    known |= {"typing", "zlib"}
     for path in (PACKAGE / "twins").rglob("*.py"):
         for node in ast.walk(ast.parse(path.read_text("utf-8"))):
             names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
