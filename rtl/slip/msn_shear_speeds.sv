@@ -8,7 +8,7 @@
 // A sample is taken by both or by neither: while a channel's window is worked on, its next sample waits. A window is
 // held where actuator_moving_i is high, cfg_i.hold = 1, or a command of the reflex changed in the last
 // cfg_i.hold_cycles control cycles: the normal force may change. cfg_i.enable = 0: all is in reset, and samples pass.
-// Report of a window 60 clocks after its last sample, later by 1 for each other channel that reports before it.
+// Report of a window 60 clocks after its last sample: as samples come one a clock, so do reports.
 // ShearSpeed = 0: nothing is there.
 // Model: model/meissner/twins/slip/shear_speeds.py
 
@@ -106,11 +106,11 @@ module msn_shear_speeds #(
       assign words[WordBits*c+:WordBits] = {speed, flags, vi, rise};
     end
 
-    // A report a clock, the lowest channel's first; the registers keep the last of each.
+    // At most a report a clock; the registers keep the last of each channel.
     logic [WordBits-1:0] word;
     logic [2:0]          id;
     always_comb begin
-      take = found & ~(found - 1'b1);
+      take = found;
       word = '0;
       id   = '0;
       for (int unsigned c = 0; c < Channels; c++) begin

@@ -11,7 +11,6 @@ NAMES = {
     "exp2": "the speed",
     "judge": "flags, Vi",
     "report": "registers, reflex",
-    "other channels": "that end in the same clock",
 }
 
 
@@ -28,7 +27,6 @@ def budget(config):
         "judge": 3,
         "report": 1,
     }
-    terms["other channels"] = config.channels - 1
     window_s = (1 << SIZE.window_log2) / config.rate_hz
     travel = settings.travel / (1 << SIZE.speed_fraction) * window_s
     limit = settings.limit / (1 << SIZE.speed_fraction)
