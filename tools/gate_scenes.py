@@ -76,7 +76,7 @@ class Compared:
         netlist, source, twin = (function(engine, name) for engine in ("gate", "rtl", "fixed"))
 
         def ask(x, *settings, waves=None):
-            assert waves is None  # signals are one engine's
+            assert waves is None  # only rtl has signals
             found = netlist(x, *settings)
             others = {"rtl": source(x, *settings)}
             if name == "watch_pins":  # the twin has none: the same samples and motion
