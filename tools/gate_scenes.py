@@ -9,7 +9,7 @@ import dataclasses
 import math
 import tempfile
 import time
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from unittest.mock import patch
 
@@ -17,7 +17,8 @@ import numpy as np
 
 from meissner import run as runs
 from meissner import scenes
-from meissner.engines import fixed, gate, rtl, rtl_hand
+from meissner.engines import fixed, gate, load, rtl_hand
+from meissner.engines.features import FEATURES
 from meissner.engines.stages import STAGES
 from meissner.scenes.hand import loop
 
@@ -40,6 +41,11 @@ def leaves(answer, name=""):
     return {
         path: array for key, part in parts.items() for path, array in leaves(part, f"{name}.{key}").items()
     }
+
+
+def function(engine, name):
+    """That of an engine for a stage; None where it has none."""
+    return FEATURES[name].ENGINES[engine] if name in FEATURES else getattr(load(engine), name, None)
 
 
 class Compared:
@@ -67,15 +73,13 @@ class Compared:
 
     def stage(self, name):
         """An engine's function ``name`` that asks all three; the netlist's answer is what it gives."""
-        netlist, source, twin = (getattr(module, name, None) for module in (gate, rtl, fixed))
+        netlist, source, twin = (function(engine, name) for engine in ("gate", "rtl", "fixed"))
 
         def ask(x, *settings, waves=None):
-            assert waves is None  # signals are one engine's
+            assert waves is None  # only rtl has signals
             found = netlist(x, *settings)
             others = {"rtl": source(x, *settings)}
-            if (
-                name == "watch_pins"
-            ):  # the twin has no pins: the same samples and motion; clocks are RTL's alone
+            if name == "watch_pins":  # the twin has none: the same samples and motion
                 watched = fixed.watch(x.codes[None], *settings, x.moving)
                 others["fixed"], x = replace(found, watched=watched), x.codes
             else:
@@ -92,8 +96,13 @@ class Compared:
     @contextmanager
     def watching(self):
         """Within it the engine ``gate`` compares."""
-        stages = {name: self.stage(name) for name in STAGES}
-        with patch.multiple(gate, **stages), patch.object(loop.Netlists, "core", staticmethod(self.hand)):
+        with ExitStack() as stack:
+            for name in STAGES:
+                if name in FEATURES:
+                    stack.enter_context(patch.dict(FEATURES[name].ENGINES, gate=self.stage(name)))
+                else:
+                    stack.enter_context(patch.object(gate, name, self.stage(name)))
+            stack.enter_context(patch.object(loop.Netlists, "core", staticmethod(self.hand)))
             yield self
 
 

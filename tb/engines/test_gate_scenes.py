@@ -12,9 +12,10 @@ import pytest
 
 import gate_scenes
 from meissner import scenes
-from meissner.engines import Watched, rtl_frontend, verilated
+from meissner.engines import Watched, rtl, rtl_frontend, verilated
+from meissner.engines.features import FEATURES
 from meissner.engines.protocol import Engine
-from meissner.engines.rtl import Pins
+from meissner.engines.rtl_slip import Pins
 from meissner.engines.stages import STAGES
 
 QUICK = "capacitive_crosstalk"
@@ -114,7 +115,7 @@ def test_pins_are_compared_with_rtl_by_clocks_and_with_twins_by_decisions(monkey
         asked.append((x.tolist(), config, moving.tolist()))
         return watched(blanked=4)
 
-    for module, clocks in ((gate_scenes.gate, 800), (gate_scenes.rtl, 801)):
+    for module, clocks in ((gate_scenes.gate, 800), (rtl, 801)):
         answer = Pins(watched(), {"adc": "MCP3208", "clocks": clocks})
         monkeypatch.setattr(module, "watch_pins", lambda *_, answer=answer: answer)
     monkeypatch.setattr(gate_scenes.fixed, "watch", twin)
@@ -129,9 +130,13 @@ def test_pins_are_compared_with_rtl_by_clocks_and_with_twins_by_decisions(monkey
 
 
 def test_every_stage_of_an_engine_is_compared():
-    """What the protocol of an engine lists is a stage, and so is what only Verilated ones have."""
+    """What the protocol of an engine lists, each feature of its own, and what only Verilated ones have."""
     listed = {name for name in vars(Engine) if not name.startswith("_")}
-    assert set(STAGES) == listed | {"watch_pins"}
+    assert set(STAGES) == listed | set(FEATURES) | {"watch_pins"}
+    before = {name: gate_scenes.function("gate", name) for name in STAGES}
+    with gate_scenes.Compared().watching():
+        assert all(gate_scenes.function("gate", name) is not before[name] for name in STAGES)
+    assert all(gate_scenes.function("gate", name) is before[name] for name in STAGES)
 
 
 def same(name):
