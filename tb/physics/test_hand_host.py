@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from meissner import run as runs
 from meissner import scenes
 from meissner.scenes.hand import host, loop
 from meissner.twins.actuate.grip import Grip
@@ -109,3 +110,13 @@ def test_tightenings_are_cycles_and_not_fingers_or_windows():
     held = loop.hold(scene, condition, [1], (Scripted, Grip))
     assert held.tightenings.tolist() == [7] and held.false_tightenings.tolist() == [7]
     assert held.trace.over.sum() > 20
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", ["grip_water", "grip_pour", "grip_disturb", "grip_release"])
+def test_every_seed_of_a_scene_is_the_same_on_the_core(name, tmp_path):
+    """Each condition with all its seeds, word for word: no cycle in which the core is not as its twins."""
+    scene = scenes.load(name)
+    summary = runs.run(scene, "rtl", tmp_path)
+    assert summary["twin_mismatches"] == 0
+    assert summary["runs"] == scene.seeds * len(scene.conditions) >= 40 and summary["tightenings"] > 1000
