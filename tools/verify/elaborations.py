@@ -1,6 +1,7 @@
 """Each block of rtl/ with two or more parameters, read by Verilator at the ends of all of them, pair by pair.
 
-tb/extremes/parameters.toml has the ends. A set of parameters either reads without a warning (but of bits
+tb/extremes/parameters.toml has the ends; a block that it does not name is read at the least and the largest
+values that its own tests build. A set of parameters either reads without a warning (but of bits
 that are not used), or a check of the RTL refuses it with its sentence (``$fatal`` in gen_check_...). A pair
 that is refused beside some values is tried beside others; each end has to be taken at least once.
 """
@@ -35,15 +36,24 @@ def parameters(block):
     return re.findall(r"\bparameter\b[^=;]*?(\w+)\s*=", head[1]) if head and "#(" in head[1] else []
 
 
+def built(block):
+    """{parameter: its least and largest value in what the block's own tests build}."""
+    values = {}
+    for run in benches.runs(block):
+        for name, value in run["parameters"].items() if run["block"] == block else ():
+            values.setdefault(name, set()).add(int(value))
+    return {name: sorted({min(given), max(given)}) for name, given in values.items()}
+
+
 def ends():
-    """{block: {parameter: values}}; ValueError for a block with two parameters that is in no table."""
+    """{block: {parameter: values}} of every block with two parameters that no row of the extremes reads."""
     table = tomllib.loads(ENDS.read_text("utf-8"))
     for block in benches.blocks():
         known = parameters(block)
         if block in table and (unknown := set(table[block]) - set(known)):
             raise ValueError(f"{ENDS.name}: msn_{block} has no parameter {', '.join(sorted(unknown))}")
         if len(known) > 1 and block not in table and block not in BY_ROWS:
-            raise ValueError(f"msn_{block} has {len(known)} parameters and no ends in {ENDS.name}")
+            table[block] = built(block)
     return table
 
 
