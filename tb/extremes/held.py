@@ -205,3 +205,11 @@ def hand_(see):
                 )
                 both = found.tension_n[0, :, sample].sum()
                 relative(see, both, float(wanted), (mass_kg, block, sample), "the load")
+    ours, found, blocks = held(2.5), None, 0  # opened until what it holds has left it
+    while not ours.dropped[0] and blocks < 40:
+        found, blocks = ours.next(np.array([0.0])), blocks + 1
+        see.same(bool(np.isfinite(found.volts).all()), True, blocks, "the servo")
+        see.same(bool(((found.volts > 0) & (found.volts < 5)).all()), True, blocks, "the servo")
+        see.same(bool((np.diff(found.slip_mm[0]) >= 0).all()), True, blocks, "the servo")
+    see.same(bool(ours.dropped[0]), True, "an open hand", "the servo")
+    see.near(float(found.normal_n[0, -1]) / 1e-6, 1, "an open hand", "the servo")
