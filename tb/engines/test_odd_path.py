@@ -5,6 +5,8 @@ import os
 import shutil
 import subprocess
 import sys
+import threading
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -84,3 +86,21 @@ def test_without_a_home_that_can_be_written_to(tmp_path, monkeypatch, cache):
     (tmp_path / "a b/top.sv").touch()
     link = toolchain.for_make(tmp_path / "a b/top.sv")
     assert link.samefile(tmp_path / "a b/top.sv") and not link.is_relative_to("/proc")
+
+
+def test_two_threads_link_at_once(tmp_path, cache, monkeypatch):
+    """As lint's do in a fresh clone: both have seen that there is no link before either makes it."""
+    folder, both = tmp_path / "a b", threading.Barrier(2, timeout=30)
+    folder.mkdir()
+    link_to = Path.symlink_to
+
+    def together(path, target):
+        both.wait()
+        link_to(path, target)
+
+    monkeypatch.setattr(Path, "symlink_to", together)
+    toolchain._elsewhere()
+    with ThreadPoolExecutor(2) as pool:
+        links = list(pool.map(toolchain.for_make, [folder / "x.sv"] * 2))
+    assert links[0] == links[1] and links[0].parent.samefile(folder)
+    assert len(list(cache.iterdir())) == 1

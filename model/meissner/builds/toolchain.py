@@ -8,6 +8,7 @@ import shutil
 import sys
 import sysconfig
 import tempfile
+import threading
 from functools import cache
 from pathlib import Path
 
@@ -107,9 +108,9 @@ def for_make(path):
         raise ValueError(f"make cannot read the name {rest}")
     link = _elsewhere() / hashlib.sha256(os.fsencode(folder)).hexdigest()[:16]
     if not link.is_symlink() or os.readlink(link) != str(folder):
-        fresh = link.with_suffix(f".{os.getpid()}")
+        fresh = link.with_suffix(f".{os.getpid()}-{threading.get_ident()}")
         fresh.symlink_to(folder)
-        fresh.replace(link)  # atomic: several processes may do this at once
+        fresh.replace(link)  # atomic: several processes and threads may do this at once
     return link / rest
 
 
