@@ -89,14 +89,19 @@ def test_without_a_home_that_can_be_written_to(tmp_path, monkeypatch, cache):
 
 
 def test_two_threads_link_at_once(tmp_path, cache, monkeypatch):
-    """As lint's do in a fresh clone: both have seen that there is no link before either makes it."""
+    """As lint's do in a fresh clone: neither goes on before both have made theirs."""
     folder, both = tmp_path / "a b", threading.Barrier(2, timeout=30)
     folder.mkdir()
     link_to = Path.symlink_to
 
     def together(path, target):
         both.wait()
-        link_to(path, target)
+        try:
+            link_to(path, target)
+        except OSError:
+            both.abort()
+            raise
+        both.wait()
 
     monkeypatch.setattr(Path, "symlink_to", together)
     toolchain._elsewhere()
