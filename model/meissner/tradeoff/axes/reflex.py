@@ -26,6 +26,7 @@ def error(point):
     slips = np.where(found["dropped"], np.inf, found["slip_mm"])
     return {
         "dropped": interval.rate(row["dropped"], row["runs"]),
+        "dropped_share": 100 * row["dropped"] / row["runs"],
         "slip_mm_max": row["slip_mm_max"],
         "slip_mm_mean": row["slip_mm_mean"],
         "slipped": interval.rate(int((slips > 0.001).sum()), row["runs"]),
@@ -52,11 +53,12 @@ AXES = (
         error=error,
         figures=(
             Figure("cycles_s", "control cycles", "1/s", judged=True),
+            Figure("dropped_share", "runs that drop it", "%", judged=True),
             Figure("slip_mm_max", "slip, largest of the runs that hold", "mm", judged=True),
             Figure("grip_ratio", "grip over the least that friction allows", judged=True),
             Figure("slip_mm_mean", "slip, mean", "mm"),
             Figure("slipped", "slipped by more than a micrometre, or dropped"),
-            Figure("dropped", "dropped"),
+            Figure("dropped", "of all runs, dropped"),
             Figure("moved_mm_max", "moved, elastic sag too", "mm"),
         ),
         panels=(("cycles_s", "slip_mm_max"), ("cycles_s", "grip_ratio")),
