@@ -9,7 +9,9 @@ import pytest
 from meissner import engines, fit_rubber, run, scenes
 from meissner.engines import Watched
 from meissner.physics import plate, rubber
+from meissner.scenes.shear import estimate
 from meissner.scenes.shear import scene as shear_scene
+from meissner.twins.slip.shear_speed import FAST
 from meissner.twins.slip.slip import State
 
 AMOUNT, RECOVER, SPEED, STICK = scenes.names("shear")
@@ -27,7 +29,8 @@ METRICS = {
     | {"restored_after_v", "converged_after_v", "converged_table_1_after_v", "settled_s", "deviation_v"},
     SPEED: COMMON
     | {"k0", "k1", "n", "residual", "deviation_v", "off_table_1", "off_table_2", "speed_error"}
-    | {"beyond_found", "beyond_falsely"},
+    | {"beyond_found", "beyond_falsely"}
+    | {"estimate_error", "estimate_missed", "estimate_beyond", "estimates_outside"},
     STICK: COMMON
     | {"missed", "late", "missed_rate", "lead_ms_min", "contact_share_of_sliding", "stick_slips"}
     | {"change_lead_ms_min", "slope_lead_ms_min", "slope_missed_rate", "slope_quiet_rate"}
@@ -95,6 +98,43 @@ def test_as_it_is(sound):
     assert sound[SPEED]["off_table_2"]["mean"] < 0.08 < 0.4 < sound[SPEED]["off_table_1"]["mean"]
     assert sound[STICK]["missed"] == sound[STICK]["slope_missed_rate"]["count"] == 0
     assert sound[STICK]["slope_pressing_rate"]["rate"] == 1 and sound[STICK]["slope_quiet_rate"]["rate"] == 0
+
+
+def halved(speed, flags):
+    return speed / 2, flags
+
+
+def deaf_below_0_3_mm_s(speed, flags):
+    return speed, np.where(speed < 0.3, FAST, flags)
+
+
+def without_a_limit(speed, flags):
+    return speed, flags & ~FAST
+
+
+def of_every_window(speed, flags):
+    return speed, 0 * flags
+
+
+@pytest.mark.parametrize(
+    ("breaks", "turns"),
+    [
+        (halved, {"estimate_error"}),
+        (deaf_below_0_3_mm_s, {"estimate_error", "estimate_missed"}),
+        (without_a_limit, {"estimate_beyond"}),
+        (of_every_window, {key for key in METRICS[SPEED] if key.startswith("estimate")}),
+    ],
+)
+def test_a_broken_estimator(score, sound, monkeypatch, breaks, turns):
+    begin = estimate.Estimator.__init__
+
+    def broken(self, *arguments, **named):
+        begin(self, *arguments, **named)
+        run = self.run
+        self.run = lambda *given: breaks(*run(*given))
+
+    monkeypatch.setattr(estimate.Estimator, "__init__", broken)
+    assert turned(SPEED, score(few(SPEED)), sound) == turns
 
 
 def test_no_spread_is_no_deviation(score, sound, monkeypatch):

@@ -390,7 +390,7 @@ def test_it_has_every_feature_of_the_core():
         ({"Cop4": 1}, "Array = 1 must go without Cop4"),
         ({"Array": 0, "Image": 0, "Cop4": 1, "Channels": 4}, "Cop4 must go with"),
         ({"Array": 0, "Image": 1}, "must go with Array = 1"),
-        ({"Array": 0, "Image": 0, "CopSlip": 1}, "must go with Cop4 = 1"),
+        ({"Array": 0, "Image": 0, "CopSlip": 1}, "CopSlip and Correct with Cop4"),
         ({"Columns": 5, "Lanes": 2, "Health": 1}, "Columns = 5"),
     ],
 )

@@ -8,7 +8,7 @@ import pytest
 
 import bench
 from meissner import scenes
-from meissner.engines.features.shear_speed import ENGINES
+from meissner.engines.features.shear_speed.engines import ENGINES
 from meissner.engines.stages import Stages
 from meissner.physics import rubber
 from meissner.scenes.shear import estimate

@@ -100,7 +100,7 @@ async def events_and_flags_are_the_models(dut, pace, moving):
         for place, d in enumerate(decisions)
         if d["raised"]
     ]
-    assert events == slip_chain(x.T, config, np.full(700, bool(moving)))
+    assert events == slip_chain(x.T, config, np.full(700 // group, bool(moving)))
     assert bool(events) != bool(moving)
     assert flags == [tuple(map(int, row)) for row in slip_flags([(d["state"], d["last"]) for d in decisions])]
     status = members.of("slip_status", bench.read(dut.status_o))

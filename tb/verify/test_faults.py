@@ -98,7 +98,9 @@ def test_a_setting_is_put_at_its_bits_of_the_struct():
 
 def test_every_block_takes_part():
     left_out = {block for block in benches.blocks() if evidence.of(block, "faults").get("none")}
-    assert left_out == {"compare", "constant_multiplier", "axis", "pwm", "finger_health", "actuate"}
+    assert left_out == {
+        *("compare", "constant_multiplier", "axis", "pwm", "finger_health", "actuate", "shear_speeds")
+    }
     assert set(faults.blocks()) | left_out == set(benches.blocks())
     for block in benches.blocks():
         stated = evidence.of(block, "faults")

@@ -43,11 +43,14 @@ def build(run, folder):
     packages = [path for path in toolchain.sources_of(top) if path.stem.endswith("_pkg") and path != package]
     names = ("public.vlt", "mutated.v", "wrapper.sv")
     _Runner().build(
-        sources=[package, *packages, *(ROOT / folder / name for name in names)],
+        sources=[
+            toolchain.for_make(path)
+            for path in (package, *packages, *(ROOT / folder / name for name in names))
+        ],
         hdl_toplevel=top,
         parameters=run["parameters"],
         build_args=[*FLAGS],
-        build_dir=ROOT / folder / "sim",
+        build_dir=toolchain.folder_for_make(ROOT / folder / "sim"),
         timescale=("1ns", "1ps"),
         log_file=ROOT / folder / "build.log",
     )
@@ -76,8 +79,8 @@ def judge(run, mutants, folder, jobs, powerup=0, limit=5):
         hdl_toplevel=top,
         hdl_toplevel_lang="verilog",
         test_module=["verify.forked", f"{run['stage']}.{run['module']}"],
-        build_dir=ROOT / folder / "sim",
-        test_dir=ROOT / folder / "sim",
+        build_dir=toolchain.folder_for_make(ROOT / folder / "sim"),
+        test_dir=toolchain.folder_for_make(ROOT / folder / "sim"),
         test_filter=run["test_filter"],
         plusargs=start,
         seed=os.environ.get("MEISSNER_SEED", "1"),

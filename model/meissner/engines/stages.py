@@ -1,7 +1,7 @@
 """An engine with the core's features that a scene names: another stage is neither built nor loaded."""
 
 from meissner.engines import load
-from meissner.engines.features import FEATURES
+from meissner.engines.features import FEATURES, function
 
 # {function of an engine: the feature that it is}
 STAGES = {
@@ -31,5 +31,5 @@ class Stages:
         need(self._features, STAGES[name])
         if name in FEATURES:
             load(self._engine)  # refuses what cannot run here
-            return FEATURES[name].ENGINES[self._engine]
+            return function(name, self._engine)
         return getattr(load(self._engine), name)

@@ -93,6 +93,12 @@ WORDS = {
     "load_drop": _share("load output falls before the object moves"),
     "grip_rise_n": Words("grip force rises meanwhile (truth)", "N"),
     "move_v": Words("position output moves meanwhile", "V"),
+    # what the core's estimator makes of a shear
+    "estimate_mm_s": Words("speed by the core's estimator, mean", "mm/s"),
+    "estimate_error": _share("the core's speeds off the true ones"),
+    "estimate_missed": Words("shears without a speed of the core's"),
+    "estimate_beyond": Words("faster shears that the core flags"),
+    "estimates_outside": Words("windows with a speed where nothing is sheared"),
     # a hand in closed loop
     "dropped": Words("dropped"),
     "dropped_rate": Words("dropped"),

@@ -10,11 +10,11 @@ from functools import wraps
 import numpy as np
 
 from meissner.engines import verilated
+from meissner.engines.features.shear_speed import TOP
 from meissner.twins.link.registers import members, struct_word
 from meissner.twins.slip import shear_speed as twin
 from meissner.twins.slip.shear_speeds import SIZE, ShearSpeeds
 
-TOP, BLOCKS = "msn_shear_speeds", ("msn_shear_speed", "msn_log2", "msn_exp2")
 WINDOW, REST = 1 << SIZE.window_log2, 1 << SIZE.settle_log2
 ONE = 1 << SIZE.speed_fraction
 
