@@ -11,7 +11,7 @@ from meissner.engines import Watched
 from meissner.physics import plate, rubber
 from meissner.scenes.shear import estimate
 from meissner.scenes.shear import scene as shear_scene
-from meissner.twins.slip.shear_speed import FAST
+from meissner.twins.slip.shear_speed import FAST, SMALL
 from meissner.twins.slip.slip import State
 
 AMOUNT, RECOVER, SPEED, STICK = scenes.names("shear")
@@ -105,7 +105,7 @@ def halved(speed, flags):
 
 
 def deaf_below_0_3_mm_s(speed, flags):
-    return speed, np.where(speed < 0.3, FAST, flags)
+    return speed, np.where((flags == 0) & (speed < 0.3), SMALL, flags)
 
 
 def without_a_limit(speed, flags):
@@ -121,7 +121,7 @@ def of_every_window(speed, flags):
     [
         (halved, {"estimate_error"}),
         (deaf_below_0_3_mm_s, {"estimate_error", "estimate_missed"}),
-        (without_a_limit, {"estimate_beyond"}),
+        (without_a_limit, {"estimate_error", "estimate_missed", "estimate_beyond"}),
         (of_every_window, {key for key in METRICS[SPEED] if key.startswith("estimate")}),
     ],
 )
