@@ -17,7 +17,7 @@ import numpy as np
 
 from meissner import run as runs
 from meissner import scenes
-from meissner.engines import fixed, gate, load, rtl_hand
+from meissner.engines import features, fixed, gate, load, rtl_hand
 from meissner.engines.features import FEATURES
 from meissner.engines.stages import STAGES
 from meissner.scenes.hand import loop
@@ -45,7 +45,7 @@ def leaves(answer, name=""):
 
 def function(engine, name):
     """That of an engine for a stage; None where it has none."""
-    return FEATURES[name].ENGINES[engine] if name in FEATURES else getattr(load(engine), name, None)
+    return features.of(name)[engine] if name in FEATURES else getattr(load(engine), name, None)
 
 
 class Compared:
@@ -99,7 +99,7 @@ class Compared:
         with ExitStack() as stack:
             for name in STAGES:
                 if name in FEATURES:
-                    stack.enter_context(patch.dict(FEATURES[name].ENGINES, gate=self.stage(name)))
+                    stack.enter_context(patch.dict(features.of(name), gate=self.stage(name)))
                 else:
                     stack.enter_context(patch.object(gate, name, self.stage(name)))
             stack.enter_context(patch.object(loop.Netlists, "core", staticmethod(self.hand)))

@@ -1,7 +1,8 @@
 """An engine with the core's features that a scene names: another stage is neither built nor loaded."""
 
+from meissner.engines import features as core
 from meissner.engines import load
-from meissner.engines.features import FEATURES, function
+from meissner.engines.features import FEATURES
 
 # {function of an engine: the feature that it is}
 STAGES = {
@@ -31,5 +32,5 @@ class Stages:
         need(self._features, STAGES[name])
         if name in FEATURES:
             load(self._engine)  # refuses what cannot run here
-            return function(name, self._engine)
+            return core.of(name)[self._engine]
         return getattr(load(self._engine), name)

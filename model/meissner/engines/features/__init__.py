@@ -10,6 +10,6 @@ from pkgutil import iter_modules
 FEATURES = {found.name: import_module(f"{__name__}.{found.name}") for found in iter_modules(__path__)}
 
 
-def function(name, engine):
-    """What ``engine`` runs for the feature."""
-    return import_module(f"{__name__}.{name}.engines").ENGINES[engine]
+def of(name):
+    """{engine: what it runs for the feature}."""
+    return import_module(f"{__name__}.{name}.engines").ENGINES
