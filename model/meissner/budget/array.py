@@ -1,5 +1,6 @@
 """The latency of a scanned array, term by term: the twins' clock counts, measured in tb/cop/test_array.py."""
 
+from meissner.budget.terms import table
 from meissner.twins.cop.array import Array
 from meissner.twins.frontend.adc_spi import PARTS
 from meissner.twins.frontend.health import Limits
@@ -150,20 +151,13 @@ def tell(found):
         verdict += "scan a smaller array or take a faster part"
     elif needs != found["converters"]:
         verdict += f"; 1 ms needs {needs} of these converters"
-    lines = [
+    return [
         verdict,
         f"{found['rows']}×{found['columns']} taxels, {kind}, {found['clock_hz'] / 1e6:g} MHz, "
         f"settle {found['settle_clocks']} clocks",
         "",
-        f"{'term':15} {'clocks':>9} {'us':>10}",
-    ]
-    for name, clocks in found["terms_clocks"].items():
-        if clocks:
-            lines.append(f"{name:15} {clocks:9} {clocks * clock_us:10.3f}  {NAMES[name]}")
-    lines += [
-        f"{'total':15} {total:9} {total * clock_us:10.3f}  from first convert to CoP",
+        *table(found, NAMES, "from first convert to CoP"),
         "",
         f"{found['frames_per_second']:.1f} frames/s, {found['slot_clocks']} clocks a place; computed within "
         f"{found['compute_clocks']} clocks of the last sample, the same in every frame",
     ]
-    return lines

@@ -2,6 +2,8 @@
 
 from math import ceil, log2
 
+from meissner.budget.terms import table
+
 MOST = 16  # clocks that a command word may take
 NAMES = {
     "frame_filter": "whole frames only",
@@ -60,13 +62,9 @@ def tell(found):
         f"{total * clock_us:.3f} us",
         f"{found['config']}, {found['clock_hz'] / 1e6:g} MHz",
         "",
-        f"{'term':15} {'clocks':>9} {'us':>10}",
+        *table(found, NAMES),
+        "",
     ]
-    lines += [
-        f"{name:15} {clocks:9} {clocks * clock_us:10.3f}  {NAMES[name]}"
-        for name, clocks in found["terms_clocks"].items()
-    ]
-    lines += [f"{'total':15} {total:9} {total * clock_us:10.3f}", ""]
     lines.append(
         f"before it: {found['convert_clocks']} clocks from convert start to the last finger's sample"
     )

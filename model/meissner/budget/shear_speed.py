@@ -1,5 +1,6 @@
 """From a window's last sample to its speed, and what comes before: docs/shear_speed.md, term by term."""
 
+from meissner.budget.terms import table
 from meissner.twins.slip.shear_speeds import SIZE
 
 NAMES = {
@@ -46,22 +47,13 @@ def budget(config):
 
 def tell(found):
     """The lines to print."""
-    clock_us = 1e6 / found["clock_hz"]
-    lines = [
+    fast, slow = found["travel_s"]
+    return [
         f"from a window's last sample to its speed of shear at most {found['total_clocks']} clocks: "
         f"{found['total_s'] * 1e6:.3f} us",
         f"{found['config']}, {found['clock_hz'] / 1e6:g} MHz",
         "",
-        f"{'term':15} {'clocks':>9} {'us':>10}",
-    ]
-    lines += [
-        f"{name:15} {clocks:9} {clocks * clock_us:10.3f}  {NAMES[name]}"
-        for name, clocks in found["terms_clocks"].items()
-    ]
-    fast, slow = found["travel_s"]
-    return [
-        *lines,
-        f"{'total':15} {found['total_clocks']:9} {found['total_s'] * 1e6:10.3f}",
+        *table(found, NAMES),
         "",
         f"before it: {1e3 * found['window_s']:.3g} ms of a window; {1e3 * found['settle_s']:.3g} ms at rest;",
         f"{found['travel_mm']:.3g} mm of shear, {fast:.3g} s at the limit, {slow:.3g} s at 1/100 of it",
