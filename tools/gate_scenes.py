@@ -17,9 +17,9 @@ import numpy as np
 
 from meissner import run as runs
 from meissner import scenes
-from meissner.engines import features, fixed, gate, load, rtl_hand
+from meissner.engines import features, fixed, gate, rtl_hand
 from meissner.engines.features import FEATURES
-from meissner.engines.stages import STAGES
+from meissner.engines.stages import STAGES, function
 from meissner.scenes.hand import loop
 
 HAND_S = 3.0  # of each condition: its pour, its tugs, or what its release lets slip all begin in it
@@ -41,11 +41,6 @@ def leaves(answer, name=""):
     return {
         path: array for key, part in parts.items() for path, array in leaves(part, f"{name}.{key}").items()
     }
-
-
-def function(engine, name):
-    """That of an engine for a stage; None where it has none."""
-    return features.of(name)[engine] if name in FEATURES else getattr(load(engine), name, None)
 
 
 class Compared:
@@ -73,7 +68,7 @@ class Compared:
 
     def stage(self, name):
         """An engine's function ``name`` that asks all three; the netlist's answer is what it gives."""
-        netlist, source, twin = (function(engine, name) for engine in ("gate", "rtl", "fixed"))
+        netlist, source, twin = (function(engine, name, None) for engine in ("gate", "rtl", "fixed"))
 
         def ask(x, *settings, waves=None):
             assert waves is None  # only rtl has signals
@@ -106,7 +101,7 @@ class Compared:
             yield self
 
 
-gate_core = gate.core_of_hand
+gate_core = loop.Netlists.core
 
 
 class _Pair:

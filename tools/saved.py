@@ -41,9 +41,14 @@ def load():
     return json.loads(FILE.read_text("utf-8")) if FILE.exists() else {}
 
 
+def place(row):
+    """Where its engine's record has a row: (part, name)."""
+    return ("full", row.removeprefix(FULL)) if row.startswith(FULL) else ("scenes", row)
+
+
 def entry(told, engine, row):
     """What is recorded of a row, or None."""
-    part, name = ("full", row.removeprefix(FULL)) if row.startswith(FULL) else ("scenes", row)
+    part, name = place(row)
     return told.get(engine, {}).get(part, {}).get(name)
 
 
@@ -92,7 +97,7 @@ def record(engine, row):
     told, files = load(), found["rests_on"]
     shared = hashlib.sha256("\n".join(files).encode()).hexdigest()[:8]
     told.setdefault("rests_on", {})[shared] = files
-    part, name = ("full", row.removeprefix(FULL)) if row.startswith(FULL) else ("scenes", row)
+    part, name = place(row)
     kept = {"ms": found["ms"], "on": str(datetime.date.today()), "of": digest(told, row, shared)}
     told.setdefault(engine, {}).setdefault(part, {})[name] = kept | {"rests_on": shared}
     used = {

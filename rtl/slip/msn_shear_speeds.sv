@@ -81,7 +81,7 @@ module msn_shear_speeds #(
 
     localparam int unsigned PairBits = 2 * LevelBits + 1;  // Vi and rise
     localparam int unsigned WordBits = 32 + PairBits;      // of a report: speed, flags and those
-    logic [Channels-1:0]          ready, found, take;
+    logic [Channels-1:0]          ready, found;
     logic [WordBits*Channels-1:0] words;
     always_comb begin
       sample_ready = 1'b0;
@@ -100,7 +100,7 @@ module msn_shear_speeds #(
         .cfg_travel_i(cfg_i.travel),
         .in_valid_i(sample_valid && sample_id == IdBits'(c)), .in_ready_o(ready[c]), .in_data_i(sample),
         .in_hold_i(hold), .in_restart_i(restart),
-        .out_valid_o(found[c]), .out_ready_i(take[c]), .out_speed_o(speed), .out_flags_o(flags),
+        .out_valid_o(found[c]), .out_ready_i(1'b1), .out_speed_o(speed), .out_flags_o(flags),
         .out_vi_o(vi), .out_rise_o(rise)
       );
       assign words[WordBits*c+:WordBits] = {speed, flags, vi, rise};
@@ -110,11 +110,10 @@ module msn_shear_speeds #(
     logic [WordBits-1:0] word;
     logic [2:0]          id;
     always_comb begin
-      take = found;
       word = '0;
       id   = '0;
       for (int unsigned c = 0; c < Channels; c++) begin
-        if (take[c]) begin
+        if (found[c]) begin
           word = words[WordBits*c+:WordBits];
           id   = 3'(c);
         end
@@ -130,7 +129,7 @@ module msn_shear_speeds #(
     always_ff @(posedge clk_i) begin
       report_o <= {found != '0, flags == '0, id, speed[23:8]};
       for (int unsigned c = 0; c < Channels; c++) begin
-        if (take[c]) begin
+        if (found[c]) begin
           last[32*(7-c)+:32]           <= {speed, flags};
           pairs[PairBits*c+:PairBits]  <= pair;
           windows[32*c+:32]            <= windows[32*c+:32] + 1'b1;

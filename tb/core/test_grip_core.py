@@ -122,13 +122,15 @@ def decisions(taken):
     return found
 
 
-def by_loop(taken, start, clocks, **settings):
-    """(clock, word) of every word of ``clocks`` clocks from ``start`` on, where a period begins."""
+def by_loop(taken, start, clocks, reports=None, **settings):
+    """(clock, word) of every word of ``clocks`` clocks from ``start`` on, where a period begins; ``reports``:
+    {clock: (channel, known, speed)} of the speeds that the reflex is told."""
     given = {"period": PERIOD, "step": STEP, "rate": RATE, "minimum": MINIMUM, "maximum": MAXIMUM, "decay": 0}
     given |= {"watchdog": 7, "rule": 0, "mode": 0, "immediate": 1, "override": 0, "override_value": 0}
-    loop, found, words = GripLoop(2, 16, 8, speed_gain=0, **given | settings), decisions(taken), []
+    given |= {"speed_gain": 0}
+    loop, found, words = GripLoop(2, 16, 8, **given | settings), decisions(taken), []
     for clock in range(start, start + clocks):
-        ended = loop.clock(found.get(clock))
+        ended = loop.clock(found.get(clock), (reports or {}).get(clock))
         if ended and ended["valid"]:
             words.append((clock + LATENCY, ended["word"]))
     return words

@@ -16,20 +16,18 @@ import bench
 from core import pins
 from core.test_grip_core import (
     FRAME,
-    MAXIMUM,
-    MINIMUM,
     PERIOD,
     RATE,
     SEEN,
     STEP,
     World,
-    decisions,
 )
+from core.test_grip_core import by_loop as grip_words
 from meissner.builds import config
 from meissner.builds.build import verilog
 from meissner.host.shear import Rubber, write_lot
 from meissner.twins.core import hand_of
-from reference.grip import LATENCY, GripLoop
+from reference.grip import LATENCY
 from reference.shear import ShearReference, within
 
 GAIN, REPORT, WINDOW = 21, 60, 64
@@ -133,23 +131,12 @@ async def shows(host, world, **given):
 
 def by_loop(world, ended, **settings):
     """(clock, word) of every word before ``ended``, with the speeds that the reflex was told."""
-    given = {"period": PERIOD, "step": STEP, "rate": RATE, "minimum": MINIMUM, "maximum": MAXIMUM, "decay": 0}
-    given |= {"watchdog": 7, "rule": 0, "mode": 0, "immediate": 1, "override": 0, "override_value": 0}
-    loop, found, words = (
-        GripLoop(2, 16, 8, **given | {"speed_gain": GAIN} | settings),
-        decisions(world.taken),
-        [],
-    )
     reports = {}
     for clock, channel, flags, least, most, _, _ in estimates(world.taken):
         terms = {GAIN * (int(end) // 256) // 256 for end in (least, most)}
         assert len(terms) == 1, "the case hangs on the arithmetic's error"
         reports[clock] = channel, not flags, int(most) // 256
-    for clock in range(ended):
-        cycle = loop.clock(found.get(clock), reports.get(clock))
-        if cycle and cycle["valid"]:
-            words.append((clock + LATENCY, cycle["word"]))
-    return words
+    return grip_words(world.taken, 0, ended, reports, **{"speed_gain": GAIN} | settings)
 
 
 @cocotb.test(timeout_time=1, timeout_unit="sec")

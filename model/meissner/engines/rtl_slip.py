@@ -9,7 +9,7 @@ import numpy as np
 
 from meissner.engines import Watched, verilated
 from meissner.engines.verilated import library
-from meissner.twins.link.registers import members, struct_word
+from meissner.twins.link.registers import members, struct_bytes
 from meissner.twins.slip.config import SAMPLE_BITS, TIMER_BITS
 
 ADC_PARTS = {"MCP3208": 1, "AD7606": 2}  # msn_pkg::adc_part_e
@@ -52,12 +52,9 @@ def _open(path):
 
 def _settings(config):
     """The bytes of msn_channels' cfg_i, the lowest first, in whole words: each setting of the group slip."""
-    fields = members("slip")
-    values = {member: int(getattr(config, member) or 0) for member in fields}
+    values = {member: int(getattr(config, member) or 0) for member in members("slip")}
     values["keep_threshold"] = config.keeps_above
-    word = struct_word("slip", values, {"detail": SAMPLE_BITS + config.level, "timer": TIMER_BITS})
-    words = -(-sum(field.width for field in fields.values()) // 32)
-    return word.to_bytes(4 * words, "little")
+    return struct_bytes("slip", values, {"detail": SAMPLE_BITS + config.level, "timer": TIMER_BITS})
 
 
 class Core:

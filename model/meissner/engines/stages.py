@@ -1,8 +1,7 @@
 """An engine with the core's features that a scene names: another stage is neither built nor loaded."""
 
-from meissner.engines import features as core
 from meissner.engines import load
-from meissner.engines.features import FEATURES
+from meissner.engines.features import FEATURES, of
 
 # {function of an engine: the feature that it is}
 STAGES = {
@@ -20,6 +19,14 @@ def need(features, name):
         )
 
 
+def function(engine, name, *otherwise):
+    """That of an engine for a stage; ``otherwise``, or AttributeError, where it has none."""
+    found = load(engine)  # refuses what cannot run here
+    if name in FEATURES:
+        return of(name)[engine]
+    return getattr(found, name, *otherwise)
+
+
 class Stages:
     """The functions of an engine (meissner.engines.protocol) that belong to ``features``."""
 
@@ -30,7 +37,4 @@ class Stages:
         if name not in STAGES:
             raise AttributeError(name)
         need(self._features, STAGES[name])
-        if name in FEATURES:
-            load(self._engine)  # refuses what cannot run here
-            return core.of(name)[self._engine]
-        return getattr(load(self._engine), name)
+        return function(self._engine, name)

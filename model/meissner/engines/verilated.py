@@ -29,6 +29,17 @@ def gates(cells):
         CELLS.reset(before)
 
 
+def of_gates(function):
+    """``function`` of engine gate, for one of engine rtl: what it builds is a netlist in cells of an ECP5."""
+
+    @wraps(function)
+    def run(*arguments, **named):
+        with gates("ecp5"):
+            return function(*arguments, **named)
+
+    return run
+
+
 def cached(build):
     """functools.cache for what is built by library(): netlists are kept apart from sources."""
     known = cache(lambda cells, *arguments: build(*arguments))

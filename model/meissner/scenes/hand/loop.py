@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from meissner.engines import gate, rtl_hand
+from meissner.engines import rtl_hand, verilated
 from meissner.physics import rubber
 from meissner.physics.hand import GRIP_N_MM, Hand
 from meissner.scenes.hand.host import Host
@@ -178,7 +178,7 @@ class Cores:
 class Netlists(Cores):
     """The same by a core's netlist."""
 
-    core = staticmethod(gate.core_of_hand)
+    core = staticmethod(verilated.of_gates(rtl_hand.Core))
 
 
 def answer(reflex, parts, ends, healthy):

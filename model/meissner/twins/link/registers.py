@@ -72,6 +72,12 @@ def struct_word(name, values, widths):
     return word
 
 
+def struct_bytes(name, values, widths):
+    """``struct_word`` in whole words of 32 bits, the lowest byte first: as drivers take a struct."""
+    bits = sum(field.width for field in members(name).values())
+    return struct_word(name, values, widths).to_bytes(4 * -(-bits // 32), "little")
+
+
 class Registers:
     """The registers of a build with the groups named in ``features`` (None: all).
 

@@ -5,13 +5,12 @@ mm/s, 0 with a flag, and the flags of docs/shear_speed.md.
 """
 
 import ctypes
-from functools import wraps
 
 import numpy as np
 
 from meissner.engines import verilated
 from meissner.engines.features.shear_speed import TOP
-from meissner.twins.link.registers import members, struct_word
+from meissner.twins.link.registers import members, struct_bytes
 from meissner.twins.slip import shear_speed as twin
 from meissner.twins.slip.shear_speeds import SIZE, ShearSpeeds
 
@@ -96,9 +95,7 @@ def rtl(x, config, moving=None):
     """By the Verilated module."""
     channels, frames = x.shape
     values = {name: 0 for name in members("shear_speed")} | config.settings
-    word = struct_word("shear_speed", values, {})
-    bits = sum(field.width for field in members("shear_speed").values())
-    settings = word.to_bytes(4 * -(-bits // 32), "little")
+    settings = struct_bytes("shear_speed", values, {})
     samples = np.ascontiguousarray(x.T, dtype=np.int32)
     moving = None if moving is None else np.ascontiguousarray(moving, dtype=np.uint8)
     words = np.zeros((frames // WINDOW + 1, channels), dtype=np.uint32)
@@ -113,12 +110,4 @@ def rtl(x, config, moving=None):
     return (words & 0xFFFFFF) / ONE, (words >> 24).astype(np.int64)
 
 
-@wraps(rtl)
-def gate(x, config, moving=None):
-    from meissner.engines.gate import CELLS
-
-    with verilated.gates(CELLS):
-        return rtl(x, config, moving)
-
-
-ENGINES = {"float": float_, "fixed": fixed, "rtl": rtl, "gate": gate}
+ENGINES = {"float": float_, "fixed": fixed, "rtl": rtl, "gate": verilated.of_gates(rtl)}
