@@ -3,11 +3,9 @@
 // The whole slip path of one channel, a digit a clock: msn_frame_filter, msn_haar, msn_peak_to_peak with tumbling
 // windows and msn_slip, the same decisions bit for bit, for the smallest builds. Two passes over a sample's digits of
 // one bit or two, lowest first; digit i of every variable is a column of word i of a small memory.
-//
 //   pass 1   d = even - odd, a = even + odd; compare d with the window's extremes, a with the levels; the timer
 //   pass 2   new extremes, p2p = max d - min d; compare p2p with the thresholds; keep the sample
 //   then     step the state, take the sample
-//
 // A sample is taken (in_ready_o) 2*Steps + 1 clocks after it is first offered, with actuator_moving_i of that
 // clock; the decision follows one clock later. Steps: the power of two of digits that holds a detail and a timer's
 // sign. Model: model/meissner/twins/slip/slip_serial.py
@@ -85,7 +83,7 @@ module msn_slip_serial #(
   logic [StepBits:0]   ahead, at;
   logic [StepBits-1:0] next_digit;
   logic                idle, start, finish, second, top;
-  assign next_digit   = ahead[StepBits-1:0];
+  assign next_digit = ahead[StepBits-1:0];
   assign second     = at[StepBits];
   assign top        = &at[StepBits-1:0];
   assign start      = in_valid_i && keep && idle && !out_valid_o;
