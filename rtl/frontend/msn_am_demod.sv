@@ -14,8 +14,8 @@
 //   clock  1              2        3     4 ..       then cfg_shift + 1  1
 //          weigh, compare I, Q, M  held  magnitude  shift               round
 // The first lane after model.latency() clocks, the others model.lane_clocks() apart; samples wait only when
-// a measurement ends before the lanes of the one before are out.   Error: at most 1/2 LSB (docs/extremes.md).
-// Model: model/meissner/twins/frontend/am_demod.py
+// a measurement ends before the lanes of the one before are out.   Model: model/meissner/twins/frontend/am_demod.py
+// Error: at most 1/2 LSB (docs/extremes.md).
 
 module msn_am_demod #(
   parameter  int unsigned Form             = msn_pkg::DemodIq,  // msn_pkg::demod_form_e
