@@ -58,14 +58,14 @@ def command(arguments):
 
 def _stages(arguments):
     from meissner.builds import config
+    from meissner.builds.stages import STAGES
 
     if arguments.cop4 or arguments.out:
         raise ValueError("--config must go without --cop4 and --out")
     build = config.load(arguments.config)
     if not build.stages:
-        raise ValueError(
-            f"{build.name} has no [grip]: there is no command word; name one that has, like grip"
-        )
+        known = ", ".join(f"[{name}]" for name in STAGES)
+        raise ValueError(f"{build.name} has none of {known}, whose terms are known; grip has one")
     modules = {name: import_module(f"meissner.budget.{name}") for name in build.stages}
     found = {name: module.budget(build) for name, module in modules.items()}
     if arguments.json:

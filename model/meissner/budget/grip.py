@@ -1,8 +1,7 @@
 """From the sample that shows slip to the command word, term by term: the latencies in the blocks' headers."""
 
-from math import ceil, log2
-
 from meissner.budget.terms import table
+from meissner.twins.slip.peak_to_peak import latency
 
 MOST = 16  # clocks that a command word may take
 NAMES = {
@@ -18,21 +17,13 @@ NAMES = {
 }
 
 
-def of_window(window, hop, level):
-    """Clocks of msn_peak_to_peak."""
-    span = window >> level
-    if hop == window:
-        return 2
-    return 3 if 2 * hop == window else 1 + ceil(log2(span) / 2)
-
-
 def budget(config):
     """What ``meissner budget --config`` prints; ``config``: meissner.builds.build.Config with [grip]."""
     slip, reflex = config.slip, config.stages["grip"].grip
     terms = {
         "frame_filter": 1,
         "haar": slip.level,
-        "peak_to_peak": of_window(slip.window, slip.hop, slip.level),
+        "peak_to_peak": latency(slip.window >> slip.level, slip.hop >> slip.level),
     }
     terms |= {"slip": 2, "count": 1, "join": 1, "goal": 1, "command": 1}
     if reflex.immediate:

@@ -145,7 +145,6 @@ def _too_few(there):
 
 
 COP4_ICE = "even without registers it needs 10 multipliers, and a UP5K has 8"
-UNMEASURED = "not measured; the board has the pins for it"
 GRIP_ICE = "the reflex reports faults in registers, which its builds do not have"
 
 BOARDS = {
@@ -184,11 +183,12 @@ BOARDS = {
                 "slip1": {"mhz": 50.0, "part": ON_BOARD, "device": "25F"},
                 "fingertip": {"mhz": 50.0, "part": ON_BOARD, "device": "25F"},
                 "cop4": {"mhz": 50.0, "device": "25F"},
+                "grip": {"mhz": 50.0, "device": "25F"},
                 # A queue of 64 events would take three block RAMs more than a 25F has.
                 "array64": {"mhz": 100.0, "device": "25F", "more": {"SlipDepth": 16}},
                 "full": {"mhz": 100.0, "device": "45F"},
             },
-            left_out={"grip": UNMEASURED},
+            left_out={},
         ),
         Board(
             name="orangecrab",
@@ -200,8 +200,8 @@ BOARDS = {
             pack="yowasp-ecppack --compress --freq 38.8 --input {stem}.config --bit {stem}.bit",
             bitstream=".bit",
             area=ECP5_AREA,
-            configs={"slip1": {"mhz": 48.0}, "fingertip": {"mhz": 48.0}},
-            left_out={"cop4": UNMEASURED, "grip": UNMEASURED} | _too_few(18),
+            configs={name: {"mhz": 48.0} for name in ("slip1", "fingertip", "cop4", "grip")},
+            left_out=_too_few(18),
         ),
         Board(
             name="tangnano20k",
@@ -214,8 +214,8 @@ BOARDS = {
             pack="gowin_pack -d GW2A-18C -o {stem}.fs {stem}.pnr.json",
             bitstream=".fs",
             area=GOWIN_AREA,
-            configs={"slip1": {"mhz": 27.0}, "fingertip": {"mhz": 27.0}},
-            left_out={"cop4": UNMEASURED, "grip": UNMEASURED} | _too_few(16),
+            configs={name: {"mhz": 27.0} for name in ("slip1", "fingertip", "cop4", "grip")},
+            left_out=_too_few(16),
         ),
     )
 }

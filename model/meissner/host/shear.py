@@ -9,10 +9,8 @@ and the packets stay as they are. ``windows`` counts, so that a host sees which 
 
 from dataclasses import dataclass
 
-from meissner.twins.slip.shear_speed import ShearSettings
+from meissner.twins.slip.shear_speed import FLAGS, ShearSettings
 from meissner.twins.slip.shear_speeds import MAX_CHANNELS, SIZE
-
-FLAGS = ("unsettled", "range", "small", "denominator", "clipped", "rising", "fast", "saturated")
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ from meissner.physics.adc import Adc
 from meissner.scenes.rubber.judge import flagged, risen
 from meissner.scenes.rubber.scene import Scene
 from meissner.tradeoff.axis import Axis, Figure
+from meissner.twins.slip.peak_to_peak import latency
 
 SLIPS, PRESSES = "acrylic_slip", "normal_force"
 HOPS = {"tumbling": lambda window, step: window, "half": lambda window, step: window // 2}
@@ -99,9 +100,8 @@ def state_bits(point):
 
 
 def cost(point):
-    span = point["window"] >> point["level"]
-    sliding = 1 + -(-(span.bit_length() - 1) // 2)  # msn_peak_to_peak's header: 1 + ceil(log4(Span))
-    clocks = point["level"] + 3 + {"tumbling": 2, "half": 3, "sliding": sliding}[point["kind"]]
+    level, window = point["level"], point["window"]
+    clocks = level + 3 + latency(window >> level, HOPS[point["kind"]](window, 1 << level) >> level)
     rate = point["rate_hz"] * (16 if point["bits"] == 15 else point["bits"]) / 1e3
     return {"kbit_s": rate, "state_bits": state_bits(point), "clocks": clocks}
 

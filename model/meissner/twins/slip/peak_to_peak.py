@@ -1,5 +1,7 @@
 """Bit-exact twin of rtl/slip/msn_peak_to_peak.sv: running maximum minus minimum over a window."""
 
+from math import ceil, log2
+
 import numpy as np
 
 from meissner.twins.slip.config import check_channels
@@ -13,6 +15,13 @@ def check_window(span, hop):
         raise ValueError(f"span = {span} details must be a power of two, 2 or more")
     if not 1 <= hop <= span:
         raise ValueError(f"hop = {hop} details must lie in 1 .. {span}")
+
+
+def latency(span, hop):
+    """Clocks from the last detail of a window to its peak-to-peak."""
+    if hop == span:
+        return 2
+    return 3 if 2 * hop == span else 1 + ceil(log2(span) / 2)
 
 
 def _lagged(x, lag, pick):

@@ -11,7 +11,19 @@ from meissner.twins.common.log2 import bound as log2_bound
 from meissner.twins.common.log2 import log2
 
 # Flags, by their bit. With any of them the speed is 0.
-UNSETTLED, RANGE, SMALL, DENOMINATOR, CLIPPED, RISING, FAST, SATURATED = (1 << bit for bit in range(8))
+FLAGS = (
+    "unsettled",
+    "range",
+    "small",
+    "denominator",
+    "clipped",
+    "rising",
+    "fast",
+    "saturated",
+)  # from bit 0 on
+UNSETTLED, RANGE, SMALL, DENOMINATOR, CLIPPED, RISING, FAST, SATURATED = (
+    1 << bit for bit in range(len(FLAGS))
+)
 K1_FRACTION, EXPONENT_FRACTION = 16, 11
 
 
