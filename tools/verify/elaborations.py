@@ -36,12 +36,18 @@ def parameters(block):
     return re.findall(r"\bparameter\b[^=;]*?(\w+)\s*=", head[1]) if head and "#(" in head[1] else []
 
 
+def sets(block):
+    """The sets of parameters that the block's own tests build, without words such as Resets."""
+    own = [run["parameters"] for run in benches.runs(block) if run["block"] == block]
+    return [{name: int(value) for name, value in one.items() if "'" not in str(value)} for one in own]
+
+
 def built(block):
     """{parameter: its least and largest value in what the block's own tests build}."""
     values = {}
-    for run in benches.runs(block):
-        for name, value in run["parameters"].items() if run["block"] == block else ():
-            values.setdefault(name, set()).add(int(value))
+    for one in sets(block):
+        for name, value in one.items():
+            values.setdefault(name, set()).add(value)
     return {name: sorted({min(given), max(given)}) for name, given in values.items()}
 
 
@@ -76,13 +82,15 @@ def elaborate(block, seed=1, source=None, ends_of=None):
     """{"taken", "refused": sets of parameters, "apart": pairs that were never taken, "finding": ""}."""
     axes, draw = ends_of or ends()[block], Random(seed)
     waiting, fits = covering(axes, seed=seed, tries=10), [{}]
+    fits += [] if source else sets(block)  # what goes together only by several parameters, is in some of them
+    given = len(fits)
     taken, tried, again, refused = set(), set(), Counter(), 0
     while waiting:
         values = waiting.pop()
         said, refuses = read(block, values, source)
         if said and not refuses:
             problem = f"{values}: {said[:300]}"
-            return {"taken": len(fits) - 1, "refused": refused, "apart": 0, "finding": problem}
+            return {"taken": len(fits) - given, "refused": refused, "apart": 0, "finding": problem}
         if said:
             refused += 1
             tried |= _pairs(values)
@@ -98,10 +106,11 @@ def elaborate(block, seed=1, source=None, ends_of=None):
             seen = {one for pair in taken for one in pair}
             alone = [(name, value) for name in axes for value in axes[name] if (name, value) not in seen]
             if alone := [one for one in alone if again[one] < DRAWN]:
-                waiting.append({name: draw.choice(axes[name]) for name in axes} | dict(alone[:1]))
+                drawn = {name: draw.choice(axes[name]) for name in axes}
                 again[alone[0]] += 1
+                waiting.append((draw.choice(fits) if again[alone[0]] % 2 else drawn) | dict(alone[:1]))
     alone = {one for pair in taken for one in pair}
     never = [f"{name} = {value}" for name in axes for value in axes[name] if (name, value) not in alone]
     finding = f"never taken: {', '.join(never)}" if never else ""
     apart = len({pair for pair in tried if pair not in taken})
-    return {"taken": len(fits) - 1, "refused": refused, "apart": apart, "finding": finding}
+    return {"taken": len(fits) - given, "refused": refused, "apart": apart, "finding": finding}
