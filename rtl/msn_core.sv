@@ -122,8 +122,8 @@ module msn_core #(
   if (Cop4 ? Slip || Channels != 4 : CopSlip || Correct) begin : gen_check_cop4
     $fatal(1, "msn_core: Cop4 must go with Channels = 4, not Slip; CopSlip and Correct with Cop4 = 1");
   end
-  if (Array && Columns % Lanes != 0 && (Health || SampleBits != 17)) begin : gen_check_columns
-    $fatal(1, "msn_core: Columns = %0d must be a multiple of Converters = %0d", Columns, Converters);
+  if (Array ? Columns % Lanes != 0 && (Health || SampleBits != 17) : Converters != 1) begin : gen_check_lanes
+    $fatal(1, "msn_core: Converters = %0d must divide Columns = %0d, 1 without Array", Converters, Columns);
   end
   if (SampleBits > 17 || (SampleBits != 17 && (Array || Cop4))) begin : gen_check_sample_bits
     $fatal(1, "msn_core: SampleBits = %0d must be at most 17, and 17 with Array or Cop4", SampleBits);

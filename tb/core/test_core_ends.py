@@ -279,3 +279,10 @@ FOUR_WIRES = {"Cop4": 1, "Slip": 0, "Channels": 4}
 def test_samples_have_at_most_seventeen_bits(bits, kind):
     said = bench.refuses("core", {"SampleBits": bits, **kind})
     assert f"SampleBits = {bits} must be at most 17, and 17 with Array or Cop4" in said
+
+
+@pytest.mark.parametrize("kind", [{}, FOUR_WIRES])
+def test_a_single_sensor_has_one_converter(kind):
+    """The pins of a second one would be driven by nothing."""
+    said = bench.refuses("core", {"Converters": 2, **kind})
+    assert "Converters = 2 must divide Columns = 1, 1 without Array" in said

@@ -148,6 +148,9 @@ def test_figures_are_those_of_the_record():
     assert records.stale("cop_slip"), "a file that is no longer there"
 
 
+BUILT = "msn_core msn_multiply msn_slip"  # of the boards' modules
+
+
 def digests():
     rests_on = ["model/meissner/twins/slip/slip.py", "model/meissner/scenes/rubber/acrylic_slip.toml"]
     found = {
@@ -156,7 +159,7 @@ def digests():
     }
     found["scene"] = revision.of_files(rests_on, "scenes")
     for name in ("icebreaker", "ulx3s"):
-        found[name] = revision.of_board(boards.BOARDS[name], "slip1")
+        found[name] = revision.of_board(boards.BOARDS[name], "slip1", BUILT)
     return found
 
 
@@ -165,9 +168,13 @@ CHANGES = [
     ("rtl/slip/msn_slip.sv", "<=", "<= ~", "slip-1 icebreaker ulx3s"),
     ("rtl/slip/msn_slip.sv", "// What", "// Of what", ""),
     ("rtl/common/msn_delay.sv", "slot != slot_next", "1", ""),
-    ("rtl/cop/msn_cop4.sv", "<=", "<= ~", "cop4 icebreaker ulx3s"),
-    ("rtl/common/msn_divide.sv", "<=", "<= ~", "cop4 cop_array-64x64 icebreaker ulx3s"),
+    ("rtl/cop/msn_cop4.sv", "<=", "<= ~", "cop4"),  # not on these boards
+    ("rtl/common/msn_divide.sv", "<=", "<= ~", "cop4 cop_array-64x64"),
     ("rtl/ecp5/msn_multiply.sv", ".P35(p[35])", ".P35(p[34])", "cop_array-64x64 icebreaker ulx3s"),
+    ("rtl/msn_core.sv", "1'b0", "1'b1", "icebreaker ulx3s"),
+    ("rtl/msn_core.sv", "(Array ? Cop4 ||", "(Array ? Slip ||", ""),  # a check: who is built has passed it
+    ("rtl/msn_core.sv", "Array = 1 must go", "Array must go", ""),
+    ("rtl/msn_pkg.sv", "count > 1", "count > 2", "slip-1 cop4 cop_array-64x64 icebreaker ulx3s"),
     ("rtl/boards/msn_board.sv", "assign", "assign ", ""),
     ("rtl/boards/msn_board.sv", "assign", "assign #1", "icebreaker ulx3s"),
     ("rtl/boards/ulx3s_clock.sv", "(", "(1", "ulx3s"),
@@ -188,6 +195,14 @@ def test_a_figure_rests_on_all_that_it_was_made_with(change, file, text, other, 
     change(file, text, other)
     after = digests()
     assert {key.split()[0] for key in before if before[key] != after[key]} == set(stale.split())
+
+
+def test_each_check_of_a_parameter_is_left_out_alone():
+    """Of a board's sources; one stands inside another generate block."""
+    texts = [revision._synthesised(path) for path in toolchain.sources()]
+    found = [check for text in texts for check in revision.CHECK.findall(text)]
+    assert len(found) == sum(text.count(" : gen_check_") for text in texts) > 150
+    assert {(check.count(" begin "), check.count("$fatal")) for check in found} == {(1, 1)}
 
 
 def test_a_figure_of_the_rtl_rests_on_its_sources_and_the_simulator(change):
@@ -226,8 +241,9 @@ def test_a_recorded_block_and_board_are_of_their_rtl(tmp_path, monkeypatch):
     records = figures.Records(json.loads(fmax.RECORD.read_text()), {})
     assert [records.stale(key) for key in ("slip-1 ecp5", "cop4 ecp5")] == [False, True]
     pairs = dict(PAIRS)
-    for name, of in (("ulx3s", revision.of_board(boards.BOARDS["ulx3s"], "slip1")), ("icebreaker", "before")):
-        pairs[f"{name}-slip1"] = pairs[f"{name}-slip1"] | {"of": of}
+    of_now = revision.of_board(boards.BOARDS["ulx3s"], "slip1", BUILT)
+    for name, of in (("ulx3s", of_now), ("icebreaker", "before")):
+        pairs[f"{name}-slip1"] = pairs[f"{name}-slip1"] | {"of": of, "blocks": BUILT}
     table = synth.tables(pairs)[0]
     assert "| ULX3S 25F, slip1 |" in table and "| iCEBreaker, slip1 (stale) |" in table
 

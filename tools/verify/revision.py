@@ -30,6 +30,9 @@ TOOLS = {
     ),
     "scenes": ("numpy", "scipy"),
 }
+CHECK = re.compile(
+    r"""if \((?:(?! begin )[^;"])*?\) begin : gen_check_\w+ \$fatal\((?:"[^"]*"|[^"])*?\); end"""
+)
 BENCH = ("mutants", "coverage", "powerup", "faults", "regress")  # kinds that run a block's tests
 TRUST = "tools/verify"
 OWN = {  # files of a kind that decide what it finds of any block
@@ -154,15 +157,24 @@ def _instead(sources):
     ]
 
 
-def of_board(board, config):
-    """The same of the figures of a bitstream: RTL, pins, commands and parameters."""
+def _placed(path):
+    """The same without the checks of parameters: a build that is there has passed them."""
+    return CHECK.sub("", _synthesised(path))
+
+
+def of_board(board, config, blocks):
+    """The same of the figures of a bitstream: RTL, pins, commands and parameters.
+
+    ``blocks``: the modules that are in it, in one string; with its parameters it has no others of the core.
+    """
     own = [toolchain.ROOT / name for name in board.sources]
     known = {path.stem for path in toolchain.sources()}
     named = {name for path in own for name in re.findall(r"\bmsn_\w+", _plain(path)) if name in known}
     sources = sorted({path for name in named for path in toolchain.sources_of(name)})
+    sources = [path for path in sources if path.stem in blocks.split() or path.stem.endswith("_pkg")]
     pins = (toolchain.ROOT / f"constraints/{board.name}.toml").read_text("utf-8")
     setting = repr((board.synth, board.pnr, board.device(config), sorted(board.parameters(config).items())))
-    texts = _texts([*own, *sources], _synthesised)
+    texts = _texts([*own, *sources], _placed)
     return _hashed([*texts, *_instead(sources), pins, setting, *_versions("boards")])
 
 

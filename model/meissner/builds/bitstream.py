@@ -71,6 +71,16 @@ def synthesise(board, config, folder):
     return stem, Counter(cell["type"] for cell in modules[board.top]["cells"].values())
 
 
+def blocks(stem):
+    """The modules that are in the netlist, by what Yosys says of the hierarchy before it flattens it."""
+    log = (ROOT / f"{stem}.yosys.log").read_text("utf-8")
+    seen = [
+        re.findall(r"Used module:\s+\S*?\\(msn_\w+)", part)
+        for part in log.split("Analyzing design hierarchy..")
+    ]
+    return " ".join(sorted(set([names for names in seen if names][-1])))
+
+
 def area(board, cells, report):
     """LUT (of an iCE40: logic cells), FF, BRAM and DSP; FFs of the netlist, as some reports have none."""
     counts = {cell: row["used"] for cell, row in report["utilization"].items()}
@@ -166,6 +176,7 @@ def build(board, config, device, folder, seeds, patient, limit_s=LIMIT_S):
         **({"device": sizes[0]} if sizes[0] else {}),
         "clk_mhz": clk_mhz,
         **area(board, cells, report),
+        "blocks": blocks(stem),
         "mhz": mhz,
         "mhz_worst": min(mhz),
         "spi_out_ns": max(out for out, _ in delays) if delays[0][0] else None,
