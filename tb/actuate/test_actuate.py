@@ -4,6 +4,7 @@ words and pulses of both modes, a mode that changes. Grip = 0 is nothing. The mo
 
 import random
 from dataclasses import replace
+from types import SimpleNamespace
 
 import cocotb
 import numpy as np
@@ -94,6 +95,21 @@ class Stage:
         return [got for got in [await self.clock() for _ in range(clocks)] if got["valid"]]
 
 
+class Member:
+    """A member of a struct's port as a port of its own, to ``bench.read`` and ``len``."""
+
+    def __init__(self, port, kind, name):
+        self.port, self._name, self._handle = port, name, self
+        self.low, self.bits = members.PLACES[kind][name]
+
+    def __len__(self):
+        return self.bits
+
+    def get_signal_val_binstr(self):
+        text = self.port._handle.get_signal_val_binstr()
+        return text[len(text) - self.low - self.bits : len(text) - self.low]
+
+
 def at_random(draw):
     low, high = sorted((draw.choice([0, 1, 900, 40000]), draw.choice([50, 30000, 65534, 65535])))
     if draw.random() < 0.1:
@@ -107,6 +123,9 @@ def at_random(draw):
         "watchdog": draw.choice([0, 1, 2, 5, draw.randrange(1 << 16)]),
     }
     period = draw.choice([15, 16, 23, 31, 300, draw.randrange(1 << 24)])
+    if draw.random() < 0.3:  # no limit hides what windows and their speeds add up to
+        low, high = 0, 65535
+        found |= {"step": draw.randrange(1 << 12), "speed_gain": draw.randrange(1 << 16), "rate": 65535}
     return found | {
         **{"minimum": low, "maximum": high, "period": period},
         **{
@@ -116,6 +135,18 @@ def at_random(draw):
         },
         **{"rail": draw.choice([0, 1, 4, draw.randrange(256)]), "enable": 1},
     }
+
+
+@bench.starts_known
+@bench.applies(lambda dut: dut.Grip.value == 1)
+@cocotb.test(stage=-1, timeout_time=1, timeout_unit="ms")
+async def counters_have_32_bits(dut):
+    ports = {name: getattr(dut, name) for name in ("clk_i", "rst_i", "cfg_i", "sample_valid_i", "adc_i")}
+    ports |= {name: getattr(dut, name) for name in ("verdict_i", "shear_i")}
+    ports |= {name: Member(dut.status_o, "grip_status", name) for name in ("commands", "tightenings")}
+    inputs = {"cfg_i": members.word("grip_cfg", HAND), "adc_i": 0, "verdict_i": 0, "shear_i": 0}
+    wiggled, still = ["sample_valid_i"], ["tightenings"]
+    await bench.turn_over(SimpleNamespace(**ports), "commands", wiggled=wiggled, still=still, **inputs)
 
 
 @bench.applies(lambda dut: dut.Grip.value == 1)
@@ -214,6 +245,25 @@ async def by_hand(dut):
     assert (after["command"], after["increment"], after["fault"]) == (30, 0, 0)
     assert after["commands"] == before["commands"] + 1 + (found[0]["commands"] - before["commands"])
     assert after["tightenings"] == 1
+
+
+@bench.applies(lambda dut: dut.Grip.value == 1)
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def counts_what_tightens(dut):
+    """By each power of two once; what loosens by as much does not count."""
+    stage = Stage(dut)
+    await stage.begin(minimum=0, maximum=65535, rate=65535)
+    await stage.rest(60)
+    for bit in range(16):
+        stage.put(step=1 << bit)
+        await stage.clock((0, 1, 1))
+        await stage.rest(80)
+        got = await stage.clock()
+        assert (got["command"], got["tightenings"]) == ((2 << bit) - 1, bit + 1)
+    for bit in range(16):
+        stage.put(override=1, override_value=65536 - (2 << bit))
+        found = await stage.rest(80)
+        assert [word["increment"] for word in found] == [-(1 << bit), 0] and found[-1]["tightenings"] == 16
 
 
 async def width(dut):
