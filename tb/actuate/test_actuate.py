@@ -266,6 +266,26 @@ async def counts_what_tightens(dut):
         assert [word["increment"] for word in found] == [-(1 << bit), 0] and found[-1]["tightenings"] == 16
 
 
+@bench.applies(lambda dut: dut.Grip.value == 1)
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def a_speed_counts_for_its_finger_until_it_is_invalid(dut):
+    """25 at a gain of 2 = 512/256 adds 50 to the step."""
+    stage = Stage(dut)
+    await stage.begin(minimum=0, maximum=65535, rate=65535, speed_gain=512)
+    await stage.rest(60)
+
+    async def window(finger):
+        await stage.clock((finger, 1, 1))
+        return [word["increment"] for word in await stage.rest(80) if word["increment"]]
+
+    for finger in range(stage.fingers):
+        await stage.clock(shear=(finger, 1, 25))
+        await stage.rest(80)
+        assert [await window(which) for which in ((finger + 1) % stage.fingers, finger)] == [[7], [57]]
+        await stage.clock(shear=(finger, 0, 25))
+        assert await window(finger) == [7]
+
+
 async def width(dut):
     """Clocks that the next pulse lasts."""
     await RisingEdge(dut.pwm_o)
@@ -327,7 +347,7 @@ EVIDENCE = {
         "test": "tb/actuate/test_actuate.py::test_model_against_the_loops",
     },
     "equivalence": {"size": {"Fingers": 3}, "boxes": True, "open": ["reset"]},
-    "faults": {"none": "instances and wires; the reflex' own upsets are those of msn_grip"},
+    "faults": {"none": "instances, wires and counters; the reflex' own upsets are those of msn_grip"},
 }
 
 
