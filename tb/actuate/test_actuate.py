@@ -283,6 +283,7 @@ async def a_speed_counts_for_its_finger_until_it_is_invalid(dut):
         await stage.rest(80)
         assert [await window(which) for which in ((finger + 1) % stage.fingers, finger)] == [[7], [57]]
         await stage.clock(shear=(finger, 0, 25))
+        await stage.rest(2)
         assert await window(finger) == [7]
 
 

@@ -106,7 +106,7 @@ EVIDENCE = {
     },
     "equivalence": {"size": {"Bits": 5}},
     "faults": {
-        "none": "no frames: an upset lasts to the period's end, one of the word or of its flag to the next word"
+        "none": "no frames: an upset lasts to the period's end, of the word or its flag to the next word"
     },
 }
 
