@@ -1,6 +1,7 @@
 """Lint everything, without a warning: by Verilator and by slang each RTL module as its own top, the core in
-every named configuration and on every board; Verible's style rules, ruff."""
+every named configuration and on every board; Verible's style rules, ruff; what only Yosys reads otherwise."""
 
+import re
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
@@ -17,6 +18,8 @@ WAIVERS = ROOT / "rtl/verilator.vlt"
 SLANG = [sys.executable, str(ROOT / "tools/slang.py"), "-Werror"]
 # Models of the vendors' cells that rtl/ecp5 uses.
 MODELS = ["model/meissner/engines/cells/MULT18X18D.v"]
+# Yosys takes the operator into the size, (~Bits)'(1), without a word where the rest is constant.
+CAST = re.compile(r"[~!&|^+-](?!signed'|unsigned')\w+'\(")
 PYTHON = ("model", "tb", "tools", "examples")
 
 
@@ -24,6 +27,12 @@ def run(name, command):
     done = subprocess.run(command, cwd=ROOT, env=toolchain.environment(), capture_output=True, text=True)
     noise = (done.stdout + done.stderr).strip()
     return f"{name}\n{noise}" if done.returncode or noise else None
+
+
+def casts(text):
+    """Numbers of the lines in which an operator stands right before a size's cast, comments aside."""
+    lines = enumerate(text.splitlines(), start=1)
+    return [number for number, line in lines if CAST.search(line.split("//")[0])]
 
 
 def main():
@@ -37,6 +46,9 @@ def main():
     tops = [path for path in files if not path.stem.endswith("_pkg")]
     misnamed = [path for path in tops if f"module {path.stem} " not in (ROOT / path).read_text()]
     problems += [f"{path} does not define module {path.stem}" for path in misnamed]
+    for path in sorted(listed):
+        for number in casts((ROOT / path).read_text("utf-8")):
+            problems.append(f"{path}:{number}: an operator right before a size's cast: (~Bits)'(1) to Yosys")
     verilator = ["verilator", "--lint-only", "--quiet", "-Wall", str(WAIVERS)]
 
     def elaborate(name, top, *more, instead=None):

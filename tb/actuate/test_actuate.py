@@ -4,6 +4,7 @@ words and pulses of both modes, a mode that changes. Grip = 0 is nothing. The mo
 
 import random
 from dataclasses import replace
+from types import SimpleNamespace
 
 import cocotb
 import numpy as np
@@ -23,6 +24,7 @@ HAND |= {"watchdog": 900, "rule": 0, "mode": 0, "immediate": 1, "override": 0, "
 HAND |= {"divide": 0, "low": 0, "high": 4095, "rail": 3, "speed_gain": 0}
 OF_LOOP = ("period", "step", "decay", "minimum", "maximum", "rate", "watchdog", "rule", "mode", "immediate")
 OF_LOOP += ("override", "override_value", "speed_gain")
+OF_FRAMES = ("timeout", "mistagged")  # counters of frames that did not come
 SILENT, UNHEALTHY, LIMIT, UNARMED = 1, 2, 4, 16
 
 
@@ -33,10 +35,11 @@ class Stage:
         self.dut, self.fingers, self.started = dut, dut.Fingers.value.to_unsigned(), False
         self.adc = {"timeout": 0, "mistagged": 0, "dropped": 0, "overrun": 0, "over_range": 0}
 
-    async def begin(self, **settings):
-        self.settings, self.adc = HAND | settings, dict.fromkeys(self.adc, 0)
+    async def begin(self, adc=None, **settings):
+        """``adc``: where the converter's counters stand."""
+        self.settings, self.adc = HAND | settings, dict.fromkeys(self.adc, 0) | (adc or {})
         quiet = {
-            "adc_i": 0,
+            "adc_i": members.word("adc_status", self.adc),
             "verdict_i": 0,
             "shear_i": 0,
             "sample_valid_i": 0,
@@ -92,52 +95,91 @@ class Stage:
         return [got for got in [await self.clock() for _ in range(clocks)] if got["valid"]]
 
 
+class Member:
+    """A member of a struct's port as a port of its own, to ``bench.read`` and ``len``."""
+
+    def __init__(self, port, kind, name):
+        self.port, self._name, self._handle = port, name, self
+        self.low, self.bits = members.PLACES[kind][name]
+
+    def __len__(self):
+        return self.bits
+
+    def get_signal_val_binstr(self):
+        text = self.port._handle.get_signal_val_binstr()
+        return text[len(text) - self.low - self.bits : len(text) - self.low]
+
+
 def at_random(draw):
     low, high = sorted((draw.choice([0, 1, 900, 40000]), draw.choice([50, 30000, 65534, 65535])))
+    if draw.random() < 0.1:
+        low, high = high, low
     some = lambda: draw.choice([0, 1, draw.randrange(300), draw.randrange(65536), 65535])
     found = {name: some() for name in ("step", "decay", "rate", "override_value")}
     found["speed_gain"] = draw.choice([0, 1, draw.randrange(3000), 65535])
     found |= {name: draw.randrange(2) for name in ("rule", "mode", "immediate")}
-    found |= {"override": int(draw.random() < 0.3), "watchdog": draw.choice([0, 1, 2, 5, 60000])}
+    found |= {
+        "override": int(draw.random() < 0.3),
+        "watchdog": draw.choice([0, 1, 2, 5, draw.randrange(1 << 16)]),
+    }
+    period = draw.choice([15, 16, 23, 31, 300, draw.randrange(1 << 24)])
+    if draw.random() < 0.3:  # no limit hides what windows and their speeds add up to
+        low, high = 0, 65535
+        found |= {"step": draw.randrange(1 << 12), "speed_gain": draw.randrange(1 << 16), "rate": 65535}
     return found | {
-        **{"minimum": low, "maximum": high, "period": draw.choice([15, 16, 23, 31, 300])},
+        **{"minimum": low, "maximum": high, "period": period},
         **{
             "divide": draw.randrange(256),
-            "low": draw.choice([-65536, -7, 0]),
-            "high": draw.choice([9, 65535]),
+            "low": draw.choice([-65536, -7, 0, draw.randint(-65536, 65535)]),
+            "high": draw.choice([9, 65535, draw.randint(-65536, 65535)]),
         },
-        **{"rail": draw.choice([0, 1, 4]), "enable": 1},
+        **{"rail": draw.choice([0, 1, 4, draw.randrange(256)]), "enable": 1},
     }
+
+
+@bench.starts_known
+@bench.applies(lambda dut: dut.Grip.value == 1)
+@cocotb.test(stage=-1, timeout_time=1, timeout_unit="ms")
+async def counters_have_32_bits(dut):
+    ports = {name: getattr(dut, name) for name in ("clk_i", "rst_i", "cfg_i", "sample_valid_i", "adc_i")}
+    ports |= {name: getattr(dut, name) for name in ("verdict_i", "shear_i")}
+    ports |= {name: Member(dut.status_o, "grip_status", name) for name in ("commands", "tightenings")}
+    inputs = {"cfg_i": members.word("grip_cfg", HAND), "adc_i": 0, "verdict_i": 0, "shear_i": 0}
+    wiggled, still = ["sample_valid_i"], ["tightenings"]
+    await bench.turn_over(SimpleNamespace(**ports), "commands", wiggled=wiggled, still=still, **inputs)
 
 
 @bench.applies(lambda dut: dut.Grip.value == 1)
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def matches_the_loops(dut):
-    """Reset after reset with other settings. A sample counts for health 3 clocks on, a lost frame 1."""
+    """Reset after reset with other settings. A sample counts for health 3 clocks on, a lost frame 1. The
+    converter's counters stand anywhere, and pass their end."""
     stage, draw = Stage(dut), random.Random(bench.SEED)
     seen = set()
     for turn in range(60):
         settings = at_random(draw)
-        await stage.begin(**settings)
+        stands = {name: draw.choice([0, (1 << 32) - 2, 2 * draw.randrange(1 << 31)]) for name in OF_FRAMES}
+        await stage.begin(stands, **settings)
         loop = GripLoop(stage.fingers, 16, 8, **{name: settings[name] for name in OF_LOOP})
         runs = Runs(stage.fingers, settings["rail"], settings["low"], settings["high"])
         well = [[True] * stage.fingers] * 3
         shown, due = {"word": 0, "increment": 0, "command": 0, "fault": UNARMED, "faulty": 0}, {}
         often, slipping = draw.choice([0.05, 0.3]), draw.choice([0, 0.1, 0.8])
         counts, lost = {"commands": 0, "tightenings": 0}, False
+        ends = [settings["low"], min(settings["low"] + 1, 65535), settings["high"]]
         for now in range(draw.choice([50, 300, 900])):
             verdict = sample = shear = None
             if draw.random() < often:
                 verdict = draw.randrange(stage.fingers), draw.random() < slipping, draw.random() < 0.3
             if draw.random() < 0.3:
-                sample = draw.randrange(stage.fingers), draw.choice([-65536, -7, -6, 0, 8, 9, 65535, 3, 4, 5])
+                sample = draw.randrange(stage.fingers), draw.choice([-65536, -7, -6, 0, 8, 9, 65535, *ends])
             if draw.random() < 0.1:
                 some_speed = draw.choice([0, 1, draw.randrange(600), draw.randrange(65536), 65535])
                 shear = draw.randrange(stage.fingers), draw.random() < 0.8, some_speed
             change = {}
             if draw.random() < 0.01:
-                name = draw.choice(["timeout", "mistagged"])
-                change[name] = stage.adc[name] + 1
+                name = draw.choice(OF_FRAMES)
+                change[name] = stage.adc[name] + 1 & 0xFFFFFFFF
             if draw.random() < 0.1:  # of no concern here
                 change["dropped"] = draw.randrange(1 << 32)
                 change["overrun"], change["over_range"] = draw.randrange(1 << 32), draw.randrange(1 << 32)
@@ -183,7 +225,7 @@ async def by_hand(dut):
     ] * 2
     await stage.clock(sample=(0, 4094))
     await stage.rest(80)
-    for counter in ("timeout", "mistagged"):  # all fingers, for the one cycle
+    for counter in OF_FRAMES:  # all fingers, for the one cycle
         await stage.clock(**{counter: 1})
         found = await stage.rest(80)
         everyone = (1 << stage.fingers) - 1
@@ -203,6 +245,46 @@ async def by_hand(dut):
     assert (after["command"], after["increment"], after["fault"]) == (30, 0, 0)
     assert after["commands"] == before["commands"] + 1 + (found[0]["commands"] - before["commands"])
     assert after["tightenings"] == 1
+
+
+@bench.applies(lambda dut: dut.Grip.value == 1)
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def counts_what_tightens(dut):
+    """By each power of two once; what loosens by as much does not count."""
+    stage = Stage(dut)
+    await stage.begin(minimum=0, maximum=65535, rate=65535)
+    await stage.rest(60)
+    for bit in range(16):
+        stage.put(step=1 << bit)
+        await stage.clock((0, 1, 1))
+        await stage.rest(80)
+        got = await stage.clock()
+        assert (got["command"], got["tightenings"]) == ((2 << bit) - 1, bit + 1)
+    for bit in range(16):
+        stage.put(override=1, override_value=65536 - (2 << bit))
+        found = await stage.rest(80)
+        assert [word["increment"] for word in found] == [-(1 << bit), 0] and found[-1]["tightenings"] == 16
+
+
+@bench.applies(lambda dut: dut.Grip.value == 1)
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def a_speed_counts_for_its_finger_until_it_is_invalid(dut):
+    """25 at a gain of 2 = 512/256 adds 50 to the step."""
+    stage = Stage(dut)
+    await stage.begin(minimum=0, maximum=65535, rate=65535, speed_gain=512)
+    await stage.rest(60)
+
+    async def window(finger):
+        await stage.clock((finger, 1, 1))
+        return [word["increment"] for word in await stage.rest(80) if word["increment"]]
+
+    for finger in range(stage.fingers):
+        await stage.clock(shear=(finger, 1, 25))
+        await stage.rest(80)
+        assert [await window(which) for which in ((finger + 1) % stage.fingers, finger)] == [[7], [57]]
+        await stage.clock(shear=(finger, 0, 25))
+        await stage.rest(2)
+        assert await window(finger) == [7]
 
 
 async def width(dut):
@@ -266,11 +348,11 @@ EVIDENCE = {
         "test": "tb/actuate/test_actuate.py::test_model_against_the_loops",
     },
     "equivalence": {"size": {"Fingers": 3}, "boxes": True, "open": ["reset"]},
-    "faults": {"none": "instances and wires; the reflex' own upsets are those of msn_grip"},
+    "faults": {"none": "instances, wires and counters; the reflex' own upsets are those of msn_grip"},
 }
 
 
-@pytest.mark.parametrize("parameters", [{}, {"Fingers": 3, "SampleBits": 17}, {"Grip": 0}])
+@pytest.mark.parametrize("parameters", [{"Fingers": 8}, {"Fingers": 3, "SampleBits": 17}, {"Grip": 0}])
 def test_actuate(parameters):
     bench.run("actuate", "actuate", parameters)
 
@@ -282,14 +364,15 @@ def test_refuses_a_core_that_does_not_suit():
 
 @pytest.mark.parametrize("rule, mode", [("any", "position"), ("weakest", "force")])
 def test_model_against_the_loops(rule, mode):
-    """A period of the loop, in whose middle all comes, is a cycle of the model."""
+    """A period of the loop, in whose middle all comes, is a cycle of the model. A speed comes 3 clocks, its
+    delay, before the first decision that it is for."""
     draw = random.Random(bench.SEED)
-    grip = GripConfig(200, 900, 0, 170, 2000, 41000, 3333, 3, rule, mode)
+    grip = GripConfig(200, 900, 300, 170, 2000, 41000, 3333, 3, rule, mode)
     config = ActuateConfig(grip, -3, 90, 4, 5)
     assert config.settings == {
         **{"enable": 1, "period": 200, "step": 900, "decay": 170, "minimum": 2000, "maximum": 41000},
         **{"rate": 3333, "watchdog": 3, "rule": rule == "weakest", "mode": mode == "force", "immediate": 0},
-        **{"low": -3, "high": 90, "rail": 4, "divide": 5, "speed_gain": 0},
+        **{"low": -3, "high": 90, "rail": 4, "divide": 5, "speed_gain": 300},
     }
     override = 7777 if mode == "force" else None
     loop = GripLoop(2, 16, 8, **grip.settings, override=int(mode == "force"), override_value=7777)
@@ -302,7 +385,12 @@ def test_model_against_the_loops(rule, mode):
         samples = [[90 if dying and draw.random() < 0.9 else 40 for _ in range(length)] for _ in range(2)]
         over = [[draw.random() < slipping for _ in range(length)] for _ in range(2)]
         ends, lost = [n % 4 == 3 for n in range(length)], draw.random() < 0.05
-        got.append(twin.next(np.array(samples).reshape(2, -1), over, ends, lost, override))
+        reports = [
+            (at, draw.randrange(2), draw.choice([None, 0, draw.randrange(2000)])) for at in range(length + 1)
+        ]
+        reports = [report for report in reports if draw.random() < 0.3]
+        got.append(twin.next(np.array(samples).reshape(2, -1), over, ends, lost, override, reports))
+        reports = {17 + 2 * at: (finger, speed is not None, speed or 0) for at, finger, speed in reports}
         feed = [(f, n) for n in range(length) for f in range(2)]
         for n in range(200):
             decision, well = None, [not lost or n != 100] * 2
@@ -311,7 +399,7 @@ def test_model_against_the_loops(rule, mode):
                 decision = finger, over[finger][place], ends[place]
                 runs.sample(finger, samples[finger][place])
             well = [one and two for one, two in zip(well, runs.healthy())]
-            ended = loop.clock(decision, None, well)
+            ended = loop.clock(decision, reports.get(n), well)
         faulty = tuple(bool(ended["faulty"] >> f & 1) for f in range(2))
         expected.append(
             Command(*(ended[name] for name in ("increment", "command", "fault", "valid", "word")), faulty)

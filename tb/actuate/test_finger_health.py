@@ -47,20 +47,18 @@ def codes(draw, bits):
             yield draw.choice(rails if draw.random() < stays else between)
 
 
-@cocotb.test(timeout_time=20, timeout_unit="ms")
-@cocotb.parametrize(rail=[0, 1, 2, 7, 254, 255])
-async def matches_the_loop(dut, rail):
-    """A sample's answer is there 3 clocks after it, a lost frame's 1 clock after."""
-    fingers, id_bits, bits = sizes(dut)
-    draw = random.Random(bench.SEED + rail)
-    idle = {"in_valid_i": 0, "in_data_i": 0, "in_id_i": 0, "lost_i": 0}
-    await bench.start(dut, cfg_low_i=LOW, cfg_high_i=HIGH, cfg_rail_i=rail, **idle)
-    loop, feed, seen = Runs(fingers, rail), codes(draw, bits), set()
-    answers = [[True] * fingers] * 3  # of the clocks to come
+async def answers_as(loop, dut, draw, feed, count):
+    """From reset on, with samples of ``feed``; what was seen: (health of all, whether a frame was lost).
+
+    A sample's answer is there 3 clocks after it, a lost frame's 1 clock after.
+    """
+    fingers, id_bits, _ = sizes(dut)
+    answers, seen = [[True] * fingers] * 3, set()  # of the clocks to come
     lost_before = False
-    for _ in range(9000):
+    for clock in range(count):
         valid, lost = draw.random() < 0.8, draw.random() < 0.01
-        finger, code = draw.randrange(2**id_bits), next(feed)
+        finger = draw.choice([clock // 1500 % fingers, draw.randrange(2**id_bits)])
+        code = next(feed)
         dut.in_valid_i.value, dut.in_id_i.value, dut.in_data_i.value = valid, finger, code
         dut.lost_i.value = lost
         await bench.ReadOnly()
@@ -74,8 +72,75 @@ async def matches_the_loop(dut, rail):
         answers.append(loop.healthy())
         lost_before = lost
         await bench.RisingEdge(dut.clk_i)
+    return seen
+
+
+IDLE = {"in_valid_i": 0, "in_data_i": 0, "in_id_i": 0, "lost_i": 0}
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+@cocotb.parametrize(rail=[0, 1, 2, 7, 254, 255])
+async def matches_the_loop(dut, rail):
+    fingers, _, bits = sizes(dut)
+    draw = random.Random(bench.SEED + rail)
+    await bench.start(dut, cfg_low_i=LOW, cfg_high_i=HIGH, cfg_rail_i=rail, **IDLE)
+    seen = await answers_as(Runs(fingers, rail), dut, draw, codes(draw, bits), 9000)
     assert ({lost for _, lost in seen}) == {False, True}
-    assert rail == 0 or {row[0] for row, _ in seen} == {False, True}
+    assert {well for row, _ in seen for well in row} == ({True} if rail == 0 else {False, True})
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def a_dead_finger_stays_unhealthy(dut):
+    """Of each in turn a sample at the rail, 300 times; unhealthy from the 255th on, until one between."""
+    fingers, _, _ = sizes(dut)
+    await bench.start(dut, cfg_low_i=LOW, cfg_high_i=HIGH, cfg_rail_i=255, **IDLE)
+
+    async def each(code):
+        """Which fingers are healthy, a bit each, when all have had a sample."""
+        for finger in range(fingers):
+            dut.in_valid_i.value, dut.in_id_i.value, dut.in_data_i.value = 1, finger, code
+            await bench.RisingEdge(dut.clk_i)
+        dut.in_valid_i.value = 0
+        await bench.clocks(dut, 2)
+        await bench.ReadOnly()
+        got = bench.read(dut.healthy_o)
+        await bench.RisingEdge(dut.clk_i)
+        return got
+
+    everyone = (1 << fingers) - 1
+    assert [await each(LOW) for _ in range(300)] == [everyone] * 254 + [0] * 46
+    assert [await each(code) for code in (LOW + 1, HIGH)] == [everyone] * 2
+
+
+def beside(draw, limits, bits):
+    """Codes at the limits and one beside them, as far as a sample reaches, and anywhere."""
+    least, most = -(1 << bits - 1), (1 << bits - 1) - 1
+    ends = {limit + more for limit in limits for more in (-1, 0, 1)} | {least, most}
+    ends = sorted(code for code in ends if least <= code <= most)
+    while True:
+        yield draw.choice(ends) if draw.random() < 0.7 else draw.randint(least, most)
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def matches_the_loop_at_any_settings(dut):
+    """Limits of all 17 bits, beyond a narrow sample's range too, and in either order."""
+    fingers, _, bits = sizes(dut)
+    draw, started, seen = random.Random(bench.SEED), False, set()
+    for _ in range(60):
+        low, high = (draw.choice([draw.randint(-65536, 65535), draw.randint(-300, 300)]) for _ in range(2))
+        low, high = (low, high) if draw.random() < 0.2 else sorted((low, high))
+        rail = draw.choice([1, 2, 3, draw.randrange(256)])
+        settings = {"cfg_low_i": low, "cfg_high_i": high, "cfg_rail_i": rail}
+        if started:
+            for name, value in (settings | IDLE).items():
+                getattr(dut, name).value = value
+            await bench.reset(dut)
+        else:
+            started = True
+            await bench.start(dut, **settings, **IDLE)
+        loop, feed = Runs(fingers, rail, low, high), beside(draw, (low, high), bits)
+        seen |= {well for row, _ in await answers_as(loop, dut, draw, feed, 100) for well in row}
+    assert seen == {False, True}
 
 
 EVIDENCE = {
@@ -88,7 +153,7 @@ EVIDENCE = {
 }
 
 
-@pytest.mark.parametrize("parameters", [{}, {"Fingers": 3, "SampleBits": 13}, {"Fingers": 1}])
+@pytest.mark.parametrize("parameters", [{"Fingers": 8}, {"Fingers": 3, "SampleBits": 13}, {"Fingers": 1}])
 def test_finger_health(parameters):
     bench.run("actuate", "finger_health", parameters)
 

@@ -78,6 +78,8 @@ def settings_at_random(draw, dut, **fixed):
         "watchdog": draw.choice([0, 1, 2, 5]),
     }
     found |= {"period": draw.choice([0, 15, 16, 17, 23, 31]), "override": draw.random() < 0.2}
+    if draw.random() < 0.3:  # no limit hides what the windows add up to
+        found |= {"step": draw.randint(0, top // 4), "minimum": 0, "maximum": top, "rate": top}
     return found | fixed
 
 
@@ -203,6 +205,16 @@ async def four_clocks_from_a_decision_to_its_command(dut):
 
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
+async def a_long_period_has_all_its_clocks(dut):
+    """The first command comes as with short ones, three clocks after the first period's last clock."""
+    length = min(9000, (1 << len(dut.cfg_period_i)) - 1)
+    await begin(dut, **HAND | {"period": length})
+    for period in (1, 2):
+        await bench.clocks(dut, length + 2 if period == 1 else length - 2)
+        assert [(await clock(dut))["valid"] for _ in range(2)] == [0, 1], period
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
 async def a_window_counts_once_with_its_first_detail_over(dut):
     """Three windows, of 3, 4 and 3 details; the third begins in one cycle and ends in the next but one."""
     await begin(dut, **HAND)
@@ -318,6 +330,24 @@ async def a_faulty_finger_takes_no_part_and_stops_the_decay(dut):
 
 
 @cocotb.test(timeout_time=2, timeout_unit="ms")
+@cocotb.parametrize(weakest=[0, 1])
+async def the_only_finger_that_works_decides(dut, weakest):
+    """A window of it adds the step, the largest but one bit of it too."""
+    fingers, bits, _ = sizes(dut)
+    top = (1 << bits) - 1
+    await begin(dut, **HAND | {"rule": weakest, "minimum": 0, "maximum": top, "rate": top})
+    for finger in range(fingers):
+        ill = set(range(fingers)) - {finger}
+        for step in [0, top, *(top - (1 << bit) for bit in range(bits))]:
+            drive(dut, step=step)
+            await bench.reset(dut)
+            await cycles(dut, 1)
+            await cycles(dut, 1, over=[finger], ill=ill)
+            found, got = await cycles(dut, 1)
+            assert found == [step] and got["command"] == step
+
+
+@cocotb.test(timeout_time=2, timeout_unit="ms")
 async def a_reset_in_a_grip_moves_nothing(dut):
     """Position: an increment of 0. Force: no word, until an override sets the force that the hand has."""
     await armed(dut)
@@ -373,10 +403,10 @@ EVIDENCE = {
     },
 }
 
-SMALL = {"Fingers": 3, "CommandBits": 9, "PeriodBits": 6, "TimerBits": 3, "SpeedBits": 7, "GainBits": 5}
+SMALL = {"Fingers": 3, "CommandBits": 9, "PeriodBits": 6, "TimerBits": 3, "SpeedBits": 12, "GainBits": 7}
 
 
-@pytest.mark.parametrize("parameters", [{}, SMALL | {"SpeedShift": 3}, {"Fingers": 1, "SpeedShift": 20}])
+@pytest.mark.parametrize("parameters", [{}, SMALL | {"SpeedShift": 9}, {"Fingers": 1, "SpeedShift": 0}])
 def test_grip(parameters):
     bench.run("actuate", "grip", parameters)
 
@@ -391,7 +421,8 @@ def test_refuses_illegal_parameters():
 @pytest.mark.parametrize("rule", ["any", "weakest"])
 @pytest.mark.parametrize("mode", ["position", "force"])
 def test_model_against_the_loop(rule, mode):
-    """Cycle by cycle with random counts, three fingers, 60 settings; a cycle is a period of the loop."""
+    """Cycle by cycle with random counts, 60 settings, three fingers and one that is none; a cycle is a period
+    of the loop."""
     draw = random.Random(f"{bench.SEED} {rule} {mode}")
     signs = set()
     for _ in range(60):
@@ -411,8 +442,12 @@ def test_model_against_the_loop(rule, mode):
             decisions = [(f, n < over[f], True) for f in range(3) for n in range(seen[f])]
             for now in range(40):
                 report = (now, speed[now] is not None, speed[now] or 0) if now < 3 else None
+                report = (3, True, 65535) if now == 3 else report
                 decision = decisions.pop(0) if now > 8 and decisions else None
+                decision = (3, True, False) if now == 8 else decision
                 ended = loop.clock(decision, report, healthy if now == 30 else None)
+            twin.report(3, 65535)
+            twin.decision(3, True, False)
             found = twin.next(over, healthy, seen, speed, override)
             faulty = sum(bad << finger for finger, bad in enumerate(found.faulty))
             assert {name: getattr(found, name) for name in ended} | {"faulty": faulty} == ended
