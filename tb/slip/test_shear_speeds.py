@@ -132,14 +132,15 @@ class Stage:
         return found | {name: bench.as_signed(found[name], bits) for name, bits in (("vi", 26), ("rise", 27))}
 
     async def levels(self):
-        """{channel: (vi, rise, windows)} by ``select``."""
+        """{channel: (vi, rise, windows)} by ``select``; of channels that are not there all is 0."""
         found = {}
-        for channel in range(self.channels):
+        for channel in range(8):
             self.put(select=channel)
             await ReadOnly()
             status = self.status()
             found[channel] = status["vi"], status["rise"], status["windows"]
             await RisingEdge(self.dut.clk_i)
+        assert all(found.pop(channel) == (0, 0, 0) for channel in range(self.channels, 8))
         return found
 
 
@@ -354,6 +355,31 @@ async def known(stage, **settings):
 
 
 @bench.applies(lambda dut: dut.ShearSpeed.value == 1)
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def speeds_of_each_bit(dut):
+    """In each channel 2^bit exactly, of a rise of half or twice k to the power of |20 - bit|; at the limit
+    and above it. A window sees the settings of its own."""
+    stage = Stage(dut)
+    await stage.begin()
+    rise = 512 * 726  # above Vi of 512 x 1000
+    stage.put(k0=rise, k1=0)
+    for level in [1000] * 8 + [1726]:
+        await frames(stage, level, WINDOW, level)
+    await settle(stage)
+    for bit in range(24):
+        stage.put(k0=2 * rise if bit < 20 else rise // 2, exponent=2048 * abs(20 - bit))
+        for limit, expected in ((1 << bit, (1 << bit, 0)), ((1 << bit) - 1, (0, FAST))):
+            stage.put(limit=limit)
+            reports = await frames(stage, 1726, WINDOW, 1726) + await settle(stage)
+            status = stage.status()
+            for channel in range(stage.channels):
+                found = tuple(status[f"channel{channel}_{name}"] for name in ("speed", "flags"))
+                assert found == expected, (bit, channel)
+            told = {one["id"]: (one["ok"], one["speed"]) for one in reports}
+            assert told == dict.fromkeys(range(stage.channels), (expected[1] == 0, expected[0] >> 8))
+
+
+@bench.applies(lambda dut: dut.ShearSpeed.value == 1)
 @cocotb.test(timeout_time=60, timeout_unit="ms")
 async def holds_while_the_force_may_change(dut):
     """In a sample anywhere in a window: the pin, the register, a changed command, a damaged frame."""
@@ -440,6 +466,7 @@ EVIDENCE = {
         "test": "tb/slip/test_shear_speeds.py::test_model_against_the_loop",
     },
     "equivalence": {"size": {"Channels": 3}, "boxes": True, "open": ["reset"]},
+    "mutants": {"unsolved": True},
     "faults": {
         "none": "instances, wires and counters; the estimator's own upsets are those of msn_shear_speed"
     },
