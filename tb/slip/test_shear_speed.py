@@ -397,7 +397,13 @@ FAST_CASES = {
         ("a limit of 4", 1 << 29, [1 << 29, -FAST, -FAST]),
     )
 }
+SLOW = {"k0": 100, "k1": 0, "exponent": 2048, "travel": 1, "noise": 8, "limit": 1 << 31}
 LONG_CASES = {"the travel's end": ({}, LONG_LEVELS, LONG_CASE)} | FAST_CASES
+LONG_CASES |= {  # a level is four times the sum: 8003 lies 12 above
+    "rises by 12, still 11": (SLOW | {"still": 11}, [8000] * 4 + [8003], [*FAST_REST, -RISING]),
+    "rises by 12, still 12": (SLOW | {"still": 12}, [8000] * 4 + [8003], [*FAST_REST, None]),
+    "no noise and no rise": (SLOW | {"noise": 0}, [8000] * 5, [*FAST_REST, -SMALL]),
+}
 
 # From the lowest code to the highest below full, 131070: each register as wide as that rise asks for.
 WIDE_SIZE, WIDE_RISE = ShearSize(), 512 * (65534 + 65536)
