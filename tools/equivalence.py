@@ -62,11 +62,11 @@ def prove_netlists(block, chosen, families):
     """{family: result} of ``block`` with ``chosen`` parameters, as docs/trust/equivalence.json has them."""
     folder = f"{OUT}/{block}"
     result = {"parameters": spelt(chosen)}
-    for defined in (True,) if asked(block, "defined") else (False, True):
+    for slang, defined in product((True, False), (True,) if asked(block, "defined") else (False, True)):
         again = [family for family in families if not result.get(family, {}).get("proven")]
         try:
             bits = again and circuit.synthesise(
-                block, chosen, folder, again, defined, cut=bool(asked(block, "boxes"))
+                block, chosen, folder, again, defined, cut=bool(asked(block, "boxes")), slang=slang
             )
         except ValueError as error:  # a memory that asks for block RAM
             result |= {family: {"proven": False, "error": str(error)} for family in again}
@@ -75,7 +75,7 @@ def prove_netlists(block, chosen, families):
             if not result.get(family, {}).get("proven"):
                 of = bits["source"], bits[family], folder, family, from_reset
                 result[family] = said(lambda of=of: netlist_proof.prove(*of))
-                result[family] |= {"defined": defined, "from_reset": from_reset}
+                result[family] |= {"defined": defined, "from_reset": from_reset, "slang": slang}
                 result[family] |= {"around": around} if (around := circuit.boxes(bits["source"])) else {}
     yield result
 
@@ -183,7 +183,13 @@ def summary(entry):
 def total(entries):
     ecp5, ice40, reset = (sum(e.get(kind, {}).get("proven", False) for e in entries) for kind in KINDS)
     of = len(benches.blocks())
-    return f"netlist = RTL proven for {ecp5} (ECP5) and {ice40} (iCE40) of {of} blocks, reset for {reset}"
+    slang = sum(
+        e.get("ecp5", {}).get("slang", False) and e.get("ice40", {}).get("slang", False) for e in entries
+    )
+    said = (
+        f"netlist = RTL proven for {ecp5} (ECP5) and {ice40} (iCE40) of {of} blocks, {slang} of them as slang"
+    )
+    return f"{said} reads the RTL, reset for {reset}"
 
 
 def main():

@@ -87,6 +87,16 @@ CASES = {
     "denominator below 0": ({"k0": 499, "k1": -32768}, [1000, 1200], [-UNSETTLED, -DENOMINATOR]),
     "denominator of 1": ({"k0": 501, "k1": -32768}, [1000, 1200], [-UNSETTLED, -(FAST | SATURATED)]),
     # n = 1: the rise itself, in units of 1/1.
+    "speed of 8 at the limit": (
+        {"k0": 501, "k1": -32768, "exponent": 2048, "limit": 8 * ONE, "noise": 8},
+        [1000, 1008],
+        [-UNSETTLED, 8 * ONE],
+    ),
+    "speed of 8 above the limit": (
+        {"k0": 501, "k1": -32768, "exponent": 2048, "limit": 8 * ONE - 1, "noise": 8},
+        [1000, 1008],
+        [-UNSETTLED, -FAST],
+    ),
     "speed of 15": (
         {"k0": 501, "k1": -32768, "exponent": 2048, "limit": (1 << 24) - 1, "noise": 15},
         [1000, 1015],
@@ -145,6 +155,10 @@ CASES = {
 PAIR_SIZE = replace(SMALL_SIZE, settle_log2=1)
 PAIR = replace(HAND, k0=2000, vi_min=1800, vi_max=2200, noise=100, still=20)  # the same in the smaller unit
 PAIR_CASES = {
+    "Vi at the least": ({}, [900, 900, 1500], [-UNSETTLED, -UNSETTLED, None]),
+    "Vi below": ({}, [899, 900, 1500], [-UNSETTLED, -UNSETTLED, -RANGE]),
+    "Vi at the most": ({}, [1100, 1100, 1700], [-UNSETTLED, -UNSETTLED, None]),
+    "Vi above": ({}, [1100, 1101, 1700], [-UNSETTLED, -UNSETTLED, -RANGE]),
     "two windows": ({}, [1000, 1000, 1729], [-UNSETTLED, -UNSETTLED, None]),
     "second within still": ({}, [1000, 1010, 1734], [-UNSETTLED, -UNSETTLED, None]),
     "second off by more": ({}, [1000, 1011, 1011, 1740], [-UNSETTLED] * 3 + [None]),
@@ -308,6 +322,37 @@ async def matches_model_whatever_is_set(dut):
         assert all_of(got) == of_model(settings, size, codes, held)
 
 
+@bench.applies(lambda dut: size_of(dut).sample_bits > 12 and size_of(dut).window_log2 < 4)
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def matches_model_where_comparisons_are_met(dut):
+    """A register at what a window of the story makes, one below and one above; speeds of any size."""
+    size = size_of(dut)
+    rng = np.random.default_rng(bench.SEED)
+    await begin(dut, HAND)
+    met = dict.fromkeys(("limit", "vi_min", "vi_max", "noise"), 0)
+    while min(met.values()) < 4:
+        share, n = ((1, 0.5), (4, 1.0), (8, 1.0), (12, 1.0))[int(rng.integers(4))]
+        open_ = settings_of(size, k0=1.55 / share, k1=-0.27 / share, n=n, travel=0.0)
+        open_ = replace(open_, limit=(1 << size.speed_bits) - 1)
+        codes, held = story(rng, size, 60)
+        found = ShearSpeed(open_, size).windows(codes, held)
+        good = np.flatnonzero(found.flags == OK)
+        if not len(good):
+            continue
+        at, name = rng.choice(good), min(met, key=met.get)
+        made = {"limit": found.speed, "vi_min": found.vi, "vi_max": found.vi, "noise": found.rise}
+        met[name], value = met[name] + 1, made[name][at]
+        results = []
+        for off in (-1, 0, 1):
+            settings = replace(open_, **{name: int(value) + off})
+            put(dut, settings)
+            got = await bench.stream(dut, beats_of(codes, held), FIELDS, drain=80)
+            assert all_of(got) == of_model(settings, size, codes, held)
+            results.append(got[at]["flags"])
+        by_hand = {"limit": [FAST, OK, OK], "vi_min": [OK, OK, RANGE], "vi_max": [RANGE, OK, OK]}
+        assert results == by_hand.get(name, results)  # noise also changes what was rest before
+
+
 def any_settings(rng, size):
     """Registers from all that they hold, with small ones among them."""
     widths = {"k0": size.level_bits, "noise": size.level_bits, "still": size.level_bits}
@@ -319,26 +364,6 @@ def any_settings(rng, size):
     low, high = bench.width(size.level_bits)
     ends = sorted(int(rng.integers(low, high + 1)) for _ in range(2))
     return ShearSettings(**drawn, k1=k1, full=full, vi_min=ends[0], vi_max=ends[1])
-
-
-def is_small(dut):
-    return size_of(dut) in (SMALL_SIZE, PAIR_SIZE)
-
-
-@bench.applies(is_small)
-@cocotb.test(timeout_time=5, timeout_unit="ms")
-async def decides_by_hand(dut):
-    size = size_of(dut)
-    standard, cases = (HAND, CASES) if size == SMALL_SIZE else (PAIR, PAIR_CASES)
-    await begin(dut, standard)
-    for name, (given, levels, case) in cases.items():
-        settings = replace(standard, **given)
-        put(dut, settings)
-        codes, held = samples(levels, size)
-        got = pairs(await bench.stream(dut, beats_of(codes, held), ["speed", "flags"], drain=70))
-        check(case, got)
-        by_twin = ShearSpeed(settings, size).process(codes, held)
-        assert got == list(zip(*map(np.ndarray.tolist, by_twin))), name
 
 
 @bench.applies(lambda dut: size_of(dut) == SMALL_SIZE)
@@ -361,13 +386,75 @@ LONG = replace(HAND, k0=32000, k1=-17694, vi_min=32000 - 1, vi_max=32000, limit=
 LONG_LEVELS = [8000] * 4 + [8000 + 5840] * 41  # k = 32000 - floor(..) = 32000 - 8640 = 23360 = 4 x 5840
 LONG_CASE = [-UNSETTLED] * 4 + [-RISING] * 32 + [1 << 27] * 9
 
+# A rise of 4, 8 and 16 k, n = 1: speeds of 2^29, 2^30 and 2^31, and a limit met there; windows of 8, Vi of 4.
+FAST_LEVELS, FAST_REST = [8000] * 4 + [8100, 8200, 8400], [-UNSETTLED] * 4
+FAST_CASES = {
+    name: ({"k0": 100, "k1": 0, "exponent": 2048, "travel": 0, "limit": limit}, FAST_LEVELS, FAST_REST + case)
+    for name, limit, case in (
+        ("no limit", (1 << 32) - 1, [1 << 29, 1 << 30, 1 << 31]),
+        ("a limit of 16", 1 << 31, [1 << 29, 1 << 30, 1 << 31]),
+        ("a limit below 16", (1 << 31) - 1, [1 << 29, 1 << 30, -FAST]),
+        ("a limit of 4", 1 << 29, [1 << 29, -FAST, -FAST]),
+    )
+}
+SLOW = {"k0": 100, "k1": 0, "exponent": 2048, "travel": 1, "noise": 8, "limit": 1 << 31}
+LONG_CASES = {"the travel's end": ({}, LONG_LEVELS, LONG_CASE)} | FAST_CASES
+LONG_CASES |= {  # a level is four times the sum: 8003 lies 12 above
+    "rises by 12, still 11": (SLOW | {"still": 11}, [8000] * 4 + [8003], [*FAST_REST, -RISING]),
+    "rises by 12, still 12": (SLOW | {"still": 12}, [8000] * 4 + [8003], [*FAST_REST, None]),
+    "no noise and no rise": (SLOW | {"noise": 0}, [8000] * 5, [*FAST_REST, -SMALL]),
+}
 
-@bench.applies(lambda dut: size_of(dut) == LONG_SIZE)
-@cocotb.test(timeout_time=2, timeout_unit="ms")
-async def holds_the_travel_at_its_end(dut):
-    await begin(dut, LONG)
-    codes, held = samples(LONG_LEVELS, LONG_SIZE)
-    check(LONG_CASE, pairs(await bench.stream(dut, beats_of(codes, held), ["speed", "flags"], drain=70)))
+# From the lowest code to the highest below full, 131070: each register as wide as that rise asks for.
+WIDE_SIZE, WIDE_RISE = ShearSize(), 512 * (65534 + 65536)
+WIDE = ShearSettings(
+    **{"k0": WIDE_RISE, "k1": 0, "exponent": 65535, "vi_min": -(1 << 25), "vi_max": (1 << 25) - 1},
+    **{"noise": WIDE_RISE, "still": WIDE_RISE, "full": 65535, "limit": ONE, "travel": ONE},
+)
+WIDE_LEVELS, WIDE_REST = [-64 * 65536] * 8 + [64 * 65534], [-UNSETTLED] * 8
+HIGH_LEVELS = [64 * 65534] * 9
+WIDE_CASES = {
+    "all registers wide": ({}, WIDE_LEVELS, [*WIDE_REST, ONE]),
+    "noise above it": ({"noise": WIDE_RISE + 1}, WIDE_LEVELS, [*WIDE_REST, -SMALL]),
+    "still below it": ({"still": WIDE_RISE - 1}, WIDE_LEVELS, [*WIDE_REST, -RISING]),
+    "travel above it": ({"travel": (1 << 32) - 1}, WIDE_LEVELS, [*WIDE_REST, -RISING]),
+    "no travel": ({"travel": 0}, WIDE_LEVELS, [*WIDE_REST, ONE]),
+    "all registers least": (  # a rise of 131070 k, to the power of 0
+        {"k0": 1, "exponent": 0, "noise": 0, "still": 0, "travel": 0},
+        WIDE_LEVELS,
+        [*WIDE_REST, ONE],
+    ),
+    "back at the rest": ({}, [*WIDE_LEVELS, -64 * 65536], [*WIDE_REST, ONE, -SMALL]),
+    "falls by more at the ends": (
+        {"still": WIDE_RISE - 1, "travel": 0},
+        [*WIDE_LEVELS, -64 * 65536],
+        [*WIDE_REST, ONE, -UNSETTLED],
+    ),
+    "Vi at the highest level": ({"vi_max": 512 * 65534}, HIGH_LEVELS, [*WIDE_REST, -SMALL]),
+    "Vi above it": ({"vi_max": 512 * 65534 - 1}, HIGH_LEVELS, [*WIDE_REST, -(RANGE | SMALL)]),
+}
+BY_SIZE = {  # registers, cases
+    SMALL_SIZE: (HAND, CASES),
+    PAIR_SIZE: (PAIR, PAIR_CASES),
+    LONG_SIZE: (LONG, LONG_CASES),
+    WIDE_SIZE: (WIDE, WIDE_CASES),
+}
+
+
+@bench.applies(lambda dut: size_of(dut) in BY_SIZE)
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def decides_by_hand(dut):
+    size = size_of(dut)
+    standard, cases = BY_SIZE[size]
+    await begin(dut, standard)
+    for name, (given, levels, case) in cases.items():
+        settings = replace(standard, **given)
+        put(dut, settings)
+        codes, held = samples(levels, size)
+        got = pairs(await bench.stream(dut, beats_of(codes, held), ["speed", "flags"], drain=70))
+        check(case, got)
+        by_twin = ShearSpeed(settings, size).process(codes, held)
+        assert got == list(zip(*map(np.ndarray.tolist, by_twin))), name
 
 
 @bench.applies(lambda dut: size_of(dut) == SMALL_SIZE)
@@ -434,6 +521,11 @@ EVIDENCE = {
             "SpeedFraction": 6,
         },
     },
+    "faults": {
+        "size": {"SampleBits": 13, "WindowLog2": 1, "SettleLog2": 1},
+        "settle": 100,  # 50 windows: within them a fall or a hold drops what is known of the level
+        "driver": {"phases": 2},
+    },
 }
 
 SPACE = lambda draw: {
@@ -460,10 +552,8 @@ def test_shear_speed(parameters):
 
 @pytest.mark.parametrize(
     "size, standard, given, levels, case",
-    [(SMALL_SIZE, HAND, *case) for case in CASES.values()]
-    + [(PAIR_SIZE, PAIR, *case) for case in PAIR_CASES.values()]
-    + [(LONG_SIZE, LONG, {}, LONG_LEVELS, LONG_CASE)],
-    ids=[*CASES, *PAIR_CASES, "the travel's end"],
+    [(size, standard, *case) for size, (standard, cases) in BY_SIZE.items() for case in cases.values()],
+    ids=[name for _, cases in BY_SIZE.values() for name in cases],
 )
 def test_decisions_by_hand(size, standard, given, levels, case):
     block = ShearSpeed(replace(standard, **given), size)

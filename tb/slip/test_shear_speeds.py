@@ -16,7 +16,7 @@ import bench
 import members
 from meissner.twins.slip.shear_speed import ShearSettings
 from meissner.twins.slip.shear_speeds import ShearConfig, ShearSpeeds, report
-from reference.shear import FAST, RISING, SATURATED, ShearReference, within
+from reference.shear import DENOMINATOR, FAST, RANGE, RISING, SATURATED, ShearReference, within
 
 UNSETTLED, SMALL = 1, 4
 LATENCY = 60
@@ -24,7 +24,9 @@ LATENCY = 60
 HAND = {"k0": 500_000, "k1": -16384, "exponent": 18618, "vi_min": 300_000, "vi_max": 900_000, "noise": 5000}
 HAND |= {"still": 700, "full": 4000, "limit": 3 << 20, "travel": 0, "hold": 0, "hold_cycles": 0, "select": 0}
 OF_LOOP = ("k0", "k1", "exponent", "vi_min", "vi_max", "noise", "still", "full", "limit", "travel")
-WINDOW, REST = 64, 8
+WINDOW, REST, TOP = 64, 8, (1 << 24) - 1  # the largest speed
+REGISTERS = {name: members.PLACES["shear_speed_cfg"][name] for name in OF_LOOP}  # (place, bits)
+GRIP_BITS = sum(bits for _, bits in members.PLACES["grip_status"].values())
 
 
 class Loop:
@@ -56,13 +58,15 @@ def agrees(loop, expected, speed, flags):
         loop.travel = 0
         return (speed, flags) == (0, wanted)
     bound = within(loop.given["exponent"], 26, 6, 16) * exact + Fraction(1, 2)
-    assert abs(exact - loop.given["limit"]) > bound, "the case hangs on the arithmetic's error"
+    limit = loop.given["limit"]
+    assert abs(exact - limit) > bound < abs(exact - TOP), "the case hangs on the arithmetic's error"
     if flags:
         loop.travel = 0 if rises else loop.travel + int(exact)
         return (
             speed == 0
             and flags & ~(RISING | FAST | SATURATED) == 0
-            and bool(flags & FAST) == (exact > loop.given["limit"])
+            and bool(flags & FAST) == (min(exact, TOP) > limit)
+            and bool(flags & SATURATED) == (exact > TOP)
         )
     return abs(speed - exact) <= bound
 
@@ -72,6 +76,9 @@ class Stage:
 
     def __init__(self, dut):
         self.dut, self.channels = dut, dut.Channels.value.to_unsigned()
+        self.beside = random.Random(bench.SEED).getrandbits(
+            GRIP_BITS
+        )  # without grip_valid_i it counts as little
 
     async def begin(self, **settings):
         self.settings = HAND | {"enable": 1} | settings
@@ -84,6 +91,13 @@ class Stage:
     def word(self):
         return members.word("shear_speed_cfg", self.settings)
 
+    def grip(self, increment):
+        """The reflex' status with this increment; all else in it counts as little, and is turned over."""
+        self.beside ^= (1 << GRIP_BITS) - 1
+        low, bits = members.PLACES["grip_status"]["increment"]
+        within = (1 << bits) - 1 << low
+        return self.beside & ~within | increment << low & within
+
     def put(self, **settings):
         self.settings |= settings
         self.dut.cfg_i.value = self.word()
@@ -94,8 +108,7 @@ class Stage:
         dut.in_id_i.value, dut.in_data_i.value = sample or (0, 0x5555)
         dut.in_last_i.value, dut.out_ready_i.value = int(last), int(ready)
         dut.grip_valid_i.value = command is not None
-        word = {"increment": (command or 0) & 0x1FFFF}
-        dut.grip_i.value = members.word("grip_status", word)
+        dut.grip_i.value = self.beside if command is None else self.grip(command)
         await ReadOnly()
         told = members.of("shear", bench.read(dut.report_o))
         taken = sample is not None and bench.high(dut.in_ready_o)
@@ -119,15 +132,21 @@ class Stage:
         return found | {name: bench.as_signed(found[name], bits) for name, bits in (("vi", 26), ("rise", 27))}
 
     async def levels(self):
-        """{channel: (vi, rise, windows)} by ``select``."""
+        """{channel: (vi, rise, windows)} by ``select``; of channels that are not there all is 0."""
         found = {}
-        for channel in range(self.channels):
+        for channel in range(8):
             self.put(select=channel)
             await ReadOnly()
             status = self.status()
             found[channel] = status["vi"], status["rise"], status["windows"]
             await RisingEdge(self.dut.clk_i)
+        assert all(found.pop(channel) == (0, 0, 0) for channel in range(self.channels, 8))
         return found
+
+
+def signed(name, value):
+    """A register's value of its bits."""
+    return bench.as_signed(value, REGISTERS[name][1]) if name in ("k1", "vi_min", "vi_max", "full") else value
 
 
 def story(rng, channels, windows):
@@ -147,25 +166,20 @@ def story(rng, channels, windows):
     return np.rint(np.array(rows) + rng.normal(0, 0.3, (channels, windows * WINDOW))).astype(int)
 
 
-@bench.applies(lambda dut: dut.ShearSpeed.value == 1)
-@cocotb.test(timeout_time=100, timeout_unit="ms")
-async def matches_the_loops(dut):
-    """Frames with gaps, the slip path not always ready; each window of each channel, in its registers too."""
-    stage, rng, draw = Stage(dut), np.random.default_rng(bench.SEED), random.Random(bench.SEED)
-    await stage.begin(limit=int(1.9 * (1 << 20)), travel=1 << 18, noise=6000)
-    codes = story(rng, stage.channels, 45)
-    loops = [Loop(stage.settings) for _ in range(stage.channels)]
-    waiting, seen, speeds = [], 0, 0
-    for frame in codes.T:
+async def follow(stage, codes, loops, draw=None):
+    """Each window of each channel against its loop, in the reports and in its registers; with ``draw`` there
+    are gaps, and the slip path is not always ready. All flags that were seen, and how many speeds of each."""
+    waiting, seen, speeds = [], [0] * stage.channels, [0] * stage.channels
+    for frame in codes.T.tolist():
         reports = []
         for channel, code in enumerate(frame):
-            expected = loops[channel].sample(int(code), False)
+            expected = loops[channel].sample(code, False)
             if expected:
                 waiting.append((channel, expected))
             reports += await stage.send(
-                *(channel, int(code), channel == stage.channels - 1),
-                gap=draw.choice([0, 0, 1, 5]),
-                ready=lambda: draw.random() < 0.8,
+                *(channel, code, channel == stage.channels - 1),
+                gap=draw.choice([0, 0, 1, 5]) if draw else 0,
+                ready=lambda: not draw or draw.random() < 0.8,
             )
         if waiting and len(waiting) == stage.channels:
             for _ in range(LATENCY + 2 * stage.channels):
@@ -179,15 +193,67 @@ async def matches_the_loops(dut):
                 assert levels[channel][:2] == expected[2:4]
                 mine = [one for one in reports if one["id"] == channel]
                 assert [(one["ok"], one["speed"]) for one in mine] == [(flags == 0, speed >> 8)]
-                seen, speeds = seen | flags, speeds + (flags == 0)
+                seen[channel] |= flags
+                speeds[channel] += flags == 0
             assert len({level[2] for level in levels.values()}) == 1
             waiting.clear()
+    for absent in range(stage.channels, 8):
+        assert (status[f"channel{absent}_speed"], status[f"channel{absent}_flags"]) == (0, UNSETTLED)
+    return seen, speeds
+
+
+@bench.applies(lambda dut: dut.ShearSpeed.value == 1)
+@cocotb.test(timeout_time=100, timeout_unit="ms")
+async def matches_the_loops(dut):
+    stage, rng, draw = Stage(dut), np.random.default_rng(bench.SEED), random.Random(bench.SEED)
+    await stage.begin(limit=int(1.9 * (1 << 20)), travel=1 << 18, noise=6000)
+    codes = story(rng, stage.channels, 45)
+    loops = [Loop(stage.settings) for _ in range(stage.channels)]
+    seen, speeds = await follow(stage, codes, loops, draw)
     assert {channel: 45 for channel in range(stage.channels)} == {
         channel: level[2] for channel, level in (await stage.levels()).items()
     }
-    assert seen & 0x75 == 0x75 and speeds > 5 * stage.channels
-    for absent in range(stage.channels, 8):
-        assert (status[f"channel{absent}_speed"], status[f"channel{absent}_flags"]) == (0, UNSETTLED)
+    assert np.bitwise_or.reduce(seen) & 0x75 == 0x75 and sum(speeds) > 5 * stage.channels
+
+
+def climb(rng, channels, rest, top):
+    """Codes [channels, samples] of eight windows at rest and twelve of levels that rise to ``top``."""
+    rows = [
+        [rest + int(rng.integers(0, 99))] * 8 + sorted(rng.integers(rest + 200, top, 12))
+        for _ in range(channels)
+    ]
+    codes = np.repeat(np.array(rows), WINDOW, axis=1)
+    return np.clip(codes + rng.integers(-2, 3, codes.shape), -65_536, 65_535)
+
+
+@bench.applies(lambda dut: dut.ShearSpeed.value == 1)
+@cocotb.test(timeout_time=100, timeout_unit="ms")
+async def matches_the_loops_at_full_width(dut):
+    """The whole range of codes and of speeds, with 1/n = 1; each flag of each channel; then registers and
+    levels from anywhere, each bit of them turned over."""
+    stage, rng = Stage(dut), np.random.default_rng(bench.SEED)
+    await stage.begin()
+    straight = HAND | {"k0": 512 * 100_000 // 15, "k1": 0, "exponent": 2048, "limit": TOP}
+    straight |= {"vi_min": -(1 << 25), "vi_max": (1 << 25) - 1, "full": 65_535}
+    drawn = {name: int(rng.integers(0, 1 << bits)) for name, (_, bits) in REGISTERS.items()}
+    other = {name: value ^ (1 << REGISTERS[name][1]) - 1 for name, value in drawn.items()}
+    for change, rest, top, wanted in (
+        *[(straight, -50_000, 50_000, 0)] * 2,
+        (straight | {"k0": 1, "limit": TOP - 1}, -60_000, 65_000, FAST | SATURATED),
+        (straight | {"k0": 0, "vi_min": (1 << 25) - 1}, 30_000, 65_000, RANGE | DENOMINATOR),
+        (straight | {"limit": 1 << 10, "travel": (1 << 32) - 1}, 40_000, 60_000, RISING | FAST),
+        *[
+            ({name: signed(name, value) for name, value in some.items()}, -65_536, 65_535, 0)
+            for some in (drawn, other, drawn)
+        ],
+    ):
+        stage.put(**HAND, enable=0)
+        await settle(stage, 2)
+        stage.put(**change, enable=1)
+        loops = [Loop(stage.settings) for _ in range(stage.channels)]
+        seen, speeds = await follow(stage, climb(rng, stage.channels, rest, top), loops)
+        assert all(flags & wanted == wanted for flags in seen)
+        assert change is not straight or min(speeds) > 8
 
 
 async def frames(stage, level, count, others=1000, every=0):
@@ -289,6 +355,31 @@ async def known(stage, **settings):
 
 
 @bench.applies(lambda dut: dut.ShearSpeed.value == 1)
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def speeds_of_each_bit(dut):
+    """In each channel 2^bit exactly, of a rise of half or twice k to the power of |20 - bit|; at the limit
+    and above it. A window sees the settings of its own."""
+    stage = Stage(dut)
+    await stage.begin()
+    rise = 512 * 726  # above Vi of 512 x 1000
+    stage.put(k0=rise, k1=0)
+    for level in [1000] * 8 + [1726]:
+        await frames(stage, level, WINDOW, level)
+    await settle(stage)
+    for bit in range(24):
+        stage.put(k0=2 * rise if bit < 20 else rise // 2, exponent=2048 * abs(20 - bit))
+        for limit, expected in ((1 << bit, (1 << bit, 0)), ((1 << bit) - 1, (0, FAST))):
+            stage.put(limit=limit)
+            reports = await frames(stage, 1726, WINDOW, 1726) + await settle(stage)
+            status = stage.status()
+            for channel in range(stage.channels):
+                found = tuple(status[f"channel{channel}_{name}"] for name in ("speed", "flags"))
+                assert found == expected, (bit, channel)
+            told = {one["id"]: (one["ok"], one["speed"]) for one in reports}
+            assert told == dict.fromkeys(range(stage.channels), (expected[1] == 0, expected[0] >> 8))
+
+
+@bench.applies(lambda dut: dut.ShearSpeed.value == 1)
 @cocotb.test(timeout_time=60, timeout_unit="ms")
 async def holds_while_the_force_may_change(dut):
     """In a sample anywhere in a window: the pin, the register, a changed command, a damaged frame."""
@@ -375,13 +466,14 @@ EVIDENCE = {
         "test": "tb/slip/test_shear_speeds.py::test_model_against_the_loop",
     },
     "equivalence": {"size": {"Channels": 3}, "boxes": True, "open": ["reset"]},
+    "mutants": {"unsolved": True},
     "faults": {
         "none": "instances, wires and counters; the estimator's own upsets are those of msn_shear_speed"
     },
 }
 
 
-@pytest.mark.parametrize("parameters", [{}, {"Channels": 3}, {"ShearSpeed": 0}], ids=str)
+@pytest.mark.parametrize("parameters", [{"Channels": 8}, {"Channels": 3}, {"ShearSpeed": 0}], ids=str)
 def test_shear_speeds(parameters):
     bench.run("slip", "shear_speeds", parameters)
 

@@ -97,6 +97,21 @@ def test_wrong_wire_between_blocks_is_found(plant, monkeypatch):
     assert netlist_proof.prove(source, netlist, folder("cop"), "bug")
 
 
+def test_what_yosys_reads_otherwise_is_found(monkeypatch):
+    """~Bits'(1) is 6 of three bits, and to Yosys' own reader 1: alike on both sides if it reads both."""
+    copy = toolchain.ROOT / folder("pwm") / "msn_pwm.sv"
+    copy.parent.mkdir(parents=True, exist_ok=True)
+    text = (toolchain.ROOT / "rtl/actuate/msn_pwm.sv").read_text()
+    assert text.count("{{(Bits - 1){1'b1}}, 1'b0}") == 1
+    copy.write_text(text.replace("{{(Bits - 1){1'b1}}, 1'b0}", "~Bits'(1)"))
+    monkeypatch.setattr(toolchain, "sources_of", lambda top: [toolchain.ROOT / "rtl/msn_pkg.sv", copy])
+    found = {}
+    for slang in (True, False):
+        made = circuit.synthesise("pwm", {"Bits": 3}, folder("pwm"), ["ecp5"], slang=slang)
+        found[slang] = netlist_proof.prove(made["source"], made["ecp5"], folder("pwm"), "read")
+    assert "pwm_o" in found[True] and found[False] == []
+
+
 def test_what_is_a_box_is_proven_by_itself():
     """A proof around other blocks is only as good as their own, so it is not counted without these."""
     recorded = json.loads((record.FOLDER / "equivalence.json").read_text())

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from meissner.builds import toolchain
-from verify import benches, evidence, faults
+from verify import benches, evidence, faults, initial
 
 
 @pytest.mark.parametrize("block", ["frame_filter", "skid"])
@@ -106,6 +106,25 @@ def test_every_block_takes_part():
         stated = evidence.of(block, "faults")
         others = [*stated.get("inside", [block])[:1], *stated.get("kept_inside", {}).values()]
         assert block in left_out or set(others) <= set(faults.blocks())
+
+
+def test_a_table_of_constants_is_no_state(monkeypatch):
+    """What an initial block alone writes, in each instance; a flag that it only begins is state."""
+    found = {
+        block: initial.only(toolchain.sources_of(f"msn_{block}"), f"msn_{block}", {})
+        for block in ("exp2", "shear_speed", "adc_store", "fifo")
+    }
+    assert found == {
+        "exp2": {"rom"},
+        "shear_speed": {"u_log.rom", "u_exp.rom"},
+        "adc_store": set(),
+        "fifo": set(),
+    }
+    three = initial.only(toolchain.sources_of("msn_shear_speeds"), "msn_shear_speeds", {"Channels": 3})
+    assert len(three) == 6 and "gen_shear_speed.gen_channel[2].u_shear_speed.u_log.rom" in three
+    upset = [faults.Result("bit", where, 9, "silent", "") for where in ("rom[5].3", "entry.3", "rome[5].3")]
+    monkeypatch.setattr(faults, "_run", lambda *_: upset)
+    assert [result.where for result in faults.inject("exp2", 3, 1)] == ["entry.3", "rome[5].3"]
 
 
 def test_wrapper_has_the_ports_and_parameters_of_its_block():

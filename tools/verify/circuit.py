@@ -173,29 +173,39 @@ def boxes(circuit):
     return sorted(set(circuit.boxes.values()))
 
 
-def synthesise(block, parameters, folder, families=FAMILIES, defined=False, around="", cut=False):
+def synthesise(block, parameters, folder, families=FAMILIES, defined=False, around="", cut=False, slang=True):
     """Netlists of ``msn_<block>`` in ``folder``, relative to ROOT: {"source": circuit, family: circuit}.
 
+    ``slang``: beside a netlist the source is read by slang: what Yosys' own reader takes for something else
+    shows.
     ``defined``: memories become registers, and what is undefined 0, already for synthesis; ``around``: what
     ``framed`` gives, the top in its place; ``cut``: the blocks in it are boxes.
     """
     top = f"msn_{block}"
     (toolchain.ROOT / folder).mkdir(parents=True, exist_ok=True)
-    files = [str(path.relative_to(toolchain.ROOT)) for path in toolchain.sources_of(top)]
+    files = " ".join(str(path.relative_to(toolchain.ROOT)) for path in toolchain.sources_of(top))
     given = yowasp.chparam(top, parameters)
     if around:
         (toolchain.ROOT / folder / "around.v").write_text(around)
         given += f"read_verilog -sv {folder}/around.v; "
         top = f"{top}_framed"
-    leaves = f"techmap -map {HERE}/leaves_map.v; rename -enumerate -pattern product_% t:product; "
-    script = [
-        f"read_verilog -sv {' '.join(files)} {HERE}/leaves.v",
-        f"{given}hierarchy -check -top {top}",
-        f"rename -top {top}; {boxed(top) if cut else ''}proc; flatten; setattr -unset src */t:* */w:* */m:*",
-        f"{leaves if block != 'multiply' else ''}opt_clean",
-        f"{DEFINED if defined else ''}design -save read",
-        f"techmap -map {HERE}/defined_map.v; memory -nordff; {BITS}; write_json {folder}/source.json",
-    ]
+    flat = (
+        f"rename -top {top}; {boxed(top) if cut else ''}proc; flatten; setattr -unset src */t:* */w:* */m:*; "
+    )
+    if block != "multiply":
+        flat += f"wreduce t:$mul; techmap -map {HERE}/leaves_map.v; "
+        flat += "rename -enumerate -pattern product_% t:product; "
+    flat += f"opt_clean; {DEFINED if defined else ''}"
+    source = f"techmap -map {HERE}/defined_map.v; memory -nordff; {BITS}; write_json {folder}/source.json"
+    leaves = f"read_verilog -sv {HERE}/leaves.v"
+    by_yosys = f"read_verilog -sv {files}; {leaves}; {given}hierarchy -check -top {top}; {flat}"
+    if families and slang:
+        options = " ".join(f"-G {name}={value}" for name, value in parameters.items())
+        options += " --keep-hierarchy" if cut else ""
+        script = [f"read_slang --threads 1 {options} {files} --top {top}; {leaves}; {flat}{source}"]
+        script += [f"design -reset; {by_yosys}design -save read"]
+    else:
+        script = [f"{by_yosys}design -save read; {source}"]
     for family in families:
         synth, cells = FAMILIES[family]
         script += [

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from meissner.builds import toolchain
 from meissner.twins.link.registers import members
-from verify import benches, evidence, revision
+from verify import benches, evidence, initial, revision
 
 DRIVER = Path(__file__).with_name("faults_driver.cpp")
 ENGINES = toolchain.ROOT / "model/meissner/engines"  # the converters' models
@@ -85,7 +85,8 @@ def recording(block):
         call = "import bench; bench.run({stage!r}, {block!r}, {parameters!r}, {test_filter!r}, "
         call += "sources={sources!r})"
         text = call.format(**{**run, "sources": [*map(str, run["sources"])] or None})
-        paths = os.pathsep.join([str(toolchain.ROOT / "tb"), *filter(None, [os.environ.get("PYTHONPATH")])])
+        paths = [str(toolchain.ROOT / folder) for folder in ("tb", "tools")]  # as pyproject.toml has it
+        paths = os.pathsep.join([*paths, *filter(None, [os.environ.get("PYTHONPATH")])])
         source = next(path for path in toolchain.sources() if path.stem == f"msn_{block}").read_text()
         ports = re.findall(
             r"^\s*(?:input|output)\s[^/]*?(\w+)\s*,?\s*(?://.*)?$", _header(source, block)[0], re.M
@@ -221,6 +222,8 @@ def inject(block, count, seed):
     told = _run(around, count, seed, options)
     for writes in stated(block, "writes", []):
         told += _run(around, count, seed, options | writes | {"alone": 1})
+    tables = initial.only(toolchain.sources_of(f"msn_{around}"), f"msn_{around}", program_parameters(around))
+    told = [result for result in told if not result.where.startswith(tuple(f"{name}[" for name in tables))]
     return [result for result in told if result.outcome != "constant"]  # no state, see the driver
 
 
