@@ -152,6 +152,9 @@ async def a_task_ends_as_it_did(dut):
 
 
 @pytest.mark.skipif(os.environ.get("MEISSNER_COCOTB") == "plain", reason="cocotb's own functions are wanted")
+@pytest.mark.skipif(
+    os.environ.get("MEISSNER_SIM") == "icarus", reason="Icarus: runs with cocotb's own functions"
+)
 def test_quick():
     bench.run("common", "delay", {"Depth": 3, "Width": WIDTH}, module="test_quick")
 
