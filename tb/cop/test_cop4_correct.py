@@ -109,6 +109,7 @@ EVIDENCE = {
         "against": "`Fraction`",
         "test": "tb/cop/test_cop4_correct.py::test_model_against_fractions",
     },
+    "equivalence": {"yosys": "a product's operands have other widths as slang reads it"},
 }
 
 

@@ -9,6 +9,7 @@ import re
 from dataclasses import dataclass, field
 
 from meissner.builds import toolchain, yowasp
+from verify import formal
 from verify.aig import FALSE, TRUE, Aig
 
 HERE = "tools/verify"
@@ -183,7 +184,7 @@ def synthesise(block, parameters, folder, families=FAMILIES, defined=False, arou
     """
     top = f"msn_{block}"
     (toolchain.ROOT / folder).mkdir(parents=True, exist_ok=True)
-    files = " ".join(str(path.relative_to(toolchain.ROOT)) for path in toolchain.sources_of(top))
+    files = [str(path.relative_to(toolchain.ROOT)) for path in toolchain.sources_of(top)]
     given = yowasp.chparam(top, parameters)
     if around:
         (toolchain.ROOT / folder / "around.v").write_text(around)
@@ -198,11 +199,10 @@ def synthesise(block, parameters, folder, families=FAMILIES, defined=False, arou
     flat += f"opt_clean; {DEFINED if defined else ''}"
     source = f"techmap -map {HERE}/defined_map.v; memory -nordff; {BITS}; write_json {folder}/source.json"
     leaves = f"read_verilog -sv {HERE}/leaves.v"
-    by_yosys = f"read_verilog -sv {files}; {leaves}; {given}hierarchy -check -top {top}; {flat}"
+    by_yosys = f"read_verilog -sv {' '.join(files)}; {leaves}; {given}hierarchy -check -top {top}; {flat}"
     if families and slang:
-        options = " ".join(f"-G {name}={value}" for name, value in parameters.items())
-        options += " --keep-hierarchy" if cut else ""
-        script = [f"read_slang --threads 1 {options} {files} --top {top}; {leaves}; {flat}{source}"]
+        by_slang = formal.by_slang(files, top, parameters, "--keep-hierarchy" if cut else "")
+        script = [f"{by_slang}; {leaves}; {flat}{source}"]
         script += [f"design -reset; {by_yosys}design -save read"]
     else:
         script = [f"{by_yosys}design -save read; {source}"]

@@ -27,6 +27,7 @@ KEYS = {  # {kind: {key: (type, what it says)}}
         "reset_size": (dict, "the same of the reset's proof, where that takes a smaller one"),
         "defined": (bool, "synthesis makes use of what the source leaves undefined: that reads 0 in both"),
         "boxes": (bool, "the netlist is proven around the blocks in it, which have proofs of their own"),
+        "yosys": (str, "why Yosys' own reader reads the source, too, in place of slang"),
         "open": (list, "kinds of proof that are not proven; docs/equivalence.md says why"),
         "reset": (dict, "arguments of verify.reset_proof.Task: what the reset's proof assumes"),
     },

@@ -127,10 +127,15 @@ def sources(proof):
 def read(proof, parameters):
     """Yosys's commands up to a flat design of processes turned into registers; what nobody drives may be
     anything at any time, before `opt` can choose a value for it."""
-    given = " ".join(f"-G {key}={_literal(value)}" for key, value in parameters.items())
-    files = " ".join(sources(proof))
-    slang = "read_slang --threads 1"
-    return f"{slang} {given} {files} --top formal_{proof.name}; proc; flatten; setundef -undriven -anyseq"
+    given = {key: _literal(value) for key, value in parameters.items()}
+    slang = by_slang(sources(proof), f"formal_{proof.name}", given)
+    return f"{slang}; proc; flatten; setundef -undriven -anyseq"
+
+
+def by_slang(files, top, parameters, options=""):
+    """Yosys's command that has slang read ``files``, with ``top``'s parameters as they are spelt."""
+    given = " ".join(f"-G {key}={value}" for key, value in parameters.items())
+    return f"read_slang --threads 1 {options} {given} {' '.join(files)} --top {top}"
 
 
 def _literal(value):

@@ -188,7 +188,6 @@ BOARDS = {
                 "array64": {"mhz": 100.0, "device": "25F", "more": {"SlipDepth": 16}},
                 "full": {"mhz": 100.0, "device": "45F"},
             },
-            left_out={},
         ),
         Board(
             name="orangecrab",
