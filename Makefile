@@ -16,7 +16,7 @@ unexport PYTHONDONTWRITEBYTECODE
 
 .DEFAULT_GOAL := help
 .PHONY: help setup demo picture test test-long lint registers blocks synth resources gate gate-scenes fmax figures bench clean
-.PHONY: formal formal-mutants mutants mutants-quick coverage powerup faults fuzz extremes equivalence regress trust test-icarus
+.PHONY: pages formal formal-mutants mutants mutants-quick coverage powerup faults fuzz extremes equivalence regress trust test-icarus
 
 help:  ## this list
 	@awk -F':.*## ' '/^[a-z-]+:.*## /{printf "  make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -85,6 +85,9 @@ registers: $(SIM)  ## RTL, Python map, C header and page of the registers, from 
 
 blocks: $(SIM)  ## docs/blocks.md from the headers of the sources that rtl/rtl.f lists, and its list for FuseSoC: meissner.core
 	@$(BIN)/python tools/blocks.py --page
+
+pages: $(SIM)  ## every page that has records or sources in it, written again; runs no evidence
+	@for tool in $$(grep -l '"--page"' tools/*.py); do $(BIN)/python "$$tool" --page >/dev/null || exit 1; done
 
 synth: $(SYNTH)  ## bitstream of a board: BOARD=ulx3s, icebreaker, tangnano20k or orangecrab [CONFIG=name or mine.toml] [DEVICE=85F]
 	@$(BIN)/python tools/synth.py $(BOARD) $(if $(CONFIG),"$(CONFIG)") $(if $(DEVICE),--device $(DEVICE))

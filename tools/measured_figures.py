@@ -15,6 +15,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 TIMES = ("seconds_taken", "samples_per_second", "saved")  # of this machine
+SAVED = "model/meissner/scenes/saved.json"  # what ``saved`` is read from
 # Figure: the module of tools/ whose function ``figures`` measures it, and the RTL's top that runs in it.
 TOOLS = {
     "constants": ("constants", None),
@@ -42,7 +43,7 @@ def scene(name):
 
 
 def rests_on(top):
-    """Files of the repository, as sorted names; not those that only say what is stale, tools/verify."""
+    """Files of the repository, as sorted names; not what says only what is stale, nor ``SAVED``."""
     from meissner.builds import toolchain
 
     modules = {Path(path) for m in list(sys.modules.values()) if (path := getattr(m, "__file__", None))}
@@ -54,7 +55,7 @@ def rests_on(top):
     }
     inside |= set(toolchain.sources_of(top)) if top else set()
     names = {str(path.relative_to(ROOT)) for path in inside if path.is_file()}
-    names = {name for name in names if not name.startswith("tools/verify/")}
+    names = {name for name in names if not name.startswith("tools/verify/") and name != SAVED}
     return sorted(names - {str(Path(__file__).resolve().relative_to(ROOT))})
 
 

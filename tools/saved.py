@@ -23,7 +23,7 @@ from meissner.builds import toolchain
 from meissner.scenes import full, parts
 from verify import revision
 
-FILE = toolchain.ROOT / "model/meissner/scenes/saved.json"
+FILE = toolchain.ROOT / measured_figures.SAVED
 PAGE = toolchain.ROOT / "docs/scenes.md"
 ENGINES = ("fixed", "rtl")
 FULL, CORE = "full: ", "core: full"
@@ -83,7 +83,7 @@ def one(engine, row):
         ms = full.cost(scene, engine, condition)
         tops = [parts.FEATURES[feature].top for feature in scene.features]
     files = set(measured_figures.rests_on(None)) - {"tools/saved.py", "tools/measured_figures.py"}
-    files = {file for file in files if not file.endswith((f"/{name}.toml", "/saved.json"))}
+    files = {file for file in files if not file.endswith(f"/{name}.toml")}
     if engine in engines.VERILATED:
         files |= {str(p.relative_to(toolchain.ROOT)) for top in tops for p in toolchain.sources_of(top)}
     return {"ms": ms, "rests_on": sorted(files)}
