@@ -192,6 +192,7 @@
 #define MSN_GRIP_COMMANDS 0xa54u
 #define MSN_GRIP_TIGHTENINGS 0xa58u
 #define MSN_GRIP_SPEED_GAIN 0xa5cu
+#define MSN_GRIP_BOOST 0xa60u
 
 /* Speed of shear */
 #define MSN_SHEAR_SPEED_ENABLE 0xb00u

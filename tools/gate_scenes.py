@@ -25,7 +25,7 @@ from meissner.scenes.hand import loop
 HAND_S = 3.0  # of each condition: its pour, its tugs, or what its release lets slip all begin in it
 SOON = {"pour_start_s": 0.2, "hold_from_s": 0.2}
 TUGS = ((0.4, 0.4), (1.1, 0.3), (1.7, 0.05))  # start and length in seconds
-RELEASE_MM_S = 0.2  # of a scene that lets go ten times slower
+RELEASE = {"decay_mm_s": 0.2, "calm_decay_share": 0.5}  # of a scene that lets go ten times slower
 
 
 def leaves(answer, name=""):
@@ -122,7 +122,7 @@ def stretch(scene):
     if scene.sensor == "hand":
         world = scene.world | SOON
         world["tugs"] = [(*when, newtons) for when, (_, _, newtons) in zip(TUGS, scene.world["tugs"])]
-        grip = scene.grip | ({"decay_mm_s": RELEASE_MM_S} if scene.name == "grip_release" else {})
+        grip = scene.grip | (RELEASE if scene.name == "grip_release" else {})
         conditions = tuple(replace(condition, duration_s=HAND_S) for condition in scene.conditions)
         scene = replace(scene, conditions=conditions, world=world, grip=grip)
     return replace(scene, seeds=1) if hasattr(scene, "seeds") else scene

@@ -58,7 +58,7 @@ def changed(scene, settings):
     for key, _, value in (one.partition("=") for one in settings):
         name, _, inner = key.rpartition(".")
         if name:
-            scene = dataclasses.replace(scene, **{name: getattr(scene, name) | {inner: float(value)}})
+            scene = dataclasses.replace(scene, **{name: getattr(scene, name) | {inner: json.loads(value)}})
         else:
             all_of = (dataclasses.replace(condition, **{key: float(value)}) for condition in scene.conditions)
             scene = dataclasses.replace(scene, conditions=tuple(all_of))

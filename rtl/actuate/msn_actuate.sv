@@ -63,7 +63,7 @@ module msn_actuate #(
     msn_grip #(.Fingers(Fingers)) u_grip (
       .clk_i, .rst_i(rst),
       .cfg_period_i(cfg_i.period), .cfg_step_i(cfg_i.step), .cfg_speed_gain_i(cfg_i.speed_gain),
-      .cfg_decay_i(cfg_i.decay),
+      .cfg_boost_i(cfg_i.boost), .cfg_decay_i(cfg_i.decay),
       .cfg_minimum_i(cfg_i.minimum), .cfg_maximum_i(cfg_i.maximum), .cfg_rate_i(cfg_i.rate),
       .cfg_watchdog_i(cfg_i.watchdog), .cfg_rule_i(cfg_i.rule), .cfg_mode_i(cfg_i.mode),
       .cfg_immediate_i(cfg_i.immediate), .cfg_override_i(cfg_i.override_),

@@ -2,7 +2,8 @@
 //
 // The grip reflex: windows over the slip threshold of each finger make one command a control cycle. In doubt it holds.
 //
-//   wish = step + (speed_gain * speed >> SpeedShift) for each window over; of the fingers the largest, or the smallest
+//   wish = (step << n) + (speed_gain * speed >> SpeedShift) for each window over; of the fingers the largest, or the
+//          smallest. n: windows over in a row just before it, up to `boost`
 //   goal = command + wish (a finger slips), - decay (all were heard, none was over), else command
 //   command = goal within minimum .. maximum, at most `rate` from where it was                    docs/grip.md
 //
@@ -31,6 +32,7 @@ module msn_grip #(
   input  logic        [PeriodBits-1:0]  cfg_period_i,     // clocks; under 16 as 16
   input  logic        [CommandBits-1:0] cfg_step_i,
   input  logic        [GainBits-1:0]    cfg_speed_gain_i,
+  input  logic        [2:0]             cfg_boost_i,
   input  logic        [CommandBits-1:0] cfg_decay_i,
   input  logic        [CommandBits-1:0] cfg_minimum_i,
   input  logic        [CommandBits-1:0] cfg_maximum_i,
@@ -139,18 +141,21 @@ module msn_grip #(
   // what comes in its first clock belongs to the next.
   logic [Fingers-1:0]                  hit, counts;
   logic [Fingers-1:0][CommandBits-1:0] wish;
+  logic [Fingers-1:0][2:0]             streak;  // windows over in a row before the one under way, at most 7
   logic [CommandBits-1:0]              old_wish, old_term, new_wish;
-  logic [CommandBits+1:0]              sum;
+  logic [2:0]                          old_streak;
   always_comb begin
-    {old_wish, old_term} = '0;
+    {old_wish, old_term, old_streak} = '0;
     for (int unsigned f = 0; f < Fingers; f++) begin
       hit[f]    = over_valid_i && over_id_i == IdBits'(f);
       counts[f] = hit[f] && over_i && !counted[f];
-      if (hit[f]) {old_wish, old_term} = {go ? '0 : wish[f], term[f]};
+      if (hit[f]) {old_wish, old_term, old_streak} = {go ? '0 : wish[f], term[f], streak[f]};
     end
   end
-  localparam int unsigned SumBits = CommandBits + 2;
-  assign sum      = SumBits'(old_wish) + SumBits'(old_term) + SumBits'(cfg_step_i);
+  localparam int unsigned SumBits = CommandBits + 8;
+  logic [SumBits-1:0] step, sum;
+  assign step     = SumBits'(cfg_step_i) << (old_streak < cfg_boost_i ? old_streak : cfg_boost_i);
+  assign sum      = SumBits'(old_wish) + SumBits'(old_term) + step;
   assign new_wish = sum > SumBits'(Top) ? Top : CommandBits'(sum);
 
   // 2: join the fingers that work. Cycles begin two clocks apart or more, so the comparison has a clock of its own.
@@ -173,6 +178,7 @@ module msn_grip #(
   always_ff @(posedge clk_i) begin
     for (int unsigned f = 0; f < Fingers; f++) begin
       if (hit[f]) counted[f] <= !over_end_i && (counted[f] || over_i);
+      if (hit[f] && over_end_i) streak[f] <= (counted[f] || over_i) ? streak[f] + 3'(streak[f] != '1) : '0;
       if (counts[f]) wish[f] <= new_wish;
       else if (go) wish[f] <= '0;
       fresh[f]  <= (fresh[f] && !go) || counts[f];
@@ -194,7 +200,7 @@ module msn_grip #(
     end
     if (rst_i) begin
       {counted, fresh, over, seen, sick, nearly} <= '0;
-      {wish, term, quiet}                         <= '0;
+      {wish, term, quiet, streak}                 <= '0;
     end
   end
 

@@ -91,6 +91,7 @@ module msn_scan_plan #(
 
   state_e                state_q;
   logic [CountBits-1:0]  count_q;
+  logic                  none_q;    // count_q is 0: compared a clock ahead
   logic                  active_q;  // a frame has conversions left
   assign idle_o = state_q == Off || (state_q == Free && !switch_o);
 
@@ -98,7 +99,7 @@ module msn_scan_plan #(
   logic [SettleBits-1:0] settle_q;
   logic [CountBits-1:0]  gap_q, rest_q;  // clocks from trigger to Free: all, and what is left as Busy begins
   logic [PeriodBits-1:0] period_q;
-  logic                  timed_q, period_one_q, at_once_q;
+  logic                  timed_q, period_one_q, at_once_q, rest_none_q;
   always_ff @(posedge clk_i) begin
     if (state_q == Off && count_q == CountBits'(3)) begin
       settle_q <= cfg_settle_i;
@@ -108,6 +109,7 @@ module msn_scan_plan #(
               : CountBits'(Cycle - 1) - CountBits'(settle_q);
     rest_q <= gap_q - CountBits'(2);
 
+    rest_none_q  <= gap_q == CountBits'(2);
     at_once_q    <= settle_q == '0;
     timed_q      <= period_q != '0;
     period_one_q <= period_q == PeriodBits'(1);
@@ -119,15 +121,17 @@ module msn_scan_plan #(
   end
 
   always_ff @(posedge clk_i) begin
-    if (count_q != '0) count_q <= count_q - 1'b1;
+    if (!none_q) count_q <= count_q - 1'b1;
+    none_q <= count_q[CountBits-1:1] == '0;
     case (state_q)
       Off: begin
-        if (count_q == '0 && cfg_enable_i) state_q <= Free;
-        if (!cfg_enable_i) count_q <= CountBits'(3);
+        if (none_q && cfg_enable_i) state_q <= Free;
+        if (!cfg_enable_i) {count_q, none_q} <= {CountBits'(3), 1'b0};
       end
       Free: begin
         // Without an enable and a frame under way there is no switch: no need to wait for switch_o.
         count_q <= (!cfg_enable_i && !active_q) ? CountBits'(3) : CountBits'(settle_q);
+        none_q  <= (cfg_enable_i || active_q) && at_once_q;
         if (switch_o) state_q <= Settle;
         else if (!cfg_enable_i && !active_q) state_q <= Off;
       end
@@ -135,13 +139,15 @@ module msn_scan_plan #(
         if (trigger_o) begin
           state_q <= Busy;
           count_q <= rest_q;
+          none_q  <= rest_none_q;
         end
       end
-      default: if (count_q == '0) state_q <= Free;
+      default: if (none_q) state_q <= Free;
     endcase
     if (rst_i) begin
       state_q <= Off;
       count_q <= CountBits'(3);
+      none_q  <= 1'b0;
     end
   end
 

@@ -760,6 +760,9 @@ module msn_registers #(
   logic grip_speed_gain_hit, grip_speed_gain_write;
   assign grip_speed_gain_hit = Grip && word == 10'h297;
   assign grip_speed_gain_write = grip_speed_gain_hit && write;
+  logic grip_boost_hit, grip_boost_write;
+  assign grip_boost_hit = Grip && word == 10'h298;
+  assign grip_boost_write = grip_boost_hit && write;
   always_ff @(posedge clk_i) begin
     if (grip_enable_write) cfg_o.grip.enable <= (cfg_o.grip.enable & ~mask[0]) | (bus_wdata_i[0] & mask[0]);
     if (grip_period_write) cfg_o.grip.period <= (cfg_o.grip.period & ~mask[23:0]) | (bus_wdata_i[23:0] & mask[23:0]);
@@ -779,6 +782,7 @@ module msn_registers #(
     if (grip_high_write) cfg_o.grip.high <= (cfg_o.grip.high & ~mask[16:0]) | (bus_wdata_i[16:0] & mask[16:0]);
     if (grip_rail_write) cfg_o.grip.rail <= (cfg_o.grip.rail & ~mask[7:0]) | (bus_wdata_i[7:0] & mask[7:0]);
     if (grip_speed_gain_write) cfg_o.grip.speed_gain <= (cfg_o.grip.speed_gain & ~mask[15:0]) | (bus_wdata_i[15:0] & mask[15:0]);
+    if (grip_boost_write) cfg_o.grip.boost <= (cfg_o.grip.boost & ~mask[2:0]) | (bus_wdata_i[2:0] & mask[2:0]);
     if (rst_i) begin
       cfg_o.grip.enable <= Resets[878];
       cfg_o.grip.period <= Resets[879+:24];
@@ -798,6 +802,7 @@ module msn_registers #(
       cfg_o.grip.high <= Resets[1044+:17];
       cfg_o.grip.rail <= Resets[1061+:8];
       cfg_o.grip.speed_gain <= Resets[1069+:16];
+      cfg_o.grip.boost <= Resets[1085+:3];
     end
   end
 
@@ -882,27 +887,27 @@ module msn_registers #(
     if (shear_speed_hold_cycles_write) cfg_o.shear_speed.hold_cycles <= (cfg_o.shear_speed.hold_cycles & ~mask[7:0]) | (bus_wdata_i[7:0] & mask[7:0]);
     if (shear_speed_select_write) cfg_o.shear_speed.select <= (cfg_o.shear_speed.select & ~mask[2:0]) | (bus_wdata_i[2:0] & mask[2:0]);
     if (rst_i) begin
-      cfg_o.shear_speed.enable <= Resets[1085];
-      cfg_o.shear_speed.k0 <= Resets[1086+:26];
-      cfg_o.shear_speed.k1 <= Resets[1112+:18];
-      cfg_o.shear_speed.exponent <= Resets[1130+:16];
-      cfg_o.shear_speed.vi_min <= Resets[1146+:26];
-      cfg_o.shear_speed.vi_max <= Resets[1172+:26];
-      cfg_o.shear_speed.noise <= Resets[1198+:26];
-      cfg_o.shear_speed.still <= Resets[1224+:26];
-      cfg_o.shear_speed.full <= Resets[1250+:17];
-      cfg_o.shear_speed.limit <= Resets[1267+:24];
-      cfg_o.shear_speed.travel <= Resets[1291+:32];
-      cfg_o.shear_speed.hold <= Resets[1323];
-      cfg_o.shear_speed.hold_cycles <= Resets[1324+:8];
-      cfg_o.shear_speed.select <= Resets[1332+:3];
+      cfg_o.shear_speed.enable <= Resets[1088];
+      cfg_o.shear_speed.k0 <= Resets[1089+:26];
+      cfg_o.shear_speed.k1 <= Resets[1115+:18];
+      cfg_o.shear_speed.exponent <= Resets[1133+:16];
+      cfg_o.shear_speed.vi_min <= Resets[1149+:26];
+      cfg_o.shear_speed.vi_max <= Resets[1175+:26];
+      cfg_o.shear_speed.noise <= Resets[1201+:26];
+      cfg_o.shear_speed.still <= Resets[1227+:26];
+      cfg_o.shear_speed.full <= Resets[1253+:17];
+      cfg_o.shear_speed.limit <= Resets[1270+:24];
+      cfg_o.shear_speed.travel <= Resets[1294+:32];
+      cfg_o.shear_speed.hold <= Resets[1326];
+      cfg_o.shear_speed.hold_cycles <= Resets[1327+:8];
+      cfg_o.shear_speed.select <= Resets[1335+:3];
     end
   end
 
   assign pending_o = slip_pending || cop_pending || cop4_pending || cop_slip_pending;
 
   // Which register, a clock after the address: decoding takes one clock, the word another.
-  logic core_id_hit_q, core_version_hit_q, core_features_hit_q, core_size_hit_q, core_clk_khz_hit_q, core_scratch_hit_q, core_widths_hit_q, core_beats_hit_q, adc_enable_hit_q, adc_period_hit_q, adc_dropped_hit_q, adc_overrun_hit_q, adc_timeout_hit_q, adc_mistagged_hit_q, adc_over_range_hit_q, slip_threshold_hit_q, slip_gross_threshold_hit_q, slip_contact_level_hit_q, slip_release_level_hit_q, slip_contact_rises_hit_q, slip_hold_hit_q, slip_refractory_hit_q, slip_blank_hit_q, slip_damaged_hit_q, slip_blanked_hit_q, slip_keep_threshold_hit_q, scan_enable_hit_q, scan_settle_hit_q, scan_period_hit_q, scan_interleave_hit_q, scan_dropped_hit_q, scan_overrun_hit_q, scan_held_hit_q, scan_lost_hit_q, health_band_hit_q, health_jump_hit_q, health_low_hit_q, health_high_hit_q, health_use_hit_q, health_still_hit_q, health_rail_hit_q, health_blink_hit_q, health_clear_hit_q, health_report_hit_q, health_dead_hit_q, health_railed_hit_q, health_blinking_hit_q, tare_contact_hit_q, tare_step_hit_q, tare_force_hit_q, tare_at_start_hit_q, tare_average_hit_q, tare_load_hit_q, tare_word_hit_q, tare_zero_hit_q, tare_write_hit_q, tare_state_hit_q, tare_tared_hit_q, tare_refused_hit_q, tare_swallowed_hit_q, calibrate_preset_hit_q, calibrate_word_hit_q, calibrate_offset_hit_q, calibrate_gain_hit_q, calibrate_write_hit_q, calibrate_swap_hit_q, calibrate_swapping_hit_q, cop_min_load_hit_q, cop_damaged_hit_q, cop4_rail_hit_q, cop4_kx_hit_q, cop4_shift_x_hit_q, cop4_ky_hit_q, cop4_shift_y_hit_q, cop4_kf_hit_q, cop4_shift_load_hit_q, cop4_p0_hit_q, cop4_p1_hit_q, cop4_p2_hit_q, cop4_p3_hit_q, cop4_p4_hit_q, cop4_p5_hit_q, cop4_min_load_hit_q, cop4_top_hit_q, cop4_idle_hit_q, cop4_busy_hit_q, cop4_imbalance_hit_q, cop_slip_drop_hit_q, cop_slip_move_hit_q, cop_slip_min_load_hit_q, cop_slip_hold_hit_q, cop_slip_refractory_hit_q, link_images_hit_q, link_packets_hit_q, link_cop_dropped_hit_q, link_image_dropped_hit_q, link_rejected_hit_q, grip_enable_hit_q, grip_period_hit_q, grip_step_hit_q, grip_decay_hit_q, grip_minimum_hit_q, grip_maximum_hit_q, grip_rate_hit_q, grip_watchdog_hit_q, grip_rule_hit_q, grip_mode_hit_q, grip_immediate_hit_q, grip_override_hit_q, grip_override_value_hit_q, grip_divide_hit_q, grip_low_hit_q, grip_high_hit_q, grip_rail_hit_q, grip_command_hit_q, grip_increment_hit_q, grip_fault_hit_q, grip_faulty_hit_q, grip_commands_hit_q, grip_tightenings_hit_q, grip_speed_gain_hit_q, shear_speed_enable_hit_q, shear_speed_k0_hit_q, shear_speed_k1_hit_q, shear_speed_exponent_hit_q, shear_speed_vi_min_hit_q, shear_speed_vi_max_hit_q, shear_speed_noise_hit_q, shear_speed_still_hit_q, shear_speed_full_hit_q, shear_speed_limit_hit_q, shear_speed_travel_hit_q, shear_speed_hold_hit_q, shear_speed_hold_cycles_hit_q, shear_speed_select_hit_q, shear_speed_channel0_hit_q, shear_speed_channel1_hit_q, shear_speed_channel2_hit_q, shear_speed_channel3_hit_q, shear_speed_channel4_hit_q, shear_speed_channel5_hit_q, shear_speed_channel6_hit_q, shear_speed_channel7_hit_q, shear_speed_vi_hit_q, shear_speed_rise_hit_q, shear_speed_windows_hit_q;
+  logic core_id_hit_q, core_version_hit_q, core_features_hit_q, core_size_hit_q, core_clk_khz_hit_q, core_scratch_hit_q, core_widths_hit_q, core_beats_hit_q, adc_enable_hit_q, adc_period_hit_q, adc_dropped_hit_q, adc_overrun_hit_q, adc_timeout_hit_q, adc_mistagged_hit_q, adc_over_range_hit_q, slip_threshold_hit_q, slip_gross_threshold_hit_q, slip_contact_level_hit_q, slip_release_level_hit_q, slip_contact_rises_hit_q, slip_hold_hit_q, slip_refractory_hit_q, slip_blank_hit_q, slip_damaged_hit_q, slip_blanked_hit_q, slip_keep_threshold_hit_q, scan_enable_hit_q, scan_settle_hit_q, scan_period_hit_q, scan_interleave_hit_q, scan_dropped_hit_q, scan_overrun_hit_q, scan_held_hit_q, scan_lost_hit_q, health_band_hit_q, health_jump_hit_q, health_low_hit_q, health_high_hit_q, health_use_hit_q, health_still_hit_q, health_rail_hit_q, health_blink_hit_q, health_clear_hit_q, health_report_hit_q, health_dead_hit_q, health_railed_hit_q, health_blinking_hit_q, tare_contact_hit_q, tare_step_hit_q, tare_force_hit_q, tare_at_start_hit_q, tare_average_hit_q, tare_load_hit_q, tare_word_hit_q, tare_zero_hit_q, tare_write_hit_q, tare_state_hit_q, tare_tared_hit_q, tare_refused_hit_q, tare_swallowed_hit_q, calibrate_preset_hit_q, calibrate_word_hit_q, calibrate_offset_hit_q, calibrate_gain_hit_q, calibrate_write_hit_q, calibrate_swap_hit_q, calibrate_swapping_hit_q, cop_min_load_hit_q, cop_damaged_hit_q, cop4_rail_hit_q, cop4_kx_hit_q, cop4_shift_x_hit_q, cop4_ky_hit_q, cop4_shift_y_hit_q, cop4_kf_hit_q, cop4_shift_load_hit_q, cop4_p0_hit_q, cop4_p1_hit_q, cop4_p2_hit_q, cop4_p3_hit_q, cop4_p4_hit_q, cop4_p5_hit_q, cop4_min_load_hit_q, cop4_top_hit_q, cop4_idle_hit_q, cop4_busy_hit_q, cop4_imbalance_hit_q, cop_slip_drop_hit_q, cop_slip_move_hit_q, cop_slip_min_load_hit_q, cop_slip_hold_hit_q, cop_slip_refractory_hit_q, link_images_hit_q, link_packets_hit_q, link_cop_dropped_hit_q, link_image_dropped_hit_q, link_rejected_hit_q, grip_enable_hit_q, grip_period_hit_q, grip_step_hit_q, grip_decay_hit_q, grip_minimum_hit_q, grip_maximum_hit_q, grip_rate_hit_q, grip_watchdog_hit_q, grip_rule_hit_q, grip_mode_hit_q, grip_immediate_hit_q, grip_override_hit_q, grip_override_value_hit_q, grip_divide_hit_q, grip_low_hit_q, grip_high_hit_q, grip_rail_hit_q, grip_command_hit_q, grip_increment_hit_q, grip_fault_hit_q, grip_faulty_hit_q, grip_commands_hit_q, grip_tightenings_hit_q, grip_speed_gain_hit_q, grip_boost_hit_q, shear_speed_enable_hit_q, shear_speed_k0_hit_q, shear_speed_k1_hit_q, shear_speed_exponent_hit_q, shear_speed_vi_min_hit_q, shear_speed_vi_max_hit_q, shear_speed_noise_hit_q, shear_speed_still_hit_q, shear_speed_full_hit_q, shear_speed_limit_hit_q, shear_speed_travel_hit_q, shear_speed_hold_hit_q, shear_speed_hold_cycles_hit_q, shear_speed_select_hit_q, shear_speed_channel0_hit_q, shear_speed_channel1_hit_q, shear_speed_channel2_hit_q, shear_speed_channel3_hit_q, shear_speed_channel4_hit_q, shear_speed_channel5_hit_q, shear_speed_channel6_hit_q, shear_speed_channel7_hit_q, shear_speed_vi_hit_q, shear_speed_rise_hit_q, shear_speed_windows_hit_q;
   always_ff @(posedge clk_i) begin
     core_id_hit_q <= core_id_hit;
     core_version_hit_q <= core_version_hit;
@@ -1025,6 +1030,7 @@ module msn_registers #(
     grip_commands_hit_q <= grip_commands_hit;
     grip_tightenings_hit_q <= grip_tightenings_hit;
     grip_speed_gain_hit_q <= grip_speed_gain_hit;
+    grip_boost_hit_q <= grip_boost_hit;
     shear_speed_enable_hit_q <= shear_speed_enable_hit;
     shear_speed_k0_hit_q <= shear_speed_k0_hit;
     shear_speed_k1_hit_q <= shear_speed_k1_hit;
@@ -1174,6 +1180,7 @@ module msn_registers #(
       || grip_commands_hit_q
       || grip_tightenings_hit_q
       || grip_speed_gain_hit_q
+      || grip_boost_hit_q
       || shear_speed_enable_hit_q
       || shear_speed_k0_hit_q
       || shear_speed_k1_hit_q
@@ -1283,6 +1290,7 @@ module msn_registers #(
       || grip_high_hit_q
       || grip_rail_hit_q
       || grip_speed_gain_hit_q
+      || grip_boost_hit_q
       || shear_speed_enable_hit_q
       || shear_speed_k0_hit_q
       || shear_speed_k1_hit_q
@@ -1420,6 +1428,7 @@ module msn_registers #(
       | ({32{grip_commands_hit_q}} & status_i.grip.commands)
       | ({32{grip_tightenings_hit_q}} & status_i.grip.tightenings)
       | ({32{grip_speed_gain_hit_q}} & {16'd0, cfg_o.grip.speed_gain})
+      | ({32{grip_boost_hit_q}} & {29'd0, cfg_o.grip.boost})
       | ({32{shear_speed_enable_hit_q}} & {31'd0, cfg_o.shear_speed.enable})
       | ({32{shear_speed_k0_hit_q}} & {6'd0, cfg_o.shear_speed.k0})
       | ({32{shear_speed_k1_hit_q}} & {14'd0, cfg_o.shear_speed.k1})

@@ -131,6 +131,7 @@ package msn_registers_pkg;
     logic [16:0] high;
     logic [7:0]  rail;
     logic [15:0] speed_gain;
+    logic [2:0]  boost;
   } grip_cfg_t;
 
   typedef struct packed {
@@ -268,10 +269,10 @@ package msn_registers_pkg;
     shear_speed_status_t shear_speed;
   } status_t;
 
-  localparam int unsigned ResetBits = 1335;
+  localparam int unsigned ResetBits = 1338;
   // A default: builds that give their own values do not use it.
   // verilator lint_off UNUSEDPARAM
-  localparam logic [ResetBits-1:0] Reset = 1335'hc800018000003fe00004190028f5c19999a033333522ebbae1027ae140000100fff00000000000000a0400753002000000008007a1202000000000000000101ffffbfffdfffffffe00020000000000000000000000000000000000000000001fffe00000002000000000000000000000000000000100801000000037fff8000000000002000000000000bffffc0000000000020000000001fffffffffe00000000000000;
+  localparam logic [ResetBits-1:0] Reset = 1338'h640000c000001ff000020c80147ae0ccccd019999a9175dd70813d70a00000100fff00000000000000a0400753002000000008007a1202000000000000000101ffffbfffdfffffffe00020000000000000000000000000000000000000000001fffe00000002000000000000000000000000000000100801000000037fff8000000000002000000000000bffffc0000000000020000000001fffffffffe00000000000000;
   // verilator lint_on UNUSEDPARAM
 
 endpackage

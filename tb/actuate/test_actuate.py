@@ -21,9 +21,9 @@ from reference.grip import LATENCY, GripLoop
 
 HAND = {"enable": 1, "period": 40, "step": 7, "decay": 0, "minimum": 30, "maximum": 100, "rate": 11}
 HAND |= {"watchdog": 900, "rule": 0, "mode": 0, "immediate": 1, "override": 0, "override_value": 0}
-HAND |= {"divide": 0, "low": 0, "high": 4095, "rail": 3, "speed_gain": 0}
+HAND |= {"divide": 0, "low": 0, "high": 4095, "rail": 3, "speed_gain": 0, "boost": 0}
 OF_LOOP = ("period", "step", "decay", "minimum", "maximum", "rate", "watchdog", "rule", "mode", "immediate")
-OF_LOOP += ("override", "override_value", "speed_gain")
+OF_LOOP += ("override", "override_value", "speed_gain", "boost")
 OF_FRAMES = ("timeout", "mistagged")  # counters of frames that did not come
 SILENT, UNHEALTHY, LIMIT, UNARMED = 1, 2, 4, 16
 
@@ -116,7 +116,7 @@ def at_random(draw):
         low, high = high, low
     some = lambda: draw.choice([0, 1, draw.randrange(300), draw.randrange(65536), 65535])
     found = {name: some() for name in ("step", "decay", "rate", "override_value")}
-    found["speed_gain"] = draw.choice([0, 1, draw.randrange(3000), 65535])
+    found |= {"speed_gain": draw.choice([0, 1, draw.randrange(3000), 65535]), "boost": draw.randrange(8)}
     found |= {name: draw.randrange(2) for name in ("rule", "mode", "immediate")}
     found |= {
         "override": int(draw.random() < 0.3),
@@ -287,6 +287,20 @@ async def a_speed_counts_for_its_finger_until_it_is_invalid(dut):
         assert await window(finger) == [7]
 
 
+@bench.applies(lambda dut: dut.Grip.value == 1)
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def windows_over_in_a_row_add_more(dut):
+    """Step 7, boost 5: 7 times 1 to 32, then 32 again."""
+    stage = Stage(dut)
+    await stage.begin(minimum=0, maximum=65535, rate=65535, boost=5)
+    await stage.rest(60)
+    found = []
+    for _ in range(8):
+        await stage.clock((1, 1, 1))
+        found += [word["increment"] for word in await stage.rest(80) if word["increment"]]
+    assert found == [7, 14, 28, 56, 112, 224, 224, 224]
+
+
 async def width(dut):
     """Clocks that the next pulse lasts."""
     await RisingEdge(dut.pwm_o)
@@ -367,12 +381,12 @@ def test_model_against_the_loops(rule, mode):
     """A period of the loop, in whose middle all comes, is a cycle of the model. A speed comes 3 clocks, its
     delay, before the first decision that it is for."""
     draw = random.Random(bench.SEED)
-    grip = GripConfig(200, 900, 300, 170, 2000, 41000, 3333, 3, rule, mode)
+    grip = GripConfig(200, 900, 300, 170, 2000, 41000, 3333, 3, rule, mode, boost=2)
     config = ActuateConfig(grip, -3, 90, 4, 5)
     assert config.settings == {
         **{"enable": 1, "period": 200, "step": 900, "decay": 170, "minimum": 2000, "maximum": 41000},
         **{"rate": 3333, "watchdog": 3, "rule": rule == "weakest", "mode": mode == "force", "immediate": 0},
-        **{"low": -3, "high": 90, "rail": 4, "divide": 5, "speed_gain": 300},
+        **{"low": -3, "high": 90, "rail": 4, "divide": 5, "speed_gain": 300, "boost": 2},
     }
     override = 7777 if mode == "force" else None
     loop = GripLoop(2, 16, 8, **grip.settings, override=int(mode == "force"), override_value=7777)

@@ -14,11 +14,11 @@ from meissner.twins.actuate.grip import Command, Grip, GripConfig
 from reference.grip import LATENCY, GripLoop
 
 NAMES = ("period", "step", "speed_gain", "decay", "minimum", "maximum", "rate", "watchdog", "rule", "mode")
-NAMES += ("immediate", "override", "override_value")
+NAMES += ("immediate", "override", "override_value", "boost")
 QUIET = {"over_valid_i": 0, "over_id_i": 0, "over_i": 0, "over_end_i": 1, "speed_valid_i": 0, "speed_id_i": 0}
 QUIET |= {"speed_ok_i": 1, "speed_i": 0}
 HAND = {"period": 20, "step": 7, "speed_gain": 0, "decay": 3, "minimum": 30, "maximum": 100, "rate": 11}
-HAND |= {"watchdog": 4, "rule": 0, "mode": 0, "immediate": 0, "override": 0, "override_value": 0}
+HAND |= {"watchdog": 4, "rule": 0, "mode": 0, "immediate": 0, "override": 0, "override_value": 0, "boost": 0}
 
 
 def sizes(dut):
@@ -78,8 +78,10 @@ def settings_at_random(draw, dut, **fixed):
         "watchdog": draw.choice([0, 1, 2, 5]),
     }
     found |= {"period": draw.choice([0, 15, 16, 17, 23, 31]), "override": draw.random() < 0.2}
+    found["boost"] = draw.choice([0, 0, 1, 2, 6, 7])
     if draw.random() < 0.3:  # no limit hides what the windows add up to
-        found |= {"step": draw.randint(0, top // 4), "minimum": 0, "maximum": top, "rate": top}
+        step = draw.randint(0, top // 4 >> draw.choice([0, found["boost"]]))
+        found |= {"step": step, "minimum": 0, "maximum": top, "rate": top}
     return found | fixed
 
 
@@ -153,7 +155,7 @@ async def matches_the_loop(dut, rule, mode, immediate):
 async def matches_model(dut, rule, mode):
     """A period at a time: decisions and speeds in its middle."""
     draw = random.Random(bench.SEED)
-    config = GripConfig(40, 900, 3000, 170, 2000, 41000, 3333, 3, rule, mode)
+    config = GripConfig(40, 900, 3000, 170, 2000, 41000, 3333, 3, rule, mode, boost=1)
     await begin(dut, **config.settings, override=mode == "force", override_value=7777)
     twin, expected, got = Grip(config), [], []
     for period in range(400):
@@ -238,6 +240,69 @@ async def a_window_counts_once_with_its_first_detail_over(dut):
     # The first command; three windows, of 21 the rate leaves 11; the open window is over and counts no more,
     # so the grip holds; all were heard and none was over, so it decays.
     assert period == [0, 11, 0, -3]
+
+
+@cocotb.test(timeout_time=2, timeout_unit="ms")
+async def windows_over_that_follow_each_other_double_the_step(dut):
+    """Up to 2^boost; one that was not over begins again; without a decision nothing changes."""
+    fingers, bits, _ = sizes(dut)
+    top = (1 << bits) - 1
+    last = fingers - 1
+    await armed(dut, step=1, decay=0, maximum=top, rate=top, boost=3)
+    found, _ = await cycles(dut, 7, over=[last])
+    assert found == [0, 1, 2, 4, 8, 8, 8]
+    found, _ = await cycles(dut, 3)
+    assert found == [8, 0, 0]
+    found, _ = await cycles(dut, 3, over=[last])
+    assert found == [0, 1, 2]
+    found, _ = await cycles(dut, 2, silent=[last])
+    assert found == [4, 0]
+    found, _ = await cycles(dut, 3, over=[last])
+    assert found == [0, 8, 8]
+    drive(dut, boost=7)  # six in a row so far
+    found, _ = await cycles(dut, 3, over=[last])
+    assert found == [8, 64, 128]
+    drive(dut, boost=0)
+    found, got = await cycles(dut, 2, over=[last])
+    assert found == [128, 1] and got["fault"] == 0
+    if fingers > 1:  # each finger has its own row
+        drive(dut, boost=2)
+        found, _ = await cycles(dut, 2, over=[0, last])
+        assert found == [1, 4]
+        await cycles(dut, 1, over=[0])
+        found, _ = await cycles(dut, 2, over=[last])
+        assert found == [4, 1]
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def a_window_of_many_decisions_is_one_in_a_row(dut):
+    """Three windows of three details over somewhere, one that is over nowhere, and one more."""
+    await armed(dut, step=1, decay=0, rate=100, boost=7)
+    windows = ((1, 1, 1), (0, 0, 1), (1, 0, 0), (0, 0, 0), (0, 1, 0))
+    found = []
+    for window in windows:
+        details = [(0, over, place == 2) for place, over in enumerate(window)]
+        for now in range(20):
+            got = await clock(dut, details[now - 8] if 8 <= now < 11 else None)
+            if now == 3:
+                found.append(got["increment"])
+    await bench.clocks(dut, 4)
+    found.append(outputs(dut)["increment"])
+    assert found == [0, 1, 2, 4, 0, 1]
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def nine_windows_of_the_largest_step_are_the_largest_wish(dut):
+    """The last adds 128 steps of the largest command to as much as a wish can be."""
+    top = (1 << sizes(dut)[1]) - 1
+    await armed(dut, step=top, decay=0, maximum=top, rate=top, boost=7)
+    found = []
+    for cycle in range(2):
+        for now in range(20):
+            got = await clock(dut, (0, 1, 1) if not cycle and 8 <= now < 17 else None)
+            if now == 3:
+                found.append(got["increment"])
+    assert found == [0, top - 30]
 
 
 async def cycles(dut, count, over=(), silent=(), ill=()):
@@ -430,6 +495,7 @@ def test_model_against_the_loop(rule, mode):
         low, high = sorted((small(65535), small(65535)))
         values = [small(65535) for _ in range(4)]
         config = GripConfig(40, *values[:3], low, high, values[3], draw.randint(1, 4), rule, mode)
+        config = replace(config, boost=draw.choice([0, 1, 3, 7]))
         twin = Grip(config, 3)
         loop = GripLoop(3, 16, 8, **config.settings, override=0, override_value=0)
         for _ in range(80):
@@ -476,8 +542,19 @@ def test_model_by_hand():
     assert command(over=[1, 0]).word == 1111 and command(over=[1, 2]).word == 1211
 
 
+def test_model_doubles_by_hand():
+    """Step 3, boost 2: 3 + 6 + 12 + 12 in four windows of a finger, 12 in its fifth; one that is not over
+    ends the row, and each finger has its own."""
+    grip = Grip(GripConfig(step=3, boost=2, minimum=0, maximum=900, rate=900), start=100)
+    assert grip.next([4, 0]).command == 133 and grip.next([1, 0]).command == 145
+    assert grip.next([0, 1]).command == 148 and grip.next([0, 1]).command == 154
+    assert grip.next([1, 0]).command == 157 and grip.next([1, 0], seen=[2, 1]).command == 163
+    assert grip.next([1, 0]).command == 166
+
+
 def test_model_refuses_what_cannot_work():
-    for name, wrong in {"period": 15, "step": 65536, "decay": -1, "watchdog": 0, "rate": 1.5}.items():
+    wrongs = {"period": 15, "step": 65536, "decay": -1, "watchdog": 0, "rate": 1.5, "boost": 8}
+    for name, wrong in wrongs.items():
         with pytest.raises(ValueError, match=f"{name} = {wrong} must"):
             GripConfig(**{name: wrong})
     with pytest.raises(ValueError, match="minimum = 9 must not be above maximum = 8"):

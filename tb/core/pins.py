@@ -61,6 +61,7 @@ ADDRESS = {
     **{"grip.override_value": 0xA30, "grip.divide": 0xA34, "grip.low": 0xA38, "grip.high": 0xA3C},
     **{"grip.rail": 0xA40, "grip.command": 0xA44, "grip.increment": 0xA48, "grip.fault": 0xA4C},
     **{"grip.faulty": 0xA50, "grip.commands": 0xA54, "grip.tightenings": 0xA58, "grip.speed_gain": 0xA5C},
+    "grip.boost": 0xA60,
     **{"shear_speed.enable": 0xB00, "shear_speed.k0": 0xB04, "shear_speed.k1": 0xB08},
     **{"shear_speed.exponent": 0xB0C, "shear_speed.vi_min": 0xB10, "shear_speed.vi_max": 0xB14},
     **{"shear_speed.noise": 0xB18, "shear_speed.still": 0xB1C, "shear_speed.full": 0xB20},

@@ -127,7 +127,7 @@ def by_loop(taken, start, clocks, reports=None, **settings):
     {clock: (channel, known, speed)} of the speeds that the reflex is told."""
     given = {"period": PERIOD, "step": STEP, "rate": RATE, "minimum": MINIMUM, "maximum": MAXIMUM, "decay": 0}
     given |= {"watchdog": 7, "rule": 0, "mode": 0, "immediate": 1, "override": 0, "override_value": 0}
-    given |= {"speed_gain": 0}
+    given |= {"speed_gain": 0, "boost": 0}
     loop, found, words = GripLoop(2, 16, 8, **given | settings), decisions(taken), []
     for clock in range(start, start + clocks):
         ended = loop.clock(found.get(clock), (reports or {}).get(clock))
@@ -300,6 +300,20 @@ async def slip_stuck_on_and_off_stays_within_its_limits(dut):
     await quiet(dut, host, 0.01)
     up = [word for _, word in world.words[len(words) + len(down) :]]
     assert sum(up) == 500 and set(up) == {0, 330, 170}
+
+
+@cocotb.test(timeout_time=1, timeout_unit="sec")
+async def a_slide_is_answered_with_steps_that_double(dut):
+    """Every window is over: 90 of the first finger's first, 90 + 180 of the other's first two, then 360."""
+    world, host = await begin(dut)
+    await host.set({"grip.step": 90, "grip.boost": 2})
+    await armed(dut, world)
+    world.spoil = lambda channel, code: code + 200 * (world.asked[channel] % 4 == 0)
+    await quiet(dut, host, 0.05)
+    ended = host.clock() - 2 * LATENCY
+    words = [one for one in world.words if one[0] < ended]
+    assert words == by_loop(world.taken, 0, ended - LATENCY, step=90, boost=2)
+    assert [word for _, word in words][:5] == [0, 90, 270, 360, 360]
 
 
 @cocotb.test(timeout_time=1, timeout_unit="sec")

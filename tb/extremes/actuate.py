@@ -24,6 +24,11 @@ def step(command, given, wishes, heard, over, faulty, override):
     return max(command - given["rate"], min(command + given["rate"], goal))
 
 
+def in_a_row(given, streak, windows):
+    """What ``windows`` windows over add after ``streak`` such, without their speeds."""
+    return sum(given["step"] * 2 ** min(streak + n, given["boost"]) for n in range(windows))
+
+
 @row(
     "grip",
     {"": "0"},
@@ -34,6 +39,7 @@ def grip_(see):
     axes = {
         "step": [0, 1, TOP],
         "speed_gain": [0, 256, TOP],
+        "boost": [0, 1, 7],
         "decay": [0, 1, TOP],
         "minimum": [0, 1, TOP],
         "maximum": [0, TOP - 1, TOP],
@@ -48,7 +54,8 @@ def grip_(see):
         given = {name: value for name, value in one.items() if name != "fingers"}
         fingers, draw = range(one["fingers"]), see.random
         twin = grip.Grip(grip.GripConfig(**given), len(fingers))
-        command, terms, quiet, armed = 0, [0] * len(fingers), [0] * len(fingers), False
+        command, armed = 0, False
+        terms, quiet, streaks = ([0] * len(fingers) for _ in range(3))
         for cycle in range(60):
             over = [draw.choice((0, 0, 1, 2, 40)) for _ in fingers] if cycle % 9 else [0 for _ in fingers]
             seen = [max(n, draw.choice((0, 1, 1, 3))) for n in over]
@@ -57,7 +64,9 @@ def grip_(see):
             override = draw.choice((0, 1, TOP, 30_000)) if cycle % 13 == 5 or not armed else None
             got = twin.next(over, well, seen, speeds, override)
             terms = [0 if v is None else min(given["speed_gain"] * v // 2**8, TOP) for v in speeds]
-            wishes = [min(n * (given["step"] + term), TOP) for n, term in zip(over, terms)]
+            steps = [in_a_row(given, streak, n) for n, streak in zip(over, streaks)]
+            wishes = [min(added + n * term, TOP) for added, n, term in zip(steps, over, terms)]
+            streaks = [0 if some > n else streak + n for some, n, streak in zip(seen, over, streaks)]
             quiet = [0 if n else min(q + 1, TOP) for n, q in zip(seen, quiet)]
             faulty = [q >= given["watchdog"] or not ok for q, ok in zip(quiet, well)]
             before = command
@@ -84,6 +93,8 @@ def grip_(see):
         ("period", 15),
         ("period", 2**24),
         ("speed_gain", TOP + 1),
+        ("boost", 8),
+        ("boost", -1),
         ("maximum", 1023),
     ):
         see.refused(grip.GripConfig, **{name: outside})
@@ -100,6 +111,10 @@ def sums_of_wishes(see):
                 given = grip.GripConfig(step=by, minimum=0, maximum=TOP, rate=TOP, rule=rule)
                 got = grip.Grip(given, 2, start=0).next([windows, windows])
                 see.near(got.command, min(by * windows, TOP), (by, windows, rule))
+    for by, boost, windows in ((1, 7, 8), (1, 7, 255), (257, 7, 8), (258, 7, 8), (TOP, 7, 255)):
+        given = grip.GripConfig(step=by, boost=boost, minimum=0, maximum=TOP, rate=TOP)
+        wanted = min(by * (255 + 128 * (windows - 8)), TOP)  # 1 + 2 + 4 .. + 128, then 128 each
+        see.near(grip.Grip(given, 1, start=0).next([windows]).command, wanted, (by, boost, windows))
     for speed, gain in ((TOP, TOP), (TOP, 256), (256, TOP), (257, 65281)):
         twin = grip.Grip(
             grip.GripConfig(step=1, speed_gain=gain, minimum=0, maximum=TOP, rate=TOP), 1, start=0

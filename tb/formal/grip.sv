@@ -16,13 +16,14 @@ module formal_grip #(
   parameter  int unsigned GainBits    = 16,
   parameter  int unsigned SpeedShift  = 8,
   localparam int unsigned IdBits      = msn_pkg::index_width(Fingers),
-  localparam int unsigned WideBits    = CommandBits + 3
+  localparam int unsigned WideBits    = CommandBits + 10
 ) (
   input logic                   clk_i,
   input logic                   rst_i,
   input logic [PeriodBits-1:0]  cfg_period_i,
   input logic [CommandBits-1:0] cfg_step_i,
   input logic [GainBits-1:0]    cfg_speed_gain_i,
+  input logic [2:0]             cfg_boost_i,
   input logic [CommandBits-1:0] cfg_decay_i,
   input logic [CommandBits-1:0] cfg_minimum_i,
   input logic [CommandBits-1:0] cfg_maximum_i,
@@ -82,17 +83,23 @@ module formal_grip #(
     end
   end
 
-  logic [Fingers-1:0][WideBits-1:0] earlier, added;
+  // Windows over in a row before the one under way, seven at most, and what the step becomes by them.
+  logic [Fingers-1:0][2:0]          row;
+  logic [Fingers-1:0][WideBits-1:0] earlier, step, added;
   always_comb begin
     for (int unsigned f = 0; f < Fingers; f++) begin
       earlier[f] = go ? '0 : wish[f];
-      added[f]  = earlier[f] + WideBits'(cfg_step_i) + WideBits'(dut.term[f]);
+      step[f] = WideBits'(cfg_step_i);
+      for (int unsigned n = 0; n < 7; n++) if (n < 32'(row[f]) && n < 32'(cfg_boost_i)) step[f] = step[f] + step[f];
+      added[f] = earlier[f] + step[f] + WideBits'(dut.term[f]);
     end
   end
   always_ff @(posedge clk_i) begin
     for (int unsigned f = 0; f < Fingers; f++) begin
       wish[f] <= !counts[f] ? earlier[f] : added[f] > Top ? Top : added[f];
       if (hit[f]) open[f] <= !over_end_i && (open[f] || over_i);
+      if (hit[f] && over_end_i && !(open[f] || over_i)) row[f] <= '0;
+      else if (hit[f] && over_end_i && row[f] != 3'd7) row[f] <= row[f] + 1'b1;
       if (go) unheard[f] <= unheard_next[f];
     end
     heard  <= go ? hit : heard | hit;
@@ -101,6 +108,7 @@ module formal_grip #(
     if (rst_i) begin
       {wish, unheard}             <= '0;
       {open, heard, over, unwell} <= '0;
+      row                         <= '0;
     end
   end
 
@@ -234,6 +242,7 @@ module formal_grip #(
     if (started) begin
       for (int unsigned f = 0; f < Fingers; f++) begin
         assert (WideBits'(dut.wish[f]) == wish[f] && dut.quiet[f] == unheard[f]);
+        assert (dut.streak[f] == row[f]);
         if (dut.fresh[f]) assert (over[f]);
       end
       assert (dut.counted == open && dut.seen == heard && dut.over == over && dut.sick == unwell);

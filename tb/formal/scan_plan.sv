@@ -183,6 +183,7 @@ module formal_scan_plan #(
   always_comb begin
     if (started) begin
       // States and counters.
+      assert (dut.none_q == (dut.count_q == '0));
       assert (!(settling && (off || rest == '0)));
       assert (dut.state_q == (off ? 2'd0 : rest == '0 ? 2'd1 : settling ? 2'd2 : 2'd3));
       if (off) assert (rest == '0 && !more && lag == '0 && Wide'(dut.count_q) == Wide'(waits));
@@ -201,7 +202,7 @@ module formal_scan_plan #(
         assert (Wide'(dut.gap_q) == gap && dut.at_once_q == (settle == '0));
         assert (dut.period_one_q == (period == PeriodBits'(1)) && dut.timed_q == (period != '0));
       end
-      if (!off || waits == '0) assert (Wide'(dut.rest_q) == gap - Wide'(2));
+      if (!off || waits == '0) assert (Wide'(dut.rest_q) == gap - Wide'(2) && dut.rest_none_q == (gap == Wide'(2)));
       if (!blank) assert (dut.left_q == ticks_left && dut.zero_q == (ticks_left == '0));
       assert (dut.want_q == wanted);
 

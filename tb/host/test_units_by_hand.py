@@ -102,7 +102,7 @@ def test_a_hand():
     """13.37 MHz; an MCP3208's highest code is 4095."""
     grip = {"mode": "force", "rule": "weakest", "immediate": True, "cycle_ms": 7.3, "silent_ms": 40.0}
     grip |= {"step": 17, "decay": 3, "minimum": 901, "maximum": 50_003, "rate": 1203}
-    grip |= {"rail_samples": 5, "pulse_divide": 9, "speed_gain": 311}
+    grip |= {"rail_samples": 5, "pulse_divide": 9, "speed_gain": 311, "boost": 6}
     build, plain = of(CHANNELS | {"grip": grip}), of(CHANNELS)
     assert {key: value for key, value in build.settings.items() if key not in plain.settings} == {
         "grip.enable": 1,
@@ -121,6 +121,7 @@ def test_a_hand():
         "grip.rail": 5,
         "grip.divide": 9,
         "grip.speed_gain": 311,
+        "grip.boost": 6,
     }
     assert {key: value for key, value in build.parameters.items() if key not in plain.parameters} == {
         "Grip": 1

@@ -34,18 +34,18 @@ def test_the_grip_of_a_vc_is_that_of_the_published_points():
 
 @pytest.mark.parametrize("number, cycles", [(0, 1), (3, 10)])
 def test_a_step_is_a_share_of_the_grip_and_a_smaller_one_in_calm(monkeypatch, number, cycles):
-    """1 N and 2 N: 100 and 200 counts of 0.1 um; from the first look later than 3 s on 40 and 80, and 6
-    counts of decay in place of 2. 250 counts within a look are a tug at 1 N, 249 are not; at 2 N 500 are.
-    At 1 ms counts are five times as fine, and a cycle is a tenth.
+    """1 N and 2 N: 80 and 160 counts of 0.1 um; from the first look later than 3 s on 40 and 80, and 9 and
+    18 counts of decay in place of 2. 250 counts within a look are a tug at 1 N, 249 are not; at 2 N 500 are.
+    At 1 ms counts are five times as fine, and a cycle is a tenth: decays of 4.5 and 9, the first as 4.
     """
     monkeypatch.setattr(host, "grip_n", lambda volts: np.array([1.0, 2.0]))
     scene = scenes.load("grip_disturb")
-    scene = replace(scene, grip=scene.grip | {"calm_share": 0.004})
+    scene = replace(scene, grip=scene.grip | {"calm_share": 0.004, "calm_decay_share": 0.09})
     stage = Written()
     ours = host.Host(scene, scene.conditions[number], stage, np.array([3.0, 1.8]))
     finer = 5 if cycles == 10 else 1
-    strong = ([100 * finer, 200 * finer], [2 // (2 if finer == 5 else 1)] * 2)
-    calm = ([40 * finer, 80 * finer], [3 if finer == 5 else 6] * 2)
+    strong = ([80 * finer, 160 * finer], [1, 1] if finer == 5 else [2, 2])
+    calm = ([40 * finer, 80 * finer], [4, 9] if finer == 5 else [9, 18])
     command = np.array([20000, 20000])
     for cycle in range(380 * cycles):
         if cycle in (330 * cycles, 350 * cycles):
@@ -61,9 +61,11 @@ def test_a_step_is_a_share_of_the_grip_and_a_smaller_one_in_calm(monkeypatch, nu
     )
 
 
-@pytest.mark.parametrize("name, changes", [("grip_water", {}), ("grip_disturb", {"step_mm": 0.03})])
-def test_a_scene_without_shares_and_a_condition_with_a_step_keep_their_own(name, changes):
-    scene = scenes.load(name)
+@pytest.mark.parametrize("without, changes", [("step_share", {}), ("rule", {"step_mm": 0.03})])
+def test_a_scene_without_a_share_and_a_condition_with_a_step_keep_their_own(without, changes):
+    scene = scenes.load("grip_disturb")
+    grip = {key: value for key, value in scene.grip.items() if key != without}
+    scene = replace(scene, grip=grip | {"rule": "any"})
     stage = Written()
     ours = host.Host(scene, replace(scene.conditions[0], **changes), stage, np.array([3.0]))
     for cycle in range(500):
@@ -75,7 +77,10 @@ def test_a_scene_without_shares_and_a_condition_with_a_step_keep_their_own(name,
 @pytest.mark.parametrize(
     "key, value, text",
     [
-        ("calm_decay_mm_s", 0.003, "decay_mm_s = 0.003 is no count a cycle; one is 0.01 mm/s"),
+        ("decay_mm_s", 0.003, "decay_mm_s = 0.003 is no count a cycle; one is 0.01 mm/s"),
+        ("calm_decay_share", 1.1, "calm_decay_share = 1.1 must lie in 0 .. 1"),
+        ("boost", 8, "boost = 8 must lie in 0 .. 7"),
+        ("boost", 2.0, "boost"),
         ("step_share", 0.2, "step_share = 0.2 must lie in 0 .. 0.1"),
         ("calm_share", -0.1, "calm_share = -0.1 must lie in 0 .. 0.1"),
         ("guard_s", 2000.0, "guard_s = 2000 must lie in 0 .. 1000"),

@@ -14,6 +14,9 @@ class GripLoop:
         self.now, self.in_period, self.period_done, self.last_cycle = 0, 0, False, -2
         self.speeds, self.due, self.forget = dict.fromkeys(self.fingers, 0), [], []
         self.open_windows_over = set()
+        self.verdicts = {
+            finger: "" for finger in self.fingers
+        }  # of its windows that ended: "1" over, "0" not
         self.unheard = dict.fromkeys(self.fingers, 0)
         self.command, self.mode = 0, None
         self.since_last()
@@ -43,9 +46,12 @@ class GripLoop:
             if over:
                 self.over.add(finger)
                 if finger not in self.open_windows_over:
-                    self.windows.append((finger, self.step + self.speeds[finger]))
+                    in_a_row = len(self.verdicts[finger]) - len(self.verdicts[finger].rstrip("1"))
+                    steps = self.step * 2 ** min(in_a_row, self.boost)
+                    self.windows.append((finger, steps + self.speeds[finger]))
                 self.open_windows_over.add(finger)
             if end:
+                self.verdicts[finger] += "1" if finger in self.open_windows_over else "0"
                 self.open_windows_over.discard(finger)
 
         ended = None

@@ -7,7 +7,7 @@ from meissner.twins.actuate.grip import MIN_PERIOD, MODES, PERIOD_BITS, RULES, G
 
 DEFAULTS = {"mode": "position", "rule": "any", "immediate": False, "cycle_ms": 10.0, "step": 256, "decay": 0}
 DEFAULTS |= {"minimum": 1024, "maximum": 60_000, "rate": 2048, "silent_ms": 50.0, "rail_samples": 8}
-DEFAULTS |= {"pulse_divide": 0, "speed_gain": 0}
+DEFAULTS |= {"pulse_divide": 0, "speed_gain": 0, "boost": 0}
 PARAMETERS = {"Grip": 1}
 
 
@@ -29,7 +29,8 @@ def config(at, given, base):
         raise ValueError(f"{at}: cycle_ms = {given['cycle_ms']:g} must lie in {least:g} .. {most:g}")
     if given["silent_ms"] < given["cycle_ms"]:
         raise ValueError(f"{at}: silent_ms = {given['silent_ms']:g} must not be below cycle_ms")
-    counts = ("step", "speed_gain", "decay", "minimum", "maximum", "rate", "rule", "mode", "immediate")
+    counts = ("step", "speed_gain", "boost", "decay", "minimum", "maximum", "rate")
+    counts += ("rule", "mode", "immediate")
     try:
         reflex = GripConfig(
             **{key: given[key] for key in counts},

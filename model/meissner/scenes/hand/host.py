@@ -2,7 +2,7 @@
 
     threshold = threshold_share of Vc (1 - Vc/5 V)        scene.threshold; every FOLLOW_S
     step      = step_share of the grip, in calm calm_share of it; the grip is what Vc stands for; every LOOK_S
-    decay     = decay_mm_s, in calm calm_decay_mm_s
+    decay     = decay_mm_s, in calm calm_decay_share of the grip a second
 
 It is calm when no look in the last ``guard_s`` found the grip raised by RISE of itself since the look before.
 Why a share, and why calm has settings of its own: docs/grip_scenes.md. A scene without these keys keeps its
@@ -38,7 +38,8 @@ class Host:
         self.guard = self._cycles(scene.steps["guard_s"])
         self.command = self.seen = None  # the newest, and at the last look
         self.raised_at = np.zeros(len(vc_v), dtype=np.int64)  # the cycle of the last look that found a tug
-        self.decays = scene.decay(condition), scene.decay(condition, scene.steps["calm_decay_mm_s"])
+        self.decay = scene.decay(condition)
+        self.calm_decay = scene.steps["calm_decay_share"] * condition.cycle_ms / 1000  # a cycle
 
     def _cycles(self, seconds):
         return round(seconds * 1000 / self.condition.cycle_ms)
@@ -55,9 +56,10 @@ class Host:
                 self.raised_at[raised_mm >= RISE * closing_mm] = cycle
             self.seen = self.command
             calm = (cycle - self.raised_at > self.guard) & (self.calm_share > 0)
-            steps_mm = np.where(calm, self.calm_share, self.share) * closing_mm
-            steps = np.maximum(np.rint(steps_mm / self.condition.count_mm), 1).astype(np.int64)
-            self.stage.answer_by(steps, np.where(calm, self.decays[1], self.decays[0]))
+            closing = closing_mm / self.condition.count_mm
+            steps = np.rint(np.where(calm, self.calm_share, self.share) * closing)
+            decays = np.where(calm, np.rint(self.calm_decay * closing), self.decay)
+            self.stage.answer_by(np.maximum(steps, 1).astype(np.int64), decays.astype(np.int64))
 
     def read(self, vc_v, command):
         """After a cycle; both [runs]."""

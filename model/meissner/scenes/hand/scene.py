@@ -13,7 +13,7 @@ from meissner.physics.stepped import HEAL_S
 from meissner.scenes import base
 from meissner.scenes.hand.parts import FEATURES
 from meissner.scenes.rubber.settings import threshold_code
-from meissner.twins.actuate.grip import RULES, TOP, GripConfig
+from meissner.twins.actuate.grip import BOOST_BITS, RULES, TOP, GripConfig
 from meissner.twins.slip.config import SlipConfig
 
 COMPONENTS = (
@@ -33,9 +33,10 @@ _TOP = base.SAMPLED | {"slip": dict, "grip": dict, "world": dict}
 _SLIP = dict.fromkeys(("window", "level"), int) | {"threshold_v": float, "threshold_share": float}
 _GRIP = dict.fromkeys(("step_mm", "decay_mm_s", "rate_mm_s", "least_mm", "most_mm", "silent_s"), float)
 _GRIP |= {"rule": str}
-# What a host makes of the step and the decay, may be left out: (least, most).
+# May be left out, (least, most): of the reflex, and what a host makes of the step and the decay.
+_BOOST = {"boost": (0, 2**BOOST_BITS - 1)}
 _STEPS = dict.fromkeys(("step_share", "calm_share"), (0.0, 0.1)) | {"guard_s": (0.0, 1e3)}
-_STEPS |= {"calm_decay_mm_s": (0.0, 1.0)}
+_STEPS |= {"calm_decay_share": (0.0, 1.0)}
 _SPREADS = ("mass_spread", "friction_spread", "pour_spread")
 _WORLD = dict.fromkeys((*_SPREADS, "duration_s", "hold_from_s", "mass_kg", "poured_kg"), float)
 _WORLD |= dict.fromkeys(("pour_start_s", "pour_kg_s", "grain_kg"), float)
@@ -52,10 +53,10 @@ CYCLES_MS = (1, 2, 5, 10)
 class Condition:
     """``first_event``: q of the first event; ``cycle_ms``: control cycle; ``heal_s``: physics.stepped.
 
-    ``step_mm``, ``decay_mm_s``, ``duration_s``: in place of the scene's; ``threshold_v``, too, and it then
-    stays. ``halves_s``: friction halves then; ``dead_s``: from when on both converters give their highest
-    code. ``count_mm``: of a count of the command. Finer counts span less: with ``down_mm`` the command's
-    zero is that far below the grip to begin with, and all 16 bits are its range.
+    ``step_mm``, ``decay_mm_s``, ``duration_s``: in place of the scene's, the step without ``boost``;
+    ``threshold_v``, too, and it then stays. ``halves_s``: friction halves then; ``dead_s``: from when on both
+    converters give their highest code. ``count_mm``: of a count of the command. Finer counts span less: with
+    ``down_mm`` the command's zero is that far below the grip to begin with, and all 16 bits are its range.
     """
 
     name: str
@@ -124,10 +125,9 @@ class Scene(base.Sampled):
         """What the host of scenes.hand.host needs; all 0: it writes the threshold only."""
         return {key: self.grip.get(key, 0.0) for key in _STEPS}
 
-    def decay(self, condition, mm_s=None):
-        """Counts a cycle of ``mm_s``, without one of the condition's own or the scene's."""
-        if mm_s is None:
-            mm_s = self.grip["decay_mm_s"] if condition.decay_mm_s is None else condition.decay_mm_s
+    def decay(self, condition):
+        """Counts a cycle of the condition's decay, without one the scene's."""
+        mm_s = self.grip["decay_mm_s"] if condition.decay_mm_s is None else condition.decay_mm_s
         least = condition.count_mm / (condition.cycle_ms / 1e3)
         if mm_s > 0 and not round(mm_s / least):
             raise ValueError(f"decay_mm_s = {mm_s:g} is no count a cycle; one is {least:g} mm/s")
@@ -139,6 +139,7 @@ class Scene(base.Sampled):
         step_mm = grip["step_mm"] if condition.step_mm is None else condition.step_mm
         return GripConfig(
             step=round(step_mm / count_mm),
+            boost=grip.get("boost", 0) if condition.step_mm is None else 0,
             decay=self.decay(condition),
             rate=round(grip["rate_mm_s"] * cycle_s / count_mm),
             minimum=round(grip["least_mm"] / count_mm) if condition.down_mm is None else 0,
@@ -173,10 +174,11 @@ def build(name, table):
     if top["rate_hz"] % 1000:
         raise ValueError(f"{where}: rate_hz = {top['rate_hz']} must be a multiple of 1000")
     slip = fields(f"{where}, [slip]", top["slip"], _SLIP)
-    steps = {key: limits for key, limits in _STEPS.items() if key in top["grip"]}
-    grip = fields(f"{where}, [grip]", top["grip"], _GRIP | dict.fromkeys(steps, float))
+    more = {key: limits for key, limits in (_BOOST | _STEPS).items() if key in top["grip"]}
+    kinds = {key: type(least) for key, (least, _) in more.items()}
+    grip = fields(f"{where}, [grip]", top["grip"], _GRIP | kinds)
     between(f"{where}, [slip]", slip, {"threshold_share": (0.0, 1.0)})
-    between(f"{where}, [grip]", grip, {key: (0.0, 1e3) for key in grip if key != "rule"} | steps)
+    between(f"{where}, [grip]", grip, {key: (0.0, 1e3) for key in grip if key != "rule"} | more)
     one_of(f"{where}, [grip]", "rule", grip["rule"], RULES)
     world = _world(f"{where}, [world]", top["world"])
     conditions, inside = [], f"{where}, [[world.conditions]]"
@@ -193,7 +195,6 @@ def build(name, table):
     for condition in conditions:
         try:
             scene.slip_config(condition), scene.grip_config(condition)
-            scene.decay(condition, scene.steps["calm_decay_mm_s"])
         except ValueError as problem:
             raise ValueError(f"{where}: {problem}") from None
     return scene

@@ -18,7 +18,7 @@ FINE = {"count_mm": 2e-5, "down_mm": 0.5}  # at 1 ms, too, the hand lets go by 0
 def error(point):
     scene = scenes.load(SCENE)
     first = replace(scene.conditions[0], name="swept", cycle_ms=point["cycle_ms"], **FINE)
-    grip = scene.grip | {"step_share": point["step_share"]}
+    grip = scene.grip | {key: point[key] for key in ("step_share", "boost")}
     scene = replace(scene, grip=grip, conditions=(first,))
     held = loop.hold(scene, first, range(1, 1 + point["runs"]), PARTS["fixed"])
     found = {key: getattr(held, key) for key in KEYS}
@@ -43,12 +43,17 @@ AXES = (
     Axis(
         name="reflex",
         title="Control cycle of the grip reflex, three tugs at a glass",
-        about="a cycle of 1, 2, 5 or 10 ms; a step is a share of the grip, at most 0.1, while tugs come",
-        values={"cycle_ms": (1, 2, 5, 10), "step_share": (0.005, 0.01, 0.02)},
-        quick={"cycle_ms": (2, 10), "step_share": (0.01,)},
-        shipped={"cycle_ms": 10, "step_share": 0.01},
+        about="a cycle of 1, 2, 5 or 10 ms; a step is a share of the grip, at most 0.1, while tugs come; it doubles "
+        "boost times, at most 7, while windows over follow each other",
+        values={"cycle_ms": (1, 2, 5, 10), "step_share": (0.004, 0.008, 0.016), "boost": (0, 5)},
+        quick={"cycle_ms": (2, 10), "step_share": (0.008,), "boost": (5,)},
+        shipped={"cycle_ms": 10, "step_share": 0.008, "boost": 5},
         runs={"runs": (10, 4)},
-        legal=lambda point: point["cycle_ms"] in (1, 2, 5, 10) and 0 < point["step_share"] <= 0.1,
+        legal=lambda point: (
+            point["cycle_ms"] in (1, 2, 5, 10)
+            and 0 < point["step_share"] <= 0.1
+            and point["boost"] in range(8)
+        ),
         cost=cost,
         error=error,
         figures=(

@@ -1,6 +1,7 @@
 """Bit-exact twin of rtl/actuate/msn_grip.sv: the grip reflex, a command a control cycle. See docs/grip.md.
 
-wish   of a finger  = step + (speed_gain * speed >> SPEED_SHIFT) for each of its windows over the threshold
+wish   of a finger  = (step << n) + (speed_gain * speed >> SPEED_SHIFT) for each of its windows over the
+                      threshold; n: its windows over in a row just before it, up to boost
 wish   of the hand  = the largest (any) or the smallest (weakest) of the fingers that work
 goal                = command + wish    some working finger had a window over the threshold
                       command - decay   every finger was heard since the last cycle and none was over
@@ -16,6 +17,7 @@ PERIOD_BITS = 24
 TIMER_BITS = 16
 SPEED_BITS = 16
 GAIN_BITS = 16
+BOOST_BITS = 3
 SPEED_SHIFT = 8
 MAX_FINGERS = 8
 MIN_PERIOD = 16  # clocks; a shorter one acts as this
@@ -36,7 +38,7 @@ class GripConfig:
     ``period``: clocks between cycles. ``rate``: the largest change in a cycle. ``watchdog``: a finger is
     silent from this many cycles in a row without a decision on. ``mode``: "position", the output word is the
     change of the command; "force", the command. ``immediate``: the first window over the threshold brings a
-    period's cycle forward.
+    period's cycle forward. ``boost``: how often the step doubles while windows over follow each other.
     """
 
     period: int = 1_000_000  # 10 ms at 100 MHz
@@ -50,11 +52,12 @@ class GripConfig:
     rule: str = "any"
     mode: str = "position"
     immediate: bool = False
+    boost: int = 0
 
     def __post_init__(self):
         tops = dict.fromkeys(("step", "decay", "minimum", "maximum", "rate"), TOP)
         tops |= {"speed_gain": (1 << GAIN_BITS) - 1, "watchdog": (1 << TIMER_BITS) - 1}
-        tops |= {"period": (1 << PERIOD_BITS) - 1}
+        tops |= {"period": (1 << PERIOD_BITS) - 1, "boost": (1 << BOOST_BITS) - 1}
         lows = {"period": MIN_PERIOD, "watchdog": 1}
         for name, top in tops.items():
             value, low = getattr(self, name), lows.get(name, 0)
@@ -118,6 +121,7 @@ class Grip:
         self._speed_term = [0] * self.fingers
         self._quiet = [0] * self.fingers  # cycles in a row without a decision
         self._counted = [False] * self.fingers  # the window under way was over, and was counted
+        self._streak = [0] * self.fingers  # windows over in a row before it
         self._clear()
 
     def _clear(self):
@@ -141,9 +145,12 @@ class Grip:
         self._seen[finger] = True
         self._over[finger] |= bool(over)
         if over and not self._counted[finger]:
-            addend = self.config.step + self._speed_term[finger]
-            self._wish[finger] = min(self._wish[finger] + addend, TOP)
-        self._counted[finger] = not end and (self._counted[finger] or bool(over))
+            step = self.config.step << min(self._streak[finger], self.config.boost)
+            self._wish[finger] = min(self._wish[finger] + step + self._speed_term[finger], TOP)
+        counted = self._counted[finger] or bool(over)
+        if end:
+            self._streak[finger] = self._streak[finger] + 1 if counted else 0
+        self._counted[finger] = not end and counted
 
     def cycle(self, healthy=None, override=None):
         """The command of the cycle that ends now; ``override``: what a host asks instead of the reflex."""

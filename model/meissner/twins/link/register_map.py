@@ -715,6 +715,12 @@ GROUPS = (
                 "What a window over the threshold adds beside step: this times the finger's speed of shear in mm/s, times 16; 0: nothing.",
                 (Field("value", 15, 0, "setting", 0x0),),
             ),
+            Register(
+                "boost",
+                0xA60,
+                "Windows over that follow each other add 1, 2, 4 .. times step, up to 2 to the power of this; 0: each adds step.",
+                (Field("value", 2, 0, "setting", 0x0),),
+            ),
         ),
     ),
     Group(
