@@ -30,7 +30,16 @@ def tests_of(blocks):
     """The test files of ``blocks``, or of all stages."""
     if not blocks:
         return [*(f"tb/{stage}" for stage in points.STAGES), "tb/cli/test_cop4.py"]
-    return [f"tb/{benches.stage_of(name)}/test_{name}.py" for name in blocks]
+    found = []
+    for name in blocks:
+        folder, others = f"tb/{benches.stage_of(name)}", {f"test_{other}.py" for other in benches.blocks()}
+        more = sorted(path.name for path in (ROOT / folder).glob(f"test_{name}_*.py"))
+        found += [
+            f"{folder}/{file}"
+            for file in (f"test_{name}.py", *more)
+            if file not in others - {f"test_{name}.py"}
+        ]
+    return found
 
 
 def run(blocks, long, jobs):

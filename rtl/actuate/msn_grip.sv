@@ -141,20 +141,25 @@ module msn_grip #(
   // what comes in its first clock belongs to the next.
   logic [Fingers-1:0]                  hit, counts;
   logic [Fingers-1:0][CommandBits-1:0] wish;
-  logic [Fingers-1:0][2:0]             streak;  // windows over in a row before the one under way, at most 7
+  logic [Fingers-1:0][2:0]             streak, streak_next;  // windows over in a row before, 7 at most
+  logic [Fingers-1:0][2:0]             doublings;            // of the step: the least of it and boost
   logic [CommandBits-1:0]              old_wish, old_term, new_wish;
-  logic [2:0]                          old_streak;
+  logic [2:0]                          old_doublings;
   always_comb begin
-    {old_wish, old_term, old_streak} = '0;
+    {old_wish, old_term, old_doublings} = '0;
     for (int unsigned f = 0; f < Fingers; f++) begin
       hit[f]    = over_valid_i && over_id_i == IdBits'(f);
       counts[f] = hit[f] && over_i && !counted[f];
-      if (hit[f]) {old_wish, old_term, old_streak} = {go ? '0 : wish[f], term[f], streak[f]};
+      if (hit[f]) {old_wish, old_term, old_doublings} = {go ? '0 : wish[f], term[f], doublings[f]};
+      streak_next[f] = streak[f];
+      if (hit[f] && over_end_i) begin
+        streak_next[f] = (counted[f] || over_i) ? streak[f] + 3'(streak[f] != '1) : '0;
+      end
     end
   end
   localparam int unsigned SumBits = CommandBits + 8;
   logic [SumBits-1:0] step, sum;
-  assign step     = SumBits'(cfg_step_i) << (old_streak < cfg_boost_i ? old_streak : cfg_boost_i);
+  assign step     = SumBits'(cfg_step_i) << old_doublings;
   assign sum      = SumBits'(old_wish) + SumBits'(old_term) + step;
   assign new_wish = sum > SumBits'(Top) ? Top : CommandBits'(sum);
 
@@ -178,7 +183,8 @@ module msn_grip #(
   always_ff @(posedge clk_i) begin
     for (int unsigned f = 0; f < Fingers; f++) begin
       if (hit[f]) counted[f] <= !over_end_i && (counted[f] || over_i);
-      if (hit[f] && over_end_i) streak[f] <= (counted[f] || over_i) ? streak[f] + 3'(streak[f] != '1) : '0;
+      streak[f]    <= streak_next[f];
+      doublings[f] <= streak_next[f] < cfg_boost_i ? streak_next[f] : cfg_boost_i;
       if (counts[f]) wish[f] <= new_wish;
       else if (go) wish[f] <= '0;
       fresh[f]  <= (fresh[f] && !go) || counts[f];
@@ -200,7 +206,7 @@ module msn_grip #(
     end
     if (rst_i) begin
       {counted, fresh, over, seen, sick, nearly} <= '0;
-      {wish, term, quiet, streak}                 <= '0;
+      {wish, term, quiet, streak, doublings}     <= '0;
     end
   end
 

@@ -32,7 +32,12 @@ module msn_fifo #(
   logic [Width-1:0]   fetched;
   logic [PlaceBits:0] written, read;  // one bit more than a place: full and empty differ
   logic               put, get, fetched_valid, free;
-  assign in_ready_o = (written ^ read) != {1'b1, PlaceBits'(0)};
+  logic               full, full_next;  // no place is left: from the two each clock, so no upset stays
+  logic [PlaceBits:0] stored;           // more than Depth after an upset
+  assign stored     = written - read;
+  assign full_next  = stored[PlaceBits] ? !get || stored[PlaceBits-1:0] != '0
+                      : put && !get && stored[PlaceBits-1:0] == '1;
+  assign in_ready_o = !full;
   assign put        = in_valid_i && in_ready_o;
   assign free       = out_ready_i || !out_valid_o;
   assign get        = written != read && (free || !fetched_valid);
@@ -46,6 +51,7 @@ module msn_fifo #(
       fetched <= memory[read[PlaceBits-1:0]];
       read    <= read + 1'b1;
     end
+    full          <= full_next;
     fetched_valid <= get || (fetched_valid && !free);
     if (free) begin
       out_data_o  <= fetched;
@@ -54,6 +60,7 @@ module msn_fifo #(
     if (rst_i) begin
       written       <= '0;
       read          <= '0;
+      full          <= 1'b0;
       fetched_valid <= 1'b0;
       out_valid_o   <= 1'b0;
     end

@@ -40,7 +40,7 @@ module formal_fifo #(
   assign place  = dut.read[PlaceBits-1:0] + behind[PlaceBits-1:0];
   always_comb begin
     if (started) begin
-      assert (stored <= (PlaceBits + 1)'(Depth));
+      assert (stored <= (PlaceBits + 1)'(Depth) && dut.full == (stored == (PlaceBits + 1)'(Depth)));
       // The memory does not define what it answers while the same place is written.
       if (dut.put && dut.get) assert (dut.written[PlaceBits-1:0] != dut.read[PlaceBits-1:0]);
       assert (level == CountBits'(stored) + CountBits'(dut.fetched_valid) + CountBits'(dut.out_valid_o));

@@ -85,12 +85,13 @@ module formal_grip #(
 
   // Windows over in a row before the one under way, seven at most, and what the step becomes by them.
   logic [Fingers-1:0][2:0]          row;
+  logic [2:0]                       boost;  // a clock ago
   logic [Fingers-1:0][WideBits-1:0] earlier, step, added;
   always_comb begin
     for (int unsigned f = 0; f < Fingers; f++) begin
       earlier[f] = go ? '0 : wish[f];
       step[f] = WideBits'(cfg_step_i);
-      for (int unsigned n = 0; n < 7; n++) if (n < 32'(row[f]) && n < 32'(cfg_boost_i)) step[f] = step[f] + step[f];
+      for (int unsigned n = 0; n < 7; n++) if (n < 32'(row[f]) && n < 32'(boost)) step[f] = step[f] + step[f];
       added[f] = earlier[f] + step[f] + WideBits'(dut.term[f]);
     end
   end
@@ -102,6 +103,7 @@ module formal_grip #(
       else if (hit[f] && over_end_i && row[f] != 3'd7) row[f] <= row[f] + 1'b1;
       if (go) unheard[f] <= unheard_next[f];
     end
+    boost  <= cfg_boost_i;
     heard  <= go ? hit : heard | hit;
     over   <= go ? (hit & {Fingers{over_i}}) : over | (hit & {Fingers{over_i}});
     unwell <= go ? ~healthy_i : unwell | ~healthy_i;
@@ -109,6 +111,7 @@ module formal_grip #(
       {wish, unheard}             <= '0;
       {open, heard, over, unwell} <= '0;
       row                         <= '0;
+      boost                       <= '0;
     end
   end
 
@@ -242,7 +245,7 @@ module formal_grip #(
     if (started) begin
       for (int unsigned f = 0; f < Fingers; f++) begin
         assert (WideBits'(dut.wish[f]) == wish[f] && dut.quiet[f] == unheard[f]);
-        assert (dut.streak[f] == row[f]);
+        assert (dut.streak[f] == row[f] && dut.doublings[f] == (row[f] < boost ? row[f] : boost));
         if (dut.fresh[f]) assert (over[f]);
       end
       assert (dut.counted == open && dut.seen == heard && dut.over == over && dut.sick == unwell);

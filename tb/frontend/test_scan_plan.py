@@ -213,6 +213,18 @@ async def the_order_is_that_of_the_first_switch(dut):
             await RisingEdge(dut.clk_i)
 
 
+@cocotb.test(timeout_time=10, timeout_unit="ms")
+async def ticks_without_room_are_overruns(dut):
+    """The first waits; of the others, one every 1, 2, 3 .. clocks, each counts."""
+    for period in (1, 2, 3, 7):
+        await begin(dut, Settings(settle=1, period=period))
+        dut.room_i.value = 0
+        dut.cfg_enable_i.value = 1
+        switches, _ = await watch(dut, START + 50)
+        assert not switches and bench.read(dut.overrun_o) == {1: 49, 2: 24, 3: 16, 7: 7}[period], period
+        await RisingEdge(dut.clk_i)
+
+
 @cocotb.test(timeout_time=100, timeout_unit="ms")
 async def waits_for_room_and_counts_it(dut):
     plan = twin_of(dut)

@@ -16,7 +16,7 @@ import bench
 import members
 from meissner.builds.toolchain import ROOT
 from meissner.twins.link.register_map import GROUPS
-from meissner.twins.link.registers import RESET_BITS, WIDTHS, Registers, reset_word, struct_word
+from meissner.twins.link.registers import RESET_BITS, WIDTHS, Registers, reset_word, struct_bytes, struct_word
 
 FEATURES = [group.name for group in GROUPS if group.feature]
 STROBES = [(group.name, register.name) for group in GROUPS for register in group.registers if register.strobe]
@@ -353,6 +353,7 @@ def test_the_word_of_a_groups_struct():
     """By hand: a bit and 24 of adc, the first setting highest. Of slip as tb/members.py places them."""
     assert struct_word("adc", {"enable": 1, "period": 5}, {}) == 0x100_0005
     assert struct_word("adc", {"enable": 0, "period": 0xFF_FFFF}, {}) == 0xFF_FFFF
+    assert struct_bytes("adc", {"enable": 1, "period": 0x1234}, {}) == bytes.fromhex("34120001")
     places = members.PLACES["slip_cfg"].items()
     values = {name: bits + at if bits > 1 else 1 for at, (name, (_, bits)) in enumerate(places)}
     values |= {"contact_level": -77, "release_level": -131_072, "threshold": 262_143}

@@ -13,12 +13,14 @@ from meissner.twins.link.registers import RESET_BITS, Registers, reset_word
 # Bits of a detail, a time, a load and an offset. Ends: 2^18 - 1 = 262143, 2^17 = 131072, 2^11 - 1 = 2047,
 # 2^22 - 1 = 4194303, 2^15 = 32768.
 FEW = {"DetailBits": 18, "TimerBits": 11, "LoadBits": 22, "OffsetBits": 16}
+LEVELS = {131_072: 131_071, 262_144: 131_071, 393_216: 131_071}  # each of the bits above the end
+LEVELS |= {-262_144: -131_072, -393_216: -131_072, -524_288: -131_072}
 ENDS = {  # address, and what the core has of what was written
     "slip_threshold": (0x200, {262_142: 262_142, 262_143: 262_143, 262_144: 262_143, 262_444: 262_143}),
     "slip_gross_threshold": (0x204, {300: 300, 262_143: 262_143, 262_144: 262_143, 1_048_575: 262_143}),
     "slip_keep_threshold": (0x228, {262_141: 262_141, 262_143: 262_143, 262_145: 262_143, 524_288: 262_143}),
-    "slip_contact_level": (0x208, {131_071: 131_071, 131_072: 131_071, 524_287: 131_071, -131_072: -131_072}),
-    "slip_release_level": (0x20C, {-131_071: -131_071, -131_073: -131_072, -524_288: -131_072, -1: -1}),
+    "slip_contact_level": (0x208, LEVELS | {131_071: 131_071, 524_287: 131_071, -131_072: -131_072}),
+    "slip_release_level": (0x20C, LEVELS | {-131_071: -131_071, -131_073: -131_072, -1: -1}),
     "slip_hold": (0x214, {2047: 2047, 2048: 2047, 65_535: 2047, 2046: 2046}),
     "slip_refractory": (0x218, {2046: 2046, 2047: 2047, 2048: 2047, 4096: 2047}),
     "slip_blank": (0x21C, {2045: 2045, 2048: 2047, 2047: 2047, 32_768: 2047}),
@@ -28,11 +30,13 @@ ENDS = {  # address, and what the core has of what was written
 BITS = {0x208: 20, 0x20C: 20, 0x508: 17}  # of the signed ones
 RESETS = {
     **{"slip.threshold": 262_444, "slip.contact_level": 131_072, "slip.release_level": -131_073},
-    **{"slip.hold": 2048, "cop.min_load": 0x40_0000, "calibrate.offset": -40_000, "slip.blank": 2047},
+    **{"slip.hold": 2048, "cop.min_load": 0x40_0000, "calibrate.offset": -40_000, "slip.blank": 2049},
+    "slip.refractory": 2050,
 }
 HELD = {
     **{"slip_threshold": 262_143, "slip_contact_level": 131_071, "slip_release_level": -131_072},
     **{"slip_hold": 2047, "cop_min_load": 4_194_303, "calibrate_offset": -32_768, "slip_blank": 2047},
+    "slip_refractory": 2047,
 }
 
 

@@ -14,9 +14,8 @@ class GripLoop:
         self.now, self.in_period, self.period_done, self.last_cycle = 0, 0, False, -2
         self.speeds, self.due, self.forget = dict.fromkeys(self.fingers, 0), [], []
         self.open_windows_over = set()
-        self.verdicts = {
-            finger: "" for finger in self.fingers
-        }  # of its windows that ended: "1" over, "0" not
+        self.verdicts = dict.fromkeys(self.fingers, "")  # of its windows that ended: "1" over, "0" not
+        self.boost_before = self.boost  # a clock ago
         self.unheard = dict.fromkeys(self.fingers, 0)
         self.command, self.mode = 0, None
         self.since_last()
@@ -47,13 +46,14 @@ class GripLoop:
                 self.over.add(finger)
                 if finger not in self.open_windows_over:
                     in_a_row = len(self.verdicts[finger]) - len(self.verdicts[finger].rstrip("1"))
-                    steps = self.step * 2 ** min(in_a_row, self.boost)
+                    steps = self.step * 2 ** min(in_a_row, self.boost_before)
                     self.windows.append((finger, steps + self.speeds[finger]))
                 self.open_windows_over.add(finger)
             if end:
                 self.verdicts[finger] += "1" if finger in self.open_windows_over else "0"
                 self.open_windows_over.discard(finger)
 
+        self.boost_before = self.boost
         ended = None
         self.in_period += 1
         if self.in_period >= max(16, self.period):
