@@ -2,6 +2,8 @@
 
 from functools import cache
 
+from PIL import Image
+
 from meissner import scenes
 from meissner.scenes.hand import loop, pictures
 from meissner.scenes.hand.run import PARTS, joined, statistics
@@ -51,5 +53,6 @@ def draw(folder):
         scene, found = held(name, seeds)
         file = f"initial_slip_{number}.png"
         pictures.draw(folder / file, scene, scene.conditions[0], 1, found.trace)
+        Image.open(folder / file).quantize(64).save(folder / file, optimize=True)  # half as large
         shown.append((file, f"Figure {number}: `{name}`, seed 1: grip force, Haar detail, the glass's way"))
     return shown
