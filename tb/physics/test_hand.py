@@ -441,7 +441,8 @@ def test_the_threshold_follows_vc_once_a_second():
 def test_finer_counts_let_go_as_slowly_in_a_shorter_cycle():
     """0.02 mm/s: two counts of 0.1 um in each of 100 cycles, one of 0.02 um in each of 1000."""
     scene = scenes.load("grip_release")
-    scene = replace(scene, world=scene.world | {"hold_from_s": 0.5})
+    never_calm = scene.grip | {"calm_share": 0.0}
+    scene = replace(scene, world=scene.world | {"hold_from_s": 0.5}, grip=never_calm)
     for number, counts, cycles in ((0, 2, 100), (2, 1, 1000)):
         condition = replace(scene.conditions[number], duration_s=1.0, threshold_v=5.0)
         alone = replace(scene, conditions=(condition,))
