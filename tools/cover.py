@@ -30,15 +30,11 @@ def tests_of(blocks):
     """The test files of ``blocks``, or of all stages."""
     if not blocks:
         return [*(f"tb/{stage}" for stage in points.STAGES), "tb/cli/test_cop4.py"]
-    found = []
+    own, found = {f"test_{name}.py" for name in benches.blocks()}, []
     for name in blocks:
-        folder, others = f"tb/{benches.stage_of(name)}", {f"test_{other}.py" for other in benches.blocks()}
-        more = sorted(path.name for path in (ROOT / folder).glob(f"test_{name}_*.py"))
-        found += [
-            f"{folder}/{file}"
-            for file in (f"test_{name}.py", *more)
-            if file not in others - {f"test_{name}.py"}
-        ]
+        folder = f"tb/{benches.stage_of(name)}"
+        more = {path.name for path in (ROOT / folder).glob(f"test_{name}_*.py")} - own
+        found += [f"{folder}/{file}" for file in (f"test_{name}.py", *sorted(more))]
     return found
 
 

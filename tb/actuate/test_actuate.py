@@ -94,6 +94,11 @@ class Stage:
         """So many clocks; what the words of those were that had one."""
         return [got for got in [await self.clock() for _ in range(clocks)] if got["valid"]]
 
+    async def window(self, finger):
+        """A window of the finger that is over, and two periods; the increments that are not 0."""
+        await self.clock((finger, 1, 1))
+        return [word["increment"] for word in await self.rest(80) if word["increment"]]
+
 
 class Member:
     """A member of a struct's port as a port of its own, to ``bench.read`` and ``len``."""
@@ -274,17 +279,13 @@ async def a_speed_counts_for_its_finger_until_it_is_invalid(dut):
     await stage.begin(minimum=0, maximum=65535, rate=65535, speed_gain=512)
     await stage.rest(60)
 
-    async def window(finger):
-        await stage.clock((finger, 1, 1))
-        return [word["increment"] for word in await stage.rest(80) if word["increment"]]
-
     for finger in range(stage.fingers):
         await stage.clock(shear=(finger, 1, 25))
         await stage.rest(80)
-        assert [await window(which) for which in ((finger + 1) % stage.fingers, finger)] == [[7], [57]]
+        assert [await stage.window(which) for which in ((finger + 1) % stage.fingers, finger)] == [[7], [57]]
         await stage.clock(shear=(finger, 0, 25))
         await stage.rest(2)
-        assert await window(finger) == [7]
+        assert await stage.window(finger) == [7]
 
 
 @bench.applies(lambda dut: dut.Grip.value == 1)
@@ -294,11 +295,8 @@ async def windows_over_in_a_row_add_more(dut):
     stage = Stage(dut)
     await stage.begin(minimum=0, maximum=65535, rate=65535, boost=5)
     await stage.rest(60)
-    found = []
-    for _ in range(8):
-        await stage.clock((1, 1, 1))
-        found += [word["increment"] for word in await stage.rest(80) if word["increment"]]
-    assert found == [7, 14, 28, 56, 112, 224, 224, 224]
+    found = [await stage.window(1) for _ in range(8)]
+    assert found == [[7], [14], [28], [56], [112], [224], [224], [224]]
 
 
 async def width(dut):
