@@ -89,15 +89,20 @@ module msn_packet_slip #(
   assign lows  = {2'b00, low};
   assign loads = {5'd0, in_state_i, 24'(in_p2p_i)};
 
-  logic next_count, next_stamp, next_head, next_load, early, late;
-  assign early      = at[5:3] == '0 && at[2:1] != 2'b11;  // below 6
-  assign late       = &at[5:4];                           // 48 and more: type, then number
+  // Where the head's next bit comes from, chosen a clock before the memory answers: below 6 the time's low bits, then
+  // the stamp, from 48 on the type, from 56 on the number.
+  logic next_count, next_stamp, next_head, next_load, early, late, from_stamp, from_count, known;
+  assign early      = ahead[5:3] == '0 && ahead[2:1] != 2'b11;
+  assign late       = &ahead[5:4];
   assign next_count = (count ^ carry) && !clearing;
   assign next_stamp = snap ? count : stamp;
-  assign next_head  = !copy ? head : early ? lows[at[2:0]] : !late ? stamp : at[3] ? count : at[2:0] == '0;
+  assign next_head  = (copy ? from_stamp && stamp : head) || (copy && (from_count ? count : known));
   assign next_load  = copy ? loads[at[4:0]] && !at[5] : load;
 
   always_ff @(posedge clk_i) begin
+    from_stamp <= !early && !late;
+    from_count <= late && ahead[3];
+    known      <= early ? lows[ahead[2:0]] : late && ahead[3:0] == '0;
     {load, head, stamp, count} <= memory[ahead];
     memory[at] <= {next_load, next_head, next_stamp, next_count};
     carry      <= (carry && count) || at == 6'd5 || (copy && at == 6'd55);

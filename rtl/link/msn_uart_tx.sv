@@ -53,8 +53,8 @@ module msn_uart_tx #(
   always_ff @(posedge clk_i) begin
     if (!tick) left <= left - 1'b1;
     else if (load || !in_ready_o) left <= CountBits'(Clocks - 1) + CountBits'(longer);
-    if (load) shift <= {1'b1, in_data_i, 1'b0};
-    else if (tick && !in_ready_o) shift <= shift >> 1;
+    // An idle line keeps its 1 by data, not by a clock enable: the enable would depend on in_valid_i, which comes late.
+    if (tick) shift <= load ? {1'b1, in_data_i, 1'b0} : {1'b0, shift[9:2], shift[1] || in_ready_o};
     if (rst_i) begin
       shift <= 10'd1;
       left  <= '0;

@@ -7,8 +7,8 @@
 //   pass 2   new extremes, p2p = max d - min d; compare p2p with the thresholds; keep the sample
 //   then     step the state, take the sample
 // A sample is taken (in_ready_o) 2*Steps + 1 clocks after it is first offered, with actuator_moving_i of that
-// clock; the decision follows one clock later. Steps: the power of two of digits that holds a detail and a timer's
-// sign. Model: model/meissner/twins/slip/slip_serial.py
+// clock; the decision follows one clock later. Steps: the power of two of digits that holds p2p with a digit to spare
+// and a timer's sign. Model: model/meissner/twins/slip/slip_serial.py
 // Error: none (docs/extremes.md).
 
 module msn_slip_serial #(
@@ -52,7 +52,7 @@ module msn_slip_serial #(
   output logic        [31:0]           blanked_o     // details that were over while blanked or moving
 );
 
-  localparam int unsigned Bits      = (DetailBits > TimerBits) ? DetailBits : TimerBits + 1;
+  localparam int unsigned Bits      = (DetailBits + Digit > TimerBits) ? DetailBits + Digit : TimerBits + 1;
   localparam int unsigned StepBits  = $clog2((Bits + Digit - 1) / Digit);
   localparam int unsigned Steps     = 1 << StepBits;
   localparam int unsigned Width     = Steps * Digit;
@@ -135,8 +135,7 @@ module msn_slip_serial #(
     end
   endfunction
 
-  // What comes in from outside, digit by digit. Pressing is asked for only without a contact, lifting only with one, so
-  // that one comparison serves both.
+  // The inputs, digit by digit. One comparison serves two: for pressing without a contact, for lifting with one.
   msn_pkg::slip_state_e next_state;
   logic                 was_slipping, touching;
   assign was_slipping = out_state_o == msn_pkg::Incipient || out_state_o == msn_pkg::Gross;
@@ -147,9 +146,9 @@ module msn_slip_serial #(
     sample          <= digit(Width'(in_data_i), next_digit);
     limit           <= touching ? digit(Width'(cfg_release_level_i), next_digit)
                        : digit(Width'(cfg_contact_level_i), next_digit);
-    threshold       <= digit(Width'(cfg_threshold_i), next_digit);
-    gross_threshold <= digit(Width'(cfg_gross_threshold_i), next_digit);
-    keep_threshold  <= digit(Width'(cfg_keep_threshold_i), next_digit);
+    threshold       <= digit(Width'(cfg_threshold_i), at[StepBits-1:0]);  // for the clock after
+    gross_threshold <= digit(Width'(cfg_gross_threshold_i), at[StepBits-1:0]);
+    keep_threshold  <= digit(Width'(cfg_keep_threshold_i), at[StepBits-1:0]);
   end
 
   // The Haar levels. A level keeps its value for the next one whenever all levels below it have one.
@@ -207,26 +206,27 @@ module msn_slip_serial #(
     if (idle) {higher, lower, beyond} <= '0;
   end
 
-  // Pass 2: the window's extremes, their difference, and the thresholds.
+  // Pass 2: the window's extremes, their difference, the thresholds. To shorten the critical path, a digit of p2p is
+  // compared a clock late, at the top of p2p_q: first the last one of the pass before, which is 0 and changes nothing.
   logic             p2p_borrow, over, gross, above_keep;
-  logic [Digit-1:0] p2p;
+  logic [Digit-1:0] p2p, compared;
   logic [Width-1:0] p2p_q;
   assign new_high  = (first || higher) ? detail : high;
   assign new_low   = (first || lower) ? detail : low;
   assign p2p       = rest(new_high, new_low, p2p_borrow);
   assign out_p2p_o = p2p_q[DetailBits-1:0];
+  assign compared   = p2p_q[Width-1-:Digit];
   always_ff @(posedge clk_i) begin
     p2p_borrow <= !restart && greater(new_low, new_high, p2p_borrow);
-    over       <= greater(p2p, threshold, over);
-    gross      <= greater(p2p, gross_threshold, gross);
-    above_keep <= greater(p2p, keep_threshold, above_keep);
-    if (!second && !finish) {over, gross, above_keep} <= '0;
+    over       <= greater(compared, threshold, over);
+    gross      <= greater(compared, gross_threshold, gross);
+    above_keep <= greater(compared, keep_threshold, above_keep);
+    if (!second) {over, gross, above_keep} <= '0;
     if (second) p2p_q <= {p2p, p2p_q[Width-1:Digit]};
   end
 
-  // The timer counts up from minus a register's value, so that "still running" is its sign. A detail that loads it
-  // leaves that, and the step of 1 otherwise, to the next one's pass 1. Only one time runs in any state: hold in
-  // slips and in Release, blank or refractory in Contact.
+  // The timer counts up from minus a register's value: it runs while it is negative. It is loaded, or counts 1, in
+  // pass 1 of the next detail. One time runs in a state: hold in slips and Release, blank or refractory in Contact.
   logic             running, tick_carry, load, next_load, blanking, next_blanking;
   logic [Digit-1:0] load_digit;
   assign next_count = load ? load_digit : rest(count, '1, !tick_carry);
@@ -235,7 +235,7 @@ module msn_slip_serial #(
                   : blanking ? digit('0 - Width'(cfg_blank_i), next_digit)
                   : digit('0 - Width'(cfg_refractory_i), next_digit);
     tick_carry <= idle ? running : (tick_carry && &count);
-    // Its own sign: what stands above it may have been upset.
+    // Its own sign: bits above it may have been upset.
     if (complete && !idle && at == (StepBits+1)'(TimerBits / Digit)) running <= next_count[TimerBits%Digit];
   end
 

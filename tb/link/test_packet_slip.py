@@ -119,6 +119,22 @@ async def decisions_in_a_row(dut, rate):
     assert len(events) > 5
 
 
+@cocotb.test(timeout_time=50, timeout_unit="ms")
+async def events_after_one_convert(dut):
+    """Events offered back to back have the time of the one convert before them, and a number each: 1 to 4."""
+    line, events = await begin(dut), []
+    for count in (1, 4):
+        for _ in range(237):
+            await line.step()
+        time = line.clock
+        await line.step(convert=1)
+        events += [(time, p2p, p2p % 5) for p2p in (9, 4, 7, 3)[:count]]
+        for event in events[-count:]:
+            await line.offer((1, *event[1:]), lambda: int(line.clock % 50 == 0))
+        await line.drain(len(events))
+    assert line.packets == packets(events)
+
+
 @bench.applies(lambda dut: dut.P2pBits.value.to_unsigned() == 24)  # once is enough
 @cocotb.test(timeout_time=50, timeout_unit="ms")
 async def counts_on(dut):

@@ -301,6 +301,21 @@ def test_slip_serial(parameters):
     bench.run("slip", "slip_serial", {"Level": 1, "Window": 64} | parameters)
 
 
+@pytest.mark.parametrize(
+    "sample_bits, level, timer_bits, digit, clocks",
+    [
+        (13, 1, 14, 2, 17),  # p2p has 7 digits, 8 with the spare one: two passes, and the clock that takes it
+        (15, 1, 14, 2, 33),  # 8 digits, 9 with the spare one: 16
+        (15, 1, 8, 1, 65),  # 16 and 17: 32
+        (13, 3, 5, 2, 33),
+        (10, 1, 15, 2, 17),  # the timer and its sign: 16 bits
+        (10, 1, 16, 2, 33),
+    ],
+)
+def test_clocks_by_hand(sample_bits, level, timer_bits, digit, clocks):
+    assert SlipSerial(SlipConfig(level=level), sample_bits, timer_bits, digit).clocks == clocks
+
+
 def test_slip_serial_by_hand():
     """Against a plain loop, not the models: slip/slip_path_by_hand.py."""
     parameters = {"SampleBits": 13, "Level": 2, "Window": 16, "TimerBits": 3}

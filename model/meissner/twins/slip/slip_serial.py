@@ -37,7 +37,7 @@ class SlipSerial:
             if not low <= getattr(config, name) < high:
                 raise ValueError(f"{name} = {getattr(config, name)} must lie in {low} .. {high - 1}")
         self.config = config
-        digits = -(-max(detail_bits, timer_bits + 1) // digit)
+        digits = -(-max(detail_bits + digit, timer_bits + 1) // digit)
         self.steps = 1 << (digits - 1).bit_length()
         self._check, self._slip = FrameFilter(1), Slip(1, config)
         self._haar = Haar(1, config.level)
