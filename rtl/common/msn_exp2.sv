@@ -71,7 +71,7 @@ module msn_exp2 #(
     end
   end
 
-  // All stages move together.
+  // All stages advance together.
   logic       step;
   logic [5:1] valid;
   assign in_ready_o = step;

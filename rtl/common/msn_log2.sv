@@ -66,7 +66,7 @@ module msn_log2 #(
     end
   end
 
-  // All stages move together.
+  // All stages advance together.
   logic       step;
   logic [6:1] valid;
   assign in_ready_o = step;
