@@ -1,9 +1,9 @@
-"""A hand holds a glass while it is being filled; the core's grip reflex tightens as soon as the glass begins to slip.
+"""A hand holds a glass while it is filled; the core's grip reflex tightens as soon as the glass slips.
 
     python examples/grip_on_slip.py [--hold]     --hold: keep the grip constant, and the glass falls
 
-Hand, glass and both rubber sensors are simulated; the core is the twin of the configuration `grip`. A real core
-gives the words at its pins, and a host reads core["grip.command"] and core["grip.fault"].
+Hand, glass and both rubber sensors are simulated; the core is the twin of the configuration `grip`. A real
+core gives the words at its pins, and a host reads core["grip.command"] and core["grip.fault"].
 """
 
 import sys

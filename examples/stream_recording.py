@@ -2,7 +2,7 @@
 
     python examples/stream_recording.py [IN.npy [THRESHOLD]]
 
-IN has codes, [samples] or [channels, samples], at 10 kHz; without it the scene of a pulled plate is simulated.
+IN has codes, [samples] or [channels, samples], at 10 kHz; without it a pulled plate is simulated.
 """
 
 import sys

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The core behind AXI: samples in and packets out as AXI4-Streams, registers as AXI4-Lite.
+// The core with AXI interfaces: samples in and packets out as AXI4-Streams, registers as AXI4-Lite.
 //
 //   s_axis   complete frames, tlast on the final beat; a beat has Lanes samples in 32 bits each, low SampleBits used
 //   m_axis   packets (docs/link.md) byte by byte, tlast on the final byte; no answer packets: AXI4-Lite answers

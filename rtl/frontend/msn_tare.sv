@@ -44,7 +44,7 @@ module msn_tare #(
   output logic                        cfg_loading_o,
 
   output logic                        taring_o,
-  output logic                        pressed_o,      // in the last whole frame
+  output logic                        pressed_o,      // in the last undamaged frame
   output logic [15:0]                 tared_o,        // averagings done, since reset
   output logic [15:0]                 refused_o,
   output logic [31:0]                 swallowed_o,    // frames dropped while loading
