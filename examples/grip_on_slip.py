@@ -1,9 +1,9 @@
-"""A hand holds a glass that is poured into; the core's own reflex tightens as soon as it begins to slip.
+"""A hand holds a glass while it is filled; the core's grip reflex tightens as soon as the glass slips.
 
-    python examples/grip_on_slip.py [--hold]     --hold: leave the grip as it is, and see the glass fall
+    python examples/grip_on_slip.py [--hold]     --hold: keep the grip constant, and the glass falls
 
-Hand, glass and both rubber sensors are simulated; the core is the twin of the configuration `grip`. On a real
-one the words come at its pins, and a host reads core["grip.command"] and core["grip.fault"].
+Hand, glass and both rubber sensors are simulated; the core is the twin of the configuration `grip`. A real
+core gives the words at its pins, and a host reads core["grip.command"] and core["grip.fault"].
 """
 
 import sys
@@ -21,7 +21,7 @@ SECONDS = 6.0
 
 
 def glass():
-    """100 g and, from 0.5 s on, 20 g more each second; 1.25 N hold the first 150 g of it."""
+    """100 g, and from 0.5 s on 20 g more each second; 1.25 N hold the first 150 g."""
     time_s = np.arange(0, SECONDS, MASS_S)
     mass_kg = 0.1 + 0.02 * np.maximum(0, time_s - 0.5)
     rng = np.random.default_rng(1)

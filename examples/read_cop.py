@@ -2,7 +2,7 @@
 
     python examples/read_cop.py [PORT]
 
-PORT is serial:/dev/ttyUSB0, say; without it there is a simulated core.
+PORT is, for example, serial:/dev/ttyUSB0; without it the core is simulated.
 """
 
 import sys

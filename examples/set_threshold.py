@@ -1,8 +1,8 @@
-"""Set the slip threshold of a core in volts, and see what it does to the events.
+"""Set the slip threshold of a core in volts, and see how the number of slip events changes.
 
     python examples/set_threshold.py [PORT]
 
-PORT is serial:/dev/ttyUSB0, say; without it there is a simulated core on a pty.
+PORT is, for example, serial:/dev/ttyUSB0; without it a simulated core runs on a pty.
 """
 
 import sys
@@ -19,13 +19,13 @@ def events(core, seconds):
 
 
 def run(port, seconds=0.5):
-    # What the core cannot know: its converter, rate and rubber are those of this scene.
+    # The core does not know its converter, sample rate and rubber: take them from this scene.
     with host.connect(port, of_scene(load("acrylic_slip"))) as core:
         print(f"the core has {', '.join(core.features)}; slip.threshold = {core['slip.threshold']} codes")
         print(f"{events(core, seconds)} slip events in {seconds:g} s")
         code = core.set("slip.threshold", volts=1.0)
         print(f"1 V, peak to peak, are {code} codes: {core['slip.threshold']} are in the register now")
-        list(core.packets(0.2))  # what was under way
+        list(core.packets(0.2))  # skip packets that were already under way
         print(f"{events(core, seconds)} slip events in {seconds:g} s")
 
 

@@ -1,8 +1,8 @@
-"""Stream a recording through the integer twins of the slip path, a block at a time, and print slip events.
+"""Stream a recording through the integer twins of the slip path, block by block, and print the slip events.
 
     python examples/stream_recording.py [IN.npy [THRESHOLD]]
 
-IN holds codes, [samples] or [channels, samples], at 10 kHz; without it a plate is pulled, simulated.
+IN has codes, [samples] or [channels, samples], at 10 kHz; without it a pulled plate is simulated.
 """
 
 import sys
@@ -25,7 +25,7 @@ def main(path=None, threshold=40):
     core = SimulatedCore(source, settings=settings_of(config), level=config.level)
     decoder, assembler = Decoder(), packets.Assembler(Units(clk_khz=core.clk_khz))
     count = 0
-    while data := core.read(4096):  # the bytes that the core would send over its line
+    while data := core.read(4096):  # the bytes that a core would send over its serial line
         for packet in decoder.next(data):
             event = assembler.next(packet)
             count += 1

@@ -10,7 +10,7 @@ uint32_t msn_crc32(const uint8_t *bytes, size_t length) {
   return ~crc;
 }
 
-/* The number in `count` bytes, lowest first. */
+/* The unsigned number in `count` bytes, lowest byte first. */
 static uint64_t number_of(const uint8_t *bytes, int count) {
   uint64_t value = 0;
   while (count-- > 0) value = value << 8 | bytes[count];
@@ -26,7 +26,7 @@ uint16_t msn_taxel(const struct msn_packet *packet, size_t index) {
   return (uint16_t)number_of(packet->payload + 5 + 2 * index, 2);
 }
 
-/* Puts the zeros back in place: each code is the distance to the one before. 0 if these are no such bytes. */
+/* Restores the zeros in place: each code is the distance to the code before it. Returns 0 if the bytes are invalid. */
 static int unstuff(uint8_t *frame, size_t length) {
   size_t place = length - 1, code = frame[place];
   while (code <= place) {
@@ -37,7 +37,7 @@ static int unstuff(uint8_t *frame, size_t length) {
   return code == place + 1;
 }
 
-/* The payload's fields; 0 if its length is not that of its type. */
+/* Decodes the payload's fields; returns 0 if its length is wrong for its type. */
 static int fields(struct msn_packet *packet) {
   const uint8_t *b = packet->payload;
   size_t n = packet->length;
@@ -87,7 +87,7 @@ static int fields(struct msn_packet *packet) {
 int msn_decode(struct msn_decoder *decoder, uint8_t byte, struct msn_packet *packet) {
   uint8_t *frame = decoder->frame;
   size_t length = decoder->length;
-  if (byte != 0) { /* a frame longer than any is kept just too long to be one */
+  if (byte != 0) { /* too long a frame is cut to a length that is still invalid */
     if (length < sizeof decoder->frame) decoder->frame[decoder->length++] = byte;
     return 0;
   }

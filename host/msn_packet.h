@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0
- * Packets of a Meissner core out of the bytes of its line, as docs/link.md says: C99, no memory of its own.
+ * Decodes the packets of a Meissner core from the bytes of its serial line (docs/link.md). C99, allocates no memory.
  *
- *   static struct msn_decoder decoder;          all zeros: ready
+ *   static struct msn_decoder decoder;          initial state: all zeros
  *   struct msn_packet packet;
  *   if (msn_decode(&decoder, byte, &packet)) switch (packet.type) { ... }
  */
@@ -17,14 +17,14 @@
 enum { MSN_SLIP = 1, MSN_COP = 2, MSN_IMAGE = 3, MSN_HEALTH = 4, MSN_STATISTIC = 5, MSN_ANSWER = 16 };
 
 struct msn_packet {
-  uint8_t type;   /* another than the above: payload holds what came */
+  uint8_t type;   /* for types not listed above, only payload is set */
   uint8_t number; /* mod 256 */
   uint64_t time;  /* clocks since reset, 48 bits */
   const uint8_t *payload; /* valid until the next byte is decoded */
   size_t length;
   union {
     struct { uint16_t channel; uint32_t p2p; uint8_t state; } slip;
-    struct { int32_t x, y; uint64_t load; uint8_t pressed; } cop; /* x, y: 16384 is 1.0 */
+    struct { int32_t x, y; uint64_t load; uint8_t pressed; } cop; /* x, y: 16384 = 1.0 */
     struct { uint8_t image, last; uint32_t first; uint16_t count; } image; /* taxels: msn_taxel */
     struct { uint32_t taxel; uint8_t faults; } health;
     struct { uint8_t index; uint32_t value; } statistic;
@@ -36,14 +36,14 @@ struct msn_decoder {
   uint8_t frame[MSN_MAX_PACKET + 2];
   uint16_t length;
   uint8_t number, numbered;
-  uint32_t damaged; /* frames that were no packet */
-  uint32_t missed;  /* packets whose numbers were left out, mod 256 in each gap */
+  uint32_t damaged; /* frames that were not a valid packet */
+  uint32_t missed;  /* packets missing by their numbers, each gap mod 256 */
 };
 
-/* 1 if this byte completes a packet, which is then in *packet; 0 if not. */
+/* Returns 1 if this byte completes a packet, which is then in *packet, else 0. */
 int msn_decode(struct msn_decoder *decoder, uint8_t byte, struct msn_packet *packet);
 
-/* Taxel `index` of an image's part, 0 .. count - 1. */
+/* Taxel `index`, 0 .. count - 1, of an image packet. */
 uint16_t msn_taxel(const struct msn_packet *packet, size_t index);
 
 /* CRC-32 (ISO-HDLC) of `length` bytes. */

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The core behind AXI: samples in and packets out as AXI4-Streams, registers as AXI4-Lite.
+// The core with AXI interfaces: samples in and packets out as AXI4-Streams, registers as AXI4-Lite.
 //
-//   s_axis   whole frames, tlast on the final beat; a beat has Lanes samples of 32 bits, the low SampleBits count
-//   m_axis   packets (docs/link.md) byte by byte, tlast on the final one; answers are AXI4-Lite's
+//   s_axis   complete frames, tlast on the final beat; a beat has Lanes samples in 32 bits each, low SampleBits used
+//   m_axis   packets (docs/link.md) byte by byte, tlast on the final byte; no answer packets: AXI4-Lite answers
 //   s_axil   docs/registers.md
 //
-// Packets carry the clock of their frame's first beat. Model: model/meissner/twins/core.py
+// A packet's time is the clock tick of its frame's first beat. Model: model/meissner/twins/core.py
 
 module msn_axis #(
   parameter  bit          Array            = 1'b1,   // this and the following: msn_core
@@ -99,7 +99,7 @@ module msn_axis #(
     .bus_strobe_o(bus_strobe), .bus_done_i(bus_done), .bus_error_i(bus_error), .bus_rdata_i(bus_rdata)
   );
 
-  // The place in a frame: a frame that is too short or too long is found by what follows.
+  // Number the beats of a frame; the blocks downstream detect a frame that is too short or too long.
   logic [IdBits-1:0] id;
   always_ff @(posedge clk_i) begin
     if (s_axis_tvalid && s_axis_tready) id <= s_axis_tlast ? '0 : id + 1'b1;

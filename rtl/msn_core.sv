@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The core: registers, a sensor, slip and the link. Instances and wires only, in data-path order; what a parameter
-// leaves out is not there.
+// The core: registers, a sensor, slip and the link. Instances and wires only, in data-path order; a block that a
+// parameter turns off is not built.
 //
 //   registers ─ settings, status of all
 //   sensor_array, sensor_channels or sensor_cop4 ─┬─ samples ─ slip_chain ─┬─ link ─ line or bytes
 //                                                 └─ results, reports ─────┘
-//   shear_speeds (ShearSpeed) ─ actuate (Grip) ─ words, pulses for a hand: of channels' samples, decisions, speeds
+//   shear_speeds (ShearSpeed) ─ actuate (Grip) ─ words, pulses for a hand, from channels' samples, decisions, speeds
 //
-// Adc = AdcNone: samples come in on the stream, whole frames, an array's Converters lanes wide. Uart = 0: packets
-// leave as bytes and the registers' bus is open, for msn_axis. SlipOnly: the small sender of slip events alone.
+// Adc = AdcNone: complete frames of samples enter on the stream, for an array Converters lanes wide. Uart = 0: packets
+// leave as bytes and the register bus is a port, for msn_axis. SlipOnly: the smaller link that sends only slip events.
 // Model: model/meissner/twins/core.py
 
 module msn_core #(
@@ -25,7 +25,7 @@ module msn_core #(
   parameter  int unsigned Rows             = 1,
   parameter  int unsigned Columns          = 1,
   parameter  int unsigned Channels         = 1,                 // where there is no array
-  // What is done with it.
+  // The processing stages and their parameters.
   parameter  bit          Demod            = 1'b0,
   parameter  bit          Health           = 1'b0,
   parameter  bit          Tare             = 1'b0,
@@ -47,7 +47,7 @@ module msn_core #(
   parameter  int unsigned Hop              = 64,
   parameter  int unsigned TimerBits        = 16,
   parameter  int unsigned SampleBits       = 17,                // narrower for single channels only
-  parameter  int unsigned GainShift        = RowColumn ? 24 : 12,  // 4096 and 4096^2 are a gain of 1.0
+  parameter  int unsigned GainShift        = RowColumn ? 24 : 12,  // 4096, with RowColumn 4096^2: gain 1.0
   parameter  int unsigned TareLog2         = 4,
   parameter  int unsigned FractionBits     = 14,
   parameter  int unsigned BitsPerClock     = 2,
@@ -134,7 +134,7 @@ module msn_core #(
   localparam bit          Pins       = Adc != msn_pkg::AdcNone;
   localparam int unsigned DetailBits = SampleBits + Level;
   localparam int unsigned IdBits     = msn_pkg::index_width(Taxels);
-  // What the build has bits for, of what registers hold: docs/registers.md, core.widths.
+  // Bits of offsets and loads in this build, where its registers are wider: docs/registers.md, core.widths.
   localparam int unsigned OffsetBits = (RowColumn && !Tare) ? 16 : 17;
   localparam int unsigned LoadBits   = (Taxels > 65536) ? 32 : 16 + $clog2(Taxels);
 
@@ -171,7 +171,7 @@ module msn_core #(
     {status.slip, status.link, status.grip, status.shear_speed} = {of_slip, of_link, of_grip, of_shear};
   end
 
-  // The sensor, up to single samples that the slip path takes, and to the centre of pressure.
+  // The sensor: single samples for the slip path, and centres of pressure.
   logic                         sample_valid, sample_ready, sample_last, sample_mask, convert;
   logic signed [SampleBits-1:0] sample, stream;
   logic        [IdBits-1:0]     sample_id;
@@ -237,7 +237,7 @@ module msn_core #(
     assign {row_o, group_o, sample_mask, cop_valid, cop, health_valid, health, cop_slip_valid, cop_slip} = '0;
   end
 
-  localparam bit Fingers = Slip && Registers && !Array && !Serial;  // what hands and their rubber need
+  localparam bit Fingers = Slip && Registers && !Array && !Serial;  // Grip and ShearSpeed need these
   msn_shear_speeds #(
     .ShearSpeed(ShearSpeed), .Suits(Fingers), .Channels(Taxels), .SampleBits(SampleBits)
   ) u_shear_speeds (
@@ -271,7 +271,7 @@ module msn_core #(
 
   always_ff @(posedge clk_i) pressed_o <= !rst_i && (cop_valid ? cop.pressed : pressed_o);
 
-  // Packets, and commands.
+  // Packets to the host, commands from it.
   msn_core_link #(
     .ClkKhz(ClkKhz), .BaudHz(BaudHz), .SlipOnly(SlipOnly), .Uart(Uart), .Registers(Registers), .Array(Array),
     .DetailBits(DetailBits), .SlipDepth((Slip || CopSlip) ? SlipDepth : 0), .Cop(Array || Cop4),
@@ -293,7 +293,7 @@ module msn_core #(
     .out_valid_o, .out_ready_i, .out_data_o, .out_last_o
   );
 
-  // What a build leaves out.
+  // Signals that some builds do not use.
   logic unused;
   assign unused = ^{cfg, sample, stream, in_data_i, slip_busy, health_ready, cop_slip_ready};
 

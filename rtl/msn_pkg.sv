@@ -13,7 +13,7 @@ package msn_pkg;
     Release   = 3'd4   // the contact was lost a moment ago
   } slip_state_e;
 
-  // The converters that msn_adc_spi speaks to; AdcNone: samples come in on a stream.
+  // The converters that msn_adc_spi can drive; AdcNone: samples enter on a stream.
   typedef enum int unsigned {
     AdcNone     = 0,
     AdcMcp3208  = 1,
@@ -27,7 +27,7 @@ package msn_pkg;
   typedef enum int unsigned {
     DemodRectifier = 0,  // sum of absolute values
     DemodIq        = 1,  // root of I^2 + Q^2, exact
-    DemodIqFast    = 2   // the same estimated by two lines
+    DemodIqFast    = 2   // the same root, estimated by two straight lines
   } demod_form_e;
 
   // A decision about one channel.
@@ -39,15 +39,15 @@ package msn_pkg;
     logic [15:0] id;
   } decision_t;
 
-  // What each detail of one channel says to the grip reflex.
+  // What msn_slip reports to the grip reflex for each detail of one channel.
   typedef struct packed {
     logic        valid;
-    logic        over;   // the threshold on the peak-to-peak
+    logic        over;   // the peak-to-peak exceeds the threshold
     logic        last;   // of its window
     logic [15:0] id;
   } verdict_t;
 
-  // A window's speed of shear for the grip reflex; ok = 0: there is none.
+  // A window's speed of shear for the grip reflex; ok = 0: the window has no valid speed.
   typedef struct packed {
     logic        valid;
     logic        ok;
@@ -55,7 +55,7 @@ package msn_pkg;
     logic [15:0] speed;  // 2^-12 mm/s
   } shear_t;
 
-  // A centre of pressure, in the formats of docs/link.md: x and y have a sign.
+  // A centre of pressure, in the formats of docs/link.md: x and y are signed.
   typedef struct packed {
     logic [23:0] x;
     logic [23:0] y;
@@ -63,7 +63,7 @@ package msn_pkg;
     logic        pressed;
   } cop_t;
 
-  // A report of health about one taxel.
+  // A health report about one taxel.
   typedef struct packed {
     logic [23:0] id;
     logic [7:0]  faults;
@@ -74,7 +74,7 @@ package msn_pkg;
     index_width = (count > 1) ? $clog2(count) : 1;
   endfunction
 
-  // Of parameters: columns side by side in a beat, rows or columns of an array, a power of two or 0.
+  // Checks of parameters: lanes of a beat, rows or columns of an array, a power of two or 0.
   function automatic logic are_lanes(int unsigned count);
     are_lanes = count == 1 || count == 2 || count == 4 || count == 8;
   endfunction

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A 3x3 fingertip in somebody's own design: the core with its parameters and pins, nothing else. The reset values
-// (Resets) come from a configuration: `meissner config show fingertip`. Without them the register map's defaults
-// hold, and a host sets the rest.
+// A 3x3 fingertip in a user's design: only the core, with its parameters and pins. `meissner config show fingertip`
+// prints the reset values (Resets) of a configuration. Without Resets, as here, the settings have the register map's
+// defaults, and a host sets the others.
 
 module finger (
   input  logic       clk_24m_i,
@@ -14,7 +14,7 @@ module finger (
   input  logic       adc_miso_i,
   input  logic       rx_i,
   output logic       tx_o,
-  output logic       slip_o       // to whatever closes the hand
+  output logic       slip_o       // to the hand's controller
 );
 
   logic        unused_group, unused_convst, unused_adc_reset, unused_ready, unused_done, unused_error;

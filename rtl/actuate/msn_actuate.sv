@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What a core asks a hand to do: slip decisions about channels, which are the hand's fingers, to words and pulses.
+// Commands for a hand whose fingers are the core's channels, as words and pulses, from slip decisions and speeds.
 //
 //   samples ─ finger_health ─┐
 //   decisions ───────────────┴─ grip ─┬─ words
 //                                     └─ pwm (mode force) ─ pulses
 //
-// Grip = 0: nothing is there. cfg_i.enable = 0: all is in reset, but for the counters. A sample that the converter did
-// not give, or gave for another channel, makes all fingers unhealthy in that cycle: which one it was is not known.
+// Grip = 0: no logic is built. cfg_i.enable = 0: everything but the counters is in reset. When the converter misses a
+// frame or answers for another channel, all fingers are unhealthy in that cycle: the affected finger is not known.
 // A word leaves 4 clocks after the decision (msn_grip). Model: model/meissner/twins/actuate/actuate.py
 
 module msn_actuate #(
   parameter  bit          Grip       = 1'b1,
-  parameter  bit          Suits      = 1'b1,  // the core has slip of single channels, and registers
+  parameter  bit          Suits      = 1'b1,  // the core decides slip of single channels and has registers
   parameter  int unsigned Fingers    = 2,
   parameter  int unsigned SampleBits = 17,
   localparam int unsigned IdBits     = msn_pkg::index_width(Fingers)
@@ -23,14 +23,14 @@ module msn_actuate #(
   input  msn_registers_pkg::grip_cfg_t    cfg_i,
   output msn_registers_pkg::grip_status_t status_o,
 
-  input  logic                            sample_valid_i,  // what the slip path takes
+  input  logic                            sample_valid_i,  // the samples that the slip path takes
   input  logic signed [SampleBits-1:0]    sample_data_i,
   input  logic        [IdBits-1:0]        sample_id_i,
   input  msn_registers_pkg::adc_status_t  adc_i,           // the converter's counters
   input  msn_pkg::verdict_t               verdict_i,
   input  msn_pkg::shear_t                 shear_i,         // of the fingers' rubber
 
-  output logic                            grip_valid_o,    // for a clock
+  output logic                            grip_valid_o,    // for one clock
   output logic signed [16:0]              grip_word_o,     // increment of a position, or force: cfg_i.mode
   output logic                            pwm_o
 );

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Which fingers can be believed, from their samples: a converter that is dead gives one end of its range, over and over.
+// Which fingers can be trusted, judged by their samples: a dead converter repeats one end of its range.
 //
 //   a sample is at the rail              sample <= low, or sample >= high
 //   finger f is unhealthy                its last `rail` samples or more are all at the rail; rail = 0: never
-//   all fingers are unhealthy            for a clock, after lost_i: a frame that the converter did not give
+//   all fingers are unhealthy            for a clock after lost_i: the converter did not deliver a frame
 //
-// healthy_o follows 3 clocks after the sample, 1 clock after lost_i. Every clock takes a sample; an id beyond the last
-// finger is ignored. After a reset all are healthy.
+// healthy_o follows the sample by 3 clocks and lost_i by 1 clock. A sample a clock; an id beyond the last finger is
+// ignored. After a reset all fingers are healthy.
 // Error: none (docs/extremes.md).
 // Model: model/meissner/twins/actuate/finger_health.py
 
@@ -40,7 +40,7 @@ module msn_finger_health #(
 
   logic                    valid, at_rail;
   logic [IdBits-1:0]       id;
-  logic [Fingers-1:0][7:0] run;  // samples at the rail in a row, 255: as many or more
+  logic [Fingers-1:0][7:0] run;  // consecutive samples at the rail, saturates at 255
   always_ff @(posedge clk_i) begin
     valid   <= in_valid_i;
     id      <= in_id_i;

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The grip reflex: windows over the slip threshold of each finger make one command a control cycle. In doubt it holds.
-//
-//   wish = (step << n) + (speed_gain * speed >> SpeedShift) for each window over; of the fingers the largest, or the
-//          smallest. n: windows over in a row just before it, up to `boost`
-//   goal = command + wish (a finger slips), - decay (all were heard, none was over), else command
-//   command = goal within minimum .. maximum, at most `rate` from where it was                    docs/grip.md
+// The grip reflex: one command a control cycle, from the windows over the slip threshold of each finger. In doubt it
+// keeps the command.
+//   wish = sum of (step << n) + (speed_gain * speed >> SpeedShift) over a finger's windows over the threshold; of the
+//          fingers the largest, or the smallest. n: windows over in a row just before that window, up to `boost`
+//   goal = command + wish (a finger slips), command - decay (every finger reported, none was over), else command
+//   command = goal, limited to minimum .. maximum and to `rate` from the last command               docs/grip.md
 //
 //   clock  1                  2                    3                  4
-//          count the window   begin: join fingers  goal, its limits   command
+//          count the window   begin, join fingers  goal and limits    command
 //
-// A command leaves 4 clocks after a decision that comes with the end of a period, or with cfg_immediate_i after the
-// first one over in a period; 5 if the period's end has just given one. Every clock takes a decision and a speed; a
-// speed counts for windows from 3 clocks after it on. No ready: nothing waits for the hand.
+// A command leaves 4 clocks after a decision that arrives at the end of a period, or, with cfg_immediate_i, after the
+// first decision over in a period; 5 clocks if the period's end has just given a command. A decision and a speed a
+// clock; a speed is used for windows from 3 clocks after it. No back-pressure: nothing waits for the hand.
 // fault_o: silent, unhealthy, at the limit, minimum > maximum, unarmed.   Model: model/meissner/twins/actuate/grip.py
 // Error: none (docs/extremes.md).
 
@@ -29,7 +29,7 @@ module msn_grip #(
   input  logic                          clk_i,
   input  logic                          rst_i,
 
-  input  logic        [PeriodBits-1:0]  cfg_period_i,     // clocks; under 16 as 16
+  input  logic        [PeriodBits-1:0]  cfg_period_i,     // clocks; below 16: 16
   input  logic        [CommandBits-1:0] cfg_step_i,
   input  logic        [GainBits-1:0]    cfg_speed_gain_i,
   input  logic        [2:0]             cfg_boost_i,
@@ -44,10 +44,10 @@ module msn_grip #(
   input  logic                          cfg_override_i,
   input  logic        [CommandBits-1:0] cfg_override_value_i,
 
-  input  logic                          over_valid_i,     // msn_slip's decisions, or one a window
+  input  logic                          over_valid_i,     // msn_slip's decisions, or one per window
   input  logic        [IdBits-1:0]      over_id_i,        // the finger
   input  logic                          over_i,
-  input  logic                          over_end_i,       // the window's last
+  input  logic                          over_end_i,       // the window's last decision
 
   input  logic                          speed_valid_i,
   input  logic        [IdBits-1:0]      speed_id_i,
@@ -56,14 +56,14 @@ module msn_grip #(
 
   input  logic        [Fingers-1:0]     healthy_i,
 
-  output logic                          out_valid_o,      // for a clock
-  output logic signed [CommandBits:0]   out_word_o,       // the increment or the command, by mode
+  output logic                          out_valid_o,      // for one clock
+  output logic signed [CommandBits:0]   out_word_o,       // position: the increment; force: the command
   output logic signed [CommandBits:0]   out_increment_o,
   output logic        [CommandBits-1:0] out_command_o,
-  output logic                          out_force_o,      // the word is the command
+  output logic                          out_force_o,      // out_word_o is the command
 
   output logic        [4:0]             fault_o,          // of the last cycle
-  output logic        [Fingers-1:0]     faulty_o          // fingers that took no part
+  output logic        [Fingers-1:0]     faulty_o          // fingers left out of that cycle
 );
 
   if (Fingers < 1 || Fingers > 8) begin : gen_check_fingers
@@ -90,8 +90,8 @@ module msn_grip #(
 
   localparam logic [CommandBits-1:0] Top = '1;
 
-  // What a window of each finger adds because of its speed: 0 until the first report, after one without a speed, and
-  // after a cycle in which the finger was faulty.
+  // The speed's part of a window's wish, for each finger: 0 until the first report, after a report without a speed,
+  // and after a cycle in which the finger was faulty.
   localparam int unsigned ProductBits = SpeedBits + 1 + GainBits;
   logic signed [ProductBits-1:0]              product;
   logic        [ProductBits-1:0]              scaled;
@@ -105,7 +105,7 @@ module msn_grip #(
   assign scaled   = unsigned'(product) >> SpeedShift;
   assign new_term = !speed_ok_2 ? '0 : scaled > ProductBits'(Top) ? Top : CommandBits'(scaled);
 
-  // When a cycle begins: with the period's end, or in it with the first window over, but once a period.
+  // A cycle begins once a period: at its end, or earlier at the first window over (cfg_immediate_i).
   localparam logic [PeriodBits-1:0] Shortest = PeriodBits'(16);
   logic [PeriodBits-1:0] clocks, last_clock;
   logic                  ends, done, early, go, go_2, go_3;
@@ -137,12 +137,12 @@ module msn_grip #(
     end
   end
 
-  // 1: a window counts once, with its first decision that is over. A cycle that begins leaves nothing behind, and
-  // what comes in its first clock belongs to the next.
+  // 1: a window counts once, at its first decision over. The begin of a cycle clears what was gathered, and a decision
+  // in its first clock belongs to the next cycle.
   logic [Fingers-1:0]                  hit, counts;
   logic [Fingers-1:0][CommandBits-1:0] wish;
   logic [Fingers-1:0][2:0]             streak, streak_next;  // windows over in a row before, 7 at most
-  logic [Fingers-1:0][2:0]             doublings;            // of the step: the least of it and boost
+  logic [Fingers-1:0][2:0]             doublings;            // of the step: min(streak, cfg_boost_i)
   logic [CommandBits-1:0]              old_wish, old_term, new_wish;
   logic [2:0]                          old_doublings;
   always_comb begin
@@ -163,9 +163,9 @@ module msn_grip #(
   assign sum      = SumBits'(old_wish) + SumBits'(old_term) + step;
   assign new_wish = sum > SumBits'(Top) ? Top : CommandBits'(sum);
 
-  // 2: join the fingers that work. Cycles begin two clocks apart or more, so the comparison has a clock of its own.
+  // 2: join the working fingers. Cycles begin at least two clocks apart, so the watchdog's comparison has a clock.
   logic [Fingers-1:0][TimerBits-1:0] quiet;   // cycles in a row without a decision
-  logic [Fingers-1:0]                nearly;  // one more is the watchdog's
+  logic [Fingers-1:0]                nearly;  // one more quiet cycle reaches cfg_watchdog_i
   logic [Fingers-1:0]                silent, faulty, faulty_2;
   logic [CommandBits-1:0]            largest, smallest, joined;
   logic                              slips, falls, any_silent, any_sick;
@@ -210,12 +210,12 @@ module msn_grip #(
     end
   end
 
-  // 3: the goal, and what the command may become. Until there is a command, of this mode, nothing is what it may not
-  // become: the first is the minimum of a position, and of a force what a host overrides it with.
+  // 3: the goal and the limits of the command. The first command in a mode is not limited by `rate`: a position starts
+  // at the minimum, a force at the host's override value.
   logic                   armed, armed_mode, live, gives, live_3, gives_3, mode_3;
   logic [CommandBits:0]   raised, lowered;
   logic [CommandBits-1:0] goal, ceiling, floor, low, high, at_least, next;
-  logic                   reaches, below;  // the maximum is within reach; the command stays below its limit
+  logic                   reaches, below;  // `rate` allows the maximum; the command stays below its upper limit
   assign live    = armed && armed_mode == cfg_mode_i;
   assign gives   = live || !cfg_mode_i || cfg_override_i;
   assign raised  = (CommandBits + 1)'(out_command_o) + (CommandBits + 1)'(joined);

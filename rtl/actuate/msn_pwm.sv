@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A word as the width of pulses on a pin.
+// Pulse-width modulator: a word sets the width of the pulses on a pin.
 //
 //   high for word (divide + 1) of the (2^Bits - 1)(divide + 1) clocks of a period: 0 always low, 2^Bits - 1 always high
 //
-// Words come at any time; the last one before a period begins is that period's, so no pulse is cut short and none is
-// torn between two words. No pulses until the first word after a reset: a driver that takes their absence as "hold"
-// holds, where a word of 0 would be an order to open. The first period begins at the pin 3 clocks after the first word.
+// Words arrive at any time; each period uses the last word before it begins, so a new word never changes a pulse under
+// way. No pulses until the first word after a reset: a motor driver that holds without pulses then holds, where a word
+// of 0 would be a command to open. The first period begins at the pin 3 clocks after the first word.
 // Error: none (docs/extremes.md).
 // Model: model/meissner/twins/actuate/pwm.py
 
@@ -17,7 +17,7 @@ module msn_pwm #(
   input  logic                  clk_i,
   input  logic                  rst_i,
 
-  input  logic [DivideBits-1:0] cfg_divide_i,  // taken as a period begins
+  input  logic [DivideBits-1:0] cfg_divide_i,  // read when a period begins
 
   input  logic                  in_valid_i,
   input  logic [Bits-1:0]       in_data_i,
@@ -33,9 +33,9 @@ module msn_pwm #(
     $fatal(1, "msn_pwm: DivideBits = %0d must lie in 1 .. 16", DivideBits);
   end
 
-  localparam logic [Bits-1:0] LastStep = {{(Bits - 1){1'b1}}, 1'b0};  // Yosys makes 1 of ~Bits'(1)
+  localparam logic [Bits-1:0] LastStep = {{(Bits - 1){1'b1}}, 1'b0};  // not ~Bits'(1): Yosys turns that into 1
 
-  logic                  known, runs;        // there is a word; a period is under way
+  logic                  known, runs;        // a word has arrived; a period is under way
   logic [Bits-1:0]       word, width, step;
   logic [DivideBits-1:0] divide, clocks;
   logic                  step_ends, period_ends;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Clock of the Arty A7: 50 MHz from its 100 MHz. Not built here.
+// Clock of the Arty A7: 50 MHz from its 100 MHz oscillator. This project does not build it.
 
 `include "msn_build.svh"  // the configuration, written by tools/synth.py
 

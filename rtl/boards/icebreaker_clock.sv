@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Clock of the iCEBreaker: its 12 MHz, or 24 MHz from the PLL (MSN_CLK_KHZ).
+// Clock of the iCEBreaker: its 12 MHz oscillator, or 24 MHz from the PLL (MSN_CLK_KHZ).
 
 `include "msn_build.svh"  // the configuration, written by tools/synth.py
 

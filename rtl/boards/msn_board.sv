@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What every board has behind its pins: the reset and the core. A board's top only adds clock and pins, those that the
+// The reset and the core, the same for every board. A board's top adds only the clock and the pins that the
 // configuration needs (model/meissner/builds/pins.py writes it).
 //
-// Converters side by side run as one: they share all lines but DOUT and BUSY. Up to eight rows leave one line each.
-// More leave as a number for decoders, and the line above it is low while a row is driven: without that line "no row",
-// between two conversions and while nothing is scanned, would be row 0. Meanwhile the number stays that of the last
-// row, so that no other is visited. All from registers, so that the lines do not glitch, a clock later.
+// The converters run in parallel: they share all lines but DOUT and BUSY. Up to eight rows have one line each. More
+// rows leave as a binary number for external decoders, with an enable above it that is low while a row is driven:
+// between two conversions and in pauses no row is driven, which a number cannot express. Until the next row the number
+// stays at the last one, so that no other row is selected. All lines are registered (one clock) and do not glitch.
 
 `include "msn_build.svh"  // the configuration, written by tools/synth.py
 
@@ -15,7 +15,7 @@ module msn_board (
   input  logic                       good_i,       // the clock runs
 
   output logic [`MSN_ROW_PINS-1:0]   row_o,
-  output logic [`MSN_GROUP_BITS-1:0] group_o,      // of columns: the multiplexers before the converters
+  output logic [`MSN_GROUP_BITS-1:0] group_o,      // of columns: the multiplexers in front of the converters
   output logic                       adc_cs_n_o,
   output logic                       adc_sclk_o,
   output logic                       adc_mosi_o,

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Reset of a board: high from configuration until the clock has been good for 16 clocks, then low.
+// Reset of a board: high from configuration until good_i has been high for 16 clocks, then low.
 //
-// The counter must start at zero, which every family here loads with its configuration; nothing else in the
-// design needs a value at power-up. good_i may come and go whenever it likes (a PLL's LOCK; 1: always good).
+// The counter must start at zero: all FPGA families used here load this value with their configuration. No other
+// register of the design needs a power-up value. good_i is asynchronous (a PLL's LOCK, or constant 1).
 
 module msn_board_reset (
   input  logic clk_i,

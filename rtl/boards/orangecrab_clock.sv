@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Clock of the OrangeCrab r0.2: its 48 MHz.
+// Clock of the OrangeCrab r0.2: its 48 MHz oscillator.
 
 `include "msn_build.svh"  // the configuration, written by tools/synth.py
 

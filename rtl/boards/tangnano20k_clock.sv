@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Clock of the Tang Nano 20K: its 27 MHz.
+// Clock of the Tang Nano 20K: its 27 MHz oscillator.
 
 `include "msn_build.svh"  // the configuration, written by tools/synth.py
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Clock of the ULX3S: 25, 50 or 100 MHz (MSN_CLK_KHZ) from its 25 MHz.
+// Clock of the ULX3S: 25, 50 or 100 MHz (MSN_CLK_KHZ) from its 25 MHz oscillator.
 
 `include "msn_build.svh"  // the configuration, written by tools/synth.py
 

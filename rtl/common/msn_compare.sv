@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Is one signed number greater than another: the sign of their difference.
+// Compares two signed numbers by the sign of their difference.
 //
 //   greater_o = a_i > b_i
 //
-// Written as one subtraction because that is one carry chain; the operator `>` on signed numbers becomes two
-// chains and two tables in Yosys: 112 instead of 143 MHz on ECP5 where it decides what is stored.
+// Written as one subtraction, which is one carry chain; Yosys maps the operator `>` on signed numbers to two
+// chains and two tables: 112 instead of 143 MHz on ECP5 where the comparison selects what is stored.
 // Combinational.   Model: model/meissner/twins/common/compare.py
 // Error: none (docs/extremes.md).
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Product with a constant, of shifts and adds: no multiplier is spent on it.
+// Product with a constant from shifts and adds, without a multiplier.
 //
 //   out = Constant * in
 //
-// In canonical signed digits: Constant = Plus - Minus with the fewest bits set in both, and no two
-// neighbours; 63 = 64 - 1 costs one subtraction. Latency 0.   Model: model/meissner/twins/common/constant_multiplier.py
+// In canonical signed digits: Constant = Plus - Minus with as few bits set as possible and no two set bits
+// adjacent; 63 = 64 - 1 costs one subtraction. Latency 0.   Model: model/meissner/twins/common/constant_multiplier.py
 // Error: none (docs/extremes.md).
 
 module msn_constant_multiplier #(
@@ -24,13 +24,13 @@ module msn_constant_multiplier #(
     $fatal(1, "msn_constant_multiplier: InBits = %0d must be at least 1", InBits);
   end
 
-  // 3c - c = 2c: where 3c has a bit that c lacks, a digit is +1, where c has one that 3c lacks, -1.
+  // From 3c - c = 2c: a digit is +1 where only 3c has the bit set and -1 where only c has it set.
   localparam logic [17:0] Once   = 18'(Constant);
   localparam logic [17:0] Thrice = 18'(3 * Constant);
   localparam logic [17:0] Plus   = (Thrice & ~Once) >> 1;
   localparam logic [17:0] Minus  = (Once & ~Thrice) >> 1;
 
-  // Both sums side by side: their carry chains overlap.
+  // Two sums in parallel, whose carry chains overlap in time.
   logic [OutBits-1:0] more, less;
   always_comb begin
     more = '0;

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Delay line: what went in comes out Depth steps later; nothing moves between steps.
+// Delay line: each word leaves Depth steps after it entered; between steps the contents hold.
 //
-//   out_data_o at a step = in_data_i of Depth steps before
+//   out_data_o at a step = in_data_i Depth steps earlier
 //
-// This is where the state of interleaved channels lives: channels take turns, so a delay of one step per
-// channel gives each channel its own state back, with no address to compute and nothing to forward. Deeper than 4: a
-// ring in block RAM, whose read and write never meet. Undefined for the first Depth steps.
+// It stores the state of interleaved channels: channels take turns, so a delay of one step per channel returns
+// each channel's own state, without addresses and forwarding. Deeper than 4: a ring in block RAM that never reads and
+// writes the same slot in one clock. The output is undefined for the first Depth steps.
 // Model: model/meissner/twins/common/delay.py
 
 module msn_delay #(
@@ -29,7 +29,7 @@ module msn_delay #(
   end
 
   if (Depth <= 4) begin : gen_registers
-    logic [Depth*Width-1:0] line;  // the newest lowest
+    logic [Depth*Width-1:0] line;  // the newest word lowest
     assign out_data_o = line[(Depth-1)*Width+:Width];
     if (Depth == 1) begin : gen_one
       always_ff @(posedge clk_i) if (step_i) line <= in_data_i;
@@ -40,8 +40,8 @@ module msn_delay #(
     assign unused_rst = rst_i;
 
   end else begin : gen_ring
-    // The memory is slow to answer and far from the logic, so there is a register before it and two
-    // behind: with the memory's own, four of the Depth steps.
+    // The memory is slow and far from the logic, so there is a register at its input and two after its output.
+    // With the memory's own output register these are four of the Depth steps.
     localparam int unsigned Slots    = Depth - 3;
     localparam int unsigned SlotBits = msn_pkg::index_width(Slots);
 
@@ -64,7 +64,7 @@ module msn_delay #(
     end
 
 `ifndef SYNTHESIS
-    // The memory does not define what it answers while the same place is written.
+    // Reading a slot in the clock in which it is written is undefined.
     // verilator coverage_off
     always_ff @(posedge clk_i) begin
       if (step_i && !rst_i) begin

@@ -3,13 +3,13 @@
 // Quotient of a signed numerator by an unsigned denominator, |num| <= den, den > 0, rounded to nearest,
 // ties away from zero:   out = num / den   in Q2.FractionBits; 1.0 = 2^FractionBits is reached exactly.
 //
-// Restoring, BitsPerClock bits a clock, on |num|: the remainder is compared with den, and at two bits
-// with 2 den and 3 den too. The last bit weighs half an LSB and rounds. Of the quotient so far both
-// neighbours are kept, floor and floor + 1, so neither rounding nor the sign needs an adder.
+// Restoring division of |num|, BitsPerClock bits a clock: the remainder is compared with den, at two bits also
+// with 2 den and 3 den. The last bit weighs half an LSB and decides the rounding. The quotient so far is kept
+// as floor and floor + 1, so neither rounding nor the sign needs an adder.
 //
 //   Steps = FractionBits + 1 (one bit a clock), (FractionBits + 3) / 2 (two bits)
 //   clock  1               2 .. Steps + 1
-//          |num|, den      a digit each; at two bits 3 den is made meanwhile, the first digit being below 3
+//          |num|, den      one digit a clock; at two bits 3 den is computed in clock 2: the first digit is below 3
 //
 // Latency Steps + 1 clocks; a quotient every Steps + 1 clocks, every clock if Pipelined.
 // `side` travels along.   Model: model/meissner/twins/common/divide.py
@@ -49,15 +49,15 @@ module msn_divide #(
   end
 
   localparam int unsigned Steps = (BitsPerClock == 1) ? FractionBits + 1 : (FractionBits + 3) / 2;
-  localparam int unsigned Ranks = Pipelined ? Steps + 1 : 1;  // of registers: one that turns, or a pipe
-  localparam int unsigned Units = Pipelined ? Steps : 1;      // of one digit each
+  localparam int unsigned Ranks = Pipelined ? Steps + 1 : 1;  // of registers: a pipeline, or one rank for all steps
+  localparam int unsigned Units = Pipelined ? Steps : 1;      // each computes one digit
   localparam int unsigned RestBits = DenBits + BitsPerClock;
 
-  // A rank holds rest, the remainder shifted for the next digit, never above den << BitsPerClock; low and
-  // high = low + 1, between which the quotient so far lies; and step, the digit that they lack.
+  // A rank holds: rest, the remainder shifted for the next digit, never above den << BitsPerClock; low and
+  // high = low + 1, which enclose the quotient so far; and step, the digit not yet added to them.
   localparam int unsigned RankBits = RestBits + DenBits + 2 * QuotientBits + BitsPerClock + 1 + SideBits;
   logic [Ranks-1:0][RankBits-1:0] rank;
-  logic [Units-1:0][RankBits-1:0] after;  // what a unit makes of the rank before it
+  logic [Units-1:0][RankBits-1:0] after;  // a rank after its unit's digit
 
   logic                below;
   logic [DenBits-1:0]  magnitude;
@@ -66,8 +66,8 @@ module msn_divide #(
   if (BitsPerClock == 1) begin : gen_select
     assign magnitude = below ? -in_num_i[DenBits-1:0] : in_num_i[DenBits-1:0];
   end else begin : gen_carry
-    // The same with the selection before the carries, not behind them, where at two bits a clock the
-    // remainder's own is: 145 in place of 121 MHz. At one bit it is the other way round, 132 for 143.
+    // The same value, selected before the carry chain: at two bits a clock the remainder's selection already
+    // follows its carry chain. 145 instead of 121 MHz; at one bit a clock this form has 132 instead of 143 MHz.
     assign magnitude = (in_num_i[DenBits-1:0] ^ {DenBits{below}}) + DenBits'(below);
   end
   assign loaded    = {
@@ -75,7 +75,7 @@ module msn_divide #(
     below, in_side_i
   };
 
-  // load: rank 0 takes a division; turn: the units work.
+  // load: rank 0 accepts a division; turn: the units advance.
   logic load, turn;
   assign load = in_valid_i && in_ready_o;
 
@@ -97,7 +97,7 @@ module msn_divide #(
       assign digit     = !minus_1[RestBits];
       assign remainder = minus_1[RestBits] ? rest[DenBits-1:0] : minus_1[DenBits-1:0];
     end else begin : gen_two
-      // 3 den of rank u; in the first clock still the greatest number there is.
+      // 3 den of rank u; all ones in the first clock, when it is not computed yet.
       logic [RestBits-1:0] triple;
       logic [RestBits:0]   minus_1, minus_2, minus_3;
       logic                upper, lower;  // the digit's bits
@@ -126,20 +126,20 @@ module msn_divide #(
       end
     end
 
-    // The quotient takes a digit in a clock after it was found: only the remainder waits for it.
+    // A digit enters the quotient one clock after it is found, so that only the remainder depends on it at once.
     logic [QuotientBits-1:0] low_next, high_next;
     assign low_next  = (low << BitsPerClock) | QuotientBits'(step);
     assign high_next = (&step) ? high << BitsPerClock
                                : (low << BitsPerClock) | QuotientBits'(BitsPerClock'(step + 1'b1));
 
-    // Below zero the magnitude's digits count down from -1: complemented, they continue `low`.
+    // A negative quotient starts at -1 and counts down: the complement of each digit is appended to `low`.
     assign after[u] = {
       remainder, BitsPerClock'(0), den, low_next, high_next, digit ^ {BitsPerClock{negative}}, negative, side
     };
   end
 
-  // The last digit, not yet taken in, ends with the bit that rounds; one bit later if it took two to get
-  // there. Only 1s carry into `high`.
+  // The last digit is not in the quotient yet and has the rounding bit: its upper bit, or the lower one at two
+  // bits a clock with even FractionBits. Only a digit of all ones carries and selects `high`.
   logic [QuotientBits-1:0] last_low, last_high;
   logic [BitsPerClock-1:0] last_step;
   assign {last_low, last_high, last_step} = rank[Ranks-1][SideBits+1+:2*QuotientBits+BitsPerClock];

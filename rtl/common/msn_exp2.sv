@@ -5,9 +5,9 @@
 //   y = i + f, FractionBits of fraction;  T[j] = 2^(j/2^TableBits) - 1, j the leading bits of f, r the others
 //   out = 2^i (1 + T[j] + (T[j+1] - T[j]) r)     unsigned, OutFraction bits of fraction, rounded half up
 //
-// 2^OutBits - 1 also stands for all beyond. Off 2^y, as a share of it: at most 2^-FractionBits / 8 + 2^-29
-// + 0.0601/4^TableBits (the chord) above, 2^-FractionBits 3/8 + 2^-29 below; at the default -0.00000573 ..
-// +0.0000166; and half an lsb of the output. Exact, but for that half, where f = 0.
+// Larger results saturate at 2^OutBits - 1. Error relative to 2^y: at most 2^-FractionBits / 8 + 2^-29
+// + 0.0601/4^TableBits (the chord) above, 2^-FractionBits 3/8 + 2^-29 below, -0.00000573 .. +0.0000166 at the
+// default; and half an LSB of the output for the rounding, which is the only error where f = 0.
 //
 //   clock  1         2, 3          4    5      6
 //          T, T' - T  msn_multiply  sum  shift  msn_round_sat
@@ -16,7 +16,7 @@
 // Error: at most 1/2 LSB and 0.0000166 of the result at the default size, exact at whole exponents (docs/extremes.md).
 
 module msn_exp2 #(
-  parameter  int unsigned WholeBits    = 11,  // of y, its sign among them
+  parameter  int unsigned WholeBits    = 11,  // of y, including its sign
   parameter  int unsigned TableBits    = 6,
   parameter  int unsigned FractionBits = 16,
   parameter  int unsigned OutBits      = 24,
@@ -59,7 +59,7 @@ module msn_exp2 #(
   localparam int unsigned Stride    = 2 ** (8 - TableBits);
   localparam logic [257*29-1:0] Finest = msn_exp2_pkg::Entries;
 
-  // A word: an entry and the step to the next one.
+  // A word is an entry and the step to the next entry.
   localparam int unsigned RomBits = EntryBits + StepBits;
   function automatic logic [28:0] entry_at(int unsigned i);
     entry_at = (Finest[i*Stride*29+:29] + 29'(1 << (Drop - 1))) >> Drop;
@@ -71,12 +71,12 @@ module msn_exp2 #(
     end
   end
 
-  // All stages move together.
+  // All stages advance together.
   logic       step;
   logic [5:1] valid;
   assign in_ready_o = step;
 
-  // Places to the right from where the leading bit is the output's highest; below 0: beyond the output.
+  // Right shift from the position where the leading bit is the output's highest; negative: overflow.
   localparam int unsigned ShiftBits = ((WholeBits > 7) ? WholeBits : 7) + 1;
   localparam int unsigned WordBits  = (EntryBits > OutBits) ? EntryBits + 1 : OutBits + 1;
   localparam int          AtZero    = int'(OutBits) - 1 - int'(OutFraction);

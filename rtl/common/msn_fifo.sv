@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// First in, first out: Depth entries in memory and two registers behind it. Latency 3 clocks, one entry a clock.
+// First in, first out: Depth entries in memory and two registers after it. Latency 3 clocks, one entry a clock.
 // Model: model/meissner/twins/common/fifo.py
 
 module msn_fifo #(
@@ -30,9 +30,9 @@ module msn_fifo #(
 
   (* no_rw_check *) logic [Width-1:0] memory [Depth];
   logic [Width-1:0]   fetched;
-  logic [PlaceBits:0] written, read;  // one bit more than a place: full and empty differ
+  logic [PlaceBits:0] written, read;  // one bit wider than an address, to distinguish full from empty
   logic               put, get, fetched_valid, free;
-  logic               full, full_next;  // no place is left: from the two each clock, so no upset stays
+  logic               full, full_next;  // derived from both pointers in each clock, so that no upset persists
   logic [PlaceBits:0] stored;           // more than Depth after an upset
   assign stored     = written - read;
   assign full_next  = stored[PlaceBits] ? !get || stored[PlaceBits-1:0] != '0
@@ -67,7 +67,7 @@ module msn_fifo #(
   end
 
 `ifndef SYNTHESIS
-  // The memory does not define what it answers while the same place is written.
+  // Reading an entry in the clock in which it is written is undefined.
   // verilator coverage_off
   always_ff @(posedge clk_i) begin
     if (put && get && !rst_i) begin

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// One stream for two followers: each takes every word once, in its own time; the next comes when both have.
+// One stream for two consumers: each takes every word once, independently; the next word follows when both have it.
 //
-// Latency 0 clocks, a word a clock. No data pass here: both followers see the source's.
+// Latency 0 clocks, a word a clock. The data bypass this block: both consumers read the source's.
 // Model: model/meissner/twins/common/fork.py
 
 module msn_fork (
@@ -18,7 +18,7 @@ module msn_fork (
   input  logic b_ready_i
 );
 
-  logic a_has, b_has;  // the word at hand was taken
+  logic a_has, b_has;  // this consumer has taken the present word
   assign a_valid_o  = in_valid_i && !a_has;
   assign b_valid_o  = in_valid_i && !b_has;
   assign in_ready_o = (a_has || a_ready_i) && (b_has || b_ready_i);

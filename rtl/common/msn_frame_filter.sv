@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Passes samples of whole frames, resynchronises on `last`.
+// Passes the samples of undamaged frames, resynchronises on `last`.
 //
-// Channels must count 0 .. Channels-1 with `last` on the final one. From the first sample that breaks
-// this, the rest of the frame is swallowed, up to its `last`, which counts the damage once. The next
-// frame is marked `restart`, as is the first after reset: what follows must forget its history there.
+// Channels must count 0 .. Channels-1 with `last` on the final one. The first sample that breaks this and
+// the rest of its frame, up to `last`, are dropped, and the frame is counted as damaged. The next frame is
+// marked `restart`, as is the first after reset: blocks downstream must discard their history there.
 //
 // Latency 1 clock, one sample per clock.   Model: model/meissner/twins/common/frame_filter.py
 // Error: none (docs/extremes.md).
@@ -59,12 +59,12 @@ module msn_frame_filter #(
       out_restart_o <= restart;
     end
     if (in_valid_i && in_ready_o) begin
-      expected <= in_last_i ? '0 : expected + 1'b1;  // may wrap only while dropping
+      expected <= in_last_i ? '0 : expected + 1'b1;  // wraps around only while dropping
       dropping <= !in_last_i && !keep;
       if (in_last_i) restart <= !keep;
     end
     damage    <= in_valid_i && in_ready_o && in_last_i && !keep;
-    if (damage) damaged_o <= damaged_o + 1'b1;  // a clock late: 32 enables are slow
+    if (damage) damaged_o <= damaged_o + 1'b1;  // a clock later: 32 clock enables are slow
     if (rst_i) begin
       out_valid_o <= 1'b0;
       expected    <= '0;

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Lets settings change between two frames only. While pending_i, the gate closes after a frame's last beat (on
-// the next clock if no frame has begun), waits until the chain behind it is empty (busy_i is low), gives commit_o
-// for one clock and opens on the next. Nothing is lost: a closed gate is not ready. It never closes on a beat
-// that was offered and not taken.
+// Lets settings change only between two frames. While pending_i, the gate closes after a frame's last beat (on
+// the next clock if no frame has begun), waits until the chain downstream is empty (busy_i is low), gives commit_o
+// for one clock and opens on the next. No beat is lost: a closed gate is not ready. It never closes on a beat
+// that has been offered but not taken.
 //
 // busy_i must be high from the clock after a beat is taken until the last of its results has left.
 //
-// Latency 0; a change costs the clocks until the chain is empty and 2, nothing pending costs nothing.
+// Latency 0; a change costs the clocks until the chain is empty, plus 2; without a change there is no cost.
 // Model: model/meissner/twins/common/frame_gate.py
 
 module msn_frame_gate (
@@ -16,7 +16,7 @@ module msn_frame_gate (
 
   input  logic pending_i,
   output logic commit_o,
-  input  logic busy_i,      // the chain behind holds a beat or owes a result
+  input  logic busy_i,      // the chain downstream holds a beat or owes a result
 
   input  logic in_valid_i,
   output logic in_ready_o,
@@ -35,7 +35,7 @@ module msn_frame_gate (
   logic taken;
   assign taken = out_valid_o && out_ready_i;
 
-  // commit_o is a register, because busy_i comes from the whole chain and the settings lie all over the part.
+  // commit_o is registered because busy_i comes from the entire chain and the settings are spread over the device.
   always_ff @(posedge clk_i) begin
     commit_o <= closed && !begun && !busy_i && !commit_o;
     if (closed) closed <= !commit_o && !begun;  // never inside a frame, not even after an upset

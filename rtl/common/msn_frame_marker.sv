@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The one check of an array's frames: numbers the beats, marks the ends of rows and passes no damaged frame as a
-// whole one.
+// Checks an array's frames: numbers the beats, marks the ends of rows and never passes a damaged frame as a complete
+// one. No other block checks them.
 //
-// Beats must count 0 .. Beats-1 with `last` on the final one (whose id is then not asked). A frame that
-// breaks this is counted once, and what passes of it is
+// Beats must count 0 .. Beats-1 with `last` on the final one (whose id is not checked). A frame that breaks
+// this is counted once, and of it there pass
 //   broken before the final beat:     the beats so far and the broken one, marked `last`: too short
-//   `last` missing on the final beat: that beat and the one that brings `last`: one too long
-// so that whoever counts beats drops it and is in step again. out_fits_o says it without counting: the beat is that
-// of its place, and no damage came before it. A frame is whole if its `last` fits.
+//   `last` missing on the final beat: all beats so far and the one with `last`: too long by one
+// so that a block that counts beats drops the frame and is in step again. out_fits_o needs no counting: the beat has
+// its expected place and no earlier beat of the frame is damaged. A frame is undamaged if its `last` beat fits.
 //
-// Combinational; data pass beside it. Every beat, dropped or not, takes its turn at out_ready_i. A stream without
-// numbers loops out_id_o back to in_id_i: then `last` alone is checked.
+// Combinational; the data bypass this block. Every beat, dropped or not, waits for out_ready_i. A stream without
+// numbers loops out_id_o back to in_id_i: then only `last` is checked.
 // Error: none (docs/extremes.md).
 // Model: model/meissner/twins/common/frame_marker.py
 
@@ -31,7 +31,7 @@ module msn_frame_marker #(
 
   output logic              out_valid_o,
   input  logic              out_ready_i,
-  output logic [IdBits-1:0] out_id_o,        // the place
+  output logic [IdBits-1:0] out_id_o,        // the beat's place in the frame
   output logic              out_fits_o,
   output logic              out_row_last_o,
   output logic              out_last_o,
@@ -66,7 +66,7 @@ module msn_frame_marker #(
       if (!dropping) closed <= !at_final;
     end
     damage <= in_valid_i && in_ready_o && !right && !dropping;
-    if (damage) damaged_o <= damaged_o + 1'b1;  // a clock late: 32 enables are slow
+    if (damage) damaged_o <= damaged_o + 1'b1;  // a clock later: 32 clock enables are slow
     if (rst_i) begin
       out_id_o  <= '0;
       column    <= '0;

@@ -1,24 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Counts a frame in against its results out. From its first beat on a frame owes each of Results results (a centre
-// of pressure, the last beat of a tap); busy_o is high until all have left, however long that takes. A damaged frame
-// may give a result before its last beat comes; a frame that is dropped whole owes nothing any more (drop_i).
+// Tracks whether the results of a frame have left. From its first beat on, a frame owes each of Results results (a
+// centre of pressure, the last beat of a tap); busy_o is high until all have left, however long that takes. A damaged
+// frame may give a result before its last beat arrives; a frame that is dropped entirely owes nothing (drop_i).
 //
-// No result comes if an upset has lost it. So that the sensor does not stand still for ever, busy_o falls after
-// 2^QuietBits - 1 clocks between two frames in which nothing waits at an output (quiet_i).
+// An upset can lose a result. So that the sensor does not stall for ever, busy_o falls after 2^QuietBits - 1 clocks
+// between two frames in which no output waits (quiet_i).
 //
 // One frame at a time: msn_frame_gate is closed while busy_o.   Model: model/meissner/twins/common/frame_owed.py
 // Error: at most 1 clock (docs/extremes.md).
 
 module msn_frame_owed #(
   parameter int unsigned Results   = 1,
-  parameter int unsigned QuietBits = 9   // longer than any stage works on a beat without offering one
+  parameter int unsigned QuietBits = 9   // 2^QuietBits - 1: longer than any stage works without offering a beat
 ) (
   input  logic               clk_i,
   input  logic               rst_i,
 
-  input  logic               taken_i,  // a beat goes in,
-  input  logic               first_i,  // it is, or the next one will be, its frame's first
+  input  logic               taken_i,  // a beat enters
+  input  logic               first_i,  // that beat, or the next one, is its frame's first
   input  logic [Results-1:0] done_i,   // a result leaves
   input  logic               drop_i,
   input  logic               quiet_i,  // nothing waits at an output

@@ -2,14 +2,14 @@
 //
 // One word per beat of a frame, in block RAM, read ahead: the word of the next beat already waits in a register.
 //
-//   out_data_o after a restart = word Start, then one further with every advance, round and round
+//   out_data_o after a restart = word Start, then the next word with each advance, wrapping around
 //
-// Beats come in order, so the address needs no sample: the memory's slow output (5.8 ns on ECP5) has a
-// register of its own and costs no latency. The user advances when it took a word and while out_valid_o is
-// low. A restart (hold it a clock or more) takes up bank_i; the first word is there two advances later.
-// With two banks the one not read can be written at any time, each part of a word by itself. A word that is read
-// while it is written is undefined: the user restarts before it takes it. at_end_o: the word
-// before Start waits, as it must with a frame's last beat; who finds it otherwise restarts.
+// Beats arrive in order, so the address does not depend on a sample: the memory's slow output (5.8 ns on ECP5)
+// has its own register and costs no latency. The user advances when it takes a word and while out_valid_o is
+// low. A restart (for a clock or more) selects bank_i; the first word is valid two advances later. With two
+// banks the bank not read can be written at any time, each part of a word by itself. A word read while it is
+// written is undefined: the user must restart before it takes that word. at_end_o: the word before Start
+// waits, as it must at a frame's last beat; otherwise the user restarts.
 // Model: model/meissner/twins/common/frame_table.py
 
 module msn_frame_table #(
@@ -56,11 +56,11 @@ module msn_frame_table #(
   assign write_bank    = Banks == 2 && write_bank_i;
   assign write_address = AddressBits'(write_word_i) + (write_bank ? AddressBits'(Words) : '0);
 
-  // Of the bank taken up: limits in registers of their own could stray to those of a shorter round.
+  // Computed from the bank in use: after an upset, separate limit registers could keep a shorter range.
   assign first         = taken ? AddressBits'(Words) : '0;
   assign final_word    = first + AddressBits'(Words - 1);
 
-  // Two words are on their way when one waits. Found a clock ahead, and not of `first`, which may be what strayed.
+  // Two words are in flight when one waits. Compared a clock ahead, and not with `first`, which an upset may change.
   logic [AddressBits-1:0] start, next;
   assign start = AddressBits'(Start) + (bank ? AddressBits'(Words) : '0);
   assign next  = AddressBits'((Start + 1) % Words) + (bank ? AddressBits'(Words) : '0);
@@ -77,7 +77,7 @@ module msn_frame_table #(
     if (restart_i) {out_valid_o, read_valid} <= '0;
   end
 
-  // Slices as wide as one ECP5 block RAM is at this depth: deeper memories of several blocks would have a
+  // A slice has the width of one ECP5 block RAM at this depth: a memory of several blocks in depth would have a
   // multiplexer between the slow output and its register (102 instead of 131 MHz at 8192 words).
   localparam int unsigned Depth     = Words * Banks;
   localparam int unsigned SliceBits = (Depth <= 1024) ? 18 : (Depth <= 2048) ? 9 :
@@ -95,8 +95,8 @@ module msn_frame_table #(
           out_data_o[p*PartBits+low+:Bits] <= read;
         end
 `ifndef SYNTHESIS
-        // The memory does not define what it answers while the same word is written. Words that a restart throws
-        // away may be such; one that is used shows in simulation, as it is wrong.
+        // Reading a word in the clock in which it is written is undefined. This may happen to words that a restart
+        // discards; simulation returns a wrong value, so that tests detect the use of such a word.
         // verilator coverage_off
         if (advance_i && write_i[p] && address == write_address) read <= ~memory[address];
         // verilator coverage_on

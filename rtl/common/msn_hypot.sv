@@ -5,14 +5,14 @@
 //   Exact:      out = floor(sqrt(a^2 + b^2))
 //   otherwise:  out = floor(max(8 M, 7 M + 4 m) / 8), M the larger, m the smaller: -3.0 .. +0.8 %
 //
-// Exact, with neither multiplier nor square: A, B are the leading bits of a, b so far, R their root, and
+// Exact, without multipliers or squares: A, B are the leading bits of a, b so far, R the root of A^2 + B^2, and
 // rest = A^2 + B^2 - R^2. One more bit i of a and j of b adds i(4A+1) + j(4B+1) to 4 rest, and to 2R a digit
-// 0 .. 3, found bit by bit. Three clocks a bit, all in registers of the root's width:
+// 0 .. 3, found bit by bit. Three clocks a bit, in registers of about the root's width:
 //
 //   clock  1      3k+2                                 3k+3             3k+4
 //          a, b   rest = 4 rest + .., R = 2R, next bit  rest - (4R+4)?   rest - (2R+1)?
 //
-// Latency 3 Bits + 1 clocks, 3 otherwise, and the period is the same.   Model: model/meissner/twins/common/hypot.py
+// Latency 3 Bits + 1 clocks, 3 unless Exact; the period is the same.   Model: model/meissner/twins/common/hypot.py
 // Error: at most 1 LSB of the root; at most 2.99 % and 1 LSB of the estimate (docs/extremes.md).
 
 module msn_hypot #(
@@ -52,12 +52,12 @@ module msn_hypot #(
   end
 
   if (Exact) begin : gen_exact
-    localparam int unsigned RestBits  = Bits + 4;  // before a digit up to 14 R + 12, R below 2^(Bits - 1/2)
+    localparam int unsigned RestBits  = Bits + 4;  // up to 14 R + 12 before a digit, R below 2^(Bits - 1/2)
     localparam int unsigned IndexBits = msn_pkg::index_width(Bits);
 
-    logic [2:0]           phase;  // one hot: bring a bit down, try 2, try 1; from elsewhere it finds back
+    logic [2:0]           phase;  // one-hot: next bits, try 2, try 1; recovers from any other value
     logic [IndexBits-1:0] left;
-    logic [Bits-1:0]      a_rest, b_rest, a, b;  // bits still to come, and the prefixes
+    logic [Bits-1:0]      a_rest, b_rest, a, b;  // the remaining bits, and the prefixes A, B
     logic [Bits:0]        root;
     logic [RestBits-1:0]  rest, brought;
     logic [RestBits:0]    less;  // rest minus 4R+4 or 2R+1, as the sum with the complement of 4R+3 or 2R

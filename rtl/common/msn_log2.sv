@@ -5,9 +5,9 @@
 //   x = 2^e (1 + m);   T[i] = log2(1 + i/2^TableBits), i the leading bits of m, r the others
 //   out = e + T[i] + (T[i+1] - T[i]) r   unsigned, FractionBits of fraction, rounded half up; T has two more
 //
-// Off log2(x), lsb = 2^-FractionBits: at most 5/8 lsb + 2^-29 above; below 1/4 lsb + 0.1804/4^TableBits (the
-// chord) more, and 1.4427/2^(TableBits + 17) where r has more than 17 bits, which are dropped. At the default
-// -0.0000576 .. +0.0000096. Exact at powers of two; x = 0 gives 0 as 1 does.
+// Error against log2(x), lsb = 2^-FractionBits: at most 5/8 lsb + 2^-29 above; below, 1/4 lsb + 0.1804/4^TableBits
+// (the chord) more, and 1.4427/2^(TableBits + 17) more where r has over 17 bits, as the rest are dropped. At the
+// default -0.0000576 .. +0.0000096. Exact at powers of two; x = 0 gives 0, as x = 1 does.
 //
 //   clock  1           2      3         4, 5          6    7
 //          leading bit  shift  T, T' - T  msn_multiply  sum  msn_round_sat
@@ -19,7 +19,7 @@ module msn_log2 #(
   parameter  int unsigned InBits       = 27,
   parameter  int unsigned TableBits    = 6,
   parameter  int unsigned FractionBits = 16,
-  localparam int unsigned WholeBits    = msn_pkg::index_width(InBits + 1),  // also of InBits, by rounding
+  localparam int unsigned WholeBits    = msn_pkg::index_width(InBits + 1),  // rounding can give InBits itself
   localparam int unsigned OutBits      = WholeBits + FractionBits
 ) (
   input  logic               clk_i,
@@ -54,7 +54,7 @@ module msn_log2 #(
   localparam int unsigned Stride    = 2 ** (8 - TableBits);
   localparam logic [257*29-1:0] Finest = msn_log2_pkg::Entries;
 
-  // A word: an entry and the step to the next one.
+  // A word is an entry and the step to the next entry.
   localparam int unsigned RomBits = EntryBits + StepBits;
   function automatic logic [28:0] entry_at(int unsigned i);
     entry_at = (Finest[i*Stride*29+:29] + 29'(1 << (Drop - 1))) >> Drop;
@@ -66,7 +66,7 @@ module msn_log2 #(
     end
   end
 
-  // All stages move together.
+  // All stages advance together.
   logic       step;
   logic [6:1] valid;
   assign in_ready_o = step;

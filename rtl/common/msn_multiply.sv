@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A product with a register on both sides, the form in which a part's multiplier holds them itself.
+// A product with registers at its inputs and its output, to be mapped to the registers inside a hardware multiplier.
 //
 //   y = a b     a signed, b unsigned
 //
-// Latency 2 clocks in which enable_i is high, a product a clock. Parts whose synthesis leaves the multiplier's own registers unused have a
-// version of their own: rtl/ecp5/msn_multiply.sv.   Model: model/meissner/twins/common/multiply.py
+// Latency 2 clocks in which enable_i is high, a product a clock. Where synthesis does not use the multiplier's own
+// registers there is another version: rtl/ecp5/msn_multiply.sv.   Model: model/meissner/twins/common/multiply.py
 // Error: none (docs/extremes.md).
 
 module msn_multiply #(

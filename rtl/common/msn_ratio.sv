@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Scaled quotient of two signed numbers, held at +-1.0, one rounding: to nearest, ties away from zero.
+// Scaled quotient of two signed numbers, saturated at +-1.0, rounded once: to nearest, ties away from zero.
 //
-//   out = k a / d   in Q2.FractionBits, 1.0 = 2^FractionBits;   d <= 0 counts as beyond: the sign of k a
+//   out = k a / d   in Q2.FractionBits, 1.0 = 2^FractionBits;   d <= 0 saturates too: +-1.0 by the sign of k a, or 0
 //
-// The product is exact and comes first, so the quotient is the only place that loses bits; a quotient first
-// would have k times the rounding. Where |k a| is not within d, the divider is given the sign over 1:
-// what it divides by is positive by construction.
+// The exact product is computed first, so that only the division rounds; dividing first would multiply its
+// rounding error by k. Where |k a| exceeds d, the divider computes the sign of k a over 1 instead, so that its
+// denominator is always positive.
 //
 //   clock  1     2    3      4 .. Steps + 4
-//          a, d  k a  limit  msn_divide      (the first gives the multiplier registers of its own)
+//          a, d  k a  limit  msn_divide      (clock 1 fills the multiplier's own input registers)
 //
 // Latency Steps + 4 clocks, a quotient every Steps + 1 (Steps: see msn_divide). `side` travels along.
 // Error: at most 1/2 LSB (docs/extremes.md).
@@ -18,7 +18,7 @@
 module msn_ratio #(
   parameter int unsigned ScaleBits    = 17,
   parameter int unsigned NumBits      = 18,  // of a
-  parameter int unsigned DenBits      = 34,  // of d, its sign included
+  parameter int unsigned DenBits      = 34,  // of d, including its sign
   parameter int unsigned FractionBits = 14,
   parameter int unsigned BitsPerClock = 2,
   parameter int unsigned SideBits     = 1
@@ -26,7 +26,7 @@ module msn_ratio #(
   input  logic                           clk_i,
   input  logic                           rst_i,
 
-  input  logic        [ScaleBits-1:0]    cfg_scale_i,     // k; holds while numbers flow
+  input  logic        [ScaleBits-1:0]    cfg_scale_i,     // k; must not change while numbers flow
 
   input  logic                           in_valid_i,
   output logic                           in_ready_o,
@@ -50,7 +50,7 @@ module msn_ratio #(
     $fatal(1, "msn_ratio: DenBits = %0d must lie in 2 .. 62", DenBits);
   end
 
-  // The stages before the divider move together.
+  // The stages in front of the divider advance together.
   logic operand_valid, product_valid, limit_valid, step, divide_ready;
   assign step       = divide_ready || !limit_valid;
   assign in_ready_o = step;
@@ -64,7 +64,7 @@ module msn_ratio #(
   logic signed [DenBits-1:0]     den;
   logic        [SideBits-1:0]    side;
 
-  // 3: -d <= k a < d holds only for positive d.
+  // 3: -d <= k a < d is false unless d is positive.
   localparam int unsigned CompareBits = ((ProductBits > DenBits) ? ProductBits : DenBits) + 1;
   logic [CompareBits-1:0] wide_product, wide_den, above, below;
   logic                   fits, something;

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Drop fraction bits (round half up), then hold the result at the ends of the output's range.
+// Drops fraction bits (round half up), then saturates the result at the ends of the output's range.
 //
 //   y = clip(floor(x / 2^DropBits + 1/2), low, high)
 //   low, high = -2^(OutWidth-1), 2^(OutWidth-1) - 1;   Unsigned: 0, 2^OutWidth - 1
 //
-// The one block that loses bits. Latency 1 clock, one sample per clock.
+// The only block that drops bits. Latency 1 clock, one sample per clock.
 // Error: at most 1/2 LSB (docs/extremes.md).
 // Model: model/meissner/twins/common/round_sat.py
 
@@ -35,12 +35,12 @@ module msn_round_sat #(
     $fatal(1, "msn_round_sat: OutWidth = %0d must lie in 1 .. %0d", OutWidth, MidWidth - 32'(Unsigned));
   end
 
-  // floor(x + 1/2): the shift floors, the last dropped bit is the half.
+  // floor(x + 1/2): the shift rounds down; the highest dropped bit adds the half.
   logic signed [MidWidth-1:0] floored, rounded;
   assign floored = MidWidth'(in_data_i >>> DropBits);
   assign rounded = floored + MidWidth'({1'b0, in_data_i[DropBits-1]});
 
-  // It fits if all bits above the result's own are its sign.
+  // The result fits if all bits above it equal its sign (Unsigned: are 0).
   localparam int unsigned SignAt = Unsigned ? OutWidth : OutWidth - 1;
   logic negative, fits;
   assign negative = rounded[MidWidth-1];

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Cuts the path of `ready` at a boundary: in_ready_o is a register, what goes through is not.
+// Cuts the path of `ready` at a boundary: in_ready_o is registered, data and valid are not.
 //
-//   out = in, in order; the one word that comes while the follower stands still is kept held
+//   out = in, in order; the one word that arrives while the consumer stalls is held
 //
 // Latency 0 clocks, a word a clock.   Model: model/meissner/twins/common/skid.py
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Two-flop synchroniser for levels that change whenever they like, such as a converter's BUSY.
+// Two-flop synchroniser for asynchronous levels, such as a converter's BUSY.
 //
 //   out[n] = in[n-2]
 //
-// The bits of a wider input are synchronised one by one: they may arrive a clock apart.
+// The bits of a wider input are synchronised separately and may arrive a clock apart.
 // Latency 2 cycles.   Model: model/meissner/twins/common/sync.py
 
 module msn_sync #(
@@ -20,7 +20,7 @@ module msn_sync #(
     $fatal(1, "msn_sync: Width = %0d must be at least 1", Width);
   end
 
-  // Placers keep the two flops together, so that the first has a whole clock to settle.
+  // The attribute makes placers keep the two flops together, so that the first has a full clock to settle.
   (* ASYNC_REG = "TRUE" *) logic [Width-1:0] first_q;
   (* ASYNC_REG = "TRUE" *) logic [Width-1:0] second_q;
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Beats of Lanes taxels, one after the other, as channels 0 .. Rows*Columns-1, row by row. Lanes to spare in a
-// row's last beat are left out. in_row_last_i: a mark of msn_frame_marker.
+// Converts beats of Lanes taxels to single taxels, as channels 0 .. Rows*Columns-1, row by row. Unused lanes in a
+// row's last beat are skipped. in_row_last_i: a mark of msn_frame_marker.
 //
 // Latency 0 clocks, a taxel a clock, a beat when its last taxel is taken.   Model: model/meissner/twins/common/width_converter.py
 

@@ -4,10 +4,10 @@
 //
 //   lines, ADC pins or stream ─ array_source ─ frame_gate ─ frame_marker ─ condition ─ cop_array ─ x, y, load
 //
-// Demod: the taxels are read as amplitudes of a carrier (msn_scan_demod), one lane; else Converters lanes. Without
-// Health or Tare that stage is not there. With Tare the calibration has gains only: the zero of a taxel is taken off
-// before. Tap: the forces go out too. msn_frame_gate lets one frame through at a time, so that settings change and
-// the frame's time holds between two.
+// Demod: the taxels are read as amplitudes of a carrier (msn_scan_demod), one lane; else Converters lanes. Health = 0
+// or Tare = 0 leaves that stage out. With Tare the calibration has gains only: msn_tare has already subtracted each
+// taxel's zero. Tap: the forces are an output too. msn_frame_gate lets one frame through at a time, so that settings
+// and the frame's time change only between two frames.
 // Latency from a scanned frame's last beat: 16 clocks with all stages, the same in every frame.
 // Model: model/meissner/twins/cop/array.py
 
@@ -109,7 +109,7 @@ module msn_array #(
 
   input  logic                             cfg_pending_i,        // settings wait
   output logic                             commit_o,             // no frame is under way: settings may change
-  input  logic                             busy_i,               // what follows the tap holds a beat
+  input  logic                             busy_i,               // the blocks after the tap hold a beat
   output logic [47:0]                      time_o,               // convert start of the frame under way
 
   output logic                             tap_valid_o,
@@ -145,7 +145,7 @@ module msn_array #(
   output logic [31:0]                      overrun_o,
   output logic [31:0]                      held_o,
   output logic [31:0]                      lost_o,
-  output logic [31:0]                      swallowed_o,          // frames, while zeros are loaded
+  output logic [31:0]                      swallowed_o,          // frames dropped while zeros are loaded
   output logic [31:0]                      damaged_o             // frames that came without a result
 );
 
@@ -172,8 +172,8 @@ module msn_array #(
     .dropped_o, .overrun_o, .held_o, .lost_o
   );
 
-  // One frame at a time: the next one waits until the centre of pressure and the tap's last beat of this one have
-  // left, and what follows the tap is empty. Its time holds until then.
+  // One frame at a time: the next frame waits until the centre of pressure and the tap's last beat of this one have
+  // left and the blocks after the tap are empty. time_o is stable until then.
   logic open_valid, open_ready, open_first, owed, opened;
   msn_frame_gate u_gate (
     .clk_i, .rst_i,
@@ -183,7 +183,7 @@ module msn_array #(
   );
   assign opened = open_valid && open_ready;
 
-  // A damaged frame and one that msn_tare swallows give no result: their counters say so.
+  // A damaged frame, or one that msn_tare swallows, gives no result: the change of a counter shows it.
   logic damaged_q, swallowed_q;
   always_ff @(posedge clk_i) begin
     {damaged_q, swallowed_q} <= {damaged_o[0], swallowed_o[0]};
@@ -200,11 +200,11 @@ module msn_array #(
     .drop_i(swallowed_o[0] != swallowed_q), .quiet_i(!busy_i && !tap_valid_o && !out_valid_o), .busy_o(owed)
   );
 
-  // Places are counted here and nowhere behind.
+  // Beats are numbered here and nowhere downstream.
   logic              placed_valid, placed_ready;
   logic [2:0]        placed_marks;
   logic [IdBits-1:0] placed_id;
-  logic [31:0]       unused_damaged;  // it stays damaged and is counted at the end
+  logic [31:0]       unused_damaged;  // msn_cop_accumulate counts these frames
   msn_frame_marker #(.Rows(Rows), .RowBeats(Beats)) u_place (
     .clk_i, .rst_i,
     .in_valid_i(open_valid), .in_ready_o(open_ready), .in_id_i(scan_id), .in_last_i(scan_last),
@@ -213,7 +213,7 @@ module msn_array #(
     .damaged_o(unused_damaged)
   );
 
-  // The path of ready from the stages to the scan's buffer ends here.
+  // This skid cuts the path of ready from the stages to the scan's buffer.
   logic                        gate_valid, gate_ready;
   logic [2:0]                  gate_marks;
   logic [Lanes*SampleBits-1:0] gate_data;
@@ -227,7 +227,7 @@ module msn_array #(
       .out_valid_o(gate_valid), .out_ready_i(gate_ready),
       .out_data_o({gate_data, gate_user, gate_id, gate_marks})
     );
-  end else begin : gen_no_skid  // a small array: its way is short, and cells count
+  end else begin : gen_no_skid  // a small array: the path is short, and cells are scarce
     assign {gate_valid, placed_ready} = {placed_valid, gate_ready};
     assign {gate_data, gate_user, gate_id, gate_marks} = {scan_data, scan_user, placed_id, placed_marks};
   end

@@ -4,7 +4,7 @@
 //
 // Latency after a frame's last beat: 3 + log2(Lanes) clocks and the divider's Steps, the same in every
 // frame: 11 at one lane, Q2.14 and two bits a clock. Frames of Steps + 1 beats or more never wait; with a
-// pipelined divider none do.   Model: model/meissner/twins/cop/cop.py
+// pipelined divider no frame waits.   Model: model/meissner/twins/cop/cop.py
 // Error: at most 1/2 LSB of x, y (docs/extremes.md).
 
 module msn_cop #(
@@ -36,7 +36,7 @@ module msn_cop #(
   output logic signed [CopBits-1:0]  out_x_o,
   output logic signed [CopBits-1:0]  out_y_o,
   output logic        [SumBits-1:0]  out_load_o,
-  output logic                       out_pressed_o,  // x and y hold
+  output logic                       out_pressed_o,  // x and y are valid
 
   output logic        [31:0]         damaged_o       // frames, since reset
 );

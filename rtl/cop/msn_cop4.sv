@@ -4,18 +4,18 @@
 //
 //   x = Cx (E1-E3) / N     y = Cy (E2-E4) / M     load = Kf N / D
 //
-// x, y in Q2.14, held at +-1.0; the load in its LSBs, 0 .. 65535 (`over` at its end); each rounded once, to
-// nearest, ties away from zero. Cx = kx / 2^shift_x, Cy alike; Kf / (65536 LSB) = kf / 2^(8 + shift_load).
-// Nothing pressed, N (M) <= 0: 0. D <= 0 < N: over. N above 2V0, no sensor's, is held there in the load's
-// numerator. Registers hold while samples flow. Faults:
-//   saturated  a code at either end of the converter's range, top or -top - 1
-//   open       an electrode at idle or beyond, without current, while its partner on the layer has some:
-//              is not beyond busy; E2, E4 in mirrored codes -E - 1
+// x, y in Q2.14, saturated at +-1.0; the load in its LSBs, saturated to 0 .. 65535 (`over`); each rounded once, to
+// nearest, ties away from zero. Cx = kx / 2^shift_x, Cy likewise; Kf / (65536 LSB) = kf / 2^(8 + shift_load).
+// N (M) <= 0, nothing pressed: 0. D <= 0 < N: over. N above 2V0, which no sensor gives, is limited to 2V0 in the
+// load's numerator. The settings must not change while samples flow. Faults:
+//   saturated  a code at or beyond an end of the converter's range, top or -top - 1
+//   open       an electrode without current (code >= idle) whose partner on the same layer has current
+//              (code <= busy); E2, E4 as mirrored codes -E - 1
 //   imbalance  |N - M| > cfg_imbalance: the two expressions of the current in eq. 18 disagree
 // pressed = load >= min_load, load > 0 and no fault; else x = y = 0.
-// Correct: the load after the position, its D less the layers' own drop (msn_cop4_correct), s = 8 + shift_load.
-// Latency S + 8 clocks, S + P + 20 if Correct; a sample every S + 1. S, P: 9, 8, at one bit a clock 17, 15.
-// Samples back to back fill the stages and wait there: 62 clocks, 141 if Correct, at one bit a clock 110, 271.
+// Correct: the load follows the position, as its D is corrected for the layers' drop (msn_cop4_correct).
+// Latency S + 8 clocks, S + P + 20 if Correct; a sample every S + 1. Division steps: load S = 9, position P = 8, at one
+// bit a clock 17, 15. Back-to-back samples fill the stages and wait: 62 clocks, 141 if Correct, at one bit 110, 271.
 // Error: at most 1/2 LSB of x, y; at most 1/2 LSB of load (docs/extremes.md).
 // Model: model/meissner/twins/cop/cop4.py
 
@@ -35,7 +35,7 @@ module msn_cop4 #(
   input  logic        [3:0]            cfg_shift_y_i,
   input  logic        [16:0]           cfg_kf_i,
   input  logic        [3:0]            cfg_shift_load_i,
-  input  logic        [6*18-1:0]       cfg_p_i,           // p0 lowest; of no use unless Correct
+  input  logic        [6*18-1:0]       cfg_p_i,           // p0 lowest; unused unless Correct
   input  logic        [15:0]           cfg_min_load_i,    // LSBs
   input  logic        [SampleBits-2:0] cfg_top_i,
   input  logic signed [SampleBits-1:0] cfg_idle_i,
@@ -54,7 +54,7 @@ module msn_cop4 #(
   output logic signed [15:0]           out_x_o,
   output logic signed [15:0]           out_y_o,
   output logic        [15:0]           out_load_o,
-  output logic                         out_pressed_o,     // x, y and load hold
+  output logic                         out_pressed_o,     // x, y and load are valid
   output logic                         out_over_o,
   output logic                         out_saturated_o,
   output logic                         out_imbalance_o,
@@ -65,12 +65,12 @@ module msn_cop4 #(
     $fatal(1, "msn_cop4: SampleBits = %0d must lie in 4 .. 24", SampleBits);
   end
 
-  // 1: sums and differences, codes against levels. 2: N, M, D. Both move together.
+  // 1: sums and differences, compare codes with levels. 2: N, M, D. Both advance together.
   logic step, sum_valid, total_valid, ratios_ready;
   assign step       = ratios_ready || !total_valid;
   assign in_ready_o = step;
 
-  // Each electrode as if it were of the upper layer: mirrored, what draws no current is high.
+  // The lower layer's codes are mirrored, so that for all electrodes a high code means no current.
   logic [4*SampleBits-1:0] upper;
   logic [3:0]              at_idle, has_current, at_end;
   assign upper = {~in_e4_i, in_e3_i, ~in_e2_i, in_e1_i};
@@ -105,7 +105,7 @@ module msn_cop4 #(
       n               <= signed'(SumBits'(cfg_rail_i)) - SumBits'(sum_upper);
       m               <= signed'(SumBits'(cfg_rail_i)) + SumBits'(sum_lower);
       d               <= SumBits'(sum_upper) - SumBits'(sum_lower);
-      mismatch        <= SumBits'(sum_upper) + SumBits'(sum_lower);  // M - N: the rail drops out
+      mismatch        <= SumBits'(sum_upper) + SumBits'(sum_lower);  // M - N, in which the rail cancels
       total_dx        <= sum_dx;
       total_dy        <= sum_dy;
       total_open      <= sum_open;
@@ -118,11 +118,11 @@ module msn_cop4 #(
     end
   end
 
-  // The ratios, x and y side by side, starting when all that begin here can.
+  // The ratios of x and y in parallel; a sample starts when all dividers that it enters here are ready.
   localparam int unsigned PlaceBits = SumBits + 15;
   localparam int unsigned LoadBits  = SumBits + (Correct ? 24 : 23);
   localparam int unsigned FlagBits  = 6;
-  logic signed [SampleBits:0]  num_x, num_y, num_load;  // of 18 bits a multiplier takes all
+  logic signed [SampleBits:0]  num_x, num_y, num_load;  // 18 bits at most: the multiplier's width
   logic signed [PlaceBits-1:0] den_x, den_y;
   logic signed [SumBits:0]     limit;
   logic                        high, low, imbalance;
@@ -190,7 +190,7 @@ module msn_cop4 #(
     assign {x, y, load_flags}  = result_side;
 
   end else begin : gen_plain
-    // All three at once. The load has two digits more to go than the position, which waits for it.
+    // All three start together. The load takes two digits more than the position, which waits for it.
     assign ratios_ready = ready_x && ready_y && load_ready;
     assign load_start   = start;
     assign load_n       = num_load;
@@ -217,8 +217,8 @@ module msn_cop4 #(
     .out_side_o(result_side)
   );
 
-  // Hold the load, then gate by it. Empty is what counts for `free`, so that out_ready_i does not reach back
-  // through three dividers; samples are far enough apart for that.
+  // Hold the load, then gate by it. `free` is true only once the register is empty, so that out_ready_i has no
+  // path back through three dividers; samples are far enough apart for that.
   logic                       held_valid, pass, pressed;
   logic signed [15:0]         held_x, held_y;
   logic        [15:0]         held_load;

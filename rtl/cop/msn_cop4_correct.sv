@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The load's denominator less what the layers' own voltage drop takes from it (docs/mesh.md, Correction):
+// The load's denominator, corrected for the voltage drop in the sensor's layers (docs/mesh.md, Correction):
 //
 //   den = D 2^s - N p     X = x^2 / 2^12   Y = y^2 / 2^12   (1.0 = 65536)   s = 8 + cfg_shift
 //   p = p0 + (X (p1 + (p3 X + p4 Y) / 2^16) + Y (p2 + p5 Y / 2^16)) / 2^16   divisions rounded down
 //
 // for x, y of Q2.14 in -1 .. +1 and signed registers p0 .. p5 with |p0| + .. + |p5| < 2^17 - 2, so that every
-// operand is of 18 bits: 8 products. den is exact; it may be 0 or less, which msn_ratio holds.
+// operand has 18 bits: 8 products. den is exact; it may be 0 or less, which msn_ratio handles.
 //
 //   clock  1     2     3                 4           5               6  7    8
 //          x, y  X, Y  p3 X, p4 Y, p5 Y  their sums  X (..), Y (..)  p  N p  den
 //
-// Latency 8 clocks, a result every 2: whether clock 1 is free is a register, so that the readiness of what
-// follows does not reach back to what went before. `side` travels along.
+// Latency 8 clocks, a result every 2: in_ready_o is registered, so that out_ready_i has no combinational path
+// to the blocks upstream. `side` travels along.
 // Error: none; at most 5 N of the polynomial (docs/extremes.md).
 // Model: model/meissner/twins/cop/cop4_correct.py
 
@@ -49,19 +49,19 @@ module msn_cop4_correct #(
   logic signed [17:0] p0, p1, p2, p3, p4, p5;
   assign {p5, p4, p3, p2, p1, p0} = cfg_p_i;
 
-  // All stages but the first move together.
+  // All stages but the first advance together.
   logic [8:1] valid;
   logic       step;
   assign in_ready_o  = !valid[1];
   assign step        = out_ready_i || !out_valid_o;
   assign out_valid_o = valid[8];
 
-  // What only waits, `name`_k behind clock k.
+  // Operands that wait for later stages. The suffix _k: valid after clock k.
   localparam int unsigned WaitBits = 2 * SumBits - 1 + SideBits;
   logic [WaitBits-1:0] wait_1, wait_2, wait_3, wait_4, wait_5, wait_6, wait_7;
   logic [33:0]         squares_3, squares_4;
 
-  logic signed [15:0]         x_1, y_1;  // the multipliers' own: before them lies a divider's selection
+  logic signed [15:0]         x_1, y_1;  // the multipliers' input registers, after a divider's selection
   logic [28:0]                x_square, y_square;
   logic [23:0]                unused_low;
   logic [16:0]                x_2, y_2, x_4, y_4;

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Load and first moments of a frame of forces F[i][j], m Rows by n Columns, exact and multiplier-free.
+// Load and first moments of a frame of forces F[i][j], m Rows by n Columns, exact and without multipliers.
 //
 //   S = sum F     Mx = sum (2j - (n-1)) F     My = sum ((m-1) - 2i) F
 //
-// Row-major, Lanes columns a beat, N = n rounded up to whole beats; the surplus lanes of a row's last
-// beat are ignored. With A = sum (N-1-j) F and B = sum (m-1-i) F, which are sums of prefix sums:
+// Row-major, Lanes columns a beat, N = n rounded up to full beats; the extra lanes of a row's last beat
+// are ignored. With A = sum (N-1-j) F and B = sum (m-1-i) F, which are sums of prefix sums:
 //   Mx = (2N - n - 1) S - 2 A     My = 2 B - (m-1) S
 //
 //   clock  1 .. log2(Lanes)    next          next
 //          beat total, moment  S, A, B, row  Mx, My
 //
-// Latency 2 + log2(Lanes) clocks, a beat a clock, frames without a gap. Beats as msn_frame_marker hands them on; a
-// frame with one that does not fit is dropped whole.   Model: model/meissner/twins/cop/cop_accumulate.py
+// Latency 2 + log2(Lanes) clocks, a beat a clock, frames without a gap. Beats as msn_frame_marker gives them; a
+// frame with a beat that does not fit gives no result.   Model: model/meissner/twins/cop/cop_accumulate.py
 // Error: none (docs/extremes.md).
 
 module msn_cop_accumulate #(
@@ -57,9 +57,9 @@ module msn_cop_accumulate #(
   localparam int unsigned TotalBits = 16 + Levels;
   localparam int unsigned InnerBits = 16 + 2 * Levels;
 
-  // Everything stands still only while a finished frame finds the one before not yet taken. It may move on
-  // in the clock in which that is taken, but starts a clock later: out_ready_i then reaches no register
-  // before the results, which is worth 10 % of the clock. Frames of one beat cannot afford that.
+  // The pipeline stalls only while a finished frame waits for the result before it to be taken, and still in
+  // the clock in which that is taken: so out_ready_i has no path to registers upstream of the results, which
+  // makes the clock 10 % faster. Frames of one beat cannot afford that stall.
   localparam bit OneBeat = Rows == 1 && Columns <= Lanes;
   logic done, free, step;
   assign free       = out_ready_i || !out_valid_o;
@@ -76,7 +76,7 @@ module msn_cop_accumulate #(
       dropping  <= !in_last_i && (dropping || !in_fits_i);
     end
     damage <= in_valid_i && in_ready_o && !in_fits_i && !dropping;
-    if (damage) damaged_o <= damaged_o + 1'b1;  // a clock late: 32 enables are slow
+    if (damage) damaged_o <= damaged_o + 1'b1;  // a clock later: 32 clock enables are slow
     if (rst_i) begin
       row_first <= 1'b1;
       first     <= 1'b1;
@@ -97,7 +97,7 @@ module msn_cop_accumulate #(
     assign inner[Lanes+k] = '0;
   end
   for (genvar i = 1; i < Lanes; i++) begin : gen_node
-    localparam int unsigned Half = Levels - $clog2(i + 1);  // log2 of the lanes to the right of node 2i's
+    localparam int unsigned Half = Levels - $clog2(i + 1);  // log2 of the lanes of node 2i+1, right of node 2i's
     always_ff @(posedge clk_i) begin
       if (step) begin
         total[i] <= total[2*i] + total[2*i+1];
@@ -106,7 +106,7 @@ module msn_cop_accumulate #(
     end
   end
 
-  // The beat's marks, as many clocks later.
+  // The beat's marks, delayed as its sums are.
   logic [Levels:0] beat_valid, beat_row_first, beat_first, beat_whole;
   assign beat_valid[0]     = in_valid_i;
   assign beat_row_first[0] = row_first;
@@ -124,9 +124,9 @@ module msn_cop_accumulate #(
     end
   end
 
-  // Sums of prefix sums: what lies left of a beat counts once more with every beat, what lies above a row
-  // once more with every row. All modulo 2^width, and so is what they are combined to: only Mx and My
-  // themselves must fit, and they do.
+  // Sums of prefix sums: each beat adds the row's sum left of it once more, each row the sum above it. All
+  // arithmetic is modulo 2^width, so intermediate values may wrap around: only Mx and My must fit, and they
+  // do.
   localparam int unsigned PrefixBits = 16 + $clog2(Beats * Lanes);
   logic [PrefixBits-1:0] row_total, left;
   logic [SumBits-1:0]    sum, above;

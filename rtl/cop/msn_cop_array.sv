@@ -3,7 +3,7 @@
 // From an array's samples to its centre of pressure and load: msn_calibrate, then msn_cop, and between them
 // msn_skid, so that msn_cop's ready does not reach msn_calibrate's registers in the same clock.
 //
-// Tap: the forces go to a second follower too, which takes each beat in its own time (msn_fork).
+// Tap: the forces also go to a second consumer, which takes each beat independently (msn_fork).
 //
 // Latency after a frame's last beat: 3 clocks (RowColumn 15) and msn_cop's, the same in every frame: 14 at one
 // lane, Q2.14 and two bits a clock.   Model: model/meissner/twins/cop/cop_array.py
@@ -79,7 +79,7 @@ module msn_cop_array #(
     .out_fits_o(force_marks[2]), .out_row_last_o(force_marks[1]), .out_last_o(force_marks[0])
   );
 
-  // Everything behind it waits at its register, so that no path of ready goes through the calibration.
+  // The blocks downstream stall this register, so that no path of ready goes through the calibration.
   msn_skid #(.Width(Lanes * 17 + 3)) u_skid (
     .clk_i, .rst_i,
     .in_valid_i(force_valid), .in_ready_o(force_ready), .in_data_i({force_marks, force_mask, force_data}),

@@ -5,10 +5,10 @@
 //   x = Mx / ((n-1) S)     y = My / ((m-1) S)
 //
 // in Q2.FractionBits, -1 .. +1 from the first column (last row) to the last column (first row), rounded
-// to nearest, ties away from zero. Not valid, and x = y = 0, if S is 0 or below cfg_min_load. One column
-// has x = 0, one row y = 0. S = 0 is divided as 0 / 1: no divider ever sees a zero denominator.
+// to nearest, ties away from zero. Not pressed, and x = y = 0, if S is 0 or below cfg_min_load. One column
+// has x = 0, one row y = 0. S = 0 is divided as 0 / 1: no divider ever gets a zero denominator.
 //
-// Latency: that of msn_divide, both coordinates at once; the load goes with them.
+// Latency: that of msn_divide, both coordinates in parallel; the load travels with them.
 // Error: at most 1/2 LSB of x, y (docs/extremes.md).
 // Model: model/meissner/twins/cop/cop_divide.py
 
@@ -39,7 +39,7 @@ module msn_cop_divide #(
   output logic signed [CopBits-1:0] out_x_o,
   output logic signed [CopBits-1:0] out_y_o,
   output logic        [SumBits-1:0] out_load_o,
-  output logic                      out_pressed_o  // x and y hold
+  output logic                      out_pressed_o  // x and y are valid
 );
 
   if (!msn_pkg::is_side(Rows)) begin : gen_check_rows
@@ -56,7 +56,7 @@ module msn_cop_divide #(
   assign nothing = in_sum_i == '0;
   assign pressed = !nothing && in_sum_i >= cfg_min_load_i;
 
-  // One column (row): a span of 1 and a moment of 0, so that nothing else needs to know.
+  // One column (row): span 1 and moment 0, so that no other logic needs a special case.
   localparam int unsigned SpanX = (Columns > 1) ? Columns - 1 : 1;
   localparam int unsigned SpanY = (Rows > 1) ? Rows - 1 : 1;
   localparam int unsigned DenXBits = SumBits + msn_pkg::index_width(SpanX + 1);
@@ -74,8 +74,8 @@ module msn_cop_divide #(
   assign num_x = (Columns > 1) ? (DenXBits + 1)'(in_mx_i) : '0;
   assign num_y = (Rows > 1) ? (DenYBits + 1)'(in_my_i) : '0;
 
-  // Both are in step, for the clocks do not depend on the numbers. Should one have strayed, no division begins until
-  // both are free, and what the second has alone is dropped: the next is right.
+  // The dividers run in step, as their clocks do not depend on the operands. If an upset separates them, no division
+  // begins until both are free, and a result that only the second has is dropped: the next division is right.
   logic signed [CopBits-1:0] quotient_x, quotient_y;
   logic                      ready_x, ready_y;
   assign in_ready_o = ready_x && ready_y;

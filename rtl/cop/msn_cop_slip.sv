@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Slip from the total load and the centre of pressure: the load reported by conductive rubber drops by about
-// half just before an object moves, and the centre moves a little, the way it slips. Over Lag samples:
+// half just before an object moves, and the centre moves slightly in the direction of slip. Over Lag samples:
 //
 //   over = (old - new) 256 > drop old  and  max(|dx|, |dy|) >= move      dx = x - old x, dy = y - old y
 //
-// if both samples are pressed, old load >= min_load and Lag samples went before since reset. slip rises with
-// `over` unless refractory (`raised` marks that sample), stays until `hold` samples passed that were not over,
-// and is then deaf for `refractory` samples. octant: of (dx, dy), counter-clockwise from +x, 0 along it,
-// each 45 degrees wide about its axis or diagonal (limits at 53/128); 0 if nothing moved. Exact, no rounding.
+// if both samples are pressed, old load >= min_load and at least Lag samples came since reset. slip rises with
+// `over` unless refractory (`raised` marks that sample), stays until `hold` samples in a row are not over, and
+// then cannot rise for `refractory` samples. octant: of (dx, dy), counter-clockwise, 0 along +x, each 45 degrees
+// wide around its axis or diagonal (limits at 53/128); 0 if nothing moved. Exact, no rounding.
 //
 //   clock  1                         2                   3           4       5
 //          old, differences, drop old  magnitudes, compare  53 |d|, move  octant  state
 //
-// Latency 5 clocks, a sample a clock. A plain release drops the load too: move > 0 excludes it.
+// Latency 5 clocks, a sample a clock. An ordinary release lowers the load too: move > 0 excludes it.
 // Error: none (docs/extremes.md).
 // Model: model/meissner/twins/cop/cop_slip.py
 
@@ -25,7 +25,7 @@ module msn_cop_slip #(
   input  logic                 rst_i,
 
   input  logic [7:0]           cfg_drop_i,        // 256ths of the old load
-  input  logic [15:0]          cfg_move_i,        // Q2.14; 0: any, even none
+  input  logic [15:0]          cfg_move_i,        // Q2.14; 0: no movement required
   input  logic [15:0]          cfg_min_load_i,
   input  logic [TimerBits-1:0] cfg_hold_i,
   input  logic [TimerBits-1:0] cfg_refractory_i,
@@ -42,7 +42,7 @@ module msn_cop_slip #(
   output logic                 out_slip_o,
   output logic                 out_raised_o,
   output logic                 out_over_o,
-  output logic signed [16:0]   out_dx_o,          // over the lag, 0 unless both samples count
+  output logic signed [16:0]   out_dx_o,          // over the lag, 0 unless both samples are valid
   output logic signed [16:0]   out_dy_o,
   output logic        [2:0]    out_octant_o
 );
@@ -54,7 +54,7 @@ module msn_cop_slip #(
     $fatal(1, "msn_cop_slip: TimerBits = %0d must lie in 1 .. 31", TimerBits);
   end
 
-  // All stages move together. The samples of Lag steps before, once there are so many.
+  // All stages advance together. `full`: Lag samples have come, so the delay line's output is valid.
   logic accept, full;
   assign in_ready_o = out_ready_i || !out_valid_o;
   assign accept     = in_valid_i && in_ready_o;
@@ -148,7 +148,7 @@ module msn_cop_slip #(
     end
   end
 
-  // 5: the state. Both timers count up from minus the register's value, so that running is a sign.
+  // 5: the state. Both timers count up from minus the register's value, so that "still running" is the sign bit.
   logic [TimerBits:0] hold, deaf, load_hold, load_refractory;
   logic               slipping, next_slipping;
   always_ff @(posedge clk_i) begin

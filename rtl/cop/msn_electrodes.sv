@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The four electrodes' samples of a frame, one after the other, side by side.
+// Gathers the four electrodes' samples of a frame, which arrive one after the other, into one parallel word.
 //
-// Samples 0 .. 3 with `last` on the final one. A frame that is none is left out, up to its `last`, and counted.
+// A frame is samples 0 .. 3 with `last` on the final one. Any other is dropped up to its `last`, and counted.
 // Latency 1 clock after the fourth sample; a sample a clock.   Model: model/meissner/twins/cop/electrodes.py
 
 module msn_electrodes #(

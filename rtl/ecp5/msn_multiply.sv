@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// msn_multiply (rtl/common) as one MULT18X18D with its own registers at the inputs and at the output, which Yosys
-// does not use by itself: the way to the multiplier and the way from it then have a clock each.
+// msn_multiply (rtl/common) as one MULT18X18D that uses the cell's own input and output registers. Yosys does not
+// infer these; with them the routes to the multiplier and from it have a clock each.
 
 module msn_multiply #(
   parameter int unsigned AWidth = 18,

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Whole frames of samples from one converter's pins, or from a stream: instances and wires only.
+// Complete frames of samples from one converter's pins, or from a stream: instances and wires only.
 //
-//   Adc = AdcNone      the stream as it comes, whole frames, channels in order, `last` on the final one
+//   Adc = AdcNone      the stream unchanged: complete frames, channels in order, `last` on the final one
 //   AdcPeriod > 0      msn_adc_single: one channel of an MCP3208, a conversion every AdcPeriod clocks
 //   else               msn_adc_spi: up to eight channels, cfg_period_i clocks from convert start to convert start
 //
-// What is not there gives zeros, and its CS rests high. convert_o is high in the clock that a frame's time is taken:
-// its convert start; with a stream any clock may be one, so it stays high. No latency of its own.
+// Outputs of parts not built are 0, CS is high. convert_o is high in the clock in which a frame's time is taken, its
+// convert start; with a stream any clock may be one, so convert_o stays high. No latency of its own.
 // Error: none (docs/extremes.md).
 // Model: model/meissner/twins/frontend/acquire.py
 
@@ -91,8 +91,8 @@ module msn_acquire #(
     assign unused_inputs = ^{cfg_period_i, adc_busy_i, in_valid_i, in_data_i, in_id_i, in_last_i};
 
   end else begin : gen_adc
-    logic unused_lost, unused_ready;  // the next whole frame shows it; the timer waits by itself
-    logic unused_user;  // what over-range means to a stage is that stage's business; here it is only counted
+    logic unused_lost, unused_ready;  // lost frames are counted; the converter's timer itself waits until it is ready
+    logic unused_user;  // over-range samples are only counted here
     msn_adc_spi #(
       .Part(Adc), .Channels(Channels), .Lanes(AdcLanes), .ClkKhz(ClkKhz), .SclkKhz(SclkKhz),
       .SampleBits(SampleBits), .PeriodBits(PeriodBits)

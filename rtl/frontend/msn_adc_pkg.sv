@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What msn_adc_spi must know of each converter: the shape of its frame and its limits in ns.
-// Adding a part: one line in each function, and the same in model/meissner/twins/frontend/adc_spi.py.
-// Every figure and where it comes from: docs/adc.md
+// Properties of each converter that msn_adc_spi needs: the form of its SPI frame and its timing limits in ns.
+// To add a part: one line in each function, and the same in model/meissner/twins/frontend/adc_spi.py.
+// All figures and their sources: docs/adc.md
 
 package msn_adc_pkg;
 
-  // The pads' and the board's delay, out with SCLK and back with DOUT, on top of the part's own.
+  // Delay of pads and board, out with SCLK and back with DOUT, in addition to the part's own.
   localparam int unsigned RoundTripNs = 7;
 
   function automatic bit known(int unsigned part);
     known = part == msn_pkg::AdcMcp3208 || part == msn_pkg::AdcAd7606 || has_tag(part);
   endfunction
 
-  // MAX11123, MAX11124, MAX11125: the same but for the bits of a code. Each answer is the channel's number in four
-  // bits and the code in twelve, from the top; it is that of the command in the word before.
+  // MAX11123, MAX11124, MAX11125 differ only in the bits of a code. Each answer is the channel's number in four bits
+  // and the code, left-aligned, in twelve; it answers the command in the word before.
   function automatic bit has_tag(int unsigned part);
     has_tag = part >= msn_pkg::AdcMax11123 && part <= msn_pkg::AdcMax11125;
   endfunction
@@ -37,15 +37,15 @@ package msn_adc_pkg;
     endcase
   endfunction
 
-  // The last bits of a word, which are kept, and as many of the command, which are sent.
+  // The number of last bits of a word that are kept; as many bits of the command are sent.
   function automatic int unsigned kept_bits(int unsigned part);
     kept_bits = has_tag(part) ? 16 : data_bits(part);
   endfunction
 
-  // What is sent with word `index` of a frame, from bit 15 on.
+  // The command sent with word `index` of a frame, from bit 15 on.
   //   MCP3208   start bit, single-ended, channel
-  //   MAX1112x  mode control: manual scan of the channel, with its number in the answer
-  //   AD7606    nothing: it has no DIN
+  //   MAX1112x  mode control: manual scan of the channel, channel number in the answer
+  //   AD7606    none: it has no DIN
   function automatic logic [15:0] command(int unsigned part, logic [2:0] index);
     case (part)
       msn_pkg::AdcMcp3208: command = {2'b11, index, 11'd0};
@@ -61,17 +61,17 @@ package msn_adc_pkg;
 
   function automatic logic [15:0] setup_word(int unsigned part, logic [2:0] index);
     case (index)
-      3'd0:    setup_word = 16'h0040;  // mode control: all registers back to their defaults
+      3'd0:    setup_word = 16'h0040;  // mode control: reset all registers to their defaults
       3'd1:    setup_word = 16'h8000;  // configuration: external reference, no average, always on, no echo
       3'd2:    setup_word = 16'h8800;  // unipolar: every input single-ended, against ground
       3'd3:    setup_word = 16'h9000;  // bipolar: none
-      default: setup_word = 16'h9800;  // range: as without bipolar inputs
+      default: setup_word = 16'h9800;  // range: the setting for no bipolar inputs
     endcase
     if (!has_tag(part)) setup_word = '0;
   endfunction
 
   // The part has a RESET pin: high for start_ns after rst_i, then low for as long before the first conversion.
-  // A part that is set up instead rests for both.
+  // A part without RESET that needs a setup is left idle for the same time.
   function automatic bit has_reset(int unsigned part);
     has_reset = part == msn_pkg::AdcAd7606;
   endfunction
@@ -85,7 +85,7 @@ package msn_adc_pkg;
     is_signed = part == msn_pkg::AdcAd7606;
   endfunction
 
-  // CS goes high after every channel, each channel is asked for by a command; otherwise one CS frame holds all.
+  // CS goes high after every channel and a command selects each channel; otherwise one CS frame has all channels.
   function automatic bit cs_per_channel(int unsigned part);
     cs_per_channel = part != msn_pkg::AdcAd7606;
   endfunction
@@ -95,7 +95,7 @@ package msn_adc_pkg;
     has_busy = part == msn_pkg::AdcAd7606;
   endfunction
 
-  // SCLK rests high; otherwise low. DOUT changes when SCLK returns to rest, or when it leaves it (leads).
+  // SCLK rests high; otherwise low. DOUT changes when SCLK returns to rest, or (leads) when it leaves rest.
   function automatic bit idles_high(int unsigned part);
     idles_high = part != msn_pkg::AdcMcp3208;
   endfunction
@@ -124,7 +124,7 @@ package msn_adc_pkg;
     endcase
   endfunction
 
-  // Below it the sample droops before its last bit is out.
+  // At slower SCLK the sample droops before its last bit is out.
   function automatic int unsigned sclk_min_khz(int unsigned part);
     case (part)
       msn_pkg::AdcMcp3208: sclk_min_khz = 10;
@@ -133,7 +133,7 @@ package msn_adc_pkg;
     endcase
   endfunction
 
-  // Right for the whole supply range: the MCP3208 reaches its 2 MHz only at 5 V.
+  // Valid for the entire supply range: the MCP3208 reaches its 2 MHz only at 5 V.
   function automatic int unsigned sclk_default_khz(int unsigned part);
     case (part)
       msn_pkg::AdcMcp3208: sclk_default_khz = 1_000;
@@ -142,7 +142,7 @@ package msn_adc_pkg;
     endcase
   endfunction
 
-  // From CS or from the SCLK edge that launches a bit until DOUT is right, at most.
+  // From CS, or from the SCLK edge that launches a bit, until DOUT is valid, at most.
   function automatic int unsigned access_ns(int unsigned part);
     case (part)
       msn_pkg::AdcMcp3208: access_ns = 200;
@@ -164,13 +164,13 @@ package msn_adc_pkg;
     cycle_min_ns = (part == msn_pkg::AdcAd7606) ? 5_000 : 0;
   endfunction
 
-  // Width of the watchdog: twice the longest conversion, rounded up to a power of two, needs no comparator.
+  // Width of the watchdog: twice the longest conversion, rounded up to a power of two to save a comparator.
   function automatic int unsigned watch_bits(int unsigned part, int unsigned clk_khz);
     watch_bits = msn_pkg::index_width(msn_pkg::clocks_of_ns(2 * conversion_max_ns(part), clk_khz));
   endfunction
 
-  // Clocks in half an SCLK period: SCLK is not above sclk_khz, and DOUT, which is sampled one clock before
-  // the bit's 2*half clocks end, has had its access time and the round trip.
+  // Clocks in half an SCLK period: SCLK does not exceed sclk_khz, and DOUT, sampled one clock before the bit's
+  // 2*half clocks end, has had time for access and round trip.
   function automatic int unsigned half_clocks(int unsigned part, int unsigned clk_khz, int unsigned sclk_khz);
     int unsigned by_rate;
     int unsigned by_access;
@@ -179,7 +179,7 @@ package msn_adc_pkg;
     half_clocks = (by_rate > by_access) ? by_rate : by_access;
   endfunction
 
-  // Words of each lane in a frame; the tagged parts' first word only asks.
+  // Words of each lane in a frame; the first word of a tagged part is only a command.
   function automatic int unsigned frame_words(int unsigned part, int unsigned channels, int unsigned lanes);
     frame_words = ((lanes > 1) ? lane_channels(part) : channels) + 32'(has_tag(part));
   endfunction
@@ -189,7 +189,7 @@ package msn_adc_pkg;
     cs_clocks = 2 * half * (word_bits(part) * words + 1) + half * 32'(leads(part));
   endfunction
 
-  // Clocks from convert start until no channel needs its input any more: what it measures may change then.
+  // Clocks from convert start until no channel samples its input any more: the inputs may change then.
   function automatic int unsigned hold_clocks(int unsigned part, int unsigned channels, int unsigned clk_khz,
                                               int unsigned half);
     case (part)
@@ -199,8 +199,8 @@ package msn_adc_pkg;
     endcase
   endfunction
 
-  // Clocks from convert start to convert start in which every frame has ended and its samples have left to a
-  // consumer that is always ready, and as many could stand in for one that is lost, which takes 4 clocks more.
+  // Clocks from convert start to convert start: enough for every frame to end and its samples to leave to a consumer
+  // that is always ready, and for as many substitutes of a lost frame's samples, which take 4 clocks more.
   function automatic int unsigned cycle_clocks(int unsigned part, int unsigned channels, int unsigned lanes,
                                                int unsigned clk_khz, int unsigned half);
     int unsigned words;

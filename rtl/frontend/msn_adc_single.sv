@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// One channel of an MCP3208 at one rate, for the smallest builds: a counter of the clocks in a period is all there
-// is to its timing, so a bit lasts a power of two of clocks and the period is a parameter. docs/adc.md has sources.
+// One channel of an MCP3208 at one rate, for the smallest builds: a single counter of the clocks in a period gives
+// all timing, so a bit lasts a power of two of clocks and the period is a parameter. docs/adc.md has the sources.
 //
 //   clocks after convert_o   0                  CS falls
 //                            BitClocks*k + 1    bit k is launched; SCLK rises half a bit later
 //                            BitClocks*19 + 1   out_valid_o, and CS rises
 //
-// Conversions start on a grid of Period clocks while cfg_enable_i, whatever the consumer does; one that starts while
-// the sample before waits is read from the part and dropped (dropped_o). msn_adc_spi does the rest: more channels,
-// other parts, a period in a register.
+// Conversions start every Period clocks while cfg_enable_i, whatever the consumer does; if the sample before still
+// waits at the start, the new one is read from the part and dropped (dropped_o). msn_adc_spi supports more channels,
+// other parts and a period in a register.
 // Error: none (docs/extremes.md).
 // Model: model/meissner/twins/frontend/adc_single.py
 
@@ -68,7 +68,7 @@ module msn_adc_single #(
     $fatal(1, "msn_adc_single: SampleBits = %0d must hold a code of %0d bits", SampleBits, DataBits);
   end
 
-  // Where a counter from 0 up meets a number first, all bits that are ones in the number are ones: no other is asked.
+  // When a counter from 0 up first has all the ones of a number set, it has reached the number: compare only these.
   localparam logic [PeriodBits-1:0]          Last = PeriodBits'(Period - 1);
   localparam logic [FrameBits-PhaseBits-1:0] Over = (FrameBits - PhaseBits)'(WordBits);
 
@@ -80,7 +80,7 @@ module msn_adc_single #(
   assign over    = (place & Over) == Over;
   assign bit_end = &clock[PhaseBits-1:0];
 
-  // Start bit, single-ended, channel; then nothing that the part minds.
+  // Start bit, single-ended, channel; the part ignores the rest.
   logic [31:0] command;
   assign command = {27'b0, Channel[0], Channel[1], Channel[2], 2'b11};
 

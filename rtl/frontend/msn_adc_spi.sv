@@ -3,13 +3,13 @@
 // SPI master for the converters of msn_pkg::adc_part_e; msn_adc_pkg describes them, docs/adc.md has the sources.
 //
 // Conversions start every cfg_period_i clocks (0: 2^PeriodBits) while cfg_enable_i, or a clock after each trigger_i,
-// whatever the consumer and the transfer do. Each tick is one of: a frame sent out whole; a frame dropped whole
-// because a sample of the one before was still waiting at its start (dropped_o); a frame given up because BUSY did
-// not answer (timeout_o) or an answer had another channel's number (mistagged_o: the part is then set up again); a
-// tick without conversion, because the frame before was still under way (overrun_o). All but the first: lost_o.
-// After reset the part is reset or set up first; ticks begin then.
+// whatever the consumer and the transfer do. Each tick gives one of: a frame sent completely; a frame dropped
+// entirely, as a sample of the frame before still waited at its start (dropped_o); a frame given up, as BUSY did not
+// answer (timeout_o) or an answer had another channel's number (mistagged_o: the part is then set up again); no
+// conversion, as the frame before was still under way (overrun_o). All but the first raise lost_o.
+// After reset the part is first reset or set up; then ticks begin.
 //
-// Every latency: model/meissner/twins/frontend/adc_spi.py, the twin, has them as functions.
+// The twin, model/meissner/twins/frontend/adc_spi.py, gives all latencies as functions.
 // Error: none (docs/extremes.md).
 
 module msn_adc_spi #(
@@ -40,7 +40,7 @@ module msn_adc_spi #(
 
   output logic                         ready_o,       // the part has been reset or set up
   output logic                         convert_o,     // strobe: CONVST rises (without CONVST: CS falls)
-  output logic                         lost_o,        // strobe: a tick brings no samples (one for two)
+  output logic                         lost_o,        // strobe: a tick gives no samples (one for two at once)
 
   output logic                         out_valid_o,
   input  logic                         out_ready_i,
@@ -70,7 +70,7 @@ module msn_adc_spi #(
   localparam int unsigned WatchBits    = msn_adc_pkg::watch_bits(Part, ClkKhz);
   localparam bit          HasReset     = msn_adc_pkg::has_reset(Part);
   localparam bit          NeedsStart   = HasReset || SetupWords > 0;
-  // Before it is set up a part without RESET rests as long as one with RESET.
+  // A part without RESET is idle before its setup as long as the reset of a part with RESET takes.
   localparam int unsigned StartClocks  = 2 * msn_pkg::clocks_of_ns(msn_adc_pkg::start_ns(Part), ClkKhz);
   localparam int unsigned StartBits    = msn_pkg::index_width(StartClocks);
 
@@ -103,8 +103,8 @@ module msn_adc_spi #(
   end
 
   typedef enum logic [2:0] {
-    Reset,     // RESET is high, then low for as long; CS rests
-    Setup,     // words that set the part up
+    Reset,     // RESET is high, then low for the same time; CS is high
+    Setup,     // sends the words that set the part up
     Idle,
     BusyRise,  // CONVST is high, BUSY has not risen yet
     BusyFall,  // converting
@@ -134,7 +134,7 @@ module msn_adc_spi #(
   assign frame_end = done && word_q == '0 && state_q == Read;
   assign lost      = (frame_end && (drop_q || bad_q)) || give_up || (tick && state_q != Idle);
 
-  // BUSY must be seen to rise: if it is stuck high, or late from the frame before, its fall means nothing.
+  // Wait for BUSY to rise first: if it is stuck high, or still high from the frame before, its fall means nothing.
   always_comb begin
     state_d = state_q;
     give_up = HasBusy && (state_q == BusyRise || state_q == BusyFall) && &watch_q;
@@ -149,8 +149,8 @@ module msn_adc_spi #(
     if (give_up) state_d = Idle;
   end
 
-  // Where state_d becomes Read or Setup, BusyRise or BusyFall, said without state_d: the trigger, a word's end and
-  // the registers of the pins are far apart.
+  // True where state_d becomes Read or Setup, BusyRise or BusyFall, but written without state_d for timing: the
+  // trigger, a word's end and the pins' registers are far apart.
   logic resumed, set_up, converting;
   assign resumed = HasBusy ? state_q == BusyFall && !busy && !give_up : state_q == Idle && tick;
   assign set_up  = SetupWords > 0 && ((state_q == Reset && start_q == '0) || (frame_end && Tagged && bad_q));
@@ -170,11 +170,11 @@ module msn_adc_spi #(
 
     adc_reset_o <= HasReset && state_q == Reset && start_q >= StartBits'(StartClocks / 2);
 
-    if (convert_o) drop_q <= pending;  // what is left at the tick; nothing comes in before the first word
+    if (convert_o) drop_q <= pending;  // samples left at the tick; the first word arrives later
     if (frame || word) bad_q <= !frame && (bad_q || bad);
     if (word) word_q <= word_last ? '0 : word_q + 1'b1;
 
-    // The watchdog's first half outlasts any conversion; low for its second, CONVST can rise at the next tick.
+    // The watchdog's first half outlasts any conversion; CONVST is low in the second, to rise at the next tick.
     adc_convst_o <= converting && !watch_q[WatchBits-1];
 
     dropped_o <= dropped_o + 32'(frame_end && drop_q);
@@ -183,7 +183,7 @@ module msn_adc_spi #(
 
     mistagged_o <= mistagged_o + 32'(frame_end && bad_q && !drop_q);
 
-    // A clock late: the way from the samples to the sum is long.
+    // A clock later, as the path from the samples to the sum is long.
     over_q       <= out_valid_o && out_ready_i && out_user_o;
     over_range_o <= over_range_o + 32'(over_q);
 
@@ -219,7 +219,7 @@ module msn_adc_spi #(
   logic unused_command;
   assign unused_command = ^command;
 
-  // A tagged answer belongs to the word before.
+  // A tagged answer belongs to the command in the word before.
   logic [IdBits-1:0] store_word;
   logic              store_valid;
   if (Tagged) begin : gen_tagged
@@ -253,7 +253,7 @@ module msn_adc_spi #(
     .SampleBits(SampleBits), .Signed(Signed), .Whole(Tagged)
   ) u_store (
     .clk_i, .rst_i,
-    .begin_i    (frame),  // not convert_o: that, upset, would begin a frame within one
+    .begin_i    (frame),  // not convert_o: an upset of it would begin a frame within a frame
     .in_valid_i(store_valid && !drop_q), .in_word_i(store_word), .in_data_i(data), .in_bad_i(bad_q || bad),
     .pending_o(pending),
     .out_valid_o, .out_ready_i, .out_data_o, .out_id_o, .out_last_o, .out_user_o

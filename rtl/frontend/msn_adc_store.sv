@@ -2,12 +2,12 @@
 //
 // Holds one frame of codes and sends it on, channel by channel, as signed samples.
 //
-// A word brings one code per lane: word w of lane l is channel w + l*LaneChannels. A sample leaves as soon as it
-// and all channels before it are there. out_user_o marks a code at either end of the part's range.
-// Whole: nothing leaves before the last word, and nothing at all if in_bad_i came with that.
-// A word comes for channels whose samples have left, or leave in its clock: codes are registers, so what is offered in
-// that clock is still the code before.
-// What is held but not offered as a frame begins would wait for ever: it is forgotten. Only an upset brings that about.
+// A word has one code per lane: word w of lane l is channel w + l*LaneChannels. A sample leaves as soon as it
+// and all channels before it are present. out_user_o marks a code at either end of the part's range.
+// Whole: no sample leaves before the last word, and none at all if in_bad_i came with that word.
+// A word may arrive only for channels whose samples have left, or leave in that clock: codes are registered, so the
+// old code is still offered in that clock.
+// Samples held but not offered when a frame begins would wait for ever: they are discarded. Only an upset causes this.
 //
 // Latency 1 cycle from in_valid_i to out_valid_o.   Model: model/meissner/twins/frontend/adc_store.py
 // Error: none (docs/extremes.md).
@@ -31,7 +31,7 @@ module msn_adc_store #(
   input  logic [IdBits-1:0]            in_word_i,
   input  logic [Lanes*DataBits-1:0]    in_data_i,
   input  logic                         in_bad_i,
-  output logic                         pending_o,  // a sample is left
+  output logic                         pending_o,  // a sample has not left yet
 
   output logic                         out_valid_o,
   input  logic                         out_ready_i,
@@ -71,7 +71,7 @@ module msn_adc_store #(
   assign out_data_o  = {{(SampleBits - DataBits){Signed && code[DataBits-1]}}, code};
   assign out_user_o  = &from_bottom || ~|from_bottom;
 
-  // Is the sample there that is next, if this one is taken and if not: looked up before that is known.
+  // Is the next sample present: looked up for the case that this one is taken and for the case that it is not.
   logic [IdBits-1:0] id_next;
   logic              next_there, same_there;
   assign id_next    = out_last_o ? '0 : out_id_o + 1'b1;
@@ -94,7 +94,7 @@ module msn_adc_store #(
   end
 
 `ifndef SYNTHESIS
-  // A code that is written over before its sample has left is lost and not reported. Before the first reset any may be held.
+  // A code overwritten before its sample has left is lost without a report. Not checked before the first reset.
   // verilator coverage_off
   logic begun;
   initial begun = 1'b0;

@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Amplitude of a carrier with N = SamplesPerPeriod samples a period, `periods` whole periods a taxel.
+// Amplitude of a carrier with N = SamplesPerPeriod samples a period, over `periods` full periods for each taxel.
 //
 //   rectifier    M = sum |x[n] - x[n + N/2]| over the first half of each period
 //   synchronous  I + jQ = sum (c + js)[n] x[n],   M = sqrt(I^2 + Q^2), exact or estimated
 //   out = M / 2^cfg_shift, rounded half up, once; at most 2^(SampleBits-1) - 1
 //
-// (c, s): (1,0) for N = 4; (5,2) (2,5) for 8; (5,1) (4,3) (3,4) (1,5) for 16; then turned by 90 degrees. Half
-// a period apart they cancel, so a constant offset is gone exactly in every form; turned by a quarter they
-// are each other, so M of the synchronous forms knows no phase. Each start begins a taxel: `skip` samples
-// settle, the rest of the measurement follows, what comes after it is ignored.
+// (c, s): (1,0) for N = 4; (5,2) (2,5) for 8; (5,1) (4,3) (3,4) (1,5) for 16; then turned by 90 degrees. Weights
+// half a period apart cancel, which removes a constant offset exactly in every form; a quarter turn swaps c and
+// s, so M of the synchronous forms does not depend on the phase. Each start begins a measurement: `skip` samples
+// are ignored to settle, then the measured samples follow; later ones are ignored.
 //
 //   clock  1              2        3     4 ..       then cfg_shift + 1  1
 //          weigh, compare I, Q, M  held  magnitude  shift               round
-// The first lane after model.latency() clocks, the others model.lane_clocks() apart; samples wait only when
-// a measurement ends before the lanes of the one before are out.   Model: model/meissner/twins/frontend/am_demod.py
+// The first lane leaves after model.latency() clocks, the others model.lane_clocks() apart; samples wait only
+// when a measurement ends before the previous lanes are out.   Model: model/meissner/twins/frontend/am_demod.py
 // Error: at most 1/2 LSB (docs/extremes.md).
 
 module msn_am_demod #(
@@ -30,7 +30,7 @@ module msn_am_demod #(
   input  logic                         clk_i,
   input  logic                         rst_i,
 
-  // Taken with in_start_i.
+  // Settings, read with in_start_i.
   input  logic [PeriodBits-1:0]        cfg_periods_i,  // 0: 2^PeriodBits
   input  logic [SkipBits-1:0]          cfg_skip_i,     // samples
   input  logic [4:0]                   cfg_shift_i,
@@ -39,16 +39,16 @@ module msn_am_demod #(
   output logic                         in_ready_o,
   input  logic [Lanes*SampleBits-1:0]  in_data_i,      // signed, lane 0 lowest
   input  logic [Lanes-1:0]             in_user_i,      // over-range
-  input  logic                         in_start_i,     // first sample after a switch; id and last count here
+  input  logic                         in_start_i,     // first sample after a switch; id and last are read with it
   input  logic [IdBits-1:0]            in_id_i,        // of lane 0
-  input  logic                         in_last_i,      // its last lane ends the frame
+  input  logic                         in_last_i,      // the last lane ends the frame
 
   output logic                         out_valid_o,
   input  logic                         out_ready_i,
   output logic signed [SampleBits-1:0] out_data_o,     // never negative
   output logic [IdBits-1:0]            out_id_o,
   output logic                         out_last_o,
-  output logic                         out_user_o,     // the result or a sample of it over-range
+  output logic                         out_user_o,     // the result or one of its samples is over-range
 
   output logic [31:0]                  broken_o        // measurements cut off by the next start, since reset
 );
@@ -56,7 +56,7 @@ module msn_am_demod #(
   localparam bit          Rectify   = Form == 32'(msn_pkg::DemodRectifier);
   localparam int unsigned N         = SamplesPerPeriod;
   localparam int unsigned PhaseBits = $clog2(N);
-  // Of a period: rectifier N/2 pairs; synchronous 1, 14 and 26 pairs, 4 and 5 bits.
+  // Growth over a period: rectifier N/2 pairs; synchronous 1, 14 and 26 pairs, for which 4 and 5 bits.
   localparam int unsigned GrowBits  = Rectify ? PhaseBits - 1 : (N == 4) ? 0 : (N == 8) ? 4 : 5;
   localparam int unsigned SumBits   = SampleBits + GrowBits + PeriodBits;  // of |I|, |Q|, M
   localparam int unsigned RootBits  = SumBits + 2;                         // of 2 M
@@ -84,7 +84,7 @@ module msn_am_demod #(
     $fatal(1, "msn_am_demod: SkipBits = %0d must lie in 1 .. 32", SkipBits);
   end
 
-  // Where in its measurement a sample lies.
+  // The position of a sample in its measurement.
   logic                  take, active, active_q, counts, fresh, fresh_q, ends, broken;
   logic [SkipBits-1:0]   skip, skip_q;
   logic [PhaseBits-1:0]  phase, phase_q;
@@ -123,13 +123,13 @@ module msn_am_demod #(
     end
   end
 
-  // 1: weigh. All lanes go in step, and stop only while a finished measurement finds the lanes of the one
-  // before not yet taken. A measurement has four samples or more: its id is still there when it is done.
+  // 1: weigh. All lanes advance together and stall only while a finished measurement waits for the lanes of the
+  // previous one to be taken. A measurement has at least four samples, so its id is still held when it is done.
   logic              step, done, move, weighed, weighed_first, weighed_ends;
   logic              swap, mid, negative_i, negative_q, done_last;
   logic [IdBits-1:0] done_id;
   logic [4:0]        done_shift;
-  logic [3:0]        lanes_left;  // held
+  logic [3:0]        lanes_left;  // lanes still held
   assign move       = done && lanes_left == '0;
   assign step       = !done || move;
   assign in_ready_o = step;
@@ -139,7 +139,7 @@ module msn_am_demod #(
       weighed       <= in_valid_i && counts;
       weighed_first <= fresh;
       weighed_ends  <= ends;
-      negative_i    <= phase[PhaseBits-1] ^ phase[PhaseBits-2];  // quarters 1 and 2: turned by -s, -c
+      negative_i    <= phase[PhaseBits-1] ^ phase[PhaseBits-2];  // quarters 1 and 2: weights -s, -c
       negative_q    <= phase[PhaseBits-1];                       // quarters 2 and 3
       done          <= weighed && weighed_ends;
       done_id       <= id;
@@ -152,7 +152,7 @@ module msn_am_demod #(
     end
   end
 
-  // Of (c, s) one is y = x, 3x or 5x, the other z = 0, x, 2x or 4x; swap: c is z. A quarter turn swaps too.
+  // Of c x and s x one is y = x, 3x or 5x, the other z = 0, x, 2x or 4x; swap: c x is z. A quarter turn swaps too.
   if (N == 4) begin : gen_weights_4
     assign {swap, mid} = {phase[0], 1'b0};
   end else begin : gen_weights
@@ -160,7 +160,7 @@ module msn_am_demod #(
     assign mid  = N == 16 && (phase[1] ^ phase[0]);
   end
 
-  // 2: sum. Adding ~t + 1 for -t, with the 1 as an extra bit below, keeps each sum one carry chain.
+  // 2: sum. -t is added as ~t + 1, with the 1 as an extra bit below, so that each sum is one carry chain.
   localparam int unsigned TermBits = SampleBits + 3;
   logic [Lanes*HeldBits-1:0] sums;
   for (genvar k = 0; k < Lanes; k++) begin : gen_lane
@@ -211,7 +211,7 @@ module msn_am_demod #(
     end
   end
 
-  // 3: hold the lanes' sums and hand them on one by one.
+  // 3: hold the lanes' sums and pass them on one by one.
   logic [Lanes*HeldBits-1:0] held;
   logic [IdBits-1:0]         held_id;
   logic                      held_last, pull;
@@ -232,7 +232,7 @@ module msn_am_demod #(
     if (rst_i) lanes_left <= '0;
   end
 
-  // 4: magnitude, times 2, so that its last bit can round.
+  // 4: magnitude, times 2: the extra bit is for rounding.
   localparam int unsigned SideBits = 5 + IdBits + 2;
   logic                root_valid, root_ready;
   logic [RootBits-1:0] root;
@@ -260,7 +260,7 @@ module msn_am_demod #(
     );
   end
 
-  // Shift, a place a clock; round and hold to the range.
+  // Shift by one bit a clock; round and saturate.
   logic                shifting, shifted, free, tail_last, tail_over, too_large;
   logic [RootBits-1:0] tail;
   logic [RootBits-1:0] rounded;

@@ -5,7 +5,7 @@
 //   lines, ADC pins ─ scan_adc, or with Demod scan_demod ─┬─ frames
 //   stream (Part = AdcNone) ──────────────────────────────┘
 //
-// A scan's frame has its convert start as time, a stream's the clock at hand: it counts with the first beat.
+// out_time_o: a scanned frame's convert start; of a stream the present clock tick, to be read with the first beat.
 // Latency and formats are those of the block inside. Model: model/meissner/twins/frontend/array_source.py
 
 module msn_array_source #(
@@ -81,7 +81,7 @@ module msn_array_source #(
     assign out_id_o    = in_id_i;
     assign out_last_o  = in_last_i;
     assign out_user_o  = '0;
-    assign out_time_o  = now_i;  // taken at the frame's first beat
+    assign out_time_o  = now_i;  // read at the frame's first beat
     assign {row_o, group_o, adc_sclk_o, adc_mosi_o, adc_convst_o, adc_reset_o, convert_o} = '0;
     assign adc_cs_n_o  = '1;
     assign {dropped_o, overrun_o, held_o, lost_o} = '0;

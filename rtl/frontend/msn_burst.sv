@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// One conversion that is asked for becomes a burst of cfg_count_i, exactly cfg_period_i clocks apart, for what is
-// measured over several samples (msn_am_demod). trigger_o comes a clock after start_i, then every period; first_o
-// marks the burst's first sample, up to which it stays. A lost conversion spoils the burst: lost_o says so, once,
-// and spoiled_o until the next one starts.
-// A start during a burst begins the burst again.
+// Turns one conversion request into a burst of cfg_count_i conversions, exactly cfg_period_i clocks apart, for
+// measurements over several samples (msn_am_demod). trigger_o follows start_i by a clock, then every period; first_o
+// is high until the burst's first sample is taken. A lost conversion spoils the burst: lost_o reports it once,
+// spoiled_o stays high until the next burst starts.
+// A start during a burst begins a new burst.
 //
 // Error: none (docs/extremes.md).
 // Model: model/meissner/twins/frontend/burst.py
@@ -22,7 +22,7 @@ module msn_burst #(
   input  logic                  start_i,
   output logic                  trigger_o,
 
-  input  logic                  taken_i,       // a sample of the converter is taken
+  input  logic                  taken_i,       // a sample from the converter is taken
   output logic                  first_o,
   input  logic                  lost_i,
   output logic                  lost_o,

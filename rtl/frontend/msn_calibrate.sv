@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Forces of an array's samples.
+// Calibrates an array's samples to forces.
 //
 //   F = clip(floor((raw - offset) gain / 2^GainShift + 1/2), 0, 65535)
-//   offset, gain: a word of each taxel, msn_calibration_table; RowColumn: row's and column's, msn_calibration_grid
+//   offset, gain: a word for each taxel, msn_calibration_table; RowColumn: of row and column, msn_calibration_grid
 //
-// Lanes columns a beat, row by row. Masked taxels give 0, and all of them until a calibration is swapped in.
-// Offset = 0: the samples have lost theirs (msn_tare). Nothing is rounded before the one rounding.
+// Lanes columns a beat, row by row. Masked taxels give 0; until a calibration is swapped in, all taxels give 0.
+// Offset = 0: the offsets are already subtracted (msn_tare). The result is rounded only once.
 //
 //   clock  1             2        3            RowColumn:  1 .. 6  7             8 .. 9    10    11   12     13 .. 15
 //          raw - offset  x gain   round, clip              tables  raw - offset  2 x gain  copy  sum  round  fifo
 //
-// Latency 3 clocks (RowColumn 15), a beat a clock, frames without a gap; without RowColumn a few clocks wait after
-// a swap and a damaged frame. Beats as msn_frame_marker hands them on, row by row; their marks go with them.
+// Latency 3 clocks (RowColumn 15), a beat a clock, frames without a gap; without RowColumn a few clocks' wait after
+// a swap and a damaged frame. Beats as msn_frame_marker gives them, row by row; their marks travel with them.
 // Error: at most 1/2 LSB (docs/extremes.md).
 // Model: model/meissner/twins/frontend/calibrate.py
 
@@ -23,7 +23,7 @@ module msn_calibrate #(
   parameter  int unsigned SampleBits = 17,
   parameter  bit          Offset     = 1'b1,
   parameter  bit          RowColumn  = 1'b0,
-  parameter  int unsigned GainShift  = RowColumn ? 24 : 12,  // 4096 and 4096^2 are a gain of 1.0
+  parameter  int unsigned GainShift  = RowColumn ? 24 : 12,  // 4096, with RowColumn 4096^2: gain 1.0
   localparam int unsigned Beats      = Rows * ((Columns + Lanes - 1) / Lanes),
   localparam int unsigned IdBits     = msn_pkg::index_width(Beats),
   localparam int unsigned OffsetBits = SampleBits - 32'(RowColumn)
@@ -42,7 +42,7 @@ module msn_calibrate #(
   input  logic                        in_valid_i,
   output logic                        in_ready_o,
   input  logic [Lanes*SampleBits-1:0] in_data_i,        // signed, the leftmost column in the low bits
-  input  logic [Lanes-1:0]            in_mask_i,        // taxels to leave out
+  input  logic [Lanes-1:0]            in_mask_i,        // taxels that give 0
   input  logic                        in_fits_i,
   input  logic                        in_row_last_i,
   input  logic                        in_last_i,
@@ -69,7 +69,7 @@ module msn_calibrate #(
   assign {out_fits_o, out_row_last_o, out_last_o} = marks_out;
 
   if (!RowColumn) begin : gen_taxels
-    // All stages move together.
+    // All stages advance together.
     logic move, accept, word_valid, loaded, unused_row;
     logic [Lanes*SampleBits-1:0] offset;
     logic [Lanes*16-1:0]         gain;
@@ -127,14 +127,14 @@ module msn_calibrate #(
     end
 
   end else begin : gen_grid
-    // 24 multipliers and 20 memories lie all over the part, too far for one ready to reach them in a clock: so
-    // nothing behind the input ever waits, and a beat is let in only if the fifo at the end has a place for it.
+    // 24 multipliers and 20 memories are spread over the device, too far apart for one ready to reach in a clock: so
+    // no stage after the input stalls, and a beat enters only if the fifo at the end has room for it.
     localparam int unsigned Stages   = 12;
     localparam int unsigned Places   = 32;
     localparam int unsigned RowBeats = Beats / Rows;
     localparam int unsigned WordBits = msn_pkg::index_width(Rows > RowBeats ? Rows : RowBeats);
     logic accept, unused_room, gone;
-    logic [5:0] owed;  // places of the fifo, up to two clocks ago
+    logic [5:0] owed;  // fifo places in use or promised, as of up to two clocks ago
     assign accept = in_valid_i && in_ready_o;
 
     logic [Stages:1]     valid;
@@ -188,7 +188,7 @@ module msn_calibrate #(
       assign raw  = signed'(data[5*DataBits+SampleBits*k+:SampleBits]);
       assign zero = signed'(offset[SampleBits*k+:SampleBits]);
 
-      // Two products of 18 x 16 bits, one multiplier each, a register more on the way there and back.
+      // Two products of 18 x 16 bits, one multiplier each, with an extra register before and after it.
       always_ff @(posedge clk_i) begin
         difference <= mask[5*Lanes+k] || !loaded ? '0 : DiffBits'(raw) - DiffBits'(zero);
         factor     <= gain[32*k+:32];

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Offset and gain of a beat's taxels, from a row's and a column's: for arrays too big for a word of each taxel.
+// Offset and gain of a beat's taxels, from a row's and a column's: for arrays too large for a word per taxel.
 //
 //   offset = row's + column's    gain = row's * column's, exact, 32 bits
 //
 // A write goes to the bank that is not in use; cfg_swap_i exchanges the two before the next frame's first
-// beat, never inside a frame. Words count the beats of a row, of every lane named in cfg_write_i, and with
-// cfg_write_row_i rows. Before the first swap out_loaded_o is low. Offsets are signed, gains unsigned.
+// beat, never inside a frame. cfg_word_i is a beat of a row, written for every lane set in cfg_write_i, or, with
+// cfg_write_row_i, a row. Before the first swap out_loaded_o is low. Offsets are signed, gains unsigned.
 //
 //   clock  1        2     3, 4      5 .. 6
 //          address  read  register  product, sum
 //
-// 6 clocks after take_i, a beat a clock; nothing ever waits, so nothing has an enable and the memories'
-// slow outputs have a clock of their own.   Model: model/meissner/twins/frontend/calibration_grid.py
+// The words follow take_i by 6 clocks, a beat a clock. No stage stalls, so none needs a clock enable, and the
+// memories' slow outputs have a full clock.   Model: model/meissner/twins/frontend/calibration_grid.py
 // Error: none (docs/extremes.md).
 
 module msn_calibration_grid #(
@@ -34,7 +34,7 @@ module msn_calibration_grid #(
   input  logic [OffsetBits-1:0]       cfg_offset_i,
   input  logic [15:0]                 cfg_gain_i,
   input  logic                        cfg_swap_i,
-  output logic                        cfg_swapping_o, // asked for, not done yet
+  output logic                        cfg_swapping_o, // requested, not done yet
 
   input  logic                        take_i,         // a beat
   input  logic                        last_i,         // with it: the frame's last
@@ -107,8 +107,8 @@ module msn_calibration_grid #(
     of_row   <= row_near;
   end
 
-  // Gains and offsets each in a memory of their own: they go different ways, and the first register behind a
-  // memory must lie beside it.
+  // Gains and offsets in separate memories: their data go to different places, and the first register after a
+  // memory must be placed next to it.
   for (genvar k = 0; k < Lanes; k++) begin : gen_lane
     (* no_rw_check *) logic [15:0] gains [2**(BeatBits+1)];
     logic [15:0]        gain_read, gain_near, gain_column;
@@ -145,8 +145,8 @@ module msn_calibration_grid #(
   end
 
 `ifndef SYNTHESIS
-  // The memories do not define what they answer while the same word is written: the bank that is read is never the
-  // one written, but for a clock after a reset, when nothing is loaded.
+  // Reading a word in the clock in which it is written is undefined. It cannot happen, as the bank read is never the
+  // one written, except for a clock after a reset, when nothing is loaded.
   // verilator coverage_off
   logic begun;
   always_ff @(posedge clk_i) begin

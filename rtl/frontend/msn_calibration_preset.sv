@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Gives every taxel the same gain after reset, offset 0, and swaps it in; then passes a host's writes on. So a core
-// gives forces before anyone has talked to it. RowColumn: this gain for the columns, 4096 for the rows.
+// After reset, writes the same gain and offset 0 for every taxel and swaps them in; then passes the host's writes on.
+// So a core gives forces before a host sets it up. RowColumn: this gain for the columns, 4096 for the rows.
 //
-// Words + 1 clocks (RowColumn: a row's beats + Rows + 1), in which what a host writes is lost; done_o ends them.
+// This takes Words + 1 clocks (RowColumn: a row's beats + Rows + 1), in which a host's writes are lost; then done_o.
 // Error: none (docs/extremes.md).
 // Model: model/meissner/twins/frontend/calibration_preset.py
 
@@ -21,7 +21,7 @@ module msn_calibration_preset #(
 
   input  logic [15:0]           cfg_gain_i,
 
-  input  logic [Lanes-1:0]      in_write_i,      // as of msn_calibration_table
+  input  logic [Lanes-1:0]      in_write_i,      // as in msn_calibration_table
   input  logic                  in_write_row_i,
   input  logic [IdBits-1:0]     in_word_i,
   input  logic [OffsetBits-1:0] in_offset_i,

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Offset and gain of the next beat's taxels, read ahead from two banks: one in use, one to be written.
+// Offset and gain of the next beat's taxels, read ahead from two banks: one in use, the other for writes.
 //
 // A write goes to the bank that is not in use; cfg_swap_i exchanges the two before the next frame's first
-// beat, never inside a frame. Words count beats, of every lane named in cfg_write_i. Before the first swap
-// loaded_o is low. Offsets are signed, gains unsigned.
+// beat, never inside a frame. cfg_word_i is a beat, written for every lane set in cfg_write_i. Before the first
+// swap loaded_o is low. Offsets are signed, gains unsigned.
 //
-// A word a clock, none for 3 clocks after a swap and one more after a restart.
+// A word a clock; none for 3 clocks after a swap and for 4 after a restart.
 // Model: model/meissner/twins/frontend/calibration_table.py
 
 module msn_calibration_table #(
@@ -26,11 +26,11 @@ module msn_calibration_table #(
   input  logic [SampleBits-1:0]        cfg_offset_i,
   input  logic [15:0]                  cfg_gain_i,
   input  logic                         cfg_swap_i,
-  output logic                         cfg_swapping_o, // asked for, not done yet
+  output logic                         cfg_swapping_o, // requested, not done yet
 
   input  logic                         take_i,         // of a beat, only while out_valid_o
   input  logic                         last_i,         // with it: the frame's last
-  input  logic                         restart_i,      // with it: the frame was not whole
+  input  logic                         restart_i,      // with it: the frame was damaged
   output logic                         out_valid_o,
   output logic [Lanes*SampleBits-1:0]  out_offset_o,
   output logic [Lanes*16-1:0]          out_gain_o,
@@ -50,8 +50,8 @@ module msn_calibration_table #(
     $fatal(1, "msn_calibration_table: SampleBits = %0d must lie in 2 .. 18", SampleBits);
   end
 
-  // Banks change between frames only. What was read ahead from the old one is thrown away, and no beat
-  // goes before the new one's first word is there.
+  // Banks change only between frames. Words read ahead from the old bank are discarded, and no beat is taken
+  // until the new bank's first word is valid.
   logic bank, midway, stale, swap, restart, bank_next, at_end;
   assign swap      = cfg_swapping_o && !midway;
   assign restart   = rst_i || stale || swap;
@@ -59,7 +59,7 @@ module msn_calibration_table #(
 
   always_ff @(posedge clk_i) begin
     if (take_i) midway <= !last_i;
-    stale          <= restart_i || (take_i && last_i && !at_end);  // a clock late: take_i is known late
+    stale          <= restart_i || (take_i && last_i && !at_end);  // a clock later: take_i is known late
     bank           <= bank_next;
     cfg_swapping_o <= cfg_swap_i || (cfg_swapping_o && !swap);
     loaded_o       <= loaded_o || swap;
@@ -103,8 +103,8 @@ module msn_calibration_table #(
   end
 
 `ifndef SYNTHESIS
-  // The memory does not define what it answers while the same word is written: the bank that is read is never the one
-  // written, but before the first reset and its first swap, when nothing is loaded.
+  // Reading a word in the clock in which it is written is undefined. It cannot happen, as the bank read is never the
+  // one written, except before the first reset and its first swap, when nothing is loaded.
   // verilator coverage_off
   logic begun;
   initial begun = 1'b0;

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What is done with an array's samples before they are forces: msn_health masks taxels that cannot be trusted,
-// msn_tare takes their zeros off. Instances and wires only.
+// Conditions an array's samples before calibration: msn_health masks taxels that cannot be trusted, msn_tare
+// subtracts the taxels' zeros. Instances and wires only.
 //
 //   samples ─ health (Health) ─ skid (both, several lanes) ─ tare, skid (Tare) ─ samples
 //
-// A stage left out is wires: its settings do nothing, its results are 0. With Tare samples are a bit wider.
+// A stage left out is wires: its settings have no effect, its results are 0. With Tare, samples are one bit wider.
 // Latency 1 clock a stage. Model: model/meissner/twins/frontend/condition.py
 
 module msn_condition #(
@@ -76,10 +76,10 @@ module msn_condition #(
   output logic                         pressed_o,
   output logic [15:0]                  tared_o,
   output logic [15:0]                  refused_o,
-  output logic [31:0]                  swallowed_o         // frames, while zeros are loaded
+  output logic [31:0]                  swallowed_o         // frames dropped while zeros are loaded
 );
 
-  // Between the two the way of ready from tare to the states of health is cut.
+  // The skid between the two cuts the path of ready from tare to the states of health.
   localparam bit Skid = Lanes > 1 && Health && Tare;
   logic                        seen_valid, seen_ready, checked_valid, checked_ready;
   logic [Lanes*SampleBits-1:0] seen_data, checked_data;
@@ -128,7 +128,7 @@ module msn_condition #(
     logic                        tared_valid, tared_ready;
     logic [Lanes*ZeroedBits-1:0] tared_data;
     logic [Lanes-1:0]            tared_mask;
-    logic [IdBits-1:0]           unused_id;  // what follows needs no place
+    logic [IdBits-1:0]           unused_id;  // the blocks downstream do not need it
     logic [2:0]                  tared_marks;
     msn_tare #(
       .Rows(Rows), .Columns(Columns), .Lanes(Lanes), .SampleBits(SampleBits), .TareLog2(TareLog2)
@@ -144,7 +144,7 @@ module msn_condition #(
       .out_id_o(unused_id), .out_fits_o(tared_marks[2]), .out_row_last_o(tared_marks[1]),
       .out_last_o(tared_marks[0])
     );
-    // The path of ready from what follows to the samples' source ends here.
+    // This skid cuts the path of ready from the blocks downstream to the samples' source.
     msn_skid #(.Width(Lanes * (ZeroedBits + 1) + 3)) u_skid (
       .clk_i, .rst_i,
       .in_valid_i(tared_valid), .in_ready_o(tared_ready), .in_data_i({tared_data, tared_mask, tared_marks}),

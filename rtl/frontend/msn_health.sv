@@ -1,21 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Finds taxels that cannot be trusted and marks them, from the next frame on, in out_mask_o.
+// Finds taxels that cannot be trusted and masks them in out_mask_o from the next frame on.
 //
 //   moved = |raw - held| > band, then held = raw      recent = moved in the last 3 frames, up or down
-//   dead      no move of its own while both neighbours in its row or column are recent the same way:
-//             +4 a frame (+1 with cfg_edges_i beside the one neighbour at a border), from cfg_still on
-//   railed    at cfg_low, at cfg_high or over-range, without a break in cfg_rail of frames 0, 16 ..
-//   blinking  a step > jump while no neighbour is recent: +16, any other frame -1, from cfg_blink on
+//   dead      not recent itself while both neighbours in its row or column are recent in the same direction: counts
+//             +4 a frame (with cfg_edges_i +1 at a border whose one neighbour is recent); dead at cfg_still
+//   railed    at or beyond cfg_low, cfg_high or over-range without a break over cfg_rail of frames 0, 16 ..
+//   blinking  a step > jump while no neighbour is recent: +16, any other frame -1; blinking at cfg_blink
 //
-// A threshold of 0 turns a kind off. Faults stay until cfg_clear_i or reset. Each new one is an event; one that
-// nobody takes is offered again in the next frame; cfg_report_i sends them all again. Beats as msn_frame_marker hands
-// them on; one that does not fit is masked: in a frame too long its taxels' states are those this frame has written.
+// A threshold of 0 turns a kind off. Faults stay until cfg_clear_i or reset. Each new one is an event; if it is not
+// taken, it is offered again in the next frame; cfg_report_i sends all again. Beats as msn_frame_marker gives them;
+// one that does not fit is masked, because in too long a frame its taxels' states were written by the same frame.
 //
 //   clock  1       2 .. 4            5       6
 //          sample  msn_health_taxel  events  write
 //
-// Here are frames, tables and neighbours. Latency 1 clock; a beat a clock, 9 clocks between frames.
+// This block has the frames, tables and neighbours. Latency 1 clock; a beat a clock, 9 clocks between frames.
 // Error: none (docs/extremes.md).
 // Model: model/meissner/twins/frontend/health.py
 
@@ -89,24 +89,24 @@ module msn_health #(
     $fatal(1, "msn_health: SampleBits = %0d must lie in 2 .. 18", SampleBits);
   end
 
-  // Frames. At each end the next waits until all of this one is written and its first words are read again.
+  // Frames. After a frame the next one waits until this one's states are all written and the first are read again.
   localparam int unsigned Drain = 6;
   logic accept, was_whole, midway, restart, done, due, head_valid;
   logic closed;  // due || drain != '0, registered a clock ahead, for timing
   logic [2:0] drain, drain_next;  // clocks until all of a frame is written
   assign in_ready_o = (out_ready_i || !out_valid_o) && head_valid && !closed;
   assign accept     = in_valid_i && in_ready_o;
-  assign restart    = rst_i || drain != '0;  // a clock after the last beat: who takes that is known late
+  assign restart    = rst_i || drain != '0;  // a clock after the last beat: accept is known late
   assign done       = drain == 3'd1;
 
-  // fresh: this frame only writes first states. again: nothing counts as reported. bank: the last whole
-  // frame's moves. tick: every 16th whole frame.
+  // fresh: this frame only writes initial states. again: no fault counts as reported. bank: the moves of the
+  // last undamaged frame. tick: 0 in every 16th undamaged frame.
   logic clear_asked, report_asked, clear_next, report_next, midway_next;
   logic fresh, again, bank, bank_next;
   logic [3:0] tick;
   assign bank_next   = bank ^ (done && was_whole);
   assign due         = !midway && (clear_asked || report_asked);
-  assign clear_next  = (cfg_clear_i || clear_asked) && !(due && clear_asked);  // held high, it blocks nothing
+  assign clear_next  = (cfg_clear_i || clear_asked) && !(due && clear_asked);  // held high, it does not block frames
   assign report_next = (cfg_report_i || report_asked) && !(due && report_asked);
   assign midway_next = accept || (midway && !done);
   assign drain_next  = (accept && in_last_i) ? 3'(Drain) : (drain != '0) ? drain - 1'b1 : '0;
@@ -134,12 +134,12 @@ module msn_health #(
     end
   end
 
-  // Read ahead: the taxels' states, and how those around them moved up to the last whole frame.
+  // Read ahead: the taxels' states, and their neighbours' moves up to the last undamaged frame.
   logic                       advance, state_valid, mid_valid, unused_up_valid, unused_down_valid;
   logic                       unused_states_end, unused_up_end, unused_row_end, unused_down_end;
   logic [Lanes*StateBits-1:0] state_ahead, state_head, write_state;
   logic [2*Lanes-1:0]         up_ahead, up_head, down_ahead, down_head, ahead, here, write_moves;
-  logic [1:0]                  behind;  // of the last lane
+  logic [1:0]                  behind;  // moves of the last lane of the beat before
   logic                       write;
   logic [IdBits-1:0]          write_place;
   assign advance = accept || !head_valid;
@@ -184,7 +184,7 @@ module msn_health #(
   // Which borders of the array the next beat touches.
   logic row_first, top, bottom;
 
-  // What is learnt follows behind the sample's own register, stalled by nothing.
+  // The states' update follows the sample's register in a pipeline that never stalls.
   logic [4:1]              learn;
   logic [4:1][IdBits-1:0]  learn_place;
   logic [Lanes-1:0]        event_of, dead, railed, blinking, dead_new, railed_new, blinking_new;
@@ -235,7 +235,7 @@ module msn_health #(
   end
 
   for (genvar k = 0; k < Lanes; k++) begin : gen_lane
-    // Neighbours: does one exist, has it moved of late, and upwards?
+    // For each neighbour: does it exist, is its move recent, and was that upwards?
     logic has_left, has_right, has_up, has_down;
     logic [1:0] left, right, up, down;
     assign has_left = k > 0 || !row_first;

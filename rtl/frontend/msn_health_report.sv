@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Reports of single taxels from msn_health's events, which hold all faults of one beat's taxels.
+// Splits msn_health's events, which have the faults of all taxels of a beat, into reports of single taxels.
 //
-//   taxel = id*Lanes + lane     faults = 1 dead + 2 railed + 4 blinking; healthy taxels are passed over
+//   taxel = id*Lanes + lane     faults = 1 dead + 2 railed + 4 blinking; healthy taxels are skipped
 //
 // A lane a clock; the next event is taken when the last lane is done.
 // Error: none (docs/extremes.md).

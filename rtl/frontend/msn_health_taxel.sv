@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Judges one taxel of a frame: its next state, its faults, whether it moved. The kinds of faults are msn_health's.
+// Judges one taxel of a frame: its next state, its faults, whether it moved. msn_health describes the faults.
 //
 //   state: held sample, counters rail, blink, still, frames since a move (2 bits), its direction, a jump in the last
 //   frame, the faults dead, railed, blinking, and whether they were reported
@@ -8,8 +8,8 @@
 //   clock  1             2           3            4         5
 //          take, sample  raw - held  moved, jump  counters  state
 //
-// What is known of the neighbours and the state come with take_i, raw_i a clock later, tick_i, fresh_i and the outputs
-// for events with clock 4, send_i too. Counters stop at 255. No reset: what is no taxel's is not looked at.
+// The state and the neighbours' inputs are read with take_i, raw_i a clock later, tick_i, fresh_i and send_i in clock
+// 4, in which the event outputs are valid. Counters saturate at 255. No reset: invalid results are not used.
 // Error: none (docs/extremes.md).
 // Model: model/meissner/twins/frontend/health_taxel.py
 
@@ -30,27 +30,27 @@ module msn_health_taxel #(
 
   input  logic                         take_i,
   input  logic [StateBits-1:0]         state_i,
-  input  logic                         pair_i,     // both neighbours of a row or column moved the same way
-  input  logic                         border_i,   // at a border the one neighbour that there is moved
-  input  logic                         alone_i,    // no neighbour did; each of the three of late
+  input  logic                         pair_i,     // both neighbours in a row or column are recent the same way
+  input  logic                         border_i,   // at a border: the one neighbour is recent
+  input  logic                         alone_i,    // no neighbour is recent
   input  logic                         user_i,     // over-range
-  input  logic                         surplus_i,  // no taxel: beside the array
-  input  logic                         again_i,    // nothing counts as reported
+  input  logic                         surplus_i,  // a lane outside the array
+  input  logic                         again_i,    // no fault counts as reported
   input  logic signed [SampleBits-1:0] raw_i,
-  input  logic                         tick_i,     // the frame looks at rails
-  input  logic                         fresh_i,    // the first frame: the state is none
+  input  logic                         tick_i,     // the rail counter counts in this frame
+  input  logic                         fresh_i,    // the first frame: there is no state yet
 
-  output logic                         event_o,     // there are faults that were not all reported
+  output logic                         event_o,     // there are faults not all of which were reported
   output logic [2:0]                   faults_o,
   output logic [2:0]                   news_o,
-  input  logic                         send_i,     // they are reported now
+  input  logic                         send_i,     // the faults are reported now
   output logic [StateBits-1:0]         state_o,
-  output logic [1:0]                   moves_o     // of late, upwards
+  output logic [1:0]                   moves_o     // {recent, upwards}
 );
 
   localparam int unsigned DiffBits = SampleBits + 1;
 
-  // Thresholds less what a counter may grow by, or with the other sign.
+  // Thresholds minus the increment of their counter, or negated.
   logic signed [9:0]          still_less_1, still_less_4, blink_edge;
   logic        [7:0]          rail_edge;
   logic signed [DiffBits-1:0] band_minus, jump_minus;
@@ -63,7 +63,7 @@ module msn_health_taxel #(
     jump_minus   <= '0 - DiffBits'(cfg_jump_i);
   end
 
-  // 1, 2: the sample against the one held, and the rails.
+  // 1, 2: compare the sample with the held one and with the rails.
   logic signed [SampleBits-1:0] held;
   logic        [28:0]           kept_1, kept_2, kept_3;
   logic        [2:0]            fault_1, fault_2, fault_3;
@@ -75,7 +75,7 @@ module msn_health_taxel #(
   msn_compare #(.Width(SampleBits)) u_low  (.a_i(raw_i), .b_i(cfg_low_i), .greater_o(low));
   msn_compare #(.Width(SampleBits)) u_high (.a_i(cfg_high_i), .b_i(raw_i), .greater_o(high));
 
-  // 3: by more than the band, by more than a jump.
+  // 3: does the difference exceed the band, the jump?
   logic above, below, far_above, far_below, moved, jump, rises;
   msn_compare #(.Width(DiffBits)) u_above (
     .a_i(delta), .b_i(signed'({1'b0, cfg_band_i})), .greater_o(above)
@@ -102,7 +102,7 @@ module msn_health_taxel #(
   assign still_next  = moved || since != '0 ? '0 : still_more[7:0] | {8{still_more[8]}};
   assign since_next  = moved ? 2'd3 : since - 2'(since != '0);
   assign up_next     = moved ? rises : up_last;
-  // Are still_next, rail_next, blink_next as high? What they grow by is taken off the other side.
+  // Do still_next, rail_next, blink_next reach their thresholds? The increments are subtracted from the thresholds.
   logic signed [9:0] still_edge;
   assign still_edge = proof_3[2] ? still_less_4 : proof_3[0] ? still_less_1 : signed'({2'b0, cfg_still_i});
   assign found      = {signed'({2'b0, still}) >= still_edge && !moved && since == '0 && cfg_still_i != '0,
@@ -114,7 +114,7 @@ module msn_health_taxel #(
   logic [StateBits-1:4] state_4;
   logic [1:0]           moves_4;
   logic                 known_4, reported_4;
-  assign reported_4 = known_4 && news_o == '0;  // where there are faults; else it does not matter
+  assign reported_4 = known_4 && news_o == '0;  // valid only where there are faults
   assign event_o     = |faults_o && !reported_4;
 
   always_ff @(posedge clk_i) begin

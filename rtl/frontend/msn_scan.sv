@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Scans a matrix: drives one row at a time, picks a group of columns, starts Lanes converters and sends their samples
-// on row-major, Lanes side by side.
+// Scans a matrix: drives one row at a time, selects a group of columns, starts Lanes converters and sends their samples
+// on row-major, Lanes in parallel.
 //
 //   column = (group*Channels + channel)*Lanes + lane      id = row*Beats + column/Lanes, Beats = ceil(Columns/Lanes)
 //
-// row_o is one-hot or all low; between two conversions it is low for a clock. A conversion starts (trigger_o, a clock later
-// at the pins) exactly cfg_settle_i clocks after row_o and group_o changed. Each trigger must bring Channels samples
-// from every converter before the next, or a lost strobe, Channels + 3 clocks before; then its samples are 0 and
-// marked in user.
-// Frames leave whole or not at all. First sample in to out 5 clocks.   Model: model/meissner/twins/frontend/scan.py
+// row_o is one-hot or all low; between two conversions it is low for a clock. A conversion starts (trigger_o, a clock
+// later at the pins) exactly cfg_settle_i clocks after row_o and group_o changed. Before the next trigger, every
+// converter must give Channels samples, or a lost strobe at least Channels + 3 clocks before; then its samples are 0
+// and marked in user.
+// Frames leave complete or not at all. First sample in to out 5 clocks.   Model: model/meissner/twins/frontend/scan.py
 
 module msn_scan #(
   parameter  int unsigned Rows       = 16,
@@ -53,9 +53,9 @@ module msn_scan #(
   output logic                        out_last_o,
   output logic [Lanes-1:0]            out_user_o,    // over-range or lost
   output logic [31:0]                 out_frame_o,   // frames converted before this one
-  output logic [47:0]                 out_time_o,    // now_i as its first conversion started
+  output logic [47:0]                 out_time_o,    // now_i when its first conversion started
 
-  output logic [31:0]                 dropped_o,     // frames: the one before was not taken yet
+  output logic [31:0]                 dropped_o,     // frames: the frame before was not taken yet
   output logic [31:0]                 overrun_o,     // frame ticks: the frame before was not done
   output logic [31:0]                 held_o,        // clocks the scan waited for room in the buffer
   output logic [31:0]                 lost_o         // conversions in which a converter did not answer
@@ -84,13 +84,13 @@ module msn_scan #(
     .overrun_o, .held_o
   );
 
-  // The lines: off for a clock, then the new ones; a row that stays blinks too, so that all are treated alike.
+  // The rows are off for a clock before each conversion, even if the row stays the same, so that all are alike.
   logic [RowBits-1:0]   row_q;
   logic [GroupBits-1:0] group_q;
   logic                 change_q;
   always_ff @(posedge clk_i) begin
     change_q <= switch_now;
-    row_q    <= switch_row;  // looked at a clock after a switch only
+    row_q    <= switch_row;  // used only a clock after a switch
     group_q  <= switch_group;
     if (idle || switch_now) row_o <= '0;
     if (change_q) begin
@@ -103,7 +103,7 @@ module msn_scan #(
     end
   end
 
-  // One beat of all converters. A lost one has no samples until its next conversion.
+  // One beat of all converters. A converter that lost a conversion has no samples until its next one.
   logic [Lanes-1:0]            lost_q;
   logic [Lanes*SampleBits-1:0] data;
   logic                        beat, beat_end, beat_q, missed;
@@ -117,7 +117,7 @@ module msn_scan #(
   end
   always_ff @(posedge clk_i) begin
     lost_q <= ((beat && beat_end) ? '0 : lost_q) | in_lost_i;
-    if (trigger_o) channel_q <= '0;  // as it is, unless it was upset
+    if (trigger_o) channel_q <= '0;  // it is 0 already, unless an upset changed it
     else if (beat) channel_q <= beat_end ? '0 : channel_q + 1'b1;
     beat_q      <= beat;
     channel_q2  <= channel_q;
@@ -133,7 +133,7 @@ module msn_scan #(
     end
   end
 
-  // Where it belongs. Rows with several groups have channels in powers of two: no product is needed.
+  // The beat's place. In rows of several groups Channels is a power of two, so no product is needed.
   localparam int unsigned PlaceBits = GroupBits + ChanBits;
   logic [PlaceBits-1:0] place;
   logic                 wanted, frame_first;
@@ -148,7 +148,7 @@ module msn_scan #(
     logic unused_group;
     assign unused_group = ^done_group;
   end
-  assign wanted      = beat_q && 32'(place) < Beats;  // not of columns past the array
+  assign wanted      = beat_q && 32'(place) < Beats;  // not of columns beyond the array
   assign frame_first = done_first && place == '0;
 
   logic             wanted_q, frame_first_q;
@@ -160,7 +160,7 @@ module msn_scan #(
     if (rst_i) wanted_q <= 1'b0;
   end
 
-  // Number and time of the frame at hand, and of the one that leaves.
+  // Number and time of the frame being scanned, and of the one that leaves.
   logic        trigger_q;
   logic [31:0] frame_q;
   logic [47:0] time_q;

@@ -2,10 +2,10 @@
 //
 // msn_scan with its converters: from the pins of Lanes parts of one kind, and the lines of the matrix, to frames.
 //
-// Channels inputs of each part are used; one that converts them one after the other (MCP3208, MAX1112x) holds the
-// row as long as it takes, one that samples all at once (AD7606) lets the row change while it still converts. The
-// lines wait for Hold, the converters for Cycle clocks, both from msn_adc_pkg. Scanning begins when all parts are
-// reset or set up.   Model: model/meissner/twins/frontend/scan_adc.py
+// Channels inputs of each part are used. A part that converts them one after the other (MCP3208, MAX1112x) holds the
+// row for that time; one that samples all simultaneously (AD7606) lets the row change while it converts. The lines
+// hold for Hold clocks, triggers are Cycle clocks apart, both from msn_adc_pkg. Scanning begins when all parts have
+// been reset or set up.   Model: model/meissner/twins/frontend/scan_adc.py
 
 module msn_scan_adc #(
   parameter  int unsigned Rows       = 16,
@@ -69,7 +69,7 @@ module msn_scan_adc #(
   logic [Lanes*SampleBits-1:0] sample;
   assign convert_o = |convert;
   for (genvar lane = 0; lane < Lanes; lane++) begin : gen_adc
-    // The scan tells the channels apart and counts what is lost.
+    // msn_scan numbers the channels and counts lost conversions.
     logic [msn_pkg::index_width(Channels)-1:0] unused_id;
     logic                                      unused_last;
     logic [31:0] unused_dropped, unused_overrun, unused_timeout, unused_mistagged, unused_over_range;
@@ -92,7 +92,7 @@ module msn_scan_adc #(
     );
   end
 
-  // All are ready for good once they were: a part that is set up again loses conversions, not the whole scan.
+  // Parts stay ready once they have been: one that is set up again loses conversions but does not stop the scan.
   logic enable_q;
   always_ff @(posedge clk_i) begin
     enable_q <= cfg_enable_i && &ready;

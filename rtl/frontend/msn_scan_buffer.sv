@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Holds a frame of beats as it comes in and sends it on row-major, whole or not at all.
+// Buffers a frame of beats and sends it on row-major, completely or not at all.
 //
-// A frame comes row by row, or (in_interleave_i) rows 0, 2, 4 .., then 1, 3, 5 ..; each beat leaves as soon as it
-// and all before it are there. A frame of which a beat is still here a clock before the next frame's first one makes
-// the next frame go, whole (dropped_o). Depth below Rows*Beats: natural order only, and the sender must stop when
-// room_o is low: two conversions of Burst beats still fit then.
-// A frame in which a beat is missing would never end: the next takes its place, and its last beat never comes. A beat
-// too many is not taken.
+// A frame arrives row by row, or (in_interleave_i) rows 0, 2, 4 .., then 1, 3, 5 ..; each beat leaves as soon as it
+// and all before it are present. If a beat of a frame is still here a clock before the next frame's first beat, the
+// next frame is dropped entirely (dropped_o). Depth below Rows*Beats: natural order only, and the sender must stop
+// when room_o is low: two conversions of Burst beats still fit then.
+// A frame with a missing beat would never end: the next frame replaces it, and it leaves without its last beat.
+// Extra beats are dropped.
 //
 // Latency 3 clocks from in_valid_i to out_valid_o, a beat a clock.   Model: model/meissner/twins/frontend/scan_buffer.py
 
@@ -34,7 +34,7 @@ module msn_scan_buffer #(
   output logic [IdBits-1:0] out_id_o,
   output logic              out_last_o,
 
-  output logic              taken_o,          // the frame whose first beat came in this clock will be sent
+  output logic              taken_o,          // the frame whose first beat arrives in this clock will be sent
   output logic [31:0]       dropped_o
 );
 
@@ -42,7 +42,7 @@ module msn_scan_buffer #(
   localparam int unsigned BeatBits    = msn_pkg::index_width(Beats);
   localparam int unsigned AddressBits = msn_pkg::index_width(Depth);
   localparam bit          Sorts       = Depth >= Rows * Beats;
-  localparam int unsigned EvenRows    = (Rows + 1) / 2;  // they come first in an interleaved frame
+  localparam int unsigned EvenRows    = (Rows + 1) / 2;  // they arrive first in an interleaved frame
 
   if (Rows < 1 || Beats < 1) begin : gen_check_size
     $fatal(1, "msn_scan_buffer: Rows = %0d and Beats must be at least 1", Rows);
@@ -54,9 +54,9 @@ module msn_scan_buffer #(
     $fatal(1, "msn_scan_buffer: Depth = %0d must hold a frame, or be 2^n of 4 bursts or more", Depth);
   end
 
-  // The writer: beats of the present row, and rows, that are there.
-  logic                   busy;  // all has come; a beat was left a clock ago: the last's taker is late
-  logic                   whole, whole_q;  // all of the frame has come
+  // The writer: beats stored of the present row, and rows stored.
+  logic                   busy;  // the frame has come, and a clock ago a beat had not left; registered for timing
+  logic                   whole, whole_q;  // the complete frame has come
   logic                   store, row_full, interleave, interleave_q, drop_q, turned_away;
   logic [BeatBits-1:0]    in_beat_q, in_beat;
   logic [RowBits:0]       in_rows_q, in_rows;
@@ -94,9 +94,9 @@ module msn_scan_buffer #(
     end
   end
 
-  // The reader. place_q: how many rows come in before the row that is read; follower_q: before the next.
+  // The reader. place_q: how many rows arrive before the row being read; follower_q: before the row after it.
   logic                open_q, step, row_read, all_read;
-  logic                ahead_q;  // the beat that is read is there; found a clock ahead
+  logic                ahead_q;  // the beat to be read is present; computed a clock ahead
   logic [RowBits:0]    place_q, follower_q;
   logic [BeatBits-1:0] beat_q;
   logic [IdBits-1:0]   id_q;
@@ -108,7 +108,7 @@ module msn_scan_buffer #(
   assign row_read = beat_q == BeatBits'(Beats - 1);
   assign all_read = id_q == IdBits'(Rows * Beats - 1);
 
-  // In the writer's row the reader is never beyond it: the beat is there unless it is the next to be stored.
+  // In the writer's row the reader never passes the writer: a beat is present unless it is the next to be stored.
   logic stay_there, next_there, row_there;
   assign stay_there = place_q < in_rows_q || (place_q == in_rows_q && (store || beat_q != in_beat_q));
   assign next_there = place_q < in_rows_q || (place_q == in_rows_q && (store || beat_q + 1'b1 != in_beat_q));
@@ -116,7 +116,7 @@ module msn_scan_buffer #(
 
   always_ff @(posedge clk_i) begin
     busy    <= !rst_i && whole && (taken_o || open_q || read_valid_q || (out_valid_o && !out_ready_i));
-    // Of a whole frame each beat is there: a reader whose place was upset comes to its end all the same.
+    // In a complete frame each beat is present, so that a reader whose place was upset still reaches the end.
     ahead_q <= taken_o || whole_q || (!step ? stay_there : row_read ? row_there : next_there);
     if (step) begin
       beat_q <= row_read ? '0 : beat_q + 1'b1;
@@ -152,8 +152,8 @@ module msn_scan_buffer #(
   end
 
 `ifndef SYNTHESIS
-  // The memory does not define what it answers while the same place is written. A frame that gives way to the next as a
-  // beat of it is missing is not whole anyway.
+  // Reading a place in the clock in which it is written is undefined. Exempt: a frame with a missing beat, replaced
+  // by the next one, is damaged anyway.
   // verilator coverage_off
   always_ff @(posedge clk_i) begin
     if (store && step && !(in_first_i && !whole_q) && !rst_i) begin

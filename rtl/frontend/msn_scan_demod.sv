@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// msn_scan of a capacitive array: at each place Converters taxels side by side are measured by a burst of samples of
-// their carrier, and their amplitudes are what is scanned.
+// msn_scan of a capacitive array: at each place Converters adjacent taxels are measured by a burst of samples of their
+// carrier, and the scan's samples are their amplitudes.
 //
 //   a place  switch, settle | Skip + Periods SamplesPerPeriod samples, SamplePeriod clocks apart | amplitudes
 //
-// SamplePeriod clocks are 1/SamplesPerPeriod of a carrier period, or that and k whole ones (docs/demod.md). A lost
+// SamplePeriod clocks are 1/SamplesPerPeriod of a carrier period, or that plus k full periods (docs/demod.md). A lost
 // conversion spoils its burst: the place's samples are 0 and marked in user.
 // Model: model/meissner/twins/frontend/scan_demod.py
 
@@ -68,10 +68,10 @@ module msn_scan_demod #(
   localparam int unsigned SampleTime = $clog2(SamplePeriod + 1);
   localparam int unsigned Measured   = $clog2(Periods + 1);
   localparam int unsigned SkipBits   = $clog2(Skip + 2);
-  // A bound, not the exact time: the references grow five bits, the root takes three clocks a bit.
+  // An upper bound: the references add at most five bits, the root takes three clocks a bit.
   localparam int unsigned DemodLane  = 3 * (SampleBits + 5 + Measured + 1) + Shift + 2;
   localparam int unsigned DemodTime  = 5 + Converters * DemodLane;
-  localparam int unsigned Span       = 2 + (Count - 1) * SamplePeriod;  // from trigger to the last convert
+  localparam int unsigned Span       = 2 + (Count - 1) * SamplePeriod;  // from trigger to the last convert start
   localparam int unsigned Hold       = Span + msn_adc_pkg::hold_clocks(Part, 1, ClkKhz, Half);
   localparam int unsigned Cycle      = Span + AdcCycle + DemodTime;
 
@@ -93,9 +93,9 @@ module msn_scan_demod #(
   logic [Converters-1:0]            ready, convert, sample_valid, sample_user, lost;
   logic [Converters*SampleBits-1:0] sample;
   logic                             together, demod_ready, enable_q;
-  // What a spoiled burst still brings is thrown away, so that the parts are in step again at the next.
+  // The remaining samples of a spoiled burst are discarded, so that the parts are in step again at the next burst.
   assign together  = &sample_valid;
-  assign taken     = together && demod_ready;  // of a spoiled burst too: each start marks a first
+  assign taken     = together && demod_ready;  // in a spoiled burst too, so that each burst has a first sample
   assign convert_o = |convert;
 
   msn_burst #(.CountBits(BurstBits), .PeriodBits(SampleTime)) u_burst (
@@ -132,7 +132,7 @@ module msn_scan_demod #(
   logic                         level_valid, level_ready, level_user, unused_level_last;
   logic signed [SampleBits-1:0] level;
   logic        [LaneBits-1:0]   unused_level_id;
-  logic        [31:0]           unused_broken;  // as many as lost_o
+  logic        [31:0]           unused_broken;  // lost_o counts the same
   msn_am_demod #(
     .Form(Form), .SamplesPerPeriod(SamplesPerPeriod), .Lanes(Converters), .Channels(Converters),
     .SampleBits(SampleBits), .PeriodBits(Measured), .SkipBits(SkipBits)

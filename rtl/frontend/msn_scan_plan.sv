@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// When a matrix is switched to which row and column group, and when the converters start.
+// Plans the scan of a matrix: when to switch to which row and column group, and when to start the converters.
 //
 //   clock  s          s+1          s+2            s+1+Settle   then, slot = Settle + 1 + gap clocks after s,
 //          switch_o   lines off    lines settle   trigger_o    the next switch; gap = max(Hold, Cycle-1-Settle)
 //
-// Frames start every cfg_period_i clocks (0: one after the other) and convert every group of every row, row by row or,
-// cfg_interleave_i, rows 0, 2, 4 .. and then 1, 3, 5 ... The place after the one taken is found in the two clocks
-// that follow, so until then a frame counts as under way.
-// Settle and period are taken while off, the order in the clock of a frame's first switch. cfg_enable_i low: off
-// after the frame.   Model: model/meissner/twins/frontend/scan_plan.py
+// Frames start every cfg_period_i clocks (0: back to back) and convert every group of every row, row by row or, with
+// cfg_interleave_i, rows 0, 2, 4 .. and then 1, 3, 5 ... Finding the next place takes two clocks after a switch, so
+// after its last switch a frame counts as under way until then.
+// Settle and period are read while off, the order in the clock of a frame's first switch. cfg_enable_i low: off after
+// the frame.   Model: model/meissner/twins/frontend/scan_plan.py
 // Error: none (docs/extremes.md).
 
 module msn_scan_plan #(
@@ -36,7 +36,7 @@ module msn_scan_plan #(
 
   input  logic                  room_i,             // the frame's buffer has room for a conversion
 
-  output logic                  idle_o,             // nothing to do: no line
+  output logic                  idle_o,             // nothing to do: all rows off
   output logic                  switch_o,
   output logic [RowBits-1:0]    switch_row_o,
   output logic [GroupBits-1:0]  switch_group_o,
@@ -48,7 +48,7 @@ module msn_scan_plan #(
   output logic                  done_interleave_o,  // of its frame
 
   output logic [31:0]           overrun_o,          // frame ticks: the frame before was not done
-  output logic [31:0]           held_o              // clocks for which the frame waited for room
+  output logic [31:0]           held_o              // clocks in which the frame waited for room
 );
 
   if (!msn_pkg::is_side(Rows)) begin : gen_check_rows
@@ -83,7 +83,7 @@ module msn_scan_plan #(
       ((1 << SettleBits) > Cycle + Hold) ? (1 << SettleBits) : Cycle + Hold) + 1;
 
   typedef enum logic [1:0] {
-    Off,     // takes the registers; four clocks from enable to Free, as much as follows from them needs
+    Off,     // reads the settings; four clocks from enable to Free, which the values derived from them need
     Free,    // may switch
     Settle,
     Busy     // the lines may not change, or the next trigger would come too early
@@ -95,9 +95,9 @@ module msn_scan_plan #(
   logic                  active_q;  // a frame has conversions left
   assign idle_o = state_q == Off || (state_q == Free && !switch_o);
 
-  // Registers taken while off, and what follows from them.
+  // Settings read while off, and values derived from them.
   logic [SettleBits-1:0] settle_q;
-  logic [CountBits-1:0]  gap_q, rest_q;  // clocks from trigger to Free: all, and what is left as Busy begins
+  logic [CountBits-1:0]  gap_q, rest_q;  // clocks from trigger to Free: in all, and left when Busy begins
   logic [PeriodBits-1:0] period_q;
   logic                  timed_q, period_one_q, at_once_q, rest_none_q;
   always_ff @(posedge clk_i) begin
@@ -115,7 +115,7 @@ module msn_scan_plan #(
     period_one_q <= period_q == PeriodBits'(1);
   end
 
-  // In the clock in which Settle has counted down, registered a clock ahead, for timing.
+  // High in the clock in which Settle has counted down; computed a clock ahead, for timing.
   always_ff @(posedge clk_i) begin
     trigger_o <= !rst_i && ((state_q == Settle && count_q == CountBits'(1)) || (switch_o && at_once_q));
   end
@@ -129,7 +129,7 @@ module msn_scan_plan #(
         if (!cfg_enable_i) {count_q, none_q} <= {CountBits'(3), 1'b0};
       end
       Free: begin
-        // Without an enable and a frame under way there is no switch: no need to wait for switch_o.
+        // With neither enable nor a frame under way there is no switch, so switch_o need not be checked.
         count_q <= (!cfg_enable_i && !active_q) ? CountBits'(3) : CountBits'(settle_q);
         none_q  <= (cfg_enable_i || active_q) && at_once_q;
         if (switch_o) state_q <= Settle;
@@ -173,7 +173,7 @@ module msn_scan_plan #(
     end
   end
 
-  // The place to convert next; without a frame under way the first. It comes round by itself.
+  // The place to convert next; it wraps around to the first place at the end of a frame.
   logic [RowBits-1:0]   row_q;
   logic [RowBits:0]     row_next_q;
   logic [GroupBits-1:0] group_q;
@@ -209,7 +209,7 @@ module msn_scan_plan #(
     end
   end
 
-  // What was switched to becomes what was converted.
+  // At the trigger the place switched to becomes the place converted.
   logic                 first_q;
   logic [GroupBits-1:0] place_q;
   always_ff @(posedge clk_i) begin

@@ -2,22 +2,22 @@
 //
 // SPI words, most significant bit first, on one or more DOUT lanes.
 //
-// A bit lasts 2*Half clocks: SCLK rests for the first half and is driven for the second. Both sides launch their
-// next bit when it ends (SCLK returns to rest; CS falling launches the first one). With Lead SCLK is driven for the
-// first half and rests for the second, and the first bit begins Half clocks after CS fell. CS then stays high for
-// the time of one more bit.
+// A bit lasts 2*Half clocks: SCLK rests for the first half and is active for the second. Both sides launch their
+// next bit at its end (SCLK returns to rest; CS falling launches the first bit). With Lead, SCLK is active for the
+// first half and rests for the second, and the first bit begins Half clocks after CS falls. After a CS frame, CS
+// stays high for the time of one more bit.
 //
 //   clocks after start_i   1 .. 2*Half*Bits   CS low, SCLK runs                          all Half later with Lead
 //                          2*Half*Bits        word_o, data_o (and CS rises unless again_i)
 //                          2*Half*(Bits+1)    done_o; start_i may come again in this clock
 //
-// DOUT is sampled by one register, 2*Half-1 clocks after the edge that launched the bit: a whole SCLK period less
-// one clock for the part's delay, rather than the half period of sampling at SCLK's own edge.
+// DOUT is sampled by one register, 2*Half-1 clocks after the edge that launched the bit: this leaves a full SCLK
+// period less one clock for the part's delay, instead of the half period that sampling at SCLK's edge would leave.
 // Tested in tb/frontend/test_adc_spi.py   Model: model/meissner/twins/frontend/spi_shift.py
 
 module msn_spi_shift #(
   parameter int unsigned Bits     = 19,  // SCLK periods of a word
-  parameter int unsigned DataBits = 12,  // the last so many bits are kept
+  parameter int unsigned DataBits = 12,  // this many last bits are kept
   parameter int unsigned Lanes    = 1,
   parameter int unsigned Half     = 13,  // clocks in half an SCLK period
   parameter bit          IdleHigh = 1'b0,
@@ -52,7 +52,7 @@ module msn_spi_shift #(
   logic                      run_q;
   logic                      second_q;  // in the second half of a bit
   logic                      lead_q;    // in the half bit before the first one
-  logic                      sclk_q;    // driven; not second_q: SCLK rests while CS is high
+  logic                      sclk_q;    // SCLK is active; unlike second_q low while CS is high
   logic [HalfBits-1:0]       half_q;
   logic [IndexBits-1:0]      left_q;    // bits of this word after the present one
   logic [Lanes-1:0]          miso_q;
@@ -63,8 +63,8 @@ module msn_spi_shift #(
   assign bit_end  = half_end && second_q && !lead_q;
   assign done_o   = bit_end && spi_cs_n_o;
 
-  // The end of a word's last bit, bit_end && !spi_cs_n_o && left_q == 0, found a clock ahead: the pins, where this
-  // is, and the block that takes the word are far apart.
+  // Used to compute the end of a word's last bit, bit_end && !spi_cs_n_o && left_q == 0, a clock ahead: this block
+  // lies near the pins, far from the block that takes the word.
   logic ahead;
   assign ahead = (Half > 1) ? half_q == HalfBits'(1) && second_q && !lead_q : !second_q;
 
@@ -83,10 +83,10 @@ module msn_spi_shift #(
     if (start_i)      shift_q <= (Lanes*DataBits)'(command_i);
     else if (bit_end) shift_q <= data_o;
 
-    // The lead is a second half, of no bit.
+    // The lead counts as a second half that belongs to no bit.
     second_q <= start_i ? Lead : (second_q ^ half_end);
     lead_q   <= start_i ? Lead : (lead_q && !half_end);
-    // At word_o CS is still low: with Lead the next bit would begin there, and only does so if there is one.
+    // CS is still low at word_o: with Lead, SCLK becomes active there only if another word follows.
     sclk_q   <= !start_i && (sclk_q ^ (half_end && !spi_cs_n_o && !(Lead && word_o && !again_i)));
 
     if (start_i)                  spi_cs_n_o <= 1'b0;
@@ -104,7 +104,7 @@ module msn_spi_shift #(
     end
   end
 
-  // One register serves both ways: after the command, the bits that came in go out again, which no part minds.
+  // One register for both directions: after the command, received bits are sent out again, which all parts ignore.
   assign spi_mosi_o = shift_q[DataBits-1];
   assign spi_sclk_o = sclk_q ^ IdleHigh;
 

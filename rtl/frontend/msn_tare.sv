@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Takes each taxel's own zero b off its samples; finds it by averaging, and follows it while nothing presses.
+// Subtracts each taxel's own zero b from its samples; measures b by averaging, and tracks it while nothing presses.
 //
-//   r = raw - o   o = floor(b + 1/2), held to a sample's bits   contact = r > cfg_contact   b in 2^-FractionBits
+//   r = raw - o   o = floor(b + 1/2), saturated to a sample's bits   contact = r > cfg_contact   b in 2^-FractionBits
 //   each frame, not in contact: b += sign(r) cfg_step               frozen in contact
-//   on cfg_tare_i: b += (sum of r over the next 2^TareLog2 frames) / 2^TareLog2, exact, of all taxels in the
-//   same frame; refused, and nothing changed, if any taxel that is not masked was in contact in them
+//   on cfg_tare_i: b += (sum of r over the next 2^TareLog2 frames) / 2^TareLog2, exact, for all taxels in the
+//   same frame; refused without any change if a taxel that is not masked is in contact in these frames
 //
-// cfg_force_i: never refuse (the first time, when nothing is known). While cfg_load_i frames are swallowed
-// whole and zeros can be written. After a reset all zeros are 0. Damage starts an averaging again. Beats as
-// msn_frame_marker hands them on; one that does not fit leaves as 0: in a frame too long its zeros are those that this
-// frame has written.
+// cfg_force_i: never refuse (for the first time, when no zero is known). While cfg_load_i, frames are dropped and
+// zeros can be written. After a reset all zeros are 0. A damaged frame restarts an averaging. Beats as
+// msn_frame_marker gives them; a beat that does not fit leaves as 0, because in too long a frame its zeros were
+// written by the same frame.
 //
 //   clock  1        2           3            4
 //          raw - o  sign, sums  b, sum next  write
@@ -44,10 +44,10 @@ module msn_tare #(
   output logic                        cfg_loading_o,
 
   output logic                        taring_o,
-  output logic                        pressed_o,      // in the last whole frame
+  output logic                        pressed_o,      // in the last undamaged frame
   output logic [15:0]                 tared_o,        // averagings done, since reset
   output logic [15:0]                 refused_o,
-  output logic [31:0]                 swallowed_o,    // frames, while loading
+  output logic [31:0]                 swallowed_o,    // frames dropped while loading
 
   input  logic                        in_valid_i,
   output logic                        in_ready_o,
@@ -87,14 +87,14 @@ module msn_tare #(
   if (TareLog2 > FractionBits || TareLog2 > 8) begin : gen_check_tare_log2
     $fatal(1, "msn_tare: TareLog2 = %0d must be at most 8 and FractionBits = %0d", TareLog2, FractionBits);
   end
-  // b overshoots by a step of 255 at most: with fewer bits it would turn over.
+  // b overshoots by a step of at most 255: with fewer bits it could wrap around.
   if (SampleBits + FractionBits < 9) begin : gen_check_zero
     $fatal(1, "msn_tare: SampleBits = %0d and FractionBits = %0d must add to 9 or more", SampleBits,
            FractionBits);
   end
 
-  // Frames. At each end the next waits until all of this one is written and its first words are read again,
-  // so that no word is read before it was written, however small the array.
+  // Frames. After a frame the next one waits until this one's words are all written and the first are read again,
+  // so that no word is read before it is written, however small the array.
   localparam int unsigned Drain = 4;
   logic accept, was_whole, midway, ending, restart, done, word_valid;
   logic load_due, load_change, change_next, midway_next, ending_next;
@@ -102,12 +102,12 @@ module msn_tare #(
   logic [2:0] drain;
   assign in_ready_o = (out_ready_i || !out_valid_o) && word_valid && !closed;
   assign accept     = in_valid_i && in_ready_o;
-  assign restart    = rst_i || drain != '0 || load_due;  // a clock after the last beat: it is known late
+  assign restart    = rst_i || drain != '0 || load_due;  // a clock after the last beat: accept is known late
   assign done       = ending && drain == 3'd1;
 
-  // What the frame is for. Averaging and loading begin between frames only.
+  // The purpose of the present frame. Averaging and loading begin only between frames.
   logic fresh, asked, asked_force, averaging, forced, commit, any_contact, load_next;
-  logic working, working_next;  // averaging || commit: whether a beat may come depends on it
+  logic working, working_next;  // averaging || commit, registered as in_ready_o depends on it
   logic [7:0] frames;
   assign working_next = done && was_whole && !cfg_loading_o ? averaging && (forced || !any_contact) : working;
   assign load_next    = cfg_load_i && !working;
@@ -169,7 +169,7 @@ module msn_tare #(
     end
   end
 
-  // Two clocks ahead of the samples: the zero with what an averaging adds to it; then it is rounded.
+  // Two clocks ahead of the samples: add an averaging's result to the zero; then round it.
   logic                      table_valid, ahead_valid, advance, unused_state_end;
   logic [Lanes*PartBits-1:0] word, write_data;
   logic [Lanes-1:0]          rounded_ready, rounded_valid;
@@ -194,7 +194,7 @@ module msn_tare #(
     if (restart) ahead_valid <= 1'b0;
   end
 
-  // 1: the sample's own register. What is learnt from it follows behind, stalled by nothing.
+  // 1: the sample's register. The zeros' update follows it in a pipeline that never stalls.
   logic             learn, learn_q;
   logic [Lanes-1:0] pressing;
 

@@ -4,8 +4,8 @@
 //
 //   convert_i: time C = now      a frame's first sample offered: W = C      that sample taken: time_o = W
 //
-// So a frame keeps its own time while it waits, however many conversions come to nothing meanwhile, and while what
-// follows still works on the one before. The converter offers a frame's first sample before it converts the next.
+// So a frame keeps its own time while it waits, however many conversions are lost meanwhile, and time_o keeps the
+// previous frame's time until then. The converter must offer a frame's first sample before it converts the next.
 // Error: none (docs/extremes.md).
 // Model: model/meissner/twins/frontend/time_stamp.py
 

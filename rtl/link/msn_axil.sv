@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// AXI4-Lite to the register bus (msn_registers): one access at a time, answered once; where a write and a read
-// wait, they take turns. An access that the bus calls an error answers SLVERR, every other OKAY. The low two bits
-// of an address are of no use: WSTRB says which bytes of the word are meant.
+// AXI4-Lite to the register bus (msn_registers): one access at a time, answered once; if a write and a read both
+// wait, they take turns. An access that the bus reports as an error answers SLVERR, all others OKAY. The low two
+// bits of an address are ignored: WSTRB selects the bytes of the word.
 //
 //   clock  0                   2                    3
-//          address (and data)  bus_done_i answers   BVALID or RVALID, until taken
+//          address (and data)  bus_done_i           BVALID or RVALID, until taken
 //
 // Model: model/meissner/twins/link/axil.py
 
@@ -43,8 +43,8 @@ module msn_axil (
   input  logic [31:0] bus_rdata_i
 );
 
-  // Nothing is taken from an access until its answer is: the bus need not hold more than one. Busy is what is under
-  // way, not a flag of its own, which once upset would stay.
+  // No access is accepted before the answer to the last is taken: the bus holds at most one. `busy` is derived from
+  // the access under way; a separate flag would stay wrong after an upset.
   logic [1:0] asked;
   logic busy, write_pending, read_turn, write_waits, take_write, take_read;
   assign busy        = |asked || s_axil_bvalid || s_axil_rvalid;

@@ -3,11 +3,11 @@
 // Registers over a serial line: commands in, the register bus (msn_registers) out, answers to msn_packet.
 //
 //   command   operation (0 read, 1 write), tag, address (2 bytes), data (4), CRC-32: plain COBS between zeros
-//   answer    tag, status (0 done, 1 the bus says error, 2 no answer from the bus), address, data read
+//   answer    tag, status (0 done, 1 error from the bus, 2 no answer from the bus), address, data read
 //
-// The tag comes back as it was. A frame that is not such a command, whose checksum is wrong, that pauses for
-// TimeoutClocks, in which the line broke, or that comes before the last one is answered changes nothing, is not
-// answered and is counted. The access follows the closing zero by 1 clock, the answer bus_done_i by 1.
+// The answer repeats the command's tag. A frame that is not such a command, has a wrong checksum, pauses for
+// TimeoutClocks, has a line error, or arrives before the last command is answered changes nothing, is not answered
+// and is counted. The access follows the closing zero by 1 clock, the answer follows bus_done_i by 1.
 // Error: none (docs/extremes.md).
 // Model: model/meissner/twins/link/bridge.py
 
@@ -19,7 +19,7 @@ module msn_bridge #(
 
   input  logic        in_valid_i,      // a byte from the line
   input  logic [7:0]  in_data_i,
-  input  logic        in_error_i,      // a broken one
+  input  logic        in_error_i,      // a byte with an error
 
   output logic        bus_valid_o,
   output logic        bus_write_o,
@@ -44,11 +44,11 @@ module msn_bridge #(
   localparam int unsigned CommandBytes = 12;
   localparam int unsigned WaitBits     = $clog2(TimeoutClocks + 1);
 
-  // Frames: a code says how many bytes follow until a zero belongs there, which the next code stands for.
+  // COBS frames: a code is the number of bytes up to the next code, which stands for a zero of the command.
   logic [7:0]          run;      // bytes before the next code
   logic [3:0]          count;    // bytes of the command so far, 15: too many
-  logic                open;     // a code was seen
-  logic                spoilt;   // nothing in this frame counts
+  logic                open;     // a frame has begun
+  logic                spoilt;   // this frame is to be rejected
   logic [WaitBits-1:0] waited;
   logic [63:0]         command;  // its first eight bytes
   logic [31:0]         crc;

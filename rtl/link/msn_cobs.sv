@@ -2,13 +2,13 @@
 //
 // Frames packets for a serial line: 00, the packet without a zero byte in it, 00.
 //
-// Consistent overhead byte stuffing with each code behind its run, not before it: where the packet has a zero,
-// and after its end, stands one more than the number of bytes since the zero before (or the start). So the
-// sender needs a count and no memory; the receiver, who has the whole frame, reads it from its end. Of packets
-// up to 253 bytes it is plain COBS of the packet reversed, reversed.
+// Consistent overhead byte stuffing with each code after its run instead of before it: each zero of the packet,
+// and its end, is replaced by one more than the number of bytes since the zero before (or the start). So the
+// sender needs a counter and no memory; the receiver, which has the complete frame, reads it from its end. For
+// packets of up to 253 bytes this equals plain COBS of the reversed packet, reversed.
 //
-// The first 00 leaves as soon as in_begin_i says that a packet comes, the packet's own bytes may take longer.
-// A byte a clock, no latency: out_valid_o follows in_valid_i, which must hold until taken.
+// The first 00 leaves as soon as in_begin_i announces a packet; the packet's bytes may follow later.
+// A byte a clock, no latency: out_valid_o follows in_valid_i, which must stay high until taken.
 // Error: none (docs/extremes.md).
 // Model: model/meissner/twins/link/cobs.py
 
@@ -19,7 +19,7 @@ module msn_cobs #(
   input  logic       clk_i,
   input  logic       rst_i,
 
-  input  logic       in_begin_i,  // a packet begins, now or later
+  input  logic       in_begin_i,  // a packet begins now or soon
   input  logic       in_valid_i,
   output logic       in_ready_o,
   input  logic [7:0] in_data_i,
@@ -42,7 +42,7 @@ module msn_cobs #(
   } state_e;
 
   state_e               state;
-  logic [CountBits-1:0] count;  // bytes since the last zero, and one
+  logic [CountBits-1:0] count;  // bytes since the last zero, plus one
   logic                 zero, code, sent;
   assign zero = in_data_i == '0;
   assign code = state == Final || (state == Body && zero);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A core's link: msn_link, or with SlipOnly the smaller msn_link_slip, fed by what a core has. Instances and wires
-// only. Statistics are of status_i: Array chooses the scan's or the converter's.
+// A core's link: msn_link, or with SlipOnly the smaller msn_link_slip, connected to a core's signals. Instances and
+// wires only. The statistics are counters from status_i: with Array the scan's, else the converter's.
 // Model: model/meissner/twins/link/core_link.py
 
 module msn_core_link #(
@@ -24,11 +24,11 @@ module msn_core_link #(
   input  logic                            rst_i,
   input  logic [47:0]                     now_i,
 
-  input  msn_registers_pkg::status_t      status_i,          // of all of the core
+  input  msn_registers_pkg::status_t      status_i,          // of the entire core
   output msn_registers_pkg::link_status_t status_o,
 
   input  logic                            convert_i,         // SlipOnly
-  input  logic [47:0]                     time_i,            // of the frame that gave what comes
+  input  logic [47:0]                     time_i,            // of the frame that the results are from
   input  logic                            decision_valid_i,
   output logic                            decision_ready_o,
   input  msn_pkg::decision_t              decision_i,

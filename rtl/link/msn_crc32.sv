@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// CRC-32 of a stream (ISO-HDLC: that of Ethernet, zip and zlib), Bits a step, lowest bit first.
+// CRC-32 of a stream (ISO-HDLC, as in Ethernet, zip and zlib), Bits a step, lowest bit first.
 //
 //   crc = crc / x + (crc[0] + bit) (x^32 + x^26 + .. + 1), reflected: polynomial EDB88320, start FFFFFFFF
 //
-// The checksum is ~out_crc_o, sent lowest bit first. To feed out_crc_o[0] itself, Bits = 1, only shifts: so a
-// serial sender drains it. After a whole packet, checksum included, out_crc_o is DEBB20E3.
+// The checksum is ~out_crc_o, sent lowest bit first. With Bits = 1, feeding back out_crc_o[0] only shifts, so that
+// a serial sender can shift it out. After a packet with its checksum, out_crc_o is DEBB20E3.
 // Error: none (docs/extremes.md).
 // Model: model/meissner/twins/link/crc32.py
 
@@ -14,7 +14,7 @@ module msn_crc32 #(
 ) (
   input  logic            clk_i,
 
-  input  logic            clear_i,  // start a packet; goes before step_i
+  input  logic            clear_i,  // start a packet; has priority over step_i
   input  logic            step_i,
   input  logic [Bits-1:0] in_data_i,
   output logic [31:0]     out_crc_o

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Keeps the newest whole image for a slow reader: two banks, one written, one read.
+// Keeps the newest complete image for a slow reader: two banks, one written, one read.
 //
-// An image is in_valid_i beats of one taxel, `last` on the final one; it is never held up. A whole image goes to
-// the reader when that has none, or one that it has not begun (the older is dropped); else it waits in the
+// An image is one beat per taxel with in_valid_i, `last` on the final one; it is never stalled. A complete image goes
+// to the reader if the reader has none, or has not begun the one it has (which is dropped); else it waits in the
 // written bank, and is dropped when the next image begins there. An image whose `last` is early, late or
-// missing is dropped too. dropped_o counts every one.
+// missing is dropped too. dropped_o counts all dropped images.
 //
-// The reader sets read_begun_i while it reads and read_done_i for a clock at the end; read_data_o is the taxel of
-// read_address_i two clocks before.   Model: model/meissner/twins/link/image_store.py
+// The reader sets read_begun_i while it reads and read_done_i for a clock at the end; read_data_o is the taxel at
+// the read_address_i of two clocks before.   Model: model/meissner/twins/link/image_store.py
 
 module msn_image_store #(
   parameter  int unsigned Taxels      = 4096,
@@ -20,7 +20,7 @@ module msn_image_store #(
   input  logic                   in_valid_i,
   input  logic [15:0]            in_data_i,
   input  logic                   in_last_i,
-  input  logic [47:0]            in_time_i,       // counts with the first taxel
+  input  logic [47:0]            in_time_i,       // read with the first taxel
 
   output logic                   read_valid_o,    // there is an image
   output logic [47:0]            read_time_o,
@@ -38,7 +38,7 @@ module msn_image_store #(
 
   logic [AddressBits-1:0] place;
   logic                   bank;     // being written
-  logic                   held;     // a whole image is there, and nothing of the next one
+  logic                   held;     // the written bank has a complete image, and no part of the next one
   logic                   dropping, first, final_place, whole, broken, replaced, move;
   logic [47:0]            written_time;
   logic [1:0]             drops;
@@ -62,7 +62,7 @@ module msn_image_store #(
       read_valid_o <= 1'b1;
       read_time_o  <= written_time;
     end
-    drops     <= 2'(broken) + 2'(replaced) + 2'(move && read_valid_o);  // counted a clock late, for timing
+    drops     <= 2'(broken) + 2'(replaced) + 2'(move && read_valid_o);  // counted a clock later, for timing
     dropped_o <= dropped_o + 32'(drops);
     if (rst_i) begin
       place        <= '0;
@@ -75,8 +75,8 @@ module msn_image_store #(
     end
   end
 
-  // Slices as wide as one ECP5 block RAM is at this depth, as in msn_frame_table: else there is a multiplexer
-  // between the memories' slow outputs and the register.
+  // A slice has the width of one ECP5 block RAM at this depth, as in msn_frame_table: otherwise a multiplexer would
+  // lie between the memories' slow outputs and the register.
   localparam int unsigned Depth     = 2 << AddressBits;
   localparam int unsigned SliceBits = (Depth <= 1024) ? 16 : (Depth <= 2048) ? 8 : (Depth <= 4096) ? 4 :
                                       (Depth <= 8192) ? 2 : 1;
@@ -91,8 +91,8 @@ module msn_image_store #(
   end
 
 `ifndef SYNTHESIS
-  // The memories do not define what they answer while the same taxel is written: while an image is read, taxels that
-  // come in go to the other bank.
+  // Reading a taxel in the clock in which it is written is undefined: while an image is read, new taxels must go to
+  // the other bank.
   // verilator coverage_off
   always_ff @(posedge clk_i) begin
     if (read_valid_o && (read_begun_i || read_done_i) && in_valid_i && !dropping && !rst_i) begin

@@ -4,17 +4,17 @@
 //
 //   Uart:  events, CoP, health, counters, images ── packet ── cobs ── uart_tx ── line
 //          register bus ── bridge ── uart_rx ── line,   bridge ── answers ── packet
-//   else:  events, CoP, health, counters, images ── packet ── bytes, as they are
+//   else:  events, CoP, health, counters, images ── packet ── bytes, unframed
 //          register bus ── the host's bus
 //
-// docs/link.md is the contract. With Registers = 0 nothing is received on the line.
+// Specification: docs/link.md. With Registers = 0 nothing is received on the line.
 // Model: model/meissner/twins/link/link.py
 
 module msn_link #(
   parameter  int unsigned ClkHz         = 25_000_000,
   parameter  int unsigned BaudHz        = 3_000_000,
   parameter  bit          Uart          = 1'b1,
-  parameter  bit          Registers     = 1'b1,  // of the line; the host's bus is there without
+  parameter  bit          Registers     = 1'b1,  // over the line; the host's bus (Uart = 0) does not need it
   parameter  int unsigned TimeoutClocks = ClkHz / 100,
   parameter  int unsigned SlipDepth     = 64,    // as in msn_packet
   parameter  bit          Cop           = 1'b1,

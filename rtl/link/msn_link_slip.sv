@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The smallest link: slip events of one channel to the line, nothing else and nothing back.
+// The smallest link: sends the slip events of one channel to the line and receives nothing.
 //
 //   events ─ packet_slip ─ cobs ─ uart_tx ─ line
 //
-// docs/link.md is the contract. convert_i: the convert start, whose instant an event's packet carries.
+// Specification: docs/link.md. convert_i: the convert start; an event's packet carries its time.
 // Model: model/meissner/twins/link/link_slip.py
 
 module msn_link_slip #(

@@ -1,21 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Packets of every kind, as bytes: type, number, time (48 bits, lowest byte first), payload, CRC-32. docs/link.md
-// is the contract. What waits first goes in this order:
+// Packets of all kinds, as bytes: type, number, time (48 bits, lowest byte first), payload, CRC-32. Specification:
+// docs/link.md. Waiting packets are sent in this order of priority:
 //
 //   slip events   from a queue, never dropped: in_ready falls when it is full
 //   answers       of the register bridge, never dropped either
-//   CoP           the newest; one that finds the one before unsent drops the older, counted
-//   health        one at a time: health_ready_o falls until it is on its way
+//   CoP           the newest; it replaces an older one not yet sent, which is counted
+//   health        one at a time: health_ready_o is low until its packet has begun
 //   statistics    one counter every 2^StatisticBits clocks, in turn
-//   images        in packets of Chunk taxels, so that an event never waits for more than one; msn_image_store
+//   images        in packets of Chunk taxels, so that an event waits for at most one of them; msn_image_store
 //
-// A byte in 4 clocks at most. A packet's first byte follows an event by 12 clocks if nothing is under way;
-// out_begin_o, which opens its frame, by 3, anything else by 4.   Model: model/meissner/twins/link/packet.py
+// At most a byte every 4 clocks. If no packet is under way, an event's first byte follows it by 12 clocks;
+// out_begin_o, opening the frame, follows an event by 3, others by 4.   Model: model/meissner/twins/link/packet.py
 // Error: none (docs/extremes.md).
 
 module msn_packet #(
-  parameter  int unsigned SlipDepth     = 64,    // events that wait, a power of two; 0: no slip events
+  parameter  int unsigned SlipDepth     = 64,    // events that can wait, a power of two; 0: no slip events
   parameter  bit          Cop           = 1'b1,
   parameter  bit          Health        = 1'b1,
   parameter  bit          Answers       = 1'b1,
@@ -60,7 +60,7 @@ module msn_packet #(
   input  logic                   image_last_i,
   input  logic [47:0]            image_time_i,
 
-  output logic                   out_begin_o,      // a packet comes or is under way
+  output logic                   out_begin_o,      // a packet follows or is under way
   output logic                   out_valid_o,
   input  logic                   out_ready_i,
   output logic [7:0]             out_data_o,
@@ -167,8 +167,8 @@ module msn_packet #(
     assign unused_statistics = ^{statistics_i, statistic_take};
   end
 
-  // Images: the place reached, and of a packet the taxels left.
-  logic        image_step;  // on to the next taxel
+  // Images: the place reached, and the taxels left in a packet.
+  logic        image_step;  // go to the next taxel
   logic        image_end;   // the present taxel is the packet's last
   logic [15:0] taxel;
   if (Taxels > 0) begin : gen_image
@@ -192,7 +192,7 @@ module msn_packet #(
         place <= final_place ? '0 : place + 1'b1;
         left  <= left - 1'b1;
       end
-      image_done_q <= image_done;  // a register for timing; nothing is chosen before the checksum has gone
+      image_done_q <= image_done;  // registered for timing; no packet is chosen before the checksum has left
       if (image_done) begin
         begun  <= 1'b0;
         number <= number + 1'b1;
@@ -227,7 +227,7 @@ module msn_packet #(
   } state_e;
   state_e state;
 
-  // Whose turn it is stands in registers and is taken a clock later: the record is wide.
+  // The chosen source is registered and its record taken a clock later, because the record is wide.
   logic                  idle, some;
   logic [5:0]            waits, turn;  // the first of those that wait
   logic [RecordBits-1:0] chosen;
@@ -239,8 +239,8 @@ module msn_packet #(
                   ({RecordBits{turn[2]}} & cop) | ({RecordBits{turn[3]}} & health) |
                   ({RecordBits{turn[4]}} & statistic) | ({RecordBits{turn[5]}} & image);
 
-  // Send: a byte every fourth clock, so that memory and checksum have settled.
-  logic [63+PayloadBits:0] bytes;  // of the record, the next lowest
+  // Send: at most a byte every fourth clock, so that memory and checksum have settled.
+  logic [63+PayloadBits:0] bytes;  // of the record, the next byte lowest
   logic [4:0]              left;   // of the record after this one, then of the checksum
   logic [1:0]              phase;
   logic                    pixels, upper, emit, section_end;
@@ -249,7 +249,7 @@ module msn_packet #(
   logic [23:0]             unused_crc;
   logic [7:0]              next;
   assign {unused_crc, crc_low} = crc;
-  assign out_begin_o = slip_valid || state != Idle;  // the others' a clock later, for timing
+  assign out_begin_o = slip_valid || state != Idle;  // for the others a clock later, for timing
   assign emit        = state != Idle && (&phase) && !out_valid_o;  // not out_ready_i, whose path is long
   assign next        = (state == Record) ? bytes[7:0] : (state == Pixels) ? (upper ? taxel[15:8] : taxel[7:0])
                                          : ~crc_low;

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Packets of slip events alone, for the smallest builds: what msn_packet sends for the same events, made bit by
-// bit from columns of one small memory, 64 bits deep. A sweep of 64 clocks passes every bit.
+// bit from columns of one small memory, 64 bits deep. A sweep of 64 clocks visits every bit.
 //
-//   column 0   time / 64 in bits 6 .. 47, one more each sweep; packets so far in bits 56 .. 63
-//   column 1   the same at the last convert start, whose low bits are kept beside it
+//   column 0   time / 64 in bits 6 .. 47, incremented in each sweep; packets so far in bits 56 .. 63
+//   column 1   the same at the last convert start, whose low bits are in a register
 //   column 2   the packet's head: time, type, number;   column 3   its payload: peak-to-peak, state, channel
 //
-// An event (in_raised_i) waits for a sweep of its own, 64 .. 191 clocks, that fills columns 2 and 3; other
-// decisions pass at once. Then a byte is caught whenever a sweep passes its bits, up to one in 72 clocks, and
-// at last the checksum is drained. out_begin_o rises with the event itself. The time is that of the last convert
-// start before the event was offered, in clocks since reset. Converts while an event waits are not kept: an event
-// of a sample that was held back by such a wait has the time of the last convert before it.
+// An event (in_raised_i) waits for its own sweep, 64 .. 191 clocks, that fills columns 2 and 3; other decisions
+// pass immediately. Then a byte is captured when a sweep passes its bits, up to one in 72 clocks, and at the end
+// the checksum is shifted out. out_begin_o rises with the event. The time is that of the last convert start
+// before the event was offered, in clocks since reset. Convert starts while an event waits are not recorded: an
+// event of a sample delayed by such a wait has the time of the last convert start before the wait.
 // Error: none (docs/extremes.md).
 // Model: model/meissner/twins/link/packet_slip.py
 
@@ -29,7 +29,7 @@ module msn_packet_slip #(
   input  msn_pkg::slip_state_e in_state_i,
   input  logic [P2pBits-1:0]   in_p2p_i,
 
-  output logic                 out_begin_o,  // a packet comes or is under way
+  output logic                 out_begin_o,  // a packet follows or is under way
   output logic                 out_valid_o,
   input  logic                 out_ready_i,
   output logic [7:0]           out_data_o,
@@ -44,8 +44,8 @@ module msn_packet_slip #(
   logic sending;
   assign event_waits = in_valid_i && in_raised_i;
 
-  // The sweep. Column 0 is cleared by the first one after reset.
-  logic [5:0] at, ahead;  // bit at hand, bit that the memory looks up
+  // The sweep. The first one after reset clears column 0.
+  logic [5:0] at, ahead;  // present bit, bit that the memory reads
   logic       clearing;
   assign ahead = at + 1'b1;
   assign turn  = &at;
@@ -58,7 +58,7 @@ module msn_packet_slip #(
     end
   end
 
-  // Converts: none that comes after an event was offered counts for it.
+  // Convert starts: those while an event waits are ignored.
   logic [5:0] low;  // of the time
   logic       mark, marked, snap;
   assign mark = convert_i && !event_waits;
@@ -72,7 +72,7 @@ module msn_packet_slip #(
     end
   end
 
-  // Events: the sweep begins when the line is free and the last convert's own sweep is over.
+  // Events: the sweep begins when the line is free and the sweep that records the last convert start is over.
   logic copy;
   assign in_ready_o  = !in_raised_i || (copy && turn);
   assign out_begin_o = event_waits || sending;
@@ -83,7 +83,7 @@ module msn_packet_slip #(
 
   // The columns.
   (* no_rw_check, ram_style = "block" *) logic [3:0] memory [64];
-  logic        count, stamp, head, load, carry;  // the bits at hand
+  logic        count, stamp, head, load, carry;  // the present bits
   logic [7:0]  lows;
   logic [31:0] loads;
   assign lows  = {2'b00, low};
@@ -143,7 +143,7 @@ module msn_packet_slip #(
   );
 
 `ifndef SYNTHESIS
-  // The memory does not define what it answers while the same column is written.
+  // Reading a word in the clock in which it is written is undefined.
   // verilator coverage_off
   always_ff @(posedge clk_i) begin
     if (!rst_i) begin

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Serial line, receiver: start bit, eight data bits lowest first, one stop bit, each read in its middle.
+// Serial line receiver: start bit, eight data bits lowest first, one stop bit, each sampled in its middle.
 //
-// A bit lasts ClkHz / BaudHz clocks, to a sixteenth of a clock, at least 4. Out comes a byte for one clock,
-// in the middle of its stop bit; if that is not 1, error_o in its place, and nothing until the line rests. A
-// start bit that is gone by its middle is no start.   Model: model/meissner/twins/link/uart_rx.py
+// A bit lasts ClkHz / BaudHz clocks, to a sixteenth of a clock, at least 4. A byte is valid for one clock, in
+// the middle of its stop bit; if that bit is not 1, error_o rises instead, and reception pauses until the line
+// rests. A start bit that has ended by its middle is ignored.   Model: model/meissner/twins/link/uart_rx.py
 // Error: none (docs/extremes.md).
 
 module msn_uart_rx #(
@@ -39,14 +39,14 @@ module msn_uart_rx #(
     Rest,
     Start,
     Data,
-    Broken  // no stop bit: wait for rest
+    Broken  // the stop bit was missing: wait until the line rests
   } state_e;
 
   state_e               state;
   logic [CountBits-1:0] left;
   logic [3:0]           part, part_q;
   logic                 longer, tick;
-  logic [8:0]           shift;  // a 1 in front of the first data bit falls out with the eighth
+  logic [8:0]           shift;  // a 1 ahead of the first data bit reaches shift[0] with the eighth bit
   assign tick           = left == '0;
   assign {longer, part} = {1'b0, part_q} + 5'(Fraction);
   assign out_valid_o    = state == Data && tick && shift[0] && rx;
@@ -58,7 +58,7 @@ module msn_uart_rx #(
     case (state)
       Rest: if (!rx) begin
         state  <= Start;
-        left   <= CountBits'((Clocks - 2) / 2);  // the line was seen low half a clock after it fell
+        left   <= CountBits'((Clocks - 2) / 2);  // the line is seen low half a clock after it falls, on average
         part_q <= 4'd8;
       end
       Start: if (tick) begin

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Serial line, sender: start bit, eight data bits lowest first, one stop bit, 10 bits a byte without a gap.
+// Serial line sender: start bit, eight data bits lowest first, one stop bit, 10 bits a byte without a gap.
 //
-// A bit lasts ClkHz / BaudHz clocks on average, to a sixteenth of a clock (0.8 % at 4 clocks a bit, which is
-// the least; exact where it divides). tx_o falls on the clock after a byte is taken by an idle line.
+// A bit lasts ClkHz / BaudHz clocks on average, to a sixteenth of a clock (0.8 % at 4 clocks a bit, the minimum;
+// exact where it divides). tx_o falls on the clock after a byte is taken while the line is idle.
 // Error: at most 1/32 clock (docs/extremes.md).
 // Model: model/meissner/twins/link/uart_tx.py
 
@@ -30,7 +30,7 @@ module msn_uart_tx #(
   localparam bit [3:0]        Fraction   = 4'(Sixteenths % 16);
   localparam int unsigned     CountBits  = $clog2(Clocks + 1);
 
-  // The bits to come, the present one lowest; a single 1 is the stop bit, and the line at rest.
+  // The remaining bits, the present one lowest; a single 1 is the stop bit and also the line at rest.
   logic [9:0]           shift;
   logic [CountBits-1:0] left;  // clocks of this bit after this one
   logic                 tick, load, longer;

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A scanned array, from its lines and pins or a stream to single forces, centres of pressure and reports of health:
+// A scanned array, from its lines and pins or a stream to single forces, centres of pressure and health reports:
 // instances and wires only.
 //
 //   pins or stream ─ array ─┬─ width_converter (Tap) ─ samples      registers ─ preset ─ array's calibration
 //                           ├─ centres of pressure
 //                           └─ health_report ─ reports
 //
-// The next frame is let through when the results of the one before have left and busy_i is low.
+// The next frame is let through when the results of the previous one have left and busy_i is low.
 // Model: model/meissner/twins/sensor/sensor_array.py
 
 module msn_sensor_array #(
@@ -90,14 +90,14 @@ module msn_sensor_array #(
   localparam int unsigned CountBits  = msn_pkg::index_width(Rows * Columns + 1);
   localparam int unsigned CopBits    = FractionBits + 2;
 
-  // A write to a word that is not there would be one to another word, whose number has the same low bits.
+  // Ignore writes to words that do not exist: they would change an existing word with the same low address bits.
   localparam int unsigned Words = RowColumn ? RowBeats : Beats;
   logic word_there, row_there, zero_there;
   assign word_there = {1'b0, cfg_i.calibrate.word} < 21'(Words);
   assign row_there  = {1'b0, cfg_i.calibrate.word} < 21'(Rows);
   assign zero_there = {1'b0, cfg_i.tare.word} < 21'(Beats);
 
-  // A gain from reset on, and a zero as soon as it is in use.
+  // A gain from reset on; once it is in use, `started` can begin the first tare (cfg_i.tare.at_start).
   logic [Lanes-1:0]      lanes, write;
   logic                  written, write_row, swap, started;
   logic [IdBits-1:0]     word;

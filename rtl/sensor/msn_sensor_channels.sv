@@ -4,10 +4,10 @@
 //
 //   ADC pins or stream ─ acquire ─ frame_gate ─ samples
 //
-// One frame at a time: the next one waits while busy_i says that what follows has not finished the one before, so that
-// settings change (commit_o) and the frame's time holds between two. Gate = 0: settings are constants, and what
-// follows keeps the time itself.
-// Every sensor of a core has this list of ports. Model: model/meissner/twins/sensor/sensor_channels.py
+// One frame at a time: the next one waits while busy_i is high, until the blocks downstream have finished the previous
+// one, so that settings (commit_o) and the frame's time change only between frames. Gate = 0: settings are constants,
+// and the blocks downstream keep the time themselves.
+// All sensors of a core have the same list of ports. Model: model/meissner/twins/sensor/sensor_channels.py
 
 module msn_sensor_channels #(
   parameter  int unsigned Adc        = msn_pkg::AdcNone,  // msn_pkg::adc_part_e
@@ -52,7 +52,7 @@ module msn_sensor_channels #(
   output logic [IdBits-1:0]            sample_id_o,
   output logic                         sample_first_o,
   output logic                         sample_last_o,
-  output logic [47:0]                  time_o          // of the frame that is let through: its convert start
+  output logic [47:0]                  time_o          // convert start of the frame that was let through
 );
 
   if (PeriodBits > 24) begin : gen_check_period_bits

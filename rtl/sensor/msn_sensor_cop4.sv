@@ -6,7 +6,7 @@
 //   ADC pins or stream ─ sensor_channels ─ electrodes ─ cop4 ─┬─ centres of pressure
 //                                                             └─ cop_slip (CopSlip) ─ decisions
 //
-// The next frame is let through when the last result of the one before has left (msn_frame_owed).
+// The next frame is let through when the last result of the previous one has left (msn_frame_owed).
 // Model: model/meissner/twins/sensor/sensor_cop4.py
 
 module msn_sensor_cop4 #(
@@ -136,7 +136,7 @@ module msn_sensor_cop4 #(
     assign {decision_valid_o, decision_o} = '0;
   end
 
-  // A damaged frame gives no result: its counter says so.
+  // A damaged frame gives no result: the change of its counter shows it.
   logic damaged_q, done;
   always_ff @(posedge clk_i) damaged_q <= rst_i ? 1'b0 : damaged[0];
   assign done = damaged[0] != damaged_q || (CopSlip ? decision_valid_o && decision_ready_i : cop_valid_o);

@@ -4,8 +4,8 @@
 //
 //   ADC pins ─ sensor_channels ─ slip_path ─ decisions
 //
-// The two are those of a core, without what there stands between them: no gate and no skid, and actuator_moving_i is
-// not a pin. Adc = AdcNone: samples come in on the stream. Latency and formats are those of msn_slip_path.
+// As in a core, but without the blocks that a core has between the two: no gate and no skid, and actuator_moving_i is
+// synchronous. Adc = AdcNone: samples enter on the stream. Latency and formats are those of msn_slip_path.
 // Model: model/meissner/twins/slip/channels.py
 
 module msn_channels #(
@@ -21,7 +21,7 @@ module msn_channels #(
   parameter  int unsigned Window     = 64,  // samples
   parameter  int unsigned Hop        = 64,  // samples
   parameter  int unsigned TimerBits  = 16,
-  parameter  bit          Mask       = 1'b0,  // of the stream's samples: what is masked raises no slip
+  parameter  bit          Mask       = 1'b0,  // of the stream's samples: a masked sample raises no slip
   parameter  bit          Serial     = 1'b0,  // one channel, two bits a clock: a third of the cells
   localparam int unsigned IdBits     = msn_pkg::index_width(Channels),
   localparam int unsigned DetailBits = SampleBits + Level
@@ -38,7 +38,7 @@ module msn_channels #(
   output logic                         adc_convst_o,
   input  logic                         adc_busy_i,
   output logic                         adc_reset_o,
-  output logic                         convert_o,         // convert start: the instant of a frame's time
+  output logic                         convert_o,         // convert start, which defines a frame's time
 
   input  msn_registers_pkg::slip_cfg_t cfg_i,
   input  logic                         actuator_moving_i,
@@ -48,7 +48,7 @@ module msn_channels #(
   input  logic signed [SampleBits-1:0] in_data_i,
   input  logic        [IdBits-1:0]     in_id_i,
   input  logic                         in_last_i,
-  input  logic                         in_mask_i,     // a sample not to be trusted
+  input  logic                         in_mask_i,     // a sample that cannot be trusted
 
   output logic                         out_valid_o,
   input  logic                         out_ready_i,

@@ -4,10 +4,10 @@
 //
 //   a0 = x;   d_l[k] = a_(l-1)[2k] - a_(l-1)[2k+1];   a_l[k] = a_(l-1)[2k] + a_(l-1)[2k+1]
 //
-// sqrt(2)^l times the orthonormal wavelet with its sign; a level adds a bit, nothing is rounded. Frames
-// come in, sample after sample; every 2^Level frames a frame of details (d) and sums (a) goes out.
-// `restart` begins new groups and goes out with the first details that follow it. Mask: of a group in which a
-// sample is masked d and a are 0, and it goes out masked.
+// sqrt(2)^l times the orthonormal wavelet, with its sign; a level adds a bit, nothing is rounded. Frames
+// enter sample by sample; every 2^Level frames a frame of details (d) and sums (a) leaves.
+// `restart` begins new groups and leaves with the first details after it. Mask: a group with a masked sample
+// has d = a = 0 and leaves masked.
 //
 // Latency Level clocks after the sample that completes a group; one sample per clock.
 // Error: none (docs/extremes.md).
@@ -54,10 +54,10 @@ module msn_haar #(
     $fatal(1, "msn_haar: SampleBits = %0d must be at least 2", SampleBits);
   end
 
-  // All levels move together, so that a stall crosses one gate and not one a level.
+  // All levels advance together, so that a stall passes one gate instead of one per level.
   assign in_ready_o = out_ready_i || !out_valid_o;
 
-  // Between the levels: index 0 is the input, index Level the output. All as wide as the last sum.
+  // Signals between the levels: index 0 is the input, index Level the output. All have the width of the last sum.
   logic [Level:0]                 valid, last, restart, mask;
   logic [Level:0][IdBits-1:0]     id;
   logic [Level:0][DetailBits-1:0] total;
@@ -84,7 +84,7 @@ module msn_haar #(
     assign accept = valid[l] && in_ready_o;
     assign odd    = odd_q && !restart[l];
 
-    // One step a sample: in an odd frame the even sample of the same channel comes out.
+    // One step per sample: in an odd frame the delay line returns the even sample of the same channel.
     logic        [Width-1:0]      even_bits;
     logic signed [DetailBits-1:0] even_sample, odd_sample;
     if (Mask) begin : gen_masked

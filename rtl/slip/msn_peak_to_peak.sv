@@ -4,14 +4,14 @@
 //
 //   p2p = max d - min d   over the window so far
 //
-// It only grows inside a window, so p2p > threshold is decided at the detail that crosses, and that is
+// p2p only grows inside a window, so p2p > threshold is decided at the detail that crosses it, and that is
 // the window's decision (early fire). `end` marks the detail that closes a window of Span details.
 //   Hop = Span      tumbling: one maximum and minimum per channel
-//   Hop = Span / 2  half-overlapped: those of the half that runs and of the half before
+//   Hop = Span / 2  half-overlapped: those of the present half and of the half before
 //   other           exact sliding window: Span - 1 delayed maxima and minima per channel
-// Mask: masked details are left out of their windows, a window of none but such has p2p 0; the others must lie
-// above the lowest number, as msn_haar's do. `total` travels along. Latency: 2 clocks, 3 half-overlapped, 1 + ceil(log4(Span)) sliding; one detail
-// per clock.   Model: model/meissner/twins/slip/peak_to_peak.py
+// Mask: masked details are left out of their windows; a window of only masked details has p2p 0; the others must be
+// above the lowest number, as msn_haar's are. `total` travels along. Latency: 2 clocks, 3 half-overlapped,
+// 1 + ceil(log4(Span)) sliding; one detail per clock.   Model: model/meissner/twins/slip/peak_to_peak.py
 // Error: none (docs/extremes.md).
 
 module msn_peak_to_peak #(
@@ -60,8 +60,8 @@ module msn_peak_to_peak #(
   // The first window closes at detail Span-1, then one every Hop.
   logic closes, accept;
   assign accept = in_valid_i && in_ready_o;
-  // The window's maximum and minimum, then their difference. All stages move together, so that a stall
-  // crosses one gate and not one a stage.
+  // The window's maximum and minimum, then their difference. All stages advance together, so that a stall
+  // passes one gate instead of one per stage.
   assign in_ready_o = out_ready_i || !out_valid_o;
   localparam int unsigned SideBits = DetailBits + IdBits + 2;
   logic                         window_valid, window_last, window_restart, stages_busy;
@@ -69,7 +69,7 @@ module msn_peak_to_peak #(
   logic signed [DetailBits-1:0] window_high, window_low;
   logic        [SideBits-1:0]   window_side, side_in;
 
-  // A masked detail is neither the largest nor the smallest.
+  // A masked detail becomes neither the maximum nor the minimum.
   localparam logic signed [DetailBits-1:0] Lowest = {1'b1, {(DetailBits - 1) {1'b0}}};
   logic                         masked;
   logic signed [DetailBits-1:0] high_in, low_in;
@@ -126,7 +126,7 @@ module msn_peak_to_peak #(
       assign window_restart = part_restart;
 
     end else begin : gen_half
-      // Joined with the part before, once there is one: what the running part was when this one began.
+      // Joined with the part before, once there is one: its extremes are kept from when the present part began.
       logic later, later_q;
       assign later  = later_q && !in_restart_i;
       assign closes = later && final_place;
@@ -171,8 +171,8 @@ module msn_peak_to_peak #(
     localparam int unsigned Stages   = (SpanBits + 1) / 2;
     localparam int unsigned Odd      = SpanBits % 2;
 
-    // `age` counts the details up to the first window's end, `turn` those since the last that closed; before
-    // the first it waits at its end.
+    // `age` counts the details up to the end of the first window, `turn` those since the last window closed;
+    // before the first window closes, `turn` waits at Hop - 1.
     logic [SpanBits-1:0] age, age_q, turn, turn_q;
     logic                grown;
     assign age    = in_restart_i ? '0 : age_q;
@@ -198,7 +198,7 @@ module msn_peak_to_peak #(
     assign restart[0]    = in_restart_i;
 
     for (genvar s = 0; s < Stages; s++) begin : gen_stage
-      logic unused_ready;  // nothing is offered to a stage but when all move
+      logic unused_ready;  // a stage is offered a detail only when all stages advance
       msn_sliding_extremes #(
         .Channels(Channels), .DetailBits(DetailBits), .Lag((s == 0) ? 1 : 4 ** s / (Odd + 1)),
         .Taps((s == 0 && Odd == 1) ? 2 : 4), .SideBits(SideBits)
@@ -226,7 +226,7 @@ module msn_peak_to_peak #(
   always_ff @(posedge clk_i) begin
     if (in_ready_o) begin
       out_valid_o                         <= window_valid;
-      // Never negative.
+      // The difference is never negative.
       out_p2p_o     <= Mask && window_high == Lowest ? '0 : window_high - window_low;
       out_last_o    <= window_last;
       out_restart_o <= window_restart;

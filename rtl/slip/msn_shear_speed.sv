@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Speed of shear from the level of one pressure-conductive rubber, or a flag that says why there is none.
+// Speed of shear from the level of one pressure-conductive rubber, or a flag with the reason why there is none.
 //
 //   v = ((level - Vi) / (k0 + k1 Vi))^(1/n) = exp2((log2(level - Vi) - log2(k0 + k1 Vi)) / n)
 //
-// The inverse of dV = k v^n; the papers print the exponent as -n. A level is the sum of a window of 2^WindowLog2
-// samples, 2^SettleLog2 times; Vi of as many windows at rest: all levels are in that unit of a code. The rules by
-// which Vi is found, held and dropped, the flags and the bounds: docs/shear_speed.md
+// The inverse of dV = k v^n; the papers print the exponent as -n. A level is the sum over a window of 2^WindowLog2
+// samples, times 2^SettleLog2; Vi is the sum over 2^SettleLog2 windows at rest: so all levels have the same unit.
+// The rules by which Vi is found, held and dropped, the flags and the bounds: docs/shear_speed.md
 //
 //   clock  1     2 .. 19  20  21 .. 29      30 .. 47  48     49 .. 54  55        56, 57  58
 //          look  k1 Vi    k   log2 of both  y / n     round  exp2      v taken   judge   out
 //
-// The multiplications take a clock a bit, as a window takes many more. With any flag the speed is 0. Latency 58
+// A multiplication takes a clock a bit; a window takes far longer. With any flag the speed is 0. Latency 58
 // clocks after a window's last sample, in which no sample is taken.   Model: model/meissner/twins/slip/shear_speed.py
 // Error: at most 0.0005 of v and 1/2 LSB at the default size (docs/extremes.md).
 
@@ -33,11 +33,11 @@ module msn_shear_speed #(
   input  logic        [15:0]           cfg_exponent_i,  // 1/n, 11 bits of fraction
   input  logic signed [LevelBits-1:0]  cfg_vi_min_i,    // Vi outside of min .. max: Range
   input  logic signed [LevelBits-1:0]  cfg_vi_max_i,
-  input  logic        [LevelBits-1:0]  cfg_noise_i,     // a rise below it, or no rise: Small
-  input  logic        [LevelBits-1:0]  cfg_still_i,     // a level that moves by more does not rest
-  input  logic signed [SampleBits-1:0] cfg_full_i,      // a code from here on: Clipped
-  input  logic        [SpeedBits-1:0]  cfg_limit_i,     // a speed above it: Fast
-  input  logic        [31:0]           cfg_travel_i,    // sum of speeds until which a level is Rising
+  input  logic        [LevelBits-1:0]  cfg_noise_i,     // a rise below this, or no rise: Small
+  input  logic        [LevelBits-1:0]  cfg_still_i,     // a level that moves by more is not at rest
+  input  logic signed [SampleBits-1:0] cfg_full_i,      // a code at or above this: Clipped
+  input  logic        [SpeedBits-1:0]  cfg_limit_i,     // a speed above this: Fast
+  input  logic        [31:0]           cfg_travel_i,    // a level is Rising until the sum of speeds reaches this
 
   input  logic                         in_valid_i,
   output logic                         in_ready_o,
@@ -76,7 +76,7 @@ module msn_shear_speed #(
 
   typedef enum logic [2:0] {Gather, Look, Scale, Logs, Raise, Power, Judge, Report} state_e;
   state_e     state;
-  logic [4:0] turn;  // clocks in a state
+  logic [4:0] turn;  // clocks spent in a state
   logic       accept, window_ends, turns_end;
   assign in_ready_o  = state == Gather;
   assign out_valid_o = state == Report;
@@ -101,13 +101,13 @@ module msn_shear_speed #(
     if (rst_i) place_q <= '0;
   end
 
-  // What is known of the level: a reference that it stays near, and Vi once it rested.
+  // State of the level: a reference near which it stays, and Vi once it has been at rest.
   logic                        seen, settled;
   logic signed [LevelBits-1:0] reference, vi, group;
   logic        [CountBits-1:0] count;
   logic        [31:0]          travel;
 
-  // Look: where the window's level lies.
+  // Look: compare the window's level with the reference and with Vi.
   localparam int unsigned WideBits = LevelBits + 2;
   logic signed [LevelBits-1:0] level;
   logic signed [LevelBits:0]   rise;
@@ -126,7 +126,7 @@ module msn_shear_speed #(
     end
   end
 
-  // A product a bit a clock, the lowest of the factor first: the factor's place takes up the product's low bits.
+  // Multiply a bit a clock, the factor's lowest bit first: the product's low bits shift into the factor's register.
   logic signed [TermBits-1:0]            term;
   logic signed [TermBits:0]              upper, addend, upper_next;
   logic        [FactorBits-1:0]          lower;
@@ -193,7 +193,7 @@ module msn_shear_speed #(
 
   // Judge: flags, then the state after the window.
   logic       stays, blocked, fresh, rests, full;
-  logic [4:0] reasons;  // without a speed
+  logic [4:0] reasons;  // flags that rule out a speed
   logic [7:0] flags;
   assign stays   = settled && !held && (clipped || !down);
   logic [32:0] travel_sum;
@@ -203,7 +203,7 @@ module msn_shear_speed #(
   assign travel_sum = 33'(travel) + 33'(speed);
   assign flags      = {{3{!blocked_q}} & {&speed, fast, travel < cfg_travel_i}, reasons};
   always_ff @(posedge clk_i) begin
-    blocked_q <= blocked;  // both rest since k was found
+    blocked_q <= blocked;  // both are stable since k was computed
     slight_q  <= slight;
     if (state == Judge && turn == '0) begin
       travel <= (blocked_q || up) ? '0 : travel_sum[32] ? '1 : travel_sum[31:0];
@@ -257,7 +257,7 @@ module msn_shear_speed #(
     end
   end
 
-  // All stages of the logarithm and the power are ready: each has one number at a time, taken when it is there.
+  // The stages of logarithm and power are always ready: there is one number at a time, taken as soon as it is valid.
   logic unused_ready;
   assign unused_ready = log_ready & power_taken;
 

@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Speed of shear of each channel of a core, beside the slip path, which gets the same samples.
+// Speed of shear of each channel of a core, in parallel to the slip path, which gets the same samples.
 //
 //   samples ─┬─ frame_filter ─ shear_speed (one a channel) ─ status, reports to the grip reflex
 //            └─ samples, to the slip path
 //
-// A sample is taken by both or by neither: while a channel's window is worked on, its next sample waits. A window is
-// held where actuator_moving_i is high, cfg_i.hold = 1, or a command of the reflex changed in the last
-// cfg_i.hold_cycles control cycles: the normal force may change. cfg_i.enable = 0: all is in reset, and samples pass.
-// Report of a window 60 clocks after its last sample: as samples come one a clock, so do reports.
-// ShearSpeed = 0: nothing is there.
+// A sample is taken by both or by neither: while a channel's window is processed, its next sample waits. A window is
+// held if actuator_moving_i is high, cfg_i.hold = 1, or the reflex's command has changed in the last cfg_i.hold_cycles
+// control cycles, as the normal force may change then. cfg_i.enable = 0: all is in reset, and samples pass.
+// A window's report follows its last sample by 60 clocks; samples arrive one a clock at most, so do reports.
+// ShearSpeed = 0: no logic is built.
 // Model: model/meissner/twins/slip/shear_speeds.py
 
 module msn_shear_speeds #(
   parameter  bit          ShearSpeed = 1'b1,
-  parameter  bit          Suits      = 1'b1,  // the core has slip of single channels, and registers
+  parameter  bit          Suits      = 1'b1,  // the core decides slip of single channels and has registers
   parameter  int unsigned Channels   = 2,
   parameter  int unsigned SampleBits = 17,
   localparam int unsigned IdBits     = msn_pkg::index_width(Channels)
@@ -37,7 +37,7 @@ module msn_shear_speeds #(
   output logic                                   out_valid_o,        // the same samples
   input  logic                                   out_ready_i,
 
-  output msn_pkg::shear_t                        report_o            // for a clock, of each window
+  output msn_pkg::shear_t                        report_o            // for one clock, after each window
 );
 
   if (ShearSpeed && !Suits) begin : gen_check_suits
@@ -52,9 +52,9 @@ module msn_shear_speeds #(
     logic rst;
     assign rst = rst_i || !cfg_i.enable;
 
-    // The normal force changes.
+    // hold: the normal force may change.
     logic       moving, hold;
-    logic [7:0] cycles;  // for which the last change of the command still holds
+    logic [7:0] cycles;  // control cycles for which the last change of the command still holds windows
     msn_sync u_moving (
       .clk_i, .in_data_i(actuator_moving_i), .out_data_o(moving)
     );
@@ -64,7 +64,7 @@ module msn_shear_speeds #(
       if (rst) cycles <= '0;
     end
 
-    // One sample at a time goes to both ways. Nothing of a damaged frame is believed, as in the slip path.
+    // Each sample goes to both paths together. Damaged frames are discarded, as in the slip path.
     logic                         room, sample_valid, sample_ready, unused_last, restart;
     logic signed [SampleBits-1:0] sample;
     logic        [IdBits-1:0]     sample_id;
@@ -80,7 +80,7 @@ module msn_shear_speeds #(
     );
 
     localparam int unsigned PairBits = 2 * LevelBits + 1;  // Vi and rise
-    localparam int unsigned WordBits = 32 + PairBits;      // of a report: speed, flags and those
+    localparam int unsigned WordBits = 32 + PairBits;      // of a report: speed, flags, Vi, rise
     logic [Channels-1:0]          ready, found;
     logic [WordBits*Channels-1:0] words;
     always_comb begin
@@ -106,7 +106,7 @@ module msn_shear_speeds #(
       assign words[WordBits*c+:WordBits] = {speed, flags, vi, rise};
     end
 
-    // At most a report a clock; the registers keep the last of each channel.
+    // At most one report a clock; the registers keep the last report of each channel.
     logic [WordBits-1:0] word;
     logic [2:0]          id;
     always_comb begin

@@ -4,8 +4,8 @@
 //
 //   out_high(t) = max in_high(t - j Lag),  out_low(t) = min in_low(t - j Lag),  j = 0 .. Taps-1
 //
-// A chain of these, each Lag being the span of all before it, is an exact sliding window: 2 x 4 x 4 = 32.
-// Values from before the last `restart` do not count. Latency 1 clock, one value per clock.
+// A chain of these, each with the span of all before it as Lag, is an exact sliding window: 2 x 4 x 4 = 32.
+// Values from before the last `restart` are ignored. Latency 1 clock, one value per clock.
 // Error: none (docs/extremes.md).
 // Model: model/meissner/twins/slip/sliding_extremes.py
 
@@ -68,7 +68,7 @@ module msn_sliding_extremes #(
     assign exists[j] = frames >= CountBits'(j * Lag);
   end
 
-  // Pairs, then the pair of pairs. A tap exists only if all younger ones do.
+  // Compare taps in pairs, then the pairs. A tap is valid only if all newer taps are.
   logic [Taps/2-1:0][DetailBits-1:0] high_pair, low_pair;
   for (genvar p = 0; p < Taps / 2; p++) begin : gen_pair
     logic higher, lower;

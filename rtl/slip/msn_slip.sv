@@ -8,12 +8,12 @@
 //
 // None, Release -> Contact when pressed; Contact -> Incipient (Gross) when over, unless blanked (the
 // first `blank` details of a contact), moving, or refractory; back to Contact after `hold` details that
-// were not kept, then deaf for `refractory` details; any contact -> Release when lifted, then None after
-// `hold` details. `raised` marks the detail at which the slip flag rises. All times count details. Mask: a masked
-// detail leads to None from anywhere and is never over.
+// were not kept, then no slip for `refractory` details; any contact -> Release when lifted, then None after
+// `hold` details. `raised` marks the detail at which the slip flag rises. All times are in details. Mask: a masked
+// detail leads to None from any state and is never over.
 //
 //   clock  1        2
-//          compare  step the state, whose delay line hands each channel its own
+//          compare  step the state; a delay line returns each channel's own state
 //
 // Latency 2 clocks, one detail per clock.   Model: model/meissner/twins/slip/slip.py
 // Error: none (docs/extremes.md).
@@ -36,7 +36,7 @@ module msn_slip #(
   input  logic        [TimerBits-1:0]  cfg_hold_i,
   input  logic        [TimerBits-1:0]  cfg_refractory_i,
   input  logic        [TimerBits-1:0]  cfg_blank_i,
-  input  logic        [DetailBits-1:0] cfg_keep_threshold_i,  // as the threshold or above it: no hysteresis
+  input  logic        [DetailBits-1:0] cfg_keep_threshold_i,  // at the threshold or above it: no hysteresis
   input  logic                         actuator_moving_i,
 
   input  logic                         in_valid_i,
@@ -70,7 +70,7 @@ module msn_slip #(
     $fatal(1, "msn_slip: TimerBits = %0d must lie in 1 .. 31", TimerBits);
   end
 
-  // 1: compare. Both stages move together.
+  // 1: compare. Both stages advance together.
   logic under_contact, over_contact, under_release, over_release, is_over, is_gross, is_kept;
   msn_compare #(.Width(DetailBits)) u_under_contact (
     .a_i(cfg_contact_level_i), .b_i(in_total_i), .greater_o(under_contact)
@@ -100,7 +100,7 @@ module msn_slip #(
   logic                  seen_last, seen_end;
   assign in_ready_o = out_ready_i || !out_valid_o;
   assign busy_o     = seen_valid || out_valid_o;
-  assign masked     = Mask && in_mask_i;  // starts again from none, and changes nothing else
+  assign masked     = Mask && in_mask_i;  // restarts from None, and changes nothing else
 
   always_ff @(posedge clk_i) begin
     if (in_ready_o) begin
@@ -120,9 +120,9 @@ module msn_slip #(
     if (rst_i) seen_valid <= 1'b0;
   end
 
-  // 2: step the state. The timer is the details until a slip or a release is over (hold), or in Contact until
-  // a slip may be raised (refractory, or blanking after a contact onset): only one of them runs in any state.
-  // It counts up from minus the register's value, so that "still running" is a sign and needs no comparator.
+  // 2: step the state. The timer counts the details until a slip or a release ends (hold), or in Contact until
+  // a slip may be raised (refractory, or blanking after a contact onset): a state needs only one of these times.
+  // It counts up from minus the register's value, so that "still running" is the sign bit, without a comparator.
   localparam int unsigned CountBits = TimerBits + 1;
   logic [CountBits-1:0] load_hold, load_refractory, load_blank;
   always_ff @(posedge clk_i) begin
@@ -141,7 +141,7 @@ module msn_slip #(
     .step_i(step), .in_data_i({next_state, next_blanking, next_timer}),
     .out_data_o({kept_state, blanking, timer})
   );
-  assign state   = restart ? msn_pkg::None : kept_state;  // the timer means nothing in None
+  assign state   = restart ? msn_pkg::None : kept_state;  // the timer is not used in None
   assign running = timer[TimerBits];
 
   logic touching, was_slipping, acts;
@@ -197,7 +197,7 @@ module msn_slip #(
       out_end_o    <= seen_end;
     end
     blanked <= step && blank_this;
-    if (blanked) blanked_o <= blanked_o + 1'b1;  // a clock late: 32 enables are slow
+    if (blanked) blanked_o <= blanked_o + 1'b1;  // a clock later: 32 clock enables are slow
     if (rst_i) begin
       out_valid_o <= 1'b0;
       blanked     <= 1'b0;

@@ -5,8 +5,8 @@
 //   samples ─ skid (Array) ─ slip_path ─ skid (Array of several lanes) ─┬─ decisions, verdicts
 //   decisions about a centre of pressure (Slip = 0) ────────────────────┴─ slip_flags
 //
-// The way back for ready is long: packet, slip, array, scan. An array's is cut before and behind the slip path.
-// Latency: that of msn_slip_path, and a clock for each skid that holds something.
+// The path of ready back through packet, slip, array and scan is long. For an array, skids cut it on both sides of
+// the slip path. Latency: that of msn_slip_path, and a clock for each skid that holds a word.
 // Model: model/meissner/twins/slip/slip_chain.py
 
 module msn_slip_chain #(
@@ -44,8 +44,8 @@ module msn_slip_chain #(
   output logic                            out_valid_o,
   input  logic                            out_ready_i,
   output msn_pkg::decision_t              out_o,
-  output msn_pkg::verdict_t               verdict_o,          // of single channels; it waits for nobody
-  output logic                            busy_o,             // something of a frame is in here
+  output msn_pkg::verdict_t               verdict_o,          // of single channels; without back-pressure
+  output logic                            busy_o,             // part of a frame is in this block
   output logic                            slip_o,             // of any channel
   output logic                            gross_o,
   output logic                            touched_o
@@ -53,7 +53,7 @@ module msn_slip_chain #(
 
   localparam int unsigned DetailBits = SampleBits + Level;
 
-  logic offered;  // the decision is one that flags and reflex have seen: a packet's sender may let it wait
+  logic offered;  // flags and reflex have already used this decision, which waits for the packet's sender
 
   if (Slip) begin : gen_slip
     logic                         sample_valid, sample_ready, sample_last, sample_mask;
@@ -71,7 +71,7 @@ module msn_slip_chain #(
       assign {sample, sample_id, sample_last, sample_mask} = {in_data_i, in_id_i, in_last_i, in_mask_i};
     end
 
-    // A pin: it changes whenever the actuator does, and every flip-flop that it steers must see the same.
+    // An asynchronous pin: synchronised, so that all flip-flops that use it see the same value.
     logic moving;
     msn_sync u_moving (
       .clk_i, .in_data_i(actuator_moving_i), .out_data_o(moving)

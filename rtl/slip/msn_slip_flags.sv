@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Of all channels together, for pins and lamps: whether any slips, slips wholly, is touched.
+// Flags over all channels, for pins and LEDs: any channel slips, slips grossly, is touched.
 //
-// A flag rises on the clock after the channel's decision, and falls when a whole frame of decisions has none.
+// A flag rises on the clock after a channel's decision, and falls after a complete frame without such a decision.
 // Error: none (docs/extremes.md).
 // Model: model/meissner/twins/slip/slip_flags.py
 
@@ -10,7 +10,7 @@ module msn_slip_flags (
   input  logic                 clk_i,
   input  logic                 rst_i,
 
-  input  logic                 in_valid_i,  // a decision that is taken
+  input  logic                 in_valid_i,  // a new decision, for one clock
   input  msn_pkg::slip_state_e in_state_i,
   input  logic                 in_last_i,
 

@@ -17,7 +17,7 @@ module msn_slip_path #(
   parameter  int unsigned Window     = 64,  // samples
   parameter  int unsigned Hop        = 64,  // samples
   parameter  int unsigned TimerBits  = 16,
-  parameter  bit          Mask       = 1'b0,  // of the samples: what is masked raises no slip
+  parameter  bit          Mask       = 1'b0,  // of the samples: a masked sample raises no slip
   parameter  bit          Serial     = 1'b0,  // one channel, two bits a clock: a third of the cells
   localparam int unsigned IdBits     = msn_pkg::index_width(Channels),
   localparam int unsigned DetailBits = SampleBits + Level
@@ -33,7 +33,7 @@ module msn_slip_path #(
   input  logic signed [SampleBits-1:0] in_data_i,
   input  logic        [IdBits-1:0]     in_id_i,
   input  logic                         in_last_i,
-  input  logic                         in_mask_i,     // a sample not to be trusted
+  input  logic                         in_mask_i,     // a sample that cannot be trusted
 
   output logic                         out_valid_o,
   input  logic                         out_ready_i,
@@ -45,7 +45,7 @@ module msn_slip_path #(
   output logic                         out_last_o,
   output logic                         out_end_o,
 
-  output logic                         busy_o,        // something is under way, or a decision offered
+  output logic                         busy_o,        // a sample or detail is under way, or a decision offered
   output logic        [31:0]           damaged_o,     // frames: channels out of order
   output logic        [31:0]           blanked_o      // details: over, but blanked or moving
 );
@@ -70,7 +70,7 @@ module msn_slip_path #(
     $fatal(1, "msn_slip_path: Serial = 1 must have Channels = 1 and Hop = Window");
   end
 
-  // Of each setting the bits that this build has.
+  // The settings, in the widths of this build.
   logic        [DetailBits-1:0] threshold, gross_threshold, keep_threshold;
   logic signed [DetailBits-1:0] contact_level, release_level;
   logic        [TimerBits-1:0]  hold, refractory, blank;

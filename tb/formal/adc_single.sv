@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// CS and SCLK of an MCP3208, by the clock at the pins and by the data sheet's figures at 5 V: SCLK's levels, CS to the
-// first edge, CS high between conversions. Conversions are on their grid wherever enabled; the command goes out bit by
-// bit; the last bits that came in are the sample, which holds until it is taken, and is left out if the one before is
-// still there; what is counted.
+// CS and SCLK of an MCP3208, in clocks at the pins and against the data sheet's figures at 5 V: duration of SCLK's
+// levels, CS to the first edge, CS high between conversions. Conversions start every Period clocks while enabled; the
+// command is sent bit by bit; the last bits received are the sample, which holds until it is taken and is dropped if
+// the one before still waits; the counters.
 
 module formal_adc_single #(
   parameter int unsigned Channel    = 0,
@@ -35,7 +35,7 @@ module formal_adc_single #(
 
   logic started = 1'b0, warm;
 
-  // The period, from reset on; a conversion is the first 19 bits of it.
+  // The period, from reset on; a conversion takes its first 19 bits.
   localparam int unsigned Turn = $clog2(Bit);
   localparam logic [31:0] Command = {27'b0, Channel[0], Channel[1], Channel[2], 2'b11};
   logic [$clog2(Period)-1:0] grid;
@@ -71,7 +71,7 @@ module formal_adc_single #(
     end
   end
 
-  // Invariant: as many bits of the sample are known as have come.
+  // Invariant: all bits of the sample received so far are known.
   logic [31:0] came;
   logic [11:0] known;
   assign came  = 32'(grid) >> Turn;
@@ -115,7 +115,7 @@ module formal_adc_single #(
     end
   end
 
-  // Invariant: where in the period all this is. The pins follow the counter by a clock.
+  // Invariant: the position in the period. The pins follow the counter by a clock.
   logic [15:0] at, phase, turn;
   assign at    = 16'(dut.clock);
   assign phase = (at == '0) ? '0 : (at - 16'd1) & 16'(Bit - 1);
@@ -147,7 +147,7 @@ module formal_adc_single #(
     end
   end
 
-  // A conversion is a period away from reset: seen whole in the shortest.
+  // A conversion is a period away from reset: only short periods reach a complete one.
   always_comb begin
     if (started && !rst_i && Period < 100) begin
       cover (adc_cs_n_o && !cs_n);

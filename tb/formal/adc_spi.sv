@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The converter's minima on CS and SCLK: the master starts a word only at rest or when CS has been high for a bit's
-// time, for which proof `spi_shift` shows what the pins do; and that many clocks of half a bit are long enough, by the
-// figures of the data sheets. No conversion starts during a read, none is read during a conversion. When it ticks, starts,
-// waits for BUSY, gives up, reads and is done; what it sends and stores of a word; what is lost, and counted; that
-// no code is overwritten before it has left. Of the tagged parts (MAX1112x) the same, with their setup and their numbers,
-// but no figures.
+// The converter's minimum times on CS and SCLK: the master starts a word only at rest or when CS has been high for the
+// time of a bit (what the pins do then is proof `spi_shift`), and half a bit has enough clocks for the figures of the
+// data sheets. No conversion starts during a read, and none is read before it ends. The clocks in which the master
+// ticks, starts, waits for BUSY, gives up, reads and ends; what it sends and stores of a word; losses and counters; no
+// code is overwritten before it has left. For the tagged parts (MAX1112x) the same, with their setup and channel
+// numbers, but without figures.
 
 module formal_adc_spi #(
   parameter  int unsigned Part       = msn_pkg::AdcMcp3208,
@@ -46,7 +46,7 @@ module formal_adc_spi #(
   localparam longint unsigned Rest    = Mcp3208 ? 500_000 : 22_000;
   localparam int unsigned     Half    = msn_adc_pkg::half_clocks(Part, ClkKhz, SclkKhz);
   localparam longint unsigned Clock   = 64'd1_000_000_000 / ClkKhz;  // ps
-  localparam bit              Tagged  = msn_adc_pkg::has_tag(Part);  // of these parts no figures
+  localparam bit              Tagged  = msn_adc_pkg::has_tag(Part);  // no figures are checked for these
 
   logic started = 1'b0;
   logic was_low, convst;
@@ -56,7 +56,7 @@ module formal_adc_spi #(
     convst  <= adc_convst_o;
   end
 
-  // For proof `spi_shift`: its parameters, and when a word starts.
+  // What proof `spi_shift` assumes: its parameters, and when a word starts.
   logic reading;
   assign reading = dut.u_shift.run_q;
   always_comb begin
@@ -70,7 +70,7 @@ module formal_adc_spi #(
     end
   end
 
-  // The master, by its rules.
+  // A model of the master, written from its rules.
   localparam bit          HasBusy    = msn_adc_pkg::has_busy(Part);
   localparam bit          HasReset   = msn_adc_pkg::has_reset(Part);
   localparam bit          Selects    = msn_adc_pkg::cs_per_channel(Part);
@@ -87,7 +87,7 @@ module formal_adc_spi #(
   logic [PeriodBits-1:0] left;
   logic [WatchBits-1:0]  watch;
   logic [StartBits-1:0]  start;
-  logic [7:0]            word, words, code;  // code: whose word this is, as the store counts
+  logic [7:0]            word, words, code;  // code: the store's number of this word
   logic [15:0]           command;
   logic                  sets_up, asks_setup, stores, wrong;
   logic                  busy_1, busy_2, busy_3, drop, bad, over, ready, tick, waits, gives_up, ends, resumes;
@@ -102,7 +102,7 @@ module formal_adc_spi #(
   assign resumes  = HasBusy ? falls && !gives_up : state == Idle && tick;
   assign sets_up  = SetupWords != 0 && ((state == Reset && start == '0) || (ends && bad));
   assign words    = (state == Setup) ? 8'(SetupWords) : 8'(Words);
-  // A tagged answer is that of the word before, of which it bears the number: a frame's first word only asks.
+  // A tagged answer is for the word before and has its number: the first word of a frame is only a command.
   assign stores   = dut.word && state == Read && (!Tagged || word != '0);
   assign code     = Tagged ? word - 1'b1 : word;
   assign wrong    = Tagged && stores && 8'(dut.kept[KeptBits-1-:4]) != code;
@@ -151,7 +151,7 @@ module formal_adc_spi #(
     end
   end
   always_comb begin
-    if (!started) begin  // they begin with the same, whatever it is
+    if (!started) begin  // both begin in the same state, which is arbitrary
       assume (dut.state_q == state && dut.drop_q == drop && dut.bad_q == bad && dut.watch_q == watch);
       assume (dut.u_busy.first_q == busy_1 && dut.busy == busy_2 && dut.busy_q == busy_3 && dut.ready_q == ready);
       assume (dut.left_q == left && 32'(dut.word_q) == 32'(word) && state <= Read && (SetupWords != 0 || state != Setup));
@@ -177,12 +177,12 @@ module formal_adc_spi #(
     end
   end
 
-  // What proof `adc_store` assumes: a word comes for channels whose samples have left. Those of a frame that is not
-  // dropped had all left when it began, so that only channels of words before hold one while it comes.
-  // Frames of tagged parts are sent whole: none while one comes.
+  // What proof `adc_store` assumes: a word arrives only for channels whose samples have left. A frame is not dropped
+  // only if all samples had left when it began, so that meanwhile only channels of its earlier words hold samples.
+  // Frames of tagged parts are sent after their last word: no channel holds a sample meanwhile.
   localparam int unsigned LaneWords = (Lanes > 1) ? msn_adc_pkg::lane_channels(Part) : Channels;
   logic [Channels-1:0] held, meant;
-  logic                comes;  // words of this frame may come yet
+  logic                comes;  // words of this frame may still arrive
   assign held  = dut.u_store.full_q;
   assign comes = (waits || (state == Read && (word != '0 || !adc_cs_n_o))) && !drop && !convert_o;
   for (genvar c = 0; c < Channels; c++) begin : gen_channel
@@ -191,7 +191,7 @@ module formal_adc_spi #(
   end
   always_comb if (started && !rst_i) assert (!(|(held & meant)));
 
-  // Invariant: it reads in the states that read.
+  // Invariant: the shifter runs only in the states Setup and Read.
   always_comb begin
     if (started) begin
       assert (reading == (dut.state_q == 3'd5 || dut.state_q == 3'd1));

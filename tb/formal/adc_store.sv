@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Samples leave in channel order, round and round, each that was written once: offered a clock after its code and all
-// before it were there, held until taken. Its value is the code that was last written, extended by its sign or by 0;
-// out_user_o marks the lowest and the highest code alone. Whole: a frame is offered after its last word, none after a bad
-// one. A word comes for channels whose samples have left, or leave in this clock (assumed: `overwrites`; proof adc_spi
-// shows that frames do so). What is held, but not offered, as a frame begins is forgotten, and channel 0 is next; no word
-// comes in that clock (assumed).
+// Samples leave in channel order, wrapping around, once for each code written: offered a clock after the code and all
+// before it are present, held until taken. Its value is the code last written, sign-extended or zero-extended;
+// out_user_o marks only the lowest and highest code. Whole: a frame is offered after its last word, none after a bad
+// one. A word arrives only for channels whose samples have left, or leave in this clock (assumed: `overwrites`; proof
+// adc_spi shows it for frames). Samples held but not offered when a frame begins are discarded, and channel 0 is next;
+// no word arrives in that clock (assumed).
 
 module formal_adc_store #(
   parameter  int unsigned Channels     = 8,
@@ -35,13 +35,13 @@ module formal_adc_store #(
     .Signed(Signed), .Whole(Whole)
   ) dut (.*);
 
-  // By the words: the channels whose codes come now, and of them all what has not left yet.
+  // From the words: the channels whose codes arrive now, and all whose samples have not left yet.
   localparam int unsigned Words = (Lanes > 1) ? LaneChannels : Channels;
   logic                         started = 1'b0;
   logic [Channels-1:0]          there, comes, fills, leaves;
   logic [Channels-1:0]          known = '0;  // has ever been written
   logic [Channels*DataBits-1:0] codes, new_codes;
-  logic [31:0]                  next;  // the channel whose turn it is
+  logic [31:0]                  next;  // the channel to be sent next
   logic                         give, frame_ends, overwrites, forgets;
   assign give       = out_valid_o && out_ready_i;
   assign frame_ends = in_valid_i && !in_bad_i && 32'(in_word_i) == Channels - 1;
@@ -63,7 +63,7 @@ module formal_adc_store #(
     for (int unsigned c = 0; c < Channels; c++) leaves[c] = give && next == c;
   end
 
-  // What is offered, and what was if it was not taken; Whole: between a frame's last word and its last sample.
+  // What is offered, and what was offered and not taken; whole: between a frame's last word and its last sample.
   logic                         whole, stalled, held_last, held_user;
   logic signed [SampleBits-1:0] held_data;
   logic [IdBits-1:0]            held_id;
@@ -134,7 +134,7 @@ module formal_adc_store #(
     end
   end
 
-  logic bad_before;  // a frame came whole, but bad
+  logic bad_before;  // a complete frame with a bad word has come
   always_ff @(posedge clk_i) begin
     if (in_valid_i && in_bad_i && 32'(in_word_i) == Channels - 1) bad_before <= 1'b1;
     if (rst_i) bad_before <= 1'b0;

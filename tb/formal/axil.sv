@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Of every access one answer, and of the bus one access each: B of a write, R of a read, SLVERR when the bus says so,
-// with its data. Answers hold until they are taken. Whoever asks waits for one other access at most, if answers are
-// taken at once. Assumed: the master holds what it asks (AXI), the bus answers after two (proof `registers`).
+// Every access causes one access on the bus and one answer: B for a write, R for a read, SLVERR if the bus reports an
+// error, with its data. Answers hold until they are taken. A request waits for at most one other access, if answers
+// are taken immediately. Assumed: the master holds a request (AXI), the bus answers after two clocks (`registers`).
 
 module formal_axil (
   input logic        clk_i,
@@ -79,7 +79,7 @@ module formal_axil (
       if (ar_waits) assume (s_axil_arvalid && asked_ar == {s_axil_araddr, s_axil_arprot, 1'b0});
     end
     if (started && !rst_i) begin
-      // one at a time, address and data together, each once to the bus
+      // one access at a time, address and data together, each once to the bus
       assert (s_axil_awready == s_axil_wready);
       if (s_axil_awready) assert (s_axil_awvalid && s_axil_wvalid);
       assert (bus_valid_o == (wrote || read) && !(wrote && read));

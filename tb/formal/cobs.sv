@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// On the line: 00, the packet's bytes with a code in place of each zero and after the last, 00. No 00 else; a code is
-// one more than the bytes since the code before it. Every byte taken once, in order. Packets of MaxBytes at most and
-// a source that holds its byte (assumed).
+// On the line: 00, the packet's bytes with a code in place of each zero and after the last byte, 00. There is no other
+// 00; a code is one more than the number of bytes since the code before it. Every byte is taken once, in order.
+// Assumed: packets of at most MaxBytes and a source that holds its byte.
 
 module formal_cobs #(
   parameter int unsigned MaxBytes = 253

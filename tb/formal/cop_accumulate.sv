@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Of a frame whose `last` is where it belongs, and of no other, S, A and B as sums of prefix sums (that these are the
-// header's sums is algebra), Mx = (2N - n - 1) S - 2 A and My = 2 B - (m-1) S leave two clocks after the tree; they hold
-// until they are taken. No sum wraps at the frame's full size, every force 65535: S counts exactly what the beats bring,
-// in a register one bit wider, and so does a row's total. Damaged frames are counted. Beats come as msn_frame_marker hands
-// them on: a frame ends early with a beat that does not fit, or brings beats that do not fit from its final place on.
+// For a frame with `last` in its place, and for no other, S, Mx = (2N - n - 1) S - 2 A and My = 2 B - (m-1) S leave two
+// clocks after the tree, with A and B as sums of prefix sums (that these equal the header's sums is algebra); they hold
+// until taken. No sum wraps around in a frame of full size with all forces 65535: S and a row's total equal the sums of
+// the beats in registers one bit wider. Damaged frames are counted. Beats arrive as msn_frame_marker gives them: a
+// damaged frame ends early with a beat that does not fit, or has beats that do not fit from its final place on.
 
 module formal_cop_accumulate #(
   parameter  int unsigned Rows    = 64,
@@ -36,15 +36,15 @@ module formal_cop_accumulate #(
   localparam int unsigned Wide    = SumBits + 1;
   localparam bit          OneBeat = Rows == 1 && Beats == 1;
 
-  // Where a beat stands in its frame, `place`, follows it through the tree of Levels registers; so do its forces.
+  // A beat's position in its frame, `place`, and its forces follow it through the tree of Levels registers.
   logic                started = 1'b0;
   logic                take, stalled, step, final_here, row_ends;
-  logic                drops;                            // the frame is longer than it may be: what comes is dropped
+  logic                drops;                            // the frame is too long: further beats are dropped
   logic [20:0]         place, column;                    // of the next beat, in its frame and row
   logic [20:0]         reached, along;                   // beats in S, and of them in the present row
   logic [31:0]         damaged;
   logic                damage;
-  logic [Levels:0]     valid, whole, gone;               // the frame is whole; dropped
+  logic [Levels:0]     valid, whole, gone;               // the frame is complete; dropped
   logic [20:0]         places  [Levels+1];
   logic [20:0]         columns [Levels+1];
   logic [Lanes*16-1:0] lanes   [Levels+1];
@@ -93,7 +93,7 @@ module formal_cop_accumulate #(
     end
   end
 
-  // The sums, with room to spare, and what they give.
+  // The sums, in wider registers, and the results.
   localparam int unsigned Long = MxBits + MyBits;
   logic [Wide-1:0] total, sum, carried;                  // of the beat, of the frame
   logic [Long-1:0] inner, row_sum, left, a, b, mx, my;
@@ -148,7 +148,7 @@ module formal_cop_accumulate #(
     end
   end
 
-  // Invariant: beats follow each other, and n of them weigh n times Lanes 65535 at the most.
+  // Invariant: beats follow each other, and n of them have a sum of at most n Lanes 65535.
   logic [20:0]     expected [Levels+1], follows [Levels+1];
   logic [Wide-1:0] most;
   assign most = (Wide'(reached) << (16 + Levels)) - (Wide'(reached) << Levels);
@@ -190,7 +190,7 @@ module formal_cop_accumulate #(
     end
   end
 
-  // The tree: every node is the sum and the moment of its lanes, as many clocks ago.
+  // The tree: every node has the sum and the moment of its lanes, delayed by its level.
   for (genvar l = 0; l < Levels; l++) begin : gen_lanes
     for (genvar i = 0; i < Lanes >> (l + 1); i++) begin : gen_node
       logic [Wide-1:0] part;

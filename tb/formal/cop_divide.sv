@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Mx is divided by (n-1) S, My by (m-1) S; |x|, |y| <= 1.0; both 0 and `pressed` low unless the load is there and at
-// least the least; the load is the frame's own; both dividers always in step, and never asked for what they cannot.
-// Moments as msn_cop_accumulate's (assumed): |Mx| <= (n-1) S, |My| <= (m-1) S.
+// Mx is divided by (n-1) S, My by (m-1) S; |x|, |y| <= 1.0; both are 0 and `pressed` is low unless the load is above 0
+// and at least the minimum; the load is that of the same frame; the dividers are always in step, with operands in
+// their range. Assumed of the moments, as msn_cop_accumulate's: |Mx| <= (n-1) S, |My| <= (m-1) S.
 
 module formal_cop_divide #(
   parameter  int unsigned Rows         = 64,
@@ -73,7 +73,7 @@ module formal_cop_divide #(
       if (!rst_i && !busy) assert (in_ready_o);
       if (!rst_i) assert (dut.ready_x == in_ready_o && dut.ready_y == in_ready_o);
       assert (dut.unused_valid == out_valid_o);
-      // What is divided: what comes of it is proof `divide`.
+      // The operands; that the quotient is right is proof `divide`.
       assert (out_x_o == (out_pressed_o ? dut.quotient_x : '0) && out_y_o == (out_pressed_o ? dut.quotient_y : '0));
       if (load) begin
         assert (Wide'(dut.den_x) == (in_sum_i == '0 ? Wide'(1) : Columns > 1 ? most_x : Wide'(in_sum_i)));
@@ -86,7 +86,7 @@ module formal_cop_divide #(
     end
   end
 
-  // Invariant: each divider as in proof `divide`, as far as the bound needs it.
+  // Invariant: that of proof `divide` for each divider, as far as the bound needs it.
   localparam int unsigned Steps    = (FractionBits + 3) / 2;
   localparam int unsigned LongBits = CopBits + 2;
   logic [7:0]          turns;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Bit by bit in the textbook's order, highest power first, polynomial 04C11DB7: the block's register is its mirror.
+// The register mirrors a CRC computed bit by bit as in textbooks: highest power first, polynomial 04C11DB7.
 
 module formal_crc32 #(
   parameter int unsigned Bits = 8

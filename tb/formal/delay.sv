@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A word, whichever, that a step takes in is at the output Depth steps later; nothing moves between steps.
+// Any word that enters with a step is at the output Depth steps later; between steps the contents hold.
 
 module formal_delay #(
   parameter int unsigned Depth = 8,
@@ -34,8 +34,7 @@ module formal_delay #(
       .oldest_i(dut.gen_ring.oldest), .oldest_q_i(dut.gen_ring.oldest_q),
       .word_i(dut.gen_ring.ring[slot]), .slot_o(slot), .age_o(age), .kept_o(kept)
     );
-    // The memory does not define what it answers while the same place is written: never is one read in the clock in
-    // which it is written.
+    // Reading a place in the clock in which it is written is undefined: this never happens.
     logic ran = 1'b0;
     always_ff @(posedge clk_i) ran <= 1'b1;
     always_comb if (ran && step_i) assert (dut.gen_ring.slot != dut.gen_ring.slot_next);
@@ -55,7 +54,7 @@ module formal_delay #(
     if (started && !stepped) assert (out_data_o == out_data);
   end
 
-  // Far from reset in a deep one: what can be reached is that a word begins its way.
+  // In a deep delay line the output is far from reset: it is only covered that a word begins its way.
   localparam int unsigned Seen = (Depth < 24) ? Depth : 5;
   always_comb if (started) cover (!rst_i && age == AgeBits'(Seen) && kept != '0);
 

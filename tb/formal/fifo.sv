@@ -28,10 +28,10 @@ module formal_fifo #(
     .started_o(started), .level_o(level), .inside_o(held), .ahead_o(ahead), .kept_o(kept)
   );
 
-  // It takes Depth words at least, whatever the follower does.
+  // It takes at least Depth words, whatever the consumer does.
   always_comb if (started && !rst_i && level < CountBits'(Depth)) assert (in_ready_o);
 
-  // Invariant: what is where.
+  // Invariant: where the words are.
   logic [PlaceBits:0]   stored;
   logic [CountBits-1:0] behind;
   logic [PlaceBits-1:0] place;
@@ -41,7 +41,7 @@ module formal_fifo #(
   always_comb begin
     if (started) begin
       assert (stored <= (PlaceBits + 1)'(Depth) && dut.full == (stored == (PlaceBits + 1)'(Depth)));
-      // The memory does not define what it answers while the same place is written.
+      // Reading a place in the clock in which it is written is undefined.
       if (dut.put && dut.get) assert (dut.written[PlaceBits-1:0] != dut.read[PlaceBits-1:0]);
       assert (level == CountBits'(stored) + CountBits'(dut.fetched_valid) + CountBits'(dut.out_valid_o));
       if (held) begin

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Each follower takes every word once: of words taken, a follower is ahead of the source by the word at hand only.
+// Each consumer takes every word once: in words taken, it is ahead of the source by at most the present word.
 
 module formal_fork (
   input logic clk_i,
@@ -53,7 +53,7 @@ module formal_fork (
     end
   end
 
-  // Invariant: who has the word at hand, and that one is.
+  // Invariant: which consumer has the present word, and that there is one.
   always_comb begin
     if (started) begin
       assert (dut.a_has == a_took);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What passes counts 0 .. Channels-1 without a gap, each sample unchanged a clock later; nothing passes of a frame
-// from the first sample that is out of place on; the next frame, and the first since reset, bear `restart` on each
-// sample; damage is counted once a frame, with its last. What the slip path's proofs assume of their frames.
+// The samples that pass count 0 .. Channels-1 without a gap, each unchanged a clock later; no sample of a frame passes
+// from the first one out of place on; the next frame, and the first since reset, have `restart` on each sample; a
+// damaged frame is counted once, with its last sample. The slip path's proofs assume this of their frames.
 
 module formal_frame_filter #(
   parameter  int unsigned Channels = 8,
@@ -26,7 +26,7 @@ module formal_frame_filter #(
 
   logic                started = 1'b0;
   logic                take, give, stalled;
-  logic [16:0]         seen;      // samples of the frame that comes in
+  logic [16:0]         seen;      // samples of the incoming frame
   logic                broken, right, after_damage, damage;
   logic                due, due_last;
   logic [DataBits-1:0] due_data;
@@ -35,7 +35,7 @@ module formal_frame_filter #(
   assign take  = in_valid_i && in_ready_o;
   assign give  = out_valid_o && out_ready_i;
   assign right = 17'(in_id_i) == seen && in_last_i == (seen == 17'(Channels - 1));
-  // What leaves: the sample expected next if nothing breaks, that it follows its frame's beginning, its restart.
+  // At the output: the sample expected next if no damage occurs, whether it is inside a frame, its restart.
   logic [16:0] next;
   logic        fresh, marked;
   always_ff @(posedge clk_i) begin
@@ -77,7 +77,7 @@ module formal_frame_filter #(
       if (!rst_i) assert (in_ready_o == (out_ready_i || !due));
       if (due) assert (out_data_o == due_data && out_id_o == due_id && out_last_o == due_last && out_restart_o == marked);
       if (stalled) assert (out_valid_o);
-      // the follower's view
+      // what the consumer sees
       if (out_valid_o) begin
         assert (32'(out_id_o) < Channels && out_last_o == (32'(out_id_o) == Channels - 1));
         assert (out_id_o == '0 || 17'(out_id_o) == next && out_restart_o == fresh);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Beats pass in the clock in which they are taken, none is lost; an offered beat stays offered; settings change
-// between frames only, right after a clock in which the chain was empty and nothing went in, one clock long, when
-// asked, and three clocks later at the latest if nothing hinders. The first beat of each frame is marked.
+// Beats pass in the clock in which they are taken, and none is lost; an offered beat stays offered. Settings change
+// only on request and between frames: commit_o is high for one clock, right after a clock in which the chain was empty
+// and no beat entered, at most three clocks after that is possible. The first beat of each frame is marked.
 
 module formal_frame_gate (
   input logic clk_i,
@@ -19,7 +19,7 @@ module formal_frame_gate (
 
   logic       started = 1'b0;
   logic       taken, in_frame, in_stalled, out_stalled, asked, committed, last, was_busy, was_taken;
-  logic [2:0] waiting;  // clocks in which a change waits, nothing comes and the chain is empty
+  logic [2:0] waiting;  // clocks in which a change waits, no beat arrives and the chain is empty
   assign taken = in_valid_i && in_ready_o;
   always_ff @(posedge clk_i) begin
     started     <= 1'b1;

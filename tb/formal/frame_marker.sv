@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A beat passes as it is, with its place, while its frame has no damage. Whoever counts what passes finds Beats
-// beats, 0 .. Beats-1, in a frame if and only if its `last` fits, and one frame for each that came in; damage is
-// counted once a frame.
+// A beat passes unchanged, with its place, while its frame has no damage. A block that counts the beats that pass
+// finds Beats of them, 0 .. Beats-1, in a frame if and only if its `last` fits, and one frame for each that came in.
+// Each damaged frame is counted once.
 
 module formal_frame_marker #(
   parameter  int unsigned Rows     = 64,
@@ -23,7 +23,7 @@ module formal_frame_marker #(
   logic [31:0]       damaged_o;
   msn_frame_marker #(.Rows(Rows), .RowBeats(RowBeats)) dut (.*);
 
-  // What comes in: right beats of the frame so far; it is broken; it was at its final beat, which was not the last.
+  // Input: right beats of the frame so far; the frame is broken; its final beat was reached without `last`.
   logic            started = 1'b0;
   logic            take, final_beat, right, broken, too_long, damage;
   logic [IdBits:0] seen;
@@ -31,7 +31,7 @@ module formal_frame_marker #(
   assign take       = in_valid_i && out_ready_i;
   assign final_beat = seen == (IdBits + 1)'(Beats - 1);
   assign right      = final_beat ? in_last_i : (!in_last_i && {1'b0, in_id_i} == seen);
-  // What passes: beats of the frame that leaves, and whether it has ended while its own beats still come in.
+  // Output: beats of the frame that leaves, and whether it has ended while its beats still arrive.
   logic            give, ended;
   logic [IdBits:0] count;
   assign give = out_valid_o && out_ready_i;
@@ -63,7 +63,7 @@ module formal_frame_marker #(
       assert (out_fits_o == (right && !broken));
       if (!broken) assert (out_valid_o == in_valid_i && out_last_o == (in_last_i || (!right && !final_beat)));
       else assert (out_valid_o == (in_valid_i && in_last_i && too_long));
-      // the follower's view
+      // what the consumer sees
       if (out_valid_o) begin
         assert (32'(count) <= Beats && (out_last_o || 32'(count) < Beats));
         if (out_last_o) assert (out_fits_o == (32'(count) == Beats - 1));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Of a chosen result: busy from the clock after a frame's first beat until that result, the drop or the limit; never
-// busy without a result that is still to come; and never for more than 2^QuietBits quiet clocks in a row.
+// For any one result: busy from the clock after a frame's first beat until that result, the drop or the limit; never
+// busy without an outstanding result; and never for more than 2^QuietBits quiet clocks in a row.
 
 module formal_frame_owed #(
   parameter int unsigned Results   = 2,

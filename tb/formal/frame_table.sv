@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Words come round and round from Start, one with every advance, the first two advances after a restart; each is what
-// was last written there, whichever the word (`watch_i`, constant), before it was read. No word is read in the clock in
-// which it is written. With two banks the one that is not read is written, with one no word as it is read (assumed: proof
+// Words follow from Start on, wrapping around, one with every advance, the first two advances after a restart; each is
+// the value last written before it was read, for any word (`watch_i`, constant). No word is read in the clock in which
+// it is written. Assumed: with two banks only the bank not read is written, with one no word while it is read (proof
 // obligations of msn_calibration_table, msn_health and msn_tare, which restart before they use such a word).
 
 module formal_frame_table #(
@@ -33,9 +33,9 @@ module formal_frame_table #(
   logic                      started = 1'b0;
   logic                      taken, watched, written, watch_bank_q, ours_read, ours_out;
   logic [WordBits-1:0]       watch_q;
-  logic [31:0]               place;        // the next to be looked up
-  logic [1:0]                advances;     // since the restart, 2 at most
-  logic [Parts*PartBits-1:0] value, value_read, value_out;  // of the watched word: now, as read, as handed on
+  logic [31:0]               place;        // of the word to be read next
+  logic [1:0]                advances;     // since the restart, at most 2
+  logic [Parts*PartBits-1:0] value, value_read, value_out;  // of the watched word: now, as read, at the output
   logic [AddressBits-1:0]    at;
   assign watched = place == 32'(watch_i) && (Banks == 1 || taken == watch_bank_i);
   assign written = write_word_i == watch_i && (Banks == 1 || write_bank_i == watch_bank_i);
@@ -71,7 +71,7 @@ module formal_frame_table #(
       else            assume (write_i == '0 || !advance_i || 32'(write_word_i) != place);
       assert (out_valid_o == (advances == 2'd2));
       if (out_valid_o && ours_out) assert (out_data_o == value_out);
-      // The memory does not define what it answers while the same word is written.
+      // Reading a word in the clock in which it is written is undefined.
       if (write_i != '0 && advance_i) assert (dut.address != dut.write_address);
       // Invariant.
       assert (place < Words && dut.taken == taken && 32'(dut.address) == place + (taken ? Words : 0));
@@ -97,7 +97,7 @@ module formal_frame_table #(
     end
   end
 
-  // A word that was written after the reset has come round, and one is written while another is read.
+  // A word written after the reset reaches the output, and one is written while another is read.
   logic fresh;
   always_ff @(posedge clk_i) begin
     if (started && write_i[0] && written && write_data_i[0]) fresh <= 1'b1;

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The commands, against docs/grip.md written with wide signed sums, and what a hand relies on, each by itself:
-//   within the limits once there is a command, if minimum <= maximum; never by more than `rate`; without an override
-//   down by `decay` at most, and only if every finger was heard, well, not silent and never over since the last cycle
-//   no command moves between cycles; cycles are two clocks apart or more, and a period has one
-//   the first command after a reset has an increment of 0, in mode force only with an override
-// What a speed adds to a window is taken from the block. Limits, rate and watchdog hold while it runs.
+// The commands, against docs/grip.md written with wide signed sums, and separately the properties that a hand needs:
+//   a command stays within the limits, if minimum <= maximum; it never changes by more than `rate`; without an override
+//   it falls by at most `decay`, and only if every finger reported, was healthy and never over since the last cycle
+//   the command does not change between cycles; cycles are at least two clocks apart, and a period has one
+//   the first command after a reset has an increment of 0; in mode force it needs an override
+// The speed's part of a window is read from the block. Limits, rate and watchdog do not change while it runs.
 
 module formal_grip #(
   parameter  int unsigned Fingers     = 2,
@@ -68,7 +68,7 @@ module formal_grip #(
     if (started) assume (cfg == cfg_q);
   end
 
-  // Since the last cycle, of each finger.
+  // For each finger, since the last cycle.
   localparam logic [WideBits-1:0] Top = (WideBits)'((1 << CommandBits) - 1);
   logic [Fingers-1:0][WideBits-1:0] wish;
   logic [Fingers-1:0]               open, heard, over, unwell, counts, hit;
@@ -83,7 +83,7 @@ module formal_grip #(
     end
   end
 
-  // Windows over in a row before the one under way, seven at most, and what the step becomes by them.
+  // Windows over in a row before the present one, at most seven, and the step that follows from them.
   logic [Fingers-1:0][2:0]          row;
   logic [2:0]                       boost;  // a clock ago
   logic [Fingers-1:0][WideBits-1:0] earlier, step, added;
@@ -115,7 +115,7 @@ module formal_grip #(
     end
   end
 
-  // Joined.
+  // The fingers joined.
   logic [Fingers-1:0]  silent, faulty;
   logic [WideBits-1:0] most, least;
   always_comb begin
@@ -146,7 +146,7 @@ module formal_grip #(
     end
   end
 
-  // The goal, then within the limits, then by the rate.
+  // The goal, limited to minimum .. maximum, then by `rate`.
   logic                       armed, armed_mode, live, gives;
   logic signed [WideBits-1:0] was, goal, bounded, next;
   logic signed [WideBits-1:0] low, high, rate;

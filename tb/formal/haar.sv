@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Level 1, as all that ship have it. Of a channel's samples x0, x1 of a group: a + d = 2 x0, a - d = 2 x1; d of equal
-// samples is 0; masked, both are 0. One result a group, in the clock after x1 is taken.
+// Level 1, as in all shipped configurations. For the samples x0, x1 of a channel's group: a + d = 2 x0, a - d = 2 x1;
+// d of equal samples is 0; masked, both are 0. One result per group, in the clock after x1 is taken.
 
 `include "owed_ports.svh"
 
@@ -39,7 +39,7 @@ module formal_haar #(
     .started_o(started), .at_o(at), .first_o(first), .again_o(again), .watched_o(watched)
   );
 
-  // The frame at hand is the second of its group; of the group: sample, mask, and whether it began anew.
+  // The present frame is the second of its group; the group's first sample, mask, and whether it began with restart.
   logic                         second_q, second, mask0, renewed, renewed_q;
   logic signed [SampleBits-1:0] x0;
   logic                         due, due_mask, due_last, due_restart, stalled;
@@ -138,7 +138,7 @@ module formal_haar #(
     end
   end
 
-  // In a long frame the second sample of a channel is far from reset.
+  // With many channels the second sample of a channel is far from reset.
   always_comb begin
     if (started && !rst_i) begin
       if (Channels < 16) cover (out_valid_o && out_id_o == watch_i && out_detail_o == '1 && !due_mask);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What is read of an image, two clocks after its address, is what was written there, whichever the taxel (`watch_i`,
-// constant), while the image is that which read_valid_o tells, with the time of its first taxel. Only images whose
-// `last` is at their end are read, the newest that was whole as reading begins; one that is under way stays. Others are
-// counted: those that are damaged, and those that nobody read.
+// A taxel read from an image, two clocks after its address, is the value written there, for any taxel (`watch_i`,
+// constant), while read_valid_o offers the image, with the time of its first taxel. Only images whose `last` is at
+// their end are read, and of these the newest one complete when reading begins; an image being read stays. The others,
+// damaged or not read, are counted.
 
 module formal_image_store #(
   parameter  int unsigned Taxels      = 4096,
@@ -27,11 +27,11 @@ module formal_image_store #(
   logic [31:0] dropped_o;
   msn_image_store #(.Taxels(Taxels)) dut (.*);
 
-  // The image that comes in: the place reached; whole, when no taxel of the next has come; or too long.
+  // The incoming image: the place reached; complete, and no taxel of the next has come; or too long.
   logic        started = 1'b0;
   logic [16:0] place, watch;
   logic        whole, long, ends, take, fresh;
-  logic [15:0] taxel, shown, fetched, due;  // the watched one: as written, of the image to read, on its way out
+  logic [15:0] taxel, shown, fetched, due;  // the watched taxel: as written, in the image to read, on its way out
   logic [47:0] moment, shown_moment;
   logic        valid, fetched_known, due_known, moves;
   logic [31:0] losses, lost;
@@ -60,7 +60,7 @@ module formal_image_store #(
     losses        <= 32'(take && in_last_i != ends) + 32'(fresh && whole && !moves) + 32'(moves && valid);
     lost          <= lost + losses;
     fetched       <= shown;
-    // Until a reader begins, an image may be replaced in the clock in which a taxel is looked up.
+    // Until a reader begins, an image may be replaced in the clock in which a taxel is read.
     fetched_known <= valid && !moves && 17'(read_address_i) == watch;
     due           <= fetched;
     due_known     <= fetched_known;
@@ -85,7 +85,7 @@ module formal_image_store #(
       assume (watch_i == watch_q);
       assert (read_valid_o == valid && dropped_o == lost);
       if (valid) assert (read_time_o == shown_moment);
-      // The memory does not define what it answers while the same place is written.
+      // Reading a place in the clock in which it is written is undefined.
       if (valid && (read_begun_i || read_done_i) && in_valid_i) assert (dut.dropping || (dut.bank ^ dut.move) == dut.bank);
       if (due_known) assert (read_data_o == due);
     end

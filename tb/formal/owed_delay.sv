@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What msn_delay owes, and the invariant that proves it, for whoever has one inside: a word that is watched from
-// catch_i (in the step that takes it in) is at the output Depth steps later. The place in the ring, slot_o, is
-// the caller's to look up: word_i = ring[slot_o]. Depth <= 4: line_i alone.
+// What msn_delay guarantees, with the invariant that proves it, for proofs of blocks that contain one: a word watched
+// from catch_i on (in the step that takes it in) is at the output Depth steps later. The caller reads the ring at
+// slot_o: word_i = ring[slot_o]. Depth <= 4: only line_i is used.
 
 module owed_delay #(
   parameter  int unsigned Depth    = 8,
@@ -27,7 +27,7 @@ module owed_delay #(
   input  logic [Width-1:0]      word_i,
   output logic [SlotBits-1:0]   slot_o,
 
-  output logic [AgeBits-1:0]    age_o,  // steps since it was taken in; 0: none is watched
+  output logic [AgeBits-1:0]    age_o,  // steps since the word entered; 0: none is watched
   output logic [Width-1:0]      kept_o
 );
 

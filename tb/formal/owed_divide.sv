@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What a msn_divide that turns (not Pipelined) owes, with m = |num| <= den, den > 0 (assumed):
+// What an msn_divide that is not Pipelined guarantees, with m = |num| <= den, den > 0 (assumed):
 //
 //   L = floor(m 2^N / den), |out| = L rounded at its last N - FractionBits bits, up from the half on
-//   out has the sign of num; |out| <= 1.0; Steps + 1 clocks after it was taken; side is its own
+//   out has the sign of num; |out| <= 1.0; Steps + 1 clocks after it was taken; side is that of the same division
 //
 // L is defined by 0 <= m 2^N - P < den with P = L den. No product is written: P and L take the same digits, from
-// 0, so that P = L den by construction, and that they are the right ones is what is proven. The registers of all
-// three are as wide as Steps digits can make them: nothing is lost. Solvers are slow at sums of three wide numbers:
-// above 16 bits (Whole = 0) each turn's own equation is proven, rest = digit den + remainder, 0 <= remainder < den,
-// of which the identity is the sum over the turns.
+// 0, so that P = L den by construction; the proof is that the digits are right. The registers of all three have the
+// full width of Steps digits: nothing is lost. Solvers are slow with sums of three wide numbers: above 16 bits
+// (Whole = 0) each turn's equation is proven, rest = digit den + remainder, 0 <= remainder < den; the identity is
+// their sum over the turns.
 
 module owed_divide #(
   parameter  int unsigned DenBits      = 34,
@@ -36,7 +36,7 @@ module owed_divide #(
   input logic signed [QuotientBits-1:0] out_quotient_i,
   input logic        [SideBits-1:0]     out_side_i,
 
-  // the divider's own, for the invariant
+  // signals of the divider, for the invariant
   input logic                           turn_i,
   input logic [7:0]                     count_i,
   input logic [RestBits-1:0]            rest_i,

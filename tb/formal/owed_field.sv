@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A field of the registers that the host sets: a write to its word changes the bits of the bytes that are written,
-// nothing else does but reset. held_i: what was written, which the core has at once, as member_i, or with Waits after
-// commit_i. A build that has Bits bits for it gives the core the number nearest to what was written, fit_o, that
-// those can hold. Each clock against the one before: solvers find that far easier than a second copy of every field.
+// A register field that the host sets: only a write to its word, in the bytes written, and reset change its bits.
+// held_i: the value written, which the core gets immediately as member_i, or with Waits after commit_i. A build with
+// Bits bits for the field gives the core the nearest number that fits into them, fit_o. Each clock is compared with
+// the one before, which is far easier for solvers than a second copy of every field.
 
 module owed_field #(
   parameter bit               On     = 1'b1,
@@ -28,7 +28,7 @@ module owed_field #(
   output logic             written_o  // in this clock
 );
 
-  // Compared as numbers of one bit more, so that both ends are there.
+  // Compared with one extra bit, in which both ends of the range can be represented.
   localparam logic signed [Width:0] Top = (Width + 1)'((33'd1 << (Signed ? Bits - 1 : Bits)) - 33'd1);
   localparam logic signed [Width:0] Bottom = Signed ? -Top - 1 : '0;
   function automatic logic [Width-1:0] fit(input logic [Width-1:0] bits);
@@ -38,7 +38,7 @@ module owed_field #(
   endfunction
 
   logic             started = 1'b0;
-  logic [Width-1:0] held, shown;  // what has to be there
+  logic [Width-1:0] held, shown;  // expected values
   assign written_o = On && write_i && word_i == Word;
   assign fit_o     = fit(held_i);
   always_ff @(posedge clk_i) begin

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What a block of the slip path may count on (assumed; msn_frame_filter owes it, msn_haar hands it on): frames whose
-// samples count 0 .. Channels-1, the final one marked `last`; `restart` is the same all through a frame, and set in
-// the first after reset. watch_i is a channel, whichever, the same for ever.
+// What a block of the slip path may rely on (assumed; msn_frame_filter guarantees it, msn_haar preserves it): frames
+// whose samples count 0 .. Channels-1, the final one marked `last`; `restart` is constant within a frame, and set in
+// the first after reset. watch_i is any channel, constant.
 
 module owed_frames #(
   parameter  int unsigned Channels = 8,
@@ -20,7 +20,7 @@ module owed_frames #(
   output logic              started_o,
   output logic [IdBits-1:0] at_o,      // the next sample's channel
   output logic              first_o,   // no frame since reset
-  output logic              again_o,   // the frame under way is a restart
+  output logic              again_o,   // the present frame has restart
   output logic              watched_o  // the watched channel's sample is taken now
 );
 

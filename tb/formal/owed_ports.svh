@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Ports of owed_delay that look into an msn_delay, `of`: a ring if it is more than 4 deep, else a line of registers.
+// Ports of owed_delay connected to the inside of an msn_delay, `of`: a ring if deeper than 4, else a line of registers.
 
 `define OWED_RING(of) .line_i('0), .slot_i(of.gen_ring.slot), .newest_i(of.gen_ring.newest), \
     .oldest_i(of.gen_ring.oldest), .oldest_q_i(of.gen_ring.oldest_q), .word_i(of.gen_ring.ring[slot])

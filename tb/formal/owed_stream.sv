@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What a stage without loss owes: words leave once each, in order, unchanged, none that was not taken in; valid
-// and data hold under back-pressure; a word inside is offered after Patience clocks at most. All words by
-// watching one, whichever: number `watch_i` modulo 2^CountBits. A stage that computes has in in_data_i what should
-// come out.
+// What a lossless stage guarantees: each word taken leaves once, in order, unchanged, and no other word leaves; valid
+// and data hold under back-pressure; a word inside is offered after at most Patience clocks. It is proven for all words
+// by watching any one: number `watch_i` modulo 2^CountBits. For a stage that computes, in_data_i is the expected
+// result.
 //
 // inside_o, kept_o: the watched word is inside, and what it is; ahead_o: the words before it.
 
 module owed_stream #(
   parameter  int unsigned Width     = 8,
-  parameter  int unsigned Capacity  = 2,     // words inside at once, at most
+  parameter  int unsigned Capacity  = 2,     // maximum of words inside
   parameter  int unsigned Patience  = 3,
   parameter  bit          InHolds   = 1'b0,  // the source keeps what it offers: assumed
   localparam int unsigned CountBits = $clog2(Capacity + 1) + 1
@@ -85,7 +85,7 @@ module owed_stream #(
     end
   end
 
-  // A deep one is far from full after reset.
+  // A deep stage is far from full after reset.
   localparam int unsigned Full = (Capacity <= 20) ? Capacity : 5;
   always_comb begin
     if (started && !rst_i) begin

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Sum of Count words of 16 bits, a power of two of them, and their moment about the last, sum (Count-1-k) w: in pairs,
-// the order in which the block adds, as solvers are slow to see that another order gives the same.
+// Sum of Count (a power of two) words of 16 bits, and their moment about the last, sum (Count-1-k) w. Added in pairs,
+// in the order of the block, as solvers are slow to prove that another order gives the same.
 
 module owed_sum #(
   parameter int unsigned Count = 8,

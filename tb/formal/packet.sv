@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Packets byte by byte and clock by clock: whose turn it is, and of whom waits; type, number, time and payload of what
-// came in at the ports (events: from the queue, proof `fifo`; taxels and time of an image: as its store hands them on);
-// an image's packets have Chunk taxels, or what is left of it; the CRC-32 of all before, computed here a bit at a time;
-// `last` on the final byte. A byte holds until it is taken and the next follows within 4 clocks. What is counted.
+// Packets byte by byte and clock by clock: which waiting source is chosen; type, number, time and payload as received
+// at the ports (events: from the queue, proof `fifo`; taxels and time of an image: from its store); an image's packets
+// have Chunk taxels, or the rest of the image; the CRC-32 of all bytes before it, computed here bit by bit; `last` on
+// the final byte. A byte holds until it is taken, and the next follows within 4 clocks. The counters.
 
 module formal_packet #(
   parameter  int unsigned SlipDepth     = 64,
@@ -56,9 +56,9 @@ module formal_packet #(
   } source_e;
   localparam logic [5:0] First = 6'd1;
 
-  // What waits. Of each kind its payload, its bytes and its time.
+  // The waiting sources, each with its payload, its length and its time.
   logic         started = 1'b0;
-  logic         run;       // a packet has been chosen, and not all its bytes are out
+  logic         run;       // a packet has been chosen, and not all its bytes have left
   logic [5:0]   waits, turn;
   logic         cop_waits, health_waits, statistic_waits, idle;
   logic [88:0]  cop;
@@ -98,7 +98,7 @@ module formal_packet #(
     end
   end
 
-  // The packet under way: its bytes but taxels and checksum, and how many there are of each part.
+  // The packet under way: its bytes except taxels and checksum, and the length of each part.
   logic [159:0] record;
   logic [8:0]   sent, first, second;  // bytes; bytes before the taxels, and before the checksum
   logic [8:0]   record_bytes, taxel_bytes;
@@ -221,7 +221,7 @@ module formal_packet #(
     end
   end
 
-  // Of an image: the place reached, which is the store's address, and when it is begun and done.
+  // For an image: the place reached, which is the store's address, and when it has begun and ended.
   if (Taxels == 0) begin : gen_no_image
     assign image_time = '0;
   end else begin : gen_image

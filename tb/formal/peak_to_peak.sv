@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Tumbling windows, as all that ship have them. Of a channel, whichever: p2p is the largest less the smallest detail
-// of the window so far, never falls within one, and whether it is above a threshold, whichever, at the window's end
-// is whether it ever was: the early decision is the window's. Masked details do not count.
+// Tumbling windows, as in all shipped configurations. For any channel: p2p is the largest minus the smallest detail of
+// the window so far and never falls within a window; for any threshold, p2p is above it at the window's end if and only
+// if it ever was: the early decision is the window's decision. Masked details are ignored.
 
 `include "owed_ports.svh"
 
@@ -47,7 +47,7 @@ module formal_peak_to_peak #(
   localparam logic signed [DetailBits-1:0] Lowest = {1'b1, {(DetailBits - 1) {1'b0}}};
   localparam int unsigned SpanBits = $clog2(Span);
 
-  // The window: frames in it before this one; of the watched channel, what it has so far.
+  // The window: frames in it before this one; for the watched channel, its result so far.
   logic [SpanBits-1:0]          place_q, place;
   logic                         any_q, any, fired_q, fired, full_q, masked;
   logic signed [DetailBits-1:0] high_q, low_q, high, low;
@@ -74,7 +74,7 @@ module formal_peak_to_peak #(
     end
   end
 
-  // Two clocks of the block's.
+  // The block's two pipeline stages.
   logic                  due1, due2, mask1, mask2, end1, end2, last1, last2, restart1, restart2, stalled;
   logic [DetailBits-1:0] p2p1, p2p2, total1, total2;
   logic [IdBits-1:0]     id1, id2;
@@ -92,7 +92,7 @@ module formal_peak_to_peak #(
   always_comb begin
     if (started) begin
       assume (threshold_i == threshold);
-      if (Mask && in_valid_i && !in_mask_i) assume (in_detail_i != Lowest);  // msn_haar's never are
+      if (Mask && in_valid_i && !in_mask_i) assume (in_detail_i != Lowest);  // msn_haar never gives it
       assert (out_valid_o == due2 && busy_o == (due1 || due2));
       if (!rst_i) assert (in_ready_o == (out_ready_i || !out_valid_o));
       if (stalled) assert (out_valid_o);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Pulses: low until the first word; a period lasts (2^Bits - 1)(divide + 1) clocks, high for word (divide + 1) from its
-// beginning on, of the word and the divider that it began with; one period follows the other.
+// Pulses: low until the first word; a period lasts (2^Bits - 1)(divide + 1) clocks and is high for its first
+// word (divide + 1) clocks, with the word and the divider read at its beginning; periods follow back to back.
 
 module formal_pwm #(
   parameter int unsigned Bits       = 16,
@@ -17,12 +17,12 @@ module formal_pwm #(
   logic pwm_o, begin_o;
   msn_pwm #(.Bits(Bits), .DivideBits(DivideBits)) dut (.*);
 
-  // What is given, and what a period that begins now would have.
+  // The words given, and the settings of a period that would begin now.
   logic                  started = 1'b0;
   logic                  given, given_2;
   logic [Bits-1:0]       word, word_2;
   logic [DivideBits-1:0] divide_2;
-  // The period at the pin: steps and clocks of a step that are left behind the one at hand.
+  // The period at the pin: steps left after the present one, and clocks left in it.
   logic                  on;
   logic [Bits-1:0]       width, steps;
   logic [DivideBits-1:0] divide, clocks;
@@ -48,7 +48,7 @@ module formal_pwm #(
     if (rst_i) {given, given_2, on} <= '0;
   end
 
-  // The step at hand counts from 0: all steps less one, less what is left.
+  // The present step, from 0: the number of steps minus one, minus those left.
   logic [Bits-1:0] at;
   assign at = (Bits)'((1 << Bits) - 2) - steps;
   always_comb begin

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Every access is answered once, two clocks later. An error, which changes nothing: an address that is no multiple of
-// four, one where this build has no register, a write to what is only read. Every setting is what was written to it,
-// byte by byte, at once or after its group's commit; a read gives all fields of its word in their places, the core's
-// counters as they were in the clock before the answer; a pulse comes a clock after it is written, once. Where the
-// build has fewer bits than the map, core and read get the nearest number that those hold.
+// Every access is answered once, two clocks later. These are errors and change nothing: an address that is not a
+// multiple of four, an address without a register in this build, a write to a read-only register. Every setting is the
+// value written to it, byte by byte, immediately or after its group's commit; a read gives all fields of its word in
+// their places, with the core's counters as of the clock before the answer; a pulse follows its write by a clock, once.
+// Where the build has fewer bits than the map, the core and a read get the nearest number that fits into them.
 // registers_map.svh, made by tools/registers.py, has a line for each field.
 
 module formal_registers #(
@@ -48,11 +48,11 @@ module formal_registers #(
   assign write = bus_valid_i && bus_write_i && !odd;
   assign mask  = {{8{bus_strobe_i[3]}}, {8{bus_strobe_i[2]}}, {8{bus_strobe_i[1]}}, {8{bus_strobe_i[0]}}};
 
-  // An access, one clock after it was asked and two.
+  // An access, one clock and two clocks after its request.
   logic        asked, wrote, uneven, done, error, empty;
   logic [9:0]  word;
 
-  // A field in the answer: its own bits are its value of the clock before.
+  // A field in the answer: its bits are the field's value in the clock before.
 `define READS(n, on, at, low, width, value) \
   logic             asked_``n; \
   logic [width-1:0] was_``n; \

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// y = clip(floor((x + 2^(DropBits-1)) / 2^DropBits), low, high), written so, of every word in order.
+// y = clip(floor((x + 2^(DropBits-1)) / 2^DropBits), low, high), written in this form, for every word, in order.
 
 module formal_round_sat #(
   parameter int unsigned InWidth  = 24,

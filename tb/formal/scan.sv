@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Never two rows at once; a row comes on only where all were off for a clock; the lines are what the plan switched to,
-// and off while it has nothing to do (when a converter starts is proof `scan_plan`). A beat is taken when every
-// converter has one or is lost, and goes, with its lost lanes 0 and marked, to the frame if it has columns of the array,
-// else nowhere; a frame's number and time are those of its first conversion.
+// Never are two rows on; a row goes on only after all were off for a clock; the lines are as the plan switched them,
+// and off while it has nothing to do (proof `scan_plan` shows when a converter starts). A beat is taken when each
+// converter has a sample or is lost, with lost lanes 0 and marked; it goes to the frame if it has columns of the array
+// and is discarded otherwise; a frame's number and time are those of its first conversion.
 
 module formal_scan #(
   parameter  int unsigned Rows       = 16,
@@ -87,7 +87,7 @@ module formal_scan #(
     if (change) assert (32'(dut.row_q) == to_row && dut.group_q == to_group);
   end
 
-  // Beats, to the clock in which a buffer gets them.
+  // Beats, up to the clock in which the buffer gets them.
   logic [Lanes-1:0]            lost;
   logic [Lanes*SampleBits-1:0] data;
   logic                        beat, last, missed, come, wanted, opens, triggered;
@@ -101,7 +101,7 @@ module formal_scan #(
   for (genvar l = 0; l < Lanes; l++) begin : gen_lane
     assign data[l*SampleBits+:SampleBits] = in_data_i[l*SampleBits+:SampleBits] & {SampleBits{!lost[l]}};
   end
-  // A group of its own, where Channels is no power of two, is the only one.
+  // Where Channels is not a power of two, there is only one group.
   assign place = ((Channels & (Channels - 1)) == 0 ? 32'(dut.done_group) * Channels : 32'd0) + 32'(come_channel);
   always_ff @(posedge clk_i) begin
     lost    <= in_lost_i | ((beat && last) ? '0 : lost);

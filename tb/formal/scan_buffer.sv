@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Whole frames in natural order or interleaved leave row by row, each beat once, with its number and what was stored of
-// it; one that comes while the one before is still here does not come at all, and is counted. No place is read in the
-// clock in which it is written. Beats of a frame come in order; a ring's sender heeds room_o (assumed: two beats at most
-// after it fell).
+// Complete frames in natural order or interleaved leave row by row, each beat once, with its number and its data;
+// a frame that arrives while the one before is still here is dropped entirely, and counted. No place is read in the
+// clock in which it is written. Beats of a frame arrive in order; a ring's sender obeys room_o (assumed: at most two
+// beats after it fell).
 
 module formal_scan_buffer #(
   parameter  int unsigned Rows     = 2,
@@ -23,7 +23,7 @@ module formal_scan_buffer #(
 
   localparam bit Sorts = Depth >= Rows * Beats;
 
-  // The frame that comes in: rows and beats of it, and where the next beat belongs.
+  // The incoming frame: its rows and beats so far, and the place of the next beat.
   logic                started = 1'b0;
   logic                in_first_i, interleave, room_o, out_valid_o, out_last_o, taken_o;
   logic [Width-1:0]    out_data_o;
@@ -32,11 +32,11 @@ module formal_scan_buffer #(
   logic [3:0]          row, beat, rows_done;
   msn_scan_buffer #(.Rows(Rows), .Beats(Beats), .Burst(Burst), .Width(Width), .Depth(Depth)) dut (.*);
 
-  // What the frame at hand should send: by place, row-major.
+  // What the present frame should send: by place, row-major.
   logic [3:0]                   due_row, due_beat, dropped;
   logic [Rows*Beats*Width-1:0]  stored;
   logic [Rows*Beats-1:0]        there;
-  logic                         mine, ends, turned;   // the frame that comes is the one that will leave
+  logic                         mine, ends, turned;   // the incoming frame is the one that will leave
   logic                         cur_interleave, cur_mine;
   assign in_first_i     = row == 0 && beat == 0 && rows_done == 0;
   assign cur_interleave = in_first_i ? in_interleave_i && Sorts : interleave;
@@ -81,7 +81,7 @@ module formal_scan_buffer #(
     end
   end
 
-  // A ring: a beat may come while there was room a clock ago.
+  // A ring: a beat may arrive if there was room a clock ago.
   logic room_q;
   always_ff @(posedge clk_i) room_q <= room_o;
 
@@ -107,7 +107,7 @@ module formal_scan_buffer #(
         assert (is_there && out_data_o == due && 32'(out_id_o) == 32'(due_row) * Beats + 32'(due_beat));
         assert (out_last_o == (due_row == 4'(Rows - 1) && due_beat == 4'(Beats - 1)) && 32'(due_row) < Rows);
       end
-      // The memory does not define what it answers while the same place is written.
+      // Reading a place in the clock in which it is written is undefined.
       if (dut.store && dut.step) assert (32'(dut.in_address) != 32'(dut.id_q) % Depth);
       cover (out_valid_o && out_last_o && due_row != 0 && (Beats == 1 || due_beat != 0) && interleave == Sorts);
       cover (dropped_o != '0);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The plan against its rules, clock by clock: a converter starts exactly Settle + 1 clocks after each switch, once, and
-// never else; the next switch comes no sooner than Hold clocks after that, and triggers are Cycle clocks apart at the
-// least while it is on. A frame begins at its tick or as soon as it can, and converts every row and group, row by row or
-// in the order that it began with every second row first. Registers count when they may.
+// at no other time; the next switch follows at least Hold clocks later, and triggers are at least Cycle clocks apart
+// while the plan is on. A frame begins at its tick or as soon as possible after it, and converts every row and group,
+// row by row or, if it began with that order, every second row first. Settings are read only when they may be.
 
 module formal_scan_plan #(
   parameter  int unsigned Rows       = 16,
@@ -37,7 +37,7 @@ module formal_scan_plan #(
     .SettleBits(SettleBits), .PeriodBits(PeriodBits)
   ) dut (.*);
 
-  // Registers of the plan, taken while it is off and up to the first clock of enable.
+  // Settings of the plan, read while it is off and up to the first clock of enable.
   localparam int unsigned Wide = 26;
   logic                             started = 1'b0;
   logic                             off;
@@ -48,11 +48,11 @@ module formal_scan_plan #(
   assign gap  = (Wide'(settle) + Wide'(Hold + 1) >= Wide'(Cycle)) ? Wide'(Hold) : Wide'(Cycle - 1) - Wide'(settle);
   assign slot = Wide'(settle) + Wide'(1) + gap;
 
-  // When: clocks to the next switch at the earliest and to the frame's next tick.
+  // When: minimum of clocks to the next switch, and clocks to the frame's next tick.
   logic [Wide-1:0]       rest;
   logic [PeriodBits-1:0] ticks_left;
   logic                  free, due, wanted, tick, take;
-  // Where: the place to come and the one before it; `lag`: a frame counts as under way for two clocks more.
+  // Where: the next place and the one before it; `lag`: a frame counts as under way for two more clocks.
   logic                  more, active, odd, odd_was, interleave, order;
   logic [1:0]            lag;
   logic [RowBits-1:0]    row, row_was;
@@ -127,7 +127,7 @@ module formal_scan_plan #(
     end
   end
 
-  // Conversions: a switch waits for its trigger; there was one since reset, since the plan is on; clocks since either.
+  // Conversions: a switch waits for its trigger; a trigger came since reset, since the plan is on; clocks since both.
   logic                 settling, triggered, apart, framed, first_q, first_done, order_done;
   logic [GroupBits-1:0] place, place_done;
   logic [Wide-1:0]      after;
@@ -177,8 +177,8 @@ module formal_scan_plan #(
     end
   end
 
-  // Invariant: where the plan's own registers stand in all this.
-  logic blank;  // nothing was taken since reset
+  // Invariant: the block's registers agree with this model.
+  logic blank;  // no settings were read since reset
   assign blank = off && waits == 2'd3;
   always_comb begin
     if (started) begin
@@ -196,7 +196,7 @@ module formal_scan_plan #(
       if (!settling && apart && !off) assert (since == '1 || 24'(since) + 24'(rest) >= 24'(gap));
       assert (trigger_o == (settling && after == Wide'(settle) + Wide'(1)));
 
-      // What follows from the registers.
+      // Values derived from the settings.
       if (!blank) assert (dut.settle_q == settle && dut.period_q == period);
       if (!off || waits <= 2'd1) begin
         assert (Wide'(dut.gap_q) == gap && dut.at_once_q == (settle == '0));
@@ -217,7 +217,7 @@ module formal_scan_plan #(
         assert (32'(row_was) < Rows && 32'(group_was) < Groups);
         if (lag == 2'd1) assert (dut.row_next_q == (RowBits+1)'(row_was) + (interleave ? (RowBits+1)'(2) : (RowBits+1)'(1)));
         if (lag == 2'd1) assert (dut.row_ends_q == (32'(group_was) + 1 == Groups));
-        // What the place to come is of the one before it.
+        // The next place as a function of the one before it.
         if (32'(group_was) + 1 != Groups) assert (more && group == group_was + 1'b1 && row == row_was && odd == odd_was);
         else begin
           assert (group == '0);

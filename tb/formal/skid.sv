@@ -25,7 +25,7 @@ module formal_skid #(
     .started_o(started), .level_o(level), .inside_o(held), .ahead_o(ahead), .kept_o(kept)
   );
 
-  // Latency 0, and ready whenever nothing is kept.
+  // Latency 0, and ready whenever no word is held.
   always_comb begin
     if (started && !rst_i) begin
       assert (in_ready_o == (level == '0));

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The states of a channel, whichever, against the rules written with "details since" in place of timers that run:
-//   raised never within `refractory` details after a slip ended, nor within `blank` after a contact began
-//   no dead state: None and Release answer a press, a contact that is lifted is released, a slip that is no longer
-//   seen ends after `hold` details, a release too
-// Registers hold while it runs (assumed: msn_frame_gate lets them change between drained frames only).
+// The states of any channel, against the rules written with "details since" instead of running timers:
+//   a slip is never raised within `refractory` details after a slip ended, nor within `blank` after a contact began
+//   no state is a dead end: None and Release react to a press, a lifted contact goes to Release, a slip that is no
+//   longer seen ends after `hold` details, and so does Release
+// The settings do not change meanwhile (assumed: msn_frame_gate lets them change only between drained frames).
 
 `include "owed_ports.svh"
 
@@ -57,7 +57,7 @@ module formal_slip #(
     .started_o(started), .at_o(at), .first_o(first), .again_o(again), .watched_o(watched)
   );
 
-  // Registers.
+  // Settings.
   localparam int unsigned CfgBits = 5 * DetailBits + 1 + 3 * TimerBits;
   logic [CfgBits-1:0] cfg, cfg_q;
   assign cfg = {cfg_threshold_i, cfg_gross_threshold_i, cfg_contact_level_i, cfg_release_level_i,
@@ -65,7 +65,7 @@ module formal_slip #(
   always_ff @(posedge clk_i) cfg_q <= cfg;
   always_comb if (started) assume (cfg == cfg_q);
 
-  // 1: what a detail says.
+  // 1: the comparisons of a detail.
   logic                  seen, pressed, lifted, over, gross, keeps, moving, anew, mask, last, end_q, stalled;
   logic [DetailBits-1:0] p2p;
   logic [IdBits-1:0]     id;
@@ -92,13 +92,13 @@ module formal_slip #(
     if (rst_i) seen <= 1'b0;
   end
 
-  // 2: the watched channel's state, and details since what its time is counted from.
+  // 2: the watched channel's state, and the details since the event from which its time is counted.
   typedef enum logic [2:0] {
     None, Contact, Incipient, Gross, Release
   } state_e;
   state_e               state, was, next;
-  logic [CountBits-1:0] since, since_next;  // stays at its limit
-  logic                 fresh, fresh_next;  // of a contact: no slip has ended in it, the time is since it began
+  logic [CountBits-1:0] since, since_next;  // saturates
+  logic                 fresh, fresh_next;  // no slip has ended in this contact: the time is since its onset
   logic [TimerBits-1:0] limit;
   logic                 waits, step, mine, slipping, act;
   assign step     = seen && in_ready_o;
@@ -152,7 +152,7 @@ module formal_slip #(
   logic [DetailBits-1:0] due_p2p;
   logic [IdBits-1:0]     due_id;
   logic [CountBits-1:0]  ended;   // details since the watched channel's last slip ended, in this contact
-  logic                  had;     // there was one
+  logic                  had;     // there was such a slip
   always_ff @(posedge clk_i) begin
     if (mine) begin
       known <= 1'b1;
@@ -194,7 +194,7 @@ module formal_slip #(
       if (out_valid_o) assert (out_p2p_o == due_p2p && out_over_o == due_over);
       if (out_valid_o && due_mine) assert (out_state_o == due_state && out_raised_o == due_raised);
       if (out_valid_o && due_mine) assert (out_state_o <= Release);
-      // Deaf for refractory details after a slip.
+      // No slip for `refractory` details after a slip.
       if (mine && was == Contact && had && ended < CountBits'(cfg_refractory_i)) assert (next != Incipient && next != Gross);
     end
   end

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// On the pins, with Lead = 0 as all that ship have it: SCLK keeps each level for Half clocks at the least, rests while
-// CS is high, first moves Half clocks after CS fell; CS is high for 2 Half clocks at the least. A word is Bits periods;
-// the bits it brings and those it sends are in their places. start_i comes at rest or with done_o (assumed; proof
-// adc_spi shows it).
+// On the pins, with Lead = 0 as in all shipped configurations: SCLK keeps each level for at least Half clocks, rests
+// while CS is high and first changes Half clocks after CS fell; CS is high for at least 2 Half clocks. A word has Bits
+// periods; its received and sent bits are in their places. start_i comes at rest or with done_o (assumed; proof adc_spi
+// shows it).
 
 module formal_spi_shift #(
   parameter int unsigned Bits     = 19,
@@ -27,13 +27,13 @@ module formal_spi_shift #(
     .Bits(Bits), .DataBits(DataBits), .Lanes(Lanes), .Half(Half), .IdleHigh(IdleHigh), .Lead(Lead)
   ) dut (.*);
 
-  // The pins, by the clock.
+  // The pins, counted in clocks.
   logic        started = 1'b0;
   logic        cs_n, driven, driven_q, risen;
   logic [11:0] level_for, high_for;  // clocks of SCLK's level in this CS frame; of CS high
   assign driven = spi_sclk_o != IdleHigh;
 
-  // Where a word stands: clocks into the bit, bits before it; tail: CS is high for the time of one more.
+  // Progress of a word: clocks in the present bit, bits before it; tail: CS is high for the time of one more bit.
   logic                      busy, tail, bit_end;
   logic [11:0]               at;
   logic [7:0]                index;
@@ -83,7 +83,7 @@ module formal_spi_shift #(
       assert (word_o == (bit_end && !tail && index == 8'(Bits - 1)) && done_o == (bit_end && tail));
       if (word_o) assert (data_o == next);
       if (busy && !tail) assert (spi_mosi_o == shifted[DataBits-1]);
-      // the part's minima, in clocks
+      // the part's minimum times, in clocks
       if (spi_cs_n_o) assert (!driven);
       if (!spi_cs_n_o && !cs_n && driven != driven_q) assert (level_for >= 12'(Half));
       if (!spi_cs_n_o && cs_n && risen) assert (!driven && high_for >= 12'(2 * Half));

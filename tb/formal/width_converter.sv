@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Of each beat every taxel that lies within the row, once, lowest lane first; the number counts from 0 after a
-// frame's last beat. `beat`: place of the beat in its row; `sent`: taxels of it that have left.
+// Every taxel of a beat that lies within the row leaves once, lowest lane first; the number counts from 0 after a
+// frame's last beat. `beat`: place of the beat in its row; `sent`: its taxels that have left.
 
 module formal_width_converter #(
   parameter  int unsigned Rows     = 64,
