@@ -19,7 +19,7 @@ def watch(x, config, moving=None):
 
 
 def windows(x, config, count):
-    """(p2p, slip, first) [channels, windows]; ``first``: the first detail over in each tumbling window."""
+    """(p2p, slip, first) [channels, windows]; ``first``: a tumbling window's first detail over, else 0."""
     from meissner.twins.slip.peak_to_peak import sliding
     from meissner.twins.slip.slip_path import details
 

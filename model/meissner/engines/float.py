@@ -74,7 +74,7 @@ def watch(x, config, moving=None):
 
 
 def windows(x, config, count):
-    """(p2p, slip, first) [channels, windows]; ``first``: the first detail over in each tumbling window."""
+    """(p2p, slip, first) [channels, windows]; ``first``: a tumbling window's first detail over, else 0."""
     group = 1 << config.level
     span, hop = config.window // group, config.hop // group
     detail, _ = _coefficients(x, config)

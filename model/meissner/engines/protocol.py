@@ -12,7 +12,7 @@ class Engine(Protocol):
         """``Watched`` of samples ``x`` [channels, samples] with ``moving`` [samples]."""
 
     def windows(self, x, config, count) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """p2p, slip and the first crossing [channels, windows] of ``count`` windows: see ``process_slip``."""
+        """p2p, slip and first detail over [channels, windows] of ``count`` windows: see ``process_slip``."""
 
     def cop(self, forces, min_load=1) -> dict[str, np.ndarray]:
         """sum, mx, my, x, y, valid of each frame of ``forces`` [frames, rows, columns]."""

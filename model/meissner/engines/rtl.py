@@ -19,7 +19,7 @@ def watch_pins(recording, config, waves=None):
 
 
 def windows(x, config, count):
-    """(p2p, slip, first) [channels, windows]; ``first``: the first detail over in each tumbling window."""
+    """(p2p, slip, first) [channels, windows]; ``first``: a tumbling window's first detail over, else 0."""
     from meissner.engines import rtl_slip
 
     return rtl_slip.windows(x, config, count)

@@ -189,7 +189,7 @@ def _watched(p2p, flags, blanked):
 
 
 def windows(x, config, count):
-    """(p2p, slip, first) [channels, windows]; ``first``: the first detail over in each tumbling window."""
+    """(p2p, slip, first) [channels, windows]; ``first``: a tumbling window's first detail over, else 0."""
     p2p, flags, _ = _run(x, config)
     ends = np.flatnonzero(flags[:, 0] & 16)
     if len(ends) != count:

@@ -3,7 +3,7 @@
     N    = GRIP_N_MM · closing              on both fingers; closing: a critically damped position servo
     T_f  = STIFFNESS · (x - s_f)            x: the object's way down, s_f: the slide of finger f's contact
     T_1 + T_2 = m g + tug                   as long as a finger sticks: no inertia (quasi-static)
-    m dv/dt = m g + tug - sum mu(t) N       once both contacts slide, until the object stands
+    m dv/dt = m g + tug - sum mu(t) N       once both contacts slide, until the object stops
     mu(t)  = mu_k + (mu_s - mu_k) exp(-t/FALL_S)    t since the contact began to slide; mu_s when it sticks
 
 A finger whose T_f reaches mu_s N slides until the other finger takes the rest of the load, or slides too. The

@@ -1,4 +1,4 @@
-"""Bit-exact twin of rtl/common/msn_frame_filter.sv: passes whole frames, resynchronises on ``last``."""
+"""Bit-exact twin of rtl/common/msn_frame_filter.sv: passes frames, resynchronises on ``last``."""
 
 
 class FrameFilter:
