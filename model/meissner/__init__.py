@@ -1,10 +1,10 @@
 """Meissner: an open FPGA core for touch, its bit-exact twins and the physics it is judged on.
 
-    Slip, Cop, Cop4, Array     what the core computes of a stream: ``process(x)``, ``next(x)``
-    SlipConfig                 what a slip detector is asked to do
+    Slip, Cop, Cop4, Array     the core's computations on a stream: ``process(x)``, ``next(x)``
+    SlipConfig                 the settings of a slip detector
     Calibration                a straight line per cell of an array
 
-Each is imported when it is asked for, so that the command line starts at once.
+Each is imported on first use, so that the command line starts quickly.
 """
 
 from importlib import import_module
@@ -31,7 +31,7 @@ def __getattr__(name):
 
     try:
         return version("meissner")
-    except PackageNotFoundError:  # used from a source tree that was not installed
+    except PackageNotFoundError:  # a source tree that is not installed
         return "0+source"
 
 

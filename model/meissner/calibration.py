@@ -3,8 +3,8 @@
     code = slope·force + intercept                                 least squares, per cell
     F    = clamp(round_half_up((code - offset)·gain / 2^gain_shift), 0, 65535)     0 for a dead cell
 
-with offset = intercept rounded and gain = 2^gain_shift / (slope·force_lsb_n) rounded, so that F counts
-``force_lsb_n`` newtons.
+with offset = intercept rounded and gain = 2^gain_shift / (slope·force_lsb_n) rounded, so that one code of F
+is ``force_lsb_n`` newtons.
 """
 
 from dataclasses import dataclass
@@ -15,20 +15,20 @@ import numpy as np
 from meissner import files
 from meissner.plain import plain
 
-MAX_SIDE = 1024  # rows, columns: of the core
+MAX_SIDE = 1024  # rows, columns of the core
 RAW_LIMIT, GAIN_LIMIT, FORCE_LIMIT = 1 << 16, 1 << 16, 65535
 GAIN_SHIFT = 12
-LEVELS, LEVEL_SHARE = 3, 0.1  # a cell needs so many forces, so far apart as a share of the largest
+LEVELS, LEVEL_SHARE = 3, 0.1  # forces needed per cell, and their distance as a share of the largest
 HEADROOM = 1.5  # the range of F over the largest force of the recording
-LEAST_SLOPE, LEAST_FIT = 0.1, 0.8  # below this share of the median slope, or of explained variance: dead
+LEAST_SLOPE, LEAST_FIT = 0.1, 0.8  # dead below this share of the median slope, or of explained variance
 NAMED_CELLS = 20
 
 
 @dataclass(frozen=True, eq=False)
 class Calibration:
-    """What msn_calibrate is loaded with; ``offset``, ``gain`` int32 and ``dead`` bool [rows, columns].
+    """The tables of msn_calibrate; ``offset``, ``gain`` int32 and ``dead`` bool [rows, columns].
 
-    ``force_lsb_n``: newtons of one code of F.
+    ``force_lsb_n``: newtons per code of F.
     """
 
     offset: np.ndarray
@@ -50,7 +50,7 @@ class Calibration:
             raise ValueError(f"force_lsb_n = {self.force_lsb_n:g} must be newtons above 0")
 
     def save(self, file):
-        """Write it as .npz to an open file."""
+        """Write this calibration as .npz to an open file."""
         np.savez(
             file,
             offset=self.offset,
@@ -62,7 +62,7 @@ class Calibration:
 
 
 def _arrays(path, wanted):
-    """Those arrays of a .npz file that are ``wanted`` (files.read_arrays); ValueError if it is none."""
+    """The ``wanted`` arrays of a .npz file (files.read_arrays); ValueError if it is not such a file."""
     path = files.check_in(path)
     arrays = files.read_arrays(path, wanted)
     if arrays is None:
@@ -127,8 +127,8 @@ def check_codes(codes, shape=None):
 def cell_forces(force_n, shape, probed=None):
     """Newtons on every cell [frames, rows, columns], NaN where unknown.
 
-    ``force_n``: [frames], on every cell, or on the ``probed`` cell (row, column) of each frame, whose
-    neighbours then are unknown, -1 for a frame in which nothing presses; or already [frames, rows, columns].
+    ``force_n``: [frames, rows, columns], or [frames]: on every cell, or on the ``probed`` cell (row, column)
+    of each frame, whose neighbours are then unknown; ``probed`` -1: nothing presses in that frame.
     """
     force_n = np.asarray(force_n)
     if force_n.dtype.kind not in "iuf":
@@ -162,9 +162,9 @@ def cell_forces(force_n, shape, probed=None):
 
 
 def read_recording(path, force_path=None):
-    """(codes, newtons on every cell) of a press recording; ValueError with one sentence if it is none.
+    """(codes, newtons on every cell) of a press recording; ValueError with one sentence if it is invalid.
 
-    A .npz file with ``codes``, ``force_n`` and perhaps ``probed``, or a .npy file of codes and one of forces
+    A .npz file with ``codes``, ``force_n`` and optionally ``probed``, or two .npy files with codes and forces
     (see cell_forces).
     """
     path = Path(path)
@@ -196,7 +196,7 @@ def named(cells):
 
 
 def _check_presses(force_n, known):
-    """ValueError that names the cells pressed with too few forces."""
+    """Raise ValueError naming the cells that were pressed with too few different forces."""
     largest = np.max(force_n, where=known, initial=0.0)
     if largest <= 0:
         raise ValueError("nothing presses in the recording: every force is 0")
@@ -215,13 +215,13 @@ def _check_presses(force_n, known):
 
 
 def _round_up_125(value):
-    """The least of 1, 2, 5 times a power of ten that is not below ``value``."""
+    """The smallest of 1, 2, 5 times a power of ten that is not below ``value``."""
     power = 10.0 ** np.floor(np.log10(value))
     return next(step * power for step in (1, 2, 5, 10) if step * power >= value * (1 - 1e-12))
 
 
 def line(codes, force_n):
-    """Slope (codes per newton), intercept (codes) and explained share of variance of each cell.
+    """Slope (codes per newton), intercept (codes) and share of explained variance of each cell.
 
     ``codes``, ``force_n`` [frames, rows, columns], NaN where unknown; slope 0 where the forces do not vary.
     """
@@ -240,10 +240,10 @@ def line(codes, force_n):
 def fit(codes, force_n, lsb_n=None, gain_shift=GAIN_SHIFT):
     """The Calibration of a press recording, and its residual: rms newtons of each cell, NaN where dead.
 
-    ``codes`` integers, ``force_n`` newtons on every cell, NaN where unknown, both [frames, rows, columns].
-    ``lsb_n``: newtons of one code of F; by default the finest of 1, 2, 5 times a power of ten with which
+    ``codes``: integers; ``force_n``: newtons on every cell, NaN where unknown; both [frames, rows, columns].
+    ``lsb_n``: newtons per code of F; by default the finest of 1, 2, 5 times a power of ten with which
     every gain fits its register and F reaches HEADROOM times the largest force. ValueError with one sentence
-    for a recording without enough presses, naming the cells.
+    that names the cells if there are not enough presses.
     """
     known = ~np.isnan(force_n)
     largest = _check_presses(force_n, known)

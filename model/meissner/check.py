@@ -1,4 +1,4 @@
-"""Checks of every scene's table; each raises ValueError with one sentence that names the place."""
+"""Checks of the tables of a file; each raises ValueError with one sentence that names the place."""
 
 from reprlib import Repr
 
@@ -9,12 +9,12 @@ _KINDS = {str: "text", int: "a whole number", float: "a number", list: "a list",
 
 
 def shown(value):
-    """A wrong value in few words."""
+    """A wrong value as short text."""
     return _SHORT.repr(value)
 
 
 def fields(where, table, expected):
-    """Refuse unknown, missing and mistyped keys of one table; numbers come back as their kind."""
+    """Refuse unknown, missing and mistyped keys of one table; returns numbers converted to their kind."""
     for key in table:
         if key not in expected:
             raise ValueError(f"{where}: unknown key '{key}'; the keys are: {', '.join(expected)}")
@@ -48,14 +48,14 @@ def not_negative(where, table, keys):
 
 
 def between(where, table, limits):
-    """``limits``: {key: (least, most)}."""
+    """Refuse values outside ``limits``: {key: (least, most)}."""
     for key, (least, most) in limits.items():
         if not least <= table[key] <= most:
             raise ValueError(f"{where}: {key} = {table[key]:g} must lie in {least:g} .. {most:g}")
 
 
 def one_of(where, key, value, allowed):
-    if value not in list(allowed):  # a list has no place in a dict
+    if value not in list(allowed):  # an unhashable value cannot be looked up in a dict
         plain = isinstance(value, str) and len(value) < 40 and value.isprintable()
         given = value if plain else shown(value)
         raise ValueError(f"{where}: {key} = '{given}' must be one of: {', '.join(map(str, allowed))}")
@@ -75,7 +75,7 @@ def numbers(where, key, values, count=None, least=float("-inf"), most=float("inf
 
 
 def tables(where, key, rows):
-    """At least one table."""
+    """Refuse anything but a list of at least one table."""
     if not isinstance(rows, list) or not rows or not all(isinstance(row, dict) for row in rows):
         raise ValueError(f"{where}: there must be at least one [[{key}]]")
     return rows

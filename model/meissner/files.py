@@ -1,4 +1,4 @@
-"""Reading and writing of users' files: whole or not at all, and one sentence when it cannot be done."""
+"""Reading and writing of users' files: complete or not at all, with one sentence for any failure."""
 
 import errno
 import io
@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 from numpy.lib import format
 
-HEADER_LIMIT = 1 << 16  # bytes; NumPy itself takes 10,000
+HEADER_LIMIT = 1 << 16  # bytes; NumPy's own limit is 10,000
 MEMORY_SHARE = 0.5
 FULL = {
     errno.ENOSPC: "the disk is full",
@@ -22,14 +22,14 @@ FULL = {
 
 
 class NoRoom(OSError):
-    """For a file that was being written."""
+    """No space left for a file that was being written."""
 
     def __str__(self):
         return self.strerror
 
 
 def check_in(path):
-    """``path`` if it is a file; ValueError in one sentence if not: a pipe would be waited for."""
+    """``path`` if it is a regular file; ValueError in one sentence if not: reading a pipe would block."""
     path = Path(path)
     if path.is_dir():
         raise ValueError(f"{path} is a folder; name a file")
@@ -45,8 +45,8 @@ def read_array(path):
     path = check_in(path)
     if path.suffix.lower() == ".csv":
         try:
-            with warnings.catch_warnings(action="ignore"):  # of an empty file: refused below
-                # utf-8-sig: spreadsheets put a mark before the first number
+            with warnings.catch_warnings(action="ignore"):  # about an empty file, which is refused below
+                # utf-8-sig: spreadsheets put a byte order mark before the first number
                 table = np.loadtxt(path, delimiter=",", ndmin=2, comments="#", encoding="utf-8-sig")
         except ValueError as problem:
             raise ValueError(f"{path} is not a table of numbers: {problem}") from None
@@ -55,23 +55,23 @@ def read_array(path):
         return table.T
     if path.suffix.lower() == ".npy":
         array = _load(path)
-        if not isinstance(array, np.ndarray):  # an archive of arrays is none either
+        if not isinstance(array, np.ndarray):  # an archive of arrays is refused too
             raise ValueError(f"{path} is not a .npy file of numbers")
         return array
     raise ValueError(f"{path} must be a .npy or a .csv file")
 
 
 def read_arrays(path, wanted=None):
-    """The arrays of a .npz file by name; None if it is none.
+    """The arrays of a .npz file by name; None if it is not such a file.
 
-    ``wanted``: a function of (name, shape, dtype), called before anything of an array is unpacked, that says
-    whether to read it, or raises ValueError. Together they may take half of the machine's memory.
+    ``wanted``: a function of (name, shape, dtype), called before an array is unpacked, that returns whether
+    to read it, or raises ValueError. Together the arrays may take half of the machine's memory.
     """
     return arrays_of(path, wanted)
 
 
 def arrays_of(file, wanted=None):
-    """The same of a path or a file that is open."""
+    """The same for a path or an open file."""
     with warnings.catch_warnings(action="ignore"):
         found = _load(file, whole=True, wanted=wanted)
     whole = isinstance(found, dict) and all(isinstance(array, np.ndarray) for array in found.values())
@@ -79,15 +79,15 @@ def arrays_of(file, wanted=None):
 
 
 class Unwanted(ValueError):
-    """What a file says that it holds is not what is asked for: a sentence of ``wanted``, or too much."""
+    """The contents that a file declares are refused: by ``wanted``, with its sentence, or as too large."""
 
 
 def _header(file):
-    """(shape, dtype) of a .npy whose beginning ``file`` gives; ValueError if it is none."""
+    """(shape, dtype) of a .npy from the beginning of ``file``; ValueError if it is not a .npy."""
     head = file.read(8)
     size = {1: 2, 2: 4}.get(head[6] if len(head) == 8 else 0, 0)
     length = int.from_bytes(file.read(size), "little")
-    if not size or length > HEADER_LIMIT:  # it is unpacked whole, and may say 4 GB
+    if not size or length > HEADER_LIMIT:  # the header is unpacked completely, and can declare 4 GB
         raise ValueError("no header of numbers")
     rest = io.BytesIO(length.to_bytes(size, "little") + file.read(length))
     shape, _, dtype = (format.read_array_header_1_0 if size == 2 else format.read_array_header_2_0)(rest)
@@ -95,7 +95,7 @@ def _header(file):
 
 
 def _names(path, archive, wanted):
-    """Names of the arrays to read of an archive that is open, by what their headers say."""
+    """Names of the arrays to read from an open archive, chosen by their headers."""
     names, total = [], 0
     for member in archive.zip.namelist():
         name = member.removesuffix(".npy")
@@ -110,13 +110,13 @@ def _names(path, archive, wanted):
 
 
 def _load(path, whole=False, wanted=None):
-    """What numpy finds in a file, None if nothing: a damaged one stops it, and what unpacks, anywhere."""
+    """The contents of a file as numpy loads them, or None: a damaged file can fail anywhere in loading."""
     try:
         if isinstance(path, Path) and not whole:
             with path.open("rb") as file:
                 shape, dtype = _header(file)
                 if math.prod(shape) * dtype.itemsize > path.stat().st_size:
-                    return None  # it says more than it has, and would get the memory first
+                    return None  # declares more than it has; numpy would allocate that first
         found = np.load(path, allow_pickle=False)
         if not whole or isinstance(found, np.ndarray):
             return found
@@ -129,7 +129,7 @@ def _load(path, whole=False, wanted=None):
 
 
 def check_out(path):
-    """``path`` if a file can take this name; ValueError in one sentence if not."""
+    """``path`` if a file can be written with this name; ValueError in one sentence if not."""
     path = Path(path)
     if not path.parent.is_dir():
         raise ValueError(f"there is no folder {path.parent} to write {path.name} into")
@@ -142,14 +142,14 @@ def check_out(path):
 
 @contextmanager
 def written(path):
-    """A binary file that takes the name ``path`` only when all of it was written."""
+    """A binary file that gets the name ``path`` only after it is completely written."""
     path = check_out(path)
     fresh = tempfile.NamedTemporaryFile(dir=path.parent, prefix=f".{path.name}.", delete=False)  # noqa: SIM115
     try:
         yield fresh
         fresh.close()
     except BaseException as problem:
-        with suppress(OSError):  # what is left of it would be written now, and have no room again
+        with suppress(OSError):  # closing flushes the buffer, which fails again without space
             fresh.close()
         os.unlink(fresh.name)
         if isinstance(problem, OSError) and problem.errno in FULL:
@@ -162,7 +162,7 @@ def written(path):
 
 @contextmanager
 def results(path):
-    """A function that writes named arrays to ``path``, as the .npz or .csv that its name says."""
+    """A function that writes named arrays to ``path``, as .npz or .csv according to its suffix."""
     path = check_out(path)
     kind = path.suffix.lower()
     if kind not in (".npz", ".csv"):
@@ -172,7 +172,7 @@ def results(path):
 
 
 def _write_table(file, arrays):
-    """A column for each array, of one [channels, rows] for each channel: p2p_0, p2p_1, ...; flags as 0, 1."""
+    """One column per array, or per channel of an array [channels, rows]: p2p_0, p2p_1, ...; flags as 0, 1."""
     columns = {}
     for name, array in arrays.items():
         several = {f"{name}_{channel}": row for channel, row in enumerate(array)} if array.ndim == 2 else {}

@@ -1,9 +1,9 @@
-"""``meissner fit-rubber``: the constants of a lot of rubber from a recording of its shear steps.
+"""``meissner fit-rubber``: the constants of a batch of rubber from a recording of its shear steps.
 
     dV = (k0 + k1·Vi)·v^n      Vi: Vc at rest under the normal force; dV: its rise; v: shear speed, mm/s
 
-k0, k1 and n by least squares on log dV (scipy.optimize.curve_fit), because the deviation of repeated steps is
-taken as a share of the step. Their intervals: Student's t with the standard errors of that fit.
+k0, k1 and n: least squares on log dV (scipy.optimize.curve_fit), because the deviation of repeated steps is
+taken as proportional to the step. Their intervals: Student's t with the standard errors of that fit.
 """
 
 import csv
@@ -23,18 +23,18 @@ RECORDING = ("time_s", "volts", "speed_mm_s")
 STEPS = ("rest_v", "step_v", "speed_mm_s")
 NAMES = ("k0", "k1", "n")
 UNITS = {"time_s": "s", "volts": "V", "speed_mm_s": "mm/s", "rest_v": "V", "step_v": "V"}
-REST_S = 0.1  # before a step, whose mean is Vi
-END_SHARE = 0.05  # of a step, whose median is Vi + dV
-FULL_MM = 0.01  # published: the step is complete by then
+REST_S = 0.1  # the mean over this time before a step is Vi
+END_SHARE = 0.05  # the median over this last share of a step is Vi + dV
+FULL_MM = 0.01  # published: the step is complete after this shear
 LEAST_SAMPLES = 5  # of a rest, of a step
-LEAST_STEPS = 5  # two more than there are constants
+LEAST_STEPS = 5  # two more than the constants
 LEAST_REST_RANGE_V, LEAST_SPEED_RATIO = 0.2, 2.0
 CODES_PER_V = 819.2  # MCP3208 at 5 V
-DRIFT_SHARE = 0.1  # of the step, that Vc may move during the rest before it
+DRIFT_SHARE = 0.1  # largest drift of Vc in the rest before a step, as a share of the step
 
 
 class Steps(NamedTuple):
-    """One element a step of shear, float64."""
+    """One element per shear step, float64."""
 
     rest_v: np.ndarray
     step_v: np.ndarray
@@ -43,8 +43,8 @@ class Steps(NamedTuple):
 
 @dataclass(frozen=True)
 class Fit:
-    """``value``, ``low``, ``high``: (k0, k1, n) and the ends of their intervals; ``residual``: of each step,
-    its dV over the fitted one, less 1."""
+    """``value``, ``low``, ``high``: (k0, k1, n) and the ends of their intervals; ``residual``: for each step,
+    its dV over the fitted one, minus 1."""
 
     steps: Steps
     value: np.ndarray
@@ -64,7 +64,7 @@ class Fit:
 
 
 def _table(path):
-    """{column: [text of each row]} of a .csv with a line of names."""
+    """{column: [text of each row]} of a .csv with a header line."""
     try:
         with files.check_in(path).open(encoding="utf-8-sig", newline="") as file:
             rows = [(line, row) for line, row in enumerate(csv.reader(file), 1) if row and row[0][:1] != "#"]
@@ -104,9 +104,9 @@ def _is_number(text):
 
 
 def read(path):
-    """The Steps in a file: one row a sample (RECORDING), or one row a step (STEPS); ValueError if none.
+    """The Steps in a file with one row per sample (RECORDING) or per step (STEPS); ValueError without any.
 
-    A .csv with a line of names, or a .npz with arrays of these names; other columns do not count.
+    A .csv with a header line, or a .npz with arrays of these names; other columns are ignored.
     """
     suffix = files.check_in(path).suffix.lower()
     if suffix == ".csv":
@@ -136,9 +136,9 @@ def read(path):
 
 
 def steps_of(time_s, volts, speed_mm_s):
-    """The Steps of a recording: each stretch of one speed other than 0 is one, after a rest at 0.
+    """The Steps of a recording: a step is a stretch of one speed other than 0, after a rest at 0.
 
-    Vi is the mean of the last REST_S before it, dV from there to the median of its last END_SHARE.
+    Vi is the mean of the last REST_S before it, dV the rise from Vi to the median of its last END_SHARE.
     """
     time_s, volts, speed_mm_s = (np.asarray(column, dtype=float) for column in (time_s, volts, speed_mm_s))
     if (np.diff(time_s) <= 0).any():
@@ -184,7 +184,7 @@ def _step(number, time_s, volts, speed, rest_from, first, last):
 
 
 def _check(steps):
-    """ValueError with one sentence if the steps do not determine three constants."""
+    """Raise ValueError with one sentence if the steps do not determine three constants."""
     rest_v, step_v, speed_mm_s = steps
     for name, values, least in (
         ("speed_mm_s", speed_mm_s, "above 0"),
@@ -212,7 +212,7 @@ def _check(steps):
 
 def fit(steps, confidence=CONFIDENCE):
     """The Fit of Steps; ValueError with one sentence if they do not determine the constants."""
-    from scipy.optimize import OptimizeWarning, curve_fit  # here: help does not wait for SciPy
+    from scipy.optimize import OptimizeWarning, curve_fit  # imported here: help does not wait for SciPy
     from scipy.stats import t
 
     steps = Steps(*(np.asarray(column, dtype=float) for column in steps))
@@ -223,11 +223,11 @@ def fit(steps, confidence=CONFIDENCE):
     def log_step(_, k0, k1, n):
         return np.log(np.maximum(k0 + k1 * rest_v, 1e-12)) + n * log_speed
 
-    # The start: n of a plane through the logs, then k0 and k1 of a straight line through dV/v^n.
+    # Start values: n from a plane through the logs, then k0 and k1 from a straight line through dV/v^n.
     ones = np.ones(len(rest_v))
     n = np.linalg.lstsq(np.stack([ones, rest_v, log_speed], 1), np.log(step_v), rcond=None)[0][2]
     start = np.linalg.lstsq(np.stack([ones, rest_v], 1), step_v / speed_mm_s**n, rcond=None)[0]
-    if (start[0] + start[1] * rest_v).min() <= 0:  # a line through 0: begin without a slope
+    if (start[0] + start[1] * rest_v).min() <= 0:  # the line crosses 0: begin without a slope
         start = np.array([np.exp(np.mean(np.log(step_v) - n * log_speed)), 0.0])
     try:
         with warnings.catch_warnings():
@@ -252,7 +252,7 @@ def registers(found, codes_per_v=CODES_PER_V):
     rest_v, _, speed_mm_s = found.steps
     named = dict(zip(NAMES, map(float, found.value)))
     ranges = {"vi_min": rest_v.min(), "vi_max": rest_v.max(), "limit": speed_mm_s.max()}
-    # Its windows' rate is in no register of these.
+    # None of these registers depends on the rate of the windows.
     settings = ShearSettings.of(codes_per_v, 10_000, **named, **{k: float(v) for k, v in ranges.items()})
     return {f"cfg_{name}": getattr(settings, name) for name in ("k0", "k1", "exponent", *ranges)}
 
@@ -269,7 +269,7 @@ def _register_lines(found, codes_per_v):
 
 
 def tell(found, codes_per_v=CODES_PER_V):
-    """The lines to print of a Fit: constants and intervals, what was fitted, residuals, TOML, registers."""
+    """The lines to print for a Fit: constants and intervals, the data fitted, residuals, TOML, registers."""
     rest_v, _, speed_mm_s = found.steps
     lines = [
         f"{name:<2} = {value:8.4f}   {100 * CONFIDENCE:g} % interval {low:.4f} to {high:.4f}"

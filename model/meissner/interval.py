@@ -1,12 +1,12 @@
-"""How sure a rate is that was counted in a number of runs."""
+"""The confidence interval of a rate that was counted in a number of runs."""
 
 CONFIDENCE = 0.95
 
 
 def exact(count, runs, confidence=CONFIDENCE):
-    """Lowest and highest rate that ``count`` of ``runs`` leaves possible (exact, Clopper-Pearson):
-    half of what ``confidence`` leaves lies on each side."""
-    from scipy.special import betaincinv  # here: what runs no scene does not wait for SciPy
+    """Lowest and highest rate compatible with ``count`` of ``runs`` (exact, Clopper-Pearson), with
+    (1 - ``confidence``) / 2 beyond each end."""
+    from scipy.special import betaincinv  # imported here: only commands that run scenes wait for SciPy
 
     if not 0 <= count <= runs or runs < 1:
         raise ValueError(f"{count} of {runs} runs is no count of runs")

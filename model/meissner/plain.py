@@ -1,4 +1,4 @@
-"""Text as any terminal can show it."""
+"""Text that any terminal can show."""
 
 import codecs
 import sys
@@ -7,7 +7,7 @@ _INSTEAD = {"×": "x", "µ": "u", "°": "deg", "·": ".", "█": "#", "▓": "#"
 
 
 def plain(text):
-    """``text`` in one line, what does not print as \\x1b: words of a file move no cursor and no margin."""
+    """``text`` in one line, with unprintable characters escaped (as \\x1b), so that it moves no cursor."""
     escaped = (c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in str(text))
     return "".join(escaped)
 
@@ -17,7 +17,7 @@ def _instead(error):
 
 
 def plain_streams():
-    """Standard output and error do not fail on a character that their encoding lacks."""
+    """Keep standard output and error from failing on a character that their encoding lacks."""
     codecs.register_error("meissner", _instead)
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):

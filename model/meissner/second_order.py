@@ -1,17 +1,17 @@
-"""A second-order term on the host for cells whose answer bends: what the core's straight line leaves.
+"""A second-order term on the host for cells with a curved response, to correct the core's straight line.
 
     newtons = a + b·F + c·F^2      F: the core's force; 0 where F = 0
 
 Least squares per cell, over the recording that the line itself was fitted to. The core keeps its line, its
-centre of pressure and its load. A line through a curve that bends down meets zero above rest, and the core
-gives F = 0 below; no term on the host brings back what was cut off there: forces below about a.
+centre of pressure and its load. A line through a curve that bends down crosses zero above rest, and the core
+gives F = 0 below; no term on the host can restore what is cut off there: forces below about a.
 """
 
 import numpy as np
 
 
 def fit(forces, force_n):
-    """(a, b, c) of each cell [rows, columns, 3]; 0, 0, 0 where F > 0 with fewer than three forces.
+    """(a, b, c) of each cell [rows, columns, 3]; 0, 0, 0 for a cell with F > 0 at fewer than three forces.
 
     ``forces``: F [frames, rows, columns] of a press recording; ``force_n``: its newtons, NaN where unknown
     (meissner.calibration.cell_forces).
@@ -22,7 +22,7 @@ def fit(forces, force_n):
         f, newtons = forces[:, *cell], force_n[:, *cell]
         known = ~np.isnan(newtons) & (f > 0)
         if len(np.unique(newtons[known])) >= 3:
-            largest = f[known].max()  # columns of one size: c is small beside a
+            largest = f[known].max()  # scaled to columns of similar size: c is small compared with a
             matrix = np.vander(f[known] / largest, 3, increasing=True)
             found = np.linalg.lstsq(matrix, newtons[known], rcond=None)[0]
             terms[cell] = found / largest ** np.arange(3)

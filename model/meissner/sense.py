@@ -1,8 +1,8 @@
-"""The public interface: what the core computes of a stream, in the core's own integers.
+"""The public interface: the core's computations on a stream, in the core's own integers.
 
 Each class has ``process(x)``, which starts from reset, and ``next(x)``, which continues the last call:
-``process(x)`` equals the results of ``next`` over any pieces of ``x``. The numbers are those of the RTL, bit
-for bit (meissner.twins); meissner.engines runs the same on the RTL itself.
+``process(x)`` equals the results of ``next`` over any pieces of ``x``. The numbers are bit-exact with the RTL
+(meissner.twins); meissner.engines runs the same on the RTL itself.
 """
 
 from typing import NamedTuple
@@ -25,27 +25,27 @@ MAX_FORCE = 65535
 
 
 class SlipResult(NamedTuple):
-    """Of every detail (2**level samples); arrays are [channels, details]."""
+    """Results for every detail (2**level samples); arrays are [channels, details]."""
 
     p2p: NDArray[np.int64]  # peak-to-peak of the window so far, in codes
-    state: NDArray[np.int8]  # a twins.slip.slip.State: none, contact, incipient, gross, release
+    state: NDArray[np.int8]  # twins.slip.slip.State: none, contact, incipient, gross, release
     slips: NDArray[np.bool_]  # the state is incipient or gross
-    raised: NDArray[np.bool_]  # ... and was not, one detail before
+    raised: NDArray[np.bool_]  # ... and was not one detail before
 
 
 class CopResult(NamedTuple):
-    """Of every frame."""
+    """Results for every frame."""
 
     x: NDArray[np.int32]  # Q2.14: -16384 at the left edge, 16384 at the right
-    y: NDArray[np.int32]  # likewise, from the bottom to the top
+    y: NDArray[np.int32]  # Q2.14: -16384 at the bottom edge, 16384 at the top
     load: NDArray[np.int64]  # sum of the forces, in codes
     pressed: NDArray[np.bool_]  # x and y are valid
 
 
 class Slip:
-    """Slip of ``channels`` sensors, each with a state of its own (rtl/slip/msn_slip_path.sv).
+    """Slip of ``channels`` sensors, each with its own state (rtl/slip/msn_slip_path.sv).
 
-    ``config``: thresholds in codes, times in details; ValueError in one sentence for what no core can do.
+    ``config``: thresholds in codes, times in details; ValueError in one sentence for settings of no core.
     """
 
     def __init__(self, config: SlipConfig | None = None, channels: int = 1) -> None:
@@ -58,17 +58,17 @@ class Slip:
         self.reset()
 
     def reset(self) -> None:
-        """Every channel without contact, no sample seen."""
+        """Set every channel to no contact and forget all samples."""
         for block in (self._haar, self._peak_to_peak, self._slip):
             block.reset()
         self._slipped = np.zeros((self.channels, 1), dtype=bool)
-        self._seen = 0  # samples of the group that is not whole yet
+        self._seen = 0  # samples of the unfinished group
 
     def next(self, x: ArrayLike, moving: ArrayLike | None = None) -> SlipResult:
         """Decisions about the details that ``x`` completes.
 
         ``x``: codes, integers of 17 bits [channels, samples], or [samples] of one channel; ``moving``
-        [samples]: the hand itself moves, so no slip is raised.
+        [samples]: while the hand itself moves no slip is raised.
         """
         x = np.atleast_2d(np.asarray(x))
         half = 1 << 16
@@ -99,16 +99,16 @@ class Slip:
 
 
 class Cop:
-    """Centre of pressure and load of frames of forces (rtl/cop/msn_cop.sv); no frame knows the one before.
+    """Centre of pressure and load of frames of forces (rtl/cop/msn_cop.sv); no state between frames.
 
-    ``min_load``: the least sum with a position.
+    ``min_load``: the smallest sum with a valid position.
     """
 
     def __init__(self, min_load: int = 1) -> None:
         self.min_load = min_load
 
     def next(self, forces: ArrayLike) -> CopResult:
-        """Of ``forces``, integers 0 .. 65535 [frames, rows, columns]."""
+        """Results for ``forces``, integers 0 .. 65535 [frames, rows, columns]."""
         forces = np.asarray(forces)
         if forces.ndim != 3 or 0 in forces.shape:
             raise ValueError(f"the forces must have the shape [frames, rows, columns], not {forces.shape}")
@@ -122,7 +122,7 @@ class Cop:
 class Array:
     """A calibrated array: codes to forces to the centre of pressure (rtl/cop/msn_cop_array.sv).
 
-    ``calibration``: of meissner.calibration.load or ``fit``; faulty cells give 0. ``min_load``: as of Cop.
+    ``calibration``: from meissner.calibration.load or ``fit``; faulty cells give 0. ``min_load``: as in Cop.
     """
 
     def __init__(self, calibration: Calibration, min_load: int = 1) -> None:
@@ -135,7 +135,7 @@ class Array:
         return calibrate.forces(codes, own.offset, own.gain, own.gain_shift, mask=own.dead)
 
     def next(self, codes: ArrayLike) -> CopResult:
-        """Of codes, integers of 17 bits [frames, rows, columns]."""
+        """Results for codes, integers of 17 bits [frames, rows, columns]."""
         return self._cop.next(self.forces(codes))
 
     process = next
@@ -144,7 +144,7 @@ class Array:
 class Cop4:
     """Position and load of the published four-wire sensor (rtl/cop/msn_cop4.sv); no state between samples.
 
-    ``config``: mesh, amplifiers, converter: meissner.physics.cop4_config.Cop4Config.
+    ``config``: meissner.physics.cop4_config.Cop4Config, with mesh, amplifiers and converter.
     """
 
     def __init__(self, config: Cop4Config) -> None:

@@ -1,7 +1,7 @@
-"""From a board and a configuration to a bitstream: Yosys, nextpnr, the packer, and what they say of it.
+"""From a board and a configuration to a bitstream: Yosys, nextpnr, the packer, and their reports.
 
-Each build works in a folder of its own, which takes the place of the one before when it is whole: two builds
-at once, or one that is stopped, leave no mixture. A build that fails leaves its logs in <folder>.failed.
+Each build works in its own folder, which replaces the previous one when it is complete, so concurrent or
+interrupted builds never leave a mixed folder. A build that fails leaves its logs in <folder>.failed.
 """
 
 import fcntl
@@ -17,18 +17,18 @@ from meissner.builds import boards
 from meissner.builds.yowasp import ROOT, ToolError, read_rtl, synthesis, tool, yosys
 
 OUT = "build/synth"  # relative to ROOT: YoWASP sees nothing outside the directory it starts in
-LIMIT_S = 1800  # of a processor, for one place and route: the longest that ends takes a few hundred
+LIMIT_S = 1800  # processor time of one place and route; the longest successful one takes a few hundred
 AREA = ("lut", "ff", "bram", "dsp")
 PIN = re.compile(r"adc_(cs_n|sclk|mosi|miso)_")
 
 
 class TooLarge(ToolError):
-    """The device has not room enough."""
+    """The design does not fit the device."""
 
 
 @contextmanager
 def private(name):
-    """A folder for one build, from ROOT; at the end it takes the place of ``OUT``/``name``."""
+    """A folder for one build, relative to ROOT; at the end it replaces ``OUT``/``name``."""
     out = ROOT / OUT
     out.mkdir(parents=True, exist_ok=True)
     work = tempfile.mkdtemp(prefix=f"{name}.", suffix=".part", dir=out)
@@ -50,7 +50,7 @@ def private(name):
 
 
 def _replace(fresh, final):
-    """``fresh`` in place of the folder ``final``, one build after the other."""
+    """Replace the folder ``final`` by ``fresh``, one build at a time."""
     with (final.parent / ".lock").open("w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
         old = fresh.with_suffix(".old")
@@ -61,7 +61,7 @@ def _replace(fresh, final):
 
 
 def synthesise(board, config, folder):
-    """The netlist for place and route, in ``folder``; returns the stem of its files and the cells counted."""
+    """Make the netlist for place and route in ``folder``: (stem of its files, cell counts)."""
     boards.write_board(folder, board, config)
     stem = f"{folder}/{board.top}"
     script = f"{read_rtl(board.cells)}; read_verilog -sv -I{folder} {' '.join(board.sources)} {stem}.sv; "
@@ -72,7 +72,7 @@ def synthesise(board, config, folder):
 
 
 def blocks(stem):
-    """The modules that are in the netlist, by what Yosys says of the hierarchy before it flattens it."""
+    """The modules in the netlist, from Yosys's report of the hierarchy before it is flattened."""
     log = (ROOT / f"{stem}.yosys.log").read_text("utf-8")
     seen = [
         re.findall(r"Used module:\s+\S*?\\(msn_\w+)", part)
@@ -82,7 +82,7 @@ def blocks(stem):
 
 
 def area(board, cells, report):
-    """LUT (of an iCE40: logic cells), FF, BRAM and DSP; FFs of the netlist, as some reports have none."""
+    """LUT (iCE40: logic cells), FF, BRAM and DSP; FFs from the netlist, since some reports lack them."""
     counts = {cell: row["used"] for cell, row in report["utilization"].items()}
 
     def count(short):
@@ -96,14 +96,14 @@ def area(board, cells, report):
 
 
 def too_large(log):
-    """What of the device is asked for more often than it is there, in words; empty if nothing is."""
-    text = (ROOT / log).read_text() if (ROOT / log).exists() else ""  # none if the tool is not installed
+    """The resources that the design needs more of than the device has, in words; empty if there are none."""
+    text = (ROOT / log).read_text() if (ROOT / log).exists() else ""  # no log if the tool is not installed
     rows = re.findall(r"Info:\s+(\w+):\s*(\d+)/\s*(\d+)\s", text)
     return ", ".join(f"{used} of {there} {cell}" for cell, used, there in rows if int(used) > int(there))
 
 
 def spi_delays(report):
-    """ns from the clock to the converter's pins and from its pins to a register; None if not modelled."""
+    """ns from the clock to the converter's pins and from these pins to a register; None if not modelled."""
     out, back = [], []
     for net in report["detailed_net_timings"]:
         for end in net["endpoints"]:
@@ -119,7 +119,7 @@ def label(board, device):
 
 
 def place(board, config, device, stem, clk_mhz, seed, limit_s=LIMIT_S):
-    """Place and route with one seed; returns nextpnr's report. ToolError if it takes more than its limit."""
+    """Place and route with one seed; returns nextpnr's report. ToolError if it exceeds its time limit."""
     words = board.pnr.format(stem=stem, device=board.devices.get(device))
     program, *options = words.split()
     report, log = f"{stem}.{seed}.report.json", f"{stem}.{seed}.pnr.log"
@@ -137,10 +137,10 @@ def place(board, config, device, stem, clk_mhz, seed, limit_s=LIMIT_S):
 
 
 def build(board, config, device, folder, seeds, patient, limit_s=LIMIT_S):
-    """Make it in ``folder`` with ``seeds``; returns what resources.json says of a pair.
+    """Build in ``folder`` with ``seeds``; returns the entry of resources.json for this pair.
 
-    ``device``: its name, or None: the smallest of the board's that it fits. ``patient``: place with every
-    seed, each must end; otherwise only until one meets the clock, and one that fails is passed over.
+    ``device``: its name, or None for the board's smallest that fits. ``patient``: place with every seed, all
+    must succeed; otherwise stop at the first seed that meets the clock and skip seeds that fail.
     """
     clk_mhz = board.parameters(config)["ClkKhz"] / 1000
     stem, cells = synthesise(board, config, folder)
@@ -157,7 +157,7 @@ def build(board, config, device, folder, seeds, patient, limit_s=LIMIT_S):
             failed = error
             continue
         clocks = [clock["achieved"] for clock in report["fmax"].values()]
-        mhz.append(math.floor(10 * min(clocks)) / 10)  # 99.95 is not 100
+        mhz.append(math.floor(10 * min(clocks)) / 10)  # rounded down: 99.95 is not 100
         delays.append(spi_delays(report))
         if mhz[-1] >= clk_mhz and not packed:
             program, *options = board.pack.format(stem=stem).split()
@@ -185,7 +185,7 @@ def build(board, config, device, folder, seeds, patient, limit_s=LIMIT_S):
 
 
 def _fitting(board, config, sizes, stem, clk_mhz, seed, limit_s):
-    """nextpnr's report for the first of the devices that has the room; smaller ones leave the list."""
+    """nextpnr's report for the first device that the design fits; smaller ones are removed from ``sizes``."""
     while True:
         try:
             return place(board, config, sizes[0], stem, clk_mhz, seed, limit_s)

@@ -1,10 +1,10 @@
-"""A board's top and its constraints, written from a plan of its pins (meissner.builds.pins).
+"""A board's top and its constraints, generated from a plan of its pins (meissner.builds.pins).
 
 top(plan)                 SystemVerilog: the ports, the clock, rtl/boards/msn_board.sv, the LEDs
 constraints(plan, ".lpf") for nextpnr (.pcf, .lpf, .cst) or Vivado (.xdc)
 """
 
-# Ports of msn_board, by the plan's roles.
+# Ports of msn_board by the roles of the plan.
 OUTPUTS = {
     "row": "row_o",
     "group": "group_o",
@@ -35,7 +35,7 @@ def top(plan):
     wires |= {INPUTS[role]: f"!{roles[role].port}" for role in board.inverted}
     wires |= {"tx_o": roles["tx"].port} | {f"{flag}_o": flag for flag in FLAGS}
     wired = ",\n".join(f"    .{port:<12}({wire})" for port, wire in wires.items())
-    idle = [wire for wire in wires.values() if wire.startswith("unused_")]  # one bit each
+    idle = [wire for wire in wires.values() if wire.startswith("unused_")]  # of one bit each
     named = [["clk", "good", *FLAGS], idle] if idle else [["clk", "good", *FLAGS]]
     declared = "\n".join(f"  logic {', '.join(names)};" for names in named)
     rest = [(port.port, f"1'b{port.idle}") for port in plan.ports if port.idle is not None]
@@ -106,7 +106,7 @@ def _xdc(plan):
             yield f"set_property -dict {{PACKAGE_PIN {pin} IOSTANDARD LVCMOS33{pull}}} [get_ports {{{bit}}}]"
     period = 1000 / plan.board.clock["mhz"]
     yield f"create_clock -period {period:.3f} -name {clock} [get_ports {clock}]"
-    # Both ends are synchronised in the core, or slower than 20 MHz with half a period to spare.
+    # Inputs and outputs are synchronised, or slower than 20 MHz with half a period of slack.
     ways = {"from": [], "to": []}
     for port in plan.ports:
         if port.role != "clock":
@@ -122,7 +122,7 @@ FORMATS = {".pcf": _pcf, ".lpf": _lpf, ".cst": _cst, ".xdc": _xdc}
 
 
 def constraints(plan, suffix):
-    """The pins as ``suffix`` writes them."""
+    """The pins in the format of files with this ``suffix``."""
     remark = "//" if suffix == ".cst" else "#"
     head = f"{remark} Written by tools/synth.py: the {plan.board.name} with {plan.config}"
     return "\n".join([head, f"{remark} Pins: {plan.board.source}", *FORMATS[suffix](plan)]) + "\n"

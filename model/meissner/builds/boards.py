@@ -1,4 +1,4 @@
-"""The boards a bitstream can be made for, and the named configurations each is offered with."""
+"""The boards with bitstreams, and the named configurations that each board is offered with."""
 
 import os
 import re
@@ -10,27 +10,27 @@ from meissner.builds import board_files, config, pins
 from meissner.builds.build import verilog
 from meissner.builds.toolchain import ROOT
 
-# What counts as what: patterns of nextpnr's names, of Yosys's for flip-flops.
+# Patterns of the cells that count as each resource: nextpnr's names, for flip-flops Yosys's.
 ECP5_AREA = {"lut": "TRELLIS_COMB", "ff": "TRELLIS_FF", "bram": "DP16KD", "dsp": "MULT18X18D"}
 ICE40_AREA = {"lut": "ICESTORM_LC", "ff": "SB_DFF.*", "bram": "ICESTORM_RAM", "dsp": "ICESTORM_DSP"}
 GOWIN_AREA = {"lut": "LUT4|ALU|RAMW", "ff": "DFF.*", "bram": "BSRAM", "dsp": "MULT.*"}
 
 
-# What the boards share.
+# Sources common to all boards.
 COMMON = ("rtl/boards/msn_board_reset.sv", "rtl/boards/msn_board.sv")
 
 
 @dataclass(frozen=True)
 class Board:
-    """One board: ``pnr`` and ``pack`` are commands of which bitstream.py fills in the files.
+    """One board: ``pnr`` and ``pack`` are commands in which bitstream.py fills in the files.
 
-    ``cells``: family whose cells the netlist has; ``constraints``: ending of the file of pins;
-    ``configs``: the named configurations it is offered with,
-    each with what is the board's, not the file's (see meissner.builds.config.load);
+    ``cells``: family of the netlist's cells; ``constraints``: suffix of the file of pins;
+    ``configs``: the named configurations that it is offered with,
+    each with the settings that the board, not the file, determines (see meissner.builds.config.load);
     ``more``: other parameters.
-    ``left_out``: every other named configuration, with the reason in a sentence's words.
-    ``devices``: what the board is sold with, smallest first, by name, and place and route's word for each;
-    empty if there is one only. A configuration's ``device``: the smallest that it fits and is fast enough on.
+    ``left_out``: every other named configuration, with the reason as part of a sentence.
+    ``devices``: the devices that the board is sold with, smallest first: {name: option of place and route};
+    empty if there is only one. A configuration's ``device``: the smallest that it fits and meets timing on.
     """
 
     name: str
@@ -51,42 +51,42 @@ class Board:
         return f"{self.name}_top"
 
     def device(self, name):
-        """Name of the smallest device for that configuration; None: there is one only, or it is not known."""
+        """Name of the smallest device for that configuration; None: there is only one, or it is unknown."""
         return self.changes(name).get("device")
 
     def plan(self, name):
-        """meissner.builds.pins.Plan; ValueError if the board has not the pins, or not the clock."""
+        """meissner.builds.pins.Plan; ValueError if the board lacks the pins or the clock."""
         return pins.assign(pins.description(self.name), label(name), self.parameters(name))
 
     def parameters(self, name):
-        """Of rtl/msn_core.sv, for this board with that configuration."""
+        """Parameters of rtl/msn_core.sv for this board with that configuration."""
         return self.config(name).parameters | self.changes(name).get("more", {})
 
     def changes(self, name):
-        """What is the board's of that configuration, not the file's: nothing where the file is the user's."""
+        """Settings of that configuration that the board determines, not the file; none for a user's file."""
         return self.configs.get(name, {})
 
     def config(self, name):
-        """meissner.builds.build.Config of that name as this board has it."""
+        """meissner.builds.build.Config of that name, with this board's settings."""
         own = ("mhz", "part", "registers")
         return config.load(name, **{key: v for key, v in self.changes(name).items() if key in own})
 
     @property
     def sources(self):
-        """What a board has besides rtl/rtl.f and the top that write_board makes, from ROOT."""
+        """Sources besides rtl/rtl.f and the top from write_board, relative to ROOT."""
         return [*COMMON, f"rtl/boards/{self.name}_clock.sv"]
 
 
 def label(name):
-    """What a configuration is called in files and folders: its name, or its file's."""
+    """Name of a configuration in files and folders: its own, or its file's."""
     if name in config.names():
         return name
     stem = re.sub(r"[^A-Za-z0-9_.-]+", "_", Path(name).stem)
-    return f"{stem}.toml" if stem in config.names() else stem  # a user's slip1.toml is not ours
+    return f"{stem}.toml" if stem in config.names() else stem  # a user's slip1.toml is not the named one
 
 
 def sizes(parameters):
-    """What rtl/boards must know of msn_core's parameters, by the names of its macros."""
+    """The parameters of msn_core that rtl/boards needs, by the names of its macros."""
     converters = parameters.get("Converters", 1)
     return {
         "CLK_KHZ": parameters["ClkKhz"],
@@ -99,7 +99,7 @@ def sizes(parameters):
 
 
 def _write(path, text):
-    """``text`` as the whole of a file, or the file as it was: several builds may write it at once."""
+    """Write a file atomically, because concurrent builds may write the same file."""
     if path.exists() and path.read_text("utf-8") == text:
         return
     with tempfile.NamedTemporaryFile("w", encoding="utf-8", dir=path.parent, delete=False) as fresh:
@@ -109,7 +109,7 @@ def _write(path, text):
 
 
 def write_build(folder, parameters):
-    """The configuration as the macros that rtl/boards read; ``folder``, from ROOT, is made if need be."""
+    """Write the configuration as the macros that rtl/boards reads; makes ``folder``, relative to ROOT."""
     (ROOT / folder).mkdir(parents=True, exist_ok=True)
     listed = ", ".join(f".{name}({value})" for name, value in verilog(parameters).items())
     macros = sizes(parameters) | {"PARAMETERS": listed}
@@ -118,7 +118,7 @@ def write_build(folder, parameters):
 
 
 def write_board(folder, board, name):
-    """All that a board's build is made of besides rtl: macros, top, constraints and the pin map; the Plan."""
+    """Write a board's files: macros, top, constraints and the pin map; returns the Plan."""
     plan = board.plan(name)
     write_build(folder, board.parameters(name))
     for file, text in (
@@ -131,15 +131,15 @@ def write_board(folder, board, name):
     return plan
 
 
-# LUTs of four inputs: the number of wider ones depends on the order of the gates for ABC (docs/boards.md).
+# Four-input LUTs only: the number of wider ones depends on the order of the gates for ABC (docs/boards.md).
 ECP5 = "synth_ecp5 -nowidelut"
 
-# The better part of those that a ULX3S may have; the other gives zeros in the low bits.
+# The better of the two converters that a ULX3S can have; the other gives zeros in the low bits.
 ON_BOARD = "MAX11125"
 
 
 def _too_few(there):
-    """Why eight AD7606 do not go on a board with so many pins; builds.pins counts what they need."""
+    """Why eight AD7606 do not fit a board with ``there`` header pins; builds.pins counts the pins needed."""
     reason = f"it needs 36 pins of the headers and the board has {there}"
     return {"array64": reason, "full": reason}
 
@@ -154,15 +154,15 @@ BOARDS = {
             name="icebreaker",
             title="iCEBreaker (iCE40 UP5K)",
             cells="ice40",
-            # The fingertip fills 93 % of the cells: with clock enables of a few flip-flops each, which a tile
-            # of eight must share, nextpnr does not place or route it with every seed.
+            # The fingertip fills 93 % of the cells. A tile of eight must share its clock enable, so if few
+            # flip-flops share one, nextpnr does not place or route it with every seed.
             synth="synth_ice40 -dsp -device u -dffe_min_ce_use 5",
             pnr="nextpnr-ice40 --up5k --package sg48 --pcf {stem}.pcf --asc {stem}.asc",
             constraints=".pcf",
             pack="yowasp-icepack {stem}.asc {stem}.bin",
             bitstream=".bin",
             area=ICE40_AREA,
-            # With registers the fingertip takes 7,456 logic cells; a UP5K has 5,280.
+            # With registers the fingertip needs 7,456 logic cells; a UP5K has 5,280.
             configs={"slip1": {}, "fingertip": {"mhz": 24.0, "registers": False}},
             left_out={"cop4": COP4_ICE, "grip": GRIP_ICE} | _too_few(24),
         ),
@@ -176,15 +176,15 @@ BOARDS = {
             pack="yowasp-ecppack --compress --input {stem}.config --bit {stem}.bit",
             bitstream=".bit",
             area=ECP5_AREA,
-            # To these tools a 12F is a 25F of another name: what fits one fits the other.
+            # These tools treat a 12F as a 25F with another name: what fits one fits the other.
             devices={"12F": "--12k", "25F": "--25k", "45F": "--45k", "85F": "--85k"},
-            # At two bits a clock, slip1 has no use for more.
+            # At two bits per clock, slip1 needs no faster clock.
             configs={
                 "slip1": {"mhz": 50.0, "part": ON_BOARD, "device": "25F"},
                 "fingertip": {"mhz": 50.0, "part": ON_BOARD, "device": "25F"},
                 "cop4": {"mhz": 50.0, "device": "25F"},
                 "grip": {"mhz": 50.0, "device": "25F"},
-                # A queue of 64 events would take three block RAMs more than a 25F has.
+                # A queue of 64 events would need three block RAMs more than a 25F has.
                 "array64": {"mhz": 100.0, "device": "25F", "more": {"SlipDepth": 16}},
                 "full": {"mhz": 100.0, "device": "45F"},
             },
@@ -220,7 +220,7 @@ BOARDS = {
 }
 
 
-# With Vivado, by tools/arty_a7.tcl; not built here.
+# Built with Vivado by tools/arty_a7.tcl, not here.
 ARTY = Board(
     name="arty_a7",
     title="Arty A7-35T",
@@ -238,7 +238,7 @@ ARTY = Board(
 def pairs(board=None, name=None):
     """(Board, configuration) of these names, all if none is given; ValueError if one is unknown.
 
-    ``name`` may be a TOML file; whether the board has its pins and its clock, Board.plan says.
+    ``name`` may be a TOML file; Board.plan checks whether the board has its pins and its clock.
     """
     if board is not None and board not in BOARDS:
         raise ValueError(f"unknown board '{board}'; the boards are: {', '.join(BOARDS)}")

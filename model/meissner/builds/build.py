@@ -1,4 +1,4 @@
-"""What a configuration comes to: RTL parameters, register values and units of one build."""
+"""A build as derived from its configuration: RTL parameters, register values and units."""
 
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
@@ -22,9 +22,9 @@ PARTS = {part.name.upper(): part for part in ADC_PARTS.values()}
 class Config:
     """A build. ``sensor``, ``adc``, ``link``, ``array``, ``health``, ``tare``: checked tables.
 
-    ``slip``: SlipConfig; ``serial``: the slip path two bits a clock; ``cop4``: Cop4Config; ``cop_slip``:
-    (lag, CopSlipRegisters); each None (or empty) where the build has none; ``stages``: {name: settings} of
-    meissner.builds.stages. ``clk_khz``, ``rate_hz``: the clock, and frames a second.
+    ``slip``: SlipConfig; ``serial``: the slip path with two bits per clock; ``cop4``: Cop4Config;
+    ``cop_slip``: (lag, CopSlipRegisters); each None (or empty) if the build has none; ``stages``: {name:
+    settings} of meissner.builds.stages. ``clk_khz``, ``rate_hz``: the clock, and frames per second.
     """
 
     name: str
@@ -63,14 +63,14 @@ class Config:
 
     @property
     def timer_bits(self):
-        """Of the slip path: what its longest time needs, where no register can ask for more."""
+        """Timer bits of the slip path; without registers, only as many as its longest time needs."""
         if self.link["registers"] or self.slip is None:
             return TIMER_BITS
         return max(1, *(t.bit_length() for t in (self.slip.hold, self.slip.refractory, self.slip.blank)))
 
     @property
     def widths(self):
-        """Bits that the build has of what core.widths says."""
+        """{name in core.widths: bits in this build}."""
         taxels = self.sensor["rows"] * self.sensor["columns"] if self.kind == "array" else self.channels
         array, level = self.array, self.slip.level if self.slip else 1
         offset = 16 if array.get("gains") == "row_column" and not array["tare"] else 17
@@ -95,7 +95,7 @@ class Config:
 
     @cached_property
     def converter(self):
-        """Twin of a converter with its channels: an array's are side by side."""
+        """Twin of a converter with its channels; those of an array work in parallel."""
         if self.kind == "array":
             return self.scan.adc
         sizes = (self.part, self.channels, self.adc["lanes"], self.clk_khz, self.adc["sclk_khz"])
@@ -132,7 +132,7 @@ class Config:
 
     @property
     def settings(self):
-        """{"group.register[.field]": value} that the core has from reset on."""
+        """{"group.register[.field]": value} of the core after reset."""
         found = {"link.images": int(self.link["images"])}
         if self.kind == "array":
             found |= {"scan.enable": 1, "scan.settle": self.settle_clocks, "scan.period": self.period_clocks}
@@ -160,7 +160,7 @@ class Config:
 
     @property
     def parameters(self):
-        """Of rtl/msn_core.sv: {name: int}."""
+        """Parameters of rtl/msn_core.sv: {name: int}."""
         array, slip, link = self.kind == "array", self.slip, self.link
         found = {"Adc": self.part.number, "ClkKhz": self.clk_khz, "SclkKhz": self.adc["sclk_khz"]}
         found |= {"AdcLanes": self.adc["lanes"], "BaudHz": link["baud"]}
@@ -194,7 +194,7 @@ class Config:
         return found | {"Resets": reset_word(self.settings)}
 
     def check(self):
-        """ValueError where the numbers do not go together."""
+        """This Config; ValueError if its numbers do not fit together."""
         if self.kind == "array":
             needed = self.scan.latency(self.settle_clocks)["frame"]
             what = "a scan"
@@ -249,7 +249,7 @@ class Config:
         return self
 
     def _images_pass(self):
-        """ValueError if the line carries less than an image a second beside a CoP frame of every frame."""
+        """ValueError if the line has no capacity for one image per second in addition to all CoP frames."""
         room = self.link["baud"] / 10 - self.rate_hz * line_bytes(packet.cop_frame(0, 0, 0, 0))
         taxels = self.sensor["rows"] * self.sensor["columns"]
         image = sum(map(line_bytes, packet.image_chunks(0, [0] * taxels)))
@@ -267,5 +267,5 @@ def line_bytes(payload):
 
 
 def verilog(parameters):
-    """The parameters as SystemVerilog writes them: Resets has more bits than a plain number may."""
+    """The parameters as SystemVerilog literals: Resets has more bits than a plain number can."""
     return {k: f"{RESET_BITS}'h{v:x}" if k == "Resets" else str(v) for k, v in parameters.items()}

@@ -1,11 +1,11 @@
-"""One file for a build: RTL parameters, register values and units, from the sensor's own quantities.
+"""One file for a build: RTL parameters, register values and units from the sensor's own quantities.
 
-    config = load("fingertip")          a name of model/meissner/builds/configs, or the path of a TOML file
+    config = load("fingertip")          a name in model/meissner/builds/configs, or the path of a TOML file
     config.parameters                   {name: int} of rtl/msn_core.sv
-    config.settings                     {"slip.threshold": code, ...}, every setting that it determines
+    config.settings                     {"slip.threshold": code, ...}, every setting that the file determines
     config.units                        meissner.builds.units.Units
 
-docs/config.md describes the tables. Every mistake is a ValueError of one sentence that names file and place.
+docs/config.md describes the tables. Every mistake raises ValueError in one sentence with file and place.
 """
 
 import tomllib
@@ -39,7 +39,7 @@ def names():
 
 
 def _with(where, table, required, defaults):
-    """The checked table, with absent optional keys filled in."""
+    """The checked table, with defaults for absent optional keys."""
     unknown = [key for key in table if key not in required and key not in defaults]
     if unknown:
         known = ", ".join([*required, *defaults])
@@ -54,7 +54,7 @@ def _with(where, table, required, defaults):
 
 
 def _slip(at, table, config):
-    """(serial, SlipConfig) of [slip], thresholds in newtons of an array's taxels, in volts else."""
+    """(serial, SlipConfig) of [slip]; thresholds are in newtons for an array's taxels, else in volts."""
     unit, of = ("n", "newtons") if config.kind == "array" else ("v", "volts")
     codes, times, rises = SLIP_CODES, ("hold", "refractory", "blank"), config.kind == "array"
     given = _with(
@@ -85,7 +85,7 @@ def _slip(at, table, config):
 
 
 def _levels(at, unit, given):
-    """ValueError if one level of [slip] would undo the other; equal levels are allowed."""
+    """ValueError if one level of [slip] contradicts the other; equal levels are allowed."""
     rises = given["contact_rises"]
     for upper, lower, way in (
         ("gross_threshold", "threshold", True),
@@ -100,7 +100,7 @@ def _levels(at, unit, given):
 
 
 def load(name, mhz=None, part=None, registers=None):
-    """The Config of a named configuration or a TOML file; ``mhz``, ``part``, ``registers``: a board's."""
+    """The Config of a named configuration or a TOML file; ``mhz``, ``part``, ``registers``: from a board."""
     path = Path(name)
     if FOLDER.joinpath(f"{name}.toml").is_file():
         path = FOLDER / f"{name}.toml"
@@ -122,7 +122,7 @@ def load(name, mhz=None, part=None, registers=None):
 
 
 def _sizes(tables):
-    """ValueError for a number that no sensor, clock or converter has; nothing could be derived from it."""
+    """ValueError for a number outside the range of any sensor, clock or converter."""
     for table, keys in tables.items():
         for key, value in keys.items() if isinstance(keys, dict) else ():
             if isinstance(value, (int, float)) and value and not SMALLEST <= abs(value) <= LARGEST:
@@ -133,7 +133,7 @@ def _sizes(tables):
 
 
 def read(name, tables):
-    """The Config of ``tables``, as a TOML file has them."""
+    """The Config of ``tables``, in the form of a TOML file."""
     _sizes(tables)
     try:
         return _read(name, tables)
@@ -205,7 +205,7 @@ def _read(name, tables):
 
 
 def _tables(tables, array):
-    """[health] and [tare], empty where the array has none."""
+    """[health] and [tare], each empty if the array has none."""
     for key in ("health", "tare"):
         if key in tables and not array[key]:
             raise ValueError(f"[{key}] must not be there while [array] says {key} = false")

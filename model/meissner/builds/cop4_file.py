@@ -1,4 +1,4 @@
-"""The file of ``meissner process cop4``: tables of a four-wire sensor alone, or a build that has them."""
+"""The file of ``meissner process cop4``: only the tables of a four-wire sensor, or a build that has them."""
 
 import tomllib
 from pathlib import Path
@@ -8,13 +8,14 @@ from meissner.builds import four_wires
 from meissner.check import fields
 from meissner.files import check_in
 
-BUILD = {"about", "clock", "sensor", "adc"}  # that a build's configuration has and these files have not
+BUILD = {"about", "clock", "sensor", "adc"}  # only in a build's configuration
 
 
 def load(path):
     """``Cop4Config`` of a TOML file; ValueError with one sentence that names the file and the place.
 
-    Of these tables, or of a build with kind = "electrodes": its file, or its name (docs/config.md).
+    ``path``: a file with these tables, or a build with kind = "electrodes", its file or its name
+    (docs/config.md).
     """
     if not Path(path).is_file() and str(path) in builds.names():
         return _of_build(path)
@@ -33,7 +34,7 @@ def load(path):
 
 
 def _of_build(path):
-    """Of a build's configuration."""
+    """``Cop4Config`` of a build's configuration."""
     found = builds.load(path)
     if found.cop4 is None:
         raise ValueError(f"{path}: [sensor] has kind = '{found.kind}', which must be 'electrodes' here")

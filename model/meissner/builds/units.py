@@ -1,14 +1,14 @@
-"""The units of a core's ticks, codes and taxels; what a core does not know about itself.
+"""The units of a core's ticks, codes and taxels, which the core itself does not know.
 
-A detail of level l is sqrt(2)^l times the Haar coefficient (meissner.twins.slip.haar), a level's sum is
+A detail of level l is sqrt(2)^l times the Haar coefficient (meissner.twins.slip.haar); a level's sum is
 that of 2^l samples:
 
     code of a peak-to-peak = floor(volts·sqrt(2)^l / volts_per_code)       compared with >, so exact
     code of a level        = round(2^l·(min_code + (volts - low_v)/volts_per_code))
-    code of a least load   = ceil(newtons / newtons_per_code)             pressed from it on, so exact
-    clocks of a settling   = ceil(seconds·clk_hz), 1 at least
+    code of a minimum load = ceil(newtons / newtons_per_code)             compared with >=, so exact
+    clocks of a settling   = ceil(seconds·clk_hz), at least 1
 
-Exact: a number means exactly what is written, 0.57 is 57/100. In floating point 0.57/0.001 is below 570.
+Exact: a number means exactly its written decimal, 0.57 is 57/100. In floating point 0.57/0.001 is below 570.
 """
 
 from collections.abc import Callable
@@ -19,7 +19,7 @@ from math import ceil, isqrt
 import numpy as np
 
 FRACTION_BITS = 14  # of x and y in a CoP packet
-CODES = {  # of an amount: register, quantity, and what of Units turns it into a code
+CODES = {  # (register, quantity): method of Units that converts the amount to a code
     ("slip.threshold", "volts"): "detail_code",
     ("slip.threshold", "newtons"): "detail_code_of_newtons",
     ("slip.gross_threshold", "volts"): "detail_code",
@@ -44,22 +44,22 @@ CODES = {  # of an amount: register, quantity, and what of Units turns it into a
 
 
 def exact(value):
-    """The number as it is written."""
+    """The exact value of the number as written in decimal."""
     return value if isinstance(value, (int, Fraction)) else Fraction(repr(float(value)))
 
 
 def floor_root(value, level):
-    """floor(value·sqrt(2)^level) without a root."""
+    """floor(value·sqrt(2)^level) in exact arithmetic."""
     square = value * value * (1 << level)
     return isqrt(square.__floor__()) if value >= 0 else -1 - isqrt(max(0, ceil(square) - 1))
 
 
 @dataclass(frozen=True)
 class Units:
-    """None: not known. ``clk_khz``, ``rows`` and ``columns`` are the core's own, read when it is found.
+    """None: not known. ``clk_khz``, ``rows`` and ``columns`` are read from the core when it is found.
 
     ``volts_per_code``, ``low_v``, ``min_code``: of a sample; ``level``: of the slip path; ``rate_hz``:
-    samples a second of each channel; ``volts_of``: newtons to the sensor's volts; ``newtons_per_code``: of
+    samples per second of each channel; ``volts_of``: newtons to the sensor's volts; ``newtons_per_code``: of
     a taxel and of a load; ``pitch_mm``: from taxel to taxel.
     """
 
@@ -112,11 +112,11 @@ class Units:
 
     @property
     def of_forces(self):
-        """The slip path's samples are forces of newtons_per_code, as behind an array's calibration."""
+        """Whether the slip path's samples are forces of newtons_per_code, as after an array's calibration."""
         return self.volts_per_code is None and self.newtons_per_code is not None
 
     def detail_newtons(self, code):
-        """Newtons of a Haar coefficient's peak-to-peak, where samples are forces."""
+        """Newtons of a Haar coefficient's peak-to-peak if samples are forces, else None."""
         return code * self.newtons_per_code / 2 ** (self.level / 2) if self.of_forces else None
 
     def detail_code_of_newtons(self, newtons):
@@ -136,18 +136,18 @@ class Units:
         return round(exact(seconds) * 1000 * self._need("clk_khz", "a time in seconds"))
 
     def settle_clocks(self, seconds):
-        """Clocks that last at least that long."""
+        """The fewest clocks, at least 1, that last at least ``seconds``."""
         return max(1, ceil(exact(seconds) * 1000 * self._need("clk_khz", "a time in seconds")))
 
     def load_code(self, newtons):
-        """The least load of that many newtons."""
+        """Code of the smallest load of at least ``newtons``."""
         return ceil(exact(newtons) / exact(self._need("newtons_per_code", "a load in newtons")))
 
     def load_newtons(self, load):
         return None if self.newtons_per_code is None else load * self.newtons_per_code
 
     def place(self, x, y):
-        """(x, y) of a CoP packet in -1 .. 1, and in mm from the array's middle or (None, None)."""
+        """(x, y) of a CoP packet in -1 .. 1, then in mm from the array's middle, or None, None."""
         x, y = x / (1 << FRACTION_BITS), y / (1 << FRACTION_BITS)
         if None in (self.pitch_mm, self.rows, self.columns):
             return x, y, None, None

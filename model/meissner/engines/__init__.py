@@ -1,6 +1,6 @@
 """The engines: the same work done by textbook float, the integer twins, the Verilated core and its netlist.
 
-``load`` gives the module of a name; meissner.engines.protocol says what each has.
+``load`` returns the module of a name; meissner.engines.protocol lists the functions of each.
 """
 
 from dataclasses import dataclass
@@ -24,11 +24,11 @@ MAX_CODE = (1 << SAMPLE_BITS - 1) - 1  # the largest sample
 
 @dataclass(frozen=True)
 class Watched:
-    """What the slip path says about every detail of every channel; all arrays are [channels, details].
+    """The slip path's results for every detail of every channel; all arrays are [channels, details].
 
-    ``p2p``: peak-to-peak of the window that runs, in codes; ``over``: p2p > threshold; ``state``:
-    meissner.twins.slip.slip.State; ``end`` [details]: the detail closes a window; ``blanked``: details that
-    were over while blanked or while the actuator moved.
+    ``p2p``: peak-to-peak of the current window, in codes; ``over``: p2p > threshold; ``state``:
+    meissner.twins.slip.slip.State; ``end`` [details]: the detail closes a window; ``blanked``: number of
+    details that were over while blanked or while the actuator moved.
     """
 
     p2p: np.ndarray
@@ -40,7 +40,7 @@ class Watched:
 
 @dataclass(frozen=True)
 class Carrier:
-    """How a carrier is measured: ``block`` drops ``skip`` samples and sums over ``periods`` whole periods."""
+    """How a carrier is measured: ``block`` skips ``skip`` samples and sums over ``periods`` full periods."""
 
     block: AmDemod
     periods: int
@@ -54,7 +54,7 @@ class Carrier:
 
     @property
     def code_per_lsb(self):
-        """Code of a carrier whose amplitude is one code of the converter."""
+        """Result, in codes, for a carrier with an amplitude of one code of the converter."""
         return self.block.gain(self.periods) / 2**self.shift
 
 
@@ -68,9 +68,9 @@ def load(name) -> Engine:
 
 
 def _check_integers(x):
-    """``x``, which is not empty, if every number in it is an integer; ValueError if not."""
+    """The non-empty ``x`` if every number in it is an integer; ValueError if not."""
     if x.dtype.kind == "f":
-        x = x.astype(np.float64)  # the limits do not fit a half
+        x = x.astype(np.float64)  # float16 is too narrow for the limits
         if not np.isfinite(x).all():
             raise ValueError("the samples hold NaN or infinity; the core takes integer codes only")
         if (x != np.rint(x)).any():
@@ -81,7 +81,7 @@ def _check_integers(x):
 
 
 def check_samples(x):
-    """``x`` as int64 [channels, samples] if the core can take it; ValueError with one sentence if not."""
+    """``x`` as int64 [channels, samples] if it fits the core; ValueError with one sentence if not."""
     x = np.asarray(x)
     if x.dtype.kind not in "iufb":
         raise ValueError(f"the samples must be integers, not {x.dtype}")
@@ -101,7 +101,7 @@ def check_samples(x):
 
 
 def moving_of_details(moving, level, count):
-    """``moving`` [samples] at the last sample of each of ``count`` details; None stays None."""
+    """``moving`` [samples] taken at the last sample of each of ``count`` details; None stays None."""
     group = 1 << level
     return None if moving is None else np.asarray(moving)[group - 1 :: group][:count]
 
@@ -125,7 +125,7 @@ def process_slip(x, config, engine):
 
 
 def check_forces(x):
-    """``x`` as uint16 [frames, rows, columns] if the core can take it; ValueError in a sentence if not."""
+    """``x`` as uint16 [frames, rows, columns] if it fits the core; ValueError with one sentence if not."""
     x = np.asarray(x)
     if x.dtype.kind not in "iufb":
         raise ValueError(f"the forces must be integers, not {x.dtype}")
@@ -141,16 +141,16 @@ def check_forces(x):
 
 
 def demodulate(samples, carrier, engine):
-    """Amplitudes in codes, int64 [...], of a Carrier's samples: integers [..., carrier.samples]."""
+    """Amplitudes in codes, int64 [...], from a Carrier's samples, integers [..., carrier.samples]."""
     return load(engine).demodulate(np.asarray(samples), carrier)
 
 
 def calibrate(codes, calibration, engine):
-    """Forces uint16 [frames, rows, columns] of codes: a Calibration's straight line per cell."""
+    """Forces uint16 [frames, rows, columns] of codes, by a Calibration's straight line per cell."""
     module = load(engine)
     codes = check_codes(codes, calibration.offset.shape)
     forces = np.empty(codes.shape, dtype=np.uint16)
-    piece = max(1, (1 << 17) // codes[0].size)  # stays in the cache as int64
+    piece = max(1, (1 << 17) // codes[0].size)  # fits the cache as int64
     for start in range(0, len(codes), piece):
         forces[start : start + piece] = module.calibrate(codes[start : start + piece], calibration)
     return forces
@@ -160,7 +160,7 @@ def process_cop(forces, engine, min_load=1, calibration=None):
     """The arrays of ``meissner process cop``: sum, mx, my, x, y, valid, one of each per frame.
 
     ``forces``: integers 0 .. 65535 [frames, rows, columns], or codes with a ``calibration``; ``min_load``:
-    the least sum with a position; ``engine``: a name.
+    the smallest sum with a valid position; ``engine``: a name.
     """
     forces = check_forces(forces if calibration is None else calibrate(forces, calibration, engine))
     limit = 1 << sum_bits(*forces.shape[1:])
@@ -170,7 +170,7 @@ def process_cop(forces, engine, min_load=1, calibration=None):
 
 
 def check_electrodes(x, bits):
-    """``x`` as int64 [samples, 4] if a converter of ``bits`` makes such codes; ValueError if not."""
+    """``x`` as int64 [samples, 4] if these can be codes of a converter of ``bits``; ValueError if not."""
     x = np.asarray(x)
     if x.dtype.kind not in "iufb":
         raise ValueError(f"the codes must be integers, not {x.dtype}")

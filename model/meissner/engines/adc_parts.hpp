@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The converters at pin level for the batch driver: the right bits at the right edges, no timing checks (those are
-// in tb/parts). Call step() once per clock with the pins the master drives; it returns nothing, `miso` and `busy`
-// are what the master samples at its next clock.
+// The converters at pin level for the batch driver: the right bits at the right edges, without timing checks (those
+// are in tb/parts). Call step() once per clock with the pins that the master drives; the master samples `miso` and
+// `busy` at its next clock.
 //
-// codes: the raw codes of channels 0 .. 7 at this moment, any bits above the part's ignored. With one lane wired,
-// mask `miso` to its lowest bit: a Verilated port takes whatever it is given.
+// codes: the raw codes of channels 0 .. 7 in this clock; bits above the part's width are ignored. With one lane
+// wired, mask `miso` to its lowest bit: a Verilated port does not truncate its value.
 
 #pragma once
 
@@ -14,8 +14,8 @@
 
 namespace meissner {
 
-// Microchip MCP3208: CLK rests low; start, single-ended and three channel bits in on rising edges, a null bit and
-// twelve code bits out on falling ones.
+// Microchip MCP3208: CLK idles low; it takes start, single-ended and three channel bits on rising edges, and sends a
+// null bit and twelve code bits on falling ones.
 struct Mcp3208 {
   bool miso = false;
   bool busy = false;
@@ -48,8 +48,8 @@ struct Mcp3208 {
   bool sclk_before = false;
 };
 
-// Analog Devices AD7606, serial: SCLK rests high; CS falling and every rising SCLK bring the next bit, V1 first on
-// DOUTA (bit 0 of miso), V5 first on DOUTB (bit 1). BUSY lasts busy_clocks from the clock CONVST rises in.
+// Analog Devices AD7606, serial: SCLK idles high; CS falling and every rising SCLK output the next bit, V1 first on
+// DOUTA (bit 0 of miso), V5 first on DOUTB (bit 1). BUSY lasts busy_clocks from the clock in which CONVST rises.
 struct Ad7606 {
   uint8_t miso = 0;
   bool busy = false;
@@ -97,8 +97,8 @@ struct Ad7606 {
   bool convst_before = false;
 };
 
-// Maxim MAX11123, MAX11124, MAX11125, manual scan: CLK rests high, command bits in on rising edges, answer bits out on
-// falling ones. CS falling samples the channel that the word before asked for; its answer is that of this word.
+// Maxim MAX11123, MAX11124, MAX11125, manual scan: CLK idles high; command bits are taken on rising edges, answer bits
+// sent on falling ones. CS falling samples the channel that the previous word requested; this word carries its answer.
 template <int Bits>
 struct Max1112x {
   bool miso = false;
@@ -131,7 +131,7 @@ using Max11123 = Max1112x<8>;
 using Max11124 = Max1112x<10>;
 using Max11125 = Max1112x<12>;
 
-// Any of them.
+// Common interface of these converters.
 struct Converter {
   uint8_t miso = 0;
   bool busy = false;
@@ -150,7 +150,7 @@ struct ConverterOf final : Converter {
   }
 };
 
-// By msn_pkg::adc_part_e; one with BUSY is busy for so many clocks.
+// The converter with this msn_pkg::adc_part_e; one with BUSY is busy for `busy_clocks`.
 inline std::unique_ptr<Converter> converter(int32_t number, int busy_clocks) {
   switch (number) {
     case 1: return std::make_unique<ConverterOf<Mcp3208>>();

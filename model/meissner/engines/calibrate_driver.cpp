@@ -3,8 +3,8 @@
 #include "Vmsn_calibrate___024root.h"
 #include "driver.hpp"
 
-// Load `taxels` offsets and gains, then send `frames` frames of codes, a taxel a clock unless the core waits;
-// `mask`: taxels to leave out. Returns the clocks it took, or -1 if not one force per code came out.
+// Load `taxels` offsets and gains, then send `frames` frames of codes, one taxel per clock unless the core stalls;
+// `mask`: taxels to leave out. Returns the clocks taken, or -1 unless there was exactly one force per code.
 extern "C" int64_t calibrate_run(const int32_t *codes, int64_t frames, int32_t taxels, int32_t columns,
                                  const int64_t *offset, const int64_t *gain, const uint8_t *mask, uint16_t *forces) {
   meissner::Driver<Vmsn_calibrate> driver;

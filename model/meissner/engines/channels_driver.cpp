@@ -1,4 +1,4 @@
-// Batch driver of the Verilated core behind a C ABI: whole arrays in, whole arrays out.
+// Batch driver of the Verilated core behind a C ABI: complete arrays in, complete arrays out.
 #include <cstring>
 
 #include "Vmsn_channels.h"
@@ -10,7 +10,7 @@ namespace {
 
 using Core = meissner::Driver<Vmsn_channels>;
 
-// What core_pins tells besides the decisions.
+// What core_pins reports in addition to the decisions.
 struct PinFacts {
   int64_t clocks, frames;
   meissner::Span period;    // clocks from convert start to convert start
@@ -33,8 +33,8 @@ Core *core_new() { return new Core; }
 
 void core_delete(Core *core) { delete core; }
 
-// Reset the core with the settings of the slip path, msn_registers_pkg::slip_cfg_t, lowest byte first; 0, or
-// kNoRoom if they are not as many bytes as its port has.
+// Reset the core with the settings of the slip path, msn_registers_pkg::slip_cfg_t, lowest byte first; returns 0, or
+// kNoRoom if the number of bytes is not that of the port.
 int64_t core_start(Core *core, const char *settings, int64_t bytes) {
   auto &top = core->top;
   if (bytes != sizeof(top.cfg_i)) return meissner::kNoRoom;
@@ -46,7 +46,7 @@ int64_t core_start(Core *core, const char *settings, int64_t bytes) {
 
 // Send `frames` frames of `channels` samples, one sample per clock, and collect every decision:
 // p2p, and flags = state | over << 3 | end << 4 | raised << 5. `moving` has one byte per frame, or is null.
-// Returns the number of decisions, or -1 if the core stalled or more than `room` came out.
+// Returns the number of decisions, or -1 if the core stalled or gave more than `room`.
 int64_t core_slip(Core *core, const int32_t *samples, int64_t frames, int32_t channels,
                   uint32_t sample_bits, const uint8_t *moving, uint32_t *p2p, uint8_t *flags,
                   int64_t room) {
@@ -59,7 +59,7 @@ int64_t core_slip(Core *core, const int32_t *samples, int64_t frames, int32_t ch
     top.in_last_i = channel == channels - 1;
     channel = channel == channels - 1 ? 0 : channel + 1;
   };
-  // Between frames with and without motion the samples on their way pass first: that input is not delayed with them.
+  // The motion input is not delayed with the samples, so samples in flight pass before it changes.
   for (int64_t first = 0, end; first < frames; first = end) {
     for (end = first + 1; end < frames && (!moving || moving[end] == moving[first]);) ++end;
     if (moving) top.actuator_moving_i = moving[first];
@@ -69,8 +69,8 @@ int64_t core_slip(Core *core, const int32_t *samples, int64_t frames, int32_t ch
   return decisions.ok ? decisions.count : meissner::kFailed;
 }
 
-// The same through the pins of a converter, channel 0 only: `part` of msn_pkg::adc_part_e, one with
-// BUSY busy for `busy_clocks`. Frames trace_from .. trace_to-1 go to trace_path if the core was built for it.
+// The same through the pins of a converter, channel 0 only: `part` of msn_pkg::adc_part_e; one with BUSY is
+// busy for `busy_clocks`. Frames trace_from .. trace_to-1 go to trace_path if the core was built for it.
 int64_t core_pins(Core *core, int32_t part, int32_t busy_clocks, const int32_t *codes, int64_t frames,
                   int64_t period, const uint8_t *moving, uint32_t *p2p, uint8_t *flags, int64_t room,
                   int64_t trace_from, int64_t trace_to, const char *trace_path, int64_t clk_khz,

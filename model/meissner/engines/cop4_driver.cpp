@@ -5,16 +5,16 @@
 
 extern "C" {
 
-// Every register as a number; `p` are the six terms of the correction.
+// Every register as a number; `p`: the six terms of the correction.
 struct Cop4Registers {
   int64_t rail, kx, shift_x, ky, shift_y, kf, shift_load, top, idle, busy, imbalance, min_load;
   int64_t p[6];
 };
 
-// Send `count` samples [count][4] of `bits` bits, one whenever the core takes it. flags: pressed, over << 1,
-// saturated << 2, imbalance << 3, open << 4. The last `trace_samples` samples and what follows go to
-// `trace_path`, if there is one and the core was built for it. Returns the clocks it took, or -1 if not one
-// result per sample came out.
+// Send `count` samples [count][4] of `bits` bits, each as soon as the core takes it. flags: pressed, over << 1,
+// saturated << 2, imbalance << 3, open << 4. The clocks from the last `trace_samples` samples on go to `trace_path`,
+// if given and if the core was built for it. Returns the clocks taken, or -1 unless there was exactly one result per
+// sample.
 int64_t cop4_run(const int32_t *codes, int64_t count, uint32_t bits, const Cop4Registers *registers, int16_t *x,
                  int16_t *y, uint16_t *load, uint8_t *flags, const char *trace_path, int64_t trace_samples,
                  int64_t clk_khz) {

@@ -1,4 +1,4 @@
-// Batch driver of the Verilated msn_cop: whole frames in, one result per frame out.
+// Batch driver of the Verilated msn_cop: complete frames in, one result per frame out.
 #include <cstring>
 
 #include "Vmsn_cop.h"
@@ -7,16 +7,16 @@
 
 extern "C" {
 
-// The arrays that results go to; mx and my as wide as their ports, without their sign extended.
+// The arrays for the results; mx and my are as wide as their ports and not sign-extended.
 struct CopResults {
   uint64_t *sum, *mx, *my;
   int16_t *x, *y;
   uint8_t *valid;
 };
 
-// Send `frames` frames of `rows` x `columns` forces, a beat a clock unless the core waits, each row padded
-// to whole beats. The last `trace_beats` beats and what follows go to `trace_path`, if there is one and the
-// core was built for it. Returns the clocks it took, or -1 if not one result per frame came out.
+// Send `frames` frames of `rows` x `columns` forces, one beat per clock unless the core stalls, each row padded
+// to full beats. The clocks from the last `trace_beats` beats on go to `trace_path`, if given and if the core was
+// built for it. Returns the clocks taken, or -1 unless there was exactly one result per frame.
 int64_t cop_run(const uint16_t *forces, int64_t frames, int32_t rows, int32_t columns, int64_t min_load, int32_t sum_bits,
                 const CopResults *results, const char *trace_path, int64_t trace_beats, int64_t clk_khz) {
   meissner::Driver<Vmsn_cop> driver;

@@ -9,7 +9,7 @@ struct CopSlipRegisters {
   int64_t drop, move, min_load, hold, refractory;
 };
 
-// moves: dx, dy [count][2]; flags: slip, raised << 1, over << 2, octant << 3. The rest is cop4_driver.cpp's.
+// moves: dx, dy [count][2]; flags: slip, raised << 1, over << 2, octant << 3. The rest is as in cop4_driver.cpp.
 int64_t cop_slip_run(const int16_t *x, const int16_t *y, const uint16_t *load, const uint8_t *pressed, int64_t count,
                      const CopSlipRegisters *registers, int32_t *moves, uint8_t *flags, const char *trace_path,
                      int64_t trace_samples, int64_t clk_khz) {

@@ -1,5 +1,5 @@
-// A whole core with its converters and its serial line, behind a C ABI: codes of a sensor at the pins, bytes on the
-// line both ways. The top is msn_core, or msn_board: a board resets itself, and its converters share their lines.
+// A complete core with its converters and its serial line, behind a C ABI: a sensor's codes at the pins, bytes on the
+// line in both directions. The top is msn_core, or msn_board, which resets itself and has converters with shared lines.
 #include <cstdint>
 #include <memory>
 #include <type_traits>
@@ -20,7 +20,7 @@ using Top = Vmsn_core;
 
 namespace {
 
-// A port of any width, bit by bit.
+// One bit of a port of any width.
 template <typename Port>
 bool bit_of(const Port &port, int place) {
   if constexpr (std::is_integral_v<Port>) {
@@ -30,7 +30,7 @@ bool bit_of(const Port &port, int place) {
   }
 }
 
-// The number of the bit that is set, of so many.
+// The number of the set bit of a one-hot port.
 template <typename Port>
 int one_of(const Port &port, int bits) {
   int place = 0;
@@ -75,7 +75,7 @@ struct Sensor {
     core.top.good_i = 1;
     core.top.moving_i = 0;
   }
-  // Up to eight rows have a line each; more are a number, and the line above it is low while a row is driven.
+  // Up to eight rows have a line each; more are driven as a number, with a line above it that is low while driving.
   int number_bits() const {
     int bits = 1;
     while (1 << bits < size.rows) ++bits;
@@ -85,7 +85,7 @@ struct Sensor {
     return size.rows > 8 ? core.top.row_o & ((1 << number_bits()) - 1) : one_of(core.top.row_o, size.rows);
   }
   bool dark() const { return size.rows > 8 && bit_of(core.top.row_o, number_bits()); }
-  bool converts() const { return true; }  // what stands there is seen at any time
+  bool converts() const { return true; }  // the board's converters see the inputs at any time
   int line(int) const { return 0; }
 #else
   void start() {
@@ -99,10 +99,10 @@ struct Sensor {
   int line(int lane) const { return lane; }
 #endif
 
-  // Frames begun.
+  // Number of frames begun.
   int64_t frame() const { return shown ? core.clocks / shown : converted / places; }
 
-  // What stands at the inputs of every converter from this clock on.
+  // Update the inputs of every converter from this clock on.
   void show() {
     const int32_t *first = &codes[frame() % frames * frame_codes + row() * size.columns];
     const int lanes = size.converters;
@@ -139,8 +139,8 @@ struct Sensor {
 
 extern "C" {
 
-// `codes`: frames of rows x columns, over and over; each for `shown` clocks, or, if that is 0, for
-// `places` conversions. `sixteenths`: of a clock, in a bit on the line.
+// `codes`: frames of rows x columns, repeated; each lasts `shown` clocks, or `places` conversions if `shown` is 0.
+// `sixteenths`: length of a bit on the line in sixteenths of a clock.
 Sensor *sensor_new(const Size *size, int32_t busy_clocks, int64_t places, int64_t shown, const int32_t *codes,
                    int64_t frames, int64_t sixteenths) {
   auto *sensor = new Sensor(*size, busy_clocks, places, shown, codes, frames, sixteenths);
@@ -153,7 +153,7 @@ void sensor_delete(Sensor *sensor) { delete sensor; }
 
 void sensor_write(Sensor *sensor, const uint8_t *data, int64_t count) { sensor->to_core.send(data, count); }
 
-// Runs `clocks` clocks, or until `room` bytes came; returns how many came.
+// Run for `clocks` clocks or until `room` bytes were received; returns the number of bytes.
 int64_t sensor_run(Sensor *sensor, int64_t clocks, uint8_t *out, int64_t room) {
   int64_t count = 0;
   for (; clocks > 0 && count < room; --clocks) {

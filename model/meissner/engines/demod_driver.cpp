@@ -3,8 +3,8 @@
 #include "Vmsn_am_demod___024root.h"
 #include "driver.hpp"
 
-// Measure `count` carriers of `length` samples each, skipped ones included. Returns the clocks it took, or -1
-// if not one amplitude per carrier came out.
+// Measure `count` carriers of `length` samples each, including skipped ones. Returns the clocks taken, or -1 unless
+// there was exactly one amplitude per carrier.
 extern "C" int64_t demod_run(const int32_t *samples, int64_t count, int64_t length, int64_t periods, int64_t skip,
                              int64_t shift, int32_t period_bits, int32_t skip_bits, int64_t *amplitudes) {
   meissner::Driver<Vmsn_am_demod> driver;

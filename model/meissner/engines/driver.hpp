@@ -1,6 +1,6 @@
-// The driver of a Verilated block, behind a C ABI: its clock and reset, settings and words in, results out, the clocks
-// that they take, and in a build with traces a VCD of the clocks that someone wants to see. A block's own .cpp says
-// only which pins get which word, and which pins are a result.
+// Common part of the drivers of Verilated blocks: clock and reset, settings and words in, results out, the number of
+// clocks taken and, in a build with traces, a VCD of chosen clocks. A block's own .cpp only maps words to input pins
+// and output pins to results.
 #pragma once
 #include <algorithm>
 #include <cstdint>
@@ -12,16 +12,16 @@
 
 namespace meissner {
 
-constexpr int64_t kFailed = -1;  // what a driver returns: a word was not taken, or the number of results was wrong
+constexpr int64_t kFailed = -1;  // a driver's return value: a word was not taken, or the number of results was wrong
 constexpr int64_t kNoRoom = -2;  // a setting does not fit its port
-constexpr int kTimeout = 1000;  // clocks that a word, or all results after the last word, may take
+constexpr int kTimeout = 1000;  // clocks for a word to be taken, or for all results after the last word
 
-// The lowest bits of a number, as a port takes it: Verilator does not cut what it is given.
+// The lowest bits of a number, for a port: Verilator does not truncate a value.
 constexpr uint32_t low_bits(int64_t value, int bits) {
   return static_cast<uint32_t>(value & ((int64_t{1} << bits) - 1));
 }
 
-// Settings on ports, none of them cut: `ok` is false once one had no room in the bits that its port has.
+// Settings on ports, without truncation: `ok` is false once a setting does not fit its port's bits.
 struct Settings {
   bool ok = true;
 
@@ -40,7 +40,7 @@ struct Settings {
   }
 };
 
-// The least and the most clocks between two events.
+// The smallest and the largest number of clocks between two events.
 struct Span {
   int64_t least = INT64_MAX, most = 0;
 
@@ -50,14 +50,14 @@ struct Span {
   }
 };
 
-// Up to `room` results: in each clock in which `valid()`, `take(k)` stores number k.
+// Up to `room` results: in each clock with `valid()`, `take(k)` stores number k.
 template <typename Valid, typename Take>
 struct Results {
   const int64_t room;
   Valid valid;
   Take take;
   int64_t count = 0;
-  bool ok = true;  // none came that there was no room for
+  bool ok = true;  // false after a result beyond `room`
 
   Results(int64_t room, Valid valid, Take take) : room(room), valid(valid), take(take) {}
 
@@ -73,7 +73,7 @@ struct Results {
   bool complete() const { return ok && count == room; }
 };
 
-// The last `words` words and what follows go to a VCD file at `path`; nullptr: none.
+// The clocks from the last `words` words on go to a VCD file at `path`; nullptr: none.
 struct Trace {
   const char *path = nullptr;
   int64_t words = 0, clk_khz = 0;
@@ -99,15 +99,15 @@ struct Driver {
 #endif
   }
 
-  // Scopes leave the thread's context, which is the newest one's: of several drivers it may be gone by then.
+  // Scopes are removed from the thread's context, that of the newest driver, which may no longer exist.
   ~Driver() {
     stop_trace();
     Verilated::threadContextp(&context);
   }
 
-  // One rising edge, and a look at results. Nothing in the core acts on the falling edge, so it is not evaluated,
-  // which is a third of the time: telling Verilator that the clock was low is enough. Should a release rename this
-  // member, the build fails.
+  // One rising edge, then a check for results. Nothing in the core acts on the falling edge, so it is not evaluated,
+  // which saves a third of the time: it is enough to set Verilator's record of the clock to low. If a release renames
+  // this member, the build fails.
   template <typename... Out>
   void clock(Out &...results) {
     ++clocks;
@@ -135,7 +135,7 @@ struct Driver {
     clocks = 0;
   }
 
-  // The same, of a block with one stream in and one out; its results are always taken.
+  // reset() of a block with one input and one output stream; its results are always taken.
   void start() {
     top.in_valid_i = 0;
     top.out_ready_i = 1;
@@ -147,8 +147,8 @@ struct Driver {
     return Results(room, [this] { return top.out_valid_o != 0; }, take);
   }
 
-  // Sends words 0 .. count-1, one whenever the block takes it: `put(k)` sets the pins of number k. False if one had to
-  // wait for `timeout` clocks.
+  // Sends words 0 .. count-1, each as soon as the block takes it: `put(k)` sets the pins of number k. False if a word
+  // is not taken within `timeout` clocks.
   template <typename Put, typename... Out>
   bool send(int64_t count, int timeout, const Trace &trace, const Put &put, Out &...results) {
     top.in_valid_i = 1;
@@ -167,7 +167,7 @@ struct Driver {
     return true;
   }
 
-  // Sends words until the last has its results. Returns the clocks since reset, or kFailed.
+  // Sends all words and waits for all results. Returns the clocks since reset, or kFailed.
   template <typename Put, typename... Out>
   int64_t run(int64_t count, const Trace &trace, const Put &put, Out &...results) {
     if (!send(count, kTimeout, trace, put, results...)) return kFailed;

@@ -1,6 +1,6 @@
-"""Engine ``fixed``: the integer twins, vectorised. Bit for bit what the RTL does.
+"""Engine ``fixed``: the integer twins, vectorised; bit-exact with the RTL.
 
-Each stage imports its twins where it runs, so a scene loads those of its features alone.
+Each stage imports its twins on use, so a scene loads only those of its features.
 """
 
 import numpy as np
@@ -19,7 +19,7 @@ def watch(x, config, moving=None):
 
 
 def windows(x, config, count):
-    """(p2p, slip, first) [channels, windows]: ``first`` is the detail of a tumbling window that crosses."""
+    """(p2p, slip, first) [channels, windows]; ``first``: a tumbling window's first detail over, else 0."""
     from meissner.twins.slip.peak_to_peak import sliding
     from meissner.twins.slip.slip_path import details
 
@@ -28,7 +28,7 @@ def windows(x, config, count):
     shape = (len(x), count)
     p2p = np.empty(shape, dtype=np.int64)
     first = np.zeros(shape, dtype=np.int64)
-    # In pieces that stay in the cache: four times faster on long recordings.
+    # In pieces that fit the cache: four times faster on long recordings.
     piece = max(1, (1 << 15) // (config.hop * len(x)))
     for start in range(0, count, piece):
         stop = min(count, start + piece)
@@ -54,7 +54,7 @@ def cop(forces, min_load=1):
 
     frames, rows, columns = forces.shape
     sums = np.empty((3, frames), dtype=np.int64)
-    piece = max(1, (1 << 17) // (rows * columns))  # stays in the cache as int64
+    piece = max(1, (1 << 17) // (rows * columns))  # fits the cache as int64
     for start in range(0, frames, piece):
         sums[:, start : start + piece] = moments(forces[start : start + piece])
     x, y, valid = cop_divide(*sums, rows, columns, min_load=min_load)

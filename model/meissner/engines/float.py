@@ -1,4 +1,4 @@
-"""Engine ``float``: textbook float64 with PyWavelets, the truth to measure the others against."""
+"""Engine ``float``: textbook float64 with PyWavelets, the reference for the other engines."""
 
 import numpy as np
 import pywt
@@ -32,7 +32,7 @@ def _sliding(detail, span):
 
 
 def _running(detail, span, hop):
-    """Peak-to-peak of the window that runs, at each detail, by SciPy's rank filters or window by window."""
+    """Peak-to-peak of the current window at each detail, by SciPy's rank filters or window by window."""
     if hop not in (span, span // 2):
         return _sliding(detail, span)
     p2p = np.empty_like(detail)
@@ -44,9 +44,9 @@ def _running(detail, span, hop):
 
 
 def first_crossing(x, config, start=0):
-    """First detail, from number ``start`` on, at which the exact sliding window crosses; None if none does.
+    """First detail, from number ``start`` on, at which the exact sliding window is over; None if none is.
 
-    The earliest that any detector with this wavelet, window and threshold can know; ``x``: [samples].
+    No detector with this wavelet, window and threshold can detect it earlier; ``x``: [samples].
     """
     detail, _ = _coefficients(np.asarray(x)[None], config)
     p2p = _sliding(detail, config.window >> config.level)[0]
@@ -74,7 +74,7 @@ def watch(x, config, moving=None):
 
 
 def windows(x, config, count):
-    """(p2p, slip, first) [channels, windows]: ``first`` is the detail of a tumbling window that crosses."""
+    """(p2p, slip, first) [channels, windows]; ``first``: a tumbling window's first detail over, else 0."""
     group = 1 << config.level
     span, hop = config.window // group, config.hop // group
     detail, _ = _coefficients(x, config)
@@ -91,7 +91,7 @@ def windows(x, config, count):
 def cop(forces, min_load=1):
     """sum, mx, my, x, y, valid of each frame of ``forces`` [frames, rows, columns].
 
-    The moments are integers below 2^53 and so exact; x and y can differ from the exact ones by the last
+    The moments are integers below 2^53 and so exact; x and y can differ from the exact ones in the last
     bit, where the quotient lies closer to a half than float64 resolves.
     """
     frames, rows, columns = forces.shape
@@ -117,7 +117,7 @@ def cop(forces, min_load=1):
 
 
 def demodulate(samples, carrier):
-    """Amplitudes [...] of carriers [..., samples]: the Fourier sum at the carrier, times the block's gain."""
+    """Amplitudes [...] of carriers [..., samples]: the Fourier sum at the carrier times the block's gain."""
     x = np.asarray(samples, dtype=np.float64)[..., carrier.skip :]
     turn = np.exp(-2j * np.pi * np.arange(x.shape[-1]) / carrier.block.samples_per_period)
     amplitude = 2 / x.shape[-1] * np.abs(x @ turn)
@@ -125,6 +125,6 @@ def demodulate(samples, carrier):
 
 
 def calibrate(codes, calibration):
-    """Forces of codes in float64, in which every product and sum of these integers is exact."""
+    """Forces of codes in float64, where every product and sum of these integers is exact."""
     force = (codes - calibration.offset.astype(float)) * calibration.gain / 2.0**calibration.gain_shift
     return np.where(calibration.dead, 0.0, np.clip(np.floor(force + 0.5), 0.0, float(MAX_FORCE)))

@@ -1,4 +1,4 @@
-"""The four electrodes in textbook float64: engine ``float``'s ``cop4`` and ``cop_slip``.
+"""The four electrodes in textbook float64: ``cop4`` and ``cop_slip`` of engine ``float``.
 
     x = Cx (E1-E3) / N     y = Cy (E2-E4) / M     load = Kf N / (D - N p)
     N = 2V0-E1-E3          M = 2V0+E2+E4          D = E1+E3-E2-E4
@@ -19,13 +19,13 @@ def _ratio(above, below, where):
 
 
 def measure(codes, config):
-    """x, y (-1 .. 1), load (N, infinite beyond every load) and faults' absence of codes [samples, 4]."""
+    """x, y (-1 .. 1), load (N, infinite if out of range) and absence of faults, of codes [samples, 4]."""
     mesh = config.mesh
     e1, e2, e3, e4 = (np.asarray(codes) * config.volts_per_code).T
     n, m, d = 2 * mesh.V0 - e1 - e3, 2 * mesh.V0 + e2 + e4, e1 + e3 - e2 - e4
     x = np.clip(_ratio(mesh.Cx * (e1 - e3), n, n > 0), -1, 1)
     y = np.clip(_ratio(mesh.Cy * (e2 - e4), m, m > 0), -1, 1)
-    n = np.clip(n, 0, 2 * mesh.V0)  # beyond is no sensor's
+    n = np.clip(n, 0, 2 * mesh.V0)  # no sensor gives more
     if config.fix is not None:
         d = d - n * (load_terms(x, y) @ config.fix.p)
     load = np.where(n > 0, np.where(d > 0, mesh.Kf * _ratio(n, d, d > 0), np.inf), 0.0)
@@ -36,8 +36,8 @@ def measure(codes, config):
 def flags(codes, registers):
     """saturated, imbalance, open (bit 0 for E1) of codes [samples, 4], by docs/cop4.md.
 
-    An electrode is open at ``idle`` or beyond while its partner, across the layer, is not beyond ``busy``;
-    the lower layer's codes are mirrored. N - M is minus the sum of the four.
+    An electrode is open at ``idle`` or above while its partner across the layer is at ``busy`` or below; the
+    lower layer's codes are mirrored. N - M is minus the sum of the four.
     """
     codes = np.asarray(codes, dtype=np.float64)
     top, idle, busy = registers.top, registers.idle, registers.busy
@@ -51,12 +51,12 @@ def flags(codes, registers):
 
 
 def _nearest(value):
-    """To integers, ties away from zero."""
+    """Round to integers, ties away from zero."""
     return np.sign(value) * np.floor(np.abs(value) + 0.5)
 
 
 def cop4(codes, config):
-    """``Cop4`` of codes [samples, 4]: the same numbers as the core's, each rounded once."""
+    """``Cop4`` of codes [samples, 4]: the core's numbers, each rounded once."""
     x, y, load, sound = measure(codes, config)
     top = (1 << LOAD_BITS) - 1
     load = _nearest(load / config.load_lsb_n)
@@ -69,7 +69,7 @@ def cop4(codes, config):
 def cop4_of_volts(solution):
     """x, y, load (N) and valid of each sample, from the electrodes of a mesh's Solution.
 
-    The voltages as they are: no converter. Not valid, and all zero, where nothing is loaded.
+    It uses the voltages directly, without a converter. Without a load, not valid and all zero.
     """
     mesh, valid = solution.mesh, solution.valid
     e1, e2, e3, e4 = solution.E1, solution.E2, solution.E3, solution.E4
@@ -79,10 +79,10 @@ def cop4_of_volts(solution):
 
 
 def cop_slip(codes, config, lag, registers):
-    """``Cop4`` and ``CopSlipResult`` of codes [samples, 4], the decisions on numbers that were not rounded.
+    """``Cop4`` and ``CopSlipResult`` of codes [samples, 4], with decisions on unrounded numbers.
 
-    slip where the load fell by more than a share of what it was ``lag`` samples before while a coordinate
-    moved; dx, dy in steps of Q2.14, fractions of one included; the octant is the nearest by angle.
+    slip where the load fell by more than a share of its value ``lag`` samples earlier while a coordinate
+    moved; dx, dy in units of Q2.14, with fractions; the octant is the nearest by angle.
     """
     found = cop4(codes, config)
     x, y, load, _ = measure(codes, config)

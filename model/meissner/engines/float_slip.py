@@ -1,4 +1,4 @@
-"""Slip states of engine ``float``: a loop of its own, by what happened when, on numbers not rounded."""
+"""Slip states of engine ``float``: an independent loop on the times of past events and unrounded numbers."""
 
 import numpy as np
 
@@ -6,7 +6,7 @@ NONE, CONTACT, INCIPIENT, GROSS, RELEASE = range(5)
 
 
 def states(p2p, level, config, moving):
-    """States [channels, details] of p2p and level, and how many details were over while blanked or moving."""
+    """States [channels, details] of p2p and level, and the number of details over while blanked or moving."""
     found, blanked = np.empty(p2p.shape, dtype=np.int8), 0
     for channel, (sizes, levels) in enumerate(zip(p2p.tolist(), level.tolist())):
         found[channel], count = _channel(sizes, levels, moving.tolist(), config)
@@ -18,7 +18,7 @@ def _channel(sizes, levels, moving, config):
     sign = 1 if config.contact_rises else -1
     press, let_go = sign * config.contact_level, sign * config.release_level
     state, blanked, states = NONE, 0, []
-    touched = slipped = calmed = left = -1  # the detail of each event's latest
+    touched = slipped = calmed = left = -1  # the detail at which each last happened
     for now, (size, level, moves) in enumerate(zip(sizes, levels, moving)):
         pressed, lifted = sign * level >= press, sign * level < let_go
         over = size > config.threshold

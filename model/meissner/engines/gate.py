@@ -1,4 +1,4 @@
-"""Engine ``gate``: the netlist after synthesis, in cells of an ECP5, behind the drivers of engine ``rtl``."""
+"""Engine ``gate``: the netlist after synthesis, in ECP5 cells, with the drivers of engine ``rtl``."""
 
 from meissner.engines import rtl, rtl_core
 from meissner.engines.verilated import of_gates

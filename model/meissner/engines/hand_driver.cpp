@@ -1,5 +1,5 @@
 // A core with the grip reflex behind a C ABI, in lockstep with a hand: frames of a control cycle in, its command out.
-// Samples come on the stream, registers on the open bus; packets are taken and dropped.
+// Samples use the stream, registers the parallel bus; packets are dropped.
 #include "Vmsn_core.h"
 #include "Vmsn_core___024root.h"
 #include "driver.hpp"
@@ -8,7 +8,7 @@ namespace {
 
 using Core = meissner::Driver<Vmsn_core>;
 
-// Decisions of a cycle: `flags` = over | end << 1 | channel << 2.
+// The decisions of a cycle: `flags` = over | end << 1 | channel << 2.
 struct Decisions {
   uint8_t *flags;
   int64_t room, count = 0;
@@ -62,7 +62,7 @@ int64_t hand_write(Core *core, int32_t address, uint32_t data) { return access(*
 
 int64_t hand_read(Core *core, int32_t address) { return access(*core, false, address, 0); }
 
-// Until the next word, at most `clocks`; the clocks that it took, or kFailed.
+// Wait for the next word, at most `clocks`; returns the clocks taken, or kFailed.
 int64_t hand_wait(Core *core, int64_t clocks) {
   for (int64_t i = 1; i <= clocks; ++i) {
     core->clock();
@@ -71,8 +71,8 @@ int64_t hand_wait(Core *core, int64_t clocks) {
   return meissner::kFailed;
 }
 
-// The frames of a cycle, one every `every` clocks, then the rest of it. Returns how many decisions came, all of them
-// four clocks before the word or earlier, or kFailed: then one was late, or a frame was not taken in its time.
+// Send the frames of a cycle, one every `every` clocks, then run to its word. Returns the number of decisions, which
+// all came at least four clocks before the word, or kFailed if one was late or a frame was not taken in time.
 int64_t hand_next(Core *core, const int32_t *codes, int64_t frames, int32_t channels, int64_t every, int64_t clocks,
                   uint8_t *flags, int64_t room, int32_t *word) {
   auto &top = core->top;

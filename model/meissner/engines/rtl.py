@@ -1,6 +1,6 @@
-"""Engine ``rtl``: the Verilated core behind batch C++ drivers, whole numpy arrays in and out.
+"""Engine ``rtl``: the Verilated core behind batch C++ drivers, complete numpy arrays in and out.
 
-Each stage imports its driver where it runs, so a scene loads those of its features alone.
+Each stage imports its driver on use, so a scene loads only those of its features.
 """
 
 
@@ -19,7 +19,7 @@ def watch_pins(recording, config, waves=None):
 
 
 def windows(x, config, count):
-    """(p2p, slip, first) [channels, windows]: ``first`` is the detail of a tumbling window that crosses."""
+    """(p2p, slip, first) [channels, windows]; ``first``: a tumbling window's first detail over, else 0."""
     from meissner.engines import rtl_slip
 
     return rtl_slip.windows(x, config, count)
@@ -33,14 +33,14 @@ def cop(forces, min_load=1, waves=None):
 
 
 def cop4(codes, config, waves=None):
-    """``Cop4`` of codes [samples, 4] on the core that ``config`` (Cop4Config) asks for."""
+    """``Cop4`` of codes [samples, 4] on the core for ``config`` (Cop4Config)."""
     from meissner.engines import rtl_cop4
 
     return rtl_cop4.cop4(codes, config, waves)
 
 
 def cop_slip(codes, config, lag, registers, waves=None):
-    """``Cop4`` and ``CopSlipResult`` of codes [samples, 4]: msn_cop4, and msn_cop_slip on what it gave."""
+    """``Cop4`` and ``CopSlipResult`` of codes [samples, 4]: msn_cop4, then msn_cop_slip on its results."""
     from meissner.engines import rtl_cop4
 
     return rtl_cop4.cop_slip(codes, config, lag, registers, waves)

@@ -1,4 +1,4 @@
-"""The centre of pressure on the Verilated msn_cop: engine ``rtl``'s ``cop``."""
+"""The centre of pressure on the Verilated msn_cop: ``cop`` of engine ``rtl``."""
 
 import ctypes
 
@@ -7,9 +7,9 @@ import numpy as np
 from meissner.engines import verilated
 from meissner.twins.cop.cop_accumulate import sum_bits
 
-WIDE = 16  # columns from which eight lanes simulate faster than one
+WIDE = 16  # from this many columns on, eight lanes simulate faster than one
 TRACE_CLK_KHZ = 100_000
-TRACE_BEATS = 2000  # before the end: a VCD of some megabytes
+TRACE_BEATS = 2000  # at the end: a VCD of a few megabytes
 
 
 class _Results(ctypes.Structure):
@@ -17,7 +17,7 @@ class _Results(ctypes.Structure):
 
 
 def lanes(columns):
-    """Columns a beat that a build for this many takes."""
+    """Columns per beat of a build for this many columns."""
     return 8 if columns >= WIDE else 1
 
 
@@ -35,7 +35,7 @@ def _open(rows, columns, trace=False):
 
 
 def _signed(values, bits):
-    """Two's complement of ``bits`` bits in uint64 as int64."""
+    """Two's complement of ``bits`` bits in uint64, sign-extended to int64."""
     spare = 64 - bits
     return values.view(np.int64) << spare >> spare
 
@@ -43,7 +43,7 @@ def _signed(values, bits):
 def cop(forces, min_load=1, waves=None):
     """sum, mx, my, x, y, valid of each frame of ``forces`` [frames, rows, columns].
 
-    ``waves``: path of a VCD file, which holds the last TRACE_BEATS beats and the computation after them.
+    ``waves``: path of a VCD file for the last TRACE_BEATS beats and the computation after them.
     """
     frames, rows, columns = forces.shape
     lib = _open(rows, columns, waves is not None)
@@ -74,7 +74,7 @@ def cop(forces, min_load=1, waves=None):
 
 
 def shown(load, shape):
-    """Frames for ``waves``: as many before the greatest ``load``, and that one, as the VCD has room for."""
+    """Frames for ``waves``: as many as fit the VCD, the last being that with the largest ``load``."""
     rows, columns = shape
     count = max(1, TRACE_BEATS // (rows * -(-columns // lanes(columns))))
     last = int(np.argmax(load)) + 1

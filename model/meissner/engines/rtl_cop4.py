@@ -40,9 +40,9 @@ def _traced(waves, count):
 
 
 def cop4(codes, config, waves=None):
-    """``Cop4`` of codes [samples, 4] on the core that ``config`` (Cop4Config) asks for.
+    """``Cop4`` of codes [samples, 4] on the core for ``config`` (Cop4Config).
 
-    ``waves``: path of a VCD file, which holds the last TRACE_SAMPLES samples.
+    ``waves``: path of a VCD file for the last TRACE_SAMPLES samples.
     """
     lib = _open(config.sample_bits, config.terms is not None, waves is not None)
     codes = np.ascontiguousarray(codes, dtype=np.int32)
@@ -80,9 +80,9 @@ def _open_slip(lag, trace):
 
 
 def cop_slip(codes, config, lag, registers, waves=None):
-    """``Cop4`` and ``CopSlipResult`` of codes [samples, 4]: msn_cop4, and msn_cop_slip on what it gave.
+    """``Cop4`` and ``CopSlipResult`` of codes [samples, 4]: msn_cop4, then msn_cop_slip on its results.
 
-    ``waves``: path of a VCD file, which holds msn_cop_slip's last TRACE_SAMPLES samples.
+    ``waves``: path of a VCD file for the last TRACE_SAMPLES samples of msn_cop_slip.
     """
     found = cop4(codes, config)
     lib, count = _open_slip(lag, waves is not None), len(found.x)

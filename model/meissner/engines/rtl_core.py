@@ -1,4 +1,4 @@
-"""The whole core on Verilator, on its own or in a board: codes at its converters' pins, bytes on its line."""
+"""The complete core on Verilator, alone or in a board: codes at its converters' pins, bytes on its line."""
 
 import ctypes
 from contextlib import nullcontext
@@ -11,7 +11,7 @@ from meissner.engines import verilated
 from meissner.twins.link.uart_tx import sixteenths
 
 CONVERSION_NS = 4000  # of a converter with BUSY
-PIECE = 2000  # clocks between two looks at the line
+PIECE = 2000  # clocks simulated per read of the line
 
 
 class _Size(ctypes.Structure):
@@ -40,18 +40,18 @@ def _open(parameters, folder):
 
 
 class CoreOnPins:
-    """A build of ``config`` (meissner.builds.build.Config) with a sensor that gives ``codes``, over and over.
+    """A build of ``config`` (meissner.builds.build.Config) with a sensor that repeats ``codes``.
 
-    ``codes``: integers [frames, rows, columns] of an array, [frames, channels] else. ``read`` and ``write``
+    ``codes``: integers [frames, rows, columns] of an array, else [frames, channels]. ``read`` and ``write``
     are the bytes of the line, as meissner.host.pty and meissner.host.line take them; reading runs the core.
-    ``board``: (boards.Board, name), of which ``config`` is; nothing but its pins is seen, and each frame of
-    codes stands there for its period.
+    ``board``: (boards.Board, name) that ``config`` belongs to; then only its pins are used, and each frame
+    of codes stays at the inputs for one frame period.
     """
 
     def __init__(self, config, codes, board=None):
         self.config = config
         self.units = config.units
-        self.registers = bool(config.link["registers"])  # whether a host may ask
+        self.registers = bool(config.link["registers"])  # whether a host can access registers
         codes = np.ascontiguousarray(codes, dtype=np.int32)
         array = config.kind == "array"
         shape = (config.sensor["rows"], config.sensor["columns"]) if array else (config.channels,)
@@ -93,16 +93,16 @@ class CoreOnPins:
 
     @property
     def simulated_s(self):
-        """Seconds since reset, by its own clock."""
+        """Seconds since reset, by the core's clock."""
         return self.now / (1000 * self.config.clk_khz)
 
     @property
     def frames(self):
-        """Frames of which the conversion began."""
+        """Frames whose conversion has begun."""
         return self._lib.sensor_frames(self._core)
 
     def run(self, clocks):
-        """The bytes that the core says in so many clocks."""
+        """The bytes that the core sends in ``clocks`` clocks."""
         room = int(clocks // 40 + 64)
         out = (ctypes.c_uint8 * room)()
         end, found = self.now + clocks, bytearray()
@@ -112,7 +112,7 @@ class CoreOnPins:
         return bytes(found)
 
     def read(self, n):
-        """At most ``n`` bytes of the line; b"" if none came in a piece of time."""
+        """At most ``n`` bytes of the line; b"" if none arrived within PIECE clocks."""
         if not self._waiting:
             self._waiting += self.run(PIECE)
         data = bytes(self._waiting[:n])
@@ -124,9 +124,9 @@ class CoreOnPins:
 
 
 def line(board, name, codes, gates=False):
-    """What the serial line of a board with that configuration says, as bytes, from power-up on.
+    """The bytes on the serial line of a board with that configuration, from power-up on.
 
-    ``codes``: as of CoreOnPins, each frame once; ``gates``: the netlist after synthesis for this board.
+    ``codes``: as in CoreOnPins, each frame once; ``gates``: run the netlist after synthesis for this board.
     """
     with verilated.gates(board.cells) if gates else nullcontext():
         built = CoreOnPins(board.config(name), codes, (board, name))

@@ -1,4 +1,4 @@
-"""The front end of arrays on the Verilated blocks: engine ``rtl``'s ``demodulate`` and ``calibrate``."""
+"""The front end of arrays on the Verilated blocks: ``demodulate`` and ``calibrate`` of engine ``rtl``."""
 
 import ctypes
 
@@ -23,7 +23,7 @@ def demodulate(samples, carrier):
     lib = _open_demod(block.form, block.samples_per_period)
     samples = np.ascontiguousarray(samples, dtype=np.int32)
     amplitudes = np.zeros(samples.shape[:-1], dtype=np.int64)
-    periods = carrier.periods & (1 << block.period_bits) - 1  # 0 stands for all of them
+    periods = carrier.periods & (1 << block.period_bits) - 1  # 0 stands for 2**period_bits
     clocks = lib.demod_run(
         samples.ctypes.data,
         amplitudes.size,

@@ -1,4 +1,4 @@
-"""Engine ``rtl`` of a hand in closed loop: a Verilated core for each run, stepped with the physics."""
+"""Engine ``rtl`` for a hand in closed loop: a Verilated core for each run, stepped with the physics."""
 
 import ctypes
 from functools import cache
@@ -10,8 +10,8 @@ from meissner.twins.actuate.grip import Command
 from meissner.twins.link.register_map import GROUPS
 from meissner.twins.slip.config import SAMPLE_BITS, TIMER_BITS
 
-EVERY = 8  # clocks from frame to frame: what the core needs for two samples and their decisions
-REST = 32  # clocks of a cycle besides: registers are read, the last decision comes
+EVERY = 8  # clocks from frame to frame: enough for two samples and their decisions
+REST = 32  # further clocks of a cycle, for register reads and the last decision
 ADDRESS = {f"{g.name}.{r.name}": r.address for g in GROUPS for r in g.registers}
 
 
@@ -35,8 +35,8 @@ def _open(path):
 class Core:
     """One core of a hand with ``fingers``; ``slip``: SlipConfig, ``actuate``: ActuateConfig.
 
-    Its control cycle is of ``frames`` frames, whatever the settings say, and as many clocks as these need.
-    ``start``: the command that it begins with, or None: its minimum.
+    Its control cycle has ``frames`` frames, regardless of the settings, and as many clocks as these need.
+    ``start``: its first command; None: its minimum.
     """
 
     def __init__(self, fingers, slip, actuate, frames, start=None):
@@ -52,7 +52,7 @@ class Core:
         settings = actuate.settings | {"period": self.period, "enable": 0}
         for name, value in settings.items():
             self[f"grip.{name}"] = value
-        # The first command is the minimum, wherever the hand is: until then the minimum is the start.
+        # The reflex's first command is always the minimum, so the minimum is set to the start until then.
         self["grip.minimum"] = settings["minimum"] if start is None else start
         self["grip.enable"] = 1
         self._done(self._lib.hand_wait(self._core, 2 * self.period))

@@ -13,8 +13,8 @@ from meissner.twins.link.registers import members, struct_bytes
 from meissner.twins.slip.config import SAMPLE_BITS, TIMER_BITS
 
 ADC_PARTS = {"MCP3208": 1, "AD7606": 2}  # msn_pkg::adc_part_e
-# The clock of a pin-level run: the slowest that gives the MCP3208 its full 2 MHz, as simulation time counts
-# clocks. BUSY then lasts the AD7606's 4 us.
+# The clock of a pin-level run: the slowest with the MCP3208's full 2 MHz, since simulation takes time per
+# clock. BUSY then lasts 4 us, as the AD7606's does.
 PIN_CLK_KHZ, PIN_SCLK_KHZ, PIN_BUSY_CLOCKS = 4000, 2000, 16
 
 
@@ -51,7 +51,7 @@ def _open(path):
 
 
 def _settings(config):
-    """The bytes of msn_channels' cfg_i, the lowest first, in whole words: each setting of the group slip."""
+    """The bytes of cfg_i of msn_channels, lowest first, in full words: every setting of the group slip."""
     values = {member: int(getattr(config, member) or 0) for member in members("slip")}
     values["keep_threshold"] = config.keeps_above
     return struct_bytes("slip", values, {"detail": SAMPLE_BITS + config.level, "timer": TIMER_BITS})
@@ -73,7 +73,7 @@ class Core:
         self._lib.core_delete(self._core)
 
     def slip(self, x, moving=None):
-        """Send ``x`` [channels, samples]; returns (p2p, flags), one of each per decision in their order."""
+        """Send ``x`` [channels, samples]; returns (p2p, flags), one of each per decision, in order."""
         channels, frames = x.shape
         samples = np.ascontiguousarray(x.T, dtype=np.int32)
         p2p = np.empty(samples.size, dtype=np.uint32)
@@ -106,7 +106,7 @@ class Core:
 
     @property
     def blanked(self):
-        """Details that were over while blanked or while the actuator moved, since reset."""
+        """Number of details since reset that were over while blanked or while the actuator moved."""
         return self._lib.core_blanked(self._core)
 
 
@@ -130,7 +130,7 @@ def _run(x, config, moving=None):
 
 @dataclass(frozen=True)
 class Pins:
-    """A run at the converter's pins: its output, and the clocks it took."""
+    """A run at the converter's pins: its output and the number of clocks."""
 
     watched: Watched
     facts: dict
@@ -139,7 +139,7 @@ class Pins:
 def watch_pins(recording, config, waves=None):
     """Run a scene's recording through the pins of its converter; ``waves``: path of a VCD file.
 
-    The VCD holds 20 ms around the first rise of the flag (or the start, if it never rises).
+    The VCD covers 20 ms around the first rise of the flag (or the start, if it never rises).
     """
     part = recording.scene.adc_part
     period = round(PIN_CLK_KHZ * 1000 / recording.scene.rate_hz)
@@ -189,7 +189,7 @@ def _watched(p2p, flags, blanked):
 
 
 def windows(x, config, count):
-    """(p2p, slip, first) [channels, windows]: ``first`` is the detail of a tumbling window that crosses."""
+    """(p2p, slip, first) [channels, windows]; ``first``: a tumbling window's first detail over, else 0."""
     p2p, flags, _ = _run(x, config)
     ends = np.flatnonzero(flags[:, 0] & 16)
     if len(ends) != count:

@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A serial line, 8N1, beside a Verilated core: a bit lasts a number of sixteenths of a clock, as in msn_uart_tx.
+// A serial line, 8N1, for a Verilated core: a bit lasts a number of sixteenths of a clock, as in msn_uart_tx.
 #pragma once
 #include <cstdint>
 #include <deque>
 
 namespace meissner {
 
-// Bytes of a line that is looked at once a clock, each bit in its middle.
+// Receives bytes from a line that is given once per clock; each bit is sampled in its middle.
 class Receiver {
  public:
   explicit Receiver(int64_t sixteenths) : bit_(sixteenths) {}
 
   // The level of this clock; true if it completes a byte, which is then in `byte`.
   bool step(bool level) {
-    idle_ = idle_ || level;  // before the line has rested it may say anything
+    idle_ = idle_ || level;  // until the line has been idle its level means nothing
     if (place_ < 0) {
       if (idle_ && !level) place_ = 0, read_ = 0, left_ = bit_ * 3 / 2;  // the middle of the lowest bit
       return false;
@@ -39,7 +39,7 @@ class Receiver {
   bool idle_ = false;
 };
 
-// Levels of bytes that are sent one after another.
+// Levels of the line for back-to-back bytes.
 class Sender {
  public:
   explicit Sender(int64_t sixteenths) : bit_(sixteenths) {}
@@ -50,7 +50,7 @@ class Sender {
   bool step() {
     if (gone_ >= 10 * bit_) {
       bytes_.pop_front();
-      gone_ -= 10 * bit_;  // the next one begins a part of a clock late
+      gone_ -= 10 * bit_;  // the next byte begins a fraction of a clock late
       if (bytes_.empty()) gone_ = 0;
     }
     if (bytes_.empty()) return true;

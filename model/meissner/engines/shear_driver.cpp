@@ -1,4 +1,4 @@
-// Batch driver of the Verilated estimators of shear speed behind a C ABI: whole arrays in, whole arrays out.
+// Batch driver of the Verilated shear speed estimators behind a C ABI: complete arrays in, complete arrays out.
 #include <cstring>
 
 #include "Vmsn_shear_speeds.h"
@@ -10,7 +10,7 @@ namespace {
 constexpr int64_t kWindow = 64;
 constexpr int kWork = 80;  // clocks from a window's last sample until all channels are in the registers
 
-// The word of `channel` in the status: channel 0 highest, then two levels and a count; speed above flags.
+// The word of `channel` in the status: channel 0 highest, below all channels two levels and a count; speed above flags.
 template <typename Status>
 uint32_t word_of(const Status &status, int channel) {
   constexpr int kBelow = 26 + 27 + 32;
@@ -26,7 +26,7 @@ extern "C" {
 
 // Reset with the settings, msn_registers_pkg::shear_speed_cfg_t, lowest byte first; send `frames` frames of `channels`
 // samples; `moving` has one byte per frame, or is null. `words`: the registers of all channels after each window.
-// Returns the windows, kNoRoom if the settings are not as many bytes as the port has, or kFailed.
+// Returns the number of windows, kNoRoom if the number of bytes of the settings is not that of the port, or kFailed.
 int64_t shear_speeds(const char *settings, int64_t bytes, const int32_t *samples, int64_t frames, int32_t channels,
                      const uint8_t *moving, uint32_t *words, int64_t room) {
   meissner::Driver<Vmsn_shear_speeds> core;
@@ -47,7 +47,7 @@ int64_t shear_speeds(const char *settings, int64_t bytes, const int32_t *samples
   int64_t count = 0;
   for (int64_t frame = 0; frame < frames; ++frame) {
     if (moving && moving[frame] != top.actuator_moving_i) {
-      for (int i = 0; i < 4; ++i) core.clock();  // what is on its way passes
+      for (int i = 0; i < 4; ++i) core.clock();  // samples in flight pass
       top.actuator_moving_i = moving[frame];
       for (int i = 0; i < 4; ++i) core.clock();
     }

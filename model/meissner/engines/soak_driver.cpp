@@ -1,5 +1,5 @@
-// The serial link under full load: images always, CoP frames often, slip events in bursts; every event is looked for on
-// the line, in order, through the portable decoder.
+// The serial link under full load: images all the time, CoP frames often, slip events in bursts; every event must
+// appear on the line, in order, through the portable decoder.
 #include <cstdint>
 #include <deque>
 #include <random>
@@ -27,8 +27,8 @@ struct Soak {
   int64_t events, lost, wrong, images, cops, clocks, held;
 };
 
-// Until `events` events came out. `sixteenths`: of a clock, in a bit; `mean`: clocks between two events on the average; `burst`:
-// events that come together at most.
+// Run until `events` events were received or lost. `sixteenths`: sixteenths of a clock in a bit; `mean`: average
+// number of clocks between two events; `burst`: largest number of events in a burst.
 void soak_run(int64_t events, int64_t sixteenths, int32_t mean, int32_t burst, int32_t taxels, uint32_t seed, Soak *out) {
   meissner::Driver<Vmsn_link> core;
   auto &top = core.top;
@@ -80,7 +80,7 @@ void soak_run(int64_t events, int64_t sixteenths, int32_t mean, int32_t burst, i
     if (packet.type == MSN_IMAGE) ++out->images;
     if (packet.type == MSN_COP) ++out->cops;
     if (packet.type != MSN_SLIP) continue;
-    // Those before it in the queue never came.
+    // Events before it in the queue are lost.
     while (!sent.empty() && sent.front().time != packet.time) {
       sent.pop_front();
       ++out->lost;

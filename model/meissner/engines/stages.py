@@ -1,9 +1,9 @@
-"""An engine with the core's features that a scene names: another stage is neither built nor loaded."""
+"""An engine with the core's features that a scene names: no other stage is built or loaded."""
 
 from meissner.engines import load
 from meissner.engines.features import FEATURES, of
 
-# {function of an engine: the feature that it is}
+# {function of an engine: its feature}
 STAGES = {
     **dict.fromkeys(("watch", "watch_pins", "windows"), "slip"),
     **{"cop": "cop", "cop4": "cop4", "cop_slip": "cop_slip", "demodulate": "demod", "calibrate": "calibrate"},
@@ -12,7 +12,7 @@ STAGES = {
 
 
 def need(features, name):
-    """ValueError unless a core with these ``features`` has that one."""
+    """Raise ValueError unless ``name`` is among the core's ``features``."""
     if name not in features:
         raise ValueError(
             f"the core is built without {name}: features names {', '.join(features) or 'nothing'}"
@@ -20,8 +20,8 @@ def need(features, name):
 
 
 def function(engine, name, *otherwise):
-    """That of an engine for a stage; ``otherwise``, or AttributeError, where it has none."""
-    found = load(engine)  # refuses what cannot run here
+    """An engine's function for a stage; without one, ``otherwise`` or AttributeError."""
+    found = load(engine)  # refuses an engine that cannot run here
     if name in FEATURES:
         return of(name)[engine]
     return getattr(found, name, *otherwise)

@@ -1,4 +1,4 @@
-"""Builds of Verilated modules behind a batch C++ driver: made once for a source and a configuration."""
+"""Builds of Verilated modules behind a batch C++ driver, made once per source and configuration."""
 
 import hashlib
 import os
@@ -15,13 +15,13 @@ from pathlib import Path
 from meissner.builds import boards, kept, netlist, toolchain
 
 HERE = Path(__file__).parent
-# The family whose cells library() builds from; None: the sources themselves.
+# The family whose netlists library() builds; None: it builds the sources themselves.
 CELLS = ContextVar("CELLS", default=None)
 
 
 @contextmanager
 def gates(cells):
-    """Within it all builds are of netlists after synthesis for this family: ice40, ecp5 or gowin."""
+    """A context in which all builds use netlists after synthesis for this family: ice40, ecp5 or gowin."""
     before = CELLS.set(cells)
     try:
         yield
@@ -30,7 +30,7 @@ def gates(cells):
 
 
 def of_gates(function):
-    """``function`` of engine gate, for one of engine rtl: what it builds is a netlist in cells of an ECP5."""
+    """``function`` of engine rtl as one of engine gate: it builds a netlist in ECP5 cells."""
 
     @wraps(function)
     def run(*arguments, **named):
@@ -41,7 +41,7 @@ def of_gates(function):
 
 
 def cached(build):
-    """functools.cache for what is built by library(): netlists are kept apart from sources."""
+    """functools.cache for builds by library(): netlists and sources have separate entries."""
     known = cache(lambda cells, *arguments: build(*arguments))
 
     @wraps(build)
@@ -53,7 +53,7 @@ def cached(build):
 
 
 def with_make(command, environment):
-    """Run a command of Verilator's, and the makefile that it writes."""
+    """Run a command of Verilator and the makefile that it writes."""
     return subprocess.run(
         [*command, "--build", "-j", "2"],
         env=environment,
@@ -63,26 +63,26 @@ def with_make(command, environment):
     )
 
 
-compiled = with_make  # tests put units.without_make in its place (tb/conftest.py)
+compiled = with_make  # tests replace it by units.without_make (tb/conftest.py)
 
 
 def check_room(found):
-    """ValueError where a driver says that a setting is wider than its port: kNoRoom of driver.hpp."""
+    """Raise ValueError if a driver returns kNoRoom of driver.hpp: a setting is wider than its port."""
     if found == -2:
         raise ValueError("a setting is wider than the core has bits for")
 
 
 def library(top, driver, parameters, trace=False, include=None):
-    """Path of ``top`` with these parameters behind ``driver``; built now if this source was not before.
+    """Path of the library of ``top`` with these parameters and ``driver``, built now unless it exists.
 
-    ``driver``: a .cpp file beside this one; its .vlt, if there is one, says which inner signals it reads.
+    ``driver``: a .cpp file in this folder; its .vlt, if it exists, names the internal signals that it reads.
     ``include``: folder of a board's msn_build.svh, from the repository's root, for rtl/boards.
     """
     environment = toolchain.environment()
     driver = HERE / driver
     told = driver.with_suffix(".vlt")
     if CELLS.get() is None:
-        # A board's top is in no list: it takes all. Verilator reads those for a third of a second.
+        # A board's top is in no list, so it takes all sources, which Verilator reads in a third of a second.
         sources = toolchain.sources() if include is not None else toolchain.sources_of(top)
         checks = [*toolchain.VERILATOR_FLAGS]
         if include is not None:
@@ -91,7 +91,7 @@ def library(top, driver, parameters, trace=False, include=None):
             checks += [f"-I{toolchain.for_make(toolchain.ROOT / include)}"]
             checks += [str(toolchain.for_make(toolchain.ROOT) / "rtl/verilator.vlt")]
         checks += [*(f"-G{name}={value}" for name, value in parameters.items())]
-    else:  # a netlist is not written in the house style, and its parameters are no more
+    else:  # a netlist is not in the house style and has no parameters left
         text = told.read_text("utf-8") if told.exists() else ""
         read = re.findall(rf'public_flat_rd -module "{top}" -var "(\w+)"', text)
         sources = netlist.verilog(top, parameters, CELLS.get(), read, include)

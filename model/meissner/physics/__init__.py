@@ -1,1 +1,1 @@
-"""Physics: what the sensor, the object and the converter do. Float, seeded, never bit-exact."""
+"""Physics of the sensor, the object and the converter: floating point, seeded, never bit-exact."""

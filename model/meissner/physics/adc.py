@@ -3,10 +3,10 @@
     code = clamp(floor((V + noise - low_v)/lsb + 1/2) + min_code),   lsb = (high_v - low_v)/2^bits
 
 ``min_code`` is 0 for a range that starts at 0 V (unsigned parts) and -2^(bits-1) for a symmetric one
-(two's complement parts). Noise is the converter's own, white and Gaussian, one draw a sample.
+(two's complement parts). The noise is the converter's own, white and Gaussian, one draw per sample.
 
-Over-range is a property of the input, not of the noise: V outside low_v .. high_v. A sensor that rests
-exactly at full scale, as the unpressed divider does, is in range.
+Over-range depends on the input without the noise: V outside low_v .. high_v. A sensor that rests exactly at
+full scale, as the unpressed divider does, is in range.
 
 Not modelled: integral and differential non-linearity, offset and gain error, aperture jitter, channel
 crosstalk, reference drift, the AD7606's anti-alias filter (15 kHz, above the band of the scenes).
@@ -47,7 +47,7 @@ class Adc:
         return self.min_code + (1 << self.bits) - 1
 
     def convert(self, volts, rng=None):
-        """Return ``(codes int64, over_range bool)``, one of each per sample; no noise without ``rng``."""
+        """``(codes int64, over_range bool)``, one of each per sample; no noise without ``rng``."""
         volts = np.asarray(volts, dtype=float)
         over_range = (volts < self.low_v) | (volts > self.high_v)
         if rng is not None and self.noise_v:
@@ -64,11 +64,11 @@ class Adc:
         return (np.asarray(codes) - self.min_code) * self.lsb_v + self.low_v
 
 
-# MCP3208 at 5 V: typical SINAD 72 dB, THD -82 dB (DS21298, 1 kHz, 0.1 to 4.9 V). Taking the distortion
-# out leaves 0.404 mV rms, of which 0.352 mV is quantisation: 0.198 mV are the part's own.
+# MCP3208 at 5 V: typical SINAD 72 dB, THD -82 dB (DS21298, 1 kHz, 0.1 to 4.9 V). Without the distortion
+# 0.404 mV rms remain; 0.352 mV of these are quantisation and 0.198 mV the part's own noise.
 MCP3208_NOISE_V = 0.198e-3
-# AD7606, +-5 V, no oversampling: typical SNR 89 dB of a full-scale sine is 0.1255 mV rms, of which
-# 0.044 mV is quantisation: 0.117 mV.
+# AD7606, +-5 V, no oversampling: typical SNR 89 dB of a full-scale sine is 0.1255 mV rms; 0.044 mV of these
+# are quantisation and 0.117 mV the part's own noise.
 AD7606_NOISE_V = 0.117e-3
 PARTS = {
     "MCP3208": Adc(bits=12, low_v=0.0, high_v=5.0, noise_v=MCP3208_NOISE_V),

@@ -1,24 +1,24 @@
-"""The published capacitive pad: tabs of rubber between crossed traces, one amplifier a column, a carrier.
+"""The published capacitive pad: rubber tabs between crossed traces, an amplifier per column, a carrier.
 
     Vout = -Vin·G·Ycell / (G·Yref + Ycell + Yref + Yu + Yop)      Y = jw·C + 1/R, G the amplifier's gain
 
-is Kirchhoff's law at the amplifier's input (eq. 11 to 15 with every term kept). Without leakage its size is
+is Kirchhoff's law at the amplifier's input (eq. 11 to 15, all terms kept). Its magnitude without leakage:
 
     |Vout| = Vin·G·Ccell / (G·Cref + Cu + Cref + Ccell)           eq. 18
 
-Cu is all that hangs on the same column: its unselected cells, whose rows are grounded, and stray. So a press
-anywhere in a column takes from the reading of every cell of it, the less the larger G is.
+Cu is the rest of the column's capacitance: its unselected cells, whose rows are grounded, and stray. So a
+press anywhere in a column lowers the reading of all its cells, the less the larger G is.
 
-A tab is a neo-Hookean cylinder bonded at both ends, on a backing that does not compress:
+A tab is a neo-Hookean cylinder bonded at both ends, on an incompressible backing:
 
     F = A·E'/3·(1/u^2 - u)     u: height over height at rest,  E' = E·(1 + 2·S^2),  S = d/4h   (Gent)
     C = C0·(b + h) / (b + h·u)
 
-A sheet without tabs has a shape factor S without bound and feels nothing, as published. Droop and sag: a
-share of the force acts late, through a spectrum of creep that is slower when the rubber expands.
+A sheet without tabs has an unbounded shape factor S and senses nothing, as published. Droop and sag: a share
+of the force acts with delay, through a creep spectrum that is slower when the rubber expands.
 
 Not modelled: fringe fields, the spread of the plate's area, temperature, wear, the traces' resistance, phase
-shift of the amplifier unless its gain is given as a complex number.
+shift of the amplifier (unless its gain is given as a complex number).
 """
 
 from dataclasses import dataclass
@@ -31,12 +31,12 @@ PITCH_MM, TRACE_MM, TAB_MM, BACKING_MM, TAB_DIAMETER_MM = 1.9, 1.27, 0.75, 0.25,
 PERMITTIVITY = 4.0
 CELL_F, REF_F = 1e-12, 1e-12
 CARRIER_HZ = 200e3
-# Chosen: 100 g then lift the capacitance by 29 %, which fills the axes of figure 8 (1800 to 2500 codes).
+# Chosen: with it 100 g raise the capacitance by 29 %, which fills the axes of figure 8 (1800 to 2500 codes).
 MODULUS_MPA = 1.0
 COVER_MM = 1.2  # insulation and shield above the tabs; chosen
-# Chosen, as standard deviations: tabs, plates and, the largest published cause, each column's amplifier.
+# Chosen, as standard deviations: of tabs, plates and column amplifiers (the largest published cause).
 STIFFNESS_SPREAD, PLATE_SPREAD, COLUMN_SPREAD = 0.04, 0.03, 0.06
-# (share, seconds) of the force that acts late; chosen. Expanding takes longer (published) by the factor.
+# (share, seconds) of the force that acts with delay; chosen. Expansion is slower (published) by the factor.
 CREEP = ((0.02, 0.15), (0.02, 5.0), (0.03, 80.0))
 EXPANDING = 2.0
 ORIGINS = {
@@ -109,7 +109,7 @@ def output_v(
 ):
     """Amplitude |Vout| in volts; numbers or arrays that broadcast. ``gain`` may be complex.
 
-    ``cell_ohm``: leakage between the plates; ``input_ohm``: of the amplifier's input. Eq. 18 when both are
+    ``cell_ohm``: leakage between the plates; ``input_ohm``: of the amplifier's input. Eq. 18 if both are
     infinite.
     """
     omega = 2j * np.pi * hertz
@@ -119,18 +119,18 @@ def output_v(
 
 
 def plate_f(gap_mm, side_mm=TRACE_MM, permittivity=PERMITTIVITY):
-    """Capacitance in farads of the crossing itself: two plates, no fringe."""
+    """Capacitance of the crossing itself in farads: two plates, no fringe field."""
     return 8.8541878e-15 * permittivity * side_mm**2 / gap_mm
 
 
 def tab_height(force_n, stiffness=1.0, tab_mm=TAB_MM):
-    """u: height of a tab under a force over its height at rest; the root of u^3 + q·u^2 = 1."""
+    """u, the height of a tab under a force over its height at rest: the root of u^3 + q·u^2 = 1."""
     shape = TAB_DIAMETER_MM / (4 * tab_mm)
     modulus = MODULUS_MPA * (1 + 2 * shape**2)
     area_mm2 = np.pi / 4 * TAB_DIAMETER_MM**2
     q = 3 * np.asarray(force_n, float) / (area_mm2 * modulus * stiffness)
     u = np.ones_like(q)
-    for _ in range(20):  # Newton's steps from above: the cubic is convex, so they only fall
+    for _ in range(20):  # Newton's method from above: the cubic is convex, so u only falls
         u = u - (u**3 + q * u**2 - 1) / (3 * u**2 + 2 * q * u)
     return u
 
@@ -141,7 +141,7 @@ def capacitance_ratio(force_n, stiffness=1.0, tab_mm=TAB_MM):
 
 
 def creep(force_n, rate_hz):
-    """The force that the tabs have answered to by each frame; ``force_n`` [frames, ...], at rest before."""
+    """The force that the tabs follow by each frame; ``force_n`` [frames, ...], at rest before the first."""
     force_n = np.asarray(force_n, float)
     late = [np.zeros(force_n.shape[1:]) for _ in CREEP]
     answered = np.empty_like(force_n)
@@ -168,14 +168,14 @@ class Pad:
         return self.rest_f * capacitance_ratio(force_n, self.stiffness)
 
     def amplitude_v(self, force_n, gain, drive_v):
-        """What each column's amplifier puts out while each row is driven [..., rows, columns]."""
+        """Output of each column's amplifier, in volts, while each row is driven [..., rows, columns]."""
         cell = self.capacitance_f(force_n)
         others = cell.sum(-2, keepdims=True) - cell + self.stray_f
         return output_v(cell, others, gain, drive_v, self.ref_f)
 
 
 def build_pad(rows, columns, rng, stray_f=5e-12):
-    """A Pad with the chosen spread of its parts."""
+    """A Pad whose parts vary by the chosen standard deviations."""
 
     def spread(share, *shape):
         return 1 + share * rng.standard_normal(shape)
@@ -191,8 +191,8 @@ def build_pad(rows, columns, rng, stray_f=5e-12):
 def carrier(amplitude_v, samples, samples_per_period, phase=0.0, before_v=None, settle_samples=0.0):
     """The sampled carrier at a converter's input [..., samples] in volts after a switch at sample 0.
 
-    ``amplitude_v`` [...]: settled; ``before_v`` [...]: of what was connected before, from which the
-    amplitude moves with the time constant ``settle_samples``; ``phase``: radians at sample 0.
+    ``amplitude_v`` [...]: settled; ``before_v`` [...]: of the previous connection, from which the amplitude
+    moves with the time constant ``settle_samples``; ``phase``: radians at sample 0.
     """
     n = np.arange(samples)
     size = np.asarray(amplitude_v, float)[..., None]

@@ -1,4 +1,4 @@
-"""What makes newtons of four electrodes' codes: sensor, amplifiers, converter, least load, correction."""
+"""From four electrodes' codes to newtons: sensor, amplifiers, converter, minimum load, correction."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -10,7 +10,7 @@ from meissner.physics.mesh import Mesh, correction
 from meissner.twins.cop.cop4 import Cop4Registers
 from meissner.twins.cop.cop4_correct import CorrectionRegisters
 
-MIN_SAMPLE_BITS = 17  # one build of the core serves every converter up to here
+MIN_SAMPLE_BITS = 17  # one build of the core serves every converter up to this width
 MIN_BITS, MAX_BITS = 8, 24  # of a converter
 TOUCHES = ("none", *mesh_loads.TOUCHES)
 ORIGINS = {
@@ -26,10 +26,10 @@ ORIGINS = {
 
 @dataclass(frozen=True)
 class Cop4Config:
-    """``adc``: symmetric about 0 V, behind amplifiers of ``gain``: code = volts gain / lsb.
+    """``adc``: symmetric about 0 V, after amplifiers of ``gain``: code = volts gain / lsb.
 
-    ``load_lsb_n``, ``min_load_n``: newtons; ``touch``: what the load's correction is fitted for, or "none".
-    ValueError with one sentence where the converter or a register has no room.
+    ``load_lsb_n``, ``min_load_n``: newtons; ``touch``: the kind of touch that the load's correction is fitted
+    to, or "none". ValueError with one sentence if a value exceeds the converter's range or a register.
     """
 
     mesh: Mesh
@@ -57,7 +57,7 @@ class Cop4Config:
 
     @cached_property
     def fix(self) -> correction.Correction | None:
-        """The load's correction, fitted for the touch; None without one."""
+        """The load's correction, fitted to the touch; None without one."""
         if self.touch == "none":
             return None
         return correction.fit(self.mesh, mesh_loads.touches(self.mesh.m, self.mesh.n, self.touch, seed=1))

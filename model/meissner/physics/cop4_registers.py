@@ -10,7 +10,7 @@ from meissner.twins.cop.cop4_correct import LOAD_SHIFT, SHIFT_TOP, SUM_TOP, Corr
 
 
 def scaled(value, lowest, what):
-    """``value`` as k / 2**(lowest + shift), k of 17 bits, the largest shift of 0 .. 15: (k, shift)."""
+    """``value`` as k / 2**(lowest + shift): (k, shift), k of 17 bits, the largest shift in 0 .. 15."""
     for shift in range(SHIFT_TOP, -1, -1):
         k = round(value * 2.0 ** (lowest + shift))
         if k < 1 << SCALE_BITS:
@@ -23,10 +23,10 @@ def scaled(value, lowest, what):
 def cop4_registers(mesh, adc, gain=1.0, load_lsb=1e-3, min_load=0.05, imbalance=1e-3, sample_bits=17):
     """``Cop4Registers`` for a mesh (m, n, r, R0, V0, k) read by ``adc`` through amplifiers of ``gain``.
 
-    ``mesh``: a Mesh or anything with those six; ``adc``: meissner.physics.adc.Adc, symmetric about 0 V since
-    E2 and E4 are negative. ``load_lsb``, ``min_load`` newtons; ``imbalance`` a fraction of 2V0. An electrode
-    counts as open below 1/500 of V0 / R0 (4 codes at least) while its partner has more current than any
-    place of the load could make of that. ValueError where a voltage or a constant has no room.
+    ``mesh``: a Mesh or an object with those six; ``adc``: meissner.physics.adc.Adc, symmetric about 0 V since
+    E2 and E4 are negative. ``load_lsb``, ``min_load``: newtons; ``imbalance``: a fraction of 2V0. An
+    electrode counts as open if its current is below 1/500 of V0 / R0 (at least 4 codes) while its partner's
+    exceeds what any place of the load could cause. ValueError if a voltage or a constant does not fit.
     """
     lsb = adc.lsb_v / gain
     rail = mesh.V0 / lsb
@@ -39,7 +39,7 @@ def cop4_registers(mesh, adc, gain=1.0, load_lsb=1e-3, min_load=0.05, imbalance=
     kx, shift_x = scaled(Cx, 0, f"Cx = {Cx:g}")
     ky, shift_y = scaled(Cy, 0, f"Cy = {Cy:g}")
     kf, shift_load = scaled(Kf / load_lsb / (1 << LOAD_BITS), LOAD_SHIFT, f"Kf = {Kf:g} N at {load_lsb:g} N")
-    # Of one layer's current no electrode has less than (1 - 1/C) / 2.
+    # Each electrode carries at least (1 - 1/C) / 2 of its layer's current.
     share = max([(C + 1) / (C - 1) for C in (Cx, Cy) if C] or [1])
     busy = max(round(rail - (margin + 3) * share) - 3, -adc.max_code)
     found = Cop4Registers(
@@ -61,10 +61,10 @@ def cop4_registers(mesh, adc, gain=1.0, load_lsb=1e-3, min_load=0.05, imbalance=
 
 
 def correct_registers(fix, registers):
-    """``fix`` (correction.Correction) as registers beside ``registers`` (Cop4Registers): both, at one shift.
+    """(``registers``, a Cop4Registers, and ``fix``, a correction.Correction, as registers) at a common shift.
 
-    The two denominators D and N p share the load's shift, so it is lowered, and kf with it, until every
-    operand has room. kf keeps 2**-12 or ValueError.
+    The two denominators D and N p share the load's shift, so the shift is lowered, and kf with it, until
+    every operand fits. ValueError if kf would lose its resolution of 2**-12.
     """
     shift, kf = registers.shift_load, registers.kf
     while shift >= 0:

@@ -1,28 +1,28 @@
-"""Why the elastic dielectric has tabs, and what their height does to the range of forces.
+"""Why the elastic dielectric has tabs, and how their height sets the range of forces.
 
 Hooke's law of an isotropic solid (Timoshenko and Goodier), x along the force:
 
     strain_x = (s_x - v·(s_y + s_z)) / E        and the same for y and z, v Poisson's ratio
 
-A flat sheet, glued down and pressed evenly, moves neither along y nor along z: strain_y = strain_z = 0, so
+A flat sheet, glued down and pressed evenly, cannot move along y or z: strain_y = strain_z = 0, so
 s_y = s_z = v/(1 - v)·s_x and
 
     strain_x = s_x/E · (1 + v)(1 - 2v)/(1 - v)       0 for rubber that keeps its volume, v = 1/2
 
-A tab has air beside it, so s_y = s_z = 0 and strain_x = s_x/E. That is the published argument (eq. 2 to 7,
-printed with v = 1/2); it leaves out that a tab is glued at its ends, which stiffens it by 1 + 2·S^2.
+A tab has air around it, so s_y = s_z = 0 and strain_x = s_x/E. This is the published argument (eq. 2 to 7,
+printed with v = 1/2); it ignores that a tab is glued at its ends, which stiffens it by 1 + 2·S^2.
 Electrically (eq. 16, 17), for an amplifier of large gain:
 
-    |Vout| = Vin·sqrt(Ccell^2 + 1/(w·Rcell)^2) / Cref       leakage counts the less the higher the carrier
+    |Vout| = Vin·sqrt(Ccell^2 + 1/(w·Rcell)^2) / Cref       the higher the carrier, the less leakage counts
 """
 
 import numpy as np
 
 from meissner.physics import capacitive
 
-# Published: from the flattest to the highest tab that the maker used, "depending on the desired force range".
+# Published: the lowest and the highest tab that the maker used, "depending on the desired force range".
 HEIGHTS_MM = (0.25, 0.75)
-REFERENCE_G = 100.0  # chosen: the press of figure 8, whose rise of capacitance other heights are to give
+REFERENCE_G = 100.0  # chosen: the press of figure 8; heights are compared at its rise of capacitance
 ORIGINS = {
     "HEIGHTS_MM": ("published", "002, fabrication", "the ends of the range: 7.0 to 1"),
     "REFERENCE_G": (
@@ -39,7 +39,7 @@ def strain_confined(stress, poisson, modulus):
 
 
 def strain_free(stress, modulus):
-    """Strain along the force of rubber that moves sideways as it likes (eq. 7)."""
+    """Strain along the force of rubber that is free to move sideways (eq. 7)."""
     return stress / modulus
 
 
@@ -54,21 +54,21 @@ def leaking_v(drive_v, hertz, cell_ohm, cell_f=capacitive.CELL_F, ref_f=capaciti
 
 
 def rest_f(tab_mm):
-    """Farads between the plates of an unpressed cell, backing and tab, no fringe."""
+    """Capacitance of an unpressed cell (backing and tab) in farads, no fringe field."""
     return capacitive.plate_f(
         capacitive.BACKING_MM + np.asarray(tab_mm, float), permittivity=capacitive.PERMITTIVITY
     )
 
 
 def rise(force_g, tab_mm=capacitive.TAB_MM):
-    """How much capacitance a press adds, as a share of that at rest, with tabs."""
+    """Rise of capacitance under a press, as a share of that at rest, with tabs."""
     return capacitive.capacitance_ratio(np.asarray(force_g) * capacitive.GRAM_N, tab_mm=tab_mm) - 1
 
 
 def rise_without_tabs(force_g, poisson, thickness_mm=capacitive.BACKING_MM + capacitive.TAB_MM):
-    """The same for a flat sheet pressed evenly, each cell's force on the area of a tab.
+    """The same for an evenly pressed flat sheet, with each cell's force on the area of a tab.
 
-    Its share of the thickness does not depend on the thickness, nor does this.
+    Strain does not depend on the thickness, so neither does the rise.
     """
     area_mm2 = np.pi / 4 * capacitive.TAB_DIAMETER_MM**2
     strain = strain_confined(
@@ -78,9 +78,9 @@ def rise_without_tabs(force_g, poisson, thickness_mm=capacitive.BACKING_MM + cap
 
 
 def force_for(share, tab_mm):
-    """Grams on one tab that raise the capacitance by a share; the tab's law turned round.
+    """Grams on one tab that raise the capacitance by ``share``: the tab's law inverted.
 
-    (b + h)/(b + h·u) = 1 + share gives u; F = A·E'/3·(1/u^2 - u). Infinite if the backing alone is thicker.
+    (b + h)/(b + h·u) = 1 + share gives u; F = A·E'/3·(1/u^2 - u). Infinite if the backing alone is too thick.
     """
     h = np.asarray(tab_mm, float)
     u = ((capacitive.BACKING_MM + h) / (1 + share) - capacitive.BACKING_MM) / h

@@ -1,13 +1,13 @@
-"""What disturbs a rubber sensor beside slip; every one is off unless a scene's condition asks for it.
+"""Disturbances of a rubber sensor other than slip; each is off unless a scene's condition enables it.
 
-    hum          V + hum_v·sin(2·pi·HUM_HZ·t + phase)    mains on the leads, one phase a run
+    hum          V + hum_v·sin(2·pi·HUM_HZ·t + phase)    mains on the leads, one phase per run
     flicker      G·(1 + n(t)),  S_n(f) = flicker²/(ln 10·f)     1/f noise: flicker rms in each decade
-    hysteresis   F' = F·exp(h·(y - ln F)),  y the play of ln F, one HYSTERESIS_WIDTH wide
+    hysteresis   F' = F·exp(h·(y - ln F)),  y the play of ln F, HYSTERESIS_WIDTH wide
     bursts       patches let go in groups of a geometric number, mean ``burst``, within about BURST_S
 
-Play (backlash): y rises with ln F and holds when F turns, until ln F has fallen by the width. So Vc follows
+Play (backlash): y rises with ln F and stays when F turns, until ln F has fallen by the width. So Vc follows
 the published curve, measured while loading, as long as the force rises; while it falls, Vc shows up to exp(h)
-times the force, as rubber does that unloads. A small reversal still shows 1 - h of itself.
+times the force, as unloading rubber does. Of a small reversal Vc still shows the part 1 - h.
 
 Not modelled: harmonics of the mains, flicker that grows with the current, minor loops that creep.
 """
@@ -16,8 +16,8 @@ import numpy as np
 
 HUM_HZ = 50.0
 HYSTERESIS_WIDTH = 1.0  # of ln F, from one branch to the other
-FORCE_FLOOR_N = 1e-3  # below it no branch is remembered
-BURST_S = 0.002  # mean wait of a burst's patches for its first
+FORCE_FLOOR_N = 1e-3  # below this force no branch is remembered
+BURST_S = 0.002  # mean delay of a burst's patches after its first
 
 ORIGINS = {
     "HUM_HZ": ("chosen", "the mains where the papers were written in part: 50 Hz", "place of the hum's line"),
@@ -41,7 +41,7 @@ def hum(time_s, amplitude_v, rng):
 
 
 def flicker(samples, rate_hz, share, rng):
-    """Share of G to add [samples]: a spectrum of share²/(ln 10·f), from one period of the run to Nyquist."""
+    """Share of G to add [samples]: spectrum share²/(ln 10·f), from one period per run to Nyquist."""
     hertz = np.fft.rfftfreq(samples, 1.0 / rate_hz)
     density = np.zeros(len(hertz))
     density[1:] = share**2 / np.log(10.0) / hertz[1:]
@@ -53,8 +53,8 @@ def flicker(samples, rate_hz, share, rng):
 def play(x, width):
     """y[t] = max(x[t], min(x[t] + width, y[t-1])), y[-1] = x[0].
 
-    Each step clamps y to [x, x + width], and a clamp after a clamp is one again, so that log2 of the length
-    passes over all of x do.
+    Each step clamps y to [x, x + width]. Two clamps in sequence are again a clamp, so log2 of the length
+    passes over all of x suffice.
     """
     low, high = np.array(x, dtype=float), np.asarray(x, dtype=float) + width
     high[0] = low[0]
@@ -68,13 +68,13 @@ def play(x, width):
 
 
 def hysteresis(force_n, share):
-    """The force that the divider curve shows of ``force_n`` [samples]."""
+    """The force that the divider curve shows for ``force_n`` [samples]."""
     logarithm = np.log(np.maximum(force_n, FORCE_FLOOR_N))
     return force_n * np.exp(share * (play(logarithm, HYSTERESIS_WIDTH) - logarithm))
 
 
 def bursts(first_s, mean, until_s, rng):
-    """Instants, ascending, before ``until_s``, of patches in bursts of ``mean`` that begin at ``first_s``."""
+    """Instants, ascending, before ``until_s``, of patches in bursts of ``mean`` beginning at ``first_s``."""
     sizes = rng.geometric(1.0 / mean, len(first_s))
     begins = np.cumsum(sizes) - sizes
     wait_s = rng.exponential(BURST_S, int(sizes.sum()))

@@ -1,4 +1,4 @@
-"""Where small objects touch a pad of 15 mm: the published ones, with sizes chosen where none are given.
+"""Where small objects touch a pad of 15 mm: the published objects; sizes that are not given are chosen.
 
 Each object is a list of pieces in millimetres from the pad's centre, x to the right and y up: bars (rotated
 by degrees, counter-clockwise), discs and rings. They touch flat, with an even pressure.
@@ -6,7 +6,7 @@ by degrees, counter-clockwise), discs and rings. They touch flat, with an even p
 
 import numpy as np
 
-STEP_MM = 0.2  # of the points that stand for the area
+STEP_MM = 0.2  # of the points that sample the area
 
 
 def bar(x_mm, y_mm, wide_mm, high_mm, degrees=0.0):
@@ -19,7 +19,7 @@ def ring(x_mm, y_mm, outer_mm, inner_mm=0.0):
 
 
 def _rows_of_pins(degrees, count=4, pitch_mm=2.54, apart_mm=7.62):
-    """A socket of two rows of contacts, each a bar of plastic with its pins."""
+    """A socket with two rows of contacts, each a plastic bar with its pins."""
     angle = np.radians(degrees)
     return [
         bar(-side * apart_mm / 2 * np.sin(angle), side * apart_mm / 2 * np.cos(angle), *size, degrees)
@@ -62,7 +62,7 @@ ORIGINS = {
 
 
 def _within(piece, x_mm, y_mm):
-    """Which points lie in the piece."""
+    """Whether each point lies in the piece."""
     kind, x0, y0, *sizes = piece
     x, y = x_mm - x0, y_mm - y0
     if kind == "ring":
@@ -74,7 +74,7 @@ def _within(piece, x_mm, y_mm):
 
 
 def points(shape, reach_mm=12.0):
-    """(x_mm, y_mm, area_mm2): points that stand for the area the object touches."""
+    """(x_mm, y_mm, area_mm2): points that sample the area touched by the object."""
     steps = np.arange(-reach_mm + STEP_MM / 2, reach_mm, STEP_MM)
     x_mm, y_mm = (axis.ravel() for axis in np.meshgrid(steps, steps))
     touched = np.any([_within(piece, x_mm, y_mm) for piece in SHAPES[shape]], axis=0)

@@ -1,19 +1,19 @@
-"""A matrix of force-sensing resistors: the cells, the network they make, its readout, its faults.
+"""A matrix of force-sensing resistors: the cells, their network, its readout and its faults.
 
-    G(F) = 1/R_rest + (F - F_break)^p / R_1N          a cell's conductance; the power p of its material
+    G(F) = 1/R_rest + (F - F_break)^p / R_1N          a cell's conductance; p depends on the material
 
-One row is driven at a time and every column read. Rows and columns are nodes of one network, solved whole:
+One row is driven at a time and every column read. Rows and columns are nodes of one network, solved at once:
 
-    rows      sum_j G_ij (u_i - v_j) = t_i (d_i - u_i)     t_i = 1/driver of the line's end, d_i = V or 0
-    columns   sum_i G_ij (v_j - u_i) = -s v_j              s: 1/R of what holds the column
+    rows      sum_j G_ij (u_i - v_j) = t_i (d_i - u_i)     t_i: 1/R of the row's driver, d_i = V or 0
+    columns   sum_i G_ij (v_j - u_i) = -s v_j              s: 1/R of the column's termination
 
-``zero potential``: each column ends in an amplifier that holds it at 0 V up to ``hold_ohm``; it reports the
-current times its feedback resistor, so ghosts are as small as ``driver_ohm`` and ``hold_ohm``. ``divider``:
+``zero potential``: each column ends in an amplifier that holds it at 0 V behind ``hold_ohm``; it reports the
+current times its feedback resistor, so ghosting is as small as ``driver_ohm`` and ``hold_ohm``. ``divider``:
 each column ends in the series resistor whose voltage is read. Unselected rows are ``grounded`` or
 ``floating``; a floating row carries current from column to column, which is ghosting.
 
-Not modelled: settling, hysteresis and spread of p from cell to cell, temperature, humidity, the sheet's
-conduction from one cell to the next (Velostat between crossed traces has some).
+Not modelled: settling, hysteresis and spread of p from cell to cell, temperature, humidity, conduction in the
+sheet from one cell to the next (Velostat between crossed traces has some).
 """
 
 from dataclasses import dataclass
@@ -26,12 +26,12 @@ FAULTS = ("dead row", "open column", "dead", "stuck", "saturated", "blinking")
 SHORT_SIEMENS = 1e-2  # of a saturated cell; chosen
 STUCK_SHARE = 0.4  # of the top code; chosen
 BLINK_S = 0.05  # mean length of each state of a blinking cell; chosen
-DRIFT_FROM_S = 0.1  # load applied for longer drifts by the decade; chosen
+DRIFT_FROM_S = 0.1  # from this time under load on G drifts per decade of time; chosen
 
 
 @dataclass(frozen=True)
 class Material:
-    """``ohm_1n``: of a cell under 1 N; ``power`` p; ``rest_ohm`` unpressed; ``break_n``: force to begin with.
+    """``ohm_1n``: of a cell under 1 N; ``power``: p; ``rest_ohm``: unpressed; ``break_n``: F_break, newtons.
 
     ``spread``: standard deviation from cell to cell; ``drift``: rise of G per decade of time under load.
     """
@@ -45,7 +45,7 @@ class Material:
 
 
 # Interlink, FSR 400 series data sheet: more than 10 megohms unpressed, from 0.2 N, +-6 % from part to part
-# in a batch, drift below 5 % per decade; resistance and power are read off its curve. Velostat: chosen.
+# in a batch, drift below 5 % per decade; resistance and power are read off its curve. Velostat is chosen.
 FSR400_OHM_1N, FSR400_POWER = 6e3, 0.9
 FSR400_REST_OHM, FSR400_BREAK_N, FSR400_SPREAD = 10e6, 0.2, 0.06
 FSR400_DRIFT = 0.03
@@ -132,7 +132,7 @@ class Readout:
 
 @dataclass(frozen=True)
 class Fault:
-    """A fault of FAULTS at ``row``, ``column``; the other one is -1 for a whole line."""
+    """A fault of FAULTS at ``row``, ``column``; for a complete row or column the other index is -1."""
 
     kind: str
     row: int
@@ -140,18 +140,18 @@ class Fault:
 
 
 def conductance(force_n, material, strength=1.0):
-    """Siemens of cells under forces in newtons; ``strength``: each cell's own share of the usual."""
+    """Siemens of cells under forces in newtons; ``strength``: each cell's factor on the nominal value."""
     pressed = np.maximum(np.asarray(force_n, float) - material.break_n, 0.0)
     return strength * pressed**material.power / material.ohm_1n + 1 / material.rest_ohm
 
 
 def strengths(rows, columns, material, rng):
-    """Each cell's share of the usual conductance [rows, columns]."""
+    """Each cell's factor on the nominal conductance [rows, columns]."""
     return np.maximum(1 + material.spread * rng.standard_normal((rows, columns)), 0.1)
 
 
 def drift(force_n, material, rate_hz):
-    """1 + what each cell's conductance has gained under load; ``force_n`` [frames, ...]."""
+    """1 + each cell's relative gain of conductance under load; ``force_n`` [frames, ...]."""
     gain, loaded_s = np.ones(np.shape(force_n)), np.zeros(np.shape(force_n)[1:])
     for k, force in enumerate(np.asarray(force_n)):
         gain[k] += material.drift * np.log10(1 + loaded_s / DRIFT_FROM_S)
@@ -160,7 +160,7 @@ def drift(force_n, material, rate_hz):
 
 
 def break_cells(siemens, faults, rate_hz, rng):
-    """The conductances [frames, rows, columns] with dead, saturated and blinking cells in them."""
+    """The conductances [frames, rows, columns] with dead, saturated and blinking cells."""
     siemens = np.array(siemens)
     for fault in faults:
         cell = siemens[:, fault.row, fault.column]
@@ -177,8 +177,8 @@ def break_cells(siemens, faults, rate_hz, rng):
 def column_volts(siemens, readout, faults=()):
     """Voltage of every column while each row is driven [..., rows, columns], by nodal analysis.
 
-    ``siemens`` [..., rows, columns]. Lines named by a "dead row" or an "open column" are cut off at their
-    end; a column cut off there reads 0.
+    ``siemens`` [..., rows, columns]. The lines of a "dead row" or an "open column" are disconnected at their
+    end; an open column reads 0.
     """
     siemens = np.asarray(siemens, float)
     rows, columns = siemens.shape[-2:]
@@ -191,7 +191,7 @@ def column_volts(siemens, readout, faults=()):
             held[fault.column] = 0.0
     volts = np.zeros(siemens.shape)
     if readout.unselected == "grounded":
-        drives = np.diag(readout.supply_v * tied)  # one network, another row driven each time
+        drives = np.diag(readout.supply_v * tied)  # one network for all driven rows
         volts = _solve(siemens, tied, held, drives)
     else:
         for row in range(rows):
@@ -218,7 +218,7 @@ def _solve(siemens, tied, held, drives):
 
 
 def output_volts(siemens, readout, faults=()):
-    """What the converter sees of every cell [..., rows, columns]."""
+    """Voltage at the converter for every cell [..., rows, columns]."""
     volts = column_volts(siemens, readout, faults)
     if readout.circuit == "divider":
         return volts
@@ -226,7 +226,7 @@ def output_volts(siemens, readout, faults=()):
 
 
 def stick(codes, faults, top):
-    """The codes [frames, rows, columns] with the stuck cells in them."""
+    """The codes [frames, rows, columns] with the stuck cells."""
     for fault in faults:
         if fault.kind == "stuck":
             codes[:, fault.row, fault.column] = round(STUCK_SHARE * top)

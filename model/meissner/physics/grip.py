@@ -1,22 +1,23 @@
 """An object with a rounded end, gripped on the four-wire sensor and pulled along it by a wire until it slips.
 
-    T = K v t                              until T = mu_s N0, when the whole contact slips (world.plate)
+    T = K v t                              until T = mu_s N0, when the whole contact slips (physics.plate)
     N = N0 (1 + GRIP_RISE (T/T_slip)^3)    the grip rises before the slip
-    felt = N G(N, u)/G(N, 0)               the load that the taxels' conductance shows (world.rubber)
+    felt = N G(N, u)/G(N, 0)               the load that the taxels' conductance shows (physics.rubber)
     centre = place + (LEVER + cover) T/N   along the pull; the tilt of the grip moves it too
 
 While the wire's force rises, the rubber shears at dT/dt over its stiffness and conducts less: the reported
-load falls although the grip rises, by about half with the published divider and shear fit, nothing chosen.
-The force acts on top of the rubber and the pressure is felt beneath: its moment moves the centre the way the
-object will slip. The source puts the move down to the change of stuck and slipped areas and says that a
-layer of silicone doubled or quadrupled it, as a longer lever would: a cover's thickness adds to the lever.
+load falls although the grip rises, by about half with the published divider and shear fit alone.
+The force acts on top of the rubber and the pressure is sensed beneath: its moment moves the centre in the
+direction of the slip to come. The source attributes the move to the change of stuck and slipped areas and
+states that a layer of silicone doubled or quadrupled it, as a longer lever would; so here a cover's thickness
+adds to the lever.
 
-The contact's edge slips from the first of the force on (Cattaneo and Mindlin): that is the onset.
+The contact's edge slips as soon as the force begins to rise (Cattaneo and Mindlin): that is the onset.
 
 A gripper's second sensor feels the same grip and the same pull, seen from its own side: ``mirrored``.
 
-Not modelled: the areas of stick and slip in the taxels (all rubber under the contact shears alike), a pull
-that the two sensors share unequally, stick-slip and micro events in the load (about 1 %, see world.rubber),
+Not modelled: the areas of stick and slip in the taxels (all rubber under the contact shears equally), a pull
+that the two sensors share unequally, stick-slip and micro events in the load (about 1 %, see physics.rubber),
 ripple of the grip, hysteresis and creep, inertia, bending of the sensor around a cylinder.
 """
 
@@ -26,9 +27,9 @@ import numpy as np
 
 from meissner.physics import mesh_loads, plate, rubber
 
-GRIP_RISE = 0.1  # published: 0.2 N of 2 N just before the slip; that it goes with the third power is chosen
+GRIP_RISE = 0.1  # published: 0.2 N of 2 N just before the slip; the third power is chosen
 LEVER_MM = 0.2  # chosen to reach the published 0.05 V of +-4 V at friction 0.7 on a sensor 20 mm wide
-TILT = 0.0005  # of the half range and newton; chosen: a tenth of the move of a slip, over 2 N
+TILT = 0.0005  # half ranges per newton; chosen: over 2 N a tenth of the move of a slip
 FULL_SCALE_V = 4.0  # published: the position output at the sensor's edge
 _PAPER = "Development of High Speed and High Sensitivity Slip Sensor"
 ORIGINS = {
@@ -55,7 +56,7 @@ ORIGINS = {
 class Held:
     """One run, [samples]: newtons and millimetres; ``move_mm``: of the centre, along the pull.
 
-    ``onset_s``: the wire begins to pull; ``gross_s``: the object moves; both None where nothing is pulled.
+    ``onset_s``: the wire begins to pull; ``gross_s``: the object begins to move; both None without a pull.
     """
 
     grip_n: np.ndarray
@@ -68,7 +69,7 @@ class Held:
 
 
 def ramps(time_s, levels):
-    """Newtons [samples] from 0 on through ``levels``, (start_s, length_s, to_n): raised cosines."""
+    """Newtons [samples] from 0 through ``levels``, (start_s, length_s, to_n) each, by raised cosines."""
     force_n, last_n = np.zeros(len(time_s)), 0.0
     for start_s, length_s, to_n in levels:
         place = np.clip((time_s - start_s) / length_s, 0, 1)
@@ -80,7 +81,7 @@ def ramps(time_s, levels):
 
 
 def share(force_n, level):
-    """G(N, u)/G(N, 0): the part of the conductance left at the shear level u; 1 where nothing presses."""
+    """G(N, u)/G(N, 0): the part of the conductance that remains at shear level u; 1 where nothing presses."""
     rest_v = rubber.rest_volts(force_n)
     volts = rubber.volts(force_n, level)
     pressed = rest_v < rubber.SUPPLY_V
@@ -89,12 +90,12 @@ def share(force_n, level):
 
 
 def mirrored(direction_deg):
-    """The direction of a pull as the sensor on the object's other side sees it: left is right there."""
+    """The direction of a pull for the sensor on the object's other side: left and right swapped."""
     return 180.0 - direction_deg
 
 
 def pulled(time_s, grip_n, start_s, speed_mm_s, material, wire_n_mm, rng, cover_mm=0.0):
-    """Pull an object held with the force ``grip_n`` [samples], steady from ``start_s`` on: ``Held``.
+    """Pull an object held with the force ``grip_n`` [samples], steady from ``start_s`` on; returns ``Held``.
 
     ``cover_mm``: thickness of a layer of silicone on the sensor.
     """
@@ -111,15 +112,15 @@ def pulled(time_s, grip_n, start_s, speed_mm_s, material, wire_n_mm, rng, cover_
 
 
 def gripped(grip_n):
-    """Only the grip: ``Held`` without a pull."""
+    """``Held`` of a grip without a pull."""
     nothing = np.zeros(len(grip_n))
     return Held(grip_n, grip_n, nothing, nothing, nothing, None, None)
 
 
 def loads(held, m, n, pitch_mm, cover_pitches, direction_deg, rng):
-    """What presses on the taxels (N) and what they show of it, [samples, m, n] each.
+    """The forces on the taxels and the forces that they show (N), [samples, m, n] each.
 
-    The contact lies anywhere in the middle third; it tilts in its own direction, one of each a run.
+    Each run draws one place of the contact in the middle third and one direction of its tilt.
     """
     place, tilt = rng.uniform(-1 / 3, 1 / 3, 2), rng.uniform(0, 2 * np.pi)
     along = np.deg2rad(direction_deg)

@@ -1,23 +1,24 @@
 """A hand of two parallel fingers with a slip sensor each, and the object between them, block by block.
 
-    N    = GRIP_N_MM · closing              both fingers feel it; closing: a critically damped position servo
-    T_f  = STIFFNESS · (x - s_f)            x the object's way down, s_f what finger f's contact has slid
+    N    = GRIP_N_MM · closing              on both fingers; closing: a critically damped position servo
+    T_f  = STIFFNESS · (x - s_f)            x: the object's way down, s_f: the slide of finger f's contact
     T_1 + T_2 = m g + tug                   as long as a finger sticks: no inertia (quasi-static)
-    m dv/dt = m g + tug - sum mu(t) N       once both contacts slide, until the object stands
+    m dv/dt = m g + tug - sum mu(t) N       once both contacts slide, until the object stops
     mu(t)  = mu_k + (mu_s - mu_k) exp(-t/FALL_S)    t since the contact began to slide; mu_s when it sticks
 
-A finger whose T_f reaches mu_s N slides until the other finger holds what it cannot, or slides too. The
-object's way has three parts: ``sag`` = load/(2 STIFFNESS), elastic; ``slip``, the mean of s_f; ``ring``, what
-the slipped rings add (rubber.slipped, mu N/STIFFNESS·S(q)), which the equations of force leave out.
+A finger whose T_f reaches mu_s N slides until the other finger takes the rest of the load, or slides too. The
+object's way has three parts: ``sag`` = load/(2 STIFFNESS), elastic; ``slip``, the mean of s_f; ``ring``, the
+way of the slipped rings (rubber.slipped, mu N/STIFFNESS·S(q)), which the equations of force leave out.
 
-Vc of each finger: rubber.volts of N with its ripple, of the shear level of the speed dT/dt/STIFFNESS, and of
-the events of its ring, its slide (GROSS_SHARE) and its stick-slip (one each (mu_s - mu_k) N/STIFFNESS).
-The hand ripples in proportion to its speed, up to plate's RIPPLE_N at RIPPLE_N_S; nothing in the core is told
+Vc of each finger: rubber.volts of N with its ripple, of the shear level at the speed dT/dt/STIFFNESS, and of
+the events of its ring, its slide (GROSS_SHARE) and its stick-slip (one per (mu_s - mu_k) N/STIFFNESS).
+The hand ripples in proportion to its speed, up to plate's RIPPLE_N at RIPPLE_N_S; the core gets no signal
 that the hand moves.
 
-Not modelled: inertia of the object while a finger holds it (tens of hertz), impacts of what is poured, the
-object's turning, fingers that bend, a grip force that differs between the fingers, backlash and friction of
-the hand's drive, dependence of friction on speed, and all that physics.rubber and plate leave out.
+Not modelled: inertia of the object while a finger holds it (tens of hertz), impacts of a poured filling,
+rotation of the object, bending of the fingers, a grip force that differs between the fingers, backlash and
+friction of the hand's drive, dependence of friction on speed, and everything that physics.rubber and plate
+leave out.
 """
 
 from dataclasses import dataclass, field
@@ -57,9 +58,9 @@ ORIGINS = {
 
 @dataclass(frozen=True)
 class Grasp:
-    """One run: what is held, and how. ``mass_kg``: at every MASS_S; ``tugs``: (start_s, length_s, newtons).
-
-    ``mu_s``, ``mu_k``: of both fingers; ``halves_s``: from when on friction is half as much, or None.
+    """The object of one run and its disturbances. ``mass_kg``: one value every MASS_S; ``tugs``:
+    (start_s, length_s, newtons). ``mu_s``, ``mu_k``: of both fingers; ``halves_s``: when friction halves, or
+    None.
     """
 
     mass_kg: np.ndarray
@@ -78,7 +79,7 @@ class Grasp:
 class Block:
     """A block of samples: [runs, samples], ``volts`` and ``tension_n`` [runs, 2, samples].
 
-    ``ring_mm`` [runs]: at its end; ``events``: (contact, sample, share), contact = 2 run + finger.
+    ``ring_mm`` [runs]: at the block's end; ``events``: (contact, sample, share), contact = 2 run + finger.
     """
 
     volts: np.ndarray
@@ -92,7 +93,7 @@ class Block:
 
 
 class Hand:
-    """``grasps``: one a run, all advanced together; ``block`` samples at a time."""
+    """``grasps``: one per run, all advanced together, ``block`` samples at a time."""
 
     def __init__(self, grasps, rate_hz, block):
         self.grasps, self.rate_hz, self.block = grasps, rate_hz, block
@@ -124,7 +125,7 @@ class Hand:
         return places, rubber.event_shares(len(places), grasp.fluctuation, grasp.rng)
 
     def _force(self, goal_mm):
-        """N [runs, samples] while the servo goes to ``goal_mm``, and its speed as a share of the fullest."""
+        """N [runs, samples] while the servo moves to ``goal_mm``, with the ripple of its speed."""
         since_s = np.arange(1, self.block + 1) / self.rate_hz
         away = (self.place - goal_mm)[:, None]
         drift = self.speed[:, None] + away / SERVO_S
@@ -137,7 +138,7 @@ class Hand:
         return np.maximum(GRIP_N_MM * place + ripple_n, 1e-6)
 
     def _load(self):
-        """What pulls on the object, [runs, samples] in newtons, and its mass now [runs]."""
+        """The load on the object, [runs, samples] in newtons, and its mass at the block's end [runs]."""
         time_s = (self.sample + np.arange(1, self.block + 1)) / self.rate_hz
         piece = time_s / MASS_S
         low = np.minimum(piece.astype(np.int64), self.mass_kg.shape[1] - 2)
@@ -160,7 +161,7 @@ class Hand:
         self.ring.friction[2 * run : 2 * run + 2] = self.mu_s[run]
 
     def next(self, goal_mm):
-        """The next ``Block``, the servo's goal being ``goal_mm`` [runs]."""
+        """The next ``Block``, with the servo's goal ``goal_mm`` [runs]."""
         force_n = self._force(np.asarray(goal_mm, dtype=float))
         load_n, mass_kg = self._load()
         apart = rubber.STIFFNESS_N_MM * (self.slid_mm[:, ::-1] - self.slid_mm) / 2
@@ -196,7 +197,7 @@ class Hand:
         return Block(volts, force_n, tension, load_n, sag_mm, slid_mm, ring_mm, events)
 
     def _renew(self, loose):
-        """Other patches for the contacts that have slid since the last block."""
+        """New patches for the contacts that have slid since the last block."""
         for run in np.flatnonzero(loose):
             for finger in range(2):
                 if self.contacts[run].slid[finger]:
@@ -206,7 +207,7 @@ class Hand:
         """Vc [runs, 2, samples]."""
         speed = (tension[:, -1] - self.tension) / rubber.STIFFNESS_N_MM * self.rate_hz / self.block
         slides = np.array([one.sliding for one in self.contacts]).ravel()
-        speed = np.where(slides, 0.0, speed)  # sliding, it keeps its shear and recovers
+        speed = np.where(slides, 0.0, speed)  # a sliding contact shears no further and recovers
         self.tension = tension[:, -1]
         level = self.level.next(speed, self.block, self.rate_hz).reshape(-1, 2, self.block)
         rest_v = rubber.rest_volts(force_n)

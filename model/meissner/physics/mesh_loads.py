@@ -10,11 +10,11 @@ K_PAPER = 4320.0  # newton ohms: 864 ohms at 5 N
 SIX_R = (10.0, 47.0, 100.0, 150.0)  # ohms
 SIX_TOTALS = (5.0, 10.0, 15.0, 20.0)  # newtons
 TOUCHES = ("point", "cover", "two covers", "equal points", "uneven points")
-TAXELS = 20_000_000  # at once in ``touches``
+TAXELS = 20_000_000  # in one step of ``touches``
 COVER_RADIUS = 1.5  # pitches, of the hemisphere
 LEAST_DEPTH = 0.25  # pitches, of a cover at its edge
 TRIM = 0.02  # of the strongest taxel
-SETTLED = 3.0  # time constants of the rubber in its published answer within 0.6 ms: 95 %
+SETTLED = 3.0  # time constants of the rubber in its published response time of 0.6 ms: 95 %
 _MESH = "A High-Speed Mesh of Tactile Sensors"
 ORIGINS = {
     "K_PAPER": (
@@ -90,14 +90,14 @@ def true_centre(load):
 
 
 def cop_one_point(r=10.0, force=5.0):
-    """41×41, one load in the middle: the voltage surface (mesh paper, figures 5 and 7)."""
+    """41×41, one load in the middle, for the voltage surface (mesh paper, figures 5 and 7)."""
     load = np.zeros((1, 41, 41))
     load[0, 20, 20] = force
     return MeshScene(Mesh(41, 41, r, 10e3, 15.0, K_PAPER), load)
 
 
 def cop_two_point():
-    """5×5, r = 47 ohms: F1 at (-1, -1), F2 at (1, 1), 10 N together, F2 from 0 to 10 N (figure 10)."""
+    """5×5, r = 47 ohms: F1 at (-1, -1), F2 at (1, 1), 10 N in total, F2 from 0 to 10 N (figure 10)."""
     load = np.zeros((11, 5, 5))
     load[:, 4, 0] = 10 - np.arange(11)
     load[:, 0, 4] = np.arange(11)
@@ -105,14 +105,14 @@ def cop_two_point():
 
 
 def cop_load():
-    """5×5, r = 47 ohms: equal loads at (0, 0) and (0.5, 0.5), each 0 to 10 N by 0.5 N (figure 11)."""
+    """5×5, r = 47 ohms: equal loads at (0, 0) and (0.5, 0.5), 0 to 10 N each in steps of 0.5 N (fig. 11)."""
     load = np.zeros((21, 5, 5))
     load[:, 2, 2] = load[:, 1, 3] = np.arange(21) / 2
     return MeshScene(Mesh(5, 5, 47.0, 10e3, 15.0, K_PAPER), load)
 
 
 def random_points(m, n, count, totals, seed, split="equal"):
-    """Loads [len(totals), m, n]: ``count`` distinct taxels anywhere share each total (N).
+    """Loads [len(totals), m, n]: ``count`` distinct random taxels share each total (N).
 
     ``split``: "equal" shares, as the published averages suggest, or "random" ones (uniform, normalised).
     """
@@ -135,7 +135,7 @@ def cop_six_random(r, total, draws=100, seed=1, split="equal"):
 
 
 def cover_kernel(row, column, depth):
-    """How a force on the cover, ``depth`` pitches above the taxels, reaches offsets (row, column).
+    """Weight at offsets (row, column) of a point force on the cover, ``depth`` pitches above the taxels.
 
     g = depth^3 / (depth^2 + d^2)^(5/2): Boussinesq's normal stress under a point force on an elastic half
     space, the g of the net-structure paper's eq. 27; not normalised.
@@ -146,8 +146,8 @@ def cover_kernel(row, column, depth):
 def press(m, n, x, y, force, depth):
     """Loads [scenes, m, n] of forces (N) at (x, y) in -1..1 on a flat cover ``depth`` pitches thick.
 
-    Eq. 27 for point forces; the whole force reaches the taxels (what misses them at an edge rests on the
-    nearest ones, in proportion). ``x``, ``y``, ``force``, ``depth``: numbers or arrays [scenes].
+    Eq. 27 for point forces; the complete force reaches the taxels (the part beyond an edge is shared
+    by all in proportion to their own). ``x``, ``y``, ``force``, ``depth``: numbers or arrays [scenes].
     """
     x, y, force, depth = np.broadcast_arrays(
         *(np.atleast_1d(np.asarray(a, float)) for a in (x, y, force, depth))
@@ -162,14 +162,14 @@ def press(m, n, x, y, force, depth):
 
 
 def _trim(load):
-    """Drop what a taxel carries below 2 % of the strongest: it only costs time."""
+    """Set taxels below 2 % of the strongest to 0: they only cost time."""
     return np.where(load < TRIM * load.max((1, 2), keepdims=True), 0, load)
 
 
 def touches(m, n, kind, seed, total=None):
     """Loads of one kind of touch: totals of 1-25 N to fit a correction, or ``total`` newtons to check it.
 
-    ``kind``: one point; one press through a cover 2 pitches deep, or two; six points, equal or uneven.
+    ``kind``: one point; one press through a cover 2 pitches thick, or two; six points, equal or uneven.
     """
     if kind not in TOUCHES:
         raise ValueError(f"kind = {kind!r} must be one of: {', '.join(TOUCHES)}")
@@ -192,7 +192,7 @@ def touches(m, n, kind, seed, total=None):
 def hemisphere_depth(x, y, radius, base):
     """Height (pitches) of a hemispherical cover of ``radius`` (in -1..1 units) over the taxels at (x, y).
 
-    ``base``: height at the middle; it falls as the sphere does, to no less than a quarter pitch.
+    ``base``: height at the middle; towards the edge it falls with the sphere, to a quarter pitch at least.
     """
     fall = 1 - (np.square(x) + np.square(y)) / radius**2
     return np.maximum(base * np.sqrt(np.maximum(fall, 0)), LEAST_DEPTH)
@@ -201,8 +201,8 @@ def hemisphere_depth(x, y, radius, base):
 def stroke(m, n, force, circle, steps, cover_radius):
     """Loads [steps, m, n] of a fingertip (N) that draws a ``circle`` once on a hemispherical cover.
 
-    Eq. 27 with the force at a point; the circle starts on the right and goes counter-clockwise. The cover
-    is as high over the middle as it is wide: ``cover_radius`` in -1..1 units of the longer side.
+    Eq. 27 with the force at a point; the circle starts on the right and goes counter-clockwise. The cover's
+    height over the middle is its radius: ``cover_radius`` in -1..1 units of the longer side.
     """
     angle = 2 * np.pi * np.arange(steps) / steps
     x, y = circle * np.cos(angle), circle * np.sin(angle)

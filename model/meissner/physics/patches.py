@@ -1,11 +1,11 @@
-"""Contact patches that move over an array: each a point force on an elastic cover, spread over the taxels.
+"""Contact patches that move over an array: each is a point force on an elastic cover over the taxels.
 
     line      from one place to another at a steady speed
     circle    around a centre, counter-clockwise from its right
     hold      in one place
 
-Force over the run, as a share of ``force_n``: ``steady`` 1; ``press`` a half sine; ``step`` the two humps
-of a foot that lands, passes over and pushes off, sin(pi p) + sin(3 pi p)/3 scaled to a peak of 1.
+Force over the run, as a share of ``force_n``: ``steady`` 1; ``press`` a half sine; ``step`` the two peaks of
+a footstep (landing and push-off), sin(pi p) + sin(3 pi p)/3 scaled to a peak of 1.
 
 Not modelled: friction, the cover's creep and hysteresis, crosstalk of the readout.
 """
@@ -30,7 +30,7 @@ ORIGINS = {
 
 
 def place(patch, phase):
-    """x and y of a patch at ``phase`` (0 to 1 over the run)."""
+    """x and y of a patch at ``phase`` (0 to 1 during the run)."""
     if patch["path"] == "line":
         (x0, y0), (x1, y1) = patch["from"], patch["to"]
         return x0 + (x1 - x0) * phase, y0 + (y1 - y0) * phase

@@ -1,7 +1,7 @@
 """Recorded steps: plantar pressure over time, 63×33 taxels at 500 Hz, 10 subjects of 60 trials.
 
-Pataky et al. (2008), doi 10.1016/j.jbiomech.2008.03.034; the arrays come in the PyPI package jiku-data,
-which is read as data: none of its code runs, and so what that needs is not installed. Counts and places as
+Pataky et al. (2008), doi 10.1016/j.jbiomech.2008.03.034. The arrays are in the PyPI package jiku-data, which
+is read as data only: none of its code runs, so its dependencies are not installed. Counts and places are as
 recorded: the heel is in the upper rows.
 """
 
@@ -18,7 +18,7 @@ ORIGINS = {
 
 
 def step(subject, trial):
-    """One step as uint16 [frames, 63, 33], from the frame before its first load to the one after its last."""
+    """One step, uint16 [frames, 63, 33], from the frame before the first load to the frame after the last."""
     found = find_spec("jikudata")
     if found is None or find_spec("h5py") is None:
         raise ValueError("the recorded steps need the packages jiku-data and h5py: make setup installs both")

@@ -2,22 +2,22 @@
 
     T = K·v·t                          until T = mu_s·N: the contact sticks (in parts, see rubber)
     T = (mu_k + (mu_s - mu_k)·exp(-t/T0))·N  from then on, with stick-slip around it
-    slip = v·t - T/K                   stage travel less what string and rubber have stretched
+    slip = v·t - T/K                   stage travel minus the stretch of string and rubber
 
 Quasi-static: the string is so soft (30 mm of stage travel to the slip) that the rise takes 3 s at 2 N on
-acrylic, as published; with more load or friction it takes longer, in proportion.
+acrylic, as published, and proportionally longer with more load or friction.
 
 A grip that follows the load: N = N0 + f·T, so the contact slips at T = mu·N0/(1 - mu·f), f below 1/mu. The
-stick zone shrinks all the while (1/f > mu), so by Jaeger's superposition the slipped ring is Cattaneo and
-Mindlin's of q = T/(mu·N) under the force of the moment. The follower ripples as the loading stage does.
+stick zone only shrinks (1/f > mu), so by Jaeger's superposition the slipped ring is that of Cattaneo and
+Mindlin for q = T/(mu·N) under the present force. The follower ripples as the loading stage does.
 
 Pressing: a raised-cosine ramp, plus a ripple of force while the loading stage moves. The ripple has no
 content above 600 Hz, as published for a changing normal force.
 
 Not modelled: inertia of the plate and its resonance with the string, static friction as the end of a stick
-(its length is drawn, so a drive as stiff as the rubber lifts a long one above mu_s·N), wear, humidity,
+(its length is drawn, so with a drive as stiff as the rubber a long one exceeds mu_s·N), wear, humidity,
 rotation, the dependence of friction on speed or load, vibration of the pulling stage, and friction
-coefficients of any measured sample: the table's are ordinary values against silicone rubber, chosen.
+coefficients of a measured sample: the table has ordinary values against silicone rubber, chosen.
 """
 
 from dataclasses import dataclass
@@ -36,7 +36,7 @@ class Material:
     fluctuation: float
 
 
-# Published: cloth and paper give slightly smaller coefficients than acrylic, wood hardly differs. The
+# Published: cloth and paper have slightly smaller coefficients than acrylic, wood hardly differs. The
 # numbers are chosen.
 MATERIALS = {
     "acrylic": Material(0.70, 0.62, 1.0),
@@ -51,9 +51,9 @@ FRICTION_SPREAD = 0.03  # standard deviation from run to run, as a share; chosen
 FALL_S = 0.04  # static to kinetic; chosen
 RIPPLE_LIMIT_HZ = 600.0  # published
 RIPPLE_N = 0.0055  # rms at full speed of loading; chosen to reach the published 0.005 V coefficient
-FOLLOW_EDGE_S = 0.05  # in which the follower's motor starts and stops; chosen
+FOLLOW_EDGE_S = 0.05  # time in which the follower's motor starts and stops; chosen
 
-# Measured as in rubber's ORIGINS.
+# Measured as for ORIGINS of rubber.
 ORIGINS = {
     "MATERIALS": (
         "chosen",
@@ -94,7 +94,7 @@ ORIGINS = {
 
 @dataclass(frozen=True)
 class Pull:
-    """One pull. ``slips_s``: instants of stick-slip after the whole contact let go at ``gross_s``."""
+    """One pull. ``slips_s``: instants of stick-slip after the whole contact lets go at ``gross_s``."""
 
     tension_n: np.ndarray
     slip_mm: np.ndarray
@@ -105,7 +105,7 @@ class Pull:
     bent: float = 0.0  # mu·f of a grip that follows
 
     def time_of(self, ratio):
-        """When the tension has reached ``ratio`` of the friction limit of that moment."""
+        """The time at which the tension reaches ``ratio`` of the friction limit at that time."""
         ratio = np.asarray(ratio)
         part = ratio * (1.0 - self.bent) / (1.0 - self.bent * ratio)
         return self.start_s + part * (self.gross_s - self.start_s)
@@ -122,7 +122,7 @@ def pull(
 ):
     """Pull the plate under a normal force, the stage starting at ``start_s``.
 
-    ``stiffness_n_mm``: of string and rubber in series; ``follow``: newtons of grip more per newton pulled.
+    ``stiffness_n_mm``: of string and rubber in series; ``follow``: added newtons of grip per newton of pull.
     """
     kind = MATERIALS[material]
     spread = 1.0 + FRICTION_SPREAD * rng.standard_normal()
@@ -133,12 +133,12 @@ def pull(
     after_s = np.maximum(time_s - gross_s, 0.0)
     sliding = time_s >= gross_s
 
-    # One stick is as long as the rubber must shear to win back what it lost: (Ts - Tk)/stiffness.
+    # A stick lasts until shear has restored the tension that the rubber lost: (Ts - Tk)/stiffness of travel.
     stick_s = (static_n - kinetic_n) / rubber.STIFFNESS_N_MM / speed_mm_s
     count = max(2, int(1.5 * max(time_s[-1] - gross_s, 0.0) / stick_s) + 8)
     slips_s = gross_s + np.cumsum(stick_s * rng.gamma(2.0, 0.5, count))
-    # While the plate sticks the string stretches at the stage's speed; each slip gives it back. With a
-    # string this soft that is under a millinewton: the load cell shows it no more than the published one.
+    # While the plate sticks the string stretches at the stage's speed; each slip releases it. With so soft a
+    # string this is less than a millinewton, which neither this load cell nor the published one shows.
     bounds = np.concatenate([[gross_s], slips_s])
     last_s = bounds[np.maximum(np.searchsorted(bounds, time_s, "right") - 1, 0)]
     saw_n = stiffness_n_mm * speed_mm_s * (time_s - last_s)
@@ -146,7 +146,7 @@ def pull(
     sliding_n = kinetic_n + (static_n - kinetic_n) * np.exp(-after_s / FALL_S) + saw_n
     tension_n = np.where(sliding, sliding_n, stiffness_n_mm * travel_mm)
     slip_mm = np.where(sliding, travel_mm - tension_n / stiffness_n_mm, 0.0)
-    # The rubber shears while the tension rises; sliding, it keeps its shear and recovers.
+    # The rubber shears while the tension rises; when sliding it shears no further and recovers.
     pulling = (time_s >= start_s) & ~sliding
     shear_mm_s = np.where(pulling, stiffness_n_mm * speed_mm_s / rubber.STIFFNESS_N_MM, 0.0)
     slips_s = slips_s[slips_s <= time_s[-1]]
@@ -154,7 +154,7 @@ def pull(
 
 
 def _ripple(samples, rate_hz, rng):
-    """White noise of unit rms with nothing at or above 600 Hz."""
+    """White noise of unit rms, band-limited to below 600 Hz."""
     bins = np.fft.rfftfreq(samples, 1.0 / rate_hz)
     inside = np.count_nonzero(bins < RIPPLE_LIMIT_HZ - 10.0)  # the ramp's envelope widens it by a few Hz
     spectrum = np.zeros(len(bins), dtype=complex)
@@ -164,7 +164,7 @@ def _ripple(samples, rate_hz, rng):
 
 
 def press(time_s, normal_n, ramps, rng):
-    """Load and unload: ``ramps`` is a list of (start_s, length_s), up and down in turn.
+    """Load and unload: ``ramps`` is a list of (start_s, length_s), alternately up and down.
 
     Returns the normal force and whether the loading stage moves.
     """
@@ -185,7 +185,7 @@ def press(time_s, normal_n, ramps, rng):
 
 
 def followed(time_s, normal_n, pull, follow, rng):
-    """The normal force of a grip that follows the pull; its motor ripples until the contact slips."""
+    """The normal force of a grip that follows the pull; its motor causes ripple until the contact slips."""
     first, last = np.searchsorted(time_s, [pull.start_s, pull.gross_s])
     since_s = np.minimum(time_s[first:last] - pull.start_s, pull.gross_s - time_s[first:last])
     speed = np.sin(np.pi / 2 * np.clip(since_s / FOLLOW_EDGE_S, 0.0, 1.0)) ** 2

@@ -9,29 +9,29 @@ Between the points log G is a monotone cubic of log F, beyond them a power law w
 
 Shear: with u = dV/k, du/dt = (v^n - u)·(v/X0 + 1/T0). While shearing, u reaches v^n within 0.01 mm; when
 the shear stops, u falls within about 5 s to a residual. Both numbers are published. The papers disagree about
-the residual. The high-sensitivity slip sensor says that Vc is restored to the initial state. The
-CoP slip paper says that it converges to about 3 V from an initial 2 V, for steps of 1.4, 1.6 and 2.1 V, and
-blames hysteresis. So ``recovers``, the share of the step that is taken back, is a parameter: RESTORED, the
-default, for the first, CONVERGED for the second, which is a share because the steps of its Table I are twice
-those of its own fit (see ORIGINS).
+the residual. According to the high-sensitivity slip sensor's paper Vc returns to the initial state. According
+to the CoP slip paper it converges to about 3 V from an initial 2 V, for steps of 1.4, 1.6 and 2.1 V, due to
+hysteresis. So ``recovers``, the share of the step that is reversed, is a parameter: RESTORED, the default,
+for the first, CONVERGED for the second. The latter is a share because the steps of that paper's Table I are
+twice those of its own fit (see ORIGINS).
 
 Pre-slip fluctuation: Cattaneo and Mindlin's contact. Under the tangential force T = q·mu·N only a core
-of radius a·(1 - q)^(1/3) still sticks; the ring outside it slips. The distance slipped is what the
-contact moves beyond a fully stuck one,
+of radius a·(1 - q)^(1/3) still sticks; the ring outside it slips. The slipped distance is the contact's
+motion beyond that of a fully stuck one,
 
     S(q) = 3/2·(1 - (1 - q)^(2/3)) - q,   dS/dq = (1 - q)^(-1/3) - 1,
 
 which starts flat and steepens without bound as q -> 1. Each patch of rubber that lets go is one event of
-a Poisson process with the rate dS/dt; each divides some current paths at once and rings at the rubber's
-own shear resonance. Only the inner part of the contact is pressed hard enough to conduct, so the first
-event that Vc shows is when the ring reaches it: q = 1 - CONDUCTING_RADIUS^3 = 0.875 by that choice. The
-high-sensitivity slip sensor fluctuates from 0.05 s of a static phase of 0.4 s on, PUBLISHED_ONSET; where
-Vc begins to show events is therefore a parameter (``first``), and the lead of a flag hangs on it.
+a Poisson process with the rate dS/dt; it suddenly divides some current paths and rings at the rubber's own
+shear resonance. Only the inner part of the contact is pressed hard enough to conduct, so Vc shows the first
+event when the ring reaches it: q = 1 - CONDUCTING_RADIUS^3 = 0.875 with that choice. The high-sensitivity
+slip sensor fluctuates from 0.05 s of a static phase of 0.4 s on, PUBLISHED_ONSET; the q from which Vc shows
+events is therefore a parameter (``first``), and the lead of a flag depends on it.
 
 Not modelled: creep of the divider curve, spread between lots, temperature, wear, the spatial field of the
-contact, a rate effect of shear on events, inertia of the plate, speeds outside the fit's 0.01 to 3 mm/s (used
-beyond it as it stands). Hysteresis of the divider, 1/f noise of the carbon paths, hum and bursts of events
-are options (physics.disturbances).
+contact, a rate effect of shear on events, inertia of the plate. The fit for 0.01 to 3 mm/s is also used
+outside these speeds. Hysteresis of the divider, 1/f noise of the carbon paths, hum and bursts of events are
+options (physics.disturbances).
 """
 
 from functools import cache
@@ -44,18 +44,18 @@ SERIES_OHM = 1000.0
 POINTS = ((0.0, 5.0), (0.5, 4.0), (1.0, 3.0), (1.7, 2.0))  # newtons, volts: published
 SHEAR_EXPONENT = 0.11  # published
 SHEAR_LINE = (1.55, 0.27)  # published: k = 1.55 - 0.27·Vi
-SHEAR_TAPER = 0.47  # V of k per V that Vi is below the supply, from where the line has it at 4 V; chosen
-SHEAR_FULL_MM = 0.01  # published: the step is complete by then
-# Deviation of the step from one measurement to the next, as a share of it: the largest of ten deviations of
-# three measurements is published as 0.04 V, and is 1.68 times the true one in the mean; the step is 0.53 V.
+SHEAR_TAPER = 0.47  # V of k per V of Vi below the supply, to meet the line at 4 V; chosen
+SHEAR_FULL_MM = 0.01  # published: the step is complete after this shear
+# Standard deviation of the step between measurements, as a share of it: the largest of ten deviations of
+# three measurements is published as 0.04 V, on average 1.68 times the true one; the step is 0.53 V.
 SHEAR_SPREAD = 0.045
 RECOVERY_S = 5.0  # published: stable by then
-# Share of the step that is taken back. Published (high-sensitivity sensor): restored to the initial state.
+# Share of the step that is reversed. Published (high-sensitivity sensor): restored to the initial state.
 RESTORED = 1.0
-# Published (CoP slip): about 3 V from 2 V. A volt is left of its 1.4, 1.6 and 2.1 V: 0.71, 0.63 and 0.48.
+# Published (CoP slip): about 3 V from 2 V. One volt remains of 1.4, 1.6 and 2.1 V: 0.71, 0.63 and 0.48.
 CONVERGED = 0.4
 
-# The plate moved about 0.1 mm while the force rose to slip (about 1.2 N at 2 N): published, as a reading.
+# Read off a publication: the plate moved about 0.1 mm while the force rose to slip (about 1.2 N at 2 N).
 STIFFNESS_N_MM = 12.0
 # The initial-slip sensor is 2.0 mm thick with its electrodes (published); the rubber's share of it, 1.5 mm,
 # is chosen. The high-sensitivity sensor is 0.5 mm thick (published), which would ring at 5.9 kHz, above half
@@ -64,7 +64,7 @@ SIDE_MM, THICKNESS_MM, DENSITY_KG_M3, QUALITY = 6.0, 1.5, 1200.0, 3.0
 
 
 def ring(thickness_mm, quality):
-    """Hertz and seconds of a layer of that stiffness: a quarter wave of shear, sqrt(k·h/(A·rho))/(4·h)."""
+    """Hertz and decay in seconds of a layer of that stiffness: a quarter wave, sqrt(k·h/(A·rho))/(4·h)."""
     modulus_pa = STIFFNESS_N_MM * thickness_mm / SIDE_MM**2 * 1e6
     hz = np.sqrt(modulus_pa / DENSITY_KG_M3) / (4e-3 * thickness_mm)
     return hz, quality / (np.pi * hz)
@@ -74,13 +74,13 @@ RING_HZ, RING_S = ring(THICKNESS_MM, QUALITY)  # 3.4 kHz
 
 CONDUCTING_RADIUS = 0.5  # of the contact's radius; chosen: events in the last eighth of the pull
 PUBLISHED_ONSET = 0.12  # of the friction limit: published, 0.05 s of 0.4 s
-PATCHES = 200  # that let go between the first event and the slip if that is at ONSET_RATIO; chosen
+PATCHES = 200  # that let go from the first event to the slip, if the first is at ONSET_RATIO; chosen
 # Standard deviation of log amplitude; chosen. The wait from the first event to one above the threshold
-# rests on this and on PATCHES: 9 ms in the mean, 6 ms at 0.2 and 17 ms at 0.5, the maximum held near 0.04 V.
+# depends on it and on PATCHES: 9 ms on average, 6 ms at 0.2 and 17 ms at 0.5, the maximum kept near 0.04 V.
 EVENT_SPREAD = 0.35
 EVENT_SHARE = 0.0135  # median share of the conductance in one event; chosen to reach the published 0.04 V
-SLIDING_SHARE = 0.5  # of EVENT_SHARE, in stick-slip; chosen: published as small
-GROSS_SHARE = 25.0  # of EVENT_SHARE, when the last core lets go; chosen: published only as a drop of Vc
+SLIDING_SHARE = 0.5  # times EVENT_SHARE, in stick-slip; chosen: published as small
+GROSS_SHARE = 25.0  # times EVENT_SHARE, when the last core lets go; chosen: published only as a drop of Vc
 
 _FORCE, _VOLTS = np.array(POINTS[1:]).T
 _LOG_FORCE = np.log(_FORCE)
@@ -89,7 +89,7 @@ _LOG_FORCE = np.log(_FORCE)
 @cache
 def _curve():
     """log G over log F inside the published points, and its slopes at both ends."""
-    from scipy.interpolate import PchipInterpolator  # here: what simulates no rubber does not wait for SciPy
+    from scipy.interpolate import PchipInterpolator  # imported here: only rubber needs to wait for SciPy
 
     curve = PchipInterpolator(_LOG_FORCE, np.log((SUPPLY_V - _VOLTS) / _VOLTS / SERIES_OHM))
     return curve, curve(_LOG_FORCE[[0, -1]], 1)
@@ -107,7 +107,7 @@ def conductance(force_n):
 
 
 def divider_volts(siemens):
-    """Vc of a conductance."""
+    """Vc for a conductance."""
     return SUPPLY_V / (1.0 + SERIES_OHM * siemens)
 
 
@@ -129,14 +129,14 @@ def shear_step(rest_v, speed_mm_s):
 def shear_level(time_s, speed_mm_s, recovers=RESTORED):
     """u(t) = dV/k for a shear speed that changes in steps; one exponential per step.
 
-    ``recovers``: the share of u that is taken back when the shear stops.
+    ``recovers``: the share of u that is reversed when the shear stops.
     """
     time_s, speed_mm_s = np.asarray(time_s), np.asarray(speed_mm_s)
     edges = np.concatenate([[0], np.flatnonzero(np.diff(speed_mm_s)) + 1, [len(time_s)]])
     level, start = np.zeros(len(time_s)), 0.0
     for first, last in pairwise(edges):
         speed = abs(speed_mm_s[first])
-        # Three time constants are "complete" and "stable": 95 % of the way.
+        # "Complete" and "stable" are taken as three time constants: 95 % of the way.
         rate = 3.0 * (speed / SHEAR_FULL_MM + 1.0 / RECOVERY_S)
         target = speed**SHEAR_EXPONENT if speed else (1.0 - recovers) * start
         since = time_s[first:last] - time_s[max(first - 1, 0)]
@@ -153,8 +153,8 @@ def slipped(ratio):
 
 ONSET_RATIO = 1.0 - CONDUCTING_RADIUS**3  # q at which the ring reaches conducting rubber
 
-# Delay is the median from the first event to the flag, lead the least from the flag to the slip, of
-# acrylic_slip's first 60 seeds with that one constant changed; as they are, 4.3 ms and 325 ms.
+# Delay: median time from the first event to the flag; lead: least time from the flag to the slip; both over
+# the first 60 seeds of acrylic_slip with only that constant changed. Unchanged: 4.3 ms and 325 ms.
 ORIGINS = {
     "SUPPLY_V": ("published", "slip papers, structure: 5 V", "codes per volt: every threshold in codes"),
     "SERIES_OHM": (
@@ -284,17 +284,17 @@ ORIGINS = {
 def event_ratios(rng, first=ONSET_RATIO, share=1.0):
     """The values of q, ascending, at which patches let go: a Poisson process with the rate dS.
 
-    ``first``: q from which Vc shows them; as many per distance slipped wherever that is. ``share``: of them.
+    ``first``: q from which Vc shows them, always as many per slipped distance. ``share``: of all patches.
     """
     grid = 1.0 - (1.0 - first) * np.linspace(1.0, 0.0, 512) ** 3  # dense where dS is steep
     start, stop = slipped(first), slipped(1.0)
     mean = PATCHES * ((stop - start) / (stop - slipped(ONSET_RATIO))) * share
-    count = max(1, rng.poisson(mean))  # a contact that slips has let go somewhere first
+    count = max(1, rng.poisson(mean))  # a contact slips only after a patch has let go
     return np.interp(np.sort(rng.uniform(start, stop, count)), slipped(grid), grid)
 
 
 def event_shares(count, scale, rng):
-    """Signed shares of the conductance: paths part and rejoin, so either sign, log-normal in size."""
+    """Signed shares of the conductance, log-normal in size; either sign, since paths part and rejoin."""
     size = np.exp(EVENT_SPREAD * rng.standard_normal(count))
     return EVENT_SHARE * scale * size * rng.choice((-1.0, 1.0), count)
 
@@ -302,8 +302,8 @@ def event_shares(count, scale, rng):
 def fluctuation(times_s, shares, samples, rate_hz):
     """e(t): each event steps by its share and rings down, exp(-t/RING_S)·cos(2·pi·RING_HZ·t).
 
-    One complex pole does all events; the first sample after each carries the phase it has by then, so
-    that events keep their exact instants.
+    One complex pole computes all events; the first sample after each has the phase reached by then, so events
+    keep their exact instants.
     """
     from scipy.signal import lfilter
 
@@ -317,12 +317,12 @@ def fluctuation(times_s, shares, samples, rate_hz):
 
 
 def event_steps(vc, shares):
-    """The step of Vc, in volts, that each event makes where Vc stands at ``vc``: dVc/dG·G = -Vc·(5-Vc)/5."""
+    """The step of Vc, in volts, due to each event when Vc is ``vc``: dVc/dG·G = -Vc·(5-Vc)/5."""
     return -vc * (SUPPLY_V - vc) / SUPPLY_V * shares
 
 
 def volts(force_n, level=None, share=None):
-    """Vc under a normal force, with the shear level u(t) and the fluctuation e(t) where there are any."""
+    """Vc under a normal force, with the shear level u(t) and the fluctuation e(t) if given."""
     vc = rest_volts(force_n)
     if level is not None:
         vc = vc + shear_gain(vc) * level

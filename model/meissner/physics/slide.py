@@ -1,4 +1,4 @@
-"""What physics.hand does sample by sample: one or both contacts of an object slide, until they stick."""
+"""The part of physics.hand that runs sample by sample: an object's contacts slide until they stick."""
 
 from dataclasses import dataclass, field
 from math import exp
@@ -19,7 +19,7 @@ ORIGINS = {
 class Contacts:
     """The state of an object's two contacts. ``since_s``: since each began to slide or to stick.
 
-    ``left_mm``: way until the next event of stick-slip; ``slid``: it has slid in the last block.
+    ``left_mm``: way to the next stick-slip event; ``slid``: whether each slid in the last block.
     """
 
     rng: np.random.Generator
@@ -33,7 +33,7 @@ class Contacts:
 
 @dataclass(frozen=True)
 class Slid:
-    """``tension_n`` [2, samples], ``slip_mm`` [samples], ``slid_mm`` [2] after it, ``events``:
+    """``tension_n`` [2, samples], ``slip_mm`` [samples], ``slid_mm`` [2] after the block, ``events``:
     (finger, sample, share).
     """
 
@@ -44,7 +44,7 @@ class Slid:
 
 
 def slide(contacts, force_n, load_n, mass_kg, mu_s, mu_k, slid_mm, rate_hz):
-    """Advance ``contacts`` through a block: ``force_n``, ``load_n`` [samples], ``slid_mm`` [2] before it."""
+    """Advance ``contacts`` by a block: ``force_n``, ``load_n`` [samples], ``slid_mm`` [2] before it."""
     stiffness, dt = rubber.STIFFNESS_N_MM, 1.0 / rate_hz
     mu_s, mu_k, slid = mu_s.tolist(), mu_k.tolist(), slid_mm.tolist()
     tensions, slips, events = [], [], []
@@ -85,7 +85,7 @@ def _stick(contacts, fingers):
 
 
 def _let_go(contacts, f, sample, events):
-    """The last core lets go; one that has stuck for a moment only has hardly a core."""
+    """The last core lets go; the core of a contact that has stuck only briefly is still small."""
     core = 1.0 - exp(-contacts.since_s[f] / plate.FALL_S)
     share = rubber.GROSS_SHARE * rubber.EVENT_SHARE * contacts.fluctuation * core
     events.append((f, float(sample), share))
@@ -93,7 +93,7 @@ def _let_go(contacts, f, sample, events):
 
 
 def _held(contacts, friction, load, slid, stiffness, sample, events):
-    """Tensions and slides where at least one finger sticks, or begins to slide now."""
+    """Tensions and slides if at least one finger sticks or begins to slide now."""
     for _ in range(3):
         if not any(contacts.sliding):
             apart = stiffness * (slid[1] - slid[0]) / 2
@@ -131,4 +131,4 @@ def _stick_slip(contacts, f, way_mm, stick_mm, events, sample):
         share = rubber.event_shares(1, contacts.fluctuation, contacts.rng)[0]
         events.append((f, float(sample), rubber.SLIDING_SHARE * share))
         contacts.left_mm[f] += max(stick_mm * contacts.rng.gamma(2.0, 0.5), 1e-6)
-    contacts.left_mm[f] = max(contacts.left_mm[f], 0.0)  # almost no force: a sample sees no single stick
+    contacts.left_mm[f] = max(contacts.left_mm[f], 0.0)  # almost no force: sticks too short to resolve

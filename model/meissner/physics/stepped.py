@@ -1,17 +1,17 @@
-"""The rubber's physics block by block, with a state that can be loaded again: for a hand in closed loop.
+"""The rubber's physics block by block, with a state that allows reloading, for a hand in closed loop.
 
-    Ring         M = N - T/mu   the stick core's radius goes with M^(1/3), q = T/(mu N) = 1 - M/N
-                 a patch lets go when q passes its place and M is below the least that is remembered
+    Ring         M = N - T/mu   the stick core's radius varies as M^(1/3), q = T/(mu N) = 1 - M/N
+                 a patch lets go when q passes its place and M is below the remembered minimum m
                  m' = min(m, M); while M > m:  dm/dt = (M - m)/heal_s
     Level        u of rubber.shear_level, for a shear speed that is steady within a block
     Fluctuation  e(t) of rubber.fluctuation: one complex pole, its last value kept
-    Ripple       plate's ripple as a tape that is read on and on
+    Ripple       plate's ripple as a tape that is read in a loop
 
-What the whole-run forms (plate.pull, rubber.event_ratios, shear_level, fluctuation) say of a pull that only
-grows, these say too; they go on when the load falls or the grip rises. Then the contact sticks everywhere,
-and what had slipped slips again only when N - T/mu falls below what it was (Mindlin and Deresiewicz), unless
-it has stuck for long: the memory ``m`` fades with ``heal_s``. A patch keeps its place and size until the
-whole contact has slid; then there is another contact, all of it slipped.
+For a pull that only grows, these give the same as the forms for a complete run (plate.pull,
+rubber.event_ratios, shear_level, fluctuation); they also cover a load that falls or a grip that rises. Then
+the contact sticks everywhere, and the slipped part slips again only when N - T/mu falls below its former
+value (Mindlin and Deresiewicz), unless it has stuck for long: the memory ``m`` fades with ``heal_s``. A patch
+keeps its place and size until the whole contact has slid; then a new, fully slipped contact replaces it.
 
 All arrays are [contacts] or [contacts, samples]; a contact is one finger of one run.
 """
@@ -33,9 +33,9 @@ ORIGINS = {
 
 
 class Ring:
-    """The ring of partial slip of each contact. ``places``: lists of q, ascending, one list a contact.
+    """The ring of partial slip of each contact. ``places``: lists of q, ascending, one list per contact.
 
-    ``shares``: of the conductance, as the places. ``heal_s``: of the memory; inf: it never fades.
+    ``shares``: of the conductance, in the same lists. ``heal_s``: of the memory; inf: it never fades.
     """
 
     def __init__(self, places, shares, friction, heal_s=HEAL_S):
@@ -49,7 +49,7 @@ class Ring:
             self.renew(contact, place, share)
 
     def renew(self, contact, places, shares, slid=False):
-        """Another contact with other patches; ``slid``: all of it has slipped."""
+        """Start a new contact with new patches; ``slid``: all of it has slipped."""
         more = len(places) - self.places.shape[1]
         if more > 0:
             self.places = np.pad(self.places, ((0, 0), (0, more)), constant_values=np.inf)
@@ -60,19 +60,19 @@ class Ring:
             self.margin[contact] = 0.0
 
     def start(self, force_n, tension_n):
-        """Held so from before the run on: what has slipped under it has slipped."""
+        """Take this hold as given before the run: the part that slips under it has already slipped."""
         self.margin = force_n - tension_n / self.friction
         self.ratio = tension_n / (self.friction * force_n)
 
     def reach(self, force_n):
-        """q up to which the contacts have slipped under the force of now."""
+        """q up to which the contacts have slipped under the present force."""
         known = np.isfinite(self.margin)
         return np.where(known, np.clip(1.0 - np.where(known, self.margin, 0.0) / force_n, 0.0, 1.0), 0.0)
 
     def next(self, force_n, tension_n, block_s):
         """(contact, sample, shares) of the patches that let go, in order of contact and instant.
 
-        ``sample``: the instant in samples of this block, from -1 (the last before it) on, not rounded.
+        ``sample``: the instant in samples of this block, unrounded; -1 is the last sample before the block.
         """
         margin_n = force_n - tension_n / self.friction[:, None]
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -93,7 +93,7 @@ class Ring:
         return np.repeat(found, counts), *(np.concatenate(column) for column in zip(*events))
 
     def _of(self, contact, margin_n, ratio, force_n):
-        """(sample, shares) of one contact whose core shrinks below what is remembered."""
+        """(sample, shares) of one contact whose core shrinks below the remembered minimum."""
         below = margin_n <= self.margin[contact]
         first = int(np.argmax(below))
         slipped = 1.0 - self.margin[contact] / force_n[first] if np.isfinite(self.margin[contact]) else -1.0
@@ -120,7 +120,7 @@ class Level:
     def next(self, speed_mm_s, samples, rate_hz):
         """u [contacts, samples] of a block in which the rubber shears at ``speed_mm_s`` [contacts]."""
         speed = np.abs(speed_mm_s)
-        stops = self.moved & (speed == 0)  # what is left of it is a share of what it is now
+        stops = self.moved & (speed == 0)  # the residual is a share of the present level
         self.left = np.where(stops, (1.0 - self.recovers) * self.level, self.left)
         self.moved = speed > 0
         target = np.where(self.moved, speed**rubber.SHEAR_EXPONENT, self.left)
@@ -140,7 +140,7 @@ class Fluctuation:
         self.last = np.zeros(contacts, dtype=complex)
 
     def next(self, contact, sample, shares, samples):
-        """(contacts that ring, e [of these, samples]); events as ``Ring.next`` gives them."""
+        """(contacts that ring, e [these contacts, samples]); events as from ``Ring.next``."""
         from scipy.signal import lfilter
 
         ringing = np.abs(self.last) > 1e-18
@@ -160,7 +160,7 @@ class Fluctuation:
 
 
 class Ripple:
-    """Unit ripple of a moving stage, a tape of ``seconds`` that begins again: [runs, samples] a block."""
+    """Unit ripple of a moving stage, [runs, samples] per block, from a tape of ``seconds`` that repeats."""
 
     def __init__(self, rate_hz, rngs, seconds=2.0):
         samples = round(seconds * rate_hz)

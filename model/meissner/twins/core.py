@@ -1,4 +1,4 @@
-"""Twin of rtl/msn_core.sv: the packets of whole frames of samples; of a hand its commands, too."""
+"""Twin of rtl/msn_core.sv: the packets for complete frames of samples; for a hand also its commands."""
 
 from dataclasses import dataclass
 
@@ -15,12 +15,12 @@ from meissner.twins.slip.shear_speeds import ShearSpeeds, report
 from meissner.twins.slip.slip import State
 from meissner.twins.slip.slip_chain import slip_chain
 
-OF_LOAD = 65535  # channel of a slip event that comes from the load of four electrodes
+OF_LOAD = 65535  # channel of a slip event found in the load of four electrodes
 
 
 @dataclass(frozen=True)
 class Expected:
-    """Payloads in order, each with the index of its frame: ``slip``, ``cop``; ``images`` [frames, taxels]."""
+    """``slip``, ``cop``: payloads in order, each with its frame's index; ``images`` [frames, taxels]."""
 
     slip: list
     cop: list
@@ -28,15 +28,15 @@ class Expected:
 
 
 class Hand:
-    """A core with the reflex, a control cycle at a time; ``actuate``: ActuateConfig, ``slip``: SlipConfig.
+    """A core with the reflex, one control cycle per call; ``actuate``: ActuateConfig, ``slip``: SlipConfig.
 
-    ``start``: as of meissner.twins.actuate.grip.Grip; ``shear``: ShearConfig, of a core with ShearSpeed. A
-    window's speed comes before the next frame: frames are 70 clocks apart or more.
+    ``start``: as in meissner.twins.actuate.grip.Grip; ``shear``: ShearConfig, for a core with ShearSpeed. A
+    window's speed is taken to arrive before the next frame: frames are 70 clocks apart or more.
     """
 
     def __init__(self, fingers, slip, actuate, start=None, shear=None):
         group = 1 << slip.level
-        self.group, self.left = group, 0  # frames of the detail under way
+        self.group, self.left = group, 0  # frames of the unfinished detail
         self.shear = None if shear is None else ShearSpeeds(shear, fingers)
         self.shear_frames = 0
         self.threshold, self.haar = slip.threshold, Haar(fingers, slip.level)
@@ -44,9 +44,9 @@ class Hand:
         self.actuate = Actuate(actuate, fingers, start)
 
     def next(self, samples, lost=False, override=None):
-        """Command of the cycle in which samples [frames, fingers] were decided upon.
+        """Command of the cycle that processed ``samples`` [frames, fingers].
 
-        ``lost``: a frame of the converter was lost in it; ``override``: what a host asks for.
+        ``lost``: the converter lost a frame in it; ``override``: a host's command.
         """
         x = np.asarray(samples).T
         p2p, ends = self.extremes.next(self.haar.next(x)[0])
@@ -58,7 +58,7 @@ class Hand:
         return word
 
     def _speeds(self, x):
-        """(detail that comes next, finger, speed) of each window that ends in ``x``."""
+        """(index of the next detail, finger, speed) of each window that ends in ``x``."""
         found, length = [], 1 << self.shear.estimators[0].size.window_log2
         first = length - 1 - self.shear_frames % length  # the frame that ends the first window
         for finger, windows in enumerate(self.shear.next(x)):
@@ -70,15 +70,15 @@ class Hand:
 
 
 def of_channels(samples, config, moving=None, mask=None, change=None):
-    """Slip events of samples [frames, channels]; the rest as meissner.twins.slip.slip_chain takes it."""
+    """Slip events of samples [frames, channels]; other arguments as in meissner.twins.slip.slip_chain."""
     slip, _ = payloads(slip_chain(samples, config, moving, mask, change))
     return Expected(slip, [], None)
 
 
 def of_array(array, samples, slip=None, over=None):
-    """Everything of samples [frames, rows, columns]; ``slip``: SlipConfig.
+    """All results of samples [frames, rows, columns]; ``slip``: SlipConfig.
 
-    ``array``: meissner.twins.cop.array.Array; it keeps what it learns, as the core does.
+    ``array``: meissner.twins.cop.array.Array; it keeps its learned state between calls, as the core does.
     """
     sensed = sensor_array(array, samples, over)
     events = slip_chain(sensed.forces, slip, mask=sensed.mask) if slip is not None else ()
@@ -93,13 +93,13 @@ def of_electrodes(samples, registers, terms=None, lag=16, slip=None):
 
 
 def samples_of(config, codes):
-    """Signed samples of a converter's codes, and which were over range, of the same shape."""
+    """Signed samples of a converter's codes and their over-range flags, both of the codes' shape."""
     mask = (1 << config.part.data_bits) - 1
     return config.converter.samples(np.asarray(codes) & mask)
 
 
 def array_of(config):
-    """meissner.twins.cop.array.Array of a configuration from reset on."""
+    """meissner.twins.cop.array.Array of a configuration, as after reset."""
     limits = tare = None
     if config.array["health"]:
         given = {k.removeprefix("health."): v for k, v in config.settings.items() if k.startswith("health.")}
@@ -113,12 +113,12 @@ def array_of(config):
 
 
 def hand_of(config, start=None):
-    """Hand of a configuration with [grip], and perhaps [shear_speed]."""
+    """Hand of a configuration with [grip] and, optionally, [shear_speed]."""
     return Hand(config.channels, config.slip, config.stages["grip"], start, config.stages.get("shear_speed"))
 
 
 def expected(config, codes):
-    """What a core of ``config`` says of whole frames of codes from reset on: shape as of engines.rtl_core."""
+    """Payloads of a core of ``config`` for complete frames of codes after reset: as in engines.rtl_core."""
     samples, over = samples_of(config, codes)
     if config.kind == "array":
         return of_array(array_of(config), samples, config.slip, over)

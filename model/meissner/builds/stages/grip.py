@@ -39,6 +39,6 @@ def config(at, given, base):
         )
     except ValueError as problem:
         raise ValueError(f"{at}: {problem}") from None
-    # The sensors' voltages are positive: below 0 a converter of both signs has only noise, or is dead.
+    # The sensors' voltages are positive: a bipolar converter reads below 0 only from noise or if it is dead.
     high = (1 << base.part.data_bits - base.part.signed) - 1
     return ActuateConfig(reflex, 0, high, given["rail_samples"], given["pulse_divide"])

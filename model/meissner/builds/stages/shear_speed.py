@@ -1,4 +1,4 @@
-"""[shear_speed] of a build: the estimator of each channel, from volts, millimetres and a lot of rubber."""
+"""[shear_speed] of a build: the estimator of each channel, from volts, millimetres and a batch of rubber."""
 
 from meissner.builds.units import exact
 from meissner.check import between, not_negative, positive
@@ -8,7 +8,7 @@ from meissner.twins.slip.shear_speeds import SIZE, ShearConfig
 DEFAULTS = {"k0_v": 1.55, "k1": -0.27, "n": 0.11, "vi_min_v": 2.0, "vi_max_v": 4.0, "noise_v": 0.1}
 DEFAULTS |= {"still_v": 0.0025, "limit_mm_s": 3.0, "travel_mm": 0.01, "hold_cycles": 0}
 PARAMETERS = {"ShearSpeed": 1}
-NEEDED_CLOCKS = 70  # from frame to frame, so that no sample waits for a window's work
+NEEDED_CLOCKS = 70  # from frame to frame, so that no sample waits for the computation of a window
 
 
 def check(base):
@@ -32,7 +32,7 @@ def config(at, given, base):
     lot = {key.split("_")[0] if key[:2] != "vi" else key[:6]: exact(given[key]) for key in DEFAULTS}
     hold_cycles = int(lot.pop("hold"))
     codes_per_v = (1 << base.part.data_bits - base.part.signed) / exact(base.adc["volts"])
-    top = (1 << base.part.data_bits - base.part.signed) - 1  # a code there says that there is more
+    top = (1 << base.part.data_bits - base.part.signed) - 1  # at this code the input is out of range
     try:
         settings = ShearSettings.of(codes_per_v, exact(base.rate_hz), SIZE, **lot, full=top / codes_per_v)
     except ValueError as problem:

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What rtl/ecp5/msn_multiply.sv uses of the ECP5's multiplier cell, by Lattice's description of it (TN-02205): input
-// registers of A and B and an output register, each there if its clock is named.
+// The part of the ECP5's multiplier cell that rtl/ecp5/msn_multiply.sv uses, after Lattice's description (TN-02205):
+// input registers of A and B and an output register, each present if its clock is named.
 
 module MULT18X18D #(
   parameter REG_INPUTA_CLK = "NONE",

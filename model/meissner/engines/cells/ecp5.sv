@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The cells of an ECP5 that Yosys has as boxes only, for simulating netlists: one clock, as synthesis uses them.
+// The cells of an ECP5 that Yosys has only as black boxes, for simulating netlists: one clock, as synthesis uses them.
 
 module DP16KD #(
   parameter int    DATA_WIDTH_A = 18, DATA_WIDTH_B = 18,
@@ -35,7 +35,7 @@ module DP16KD #(
     DOB2, DOB1, DOB0
 );
 
-  // As wide as 36 bits, both ports' data pins serve the one port: written at A, read at B.
+  // With 36 bits the data pins of both ports form one: written at A, read at B.
   localparam bit WideIn  = DATA_WIDTH_A == 36;
   localparam bit WideOut = DATA_WIDTH_B == 36;
   logic [17:0] dia, dib;

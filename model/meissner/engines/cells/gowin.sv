@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The cells of a GW2A that Yosys has as boxes only, for simulating netlists: one clock, as synthesis uses them.
+// The cells of a GW2A that Yosys has only as black boxes, for simulating netlists: one clock, as synthesis uses them.
 
 module DPB #(
   parameter READ_MODE0 = 0, READ_MODE1 = 0, WRITE_MODE0 = 0, WRITE_MODE1 = 0, BIT_WIDTH_0 = 16, BIT_WIDTH_1 = 16,

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What the block RAMs of the families have in common, for simulating netlists: 2048 bytes, two ports, one clock.
+// The common part of the families' block RAMs, for simulating netlists: 2048 bytes, two ports, one clock.
 //
-// Of a port ByteBits * 2^n wide, address bits n-1 .. 0 are byte enables; of one narrower than a byte, address
-// bits 2 .. 0 choose its bits. Mode 0: the output rests while the port writes; 1: it shows what is written; 2: what was
-// there. What one port reads of a byte that the other writes is undefined in silicon: here it is inverted.
+// In a port ByteBits * 2^n wide, address bits n-1 .. 0 are byte enables; in one narrower than a byte, address bits
+// 2 .. 0 select its bits. While the port writes, its output keeps its value (mode 0), shows the new data (1) or the old
+// data (2). Reading a byte that the other port writes is undefined in silicon; here the byte is inverted.
 
 module msn_gate_ram #(
   parameter int ByteBits = 9,
@@ -28,7 +28,7 @@ module msn_gate_ram #(
 
   logic [ByteBits-1:0] bytes [2048];
 
-  // The bytes that a port of this width touches are first .. first + lanes - 1.
+  // A port of this width accesses bytes first .. first + lanes - 1.
   function automatic int lanes(int width);
     lanes = (width < ByteBits) ? 1 : width / ByteBits;
   endfunction
@@ -54,7 +54,7 @@ module msn_gate_ram #(
     if (width < 8) look &= 36'((1 << width) - 1);
   endfunction
 
-  // The same with the bytes inverted that the other port writes.
+  // The same, with the bytes that the other port writes inverted.
   function automatic logic [35:0] see(int width, logic [13:0] address, logic other, int its_width,
                                       logic [13:0] its_address);
     see = look(width, address);

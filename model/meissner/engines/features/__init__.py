@@ -1,7 +1,7 @@
-"""Features of the core that engines run, each a package here, found by its name, as the function is called.
+"""Features of the core that engines run: each is a package here, with the name of the engines' function.
 
-A package has TOP, the module of rtl/ that engines rtl and gate build for it, and BLOCKS, what is in that. Its
-module ``engines`` has ENGINES, {engine of meissner.names.EVERY: its function}: loaded where it runs.
+A package has TOP, the module of rtl/ that engines rtl and gate build for it, and BLOCKS, the blocks in TOP.
+Its module ``engines``, loaded on use, has ENGINES, {engine of meissner.names.EVERY: its function}.
 """
 
 from importlib import import_module
@@ -11,5 +11,5 @@ FEATURES = {found.name: import_module(f"{__name__}.{found.name}") for found in i
 
 
 def of(name):
-    """{engine: what it runs for the feature}."""
+    """{engine: its function for the feature}."""
     return import_module(f"{__name__}.{name}.engines").ENGINES

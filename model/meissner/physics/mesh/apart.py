@@ -1,21 +1,21 @@
-"""One layer's response between contacts by how far apart they are: one table of two distances.
+"""One layer's response between contacts as a function of their distances: a table of two distances.
 
-With d = j>-j<, s the lesser of j+j' and 2(N+1)-(j+j') (one-based), products of sinh as differences of cosh:
+With d = j>-j<, s the smaller of j+j' and 2(N+1)-(j+j') (one-based), sinh products as differences of cosh:
 
     g_p(j, j') = h_p(d) - h_p(s),   h_p(v) = (exp(-tv) + exp(-t(2(N+1)-v))) / (2 sinh t (1 - exp(-2t(N+1))))
     2 cos p(i+1/2) cos p(i'+1/2) = cos p(i-i') + cos p(i+i'+1), of period 2M and even.
 
 So T[u, v] = sum_p cos(pi p u / M) h_p(v) / M for u in 0..M, v in 0..N+1 gives an entry by four look-ups. The
-table of green.py has one more place and needs two, but N times the memory. Modes beyond exp(-FADED) are left
-out: all of them together are less than UNIT / 500 of ``most``. The differences cost digits where both
-electrodes are near for the free direction, so a layer more than twice as wide as it is long has rows of modes
-(lines.py).
+table of green.py has one more index and needs only two look-ups, but N times the memory. Modes below
+exp(-FADED) are left out: together they are less than UNIT / 500 of ``most``. The differences lose digits if
+both electrodes are close compared with the free direction, so a layer more than twice as wide as it is long
+uses rows of modes (lines.py).
 """
 
 import numpy as np
 
 FADED = 44.0
-STEPS = 26  # columns of the table computed with equally many modes, at first; then twice as many each time
+STEPS = 26  # columns in the first group with one number of modes; each next group is twice as long
 
 
 def suits(free, along):
@@ -47,11 +47,11 @@ class Apart:
         self.reach = layer.reach
 
     def most(self):
-        """A bound of the sum of the magnitudes of all terms of any entry: T[u, v] <= T[0, 0]."""
+        """Upper bound of the sum of the magnitudes of any entry's terms: T[u, v] <= T[0, 0]."""
         return 4 * float(self.table[0, 0]) + float(self.reach().max())
 
     def between(self, across, along):
-        """As Layer.between, of [..., K] places."""
+        """As Layer.between, for [..., K] places."""
         size, end = self.end + 1, self.end
         one, other = along[..., :, None] + 1, along[..., None, :] + 1
         apart, both = abs(one - other), one + other

@@ -1,9 +1,9 @@
 """The (2mn+4) nodal equations of the mesh (eq. 8-10, 20-23) as a graph of conductances.
 
-Unknown is each node's drop: below +V0 in layer A and at E1, E3; *minus* the rise above -V0 in layer B and at
-E2, E4. Voltages are in units of 2V0 and conductances in units of 1/r. Every equation then reads
-sum g (z_p - z_q - e) = 0 over the edges at a node, e = 1 across a contact: small currents keep their digits.
-A short merges its two nodes; the unit between them moves into the resistors around it.
+The unknowns are the nodes' drops: below +V0 in layer A and at E1, E3; *minus* the rise above -V0 in layer B
+and at E2, E4. Voltages are in units of 2V0 and conductances in units of 1/r. Every equation then is
+sum g (z_p - z_q - e) = 0 over the edges at a node, e = 1 across a contact, so small currents keep their
+digits. A short merges its two nodes, and the source e = 1 between them moves into the resistors around it.
 """
 
 import numpy as np
@@ -47,7 +47,7 @@ class Circuit:
 
     def matrix(self):
         """The assembled symmetric M-matrix, CSC."""
-        from scipy import sparse  # here: a command that solves no mesh does not wait for SciPy
+        from scipy import sparse  # imported here: only commands that solve a mesh wait for SciPy
 
         count = len(self.live)
         p, q, g = (a[~self.grounded] for a in (self.p, self.q, self.g))
@@ -57,7 +57,7 @@ class Circuit:
         return sparse.csc_array((np.concatenate([-g, -g, diagonal]), (rows, columns)), (count, count))
 
     def imbalance(self, z, emf, emf_doubt):
-        """Currents left over at each node, and a bound of this sum's own rounding, extended precision."""
+        """Residual current at each node, in extended precision, and a bound of this sum's own rounding."""
         across = np.append(z, LONG(0))
         drop = across[self.p] - across[self.q]
         flow = self.g * (emf - drop)
@@ -76,16 +76,16 @@ class Circuit:
         return linalg.splu(self.matrix(), permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
 
     def plain(self):
-        """One sparse LU solve and nothing else, for timing; drops [2mn+4]."""
+        """Drops [2mn+4] by a single sparse LU solve, for timing."""
         pull = np.bincount(self.p, self.g * self.emf, len(self.live))
         inner = ~self.grounded
         pull -= np.bincount(self.q[inner], (self.g * self.emf)[inner], len(self.live))
         return self.expand(self.factor().solve(pull))
 
     def lift(self, upper):
-        """A function: currents left over [nodes] -> the two layers' common shifts that balance their sums.
+        """A function: residual currents [nodes] -> the common shift of each layer that balances its sum.
 
-        Solved on conductances without subtraction; it mends what LU loses when wires are near-ideal.
+        Solved on conductances without subtraction; it restores what LU loses when wires are near-ideal.
         """
         side = np.append(~upper, False).astype(int)
         ends = side[self.p], side[self.q]
@@ -104,12 +104,12 @@ class Circuit:
         bound [2mn+4], condition, residual).
 
         The residual is formed edge by edge in extended precision, on deviations from the level of a layer's
-        rails, so near-ideal wires cost no digits. With A^-1 >= 0 (M-matrix), any u with A u >= |residual|
-        bounds the error; u is solved for and A u is checked, roundings included.
+        rails, so near-ideal wires cost no digits. Since A^-1 >= 0 (M-matrix), any u with A u >= |residual|
+        bounds the error; u is solved for, and A u is checked including its roundings.
         """
         try:
             factor = self.factor()
-        except RuntimeError:  # singular: its sums have lost all but the largest conductances
+        except RuntimeError:  # singular: its sums have rounded away all but the largest conductances
             nothing = np.zeros(len(self.place), LONG)
             return nothing, nothing, np.full(len(nothing), np.inf), float(np.finfo(float).max), 1.0
         emf, none = self.emf.astype(LONG), np.zeros(len(self.g))
@@ -173,7 +173,7 @@ def eliminate(circuit):
     """Drops [2mn+4] by elimination without subtraction (after Grassmann, Taksar and Heyman), float64.
 
     It works on conductances and conductances to ground, never on an assembled diagonal, so each drop keeps
-    its relative accuracy however ill-conditioned the mesh. Dense: for reference, up to a few thousand nodes.
+    its relative accuracy even in an ill-conditioned mesh. Dense: a reference for up to a few thousand nodes.
     Two right-hand sides, each >= 0: rails of A at 1 (gives B's rise), rails of B at 1 (gives A's drop).
     """
     mesh, cells = circuit.mesh, circuit.mesh.m * circuit.mesh.n
@@ -218,7 +218,7 @@ def eliminate(circuit):
 
 
 def precise(circuit, digits=50):
-    """Drops [2mn+4] as mpmath numbers of ``digits`` digits: slow, for a few dozen nodes."""
+    """Drops [2mn+4] as mpmath numbers of ``digits`` digits: slow, for at most a few dozen nodes."""
     import mpmath
 
     with mpmath.workdps(digits):

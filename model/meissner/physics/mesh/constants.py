@@ -1,10 +1,10 @@
-"""The constants of the four-electrode equations, as the hardware's registers want them."""
+"""The constants of the four-electrode equations, in the form of the hardware's registers."""
 
 
 def position_constant(across, along, r, R0):
-    """C in x = C (E1-E3) / (2V0-E1-E3): ``along`` taxels between the electrodes, ``across`` beside them.
+    """C in x = C (E1-E3) / (2V0-E1-E3): ``along`` taxels between the electrodes, ``across`` perpendicular.
 
-    No unit; r and R0 in ohms. Exact (Kirchhoff's law only), eq. 16-19. One taxel along: 0, so x = 0.
+    No unit; r and R0 in ohms. Exact (Kirchhoff's law only), eq. 16-19. One taxel along gives 0, so x = 0.
     """
     if along == 1:
         return 0.0

@@ -5,21 +5,21 @@ times I, so (diag(p) + Z + R0) I = 2V0, with Z = r (layer A + layer B) and R0 th
 
     (diag(p) + Z) w = 1,   c = sum w:   I = 2V0 w / (1 + R0 c),   reported load = k c,   x = sum(x w) / c,
 
-R0 leaves the report but for the tilt between two rails (``pull``, 1 for R0 >> r), as published, and never
-touches the conditioning.
+R0 cancels in the report, as published, except for the tilt between two rails (``pull``, 1 for R0 >> r), and
+never affects the conditioning.
 """
 
 import numpy as np
 
 from meissner.physics.mesh.green import UNIT
 
-KEPT = 8  # sets of places
-LARGEST = 100_000  # entries of one
+KEPT = 8  # sets of places in the cache
+LARGEST = 100_000  # entries of a cached matrix, at most
 
 
 def drops(mesh, row, column):
-    """Z / r [scenes, K, K]; of a mesh without tables those of the last few sets of places are kept, since a
-    touch whose force changes presses the same taxels."""
+    """Z / r [scenes, K, K]. For a mesh without tables the results of the last few sets of places are cached,
+    since a touch whose force changes presses the same taxels."""
     if mesh.layer_a.tabulated and mesh.layer_b.tabulated:
         Z = mesh.layer_a.between(row, column)
         Z += mesh.layer_b.between(column, row)
@@ -34,7 +34,7 @@ def drops(mesh, row, column):
         else:
             Z = mesh.layer_a.between(row, column) + mesh.layer_b.between(column, row)
         if len(mesh.kept) >= KEPT:
-            del mesh.kept[next(iter(mesh.kept))]  # the one that was not asked for longest
+            del mesh.kept[next(iter(mesh.kept))]  # the least recently used
     if Z.size <= LARGEST:
         mesh.kept[places] = Z
     return Z
@@ -59,8 +59,8 @@ def solve(mesh, row, column, resistance):
 def certify(mesh, row, column, resistance, w):
     """Rigorous |w - exact| [scenes, K], condition [scenes], residual [scenes].
 
-    With R near the inverse of the scaled matrix M and q >= |1 - RM|, |error| <= |R residual| / (1 - q),
-    every norm taken with the rounding of Z, of the products and of R's use added.
+    With R near the inverse of the scaled matrix M and q >= |1 - RM|: |error| <= |R residual| / (1 - q). Every
+    norm includes the rounding of Z, of the products and of the use of R.
     """
     M = matrix(mesh, row, column, resistance)
     count = M.shape[-1]

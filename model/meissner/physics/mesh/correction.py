@@ -1,16 +1,16 @@
-"""Takes the layers' own voltage drop out of the reported load (and a little of the position's error).
+"""Removes the layers' own voltage drop from the reported load (and a small part of the position's error).
 
-Contacts that share a load F see the rails less what their currents drop in r, so 1/load = 1/F + z/k with a
-mean resistance z = r zeta that depends on where the load lies. Eq. 29 becomes, with N = 2V0-E1-E3 and
-D = E1+E3-E2-E4 (both measured),
+Contacts that share a load F see the rails minus the drop of their currents in r, so 1/load = 1/F + z/k with a
+mean resistance z = r zeta that depends on the place of the load. With N = 2V0-E1-E3 and D = E1+E3-E2-E4 (both
+measured), eq. 29 becomes
 
     F = Kf N / (D - N p),    p = p0 + p1 X + p2 Y + p3 X^2 + p4 XY + p5 Y^2,   X = x^2, Y = y^2:
 
-one more product in front of the division that eq. 29 needs anyway. p = 2 (r/R0) zeta knows neither k nor V0.
-For the position, x' = x + x (N/D) (a0 + a1 X + a2 Y), y' alike.
+one more product upstream of the division that eq. 29 needs in any case. p = 2 (r/R0) zeta depends on neither
+k nor V0. For the position, x' = x + x (N/D) (a0 + a1 X + a2 Y), and y' in the same way.
 
 Cost in hardware: 8 products for the load (X, Y, five by Horner, N p), 3 more for N/D (a division) and each
-coordinate; eleven 18-bit registers beside Cx, Cy, Kf; see meissner.twins.cop.cop4_correct.
+coordinate; eleven 18-bit registers in addition to Cx, Cy, Kf; see meissner.twins.cop.cop4_correct.
 """
 
 from dataclasses import dataclass
@@ -41,9 +41,9 @@ class Correction:
     Kf: float
 
     def apply(self, x, y, load):
-        """Corrected (x, y, load); the sensor's x, y (no unit) and load (N), any equal shapes.
+        """Corrected (x, y, load) of the sensor's x, y (no unit) and load (N), of any equal shapes.
 
-        Where 1 - load p / Kf <= 1/16 the load cannot have been that large: the factor is held at 16.
+        Where 1 - load p / Kf <= 1/16 the load cannot have been that large: the factor saturates at 16.
         """
         x, y, load = (np.asarray(a, float) for a in (x, y, load))
         ratio = load / self.Kf
@@ -53,7 +53,7 @@ class Correction:
 
 
 def fit(mesh, load):
-    """The ``Correction`` for scenes [scenes, m, n] in newtons that stand for what will press the sensor.
+    """The ``Correction`` fitted to scenes [scenes, m, n] in newtons that represent the expected touches.
 
     Least squares of the load's relative error and of the position's error, with the mesh's own solver.
     At least 30 loaded scenes; a coordinate that is 0 by definition (one row or column) gets no terms.
@@ -75,7 +75,7 @@ def fit(mesh, load):
 
 
 def registers(correction):
-    """``CorrectionRegisters`` of a ``Correction``: the largest common shift that leaves every p in range."""
+    """``CorrectionRegisters`` of a ``Correction``, at the largest common shift with every p in range."""
     largest = np.abs(correction.p).max()
     if not 0 < largest < 2 ** (COEFFICIENT_BITS - 1):
         raise ValueError("the correction's coefficients do not fit 18-bit registers")

@@ -1,11 +1,11 @@
 """A four-wire mesh with parts missing: elements cut from the sheet, resistors cut, elements without rubber.
 
-An element cut out leaves with its node in both layers and every resistor that ends there (net paper, VIII).
-One without rubber keeps its resistors and conducts nothing between the layers (net paper, IV-E): a force on
-it is not felt, and nothing else changes. Where nodes are missing, a coordinate is no longer harmonic (eq.
-6), so the first moment that E1-E3 gives is that of h, the potential of the empty layer between E1 at -1 and
-E3 at 1: one pressed element is reported at h instead of x, but for a factor common to all. ``harmonic``
-gives both coordinates' h.
+Cutting out an element removes its node in both layers and every resistor that ends there (net paper, VIII).
+An element without rubber keeps its resistors but does not conduct between the layers (net paper, IV-E): a
+force on it is not sensed, and nothing else changes. Where nodes are missing, a coordinate is no longer
+harmonic (eq. 6), so E1-E3 gives the first moment of h instead, the potential of the empty layer between E1 at
+-1 and E3 at 1: a single pressed element is reported at h instead of x, apart from a common factor.
+``harmonic`` gives h for both coordinates.
 """
 
 from typing import NamedTuple
@@ -16,7 +16,7 @@ from meissner.physics.mesh.circuit import GROUND, grid_edges
 
 
 class Reading(NamedTuple):
-    """What the four wires report, arrays [scenes]: volts, x, y by the whole mesh's constants, newtons.
+    """What the four wires report, arrays [scenes]: volts, x, y by the constants of the uncut mesh, newtons.
 
     ``valid``: False where no current flows; x, y and load are 0 there.
     """
@@ -34,11 +34,11 @@ class Reading(NamedTuple):
 class CutMesh:
     """``mesh`` without some of its parts.
 
-    ``elements`` [m, n]: True where an element is; ``rubber`` [m, n]: True where it has rubber; ``cut``:
-    resistors that are cut, ("A" or "B", row, column), the one to the right of that element in layer A and
-    below it in layer B, column -1 or row -1 for the one from E1 or E2; ("A", row, column, "across") the one
-    below it in layer A, ("B", row, column, "across") the one to the right of it in layer B. None: nothing is
-    missing.
+    ``elements`` [m, n]: True where an element exists; ``rubber`` [m, n]: True where it has rubber; ``cut``:
+    resistors that are cut. ("A" or "B", row, column) is the one to the right of that element in layer A or
+    below it in layer B, with column -1 or row -1 for the one from E1 or E2. ("A", row, column, "across") is
+    the one below it in layer A, ("B", row, column, "across") the one to the right of it in layer B. None:
+    nothing is missing.
     """
 
     def __init__(self, mesh, elements=None, rubber=None, cut=()):
@@ -74,8 +74,8 @@ class CutMesh:
         return min(nodes), max(nodes)
 
     def _solve(self, p, q, g, emf):
-        """Drops [2mn+4] of sum g (z_p - z_q - emf) = 0; 0 at nodes that no path joins to ground."""
-        from scipy import sparse  # here: a command that solves no mesh does not wait for SciPy
+        """Drops [2mn+4] of sum g (z_p - z_q - emf) = 0; 0 at nodes without a path to ground."""
+        from scipy import sparse  # imported here: only commands that solve a mesh wait for SciPy
         from scipy.sparse import csgraph, linalg
 
         size = 2 * self.mesh.m * self.mesh.n + 4
@@ -99,7 +99,7 @@ class CutMesh:
         return z
 
     def solve(self, load):
-        """``Reading`` of loads [scenes, m, n] in newtons; what misses rubber or element is not felt."""
+        """``Reading`` of loads [scenes, m, n] in newtons; a load without rubber or element is not sensed."""
         mesh, cells = self.mesh, self.mesh.m * self.mesh.n
         load = np.asarray(load, float)
         if load.ndim != 3 or load.shape[1:] != (mesh.m, mesh.n) or not (load >= 0).all():
@@ -114,7 +114,7 @@ class CutMesh:
         # In units of 2V0: drops below +V0 at E1, E3; minus the rises above -V0 at E2, E4.
         drop1, rise2, drop3, rise4 = E * np.array([1, -1, 1, -1])[:, None]
         upper, lower = drop1 + drop3, rise2 + rise4
-        # An open layer has a current of no more than rounding.
+        # The current of an open layer is only rounding.
         valid = (upper > 1e-12) & (lower > 1e-12)
         safe = np.where(valid, upper, 1), np.where(valid, lower, 1)
         x = np.where(valid, mesh.Cx * (drop3 - drop1) / safe[0], 0)
@@ -124,8 +124,8 @@ class CutMesh:
         return Reading(*(rails - 2 * mesh.V0 * E), x, y, newtons, valid)
 
     def harmonic(self):
-        """(h_x, h_y) [m, n], NaN at cut elements; with R0 far above r one pressed element is reported there,
-        times one factor for each axis."""
+        """(h_x, h_y) [m, n], NaN at cut elements; with R0 far above r a single pressed element is reported
+        there, times one factor per axis."""
         m, n = self.mesh.m, self.mesh.n
         found = []
         for first, own in ((0, slice(0, m * n)), (1, slice(m * n, 2 * m * n))):
@@ -137,12 +137,12 @@ class CutMesh:
         return tuple(found)
 
     def _held(self, held):
-        """Potentials of a layer alone whose electrodes are held; NaN where they lead to neither."""
+        """Potentials of a single layer with fixed electrodes; NaN at nodes connected to neither."""
         wires = self.q != GROUND
         p, q, g = self.p[wires], self.q[wires], self.g[wires]
         fixed = np.isfinite(held)
         ground = np.flatnonzero(fixed)
-        # A wire to a held node is one to ground with that node's potential as its source.
+        # A wire to a fixed node is a wire to ground with that node's potential as its source.
         swap = fixed[p]
         p, q = np.where(swap, q, p), np.where(swap, p, q)
         free = ~fixed[p]

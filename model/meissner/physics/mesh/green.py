@@ -1,4 +1,4 @@
-"""What one layer of the mesh does with the currents drawn from it, in closed form (units of r).
+"""The drops in one layer of the mesh due to the currents drawn from it, in closed form (units of r).
 
 A layer is a grid of equal resistors. One direction is *free* (open ends, eq. 7), the other runs *along*
 from electrode to electrode (eq. 10). Cosines diagonalise the free direction; along, mode p >= 1 sees both
@@ -6,8 +6,8 @@ electrodes as fixed, because a cosine carries no net current, and has
 
     g_p(j, j') = sinh(t j<) sinh(t (N+1-j>)) / (sinh t sinh t(N+1)),    t = 2 asinh(sin(pi p / 2M)).
 
-Mode 0 is a ladder that ends in R0 on both sides. Its drop is R0/2 times the whole current, which the caller
-keeps apart (so R0 >> r costs no digits), plus H below: positive definite, written without subtractions.
+Mode 0 is a ladder that ends in R0 on both sides. Its drop is R0/2 times the total current, which the caller
+keeps separate (so R0 >> r costs no digits), plus H below: positive definite, written without subtractions.
 """
 
 import numpy as np
@@ -16,7 +16,7 @@ from meissner.physics.mesh.apart import Apart, suits
 from meissner.physics.mesh.lines import Lines
 
 UNIT = np.finfo(float).eps / 2
-TABLE_LIMIT = 3_000_000  # entries of a table of three places
+TABLE_LIMIT = 3_000_000  # entries of a table of three indices
 APART_LIMIT = 3_000_000  # entries of a table of two distances; beyond it the modes are summed for each pair
 
 
@@ -59,13 +59,13 @@ class Layer:
 
     @property
     def large(self):
-        """What answers where there is no table of three places."""
+        """The method for a layer too large for a table of three indices."""
         if self._large is None:
             self._large = Apart(self) if self.by_distance else Lines(self)
         return self._large
 
     def table(self):
-        """[2 free, along, along]: half of H plus the modes' sum for one cosine argument, period 2 free."""
+        """[2 free, along, along]: half of H plus the sum of modes for a cosine argument, period 2 free."""
         if self._table is None:
             place = np.arange(1, self.along + 1)
             low, high = np.minimum.outer(place, place), np.maximum.outer(place, place)
@@ -77,13 +77,13 @@ class Layer:
         return self._table
 
     def between(self, across, along):
-        """Drop at each contact per ampere at each other: two [..., K] index arrays -> [..., K, K]."""
+        """Drop at each contact per ampere at every other: two [..., K] index arrays -> [..., K, K]."""
         if self.tabulated:
             table, size = self.table(), self.along**2
             level = across * size
             first, second = (level + along * self.along)[..., :, None], along[..., None, :]
             level = level[..., None, :]
-            gap = first - (level - second)  # below 0 it counts from the table's end: one period on
+            gap = first - (level - second)  # below 0 it indexes from the table's end: one period later
             return table.take(gap) + table.take(first + (level + second + size))
         contacts = across.shape[-1]
         drop = self.large.between(across.reshape(-1, contacts), along.reshape(-1, contacts))
@@ -91,14 +91,14 @@ class Layer:
 
     def reach(self):
         """[along]: an upper bound of a contact's drop per own ampere; sqrt(reach reach') bounds the sum of
-        the magnitudes of all terms of any entry of ``between``, but for those by distance (``terms``)."""
+        the magnitudes of an entry's terms in ``between``, except by distance (see ``terms``)."""
         if self._reach is None:
             place = np.arange(1, self.along + 1)
             self._reach = self.ladder(place, place) + 2 * self._modes(place, place).sum(-1) / self.free
         return self._reach
 
     def terms(self):
-        """[along]: sqrt(terms terms') bounds the sum of the magnitudes of all terms of any entry."""
+        """[along]: sqrt(terms terms') bounds the sum of the magnitudes of any entry's terms."""
         if not self.by_distance:
             return self.reach()
         return np.full(self.along, self.large.most())
@@ -107,14 +107,14 @@ class Layer:
     def rounding(self):
         """|error of an entry of between| <= rounding * sqrt(terms terms'): free+64 roundings.
 
-        Sums of free terms in any order, and 64 for the term itself with functions good to 4 ulp; the
-        exponential's argument t d adds at most 4/e more, since x exp(-x) <= 1/e.
+        ``free`` for the sum of as many terms in any order, 64 for the term itself with functions accurate to
+        4 ulp; the exponential's argument t d adds at most 4/e, since x exp(-x) <= 1/e.
         """
         return (self.free + 64) * UNIT
 
     def field(self, current):
-        """Drop at every node [..., free, along] for currents drawn [..., free, along], R0/2 apart."""
-        from scipy import fft  # here: a command that solves no mesh does not wait for SciPy
+        """Drop at every node [..., free, along] for currents drawn [..., free, along], without R0/2."""
+        from scipy import fft  # imported here: only commands that solve a mesh wait for SciPy
 
         free, along = self.free, self.along
         cosine = 4 * np.sin(np.pi * np.arange(free) / (2 * free)) ** 2

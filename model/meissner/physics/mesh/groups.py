@@ -1,7 +1,7 @@
 """From a solver's unknowns to electrodes, position and load, with bounds: one class per solver.
 
-Each has ``values`` [8, scenes], ``certificate()`` and ``fields()`` [2, scenes, m, n]; scenes of a group
-share a contact count. Drops and rises are computed, electrodes follow from them: small currents keep digits.
+Each has ``values`` [8, scenes], ``certificate()`` and ``fields()`` [2, scenes, m, n]; the scenes of a group
+have the same number of contacts. Electrodes are derived from drops and rises, so small currents keep digits.
 """
 
 import copy
@@ -12,11 +12,11 @@ from meissner.physics.mesh import contacts
 from meissner.physics.mesh.green import UNIT
 from meissner.physics.mesh.solution import Certificate
 
-VOUCH = 1e-3  # sparse LU: bounds beyond this fraction are not called a measurement
+VOUCH = 1e-3  # sparse LU: a result with bounds beyond this fraction does not count as a measurement
 
 
 def levers(mesh, row, column):
-    """Distance of contacts from the middle: columns rightward, rows upward, in taxels."""
+    """Distances of contacts from the middle, in taxels: to the right, and upwards."""
     return column - (mesh.n - 1) / 2, (mesh.m - 1) / 2 - row
 
 
@@ -116,15 +116,15 @@ class Exact(Contacts):
 
 
 class Constant(Contacts):
-    """Eq. 25: each layer at one potential, so every contact sees the same voltage; shorts are not defined."""
+    """Eq. 25: each layer at one potential, so every contact sees the same voltage; undefined for shorts."""
 
     def __init__(self, mesh, row, column, resistance):
         super().__init__(mesh, row, column, resistance)
         self.finish(1 / resistance)
 
     def certificate(self):
-        """Against the full mesh. Its currents cost q = w'Zw more power, so c - cq/(c+q) <= exact c <= c
-        (Thomson's principle); a moment about the centre errs by at most the energy norms' product."""
+        """Bounds against the full mesh, where these currents need q = w'Zw more power: c - cq/(c+q) <= exact
+        c <= c (Thomson's principle); a moment about the centre errs by at most the energy norms' product."""
         mesh, w, c = self.mesh, self.w, self.c
         reach = mesh.r * (mesh.layer_a.reach()[self.column] + mesh.layer_b.reach()[self.row])
         root = (w * np.sqrt(reach)).sum(-1)

@@ -1,24 +1,24 @@
 """One layer's response between few contacts on a mesh too large for tables: a row of modes for each line.
 
-cos pd + cos pe = 2 cos p(i+1/2) cos p(i'+1/2), and g_p(j<, j>) of meissner.physics.mesh.green is a factor of
-j<, one of j> and exp(-t (j>-j<)). So a contact brings rows that belong to its two lines alone, and the rest
-of the network does not enter. A pair needs only the modes that reach from one line to the other: each that is
-left out is at most exp(-FADED) sqrt(g_p(j, j) g_p(j', j')), by Cauchy and Schwarz all of them together less
-than UNIT / 20 of the scale that Layer.rounding refers to.
+cos pd + cos pe = 2 cos p(i+1/2) cos p(i'+1/2), and g_p(j<, j>) of meissner.physics.mesh.green is a product of
+a factor of j<, one of j> and exp(-t (j>-j<)). So a contact needs only the rows of its own two lines, and the
+rest of the network does not matter. A pair needs only the modes that reach from one line to the other: each
+omitted one is at most exp(-FADED) sqrt(g_p(j, j) g_p(j', j')), and by Cauchy and Schwarz all of them together
+are less than UNIT / 20 of the scale that Layer.rounding refers to.
 """
 
 from functools import lru_cache
 
 import numpy as np
 
-CHUNK = 4_000_000  # modes times pairs evaluated at once
+CHUNK = 4_000_000  # modes times pairs evaluated in one step
 FADED = 40.0
-WIDER = 8  # pairs summed with equally many modes are at most so many times further apart than the nearest
-KEPT = 1 << 21  # entries of rows that are kept for each direction
+WIDER = 8  # pairs summed with the same number of modes differ in distance by at most this factor
+KEPT = 1 << 21  # entries of rows cached for each direction, at most
 
 
 class Rows:
-    """``make(places)`` [places, modes], computed at the first touch of a place and then kept."""
+    """``make(places)`` [places, modes], computed at the first use of a place and then cached."""
 
     def __init__(self, count, modes, make):
         self.make, self.keep = make, count * modes <= KEPT
@@ -37,8 +37,8 @@ class Rows:
 
 @lru_cache(maxsize=4)
 def _pairs(scenes, contacts):
-    """Of every pair through all scenes its two contacts and where its scene's matrix begins; of every contact
-    where its scene's begin."""
+    """For every pair of all scenes, its two contacts and the start of its scene's matrix; for every contact,
+    the start of its scene's contacts."""
     first, second = np.triu_indices(contacts)
     start, pairs = np.arange(scenes), len(first)
     first, second = (np.add.outer(start * contacts, place).reshape(-1) for place in (first, second))
@@ -57,23 +57,23 @@ class Lines:
         self.ends = Rows(self.end, len(self.mode), self._ends)
 
     def _waves(self, across):
-        """cos(pi p (2i+1) / 2M), from one turn of the cosine, with the root of what scales the mode."""
+        """cos(pi p (2i+1) / 2M), from a table of one period, times the square root of the mode's scale."""
         turned = (2 * across[:, None] + 1) * self.mode + 2 * self.free
         return self.cosine[turned % (4 * self.free)] * self.scale
 
     def _ends(self, place):
-        """1 - exp(-2 t j): what an electrode j lines away leaves of a mode."""
+        """1 - exp(-2 t j): the part of a mode that remains at j lines from an electrode."""
         return -np.expm1(place[:, None] * (-2 * self.theta))
 
     def between(self, across, along):
-        """As Layer.between, of [scenes, K] places."""
+        """As Layer.between, for [scenes, K] places."""
         scenes, contacts = across.shape
         most = max(1, CHUNK // max(1, contacts * self.free))
         if scenes > most:
             parts = [slice(start, start + most) for start in range(0, scenes, most)]
             return np.concatenate([self.between(across[part], along[part]) for part in parts])
         first, second, base, start = _pairs(scenes, contacts)
-        order = along.argsort(axis=1).reshape(-1)  # so that the first of a pair is j<
+        order = along.argsort(axis=1).reshape(-1)  # so that the first of a pair has j<
         row, column = order[first], order[second]
         entries = base + row * contacts + column, base + column * contacts + row
         order += start

@@ -11,9 +11,9 @@ from meissner.physics.mesh.spread_out import Iterated
 from meissner.physics.mesh.touched import contacts_of, touched
 
 SOLVERS = ("auto", "lu", "fast", "constant")
-BATCH = 2_000_000  # contact pairs solved at once
-DENSE = 2000  # contacts; beyond it the fast solver iterates, as it does
-MODES = 200_000_000  # beyond so many terms of Green's functions that are too large to tabulate
+BATCH = 2_000_000  # contact pairs solved in one step
+DENSE = 2000  # contacts; the fast solver iterates beyond this many, and
+MODES = 200_000_000  # beyond this many terms of Green's functions that are too large to tabulate
 SPARSE = 20_000  # taxels up to which auto takes sparse LU for many contacts
 NARROW = tuple(map(np.dtype, ("f4", "f2", "u2", "u1")))
 ALL = np.zeros(1, int)
@@ -24,7 +24,7 @@ class Mesh:
 
     A taxel loaded with F newtons is a resistor k / F (eq. 24, ``k`` in newton ohms; 4320 in the paper, so
     864 ohms at 5 N). ``Cx``, ``Cy``, ``Kf``: the register constants, see ``cop_constants``.
-    Row i runs top to bottom, column j left to right; E1 left, E3 right, E2 top, E4 bottom.
+    Rows i count from top to bottom, columns j from left to right; E1 left, E3 right, E2 top, E4 bottom.
     """
 
     def __init__(self, m, n, r, R0=10e3, V0=15.0, k=4320.0):
@@ -45,7 +45,7 @@ class Mesh:
         )
         rail = 2 * self.R0 / self.r
         self.layer_a = Layer(self.m, self.n, rail / (rail + (self.n + 1) / self.m))
-        self.kept = {}  # of meissner.physics.mesh.contacts
+        self.kept = {}  # cache of meissner.physics.mesh.contacts
         square = self.m == self.n
         pull = rail / (rail + (self.m + 1) / self.n)
         self.layer_b = self.layer_a if square else Layer(self.n, self.m, pull)
@@ -56,12 +56,12 @@ class Mesh:
     def solve(self, load, solver="auto", tolerance=0.0):
         """Solve ``load`` [m, n] or [scenes, m, n] (newtons, >= 0; ``np.inf`` shorts a taxel): a ``Solution``.
 
-        Numbers of 4, 2 or 1 bytes (float32, float16, uint16, uint8) are taken as they are.
+        Arrays of float32, float16, uint16 and uint8 are read without a conversion.
 
         lu        the (2mn+4) nodal equations, sparse LU, refined and certified: the reference
         fast      exact; only the loaded taxels are unknown
-        constant  eq. 25: no drop in the layers, so position and load come out ideal
-        auto      fast or lu, whichever the number of loaded taxels makes cheaper; constant where its own
+        constant  eq. 25: no drop in the layers, so position and load are ideal
+        auto      fast or lu, whichever is cheaper for the number of loaded taxels; constant where its own
                   rigorous bounds stay below ``tolerance`` (fraction of the load, and of the position's range)
 
         Bad input raises ValueError.
@@ -75,9 +75,9 @@ class Mesh:
         )
 
     def press(self, row, column, force, solver="auto", tolerance=0.0):
-        """``solve`` where only contacts are given: [K] or [scenes, K] rows, columns and newtons on them.
+        """``solve`` for contacts only: [K] or [scenes, K] rows, columns and the newtons on them.
 
-        No frame of taxels is read or made, so a large mesh costs what its contacts cost; ``lu`` makes one.
+        Only ``lu`` makes a frame of all taxels; otherwise the cost depends on the number of contacts alone.
         Rows or columns outside the mesh, and a taxel named twice in a scene, raise ValueError too.
         """
         index, force, scenes, single = contacts_of(self.m, self.n, row, column, force)
@@ -92,7 +92,8 @@ class Mesh:
         return self._contacts(index, force, scenes, single, frame, solver, tolerance)
 
     def _contacts(self, index, force, scenes, single, frame, solver, tolerance):
-        """A Solution from taxels ``index``, counted through the scenes, and ``force``; ``frame(scene)``."""
+        """A Solution from taxels ``index``, counted through all scenes, and ``force``; ``frame(scene)``: the
+        loads [m, n] of a scene."""
         if solver not in SOLVERS:
             raise ValueError(f"solver = {solver!r} must be one of {', '.join(SOLVERS)}")
         if not tolerance >= 0:
@@ -100,7 +101,7 @@ class Mesh:
         solution = Solution(self, scenes, single)
         with np.errstate(over="ignore", under="ignore", divide="ignore", invalid="ignore"):
             resistance = self.k / force
-            if index.size and not resistance.max() < np.inf:  # less conductance than a double holds: open
+            if index.size and not resistance.max() < np.inf:  # conductance below the range of a double: open
                 held = np.isfinite(resistance)
                 index, resistance = index[held], resistance[held]
             if single:
@@ -120,7 +121,7 @@ class Mesh:
         return solution
 
     def _solve(self, solution, where, frame, place, resistance, solver, tolerance):
-        """Scenes ``where``, each with the same number of contacts: [scenes, K] places and resistances."""
+        """Solve scenes ``where`` with the same number of contacts: [scenes, K] places and resistances."""
         row, column = np.divmod(place, self.n)
         if solver == "constant" or (solver == "auto" and tolerance > 0):
             defined = (resistance > 0).all(-1)
@@ -162,7 +163,7 @@ class Mesh:
                 solution.put(where[one], group.values, "fast", group, group.why)
 
     def _method(self, contacts, solver):
-        """contacts (dense), transforms (iterated) or lu; seconds fitted on one core of a 2020s machine."""
+        """contacts (dense), transforms (iterated) or lu; times are fitted on one core of a 2020s machine."""
         if solver == "lu":
             return "lu"
         tabulated = self.layer_a.tabulated and self.layer_b.tabulated
@@ -175,7 +176,7 @@ class Mesh:
     def _read(self, load):
         try:
             load = np.asarray(load)
-            if load.dtype not in NARROW:  # those as they are: a large frame costs what its bytes cost to read
+            if load.dtype not in NARROW:  # narrow types are not converted: large frames are read faster
                 load = load.astype(float, copy=False)
         except (TypeError, ValueError):
             raise ValueError("load must be an array of newtons") from None

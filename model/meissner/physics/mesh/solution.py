@@ -1,4 +1,4 @@
-"""What a solved mesh gives back."""
+"""The results of a solved mesh."""
 
 import math
 from functools import cached_property
@@ -31,10 +31,10 @@ class Solution:
     """Electrodes, position and load of one scene (numbers) or a batch (arrays of length scenes).
 
     ``E1..E4`` volts; ``x``, ``y`` in -1..1, ``load`` newtons, ``current`` amperes: as the four electrodes
-    report them (eq. 16-20, 29), evaluated on the drops, not on the rounded voltages. ``solver``: what ran.
-    ``valid`` is False where there is no measurement; ``why`` then says so in a sentence, else it is "".
-    x, y, load are 0 there. Computed when asked for: ``bound``, ``condition``, ``residual`` (relative, of the
-    system that was solved), ``Va`` and ``Vb`` (volts, [m, n] or [scenes, m, n]). No value is NaN or infinite.
+    report them (eq. 16-20, 29), evaluated on the drops, not on the rounded voltages. ``solver``: its name.
+    ``valid`` is False where there is no measurement: then x, y, load are 0 and ``why`` gives the reason in a
+    sentence, else it is "". Computed on request: ``bound``, ``condition``, ``residual`` (relative, of the
+    solved system), ``Va`` and ``Vb`` (volts, [m, n] or [scenes, m, n]). No value is NaN or infinite.
     """
 
     def __init__(self, mesh, scenes, single):
@@ -62,7 +62,7 @@ class Solution:
             self._groups.append((where, group))
 
     def refuse(self, where, solver, why):
-        """Mark scenes as without a measurement: the unloaded electrodes stay."""
+        """Mark scenes as without a measurement; they keep the electrodes of an unloaded mesh."""
         self._why[where], self._solver[where] = why, solver
 
     def _out(self, array):

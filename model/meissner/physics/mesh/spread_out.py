@@ -1,8 +1,8 @@
 """Many loaded taxels on a large mesh: the contacts' equations by conjugate gradients, layers by transforms.
 
-(diag(p) + Z) w = 1 as in ``contacts``; Z is never formed. Scaled by 1/sqrt(p + Z_kk), opens and shorts both
-keep their size. No layer's grid has an eigenvalue above 8, so Z >= r/4: the error of a sum c.w is at most
-|c| |residual| in the norm of 1 / (p + r/4), whatever is shorted.
+(diag(p) + Z) w = 1 as in ``contacts``; Z is never formed. Scaling by 1/sqrt(p + Z_kk) keeps opens and shorts
+at a common magnitude. No layer's grid has an eigenvalue above 8, so Z >= r/4: the error of a sum c.w is at
+most |c| |residual| in the norm of 1 / (p + r/4), with any taxels shorted.
 """
 
 import numpy as np
@@ -12,7 +12,7 @@ from meissner.physics.mesh.groups import Contacts
 from meissner.physics.mesh.solution import Certificate
 
 STEPS = 2000
-TARGET, SETTLED = 1e-13, 1e-8  # residual over right-hand side: where to stop, what still counts
+TARGET, SETTLED = 1e-13, 1e-8  # residual over right-hand side: to stop at, and to accept
 
 
 class Iterated(Contacts):

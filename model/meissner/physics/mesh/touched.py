@@ -1,9 +1,9 @@
-"""Which taxels are loaded: of a large frame that few contacts touch, one pass over its bits."""
+"""Finds the loaded taxels; in a large frame with few contacts, by one pass over its bits."""
 
 import numpy as np
 
-LINE = 1024  # taxels looked at together
-LARGE = 32 * LINE  # from so many on
+LINE = 1024  # taxels tested together
+LARGE = 32 * LINE  # from this many taxels on
 
 
 def _check(load):
@@ -14,9 +14,9 @@ def _check(load):
 
 
 def touched(load):
-    """Indices of what is above 0 in ``load``, flat numbers; ValueError if one is NaN or below 0.
+    """Indices of the numbers above 0 in the flat array ``load``; ValueError if one is NaN or below 0.
 
-    A line whose words have no bit set holds only +0, so neither is looked for in it.
+    A line whose words have no bit set contains only +0 and is skipped.
     """
     whole = load.size // LINE
     if load.size >= LARGE:
@@ -30,13 +30,13 @@ def touched(load):
             line, place = np.divmod((part > 0).nonzero()[0], LINE)
             return np.append(lines, whole)[line] * LINE + place
     _check(load)
-    return (load > 0).nonzero()[0]  # of booleans: ten times faster than of floats
+    return (load > 0).nonzero()[0]  # nonzero of booleans is ten times faster than of floats
 
 
 def contacts_of(m, n, row, column, force):
-    """(index through all scenes, newtons, scenes, whether one is given) of the contacts with a force.
+    """(index through all scenes, newtons, number of scenes, whether a single one) of contacts with a force.
 
-    Each [K] or [scenes, K]; the contacts come out in the order of a frame's taxels.
+    Arguments: [K] or [scenes, K] each; the contacts are returned in the order of a frame's taxels.
     """
     row, column = np.asarray(row), np.asarray(column)
     try:

@@ -1,4 +1,4 @@
-"""Twin of rtl/actuate/msn_actuate.sv: what a core asks a hand to do, a control cycle at a time."""
+"""Twin of rtl/actuate/msn_actuate.sv: the hand's command, one per control cycle."""
 
 from dataclasses import dataclass, field
 
@@ -8,7 +8,7 @@ from meissner.twins.actuate.grip import Grip, GripConfig
 
 @dataclass(frozen=True)
 class ActuateConfig:
-    """Settings of the stage: the reflex', and those of msn_finger_health. ``divide``: of the pulses."""
+    """Settings of the reflex (``grip``), of msn_finger_health, and ``divide`` of msn_pwm."""
 
     grip: GripConfig = field(default_factory=GripConfig)
     low: int = 0
@@ -18,14 +18,14 @@ class ActuateConfig:
 
     @property
     def settings(self):
-        """{register of the group grip: value}, the reflex enabled."""
+        """{register of the group grip: value}, with the reflex enabled."""
         found = {"enable": 1} | self.grip.settings
         found |= {"low": self.low, "high": self.high, "rail": self.rail, "divide": self.divide}
         return found
 
 
 class Actuate:
-    """The stage of ``fingers`` fingers; ``start``: as of meissner.twins.actuate.grip.Grip."""
+    """The stage for ``fingers`` fingers; ``start``: as in meissner.twins.actuate.grip.Grip."""
 
     def __init__(self, config=None, fingers=2, start=None):
         self.config = config or ActuateConfig()
@@ -34,10 +34,10 @@ class Actuate:
         self.commands = self.tightenings = 0
 
     def next(self, samples, over, ends, lost=False, override=None, speeds=()):
-        """The Command of the cycle that had ``samples`` [fingers, n] and decisions ``over`` [fingers, m].
+        """The Command of a cycle with ``samples`` [fingers, n] and slip decisions ``over`` [fingers, m].
 
-        ``ends`` [m]: the decision is its window's last; ``speeds``: (place, finger, speed) in order, each
-        reported before the decisions [:, place]; speed None: there is none.
+        ``ends`` [m]: whether a decision is the last of its window; ``speeds``: (place, finger, speed) in
+        order, each reported before the decisions [:, place]; speed None: the speed is not known.
         """
         speeds = list(speeds)
         for place, end in enumerate(ends):

@@ -1,12 +1,12 @@
-"""Bit-exact twin of rtl/actuate/msn_grip.sv: the grip reflex, a command a control cycle. See docs/grip.md.
+"""Bit-exact twin of rtl/actuate/msn_grip.sv: the grip reflex, one command per control cycle (docs/grip.md).
 
 wish   of a finger  = (step << n) + (speed_gain * speed >> SPEED_SHIFT) for each of its windows over the
-                      threshold; n: its windows over in a row just before it, up to boost
-wish   of the hand  = the largest (any) or the smallest (weakest) of the fingers that work
-goal                = command + wish    some working finger had a window over the threshold
-                      command - decay   every finger was heard since the last cycle and none was over
+                      threshold; n: the windows over just before it without a break, at most boost
+wish   of the hand  = the largest (any) or the smallest (weakest) wish of the working fingers
+goal                = command + wish    a working finger had a window over the threshold
+                      command - decay   every finger had a decision since the last cycle, none was over
                       command           otherwise: in doubt the grip holds
-command             = goal, within [minimum, maximum], at most `rate` from where it was
+command             = goal limited to [minimum, maximum] and to a change of at most `rate`
 """
 
 from dataclasses import dataclass, fields
@@ -20,7 +20,7 @@ GAIN_BITS = 16
 BOOST_BITS = 3
 SPEED_SHIFT = 8
 MAX_FINGERS = 8
-MIN_PERIOD = 16  # clocks; a shorter one acts as this
+MIN_PERIOD = 16  # clocks; the RTL takes a shorter period as this
 
 RULES = ("any", "weakest")
 MODES = ("position", "force")
@@ -35,10 +35,10 @@ TOP = (1 << COMMAND_BITS) - 1
 class GripConfig:
     """Settings of the reflex. ``step``, ``decay``, ``rate`` and the limits are in counts of the command.
 
-    ``period``: clocks between cycles. ``rate``: the largest change in a cycle. ``watchdog``: a finger is
-    silent from this many cycles in a row without a decision on. ``mode``: "position", the output word is the
-    change of the command; "force", the command. ``immediate``: the first window over the threshold brings a
-    period's cycle forward. ``boost``: how often the step doubles while windows over follow each other.
+    ``period``: clocks between cycles. ``rate``: the largest change per cycle. ``watchdog``: consecutive
+    cycles without a decision after which a finger is silent. ``mode``: the output word is the change of the
+    command ("position") or the command ("force"). ``immediate``: the first window over the threshold starts
+    its period's cycle early. ``boost``: how many times the step doubles over consecutive windows over.
     """
 
     period: int = 1_000_000  # 10 ms at 100 MHz
@@ -75,7 +75,7 @@ class GripConfig:
 
     @property
     def settings(self):
-        """{name: value} of the block's ``cfg_`` inputs that it determines."""
+        """{name: value} of the block's ``cfg_`` inputs that these settings determine."""
         found = {field.name: getattr(self, field.name) for field in fields(self)}
         found |= {"rule": RULES.index(self.rule), "mode": MODES.index(self.mode)}
         return {name: int(value) for name, value in found.items()}
@@ -83,11 +83,11 @@ class GripConfig:
 
 @dataclass(frozen=True)
 class Command:
-    """What a cycle gives: ``increment`` since the last one, the ``command`` itself, the ``fault`` bits.
+    """The result of a cycle: the ``command``, its ``increment`` since the last one and the ``fault`` bits.
 
-    ``valid``: False where no word leaves (mode "force", before the hand's present force was set after a
-    reset). ``word``: what the output carries, the increment or the command by mode. ``faulty``: fingers that
-    take no part.
+    ``valid``: False if no word is sent (mode "force", after a reset, until the hand's present force is set).
+    ``word``: the output word, the increment or the command according to the mode. ``faulty``: fingers that
+    the reflex ignores.
     """
 
     increment: int
@@ -99,10 +99,10 @@ class Command:
 
 
 class Grip:
-    """The reflex of ``fingers`` fingers. ``next`` is a cycle; ``decision``, ``report``, ``cycle`` its parts.
+    """The reflex of ``fingers`` fingers. ``next`` is a cycle, made of ``decision``, ``report``, ``cycle``.
 
-    Mode "position" begins at the minimum with an increment of 0. Mode "force" gives no word until the command
-    was set by an override; ``start`` does it here: the command as if a host had set it.
+    Mode "position" begins at the minimum with an increment of 0. Mode "force" sends no word until an override
+    sets the command; ``start`` sets it here, as a host would.
     """
 
     def __init__(self, config=None, fingers=2, start=None):
@@ -114,14 +114,14 @@ class Grip:
         self.reset()
 
     def reset(self):
-        """All is forgotten: the hand stays where it is until the next command."""
+        """Forget all state; the hand stays where it is until the next command."""
         self.command, self.armed, self.fault = 0, None, UNARMED
         if self.start is not None:
             self.command, self.armed, self.fault = int(self.start), self.config.mode, 0
         self._speed_term = [0] * self.fingers
         self._quiet = [0] * self.fingers  # cycles in a row without a decision
-        self._counted = [False] * self.fingers  # the window under way was over, and was counted
-        self._streak = [0] * self.fingers  # windows over in a row before it
+        self._counted = [False] * self.fingers  # the current window was over and was counted
+        self._streak = [0] * self.fingers  # consecutive windows over before the current one
         self._clear()
 
     def _clear(self):
@@ -130,7 +130,7 @@ class Grip:
         self._seen = [False] * self.fingers
 
     def report(self, finger, speed):
-        """A shear speed of ``finger``, which stays until the next; None: the estimator flags it invalid."""
+        """A shear speed of ``finger``, valid until the next one; None: the estimator flags it as invalid."""
         if not 0 <= finger < self.fingers:
             return
         if speed is not None and not 0 <= speed < 1 << SPEED_BITS:
@@ -139,7 +139,7 @@ class Grip:
         self._speed_term[finger] = min(term, TOP)
 
     def decision(self, finger, over, end=True):
-        """A decision about ``finger``; ``end``: its window's last. A window counts once, at its first."""
+        """A decision about ``finger``; ``end``: its window's last. A window counts once, when first over."""
         if not 0 <= finger < self.fingers:
             return
         self._seen[finger] = True
@@ -153,7 +153,7 @@ class Grip:
         self._counted[finger] = not end and counted
 
     def cycle(self, healthy=None, override=None):
-        """The command of the cycle that ends now; ``override``: what a host asks instead of the reflex."""
+        """The command of the cycle that ends now; ``override``: a host's command in place of the reflex's."""
         config = self.config
         healthy = [True] * self.fingers if healthy is None else healthy
         self._quiet = [
@@ -180,7 +180,7 @@ class Grip:
             goal = min(max(goal, config.minimum), config.maximum)
             self.command = min(max(goal, before - config.rate), before + config.rate)
             increment = self.command - before
-        else:  # the first since reset, or since the mode changed: whatever the hand does, it does not move
+        else:  # the first cycle since reset or a change of mode: the hand does not move
             increment = 0
             valid = config.mode == "position" or override is not None
             if valid:
@@ -195,7 +195,7 @@ class Grip:
         return Command(increment, self.command, self.fault, valid, word, tuple(faulty))
 
     def next(self, over, healthy=None, seen=None, speed=None, override=None):
-        """A cycle's command. Of each finger: ``over``, its windows over the threshold since the last cycle;
+        """A cycle's command. For each finger: ``over``, its windows over the threshold since the last cycle;
         ``seen``, all its windows (None: one, or as many as over); ``healthy``; ``speed``, None if unknown.
         """
         seen = [max(int(count), 1) for count in over] if seen is None else seen

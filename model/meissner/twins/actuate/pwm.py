@@ -1,11 +1,11 @@
-"""Bit-exact twin of rtl/actuate/msn_pwm.sv: a word as the width of pulses."""
+"""Bit-exact twin of rtl/actuate/msn_pwm.sv: a word as a pulse width."""
 
 
 def pwm(words, bits=16, divide=0):
-    """The levels of the pin, a clock each, over a period for each of ``words``.
+    """The level of the pin in every clock, over one period for each of ``words``.
 
-    A period is 2**bits - 1 steps of ``divide`` + 1 clocks, high in the first ``word`` of them: 0 is low,
-    2**bits - 1 high.
+    A period is 2**bits - 1 steps of ``divide`` + 1 clocks; the pin is high in the first ``word`` steps, so
+    0 is always low and 2**bits - 1 always high.
     """
     if not 2 <= bits <= 16:
         raise ValueError(f"bits = {bits} must lie in 2 .. 16")

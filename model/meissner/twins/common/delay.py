@@ -4,7 +4,7 @@ import numpy as np
 
 
 class Delay:
-    """out = in, ``depth`` steps ago. What comes out in the first ``depth`` steps is not defined."""
+    """out = in, ``depth`` steps ago. The outputs of the first ``depth`` steps are undefined."""
 
     def __init__(self, depth):
         if depth < 1:
@@ -13,11 +13,11 @@ class Delay:
         self.reset()
 
     def reset(self):
-        """Forget the past; the undefined first outputs are 0 here."""
+        """Forget the past; here the undefined first outputs are 0."""
         self._past = np.zeros(self.depth, dtype=np.int64)
 
     def next(self, x):
-        """The values of ``depth`` steps before each of ``x`` [n]."""
+        """For each of ``x`` [n], the value ``depth`` steps before it."""
         line = np.concatenate([self._past, np.asarray(x, dtype=np.int64)])
         self._past = line[len(line) - self.depth :]
         return line[: len(line) - self.depth]

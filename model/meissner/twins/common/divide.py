@@ -4,7 +4,7 @@ import numpy as np
 
 
 def steps(fraction_bits=14, bits_per_clock=2):
-    """Digits that one division takes; its latency is one clock more, and so is its period."""
+    """Digits (clocks) of one division; its latency and its shortest period are one clock more."""
     if not 1 <= fraction_bits <= 30:
         raise ValueError(f"fraction_bits = {fraction_bits} must lie in 1 .. 30")
     if bits_per_clock not in (1, 2):
@@ -15,7 +15,7 @@ def steps(fraction_bits=14, bits_per_clock=2):
 def divide(num, den, fraction_bits=14):
     """``num / den`` in Q2.fraction_bits, nearest, ties away from zero; |num| <= den, den > 0.
 
-    Digit by digit, a bit a time: the numerator shifted by the fraction would not fit in int64.
+    It divides bit by bit, because the numerator shifted by the fraction would not fit in int64.
     """
     steps(fraction_bits)  # the same check
     num, den = np.broadcast_arrays(np.asarray(num, dtype=np.int64), np.asarray(den, dtype=np.int64))

@@ -10,7 +10,7 @@ from meissner.twins.common.log2 import ENTRY_BITS, TABLE_BITS, table
 
 @cache
 def finest():
-    """2^28 (2^(j/256) - 1), to nearest, of j = 0 .. 256: products of 2^(1/2), 2^(1/4) .. of 200 bits."""
+    """2^28 (2^(j/256) - 1) to nearest, for j = 0 .. 256: products of 2^(1/2), 2^(1/4) .. with 200 bits."""
     entries = []
     for j in range((1 << TABLE_BITS) + 1):
         x, root = 1 << 200 + (j >> TABLE_BITS), 2 << 200
@@ -23,22 +23,22 @@ def finest():
 
 
 def bound(table_bits=6, fraction_bits=16):
-    """(below, above): how far off 2^y the result is, as a share of it, before it is rounded to an lsb."""
+    """(below, above): the largest relative error against 2^y, before the result is rounded to an lsb."""
     table(finest(), table_bits, fraction_bits)
     lsb = 2.0**-fraction_bits
     return lsb / 8 + lsb / 4 + 2.0**-29, lsb / 8 + 2.0**-29 + 0.0601 * 4.0**-table_bits
 
 
 def exp2(y, table_bits=6, fraction_bits=16, out_bits=24, out_fraction=20):
-    """2^out_fraction 2^(y / 2^fraction_bits), rounded half up, held at 2^out_bits - 1: int64.
+    """2^out_fraction 2^(y / 2^fraction_bits), rounded half up, saturating at 2^out_bits - 1: int64.
 
         y = i + f;   T[j] = 2^(j/2^table_bits) - 1, j the leading bits of f, r the others
-        out = 2^i (1 + T[j] + (T[j+1] - T[j]) r)     T with two bits more than f, the product cut to them
+        out = 2^i (1 + T[j] + (T[j+1] - T[j]) r)     T has two bits more than f; the product is cut to them
 
-    ``y``: integers of 32 bits at most, signed. 2^out_bits - 1 also stands for all beyond. Exact where f = 0;
-    otherwise within ``bound`` and half an lsb of the output: by the chord above at most 0.0601/4^table_bits,
-    by rounding (2^-fraction_bits = lsb) lsb/8 + 2^-29, below lsb/4 more, all as a share of the result.
-    At the default: -0.00000573 .. +0.0000166.
+    ``y``: signed integers of at most 32 bits. Exact where f = 0, apart from the output's half lsb. Elsewhere
+    the error is within ``bound`` and that half lsb. As a share of the result: the chord is at most
+    0.0601/4^table_bits too high; rounding (lsb = 2^-fraction_bits) adds lsb/8 + 2^-29 to both sides and
+    lsb/4 more below. At the default: -0.00000573 .. +0.0000166.
     """
     if not 2 <= out_bits <= 32:
         raise ValueError(f"out_bits = {out_bits} must lie in 2 .. 32")
@@ -50,7 +50,7 @@ def exp2(y, table_bits=6, fraction_bits=16, out_bits=24, out_fraction=20):
     rest_bits = fraction_bits - table_bits
     j, r = f >> rest_bits, f & (1 << rest_bits) - 1
     mantissa = (1 << fraction_bits + 2) + t[j] + (d[j] * r >> rest_bits)
-    # Right from where the leading bit is the output's highest; a bit more than the output has, to round by.
+    # Shift right from the place where the leading bit is the output's highest; keep one more bit, to round.
     right = out_bits - 1 - out_fraction - (y >> fraction_bits)
     left = max(0, out_bits - (fraction_bits + 2))
     placed = mantissa << left >> np.clip(right + fraction_bits + 2 + left - out_bits, 0, 62)

@@ -1,6 +1,6 @@
-"""Twin of rtl/common/msn_fork.sv: every word, once, to both followers."""
+"""Twin of rtl/common/msn_fork.sv: every word goes once to each of two followers."""
 
 
 def fork(words):
-    """What each of the two followers gets of ``words``, in order."""
+    """The words that each of the two followers gets, in order."""
     return list(words), list(words)

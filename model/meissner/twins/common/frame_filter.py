@@ -1,11 +1,12 @@
-"""Bit-exact twin of rtl/common/msn_frame_filter.sv: passes whole frames, resynchronises on ``last``."""
+"""Bit-exact twin of rtl/common/msn_frame_filter.sv: passes frames, resynchronises on ``last``."""
 
 
 class FrameFilter:
     """Channels must count 0 .. channels-1 with ``last`` on the final one.
 
-    From the first sample of a frame that breaks this, the rest of the frame is dropped, up to its
-    ``last``, which counts it as damaged; the next frame is marked ``restart``, as is the first after reset.
+    From the first sample that breaks this, the rest of the frame is dropped, up to and including its
+    ``last``, where the frame is counted as damaged. The next frame is marked ``restart``; so is the first
+    frame after reset.
     """
 
     def __init__(self, channels):

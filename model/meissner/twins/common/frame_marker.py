@@ -1,24 +1,24 @@
-"""Bit-exact twin of rtl/common/msn_frame_marker.sv: numbers beats, passes no damaged frame as whole."""
+"""Bit-exact twin of rtl/common/msn_frame_marker.sv: numbers beats, passes no damaged frame as complete."""
 
 from typing import NamedTuple
 
 
 class Place(NamedTuple):
-    """What passes of a beat beside its data."""
+    """The marks that pass with the data of a beat."""
 
     id: int  # its place in the frame
-    fits: bool  # it is the beat of this place, no damage before it
+    fits: bool  # the beat belongs at this place, and the frame is undamaged so far
     row_last: bool
     last: bool
 
 
 class FrameMarker:
-    """Beats must count 0 .. rows*row_beats-1 with ``last`` on the final one (whose id is then not asked).
+    """Beats must count 0 .. rows*row_beats-1 with ``last`` on the final one (whose id is then not checked).
 
-    A frame that breaks this is counted in ``damaged``, and what passes of it is too short (broken before
-    the final beat: the broken one is marked ``last``, the rest dropped) or one too long (``last`` missing
-    on the final beat: of the rest only the beat that brings ``last`` passes). A frame is whole if its last
-    fits.
+    A frame that breaks this is counted in ``damaged`` and passes with a wrong length. If it breaks before
+    the final beat, the wrong beat is marked ``last`` and the rest is dropped: the frame is too short. If
+    ``last`` is missing on the final beat, only the later beat with ``last`` passes: the frame is one beat too
+    long. A frame is complete if its last beat fits.
     """
 
     def __init__(self, rows, row_beats):
@@ -50,6 +50,6 @@ class FrameMarker:
         return Place(place, right and not dropping, row_last, bool(last) or not (right or final))
 
     def process(self, ids, lasts):
-        """``reset`` and then ``next`` for each beat; returns the list of Places, None where one stops."""
+        """``reset`` and then ``next`` for each beat; a list of Places, None for a beat that does not pass."""
         self.reset()
         return [self.next(int(id_), bool(last)) for id_, last in zip(ids, lasts)]

@@ -1,8 +1,8 @@
-"""Bit-exact twin of rtl/common/msn_frame_owed.sv: whether results of a frame are still to come."""
+"""Bit-exact twin of rtl/common/msn_frame_owed.sv: whether results of a frame are still outstanding."""
 
 
 class FrameOwed:
-    """``results`` of each frame; one that is lost is given up after 2**``quiet_bits`` - 1 quiet clocks."""
+    """Each frame owes ``results``; a lost one is given up after 2**``quiet_bits`` - 1 quiet clocks."""
 
     def __init__(self, results=1, quiet_bits=9):
         if results < 1:
@@ -29,5 +29,5 @@ class FrameOwed:
         return busy
 
     def process(self, clocks):
-        """``next`` of every clock, in order: a list of bools."""
+        """``next`` for every clock, in order: a list of bools."""
         return [self.next(*clock) for clock in clocks]

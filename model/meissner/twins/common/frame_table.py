@@ -1,4 +1,4 @@
-"""Bit-exact twin of rtl/common/msn_frame_table.sv: a word per beat of a frame, in one or two banks."""
+"""Bit-exact twin of rtl/common/msn_frame_table.sv: one word per beat of a frame, in one or two banks."""
 
 import numpy as np
 
@@ -6,7 +6,7 @@ import numpy as np
 class FrameTable:
     """``words`` words of ``parts`` parts per bank; read in order from ``start``, written at any place.
 
-    What was never written is undefined; it is 0 here.
+    Words that were never written are undefined in the RTL and 0 here.
     """
 
     def __init__(self, words, parts=1, banks=2, start=0):
@@ -23,11 +23,11 @@ class FrameTable:
         self.restart()
 
     def restart(self, bank=0):
-        """The next word is ``start`` of ``bank``."""
+        """Read from word ``start`` of ``bank`` next."""
         self._bank, self._at = bank, self.start
 
     def next(self, count):
-        """The next ``count`` words [count, parts], round and round."""
+        """The next ``count`` words [count, parts], wrapping around at the end of the bank."""
         words = self._memory.shape[1]
         at = (self._at + np.arange(count)) % words
         self._at = (self._at + count) % words

@@ -4,7 +4,7 @@ import numpy as np
 
 
 def latency(bits=24, exact=True):
-    """Clocks from the numbers to their magnitude; also the shortest period."""
+    """Clocks from the numbers to their magnitude; also the shortest period between two."""
     if not 1 <= bits <= 30:
         raise ValueError(f"bits = {bits} must lie in 1 .. 30")
     return 3 * bits + 1 if exact else 3
@@ -13,7 +13,7 @@ def latency(bits=24, exact=True):
 def hypot(a, b, exact=True):
     """floor(sqrt(a**2 + b**2)), or the estimate floor(max(8 M, 7 M + 4 m) / 8) of larger M and smaller m.
 
-    ``a``, ``b``: integers 0 .. 2**30 - 1 of any shape. The estimate's error lies in -2.99 .. +0.78 %, less
+    ``a``, ``b``: integers 0 .. 2**30 - 1 of any shape. The estimate's error lies in -2.99 .. +0.78 %, minus
     the fraction that floor drops.
     """
     a, b = np.broadcast_arrays(np.asarray(a, dtype=np.int64), np.asarray(b, dtype=np.int64))
@@ -23,6 +23,6 @@ def hypot(a, b, exact=True):
         large, small = np.maximum(a, b), np.minimum(a, b)
         return np.maximum(8 * large, 7 * large + 4 * small) >> 3
     square = a * a + b * b
-    root = np.sqrt(square.astype(float)).astype(np.int64)  # off by one at most, above 2**52
+    root = np.sqrt(square.astype(float)).astype(np.int64)  # above 2**52 off by at most one
     root -= root * root > square
     return root + ((root + 1) ** 2 <= square)

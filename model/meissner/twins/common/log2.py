@@ -4,9 +4,9 @@ from functools import cache
 
 import numpy as np
 
-TABLE_BITS = 8  # of the finest table, of which others take every second, fourth .. entry
-ENTRY_BITS = 28  # of its entries' fraction
-REST_BITS = 17  # of the place between two entries, at most
+TABLE_BITS = 8  # index bits of the finest table; smaller tables take every second, fourth .. entry
+ENTRY_BITS = 28  # fraction bits of its entries
+REST_BITS = 17  # at most, for the place between two entries
 
 
 def check_bits(table_bits, fraction_bits):
@@ -22,7 +22,7 @@ def check_bits(table_bits, fraction_bits):
 
 @cache
 def finest():
-    """2^28 log2(1 + i/256), to nearest, of i = 0 .. 256: a bit at each squaring, of 64 with 200 to spare."""
+    """2^28 log2(1 + i/256) to nearest, for i = 0 .. 256: 64 squarings of 200 bits give a bit each."""
     entries = []
     for i in range((1 << TABLE_BITS) + 1):
         x, bits = ((1 << TABLE_BITS) + i) << 200 - TABLE_BITS, 0
@@ -36,7 +36,7 @@ def finest():
 
 
 def table(entries, table_bits, fraction_bits):
-    """(T, D): every 2^(8 - table_bits)th entry, with two bits more than the fraction, and the steps."""
+    """(T, D): every 2^(8 - table_bits)th entry, with two bits more than the fraction, and the differences."""
     check_bits(table_bits, fraction_bits)
     drop = ENTRY_BITS - fraction_bits - 2
     t = np.array(entries[:: 1 << TABLE_BITS - table_bits], dtype=np.int64)
@@ -45,7 +45,7 @@ def table(entries, table_bits, fraction_bits):
 
 
 def bound(in_bits=27, table_bits=6, fraction_bits=16):
-    """(below, above): how far the result lies below and above log2(x), at most, as the header has it."""
+    """(below, above): how far the result lies below and above log2(x) at most, as in the RTL's header."""
     table(finest(), table_bits, fraction_bits)
     lsb, cut = 2.0**-fraction_bits, in_bits - 1 - table_bits > REST_BITS
     above = lsb / 2 + lsb / 8 + 2.0**-29
@@ -57,11 +57,11 @@ def log2(x, in_bits=27, table_bits=6, fraction_bits=16):
     """2^fraction_bits log2(x): int64; x = 0 counts as 1.
 
         x = 2^e (1 + m);   T[i] = log2(1 + i/2^table_bits), i the leading bits of m, r the others
-        out = e + T[i] + (T[i+1] - T[i]) r     T with two bits more, the product cut to them, rounded half up
+        out = e + T[i] + (T[i+1] - T[i]) r     T has two bits more, the product is cut to them; half up
 
-    ``x``: integers 0 .. 2^in_bits - 1. Exact at powers of two; otherwise within ``bound``: by the chord
-    below at most 0.1804/4^table_bits; by rounding (lsb = 2^-fraction_bits) above at most lsb 5/8 + 2^-29,
-    below lsb/4 more; where r has more than 17 bits the others are dropped: 1.4427/2^(table_bits + 17) below.
+    ``x``: integers 0 .. 2^in_bits - 1. Exact at powers of two; otherwise within ``bound``: the chord is at
+    most 0.1804/4^table_bits too low; rounding (lsb = 2^-fraction_bits) adds at most lsb 5/8 + 2^-29 to both
+    sides and lsb/4 more below. Bits of r beyond 17 are dropped, which adds 1.4427/2^(table_bits + 17) below.
     At the default: -0.0000576 .. +0.0000096.
     """
     if not table_bits + 2 <= in_bits <= 48:

@@ -4,7 +4,7 @@ import numpy as np
 
 
 def multiply(a, b, a_width=18, b_width=16):
-    """a·b of integers ``a``, signed of ``a_width`` bits, and ``b``, unsigned of ``b_width`` bits; exact."""
+    """Exact product of ``a``, signed integers of ``a_width`` bits, and ``b``, unsigned, ``b_width`` bits."""
     if not 2 <= a_width <= 18:
         raise ValueError(f"a_width = {a_width} must lie in 2 .. 18")
     if not 1 <= b_width <= 17:

@@ -1,4 +1,4 @@
-"""Bit-exact twin of rtl/common/msn_ratio.sv: a scaled quotient, held at +-1.0, rounded once."""
+"""Bit-exact twin of rtl/common/msn_ratio.sv: a scaled quotient, saturated at +-1.0, rounded once."""
 
 import numpy as np
 
@@ -16,9 +16,9 @@ def check_bits(**bits):
 
 
 def ratio(scale, num, den, fraction_bits=14):
-    """``scale num / den`` in Q2.fraction_bits, held at +-1.0, nearest, ties away from zero: int64.
+    """``scale num / den`` in Q2.fraction_bits, saturated at +-1.0, nearest, ties away from zero: int64.
 
-    ``den`` <= 0 counts as beyond: the sign of ``scale num`` (0 if that is 0). ``scale`` >= 0.
+    ``den`` <= 0 gives the sign of ``scale num``, as +-1.0 (0 if that is 0). ``scale`` >= 0.
     """
     if np.min(scale) < 0:
         raise ValueError("the scale must not be negative")

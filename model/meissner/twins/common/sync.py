@@ -6,7 +6,7 @@ LATENCY = 2
 
 
 class Sync:
-    """out[n] = in[n-2]; what comes out in the first two clocks is whatever the flops held: here 0."""
+    """out[n] = in[n-2]; in the first two clocks the output is what the flip-flops held: here 0."""
 
     def __init__(self, width=1):
         if width < 1:
@@ -17,7 +17,7 @@ class Sync:
         self.held = [0] * LATENCY
 
     def next(self, x):
-        """Clock in one value and return the one that comes out in the same clock."""
+        """Clock in one value and return the output of the same clock."""
         self.held.append(int(x))
         return self.held.pop(0)
 

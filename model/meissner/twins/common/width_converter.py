@@ -1,8 +1,8 @@
-"""Bit-exact twin of rtl/common/msn_width_converter.sv: lanes side by side to taxels in sequence."""
+"""Bit-exact twin of rtl/common/msn_width_converter.sv: beats of parallel lanes to a sequence of taxels."""
 
 
 def width_converter(beats, columns, lanes):
-    """(data, id, last) of every taxel of ``beats``, (values of the lanes, last of the row, of the frame)."""
+    """(data, id, last) of every taxel; ``beats``: (lane values, last of the row, last of the frame) each."""
     if lanes not in (1, 2, 4, 8):
         raise ValueError(f"lanes = {lanes} must be 1, 2, 4 or 8")
     if not 1 <= columns <= 1024:

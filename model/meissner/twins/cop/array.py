@@ -1,4 +1,4 @@
-"""Twin of rtl/cop/msn_array.sv: a scanned array from what its converters give to its centre of pressure."""
+"""Twin of rtl/cop/msn_array.sv: a scanned array, from its converters' samples to its centre of pressure."""
 
 from meissner.twins.cop import cop_array
 from meissner.twins.cop.cop_array import CopArray
@@ -8,13 +8,13 @@ from meissner.twins.frontend.condition import Condition
 class Array:
     """``scan``: ScanAdc or ScanDemod. ``limits``: of msn_health, None without it.
 
-    ``tare``: a dict of what Tare takes (contact, step, tare_log2); then ``cop.calibrate`` has gains only.
-    None without it; then it has offsets too. ``health``, ``tare`` and ``cop`` are the stages.
+    ``tare``: a dict of the arguments of Tare (contact, step, tare_log2), or None without msn_tare. With it
+    ``cop.calibrate`` has gains only, without it offsets too. ``health``, ``tare`` and ``cop`` are the stages.
     """
 
     def __init__(self, scan, limits=None, tare=None, bits_per_clock=2, **kinds):
         rows, columns = scan.rows, scan.columns
-        lanes = getattr(scan, "lanes", 1)  # amplitudes come one by one
+        lanes = getattr(scan, "lanes", 1)  # the demodulator gives one amplitude at a time
         bits = scan.sample_bits
         self.scan = scan
         self.condition = Condition(rows, columns, lanes, bits, limits, tare)
@@ -26,19 +26,19 @@ class Array:
         self._steps = self.condition.steps | {"cop": behind}
 
     def next(self, samples, over=None):
-        """x, y, load, pressed [frames] of whole frames of signed samples [frames, rows, columns]."""
+        """x, y, load, pressed [frames] of complete frames of signed samples [frames, rows, columns]."""
         return self.cop.of_forces(self.forces(samples, over)[0])
 
     def forces(self, samples, over=None):
-        """The calibrated forces of such frames, and which are masked, both [frames, rows, columns]."""
+        """The calibrated forces of such frames and which are masked, both [frames, rows, columns]."""
         samples, mask = self.condition.next(samples, over)
         return self.cop.calibrate.next(samples, mask), mask
 
     def latency(self, settle, **given):
         """Clocks of each step, by name: the scan's, then ``health``, ``tare``, ``cop`` and two sums.
 
-        ``compute``: from the last sample in to the result; ``total``: from a frame's first convert start to
-        it. ``given``: what the scan's latency takes besides.
+        ``compute``: from the last sample to the result; ``total``: from a frame's first convert start to the
+        result. ``given``: further arguments of the scan's latency.
         """
         steps = self.scan.latency(settle, **given) | self._steps
         tail = sum(self._steps.values())

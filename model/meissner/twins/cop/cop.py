@@ -8,7 +8,7 @@ from meissner.twins.cop.cop_divide import cop_divide
 
 
 def cop(forces, fraction_bits=14, min_load=1):
-    """x, y, load and whether x and y hold, of each frame; ``forces``: 0 .. 65535 [..., rows, columns]."""
+    """x, y, load and whether x and y are valid, per frame; ``forces``: 0 .. 65535 [..., rows, columns]."""
     total, mx, my = moments(forces)
     rows, columns = np.shape(forces)[-2:]
     x, y, pressed = cop_divide(total, mx, my, rows, columns, fraction_bits, min_load)
@@ -16,5 +16,5 @@ def cop(forces, fraction_bits=14, min_load=1):
 
 
 def latency(lanes=1, fraction_bits=14, bits_per_clock=2):
-    """Clocks of the RTL from a frame's last beat to its centre of pressure, the same in every frame."""
+    """Clocks of the RTL from a frame's last beat to its centre of pressure, the same for every frame."""
     return 3 + (lanes.bit_length() - 1) + steps(fraction_bits, bits_per_clock)

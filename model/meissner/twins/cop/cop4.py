@@ -13,7 +13,7 @@ LOAD_BITS = 16
 
 
 def check_sample_bits(sample_bits):
-    """Raise ValueError unless the RTL can be built for samples of so many bits."""
+    """Raise ValueError unless the RTL can be built for samples of this many bits."""
     if not 4 <= sample_bits <= 24:
         raise ValueError(f"sample_bits = {sample_bits} must lie in 4 .. 24")
 
@@ -32,11 +32,12 @@ def check_samples(samples, sample_bits):
 
 @dataclass(frozen=True)
 class Cop4Registers:
-    """The registers of msn_cop4. Codes unless said otherwise.
+    """The registers of msn_cop4, in codes unless stated otherwise.
 
-    ``rail`` 2V0; ``kx`` / 2**``shift_x`` = Cx, ``ky`` alike; ``kf`` / 2**(8 + ``shift_load``) = Kf / (65536
-    LSBs); ``min_load`` LSBs; ``top`` the converter's greatest code; ``idle``, ``busy`` levels of an electrode
-    without and with current; ``imbalance`` between the two expressions of the current.
+    ``rail``: 2V0; ``kx`` / 2**``shift_x`` = Cx, ``ky`` / 2**``shift_y`` = Cy;
+    ``kf`` / 2**(8 + ``shift_load``) = Kf / (65536 LSBs); ``min_load``: LSBs; ``top``: the converter's largest
+    code; ``idle``, ``busy``: levels of an electrode without and with current; ``imbalance``: the largest
+    difference between the two expressions of the current.
     """
 
     rail: int
@@ -68,7 +69,7 @@ class Cop4Registers:
 
 
 class Cop4(NamedTuple):
-    """Results [n]: ``x``, ``y`` int32 Q2.14, ``load`` int64 LSBs, flags bool; ``open`` has bit 0 for E1."""
+    """Results [n]: ``x``, ``y`` int32 Q2.14, ``load`` int64 LSBs, flags bool; bit 0 of ``open`` is E1."""
 
     x: np.ndarray
     y: np.ndarray
@@ -90,7 +91,7 @@ def faults(samples, registers):
     """saturated, imbalance (bool [n]) and open (int [n], bit 0 for E1) of samples [n, 4]."""
     samples = np.asarray(samples, dtype=np.int64)
     _, _, n, m, _ = totals(samples, registers)
-    upper = np.where([False, True, False, True], -1 - samples, samples)  # as if all were of the upper layer
+    upper = np.where([False, True, False, True], -1 - samples, samples)  # as if all were upper electrodes
     idle, busy = upper >= registers.idle, upper <= registers.busy
     opened = (idle & busy[:, [2, 3, 0, 1]]) @ np.array([1, 2, 4, 8])
     saturated = ((samples >= registers.top) | (samples <= -registers.top - 1)).any(axis=1)
@@ -98,7 +99,7 @@ def faults(samples, registers):
 
 
 def position(samples, registers):
-    """x, y [n] in Q2.14, whether they hold or not."""
+    """x, y [n] in Q2.14, whether they are valid or not."""
     dx, dy, n, m, _ = totals(samples, registers)
     x = ratio(registers.kx, np.where(n > 0, dx, 0), n << registers.shift_x)
     y = ratio(registers.ky, np.where(m > 0, dy, 0), m << registers.shift_y)
@@ -106,7 +107,7 @@ def position(samples, registers):
 
 
 def results(samples, registers, x, y, load):
-    """Gate position and load by the load's minimum and the faults: ``Cop4``."""
+    """``Cop4`` with position and load gated by the minimum load and the faults."""
     saturated, imbalance, opened = faults(samples, registers)
     over = load >= 1 << LOAD_BITS
     load = np.minimum(load, (1 << LOAD_BITS) - 1)
@@ -120,14 +121,14 @@ def cop4(samples, registers, sample_bits=17, correction=None):
 
         x = Cx (E1-E3) / N     y = Cy (E2-E4) / M     load = Kf N / D
 
-    N = 2V0-E1-E3, M = 2V0+E2+E4, D = E1+E3-E2-E4; one rounding each, to nearest, ties away from zero; x, y
-    held at +-1.0, the load at 65535 LSBs. Against the formula on the same codes: x errs by less than
-    0.5 + |x| (1/8 + 8192/N) LSBs of Q2.14 (1/8: kx, for Cx of 2 or more; 8192/N: 2V0 as a whole code), the
-    load by less than 0.5 + load (1/2kf + 1/2N) of its LSBs. N above 2V0, no sensor's, is held there in the
-    load's numerator.
+    N = 2V0-E1-E3, M = 2V0+E2+E4, D = E1+E3-E2-E4. Each result is rounded once, to nearest, ties away from
+    zero; x and y saturate at +-1.0, the load at 65535 LSBs. Against the formula on the same codes, the error
+    of x is below 0.5 + |x| (1/8 + 8192/N) LSBs of Q2.14 (1/8: kx, for Cx of 2 or more; 8192/N: 2V0 as a whole
+    code), that of the load below 0.5 + load (1/2kf + 1/2N) of its LSBs. N above 2V0, which no sensor gives,
+    saturates at 2V0 in the load's numerator.
 
-    ``correction``: cop4_correct.CorrectionRegisters of a core built with Correct:
-    D without the layers' own voltage drop. Its shift is the load's.
+    ``correction``: cop4_correct.CorrectionRegisters of a core built with Correct, which removes the layers'
+    own voltage drop from D. Its shift must equal the load's (LOAD_SHIFT + shift_load).
     """
     registers.check(sample_bits)
     samples = check_samples(samples, sample_bits)

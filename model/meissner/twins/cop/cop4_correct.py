@@ -8,16 +8,16 @@ COORDINATE_BITS = 14  # x, y are Q2.14
 SQUARE_BITS = 16  # X, Y unsigned, 1.0 = 65536
 COEFFICIENT_BITS = 18  # signed registers
 SHIFT_TOP = 15
-LOAD_SHIFT = 8  # the load's shift counts from here
-SUM_TOP = (1 << COEFFICIENT_BITS - 1) - 2  # |p0| + .. + |p5| below it: no operand beyond 18 bits
+LOAD_SHIFT = 8  # added to the load's shift
+SUM_TOP = (1 << COEFFICIENT_BITS - 1) - 2  # with |p0| + .. + |p5| below it every operand fits 18 bits
 
 
 @dataclass(frozen=True)
 class CorrectionRegisters:
-    """The load's part as integers: p in 18-bit signed registers that share one shift.
+    """The load's correction in integers: p in 18-bit signed registers that share one shift.
 
-    ``evaluate`` is the integer arithmetic a small RTL stage repeats: X, Y 16 bit (floor), Horner in 18×18
-    products each floored to a register's scale, N p in full, one subtraction in front of the divider.
+    ``divisor`` is the arithmetic of the RTL: X, Y of 16 bits (floor), Horner's scheme in 18×18 products, each
+    floored to a register's scale, N p in full width, one subtraction upstream of the divider.
     """
 
     p: tuple
@@ -36,7 +36,7 @@ class CorrectionRegisters:
 
 
 def check_correction(registers):
-    """Raise ValueError unless the hardware's operands have room for ``registers`` (CorrectionRegisters)."""
+    """Raise ValueError unless ``registers`` (CorrectionRegisters) fit the hardware's operands."""
     if len(registers.p) != 6 or sum(abs(p) for p in registers.p) >= SUM_TOP:
         raise ValueError(f"p = {registers.p} must be six numbers whose magnitudes add to less than {SUM_TOP}")
     if not LOAD_SHIFT <= registers.shift <= LOAD_SHIFT + SHIFT_TOP:

@@ -4,7 +4,7 @@ import numpy as np
 
 
 def check_size(rows, columns):
-    """ValueError for what stops the RTL's elaboration."""
+    """Raise ValueError for a size at which the RTL does not elaborate."""
     if not 1 <= rows <= 1024:
         raise ValueError(f"rows = {rows} must lie in 1 .. 1024")
     if not 1 <= columns <= 1024:
@@ -35,9 +35,9 @@ def moments(forces):
 
 
 class CopAccumulate:
-    """The same on the stream: beats of ``lanes`` columns, a row's last padded, as FrameMarker passes them.
+    """``moments`` on a stream: beats of ``lanes`` columns as FrameMarker passes them, a row's last padded.
 
-    A frame with a beat that does not fit is dropped whole and counted in ``damaged``.
+    A frame with a beat that does not fit is dropped entirely and counted in ``damaged``.
     """
 
     def __init__(self, rows, columns, lanes=1):
@@ -68,7 +68,7 @@ class CopAccumulate:
         return tuple(int(value) for value in moments(padded[:, : self.columns]))
 
     def process(self, data, lasts, fits=None):
-        """``reset`` and then ``next`` for each beat; returns the list of frames' (S, Mx, My)."""
+        """``reset`` and then ``next`` for each beat; returns the list of (S, Mx, My), one per frame."""
         self.reset()
         fits = [True] * len(lasts) if fits is None else fits
         results = [self.next(*beat) for beat in zip(data, lasts, fits)]

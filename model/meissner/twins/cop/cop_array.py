@@ -13,7 +13,7 @@ def latency(lanes=1, fraction_bits=14, bits_per_clock=2, row_column=False):
 
 
 class CopArray:
-    """Calibrate, then the centre of pressure; ``calibrate`` holds the tables, and what Calibrate takes."""
+    """Calibration, then the centre of pressure; ``calibrate``: the Calibrate with the tables."""
 
     def __init__(self, rows, columns, lanes=1, fraction_bits=14, min_load=1, **kinds):
         self.calibrate = Calibrate(rows, columns, lanes, **kinds)
@@ -22,7 +22,7 @@ class CopArray:
         self.fraction_bits, self.min_load = fraction_bits, min_load
 
     def reset(self):
-        """The next beat should be the first of a frame; nothing is calibrated."""
+        """The next beat should be the first of a frame; no table is in use."""
         self.calibrate.reset()
         self._accumulate.reset()
 
@@ -32,21 +32,21 @@ class CopArray:
         return self._accumulate.damaged
 
     def next(self, raw, mask=None):
-        """x, y, load, pressed of whole frames [..., rows, columns]."""
+        """x, y, load, pressed of complete frames [..., rows, columns]."""
         return self.of_forces(self.calibrate.next(raw, mask))
 
     def of_forces(self, forces):
-        """The same of forces that ``calibrate`` gave."""
+        """The same from the forces of ``calibrate``."""
         return cop.cop(forces, self.fraction_bits, self.min_load)
 
     def process(self, raw, mask=None):
-        """``reset``, take up what was written, and then ``next``."""
+        """``reset``, put the written tables in use, then ``next``."""
         self.reset()
         self.calibrate.swap()
         return self.next(raw, mask)
 
     def beat(self, raw, id_, last, mask=None, fits=True):
-        """One beat as FrameMarker passes it; (x, y, load, pressed) of the frame that it ends, or None."""
+        """One beat as FrameMarker passes it: (x, y, load, pressed) of the frame that it ends, else None."""
         forces = self.calibrate.beat(raw, id_, last, mask)
         sums = self._accumulate.next(forces.tolist(), last, fits)
         if not sums:

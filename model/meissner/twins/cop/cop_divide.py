@@ -7,12 +7,12 @@ from meissner.twins.cop.cop_accumulate import check_size
 
 
 def cop_divide(total, mx, my, rows, columns, fraction_bits=14, min_load=1):
-    """x, y and whether they hold, of each frame's S, Mx, My.
+    """x, y and whether they are valid, from each frame's S, Mx, My.
 
     x = Mx / ((n-1) S)     y = My / ((m-1) S)
 
-    in Q2.fraction_bits, rounded to nearest, ties away from zero. Not valid, and x = y = 0, if S is 0 or
-    below ``min_load``; one column has x = 0, one row y = 0. Returns int32 x, int32 y, bool.
+    in Q2.fraction_bits, rounded to nearest, ties away from zero. Not valid, with x = y = 0, if S is 0 or
+    below ``min_load``; a single column gives x = 0, a single row y = 0. Returns int32 x, int32 y, bool.
     """
     check_size(rows, columns)
     if not 4 <= fraction_bits <= 20:

@@ -5,12 +5,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-PLACE, LOAD = (-32768, 32767), (0, 65535)  # what the RTL's inputs hold
+PLACE, LOAD = (-32768, 32767), (0, 65535)  # ranges of the RTL's inputs
 
 
 @dataclass(frozen=True)
 class CopSlipRegisters:
-    """``drop`` 256ths of the old load; ``move`` Q2.14; ``min_load`` LSBs of the load; times in samples."""
+    """``drop``: 256ths of the old load; ``move``: Q2.14; ``min_load``: LSBs of the load; times in samples."""
 
     drop: int = 77
     move: int = 0
@@ -31,7 +31,7 @@ class CopSlipResult(NamedTuple):
 
 
 def octants(dx, dy):
-    """0 .. 7 counter-clockwise from +x, each 45 degrees about its axis (limits at 53/128); 0 for no move."""
+    """0 .. 7 counter-clockwise from +x, 45 degrees centred on each axis (slope limit 53/128); 0: no move."""
     dx, dy = np.asarray(dx, dtype=np.int64), np.asarray(dy, dtype=np.int64)
     flat, upright = 128 * abs(dy) <= 53 * abs(dx), 128 * abs(dx) <= 53 * abs(dy)
     left, down = dx < 0, dy < 0
@@ -40,13 +40,13 @@ def octants(dx, dy):
 
 
 class CopSlip:
-    """Slip from samples of x, y (Q2.14), load and whether they hold.
+    """Slip from samples of x, y (Q2.14), load and whether they are valid (pressed).
 
         over = (old - new) 256 > drop old  and  max(|dx|, |dy|) >= move    dx = x - old x, dy = y - old y
 
-    where old is ``lag`` samples before, if both are pressed and the old load is at least ``min_load``;
-    else dx = dy = 0. slip rises with over unless refractory, stays until ``hold`` samples passed that were
-    not over, and is then deaf for ``refractory`` samples. All in integers, nothing is rounded.
+    where old is ``lag`` samples earlier, if both are pressed and the old load is at least ``min_load``;
+    else dx = dy = 0 and not over. slip rises with over and lasts through ``hold`` samples in a row that are
+    not over; the next ``refractory`` samples cannot raise it again. All in integers, nothing is rounded.
     """
 
     def __init__(self, lag=16, registers=CopSlipRegisters(), timer_bits=16):
@@ -62,12 +62,12 @@ class CopSlip:
         self.reset()
 
     def reset(self):
-        """Forget the past: no sample counts until ``lag`` went before it."""
+        """Forget the past: no sample counts until ``lag`` others precede it."""
         self._past = np.zeros((4, self.lag), dtype=np.int64)  # not pressed
         self._slipping, self._hold, self._deaf = False, 0, 0
 
     def next(self, x, y, load, pressed):
-        """Feed samples [n] each: ``CopSlipResult``."""
+        """Feed samples, [n] each; returns a ``CopSlipResult``."""
         r = self.registers
         new = np.stack([np.asarray(a, dtype=np.int64) for a in (x, y, load, pressed)])
         for values, name, low, high in (

@@ -1,8 +1,8 @@
-"""Bit-exact twin of rtl/cop/msn_electrodes.sv: whole frames of four samples, and how many were none."""
+"""Bit-exact twin of rtl/cop/msn_electrodes.sv: complete frames of four samples; counts damaged ones."""
 
 
 def electrodes(beats, sample_bits=17):
-    """([(e1, e2, e3, e4)], frames that were none) of ``beats``: (data, id, last)."""
+    """([(e1, e2, e3, e4)] of complete frames, number of damaged ones) of ``beats``: (data, id, last)."""
     if sample_bits < 2:
         raise ValueError(f"sample_bits = {sample_bits} must be at least 2")
     found, frame, lost = [], [], 0

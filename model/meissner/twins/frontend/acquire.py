@@ -1,4 +1,4 @@
-"""Integer twin of rtl/frontend/msn_acquire.sv: samples of a converter's codes, or of a stream."""
+"""Integer twin of rtl/frontend/msn_acquire.sv: samples from a converter's codes or from a stream."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -13,7 +13,7 @@ from meissner.twins.frontend.adc_spi import MCP3208, AdcSpi, Part
 class Acquire:
     """The parameters of msn_acquire; illegal ones raise ValueError.
 
-    ``part``: None where samples come in on the stream; ``adc_period``: clocks of msn_adc_single, or 0.
+    ``part``: None if samples arrive on the stream; ``adc_period``: clocks of msn_adc_single, or 0.
     """
 
     part: Part | None = None
@@ -43,7 +43,7 @@ class Acquire:
         return AdcSingle(0, self.clk_khz, sclk_khz, self.adc_period, self.sample_bits)
 
     def samples(self, codes):
-        """Signed samples and over-range flags of a part's raw codes; a stream's samples as they are."""
+        """Signed samples and over-range flags of a part's raw codes; a stream's samples pass unchanged."""
         if self.adc is None:
             return np.asarray(codes), np.zeros(np.shape(codes), dtype=bool)
         return self.adc.samples(codes)

@@ -30,13 +30,13 @@ class AdcSingle:
 
     @property
     def bit_clocks(self):
-        """Clocks of a bit: the least power of two that is slow enough."""
+        """Clocks per bit: the smallest power of two that is slow enough."""
         half = AdcSpi(MCP3208, 1, 1, self.clk_khz, self.sclk_khz).half
         return 1 << (2 * half - 1).bit_length()
 
     @property
     def minimum_period(self):
-        """The least period: a word, and CS high for a bit."""
+        """The shortest period: a word, plus CS high for one bit."""
         return (MCP3208.word_bits + 1) * self.bit_clocks + 1
 
     @property

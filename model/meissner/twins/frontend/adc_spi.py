@@ -27,7 +27,7 @@ class Part:
     conversion_max_ns: int = 0
     cycle_min_ns: int = 0
     start_ns: int = 0
-    tagged: bool = False  # four bits of channel number before the code; the first word of a frame only asks
+    tagged: bool = False  # four bits of channel number before the code; a frame's first word carries no code
     setup: tuple = ()  # words sent before the first conversion
 
     @property
@@ -43,7 +43,7 @@ class Part:
         return spi_shift.done_clock(self.word_bits, half, words, self.lead)
 
     def command(self, index):
-        """The 16 bits sent, from the top one on, with word ``index`` of a frame."""
+        """The 16 bits sent, top bit first, with word ``index`` of a frame."""
         if self.tagged:
             return 0x0804 | index % 8 << 7  # mode control: manual scan, channel, its number in the answer
         return 0 if self.has_busy else 0xC000 | index % 8 << 11
@@ -115,12 +115,12 @@ class AdcSpi:
 
     @property
     def words(self):
-        """Words per lane in a frame; a tagged part's first only asks."""
+        """Words per lane in a frame; the first word of a tagged part carries no code."""
         return (self.part.lane_channels if self.lanes > 1 else self.channels) + self.part.tagged
 
     @property
     def watch_clocks(self):
-        """Clocks after convert start at which a frame without BUSY's answer is given up."""
+        """Clocks after convert start at which a frame is given up if BUSY has not answered."""
         wait = clocks_of_ns(2 * self.part.conversion_max_ns, self.clk_khz)
         return 1 << max(1, (wait - 1).bit_length())
 
@@ -142,7 +142,7 @@ class AdcSpi:
         return rest + len(self.part.setup) * self.part.cs_clocks(self.half) + 1
 
     def hold_clocks(self):
-        """Clocks from convert_o until no channel needs its input any more, which may change then."""
+        """Clocks from convert_o until every channel has sampled its input, which may then change."""
         if self.part.has_busy:
             return clocks_of_ns(HOLD_NS, self.clk_khz) + 1
         if self.part.tagged:
@@ -150,14 +150,14 @@ class AdcSpi:
         return (self.channels - 1) * self.part.cs_clocks(self.half) + 12 * self.half + 1
 
     def cycle_clocks(self):
-        """Clocks between triggers in which every frame has ended and its samples have left to a consumer that
-        is always ready, and as many could stand in for one that is lost, which takes 4 clocks more."""
+        """Clocks between triggers in which every frame ends and its samples (or, for a lost frame, as many
+        substitutes, 4 clocks later) leave to an always-ready consumer."""
         if self.part.has_busy:
             return max(self.safe_period(), self.watch_clocks + self.channels + 4)
         return self.read_clocks() + (self.channels + 4 if self.part.tagged else 1)
 
     def latencies(self):
-        """Per channel, clocks until its sample is offered, to a consumer that is always ready.
+        """Per channel, clocks until its sample is offered to an always-ready consumer.
 
         They count from the clock of convert_o; with BUSY, from the first clock at whose end BUSY is low.
         """
@@ -166,7 +166,7 @@ class AdcSpi:
         for channel in range(self.channels):
             word = channel % self.part.lane_channels if self.lanes > 1 else channel
             if self.part.tagged:
-                word = self.channels  # all wait for the last word, whose tag might be wrong
+                word = self.channels  # all samples wait for the last word, because its tag could be wrong
             if self.part.cs_per_channel:
                 before = word * self.part.cs_clocks(self.half)
                 arrival = before + spi_shift.word_clock(self.part.word_bits, self.half, lead=self.part.lead)
@@ -177,7 +177,7 @@ class AdcSpi:
         return clocks
 
     def minimum_period(self, conversion_ns=None):
-        """The least cfg_period at which a consumer that is always ready loses nothing, for a part that
+        """The smallest cfg_period at which an always-ready consumer loses nothing, for a part that
         converts in ``conversion_ns``.
 
         The transfer must be over, and the samples of two lanes, which arrive together, must have left one by
@@ -187,9 +187,9 @@ class AdcSpi:
             return max(self.read_clocks(), self.latencies()[-1]) + 1
         if conversion_ns is None:
             conversion_ns = self.part.conversion_max_ns
-        busy = int(conversion_ns * self.clk_khz // 1_000_000) + 1  # from the tick until BUSY is seen low
+        busy = int(conversion_ns * self.clk_khz // 1_000_000) + 1  # from the tick until BUSY is sampled low
         return busy + max(2 + self.read_clocks() + 1, self.latencies()[-1])
 
     def safe_period(self):
-        """The least cfg_period that suits every sample of the part."""
+        """The smallest cfg_period that suits every specimen of the part."""
         return max(self.minimum_period(), clocks_of_ns(self.part.cycle_min_ns, self.clk_khz))

@@ -6,8 +6,8 @@ import numpy as np
 def samples(codes, data_bits, sample_bits, signed):
     """Signed samples and over-range flags of raw ``codes``.
 
-    An unsigned code enters as it is, two's complement is extended; a code at either end of the part's
-    range is over-range.
+    An unsigned code is taken as it is, a two's complement code is sign-extended; a code at either end of the
+    part's range is over-range.
     """
     if sample_bits < data_bits + (not signed):
         raise ValueError(f"sample_bits = {sample_bits} must hold a code of {data_bits} bits")
@@ -21,7 +21,7 @@ def samples(codes, data_bits, sample_bits, signed):
 
 
 def channels_of_word(word, channels, lanes, lane_channels, whole=False):
-    """The channels whose codes arrive with ``word``, lane by lane (None: that lane's code is not wanted)."""
+    """The channels whose codes arrive with ``word``, lane by lane (None: that lane's code is not used)."""
     if whole and lanes > 1:
         raise ValueError(f"lanes = {lanes} must be 1: whole waits for one lane's last word")
     arriving = [word + lane * lane_channels for lane in range(lanes)]

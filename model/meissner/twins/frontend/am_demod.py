@@ -8,7 +8,7 @@ from meissner.twins.common import hypot
 
 RECTIFIER, IQ, IQ_FAST = range(3)
 
-# What a quarter period of samples counts for in I and in Q; the other quarters are turned by 90 degrees each.
+# Weights in I and Q of the samples of a quarter period; each further quarter is rotated by 90 degrees.
 WEIGHTS = {4: [(1, 0)], 8: [(5, 2), (2, 5)], 16: [(5, 1), (4, 3), (3, 4), (1, 5)]}
 
 
@@ -67,11 +67,11 @@ class AmDemod:
         return 5 + self.magnitude_clocks + shift
 
     def lane_clocks(self, shift):
-        """Clocks from one lane's amplitude to the next one's, and the shortest time per lane."""
+        """Clocks from one lane's amplitude to the next lane's; also the shortest time per lane."""
         return max(self.magnitude_clocks, shift + 1)
 
     def gain(self, periods):
-        """M, before the shift, of a carrier of amplitude 1: the mean over its phases."""
+        """M, before the shift, of a carrier of amplitude 1, averaged over its phase."""
         n = self.samples_per_period
         if self.form == RECTIFIER:
             return periods * 2 * n / np.pi
@@ -113,10 +113,10 @@ class AmDemod:
         return np.minimum(data, limit - 1), over | (data >= limit)
 
     def process(self, beats, periods, skip, shift):
-        """What a stream of samples gives: (amplitudes as dicts of the ports, measurements broken off).
+        """Results of a stream of samples: (amplitudes as dicts of the ports, number of aborted measurements).
 
-        ``beats``: dicts with data and user (lists, a value per lane), start, id, last. A start ends what went
-        before, finished or not; samples after a finished measurement are ignored.
+        ``beats``: dicts with data and user (lists, a value per lane), start, id, last. A start ends the
+        previous measurement, finished or not; samples after a finished measurement are ignored.
         """
         length = (periods or 1 << self.period_bits) * self.samples_per_period
         results, broken, taken, head = [], 0, None, None

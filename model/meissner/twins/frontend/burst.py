@@ -1,10 +1,10 @@
-"""Twin of rtl/frontend/msn_burst.sv: when the conversions of a burst start, which sample is its first."""
+"""Twin of rtl/frontend/msn_burst.sv: when the conversions of a burst start, and how many there are."""
 
 
 def triggers(starts, count, period, end):
-    """Clocks of trigger_o before ``end``; ``starts``: clocks of start_i. A start begins the burst again.
+    """Clocks of trigger_o before ``end``; ``starts``: clocks of start_i. Each start restarts the burst.
 
-    ``count`` and ``period``: as meant, from 1; the registers hold them without their top bit.
+    ``count`` and ``period``: the numbers themselves, 1 or more; the registers hold them without the top bit.
     """
     for name, value in (("count", count), ("period", period)):
         if value < 1:

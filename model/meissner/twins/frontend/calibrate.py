@@ -1,4 +1,4 @@
-"""Bit-exact twin of rtl/frontend/msn_calibrate.sv: forces of an array's samples."""
+"""Bit-exact twin of rtl/frontend/msn_calibrate.sv: forces from an array's samples."""
 
 import numpy as np
 
@@ -8,7 +8,7 @@ from meissner.twins.frontend.calibration_table import CalibrationTable
 
 
 def forces(raw, offset, gain, gain_shift=12, mask=None, sample_bits=17, gain_bits=16):
-    """Forces 0 .. 65535 of samples [..., rows, columns]; ``offset`` and ``gain``: those of each taxel.
+    """Forces 0 .. 65535 of samples [..., rows, columns]; ``offset`` and ``gain``: of each taxel.
 
         F = clip(floor((raw - offset) gain / 2^gain_shift + 1/2), 0, 65535)
 
@@ -29,7 +29,7 @@ def latency(row_column=False):
 
 
 class Calibrate:
-    """The same with the tables: ``table`` is written and swapped, ``next`` calibrates with what is in use.
+    """``forces`` with the tables: write and swap ``table``; ``next`` calibrates with the bank in use.
 
     All forces are 0 until the first swap.
     """
@@ -37,7 +37,7 @@ class Calibrate:
     def __init__(
         self, rows, columns, lanes=1, sample_bits=17, gain_shift=None, offset=True, row_column=False
     ):
-        if sample_bits + bool(offset) > 18:  # of a sample less its offset, a multiplier's most
+        if sample_bits + bool(offset) > 18:  # sample - offset must fit a multiplier's 18 bits
             raise ValueError(f"sample_bits = {sample_bits} must be at most {18 - bool(offset)}")
         table = CalibrationGrid if row_column else CalibrationTable
         self.table = table(rows, columns, lanes, sample_bits, offset)
@@ -47,7 +47,7 @@ class Calibrate:
         self.reset()
 
     def reset(self):
-        """The next beat should be the first of a frame; nothing is calibrated."""
+        """The next beat should be the first of a frame; no table is in use."""
         self.table.reset()
         self._swapping = self._midway = False
 
@@ -56,7 +56,7 @@ class Calibrate:
         self._swapping = True
 
     def next(self, raw, mask=None):
-        """Forces of whole frames [..., rows, columns]."""
+        """Forces of complete frames [..., rows, columns]."""
         self._take_up()
         offset, gain = (words[:, : self.table.columns] for words in self.table.words())
         if not self.table.loaded:
@@ -73,7 +73,7 @@ class Calibrate:
         return forces(raw, offset, gain, self.gain_shift, mask, self.sample_bits, self.gain_bits)
 
     def process(self, raw, mask=None):
-        """``reset``, take up what was written, and then ``next``."""
+        """``reset``, put the written tables in use, then ``next``."""
         self.reset()
         self.swap()
         return self.next(raw, mask)

@@ -6,12 +6,12 @@ from meissner.twins.frontend.calibration_table import CalibrationTable
 
 
 class CalibrationGrid(CalibrationTable):
-    """As CalibrationTable, but of rows and columns, for arrays too big for a word of each taxel.
+    """CalibrationTable per row and column, for arrays too big for a word per taxel.
 
         offset = row's + column's    gain = row's * column's, exact
 
-    ``write`` counts the beats of a row, ``write_row`` rows. Offsets have one bit less than samples, so that
-    the sum of two has theirs.
+    ``write`` addresses the beats of a row, ``write_row`` the rows. Offsets have one bit less than samples, so
+    that the sum of two fits a sample's bits.
     """
 
     row_column = True

@@ -1,10 +1,10 @@
-"""Bit-exact twin of rtl/frontend/msn_calibration_preset.sv: what is written to the tables after reset."""
+"""Bit-exact twin of rtl/frontend/msn_calibration_preset.sv: the writes to the tables after reset."""
 
 ROW_GAIN = 4096
 
 
 def preset(rows, columns, lanes, gain, row_column=False):
-    """(row, word, offset, gain) of every write, to all lanes of the word; then the banks are swapped."""
+    """(row, word, offset, gain) of every write, each to all lanes of its word; then the banks are swapped."""
     if lanes not in (1, 2, 4, 8):
         raise ValueError(f"lanes = {lanes} must be 1, 2, 4 or 8")
     row_beats = -(-columns // lanes)

@@ -4,7 +4,7 @@ import numpy as np
 
 
 def check_array(rows, columns, lanes, sample_bits):
-    """ValueError for what stops the elaboration of every stage of an array."""
+    """Raise ValueError for a size at which no stage of an array elaborates."""
     if not 1 <= rows <= 1024:
         raise ValueError(f"rows = {rows} must lie in 1 .. 1024")
     if not 1 <= columns <= 1024:
@@ -18,7 +18,7 @@ def check_array(rows, columns, lanes, sample_bits):
 class CalibrationTable:
     """Offset and gain of each taxel.
 
-    A write goes to the bank that is not in use; ``swap`` exchanges the two. Words count beats of ``lanes``
+    A write goes to the bank that is not in use; ``swap`` exchanges the two. A word is a beat of ``lanes``
     columns. Offsets have ``offset_bits`` signed bits, gains 16 unsigned. ``offset`` False: all offsets are 0.
     """
 
@@ -34,21 +34,21 @@ class CalibrationTable:
         self.reset()
 
     def reset(self):
-        """Back to the first bank, which counts as empty; what was written stays."""
+        """Back to the first bank, which counts as empty; written words stay in memory."""
         self.loaded, self._bank, self._words = False, 0, None
 
     def write(self, word, offset, gain, lanes=slice(None)):
-        """Write one word's ``lanes``."""
+        """Write ``lanes`` of one word."""
         for part, value in enumerate(self._entry(offset, gain)):
             self._beats[1 - self._bank, part, word, lanes] = value
 
     def swap(self):
-        """What was written comes into use. The RTL does this before the first beat of the next frame."""
+        """Put the written bank in use. The RTL does this before the first beat of the next frame."""
         self.loaded, self._bank, self._words = True, 1 - self._bank, None
 
     def words(self):
         """Offsets and gains in use, each [rows, row_beats * lanes]."""
-        if self._words is None:  # no write reaches them
+        if self._words is None:  # cached: writes go to the other bank
             self._words = self._in_use()
         return self._words
 

@@ -1,4 +1,4 @@
-"""Twin of rtl/frontend/msn_condition.sv: an array's samples with faulty taxels masked and zeros taken off."""
+"""Twin of rtl/frontend/msn_condition.sv: an array's samples, faulty taxels masked and zeros subtracted."""
 
 import numpy as np
 
@@ -7,9 +7,9 @@ from meissner.twins.frontend.tare import Tare
 
 
 class Condition:
-    """``limits``: of msn_health, ``tare``: a dict of what Tare takes (contact, step, tare_log2), or None.
+    """``limits``: of msn_health; ``tare``: a dict of Tare's arguments (contact, step, tare_log2); or None.
 
-    ``health`` and ``tare`` are the stages, None where there is none.
+    ``health`` and ``tare`` are the stages, None if absent.
     """
 
     def __init__(self, rows, columns, lanes=1, sample_bits=17, limits=None, tare=None):
@@ -19,7 +19,7 @@ class Condition:
         self.steps = {"health": int(limits is not None), "tare": int(tare is not None)}  # clocks
 
     def next(self, samples, over=None):
-        """Samples and masks of whole frames of samples, all [frames, rows, columns]."""
+        """Samples and masks of complete frames of samples, all [frames, rows, columns]."""
         samples = np.asarray(samples, dtype=np.int64)
         mask = np.zeros(samples.shape, dtype=bool)
         if self.health is not None:

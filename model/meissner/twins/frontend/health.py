@@ -7,7 +7,7 @@ import numpy as np
 from meissner.twins.frontend.calibration_table import check_array
 from meissner.twins.frontend.health_taxel import BLINKING, DEAD, RAILED, State, judge
 
-# Of a picture with a frame of one around it: what lies left, right, above and below each taxel.
+# Slices of an array with a border of one: each taxel, and its left, right, upper and lower neighbours.
 HERE = (slice(1, -1), slice(1, -1))
 SIDES = tuple((HERE[0], slice(at, at - 2 or None)) for at in (0, 2))
 SIDES += tuple((slice(at, at - 2 or None), HERE[1]) for at in (0, 2))
@@ -15,14 +15,14 @@ SIDES += tuple((slice(at, at - 2 or None), HERE[1]) for at in (0, 2))
 
 @dataclass
 class Limits:
-    """The registers of msn_health. Codes, except where said; a threshold of 0 turns its kind off."""
+    """The registers of msn_health, in codes unless stated; ``still``, ``rail``, ``blink`` 0: off."""
 
-    band: int = 24  # less is no move
-    jump: int = 200  # more is a jump
+    band: int = 24  # a larger step is a move
+    jump: int = 200  # a larger step is a jump
     low: int = -65536  # at it or below: railed
     high: int = 65535  # at it or above: railed
     over_range_enable: bool = False  # the converter's over-range counts as railed
-    edges: bool = True  # judge a taxel at a border by its one neighbour
+    edges: bool = True  # judge a taxel at a border by its single neighbour
     still: int = 240
     rail: int = 8  # x 16 frames
     blink: int = 64
@@ -34,17 +34,17 @@ class Limits:
 
 
 class Health:
-    """Taxels found dead, railed or blinking, from a stream of frames.
+    """Finds dead, railed and blinking taxels in a stream of frames.
 
         moved = |raw - held| > band, then held = raw      recent = moved in the last 3 frames, up or down
-        dead      no move of its own while both neighbours in its row or column are recent the same way:
-                  +4 a frame (+1 with ``edges`` beside the one neighbour at a border), from ``still`` on
-        railed    at ``low``, ``high`` or over-range, without a break in ``rail`` of frames 0, 16 ..
-        blinking  a step > jump while no neighbour is recent: +16, any other frame -1, from ``blink`` on
+        dead      its count reaches ``still``: +4 per frame without a move of its own while both neighbours in
+                  its row or column are recent in the same direction (+1 with ``edges``, for the single
+                  neighbour at a border)
+        railed    at ``low``, ``high`` or over-range without a break over ``rail`` of the frames 0, 16 ..
+        blinking  its count reaches ``blink``: +16 per step > jump while no neighbour is recent, else -1
 
-    Neighbours are looked at as they were at the end of the last whole frame; each taxel is judged by
-    health_taxel. A fault masks from the next frame on and stays until ``clear``; a beat that does not fit is
-    masked.
+    The neighbours' state is that at the end of the last complete frame; health_taxel judges each taxel. A
+    faulty taxel is masked from the next frame on until ``clear``; a beat that does not fit is masked.
     """
 
     def __init__(self, rows, columns, lanes=1, sample_bits=17, limits=None):
@@ -62,11 +62,11 @@ class Health:
 
     @property
     def faults(self):
-        """Of each taxel, the sum of DEAD, RAILED, BLINKING."""
+        """For each taxel, the sum of its DEAD, RAILED, BLINKING."""
         return self._state.faults
 
     def reset(self):
-        """Everything is healthy, nothing is known, the counts are 0."""
+        """All taxels are healthy, nothing is known of them, the counts are 0."""
         self.dead = self.railed = self.blinking = 0
         self._fresh, self._again, self._clear, self._report, self._midway = True, False, False, False, False
         self._bank = self._tick = 0
@@ -83,9 +83,9 @@ class Health:
         self._settle()
 
     def next(self, raw, over=None):
-        """Masks, bool [frames, rows, columns], of whole frames, and the list of events of each.
+        """Masks, bool [frames, rows, columns], of complete frames, and each frame's list of events.
 
-        ``over``: over-range flags. An event: (beat, dead, railed, blinking), the latter bits of the lanes.
+        ``over``: over-range flags. An event: (beat, dead, railed, blinking), the last three a bit per lane.
         """
         raw = np.asarray(raw, dtype=np.int64)
         over = np.zeros(raw.shape, dtype=bool) if over is None else np.asarray(over, bool)
@@ -101,7 +101,7 @@ class Health:
         return self.next(raw, over)
 
     def beat(self, raw, over, id_, last, fits=True):
-        """One beat as FrameMarker passes it: its mask, and the events of the frame it ends."""
+        """One beat as FrameMarker passes it: its mask, and the events of the frame that it ends."""
         self._midway = True
         if fits:
             self._beats.append((raw, over))
@@ -111,7 +111,7 @@ class Health:
         return mask, self._end(bool(fits)) if last else []
 
     def _settle(self):
-        """Commands are obeyed between frames only."""
+        """Carry out commands, which take effect only between frames."""
         if self._midway:
             return
         if self._clear:
@@ -123,7 +123,7 @@ class Health:
         return (self.faults != 0) & (not self._fresh)
 
     def _end(self, whole):
-        """Learn from the beats that came in their places."""
+        """Learn from the beats that arrived in their places."""
         size = self.rows * self.row_beats, self.lanes
         raw, over, seen = (
             np.zeros(size, dtype=np.int64),
@@ -137,7 +137,7 @@ class Health:
         return self._learn(raw, over, seen, whole)
 
     def _learn(self, raw, over, seen, whole):
-        """Step every taxel that was ``seen`` (None: all); returns the events."""
+        """Update every taxel that was ``seen`` (None: all); returns the events."""
         c, tick = self.limits, self._tick == 0
         recent, rose = self._history[self._bank]
         recent = recent & (not self._fresh)
@@ -173,7 +173,7 @@ class Health:
         return events
 
     def _events(self, faults, event, seen):
-        """(beat, dead, railed, blinking) of each beat with an event of a taxel."""
+        """(beat, dead, railed, blinking) of each beat in which a taxel has an event."""
         if not event.any():
             return []
         words = []

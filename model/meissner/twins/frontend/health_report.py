@@ -1,4 +1,4 @@
-"""Bit-exact twin of rtl/frontend/msn_health_report.sv: the reports of single taxels."""
+"""Bit-exact twin of rtl/frontend/msn_health_report.sv: events of beats to reports of single taxels."""
 
 DEAD, RAILED, BLINKING = 1, 2, 4
 

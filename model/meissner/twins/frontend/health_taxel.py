@@ -1,4 +1,4 @@
-"""Bit-exact twin of rtl/frontend/msn_health_taxel.sv: what a frame says about taxels, each by itself."""
+"""Bit-exact twin of rtl/frontend/msn_health_taxel.sv: judges each taxel by one frame."""
 
 from typing import NamedTuple
 
@@ -8,7 +8,7 @@ DEAD, RAILED, BLINKING = 1, 2, 4  # as in docs/link.md
 
 
 class State(NamedTuple):
-    """Of taxels, arrays of one shape."""
+    """The state of taxels, in arrays of one shape."""
 
     held: np.ndarray
     rail: np.ndarray
@@ -22,15 +22,15 @@ class State(NamedTuple):
 
     @classmethod
     def none(cls, shape):
-        """Nothing is known, no fault."""
+        """No history, no faults."""
         numbers = np.zeros((5, *shape), dtype=np.int64)
         flags = np.zeros((3, *shape), dtype=bool)
         return cls(*numbers, *flags[:2], np.zeros(shape, dtype=np.int64), flags[2])
 
 
 class Judged(NamedTuple):
-    """``state``: the next one; ``news``: faults that are new; ``event``: some fault is not reported
-    yet; ``moved``: of late, ``rose``: upwards."""
+    """``state``: the next one; ``news``: new faults; ``event``: a fault is not reported yet;
+    ``moved``: recently; ``rose``: the last move was upwards."""
 
     state: State
     news: np.ndarray
@@ -42,9 +42,9 @@ class Judged(NamedTuple):
 def judge(state, raw, over, around, limits, tick, fresh=False, again=False, send=True):
     """One frame of taxels.
 
-    ``around``: bool arrays pair, border, alone, which say how the neighbours moved of late; ``limits``:
-    Limits of meissner.frontend.health; ``tick``: the frame looks at rails; ``fresh``: it is the first, of
-    which only the samples are kept; ``again``: nothing counts as reported; ``send``: events are reported now.
+    ``around``: bool arrays pair, border, alone: how the neighbours moved recently; ``limits``: Limits of
+    meissner.twins.frontend.health; ``tick``: this frame counts rails; ``fresh``: it is the first, of which
+    only the samples are kept; ``again``: no fault counts as reported; ``send``: events are reported now.
     """
     pair, border, alone = around
     delta = raw - state.held

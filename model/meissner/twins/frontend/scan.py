@@ -1,7 +1,7 @@
 """Twin of rtl/frontend/msn_scan.sv: taxels to beats, and the latencies in clocks.
 
-A frame is an array of samples [rows, columns]; a beat is Lanes samples side by side. What is converted when:
-scan_plan.py.
+A frame is an array of samples [rows, columns]; a beat is Lanes adjacent samples. scan_plan.py gives the order
+and the time of the conversions.
 """
 
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ from meissner.twins.frontend.scan_buffer import ScanBuffer
 from meissner.twins.frontend.scan_plan import ScanPlan
 
 PIN_CLOCKS = 1  # from trigger_o to the converter's pin
-LATENCY = 2 + scan_buffer.LATENCY  # clocks from a sample's last lane in to its beat out
+LATENCY = 2 + scan_buffer.LATENCY  # clocks from the last lane's sample to the beat at the output
 
 
 @dataclass(frozen=True)
@@ -32,14 +32,14 @@ class Scan(ScanPlan):
         object.__setattr__(self, "buffer", buffer)
 
     def column(self, group, channel, lane):
-        """The column that lane ``lane``'s input ``channel`` sees in ``group``; it may be past the array."""
+        """The column at input ``channel`` of lane ``lane`` in ``group``; it may lie outside the array."""
         return (group * self.channels + channel) * self.lanes + lane
 
     def frame(self, samples, over):
-        """The beats of a frame: (data, id, last, user) with data and user as the ports have them.
+        """The beats of a frame: (data, id, last, user), data and user packed as on the ports.
 
-        ``samples`` int [rows, columns], ``over`` bool [rows, columns]. Lanes past the last column are zeros
-        here: the block sends what their converters see, which means nothing.
+        ``samples`` int [rows, columns], ``over`` bool [rows, columns]. Lanes past the last column are 0 here;
+        the block sends whatever their converters see, which has no meaning.
         """
         samples, over = np.asarray(samples, dtype=np.int64), np.asarray(over, dtype=bool)
         if samples.shape != (self.rows, self.columns) or over.shape != samples.shape:

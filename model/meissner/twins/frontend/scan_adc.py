@@ -1,4 +1,4 @@
-"""Twin of rtl/frontend/msn_scan_adc.sv: a scan with its converters, and the time each step of it takes."""
+"""Twin of rtl/frontend/msn_scan_adc.sv: a scan with its converters, and the time of each of its steps."""
 
 from dataclasses import dataclass
 
@@ -15,7 +15,7 @@ class ScanAdc:
     columns: int = 16
     lanes: int = 1  # converters
     part: Part = AD7606
-    channels: int = 8  # inputs used of each
+    channels: int = 8  # inputs used per converter
     adc_lanes: int = 1
     clk_khz: int = 25_000
     sclk_khz: int | None = None
@@ -36,12 +36,12 @@ class ScanAdc:
         object.__setattr__(self, "scan", plan)
 
     def latency(self, settle, conversion_ns=None):
-        """Clocks of each step, by name, with a consumer that is always ready and frames one after the other.
+        """Clocks of each step, by name, with an always-ready consumer and back-to-back frames.
 
-        ``conversion_ns``: what a part with BUSY takes, at the converter's pins; None: the longest.
+        ``conversion_ns``: conversion time of a part with BUSY, at the converter's pins; None: the longest.
 
-        - ``settle``: from the lines of a place to its convert start
-        - ``convert``: from convert start until BUSY was seen low (0 without BUSY)
+        - ``settle``: from switching the lines of a place to its convert start
+        - ``convert``: from convert start until BUSY is sampled low (0 without BUSY)
         - ``transfer_first``, ``transfer_last``: from there to the conversion's first and last sample
         - ``out``: from a sample to its beat at the output
         - ``slot``: from convert start to convert start

@@ -1,4 +1,4 @@
-"""Twin of rtl/frontend/msn_scan_buffer.sv: frames in scan order to frames row-major, whole or not at all."""
+"""Twin of rtl/frontend/msn_scan_buffer.sv: frames from scan order to row-major order."""
 
 from dataclasses import dataclass
 
@@ -13,7 +13,7 @@ class ScanBuffer:
     beats: int = 16
     burst: int = 8
     width: int = 18
-    depth: int | None = None  # None: a whole frame
+    depth: int | None = None  # None: a complete frame
 
     def __post_init__(self):
         if self.rows < 1 or self.beats < 1:
@@ -29,11 +29,11 @@ class ScanBuffer:
 
     @property
     def sorts(self):
-        """A frame may come with every second row first."""
+        """Whether it can sort interleaved frames (every second row first)."""
         return self.depth >= self.rows * self.beats
 
     def frame(self, data, interleave=False):
-        """Beats (data, id, last) that leave for the words of ``data``, a frame as it came in."""
+        """Beats (data, id, last) sent for ``data``, the words of a frame in their order of arrival."""
         if len(data) != self.rows * self.beats:
             raise ValueError(f"a frame of {self.rows} rows of {self.beats} beats has not {len(data)} words")
         rows = list(range(self.rows))
@@ -42,7 +42,7 @@ class ScanBuffer:
         return [(word, index, index == len(words) - 1) for index, word in enumerate(words)]
 
     def begun(self, data, interleave=False):
-        """Beats that leave of a frame of which ``data`` comes and no more."""
+        """Beats sent of a frame of which only ``data`` arrives."""
         missing = self.rows * self.beats - len(data)
         out = self.frame([*data, *[None] * missing], interleave)
         return out[: next((n for n, (word, _, _) in enumerate(out) if word is None), len(out))]

@@ -1,4 +1,4 @@
-"""Twin of rtl/frontend/msn_scan_demod.sv: a scan of carriers, and the time each step of it takes."""
+"""Twin of rtl/frontend/msn_scan_demod.sv: a scan of carriers, and the time of each of its steps."""
 
 from dataclasses import dataclass
 
@@ -25,7 +25,7 @@ class ScanDemod:
     samples_per_period: int = 4
     sample_period: int = 160  # clocks
     periods: int = 4
-    skip: int = 4  # samples that settle
+    skip: int = 4  # samples ignored while the input settles
     shift: int = 3
     settle_bits: int = 16
     period_bits: int = 32
@@ -44,7 +44,7 @@ class ScanDemod:
             raise ValueError(
                 f"sample_period = {self.sample_period} must be at least the converter's {cycle} clocks"
             )
-        assert self.demod and self.scan  # they check themselves
+        assert self.demod and self.scan  # constructing them checks their parameters
 
     @property
     def adc(self):
@@ -85,9 +85,9 @@ class ScanDemod:
         return self.demod.amplitude(samples, self.shift, user)
 
     def latency(self, settle):
-        """Clocks of each step, by name, with a consumer that is always ready and frames one after the other.
+        """Clocks of each step, by name, with an always-ready consumer and back-to-back frames.
 
-        As ScanAdc.latency; ``burst``: from a place's first convert start to its last; ``demod_first``,
+        As in ScanAdc.latency; ``burst``: from a place's first convert start to its last; ``demod_first``,
         ``demod_last``: from a burst's last sample to its first and last amplitude.
         """
         plan, demod = self.scan, self.demod

@@ -1,6 +1,6 @@
 """Twin of rtl/frontend/msn_scan_plan.sv: which place is converted in which clock.
 
-Clocks count from the first one in which the block is enabled (and was off before).
+Clocks count from the first clock in which the block is enabled.
 """
 
 from dataclasses import dataclass
@@ -12,8 +12,8 @@ START = 4  # the first clock in which a line may be switched
 class Settings:
     """The registers of the block."""
 
-    settle: int = 0  # clocks from the lines to convert start
-    period: int = 0  # clocks from frame to frame; 0: one after the other
+    settle: int = 0  # clocks from switching the lines to convert start
+    period: int = 0  # clocks from frame to frame; 0: back-to-back
     interleave: bool = False  # rows 0, 2, 4 .., then 1, 3, 5 ..
 
 
@@ -21,7 +21,7 @@ class Settings:
 class Conversion:
     switch: int  # clock of switch_o
     trigger: int  # clock of trigger_o
-    first: bool  # of its frame
+    first: bool  # the first of its frame
     row: int
     group: int
 
@@ -87,7 +87,7 @@ class ScanPlan:
         return self.rows * self.groups * self.slot(settle)
 
     def schedule(self, settings, clocks):
-        """(conversions, overrun) up to clock ``clocks``, enabled throughout, room always."""
+        """(conversions, overrun) up to clock ``clocks``, always enabled and with room for the samples."""
         slot, frame = self.slot(settings.settle), self.places(settings.interleave)
         conversions = []
         begin = START
@@ -98,7 +98,7 @@ class ScanPlan:
                 conversions.append(Conversion(switch, switch + 1 + settings.settle, at == 0, row, group))
             begin = switch + slot
             if settings.period:
-                # Ticks up to two clocks after the last switch found the frame under way or still wanted.
+                # A tick up to two clocks after the last switch begins no frame: this one is not over yet.
                 tick = START + ((switch + 2 - START) // settings.period + 1) * settings.period
                 served.add(tick)
                 begin = max(begin, tick)

@@ -1,4 +1,4 @@
-"""Twin of rtl/frontend/msn_spi_shift.sv: what a word's bits mean, and when things happen in clocks."""
+"""Twin of rtl/frontend/msn_spi_shift.sv: the bits of a word, and the timing in clocks."""
 
 import numpy as np
 
@@ -11,7 +11,7 @@ def check(bits, data_bits, half):
 
 
 def word(line, data_bits):
-    """The code in one word: ``line`` holds the DOUT levels of its SCLK periods; the last bits count."""
+    """The code in one word, its last ``data_bits`` bits; ``line``: the DOUT level of each SCLK period."""
     code = 0
     for level in np.asarray(line)[-data_bits:]:
         code = code << 1 | int(level)
@@ -29,5 +29,5 @@ def word_clock(bits, half, words=1, lead=False):
 
 
 def done_clock(bits, half, words=1, lead=False):
-    """Clocks from start_i to done_o, the first clock in which the next start_i may come."""
+    """Clocks from start_i to done_o, the first clock in which the next start_i is allowed."""
     return 2 * half * (bits * words + 1) + half * lead

@@ -1,4 +1,4 @@
-"""Bit-exact twin of rtl/frontend/msn_tare.sv: each taxel's own zero, found by averaging and followed."""
+"""Bit-exact twin of rtl/frontend/msn_tare.sv: each taxel's own zero, found by averaging, then tracked."""
 
 import numpy as np
 
@@ -7,13 +7,13 @@ from meissner.twins.frontend.calibration_table import check_array
 
 
 class Tare:
-    """Takes each taxel's own zero b off its samples; finds it, and follows it while nothing presses.
+    """Subtracts each taxel's own zero b from its samples; finds b, and tracks it while nothing presses.
 
         r = raw - o   o = floor(b + 1/2)   contact = r > contact    b in steps of 2^-fraction_bits codes,
-        o held to a sample's bits
+                                                                    o saturates to a sample's bits
         each frame, not in contact: b += sign(r) step               frozen in contact
-        after ``tare``: b += (sum of r over the next 2^tare_log2 frames) / 2^tare_log2, exact, of all taxels
-        in the same frame; refused, and nothing changed, if any taxel not masked was in contact in them
+        after ``tare``: b += (sum of r over the next 2^tare_log2 frames) / 2^tare_log2, exact, for all taxels
+        with the same frame; refused, with no change, if an unmasked taxel was in contact in these frames
 
     ``contact``: codes; ``step``: steps of b per frame, 0 .. 255. The state is all integers.
     """
@@ -26,7 +26,7 @@ class Tare:
             raise ValueError(f"fraction_bits = {fraction_bits} must lie in 1 .. 16")
         if not 0 <= tare_log2 <= min(fraction_bits, 8):
             raise ValueError(f"tare_log2 = {tare_log2} must be at most 8 and fraction_bits = {fraction_bits}")
-        if sample_bits + fraction_bits < 9:  # b overshoots by a step of 255 at most
+        if sample_bits + fraction_bits < 9:  # b overshoots by at most a step of 255
             raise ValueError(
                 f"sample_bits = {sample_bits} and fraction_bits = {fraction_bits} must add to 9 or more"
             )
@@ -43,7 +43,7 @@ class Tare:
         self.reset()
 
     def reset(self):
-        """All zeros are 0, nothing is asked for, the counters are 0."""
+        """All zeros are 0, no request is pending, the counters are 0."""
         self.tared = self.refused = self.swallowed = 0
         self.pressed = self.loading = False
         self._fresh, self._asked, self._midway = True, None, False
@@ -53,32 +53,32 @@ class Tare:
 
     @property
     def taring(self):
-        """An averaging is asked for or not finished."""
+        """Whether an averaging is requested or not finished."""
         return self._asked is not None or self._averaging or self._commit
 
     def tare(self, force=False):
-        """Average the next frames into the zeros; ``force``: even if pressed."""
+        """Average the next frames into the zeros; ``force``: also while pressed."""
         self._asked = force
         self._settle()
 
     def load(self, on):
-        """While ``on`` (from the next frame, after an averaging), frames are swallowed and zeros written."""
+        """While ``on`` (from the next frame, after any averaging), frames are dropped and zeros written."""
         self._load = on
         self._settle()
 
     def write(self, word, offset, lanes=slice(None)):
-        """Write the zero, in codes, of one beat's ``lanes``, while ``loading``."""
+        """Write the zero, in codes, of ``lanes`` of one beat; ignored unless ``loading``."""
         if self.loading:
             self._zero[word, lanes] = offset << self.fraction_bits
             self._sum[word, lanes] = 0
 
     def zeros(self):
-        """Zeros in codes, exact [rows, columns] (float64 holds them)."""
+        """Zeros in codes [rows, columns], exact in float64."""
         words = (self._effective(slice(None)) / 2.0**self.fraction_bits).reshape(self.rows, -1)
         return words[:, : self.columns]
 
     def next(self, raw, mask=None):
-        """r of whole frames [frames, rows, columns]; ``mask``: taxels that no contact is taken from."""
+        """r of complete frames [frames, rows, columns]; ``mask``: taxels whose contact is ignored."""
         raw = np.asarray(raw, dtype=np.int64)
         count = len(raw)
         wide = (count, self.rows, self.row_beats * self.lanes)
@@ -116,7 +116,7 @@ class Tare:
         return self._zero[at] + (self._sum[at] << (self.fraction_bits - self.tare_log2))
 
     def _settle(self):
-        """Loading, then averaging, begin and end between frames only."""
+        """Begin or end loading, then averaging, which happens only between frames."""
         if self._midway:
             return
         wanted = self._load and not self._averaging and not self._commit

@@ -2,9 +2,9 @@
 
 
 def time_stamps(clocks):
-    """Of every frame in ``clocks``, (convert, valid, ready, last) of each, the clock of its convert start.
+    """The clock of each frame's convert start; ``clocks``: (convert, valid, ready, last) of every clock.
 
-    A frame's convert start is the last one before its first sample was offered.
+    A frame's convert start is the last one before its first sample is offered.
     """
     converted, frame, found = None, None, []
     for now, (convert, valid, ready, last) in enumerate(clocks):

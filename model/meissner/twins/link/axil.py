@@ -4,7 +4,7 @@ OKAY, SLVERR = 0, 2
 
 
 def write(registers, address, data, strobe=15):
-    """BRESP of a write of a word to ``registers`` (link.registers.Registers, or what has its ``access``)."""
+    """BRESP of a write to ``registers`` (link.registers.Registers, or an object with its ``access``)."""
     return SLVERR if registers.access(True, address, data, strobe)[1] else OKAY
 
 

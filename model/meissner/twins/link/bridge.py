@@ -10,7 +10,7 @@ DONE, BUS_ERROR, NO_ANSWER = 0, 1, 2
 
 
 def command(operation, tag, address, data=0):
-    """The bytes that ask for an access."""
+    """The bytes of a request for an access."""
     if operation not in (READ, WRITE):
         raise ValueError(f"operation = {operation} must be 0 or 1")
     if not 0 <= address < 4096:
@@ -20,14 +20,14 @@ def command(operation, tag, address, data=0):
 
 
 def answer(tag, status, address, data):
-    """Payload of the packet that answers."""
+    """Payload of the answer's packet."""
     return struct.pack("<BBHI", tag, status, address, data)
 
 
 def accesses(line):
-    """What ``line``, bytes without a pause, asks for: ([(operation, tag, address, data)], frames rejected).
+    """Accesses that back-to-back bytes request: ([(operation, tag, address, data)], frames rejected).
 
-    Each command is taken to be answered before the next one ends.
+    Each command is assumed to be answered before the next one ends.
     """
     found, rejected = [], 0
     for frame in line.split(b"\0")[:-1]:

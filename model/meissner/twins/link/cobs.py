@@ -1,10 +1,10 @@
-"""Bit-exact twin of rtl/link/msn_cobs.sv, and its inverse: frames without a zero, codes behind runs."""
+"""Bit-exact twin of rtl/link/msn_cobs.sv, and its inverse: frames without a zero, codes after their runs."""
 
 MAX_BYTES = 253  # of a packet: longer runs would need a code for "no zero here"
 
 
 def encode(packet):
-    """The bytes on the line: 00, the packet with each zero, and its end, replaced by a distance, 00."""
+    """The bytes on the line: 00, the packet with a distance for each zero and for its end, 00."""
     if not 1 <= len(packet) <= MAX_BYTES:
         raise ValueError(f"a packet of {len(packet)} bytes is not 1 .. {MAX_BYTES} long")
     frame, count = bytearray(b"\0"), 1
@@ -15,7 +15,7 @@ def encode(packet):
 
 
 def decode(frame):
-    """The packet in ``frame``, the bytes between two zeros; None if no packet gives these bytes."""
+    """The packet in ``frame``, the bytes between two zeros; None if no packet encodes to these bytes."""
     if not 2 <= len(frame) <= MAX_BYTES + 1 or 0 in frame:
         return None
     packet = bytearray(frame[:-1])
@@ -28,5 +28,5 @@ def decode(frame):
 
 
 def stuff(packet):
-    """Plain COBS with its delimiters, what the core's bridge takes: 00, codes before their runs, 00."""
+    """Plain COBS with its delimiters, as the core's bridge takes it: 00, codes before their runs, 00."""
     return b"\0" + encode(packet[::-1])[-2:0:-1] + b"\0"

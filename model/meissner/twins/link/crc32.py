@@ -4,7 +4,7 @@ START, RESIDUE = 0xFFFFFFFF, 0xDEBB20E3
 
 
 def crc32(values, bits=8, start=START):
-    """The register after ``values``, ``bits`` of each, lowest first; the checksum is its complement."""
+    """The register after ``values`` of ``bits`` bits each, lowest first; the checksum is its complement."""
     if not 1 <= bits <= 32:
         raise ValueError(f"bits = {bits} must lie in 1 .. 32")
     crc = start

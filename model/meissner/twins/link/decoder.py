@@ -1,4 +1,4 @@
-"""The host's side of docs/link.md: packets out of whatever bytes a line brings."""
+"""The host's side of docs/link.md: packets from the bytes of a line, valid or not."""
 
 import struct
 import zlib
@@ -20,7 +20,7 @@ class Packet:
 
 
 def fields_of(kind, payload):
-    """The payload's fields by name; {} if the type is not known; None if its length is not the type's."""
+    """The payload's fields by name; {} for an unknown type; None if the length does not fit the type."""
     size = {p.SLIP: 6, p.COP: 12, p.HEALTH: 4, p.STATISTIC: 5, p.ANSWER: 8}.get(kind, len(payload))
     if size != len(payload):
         return None
@@ -47,9 +47,9 @@ def fields_of(kind, payload):
 
 
 class Decoder:
-    """``next`` takes bytes, cut anywhere, and returns the packets that they complete.
+    """``next`` takes bytes, split anywhere, and returns the packets that they complete.
 
-    ``damaged``: frames that were none; ``missed``: packets whose numbers were left out, mod 256.
+    ``damaged``: number of invalid frames; ``missed``: number of skipped packet numbers, mod 256 each time.
     """
 
     def __init__(self):
@@ -68,7 +68,7 @@ class Decoder:
                 self.damaged += packet is None
                 found += [packet] if packet else []
             self._frame.clear()
-        # A frame longer than any is kept just too long to be one.
+        # Of an overlong frame, only enough bytes are kept to make it invalid.
         rest = bytes(data).rsplit(b"\0", 1)[-1]
         self._frame += rest[: max(0, MAX_BYTES + 2 - len(self._frame))]
         return found

@@ -1,8 +1,8 @@
-"""Bit-exact twin of rtl/link/msn_image_store.sv: the newest whole image for a slow reader."""
+"""Bit-exact twin of rtl/link/msn_image_store.sv: the newest complete image for a slow reader."""
 
 
 class ImageStore:
-    """``next`` is a clock. ``readable``: the image that a reader may read, (time, taxels), or None."""
+    """``next`` is one clock. ``readable``: the image that a reader may read, (time, taxels), or None."""
 
     def __init__(self, taxels=4096):
         if not 2 <= taxels <= 65536:
@@ -16,7 +16,7 @@ class ImageStore:
         self.dropped = 0
 
     def next(self, beat=None, begun=False, done=False):
-        """A clock with ``beat``, (taxel, last, time), or none; ``begun``, ``done``: the reader's."""
+        """A clock; ``beat``: (taxel, last, time) or None; ``begun``, ``done``: signals of the reader."""
         if self._held is not None and not (self.readable and (begun or done)):
             self.dropped += self.readable is not None
             self.readable, self._held = self._held, None

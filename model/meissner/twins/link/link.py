@@ -1,4 +1,4 @@
-"""Bit-exact twin of rtl/link/msn_link.sv: packets as levels of the line, and back."""
+"""Bit-exact twin of rtl/link/msn_link.sv: packets to levels of the line, and back."""
 
 from meissner.twins.link.cobs import encode
 from meissner.twins.link.decoder import Decoder
@@ -7,12 +7,12 @@ from meissner.twins.link.uart_tx import levels
 
 
 def line_of(packets, clk_hz=25_000_000, baud_hz=3_000_000):
-    """The levels of the line, one a clock, for packets sent without a gap."""
+    """The levels of the line, one per clock, for packets sent back-to-back."""
     return levels(b"".join(map(encode, packets)), clk_hz, baud_hz)
 
 
 def packets_of(line, clk_hz=25_000_000, baud_hz=3_000_000):
-    """(packets, the decoder that read them) of the levels of a line that rests at its start."""
+    """(packets, the decoder that read them) from the levels of a line that is idle at the start."""
     decoder = Decoder()
     found = UartRx(clk_hz, baud_hz).process(line)
     return decoder.next(bytes(byte for _, byte in found if byte is not None)), decoder

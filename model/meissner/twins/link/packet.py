@@ -6,8 +6,8 @@ import zlib
 SLIP, COP, IMAGE, HEALTH, STATISTIC, ANSWER = 1, 2, 3, 4, 5, 16
 KNOWN = (SLIP, COP, IMAGE, HEALTH, STATISTIC, ANSWER)
 MAX_CHUNK = 116
-TIMES = 1 << 48  # of a packet
-# The counters of a core's statistics by index, as msn_core joins them; docs/link.md has the same words.
+TIMES = 1 << 48  # a packet's time counts modulo this
+# The counters of a core's statistics by index, as msn_core joins them; docs/link.md has the same names.
 COUNTERS = (
     *("frames dropped", "overruns", "time-outs", "slip frames damaged", "slip blanked"),
     *("CoP frames damaged", "images dropped", "commands rejected"),
@@ -37,12 +37,13 @@ def health(taxel, faults):
 
 
 def statistic(index, counter):
-    """Payload: which counter 8, its value 32 bits."""
+    """Payload: the counter's index 8, its value 32 bits."""
     return struct.pack("<BI", index, counter)
 
 
 def image_chunks(number, taxels, chunk=64):
-    """Payloads of an image: its number mod 256, 1 in the last one, index of the first taxel 24, taxels 16."""
+    """Payloads of an image: its number mod 256 and 1 in the last chunk (8 bits each), index of the chunk's
+    first taxel 24, taxels 16 bits each."""
     if not 1 <= chunk <= MAX_CHUNK:
         raise ValueError(f"chunk = {chunk} must lie in 1 .. {MAX_CHUNK}")
     payloads = []

@@ -4,7 +4,7 @@ from meissner.twins.link.packet import SLIP, packet, slip_event
 
 
 def packets(events, p2p_bits=24):
-    """The packets of ``events``: tuples of time (the convert start's, clocks since reset), p2p, state."""
+    """The packets of ``events``: tuples of time (of the convert start, clocks since reset), p2p, state."""
     if not 1 <= p2p_bits <= 24:
         raise ValueError(f"p2p_bits = {p2p_bits} must lie in 1 .. 24")
     if any(not 0 <= p2p < 1 << p2p_bits for _, p2p, _ in events):

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Field:
-    """Bits high .. low. ``kind``: setting (the host's), status (the core's), constant, command (a pulse),
-    features (a bit for each group that a build may leave out, the first lowest), width (of ``held_to``).
+    """Bits high .. low. ``kind``: setting (of the host), status (of the core), constant, command (a pulse),
+    features (one bit per group that a build may omit, the first group lowest), width (of ``held_to``).
 
-    ``signed``: two's complement; ``held_to``: the field of core.widths that says how many bits a build has
-    for it, at whose ends the core holds it.
+    ``signed``: two's complement; ``held_to``: the field of core.widths with the number of bits that a build
+    has for it; the core saturates the value to these bits.
     """
 
     name: str
@@ -29,11 +29,11 @@ class Field:
         return (1 << self.width) - 1
 
     def number(self, bits):
-        """The number that the field's bits stand for."""
+        """The number that the field's bits encode."""
         return bits - (self.signed and bits > self.most >> 1) * (self.most + 1)
 
     def ends(self, width=None):
-        """(least, greatest) number of ``width`` bits, None: of all."""
+        """(smallest, largest) number of ``width`` bits; None: of all the field's bits."""
         width = self.width if width is None else min(width, self.width)
         return (-(1 << width - 1), (1 << width - 1) - 1) if self.signed else (0, (1 << width) - 1)
 
@@ -53,7 +53,7 @@ class Register:
 
 @dataclass(frozen=True)
 class Group:
-    """Registers of one feature; ``at_frame``: what is written takes effect at a frame's boundary."""
+    """Registers of one feature; ``at_frame``: a write takes effect at a frame boundary."""
 
     name: str
     title: str

@@ -1,25 +1,25 @@
-"""Twin of rtl/link/msn_registers.sv: what each access answers, and what the core sees.
+"""Twin of rtl/link/msn_registers.sv: the answer to each access, and the values that the core sees.
 
-An access is an error, and changes nothing, at an address without a register in this build, at one that is no
-multiple of four, and for a write where all is read-only. What is written to a setting that the build has
-fewer bits for is kept byte by byte; where it is read and where the core takes it, it is held at their ends.
+An access is an error, and changes nothing, at an address that is not a multiple of four or has no register in
+this build, and for a write to a read-only register. A build may have fewer bits for a setting than its field:
+the register keeps the written bytes, but a read and the core get the value saturated to the build's bits.
 """
 
 from meissner.twins.link.register_map import GROUPS
 
 
 def settings():
-    """(group, register, field) of every setting, in the order of msn_registers' parameter Resets."""
+    """(group, register, field) of every setting, in the order of the parameter Resets of msn_registers."""
     return [(g, r, f) for g in GROUPS for r in g.registers for f in r.fields if f.kind == "setting"]
 
 
 FIELDS = {(g.name, r.name, f.name): f for g in GROUPS for r in g.registers for f in r.fields}
-WIDTHS = {f.held_to: f.width for f in FIELDS.values() if f.held_to}  # the most bits that a build can have
+WIDTHS = {f.held_to: f.width for f in FIELDS.values() if f.held_to}  # the most bits a build can have
 RESET_BITS = sum(field.width for _, _, field in settings())
 
 
 def held(field, bits, widths):
-    """Bits of ``field`` as the core takes ``bits``, of ``widths`` {name in core.widths: bits}."""
+    """``bits`` of ``field`` saturated as the core takes them; ``widths``: {name in core.widths: bits}."""
     if widths is None or not field.held_to:
         return bits
     least, most = field.ends(widths[field.held_to])
@@ -27,10 +27,11 @@ def held(field, bits, widths):
 
 
 def reset_word(values, widths=None):
-    """The parameter Resets: the map's reset values, but {"group.register" or "group.register.field": value}.
+    """The parameter Resets: the map's reset values, except ``values``
+    {"group.register" or "group.register.field": value}.
 
-    ValueError for a name that is no setting and a value without room, in its register or in the build's
-    ``widths`` {name in core.widths: bits}.
+    ValueError for a name that is not a setting, and for a value that does not fit its register or the
+    build's ``widths`` {name in core.widths: bits}.
     """
     left, word, at = dict(values), 0, 0
     for group, register, field in settings():
@@ -48,7 +49,7 @@ def reset_word(values, widths=None):
 
 
 def members(name):
-    """{member: field} of the settings in msn_registers_pkg::<name>_cfg_t, the highest bits first."""
+    """{member: field} of the settings in msn_registers_pkg::<name>_cfg_t, highest bits first."""
     [group] = [group for group in GROUPS if group.name == name]
     return {
         register.name if field.name == "value" else f"{register.name}_{field.name}": field
@@ -59,9 +60,9 @@ def members(name):
 
 
 def struct_word(name, values, widths):
-    """The number that the struct of a group is with {member: value}: one without strobes and commands.
+    """The packed struct of a group, one without strobes and commands, with {member: value}, as a number.
 
-    ``widths``: as of ``reset_word``; ValueError for a value without room in them.
+    ``widths``: as in ``reset_word``; ValueError for a value that does not fit them.
     """
     word = 0
     for member, field in members(name).items():
@@ -73,7 +74,7 @@ def struct_word(name, values, widths):
 
 
 def struct_bytes(name, values, widths):
-    """``struct_word`` in whole words of 32 bits, the lowest byte first: as drivers take a struct."""
+    """``struct_word`` padded to words of 32 bits, lowest byte first, as the simulation drivers take it."""
     bits = sum(field.width for field in members(name).values())
     return struct_word(name, values, widths).to_bytes(4 * -(-bits // 32), "little")
 
@@ -82,7 +83,7 @@ class Registers:
     """The registers of a build with the groups named in ``features`` (None: all).
 
     ``resets``: the build's parameter Resets, None for the map's own values; ``widths``: {name in core.widths:
-    bits}, None for as many as the map has.
+    bits}, None for the map's widths.
     """
 
     def __init__(self, features=None, resets=None, widths=None):
@@ -104,7 +105,7 @@ class Registers:
     def reset(self):
         """Every setting at its reset value, nothing pending."""
         self._written, self._seen, at = {}, {}, 0
-        for group, register, field in settings():  # the ports of an absent group rest at their reset values
+        for group, register, field in settings():  # the ports of an absent group keep their reset values
             key = (group.name, register.name, field.name)
             given = self.resets >> at & field.most
             self._written[key], self._seen[key] = given, self._held(key, given)
@@ -117,7 +118,7 @@ class Registers:
     def access(self, write, address, data=0, strobe=15, status=None):
         """(data, error, pulses) of one access.
 
-        ``status``: {(group, register, field): value} as the core shows it; pulses: the commands given.
+        ``status``: {(group, register, field): value} from the core; pulses: the commands given.
         """
         if address not in self._at:
             return 0, True, set()
@@ -157,10 +158,10 @@ class Registers:
         return False, pulses
 
     def commit(self, name):
-        """The frame's boundary of one group."""
+        """A frame boundary: the pending settings of one group take effect."""
         self._seen |= {key: self._held(key, value) for key, value in self._written.items() if key[0] == name}
         self.pending[name] = False
 
     def setting(self, group, register, field="value"):
-        """What the core sees, as wide as the map's field."""
+        """The value that the core sees, as wide as the map's field."""
         return self._seen[group, register, field]

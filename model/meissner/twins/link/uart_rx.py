@@ -1,12 +1,12 @@
-"""Bit-exact twin of rtl/link/msn_uart_rx.sv: bytes and broken bytes of a line, clock by clock."""
+"""Bit-exact twin of rtl/link/msn_uart_rx.sv: bytes and damaged bytes of a line, clock by clock."""
 
 from meissner.twins.link.uart_tx import sixteenths
 
 
 class UartRx:
-    """``next`` takes levels, one a clock, and returns a list of (clock, byte); byte None: no stop bit.
+    """``next`` takes levels, one per clock, and returns a list of (clock, byte); byte None: no stop bit.
 
-    ``clock`` counts from the reset; a level of clock t is seen in clock t + 2 (the synchroniser).
+    ``clock`` counts from reset; the synchroniser delays a level by 2 clocks.
     """
 
     def __init__(self, clk_hz=12_000_000, baud_hz=1_000_000):

@@ -1,4 +1,4 @@
-"""Twin of rtl/sensor/msn_sensor_array.sv: forces, centres of pressure and faults of whole frames."""
+"""Twin of rtl/sensor/msn_sensor_array.sv: forces, centres of pressure and faults of complete frames."""
 
 from dataclasses import dataclass
 
@@ -18,16 +18,16 @@ class Sensed:
 
 
 def sensor_array(array, samples, over=None):
-    """What comes of samples [frames, rows, columns]; ``array`` keeps what it learns, as the core does."""
+    """``Sensed`` of samples [frames, rows, columns]; ``array`` keeps its learned state, as the core does."""
     forces, mask = array.forces(samples, over)
     cop = [tuple(map(int, row)) for row in zip(*array.cop.of_forces(forces))]
     return Sensed(forces.reshape(len(forces), -1), mask.reshape(len(mask), -1), cop)
 
 
 def from_reset(size, gain, limits=None, tare=None, **kinds):
-    """meissner.twins.cop.array.Array as a core has it from reset on: preset gains, the first tare asked for.
+    """meissner.twins.cop.array.Array as a core has it after reset: preset gains, the first tare requested.
 
-    ``size``: what has ``rows``, ``columns``, ``lanes``, ``sample_bits``; all else as Array takes it.
+    ``size``: an object with ``rows``, ``columns``, ``lanes``, ``sample_bits``; the rest as in Array.
     """
     twin = Array(size, limits, tare, **kinds)
     table, row_column = twin.cop.calibrate.table, kinds.get("row_column", False)

@@ -1,8 +1,8 @@
-"""Twin of rtl/sensor/msn_sensor_channels.sv: samples of a converter or of a stream, in whole frames."""
+"""Twin of rtl/sensor/msn_sensor_channels.sv: samples of a converter or of a stream, in complete frames."""
 
 
 def sensor_channels(acquire, codes):
-    """Samples [frames, channels] of ``codes`` of that shape: the gate changes when they come, not what.
+    """Samples [frames, channels] of ``codes`` of that shape: the gate changes their timing, not their values.
 
     ``acquire``: meissner.twins.frontend.acquire.Acquire.
     """

@@ -7,7 +7,7 @@ from meissner.twins.cop.cop_slip import CopSlip
 
 
 def sensor_cop4(samples, registers, terms=None, lag=16, slip=None):
-    """Of samples [frames, 4]: (x, y, load, pressed) of each frame, and (frame, octant) of each slip event.
+    """(x, y, load, pressed) of each frame and (frame, octant) of each slip event of samples [frames, 4].
 
     ``registers``: Cop4Registers; ``terms``: of the correction; ``slip``: CopSlipRegisters or None.
     """

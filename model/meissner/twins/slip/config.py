@@ -1,4 +1,4 @@
-"""What a slip detector is asked to do: one value object for twins, engines and the RTL's parameters."""
+"""Settings of a slip detector: one value object for twins, engines and the RTL's parameters."""
 
 from dataclasses import dataclass, fields
 from numbers import Integral
@@ -9,19 +9,19 @@ TIMER_BITS = 16
 
 
 def check_channels(channels):
-    """Raise ValueError for a number of channels that the blocks of the slip path cannot be built for."""
+    """Raise ValueError for a number of channels with which the blocks of the slip path cannot be built."""
     if not 1 <= channels <= MAX_CHANNELS:
         raise ValueError(f"channels = {channels} must lie in 1 .. {MAX_CHANNELS}")
 
 
 @dataclass(frozen=True)
 class SlipConfig:
-    """Settings of the slip path. Times count details (2**level samples), thresholds count codes.
+    """Settings of the slip path. Times are in details (2**level samples), thresholds in codes.
 
     ``window`` and ``hop`` are in samples; ``threshold``, ``keep_threshold`` and ``gross_threshold`` in codes
     of the unnormalised level-``level`` detail, peak to peak, compared with ``>``; ``contact_level`` and
-    ``release_level`` in codes of the level-``level`` sum (2**level samples). A flag that is up stays up
-    above ``keep_threshold`` too; None: above ``threshold`` alone.
+    ``release_level`` in codes of the level-``level`` sum (2**level samples). A raised flag also stays up
+    above ``keep_threshold``; None: only above ``threshold``.
     """
 
     window: int = 64
@@ -72,16 +72,16 @@ class SlipConfig:
 
     @property
     def settings(self):
-        """{name: value} of the registers of the group slip that it determines."""
+        """{name: value} of the registers of the group slip that these settings determine."""
         built = ("window", "hop", "level")  # parameters of the RTL
         found = {field.name: getattr(self, field.name) for field in fields(self) if field.name not in built}
         return {name: int(value) for name, value in found.items() if value is not None}
 
     @property
     def keeps_above(self):
-        """The peak-to-peak above which a flag that is up stays up: never more than ``threshold``."""
+        """The peak-to-peak above which a raised flag stays up: never more than ``threshold``."""
         return self.threshold if self.keep_threshold is None else min(self.keep_threshold, self.threshold)
 
 
-# The settings that are on or off, with what they are if nobody sets them.
+# The settings that are on or off, with their defaults.
 SWITCHES = {field.name: field.default for field in fields(SlipConfig) if field.type is bool}

@@ -10,10 +10,10 @@ def haar(x, level=1, mask=None):
 
         a0 = x;   d_l[k] = a_(l-1)[2k] - a_(l-1)[2k+1];   a_l[k] = a_(l-1)[2k] + a_(l-1)[2k+1]
 
-    ``x``: integers [..., samples]. Returns (detail, total), int64 [..., samples // 2**level]; samples
-    that do not fill a group are left over. d_l is sqrt(2)**l times PyWavelets' cD of the same level
+    ``x``: integers [..., samples]. Returns (detail, total), int64 [..., samples // 2**level]; samples at
+    the end that fill no group are not used. d_l is sqrt(2)**l times PyWavelets' cD of the same level
     with the same sign, a_l is sqrt(2)**l times cA; neither is ever rounded. ``level``: 1, 2 or 3.
-    ``mask``: samples not to be trusted; the groups they are in (``masked_groups``) give 0 and 0.
+    ``mask``: samples not to be trusted; their groups (``masked_groups``) give 0 and 0.
     """
     if level not in (1, 2, 3):
         raise ValueError(f"level = {level} must be 1, 2 or 3")
@@ -36,7 +36,7 @@ def masked_groups(mask, level=1):
 
 
 class Haar:
-    """The same in chunks: ``next`` takes [channels, n] samples and keeps what fills no group yet."""
+    """``haar`` in chunks: ``next`` takes [channels, n] samples and keeps those of an unfinished group."""
 
     def __init__(self, channels=1, level=1):
         haar(np.zeros(1), level)  # the same check of the level
@@ -57,6 +57,6 @@ class Haar:
         return haar(x[:, :whole], self.level)
 
     def process(self, x):
-        """``reset`` and then ``next``: the whole of ``x`` at once."""
+        """``reset`` and then ``next``: all of ``x`` in one call."""
         self.reset()
         return self.next(x)

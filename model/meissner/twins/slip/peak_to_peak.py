@@ -6,11 +6,11 @@ import numpy as np
 
 from meissner.twins.slip.config import check_channels
 
-MASKED = np.iinfo(np.int64).min  # in a history: the detail is left out
+MASKED = np.iinfo(np.int64).min  # in a history: this detail is ignored
 
 
 def check_window(span, hop):
-    """Raise ValueError unless ``span`` and ``hop`` (in details) are what the RTL can be built for."""
+    """Raise ValueError unless the RTL can be built with ``span`` and ``hop`` (in details)."""
     if span < 2 or span & (span - 1):
         raise ValueError(f"span = {span} details must be a power of two, 2 or more")
     if not 1 <= hop <= span:
@@ -25,14 +25,14 @@ def latency(span, hop):
 
 
 def _lagged(x, lag, pick):
-    """pick(x[k], x[k - lag]) along the last axis; before the start the window is just shorter."""
+    """pick(x[k], x[k - lag]) along the last axis; x[k] alone where k < lag."""
     out = x.copy()
     pick(x[..., lag:], x[..., :-lag], out=out[..., lag:])
     return out
 
 
 def _extremes(detail):
-    """Maximum and minimum of each detail alone; one that is MASKED is above nothing and below nothing."""
+    """Maximum and minimum of each single detail; a MASKED one never changes an extreme."""
     return detail, np.where(detail == MASKED, ~MASKED, detail)
 
 
@@ -43,8 +43,8 @@ def _spread(high, low):
 def sliding(detail, span):
     """Maximum minus minimum over the last ``span`` details at each detail (fewer at the start).
 
-    ``detail``: integers [..., n], those that are MASKED left out; ``span`` a power of two. Doubling: the
-    window of 2L is the window of L now and L details ago, so log2(span) steps do.
+    ``detail``: integers [..., n], MASKED ones are ignored; ``span``: a power of two. By doubling: a window of
+    2L joins the windows of L now and L details ago, so log2(span) steps suffice.
     """
     high, low = _extremes(np.asarray(detail, dtype=np.int64))
     lag = 1
@@ -61,8 +61,8 @@ class PeakToPeak:
         p2p = max d - min d over the window so far
 
     ``span``: details in a window, ``hop``: details from one window's start to the next. hop = span:
-    tumbling windows; hop = span / 2: half-overlapped (the window is the half before and the half that
-    runs now); any other hop: the exact sliding window. Times and sizes are in details.
+    tumbling windows; hop = span / 2: half-overlapping windows (the previous half and the current one);
+    any other hop: the exact sliding window. Times and sizes are in details.
     """
 
     def __init__(self, channels=1, span=32, hop=32):
@@ -80,8 +80,8 @@ class PeakToPeak:
     def next(self, detail, mask=None):
         """Feed ``detail`` [channels, n]; returns (p2p [channels, n], end [n]).
 
-        ``mask`` [channels, n]: details to leave out; a window of none but such has p2p 0. ``p2p`` is that of
-        the window that runs, so far; ``end``: this detail closes a window (the first closes at detail
+        ``mask`` [channels, n]: details to ignore; a window with only such details has p2p 0. ``p2p`` is that
+        of the current window so far; ``end``: this detail closes a window (the first closes at detail
         span - 1, then every hop).
         """
         detail = np.asarray(detail, dtype=np.int64)
@@ -97,20 +97,20 @@ class PeakToPeak:
         return p2p[:, kept:], end
 
     def process(self, detail, mask=None):
-        """``reset`` and then ``next``: the whole of ``detail`` at once."""
+        """``reset`` and then ``next``: all of ``detail`` in one call."""
         self.reset()
         return self.next(detail, mask)
 
     def _keep_from(self, length):
-        """Where the history that later details still need begins, aligned to a part."""
+        """Start of the history that later details still need, aligned to a part."""
         if self.part == 1:
             return max(0, length - (self.span - 1))
-        first = self._count - length  # absolute index of the history's start, itself the start of a part
+        first = self._count - length  # absolute index of the history's start, where a part begins
         needed = self._count // self.part * self.part - (self.span - self.part)
         return max(0, needed - first)
 
     def _by_parts(self, history):
-        """Running p2p where the maximum starts again every ``part`` details, joined with the part before."""
+        """Running p2p with extremes that restart every ``part`` details, joined with the previous part's."""
         length = history.shape[1]
         parts = -(-length // self.part)
         padded = np.zeros((self.channels, parts * self.part), dtype=np.int64)

@@ -1,4 +1,4 @@
-"""Bit-exact twin of rtl/slip/msn_shear_speed.sv: speed of shear from the level of conductive rubber."""
+"""Bit-exact twin of rtl/slip/msn_shear_speed.sv: shear speed from the level of conductive rubber."""
 
 from dataclasses import dataclass, fields
 from typing import NamedTuple
@@ -10,7 +10,7 @@ from meissner.twins.common.exp2 import exp2
 from meissner.twins.common.log2 import bound as log2_bound
 from meissner.twins.common.log2 import log2
 
-# Flags, by their bit. With any of them the speed is 0.
+# Flags in the order of their bits. With any of them the speed is 0.
 FLAGS = (
     "unsettled",
     "range",
@@ -29,7 +29,7 @@ K1_FRACTION, EXPONENT_FRACTION = 16, 11
 
 @dataclass(frozen=True)
 class ShearSize:
-    """The RTL's parameters. A level is a sum of 2^(window_log2 + settle_log2) samples: its unit is small."""
+    """The RTL's parameters. A level is a sum of 2^(window_log2 + settle_log2) samples: see ``unit``."""
 
     sample_bits: int = 17
     window_log2: int = 6
@@ -57,13 +57,13 @@ class ShearSize:
 
     @property
     def unit(self):
-        """Units of a level in a code."""
+        """Units of a level per code."""
         return 1 << self.window_log2 + self.settle_log2
 
 
 @dataclass(frozen=True)
 class ShearSettings:
-    """The RTL's registers, integers; ``of`` makes them of volts, millimetres and seconds."""
+    """The RTL's registers, integers; ``of`` computes them from volts, millimetres and seconds."""
 
     k0: int
     k1: int
@@ -78,7 +78,7 @@ class ShearSettings:
 
     @classmethod
     def of(cls, codes_per_v, rate_hz, size=None, **given):
-        """Registers for a converter of ``codes_per_v`` at ``rate_hz``; what is not ``given`` is the default.
+        """Registers for a converter of ``codes_per_v`` at ``rate_hz``; default for all not ``given``.
 
         ``k0, k1, n``: dV = (k0 + k1 Vi) v^n; ``vi_min``, ``vi_max``, ``noise``, ``still``, ``full``
         in volts, ``limit`` in mm/s, ``travel`` in mm.
@@ -103,7 +103,7 @@ class ShearSettings:
         return settings
 
     def check(self, size):
-        """Raise ValueError for what the registers cannot hold."""
+        """Raise ValueError for a value that its register cannot hold."""
         bits = {"k0": size.level_bits, "noise": size.level_bits, "still": size.level_bits}
         bits |= {"exponent": 16, "limit": size.speed_bits, "travel": 32}
         signed = {"k1": 18, "vi_min": size.level_bits, "vi_max": size.level_bits, "full": size.sample_bits}
@@ -126,8 +126,8 @@ def denominator(vi, settings):
 def speed(rise, k, settings, size=None):
     """v = (rise / k)^(1/n) of ``rise``, ``k`` >= 1, int64 with ``speed_fraction`` bits of fraction.
 
-    v = exp2((log2(rise) - log2(k)) exponent / 2^11), the product rounded half up. 2^speed_bits - 1 also
-    stands for all beyond. For the error's bound see ``bound``.
+    v = exp2((log2(rise) - log2(k)) exponent / 2^11), the product rounded half up; it saturates at
+    2^speed_bits - 1. For the error's bound see ``bound``.
     """
     size = size or ShearSize()
     bits = size.level_bits + 1, size.table_bits, size.fraction_bits
@@ -137,9 +137,9 @@ def speed(rise, k, settings, size=None):
 
 
 def bound(exponent, size=None):
-    """How far off (rise / k)^(1/n) the speed is at most, as a share of it, before it is rounded to an lsb.
+    """The largest relative error of the speed against (rise / k)^(1/n), before it is rounded to an lsb.
 
-    Both logarithms' errors times 1/n = ``exponent`` / 2^11, the rounding of the product, exp2's own error.
+    It adds both logarithms' errors times 1/n = ``exponent`` / 2^11, the product's rounding and exp2's error.
     """
     size = size or ShearSize()
     below, above = log2_bound(size.level_bits + 1, size.table_bits, size.fraction_bits)
@@ -148,7 +148,7 @@ def bound(exponent, size=None):
 
 
 class Windows(NamedTuple):
-    """What a core says of each window, int64 [windows]; ``vi``, ``rise``: levels, 0 with UNSETTLED."""
+    """A core's results for each window, int64 [windows]; ``vi``, ``rise``: levels, 0 with UNSETTLED."""
 
     speed: np.ndarray
     flags: np.ndarray
@@ -157,10 +157,10 @@ class Windows(NamedTuple):
 
 
 class ShearSpeed:
-    """(speed, flags) of each window of 2^window_log2 samples; the rules are docs/shear_speed.md's.
+    """(speed, flags) of each window of 2^window_log2 samples, by the rules of docs/shear_speed.md.
 
-    level = sum of the window's samples, 2^settle_log2 times
-    Vi    = sum of 2^settle_log2 windows that rest: within ``still`` of the reference, rise below ``noise``
+    level = sum of the window's samples times 2^settle_log2
+    Vi    = sum of 2^settle_log2 resting windows: within ``still`` of the reference, rise below ``noise``
     rise  = level - Vi;   v = (rise / (k0 + k1 Vi))^(1/n)
     """
 
@@ -171,7 +171,7 @@ class ShearSpeed:
         self.reset()
 
     def reset(self):
-        """Nothing is known of the level: the same as a restart."""
+        """Forget the level, as after a restart."""
         self._x = np.zeros(0, dtype=np.int64)
         self._held = np.zeros(0, dtype=bool)
         self.seen = self.settled = False
@@ -182,7 +182,7 @@ class ShearSpeed:
         return self.windows(x, hold)[:2]
 
     def windows(self, x, hold=None):
-        """The same with Vi and the rise: ``Windows``."""
+        """The same with Vi and the rise, as ``Windows``."""
         x = np.asarray(x, dtype=np.int64)
         hold = np.zeros(x.shape, bool) if hold is None else np.asarray(hold, dtype=bool)
         self._x, self._held = np.concatenate([self._x, x]), np.concatenate([self._held, hold])
@@ -195,7 +195,7 @@ class ShearSpeed:
         return Windows(*np.array(found, dtype=np.int64).reshape(-1, 4).T)
 
     def process(self, x, hold=None):
-        """``reset`` and then ``next``: the whole of ``x`` at once."""
+        """``reset`` and then ``next``: all of ``x`` in one call."""
         self.reset()
         return self.next(x, hold)
 
@@ -224,7 +224,7 @@ class ShearSpeed:
         return 0 if flags else v, flags, *levels
 
     def _follow(self, total, held, clipped, up, down, settled, small):
-        """The state after a window."""
+        """Update the state after a window."""
         if held or clipped:
             self.count = 0
             if held:

@@ -1,4 +1,4 @@
-"""Twin of rtl/slip/msn_shear_speeds.sv: speed of shear of each channel, and what the reflex gets of it."""
+"""Twin of rtl/slip/msn_shear_speeds.sv: shear speed of each channel, and the part that the reflex gets."""
 
 from dataclasses import asdict, dataclass
 
@@ -6,14 +6,15 @@ import numpy as np
 
 from meissner.twins.slip.shear_speed import ShearSettings, ShearSize, ShearSpeed
 
-SIZE = ShearSize()  # the core has no other
+SIZE = ShearSize()  # the only size in the core
 REPORT_SHIFT = 8  # from 2^-20 mm/s to the 2^-12 mm/s that the reflex takes
 MAX_CHANNELS = 8
 
 
 @dataclass(frozen=True)
 class ShearConfig:
-    """``shear``: ShearSettings of a lot of rubber; ``hold_cycles``: of the reflex, from a changed command."""
+    """``shear``: ShearSettings for a batch of rubber; ``hold_cycles``: control cycles to hold the estimator
+    after a changed command."""
 
     shear: ShearSettings
     hold_cycles: int = 0
@@ -25,17 +26,17 @@ class ShearConfig:
 
     @property
     def settings(self):
-        """{register of the group shear_speed: value}, the estimator enabled."""
+        """{register of the group shear_speed: value}, with the estimator enabled."""
         return {"enable": 1} | asdict(self.shear) | {"hold_cycles": self.hold_cycles}
 
 
 def report(speed, flags):
-    """The reflex' speed of a window, in 2^-12 mm/s; None: there is none."""
+    """A window's speed for the reflex, in 2^-12 mm/s; None with any flag."""
     return None if flags else int(speed) >> REPORT_SHIFT
 
 
 class ShearSpeeds:
-    """``next`` takes whole frames, ``commanded`` what the reflex did; ``last``: (speed, flags) by channel."""
+    """``next`` takes complete frames, ``commanded`` the increments; ``last``: (speed, flags) by channel."""
 
     def __init__(self, config, channels):
         if not 1 <= channels <= MAX_CHANNELS:
@@ -45,13 +46,13 @@ class ShearSpeeds:
         self.last, self.windows, self.cycles = [(0, 1)] * channels, [0] * channels, 0
 
     def commanded(self, increment):
-        """A control cycle gave a command that differs from the one before by ``increment``."""
+        """A control cycle changed the command by ``increment``."""
         self.cycles = self.config.hold_cycles if increment else max(0, self.cycles - 1)
 
     def next(self, x, hold=None):
         """Windows (twins.slip.shear_speed) of each channel that ``x`` [channels, frames] completes.
 
-        ``hold``: bool [frames], where the normal force changes besides.
+        ``hold``: bool [frames], True where the normal force changes for another reason than the reflex.
         """
         x = np.asarray(x)
         hold = np.zeros(x.shape[1], bool) if hold is None else np.asarray(hold, bool)

@@ -4,11 +4,11 @@ import numpy as np
 
 
 def sliding_extremes(high, low, lag, taps):
-    """Maximum of ``high`` and minimum of ``low`` over ``taps`` values that lie ``lag`` apart.
+    """Maximum of ``high`` and minimum of ``low`` over ``taps`` values ``lag`` apart.
 
         out_high(t) = max high(t - j lag),  out_low(t) = min low(t - j lag),  j = 0 .. taps-1
 
-    ``high``, ``low``: integers [..., n]; before the start there is nothing, so fewer values count.
+    ``high``, ``low``: integers [..., n]; values before the start are left out.
     Returns two int64 arrays of the same shape. ``taps``: 2 or 4.
     """
     if taps not in (2, 4):

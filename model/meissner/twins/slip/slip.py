@@ -1,4 +1,4 @@
-"""Bit-exact twin of rtl/slip/msn_slip.sv: what the contact on each channel is doing."""
+"""Bit-exact twin of rtl/slip/msn_slip.sv: the contact state of each channel."""
 
 from enum import IntEnum
 
@@ -17,7 +17,7 @@ class State(IntEnum):
     RELEASE = 4
 
 
-# Of the signals of a detail, in a byte; and the states as numbers: their members are found at half the speed.
+# Signals of a detail, as bits of a byte; and the states as plain numbers, because members take twice as long.
 PRESSED, LIFTED, OVER, GROSSLY, KEPT, MOVING, MASKED = (1 << place for place in range(7))
 NONE, CONTACT, INCIPIENT, GROSS, RELEASE = map(int, State)
 
@@ -32,10 +32,10 @@ class Slip:
 
     NONE, RELEASE -> CONTACT when pressed; the next ``blank`` details are blanked.
     CONTACT -> INCIPIENT (GROSS if gross) when over, unless blanked, refractory or moving.
-    INCIPIENT -> GROSS when over and gross; both fall back to CONTACT when ``hold`` details passed that were
-    not kept (or moving), and then ``refractory`` details are deaf.
+    INCIPIENT -> GROSS when over and gross; both last through ``hold`` details in a row that are not kept (or
+    moving), then return to CONTACT; the next ``refractory`` details raise no slip.
     CONTACT, INCIPIENT, GROSS -> RELEASE when lifted; RELEASE -> NONE after ``hold`` details.
-    A masked detail leads to NONE from anywhere and is never over.
+    A masked detail leads to NONE from every state and is never over.
     ``blanked`` counts, over all channels, the details that were over while blanked or moving.
 
     All times count details of the channel. ``config``: meissner.twins.slip.config.SlipConfig.
@@ -47,12 +47,12 @@ class Slip:
         self.reset()
 
     def reset(self):
-        """Every channel to NONE, the count of blanked details to 0."""
+        """Set every channel to NONE and the count of blanked details to 0."""
         self.blanked = 0
         self.restart()
 
     def restart(self):
-        """Every channel to NONE; the count stays."""
+        """Set every channel to NONE; keep the count."""
         self._memory = [(State.NONE, 0, 0, False)] * self.channels
 
     def next(self, p2p, level, moving=None, mask=None):
@@ -78,8 +78,8 @@ class Slip:
     def _channel(self, channel, signals):
         """Step one channel through its details; keep its memory and return its states.
 
-        Without contact nothing happens until the next press; in contact only the deaf time runs until the
-        next detail that is lifted, over or masked. Those details are passed at once.
+        Without contact nothing changes until the next press; in contact only the refractory time runs until
+        the next detail that is lifted, over or masked. These stretches are skipped in one step.
         """
         pressed, lifted, over, _, _, _, masked = signals
         count = len(pressed)
@@ -87,7 +87,7 @@ class Slip:
             State.NONE: np.append(np.flatnonzero(pressed & ~masked), count),
             State.CONTACT: np.append(np.flatnonzero(lifted | over | masked), count),
         }
-        # A byte a detail, a bit a signal: most details are passed, and lists of them would take longer.
+        # A byte per detail, a bit per signal: most details are skipped, and lists of them would be slower.
         inputs = np.packbits(np.stack(signals), axis=0, bitorder="little")[0].tobytes()
         states, at = np.empty(count, dtype=np.int8), 0
         while at < count:
@@ -102,10 +102,10 @@ class Slip:
         return states
 
     def _steps(self, channel, inputs, first, states):
-        """The same from detail ``first`` on, one by one, until nothing waits; returns the next detail."""
+        """Step the details from ``first`` on, one by one, up to NONE or CONTACT; returns the next detail."""
         c = self.config
-        # hold: details until a slip or a release is over; deaf: details until a slip may be raised;
-        # blanking: deaf because of a contact onset, so what is over meanwhile is counted.
+        # hold: details until a slip or a release ends; deaf: details until a slip may be raised;
+        # blanking: deaf because of a contact onset, so details over meanwhile are counted.
         state, hold, deaf, blanking = self._memory[channel]
         found, blanked = bytearray(), 0
         for now in memoryview(inputs)[first:]:

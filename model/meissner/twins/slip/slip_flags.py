@@ -1,4 +1,4 @@
-"""Bit-exact twin of rtl/slip/msn_slip_flags.sv: what is true of any channel."""
+"""Bit-exact twin of rtl/slip/msn_slip_flags.sv: whether any channel slips, slips grossly, is touched."""
 
 from meissner.twins.slip.slip import State
 

@@ -11,9 +11,9 @@ from meissner.twins.slip.slip import Slip, State
 
 @dataclass(frozen=True)
 class Decisions:
-    """Of every detail: ``p2p``, ``state``, ``raised`` [channels, details]; ``end`` as msn_peak_to_peak's.
+    """Per detail: ``p2p``, ``state``, ``raised`` [channels, details]; ``end`` as in msn_peak_to_peak.
 
-    ``raised``: the first details of slips; ``blanked``: how many were over while deaf or moving.
+    ``raised``: the first detail of a slip; ``blanked``: the number over while blanked or moving.
     """
 
     p2p: np.ndarray
@@ -24,7 +24,7 @@ class Decisions:
 
 
 def check_serial(channels, config):
-    """ValueError for what the path with two bits a clock cannot do."""
+    """Raise ValueError for settings that the path with two bits per clock does not support."""
     if channels != 1 or config.hop != config.window:
         raise ValueError("serial must go with one channel and hop = window")
 
@@ -39,11 +39,11 @@ def details(x, config, mask=None, start=0, stop=None):
 
 
 def decide(x, config, moving=None, mask=None, change=None, serial=False):
-    """Decisions about whole frames of samples ``x`` [channels, samples]; ``moving``: [details] or None.
+    """Decisions about complete frames of samples ``x`` [channels, samples]; ``moving``: [details] or None.
 
     ``mask`` [channels, samples]: samples not to be trusted; their details count in no window, raise no slip.
-    ``change``: (frame, threshold): from that frame on, another threshold. ``serial``: two bits a clock, the
-    same decisions; ValueError for what that path cannot do.
+    ``change``: (frame, threshold), another threshold from that frame on. ``serial``: the same decisions at
+    two bits per clock; ValueError for settings that this path does not support.
     """
     if serial:
         check_serial(len(x), config)
@@ -57,7 +57,7 @@ def decide(x, config, moving=None, mask=None, change=None, serial=False):
     if change is None:
         state = twin.process(p2p, total, moving, off)
     else:
-        first = -(-(change[0] + 1) // group) - 1  # detail that the frame completes, or the next one
+        first = -(-(change[0] + 1) // group) - 1  # the detail that the frame completes, else the next
         moving = np.zeros(p2p.shape[1], bool) if moving is None else moving
         off = np.zeros(p2p.shape, bool) if off is None else off
         before = twin.process(p2p[:, :first], total[:, :first], moving[:first], off[:, :first])

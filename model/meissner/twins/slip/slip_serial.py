@@ -1,4 +1,4 @@
-"""Bit-exact twin of rtl/slip/msn_slip_serial.sv: the whole slip path of one channel."""
+"""Bit-exact twin of rtl/slip/msn_slip_serial.sv: the complete slip path of one channel."""
 
 import numpy as np
 
@@ -9,12 +9,12 @@ from meissner.twins.slip.slip import Slip, State
 
 
 class SlipSerial:
-    """FrameFilter, Haar, PeakToPeak with tumbling windows and Slip of one channel, one after the other.
+    """FrameFilter, Haar, PeakToPeak with tumbling windows and Slip of one channel, in this order.
 
         d = x[2k] - x[2k+1]   p2p = max d - min d of the window so far   the states as in Slip
 
     ``config``: meissner.twins.slip.config.SlipConfig, whose values must fit the block's registers of
-    ``sample_bits`` + level and ``timer_bits`` bits. ``digit``: bits that it works on in a clock, 1 or 2.
+    ``sample_bits`` + level and ``timer_bits`` bits. ``digit``: bits processed per clock, 1 or 2.
     """
 
     def __init__(self, config, sample_bits=17, timer_bits=14, digit=2):
@@ -47,7 +47,7 @@ class SlipSerial:
 
     @property
     def clocks(self):
-        """Clocks from the first one in which a sample is offered to the one in which it is taken."""
+        """Clocks from the first clock in which a sample is offered to the clock in which it is taken."""
         return 2 * self.steps + 1
 
     @property
@@ -61,7 +61,7 @@ class SlipSerial:
         return self._slip.blanked
 
     def reset(self):
-        """The next sample is the first of all."""
+        """Forget the past; the next sample is the first."""
         self._check.reset()
         self._slip.reset()
         self._restart()
@@ -69,8 +69,8 @@ class SlipSerial:
     def next(self, x, ids=None, lasts=None, moving=None):
         """Feed samples ``x`` [n]; returns a dict of arrays, one value per detail that they complete.
 
-        ``ids`` and ``lasts`` [n]: what came with each sample (0 and true when whole); ``moving`` [n] bool.
-        ``state``, ``raised``, ``over``, ``p2p``, ``end`` are those of the block's outputs.
+        ``ids`` and ``lasts`` [n]: id and last of each sample (0 and true if undamaged); ``moving`` [n] bool.
+        ``state``, ``raised``, ``over``, ``p2p``, ``end`` are the block's outputs.
         """
         x = np.asarray(x, dtype=np.int64)
         ids = np.zeros(len(x), int) if ids is None else ids

@@ -1,7 +1,7 @@
-"""``shear_speed(x, config, moving=None)``: speeds and flags of each window of ``x`` [channels, samples].
+"""``shear_speed(x, config, moving=None)``: speed and flags of each window of ``x`` [channels, samples].
 
-``config``: ShearConfig; ``moving`` [samples]: the normal force changes. Both results are [channels, windows]:
-mm/s, 0 with a flag, and the flags of docs/shear_speed.md.
+``config``: ShearConfig; ``moving`` [samples]: the normal force changes. Returns two arrays [channels,
+windows]: the speed in mm/s, 0 with any flag, and the flags of docs/shear_speed.md.
 """
 
 import ctypes
@@ -25,7 +25,7 @@ def fixed(x, config, moving=None):
 
 
 def _float_channel(levels, high, held, given):
-    """docs/shear_speed.md's rules on the means of windows, in codes and in floating point."""
+    """The rules of docs/shear_speed.md on the means of windows, in codes and in floating point."""
     unit = SIZE.unit
     k0, noise, still = given.k0 / unit, given.noise / unit, given.still / unit
     k1, power = given.k1 / 65536, given.exponent / 2048
@@ -70,7 +70,7 @@ def _float_channel(levels, high, held, given):
 
 
 def float_(x, config, moving=None):
-    """Textbook float of the same rules, channel by channel."""
+    """The same rules in textbook float, channel by channel."""
     count = x.shape[1] // WINDOW
     windows = np.asarray(x)[:, : count * WINDOW].reshape(len(x), count, WINDOW)
     moving = np.zeros(x.shape[1], bool) if moving is None else np.asarray(moving, bool)
