@@ -245,7 +245,7 @@ class Core:
     # Packets
 
     def packets(self, seconds=None):
-        """Yield packets and gaps (meissner.host.packets) for ``seconds`` or until the line ends; 0: only those
+        """Yield packets and gaps (meissner.host.packets) for ``seconds`` or until the line ends; 0: those
         already received."""
         end = None if seconds is None else time.monotonic() + seconds
         while True:
