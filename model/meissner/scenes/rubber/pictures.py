@@ -14,7 +14,7 @@ from meissner.report.page import write_html
 __all__ = ["draw_slip", "write_html"]
 
 STATES = ("none", "contact", "incipient", "gross", "release")
-# Okabe and Ito's palette, which colour-blind readers can distinguish; grey for no contact.
+# Okabe and Ito's palette, which colour-blind readers can distinguish; grey without contact.
 INK, BLUE, ORANGE, GREEN, RED = "#222222", "#0072B2", "#E69F00", "#009E73", "#D55E00"
 SKY, PURPLE = "#56B4E9", "#A0307A"
 STATE_COLOURS = ("#E4E4E4", SKY, ORANGE, RED, "#999999")

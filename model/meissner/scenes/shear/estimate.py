@@ -8,13 +8,13 @@ from meissner.scenes.truth import percent, summarise
 from meissner.twins.slip.shear_speed import FAST, ShearSettings
 from meissner.twins.slip.shear_speeds import SIZE, ShearConfig
 
-# The rests are 2, 3 and 4 V. 2 and 4 V are the published limits, which noise would cross in half the runs.
+# Rests are 2, 3 and 4 V; noise puts half of those at the published ends, 2 and 4 V, beyond them.
 VI_MIN_V, VI_MAX_V = 1.9, 4.1
 AFTER = 3  # windows that a slow fall by `still` takes at the end of a shear
 
 
 class Estimator:
-    """The estimator on ``engine``. ``of``: a recording's figures; ``differences``: windows unlike ``twin``'s."""
+    """The estimator on ``engine``; ``differences``: windows whose results differ from ``twin``'s."""
 
     def __init__(self, scene, engine, twin="fixed"):
         per_v = 1.0 / scene.adc.lsb_v
