@@ -1,5 +1,5 @@
-"""``meissner tradeoff``: the cost of accuracy, measured point by point; ``meissner choose``: a configuration on
-that front that meets given needs.
+"""``meissner tradeoff``: the cost of accuracy, measured point by point; ``meissner choose``: a configuration
+on that front that meets given needs.
 
 axis       definition of an axis and its points
 axes       a module per subject; no list of them exists
