@@ -24,7 +24,7 @@ class Estimator:
         self.differences = 0
 
     def of(self, recording):
-        """``estimate_mm_s``: the last speed in the shear, or None; ``estimate_fast``: the shear was flagged as
+        """``estimate_mm_s``: last speed in the shear, or None; ``estimate_fast``: the shear was flagged as
         above the limit; ``estimates_outside``: windows with a speed where nothing is sheared."""
         x, window = recording.codes[None], 1 << SIZE.window_log2
         speed, flags = (rows[0] for rows in self.run(x, self.config, recording.moving))
