@@ -1,6 +1,6 @@
 """The command ``meissner``. Bad input gives one sentence and exit code 2, and nothing is written.
 
-What a command needs is imported when it runs: meissner.parser says why.
+A command imports what it needs when it runs; meissner.parser gives the reason.
 """
 
 import os
@@ -32,7 +32,7 @@ def scenes(_):
 
 
 def check_scene(arguments):
-    """``meissner scene check``: why each part is needed, or one sentence about what is wrong."""
+    """``meissner scene check``: why the scene needs each part, or one sentence about what is wrong."""
     from meissner import run, scenes
     from meissner.scenes import parts
 
@@ -78,7 +78,7 @@ def run(arguments):
             *(scene, arguments.engine, out, arguments.seed, arguments.waves),
             *(_progress(f"running {scene.name}"), compared),
         )
-    except OSError as problem:  # a write that fails does not say of which file
+    except OSError as problem:  # a failed write does not name its file
         problem.filename = problem.filename or f"the results in {out}"
         raise
     if arguments.json:
@@ -111,17 +111,17 @@ def main(arguments=None):
         getattr(import_module(module), name)(arguments)
         sys.stdout.flush()
     except BrokenPipeError:
-        # Discard what still waits in the stream, so that Python does not report it at the end.
+        # Discard buffered output, so that Python does not report the broken pipe at exit.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         sys.exit(0)
     except (ValueError, OSError) as problem:
         sys.exit(_refuse(problem))
     except KeyboardInterrupt:
-        sys.exit(130)  # as a shell reports a program that Ctrl-C ended
+        sys.exit(130)  # the exit code that a shell reports after Ctrl-C
 
 
 def _sentence(problem):
-    """What went wrong; of a disk without room, what it was that did not fit."""
+    """The problem as a sentence; for a full disk it names the output that did not fit."""
     from meissner.files import FULL, NoRoom
 
     if isinstance(problem, OSError) and problem.errno in FULL and not isinstance(problem, NoRoom):
@@ -131,7 +131,7 @@ def _sentence(problem):
 
 def _refuse(problem):
     problem = _sentence(problem)
-    with suppress(OSError):  # perhaps the terminal itself was closed
+    with suppress(OSError):  # the terminal itself may be closed
         print(f"meissner: {plain(problem)}", file=sys.stderr, flush=True)
     return 2
 

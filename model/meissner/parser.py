@@ -1,5 +1,5 @@
-"""The arguments of the command line. It imports none of the commands, so that help and mistakes need no NumPy
-or SciPy: ``call`` names the function that does the work, "module:function"."""
+"""The arguments of the command line. This module imports no command, so that help and usage errors need no
+NumPy or SciPy; ``call`` names the function that does the work, "module:function"."""
 
 import argparse
 

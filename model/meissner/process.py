@@ -21,7 +21,7 @@ def slip(arguments):
     x = engines.check_samples(files.read_array(arguments.input))
     with files.results(arguments.out) as save:
         engines.load(arguments.engine)
-        engines.process_slip(x[:, : config.window], config, arguments.engine)  # built and warm
+        engines.process_slip(x[:, : config.window], config, arguments.engine)  # build, warm up
         began = time.perf_counter()
         result = engines.process_slip(x, config, arguments.engine)
         taken = time.perf_counter() - began
@@ -47,7 +47,7 @@ def cop(arguments):
     else:
         forces = engines.check_forces(files.read_array(arguments.input))
     with files.results(arguments.out) as save:
-        engines.process_cop(forces[:1], arguments.engine, arguments.min_load, lines)  # built and warm
+        engines.process_cop(forces[:1], arguments.engine, arguments.min_load, lines)  # build, warm up
         began = time.perf_counter()
         result = engines.process_cop(forces, arguments.engine, arguments.min_load, lines)
         taken = time.perf_counter() - began
@@ -72,7 +72,7 @@ def cop4(arguments):
         codes = codes.T  # a column per electrode
     codes = engines.check_electrodes(codes, config.adc.bits)
     with files.results(arguments.out) as save:
-        engines.process_cop4(codes[:1], config, arguments.engine)  # built and warm
+        engines.process_cop4(codes[:1], config, arguments.engine)  # build, warm up
         began = time.perf_counter()
         result = engines.process_cop4(codes, config, arguments.engine)
         taken = time.perf_counter() - began

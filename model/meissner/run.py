@@ -1,4 +1,4 @@
-"""``meissner run``: a scene through an engine into a folder of results."""
+"""``meissner run``: run a scene on an engine and write a folder of results."""
 
 import json
 import tempfile
@@ -16,8 +16,8 @@ def check(scene, engine, waves=False):
 
 
 def full(scene, engine, seed=1, progress=lambda runs: runs):
-    """What a simulated second of the scene costs, and one with everything on (meissner.scenes.full)."""
-    from meissner.scenes import full  # here: a run that does not compare loads no other sensor
+    """The cost of a simulated second of the scene, and of one with everything on (meissner.scenes.full)."""
+    from meissner.scenes import full  # here: a run without the comparison loads no other sensor
 
     parts = full.everything(engine, progress, seed)
     return saved.compared(full.cost(scene, engine, seed=seed), sum(parts.values())) | {
@@ -29,7 +29,7 @@ def full(scene, engine, seed=1, progress=lambda runs: runs):
 def run(scene, engine, out, seed=1, waves=False, progress=lambda runs: runs, compared=None):
     """Run a scene; write results to ``out``; return the summary, with ``compared`` (``full``) if it is given.
 
-    They replace the results of an earlier run when all are written, so no picture of another scene stays.
+    The results replace those of an earlier run only when all are written, so no old picture remains.
     """
     check(scene, engine, waves)
     out = Path(out)
@@ -58,5 +58,5 @@ def _earlier(out):
 
 
 def tell(scene, summary):
-    """The lines to print of a summary, besides title, engine, modelled and left out."""
+    """The lines to print of a summary, after title, engine, modelled and left out."""
     return runner(scene.sensor).tell(summary)

@@ -1,8 +1,8 @@
-"""``meissner budget``: what a configuration can reach, term by term, before anything is built.
+"""``meissner budget``: the performance of a configuration, term by term, before anything is built.
 
-Without ``--cop4`` it is the latency of a scanned array (meissner.budget.array), with it the resolution of a
-four-wire sensor (meissner.budget.cop4). With ``--config`` it is that of the stages of a build, each of the
-module of its name here (meissner.builds.stages).
+Without ``--cop4`` it prints the latency of a scanned array (meissner.budget.array), with it the resolution of
+a four-wire sensor (meissner.budget.cop4). With ``--config`` it prints the budget of each stage of a build
+(meissner.builds.stages), from the module here that has the stage's name.
 """
 
 import json
@@ -14,7 +14,7 @@ from meissner.names import PICTURE
 
 
 def _picture(out):
-    """The file that ``out`` names, its folder there; ValueError if there can be none."""
+    """The file that ``out`` names, in a folder that exists; ValueError if that is impossible."""
     path = Path(out)
     if path.suffix.lower() == ".png":
         return path

@@ -24,7 +24,7 @@ NAMES = {
 
 
 def part_of(name):
-    """The converter of that name; ValueError lists what there is."""
+    """The converter of that name; ValueError lists the known ones."""
     parts = {part.name: part for part in PARTS.values()}
     if name.lower() not in parts:
         raise ValueError(f"adc = '{name}' must be one of: {', '.join(parts)}")
@@ -32,8 +32,8 @@ def part_of(name):
 
 
 def scan_of(rows, columns, part, clk_khz, converters, channels=None, sclk_khz=None, carrier=None):
-    """The scan of such an array; ``carrier``: what ScanDemod takes, None if taxels are read as they are, and
-    then ``channels`` inputs of each converter."""
+    """The scan of such an array; ``carrier``: arguments of ScanDemod, or None for taxels read without a
+    carrier, through ``channels`` inputs of each converter."""
     if carrier is not None:
         return ScanDemod(rows, columns, converters, part, clk_khz, sclk_khz, **carrier)
     adc_lanes = part.max_lanes if channels > part.lane_channels else 1
@@ -41,7 +41,7 @@ def scan_of(rows, columns, part, clk_khz, converters, channels=None, sclk_khz=No
 
 
 def terms(array, settle, **given):
-    """{name: clocks} that add up to ``total``, and the steps of array.latency(), which take the same."""
+    """({name: clocks} that add up to ``total``, the steps of array.latency(), which have the same total)."""
     steps = array.latency(settle, **given)
     found = {"scan": steps["last_convert"]}
     if "burst" in steps:
@@ -68,10 +68,10 @@ def budget(
     tare=True,
     bits_per_clock=2,
 ):
-    """What the array takes, as a dict; ``converters`` None: the fewest with which a frame meets BUDGET_S, or
-    8; ``channels`` None: as many inputs of each as take the least time, the fewest of those.
+    """The latency of the array as a dict. ``converters`` None: the fewest with which a frame meets BUDGET_S,
+    else 8; ``channels`` None: the number of inputs of each that takes the least time, the fewest on a tie.
 
-    ValueError for what cannot be built.
+    ValueError if it cannot be built.
     """
     if not 1e3 <= clock_hz <= 4e8 or clock_hz % 1e3:
         raise ValueError(f"clock = {clock_hz:g} must be whole kilohertz from 1e3 to 4e8 Hz")
@@ -88,7 +88,7 @@ def budget(
     def found(lanes):
         if channels is not None or carrier is not None:
             return found_with(lanes, channels)
-        # Inputs that have no column cost their conversion all the same; not every number can be built.
+        # An input without a column still costs its conversion; some numbers cannot be built.
         every, why = [], None
         for count in INPUTS:
             try:

@@ -1,22 +1,23 @@
-"""What a four-wire sensor resolves: the steps of the converter through the four-electrode equations.
+"""The resolution of a four-wire sensor: the converter's steps through the four-electrode equations.
 
     x = Cx (E1-E3) / N     y = Cy (E2-E4) / M     load = Kf N / D        N = M = I R0, D = E1+E3-E2-E4
 
-The mesh is solved with one point pressed at places all over it. A converter of so many bits spans +-ROOM V0
-at the electrodes, whatever divider that takes: one code is q = 2 ROOM V0 / 2^bits there, each electrode is
-wrong by at most q/2. With a differential gain g above 1 two more channels convert g (E1-E3) and g (E2-E4),
-which are then wrong by at most q/2g; N, M and D still come from the four. Each result is a ratio of linear
-functions, so its greatest error lies at a corner of those intervals: exact, not an estimate.
+The mesh is solved with one point pressed at places all over it. The converter spans +-ROOM V0 at the
+electrodes, through whatever divider that needs: one code is q = 2 ROOM V0 / 2^bits there, and each electrode
+is wrong by at most q/2. With a differential gain g above 1, two more channels convert g (E1-E3) and
+g (E2-E4), so these differences are wrong by at most q/2g; N, M and D still come from the four electrodes.
+Each result is a ratio of linear functions, so its greatest error lies at a corner of those intervals and is
+exact, not an estimate.
 
-Not in it: noise (give the converter's effective bits), the layers' own drop (docs/mesh.md, Correction) and
-the core's rounding (meissner.twins.cop.cop4.cop4).
+Not included: noise (give the converter's effective bits), the layers' own drop (docs/mesh.md, Correction)
+and the core's rounding (meissner.twins.cop.cop4.cop4).
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 
-ROOM = 1.05  # above the rails: their tolerance, and a clipped code must differ from a rail's
+ROOM = 1.05  # headroom for the rails' tolerance; it also keeps a clipped code apart from a rail's
 BITS = (8, 24)
 SIDE = 1024
 PLACES = 5  # along each axis, both ends included
@@ -36,7 +37,7 @@ class Circuits:
 
 
 def code_v(mesh, bits):
-    """Volts at an electrode of one code of a converter of so many bits."""
+    """Volts at an electrode for one code of a converter with ``bits`` bits."""
     return 2 * ROOM * mesh.V0 / 2**bits
 
 
@@ -67,10 +68,10 @@ def solve(mesh, load_n):
 
 
 def position(C, at, n, q, gain):
-    """A code's step, greatest error, rms error [places] of one coordinate ``at`` with its constant ``C``.
+    """Step of one code, greatest error, rms error [places] of a coordinate ``at`` with its constant ``C``.
 
-    ``n`` volts; ``q`` volts a code. Rms: to first order, errors even over their
-    intervals and independent, which needs differences of some codes.
+    ``n`` volts; ``q`` volts a code. Rms: to first order, for independent errors uniform over their
+    intervals, which holds for differences of several codes.
     """
     if not C:
         return np.zeros((3, len(at)))
@@ -83,13 +84,13 @@ def position(C, at, n, q, gain):
         rms = np.hypot(C / gain, np.sqrt(2) * at)
     with np.errstate(divide="ignore", invalid="ignore"):
         wrong = [np.abs(np.clip(C * (difference + a) / (n - b), -1, 1) - at) for a, b in corners]
-    # Where the errors can reach N itself anything may come out.
+    # Where the errors can reach N itself, any result in -1 .. 1 is possible.
     greatest = np.where(n > q, np.max(wrong, axis=0), 1 + np.abs(at))
     return np.stack([C * q / gain / n, greatest, rms * q / np.sqrt(12) / n])
 
 
 def load(Kf, n, d, q):
-    """Of the load, as fractions of it: one code of D, the greatest error (inf: none resolved) and the rms."""
+    """Step of one code of D, greatest error (inf: not resolved) and rms error, as fractions of the load."""
     corners = [(a, b) for a in (-q, q) for b in (-q, q)]
     with np.errstate(divide="ignore", invalid="ignore"):
         wrong = [np.abs((n - a) / n * d / (d + a - b) - 1) for a, b in corners]
@@ -122,12 +123,12 @@ def pitch(mesh):
 
 
 def budget(mesh, bits=16, gain=1.0, load_n=5.0):
-    """The whole budget as a dict of numbers (None where there is none); ValueError if it cannot be.
+    """The budget as a dict of numbers (None: no such number); ValueError if it cannot be computed.
 
-    ``loads``: rows over the load at ``bits`` and ``gain``; ``sweep``: over bits and gain at ``load_n``;
-    ``load_sweep``: the load's greatest error over bits and load; ``needed``: the least bits of each gain
+    ``loads``: rows over the load at ``bits`` and ``gain``; ``sweep``: rows over bits and gain at ``load_n``;
+    ``load_sweep``: the load's greatest error over bits and load; ``needed``: for each gain the fewest bits
     whose greatest position error is below half a taxel's pitch. Position errors are fractions of the range
-    from -1 to 1, load errors of the load.
+    from -1 to 1, load errors are fractions of the load.
     """
     if not BITS[0] <= bits <= BITS[1]:
         raise ValueError(f"adc-bits = {bits} must lie in {BITS[0]} .. {BITS[1]}")

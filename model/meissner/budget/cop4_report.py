@@ -14,12 +14,12 @@ def _percent(value):
 
 
 def _place(row, name):
-    """The worse coordinate."""
+    """The value of the worse coordinate."""
     return max(row["x"][name], row["y"][name])
 
 
 def tell(found):
-    """Lines to print, the verdict first."""
+    """The lines to print, the verdict first."""
     f = found
     gain = f["greatest_gain"]
     lines = []

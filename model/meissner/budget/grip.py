@@ -1,4 +1,4 @@
-"""From the sample that shows slip to the command word, term by term: the latencies in the blocks' headers."""
+"""Latency from the sample that shows slip to the command word: the terms that the blocks' headers give."""
 
 from meissner.budget.terms import table
 from meissner.twins.slip.peak_to_peak import latency
@@ -18,7 +18,7 @@ NAMES = {
 
 
 def budget(config):
-    """What ``meissner budget --config`` prints; ``config``: meissner.builds.build.Config with [grip]."""
+    """The numbers of ``meissner budget --config``; ``config``: meissner.builds.build.Config with [grip]."""
     slip, reflex = config.slip, config.stages["grip"].grip
     terms = {
         "frame_filter": 1,

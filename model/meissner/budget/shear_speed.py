@@ -1,4 +1,4 @@
-"""From a window's last sample to its speed, and what comes before: docs/shear_speed.md, term by term."""
+"""Latency from a window's last sample to its speed, and the waits before it: docs/shear_speed.md."""
 
 from meissner.budget.terms import table
 from meissner.twins.slip.shear_speeds import SIZE

@@ -1,9 +1,9 @@
-"""A latency term by term, as the pages of ``meissner budget`` print it."""
+"""The table of a latency's terms that ``meissner budget`` prints."""
 
 
 def table(found, names, of_total=""):
-    """Lines: a head, each of ``found``'s terms_clocks that takes a clock, and the total; ``names``: {term:
-    what happens in it}; ``of_total``: what the total is of."""
+    """Lines: a head, each term of ``found``'s terms_clocks that takes at least one clock, and the total.
+    ``names``: {term: what happens in it}; ``of_total``: what the total covers."""
     clock_us = 1e6 / found["clock_hz"]
     line = lambda name, clocks: f"{name:15} {clocks:9} {clocks * clock_us:10.3f}"
     terms = [

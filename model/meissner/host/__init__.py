@@ -1,4 +1,4 @@
-"""The host that a core is connected to: docs/host.md.
+"""The host library for a connected core: docs/host.md.
 
 with meissner.host.connect("serial:/dev/ttyUSB0?baud=3000000") as core:
     core["slip.threshold"] = 40
@@ -30,10 +30,10 @@ __all__ = [
 def connect(url, units=None, registers=None, baud=None, **settings):
     """The Core at ``url`` (meissner.host.line), found and checked; ValueError or NoAnswer in one sentence.
 
-    ``units``: what the core does not know about itself; ``registers``: False only listens, to a core built
-    without registers; None: asks unless the line is a file, or a build here that has none. ``baud``: of a
-    serial port, unless the url says. ``settings``: timeout_s (of a command), retries,
-    give_up_s (for an interrupted line while a register is read), say (a function that takes a sentence).
+    ``units``: facts that the core does not know about itself. ``registers``: False only listens, to a core
+    built without registers; None reads registers, unless the line is a file or a core in this process that
+    has none. ``baud``: of a serial port, unless the url gives it. ``settings``: timeout_s (of a command),
+    retries, give_up_s (for an interrupted line during an access), say (a function that takes a sentence).
     """
     line = open_line(url, baud)
     pipe = getattr(line, "pipe", None)

@@ -10,16 +10,16 @@ from dataclasses import replace
 from meissner import engines, files
 from meissner.plain import plain
 
-LINE_S, PICTURE_S = 1.0, 0.1  # between two lines in a pipe, two pictures on a terminal
+LINE_S, PICTURE_S = 1.0, 0.1  # interval of lines in a pipe, of pictures on a terminal
 
 
 def _tell(sentence):
-    with suppress(OSError):  # a closed terminal does not end a log
+    with suppress(OSError):  # a closed terminal must not end a log
         print(f"meissner: {plain(sentence)}", file=sys.stderr, flush=True)
 
 
 def _connect(arguments, registers=None, say=_tell):
-    """The Core that the arguments name, with the units of the configuration if they name one."""
+    """The Core that the arguments name, with the units of a configuration if one is given."""
     from meissner import host
     from meissner.builds import config
 
@@ -61,7 +61,7 @@ def _amount(text):
 
 
 def _wanted(core, given):
-    """[(name, value or None)] of the arguments, all checked; a group's name means all its registers."""
+    """[(name, value or None)] of the arguments, all checked; a group's name stands for all its registers."""
     from meissner.host import names
 
     wanted = []
@@ -117,7 +117,7 @@ def live(arguments):
 
 
 def _beats(core, seconds, every_s):
-    """(item or None, whether ``every_s`` passed again): packets, and a beat at intervals."""
+    """Yield (packet, whether ``every_s`` passed again), and (None, True) where no packet came in time."""
     end = None if seconds is None else time.monotonic() + seconds
     following = time.monotonic() + every_s
     while True:
@@ -174,12 +174,12 @@ def _live_picture(core, view, seconds, messages):
 
 @contextmanager
 def _stopping(core):
-    """Ctrl-C, a polite kill or the end of the terminal ends the stream between two packets, and what was
-    written gets its end. A signal that the parent ignores, as nohup does, stays ignored."""
+    """Ctrl-C, SIGTERM or a closed terminal ends the stream between two packets, so that the file written
+    is finished. A signal that the parent ignores, as nohup does, stays ignored."""
 
     def stop(*_):
         core.stop()
-        with suppress(OSError, RuntimeError):  # the terminal is gone, or is just being written to
+        with suppress(OSError, RuntimeError):  # the terminal is gone, or a write to it is under way
             _tell("stopped")
 
     signals = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)

@@ -1,4 +1,4 @@
-"""A core at the other end of a line: find it, check it, set it up, receive from it, reconnect to it."""
+"""A core at the other end of a line: identify, check, set up, receive, reconnect."""
 
 import logging
 import random
@@ -14,12 +14,12 @@ from meissner.twins.link import bridge
 from meissner.twins.link import packet as p
 from meissner.twins.link.decoder import Decoder
 
-NOISE = 4096  # bytes without a packet among them: as many as sixteen of the longest packets
-UNREAD = 1 << 16  # packets that wait for the program; beyond that the oldest are dropped
-# A time that goes back is a reset, unless no more clocks than these lie between the two across the end of the
-# time's 48 bits, which comes after 33 days at 100 MHz.
+NOISE = 4096  # bytes without a packet before it is reported: sixteen of the longest packets
+UNREAD = 1 << 16  # packets that wait for the program; beyond it, the oldest are dropped
+# A time that goes back means a reset, unless the 48-bit time wrapped around (after 33 days at 100 MHz): then
+# at most this many clocks lie between the two.
 LONGEST_SILENCE = 1 << 40
-FIRST_WAIT_S, LONGEST_WAIT_S = 0.05, 5.0  # between two tries to open an interrupted line
+FIRST_WAIT_S, LONGEST_WAIT_S = 0.05, 5.0  # between two attempts to open an interrupted line
 
 
 class Refused(ValueError):
@@ -32,10 +32,10 @@ class NoAnswer(OSError):
 
 @dataclass
 class Counts:
-    """Counters of the line. ``lost``: packets whose numbers are missing, mod 256 in each gap; ``damaged``:
-    frames that were no packet; ``images_lost``: images of which a part was lost; ``images_unfit``: images
-    dropped because they have another size than the units say; ``unknown``: packets of types that this host
-    does not know; ``gaps``, ``gap_s``: how often and how long the line was interrupted; ``restarts``: of the
+    """Counters of the line. ``lost``: packets missing by their numbers, mod 256 in each gap; ``damaged``:
+    frames that are no packet; ``images_lost``: images of which a part was lost; ``images_unfit``: images
+    dropped because their size differs from the units; ``unknown``: packets of types that this host does not
+    know; ``gaps``, ``gap_s``: number and total length of interruptions of the line; ``restarts``: of the
     core; ``retries``: commands sent again; ``unread``: packets dropped because the program did not take them.
     """
 
@@ -56,8 +56,8 @@ class Counts:
 class Core:
     """``line``: of meissner.host.line; see ``meissner.host.connect`` for the rest.
 
-    ``core["slip.threshold"]`` reads and writes registers by the names of docs/registers.md; ``packets()``
-    yields its packets. Both open the line again after an interruption.
+    ``core["slip.threshold"]`` reads or writes a register by its name in docs/registers.md; ``packets()``
+    yields the core's packets. Both open the line again after an interruption.
     """
 
     def __init__(self, line, known=None, registers=True, timeout_s=0.25, retries=3, give_up_s=30.0, say=None):
@@ -77,12 +77,12 @@ class Core:
         if registers:
             try:
                 self._identify()
-                self._waiting.clear()  # they came before the units were known
-                self["core.scratch"] = random.randrange(1, 1 << 32)  # gone after a reset: see _greet
+                self._waiting.clear()  # packets from before the units were known
+                self["core.scratch"] = random.randrange(1, 1 << 32)  # a reset clears it: see _greet
             except Gone as gone:
                 raise NoAnswer(str(gone)) from None
 
-    # What is known
+    # Facts about the core
 
     @property
     def units(self):
@@ -90,17 +90,17 @@ class Core:
 
     @units.setter
     def units(self, known):
-        """The core's own part of them, clock and size, stays."""
+        """Clock and size, which the core reported itself, are kept."""
         own = {name: getattr(self.units, name) for name in ("clk_khz", "rows", "columns")}
         self._assembler.units = replace(known, **{k: v for k, v in own.items() if v is not None})
 
     @property
     def now(self):
-        """Clocks since the core's reset, as it last reported them; 0: not yet."""
+        """Clocks since the core's reset, as it last reported them; 0 before the first report."""
         return self._newest
 
     def _identify(self):
-        """ID, VERSION, FEATURES, SIZE, clock, widths; Refused in one sentence if the core is another."""
+        """Read ID, VERSION, FEATURES, SIZE, clock, widths; Refused in one sentence if the core is another."""
         name = self.line.name
         found = self._ask(bridge.READ, names.place("core.id"))
         if found != names.place("core.id").field.reset:
@@ -138,17 +138,17 @@ class Core:
 
     @property
     def ended(self):
-        """No more will come: the end of a file."""
+        """No more packets will come: the file has ended, or ``stop`` was called."""
         return self._ended and not self._waiting
 
     def names(self):
-        """Names of the registers that this core has; of a register with fields, of each field."""
+        """Names of the registers that this core has; for a register with several fields, of each field."""
         return [
             name for name, place in names.PLACES.items() if place.field is not None and self._has(place.group)
         ]
 
     def check(self, name, value=None):
-        """ValueError in one sentence if the core has no such register, or cannot be given this value."""
+        """ValueError in one sentence if the core has no such register, or it cannot take the value."""
         place = self._place(name)
         if value is not None:
             if not place.writable:
@@ -178,9 +178,9 @@ class Core:
             self._restore()
 
     def set(self, name, **amount):
-        """Write one register in volts, newtons or seconds, by what ``units`` knows; returns the code written.
+        """Write one register in volts, newtons or seconds, converted by ``units``; returns the code written.
 
-        ``core.set("slip.threshold", volts=0.02)``: builds.units.CODES says which register takes what.
+        ``core.set("slip.threshold", volts=0.02)``: builds.units.CODES lists each register's quantity.
         """
         ((quantity, value),) = amount.items()
         code = self.units.code(name, quantity, value)
@@ -223,7 +223,7 @@ class Core:
         raise ValueError(f"{place.name} could not be {what}: {why}".replace("be write", "be written"))
 
     def _silence(self, heard, packets):
-        """Why there may have been no answer."""
+        """The likely reason why no answer came."""
         name = self.line.name
         if packets:
             return (
@@ -245,8 +245,8 @@ class Core:
     # Packets
 
     def packets(self, seconds=None):
-        """Yield packets and gaps (meissner.host.packets) until ``seconds`` passed or the line's end; 0: those
-        that are there."""
+        """Yield packets and gaps (meissner.host.packets) for ``seconds`` or until the line ends; 0: those
+        already received."""
         end = None if seconds is None else time.monotonic() + seconds
         while True:
             left = 0.1 if end is None else end - time.monotonic()
@@ -263,7 +263,7 @@ class Core:
                 return
 
     def _hear(self, timeout_s):
-        """Take the bytes that come within the time; return at once when some do."""
+        """Wait up to ``timeout_s`` for bytes and take the first that come."""
         try:
             data = self.line.read(timeout_s)
         except Ended:
@@ -274,13 +274,13 @@ class Core:
             return
         self.counts.bytes += len(data)
         self._since_packet += len(data)
-        if self._joining:  # perhaps in the middle of a packet: its rest is no damage
+        if self._joining:  # possibly in mid-packet: its remainder is not damage
             data = data[data.find(0) :] if 0 in data else b""
             self._joining = not data
         for packet in self._decoder.next(data):
             self._take(packet)
         self.counts.damaged = self._decoder.damaged
-        greeting = self.registers and self.features is None  # its failure reports the same
+        greeting = self.registers and self.features is None  # a failed greeting reports it
         if self._since_packet >= NOISE and not self._told_noise and not greeting:
             self._told_noise = True
             name = self.line.name
@@ -292,8 +292,8 @@ class Core:
         counts = self.counts
         counts.packets += 1
         self._since_packet, self._told_noise = 0, False
-        if packet.kind in (p.STATISTIC, p.ANSWER):  # stamped as they leave; the others may have waited
-            ended = packet.time + p.TIMES - self._newest <= LONGEST_SILENCE  # the time's 48 bits
+        if packet.kind in (p.STATISTIC, p.ANSWER):  # stamped when sent; others may have waited
+            ended = packet.time + p.TIMES - self._newest <= LONGEST_SILENCE  # a wrap of the 48 bits
             if packet.time < self._newest and not ended:
                 self._started_over()
             self._newest = packet.time
@@ -315,7 +315,7 @@ class Core:
             self._put(item)
 
     def _say_unfit(self, taxels):
-        """Report it once for each size."""
+        """Report images of an unexpected size, once for each size."""
         if taxels not in self._told_unfit:
             self._told_unfit.add(taxels)
             rows, columns = self.units.rows or 1, self.units.columns
@@ -331,14 +331,14 @@ class Core:
         self._waiting.append(item)
 
     def _started_over(self):
-        """Time went back: the core was reset, and its numbers and settings with it."""
+        """The time went back: the core was reset, and with it packet numbers and settings."""
         self.counts.restarts += 1
         self._missed_before = self._decoder.missed
         self._assembler.restart()
         self._restarted = True
 
     def _restore(self):
-        """Write again what this host had written; returns whether that succeeded."""
+        """Write the settings again that this host had written; returns whether that succeeded."""
         known = [item for item in self._written.values() if self._has(item[0].group)]
         try:
             with self._impatient():
@@ -355,7 +355,7 @@ class Core:
 
     @contextmanager
     def _impatient(self):
-        """Do not wait for a line that is interrupted meanwhile."""
+        """Give up immediately if the line is interrupted meanwhile."""
         kept, self.give_up_s = self.give_up_s, -1.0
         try:
             yield
@@ -371,7 +371,7 @@ class Core:
         self.say(f"{gone}; trying to open it again")
 
     def _reopen(self, timeout_s):
-        """Try once to open the line again, if it is time to; waits at most about ``timeout_s``."""
+        """Try once to open the line again, if an attempt is due; waits at most about ``timeout_s``."""
         wait = self._try_at - time.monotonic()
         if wait > timeout_s:
             time.sleep(timeout_s)
@@ -397,7 +397,7 @@ class Core:
         self._put(Gap(self._reason, seconds))
 
     def _greet(self):
-        """``_identify`` on a line that has just come back; returns whether the core was reset meanwhile."""
+        """``_identify`` on a line just opened again; notes a reset of the core during the interruption."""
         with self._impatient():
             restarts = self.counts.restarts
             self._identify()
@@ -409,7 +409,7 @@ class Core:
                 self._started_over()
 
     def stop(self):
-        """``packets`` ends after the packets that have come."""
+        """Make ``packets`` end after the packets already received."""
         self._ended = True
 
     def close(self):

@@ -1,10 +1,10 @@
-"""Where a core's bytes come from, behind one interface: ``read``, ``write``, ``close``, ``reopen``.
+"""The lines to a core, all with one interface: ``read``, ``write``, ``close``, ``reopen``.
 
-serial:/dev/ttyUSB0?baud=3000000     a serial port (3 Mbaud by default); /dev/tty... alone is one too
+serial:/dev/ttyUSB0?baud=3000000     a serial port (3 Mbaud by default); /dev/tty... means the same
 pty:/dev/pts/7                       a pseudo-terminal, as a simulated core offers
-file:capture.bin                     the recorded bytes of a line; nothing can be written
+file:capture.bin                     the recorded bytes of a line, read only
 sim:SCENE[+SCENE]                    a simulated core in this process: meissner.host.simulated
-core:CONFIG                          the RTL of a configuration in this process, its sensor showing a scene
+core:CONFIG                          the RTL of a configuration in this process, fed with a scene
 """
 
 import os
@@ -25,7 +25,7 @@ class Gone(OSError):
 
 
 class Ended(Exception):
-    """No more will come."""
+    """No more bytes will come."""
 
 
 class Device:
@@ -44,7 +44,7 @@ class Device:
             if not os.isatty(self._fd):
                 self.close()
                 raise OSError(f"{self.path} is not a terminal")
-            tty.setraw(self._fd, termios.TCSANOW)  # without discarding the bytes that came
+            tty.setraw(self._fd, termios.TCSANOW)  # keeps bytes already received
         else:
             import serial
 
@@ -53,7 +53,7 @@ class Device:
             self._fd = self._port.fileno()
 
     def read(self, timeout_s):
-        """The bytes that have come, after a wait of up to ``timeout_s``; b"" if none came; Gone."""
+        """The bytes received, after a wait of up to ``timeout_s``; b"" if none came; raises Gone."""
         try:
             if not select.select([self._fd], [], [], max(0.0, timeout_s))[0]:
                 return b""
@@ -86,7 +86,7 @@ class Device:
 
 
 class File:
-    """A capture; read to its end, then Ended."""
+    """A capture; ``read`` raises Ended at its end."""
 
     baud = None
 
@@ -111,7 +111,7 @@ class File:
 
 
 class Pipe:
-    """A core in this process: anything with ``read(n)`` and ``write(data)``, neither of which waits."""
+    """A core in this process: anything with ``read(n)`` and ``write(data)`` that never wait."""
 
     baud = None
 
@@ -138,7 +138,7 @@ class Pipe:
 
 
 def open_line(url, baud=None):
-    """The line that ``url`` names, or ValueError of one sentence; ``baud``: unless the url says."""
+    """The line that ``url`` names; ValueError in one sentence. ``baud``: used unless the url gives one."""
     kind, colon, rest = url.partition(":")
     if not colon and url.startswith("/dev/tty"):
         kind, rest = "serial", url

@@ -1,6 +1,6 @@
-"""Logs of a core's packets: written to .mcap (ROS 2 messages) or .npz (arrays), read back from either.
+"""Logs of a core's packets: written as .mcap (ROS 2 messages) or .npz (arrays), and read back from either.
 
-Arrays, one row a packet, times in clocks and ``_ns`` in nanoseconds of UTC:
+Arrays, one row per packet, ``_time`` in clocks and ``_ns`` in nanoseconds of UTC:
 
     slip_time, _ns, _channel, _state, _p2p           cop_time, _ns, _x, _y, _load, _pressed
     image_time, _ns, _number                         image [images, rows, columns]
@@ -8,12 +8,12 @@ Arrays, one row a packet, times in clocks and ``_ns`` in nanoseconds of UTC:
     gap_ns, _seconds, _reason
 
 and the facts: clk_khz, start_ns and start_time (the same instant), newtons_per_code (nan: not known),
-min_load if the core reported it, and the counters of the line (meissner.host.core.Counts); ``partial`` where
-the log was ended by force.
+min_load if the core reported it, and the counters of the line (meissner.host.core.Counts); ``partial`` if
+the log was not finished.
 
-Until the end, all packets go to a spool beside the target every FLUSH_S seconds: chunks of an MCAP file,
-which at the end gets the target's name; or rows in blocks (meissner.host.table), removed when the arrays are
-written. Whatever ends a log before that leaves the spool, which ``read`` reads.
+While a log runs, its packets go to a spool beside the target every FLUSH_S seconds: as chunks of an MCAP
+file, which is renamed to the target at the end; or as rows in blocks (meissner.host.table), removed when the
+arrays are written. A log that ends before that leaves the spool, which ``read`` can read.
 """
 
 import io
@@ -31,13 +31,13 @@ from meissner.host.spool import Spool, part_of
 from meissner.host.table import COLUMNS, NpzLog, Table, read_rows
 from meissner.twins.link.packet import TIMES
 
-FLUSH_S = 0.5  # what a process that is killed may lose; shorter chunks compress less
+FLUSH_S = 0.5  # a killed process loses at most this; shorter chunks compress less
 
 _FACTS = {"clk_khz": int, "start_ns": int, "start_time": int, "newtons_per_code": float, "min_load": int}
 
 
 class McapLog:
-    """Writes a .mcap, whose spool is its beginning."""
+    """Writes a .mcap; its spool becomes the file."""
 
     KIND = ".mcap"
 
@@ -57,8 +57,8 @@ KINDS = {".npz": NpzLog, ".mcap": McapLog}
 
 
 class Log:
-    """``add`` packets of ``core`` to a ``writer``, one of the above; clocks become time with the core's
-    clock, and again after its reset."""
+    """``add`` packets of ``core`` to a ``writer``, one of the above. The core's clock turns its clocks into
+    UTC, from a new start after each reset of the core."""
 
     def __init__(self, writer, core):
         if not core.units.clk_khz:
@@ -82,7 +82,7 @@ class Log:
         if self._anchor is None or self._restarts != self._core.counts.restarts:
             self._set(ticks)
             self._writer.tell(self.facts())
-        # The nearest to the last one, on either side: they start again at 0 after 48 bits.
+        # Unwrap the 48-bit time: the value nearest to the last one, before or after it.
         self._last += (ticks - self._last + TIMES // 2) % TIMES - TIMES // 2
         start_ns, start = self._anchor
         return start_ns + (self._last - start) * 10**6 // self._core.units.clk_khz
@@ -95,7 +95,7 @@ class Log:
             self.flush()
 
     def flush(self):
-        """What came is kept, whatever happens now."""
+        """Keep what was received so far, however the log ends."""
         self._flushed_at = time.monotonic()
         self._writer.flush(self.facts())
         self.kept = self.packets
@@ -114,7 +114,7 @@ class Log:
 
 
 def check_out(path):
-    """The kind of log that ``path`` names, ValueError if none."""
+    """The kind of log that ``path`` names; ValueError if it names none."""
     kind = Path(path).suffix.lower()
     if kind not in KINDS:
         raise ValueError(f"{path} must be a .mcap or a .npz file")
@@ -123,10 +123,10 @@ def check_out(path):
 
 @contextmanager
 def recording(path, core):
-    """A Log that takes the name ``path`` when it is whole; ValueError if there can be none.
+    """A Log that gets the name ``path`` when it is complete; ValueError if that is impossible.
 
-    What ends it before leaves a spool with what came, unless that was nothing; OSError, ValueError and
-    ``core.say`` name it.
+    A log that ends before leaves a spool with the packets received, unless there were none; OSError,
+    ValueError or ``core.say`` name the spool.
     """
     kind, path = check_out(path), check_name(path)
     spool, log = Spool(path, KINDS[kind].KIND), None
@@ -144,9 +144,9 @@ def recording(path, core):
 
 
 def _kept(problem, path, spool, log, say):
-    """The exception to raise: what went wrong, and where what came until then is."""
+    """The exception to raise: what went wrong, and where the packets received until then are."""
     with suppress(OSError):
-        if not isinstance(problem, OSError):  # the newest half second too
+        if not isinstance(problem, OSError):  # keep the last half second too
             log.flush()
     with suppress(OSError):
         spool.give_up()
@@ -161,7 +161,7 @@ def _kept(problem, path, spool, log, say):
 
 
 def read(path):
-    """The arrays and facts of a log; ValueError in one sentence if it is none."""
+    """The arrays and facts of a log; ValueError in one sentence if the file is not one."""
     path = Path(path)
     if not path.exists():
         parts = [part_of(path, writer.KIND) for writer in KINDS.values()]
@@ -185,21 +185,21 @@ def read(path):
 def _read_mcap(path):
     table = Table()
     try:
-        with redirect_stdout(io.StringIO()), redirect_stderr(io.StringIO()):  # a parser of messages prints
+        with redirect_stdout(io.StringIO()), redirect_stderr(io.StringIO()):  # a message parser prints
             facts, items, whole = ros.read(path)
             for stamp, item in items:
                 table.add(stamp, item)
         found = {name: np.asarray(kind(facts[name])) for name, kind in _FACTS.items() if name in facts}
     except PermissionError:
         raise
-    except Exception as problem:  # a damaged file stops its reader, and what unpacks for it, anywhere
+    except Exception as problem:  # of any kind: a damaged file breaks its reader or decompressor
         what = str(problem).splitlines()[0] if str(problem) else type(problem).__name__
         raise ValueError(f"{path} is not a whole MCAP log of a core: {what}") from None
     return table.arrays() | found | ({} if whole else {"partial": np.True_})
 
 
 def _check(path, arrays):
-    """ValueError unless these are the arrays of a log, each with its length."""
+    """ValueError unless these are the arrays of a log with matching lengths."""
     for kind, names in COLUMNS.items():
         columns = [f"{kind}_{name}" for name in names] + (["image"] if kind == "image" else [])
         missing = [name for name in columns if name not in arrays]

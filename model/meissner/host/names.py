@@ -12,14 +12,14 @@ VERSION = {
     for field in register.fields
     if (group.name, register.name) == ("core", "version")
 }
-FEATURES = [group.name for group in GROUPS if group.feature]  # bit by bit, the first lowest
-WIDTHS = ("detail", "timer", "load", "offset")  # of core.widths
-WORDS = ("tare.word", "calibrate.word")  # count beats of a frame
+FEATURES = [group.name for group in GROUPS if group.feature]  # in the order of their bits, lowest first
+WIDTHS = ("detail", "timer", "load", "offset")  # fields of core.widths
+WORDS = ("tare.word", "calibrate.word")  # their value is the index of a beat in a frame
 
 
 @dataclass(frozen=True)
 class Place:
-    """Bits of a register; ``field`` None: the whole word of a register with several fields."""
+    """A register or one of its fields; ``field`` None: the whole word of a register with several fields."""
 
     name: str
     group: object
@@ -40,18 +40,18 @@ class Place:
 
     @property
     def setting(self):
-        """Whether a write only stores the value, so that it can be repeated."""
+        """Whether a write only stores the value, and so can safely be repeated."""
         kinds = [field.kind for field in self.register.fields]
         return "setting" in kinds and "command" not in kinds and not self.register.strobe
 
     def value(self, word):
-        """What ``word`` holds here."""
+        """The value of this place in ``word``."""
         if self.field is None:
             return word
         return self.field.number(word >> self.field.low & self.field.most)
 
     def ends(self, build=None):
-        """(least, greatest) value; ``build``: as a core reports it, {of WIDTHS, or "beats": number}."""
+        """(least, greatest) value; ``build``: {name of WIDTHS or "beats": number} as the core reports it."""
         if self.field is None:
             return 0, 0xFFFFFFFF
         if build and self.name in WORDS:
@@ -59,7 +59,7 @@ class Place:
         return self.field.ends(build[self.field.held_to] if build and self.field.held_to else None)
 
     def into(self, word, value, build=None):
-        """``word`` with ``value`` here; ValueError if it does not fit what ``ends`` says."""
+        """``word`` with ``value`` at this place; ValueError if it lies outside ``ends``."""
         least, most = self.ends(build)
         if not least <= value <= most:
             raise ValueError(f"{self.name} = {value} must lie in {least} .. {most}")
@@ -89,7 +89,7 @@ PLACES = {place.name: place for place in _places()}
 
 
 def place(name):
-    """The Place of that name; ValueError with the likely ones if there is none."""
+    """The Place of that name; ValueError with similar names if there is none."""
     if name not in PLACES:
         near = get_close_matches(name, PLACES, 3, 0.5)
         raise ValueError(

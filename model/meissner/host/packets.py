@@ -1,4 +1,4 @@
-"""A core's packets as values in physical units; images put together from their parts.
+"""A core's packets as values in physical units; images are assembled from their parts.
 
 ``time``: clocks since the core's reset, as in docs/link.md; ``time_s``: the same in seconds. A value whose
 unit is unknown is None.
@@ -15,9 +15,9 @@ from meissner.twins.slip.slip import State
 
 @dataclass(frozen=True)
 class SlipEvent:
-    """``channel``: twins.core.OF_LOAD is the load of four electrodes; ``state``: twins.slip.slip.State;
-    ``p2p``: codes of the detail; ``p2p_v``, ``p2p_n``: of the Haar coefficient, a sensor's volts or
-    a taxel's newtons, whichever the samples are.
+    """``channel``: twins.core.OF_LOAD means the load of four electrodes; ``state``: twins.slip.slip.State;
+    ``p2p``: in codes of the detail; ``p2p_v``, ``p2p_n``: of the Haar coefficient in volts or in newtons,
+    depending on whether the samples are a sensor's volts or a taxel's forces.
     """
 
     time: int
@@ -79,7 +79,7 @@ class Statistics:
 
 @dataclass(frozen=True)
 class Gap:
-    """The line was interrupted for ``seconds``; the core's packets of that time are lost."""
+    """The line was interrupted for ``seconds``; the packets that the core sent meanwhile are lost."""
 
     reason: str
     seconds: float
@@ -88,17 +88,18 @@ class Gap:
 class Assembler:
     """``next`` takes a link.decoder.Packet and returns one of the above, or None (part of an image, unknown).
 
-    ``images_lost``: images that did not come whole, from the first of which a part came on, if that was its
-    first part; ``images_unfit``: whole ones of another size than ``units`` say, which are dropped.
+    ``images_lost``: images that did not arrive completely, counted from the first received part on; the first
+    image counts only if its first part arrived. ``images_unfit``: complete images, dropped because their size
+    differs from ``units``.
     """
 
     def __init__(self, units=None):
         self.units, self.images_lost, self.images_unfit = units or Units(), 0, 0
-        self.unfit = None  # taxels of the newest image, if not as many as ``units`` say
+        self.unfit = None  # taxels of the newest image, if its size differs from ``units``
         self.restart()
 
     def restart(self):
-        """The core was reset: its images are numbered from 0; one of them may already have begun."""
+        """The core was reset: its images are numbered from 0 again, and one may have begun already."""
         self._image, self._parts, self._owed = None, [], False
 
     def next(self, packet):
@@ -127,11 +128,11 @@ class Assembler:
             if self._image is not None:
                 between = (which[0] - self._image[0] - 1) % 256 if which != self._image else 0
                 self.images_lost += between + self._owed
-            # The beginning of the very first image may have been sent before the host listened.
+            # The host may have begun to listen in the middle of the very first image.
             self._owed = fields["first"] == 0 or self._image is not None
             self._image, self._parts = which, []
         if self._parts is None or fields["first"] != len(self._parts):
-            self._parts = None  # a part is missing: so is the image
+            self._parts = None  # a part is missing, so the image is lost
             return None
         self._parts.extend(fields["taxels"])
         if not fields["last"]:

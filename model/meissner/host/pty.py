@@ -1,7 +1,7 @@
-"""A pipe behind a pseudo-terminal: so that anything with a core's protocol can be opened like a serial port.
+"""A pseudo-terminal in front of a pipe, so that anything with a core's protocol opens like a serial port.
 
-The pipe is any object with two methods, neither of which waits: ``read(n)``, at most n bytes that the core
-sends now (b"" for none), and ``write(data)``, bytes for the core. A pty that is not read stalls it.
+The pipe is any object with two methods that never wait: ``read(n)`` returns at most n bytes that the core
+sends now (b"" for none), ``write(data)`` takes bytes for the core. A pty that nobody reads stalls the pipe.
 """
 
 import os
@@ -40,7 +40,7 @@ class Pty:
                 self._stop.wait(POLL_S)
 
     def unplug(self):
-        """As if the cable were pulled: the host's side reports an interruption."""
+        """Close both ends, as if the cable were pulled: the host reports an interruption."""
         if not self._stop.is_set():
             self._stop.set()
             self._thread.join()

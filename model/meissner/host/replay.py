@@ -1,4 +1,4 @@
-"""A log's images through an engine again, beside the core's own results for the same frames."""
+"""Run a log's images through an engine, beside the core's own results for the same frames."""
 
 import numpy as np
 
@@ -6,10 +6,10 @@ from meissner import engines
 
 
 def replay(log, engine, min_load=1):
-    """Arrays of ``process_cop`` for each logged image, and those of the log beside them.
+    """Arrays of ``process_cop`` for each logged image, with the logged results beside them.
 
-    ``log``: of meissner.host.log.read. ``time``: clocks; ``logged``: the core's CoP of that frame is in the
-    log; ``logged_x``, ``logged_y``, ``logged_load``, ``logged_pressed``: its values, 0 if it is not.
+    ``log``: from meissner.host.log.read. ``time``: clocks; ``logged``: whether the log has the core's CoP of
+    that frame; ``logged_x``, ``logged_y``, ``logged_load``, ``logged_pressed``: its values, 0 without it.
     """
     images = log["image"]
     if not images.size:
@@ -25,7 +25,7 @@ def replay(log, engine, min_load=1):
 
 
 def differences(result):
-    """Frames logged with both, frames of them that differ, and the largest difference of each number."""
+    """(frames logged with image and CoP, how many of them differ, {number: largest difference})."""
     both = result["logged"]
     pairs = {"x": "x", "y": "y", "load": "sum", "pressed": "valid"}
     apart = {

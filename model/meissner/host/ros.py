@@ -10,7 +10,7 @@ from meissner.builds.toolchain import ROOT
 from meissner.builds.units import FRACTION_BITS
 from meissner.host import packets
 
-FRAME_ID = "tactile"  # the array's middle, x to the right, y up
+FRAME_ID = "tactile"  # origin in the array's middle, x to the right, y up
 METADATA = "meissner"
 
 _DEFINITIONS = {
@@ -27,7 +27,7 @@ _DEFINITIONS = {
 
 
 def definition(name):
-    """The text of ``name`` ("package/Type") with all that it refers to, as an MCAP schema needs it."""
+    """The text of ``name`` ("package/Type") with every type it refers to, as an MCAP schema needs it."""
     known = dict(_DEFINITIONS)
     known["meissner_msgs/TactileFrame"] = (ROOT / "host/msg/TactileFrame.msg").read_text("utf-8")
     needed, text = [name], ""
@@ -67,9 +67,9 @@ def _frame(stamp_ns, item, newtons_per_code):
 
 
 class McapWriter:
-    """``add`` takes packets with their time in ns, ``tell`` facts about the log, ``finish`` the last of them.
+    """``add`` takes packets with their time in ns, ``tell`` facts about the log, ``finish`` the final facts.
 
-    ``flush`` writes the packets so far as a chunk; a file that ends too early is read up to that.
+    ``flush`` writes the packets so far as a chunk; a file that was cut off is readable up to the last chunk.
     """
 
     def __init__(self, file, known):
@@ -123,7 +123,7 @@ class McapWriter:
         self._writer.add_metadata(METADATA, {name: str(value) for name, value in facts.items()})
 
     def flush(self):
-        self._writer._writer.flush()  # the writer of ROS 2 messages has none of its own
+        self._writer._writer.flush()  # the ROS 2 writer has no flush of its own
 
     def finish(self, facts):
         self.tell(facts)
@@ -131,8 +131,8 @@ class McapWriter:
 
 
 def read(path):
-    """(facts, [(ns, packet)], whether it is whole) of a file that McapWriter wrote, positions and loads
-    without physical units. Of a file that ends too early: what is in its whole records."""
+    """(facts, [(ns, packet)], whether it is complete) of a file that McapWriter wrote, positions and loads
+    without physical units. A file that was cut off gives the content of its complete records."""
     facts, items = {}, []
     with open(path, "rb") as file:
         whole = _whole(file)
@@ -148,7 +148,7 @@ def read(path):
 
 
 def _whole(file):
-    """Whether an MCAP file ends as one does."""
+    """Whether an MCAP file ends with the magic bytes of a finished one."""
     from mcap.writer import MCAP0_MAGIC
 
     size = file.seek(0, io.SEEK_END)
@@ -170,7 +170,7 @@ def _of_whole(file):
 
 
 def _of_part(file):
-    """The same of a file without its end: record by record, as far as they are whole."""
+    """The same for a file that was cut off: record by record, as far as they are complete."""
     from mcap.exceptions import EndOfFile
     from mcap.records import Channel, Message, Metadata, Schema
     from mcap.stream_reader import StreamReader
@@ -198,9 +198,9 @@ def _of_part(file):
 
 
 def _whole_records(file):
-    """A file up to the end of its last whole record: a byte of kind, 8 of length, content."""
+    """The file up to the end of its last complete record: 1 byte of kind, 8 of length, content."""
     data = file.read()
-    end = 8  # of the magic
+    end = 8  # bytes of magic
     while end + 9 <= len(data):
         following = end + 9 + int.from_bytes(data[end + 1 : end + 9], "little")
         if following > len(data):

@@ -1,10 +1,10 @@
-"""The speed of shear that a core finds, by its registers: a lot of rubber in, what the last window says out.
+"""The speed of shear through a core's registers: write a lot of rubber, read the result of the last window.
 
     write_lot(core.__setitem__, Rubber(k0_v=1.6, k1=-0.28, n=0.115), codes_per_v)
     for one in speeds(core): print(one.speed_mm_s, one.flags)
 
-A register in place of packets: a control loop wants the last speed, the reflex in the core gets every one,
-and the packets stay as they are. ``windows`` counts, so that a host sees which it missed.
+Registers serve better than packets here: a control loop needs the newest speed only, the reflex in the core
+gets every one, and the packet formats stay unchanged. ``windows`` counts, so that a host detects missed ones.
 """
 
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ from meissner.twins.slip.shear_speeds import MAX_CHANNELS, SIZE
 
 @dataclass(frozen=True)
 class Rubber:
-    """A lot: dV = (k0_v + k1 Vi) v^n, as ``meissner fit-rubber`` prints it."""
+    """A lot of rubber: dV = (k0_v + k1 Vi) v^n, as ``meissner fit-rubber`` prints it."""
 
     k0_v: float = 1.55
     k1: float = -0.27
@@ -24,7 +24,7 @@ class Rubber:
 
 @dataclass(frozen=True)
 class Speed:
-    """A channel's last window. ``speed_mm_s``: None with any of ``flags``."""
+    """The result of a channel's last window. ``speed_mm_s``: None if any of ``flags`` is set."""
 
     speed_mm_s: float | None
     flags: tuple
@@ -32,7 +32,7 @@ class Speed:
 
 @dataclass(frozen=True)
 class Levels:
-    """What a window's speed is of, in volts; ``windows``: since the estimator is enabled."""
+    """The levels behind a window's speed, in volts; ``windows``: since the estimator was enabled."""
 
     vi_v: float
     rise_v: float
@@ -40,7 +40,7 @@ class Levels:
 
 
 def write_lot(write, rubber, codes_per_v):
-    """Give the estimator another lot, by ``write(name, value)``; it forgets what it knows of the levels."""
+    """Give the estimator another lot through ``write(name, value)``; it forgets the levels it has learned."""
     found = ShearSettings.of(codes_per_v, 1.0, SIZE, k0=rubber.k0_v, k1=rubber.k1, n=rubber.n, travel=0.0)
     write("shear_speed.enable", 0)
     for name in ("k0", "k1", "exponent"):
@@ -49,19 +49,19 @@ def write_lot(write, rubber, codes_per_v):
 
 
 def of_word(word):
-    """Speed of a register ``channel0`` .. ``channel7``."""
+    """The Speed in a word of the registers ``channel0`` .. ``channel7``."""
     flags = tuple(name for bit, name in enumerate(FLAGS) if word >> 24 + bit & 1)
     return Speed(None if flags else (word & 0xFFFFFF) / (1 << SIZE.speed_fraction), flags)
 
 
 def speeds(core):
-    """Speed of each channel of a meissner.host.core.Core; each is of one window."""
+    """The Speed of each channel of a meissner.host.core.Core, each from a single window."""
     count = min(core.units.columns, MAX_CHANNELS)
     return [of_word(core[f"shear_speed.channel{channel}"]) for channel in range(count)]
 
 
 def levels(core, channel, codes_per_v, tries=8):
-    """Levels of a channel, all of one window; OSError if none stays that long."""
+    """The Levels of a channel, all from one window; OSError if a window ends during each attempt."""
     core["shear_speed.select"] = channel
     for _ in range(tries):
         before = core["shear_speed.windows"]

@@ -1,7 +1,7 @@
-"""A core without hardware: docs/link.md, made of the twins of registers, bridge, packets and slip.
+"""A core without hardware: docs/link.md, built from the twins of registers, bridge, packets and slip.
 
-A source is a function that takes the core and yields (time in clocks, type, payload), times ascending; the
-type None passes time only. It may read the core's registers, which change at ``core.boundary``.
+A source is a function that takes the core and yields (time in clocks, type, payload) in ascending time; the
+type None only advances the time. It may read the core's registers, which change at ``core.boundary``.
 """
 
 import heapq
@@ -24,8 +24,8 @@ from meissner.twins.slip.slip_path import details
 
 CLK_KHZ = 25_000
 STATISTIC_CLOCKS = 1 << 20
-LATE_S = 0.1  # of catching up, before the clock waits
-BLOCK = 64  # details between two reads of the registers
+LATE_S = 0.1  # that a read may spend catching up before it slows the clock
+BLOCK = 64  # details between two looks at the registers
 SHOWN = "acrylic_slip+walk_25x5"
 
 
@@ -33,8 +33,8 @@ class SimulatedCore:
     """A pipe for meissner.host.pty or meissner.host.line.
 
     ``source``: a function as above, or a list of (time, type, payload). ``settings``: {name: value} that the
-    build starts with. ``speed``: simulated seconds a second; 0: as fast as it is read. ``level``: of the slip
-    path. ``status``: {(group, register, field): value} that the core reports.
+    build starts with. ``speed``: simulated seconds per second; 0: as fast as it is read. ``level``: of the
+    slip path. ``status``: {(group, register, field): value} that the core reports.
     """
 
     def __init__(
@@ -57,7 +57,7 @@ class SimulatedCore:
         self.restart()
 
     def restart(self):
-        """As after a reset: settings, packet numbers and time begin again."""
+        """Reset the core: settings, packet numbers and time start over."""
         self.registers.reset()
         self._source, self._next = self._make(self), None
         self._out, self._in, self._number = bytearray(), bytearray(), 0
@@ -76,7 +76,7 @@ class SimulatedCore:
             self.registers.commit(group)
 
     def read(self, n):
-        """Up to ``n`` bytes that are due; slower than ``speed`` where the machine cannot keep up."""
+        """Up to ``n`` bytes that are due; slower than ``speed`` if the machine cannot keep up."""
         late = time.monotonic() + LATE_S
         while len(self._out) < n:
             self._next = self._next or next(self._source, None)
@@ -88,7 +88,7 @@ class SimulatedCore:
             (at, kind, payload), self._next = self._next, None
             self._now = max(self._now, at)
             if kind is not None:
-                self.say(kind, self.now if kind == p.STATISTIC else at, payload)  # stamped as it leaves
+                self.say(kind, self.now if kind == p.STATISTIC else at, payload)  # stamped when sent
         data = bytes(self._out[:n])
         del self._out[: len(data)]
         return data
@@ -113,7 +113,7 @@ class SimulatedCore:
             self.say(p.ANSWER, self.now, bridge.answer(tag, status, address, word))
 
     def slip_config(self, **build):
-        """SlipConfig of the registers of the group slip; ``build``: window, hop."""
+        """The SlipConfig in the registers of the group slip; ``build``: window, hop."""
         values = {}
         for name in names.PLACES:
             if name.startswith("slip.") and names.place(name).writable:
@@ -130,7 +130,7 @@ def settings_of(config):
 
 
 def blocks_of(codes, level=1, loop=False):
-    """Codes [channels, samples] as blocks of whole details, once or without end."""
+    """Codes [channels, samples] as blocks of whole details, once or repeated endlessly."""
     codes, step = np.atleast_2d(codes), BLOCK << level
     usable = codes.shape[1] >> level << level
     for _ in count() if loop else (0,):
@@ -141,7 +141,7 @@ def blocks_of(codes, level=1, loop=False):
 def slip_source(blocks, rate_hz, window=64, hop=64):
     """Blocks of codes [channels, whole details] through the slip path's twins: a packet where a flag rises.
 
-    The core's registers are the settings, read before each block; ``blocks`` may make each block on demand.
+    The settings come from the core's registers, read before each block; ``blocks`` may be a generator.
     """
 
     def source(core):
@@ -165,7 +165,7 @@ def slip_source(blocks, rate_hz, window=64, hop=64):
             rises = slipping & ~np.concatenate([flag, slipping[:, :-1]], axis=1)
             flag = slipping[:, -1:]
             for k in np.flatnonzero(rises.any(axis=0)):
-                at = int((done + group * (k + 1) - 1) * clocks)  # of the sample that decided
+                at = int((done + group * (k + 1) - 1) * clocks)  # time of the sample that decided
                 for channel in np.flatnonzero(rises[:, k]):
                     event = p.slip_event(int(channel), int(p2p[channel, k]), int(state[channel, k]))
                     yield at, p.SLIP, event
@@ -176,7 +176,7 @@ def slip_source(blocks, rate_hz, window=64, hop=64):
 
 
 def array_source(forces, rate_hz, min_load=1, image_every=1, chunk=64, loop=False):
-    """Frames of forces [frames, rows, columns] through the CoP's twin: CoP and image of each."""
+    """Frames of forces [frames, rows, columns] through the CoP twin: their CoP and images."""
     forces = engines.check_forces(forces)
     found = engines.process_cop(forces, "fixed", min_load)
 
@@ -196,7 +196,7 @@ def array_source(forces, rate_hz, min_load=1, image_every=1, chunk=64, loop=Fals
 
 
 def statistics_source(core):
-    """The core's counters in turn, without end; here only rejected commands count."""
+    """The core's counters in turn, endlessly; here all but the rejected commands stay 0."""
     for turn in count():
         name = p.COUNTERS[turn % len(p.COUNTERS)]
         value = core.rejected if name == "commands rejected" else 0
@@ -204,12 +204,12 @@ def statistics_source(core):
 
 
 def together(*sources):
-    """The packets of all sources, in the order of time, until the last source ends."""
+    """The packets of all sources in order of time, until the last source ends."""
     return lambda core: heapq.merge(*(source(core) for source in sources), key=lambda item: item[0])
 
 
 def of_scenes(which=SHOWN, speed="1"):
-    """A core whose sensors play slip scenes and scenes of arrays again and again: names joined by +."""
+    """A core whose sensors play slip and array scenes in a loop; ``which``: names joined by +."""
     try:
         speed = float(speed)
         if not 0 < speed < float("inf"):

@@ -5,21 +5,21 @@ from pathlib import Path
 
 
 def part_of(path, kind, number=1):
-    """The name of the spool of ``path``, which is a file of ``kind``; another log's may be there already."""
+    """The name of the spool of ``path``, a file of ``kind``; ``number``: above 1 beside earlier spools."""
     path = Path(path)
     return path.with_name(f"{path.name}.part{number if number > 1 else ''}{kind}")
 
 
 class Spool:
-    """A file to append to. Every write reaches the system before it returns, so whatever ends the process
-    leaves it; one that cannot be done whole is taken back by ``give_up``.
+    """An append-only file. Every write reaches the system before it returns, so the data survive any end of
+    the process; ``give_up`` takes back a write that could not be completed.
     """
 
     def __init__(self, path, kind):
         number = 1
         while True:
             self.path = part_of(path, kind, number)
-            try:  # the file of an earlier log is not touched
+            try:  # never overwrites an earlier log's spool
                 self._fd = os.open(self.path, os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o644)
                 break
             except FileExistsError:
@@ -37,11 +37,11 @@ class Spool:
         return self._at
 
     def flush(self):
-        """Keep all that was written."""
+        """Mark everything written so far as kept."""
         self._kept = self._at
 
     def give_up(self):
-        """End it after the last ``flush``."""
+        """Cut the file off at the last ``flush`` and close it."""
         os.ftruncate(self._fd, self._kept)
         self.close()
 

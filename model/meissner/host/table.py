@@ -1,4 +1,4 @@
-"""Packets as columns of numbers, and a file of them that can end anywhere: rows, block by block."""
+"""Packets as columns of numbers, and a file of blocks of rows that stays readable wherever it is cut off."""
 
 import io
 import zlib
@@ -10,7 +10,7 @@ from meissner.builds.units import FRACTION_BITS
 from meissner.files import arrays_of, written
 from meissner.host import packets
 
-MAGIC = b"MSNROWS1"  # then blocks: length of 32 bits, CRC-32 of the content, which is a .npz
+MAGIC = b"MSNROWS1"  # then blocks: 32-bit length, CRC-32, content (a .npz)
 
 COLUMNS = {
     "slip": {"time": "u8", "ns": "i8", "channel": "u2", "state": "u1", "p2p": "u4"},
@@ -31,7 +31,7 @@ _KINDS = {
 
 
 class Table:
-    """``add`` packets; ``new`` gives those since it was called before, ``arrays`` all."""
+    """``add`` packets; ``new`` returns those added since its last call, ``arrays`` all."""
 
     def __init__(self):
         self._blocks, self._shape = [], None
@@ -73,7 +73,7 @@ class Table:
 
 
 def joined(blocks):
-    """The arrays of tables that follow each other; ValueError if their images differ in size."""
+    """The arrays of consecutive tables joined; ValueError if their images differ in size."""
     if not blocks:
         return Table().arrays()
     found = {name: np.concatenate([block[name] for block in blocks]) for name in blocks[0] if name != "image"}
@@ -82,7 +82,7 @@ def joined(blocks):
 
 
 class NpzLog:
-    """Writes a .npz at the end, and until then its rows to a spool."""
+    """Writes rows to a spool while it runs, and a .npz at the end."""
 
     KIND = ".rows"
 
@@ -116,7 +116,7 @@ def _facts(facts):
 
 
 def read_rows(path):
-    """Arrays and facts of an NpzLog's spool up to its last whole block; ValueError if it is none."""
+    """Arrays and facts of an NpzLog's spool up to its last complete block; ValueError if it is not one."""
     data = Path(path).read_bytes()
     if not data.startswith(MAGIC):
         raise ValueError(f"{path} does not hold the rows of a log")

@@ -1,4 +1,4 @@
-"""What ``meissner live`` shows: the newest of everything, as lines for a pipe, a picture for a terminal."""
+"""The display of ``meissner live``: the newest values, as lines for a pipe, a picture for a terminal."""
 
 from collections import deque
 
@@ -9,7 +9,7 @@ from meissner.twins.core import OF_LOAD
 from meissner.twins.slip.slip import State
 
 SHADES = " ░▒▓█"
-WIDEST, HIGHEST = 32, 16  # cells of the picture; of a larger array each cell is the largest of its taxels
+WIDEST, HIGHEST = 32, 16  # cells of the picture; in a larger array each cell shows its largest taxel
 SLIP_COLOURS = {State.INCIPIENT: "yellow", State.GROSS: "red"}
 
 
@@ -22,7 +22,7 @@ def channel_name(channel):
 
 
 def coarse(taxels):
-    """At most HIGHEST × WIDEST cells, each the maximum of its taxels."""
+    """The taxels as at most HIGHEST × WIDEST cells, each the maximum of its taxels."""
     for axis, most in ((0, HIGHEST), (1, WIDEST)):
         count = taxels.shape[axis]
         if count > most:
@@ -32,7 +32,7 @@ def coarse(taxels):
 
 
 def heat_map(taxels):
-    """Lines of block characters, two a cell, empty to full from 0 to the image's largest."""
+    """Lines of block characters, two per cell, shaded from 0 to the image's maximum."""
     cells = coarse(taxels).astype(np.int64)
     most = max(1, int(cells.max()))
     shade = (2 * cells * (len(SHADES) - 1) + most) // (2 * most)
@@ -44,14 +44,14 @@ class View:
 
     def __init__(self, core):
         self.core = core
-        self.slips, self.slip_count = {}, 0  # of each channel the last event
+        self.slips, self.slip_count = {}, 0  # the last event of each channel
         self.cop = self.image = None
         self.statistics, self.health = {}, {}
         self.messages = deque(maxlen=4)
-        self._rate = (0.0, 0, 0.0)  # when, packets then, packets a second
+        self._rate = (0.0, 0, 0.0)  # time of the last tick, packets then, packets per second
 
     def add(self, item):
-        """The line to print at once, where there is one."""
+        """Take a packet; the line to print immediately, or None."""
         if isinstance(item, packets.SlipEvent):
             self.slips[item.channel] = item
             self.slip_count += 1
@@ -68,7 +68,7 @@ class View:
         return None
 
     def tick(self, now_s):
-        """Call at intervals, for the packets a second."""
+        """Update the packet rate; call at intervals."""
         when, before, _ = self._rate
         count = self.core.counts.packets
         self._rate = (now_s, count, (count - before) / (now_s - when) if now_s > when else 0.0)
@@ -97,7 +97,7 @@ class View:
         return f"{place}{'' if cop.x_mm is None else f' ({cop.x_mm:+.2f}, {cop.y_mm:+.2f} mm)'}, {load}"
 
     def _simulated(self):
-        """The progress of a core that is simulated in this process, which is slower than a real one."""
+        """The progress of a core simulated in this process, which is slower than real time."""
         seconds = getattr(getattr(self.core.line, "pipe", None), "simulated_s", None)
         return "" if seconds is None else f"simulated {seconds:.3f} s, "
 
@@ -110,12 +110,12 @@ class View:
         )
 
     def line(self):
-        """One line about everything."""
+        """A summary in one line."""
         slips = f"{self.slip_count} slip event{'s' * (self.slip_count != 1)}"
         return f"{self._cop()}; {slips}; {self._line()}"
 
     def picture(self):
-        """The same as a picture for rich."""
+        """The same as a renderable for rich."""
         from rich.console import Group
         from rich.panel import Panel
         from rich.table import Table

@@ -1,8 +1,8 @@
-"""A report as one HTML file that needs nothing else: verdict and picture first, then the numbers in words.
+"""A report as one self-contained HTML file: verdict and picture first, then the numbers in words.
 
 No table is wider than its page: headings wrap, and on a narrow page a table of several columns becomes a
-list, each value beside its heading. In the dark style pictures are inverted with their hues kept: their
-white ground becomes the page's dark one, and a colour keeps the name that a caption gives it.
+list with each value beside its heading. The dark style inverts pictures and keeps their hues: the white
+background becomes dark like the page, and each colour still matches the name that a caption gives it.
 """
 
 import base64
@@ -40,8 +40,8 @@ tbody th, td { border-bottom: 1px solid var(--line); } .facts th { color: var(--
 
 
 def _rows(rows):
-    """A list of dicts with the same keys as an HTML table, the keys in words."""
-    # The value that a heading is of: a column's first that is there.
+    """A list of dicts with equal keys as an HTML table, the keys in words."""
+    # A heading depends on a value of its column: take the first that is not None.
     samples = {key: next((row[key] for row in rows if row[key] is not None), None) for key in rows[0]}
     heads = {key: html.escape(heading(key, sample)) for key, sample in samples.items()}
     head = "".join(f'<th scope="col">{text}</th>' for text in heads.values())
@@ -58,7 +58,7 @@ def _rows(rows):
 
 
 def _facts(summary):
-    """A dict as two columns, meaning and value."""
+    """A dict as an HTML table of two columns, meaning and value."""
     body = "".join(
         f'<tr><th scope="row">{html.escape(words(key, value).label)}</th>'
         f"<td>{html.escape(fact(key, value))}</td></tr>"
@@ -78,7 +78,7 @@ def _figure(picture):
 
 
 def write_html(path, summary, pictures=(), tables=None, title="Meissner", verdict=""):
-    """Write one file that needs no other: pictures are embedded, styles are inside.
+    """Write one self-contained file: pictures and styles are embedded.
 
     ``verdict``: the sentence under the title. ``pictures``: (PNG path, condition, what is shown); the first
     follows the verdict. ``tables``: {heading: list of dicts with the same keys}. ``summary``: a dict, shown

@@ -1,6 +1,6 @@
-"""The words of a report: what each key of a summary or of its tables means, and in which unit it is shown.
+"""The words of a report: the meaning of each key of a summary or its tables, and the unit of its value.
 
-A new key needs one line in ``WORDS``. Without it the report shows the key's own words and the unit that its
+A new key needs one line in ``WORDS``. Without it the report shows the key itself and the unit that its
 ending names, and tb/physics/test_report.py fails.
 """
 
@@ -10,7 +10,7 @@ from meissner import interval
 
 
 class Words(NamedTuple):
-    """``scale``: the shown number is the value times it; ``none``: what stands for a missing value."""
+    """``scale``: factor from the value to the shown number; ``none``: the text for a missing value."""
 
     label: str
     unit: str = ""
@@ -55,7 +55,7 @@ WORDS = {
     "on": Words("recorded on"),
     "runs": Words("runs"),
     "condition": Words("condition"),
-    # slip; single times are of the shown run; onset: the first partial slip, or the pull's beginning
+    # slip; single times are those of the shown run; onset: the first partial slip, or the start of the pull
     "onset_s": Words("onset (truth), shown run", "s"),
     "crossing_s": Words("reference window crosses the threshold, shown run", "s"),
     "flag_s": Words("slip flag rises, shown run", "s"),
@@ -93,7 +93,7 @@ WORDS = {
     "load_drop": _share("load output falls before the object moves"),
     "grip_rise_n": Words("grip force rises meanwhile (truth)", "N"),
     "move_v": Words("position output moves meanwhile", "V"),
-    # what the core's estimator makes of a shear
+    # results of the core's shear estimator
     "estimate_mm_s": Words("speed by the core's estimator, mean", "mm/s"),
     "estimate_error": _share("the core's speeds off the true ones"),
     "estimate_missed": Words("shears without a speed of the core's"),
@@ -244,7 +244,7 @@ WORDS = {
     "height_g": Words("height of the peak", "g"),
     "width_at_half_mm": Words("width at half the height", "mm"),
 }
-# "condition" of the solver's bounds is a number, that of a slip table is a name.
+# "condition" is a number among the solver's bounds, a name in a slip table.
 SOLVER_CONDITION = Words("condition number, at most")
 
 _ENDINGS = {
@@ -257,11 +257,11 @@ INTERVALS = (
     "missed_interval",
     "false_alarm_interval",
     "dropped_interval",
-)  # of a row: the ends of a rate's interval
+)  # keys of a row with the ends of a rate's interval
 
 
 def words(key, value=None):
-    """The Words of a key; of one that nobody described, its own with the unit that its ending names."""
+    """The Words of a key; without an entry, the key itself with the unit that its ending names."""
     key = str(key)
     if key == "condition" and isinstance(value, (int, float)):
         return SOLVER_CONDITION
@@ -274,21 +274,21 @@ def words(key, value=None):
 
 
 def number(value):
-    """A number to four digits, whole numbers in full."""
+    """A number to four significant digits; integers and 1000 or more without decimals."""
     if isinstance(value, int) or abs(value) >= 1000:
         return f"{value:,.0f}"
     return f"{value:.4g}"
 
 
 def cell(key, value):
-    """A value without its unit, as a table under a heading shows it."""
+    """A value without its unit, for a table whose heading has the unit."""
     if value is None:
         return "–"
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, (int, float)):
         _, unit, scale, _ = words(key, value)
-        if unit == "s":  # instants of one run: their differences count, not their digits
+        if unit == "s":  # instants of one run: readers compare them, so keep four decimals
             return f"{value:,.4f}".rstrip("0").rstrip(".")
         return number(value if scale == 1 else value * scale)
     if key in INTERVALS:
@@ -297,13 +297,13 @@ def cell(key, value):
 
 
 def heading(key, value=None):
-    """What heads a column; ``value``: one of its values."""
+    """The heading of a column; ``value``: one of its values."""
     label, unit = words(key, value)[:2]
     return f"{label} ({unit})" if unit else label
 
 
 def fact(key, value):
-    """A value with its unit, as the list of facts shows it."""
+    """A value with its unit, for the list of facts."""
     meaning = words(key, value)
     if value is None:
         return meaning.none

@@ -1,8 +1,8 @@
-"""The scenes: which sensor, converter, core settings and physics, each in one TOML file.
+"""The scenes: each one TOML file with its sensor, converter, core settings and physics.
 
-A folder here is a sensor (meissner.scenes.sensor says what it holds) and has its scenes beside it; nothing
-lists them. ``load`` checks every key and refuses a mistyped one by name; ``simulate`` builds only the physics
-that the scene names and says what it left out.
+Each folder here is a sensor (meissner.scenes.sensor describes its content) with its scenes beside the code;
+no list of them exists. ``load`` checks every key and refuses a mistyped one by name; ``simulate`` builds only
+the physics that the scene names and lists what it left out.
 """
 
 import tomllib
@@ -34,7 +34,7 @@ def describe(name):
 
 
 def source(name):
-    """The text of the scene of that name."""
+    """The TOML text of the scene of that name."""
     if name not in _files():
         raise ValueError(f"unknown scene '{name}'; the scenes are: {', '.join(names())}")
     return _files()[name].read_text("utf-8")
@@ -59,7 +59,7 @@ def read(name):
 
 
 def build(name, table):
-    """Check a scene's table and return the scene; ValueError with one sentence if it cannot be."""
+    """Check a scene's table and return the scene; ValueError with one sentence if it is invalid."""
     where = f"scene {name}"
     if "sensor" not in table:
         raise ValueError(f"{where}: the key 'sensor' is missing")
@@ -70,5 +70,5 @@ def build(name, table):
 
 
 def simulate(scene, *arguments, **settings):
-    """Run the scene's world: condition and seed of a slip scene, the seed of any other."""
+    """Run the scene's world; arguments: condition and seed for a slip scene, only the seed for any other."""
     return sensor(scene.sensor).simulate(scene, *arguments, **settings)

@@ -1,4 +1,4 @@
-"""What every scene has, and the check of it: names, features, and of sampled ones converter and rate."""
+"""The keys that every scene has, and their check: names, features; in sampled scenes converter and rate."""
 
 from dataclasses import dataclass
 
@@ -11,7 +11,7 @@ SAMPLED = TOP | {"adc": str, "rate_hz": int, "seeds": int}
 
 @dataclass(frozen=True)
 class Scene:
-    """``features``: of the core, which decide what is built and loaded (meissner.scenes.parts)."""
+    """``features``: features of the core, which decide what is built and loaded (meissner.scenes.parts)."""
 
     name: str
     title: str
@@ -21,7 +21,7 @@ class Scene:
 
 @dataclass(frozen=True)
 class Sampled(Scene):
-    """With a converter of meissner.physics.adc, its rate, and how many seeds a condition has."""
+    """A scene with a converter of meissner.physics.adc, its rate, and the number of seeds per condition."""
 
     adc_part: str
     rate_hz: int
@@ -33,9 +33,9 @@ class Sampled(Scene):
 
 
 def top(name, table, expected, features):
-    """The table of scene ``name`` by its keys, and what Scene has of it; ValueError with one sentence.
+    """(the checked table of scene ``name``, the fields of Scene in it); ValueError with one sentence.
 
-    ``expected``: {key: kind}, TOP or SAMPLED among them; ``features``: what its sensor has.
+    ``expected``: {key: kind}, including TOP or SAMPLED; ``features``: those that its sensor can use.
     """
     where = f"scene {name}"
     given = fields(where, table, expected)

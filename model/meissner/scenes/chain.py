@@ -1,4 +1,4 @@
-"""The stages of an engine for scenes of arrays: demodulation, calibration, centre of pressure; timed."""
+"""The timed stages of an engine for array scenes: demodulation, calibration, centre of pressure."""
 
 import time
 
@@ -22,7 +22,7 @@ ALL = tuple(STAGES.values())
 class Chain:
     """An engine whose calls are timed and, for rtl and gate, compared with the integer twins.
 
-    ``features``: of the core; a stage that they do not name is neither built nor loaded.
+    ``features``: of the core; a stage that they do not include is neither built nor loaded.
     """
 
     def __init__(self, engine, features=ALL):
@@ -73,6 +73,6 @@ class Chain:
 
 
 def unevenness(image, dead=None):
-    """Largest distance of a cell from the mean of all, as a share of it; ``image`` [rows, columns]."""
+    """Largest deviation of a cell from the mean of all, as a share of the mean; ``image`` [rows, columns]."""
     values = image if dead is None else image[~dead]
     return float(np.abs(values - values.mean()).max() / values.mean())

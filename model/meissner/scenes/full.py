@@ -1,9 +1,9 @@
 """Everything on: every sensor with every component, through every feature of the core.
 
-The baseline of ``saved``. Of each sensor the scenes that together have all its components run as fast as
-they can: world, converter and engine, without verdict, pictures and waves. Besides them the whole core of
-configuration ``full``, with scan, health, tare, images, packets and registers: on rtl from its converters'
-pins to its line, on fixed its twin. A cost is in milliseconds for a second of simulated time.
+This is the baseline of ``saved``. For each sensor, the scenes that together have all its components run as
+fast as they can: world, converter and engine, without verdict, pictures and waves. The complete core of
+configuration ``full`` is added, with scan, health, tare, images, packets and registers: on rtl from its
+converters' pins to its line, on fixed its twin. Costs are in milliseconds per second of simulated time.
 """
 
 import time
@@ -14,15 +14,15 @@ import numpy as np
 from meissner import engines, scenes
 
 REPEATS = 3
-LONG_S = 1.0  # what takes longer is timed once
+LONG_S = 1.0  # a run that takes longer is timed once
 HAND = {
     "duration_s": 2.0,
     "hold_from_s": 0.0,
     "poured_kg": 0.1,
     "pour_start_s": 0.0,
-}  # the rest is as its TOML
+}  # other keys as in the TOML
 CORE_FRAMES = {"fixed": 8, "rtl": 2}
-# (scene, condition) that together have every component of each sensor.
+# (scene, condition): together they have every component of each sensor.
 EVERYTHING = (
     *(("grip_slip", 6), ("stick_slip", 0), ("shear_speed", 6), ("grip_disturb", 0), ("cop_slip", 0)),
     *(("cop_six_random", None), ("cop_impulse", None), ("cop_circle", None)),
@@ -105,7 +105,7 @@ _OF |= {"fsr": _fsr, "capacitive": _capacitive}
 
 
 def _core(engine, seed):
-    """The whole core of configuration full; simulated seconds."""
+    """Run the complete core of configuration full; the simulated seconds."""
     from meissner.builds import config
     from meissner.scenes.shown import press
     from meissner.twins import core
@@ -126,9 +126,9 @@ def _core(engine, seed):
 
 
 def _ms_per_s(run):
-    """Milliseconds for a simulated second: the best of some, after one that builds and warms.
+    """Milliseconds per simulated second: the best of REPEATS runs, after one that builds and warms up.
 
-    By the processor's clock, so that what else the machine does counts little.
+    The processor's clock measures, so that other load on the machine counts little.
     """
     run()
     best = np.inf
@@ -143,12 +143,12 @@ def _ms_per_s(run):
 
 
 def cost(scene, engine, condition=0, seed=1):
-    """Milliseconds of world and engine for a simulated second of a scene's condition."""
+    """Milliseconds of world and engine per simulated second of a scene's condition."""
     return _ms_per_s(lambda: _OF[scene.sensor](scene, engine, condition, seed))
 
 
 def everything(engine, progress=list, seed=1):
-    """{part: milliseconds for a simulated second}: every sensor, then the whole core."""
+    """{part: milliseconds per simulated second}: every sensor, then the complete core."""
     costs = {}
     for name, condition in progress(EVERYTHING):
         costs[name] = cost(scenes.load(name), engine, condition, seed)
@@ -157,5 +157,5 @@ def everything(engine, progress=list, seed=1):
 
 
 def core_cost(engine, seed=1):
-    """The same of the whole core of configuration full."""
+    """Milliseconds per simulated second of the complete core of configuration full."""
     return _ms_per_s(lambda: _core(engine, seed))

@@ -1,14 +1,14 @@
-"""How round a closed line of positions is."""
+"""The roundness of a closed line of positions."""
 
 import numpy as np
 
 
 def circle(x, y):
-    """The least-squares circle of points [n] and how far they leave it.
+    """The least-squares circle of points [n] and their deviation from it.
 
     ``centre_x``, ``centre_y``, ``radius``; ``deviation``: standard deviation of the points' radii;
-    ``roundness``: the largest radius less the smallest, over the mean one. Kasa's linear fit; three points
-    at least, not on a line, or ValueError.
+    ``roundness``: the largest radius less the smallest, over the mean radius. Kasa's linear fit; ValueError
+    unless at least three points are not on a line.
     """
     x, y = np.asarray(x, float), np.asarray(y, float)
     terms = np.stack([x, y, np.ones_like(x)], axis=1)

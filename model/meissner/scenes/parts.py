@@ -1,7 +1,7 @@
-"""What a scene is made of: features of the core that it names, parts of the physics that its tables ask for.
+"""The parts of a scene: features of the core that it names, and physics that its tables ask for.
 
-A sensor's module ``parts`` says which there are and why a scene needs each. A scene is refused that names a
-feature nothing uses, leaves out one that is used, or needs more memory than the machine has.
+A sensor's module ``parts`` lists them with the reason why a scene needs each. A scene is refused if it names
+a feature that nothing uses, omits one that is used, or needs more memory than the machine has.
 """
 
 from importlib import import_module
@@ -12,11 +12,11 @@ from meissner.engines.features import FEATURES as FOUND
 
 
 class Feature(NamedTuple):
-    """``top``: the module of rtl/ that engines rtl and gate build for it; ``blocks``: what is in that."""
+    """``top``: the module of rtl/ that engines rtl and gate build for it; ``blocks``: modules inside it."""
 
     top: str
     blocks: tuple
-    function: str  # of meissner.engines.protocol
+    function: str  # its name in meissner.engines.protocol
 
 
 FEATURES = {
@@ -29,7 +29,7 @@ FEATURES = {
     "grip": Feature("msn_grip", (), ""),
     **{name: Feature(found.TOP, found.BLOCKS, name) for name, found in FOUND.items()},
 }
-# What the core has besides, and no scene asks for.
+# Further parts of the core, which no scene can name.
 BESIDES = {
     "scan": "msn_scan",
     "health": "msn_health",
@@ -38,7 +38,7 @@ BESIDES = {
     "link": "msn_core_link",
     "registers": "msn_registers",
 }
-ROOM = 0.8  # of the free memory that a scene may ask for
+ROOM = 0.8  # share of the free memory that a scene may need
 
 
 def of(scene):
@@ -50,23 +50,23 @@ def _plain(name):
 
 
 def built(features):
-    """The features of such a core, in the order of FEATURES."""
+    """The names of the features of a core with ``features``, in the order of FEATURES."""
     return [_plain(name) for name in FEATURES if name in features]
 
 
 def not_built(features):
-    """What is left out of it, BESIDES among them."""
+    """The names of the parts left out of it, including BESIDES."""
     return [_plain(name) for name in (*FEATURES, *BESIDES) if name not in features]
 
 
 def shown(names):
-    """Features with the module of rtl/ that each is."""
+    """Features as a text, each with its module of rtl/."""
     tops = {_plain(name): feature.top for name, feature in FEATURES.items()} | BESIDES
     return ", ".join(f"{_plain(name)} ({tops[_plain(name)]})" for name in names)
 
 
 def check_features(scene):
-    """ValueError unless ``features`` are those that the scene uses, each once."""
+    """ValueError unless ``features`` names exactly those that the scene uses, each once."""
     where, used = f"scene {scene.name}", of(scene).uses(scene)
     for name in scene.features:
         if scene.features.count(name) > 1:
@@ -82,7 +82,7 @@ def check_features(scene):
 
 
 def free_bytes():
-    """Memory that this machine can give without swapping; None where it does not say."""
+    """Memory that this machine can give without swapping; None if unknown."""
     try:
         for line in Path("/proc/meminfo").read_text("ascii").splitlines():
             if line.startswith("MemAvailable:"):
@@ -93,7 +93,7 @@ def free_bytes():
 
 
 def check_memory(scene):
-    """ValueError if the scene's largest arrays do not fit the machine; from their shapes alone."""
+    """ValueError if the scene's largest arrays do not fit the machine, judged by their shapes alone."""
     needs, what = of(scene).memory(scene)
     free = free_bytes()
     if free is not None and needs > ROOM * free:

@@ -1,13 +1,13 @@
-"""The rates of a scene of slip: how many slips its flag missed, and in how many runs it cried for nothing."""
+"""The rates of a slip scene: the share of slips missed, and the share of runs with a false alarm."""
 
 from meissner import interval
 
 
 def rates(verdicts):
-    """What the runs leave possible, and the worst lead; None where no run is concerned.
+    """The rates with their intervals, and the worst lead; None where no run applies.
 
-    ``missed_rate``: of the runs with a slip; ``false_alarm_rate``: of all, runs with one or more;
-    ``lead_ms_min``: from a flag to the slip, of all flags; 0 or less if one is late.
+    ``missed_rate``: among runs with a slip; ``false_alarm_rate``: runs with one or more, among all runs;
+    ``lead_ms_min``: shortest time from a flag to the slip, over all flags; 0 or less if one is late.
     """
     slips = [verdict for verdict in verdicts if verdict["onset_s"] is not None]
     leads = [1e3 * verdict["lead_s"] for verdict in slips if verdict["lead_s"] is not None]

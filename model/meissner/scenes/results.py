@@ -1,4 +1,4 @@
-"""What every sensor's run does alike: refuse signals that are not there, write the results, align a table."""
+"""Steps common to every sensor's run: refuse waves without signals, write the results, align a table."""
 
 import json
 import time
@@ -15,7 +15,7 @@ from meissner.scenes.verdict import verdict
 
 
 def check_waves(engine, waves):
-    """ValueError unless the engine exists, and has signals if ``waves`` are wanted."""
+    """ValueError unless the engine exists, and has signals if ``waves`` is set."""
     engines.load(engine)
     if waves and engine != "rtl":
         raise ValueError("--waves needs the rtl engine: only it has signals")
@@ -24,9 +24,9 @@ def check_waves(engine, waves):
 def head(scene, engine, seed, seconds, samples, engine_s, differences, of):
     """The first entries of every summary.
 
-    ``seconds`` simulated, ``samples`` that took ``engine_s`` of the engine, ``differences`` from the
-    integer twins, where the engine is compared with them; ``of``: has ``modelled``
-    and ``left_out``.
+    ``seconds``: simulated; ``samples``: processed in ``engine_s`` seconds of the engine; ``differences``:
+    from the integer twins, for an engine that is compared with them; ``of``: has ``modelled`` and
+    ``left_out``.
     """
     return {
         "scene": scene.name,
@@ -48,7 +48,7 @@ def finish(scene, summary, out, arrays, pictures, tables, began, hidden=()):
     """Write result.npz, report.html and summary.json; sets ``seconds_taken`` and ``files``.
 
     ``pictures``: (PNG path, condition, what is shown); the caption adds seed and engine to the condition.
-    ``hidden``: keys of the summary that the report shows as tables instead.
+    ``hidden``: keys of the summary that the report shows as tables, not in its list of facts.
     """
     summary["seconds_taken"] = round(time.perf_counter() - began, 3)
     with written(out / "result.npz") as file:

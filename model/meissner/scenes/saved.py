@@ -1,4 +1,4 @@
-"""What a scene saves beside a run with everything on: tools/saved.py records it and says what is stale."""
+"""The time that a scene saves against everything on; tools/saved.py records it and reports stale records."""
 
 import json
 from contextlib import contextmanager
@@ -17,7 +17,7 @@ def _recorded():
 
 
 def compared(scene_ms, full_ms):
-    """Of a scene and of everything, milliseconds of world and engine for a simulated second."""
+    """Compare a scene with everything on, both in milliseconds of world and engine per simulated second."""
     return {
         "scene_ms_per_s": scene_ms,
         "full_ms_per_s": full_ms,
@@ -25,12 +25,12 @@ def compared(scene_ms, full_ms):
     }
 
 
-_measured = []  # by the run that is going on
+_measured = []  # comparisons of the runs in progress
 
 
 @contextmanager
 def measured(found):
-    """``of`` gives ``found`` meanwhile, if it is not None."""
+    """Within this context ``of`` returns ``found``, if it is not None."""
     _measured.append(found)
     try:
         yield
@@ -39,7 +39,7 @@ def measured(found):
 
 
 def of(scene, engine):
-    """The comparison of that scene on that engine, measured now or recorded; else on fixed; None without."""
+    """The comparison of a scene on an engine, measured now or recorded; else its record on fixed, or None."""
     if _measured and _measured[-1] is not None:
         return _measured[-1]
     for other in (engine, "fixed"):
@@ -52,7 +52,7 @@ def of(scene, engine):
 
 
 def tell(scene, engine, found):
-    """The line to print of ``of``."""
+    """The line to print for the result of ``of``."""
     command = f"meissner run {scene} --engine {found['engine'] if found else engine} --full"
     if found is None:
         return f"saved: not measured; `{command}` does"

@@ -1,4 +1,4 @@
-"""What a sensor's folder holds, and which there are: every folder here with a module ``scene``."""
+"""The modules of a sensor's folder, and the list of sensors: every package here is one."""
 
 import pkgutil
 from functools import cache
@@ -10,17 +10,17 @@ from typing import Any, Protocol
 class Sensor(Protocol):
     """The module ``scene``: its scenes and their physics."""
 
-    COMPONENTS: tuple | dict  # parts of the physics; a scene models them or leaves them out
+    COMPONENTS: tuple | dict  # parts of the physics; a scene models each or leaves it out
 
     def build(self, name: str, table: dict) -> Any:
-        """The scene of a TOML file's table; it has ``name``, ``title``, ``sensor``."""
+        """The scene in a TOML file's table; it has ``name``, ``title``, ``sensor``."""
 
     def simulate(self, scene, *arguments, **settings) -> Any:
         """A recording; it has ``modelled`` and ``left_out``."""
 
 
 class Parts(Protocol):
-    """The module ``parts``: what a scene needs and why; it imports nothing that computes."""
+    """The module ``parts``: what a scene needs and why; it imports no module that computes."""
 
     FEATURES: dict  # {feature of the core: why a scene needs it}
     WHY: dict  # {part of the physics: why}
@@ -32,11 +32,11 @@ class Parts(Protocol):
         """Those of WHY that any of its conditions has."""
 
     def memory(self, scene) -> tuple[float, str]:
-        """Bytes of its largest arrays, and what they are of."""
+        """(bytes of its largest arrays, what they contain)."""
 
 
 class Runner(Protocol):
-    """The module ``run``: a scene through an engine into a folder of results."""
+    """The module ``run``: runs a scene on an engine and writes a folder of results."""
 
     def check(self, scene, engine: str, waves: bool) -> None:
         """ValueError with one sentence if this engine cannot run the scene."""
@@ -45,12 +45,12 @@ class Runner(Protocol):
         """Write the results (meissner.scenes.results.finish) and return the summary."""
 
     def tell(self, summary: dict) -> list[str]:
-        """The lines that the command prints of a summary."""
+        """The lines that the command prints for a summary."""
 
 
 @cache
 def sensors():
-    """Names, in alphabetical order."""
+    """The sensors' names, in alphabetical order."""
     here = [str(Path(__file__).parent)]
     return tuple(sorted(found.name for found in pkgutil.iter_modules(here) if found.ispkg))
 
@@ -61,10 +61,10 @@ def sensor(name) -> Sensor:
 
 
 def answer(name, summary):
-    """The sentence of the module ``verdict`` about a summary of its runs."""
+    """The sentence of the sensor's module ``verdict`` about a summary."""
     return import_module(f"meissner.scenes.{name}.verdict").answer(summary)
 
 
 def runner(name) -> Runner:
-    """The module that runs them."""
+    """The module that runs a sensor's scenes."""
     return import_module(f"meissner.scenes.{name}.run")

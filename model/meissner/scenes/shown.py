@@ -1,4 +1,4 @@
-"""What a core is shown: the codes that its converters make of a scene that fits its configuration."""
+"""The stimulus for a core: the codes that its converters give for a scene that fits its configuration."""
 
 import numpy as np
 
@@ -9,13 +9,13 @@ from meissner.twins import core
 
 SCENES = {(3, 3): "fsr_3x3", (64, 64): "fsr_64x64"}
 PRESS_FRAMES = 256
-BEFORE_S = 0.1  # of a scene of slip, before what it is about
+BEFORE_S = 0.1  # of a slip scene, before its first slip event
 
 
 def codes_of(config, seed=1):
-    """Codes of the scene that shows what ``config`` is for: what its converter makes of a recording.
+    """Codes that the converter of ``config`` gives for a recording of the scene that suits it.
 
-    An array that no scene has sees a press: see ``press``.
+    An array of a size that no scene has gets ``press``.
     """
     top = (1 << config.part.data_bits - config.part.signed) - 1
     if config.kind == "channels":
@@ -38,7 +38,7 @@ def codes_of(config, seed=1):
 
 
 def press(rows, columns, top, seed=1):
-    """Codes of something round that comes down, goes around and is shaken now and then: no physics."""
+    """Codes of a round contact that presses, moves in a circle and shakes now and then; no physics."""
     rng = np.random.default_rng(seed)
     turn = 2 * np.pi * np.arange(PRESS_FRAMES)[:, None, None] / PRESS_FRAMES
     y = (np.arange(rows)[:, None] + 0.5) / rows - 0.5 - 0.25 * np.sin(turn)
@@ -51,7 +51,7 @@ def press(rows, columns, top, seed=1):
 
 
 def shown(config):
-    """``codes_of`` for somebody who watches: where single channels slip, from shortly before that on."""
+    """``codes_of`` for a viewer: single channels are rotated to start shortly before the first slip."""
     codes = codes_of(config)
     if config.kind != "channels":
         return codes

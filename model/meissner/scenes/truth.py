@@ -6,7 +6,7 @@ import numpy as np
 def errors(x, y, load, valid, true_load, true_x, true_y):
     """Position error (distance as a fraction of the range -1 to 1) and load error (fraction), per sample.
 
-    NaN where nothing presses; the position's also where the sensor gives none.
+    NaN where nothing presses; the position's error also where the sensor gives no position.
     """
     pressed = np.asarray(true_load) > 0
     seen = pressed & valid
@@ -16,7 +16,7 @@ def errors(x, y, load, valid, true_load, true_x, true_y):
 
 
 def summarise(error):
-    """Maximum and mean of the samples that have an error; None if none has."""
+    """Maximum and mean over the samples that have an error; None if none has."""
     error = error[~np.isnan(error)]
     if not len(error):
         return None
@@ -24,7 +24,7 @@ def summarise(error):
 
 
 def percent(error):
-    """A summary of errors in words."""
+    """A result of ``summarise`` in words."""
     if error is None:
         return "none"
     return f"{100 * error['mean']:.3g} % in the mean, {100 * error['maximum']:.3g} % at most"

@@ -1,4 +1,4 @@
-"""The sentence about a run that its report begins with; the words of a sensor are in its own folder."""
+"""The sentence that a run's report begins with; each sensor's part of it is in the sensor's folder."""
 
 from meissner.report.words import fact, number
 
@@ -8,9 +8,9 @@ def count(count, one, many=None):
 
 
 def slips(summary, began="the first partial slip", moved="the whole contact slipped"):
-    """Slips detected, missed and falsely reported, of all runs; without delays and misses nothing slips.
+    """Slips detected and missed and false alarms of all runs; a row without delays and misses has no slip.
 
-    ``began``, ``moved``: what the delay is from, and what the lead is before.
+    ``began``, ``moved``: the event that the delay starts from, and the event that the lead ends at.
     """
     rows = summary["conditions"]
     slipping = [row for row in rows if row["missed"] or row.get("delay_ms_median") is not None]
@@ -41,7 +41,7 @@ def slips(summary, began="the first partial slip", moved="the whole contact slip
 
 
 def position_and_load(summary):
-    """How far position and load are off."""
+    """The errors of position and load."""
     place, load = summary["position_error"], summary["load_error"]
     if place is None or load is None:
         return "No frame has a position."
@@ -64,7 +64,7 @@ def position_and_load(summary):
 
 
 def verdict(summary, text):
-    """The sentence around a sensor's own; a core that differs from its twin comes before anything else."""
+    """The sensor's sentence with the comparison of core and twin; a difference comes first."""
     wrong = summary.get("twin_mismatches")
     if wrong:
         return f"The core differs from its integer twin in {count(wrong, 'value')}: do not trust it. {text}"

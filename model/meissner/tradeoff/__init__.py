@@ -1,14 +1,15 @@
-"""``meissner tradeoff``: what accuracy costs, measured point by point; ``meissner choose``: the configuration
-on that front which meets what is asked for.
+"""``meissner tradeoff``: the cost of accuracy, measured point by point; ``meissner choose``: a configuration
+on that front that meets given needs.
 
-axis       what an axis is, and one point of it
-axes       a module per subject; nothing lists them
-table      finds them
-pool       points to processes, of this machine or of Dask
+axis       definition of an axis and its points
+axes       a module per subject; no list of them exists
+table      finds the modules of axes
+pool       runs points in processes of this machine
+cluster    runs points on the workers of Dask
 store      finished points on disk
 sweep      from axes to results
-pareto     which points no other one beats
+pareto     points that no other point dominates
 draw, page pictures and report
-needs      what is asked for, and the shipped configurations' own
+needs      needs of a user, and those of the shipped configurations
 choose     from needs to a configuration
 """

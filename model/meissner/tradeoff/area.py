@@ -1,8 +1,8 @@
-"""LUTs and Fmax that were measured by synthesis, place and route: read here, never guessed.
+"""LUTs and Fmax measured by synthesis, place and route: only recorded values, no estimates.
 
-constraints/fmax.json has them, each with ``rests``: a digest of the RTL that the block is made of, without
-comments and assertions, of its parameters, of the target and of the tools' versions. A figure of another
-digest is stale, and one without a record is absent; either is None here, and ``missing`` says so.
+constraints/fmax.json has them, each with ``rests``: a digest of the block's RTL without comments and
+assertions, its parameters, the target and the tools' versions. A figure with another digest is stale, and one
+without a record is absent; both are None here, and ``missing`` reports them.
 """
 
 import hashlib
@@ -20,18 +20,18 @@ NOTHING = {"lut": None, "mhz": None}
 
 @cache
 def records():
-    """What was measured, by "entry target"."""
+    """{"entry target": record}."""
     return json.loads(RECORD.read_text("utf-8")) if RECORD.is_file() else {}
 
 
 def _read(path):
-    """A source as synthesis reads it."""
+    """The text of a source as synthesis reads it."""
     text = re.sub(r"`ifndef SYNTHESIS\b.*?`endif", "", path.read_text("utf-8"), flags=re.DOTALL)
     return " ".join(re.sub(r"//.*", "", text).split())
 
 
 def _versions():
-    pins = toolchain.ROOT / "requirements/synth.txt"  # not in the wheel, whose record is of its own sources
+    pins = toolchain.ROOT / "requirements/synth.txt"  # not in the wheel, whose records are of its own sources
     lines = pins.read_text("utf-8").split() if pins.is_file() else []
     return sorted(line for line in lines if line.partition("==")[0] in TOOLS)
 
@@ -45,7 +45,7 @@ def _rtl(module, target):
 
 
 def digest(module, parameters, target):
-    """Eight digits that change with what such a figure rests on."""
+    """Eight digits that change with everything that a figure depends on."""
     setting = json.dumps([_rtl(module, target), module, parameters, target])
     return hashlib.sha256(setting.encode()).hexdigest()[:8]
 
@@ -60,7 +60,7 @@ def state(entry, target):
 
 
 def placed(entry, target):
-    """{"lut", "mhz"} of an entry, the worst of its seeds; None each if it is stale or absent."""
+    """{"lut", "mhz"} of an entry, mhz of its worst seed; both None if it is stale or absent."""
     if state(entry, target) != "there":
         return dict(NOTHING)
     kept = records()[f"{entry} {target}"]
@@ -68,7 +68,7 @@ def placed(entry, target):
 
 
 def missing(entries):
-    """Lines that say which of (entry, target) are stale or absent, and what measures them."""
+    """Lines that list stale and absent pairs (entry, target), and the command that measures them."""
     found = {"stale": [], "absent": []}
     for entry, target in entries:
         if (kind := state(entry, target)) != "there":

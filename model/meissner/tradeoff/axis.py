@@ -1,7 +1,7 @@
-"""An axis of the sweep: its values, what a point costs, how wrong it is, and what the project ships.
+"""An axis of the sweep: its values, the cost and error of a point, and the point that the project ships.
 
-``cost`` and ``error`` are functions of one point, a dict, and of nothing else, so that any process may run
-them. They measure: they run the twins, the solvers, the engines, or read what a tool measured.
+``cost`` and ``error`` are functions of one point, a dict, and of nothing else, so that any process can run
+them. They measure: they run the twins, the solvers or the engines, or read figures that a tool measured.
 """
 
 from collections.abc import Callable
@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 
 class Figure(NamedTuple):
-    """A figure of a point; ``judged``: less is better, and the front is of all that are judged."""
+    """A figure of a point; ``judged``: less is better. The front is over all judged figures."""
 
     key: str
     label: str
@@ -27,14 +27,14 @@ def always(_point):
 class Axis:
     """``values``: {parameter: its values}; the points are their product where ``legal``.
 
-    ``apart``: parameters that are not for the user to choose: points that differ in them do not compete.
-    ``quick``: the same for `--quick`. ``runs``: {parameter: (value, value of quick)} of how long is measured.
-    ``shipped``: the point that the project ships. ``panels``: (key across, key up) of each chart; without one
-    a table alone. ``near``: of quick, only points that differ from the shipped one in at most so many
-    parameters. ``group``: parameters whose points go to one process, which keeps what they share. ``timed``:
-    a clock decides its figures, so it is measured alone, and is not repeatable to the digit.
-    ``conclusions``: figures that are true or false, each a sentence. ``placed``: (entry, target) of tools'
-    measured LUTs and Fmax that are a point's, or None (meissner.tradeoff.area).
+    ``apart``: parameters that are given, not chosen; points that differ in them do not compete. ``quick``:
+    ``values`` for `--quick`. ``runs``: {parameter: (value, value for quick)} that set how long is measured.
+    ``shipped``: the point that the project ships. ``panels``: (key across, key up) of each chart; without
+    any, there is only a table. ``near``: with quick, only points that differ from the shipped one in at most
+    this many parameters. ``group``: parameters; points that agree in them go to one process, which keeps what
+    they share. ``timed``: figures that a clock decides; the axis is then measured alone and does not repeat
+    to the digit. ``conclusions``: figures that are true or false, each a sentence. ``placed``: the (entry,
+    target) of a point's recorded LUTs and Fmax, or None (meissner.tradeoff.area).
     """
 
     name: str
@@ -69,7 +69,7 @@ class Axis:
                 raise ValueError(f"{where} has no figure {key}")
 
     def kind(self, point):
-        """What a point competes in."""
+        """The class of points that a point competes in."""
         return tuple(point[key] for key in self.apart)
 
     @property
@@ -80,7 +80,7 @@ class Axis:
         return next(figure for figure in self.figures if figure.key == key)
 
     def points(self, quick=False):
-        """Every point, in the order of ``values``; the shipped one among them."""
+        """Every point in the order of ``values``, including the shipped one."""
         values = self.values | (self.quick if quick else {})
         runs = {key: both[quick] for key, both in self.runs.items()}
         found = [dict(zip(values, row)) for row in product(*values.values())]

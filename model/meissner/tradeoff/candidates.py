@@ -1,7 +1,7 @@
-"""The points that a sensor's needs leave to choose from, and each as the tables of a configuration.
+"""The points available for a sensor's needs, and each as the tables of a configuration.
 
-A candidate is a row as sweep has it. The tables are those of the named configuration nearest to the sensor,
-with what the point decides in their place.
+A candidate is a row of sweep. Its tables are those of the named configuration nearest to the sensor, with the
+settings that the point decides replaced.
 """
 
 import copy
@@ -16,13 +16,13 @@ from meissner.tradeoff.axes.slip import HOPS, PART_MV
 from meissner.tradeoff.sweep import figure_of
 from meissner.tradeoff.table import named
 
-# Converters by the bits that they have between 0 and 5 V; the AD7606's 16 are of ±5 V.
+# Converters by their bits over 0 to 5 V; the AD7606 has 16 bits over ±5 V.
 OF_BITS = {8: ("MAX11123",), 10: ("MAX11124",), 12: ("MCP3208", "MAX11125"), 15: ("AD7606",)}
-MARGIN = 0.95  # of the fastest frame rate
+MARGIN = 0.95  # share of the fastest frame rate
 
 
 def board_of(name):
-    """The Board; ValueError lists what there is."""
+    """The Board of that name, None for None; ValueError lists the known ones."""
     if name is None:
         return None
     every = boards.BOARDS | {boards.ARTY.name: boards.ARTY}
@@ -38,7 +38,7 @@ def part_of(name):
 
 
 def base_of(needs):
-    """The named configuration whose tables a configuration begins with."""
+    """The named configuration that a configuration for these needs starts from."""
     if needs.sensor == "array":
         small = (needs.rows or 64) * (needs.columns or 64) <= 64
         return "fingertip" if small else "array64"
@@ -50,7 +50,7 @@ def tables_of(name):
 
 
 def clock_mhz(needs):
-    """The board's clock for that kind of configuration, else the configuration's own."""
+    """The board's clock for that kind of configuration, or else the configuration's own."""
     base, board = base_of(needs), board_of(needs.board)
     own = tables_of(base)["clock"]["mhz"]
     return board.changes(base).get("mhz", own) if board else own
@@ -66,7 +66,7 @@ def _channels(needs, results):
 
 
 def _electrodes(needs, _):
-    """A converter for four wires is symmetric about 0 V, and the core takes no amplified differences."""
+    """Four wires: their converter is symmetric about 0 V; the core takes no amplified differences."""
     axis, rows = named("cop4"), needs.rows or 7
     if rows != (needs.columns or 7):
         raise ValueError("the axis cop4 is of square meshes: rows and columns must be equal")
@@ -95,7 +95,7 @@ def _array(needs, _):
 
 ROWS = {"channels": _channels, "electrodes": _electrodes, "array": _array}
 AXIS = {"channels": "slip", "electrodes": "cop4", "array": "lanes"}
-# What is cheap first; then what is right; then what is fast.
+# Sort keys of candidates: cost first, then error, then delay.
 PRICE = {
     "channels": ("kbit_s", "state_bits", "wrong", "delay_ms"),
     "electrodes": ("power_mw", "position"),
@@ -106,7 +106,7 @@ LATENCY = {"channels": ("delay_ms", 1.0), "electrodes": (None, 1.0), "array": ("
 
 
 def candidates(needs, results):
-    """Rows with "part", the cheapest first; ValueError if there are none."""
+    """Rows with the key "part", the cheapest first; ValueError if there are none."""
     found = list(ROWS[needs.sensor](needs, results))
     if not found:
         with_adc = f" with adc = {needs.adc}" if needs.adc else ""
@@ -119,7 +119,7 @@ def candidates(needs, results):
 
 
 def tables(needs, row):
-    """{table: {key: value}} of a configuration with that point."""
+    """{table: {key: value}} of the configuration with the row's point."""
     found, point = copy.deepcopy(tables_of(base_of(needs))), row["point"]
     found["clock"]["mhz"] = float(clock_mhz(needs))
     board = board_of(needs.board)
@@ -148,6 +148,6 @@ def tables(needs, row):
 
 
 def rounded_rate(rate):
-    """The largest number of two digits that is not above ``rate``."""
+    """``rate`` rounded down to two significant digits."""
     size = 10.0 ** (len(str(int(rate))) - 2) if rate >= 10 else 0.1
     return float(rate // size * size)

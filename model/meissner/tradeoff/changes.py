@@ -1,6 +1,6 @@
-"""The constants of the physics that nobody published, each changed: which conclusions survive that?
+"""Changes of the unpublished constants of the physics, to test which conclusions survive them.
 
-tools/constants.py has the same changes in docs/constants.md.
+tools/constants.py writes the same changes to docs/constants.md.
 """
 
 import contextlib
@@ -10,7 +10,7 @@ from meissner.physics import grip, plate, rubber
 
 
 class Change(NamedTuple):
-    """One constant changed; ``first``: of the scene's condition; ``presses``: it matters to pressing too."""
+    """A changed constant; ``first``: first_event of the condition; ``presses``: it affects pressing, too."""
 
     name: str
     value: float
@@ -47,7 +47,7 @@ HELD_CHANGES = (
 
 @contextlib.contextmanager
 def changed(change):
-    """The physics with one constant changed, and those that are computed from it."""
+    """Within this context the constant and those computed from it are changed."""
     if change.first is not None:
         yield
         return

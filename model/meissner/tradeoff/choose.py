@@ -1,4 +1,4 @@
-"""From needs to the cheapest configuration that meets them, and what a step in another direction brings."""
+"""From needs to the cheapest configuration that meets them, with the cost of improving each figure."""
 
 import json
 import tempfile
@@ -19,11 +19,11 @@ from meissner.tradeoff.candidates import (
 from meissner.tradeoff.sweep import figure_of
 from meissner.tradeoff.table import named
 
-ASKED = 6  # candidates whose pins and clocks are looked at before it is given up
+ASKED = 6  # distinct reasons of failed builds before it gives up
 
 
 def toml(found):
-    """Tables of numbers, words and true or false as a TOML file."""
+    """Tables of numbers, strings and booleans as the text of a TOML file."""
 
     def value(given):
         return {True: "true", False: "false"}[given] if isinstance(given, bool) else json.dumps(given)
@@ -36,7 +36,7 @@ def toml(found):
 
 
 def broken(needs, row):
-    """Which needs a row breaks, in words."""
+    """The needs that a row does not meet, in words."""
     found, axis = [], named(AXIS[needs.sensor])
     key = ERROR[needs.sensor]
     if needs.error is not None and key:
@@ -56,7 +56,7 @@ def _above(figure, value, most):
 
 
 def built(needs, row):
-    """The Config of a row as it is on the board; ValueError with the reason if it cannot be built."""
+    """The Config of a row, checked on the board; ValueError with the reason if it cannot be built."""
     found = tables(needs, row)
     made = config.read(base_of(needs), found)
     board = board_of(needs.board)
@@ -69,7 +69,7 @@ def built(needs, row):
 
 
 def lut_of(needs):
-    """(LUTs, name) of the nearest configuration that was placed on the board; None if none was."""
+    """(LUTs, name) of the nearest configuration placed on the board; None without one."""
     path = ROOT / "constraints/resources.json"
     name = f"{needs.board}-{base_of(needs)}"
     kept = json.loads(path.read_text("utf-8")).get(name, {}) if path.is_file() else {}
@@ -77,14 +77,14 @@ def lut_of(needs):
 
 
 def _words(point, other):
-    """What a point has that another has not."""
+    """The parameters in which a point differs from another, in words."""
     return (
         ", ".join(f"{key} {value}" for key, value in point.items() if other.get(key) != value) or "the same"
     )
 
 
 def chosen(needs, results):
-    """(row, Config, lines that say why): the cheapest row that meets the needs and can be built."""
+    """(row, Config, lines with the reasons) of the cheapest row that meets the needs and can be built."""
     rows = candidates(needs, results)
     fits = [row for row in rows if not broken(needs, row)]
     if not fits:
@@ -122,7 +122,7 @@ def _why(needs, rows, row):
 
 
 def _next(needs, axis, rows, row, figure):
-    """The nearest row with less of a figure, and what it costs."""
+    """A line about the nearest row with a smaller figure, and its cost."""
     own = figure_of(row, figure.key)
     less = [
         other
@@ -150,7 +150,7 @@ def _next(needs, axis, rows, row, figure):
 
 
 def _area(needs):
-    """What is known of the LUTs; ValueError if they are known to be too many."""
+    """A line about the LUTs as far as known; ValueError if they are known to be too many."""
     if needs.board is None:
         raise ValueError("--lut is of a board's chip: name it with --board")
     found = lut_of(needs)

@@ -1,19 +1,19 @@
-"""The same points on the workers of a Dask scheduler, which need this package too.
+"""Points on the workers of a Dask scheduler, which need this package, too.
 
-A worker keeps what it has found until it is fetched, so that all it has of a long list would be lost with it.
-Each therefore gets a point to run and one more, and the next when a result is here.
+A worker keeps its results until they are fetched, so a lost worker would lose a long list of them. Each of
+its threads therefore gets one point to run and one in reserve, and the next when a result has arrived.
 """
 
 import time
 
 from meissner.tradeoff import worker
 
-AHEAD = 2  # points that a thread of a worker has, the one that it runs among them
-COUNTED_S = 1.0  # between two looks at how many threads there are
+AHEAD = 2  # points per thread of a worker, including the running one
+COUNTED_S = 1.0  # between two counts of the threads
 
 
 class Cluster:
-    """``run(tasks)`` yields (task, answer) as they come, in any order."""
+    """``run(tasks)`` yields (task, answer) as results arrive, in any order."""
 
     def __init__(self, address):
         try:
@@ -27,7 +27,7 @@ class Cluster:
         self.wait, self.room, self.counted = wait, 0, None
 
     def _room(self):
-        """How many points may be out at once."""
+        """The number of points that may be submitted at the same time."""
         now = time.monotonic()
         if self.counted is None or now - self.counted >= COUNTED_S:
             self.room, self.counted = AHEAD * max(1, sum(self.client.ncores().values())), now
@@ -46,6 +46,6 @@ class Cluster:
                 for future in self.wait(list(waiting), return_when="FIRST_COMPLETED").done:
                     try:
                         found = future.result()
-                    except Exception as problem:  # Dask's own: a point that ended its workers again and again
+                    except Exception as problem:  # Dask's own: a point that ended its workers repeatedly
                         found = {"problem": f"{type(problem).__name__}: {problem}"}
                     yield waiting.pop(future), found

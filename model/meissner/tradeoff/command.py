@@ -18,7 +18,7 @@ RECORD = Path(__file__).with_name("measured.json")
 
 @contextmanager
 def _bar(total):
-    """What to call after each point: a bar with the time left on a terminal, nothing in a pipe."""
+    """Yield a function to call after each point: a bar with the time left on a terminal, silent in a pipe."""
     if not sys.stderr.isatty() or not total:
         yield lambda: None
         return
@@ -32,7 +32,7 @@ def _bar(total):
 
 
 def _folder(out):
-    """``out`` as a folder that can be written to; ValueError if it cannot."""
+    """``out`` as the path of a writable folder; ValueError if it is not one."""
     out = Path(out)
     there = next(path for path in (out, *out.parents) if path.exists())
     if not there.is_dir():
@@ -51,7 +51,7 @@ def _workers(count):
 
 
 def _point(arguments):
-    """One point, printed; nothing is written."""
+    """Measure and print one point; no file is written."""
     from meissner.tradeoff import worker
 
     if not arguments.axis or len(arguments.axis) != 1:
@@ -102,7 +102,7 @@ def _tell(axes, rows, out, quick):
 
 
 def _results(sweep_folder):
-    """The results in a folder, or those that came with the package."""
+    """The results in a folder, or those shipped with the package."""
     if sweep_folder:
         return sweep.read(sweep_folder)
     return json.loads(RECORD.read_text("utf-8"))

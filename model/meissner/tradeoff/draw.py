@@ -1,4 +1,4 @@
-"""A picture of an axis: its points, the front that no point beats, the point that ships."""
+"""A picture of an axis: its points, the Pareto front, the shipped point."""
 
 from textwrap import wrap
 
@@ -10,7 +10,7 @@ from meissner.tradeoff.sweep import figure_of
 
 BLUE, ORANGE, GREY, INK = "#0072B2", "#D55E00", "#C4C4C4", "#222222"
 FORMS = (("o", "-"), ("s", "--"), ("^", ":"), ("D", "-."), ("v", "-"), ("P", "--")) * 4
-WIDE = 50  # from this ratio of its ends on, an axis is logarithmic
+WIDE = 50  # an axis is logarithmic above this ratio of its ends
 
 
 def label(figure):
@@ -23,13 +23,13 @@ def _scale(values):
 
 
 def _named(axis, kind):
-    """What points compete in, in words."""
+    """The parameters that a class of competing points has in common, in words."""
     both = zip(axis.apart, kind)
     return ", ".join(str(v) if isinstance(v, str) else f"{key.replace('_', ' ')} {v:g}" for key, v in both)
 
 
 def _panel(axes, axis, rows, across, up):
-    """Points of two figures; the line joins the front of these two alone."""
+    """Points over two figures; the line joins the front of these two figures alone."""
     known = [row for row in rows if None not in (figure_of(row, across), figure_of(row, up))]
     if not known:
         axes.text(0.5, 0.5, "nothing measured", ha="center", transform=axes.transAxes)
@@ -56,7 +56,7 @@ def _panel(axes, axis, rows, across, up):
     axes.set_yscale(_scale([y for _, y in at.values()]))
     for one, values in zip((axes.xaxis, axes.yaxis), zip(*at.values())):
         if one.get_scale() == "linear" and all(value == int(value) for value in values):
-            one.get_major_locator().set_params(integer=True)  # no half clocks
+            one.get_major_locator().set_params(integer=True)  # no ticks between integers
     axes.set(xlabel=label(axis.figure(across)), ylabel="\n".join(wrap(label(axis.figure(up)), 38)))
     axes.spines[["top", "right"]].set_visible(False)
     axes.grid(color="#E6E6E6", lw=0.6)
@@ -64,7 +64,7 @@ def _panel(axes, axis, rows, across, up):
 
 
 def _conclusions(axes, axis, rows):
-    """A table of what holds: a column for each conclusion, a row for each point."""
+    """A chart of the conclusions that hold: a column for each conclusion, a row for each point."""
     keys = axis.conclusions
     for line, row in enumerate(rows):
         for column, key in enumerate(keys):

@@ -1,9 +1,9 @@
-"""What a user says that matters, and what the named configurations were made for.
+"""The needs of a user, and those that the named configurations were made for.
 
-None: it does not matter. ``error``: per cent at most, of a sensor of slip the runs with a missed slip or a
-false alarm, of four wires what the converter adds to the position; the centre of an array has none to speak
-of. ``latency_ms``: at most, the median from the first partial slip to the flag, or from a frame's first
-convert start to the centre of pressure. ``window``: the samples of a window, as the papers' 64.
+None: no such need. ``error``: at most, in per cent: for a slip sensor the runs with a missed slip or a false
+alarm, for four wires the converter's part of the position error; for the centre of an array it is negligible.
+``latency_ms``: at most, the median from the first partial slip to the flag, or the time from a frame's first
+convert start to the centre of pressure. ``window``: samples of a window; the papers use 64.
 """
 
 from dataclasses import dataclass, fields
@@ -14,7 +14,7 @@ SENSORS = ("channels", "electrodes", "array")
 
 @dataclass(frozen=True)
 class Needs:
-    """``lut``: of the board's chip, for a configuration that was placed there."""
+    """``lut``: LUTs at most on the board's chip, for a configuration that was placed there."""
 
     sensor: str
     error: float | None = None
@@ -49,7 +49,7 @@ class Needs:
                 raise ValueError(f"{key} must not be there with the sensor {self.sensor}")
 
     def said(self):
-        """The needs that matter, {name: value}."""
+        """{name: value} of the given needs."""
         return {
             field.name: getattr(self, field.name)
             for field in fields(self)

@@ -1,4 +1,4 @@
-"""The report of a sweep: a verdict, a picture and the front of each axis, every point with its command."""
+"""The report of a sweep: verdict, picture and front of each axis, each listed point with its command."""
 
 from meissner import interval
 from meissner.files import written
@@ -8,11 +8,11 @@ from meissner.tradeoff import area, draw
 from meissner.tradeoff.points import command_of
 from meissner.tradeoff.sweep import figure_of
 
-ROWS = 40  # of a table
+ROWS = 40  # at most, of a table
 
 
 def shown(value):
-    """A figure for a cell: a rate with its interval, a number to four digits."""
+    """A figure as the text of a cell: a rate with its interval, a number to four digits."""
     if isinstance(value, dict):
         between = interval.ends(value["low"], value["high"])
         return f"{value['count']} of {value['runs']} ({between} %)"
@@ -22,7 +22,7 @@ def shown(value):
 
 
 def listed(axis, rows):
-    """(rows of a table, how many there could be): the front, ordered, and the shipped point."""
+    """(rows of the table, their number without the limit ROWS): the front, ordered, and the shipped point."""
     chosen = [row for row in rows if row["front"] or row["shipped"]] if axis.judged else rows
     if axis.judged:
         order = [*axis.judged[1:2], *axis.judged[:1]]
@@ -38,7 +38,7 @@ def _last(value):
 
 
 def table(axis, rows, command=True):
-    """The same as dicts of words, without what all rows have alike."""
+    """The rows of ``listed`` as dicts of words, without columns that are equal in all rows."""
     found, _ = listed(axis, rows)
     usual = {key for key in axis.runs} | {key for key in axis.values}
     measured = [
@@ -63,7 +63,7 @@ def table(axis, rows, command=True):
 
 
 def survivors(axis, rows):
-    """(sentence, how many of the changes it survives, of how many, those that it does not)."""
+    """Yield (conclusion, number of changes it survives, number of changes, those it does not survive)."""
     changed = [row for row in rows if not row["shipped"]]
     first = next(iter(axis.values))
     for key in axis.conclusions:
@@ -72,7 +72,7 @@ def survivors(axis, rows):
 
 
 def verdict(axis, rows):
-    """A sentence: how the shipped point stands."""
+    """A sentence about the shipped point and the front, or about the conclusions."""
     if axis.conclusions:
         parts = [
             f"{text}: with {held} of {of} changes" + (f", not with {', '.join(fell)}" if fell else "")
@@ -107,7 +107,7 @@ def beaten_by(axis, rows, row):
 
 
 def not_placed(axes, rows):
-    """Lines that say which LUT and Fmax are not there."""
+    """Lines that list the LUT and Fmax figures that are missing or stale."""
     entries = {
         entry
         for axis in axes
@@ -119,7 +119,7 @@ def not_placed(axes, rows):
 
 
 def write(out, axes, rows, facts):
-    """A picture of each axis and report.html into ``out``; returns the names of the files."""
+    """Write a picture of each axis and report.html into ``out``; returns the names of the files."""
     pictures, tables, names = [], {}, []
     for axis in axes:
         if not rows[axis.name]:

@@ -1,18 +1,18 @@
-"""Which points no other one beats: at least as good in everything that is judged, and better in something."""
+"""The Pareto front: a point dominates another if it is worse in no figure and better in at least one."""
 
 
 def dominates(a, b):
-    """Of two sequences of numbers of which less is better."""
+    """Whether ``a`` dominates ``b``: sequences of numbers, less is better."""
     return all(x <= y for x, y in zip(a, b)) and any(x < y for x, y in zip(a, b))
 
 
 def front(rows):
-    """A bool for each row of numbers: whether no other dominates it. Equal rows are all on the front.
+    """A bool for each row of numbers: whether no other row dominates it. Equal rows are all on the front.
 
-    A row with None was not measured in something: it is never on the front, and beats nobody.
+    A row with None lacks a measurement: it is never on the front and dominates no row.
     """
     whole = [row for row in rows if None not in row]
-    best = []  # of ``whole``: sorted, a row can only be dominated by one before it
+    best = []  # front of ``whole``: in sorted order, only an earlier row can dominate a row
     for row in sorted(set(map(tuple, whole))):
         if not any(dominates(other, row) for other in best):
             best.append(row)
@@ -21,6 +21,6 @@ def front(rows):
 
 
 def stairs(points):
-    """The corners of the front of (x, y) pairs, by x: what a chart's line joins."""
+    """The corners of the front of (x, y) pairs, sorted by x, for the line of a chart."""
     kept = front(points)
     return sorted({point for point, on in zip(map(tuple, points), kept) if on})

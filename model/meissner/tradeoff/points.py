@@ -1,20 +1,20 @@
-"""Points as words of the command line."""
+"""Points as NAME=VALUE words of the command line."""
 
 import shlex
 
 
 def text_of(point):
-    """``bits=12 rate_hz=10000``, as `--point` takes it."""
+    """A point as the arguments of `--point`, such as ``bits=12 rate_hz=10000``."""
     return shlex.join(f"{key}={value}" for key, value in point.items())
 
 
 def command_of(axis, point):
-    """What measures one point again."""
+    """The command that measures a point again."""
     return f"meissner tradeoff --axis {axis.name} --point {text_of(point)}"
 
 
 def point_of(axis, parts):
-    """The point of NAME=VALUE words; what they leave out is the shipped point's. ValueError in a sentence."""
+    """The point of NAME=VALUE words; the shipped point gives the others. ValueError in one sentence."""
     usual = {key: both[0] for key, both in axis.runs.items()}
     first = {key: values[0] for key, values in axis.values.items()}
     point = first | axis.shipped | usual
@@ -34,7 +34,7 @@ def point_of(axis, parts):
 
 
 def _value(key, text, usual, values):
-    """``text`` as the kind that ``usual`` is of; of words, only those of ``values``."""
+    """``text`` converted to the type of ``usual``; a string must be one of ``values``."""
     if isinstance(usual, str):
         if text not in values:
             raise ValueError(f"--point: {key} = '{text}' must be one of: {', '.join(map(str, values))}")

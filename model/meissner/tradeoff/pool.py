@@ -1,6 +1,6 @@
-"""Points to processes: those of this machine, or Dask's. A process that dies loses the point that it ran.
+"""Run points in processes of this machine. A process that dies loses only the point that it was running.
 
-Each process is fed by a thread of its own, which starts another one in its place when it ends.
+A thread feeds each process, and replaces it if it dies.
 """
 
 import json
@@ -12,8 +12,8 @@ from collections import OrderedDict, deque
 from queue import SimpleQueue
 from typing import NamedTuple
 
-ATTEMPTS = 3  # of a point that ends its process: then it is the point
-# A process is one of several already; threads of its own would add in another order, and wait for each other.
+ATTEMPTS = 3  # for a point that ends its process; after that, the point is at fault
+# Several processes run already; threads in each would change the order of additions and compete for cores.
 ALONE = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 
 
@@ -31,7 +31,7 @@ def cores():
 
 
 class _Waiting:
-    """The tasks that nobody has yet: the next one of the group that a process had before, if there is one."""
+    """The tasks not yet taken; a process gets the next task of its previous group, if one is left."""
 
     def __init__(self, tasks):
         self.groups, self.lock, self.tries = OrderedDict(), threading.Lock(), {}
@@ -40,7 +40,7 @@ class _Waiting:
             self.groups.setdefault((task.name, task.group), deque()).append(number)
 
     def next(self, before):
-        """(number of a task, its group); None when there are no more."""
+        """(number of a task, its group); None if no task is left."""
         with self.lock:
             if not self.groups:
                 return None
@@ -54,7 +54,7 @@ class _Waiting:
             return number, before
 
     def again(self, number, group):
-        """Back to the front of its group after its process ended; False if it has had its attempts."""
+        """Put a task back at the front of its group after its process died; False after ATTEMPTS attempts."""
         with self.lock:
             self.tries[number] = self.tries.get(number, 0) + 1
             if self.tries[number] == ATTEMPTS:
@@ -64,7 +64,7 @@ class _Waiting:
 
 
 class Pool:
-    """``count`` processes; ``run(tasks)`` yields (task, answer) as they come, in any order."""
+    """``count`` processes; ``run(tasks)`` yields (task, answer) as results arrive, in any order."""
 
     def __init__(self, count):
         self.count, self.processes, self.closing, self.died = count, {}, False, 0
@@ -76,7 +76,7 @@ class Pool:
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             env=os.environ | ALONE | {"PYTHONPATH": path},
-            start_new_session=True,  # Ctrl-C is for who asked, who then ends this one
+            start_new_session=True,  # Ctrl-C goes to the parent only, which then ends this process
         )
         self.processes[place] = process
         if self.closing:
@@ -116,7 +116,7 @@ class Pool:
         try:
             while left:
                 found = answers.get()
-                if found is None:  # one of several has nothing left; a lost point is with the others, or last
+                if found is None:  # a thread has no task left; others may still run a lost point again
                     count -= 1
                     if not count:
                         break

@@ -1,8 +1,9 @@
-"""Finished points on disk: a file each, written whole as soon as it is there, so that a sweep can go on.
+"""Finished points on disk: one file each, written atomically once it is measured, so that an interrupted
+sweep can continue.
 
-A file carries the digest of what its figures rest on: the axis's module with all that it imports of this
-package, the scenes, and the versions of NumPy and SciPy. Comments do not count. A point of another digest is
-measured again.
+A file carries the digest of everything its figures rest on: the axis's module with its imports from this
+package, the scenes, and the versions of NumPy and SciPy. Comments of Python do not count. A point with
+another digest is measured again.
 """
 
 import ast
@@ -26,7 +27,7 @@ def _path(module):
 
 @cache
 def _names(path):
-    """Modules of this package that a file may mean by its imports, those inside its functions among them."""
+    """Names that a file imports from this package, as possible modules; also imports inside functions."""
     found = []
     for node in ast.walk(ast.parse(path.read_text("utf-8"))):
         if isinstance(node, ast.ImportFrom) and node.module:
@@ -38,7 +39,7 @@ def _names(path):
 
 @cache
 def _file(name):
-    """The file of a module of this package, None if there is none: the name may be one inside a module."""
+    """The file of a module of this package; None if the name is not a module but defined in one."""
     path = PACKAGE.joinpath(*name.split(".")[1:])
     files = (path / "__init__.py", path.with_suffix(".py"))
     return next((file for file in files if file.is_file()), None)
@@ -46,7 +47,7 @@ def _file(name):
 
 @cache
 def rests_on(module):
-    """The files that an axis's module leads to, itself among them, sorted."""
+    """The files that an axis's module depends on, including itself, sorted."""
     first = _path(module)
     found, waiting = set(), [first]
     while waiting:
@@ -55,7 +56,7 @@ def rests_on(module):
             continue
         found.add(path)
         waiting += [_file(name) for name in _names(path)]
-        if path == PACKAGE / "scenes/sensor.py":  # it imports its folders by their names
+        if path == PACKAGE / "scenes/sensor.py":  # it imports sensors by name
             waiting += (PACKAGE / "scenes").rglob("*.py")
     if PACKAGE / "scenes/sensor.py" in found:
         found |= {*(PACKAGE / "scenes").rglob("*.toml")}
@@ -64,7 +65,7 @@ def rests_on(module):
 
 @cache
 def _unread(path):
-    """A file without what only a reader sees."""
+    """The content of a file; of a Python file without comments and docstrings."""
     text = path.read_text("utf-8")
     if path.suffix != ".py":
         return text.encode()
@@ -80,7 +81,7 @@ def _unread(path):
 
 @cache
 def revision(module):
-    """Eight digits that change with what the figures of the axes of ``module`` rest on."""
+    """Eight digits that change with everything that the figures of the axes in ``module`` rest on."""
     parts = [_unread(path) for path in rests_on(module)]
     parts += [f"{name}=={version(name)}".encode() for name in ("numpy", "scipy")]
     return hashlib.sha256(b"\n".join(parts)).hexdigest()[:8]
@@ -97,7 +98,7 @@ class Store:
         return self.folder / task.name / f"{hashlib.sha256(text.encode()).hexdigest()[:16]}.json"
 
     def begin(self, names):
-        """Make the folders of these axes; what an interrupted process was just writing goes."""
+        """Make the folders of these axes; remove the temporary files of interrupted writes."""
         for name in names:
             (self.folder / name).mkdir(parents=True, exist_ok=True)
             for left in (self.folder / name).glob(".*.json.*"):
@@ -105,14 +106,14 @@ class Store:
                     left.unlink()
 
     def read(self, task):
-        """(figures, whether what they rest on is as it was); (None, False) without them."""
+        """(figures, whether they are current); (None, False) without figures."""
         try:
             kept = json.loads(self._place(task).read_text("utf-8"))
             if kept["point"] != task.point or not {"cost", "error"} <= kept["found"].keys():
                 return None, False
             return kept["found"], kept["of"] == revision(task.where)
         except (OSError, ValueError, KeyError, TypeError, AttributeError):
-            return None, False  # not there, or damaged: measured again
+            return None, False  # missing or damaged: measured again
 
     def write(self, task, found):
         entry = {"of": revision(task.where), "point": task.point, "found": found}

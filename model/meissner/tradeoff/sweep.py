@@ -1,4 +1,4 @@
-"""From axes to results: plan the points, run those that are not on disk, join all as planned."""
+"""From axes to results: plan the points, run those that are not on disk, join all in the planned order."""
 
 import json
 from contextlib import closing, nullcontext
@@ -14,7 +14,7 @@ RESULTS, TIMES = "results.json", "times.json"
 
 
 def tasks_of(axis, quick=False, points=None):
-    """A Task for each point; a timed axis is one group, so that one process measures it."""
+    """A Task for each point; its group is its values of the axis's ``group``."""
     where = axis.error.__module__
     chosen = axis.points(quick) if points is None else points
     return [Task(where, axis.name, point, tuple(point[key] for key in axis.group)) for point in chosen]
@@ -23,9 +23,9 @@ def tasks_of(axis, quick=False, points=None):
 def run(axes, out, quick=False, runner=None, workers=1, progress=None, say=print, points=None):
     """Measure what is not in ``out`` yet and write the results there; returns {name: rows}.
 
-    ``runner``: what has ``run(tasks)``, of all axes but the timed ones; ``workers``: processes without it;
-    ``progress``: of a number of points a context with what to call after each; ``points``: {name: points} in
-    place of an axis's own. ValueError at the end if points failed.
+    ``runner``: an object with ``run(tasks)`` for all axes except timed ones; ``workers``: number of processes
+    without it; ``progress``: takes a number of points and returns a context whose value is called after each
+    point; ``points``: {name: points} in place of an axis's own. ValueError at the end if points failed.
     """
     out = Path(out)
     store = Store(out)
@@ -74,7 +74,7 @@ def _key(task):
 
 
 def _rows(axis, tasks, found):
-    """Rows {"point", "cost", "error", "front", "shipped"} of the points that are there, in their order."""
+    """Rows {"point", "cost", "error", "front", "shipped"} of the measured points, in the order of tasks."""
     rows = []
     for task in tasks:
         if (kept := found.get(_key(task))) is not None:
@@ -94,12 +94,12 @@ def _rows(axis, tasks, found):
 
 
 def figure_of(row, key):
-    """A figure of a row, of its cost or its error; None if it was not measured."""
+    """A figure from a row's cost or error; None if it was not measured."""
     return row["error"].get(key, row["cost"].get(key))
 
 
 def _write(out, axes, rows, quick):
-    """Results, repeatable to the digit, and apart from them what a clock decided."""
+    """Write the results that repeat to the digit, and in a file of their own those that a clock decides."""
     files = {RESULTS: {}, TIMES: {}}
     for axis in axes:
         name = TIMES if axis.timed else RESULTS
@@ -107,14 +107,14 @@ def _write(out, axes, rows, quick):
         of = revision(axis.error.__module__)
         files[name][axis.name] = {"title": axis.title, "of": of, "quick": quick, "points": commanded}
     for name, fresh in files.items():
-        if fresh:  # the others of an earlier sweep stay
+        if fresh:  # other axes of an earlier sweep are kept
             whole = dict(sorted((_entries(out / name) | fresh).items()))
             with written(out / name) as file:
                 file.write(json.dumps(whole, indent=1).encode() + b"\n")
 
 
 def _entries(path):
-    """What a file of results has; nothing if there is none, or it is damaged."""
+    """The entries of a file of results; empty if it is missing or damaged."""
     try:
         found = json.loads(path.read_text("utf-8"))
         return found if isinstance(found, dict) else {}

@@ -1,4 +1,4 @@
-"""The table of axes: every module of meissner.tradeoff.axes has ``AXES``; nothing lists the modules."""
+"""The table of axes: the ``AXES`` of every module in meissner.tradeoff.axes."""
 
 import pkgutil
 from functools import cache
@@ -20,7 +20,7 @@ def every():
 
 
 def named(name):
-    """The axis; ValueError lists what there is."""
+    """The axis of that name; ValueError lists the known ones."""
     if name not in every():
         raise ValueError(f"there is no axis '{name}'; the axes are: {', '.join(every())}")
     return every()[name]

@@ -1,4 +1,4 @@
-"""A process that measures points: a line of JSON in for each, a line out, until nobody asks any more."""
+"""A process that measures points: one line of JSON in and one out per point, until the input is closed."""
 
 import json
 import os
@@ -9,7 +9,7 @@ from importlib import import_module
 
 
 def rounded(value):
-    """Figures to nine digits: what is beyond them hangs on the order in which a library adds."""
+    """Figures rounded to nine digits: further digits depend on the order in which a library adds."""
     if isinstance(value, dict):
         return {key: rounded(each) for key, each in value.items()}
     if isinstance(value, (list, tuple)):
@@ -20,12 +20,12 @@ def rounded(value):
 
 
 def measured(axis, point):
-    """{"cost", "error"} of a point of an Axis."""
+    """{"cost", "error"} of a point of ``axis``."""
     return rounded({"cost": axis.cost(point), "error": axis.error(point)})
 
 
 def answer(where, name, point):
-    """The same of the axis ``name`` of the module ``where``, whose AXES has it; {"problem"} if it fails."""
+    """{"found": ``measured`` for the axis ``name`` in AXES of module ``where``}, or {"problem": why}."""
     try:
         axis = next(axis for axis in import_module(where).AXES if axis.name == name)
         return {"found": json.loads(json.dumps(measured(axis, point), allow_nan=False))}
@@ -36,12 +36,12 @@ def answer(where, name, point):
 def _asked(lines):
     for line in sys.stdin:
         lines.put(line)
-    os._exit(0)  # who asked has gone: what runs now has no reader
+    os._exit(0)  # the parent is gone, so nobody will read the running result
 
 
 def main():
     out = os.fdopen(os.dup(sys.stdout.fileno()), "w", encoding="utf-8")
-    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # what a library prints is no answer
+    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # output of a library must not mix with answers
     lines = queue.SimpleQueue()
     threading.Thread(target=_asked, args=(lines,), daemon=True).start()
     while True:

@@ -7,7 +7,7 @@ WHY = {
     "taxel converter": "[converter]: force to codes, with its noise",
     "recorded pressures": "kind recording: dataset",
 }
-BYTES = 8  # a taxel of a frame: codes, and the pieces that are joined
+BYTES = 8  # per taxel of a frame: codes, and the pieces that are joined
 
 
 def uses(scene):

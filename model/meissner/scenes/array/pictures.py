@@ -9,8 +9,8 @@ from meissner.scenes.rubber.pictures import BLUE, GREEN, INK, ORANGE, PURPLE, RE
 
 LINES = (BLUE, ORANGE, GREEN, RED, PURPLE, INK)
 SNAPSHOTS = 6
-FAINT = 0.01  # of the largest force: what is less is shown as nothing, or noise would be all there is to see
-PIXELS = 256  # images of more taxels a side are shown as maxima of blocks
+FAINT = 0.01  # share of the largest force: less is left blank, or noise would fill the picture
+PIXELS = 256  # larger sides are shown as maxima of blocks of taxels
 
 
 def _figure(width, height, title):
@@ -37,7 +37,7 @@ def _blocks(image):
 
 
 def _show(axis, image, top):
-    """Taxels as squares, row 0 on top, in the core's coordinates; grey where next to nothing presses."""
+    """Taxels as squares, row 0 on top, in the core's coordinates; grey where almost nothing presses."""
     rows, columns = image.shape
     half = [1 / max(n - 1, 1) for n in (columns, rows)]
     shown = axis.imshow(
@@ -54,19 +54,19 @@ def _show(axis, image, top):
 
 
 def _breaks(values, valid):
-    """The values with NaN where there is none, so that a line stops there."""
+    """The values with NaN where they are not valid, so that a line breaks there."""
     return np.where(valid, values, np.nan)
 
 
 def draw_array(path, recording, valid, x, y, load, position, of_load):
-    """The line of the centre of pressure over the largest force on each taxel; x, y, load; errors."""
+    """The path of the centre of pressure over the largest force on each taxel; x, y, load; errors."""
     scene, time_s = recording.scene, recording.time_s
     codes = recording.codes
     scale = scene.load_lsb
     peak = codes.max(axis=0) * scale
     figure = _figure(13, 8, f"{scene.name}: {scene.title}")
     upper, lower = figure.subfigures(2, 1, height_ratios=[3, 1])
-    # The image is as wide as its taxels ask, between a tall strip and a square.
+    # The image has the shape of the array, limited between a tall strip and a square.
     wide = np.clip(scene.columns / scene.rows, 0.35, 1.0)
     grid = upper.add_gridspec(3, 2, width_ratios=[1.15 * wide, 2.3 - 1.15 * wide])
     image = upper.add_subplot(grid[:, 0])
@@ -148,7 +148,7 @@ def _draw_points(figure, recordings, runs):
         error.plot(step, 100 * one["of_load"], "s--", color=colour, ms=4, label=f"load, {name}")
     place.set(xlabel="x", ylabel="y", xlim=(-1.1, 1.1), ylim=(-1.1, 1.1), aspect="equal", title="where")
     load.set(xlabel="true load (N)", ylabel="reported load (N)", title="how hard")
-    if np.ptp(first.load) < 1e-9:  # a constant load: over the sweep instead
+    if np.ptp(first.load) < 1e-9:  # a constant load: plot over the sweep instead
         load.clear()
         load.plot(first.load, color=INK, lw=0.8, label="truth")
         for recording, one, colour in zip(recordings, runs, LINES):
@@ -200,7 +200,7 @@ def _draw_random(figure, recordings, runs):
 
 
 def _draw_pulse(figure, recordings, runs):
-    """What presses, what the taxels feel and what is reported, over time; the same as errors."""
+    """Applied load, load felt by the taxels and reported load over time, and the errors."""
     load, place = figure.subplots(1, 2)
     first = recordings[0]
     milliseconds = first.time_s * 1e3
@@ -248,7 +248,7 @@ def _draw_stroke(figure, recordings, runs):
 
 
 def draw_mesh(path, recordings, runs):
-    """The published figure that the scene's kind stands for; ``runs``: one dict per recording."""
+    """The published figure for the scene's kind; ``runs``: one dict per recording."""
     scene = recordings[0].scene
     figure = _figure(13, 4.8, f"{scene.name}: {scene.title}")
     draw = {"points": _draw_points, "random": _draw_random, "pulse": _draw_pulse, "stroke": _draw_stroke}[

@@ -10,7 +10,7 @@ from meissner.scenes.array import pictures as report_cop
 from meissner.scenes.results import check_waves, finish, head
 from meissner.scenes.truth import errors, percent, summarise
 
-KEPT_SAMPLES = 1 << 22  # frames beyond so many taxel samples are left out of result.npz
+KEPT_SAMPLES = 1 << 22  # result.npz has no codes if there are more taxel samples
 
 SHOWN = (
     "the way of the centre of pressure over the largest force on each taxel; position, load and their errors "
@@ -35,7 +35,7 @@ def run(scene, engine, out, seed, waves, progress):
     recording = scenes.simulate(scene, seed)
     codes = recording.codes
     engines.process_cop(codes[:1], engine, scene.min_load)  # built and warm before it is timed
-    # In pieces only so that there is progress to show: no frame depends on another.
+    # In pieces only to show progress: no frame depends on another.
     step = max(1, (1 << 22) // codes[0].size)
     started, parts = time.perf_counter(), []
     for start in progress(range(0, len(codes), step)):
@@ -45,7 +45,7 @@ def run(scene, engine, out, seed, waves, progress):
     twin = engines.process_cop(codes, "fixed", scene.min_load) if engine in engines.VERILATED else None
     wrong = None if twin is None else mismatches(result, twin)
     if waves:
-        from meissner.engines import rtl_cop  # here: another engine does not load what builds one
+        from meissner.engines import rtl_cop  # here: other engines need not load the builder
 
         part = rtl_cop.shown(result["sum"], codes.shape[1:])
         seen = rtl_cop.cop(codes[part], scene.min_load, out / "waves.vcd")

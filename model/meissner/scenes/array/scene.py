@@ -47,7 +47,7 @@ class Converter:
         return self.full_scale_n / self.top
 
     def convert(self, force_n, rng):
-        """Codes, uint16: rounded to nearest with white noise, and how many taxels were over the range."""
+        """(codes, uint16: rounded to nearest with white noise; number of taxels beyond the range)."""
         level = force_n / self.lsb_n
         over = int((level > self.top + 0.5).sum())
         level = level + self.noise_lsb * rng.standard_normal(level.shape)
@@ -56,7 +56,7 @@ class Converter:
 
 @dataclass(frozen=True)
 class Scene(base.Scene):
-    """A scene, checked. ``world``: its table, ``patches`` a tuple of tables; ``converter`` may be None."""
+    """A checked scene. ``world``: its table, ``patches`` a tuple of tables; ``converter`` may be None."""
 
     rate_hz: int
     rows: int
@@ -78,10 +78,10 @@ class Scene(base.Scene):
 
 @dataclass(frozen=True)
 class Recording:
-    """One run: the core's input, and the truth.
+    """One run: the core's input, and the ground truth.
 
-    ``codes`` uint16 [frames, rows, columns]; ``load`` (the scene's unit), ``x``, ``y`` [frames]: of the
-    forces on the taxels before they were converted. ``over_range``: taxel samples beyond full scale.
+    ``codes`` uint16 [frames, rows, columns]; ``load`` (in the scene's unit), ``x``, ``y`` [frames]: of the
+    forces on the taxels before conversion. ``over_range``: number of taxel samples beyond full scale.
     """
 
     scene: Scene
@@ -113,9 +113,9 @@ def patch(where, row):
 
 
 def build(name, table):
-    """Check a scene's table and return the Scene; ValueError with one sentence if it cannot be."""
+    """Check a scene's table and return the Scene; ValueError with one sentence if it is invalid."""
     where = f"scene {name}"
-    # Only patches need a converter: the kind says which tables there must be.
+    # Only patches need a converter: the kind decides which tables are required.
     expected = _TOP | ({} if "converter" not in table else {"converter": dict})
     top, own = base.top(name, table, expected, FEATURES)
     world = dict(top["world"])

@@ -1,4 +1,4 @@
-"""What a run of the capacitive pad is judged by: each kind's summary, arrays and drawings from its codes."""
+"""Judging a run of the capacitive pad: each kind's summary, arrays and drawings from its codes."""
 
 from typing import NamedTuple
 
@@ -12,7 +12,7 @@ from meissner.scenes.capacitive import pictures as report_arrays
 from meissner.scenes.capacitive.scene import CALIBRATION_FRAMES, PROBED_CELL, SETTLED_FRAMES, cell_mm
 from meissner.scenes.truth import errors, summarise
 
-SHARES = (0.1, 0.05, 0.01)  # of the output that the unselected cells may take
+SHARES = (0.1, 0.05, 0.01)  # shares of the output that the unselected cells may take
 HERTZ = np.logspace(4, 6.5, 251)
 
 
@@ -21,7 +21,7 @@ def _rounded(row):
 
 
 class Fit(NamedTuple):
-    """A press recording's Calibration, its residual (newtons), and the newtons it was fitted to."""
+    """The Calibration from a press recording, its residual (newtons), and the forces it was fitted to."""
 
     lines: calibration.Calibration
     residual_n: np.ndarray
@@ -29,7 +29,7 @@ class Fit(NamedTuple):
 
 
 def calibrations(recording, codes):
-    """A Fit for each way that the recording was calibrated in."""
+    """{way of calibration in the recording: Fit}."""
     fits = {}
     for way in ("probe", "even"):
         if way in recording.parts:
@@ -41,12 +41,12 @@ def calibrations(recording, codes):
 
 
 def _terms(stage, codes, fit):
-    """The second-order term of every cell, of the recording that its line was fitted to."""
+    """The second-order term of every cell, from the recording that its line was fitted to."""
     return second_order.fit(stage.calibrate(codes, fit.lines), fit.force_n)
 
 
 def _crosstalk(scene, codes, *_):
-    """Eq. 18 against what the carrier's demodulation gives; the gain that each accuracy needs."""
+    """Eq. 18 against the demodulated output; the gain that each accuracy needs."""
     readout, world = scene.readout, scene.world
     gains, others_pf = np.array(world["gains"]), np.array(world["unselected_pf"])
     measured_v = codes["sweep"][0] * scene.volts_per_code
@@ -55,7 +55,7 @@ def _crosstalk(scene, codes, *_):
     chosen = readout["gain"]
     rows = []
     for pf, at in zip(others_pf, codes["chosen"].mean(axis=(0, 1)) * scene.volts_per_code):
-        # Eq. 18 solved for the gain at which the output is lower by a share.
+        # Eq. 18 solved for the gain at which the output is low by ``share``.
         total = 1 + (capacitive.CELL_F + pf * 1e-12) / capacitive.REF_F
         lagging = float(capacitive.output_v(capacitive.CELL_F, pf * 1e-12, -1j * chosen, readout["drive_v"]))
         row = {
@@ -65,7 +65,7 @@ def _crosstalk(scene, codes, *_):
             "low_by_with_lagging_gain": 1 - lagging / ideal_v,
         } | {f"gain_for_{100 * share:g}_percent": total * (1 - share) / share for share in SHARES}
         rows.append(_rounded(row))
-    # Leakage wants a high carrier, the amplifier's gain-bandwidth product a low one.
+    # Leakage calls for a high carrier frequency, the amplifier's gain-bandwidth product for a low one.
     leaking_v = np.array(
         [
             capacitive.output_v(
@@ -97,10 +97,10 @@ def _crosstalk(scene, codes, *_):
 
 
 def _cell(scene, codes, recording, fits, stage):
-    """Loading against unloading, sag, how straight the cell is, and how well presses repeat; all in grams.
+    """Hysteresis, sag, linearity and repeatability of a cell, all in grams.
 
-    ``low_at_full_g``: what the calibrated cell reads too little at the top of the cycles;
-    ``low_settled_g``: the same when the force has settled, so the curve of the cell alone.
+    ``low_at_full_g``: how much the calibrated cell reads low at the top of the cycles; ``low_settled_g``:
+    the same after the force has settled, so only by the curve of the cell.
     """
     row, column = PROBED_CELL[0]
     fit = fits["probe"]
@@ -117,19 +117,19 @@ def _cell(scene, codes, recording, fits, stage):
     # Loading and unloading at the same forces, without the two turning points.
     up, down = cycles[:, 1:top], cycles[:, :top:-1]
     still = codes["probe"][:, row, column].reshape(-1, CALIBRATION_FRAMES)
-    gram = lines.gain[row, column] / 2**lines.gain_shift * lines.force_lsb_n / GRAM_N  # of one code
+    gram = lines.gain[row, column] / 2**lines.gain_shift * lines.force_lsb_n / GRAM_N  # grams per code
     noise_g = float(np.sqrt(still.var(axis=1, ddof=1).mean()) * gram)
     steps = np.array(scene.world["steps_g"])
     presses, bent_presses = (values["presses"].reshape(-1, len(steps)) for values in (grams, bent))
     hold, held = grams["hold"], np.flatnonzero(applied["hold"])
     first, last = hold[held[:4]].mean(), hold[held[-20:]].mean()
-    # Of the codes above those at rest: the core reads 0 where its line does, and would hide what is left.
+    # From codes above those at rest: the core reads 0 below the start of its line, which would hide the rest.
     at_rest = codes["settled"][:SETTLED_FRAMES, row, column].mean()
     left = (codes["hold"][:, row, column] - at_rest) * gram
-    # The whole of the mean cycle, its turning points too, against the straight line that fits it best.
+    # The complete mean cycle, with its turning points, against the straight line that fits it best.
     cycle = cycles.mean(axis=0)
     departure = cycle - np.polyval(np.polyfit(rise, cycle, 1), rise)
-    # Settled presses: without what is late, the curve of the cell is left.
+    # Settled presses have no lag, so only the curve of the cell remains.
     at = applied["settled"][::SETTLED_FRAMES]
     settled, bent_settled = (values["settled"].reshape(len(at), -1).mean(1) for values in (grams, bent))
     low_g, low_settled_g = float(rise[top] - cycle[top]), float(at[-1] - settled[-1])
@@ -178,7 +178,7 @@ def _cell(scene, codes, recording, fits, stage):
 
 
 def peak(x, values, reach):
-    """Place and height of the top of a parabola through what lies within ``reach`` of the largest value."""
+    """(place, height) of the vertex of a parabola fitted within ``reach`` of the largest value."""
     near = np.abs(x - x[np.argmax(values)]) <= reach + 1e-9
     middle = x[near].mean()
     a, b, c = np.polyfit(x[near] - middle, values[near], 2)
@@ -186,7 +186,7 @@ def peak(x, values, reach):
 
 
 def _select(scene, codes, recording, fits, stage):
-    """Where each cell responds most, and the readings of its neighbours there."""
+    """The place where each cell responds most, and its neighbours' readings there."""
     lines = fits["probe"].lines
     cells = scene.world["cells"]
     first = (codes["steps"].shape[2] - cells) // 2

@@ -19,7 +19,7 @@ WHY = {
 }
 _PAD = list(WHY)[:6]
 _MODELLED = {"crosstalk": [*_PAD[:3], "leakage"], "cell": [*_PAD, "droop and sag", "placement of the probe"]}
-CELLS, BYTES = 64, 20  # of the pad; a sample of a carrier: codes, volts and noise
+CELLS, BYTES = 64, 20  # cells of the pad; per sample of a carrier: codes, volts and noise
 CALIBRATED = 64 * 7 * 6 + 7 * 24  # frames of a probe on each cell and of even presses
 
 

@@ -26,7 +26,7 @@ def _save(figure, path, axes=()):
 def draw_crosstalk(
     path, scene, gain, unselected_pf, measured_v, eq18_v, hertz, leaking_v, ideal_v, leak_mohm, chosen
 ):
-    """The published figure 2, with the demodulated output on it; the carrier's frequency as a compromise."""
+    """The published figure 2 with the demodulated output; the carrier's frequency as a compromise."""
     figure = _figure(13, 5, f"{scene.name}: {scene.title}")
     left, right = figure.subplots(1, 2)
     for k, pf in enumerate(unselected_pf):
@@ -117,7 +117,7 @@ def draw_select(path, scene, x_mm, grams, codes, peaks, centres):
 
 
 def _bars(axis, image, top):
-    """A three-dimensional bar a cell, as published: row 0 at the back, columns from left to right."""
+    """A three-dimensional bar per cell, as published: row 0 at the back, columns from left to right."""
     rows, columns = image.shape
     column, row = np.meshgrid(np.arange(columns), np.arange(rows))
     height = np.maximum(image, 0.0).ravel()
@@ -177,7 +177,7 @@ def _image(axis, values, top, title):
 
 
 def draw_matrix(path, scene, recording, force_n, result, truth):
-    """The frame with the largest load as pressed, as converted and as calibrated; x, y and load over time."""
+    """The frame with the largest load as applied, converted and calibrated; x, y and load over time."""
     x, y, load_n, valid = result
     figure = _figure(13, 7.6, f"{scene.name}: {scene.title}")
     upper, lower = figure.subfigures(2, 1, height_ratios=[1.25, 1])

@@ -1,4 +1,4 @@
-"""Running a scene of the capacitive pad: carriers demodulated, calibrated, and compared with the paper."""
+"""Running a scene of the capacitive pad: demodulate carriers, calibrate, compare with the paper."""
 
 import time
 
@@ -20,7 +20,7 @@ SHOWN = {
 
 
 def measure(scene, engine, seed, progress=list):
-    """Run the scene once: summary, arrays of the result, and [(function that draws, what it is given)]."""
+    """Run the scene once: summary, arrays of the result, and [(drawing function, its arguments)]."""
     recording = scenes.simulate(scene, seed)
     stage = chain.Chain(engine, scene.features)
     codes = {}

@@ -1,8 +1,8 @@
-"""Scenes of the published capacitive pad: forces on its tabs, carriers at the converter, and the truth.
+"""Scenes of the published capacitive pad: forces on its tabs, carriers at the converter, the ground truth.
 
 Kinds: ``crosstalk`` (no pad: eq. 18 over gain and unselected capacitance), ``cell`` (one cell pressed up and
-down, held, again and again, and left at each force until it has settled), ``select`` (a probe stepped across
-cells), ``shapes`` (objects pressed on). A calibration's presses are settled ones too.
+down, held, pressed repeatedly, and left at each force until it has settled), ``select`` (a probe stepped
+across cells), ``shapes`` (objects pressed on). The presses for calibration are settled ones, too.
 """
 
 from dataclasses import dataclass
@@ -69,13 +69,13 @@ _WORLD = {
 }
 FORMS = {"rectifier": RECTIFIER, "synchronous": IQ, "synchronous estimate": IQ_FAST}
 SIDE = 8  # published
-HOLD_HZ = 2.0  # frames a second while a force is held
+HOLD_HZ = 2.0  # frames per second while a force is held
 SETTLE_SAMPLES = 1.0  # time constant of the amplitude after a switch, in the converter's samples; chosen
-PHASE = 0.7  # of the carrier at a switch; chosen
+PHASE = 0.7  # phase of the carrier at a switch; chosen
 CALIBRATION_G = np.linspace(0.0, 150.0, 7)
-# Frames at each force: of a probe on each cell, of an even press, of a probe left on the scene's one cell.
+# Frames at each force: of a probe on each cell, an even press, a probe left on the cell of kind cell.
 CALIBRATION_FRAMES, EVEN_FRAMES, SETTLED_FRAMES = 6, 24, 64
-CHOSEN_FRAMES = 16  # of the crosstalk at the scene's own gain
+CHOSEN_FRAMES = 16  # frames of the crosstalk at the scene's own gain
 ORIGINS = {
     "SIDE": ("published", "002, fabrication: 8 x 8", "all images"),
     "HOLD_HZ": ("chosen", "figure 6 prints no rate", "when the first reading after a release is: 0.5 s"),
@@ -99,7 +99,7 @@ ORIGINS = {
 
 @dataclass(frozen=True)
 class Scene(base.Scene):
-    """A scene, checked. ``readout``, ``world``: its tables."""
+    """A checked scene. ``readout``, ``world``: its tables."""
 
     readout: dict
     carrier: Carrier
@@ -118,7 +118,7 @@ class Part:
     """Frames of one experiment: the converter's ``samples`` [frames, ..., samples]; ``force_n`` on each cell.
 
     ``probe_n`` [frames]: the total force; ``probed`` [frames, 2]: the cell under the probe, -1 for
-    none; ``rate_hz``: frames a second.
+    none; ``rate_hz``: frames per second.
     """
 
     samples: np.ndarray
@@ -130,7 +130,7 @@ class Part:
 
 @dataclass(frozen=True)
 class Recording:
-    """One run: Parts by name, "even" and "probe" for calibration among them; ``over_range`` samples."""
+    """One run. ``parts``: by name, including "even" and "probe" for calibration; ``over_range``: samples."""
 
     scene: Scene
     seed: int
@@ -166,7 +166,7 @@ def _check_world(where, kind, world):
 
 
 def build(name, table):
-    """Check a scene's table and return the Scene; ValueError with one sentence if it cannot be."""
+    """Check a scene's table and return the Scene; ValueError with one sentence if it is invalid."""
     where = f"scene {name}"
     top, own = base.top(name, table, _TOP, FEATURES)
     at = f"{where}, [readout]"
@@ -193,7 +193,7 @@ def build(name, table):
 
 
 def place(x_mm, y_mm):
-    """Coordinates -1 to 1 of a place in millimetres from the pad's centre, right and up."""
+    """Coordinates -1 to 1 of a place given in millimetres from the pad's centre, right and up."""
     half_mm = (SIDE - 1) / 2 * PITCH_MM
     return np.asarray(x_mm) / half_mm, np.asarray(y_mm) / half_mm
 
@@ -205,13 +205,13 @@ def cell_mm(row, column):
 
 
 def on_tabs(x_mm, y_mm, force_n):
-    """Newtons on every tab [frames, 8, 8] of a probe at a place in millimetres."""
+    """Newtons on every tab [frames, 8, 8] under a probe at a place in millimetres."""
     depth = capacitive.COVER_MM / PITCH_MM
     return mesh_loads.press(SIDE, SIDE, *place(x_mm, y_mm), force_n, depth)
 
 
 class _World:
-    """The pad of one seed and the converter behind it."""
+    """The pad of one seed and the converter after it."""
 
     def __init__(self, scene, seed):
         self.scene, self.rng = scene, np.random.default_rng(seed)
@@ -219,7 +219,7 @@ class _World:
         self.over_range = 0
 
     def sampled(self, amplitude_v):
-        """The converter's codes [..., samples], rows of the pad one after another along axis -2."""
+        """The converter's codes [..., samples]; the rows of the pad follow each other along axis -2."""
         carrier = self.scene.carrier
         samples = np.empty((*amplitude_v.shape, carrier.samples), dtype=np.int32)
         for k, frame in enumerate(amplitude_v):
@@ -236,7 +236,7 @@ class _World:
         return samples
 
     def part(self, force_n, probe_n, probed=None, rate_hz=100.0, felt_n=None):
-        """A Part of forces on the tabs; ``felt_n``: the force that tabs respond to, if not all at once."""
+        """A Part of forces on the tabs; ``felt_n``: the force that the tabs respond to, if they lag."""
         readout = self.scene.readout
         amplitude_v = self.pad.amplitude_v(
             force_n if felt_n is None else felt_n, readout["gain"], readout["drive_v"]
@@ -256,11 +256,11 @@ class _World:
 
 
 EVERY_CELL = np.argwhere(np.ones((SIDE, SIDE)))
-PROBED_CELL = np.array([[3, 4]])  # of the scene with one cell
+PROBED_CELL = np.array([[3, 4]])  # of kind cell
 
 
 def _cell(world, scene):
-    """0 to the force and back, a constant force, and many presses at several forces."""
+    """Cycles from 0 to the force and back, a held force, and many presses at several forces."""
     setting = scene.world
     row, column = PROBED_CELL[0]
     x_mm, y_mm = cell_mm(row, column)
@@ -287,7 +287,7 @@ def _cell(world, scene):
 
 
 def _select(world, scene):
-    """A probe with one force, stepped along a row across the middle of so many cells."""
+    """A probe with one force, stepped along a row across the scene's ``cells`` in the middle."""
     setting = scene.world
     first = (SIDE - setting["cells"]) // 2
     left, right = (cell_mm(3, column)[0] for column in (first, first + setting["cells"] - 1))
@@ -297,7 +297,7 @@ def _select(world, scene):
 
 
 def shape_forces(shape, pressure_g_mm2):
-    """Newtons on the tabs [8, 8] of an object pressed on with an even pressure where it touches."""
+    """Newtons on the tabs [8, 8] under an object that presses evenly where it touches."""
     x_mm, y_mm, area_mm2 = footprints.points(shape)
     inside = np.maximum(np.abs(x_mm), np.abs(y_mm)) <= (SIDE - 1) / 2 * PITCH_MM
     force_n = pressure_g_mm2 * GRAM_N * area_mm2[inside]

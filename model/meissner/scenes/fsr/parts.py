@@ -14,7 +14,7 @@ WHY = {
     "converter": "[converter]: volts to codes, with its noise",
     "faults": "[[faults]]",
 }
-BYTES = 80  # a cell of a frame: forces, conductances, volts, codes, in doubles
+BYTES = 80  # per cell of a frame: forces, conductances, volts, codes, in doubles
 PRESSES = 6 * 16 + 64  # frames of calibration and of the even press
 
 

@@ -13,7 +13,7 @@ from meissner.scenes.fsr.scene import broken_cells
 from meissner.scenes.results import finish, table
 from meissner.scenes.truth import errors, percent, summarise
 
-FAINT = 0.02  # of the largest force: a cell with less counts as unpressed
+FAINT = 0.02  # share of the largest force: a cell with less counts as unpressed
 SHOWN = (
     "the frame with the largest load as pressed, as converted and as calibrated; position and load over time",
     "an even press on all cells before and after calibration, each cell's distance from the mean",
@@ -22,11 +22,11 @@ SHOWN = (
 
 
 def ghosts(recording):
-    """A row for each way of reading the fullest frame: what the network adds to cells and takes from them.
+    """A row for each way of reading the frame with the largest load: crosstalk through the network.
 
-    ``ghost``: the largest part of an unpressed cell's reading that is not its own, as a share of the largest
-    reading; ``pressed_spread``: deviation over mean of what the pressed cells' readings are to what each
-    would give alone.
+    ``ghost``: the largest part of an unpressed cell's reading that comes from other cells, as a share of the
+    largest reading; ``pressed_spread``: over the pressed cells, deviation over mean of the ratio of a cell's
+    reading to the reading it would give alone.
     """
     force_n = recording.force_n[recording.shown]
     pressed, unpressed = force_n > 0.5 * force_n.max(), force_n < FAINT * force_n.max()
@@ -46,7 +46,7 @@ def ghosts(recording):
 
 
 def measure(scene, engine, seed):
-    """Run the scene once: summary, arrays of the result, and what the pictures are drawn of."""
+    """Run the scene once: summary, arrays of the result, and the data for the pictures."""
     recording = scenes.simulate(scene, seed)
     stage = chain.Chain(engine, scene.features)
     presses, force_n = recording.parts["calibration"]
@@ -58,7 +58,7 @@ def measure(scene, engine, seed):
     load_n = total * lines.force_lsb_n
     truth = mesh_loads.true_centre(recording.force_n)
     position, of_load = errors(x, y, load_n, valid, *truth)
-    # What the broken cells alone cost: the same against the forces on the others.
+    # Errors against the forces on working cells only: without the effect of broken cells.
     working = mesh_loads.true_centre(np.where(broken, 0.0, recording.force_n))
     position_rest, of_load_rest = errors(x, y, load_n, valid, *working)
 

@@ -1,4 +1,4 @@
-"""Scenes of a matrix of force-sensing resistors: the forces, the network, its faults, and the truth."""
+"""Scenes of a matrix of force-sensing resistors: forces, network, faults, and the ground truth."""
 
 from dataclasses import dataclass
 
@@ -38,7 +38,7 @@ ORIGINS = {
 
 @dataclass(frozen=True)
 class Scene(base.Scene):
-    """A scene, checked. ``faults``: of meissner.physics.fsr.Fault."""
+    """A checked scene. ``faults``: of meissner.physics.fsr.Fault."""
 
     rate_hz: int
     rows: int
@@ -56,7 +56,7 @@ class Recording:
     """One run; ``codes`` int32 and ``force_n``, newtons on each cell, both [frames, rows, columns].
 
     ``parts``: codes and forces of the presses for calibration ("calibration") and of an even press ("even").
-    ``readings``: {(circuit, unselected): volts of the frame ``shown`` [rows, columns], without faults};
+    ``readings``: {(circuit, unselected): volts of frame number ``shown`` [rows, columns], without faults};
     ``alone``: the conductances of that frame.
     """
 
@@ -83,7 +83,7 @@ def _fault(where, row, rows, columns):
 
 
 def build(name, table):
-    """Check a scene's table and return the Scene; ValueError with one sentence if it cannot be."""
+    """Check a scene's table and return the Scene; ValueError with one sentence if it is invalid."""
     where = f"scene {name}"
     expected = _TOP | ({"faults": list} if "faults" in table else {})
     top, own = base.top(name, table, expected, FEATURES)
@@ -159,7 +159,7 @@ def simulate(scene, seed=0):
     force_n = patches.forces(
         scene.rows, scene.columns, table["patches"], np.arange(count) / count, table["depth_pitches"]
     )
-    # Even presses: what a bladder over the whole sheet gives, the usual way with many cells.
+    # Even presses, as a bladder over the whole sheet gives: the usual calibration of many cells.
     parts = {
         "calibration": world.even(
             np.linspace(0, table["calibrate_n"], CALIBRATION_STEPS), CALIBRATION_FRAMES

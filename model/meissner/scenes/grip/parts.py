@@ -14,7 +14,7 @@ WHY = {
     "rubber shear": "what a pull takes from the load output",
     "moment of the pull": "what moves the position before the object does",
 }
-BYTES = 32  # a taxel of a sample: loads pressed and felt
+BYTES = 32  # per taxel of a sample: loads applied and felt
 
 
 def uses(scene):

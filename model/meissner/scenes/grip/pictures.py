@@ -1,4 +1,4 @@
-"""Pictures of slip seen by four wires: a run laid out as the published figure is, and the directions."""
+"""Pictures of slip seen by four wires: a run in the layout of the published figure, and the directions."""
 
 import numpy as np
 
@@ -9,7 +9,7 @@ from meissner.scenes.rubber.pictures import BLUE, GREEN, INK, ORANGE, PURPLE, RE
 
 
 def draw(path, recording, found, decisions, verdict):
-    """Load output, position output, forces and the object's own way over time."""
+    """Load output, position output, forces and the object's displacement over time."""
     scene, held, time_s = recording.scene, recording.held, recording.time_s
     figure = _figure(11, 7.5, f"{scene.name}: {recording.condition.name}, seed {recording.seed}")
     load, place, force = figure.subplots(3, 1, sharex=True)

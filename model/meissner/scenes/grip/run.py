@@ -1,4 +1,4 @@
-"""Running a scene of an object held on the four-wire sensor: each condition and seed, beside the truth."""
+"""Running a scene of an object held on the four-wire sensor: each condition and seed, against the truth."""
 
 import time
 
@@ -16,8 +16,8 @@ from meissner.scenes.results import check_waves, finish, head, table
 from meissner.scenes.truth import errors, percent, summarise
 from meissner.twins.cop.cop_slip import octants
 
-AFTER_S = 0.02  # of waves.vcd after the flag
-BEFORE_S = 0.02  # of rest before the onset, what a fall and a move are measured from
+AFTER_S = 0.02  # length of waves.vcd after the flag
+BEFORE_S = 0.02  # rest before the onset: the baseline of load drop and move
 
 SHOWN = "load output, position output and forces over time, with the pull's beginning, the flag and the move"
 
@@ -31,10 +31,10 @@ def judge(recording, decisions):
     """Compare the decisions of one run with the truth; seconds, degrees, None where there is none.
 
     ``flag_s``: the first rise of the flag at or after the onset; ``missed``: a slip without a flag before
-    the object moves; ``late``: one whose flag comes then or afterwards, missed too, with a ``lead_s`` of 0 or
-    less; ``false_alarms``: rises before the onset, or any where nothing is pulled;
-    ``direction_deg``: the reported way of the slip at the flag, -180 .. 180, ``direction_error_deg``: how
-    far that is from the truth.
+    the object moves; ``late``: a slip whose flag comes when the object moves or later; it also counts as
+    missed and has a ``lead_s`` of 0 or less; ``false_alarms``: rises before the onset, or all where nothing
+    is pulled; ``direction_deg``: the reported direction of the slip at the flag, -180 .. 180;
+    ``direction_error_deg``: its difference from the truth.
     """
     held, rate_hz = recording.held, recording.scene.rate_hz
     rises = np.flatnonzero(decisions.raised)
@@ -68,8 +68,8 @@ def judge(recording, decisions):
 def published(recording, x, y, load):
     """The quantities with published numbers, before the object moves; None where nothing is pulled.
 
-    ``load_drop``: how far the reported load falls, of what it was before the onset; ``grip_rise_n``: the
-    true grip meanwhile; ``move_v``: the position output along the pull at the slip, 4 V at the edge.
+    ``load_drop``: fall of the reported load, as a share of the load before the onset; ``grip_rise_n``: rise
+    of the true grip meanwhile; ``move_v``: move of the position output along the pull, 4 V at the edge.
     """
     held, rate_hz = recording.held, recording.scene.rate_hz
     if held.onset_s is None:
@@ -108,7 +108,7 @@ def _statistics(condition, verdicts):
 
 
 def _summary(values):
-    """``summarise`` of what there is of a list with None in it."""
+    """``summarise`` of the values that are not None."""
     return summarise(np.array([value for value in values if value is not None], dtype=float))
 
 
@@ -147,7 +147,7 @@ def run(scene, engine, out, seed, waves, progress):
     every = [verdict for condition in scene.conditions for verdict in verdicts[condition]]
     first = verdicts[scene.conditions[0]][0]
     recording, *told = shown[scene.conditions[0]]
-    if waves:  # the shown run, to a little after its flag
+    if waves:  # the shown run, until shortly after its flag
         flag_s = recording.time_s[-1] if first["flag_s"] is None else first["flag_s"]
         part = slice(0, round((flag_s + AFTER_S) * scene.rate_hz))
         seen = module.cop_slip(recording.codes[part], *settings, out / "waves.vcd")

@@ -30,7 +30,7 @@ _GRIP = {"name": str, "grip_n": float, "ramp_s": float, "to_n": list}
 
 @dataclass(frozen=True)
 class Pull:
-    """A condition: held with ``grip_n`` and pulled; ``direction_deg`` counter-clockwise from +x."""
+    """A condition: held with ``grip_n`` and pulled; ``direction_deg``: counter-clockwise from +x."""
 
     name: str
     grip_n: float
@@ -41,7 +41,7 @@ class Pull:
 
 @dataclass(frozen=True)
 class Grip:
-    """A condition: held with ``grip_n``, then with each of ``to_n`` in turn, ``ramp_s`` in between."""
+    """A condition: held with ``grip_n``, then with each of ``to_n`` in turn, with ramps of ``ramp_s``."""
 
     name: str
     grip_n: float
@@ -51,7 +51,7 @@ class Grip:
 
 @dataclass(frozen=True)
 class Scene(base.Scene):
-    """A scene, checked. ``lag``: of msn_cop_slip, in samples, with its ``registers``."""
+    """A checked scene. ``lag``: of msn_cop_slip, in samples, with its ``registers``."""
 
     rate_hz: int
     seeds: int
@@ -73,7 +73,7 @@ class Scene(base.Scene):
 
 @dataclass(frozen=True)
 class Recording:
-    """One run: ``codes`` [samples, 4]; the truth: ``load`` (N), ``x``, ``y`` [samples] of the forces."""
+    """One run: ``codes`` [samples, 4]; ground truth: ``load`` (N), ``x``, ``y`` [samples] of the forces."""
 
     scene: Scene
     condition: Pull | Grip
@@ -90,7 +90,7 @@ class Recording:
 
 
 def _registers(where, slip, rate_hz, load_lsb_n):
-    """Lag and ``CopSlipRegisters`` of a checked [slip]."""
+    """(lag, ``CopSlipRegisters``) of a checked [slip]."""
 
     def samples(seconds):
         return round(seconds * rate_hz)
@@ -111,7 +111,7 @@ def _registers(where, slip, rate_hz, load_lsb_n):
 
 
 def build(name, table):
-    """Check a scene's table and return the Scene; ValueError with one sentence if it cannot be."""
+    """Check a scene's table and return the Scene; ValueError with one sentence if it is invalid."""
     where = f"scene {name}"
     top, own = base.top(name, table, _TOP, FEATURES)
     mesh = four_wires.mesh_table(f"{where}, [mesh]", top["mesh"])

@@ -1,12 +1,12 @@
-"""What a host does while the hand holds: it reads Vc and the command, and writes three registers.
+"""The host of a holding hand: it reads Vc and the command, and writes three registers.
 
     threshold = threshold_share of Vc (1 - Vc/5 V)        scene.threshold; every FOLLOW_S
-    step      = step_share of the grip, in calm calm_share of it; the grip is what Vc stands for; every LOOK_S
-    decay     = decay_mm_s, in calm calm_decay_share of the grip a second
+    step      = step_share of the grip, in calm calm_share of it; the grip follows from Vc; every LOOK_S
+    decay     = decay_mm_s, in calm calm_decay_share of the grip per second
 
-It is calm when no look in the last ``guard_s`` found the grip raised by RISE of itself since the look before.
-Why a share, and why calm has settings of its own: docs/grip_scenes.md. A scene without these keys keeps its
-step and its decay, and so does a condition with a step of its own.
+It is calm if no look in the last ``guard_s`` found the grip raised by the share RISE since the look before.
+docs/grip_scenes.md explains why these are shares, and why calm has its own settings. A scene without these
+keys keeps its step and decay, and so does a condition with its own step.
 """
 
 import numpy as np
@@ -15,18 +15,18 @@ from meissner.physics import rubber
 from meissner.physics.hand import GRIP_N_MM
 
 FOLLOW_S, LOOK_S = 1.0, 0.2
-RISE = 0.025  # of the grip, in LOOK_S: a tug; letting go is answered with a tenth of it at a time
+RISE = 0.025  # share of the grip: that rise in LOOK_S is a tug; answers while letting go are a tenth of it
 _NEWTONS = np.geomspace(10.0, 0.02, 2000)
 _VOLTS = rubber.rest_volts(_NEWTONS)
 
 
 def grip_n(vc_v):
-    """Newtons that a Vc stands for without shear: the calibration of the sensor, turned round."""
+    """Newtons for a Vc without shear: the inverse of the sensor's calibration."""
     return np.interp(vc_v, _VOLTS, _NEWTONS)
 
 
 class Host:
-    """Of all runs of a condition; ``vc_v`` [runs]: before the first cycle."""
+    """The hosts of all runs of a condition; ``vc_v`` [runs]: before the first cycle."""
 
     def __init__(self, scene, condition, stage, vc_v):
         self.scene, self.condition, self.stage, self.vc_v = scene, condition, stage, vc_v
@@ -36,16 +36,16 @@ class Host:
         if condition.step_mm is not None:
             self.share = 0.0
         self.guard = self._cycles(scene.steps["guard_s"])
-        self.command = self.seen = None  # the newest, and at the last look
-        self.raised_at = np.zeros(len(vc_v), dtype=np.int64)  # the cycle of the last look that found a tug
+        self.command = self.seen = None  # the newest command, and the one at the last look
+        self.raised_at = np.zeros(len(vc_v), dtype=np.int64)  # cycle of the last look that found a tug
         self.decay = scene.decay(condition)
-        self.calm_decay = scene.steps["calm_decay_share"] * condition.cycle_ms / 1000  # a cycle
+        self.calm_decay = scene.steps["calm_decay_share"] * condition.cycle_ms / 1000  # per cycle
 
     def _cycles(self, seconds):
         return round(seconds * 1000 / self.condition.cycle_ms)
 
     def write(self, cycle):
-        """Before the samples of ``cycle``."""
+        """Write the registers before the samples of ``cycle``."""
         if cycle % self.follow == 0:
             self.threshold = self.scene.threshold(self.condition, self.vc_v)
             self.stage.compare_with(self.threshold)
@@ -62,5 +62,5 @@ class Host:
             self.stage.answer_by(np.maximum(steps, 1).astype(np.int64), decays.astype(np.int64))
 
     def read(self, vc_v, command):
-        """After a cycle; both [runs]."""
+        """Take Vc and the command after a cycle; both [runs]."""
         self.vc_v, self.command = vc_v, command

@@ -1,10 +1,10 @@
-"""The closed loop: hand, converters, slip path and reflex, a control cycle at a time, all runs together.
+"""The closed loop: hand, converters, slip path and reflex, cycle by cycle, for all runs together.
 
     closing -> physics.hand -> converter -> Haar, peak to peak, over -> grip -> increment -> closing
 
-The word of a cycle moves the hand in the next one. A window counts once, where it first is over:
-msn_grip counts the stream of decisions. A finger is unhealthy after eight samples in a row at the converter's
-lowest or highest code. On engine rtl a Verilated core does all of it, beside the twins.
+The word of a cycle moves the hand in the next one. A window counts once, where it is first over the
+threshold: msn_grip counts the stream of decisions. A finger is unhealthy after eight consecutive samples at
+the converter's lowest or highest code. On engine rtl a Verilated core does all of it, beside the twins.
 """
 
 from dataclasses import dataclass, replace
@@ -22,27 +22,27 @@ from meissner.twins.actuate.grip import Grip
 from meissner.twins.slip.haar import Haar
 from meissner.twins.slip.peak_to_peak import PeakToPeak
 
-NOISE_S = 1.0  # of the converters' noise are drawn at once
-AFTER_S = 1.0  # after a tug
-WAIT_SAMPLES = 20  # of an event's ringing that may still reach the window after it
+NOISE_S = 1.0  # of the converters' noise drawn together
+AFTER_S = 1.0  # after a tug, for tug_ratio
+WAIT_SAMPLES = 20  # for which an event's ringing may still reach the next window
 
 
 class FixedSlip:
-    """The integer twins, of all fingers of all runs."""
+    """The integer twins for all fingers of all runs."""
 
     def __init__(self, channels, config):
         self.span, self.threshold = config.window >> config.level, config.threshold
         self.haar, self.extremes = Haar(channels, config.level), PeakToPeak(channels, self.span, self.span)
 
     def next(self, codes):
-        """(detail, p2p, over) of each detail that ``codes`` [channels, n] complete."""
+        """(detail, p2p, over) for each detail that ``codes`` [channels, n] complete."""
         detail, _ = self.haar.next(codes)
         p2p, self.ends = self.extremes.next(detail)
         return detail, p2p, p2p > self.threshold
 
 
 class FloatSlip:
-    """Textbook float: PyWavelets' cD, and its extremes so far in each window."""
+    """Floating-point reference: PyWavelets' cD, and its extremes so far in each window."""
 
     def __init__(self, channels, config):
         self.level, self.threshold, self.count = config.level, config.threshold, 0
@@ -51,7 +51,7 @@ class FloatSlip:
         self.high, self.low = np.full(channels, -np.inf), np.full(channels, np.inf)
 
     def next(self, codes):
-        """As FixedSlip.next, in codes."""
+        """As FixedSlip.next, in codes, but in floating point."""
         import pywt
 
         x = np.concatenate([self.rest, codes], axis=1)
@@ -76,16 +76,16 @@ class FloatSlip:
 
 
 class Windows:
-    """A block's decisions by window, all that the reflex reads of them: [channels, parts].
+    """A block's decisions summarised by window, as the reflex needs them: [channels, parts].
 
-    A part is what a block has of one window: whether it is over in it, and whether the window ends with it.
+    A part is the section of a window inside the block: whether it is over, and whether the window ends in it.
     """
 
     def __init__(self, channels, span):
         self.span, self.count, self.counted = span, 0, np.zeros(channels, dtype=bool)
 
     def next(self, over):
-        """(over [channels, parts], ends [parts], windows over for the first time [channels])."""
+        """(over [channels, parts], ends [parts], number of windows newly over [channels])."""
         last = self.count + over.shape[1]
         if last == self.count:
             nothing = np.zeros((len(over), 0), dtype=bool)
@@ -102,12 +102,12 @@ class Windows:
 
 
 class Stage:
-    """What answers the codes of both fingers of all runs, a cycle at a time: the slip path and the reflex.
+    """Slip path and reflex for both fingers of all runs: they answer the codes of each cycle.
 
-    ``parts``: (slip path class, grip class); ``starts``: the command that each run begins with.
+    ``parts``: (slip path class, grip class); ``starts``: the initial command of each run.
     """
 
-    mismatches = None  # cycles of each run in which a core was not as the twins
+    mismatches = None  # cycles of each run in which a core differed from the twins
 
     def __init__(self, parts, config, settings, starts, adc):
         slip_of, grip_of = parts
@@ -117,17 +117,17 @@ class Stage:
         self.reflexes = [grip_of(settings, 2, start=start) for start in starts]
 
     def compare_with(self, threshold):
-        """From now on; ``threshold`` [runs] in codes."""
+        """Set the threshold [runs], in codes."""
         self.slip.threshold = np.repeat(threshold, 2)[:, None]
 
     def answer_by(self, steps, decays):
-        """From now on; both [runs], in counts."""
+        """Set step and decay; both [runs], in counts."""
         for reflex, step, decay in zip(self.reflexes, steps.tolist(), decays.tolist()):
             if (step, decay) != (reflex.config.step, reflex.config.decay):
                 reflex.config = replace(reflex.config, step=step, decay=decay)
 
     def next(self, codes):
-        """(detail [channels, details], windows over for the first time [channels], Command of each run)."""
+        """(detail [channels, details], number of windows newly over [channels], Command of each run)."""
         detail, _, self.over = self.slip.next(codes)
         parts, ends, counts = self.windows.next(self.over)
         healthy = self.health.next(codes).reshape(-1, 2).tolist()
@@ -139,7 +139,7 @@ class Stage:
 
 
 class Cores:
-    """The same by a Verilated core for each run; the twins run beside them, and draw the detail."""
+    """As Stage, with a Verilated core for each run; the twins run beside them and supply the detail."""
 
     core = rtl_hand.Core
 
@@ -176,7 +176,7 @@ class Cores:
 
 
 class Netlists(Cores):
-    """The same by a core's netlist."""
+    """As Cores, with the core's netlist."""
 
     core = staticmethod(verilated.of_gates(rtl_hand.Core))
 
@@ -191,7 +191,7 @@ def answer(reflex, parts, ends, healthy):
 
 @dataclass(frozen=True)
 class Trace:
-    """The shown run, [cycles]: what the charts show; ``detail_low``, ``detail_high`` [cycles, 2] in codes."""
+    """The charts' data of the shown run, [cycles]; ``detail_low``, ``detail_high`` [cycles, 2] in codes."""
 
     time_s: np.ndarray
     normal_n: np.ndarray
@@ -210,14 +210,14 @@ class Trace:
 
 @dataclass(frozen=True)
 class Held:
-    """What became of each run: arrays [runs]; ``trace``: of the first.
+    """The results of each run: arrays [runs]; ``trace``: of the first.
 
-    ``slip_mm``: at the end; ``sag_mm``, ``ring_mm``: largest less least; ``moved_mm``: the object's way,
-    lowest less highest; ``tightenings``: cycles with a window over the threshold, ``false_tightenings``:
-    those in which a finger was over that had no event; ``faults``: cycles with one; ``ratio``: grip over the
-    least that friction allows, in the mean of the hold; ``tug_ratio``: in the second after each tug, over
-    the least that its peak needed (nan without tugs); ``mismatches``: cycles in which the core of engine rtl
-    or gate was not as the twins, None of the others.
+    ``slip_mm``: at the end; ``sag_mm``, ``ring_mm``: largest less least; ``moved_mm``: largest less least
+    displacement of the object; ``tightenings``: cycles with a window over the threshold;
+    ``false_tightenings``: those in which a finger without an event was over; ``faults``: cycles with a
+    fault; ``ratio``: grip over the least that friction allows, mean of the hold; ``tug_ratio``: grip in the
+    second after each tug over the least that the tug's peak needed (nan without tugs); ``mismatches``:
+    cycles in which the core of engine rtl or gate differed from the twins, None for other engines.
     """
 
     dropped: np.ndarray
@@ -235,7 +235,7 @@ class Held:
 
 
 class _Noise:
-    """The converters' own, of each run from its own seed."""
+    """The converters' noise, drawn for each run from its own seed."""
 
     def __init__(self, scene, seeds, number):
         self.rngs = [np.random.default_rng([seed, number, 1]) for seed in seeds]
@@ -253,7 +253,7 @@ class _Noise:
 
 
 def hold(scene, condition, seeds, parts):
-    """Run one condition with ``seeds`` at once; ``parts``: (slip path class, grip class), or Cores."""
+    """Run a condition with all ``seeds`` together; ``parts``: (slip path class, grip class), or Cores."""
     grasps = [grasp(scene, condition, seed) for seed in seeds]
     runs, block = len(grasps), scene.rate_hz * condition.cycle_ms // 1000
     hand = Hand(grasps, scene.rate_hz, block)
@@ -275,7 +275,7 @@ def hold(scene, condition, seeds, parts):
     lowest, highest = (
         np.full((3, runs), np.inf),
         np.full((3, runs), -np.inf),
-    )  # of the way, its sag, its rings
+    )  # of displacement, sag, rings
     rows = []
     for cycle in range(cycles):
         time_s = cycle * condition.cycle_ms / 1e3

@@ -5,18 +5,18 @@ import numpy as np
 from meissner.scenes.array.pictures import _figure, _plain
 from meissner.scenes.rubber.pictures import BLUE, GREEN, INK, ORANGE, PURPLE, RED
 
-COLUMNS = 3000  # of the picture; more cycles are drawn as lowest and highest
+COLUMNS = 3000  # of the picture; with more cycles, each column has their least and greatest
 
 
 def _thin(trace):
-    """(time, of an array the lowest and the highest) of groups of cycles."""
+    """(time of groups of cycles, function that reduces an array to these groups)."""
     step = max(1, len(trace.time_s) // COLUMNS)
     starts = np.arange(0, len(trace.time_s), step)
     return trace.time_s[starts], lambda x, of: of.reduceat(x, starts)
 
 
 def draw(path, scene, condition, seed, trace):
-    """``trace``: scenes.hand.loop.Trace of the run with ``seed``."""
+    """Draw the strip charts; ``trace``: scenes.hand.loop.Trace of the run with ``seed``."""
     time_s, thin = _thin(trace)
     figure = _figure(11, 8, f"{scene.name}: {condition.name}, seed {seed}")
     force, detail, place = figure.subplots(3, 1, sharex=True, height_ratios=(3, 2, 3))

@@ -1,4 +1,4 @@
-"""Running a hand's scene in closed loop: each condition with its seeds, what fell, slid, and how it held."""
+"""Running a hand's scene in closed loop: each condition with its seeds; drops, slip and grip."""
 
 import time
 
@@ -11,7 +11,7 @@ from meissner.twins.actuate.grip import Grip
 
 SHOWN = "grip force beside the least that holds the object, the Haar detail of both fingers, and its way down"
 AT_ONCE = 50  # runs that advance together
-# What an engine has of the loop; the reflex is integers in both, docs/grip_scenes.md says why.
+# An engine's part of the loop; both have the reflex in integers (docs/grip_scenes.md explains it).
 PARTS = {"fixed": (loop.FixedSlip, Grip), "float": (loop.FloatSlip, Grip)}
 PARTS |= {"rtl": loop.Cores, "gate": loop.Netlists}
 KEYS = (
@@ -26,7 +26,7 @@ KEYS = (
     "ratio",
     "tug_ratio",
 )
-WITHIN = 1.2  # of the least grip that friction allows: asked of the hold
+WITHIN = 1.2  # times the least grip that friction allows: the target of the hold
 
 
 def check(scene, engine, waves):
@@ -37,7 +37,7 @@ def check(scene, engine, waves):
 
 
 def statistics(condition, found):
-    """One row of the table of conditions; ``found``: {key: [runs]} of a condition's runs."""
+    """A row of the table of conditions; ``found``: {key: [runs]} of a condition's runs."""
     kept = ~found["dropped"]
 
     def of(key, pick):
@@ -67,7 +67,7 @@ def statistics(condition, found):
 
 
 def joined(helds):
-    """{key: [runs]} of the Helds of a condition."""
+    """{key: [runs]} from the Helds of a condition."""
     return {key: np.concatenate([getattr(held, key) for held in helds]) for key in KEYS}
 
 

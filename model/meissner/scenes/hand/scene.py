@@ -1,4 +1,4 @@
-"""Scenes of a hand of two slip sensors that holds a glass by the reflex: poured into, let go, tugged at."""
+"""Scenes of a hand with two slip sensors that holds a glass by the reflex: pouring, letting go, tugs."""
 
 from dataclasses import dataclass
 
@@ -33,7 +33,7 @@ _TOP = base.SAMPLED | {"slip": dict, "grip": dict, "world": dict}
 _SLIP = dict.fromkeys(("window", "level"), int) | {"threshold_v": float, "threshold_share": float}
 _GRIP = dict.fromkeys(("step_mm", "decay_mm_s", "rate_mm_s", "least_mm", "most_mm", "silent_s"), float)
 _GRIP |= {"rule": str}
-# May be left out, (least, most): of the reflex, and what a host makes of the step and the decay.
+# Optional keys, (least, most): of the reflex, and of the host that sets step and decay.
 _BOOST = {"boost": (0, 2**BOOST_BITS - 1)}
 _STEPS = dict.fromkeys(("step_share", "calm_share"), (0.0, 0.1)) | {"guard_s": (0.0, 1e3)}
 _STEPS |= {"calm_decay_share": (0.0, 1.0)}
@@ -42,7 +42,7 @@ _WORLD = dict.fromkeys((*_SPREADS, "duration_s", "hold_from_s", "mass_kg", "pour
 _WORLD |= dict.fromkeys(("pour_start_s", "pour_kg_s", "grain_kg"), float)
 _WORLD |= {"material": str, "grip_ratio": list, "tugs": list, "conditions": list}
 _CONDITION = {"name": str, "first_event": float, "cycle_ms": int}
-# Keys of a condition that may be left out, (least, most).
+# Optional keys of a condition, (least, most).
 _OPTIONAL = {"heal_s": (0.001, 1e3), "step_mm": (0.0, 1.0), "threshold_v": (0.0, 5.0), "halves_s": (0.0, 1e4)}
 _OPTIONAL |= {"dead_s": (0.0, 1e4), "decay_mm_s": (0.0, 1.0), "duration_s": (0.1, 1e4)}
 _OPTIONAL |= {"count_mm": (1e-6, COUNT_MM), "down_mm": (0.0, 10.0)}
@@ -53,10 +53,11 @@ CYCLES_MS = (1, 2, 5, 10)
 class Condition:
     """``first_event``: q of the first event; ``cycle_ms``: control cycle; ``heal_s``: physics.stepped.
 
-    ``step_mm``, ``decay_mm_s``, ``duration_s``: in place of the scene's, the step without ``boost``;
-    ``threshold_v``, too, and it then stays. ``halves_s``: friction halves then; ``dead_s``: from when on both
-    converters give their highest code. ``count_mm``: of a count of the command. Finer counts span less: with
-    ``down_mm`` the command's zero is that far below the grip to begin with, and all 16 bits are its range.
+    ``step_mm``, ``decay_mm_s``, ``duration_s`` replace the scene's, the step without ``boost``;
+    ``threshold_v``, too, and then stays constant. ``halves_s``: time at which friction halves; ``dead_s``:
+    time after which both converters give their highest code. ``count_mm``: millimetres per count of the
+    command. Finer counts span less: with ``down_mm`` the command's zero lies that far below the initial grip,
+    and all 16 bits are its range.
     """
 
     name: str
@@ -75,7 +76,7 @@ class Condition:
 
 @dataclass(frozen=True)
 class Scene(base.Sampled):
-    """A scene, checked. ``grip``: [grip] in millimetres and seconds."""
+    """A checked scene. ``grip``: [grip] in millimetres and seconds."""
 
     slip: dict
     grip: dict
@@ -84,7 +85,7 @@ class Scene(base.Sampled):
 
     @property
     def left_out(self):
-        """Of COMPONENTS, what the scene does not ask for."""
+        """The COMPONENTS that the scene does not ask for."""
         return ("changing mass",) * (not self.world["poured_kg"]) + ("tug",) * (not self.world["tugs"])
 
     @property
@@ -95,10 +96,10 @@ class Scene(base.Sampled):
         return self.world["duration_s"] if condition.duration_s is None else condition.duration_s
 
     def threshold_v(self, condition, vc_v=None):
-        """The threshold on the Haar coefficient; peak to peak has twice that.
+        """The threshold on the Haar coefficient; that on peak to peak is twice as high.
 
-        An event takes a share of the rubber's conductance, which is Vc (1 - Vc/5 V) times it in volts:
-        with ``threshold_share`` above 0 the threshold follows, under ``vc_v`` (None: at threshold_v).
+        An event takes a share of the rubber's conductance, which in volts is that share of Vc (1 - Vc/5 V).
+        With ``threshold_share`` above 0 the threshold follows ``vc_v`` in this way (None: threshold_v).
         """
         if condition.threshold_v is not None:
             return condition.threshold_v
@@ -108,7 +109,7 @@ class Scene(base.Sampled):
         return share * vc_v * (1.0 - vc_v / SUPPLY_V)
 
     def threshold(self, condition, vc_v):
-        """The same of peak to peak in codes, at least 1: what a host writes for each run's ``vc_v``."""
+        """The threshold on peak to peak in codes, at least 1, that a host writes for each run's ``vc_v``."""
         level = self.slip["level"]
         return np.array(
             [max(1, threshold_code(self.threshold_v(condition, v), level, self.adc.lsb_v)) for v in vc_v]
@@ -122,11 +123,11 @@ class Scene(base.Sampled):
 
     @property
     def steps(self):
-        """What the host of scenes.hand.host needs; all 0: it writes the threshold only."""
+        """The settings of scenes.hand.host; if all are 0, it writes the threshold only."""
         return {key: self.grip.get(key, 0.0) for key in _STEPS}
 
     def decay(self, condition):
-        """Counts a cycle of the condition's decay, without one the scene's."""
+        """The decay of the condition, or else of the scene, in counts per cycle."""
         mm_s = self.grip["decay_mm_s"] if condition.decay_mm_s is None else condition.decay_mm_s
         least = condition.count_mm / (condition.cycle_ms / 1e3)
         if mm_s > 0 and not round(mm_s / least):
@@ -149,7 +150,7 @@ class Scene(base.Sampled):
         )
 
     def start(self, condition, closing_mm):
-        """The command that stands for the grip to begin with."""
+        """The command for the initial grip."""
         config = self.grip_config(condition)
         place_mm = closing_mm if condition.down_mm is None else condition.down_mm
         return min(max(round(place_mm / condition.count_mm), config.minimum), config.maximum)
@@ -168,7 +169,7 @@ def _world(where, table):
 
 
 def build(name, table):
-    """Check a scene's table and return the Scene; ValueError with one sentence if it cannot be."""
+    """Check a scene's table and return the Scene; ValueError with one sentence if it is invalid."""
     where = f"scene {name}"
     top, own = base.top(name, table, _TOP, FEATURES)
     if top["rate_hz"] % 1000:
@@ -201,7 +202,7 @@ def build(name, table):
 
 
 def grasp(scene, condition, seed):
-    """What one seed draws: mass, friction of both fingers, pour, the grip to begin with."""
+    """The values drawn from one seed: mass, friction of both fingers, pour, initial grip."""
     world = scene.world
     rng = np.random.default_rng([seed, scene.conditions.index(condition)])
     kind = plate.MATERIALS[world["material"]]
@@ -234,5 +235,5 @@ def grasp(scene, condition, seed):
 
 
 def simulate(scene, condition=None, seed=0):
-    """The grasp of one seed: in closed loop there is no recording before the engine has run."""
+    """The grasp of one seed; in closed loop there is no recording before the engine runs."""
     return grasp(scene, scene.conditions[0] if condition is None else condition, seed)

@@ -1,4 +1,4 @@
-"""The sentence about a hand that holds: what fell, and how hard the rest was held."""
+"""The sentence about a hand's runs: drops, and the grip of the runs that held."""
 
 from meissner.report.words import number
 from meissner.scenes.verdict import count

@@ -15,7 +15,7 @@ _ADDED = {
     "pulse": ["rubber response"],
     "stroke": ["hemispherical cover"],
 }
-BYTES = 32  # a taxel of a sample: forces, what is felt, and the places that are above 0
+BYTES = 32  # per taxel of a sample: forces, felt loads, and the places above 0
 
 
 def uses(scene):

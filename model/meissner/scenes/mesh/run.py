@@ -1,4 +1,4 @@
-"""Running a scene of the four-wire mesh: electrode voltages through an engine, beside the true forces."""
+"""Running a scene of the four-wire mesh: electrode voltages through an engine, against the true forces."""
 
 import time
 
@@ -28,15 +28,15 @@ def check(scene, engine, waves):
 
 
 def _response_s(recording, load):
-    """From the start of a pulse to the sample at which 95 % of the reported load's rise is there."""
+    """Time from the start of a pulse to the sample at which the reported load has made 95 % of its rise."""
     start_s = recording.scene.world["start_s"]
     before = load[recording.time_s < start_s].max(initial=0.0)
     return float(recording.time_s[np.argmax(load >= before + 0.95 * (load.max() - before))] - start_s)
 
 
 def _position_response_s(recording, x, y):
-    """From the start of a pulse to the first sample from which on 95 % of the way to its place at the pulse's
-    end is behind the position, and stays so; it begins where it was before, or at 0 with none."""
+    """Time from the start of a pulse to the first sample from which on the position stays within 5 % of its
+    way to its place at the pulse's end. The way begins at the position before the pulse, or at 0."""
     world, rate_hz = recording.scene.world, recording.scene.rate_hz
     start, stop = (
         int(np.ceil(s * rate_hz - 1e-6)) for s in (world["start_s"], world["start_s"] + world["pulse_s"])
@@ -47,7 +47,7 @@ def _position_response_s(recording, x, y):
 
 
 def reported(recording, engine):
-    """x, y, load (N), valid [samples] and the core's ``Cop4``; float takes the voltages, and gives None."""
+    """x, y, load (N), valid [samples] and the core's ``Cop4``; float takes voltages and has None for it."""
     if engine == "float":
         return *engines.load(engine).cop4_of_volts(recording.solution), None
     got = Stages(engine, recording.scene.features).cop4(recording.codes, recording.config)
@@ -56,7 +56,7 @@ def reported(recording, engine):
 
 
 def certified(recordings):
-    """The solver's own bounds, the worst of all samples: position (of the range), load (of it), condition."""
+    """The solver's own bounds, worst over all samples: position (of the range), load (of it), condition."""
     solutions = [recording.solution for recording in recordings]
     place = max(float(max(s.bound.x.max(), s.bound.y.max())) / 2 for s in solutions)
     load = max(float((s.bound.load[s.valid] / s.load[s.valid]).max(initial=0)) for s in solutions)
@@ -98,7 +98,7 @@ def run(scene, engine, out, seed, waves, progress):
     samples = len(everything["x"])
     first = recordings[0]
     unused = [CONVERTER] if engine == "float" else []
-    if waves:  # the first r's samples up to the greatest load
+    if waves:  # samples of the first r, up to the greatest load
         part = slice(0, int(np.argmax(runs[0]["load"])) + 1)
         seen = engines.load(engine).cop4(first.codes[part], first.config, out / "waves.vcd")
         wrong += mismatches(seen, engines.load("fixed").cop4(first.codes[part], first.config))
@@ -114,7 +114,7 @@ def run(scene, engine, out, seed, waves, progress):
         "conditions": rows,
     }
     if scene.kind == "pulse":
-        # Against what the taxels feel: without the lag of the rubber, where the sensor gives a load.
+        # Errors against the felt load, so without the rubber's lag, where the sensor gives a load.
         felt = [
             errors(o["x"], o["y"], o["load"], o["valid"], r.felt_n, r.x, r.y)[1][o["valid"]]
             for r, o in zip(recordings, runs)

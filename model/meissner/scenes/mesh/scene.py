@@ -1,4 +1,4 @@
-"""Scenes of the four-wire resistor mesh: loads in newtons, electrode voltages, their codes, and the truth."""
+"""Scenes of the four-wire resistor mesh: loads in newtons, electrode voltages, codes, the ground truth."""
 
 from dataclasses import dataclass
 
@@ -13,7 +13,7 @@ from meissner.physics.mesh_loads import SETTLED
 from meissner.scenes import base
 from meissner.scenes.mesh.parts import FEATURES
 
-CONVERTER = "converter"  # modelled for every engine but float, which takes the voltages as they are
+CONVERTER = "converter"  # modelled for every engine except float, which takes the voltages
 COMPONENTS = (
     *("resistor mesh", "taxel resistance", CONVERTER),
     *("random points", "rubber response", "hemispherical cover"),
@@ -43,7 +43,7 @@ _WORLD = {
 
 @dataclass(frozen=True)
 class Scene(base.Scene):
-    """A scene, checked. Its conditions are the values of ``r_ohm``, each with its own of ``configs``."""
+    """A checked scene. Its conditions are the values of ``r_ohm``, each with its entry of ``configs``."""
 
     rate_hz: int
     rows: int
@@ -59,11 +59,10 @@ class Scene(base.Scene):
 
 @dataclass(frozen=True)
 class Recording:
-    """One condition: ``solution``, the mesh under the load that the taxels feel, and the truth, the forces.
+    """One condition: ``solution``, the mesh under the load that the taxels feel, and the true forces.
 
-    ``codes`` [samples, 4]: its electrodes as the converter of ``config`` gives them. ``load`` (N), ``x``,
-    ``y`` [samples]: of the forces; ``felt_n``: the load the taxels feel, which lags behind where the
-    rubber's response is modelled.
+    ``codes`` [samples, 4]: its electrodes converted with ``config``. ``load`` (N), ``x``, ``y`` [samples]:
+    of the forces; ``felt_n``: the load that the taxels feel, which lags if the rubber's response is modelled.
     """
 
     scene: Scene
@@ -82,7 +81,7 @@ class Recording:
 
 
 def _taxel(where, scene_rows, scene_columns, at):
-    """Row and column of the place (x, y), which must be a taxel's."""
+    """Row and column of the taxel at the place (x, y); ValueError if none is there."""
     x, y = at
     column, row = (x + 1) * (scene_columns - 1) / 2, (1 - y) * (scene_rows - 1) / 2
     if abs(column - round(column)) > 1e-6 or abs(row - round(row)) > 1e-6:
@@ -91,7 +90,7 @@ def _taxel(where, scene_rows, scene_columns, at):
 
 
 def build(name, table):
-    """Check a scene's table and return the Scene; ValueError with one sentence if it cannot be."""
+    """Check a scene's table and return the Scene; ValueError with one sentence if it is invalid."""
     where = f"scene {name}"
     top, own = base.top(name, table, _TOP, FEATURES)
     inside = f"{where}, [mesh]"
@@ -141,7 +140,7 @@ def build(name, table):
 
 
 def loads(scene, seed=0):
-    """Newtons on the taxels [samples, rows, columns]: the forces, and the loads that the taxels feel."""
+    """Newtons [samples, rows, columns]: (the forces on the taxels, the loads that the taxels feel)."""
     world, shape = scene.world, (scene.rows, scene.columns)
     if scene.kind == "random":
         parts = [
@@ -170,7 +169,7 @@ def loads(scene, seed=0):
     for row, column, (force_n,) in world["points"]:
         true[:, row, column] += force_n * ((time_s >= start) & (time_s < stop))
         felt[:, row, column] += force_n * np.maximum(rise - fall, 0.0)
-    # What a taxel conducts with nothing on it, as the load that would.
+    # rest_n: the conductance of an unloaded taxel, as the load that would give it.
     return true, felt + world["rest_n"]
 
 
@@ -180,7 +179,7 @@ def electrodes(solution):
 
 
 def simulate(scene, seed=0):
-    """One Recording for each r; the seed draws random points and the converter's noise."""
+    """A list with a Recording for each r; the seed draws random points and the converter's noise."""
     true, felt = loads(scene, seed)
     load, x, y = mesh_loads.true_centre(true)
     modelled = (*COMPONENTS[:3], *_ADDED[scene.kind])

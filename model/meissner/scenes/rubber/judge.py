@@ -1,6 +1,6 @@
-"""Judging a slip scene: what the flag of each run is worth beside the truth, and the figures of all runs.
+"""Judging a slip scene: each run's flag against the ground truth, and the figures of all runs.
 
-A miss is a flag that does not come before the whole contact slips: none, or a late one.
+A slip is missed if no flag comes before the whole contact slips: there is none, or a late one.
 """
 
 import numpy as np
@@ -9,11 +9,11 @@ from meissner.engines.float import first_crossing
 from meissner.scenes.rates import rates
 from meissner.twins.slip.slip import State
 
-COUNTS = ("missed", "late", "false_alarms", "false_alarms_masked")  # of a run, added up
+COUNTS = ("missed", "late", "false_alarms", "false_alarms_masked")  # of runs, to be added up
 
 
 def slipping(state):
-    """Where the slip flag is up."""
+    """Whether the slip flag is up, for each detail."""
     return (state == State.INCIPIENT) | (state == State.GROSS)
 
 
@@ -24,12 +24,12 @@ def _raised(state):
 
 
 def risen(state, group, rate_hz):
-    """When the slip flag rises, in seconds; a detail is known at its last sample, whose time is its time."""
+    """Times at which the slip flag rises, in seconds; the time of a detail is that of its last sample."""
     return ((_raised(state) + 1) * group - 1) / rate_hz
 
 
 def flagged(rises, onset, gross):
-    """What flags that rise at ``rises`` are worth: the entries of ``judge`` from flag_s to false_alarms.
+    """Judge flags that rise at ``rises``: the entries of ``judge`` from flag_s to false_alarms.
 
     ``onset``, ``gross``: seconds, None without a slip.
     """
@@ -50,14 +50,14 @@ def judge(recording, state, config):
     """Compare the states of one run with the truth; times in seconds, None where there is none.
 
     ``flag_s``: the first rise of the flag at or after the onset; ``missed``: a slip without one before the
-    whole contact slips, ``late`` if there is one at or after that; ``lead_s``: from the flag to that,
-    negative if it is late; ``false_alarms``: rises before the onset, or any where nothing slips;
-    ``crossing_s``: when the exact sliding window of the float reference first crosses after the onset.
-    Before it lies the wait for an event that is large enough, after it the detector's own delay.
+    whole contact slips, also ``late`` if one comes at or after that; ``lead_s``: from the flag to the slip of
+    the whole contact, negative if late; ``false_alarms``: rises before the onset, or all where nothing slips;
+    ``crossing_s``: first crossing of the float reference's exact sliding window after the onset; the time
+    before it is the wait for a large enough event, the time after it the detector's own delay.
     ``sliding_s``: from the slip of the whole contact to the end; ``contact_share_of_sliding``: share of its
     details in which the state is not incipient or gross. ``contact_wrong_share``: share of all details in
-    which state and truth disagree on whether the plate presses; the truth begins with the first force, the
-    state where its level says contact.
+    which state and truth disagree on whether the plate presses; the truth has contact from the first force
+    on, the state from its contact level on.
     """
     group, rate_hz = 1 << config.level, recording.scene.rate_hz
     onset = recording.onset_s
@@ -89,7 +89,7 @@ def _contact_wrong(recording, state, group):
 
 
 def contact_share(verdicts):
-    """Share of the sliding time in which the state does not say so, of all runs; None if none slid."""
+    """Share of all runs' sliding time in which the state is not a slip; None if no run slid."""
     slid = [verdict for verdict in verdicts if verdict["sliding_s"]]
     if not slid:
         return None
@@ -98,7 +98,7 @@ def contact_share(verdicts):
 
 
 def contact_wrong(verdicts):
-    """The mean of all runs."""
+    """The mean of contact_wrong_share over all runs."""
     return round(float(np.mean([verdict["contact_wrong_share"] for verdict in verdicts])), 6)
 
 
@@ -107,7 +107,7 @@ def _ends(rate):
 
 
 def statistics(condition, verdicts):
-    """One row of the table of conditions. Delays and leads are of every flag, so of late ones too."""
+    """A row of the table of conditions. Delays and leads include those of late flags."""
     delays = np.array([v["delay_s"] for v in verdicts if v["delay_s"] is not None]) * 1e3
     leads = np.array([v["lead_s"] for v in verdicts if v["lead_s"] is not None]) * 1e3
     found = rates(verdicts)
@@ -120,7 +120,7 @@ def statistics(condition, verdicts):
         "contact_share_of_sliding": contact_share(verdicts),
         "contact_wrong_share": contact_wrong(verdicts),
     }
-    # A flag without a crossing: what raised it came before the onset, but was blanked until after.
+    # A flag may have no crossing: an event before the onset raised it, blanked until after the onset.
     own = [v["flag_s"] - v["crossing_s"] for v in verdicts if None not in (v["flag_s"], v["crossing_s"])]
     if len(delays):
         row |= {

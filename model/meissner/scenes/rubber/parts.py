@@ -15,7 +15,7 @@ WHY = {
     "hysteresis": "hysteresis of a condition",
     "correlated events": "burst of a condition",
 }
-BYTES = 400  # a sample: times, volts, forces, details, decisions, as int64 and double
+BYTES = 400  # per sample: times, volts, forces, details, decisions, as int64 and double
 
 
 def uses(scene):

@@ -14,14 +14,14 @@ from meissner.report.page import write_html
 __all__ = ["draw_slip", "write_html"]
 
 STATES = ("none", "contact", "incipient", "gross", "release")
-# Okabe and Ito's palette, which colour-blind readers can tell apart; grey for nothing.
+# Okabe and Ito's palette, which colour-blind readers can distinguish; grey without contact.
 INK, BLUE, ORANGE, GREEN, RED = "#222222", "#0072B2", "#E69F00", "#009E73", "#D55E00"
 SKY, PURPLE = "#56B4E9", "#A0307A"
 STATE_COLOURS = ("#E4E4E4", SKY, ORANGE, RED, "#999999")
 
 
 def _envelope(time_s, values, columns=4000):
-    """Minimum and maximum per column: the same picture as every sample, at a fraction of the points."""
+    """Minimum and maximum per column: the same picture as all samples give, with a fraction of the points."""
     step = len(values) // columns
     if step < 2:
         return time_s, values
@@ -36,13 +36,13 @@ def _within(time_s, values, window):
 
 
 def _runs(flags):
-    """(first, past the last) of each run of true values."""
+    """(first index, one past the last) of each run of true values."""
     edges = np.flatnonzero(np.diff(np.asarray(flags, dtype=bool), prepend=False, append=False))
     return list(zip(edges[::2], edges[1::2]))
 
 
 def _bands(axis, time_s, state, window):
-    """The state as one coloured band, a rectangle per run of equal states."""
+    """The state as a coloured band, with a rectangle per run of equal states."""
     time_s, state = np.asarray(time_s), np.asarray(state).astype(int)
     edges = np.concatenate([[0], np.flatnonzero(np.diff(state)) + 1])
     starts = time_s[edges]
@@ -77,8 +77,8 @@ def draw_slip(
 
     ``detail_v``, ``p2p_v``, ``state`` [n] belong to ``detail_time_s`` [n]: the Haar coefficient, its
     peak to peak over the window so far, and the state's number. ``threshold_v`` is on peak to peak.
-    ``flag_s``: when the flag first rose, None if it did not. ``zoom_s``: (from, until) of the right
-    column; by default around the onset, or around the largest coefficient where nothing slips.
+    ``flag_s``: first rise of the flag, or None. ``zoom_s``: (from, until) of the right column; by default
+    around the onset, or around the largest coefficient where nothing slips.
     """
     time_s = recording.time_s
     whole = (float(time_s[0]), float(time_s[-1]))
@@ -109,7 +109,7 @@ def draw_slip(
         detail.plot(*_within(detail_time_s, detail_v, window), color=BLUE, lw=width)
         p2p.plot(*_within(detail_time_s, p2p_v, window), color=BLUE, lw=width)
         p2p.axhline(threshold_v, color=PURPLE, lw=1.3)
-        # Scaled to what comes before the whole contact slips; that one may leave the frame.
+        # Scaled to the time before the whole contact slips; that slip may leave the frame.
         before = (
             (detail_time_s >= window[0])
             & (detail_time_s < (gross_s or window[1]))

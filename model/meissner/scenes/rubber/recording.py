@@ -1,4 +1,4 @@
-"""One run of a scene of the rubber: the physics that its condition names, and the truth about it."""
+"""One run of a scene of the rubber: the physics that its condition names, and the ground truth."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -21,7 +21,7 @@ _MODELLED = {
     "pull": COMPONENTS,
     "grip": (*COMPONENTS, "grip follows load"),
 }
-# Keys of a condition that add physics to a run: what is then modelled beyond COMPONENTS, and the key's off.
+# Keys of a condition that add physics to a run: (the part modelled beyond COMPONENTS, the value for off).
 OPTIONS = {
     "hum_v": ("hum", 0.0),
     "flicker": ("1/f noise", 0.0),
@@ -31,21 +31,21 @@ OPTIONS = {
 
 
 def modelled(kind, condition):
-    """The parts of the physics that a condition of a scene of that kind has."""
+    """The parts of the physics in a condition of a scene of that kind."""
     added = (part for key, (part, off) in OPTIONS.items() if getattr(condition, key) != off)
     return (*_MODELLED[kind], *added)
 
 
 @dataclass(frozen=True)
 class Recording:
-    """One run of one condition: the core's input, an experimenter's measurements, and the truth.
+    """One run of one condition: the core's input, an experimenter's measurements, and the ground truth.
 
     ``onset_s``: the first event of partial slip; ``gross_s``: the whole contact slips; both None without
-    a slip. ``events_s``, ``events_v``: every event of partial slip and the step of Vc it makes, so that
-    the wait for an event that is large enough can be separated from the detector's delay. ``contacts_s``:
-    (from, until) where the normal force is not zero, until None if it lasts. ``moving``: the loading stage
-    moves, the motion that a hand knows to be its own. A grip that follows the load is not marked as moving:
-    it moves through the whole of the pull, and a detector that it masked would be blind.
+    a slip. ``events_s``, ``events_v``: every event of partial slip and its step of Vc, which separate the
+    wait for a large enough event from the detector's delay. ``contacts_s``: (from, until) where the normal
+    force is not zero, until None if it lasts. ``moving``: the loading stage moves; a hand knows this motion
+    as its own. A grip that follows the load is not marked as moving: it moves during the complete pull, and
+    masking would leave the detector blind.
     """
 
     scene: Any
@@ -70,7 +70,7 @@ class Recording:
 
 @dataclass(frozen=True)
 class PartialSlip:
-    """What a pull adds to the rubber: its level of shear, its fluctuation, and the events before the slip."""
+    """A pull's effect on the rubber: its level of shear, its fluctuation, and the events before the slip."""
 
     level: np.ndarray
     share: np.ndarray
@@ -111,7 +111,7 @@ def simulate(scene, condition=0, seed=0):
     condition = scene.condition(condition)
     number = scene.conditions.index(condition)
     rng = np.random.default_rng([seed, number])
-    disturbed = np.random.default_rng([seed, number, 1])  # its own: the slip is the same with and without
+    disturbed = np.random.default_rng([seed, number, 1])  # separate: disturbances leave the slip unchanged
     samples = round(scene.duration_s(condition) * scene.rate_hz)
     time_s = np.arange(samples) / scene.rate_hz
     world = scene.world

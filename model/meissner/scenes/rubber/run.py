@@ -1,4 +1,4 @@
-"""Running a slip scene: every condition and seed through an engine, compared with the truth."""
+"""Running a slip scene: every condition and seed through an engine, compared with the ground truth."""
 
 import time
 
@@ -20,7 +20,7 @@ SHOWN = (
 
 
 def _mismatches(watched, twin):
-    """How many details differ from the twin's in any field."""
+    """Number of details that differ from the twin's in any field."""
     fields = ("p2p", "over", "state")
     wrong = np.zeros(twin.p2p.shape, dtype=bool)
     for field in fields:
@@ -29,13 +29,13 @@ def _mismatches(watched, twin):
 
 
 def _table(rows):
-    """The rows with the keys of all of them: a condition without a flag has no delays."""
+    """The rows, each with the keys of all: a condition without a flag has no delays."""
     keys = dict.fromkeys(key for row in rows for key in row)
     return [{key: row.get(key) for key in keys} for row in rows]
 
 
 def _watch(module, recording, config):
-    """What a core says that is told of no motion, and one that is told of its own."""
+    """The results of a core that knows no motion, and of one that is given its own motion."""
     return [module.watch(recording.codes[None], config, moving) for moving in (None, recording.moving)]
 
 
@@ -157,7 +157,7 @@ def _arrays(recording, watched, config, prefix):
 def _draw(path, recording, watched, config, verdict):
     detail, _ = details(recording.codes[None], config)
     group = 1 << config.level
-    volts = recording.scene.adc.lsb_v / 2 ** (config.level / 2)  # of one code of the unnormalised detail
+    volts = recording.scene.adc.lsb_v / 2 ** (config.level / 2)  # per code of the unnormalised detail
     report.draw_slip(
         path,
         recording,

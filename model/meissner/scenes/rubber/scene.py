@@ -1,7 +1,7 @@
 """Scenes of the pressure-conductive rubber: a plate pressed on it, and pulled until it slips.
 
-``kind``: press, load and unload; pull, under a steady normal force; grip, a pull under a normal force that
-follows it. A condition's optional keys (Condition) are off where it does not name them.
+``kind``: press: load and unload; pull: under a steady normal force; grip: a pull under a normal force that
+follows it. Optional keys of a condition (Condition) are off if they are not given.
 """
 
 from dataclasses import dataclass
@@ -25,7 +25,7 @@ _WORLD = {
 _PRESS = {"name": str, "normal_n": float}
 _PULL = _PRESS | {"speed_mm_s": float, "material": str}
 _CONDITION = {"press": _PRESS, "pull": _PULL, "grip": _PULL | {"follow": float}}
-# The optional keys, (least, most). Events begin by 0.9 of the friction limit: later, a slip may have none.
+# Optional keys, (least, most). first_event is at most 0.9: above it, a slip may have no event.
 _DISTURBED = {"hum_v": (0.0, 5.0), "flicker": (0.0, 0.1), "hysteresis": (0.0, 0.5)}
 _SLIPPING = {"first_event": (0.0, 0.9), "recovers": (0.0, 1.0), "burst": (1.0, 50.0)}
 _OPTIONAL = {"press": _DISTURBED, "pull": _DISTURBED | _SLIPPING, "grip": _DISTURBED | _SLIPPING}
@@ -36,9 +36,9 @@ class Condition:
     """One row of a sweep. ``speed_mm_s`` and ``material`` only where a plate is pulled.
 
     ``follow``: newtons that the grip rises by for each newton pulled. ``first_event``: share of the friction
-    limit from which Vc shows events; ``recovers``: share of the shear step that is taken back (both
-    physics.rubber); ``burst``: mean events of a burst; ``hum_v``: amplitude; ``flicker``: rms of G in a
-    decade; ``hysteresis``: of the force, loading to unloading (all physics.disturbances).
+    limit from which Vc shows events; ``recovers``: share of the shear step that recovers (both
+    physics.rubber); ``burst``: mean number of events in a burst; ``hum_v``: amplitude; ``flicker``: rms of G
+    in a decade; ``hysteresis``: of the force, loading to unloading (all physics.disturbances).
     """
 
     name: str
@@ -56,7 +56,7 @@ class Condition:
 
 @dataclass(frozen=True)
 class Scene(base.Sampled):
-    """A scene, checked. ``world`` holds the times of its kind, ``press`` or ``pull``."""
+    """A checked scene. ``world``: the times of its kind."""
 
     slip: Slip
     kind: str
@@ -72,11 +72,11 @@ class Scene(base.Sampled):
         raise ValueError(f"scene {self.name} has no condition '{which}'; it has: {names}")
 
     def duration_s(self, condition):
-        """How long the condition lasts; the slip comes later under more load or friction."""
+        """Duration of the condition; the slip comes later under more load or friction."""
         world = self.world
         if self.kind == "press":
             return sum(world.values())
-        # Friction moves the slip of a grip that follows by more than its own share: four deviations of it.
+        # Under a following grip, friction shifts the slip by more than its own spread: allow four deviations.
         spread = 1.0 + 4.0 * plate.FRICTION_SPREAD if self.kind == "grip" else 1.0
         rise_s = plate.rise_s(
             condition.normal_n, condition.speed_mm_s, condition.material, condition.follow, spread
@@ -88,7 +88,7 @@ class Scene(base.Sampled):
         return 2.0 * self.slip.threshold_v
 
     def slip_config(self) -> SlipConfig:
-        """The same settings in codes and details."""
+        """The slip detector's settings in codes and details."""
         return codes(self.slip, self.adc, self.rate_hz)
 
 
@@ -100,14 +100,14 @@ def _condition(where, kind, row):
     if kind != "press":
         one_of(where, "material", row["material"], tuple(plate.MATERIALS))
     if kind == "grip":
-        # With 1/mu, and the spread of friction on it, the grip would outrun the pull and nothing would slip.
+        # At 1/mu, with the spread of friction, the grip would outrun the pull and nothing would slip.
         most = 0.8 / plate.MATERIALS[row["material"]].mu_s
         between(where, row, {"follow": (0.0, round(most, 3))})
     return Condition(**row)
 
 
 def build(name, table):
-    """Check a scene's table and return the Scene; ValueError with one sentence if it cannot be."""
+    """Check a scene's table and return the Scene; ValueError with one sentence if it is invalid."""
     where = f"scene {name}"
     top, own = base.top(name, table, _TOP, FEATURES)
 

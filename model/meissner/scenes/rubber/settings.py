@@ -1,4 +1,4 @@
-"""The slip detector's settings of a scene: its table [slip], in volts and seconds, and the same in codes."""
+"""A scene's settings of the slip detector: its table [slip] in volts and seconds, and the same in codes."""
 
 from dataclasses import dataclass
 
@@ -37,11 +37,11 @@ class Slip:
     hold_s: float
     refractory_s: float
     blank_s: float
-    switches: dict  # of SlipConfig, those that are not for the sensor to say
+    switches: dict  # switches of SlipConfig that the sensor does not determine
 
 
 def _switches(where, table):
-    """({name: value} of the switches in [slip], what else is there); what is not there is as ever."""
+    """({name: value} of the switches in [slip], the other keys); a missing switch has its default."""
     switches = {key: table.pop(key, SWITCHES[key]) for key in SWITCHES if key != "contact_rises"}
     for key, value in switches.items():
         if not isinstance(value, bool):
@@ -50,7 +50,7 @@ def _switches(where, table):
 
 
 def settings(where, table):
-    """The Slip of a scene's table; ValueError with one sentence if it cannot be."""
+    """The Slip of a scene's table; ValueError with one sentence if it is invalid."""
     switches, slip = _switches(where, dict(table))
     slip = Slip(**fields(where, slip, _SLIP), switches=switches)
     if not slip.contact_v < slip.release_v:
@@ -61,7 +61,7 @@ def settings(where, table):
 
 
 def threshold_code(volts, level, lsb_v):
-    """The threshold on peak to peak in codes, of ``volts`` on the Haar coefficient of ``level``.
+    """The threshold on peak to peak in codes for ``volts`` on the Haar coefficient of ``level``.
 
     The unnormalised detail is sqrt(2)^level times the coefficient, so p2p in codes, an integer,
     exceeds floor(2·volts·sqrt(2)^level / lsb) exactly when the real comparison holds.
@@ -70,7 +70,7 @@ def threshold_code(volts, level, lsb_v):
 
 
 def codes(slip, adc, rate_hz) -> SlipConfig:
-    """The same settings in codes of a converter and in details."""
+    """The settings in codes of a converter and in details."""
     step = 1 << slip.level
 
     def threshold(volts):

@@ -1,4 +1,4 @@
-"""What the core's own estimator makes of a recorded shear: feature ``shear_speed`` of kind ``speed``."""
+"""The core's own estimate of a recorded shear: feature ``shear_speed`` of kind ``speed``."""
 
 import numpy as np
 
@@ -8,13 +8,13 @@ from meissner.scenes.truth import percent, summarise
 from meissner.twins.slip.shear_speed import FAST, ShearSettings
 from meissner.twins.slip.shear_speeds import SIZE, ShearConfig
 
-# The scene's rests are 2, 3 and 4 V, the published ends among them: noise puts half of them beyond.
+# Rests are 2, 3 and 4 V; noise puts half of those at the published ends, 2 and 4 V, beyond them.
 VI_MIN_V, VI_MAX_V = 1.9, 4.1
-AFTER = 3  # windows that a slow fall by `still` takes as a shear ends
+AFTER = 3  # windows that a slow fall by `still` takes at the end of a shear
 
 
 class Estimator:
-    """The estimator of ``engine``; ``of`` a recording its figures; ``differences`` from ``twin``, windows."""
+    """The estimator on ``engine``; ``differences``: windows whose results differ from ``twin``'s."""
 
     def __init__(self, scene, engine, twin="fixed"):
         per_v = 1.0 / scene.adc.lsb_v
@@ -24,7 +24,7 @@ class Estimator:
         self.differences = 0
 
     def of(self, recording):
-        """``estimate_mm_s``: the last speed of the shear, None without one; ``estimate_fast``: it was flagged
+        """``estimate_mm_s``: last speed in the shear, or None; ``estimate_fast``: the shear was flagged as
         above the limit; ``estimates_outside``: windows with a speed where nothing is sheared."""
         x, window = recording.codes[None], 1 << SIZE.window_log2
         speed, flags = (rows[0] for rows in self.run(x, self.config, recording.moving))
@@ -44,7 +44,7 @@ class Estimator:
 
 
 def join(rows, answer, found):
-    """Put the estimates beside the rows of kind ``speed`` and into its answer."""
+    """Add the estimates to the rows of kind ``speed`` and to its answer."""
     off, missed, beyond = [], 0, []
     for row, (case, runs) in zip(rows, found.items(), strict=True):
         speeds = [run["estimate_mm_s"] for run in runs if run["estimate_mm_s"] is not None]

@@ -1,5 +1,5 @@
-"""What a run of sheared rubber is judged by: steps and recovery as an experimenter reads them off the codes,
-the constants that follow, and the derivative of Vc as a detector. ``ANSWERS``: what each kind reports."""
+"""Judging runs of sheared rubber: steps and recovery as an experimenter reads them off the codes, the
+constants that follow, and the derivative of Vc as a detector. ``ANSWERS``: the report of each kind."""
 
 import numpy as np
 
@@ -11,20 +11,20 @@ from meissner.scenes.rubber.judge import contact_share
 from meissner.scenes.shear import published
 from meissner.scenes.truth import summarise
 
-AFTER_S = 5.0  # published: about so long until Vc is stable
-MEAN_S = 0.1  # of Vc after the shear
-SETTLED = 0.05  # of the fall
-SLIDING_S = 0.1  # after the slip, when it has rung out
+AFTER_S = 5.0  # published: about the time until Vc is stable
+MEAN_S = 0.1  # averaging time of Vc after the shear
+SETTLED = 0.05  # share of the fall that is left when it has settled
+SLIDING_S = 0.1  # after the slip, when its ringing has ended
 
 
 def slope(volts, rate_hz, width_s=1e-3):
-    """dVc/dt in V/s over so long, at its first sample; 0 at the end."""
+    """dVc/dt in V/s over ``width_s``, at the first sample of each interval; 0 at the end."""
     width = round(width_s * rate_hz)
     return np.append((volts[width:] - volts[:-width]) * (rate_hz / width), np.zeros(width))
 
 
 def measured(recording):
-    """One run: ``rest_v``, ``step_v`` and, held long enough, ``after_v``, ``end_v``, ``settled_s``."""
+    """Of one run ``rest_v``, ``step_v`` and, if held long enough, ``after_v``, ``end_v``, ``settled_s``."""
     scene = recording.scene
     volts = scene.adc.volts_of(recording.codes)
     steps = fit_rubber.steps_of(recording.time_s, volts, recording.speed_mm_s)
@@ -35,7 +35,7 @@ def measured(recording):
     stop, after = round(recording.stop_s * rate_hz), round((recording.stop_s + AFTER_S) * rate_hz)
     end_v = float(volts[-mean:].mean())
     fall_v = found["rest_v"] + found["step_v"] - end_v
-    # The converter's noise is less than a twentieth of every fall that is looked at.
+    # The converter's noise is less than a twentieth of every fall judged here.
     settled = int(np.argmax(volts[stop:] <= end_v + SETTLED * fall_v))
     return found | {
         "after_v": float(volts[after - mean // 2 : after + mean // 2].mean()),
@@ -45,17 +45,18 @@ def measured(recording):
 
 
 def sloped(recording):
-    """The derivative of Vc as a detector of one slip: a value is known when the last sample of it is.
+    """The derivative of Vc as a detector of one slip; a value counts from its last sample on.
 
     ``slope_pressing``, ``slope_quiet``: over the threshold while pressing, and at rest or in even shear;
-    ``change_s``: first over it after the stage's start; ``slope_flag_s``: from the first event to the slip;
-    ``found`` of ``stick_slips``: over it within near_s; ``elsewhere``: other rises, in ``slid_s``.
+    ``change_s``: first time over it after the stage's start; ``slope_flag_s``: the same between the first
+    event and the slip; ``found`` of ``stick_slips``: those with a value over it within near_s; ``elsewhere``:
+    other rises above it, in ``slid_s`` seconds of sliding.
     """
     scene, time_s = recording.scene, recording.time_s
     rate_hz, settings = scene.rate_hz, scene.slope
     width_s, near = settings["slope_s"], round(settings["near_s"] * rate_hz)
     width = round(width_s * rate_hz)
-    # In codes, so that a change that just meets the threshold does not hang on the rounding of volts.
+    # In codes, so that a change equal to the threshold does not depend on the rounding of volts.
     codes = np.abs(recording.codes[width:] - recording.codes[:-width])
     most = settings["slope_v_s"] * width / rate_hz / scene.adc.lsb_v
     over = np.concatenate([np.zeros(width, dtype=bool), codes > most])
@@ -70,7 +71,7 @@ def sloped(recording):
 
     start_s, onset_s, gross_s = recording.start_s, recording.onset_s, recording.gross_s
     pressed_s = float(time_s[np.flatnonzero(recording.moving)[-1]])
-    # The step itself is over after twice the distance that completes it.
+    # The step itself ends within twice the distance that completes it.
     even_s = start_s + 2 * rubber.SHEAR_FULL_MM / recording.condition.speed_mm_s + width_s
     quiet = over[of(pressed_s + 2 * width_s, start_s)].any() or over[of(even_s, onset_s)].any()
     sliding = of(gross_s + SLIDING_S, time_s[-1])
@@ -99,7 +100,7 @@ def sloped(recording):
 
 
 def _deviation(values):
-    """Standard deviation of measurements, None of one."""
+    """Standard deviation of measurements; None for a single one."""
     return float(np.std(values, ddof=1)) if len(values) > 1 else None
 
 
@@ -112,7 +113,7 @@ def _of(runs, key):
 
 
 def _row(case, runs, **more):
-    """What the rows of held rubber have alike; ``more`` at its end."""
+    """The keys common to rows of held rubber, with ``more`` among them."""
     steps = _of(runs, "step_v")
     return _digits(
         {
@@ -128,7 +129,7 @@ def _row(case, runs, **more):
 
 
 def _spread(rows):
-    """Mean and largest of the rows' deviations; None with one measurement each."""
+    """Mean and maximum of the rows' deviations; None with a single measurement each."""
     return summarise(np.array([row["deviation_v"] for row in rows if row["deviation_v"] is not None]))
 
 
@@ -168,7 +169,7 @@ def _constant(name, found, printed):
 
 
 def speed(scene, found):
-    """k and n from each rest, the joint line, and how well it gives a single step's speed back."""
+    """k and n for each rest, the joint line, and its error in recovering the speed of a single step."""
     every = [(one["rest_v"], one["step_v"], case.speed_mm_s) for case, runs in found.items() for one in runs]
     every = np.array(every).T
     within = every[2] <= published.LIMIT_MM_S
@@ -213,7 +214,7 @@ def speed(scene, found):
 
 
 def recover(scene, found):
-    """Vc some seconds after the shear, beside what the papers say of it."""
+    """Vc some seconds after the shear, beside the published values."""
     rows = []
     for case, runs in found.items():
         after_v = float(_of(runs, "after_v").mean())
@@ -241,13 +242,13 @@ def recover(scene, found):
 
 
 def _lead_ms(runs, key):
-    """The least of what lies between this and the slip, of the runs that have it."""
+    """The shortest time in ms from ``key`` to the slip, among runs that have it."""
     leads = [1e3 * (run["gross_s"] - run[key]) for run in runs if run[key] is not None]
     return round(min(leads), 3) if leads else None
 
 
 def _stick(runs):
-    """Figures of runs of a plate that slips, as a row and as a summary have them."""
+    """Figures of runs of a slipping plate, for a row and for the summary."""
     counts = {key: sum(run[key] for run in runs) for key in ("stick_slips", "found", "elsewhere", "slid_s")}
     return {
         **{key: sum(run[key] for run in runs) for key in ("missed", "late")},

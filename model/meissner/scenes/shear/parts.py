@@ -15,7 +15,7 @@ WHY = {
     "plate friction": "kind stick_slip: material",
     "stick-slip": "kind stick_slip: what the detectors are to find",
 }
-BYTES = 400  # a sample, as in the scenes of the rubber
+BYTES = 400  # per sample, as in the scenes of the rubber
 
 
 def uses(scene):

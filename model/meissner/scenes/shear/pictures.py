@@ -1,4 +1,4 @@
-"""Pictures of sheared rubber as the published figures lay them out; the papers' page draws with them too."""
+"""Pictures of sheared rubber in the layout of the published figures; the papers' page uses them, too."""
 
 from typing import NamedTuple
 
@@ -11,7 +11,7 @@ from meissner.scenes.shear.judge import slope
 from meissner.scenes.shear.published import CONVERGED_V, FIT, LINE, STEP_V
 
 COLOURS = (BLUE, ORANGE, GREEN)
-FIRST_S = 1.0  # of the enlarged picture of a slip: figures 6 and 9
+FIRST_S = 1.0  # shown in the enlarged picture of a slip: figures 6 and 9
 BEFORE_S = 0.5  # of rest before the shear
 
 
@@ -39,7 +39,7 @@ def label(axis, x=None, y=None, title=None):
 
 
 def envelope(time_s, values, columns=1500):
-    """Least and greatest of each column of pixels: the same picture from fewer points."""
+    """Minimum and maximum per column of pixels: the same picture from fewer points."""
     step = len(values) // columns
     if step < 2:
         return time_s, values
@@ -53,7 +53,7 @@ def curve(axis, time_s, values, colour=BLUE, **look):
 
 
 class Slipped(NamedTuple):
-    """One pull as a picture has it: from the stage's start on, ``gross_s`` from there too."""
+    """The data of one pull for a picture; times, ``gross_s`` too, count from the stage's start."""
 
     title: str
     time_s: np.ndarray
@@ -66,7 +66,7 @@ class Slipped(NamedTuple):
 
 
 def slip_figure(pulls, until_s, derivative):
-    """Vc of each pull, each above its derivative if asked for; the force and the plate below, of the last.
+    """Vc of each pull, with its derivative below it if asked for; at the bottom force and plate of the last.
 
     Figures 5 and 6 of the journal version, 8 and 9 of the sensor.
     """
@@ -182,7 +182,7 @@ def _amount(scene, shown, rows, _):
 
 
 def _panels(scene, shown, numbers):
-    """A panel of ``step_figure`` for each of Table 1's speeds; ``numbers`` of their figures."""
+    """A panel of ``step_figure`` for each of Table 1's speeds; ``numbers``: of their figures."""
     for number, (speed, step_v) in zip(numbers, STEP_V.items()):
         cases = [case for case in shown if case.speed_mm_s == speed and round(case.rest_v) == 2]
         if cases:

@@ -1,11 +1,11 @@
-"""What the rubber papers print about sheared rubber, and what the physics gives for it without a converter.
+"""Published values of sheared rubber, and the physics' values for them without a converter.
 
 "CoP slip": *Development of High Speed and High Sensitivity Slip Sensor*; "journal": the study of the same
-rubber with figures 3 to 15; "sensor": *Development of High-Sensitivity Slip Sensor*. They disagree in places:
+rubber with figures 3 to 15; "sensor": *Development of High-Sensitivity Slip Sensor*. They disagree on:
 
     dV       Table 1 prints about twice what Table 2 of the same papers gives
     range    0.01 to 4 mm/s (CoP slip), 0.01 to 3.0 mm/s (journal, sensor)
-    recovery Vc converges to about 3 V from 2 V (CoP slip), is restored to the initial state (sensor)
+    recovery Vc converges to about 3 V from 2 V (CoP slip), returns to the initial state (sensor)
 """
 
 import numpy as np
@@ -21,7 +21,7 @@ SHEARED_MM = 0.3  # of the speed tests
 CONVERGED_V = 3.0  # CoP slip, IV: about, from 2 V
 SLOWEST_MM_S = 0.01
 # The fastest speed that counts as measured. Two of the three papers end there, and it lies in the range of
-# each; a number for 3.5 mm/s would rest on one paper's word.
+# all three; a number for 3.5 mm/s would rest on a single paper.
 LIMIT_MM_S = 3.0
 
 

@@ -1,8 +1,8 @@
 """Scenes of sheared rubber: the papers' own experiments on it, pressed, sheared by a stage and held.
 
-``kind``: amount, speed, recover: both plates hold the rubber, which shears as far as the stage moves and
-does not slip; stick_slip: a plate on the sensor, driven until it slips and on. A case is one combination of
-the lists in [world] and of its [[world.ways]].
+``kind``: in amount, speed and recover both plates hold the rubber, which shears as far as the stage moves
+and does not slip; in stick_slip a plate on the sensor is driven until it slips and beyond. A case is one
+combination of the lists in [world] and its [[world.ways]].
 """
 
 from dataclasses import dataclass
@@ -36,13 +36,13 @@ _LISTS = ("normal_n", "speed_mm_s", "moved_mm")
 _WAY = {"name": str, "recovers": float, "lot": float, "published_v": float}
 _PULLED_WAY = {"name": str, "material": str, "first_event": float}
 _SLOPE = {"slope_s": float, "slope_v_s": float, "near_s": float}
-REST_S = 0.2  # between the end of pressing and the stage's start, at least
+REST_S = 0.2  # least time between the end of pressing and the stage's start
 
 
 @dataclass(frozen=True)
 class Case:
-    """One shear. ``recovers``, ``first_event``: physics.rubber; ``lot``: this rubber's k, of the published
-    line's; ``published_v``: Vc some seconds after the shear; ``burst``: as in the scenes of slip."""
+    """One shear. ``recovers``, ``first_event``: physics.rubber; ``lot``: this rubber's k as a multiple of the
+    published line's; ``published_v``: Vc some seconds after the shear; ``burst``: as in slip scenes."""
 
     name: str
     normal_n: float
@@ -62,7 +62,7 @@ class Case:
 
 @dataclass(frozen=True)
 class Scene(base.Sampled):
-    """A scene, checked. ``slope``: the derivative of Vc as a detector, of kind stick_slip."""
+    """A checked scene. ``slope``: settings of the derivative of Vc as a detector, of kind stick_slip."""
 
     slip: Slip
     kind: str
@@ -77,10 +77,10 @@ class Scene(base.Sampled):
 
 @dataclass(frozen=True)
 class Recording:
-    """One run of one case: what the converter gives, what the stage does, and the truth.
+    """One run of one case: the converter's codes, the stage's motion, and the ground truth.
 
     ``speed_mm_s``: of the stage; ``moving``: the loading stage moves. ``onset_s``: the first event of partial
-    slip, ``gross_s``: the whole contact slips, both None where nothing does; ``slips_s``: the stick-slips.
+    slip, ``gross_s``: the whole contact slips, both None if nothing slips; ``slips_s``: the stick-slips.
     """
 
     scene: Any
@@ -105,7 +105,7 @@ class Recording:
 
 
 def _ways(where, kind, world):
-    """The rows of [[world.ways]], checked; one of them without a name where there are none."""
+    """The checked rows of [[world.ways]]; a single nameless one for a kind that has none."""
     if kind not in ("recover", "stick_slip"):
         return ({"name": ""},)
     rows, at, keys = (
@@ -137,7 +137,7 @@ def _cases(ways, world):
 
 
 def check_supply(scene):
-    """ValueError if a lot lifts Vc to the supply; not on loading, since the rubber's curve needs SciPy."""
+    """ValueError if a lot lifts Vc to the supply. ``build`` omits it: the rubber's curve needs SciPy."""
     for case in scene.cases:
         full_v = case.rest_v + case.lot * float(rubber.shear_step(case.rest_v, case.speed_mm_s))
         if full_v >= rubber.SUPPLY_V:
@@ -148,7 +148,7 @@ def check_supply(scene):
 
 
 def build(name, table):
-    """Check a scene's table and return the Scene; ValueError with one sentence if it cannot be."""
+    """Check a scene's table and return the Scene; ValueError with one sentence if it is invalid."""
     where = f"scene {name}"
     top, own = base.top(name, table, _TOP, FEATURES)
     slip = settings(f"{where}, [slip]", top["slip"])
@@ -194,7 +194,7 @@ def _shear_samples(scene, case):
 
 
 def pulled(time_s, case, start_s, rate_hz, rng):
-    """The plate on the sensor, driven as stiffly as the rubber is: its Pull and its PartialSlip."""
+    """(Pull, PartialSlip) of the plate on the sensor, whose drive is as stiff as the rubber."""
     pull = plate.pull(
         time_s, case.normal_n, case.speed_mm_s, case.material, start_s, rng, rubber.STIFFNESS_N_MM
     )

@@ -5,7 +5,7 @@ from meissner.scenes.verdict import count
 
 
 def _stick_slip(summary):
-    """The derivative of Vc beside the slip detector."""
+    """The derivative of Vc compared with the slip detector."""
     missed, slips = summary["slope_missed_rate"]["count"], summary["slope_missed_rate"]["runs"]
     text = (
         f"The derivative of Vc misses {number(missed)} of {count(slips, 'slip')}, the slip detector "
@@ -19,7 +19,7 @@ def _stick_slip(summary):
 
 
 def _sheared(summary):
-    """Rubber that shears and does not slip."""
+    """Results for rubber that shears and does not slip."""
 
     def of(key, which="mean"):
         return fact(key, summary[key][which])

@@ -1,5 +1,5 @@
-"""The sensitivity axis: constants of the physics that nobody published, changed one at a time, and which
-conclusions of the slip figures survive."""
+"""The sensitivity axis: unpublished constants of the physics, changed one at a time, and the conclusions of
+the slip figures that survive each change."""
 
 from contextlib import nullcontext
 from dataclasses import replace
@@ -26,7 +26,7 @@ CONCLUSIONS = (
 
 
 def _recorded(name, point, change):
-    """slip.recorded with the change."""
+    """slip.recorded with ``change`` applied."""
     if change is None or change.first is None or name != slip.SLIPS:
         with changed(change) if change else nullcontext():
             return slip.recorded(name, point)
@@ -66,7 +66,7 @@ def error(point):
 
 
 def _delay(verdicts):
-    """Mean from onset to flag in ms; a slip without any flag counts for ever."""
+    """Mean delay from onset to flag in ms; infinite if a slip has no flag."""
     delays = [np.inf if one["delay_s"] is None else 1e3 * one["delay_s"] for one in verdicts]
     return float(np.mean(delays))
 

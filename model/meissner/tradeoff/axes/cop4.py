@@ -1,4 +1,4 @@
-"""Four electrodes: bits and gain of the converter, the mesh's resistors, against the errors."""
+"""Four electrodes: the converter's bits and gain and the mesh's resistors, against the errors."""
 
 from functools import lru_cache
 
@@ -17,9 +17,9 @@ def mesh_of(point):
 
 @lru_cache(maxsize=8)
 def _solved(side, r_ohm, R0_ohm):
-    """(mesh, electrodes [scenes, 4], true x, true y, loads, solution): one point all over the mesh.
+    """(mesh, electrodes [scenes, 4], true x, true y, loads, solution): one point at places all over the mesh.
 
-    The load is a little different each time, so that its voltages fall anywhere between two codes.
+    The load differs slightly in each scene, so that the voltages fall anywhere between two codes.
     """
     mesh = mesh_of({"side": side, "r_ohm": r_ohm, "R0_ohm": R0_ohm})
     at = np.unique(np.rint(np.linspace(0, side - 1, PLACES)).astype(int))
@@ -37,15 +37,15 @@ def _solved(side, r_ohm, R0_ohm):
 def error(point):
     """Largest errors of position (of the range 2) and load.
 
-    ``position``, ``load``: what the converter adds to the same formula of unconverted voltages;
-    ``position_true``, ``load_true``: all, the layers' own drop too.
+    ``position``, ``load``: errors that the converter adds to the same formula on unconverted voltages;
+    ``position_true``, ``load_true``: the total errors, with the layers' own drop.
     """
     mesh, volts, x, y, loads, answer = _solved(*(point[key] for key in ("side", "r_ohm", "R0_ohm")))
     q, gain = code_v(mesh, point["bits"]), point["gain"]
     e1, e2, e3, e4 = (np.rint(volts / q) * q).T
     n, m = 2 * mesh.V0 - e1 - e3, 2 * mesh.V0 + e2 + e4
     dx, dy = e1 - e3, e2 - e4
-    if gain > 1:  # two more channels convert the differences, amplified
+    if gain > 1:  # two more channels convert the amplified differences
         dx, dy = (np.rint((volts[:, a] - volts[:, a + 2]) * gain / q) * q / gain for a in (0, 1))
     d = e1 + e3 - e2 - e4
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -63,7 +63,7 @@ def error(point):
 
 
 def cost(point):
-    """Converted bits of a sample; what the mesh takes from the rails, at 5 N; the gain is the amplifiers'."""
+    """Converted bits per sample; power that the mesh takes from the rails at 5 N; number of channels."""
     _, _, _, _, _, answer = _solved(*(point[key] for key in ("side", "r_ohm", "R0_ohm")))
     channels = 4 if point["gain"] == 1 else 6
     return {

@@ -1,4 +1,4 @@
-"""Form of the amplitude's demodulator and samples a carrier period, against spread, bias and phase."""
+"""Form of the demodulator and samples per carrier period, against spread, bias and phase error."""
 
 from functools import lru_cache
 
@@ -14,9 +14,9 @@ FORMS = {"rectifier, offset known": None, "rectifier": RECTIFIER, "I/Q estimated
 
 @lru_cache(maxsize=4)
 def samples_of(n, snr_db, periods=PERIODS, runs=RUNS):
-    """Codes [phases, runs, samples] of noisy carriers and their amplitude; 4 sigma of noise fit the range."""
+    """(codes [phases, runs, samples] of noisy carriers, amplitude); 4 sigma of noise fit the range."""
     rng = np.random.default_rng(1)
-    ratio = np.sqrt(0.5) / 10 ** (snr_db / 20)  # noise, rms, by amplitude
+    ratio = np.sqrt(0.5) / 10 ** (snr_db / 20)  # rms noise over amplitude
     amplitude = min(1000.0, 2000 / (1 + 4 * ratio))
     phase = 2 * np.pi * (np.arange(PHASES) + 0.5) / PHASES
     time = 2 * np.pi * np.arange(n * periods) / n
@@ -30,8 +30,8 @@ def shift_of(demod, periods=PERIODS):
 
 
 def amplitudes(form, n, codes, periods=PERIODS):
-    """Amplitudes in codes."""
-    if form is None:  # the plain precision rectifier, its zero set by hand
+    """The demodulated amplitudes in codes."""
+    if form is None:  # the plain precision rectifier with known zero
         return np.abs(codes - OFFSET).mean(axis=-1) * np.pi / 2
     demod = AmDemod(form, n)
     shift = shift_of(demod, periods)
@@ -39,14 +39,14 @@ def amplitudes(form, n, codes, periods=PERIODS):
 
 
 def figures(form, n, snr_db, periods=PERIODS, runs=RUNS):
-    """Spread and bias in per cent."""
+    """(spread, bias) in per cent of the amplitude."""
     codes, amplitude = samples_of(n, snr_db, periods, runs)
     got = amplitudes(form, n, codes, periods) / amplitude
     return 100 * np.sqrt(got.var(axis=-1).mean()), 100 * (got.mean() - 1)
 
 
 def phase_error(form, n, periods=PERIODS):
-    """Largest deviation from the mean over the phases, noise-free, in per cent."""
+    """Largest deviation from the mean over all phases, without noise, in per cent."""
     got = amplitudes(form, n, samples_of(n, 200, periods, 1)[0][:, 0], periods)
     return 100 * np.abs(got / got.mean() - 1).max()
 

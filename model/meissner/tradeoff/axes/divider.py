@@ -1,4 +1,4 @@
-"""Division of the centre of pressure: bits of the fraction and bits a clock, against the error."""
+"""Division of the centre of pressure: fraction bits and bits per clock, against the error."""
 
 import numpy as np
 
@@ -12,8 +12,8 @@ SIDE, CONTACTS, SEED = 64, 6, 1
 
 
 def error(point):
-    """Of frames with six touched taxels: the reported position less the exact quotient, of the range 2."""
-    totals = np.geomspace(1, 300_000, point["frames"])  # of all six, in counts of 65535
+    """Reported position less the exact quotient, of the range 2, in frames with six pressed taxels."""
+    totals = np.geomspace(1, 300_000, point["frames"])  # sum of all six, each up to 65535
     forces = np.rint(mesh_loads.random_points(SIDE, SIDE, CONTACTS, totals, SEED)).astype(np.int64)
     s, mx, my = (np.asarray(each) for each in moments(forces))
     bits = point["fraction_bits"]
@@ -31,7 +31,7 @@ def cost(point):
 
 
 def placed(point):
-    bits = point["fraction_bits"]  # those that tools' table places
+    bits = point["fraction_bits"]  # the tools' table places some of these
     return (f"cop-64x64-q{bits}-turn{point['bits_per_clock']}", "ecp5") if bits in (4, 14, 20) else None
 
 

@@ -9,12 +9,12 @@ from meissner.names import NAMES
 from meissner.tradeoff.axis import Axis, Figure
 from meissner.twins.slip.config import SlipConfig
 
-CHECKED = 64 * 200  # samples that are computed again by hand
+CHECKED = 64 * 200  # samples that ``_by_hand`` checks
 CONFIG = SlipConfig(threshold=230)
 
 
 def _samples(count):
-    # Quiet noise that slips in about one window of a thousand, like a held object.
+    # Quiet noise that gives a slip in about one of a thousand windows, like a held object.
     return np.random.default_rng(1).integers(-60, 60, count)
 
 
@@ -39,7 +39,7 @@ def error(point):
 
 def cost(point):
     samples = _samples(point["samples"])
-    engines.process_slip(samples[:1000], CONFIG, point["engine"])  # built and warm
+    engines.process_slip(samples[:1000], CONFIG, point["engine"])  # build, warm up
     times = []
     for _ in range(point["repeats"]):
         began = time.process_time()

@@ -1,5 +1,5 @@
-"""Converters side by side and their inputs, against how fast an array is read: the twins' clock counts, which
-tb/cop/test_array.py measures at the pins of the RTL."""
+"""Converters in parallel and their inputs, against the read-out speed of an array: the twins' clock counts,
+which tb/cop/test_array.py measures at the pins of the RTL."""
 
 from meissner.budget import array
 from meissner.tradeoff.axis import Axis, Figure
@@ -8,7 +8,7 @@ SETTLE_S = 1e-6
 
 
 def found(point):
-    """The budget of a square array; ``columns``: of one that is not."""
+    """The budget of an array; it is square unless the point has ``columns``."""
     return array.budget(
         *(point["side"], point.get("columns", point["side"]), 1e6 * point["clock_mhz"]),
         *(array.part_of(point["adc"]), point["converters"], SETTLE_S, point["inputs"]),
@@ -17,7 +17,7 @@ def found(point):
 
 
 def error(point):
-    """What is late of a frame: nothing is wrong in it, but it is older."""
+    """Latency and frame rate in place of an error: a slow frame is not wrong, only older."""
     one = found(point)
     taxels = one["rows"] * one["columns"]
     return {
@@ -29,7 +29,7 @@ def error(point):
 
 
 def cost(point):
-    """A column without an input of its own needs an analogue switch before one."""
+    """Inputs, and columns per input; columns that share an input need an analogue switch."""
     pins, columns = point["converters"] * point["inputs"], point.get("columns", point["side"])
     return {"pins": pins, "switched": -(-columns // pins), "converters": point["converters"]}
 

@@ -1,4 +1,4 @@
-"""Solvers of the resistor mesh: time of a scene against its certified error."""
+"""Solvers of the resistor mesh: time per scene against the certified error."""
 
 import time
 
@@ -18,7 +18,7 @@ def _asked(point):
 
 
 def error(point):
-    """Rigorous bounds of the solution: of position (of the range 2) and load, the largest of the batch."""
+    """Rigorous error bounds of position (of the range 2) and load, the largest of the batch."""
     mesh, load = _asked(point)
     answer = mesh.solve(load, point["solver"])
     if not answer.valid.all():
@@ -34,7 +34,7 @@ def error(point):
 
 def cost(point):
     mesh, load = _asked(point)
-    mesh.solve(load, point["solver"])  # what it keeps of the mesh is made
+    mesh.solve(load, point["solver"])  # computes what the solver caches of the mesh
     times = []
     for _ in range(point["repeats"]):
         began = time.process_time()

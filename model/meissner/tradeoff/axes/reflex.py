@@ -12,7 +12,7 @@ from meissner.tradeoff.axis import Axis, Figure
 SCENE = "grip_disturb"
 KEYS = ("dropped", "slip_mm", "sag_mm", "ring_mm", "moved_mm", "tightenings", "false_tightenings")
 KEYS += ("faults", "ratio", "tug_ratio")
-FINE = {"count_mm": 2e-5, "down_mm": 0.5}  # at 1 ms, too, the hand lets go by 0.02 mm/s
+FINE = {"count_mm": 2e-5, "down_mm": 0.5}  # lets the hand release by 0.02 mm/s even at 1 ms
 
 
 def error(point):

@@ -1,4 +1,4 @@
-"""Tables of log2 and exp2 in the speed of shear: their bits against the speed's error."""
+"""Tables of log2 and exp2 for the speed of shear: their bits against the speed's error."""
 
 from dataclasses import replace
 
@@ -7,9 +7,9 @@ import numpy as np
 from meissner.tradeoff.axis import Axis, Figure
 from meissner.twins.slip.shear_speed import ShearSettings, ShearSize, bound, denominator, speed
 
-PER_V = 65535 / 5  # codes of 17 bits, signed, over the supply
+PER_V = 65535 / 5  # codes per volt: signed 17-bit codes over the supply
 RATE_HZ = 10_000
-PRECISIONS = {3: 10, 4: 12, 5: 14, 6: 16, 7: 18, 8: 20}  # fraction bits that go with a table
+PRECISIONS = {3: 10, 4: 12, 5: 14, 6: 16, 7: 18, 8: 20}  # {table bits: matching fraction bits}
 
 
 def size_of(table_bits, fraction_bits):
@@ -17,7 +17,7 @@ def size_of(table_bits, fraction_bits):
 
 
 def worst(size):
-    """Largest |v / true - 1|, true as the formula's registers and as the rubber have it; and the bound."""
+    """(largest |v / true - 1| for v of the formula with the registers, and of the rubber; the bound)."""
     settings = ShearSettings.of(PER_V, RATE_HZ, size)
     v, vi = np.meshgrid(np.geomspace(0.01, 3.0, 600), np.linspace(2, 4, 201))
     code_vi = np.rint(vi * PER_V * size.unit).astype(np.int64)
@@ -34,7 +34,7 @@ def error(point):
 
 
 def cost(point):
-    """Bits of the two tables: an entry and a step in each word, 2^table_bits words."""
+    """Bits of the two tables: 2^table_bits words, each with an entry and a step."""
     table, fraction = point["table_bits"], point["fraction_bits"]
     return {"rom_bits": 2 * ((2 * fraction - table + 5) << table)}
 

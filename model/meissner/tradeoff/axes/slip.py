@@ -21,7 +21,7 @@ PART_MV = 0.198  # the MCP3208's own, physics.adc
 
 @dataclass(frozen=True)
 class Converted(Scene):
-    """A scene behind another converter."""
+    """A scene with another converter."""
 
     converter: Adc = None
 
@@ -44,7 +44,7 @@ def scene_of(name, point):
 
 
 def recorded(name, point):
-    """([samples] codes, (onset, gross)) of each run: what the detector's settings do not change."""
+    """([samples] codes, (onset, gross)) of each run; these do not depend on the detector's settings."""
     scene, found = scene_of(name, point | SHIPPED_DETECTOR), []
     kinds = len(scene.conditions)
     for number in range(point["runs"]):
@@ -59,7 +59,7 @@ def _kept(name, **given):
 
 
 def verdicts(name, point, recordings):
-    """meissner.scenes.rubber.judge.flagged of every run; a core that nobody tells of its own motion."""
+    """meissner.scenes.rubber.judge.flagged for every run, of a core that does not know its own motion."""
     config = scene_of(name, point).slip_config()
     for codes, (onset, gross) in recordings:
         state = fixed.watch(codes[None].astype(np.int64), config).state[0]
@@ -72,7 +72,7 @@ def error(point):
 
 
 def figures(slips, presses):
-    """The errors of a point from the verdicts of runs with a slip, and of runs without."""
+    """The errors of a point, from the verdicts of runs with and without a slip."""
     flags = [one for one in slips if one["delay_s"] is not None]
     delays, leads = (1e3 * np.array([one[key] for one in flags]) for key in ("delay_s", "lead_s"))
     alarmed = sum(one["false_alarms"] > 0 for one in slips + presses)
@@ -91,11 +91,11 @@ def figures(slips, presses):
 
 
 def state_bits(point):
-    """Bits that a channel keeps between its details: of each open window an extreme of each sign, and of a
-    sliding one, those of its details but the newest (docs/slip.md), beside the detail's open sum."""
+    """State bits of a channel between details: the two extremes of each open window; for a sliding window
+    those of all its details except the newest (docs/slip.md). The detail's own open sum is not counted."""
     span = point["window"] >> point["level"]
     windows = {"tumbling": 1, "half": 2, "sliding": span - 1}[point["kind"]]
-    word = point["bits"] + 1 + point["level"]  # of a detail; peak to peak needs no more to be kept
+    word = point["bits"] + 1 + point["level"]  # bits of a detail; an extreme needs no more
     return 2 * windows * word
 
 
@@ -107,7 +107,7 @@ def cost(point):
 
 
 def placed(point):
-    """The block of 64 channels: its LUTs are of the kind of window; samples are the widest."""
+    """The placed block for the point's kind of window: 64 channels, the widest samples."""
     if (point["window"], point["level"]) == (64, 1):
         kind = {"tumbling": "slip-64", "half": "slip-64-half", "sliding": "slip-64-sliding"}[point["kind"]]
         return kind, "ecp5"
@@ -125,7 +125,7 @@ def legal(point):
 
 
 SHIPPED_DETECTOR = {"level": 1, "window": 64, "kind": "tumbling"}
-SHIPPED = {"rate_hz": 10000, "bits": 12, "noise_mv": PART_MV} | SHIPPED_DETECTOR  # slip1's, and the scenes'
+SHIPPED = {"rate_hz": 10000, "bits": 12, "noise_mv": PART_MV} | SHIPPED_DETECTOR  # of slip1 and of the scenes
 AXES = (
     Axis(
         name="slip",
