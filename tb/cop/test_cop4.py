@@ -209,7 +209,7 @@ async def forgets_what_a_reset_interrupts(dut):
         await bench.clocks(dut, 1)
         dut.in_valid_i.value = 0
         await bench.clocks(dut, delay)
-        dut.in_valid_i.value = delay % 2  # what comes with the reset counts as little
+        dut.in_valid_i.value = delay % 2  # a word offered during the reset is discarded too
         await bench.reset(dut)
         expected = expected_of(samples, registers, bits, fix)
         assert await bench.stream(dut, beats_of(samples), FIELDS, drain=80) == expected

@@ -492,7 +492,7 @@ async def forgets_what_a_reset_or_a_restart_interrupts(dut):
         await bench.clocks(dut, 1)
         dut.in_valid_i.value = 0
         await bench.clocks(dut, delay)
-        dut.in_valid_i.value = delay % 2  # what comes with the reset counts as little
+        dut.in_valid_i.value = delay % 2  # a word offered during the reset is discarded too
         await bench.reset(dut)
         beats = [beat | {"restart": 0} for beat in beats_of(codes, held)]
         got = pairs(await bench.stream(dut, beats, ["speed", "flags"], drain=80))
