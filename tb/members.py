@@ -1,6 +1,7 @@
 """Packed structs inside a core, which a simulator shows as one number. Those of msn_registers_pkg (settings
 and status) follow the register map: groups in the map's order and members in the group's order, the first in
-the highest bits. Those that pass between blocks are defined in rtl/msn_pkg.sv. """
+the highest bits. Those that pass between blocks are defined in rtl/msn_pkg.sv.
+"""
 
 from meissner.twins.link.register_map import GROUPS
 

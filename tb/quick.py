@@ -6,7 +6,8 @@ objects made for them, and into turning 0 and 1 into Logic values and these into
 here handles the plain case (an integer is deposited, a coroutine awaits; no log, no profile) as cocotb's own
 function does, which its docstring names, and passes every other case to that function.
 tb/common/test_quick.py checks that the sources of those are the known version. MEISSNER_COCOTB=plain switches
-all of it off. """
+all of it off.
+"""
 
 import gc
 from functools import lru_cache

@@ -92,7 +92,8 @@ async def stream(dut, beats, fields, gaps=None, stalls=None, drain=40, count=Non
     Ends when every beat was taken and ``drain`` ready clocks passed without an output beat, or after
     ``count`` output beats. While valid is low the payload is driven to wrong values, so that a block that
     samples it then fails. While the output is stalled, its valid and data must hold. ``hold``: an offered
-    beat stays offered until it is taken; otherwise an offer may be withdrawn. """
+    beat stays offered until it is taken; otherwise an offer may be withdrawn.
+    """
     names = [field.rstrip("~") for field in fields]
     ports = [getattr(dut, f"out_{name}_o") for name in names]
     signed = [len(port) if field.endswith("~") else 0 for field, port in zip(fields, ports)]

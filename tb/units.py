@@ -4,7 +4,8 @@ dozen.
 Each file of a larger model reads all headers again: a core took 17 s, in two units it takes 6 s. Code that
 runs in every clock is compiled at -Og: a core's benches take half the time they do at -O0, for 1 s more of
 compiling. Code that runs once is left at -O0: GCC takes minutes for one of its constructors at -O1. The
-runtime is cached by model/meissner/builds/objcache.py and linked from there. """
+runtime is cached by model/meissner/builds/objcache.py and linked from there.
+"""
 
 import hashlib
 import os
@@ -29,7 +30,8 @@ class Units(Verilator):
         one signal, "<module>.<name>". With cocotb's own runner they see all signals of all modules.
 
         Verilator neither merges nor removes a signal that is visible from outside: for a core this costs 40 %
-        of Verilator's time, two thirds of the compiler's, and half of the model's time in each clock. """
+        of Verilator's time, two thirds of the compiler's, and half of the model's time in each clock.
+        """
         super().__init__()
         self.inside = inside
 

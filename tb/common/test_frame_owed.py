@@ -1,6 +1,7 @@
 """msn_frame_owed: hand-written sequences of beats and results with the busy clocks they must give (results in
 either order, in one clock, before the frame's last beat, a dropped frame, one beat a frame); the clock in
-which a lost result is given up, not one earlier or later; random clocks against the twin. """
+which a lost result is given up, not one earlier or later; random clocks against the twin.
+"""
 
 import random
 

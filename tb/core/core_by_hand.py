@@ -5,7 +5,8 @@ The array gets one frame in which every force saturates, and frames whose few fo
 bits: the load has 36 bits and a taxel's number 20, and each bit changes. Three taxels jump, are reported
 blinking in the next frame and are masked from then on; each is reported again on request. The channels slip
 with full-scale details of 20 bits and with random samples; incomplete frames are counted and give no
-decision. Run by test_core.py. """
+decision. Run by test_core.py.
+"""
 
 from fractions import Fraction
 

@@ -2,7 +2,8 @@
 
 3 rows of 5 columns in beats of two: 9 beats of a frame, 3 of a row, 20 bits of a load, 18 of a detail, 4 of a
 time. Expected values are worked out here; values within the range are tried too. Wrapped values, where given,
-are those that a core without saturation would use. """
+are those that a core without saturation would use.
+"""
 
 import cocotb
 import pytest

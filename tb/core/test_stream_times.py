@@ -1,7 +1,8 @@
 """Times of an array whose frames come on a stream, by value: every packet of a frame has the clock in which
 the frame's first beat was taken, with frames back to back, with gaps inside them and with a sink that stalls.
 Settings change between two frames only, counted in taxels. A frame without slip and images is followed by the
-next one as soon as its centre of pressure has left. The bench counts clocks from the end of the reset. """
+next one as soon as its centre of pressure has left. The bench counts clocks from the end of the reset.
+"""
 
 import random
 
@@ -190,7 +191,8 @@ async def settings_change_between_two_frames_only(dut, gap):
 async def the_next_frame_waits_for_results_only(dut):
     """Clocks from a frame's last beat to the next one's first: the result's latency, then the gate opens. By
     the headers: calibration 15 clocks (rows and columns), CoP 3 + log2(8) + 8; one clock later no result is
-    owed, and 2 clocks later the gate opens. """
+    owed, and 2 clocks later the gate opens.
+    """
     watch = await begin(dut)
     alone = not (number(dut, "Slip") or number(dut, "Image"))
     samples = samples_of(dut, 5)

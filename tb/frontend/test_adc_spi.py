@@ -5,7 +5,8 @@ that is ready, stalls, or sleeps for frames; convert starts exactly on the grid 
 and each tick accounted for; latencies and the shortest period exactly those of the twin; enable, reset and
 changed periods. The AD7606 builds also lose BUSY, the MAX1112x builds their setup and the right channel
 numbers; some builds are started by triggers. Then each limit of the part models is tightened, to show that it
-is checked: a broken limit fails the test. """
+is checked: a broken limit fails the test.
+"""
 
 import random
 from itertools import pairwise

@@ -3,7 +3,8 @@ words at random gaps, in order and not, a follower that stalls; complete frames,
 
 Every sample leaves once it and all channels before it have arrived, pending_o is set until the last one is
 taken, and a reset empties the store. The begin of a frame discards samples that wait for a channel that never
-came, and changes nothing else. """
+came, and changes nothing else.
+"""
 
 import random
 

@@ -1,6 +1,7 @@
 """Bursts: every count and period that the registers of a small build can hold (0 is the greatest), starts
 apart, back to back and within a burst; the mark of the first sample; a loss reported once per burst; reset in
-the middle. """
+the middle.
+"""
 
 import random
 

@@ -5,7 +5,8 @@ must have been constant for exactly the settle time, or the test fails, and they
 time. Every taxel has a different value in every frame. Converters answer as late and as unevenly as their
 cycle allows, and sometimes not at all. Beats, ids, numbers and time stamps against the twin, over array
 sizes, orders, stalls and sleep, settle 0 and maximum, over-range on every sample, reset in the middle of a
-frame. """
+frame.
+"""
 
 import random
 

@@ -2,7 +2,8 @@
 
 When a part samples it asks the matrix, which answers with the taxel that the lines select at that moment, and
 fails the test unless they have been constant for the settle time. Every taxel has a different code in every
-conversion. Each step's clocks against the twin; a part that fails in mid-frame. """
+conversion. Each step's clocks against the twin; a part that fails in mid-frame.
+"""
 
 import random
 

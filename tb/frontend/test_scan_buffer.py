@@ -2,7 +2,8 @@
 
 An incomplete frame is replaced by the next. Frames are kept or dropped as a whole: a frame is dropped, and
 counted, exactly if a beat of the previous one is left a clock before it begins. The clock in which each beat
-leaves; a ring smaller than a frame never overflows if the sender obeys room_o; reset. """
+leaves; a ring smaller than a frame never overflows if the sender obeys room_o; reset.
+"""
 
 import random
 

@@ -4,7 +4,8 @@ reset in every clock of a frame.
 
 Settle 2 and a cycle of 20: a conversion every 20 clocks, trigger_o in clocks 7, 27, 47 .. after enable, at
 the pins a clock later. A frame has two conversions of 3 beats of 2 columns; the last beat has one column
-outside the array. """
+outside the array.
+"""
 
 import itertools
 

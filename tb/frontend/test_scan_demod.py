@@ -3,7 +3,8 @@
 The part's model checks all its limits; the matrix fails the test unless exactly one row is driven. The output
 is, bit for bit, the twin's amplitude of the codes that the part gave, and close to the true one; latencies
 are the twin's to the clock; frames are complete under stalls; a lost conversion affects only its place; reset
-in the middle of a burst. """
+in the middle of a burst.
+"""
 
 import cocotb
 import numpy as np

@@ -2,7 +2,8 @@
 
 Random registers over frames (back to back, on a timer with a long enough period and with one that is too
 short) in both orders; settle 0 and the maximum; registers that change during a frame; waiting for room;
-enable; reset. """
+enable; reset.
+"""
 
 import random
 from dataclasses import replace

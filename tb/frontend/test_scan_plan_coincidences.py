@@ -2,7 +2,8 @@
 header: a frame's tick around its end, enable and room falling in the clock of a switch.
 
 Settle 2: gap = max(7, 20 - 1 - 2) = 17; a slot has 2 + 1 + 17 = 20 clocks, a frame of 3 rows and 3 groups
-180. The first switch is 4 clocks after enable. """
+180. The first switch is 4 clocks after enable.
+"""
 
 import cocotb
 

@@ -1,7 +1,8 @@
 """msn_spi_shift: words of random bits, alone and in a row, on two lanes, against the twin's bits and clocks.
 
 The input line is right only in one clock of each bit, the one before its last, and wrong in all others: a
-sample taken in any other clock fails. """
+sample taken in any other clock fails.
+"""
 
 import random
 

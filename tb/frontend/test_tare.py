@@ -156,7 +156,8 @@ async def every_bit_of_a_zero_counts(dut, up):
     """Zeros that follow in steps of any size to exactly half a code, or to one LSB short of it or beyond.
 
     Between two steps come frames that must move none: taxels at their zero, just pressed, averaged. The
-    unused lanes beside the array are always pressed. """
+    unused lanes beside the array are always pressed.
+    """
     rng, draw = np.random.default_rng(bench.SEED), random.Random(bench.SEED)
     twin = twin_of(dut)
     await bench.start(dut, cfg_contact_i=0, cfg_step_i=0, **QUIET)
@@ -319,7 +320,8 @@ def hour_of_drift(rng, size, step=STEP):
     noise.
 
     Held from minute 2 to 62: a disc of 2,000 codes. Returns the twin, the last true zeros, and per minute the
-    true load and centre and those from the forces of the tared samples, gain 1. """
+    true load and centre and those from the forces of the tared samples, gain 1.
+    """
     twin = Tare(size, size, fraction_bits=FRACTION, tare_log2=6, contact=100, step=step)
     i, j = np.indices((size, size))
     base = rng.integers(200, 900, (size, size))

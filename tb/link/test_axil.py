@@ -1,6 +1,7 @@
 """AXI4-Lite: an independent master (cocotbext-axi) with stalls on every channel, simultaneous reads and
 writes, word and byte writes, errors, reset in the middle. The bench serves the register bus from the
-registers' twin. """
+registers' twin.
+"""
 
 import logging
 import random

@@ -1,6 +1,7 @@
 """Settings saturate if they are wider than the build's registers, checked by literal values: at reset,
 written as a word and byte by byte, as read back and as the core gets them. A build with all bits of the map
-keeps them. """
+keeps them.
+"""
 
 import cocotb
 import pytest

@@ -2,7 +2,8 @@
 recorded.
 
 ``Edges(monkeypatch, module)`` replaces the simulator; then create pins and the model, and call ``at`` and
-``run``. """
+``run``.
+"""
 
 import heapq
 from itertools import count

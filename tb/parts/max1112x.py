@@ -37,7 +37,8 @@ class Max1112x(PartModel):
 
     ``conversions`` keeps every sample taken: (channel or None before the first command, code, time). The
     first one of a frame answers the last command of the previous frame: a frame of n channels holds n + 1 of
-    them. """
+    them.
+    """
 
     def __init__(self, cs_n, sclk, mosi, miso, bits, code, limits=None, report=None):
         super().__init__(limits or Limits(), report)

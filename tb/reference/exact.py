@@ -1,6 +1,7 @@
 """Exact arithmetic for tb/extremes: the formulas of docs/ and of the headers in Python's integers, fractions
 and mpmath at 50 digits. There are no widths, truncating shifts or NumPy: nothing can wrap around, and values
-are rounded only where the formula rounds. """
+are rounded only where the formula rounds.
+"""
 
 from fractions import Fraction
 from math import floor, isqrt
@@ -119,8 +120,7 @@ WEIGHTS = {4: [(1, 0)], 8: [(5, 2), (2, 5)], 16: [(5, 1), (4, 3), (3, 4), (1, 5)
 
 
 def demodulated(samples, per_period, form):
-    """|M| before the shift as a rational; for the exact root (form 1), floor(2 |M|) / 2 (docs/demod.md).
-    """
+    """|M| before the shift as a rational; for the exact root (form 1), floor(2 |M|) / 2 (docs/demod.md)."""
     n = per_period
     periods = [samples[k : k + n] for k in range(0, len(samples), n)]
     if form == 0:

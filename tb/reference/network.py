@@ -60,8 +60,8 @@ def mesh_edges(m, n, r, R0, k, load, elements=None):
 
 
 def mesh(m, n, r, R0, V0, k, load, elements=None):
-    """E1..E4, x, y, load of eq. 16 to 20 and 29 in exact fractions; without a load the last three are None.
-    """
+    """E1..E4, x, y, load of eq. 16 to 20 and 29 in exact fractions; the last three are None without a
+    load."""
     r, R0, V0, k = map(Fraction, (r, R0, V0, k))
     found = voltages(mesh_edges(m, n, r, R0, k, load, elements), {"+": V0, "-": -V0})
     e1, e2, e3, e4 = (found[name,] for name in ("E1", "E2", "E3", "E4"))

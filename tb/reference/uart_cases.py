@@ -1,7 +1,8 @@
 """Lines for a serial receiver and the bytes they carry, worked out by hand from docs/link.md.
 
 READS: clocks from the first in which the line is seen low to the ten in which start, data and stop bits are
-read. """
+read.
+"""
 
 READS = {
     # 4 clocks a bit: 2 and 4k

@@ -2,7 +2,8 @@
 
 A bit lasts clk / baud clocks, rounded to a sixteenth. The k-th bit after the start bit is read, counted from
 the clock that first saw the line low, after half a bit rounded down to clocks plus k bits rounded to the
-nearest clock. """
+nearest clock.
+"""
 
 from fractions import Fraction
 from math import floor
@@ -18,7 +19,8 @@ def receive(levels, clk_hz, baud_hz):
 
     ``clock`` is that in which the stop bit is read; byte None: the stop bit was missing. A start bit that has
     ended by its middle is ignored; after a missing stop bit and after reset, nothing is read until the line
-    is high. """
+    is high.
+    """
     bit, found = bit_clocks(clk_hz, baud_hz), []
     half = floor(bit) // 2
     clock, rested = 0, False

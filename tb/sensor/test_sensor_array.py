@@ -1,6 +1,7 @@
 """msn_sensor_array with frames on the stream: forces one by one, centres of pressure, health and counters are
 the twin's, with settings through the struct; a frame's time is that of its first beat. At the pins:
-tb/cop/test_array.py and tb/core. """
+tb/cop/test_array.py and tb/core.
+"""
 
 import random
 from dataclasses import asdict

@@ -1,6 +1,7 @@
 """msn_sensor_cop4 with frames on the stream: centres of pressure and slip events are the twin's, each after
 its own frame's beats, with the time of the frame's first beat; a damaged frame is counted and the next one
-passes. At the pins: tb/core. """
+passes. At the pins: tb/core.
+"""
 
 import random
 from dataclasses import asdict

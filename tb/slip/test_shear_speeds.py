@@ -78,9 +78,7 @@ class Stage:
 
     def __init__(self, dut):
         self.dut, self.channels = dut, dut.Channels.value.to_unsigned()
-        self.beside = random.Random(bench.SEED).getrandbits(
-            GRIP_BITS
-        )  # must not matter without grip_valid_i
+        self.beside = random.Random(bench.SEED).getrandbits(GRIP_BITS)  # must not matter without grip_valid_i
 
     async def begin(self, **settings):
         self.settings = HAND | {"enable": 1} | settings

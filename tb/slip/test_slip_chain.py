@@ -1,6 +1,7 @@
 """msn_slip_chain: the slip path's decisions, also through an array's skid buffers, are the twin's; the
 actuator pin acts two clocks later; without a slip path, decisions about a centre of pressure are passed on;
-the flags of both, updated once for a decision that stalls. """
+the flags of both, updated once for a decision that stalls.
+"""
 
 import random
 

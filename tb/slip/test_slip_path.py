@@ -260,7 +260,8 @@ async def recovers_after_reset_in_mid_frame(dut):
 
 def masked_ramp(rng, channels, config, samples):
     """Presses that rise steadily, steeper than the threshold; masked samples, in runs of up to two windows,
-    are random. The first channel has the same random runs, but unmasked. """
+    are random. The first channel has the same random runs, but unmasked.
+    """
     x = 30 * np.arange(samples) + rng.integers(-2, 3, (channels, samples))
     mask = np.zeros((channels, samples), dtype=bool)
     for channel in range(channels):
