@@ -3,10 +3,9 @@
 A bench awaits an edge and the settled values in every clock, and reads and writes ports there: some 300,000
 times each in a long one. Half of that time went into checks for cocotb's debug log and profile, into the
 objects made for them, and into turning 0 and 1 into Logic values and these into characters. Each function
-here handles the plain case (an integer is deposited, a coroutine awaits; no log, no profile) as cocotb's own
-function does, which its docstring names, and passes every other case to that function.
-tb/common/test_quick.py checks that the sources of those are the known version. MEISSNER_COCOTB=plain switches
-all of it off.
+here handles the plain case (an integer is deposited, a coroutine awaits; no log, no profile) like the cocotb
+function that its docstring names, and passes all other cases to that function. tb/common/test_quick.py checks
+that the sources of those functions are the known version. MEISSNER_COCOTB=plain switches all of it off.
 """
 
 import gc
