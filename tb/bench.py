@@ -1,6 +1,6 @@
-"""What test files share, under one name: `bench.` stands in front of some 1,700 uses in 108 of them, where it
-says that a name is no test file's own. Build and run: runner.py. Drive and watch: streams.py. Numbers and
-beats: stimulus.py."""
+"""The helpers that test files share, under one name: some 1,700 uses in 108 files begin with `bench.`, which
+shows that the name is not the test file's own. Build and run: runner.py. Drive and watch: streams.py. Numbers
+and beats: stimulus.py."""
 # ruff: noqa: F401
 
 from cocotb.clock import Clock

@@ -1,9 +1,9 @@
-"""Which cocotb tests apply to which build, and whether each ran in one.
+"""Which cocotb tests apply to which build, and whether each test ran in at least one build.
 
 ``@bench.applies(lambda dut, ...: ...)``, above ``@cocotb.test``, states the condition under which a test
-belongs to a build. In a build that does not meet it the test is absent. Every test must run in at least one
-build of its own file; ``Watch`` collects over all builds, and over the workers of pytest-xdist, what ran, and
-fails the session if a test ran in none.
+applies to a build. In a build that does not meet it the test is left out. Every test must run in at least one
+build of its own file; ``Watch`` collects the tests that ran, over all builds and all workers of pytest-xdist,
+and fails the session if a test ran in none.
 """
 
 import inspect
@@ -13,16 +13,16 @@ import cocotb
 import pytest
 from cocotb.regression import TestGenerator
 
-# What a selection by marks must run: tests of any build, or those whose builds are all in `make test-long`.
+# For each selection by marks: ``long`` of the tests that it must run (True: `make test-long` has all builds).
 SELECTIONS = {"": (False, True), "not long and not big": (False,), "long or big": (True,)}
-RAN = set()  # "stage.test_block.test" of every test that ran, by this process
+RAN = set()  # "stage.test_block.test" of every test that ran in this process
 
 
 def applies(condition, long=False):
     """Declare that a cocotb test applies to builds for which ``condition(dut, ...)`` is true.
 
-    The further parameters of ``condition`` are parameters of the test, by name. ``long``: all builds that it
-    applies to are left to `make test-long`; or a function of parameters of the test, which says so.
+    The other parameters of ``condition`` are parameters of the test, by name. ``long``: whether `make
+    test-long` has all builds that the test applies to, or a function of test parameters that returns this.
     """
 
     def given(test, function, first):
@@ -44,27 +44,28 @@ def applies(condition, long=False):
 
 
 def whole(dut):
-    """Whether the build is of the sources: in a netlist of mutants (verify.mutate) blocks inside can be seen,
-    but not given values."""
+    """Whether the sources themselves were built: in a netlist of mutants (verify.mutate) the inner blocks can
+    be read, but not driven."""
     return not hasattr(dut, "mutsel")
 
 
 def of(module):
-    """{name: whether only `make test-long` has its builds} of the cocotb tests that a module defines."""
+    """{name: long} of the cocotb tests that a module defines."""
     found = [value for value in vars(module).values() if isinstance(value, TestGenerator)]
     own = [generator for generator in found if generator.module == module.__name__]
     return {test.name: getattr(test, "long", False) for each in own for test in each.generate_tests()}
 
 
 def missing(declared, ran, marks):
-    """Tests of ``declared`` {module: {name: long}} that a selection by ``marks`` must run and did not."""
+    """Tests of ``declared`` {module: {name: long}} that a selection by ``marks`` must run but did not."""
     kinds = SELECTIONS.get(marks, ())
     named = ((f"{module}.{name}", long) for module, tests in declared.items() for name, long in tests.items())
     return sorted(name for name, long in named if long in kinds and name not in ran)
 
 
 class Watch:
-    """A pytest plugin: fails a session that ran whole files if one of their cocotb tests ran in no build."""
+    """A pytest plugin: fails a session that ran complete files if one of their cocotb tests ran in no
+    build."""
 
     def __init__(self, config, folder, judges):
         self.config, self.folder = config, folder
@@ -72,18 +73,18 @@ class Watch:
         options = config.option
         narrowed = options.keyword or getattr(options, "deselect", None) or getattr(options, "lf", False)
         self.judges = judges and not narrowed and not options.collectonly
-        # A file of which single tests were asked for is no whole file.
+        # A file is not judged if only some of its tests were selected.
         self.partial = {self.module_of(Path(arg.split("::")[0])) for arg in config.args if "::" in arg}
 
     def module_of(self, path):
-        """stage.test_block, as the simulator calls the module."""
+        """stage.test_block, the name by which the simulator knows the module."""
         path = self.config.invocation_params.dir / path
         inside = path.resolve().is_relative_to(self.folder)
         return ".".join(path.resolve().relative_to(self.folder).with_suffix("").parts) if inside else ""
 
     @pytest.hookimpl(tryfirst=True)
     def pytest_collection_modifyitems(self, items):
-        """Before any are deselected."""
+        """Collect the declared tests before any item is deselected."""
         for module in {item.module for item in items if getattr(item, "module", None)}:
             self.declared[self.module_of(Path(module.__file__))] = of(module)
 
@@ -93,7 +94,7 @@ class Watch:
 
     @pytest.hookimpl(optionalhook=True)
     def pytest_testnodedown(self, node):
-        """A worker of pytest-xdist ended; one that crashed says nothing."""
+        """A worker of pytest-xdist ended; one that crashed has no output, so then nothing is judged."""
         said = getattr(node, "workeroutput", {}).get("bodies")
         self.judges = self.judges and said is not None
         if said:
@@ -101,7 +102,7 @@ class Watch:
             self.ran |= set(said["ran"])
 
     def pytest_sessionfinish(self, session, exitstatus):
-        if hasattr(self.config, "workerinput"):  # a worker: who started it judges
+        if hasattr(self.config, "workerinput"):  # a worker: the session that started it judges
             self.config.workeroutput["bodies"] = {"declared": self.declared, "ran": sorted(RAN)}
             return
         ended = exitstatus in (pytest.ExitCode.OK, pytest.ExitCode.TESTS_FAILED)

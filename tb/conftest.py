@@ -1,5 +1,5 @@
-"""Builds that `make test` leaves to `make test-long`; it has others of these blocks. Coverage counts them.
-So are long tests of the tools that make evidence."""
+"""Builds that `make test` leaves to `make test-long`, while it runs other builds of the same blocks. Coverage
+counts these builds too. Long tests of the tools that make evidence are listed with them."""
 
 import inspect
 import os
@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 os.environ.setdefault("MEISSNER_OPTIMISE", "-O1")  # before meissner.builds.toolchain reads it
-# A worker is a process already: threads of its own for small matrices wait for each other, at twice the time.
+# Each worker is a process: extra BLAS threads for small matrices wait for each other and double the time.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before NumPy reads it
 
 import bodies
@@ -116,7 +116,7 @@ BIG = [
 
 
 def left_alone(items):
-    """Files of ``items`` of whose builds `make test` runs none."""
+    """Files of ``items`` none of whose builds `make test` runs."""
     builds = {}
     for item in items:
         if "bench.run(" in inspect.getsource(item.function):
@@ -126,7 +126,7 @@ def left_alone(items):
 
 
 def pytest_configure(config):
-    # Icarus cannot run every build; powerup.py and benches.py ask for something else than every test.
+    # Icarus cannot run every build; powerup.py and benches.py do not run every test.
     judges = os.environ.get("MEISSNER_SIM", "verilator") == "verilator"
     judges = judges and not {"MEISSNER_POWERUP", "MEISSNER_RUNS"} & os.environ.keys()
     config.pluginmanager.register(bodies.Watch(config, Path(__file__).parent, judges))
@@ -138,7 +138,7 @@ def pytest_collection_modifyitems(items):
         if item.nodeid in BIG:
             item.add_marker(pytest.mark.big)
             left.discard(item.nodeid)
-    whole = len(items) > 1000  # a run of chosen tests has not all of a file
+    whole = len(items) > 1000  # a smaller run may hold only part of a file
     if gone := sorted(name for name in left if whole and name.split("::")[0] in files):
         raise pytest.UsageError(f"tb/conftest.py names {gone[0]}, which is not there")
     if whole and (alone := left_alone(items)):

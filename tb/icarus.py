@@ -1,9 +1,9 @@
-"""Icarus Verilog as second simulator: MEISSNER_SIM=icarus. What it cannot run, and why, stands here alone.
+"""Icarus Verilog as a second simulator: MEISSNER_SIM=icarus. Only this file lists its limits.
 
-Icarus 11, which Debian has, knows no typed parameters in a module's head, no `signed'(x)` and no $fatal at
-elaboration. ``adapted`` writes these as it knows them, by words; statements stay as they are. The checks of
-parameters are left out: bench.refuses asks Verilator. Words of memories begin at random, not as X: 0 times a
-factor that was never written is 0, but X there. Registers begin as X.
+Icarus 11, the version in Debian, does not support typed parameters in a module header, `signed'(x)` or $fatal
+at elaboration. ``adapted`` replaces these by text substitution; statements stay as they are. The parameter
+checks are removed: bench.refuses uses Verilator. Memory words start at random values, not X: 0 times a factor
+that was never written is 0, but Icarus gives X. Registers start as X.
 """
 
 import re
@@ -17,7 +17,7 @@ REPLACED = (
     (r"\b(parameter|localparam)(\s+)int\b", r"\1\2integer"),
     (r"\b(parameter|localparam)(\s+)bit\b", r"\1\2"),
     (r"\blongint unsigned\b", "[63:0]"),
-    (r"\bint unsigned\b", "reg [31:0]"),  # of functions, in packages
+    (r"\bint unsigned\b", "reg [31:0]"),  # in functions of packages
     (r"\bint (?=\w+ = )", "integer "),
     (r"\b(un)?signed'\(", r"$\1signed("),
     (r"\b32'\((\w+)\)", r"\1"),
@@ -29,16 +29,16 @@ REPLACED = (
 )
 
 RESET = (
-    2  # clocks of the first: msn_calibration_table's reads begin in a bank that the first clock makes known
+    2  # clocks of the first reset: msn_calibration_table's reads use a bank that the first clock makes known
 )
-# Among a block's ports: the struct of a group's settings, which becomes a vector, and others.
+# Struct ports of a block: its group's settings, which become a vector, and all others.
 SETTINGS = re.compile(r"\bmsn_registers_pkg::(\w+)_cfg_t(\s+cfg_i\b)")
 STRUCT = re.compile(r"^\s*(?:input|output)\s+msn_\w*pkg::(?!\w+_cfg_t\s+cfg_i\b)\w+_t\b", re.M)
 STRUCTS = "ports of a package's packed struct: Icarus 11 crashes on `package::type` there"
 
 
 def default(block, name):
-    """The number that a parameter of a block is if nobody sets it."""
+    """The default value of a block's parameter."""
     text = next(path for path in toolchain.sources() if path.stem == f"msn_{block}").read_text("utf-8")
     return re.search(rf"^\s*parameter\s[^=]*?\b{name}\s*=\s*(?:\d+'\w)?(\d+)", text, re.M)[1]
 
@@ -46,9 +46,9 @@ def default(block, name):
 def refused(block, parameters):
     """Why Icarus cannot run this size of a block; None if it can.
 
-    For its own sake or that of a block in it: a struct among the ports, or what its tests state.
+    The reason may be the block's own or that of a block inside it: a struct port, or what its tests state.
     """
-    from verify import evidence  # in tools/, for which not every user of this file looks
+    from verify import evidence  # in tools/, which is not on the path of every user of this file
 
     runs = evidence.of(block, "icarus").get("runs", {})
     given = {name: str(parameters.get(name, default(block, name))) for name in runs}
@@ -65,7 +65,7 @@ def refused(block, parameters):
 
 
 def named(found):
-    """An enumeration as constants and bits: in a port's expression Icarus takes its names for X."""
+    """An enumeration as constants and a vector type: in a port expression Icarus reads its names as X."""
     width, listed, name = found.groups()
     names = re.sub(r"//.*|\s", "", listed).split(",")
     values = ", ".join(f"{each} = {value}" for value, each in enumerate(names))
@@ -73,7 +73,8 @@ def named(found):
 
 
 def of_bits(text):
-    """A source with each type of msn_pkg that enumerates as bits: Icarus takes no `package::type`."""
+    """The source with every enumerated type of msn_pkg as a vector: Icarus does not accept
+    `package::type`."""
     package = next(path for path in toolchain.sources() if path.stem == "msn_pkg").read_text("utf-8")
     for width, name in re.findall(r"typedef enum logic \[(\d+:0)\] \{[^}]*\} (\w+_e);", package):
         text = re.sub(rf"\bmsn_pkg::{name}\b", f"logic [{width}]", text)
@@ -81,7 +82,7 @@ def of_bits(text):
 
 
 def of_vectors(text):
-    """A source with its struct of settings as a vector and each member as its bits."""
+    """The source with its struct of settings as a vector and each member as a slice of it."""
     found = SETTINGS.search(text)
     if not found or STRUCT.search(text):
         return text
@@ -93,7 +94,7 @@ def of_vectors(text):
 
 
 def adapted(sources, folder):
-    """Copies of the sources in ``folder`` as Icarus reads them."""
+    """Write copies of the sources that Icarus can read to ``folder``."""
     folder.mkdir(parents=True, exist_ok=True)
     copies = []
     for path in sources:

@@ -1,6 +1,6 @@
-"""Packed structs at a core's inside, which a simulator shows as one number: settings and status of
-msn_registers_pkg, whose places follow from the map (groups in its order, a group's members in its order, the
-first highest), and what passes between blocks, of rtl/msn_pkg.sv.
+"""Packed structs inside a core, which a simulator shows as one number. Those of msn_registers_pkg (settings
+and status) follow the register map: groups in the map's order and members in the group's order, the first in
+the highest bits. Those that pass between blocks are defined in rtl/msn_pkg.sv.
 """
 
 from meissner.twins.link.register_map import GROUPS
@@ -9,12 +9,12 @@ CFG, STATUS = "cfg", "status"
 
 
 def member(register, field):
-    """Name of a field's member in its group's struct: the register, and "_<field>" where it has one."""
+    """Name of a field's member in its group's struct: the register, then "_<field>" unless it is "value"."""
     return register if field == "value" else f"{register}_{field}"
 
 
 def _members(kind):
-    """(group, member, bits) from the first to the last."""
+    """(group, member, bits) in the order of the map."""
     for group in GROUPS:
         for register in group.registers:
             for field in register.fields:
@@ -34,7 +34,7 @@ def _places(listed):
 
 
 PLACES = {kind: _places((f"{g}_{m}", bits) for g, m, bits in _members(kind)) for kind in (CFG, STATUS)}
-for _kind in (CFG, STATUS):  # of one group's struct: PLACES["slip_cfg"]["threshold"]
+for _kind in (CFG, STATUS):  # and of each group's own struct: PLACES["slip_cfg"]["threshold"]
     for _group in GROUPS:
         _listed = [(m, bits) for g, m, bits in _members(_kind) if g == _group.name]
         PLACES[f"{_group.name}_{_kind}"] = _places(_listed)
@@ -51,13 +51,13 @@ def of(kind, word):
 
 
 def slip_word(config):
-    """The word of slip_cfg for a SlipConfig; what it leaves open is all ones."""
+    """The word of slip_cfg for a SlipConfig; fields that are None become all ones."""
     values = {name: getattr(config, name) for name in PLACES["slip_cfg"]}
     return word("slip_cfg", {name: -1 if value is None else int(value) for name, value in values.items()})
 
 
 def word(kind, values):
-    """The struct's word of {name: value}, two's complement if below 0; what is not named is 0."""
+    """The struct's word of {name: value}, two's complement if below 0; members not given are 0."""
     found = 0
     for name, value in values.items():
         low, bits = PLACES[kind][name]

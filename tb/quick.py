@@ -1,11 +1,11 @@
-"""What cocotb does at every await and every value, without what benches do not use of it.
+"""Faster versions of the functions that cocotb runs at every await and every value, for what benches use.
 
-A bench awaits an edge and the settled values of every clock, and reads and writes ports there: some 300,000
-times each in a long one. Half of that time went into guards of cocotb's debug log and profile, into objects
-made for them, and into Logic values made of 0 and 1 to be made a character. Each function here does the plain
-case (an integer is deposited, a coroutine awaits; no log, no profile) as cocotb's own, which its first line
-names, and hands every other case to it. tb/common/test_quick.py holds the sources of those to the pinned
-version. MEISSNER_COCOTB=plain runs without any of it.
+A bench awaits an edge and the settled values in every clock, and reads and writes ports there: some 300,000
+times each in a long one. Half of that time went into checks for cocotb's debug log and profile, into the
+objects made for them, and into turning 0 and 1 into Logic values and these into characters. Each function
+here handles the plain case (an integer is deposited, a coroutine awaits; no log, no profile) like the cocotb
+function that its docstring names, and passes all other cases to that function. tb/common/test_quick.py checks
+that the sources of those functions are the known version. MEISSNER_COCOTB=plain switches all of it off.
 """
 
 import gc
@@ -22,10 +22,10 @@ ARRAYS = cocotb.handle._LogicArrayObjectBase
 DEPOSIT = cocotb.handle._GPISetAction.DEPOSIT.value
 LEVEL = {0: "0", 1: "1"}
 LOGIC = {level: Logic(level) for level in "01XZ"}
-BIT = {0: Logic(0), 1: Logic(1)}  # there is one of each
-WORD = 32  # bits that cocotb hands on as an integer
+BIT = {0: Logic(0), 1: Logic(1)}  # cocotb has one object for each
+WORD = 32  # bits up to which cocotb writes an integer as a number
 RUNNING, PENDING, SCHEDULED = (getattr(task._TaskState, name) for name in ("RUNNING", "PENDING", "SCHEDULED"))
-READ_ONLY = ReadOnly()  # there is one
+READ_ONLY = ReadOnly()  # a singleton
 
 _waiting = _event_loop._inst._callbacks
 _threads = _bridge.pending_threads
@@ -83,7 +83,7 @@ def schedule_resume(self, exc=None):
 
 
 class Replay:
-    """In place of a coroutine: once more what it gave or raised as it was resumed."""
+    """Stands in for a coroutine: returns or raises again the result of its last step."""
 
     def __init__(self, given, raised):
         self.given, self.raised = given, raised
@@ -122,7 +122,7 @@ def resume(self):
 
 
 def child(self, name):
-    """HierarchyObject.__getattr__, which Python asks once for each name: then it is there."""
+    """HierarchyObject.__getattr__; the found handle becomes an attribute, so this runs once per name"""
     found = _child(self, name)
     if not name.startswith("_"):
         self.__dict__[name] = found
@@ -186,7 +186,7 @@ _equal = Logic.__eq__
 
 
 def install():
-    """From here on in this process, unless a log or a profile was asked for."""
+    """Replace cocotb's functions in this process, unless a debug log or a profile is on."""
     if cocotb.debug.debug or not isinstance(_profiling.profiling_context, _profiling.nullcontext):
         return
     _event_loop.EventLoop.run = run
@@ -199,9 +199,9 @@ def install():
     HierarchyObject.__getattr__ = child
     Logic.__eq__ = equal
     LogicArray._from_handle = classmethod(from_handle)
-    if cocotb.handle._trust_inertial:  # else each write waits for its phase
+    if cocotb.handle._trust_inertial:  # otherwise a write waits for its phase
         LogicObject.value = property(get_level, set_level)
         ARRAYS.value = property(ValueObjectBase.value.fget, set_word)
-    # What is imported by now stays, and what a clock makes is in no circle.
+    # Modules imported so far stay, and objects made in a clock form no cycles: the collector can run rarely.
     gc.freeze()
     gc.set_threshold(100_000, 20, 20)

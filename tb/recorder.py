@@ -1,8 +1,8 @@
-"""What a block's own tests drive into it, clock by clock: the stimulus of fault injection.
+"""Records what a block's own tests drive into it in each clock: the stimulus for fault injection.
 
-With MEISSNER_RECORD=FILE in the environment each start of a clock begins a recording of the ports of the top.
-FILE: a line "port bits" for each, an empty line, then hexadecimal values per clock; "=" begins one.
-After ``ROWS`` clocks the simulation ends, its tests unfinished.
+If MEISSNER_RECORD=FILE is set, each start of a clock begins a recording of the ports of the top.
+FILE: a line "port bits" for each port, an empty line, then for each recording a line "=" and one line of
+hexadecimal values per clock. After ``ROWS`` clocks the simulation ends, whether or not its tests are done.
 """
 
 import os
@@ -15,7 +15,7 @@ ROWS = int(os.environ.get("MEISSNER_RECORD_ROWS", "24000"))
 FILE = os.environ.get("MEISSNER_RECORD")
 _open = None
 _rows = 0
-_begun = 0  # recordings: a test that starts its clock again begins another, and the one before ends
+_begun = 0  # number of recordings: when a test starts its clock again, the previous recording ends
 
 
 def _bits(handle):
@@ -26,7 +26,7 @@ def _bits(handle):
 
 
 def _ports(dut):
-    """The ports of a top but its clock, as MEISSNER_RECORD_PORTS names them."""
+    """The ports of the top that MEISSNER_RECORD_PORTS names, except the clock."""
     names = [name for name in os.environ["MEISSNER_RECORD_PORTS"].split(",") if name != "clk_i"]
     return {name: getattr(dut, name) for name in sorted(names)}
 
@@ -55,7 +55,7 @@ async def record(dut):
 
 
 def install():
-    """From here on whoever starts a clock is recorded."""
+    """From here on every start of a clock begins a recording."""
     start = Clock.start
 
     def recorded(self, *given, **named):

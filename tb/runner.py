@@ -1,4 +1,4 @@
-"""Build a block with Verilator and run its cocotb tests; what a simulation sets up before its first test."""
+"""Build a block with Verilator and run its cocotb tests; set up the simulation before the first test."""
 
 import hashlib
 import os
@@ -21,25 +21,27 @@ from meissner.builds import toolchain
 from stimulus import SEED
 from units import Units
 
-# Not --coverage: that adds state machines, which give no points and stop Verilator 5.048 at some sources.
+# Not --coverage: it adds state machine coverage, which has no points and stops Verilator 5.048 on some
+# sources.
 COVERAGE_FLAGS = ("--coverage-line", "--coverage-toggle", "--coverage-expr")
-ONES = "+verilator+rand+reset+1"  # registers start as ones: what needs the reset shows it
+ONES = "+verilator+rand+reset+1"  # registers start as ones: exposes those that need the reset
 POWERUPS = int(os.environ.get("MEISSNER_POWERUP", "0"))
 SIM = os.environ.get("MEISSNER_SIM", "verilator")  # or icarus
-# Whose assertions say the values they compare: to go through every other module, numpy's too, takes a second.
+# Files whose failed assertions show the compared values: rewriting every other module, NumPy too, takes a
+# second.
 os.environ.setdefault("COCOTB_REWRITE_ASSERTION_FILES", "test_*.py *_by_hand.py")
-if os.environ.get("MEISSNER_INSTANCE"):  # one of many in a top without ports, of verify.regress
+if os.environ.get("MEISSNER_INSTANCE"):  # one instance of many in a top without ports (verify.regress)
     cocotb.top = getattr(cocotb.top, os.environ["MEISSNER_INSTANCE"])
 if cocotb.is_simulation and os.environ.get("MEISSNER_COCOTB") != "plain":
     quick.install()
 if recorder.FILE:
     recorder.install()
-for folder in ("libs_dir", "share_dir"):  # the runner writes them into a makefile
+for folder in ("libs_dir", "share_dir"):  # the runner writes these paths into a makefile
     setattr(cocotb_tools.config, folder, toolchain.for_make(getattr(cocotb_tools.config, folder)))
 
 
 def passed(results, name, *plusargs):
-    """The names of the tests of a run, by the runner's file of results; AssertionError if one failed."""
+    """Names of the tests of a run, from the runner's results file; AssertionError if one failed."""
     tests, failures = get_results(results)
     assert tests > 0, f"{name}: no cocotb test ran"  # the runner itself accepts an empty run
     how = " ".join([f"MEISSNER_SEED={SEED}", *plusargs])
@@ -52,23 +54,23 @@ def passed(results, name, *plusargs):
 def run(stage, block, parameters=None, test_filter=None, module=None, sources=None, include=None, inside=()):
     """Build ``msn_<block>`` with Verilator and run the cocotb tests of tb/<stage>/test_<block>.py.
 
-    ``module``: another test file of that stage, in place of test_<block>; ``sources``: other files than those
-    of rtl/rtl.f; ``include``: a folder with a header that they include; ``inside``: what the tests see
-    below the top (units.py).
+    ``module``: another test file of that stage, in place of test_<block>; ``sources``: files to use in place
+    of those of rtl/rtl.f; ``include``: a folder with a header that they include; ``inside``: what the tests
+    see below the top (units.py).
     """
     parameters = parameters or {}
     module = module or f"test_{block}"
     file = module.removeprefix("test_")
     name = "-".join([file, *([] if block in file else [block]), *(f"{k}{v}" for k, v in parameters.items())])
     name += f"-{(include or sources[-1].parent).name}" if sources else ""
-    name = name.replace("'", "")  # of sized numbers
-    if len(name) > 150:  # a file's name has 255 at most
+    name = name.replace("'", "")  # from sized numbers
+    if len(name) > 150:  # a file name may have 255 characters
         name = f"{name[:100]}-{hashlib.sha256(name.encode()).hexdigest()[:12]}"
     evidence = os.environ.get("MEISSNER_COVERAGE")  # a folder for the counts; see docs/coverage.md
     where = "coverage/builds" if evidence else "tb" if SIM == "verilator" else SIM
     build_dir = toolchain.folder_for_make(toolchain.BUILD / where / name)
     sources = sources or toolchain.sources_of(f"msn_{block}")
-    # What a size or a form leaves unused is looked at by `make lint`, in the sizes that are built.
+    # `make lint` checks for unused signals and parameters, in the sizes that are built.
     flags = [*toolchain.VERILATOR_FLAGS, "-Wno-UNUSEDSIGNAL", "-Wno-UNUSEDPARAM"]
     if SIM == "icarus":
         if reason := icarus.refused(block, parameters):
@@ -90,7 +92,7 @@ def run(stage, block, parameters=None, test_filter=None, module=None, sources=No
     )
 
     def simulate(select, *plusargs):
-        """Run the tests that ``select`` names; the names of those that ran."""
+        """Run the tests that ``select`` names; return the names of those that ran."""
         given = {
             "hdl_toplevel": f"msn_{block}",
             "test_module": f"{stage}.{module}",
@@ -103,7 +105,7 @@ def run(stage, block, parameters=None, test_filter=None, module=None, sources=No
         try:
             results = plainly(runner.test, **given)
         except SystemExit:
-            runner.test(**given)  # once more, to say what a failed assertion compared
+            runner.test(**given)  # again, to print the values that a failed assertion compared
             raise
         return passed(results, name, *plusargs)
 
@@ -112,34 +114,35 @@ def run(stage, block, parameters=None, test_filter=None, module=None, sources=No
         return
     start = [ONES]
     if evidence:
-        asks = Path(os.environ["PYTEST_CURRENT_TEST"].split("::")[0])  # the file, whosever tests it runs
+        asks = Path(os.environ["PYTEST_CURRENT_TEST"].split("::")[0])  # the test file pytest runs
         folder = Path(evidence) / asks.stem.removeprefix("test_")
         folder.mkdir(parents=True, exist_ok=True)
         which = hashlib.sha256(f"{name} {test_filter}".encode()).hexdigest()[:12]
-        # From zeros: the way from ones to the reset's values would count as a toggle.
+        # Start from zeros: a change from ones to the reset value would count as a toggle.
         start = [f"+verilator+coverage+file+{folder / which}.dat"]
     simulate(test_filter, *start)
 
 
 def plainly(test, **given):
-    """``test`` without the values of assertions: to prepare for them is a quarter of a simulation's start."""
+    """Run ``test`` without assertion values: rewriting the assertions is a quarter of a simulation's start
+    time."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("COCOTB_REWRITE_ASSERTION_FILES", "")
         return test(**given)
 
 
 def covers(sources):
-    """The functional cover points of ``sources``' modules, which bind themselves to them."""
+    """The functional cover points of ``sources``' modules; each binds itself to its module."""
     folder = toolchain.ROOT / "tb/coverage"
     files = [folder / f"cover_{path.stem.removeprefix('msn_')}.sv" for path in sources]
     return [folder / "bin.svh", *(path for path in files if path.exists())]
 
 
 def powerups(simulate, test_filter, first):
-    """Run the tests with registers that start with random values, ``POWERUPS`` times, seeds from ``first``.
+    """Run the tests with random initial register values, ``POWERUPS`` times, with seeds from ``first``.
 
-    Only a run's first test meets them, the others what the one before left: so all tests run with the first
-    seed, and with each further one the test whose turn it is alone.
+    Only the first test of a run sees the initial values; later ones see what the previous test left. So all
+    tests run with the first seed, and each further seed runs one test alone, the tests taking turns.
     """
     random_start = "+verilator+rand+reset+2"
     tests = simulate(test_filter, random_start, f"+verilator+seed+{first + 1}")
@@ -149,7 +152,7 @@ def powerups(simulate, test_filter, first):
 
 
 def refuses(block, parameters, of=None, sources=None):
-    """Elaborate ``msn_<block>`` with illegal parameters; the message, of ``msn_<of>``, that stopped it.
+    """Elaborate ``msn_<block>`` with illegal parameters; the error message of ``msn_<of>``.
 
     ``sources``: as for ``run``.
     """

@@ -1,4 +1,4 @@
-"""What benches drive into a block: numbers, frames of them, beats of a stream and pauses in it."""
+"""What benches drive into a block: numbers, frames of numbers, beats of a stream and its stall patterns."""
 
 import os
 import random
@@ -11,17 +11,17 @@ SEED = int(os.environ.get("MEISSNER_SEED", "1"))
 
 
 def pauses(rate, role):
-    """A stall pattern: true with probability ``rate``; each ``role`` of a test has a sequence of its own.
+    """A stall pattern: true with probability ``rate``; each ``role`` of a test has its own sequence.
 
-    Two equal sequences at both ends of a block pause both in the same clocks: it never waits with a beat
-    offered, nor is it ever ready with none. The seed is in the name of what failed (``run``).
+    With equal sequences at both ends, a block would be paused at both ends in the same clocks: it would never
+    wait with a beat offered, nor be ready without one. ``run`` prints the seed when a test fails.
     """
     draw = random.Random(f"{SEED} {role}")
     return lambda: draw.random() < rate
 
 
 def gaps_and_stalls(gap_rate, stall_rate=None):
-    """The two patterns of ``stream``; of one rate if only one is given."""
+    """The two patterns of ``stream``, both with the same rate if only one is given."""
     stall_rate = gap_rate if stall_rate is None else stall_rate
     return pauses(gap_rate, "gaps"), pauses(stall_rate, "stalls")
 
@@ -32,7 +32,7 @@ def as_signed(value, bits):
 
 
 def time(clock):
-    """A time for each clock, 48 bits of which none stays as it is for long."""
+    """A time for each clock: 48 bits, none of which stays constant for long."""
     return (clock * 0x9E37_79B9_7F4A_7C15 >> 8) % (1 << 48)
 
 
@@ -71,7 +71,7 @@ def extremes_then_random(rng, channels, length, bits):
 
 
 def force_frames(rng, rows, columns):
-    """Forces [frames, rows, columns]: the telling frames of an array of this size, then random ones."""
+    """Forces [frames, rows, columns]: the corner cases of an array of this size, then random frames."""
     i, j = np.indices((rows, columns))
     corner = np.full((rows, columns), 65535)
     corner[0, 0] = 1
@@ -104,7 +104,7 @@ def force_frames(rng, rows, columns):
 
 
 def marks(place, rows, row_beats):
-    """What a beat at ``place`` of a whole frame brings beside its data (docs/frames.md)."""
+    """The marks of the beat at ``place`` of a complete frame (docs/frames.md)."""
     row, column = divmod(place, row_beats)
     return {
         "fits": True,
@@ -114,7 +114,7 @@ def marks(place, rows, row_beats):
 
 
 def force_beats(forces, lanes=1, surplus=0xA5A5):
-    """Beats of frames [frames, rows, columns], with marks; the surplus lanes of a row's last beat hold
+    """Beats of frames [frames, rows, columns], with marks; the unused lanes of a row's last beat hold
     ``surplus``."""
     count, rows, columns = forces.shape
     row_beats = -(-columns // lanes)
@@ -134,14 +134,14 @@ def lane_word(values, bits):
 
 
 def lane_values(word, lanes, bits, signed=False):
-    """What ``lane_word`` put together."""
+    """The integers that ``lane_word`` packed into ``word``."""
     values = [word >> (bits * lane) & ((1 << bits) - 1) for lane in range(lanes)]
     return [as_signed(value, bits) for value in values] if signed else values
 
 
 def lane_beats(frames, lanes, bits, surplus=0, **flags):
-    """Beats of an array's frames [frames, rows, columns]: data, id, marks, and a bit per lane of each of
-    ``flags`` (arrays of the same shape); the surplus lanes of a row's last beat hold ``surplus``."""
+    """Beats of an array's frames [frames, rows, columns]: data, id, marks, and one bit per lane of each of
+    ``flags`` (arrays of the same shape); the unused lanes of a row's last beat hold ``surplus``."""
     count, rows, columns = np.shape(frames)
     row_beats = -(-columns // lanes)
 
@@ -162,7 +162,7 @@ def lane_beats(frames, lanes, bits, surplus=0, **flags):
 
 
 def damage(beats, length, draw):
-    """Beats of frames of ``length`` beats with about every third one damaged in a random way."""
+    """Beats of frames of ``length`` beats, with about every third frame damaged in a random way."""
     sent = []
     for at in range(0, len(beats), length):
         part = [dict(beat) for beat in beats[at : at + length]]
@@ -187,7 +187,7 @@ def damage(beats, length, draw):
 
 
 def placed(beats, rows, row_beats):
-    """What msn_frame_marker passes of ``beats``, with its marks; without an id they count as they come."""
+    """The beats that msn_frame_marker passes, with its marks; beats without an id are counted."""
     check, passed, number = FrameMarker(rows, row_beats), [], 0
     for beat in beats:
         place = check.next(beat.get("id", number), beat["last"])

@@ -1,4 +1,4 @@
-"""Start and reset a block, drive its streams and watch them, clock by clock."""
+"""Start and reset a block; drive and watch its streams, clock by clock."""
 
 import random
 
@@ -26,7 +26,8 @@ async def start(dut, **inputs):
 
 
 async def reset(dut, clocks=1):
-    """Hold the synchronous reset; for one clock, the shortest, nothing can leave a block by itself."""
+    """Hold the synchronous reset. By default for one clock, the shortest: nothing can leave the block
+    meanwhile."""
     dut.rst_i.value = 1
     for _ in range(clocks):
         await RisingEdge(dut.clk_i)
@@ -34,7 +35,7 @@ async def reset(dut, clocks=1):
 
 
 async def inputs_in_reset(dut, *resting, also=()):
-    """While a reset holds, every bit of every input at both levels: the outputs ``resting`` stay 0.
+    """During a reset, drive every bit of every input to both levels: the outputs ``resting`` must stay 0.
 
     ``also``: inputs whose names do not end in _i.
     """
@@ -52,12 +53,12 @@ async def inputs_in_reset(dut, *resting, also=()):
         await RisingEdge(dut.clk_i)
 
 
-# Benches read some million values. Of cocotb's own object: ``handle.value`` makes a LogicArray of the levels,
-# a character a bit, at five times the time.
+# Benches read some million values. cocotb's own ``handle.value`` makes a LogicArray, one character a bit, and
+# takes five times as long.
 
 
 def read(handle):
-    """The unsigned integer on a port; AssertionError if it is none."""
+    """The unsigned integer on a port; AssertionError if a bit is X or Z."""
     bits = handle._handle.get_signal_val_binstr()
     try:
         return int(bits, 2)
@@ -66,12 +67,13 @@ def read(handle):
 
 
 def high(handle):
-    """Whether a port of one bit is 1; X is not."""
+    """Whether a one-bit port is 1; X counts as 0."""
     return handle._handle.get_signal_val_binstr() == "1"
 
 
 def putter(port):
-    """A function that writes a port, as unsigned, where the value changes: most writes repeat one."""
+    """A function that writes a port as unsigned, and only if the value changes: most writes repeat the
+    last."""
     mask, before = (1 << len(port)) - 1, None
 
     def put(value):
@@ -86,11 +88,11 @@ def putter(port):
 async def stream(dut, beats, fields, gaps=None, stalls=None, drain=40, count=None, hold=False):
     """Send ``beats`` (dicts of input field: value) and return the list of beats that came out.
 
-    ``fields``: output field names; a beat out is a dict of field: int (signed if the name ends in "~").
-    Ends when every beat was taken and ``drain`` ready clocks passed with nothing coming out, or after
-    ``count`` beats. The payload is driven to a wrong value while not valid, so that nobody samples it
-    then. While the block is stalled, valid and data must hold. ``hold``: what was offered stays so until
-    it is taken; otherwise an offer may be withdrawn.
+    ``fields``: output field names; an output beat is a dict of field: int (signed if the name ends in "~").
+    Ends when every beat was taken and ``drain`` ready clocks passed without an output beat, or after
+    ``count`` output beats. While valid is low the payload is driven to wrong values, so that a block that
+    samples it then fails. While the output is stalled, its valid and data must hold. ``hold``: an offered
+    beat stays offered until it is taken; otherwise an offer may be withdrawn.
     """
     names = [field.rstrip("~") for field in fields]
     ports = [getattr(dut, f"out_{name}_o") for name in names]
@@ -130,7 +132,7 @@ async def stream(dut, beats, fields, gaps=None, stalls=None, drain=40, count=Non
     return received
 
 
-# For tests of what registers hold before any reset: Icarus begins with unknowns.
+# For tests of register values before any reset: on Icarus they are unknown.
 starts_known = applies(lambda dut: SIM != "icarus")
 
 
@@ -145,15 +147,15 @@ async def turn_over(
     still=(),
     **inputs,
 ):
-    """The ``counters`` from their greatest value to 0: one of 32 bits never gets there by counting.
+    """Check that ``counters`` wrap around from their greatest value: 32 bits never get there by counting.
 
-    Nothing was reset yet, and registers start as ones, so each counter does, unless this build has none and
-    says 0: each counts by no more than ``most`` a clock, whatever comes, and within ``span`` clocks it has,
-    if it ``wraps``. Where registers start with random values (``powerups``) it does so from there. Must be
-    the first test of all (``stage=-1``), declared ``starts_known``. ``inputs``: of other inputs than those
-    that are ``wiggled``; ``beside``: registers' outputs that count nothing here: it is only seen that they
-    begin as those do; ``still``: counters that need not turn over, as what they count may not come: they too
-    lose no bit.
+    Runs before any reset, when registers start as ones and so do the counters (a counter that this build
+    lacks reads 0): in each clock a counter grows by at most ``most``, whatever the inputs, and if ``wraps``,
+    it must leave its greatest value within ``span`` clocks. With random initial values (``powerups``) it
+    counts from there. Must be the first test of all (``stage=-1``), declared ``starts_known``. ``wiggled``:
+    inputs driven at random; ``inputs``: values of other inputs; ``beside``: register outputs of which only
+    the initial value is checked; ``still``: counters that need not wrap, as their events may not occur, but
+    are checked otherwise.
     """
     ports, draw = [getattr(dut, counter) for counter in (*counters, *still)], random.Random(SEED)
     wiggled = [name for name in wiggled if hasattr(dut, name)]
@@ -184,14 +186,15 @@ async def turn_over(
 
 
 def offer(dut, beat):
-    """Put the fields of ``beat`` on their ports; in_valid_i is the caller's."""
+    """Put the fields of ``beat`` on their ports; the caller drives in_valid_i."""
     for name, value in beat.items():
         port = getattr(dut, f"in_{name}_i")
         port.value = int(value) & ((1 << len(port)) - 1)
 
 
 async def taken(dut, beats, timeout=40):
-    """How many of ``beats`` go in while nobody takes what comes out, until ``timeout`` clocks took none."""
+    """How many of ``beats`` go in with the output stalled; ends when none was taken for ``timeout``
+    clocks."""
     dut.out_ready_i.value = 0
     sent = quiet = 0
     while sent < len(beats) and quiet < timeout:
@@ -207,7 +210,8 @@ async def taken(dut, beats, timeout=40):
 
 
 async def clocks(dut, count):
-    """Let ``count`` clocks pass; of many only the first two and the last one are met, at their period."""
+    """Let ``count`` clocks pass; for a long wait, awaits only the first two edges and the last, by the
+    period."""
     edge = RisingEdge(dut.clk_i)
     for _ in range(min(count, 2)):
         before = get_sim_time()

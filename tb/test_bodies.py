@@ -1,8 +1,8 @@
-"""The benches' own mechanism: tests are declared to apply to a build, each runs in some build of its file,
-and gaps and stalls are drawn from different sequences.
+"""The benches' own mechanism: tests are declared to apply to builds, each runs in some build of its file, and
+gaps and stalls are drawn from different sequences.
 
-``Watch`` runs in sessions of its own, of files whose "builds" only say what ran: alone and with two workers,
-with all tests run and with one missing, and with selections of which nothing may be concluded.
+``Watch`` runs in separate sessions of pytest, on files whose "builds" only record what ran: with one process
+and two workers, with all tests run and with one missing, and with selections that allow no conclusion.
 """
 
 import ast
@@ -55,7 +55,7 @@ USUAL = ["-m", "not long and not big"]
 
 
 def session(folder, *options, text=FILE):
-    """The exit status of a session of pytest, and the tests it says ran in no build."""
+    """The exit status of a session of pytest, and the tests that it reports to have run in no build."""
     (folder / "stage").mkdir(exist_ok=True)
     (folder / "conftest.py").write_text(CONFTEST)
     (folder / "pytest.ini").write_text("[pytest]\naddopts = --import-mode=importlib\n")
@@ -104,13 +104,13 @@ def test_a_users_choice_of_builds_concludes_nothing(tmp_path, chosen):
 
 
 def test_a_failed_build_is_the_failure(tmp_path):
-    """Which tests it would have run is not known."""
+    """It is not known which tests the failed build would have run."""
     broken = FILE.replace("def test_builds(build):", "def test_builds(build):\n    assert build == 'a'")
     assert session(tmp_path, text=broken) == (1, [])
 
 
 def leaves_early(function):
-    """Lines of ``return`` in a test itself, not in a function within it."""
+    """Lines of ``return`` in a test itself, not in its inner functions."""
     nodes, lines = list(function.body), []
     while nodes:
         node = nodes.pop()
@@ -124,7 +124,8 @@ def leaves_early(function):
 
 @pytest.mark.parametrize("path", sorted(HERE.rglob("test_*.py")), ids=lambda path: path.stem)
 def test_no_test_passes_by_leaving_early(path):
-    """A cocotb test that does not apply is declared so; a test of pytest that cannot run is skipped."""
+    """A cocotb test that does not apply must be declared so; a pytest test that cannot run must be
+    skipped."""
     for node in ast.walk(ast.parse(path.read_text())):
         if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)):
             cocotbs = any("cocotb.test" in ast.unparse(each) for each in node.decorator_list)
@@ -134,7 +135,7 @@ def test_no_test_passes_by_leaving_early(path):
 
 @pytest.mark.parametrize("rate", [0.1, 0.5, 0.9])
 def test_gaps_and_stalls_meet_in_every_way(rate):
-    """Each of the four pairs comes as often as of independent patterns: within five standard deviations."""
+    """Each of the four pairs occurs as often as for independent patterns, within five standard deviations."""
     count, pairs = 10_000, {}
     gaps, stalls = bench.gaps_and_stalls(rate)
     for _ in range(count):
@@ -147,6 +148,6 @@ def test_gaps_and_stalls_meet_in_every_way(rate):
 
 
 def test_pauses_repeat():
-    """With their seed and role, and with no other role."""
+    """A pattern repeats with the same seed and role; another role gives another pattern."""
     draws = [[pause() for _ in range(100)] for pause in (bench.pauses(0.5, role) for role in ("b", "b", "r"))]
     assert draws[0] == draws[1] != draws[2]

@@ -1,4 +1,4 @@
-"""The package's layers: a module imports its own layer and those before it; no import leads up or around."""
+"""The package's layers: a module imports from its own layer and those below; imports form no cycle."""
 
 import ast
 from itertools import pairwise
@@ -28,7 +28,7 @@ def test_no_import_leads_up():
 
 
 def test_no_imports_lead_around():
-    """Within a layer too, those inside functions among them."""
+    """Not within a layer either; imports inside functions count too."""
     imports = structure.imports()
 
     def visit(module, path):
@@ -57,7 +57,7 @@ def test_the_package_reads_nothing_of_tests_or_tools(path):
 
 
 def test_twins_compute_in_integers():
-    """No twin imports physics, engines or anything else above; NumPy is all it needs."""
+    """No twin imports physics, engines or anything else from a layer above, and no package but NumPy."""
     known = {"dataclasses", "enum", "functools", "itertools", "math", "numbers", "numpy", "struct"}
     known |= {"typing", "zlib"}
     for path in (PACKAGE / "twins").rglob("*.py"):

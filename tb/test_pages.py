@@ -1,4 +1,5 @@
-"""README and docs/: README's examples run, docs/blocks.md is that of the sources, links lead somewhere."""
+"""README and docs/: README's examples run, docs/blocks.md matches the sources, links point to existing
+files."""
 
 import io
 import re
@@ -16,7 +17,7 @@ PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").g
 
 
 def example(language):
-    """The one example of README in that language."""
+    """The only example of README in that language."""
     [text] = re.findall(rf"```{language}\n(.*?)```", README, re.DOTALL)
     return text
 
@@ -31,7 +32,7 @@ def test_readme_leads_to_every_page():
 
 
 def test_the_verilog_of_readme_is_clean(tmp_path):
-    """As `make lint` reads the sources, with nothing waived in the example."""
+    """With the flags of `make lint`; the example may waive nothing."""
     source = tmp_path / "pad.sv"
     source.write_text(example("systemverilog"))
     command = ["verilator", "--lint-only", "--quiet", "-Wall", str(ROOT / "rtl/verilator.vlt")]
@@ -61,7 +62,7 @@ def test_the_page_of_blocks_is_that_of_the_sources():
 
 @pytest.fixture
 def source(tmp_path, monkeypatch):
-    """A function that makes a source of a header."""
+    """A function that writes a source file with the given header."""
     monkeypatch.setattr(toolchain, "ROOT", tmp_path)
     (tmp_path / "tb/cop").mkdir(parents=True)
     (tmp_path / "tb/cop/test_mean.py").touch()

@@ -1,4 +1,4 @@
-"""docs/references.md: each twin stands there once, and what it is held against is there and reads no twin."""
+"""docs/references.md: it lists each twin once; the references it names exist and do not use the twin."""
 
 import ast
 import re
@@ -46,7 +46,7 @@ def test_every_twin_stands_in_one_table():
 
 @cache
 def functions(file):
-    """Source of each function and table at the top of a test file, by name."""
+    """Source of each function and table at the top level of a test file, by name."""
     text = (toolchain.ROOT / file).read_text()
     found = {}
     for node in ast.parse(text).body:
@@ -60,7 +60,7 @@ def functions(file):
 
 
 def reached(file, name):
-    """The source of a test and of all at the top of its file that it uses."""
+    """The source of a test and of everything it uses from the top level of its file."""
     seen, ahead = {}, [name]
     while ahead:
         one = ahead.pop()
@@ -100,7 +100,7 @@ def test_references_read_no_twin(path):
 
 
 def test_engine_float_takes_types_and_constants_only():
-    """From the files of the twins: names of classes and in capitals."""
+    """From the twins' files it may import only classes and constants in capitals."""
     for path in (PACKAGE / "engines").glob("float*.py"):
         for node in ast.walk(ast.parse(path.read_text())):
             if isinstance(node, ast.ImportFrom) and re.match(r"meissner\.twins\b", node.module):

@@ -1,5 +1,5 @@
-"""The benches' own code: what it compiles again, how it compiles engines, what a reader makes of levels,
-what a putter writes."""
+"""The benches' own code: what it compiles again, how it compiles engines, how it reads levels and writes
+ports."""
 
 import ctypes
 from types import SimpleNamespace
@@ -16,7 +16,7 @@ ONE = "module one (\n  input  logic a_i,\n  output logic b_o\n);\n  assign b_o =
 
 
 def test_compiles_again_only_what_changed(tmp_path, monkeypatch):
-    """Commands: a unit and its link; nothing if all is there; two units of what is larger."""
+    """The commands run: one unit and its link; none if all is up to date; two units for a larger model."""
     asked, do = [], units._do
     monkeypatch.setattr(units, "_do", lambda command, folder: (asked.append(command), do(command, folder)))
 
@@ -62,7 +62,7 @@ extern "C" int through(int data) {{
 
 @pytest.fixture
 def skid(monkeypatch, tmp_path):
-    """The library of msn_skid behind DRIVER with this input, built by this function."""
+    """A function that builds the library of msn_skid with DRIVER and the given input."""
     toolchain.environment()
     monkeypatch.setattr(toolchain, "BUILD", tmp_path / "build")
     monkeypatch.setattr(verilated, "HERE", tmp_path)

@@ -1,4 +1,4 @@
-"""The house rules that hold for every block: one model and one testbench of the same name."""
+"""The rules for every block: it has one model and one testbench of the same name."""
 
 import pytest
 

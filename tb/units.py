@@ -1,10 +1,10 @@
-"""Compile what Verilator wrote for a bench or an engine: one or two units in place of the dozen of its
-makefile.
+"""Compile what Verilator wrote for a bench or an engine: as one or two units in place of its makefile's
+dozen.
 
-A file of a larger model reads all of it again: a core's took 17 s, in two units they take 6 s. What runs in
-every clock is compiled at -Og: a core's benches take half of the time that they do at -O0, for 1 s of the
-compiler. What runs once is left at -O0: one of its constructors takes GCC minutes at -O1. The runtime is kept
-by model/meissner/builds/objcache.py, and linked where it is.
+Each file of a larger model reads all headers again: a core took 17 s, in two units it takes 6 s. Code that
+runs in every clock is compiled at -Og: a core's benches take half the time they do at -O0, for 1 s more of
+compiling. Code that runs once is left at -O0: GCC takes minutes for one of its constructors at -O1. The
+runtime is cached by model/meissner/builds/objcache.py and linked from there.
 """
 
 import hashlib
@@ -19,18 +19,18 @@ from cocotb_tools.runner import Verilator
 
 from meissner.builds import objcache, toolchain
 
-SMALL = 200_000  # bytes of what runs once that are compiled sooner at -Og than in a unit of their own
+SMALL = 200_000  # bytes; less code that runs once is compiled faster at -Og than as a separate unit
 
 
 class Units(Verilator):
     """cocotb's runner for Verilator without make."""
 
     def __init__(self, inside=()):
-        """``inside``: what benches see beside all signals of the top: modules, of which that is the ports, or
-        signals, "<module>.<name>". With cocotb's own runner they see all signals of all modules.
+        """``inside``: what benches see below the top, beside all signals of the top: a module (its ports) or
+        one signal, "<module>.<name>". With cocotb's own runner they see all signals of all modules.
 
-        What can be seen from outside is neither joined nor left out: of a core that is 40 % of Verilator's
-        time, two thirds of the compiler's, and half of what the model takes of each clock.
+        Verilator neither merges nor removes a signal that is visible from outside: for a core this costs 40 %
+        of Verilator's time, two thirds of the compiler's, and half of the model's time in each clock.
         """
         super().__init__()
         self.inside = inside
@@ -51,7 +51,7 @@ class Units(Verilator):
 
 
 def _lists(folder, prefix="Vtop"):
-    """{VM_name: words} of what Verilator says to its makefile."""
+    """{VM_name: words} that Verilator wrote for its makefile."""
     text = (folder / f"{prefix}_classes.mk").read_text("utf-8")
     rows = re.findall(r"^(VM_\w+) \+?= *((?:[^\\\n]|\\\n)*)", text, re.M)
     return {name: words.replace("\\\n", " ").split() for name, words in rows}
@@ -62,7 +62,7 @@ def _include():
 
 
 def _flags(says):
-    """For the compiler: the same for benches and engines, which so have one runtime."""
+    """Compiler flags: the same for benches and engines, so that they share one runtime."""
     features = ("COVERAGE", "TIMING", "TRACE", "TRACE_FST", "TRACE_SAIF", "TRACE_VCD")
     defined = [f"-DVM_{each}={says[f'VM_{each}'][0]}" for each in features]
     return ["-fPIC", f"-I{_include()}", f"-I{_include()}/vltstd", "-DVERILATOR=1", "-DVM_SC=0", *defined]
@@ -89,17 +89,17 @@ def _runtime(says, flags):
 
 
 def _linker():
-    return ["-fuse-ld=gold"] if shutil.which("ld.gold") else []  # a third of GNU ld's time
+    return ["-fuse-ld=gold"] if shutil.which("ld.gold") else []  # takes a third of the time of GNU ld
 
 
 def without_make(command, environment):
-    """As verilated.with_make, in less than half of its time: a driver and its model in one unit, and no
-    Python at each object. One with a trace goes through make, so that make is tested too."""
-    from meissner.engines import verilated  # simulations, which import this file, need none of it
+    """As verilated.with_make, in less than half its time: a driver and its model form one unit, and no Python
+    starts for each object. A build with a trace still uses make, so that make is tested too."""
+    from meissner.engines import verilated  # not needed by simulations, which import this file too
 
     if "--trace-vcd" in command:
         return verilated.with_make(command, environment)
-    os.environ["MEISSNER_OBJECTS"] = environment["MEISSNER_OBJECTS"]  # objcache.py is no process here
+    os.environ["MEISSNER_OBJECTS"] = environment["MEISSNER_OBJECTS"]  # objcache.py runs in this process
     after = lambda option: command[command.index(option) + 1]
     folder, prefix = Path(after("-Mdir")), f"V{after('--top-module')}"
     done = subprocess.run(command, env=environment, capture_output=True, encoding="utf-8", errors="replace")
@@ -120,7 +120,7 @@ def without_make(command, environment):
 
 
 def link(folder, name):
-    """The simulation ``name`` in a folder that Verilator wrote, if it is not there already."""
+    """Build the simulation ``name`` in a folder that Verilator wrote, unless it is up to date."""
     folder = Path(folder)
     says = _lists(folder)
     flags = _flags(says)

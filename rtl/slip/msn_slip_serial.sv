@@ -215,7 +215,7 @@ module msn_slip_serial #(
   assign new_low   = (first || lower) ? detail : low;
   assign p2p       = rest(new_high, new_low, p2p_borrow);
   assign out_p2p_o = p2p_q[DetailBits-1:0];
-  assign compared   = p2p_q[Width-1-:Digit];
+  assign compared  = p2p_q[Width-1-:Digit];
   always_ff @(posedge clk_i) begin
     p2p_borrow <= !restart && greater(new_low, new_high, p2p_borrow);
     over       <= greater(compared, threshold, over);

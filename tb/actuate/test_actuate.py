@@ -1,6 +1,7 @@
-"""msn_actuate against the loops of tb/reference/grip.py and test_finger_health, clock by clock, with every
-setting at random; by hand: a converter that is dead or does not answer, what `enable` = 0 does, counters, the
-words and pulses of both modes, a mode that changes. Grip = 0 is nothing. The model against the same loops."""
+"""msn_actuate against the loops of tb/reference/grip.py and test_finger_health, clock by clock, with random
+settings; by hand: a dead finger, frames that a converter does not answer, `enable` = 0, counters, the words
+and pulses of both modes, a change of mode. With Grip = 0 nothing happens. The model against the same
+loops."""
 
 import random
 from dataclasses import replace
@@ -24,19 +25,19 @@ HAND |= {"watchdog": 900, "rule": 0, "mode": 0, "immediate": 1, "override": 0, "
 HAND |= {"divide": 0, "low": 0, "high": 4095, "rail": 3, "speed_gain": 0, "boost": 0}
 OF_LOOP = ("period", "step", "decay", "minimum", "maximum", "rate", "watchdog", "rule", "mode", "immediate")
 OF_LOOP += ("override", "override_value", "speed_gain", "boost")
-OF_FRAMES = ("timeout", "mistagged")  # counters of frames that did not come
+OF_FRAMES = ("timeout", "mistagged")  # counters of frames that were lost
 SILENT, UNHEALTHY, LIMIT, UNARMED = 1, 2, 4, 16
 
 
 class Stage:
-    """The stage behind its pins; ``clock`` is one, and what is at the outputs in it."""
+    """The stage behind its pins; ``clock`` runs one clock and returns the outputs in it."""
 
     def __init__(self, dut):
         self.dut, self.fingers, self.started = dut, dut.Fingers.value.to_unsigned(), False
         self.adc = {"timeout": 0, "mistagged": 0, "dropped": 0, "overrun": 0, "over_range": 0}
 
     async def begin(self, adc=None, **settings):
-        """``adc``: where the converter's counters stand."""
+        """``adc``: the converter's counters at the start."""
         self.settings, self.adc = HAND | settings, dict.fromkeys(self.adc, 0) | (adc or {})
         quiet = {
             "adc_i": members.word("adc_status", self.adc),
@@ -91,17 +92,18 @@ class Stage:
         return found | {"pwm": bench.read(self.dut.pwm_o)}
 
     async def rest(self, clocks):
-        """So many clocks; what the words of those were that had one."""
+        """Let ``clocks`` clocks pass; return the outputs of those with a valid word."""
         return [got for got in [await self.clock() for _ in range(clocks)] if got["valid"]]
 
     async def window(self, finger):
-        """A window of the finger that is over, and two periods; the increments that are not 0."""
+        """Send one window of the finger that is over, wait two periods; return the increments that are not
+        0."""
         await self.clock((finger, 1, 1))
         return [word["increment"] for word in await self.rest(80) if word["increment"]]
 
 
 class Member:
-    """A member of a struct's port as a port of its own, to ``bench.read`` and ``len``."""
+    """A member of a struct's port that looks like a port of its own to ``bench.read`` and ``len``."""
 
     def __init__(self, port, kind, name):
         self.port, self._name, self._handle = port, name, self
@@ -128,7 +130,7 @@ def at_random(draw):
         "watchdog": draw.choice([0, 1, 2, 5, draw.randrange(1 << 16)]),
     }
     period = draw.choice([15, 16, 23, 31, 300, draw.randrange(1 << 24)])
-    if draw.random() < 0.3:  # no limit hides what windows and their speeds add up to
+    if draw.random() < 0.3:  # wide limits, so that all sums of windows and speeds show
         low, high = 0, 65535
         found |= {"step": draw.randrange(1 << 12), "speed_gain": draw.randrange(1 << 16), "rate": 65535}
     return found | {
@@ -157,8 +159,8 @@ async def counters_have_32_bits(dut):
 @bench.applies(lambda dut: dut.Grip.value == 1)
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def matches_the_loops(dut):
-    """Reset after reset with other settings. A sample counts for health 3 clocks on, a lost frame 1. The
-    converter's counters stand anywhere, and pass their end."""
+    """Repeated resets with other settings. A sample affects health after 3 clocks, a lost frame after 1. The
+    converter's counters start anywhere and may wrap around."""
     stage, draw = Stage(dut), random.Random(bench.SEED)
     seen = set()
     for turn in range(60):
@@ -185,7 +187,7 @@ async def matches_the_loops(dut):
             if draw.random() < 0.01:
                 name = draw.choice(OF_FRAMES)
                 change[name] = stage.adc[name] + 1 & 0xFFFFFFFF
-            if draw.random() < 0.1:  # of no concern here
+            if draw.random() < 0.1:  # must not matter
                 change["dropped"] = draw.randrange(1 << 32)
                 change["overrun"], change["over_range"] = draw.randrange(1 << 32), draw.randrange(1 << 32)
             ended = loop.clock(verdict, shear, [one and not lost for one in well.pop(0)])
@@ -210,7 +212,7 @@ async def matches_the_loops(dut):
 @bench.applies(lambda dut: dut.Grip.value == 1)
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 async def by_hand(dut):
-    """The clock of the word, a dead converter, one that does not answer, and off and on again."""
+    """The clock of the word, a dead finger, lost frames, and off and on again."""
     stage = Stage(dut)
     await stage.begin()
     (first,) = await stage.rest(60)
@@ -218,7 +220,7 @@ async def by_hand(dut):
     words = [await stage.clock((1, 1, 1) if n == 0 else None) for n in range(6)]
     assert [got["valid"] for got in words] == [0, 0, 0, 0, 1, 0]
     assert (words[4]["word"], words[5]["command"]) == (7, 37)
-    # Three samples at the rail, of finger 0: the slip that they seem to be is not answered, and reported.
+    # Three samples of finger 0 at the rail: the apparent slip is ignored and the finger is reported.
     await stage.rest(60)
     for code in (4095, 4094, 4095, 0, 4095):
         await stage.clock(sample=(0, code))
@@ -230,7 +232,7 @@ async def by_hand(dut):
     ] * 2
     await stage.clock(sample=(0, 4094))
     await stage.rest(80)
-    for counter in OF_FRAMES:  # all fingers, for the one cycle
+    for counter in OF_FRAMES:  # all fingers, for one cycle only
         await stage.clock(**{counter: 1})
         found = await stage.rest(80)
         everyone = (1 << stage.fingers) - 1
@@ -255,7 +257,7 @@ async def by_hand(dut):
 @bench.applies(lambda dut: dut.Grip.value == 1)
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def counts_what_tightens(dut):
-    """By each power of two once; what loosens by as much does not count."""
+    """Increments of each power of two count once; decrements of the same size do not count."""
     stage = Stage(dut)
     await stage.begin(minimum=0, maximum=65535, rate=65535)
     await stage.rest(60)
@@ -274,7 +276,7 @@ async def counts_what_tightens(dut):
 @bench.applies(lambda dut: dut.Grip.value == 1)
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def a_speed_counts_for_its_finger_until_it_is_invalid(dut):
-    """25 at a gain of 2 = 512/256 adds 50 to the step."""
+    """A speed of 25 at a gain of 2 = 512/256 adds 50 to the step."""
     stage = Stage(dut)
     await stage.begin(minimum=0, maximum=65535, rate=65535, speed_gain=512)
     await stage.rest(60)
@@ -300,7 +302,7 @@ async def windows_over_in_a_row_add_more(dut):
 
 
 async def width(dut):
-    """Clocks that the next pulse lasts."""
+    """Length of the next pulse in clocks."""
     await RisingEdge(dut.pwm_o)
     rose = get_sim_time("ns")
     await FallingEdge(dut.pwm_o)
@@ -310,7 +312,7 @@ async def width(dut):
 @bench.applies(lambda dut: dut.Grip.value == 1)
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 async def forces_and_pulses(dut):
-    """No word and no pulse until a host has said what the force is; then the width is the force's."""
+    """No word and no pulse until a host has set the force; then the pulse width is the force."""
     stage = Stage(dut)
     await stage.begin(mode=1, minimum=1, maximum=65535, rate=65535)
     assert await stage.rest(200) == [] and bench.read(dut.pwm_o) == 0
@@ -320,7 +322,7 @@ async def forces_and_pulses(dut):
     stage.put(override=0)
     await FallingEdge(dut.pwm_o)
     assert await width(dut) == 40000
-    stage.put(mode=0)  # words of the other mode are no widths: the last pulses stay
+    stage.put(mode=0)  # position words are no widths: the pulses stay as they were
     assert await width(dut) == 40000
     stage.put(mode=1, override=1, override_value=9, divide=2)
     await width(dut)
@@ -334,7 +336,7 @@ async def forces_and_pulses(dut):
 @bench.applies(lambda dut: dut.Grip.value == 1)
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 async def a_mode_that_changes_sends_no_width_of_the_other(dut):
-    """In whatever clock a position's command leaves: 30 is no force."""
+    """Whenever the mode changes around a position command: its 30 must not become a force."""
     stage = Stage(dut)
     for at in range(36, 50):
         await stage.begin(mode=0, divide=0, minimum=30, maximum=60000)
@@ -376,8 +378,8 @@ def test_refuses_a_core_that_does_not_suit():
 
 @pytest.mark.parametrize("rule, mode", [("any", "position"), ("weakest", "force")])
 def test_model_against_the_loops(rule, mode):
-    """A period of the loop, in whose middle all comes, is a cycle of the model. A speed comes 3 clocks, its
-    delay, before the first decision that it is for."""
+    """A period of the loop, with all inputs in its middle, is a cycle of the model. A speed is reported 3
+    clocks, its delay, before the first decision that it applies to."""
     draw = random.Random(bench.SEED)
     grip = GripConfig(200, 900, 300, 170, 2000, 41000, 3333, 3, rule, mode, boost=2)
     config = ActuateConfig(grip, -3, 90, 4, 5)

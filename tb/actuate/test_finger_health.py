@@ -1,6 +1,6 @@
 """msn_finger_health against a loop written from docs/grip.md, clock by clock: samples at the rails, one code
-beside them and between, runs one short of the count and longer than can be counted, lost frames, numbers that
-no finger has. The model against the same loop, in chunks of any length."""
+next to them and in between, runs one sample short of the count and longer than the counter's range, lost
+frames, ids without a finger. The model against the same loop, in chunks of any length."""
 
 import random
 
@@ -37,7 +37,8 @@ def sizes(dut):
 
 
 def codes(draw, bits):
-    """Spells at a rail, with a sample beside it now and then; every place of a comparison is met."""
+    """Runs at a rail, broken now and then by other codes; each comparison is met exactly, one below and one
+    above."""
     top = 2 ** (bits - 1) - 1
     rails = [LOW, LOW - 1, HIGH, HIGH + 1, top, -top - 1]
     between = [LOW + 1, HIGH - 1, 0, 17]
@@ -48,12 +49,13 @@ def codes(draw, bits):
 
 
 async def answers_as(loop, dut, draw, feed, count):
-    """From reset on, with samples of ``feed``; what was seen: (health of all, whether a frame was lost).
+    """Run ``count`` clocks with samples of ``feed`` and compare; return {(health of all, whether a frame was
+    lost)}.
 
-    A sample's answer is there 3 clocks after it, a lost frame's 1 clock after.
+    The answer to a sample is valid 3 clocks after it, that to a lost frame 1 clock after.
     """
     fingers, id_bits, _ = sizes(dut)
-    answers, seen = [[True] * fingers] * 3, set()  # of the clocks to come
+    answers, seen = [[True] * fingers] * 3, set()  # of the coming clocks
     lost_before = False
     for clock in range(count):
         valid, lost = draw.random() < 0.8, draw.random() < 0.01
@@ -91,12 +93,13 @@ async def matches_the_loop(dut, rail):
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def a_dead_finger_stays_unhealthy(dut):
-    """Of each in turn a sample at the rail, 300 times; unhealthy from the 255th on, until one between."""
+    """300 samples at the rail for each finger in turn: unhealthy from the 255th on, until a sample off the
+    rails."""
     fingers, _, _ = sizes(dut)
     await bench.start(dut, cfg_low_i=LOW, cfg_high_i=HIGH, cfg_rail_i=255, **IDLE)
 
     async def each(code):
-        """Which fingers are healthy, a bit each, when all have had a sample."""
+        """Send one sample to each finger; return the healthy fingers, a bit each."""
         for finger in range(fingers):
             dut.in_valid_i.value, dut.in_id_i.value, dut.in_data_i.value = 1, finger, code
             await bench.RisingEdge(dut.clk_i)
@@ -113,7 +116,7 @@ async def a_dead_finger_stays_unhealthy(dut):
 
 
 def beside(draw, limits, bits):
-    """Codes at the limits and one beside them, as far as a sample reaches, and anywhere."""
+    """Codes at the limits and one next to them, within a sample's range, and random ones."""
     least, most = -(1 << bits - 1), (1 << bits - 1) - 1
     ends = {limit + more for limit in limits for more in (-1, 0, 1)} | {least, most}
     ends = sorted(code for code in ends if least <= code <= most)
@@ -123,7 +126,7 @@ def beside(draw, limits, bits):
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def matches_the_loop_at_any_settings(dut):
-    """Limits of all 17 bits, beyond a narrow sample's range too, and in either order."""
+    """Limits of all 17 bits, also beyond the range of a narrow sample, and in either order."""
     fingers, _, bits = sizes(dut)
     draw, started, seen = random.Random(bench.SEED), False, set()
     for _ in range(60):

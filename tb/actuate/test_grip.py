@@ -1,7 +1,7 @@
 """msn_grip against the loop of tb/reference/grip.py, written from docs/grip.md, clock by clock: both rules
-and modes, with and without `immediate`, slip that comes, stays and goes, fingers that fall silent or ill,
-changes of settings, overrides, resets in a grip; against its model; by hand: clocks, limits, watchdog, what a
-reset does. The model against the same loop, and its settings' limits."""
+and modes, with and without `immediate`, slip that starts, lasts and ends, fingers that become silent or
+unhealthy, changes of settings, overrides, resets during a grip; against its model; by hand: clocks, limits,
+watchdog, the effect of a reset. The model against the same loop, and the limits of its settings."""
 
 import random
 from dataclasses import replace
@@ -32,15 +32,15 @@ def drive(dut, **settings):
 
 
 async def begin(dut, **settings):
-    """From reset on with these settings; the clock at hand is the first after the reset."""
+    """Reset with these settings; returns in the first clock after the reset."""
     everyone = (1 << sizes(dut)[0]) - 1
     inputs = {f"cfg_{name}_i": int(value) for name, value in settings.items()}
     await bench.start(dut, healthy_i=everyone, **QUIET, **inputs)
 
 
 async def clock(dut, decision=None, speed=None, healthy=None):
-    """One clock with these inputs; what is at the outputs in it."""
-    finger, over, end = decision or (0, 1, 1)  # what is not valid must not be read
+    """Run one clock with these inputs; return the outputs in it."""
+    finger, over, end = decision or (0, 1, 1)  # must not be read without valid
     dut.over_valid_i.value = decision is not None
     dut.over_id_i.value, dut.over_i.value, dut.over_end_i.value = finger, int(over), int(end)
     finger, ok, value = speed or (0, 1, 1)
@@ -63,7 +63,7 @@ def outputs(dut):
 
 
 def settings_at_random(draw, dut, **fixed):
-    """Of every size, the limits in order mostly; periods short enough for many cycles."""
+    """Settings of every size, with the limits mostly in order; periods short enough for many cycles."""
     _, bits, _ = sizes(dut)
     top, gain = 2**bits - 1, 2 ** len(dut.cfg_speed_gain_i) - 1
     small = lambda most: draw.choice([0, 1, draw.randint(0, most // 50), draw.randint(0, most), most])
@@ -79,14 +79,15 @@ def settings_at_random(draw, dut, **fixed):
     }
     found |= {"period": draw.choice([0, 15, 16, 17, 23, 31]), "override": draw.random() < 0.2}
     found["boost"] = draw.choice([0, 0, 1, 2, 6, 7])
-    if draw.random() < 0.3:  # no limit hides what the windows add up to
+    if draw.random() < 0.3:  # wide limits, so that all sums of windows show
         step = draw.randint(0, top // 4 >> draw.choice([0, found["boost"]]))
         found |= {"step": step, "minimum": 0, "maximum": top, "rate": top}
     return found | fixed
 
 
 def stimulus(draw, fingers, ids, top_speed):
-    """(decision, speed, healthy) of each clock: spells in which fingers slip, hold, are silent, are ill."""
+    """(decision, speed, healthy) of each clock: times in which fingers slip, hold, are silent or
+    unhealthy."""
     while True:
         slipping = [draw.choice([0, 0, 0.3, 1]) for _ in range(fingers)]
         silent = [draw.random() < 0.15 for _ in range(fingers)]
@@ -107,7 +108,7 @@ def stimulus(draw, fingers, ids, top_speed):
 @cocotb.test(timeout_time=40, timeout_unit="ms")
 @cocotb.parametrize(rule=[0, 1], mode=[0, 1], immediate=[0, 1])
 async def matches_the_loop(dut, rule, mode, immediate):
-    """Reset after reset with other settings; where no cycle can be near, they change in between, too."""
+    """Repeated resets with other settings; some settings also change in between, where no cycle is near."""
     fingers, bits, shift = sizes(dut)
     draw = random.Random(bench.SEED * 8 + 4 * rule + 2 * mode + immediate)
     ids, top_speed = 1 << len(dut.over_id_i), 2 ** len(dut.speed_i) - 1
@@ -153,7 +154,7 @@ async def matches_the_loop(dut, rule, mode, immediate):
 @cocotb.test(timeout_time=10, timeout_unit="ms")
 @cocotb.parametrize(rule=["any", "weakest"], mode=["position", "force"])
 async def matches_model(dut, rule, mode):
-    """A period at a time: decisions and speeds in its middle."""
+    """Period by period, with decisions and speeds in its middle."""
     draw = random.Random(bench.SEED)
     config = GripConfig(40, 900, 3000, 170, 2000, 41000, 3333, 3, rule, mode, boost=1)
     await begin(dut, **config.settings, override=mode == "force", override_value=7777)
@@ -169,7 +170,7 @@ async def matches_model(dut, rule, mode):
         ill = draw.randrange(2) if draw.random() < 0.1 else None
         for n in range(40):
             found = await clock(dut, events.get(n), speeds.get(n), [f != ill or n != 20 for f in range(2)])
-            if n == 3 and period:  # of the period before
+            if n == 3 and period:  # of the previous period
                 got.append(
                     Command(*(found[name] for name in ("increment", "command", "fault", "valid", "word")))
                 )
@@ -188,7 +189,8 @@ async def matches_model(dut, rule, mode):
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def four_clocks_from_a_decision_to_its_command(dut):
-    """In the last clock of a period; `immediate`, at once; 5 if the period's end has just given one."""
+    """In the last clock of a period; immediately with `immediate`; 5 if the period's end has just given a
+    command."""
     await begin(dut, **HAND)
     last = sizes(dut)[0] - 1
     for now in range(20 + 20 + 4):
@@ -197,7 +199,7 @@ async def four_clocks_from_a_decision_to_its_command(dut):
     assert (got["increment"], got["command"], got["word"]) == (7, 37, 7)
     drive(dut, immediate=1)
     await bench.reset(dut)
-    # Period 20 .. 39 has its cycle at 27, 40 .. 59 at its end; what comes a clock later waits for one clock.
+    # Period 20 .. 39 has its cycle at 27, 40 .. 59 at its end; a decision a clock later waits one clock.
     decisions, commands = (27, 60, 65), {}
     for now in range(90):
         got = await clock(dut, (last, 1, 1) if now in decisions else None)
@@ -208,7 +210,7 @@ async def four_clocks_from_a_decision_to_its_command(dut):
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def a_long_period_has_all_its_clocks(dut):
-    """The first command comes as with short ones, three clocks after the first period's last clock."""
+    """The first command comes as with short periods, three clocks after the first period's last clock."""
     length = min(9000, (1 << len(dut.cfg_period_i)) - 1)
     await begin(dut, **HAND | {"period": length})
     for period in (1, 2):
@@ -218,10 +220,10 @@ async def a_long_period_has_all_its_clocks(dut):
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def a_window_counts_once_with_its_first_detail_over(dut):
-    """Three windows, of 3, 4 and 3 details; the third begins in one cycle and ends in the next but one."""
+    """Three windows of 3, 4 and 3 details; the third begins in one cycle and ends in the next but one."""
     await begin(dut, **HAND)
     everyone, period = range(sizes(dut)[0]), []
-    # (over, end) of every finger, from clock to clock
+    # (over, end) of every finger, one per clock
     details = [(0, 0), (1, 0), (1, 1), (0, 0), (1, 0), (0, 0), (1, 1), (1, 0)]  # the last window stays open
     for cycle in range(5):
         now = 0
@@ -237,14 +239,14 @@ async def a_window_counts_once_with_its_first_detail_over(dut):
         else:
             await bench.reset(dut)
             await bench.clocks(dut, length)
-    # The first command; three windows, of 21 the rate leaves 11; the open window is over and counts no more,
-    # so the grip holds; all were heard and none was over, so it decays.
+    # The first command; three windows add 21, of which the rate allows 11; the open window goes on over but
+    # was already counted, so the grip holds; all fingers were heard and none was over, so it decays.
     assert period == [0, 11, 0, -3]
 
 
 @cocotb.test(timeout_time=2, timeout_unit="ms")
 async def windows_over_that_follow_each_other_double_the_step(dut):
-    """Up to 2^boost; one that was not over begins again; without a decision nothing changes."""
+    """Up to 2^boost; a window that is not over ends the row; without a decision the row stays."""
     fingers, bits, _ = sizes(dut)
     top = (1 << bits) - 1
     last = fingers - 1
@@ -265,7 +267,7 @@ async def windows_over_that_follow_each_other_double_the_step(dut):
     drive(dut, boost=0)
     found, got = await cycles(dut, 2, over=[last])
     assert found == [128, 1] and got["fault"] == 0
-    if fingers > 1:  # each finger has its own row
+    if fingers > 1:  # each finger counts its own row
         drive(dut, boost=2)
         found, _ = await cycles(dut, 2, over=[0, last])
         assert found == [1, 4]
@@ -276,7 +278,7 @@ async def windows_over_that_follow_each_other_double_the_step(dut):
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def a_window_of_many_decisions_is_one_in_a_row(dut):
-    """Three windows of three details over somewhere, one that is over nowhere, and one more."""
+    """Three windows of three details, each with a detail over, one without, and one more over."""
     await armed(dut, step=1, decay=0, rate=100, boost=7)
     windows = ((1, 1, 1), (0, 0, 1), (1, 0, 0), (0, 0, 0), (0, 1, 0))
     found = []
@@ -293,7 +295,7 @@ async def a_window_of_many_decisions_is_one_in_a_row(dut):
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def nine_windows_of_the_largest_step_are_the_largest_wish(dut):
-    """The last adds 128 steps of the largest command to as much as a wish can be."""
+    """The ninth window adds 128 steps of the largest command to the largest sum before it."""
     top = (1 << sizes(dut)[1]) - 1
     await armed(dut, step=top, decay=0, maximum=top, rate=top, boost=7)
     found = []
@@ -306,7 +308,8 @@ async def nine_windows_of_the_largest_step_are_the_largest_wish(dut):
 
 
 async def cycles(dut, count, over=(), silent=(), ill=()):
-    """``count`` periods of 20 clocks in which each finger is heard; the increments, and the last outputs."""
+    """``count`` periods of 20 clocks in which each finger is heard; returns the increments and the last
+    outputs."""
     fingers, found = range(sizes(dut)[0]), []
     for _ in range(count):
         for now in range(20):
@@ -319,7 +322,7 @@ async def cycles(dut, count, over=(), silent=(), ill=()):
 
 
 async def armed(dut, **settings):
-    """In step: the first command stands, at the minimum; the next clock is the first of a period."""
+    """Start and wait for the first command, at the minimum; the next clock is the first of a period."""
     await begin(dut, **HAND | settings)
     _, got = await cycles(dut, 2)
     assert (got["command"], got["fault"], got["increment"]) == (30, 0, 0)
@@ -327,7 +330,8 @@ async def armed(dut, **settings):
 
 @cocotb.test(timeout_time=2, timeout_unit="ms")
 async def stops_at_its_limits(dut):
-    """Slip stuck on, then off. 30 + 10 · 7 = 100 meets the limit; then that is one less, one more."""
+    """Constant slip, then none. 30 + 10 · 7 = 100 meets the limit; then the limit is one less, and one
+    more."""
     await armed(dut)
     found, got = await cycles(dut, 11, over=[0])
     assert found == [0] + [7] * 10 and (got["command"], got["fault"]) == (100, 4)
@@ -339,17 +343,17 @@ async def stops_at_its_limits(dut):
     drive(dut, maximum=99)
     found, got = await cycles(dut, 11, over=[0])
     assert found == [0, *[7] * 9, 6] and (got["command"], got["fault"]) == (99, 4)
-    drive(dut, maximum=101)  # while the command of the period before is made: it is the first to use it
+    drive(dut, maximum=101)  # set while the previous period's command is computed, which already uses it
     found, got = await cycles(dut, 2, over=[0])
     assert found == [2, 0] and (got["command"], got["fault"]) == (101, 4)
-    drive(dut, decay=12)  # past the rate of 11
+    drive(dut, decay=12)  # more than the rate of 11
     found, got = await cycles(dut, 9)
     assert found == [0, *[-11] * 6, -5, 0] and got["command"] == 30
 
 
 @cocotb.test(timeout_time=2, timeout_unit="ms")
 async def a_dead_converter_holds_and_is_reported(dut):
-    """No decision, not one count of decay; the fault comes with the fourth cycle."""
+    """No decision, and not one step of decay; the fault comes with the fourth cycle."""
     await armed(dut)
     everyone = range(sizes(dut)[0])
     await cycles(dut, 6, over=everyone)
@@ -371,7 +375,8 @@ async def a_dead_converter_holds_and_is_reported(dut):
 @bench.applies(lambda dut: sizes(dut)[0] > 1)
 @cocotb.test(timeout_time=2, timeout_unit="ms")
 async def a_faulty_finger_takes_no_part_and_stops_the_decay(dut):
-    """Ill, its windows move nothing, the others' do, nothing falls; so with the weakest rule."""
+    """Windows of an unhealthy finger have no effect, those of others have, and nothing decays; with both
+    rules."""
     await armed(dut)
     others = range(1, sizes(dut)[0])
     await cycles(dut, 3, over=others)
@@ -386,7 +391,7 @@ async def a_faulty_finger_takes_no_part_and_stops_the_decay(dut):
     found, got = await cycles(dut, 3, ill=[0])
     assert found == [-3, 0, 0] and got["fault"] == 2
     await cycles(dut, 1)
-    # One that slips alone: by the weakest rule the hand holds, and does not open.
+    # One finger slips alone: by the weakest rule the hand holds its grip and does not open.
     found, got = await cycles(dut, 4, over=[0])
     assert found == [-3, 0, 0, 0]
     drive(dut, rule=0)
@@ -397,7 +402,7 @@ async def a_faulty_finger_takes_no_part_and_stops_the_decay(dut):
 @cocotb.test(timeout_time=2, timeout_unit="ms")
 @cocotb.parametrize(weakest=[0, 1])
 async def the_only_finger_that_works_decides(dut, weakest):
-    """A window of it adds the step, the largest but one bit of it too."""
+    """A window of it adds the step: 0, the largest, and the largest with each bit cleared."""
     fingers, bits, _ = sizes(dut)
     top = (1 << bits) - 1
     await begin(dut, **HAND | {"rule": weakest, "minimum": 0, "maximum": top, "rate": top})
@@ -414,7 +419,7 @@ async def the_only_finger_that_works_decides(dut, weakest):
 
 @cocotb.test(timeout_time=2, timeout_unit="ms")
 async def a_reset_in_a_grip_moves_nothing(dut):
-    """Position: an increment of 0. Force: no word, until an override sets the force that the hand has."""
+    """Position: an increment of 0. Force: no word until an override sets the force that the hand has."""
     await armed(dut)
     await cycles(dut, 5, over=[0])
     await bench.reset(dut)
@@ -441,9 +446,9 @@ async def a_reset_in_a_grip_moves_nothing(dut):
     drive(dut, override_value=90)
     await bench.clocks(dut, 20)
     await bench.ReadOnly()
-    assert outputs(dut)["word"] == 88  # the rate, now that there is a command
+    assert outputs(dut)["word"] == 88  # limited by the rate, now that there is a command
     await bench.RisingEdge(dut.clk_i)
-    drive(dut, override=0, mode=0)  # another meaning: from the minimum again
+    drive(dut, override=0, mode=0)  # the command has another meaning: from the minimum again
     await bench.clocks(dut, 20)
     await bench.ReadOnly()
     assert (outputs(dut)["increment"], outputs(dut)["word"], outputs(dut)["command"]) == (0, 0, 30)
@@ -486,8 +491,8 @@ def test_refuses_illegal_parameters():
 @pytest.mark.parametrize("rule", ["any", "weakest"])
 @pytest.mark.parametrize("mode", ["position", "force"])
 def test_model_against_the_loop(rule, mode):
-    """Cycle by cycle with random counts, 60 settings, three fingers and one that is none; a cycle is a period
-    of the loop."""
+    """Cycle by cycle with random counts, 60 settings, three fingers and one id without a finger; a cycle is a
+    period of the loop."""
     draw = random.Random(f"{bench.SEED} {rule} {mode}")
     signs = set()
     for _ in range(60):
@@ -523,7 +528,7 @@ def test_model_against_the_loop(rule, mode):
 
 def test_model_by_hand():
     """Two fingers at step 100, gain 512: a speed of 25 adds 50. Three windows of the first are 450, of which
-    the rate leaves 400; then the decay of 7, and a hold where the second finger is not heard."""
+    the rate allows 400; then the decay of 7, and a hold while the second finger is not heard."""
     config = GripConfig(step=100, speed_gain=512, decay=7, minimum=1000, maximum=1500, rate=400, watchdog=2)
     grip = Grip(config)
     command = lambda **given: grip.next(**given)
@@ -543,8 +548,8 @@ def test_model_by_hand():
 
 
 def test_model_doubles_by_hand():
-    """Step 3, boost 2: 3 + 6 + 12 + 12 in four windows of a finger, 12 in its fifth; one that is not over
-    ends the row, and each finger has its own."""
+    """Step 3, boost 2: 3 + 6 + 12 + 12 in four windows of a finger, 12 in its fifth; a window that is not
+    over ends the row, and each finger has its own row."""
     grip = Grip(GripConfig(step=3, boost=2, minimum=0, maximum=900, rate=900), start=100)
     assert grip.next([4, 0]).command == 133 and grip.next([1, 0]).command == 145
     assert grip.next([0, 1]).command == 148 and grip.next([0, 1]).command == 154

@@ -1,5 +1,5 @@
 """msn_pwm against its model clock by clock: words that change in any clock, every width of small words, both
-ends, dividers that change; no pulse before the first word; reset in a pulse. The model by hand."""
+ends, dividers that change; no pulse before the first word; reset during a pulse. The model by hand."""
 
 import random
 
@@ -17,7 +17,7 @@ def steps(dut):
 
 
 async def clock(dut, word=None):
-    """One clock, with a word or none; (pin, whether a period begins)."""
+    """One clock, with a word or none; returns (pin, whether a period begins)."""
     dut.in_valid_i.value = word is not None
     dut.in_data_i.value = steps(dut) // 3 if word is None else word
     await bench.ReadOnly()
@@ -29,7 +29,8 @@ async def clock(dut, word=None):
 @bench.applies(lambda dut: steps(dut) < 100)
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def matches_model(dut):
-    """A period has the word of three clocks before it begins at the pin, and the divider of two before."""
+    """A period at the pin uses the word of three clocks before its first clock, and the divider of two
+    before."""
     draw, top = random.Random(bench.SEED), steps(dut)
     await bench.start(dut, **QUIET)
     given, pins = [], []
@@ -59,7 +60,7 @@ async def matches_model(dut):
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 @cocotb.parametrize(word=[65535, 65534, 40000, 1, 0])
 async def a_whole_period_of_16_bits(dut, word):
-    """65535 clocks, of which the first ``word`` are high; the next period follows at once."""
+    """65535 clocks, of which the first ``word`` are high; the next period follows immediately."""
     await bench.start(dut, **QUIET)
     await clock(dut, word)
     await clock(dut)
@@ -74,7 +75,7 @@ async def a_whole_period_of_16_bits(dut, word):
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 @cocotb.parametrize(divide=[255, 254, 128, 85])
 async def each_step_has_all_clocks_of_the_divider(dut, divide):
-    """Of two steps high; a period begins in one clock, not in each of the first step's."""
+    """Two steps are high; ``begin`` marks one clock, not every clock of the first step."""
     await bench.start(dut, **QUIET | {"cfg_divide_i": divide})
     await clock(dut, 2)
     await clock(dut)
@@ -85,7 +86,7 @@ async def each_step_has_all_clocks_of_the_divider(dut, divide):
 
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 async def no_pulses_until_a_word_comes(dut):
-    """Nor after a reset in the middle of one."""
+    """Nor after a reset in the middle of a pulse."""
     await bench.start(dut, **QUIET)
     for _ in range(3):
         assert {await clock(dut) for _ in range(300)} == {(0, 0)}

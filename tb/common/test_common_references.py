@@ -1,4 +1,5 @@
-"""Small blocks of common/ not as their models do: digits, sums of shifts, frames cut at their ends."""
+"""Small blocks of common/ by other methods than their models': digits, sums of shifts, frames cut at their
+ends."""
 
 import random
 
@@ -17,7 +18,7 @@ from meissner.twins.common.multiply import multiply
 
 @pytest.mark.parametrize("width", [1, 2, 5])
 def test_compare_by_digits(width):
-    """Numbers compare as their digits do, once the sign's is turned."""
+    """Numbers compare as their digits do, once the sign digit is inverted."""
     low, high = bench.width(width)
     digits = lambda value: f"{value - low:0{width}b}"
     for a in range(low, high + 1):
@@ -44,9 +45,9 @@ def test_products_by_shifts_and_sums():
 
 
 def frames_by_their_ends(stream, beats):
-    """Of a stream of (id, last): which beats fit, which end a whole frame, how many frames are damaged.
+    """For a stream of (id, last): which beats fit, which end a complete frame, how many frames are damaged.
 
-    By docs/array.md: beats count 0 .. in id, ``last`` on the final one, whose id is not asked.
+    By docs/array.md: id counts the beats from 0, ``last`` marks the final one, whose id is not checked.
     """
     fits, whole, damaged, at = [], [], 0, 0
     while at < len(stream):
@@ -62,7 +63,7 @@ def frames_by_their_ends(stream, beats):
         if good == beats or at == len(stream):
             continue
         damaged += 1
-        while at < len(stream) and not stream[at][1]:  # up to the end of the damaged frame
+        while at < len(stream) and not stream[at][1]:  # skip to the end of the damaged frame
             at += 1
         at = min(at + 1, len(stream))
         fits += [False] * (at - len(fits))
@@ -111,8 +112,9 @@ def test_checked_frames_by_their_ends(channels):
     assert np.any(restarts)
 
 
-OWED = {  # by msn_frame_owed's header, two results, given up after three quiet clocks; a letter a clock
-    # B first beat, b later beat, 0 and 1 results, d dropped, q quiet between frames, w waits, . in a frame
+OWED = {  # by msn_frame_owed's header: two results, given up after three quiet clocks; one letter per clock
+    # B first beat, b later beat, 0 and 1 results, d dropped, q quiet between frames, w stalled offer, . in a
+    # frame
     "Bb0.1...": "01111000",
     "B10.Bb.d.": "01100111" + "0",
     "Bqqqqq": "011110",

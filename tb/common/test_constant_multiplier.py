@@ -1,5 +1,6 @@
 """msn_constant_multiplier against its model: constants with runs of ones, single bits, none and all; extreme
-and random factors. The stimulus is combinational, so one build per constant, kept to the telling ones."""
+and random factors. The block is combinational and each constant is a build, so only critical ones are
+built."""
 
 import cocotb
 import numpy as np

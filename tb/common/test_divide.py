@@ -1,6 +1,6 @@
 """msn_divide against its model, and the model against Python's fractions: every pair of small numbers, exact
 ties of both signs, quotients of 0 and of exactly one, extreme and random widths; even and odd fraction bits,
-one and two bits a clock, turning and pipelined; gaps and stalls, reset in mid-division, exact clocks."""
+one and two bits a clock, sequential and pipelined; gaps and stalls, reset in mid-division, exact clocks."""
 
 from fractions import Fraction
 
@@ -26,11 +26,12 @@ def nearest(value):
 def cases(rng, den_bits, fraction_bits, count):
     """Pairs num, den: corners, exact ties and their neighbours of both signs, then random of any size.
 
-    A tie hangs on every bit of every remainder: a bit that is wrong now and then shows in no other quotient.
+    A tie depends on every bit of every remainder; in other quotients a remainder bit that is rarely wrong
+    would go unnoticed.
     """
     top = (1 << den_bits) - 1
     pairs = [(n, d) for d in (1, 2, 3, top - 1, top) for n in {0, 1, d // 2, d // 2 + 1, d - 1, d} if n <= d]
-    unit = 1 << (fraction_bits + 1)  # of halves of an LSB
+    unit = 1 << (fraction_bits + 1)  # in half LSBs
     for scale in (1, 2, 3, top // unit):
         for half in (1, 3, unit // 2 - 1, unit - 3, unit - 1):
             if 1 <= scale <= top // unit:
@@ -68,7 +69,8 @@ async def matches_model(dut, stall_rate):
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def clocks_are_as_stated_whatever_the_numbers(dut):
-    """Offered all the time: the first quotient after latency clocks, then one every period, no spread."""
+    """With a number always offered: the first quotient after latency clocks, then one every period, without
+    jitter."""
     den_bits, fraction_bits, bits_per_clock, pipelined = parameters(dut)
     latency = steps(fraction_bits, bits_per_clock) + 1
     pairs = cases(np.random.default_rng(bench.SEED), den_bits, fraction_bits, 0)[:50]
@@ -127,7 +129,7 @@ SPACE = lambda draw: {
             (34, 7, 2, 0),
             (46, 20, 2, 1),
         ),
-        (6, 1, 1, 1),  # the fewest bits of a quotient
+        (6, 1, 1, 1),  # the fewest bits that a quotient may have
     ],
 )
 def test_divide(den_bits, fraction_bits, bits_per_clock, pipelined):

@@ -19,8 +19,8 @@ def parameters(dut):
 
 
 def cases(rng, settings, count):
-    """Numbers: every one where few, else whole ones and their neighbours from below 0 to beyond the output,
-    entries of the table, the ends of the input, then any."""
+    """All numbers if they are few, else whole numbers from below 0 to beyond the output, table entries, the
+    ends of the input, all with their neighbours, and random ones."""
     whole_bits, table_bits, fraction_bits, out_bits, out_fraction = settings
     low, high = bench.width(whole_bits + fraction_bits)
     if high < 1 << 11:
@@ -55,7 +55,7 @@ async def matches_model(dut, stall_rate):
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def clocks_are_as_stated(dut):
-    """A number a clock; the result of the first at the sixth edge after it was offered."""
+    """One number a clock; the first result at the sixth edge after its number was offered."""
     settings = parameters(dut)
     low, high = bench.width(settings[0] + settings[2])
     numbers = np.linspace(low, high, 300).astype(int).tolist()
@@ -84,7 +84,7 @@ async def forgets_what_a_reset_interrupts(dut):
         await bench.clocks(dut, 1)
         dut.in_valid_i.value = 0
         await bench.clocks(dut, delay)
-        dut.in_valid_i.value = delay % 2  # what comes with the reset counts as little
+        dut.in_valid_i.value = delay % 2  # a word offered during the reset is discarded too
         await bench.reset(dut)
         assert await bench.stream(dut, beats_of(numbers), ["data"]) == expected_of(numbers, settings)
 
@@ -109,7 +109,7 @@ SPACE = lambda draw: (
     }
 )(draw.randint(3, 8))
 
-# The default; small, and with an output of fewer bits than the mantissa; fine, with the longest output.
+# The default; a small size whose output has fewer bits than the mantissa; a fine one with the longest output.
 SIZES = [(11, 6, 16, 24, 20), (4, 3, 7, 9, 5), (7, 8, 22, 32, 32)]
 
 
@@ -118,7 +118,7 @@ def test_exp2(sizes):
     bench.run("common", "exp2", dict(zip(NAMES, sizes)))
 
 
-# Below and above, as shares, by hand from the header's formula: the chord 0.0601/4^6, 4^4, 4^8.
+# Relative errors below and above, by hand from the header's formula: the chord 0.0601/4^6, 4^4, 4^8.
 BOUNDS = {
     (6, 16, 24, 20): (0.00000573, 0.0000166),
     (4, 12, 24, 20): (0.0000916, 0.000265),
@@ -128,7 +128,7 @@ BOUNDS = {
 
 @pytest.mark.parametrize("sizes, bounds", BOUNDS.items(), ids=str)
 def test_every_number_within_the_bound(sizes, bounds):
-    """From where the result is 0 to where it is held; the output's own rounding adds half an lsb."""
+    """From where the result is 0 to where it saturates; rounding of the output adds half an LSB."""
     table_bits, fraction_bits, out_bits, out_fraction = sizes
     assert twin.bound(table_bits, fraction_bits) == pytest.approx(bounds, rel=0.01)
     below, above = twin.bound(table_bits, fraction_bits)
@@ -140,8 +140,8 @@ def test_every_number_within_the_bound(sizes, bounds):
         got = exp2(y, *sizes)
         off = got - exact
         assert (off <= above * exact + 0.5 + 1e-6).all()
-        assert (off >= -below * exact - 0.5 - 1e-6).all()  # of what is held at the top too
-        if whole == out_bits - out_fraction - 2:  # where half an lsb is least, and nothing is held
+        assert (off >= -below * exact - 0.5 - 1e-6).all()  # saturated results too
+        if whole == out_bits - out_fraction - 2:  # here half an LSB weighs least and nothing saturates
             lowest, highest = (off / exact).min(), (off / exact).max()
     half = 2.0 ** (1 - out_bits)
     assert -below - half <= lowest <= -0.7 * below
@@ -149,13 +149,13 @@ def test_every_number_within_the_bound(sizes, bounds):
 
 
 def test_ends_of_the_range():
-    """0 below half an lsb, which exactly met rounds up; held at the top, and beyond it."""
+    """0 below half an LSB, and exactly half rounds up; saturation just below the end, at it and beyond it."""
     one = 1 << 16
     assert exp2([-21 * one - 1, -21 * one, -21 * one + 1, -20 * one]).tolist() == [0, 1, 1, 1]
     assert exp2([-22 * one, -(1 << 26), -(1 << 31)]).tolist() == [0, 0, 0]
     top = (1 << 24) - 1
     assert exp2([4 * one - 1, 4 * one, 4 * one + 1, (1 << 26) - 1, (1 << 31) - 1]).tolist()[1:] == [top] * 4
-    # 2^24 2^(-1/65536) = 16777038.5; the chord is above by up to 1.7e-5, 280
+    # 2^24 2^(-1/65536) = 16777038.5; the chord is too high by up to 1.7e-5, which is 280
     assert 16777038 - 97 <= exp2(4 * one - 1) <= 16777038 + 280
     assert exp2(0) == 1 << 20 and exp2(3 * one) == 1 << 23 and exp2(-one) == 1 << 19
 

@@ -1,5 +1,5 @@
-"""msn_fifo against its model: every entry in order, none twice, gaps and stalls; the number it holds; an
-entry a clock; its latency; empty after a reset at any fill."""
+"""msn_fifo against its model: every entry once and in order, with gaps and stalls; its capacity; one entry a
+clock; its latency; empty after a reset at any fill."""
 
 import random
 
@@ -67,15 +67,15 @@ async def clocks_are_as_stated_and_reset_empties(dut):
 
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 async def exactly_full_and_empty_for_longer_than_it_is_deep(dut):
-    """Full, and held there: a word is taken the clock after one leaves, and then no other; so for every place
-    of the ring. Then empty, and held there: a word leaves three clocks after it came."""
+    """Kept full: a word is taken the clock after one leaves, and no other; repeated for every place of the
+    ring. Then kept empty: a word leaves three clocks after it was taken."""
     depth, top = dut.Depth.value.to_unsigned(), (1 << len(dut.in_data_i)) - 1
     word = lambda n: (7 * n + 1) & top
     await bench.start(dut, in_data_i=0)
     put = got = 0
 
     async def clock(valid, ready):
-        """(a word went in, a word came out) in a clock; each that comes out is the next in order."""
+        """One clock; returns (a word went in, a word came out) and checks that words come out in order."""
         nonlocal put, got
         dut.in_valid_i.value, dut.out_ready_i.value = valid, ready
         dut.in_data_i.value = word(put) if valid else ~word(put) & top
@@ -90,12 +90,12 @@ async def exactly_full_and_empty_for_longer_than_it_is_deep(dut):
     for _ in range(2 * depth + 9):
         await clock(1, 0)
     assert put == depth + 2
-    for _ in range(2 * depth + 1):  # each word that leaves makes room for one, a clock later
+    for _ in range(2 * depth + 1):  # each word that leaves makes room for one in the next clock
         assert await clock(1, 1) == (0, 1)
         assert await clock(1, 0) == (1, 0)
         for _ in range(3):
             assert await clock(1, 0) == (0, 0)
-    for _ in range(2 * depth + 1):  # full and taken from in every clock: none lost, none twice
+    for _ in range(2 * depth + 1):  # full, and read in every clock: no word is lost or repeated
         await clock(1, 1)
     while got < put:
         await clock(0, 1)

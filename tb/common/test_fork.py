@@ -1,5 +1,5 @@
-"""msn_fork: every word reaches both followers once and in order, whatever their stalls; a word a clock when
-both are ready; a follower that waits for the other sees nothing twice; reset in between."""
+"""msn_fork: every word reaches both followers once and in order, whatever their stalls; one word a clock when
+both are ready; a follower that took a word does not see it again while the other stalls; reset in between."""
 
 import random
 
@@ -11,7 +11,7 @@ from meissner.twins.common.fork import fork
 
 
 async def run(dut, words, gap=0.0, stalls=(0.0, 0.0)):
-    """What followers a and b took of ``words``, and the clocks it lasted."""
+    """The words that followers a and b took, and the clocks it took."""
     draw = random.Random(bench.SEED)
     taken, at, clock, offered = {"a": [], "b": []}, 0, 0, False
     while at < len(words):
@@ -51,7 +51,7 @@ async def forgets_what_a_reset_interrupts(dut):
     await bench.start(dut, a_ready_i=0, b_ready_i=0)
     for a, b in ((1, 0), (0, 1)):
         dut.in_valid_i.value, dut.a_ready_i.value, dut.b_ready_i.value = 1, a, b
-        await RisingEdge(dut.clk_i)  # one has the word, the other has not
+        await RisingEdge(dut.clk_i)  # one follower has the word, the other does not
         await bench.reset(dut)
         await ReadOnly()
         assert dut.a_valid_o.value == 1 and dut.b_valid_o.value == 1

@@ -1,4 +1,4 @@
-"""msn_frame_filter against its model: whole frames pass, every kind of damage is dropped, counted once,
+"""msn_frame_filter against its model: complete frames pass; damage of every kind is dropped, counted once
 and followed by a restart. Damage: missing, doubled, swapped samples; last early, late or lost."""
 
 import random
@@ -11,7 +11,7 @@ from meissner.twins.common.frame_filter import FrameFilter
 
 
 def damaged_stream(channels, frames, rate, seed):
-    """Ids and lasts of frames of which a share ``rate`` is damaged in a random way."""
+    """Ids and lasts of frames, a share ``rate`` of them damaged in a random way."""
     draw = random.Random(seed)
     beats = []
     for _ in range(frames):
@@ -88,9 +88,9 @@ def good(channels, mark):
 @cocotb.test(timeout_time=2, timeout_unit="ms")
 @cocotb.parametrize(stall_rate=[0.0, 0.7])
 async def damage_meets_every_other_event(dut, stall_rate):
-    """Damage right after a reset, right behind damage, in a frame marked `restart`, in a frame's first and
-    last beat, by a number, by an early `last` and by a missing one: what leaves, and the count, worked out by
-    hand."""
+    """Damage right after a reset, right after damage, in a frame marked `restart`, in a frame's first and
+    last beat, by a wrong number, by an early `last` and by a missing one: the frames that leave, and the
+    count, are worked out by hand."""
     channels = dut.Channels.value.to_unsigned()
     await bench.start(dut)
     whole = lambda mark, restart: [(*beat, restart) for beat in good(channels, mark)]
@@ -98,17 +98,17 @@ async def damage_meets_every_other_event(dut, stall_rate):
     wrong_last = 0 if final else 1
     script = [
         # beats in, beats out, frames counted so far
-        ([(11, 1, 1)], [], 1),  # after the reset, of a single beat
-        ([(12, 1, 0), (13, 0, 1)], [], 2),  # right behind damage, right numbers within
+        ([(11, 1, 1)], [], 1),  # a frame of a single beat right after the reset
+        ([(12, 1, 0), (13, 0, 1)], [], 2),  # right after damage; the later beats' numbers are right
         (good(channels, 20), whole(20, 1), 2),
         (good(channels, 40), whole(40, 0), 2),
-        # its last beat's number alone is wrong: what went before has left
+        # only its last beat's number is wrong: the earlier beats have left
         (
             [*good(channels, 60)[:-1], (60 + final, wrong_last, 1)],
             [(60 + channel, channel, 0, 0) for channel in range(final)],
             3,
         ),
-        # damage again in the frame that begins again
+        # damage in the frame that restarts
         (
             [*good(channels, 80)[:-1], (80 + final, final, 0), (99, 0, 0), (98, final, 1)],
             [(80 + channel, channel, 0, 1) for channel in range(final)],

@@ -1,8 +1,8 @@
-"""Frame gate: a chain of one to forty stages stands behind it in the bench, busy while it holds a beat.
-Writes come at every beat of a frame and between frames; the settings that the chain's first and last
-stages see must be one per frame and the twin's, with gaps and stalls; nothing is lost, repeated or
-reordered; without a write every clock carries a beat; the mark of a frame's first beat is checked at every
-beat; a gate closed inside a frame by an upset opens again.
+"""msn_frame_gate: in the bench a chain of one to forty stages follows it, each busy while it holds a beat.
+Settings are written at every beat of a frame and between frames. The chain's first and last stages must see
+the same settings for all beats of a frame, those of the twin, with gaps and stalls; nothing is lost, repeated
+or reordered; without a write every clock carries a beat; the mark of a frame's first beat is checked at every
+beat; a gate that an upset closes inside a frame opens again.
 """
 
 import random
@@ -21,8 +21,8 @@ STAGES = (1, 8, 40)
 async def run_chain(dut, stages, frames, write_at, gap=0.0, stall=0.0):
     """(results, clocks, when): results [(beat, setting at the first stage, setting at the last stage)].
 
-    ``write_at``: beats taken at which a setting is written (the setting counts writes); ``when``: the beats
-    offered up to the clock in which each write was pending first.
+    ``write_at``: the numbers of beats taken at which a setting is written (its value counts the writes);
+    ``when``: the beats offered up to the clock in which each write first was pending.
     """
     gaps, stalls = random.Random(f"{bench.SEED} gaps"), random.Random(f"{bench.SEED} stalls")
     await bench.start(dut, pending_i=0, busy_i=0, in_last_i=0)
@@ -106,7 +106,7 @@ async def opens_after_a_reset_in_the_middle_of_a_frame(dut):
     dut.in_valid_i.value = 0
     await bench.reset(dut)
     dut.pending_i.value = 1
-    await bench.clocks(dut, 2)  # no frame is under way: closed, then drained
+    await bench.clocks(dut, 2)  # no frame is in flight: it closes, then has drained
     await ReadOnly()
     assert dut.commit_o.value == 1
 

@@ -1,6 +1,6 @@
-"""msn_frame_marker against its model: whole frames, every kind of damage (missing, doubled, wrong id, early,
-lost and late last) in every size from one beat on; places and rows' ends; and that a damaged frame never
-looks whole to a counter of beats, while each whole frame behind it does."""
+"""msn_frame_marker against its model: complete frames and every kind of damage (missing, doubled, wrong id,
+early, lost and late last) in sizes from one beat up; the places and ends of rows; a damaged frame never looks
+complete to a follower that counts beats, and each complete frame after it does."""
 
 import random
 
@@ -12,7 +12,7 @@ from meissner.twins.common.frame_marker import FrameMarker
 
 
 def damaged_beats(beats, frames, rate, seed):
-    """Ids and lasts of frames of which a share ``rate`` is damaged, and each beat's own frame."""
+    """Ids and lasts of frames, a share ``rate`` of them damaged, and the frame that each beat belongs to."""
     draw = random.Random(seed)
     stream = []
     for frame in range(frames):
@@ -79,7 +79,7 @@ async def matches_model(dut, rate):
 
 @cocotb.test(timeout_time=2, timeout_unit="ms")
 async def rows_end_where_they_end(dut):
-    """Of whole frames each place and the mark of each row's last beat; an offer that waits stays as it is."""
+    """Place and row-end mark of each beat of complete frames; a stalled beat keeps them."""
     rows, row_beats = (getattr(dut, name).value.to_unsigned() for name in ("Rows", "RowBeats"))
     await bench.start(dut, in_valid_i=1, out_ready_i=0)
     for _ in range(3):
@@ -118,7 +118,7 @@ def test_frame_marker(rows, row_beats):
 
 @pytest.mark.parametrize("beats", [1, 2, 3, 4, 9])
 def test_no_damaged_frame_looks_whole_and_no_whole_one_is_lost(beats):
-    """A follower that only counts beats between `last`s takes exactly the whole frames."""
+    """A follower that only counts beats between `last`s takes exactly the complete frames."""
     twin = FrameMarker(1, beats)
     stream = damaged_beats(beats, 2000, 0.4, 3)
     passed, kept, whole, received, places, frames_in, frames_out = [], [], [], [], [], 0, 0

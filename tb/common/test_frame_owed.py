@@ -1,6 +1,6 @@
-"""Frames in against results out: hand-written sequences with their busy clocks as literals (results in either
-order, in one clock, before the frame's last beat, a dropped frame, one beat a frame), the clock in which a
-lost result is given up, one clock earlier and one later, and random clocks against the twin.
+"""msn_frame_owed: hand-written sequences of beats and results with the busy clocks they must give (results in
+either order, in one clock, before the frame's last beat, a dropped frame, one beat a frame); the clock in
+which a lost result is given up, not one earlier or later; random clocks against the twin.
 """
 
 import random
@@ -32,7 +32,7 @@ async def begin(dut):
     return dut.Results.value.to_unsigned(), dut.QuietBits.value.to_unsigned()
 
 
-# Clocks, busy with two results, busy with one (the lower bit of done). Beats: the first, one in the middle.
+# Clocks; busy with two results; busy with one (the lower bit of done). Beats: the first, one in the middle.
 FIRST, MIDDLE, NONE = (1, 1, 0, 0, 1), (1, 0, 0, 0, 1), (0, 0, 0, 0, 1)
 SEQUENCES = {
     "one after the other": (
@@ -76,10 +76,10 @@ async def owes_until_all_results_have_left(dut):
 async def gives_up_a_lost_result(dut):
     _, bits = await begin(dut)
     limit = 2**bits - 1
-    # The first beat's clock, `limit` quiet ones that are counted, one in which that takes effect.
+    # The first beat's clock, `limit` quiet clocks that are counted, one clock until that takes effect.
     seen = await play(dut, [FIRST, *[IDLE] * (limit + 2)])
     assert seen == [0, *[1] * (limit + 1), 0]
-    # Something offered, or a frame that goes on, begins the count again, however late.
+    # A beat offered, or a frame that continues, restarts the count, however late.
     for other in ((0, 1, 0, 0, 0), NONE):
         await bench.reset(dut)
         seen = await play(dut, [FIRST, *[IDLE] * (limit - 1), other, *[IDLE] * (limit + 2)])

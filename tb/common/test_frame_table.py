@@ -1,5 +1,5 @@
 """msn_frame_table against its model: one word to many, both banks, parts written one by one while the other
-bank is read; restarts anywhere, with pauses in taking; a word is there two advances after a restart."""
+bank is read; restarts anywhere, with stalls; a word is valid two advances after a restart."""
 
 import random
 
@@ -23,7 +23,7 @@ async def matches_model(dut, pause_rate):
     dut.advance_i.value = 0
     dut.restart_i.value = 1
     dut.write_i.value = 0
-    await bench.RisingEdge(dut.clk_i)  # the very first edge, before what was written here is there
+    await bench.RisingEdge(dut.clk_i)  # the first edge of all, before these values reach the block
 
     async def write(bank, word, strobes):
         data = [draw.getrandbits(bits) for _ in range(parts)]
@@ -46,7 +46,7 @@ async def matches_model(dut, pause_rate):
         for _ in range(draw.randint(1, 3)):
             dut.advance_i.value = draw.getrandbits(1)
             await bench.RisingEdge(dut.clk_i)
-        # a bank named later must not matter to what comes
+        # a later change of the bank input must not affect the words
         dut.restart_i.value, dut.bank_i.value = 0, draw.choice([bank, 1 - bank])
         waited, due, expected = 0, draw.randint(1, 3 * words), None
         wanted = due
@@ -59,7 +59,7 @@ async def matches_model(dut, pause_rate):
                 assert waited == 2
                 expected = sum(int(part) << (bits * p) for p, part in enumerate(twin.next(1)[0]))
             assert not valid or bench.read(dut.out_data_o) == expected
-            if valid:  # of the bank that is named, which stays with who asks for the end
+            if valid:  # bank_i as driven now; only the reader uses at_end_o
                 here = bank == int(dut.bank_i.value) or banks == 1
                 assert dut.at_end_o.value == (here and (wanted - due) % words == words - 1)
             waited += not valid
@@ -73,10 +73,10 @@ async def matches_model(dut, pause_rate):
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def a_word_that_is_written_as_it_is_read_shows(dut):
-    """A word read in the clock in which it is written is undefined in the memories: simulated, the parts
-    that are written are what stood there with every bit inverted, and the new ones after the next restart.
-    Written in a clock without an advance before it is read: new; in the other bank or a clock after it was
-    read: old."""
+    """A word that is read in the clock of its write is undefined in the memories: in simulation the written
+    parts read as the old value with every bit inverted, and as the new one after the next restart. Written
+    before the read, in a clock without an advance: new. Written in the other bank, or a clock after the read:
+    old."""
     parts, bits, banks, start = [
         getattr(dut, name).value.to_unsigned() for name in ("Parts", "PartBits", "Banks", "Start")
     ]
@@ -94,7 +94,7 @@ async def a_word_that_is_written_as_it_is_read_shows(dut):
         await bench.RisingEdge(dut.clk_i)
 
     async def word():
-        """What waits after the advance of the clock before and this one's."""
+        """The word shown after the previous clock's advance and this one's."""
         await clock(advance=1)
         await bench.ReadOnly()
         assert dut.out_valid_o.value == 1
@@ -110,7 +110,7 @@ async def a_word_that_is_written_as_it_is_read_shows(dut):
         scenes = [
             ([(0, write), (1, None)], here(new, old)),
             ([(1, write)], here([top - value for value in old], old)),
-            ([(0, None), (1, None)], here(new, old)),  # the new one is there from the next clock on
+            ([(0, None), (1, None)], here(new, old)),  # new from the next clock on
         ]
         if banks == 2:
             scenes.insert(1, ([(1, (new, strobes, 0))], None))
@@ -122,7 +122,7 @@ async def a_word_that_is_written_as_it_is_read_shows(dut):
             for advance, given in steps:
                 await clock(advance=advance, write=given)
             assert await word() == (old if expected is None else expected), (strobes, steps)
-        # A clock after it was read.
+        # Written a clock after the read.
         await clock(restart=1, write=(old, every, banks - 1))
         await clock(restart=1)
         await clock(advance=1)

@@ -1,6 +1,6 @@
-"""msn_hypot against its model, and the model against Python's exact integer root: all small pairs, squares,
-their neighbours, full scale, every width from 1 to 30; the estimate's bound; gaps and stalls, reset in the
-midst, exact clocks."""
+"""msn_hypot against its model, and the model against Python's exact integer root: all small pairs, squares
+and their neighbours, full scale, every width from 1 to 30; the bound of the estimate; gaps and stalls, a
+reset in mid-flight, exact clocks."""
 
 from math import hypot as float_hypot
 from math import isqrt
@@ -18,7 +18,7 @@ def parameters(dut):
 
 
 def last_rest(pair):
-    """What is left of a^2 + b^2 before the root's last digit."""
+    """The remainder of a^2 + b^2 before the root's last digit."""
     a, b = pair
     return a * a + b * b - 4 * isqrt((a // 2) ** 2 + (b // 2) ** 2) ** 2
 
@@ -32,7 +32,7 @@ def cases(rng, bits, count):
         for a, b in ((3, 4), (20, 21), (5, 12), (8, 15)):
             pairs += [(a * scale, b * scale), (a * scale - 1, b * scale), (b * scale, a * scale - 1)]
     pairs += [(1 << k, 1 << j) for k in range(bits) for j in (0, k // 2, k)]
-    near = range(max(top - 15, 0), top + 1)  # the greatest rest that the last digit may find
+    near = range(max(top - 15, 0), top + 1)  # to find the greatest remainder before the last digit
     pairs.append(max(((a, b) for a in near for b in near), key=last_rest))
     for _ in range(count):
         a, b = (int(rng.integers(0, top + 1)) >> int(rng.integers(0, bits)) for _ in range(2))
@@ -91,7 +91,7 @@ async def forgets_what_a_reset_interrupts(dut):
         await bench.clocks(dut, 1)
         dut.in_valid_i.value = 0
         await bench.clocks(dut, delay)
-        dut.in_valid_i.value = delay % 2  # what comes with the reset counts as little
+        dut.in_valid_i.value = delay % 2  # a word offered during the reset is discarded too
         await bench.reset(dut)
         got = await bench.stream(dut, beats_of(pairs), ["root"], drain=3 * bits + 9)
         assert got == expected_of(pairs, exact)

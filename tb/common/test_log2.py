@@ -1,6 +1,6 @@
 """msn_log2 against its model, and the model against NumPy's log2 at every mantissa, at the default precision
-and two others: powers of two and their neighbours, entries of the table and theirs, zero, full scale, every
-size; tables against mpmath; gaps and stalls, a reset in mid-flight, exact clocks."""
+and two others: powers of two and table entries, with their neighbours, zero, full scale, every size; tables
+against mpmath; gaps and stalls, a reset in mid-flight, exact clocks."""
 
 import cocotb
 import mpmath
@@ -23,7 +23,8 @@ def parameters(dut):
 
 
 def cases(rng, in_bits, table_bits, count):
-    """Numbers: every one where few, else powers of two, a table's entries, their neighbours, any size."""
+    """All numbers if they are few, else powers of two and table entries with their neighbours, and random
+    ones."""
     top = (1 << in_bits) - 1
     if in_bits <= 10:
         return list(range(top + 1))
@@ -54,7 +55,7 @@ async def matches_model(dut, stall_rate):
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def clocks_are_as_stated(dut):
-    """A number a clock; the result of the first at the seventh edge after it was offered."""
+    """One number a clock; the first result at the seventh edge after its number was offered."""
     settings = parameters(dut)
     numbers = cases(np.random.default_rng(bench.SEED), 9, settings[1], 0)[:300]
     await bench.start(dut, out_ready_i=1)
@@ -82,7 +83,7 @@ async def forgets_what_a_reset_interrupts(dut):
         await bench.clocks(dut, 1)
         dut.in_valid_i.value = 0
         await bench.clocks(dut, delay)
-        dut.in_valid_i.value = delay % 2  # what comes with the reset counts as little
+        dut.in_valid_i.value = delay % 2  # a word offered during the reset is discarded too
         await bench.reset(dut)
         assert await bench.stream(dut, beats_of(numbers), ["data"]) == expected_of(numbers, settings)
 
@@ -103,7 +104,7 @@ SPACE = lambda draw: (
     }
 )(draw.randint(3, 8))
 
-# The default, then coarse, then fine; of the last two the smallest and largest that a table takes.
+# The default, coarse, fine; the last two with the smallest and largest table.
 SIZES = [(27, 6, 16), (10, 3, 8), (20, 8, 22)]
 
 
@@ -112,7 +113,8 @@ def test_log2(sizes):
     bench.run("common", "log2", dict(zip(NAMES, sizes)))
 
 
-# Below and above, by hand from the header's formula: lsb 2^-16, 2^-12, 2^-20; the chord 0.1804/4^6, 4^4, 4^8.
+# Errors below and above, by hand from the header's formula: LSB 2^-16, 2^-12, 2^-20; chord 0.1804/4^6, 4^4,
+# 4^8.
 BOUNDS = {
     (27, 6, 16): (0.0000576, 0.00000954),
     (20, 4, 12): (0.000919, 0.0001527),
@@ -122,8 +124,8 @@ BOUNDS = {
 
 @pytest.mark.parametrize("sizes, bounds", BOUNDS.items(), ids=str)
 def test_every_mantissa_within_the_bound(sizes, bounds):
-    """Of numbers that agree in what the table and the chord see, the first and the last: between them the
-    logarithm only rises. The float's own error is below 1e-14."""
+    """Numbers that agree in the bits that the table and the chord use give the same result; of each such run
+    the first and the last are checked, as the logarithm rises. The float's own error is below 1e-14."""
     in_bits, table_bits, fraction_bits = sizes
     assert twin.bound(*sizes) == pytest.approx(bounds, rel=0.01)
     below, above = twin.bound(*sizes)
@@ -143,7 +145,7 @@ def test_every_mantissa_within_the_bound(sizes, bounds):
 
 @pytest.mark.parametrize("sizes", [(27, 6, 16), (12, 4, 12), (40, 8, 20)])
 def test_an_octave_is_one_more(sizes):
-    """2^s x gives s more than x, for all x that have room; powers of two are exact, and 0 counts as 1."""
+    """log2(2^s x) = s + log2(x), for all x that fit; powers of two are exact, and 0 gives the same as 1."""
     in_bits, _, fraction_bits = sizes
     x = np.arange(1, 1 << 11)
     for s in range(1, in_bits - 11):

@@ -1,5 +1,5 @@
 """msn_multiply against its model: every pair of corners, then random factors, a product a clock, and with
-clocks in which it stands still; the ECP5's own version on the same, with a model of its multiplier cell."""
+clocks without enable; the ECP5 version gets the same, with a model of its multiplier cell."""
 
 import cocotb
 import numpy as np
@@ -48,7 +48,7 @@ EVIDENCE = {
         "test": "tb/common/test_common_references.py::test_products_by_shifts_and_sums",
     },
     "equivalence": {"reset": {"ties": {"enable_i": 1}, "clocks": 2}},
-    # Two registers one after the other, shown before the next.
+    # Two registers in a row: the effect of a fault must pass through both.
     "faults": {"settle": 4, "driver": {"frame": "enable_i"}},
 }
 

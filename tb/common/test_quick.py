@@ -1,5 +1,5 @@
-"""tb/quick.py against cocotb's own functions, which it replaces: what a port takes and gives, what is
-refused, how a task ends. On msn_delay, whose ports have one bit and more than a word."""
+"""tb/quick.py against cocotb's own functions that it replaces: what a port accepts, returns and refuses, how
+a task ends. On msn_delay, whose ports have one bit and more than a word."""
 
 import hashlib
 import inspect
@@ -18,7 +18,7 @@ import bench
 import quick
 
 WIDTH = 40
-# What quick.py leaves out of these is known: another version of cocotb may have more.
+# Digests of the sources that quick.py was written for: another version of cocotb may do more.
 REPLACED = {
     _event_loop.EventLoop.run: "3772d305fa03",
     _gpi_triggers.GPITrigger._react: "1eee9f9ccb72",
@@ -47,7 +47,7 @@ def outcome(function, *given):
         return type(error), str(error)
 
 
-# On Icarus each write waits for its phase, so that setters stay cocotb's own.
+# On Icarus each write waits for its phase, so cocotb's own setters stay.
 @cocotb.test(timeout_time=1, timeout_unit="ms", skip=not handle._trust_inertial)
 @cocotb.parametrize(port=["step_i", "in_data_i"])
 async def a_port_takes_what_it_took(dut, port):
@@ -146,7 +146,7 @@ async def a_task_ends_as_it_did(dut):
             victim.kill()
 
     cocotb.start_soon(kills())
-    victim = cocotb.start_soon(gives(3))  # has its turn in the same clock, after who kills it
+    victim = cocotb.start_soon(gives(3))  # would resume in the same clock, after the task that kills it
     await edge
     await NullTrigger()
     assert victim.done() and victim.result() is None

@@ -1,6 +1,6 @@
-"""msn_ratio against its model, and the model against Python's fractions: products at, just inside and just
-beyond the denominator of both signs, denominators of zero, below zero and at their ends, exact halves,
-random of any size; narrow and wide; 14 and 16 bits; gaps, stalls, a reset in mid-flight, exact clocks."""
+"""msn_ratio against its model, and the model against Python's fractions: products equal to the denominator
+and just below and above it, of both signs; denominators zero, negative and extreme; exact halves; random of
+any size; narrow and wide; 14 and 16 bits; gaps, stalls, a reset in mid-flight, exact clocks."""
 
 from fractions import Fraction
 
@@ -37,7 +37,7 @@ def cases(rng, scale, num_bits, den_bits, count, fraction_bits=14):
         dens = {0, 1, -1, 2, den_low, den_high, size - 1, size, size + 1, -size - 1, -size, 1 - size}
         dens |= {2 * size, (2 * size << 14) // 3, int(rng.integers(den_low, den_high + 1))}
         dens.add(int(rng.integers(1, den_high + 1)) >> int(rng.integers(0, den_bits)))
-        if size and 2 < num < 128:  # quotients of half a last bit and odd multiples of it, and beside them
+        if size and 2 < num < 128:  # quotients of half an LSB and odd multiples of it, and their neighbours
             halves = {size // odd << fraction_bits + 1 for odd in (1, 3, 5, 7, 9, 15) if size % odd == 0}
             dens |= {half + e for half in halves for e in (-1, 0, 1)}
         pairs += [(num, den) for den in sorted(dens) if den_low <= den <= den_high]
@@ -95,7 +95,7 @@ async def forgets_what_a_reset_interrupts(dut):
         await bench.clocks(dut, 1)
         dut.in_valid_i.value = 0
         await bench.clocks(dut, delay)
-        dut.in_valid_i.value = delay % 2  # what comes with the reset counts as little
+        dut.in_valid_i.value = delay % 2  # a word offered during the reset is discarded too
         await bench.reset(dut)
         assert await bench.stream(dut, beats_of(pairs), FIELDS) == expected_of(1, pairs, fraction_bits)
 

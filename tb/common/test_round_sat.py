@@ -1,5 +1,5 @@
-"""msn_round_sat against its model, and the model against exact fractions: the ends of the input's range, what
-lies around ties near zero and around both limits, powers of two, then random; with stalls; reset."""
+"""msn_round_sat against its model, and the model against exact fractions: the ends of the input range,
+numbers around ties near zero and around both limits, powers of two, random numbers; with stalls; reset."""
 
 from fractions import Fraction
 from math import floor
@@ -23,7 +23,7 @@ SIZES = [
 
 
 def telling(in_width, out_width, drop_bits, unsigned):
-    """Inputs where rounding or clipping turns, then random ones of every magnitude."""
+    """Inputs around the points where rounding or clipping changes, then random ones of every magnitude."""
     rng = np.random.default_rng(bench.SEED)
     low, high = bench.width(in_width)
     half, bits = 1 << (drop_bits - 1), out_width - (not unsigned)

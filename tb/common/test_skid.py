@@ -1,5 +1,5 @@
-"""msn_skid against its model: words in order, none lost or doubled, with gaps and stalls; without latency;
-room for exactly one word while the follower stands still; ready is a register; reset."""
+"""msn_skid against its model: words in order, none lost or doubled, with gaps and stalls; no latency;
+room for exactly one word while the follower stalls; in_ready_o is a register; reset."""
 
 import cocotb
 import numpy as np
@@ -30,7 +30,7 @@ async def holds_one_word_and_ready_is_a_register(dut):
     assert (dut.out_valid_o.value, bench.read(dut.out_data_o), dut.in_ready_o.value) == (1, 5, 1)
     await FallingEdge(dut.clk_i)
     dut.in_data_i.value = 9
-    dut.out_ready_i.value = 1  # too late for the word kept to leave room in this clock
+    dut.out_ready_i.value = 1  # too late for the kept word to make room in this clock
     await bench.ReadOnly()
     assert (dut.out_valid_o.value, bench.read(dut.out_data_o), dut.in_ready_o.value) == (1, 5, 0)
     await FallingEdge(dut.clk_i)
@@ -52,7 +52,8 @@ async def forgets_what_a_reset_interrupts(dut):
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def readers_and_clocks_of_the_bench_are_the_simulators(dut):
-    """tb/streams.py: levels as the handle's own value has them; many clocks end at their last edge."""
+    """tb/streams.py: it reads the same levels as the handle's own value; ``clocks`` ends at the right
+    edge."""
     await bench.start(dut)
     for value in (0, 1, 5, (1 << len(dut.in_data_i)) - 1):
         dut.in_data_i.value = value

@@ -21,7 +21,7 @@ async def comes_out_two_clocks_later(dut):
     for value in sent:
         dut.in_data_i.value = value
         await ReadOnly()
-        received.append(dut.out_data_o.value)  # unknown at first, in a simulator that says so
+        received.append(dut.out_data_o.value)  # unknown at first, if the simulator has X
         await RisingEdge(dut.clk_i)
     assert [int(value) for value in received[LATENCY:]] == list(Sync(width).process(sent))[LATENCY:]
 

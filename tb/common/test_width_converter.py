@@ -1,4 +1,4 @@
-"""msn_width_converter against its model: full and part-filled last beats, gaps and stalls,
+"""msn_width_converter against its model: full and partly filled last beats, gaps and stalls,
 frames cut short, reset."""
 
 import cocotb
@@ -16,7 +16,7 @@ def shape(dut):
 
 
 def frame(rng, rows, columns, lanes, bits, beats=None):
-    """Values of the lanes, row's last and last, beat by beat, of one frame; cut after ``beats``."""
+    """The lane values, the row's last and last of each beat of one frame; cut after ``beats``."""
     row_beats = -(-columns // lanes)
     count = beats or rows * row_beats
     values = rng.integers(0, 1 << bits, (count, lanes))

@@ -1,9 +1,9 @@
 """msn_array with frames on the stream, eight lanes wide, against numbers worked out by hand: 3 rows of 16
 columns.
 
-Each lane's taxel is dead, railed and blinking in turn, alone and beside others that are not, and reported in
-the frame in which docs/array.md says so; frames too short and too long are counted and have no result, and
-those after them are right. Run by test_array.py.
+Each lane's taxel is made dead, railed and blinking in turn, alone and beside taxels that are not, and must be
+reported in the frame that docs/array.md states. Frames too short and too long must be counted and give no
+result; those after them must be right. Run by test_array.py.
 """
 
 from fractions import Fraction
@@ -21,7 +21,7 @@ ZERO = 100 + 7 * np.arange(ROWS * COLUMNS).reshape(ROWS, COLUMNS)
 
 
 class Stream:
-    """Sends frames, ``sent`` since a clear; ``events``: [(frame, beat, dead, railed, blinking)]."""
+    """Sends frames; ``sent``: frames since a clear; ``events``: [(frame, beat, dead, railed, blinking)]."""
 
     async def begin(self, dut):
         self.dut, self.events, self.results, self.forces = dut, [], [], []
@@ -65,7 +65,7 @@ class Stream:
                 self.results.append((x, y, read("out_load_o"), read("out_pressed_o")))
 
     async def send(self, *frames, ends=None):
-        """``ends``: the beats of a frame that are sent, the last of them marked."""
+        """``ends``: how many beats of each frame are sent, the last one marked."""
         dut = self.dut
         for frame in frames:
             words = np.asarray(frame).reshape(-1, LANES)
@@ -93,7 +93,7 @@ class Stream:
 
 
 def result_of(forces):
-    """(x, y, load, pressed): docs/cop.md in exact rationals."""
+    """(x, y, load, pressed) by docs/cop.md, in exact rationals."""
     i, j = np.indices(forces.shape)
     load = int(forces.sum())
     x = Fraction(int(((2 * j - (COLUMNS - 1)) * forces).sum()) * 16384, (COLUMNS - 1) * load)
@@ -102,7 +102,7 @@ def result_of(forces):
 
 
 def in_row_1(lanes):
-    """1 at these columns of the middle row and at those eight further on, else 0."""
+    """1 in these columns of the middle row and in those eight to the right, else 0."""
     chosen = np.zeros((ROWS, COLUMNS), dtype=int)
     chosen[1, [*lanes, *(lane + 8 for lane in lanes)]] = 1
     return chosen
@@ -110,11 +110,11 @@ def in_row_1(lanes):
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def each_lane_has_its_own_faults(dut):
-    """In the middle row: each has neighbours above and below."""
+    """In the middle row, where a taxel has neighbours above and below."""
     stream = await Stream().begin(dut)
     for lanes in ((0, 2, 4, 6), (1, 3, 5, 7), (2, 5), (0, 3, 7)):
         chosen, bits = in_row_1(lanes), sum(1 << lane for lane in lanes)
-        # Dead: still while all others move up and down.
+        # Dead: constant while all others go up and down.
         await stream.clear(still=20)
         await stream.send(*(ZERO + 30 * (n % 2) * (1 - chosen) for n in range(8)))
         assert stream.events == [(6, 2, bits, 0, 0), (6, 3, bits, 0, 0)]
@@ -123,7 +123,8 @@ async def each_lane_has_its_own_faults(dut):
             0,
             0,
         ]
-        # Railed: at an end in a frame 0 or 16 or .. since reset, and one code beside it is not.
+        # Railed: at a limit in frames 0, 16, .. since reset; a neighbour one code off the limit is not
+        # railed.
         await stream.clear(rail=1)
         ends = np.where(chosen, np.where(np.arange(COLUMNS) < 8, 900, 50), np.clip(ZERO, 51, 899))
         ends[0, 1], ends[2, 9] = 899, 51
@@ -132,14 +133,14 @@ async def each_lane_has_its_own_faults(dut):
         await stream.send(*[ends] * 16)
         assert stream.events == [(judged, 2, 0, bits, 0), (judged, 3, 0, bits, 0)]
         assert bench.read(dut.railed_o) == 2 * len(lanes)
-        # Blinking: jumps while nothing around moves.
+        # Blinking: jumps while nothing around it moves.
         apart = in_row_1(lanes[:1]) * (np.arange(COLUMNS) < 8) + in_row_1(lanes[-1:]) * (
             np.arange(COLUMNS) > 7
         )
         await stream.clear(blink=32)
         await stream.send(*(ZERO + 61 * (n % 2) * apart for n in range(5)))
         assert stream.events == [(3, 2, 0, 0, 1 << lanes[0]), (3, 3, 0, 0, 1 << lanes[-1])]
-        # Masked from then on: no force, and out of the load.
+        # From then on masked: its force is 0 and its load does not count.
         last = np.where(apart, 0, ZERO)
         assert stream.forces[-1] == list(zip(last.ravel().tolist(), apart.ravel().tolist()))
         assert stream.results[-1] == result_of(last)

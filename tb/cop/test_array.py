@@ -3,11 +3,10 @@ health, tare, calibration and centre of pressure, all stages at once.
 
 The cases: a capacitive array on its carrier behind a MAX11125, demodulated; 4×8 behind an MCP3208 and 16×16
 behind an AD7606; 3×16 behind eight MCP3208 and 64×64 behind eight AD7606, whose pins move together (one
-model, so all eight give the same codes). Gains differ from taxel to taxel, zeros are found by a tare of the
-first frames, then something presses and moves. Every result is, bit for bit, the twin's of the very codes at
-the pins; every latency is the twin's, which is what `meissner budget` prints; each stands below 1 ms where
-the array's converters allow it. The smallest array's forces on its tap, its faults, what its counters
-count.
+model, so all eight give the same codes). Gains differ from taxel to taxel, a tare of the first frames finds
+the zeros, then a press moves. Every result equals the twin's for the very codes at the pins, bit for bit;
+every latency is the twin's, which is what `meissner budget` prints, and is below 1 ms where the array's
+converters allow it. On the smallest array also the forces at the tap, faults and counters.
 """
 
 import cocotb
@@ -30,14 +29,14 @@ from parts.max1112x import Max1112x
 from parts.mcp3208 import Mcp3208
 from parts.timing import Line
 
-CLK_KHZ = 100_000  # the bench's 10 ns
+CLK_KHZ = 100_000  # the bench's clock of 10 ns
 CARRIER_HZ = 1e8 / 256
-CONVERSION_NS = 3995  # of every AD7606 here: BUSY falls between two clock edges
+CONVERSION_NS = 3995  # of every AD7606 here, so that BUSY falls between two clock edges
 SETTLE = 7
 TARE_LOG2 = 1
-MICROSECONDS = {16: 331, 64: 662}  # the README's, of the two arrays behind AD7606
-OFFSET = 777  # of the calibration, which has none behind a tare
-FRAMES = 5  # two for the tare and one in which it is taken up, then two pressed
+MICROSECONDS = {16: 331, 64: 662}  # stated in the README for the two arrays behind AD7606
+OFFSET = 777  # a calibration's offset, which must have no effect after a tare
+FRAMES = 5  # two for the tare, one until the tare is in effect, then two pressed
 
 CASES = {
     "demod": {
@@ -67,7 +66,7 @@ def number(dut, name):
 
 
 def smallest(dut):
-    """Whether it is the 2×2 array, whose frames take the fewest clocks."""
+    """Whether this is the 2×2 array, whose frames take the fewest clocks."""
     return number(dut, "Rows") * number(dut, "Columns") == 4
 
 
@@ -88,7 +87,7 @@ def twin_of(dut, limits=None):
 
 
 class Together:
-    """Pins of several converters that are driven alike by one model: ``lanes`` levels for each of them."""
+    """Pins of several converters, all driven by one model: ``lanes`` levels for each converter."""
 
     def __init__(self, handle, lanes=1):
         self.handle, self.lanes = handle, lanes
@@ -107,7 +106,7 @@ class Together:
 
 
 class Alike(Line):
-    """Pins of several converters that must be driven alike, as one."""
+    """Pins of several converters that the block must drive alike, seen as one."""
 
     def __init__(self, port):
         super().__init__(port, 0, {})
@@ -120,8 +119,8 @@ class Alike(Line):
 
 
 class Matrix:
-    """Codes of the taxels; ``taken`` [(time in ns, row, group, channel, code)]; ``press``: what is added,
-    ``plan``: in place of it, a list of it by frames."""
+    """Codes of the taxels; ``taken`` [(time in ns, row, group, channel, code)]; ``press``: added to the
+    codes; ``plan``: instead of ``press``, a list with one value per frame."""
 
     def __init__(self, dut, twin, bits):
         self.dut, self.twin = dut, twin
@@ -151,11 +150,11 @@ class Matrix:
 
     @property
     def frames(self):
-        """Of which all was taken."""
+        """Number of frames of which all codes were taken."""
         return len(self.taken) // self.per_frame
 
     def samples(self, count):
-        """Signed samples [count, rows, columns] and over-range of what was taken."""
+        """Signed samples [count, rows, columns] and over-range flags of the codes taken."""
         scan = self.twin.scan
         rows, columns, lanes, channels = scan.rows, scan.columns, scan.lanes, scan.channels
         codes = np.array([code for *_, code in self.taken])[: count * self.per_frame]
@@ -165,14 +164,14 @@ class Matrix:
 
 
 class Carrier(CarrierMatrix):
-    """The same of a carrier's amplitudes."""
+    """The same for the amplitudes of a carrier."""
 
     def __init__(self, dut, twin, bits):
         rng = np.random.default_rng(bench.SEED)
         self.twin = twin
         self.zero = rng.uniform(0.1, 0.2, (twin.scan.rows, twin.scan.columns))
         super().__init__(dut, self.zero, CARRIER_HZ, bits)
-        self.taken = [(0, 0, 0, 0)]  # the first word after the setup samples nothing
+        self.taken = [(0, 0, 0, 0)]  # the first word after the setup is no sample
         self.times = []
 
     @property
@@ -192,7 +191,7 @@ class Carrier(CarrierMatrix):
 
 
 async def begin(dut, limits=None, load=True):
-    """``load``: a calibration, and a tare of the first frames."""
+    """``load``: whether to load a calibration and start a tare of the first frames."""
     twin = twin_of(dut, limits)
     limits = twin.health.limits
     settings = {name: int(getattr(limits, name)) for name in limits.__dataclass_fields__}
@@ -229,7 +228,7 @@ async def begin(dut, limits=None, load=True):
 
     if not load:
         return twin, matrix, part
-    # Gains of the taxels, then the tare of the first frames.
+    # Gains of the taxels, then start the tare of the first frames.
     rng = np.random.default_rng(bench.SEED + 1)
     lanes = twin.cop.calibrate.table.lanes
     for word in range(scan.rows * -(-scan.columns // lanes)):
@@ -251,10 +250,10 @@ async def begin(dut, limits=None, load=True):
 
 
 def pressing(twin, step):
-    """What a round contact adds to the codes of each taxel; it moves with ``step``.
+    """What a round contact adds to the code of each taxel; it moves with ``step``.
 
-    Before, a frame has the converter's lowest codes at some taxels, if it has a sign, and a frame its highest
-    codes everywhere, but behind a carrier.
+    Without a carrier, one earlier frame has the highest codes everywhere and, if the converter is signed, the
+    one before it the lowest codes at some taxels.
     """
     i, j = np.indices((twin.scan.rows, twin.scan.columns))
     rows, columns = i.max() + 1, j.max() + 1
@@ -266,7 +265,7 @@ def pressing(twin, step):
         return np.rint(height * top * np.exp(-((i - at[0]) ** 2 + (j - at[1]) ** 2) / width**2)).astype(int)
 
     if step == FRAMES - 3 and plain and part.signed:
-        # The largest array is pressed too: the load has the bits that those of the other frames have not.
+        # The largest array is pressed as well, which sets load bits that the other frames leave at 0.
         return np.where((columns * i + j) % 37 == 0, -top, contact(1.06, rows) * (rows > 16))
     if step == FRAMES - 2 and plain:
         return 0 * i + top
@@ -276,7 +275,7 @@ def pressing(twin, step):
 async def results(dut, matrix, twin, count, stalls=None, press=None):
     """Results [(clock, x, y, load, pressed)] of ``count`` frames and the clocks of all convert starts.
 
-    ``matrix``: gets the results' times.
+    ``matrix``: the times of the results are added to it.
     ``press``: added to all codes; None: the last two frames are pressed.
     """
     out, converts, clock, pressed = [], [], 0, None
@@ -313,7 +312,7 @@ def check(twin, matrix, out):
 @bench.applies(bench.whole)
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def every_bit_of_the_counts_of_faults(dut):
-    """They are health's, up to a count of all taxels."""
+    """The outputs are the counts of msn_health, up to a count of all taxels."""
     await begin(dut, load=False)
     health = dut.u_condition.gen_health.u_health
     taxels = number(dut, "Rows") * number(dut, "Columns")
@@ -375,7 +374,7 @@ async def codes_at_the_pins_become_the_models_centre_of_pressure_in_its_time(dut
         assert round(totals[0] * us) == MICROSECONDS[twin.scan.rows]
     assert sum(terms(twin, SETTLE, **given)[0].values()) == steps["total"]
     assert set(np.diff(starts)) == {steps["frame"]}
-    # Of a burst it is the clock before its first convert start.
+    # With a carrier, the time is that of the clock before the burst's first convert start.
     assert matrix.times == [bench.time(start - number(dut, "Demod")) for start in starts[:FRAMES]]
     if twin.scan.part is AD7606:
         assert steps["total"] * us < 1000, "the millisecond is spent"
@@ -383,25 +382,26 @@ async def codes_at_the_pins_become_the_models_centre_of_pressure_in_its_time(dut
         assert bench.read(getattr(dut, f"{name}_o")) == 0, name
 
 
-@bench.applies(lambda dut: number(dut, "Rows") <= 4)  # the same logic in many more clocks
+@bench.applies(lambda dut: number(dut, "Rows") <= 4)  # larger arrays: the same logic in many more clocks
 @cocotb.test(timeout_time=200, timeout_unit="ms")
 async def gives_the_same_to_a_consumer_that_stalls_and_starts_over_after_a_reset(dut):
     twin, matrix, part = await begin(dut)
     out, _ = await results(dut, matrix, twin, FRAMES, bench.pauses(0.8, "stalls"))
     check(twin, matrix, out)
-    # In the middle of a frame: calibration counts as empty, so nothing presses any more.
+    # In the middle of a frame. After the reset the calibration is empty, so nothing presses any more.
     await bench.clocks(dut, twin.latency(SETTLE)["frame"] // 3)
-    part.report = lambda violation: None  # a transfer is broken off
+    part.report = lambda violation: None  # the reset breaks off a transfer
     await bench.reset(dut)
     out, _ = await results(dut, matrix, twin, 2)
     assert [values[1:] for values in out] == [(0, 0, 0, 0)] * 2
     assert bench.read(dut.damaged_o) == 0
 
 
-@bench.applies(smallest)  # sixteen frames of the others take long
+@bench.applies(smallest)  # sixteen frames of the other arrays take long
 @cocotb.test(timeout_time=200, timeout_unit="ms")
 async def a_taxel_over_range_is_told_and_counts_in_nothing(dut):
-    """Over-range for sixteen frames, it is masked: out of the load, and it does not refuse a tare."""
+    """Over-range for sixteen frames, it is reported and masked: no share in the load, and a tare is not
+    refused."""
     limits = Limits(low=-65536, high=65535, over_range_enable=True, rail=1, edges=False)
     twin, matrix, _ = await begin(dut, limits)
     events = []
@@ -444,7 +444,7 @@ async def a_taxel_over_range_is_told_and_counts_in_nothing(dut):
 @cocotb.test(timeout_time=200, timeout_unit="ms")
 @cocotb.parametrize(low=[0x2AA, 0x555])
 async def a_taxel_at_a_limit_is_told(dut, low):
-    """Both limits, of every bit: at a limit, and beside it."""
+    """Low and high limit, with every bit both 0 and 1: codes at a limit and next to it."""
     high = low ^ 0xFFF
     limits = Limits(low=low, high=high, over_range_enable=False, rail=1, edges=False)
     twin, matrix, _ = await begin(dut, limits)
@@ -469,13 +469,14 @@ async def the_lines_settle_as_long_as_asked(dut, settle):
         await FallingEdge(dut.clk_i)
         clocks += 1
     assert clocks == settle
-    await bench.clocks(dut, 4000)  # until the converter rests
+    await bench.clocks(dut, 4000)  # until the converter is idle
 
 
 @bench.applies(lambda dut: PARTS[number(dut, "Part")] is AD7606, long=True)
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def conversions_without_an_answer_are_counted(dut):
-    """BUSY does not come, of all converters at once: a conversion each, and whole frames all the same."""
+    """BUSY stays low at all converters: one lost conversion is counted each time, and frames stay
+    complete."""
     twin, _, part = await begin(dut, load=False)
     part.hold_busy(0)
     dut.cfg_enable_i.value = 1
@@ -492,7 +493,7 @@ async def conversions_without_an_answer_are_counted(dut):
 @bench.applies(smallest)
 @cocotb.test(timeout_time=200, timeout_unit="ms")
 async def the_smallest_arrays_faults_and_counters(dut):
-    """Stages, between which the scan stands still: what it converts then is known to the frame."""
+    """In stages; the scan is off between them, so that the number of converted frames is known."""
     twin, matrix, _ = await begin(dut)
     dut.cfg_enable_i.value = 0
     out, tapped, expected, images = [], [], [], []
@@ -507,7 +508,7 @@ async def the_smallest_arrays_faults_and_counters(dut):
             await RisingEdge(dut.clk_i)
 
     async def run(ready=True, tap_ready=True, timeout=100):
-        """What comes out and of the tap until nothing was converted for ``timeout`` clocks."""
+        """Collect results and tap beats until no conversion started for ``timeout`` clocks."""
         dut.out_ready_i.value, dut.tap_ready_i.value, still = int(ready), int(tap_ready), 0
         put_enable = bench.putter(dut.cfg_enable_i)
         while still < timeout:
@@ -523,7 +524,7 @@ async def the_smallest_arrays_faults_and_counters(dut):
             await RisingEdge(dut.clk_i)
 
     async def stage(*presses, swallowed=False, **ready):
-        """A frame of each."""
+        """Scan one frame per press."""
         before = matrix.frames
         matrix.plan = [0] * before + [0 * even + press for press in presses]
         await run(timeout=quiet, **ready)
@@ -573,21 +574,21 @@ async def the_smallest_arrays_faults_and_counters(dut):
     dut.cfg_load_i.value = 0
     twin.tare.load(False)
     await bench.clocks(dut, 4)
-    await stage(100, 0, tap_ready=False)  # two frames wait for whoever takes the forces
+    await stage(100, 0, tap_ready=False)  # two frames wait for a stalled tap
     assert len(out) < len(expected) and len(tapped) == len(images) - 8
     await run()
     assert (out, tapped) == (expected, images)
 
-    # Nobody takes what comes out: two results and a frame wait, the others are dropped.
+    # Results are not taken: two results and a frame wait, later frames are dropped.
     dut.cfg_period_i.value = 1
     given = len(out)
     await stage(*[0] * 8, ready=False)
-    dut.cfg_pending_i.value = 1  # settings wait for the results too
+    dut.cfg_pending_i.value = 1  # new settings wait for the results as well
     await bench.clocks(dut, quiet)
     assert counter("commit") == 0
     await run()
     commits = 0
-    for _ in range(6):  # closed, commit, open: every third clock as long as settings wait
+    for _ in range(6):  # closed, commit, open: a commit every third clock as long as settings are pending
         await ReadOnly()
         commits += counter("commit")
         await RisingEdge(dut.clk_i)
@@ -604,7 +605,7 @@ async def the_smallest_arrays_faults_and_counters(dut):
 
 
 def tare_after(twin, samples, count):
-    """The model's results with a tare asked for while frame ``count`` is scanned."""
+    """The model's results if a tare is requested while frame ``count`` is scanned."""
     yield twin.next(*(a[:count] for a in samples))
     twin.tare.tare()
     yield twin.next(*(a[count:] for a in samples))
@@ -618,16 +619,16 @@ EVIDENCE = {
         "size": {"Rows": 2, "Part": 1},
         "program": {"Tap": 1, "ClkKhz": 16000},
         "settle": 4,
-        # Gains of the recording; no tare: what the converter gives is what presses; no taxel fails.
+        # The recording's gains; no tare, so that the converter's codes are the press; no failing taxel.
         "driver": {
             "free": 40000,
-            # What counts to a scan's next row, frame.
+            # Counters up to a scan's next row and frame.
             "late": "left_q count_q",
             "part": 1,
             "lead": 16,
             "set": "cfg_tare_i:0",
             "quiet": "event_",
-            # What a scan took as it was switched on, until it is switched off.
+            # What a scan copied when it was enabled, until it is disabled.
             "kept": "settle_q period_q",
         },
         "kept_inside": {"u_calibrate": "calibrate", "u_tare": "tare", "u_health": "health"},

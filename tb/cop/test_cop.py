@@ -1,4 +1,4 @@
-"""msn_cop, sums and division in one, against its model: telling and random frames of every size class, each
+"""msn_cop, sums and division together, against its model: corner-case and random frames of every size class,
 also mirrored, which must mirror the result exactly; gaps and stalls; exact clocks, the same in every frame;
 frames so short that the divider must keep up; damage, reset in mid-frame. The 1 ms: test_cop_budget."""
 
@@ -48,7 +48,7 @@ async def counts_over_the_whole_width(dut):
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 @cocotb.parametrize(stall_rate=[0.0, 0.4])
 async def matches_model_and_mirrors(dut, stall_rate):
-    """Each frame, left-right flipped, top-bottom flipped: the same, x negated, y negated."""
+    """Each frame flipped left-right and top-bottom: the same load, with x or y negated."""
     rows, columns, lanes, fraction_bits, _, _ = parameters(dut)
     await bench.start(dut, cfg_min_load_i=2)
     forces = bench.force_frames(np.random.default_rng(bench.SEED), rows, columns)
@@ -66,7 +66,7 @@ async def matches_model_and_mirrors(dut, stall_rate):
 @bench.applies(lambda dut: taxels(dut) <= 1000)
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def a_load_counts_from_the_gate_on(dut):
-    """The gate at a frame's own load, and one above it."""
+    """The gate (minimum load) equal to a frame's own load, and one above it."""
     rows, columns, lanes, fraction_bits, _, _ = parameters(dut)
     await bench.start(dut)
     for frame in bench.force_frames(np.random.default_rng(bench.SEED), rows, columns)[1:]:
@@ -102,8 +102,8 @@ async def large_array_matches_model(dut):
 @bench.applies(small)
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def clocks_are_the_same_in_every_frame(dut):
-    """Frames back to back, a beat every clock: no frame waits and no result is a clock off, unless the
-    frames are shorter than the turning divider's period, when the input waits and nothing is lost."""
+    """Frames back to back, a beat every clock: no stall, and the same latency for every result. If frames are
+    shorter than the period of the sequential divider, the input stalls and nothing is lost."""
     rows, columns, lanes, fraction_bits, bits_per_clock, pipelined = parameters(dut)
     await bench.start(dut, cfg_min_load_i=1, out_ready_i=1)
     forces = bench.force_frames(np.random.default_rng(bench.SEED), rows, columns)[-8:]
@@ -134,7 +134,8 @@ async def clocks_are_the_same_in_every_frame(dut):
 @bench.applies(small)
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def survives_damage_and_resets(dut):
-    """A frame without its end, a reset in the middle of the next, then whole frames: these alone count."""
+    """A frame without its end, a reset in the middle of the next, then complete frames: only these give
+    results."""
     rows, columns, lanes, fraction_bits, _, _ = parameters(dut)
     forces = bench.force_frames(np.random.default_rng(bench.SEED), rows, columns)[-3:]
     beats = bench.force_beats(forces, lanes)
@@ -143,7 +144,7 @@ async def survives_damage_and_resets(dut):
     expected = expected_of(forces, fraction_bits, min_load=1)
     lost = [beat | {"last": False} for beat in beats[:length]]
     got = await bench.stream(dut, bench.placed(lost + beats, rows, length // rows), FIELDS)
-    assert got == expected[1:]  # the end that comes next is the first frame's
+    assert got == expected[1:]  # the damaged frame ends with the next frame's end, so that frame is lost
     assert bench.read(dut.damaged_o) == 1
     await bench.stream(dut, beats[: length + length // 2], FIELDS, drain=0)
     await bench.reset(dut)
@@ -166,11 +167,11 @@ EVIDENCE = {
     "rows, columns, lanes, fraction_bits, bits_per_clock, pipelined",
     [
         (64, 64, 1, 14, 2, 0),
-        (3, 3, 1, 14, 2, 0),  # nine beats: just as long as a division
+        (3, 3, 1, 14, 2, 0),  # nine beats: exactly as long as a division
         pytest.param(2, 2, 2, 20, 1, 1, marks=pytest.mark.long),
         (9, 1, 1, 4, 2, 0),
-        (1, 9, 4, 14, 2, 0),  # three beats, the last of one column
-        (1, 1, 1, 14, 2, 0),  # shorter than a division: the input waits
+        (1, 9, 4, 14, 2, 0),  # three beats, the last with one column
+        (1, 1, 1, 14, 2, 0),  # shorter than a division: the input stalls
         (1024, 1024, 8, 14, 1, 0),
     ],
 )

@@ -1,7 +1,7 @@
 """msn_cop4 against its model, the model against Python's fractions, the published formula and the mesh: all
 zero, full scale of every sign, one LSB of current, D and N zero and negative, saturation of every result,
-random codes; each fault raised and just not; registers of real meshes and at their limits; wide and narrow
-samples; gaps, stalls short and long, a reset in mid-flight, exact clocks."""
+random codes; each fault at and just below its threshold; registers of real meshes and at their limits; wide
+and narrow samples; gaps, stalls short and long, a reset in mid-flight, exact clocks."""
 
 import random
 from dataclasses import asdict, replace
@@ -23,11 +23,12 @@ from meissner.twins.cop.cop4_correct import CorrectionRegisters
 
 FIELDS = ["x~", "y~", "load", "pressed", "over", "saturated", "imbalance", "open"]
 ADC = Adc(bits=16, low_v=-10.0, high_v=10.0)
-GAIN = 0.6  # +-15 V into +-10 V, with room
+GAIN = 0.6  # +-15 V into +-10 V, with margin
 
 
 def register_sets(bits):
-    """Registers that open every gate, a mesh's, and every one at its upper limit."""
+    """Registers: one set that opens every gate, those of a mesh, one with every register at its upper
+    limit."""
     half = 1 << bits - 1
     wide = Cop4Registers(
         half + half // 2, 131071, 7, 70000, 15, 100000, 12, half - 1, half - 1, -half, 4 * half - 1, 1
@@ -89,8 +90,8 @@ def expected_of(samples, registers, bits, fix=None):
 
 
 def correction_of(dut, registers, which=0):
-    """Terms for a core built with Correct, else None: 0, of a mesh, so large that the denominator turns, of
-    every other bit, of the bits between."""
+    """Correction terms for a core built with Correct, else None: zero, a mesh's, terms so large that the
+    denominator becomes negative, terms with every other bit set, and their complement."""
     if not dut.Correct.value:
         return None
     p = [(0,) * 6, (6213, 4021, 5093, 1178, 3489, -1112), (80000, -9000, 9000, 7000, -3, 11)]
@@ -108,8 +109,8 @@ def parameters(dut):
     return dut.SampleBits.value.to_unsigned(), dut.BitsPerClock.value.to_unsigned()
 
 
-# By bits a clock and Correct: clocks of the first and of the hundredth of samples offered without a pause,
-# which wait for one another inside.
+# By bits a clock and Correct: the clocks of the first and of the hundredth result if samples are always
+# offered and queue up inside.
 BACK_TO_BACK = {(2, 0): (17, 62), (1, 0): (25, 110), (2, 1): (37, 141), (1, 1): (52, 271)}
 
 
@@ -132,7 +133,7 @@ async def matches_model(dut, stall_rate, which):
 
 
 def spells(longest):
-    """Stalls that last up to so many clocks, as do the times between them."""
+    """A stall pattern: stalls of up to ``longest`` clocks, and pauses of up to as many between them."""
     draw, left, stalled = random.Random(bench.SEED), 0, True
 
     def stall():
@@ -147,7 +148,8 @@ def spells(longest):
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def loses_nothing_in_long_stalls(dut):
-    """So long that every stage fills up: results are further apart than the stalls of the other tests."""
+    """Results are further apart than the stalls of the other tests; these stalls are so long that all stages
+    fill."""
     bits, _ = parameters(dut)
     registers = register_sets(bits)[0]
     fix = correction_of(dut, registers, 1)
@@ -209,13 +211,13 @@ async def forgets_what_a_reset_interrupts(dut):
         await bench.clocks(dut, 1)
         dut.in_valid_i.value = 0
         await bench.clocks(dut, delay)
-        dut.in_valid_i.value = delay % 2  # what comes with the reset counts as little
+        dut.in_valid_i.value = delay % 2  # a word offered during the reset is discarded too
         await bench.reset(dut)
         expected = expected_of(samples, registers, bits, fix)
         assert await bench.stream(dut, beats_of(samples), FIELDS, drain=80) == expected
 
 
-# Samples inside.
+# The block holds several samples.
 EVIDENCE = {
     "reference": {"against": "`Fraction`", "test": "tb/cop/test_cop4.py::test_model_against_fractions"},
     "equivalence": {"boxes": True, "open": ["reset"]},
@@ -268,7 +270,8 @@ def test_model_against_fractions(bits, which):
 
 
 def pressed_samples(mesh, adc, count, seed=5):
-    """Codes [count, 4] of one to three contacts on ``mesh``, 0.2 to 15 N together, and its solution."""
+    """Codes [count, 4] of one to three contacts on ``mesh``, 0.2 to 15 N together, and the mesh's
+    solution."""
     rng = np.random.default_rng(seed)
     load = np.zeros((count, mesh.m, mesh.n))
     for scene, total in zip(load, rng.uniform(0.2, 15, count)):
@@ -297,7 +300,7 @@ def test_model_against_the_published_formula(mesh, bits):
     assert (abs(got.x - 16384 * x) <= 0.5 + abs(x) * (1 / 8 + 8192 / (n_codes - 1)) + 1e-6).all()
     assert (abs(got.y - 16384 * y) <= 0.5 + abs(y) * (1 / 8 + 8192 / (m_codes - 1)) + 1e-6).all()
     assert (abs(got.load - load) <= 0.5 + load * (0.5 / registers.kf + 0.5 / (n_codes - 1)) + 1e-6).all()
-    # One code of difference is Cx / N of position: the converter's bits and the gain decide the resolution.
+    # One code is Cx / N of position: the converter's bits and the gain decide the resolution.
     grain = 1.1 * mesh.Cx / n_codes + 2 / n_codes + 1e-3
     assert (abs(got.x / 16384 - answer.x) <= grain).all()
     d_codes = (e1 + e3 - e2 - e4) * GAIN / adc.lsb_v
@@ -306,14 +309,14 @@ def test_model_against_the_published_formula(mesh, bits):
 
 @pytest.mark.parametrize("mesh", [Mesh(5, 5, 47.0), Mesh(41, 41, 10.0), Mesh(1, 6, 10.0)])
 def test_registers_of_a_mesh_tell_faults_from_loads(mesh):
-    """Whatever presses raises nothing; a wire off, a sagging rail and a clipped code are each told."""
+    """No load raises a fault; a broken wire, a sagging rail and a clipped code each raise their own."""
     registers = cop4_registers(mesh, ADC, GAIN)
     codes, _ = pressed_samples(mesh, ADC, 300)
     sound = cop4(codes, registers)
     assert sound.pressed.all() and not sound.open.any()
     assert not cop4(np.array([[1, -1, 1, -1]]) * (registers.rail // 2), registers).pressed.any()
     for electrode in range(4):
-        torn = codes.copy()  # no current in this wire, all of it in the partner's
+        torn = codes.copy()  # this wire carries no current, its partner carries all of it
         sign = 1 if electrode % 2 == 0 else -1
         partner = (electrode + 2) % 4
         torn[:, partner] += torn[:, electrode] - sign * (registers.rail // 2)
@@ -342,7 +345,7 @@ def test_a_mesh_of_far_too_small_resistors_is_refused(m, n, ratio):
 
 @pytest.mark.parametrize("m, n, ratio", [case for case in RATIOS if case not in TOO_LARGE])
 def test_extremes_of_a_mesh_end_in_numbers(m, n, ratio):
-    """r / rp to 1e9; one taxel shorted, all open, all equal, one at 1 against 65535 elsewhere."""
+    """r / rp up to 1e9; one taxel shorted, all open, all equal, one at 1 with 65535 elsewhere."""
     mesh = Mesh(m, n, 864 * ratio)
     registers = cop4_registers(mesh, ADC, GAIN)
     load = np.zeros((3 if m * n > 99 else 5, m, n))
@@ -357,7 +360,7 @@ def test_extremes_of_a_mesh_end_in_numbers(m, n, ratio):
     assert not got.pressed[0] and got.load[0] == got.x[0] == got.y[0] == 0
     assert (abs(got.x) <= 16384 * (n > 1)).all() and (abs(got.y) <= 16384 * (m > 1)).all()
     assert (got.load <= 65535).all() and not (got.saturated | got.imbalance).any() and not got.open.any()
-    # Every contact draws current, so there is a load unless it is below the least that counts.
+    # Every contact draws current, so it gives a load, unless that is below the least load that counts.
     reported = np.where(answer.valid, answer.load, 0)
     assert (got.pressed == (got.load >= registers.min_load)).all()
     assert (got.pressed[1:] | (reported[1:] < 0.06)).all()
@@ -379,9 +382,9 @@ def fitted(mesh):
 
 @pytest.mark.parametrize("r", [10.0, 47.0, 150.0])
 def test_correction_on_a_mesh(r):
-    """The corrected load is within 0.1 % of the float correction's and far nearer to what presses."""
+    """The corrected load is within 0.1 % of the float correction's and much closer to the true load."""
     mesh = Mesh(41, 41, r)
-    adc = Adc(bits=23, low_v=-10.0, high_v=10.0)  # so fine that only the arithmetic is seen
+    adc = Adc(bits=23, low_v=-10.0, high_v=10.0)  # so fine that only errors of the arithmetic show
     fix = fitted(mesh)
     registers, terms = correct_registers(fix, cop4_registers(mesh, adc, GAIN, sample_bits=24))
     load = single_presses(mesh, 300, 9)

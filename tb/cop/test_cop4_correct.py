@@ -20,7 +20,8 @@ FIELDS = ["den~", "n~", "side"]
 
 @cache
 def register_sets():
-    """None, each alone at both ends, a published mesh's (150 ohms, halved twice), random to the limit."""
+    """Zero; each register alone at both ends; those of a published mesh (150 ohms, halved twice); random to
+    the limit."""
     rng = np.random.default_rng(7)
     sets = [CorrectionRegisters((0,) * 6, 8)]
     sets += [
@@ -99,7 +100,7 @@ async def forgets_what_a_reset_interrupts(dut):
         await bench.clocks(dut, 1)
         dut.in_valid_i.value = 0
         await bench.clocks(dut, delay)
-        dut.in_valid_i.value = delay % 2  # what comes with the reset counts as little
+        dut.in_valid_i.value = delay % 2  # a word offered during the reset is discarded too
         await bench.reset(dut)
         assert await bench.stream(dut, beats_of(rows), FIELDS) == expected_of(rows, registers)
 
@@ -133,7 +134,7 @@ def test_model_against_fractions():
             assert max(abs(v) for v in (along, across, p)) < 1 << 17
             u, v = Fraction(x, 16384) ** 2, Fraction(y, 16384) ** 2
             exact = p0 + p1 * u + p2 * v + p3 * u * u + p4 * u * v + p5 * v * v
-            assert abs(p - exact) <= 11  # floors of 3 steps, and X, Y low by up to 2^-16 of twice the sum
+            assert abs(p - exact) <= 11  # 3 steps round down; X, Y are low by up to 2^-16 of twice the sum
 
 
 def test_registers_share_the_loads_shift():
@@ -144,7 +145,7 @@ def test_registers_share_the_loads_shift():
     assert p.shift == 8 + found.shift_load == 21 and found.kf == 27500 and p.p == (20972,) * 6
     found, p = correct_registers(Correction(np.full(6, 0.001), np.zeros(3), np.zeros(3), 0.864), cop4)
     assert found == cop4 and p.shift == 23
-    for terms in (1.0, 100.0):  # Kf loses its bits; the terms have no room at any shift
+    for terms in (1.0, 100.0):  # either Kf loses all its bits, or the terms fit at no shift
         with pytest.raises(ValueError, match="larger load_lsb"):
             correct_registers(Correction(np.full(6, terms), np.zeros(3), np.zeros(3), 0.864), cop4)
 

@@ -1,6 +1,6 @@
 """msn_cop_accumulate against its model, and the model against exact sums of Python integers: every size
 class from 1 x 1 to 1024 x 1024, all lane counts, row ends inside a beat; corners, single taxels, full scale,
-checkerboards; gaps and stalls; frames without a gap; a result not taken; last early, late, lost; resets."""
+checkerboards; gaps and stalls; frames back to back; a result not taken; last early, late, lost; resets."""
 
 import random
 
@@ -32,7 +32,7 @@ def expected_of(forces):
 
 
 def damaged_frames(beats, length, draw):
-    """The beats of whole frames with every other one damaged, and the numbers of the whole ones."""
+    """The beats of complete frames with every other frame damaged, and the numbers of those left complete."""
     sent, whole = [], []
     for frame in range(len(beats) // length):
         part = [dict(beat) for beat in beats[frame * length : (frame + 1) * length]]
@@ -40,7 +40,7 @@ def damaged_frames(beats, length, draw):
         at = draw.randrange(length)
         if kind == "missing":
             del part[at]
-            if not part or not part[-1]["last"]:  # the end itself is missing: two frames are lost
+            if not part or not part[-1]["last"]:  # the last beat is missing: two frames are lost
                 kind = "lost"
         elif kind == "doubled":
             part.insert(at, dict(part[at]))
@@ -70,7 +70,7 @@ async def counts_over_the_whole_width(dut):
     await bench.turn_over(dut, "damaged_o")
 
 
-@bench.applies(small)  # the large array has a test of its own
+@bench.applies(small)  # the large array has its own test
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 @cocotb.parametrize(stall_rate=[0.0, 0.6])
 async def matches_model(dut, stall_rate):
@@ -100,7 +100,8 @@ async def large_array_matches_model(dut):
 @bench.applies(small)
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def clocks_are_as_stated_and_frames_never_wait(dut):
-    """Back to back frames, a beat every clock: each result latency clocks after its last beat."""
+    """Frames back to back, a beat every clock: each result exactly its latency after its frame's last
+    beat."""
     rows, columns, lanes = parameters(dut)
     await bench.start(dut, out_ready_i=1)
     forces = bench.force_frames(np.random.default_rng(bench.SEED), rows, columns)[:12]
@@ -123,13 +124,13 @@ async def clocks_are_as_stated_and_frames_never_wait(dut):
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 @cocotb.parametrize(every=[1, 4])
 async def waits_only_when_two_results_are_not_taken(dut, every):
-    """Nobody takes results: two frames and the beats on their way go in, and none is lost."""
+    """With results not taken, two frames and the beats in the pipeline go in, and none is lost."""
     rows, columns, lanes = parameters(dut)
     await bench.start(dut, out_ready_i=0)
     forces = bench.force_frames(np.random.default_rng(bench.SEED), rows, columns)[-6:]
     beats = bench.force_beats(forces, lanes)
     length = len(beats) // len(forces)
-    room = 2 * length + lanes.bit_length() - 1  # beats of a third frame between the lanes and the sums
+    room = 2 * length + lanes.bit_length() - 1  # beats of a third frame between lanes and sums
     sent = 0
     for clock in range(every * room + 40):
         dut.in_valid_i.value = int(clock % every == 0)
@@ -139,13 +140,14 @@ async def waits_only_when_two_results_are_not_taken(dut, every):
         await bench.RisingEdge(dut.clk_i)
         if sent == len(beats):
             break
-    assert sent == min(room, len(beats)) or (every > 1 and 2 * length <= sent <= room)  # gaps take room too
+    assert sent == min(room, len(beats)) or (every > 1 and 2 * length <= sent <= room)  # gaps use room too
     assert await bench.stream(dut, beats[sent:], FIELDS) == expected_of(forces)
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def counts_every_damaged_frame(dut):
-    """A frame that ends with its first beat; a frame of one beat cannot, and loses its end."""
+    """A frame that ends with its first beat; a frame of one beat cannot be too short, so its last is
+    removed."""
     rows, columns, lanes = parameters(dut)
     await bench.start(dut)
     lone = rows == 1 and columns <= lanes
@@ -188,7 +190,7 @@ async def forgets_what_a_reset_interrupts(dut):
     beats = bench.force_beats(forces, lanes)
     length = len(beats) // 2
     for cut in {1, length // 2 + 1, length - 1, length, length + 1, 2 * length}:
-        # Nothing is taken, so that a finished frame waits when the reset comes.
+        # Results are not taken, so that a finished frame waits when the reset comes.
         await bench.stream(dut, beats[:cut], FIELDS, stalls=lambda: True, drain=0)
         await bench.clocks(dut, lanes.bit_length())
         await bench.reset(dut)

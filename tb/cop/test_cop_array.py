@@ -1,7 +1,7 @@
-"""msn_cop_array, samples to centre of pressure, against its model: per taxel and row times column, one to
-eight lanes; forces to a second follower; exact clocks within 16, the same in every frame; gaps and stalls;
-masks; damaged frames leave no result and are counted, whole ones beside them all do; calibrations swapped;
-resets."""
+"""msn_cop_array, samples to centre of pressure, against its model: calibration per taxel and row times
+column, one to eight lanes; forces to a second follower; exact clocks within 16, the same in every frame; gaps
+and stalls; masks; damaged frames give no result and are counted, all complete frames around them give theirs;
+calibrations swapped; resets."""
 
 import random
 
@@ -29,7 +29,7 @@ def twin_of(dut):
 
 
 async def calibrate(dut, twin, rng):
-    """Write offsets and gains about 1 of a whole bank, every sixth of any size, and swap."""
+    """Write a bank of offsets and gains around 1, with every sixth entry of any size, and swap banks."""
     table = twin.calibrate.table
     entries = [(False, word, lane) for word in range(table._beats.shape[2]) for lane in range(table.lanes)]
     entries += [(True, row, 0) for row in range(table.rows) if table.row_column]
@@ -53,7 +53,7 @@ async def calibrate(dut, twin, rng):
 
 
 def samples(rng, twin, count):
-    """Frames with a press somewhere, samples and masks [count, rows, columns]."""
+    """Frames with a press somewhere: samples and masks [count, rows, columns]."""
     shape = (count, twin.rows, twin.columns)
     raw = rng.integers(-400, 1300, shape) + rng.integers(0, 60000, shape) * (rng.random(shape) < 0.1)
     raw = np.where(rng.random(shape) < 0.02, rng.integers(-65536, 65536, shape), raw)
@@ -70,7 +70,7 @@ def results(values):
 
 
 async def second_follower(dut, pause, taken):
-    """Takes forces from the tap between pauses: (lanes, masks, row's last, last) of each beat."""
+    """Takes forces from the tap, with stalls: (lanes, masks, row's last, last) of each beat."""
     lanes = setting(dut, "Lanes")[0]
     while True:
         ready = not pause()
@@ -84,7 +84,8 @@ async def second_follower(dut, pause, taken):
 
 
 def check_tap(taken, forces, mask):
-    """All of ``forces`` and ``mask`` [frames, rows, columns], row by row, with the marks at each end."""
+    """The tap must have given all of ``forces`` and ``mask`` [frames, rows, columns], row by row, with their
+    marks."""
     frames, rows, columns = forces.shape
     taken = iter(taken)
     for frame, row in np.ndindex(frames, rows):
@@ -141,12 +142,12 @@ async def loses_nothing_while_nobody_takes_results(dut):
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def a_load_counts_from_the_gate_on(dut):
-    """The gate at a frame's own load, and one above it."""
+    """The gate (minimum load) equal to a frame's own load, and one above it."""
     twin, rng = twin_of(dut), np.random.default_rng(bench.SEED)
     await bench.start(dut, **IDLE)
     await calibrate(dut, twin, rng)
     raw, mask = samples(rng, twin, 2 if twin.rows > 30 else 8)
-    raw[0], mask[0] = 65535, False  # a load of every bit
+    raw[0], mask[0] = 65535, False  # a load with bits set over the full width
     for frame, load in enumerate(twin.next(raw, mask)[2].tolist()):
         for gate in (load, load + 1):
             dut.cfg_min_load_i.value = twin.min_load = gate
@@ -158,7 +159,7 @@ async def a_load_counts_from_the_gate_on(dut):
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def clocks_are_as_stated(dut):
-    """Each frame by itself, and all back to back, if they are long enough for the divider."""
+    """Each frame alone, and all back to back if they are long enough for the divider."""
     twin, rng = twin_of(dut), np.random.default_rng(bench.SEED)
     await bench.start(dut, out_ready_i=1, **IDLE)
     await calibrate(dut, twin, rng)
@@ -189,7 +190,7 @@ async def clocks_are_as_stated(dut):
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 @cocotb.parametrize(stall_rate=[0.0, 0.4])
 async def no_damaged_frame_gives_a_result(dut, stall_rate):
-    """Whole frames between damaged ones all give theirs; the counter counts every other."""
+    """Complete frames between damaged ones all give results; the counter counts all others."""
     twin, rng = twin_of(dut), np.random.default_rng(bench.SEED)
     await bench.start(dut, **IDLE)
     await calibrate(dut, twin, rng)
@@ -236,7 +237,7 @@ EVIDENCE = {
     "faults": {
         "size": {"Rows": 5},
         "settle": 4,
-        # The tables, which of the two is in use and whether any is, until they are written again.
+        # The tables, the bank in use and whether one is loaded keep a fault until they are written again.
         "driver": {"kept": "memory gains offsets rows bank loaded cfg_swapping"},
     },
     "icarus": {"runs": {"Lanes": 1}},
@@ -253,7 +254,8 @@ def test_cop_array(rows, columns, lanes, gain_shift, row_column, tap):
 
 
 def test_a_uniform_press_is_uniform_after_calibration_only():
-    """Gains spread by 30 %: the image of a uniform press is uniform within 1 % calibrated, and not before."""
+    """Gains spread by 30 %: the image of a uniform press is uniform within 1 % if calibrated, and not
+    otherwise."""
     rng = np.random.default_rng(3)
     gain, zero = rng.uniform(0.7, 1.3, (16, 16)), rng.integers(100, 900, (16, 16))
     raw = np.rint(zero + 8000 * gain).astype(np.int64)

@@ -1,6 +1,6 @@
-"""The millisecond of a frame on msn_cop, one array size after the other: scan (first beat to last, at the
-lanes and clock stated beside the size) and computation (last beat to x, y, load) measured apart, in clocks of
-the RTL, with a source and a sink that never wait. One lane must compute in 12 clocks. Both are printed."""
+"""The millisecond of a frame on msn_cop for several array sizes: scan (first beat to last, with the lanes and
+clock given for the size) and computation (last beat to x, y, load) are measured separately, in clocks of the
+RTL, with a source and a sink that never stall. Computation may take 12 clocks. Both are printed."""
 
 import math
 import os
@@ -16,9 +16,9 @@ BUDGET_S = 1e-3
 COMPUTE_CLOCKS = 12
 FIELDS = ["x~", "y~", "load", "pressed"]
 
-# Side: lanes, MHz, bits a clock, and the microseconds within which all is done (README). The iCEBreaker's
-# crystal as it is; a clock that msn_cop reaches with room on the ECP5; the largest array as docs/cop.md
-# measured it there (143.4 MHz).
+# Side: lanes, MHz, bits a clock, and the microseconds for scan and computation (README). 12 MHz is the
+# iCEBreaker's crystal; 100 MHz is well below what msn_cop reaches on the ECP5; the largest array runs at what
+# docs/cop.md measured there (143.4 MHz).
 SIZES = {
     **{3: (1, 12, 2, 2), 8: (1, 12, 2, 7), 16: (1, 12, 2, 23), 32: (1, 12, 2, 87), 64: (1, 12, 2, 343)},
     **{256: (1, 100, 2, 656), 1024: (8, 143, 1, 917)},

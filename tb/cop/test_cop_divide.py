@@ -1,6 +1,6 @@
 """msn_cop_divide against its model, and the model against Python's fractions: moments of real frames and at
-their limits, the least and greatest loads, loads around the gate, none at all; one row, one column; 4, 14
-and 20 fraction bits; one and two bits a clock, turning and pipelined; gaps and stalls; exact clocks."""
+their limits, the least and greatest loads, loads around the gate and zero; one row, one column; 4, 14 and 20
+fraction bits; one and two bits a clock, sequential and pipelined; gaps and stalls; exact clocks."""
 
 from fractions import Fraction
 
@@ -22,9 +22,9 @@ def parameters(dut):
 
 
 def cases(rng, rows, columns, count, fraction_bits=14):
-    """S, Mx, My: of telling frames (small arrays), at the limits of the moments, exact halves, random.
+    """S, Mx, My: of corner-case frames (small arrays), at the limits of the moments, exact halves, random.
 
-    Loads of a power of two have a moment that gives half a last bit exactly.
+    If the load is a power of two, some moment gives exactly half an LSB.
     """
     top = 65535 * rows * columns
     sums = [(0, 0, 0)]
@@ -40,7 +40,8 @@ def cases(rng, rows, columns, count, fraction_bits=14):
         halves = [value << power - fraction_bits - 1 for value in odd]
         sums.append((1 << power, (columns - 1) * halves[0], -(rows - 1) * halves[1]))
         sums.append((1 << power, -(columns - 1) * halves[2], (rows - 1) * halves[3]))
-    # Only a light load may lie wholly in a corner: an even one spreads, and the moments' widths count on it.
+    # Only a light load can lie entirely in a corner; a heavy one must spread, and the moments' widths rely on
+    # it.
     limit_x, limit_y = (
         1 << (sum_bits(rows, columns) - 1 + max((n - 1).bit_length(), 1)) for n in (columns, rows)
     )
@@ -90,7 +91,7 @@ async def gate_is_judged_when_the_sums_are_taken(dut):
 
 @cocotb.test(timeout_time=2, timeout_unit="ms")
 async def every_bit_of_the_gate_counts(dut):
-    """At 2^k, which differs from the load one below it in every bit that either has."""
+    """A gate of 2^k differs from the load one below it in every bit that either has set."""
     rows, columns, fraction_bits, _, _ = parameters(dut)
     await bench.start(dut, cfg_min_load_i=0)
     for k in range(1, len(dut.cfg_min_load_i)):
@@ -101,10 +102,11 @@ async def every_bit_of_the_gate_counts(dut):
         assert await bench.stream(dut, beats_of(sums), FIELDS, count=2) == expected
 
 
-@bench.applies(lambda dut: not hasattr(dut, "mutsel"))  # of mutants: nothing can be seen inside
+@bench.applies(lambda dut: not hasattr(dut, "mutsel"))  # netlists of mutants hide inner signals
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def no_divider_sees_a_zero_denominator(dut):
-    """Of any load, at any gate; what the dividers are given, not only what the gate lets out."""
+    """For any load and any gate: checked at the dividers' inputs, not only by the results that pass the
+    gate."""
     rows, columns, *_ = parameters(dut)
     await bench.start(dut, in_mx_i=0, in_my_i=0)
     for load in (0, 1, 2, 99):

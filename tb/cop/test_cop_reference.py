@@ -1,7 +1,7 @@
-"""The centre of pressure by its geometry, in exact rationals: the forces' mean place between -1 and +1.
+"""The centre of pressure from its geometry, in exact rationals: the mean place of the forces, from -1 to +1.
 
-Columns lie evenly from -1 at the left to +1 at the right, rows from +1 at the top to -1 at the bottom.
-For the twins of the whole, from forces (cop) and from codes (cop_array); its parts have their own references.
+Columns lie evenly from -1 at the left to +1 at the right, rows from +1 at the top to -1 at the bottom. For
+the complete twins, from forces (cop) and from codes (cop_array); the blocks inside have their own references.
 """
 
 from fractions import Fraction
@@ -16,12 +16,12 @@ from meissner.twins.cop.cop_array import CopArray
 
 
 def place(index, count):
-    """Of column ``index`` of ``count``."""
+    """The coordinate of column ``index`` of ``count``."""
     return Fraction(0) if count == 1 else -1 + Fraction(2 * index, count - 1)
 
 
 def nearest(value):
-    """To integers, ties away from zero."""
+    """Rounded to an integer, ties away from zero."""
     whole = floor(abs(value) + Fraction(1, 2))
     return whole if value >= 0 else -whole
 
@@ -56,7 +56,7 @@ def test_by_hand():
 def test_cop_is_the_centre(rows, columns, fraction_bits):
     rng = np.random.default_rng(bench.SEED)
     frames = bench.force_frames(rng, rows, columns)
-    min_load = int(np.median(frames.sum(axis=(1, 2))))  # met exactly by a frame
+    min_load = int(np.median(frames.sum(axis=(1, 2))))  # the exact load of one of the frames
     frames = np.concatenate([frames, np.where(rng.random((30, rows, columns)) < 0.3, 3, 0)])
     got = zip(*(np.asarray(part).tolist() for part in cop(frames, fraction_bits, min_load)))
     assert list(got) == [centre(frame, fraction_bits, min_load) for frame in frames.tolist()]

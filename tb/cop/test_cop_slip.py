@@ -1,7 +1,8 @@
-"""msn_cop_slip against its model, the model against fractions and times counted again: drops at, just above
-and just below the fraction, moves at the limit in every direction, octants at their limits, full scale, the
-gate, hold and refractory of 0, some and many samples and to the sample, lags of 1 to 40; the published slip
-found with its direction, a slow or plain release not; gaps, stalls, reset in each state, exact clocks."""
+"""msn_cop_slip against its model; the model against fractions and counted times: drops just above and just
+below the fraction and at it, moves at the limit in every direction, octants at their limits, full scale, the
+gate, hold and refractory of 0, some and many samples, exact to the sample, lags of 1 to 40; it finds the
+published slip and its direction, and no slip in a slow or plain release; gaps, stalls, reset in each state,
+exact clocks."""
 
 from dataclasses import asdict, replace
 from fractions import Fraction
@@ -29,7 +30,8 @@ SETS = [
 
 
 def samples_of(rng, lag, registers, count):
-    """x, y, load, pressed [4, n]: steps of a lag each with telling ratios and moves, then random."""
+    """x, y, load, pressed [4, n]: steps, about a lag apart, with critical ratios and moves, then random
+    samples."""
     x, y, load = ([int(rng.integers(-200, 200))] * lag for _ in range(3))
     load = [max(v, 0) + 1000 for v in load]
     move = min(registers.move, 32767)
@@ -101,7 +103,8 @@ async def each_bit_of_a_time_counts(dut):
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def a_time_ends_to_the_sample(dut):
-    """One drop: slip for it and `hold` samples more; then a drop is not heard for `refractory` samples."""
+    """One drop: slip is set for it and `hold` more samples; then drops are ignored for `refractory`
+    samples."""
     lag = dut.Lag.value.to_unsigned()
     await bench.start(dut)
     for hold, refractory in ((0, 0xAAA), (0, 0x1555), (0xAAA, 0), (0x1555, 0), (5, 3)):
@@ -114,7 +117,7 @@ async def a_time_ends_to_the_sample(dut):
         loads = [1000] * again + [10]
         loads[first] = 100
         if refractory:
-            loads[again - 1] = 100  # the last that is not heard
+            loads[again - 1] = 100  # the last drop that is ignored
         beats = [{"x": 7, "y": -9, "load": load, "pressed": 1} for load in loads]
         got = await bench.stream(dut, beats, ["slip", "raised"], drain=9)
         assert [k for k, beat in enumerate(got) if beat["raised"]] == [first, again]
@@ -124,19 +127,20 @@ async def a_time_ends_to_the_sample(dut):
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def octants_end_where_the_header_says(dut):
-    """128 of the smaller side are at most 53 of the larger, or just more: at many lengths, all eight."""
+    """The smaller side times 128 is at most 53 times the larger, or just more: many lengths, all eight
+    octants."""
     lag = dut.Lag.value.to_unsigned()
     await bench.start(dut, **ports(CopSlipRegisters(26, 0, 1, 2, 3)))
     long = [1 << k for k in range(7, 15)] + [127, 255, 1023, 4095, 16383, 0x2A55, 0x155A, 0x3C3C, 11111]
     moves = []
     for larger in long:
         for smaller in (53 * larger // 128, 53 * larger // 128 + 1):
-            near = smaller * 128 <= 53 * larger  # an axis, not a diagonal
+            near = smaller * 128 <= 53 * larger  # then the move lies along an axis, not a diagonal
             moves += [(larger, smaller, 0 if near else 1), (smaller, larger, 2 if near else 1)]
             moves += [(-smaller, larger, 2 if near else 3), (-larger, smaller, 4 if near else 3)]
     moves += [(0, 0, 0)] * (-len(moves) % lag)
     beats, expected = [], []
-    for place in range(0, len(moves), lag):  # there and back, `lag` moves side by side
+    for place in range(0, len(moves), lag):  # moves go out and back, `lag` of them interleaved
         some = moves[place : place + lag]
         beats += [
             {"x": x, "y": y, "load": 9, "pressed": 1} for x, y in [(0, 0)] * lag + [m[:2] for m in some]
@@ -150,7 +154,7 @@ async def octants_end_where_the_header_says(dut):
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def takes_five_samples_while_none_is_taken(dut):
-    """One for each stage, back to back; the sixth waits."""
+    """One for each stage, back to back; the sixth stalls."""
     await bench.start(dut, **ports(SETS[0]), out_ready_i=0, in_x_i=1, in_y_i=2, in_load_i=9, in_pressed_i=1)
     dut.in_valid_i.value = 1
     for clock in range(9):
@@ -164,7 +168,7 @@ async def takes_five_samples_while_none_is_taken(dut):
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def recovers_after_reset(dut):
-    """In the midst of a slip, its hold and its refractory time: nothing of it is left."""
+    """During a slip, its hold and its refractory time; a reset must leave no trace of it."""
     lag, registers = dut.Lag.value.to_unsigned(), CopSlipRegisters(10, 0, 1, 3, 4)
     samples = np.tile(np.array([[0], [0], [1000], [1]]), 2 * lag + 3)
     samples[2, lag + 1 :] = 100
@@ -206,10 +210,10 @@ def test_cop_slip(lag):
 @pytest.mark.parametrize("lag", [1, 7])
 @pytest.mark.parametrize("registers", SETS, ids=str)
 def test_model_against_fractions(lag, registers):
-    """Sample by sample in exact rationals, the state counted in plain words."""
+    """Sample by sample in exact rationals; times counted directly."""
     samples = samples_of(np.random.default_rng(2), lag, registers, 200)
     columns = samples.T.tolist()
-    ended, last_over = -(10**9), 0  # samples: the first after the last slip, the last that was over in it
+    ended, last_over = -(10**9), 0  # samples: first after the last slip, last over in it
     slipping, seen = False, set()
     for k, got in enumerate(expected_of(samples, lag, registers)):
         x, y, load, pressed = columns[k]
@@ -240,7 +244,7 @@ def test_model_against_fractions(lag, registers):
 
 
 def test_octants_against_angles():
-    """All directions; within a tenth of a degree of the limits either neighbour will do."""
+    """All directions; within a tenth of a degree of a limit either octant is accepted."""
     a = np.linspace(0, 2 * pi, 3600, endpoint=False) + 1e-4
     dx, dy = np.round(30000 * np.cos(a)).astype(int), np.round(30000 * np.sin(a)).astype(int)
     turns = np.array([atan2(v, u) for u, v in zip(dx, dy)]) / (pi / 4)
@@ -251,7 +255,7 @@ def test_octants_against_angles():
 
 
 def scene(kind, direction, rng):
-    """1 kHz: 2 N (1 mN an LSB) held, then at 500 ms a slip, a slow or a fast release; noise of 1 %."""
+    """At 1 kHz: 2 N held (1 mN an LSB), then at 500 ms a slip or a slow or fast release; noise of 1 %."""
     n = np.arange(1000)
     fall = {"slip": (10, 0.5), "slow release": (400, 1.0), "release": (10, 1.0)}[kind]
     ramp = np.clip((n - 500) / fall[0], 0, 1)
@@ -266,7 +270,8 @@ def scene(kind, direction, rng):
 
 @pytest.mark.parametrize("octant", range(8))
 def test_finds_the_published_slip_and_its_direction(octant):
-    """The load halves within 10 ms, the centre moves by 1.25 %: raised within the fall, the way it moves."""
+    """The load halves within 10 ms, the centre moves by 1.25 %: raised during the fall, with the right
+    direction."""
     got = CopSlip(16, CopSlipRegisters(77, 80, 200, 20, 50)).process(
         *scene("slip", octant * pi / 4, np.random.default_rng(octant))
     )
@@ -280,7 +285,7 @@ def test_a_release_is_no_slip(kind):
         *scene(kind, 0, np.random.default_rng(1))
     )
     assert not got.slip.any()
-    if kind == "release":  # only the move distinguishes it
+    if kind == "release":  # only the missing move distinguishes it from a slip
         assert (
             CopSlip(16, CopSlipRegisters(77, 0, 200))
             .process(*scene(kind, 0, np.random.default_rng(1)))

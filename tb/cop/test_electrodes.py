@@ -1,5 +1,5 @@
 """msn_electrodes against its model: frames back to back, gaps and stalls, every kind of damage, reset;
-the model against frames written down by hand."""
+the model against hand-written frames."""
 
 import random
 
@@ -14,7 +14,7 @@ FIELDS = ["e1~", "e2~", "e3~", "e4~"]
 
 
 def frames(rng, count, bits):
-    """Beats (data, id, last) of whole frames; the first ones at both ends of the range."""
+    """Beats (data, id, last) of complete frames; the first ones at both ends of the range."""
     low, high = bench.width(bits)
     values = rng.integers(low, high + 1, (count, 4))
     values[0], values[1] = (low, high, low, high), (high, low, low, low)
@@ -61,7 +61,7 @@ async def leaves_out_what_is_no_frame(dut):
     beats += [(0, 0, 1), *frames(rng, 3, len(dut.in_data_i))]
     found, lost = await check(dut, beats, 0.2, 0.2)
     assert len(found) > 80 and lost > 30
-    for _ in range(4):  # one at a time, as an even number may hide an error of the count
+    for _ in range(4):  # one at a time, as an error of the count may cancel over an even number
         await check(dut, [(0, 0, 1)])
 
 
@@ -77,7 +77,7 @@ async def forgets_what_a_reset_interrupts(dut):
     assert bench.read(dut.damaged_o) == 0
 
 
-# By hand: (data, id, last) of each beat, the frames that come out, and how many were none.
+# By hand: (data, id, last) of each beat, the frames that come out, and the number of damaged frames.
 WHOLE = [(7, 0, 0), (-6, 1, 0), (5, 2, 0), (-4, 3, 1)]
 FRAME = (7, -6, 5, -4)
 LITERALS = {
@@ -93,7 +93,7 @@ LITERALS = {
     },
     "first one missing": (WHOLE[1:] + WHOLE, [FRAME], 1),
     "third one missing": (WHOLE[:2] + WHOLE[3:] + WHOLE, [FRAME], 1),
-    "last one missing": (WHOLE[:3] + WHOLE + WHOLE, [FRAME], 1),  # up to the next one's last
+    "last one missing": (WHOLE[:3] + WHOLE + WHOLE, [FRAME], 1),  # ends with the next frame's last
     "last one only": (WHOLE[3:] + WHOLE, [FRAME], 1),
     "one too many": ([*WHOLE[:3], (-4, 3, 0), (9, 0, 1), *WHOLE], [FRAME], 1),
     "last too early": ([(7, 0, 0), (-6, 1, 1), *WHOLE], [FRAME], 1),

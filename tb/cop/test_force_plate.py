@@ -1,7 +1,8 @@
 """msn_cop_divide on a recorded force plate: a person stands on it for 32 s, eyes open and closed, 1 kHz. The
-plate gives force, moments and its own centre of pressure; all are decimals, so that the integers here are
-exactly what was recorded. Twin, msn_divide's twin and RTL against exact rationals, these against the plate.
-Skipped, and said so, where the recordings are absent. docs/cop.md says what came of it: run with -s."""
+plate reports force, moments and its own centre of pressure, all as decimals, so that the integers here are
+exactly what was recorded. The twin, msn_divide's twin and the RTL are compared with exact rationals, and
+these with the plate. Skipped with a message if the recordings are absent. docs/cop.md has the results: run
+with -s."""
 
 import csv
 from fractions import Fraction
@@ -16,21 +17,22 @@ from meissner.twins.cop.cop_divide import cop_divide
 from recordings import find
 
 NAMES = ("eyesOpen_1", "eyesClosed_1")
-SIDE = 128  # the array whose load is wide enough for micronewtons: 30 bits
-# Metres from the middle to +-1. With it Mx = 127 (-My) / WIDTH is a whole number of micronewton metres.
+SIDE = 128  # an array whose load is wide enough for micronewtons: 30 bits
+# Metres between coordinates -1 and +1. It makes Mx = 127 (-My) / WIDTH a whole number of micronewton metres.
 WIDTH = Fraction(254, 1000)
 RTL_SAMPLES = 600
 FIELDS = ["x~", "y~", "load", "pressed"]
 
 
 def micro(text):
-    """A decimal of six digits as a whole number of millionths."""
+    """A decimal of six digits as an integer number of millionths."""
     assert len(text.partition(".")[2]) == 6, text
     return int(text.replace(".", ""))
 
 
 def plate():
-    """S (micronewtons), Mx, My of the array that the plate stands for; its own x, y (micrometres); [n] each.
+    """S (micronewtons), Mx, My of the array that stands for the plate; the plate's own x, y (micrometres);
+    [n] each.
 
     The centre of a wrench on the plate's surface is (-My, Mx) / Fz.
     """
@@ -74,7 +76,8 @@ def test_twin_against_fractions_and_the_plate(measured, fraction_bits):
         assert got.tolist() == [nearest(Fraction(m * one, (SIDE - 1) * f)) for m, f in ratios]
         metres = float(WIDTH) / one * got
         off = np.abs(metres * 1e6 - recorded)
-        # Its centre is rounded to a micrometre, ours to a step; the rest is the file's other decimals.
+        # The plate's centre is rounded to a micrometre, ours to a step; the rest is rounding of its other
+        # decimals.
         assert off.max() <= 0.5 + 0.5 * float(WIDTH) * 1e6 / one + 1e-3
         print(
             f"Q2.{fraction_bits} {axis}: {np.ptp(recorded) / 1e3:.1f} mm of travel, "
@@ -83,7 +86,7 @@ def test_twin_against_fractions_and_the_plate(measured, fraction_bits):
 
 
 def chosen(force, mx, my):
-    """Samples for the RTL: the extremes of each number, then some from all of the recording."""
+    """Samples for the RTL: the extremes of each number, then some from the entire recording."""
     ends = [index for values in (force, mx, my) for index in (values.argmin(), values.argmax())]
     return [*ends, *np.linspace(0, len(force) - 1, RTL_SAMPLES - len(ends)).astype(int)]
 

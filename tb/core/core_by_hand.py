@@ -1,11 +1,11 @@
-"""Two cores whose samples come on the stream, of the greatest sizes, against numbers worked out by hand:
-an array of 1024 x 1024 taxels, eight columns a beat, and 2100 channels with the highest wavelet level.
+"""Two cores of the greatest sizes with samples on the stream, against numbers worked out by hand: an array of
+1024 x 1024 taxels, eight columns a beat, and 2100 channels with the highest wavelet level.
 
-The array has one frame in which every force is at its end and frames whose few forces add up to loads of
-known bits: the load is 36 bits and a taxel's number 20, each of which moves. Three taxels jump, are reported
-blinking in the frame after and are masked from then on; each is reported again when asked. The channels slip
-with details of full scale, 20 bits, and of random samples; frames that are not whole are counted and bring
-no decision. Run by test_core.py.
+The array gets one frame in which every force saturates, and frames whose few forces add up to loads of known
+bits: the load has 36 bits and a taxel's number 20, and each bit changes. Three taxels jump, are reported
+blinking in the next frame and are masked from then on; each is reported again on request. The channels slip
+with full-scale details of 20 bits and with random samples; incomplete frames are counted and give no
+decision. Run by test_core.py.
 """
 
 from fractions import Fraction
@@ -18,15 +18,15 @@ import bench
 from core import pins
 from meissner.twins.link.registers import RESET_BITS, reset_word
 
-# The array. A gain of 1.5; 60000 and more are at the end of a force, 65535.
+# The array. The gain is 1.5; codes of 60000 and more saturate the force, at 65535.
 SIDE, LANES, BEATS = 1024, 8, 1024 * 1024 // 8
-QUIET = 45_000  # from here to 0 and to 65535 is no move and no jump
+QUIET = 45_000  # a step from here to 0 or to 65535 is neither a move nor a jump
 ARRAY_SETTINGS = {
     **{"calibrate.preset": 6144, "cop.min_load": 1, "health.band": 45_000, "health.jump": 50_000},
     **{"health.still": 0, "health.rail": 0, "health.blink": 16},
 }
 JUMPING = (0x0F0F0, 0x55555, 0xAAAAA)
-# The channels. No contact is ever lost, and each window of two details may slip.
+# The channels. Contact is never lost, and each window of two details may slip.
 CHANNELS, GROUP = 2100, 8
 CHANNELS_SETTINGS = {
     **{"slip.threshold": 1000, "slip.gross_threshold": 0xFFFFF, "slip.contact_level": -524_288},
@@ -53,7 +53,7 @@ async def begin(dut):
 
 
 def force(code):
-    """1.5 of it, ties up, at its end if above."""
+    """1.5 times the code, ties up, saturated."""
     return min(65535, (3 * code + 1) // 2)
 
 
@@ -69,7 +69,7 @@ def cop_of(forces):
 async def frame_of(dut, host, codes, rest):
     """Send a frame: ``codes`` {taxel: code}, all others ``rest``; the clock in which its first beat is taken.
 
-    Once begun, nothing holds a frame up.
+    After its first beat, the frame must not be stalled.
     """
     beats, whole = {}, sum(rest << 17 * lane for lane in range(LANES))
     for taxel, code in codes.items():
@@ -107,10 +107,10 @@ async def frame_of(dut, host, codes, rest):
 @cocotb.test(timeout_time=1, timeout_unit="sec")
 async def every_bit_of_the_largest_array(dut):
     host = await begin(dut)
-    await Timer(pins.PERIOD_NS * (BEATS + 100), "ns")  # the preset gains are written
+    await Timer(pins.PERIOD_NS * (BEATS + 100), "ns")  # until the preset gains are written
     await RisingEdge(dut.clk_i)
     assert await host.read("core.size") == [SIDE << 16 | SIDE]
-    low = dict.fromkeys(JUMPING, 14_000)  # by 51535
+    low = dict.fromkeys(JUMPING, 14_000)  # 51535 lower
     few = dict.fromkeys((3, 1030, 9999, 500_000), 65_535)
     many = few | dict.fromkeys((80, 1107, 10_076, 500_077, 900_077, 1_048_575), 65_535)
     frames = [
@@ -134,12 +134,12 @@ async def every_bit_of_the_largest_array(dut):
     assert [packet.time for packet in found] == times
     reports = host.of_kind(pins.HEALTH)
     assert [pins.health_of(packet) for packet in reports] == [(taxel, 4) for taxel in JUMPING] * 2
-    # Each as its taxel comes by, in the frame after the jump and in the one that is asked for it.
+    # Each report comes when its taxel passes: in the frame after the jump, and in the frame after a request.
     for place, packet in enumerate(reports):
         since = packet.time - times[2 + place // 3] - JUMPING[place % 3] // LANES
         assert 0 < since < 60, since
     assert await host.read("health.dead", "health.railed", "health.blinking") == [0, 0, 3]
-    # Of the counts every bit: up to all taxels, 2^20.
+    # Every bit of the counters: up to all taxels, 2^20.
     sources = {
         f"health.{kind}": getattr(dut.gen_array.u_sensor.u_array.u_condition.gen_health.u_health, f"{kind}_o")
         for kind in ("dead", "railed", "blinking")
@@ -151,7 +151,8 @@ async def every_bit_of_the_largest_array(dut):
 
 
 def scene():
-    """Samples [16, channels]: two details of eight each. Most channels lie still, at values of their own."""
+    """Samples [16, channels]: two details of eight each. Most channels are constant, each at its own
+    value."""
     rng = np.random.default_rng(bench.SEED)
     codes = np.repeat((np.arange(CHANNELS) * 61 % 131_072 - 65_536)[None], 2 * GROUP, axis=0)
     codes[:, list(SLIPPING)] = rng.integers(-65_536, 65_536, (2 * GROUP, len(SLIPPING)))
@@ -162,7 +163,7 @@ def scene():
 
 
 def slips(codes):
-    """(channel, peak-to-peak, incipient) of those whose two details are more than 1000 apart."""
+    """(channel, peak-to-peak, incipient) of the channels whose two details differ by more than 1000."""
     found = []
     for channel in range(CHANNELS):
         x = codes[:, channel].tolist()
@@ -173,7 +174,7 @@ def slips(codes):
 
 
 async def send(dut, host, ids, values):
-    """Samples of a frame; the clock in which the first one is taken."""
+    """Send the samples of a frame; return the clock in which the first one is taken."""
     at = None
     for place, (ident, value) in enumerate(zip(ids, values)):
         dut.in_valid_i.value, dut.in_id_i.value = 1, int(ident)
@@ -202,7 +203,7 @@ async def every_bit_of_the_most_samples(dut):
     found = host.of_kind(pins.SLIP)
     assert [pins.slip_of(packet) for packet in found] == expected
     assert {packet.time for packet in found} == {times[-1]}
-    # Frames too short, and with a channel twice: counted, and no window is closed by what they bring.
+    # A frame too short and one with a channel twice: both are counted, and their samples close no window.
     assert await host.read("slip.damaged", "slip.blanked") == [0, 0]
     await send(dut, host, range(700), [0] * 700)
     await send(dut, host, [0, 1, 1, *range(2, CHANNELS)], [0] * (CHANNELS + 1))

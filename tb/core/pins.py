@@ -1,6 +1,6 @@
-"""A core by what its pins, packets and registers say: a host that reads packets, byte by byte or at the line,
-and registers by their addresses in docs/registers.md; the clock of each edge at a pin. Addresses and layouts
-are written out here from docs/, not taken from the register map or the decoder."""
+"""A core seen from outside, by its pins, packets and registers: a host that reads packets byte by byte or
+from the line, and registers at their addresses in docs/registers.md; the clock of each edge at a pin.
+Addresses and layouts are written here from docs/, not taken from the register map or the decoder."""
 
 import struct
 import zlib
@@ -15,7 +15,7 @@ import bench
 
 PERIOD_NS = 250
 SLIP, COP, IMAGE, HEALTH, STATISTIC, ANSWER = 1, 2, 3, 4, 5, 16
-# docs/link.md: the counters of statistics, by their index.
+# docs/link.md: the counters sent as statistics, with their index.
 STATISTICS = {
     "dropped": 0,
     "overrun": 1,
@@ -73,7 +73,7 @@ ADDRESS = {
 
 
 async def access(dut, write, address, data=0, strobe=15):
-    """(data, error) of one access at the bus of ``dut``."""
+    """(data, error) of one access on the bus of ``dut``."""
     dut.bus_valid_i.value, dut.bus_write_i.value, dut.bus_strobe_i.value = 1, int(write), strobe
     dut.bus_address_i.value, dut.bus_wdata_i.value = address, data & 0xFFFF_FFFF
     await RisingEdge(dut.clk_i)
@@ -121,7 +121,7 @@ def cop_of(packet):
 
 
 def image_of(packet):
-    """Taxels of an image that one packet holds."""
+    """The image taxels in one packet."""
     data = packet.payload
     assert packet.kind == IMAGE and data[1] == 1 and unsigned(data[2:5]) == 0
     return list(struct.unpack(f"<{(len(data) - 5) // 2}H", data[5:]))
@@ -140,15 +140,15 @@ def statistic_of(packet):
 
 
 async def rest(dut, clocks):
-    """Let ``clocks`` pass, without a look at each."""
+    """Let ``clocks`` pass without awaiting each."""
     await Timer(clocks * PERIOD_NS - PERIOD_NS // 2, "ns")
     await RisingEdge(dut.clk_i)
 
 
 class Host:
-    """``packets``: all since reset; ``clock()``: clocks since then, the core's time."""
+    """``packets``: all since reset; ``clock()``: the core's time, in clocks since reset."""
 
-    begins = 4  # clocks from the time of a packet that waits for nothing to its first byte
+    begins = 4  # clocks from a packet's time to its first byte, if it need not wait
 
     def __init__(self, dut):
         self.dut, self.packets, self.data, self.began = dut, [], bytearray(), None
@@ -156,11 +156,11 @@ class Host:
         cocotb.start_soon(self._watch())
 
     def clock(self):
-        """Of the core: after the last edge in reset it is 0."""
+        """The core's time: 0 after the last edge in reset."""
         return round(get_sim_time("ns") / PERIOD_NS) - self.zero
 
     async def _watch(self):
-        """A byte stays until it is taken, and none is offered in the clock after."""
+        """A byte must stay until it is taken; none is offered in the next clock."""
         while True:
             await RisingEdge(self.dut.out_valid_o)
             await ReadOnly()
@@ -184,12 +184,12 @@ class Host:
         return await access(self.dut, write, address, data)
 
     async def write(self, **values):
-        """``group__register=value``, in this order."""
+        """Write ``group__register=value`` in this order."""
         for name, value in values.items():
             assert (await self.access(True, ADDRESS[name.replace("__", ".")], value))[1] == 0, name
 
     async def set(self, values):
-        """{"group.register": value}, in this order."""
+        """Write {"group.register": value} in this order."""
         await self.write(**{name.replace(".", "__"): value for name, value in values.items()})
 
     async def read(self, *names):
@@ -201,7 +201,7 @@ class Host:
         return found
 
     async def statistics(self):
-        """The next value of each, by its index; the time of each is that of its packet."""
+        """The next value of each statistic, by index; each packet's time must be that of its own sending."""
         first = len(self.packets)
         while len(self.of_kind(STATISTIC, first)) < 9:
             await rest(self.dut, 200)
@@ -211,10 +211,10 @@ class Host:
 
 
 class LineHost(Host):
-    """The same at the serial line: each packet between two zeros, answers among them."""
+    """The same on the serial line: each packet is between two zeros, and answers are among them."""
 
     bit = 4  # clocks
-    begins = 1  # from the time of a packet that waits for nothing to the line's start bit
+    begins = 1  # from the time of a packet that need not wait to the line's start bit
 
     async def _watch(self):
         while True:
@@ -235,7 +235,7 @@ class LineHost(Host):
                 self.began = at
 
     def _unstuff(self, frame):
-        """docs/link.md: the codes stand behind their runs; read from the end."""
+        """docs/link.md: each code follows its run, so the frame is decoded from its end."""
         place = len(frame) - 1
         code = frame[place]
         while code <= place:
@@ -273,7 +273,8 @@ class LineHost(Host):
 
 
 class Edges:
-    """Clocks at which a pin rose, or fell; with ``gap`` only those so many clocks after the one before."""
+    """Clocks at which a pin rose, or fell; with ``gap`` only edges at least that many clocks after the one
+    before."""
 
     def __init__(self, host, pin, to=1, bit=0, gap=0):
         self.host, self.pin, self.to, self.bit, self.at = host, pin, to, bit, []
@@ -294,7 +295,8 @@ class Edges:
 
 
 async def begin(dut, part, kind=Host, reset=3):
-    """Clock, converter ``part(dut)`` and a reset; the host, of that kind, and what ``part`` gave."""
+    """Start the clock, the converter ``part(dut)`` and a reset; return a host of ``kind`` and the result of
+    ``part``."""
     idle = {"actuator_moving_i": 0, "in_valid_i": 0, "rx_i": 1, "bus_valid_i": 0, "out_ready_i": 1}
     for port, value in (idle | {"adc_miso_i": 0, "adc_busy_i": 0, "rst_i": 1}).items():
         getattr(dut, port).value = value
@@ -309,7 +311,7 @@ async def begin(dut, part, kind=Host, reset=3):
 
 
 async def says_what_it_is(host, groups, rows, columns):
-    """``groups``: whose registers it has, of docs/registers.md's list without core."""
+    """``groups``: the register groups that it has, from docs/registers.md's list without core."""
     order = ("adc", "slip", "scan", "health", "tare", "calibrate", "cop", "cop4", "cop_slip", "link", "grip")
     order += ("shear_speed",)
     features = sum(1 << order.index(group) for group in groups.split())
@@ -320,7 +322,8 @@ async def says_what_it_is(host, groups, rows, columns):
 
 
 def put(sources, turn):
-    """A value of its own in each counter, every bit at both levels over ``turn`` 0 and 1; what was put."""
+    """Put a different value into each counter, each bit being both 0 and 1 over ``turn`` 0 and 1; return the
+    values."""
     values = {}
     for place, (name, source) in enumerate(sources.items()):
         mask = (1 << len(source)) - 1
@@ -333,7 +336,7 @@ def put(sources, turn):
 async def counters_are_their_own(host, sources, statistics):
     """``sources``: {register, or a name if it has none: where it is counted}; ``statistics``: {name: index}.
 
-    Each is read in its register and in its statistic; statistics without a counter here are 0.
+    Each value is read in its register and in its statistic; statistics without a counter here are 0.
     """
     for turn in (0, 1):
         values = put(sources, turn)

@@ -1,7 +1,7 @@
 """msn_axis against its model, driven and read by an independent AXI master (cocotbext-axi): an array with all
 its stages on one lane and on several, single channels, four electrodes; packets in order, none lost, with
-pauses on both streams; registers found, written while frames pass, in force from one frame on; errors; a
-calibration loaded while it runs."""
+stalls on both streams; registers read and written while frames pass, with settings in effect from one frame
+on; errors; a calibration loaded during operation."""
 
 import itertools
 import logging
@@ -55,7 +55,7 @@ def number(dut, name):
 
 
 class Axi:
-    """The three interfaces, with pauses on the streams."""
+    """The three interfaces, with stalls on the streams."""
 
     def __init__(self, dut, rate=0.0):
         logging.getLogger("cocotb").setLevel(logging.WARNING)
@@ -75,13 +75,13 @@ class Axi:
         return int.from_bytes(got.data, "little"), got.resp
 
     async def send(self, beats):
-        """A frame: the lanes' samples of each beat."""
+        """Send a frame: the lanes' samples of each beat."""
         words = [int(value) & 0xFFFFFFFF for beat in beats for value in beat]
         data = b"".join(word.to_bytes(4, "little") for word in words)
         await self.source.send(AxiStreamFrame(data))
 
     async def packets(self, quiet=3000):
-        """Everything that comes until nothing has come for ``quiet`` clocks and the input is empty."""
+        """All packets, until none came for ``quiet`` clocks and the input is empty."""
         found, waited = [], 0
         while waited < quiet:
             await bench.clocks(self.dut, 50)
@@ -110,7 +110,7 @@ def images(packets):
 
 
 class Size:
-    """What a scan would say of itself to the model."""
+    """The sizes that a scan would give to the model."""
 
     def __init__(self, dut):
         self.rows, self.columns, self.lanes = (number(dut, name) for name in ("Rows", "Columns", "Lanes"))
@@ -127,7 +127,7 @@ def array_twin(dut):
 
 
 def pressing(rng, frames, size):
-    """Samples [frames, rows, columns]: quiet, then a contact that moves and now and then jumps."""
+    """Samples [frames, rows, columns]: idle, then a contact that moves and sometimes jumps."""
     i, j = np.indices((size.rows, size.columns))
     zero = rng.integers(100, 400, (size.rows, size.columns))
     found = []
@@ -144,7 +144,7 @@ async def begin(dut, rate=0.0):
     idle = {"s_axis_tvalid": 0, "m_axis_tready": 0, "actuator_moving_i": 0}
     idle |= {f"s_axil_{name}": 0 for name in ("awvalid", "wvalid", "bready", "arvalid", "rready")}
     await bench.start(dut, **idle)
-    await bench.clocks(dut, 200)  # the preset gains are written
+    await bench.clocks(dut, 200)  # until the preset gains are written
     return axi
 
 
@@ -159,7 +159,7 @@ async def rests_in_reset_whatever_comes(dut):
 
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 async def every_bit_of_the_bus_is_its_own(dut):
-    """Words and single bytes to the scratch register; addresses of every bit, where nothing is."""
+    """Words and single bytes to the scratch register; unused addresses with every bit set."""
     axi = await begin(dut)
     for word in (0x5555_5555, 0xAAAA_AAAA, 0):
         assert await axi.write(0x014, word) == AxiResp.OKAY
@@ -183,7 +183,7 @@ async def every_packet_is_the_models(dut, rate):
         expected = core.of_array(twin, samples, SLIP)
         for frame in samples:
             await axi.send(frame.reshape(-1, size.lanes))
-            await bench.clocks(dut, 2200)  # the line takes all of a frame's packets
+            await bench.clocks(dut, 2200)  # until the line has taken all packets of the frame
         packets = await axi.packets()
         assert images(packets) == expected.images.tolist()
     elif number(dut, "Cop4"):
@@ -247,7 +247,7 @@ async def says_what_it_is_and_refuses_what_it_has_not(dut):
 @bench.applies(lambda dut: number(dut, "Grip"))
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 async def a_hand_gets_words_and_pulses(dut):
-    """A force that a host sets, 41 counts, each period of 300 clocks; the pulse is as wide."""
+    """A force of 41 counts set by a host, in each period of 300 clocks; the pulse is as wide."""
     axi = await begin(dut)
     settings = {0xA04: 300, 0xA10: 7, 0xA14: 900, 0xA18: 65535, 0xA24: 1, 0xA2C: 1, 0xA30: 41, 0xA00: 1}
     for address, value in settings.items():
@@ -375,7 +375,7 @@ def test_axis(name):
 
 
 def test_it_has_every_feature_of_the_core():
-    """But for what needs a converter's pins, and the ways out that it is in place of."""
+    """Except those that need a converter's pins, and the outputs that AXI replaces."""
     declared = re.compile(r"^  parameter +bit +(\w+)", re.MULTILINE)
     core_text, axis_text = ((ROOT / f"rtl/msn_{name}.sv").read_text() for name in ("core", "axis"))
     own = set(declared.findall(core_text)) - {"Demod", "Serial", "Registers", "Uart", "SlipOnly"}

@@ -1,8 +1,8 @@
 """msn_core from a converter's pins to the levels of the serial line, built from configurations as a user
-writes them: an array, single channels, four electrodes, the smallest sensor. The packets are the model's of
-the very codes that the part converted, each with its convert start; commands are answered in between. The
-four electrodes have no line: packets are bytes, the registers' bus is open, and a host that does not take
-them costs frames, not events. Faults of taxels, what each counter counts, every bit of every setting."""
+writes them: an array, single channels, four electrodes, the smallest sensor. The packets are the model's for
+the codes that the part converted, each with its convert start; commands are answered in between. The four
+electrodes have no line: packets are bytes, the register bus is open, and a host that does not take packets
+loses frames, not events. Faults of taxels, what each counter counts, every bit of every setting."""
 
 import copy
 import random
@@ -43,7 +43,7 @@ SLIP_N = {
     **{"window": 16, "hop": 16, "threshold_n": 0.3, "gross_threshold_n": 1.0, "contact_level_n": 0.8},
     **{"release_level_n": 0.4, "hold_ms": 1.0, "refractory_ms": 1.0, "blank_ms": 1.0},
 }
-ROWS, COLUMNS = 3, 7  # of the array; two columns a conversion
+ROWS, COLUMNS = 3, 7  # of the array; a conversion takes two columns
 TAXELS = ROWS * COLUMNS
 CASES = {
     "array": {
@@ -76,9 +76,9 @@ CASES = {
 }
 FRAMES = {"array": 24, "channels": 120, "electrodes": 90, "smallest": 120}
 COMMON = {"about": "of a test", "clock": {"mhz": 4.0}}
-# What no configuration says: few events wait, and one core has no line.
+# Parameters that no configuration sets: a short event queue, and one core without a line.
 ASIDE = {"array": {"SlipDepth": 2}, "electrodes": {"SlipDepth": 2, "Uart": 0}}
-# The blocks inside, and where they are.
+# Short names and paths of the blocks inside.
 INSIDE = {
     "registers": "u_registers",
     "link": "u_link.gen_link.u_link",
@@ -106,7 +106,7 @@ AT_PINS = {
     "gate": "gen_gate.u_frame_gate",
     "time": "gen_gate.gen_time_stamp.u_time_stamp",
 }
-PARTS = {  # whose wires a core has
+PARTS = {  # parts whose wires a core has
     "array": ("array", "slip", "events", "flags", "link"),
     "channels": ("acquire", "gate", "channels", "slip", "events", "flags", "link"),
     "electrodes": ("acquire", "gate", "electrodes", "flags", "link"),
@@ -123,12 +123,12 @@ ADDRESS = {
 
 
 def inside(name):
-    """Where the blocks of a case are: {short name: path}."""
+    """Paths of the blocks of a case: {short name: path}."""
     return INSIDE | {block: f"{PINS[name]}.{path}" for block, path in AT_PINS.items() if name in PINS}
 
 
 class Strong(Config):
-    """The greatest gain from reset on: 16 codes of force a code of a sample."""
+    """The greatest gain from reset on: 16 force codes per sample code."""
 
     settings = property(lambda self: super().settings | {"calibrate.preset": 65535})
 
@@ -153,7 +153,7 @@ def case_of(dut):
 
 
 def whole(decoder, data):
-    """The packets of ``data``: nothing damaged, none missing."""
+    """The packets of ``data``: none damaged, none missing."""
     found = decoder.next(data)
     assert (decoder.damaged, decoder.missed) == (0, 0)
     return found
@@ -168,7 +168,7 @@ class Bus:
         cocotb.start_soon(self._watch())
 
     async def _watch(self):
-        """A byte stays until it is taken, and none is there in the clock after."""
+        """A byte must stay until it is taken; none is offered in the next clock."""
         while True:
             await RisingEdge(self.dut.out_valid_o)
             await ReadOnly()
@@ -184,7 +184,7 @@ class Bus:
         return whole(Decoder(), bytes(self.frames))
 
     async def ask(self, asked, strobe=15, **_):
-        """Accesses, one after the other: (tag, status, address, data) of each."""
+        """Perform accesses one after the other; (tag, status, address, data) of each."""
         answers = []
         for operation, tag, address, data in asked:
             found, error = await pins.access(self.dut, operation, address, data, strobe)
@@ -193,7 +193,7 @@ class Bus:
 
 
 class Line:
-    """A host at the serial line. Levels of tx_o, one a clock, from its edges."""
+    """A host on the serial line: it keeps the edges of tx_o."""
 
     def __init__(self, dut, build):
         self.dut, self.edges = dut, []
@@ -218,7 +218,7 @@ class Line:
             await Timer(PERIOD_NS * len(list(run)), "ns")
 
     async def ask(self, asked, rest=500):
-        """Commands, ``rest`` clocks after each: (tag, status, address, data) of their answers."""
+        """Send commands with ``rest`` clocks after each; (tag, status, address, data) of their answers."""
         for ask in asked:
             await self.send(bridge.command(*ask))
             await Timer(PERIOD_NS * rest, "ns")
@@ -226,7 +226,8 @@ class Line:
         return [tuple(q.fields.values()) for q in self.packets() if q.kind == p.ANSWER][-len(asked) :]
 
     def bytes(self):
-        """8 bits, none parity, 1 stop, sampled in the middle of each bit; of a byte under way nothing."""
+        """8 data bits, no parity, 1 stop bit, sampled in the middle of each bit; an unfinished byte is left
+        out."""
         starts, busy, bit_ns = [], 0, 1e9 / self.baud
         last = get_sim_time("ns") - 9.5 * bit_ns
         for time, level in self.edges:
@@ -242,7 +243,7 @@ class Line:
 
 
 class Sensor:
-    """Codes in the order they are converted, kept by frame; ``starts``: convert starts, in clocks."""
+    """Codes in the order of conversion, kept by frame; ``starts``: convert starts, in clocks."""
 
     def __init__(self, dut, build, codes):
         self.dut, self.build, self.codes, self.taken = dut, build, codes, []
@@ -275,7 +276,7 @@ class Sensor:
 
 
 def pressed(build, newtons, places):
-    """Codes of the four electrodes [frames, 4], one place [row, column] being pressed in each frame."""
+    """Codes of the four electrodes [frames, 4], with one place [row, column] pressed in each frame."""
     load = np.zeros((len(newtons), 9, 9))
     load[np.arange(len(newtons)), places[:, 0], places[:, 1]] = newtons
     solved = build.cop4.mesh.solve(load)
@@ -283,7 +284,7 @@ def pressed(build, newtons, places):
 
 
 def codes_of(name, build, frames):
-    """What the sensor gives, [frames, ...]."""
+    """The codes that the sensor gives, [frames, ...]."""
     rng = np.random.default_rng(bench.SEED)
     if name == "array":
         i, j = np.indices((ROWS, COLUMNS))
@@ -294,7 +295,7 @@ def codes_of(name, build, frames):
         codes[20:26] = rng.choice([0, 4095], (6, ROWS, COLUMNS))
         codes[22] = 4095
         return codes
-    if name == "electrodes":  # a press that slips, presses anywhere, then whatever a converter can give
+    if name == "electrodes":  # a press that slips, presses anywhere, then random codes of the full range
         newtons = 1 + 0.02 * np.arange(frames)
         newtons[30:] *= 0.5
         newtons[44:] *= 0.4
@@ -310,7 +311,7 @@ def codes_of(name, build, frames):
         rng.random((frames, build.channels)) < 0.01
     )
     codes = 1500 + rng.integers(-9, 10, steps.shape) + steps
-    if name == "channels":  # pulled wholly, and let go for a while
+    if name == "channels":  # pulled in all channels, and released for a while
         codes[40], codes[70:84] = 3600, 60
     return codes
 
@@ -323,7 +324,7 @@ async def begin(dut, name, build):
     Clock(dut.clk_i, PERIOD_NS, unit="ns").start()
     await bench.clocks(dut, 3)
     dut.rst_i.value = 0
-    host.forget()  # what the test before had under way
+    host.forget()  # edges and bytes of the previous test
     starts = []
 
     async def watch():
@@ -339,7 +340,8 @@ async def begin(dut, name, build):
 @bench.starts_known
 @cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
 async def counts_over_the_whole_width(dut):
-    """The time, from its greatest value; and both ends of every wire, with registers at ones, then reset."""
+    """The time wraps around from its greatest value; both ends of every wire, with registers at ones, then
+    reset."""
     name, _ = case_of(dut)
     ends, draw = Ends(dut, inside(name), PARTS[name]), random.Random(bench.SEED)
     inputs = [port for port in dut if port._name.endswith("_i") and port._name not in ("clk_i", "rst_i")]
@@ -371,9 +373,9 @@ async def rests_in_reset_whatever_comes(dut):
 
 
 def watch_wires(dut, name, *strobes):
-    """Both ends of every wire agree when one of ``strobes`` rises, of those that this core has.
+    """Check that both ends of every wire agree when one of ``strobes`` that this core has rises.
 
-    And for a while, clock by clock, when an event comes or no other has room: what is under way then waits.
+    Also clock by clock for a while when an event comes and when it stalls, with other beats waiting.
     """
     ends = Ends(dut, inside(name), PARTS[name])
 
@@ -411,7 +413,7 @@ async def packets_are_the_models_of_the_codes_at_the_pins(dut):
     mine = [(q.time, q.payload) for q in got if q.kind == p.SLIP]
     assert len(mine) > 1
     assert [payload for _, payload in mine] == [payload for _, payload in events][: len(mine)]
-    assert len(mine) >= len(events) - 3  # the last ones may be under way
+    assert len(mine) >= len(events) - 3  # the last ones may still be on their way
     per_frame = len(build.scan.scan.places()) if build.kind == "array" else 1
     first = starts[::per_frame]
     offsets = {first[frame] - time for (time, _), (frame, _) in zip(mine, events)}
@@ -431,7 +433,7 @@ async def packets_are_the_models_of_the_codes_at_the_pins(dut):
 @bench.applies(lambda dut: case_of(dut)[0] in ("channels", "smallest"))
 @cocotb.test(timeout_time=200, timeout_unit="ms")
 async def an_events_first_bit_comes_within_20_clocks_of_its_sample(dut):
-    """With nothing under way on the line."""
+    """If the line is idle."""
     name, build = case_of(dut)
     line, _, _ = await begin(dut, name, build)
     offered = []
@@ -476,7 +478,7 @@ async def commands_are_answered_while_it_measures(dut):
 
 
 async def read(host, *names, **how):
-    """What registers say, by the names of their groups and their own."""
+    """Values of registers, given as "group.register"."""
     asked = [(bridge.READ, tag, ADDRESS[name], 0) for tag, name in enumerate(names)]
     answers = await host.ask(asked, **how)
     assert [answer[:3] for answer in answers] == [(tag, bridge.DONE, at) for _, tag, at, _ in asked]
@@ -492,8 +494,8 @@ async def write(host, values, **how):
 @bench.applies(lambda dut: case_of(dut)[0] in ("array", "electrodes"))
 @cocotb.test(timeout_time=200, timeout_unit="ms")
 async def every_bit_of_every_setting_is_kept(dut):
-    """Each is read as it was written, and so it is at the block that it is for; so it was from reset on.
-    Between them, the two cores have all groups of settings. Conversions stop with the first ones."""
+    """Each setting reads back as written and arrives at its block, as its reset value did. The two cores
+    together have all groups of settings. The enables are written first, which stops the conversions."""
     name, build = case_of(dut)
     host, *_ = await begin(dut, name, build)
     watch_wires(dut, name, "registers.pending_o")
@@ -502,7 +504,7 @@ async def every_bit_of_every_setting_is_kept(dut):
     twin = Registers(
         [group.name for group in GROUPS if group.feature and group.name in present],
         build.parameters["Resets"],
-        # 17 bits and the level's of a detail; 16 bits of a load and those that number the taxels.
+        # a detail has 17 bits plus the level's; a load 16 bits plus those that number the taxels
         {"array": {"detail": 18, "load": 21}, "electrodes": {"detail": 18, "load": 18}}[name],
     )
     ends = Ends(dut, inside(name), ())
@@ -533,11 +535,11 @@ async def every_bit_of_every_setting_is_kept(dut):
     asked += [(bridge.READ, 0, address, 0) for address in (0x001, 0x002, 0x555, 0xAAA)]
     expected += [(0, bridge.BUS_ERROR, address, 0) for address in (0x001, 0x002, 0x555, 0xAAA)]
     assert await host.ask(asked[:4], rest=8 * 700) + await host.ask(asked[4:]) == expected
-    await bench.clocks(dut, 200)  # a frame's boundary comes, though no frame does
+    await bench.clocks(dut, 200)  # a frame boundary comes even without frames
     for group in twin.pending:
         twin.commit(group)
     arrived()
-    # What was written lies beyond most of these and was held at their ends: now values that have room.
+    # Most values were beyond the range and saturated: now values within it.
     for word in (0x15555, 0x2AAAA, 0x15555) if name == "array" else ():
         values = {f"slip.{key}": word for key in ("threshold", "gross_threshold", "keep_threshold")}
         for key, value in values.items():
@@ -556,7 +558,7 @@ async def every_bit_of_every_setting_is_kept(dut):
 @bench.applies(lambda dut: case_of(dut)[0] == "electrodes")
 @cocotb.test(timeout_time=200, timeout_unit="ms")
 async def what_a_host_does_not_take_is_counted(dut):
-    """Every conversion gives a CoP frame, or is counted as dropped, given up or replaced."""
+    """Every conversion gives a CoP frame, or is counted as dropped, timed out or replaced."""
     name, build = case_of(dut)
     host, sensor, starts = await begin(dut, name, build)
     counters = [
@@ -598,7 +600,7 @@ async def what_a_host_does_not_take_is_counted(dut):
 @bench.applies(lambda dut: case_of(dut)[0] == "array")
 @cocotb.test(timeout_time=200, timeout_unit="ms")
 async def faults_are_told_and_every_counter_counts_its_own(dut):
-    """Frames as fast as the part goes, in stages between which the scan stands still."""
+    """Frames as fast as the part allows, in stages; the scan is off between them."""
     name, build = case_of(dut)
     host, sensor, starts = await begin(dut, name, build)
     twin, given = core.array_of(build), []
@@ -607,7 +609,7 @@ async def faults_are_told_and_every_counter_counts_its_own(dut):
     done = lambda: len(sensor.taken) // sensor.per_frame
 
     async def stage(codes, frames=0, rest=500, **settings):
-        """Let the scan run with ``codes``, the last ones as long as it does; what was converted then."""
+        """Scan ``codes``, repeating the last ones until the scan stops; return the codes converted."""
         before = done()
         sensor.codes = [codes[0]] * before + list(codes)
         await write(host, settings | {"scan.enable": 1})
@@ -625,7 +627,8 @@ async def faults_are_told_and_every_counter_counts_its_own(dut):
     expect(await stage([quiet], 18, **{"scan.period": 0}))
     assert await read(host, "tare.tared", "tare.refused") == [1, 0] == [twin.tare.tared, twin.tare.refused]
 
-    # Even taxels move, then odd ones: alone, and the others not with them; all are called railed.
+    # Even taxels move, then odd ones: without the others and never with them; the limits make all count as
+    # railed.
     moves = [quiet] * 4 + [quiet + 50 * even] * 4 + [quiet + 50] * 10
     limits = {"high": 0, "jump": 20, "still": 1, "rail": 1, "blink": 16}
     for key, value in limits.items():
@@ -639,7 +642,7 @@ async def faults_are_told_and_every_counter_counts_its_own(dut):
     )
     twin.health.report()
     before = len(host.packets())
-    # Not so fast that the CoP frames, which go first, fill the line.
+    # Slow enough that the CoP frames, which have priority, do not fill the line.
     expect(await stage([quiet], 12, **{"health.report": 1, "scan.period": 3300}))
     told = [tuple(q.fields.values()) for q in host.packets()[before:] if q.kind == p.HEALTH]
     assert sorted(told) == [(taxel, 7) for taxel in range(TAXELS)]
@@ -658,7 +661,7 @@ async def faults_are_told_and_every_counter_counts_its_own(dut):
         twin.cop.calibrate.table.write(word, offset, gain)
         entry = {"word": word, "offset": int(offset) & 0x1FFFF, "gain": int(gain), "write": 1}
         await write(host, {f"calibrate.{key}": value for key, value in entry.items()})
-    await write(host, {"calibrate.word": 2, "calibrate.write": 0x100})  # a row's, which this build has not
+    await write(host, {"calibrate.word": 2, "calibrate.write": 0x100})  # a row's, which this build lacks
     twin.cop.calibrate.swap()
     unseen = await stage([quiet + 900], 2, **settings)
     expect(unseen)
@@ -670,11 +673,11 @@ async def faults_are_told_and_every_counter_counts_its_own(dut):
     assert await read(host, "tare.swallowed") == [swallowed]
     await write(host, {"tare.load": 0})
 
-    # All at once slip, and more events than the queue holds wait for the line, and the scan for them.
+    # All slip at once: more events than the queue holds wait for the line, and the scan waits for them.
     assert dut.pressed_o.value == 1
     settings = {"slip.contact_level": 0, "slip.threshold": 0, "scan.period": 1, "cop.min_load": (1 << 21) - 1}
     watch_wires(dut, name)
-    # The answer comes behind an event of each taxel.
+    # The answer follows an event of each taxel.
     unchecked = rng.integers(200, 4000, (40, ROWS, COLUMNS))
     lost = len(await stage(unchecked, rest=1000 * TAXELS, **settings))
     assert dut.pressed_o.value == 0
@@ -701,7 +704,7 @@ async def faults_are_told_and_every_counter_counts_its_own(dut):
             assert list(q.fields["taxels"]) == given[frame_of[q.time]][0].ravel().tolist()
 
     host.edges.clear()
-    sensor.part.report = lambda violation: None  # a transfer may be broken off
+    sensor.part.report = lambda violation: None  # the reset may break off a transfer
     await bench.reset(dut)
     counters = ("scan.dropped", "link.rejected", "tare.refused", "tare.swallowed")
     assert await read(host, *counters, rest=8 * 700) == [0] * 4
@@ -710,7 +713,7 @@ async def faults_are_told_and_every_counter_counts_its_own(dut):
 @bench.applies(lambda dut: case_of(dut)[0] in ("array", "channels") and bench.whole(dut))
 @cocotb.test(timeout_time=200, timeout_unit="ms")
 async def every_bit_of_a_counter_reaches_its_register(dut):
-    """Of values put where they are counted, and of what these parts have no fault for."""
+    """By values put where they are counted, also for counters whose faults these parts do not have."""
     name, build = case_of(dut)
     host, *_ = await begin(dut, name, build)
     await write(host, {"scan.enable" if name == "array" else "adc.enable": 0}, rest=8 * 700)
@@ -749,9 +752,9 @@ EVIDENCE = {
         "settle": 2,
         "driver": {
             "free": 40000,
-            # What a scan took as it was switched on, until it is switched off.
+            # What a scan copied when it was enabled, until it is disabled.
             "kept": "settle_q period_q",
-            # What counts to a scan's next row, frame.
+            # Counters up to a scan's next row and frame.
             "late": "left_q count_q",
             "part": 1,
             "packets": 1,
@@ -759,7 +762,7 @@ EVIDENCE = {
         },
         "kept_inside": {"u_calibrate": "calibrate", "u_tare": "tare", "u_health": "health"},
         "keeps_settings": True,
-        # Each at 25 clocks of a frame (docs/registers.md).
+        # Each write at 25 clocks of a frame (docs/registers.md).
         "writes": [
             {
                 "before": "504:0,508:0,50c:900,510:1 504:1,508:3,50c:a23,510:1 "
@@ -773,7 +776,7 @@ EVIDENCE = {
             {"write": "30c:1", "same": 1},  # scan: even rows first, the same frame
             {"write": "304:40", "same": 1},  # scan: longer to settle
             {"before": "900:0", "write": "900:1", "same": 1},  # images
-            {"write": "14:12345678", "same": 1},  # of no meaning
+            {"write": "14:12345678", "same": 1},  # without effect
         ],
     },
 }
@@ -790,7 +793,8 @@ def test_core_of_a_stream(name):
 
 
 def test_what_a_configuration_leaves_out_the_model_leaves_out():
-    """Forces are the codes, then; without slip there are the same frames and no events."""
+    """Without calibration and tare, forces are the codes; without slip, the frames are the same and there are
+    no events."""
     plain = copy.deepcopy(COMMON | CASES["array"])
     plain["array"] = {"tare": False, "newtons_per_count": 1e-3}
     del plain["slip"]

@@ -1,7 +1,8 @@
-"""Settings that a core has too few bits for, and words that it has not, from the bus to what leaves it.
+"""Settings wider than a core's registers, and words that it lacks, from the bus to the core's output.
 
 3 rows of 5 columns in beats of two: 9 beats of a frame, 3 of a row, 20 bits of a load, 18 of a detail, 4 of a
-time. Expected values are worked out here; what a value with room does is seen beside it.
+time. Expected values are worked out here; values within the range are tried too. Wrapped values, where given,
+are those that a core without saturation would use.
 """
 
 import cocotb
@@ -28,7 +29,7 @@ SIZE = {
 }
 BUILD = SIZE | {"Window": 8, "Hop": 8, "TimerBits": 4, "Tare": 1, "TareLog2": 1, "SlipDepth": 8}
 COP, IMAGE, SLIP = 2, 3, 1
-AT = {  # of docs/registers.md
+AT = {  # from docs/registers.md
     **{"threshold": 0x200, "gross": 0x204, "contact_level": 0x208, "release_level": 0x20C, "hold": 0x214},
     **{"tare_load": 0x494, "tare_word": 0x498, "tare_zero": 0x49C, "tare_write": 0x4A0, "min_load": 0x600},
     **{"word": 0x504, "offset": 0x508, "gain": 0x50C, "write": 0x510, "swap": 0x514, "swapping": 0x518},
@@ -44,7 +45,7 @@ class Bench:
         idle = {port._name: 0 for port in dut if port._name.endswith("_i") and port._name != "clk_i"}
         await bench.start(dut, **idle | {"out_ready_i": 1, "rx_i": 1})
         cocotb.start_soon(self._watch())
-        await bench.clocks(dut, 100)  # the preset gains are written
+        await bench.clocks(dut, 100)  # until the preset gains are written
         return self
 
     async def _watch(self):
@@ -66,7 +67,8 @@ class Bench:
         return data
 
     async def frame(self, codes, midway=None):
-        """Send codes [rows][columns]; what came until the core rests. ``midway``: done before beat 5."""
+        """Send codes [rows][columns]; return the packets until the core is idle. ``midway``: awaited before
+        beat 5."""
         dut, before = self.dut, len(self.packets)
         beats = -(-COLUMNS // LANES)
         for row in range(ROWS):
@@ -112,7 +114,7 @@ async def says_its_bits_and_its_words(dut):
 
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 async def a_least_load_is_held_at_its_end(dut):
-    """15 taxels of 1000 are 15000. 2^20 was 0, and 2^20 + 15000 the load itself."""
+    """15 taxels of 1000 are 15000. Wrapped, 2^20 would be 0, and 2^20 + 15000 the load itself."""
     core = await Bench(dut).begin()
     for least, pressed in (
         *((15_000, 1), (15_001, 0), (1 << 20, 0), (14_999, 1), ((1 << 20) + 15_000, 0), (2**32 - 1, 0)),
@@ -126,7 +128,7 @@ async def a_least_load_is_held_at_its_end(dut):
 
 
 async def swings(core, frames):
-    """Whether anything slips after each frame of codes that go to and fro: a detail of 700, then -700."""
+    """Whether anything slips after each frame of codes that alternate: a detail of 700, then -700."""
     seen = []
     for n in range(frames):
         await core.frame(flat((1000, 300, 300, 1000)[n % 4]))
@@ -136,18 +138,19 @@ async def swings(core, frames):
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def a_threshold_is_held_at_its_end(dut):
-    """Peak to peak is 1400. 262144 + 300 was 300; both ends of equality are seen at 1400 and 1399."""
+    """Peak to peak is 1400. Wrapped, 262144 + 300 would be 300; 1400 does not slip, 1399 does."""
     core = await Bench(dut).begin()
     for threshold, slips in ((1400, 0), (262_444, 0), (1399, 1), (262_144, 0), (300, 1), (0xF_FFFF, 0)):
         await core.write(threshold=threshold, gross=0xF_FFFF)
-        await core.frame(flat(0))  # released: what was raised ends
+        await core.frame(flat(0))  # released, which ends a raised slip
         await core.frame(flat(0))
         assert max(await swings(core, 16)) == slips, threshold
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def levels_are_held_at_both_ends(dut):
-    """A group's sum is 2000. 262144 - 5 was -5, contact always; -262144 + 60000 was 60000, contact never."""
+    """A group's sum is 2000. Wrapped, 262144 - 5 is -5, always contact; -262144 + 60000 is 60000, never
+    contact."""
     core = await Bench(dut).begin()
     for contact, release, touched in (
         *((2000, 100, 1), (2001, 100, 0), (262_139, 100, 0), (131_072, 100, 0)),
@@ -165,7 +168,7 @@ async def levels_are_held_at_both_ends(dut):
 
 @cocotb.test(timeout_time=50, timeout_unit="ms")
 async def a_time_is_held_at_its_end(dut):
-    """Four bits: 16 was 0 and 30 was 14, both are 15. A flag outlasts its cause by two frames a detail."""
+    """Four bits: wrapped, 16 would be 0 and 30 be 14; both are 15. Each detail of hold lasts two frames."""
     core, found = await Bench(dut).begin(), {}
     await core.write(threshold=1399, gross=0xF_FFFF, contact_level=-100, release_level=-101)
     for hold in (0, 14, 15, 16, 30, 0xFFFF):
@@ -182,7 +185,8 @@ async def a_time_is_held_at_its_end(dut):
 
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 async def zeros_of_words_that_are_not_there_are_lost(dut):
-    """Word 4, lane 1 is row 1, column 3. 9 is the first that is not there; 16 + 4 and 2^19 were 4 and 0."""
+    """Word 4, lane 1 is row 1, column 3. 9 is the first missing word; wrapped, 16 + 4 and 2^19 would be 4 and
+    0."""
     core = await Bench(dut).begin()
     await core.write(tare_load=1)
     await core.frame(CODES)
@@ -219,8 +223,8 @@ async def gains_of_words_that_are_not_there_are_lost(dut):
 
 
 async def swapping_in_a_frame(dut, words, row_words):
-    """A swap that is asked for while a frame is under way: calibrate.swapping is 1 until its last beat, then
-    0; the frame keeps its gains, the next one has the new: 2, 3, 4 of a row's beats, 5 for word 1, lane 1."""
+    """A swap requested during a frame: calibrate.swapping is 1 until its last beat, then 0; the frame keeps
+    its gains, the next one has the new ones: 2, 3, 4 for the beats of a row, 5 for word 1, lane 1."""
     core = await Bench(dut).begin()
     for word in range(words):
         await core.write(word=word, offset=-word, gain=4096 * (2 + word % 3), write=0b11)
@@ -242,7 +246,7 @@ async def swapping_in_a_frame(dut, words, row_words):
 
     def force(row, column):
         beat, lane = divmod(column, LANES)
-        offset = 10 * row + beat if row_words else 0  # those of taxels are the zeros' here
+        offset = 10 * row + beat if row_words else 0  # taxel offsets are replaced by the zeros here
         gain = 5 if (beat, lane) == (1, 1) and (row_words or row == 0) else 2 + beat
         return (CODES[row][column] + offset) * gain
 
@@ -283,6 +287,6 @@ def test_samples_have_at_most_seventeen_bits(bits, kind):
 
 @pytest.mark.parametrize("kind", [{}, FOUR_WIRES])
 def test_a_single_sensor_has_one_converter(kind):
-    """The pins of a second one would be driven by nothing."""
+    """The pins of a second one would be undriven."""
     said = bench.refuses("core", {"Converters": 2, **kind})
     assert "Converters = 2 must divide Columns = 1, 1 without Array" in said

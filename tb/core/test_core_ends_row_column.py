@@ -1,5 +1,6 @@
-"""Gains of rows and columns in a core of 3 rows of 5 columns, in beats of two: the default of GainShift makes
-4096 a gain of one in both; offsets have 16 bits; words of rows and columns that are not there are lost."""
+"""Gains of rows and columns in a core of 3 rows of 5 columns, in beats of two: with the default of GainShift,
+4096 is a gain of one in both; offsets have 16 bits; writes to missing words of rows and columns are
+ignored."""
 
 import cocotb
 
@@ -16,7 +17,8 @@ async def forces_are_the_codes_by_default(dut):
 
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 async def words_that_are_not_there_are_lost(dut):
-    """Three beats of a row, and three rows: 3 is none of either, 4 and 16 have 0 within."""
+    """A row has three beats, and there are three rows: word 3 is missing in both; 4 and 16 have low bits of
+    0."""
     core = await Bench(dut).begin()
     for word in range(3):
         await core.write(word=word, offset=0, gain=4096, write=0b11)
@@ -39,7 +41,8 @@ async def words_that_are_not_there_are_lost(dut):
 
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 async def an_offset_is_held_at_both_ends(dut):
-    """Column 1 is word 0, lane 1: -40000 is -32768, was 25536; 40000 is 32767, was -25536. Rows' add."""
+    """Column 1 is word 0, lane 1: -40000 becomes -32768 (wrapped: 25536), 40000 becomes 32767. Row offsets
+    add."""
     core = await Bench(dut).begin()
     for word in range(3):
         await core.write(word=word, offset=0, gain=4096, write=0x100)

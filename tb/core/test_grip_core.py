@@ -1,7 +1,8 @@
-"""A hand in closed loop at the pins of a core: physics, a converter's pins, the words that move the hand. An
-object that is poured into begins to slip and is held; each word comes in the clock that docs/grip.md says, of
-the size that a loop written from it says. What goes wrong: a dead converter, a silent one, a reset in a grip,
-slip that is always or never there, a command at its limits: it never jumps, never opens, and says why."""
+"""A hand in closed loop at the pins of a core: physics, a converter's pins, and the words that move the hand.
+An object being filled begins to slip and is held; each word has the size that a loop written from
+docs/grip.md gives, in the clock stated there. Failures: a dead converter, a silent one, a reset during a
+grip, slip that is always or never seen, a command at its limits: the hand never jumps, never opens, and
+reports the cause."""
 
 import tomllib
 
@@ -20,7 +21,7 @@ from meissner.physics.hand import Grasp, Hand
 from parts.mcp3208 import Mcp3208
 from reference.grip import LATENCY, GripLoop
 
-PERIOD, FRAME = 28_000, 400  # clocks of a control cycle and from frame to frame, at 4 MHz: 7 ms, 0.1 ms
+PERIOD, FRAME = 28_000, 400  # clocks of a control cycle and of a frame, at 4 MHz: 7 ms, 0.1 ms
 STEP, RATE, MINIMUM, MAXIMUM = 800, 2000, 1000, 60_000
 THRESHOLD, WINDOW, BLOCK = 23, 64, 10
 COUNT_MM = 1e-4
@@ -50,8 +51,9 @@ def grasp(seed=1):
 
 
 class World:
-    """Physics by millisecond; ``words``: (clock, word) of every word, each moves the hand; ``taken``: (clock,
-    channel, code) of every sample that the slip path gets; ``spoil``: what becomes of a channel's code."""
+    """Physics in steps of a millisecond; ``words``: (clock, word) of every word, each of which moves the
+    hand; ``taken``: (clock, channel, code) of every sample that the slip path gets; ``spoil``: changes a
+    channel's code."""
 
     def __init__(self, dut, grasp):
         self.dut, self.hand, self.goal = dut, Hand([grasp], 10_000, BLOCK), np.array([grasp.closing_mm])
@@ -81,7 +83,7 @@ class World:
             word = bench.as_signed(bench.read(self.dut.grip_word_o), 17)
             self.words.append((self.host.clock(), word))
             self.goal = self.goal + word * COUNT_MM
-            await FallingEdge(self.dut.grip_valid_o)  # for one clock
+            await FallingEdge(self.dut.grip_valid_o)  # valid for one clock
             assert self.host.clock() == self.words[-1][0] + 1
 
     async def watch_samples(self):
@@ -94,7 +96,7 @@ class World:
 
 
 class Prompt(Mcp3208):
-    """Its bits come at once: that the core leaves them their time is tested elsewhere."""
+    """Without the delays of its bits: other tests check that the core allows for them."""
 
     def drive(self, lane, bit, delay, hold=0.0):
         self.miso.value = bit
@@ -108,7 +110,7 @@ async def begin(dut, one=None):
 
 
 def decisions(taken):
-    """{clock: (channel, over, end)} of what the slip path was given: docs/slip.md, a plain loop."""
+    """{clock: (channel, over, end)} for the samples that the slip path got: docs/slip.md, a plain loop."""
     found, details, first = {}, {0: [], 1: []}, {}
     for clock, channel, code in taken:
         if channel not in first:
@@ -123,8 +125,8 @@ def decisions(taken):
 
 
 def by_loop(taken, start, clocks, reports=None, **settings):
-    """(clock, word) of every word of ``clocks`` clocks from ``start`` on, where a period begins; ``reports``:
-    {clock: (channel, known, speed)} of the speeds that the reflex is told."""
+    """(clock, word) of every word in ``clocks`` clocks from ``start`` on, where a period begins; ``reports``:
+    {clock: (channel, known, speed)} of the speeds reported to the reflex."""
     given = {"period": PERIOD, "step": STEP, "rate": RATE, "minimum": MINIMUM, "maximum": MAXIMUM, "decay": 0}
     given |= {"watchdog": 7, "rule": 0, "mode": 0, "immediate": 1, "override": 0, "override_value": 0}
     given |= {"speed_gain": 0, "boost": 0}
@@ -143,17 +145,17 @@ async def an_object_that_slips_is_held(dut):
     while len(world.codes) < 1100:
         await pins.rest(dut, 5 * FRAME)
     first = world.words[0]
-    # The period begins with the clock after reset, of which the last edge is clock 0.
+    # The period begins with the clock after reset; the last edge in reset is clock 0.
     assert first == (PERIOD - 1 + LATENCY, 0)
     ended = host.clock() - 2 * LATENCY
     assert [one for one in world.words if one[0] < ended] == by_loop(world.taken, 0, ended - LATENCY)
-    # The first slip after a quiet period: from the sample that shows it to the word.
+    # The first slip after an idle period: from the sample that shows it to the word.
     over = [clock - DECISION for clock, (_, is_over, _) in decisions(world.taken).items() if is_over]
     tightened = [clock for clock, word in world.words if word]
     assert tightened[0] - over[0] == WORD
     assert {clock - sample for clock in tightened for sample in over if 0 <= clock - sample <= 16} >= {WORD}
     assert len(tightened) >= 3 and {word for _, word in world.words} <= {0, STEP, 2 * STEP}
-    # What a host sees of it.
+    # The registers that a host reads.
     command, increment, fault, faulty, commands, tightenings = await host.read(
         *(f"grip.{name}" for name in ("command", "increment", "fault", "faulty", "commands", "tightenings"))
     )
@@ -170,27 +172,27 @@ async def an_object_that_slips_is_held(dut):
 
 
 async def armed(dut, world):
-    """The first command is there."""
+    """Wait for the first command."""
     while not world.words:
         await pins.rest(dut, FRAME)
 
 
 def dies(world, code):
-    """Between the two samples of a detail: else a step of the level is none of the detail."""
+    """From between two details on: within a detail, the step of the level would be a detail itself."""
     at = max(world.asked) + 4
     at += at % 2 == 0
     world.spoil = lambda channel, good: code(channel) if world.asked[channel] > at else good
 
 
 async def quiet(dut, host, seconds=0.03):
-    """That many seconds."""
+    """Wait for that many seconds."""
     await pins.rest(dut, round(4e6 * seconds))
 
 
 @cocotb.test(timeout_time=1, timeout_unit="sec")
 @cocotb.parametrize(stuck=[0, 4095])
 async def a_dead_converter_holds_and_says_so(dut, stuck):
-    """Though it looks like slip, and though the grip would decay; the other finger goes on alone."""
+    """Although it looks like slip, and although the grip would decay; the other finger goes on alone."""
     world, host = await begin(dut, grasp(3))
     await armed(dut, world)
     await host.set({"grip.rail": 1, "grip.decay": 50, "grip.minimum": 300, "grip.period": 4000})
@@ -206,7 +208,7 @@ async def a_dead_converter_holds_and_says_so(dut, stuck):
     assert {word for _, word in before} <= {-50, 0}, "the step to the rail was answered"
     assert await host.read("grip.fault", "grip.faulty") == [UNHEALTHY, 3]
     assert (await host.read("grip.command"))[0] == MINIMUM + sum(word for _, word in world.words)
-    # One finger alone: it tightens, but it does not open.
+    # One finger alone: the hand tightens, but does not open.
     world.spoil = lambda channel, code: code + 60 * (world.asked[0] % 2) if channel == 0 else stuck
     await quiet(dut, host, 0.01)
     assert await host.read("grip.fault", "grip.faulty") == [UNHEALTHY, 2]
@@ -221,7 +223,7 @@ async def a_dead_converter_holds_and_says_so(dut, stuck):
 
 @cocotb.test(timeout_time=1, timeout_unit="sec")
 async def with_more_samples_to_die_in_it_tightens_first(dut):
-    """rail = 8: before that many samples a window of each finger is answered, and none after."""
+    """rail = 8: a window of each finger is answered before that many samples, and none after."""
     world, host = await begin(dut, grasp(3))
     await host.set({"grip.rail": 8, "grip.period": 4000})
     await quiet(dut, host, 0.008)
@@ -251,11 +253,11 @@ async def a_silent_converter_holds_and_says_so(dut):
 
 @cocotb.test(timeout_time=1, timeout_unit="sec")
 async def a_reset_in_a_grip_moves_nothing(dut):
-    """Settings are the build's own, so the core goes on by itself; the hand stays where it was."""
+    """The settings are the build's own, so the core continues by itself; the hand stays where it was."""
     world, host = await begin(dut)
     while sum(word for _, word in world.words) < 2 * STEP:
         await pins.rest(dut, 400)
-    await pins.rest(dut, 3000)  # the line says what it has to
+    await pins.rest(dut, 3000)  # until the line is idle
     goal, before = world.goal[0], len(world.words)
     for wait in (5, 300):
         await pins.rest(dut, wait)
@@ -295,7 +297,7 @@ async def slip_stuck_on_and_off_stays_within_its_limits(dut):
     assert {0, -70, -60} == set(down) and set(down[-5:]) == {0}, down
     assert sum(words) + sum(down) == 0
     assert await host.read("grip.command", "grip.fault") == [1000, 0]
-    # A maximum that a host moves below the command is gone to by the rate, and a minimum above it.
+    # A minimum that a host sets above the command is approached at the rate.
     await host.set({"grip.minimum": 1500})
     await quiet(dut, host, 0.01)
     up = [word for _, word in world.words[len(words) + len(down) :]]
@@ -304,7 +306,7 @@ async def slip_stuck_on_and_off_stays_within_its_limits(dut):
 
 @cocotb.test(timeout_time=1, timeout_unit="sec")
 async def a_slide_is_answered_with_steps_that_double(dut):
-    """Every window is over: 90 of the first finger's first, 90 + 180 of the other's first two, then 360."""
+    """Every window is over: 90 for the first finger's first, 90 + 180 for the other's first two, then 360."""
     world, host = await begin(dut)
     await host.set({"grip.step": 90, "grip.boost": 2})
     await armed(dut, world)
@@ -318,7 +320,7 @@ async def a_slide_is_answered_with_steps_that_double(dut):
 
 @cocotb.test(timeout_time=1, timeout_unit="sec")
 async def forces_come_as_pulses(dut):
-    """None until a host has set the force; then its width, and one step more with slip."""
+    """No pulse until a host has set the force; then that width, and one step more after a slip."""
     world, host = await begin(dut)
     pulses = pins.Edges(host, dut.pwm_o)
     ends = pins.Edges(host, dut.pwm_o, to=0)
@@ -331,7 +333,7 @@ async def forces_come_as_pulses(dut):
     await host.set({"grip.override_value": 4660, "grip.override": 1})
     await quiet(dut, host, 0.01)
     await host.set({"grip.override": 0})
-    world.goal = np.array([1.247])  # it is no position
+    world.goal = np.array([1.247])  # the words are no positions
     await quiet(dut, host, 0.04)
     assert {word for _, word in world.words} == {4660}
     assert ends.at[0] - pulses.at[0] == 4660 and pulses.at[1] - pulses.at[0] == 65_535

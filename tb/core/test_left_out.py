@@ -1,5 +1,5 @@
-"""What a configuration leaves out is not there: Yosys elaborates the core of each named one, and none of the
-blocks of the features it has not is among the modules; so they cannot cost a cell."""
+"""A feature that a configuration leaves out costs no cell: Yosys elaborates the core of each named
+configuration, and none of the blocks of the missing features is among the modules."""
 
 import re
 
@@ -9,7 +9,7 @@ from meissner.builds import config, toolchain
 from meissner.builds.build import verilog
 from meissner.builds.yowasp import chparam, read_rtl, yosys
 
-# Blocks of each feature that are of no use to any other.
+# Blocks that serve only one feature.
 BLOCKS = {
     "Array": {
         "msn_array",

@@ -1,8 +1,8 @@
 """A scanned array of 3 rows and 4 columns, two columns a conversion, at the pins of an AD7606: each setting
 of scan, health, tare, calibration and CoP, through its register, changes what it should and nothing else. No
-two settings have one value; what is expected is worked out by hand from docs/ and written as numbers; each
-limit is met exactly and missed by one. Each packet carries the clock of its frame's first CONVST edge; each
-counter has a value that no other has, in its register and in its statistic."""
+two settings have the same value; results are worked out by hand from docs/ and written as numbers; each limit
+is met exactly and missed by one. Each packet has the clock of its frame's first CONVST edge; each counter has
+its own value, in its register and in its statistic."""
 
 from fractions import Fraction
 
@@ -17,13 +17,13 @@ from parts.ad7606 import Ad7606
 
 ROWS, COLUMNS = 3, 4
 PERIOD = 701
-CONVERSIONS = 6  # of a frame: two groups of columns in each row
+CONVERSIONS = 6  # in a frame: two groups of columns in each row
 DEAD, RAILED, BLINKING = 1, 2, 4
 ZERO = np.array([[100, 103, 109, 110], [121, 127, 130, 138], [142, 145, 151, 160]])
 
 
 class Prompt(Ad7606):
-    """Its bits come at once: that the core leaves them their time is tested elsewhere."""
+    """Without the delays of its bits: other tests check that the core allows for them."""
 
     def drive(self, lane, bit, delay, hold=0.0):
         self.miso.value = bit
@@ -33,7 +33,7 @@ class Prompt(Ad7606):
 
 
 class Core:
-    """The array from reset on; ``at_start``: averages the first two frames into the zeros."""
+    """The array from reset on; with tare.at_start it averages the first two frames into the zeros."""
 
     async def begin(self, dut, **first):
         self.dut, self.codes, self.done = dut, None, 0
@@ -43,14 +43,14 @@ class Core:
             return Prompt(dut.adc_cs_n_o, dut.adc_sclk_o, *ports, conversion_ns=3995)
 
         self.host, self.part = await pins.begin(dut, part)
-        await self.host.write(**first)  # before the preset gains are all written
+        await self.host.write(**first)  # before all preset gains are written
         self.converts = pins.Edges(self.host, dut.adc_convst_o)
         await self.host.write(scan__period=PERIOD, scan__settle=5)
         await pins.rest(dut, 100)
         return self
 
     def code(self, channel, _):
-        """All eight inputs at a CONVST edge: the columns of the row that is driven and of the group."""
+        """All eight inputs at a CONVST edge: two columns of the selected group in the driven row."""
         conversion = len(self.part.frames) - self.before
         frame = self.codes[min(conversion // CONVERSIONS, len(self.codes) - 1)]
         row, column = bench.read(self.dut.row_o), 2 * bench.read(self.dut.group_o) + channel
@@ -58,7 +58,7 @@ class Core:
         return int(frame[row.bit_length() - 1][column]) & 0xFFFF if channel < 2 else 0x7777
 
     async def scan(self, frames, period=None):
-        """Scan ``frames`` [.., 3, 4]; the packets that came, and the clock of each CONVST edge by frame."""
+        """Scan ``frames`` [.., 3, 4]; return the packets and the clocks of the CONVST edges by frame."""
         first, since = len(self.host.packets), len(self.converts.at)
         self.codes, self.before = frames, len(self.part.frames)
         if period:
@@ -83,7 +83,7 @@ class Core:
         return sum(packet.kind == pins.IMAGE for packet in packets)
 
     async def faults(self, frames):
-        """Taxels reported, by the index of the frame in which they are."""
+        """The taxels reported: {taxel: (faults, index of the frame in which it was reported)}."""
         packets, edges = await self.scan(frames)
         found = {}
         for packet in packets:
@@ -98,7 +98,7 @@ def flat(array):
 
 
 def at(row, column, value):
-    """Zero but for one taxel."""
+    """A frame that is zero except for one taxel."""
     frame = np.zeros((ROWS, COLUMNS), dtype=int)
     frame[row, column] = value
     return frame
@@ -106,7 +106,8 @@ def at(row, column, value):
 
 @cocotb.test(timeout_time=100, timeout_unit="ms")
 async def the_scans_settings_at_the_pins(dut):
-    """Clocks from a row's change to CONVST, from frame to frame, the order of rows; times of all packets."""
+    """Clocks from a row's change to CONVST and from frame to frame, the order of rows, the times of all
+    packets."""
     core = await Core().begin(dut)
     order = []
 
@@ -144,14 +145,14 @@ async def each_setting_of_the_zeros(dut):
     core = await Core().begin(dut)
     read, write = core.host.read, core.host.write
     await write(tare__contact=40, tare__step=0)
-    # The first two frames are averaged, and twice their codes are the forces until then.
+    # The first two frames are averaged; until then the forces are twice the codes.
     found = await core.images([ZERO - 1, ZERO + 1, ZERO + at(1, 2, 41), ZERO + at(2, 1, 40)])
     assert found == [flat(2 * ZERO - 2), flat(2 * ZERO + 2), flat(at(1, 2, 82)), flat(at(2, 1, 80))]
     assert await read("tare.tared", "tare.refused", "tare.swallowed", "tare.state") == [1, 0, 0, 0]
     # Contact is more than 40: bit 2 of the state.
     await core.images([ZERO + at(2, 1, 41)])
     assert await read("tare.state") == [4]
-    # Refused while something presses, unless forced; taring is bit 1.
+    # Refused while something presses, unless forced; bit 1 is a tare in progress.
     await write(tare__average=1)
     assert await read("tare.state") == [6]
     await core.images([ZERO + at(2, 1, 41)] * 2)
@@ -160,7 +161,7 @@ async def each_setting_of_the_zeros(dut):
     found = await core.images([ZERO + at(2, 1, 41)] * 3)
     assert found == [flat(at(2, 1, 82))] * 2 + [flat(at(2, 1, 0))]
     assert await read("tare.tared", "tare.refused", "tare.state") == [2, 1, 0]
-    # 205 / 4096 a frame are half a code after ten frames, and half a code rounds up.
+    # 205 / 4096 per frame reach half a code after ten frames, and half a code rounds up.
     await write(tare__step=205, tare__force=0)
     moved = ZERO + at(2, 1, 41) + at(0, 3, 5)
     found = await core.images([moved] * 12)
@@ -170,7 +171,7 @@ async def each_setting_of_the_zeros(dut):
     assert await core.images_sent([ZERO] * 3) == 0
     assert await read("tare.swallowed", "tare.state") == [3, 1]
     await write(tare__word=6, tare__zero=-77, tare__write=1)
-    await write(tare__word=9, tare__zero=89, tare__write=0)  # of no lane
+    await write(tare__word=9, tare__zero=89, tare__write=0)  # for no lane
     await write(tare__load=0)
     found = await core.images([ZERO + at(2, 1, 41) + at(0, 3, 1)])
     assert found == [flat(at(1, 2, 2 * (130 + 77)))]
@@ -179,7 +180,7 @@ async def each_setting_of_the_zeros(dut):
 
 @cocotb.test(timeout_time=100, timeout_unit="ms")
 async def without_a_zero_at_the_start_codes_stay(dut):
-    """And a gain for each taxel, from the frame after the swap on; images can be left out."""
+    """A gain for each taxel takes effect from the frame after the swap on; images can be switched off."""
     core = await Core().begin(dut, tare__at_start=0, tare__step=0)
     assert await core.images([ZERO] * 4) == [flat(2 * ZERO)] * 4
     assert await core.host.read("tare.tared", "calibrate.swapping") == [0, 0]
@@ -187,8 +188,8 @@ async def without_a_zero_at_the_start_codes_stay(dut):
     for word, gain in enumerate(gains):
         await core.host.write(calibrate__word=word, calibrate__gain=gain, calibrate__offset=word + 1)
         await core.host.write(calibrate__write=1)
-    await core.host.write(calibrate__word=5, calibrate__gain=1, calibrate__write=0)  # of no lane
-    await core.host.write(calibrate__write=0x100)  # a row's, which this build has not
+    await core.host.write(calibrate__word=5, calibrate__gain=1, calibrate__write=0)  # for no lane
+    await core.host.write(calibrate__write=0x100)  # a row's entry, which this build lacks
     assert await core.images([ZERO]) == [flat(2 * ZERO)]
     await core.host.write(calibrate__swap=1)
     wanted = [(2 * code * gain + 4096) // 8192 for code, gain in zip(flat(ZERO), gains)]
@@ -228,7 +229,7 @@ async def the_least_load_and_the_centre(dut):
 
 @cocotb.test(timeout_time=100, timeout_unit="ms")
 async def slip_of_taxels(dut):
-    """Steps just over and just not over each threshold; what is blanked is counted."""
+    """Steps just above and exactly at each threshold; blanked details are counted."""
     core = await Core().begin(dut, tare__step=0)
     await core.host.write(slip__threshold=201, slip__gross_threshold=603, slip__contact_level=700)
     await core.host.write(slip__release_level=300, slip__hold=1, slip__refractory=2, slip__blank=3)
@@ -247,7 +248,7 @@ ALL = np.ones((ROWS, COLUMNS), dtype=int)
 
 
 def moving(count, *still, by=30):
-    """Frames in which all taxels but these go up and down."""
+    """Frames in which all taxels except ``still`` go up and down."""
     step = ALL.copy()
     for row, column in still:
         step[row, column] = 0
@@ -256,7 +257,7 @@ def moving(count, *still, by=30):
 
 @cocotb.test(timeout_time=200, timeout_unit="ms")
 async def each_setting_of_health(dut):
-    """The first frame after a clear only says where taxels stand."""
+    """The first frame after a clear only sets the codes that later ones are compared with."""
     core = await Core().begin(dut, tare__step=0)
     base = {"band": 29, "jump": 60, "low": 50, "high": 900, "use": 3, "still": 0, "rail": 0, "blink": 0}
 
@@ -269,14 +270,14 @@ async def each_setting_of_health(dut):
             assert count == sum(1 for faults, _ in found.values() if faults & kind)
         return found
 
-    # Four a frame from the third on, when it is known that those around it moved in the one before.
+    # It counts four a frame from the third frame on, as moves of the neighbours are known a frame later.
     assert await reported(moving(8, (1, 1)), still=20) == {5: (DEAD, 6)}
     assert await reported(moving(8, (1, 1)), still=24) == {5: (DEAD, 7)}
     assert await reported(moving(8, (1, 1)), still=20, band=30) == {}
     # One a frame in a corner, if edges count.
     assert await reported(moving(9, (2, 3)), still=6) == {11: (DEAD, 7)}
     assert await reported(moving(9, (2, 3)), still=6, use=1) == {}
-    # At or beyond a limit at every sixteenth frame; over the range if that counts.
+    # At or beyond a limit in every sixteenth frame; over-range, if that is enabled.
     ends = ZERO.copy() + 20
     ends[0, 1], ends[1, 2], ends[2, 0], ends[2, 3] = 900, 899, 50, 51
     assert {taxel: fault for taxel, (fault, _) in (await reported([ends] * 17, rail=1)).items()} == {
@@ -288,13 +289,13 @@ async def each_setting_of_health(dut):
     full = ZERO + at(1, 3, 32767 - 138)
     assert set(await reported([full] * 17, rail=1, high=40000)) == {7}
     assert set(await reported([full] * 17, rail=1, high=40000, use=2)) == set()
-    # A jump alone counts 16, known a frame later.
+    # A jump of a taxel alone counts 16, one frame later.
     jumps = [ZERO + at(1, 1, 61) * (n % 2) for n in range(6)]
     assert await reported(jumps, blink=32) == {5: (BLINKING, 3)}
     assert await reported(jumps, blink=48) == {5: (BLINKING, 4)}
     assert await reported(jumps, blink=32, jump=61) == {}
     assert await reported(jumps, blink=32) == {5: (BLINKING, 3)}
-    # Masked from then on, and reported again when asked to, and then no more.
+    # Masked from then on, reported again on request, and then no more.
     await core.host.write(health__report=1)
     assert await core.faults([jumps[0]] * 2) == {5: (BLINKING, 0)}
     assert await core.faults([jumps[0]] * 2) == {}
@@ -305,8 +306,8 @@ async def each_setting_of_health(dut):
 
 @cocotb.test(timeout_time=100, timeout_unit="ms")
 async def every_taxel_fails_while_the_host_sleeps(dut):
-    """All twelve are at the limit for the sixteenth time, and the host takes nothing for three frames around
-    that: each is reported, once, in that frame or in a later one."""
+    """All twelve are at the limit for the sixteenth time, and the host stalls for three frames around that:
+    each is reported once, in that frame or in a later one."""
     core = await Core().begin(dut, tare__step=0)
     settings = {"band": 29, "jump": 60, "low": 50, "high": 900, "use": 3, "still": 0, "rail": 1, "blink": 0}
     await core.host.set({f"health.{name}": value for name, value in settings.items()})
@@ -344,8 +345,8 @@ async def what_goes_wrong_is_counted_where_it_belongs(dut):
 
 @cocotb.test(timeout_time=100, timeout_unit="ms")
 async def a_frame_that_waits_for_the_host_keeps_its_time(dut):
-    """All taxels slip at once, and the host takes nothing for three frames: no event is lost. The next frame
-    waits in the scan's buffer, which holds all of it, so the scan never waits for room; the two after it are
+    """All taxels slip at once, and the host stalls for three frames: no event is lost. The next frame waits
+    in the scan's buffer, which holds all of it, so the scan is never held; the two frames after it are
     dropped, and CoP and image of the frame that slipped are replaced by newer ones before they are sent."""
     core = await Core().begin(dut, tare__at_start=0, tare__step=0)
     await core.host.write(slip__threshold=99, slip__gross_threshold=0x3FFFF, slip__contact_level=1)
@@ -372,7 +373,7 @@ async def a_frame_that_waits_for_the_host_keeps_its_time(dut):
 
 @cocotb.test(timeout_time=100, timeout_unit="ms")
 async def each_counter_has_its_own_register_and_statistic(dut):
-    """Every bit, of values put where they are counted."""
+    """Every bit, by values put where they are counted."""
     core = await Core().begin(dut)
     await pins.says_what_it_is(core.host, "slip scan health tare calibrate cop link", ROWS, COLUMNS)
     array, link = dut.gen_array.u_sensor.u_array, dut.u_link.gen_link.u_link.u_packet

@@ -1,7 +1,7 @@
 """Three channels at the pins of a MAX11125, packets and commands on the line: each slip setting, through its
-register, changes what it should and nothing else; no two have one value, each limit is met exactly and
+register, changes what it should and nothing else; no two have the same value, each limit is met exactly and
 missed by one. Events are those of a loop written from docs/slip.md, each with the clock of the CS edge that
-began its frame; each counter has a value that no other has, in its register and in its statistic."""
+began its frame; each counter has its own value, in its register and in its statistic."""
 
 import cocotb
 import numpy as np
@@ -18,7 +18,7 @@ SETTINGS = {
     **{"threshold": 201, "gross_threshold": 603, "contact_level": 2000, "release_level": 1500},
     **{"contact_rises": 1, "hold": 3, "refractory": 5, "blank": 7},
 }
-# Of each channel's details, two samples each: their sum, and from which difference on.
+# Per channel: the sum of a detail's two samples, from which detail on, and their difference in some details.
 LEVELS = {0: {0: 900}, 1: {0: 1000, 2: 3000, 26: 1600, 29: 1400, 30: 1000}, 2: {0: 1200, 4: 2600, 31: 1000}}
 STEPS = {
     0: {3: 900, 9: -900, 21: 700},
@@ -26,7 +26,7 @@ STEPS = {
     2: {13: 250, 15: 230, 23: 605, 25: -202},
 }
 DETAILS = 32
-MOVING = (27, 28)  # the actuator moves in these details
+MOVING = (27, 28)  # details during which the actuator moves
 
 
 def scene():
@@ -87,7 +87,7 @@ class Contact:
 
 
 def run(contacts, codes, s):
-    """What a pass of ``codes`` gives: events [(frame, (channel, p2p, state))], details blanked, and after
+    """The results of a pass of ``codes``: events [(frame, (channel, p2p, state))], details blanked, and after
     each detail (touched, gross, slip) of all channels together."""
     events, blanked, flags = [], 0, []
     for detail in range(len(codes) // 2):
@@ -104,7 +104,7 @@ def run(contacts, codes, s):
 
 
 class Prompt(Max1112x):
-    """Its bits come at once: that the core leaves them their time is tested elsewhere."""
+    """Without the delays of its bits: other tests check that the core allows for them."""
 
     def drive(self, lane, bit, delay, hold=0.0):
         self.miso.value = bit
@@ -124,7 +124,7 @@ class Core:
         return self
 
     def code(self, channel, _):
-        """A frame asks for channel 0 first, and for one more than it uses."""
+        """A frame asks for channel 0 first, and for one channel more than it uses."""
         if channel == 0:
             self.frame += 1
         if channel >= CHANNELS:
@@ -132,12 +132,12 @@ class Core:
         return int(self.codes[max(0, min(self.frame, len(self.codes) - 1))][channel])
 
     async def convert(self, codes, period=PERIOD, every=1, moving=MOVING):
-        """Convert frames of ``codes``, on ``every`` so many ticks; (slip packets, convert starts, flags after
-        each detail)."""
+        """Convert frames of ``codes``, one in ``every`` ticks; returns (slip packets, convert starts, flags
+        after each detail)."""
         first, since, flags = len(self.host.packets), len(self.starts.at), []
         self.codes, self.frame = codes, -1
         await self.host.write(adc__period=period)
-        # A command is in force with its last byte.
+        # A command takes effect with its last byte.
         *enable, go = self.host.command(1, 250, pins.ADDRESS["adc.enable"], 1)
         *disable, stop = self.host.command(1, 249, pins.ADDRESS["adc.enable"], 0)
         await self.host.send([*enable, go])
@@ -155,7 +155,7 @@ class Core:
             if n % 2:
                 flags.append(self.flags())
         self.dut.actuator_moving_i.value = 0
-        await pins.rest(self.dut, 4000)  # the line says what is left
+        await pins.rest(self.dut, 4000)  # until the line is idle
         starts = self.starts.at[since:]
         assert len(starts) == len(codes)
         return self.host.of_kind(pins.SLIP, first), starts, flags
@@ -190,8 +190,8 @@ async def each_setting_changes_its_own_events(dut):
 
 @cocotb.test(timeout_time=200, timeout_unit="ms")
 async def what_goes_wrong_is_counted_where_it_belongs(dut):
-    """5 samples at an end of the range, 2 answers of another channel, 3 commands that are none, 9 ticks too
-    early: no other counter moves."""
+    """5 samples at an end of the range, 2 answers of another channel, 3 corrupted commands, 9 ticks too
+    early: no other counter changes."""
     core = await Core().begin(dut)
     counters = ("adc.dropped", "adc.overrun", "adc.timeout", "adc.mistagged", "adc.over_range")
     counters += ("link.rejected",)
@@ -208,13 +208,13 @@ async def what_goes_wrong_is_counted_where_it_belongs(dut):
     core.part.spoil = lambda answer: answer ^ 0x1000 if core.frame in (1, 4) else answer
     _, starts, _ = await core.convert(np.full((8, CHANNELS), 1500))
     assert np.diff(starts).tolist() == [181, 362, 181, 181, 362, 181, 181]
-    # The part is set up again then, for the length of a tick.
+    # Each time the part is set up again, which takes a tick.
     assert await core.host.read(*counters) == [0, 2, 0, 2, 5, 3]
     core.part.spoil = None
     _, starts, _ = await core.convert(np.full((8, CHANNELS), 1500), every=2, period=120)
     assert set(np.diff(starts)) == {240}
     assert await core.host.read(*counters) == [0, 9, 0, 2, 5, 3]
-    # Packets begun before the answer, which is the next.
+    # Packets begun before the answer, whose number is the next.
     (begun,) = await core.host.read("link.packets")
     assert begun == max(n for n, packet in enumerate(core.host.packets) if packet.kind == pins.ANSWER)
     assert await core.host.statistics() == {0: 0, 1: 9, 2: 0, 3: 0, 4: 0, 5: 0, 6: 0, 7: 3}
@@ -222,7 +222,8 @@ async def what_goes_wrong_is_counted_where_it_belongs(dut):
 
 @cocotb.test(timeout_time=200, timeout_unit="ms")
 async def what_the_converter_does_not_give_is_a_fault_of_every_finger(dut):
-    """An answer has another channel's number, in a period without an end; made short, it ends at once."""
+    """An answer with another channel's number, in a very long period; a shorter period setting ends it
+    immediately."""
     core = await Core().begin(dut)
     fault = ("grip.fault", "grip.faulty", "adc.mistagged")
     for spoilt, expected in ((False, [0, 0, 0]), (True, [2, 7, 1])):
@@ -238,7 +239,7 @@ async def what_the_converter_does_not_give_is_a_fault_of_every_finger(dut):
 
 @cocotb.test(timeout_time=200, timeout_unit="ms")
 async def each_counter_has_its_own_register_and_statistic(dut):
-    """Every bit, of values put where they are counted."""
+    """Every bit, by values put where they are counted."""
     core = await Core().begin(dut)
     await pins.says_what_it_is(core.host, "adc slip link grip", 1, CHANNELS)
     spi, path = dut.gen_channels.u_sensor.u_acquire.gen_adc.u_adc_spi, dut.u_slip.gen_slip.u_slip_path

@@ -1,8 +1,7 @@
 """Four electrodes at the pins of an AD7606: each setting of cop4 and cop_slip, written through its register,
-changes what it should and nothing else. Every setting has a value that no other has; the results are those of
-the formulas in docs/cop4.md and docs/mesh.md in exact rationals, each limit is met exactly and missed by
-one. Each packet carries the clock of its CONVST edge, also while the host stalls; each counter has a value
-that no other has."""
+changes what it should and nothing else. No two settings have the same value; the results are those of the
+formulas in docs/cop4.md and docs/mesh.md in exact rationals, and each limit is met exactly and missed by one.
+Each packet has the clock of its CONVST edge, also while the host stalls; each counter has its own value."""
 
 from fractions import Fraction
 
@@ -26,7 +25,7 @@ SLIP = {"drop": 77, "move": 901, "min_load": 4003, "hold": 2, "refractory": 5}
 ONE = (22000, -20100, 20000, -21200)
 TWO = (19500, -20700, 21800, -19400)
 OPEN = (26000, -24500, 23900, -24900)  # E1 exactly idle, E3 busy
-OPEN_LOW = (24600, -26101, 24400, -24001)  # E2, mirrored, idle, E4 exactly busy
+OPEN_LOW = (24600, -26101, 24400, -24001)  # E2, mirrored, idle; E4 exactly busy
 FULL = (30000, -25999, 24001, -28000)  # E1 exactly at the top, E3 with too little current to call E1 open
 UNEVEN = (22000, -20100, 20000, -20400)  # M - N is exactly 1500
 LESS = (25500, -24600, 24500, -25400)  # as ONE, but with less load and further along y
@@ -65,7 +64,7 @@ def result_of(sample, s):
 
 
 def octant_of(dx, dy):
-    """Counter-clockwise from +x in steps of 45 degrees, limits at 53/128; nothing here is on one."""
+    """Counter-clockwise from +x in steps of 45 degrees, limits at 53/128; no move here lies on a limit."""
     size, other = max(abs(dx), abs(dy)), min(abs(dx), abs(dy))
     if 128 * other > 53 * size:
         return {(1, 1): 1, (-1, 1): 3, (-1, -1): 5, (1, -1): 7}[dx // abs(dx), dy // abs(dy)]
@@ -73,8 +72,8 @@ def octant_of(dx, dy):
 
 
 def slips_since_reset(scene, done):
-    """(events {sample: octant}, slip_o after each) of the last pass of ``scene``, as often as ``done`` says:
-    (samples, settings) of each pass."""
+    """(events {sample: octant}, slip_o after each sample) of the last pass of ``scene``; ``done``: (number of
+    samples, settings) of every pass since reset."""
     results, events, flags, slipping, quiet, deaf = [], {}, [], False, 0, 0
     for count, s in done:
         events, flags = {}, []
@@ -119,12 +118,13 @@ class Core:
         return self
 
     def code(self, channel, _):
-        """All eight at each conversion."""
+        """All eight inputs of a conversion."""
         sample = self.codes[min(len(self.part.frames), len(self.codes) - 1)]
         return (sample[channel] if channel < 4 else 32767) & 0xFFFF
 
     async def convert(self, samples, period=PERIOD):
-        """Convert ``samples``; (CoP packets, slip packets, convert starts, slip_o after each) of them."""
+        """Convert ``samples``; returns their (CoP packets, slip packets, convert starts, slip_o after
+        each)."""
         first, before, flags = len(self.host.packets), len(self.starts.at), []
         self.codes = [None] * len(self.part.frames) + list(samples)
         await self.host.write(adc__period=period, adc__enable=1)
@@ -162,12 +162,12 @@ async def each_setting_of_cop4_changes_its_own_result(dut):
         await core.host.set({f"cop4.{name}": SETTINGS[name] for name in change})
     assert len(results) == len(changes) - 1, (
         "two changes look alike"
-    )  # the load itself as least load changes nothing
+    )  # a least load equal to the load changes nothing
 
 
 @cocotb.test(timeout_time=100, timeout_unit="ms")
 async def each_setting_of_cop_slip_changes_its_own_flag(dut):
-    """The load halves and comes back, twice: the second time while the flag of the first makes it deaf."""
+    """The load halves and recovers, twice: the second time within the refractory time of the first."""
     core = await Core().begin(dut)
     scene = [ONE] * 4 + [LESS] * 4 + [ONE] * 6 + [LESS] * 6
     (x, y, old, _), (less_x, less_y, less, _) = result_of(ONE, SETTINGS), result_of(LESS, SETTINGS)
@@ -179,7 +179,7 @@ async def each_setting_of_cop_slip_changes_its_own_flag(dut):
         await core.host.set({f"cop_slip.{name}": value for name, value in change.items()})
         await bench.clocks(dut, 100)
         _, slips, starts, flags = await core.convert(scene)
-        # What went before a change goes on with it: all since reset again, each scene with its settings.
+        # Earlier passes still have an effect: all since reset are computed, each with its settings.
         done.append((len(scene), SLIP | change))
         events, wanted = slips_since_reset(scene, done)
         assert flags == wanted, change
@@ -196,7 +196,7 @@ async def each_setting_of_cop_slip_changes_its_own_flag(dut):
 
 @cocotb.test(timeout_time=100, timeout_unit="ms")
 async def packets_keep_their_converts_time_while_the_host_stalls(dut):
-    """It takes nothing for four frames: the packet under way stays, the newest of the others is sent next."""
+    """It stalls for four frames: the packet being sent is kept, and of the others the newest is sent next."""
     core = await Core().begin(dut)
     samples = [ONE, TWO, LESS, UNEVEN, ONE, TWO]
     held = cocotb.start_soon(hold_after_the_first_byte(dut, 4 * PERIOD))
@@ -218,7 +218,7 @@ async def hold_after_the_first_byte(dut, clocks):
 
 @cocotb.test(timeout_time=100, timeout_unit="ms")
 async def what_goes_wrong_is_counted_where_it_belongs(dut):
-    """5 samples over range, 3 conversions without an answer, 7 ticks too early: no other counter moves."""
+    """5 samples over range, 3 conversions without an answer, 7 ticks too early: no other counter changes."""
     core = await Core().begin(dut)
     counters = ("adc.dropped", "adc.overrun", "adc.timeout", "adc.mistagged", "adc.over_range")
     most, least = 32767, -32768
@@ -237,7 +237,7 @@ async def what_goes_wrong_is_counted_where_it_belongs(dut):
 
 @cocotb.test(timeout_time=100, timeout_unit="ms")
 async def each_counter_has_its_own_register_and_statistic(dut):
-    """Every bit, of values put where they are counted."""
+    """Every bit, by values put where they are counted."""
     core = await Core().begin(dut)
     await pins.says_what_it_is(core.host, "adc cop4 cop_slip link", 1, 4)
     await bench.clocks(dut, 40)

@@ -1,8 +1,8 @@
-"""A core that finds the speed of shear, from an MCP3208's pins to registers at the line and to the reflex'
-words: two channels of rubber at 2 and 3 V are sheared one after the other, in codes of 5 V / 4096. What each
-window must give is the loop of tb/reference/shear.py, in integers with the formula in 50 digits; words are
-those of tb/reference/grip.py. The pin and changed commands that hold; a finger that dies; a host's other lot
-of rubber; a core that cannot have it."""
+"""A core that estimates the speed of shear, from an MCP3208's pins to the registers on the line and the words
+of the reflex: two channels of rubber at 2 and 3 V are sheared one after the other, in codes of 5 V / 4096.
+Each window must give the result of tb/reference/shear.py, in integers with the formula in 50 digits; words
+are those of tb/reference/grip.py. Holds by the pin and by changed commands; a finger that dies; another lot
+of rubber set by a host; a core that cannot have the estimator."""
 
 import tomllib
 from dataclasses import replace
@@ -32,7 +32,7 @@ from reference.shear import ShearReference, within
 
 GAIN, REPORT, WINDOW = 21, 60, 64
 UNSETTLED, RANGE, SMALL, CLIPPED, RISING, FAST = 1, 2, 4, 16, 32, 64
-# docs/shear_speed.md in codes of 5 V / 4096 times 512: 419430.4 a volt; a window is 6.4 ms.
+# docs/shear_speed.md in codes of 5 V / 4096 times 512: 419430.4 per volt; a window is 6.4 ms.
 SETTINGS = {"k0": 650_117, "k1": -17_695, "exponent": 18_618, "vi_min": 796_918, "vi_max": 1_719_665}
 SETTINGS |= {"noise": 41_943, "still": 1049, "full": 4095, "limit": 3 << 20, "travel": 819_200}
 
@@ -46,8 +46,8 @@ def build(**more):
 
 
 class Rubbers(World):
-    """Codes by frame: at rest at 2 and 3 V; from ``begins`` windows on sheared with a rise of so many codes,
-    and from two windows later on with a ripple that looks like slip."""
+    """Codes by frame: at rest at 2 and 3 V; sheared from window ``begins`` on, with a rise of ``rises``
+    codes, and two windows later with a ripple that looks like slip."""
 
     def __init__(self, dut, begins=(9, 11), rises=(820, 540), ripples=True):
         self.dut, self.begins, self.rises, self.ripples = dut, begins, rises, ripples
@@ -61,7 +61,7 @@ class Rubbers(World):
         window, code = frame // WINDOW - self.begins[channel], (1638, 2458)[channel] + frame % 5 // 4
         code += self.rises[channel] if window >= 0 else 0
         if window >= 2 and self.ripples:
-            code += 15 if frame % 4 in (0, 3) else -15  # details of +30 and -30, and 0 in the mean
+            code += 15 if frame % 4 in (0, 3) else -15  # details of +30 and -30, with a mean of 0
         return self.spoil(channel, code)
 
 
@@ -73,7 +73,8 @@ async def begin(dut, **given):
 
 
 def estimates(taken, settings=SETTINGS, held=lambda clock: False):
-    """[(clock of the report, channel, flags, least and most speed, vi, rise)] of what the core was given."""
+    """[(clock of the report, channel, flags, least and most speed, vi, rise)] for the samples that the core
+    got."""
     found, windows = [], {0: [], 1: []}
     loops = {channel: ShearReference(settings, 6, 3, 20) for channel in windows}
     travel = dict.fromkeys(windows, 0)
@@ -107,14 +108,14 @@ def last_of(found, channel):
 
 
 async def frames(world, count):
-    """Until so many frames were asked for, and the last was worked on."""
+    """Wait until ``count`` frames were converted and the last one was processed."""
     while len(world.taken) < 2 * count:
         await pins.rest(world.dut, FRAME // 2)
     await pins.rest(world.dut, 100)
 
 
 async def shows(host, world, **given):
-    """The registers are what the loop says of the samples so far; its last report of each channel."""
+    """Check the registers of each channel against the loop's last report; return [(flags, speed)]."""
     found, shown = estimates(world.taken, **given), []
     for channel in (0, 1):
         mine = [one for one in found if one[1] == channel]
@@ -130,7 +131,7 @@ async def shows(host, world, **given):
 
 
 def by_loop(world, ended, **settings):
-    """(clock, word) of every word before ``ended``, with the speeds that the reflex was told."""
+    """(clock, word) of every word before ``ended``, with the speeds reported to the reflex."""
     reports = {}
     for clock, channel, flags, least, most, _, _ in estimates(world.taken):
         terms = {GAIN * (int(end) // 256) // 256 for end in (least, most)}
@@ -155,14 +156,14 @@ async def speeds_are_read_and_answered(dut):
     await frames(world, 16 * WINDOW + 2)
     (_, again), (flags, speed) = await shows(host, world)
     assert flags == 0 and 0.3 < speed < 0.5 and again > 0.9  # 540 of 606.2
-    # Each window over adds what its finger's speed is worth; and the words are the loop's to the clock.
+    # Each window over adds its finger's speed term; the words are the loop's, each in its clock.
     ended = host.clock() - 2 * LATENCY
     expected = by_loop(world, ended - LATENCY)
     assert [one for one in world.words if one[0] < ended] == expected
     without = by_loop(world, ended - LATENCY, speed_gain=0)
     assert [at for at, _ in expected] == [at for at, _ in without]
     assert {word - plain for (_, word), (_, plain) in zip(expected, without)} & set(range(290, 340))
-    # Without a gain the words are those of a core that has no estimator.
+    # Without a gain the words are those of a core without the estimator.
     await host.set({"grip.speed_gain": 0})
     since = host.clock() + PERIOD
     await frames(world, 18 * WINDOW)
@@ -171,7 +172,8 @@ async def speeds_are_read_and_answered(dut):
 
 @cocotb.test(timeout_time=1, timeout_unit="sec")
 async def what_may_change_the_force_holds(dut):
-    """The pin for one frame, then commands: with hold_cycles = 1 each but 0 forgets Vi for a cycle."""
+    """The pin for one frame; then commands: with hold_cycles = 1 every nonzero increment discards Vi for a
+    cycle."""
     world, host = await begin(dut, ripples=False)
     await frames(world, 11 * WINDOW + 30)
     first = host.clock()
@@ -199,7 +201,7 @@ async def what_may_change_the_force_holds(dut):
 
 @cocotb.test(timeout_time=1, timeout_unit="sec")
 async def a_host_gives_it_another_lot_and_a_dead_channel_has_no_speed(dut):
-    """By meissner.host.shear over the line; then channel 1's input is at its end."""
+    """By meissner.host.shear over the line; then channel 1's input goes to its end."""
     world, host = await begin(dut, begins=(9, 99), rises=(800, 540), ripples=False)
     written, orders = {}, []
     lot = Rubber(k0_v=1.2, k1=-0.2, n=0.2)
@@ -236,7 +238,7 @@ def test_speeds_at_the_pins():
 
 @pytest.mark.parametrize("rule", ["any", "weakest"])
 def test_the_model_of_a_hand_hears_speeds_when_the_core_does(rule):
-    """70 frames a period, not immediate: the loop clock by clock, the model a cycle at a time."""
+    """70 frames a period, without `immediate`: the loop clock by clock, the model a cycle at a time."""
     world = Rubbers(None, begins=(9, 10))
     world.taken = [
         (FRAME * n + 60 + 200 * channel, channel, world.code(channel, n))

@@ -1,8 +1,7 @@
-"""Times of an array whose frames come on a stream, by value: every packet of a frame carries the clock in
-which the frame's first beat was taken, with frames back to back, with gaps inside them and with a sink
-that stalls; settings change between two frames only, counted in taxels; a frame without slip and images is
-followed by the next one as soon as its centre of pressure has left. Clocks are counted by the bench from
-the end of the reset.
+"""Times of an array whose frames come on a stream, by value: every packet of a frame has the clock in which
+the frame's first beat was taken, with frames back to back, with gaps inside them and with a sink that stalls.
+Settings change between two frames only, counted in taxels. A frame without slip and images is followed by the
+next one as soon as its centre of pressure has left. The bench counts clocks from the end of the reset.
 """
 
 import random
@@ -48,7 +47,7 @@ def number(dut, name):
 
 
 class Watch:
-    """What goes in and comes out: the clocks of first and last beats, packets, commits."""
+    """Records inputs and outputs: the clocks of first and last beats, packets, commits."""
 
     def __init__(self, dut, stall=0.0):
         self.dut, self.stall = dut, stall
@@ -92,7 +91,7 @@ async def begin(dut, stall=0.0):
     await bench.start(dut, **idle)
     watch = Watch(dut, stall)
     cocotb.start_soon(watch.run())
-    await bench.clocks(dut, 700)  # the preset gains are written
+    await bench.clocks(dut, 700)  # until the preset gains are written
     return watch
 
 
@@ -116,7 +115,7 @@ async def send(dut, frames, lanes, gap=0.0, between=0):
 
 
 def samples_of(dut, frames):
-    """Quiet, then a contact on some taxels that slips now and then."""
+    """Idle, then a contact on some taxels that slips now and then."""
     rng = np.random.default_rng(bench.SEED)
     shape = frames, number(dut, "Rows"), number(dut, "Columns")
     samples = rng.integers(100, 140, shape)
@@ -156,7 +155,7 @@ async def every_packet_carries_the_clock_of_its_frames_first_beat(dut, pace):
 
     cops = [(q.time, q.payload) for q in watch.packets if q.kind == p.COP]
     of_frames = [(time_of[frame], payload) for frame, payload in expected.cop]
-    assert set(cops) <= set(of_frames) and cops == sorted(cops)  # an unsent one gives way to the next
+    assert set(cops) <= set(of_frames) and cops == sorted(cops)  # an unsent one is replaced by the next
     assert cops[-1] == of_frames[-1]
     if between >= 4000 and not stall:
         assert cops == of_frames
@@ -190,9 +189,9 @@ async def settings_change_between_two_frames_only(dut, gap):
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def the_next_frame_waits_for_results_only(dut):
-    """Clocks from a frame's last beat to the next one's first: the result's way, then the gate opens. By the
-    headers: calibration 15 clocks (rows and columns), CoP 3 + log2(8) + 8; the debt ends 1 later, the gate
-    opens 2 later.
+    """Clocks from a frame's last beat to the next one's first: the result's latency, then the gate opens. By
+    the headers: calibration 15 clocks (rows and columns), CoP 3 + log2(8) + 8; one clock later no result is
+    owed, and 2 clocks later the gate opens.
     """
     watch = await begin(dut)
     alone = not (number(dut, "Slip") or number(dut, "Image"))
@@ -203,7 +202,7 @@ async def the_next_frame_waits_for_results_only(dut):
     if alone:
         assert waits == [15 + 3 + 3 + 8 + 1 + 2] * 4
     else:
-        # A taxel a clock leaves at the tap: no frame takes less than its taxels, and none waits much longer.
+        # One taxel a clock leaves at the tap: a frame takes at least as many clocks as taxels, and few more.
         periods = np.diff(watch.first)
         assert all(samples[0].size <= period <= samples[0].size + 64 for period in periods), periods
 
@@ -227,7 +226,7 @@ async def single_channels_carry_the_clock_of_their_frames_first_beat(dut, pace):
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 @cocotb.parametrize(pace=[(0.0, 0.0, 300), (0.4, 0.0, 270)])
 async def electrodes_carry_the_clock_of_their_frames_first_beat(dut, pace):
-    """A load that falls by half: each centre of pressure has its frame's clock, and so has the slip."""
+    """A load that falls by half: each centre of pressure has its frame's clock, and so has the slip event."""
     gap, stall, between = pace
     watch = await begin(dut, stall)
     samples = _electrodes([2.0, 2.1, 2.0, 2.1, 2.0, 0.9, 0.8, 0.9, 0.8])
@@ -235,7 +234,7 @@ async def electrodes_carry_the_clock_of_their_frames_first_beat(dut, pace):
     await bench.clocks(dut, 3000)
     assert [q.time for q in watch.packets if q.kind == p.COP] == watch.first
     slips = [q.time for q in watch.packets if q.kind == p.SLIP]
-    assert slips == [watch.first[5]]  # the first at half of the load the lag of two frames before
+    assert slips == [watch.first[5]]  # the first whose load is half of that two frames (the lag) before
 
 
 SINGLE = {

@@ -1,6 +1,6 @@
-"""The smallest core, one channel of an MCP3208 and nothing but slip packets on the line: each packet carries
-the clock of the CS edge that began the conversion that decided, in whatever phase of the sender's sweep; the
-pins show each detail's state. Settings are constants; events are of a loop written from docs/slip.md."""
+"""The smallest core, one channel of an MCP3208 and only slip packets on the line: each packet has the clock
+of the CS edge that began the deciding conversion, at any phase of the sender's sweep; the pins show each
+detail's state. Settings are constants; events are those of a loop written from docs/slip.md."""
 
 import cocotb
 import numpy as np
@@ -23,7 +23,7 @@ class Line(pins.LineHost):
 
 
 def scene():
-    """Held at 1500, with a step in every sixth detail: each falls into another part of the sweep."""
+    """Held at 1500, with a step in every sixth detail: each comes in another phase of the sweep."""
     codes = np.full(2 * 80, 1500)
     codes[12::12] += np.tile([202, 203, 201, 604, 603], 3)[: len(codes[12::12])]
     return codes

@@ -1,11 +1,11 @@
-"""What joins the blocks inside msn_core, as tb/core/test_core.py sees it: ends are "<block>.<port>", by the
-short names that the test gives its blocks, or a port of the core itself; "[high:low]" of it. "cfg.<setting>"
-and "status.<name>" are members of what registers give and get."""
+"""Wires and glue between the blocks inside msn_core, as tb/core/test_core.py checks them. An end is
+"<block>.<port>", with the test's short name of the block, or a port of the core itself; "[high:low]" selects
+bits. "cfg.<setting>" and "status.<name>" are members of the structs that the registers give and get."""
 
 import bench
 import members
 
-# Modules below the core whose ports tests see, and signals: what bench.run makes visible.
+# Modules below the core whose ports tests see, and one signal: bench.run makes them visible.
 SEEN = """acquire adc_spi array bridge calibration_preset cobs cop4 cop_accumulate cop_slip electrodes
 frame_filter frame_gate frame_owed health health_report image_store link packet packet_slip registers scan
 scan_buffer scan_plan sensor_channels skid slip slip_chain.offered slip_flags slip_path slip_serial sync tare
@@ -14,7 +14,7 @@ SEEN = tuple(f"msn_{name}" for name in SEEN.split())
 
 STRUCTS = {members.CFG: "registers.cfg_o", members.STATUS: "registers.status_i", "slip_cfg": "slip.cfg_i"}
 
-# By a block that such wires need: from, to, and what stands for {} in both. "~": signed, and widened.
+# By the block that needs the wires: from, to, and the names that replace {} in both. "~": sign-extended.
 WIRES = {
     "array": [
         ("preset.out_{}_o", "array.cfg_{}_i", "write write_row word offset gain swap"),
@@ -129,8 +129,8 @@ WIRES = {
 }
 
 
-# What is more than a wire, of one lane, 3 rows and 7 columns: where it goes to, and what of the values ``v``
-# of other ends.
+# Logic rather than wires, for one lane, 3 rows and 7 columns: each input, and its function of the values
+# ``v`` of other ends.
 GLUE = {
     "array": {
         "array.cfg_pending_i": lambda v: v("registers.pending_o"),
@@ -179,8 +179,8 @@ GLUE = {
     "slip": {"flags.in_valid_i": lambda v: v("slip.out_valid_o") and not v("chain.offered")},
 }
 
-# A setting arrives at cfg_<its name>_i of its group's block, but these, elsewhere or as glue says; those of
-# slip in the struct of its path.
+# A setting arrives at cfg_<its name>_i of its group's block, except these, which arrive elsewhere or through
+# glue; those of slip are in the struct of the slip path.
 OWN = {"adc": "acquire", "cop4": "cop4", "cop_slip": "cop_slip"}
 OWN |= dict.fromkeys(("scan", "health", "tare", "cop"), "array")
 ELSEWHERE = {
@@ -197,7 +197,7 @@ OF_GLUE = (
 
 
 def port_of(group, register, field):
-    """The port at which a setting arrives; None if it is not there as it was written."""
+    """The port at which a setting arrives; None if glue changes it on the way."""
     name = f"{group}.{register}.{field}"
     if group == "slip":
         return f"slip_cfg.{members.member(register, field)}"
@@ -205,7 +205,7 @@ def port_of(group, register, field):
 
 
 def joins(parts):
-    """(source, sink, widened) of every wire of a core with ``parts``."""
+    """(source, sink, sign-extended) of every wire of a core with ``parts``."""
     for part in parts:
         for source, sink, *names in WIRES.get(part, ()):
             for name in names[0].split() if names else [""]:
@@ -213,7 +213,7 @@ def joins(parts):
 
 
 class Ends:
-    """The values at the ends of wires in ``dut``. ``inside``: short name of a block -> where it is."""
+    """The values at the ends of wires in ``dut``. ``inside``: short name of a block -> its path."""
 
     def __init__(self, dut, inside, parts):
         self.dut, self.inside, self.handles, self.places = dut, inside, {}, {}
@@ -221,12 +221,12 @@ class Ends:
         self.glue = [pair for part in parts for pair in GLUE.get(part, {}).items()]
 
     def knows(self, end):
-        """It is in this core."""
+        """Whether this core has the end."""
         block = end.partition(".")[0]
         return any(block in (a.partition(".")[0], b.partition(".")[0]) for a, b, _ in self.wires)
 
     def handle(self, end):
-        """The signal of an end, without its bits; of a setting or a status the whole struct."""
+        """The signal of an end, without its bit range; for a setting or a status the entire struct."""
         if end not in self.handles:
             kind = end.partition(".")[0]
             block, _, port = STRUCTS.get(kind, end).rpartition(".")
@@ -256,12 +256,13 @@ class Ends:
         return self.placed(end)[2]
 
     def __call__(self, end):
-        """What is on it, unsigned."""
+        """The value of an end, unsigned."""
         signal, low, width = self.placed(end)
         return bench.read(signal) >> low & (1 << width) - 1
 
     def check(self):
-        """All ends agree, now. Of a setting the bits that the block has: registers hold it at their ends."""
+        """All ends agree now. Of a setting only the block's bits are compared: registers saturate it to
+        these."""
         for source, sink, widened in self.wires:
             sent, got = self(source), self(sink)
             if widened:

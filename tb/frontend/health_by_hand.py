@@ -1,6 +1,6 @@
 """msn_health on the frames of tb/reference/health_cases.py, and against the loop of tb/reference/health.py.
 
-Masks beat by beat, events as they leave, the three counts; run by test_health.py.
+Checks masks beat by beat, events as they leave, the three counts. Run by test_health.py.
 """
 
 import random
@@ -43,7 +43,7 @@ async def begin_again(dut, settings, events):
 
 
 async def frame(dut, codes, over, whole=None):
-    """Send one frame; the masks of its taxels, [row][column]."""
+    """Send one frame; return the masks of its taxels, [row][column]."""
     lanes, bits = dut.Lanes.value.to_unsigned(), dut.SampleBits.value.to_unsigned()
     beats = bench.lane_beats([codes], lanes, bits, surplus=-1, user=np.array([over]))
     if whole is not None:
@@ -59,7 +59,7 @@ async def frame(dut, codes, over, whole=None):
 
 
 def faults_of(dut, events, columns):
-    """{beat: {place: all its faults}} of the events, by the numbers of docs/link.md."""
+    """{beat: {place: all its faults}} of the events, with the numbers of docs/link.md."""
     lanes = dut.Lanes.value.to_unsigned()
     row_beats, told = -(-columns // lanes), {}
     for beat, *words in events:
@@ -123,7 +123,7 @@ async def finds_what_the_hand_found(dut):
 
 @cocotb.test(timeout_time=40, timeout_unit="ms")
 async def finds_what_the_loop_finds(dut):
-    """Walks at and about band, jump and rails; frames that break; a clear now and then."""
+    """Random walks around band, jump and rails; frames that break off; a clear now and then."""
     rows, columns = dut.Rows.value.to_unsigned(), dut.Columns.value.to_unsigned()
     lanes = dut.Lanes.value.to_unsigned()
     events, listener = await begin(dut)

@@ -1,6 +1,7 @@
 """msn_acquire with a stream, with msn_adc_single and with msn_adc_spi behind part models that check their
-timing: the samples are the twin's on the codes that the part converted, on an exact grid; a stream passes as
-it comes; what is not there gives zeros; each counter counts its own (msn_channels runs that one too)."""
+timing: the samples are the twin's for the codes that the part converted, on an exact grid; a stream passes
+unchanged; absent parts give zeros; each error increments its own counter only (msn_channels runs this test
+too)."""
 
 import cocotb
 import numpy as np
@@ -48,11 +49,11 @@ async def a_stream_passes_as_it_comes(dut, rate):
     beats = bench.frames(data=twin_of(dut).samples(x)[0])
     for n, beat in enumerate(beats):
         del beat["restart"]
-        beat["last"] ^= n % 7 == 3  # damaged or not is not its business
+        beat["last"] ^= n % 7 == 3  # damaged frames pass unchanged as well
     pauses = bench.gaps_and_stalls(rate)
 
     async def wander():
-        """What stands at the pins and in the settings is nothing to a stream."""
+        """With a stream, pins and settings must not matter."""
         while True:
             for name in ("cfg_enable_i", "cfg_period_i", "adc_miso_i", "adc_busy_i"):
                 port = getattr(dut, name)
@@ -70,7 +71,7 @@ async def a_stream_passes_as_it_comes(dut, rate):
 @bench.applies(lambda dut: not number(dut, "Adc"))
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 async def a_stream_passes_without_a_clock_between(dut):
-    """Valid and ready go through in the same clock, both ways."""
+    """Valid and ready pass in the same clock, both ways."""
     await bench.start(dut, cfg_enable_i=0, cfg_period_i=0, adc_miso_i=0, adc_busy_i=0)
     for valid, ready in ((0, 0), (0, 1), (1, 0), (1, 1)):
         dut.in_valid_i.value, dut.out_ready_i.value = valid, ready
@@ -132,20 +133,21 @@ async def samples_are_the_models_of_the_codes(dut):
 @bench.applies(lambda dut: number(dut, "Adc"))
 @cocotb.test(timeout_time=50, timeout_unit="ms")
 async def each_counter_counts_its_own(dut):
-    """No part at the pins, only levels: a MISO stuck high, a consumer asleep, no period, a BUSY stuck low."""
+    """No part at the pins, only levels: MISO stuck high, output not taken, too short a period, BUSY stuck
+    low."""
     of = lambda name: getattr(dut, f"cfg_{name}_i" if hasattr(dut, f"cfg_{name}_i") else f"cfg_adc_{name}_i")
     serial = hasattr(dut, "Serial") and number(dut, "Serial")
     part = PARTS[number(dut, "Adc")]
     twin = AdcSpi(part, *(number(dut, name) for name in ("Channels", "AdcLanes", "ClkKhz", "SclkKhz")))
-    period = twin.safe_period() + twin.watch_clocks + twin.start_clocks()  # a wrong tag: it is set up again
+    period = twin.safe_period() + twin.watch_clocks + twin.start_clocks()  # a wrong tag triggers a new setup
     if serial:
-        period += 66  # a sample of the frame before must have been taken when a frame starts
+        period += 66  # the previous frame's sample must be taken before a frame starts
     cases = [("over_range", period, 1), ("dropped", period, 0), ("overrun", 1, 1)]
     if part is AD7606:
         cases = [("timeout", period, 1)]
-    if part is MAX11125:  # every answer carries the number 15
+    if part is MAX11125:  # every answer has the number 15
         cases = [("mistagged", period, 1)]
-    if number(dut, "AdcPeriod"):  # it has no register for the period, and so no overrun
+    if number(dut, "AdcPeriod"):  # the period is no register, so overruns cannot occur
         period = number(dut, "AdcPeriod")
         cases = [("over_range", 0, 1), ("dropped", 0, 0)]
     inputs = {"actuator_moving_i": 0} if hasattr(dut, "actuator_moving_i") else {}
@@ -161,9 +163,9 @@ async def each_counter_counts_its_own(dut):
         await ReadOnly()
         found = counts(dut)
         assert found.pop(name) > 0, name
-        found.pop("over_range", None)  # a stuck MISO is out of range whatever else there is
+        found.pop("over_range", None)  # a stuck MISO always counts as over-range
         if serial and name == "overrun":
-            found.pop("dropped")  # frame upon frame leaves the serial path no time either
+            found.pop("dropped")  # back-to-back frames leave the serial path no time either
         assert not any(found.values()), (name, found)
         await RisingEdge(dut.clk_i)
 

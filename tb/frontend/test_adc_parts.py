@@ -1,4 +1,4 @@
-"""engines/adc_parts.hpp: the batch driver's parts give msn_adc_spi, Verilated, the codes they were told."""
+"""engines/adc_parts.hpp: the batch driver's parts give msn_adc_spi, Verilated, the codes set for them."""
 
 import subprocess
 
@@ -42,7 +42,7 @@ def test_adc_parts(struct, twin):
     source.write_text(
         f'#define PART meissner::{struct}\n#define LANES {twin.lanes}\n#include "{main}"\n', "utf-8"
     )
-    # The flags of engines/verilated.py, so that the runtime compiled for those is taken for these too.
+    # The same flags as engines/verilated.py, so that both share one compiled runtime.
     include = toolchain.for_make(toolchain.ROOT) / "model/meissner/engines"
     command = [
         "verilator", "--cc", "--exe", "--build", "-Mdir", str(build), "--prefix", "Vtop", "-o", "adc_parts",

@@ -1,7 +1,7 @@
-"""msn_adc_single on a model of the part that checks its own timing: codes (corners of every bit, then
-random) against the twin, with a consumer that is ready, stalls or sleeps for frames; convert starts on the
-grid through all of it; each conversion is a sample or counted as dropped; latency; enable; reset at several
-clocks of a frame."""
+"""msn_adc_single on a model of the part that checks its own timing: codes (corners of every bit, then random)
+against the twin, with a follower that is ready, stalls or sleeps for frames; convert starts stay on the grid
+throughout; each conversion gives a sample or is counted as dropped; latency; enable; reset at several clocks
+of a frame."""
 
 import random
 
@@ -17,7 +17,7 @@ from parts.mcp3208 import Mcp3208
 
 
 class Codes:
-    """Corners of every bit first, then random."""
+    """Codes: corners of every bit first, then random."""
 
     def __init__(self):
         ones = [1 << bit for bit in range(12)]
@@ -29,7 +29,7 @@ class Codes:
 
 
 class Harness:
-    """The block, its part, and what happened at which clock."""
+    """The block, its part, and a record of events with their clocks."""
 
     def __init__(self, dut):
         self.dut = dut
@@ -80,7 +80,7 @@ class Harness:
 @bench.starts_known
 @cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
 async def counts_over_the_whole_width(dut):
-    """The sample that is there in the first clock waits for the next one to be dropped."""
+    """A sample waits from the first clock on, so that the next one is dropped."""
     counters, inputs = ("dropped_o", "over_range_o"), {"adc_miso_i": 1, "cfg_enable_i": 1, "out_ready_i": 0}
     span = 3 * dut.Period.value.to_unsigned()
     await bench.turn_over(dut, *counters, span=span, wiggled=["out_ready_i"], **inputs)
@@ -105,7 +105,7 @@ async def sends_every_code_on_the_grid(dut, stall_rate):
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def drops_whole_conversions_while_nobody_takes_the_sample(dut):
-    """The consumer wakes at every phase of a period; what it gets is never a mixture."""
+    """The follower wakes at every phase of a period; it never gets a mixture of two samples."""
     bench_ = Harness(dut)
     await bench_.start()
     period = bench_.twin.period
@@ -115,13 +115,13 @@ async def drops_whole_conversions_while_nobody_takes_the_sample(dut):
     await bench_.run(90 * period, lambda: bool(wakes) and bench_.clock >= wakes[0] and wakes.pop(0) >= 0)
     await bench_.run(bench_.twin.latency + 5)
     codes = bench_.expected(bench_.part.conversions)
-    # In order, with gaps: each taken sample is found after the one before.
+    # In order, with gaps: each sample taken comes after the previous one.
     at = 0
     for sample in bench_.samples:
         at = codes.index(sample, at) + 1
     waits = list(zip(bench_.valids, bench_.takes))
     done = [c for c in bench_.converts if c + bench_.twin.latency < bench_.clock]
-    # Taken in the last clock before convert_o is early enough.
+    # A sample taken in the last clock before convert_o makes room in time.
     lost = [c for c in done if any(valid < c <= taken for valid, taken in waits)]
     assert {taken - c for c in done for _, taken in waits} >= {-2, -1, 0, 1}
     assert bench.read(dut.dropped_o) == len(lost) > 10
@@ -130,7 +130,7 @@ async def drops_whole_conversions_while_nobody_takes_the_sample(dut):
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def rests_while_not_enabled(dut):
-    """A frame under way ends as usual; the grid stays where it was."""
+    """A frame in progress ends as usual, and the grid does not shift."""
     bench_ = Harness(dut)
     await bench_.start()
     period = bench_.twin.period
@@ -199,7 +199,7 @@ def test_adc_single(parameters):
         ({"ClkKhz": 0}, {"clk_khz": 0}, "= 0 must lie in 1 .. 400000"),
         ({"SclkKhz": 2001}, {"sclk_khz": 2001}, "= 2001 must lie in 1 .. 2000"),
         ({"SclkKhz": 9, "Period": 90_000}, {"sclk_khz": 9, "period": 90_000}, "= 9 is too slow"),
-        # A bit of 1092 clocks would do, but takes 2048.
+        # A bit of 1092 clocks is enough, but 2048 are used.
         ({"SclkKhz": 11, "Period": 90_000}, {"sclk_khz": 11, "period": 90_000}, "= 11 is too slow"),
         ({"Period": 160}, {"period": 160}, "eriod = 160 must be at least 161"),
         ({"SampleBits": 12}, {"sample_bits": 12}, "= 12 must hold a code of 12 bits"),

@@ -1,11 +1,11 @@
 """msn_adc_spi on models of the parts that check their own timing.
 
-Every build runs the same tests: codes (corners of every bit, then random) against the twin, with a consumer
-that is ready, stalls, or sleeps for frames; convert starts exactly on the grid through all of it; whole
-frames, and each tick accounted for; latencies and the shortest period exactly as the twin says; enable, reset
-and changed periods. The AD7606 builds also lose BUSY, the MAX1112x builds their setup and the right channel
-numbers; some builds are started by triggers. The part models' limits are then tightened one by one, to show
-that each is checked: a limit that is broken fails the test.
+Every build runs the same tests: codes (corners of every bit, then random) against the twin, with a follower
+that is ready, stalls, or sleeps for frames; convert starts exactly on the grid throughout; complete frames,
+and each tick accounted for; latencies and the shortest period exactly those of the twin; enable, reset and
+changed periods. The AD7606 builds also lose BUSY, the MAX1112x builds their setup and the right channel
+numbers; some builds are started by triggers. Then each limit of the part models is tightened, to show that it
+is checked: a broken limit fails the test.
 """
 
 import random
@@ -34,7 +34,8 @@ def limits_and_rules(part):
 
 
 class Codes:
-    """The code of a channel at its n-th conversion: corners first, on each channel another, then random."""
+    """The code of a channel at its n-th conversion: corners first, in different order on each channel, then
+    random."""
 
     def __init__(self, bits):
         top = (1 << bits) - 1
@@ -54,7 +55,7 @@ class Codes:
 
 
 class Harness:
-    """The master, its part, and a record of everything that happened, by clock."""
+    """The master, its part, and a record of all events by clock."""
 
     def __init__(self, dut, limits=None, report=None, conversion_ns=None):
         self.dut = dut
@@ -79,9 +80,9 @@ class Harness:
         self.make = make
         self.clock = -1
         self.converts = []  # clocks of convert_o
-        self.times = []  # the same in ns
+        self.times = []  # the same times in ns
         self.losses = []  # clocks of lost_o
-        self.busy_low = []  # clocks at whose end BUSY was low for the first time after it was high
+        self.busy_low = []  # clocks at whose end BUSY had fallen
         self.beats = []  # (clock, data, id, last, user) taken
         self.offered = []  # clocks in which a sample was first offered
         self.held = None
@@ -102,12 +103,12 @@ class Harness:
         dut.cfg_enable_i.value = 1
 
     async def hear_commands(self):
-        """All that a word says on MOSI is a command to a channel, also where the part does not listen."""
+        """Check that every word on MOSI is the command of a channel, also words that the part ignores."""
         dut, part = self.dut, self.twin.part
         known = [f"{part.command(channel):016b}"[: part.data_bits] for channel in range(self.twin.channels)]
         cs_n, mosi, heard = dut.adc_cs_n_o, dut.adc_mosi_o, ""
 
-        async def bits():  # a task for good: First would make three for each bit
+        async def bits():  # one permanent task: First would create three per bit
             nonlocal heard
             while True:
                 await RisingEdge(dut.adc_sclk_o)
@@ -122,11 +123,11 @@ class Harness:
             assert len(heard) <= part.word_bits or heard[: part.data_bits] in known
 
     async def rest(self):
-        """From the end of reset until the part can convert, and at least 6 us."""
+        """Wait from the end of reset until the part can convert, at least 6 us."""
         await bench.clocks(self.dut, 1 + max(6 * self.twin.clk_khz // 1000, self.twin.start_clocks()))
 
     async def run(self, clocks):
-        """Let ``clocks`` pass, watching. Leaves just after a rising clock edge."""
+        """Let ``clocks`` pass and watch. Returns just after a rising clock edge."""
         dut, edge, settled = self.dut, RisingEdge(self.dut.clk_i), ReadOnly()
         put_ready, has_busy = bench.putter(dut.out_ready_i), self.twin.part.has_busy
         convert, convst, cs_n, lost = dut.convert_o, dut.adc_convst_o, dut.adc_cs_n_o, dut.lost_o
@@ -170,7 +171,7 @@ class Harness:
         await self.run(count * self.period)
 
     async def stop(self):
-        """No new frames; drain."""
+        """Disable new frames and drain."""
         self.dut.cfg_enable_i.value = 0
         self.stall = lambda: False
         await self.run(self.twin.safe_period() + self.twin.watch_clocks + 20)
@@ -180,21 +181,22 @@ class Harness:
         return tuple(getattr(self.dut, name).value.to_unsigned() for name in names)
 
     def converted(self):
-        """The codes of each conversion, by frame, as the part saw them."""
+        """The codes of each conversion, by frame, as the part gave them."""
         channels = self.twin.channels
         if self.twin.part.has_busy:
             return [codes[:channels] for codes in self.part.frames]
         log = self.part.conversions
-        if self.twin.part.tagged:  # a frame's first word only asks, what it brings was asked for before
+        if self.twin.part.tagged:  # a frame's first word only asks; its answer is to an earlier word
             begins = [next(n for n, entry in enumerate(log) if entry[2] >= time) for time in self.times]
             log = [entry for begin in begins for entry in log[begin + 1 : begin + 1 + channels]]
         assert [channel for channel, _, _ in log] == [n % channels for n in range(len(log))]
         return [[code for _, code, _ in log[n : n + channels]] for n in range(0, len(log), channels)]
 
     def check(self, lost=()):
-        """Every frame came out whole and right, or was dropped because one was waiting; returns the dropped.
+        """Every frame came out complete and right, or was dropped because one was waiting; returns the number
+        dropped.
 
-        ``lost``: numbers of the frames that timed out.
+        ``lost``: numbers of the frames that timed out or had a wrong tag.
         """
         channels = self.twin.channels
         frames = self.converted()
@@ -203,7 +205,7 @@ class Harness:
         taken = [self.beats[n : n + channels] for n in range(0, len(self.beats), channels)]
         kept = dropped = 0
         for number, (convert, codes) in enumerate(zip(self.converts, frames)):
-            # The frame starts in the clock before convert_o; what was taken up to that clock made room.
+            # The frame starts in the clock before convert_o; a sample taken up to that clock has made room.
             waiting = kept and taken[kept - 1][-1][0] > convert - 1
             if waiting:
                 dropped += number not in lost
@@ -219,13 +221,13 @@ class Harness:
         assert kept == len(taken), "more frames came out than went in"
         assert self.counters()[0] == dropped
         assert self.counters()[2] + self.counters()[3] == len(lost)
-        # Ticks a few clocks apart: one may come as the frame before ends badly, for both in one strobe.
+        # With ticks a few clocks apart, an overrun and the bad end of a frame may share one strobe.
         assert len(self.losses) == sum(self.counters()) or self.counters()[1]
         assert self.dut.over_range_o.value.to_unsigned() == sum(beat[4] for beat in self.beats)
         return dropped
 
     def on_grid(self, clocks=None):
-        """Every interval between convert starts is a period, exactly."""
+        """Every interval between convert starts is exactly a period."""
         clocks = clocks or self.converts
         assert len(clocks) > 1
         intervals = {b - a for a, b in pairwise(clocks)}
@@ -233,7 +235,7 @@ class Harness:
 
 
 def sleepy(draw, clocks):
-    """Ready for a while, then not for up to ``clocks``, and so on."""
+    """A stall pattern: ready for up to ``clocks``, then stalled for up to ``clocks``, and so on."""
     state = {"left": 0, "stalled": True}
 
     def stall():
@@ -249,7 +251,7 @@ def sleepy(draw, clocks):
 @bench.starts_known
 @cocotb.test(timeout_time=1, timeout_unit="ms", stage=-1)
 async def counts_over_the_whole_width(dut):
-    """Ticks come before any reset, in a state that there is not: each is one too many."""
+    """Ticks before any reset, in an undefined state: each counts as an overrun."""
     inputs = {"cfg_period_i": 9, "adc_miso_i": 0, "adc_busy_i": 0}
     wiggled = ["cfg_enable_i", "trigger_i", "out_ready_i"]
     part = PARTS[dut.Part.value.to_unsigned()]
@@ -274,7 +276,7 @@ async def every_code_arrives_on_the_grid(dut, consumer):
     assert len(harness.converts) == count
     await harness.stop()
     dropped = harness.check()
-    if consumer != "stalls":  # stalls drop a frame now and then: two lanes leave little time before the next
+    if consumer != "stalls":  # stalls can drop a frame: two lanes leave little time before the next one
         assert (dropped > 0) == (consumer == "sleeps"), f"{dropped} dropped"
     assert harness.counters()[1:] == (0, 0, 0)
 
@@ -286,11 +288,12 @@ async def drops_whole_frames_around_every_clock_of_a_start(dut):
     await harness.start()
     period, ticks = harness.period, 4
     for offset in range(-3, 4):
-        # A tick is one clock before convert_o: find the grid, then open the consumer around the tick to come.
+        # A tick is one clock before convert_o: find the grid, then let the follower wake around the coming
+        # tick.
         harness.stall = lambda: False
         await harness.run(2 * period)
         tick = harness.converts[-1] - 1 + ticks * period
-        opens = tick + offset - (harness.twin.channels - 1)  # the last of them leaves at tick + offset
+        opens = tick + offset - (harness.twin.channels - 1)  # the last sample leaves at tick + offset
         harness.stall = lambda opens=opens: harness.clock < opens
         await harness.run(tick + 2 * period - harness.clock)
     await harness.stop()
@@ -313,7 +316,8 @@ async def latency_is_the_twins(dut):
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 @cocotb.parametrize(short=[0, 1])
 async def shortest_period_is_the_twins(dut, short):
-    """At the twin's minimum nothing is lost; with a clock less every second tick or frame is, and counted."""
+    """At the twin's minimum nothing is lost; with a clock less, every second tick or frame is lost and
+    counted."""
     ns = 4017.3
     limits = ad7606.Limits(t_cycle=0) if dut.Part.value.to_unsigned() == AD7606.number else None
     harness = Harness(dut, limits=limits, conversion_ns=ns)
@@ -321,7 +325,7 @@ async def shortest_period_is_the_twins(dut, short):
     await harness.frames(12)
     clocks = harness.converts[:]
     dropped, overrun, *_ = harness.counters()
-    # Two lanes' samples may still be leaving when the transfer is over: then frames are lost, not ticks.
+    # With two lanes samples may still leave when the transfer is over: then frames are lost instead of ticks.
     harness.period *= 2 if overrun else 1
     harness.on_grid(clocks)
     assert len(clocks) + overrun == 12
@@ -333,14 +337,14 @@ async def shortest_period_is_the_twins(dut, short):
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def every_bit_of_a_period_is_waited_for(dut):
-    """A tick that came early, within the frame under way, would count as an overrun at once."""
+    """A tick that came too early would fall within the running frame and count as an overrun."""
     harness = Harness(dut)
     await harness.start()
     await harness.stop()
     before = len(harness.converts)
     bits = range(harness.twin.safe_period().bit_length(), harness.twin.period_bits)
     for bit in bits:
-        dut.cfg_period_i.value = (1 << bit) + 1  # what is left of it has this bit alone
+        dut.cfg_period_i.value = (1 << bit) + 1  # the remaining count then has only this bit
         dut.cfg_enable_i.value = 1
         await harness.run(8)
         await harness.stop()
@@ -350,7 +354,8 @@ async def every_bit_of_a_period_is_waited_for(dut):
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def a_very_short_period_only_loses_ticks(dut):
-    """Ticks every 3 clocks: conversions stay on the grid of 3, frames stay right, the rest is counted."""
+    """Ticks every 3 clocks: conversions stay on the grid of 3, frames stay right, the other ticks are
+    counted."""
     limits = ad7606.Limits(t_cycle=0) if dut.Part.value.to_unsigned() == AD7606.number else None
     harness = Harness(dut, limits=limits)
     await harness.start(3)
@@ -380,7 +385,7 @@ async def enable_ends_after_a_whole_frame_and_starts_at_once(dut):
         await harness.run(2 * harness.period + draw.randint(0, 50))
         assert len(harness.converts) == before, "converted while off"
         dut.cfg_enable_i.value = 1
-        start = harness.clock + 1  # the clock in which enable is seen
+        start = harness.clock + 1  # the first clock with enable
         await harness.run(3)
         assert harness.converts[-1] == start + 1
     await harness.frames(2)
@@ -408,7 +413,7 @@ async def a_new_period_holds_from_the_next_tick(dut):
 @bench.applies(lambda dut: dut.Channels.value.to_unsigned() == 1)
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def a_long_period_brings_one_frame(dut):
-    """Of every second bit, of the others, of all: one frame, and the next as soon as it is enabled again."""
+    """Periods with every second bit, the others, and all bits: one frame, and the next when enabled again."""
     harness = Harness(dut)
     await harness.start()
     await harness.stop()
@@ -422,7 +427,7 @@ async def a_long_period_brings_one_frame(dut):
     assert harness.check() == 0
 
 
-# 2^24 clocks would take minutes; one build has 16 bits.
+# 2^24 clocks would take minutes, so only the build with 16 bits runs this.
 @bench.applies(lambda dut: dut.PeriodBits.value.to_unsigned() <= 16)
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def period_0_is_the_longest(dut):
@@ -437,7 +442,8 @@ async def period_0_is_the_longest(dut):
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 @cocotb.parametrize(moment=range(5))
 async def recovers_after_reset(dut, moment):
-    """Reset in the middle of a frame, with samples waiting: the pins rest, and the next frames are right."""
+    """Reset in the middle of a frame, with samples waiting: the pins are idle, and the next frames are
+    right."""
     harness = Harness(dut)
     await harness.start()
     draw = random.Random(bench.SEED + moment)
@@ -460,7 +466,7 @@ async def recovers_after_reset(dut, moment):
     harness.beats, harness.held = [], None
     harness.stall = lambda: False
     dut.cfg_enable_i.value = 1
-    await harness.run(harness.twin.start_clocks())  # nothing is waited for: RESET ends what is under way
+    await harness.run(harness.twin.start_clocks())  # no wait for a running conversion: RESET ends it
     assert not harness.converts
     await harness.frames(3)
     await harness.stop()
@@ -470,7 +476,7 @@ async def recovers_after_reset(dut, moment):
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def the_first_tick_waits_until_the_part_is_ready(dut):
-    """Enabled since reset: what the part needs first is done, and the first conversion starts then."""
+    """Enabled since reset: the first conversion starts once the part's power-up sequence is done."""
     harness = Harness(dut)
     Clock(dut.clk_i, 1_000_000_000 // harness.twin.clk_khz, unit="ps").start()
     await bench.clocks(dut, 3)
@@ -496,11 +502,11 @@ async def the_first_tick_waits_until_the_part_is_ready(dut):
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 @cocotb.parametrize(level=[0, 1], asleep=[False, True])
 async def busy_that_does_not_answer_times_out(dut, level, asleep):
-    """BUSY is stuck for a few frames: each is given up and counted, and the frame after is right."""
+    """BUSY is stuck for a few frames: each times out and is counted, and the next frame is right."""
     harness = Harness(dut)
     await harness.start(harness.twin.safe_period() + harness.twin.watch_clocks)
     await harness.frames(3)
-    if asleep:  # a frame waits: those that time out would have been dropped, and are counted once
+    if asleep:  # a frame waits, so those that time out would have been dropped: they must be counted once
         harness.stall = lambda: True
         await harness.frames(1)
     before = len(harness.converts)
@@ -535,8 +541,8 @@ async def busy_timeout_is_the_twins(dut):
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 @cocotb.parametrize(after=[1, 0])
 async def busy_timeout_leaves_the_next_tick_alone(dut, after):
-    """A tick in the first clock after a timeout still makes a legal CONVST pulse, and no tick is lost; one in
-    the very clock is."""
+    """A tick in the first clock after a timeout still makes a legal CONVST pulse, and no tick is lost; a tick
+    in the clock of the timeout is lost."""
     harness = Harness(dut)
     await harness.start(harness.twin.watch_clocks + after)
     harness.part.hold_busy(0)
@@ -550,7 +556,7 @@ async def busy_timeout_leaves_the_next_tick_alone(dut, after):
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def busy_released_late_is_not_taken_for_an_answer(dut):
-    """BUSY sticks high and falls in the middle of the next frame's wait: no frame may be made of that."""
+    """BUSY is stuck high and falls while the next frame waits for it: this must not give a frame."""
     harness = Harness(dut)
     await harness.start(harness.twin.safe_period() + harness.twin.watch_clocks)
     await harness.frames(2)
@@ -569,12 +575,12 @@ async def busy_released_late_is_not_taken_for_an_answer(dut):
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 @cocotb.parametrize(spoilt=range(1, 9), asleep=[False, True])
 async def tag_of_another_channel_loses_the_frame(dut, spoilt, asleep):
-    """One answer of one frame carries a wrong number: that frame is lost whole, the part set up again."""
+    """One answer of a frame has a wrong number: the entire frame is lost and the part is set up again."""
     harness = Harness(dut)
     await harness.start(2 * harness.twin.safe_period() + 2 * harness.twin.start_clocks())
     await harness.frames(2)
     for bit in range(12, 16):
-        if asleep:  # a frame waits: the spoilt one would be dropped anyhow, and counts as dropped
+        if asleep:  # a frame waits, so the spoilt one would be dropped in any case, and counts as dropped
             harness.stall = lambda: True
             await harness.frames(1)
         left = iter(range(harness.twin.words))
@@ -595,8 +601,8 @@ async def tag_of_another_channel_loses_the_frame(dut, spoilt, asleep):
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def tag_shows_a_part_that_lost_its_setup(dut):
-    """The supply dips: the registers are gone. That frame is lost and the next ticks are counted while the
-    part is set up again. What was asked of the part before that was against its rules."""
+    """The supply dips and the registers are lost. That frame is lost, and ticks are counted as overruns while
+    the part is set up again. Commands before the new setup break the part's rules, which it reports."""
     reports = []
     harness = Harness(dut, report=reports.append)
     await harness.start()
@@ -620,10 +626,10 @@ async def tag_shows_a_part_that_lost_its_setup(dut):
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def triggers_start_conversions(dut):
-    """A conversion starts in the clock after each trigger; each trigger brings samples or one lost_o."""
+    """A conversion starts in the clock after each trigger; each trigger gives samples or one lost_o."""
     limits = ad7606.Limits(t_cycle=0) if dut.Part.value.to_unsigned() == AD7606.number else None
     harness = Harness(dut, limits=limits)
-    await harness.start(1)  # the period, which must not matter
+    await harness.start(1)  # a period that must not matter
     draw = random.Random(bench.SEED)
     cycle = harness.twin.cycle_clocks()
     triggers, _early = [], 0
@@ -635,24 +641,24 @@ async def triggers_start_conversions(dut):
         if gap > 1:
             await harness.run(gap - 1)
     dut.cfg_enable_i.value = 0
-    dut.trigger_i.value = 1  # without enable it is nothing
+    dut.trigger_i.value = 1  # no effect without enable
     await harness.run(cycle)
     dut.trigger_i.value = 0
     await harness.stop()
-    too_early = [17, 19]  # 7 clocks and 1 clock after the one before
+    too_early = [17, 19]  # 7 clocks and 1 clock after the trigger before
     assert harness.converts == [clock + 1 for n, clock in enumerate(triggers) if n not in too_early]
     assert harness.counters() == (0, len(too_early), 0, 0)
     assert harness.losses == [triggers[n] + 1 for n in too_early]
     assert harness.check() == 0
-    if harness.twin.part.has_busy:  # the longest conversion and the longest wait end within the cycle
+    if harness.twin.part.has_busy:  # the longest conversion and the timeout end within the cycle
         assert cycle >= harness.twin.watch_clocks + harness.twin.channels
 
 
-# With BUSY all are sampled as CONVST rises.
+# With BUSY all channels are sampled as CONVST rises.
 @bench.applies(lambda dut: not PARTS[dut.Part.value.to_unsigned()].has_busy)
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def hold_is_over_when_the_last_channel_was_sampled(dut):
-    """hold_clocks after convert_o no sample is taken any more, and not much earlier."""
+    """The last sample is taken before hold_clocks after convert_o, and less than about a clock before."""
     harness = Harness(dut)
     await harness.start()
     await harness.frames(3)
@@ -670,7 +676,8 @@ async def hold_is_over_when_the_last_channel_was_sampled(dut):
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def busy_part_gets_its_reset(dut):
-    """RESET is high long enough, and long enough before the first CONVST: both limits are checked."""
+    """RESET is high for long enough, and ends long enough before the first CONVST: both limits are
+    checked."""
     reports = []
     harness = Harness(dut, report=reports.append)
     await harness.start()
@@ -689,7 +696,7 @@ async def busy_part_gets_its_reset(dut):
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def every_limit_of_the_part_is_checked(dut):
-    """With one limit tightened beyond reach, the part reports that limit and no other."""
+    """With one limit tightened beyond reach, the part reports this limit and no other."""
     harness = Harness(dut)
     limits, rules = limits_and_rules(harness.twin.part)
     reports = []
@@ -716,9 +723,9 @@ async def a_broken_limit_fails_the_test(dut):
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def too_slow_a_part_is_misread(dut):
-    """DOUT later than the sampling point gives wrong codes: the models' delays are real."""
+    """A DOUT later than the sampling point gives wrong codes, so the models' delays have an effect."""
     harness = Harness(dut)
-    late = 2 * harness.twin.half * 1e6 / harness.twin.clk_khz  # a whole bit
+    late = 2 * harness.twin.half * 1e6 / harness.twin.clk_khz  # an entire bit
     if harness.twin.part is MCP3208:
         limits = mcp3208.Limits(t_do=late)
     elif harness.twin.part.tagged:
@@ -864,8 +871,8 @@ def test_twin_never_exceeds_the_parts_clock(part):
 @pytest.mark.parametrize(
     "part, clk_khz, half",
     [
-        (AD7606, 27_000, 1),  # 30 + 7 ns are 0.999 clocks, so one; 14.5 MHz asks for 0.93
-        (AD7606, 27_028, 2),  # 1.00004 clocks, so two, and the clock before the bit's end is its third
+        (AD7606, 27_000, 1),  # 30 + 7 ns are 0.999 clocks, so one; 14.5 MHz needs 0.93
+        (AD7606, 27_028, 2),  # 1.00004 clocks, so two: sampled in the third, the bit's last but one
         (AD7606, 29_000, 2),
         (AD7606, 50_000, 2),
         (MAX11123, 32_000, 1),  # 17 + 7 ns are 0.77 clocks

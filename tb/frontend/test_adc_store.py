@@ -1,9 +1,9 @@
-"""msn_adc_store against its twin: both ends of the range and all codes a bit beside them, then random ones;
-words at random gaps, in order and not, a consumer that stalls; whole frames, and bad ones.
+"""msn_adc_store against its twin: both ends of the range, these with any one bit inverted, then random codes;
+words at random gaps, in order and not, a follower that stalls; complete frames, and bad ones.
 
-Every sample leaves as soon as it and all channels before it are there, pending_o tells until the last is
-taken, and reset empties it. A frame's begin changes nothing, except that what waits behind a channel that
-never came is forgotten.
+Every sample leaves once it and all channels before it have arrived, pending_o is set until the last one is
+taken, and a reset empties the store. The begin of a frame discards samples that wait for a channel that never
+came, and changes nothing else.
 """
 
 import random
@@ -17,7 +17,7 @@ from meissner.twins.frontend.adc_store import channels_of_word, samples
 
 
 def codes_of(draw, data_bits):
-    """Codes without end: both ranges' ends, each with any one bit wrong, then random ones."""
+    """Endless codes: both ends of the range, each with any one bit inverted, then random ones."""
     top = (1 << data_bits) - 1
     ends = (0, top, top >> 1, (top >> 1) + 1)
     for end in ends:
@@ -28,7 +28,7 @@ def codes_of(draw, data_bits):
 
 
 def lanes_of(arriving, codes, data_bits):
-    """The codes of a word's channels, side by side; 0 on a lane whose code is not wanted."""
+    """The codes of a word's channels side by side; 0 on a lane whose code is not needed."""
     return sum(
         0 if channel is None else codes[channel] << lane * data_bits for lane, channel in enumerate(arriving)
     )
@@ -83,7 +83,7 @@ async def matches_model(dut, stall_rate):
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 @cocotb.parametrize(stall_rate=[0.0, 0.6])
 async def whole_frames_wait_for_their_last_word(dut, stall_rate):
-    """Nothing leaves before the last word; with a bad one nothing leaves at all."""
+    """Nothing leaves before the last word; if that is bad, nothing leaves at all."""
     names = ("Channels", "DataBits", "SampleBits", "Signed")
     channels, data_bits, sample_bits, is_signed = (getattr(dut, name).value.to_unsigned() for name in names)
     await bench.start(dut, begin_i=0, in_word_i=0, in_data_i=0, in_bad_i=0)
@@ -119,7 +119,7 @@ async def whole_frames_wait_for_their_last_word(dut, stall_rate):
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def a_frames_begin_forgets_what_would_wait_for_ever(dut):
-    """Channel 0 leaves, 1 never comes, 2 waits until a frame begins; that one is whole and in order."""
+    """Channel 0 leaves, 1 never comes, 2 waits until a frame begins; that frame is complete and in order."""
     names = ("Channels", "Lanes", "LaneChannels", "DataBits", "SampleBits", "Signed")
     channels, lanes, lane_channels, data_bits, sample_bits, is_signed = (
         getattr(dut, name).value.to_unsigned() for name in names
@@ -185,14 +185,14 @@ async def reset_empties_it(dut):
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def meets_every_other_event(dut):
-    """One lane: a code in the clock in which the sample before it leaves; a frame's begin while a sample is
-    offered, in the clock in which the last one leaves, and a clock later; each sample's value and number
-    worked out by hand."""
+    """One lane: a code in the clock in which the sample before it leaves; the begin of a frame while a sample
+    is offered, in the clock in which the last one leaves, and a clock later; values and numbers worked out by
+    hand."""
     channels = dut.Channels.value.to_unsigned()
     await bench.start(dut, begin_i=0, in_word_i=0, in_data_i=0, in_bad_i=0)
 
     async def clock(word=None, code=0, ready=0, begin=0):
-        """The sample that is offered in this clock, (number, value), or None."""
+        """One clock; returns the sample offered in it, (number, value), or None."""
         dut.in_valid_i.value, dut.begin_i.value, dut.out_ready_i.value = int(word is not None), begin, ready
         dut.in_word_i.value, dut.in_data_i.value = word or 0, code
         await ReadOnly()
@@ -202,7 +202,7 @@ async def meets_every_other_event(dut):
         await RisingEdge(dut.clk_i)
         return offered
 
-    # A code for channel 0 in the clock in which its sample leaves: it follows the other channels'.
+    # A code for channel 0 in the clock in which its earlier sample leaves: it follows the other channels'.
     assert await clock(0, 101) is None
     assert await clock(0, 102, ready=1) == (0, 101)
     for channel in range(1, channels):
@@ -222,7 +222,7 @@ async def meets_every_other_event(dut):
     assert await clock(begin=1) is None and await clock() is None
     assert await clock(0, 500) is None
     assert await clock(ready=1) == (0, 500)
-    # A begin with nothing offered: channel 0 is next, whatever had left.
+    # A begin with nothing offered: channel 0 is next, whichever channel left last.
     assert await clock(begin=1) is None
     assert await clock(0, 600) is None
     assert await clock(ready=1) == (0, 600)

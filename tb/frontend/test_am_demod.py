@@ -1,7 +1,7 @@
-"""msn_am_demod against its model, and the model against numpy's FFT and exact sums: each form,
-4, 8 and 16 samples a period, 1 to 8 lanes; full scale of every phase, over-range, saturation, all shifts;
-settling and surplus samples, measurements cut off; offsets, phases; gaps and stalls, registers that change,
-reset in mid-measurement, exact clocks, measurements without a gap."""
+"""msn_am_demod against its model, and the model against NumPy's FFT and exact sums: each form; 4, 8 and 16
+samples a period, 1 to 8 lanes; full scale at every phase, over-range, saturation, all shifts; settling and
+extra samples, measurements cut short; offsets, phases; gaps and stalls, registers that change, reset in
+mid-measurement, exact clocks, measurements back to back."""
 
 import random
 from fractions import Fraction
@@ -31,7 +31,7 @@ def packed(beats, bits):
 
 
 def taxel(demod, rng, kind, length, index):
-    """Samples of one taxel of all lanes, as beats: ``length`` samples after and including the start."""
+    """Samples of one taxel of all lanes, as beats: ``length`` samples from the start on."""
     low, high = bench.width(demod.sample_bits)
     n, lanes = demod.samples_per_period, demod.lanes
     time = np.arange(length)
@@ -39,7 +39,7 @@ def taxel(demod, rng, kind, length, index):
     amplitude = rng.uniform(0, 1, (lanes, 1)) ** rng.choice([1, 3]) * high
     offset = rng.uniform(-1, 1, (lanes, 1)) * (high - amplitude)
     data = amplitude * np.cos(2 * np.pi * time / n + phase) + offset
-    if kind == "square":  # the largest sums there can be, of either reference or of both, of either sign
+    if kind == "square":  # gives the largest sums of I, of Q or of both, of either sign
         which = rng.integers(0, 3, lanes), rng.choice([-1, 1], lanes)
         i, q = references(n)
         reference = np.tile([i, q, i + q], length // n + 2)
@@ -71,12 +71,13 @@ KINDS = ["square", "constant", "sine", "random", "small", "sine", "square"]
 
 
 def sequence(demod, rng, periods, skip, taxels):
-    """Taxels: some exact, some with surplus samples, some cut off; stray samples before the first."""
+    """Taxels, some with exactly enough samples, some with extra ones, some cut short; first some without a
+    start."""
     whole = skip + (periods or 1 << demod.period_bits) * demod.samples_per_period
     beats = [beat | {"start": False} for beat in taxel(demod, rng, "random", 5, 0)]
     extra = [0, 0, 0, 1, demod.samples_per_period, -1, 1 - whole]
     for index in range(taxels):
-        if index % len(extra) == 0:  # each of them as often
+        if index % len(extra) == 0:  # each of them equally often
             rng.shuffle(extra)
         beats += taxel(demod, rng, KINDS[index % len(KINDS)], whole + extra[index % len(extra)], index)
     return beats + taxel(demod, rng, "sine", whole, 0)
@@ -112,7 +113,7 @@ async def matches_model(dut, stall_rate, setting):
 
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 async def registers_count_at_the_start_of_a_taxel(dut):
-    """Registers that change with every sample but the first of each taxel: nothing of it is seen."""
+    """Registers that change with every sample except the first of each taxel: only the first must count."""
     demod = demod_of(dut)
     rng = np.random.default_rng(bench.SEED)
     beats = sequence(demod, rng, 2, 1, 6)
@@ -121,7 +122,7 @@ async def registers_count_at_the_start_of_a_taxel(dut):
     draw = random.Random(bench.SEED)
 
     class Wandering(list):
-        """The beats; to fetch one is to set the registers for it."""
+        """Beats that set the registers when they are fetched."""
 
         def __getitem__(self, index):
             beat = super().__getitem__(index)
@@ -137,7 +138,8 @@ async def registers_count_at_the_start_of_a_taxel(dut):
 
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 async def clocks_are_as_stated(dut):
-    """A sample every clock: each lane's amplitude at its clock; samples wait only for the lanes before."""
+    """A sample every clock: each lane's amplitude comes in its clock; samples stall only for the lanes
+    before."""
     demod = demod_of(dut)
     rng = np.random.default_rng(bench.SEED)
     await bench.start(dut, cfg_skip_i=0, out_ready_i=1, in_valid_i=0)
@@ -165,14 +167,14 @@ async def clocks_are_as_stated(dut):
         assert seen[: demod.lanes] == first
         assert len(seen) == 3 * demod.lanes
         gap = max(length, demod.lanes * demod.lane_clocks(shift))
-        if demod.lane_clocks(shift) > shift + 1:  # the magnitude sets the pace, not the shift behind it
+        if demod.lane_clocks(shift) > shift + 1:  # if the magnitude, not the shift after it, sets the pace
             assert seen[-1] - seen[-1 - demod.lanes] == gap
-        assert ends[1] == ends[0] + length  # held while the lanes before go
+        assert ends[1] == ends[0] + length  # results are held while those of the lanes before leave
 
 
 @cocotb.test(timeout_time=10, timeout_unit="ms")
 async def recovers_after_reset(dut):
-    """Reset after any number of samples: nothing of what was before leaves, what follows is whole."""
+    """Reset after any number of samples: no earlier result leaves, and later ones are complete."""
     demod = demod_of(dut)
     rng = np.random.default_rng(bench.SEED)
     beats = sequence(demod, rng, 1, 2, 3)
@@ -229,7 +231,7 @@ def carrier(samples, periods, amplitude, phase, offset=0.0):
 
 @pytest.mark.parametrize("samples", [4, 8, 16])
 def test_iq_against_a_lock_in(samples):
-    """Of any samples whatever: for 4 a period the FFT's bin; else a pure carrier's bin, noise free."""
+    """With 4 samples a period the FFT's bin, for any samples; otherwise a noise-free carrier's bin."""
     demod = AmDemod(IQ, samples, sample_bits=18, period_bits=5)
     rng = np.random.default_rng(samples)
     periods = 7
@@ -241,7 +243,7 @@ def test_iq_against_a_lock_in(samples):
     bin_amplitude = 2 * np.abs(np.fft.fft(x, axis=-1)[:, periods]) / (samples * periods)
     got, _ = demod.amplitude(x, 0)
     expected = np.minimum(demod.gain(periods) * bin_amplitude, 2**17 - 1)
-    # 4: the same but for the rounding; otherwise the samples' own rounding has a part in other harmonics.
+    # 4: the same except for rounding; otherwise the rounding of the samples adds to other harmonics.
     bound = 0.5001 if samples == 4 else demod.gain(periods) * 0.05
     assert np.abs(got - expected).max() <= bound
 
@@ -266,7 +268,7 @@ def test_sums_are_exact_and_rounded_once(form, samples):
             else:
                 big, little = max(abs(i), abs(q)), min(abs(i), abs(q))
                 square = Fraction(max(8 * big, 7 * big + 4 * little), 8) ** 2
-            # data - 1/2 <= M / 2**shift < data + 1/2, without a root
+            # data - 1/2 <= M / 2**shift < data + 1/2, squared to avoid the root
             if flag:
                 assert data == 2**13 - 1 and square >= (Fraction(2**14 - 1, 2) * 2**shift) ** 2
             else:
@@ -276,15 +278,15 @@ def test_sums_are_exact_and_rounded_once(form, samples):
 
 @pytest.mark.parametrize("form", [RECTIFIER, IQ, IQ_FAST])
 def test_ends_of_the_range_by_hand(form):
-    """12 bits end at 2047. Two samples that half a period parts: M is their difference, whatever the form."""
+    """12 bits end at 2047. Two samples half a period apart: M is their difference in every form."""
     demod = AmDemod(form, 4, sample_bits=12, period_bits=2)
     for first, other, shift, data, over in (
         (2045, -1, 0, 2046, False),
-        (2047, 0, 0, 2047, False),  # the greatest itself is none
+        (2047, 0, 0, 2047, False),  # the greatest value itself is not over-range
         (2047, -1, 0, 2047, True),
-        (2047, -2046, 1, 2047, False),  # 2046.5, up
+        (2047, -2046, 1, 2047, False),  # 2046.5 rounds up
         (2047, -2047, 1, 2047, False),  # 2047
-        (2047, -2048, 1, 2047, True),  # 2047.5, up
+        (2047, -2048, 1, 2047, True),  # 2047.5 rounds up
         (2, -1, 1, 2, False),
     ):
         got = demod.amplitude([first, 0, other, 0], shift)
@@ -292,7 +294,7 @@ def test_ends_of_the_range_by_hand(form):
 
 
 def samples(values, over=()):
-    """Beats of one lane of which the first starts a measurement; ``over``: those over-range."""
+    """Beats of one lane, the first of which starts a measurement; ``over``: places of over-range samples."""
     return [
         {"data": [value], "user": [place in over], "start": place == 0, "id": 3, "last": True}
         for place, value in enumerate(values)
@@ -300,9 +302,9 @@ def samples(values, over=()):
 
 
 def test_over_range_samples_by_hand():
-    """Any sample of a measurement makes it over-range, none that settles or comes after it."""
+    """An over-range sample marks its measurement; one while settling or after it does not."""
     demod = AmDemod(IQ, 4, sample_bits=12, period_bits=2, skip_bits=3)
-    values = [7, 7, 7, 40, 0, 30, 0, 40, 0, 30, 0, 9]  # three settle, two periods, one too many
+    values = [7, 7, 7, 40, 0, 30, 0, 40, 0, 30, 0, 9]  # three settle, two periods, one extra
     for place in range(12):
         results, _ = demod.process(samples(values, {place}), 2, 3, 0)
         # I = 2 (40 - 30), Q = 0
@@ -311,7 +313,8 @@ def test_over_range_samples_by_hand():
 
 @pytest.mark.parametrize("last", [0, 1])
 def test_lanes_by_hand(last):
-    """Lane k has the id of lane 0 and k more; the last one alone ends the frame, if the start says so."""
+    """Lane k has the id of lane 0 plus k; only the last lane ends the frame, if the start carries
+    ``last``."""
     demod = AmDemod(IQ, 4, lanes=3, sample_bits=12, period_bits=2)
     sizes = (40, 7, 300)
     beats = [
@@ -327,7 +330,7 @@ def test_lanes_by_hand(last):
 
 
 def test_measurements_cut_off_by_hand():
-    """Counted wherever the next start finds one that has not all its samples, while it settles too."""
+    """A measurement is counted if the next start finds it incomplete, also while it settles."""
     demod = AmDemod(IQ, 4, sample_bits=12, period_bits=2, skip_bits=3)
     whole = samples([7, 7, 7, 40, 0, 30, 0])
     for cut in range(1, 7):
@@ -362,7 +365,7 @@ def test_any_constant_offset_changes_nothing(form, samples):
     ],
 )
 def test_phase(form, samples, spread):
-    """Largest by smallest amplitude over all phases, less one: none with I and Q, 1/cos(pi/N) rectified."""
+    """Largest to smallest amplitude over all phases, minus one: 0 with I and Q, 1/cos(pi/N) - 1 rectified."""
     demod = AmDemod(form, samples, sample_bits=17)
     phases = np.linspace(0, 2 * np.pi, 4001)
     x = np.rint(carrier(samples, 8, 30_000, phases)).astype(np.int64)

@@ -1,6 +1,6 @@
-"""msn_array_source: a stream goes through as it is, with the clock at hand as its time; of a converter and a
-carrier whole frames come with the time of their first convert start, and the stream is not asked. What they
-contain: tb/cop/test_array.py, at the pins."""
+"""msn_array_source: a stream passes unchanged, with the current clock as its time; from a converter, with or
+without a carrier, complete frames come with the time of their first convert start, and the stream is ignored.
+The contents of frames: tb/cop/test_array.py, at the pins."""
 
 import random
 
@@ -59,7 +59,7 @@ async def a_stream_goes_through(dut):
 @bench.applies(lambda dut: number(dut, "Part") > 0)
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def frames_of_a_scan(dut):
-    """The data line stands high: codes of ones, whose carrier has no amplitude."""
+    """The data line is high: codes of all ones, which as a carrier have no amplitude."""
     await begin(dut, cfg_enable_i=1, cfg_settle_i=5, adc_miso_i=1, in_valid_i=1, out_ready_i=1)
     carrier, per_frame = number(dut, "Demod"), 6
     value = 0 if carrier else 4095
@@ -78,12 +78,12 @@ async def frames_of_a_scan(dut):
             )
         await RisingEdge(dut.clk_i)
     assert [beat[:3] for beat in beats] == [[value, n, int(n == 5)] for n in range(per_frame)] * 3
-    early = 7 if carrier else 0  # there the pin is a register behind
+    early = 7 if carrier else 0  # with a carrier the pin follows a register later
     times = [beat[3] + early for beat in beats]
     firsts = times[::per_frame]
     assert times == [time for time in firsts for _ in range(per_frame)]
     assert len(set(firsts)) == 3 and set(firsts) <= set(converts) and firsts[0] == converts[0]
-    assert counters(dut) == [0, 0, 0, 18 if carrier else 0]  # that part's answers name their channel
+    assert counters(dut) == [0, 0, 0, 18 if carrier else 0]  # that part tags its answers: wrong here
 
 
 EVIDENCE = {"reference": {"moves": "frames of a scan or a stream"}, "faults": {"size": {"Part": 1}}}

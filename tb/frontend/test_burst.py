@@ -1,6 +1,6 @@
-"""Bursts: every count and period that the registers hold in a small build (0 is the greatest), starts apart,
-back to back and within a burst; the mark of the first sample; a loss reported once a burst; reset in the
-middle.
+"""Bursts: every count and period that the registers of a small build can hold (0 is the greatest), starts
+apart, back to back and within a burst; the mark of the first sample; a loss reported once per burst; reset in
+the middle.
 """
 
 import random
@@ -61,8 +61,9 @@ async def marks_the_first_sample_and_tells_a_loss_once(dut):
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def a_start_meets_every_other_event(dut):
-    """A start in the clock of a sample, of a trigger, of the last one, of a loss: the new burst is whole and
-    its first sample is marked; a loss and a sample in one clock; a sample taken where none is marked."""
+    """A start in the clock of a sample, of a trigger, of the last trigger, of a loss: the new burst is
+    complete and its first sample is marked; a loss and a sample in one clock; a sample taken while none is
+    marked."""
     await begin(dut)
     dut.cfg_count_i.value, dut.cfg_period_i.value = 3, 5
 
@@ -73,17 +74,17 @@ async def a_start_meets_every_other_event(dut):
 
     whole = [4, 9, 14]
     assert await scene([3], taken=[7]) == [whole, [*range(4, 8)], [], []]
-    # with the first sample of the burst before, and with one after it
+    # with the first sample of the previous burst, and with a later one
     assert await scene([3, 7], taken=[7, 13]) == [[4, 8, 13, 18], [*range(4, 14)], [], []]
     assert await scene([3, 12], taken=[7, 12]) == [[4, 9, 13, 18, 23], [*range(4, 8), *range(13, 40)], [], []]
-    # with the clock that decides a trigger: one, of the new burst; a clock before and after it
+    # in the clock that decides a trigger: only the new burst's comes; a clock before and after it
     assert await scene([3, 8], taken=[4]) == [[4, 9, 14, 19], [4, *range(9, 40)], [], []]
     assert (await scene([3, 7], taken=[4]))[0] == [4, 8, 13, 18]
     assert (await scene([3, 9], taken=[4]))[0] == [4, 9, 10, 15, 20]
     # with the last trigger's
     assert (await scene([3, 13]))[0] == [4, 9, 14, 19, 24]
     assert (await scene([3, 14]))[0] == [4, 9, 14, 15, 20, 25]
-    # with a loss, which is the burst's before: a first one, and a second one
+    # with a loss, which belongs to the previous burst: a first one, and a second one
     assert await scene([3, 11], taken=[4, 12], lost=[11]) == [[4, 9, 12, 17, 22], [4, 12], [11], []]
     assert (await scene([3, 11], lost=[6, 11]))[2:] == [[6], [*range(7, 12)]]
     assert (await scene([3, 11], lost=[6, 11, 12]))[2:] == [[6, 12], [*range(7, 12), *range(13, 40)]]

@@ -34,7 +34,8 @@ def length_of(dut):
 
 
 def calibrations(table, rng):
-    """Entries (of a row?, word, lane, offset, gain) of a whole bank: ends of the range, near 1, random."""
+    """Entries (of a row?, word, lane, offset, gain) of an entire bank: ends of the range, gains near 1,
+    random."""
     low, high = bench.width(table.offset_bits)
     one = 1 << 12
     words = [(False, w, lane) for w in range(table._beats.shape[2]) for lane in range(table.lanes)]
@@ -47,7 +48,7 @@ def calibrations(table, rng):
 
 
 async def load(dut, twin, entries, pause=lambda: False):
-    """Write a whole bank, an entry a clock, with pauses."""
+    """Write an entire bank, an entry a clock, with pauses."""
     for of_row, word, lane, offset, gain in entries:
         while pause():
             dut.cfg_write_i.value = dut.cfg_write_row_i.value = 0
@@ -71,7 +72,7 @@ async def swap(dut, twin):
 
 
 def expected_of(twin, beats):
-    """What the model makes of a stream of beats."""
+    """The model's output for a stream of beats."""
     table = twin.table
     got = []
     for beat in beats:
@@ -84,7 +85,7 @@ def expected_of(twin, beats):
 
 
 def samples(rng, twin, count):
-    """Frames of samples: both ends of the range, small ones, then random, a tenth of them masked."""
+    """Frames of samples: both ends of the range, small ones, then random; a tenth of them masked."""
     rows, columns, lanes, _ = size_of(twin)
     low, high = bench.width(twin.sample_bits)
     shape = (count, rows, columns)
@@ -104,7 +105,7 @@ async def matches_model(dut, stall_rate):
     twin, rng = twin_of(dut), np.random.default_rng(bench.SEED)
     await bench.start(dut, **IDLE)
     beats = samples(rng, twin, 2)
-    if size_of(twin)[3] < 5000:  # nothing is calibrated yet
+    if size_of(twin)[3] < 5000:  # first without any calibration
         got = await bench.stream(dut, bench.unnumbered(beats), FIELDS)
         assert got == expected_of(twin, beats)
         assert not any(beat["data"] for beat in got)
@@ -122,7 +123,7 @@ async def matches_model(dut, stall_rate):
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 @cocotb.parametrize(stall_rate=[0.0, 0.4])
 async def no_frame_mixes_two_calibrations(dut, stall_rate):
-    """A second bank is written while frames pass and swapped in at every possible beat of a frame."""
+    """A second bank is written while frames pass, and swapped in at critical beats of a frame."""
     twin, rng = twin_of(dut), np.random.default_rng(bench.SEED)
     length = size_of(twin)[3]
     await bench.start(dut, **IDLE)
@@ -130,7 +131,7 @@ async def no_frame_mixes_two_calibrations(dut, stall_rate):
     taken = 0
 
     async def writer(sets, at):
-        """Write set after set; the frames that begin after the swap are the first with the new one."""
+        """Write each set; frames that begin after the swap must be the first with the new one."""
         nonlocal taken
         for entries, place in zip(sets, at):
             await load(dut, twin, entries, lambda: draw.random() < 0.3)
@@ -142,8 +143,8 @@ async def no_frame_mixes_two_calibrations(dut, stall_rate):
             dut.cfg_swap_i.value = 1
             await FallingEdge(dut.clk_i)
             dut.cfg_swap_i.value = 0
-            swaps.append(-(-taken // length))  # taken has counted the beat of that clock
-            # Only then may the bank that was in use be written again.
+            swaps.append(-(-taken // length))  # taken includes the beat of that clock
+            # Only now may the bank that was in use be written.
             while dut.cfg_swapping_o.value == 1:
                 await FallingEdge(dut.clk_i)
             await bench.RisingEdge(dut.clk_i)
@@ -208,9 +209,9 @@ async def forgets_what_a_reset_interrupts(dut):
         await load(dut, twin, calibrations(twin.table, rng))
         await swap(dut, twin)
         beats = samples(rng, twin, 2)
-        stalls = (lambda: True) if cut <= 3 else None  # so many find room when nobody takes any
+        stalls = (lambda: True) if cut <= 3 else None  # so many beats fit while none is taken
         await bench.stream(dut, bench.unnumbered(beats[:cut]), FIELDS, stalls=stalls, drain=0)
-        dut.cfg_swap_i.value = cut % 2  # a swap that is asked for is forgotten too
+        dut.cfg_swap_i.value = cut % 2  # a requested swap is discarded too
         await bench.RisingEdge(dut.clk_i)
         dut.cfg_swap_i.value = 0
         await bench.reset(dut)
@@ -223,7 +224,7 @@ async def forgets_what_a_reset_interrupts(dut):
 @bench.applies(lambda dut: length_of(dut) <= 500)
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def keeps_all_that_it_let_in_while_nobody_takes_any(dut):
-    """The consumer sleeps until the block has been full for long, then takes all, again and again."""
+    """The follower sleeps until the block has long been full, then takes all; again and again."""
     twin, rng = twin_of(dut), np.random.default_rng(bench.SEED)
     length = size_of(twin)[3]
     await bench.start(dut, **IDLE)
@@ -273,7 +274,7 @@ EVIDENCE = {
     "faults": {
         "size": {"Rows": 3, "RowColumn": 0},
         "settle": 3,
-        # The tables, which of the two is in use and whether any is, until they are written again.
+        # The tables, the bank in use and whether one is loaded keep a fault until they are written again.
         "driver": {"kept": "memory gains offsets rows bank loaded cfg_swapping"},
     },
 }
@@ -308,7 +309,7 @@ def test_model_against_fractions():
         raw = np.r_[[-65536, 65535, 0, 1, -1, 7], rng.integers(-65536, 65536, 400)]
         offset = np.r_[[65535, -65536, 0, 0, 0, 6], rng.integers(-65536, 65536, 400)]
         gain = np.r_[[top, top, top, 1 << (shift - 1), 1 << (shift - 1), 0], rng.integers(0, top + 1, 400)]
-        gain[-100:] = 1 << (shift - 1)  # a half exactly whenever raw - offset is odd
+        gain[-100:] = 1 << (shift - 1)  # exactly a half whenever raw - offset is odd
         got = forces(raw, offset, gain, shift, gain_bits=gain_bits)
         for r, o, g, f in zip(raw.tolist(), offset.tolist(), gain.tolist(), got.tolist()):
             exact = floor(Fraction((r - o) * g, 1 << shift) + Fraction(1, 2))
@@ -316,7 +317,7 @@ def test_model_against_fractions():
 
 
 def test_model_in_frames_and_beats():
-    """``next`` of whole frames and ``beat`` after beat give the same."""
+    """``next`` for complete frames and ``beat`` for each beat give the same."""
     rng = np.random.default_rng(1)
     twin = Calibrate(3, 5, 2)
     for entry in calibrations(twin.table, rng):

@@ -1,7 +1,7 @@
-"""What meets in one clock in msn_calibrate, with forces worked out from the header's formula by hand: a
-swap asked for at every clock around a frame's first and last beat, in a frame's middle and asked twice; an
-entry written in the clock of the request and right after the exchange; row x column: its credit with the
-FIFO exactly full and exactly empty."""
+"""Events that meet in one clock in msn_calibrate, with forces worked out by hand from the header's formula: a
+swap requested at every clock around a frame's first and last beat, in mid-frame and twice; an entry written
+in the clock of the request and right after the exchange; row x column: its credit with the FIFO exactly full
+and exactly empty."""
 
 import cocotb
 import pytest
@@ -10,7 +10,7 @@ import bench
 
 ROWS, COLUMNS, LANES, ROW_BEATS, BEATS = 3, 5, 2, 3, 9
 TOP = 65535
-CREDIT = 31  # beats that row x column lets in while none leaves: 29 owed, and what came before that was seen
+CREDIT = 31  # beats that row x column takes while none leaves: 29 of credit and those taken before it shows
 
 
 def row_column(dut):
@@ -21,16 +21,17 @@ def raw_of(frame, beat, lane):
     return 3000 + 211 * frame + 17 * beat + 5 * lane
 
 
-# Gains are 1, 2, 3 .. of 4096; of taxels the offsets differ in every beat and lane, else in rows and columns.
+# Gains are 1, 2, 3 .. times 4096; offsets of taxels differ in every beat and lane, otherwise in rows and
+# columns.
 def force(dut, level, frame, beat, lane):
-    """(raw - offset) gain of the calibration ``level``; the surplus lane of a row is calibrated too."""
+    """(raw - offset) gain of the calibration ``level``; the unused lane of a row is calibrated too."""
     row, column = divmod(beat, ROW_BEATS)
     offset = 100 * row + 10 * column + lane if row_column(dut) else 11 * beat + lane
     return min((raw_of(frame, beat, lane) - offset - 7 * level) * (level + 1), TOP)
 
 
 def entries(dut, level):
-    """(of a row?, word, lanes, offset, gain) of a whole bank."""
+    """(of a row?, word, lanes, offset, gain) of an entire bank."""
     gain = 4096 * (level + 1)
     if not row_column(dut):
         return [
@@ -41,7 +42,7 @@ def entries(dut, level):
 
 
 class Line:
-    """A clock at a time: what goes in, what comes out, and in which clock."""
+    """Runs single clocks and records what goes in and out, and in which clock."""
 
     def __init__(self, dut):
         self.dut, self.clock, self.taken, self.out = dut, 0, [], []
@@ -53,7 +54,7 @@ class Line:
         dut.cfg_offset_i.value = offset & ((1 << len(dut.cfg_offset_i)) - 1)
 
     async def tick(self, beat=None, ready=1, swap=0, write=None):
-        """A clock; whether ``beat`` (frame, number) went in. ``write``: of ``entries``."""
+        """One clock; returns whether ``beat`` (frame, number) went in. ``write``: one of ``entries``."""
         dut = self.dut
         dut.in_valid_i.value, dut.out_ready_i.value, dut.cfg_swap_i.value = int(beat is not None), ready, swap
         if write:
@@ -82,13 +83,13 @@ class Line:
             await self.tick(write=entry)
 
     async def swapped(self):
-        """A calibration is asked for between frames and in use."""
+        """Request the swap between frames and wait until it is in effect."""
         await self.tick(swap=1)
         for _ in range(6):
             await self.tick()
 
     async def send(self, beats, swaps=(), writes=None):
-        """``beats`` without a gap; cfg_swap_i in the clocks ``swaps``, entries in those of ``writes``."""
+        """Send ``beats`` without gaps; cfg_swap_i in the clocks ``swaps``, entries in those of ``writes``."""
         for beat in beats:
             while not await self.tick(
                 beat, swap=int(self.clock in swaps), write=(writes or {}).get(self.clock)
@@ -103,7 +104,7 @@ def whole(*frames):
 
 
 def beats_of(dut, levels):
-    """What leaves of frames 0, 1, .. with these calibrations."""
+    """The output for frames 0, 1, .. with the calibrations ``levels``."""
     return [
         (
             *(1, int(number % ROW_BEATS == ROW_BEATS - 1), int(number == BEATS - 1)),
@@ -115,7 +116,7 @@ def beats_of(dut, levels):
 
 
 async def begin(dut):
-    """Level 0 in use, level 1 written."""
+    """Reset; then level 0 is in use and level 1 is written."""
     await bench.reset(dut)
     line = Line(dut)
     await line.load(0)
@@ -130,9 +131,9 @@ QUIET = {"cfg_write_i": 0, "cfg_write_row_i": 0, "cfg_swap_i": 0}
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def a_swap_around_a_frames_first_and_last_beat(dut):
-    """In the clock of a beat, before or after it: it counts from the first frame that begins in a later
-    clock. Three clocks pass before that frame's first beat, and none anywhere else; row x column never
-    waits."""
+    """Requested in the clock of a beat, before or after it, a swap takes effect with the first frame that
+    begins in a later clock. Three clocks pass before that frame's first beat, and none elsewhere; row x
+    column never stalls."""
     await bench.start(dut, **QUIET)
     line = await begin(dut)
     await line.send(whole(0, 1, 2, 3))
@@ -155,8 +156,8 @@ async def a_swap_around_a_frames_first_and_last_beat(dut):
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def swapping_until_the_frame_is_over(dut):
-    """cfg_swapping_o from the clock after the request to the one after the frame's last beat; a second
-    request while the first waits changes nothing more."""
+    """cfg_swapping_o is set from the clock after the request to the one after the frame's last beat; a second
+    request while the first is pending has no further effect."""
     await bench.start(dut, **QUIET)
     for again in (None, 2, BEATS - 2):
         line = await begin(dut)
@@ -174,8 +175,8 @@ async def swapping_until_the_frame_is_over(dut):
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def an_entry_in_the_clock_of_the_request(dut):
-    """The last entry of a calibration is written in the clock that asks for the swap: it belongs to it. One
-    that is written while the first frame with it passes belongs to the next."""
+    """The last entry of a calibration, written in the clock of the swap request, belongs to it. An entry
+    written while the first frame with it passes belongs to the next calibration."""
     await bench.start(dut, **QUIET)
     line = await begin(dut)
     *most, last = entries(dut, 2)
@@ -194,8 +195,8 @@ async def an_entry_in_the_clock_of_the_request(dut):
 @bench.applies(row_column)
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def the_credit_is_whole_after_full_and_empty(dut):
-    """Row x column: nobody takes any for 100 clocks, then one beat now and then, then all; again and again.
-    The credit is used up at 31 beats; when 28 are left, 3 come in before that is seen."""
+    """Row x column: the output stalls for 100 clocks, then takes one beat now and then, then all; again and
+    again. The credit is used up at 31 beats; when it is back to 28, 3 more go in before that is seen."""
     await bench.start(dut, **QUIET)
     line = await begin(dut)
     frames = 24
@@ -212,12 +213,12 @@ async def the_credit_is_whole_after_full_and_empty(dut):
         assert sent - before == CREDIT
         for one in range(1, 36):  # each place of the ring
             await clocks(1, ready=1)
-            await clocks(rounds + 5)  # until the place is given back and the next beat let in
+            await clocks(rounds + 5)  # until the place is returned and the next beat is let in
             assert sent - before == CREDIT + one // 3 * 3, one
         for _ in range(80):
             await clocks(1, ready=1, offer=False)
         assert len(line.out) == sent
-        await clocks(3, ready=1, offer=False)  # empty, for clocks, and a beat alone
+        await clocks(3, ready=1, offer=False)  # empty for some clocks, then a single beat
         await clocks(1, ready=1)
         await clocks(14, ready=1, offer=False)
         assert (len(line.out), bench.read(dut.out_valid_o)) == (sent - 1, 0)

@@ -1,6 +1,6 @@
 """msn_calibration_grid against its model: one taxel to rows that do not fill their lanes; beats with pauses
 and without, exactly six clocks later, while the other bank is written; swaps at every beat of a frame and
-between frames; frames cut short and too long; resets in frames, with a swap asked for."""
+between frames; frames cut short and too long; resets in mid-frame, with a swap requested."""
 
 import random
 
@@ -22,7 +22,7 @@ def twin_of(dut):
 
 
 def entries(twin, draw):
-    """What fills a bank: (of a row?, word, lane, offset, gain), the ends of the range and random ones."""
+    """Random contents of a bank, with the ends of the range: (of a row?, word, lane, offset, gain)."""
     low, high = bench.width(twin.offset_bits)
     words = [(False, w, lane) for w in range(twin.row_beats) for lane in range(twin.lanes)]
     words += [(True, row, 0) for row in range(twin.rows)]
@@ -45,7 +45,7 @@ def put(twin, found):
 
 
 async def write(dut, twin, found):
-    """Write a bank, then ask for the swap; what is taken up to that clock belongs to the old one."""
+    """Write a bank. Beats taken up to the later swap request belong to the old one."""
     for of_row, word, lane, offset, gain in found:
         dut.cfg_word_i.value, dut.cfg_gain_i.value = word, gain
         dut.cfg_offset_i.value = offset & ((1 << twin.offset_bits) - 1)
@@ -57,7 +57,7 @@ async def write(dut, twin, found):
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 @cocotb.parametrize(pause_rate=[0.0, 0.5])
 async def matches_model(dut, pause_rate):
-    """A swap is asked for at every beat of a frame in turn, and now and then between two frames."""
+    """A swap is requested at every beat of a frame in turn, and now and then between two frames."""
     twin, draw = twin_of(dut), random.Random(bench.SEED)
     await bench.start(dut, **QUIET)
     await FallingEdge(dut.clk_i)
@@ -79,14 +79,14 @@ async def matches_model(dut, pause_rate):
             dut.rst_i.value = 0
             twin.reset()
             due, asked, writer, midway, place = [], None, None, False, 0
-        # What was taken LATENCY clocks ago.
+        # The beat taken LATENCY clocks ago.
         if due and due[0][0] == clock:
             _, offset, gain, loaded = due.pop(0)
             assert bench.read(dut.out_loaded_o) == loaded
             if loaded:
                 assert bench.lane_values(bench.read(dut.out_offset_o), twin.lanes, bits, True) == offset
                 assert bench.lane_values(bench.read(dut.out_gain_o), twin.lanes, 32) == gain
-        # A swap that was asked for in an earlier clock holds from the next frame's first beat on.
+        # A swap requested in an earlier clock takes effect with the next frame's first beat.
         assert bench.read(dut.cfg_swapping_o) == (asked is not None)
         if asked is not None and not midway:
             put(twin, asked)
@@ -132,7 +132,7 @@ EVIDENCE = {
     "faults": {
         "size": {"Rows": 6},
         "settle": 2,
-        # The tables, which of the two is in use and whether any is, until they are written again.
+        # The tables, the bank in use and whether one is loaded keep a fault until they are written again.
         "driver": {"frame": "last_i", "kept": "memory gains offsets rows bank loaded cfg_swapping"},
     },
 }

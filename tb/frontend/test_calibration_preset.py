@@ -1,5 +1,5 @@
-"""msn_calibration_preset against its model: every write after a reset, the swap, then the writes of a host as
-they are and none before; a reset in the middle starts again."""
+"""msn_calibration_preset against its model: every write after a reset, the swap, then the host's writes
+unchanged and none before; a reset in the middle starts again."""
 
 import random
 
@@ -14,7 +14,7 @@ HOST = ("write", "write_row", "word", "offset", "gain", "swap")
 
 
 async def watch(dut, clocks, draw):
-    """Writes, the clocks of swaps and done, and how often the host's signals passed, clock by clock."""
+    """The writes, the clocks of swap and of done, and for each clock whether the host's signals passed."""
     writes, swaps, done, passed = [], [], [], []
     for clock in range(clocks):
         given = {name: draw.getrandbits(len(getattr(dut, f"in_{name}_i"))) for name in HOST}
@@ -58,7 +58,7 @@ async def writes_every_word_once_then_steps_aside(dut):
         assert swaps[0] == count and done == [count + 1]
 
 
-# It runs once after a reset: what it spoils is a table.
+# It runs once after a reset, so a fault can only damage the table.
 EVIDENCE = {
     "reference": {
         "against": "writes `by_hand`",

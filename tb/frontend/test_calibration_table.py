@@ -1,6 +1,6 @@
-"""msn_calibration_table against its model: one taxel to rows that do not fill their lanes; words
-taken with pauses while the other bank is written; swaps in and between frames, at its first and last beat;
-frames cut short, told and not; the clocks without a word; resets in frames."""
+"""msn_calibration_table against its model: one taxel to rows that do not fill their lanes; words taken with
+pauses while the other bank is written; swaps in and between frames, at a frame's first and last beat; frames
+cut short, with and without a restart; the clocks without a word; resets in mid-frame."""
 
 import random
 
@@ -42,7 +42,7 @@ async def matches_model(dut, pause_rate):
     await FallingEdge(dut.clk_i)
     assert dut.loaded_o.value == 0
     beats, bits = twin.rows * twin.row_beats, len(dut.out_offset_o) // twin.lanes
-    for bank in range(2):  # the second swap is taken up by the first frame
+    for bank in range(2):  # the second swap takes effect with the first frame
         await write_all(dut, twin, draw)
         assert dut.loaded_o.value == bank
         dut.cfg_swap_i.value = 1
@@ -54,7 +54,7 @@ async def matches_model(dut, pause_rate):
     swapping = True
     waited, cut, length = 0, False, beats
     for frame in range(24):
-        cut = length != beats  # the frame before
+        cut = length != beats  # of the previous frame
         length = beats if frame % 3 else draw.randint(1, beats)
         writer = None
         for beat in range(length):
@@ -65,12 +65,13 @@ async def matches_model(dut, pause_rate):
                 take = valid and draw.random() >= pause_rate
                 dut.take_i.value, dut.last_i.value = int(take), int(take and beat == length - 1)
                 early = take and beat == length - 1 != beats - 1
-                dut.restart_i.value = int(early and draw.random() < 0.5)  # else it finds that itself
+                dut.restart_i.value = int(early and draw.random() < 0.5)  # else the block finds it
                 waited += not valid
                 if take:
                     break
             if beat == 0:
-                # Unloaded it may have begun in the other bank, which it finds at the frame's end.
+                # Without a calibration it may have begun in the other bank, which it finds at the frame's
+                # end.
                 assert waited <= (5 if swapping or cut or not twin.loaded else 0), f"waited {waited}"
                 assert waited == 2 or frame % 8 != 6, f"{waited} clocks after a reset"
                 if swapping:
@@ -82,7 +83,7 @@ async def matches_model(dut, pause_rate):
                 assert waited == 0
             waited = 0
             assert dut.loaded_o.value == int(twin.loaded)
-            if twin.loaded:  # before, either bank's words come
+            if twin.loaded:  # before that, words of either bank may come
                 offset, gain = (words.reshape(-1, twin.lanes)[beat].tolist() for words in twin.words())
                 assert bench.lane_values(bench.read(dut.out_offset_o), twin.lanes, bits, True) == offset
                 assert bench.lane_values(bench.read(dut.out_gain_o), twin.lanes, 16) == gain
@@ -90,9 +91,9 @@ async def matches_model(dut, pause_rate):
                 if beat == length // 2:
                     break
             elif (not writer or writer.done()) and draw.random() < 0.3 and not swapping:
-                dut.cfg_swap_i.value = 1  # counts with this beat: the next frame is new
+                dut.cfg_swap_i.value = 1  # taken with this beat: it applies to the next frame
                 swapping = True
-        if frame % 8 == 5:  # reset, with a swap asked for
+        if frame % 8 == 5:  # reset with a swap requested
             await bench.RisingEdge(dut.clk_i)
             dut.take_i.value = dut.restart_i.value = 0
             await writer

@@ -1,5 +1,5 @@
-"""msn_condition against its model with both stages, with each and with none: frames that are whole and
-damaged, gaps and stalls, commands to either stage between two frames, events and counts; clocks inside."""
+"""msn_condition against its model with both stages, with each and with none: complete and damaged frames,
+gaps and stalls, commands to either stage between two frames, events and counts; latency."""
 
 import random
 
@@ -47,7 +47,7 @@ async def pulse(dut, *names):
 
 
 def beats_of(rng, dut, count):
-    """Frames that stand still, walk, jump and stay at a rail."""
+    """Frames that are constant, walk, jump and stay at a rail."""
     rows, columns, lanes, bits = shape_of(dut)
     shape = (count, rows, columns)
     x = np.cumsum(rng.choice([0, 0, 9, -9, 40], (count, 1, 1)), axis=0) % 300 + rng.integers(-2, 3, shape)
@@ -57,7 +57,7 @@ def beats_of(rng, dut, count):
 
 
 def expected_of(dut, twin, beats):
-    """Beats out and events."""
+    """Output beats and events."""
     _, _, lanes, bits = shape_of(dut)
     wide = len(dut.out_data_o) // lanes
     out, events = [], []
@@ -144,7 +144,7 @@ async def matches_model(dut, stall_rate):
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def clocks_are_as_stated(dut):
-    """One a stage, and none where there is none; nothing comes out while nobody takes the beat before."""
+    """One clock per stage, and none for a missing stage; a stalled output beat holds up the next."""
     twin = twin_of(dut)
     await begin(dut)
     await bench.clocks(dut, 12)

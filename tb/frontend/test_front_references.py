@@ -41,7 +41,7 @@ def test_samples_by_hand(part):
 
 
 def test_bursts_by_hand():
-    """The first a clock after the start; a start breaks off what is under way from the next clock on."""
+    """The first trigger is a clock after the start; a start ends a running burst from the next clock on."""
     assert burst.triggers([10], 3, 5, 100) == [11, 16, 21]
     assert burst.triggers([10], 3, 5, 21) == [11, 16]
     assert burst.triggers([10, 16], 3, 5, 100) == [11, 16, 17, 22, 27]
@@ -51,7 +51,8 @@ def test_bursts_by_hand():
 
 
 def test_time_stamps_by_hand():
-    """Of each frame the last convert start before its first sample was offered, not of the same clock."""
+    """For each frame, the last convert start before its first sample was offered; one in the same clock is
+    too late."""
     convert, sample, last = (1, 0, 0, 0), (0, 1, 0, 0), (0, 1, 1, 1)
     waits = (0, 1, 0, 1)  # the last sample, not taken yet
     idle, both = (0, 0, 0, 0), (1, 1, 1, 1)
@@ -61,7 +62,7 @@ def test_time_stamps_by_hand():
 
 
 def test_references_of_a_carrier_by_hand():
-    """docs/demod.md: N = 4: 1, 0; 8: 5, 2; 16: 5, 1 and 4, 3; near a cosine by less than 3 parts in 100."""
+    """docs/demod.md: N = 4: 1, 0; 8: 5, 2; 16: 5, 1 and 4, 3; within 0.2 of a cosine of amplitude 1."""
     quarter = {4: [1, 0], 8: [5, 2, -2, -5], 16: [5, 4, 3, 1, -1, -3, -4, -5]}
     for count, half in quarter.items():
         cosine = [*half, *(-value for value in half)]
@@ -75,7 +76,7 @@ def test_references_of_a_carrier_by_hand():
 
 @pytest.mark.parametrize("rows, columns, lanes, channels", [(3, 7, 1, 2), (5, 30, 2, 8), (4, 3, 8, 1)])
 def test_places_of_a_scan_by_their_columns(rows, columns, lanes, channels):
-    """column = (group channels + channel) lanes + lane: those groups that a column is in."""
+    """column = (group channels + channel) lanes + lane: only groups that contain a column are scanned."""
     plan = ScanPlan(rows, columns, lanes, channels)
     groups = sorted({column // lanes // channels for column in range(columns)})
     assert plan.places() == [(row, group) for row in range(rows) for group in groups]
@@ -92,7 +93,7 @@ def test_every_second_row_by_hand(count, rows):
 
 
 def test_a_scan_by_hand():
-    """2 x 5 behind two inputs: three groups a row. Slots: 20 clocks at settle 4, 30 + 1 + 3 at settle 30."""
+    """2 x 5 with two inputs: three groups a row. Slots: 20 clocks at settle 4, 30 + 1 + 3 at settle 30."""
     plan = ScanPlan(2, 5, 1, 2, hold=3, cycle=20)
     done, overrun = plan.schedule(Settings(settle=4), 4 + 7 * 20)
     assert [(c.switch, c.trigger, c.row, c.group, c.first) for c in done] == [
@@ -105,12 +106,12 @@ def test_a_scan_by_hand():
         (124, 129, 0, 0, True),
     ]
     assert (overrun, plan.slot(4), plan.slot(16), plan.slot(17), plan.slot(30)) == (0, 20, 20, 21, 34)
-    # Ticks at 4, 134, 264: a frame of 120 clocks each; ticks every 119 find it under way every second time.
+    # Ticks at 4, 134, 264 for frames of 120 clocks; at a period of 60 every second tick comes during a frame.
     done, overrun = plan.schedule(Settings(settle=4, period=130), 300)
     assert [c.switch for c in done if c.first] == [4, 134, 264] and overrun == 0
     done, overrun = plan.schedule(Settings(settle=4, period=60), 310)
     assert [c.switch for c in done if c.first] == [4, 124, 244] and overrun == 3
-    # The last switch of a frame from 4 on is at 104: a tick at 106 finds it under way, one at 107 waits.
+    # The last switch of a frame from 4 on is at 104: a tick at 106 is too early, one at 107 waits.
     done, overrun = plan.schedule(Settings(settle=4, period=102), 330)
     assert [c.switch for c in done if c.first] == [4, 208] and overrun == 2
     done, overrun = plan.schedule(Settings(settle=4, period=103), 330)
@@ -118,14 +119,14 @@ def test_a_scan_by_hand():
 
 
 def test_a_preset_by_hand():
-    """3 x 5 in two lanes: three words a row; with rows and columns three words and three rows at 1.0."""
+    """3 x 5 in two lanes: three words a row; with rows and columns, three words, and three rows at 1.0."""
     assert preset(3, 5, 2, 77) == [(False, word, 0, 77) for word in range(9)]
     rows = [(True, row, 0, 4096) for row in range(3)]
     assert preset(3, 5, 2, 77, row_column=True) == [(False, word, 0, 77) for word in range(3)] + rows
 
 
 def test_a_half_of_a_bit_is_no_clock_short():
-    """docs/adc.md, the table of configurations: half, first and last sample, shortest period."""
+    """docs/adc.md, the table of configurations: half bit, first and last sample, shortest period."""
     rows = {
         (MCP3208, 1, 1, 12_000, 2_000): (3, 114, 114, 121),
         (MCP3208, 8, 1, 25_000, 1_000): (13, 494, 4134, 4161),
@@ -143,20 +144,21 @@ def test_a_half_of_a_bit_is_no_clock_short():
 @pytest.mark.parametrize(
     "part, channels, lanes, clk, sclk, cycle, hold",
     [
-        # 8 frames of 20 bits of 26 clocks, and one; the last samples at its sixth falling edge
+        # 8 frames of 20 bits of 26 clocks, plus one; the last channel is sampled at its sixth falling edge
         (MCP3208, 8, 1, 25_000, 1_000, 4161, 7 * 520 + 12 * 13 + 1),
         (MCP3208, 1, 1, 12_000, 2_000, 121, 12 * 3 + 1),
-        # 4.2 us are 105 clocks, seen after one; 3, 129 bits of 2 clocks; the watchdog's 256 + 8 + 4 are less
+        # 4.2 us are 105 clocks, seen after one; 3, 129 bits of 2 clocks; the watchdog's 256 + 8 + 4 are fewer
         (AD7606, 8, 1, 25_000, 14_500, 106 + 3 + 258, 2),
-        # 65 bits on each of two lanes: now the watchdog's are more
+        # 65 bits on each of two lanes: now the watchdog needs more
         (AD7606, 8, 2, 25_000, 14_500, 268, 2),
-        (AD7606, 8, 2, 100_000, 14_500, 1036, 4),  # 8.4 us are 840 clocks, so 1024; 25 ns are three, and one
-        # 9 frames of 17.5 bits of 2 clocks, 8 samples, and the 4 that a lost one takes more
+        (AD7606, 8, 2, 100_000, 14_500, 1036, 4),  # 8.4 us are 840 clocks, so 1024; 25 ns are three, plus one
+        # 9 frames of 17.5 bits of 2 clocks, 8 samples, and 4 more for a lost one
         (MAX11125, 8, 1, 25_000, 16_000, 9 * 35 + 8 + 4, 8 * 35 + 1),
         (MAX11123, 3, 1, 100_000, 16_000, 4 * 140 + 3 + 4, 3 * 140 + 1),
     ],
 )
 def test_clocks_between_triggers_by_hand(part, channels, lanes, clk, sclk, cycle, hold):
-    """From trigger to trigger, and from convert start until lines may change: docs/adc.md, msn_adc_pkg."""
+    """From trigger to trigger, and from convert start until the lines may change: docs/adc.md,
+    msn_adc_pkg."""
     twin = AdcSpi(part, channels=channels, lanes=lanes, clk_khz=clk, sclk_khz=sclk)
     assert (twin.cycle_clocks(), twin.hold_clocks()) == (cycle, hold)

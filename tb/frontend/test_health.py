@@ -1,6 +1,6 @@
-"""msn_health against its model: 1 x 1 to 64 x 64, all lane counts; samples that move, stand still, jump, sit
-at a rail, over-range on every sample; clears and reports at any beat; events not taken; damage, gaps, stalls,
-resets, clocks. The model: no false report in 1e5 healthy frames, each fault found in N frames."""
+"""msn_health against its model: 1 x 1 to 64 x 64, all lane counts; samples that move, stay constant, jump,
+stay at a rail, over-range on every sample; clears and reports at any beat; events not taken; damage, gaps,
+stalls, resets, clocks. The model: no false alarm in 1e5 healthy frames, each fault found in N frames."""
 
 import random
 from itertools import pairwise
@@ -27,7 +27,7 @@ def taxels(dut):
 
 
 def registers_of(dut, limits):
-    """The inputs that hold these limits."""
+    """The values of the limits' input ports."""
     values = {f"cfg_{name}_i": int(value) for name, value in vars(limits).items()}
     for name in ("low", "high"):
         values[f"cfg_{name}_i"] &= (1 << dut.SampleBits.value.to_unsigned()) - 1
@@ -53,7 +53,7 @@ async def begin(dut, limits):
 
 
 async def begin_again(dut, limits, events):
-    """Reset with other limits, nothing reported yet; returns their twin."""
+    """Reset with other limits and discard earlier events; returns the twin."""
     for name, value in registers_of(dut, limits).items():
         getattr(dut, name).value = value
     await bench.reset(dut)
@@ -62,7 +62,7 @@ async def begin_again(dut, limits, events):
 
 
 def expected_of(twin, beats):
-    """What the model makes of a stream of beats: beats out, events."""
+    """The model's output beats and events for a stream of beats."""
     got, events = [], []
     for beat in beats:
         raw = bench.lane_values(beat["data"], twin.lanes, twin.sample_bits, signed=True)
@@ -75,16 +75,16 @@ def expected_of(twin, beats):
 
 
 def frames_of(rng, twin, count):
-    """Beats of frames in which blocks of taxels move together and some have faults that come and go."""
+    """Beats of frames in which blocks of taxels move together, and some have faults that come and go."""
     shape = (count, twin.rows, twin.columns)
     steps = rng.choice([0, 0, 0, 9, -9, 60, -60], (count, 1, 1)) * (np.arange(count)[:, None, None] % 32 < 16)
     level = np.cumsum(steps, axis=0) * np.ones(shape)
-    single = rng.random(shape[1:]) < 0.15  # these go their own ways
+    single = rng.random(shape[1:]) < 0.15  # these move independently
     level = np.where(single, np.cumsum(rng.choice([0, 0, 0, 8, -8, 31, -31], shape), axis=0), level)
     still = rng.random(shape[1:]) < 0.2
     level = np.where(still, 7, level)
     rails = rng.random(shape[1:]) < 0.1
-    if min(shape[1:]) > 2:  # one of each fault at least, and neighbours that move for the one that is dead
+    if min(shape[1:]) > 2:  # at least one of each fault, with neighbours that move around the dead one
         single[1, :3], still[1, :3], rails[1, :3] = False, (False, True, False), False
         single[0, 0], still[0, 0], rails[0, 0] = True, False, False
         rails[2, 2] = True
@@ -102,7 +102,7 @@ async def counts_are(dut, twin):
 
 
 async def agrees(dut, twin, beats, events):
-    """What comes out for ``beats``, the counters after them and the events so far are the twin's."""
+    """The output for ``beats``, the counters after them and the events so far must be the twin's."""
     expected, news = expected_of(twin, beats)
     assert await bench.stream(dut, beats, FIELDS) == expected
     await counts_are(dut, twin)
@@ -110,14 +110,14 @@ async def agrees(dut, twin, beats, events):
 
 
 async def clear(dut):
-    """Ask for one clock that every fault be forgotten."""
+    """Request for one clock that all faults be cleared."""
     dut.cfg_clear_i.value = 1
     await bench.clocks(dut, 1)
     dut.cfg_clear_i.value = 0
 
 
 async def passed(dut, frames):
-    """Wait for ``frames`` of one taxel, 10 clocks each, to a clock's edge: inputs change there."""
+    """Wait for ``frames`` frames of one taxel, 10 clocks each, up to a clock edge, where inputs change."""
     await Timer(100 * frames - 5, "ns")
     await bench.RisingEdge(dut.clk_i)
 
@@ -125,7 +125,7 @@ async def passed(dut, frames):
 @cocotb.test(timeout_time=40, timeout_unit="ms")
 @cocotb.parametrize(stall_rate=[0.0, 0.4], damage=[False, True])
 async def matches_model(dut, stall_rate, damage):
-    """Pieces of a stream, cut at any beat, with a command between two of them."""
+    """Pieces of a stream, cut at any beat, with a command after each."""
     rng, draw = np.random.default_rng(bench.SEED), random.Random(bench.SEED)
     twin, events, listener = await begin(dut, Limits(**QUICK, over_range_enable=not damage))
     length = twin.rows * twin.row_beats
@@ -142,7 +142,7 @@ async def matches_model(dut, stall_rate, damage):
         assert got == expected
         assert all(beat["mask"] == (1 << twin.lanes) - 1 for beat in got if not beat["fits"])
         expected_events += news
-        if not twin._midway:  # the model learns from a frame at its end
+        if not twin._midway:  # the model updates at the end of a frame
             await counts_are(dut, twin)
             assert events == expected_events
         assert events[: len(expected_events)] == expected_events
@@ -153,7 +153,7 @@ async def matches_model(dut, stall_rate, damage):
             await bench.RisingEdge(dut.clk_i)
             getattr(dut, f"cfg_{command}_i").value = 0
             getattr(twin, command)()
-    if min(twin.rows, twin.columns) > 2 and length < 100:  # where frames_of sees to one of each
+    if min(twin.rows, twin.columns) > 2 and length < 100:  # where frames_of provides each fault
         assert most.all(), f"never found: {most}"
     listener.cancel()
 
@@ -161,7 +161,7 @@ async def matches_model(dut, stall_rate, damage):
 @bench.applies(lambda dut: taxels(dut) <= 500)
 @cocotb.test(timeout_time=40, timeout_unit="ms")
 async def no_event_is_lost_that_nobody_takes(dut):
-    """With an event taken now and then, every fault is reported in the end, as often as without stalls."""
+    """If events are taken only now and then, every fault is still reported, as often as without stalls."""
     rng, draw = np.random.default_rng(bench.SEED), random.Random(bench.SEED)
     twin, events, listener = await begin(dut, Limits(**QUICK))
 
@@ -192,7 +192,7 @@ async def no_event_is_lost_that_nobody_takes(dut):
 @bench.applies(lambda dut: taxels(dut) <= 500)
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def over_range_on_every_sample(dut):
-    """All railed after the stated frames, not one earlier; the event of each; a clear frees all of them."""
+    """All railed after exactly the stated number of frames; an event for each; a clear resets all of them."""
     limits = Limits(**QUICK | {"low": -65536, "high": 65535}, over_range_enable=True)
     twin, events, listener = await begin(dut, limits)
     x = np.full((36, twin.rows, twin.columns), 40)
@@ -214,7 +214,7 @@ async def over_range_on_every_sample(dut):
 @bench.applies(lambda dut: taxels(dut) <= 500)
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def limits_of_every_size(dut):
-    """Each bit of each limit in turn, all and none, with samples that go from end to end."""
+    """Each bit of each limit, all and none, with samples over the full range."""
     rng = np.random.default_rng(bench.SEED)
     twin, events, listener = await begin(dut, Limits(**QUICK))
     low, high = bench.width(twin.sample_bits)
@@ -238,14 +238,15 @@ async def limits_of_every_size(dut):
 @bench.applies(lambda dut: 4 < taxels(dut) < 50)
 @cocotb.test(timeout_time=40, timeout_unit="ms")
 async def limits_that_counters_come_by(dut):
-    """Small counts, with single bits set, and jumps from the first frame on: each count is met one by one."""
+    """Small counts, some with single bits, and jumps from the first frame on: each count is met step by
+    step."""
     rng = np.random.default_rng(bench.SEED)
     twin, events, listener = await begin(dut, Limits(**QUICK))
     for rail, blink, still in ((2, 17, 8), (1, 2, 16), (3, 33, 3), (6, 16, 11), (4, 48, 2)):
         limits = Limits(**QUICK | {"rail": rail, "blink": blink, "still": still}, over_range_enable=True)
         twin = await begin_again(dut, limits, events)
         frames = 120
-        # Alone in blinking fields; those around move up and down together.
+        # Some taxels blink alone; those around them move up and down together.
         x = np.cumsum(rng.choice([0, 0, 9, -9], (frames, 1, twin.columns)), axis=0)
         x = x + rng.integers(-2, 3, (frames, twin.rows, twin.columns))
         x[:, rng.random((twin.rows, twin.columns)) < 0.3] //= 8
@@ -261,7 +262,7 @@ async def limits_that_counters_come_by(dut):
 @bench.applies(lambda dut: taxels(dut) == 1)
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def a_rail_counts_to_its_end_and_stays(dut):
-    """Over-range for longer than can be asked for, and for as long as can be; afterwards from 0 again."""
+    """Over-range for longer than the greatest limit, up to where the counter saturates; then again from 0."""
     twin, _, listener = await begin(dut, Limits(**QUICK | {"rail": 0}, over_range_enable=True))
     listener.cancel()
     frames = 16 * 260
@@ -285,7 +286,8 @@ async def a_rail_counts_to_its_end_and_stays(dut):
 @bench.applies(lambda dut: min(dut.Rows.value.to_unsigned(), dut.Columns.value.to_unsigned()) >= 4)
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def every_taxel_has_every_fault(dut):
-    """A chessboard's fields jump in turn, columns move in turn, all are at a rail; a clear frees all."""
+    """The fields of a chessboard jump in turn, columns move in turn, then all are at a rail; a clear resets
+    all."""
     limits = Limits(**QUICK | {"still": 1, "blink": 1})
     twin, _, listener = await begin(dut, limits)
     listener.cancel()
@@ -359,11 +361,11 @@ EVIDENCE = {
         "size": {"Rows": 3, "Columns": 3},
         "settle": 40,
         "driver": {
-            # It counts frames, and frames that are missing whole are not seen here.
+            # It counts frames; an entirely missing frame cannot be noticed here.
             "skip": "gone",
-            # An event that is not taken at once comes with the next frame.
+            # An event that is not taken immediately comes with the next frame.
             "ready": "event_",
-            # Of what it knows of a taxel.
+            # The state of a taxel.
             "kept": "state u_row. u_up. u_down. gen_lane out_data_o head ahead behind here "
             "write learn place row_first top bottom u_taxel. tick asked bank fresh again drain "
             "was_whole",
@@ -391,15 +393,16 @@ def test_health(rows, columns, lanes, sample_bits):
 
 @pytest.mark.parametrize("rows, columns, lanes", [(3, 5, 2), (1, 3, 1)])
 def test_health_by_hand(rows, columns, lanes):
-    """Against literals and a plain loop, not the model: frontend/health_by_hand.py."""
+    """Against literals and a plain loop instead of the model: frontend/health_by_hand.py."""
     size = {"Rows": rows, "Columns": columns, "Lanes": lanes, "SampleBits": 17}
     bench.run("frontend", "health", size, module="health_by_hand")
 
 
 def contacts(rng, size, frames, noise):
-    """Chunks of frames of a healthy array pressed here and there: bumps that rise, stay, may slide, and go.
+    """Chunks of frames of a healthy array pressed at random places: bumps that rise, stay, may slide, and
+    fall.
 
-    ``noise``: codes, rms, before rounding. Every taxel has its own zero and gain.
+    ``noise``: codes rms, before rounding. Every taxel has its own zero and gain.
     """
     i, j = np.indices((size, size))
     zero, gain = rng.integers(300, 900, (size, size)), rng.uniform(0.7, 1.3, (size, size))
@@ -418,7 +421,7 @@ def contacts(rng, size, frames, noise):
 
 @pytest.mark.parametrize("noise, frames", [(2.0, 100_000), (0.0, 20_000)])
 def test_no_false_report_in_healthy_frames(noise, frames):
-    """Noise of 2 codes rms; and a converter without any, whose free taxels do stand still for ever."""
+    """With noise of 2 codes rms; and with a noise-free converter, whose unpressed taxels never move."""
     twin = Health(12, 12)
     seen = 0
     for chunk in contacts(np.random.default_rng(bench.SEED), 12, frames, noise):
@@ -435,7 +438,7 @@ def test_an_idle_array_without_noise_is_healthy():
     assert not masks.any()
 
 
-# Where, as what it must be found, and the frames N in which it must.
+# Place, fault type that must be reported, and the number N of frames within which it must be.
 FAULTS = {
     "dead": ((6, 5), DEAD, 1000),
     "dead, at a corner": ((0, 0), DEAD, 5000),
@@ -449,7 +452,7 @@ FAULTS = {
 
 
 def inject(kind, frames, where, rng):
-    """The frames with this fault in them."""
+    """The frames with this fault added."""
     frames = frames.copy()
     at = (slice(None), *where)
     noise = np.rint(rng.normal(0, 2, frames[at].shape)).astype(np.int64)
@@ -467,7 +470,7 @@ def inject(kind, frames, where, rng):
 
 
 def frames_until_found(kind, seed, healthy=200):
-    """Frames from the fault's begin until all of its taxels are found; no other may ever be."""
+    """Frames from the begin of the fault until all its taxels are found; no other taxel may ever be."""
     where, fault, limit = FAULTS[kind]
     rng = np.random.default_rng(seed)
     twin = Health(12, 12, limits=Limits(low=0))
@@ -490,7 +493,7 @@ def frames_until_found(kind, seed, healthy=200):
 
 @pytest.mark.parametrize("kind", FAULTS)
 def test_every_fault_is_found(kind):
-    """Within N frames of its begin, all of its taxels and no other, on an array that is pressed all over."""
+    """Within N frames of its begin, all of its taxels and no other, on an array pressed all over."""
     print(f"{kind}: found after {[frames_until_found(kind, seed) for seed in range(1, 9)]} frames")
 
 

@@ -1,5 +1,5 @@
-"""msn_health cleared and asked for its reports at every clock around the frame in which faults come about:
-two taxels at the rail, found in every sixteenth frame; events and counts worked out by hand."""
+"""msn_health with clear and report requested at every clock around the frame in which faults are found: two
+taxels at the rail, found in every sixteenth frame; events and counts worked out by hand."""
 
 import cocotb
 from cocotb.triggers import ReadOnly, RisingEdge
@@ -21,8 +21,8 @@ LIMITS = {
 
 
 async def run(dut, frames, pulses=(), ready_from=0):
-    """Clocks in which beats went in, [(clock, event)], and the count after each frame's last beat and at the
-    end.
+    """Returns the clocks in which beats went in, [(clock, event)], and the count after each frame's last beat
+    and at the end.
 
     ``pulses``: (input, clock); events are taken from the clock ``ready_from`` on."""
     await bench.reset(dut)
@@ -52,8 +52,8 @@ async def run(dut, frames, pulses=(), ready_from=0):
 
 
 def in_frames(events, taken):
-    """[(frame, taxel)]: each event in the frame that went in last; all of them name the rail and nothing
-    else."""
+    """[(frame, taxel)]: each event with the latest frame that had begun; all must report the rail and no
+    other fault."""
     assert all(event[2:] == (0, 1, 0) for event in events)
     firsts = taken[::TAXELS]
     return [(sum(first < clock for first in firsts) - 1, place) for clock, place, *_ in events]
@@ -61,9 +61,9 @@ def in_frames(events, taken):
 
 @cocotb.test(timeout_time=50, timeout_unit="ms")
 async def cleared_and_reported_at_every_clock(dut):
-    """16 and 32 are the frames that look. A clear before frame 16's first beat makes that frame the first of
-    all; in that clock and later, what was found is told, then forgotten, and found again in frame 32. A
-    report tells what stands in the frame after it once more."""
+    """Frames 16 and 32 check the rails. A clear before frame 16's first beat makes that frame the first of
+    all; in that clock or later, the faults found are reported, then cleared, and found again in frame 32.
+    After a report request, the next frame reports all existing faults once more."""
     settings = {f"cfg_{name}_i": value for name, value in LIMITS.items()}
     idle = {"in_user_i": 0, "out_ready_i": 1, "cfg_clear_i": 0, "cfg_report_i": 0}
     await bench.start(dut, **settings, **idle)
@@ -89,8 +89,8 @@ async def cleared_and_reported_at_every_clock(dut):
 
 @cocotb.test(timeout_time=50, timeout_unit="ms")
 async def events_that_nobody_takes_meet_the_next_ones(dut):
-    """Nobody takes an event until any clock of the frames after: each is reported once, none is lost, and no
-    count waits."""
+    """Events stall until any clock of the following frames: each is reported once, none is lost, and the
+    counts are not delayed."""
     settings = {f"cfg_{name}_i": value for name, value in LIMITS.items()}
     idle = {"in_user_i": 0, "out_ready_i": 1, "cfg_clear_i": 0, "cfg_report_i": 0}
     await bench.start(dut, **settings, **idle)

@@ -1,5 +1,6 @@
-"""Health of taxels by literals and by a plain loop: the cases of tb/reference/health_cases.py, by hand, hold
-for the loop, for the twin and (frontend/health_by_hand.py) for the RTL; then the twin against the loop."""
+"""Health of taxels by literals and by a plain loop: the cases of tb/reference/health_cases.py, by hand, must
+hold for the loop, for the twin and (frontend/health_by_hand.py) for the RTL; then the twin against the
+loop."""
 
 import random
 
@@ -32,7 +33,7 @@ def test_the_loop_finds_what_the_hand_found(case):
 
 
 def twins_frame(twin, codes, over, whole=None):
-    """One frame through the twin, of which ``whole`` beats of one lane come before it breaks (None: all)."""
+    """One frame through the twin; with ``whole`` it breaks off after that many beats of one lane."""
     if whole is None:
         masks, _ = twin.next([codes], [over])
         return masks[0]
@@ -45,7 +46,7 @@ def twins_frame(twin, codes, over, whole=None):
 
 @pytest.mark.parametrize("case", cases(), ids=lambda case: case.name)
 def test_the_twin_finds_what_the_hand_found(case):
-    """And masks what was found from the next frame on, and counts it."""
+    """It also masks these taxels from the next frame on, and counts them."""
     twin, found = Health(*case.shape, limits=Limits(**case.settings)), {}
     for number in range(case.frames()):
         if case.clear and number == case.clear:
@@ -68,7 +69,7 @@ def test_the_twin_finds_what_the_hand_found(case):
 
 
 def test_a_rail_counts_to_255():
-    """Looked at in frames 16, 32 ..: the 255th time in frame 4080."""
+    """Checked in frames 16, 32 ..: the 255th time in frame 4080."""
     case = Case(
         "", {(0, 0): [50] * 4100}, {}, dict(cases()[0].settings) | {"rail": 255, "still": 0}, shape=(1, 1)
     )
@@ -84,7 +85,7 @@ def test_a_rail_counts_to_255():
     "steps", [[0, 0, 0, 0, 3, -3], [0] * 10 + [8, -8], [0, 0, 2, 3, -3, 7, -7, 8, -8]], ids=str
 )
 def test_the_twin_is_the_loop_s(rows, columns, steps):
-    """Walks of single steps at and about band, jump and rails; frames that break; clears."""
+    """Random walks in single steps around band, jump and rails; frames that break off; clears."""
     kinds = (
         {"still": 9, "edges": True},
         {"rail": 2, "over_range_enable": True},
@@ -108,5 +109,5 @@ def test_the_twin_is_the_loop_s(rows, columns, steps):
             loop.frame(codes.tolist(), over.tolist(), None if whole is None else set(places[:whole]))
             twins_frame(twin, codes.tolist(), over.tolist(), whole)
             faults = [[loop.faults(row, column) for column in range(columns)] for row in range(rows)]
-            # After a clear the twin forgets with the next whole frame; until then it masks nothing.
+            # After a clear the twin resets with the next complete frame; until then it masks nothing.
             assert loop.first or twin.faults.tolist() == faults, f"frame {number}, {given}"

@@ -30,7 +30,7 @@ async def matches_model(dut, gap, stall):
     await check(dut, events(draw, 80, len(dut.in_dead_i), len(dut.in_id_i)), gap, stall)
 
 
-# By hand from docs/link.md: taxels row-major, 1 dead, 2 railed, 4 blinking, the sum where there are several.
+# By hand from docs/link.md: taxels row-major; 1 dead, 2 railed, 4 blinking, or their sum.
 LITERALS = {
     1: (
         [(5, 1, 0, 0), (6, 0, 1, 0), (7, 0, 0, 1), (9, 1, 0, 1), (10, 1, 1, 0), (12, 0, 1, 1), (13, 1, 1, 1)],
@@ -52,8 +52,8 @@ async def bits_are_those_of_the_link(dut):
 
 @cocotb.test(timeout_time=2, timeout_unit="ms")
 async def a_reader_asleep_at_each_report(dut):
-    """Every lane faulty, and the next event offered all the time: the reader sleeps for 2 Lanes + 5 clocks
-    before it takes one report in turn. What is offered stays, the next event waits, each report comes once.
+    """Every lane is faulty and the next event is always offered. The reader sleeps for 2 Lanes + 5 clocks
+    before each report in turn: the offered report stays, the next event stalls, and each report comes once.
     """
     lanes = len(dut.in_dead_i)
     given = [(9 + 4 * number, (1 << lanes) - 1, 0, 0) for number in range(4)]

@@ -1,5 +1,5 @@
 """msn_health_taxel against its model, a taxel a clock and taxels that stay: samples, counters and thresholds
-at their ends and one beside; the first frame, reports sent and not; and the model against a plain loop."""
+at their ends and one off; the first frame, reports sent and not sent; and the model against a plain loop."""
 
 import random
 from dataclasses import astuple
@@ -57,7 +57,7 @@ def case_of(draw, bits, limits):
 
 
 def plain(case, limits):
-    """(state, news, event, moved of late, upwards): the header of msn_health for one taxel, line by line."""
+    """(state, news, event, recently moved, upwards): the header of msn_health for one taxel, line by line."""
     state, raw = dict(case["state"]), case["raw"]
     if case["fresh"]:
         moved = abs(raw - state["held"]) > limits.band
@@ -97,7 +97,7 @@ def plain(case, limits):
 
 
 def of_model(cases, limits):
-    """The model's, of taxels side by side that share tick, fresh, again and send."""
+    """The model's results for taxels in parallel that share tick, fresh, again and send."""
     column = lambda values, kind: np.array(list(values), dtype=kind)
     kinds = dict.fromkeys(("rising", "jumped", "reported"), bool)
     state = State(
@@ -113,7 +113,7 @@ def of_model(cases, limits):
 
 
 def word(state, bits):
-    """The state as the block holds it; faults there are dead, railed, blinking from the highest bit on."""
+    """The state as the block stores it; its faults are dead, railed, blinking from the highest bit down."""
     fields = (
         (state["held"] & (1 << bits) - 1, bits),
         *((state[name], 8) for name in COUNTERS),

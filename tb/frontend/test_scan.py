@@ -1,11 +1,11 @@
-"""msn_scan with a matrix and converters that know what they may see.
+"""msn_scan with a matrix and converters that check what they see.
 
-The matrix watches its lines in every clock: never two rows at once, and a converter that starts sees
-its taxel only if row and group have been still for exactly the settle time (else the test fails), and
-they stay so for the hold time. Every taxel has a value of its own in every frame. Converters answer as
-late and as unevenly as their cycle allows, and now and then not at all. Beats, ids, numbers and time
-stamps against the twin, over array sizes, orders, stalls and sleep, settle 0 and maximum, over-range on
-every sample, reset in the middle of a frame.
+The matrix watches its lines in every clock: never two rows at once; when a converter starts, row and group
+must have been constant for exactly the settle time, or the test fails, and they must stay so for the hold
+time. Every taxel has a different value in every frame. Converters answer as late and as unevenly as their
+cycle allows, and sometimes not at all. Beats, ids, numbers and time stamps against the twin, over array
+sizes, orders, stalls and sleep, settle 0 and maximum, over-range on every sample, reset in the middle of a
+frame.
 """
 
 import random
@@ -30,23 +30,23 @@ def twin_of(dut):
 
 
 class Matrix:
-    """The array, its converters, and a record of what left the block."""
+    """The array, its converters, and a record of the block's output."""
 
     def __init__(self, dut, settings):
         self.dut, self.settings = dut, settings
         self.twin = twin_of(dut)
         self.draw = random.Random(bench.SEED)
         self.stall = lambda: False
-        self.lose = lambda conversion, lane: False  # the converter of this lane does not answer
+        self.lose = lambda conversion, lane: False  # whether the converter of this lane does not answer
         self.uneven = True
         self.over = lambda conversion, column: False
         self.clock = -1
         self.lines = (None, None)
-        self.still = 0  # the clock since which the lines are as they are
-        self.free = 0  # the clock from which they may change
+        self.still = 0  # the clock of the lines' last change
+        self.free = 0  # the first clock in which they may change
         self.triggers = []  # (clock at the pins, row, group, {(channel, lane): ..})
-        self.coming = [[] for _ in range(self.twin.lanes)]  # per lane (clock from which offered, value, user)
-        self.losing = [[] for _ in range(self.twin.lanes)]  # per lane clocks of a lost strobe
+        self.coming = [[] for _ in range(self.twin.lanes)]  # per lane (clock of the offer, value, user)
+        self.losing = [[] for _ in range(self.twin.lanes)]  # per lane the clocks of a lost strobe
         self.beats, self.held = [], None
         self.triggered = False
         self.origin = random.Random(f"{bench.SEED} {settings}").getrandbits(48)  # of time
@@ -55,7 +55,7 @@ class Matrix:
         return (self.origin + clock) % (1 << 48)
 
     def value(self, row, column):
-        """Another code for every taxel and conversion."""
+        """A different code for every taxel and conversion."""
         seed = (len(self.triggers) * 1_000_003 + row * 1009 + column) * 2654435761
         bits = self.twin.sample_bits
         return (seed >> 7) % (1 << bits) - (1 << bits - 1)
@@ -69,7 +69,7 @@ class Matrix:
         self.free = self.clock + twin.hold
         codes = {}
         number = len(self.triggers)
-        # Uneven: the last sample may come as late as the cycle allows for what follows it.
+        # Uneven: the last sample may come as late as the cycle leaves time for the steps after it.
         latest = self.clock + twin.cycle - twin.channels - 6
         for lane in range(twin.lanes):
             lost = self.lose(number, lane)
@@ -124,7 +124,7 @@ class Matrix:
         rows = bench.read(self.dut.row_o)
         assert rows & rows - 1 == 0, f"rows {rows:b} at once"
         row = rows.bit_length() - 1 if rows else None
-        group = self.dut.group_o.value  # of anything before the first trigger
+        group = self.dut.group_o.value  # undefined before the first trigger
         lines = (row, int(group) if group.is_resolvable else None)
         if lines != self.lines:
             assert self.clock >= self.free, "the lines changed while a converter needed them"
@@ -165,7 +165,7 @@ class Matrix:
         await RisingEdge(self.dut.clk_i)
 
     def beat(self, codes, channel):
-        """(data, user) of one channel of a conversion, as the block joins the lanes."""
+        """(data, user) of one channel of a conversion, with the lanes joined as the block does."""
         twin = self.twin
         data = user = 0
         for lane in range(twin.lanes):
@@ -190,7 +190,7 @@ class Matrix:
         return frames
 
     def check(self, lossless=True):
-        """Everything that left is right and whole; nothing is missing that was not counted."""
+        """All output is right and complete, and every missing frame was counted."""
         conversions, _ = self.twin.schedule(self.settings, self.clock + 1)
         order = conversions[: len(self.triggers)]
         if self.counts["held"] == 0:
@@ -261,7 +261,7 @@ async def every_taxel_is_read_settled_and_in_its_place(dut):
 
 @cocotb.test(timeout_time=100, timeout_unit="ms")
 async def latency_is_the_twins(dut):
-    """With converters that answer evenly each beat leaves LATENCY clocks after its sample came."""
+    """If converters answer evenly, each beat leaves LATENCY clocks after its sample arrived."""
     twin = twin_of(dut)
     matrix = await scan(dut, Settings(settle=2), START + twin.frame_clocks(2), uneven=False)
     matrix.check()
@@ -275,19 +275,19 @@ async def latency_is_the_twins(dut):
 
 @cocotb.test(timeout_time=200, timeout_unit="ms")
 async def orders_and_rates(dut):
-    """Random registers of every kind, with consumers of every kind."""
+    """Random registers of every kind, with followers of every kind."""
     draw = random.Random(bench.SEED)
     twin = twin_of(dut)
     for number in range(24):
         settings = random_settings(draw, twin)
-        # Ticks that come in time or not: test_scan_plan. Here a frame follows the other, or there is but one.
+        # Early and late ticks: test_scan_plan. Here frames are back to back, or there is only one.
         period = draw.getrandbits(twin.period_bits) | 1 << 16 if number % 5 == 4 else 0
         settings = Settings(settings.settle, period, settings.interleave and twin.buffer.sorts)
         kind = ("ready", "stalls", "sleeps")[number % 3]
         clocks = min(6000, START + 3 * twin.frame_clocks(settings.settle))
         matrix = await scan(dut, settings, clocks, stall=stalls(kind, draw))
         if matrix.counts["held"]:
-            continue  # where a frame waits, the plan's twin does not know
+            continue  # the plan's twin does not model frames held up
         matrix.check(lossless=False)
         assert kind != "ready" or matrix.counts["dropped"] == 0
 
@@ -324,7 +324,7 @@ async def a_consumer_that_sleeps_loses_whole_frames_only(dut):
 
 @cocotb.test(timeout_time=100, timeout_unit="ms")
 async def lost_conversions_are_marked_and_frames_stay_whole(dut):
-    """Now and then, all of them, each alone in turn."""
+    """Conversions lost at random, all of them, and of each lane in turn."""
     twin, draw = twin_of(dut), random.Random(bench.SEED)
     for lose in (
         lambda conversion, lane: draw.random() < 0.2,
@@ -371,7 +371,7 @@ async def largest_settle(dut):
 
 @cocotb.test(timeout_time=100, timeout_unit="ms")
 async def recovers_after_reset(dut):
-    """Reset in mid-frame, with beats inside and a conversion under way: lines low, then whole frames."""
+    """Reset in mid-frame, with beats inside and a conversion in progress: lines low, then complete frames."""
     twin = twin_of(dut)
     draw = random.Random(bench.SEED)
     frame = twin.frame_clocks(1)
@@ -383,7 +383,7 @@ async def recovers_after_reset(dut):
         dut.rst_i.value = 1
         await RisingEdge(dut.clk_i)
         dut.rst_i.value = 0
-        # The converters are reset too: nothing comes of what was under way.
+        # The converters are reset too: a conversion in progress gives nothing.
         matrix.coming = [[] for _ in range(twin.lanes)]
         matrix.losing = [[] for _ in range(twin.lanes)]
         matrix.beats, matrix.triggers, matrix.held = [], [], None
@@ -437,7 +437,7 @@ def test_scan(parameters):
     bench.run("frontend", "scan", parameters)
 
 
-WHOLE = ("over_range_on_every_sample", "largest_settle")  # of large arrays
+WHOLE = ("over_range_on_every_sample", "largest_settle")  # the tests of large arrays
 
 
 @pytest.mark.parametrize(
@@ -454,7 +454,7 @@ def test_scan_large(rows, columns, lanes, tests):
 
 
 def test_refuses_what_cannot_work():
-    """Its own limit; the others are those of msn_scan_plan and msn_scan_buffer."""
+    """Its own limit; the others belong to msn_scan_plan and msn_scan_buffer."""
     assert "SampleBits = 1" in bench.refuses("scan", {"SampleBits": 1})
     for bad in ({"sample_bits": 1}, {"depth": 16}, {"rows": 0}, {"lanes": 3}):
         with pytest.raises(ValueError, match=next(iter(bad))):

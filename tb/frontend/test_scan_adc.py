@@ -1,9 +1,8 @@
-"""msn_scan_adc at the pins: matrix, column multiplexer and part models that check every limit of the
-parts.
+"""msn_scan_adc at the pins: matrix, column multiplexer and part models that check every limit of the parts.
 
-A part that samples asks the matrix, which answers with the taxel that the lines select in that moment,
-and fails the test if they have not been still for the settle time. Every taxel has another code in
-every conversion. Each step's clocks against the twin; a part that fails in mid-frame.
+When a part samples it asks the matrix, which answers with the taxel that the lines select at that moment, and
+fails the test unless they have been constant for the settle time. Every taxel has a different code in every
+conversion. Each step's clocks against the twin; a part that fails in mid-frame.
 """
 
 import random
@@ -22,7 +21,7 @@ from parts import ad7606, max1112x, mcp3208
 from parts.timing import Line, now
 
 COUNTERS = ("dropped", "overrun", "held", "lost")
-CONVERSION_NS = (4017.3, 3512.0)  # of an AD7606 on lane 0 and on the others
+CONVERSION_NS = (4017.3, 3512.0)  # of an AD7606 on lane 0, and on the other lanes
 
 
 def twin_of(dut):
@@ -36,7 +35,7 @@ def twin_of(dut):
 
 
 class Board:
-    """The matrix and its parts; what left the block, by clock."""
+    """The matrix and its parts; the block's output by clock."""
 
     def __init__(self, dut, settings):
         self.dut, self.settings, self.twin = dut, settings, twin_of(dut)
@@ -44,17 +43,17 @@ class Board:
         self.clock_ns = 1e6 / self.twin.clk_khz
         self.moved = 0.0
         self.converted = 0.0
-        self.number = -1  # of the conversion under way
+        self.number = -1  # of the conversion in progress
         self.converts, self.beats = [], []
         self.clock = 0
-        # Time begins again at 0 in the midst of the frames.
+        # Time wraps around to 0 in the middle of the frames.
         self.wrap = 3 * self.scan.frame_clocks(settings.settle) // 2 + self.twin.adc.start_clocks()
 
     def time(self, clock):
         return (clock - self.wrap) % (1 << 48)
 
     def code(self, lane, channel, time):
-        """What the part on ``lane`` samples from its input ``channel`` now."""
+        """The value that the part on ``lane`` samples now from its input ``channel``."""
         rows = int(self.dut.row_o.value)
         assert rows & rows - 1 == 0
         settled = time - self.moved
@@ -101,7 +100,7 @@ class Board:
                 part = ad7606.Ad7606(*pins, code, conversion_ns=CONVERSION_NS[min(lane, 1)])
             else:
                 pins = [pin(name) for name in ("cs_n_o", "sclk_o", "mosi_o", "miso_i")]
-                # A frame's first word samples too: nobody reads that.
+                # A frame's first word samples too, but that code is not used.
                 part = max1112x.Max1112x(*pins, twin.part.data_bits, self.lenient(code))
             self.parts.append(part)
         await bench.clocks(dut, 3)
@@ -112,7 +111,7 @@ class Board:
         dut.cfg_enable_i.value = 1
 
     def lenient(self, code):
-        """``code``, but 0 where the part samples unasked: in a frame's first word, in words of a setup."""
+        """``code``, but 0 for samples that are not used: in a frame's first word and in words of a setup."""
         hold_ns = self.twin.adc.hold_clocks() * self.clock_ns
 
         def sample(channel, time):
@@ -135,7 +134,7 @@ class Board:
             self.clock += 1
 
     async def count(self):
-        """Numbers the triggers, also those that a part in its setup cannot follow."""
+        """Count the triggers, including those that a part in its setup cannot follow."""
         while True:
             await ValueChange(self.dut.trigger)
             if int(self.dut.trigger.value):
@@ -169,7 +168,7 @@ class Board:
         assert self.converts == [begin + c.trigger for c in conversions][: len(self.converts)]
         frames = self.expected(conversions[: len(self.converts)])
         at = 0
-        for index, (number, codes) in enumerate(frames[:-1]):  # the last may be under way
+        for index, (number, codes) in enumerate(frames[:-1]):  # the last may be incomplete
             part = self.beats[at : at + len(codes)]
             at += len(codes)
             assert [(beat[2], beat[1], beat[4]) for beat in part] == [(i, *codes[i]) for i in sorted(codes)]
@@ -181,7 +180,7 @@ class Board:
         assert not any(bench.read(getattr(self.dut, f"adc_{name}_o")) for name in idle)
 
     def counted(self):
-        """The counters that are not 0."""
+        """Names of the counters that are not 0."""
         return {name for name in COUNTERS if bench.read(getattr(self.dut, f"{name}_o"))}
 
 
@@ -221,7 +220,7 @@ async def every_taxel_in_its_place_in_its_clock(dut, settle):
     assert made.converts[per_frame] - first == steps["frame"]
     assert made.beats[0][0] - first == steps["first_beat"]
     last = made.beats[twin.rows * twin.scan.beats - 1]
-    if not settings.interleave or twin.rows % 2 == 0:  # else the last row is not the last to be converted
+    if not settings.interleave or twin.rows % 2 == 0:  # otherwise the last row is not converted last
         assert last[0] - first == steps["last_beat"]
     us = [1000 * value / twin.clk_khz for value in (last[0] - first, steps["frame"])]
     dut._log.info(f"settle {settle}: frame {us[1]:.1f} us, first convert to last beat {us[0]:.1f} us")
@@ -230,7 +229,7 @@ async def every_taxel_in_its_place_in_its_clock(dut, settle):
 @cocotb.test(timeout_time=100, timeout_unit="ms")
 @cocotb.parametrize(turn=range(4))
 async def settings_of_any_size(dut, turn):
-    """Orders, settle times and periods as they come."""
+    """Random orders, settle times and periods."""
     twin, draw = twin_of(dut), random.Random(4 * bench.SEED + turn)
     settle = draw.randrange(min(twin.scan.cycle, 1 << twin.settle_bits))
     period = (1 + turn % 2) * twin.scan.frame_clocks(settle) + draw.randrange(256)
@@ -242,9 +241,11 @@ async def settings_of_any_size(dut, turn):
 
 @cocotb.test(timeout_time=100, timeout_unit="ms")
 async def long_times_are_long(dut):
-    """Each bit of settle time and period beyond those of the other tests: for long, nothing comes again.
+    """Each bit of settle time and period above those of the other tests: no further conversion starts for
+    long.
 
-    Of a period bit by bit where a frame is short; else every second bit at once, and the others."""
+    Period bits are tested one by one if a frame is short; otherwise every second bit together, then the
+    others."""
     twin = twin_of(dut)
     scan, slot = twin.scan, twin.scan.slot(1)
     frame = scan.frame_clocks(1) + slot
@@ -259,7 +260,7 @@ async def long_times_are_long(dut):
         await RisingEdge(dut.clk_i)
         dut.cfg_enable_i.value = 0
         await bench.clocks(dut, 2 * slot)
-        await bench.reset(dut)  # what waits for its settle time would go on
+        await bench.reset(dut)  # a conversion in its settle time would go on
         made.settings = settings
         apply(dut, settings)
         dut.cfg_enable_i.value = 1
@@ -273,7 +274,7 @@ async def long_times_are_long(dut):
 @cocotb.test(timeout_time=100, timeout_unit="ms")
 @cocotb.parametrize(case=["nobody takes any", "a tick each clock"])
 async def each_counter_counts_its_own(dut, case):
-    """In the first case all is over-range, and what waits says so."""
+    """In the first case all samples are over-range, and the waiting beat is marked so."""
     twin = twin_of(dut)
     waits = case == "nobody takes any"
     settings = Settings(1) if waits else Settings(1, period=1)
@@ -291,10 +292,11 @@ async def each_counter_counts_its_own(dut, case):
         assert bench.read(dut.out_user_o) == (1 << twin.lanes) - 1
 
 
-@bench.applies(lambda dut: twin_of(dut).part is not MCP3208)  # nothing tells that an MCP3208 does not answer
+@bench.applies(lambda dut: twin_of(dut).part is not MCP3208)  # its missing answers cannot be detected
 @cocotb.test(timeout_time=100, timeout_unit="ms")
 async def a_part_that_fails_spoils_no_frame(dut):
-    """BUSY sticks, or answers bear wrong numbers, for a while: frames stay whole, what failed is marked."""
+    """BUSY is stuck, or answers have wrong numbers, for a while: frames stay complete, lost samples are
+    marked."""
     twin = twin_of(dut)
     settings = Settings(settle=1)
     slot, frame = twin.scan.slot(1), twin.scan.frame_clocks(1)
@@ -349,9 +351,9 @@ EVIDENCE = {
         "size": {"Rows": 3, "Columns": 3},
         "driver": {
             "free": 40000,
-            # What a scan took as it was switched on, until it is switched off.
+            # What a scan copied when it was enabled, until it is disabled.
             "kept": "settle_q period_q",
-            # What counts to a scan's next row, frame.
+            # Counters up to a scan's next row and frame.
             "late": "left_q count_q",
             "part": 1,
         },
@@ -365,7 +367,7 @@ def test_scan_adc(parameters):
 
 
 def test_16x16_with_one_ad7606_and_64x64_with_eight():
-    """What the design asks for, by the twin that the pins are held to."""
+    """The goals of the design, computed by the twin that is checked at the pins."""
     small = ScanAdc(16, 16, 1, AD7606, 8, 2, 100_000)
     frame_us = small.latency(settle=500)["frame"] / 100
     assert frame_us < 1000

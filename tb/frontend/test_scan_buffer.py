@@ -1,8 +1,8 @@
-"""msn_scan_buffer against its twin: frames of both orders through a consumer that stalls or sleeps.
+"""msn_scan_buffer against its twin: frames of both orders through a follower that stalls or sleeps.
 
-A frame that misses a beat gives way to the next. Whole frames or none: a frame is dropped exactly when a
-beat of the one before is left a clock before it begins, and counted. The clock in which each beat leaves; a
-ring smaller than a frame that is never overfilled when the sender heeds room_o; reset.
+An incomplete frame is replaced by the next. Frames are kept or dropped as a whole: a frame is dropped, and
+counted, exactly if a beat of the previous one is left a clock before it begins. The clock in which each beat
+leaves; a ring smaller than a frame never overflows if the sender obeys room_o; reset.
 """
 
 import random
@@ -41,7 +41,7 @@ class Bench:
         self.room = 0
 
     async def tick(self, word=None, frame=None):
-        """One clock; ``word`` comes in, with ``frame`` as its frame's first. Returns taken_o."""
+        """One clock; ``word`` comes in, with ``frame`` if it is its frame's first. Returns taken_o."""
         dut = self.dut
         dut.in_valid_i.value = int(word is not None)
         dut.in_first_i.value = int(frame is not None)
@@ -127,7 +127,7 @@ async def matches_model(dut, consumer):
 
 @cocotb.test(timeout_time=50, timeout_unit="ms")
 async def latency_is_the_twins(dut):
-    """In natural order each beat leaves LATENCY clocks after it came, whatever its row."""
+    """In natural order each beat leaves LATENCY clocks after it came, in every row."""
     twin = twin_of(dut)
     draw = random.Random(bench.SEED)
     await start(dut)
@@ -149,7 +149,7 @@ async def latency_is_the_twins(dut):
 @bench.applies(lambda dut: twin_of(dut).rows % 2 == 0 and twin_of(dut).sorts)
 @cocotb.test(timeout_time=50, timeout_unit="ms")
 async def interleaved_rows_leave_as_soon_as_they_can(dut):
-    """The last row comes last in both orders of an even number of rows: it leaves as it comes."""
+    """With an even number of rows both orders end with the last row: it leaves as it comes."""
     twin = twin_of(dut)
     beats = twin.beats
     await start(dut)
@@ -172,7 +172,8 @@ async def interleaved_rows_leave_as_soon_as_they_can(dut):
 
 @cocotb.test(timeout_time=50, timeout_unit="ms")
 async def two_conversions_fit_while_there_is_room(dut):
-    """The sender asks once and then sends two of them; the consumer takes a little now and then."""
+    """The sender checks room_o once, then sends two conversions; the follower takes a few beats now and
+    then."""
     twin = twin_of(dut)
     draw = random.Random(bench.SEED)
     burst = dut.Burst.value.to_unsigned()
@@ -195,7 +196,8 @@ async def two_conversions_fit_while_there_is_room(dut):
 
 @cocotb.test(timeout_time=50, timeout_unit="ms")
 async def recovers_after_reset(dut):
-    """Reset with half a frame inside: the rest of it is not taken for a frame, the next is whole."""
+    """Reset with half a frame inside: the rest of it must not count as a frame; the next frame is
+    complete."""
     twin = twin_of(dut)
     draw = random.Random(bench.SEED)
     await start(dut)
@@ -225,7 +227,7 @@ async def recovers_after_reset(dut):
 
 @cocotb.test(timeout_time=50, timeout_unit="ms")
 async def a_frame_that_misses_a_beat_gives_way_to_the_next(dut):
-    """What came of it leaves, or is lost if nobody takes it; a beat too many changes nothing."""
+    """Its beats leave, or are lost if the output stalls; an extra beat changes nothing."""
     twin = twin_of(dut)
     draw = random.Random(bench.SEED)
     await start(dut)
@@ -247,7 +249,7 @@ async def a_frame_that_misses_a_beat_gives_way_to_the_next(dut):
     for number in range(40):
         cut, frame = random_frame(draw, twin), random_frame(draw, twin)
         count = draw.randrange(len(cut[0]))
-        count = min(count, twin.burst) if not twin.sorts else count  # a ring is left room in while asleep
+        count = min(count, twin.burst) if not twin.sorts else count  # a ring needs free room while it sleeps
         if count:
             cuts += 1
             asleep = number % 3 == 2

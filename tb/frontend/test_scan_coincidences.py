@@ -1,9 +1,10 @@
-"""What meets in one clock in msn_scan, worked out from its header by hand: a frame's last beat and the next
-one's trigger, first beat and time stamp; a lost strobe around samples; enable that falls around triggers; a
+"""Events that meet in one clock in msn_scan, worked out by hand from its header: a frame's last beat and the
+next one's trigger, first beat and time stamp; a lost strobe around samples; enable falling around triggers; a
 reset in every clock of a frame.
 
-Settle 2 and a cycle of 20: a conversion every 20 clocks, trigger_o in the clocks 7, 27, 47 .. after enable,
-at the pins a clock later; a frame has two, of 3 beats of 2 columns, the last one a column beside the array.
+Settle 2 and a cycle of 20: a conversion every 20 clocks, trigger_o in clocks 7, 27, 47 .. after enable, at
+the pins a clock later. A frame has two conversions of 3 beats of 2 columns; the last beat has one column
+outside the array.
 """
 
 import itertools
@@ -33,8 +34,8 @@ def wide(dut):
 
 
 class Scene:
-    """Triggers are followed by samples from ``delay`` clocks after trigger_o on; ``lost``: {(conversion,
-    lane): clocks after trigger_o}; ``ready``: of a clock; enable is high for ``enabled`` clocks."""
+    """Samples follow each trigger from ``delay`` clocks after trigger_o on; ``lost``: {(conversion, lane):
+    clocks after trigger_o}; ``ready``: a function of the clock; enable is high for ``enabled`` clocks."""
 
     def __init__(self, dut, delay=2, lost=None, ready=lambda clock: 1, enabled=None):
         self.dut, self.delay, self.lost, self.ready, self.enabled = dut, delay, lost or {}, ready, enabled
@@ -57,7 +58,7 @@ class Scene:
         dut.in_valid_i.value, dut.in_data_i.value = valid, bench.lane_word(data, 13)
         dut.in_lost_i.value = lost
         await bench.ReadOnly()
-        assert bench.read(dut.in_ready_o) & valid == valid  # in these scenes both lanes come at once
+        assert bench.read(dut.in_ready_o) & valid == valid  # here both lanes' samples come together
         if dut.out_valid_o.value == 1 and self.ready(self.clock):
             beat = [bench.read(getattr(dut, f"out_{name}_o")) for name in FIELDS]
             values = bench.lane_values(bench.read(dut.out_data_o), 2, 13)
@@ -74,7 +75,7 @@ class Scene:
 
 
 def frame(number, first, lost=()):
-    """The beats of a frame whose first trigger was the ``first``th; ``lost``: of it, {conversion: lanes}."""
+    """The beats of frame ``number``, which begins with trigger ``first``; ``lost``: {conversion: lanes}."""
     found, time = [], now(TRIGGER + SLOT * first + 1)
     for place in range(ROWS * BEATS):
         conversion, channel = first + place // BEATS, place % BEATS
@@ -86,7 +87,7 @@ def frame(number, first, lost=()):
 
 
 def frames(*dropped):
-    """Back to back, without those."""
+    """The beats of frames back to back, without the ``dropped`` ones."""
     return [beat for number in range(7) if number not in dropped for beat in frame(number, 2 * number)]
 
 
@@ -106,8 +107,8 @@ async def anew(dut, **given):
 @bench.applies(wide)
 @cocotb.test(timeout_time=10, timeout_unit="ms")
 async def a_frames_end_around_the_next_trigger(dut):
-    """The last sample up to the clock before the next trigger_o: the frame's last beat leaves in that clock
-    and in those around it, with the number and the time of its own frame."""
+    """The last sample comes as late as the clock before the next trigger_o: the frame's last beat leaves
+    around that clock, with the number and the time of its own frame."""
     await begin(dut)
     for delay in range(1, SLOT - BEATS + 1):
         scene = await anew(dut, delay=delay)
@@ -122,16 +123,16 @@ async def a_frames_end_around_the_next_trigger(dut):
 @bench.applies(wide)
 @cocotb.test(timeout_time=10, timeout_unit="ms")
 async def a_consumer_wakes_around_the_next_frames_first_beat(dut):
-    """A frame's first beat is in the buffer 2 clocks after its sample. If the last of the frame before
-    leaves in an earlier clock, the frame is kept; else it goes, counted, and the next one follows with its
-    number and time."""
+    """A frame's first beat is in the buffer 2 clocks after its sample. If the previous frame's last beat
+    leaves in an earlier clock, the frame is kept; otherwise it is dropped and counted, and the next one
+    follows with its own number and time."""
     await begin(dut)
     delay = 2
     first = TRIGGER + 2 * SLOT + delay + 2  # of frame 1
     met = set()
     for last, one in itertools.product(range(first - 4, first + 5), (False, True)):
-        # Awake from 6 clocks before on, the last of which takes the frame's last beat; or asleep for that
-        # beat alone, which is offered in clock 36.
+        # Awake from 6 clocks before on, where the last of these clocks takes the frame's last beat; or asleep
+        # only for that beat, which is offered in clock 36.
         asleep = range(36, last) if one else range(last - 5)
         scene = await anew(dut, delay=delay, ready=lambda clock, asleep=asleep: int(clock not in asleep))
         got = await scene.run(220)
@@ -146,8 +147,9 @@ async def a_consumer_wakes_around_the_next_frames_first_beat(dut):
 @bench.applies(wide)
 @cocotb.test(timeout_time=10, timeout_unit="ms")
 async def a_lost_strobe_around_the_other_samples(dut):
-    """Of one converter and of both, at every clock from the trigger's next to the latest: its samples are 0
-    and marked, the other's are right, the conversions around it are whole, and it is counted once."""
+    """Of one converter and of both, at every clock from the one after the trigger to the latest: its samples
+    are 0 and marked, the other's are right, the conversions around it are complete, and it is counted
+    once."""
     await begin(dut)
     latest = SLOT - BEATS - 3
     for lanes in ((0,), (1,), (0, 1)):
@@ -158,12 +160,12 @@ async def a_lost_strobe_around_the_other_samples(dut):
             due = [*frame(0, 0), *frame(1, 2, {3: lanes}), *frame(2, 4)]
             assert got[: len(due)] == due, (lanes, at)
             assert bench.read(dut.lost_o) == 1 and bench.read(dut.dropped_o) == 0
-    for one, other in ((3, 9), (9, 3), (8, 9)):  # both of a conversion, one after the other
+    for one, other in ((3, 9), (9, 3), (8, 9)):  # both lanes of one conversion, one after the other
         scene = await anew(dut, lost={(3, 0): one, (3, 1): other})
         got = await scene.run(170)
         due = [*frame(0, 0), *frame(1, 2, {3: (0, 1)}), *frame(2, 4)]
         assert got[: len(due)] == due and bench.read(dut.lost_o) == 1
-    for one, other in ((1, 2), (2, 1), (4, 9)):  # each alone, in two conversions that follow each other
+    for one, other in ((1, 2), (2, 1), (4, 9)):  # one lane each, in two consecutive conversions
         scene = await anew(dut, delay=latest + 1, lost={(1, 0): one, (2, 1): other})
         got = await scene.run(170)
         due = [*frame(0, 0, {1: (0,)}), *frame(1, 2, {2: (1,)}), *frame(2, 4)]
@@ -173,8 +175,8 @@ async def a_lost_strobe_around_the_other_samples(dut):
 @bench.applies(wide)
 @cocotb.test(timeout_time=10, timeout_unit="ms")
 async def enable_falls_around_triggers(dut):
-    """At every clock of a frame: it is whole, and none follows; in the clock of the next one's first switch
-    too."""
+    """At every clock of a frame: that frame is complete, and no other follows, also if enable falls in the
+    clock of the next frame's first switch."""
     await begin(dut)
     for enabled in range(45, 95):  # frame 1's first switch is in clock 44, frame 2's in 84
         scene = await anew(dut, enabled=enabled)
@@ -187,7 +189,7 @@ async def enable_falls_around_triggers(dut):
 @bench.applies(wide)
 @cocotb.test(timeout_time=10, timeout_unit="ms")
 async def a_reset_in_every_clock_of_a_frame(dut):
-    """Nothing of it leaves afterwards; the frames after it are whole, from number 0 on."""
+    """Nothing of it leaves afterwards; the frames after it are complete, from number 0 on."""
     await begin(dut)
     for cut in range(TRIGGER + SLOT, TRIGGER + 3 * SLOT + 4):
         scene = await anew(dut, ready=lambda clock: clock % 5 != 0)
@@ -203,7 +205,7 @@ RING |= {"SettleBits": 6, "PeriodBits": 16}
 
 
 async def ring(dut, ready, clocks):
-    """Clocks of trigger_o, and how many beats left; ``ready``(clock, beats so far): is the consumer awake."""
+    """Clocks of trigger_o, the number of beats that left, and held_o; ``ready``(clock, beats so far)."""
     dut.cfg_enable_i.value = dut.in_valid_i.value = 0
     await bench.reset(dut)
     await bench.clocks(dut, 5)
@@ -230,9 +232,10 @@ async def ring(dut, ready, clocks):
 @bench.applies(lambda dut: not wide(dut))
 @cocotb.test(timeout_time=10, timeout_unit="ms")
 async def a_consumer_wakes_around_a_switch_that_waits_for_room(dut):
-    """A buffer of 8 beats for frames of 24, conversions of two. Two beats wait behind it: with three
-    conversions 4 beats are in it, no more than two further ones fit, and the scan waits. A beat that
-    leaves makes room two clocks later: the fourth switch, due in clock 64, comes then. Each clock counts."""
+    """A buffer of 8 beats for frames of 24, with conversions of two beats. Two beats wait downstream of it:
+    after three conversions 4 beats are in it, only two more fit, and the scan waits. A beat that leaves makes
+    room two clocks later: the fourth switch, due in clock 64, comes then. Each clock of waiting is
+    counted."""
     idle = {f"cfg_{name}_i": 0 for name in IDLE}
     idle |= {"cfg_settle_i": 2, "in_user_i": 0}
     await bench.start(dut, now_i=0, in_data_i=0, in_lost_i=0, **idle)
@@ -241,7 +244,7 @@ async def a_consumer_wakes_around_a_switch_that_waits_for_room(dut):
         late = max(0, awake + 2 - 64)
         assert triggers[:5] == [7, 27, 47, 67 + late, 87 + late] and held == late, awake
         assert left >= 8
-    # Asleep for much longer than the buffer is deep, in each frame, at another place of the ring.
+    # Once per frame, asleep for much longer than the buffer is deep, each time at another place of the ring.
     until = {}
 
     def ready(clock, left):

@@ -1,9 +1,9 @@
 """A capacitive array at the pins of a MAX11125 (12 bits): row lines, column multiplexer, carrier, SPI part.
 
-The part's model checks its every limit; the matrix fails the test where not exactly one row is driven. What
-leaves is, bit for bit, the twin's amplitude of the very codes that the part gave, and close to the true one;
-latencies are the twin's to the clock; frames are whole under stalls; a lost conversion spoils its place only;
-reset in the middle of a burst.
+The part's model checks all its limits; the matrix fails the test unless exactly one row is driven. The output
+is, bit for bit, the twin's amplitude of the codes that the part gave, and close to the true one; latencies
+are the twin's to the clock; frames are complete under stalls; a lost conversion affects only its place; reset
+in the middle of a burst.
 """
 
 import cocotb
@@ -33,7 +33,7 @@ NAMES = {
     "shift": "Shift",
     "settle_bits": "SettleBits",
 }
-CARRIER_HZ = 1e8 / 256  # of the bench's 10 ns clock: a sample every 5/4 periods is 320 clocks
+CARRIER_HZ = 1e8 / 256  # with the bench's 10 ns clock: a sample every 5/4 periods is 320 clocks
 BASE = {
     "Part": MAX11125.number,
     "ClkKhz": 100_000,
@@ -51,7 +51,7 @@ def twin_of(dut):
 
 
 def amplitudes(twin):
-    """Another one for every taxel: nearly full scale, half of it, half of that .."""
+    """A different one for every taxel: nearly full scale, half of it, a quarter of it .."""
     order = np.random.default_rng(bench.SEED).permutation(twin.rows * twin.columns)
     return (0.95 * 0.5**order).reshape(twin.rows, twin.columns)
 
@@ -77,8 +77,8 @@ async def begin(dut, settle=3, **others):
 
 
 async def frames(dut, count, stalls=None):
-    """Beats of ``count`` frames, [(clock, data, id, last, user, frame, time)], clocks of the convert starts
-    and those in which the lines changed."""
+    """Beats of ``count`` frames, [(clock, data, id, last, user, frame, time)], the clocks of the convert
+    starts and those in which the lines changed."""
     beats, converts, clock, ends = [], [], 0, 0
     changes, lines = [], None
     while ends < count:
@@ -101,9 +101,9 @@ async def frames(dut, count, stalls=None):
 
 
 def bursts(twin, matrices, count):
-    """Codes [frame, row, column, sample] that the parts gave: of each pair of words the second is answered.
+    """Codes [frame, row, column, sample] that the parts gave: of each pair of words only the second counts.
 
-    The first word after a setup samples nothing.
+    The first word after a setup is no sample.
     """
     lanes = []
     for matrix in matrices:
@@ -120,7 +120,7 @@ def bursts(twin, matrices, count):
 
 
 def rounding(twin):
-    """How far half a code in each sample can move an amplitude, with its own rounding."""
+    """The most by which half a code in each sample can change an amplitude, including its own rounding."""
     weights = np.abs(references(twin.samples_per_period)[0]).sum()
     return 0.5 * np.sqrt(2) * weights * twin.periods / 2**twin.shift + 1.5
 
@@ -132,7 +132,7 @@ def check(twin, matrices, beats, count):
     samples, over = twin.adc.samples(bursts(twin, matrices, count))
     levels, _ = twin.levels(samples, over)
     assert [beat[1] for beat in beats] == levels.ravel().tolist()
-    # Against the truth: each of the samples that are summed is half a code off at most.
+    # Against the true value: each summed sample is at most half a code off.
     if twin.form == 1:
         gain = twin.demod.gain(twin.periods) / 2**twin.shift
         true = matrices[0].amplitude * ((1 << twin.part.data_bits) - 1) / 2 * gain
@@ -169,7 +169,7 @@ async def takes_the_clocks_of_the_model(dut, settle):
     steps = twin.latency(settle)
     size, places = twin.rows * twin.columns, twin.rows * twin.scan.groups
     starts = converts[:: twin.count]
-    # The lines have rested for as long as they are to settle.
+    # The lines have been constant for the settle time.
     rests = [start - max(change for change in changes if change <= start) for start in starts]
     assert rests == [settle + 1] * len(starts)
     for start in range(0, places * twin.count, twin.count):
@@ -193,7 +193,7 @@ async def frames_are_whole_under_stalls(dut):
 
 @cocotb.test(timeout_time=40, timeout_unit="ms")
 async def what_nobody_takes_and_what_comes_too_early_is_counted(dut):
-    """A tick each clock: the first frame waits, the others are dropped."""
+    """A tick each clock and a stalled output: the first frame waits, the others are dropped."""
     twin, *_ = await begin(dut, period=1)
     steps = twin.latency(3)
     await bench.clocks(dut, 3 * steps["frame"] + steps["first_beat"] + steps["slot"])
@@ -215,22 +215,22 @@ async def marks_over_range(dut):
 
 @cocotb.test(timeout_time=40, timeout_unit="ms")
 async def a_lost_conversion_spoils_its_place_alone(dut):
-    """The part answers with another channel's number once, in the middle of the second place's burst."""
+    """The part answers once with another channel's number, in the middle of the second place's burst."""
     twin, matrices, parts = await begin(dut)
     matrix = matrices[-1]
-    at = 2 * (twin.count + twin.count // 2) + 1  # the word that answers
+    at = 2 * (twin.count + twin.count // 2) + 1  # the word with the wrong answer
     parts[-1].spoil = lambda answer: answer ^ 0x5000 if len(matrix.taken) == at else answer
     beats, *_ = await frames(dut, 3)
     size = twin.rows * twin.columns
     assert [beat[2] for beat in beats] == [*range(size)] * 3
-    # The second place of the scan: as many taxels as there are converters, or what is left of the row.
+    # The second place of the scan: as many taxels as there are converters, or the rest of the row.
     places = [
         range(at, min(at + twin.converters, twin.columns)) for at in range(0, twin.columns, twin.converters)
     ]
     spoiled = places[1] if len(places) > 1 else [column + twin.columns for column in places[0]]
     assert [i for i, beat in enumerate(beats) if beat[4]] == list(spoiled)
     assert not any(beats[i][1] for i in spoiled)
-    # What comes before and after is right (the rectifier's amplitude changes with the phase).
+    # Values before and after are right (the rectifier's amplitude changes with the phase).
     level = np.array([beat[1] for beat in beats]).reshape(3, size)
     if twin.form == 1:
         assert np.abs(np.delete(level - level[2], spoiled)).max() <= 2 * rounding(twin)
@@ -243,7 +243,7 @@ async def a_reset_in_a_burst_leaves_nothing_behind(dut):
     await frames(dut, 1)
     await bench.clocks(dut, twin.span // 2)
     for part in parts:
-        part.report = lambda violation: None  # a word is broken off
+        part.report = lambda violation: None  # the reset breaks off a word
     await bench.reset(dut)
     await bench.clocks(dut, 20)
     for part, matrix in zip(parts, matrices):
@@ -255,7 +255,7 @@ async def a_reset_in_a_burst_leaves_nothing_behind(dut):
 
 CASES = [
     {"Rows": 2, "Columns": 3},
-    {"Rows": 2, "Columns": 3, "Converters": 2, "Skip": 0},  # a sample left over is the next burst's first
+    {"Rows": 2, "Columns": 3, "Converters": 2, "Skip": 0},  # an extra sample would begin the next burst
     {"Rows": 1, "Columns": 2, "SamplesPerPeriod": 8, "SamplePeriod": 288, "Periods": 1, "Skip": 0},
     {"Rows": 2, "Columns": 2, "Form": 0, "Shift": 1},
 ]
@@ -269,9 +269,9 @@ EVIDENCE = {
         "settle": 2,
         "driver": {
             "free": 60000,
-            # What a scan took as it was switched on, until it is switched off.
+            # What a scan copied when it was enabled, until it is disabled.
             "kept": "settle_q period_q",
-            # What counts to a scan's next row, frame.
+            # Counters up to a scan's next row and frame.
             "late": "left_q count_q",
             "part": 5,
             "carrier": 2,

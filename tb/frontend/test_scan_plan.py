@@ -1,7 +1,8 @@
 """msn_scan_plan against its twin: every switch and trigger in its clock, with its place.
 
-Random registers over frames (back to back, on a timer that suits and one that does not) in both orders;
-settle 0 and the maximum; registers that change while a frame runs; waiting for room; enable; reset.
+Random registers over frames (back to back, on a timer with a long enough period and with one that is too
+short) in both orders; settle 0 and the maximum; registers that change during a frame; waiting for room;
+enable; reset.
 """
 
 import random
@@ -31,7 +32,7 @@ def twin_of(dut):
 
 
 def apply(dut, settings):
-    """Put ``settings`` on the registers."""
+    """Write ``settings`` to the registers."""
     dut.cfg_settle_i.value = settings.settle
     dut.cfg_period_i.value = settings.period
     dut.cfg_interleave_i.value = int(settings.interleave)
@@ -56,7 +57,7 @@ async def watch(dut, clocks, at=None, action=None):
 
     As [(clock, row, group)] and [(clock, first, group, interleave)].
 
-    ``action`` is called at the beginning of clock ``at``. Ends in the clock after, to read it.
+    ``action`` is called at the beginning of clock ``at``. Ends in the read-only phase of the clock after.
     """
     switches, triggers = [], []
     told = None
@@ -98,7 +99,7 @@ async def matches_model(dut):
     draw = random.Random(bench.SEED)
     for number in range(60):
         settings = random_settings(draw, plan)
-        if number % 3 == 2:  # times of any number of clocks
+        if number % 3 == 2:  # periods of any length
             settings = replace(settings, period=draw.getrandbits(plan.period_bits))
         await begin(dut, settings)
         clocks = min(4000, 3 * plan.frame_clocks(settings.settle) + 200)
@@ -113,7 +114,7 @@ async def matches_model(dut):
 @bench.applies(lambda dut: (twin_of(dut).rows, twin_of(dut).columns) == (5, 24))
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def a_period_of_many_clocks_is_exact(dut):
-    """With a bit set that the other tests' periods have not, in one of the builds, as it takes its time."""
+    """With a period bit that the other tests do not set; in one build only, as it takes long."""
     plan = twin_of(dut)
     settings = Settings(settle=0, period=(1 << 19) + 5)
     await begin(dut, settings)
@@ -127,11 +128,11 @@ async def a_period_of_many_clocks_is_exact(dut):
 
 @cocotb.test(timeout_time=10, timeout_unit="ms")
 async def every_bit_of_a_period_is_counted(dut):
-    """What is left of a period, looked at inside: one of 32 bits takes too long to wait for."""
+    """The remaining count of a period, read inside the block: 32 bits would take too long to wait for."""
     plan = twin_of(dut)
     draw = random.Random(bench.SEED)
     bits = plan.period_bits
-    lone = [(1 << bit) + 1 for bit in range(6, bits)]  # a clock later this bit alone is left of it
+    lone = [(1 << bit) + 1 for bit in range(6, bits)]  # a clock later only this bit remains
     some = [draw.getrandbits(bits) | 1 << bits - 1 for _ in range(3 * bits)]
     for period in [*lone, *some]:
         await begin(dut, Settings(period=period))
@@ -164,7 +165,8 @@ async def largest_settle_and_no_settle(dut):
 
 @cocotb.test(timeout_time=100, timeout_unit="ms")
 async def registers_change_between_frames_only(dut):
-    """An order that changes inside a frame is the next frame's; settle and period wait until off."""
+    """An order changed inside a frame applies to the next frame; settle and period wait until it is
+    disabled."""
     plan = twin_of(dut)
     draw = random.Random(bench.SEED)
     for interleave in (False, True):
@@ -176,7 +178,7 @@ async def registers_change_between_frames_only(dut):
                 continue
             await begin(dut, old)
             dut.cfg_enable_i.value = 1
-            # The last clock that is in time is that of the next frame's first switch.
+            # The last clock in time is that of the next frame's first switch.
             second = START + size * slot
             moment = draw.choice([second, draw.randrange(START + 1, second)])
             switches, triggers = await watch(
@@ -194,7 +196,7 @@ async def registers_change_between_frames_only(dut):
 @bench.applies(lambda dut: twin_of(dut).rows > 2)
 @cocotb.test(timeout_time=100, timeout_unit="ms")
 async def the_order_is_that_of_the_first_switch(dut):
-    """A change up to the clock of a frame's first switch is this frame's, a later one the next's."""
+    """A change up to the clock of a frame's first switch applies to this frame, a later one to the next."""
     plan = twin_of(dut)
     size, slot = len(plan.places()), plan.slot(0)
     second = START + size * slot
@@ -215,7 +217,7 @@ async def the_order_is_that_of_the_first_switch(dut):
 
 @cocotb.test(timeout_time=10, timeout_unit="ms")
 async def ticks_without_room_are_overruns(dut):
-    """The first waits; of the others, one every 1, 2, 3 .. clocks, each counts."""
+    """The first tick waits; of the others, one every 1, 2, 3 or 7 clocks, each is counted."""
     for period in (1, 2, 3, 7):
         await begin(dut, Settings(settle=1, period=period))
         dut.room_i.value = 0
@@ -239,7 +241,7 @@ async def waits_for_room_and_counts_it(dut):
     switches, _ = await watch(dut, 4)
     assert [switch[0] for switch in switches] == [0] and bench.read(dut.held_o) == 5 * slot + 1
     await RisingEdge(dut.clk_i)
-    dut.room_i.value = 0  # in mid-frame, if it has more than one conversion
+    dut.room_i.value = 0  # in mid-frame, if a frame has more than one conversion
     switches, _ = await watch(dut, 3 * slot)
     assert not switches and bench.read(dut.held_o) == 5 * slot + 1 + 3 * slot - (slot - 5)
     await RisingEdge(dut.clk_i)

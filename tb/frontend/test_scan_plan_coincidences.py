@@ -1,8 +1,8 @@
-"""What meets in one clock in msn_scan_plan, switches and counts worked out from its header by hand: a
-frame's tick around its end, enable and room that fall in the clock of a switch.
+"""Events that meet in one clock in msn_scan_plan, with switches and counts worked out by hand from its
+header: a frame's tick around its end, enable and room falling in the clock of a switch.
 
-Settle 2: gap = max(7, 20 - 1 - 2) = 17; a slot has 2 + 1 + 17 = 20 clocks, a frame of 3 rows, 3 groups 180.
-The first switch is 4 clocks after enable.
+Settle 2: gap = max(7, 20 - 1 - 2) = 17; a slot has 2 + 1 + 17 = 20 clocks, a frame of 3 rows and 3 groups
+180. The first switch is 4 clocks after enable.
 """
 
 import cocotb
@@ -18,8 +18,8 @@ FIRST, SLOT, FRAME = 4, 20, 180
 
 
 async def scene(dut, clocks, room=(), enabled=None, **settings):
-    """(clock, row, group) of every switch, and the counts. ``room``: clocks without; ``enabled``: that
-    many."""
+    """(clock, row, group) of every switch, and the counts. ``room``: clocks without room; ``enabled``: number
+    of clocks with enable."""
     apply(dut, Settings(settle=2, **settings))
     dut.cfg_enable_i.value, dut.room_i.value = 0, 1
     await bench.reset(dut)
@@ -53,18 +53,18 @@ async def begin(dut):
 
 @cocotb.test(timeout_time=10, timeout_unit="ms")
 async def a_tick_around_a_frames_end(dut):
-    """The place after a switch is found in two clocks: up to the second one after its last switch a frame
-    is under way, and a tick is counted and left out. From the third one it waits, until the slot is over,
-    if it is not."""
+    """The place after a switch is found in two clocks: up to the second clock after its last switch a frame
+    is in progress, and a tick is counted as an overrun and ignored. From the third clock on a tick waits
+    until the slot is over."""
     await begin(dut)
     late = 3 * FRAME
     for period, starts, overrun in (
         (FRAME + 1, [4, 185, 366], 0),
         (FRAME, [4, 184, 364], 0),
         (FRAME - 1, [4, 184, 364], 0),  # ticks at 183 and 362 wait
-        (FRAME - 17, [4, 184, 493], 1),  # at 167, as the last one is triggered; at 330 counted; 493
-        (FRAME - 18, [4, 328], 1),  # at 166 counted; 490 too, but that is later
-        (FRAME - 20, [4, 324], 1),  # at 164, with the last switch
+        (FRAME - 17, [4, 184, 493], 1),  # 167, with the last trigger, waits; 330 is counted; next 493
+        (FRAME - 18, [4, 328], 1),  # one at 166 is counted; 490 too, but that is later
+        (FRAME - 20, [4, 324], 1),  # one at 164, with the last switch, is counted
     ):
         until = {1: 484}.get(overrun, late)
         switches, counts, _ = await scene(dut, until, period=period)
@@ -74,20 +74,21 @@ async def a_tick_around_a_frames_end(dut):
 
 @cocotb.test(timeout_time=10, timeout_unit="ms")
 async def enable_falls_around_a_frames_first_switch(dut):
-    """In its clock, there is none; a clock later the frame is whole. Back to back and by a tick."""
+    """In the clock of the switch, no frame begins; a clock later the frame is complete. Back to back and by
+    ticks."""
     await begin(dut)
     for period, second in ((0, 184), (200, 204)):
         for enabled, starts in ((second - 1, [4]), (second, [4]), (second + 1, [4, second])):
             switches, counts, idle = await scene(dut, 600, period=period, enabled=enabled)
             assert switches == frames(*starts) and counts == (0, 0) and idle == 1, (period, enabled)
-    for enabled in (3, 4, 5):  # the very first
+    for enabled in (3, 4, 5):  # the very first frame
         switches, _, idle = await scene(dut, 400, enabled=enabled)
         assert switches == (frames(4) if enabled == 5 else []) and idle == 1, enabled
 
 
 @cocotb.test(timeout_time=10, timeout_unit="ms")
 async def room_falls_around_a_switch(dut):
-    """The switch comes in the first clock with room; each clock that it waits is counted, and no other."""
+    """The switch comes in the first clock with room; exactly the clocks that it waits are counted."""
     await begin(dut)
     for room, at, held in (
         ([43], 0, 0),
@@ -101,10 +102,10 @@ async def room_falls_around_a_switch(dut):
         due = [(4, 0, 0), (24, 0, 1), *((clock + at, *place) for clock, *place in frames(4)[2:])]
         assert switches == [switch for switch in due if switch[0] < 140], room
         assert counts == (0, held), room
-    for room, at in (([203], 204), ([204], 205), ([204, 205, 206], 207), ([205], 204)):  # with a tick
+    for room, at in (([203], 204), ([204], 205), ([204, 205, 206], 207), ([205], 204)):  # by ticks
         switches, counts, _ = await scene(dut, 380, room=room, period=200)
         assert switches == frames(4, at, until=380) and counts == (0, at - 204), room
-    # The next tick, at 404, is counted: the frame of the one before has just begun, begins, or still waits.
+    # The next tick, at 404, is counted: the frame of the tick before has just begun, begins, or still waits.
     for start in (403, 404, 405, 430):
         switches, counts, _ = await scene(dut, 480, room=range(203, start), period=200)
         assert switches == frames(4, start, until=480) and counts == (1, start - 204), start

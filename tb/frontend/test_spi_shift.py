@@ -1,7 +1,7 @@
 """msn_spi_shift: words of random bits, alone and in a row, on two lanes, against the twin's bits and clocks.
 
-The line that answers is right in one clock of each bit only, the one before its last, wrong in all others:
-a sample taken at any other clock is seen.
+The input line is right only in one clock of each bit, the one before its last, and wrong in all others: a
+sample taken in any other clock fails.
 """
 
 import random
@@ -30,7 +30,7 @@ async def words_match_the_model(dut):
         dut.start_i.value = 1
         before = idle
         for clock in range(spi_shift.done_clock(bits, half, words, lead) + 3):
-            # Right only in the one clock before the bit's last: that is where the register must look.
+            # Right only in the clock before the bit's last, where the register must sample.
             index, phase = divmod(clock - 1 - before_first, 2 * half)
             right = phase == 2 * half - 2
             levels = [line[index] ^ (not right) if 0 <= index < len(line) else 0 for line in lines]
@@ -43,7 +43,7 @@ async def words_match_the_model(dut):
             driven = 0 <= index < bits * words and (phase >= half) != lead
             assert sclk == idle ^ driven, f"SCLK in clock {clock}"
             toggles += sclk != before
-            # The part takes the command at the edge in the middle of a bit.
+            # The part samples the command at the edge in the middle of a bit.
             if sclk != before and driven != lead and 0 <= index < bits:
                 sent.append(int(dut.spi_mosi_o.value))
             before = sclk

@@ -1,7 +1,7 @@
-"""msn_tare against its model: 1 x 1 to 64 x 64, all lane counts; following up and down, contact and none;
-averaging asked for at any beat, refused while pressed, forced, cut by damage; zeros loaded while frames come;
-masks; samples at both ends of the range; gaps and stalls; resets; clocks. The model against exact sums, and
-over an hour of drift: a held load stays, a free taxel's zero follows."""
+"""msn_tare against its model: 1 x 1 to 64 x 64, all lane counts; zeros following up and down, with contact
+and without; averaging requested at any beat, refused while pressed, forced, cut by damage; zeros loaded while
+frames come; masks; samples at both ends of the range; gaps and stalls; resets; clocks. The model against
+exact sums, and over an hour of drift: a held load is kept, a free taxel's zero follows."""
 
 import random
 from fractions import Fraction
@@ -30,7 +30,7 @@ def length_of(twin):
 
 
 def expected_of(twin, beats):
-    """What the model makes of a stream of beats."""
+    """The model's output for a stream of beats."""
     got = []
     for beat in beats:
         raw = bench.lane_values(beat["data"], twin.lanes, twin.sample_bits, signed=True)
@@ -43,7 +43,7 @@ def expected_of(twin, beats):
 
 
 def frames_of(rng, twin, count, press=0.5):
-    """Beats of frames whose taxels wander near a level, a share ``press`` of the frames with a contact."""
+    """Beats of frames whose taxels vary around a level, with a contact in a share ``press`` of the frames."""
     shape = (count, twin.rows, twin.columns)
     low, high = bench.width(twin.sample_bits)
     level = rng.choice([0, 300, low, high, -3], shape[1:]) * np.ones(shape, dtype=np.int64)
@@ -78,7 +78,7 @@ async def counts_over_the_whole_width(dut):
 @cocotb.test(timeout_time=40, timeout_unit="ms")
 @cocotb.parametrize(stall_rate=[0.0, 0.4], damage=[False, True])
 async def matches_model(dut, stall_rate, damage):
-    """Pieces of a stream, cut at any beat, with a command between two of them."""
+    """Pieces of a stream, cut at any beat, with a command after each."""
     rng, draw = np.random.default_rng(bench.SEED), random.Random(bench.SEED)
     twin = twin_of(dut, contact=20, step=37)
     length = length_of(twin)
@@ -104,10 +104,10 @@ async def matches_model(dut, stall_rate, damage):
             await pulse(dut, "cfg_tare_i", cfg_force_i=int(what == "force"))
             twin.tare(what == "force")
         elif what == "load":
-            every = twin._fresh  # nothing stands in the memory yet: all of it must be written
+            every = twin._fresh  # the memory is still empty, so all of it must be written
             dut.cfg_load_i.value = 1
             twin.load(True)
-            await bench.clocks(dut, 1)  # until then a beat may come
+            await bench.clocks(dut, 1)  # a beat may still be taken in this clock
             piece = beats[at : at + draw.randint(0, 2 * length)]
             at += len(piece)
             got = await bench.stream(dut, piece, FIELDS, *pauses, drain=3)
@@ -134,7 +134,7 @@ async def matches_model(dut, stall_rate, damage):
 @bench.applies(lambda dut: length_of(twin_of(dut)) <= 500)
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def settings_of_every_size(dut):
-    """Each bit of both in turn, and none; loading that is asked for in one clock alone does not begin."""
+    """Each bit of both settings, and none; a load request of a single clock does not start loading."""
     rng = np.random.default_rng(bench.SEED)
     await bench.start(dut, cfg_contact_i=0, cfg_step_i=0, **QUIET)
     for ones in (0x55555, 0xAAAAA, 0):
@@ -153,10 +153,10 @@ async def settings_of_every_size(dut):
 @cocotb.test(timeout_time=40, timeout_unit="ms")
 @cocotb.parametrize(up=[True, False])
 async def every_bit_of_a_zero_counts(dut, up):
-    """Zeros that follow in steps of any size to half a code exactly, or to one last bit before or behind it.
+    """Zeros that follow in steps of any size to exactly half a code, or to one LSB short of it or beyond.
 
-    Between two steps come frames that must move none: taxels at rest, just pressed, averaged. What stands
-    beside the array presses all the time.
+    Between two steps come frames that must move none: taxels at their zero, just pressed, averaged. The
+    unused lanes beside the array are always pressed.
     """
     rng, draw = np.random.default_rng(bench.SEED), random.Random(bench.SEED)
     twin = twin_of(dut)
@@ -248,7 +248,7 @@ EVIDENCE = {
         "size": {"Rows": 3, "Columns": 3},
         "settle": 6,
         "driver": {
-            # The words, and all on the way to them, a frame of an averaging among it.
+            # The stored words and everything on the way to them, including a frame of an averaging.
             "kept": "fresh u_state. u_round. zero_ sum_ write learn place_q cfg_loading_o "
             "drain frames averaging commit forced asked dropping contact nonzero "
             "over_q negative mask_q seen",
@@ -276,7 +276,7 @@ def test_tare(rows, columns, lanes, fraction_bits, tare_log2):
 
 
 def test_averaging_is_exact():
-    """The zero found is the average as a fraction, at the range's ends too; r is raw less it, rounded."""
+    """The new zero is the exact average, also at the ends of the range; r is raw minus it, rounded."""
     rng = np.random.default_rng(3)
     for log2 in (0, 3, 8):
         twin = Tare(2, 3, fraction_bits=12, tare_log2=log2)
@@ -304,7 +304,7 @@ def test_refuses_while_pressed_and_says_so():
     assert (twin.refused, twin.tared, twin.taring, twin.pressed) == (1, 0, False, True)
     assert not twin.zeros().any()
     mask = np.zeros((3, 3), bool)
-    mask[1, 1] = True  # a stuck taxel is no contact
+    mask[1, 1] = True  # a masked taxel is no contact
     twin.tare()
     twin.next(np.repeat(pressed, 5, axis=0), mask)
     assert (twin.refused, twin.tared) == (1, 1)
@@ -316,17 +316,18 @@ STEP, FRACTION = 8, 10  # 8 / 1024 codes a frame: 0.39 codes a second
 
 
 def hour_of_drift(rng, size, step=STEP):
-    """Frames of ``size`` x ``size``: every taxel drifts its own way by up to 60 codes in an hour, with noise.
+    """Frames of ``size`` x ``size``: every taxel drifts in its own way by up to 60 codes in an hour, with
+    noise.
 
     Held from minute 2 to 62: a disc of 2,000 codes. Returns the twin, the last true zeros, and per minute the
-    true load and centre and what the forces of the tared samples give, gain 1.
+    true load and centre and those from the forces of the tared samples, gain 1.
     """
     twin = Tare(size, size, fraction_bits=FRACTION, tare_log2=6, contact=100, step=step)
     i, j = np.indices((size, size))
     base = rng.integers(200, 900, (size, size))
     slope = rng.uniform(-40, 40, (size, size))
     phase = rng.uniform(0, 2 * np.pi, (size, size))
-    # slope t + 20 (sin(turn + phase) - sin(phase)), as a product of matrices: its sines are most of the time
+    # slope t + 20 (sin(turn + phase) - sin(phase)), as a matrix product, since sines take most of the time
     amounts = np.stack([slope, 20 * np.cos(phase), 20 * np.sin(phase)]).reshape(3, -1)
     load = np.where((i - 5) ** 2 + (j - 9) ** 2 <= 8, 2000, 0)
     twin.tare(force=True)
@@ -360,7 +361,7 @@ def test_an_hour_of_drift(seed):
 
 
 def test_without_following_an_hour_of_drift_shows():
-    """The same hour with the zeros only averaged once: the goals are then missed."""
+    """The same hour with the zeros averaged only once: it misses these goals."""
     twin, zero, truth, measured = hour_of_drift(np.random.default_rng(1), 16, step=0)
     worst = max(abs(m[2] - t[2]) / t[2] for m, t in zip(measured, truth) if t[3])
     assert worst > 0.01
@@ -378,7 +379,7 @@ def test_model_in_frames_and_beats():
     lanes = [bench.lane_values(beat["data"], 2, 18, signed=True) for beat in expected_of(other, beats)]
     assert np.array_equal(np.array(lanes).reshape(40, 3, 6)[:, :, :5], whole)
     assert np.array_equal(one.zeros(), other.zeros())
-    assert np.array_equal(one.process(raw), Tare(3, 5, 2, step=9).next(raw))  # nothing is left of before
+    assert np.array_equal(one.process(raw), Tare(3, 5, 2, step=9).next(raw))  # nothing is kept
 
 
 def test_refuses_illegal_parameters():

@@ -1,5 +1,5 @@
-"""What meets in one clock or one frame in msn_tare, with results worked out by hand: an averaging asked for
-at every clock around a frame's first and last beat; a contact in the first and last taxel around an
+"""Events that meet in one clock or one frame in msn_tare, with results worked out by hand: an averaging
+requested at every clock around a frame's first and last beat; a contact in the first and last taxel around an
 averaging, and inside a damaged frame; zeros written while a frame ends."""
 
 from fractions import Fraction
@@ -14,13 +14,13 @@ QUIET = {"cfg_tare_i": 0, "cfg_force_i": 0, "cfg_load_i": 0, "cfg_write_i": 0}
 
 
 class Line:
-    """Offers beats without a gap and notes in which clock each goes in, and what comes out."""
+    """Offers beats without gaps and records the clock in which each goes in, and the output."""
 
     def __init__(self, dut):
         self.dut, self.clock, self.taken, self.out = dut, 0, [], []
 
     async def tick(self, beat=None):
-        """A clock; whether ``beat`` (value, number, last) went in; an early last does not fit."""
+        """One clock; returns whether ``beat`` (value, number, last) went in; an early last does not fit."""
         dut = self.dut
         dut.in_valid_i.value, dut.out_ready_i.value = int(beat is not None), 1
         if beat is not None:
@@ -37,7 +37,7 @@ class Line:
         return took
 
     async def send(self, beats, tare_at=None, force=1):
-        """All ``beats``, one after the other; cfg_tare_i in the clock ``tare_at``."""
+        """Send all ``beats`` back to back; cfg_tare_i in the clock ``tare_at``."""
         for beat in beats:
             took = False
             while not took:
@@ -55,7 +55,7 @@ class Line:
 
 
 def frame(*values):
-    """Beats of a frame; one value is that of every taxel."""
+    """Beats of a frame; a single value is used for every taxel."""
     values = values * TAXELS if len(values) == 1 else values
     return [(value, place, int(place == TAXELS - 1)) for place, value in enumerate(values)]
 
@@ -67,8 +67,8 @@ async def begin(dut):
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def asked_for_at_every_clock_around_a_frames_ends(dut):
-    """Asked for before a frame's first beat goes in, that frame and the next are averaged; in that clock, or
-    in any until the frame after it begins, the two that follow."""
+    """Requested before a frame's first beat goes in, it averages that frame and the next; requested in that
+    clock or later, until the next frame begins, it averages the two frames that follow."""
     levels = [100, -231, 397, 604, -853, 1200, 77]
     beats = [beat for level in levels for beat in frame(level)]
     line = await begin(dut)
@@ -91,8 +91,8 @@ async def asked_for_at_every_clock_around_a_frames_ends(dut):
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def a_contact_next_to_an_averaging_and_in_it(dut):
-    """Frame 1 and 2 are averaged, 3 is the first with the new zero. A contact is more than CONTACT above
-    zero; it refuses in the frames that are averaged alone, in their first and in their last taxel, unless
+    """Frames 1 and 2 are averaged, 3 is the first with the new zero. A contact is more than CONTACT above
+    zero. It causes a refusal only in the averaged frames, in the first and in the last taxel alike, unless
     forced."""
     still, met, contact = 9, CONTACT, CONTACT + 1
     line = await begin(dut)
@@ -102,7 +102,7 @@ async def a_contact_next_to_an_averaging_and_in_it(dut):
         for place in (0, TAXELS - 1):
             for value, force in ((met, 0), (contact, 0), (contact, 1)):
                 frames = [[still] * TAXELS for _ in range(6)]
-                # With the new zero of 9 a contact is 9 more.
+                # With the new zero of 9, codes of a contact are 9 higher.
                 frames[number][place] = value + (still if number > 2 else 0)
                 await bench.reset(dut)
                 line = Line(dut)
@@ -111,7 +111,8 @@ async def a_contact_next_to_an_averaging_and_in_it(dut):
                 refused = int(number in (1, 2) and value == contact and not force)
                 which = (number, place, value, force)
                 assert await line.status() == (1 - refused, refused), which
-                # The last taxel's zero: 9; of 9 and 20 or 21 floor(14.5 + 1/2) or floor(15 + 1/2), 15.
+                # The last taxel's zero: 9; or of 9 and 20 or 21, floor(14.5 + 1/2) or floor(15 + 1/2), both
+                # 15.
                 averaged = number in (1, 2) and place == TAXELS - 1
                 assert line.out[-1] == (still if refused else -6 if averaged else 0), which
                 assert bench.read(dut.taring_o) == 0
@@ -119,9 +120,9 @@ async def a_contact_next_to_an_averaging_and_in_it(dut):
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def a_contact_inside_a_damaged_frame_is_forgotten(dut):
-    """Damage begins the averaging again; what pressed in the damaged frame refuses nothing, wherever the
-    frame broke, nor is it reported. A contact before the damage, in a whole frame, refuses at that frame's
-    end."""
+    """Damage restarts the averaging. A contact in the damaged frame causes no refusal, wherever the frame
+    broke off, and is not reported. A contact in a complete frame before the damage causes a refusal at that
+    frame's end."""
     still, contact = 9, 500
     line = await begin(dut)
     await line.send(frame(still))

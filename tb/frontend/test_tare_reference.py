@@ -15,7 +15,8 @@ def both(taxels, **given):
 
 
 def test_following_by_hand():
-    """Steps of a quarter code: at the contact it is followed, one above it is frozen; -1/2 rounds up to 0."""
+    """Steps of a quarter code: a value equal to contact is followed, one above it is not; -1/2 rounds up to
+    0."""
     given = {"fraction_bits": 2, "tare_log2": 0, "contact": 5, "step": 1}
     for follow, codes, left in (
         ("towards 5", [5, 5, 5, 5, 5], [5, 5, 4, 4, 4]),  # zeros 0, 1/4, 1/2, 3/4, 1
@@ -29,7 +30,7 @@ def test_following_by_hand():
 
 
 def test_averaging_by_hand():
-    """Four frames of mean 2 3/4; the frame after them writes it, and is not followed."""
+    """Four frames with a mean of 2 3/4; the next frame writes the zeros and does not move them."""
     given = {"fraction_bits": 4, "tare_log2": 2, "contact": 5, "step": 16}
     codes, left = [3, 3, 3, 2, 9, 3, 3], [3, 3, 3, 2, 6, 0, 0]
     loop, twin = both(1, **given)
@@ -43,7 +44,7 @@ def test_averaging_by_hand():
 
 @pytest.mark.parametrize("pressed, masked, refused", [(5, 0, 0), (6, 0, 1), (6, 1, 0)])
 def test_refusal_by_hand(pressed, masked, refused):
-    """At the contact it is no press, one above it is, of a masked taxel it is none."""
+    """A value equal to contact does not press, one above it does, unless its taxel is masked."""
     loop, twin = both(2, fraction_bits=4, tare_log2=1, contact=5, step=0)
     for each in (loop, twin):
         each.tare()
@@ -55,8 +56,9 @@ def test_refusal_by_hand(pressed, masked, refused):
 
 
 def test_swallowed_frames_by_hand():
-    """docs/array.md: while zeros are loaded each frame is swallowed and counted, a damaged one too; the
-    frame under way when loading is asked for, or its end, is not one of them."""
+    """docs/array.md: while zeros are loaded each frame is swallowed and counted, also a damaged one. The
+    frame in progress when loading is requested is still passed, and the one in which the request ends is
+    swallowed."""
     twin = Tare(1, 3, fraction_bits=4, tare_log2=1, contact=5, step=0)
     whole, early, late = [0, 0, 1], [0, 1], [0, 0, 0, 1]  # `last` of each beat
 
@@ -71,7 +73,7 @@ def test_swallowed_frames_by_hand():
 
     for lasts, load, passed, swallowed in (
         (whole, None, 3, 0),
-        (whole, True, 3, 0),  # asked for in it: from the next one on
+        (whole, True, 3, 0),  # requested during this frame: applies from the next one on
         (whole, None, 0, 1),
         (early, None, 0, 2),
         (late, None, 0, 3),

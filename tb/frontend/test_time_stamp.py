@@ -1,5 +1,5 @@
 """msn_time_stamp against its model: frames of one to five samples that come in time, wait, or are dropped,
-with a converter that goes on converting all the while; reset."""
+with a converter that continues meanwhile; reset."""
 
 import random
 
@@ -11,9 +11,9 @@ from meissner.twins.frontend.time_stamp import time_stamps
 
 
 def converter(draw, frames, channels):
-    """Clocks (convert, valid, ready, last) of a converter whose consumer sleeps now and then.
+    """Clocks (convert, valid, ready, last) of a converter whose follower sleeps now and then.
 
-    A frame that finds the one before still waiting is dropped.
+    A frame is dropped if the previous one still waits.
     """
     period = 4 * channels + 6
     queue, clocks, sleep = [], [], 0
@@ -49,7 +49,7 @@ async def matches_model(dut, channels):
         for name, value in values.items():
             getattr(dut, f"{name}_i").value = int(value)
         await ReadOnly()
-        if show:  # all through the frame, from the clock after its first sample was taken
+        if show:  # throughout the frame, from the clock after its first sample was taken
             assert bench.read(dut.time_o) == stamp(expected[len(found) - 1])
         if valid and ready:
             if first:
@@ -65,7 +65,7 @@ async def matches_model(dut, channels):
 async def forgets_what_a_reset_interrupts(dut):
     idle = {"convert_i": 0, "valid_i": 0, "ready_i": 0, "last_i": 0}
     await bench.start(dut, now_i=5, **idle)
-    for ready in (0, 1):  # a first sample that waits, a frame under way
+    for ready in (0, 1):  # a first sample that waits; a frame in progress
         dut.convert_i.value, dut.now_i.value = 1, 7
         await RisingEdge(dut.clk_i)
         dut.convert_i.value, dut.valid_i.value, dut.ready_i.value = 0, 1, ready
@@ -89,7 +89,7 @@ EVIDENCE = {
         "test": "tb/frontend/test_front_references.py::test_time_stamps_by_hand",
     },
     "equivalence": {"open": ["reset"], "reset": {"since": {"time_o": "convert_i"}}},
-    # Its recording also marks ends that are no ends.
+    # The recording also sets last_i in clocks that are no end of a frame.
     "faults": {"settle": 150, "driver": {"frame": "last_i"}},
 }
 

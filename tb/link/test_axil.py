@@ -1,5 +1,6 @@
-"""AXI4-Lite: an independent master (cocotbext-axi) with pauses on every channel, reads and writes at once,
-word and byte writes, errors, reset in the middle. The registers behind the bus are their twin, in the bench.
+"""AXI4-Lite: an independent master (cocotbext-axi) with stalls on every channel, simultaneous reads and
+writes, word and byte writes, errors, reset in the middle. The bench serves the register bus from the
+registers' twin.
 """
 
 import logging
@@ -15,12 +16,12 @@ from meissner.twins.link.registers import Registers
 
 
 async def serve(dut, twin, served):
-    """The register bus: answers on the clock after the question, once."""
+    """The register bus: each access is answered once, in the clock after it."""
     while True:
         await ReadOnly()
         asked = dut.bus_valid_o.value == 1
         access = [bench.read(getattr(dut, f"bus_{name}_o")) for name in ("write", "address") if asked]
-        for name in ("wdata", "strobe") if asked else ():  # of a write: a read leaves them as they were
+        for name in ("wdata", "strobe") if asked else ():  # valid for writes only
             access.append(bench.read(getattr(dut, f"bus_{name}_o")) if access[0] else 0)
         await RisingEdge(dut.clk_i)
         dut.bus_done_i.value = int(asked)
@@ -42,7 +43,7 @@ async def begin(dut):
 
 
 def pause(master, rate):
-    """Pauses on every channel with probability ``rate``."""
+    """Stall every channel with probability ``rate``."""
     write, read = master.write_if, master.read_if
     channels = {"aw": write.aw_channel, "w": write.w_channel, "b": write.b_channel}
     channels |= {"ar": read.ar_channel, "r": read.r_channel}
@@ -56,14 +57,14 @@ def addresses(draw):
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def answers_as_the_model(dut):
-    """One access after another: what comes back is what the twin says, the writes reach it once."""
+    """One access after another: each answer is the twin's, and each access reaches it once."""
     master, served = await begin(dut)
     mirror, draw = Registers(), random.Random(bench.SEED)
     for sent in range(800):
         if sent == 400:
             pause(master, 0.5)
         address, size = addresses(draw), draw.choice((4, 4, 2, 1))
-        data, protection = draw.randbytes(size), AxiProt(draw.randrange(8))  # of which none matters
+        data, protection = draw.randbytes(size), AxiProt(draw.randrange(8))  # protection must not matter
         lane = draw.randrange(0, 4, size)
         if draw.random() < 0.5:
             answer = await master.write(address + lane, data, protection)
@@ -97,14 +98,14 @@ async def reads_and_writes_at_once_lose_and_repeat_nothing(dut, rate):
     await gather(write(), read())
     assert values == sorted(values) and len(served) == 600
     assert [access[2] for access in served if access[0]] == list(range(300))
-    if not rate:  # they take turns: while both wait, neither gets two in a row
+    if not rate:  # they alternate: while both wait, neither is served twice in a row
         kinds = [access[0] for access in served]
         assert not any(kinds[i] == kinds[i + 1] == kinds[i + 2] for i in range(len(kinds) - 2))
 
 
 @cocotb.test(timeout_time=2, timeout_unit="ms")
 async def what_always_waits_takes_turns(dut):
-    """A write and a read wait in every clock: one after the other, a write first after reset."""
+    """A write and a read wait in every clock: they are served alternately, the write first after reset."""
     kinds = ("awvalid", "wvalid", "arvalid", "bready", "rready")
     inputs = {f"s_axil_{name}": 1 for name in kinds} | {f"s_axil_{name}": 0 for name in ("awprot", "arprot")}
     inputs |= {"s_axil_awaddr": 0x014, "s_axil_araddr": 0x014, "s_axil_wstrb": 15, "s_axil_wdata": 1}
@@ -118,7 +119,7 @@ async def what_always_waits_takes_turns(dut):
 
 @cocotb.test(timeout_time=2, timeout_unit="ms")
 async def a_reset_in_the_middle_leaves_no_answer_behind(dut):
-    """Reset at every clock of an access: nothing is answered that was not asked, and the next is right."""
+    """Reset at every clock of an access: no unrequested answer appears, and the next access is right."""
     idle = {
         f"s_axil_{name}": 0
         for name in ("awvalid", "wvalid", "arvalid", "bready", "rready", "awprot", "arprot")
@@ -133,7 +134,7 @@ async def a_reset_in_the_middle_leaves_no_answer_behind(dut):
             await RisingEdge(dut.clk_i)
             dut.s_axil_arvalid.value = 0
         dut.s_axil_arvalid.value = 0
-        await bench.reset(dut, 2)  # the register block behind it is reset too
+        await bench.reset(dut, 2)  # the register block is reset too
         await bench.clocks(dut, 3)
         await ReadOnly()
         assert dut.s_axil_rvalid.value == 0 and dut.s_axil_bvalid.value == 0

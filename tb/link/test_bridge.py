@@ -1,6 +1,6 @@
-"""msn_bridge against its model: reads and writes of every byte value and with zeros anywhere, answers in
-order and late, bus errors, a bus that does not answer; every mutated frame, noise, broken bytes, half frames
-and a pause, a command before the last is answered, operations and addresses that there are not; resets."""
+"""msn_bridge against its model: reads and writes with every byte value and zeros anywhere, answers in order
+and late, bus errors, a bus that does not answer; every mutated frame, noise, broken bytes, half frames and a
+pause, a command before the last one is answered, unknown operations and addresses out of range; resets."""
 
 import random
 import struct
@@ -18,7 +18,7 @@ TIMEOUT = 300
 
 
 class Registers:
-    """The other end of the bus: a memory; an address with 0x800 is an error, 0x400 never answers."""
+    """The other end of the bus: a memory; addresses with 0x800 give an error, with 0x400 no answer."""
 
     def __init__(self, dut):
         self.dut, self.memory, self.seen = dut, {}, []
@@ -32,7 +32,7 @@ class Registers:
         self.dut.bus_rdata_i.value = self.pending[0] if done else 0xDEADBEEF
 
     def after(self):
-        """See what is asked in this clock."""
+        """Take the access of this clock."""
         dut, self.pending = self.dut, None
         if dut.bus_valid_o.value == 1:
             write, address = int(dut.bus_write_o.value), bench.read(dut.bus_address_o)
@@ -48,7 +48,8 @@ class Registers:
 
 
 async def send(dut, registers, line, gap=lambda: 0, stall=lambda: False, errors=(), drain=60):
-    """Send bytes with gaps of clocks; return the answers. ``errors``: places where the line breaks."""
+    """Send bytes with gaps of clocks; return the answers. ``errors``: bytes after which the receiver reports
+    an error."""
     answers = []
 
     async def clock(valid, byte, error=0):
@@ -73,7 +74,7 @@ async def send(dut, registers, line, gap=lambda: 0, stall=lambda: False, errors=
 
 
 def expected_of(found, memory):
-    """The answers and the bus accesses."""
+    """The answers and the bus accesses that commands ``found`` must give."""
     answers, seen = [], []
     for operation, tag, address, data in found:
         seen.append((operation, address, data if operation else 0))
@@ -127,7 +128,7 @@ async def matches_model(dut, slow):
     line = b"".join(commands_of(rng, 60))
     found, rejected = accesses(line)
     expected, seen = expected_of(found, {})
-    # Without a gap the answer is out before the next command ends: 14 bytes later.
+    # Without a gap the next command ends 14 bytes later; by then the answer has left.
     gap = (lambda: int(rng.integers(0, 12))) if slow else (lambda: 0)
     stall = bench.pauses(0.5, "stalls") if slow else (lambda: False)
     same(await send(dut, registers, line, gap, stall), expected)
@@ -184,7 +185,7 @@ async def what_is_no_command_is_rejected(dut):
         assert accesses(line) == ([], 1)
         assert await send(dut, registers, line) == []
         rejected += 1
-    # Its last code names a byte more than there is.
+    # Its last code announces one byte more than there is.
     longer, last = bytearray(good), int(good[0] == 0)
     while last + longer[last] < len(longer) - 1:
         last += longer[last]
@@ -192,7 +193,7 @@ async def what_is_no_command_is_rejected(dut):
     assert accesses(bytes(longer)) == ([], 1)
     assert await send(dut, registers, bytes(longer)) == []
     rejected += 1
-    # The line broke within it; a pause within it, then its rest; noise; then a good one.
+    # A line error inside it; a pause inside it, then the rest; noise; then a good command.
     for place in range(1, len(good) - 1):
         assert await send(dut, registers, good, errors=(place,)) == []
         rejected += 1
@@ -201,7 +202,7 @@ async def what_is_no_command_is_rejected(dut):
     rejected += 2
     assert bench.read(dut.rejected_o) == rejected
     assert registers.seen == []
-    # A pause one shorter than the time-out is none.
+    # A pause one clock shorter than the time-out has no effect.
     first = await send(dut, registers, good[:6], drain=TIMEOUT - 1)
     assert first == [] and len(await send(dut, registers, good[6:])) == 1
     assert registers.seen == [(1, 8, 99)]
@@ -211,7 +212,7 @@ async def what_is_no_command_is_rejected(dut):
 async def a_bus_that_does_not_answer(dut):
     registers = await begin(dut)
     line = command(READ, 5, 0x404)
-    assert await send(dut, registers, line, drain=256) == []  # a timeout of 255 clocks
+    assert await send(dut, registers, line, drain=256) == []  # its time-out is 255 clocks
     got = await send(dut, registers, b"", drain=1)
     assert [g[:4] for g in got] == [answer(5, NO_ANSWER, 0x404, 0)[:4]]
     same(await send(dut, registers, command(READ, 6, 0x10)), [(6, DONE, 0x10, 0x10 ^ 0x5A5A0000)])
@@ -219,7 +220,7 @@ async def a_bus_that_does_not_answer(dut):
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def one_command_at_a_time(dut):
-    """What comes before the last is answered is rejected, and spoils nothing."""
+    """A command that arrives before the last one is answered is rejected and disturbs nothing."""
     registers = await begin(dut)
     held = await send(dut, registers, command(READ, 1, 4) + command(WRITE, 2, 4, 7), stall=lambda: True)
     assert held == [] and registers.seen == [(0, 4, 0)]
@@ -229,7 +230,8 @@ async def one_command_at_a_time(dut):
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def a_command_that_ends_as_the_last_is_answered(dut):
-    """A clock after the answer is taken its closing zero begins an access; in that clock it is refused."""
+    """If its closing zero comes one clock after the first answer is taken, its access begins; in the same
+    clock or earlier it is rejected."""
     registers = await begin(dut)
     first, second = command(WRITE, 1, 8, 99), command(READ, 2, 8)
     refused = 0
@@ -258,7 +260,7 @@ async def recovers_after_reset(dut):
         assert len(registers.seen) == 1
 
 
-# A zero before and behind each command.
+# A zero before and after each command.
 EVIDENCE = {
     "reference": {
         "against": "bytes by hand, `zlib`",

@@ -1,6 +1,6 @@
 """msn_cobs against its model, and the model against COBS itself, written out: all short packets of 0 and 1,
-every length to the longest, all zeros, none, the first 00 before the packet; gaps and stalls, reset in the
-midst; decoding of every single-byte change and of anything at all."""
+every length up to the longest, all zeros, none, the first 00 sent before the packet; gaps and stalls, reset
+in mid-packet; decoding of every single-byte change and of random bytes."""
 
 import itertools
 
@@ -21,7 +21,7 @@ def beats_of(packets):
 
 
 def packets_of(rng, longest):
-    """Packets with few and many zeros, of the telling lengths and then any."""
+    """Packets with few and many zeros: critical lengths, then random ones."""
     lengths = [1, 1, 2, 3, longest, longest, *rng.integers(1, longest + 1, 20)]
     packets = [bytes(longest), bytes([255] * longest), bytes([1]), b"\0"]
     for length in lengths:
@@ -36,7 +36,7 @@ def packets_of(rng, longest):
 async def matches_model(dut, gap_rate, stall_rate):
     packets = packets_of(np.random.default_rng(bench.SEED), dut.MaxBytes.value.to_unsigned())
     await bench.start(dut, in_begin_i=0)
-    # in_valid_i passes through: who withdraws it withdraws out_valid_o.
+    # in_valid_i passes through to out_valid_o, so with stalls an offer must not be withdrawn.
     pauses, hold = bench.gaps_and_stalls(gap_rate, stall_rate), bool(gap_rate and stall_rate)
     got = await bench.stream(dut, beats_of(packets), ["data"], *pauses, hold=hold)
     assert bytes(beat["data"] for beat in got) == b"".join(map(encode, packets))

@@ -1,5 +1,6 @@
-"""msn_core_link: each member of what a core says, and each counter of its status, at its place in its packet,
-by hand from docs/link.md; the host's bus straight through; with SlipOnly the small link's line."""
+"""msn_core_link: each member of the core's decisions, results and reports, and each counter of its status, at
+its place in its packet, by hand from docs/link.md; the host's bus passed through; with SlipOnly the small
+link's line."""
 
 import cocotb
 import pytest
@@ -9,7 +10,7 @@ import bench
 import members
 
 TAXELS, TIME = 6, 0xFEDC_BA98_7654
-# The order of docs/link.md: counters of a converter's core, and of an array's.
+# The order of docs/link.md: the counters of a core with a converter, and of one with an array.
 REST = ("slip_damaged", "slip_blanked", "cop_damaged", "link_image_dropped", "link_rejected")
 COUNTERS = {
     0: ("adc_dropped", "adc_overrun", "adc_timeout", *REST),
@@ -29,7 +30,7 @@ async def begin(dut):
 
 
 async def packets(dut, clocks):
-    """(kind, time, payload) of what leaves within so many clocks."""
+    """(kind, time, payload) of the packets that leave within ``clocks`` clocks."""
     found, data = [], bytearray()
     dut.out_ready_i.value = 1
     for _ in range(clocks):
@@ -86,7 +87,8 @@ async def each_member_is_at_its_place(dut):
 @bench.applies(lambda dut: not number(dut, "SlipOnly"))
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 async def an_event_is_raised_and_takes_its_turn(dut):
-    """What is not raised is taken at once and not sent; a raised one waits while the queue is full."""
+    """A decision without a raised event is taken immediately and not sent; an event waits while the queue is
+    full."""
     await begin(dut)
     dut.decision_valid_i.value, dut.decision_i.value = 1, members.word("decision", {"state": 1, "p2p": 7})
     for _ in range(20):
@@ -163,7 +165,7 @@ async def the_small_link_sends_an_event_alone(dut):
         await RisingEdge(dut.clk_i)
         if taken:
             dut.decision_valid_i.value = 0
-    # 8 clocks a bit, 10 bits a byte; 18 bytes, COBS's first one, and a zero before and after.
+    # 8 clocks a bit, 10 bits a byte; 18 bytes, the first COBS code, and a zero before and after.
     starts, clock = [], 0
     while clock < len(levels):
         if levels[clock] == 0:

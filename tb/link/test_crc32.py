@@ -1,5 +1,5 @@
-"""msn_crc32 against its model, and the model against zlib: bytes, bits, whole words; no step, no change;
-clear in the midst; the residue of a packet with its checksum; draining bit by bit."""
+"""msn_crc32 against its model, and the model against zlib: bytes, bits, entire words; without a step no
+change; clear in mid-packet; the residue of a packet with its checksum; draining bit by bit."""
 
 import zlib
 
@@ -64,7 +64,7 @@ async def drains_bit_by_bit(dut):
 EVIDENCE = {
     "reference": {"against": "`zlib`", "test": "tb/link/test_crc32.py::test_model_against_zlib"},
     "equivalence": {"size": {"Bits": 8}, "reset": {"reset": "clear_i"}},
-    # The sum is there up to the next packet's first byte.
+    # The sum stays until the first byte of the next packet.
     "faults": {"settle": 2, "driver": {"frame": "clear_i", "join": 1, "repeat": 4}},
 }
 

@@ -1,6 +1,6 @@
-"""The host's decoder: all types there and back, chunks cut anywhere, unknown types, payloads of wrong length;
-every kind of corruption loses only the packet that it touches; random and mutated bytes never crash it, never
-hang it, and never give a packet that was not sent."""
+"""The host's decoder: all types encoded and decoded, chunks cut anywhere, unknown types, payloads of wrong
+length; corruption of any kind loses only the packets that it touches; random and mutated bytes never crash or
+hang it and never give a packet that was not sent."""
 
 import zlib
 
@@ -22,11 +22,11 @@ def payloads(rng):
     yield p.ANSWER, bytes(rng.bytes(8))
     for payload in p.image_chunks(wide(8), rng.integers(0, 1 << 16, 150).tolist(), 64):
         yield p.IMAGE, payload
-    yield 77, rng.bytes(20)  # a type of the future
+    yield 77, rng.bytes(20)  # a type that does not exist yet
 
 
 def stream_of(rng, count):
-    """Packets as sent, and their frames."""
+    """Packets to send, and their frames."""
     sent = []
     while len(sent) < count:
         sent += [(kind, len(sent) + k, payload) for k, (kind, payload) in enumerate(payloads(rng))]
@@ -98,7 +98,7 @@ def test_corruption_loses_only_the_packet_it_touches(kind):
 
 
 def test_random_and_mutated_bytes(monkeypatch):
-    """Every packet that comes out was sent; no byte is looked at twice, a frame without end not kept."""
+    """Every decoded packet was sent; no byte is decoded twice; a frame without end is not kept for ever."""
     looked = []
     monkeypatch.setattr(decoder_module, "decode", lambda frame: looked.append(len(frame)) or decode(frame))
     rng = np.random.default_rng(4)

@@ -1,5 +1,6 @@
 """msn_image_store against its model, clock by clock: images with and without gaps, a reader slower and faster
-than they come, one that waits, `last` early, late or missing; what is read never changes; resets."""
+than the images, a reader that pauses, `last` early, late or missing; an image being read never changes;
+resets."""
 
 import cocotb
 import numpy as np
@@ -10,7 +11,7 @@ from meissner.twins.link.image_store import ImageStore
 
 
 def beats_of(rng, taxels, images, damage):
-    """Beats of images one after the other, some of a wrong length."""
+    """Beats of consecutive images, some of a wrong length."""
     for _ in range(images):
         length = taxels
         if rng.random() < damage:
@@ -20,9 +21,9 @@ def beats_of(rng, taxels, images, damage):
 
 
 async def follow(dut, twin, rng, beats, gap_rate, rest):
-    """Drive writer and reader, compare each clock; the images that were read to their end."""
+    """Drive writer and reader and compare each clock; return the images that were read to their end."""
     beats, images = list(beats), []
-    # Reading: taxels seen, the last two addresses, the next one. dropped_o is a clock late.
+    # Reader: taxels seen, the last two addresses, the next address. dropped_o is a clock late.
     seen, old, place, resting, quiet, counted = [], [], None, 0, 0, twin.dropped
     for _ in range(40 * len(beats) + 1000):
         quiet = quiet + 1 if not beats and twin.readable is None else 0
@@ -87,7 +88,7 @@ async def matches_model(dut, gap_rate, rest):
         assert twin.dropped == 0  # the reader keeps up
     before = len(images) + twin.dropped
     images = await follow(dut, twin, rng, beats_of(rng, twin.taxels, count, 0.5), gap_rate, rest)
-    assert len(images) + twin.dropped <= before + count  # the one after a lost end goes with it
+    assert len(images) + twin.dropped <= before + count  # a lost end also loses the next image
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
@@ -107,7 +108,7 @@ async def recovers_after_reset(dut):
 
 
 async def write(dut, image, taxels, clocks=None):
-    """Image number ``image``, a taxel a clock; its taxels are 1000 image + place, its time 10^12 + image."""
+    """Write image number ``image``, one taxel a clock: taxels 1000 image + place, time 10^12 + image."""
     for place in range(taxels):
         dut.in_valid_i.value, dut.in_last_i.value = 1, int(place == taxels - 1)
         dut.in_data_i.value, dut.in_time_i.value = 1000 * image + place, 10**12 + image - 7 * place
@@ -116,7 +117,7 @@ async def write(dut, image, taxels, clocks=None):
 
 
 async def read_image(dut, taxels):
-    """The number of the image that is read from this clock on; every taxel and the time are that one's."""
+    """The number of the image read from this clock on; all its taxels and its time must be of that image."""
     dut.read_begun_i.value = 1
     got = []
     for clock in range(taxels + 2):
@@ -139,8 +140,8 @@ async def read_image(dut, taxels):
 
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 async def an_images_end_meets_the_readers_begin_and_end(dut):
-    """The second image ends so many clocks before the reader begins (0: in that clock), and while it reads;
-    it is the one that is read if it ended two clocks before, else the one that is read next."""
+    """The second image ends ``before`` clocks before the reader begins, in that clock (0), or while it reads.
+    If it ended at least two clocks before, it is read first; otherwise it is read next."""
     taxels = dut.Taxels.value.to_unsigned()
     for before, expected, lost in ((3, 2, 1), (2, 2, 1), (1, 1, 0), (0, 1, 0), (-1, 1, 0)):
         await begin(dut) if before == 3 else await bench.reset(dut)
@@ -161,8 +162,8 @@ async def an_images_end_meets_the_readers_begin_and_end(dut):
 
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 async def an_image_begins_as_the_reader_ends(dut):
-    """A whole image waits for the reader to end. The next one's first taxel in the clock of that end or
-    before drops it; a clock later it has moved on, and both are read."""
+    """A complete image waits for the reader to finish. If the next image's first taxel comes in the clock of
+    that end or before, it drops the waiting image; a clock later both are read."""
     taxels = dut.Taxels.value.to_unsigned()
     for after, images in ((-1, [1, 3]), (0, [1, 3]), (1, [1, 2, 3]), (2, [1, 2, 3])):
         await begin(dut) if after == -1 else await bench.reset(dut)
@@ -171,7 +172,7 @@ async def an_image_begins_as_the_reader_ends(dut):
         dut.read_begun_i.value = 1
         await write(dut, 2, taxels)
         await bench.clocks(dut, 2)
-        reader = cocotb.start_soon(read_image(dut, taxels))  # its end: taxels + 2 clocks on
+        reader = cocotb.start_soon(read_image(dut, taxels))  # it ends taxels + 2 clocks later
         await bench.clocks(dut, taxels + 2 + after)
         writer = cocotb.start_soon(write(dut, 3, taxels))
         got = [await reader]
@@ -194,13 +195,13 @@ EVIDENCE = {
     },
     "faults": {
         "size": {"Taxels": 9},
-        # One being written, one that waits, one being read.
+        # One image being written, one waiting, one being read.
         "settle": 4,
         "driver": {
             "frame": "in_last_i",
             "when": "in_valid_i",
             "strobe": "read_valid_o",
-            # What is not read yet; its time.
+            # Images not yet read, and their times.
             "kept": "memory read_time_o written_time",
         },
     },

@@ -1,7 +1,7 @@
-"""msn_link from events to the levels of the line, and from the line to the register bus, through the models
-of both lines: all at full load, no slip event lost, every image whole, accesses in the midst of it; the
-clocks from an event to the line's first edge. Without a line: packets byte by byte, the host's bus straight
-through."""
+"""msn_link from events to the levels of the line, and from the line to the register bus, with the models of
+both lines: at full load no slip event is lost and every image is complete, with register accesses in between;
+the clocks from an event to the line's first edge. Without a line: packets byte by byte, and the host's bus
+passed through."""
 
 import cocotb
 import numpy as np
@@ -20,7 +20,7 @@ HOST = ("host_valid", "host_write", "host_address", "host_wdata", "host_strobe")
 
 
 async def begin(dut, rates, ready=lambda: True):
-    """The bench of msn_packet's test; nobody asks for registers."""
+    """The bench of msn_packet's test, without register accesses."""
     rest = {f"{name}_i": 0 for name in ("bus_done", "bus_error", "bus_rdata", *HOST)}
     return await packet.begin(dut, np.random.default_rng(bench.SEED), rates, ready, rx_i=1, **rest)
 
@@ -53,7 +53,7 @@ async def full_load_and_registers(dut):
         dut.rx_i.value, dut.now_i.value = level, bench.time(clock)
         registers.before()
         if clock == len(rx) // 2:
-            sources["cop"].rate = 0  # health comes to its turn
+            sources["cop"].rate = 0  # now health gets its turn
         for source in sources.values():
             if clock == len(rx):
                 source.rate = 0
@@ -85,7 +85,7 @@ async def full_load_and_registers(dut):
 @bench.applies(lambda dut: dut.Uart.value.to_unsigned())
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 async def commands_of_every_bit_on_a_quiet_line(dut):
-    """Writes and reads, errors, no answer of the bus, and a command that is spoilt on its way."""
+    """Writes and reads, errors, a bus that does not answer, and a corrupted command."""
     await begin(dut, {})
     registers = Registers(dut)
     asked = [(WRITE, 0x55, 0x2AA, 0x5555_5555), (WRITE, 0xAA, 0x155, 0xAAAA_AAAA)]
@@ -120,7 +120,7 @@ async def commands_of_every_bit_on_a_quiet_line(dut):
 @bench.applies(lambda dut: dut.Uart.value.to_unsigned())
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 async def first_edge_of_an_event(dut):
-    """An idle line falls 4 clocks after the event was taken, and the packet follows without a gap."""
+    """The idle line falls 4 clocks after the event was taken, and the packet follows without a gap."""
     slip = (await begin(dut, {}))[1]["slip"]
     await bench.clocks(dut, 2)
     for _ in range(3):
@@ -145,12 +145,12 @@ async def first_edge_of_an_event(dut):
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 @cocotb.parametrize(rate=[0.0, 0.7])
 async def without_a_line_packets_are_bytes(dut, rate):
-    rates = {"slip": 0.02, "cop": 0.02, "health": 0.01, "image": 1.0}  # more events than the line takes
+    rates = {"slip": 0.02, "cop": 0.02, "health": 0.01, "image": 1.0}  # more events than a line could carry
     stall = bench.pauses(rate, "stalls")
     test, sources, counters = await begin(dut, rates, lambda: not stall())
 
     async def line():
-        """Nothing comes of the line, nor goes there."""
+        """The line must be ignored as an input and stay high as an output."""
         while True:
             dut.rx_i.value = not dut.rx_i.value
             await bench.RisingEdge(dut.clk_i)
@@ -159,7 +159,7 @@ async def without_a_line_packets_are_bytes(dut, rate):
     watching = cocotb.start_soon(line())
     await test.run(9_000)
     await test.run(3_000, quiet=True)
-    while test.bytes:  # a statistic under way
+    while test.bytes:  # a statistic is still being sent
         await test.run(1, quiet=True)
     watching.cancel()
     of_kind = packet.check(dut, test.decoded(), sources, counters, packet.parameters(dut))
@@ -170,7 +170,7 @@ async def without_a_line_packets_are_bytes(dut, rate):
 
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 async def without_a_line_the_bus_is_the_hosts(dut):
-    """Both ways in the same clock; with a line the host's side is dead."""
+    """Both directions pass in the same clock; in a build with a line the host's side does nothing."""
     rng = np.random.default_rng(bench.SEED)
     await begin(dut, {})
     uart = dut.Uart.value.to_unsigned()
@@ -204,7 +204,7 @@ EVIDENCE = {
             "packets": 1,
             "frame": "cop_valid_i",
             "when": "cop_valid_i",
-            # An image that waits, and its time.
+            # A waiting image, and its time.
             "kept": "memory read_time_o written_time",
             "slow": 24,
             "rows": 1000,

@@ -1,5 +1,5 @@
-"""msn_link_slip from decisions to the levels of the line, as its twin says; what is no event is taken and
-sends nothing; an event carries the convert start's clock."""
+"""msn_link_slip from decisions to the levels of the line, as its twin computes them; a decision without an
+event is taken and sends nothing; an event carries the clock of its convert start."""
 
 import cocotb
 import numpy as np
@@ -19,7 +19,7 @@ async def events_are_the_models_levels(dut):
     rng, line, events, clock = np.random.default_rng(bench.SEED), [], [], 0
 
     async def step(convert=0, decision=None):
-        """A clock; the decision was taken."""
+        """One clock; returns whether the decision was taken."""
         nonlocal clock
         dut.convert_i.value, dut.in_valid_i.value = convert, int(decision is not None)
         dut.in_i.value = members.word("decision", decision or {"raised": 1, "state": 7, "id": 0xFFFF})

@@ -1,7 +1,7 @@
-"""msn_packet against its model: every kind of packet, all at once and alone, on a fast line and a slow one;
-slip events never lost, in order, at full load of all else; what is dropped of the rest is counted, and whole;
-images whole, in order, of their own time, in chunks that fit and that do not; priorities; an event's latency;
-a build of each kind alone; reset in mid-packet."""
+"""msn_packet against its model: every kind of packet, together and alone, on a fast line and a slow one; slip
+events never lost, in order, with everything else at full load; other dropped packets are counted, and never
+cut; images complete, in order, each with its own time, in chunks that divide them evenly or not; priorities;
+an event's latency; a build of each kind alone; reset in mid-packet."""
 
 import itertools
 import random
@@ -25,12 +25,12 @@ INPUTS = (
 )
 
 
-CHECK = 3  # the sender's state of the checksum
-FLIP = itertools.cycle([0, 0xFFFFFFFF])  # each counter is in the next test what it was not
+CHECK = 3  # the sender's state that sends the checksum
+FLIP = itertools.cycle([0, 0xFFFFFFFF])  # each counter is inverted from one test to the next
 
 
 class Source:
-    """What one kind of packet is made of: drives its ports with its rate, remembers what was taken."""
+    """The source of one kind of packet: drives its ports at its rate and records what was taken."""
 
     def __init__(self, dut, rng, name, rate):
         self.dut, self.rng, self.name, self.rate = dut, rng, name, rate
@@ -83,7 +83,7 @@ class Health(Source):
         return [now, p.health(taxel, faults)]
 
     def ready(self):
-        self.offer[0] = self.dut.now_i.value.to_unsigned()  # the time of a report is when it is taken
+        self.offer[0] = self.dut.now_i.value.to_unsigned()  # a report has the time at which it is taken
         return self.dut.health_ready_o.value == 1
 
 
@@ -99,7 +99,7 @@ class Answer(Source):
 
 
 class Image(Source):
-    """``rate``: of taxels; whole images, at random moments."""
+    """``rate``: of taxels; complete images, starting at random."""
 
     def __init__(self, dut, rng, rate, taxels):
         super().__init__(dut, rng, "image", rate)
@@ -115,12 +115,12 @@ class Image(Source):
 
 
 class Bench:
-    """All sources, and the bytes that come out; of msn_link too, which has no out_begin_o."""
+    """All sources and the output bytes; also for msn_link, which has no out_begin_o."""
 
     def __init__(self, dut, ready, sources):
         self.dut, self.ready, self.sources = dut, ready, sources
         self.clock, self.bytes, self.packets, self.ends = 0, bytearray(), [], []
-        self.epochs, self.epoch = random.Random(bench.SEED), 0  # the time jumps, so that all its bits move
+        self.epochs, self.epoch = random.Random(bench.SEED), 0  # the time jumps, so that all its bits change
 
     async def run(self, clocks, quiet=False):
         dut = self.dut
@@ -164,7 +164,8 @@ def parameters(dut):
 
 
 async def begin(dut, rng, rates, ready=lambda: True, **inputs):
-    """A bench with the sources that this build has, at ``rates`` by name. ``inputs``: of all others."""
+    """A bench with those sources that this build has, at ``rates`` by name. ``inputs``: values of all other
+    inputs."""
     build = parameters(dut)
     sources = {}
     if build["SlipDepth"]:
@@ -188,7 +189,7 @@ def subsequence(part, whole):
 
 
 def check(dut, got, sources, counters, build):
-    """Everything that came out, the packets ``got``, against everything that went in."""
+    """Check all output packets ``got`` against everything that went in."""
     by_kind = {}
     for q in got:
         by_kind.setdefault(q.kind, []).append(q)
@@ -204,7 +205,7 @@ def check(dut, got, sources, counters, build):
         mine, sent = pairs.get(p.COP, []), sources["cop"].sent
         assert subsequence(mine, sent)
         assert len(mine) + bench.read(dut.cop_dropped_o) == len(sent)
-        assert mine[-1:] == sent[-1:]  # the newest always arrives
+        assert mine[-1:] == sent[-1:]  # the newest is always sent
     for place, q in enumerate(by_kind.get(p.STATISTIC, [])):
         index = place % build["Statistics"]
         assert q.payload == p.statistic(index, counters[index])
@@ -223,7 +224,7 @@ def check_images(dut, source, chunks, build):
         assert [q.payload for q in chunks[start:end]] == p.image_chunks(number, taxels, build["Chunk"])
         assert len({q.time for q in chunks[start:end]}) == 1
         images.append((chunks[start].time, taxels))
-    assert starts[:1] == [0][: len(chunks)]  # none before an image begins
+    assert starts[:1] == [0][: len(chunks)]  # no chunk precedes the first image's start
     assert subsequence(images, sent)
     assert len(images) + bench.read(dut.image_dropped_o) == len(sent)
 
@@ -251,7 +252,7 @@ async def everything_at_once(dut, load):
         source.rate = 0
     test.ready = lambda: True
     await test.run(4_000, quiet=True)
-    while test.bytes or dut.out_begin_o.value == 1:  # a statistic under way
+    while test.bytes or dut.out_begin_o.value == 1:  # a statistic is still being sent
         await test.run(1, quiet=True)
     build = parameters(dut)
     check(dut, test.decoded(), sources, counters, build)
@@ -264,7 +265,7 @@ async def everything_at_once(dut, load):
 @bench.applies(lambda dut: parameters(dut)["SlipDepth"])
 @cocotb.test(timeout_time=50, timeout_unit="ms")
 async def events_go_first_and_soon(dut):
-    """With nothing under way the frame opens after 3 clocks and the first byte is there after 8."""
+    """If nothing is being sent, the frame opens after 3 clocks and the first byte is valid after 8."""
     rng = np.random.default_rng(bench.SEED)
     test, sources, _ = await begin(dut, rng, {})
     await test.run(5)
@@ -306,7 +307,7 @@ async def an_event_waits_for_one_packet_at_most(dut):
 @bench.applies(lambda dut: parameters(dut)["SlipDepth"])
 @cocotb.test(timeout_time=50, timeout_unit="ms")
 async def a_full_queue_holds_the_slip_path(dut):
-    """Events at every clock, first while an image is sent, and a slow line: all of them arrive, in order."""
+    """Events in every clock, first during an image, and a slow line: all arrive, in order."""
     build = parameters(dut)
     draw = np.random.default_rng(7)
     test, sources, counters = await begin(
@@ -331,7 +332,7 @@ async def recovers_after_reset(dut):
     test, _, _ = await begin(dut, rng, rates)
     for cut in (30, 61, 333, None):
         await test.run(cut or 1)
-        inside = getattr(dut, "state", None)  # a netlist may not have it
+        inside = getattr(dut, "state", None)  # a netlist may lack it
         while cut is None and inside is not None and inside.value.to_unsigned() != CHECK:
             await test.run(1)
         for name in ("slip", "cop", "health", "answer", "image"):
@@ -357,7 +358,7 @@ async def recovers_after_reset(dut):
 
 
 async def collect(dut, count):
-    """Packets in docs/link.md's layout, (type, payload), with a host that is always ready."""
+    """Packets as (type, payload) in docs/link.md's layout, with a host that is always ready."""
     packets, data = [], bytearray()
     dut.out_ready_i.value = 1
     while len(packets) < count:
@@ -374,7 +375,7 @@ async def collect(dut, count):
 @bench.applies(lambda dut: parameters(dut)["Statistics"] == 256)
 @cocotb.test(timeout_time=50, timeout_unit="ms")
 async def each_of_the_most_statistics_has_its_turn(dut):
-    """Index in a byte, counter in four: from 0 to 255 and on with 0."""
+    """Index in a byte, counter in four: from 0 to 255, then 0 again."""
     _, _, counters = await begin(dut, np.random.default_rng(bench.SEED), {})
     assert len(set(counters)) == 256
     got = await collect(dut, 258)
@@ -385,7 +386,7 @@ async def each_of_the_most_statistics_has_its_turn(dut):
 @bench.applies(lambda dut: parameters(dut)["Taxels"] and not parameters(dut)["SlipDepth"])
 @cocotb.test(timeout_time=50, timeout_unit="ms")
 async def images_are_numbered_modulo_256(dut):
-    """A packet each taxel: number, whether it is the image's last, place in three bytes, taxel in two."""
+    """One packet per taxel: image number, whether the image ends, place in three bytes, taxel in two."""
     build = parameters(dut)
     await begin(dut, np.random.default_rng(bench.SEED), {})
     for number in range(258):
@@ -408,7 +409,7 @@ BUILDS = [
     {"SlipDepth": 16, "Statistics": 1, "StatisticBits": 8, "Taxels": 9, "Chunk": 64},
     {"SlipDepth": 2, "Statistics": 0, "Taxels": 128, "Chunk": 116},
     ALONE | {"SlipDepth": 2, "Cop": 1},
-    ALONE | {"Statistics": 256, "StatisticBits": 8, "Answers": 1},  # the most
+    ALONE | {"Statistics": 256, "StatisticBits": 8, "Answers": 1},  # the largest number
     ALONE | {"Taxels": 4, "Chunk": 1},
 ]
 
@@ -420,13 +421,13 @@ EVIDENCE = {
     },
     "equivalence": {"size": {"Taxels": 9}, "boxes": True, "open": ["reset"]},
     "faults": {
-        # Events, images.
+        # Events and images are queued.
         "settle": 8,
         "driver": {
             "packets": 1,
             "frame": "cop_valid_i",
             "when": "cop_valid_i",
-            # An image that waits, and its time.
+            # A waiting image, and its time.
             "kept": "memory read_time_o written_time",
             "slow": 40,
             "rows": 700,

@@ -1,7 +1,7 @@
-"""What meets in one clock in msn_packet, with packets taken apart here by docs/link.md: each two sources
-that ask in the same clock and in the clocks around it; all of them while a packet leaves; a CoP and a
-report in the clock in which the one before is taken; an event at every clock around a packet's end; the
-queue exactly full and exactly empty while the line stands still for longer than it is deep."""
+"""Events that meet in one clock in msn_packet, with packets decoded here by docs/link.md: any two sources
+that request in the same clock and in the clocks around it; all sources while a packet leaves; a CoP and a
+report in the clock in which the previous one is taken; an event at every clock around a packet's end; the
+queue exactly full and exactly empty while the line stalls for longer than the queue is deep."""
 
 import itertools
 import zlib
@@ -18,9 +18,10 @@ TYPES = {
     "health": 4,
     "statistic": 5,
     "image": 3,
-}  # what waits first goes so
+}  # in the order of priority
 LENGTH = {"slip": 6, "answer": 8, "cop": 12, "health": 4, "statistic": 5}
-# Clocks from a source's to its place in the order; the first byte of what is chosen is there 5 clocks later.
+# Clocks from a request until it takes part in the choice; the chosen packet's first byte follows 5 clocks
+# later.
 WAITS = {"slip": 3, "answer": 0, "cop": 1, "health": 1, "statistic": 1, "image": 2}
 STATISTICS = [0x01020304, 0x11223344, 0xCAFEBABE]
 NAMES = ("slip", "answer", "cop", "health", "image")
@@ -29,14 +30,14 @@ NAMES = ("slip", "answer", "cop", "health", "image")
 class Talk:
     def __init__(self, dut):
         self.dut, self.clock, self.bytes, self.packets, self.starts = dut, 0, bytearray(), [], []
-        self.left = {}  # clock: what is asked for in it
+        self.left = {}  # clock: the requests in it
         self.answering = self.reporting = None
 
     def now(self, clock):
         return (0xFEDC_0000_0000 + 5 * clock + 3) & ((1 << 48) - 1)
 
     def ask(self, kind, at, number=0):
-        """An image's last taxel comes in that clock."""
+        """Request at clock ``at``; of an image, its last taxel comes in that clock."""
         if kind == "image":
             for taxel in range(TAXELS):
                 self.left.setdefault(at - TAXELS + 1 + taxel, []).append(("image", (number, taxel)))
@@ -44,7 +45,7 @@ class Talk:
             self.left.setdefault(at, []).append((kind, number))
 
     async def tick(self, ready=1):
-        """A clock; the byte that left in it or None."""
+        """One clock; returns the byte that left in it, or None."""
         dut = self.dut
         dut.now_i.value, dut.out_ready_i.value = self.now(self.clock), ready
         for name in NAMES:
@@ -114,7 +115,7 @@ class Talk:
             assert self.clock < 5000, "it goes on for ever"
 
     def kinds(self):
-        """(kind, number) of each packet; its checksum, count, time and payload are right."""
+        """(kind, number) of each packet, after checking its checksum, count, time and payload."""
         found, counters = [], 0
         for count, (packet, start) in enumerate(zip(self.packets, self.starts)):
             head, checksum = packet[:-4], int.from_bytes(packet[-4:], "little")
@@ -129,7 +130,7 @@ class Talk:
                 assert payload == due + bytes([2 + number % 2])
             elif kind == "answer":
                 number = int.from_bytes(payload, "little") - 0x0102_0304_0506_0708
-                assert time == self.now(start - 4)  # as it was chosen
+                assert time == self.now(start - 4)  # the time of the choice
             elif kind == "cop":
                 number = time - 0x0C0D0E0F1011
                 due = (0x0A0B0C + number).to_bytes(3, "little") + bytes([0xD0, 0xE0, 0xF0])
@@ -167,14 +168,14 @@ PARTS = {"image": [("image", (0, 0)), ("image", (0, CHUNK))]}
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def two_sources_ask_in_one_clock(dut):
-    """Each pair, the one up to 3 clocks (statistics: one) before or after the other: the first of those
-    that wait goes, of two that begin to wait in one clock the first of the docs' order; the other follows,
-    both are whole."""
+    """Each pair, one request up to 3 clocks (statistics: one) before or after the other. The first one
+    waiting is sent first; if both begin to wait in one clock, docs/link.md's order decides. The other
+    follows, and both are complete."""
     await begin(dut)
     for one, other in itertools.combinations(TYPES, 2):
         for shift in range(-1, 2) if "statistic" in (one, other) else range(-3, 4):
             talk = await anew(dut)
-            # Statistics ask once in PERIOD clocks; the other of the pair asks around that.
+            # Statistics request once in PERIOD clocks; the other source requests around that clock.
             still, moved = (one, other) if one == "statistic" else (other, one)
             base = PERIOD if still == "statistic" else 20
             waits = {still: base, moved: base + shift}
@@ -186,7 +187,7 @@ async def two_sources_ask_in_one_clock(dut):
             order = sorted(TYPES, key=lambda kind: (waits.get(kind, 9999), list(TYPES).index(kind)))[:2]
             first, second = order
             parts = [PARTS.get(kind, [(kind, 0)]) for kind in (first, second)]
-            # An image goes in packets, so that what waits never waits for more than one.
+            # An image is sent in packets, so no other source waits for more than one of them.
             due = [parts[0][0], *parts[1], *parts[0][1:]]
             assert talk.kinds() == due, (one, other, shift)
             assert talk.starts[0] == waits[first] + 5, (one, other, shift)
@@ -194,7 +195,7 @@ async def two_sources_ask_in_one_clock(dut):
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def all_of_them_wait_while_a_packet_leaves(dut):
-    """Whatever asked first: in the order of the docs."""
+    """In the order of the docs, whichever requested first."""
     await begin(dut)
     for order in (list(TYPES), list(TYPES)[::-1], ["image", "cop", "slip", "health", "answer"]):
         talk = await anew(dut)
@@ -210,8 +211,9 @@ async def all_of_them_wait_while_a_packet_leaves(dut):
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def a_cop_and_a_report_as_the_one_before_is_taken(dut):
-    """The CoP of clock n waits in n + 1 and is taken in n + 2: one in n + 1 drops it, one from n + 2 on
-    follows it, whole. A report is held off until the one before has been taken, and then follows it."""
+    """The CoP of clock n waits in n + 1 and is taken in n + 2. A CoP in n + 1 replaces it, and it is dropped;
+    one from n + 2 on follows it, complete. A report stalls until the previous one is taken, and then follows
+    it."""
     await begin(dut)
     for later in range(1, 6):
         talk = await anew(dut)
@@ -228,19 +230,19 @@ async def a_cop_and_a_report_as_the_one_before_is_taken(dut):
         await talk.until_still()
         assert talk.kinds() == [("health", 1), ("health", 2)]
         times = [int.from_bytes(packet[2:8], "little") for packet in talk.packets]
-        # Accepted in its clock, but not while the one before waits, in the clocks 11 and 12.
+        # Accepted in its own clock, but not in clocks 11 and 12, while the previous one waits.
         assert times == [talk.now(10), talk.now(max(10 + later, 13))]
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def an_event_at_every_clock_around_a_packets_end(dut):
-    """It is sent whole, and so is what left: none is lost, doubled or changed by the other."""
+    """Both it and the packet that is leaving are complete: neither is lost, doubled or changed."""
     await begin(dut)
     talk = await anew(dut)
     talk.ask("slip", 5, number=1)
     await talk.run(6)
     await talk.until_still()
-    end = talk.starts[0] + 4 * (len(talk.packets[0]) - 1)  # of the last byte, if the line is free
+    end = talk.starts[0] + 4 * (len(talk.packets[0]) - 1)  # clock of the last byte, if the line is free
     for kind in ("slip", "cop", "answer", "health"):
         for shift in range(-9, 8):
             talk = await anew(dut)
@@ -249,21 +251,21 @@ async def an_event_at_every_clock_around_a_packets_end(dut):
             await talk.run(end + shift + 1)
             await talk.until_still()
             assert talk.kinds() == [("slip", 1), (kind, 2)], (kind, shift)
-            free = end + 1  # from here on the next is chosen
+            free = end + 1  # from here on the next packet can be chosen
             assert talk.starts[1] == max(end + shift + WAITS[kind], free) + 5, (kind, shift)
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def the_queue_exactly_full_and_empty(dut):
-    """The line stands still for 60 clocks: the event under way and DEPTH + 2 more go in, and no other. A
-    packet that leaves makes room for one. Then all leave, in order, none twice; again after 60 clocks
-    without any."""
+    """The line stalls for 60 clocks: the event being sent and DEPTH + 2 more are taken, no other. Each packet
+    that leaves makes room for one. Then all leave, in order and once; the same again after 60 clocks without
+    events."""
     await begin(dut)
     talk = await anew(dut)
     number = 0
 
     async def offer(ready):
-        """An event is offered until it is taken."""
+        """Offer an event for one clock; the next event once it was taken."""
         nonlocal number
         talk.left.setdefault(talk.clock, []).append(("slip", number))
         number += await talk.tick(ready)

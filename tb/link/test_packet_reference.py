@@ -1,4 +1,4 @@
-"""Packets and commands byte by byte, written out by hand from docs/link.md; checksums by zlib."""
+"""Packets and commands byte by byte, written by hand from docs/link.md; checksums by zlib."""
 
 import zlib
 
@@ -36,7 +36,7 @@ def test_packets_by_hand(kind, payload, code, text):
 
 
 def test_an_image_by_hand():
-    """Number 300 mod 256 in parts of two: three taxels."""
+    """Image number 300 mod 256, three taxels in parts of two."""
     assert [part.hex(" ") for part in packet.image_chunks(300, [1, 0x0203, 65535], 2)] == [
         "2c 00 00 00 00 01 00 03 02",
         "2c 01 02 00 00 ff ff",
@@ -70,7 +70,7 @@ def test_slip_packets_by_hand():
 
 
 def test_a_command_by_hand():
-    """Write 0x04030201 to 0x214 with tag 7, read 0x208 with tag 0x55: stuffed."""
+    """Write 0x04030201 to 0x214 with tag 7; read 0x208 with tag 0x55; COBS encoded."""
     write = with_crc("01 07 1402 01020304")
     assert 0 not in write
     assert bridge.command(1, 7, 0x214, 0x04030201) == b"\0\x0d" + write + b"\0"
@@ -83,7 +83,7 @@ def test_a_command_by_hand():
 
 
 def test_what_is_no_command():
-    for text in ("02 07 1402 01020304", "01 07 1412 01020304"):  # no such operation; beyond 4095
+    for text in ("02 07 1402 01020304", "01 07 1412 01020304"):  # unknown operation; address above 4095
         body = with_crc(text)
         assert 0 not in body
         assert bridge.accesses(b"\0\x0d" + body + b"\0") == ([], 1)
@@ -99,7 +99,7 @@ def test_checksums_are_zlib_s():
         assert packet.packet(77, 1, 2, payload) == with_crc(f"4d 01 020000000000 {payload.hex()}")
 
 
-# docs/link.md: each zero, and the end, becomes one more than the bytes since the zero before.
+# docs/link.md: each zero, and the end, is replaced by one more than the bytes since the zero before.
 STUFFED = [
     ("01 00 02 03 00", "00 01 02 02 03 03 01 00"),
     ("00", "00 01 01 00"),
@@ -117,13 +117,14 @@ def test_stuffing_by_hand(packet_, line):
 
 
 def test_plain_cobs_by_hand():
-    """To the core it is the other way round: codes before their runs."""
+    """Host to core, where each code precedes its run."""
     assert stuff(bytes.fromhex("01 00 02 03 00")) == bytes.fromhex("00 02 01 03 02 03 01 00")
     assert stuff(bytes(1)) == bytes.fromhex("00 01 01 00")
 
 
 def test_what_a_host_drops_by_hand():
-    """What does not unstuff, is shorter than 12 bytes or has a wrong checksum; empty frames count nowhere."""
+    """Frames that do not decode, are under 12 bytes or have a wrong checksum are counted; empty ones are
+    not."""
     whole, other = (encode(with_crc(f"63 {number} 000000000000 aa")) for number in ("07", "09"))
     least, short = encode(with_crc("63 08 000000000000")), encode(with_crc("63 08 0000000000"))
     spoilt = bytes([whole[0], whole[1] ^ 1]) + whole[2:]
@@ -138,7 +139,7 @@ def test_what_a_host_drops_by_hand():
 
 
 def test_a_lost_zero_by_hand():
-    """Each packet is between two zeros of its own: one lost costs nothing, both cost two packets."""
+    """Each packet has its own zero on both sides: losing one costs nothing, losing both costs two packets."""
     frames = [encode(with_crc(f"63 0{number} 000000000000")) for number in (1, 2, 3)]
     one_lost = frames[0] + frames[1][1:] + frames[2]
     both_lost = frames[0][:-1] + frames[1][1:] + frames[2]

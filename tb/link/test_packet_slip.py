@@ -1,6 +1,7 @@
-"""msn_packet_slip against its model: every phase of convert start and event in the sweep; decisions that are
-no events, events that wait for the one before while converts go on, a slow line, long times, numbers past
-255, resets in each state; the frame opened with the event itself, bounds on its wait and its bytes."""
+"""msn_packet_slip against its model: convert start and event at every phase of the sweep; decisions without
+an event, events that wait for the previous one while converts go on, a slow line, long times, packet numbers
+past 255, resets in each state; the frame opens with the event itself; bounds on its wait and on the gaps of
+its bytes."""
 
 import cocotb
 import numpy as np
@@ -11,7 +12,7 @@ from meissner.twins.link.packet_slip import packets
 
 
 class Line:
-    """Drives converts and decisions, takes bytes; counts clocks since the reset was released."""
+    """Drives converts and decisions and takes bytes; counts clocks since the release of reset."""
 
     def __init__(self, dut, ready):
         self.dut, self.ready = dut, ready
@@ -23,7 +24,7 @@ class Line:
         self.waits, self.opened = [], True
 
     async def step(self, convert=0, decision=None):
-        """One clock; true if the decision (raised, p2p, state) was taken."""
+        """One clock; returns whether the decision (raised, p2p, state) was taken."""
         raised, p2p, state = decision or (1, 0, 7)
         ready = int(self.ready())
         for put, value in zip(self.put, (convert, decision is not None, raised, p2p, state, ready)):
@@ -67,7 +68,7 @@ def decision_of(rng, bits):
 
 @cocotb.test(timeout_time=50, timeout_unit="ms")
 async def matches_model_at_every_phase(dut):
-    """Convert start and event at every clock of the sweep; the wait is bounded."""
+    """Convert start and event at every clock of the sweep; the wait has a bound."""
     rng = np.random.default_rng(bench.SEED)
     bits = dut.P2pBits.value.to_unsigned()
     line, events = await begin(dut), []
@@ -91,7 +92,7 @@ async def matches_model_at_every_phase(dut):
 @cocotb.test(timeout_time=50, timeout_unit="ms")
 @cocotb.parametrize(rate=[1.0, 0.02])
 async def decisions_in_a_row(dut, rate):
-    """A convert every 300 clocks, a decision of each; events closer than their packets; a slow line."""
+    """A convert every 300 clocks, each with a decision; events closer together than packets; a slow line."""
     rng = np.random.default_rng(bench.SEED)
     bits = dut.P2pBits.value.to_unsigned()
     draw = np.random.default_rng(2)
@@ -107,7 +108,7 @@ async def decisions_in_a_row(dut, rate):
             await line.step()
         event = decision_of(rng, bits)
         if rng.random() < 0.3:
-            # Converts go on while it waits, and do not count for it.
+            # Converts during its wait must not change its time.
             await line.offer(event, lambda start=start: int((line.clock - start) % 300 == 299))
             events.append((stamp, *event[1:]))
         else:
@@ -135,10 +136,10 @@ async def events_after_one_convert(dut):
     assert line.packets == packets(events)
 
 
-@bench.applies(lambda dut: dut.P2pBits.value.to_unsigned() == 24)  # once is enough
+@bench.applies(lambda dut: dut.P2pBits.value.to_unsigned() == 24)  # one build is enough
 @cocotb.test(timeout_time=50, timeout_unit="ms")
 async def counts_on(dut):
-    """Packet numbers wrap after 255; the time runs on with carries through many bits."""
+    """Packet numbers wrap around after 255; the time goes on, with carries through many bits."""
     line, events = await begin(dut), []
     for number in range(260):
         time = line.clock
@@ -152,7 +153,7 @@ async def counts_on(dut):
 
 @cocotb.test(timeout_time=50, timeout_unit="ms")
 async def bytes_come_in_time(dut):
-    """One in 72 clocks at the least, so a line of 72 clocks a byte or more never starves."""
+    """At least one byte in 72 clocks, so a line of 72 clocks a byte or more never has to wait."""
     line = await begin(dut)
     await line.step(convert=1)
     await line.offer((1, 3, 2))
@@ -192,9 +193,9 @@ async def recovers_after_reset(dut):
 
 @cocotb.test(timeout_time=50, timeout_unit="ms")
 async def a_convert_around_an_event(dut):
-    """At every clock of the sweep: a convert in the clock before an event is its time, one in the event's
-    clock or in the one after is not. With the last byte of its packet taken late, by more than a sweep, the
-    next event that is offered meanwhile is whole, and so is the packet."""
+    """At every clock of the sweep: an event's time is that of a convert in the clock before it, not of one in
+    its own clock or the one after. If the last byte of its packet is taken more than a sweep late, this
+    packet and the next event, offered meanwhile, are complete."""
     asleep, slept = 17, 0
 
     def ready():

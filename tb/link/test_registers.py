@@ -1,5 +1,5 @@
-"""Registers: every address of the map and beside it, every byte strobe, commits between and with writes,
-status read through, absent features answered as errors. Random accesses, bit for bit as the twin.
+"""Registers: every address of the map and unused ones, every byte strobe, commits between and together with
+writes, status read through, errors for absent features. Random accesses, bit for bit as the twin.
 Settings wider than the build: test_registers_ends.
 """
 
@@ -69,17 +69,17 @@ def compare(dut, twin, pulses):
 
 
 async def clock(dut, twin, status, access=None, commit=False, compared=True):
-    """One clock with an access or none, and a commit at its edge; the answer is checked a clock after it.
+    """One clock with an access or none, and with a commit or none; the answer is checked one clock later.
 
-    ``compared``: every port is, too.
+    ``compared``: whether to compare every port too.
     """
     dut.bus_valid_i.value = int(access is not None)
-    write, address, data, strobe = access or (1, 0x200, 0xFFFF_FFFF, 15)  # not valid: must change nothing
+    write, address, data, strobe = access or (1, 0x200, 0xFFFF_FFFF, 15)  # not valid: must not matter
     for name, value in (("write", write), ("address", address), ("wdata", data), ("strobe", strobe)):
         getattr(dut, f"bus_{name}_i").value = value
     dut.commit_i.value = int(commit)
     await RisingEdge(dut.clk_i)
-    for name in WAITING if commit else ():  # takes what was written before this clock
+    for name in WAITING if commit else ():  # a commit takes what was written before this clock
         twin.commit(name)
     answer = twin.access(write, address, data, strobe, status) if access else None
     dut.bus_valid_i.value = 0
@@ -133,7 +133,7 @@ async def matches_model_on_random_accesses(dut):
 
 @cocotb.test(timeout_time=100, timeout_unit="ms")
 async def strobes_guard_every_flag(dut):
-    """A flag of either value, written with either, with and without its byte's strobe."""
+    """Flags at 0 and 1, written with 0 and 1, with and without the strobe of their byte."""
     twin, status, _ = await begin(dut)
     flags = {(g, r) for g, r, field in keys("setting") if field.most == 1}
     for group in GROUPS:
@@ -149,7 +149,7 @@ async def strobes_guard_every_flag(dut):
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def every_bit_is_its_own(dut):
-    """All settings, and all that is read through, at all ones, at none, and at every second bit."""
+    """All settings and all status fields with all ones, all zeros, and every second bit."""
     twin, status, _ = await begin(dut)
     for data in (0xFFFF_FFFF, 0, 0xAAAA_AAAA, 0x5555_5555):
         for group in GROUPS:
@@ -169,7 +169,7 @@ async def answers_an_access_every_clock(dut):
     twin, status, draw = await begin(dut)
     known = [register.address for group in GROUPS for register in group.registers]
     dut.bus_valid_i.value = 1
-    due = None  # the answer to the access before
+    due = None  # the answer to the previous access
     for _ in range(500):
         address = draw.choice(known) if draw.random() < 0.8 else draw.randrange(4096)
         access = (draw.randrange(2), address, draw.getrandbits(32), draw.choice((15, draw.randrange(16))))
@@ -200,7 +200,7 @@ async def starts_over_at_reset(dut):
     for g in GROUPS:
         for register in g.registers:
             await clock(dut, twin, status, (1, register.address, draw.getrandbits(32), 15), True)
-    for write in (0, 1):  # an access in the clock of the reset is not answered
+    for write in (0, 1):  # an access in the clock of the reset gets no answer
         dut.bus_valid_i.value, dut.bus_write_i.value, dut.bus_address_i.value = 1, write, known[0]
         await bench.reset(dut)
         dut.bus_valid_i.value = 0
@@ -217,15 +217,16 @@ THRESHOLD, HOLD, SWAP, SWAPPING, DROPPED = 0x200, 0x214, 0x514, 0x518, 0x310  # 
 @bench.applies(lambda dut: all(int(getattr(dut, name).value) for name in ("Slip", "Scan", "Calibrate")))
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def what_meets_in_one_clock(dut):
-    """By hand. A write and a commit in one clock: the core gets what was written before it, and the write
-    waits. A read in the clock before a write gives the old value, in the clock after it the new one. A
-    status is that of the clock before the answer. A command pulses in the clock after its write, whatever
-    is read then."""
+    """By hand. A write and a commit in one clock: the core gets the value written before, and the new one
+    stays pending. A read in the clock before a write gives the old value, in the clock after it the new one.
+    A status is sampled in the clock before the answer. A command pulses in the clock after its write,
+    whatever is read then."""
     await begin(dut)
     seen, answers, number, swapping = [], {}, 0, 0
 
     async def clock(access=None, commit=0):
-        """(address, data) writes, an address reads. What the core has after it: threshold, hold, pending."""
+        """A tuple (address, data) writes, an address reads. Returns the core's threshold and hold, and
+        pending."""
         nonlocal number, swapping
         dut.bus_valid_i.value, dut.bus_write_i.value = int(access is not None), int(isinstance(access, tuple))
         address, data = access if isinstance(access, tuple) else (access or 0, 0xDEAD)
@@ -238,7 +239,7 @@ async def what_meets_in_one_clock(dut):
             assert dut.bus_error_o.value == 0
             answers[number - 2] = bench.read(dut.bus_rdata_o)  # to the access of two clocks ago
         pulse = members.of(members.CFG, bench.read(dut.cfg_o))["calibrate_swap"]
-        swapping = pulse  # a core says so a clock later, here for one clock
+        swapping = pulse  # the core reports it one clock later, here for one clock
         await RisingEdge(dut.clk_i)
         number += 1
         seen.append(pulse)
@@ -251,8 +252,8 @@ async def what_meets_in_one_clock(dut):
     assert (await clock((THRESHOLD, 301)))[1:] == (0, 1)
     assert (await clock((HOLD, 17)))[1:] == (0, 1)
     assert await clock(commit=1) == (301, 17, 0)
-    # The same register, and the other of the group, written in the clock of the commit and in those around
-    # it.
+    # The same register, and the other one of the group, written in the clock of the commit and in the clocks
+    # around it.
     assert await clock((THRESHOLD, 302)) == (301, 17, 1)
     assert await clock((THRESHOLD, 303), commit=1) == (302, 17, 1)
     assert await clock() == (302, 17, 1)
@@ -262,7 +263,7 @@ async def what_meets_in_one_clock(dut):
     assert await clock((THRESHOLD, 304), commit=1) == (303, 19, 1)
     assert await clock(commit=1) == (304, 19, 0)
     assert await clock(commit=1) == (304, 19, 0)
-    # Read around a write, and around its commit: a read gives what was written last.
+    # Reads around a write and around its commit: a read gives the value written last.
     first = number
     for access in (HOLD, (HOLD, 20), HOLD, (HOLD, 21), (HOLD, 22), HOLD, THRESHOLD):
         await clock(access)
@@ -272,7 +273,7 @@ async def what_meets_in_one_clock(dut):
     await clock()
     told = [answers[n] for n in range(first, number - 2)]
     assert told == [19, 0, 20, 0, 0, 22, 304, 22, 22]
-    # A status that changes in every clock, asked for in each, between writes to other registers.
+    # A status that changes in every clock, read in consecutive clocks, between writes to other registers.
     first = number
     for access in (DROPPED, DROPPED, (HOLD, 23), DROPPED, None, DROPPED):
         await clock(access)
@@ -280,8 +281,8 @@ async def what_meets_in_one_clock(dut):
     await clock()
     due = {at: 7000 + first + at + 1 for at in (0, 1, 3, 5)} | {2: 0}
     assert {at - first: value for at, value in answers.items() if at >= first} == due
-    # A command, and its status asked for in the clock of the pulse and in those around it; and no other
-    # pulse.
+    # A command, with its status read in the clock of the pulse and in the clocks around it; it pulses only
+    # once.
     first = number
     for access in (SWAPPING, (SWAP, 1), SWAPPING, SWAPPING, SWAP, (SWAP, 0), SWAPPING, None, None):
         await clock(access)
@@ -350,7 +351,7 @@ def test_an_unknown_feature_is_refused():
 
 
 def test_the_word_of_a_groups_struct():
-    """By hand: a bit and 24 of adc, the first setting highest. Of slip as tb/members.py places them."""
+    """By hand: adc has a bit and 24 bits, the first setting highest; slip as tb/members.py places it."""
     assert struct_word("adc", {"enable": 1, "period": 5}, {}) == 0x100_0005
     assert struct_word("adc", {"enable": 0, "period": 0xFF_FFFF}, {}) == 0xFF_FFFF
     assert struct_bytes("adc", {"enable": 1, "period": 0x1234}, {}) == bytes.fromhex("34120001")

@@ -1,5 +1,6 @@
-"""Settings wider than the build has bits for are held at its ends, by literal values: from reset on, written
-at once and byte by byte, as read and as the core has them. With all bits of the map they are kept.
+"""Settings saturate if they are wider than the build's registers, checked by literal values: at reset,
+written as a word and byte by byte, as read back and as the core gets them. A build with all bits of the map
+keeps them.
 """
 
 import cocotb
@@ -10,12 +11,12 @@ import bench
 import members
 from meissner.twins.link.registers import RESET_BITS, Registers, reset_word
 
-# Bits of a detail, a time, a load and an offset. Ends: 2^18 - 1 = 262143, 2^17 = 131072, 2^11 - 1 = 2047,
+# Bits of a detail, a time, a load and an offset. Limits: 2^18 - 1 = 262143, 2^17 = 131072, 2^11 - 1 = 2047,
 # 2^22 - 1 = 4194303, 2^15 = 32768.
 FEW = {"DetailBits": 18, "TimerBits": 11, "LoadBits": 22, "OffsetBits": 16}
-LEVELS = {131_072: 131_071, 262_144: 131_071, 393_216: 131_071}  # each of the bits above the end
+LEVELS = {131_072: 131_071, 262_144: 131_071, 393_216: 131_071}  # each bit above the limit
 LEVELS |= {-262_144: -131_072, -393_216: -131_072, -524_288: -131_072}
-ENDS = {  # address, and what the core has of what was written
+ENDS = {  # address, and {written value: value that the core gets}
     "slip_threshold": (0x200, {262_142: 262_142, 262_143: 262_143, 262_144: 262_143, 262_444: 262_143}),
     "slip_gross_threshold": (0x204, {300: 300, 262_143: 262_143, 262_144: 262_143, 1_048_575: 262_143}),
     "slip_keep_threshold": (0x228, {262_141: 262_141, 262_143: 262_143, 262_145: 262_143, 524_288: 262_143}),
@@ -27,7 +28,7 @@ ENDS = {  # address, and what the core has of what was written
     "calibrate_offset": (0x508, {32_767: 32_767, 32_768: 32_767, -32_768: -32_768, -32_769: -32_768}),
     "cop_min_load": (0x600, {4_194_303: 4_194_303, 0x40_0000: 4_194_303, 2**32 - 1: 4_194_303, 7: 7}),
 }
-BITS = {0x208: 20, 0x20C: 20, 0x508: 17}  # of the signed ones
+BITS = {0x208: 20, 0x20C: 20, 0x508: 17}  # widths of the signed registers
 RESETS = {
     **{"slip.threshold": 262_444, "slip.contact_level": 131_072, "slip.release_level": -131_073},
     **{"slip.hold": 2048, "cop.min_load": 0x40_0000, "calibrate.offset": -40_000, "slip.blank": 2049},
@@ -41,7 +42,7 @@ HELD = {
 
 
 async def begin(dut):
-    """Reset; whether the build has few bits."""
+    """Reset; returns whether the build has the few bits."""
     inputs = {
         port._name: 0 for port in dut if port._name.endswith("_i") and port._name not in ("clk_i", "rst_i")
     }
@@ -53,7 +54,7 @@ async def begin(dut):
 
 
 async def access(dut, write, address, data=0, strobe=15):
-    """The data that answers an access."""
+    """Perform an access; return its data."""
     dut.bus_valid_i.value, dut.bus_write_i.value, dut.bus_strobe_i.value = 1, write, strobe
     dut.bus_address_i.value, dut.bus_wdata_i.value = address, data & 0xFFFF_FFFF
     await RisingEdge(dut.clk_i)
@@ -74,7 +75,7 @@ async def commit(dut):
 
 
 def shown(dut, name):
-    """What the core has, signed where the register is."""
+    """The value that the core gets, signed if the register is."""
     value = members.of(members.CFG, bench.read(dut.cfg_o))[name]
     return bench.as_signed(value, BITS[ENDS[name][0]]) if ENDS[name][0] in BITS else value
 
@@ -108,7 +109,8 @@ async def written_values_are_held_at_the_ends(dut):
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def a_wide_setting_keeps_its_bytes(dut):
-    """0xFFFFF to 0x01234 from the highest byte on: held at the end between, and whole after it."""
+    """0x01234 written over 0xFFFFF from the highest byte on: saturated in between, exact after the last
+    byte."""
     few = await begin(dut)
     await access(dut, 1, 0x200, 0xF_FFFF)
     steps = (

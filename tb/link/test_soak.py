@@ -1,5 +1,5 @@
-"""Slip events at full image load through the Verilated link, read by the C decoder: none lost, in a short
-form of tools/soak_link.py."""
+"""Slip events at full image load through the Verilated link, read by the C decoder, with none lost: a short
+version of tools/soak_link.py."""
 
 from soak_link import soak
 

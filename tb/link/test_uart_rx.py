@@ -95,7 +95,7 @@ EVIDENCE = {
         "test": "tb/link/test_uart_rx.py::test_the_model_hears_what_the_loop_hears",
     },
     "equivalence": {"reset": {"clocks": 3, "held": 3}},
-    # Few clocks a bit.
+    # The parameter sets with few clocks a bit.
     "mutants": {"sets": [1, 3]},
     "faults": {"settle": 2, "driver": {"strobe": "out_valid_o", "idle": "rx_i:38", "repeat": 6}},
 }
@@ -108,7 +108,7 @@ def test_uart_rx(rate):
 
 @pytest.mark.parametrize("rate", READS)
 def test_uart_rx_by_hand(rate):
-    """Against literals and exact rationals, not the model: link/uart_rx_by_hand.py."""
+    """Against literals and exact rationals instead of the model: link/uart_rx_by_hand.py."""
     bench.run("link", "uart_rx", dict(zip(("ClkHz", "BaudHz"), rate)), module="uart_rx_by_hand")
 
 

@@ -1,5 +1,6 @@
-"""msn_uart_tx against its model, clock by clock, and the model against a receiver of its own: whole and
-broken clocks a bit, 4 at the least, any byte, gaps or none, reset in mid-byte, first bit at once."""
+"""msn_uart_tx against its model, clock by clock, and the model against an independent receiver: integer and
+fractional clocks per bit, 4 at the least, any byte, with and without gaps, reset in mid-byte, no delay before
+the first bit."""
 
 from fractions import Fraction
 from math import floor
@@ -15,7 +16,7 @@ RATES = [(12_000_000, 3_000_000), (25_000_000, 3_000_000), (48_000_000, 921_600)
 
 
 async def watch(dut, data, gaps):
-    """The line while ``data`` is sent, until it has rested."""
+    """The levels of the line while ``data`` is sent and until it is idle."""
     line, at, quiet = [], 0, 0
     while quiet < 600:
         offer = at < len(data) and not gaps()
@@ -30,7 +31,8 @@ async def watch(dut, data, gaps):
 
 
 def edges_of(data, clk_hz, baud_hz):
-    """By docs/link.md: the n-th bit of all ends after n bits, cut to a clock; a bit lasts sixteenths."""
+    """By docs/link.md: after n bits in a row the line is n bit times on, rounded down to a clock; 1/16 clock
+    units."""
     bit = Fraction(floor(Fraction(16 * clk_hz, baud_hz) + Fraction(1, 2)), 16)
     bits = [int(bit) for byte in data for bit in "0" + f"{byte:08b}"[::-1] + "1"]
     ends = [floor((n + 1) * bit) for n in range(len(bits))]
@@ -49,7 +51,7 @@ def test_model_against_fractions(rate):
 
 
 def test_levels_by_hand():
-    """0x96, lowest bit first, 4 clocks a bit; 5 1/2 clocks a bit: 5 and 6 by turns."""
+    """0x96, lowest bit first, at 4 clocks a bit; then 5 1/2 clocks a bit: 5 and 6 alternate."""
     expected = [0, 0, 1, 1, 0, 1, 0, 0, 1, 1]
     assert levels(b"\x96", 12_000_000, 3_000_000) == [bit for bit in expected for _ in range(4)]
     lengths = [5, 6] * 5
@@ -64,7 +66,7 @@ async def matches_model(dut):
     expected = levels(data, *rate)
     line = await watch(dut, data, lambda: False)
     assert line[0] == 1
-    assert line[1 : 1 + len(expected)] == expected  # the first bit the clock after the byte was taken
+    assert line[1 : 1 + len(expected)] == expected  # the first bit begins one clock after the byte was taken
     assert set(line[1 + len(expected) :]) == {1}
 
 
@@ -113,7 +115,7 @@ def test_model_is_read_by_an_exact_receiver(rate):
     assert len(line) == pytest.approx(len(data) * 10 * bit, rel=0.5 / (16 * bit) + 1 / len(line))
     at = 0.0
     for byte in data:
-        # Each byte on its own start bit, as a receiver would.
+        # Each byte is timed from its own start bit, as a receiver does.
         at = next(k for k in range(round(at - bit / 2), len(line)) if k >= 0 and line[k] == 0)
         seen = [line[int(at + (place + 0.5) * bit)] for place in range(10)]
         assert seen == [0, *(byte >> place & 1 for place in range(8)), 1]

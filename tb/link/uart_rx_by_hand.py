@@ -12,7 +12,7 @@ from reference.uart_rx import receive
 
 
 async def listen(dut, line):
-    """(clock of the line, byte) of what is said; a level is seen two clocks later (the synchroniser)."""
+    """(clock of the line, byte) of each output; a level is seen two clocks later (the synchroniser)."""
     found = []
     await bench.reset(dut)
     for clock, level in enumerate([*line, 1, 1]):
@@ -29,7 +29,7 @@ async def hears_what_the_hand_found(dut):
     rate = dut.ClkHz.value.to_unsigned(), dut.BaudHz.value.to_unsigned()
     await bench.start(dut, rx_i=1)
     for name, line, found in [*cases(rate), ("low", *low_from_the_reset_on(rate))]:
-        dut.rx_i.value = line[0]  # the synchroniser knows no reset
+        dut.rx_i.value = line[0]  # a reset does not clear the synchroniser
         await bench.clocks(dut, 3)
         assert await listen(dut, line) == found, name
 

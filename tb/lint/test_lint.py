@@ -1,4 +1,4 @@
-"""tools/lint.py's own rule: an operator right before a size's cast, which Yosys takes into the size."""
+"""A rule of tools/lint.py itself: an operator right before a sized cast, which Yosys takes into the size."""
 
 import pytest
 

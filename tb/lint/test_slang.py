@@ -1,5 +1,5 @@
-"""tools/slang.py: what violates the standard but passes Verilator and Yosys stops `make lint`; clean files
-pass without output, parameters reach the top, whatever the path."""
+"""tools/slang.py: code that violates the standard but passes Verilator and Yosys stops `make lint`; clean
+files pass without output, parameters reach the top, whatever the path."""
 
 import subprocess
 import sys

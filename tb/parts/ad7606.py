@@ -14,9 +14,9 @@ class Limits:
     """ns, at VDRIVE above 2.7 V; docs/adc.md has the sources."""
 
     t_cycle: float = 5000  # from CONVST to CONVST
-    t_conv_min: float = 3450  # the part's own: CONVST to BUSY falling
+    t_conv_min: float = 3450  # given by the part: CONVST to BUSY falling
     t_conv_most: float = 4150
-    t_busy: float = 45  # CONVST to BUSY rising, the part's own
+    t_busy: float = 45  # given by the part: CONVST to BUSY rising
     t_convst_low: float = 25
     t_convst_high: float = 25
     t_busy_cs: float = 0  # BUSY falling to CS falling
@@ -35,7 +35,7 @@ class Ad7606(PartModel):
     """``code(channel, time_ns)`` gives the raw code (two's complement, 0 .. 65535).
 
     ``frames`` keeps the eight codes of every conversion. ``stuck`` None, 0 or 1 holds BUSY at that level.
-    A conversion before the first RESET is against the rules.
+    A conversion before the first RESET breaks a rule.
     """
 
     def __init__(
@@ -54,7 +54,7 @@ class Ad7606(PartModel):
         self.stuck = None
         self.draw = random.Random(11)
         self.levels = 0
-        self.converting = None  # a token of the conversion under way
+        self.converting = None  # identifies the conversion in progress
         self.bit = 0
         self.convst_rose = self.convst_fell = self.cs_fell = self.busy_fell = self.rose = self.fell = None
         busy.value = 0
@@ -64,7 +64,7 @@ class Ad7606(PartModel):
             cocotb.start_soon(watch())
 
     def hold_busy(self, level):
-        """BUSY stays at ``level`` whatever happens; None: back to normal, at rest."""
+        """Hold BUSY at ``level`` whatever happens; None: back to normal, idle."""
         self.stuck = level
         self.busy.value = level or 0
 
@@ -78,13 +78,13 @@ class Ad7606(PartModel):
             if level(self.reset):
                 self.reset_rose = now()
                 self.reset_fell = None
-                self.converting = None  # what was under way is given up
+                self.converting = None  # a conversion in progress is aborted
                 self.results = [0] * 8
                 self.set_busy(0)
             else:
                 self.least("t_reset", self.since(self.reset_rose))
                 self.reset_fell = now()
-                self.convst_rose = None  # its cycle ended too
+                self.convst_rose = None  # this ends its cycle too
 
     async def watch_convst(self):
         while True:

@@ -1,6 +1,8 @@
-"""A part model without a simulator: edges come at given times, to the picosecond; what it drives is kept.
+"""Run a part model without a simulator: edges come at given times, to the picosecond, and its outputs are
+recorded.
 
-``Edges(monkeypatch, module)`` stands in for the simulator; then come pins, model, ``at`` and ``run``.
+``Edges(monkeypatch, module)`` replaces the simulator; then create pins and the model, and call ``at`` and
+``run``.
 """
 
 import heapq
@@ -44,7 +46,7 @@ class Pin:
                 self.edges.step(task)
 
     def was(self, ns):
-        """The level at that time, a change at that very time included."""
+        """The level at that time; a change at exactly that time is included."""
         return [level for when, level in [(-1, 0), *self.history] if when <= ns + 1e-6][-1]
 
 
@@ -73,7 +75,7 @@ class Edges:
         heapq.heappush(self.due, (ps, rank, next(self.order), action))
 
     def at(self, ns, pin, level):
-        """The master's edge; of one instant the part's own edges come first."""
+        """An edge of the master; the part's own edges at the same time come first."""
         self.later(round(ns * 1000), 1, lambda: setattr(pin, "value", level))
 
     def run(self):
@@ -82,5 +84,5 @@ class Edges:
             action()
 
     def names(self):
-        """Which limits and rules were reported."""
+        """The names of the limits and rules that were reported."""
         return {str(report).split(":")[0] for report in self.reports}

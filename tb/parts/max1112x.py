@@ -1,6 +1,6 @@
 """Maxim MAX11123, MAX11124, MAX11125: 8 channels of 8, 10, 12 bits; manual scan on the external clock only.
 
-What the data sheet could be asked for and what is only remembered of it: docs/adc.md.
+What was taken from the data sheet and what only from memory: docs/adc.md.
 """
 
 from dataclasses import dataclass
@@ -9,8 +9,8 @@ import cocotb
 
 from parts.timing import PartModel, TimingViolation, changed, level, now
 
-# Registers that must have been written since power-up: mode control's reset, configuration, unipolar,
-# bipolar, range; each with the value that single-ended inputs against ground need.
+# Registers that must be written after power-up: the reset in mode control, configuration, unipolar, bipolar,
+# range; each with the value that single-ended inputs against ground need.
 SETUP = {0x0040, 0x8000, 0x8800, 0x9000, 0x9800}
 
 
@@ -36,7 +36,8 @@ class Max1112x(PartModel):
     """``code(channel, time_ns)`` gives the raw code of ``bits`` bits.
 
     ``conversions`` keeps every sample taken: (channel or None before the first command, code, time). The
-    first of a frame answers what was asked last: the master's frame of n channels holds n + 1 of them.
+    first one of a frame answers the last command of the previous frame: a frame of n channels holds n + 1 of
+    them.
     """
 
     def __init__(self, cs_n, sclk, mosi, miso, bits, code, limits=None, report=None):
@@ -46,7 +47,7 @@ class Max1112x(PartModel):
         self.code = code
         self.conversions = []
         self.words = []  # commands since power-up
-        self.spoil = None  # called with the answer, returns what is sent instead
+        self.spoil = None  # if set, called with the answer; returns what is sent instead
         self.levels = 0
         self.rose = self.fell = self.cs_fell = self.cs_rose = self.mosi_moved = None
         self.received = []
@@ -58,7 +59,7 @@ class Max1112x(PartModel):
             cocotb.start_soon(watch())
 
     def power_up(self):
-        """The registers hold anything: no manual scan, no channel numbers."""
+        """Registers are undefined: no manual scan, no channel numbers."""
         self.words = []
         self.channel = None
 
@@ -120,7 +121,7 @@ class Max1112x(PartModel):
         while True:
             await changed(self.sclk)
             if level(self.cs_n):
-                if not level(self.sclk):  # a word that is broken off may end both at once
+                if not level(self.sclk):  # an aborted word may end both at the same time
                     self.report(TimingViolation("mode: SCLK runs while CS is high"))
             elif level(self.sclk):
                 self.rising()

@@ -90,13 +90,13 @@ class Mcp3208(PartModel):
 
     def falling(self):
         self.fell = now()
-        if level(self.cs_n):  # CLK falls with the end of the frame: nothing more is expected of it
+        if level(self.cs_n):  # CLK falls at the end of the frame: no rule applies
             return
         self.least("t_hi", self.since(self.rose))
         if not self.command:
             return
         self.falls += 1
-        if self.falls == 6:  # the sample ends, the null bit comes out
+        if self.falls == 6:  # sampling ends, the null bit is sent
             channel = self.command[2] << 2 | self.command[3] << 1 | self.command[4]
             self.sampled = now()
             self.value = self.code(channel, self.sampled)

@@ -1,7 +1,7 @@
-"""The limits of the part models from both sides: exactly at each they pass, a picosecond short is reported.
+"""The limits of the part models from both sides: exactly at a limit passes, a picosecond short is reported.
 
-By the figures of docs/adc.md, written here again as numbers. What a part itself takes, its delays, is seen at
-its output to the picosecond. Rules that are no times: each is broken once.
+By the figures of docs/adc.md, repeated here as numbers. A part's own delays are checked at its output to the
+picosecond. Rules that are not times are each broken once.
 """
 
 import re
@@ -17,7 +17,7 @@ PS = 0.001
 
 
 def quiet(model, noise):
-    """High impedance reads as ``noise`` (None: as either level)."""
+    """In high impedance a model's output reads as ``noise`` (None: as either level)."""
     if noise is not None:
         model.noise.getrandbits = lambda bits: noise
 
@@ -88,7 +88,7 @@ def test_mcp3208_answers_after_its_delays(monkeypatch):
 
 
 def test_outputs_are_let_go_after_their_delays(monkeypatch):
-    """100, 22 and 15 ns after CS rises; the last bits sent are 1, 1 on both lanes and 1."""
+    """100, 22 and 15 ns after CS rises; the last bits sent are 1, 1 on both lanes, and 1."""
     miso = mcp3208_run(monkeypatch, noise=0)[2]
     rise = 1000 + 200 + 19 * 600
     assert (miso.was(rise + 100 - PS), miso.was(rise + 100)) == (1, 0)
@@ -100,7 +100,7 @@ def test_outputs_are_let_go_after_their_delays(monkeypatch):
 
 
 def test_readme_says_what_is_unverified():
-    """As long as docs/adc.md has rows whose source is memory alone (M): all of them of the MAX1112x."""
+    """As long as docs/adc.md has rows whose only source is memory (M): all of them are of the MAX1112x."""
     page, readme = ((toolchain.ROOT / name).read_text() for name in ("docs/adc.md", "README.md"))
     parts = [part for part in page.split("\n### ") if re.search(r"\| M(, unverified)? \|", part)]
     assert [part.split(",")[0] for part in parts] == ["MAX11123"]
@@ -138,7 +138,7 @@ def ad7606_run(
     sclk_rest=1,
     noise=None,
 ):
-    """RESET, a conversion, a read of ``bits`` bits ``read`` ns after BUSY fell, and another conversion."""
+    """RESET, a conversion, a read of ``bits`` bits ``read`` ns after BUSY fell, and a second conversion."""
     edges = Edges(monkeypatch, ad7606)
     cs_n, sclk, convst, busy, rst = Pin(edges, 1), Pin(edges, 1), Pin(edges), Pin(edges), Pin(edges)
     miso = Pin(edges, 0, 2)
@@ -240,7 +240,7 @@ SETUP = [0x0040, 0x8000, 0x8800, 0x9000, 0x9800]
 def max1112x_run(
     monkeypatch, low=40, high=40, css=20, rest=60, csw=60, ds=15, dh=None, words=(), setup=SETUP, noise=None
 ):
-    """Setup, then channel 5 asked for three times; DIN moves ``ds`` before rising SCLK or ``dh`` after it."""
+    """Setup, then three commands for channel 5; DIN moves ``ds`` before rising SCLK or ``dh`` after it."""
     edges = Edges(monkeypatch, max1112x)
     cs_n, sclk, mosi, miso = Pin(edges, 1), Pin(edges, 1), Pin(edges), Pin(edges)
     args = cs_n, sclk, mosi, miso, 12, lambda channel, ns: 0x5A3
@@ -289,7 +289,7 @@ def test_max1112x(monkeypatch, name):
 
 
 def test_max1112x_answers_after_its_delays(monkeypatch):
-    """Channel 5 and the code 0x5A3: each bit 4 ns after falling SCLK wrong, 16.5 ns after it right."""
+    """Channel 5 and the code 0x5A3: each bit is wrong from 4 ns and right from 16.5 ns after falling SCLK."""
     _, _, miso, begins = max1112x_run(monkeypatch)
     before = None
     for number, bit in enumerate(map(int, f"{0x55A3:016b}")):

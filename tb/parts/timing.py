@@ -1,4 +1,4 @@
-"""What the part models share: time in ns, and what happens when a limit is broken."""
+"""Common to the part models: time in ns, and the handling of a broken limit."""
 
 import random
 from dataclasses import fields
@@ -12,7 +12,7 @@ from streams import read
 
 
 class TimingViolation(Exception):
-    """The master broke a limit of the part. Raised in the model's task, it fails the test."""
+    """The master broke a limit of the part. If raised in the model's task, it fails the test."""
 
 
 def now():
@@ -21,9 +21,9 @@ def now():
 
 
 class Line:
-    """One bit of a vector of pins: a part among several on the same ports.
+    """One bit of a vector of pins, for one of several parts on the same ports.
 
-    ``driven``: the same dict for all of them; it keeps what is driven on each input port.
+    ``driven``: the same dict for all parts; it keeps the levels driven on each input port.
     """
 
     def __init__(self, port, index, driven):
@@ -44,7 +44,7 @@ class Line:
 
 
 def level(pin):
-    """The level of ``pin``: a handle, a Line, or what stands in for a handle."""
+    """The level of ``pin``: a handle, a Line, or a stand-in for a handle."""
     return read(pin) if isinstance(pin, ValueObjectBase) else int(pin.value)
 
 
@@ -79,7 +79,7 @@ class PartModel:
         raise violation
 
     def least(self, name, measured):
-        """Check a minimum; ``measured`` None: there was no earlier edge to measure from."""
+        """Check a minimum; ``measured`` None: there is no earlier edge to measure from."""
         limit = getattr(self.limits, name)
         if measured is not None and measured < limit - 1e-6:
             self.report(TimingViolation(f"{name}: {measured:.1f} ns, at least {limit} needed"))

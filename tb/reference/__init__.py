@@ -1,4 +1,5 @@
-"""What blocks compute, written a second time: plain loops from docs/ and the formulas, nothing of the twins.
+"""What blocks compute, written a second time as plain loops from docs/ and the formulas, without the twins.
 
-Tests hold both against them: the RTL and its twin. docs/references.md says which reference is whose.
+Tests compare both the RTL and its twin with them. docs/references.md lists which reference belongs to which
+twin.
 """

@@ -1,6 +1,6 @@
-"""Exact arithmetic for tb/extremes: what each formula of docs/ and of the headers says, in Python's integers,
-fractions and mpmath at 50 digits. No width, no shift that cuts, no NumPy: nothing here can wrap or round
-but where the formula rounds.
+"""Exact arithmetic for tb/extremes: the formulas of docs/ and of the headers in Python's integers, fractions
+and mpmath at 50 digits. There are no widths, truncating shifts or NumPy: nothing can wrap around, and values
+are rounded only where the formula rounds.
 """
 
 from fractions import Fraction
@@ -29,12 +29,12 @@ def held(value, low, high):
 
 
 def signed(bits):
-    """Least and greatest integer of so many bits."""
+    """Least and greatest integer of ``bits`` bits."""
     return -(2 ** (bits - 1)), 2 ** (bits - 1) - 1
 
 
 def ends(low, high):
-    """The ends of a range, what lies next to them, zero and what lies next to it, and the middles."""
+    """The ends of a range, zero, the neighbours of these, the middles and the thirds."""
     near = {low, low + 1, low + 2, high - 2, high - 1, high, -1, 0, 1, low // 2, high // 2, (low + high) // 2}
     near |= {high // 3, 2 * high // 3}
     return sorted(value for value in near if low <= value <= high)
@@ -74,9 +74,9 @@ def details(samples, level):
 
 
 def cop4(codes, r, correction=None):
-    """x, y, load as rationals (docs/cop4.md), before their one rounding, and D.
+    """x, y, load as rationals (docs/cop4.md), before their only rounding.
 
-    ``r``: a dict of the registers; ``correction``: p0 .. p5, of 2^-(8 + shift_load).
+    ``r``: a dict of the registers; ``correction``: p0 .. p5, in units of 2^-(8 + shift_load).
     """
     e1, e2, e3, e4 = map(int, codes)
     n, m, d = r["rail"] - e1 - e3, r["rail"] + e2 + e4, e1 + e3 - e2 - e4
@@ -102,7 +102,7 @@ def cop4(codes, r, correction=None):
 
 
 def cop4_divisor(x, y, n, d, p, shift):
-    """den = D 2^s - N p, each division of docs rounded down (msn_cop4_correct's header)."""
+    """den = D 2^s - N p, with each division of the docs rounded down (msn_cop4_correct's header)."""
     big_x, big_y = x * x // 2**12, y * y // 2**12
     one = big_x * (p[1] + (p[3] * big_x + p[4] * big_y) // 2**16)
     two = big_y * (p[2] + p[5] * big_y // 2**16)
@@ -110,7 +110,7 @@ def cop4_divisor(x, y, n, d, p, shift):
 
 
 def true_divisor(x, y, n, d, p, shift):
-    """The same without a rounding: the polynomial of docs/mesh.md on the Q2.14 position."""
+    """The same without rounding: the polynomial of docs/mesh.md on the Q2.14 position."""
     big_x, big_y = (Fraction(value, 2**14) ** 2 for value in (x, y))
     poly = p[0] + p[1] * big_x + p[2] * big_y + p[3] * big_x**2 + p[4] * big_x * big_y + p[5] * big_y**2
     return d * Fraction(2) ** shift - n * poly
@@ -120,15 +120,13 @@ WEIGHTS = {4: [(1, 0)], 8: [(5, 2), (2, 5)], 16: [(5, 1), (4, 3), (3, 4), (1, 5)
 
 
 def demodulated(samples, per_period, form):
-    """|M| before the shift, a rational or, of the exact root, the floor of twice it over two
-    (docs/demod.md).
-    """
+    """|M| before the shift as a rational; for the exact root (form 1), floor(2 |M|) / 2 (docs/demod.md)."""
     n = per_period
     periods = [samples[k : k + n] for k in range(0, len(samples), n)]
     if form == 0:
         return Fraction(sum(abs(p[k] - p[k + n // 2]) for p in periods for k in range(n // 2)))
     pairs = list(WEIGHTS[n])
-    for _ in range(3):  # the next quarters: turned by 90 degrees each
+    for _ in range(3):  # the other quarters, each turned by 90 degrees
         pairs += [(-s, c) for c, s in pairs[-(n // 4) :]]
     real = abs(sum(c * x for p in periods for (c, _), x in zip(pairs, p)))
     imaginary = abs(sum(s * x for p in periods for (_, s), x in zip(pairs, p)))
@@ -139,7 +137,7 @@ def demodulated(samples, per_period, form):
 
 
 def crc32(data):
-    """The textbook's division, ISO-HDLC: reflected 04C11DB7, all ones before and after."""
+    """The textbook's polynomial division, ISO-HDLC: reflected 04C11DB7, all ones before and after."""
     crc = 0xFFFFFFFF
     for byte in data:
         for place in range(8):

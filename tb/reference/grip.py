@@ -1,12 +1,12 @@
-"""The grip reflex as docs/grip.md has it, clock by clock: lists of what came since the last cycle."""
+"""The grip reflex by docs/grip.md, clock by clock, with lists of all inputs since the last cycle."""
 
-LATENCY = 4  # from the decision in whose clock a cycle ends to its command
-SPEED_DELAY = 3  # from a speed to the first window that it counts for
-FORGETS = 2  # from the clock in which a cycle ends until a faulty finger's speed is forgotten
+LATENCY = 4  # from a decision in the clock that ends a cycle to its command
+SPEED_DELAY = 3  # from a speed to the first window that it applies to
+FORGETS = 2  # from the clock that ends a cycle to the clearing of a faulty finger's speed
 
 
 class GripLoop:
-    """``clock`` takes what comes in a clock; a cycle that ends with it is returned, else None."""
+    """``clock`` takes the inputs of one clock and returns the cycle that ends in it, else None."""
 
     def __init__(self, fingers, bits, shift, **settings):
         self.fingers, self.top, self.shift = range(fingers), 2**bits - 1, shift
@@ -14,8 +14,8 @@ class GripLoop:
         self.now, self.in_period, self.period_done, self.last_cycle = 0, 0, False, -2
         self.speeds, self.due, self.forget = dict.fromkeys(self.fingers, 0), [], []
         self.open_windows_over = set()
-        self.verdicts = dict.fromkeys(self.fingers, "")  # of its windows that ended: "1" over, "0" not
-        self.boost_before = self.boost  # a clock ago
+        self.verdicts = dict.fromkeys(self.fingers, "")  # of a finger's ended windows: "1" over, "0" not
+        self.boost_before = self.boost  # one clock ago
         self.unheard = dict.fromkeys(self.fingers, 0)
         self.command, self.mode = 0, None
         self.since_last()

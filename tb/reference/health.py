@@ -1,30 +1,30 @@
-"""Health of taxels as in docs/array.md, one sample at a time: written from that page, not from the twin."""
+"""Health of taxels by docs/array.md, one sample at a time: written from that page, not from the twin."""
 
 DEAD, RAILED, BLINKING = 1, 2, 4  # docs/link.md, packets of type 4
 
 
 class Taxel:
-    """What is known of one taxel."""
+    """The state of one taxel."""
 
     def __init__(self):
-        self.held = None  # the code that the next one is compared with; none before the first frame
-        self.since = None  # frames from its latest move to the end of the last frame, that frame included
-        self.rose = False  # the way of its latest move
+        self.held = None  # the code that the next one is compared with; None before the first frame
+        self.since = None  # frames from its latest move to the end of the last frame, both included
+        self.rose = False  # direction of its latest move
         self.jumped = False  # in the last frame
         self.still = self.looks = self.blinks = 0
         self.faults = 0
 
     def recent(self):
-        """It moved in one of the last three frames."""
+        """Whether it moved in one of the last three frames."""
         return self.since is not None and self.since <= 3
 
 
 class HealthReference:
-    """``frame`` takes a frame of codes [row][column] and returns the faults that are new: {place: faults}."""
+    """``frame`` takes a frame of codes [row][column] and returns the new faults: {place: faults}."""
 
     def __init__(self, rows, columns, **settings):
         self.rows, self.columns, self.settings = rows, columns, settings
-        self.frames = 0  # whole ones since reset
+        self.frames = 0  # complete ones since reset
         self.clear()
 
     def clear(self):
@@ -34,11 +34,12 @@ class HealthReference:
         self.last_whole = {place: (False, False) for place in places}
 
     def faults(self, row, column):
-        """The sum of DEAD, RAILED and BLINKING; what is not 0 masks the next frame's sample."""
+        """The sum of DEAD, RAILED and BLINKING; if it is not 0, the next frame's sample is masked."""
         return self.taxels[row, column].faults
 
     def frame(self, codes, over=None, beats=None):
-        """``over``: over-range flags like ``codes``; ``beats``: places that came before a frame broke."""
+        """``over``: over-range flags like ``codes``; ``beats``: the places received before a frame broke
+        off."""
         new = {}
         for (row, column), taxel in self.taxels.items():
             if beats is not None and (row, column) not in beats:
@@ -66,7 +67,7 @@ class HealthReference:
         difference = code - taxel.held
         moved = difference > given["band"] or -difference > given["band"]
 
-        # Dead: stands still between two that move.
+        # Dead: still between two neighbours that move.
         if moved or taxel.recent():
             taxel.still = 0
         else:
@@ -74,7 +75,7 @@ class HealthReference:
         if given["still"] != 0 and taxel.still >= given["still"]:
             taxel.faults |= DEAD
 
-        # Railed: looked at in every sixteenth frame.
+        # Railed: checked in every sixteenth frame.
         if code <= given["low"] or code >= given["high"] or (given["over_range_enable"] and over):
             if self.frames % 16 == 0 and taxel.looks < 255:
                 taxel.looks += 1
@@ -83,7 +84,8 @@ class HealthReference:
         else:
             taxel.looks = 0
 
-        # Blinking: the jump of the frame before, now that it is known who moved in that frame.
+        # Blinking: the jump of the previous frame, as only now it is known which neighbours moved in that
+        # frame.
         alone = True
         for neighbour in (left, right, above, below):
             if neighbour is not None and neighbour[0]:
@@ -102,7 +104,8 @@ class HealthReference:
             taxel.since += 1
 
     def _proof(self, left, right, above, below):
-        """What the neighbours, each (recent, rose) or None where there is none, prove against a still one."""
+        """The count that the neighbours, each (recent, rose) or None if absent, add against a taxel that is
+        still."""
         border = 0
         for one, other in ((left, right), (above, below)):
             if one is None and other is None:

@@ -1,6 +1,7 @@
-"""Frames for the health of taxels and what must be found in them, worked out by hand from docs/array.md.
+"""Frames for the health of taxels and the faults that must be found in them, worked out by hand from
+docs/array.md.
 
-A case names only the taxels that do not rest at code 0. ``found``: {frame: {place: faults}}, from frame 0.
+A case names only the taxels whose code is not always 0. ``found``: {frame: {place: faults}}, from frame 0.
 """
 
 from dataclasses import dataclass, field
@@ -13,12 +14,12 @@ REST |= {"still": 0, "rail": 0, "blink": 0}
 @dataclass
 class Case:
     name: str
-    codes: dict  # place: its codes, one a frame
+    codes: dict  # place: its codes, one per frame
     found: dict
     settings: dict
     over: dict = field(default_factory=dict)  # place: its over-range flags
-    clear: int = 0  # the frame before which a clear is asked for
-    broken: dict = field(default_factory=dict)  # frame: how many of its beats come whole
+    clear: int = 0  # the frame before which a clear is requested
+    broken: dict = field(default_factory=dict)  # frame: how many of its beats are intact
     shape: tuple = (3, 5)
     later: tuple = ()  # a frame and the settings that change before it
 
@@ -33,7 +34,7 @@ class Case:
 
 
 def path(frames, **steps):
-    """Codes from 0 that step at frames: f3=8 adds 8 at frame 3."""
+    """Codes that start at 0 and step in given frames: f3=8 adds 8 in frame 3."""
     codes = [0]
     for frame in range(1, frames):
         codes.append(codes[-1] + steps.get(f"f{frame}", 0))
@@ -41,7 +42,7 @@ def path(frames, **steps):
 
 
 def always(frames, step):
-    """A step in every frame, to and fro if asked for by ``step`` of two numbers."""
+    """A step in every frame; if ``step`` is a pair, its two values alternate."""
     steps = step if isinstance(step, tuple) else (step, step)
     return path(frames, **{f"f{frame}": steps[frame % 2] for frame in range(1, frames)})
 
@@ -51,13 +52,14 @@ def at(frame, kind, *places):
 
 
 def broken(whole, beats):
-    """(place, last) of the beats of a frame that breaks after ``whole`` beats: too short, or one too long."""
+    """(place, last) of the beats of a frame that breaks after ``whole`` good beats: too short, or one too
+    long."""
     good = [(place, False) for place in range(whole)]
     return [*good, (whole, True)] if whole < beats - 1 else [*good, (whole, False), (whole, True)]
 
 
 A, B, C = (1, 0), (1, 1), (1, 2)  # side by side: B has all four neighbours
-UP, DOWN = (0, 1), (2, 1)  # of B
+UP, DOWN = (0, 1), (2, 1)  # neighbours of B
 
 
 def dead_cases():
@@ -66,7 +68,7 @@ def dead_cases():
 
     for sign in (1, -1):
         both = {A: path(8, f1=3 * sign), C: path(8, f1=3 * sign)}
-        # One move at frame 1 is recent for frames 2, 3 and 4: 12 in all.
+        # One move in frame 1 is recent in frames 2, 3 and 4: 12 in all.
         yield case(f"recent for three frames {sign}", both, at(4, DEAD, B), still=12)
         yield case(f"not for a fourth {sign}", both, {}, still=13)
         yield case(f"after two frames 8 {sign}", both, at(3, DEAD, B), still=8)
@@ -85,12 +87,12 @@ def dead_cases():
         turned = {A: path(8, f1=3 * sign, f2=-3 * sign), C: path(8, f1=3 * sign)}
         yield case(f"until one turns {sign}", turned, at(2, DEAD, B), still=4)
         yield case(f"no more once it has {sign}", turned, {}, still=5)
-        one = {B: path(8, f1=3 * sign)}  # those above, below and left of it lie at a border
+        one = {B: path(8, f1=3 * sign)}  # the taxels above, below and left of it are at a border
         yield case(f"border {sign}", one, at(4, DEAD, UP, DOWN, A), still=3, edges=True)
         yield case(f"border not 4 {sign}", one, {}, still=4, edges=True)
         yield case(f"border off {sign}", one, {}, still=1)
 
-        # A move of its own at frame 3 holds the count at 0 in frames 3 to 6; 4, 8, 12 in 7, 8, 9.
+        # Its own move in frame 3 keeps the count at 0 in frames 3 to 6; then 4, 8, 12 in frames 7, 8, 9.
         steady = {A: always(12, 3 * sign), C: always(12, 3 * sign)}
         yield case(f"own move {sign}", steady | {B: path(12, f3=3)}, at(9, DEAD, B), still=12)
         yield case(f"own move down {sign}", steady | {B: path(12, f3=-3)}, at(9, DEAD, B), still=12)
@@ -115,7 +117,7 @@ def dead_cases():
     yield case("off for ever", long, {}, still=0)
     alone = {B: always(270, (3, -3))}
     yield case("border to its end", alone, at(256, DEAD, UP, DOWN, A), still=255, edges=True)
-    # Counted on while off, and held at the end: what is asked for later is found at once.
+    # It also counts while off and saturates: a threshold set later is met immediately.
     yield case("stays at its end", long, at(75, DEAD, B), later=(75, {"still": 255}))
     on = {"edges": True}
     yield case(
@@ -180,7 +182,7 @@ def blink_cases():
         codes = {B: path(6, f1=8), place: path(6, f1=3)}
         yield case(f"across {place}", codes, at(2, BLINKING, B), blink=16)
     yield case("both jump", {B: path(6, f1=8), C: path(6, f1=8)}, {}, blink=1)
-    # 16 a frame from frame 2 on: 240 in frame 16, its end in 17.
+    # 16 a frame from frame 2 on: 240 in frame 16; it saturates in frame 17.
     ends = always(20, (8, -8))
     yield case("240", ends, at(16, BLINKING, T), blink=240)
     yield case("241", ends, at(17, BLINKING, T), blink=241)
@@ -196,7 +198,7 @@ def blink_cases():
 
 
 def one_row_cases():
-    """1 x 3 taxels, beat by beat, with frames that break."""
+    """1 x 3 taxels, beat by beat, with frames that break off."""
 
     def case(name, codes, found, broken=None, **settings):
         return Case(f"1 x 3: {name}", codes, found, REST | settings, broken=broken or {}, shape=(1, 3))
@@ -208,14 +210,14 @@ def one_row_cases():
     yield case("one side, no more", inner, {}, still=4, edges=True)
     yield case("one side, not asked", inner, {}, still=1)
     railed = {place: [50] * 20 for place in (A, B, C)}
-    # A frame that breaks is none of the sixteen, but its first beats are looked at.
+    # A frame that breaks off is not counted among the sixteen, but its first beats are checked.
     found = at(16, RAILED, A) | at(17, RAILED, B, C)
     yield case("a frame breaks when looked at", railed, found, {16: 1}, rail=1)
     yield case("a frame breaks before", railed, at(17, RAILED, A, B, C), {5: 2}, rail=1)
-    # A moves in frame 1, which breaks, so C moves in 2; both recent for frames 3 and 4 only.
+    # A moves in frame 1, which breaks off, so C moves in frame 2; both are recent in frames 3 and 4 only.
     yield case("moves of a frame that breaks", outer, at(4, DEAD, B), {1: 2}, still=8)
     yield case("no more of them", outer, {}, {1: 2}, still=9)
-    # Of the jump in a broken frame too it is known a frame later; nobody's moves of it count.
+    # A jump in a broken frame is also judged a frame later; moves of other taxels in it do not count.
     both = {A: path(8, f2=8), B: path(8, f2=8)}
     yield case("a jump in a frame that breaks", both, at(3, BLINKING, A, B), {2: 2}, blink=16)
     yield case("the same in a whole one", both, {}, blink=1)

@@ -4,10 +4,10 @@ from fractions import Fraction
 
 
 def voltages(edges, sources):
-    """{node: volts} of ``edges`` [(a, b, siemens)] and ``sources`` {node: volts that are held}.
+    """{node: volts} of ``edges`` [(a, b, siemens)] with the fixed voltages ``sources`` {node: volts}.
 
-    Elimination on conductances (star to mesh): sums and products of positive numbers, nothing subtracted.
-    A node that nothing joins to a source floats, and is left out.
+    Eliminates nodes on conductances (star to mesh): only sums, products and quotients of positive numbers, no
+    subtraction. A node that has no path to a source floats and is left out.
     """
     links = {}
     for a, b, g in edges:
@@ -38,7 +38,7 @@ def voltages(edges, sources):
 
 
 def mesh_edges(m, n, r, R0, k, load, elements=None):
-    """The four-wire mesh's resistors; ``elements`` {(i, j)} that are cut out."""
+    """The four-wire mesh's resistors; ``elements`` {(i, j)} are cut out."""
     cut, edges, g = elements or set(), [], Fraction(1) / Fraction(r)
     for i in range(m):
         for j in range(n):
@@ -60,9 +60,8 @@ def mesh_edges(m, n, r, R0, k, load, elements=None):
 
 
 def mesh(m, n, r, R0, V0, k, load, elements=None):
-    """E1..E4, x, y, load of eq. 16 to 20 and 29 in exact fractions; None for the last three without a
-    load.
-    """
+    """E1..E4, x, y, load of eq. 16 to 20 and 29 in exact fractions; the last three are None without a
+    load."""
     r, R0, V0, k = map(Fraction, (r, R0, V0, k))
     found = voltages(mesh_edges(m, n, r, R0, k, load, elements), {"+": V0, "-": -V0})
     e1, e2, e3, e4 = (found[name,] for name in ("E1", "E2", "E3", "E4"))

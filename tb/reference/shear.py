@@ -1,4 +1,4 @@
-"""The rules of docs/shear_speed.md, window by window, in integers, and the formula with 50 digits."""
+"""The rules of docs/shear_speed.md, window by window in integers, and the formula with 50 digits."""
 
 from fractions import Fraction
 
@@ -8,7 +8,8 @@ UNSETTLED, RANGE, SMALL, DENOMINATOR, CLIPPED, RISING, FAST, SATURATED = (1 << b
 
 
 class ShearReference:
-    """``window`` takes a window's samples: (flags that do not rest on the speed, v exact or None).
+    """``window`` takes a window's samples and returns (flags that do not depend on the speed, exact v or
+    None).
 
     ``settings``: a dict of the registers; ``window_log2``, ``settle_log2`` as in docs/shear_speed.md.
     """
@@ -17,7 +18,7 @@ class ShearReference:
         self.given, self.more = settings, 2**settle_log2
         self.point = speed_fraction
         self.reference = self.vi = None
-        self.resting = []  # sums of the windows of the count
+        self.resting = []  # window sums counted so far
 
     def window(self, samples, held=False):
         given, total = self.given, sum(samples)
@@ -60,9 +61,9 @@ class ShearReference:
             return
         if not known:
             self.vi = None
-        if self.reference is None or moved:  # rule 1; what is counted begins with the reference
+        if self.reference is None or moved:  # rule 1; counting starts with the reference
             self.reference, self.resting = level, []
-        if known and not small:  # rule 3: held, and the count starts again
+        if known and not small:  # rule 3: Vi is kept and counting restarts
             self.resting = []
             return
         self.resting.append(total)
@@ -71,7 +72,7 @@ class ShearReference:
 
 
 def within(exponent, level_bits, table_bits, fraction_bits):
-    """The share of v that docs/shear_speed.md, Error, allows before the rounding to an lsb."""
+    """The relative error of v that docs/shear_speed.md, Error, allows before the rounding to an LSB."""
     lsb, two = mpmath.mpf(2) ** -fraction_bits, mpmath.mpf(2)
     log_above = lsb * 5 / 8 + two**-29
     log_below = log_above + lsb / 4 + mpmath.mpf("0.1804") / 4**table_bits

@@ -1,4 +1,4 @@
-"""Slip of one channel as in docs/slip.md, a sample at a time: written from that page, not from the twins."""
+"""Slip of one channel by docs/slip.md, a sample at a time: written from that page, not from the twins."""
 
 NONE, CONTACT, INCIPIENT, GROSS, RELEASE = "ncigr"
 NUMBERS = {NONE: 0, CONTACT: 1, INCIPIENT: 2, GROSS: 3, RELEASE: 4}  # msn_pkg::slip_state_e
@@ -8,9 +8,8 @@ class SlipReference:
     """The states. ``detail`` takes one detail's p2p and level and returns the state that follows it.
 
     ``settings``: attributes threshold, gross_threshold, contact_level, release_level, contact_rises, hold,
-    refractory, blank, and keep_threshold (None: there is none). ``quiet``, ``in_contact`` and ``calm`` count
-    up: details since the last that was over,
-    since the onset, since the last slip.
+    refractory, blank, and keep_threshold (may be None). ``quiet``, ``in_contact`` and ``calm`` count details
+    since the last that kept the slip, since the onset, and since the last slip.
     """
 
     def __init__(self, settings):
@@ -26,7 +25,8 @@ class SlipReference:
         return p2p > self.settings.threshold
 
     def keeps(self, p2p):
-        """What keeps a slip that has been raised: the threshold, or a lower one if there is any."""
+        """Whether p2p keeps a raised slip: it exceeds the threshold, or the keep threshold if there is
+        one."""
         lower = getattr(self.settings, "keep_threshold", None)
         return self.over(p2p) or (lower is not None and p2p > lower)
 
@@ -83,7 +83,8 @@ class SlipReference:
 
 
 class SlipPathReference:
-    """One channel's samples to decisions; ``sample``: None or a detail's (state, raised, over, p2p, end)."""
+    """One channel's samples to decisions; ``sample`` returns None or a detail's (state, raised, over, p2p,
+    end)."""
 
     def __init__(self, settings):
         self.settings, self.slip = settings, SlipReference(settings)

@@ -1,8 +1,8 @@
-"""Details and the states they must lead to, worked out by hand from docs/slip.md; a letter a detail.
+"""Details and the states they must lead to, worked out by hand from docs/slip.md; one letter per detail.
 
 levels   Q above the contact level, P at it, p one below, R at the release level, L one below, m between,
          l far below
-         (all the other way round where the level falls with the force)
+         (all mirrored if the level falls with the force)
 p2p      0: none; . at the threshold, o one above; G at the gross threshold, g one above
 states   n none, c contact, i incipient, g gross, r release
 """
@@ -20,14 +20,14 @@ class Case:
     levels: str
     p2p: str
     states: str
-    blanked: int = 0  # of the details, over while blanked or moving
+    blanked: int = 0  # details counted as over while blanked or moving
     moving: str = ""  # m where the actuator moves
     masked: str = ""  # x where the detail is masked
     hold: int = 0
     refractory: int = 0
     blank: int = 0
     gross: int = 80
-    swapped: bool = False  # the two levels
+    swapped: bool = False  # the contact level is R, the release level P
 
     def __post_init__(self):
         for name in ("levels", "p2p", "states", "moving", "masked"):
@@ -44,7 +44,7 @@ class Case:
         return given | {name: getattr(self, name) for name in ("hold", "refractory", "blank")}
 
     def details(self, rises):
-        """(p2p, level, moving, masked) of each."""
+        """(p2p, level, moving, masked) of each detail."""
         levels = RISES if rises else FALLS
         return [
             (SIZES[size], levels[level], moving == "m", masked == "x")
@@ -100,7 +100,8 @@ CASES = [
     Case("the longest blank", "P" * 17, "o" * 17, "c" * 16 + "i", 15, blank=LONGEST),
     Case("each contact is blanked", "PPPLPPP", "0oo00oo", "ccircci", 2, blank=1),
     Case("blank once a contact", "PPPPP", "0oo.o", "ccici", 1, blank=1),
-    # What meets in one detail: a hold's end and a new contact, a hold's and a lift, a blank's and a slip.
+    # Two events in one detail: a hold's end and a new contact, a hold's end and a lift, a blank's end and a
+    # slip.
     Case("touched one before a release ends", "PLp PPPP", "000 oooo", "crr ccii", 1, hold=2, blank=1),
     Case("touched in a release's last detail", "PLpp PPP", "0000 ooo", "crrr cci", 1, hold=2, blank=1),
     Case("touched as a release is over", "PLppp PPP", "00000 ooo", "crrrn cci", 1, hold=2, blank=1),

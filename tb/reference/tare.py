@@ -1,13 +1,13 @@
-"""The zero of a taxel as in docs/array.md, in exact rationals: written from that page, not from the twin."""
+"""The zero of a taxel by docs/array.md, in exact rationals: written from that page, not from the twin."""
 
 from fractions import Fraction
 from math import floor
 
 
 class TareReference:
-    """``frame`` takes one whole frame of codes [taxel] and returns what is left of them.
+    """``frame`` takes one complete frame of codes [taxel] and returns the codes with their zeros subtracted.
 
-    ``sample_bits``: what is taken off is held to so many bits, signed; None where no zero gets there.
+    ``sample_bits``: a subtracted zero saturates at so many bits, signed; None if no zero gets that far.
     """
 
     def __init__(self, taxels, fraction_bits, tare_log2, contact, step, sample_bits=None):
@@ -15,8 +15,8 @@ class TareReference:
         self.zeros = [Fraction(0)] * taxels
         self.move, self.contact, self.length = Fraction(step, 1 << fraction_bits), contact, 1 << tare_log2
         self.asked = self.forced = False
-        self.seen = None  # what is left of the codes of the frames that are averaged; None: nothing is
-        self.average = None  # found, not written yet
+        self.seen = None  # results of the frames being averaged; None if no tare is in progress
+        self.average = None  # complete, but not yet added to the zeros
         self.tared = self.refused = 0
 
     def tare(self, force=False):
@@ -28,7 +28,7 @@ class TareReference:
         return nearest if self.end is None else max(-self.end, min(self.end - 1, nearest))
 
     def frame(self, codes, masked):
-        if self.average is not None:  # a frame in which nothing else writes the zeros
+        if self.average is not None:  # one frame in which nothing else changes the zeros
             self.zeros = [zero + more for zero, more in zip(self.zeros, self.average)]
         left = [code - self.taken_off(zero) for code, zero in zip(codes, self.zeros)]
         pressed = any(r > self.contact and not off for r, off in zip(left, masked))

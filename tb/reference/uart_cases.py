@@ -1,6 +1,7 @@
-"""Lines for a serial receiver and the bytes they say, worked out by hand from docs/link.md.
+"""Lines for a serial receiver and the bytes they carry, worked out by hand from docs/link.md.
 
-READS: clocks from the first that sees the line low to the ten in which start, data and stop bits are read.
+READS: clocks from the first in which the line is seen low to the ten in which start, data and stop bits are
+read.
 """
 
 READS = {
@@ -16,19 +17,19 @@ READS = {
 
 
 def line_of(*ones, length):
-    """Low but for ``ones``."""
+    """Low except in the clocks ``ones``."""
     return [int(clock in ones) for clock in range(length)]
 
 
 def cases(rate):
-    """(name, levels, [(clock of the stop bit, byte or None)]); each line begins with two clocks of rest."""
+    """(name, levels, [(clock of the stop bit, byte or None)]); each line begins with two idle clocks."""
     reads = READS[rate]
     start, data, stop = reads[0], reads[1:9], reads[9]
     rest = [1] * (stop + 12)
     at = lambda clock: 2 + clock
     low = lambda *ones: [1, 1, *line_of(*ones, length=stop + 1)]
 
-    # Only in the clocks that read it is the line high; a clock beside them it says nothing.
+    # High only in the clocks that read it; high levels one clock off must have no effect.
     yield "high where it is read", low(*data, stop) + rest, [(at(stop), 0xFF)]
     for off in (-1, 1):
         ones = {clock + off for clock in data} - set(reads)
@@ -39,14 +40,14 @@ def cases(rate):
         yield f"bit {number} missing", low(*ones) + rest, [(at(stop), 255 - (1 << number))]
     yield "0x96", low(data[1], data[2], data[4], data[7], stop) + rest, [(at(stop), 0x96)]
 
-    # A start bit that is gone by its middle.
+    # A start bit that has ended by its middle.
     yield "no start", [1, 1] + [0] * start + rest, []
     yield "a start of just its middle", [1, 1] + [0] * (start + 1) + rest, [(at(stop), 0xFF)]
     yield "a start of two clocks", [1, 1, 0] + [1] * (start - 1) + [0] + rest, [(at(stop), 0xFF)]
     again = [1, 1] + [0] * start + [1] + low(stop)[2:] + rest
     yield "a start in the clock after one that was none", again, [(at(start + 1 + stop), 0)]
 
-    # Stop bits: of one clock, the next start in the clock after it; gone; gone for long.
+    # Stop bits: one clock long with the next start in the clock after; missing; missing for long.
     two = low(data[0], stop) + low(data[7], stop)[2:] + rest
     yield "a stop bit of one clock", two, [(at(stop), 1), (at(2 * stop + 1), 128)]
     yield (
@@ -71,7 +72,8 @@ def cases(rate):
 
 
 def low_from_the_reset_on(rate):
-    """A line that was low before, too: nothing is read until it rests. The levels and what they say."""
+    """A line already low before the reset: nothing is read until it is high. Returns the levels and their
+    bytes."""
     reads = READS[rate]
     stop = reads[9]
     line = [0] * 2 * stop + [1] + line_of(reads[4], stop, length=stop + 1) + [1] * 12

@@ -1,7 +1,8 @@
-"""A receiver of a serial line as in docs/link.md, in exact rationals: 8N1, lowest bit first.
+"""A receiver of a serial line by docs/link.md, in exact rationals: 8N1, lowest bit first.
 
-A bit lasts clk / baud clocks, to a sixteenth. The k-th bit after the start bit is read half a bit's whole
-clocks and k bits, to the nearest clock, after the clock that first saw the line low.
+A bit lasts clk / baud clocks, rounded to a sixteenth. The k-th bit after the start bit is read, counted from
+the clock that first saw the line low, after half a bit rounded down to clocks plus k bits rounded to the
+nearest clock.
 """
 
 from fractions import Fraction
@@ -9,15 +10,16 @@ from math import floor
 
 
 def bit_clocks(clk_hz, baud_hz):
-    """Clocks that a bit lasts."""
+    """Length of a bit in clocks."""
     return Fraction(floor(Fraction(16 * clk_hz, baud_hz) + Fraction(1, 2)), 16)
 
 
 def receive(levels, clk_hz, baud_hz):
-    """What a line with these levels, one a clock from the reset on, says: a list of (clock, byte).
+    """The bytes on a line with these levels, one per clock from reset on: a list of (clock, byte).
 
-    The clock in which the stop bit is read; byte None: it was not there. A start bit that is gone by
-    its middle is none; after a missing stop bit, and after the reset, nothing is read until the line rests.
+    ``clock`` is that in which the stop bit is read; byte None: the stop bit was missing. A start bit that has
+    ended by its middle is ignored; after a missing stop bit and after reset, nothing is read until the line
+    is high.
     """
     bit, found = bit_clocks(clk_hz, baud_hz), []
     half = floor(bit) // 2

@@ -1,6 +1,6 @@
-"""msn_sensor_array of a stream: forces one by one, centres of pressure, health and counters as the twin says,
-with settings through the struct; a frame's time is that of its first beat. At the pins: tb/cop/test_array.py
-and tb/core.
+"""msn_sensor_array with frames on the stream: forces one by one, centres of pressure, health and counters are
+the twin's, with settings through the struct; a frame's time is that of its first beat. At the pins:
+tb/cop/test_array.py and tb/core.
 """
 
 import random
@@ -21,7 +21,7 @@ LIMITS = Limits(
     band=30, jump=700, low=5, high=4000, over_range_enable=True, edges=False, still=40, rail=2, blink=9
 )
 TARE = {"contact": 50, "step": 3}
-GAIN, LEAST = 5000, {True: 4000, False: 8000}  # a tare takes the quiet taxels' own value off
+GAIN, LEAST = 5000, {True: 4000, False: 8000}  # lower with a tare, which removes the idle level
 
 
 def number(dut, name):
@@ -46,7 +46,7 @@ def twin_of(dut):
 
 
 def samples():
-    """Quiet, then a press that moves; a taxel that jumps, and one at the end of the range."""
+    """Idle, then a press that moves; one taxel that jumps, and one at the end of the range."""
     rng = np.random.default_rng(bench.SEED)
     found = rng.integers(100, 140, (40, ROWS, COLUMNS))
     found[8:, 1:, 1:3] += rng.integers(800, 1500, (32, 2, 2))
@@ -67,7 +67,7 @@ async def everything_is_the_models(dut, pace):
     beats = frames.reshape(-1, LANES).tolist()
     per_frame = len(beats) // len(frames)
     forces, cops, reports, firsts, sent, quiet = [], [], [], [], 0, 0
-    await bench.clocks(dut, 100)  # the preset gains are written
+    await bench.clocks(dut, 100)  # until the preset gains are written
     while quiet < 300:
         offer = sent < len(beats) and (held or source.random() >= gap)
         beat, place = beats[min(sent, len(beats) - 1)], sent % per_frame

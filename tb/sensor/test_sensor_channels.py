@@ -1,6 +1,6 @@
-"""msn_sensor_channels of a stream: every sample in its place, a frame held while the one before is not done,
-its time that of its first beat, settings between two frames only; without the gate nothing is held. At the
-pins: tb/frontend/test_acquire.py and tb/core."""
+"""msn_sensor_channels with frames on the stream: every sample at its place, a frame held until the previous
+one is done, its time that of its first beat, settings changed only between frames; without the gate nothing
+is held. At the pins: tb/frontend/test_acquire.py and tb/core."""
 
 import random
 
@@ -25,7 +25,8 @@ def samples():
 
 
 async def run(dut, given, gap=0.0, stall=0.0, busy=0, pending=0.0):
-    """Beats (value, id, first, last) out; each frame's time; (beats out, busy clocks left) at commits."""
+    """Output beats (value, id, first, last); each frame's time; (beats out, busy clocks left) at each
+    commit."""
     draw, sink = random.Random(f"{bench.SEED} in"), random.Random(f"{bench.SEED} out")
     idle = dict.fromkeys(
         ("cfg_i", "pending_i", "busy_i", "adc_miso_i", "adc_busy_i", "in_data_i", "in_id_i"), 0

@@ -1,6 +1,6 @@
-"""msn_sensor_cop4 of a stream: centres of pressure and slip events as the twin says, each frame's after its
-own beats, the time that of its first beat; a damaged frame counted and the next one let through. At the
-pins: tb/core.
+"""msn_sensor_cop4 with frames on the stream: centres of pressure and slip events are the twin's, each after
+its own frame's beats, with the time of the frame's first beat; a damaged frame is counted and the next one
+passes. At the pins: tb/core.
 """
 
 import random
@@ -31,7 +31,7 @@ class Bench:
         await bench.start(self.dut, cfg_i=members.word("cfg", SETTINGS), **idle)
 
     async def step(self, beat=None, pending=0):
-        """A clock with a beat offered or none; it was taken."""
+        """One clock with a beat offered or none; returns whether it was taken."""
         dut = self.dut
         value, place, last = beat or (-5, 3, 1)
         dut.in_valid_i.value, dut.in_data_i.value = int(beat is not None), int(value) & 0x1FFFF
@@ -89,7 +89,7 @@ async def centres_and_events_are_the_models(dut, pace):
 
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 async def settings_change_between_two_frames(dut):
-    """Asked for at every beat: given when the frame's result has left, and never inside a frame."""
+    """Requested at every beat: committed when the frame's result has left, never inside a frame."""
     line, samples = Bench(dut), _electrodes(NEWTONS[:8])
     await line.begin()
     for n, frame in enumerate(samples.tolist()):

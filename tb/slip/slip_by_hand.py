@@ -1,4 +1,4 @@
-"""msn_slip on the details of tb/reference/slip_cases.py and against the loop of tb/reference/slip.py.
+"""msn_slip against the hand-made cases of tb/reference/slip_cases.py and the loop of tb/reference/slip.py.
 
 Run by test_slip.py, with timers of four bits.
 """
@@ -22,14 +22,14 @@ async def begin(dut):
 
 
 async def apply(dut, settings):
-    for name, value in ({"keep_threshold": -1} | settings).items():  # -1: there is none
+    for name, value in ({"keep_threshold": -1} | settings).items():  # -1: no keep threshold
         port = getattr(dut, f"cfg_{name}_i")
         port.value = int(value) & ((1 << len(port)) - 1)
     await bench.reset(dut)
 
 
 async def decisions(dut, details, gap=0):
-    """Send (p2p, level, moving, masked) of [detail][channel]; what comes out of each, in their order."""
+    """Send (p2p, level, moving, masked) of [detail][channel]; return the decisions in their order."""
     channels, got = dut.Channels.value.to_unsigned(), []
     dut.out_ready_i.value = 1
 
@@ -45,7 +45,7 @@ async def decisions(dut, details, gap=0):
             await bench.ReadOnly()
             note()
             await bench.RisingEdge(dut.clk_i)
-            for _ in range(gap):  # of which nothing may be taken
+            for _ in range(gap):  # nothing of these clocks may be taken
                 dut.in_valid_i.value, dut.actuator_moving_i.value = 0, int(not moving)
                 await bench.ReadOnly()
                 note()
@@ -59,7 +59,7 @@ async def decisions(dut, details, gap=0):
 
 
 def expected_of(states, over, details):
-    """Rows of FIELDS from states and over flags of [detail][channel]."""
+    """Decisions, rows of FIELDS, for states and over flags of [detail][channel]."""
     rows, before = [], "n" * len(states[0])
     for number, now in enumerate(states):
         for channel, state in enumerate(now):
@@ -75,7 +75,7 @@ def expected_of(states, over, details):
 @cocotb.test(timeout_time=10, timeout_unit="ms")
 @cocotb.parametrize(rises=[True, False])
 async def does_what_the_hand_found(dut, rises):
-    """Every channel the same story, each begun a detail after the channel before it."""
+    """Every channel runs the same case, each starting one detail after the channel before it."""
     channels = dut.Channels.value.to_unsigned()
     await begin(dut)
     for case in CASES:
@@ -84,7 +84,7 @@ async def does_what_the_hand_found(dut, rises):
         await apply(dut, case.settings(rises))
         story = case.details(rises)
         count = len(story)
-        idle = (0, 100 if rises else 2300, False, False)  # far from any contact
+        idle = (0, 100 if rises else 2300, False, False)  # a level far from contact
         details = [
             [story[n - c] if 0 <= n - c < count else idle for c in range(channels)]
             for n in range(count + channels - 1)
@@ -106,8 +106,8 @@ async def does_what_the_hand_found(dut, rises):
         assert bench.read(dut.blanked_o) == case.blanked * channels, case.name
 
 
-# In the same detail, number 8, of three channels: a blank of 2 ends and a slip is raised; a slip's hold of 3
-# ends; a release's hold ends. Levels, p2p, states and what is counted as blanked.
+# Three channels in which a time ends in detail 8: a blank of 2 ends and a slip is raised; a slip's hold of 3
+# ends; a release's hold ends. Levels, p2p, states and the number of blanked details.
 ENDS = [
     ("pppppPPPPPP", "ooooooooooo", "nnnnnccciii", 2),
     ("PPPPPPPPPPP", "0000o......", "cccciiiiccc", 0),
@@ -118,7 +118,7 @@ ENDS = [
 @cocotb.test(timeout_time=10, timeout_unit="ms")
 @cocotb.parametrize(rises=[True, False])
 async def blank_and_holds_end_in_one_detail(dut, rises):
-    """Every two of them in neighbouring channels, in the same detail, one before and one after it."""
+    """Each pair of them in neighbouring channels, ending in the same detail, one before or one after it."""
     channels, levels = dut.Channels.value.to_unsigned(), RISES if rises else FALLS
     await begin(dut)
     far = (0, levels["l"], False, False)
@@ -141,7 +141,7 @@ async def blank_and_holds_end_in_one_detail(dut, rises):
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 @cocotb.parametrize(rises=[True, False])
 async def does_what_the_loop_does(dut, rises):
-    """Walks over the sizes and levels of the cases, every timer at 0, 1, between and its longest."""
+    """Walks over the sizes and levels of the cases; each timer at 0, 1, its longest time and between."""
     channels, draw = dut.Channels.value.to_unsigned(), random.Random(bench.SEED)
     await begin(dut)
     for hold, refractory, blank, keep in ((0, 1, 15, None), (1, 15, 0, 39), (15, 0, 1, 0), (2, 4, 3, 41)):
@@ -157,7 +157,7 @@ async def does_what_the_loop_does(dut, rises):
 
 
 def walk(draw, channels, length, rises, mask):
-    """Details [length][channels] at and about the levels and thresholds of the cases."""
+    """Details [length][channels] with levels and p2p at and around the limits of the cases."""
     levels, rows, level = RISES if rises else FALLS, [], ["l"] * channels
     for _ in range(length):
         moving = draw.random() < 0.1

@@ -1,6 +1,7 @@
 """msn_slip_path and msn_slip_serial against the plain loop of tb/reference/slip.py, sample by sample.
 
-Codes tremble by a few steps: every limit is met exactly. Run by test_slip_path.py and test_slip_serial.py.
+Codes vary by a few steps, so that every limit is met exactly. Run by test_slip_path.py and
+test_slip_serial.py.
 """
 
 from types import SimpleNamespace

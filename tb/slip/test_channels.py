@@ -1,8 +1,8 @@
-"""msn_channels from the pins of a real converter to the slip decision, on the part models that check their
-timing: the decisions are the twin's on the codes that the part converted, and each comes within 0.2 ms +
-1 us of the sample that crosses, on the first channel and on the last, at 10 kHz; settings and periods of
-every bit, other ones for each detail and frame. The counters of what went wrong, and a stream in place of a
-converter, by the tests of the two blocks it is made of."""
+"""msn_channels from the pins of a real converter to the slip decision, with part models that check their
+timing. The decisions must be the twin's for the codes that the part converted, each within 0.2 ms + 1 us of
+the sample that crosses the threshold, on the first channel and on the last, at 10 kHz. Settings and periods
+with every bit set, different for each detail and frame. The error counters, and a stream in place of a
+converter, are left to the tests of the two blocks inside."""
 
 from dataclasses import replace
 
@@ -42,7 +42,8 @@ def number(dut, name):
 
 
 class Rubber:
-    """Codes per channel and conversion: pressed at 700 with a little noise, and steps where they are put."""
+    """Codes per channel and conversion: pressed at 700 with a little noise; a test adds its steps to
+    ``codes``."""
 
     def __init__(self, channels, frames):
         rng = np.random.default_rng(bench.SEED)
@@ -65,7 +66,7 @@ def twin_of(dut):
 
 
 async def begin(dut, code, config, period):
-    """Reset, with the part at the pins, which converts at once then; returns the part."""
+    """Reset, with the part at the pins, which then converts immediately; returns the part."""
     part, clk_khz = twin_of(dut).part, number(dut, "ClkKhz")
     put(dut, config)
     for name in ("rst_i", "cfg_adc_enable_i", "actuator_moving_i", "adc_miso_i", "adc_busy_i", "in_valid_i"):
@@ -91,7 +92,7 @@ def decision(dut):
 
 
 def decisions_of(channels, **fields):
-    """What ``decision`` reads, of ``fields`` [channels, details]."""
+    """``fields`` [channels, details] in the form that ``decision`` returns."""
     last = np.arange(channels)[:, None] == channels - 1
     rows = bench.frames(last=np.broadcast_to(last, fields["p2p"].shape), **fields)
     return [tuple(row[name] for name in FIELDS) for row in rows]
@@ -142,7 +143,7 @@ async def rests_in_reset_whatever_comes(dut):
 
 @cocotb.test(timeout_time=50, timeout_unit="ms")
 async def decides_in_time_at_the_pins(dut):
-    """A pulse on the even sample of a pair, the worst case, first on channel 0 and then on the last."""
+    """A pulse on the even sample of a pair (the worst case), first on channel 0, then on the last channel."""
     frames = 90
     acquire = twin_of(dut)
     channels = acquire.channels
@@ -171,14 +172,14 @@ async def decides_in_time_at_the_pins(dut):
         assert us <= 200 + 1
         if (channel, frame) == pulses[0] and not number(dut, "Serial"):  # the README's
             assert round(us) == {MCP3208: 107, AD7606: 106}[acquire.part]
-    intervals = np.diff([round(1000 * time) for time in converts])  # whole picoseconds
+    intervals = np.diff([round(1000 * time) for time in converts])  # integer picoseconds
     assert (intervals == round(1e12 / RATE_HZ)).all()
 
 
 @cocotb.test(timeout_time=50, timeout_unit="ms")
 async def is_blank_as_long_as_is_set(dut):
-    """Pressed from the first detail on, over from the second: raised after the three that are blanked. No
-    other time is as long."""
+    """Pressed from the first detail on, over from the second: raised after the three that are blanked. The
+    other times differ from the blank time."""
     rubber = Rubber(number(dut, "Channels"), 24)
     rubber.codes[0, 2] += 600
     _, decisions, _ = await watch(dut, rubber, 24, replace(CONFIG, hold=7, refractory=5, blank=3))
@@ -188,9 +189,10 @@ async def is_blank_as_long_as_is_set(dut):
 
 
 def settings_of_any_bit(rng, p2p, total, bits, timer_bits):
-    """Settings for one detail: next to what a channel has, or a single bit; half of them never release.
+    """Settings for one detail: close to a channel's values, or with a single bit set; half of them never
+    release.
 
-    ``p2p``, ``total``: of each channel in that detail.
+    ``p2p``, ``total``: the values of each channel in that detail.
     """
     bit = lambda: 1 << int(rng.integers(bits))
     near = lambda values: int(rng.choice(values)) - int(rng.integers(2))
@@ -209,7 +211,8 @@ def settings_of_any_bit(rng, p2p, total, bits, timer_bits):
 
 
 class Details:
-    """Codes of all sizes; each detail's own settings; what the twins decide, [channels, details]."""
+    """Codes of all sizes, settings that change with each detail, and the twins' decisions, [channels,
+    details]."""
 
     def __init__(self, acquire, window, level, sizes, count, serial):
         rng, group, bits = np.random.default_rng(bench.SEED), 1 << level, acquire.part.data_bits
@@ -221,7 +224,7 @@ class Details:
         detail, total = haar(acquire.samples(self.codes)[0], level)
         p2p, end = PeakToPeak(len(detail), window // group, window // group).process(detail)
         self.settings = [settings_of_any_bit(rng, p2p[:, n], total[:, n], *sizes) for n in range(count)]
-        if serial:  # it sets a timer when the next detail comes
+        if serial:  # it starts its timers with the next detail, so times do not change
             self.settings = [replace(config, hold=3, refractory=2, blank=1) for config in self.settings]
         self.moving = (rng.random(count) < 0.1) & (np.arange(count) > 0)
         twin, state = Slip(len(detail), None), np.empty_like(p2p)
@@ -236,7 +239,7 @@ class Details:
         self.shown = [0] * len(p2p)
 
     def code(self, channel, _):
-        """What a part's input is at its next conversion; the last stays."""
+        """What a part's input is at its next conversion; after the last code it stays there."""
         if channel >= len(self.shown):
             return 0
         self.shown[channel] += 1
@@ -245,7 +248,7 @@ class Details:
 
 @cocotb.test(timeout_time=50, timeout_unit="ms")
 async def each_detail_has_settings_of_its_own(dut):
-    """Next to what they are compared with, and of each bit alone; each frame has its own period."""
+    """Close to the values they are compared with, and with each bit alone; each frame has its own period."""
     acquire = twin_of(dut)
     sizes = number(dut, "SampleBits") + number(dut, "Level"), number(dut, "TimerBits")
     channels, serial = acquire.channels, number(dut, "Serial")
@@ -282,7 +285,7 @@ async def each_detail_has_settings_of_its_own(dut):
 @bench.applies(lambda dut: not number(dut, "AdcPeriod"))
 @cocotb.test(timeout_time=50, timeout_unit="ms")
 async def a_long_period_is_long(dut):
-    """Each bit of the period beyond those of the frames' own: one conversion, and no other for long."""
+    """For each period bit above those that the frames use: one conversion, then none for long."""
     acquire = twin_of(dut)
     least = acquire.adc.safe_period()
     await begin(dut, lambda *_: 0, CONFIG, 0)
@@ -323,7 +326,7 @@ EVIDENCE = {
         "size": {"Adc": 1, "Channels": 8},
         "short": {"Channels": 2, "Window": 4, "Hop": 4, "TimerBits": 3},
         "settle": 28,
-        # Some channels are in contact, some not.
+        # Some channels are in contact, some are not.
         "driver": {
             "free": 60000,
             "part": 1,

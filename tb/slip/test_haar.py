@@ -1,6 +1,6 @@
 """msn_haar against its model and the model against PyWavelets: sign, scale, odd lengths, constants, the
 extremes of the number range, levels 1 to 3, 1 to 1024 channels, chunks, gaps and stalls, restarts; masks that
-come and go."""
+change."""
 
 import cocotb
 import numpy as np
@@ -16,7 +16,7 @@ def parameters(dut):
 
 
 def masks(dut, rng, x):
-    """Masks for x, a fifth of the samples and all at times, and what the model is to make of them."""
+    """Masks for x (a fifth of the samples, and at times all of them), and the masks that the model gets."""
     mask = (rng.random(x.shape) < 0.2) | (np.arange(x.shape[1]) % 40 > 30)
     return mask, mask & bool(dut.Mask.value.to_unsigned())
 
@@ -46,7 +46,7 @@ async def matches_model(dut, stall_rate):
     length = 101 if channels < 50 else 9
     rng = np.random.default_rng(bench.SEED)
     x = bench.extremes_then_random(rng, channels, length, bits)
-    if length > 60:  # each level's largest sums and details, of both signs
+    if length > 60:  # the largest sums and details of each level, of both signs
         low, high = bench.width(bits)
         runs = np.concatenate([np.repeat([1, 1, 0, 0, 1, 0, 0, 1], 4), np.repeat([1, 0, 0, 1], 2)])
         x[:, 16:56] = np.where(runs, high, low)
@@ -60,14 +60,14 @@ async def matches_model(dut, stall_rate):
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 @cocotb.parametrize(surplus=[1, 2, 3, 4, 7])
 async def restart_begins_a_new_group(dut, surplus):
-    """A restart drops the unfinished group, whichever levels have begun it."""
+    """A restart drops the unfinished group, at whatever level it is."""
     channels, level, bits = parameters(dut)
     await bench.start(dut)
     rng = np.random.default_rng(bench.SEED + 1)
     first = bench.extremes_then_random(rng, channels, 2**level + surplus, bits)
     second = bench.extremes_then_random(rng, channels, 2 ** (level + 1), bits)
     mask, used = masks(dut, rng, first)
-    mask[:, 2**level :] = used[:, 2**level :] = True  # of the unfinished group
+    mask[:, 2**level :] = used[:, 2**level :] = True  # masks in the unfinished group must not matter
     beats = bench.frames(data=first, mask=mask) + bench.frames(data=second, mask=np.zeros(second.shape))
     got = await bench.stream(dut, beats, FIELDS)
     x = np.concatenate([first[:, : 2**level], second], axis=1)
@@ -77,7 +77,7 @@ async def restart_begins_a_new_group(dut, surplus):
 
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 async def takes_samples_until_a_result_waits(dut):
-    """Nobody takes results: the first group goes in, and a sample for every level that it passes."""
+    """With results not taken, the first group goes in, and one more sample for each level in the pipeline."""
     channels, level, _ = parameters(dut)
     await bench.start(dut, out_ready_i=0)
     beats = bench.frames(data=np.arange(channels * 2 ** (level + 1)).reshape(-1, channels).T)
@@ -85,7 +85,7 @@ async def takes_samples_until_a_result_waits(dut):
 
 
 def sample_by_sample(beats, channels, level):
-    """What any beats give, whole frames or not: every level takes one after the other."""
+    """The results for any beats, in complete frames or not: the levels are computed one after the other."""
     for _ in range(level):
         even, odd_next, restart, out = [(0, 0)] * channels, False, 0, []
         for beat in beats:
@@ -107,7 +107,7 @@ def sample_by_sample(beats, channels, level):
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 @cocotb.parametrize(stall_rate=[0.0, 0.4])
 async def marks_count_for_the_sample_they_come_with(dut, stall_rate):
-    """Whole frames fill the memories; then ids, `last` and restarts come as they like."""
+    """Complete frames fill the memories; then ids, `last` and restarts are random."""
     channels, level, bits = parameters(dut)
     await bench.start(dut)
     rng = np.random.default_rng(bench.SEED)
@@ -134,7 +134,7 @@ async def forgets_what_a_reset_interrupts(dut):
     beats = bench.frames(data=x, mask=mask)
     for cut in {2**k for k in range(level)} | {2**level}:
         await bench.taken(dut, beats[: cut * channels], timeout=3)
-        dut.in_valid_i.value = 1  # a reset takes nothing
+        dut.in_valid_i.value = 1  # nothing may be taken during a reset
         await bench.reset(dut)
         dut.in_valid_i.value = 0
         check(
@@ -193,7 +193,7 @@ def test_haar(channels, level, mask):
 @pytest.mark.parametrize("level", [1, 2, 3])
 @pytest.mark.parametrize("length", [8, 64, 101, 1007])
 def test_model_against_pywavelets(level, length):
-    """sqrt(2)**level times cD and cA, same sign; odd lengths leave their rest over."""
+    """sqrt(2)**level times cD and cA, same sign; the samples left over at odd lengths give no result."""
     x = bench.extremes_then_random(np.random.default_rng(level), 3, length, 17)
     whole = length >> level << level
     detail, total = haar(x, level)

@@ -30,7 +30,8 @@ def expected_beats(detail, total, span, hop, mask=None):
 
 
 def masks(rng, shape, span):
-    """Single details, and stretches shorter and longer than a window; where it is long, one to the end."""
+    """Masks: single details, runs shorter and longer than a window, and in a long recording one to its
+    end."""
     mask = rng.random(shape) < 0.15
     for channel in range(shape[0]):
         at = rng.integers(0, shape[1])
@@ -47,7 +48,7 @@ async def matches_model(dut, stall_rate):
     await bench.start(dut)
     rng = np.random.default_rng(bench.SEED)
     sent, expected = [], []
-    # Restarts: after one detail, in mid-window, right at a window's end, and late.
+    # Restarts: after one detail, in mid-window, exactly at a window's end, and late.
     lengths = (1, span // 2 + 1, span, 4 * span + 3) if channels < 100 else (span + 2,)
     for length in lengths:
         detail = bench.extremes_then_random(rng, channels, length, bits)
@@ -65,7 +66,7 @@ async def matches_model(dut, stall_rate):
 @bench.applies(lambda dut: parameters(dut)[0] <= 100)
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def tells_details_apart_that_hardly_differ(dut):
-    """Windows of details that have all but their last few bits in common, however few or many."""
+    """Windows of details that differ only in their last bits, for each number of last bits."""
     channels, span, hop, bits = parameters(dut)
     await bench.start(dut, in_mask_i=0)
     rng = np.random.default_rng(bench.SEED)
@@ -176,7 +177,8 @@ def test_sliding_model_against_scipy(span):
 
 @pytest.mark.parametrize("span, hop", [(4, 4), (8, 4), (8, 3), (8, 1), (32, 16), (2, 1)])
 def test_model_against_brute_force(span, hop):
-    """At a window's end p2p is the plain maximum minus minimum of that window; inside it only grows."""
+    """At a window's end p2p is the plain maximum minus minimum of that window; within a window it never
+    falls."""
     x = np.random.default_rng(2).integers(-99, 99, (2, 150))
     p2p, end = PeakToPeak(2, span, hop).process(x)
     ends = np.flatnonzero(end)
@@ -191,7 +193,7 @@ def test_model_against_brute_force(span, hop):
 
 @pytest.mark.parametrize("span, hop", [(4, 4), (8, 4), (8, 3), (2, 1)])
 def test_masked_model_against_brute_force(span, hop):
-    """At a window's end p2p is that of its details that are not masked, 0 if there are none."""
+    """At a window's end p2p is that of its unmasked details, 0 if there are none."""
     rng = np.random.default_rng(2)
     x, mask = rng.integers(-99, 99, (3, 150)), masks(rng, (3, 150), span)
     p2p, end = PeakToPeak(3, span, hop).process(x, mask)

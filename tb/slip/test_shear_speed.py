@@ -1,6 +1,6 @@
-"""msn_shear_speed against its model; the model against cases worked out by hand, each comparison met exactly,
+"""msn_shear_speed against its model; the model against cases worked out by hand, with each limit met exactly,
 one below and one above; against a plain loop in volts written from docs/shear_speed.md; its formula against
-float64 over the range of speeds and levels, at several precisions; and on the physics' own rubber."""
+float64 over the range of speeds and levels, at several precisions; and on the rubber of the physics model."""
 
 from dataclasses import replace
 
@@ -35,8 +35,8 @@ HAND = ShearSettings(
     **{"full": 4000, "limit": 3 * ONE, "travel": 0},
 )
 
-# What differs from HAND, levels of windows (h: held), and of each window minus its flags, or its speed if it
-# has none; None: any speed, as it may round to 0.
+# Per case: changes to HAND; levels of windows (h: held); for each window minus its flags, or its speed if it
+# has no flags; None: any speed without flags, as it may round to 0.
 CASES = {
     "rise below noise": ({}, [1000, 1049], [-UNSETTLED, -SMALL]),
     "rise at noise": ({}, [1000, 1050], [-UNSETTLED, None]),
@@ -86,7 +86,7 @@ CASES = {
     "no denominator": ({"k0": 500, "k1": -32768}, [1000, 1200], [-UNSETTLED, -DENOMINATOR]),
     "denominator below 0": ({"k0": 499, "k1": -32768}, [1000, 1200], [-UNSETTLED, -DENOMINATOR]),
     "denominator of 1": ({"k0": 501, "k1": -32768}, [1000, 1200], [-UNSETTLED, -(FAST | SATURATED)]),
-    # n = 1: the rise itself, in units of 1/1.
+    # n = 1: the speed is the rise over k, and k = 1
     "speed of 8 at the limit": (
         {"k0": 501, "k1": -32768, "exponent": 2048, "limit": 8 * ONE, "noise": 8},
         [1000, 1008],
@@ -120,7 +120,7 @@ CASES = {
         [-UNSETTLED, ONE, -UNSETTLED, -UNSETTLED, -RANGE],
     ),
     "a hold before all": ({}, ["1000h", "1000h", 1000, 1729], [-UNSETTLED, -UNSETTLED, -UNSETTLED, ONE]),
-    "a code below full": ({"full": 866}, [1000, 1729], [-UNSETTLED, ONE]),  # 864 and 865
+    "a code below full": ({"full": 866}, [1000, 1729], [-UNSETTLED, ONE]),  # the codes are 864 and 865
     "a code at full": (
         {"full": 865},
         [1000, 1729, 1727],
@@ -151,9 +151,9 @@ CASES = {
     ),
 }
 
-# Vi of two windows: the settled level is their sum.
+# Vi from two windows: the settled level is their sum.
 PAIR_SIZE = replace(SMALL_SIZE, settle_log2=1)
-PAIR = replace(HAND, k0=2000, vi_min=1800, vi_max=2200, noise=100, still=20)  # the same in the smaller unit
+PAIR = replace(HAND, k0=2000, vi_min=1800, vi_max=2200, noise=100, still=20)  # as HAND, in half the unit
 PAIR_CASES = {
     "Vi at the least": ({}, [900, 900, 1500], [-UNSETTLED, -UNSETTLED, None]),
     "Vi below": ({}, [899, 900, 1500], [-UNSETTLED, -UNSETTLED, -RANGE]),
@@ -192,13 +192,13 @@ PAIR_CASES = {
 }
 
 
-# (Vi, rise) of windows: 0 while Vi is unknown, beside a speed, a fall to below Vi, a clip, a hold.
+# (Vi, rise) of each window: both 0 while Vi is unknown; with a speed, a fall to below Vi, a clip, a hold.
 LEVELS = [1000, 1729, 990, 990, 996, "990h", 1010, 1001]
 LEVELS_TOLD = [(0, 0), (1000, 729), (0, 0), (990, 0), (990, 6), (0, 0), (0, 0), (1010, -9)]
 
 
 def samples(levels, size):
-    """(codes, held) of windows: a level shared among a window's samples; with h, the last one is held."""
+    """(codes, held) of windows: a window's samples share its level; with h its last sample is held."""
     length = 1 << size.window_log2
     codes, held = [], []
     for level in levels:
@@ -209,7 +209,7 @@ def samples(levels, size):
 
 
 def check(case, found):
-    """Whether what was ``found``, (speed, flags) of each window, is what the case says."""
+    """Check ``found``, (speed, flags) of each window, against the case."""
     assert len(found) == len(case)
     for expected, (v, flags) in zip(case, found):
         if expected is None:
@@ -221,7 +221,7 @@ def check(case, found):
 
 
 def beats_of(codes, held):
-    """``restart`` on the first, as after lost samples."""
+    """``restart`` on the first beat, as after lost samples."""
     return [
         {"data": code, "hold": hold, "restart": n == 0} for n, (code, hold) in enumerate(zip(codes, held))
     ]
@@ -255,14 +255,14 @@ def pairs(got):
 
 
 def settings_of(size, **given):
-    """Registers for 5 V over the positive codes, 10 kHz; a travel of three windows at 0.5 mm/s."""
+    """Registers for 5 V over the positive codes at 10 kHz; a travel of three windows at 0.5 mm/s."""
     full = (1 << size.sample_bits - 1) - 1
     given = {"noise": 0.2, "still": 0.01, "travel": 1.5e-4 * (1 << size.window_log2)} | given
     return ShearSettings.of(full / 5, 10_000, size, **given)
 
 
 def story(rng, size, windows):
-    """Codes and holds of a level that rests, is sheared at a speed and at a higher one, drifts and falls;
+    """Codes and holds of a level that rests, is sheared at one speed and at a higher one, drifts and falls;
     with noise, some windows held and some at the end of the range."""
     full, length = (1 << size.sample_bits - 1) - 1, 1 << size.window_log2
     levels, rest = [], (1 << size.settle_log2) + 2
@@ -303,7 +303,7 @@ async def matches_model(dut, stall_rate):
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def matches_model_whatever_is_set(dut):
-    """Registers and levels from anywhere: nothing in them makes sense."""
+    """Random registers and levels, which need not make sense."""
     size = size_of(dut)
     rng, length = np.random.default_rng(bench.SEED), 1 << size.window_log2
     low, high = bench.width(size.sample_bits)
@@ -325,7 +325,7 @@ async def matches_model_whatever_is_set(dut):
 @bench.applies(lambda dut: size_of(dut).sample_bits > 12 and size_of(dut).window_log2 < 4)
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def matches_model_where_comparisons_are_met(dut):
-    """A register at what a window of the story makes, one below and one above; speeds of any size."""
+    """A register equal to the value in a window of the story, one below and one above; speeds of any size."""
     size = size_of(dut)
     rng = np.random.default_rng(bench.SEED)
     await begin(dut, HAND)
@@ -350,11 +350,11 @@ async def matches_model_where_comparisons_are_met(dut):
             assert all_of(got) == of_model(settings, size, codes, held)
             results.append(got[at]["flags"])
         by_hand = {"limit": [FAST, OK, OK], "vi_min": [OK, OK, RANGE], "vi_max": [RANGE, OK, OK]}
-        assert results == by_hand.get(name, results)  # noise also changes what was rest before
+        assert results == by_hand.get(name, results)  # noise also changes what was rest earlier
 
 
 def any_settings(rng, size):
-    """Registers from all that they hold, with small ones among them."""
+    """Random registers over their full range, small values among them."""
     widths = {"k0": size.level_bits, "noise": size.level_bits, "still": size.level_bits}
     widths |= {"exponent": 16, "limit": size.speed_bits, "travel": 32}
     drawn = {
@@ -380,13 +380,14 @@ def test_the_model_says_vi_and_the_rise():
     assert list(zip(found.vi.tolist(), found.rise.tolist())) == LEVELS_TOLD
 
 
-# Windows of 1 mm/s = 2^27: the 32nd after the rise brings the travel to 2^32, and it is held at 2^32 - 1.
+# 1 mm/s = 2^27: the 32nd window after the rise brings the travel to 2^32, where it saturates at 2^32 - 1.
 LONG_SIZE = ShearSize(20, 3, 2, 8, 22, 32, 27)
 LONG = replace(HAND, k0=32000, k1=-17694, vi_min=32000 - 1, vi_max=32000, limit=1 << 28, travel=(1 << 32) - 1)
 LONG_LEVELS = [8000] * 4 + [8000 + 5840] * 41  # k = 32000 - floor(..) = 32000 - 8640 = 23360 = 4 x 5840
 LONG_CASE = [-UNSETTLED] * 4 + [-RISING] * 32 + [1 << 27] * 9
 
-# A rise of 4, 8 and 16 k, n = 1: speeds of 2^29, 2^30 and 2^31, and a limit met there; windows of 8, Vi of 4.
+# Rises of 4, 8 and 16 k with n = 1: speeds of 2^29, 2^30 and 2^31, some equal to the limit; windows of 8
+# samples, Vi of 4 windows.
 FAST_LEVELS, FAST_REST = [8000] * 4 + [8100, 8200, 8400], [-UNSETTLED] * 4
 FAST_CASES = {
     name: ({"k0": 100, "k1": 0, "exponent": 2048, "travel": 0, "limit": limit}, FAST_LEVELS, FAST_REST + case)
@@ -405,7 +406,7 @@ LONG_CASES |= {  # a level is four times the sum: 8003 lies 12 above
     "no noise and no rise": (SLOW | {"noise": 0}, [8000] * 5, [*FAST_REST, -SMALL]),
 }
 
-# From the lowest code to the highest below full, 131070: each register as wide as that rise asks for.
+# From the lowest code to the highest below full, a rise of 131070: each register as wide as this needs.
 WIDE_SIZE, WIDE_RISE = ShearSize(), 512 * (65534 + 65536)
 WIDE = ShearSettings(
     **{"k0": WIDE_RISE, "k1": 0, "exponent": 65535, "vi_min": -(1 << 25), "vi_max": (1 << 25) - 1},
@@ -419,7 +420,7 @@ WIDE_CASES = {
     "still below it": ({"still": WIDE_RISE - 1}, WIDE_LEVELS, [*WIDE_REST, -RISING]),
     "travel above it": ({"travel": (1 << 32) - 1}, WIDE_LEVELS, [*WIDE_REST, -RISING]),
     "no travel": ({"travel": 0}, WIDE_LEVELS, [*WIDE_REST, ONE]),
-    "all registers least": (  # a rise of 131070 k, to the power of 0
+    "all registers least": (  # a rise of 131070 k to the power of 0
         {"k0": 1, "exponent": 0, "noise": 0, "still": 0, "travel": 0},
         WIDE_LEVELS,
         [*WIDE_REST, ONE],
@@ -460,7 +461,8 @@ async def decides_by_hand(dut):
 @bench.applies(lambda dut: size_of(dut) == SMALL_SIZE)
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def clocks_are_as_stated(dut):
-    """From a window's last sample to its result, with a flag or without; no sample is taken until it left."""
+    """From a window's last sample to its result, with a flag or without; no sample is taken until the result
+    left."""
     await begin(dut, HAND)
     codes, _ = samples([1000, 1729, 1040, 1729], SMALL_SIZE)
     dut.out_ready_i.value = 1
@@ -482,7 +484,7 @@ async def clocks_are_as_stated(dut):
 @bench.applies(lambda dut: size_of(dut) == SMALL_SIZE)
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 async def forgets_what_a_reset_or_a_restart_interrupts(dut):
-    """At any clock of a window's work, at any sample of a window; what is known of the level goes as well."""
+    """At any clock of a window's computation, at any sample of a window; the known level is discarded too."""
     await begin(dut, HAND)
     codes, held = samples([1000, 1729, 1729], SMALL_SIZE)
     for delay in range(0, LATENCY + 4, 3):
@@ -492,12 +494,12 @@ async def forgets_what_a_reset_or_a_restart_interrupts(dut):
         await bench.clocks(dut, 1)
         dut.in_valid_i.value = 0
         await bench.clocks(dut, delay)
-        dut.in_valid_i.value = delay % 2  # what comes with the reset counts as little
+        dut.in_valid_i.value = delay % 2  # a word offered during the reset is discarded too
         await bench.reset(dut)
         beats = [beat | {"restart": 0} for beat in beats_of(codes, held)]
         got = pairs(await bench.stream(dut, beats, ["speed", "flags"], drain=80))
         assert got == [(0, UNSETTLED), (ONE, OK), (ONE, OK)]
-    # A restart in the middle of a window: its sample is the first of a window.
+    # A restart in the middle of a window: its sample begins a window.
     part = beats_of([500, 500, 864], [False, False, True])
     again = beats_of(codes[:4], held[:4])
     got = pairs(await bench.stream(dut, part + again, ["speed", "flags"], drain=80))
@@ -523,7 +525,7 @@ EVIDENCE = {
     },
     "faults": {
         "size": {"SampleBits": 13, "WindowLog2": 1, "SettleLog2": 1},
-        "settle": 100,  # 50 windows: within them a fall or a hold drops what is known of the level
+        "settle": 100,  # 50 windows: within them a fall or a hold discards the level that a fault changed
         "driver": {"phases": 2},
     },
 }
@@ -566,7 +568,8 @@ def test_decisions_by_hand(size, standard, given, levels, case):
 
 
 def by_loop(codes, held, volts_per_code, rate_hz, size, n=0.11, k0=1.55, k1=-0.27, limit=3.0, **levels):
-    """Flags and speeds as docs/shear_speed.md has them, in volts and seconds; how near a bound one came."""
+    """Flags and speeds by docs/shear_speed.md, in volts and seconds; and how close any comparison came to its
+    bound."""
     length, windows = 1 << size.window_log2, 1 << size.settle_log2
     noise, still, full, travel_mm = (levels[name] for name in ("noise", "still", "full", "travel"))
     seconds = length / rate_hz
@@ -617,7 +620,7 @@ def by_loop(codes, held, volts_per_code, rate_hz, size, n=0.11, k0=1.55, k1=-0.2
     "size", [ShearSize(), ShearSize(sample_bits=13, window_log2=5, settle_log2=2)], ids=str
 )
 def test_model_against_a_loop_in_volts(size):
-    """A story of 300 windows: the same flags in each, speeds within the bound of the arithmetic."""
+    """A story of 300 windows: the same flags in each, and speeds within the arithmetic's bound."""
     rng = np.random.default_rng(5)
     codes, held = story(rng, size, 300)
     full = (1 << size.sample_bits - 1) - 1
@@ -625,7 +628,7 @@ def test_model_against_a_loop_in_volts(size):
     settings = settings_of(size, **given)
     speeds, flags = ShearSpeed(settings, size).process(codes, held)
     expected, nearest = by_loop(codes, held, 5 / full, 10_000, size, **given)
-    assert nearest > 0.01  # no comparison of speeds hangs on the arithmetic's error
+    assert nearest > 0.01  # no comparison of speeds depends on the arithmetic's error
     assert flags.tolist() == [flag for _, flag in expected]
     good = flags == OK
     exact = np.array([v for v, _ in expected])[good]
@@ -636,8 +639,8 @@ def test_model_against_a_loop_in_volts(size):
 
 @pytest.mark.parametrize("table_bits, fraction_bits, percent", [(6, 16, 0.05), (4, 12, 0.75), (8, 20, 0.05)])
 def test_formula_against_float64(table_bits, fraction_bits, percent):
-    """0.01 to 3 mm/s, Vi of 2 to 4 V, a converter of 17 bits: off the registers' own formula by the bound and
-    half an lsb; off the true speed by the share above, at most 2 % at the default."""
+    """0.01 to 3 mm/s, Vi of 2 to 4 V, a converter of 17 bits: within the bound plus half an LSB of the
+    registers' own formula; within ``percent`` of the true speed, at most 2 % at the default."""
     size = ShearSize(table_bits=table_bits, fraction_bits=fraction_bits)
     per_v = 65535 / 5
     settings = ShearSettings.of(per_v, 10_000, size)
@@ -656,7 +659,7 @@ def test_formula_against_float64(table_bits, fraction_bits, percent):
 
 @pytest.mark.parametrize("exponent", [1, 2047, 2048, 65535])
 def test_n_at_its_limits(exponent):
-    """From n = 2048 to 1/32; ratios at which the speed neither vanishes nor is held."""
+    """From n = 2048 to 1/32; ratios at which the speed neither rounds to 0 nor saturates."""
     settings = replace(HAND, exponent=exponent)
     rise = np.array([1, 2, 700, 728, 729, 730, 800, 5000])
     exact = (rise / 729) ** (exponent / 2048)
@@ -674,13 +677,13 @@ def test_the_product_with_1_over_n_is_rounded_half_up():
     assert speed(3, 2, settings) == 1051920
     t63, t64 = round(2**18 * (2 ** (63 / 64) - 1)), 1 << 18
     mantissa = (1 << 18) + t63 + ((t64 - t63) * 725 >> 10)
-    assert speed(2, 3, settings) == 2 * mantissa  # 2^-1, 20 bits of fraction for 18
+    assert speed(2, 3, settings) == 2 * mantissa  # 2^-1, and 20 fraction bits in place of 18
 
 
 @pytest.mark.parametrize("rest_v, v", [(2.0, 0.05), (3.0, 0.4), (4.0, 2.7)])
 def test_on_the_rubber_of_the_physics(rest_v, v):
-    """A shear after a rest: no speed but within 2 % of its own, from the travel on that the page states. As
-    it stops, the level may have fallen by ``still`` before that is seen."""
+    """A shear after a rest: every reported speed is within 2 %, from the travel that the page states on.
+    After the shear stops, the level may fall by ``still`` before the stop is detected."""
     size, rate = ShearSize(), 10_000
     settings = ShearSettings.of(13107, rate, size)
     travelled = 0.06  # mm
@@ -689,7 +692,7 @@ def test_on_the_rubber_of_the_physics(rest_v, v):
     level = rest_v + rubber.shear_gain(rest_v) * rubber.shear_level(edges, speeds)
     found, flags = ShearSpeed(settings, size).process(np.rint(level * 13107).astype(int))
     good = np.flatnonzero(flags == OK)
-    at = (good + 1) * (1 << size.window_log2) / rate - 0.5  # a window's end, after the shear's beginning
+    at = (good + 1) * (1 << size.window_log2) / rate - 0.5  # the window's end, from the begin of the shear
     off = np.abs(found[good] / ONE / v - 1)
     sheared = at <= travelled / v
     assert sheared.any() and off[sheared].max() < 0.005

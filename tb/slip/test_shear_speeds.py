@@ -1,7 +1,7 @@
-"""msn_shear_speeds against ShearReference, a loop in integers written from docs/shear_speed.md, speeds within
-the page's bound; by hand: the clock of a report, channels that end their windows together, damaged frames,
-all that holds (pin, register, changed commands), settings by their places, off and on again, samples that
-wait. The model against the same."""
+"""msn_shear_speeds against ShearReference, a loop in integers written from docs/shear_speed.md, with speeds
+within the page's bound; by hand: the clock of a report, channels that end their windows together, damaged
+frames, everything that causes a hold (pin, register, changed commands), each setting at its place, off and on
+again, samples that stall. The model against the same loop."""
 
 import random
 from dataclasses import replace
@@ -20,7 +20,7 @@ from reference.shear import DENOMINATOR, FAST, RANGE, RISING, SATURATED, ShearRe
 
 UNSETTLED, SMALL = 1, 4
 LATENCY = 60
-# Levels are sums of 512 samples. k of Vi = 512·1000 is 500000 - 0.25·512000 = 372000, a rise of 1 mm/s.
+# Levels are sums of 512 samples. For Vi = 512·1000, k is 500000 - 0.25·512000 = 372000, a rise of 1 mm/s.
 HAND = {"k0": 500_000, "k1": -16384, "exponent": 18618, "vi_min": 300_000, "vi_max": 900_000, "noise": 5000}
 HAND |= {"still": 700, "full": 4000, "limit": 3 << 20, "travel": 0, "hold": 0, "hold_cycles": 0, "select": 0}
 OF_LOOP = ("k0", "k1", "exponent", "vi_min", "vi_max", "noise", "still", "full", "limit", "travel")
@@ -30,7 +30,8 @@ GRIP_BITS = sum(bits for _, bits in members.PLACES["grip_status"].values())
 
 
 class Loop:
-    """One channel by ShearReference: ``sample`` gives (flags, v, vi, rise) of each window that it ends."""
+    """One channel by ShearReference: ``sample`` gives (flags, v, vi, rise, rises) at the end of a window,
+    else None."""
 
     def __init__(self, settings):
         self.given = {name: settings[name] for name in OF_LOOP}
@@ -52,7 +53,7 @@ class Loop:
 
 
 def agrees(loop, expected, speed, flags):
-    """Whether a window's speed and flags are what the loop says, the speed within docs' bound."""
+    """Whether a window's speed and flags are the loop's, the speed within the bound of the docs."""
     wanted, exact, _, _, rises = expected
     if exact is None:
         loop.travel = 0
@@ -72,13 +73,12 @@ def agrees(loop, expected, speed, flags):
 
 
 class Stage:
-    """``clock`` is one: a sample or none; what was reported in it, and whether the sample was taken."""
+    """``clock`` runs one clock, with a sample or none; returns the report in it and whether the sample was
+    taken."""
 
     def __init__(self, dut):
         self.dut, self.channels = dut, dut.Channels.value.to_unsigned()
-        self.beside = random.Random(bench.SEED).getrandbits(
-            GRIP_BITS
-        )  # without grip_valid_i it counts as little
+        self.beside = random.Random(bench.SEED).getrandbits(GRIP_BITS)  # must not matter without grip_valid_i
 
     async def begin(self, **settings):
         self.settings = HAND | {"enable": 1} | settings
@@ -92,7 +92,8 @@ class Stage:
         return members.word("shear_speed_cfg", self.settings)
 
     def grip(self, increment):
-        """The reflex' status with this increment; all else in it counts as little, and is turned over."""
+        """The reflex' status with this increment; all other bits must not matter, and are inverted each
+        time."""
         self.beside ^= (1 << GRIP_BITS) - 1
         low, bits = members.PLACES["grip_status"]["increment"]
         within = (1 << bits) - 1 << low
@@ -117,7 +118,7 @@ class Stage:
         return (told if told["valid"] else None), taken
 
     async def send(self, id_, code, last, gap=0, ready=lambda: True):
-        """One sample until it is taken, then ``gap`` clocks; what was reported meanwhile."""
+        """Offer one sample until it is taken, then wait ``gap`` clocks; return the reports of that time."""
         reports, taken = [], False
         while not taken:
             told, taken = await self.clock((id_, code), last, ready=ready())
@@ -132,7 +133,7 @@ class Stage:
         return found | {name: bench.as_signed(found[name], bits) for name, bits in (("vi", 26), ("rise", 27))}
 
     async def levels(self):
-        """{channel: (vi, rise, windows)} by ``select``; of channels that are not there all is 0."""
+        """{channel: (vi, rise, windows)} by ``select``; channels that do not exist read 0."""
         found = {}
         for channel in range(8):
             self.put(select=channel)
@@ -145,12 +146,13 @@ class Stage:
 
 
 def signed(name, value):
-    """A register's value of its bits."""
+    """A register's value from its bits."""
     return bench.as_signed(value, REGISTERS[name][1]) if name in ("k1", "vi_min", "vi_max", "full") else value
 
 
 def story(rng, channels, windows):
-    """Codes [channels, samples] of levels that rest, are sheared, fall and clip, each at its own time."""
+    """Codes [channels, samples] of levels that rest, are sheared, fall and clip, each channel at its own
+    times."""
     rows = []
     for _ in range(channels):
         levels = []
@@ -167,8 +169,8 @@ def story(rng, channels, windows):
 
 
 async def follow(stage, codes, loops, draw=None):
-    """Each window of each channel against its loop, in the reports and in its registers; with ``draw`` there
-    are gaps, and the slip path is not always ready. All flags that were seen, and how many speeds of each."""
+    """Check each window of each channel against its loop, in the reports and in the registers; with ``draw``
+    there are gaps and the slip path stalls. Return all flags seen and the number of speeds, per channel."""
     waiting, seen, speeds = [], [0] * stage.channels, [0] * stage.channels
     for frame in codes.T.tolist():
         reports = []
@@ -217,7 +219,7 @@ async def matches_the_loops(dut):
 
 
 def climb(rng, channels, rest, top):
-    """Codes [channels, samples] of eight windows at rest and twelve of levels that rise to ``top``."""
+    """Codes [channels, samples] of eight windows at rest and twelve with levels that rise to ``top``."""
     rows = [
         [rest + int(rng.integers(0, 99))] * 8 + sorted(rng.integers(rest + 200, top, 12))
         for _ in range(channels)
@@ -229,8 +231,8 @@ def climb(rng, channels, rest, top):
 @bench.applies(lambda dut: dut.ShearSpeed.value == 1)
 @cocotb.test(timeout_time=100, timeout_unit="ms")
 async def matches_the_loops_at_full_width(dut):
-    """The whole range of codes and of speeds, with 1/n = 1; each flag of each channel; then registers and
-    levels from anywhere, each bit of them turned over."""
+    """The entire range of codes and of speeds, with 1/n = 1; each flag of each channel; then random registers
+    and levels, with each register bit both 0 and 1."""
     stage, rng = Stage(dut), np.random.default_rng(bench.SEED)
     await stage.begin()
     straight = HAND | {"k0": 512 * 100_000 // 15, "k1": 0, "exponent": 2048, "limit": TOP}
@@ -257,7 +259,7 @@ async def matches_the_loops_at_full_width(dut):
 
 
 async def frames(stage, level, count, others=1000, every=0):
-    """``count`` frames, channel 0 at ``level``, the others at theirs; what was reported."""
+    """``count`` frames with channel 0 at ``level`` and the others at ``others``; returns the reports."""
     reports = []
     for _ in range(count):
         for channel in range(stage.channels):
@@ -272,7 +274,7 @@ async def settle(stage, clocks=LATENCY + 20):
 
 
 async def shown(stage):
-    """(speed, flags) of channel 0."""
+    """(speed, flags) of channel 0, from the registers."""
     await settle(stage)
     status = stage.status()
     return status["channel0_speed"], status["channel0_flags"]
@@ -281,7 +283,8 @@ async def shown(stage):
 @bench.applies(lambda dut: dut.ShearSpeed.value == 1)
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def by_hand(dut):
-    """1 mm/s in the clock that is stated, one clock later for each channel; what waits; each kind of hold."""
+    """1 mm/s in the stated clock, and each further channel one clock later; samples that stall; each
+    setting."""
     stage = Stage(dut)
     await stage.begin()
     first, second = 1000, 1000 + 372_000 / 512  # 726.5625: 36 of 64 samples a code higher
@@ -292,7 +295,7 @@ async def by_hand(dut):
     for n in range(WINDOW - 1):
         await frames(stage, high[n], 1)
     sent, at = [], []
-    for clock in range(100):  # the last frame, a sample a clock
+    for clock in range(100):  # the last frame, one sample a clock
         sample = (clock, high[-1] if clock == 0 else 1000) if clock < stage.channels else None
         told, taken = await stage.clock(sample, clock == stage.channels - 1)
         sent += [clock] if taken else []
@@ -302,7 +305,7 @@ async def by_hand(dut):
     assert at[1:] == [(LATENCY + channel, channel, 0, 0) for channel in range(1, stage.channels)]
     assert await shown(stage) == (1 << 20, 0)
     assert (await stage.levels())[0] == (512_000, 372_000, 10)
-    # The next window's first two frames right behind the last one: the second waits, and none is lost.
+    # The next window's first two frames right after the last one: the second stalls, and none is lost.
     for n in range(WINDOW):
         await frames(stage, high[n], 1)
     taken_at, clock, place = [], 0, 0
@@ -312,7 +315,7 @@ async def by_hand(dut):
         taken_at += [clock] if taken else []
         place, clock = place + taken, clock + 1
     assert 50 < taken_at[-1] <= LATENCY + 3 * stage.channels
-    # Settings apart from enable, one by one, by what they do to that rise.
+    # Each setting except enable, by its effect on that rise.
     for change, expected in (
         ({"limit": (1 << 20) - 1}, (0, FAST)),
         ({"limit": 1 << 20}, (1 << 20, 0)),
@@ -344,7 +347,7 @@ async def by_hand(dut):
 
 
 async def known(stage, **settings):
-    """Vi is known, and a speed shown."""
+    """Bring channel 0 to a known Vi and a valid speed."""
     stage.put(**HAND, enable=0)
     await stage.clock()
     stage.put(enable=1, **settings)
@@ -357,8 +360,8 @@ async def known(stage, **settings):
 @bench.applies(lambda dut: dut.ShearSpeed.value == 1)
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def speeds_of_each_bit(dut):
-    """In each channel 2^bit exactly, of a rise of half or twice k to the power of |20 - bit|; at the limit
-    and above it. A window sees the settings of its own."""
+    """Exactly 2^bit in each channel, from a rise of half or twice k to the power of |20 - bit|; with the
+    limit at that speed and one below. The settings in force when a window is computed apply to it."""
     stage = Stage(dut)
     await stage.begin()
     rise = 512 * 726  # above Vi of 512 x 1000
@@ -408,7 +411,7 @@ async def holds_while_the_force_may_change(dut):
         await known(stage, hold_cycles=cycles)
         await stage.clock(command=increment)
         held = cycles if increment else 0
-        for after in range(min(held, 4)):  # of that many cycles, each a window here
+        for after in range(min(held, 4)):  # the hold lasts this many cycles; here each cycle is a window
             await frames(stage, 1727, WINDOW)
             assert await shown(stage) == (0, UNSETTLED), (cycles, increment, after)
             await stage.clock(command=0)
@@ -417,7 +420,7 @@ async def holds_while_the_force_may_change(dut):
                 await frames(stage, 1727, WINDOW)
             await frames(stage, 1740, WINDOW)
             assert (await shown(stage))[1] == 0, (cycles, increment)
-    # A frame without its last sample, and one with a sample too many; all is forgotten, of every channel.
+    # A frame without its last sample, and one with an extra sample: every channel discards its level.
     for damage in ([(0, 0)], [(c, int(c == stage.channels)) for c in range(stage.channels)] + [(0, 1)]):
         if stage.channels == 1:
             break
@@ -492,7 +495,7 @@ def test_refuses_a_core_that_does_not_suit():
 
 
 def test_model_against_the_loop():
-    """Pieces of any length, holds by sample and by commands."""
+    """Pieces of any length; holds by sample and by changed commands."""
     rng = np.random.default_rng(bench.SEED)
     given = HAND | {"limit": int(1.9 * (1 << 20)), "travel": 1 << 18, "hold_cycles": 2}
     config = ShearConfig(ShearSettings(**{name: given[name] for name in OF_LOOP}), 2)

@@ -1,6 +1,6 @@
 """msn_sliding_extremes against its model: both tap counts, several lags and channel counts, full-scale
-values, values that differ in one bit only, each in its turn, gaps and stalls, and restarts before and after
-every lag has filled."""
+values, values that differ in one bit only, for each bit, gaps and stalls, and restarts before and after every
+lag has filled."""
 
 import cocotb
 import numpy as np
@@ -22,7 +22,7 @@ def beats_of(high, low):
 
 
 def near(rng, channels, reach, bits):
-    """Integers [channels, n]: ``reach`` frames in a row differ in one bit only, each bit is it twice."""
+    """Integers [channels, n]: runs of ``reach`` frames that differ in one bit only; two runs for each bit."""
     turns = -(-2 * bits // channels)
     bit = (np.arange(channels)[:, None] + channels * np.arange(turns)) % bits
     low, high = bench.width(bits)
@@ -40,7 +40,7 @@ async def matches_model(dut, stall_rate):
     await bench.start(dut)
     rng = np.random.default_rng(bench.SEED)
     sent, expected = [], []
-    # Restart when only part of the lags has filled, when just all have, and late.
+    # Restart when only some lags have filled, when all just have, and late.
     lengths = (1, lag, (taps - 1) * lag, 3 * taps * lag + 20)
     runs = [[bench.extremes_then_random(rng, channels, n, bits) for _ in range(2)] for n in lengths]
     runs += [[near(rng, channels, taps * lag + 8, bits) for _ in range(2)]]

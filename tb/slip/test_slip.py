@@ -1,6 +1,6 @@
-"""msn_slip against its model: random walks through every state and arc under every register setting,
+"""msn_slip against its model: random walks through every state and transition under every register setting,
 p2p at, one below and one above each threshold, timers of 0, 1 and more, moving actuators, restarts, gaps
-and stalls. A run that left a state or an arc unvisited fails."""
+and stalls. A run that leaves a state or transition unvisited fails."""
 
 import itertools
 import random
@@ -19,7 +19,7 @@ FIELDS = ["state", "raised", "over", "p2p", "id", "last", "end"]
 THRESHOLD, GROSS, CONTACT, RELEASE = 40, 80, 1000, 900
 KEEP = 25
 
-# Every change of state that the rules allow.
+# Every state transition that the rules allow.
 ARCS = {
     (State.NONE, State.CONTACT),
     (State.CONTACT, State.INCIPIENT),
@@ -36,7 +36,7 @@ ARCS = {
 
 
 def walk(channels, length, rises, draw):
-    """p2p and level [channels, length] that stay a while and then jump, at and around each threshold."""
+    """p2p and level [channels, length] that stay for a while and then jump, at and around each threshold."""
     sign = 1 if rises else -1
     levels = [sign * v for v in (CONTACT, CONTACT - 1, CONTACT + 500, RELEASE, RELEASE - 1, 0)]
     sizes = [0, KEEP, KEEP + 1, THRESHOLD, THRESHOLD + 1, GROSS, GROSS + 1, (1 << 18) - 1]
@@ -86,7 +86,7 @@ async def matches_model(dut, rises, stall_rate):
     arcs, blanked = set(), 0
     length = (1000 if channels == 1 else 400) if channels < 100 else 3
     timers = [(0, 0, 0), (1, 1, 1), (3, 9, 5), (10, 0, 9), (2, 6, 14)] if channels < 100 else [(1, 1, 1)]
-    keeps = itertools.cycle([KEEP, None, GROSS - 1, 0])  # lower, the threshold's own, above it, anything
+    keeps = itertools.cycle([KEEP, None, GROSS - 1, 0])  # lower, equal, higher, any p2p keeps
     for (hold, refractory, blank), keep in zip(timers, keeps):
         config = SlipConfig(
             threshold=THRESHOLD,
@@ -137,7 +137,7 @@ async def matches_model(dut, rises, stall_rate):
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def moving_is_that_of_the_clock_that_takes_a_detail(dut):
-    """The actuator may move or rest at every clock, most often otherwise between two details."""
+    """The actuator may start or stop at every clock; mostly it differs in the clocks between two details."""
     channels = dut.Channels.value.to_unsigned()
     draw = random.Random(bench.SEED)
     config = SlipConfig(threshold=THRESHOLD, gross_threshold=GROSS, contact_level=CONTACT)
@@ -167,9 +167,9 @@ async def moving_is_that_of_the_clock_that_takes_a_detail(dut):
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def moving_changes_while_the_stage_waits(dut):
-    """Decisions are taken in one of four clocks; in each clock that takes no detail the actuator does the
-    contrary of what it did for the last one. Each third detail of a contact is over: a slip if the actuator
-    rested in the clock that took it."""
+    """Decisions are taken in one of four clocks. In each clock that takes no detail, the actuator does the
+    opposite of what it did for the last detail. Every third detail of a contact is over: a slip if the
+    actuator was at rest in the clock that took it."""
     channels = dut.Channels.value.to_unsigned()
     config = SlipConfig(
         threshold=THRESHOLD, gross_threshold=GROSS, contact_level=CONTACT, hold=1, refractory=0, blank=0
@@ -183,7 +183,7 @@ async def moving_changes_while_the_stage_waits(dut):
             for channel in range(channels):
                 moving = (5 * trial + 3 * channel + step // 2) % 7 < 3
                 beats.append((p2p, level, int(step == 0), int(moving)))
-                expected.append((0, 1, 1 if moving else 2)[step])  # None, Contact, Contact or Incipient
+                expected.append((0, 1, 1 if moving else 2)[step])  # NONE, CONTACT, CONTACT or INCIPIENT
     got, before, clock = [], 0, 0
     while len(got) < len(expected):
         offer = beats[0] if beats else None
@@ -206,7 +206,8 @@ async def moving_changes_while_the_stage_waits(dut):
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def a_level_may_be_pressed_and_lifted(dut):
-    """Release above contact: what lies between touches in one detail and lets go in the next."""
+    """The release level is above the contact level: a level between them gives contact in one detail and none
+    in the next."""
     channels = dut.Channels.value.to_unsigned()
     config = SlipConfig(
         threshold=THRESHOLD, gross_threshold=GROSS, contact_level=RELEASE, release_level=CONTACT, hold=1
@@ -224,7 +225,7 @@ async def a_level_may_be_pressed_and_lifted(dut):
 @bench.applies(lambda dut: dut.Channels.value.to_unsigned() <= 100)
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def forgets_what_a_reset_interrupts(dut):
-    """In every state, with a detail half-way."""
+    """In every state, with a detail in flight."""
     channels = dut.Channels.value.to_unsigned()
     config = SlipConfig(
         threshold=THRESHOLD, gross_threshold=GROSS, contact_level=CONTACT, release_level=RELEASE, hold=2
@@ -263,7 +264,7 @@ async def thresholds_and_levels_use_every_bit(dut):
     draw = random.Random(bench.SEED)
     sign = 1 << bits
     numbers = [draw.randrange(1, sign - 1) for _ in range(5)]
-    for _ in range(3):  # every bit of every register up and down
+    for _ in range(3):  # every bit of every register at 0 and at 1
         levels = [bench.as_signed(number, bits) for number in numbers[2:4]]
         settings.append((*numbers[:2], *levels, numbers[4]))
         numbers = [sign - 1 - number for number in numbers]
@@ -293,7 +294,7 @@ async def thresholds_and_levels_use_every_bit(dut):
         assert got == [{"state": row["state"], "over": row["over"]} for row in rows], config
 
 
-# By hand: p2p, level, moving, and the state. 6 keeps nothing, 7 does; 10 raises nothing, 11 does.
+# By hand: p2p, level, moving, state. A p2p of 7 keeps a flag, 6 does not; 11 raises one, 10 does not.
 KEPT_CONFIG = SlipConfig(
     threshold=10,
     gross_threshold=20,
@@ -312,11 +313,11 @@ KEPT = [
         (11, 5, 0, _C),
         (7, 5, 0, _C),
         (10, 5, 0, _C),
-    ],  # blanked; kept raises nothing
+    ],  # the 11 is blanked; a p2p that would keep a flag raises none
     *[(11, 5, 0, _I), (6, 5, 0, _I), (7, 5, 0, _I), (10, 5, 0, _I)],
-    *[(6, 5, 0, _I), (6, 5, 0, _I), (7, 5, 0, _I)],  # in the last detail of the hold
+    *[(6, 5, 0, _I), (6, 5, 0, _I), (7, 5, 0, _I)],  # kept in the last detail of the hold
     *[(5, 5, 0, _I), (6, 5, 0, _I), (0, 5, 0, _C)],
-    *[(11, 5, 0, _C), (11, 5, 0, _C), (11, 5, 0, _C), (7, 5, 0, _C)],  # refractory
+    *[(11, 5, 0, _C), (11, 5, 0, _C), (11, 5, 0, _C), (7, 5, 0, _C)],  # refractory time
     *[
         (21, 5, 0, _G),
         (7, 5, 0, _G),
@@ -327,7 +328,7 @@ KEPT = [
         (6, 5, 0, _C),
     ],
     *[(0, 5, 0, _C), (0, 5, 0, _C), (0, 5, 0, _C), (11, 5, 0, _I)],
-    *[(7, 5, 1, _I), (11, 5, 1, _I), (7, 5, 0, _I)],  # what moves keeps nothing
+    *[(7, 5, 1, _I), (11, 5, 1, _I), (7, 5, 0, _I)],  # a moving actuator keeps no flag
     *[(7, 5, 1, _I), (10, 5, 1, _I), (7, 5, 1, _C)],
     *[
         (0, 5, 0, _C),
@@ -344,7 +345,7 @@ KEPT = [
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def keeps_a_flag_as_told(dut):
-    """Every channel, the same story: expectations by hand."""
+    """Every channel runs the same sequence, with states worked out by hand."""
     channels = dut.Channels.value.to_unsigned()
     await bench.start(dut, actuator_moving_i=0, in_mask_i=0)
     await apply(dut, KEPT_CONFIG)
@@ -372,14 +373,14 @@ async def note_changes(port, seen):
 @bench.applies(lambda dut: dut.Channels.value.to_unsigned() == 1)
 @cocotb.test(timeout_time=10, timeout_unit="ms")
 async def timers_end_on_time_with_every_bit(dut):
-    """For each of the three a time of every other bit, one of the bits between, and 0; a detail a clock."""
+    """For each of the three times: every other bit set, the bits between, and 0; one detail a clock."""
     bits = len(dut.cfg_hold_i)
     times = [sum(1 << k for k in range(first, bits, 2)) for first in (0, 1)] + [0]
     await bench.start(dut, actuator_moving_i=0, in_mask_i=0, out_ready_i=1)
     for name, time in itertools.product(("blank", "hold", "refractory"), times):
         config = SlipConfig(**{"contact_level": 1, "release_level": 1, "hold": 3} | {name: time})
         await apply(dut, config)
-        # Over from the onset on, still, over while deaf, then lifted.
+        # Over from the onset on, below, over in the refractory time, then lifted.
         parts = [(99, 1, config.blank + 3), (0, 1, config.hold + 2), (99, 1, config.refractory + 2)]
         parts += [(0, 0, config.hold + 3 if name != "hold" else 1)]
         p2p, level, _ = np.repeat(parts, [part[2] for part in parts], axis=0).T
@@ -395,7 +396,7 @@ async def timers_end_on_time_with_every_bit(dut):
         dut.in_valid_i.value = 0
         await bench.clocks(dut, 2)
         watch.cancel()
-        # A detail is taken a clock after it is offered, and gives its state after two.
+        # A detail is taken in the clock after it is offered and gives its state two clocks later.
         expected = [(before + 10 * (at + 2), states[at]) for at in np.flatnonzero(np.diff(states)) + 1]
         assert [change for change in seen if change[0] > before + 20] == expected, config
 
@@ -421,7 +422,7 @@ EVIDENCE = {
 }
 
 
-# Timers of 4 bits: those of matches_model then reach the top bit.
+# With timers of 4 bits the times of matches_model reach the top bit.
 @pytest.mark.parametrize(
     "channels, timer_bits, mask",
     [
@@ -439,7 +440,7 @@ def test_slip(channels, timer_bits, mask):
 
 @pytest.mark.parametrize("channels, mask", [(1, 1), (3, 0)])
 def test_slip_by_hand(channels, mask):
-    """Against literals and a plain loop, not the model: slip/slip_by_hand.py."""
+    """Against literals and a plain loop instead of the model: slip/slip_by_hand.py."""
     size = {"Channels": channels, "TimerBits": 4, "Mask": mask}
     bench.run("slip", "slip", size, module="slip_by_hand")
 
@@ -475,7 +476,7 @@ def test_a_keep_threshold_above_the_threshold_changes_nothing():
 
 
 def test_refractory_time_is_honoured():
-    """However the input is, two rises of the flag are more than ``refractory`` details apart."""
+    """For any input, two rises of the flag are more than ``refractory`` details apart."""
     config = SlipConfig(threshold=10, contact_level=1, release_level=0, hold=0, refractory=7)
     draw = np.random.default_rng(1)
     states = Slip(1, config).process(draw.integers(0, 30, (1, 5000)), np.ones((1, 5000), int))[0]

@@ -1,6 +1,6 @@
-"""msn_slip_chain: the slip path's decisions, through the skids of an array too, as its twin says; the pin of
-the actuator two clocks later; the decisions about a centre of pressure passed on where there is no slip path;
-the flags of either, once for a decision that waits.
+"""msn_slip_chain: the slip path's decisions, also through an array's skid buffers, are the twin's; the
+actuator pin acts two clocks later; without a slip path, decisions about a centre of pressure are passed on;
+the flags of both, updated once for a decision that stalls.
 """
 
 import random
@@ -38,7 +38,8 @@ async def begin(dut, moving=0):
 
 
 async def run(dut, beats, gap=0.0, stall=0.0, drain=120, verdicts=None):
-    """Decisions that were taken; the flags a clock after each was offered first; ``verdicts``: gets them."""
+    """The decisions taken; the flags a clock after each was first offered; ``verdicts``: list to which
+    verdicts are added."""
     verdicts = [] if verdicts is None else verdicts
     gaps, stalls = bench.gaps_and_stalls(gap, stall)
     decisions, flags, sent, quiet, waits, flagged, held = [], [], 0, 0, False, False, False
@@ -77,7 +78,7 @@ async def run(dut, beats, gap=0.0, stall=0.0, drain=120, verdicts=None):
 @cocotb.parametrize(pace=[(0.0, 0.0), (0.3, 0.5)], moving=[0, 1])
 async def events_and_flags_are_the_models(dut, pace, moving):
     await begin(dut, moving)
-    await bench.clocks(dut, 3)  # the pin's two flip-flops
+    await bench.clocks(dut, 3)  # the two flip-flops at the pin
     channels, config = number(dut, "Channels"), config_of(dut)
     x = recording(np.random.default_rng(bench.SEED), channels, 700)
     beats = [beat | {"mask": 0} for beat in beats_of(x)]
@@ -87,7 +88,8 @@ async def events_and_flags_are_the_models(dut, pace, moving):
     assert len(decisions) == 700 // group * channels
     assert [d["id"] for d in decisions] == list(range(channels)) * (700 // group)
     assert all(d["last"] == (d["id"] == channels - 1) for d in decisions)
-    # Of single channels: one of each detail, over by its peak-to-peak alone, whatever moves; docs/slip.md.
+    # Verdicts of single channels: one per detail, over by peak-to-peak alone, whether it moves or not;
+    # docs/slip.md.
     span, hop = config.window // group, config.hop // group
     ends = lambda n: n >= span - 1 and (n - (span - 1)) % hop == 0
     expected = [
@@ -119,7 +121,7 @@ async def what_is_masked_raises_nothing(dut):
 @bench.applies(lambda dut: number(dut, "Slip") and number(dut, "Array"))
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def is_busy_from_a_sample_on(dut):
-    """Also in the clock in which it is offered, when the slip path does not know of it."""
+    """Also in the clock in which the sample is offered, when the slip path does not yet have it."""
     await begin(dut)
     dut.in_valid_i.value = 1
     await ReadOnly()
@@ -146,7 +148,7 @@ async def a_damaged_frame_is_counted(dut):
 @bench.applies(lambda dut: not number(dut, "Slip"))
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def passes_on_the_decisions_about_a_centre_of_pressure(dut):
-    """Every bit of each member, at once and with ready, and the flags after it."""
+    """Every bit of each member, in the same clock, and ready likewise; then the flags."""
     await begin(dut)
     draw, seen = random.Random(bench.SEED), []
     for clock in range(200):

@@ -54,7 +54,8 @@ async def forgets_at_reset(dut):
 
 
 def of_frames(decisions):
-    """Each flag: after a frame's last decision whether any of it has it, before or any of the last frame."""
+    """Each flag after each decision: whether any state of this frame, or of the previous one until this ends,
+    has it."""
     frames, found = [[]], []
     for state, last in decisions:
         frames[-1].append(state)

@@ -1,4 +1,4 @@
-"""msn_slip_path: decisions against the twins, at every channel count up to 7 and beyond; at most 8
+"""msn_slip_path: decisions against the twins, at every channel count up to 7 and above; at most 8
 clocks from the sample that completes a group to its decision; damaged frames; reset in mid-frame."""
 
 from dataclasses import replace
@@ -26,7 +26,7 @@ def parameters(dut):
 
 
 def pace(dut):
-    """How bench.stream must be called: the serial path takes its time, and an offer stands until then."""
+    """Arguments for bench.stream: the serial path takes longer, and an offer must hold until it is taken."""
     return {"hold": True, "drain": 80} if dut.Serial.value.to_unsigned() else {}
 
 
@@ -41,7 +41,7 @@ async def begin(dut, config):
 
 
 def recording(rng, channels, samples):
-    """Codes that rest near 0, press to about 150, and tremble more or less: every state is visited."""
+    """Codes that rest near 0, are pressed to about 150, with more or less noise: every state is visited."""
     pressed = np.repeat(rng.random((channels, samples // 25 + 1)) < 0.7, 25, axis=1)[:, :samples]
     tremor = np.repeat(rng.choice([5, 25, 60], (channels, samples // 10 + 1)), 10, axis=1)[:, :samples]
     return pressed * 150 + rng.integers(-tremor, tremor + 1)
@@ -85,7 +85,7 @@ async def matches_model(dut, stall_rate):
 
 
 def any_settings(rng, run, dut):
-    """x, moving, config: each bit of each timer alone, levels and thresholds of any size, then anything."""
+    """x, moving, config: each bit of each timer alone, levels and thresholds of any size; then all random."""
     channels, level, window, hop = parameters(dut)
     rises, moving, top = bool(run % 2), run % 4 == 2, 1 << 17 + level
     shift = run % 9
@@ -106,7 +106,7 @@ def any_settings(rng, run, dut):
 @bench.applies(lambda dut: hasattr(dut, "adc_cs_n_o"))  # msn_channels of a stream
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def a_converter_that_is_not_there_rests(dut):
-    """CS high and all else low, and any clock may be a convert start."""
+    """CS is high, the other pins are low, and any clock may be a convert start."""
     pins = ("cs_n", "sclk", "mosi", "convst", "reset")
     await bench.start(dut, cfg_adc_enable_i=1, cfg_adc_period_i=5, adc_miso_i=1, adc_busy_i=1)
     for _ in range(20):
@@ -116,7 +116,7 @@ async def a_converter_that_is_not_there_rests(dut):
         await bench.RisingEdge(dut.clk_i)
 
 
-# The serial path has its own: tb/slip/test_slip_serial.py.
+# The serial path has its own test: tb/slip/test_slip_serial.py.
 @bench.applies(lambda dut: parameters(dut)[0] <= 100 and not dut.Serial.value.to_unsigned())
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def settings_of_any_size_match_the_model(dut):
@@ -137,7 +137,7 @@ async def settings_of_any_size_match_the_model(dut):
 
 
 def near_the_limits(rng, channels, config):
-    """Details of 0 and one threshold, one less or one more, for two windows each; levels near a limit."""
+    """p2p of each threshold, one less and one more, for two windows each; levels near a limit."""
     level, details = config.level, 2 * config.window >> config.level
     limits = (config.threshold, config.gross_threshold, config.keep_threshold)
     near = [limit + off for limit in limits for off in (-1, 0, 1)]
@@ -147,13 +147,13 @@ def near_the_limits(rng, channels, config):
     total = rng.choice([config.contact_level, config.release_level], shape) + rng.integers(
         -2, 3, detail.shape
     )
-    total += (total + detail) % 2  # whole halves: the first is (total + detail) / 2
+    total += (total + detail) % 2  # make it even: the first half is (total + detail) / 2
     halves = np.stack([total + detail, total - detail], axis=-1).reshape(channels, -1) // 2
     parts = 1 << level - 1
-    return ((halves[..., None] + np.arange(parts)) // parts).reshape(channels, -1)  # adds up to each half
+    return ((halves[..., None] + np.arange(parts)) // parts).reshape(channels, -1)  # parts add up to a half
 
 
-# The serial path has its own: tb/slip/test_slip_serial.py.
+# The serial path has its own test: tb/slip/test_slip_serial.py.
 @bench.applies(lambda dut: parameters(dut)[0] <= 100 and not dut.Serial.value.to_unsigned())
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def compares_exactly_at_each_limit(dut):
@@ -173,10 +173,10 @@ async def compares_exactly_at_each_limit(dut):
         assert await bench.stream(dut, beats_of(x), FIELDS) == should, config
 
 
-@bench.applies(lambda dut: not dut.Serial.value.to_unsigned())  # its time: tb/slip/test_slip_serial.py
+@bench.applies(lambda dut: not dut.Serial.value.to_unsigned())  # serial: tb/slip/test_slip_serial.py
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 async def decides_at_most_8_clocks_after_the_pair(dut):
-    """A crossing in the last channel; clocks are counted from the clock that took the crossing sample."""
+    """A crossing in the last channel; clocks count from the one that took the crossing sample."""
     channels, level, window, hop = parameters(dut)
     config = settings(dut)
     await begin(dut, config)
@@ -208,9 +208,9 @@ async def decides_at_most_8_clocks_after_the_pair(dut):
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 @cocotb.parametrize(frames=[36, 37], lost=["first", "middle"])
 async def starts_anew_after_a_damaged_frame(dut, frames, lost):
-    """A lost sample: the damage is counted, and from the next whole frame on all is as after a reset.
+    """A lost sample is counted as damage; from the next complete frame on, results are as after a reset.
 
-    The frame is the even or the odd one of a pair, and what came before the loss has gone on its way.
+    The damaged frame is the even or the odd one of a pair; the results of earlier frames are not checked.
     """
     channels = parameters(dut)[0]
     config = settings(dut)
@@ -220,7 +220,7 @@ async def starts_anew_after_a_damaged_frame(dut, frames, lost):
     before, after = recording(rng, channels, frames), recording(rng, channels, length)
     broken = beats_of(before)
     if channels == 1:
-        broken[-1]["last"] = 0  # with one channel a lost `last` is the only damage there is
+        broken[-1]["last"] = 0  # with one channel a lost `last` is the only possible damage
         broken.append(broken[-1] | {"last": 1})
     else:
         del broken[-channels + (channels // 2 if lost == "middle" and channels > 2 else 0)]
@@ -239,7 +239,7 @@ async def recovers_after_reset_in_mid_frame(dut):
     first = beats_of(recording(rng, channels, 7))
     await bench.stream(dut, first[: len(first) - channels // 2], FIELDS, **(pace(dut) | {"drain": 1}))
     await bench.reset(dut)
-    # Once more with every stage full, and held by a consumer that sleeps.
+    # Again with every stage full, as the follower stalls.
     dut.out_ready_i.value = 0
     dut.in_valid_i.value = 1
     for beat in beats_of(recording(rng, channels, 100)):
@@ -259,9 +259,8 @@ async def recovers_after_reset_in_mid_frame(dut):
 
 
 def masked_ramp(rng, channels, config, samples):
-    """Presses that rise steadily, steeper than the threshold; what is masked, up to two windows, is anything.
-
-    The first channel is not masked but changed in the same way.
+    """Presses that rise steadily, steeper than the threshold; masked samples, in runs of up to two windows,
+    are random. The first channel has the same random runs, but unmasked.
     """
     x = 30 * np.arange(samples) + rng.integers(-2, 3, (channels, samples))
     mask = np.zeros((channels, samples), dtype=bool)
@@ -280,7 +279,7 @@ def masked_ramp(rng, channels, config, samples):
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 @cocotb.parametrize(rises=[True, False])
 async def masked_taxels_raise_no_slip(dut, rises):
-    """However the mask comes and goes; a neighbour that is not masked slips as ever."""
+    """For any change of the mask; an unmasked neighbour slips as without masks."""
     channels, level, window, hop = parameters(dut)
     limits = {"contact_level": 0, "release_level": -100 if rises else 1 << 16, "contact_rises": rises}
     config = SlipConfig(window=window, hop=hop, level=level, threshold=60, gross_threshold=110, **limits)
@@ -342,7 +341,7 @@ def test_slip_path(parameters):
     ],
 )
 def test_slip_path_by_hand(parameters):
-    """Against a plain loop, not the models: slip/path_by_hand.py."""
+    """Against a plain loop instead of the models: slip/slip_path_by_hand.py."""
     bench.run("slip", "slip_path", {"Level": 1} | parameters, module="slip_path_by_hand")
 
 
@@ -369,7 +368,7 @@ def test_refuses_illegal_parameters(parameters, message):
 @pytest.mark.parametrize("level", [1, 2, 3])
 @pytest.mark.parametrize("masked", [False, True])
 def test_the_models_threshold_may_change_between_frames(level, masked):
-    """Detail by detail: that which a frame from the change on completes is judged by the new threshold."""
+    """The new threshold applies to each detail that a frame from the change on completes."""
     config, group = SlipConfig(level=level, window=64, **LEVELS, **TIMES), 1 << level
     x = recording(np.random.default_rng(5), 2, 400)
     mask = np.zeros(x.shape, bool) if masked else None

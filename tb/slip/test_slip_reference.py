@@ -1,5 +1,6 @@
-"""Slip by literals and by plain loops: the stories of tb/reference/slip_cases.py, worked out by hand, hold
-for the loop, for the twin and (slip/slip_by_hand.py) for the RTL; then twins against loops on walks."""
+"""Slip by literals and by plain loops: the cases of tb/reference/slip_cases.py, worked out by hand, must hold
+for the loop, for the twin and (slip/slip_by_hand.py) for the RTL; then twins against loops on random
+walks."""
 
 import random
 from types import SimpleNamespace
@@ -131,7 +132,7 @@ PATHS = [(1, 64, 64), (1, 16, 8), (1, 16, 2), (2, 32, 16), (3, 64, 64), (2, 16, 
 @pytest.mark.parametrize("rises", [True, False])
 @pytest.mark.parametrize("level, window, hop", PATHS)
 def test_the_path_is_the_loop_s(level, window, hop, rises):
-    """Trembling codes of a few steps, so that every limit is met exactly; masked now and then."""
+    """Codes that vary by a few steps, so that every limit is met exactly; masked now and then."""
     rng = np.random.default_rng(bench.SEED)
     group, sign = 1 << level, 1 if rises else -1
     levels = {"contact_level": sign * 6 * group, "release_level": sign * 5 * group, "contact_rises": rises}

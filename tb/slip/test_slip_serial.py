@@ -1,6 +1,7 @@
-"""msn_slip_serial against its model, and so against the chain it stands for: every state, both directions of
-the level, samples, levels and thresholds at the ends of their ranges, timers of 0 and up to the top bit,
-moving actuators, damage of every kind, resets in every step of a sample, gaps and stalls; its time."""
+"""msn_slip_serial against its model, which equals the chain of blocks it replaces: every state, both
+directions of the level; samples, levels and thresholds at the ends of their ranges; timers of 0 and up to the
+top bit; moving actuators, damage of every kind, resets in every step of a sample, gaps and stalls; its
+time."""
 
 import itertools
 import random
@@ -26,7 +27,7 @@ def build(dut, **settings):
 
 
 def usual(dut, rises=True, **settings):
-    """Settings under which ``recording`` visits every state; times as long as their registers allow."""
+    """Settings with which ``recording`` visits every state; times cut to what their registers hold."""
     sign = 1 if rises else -1
     half = 1 << (dut.Level.value.to_unsigned() - 1)
     given = {"contact_level": sign * 200 * half, "release_level": sign * 100 * half, "contact_rises": rises}
@@ -47,7 +48,7 @@ async def apply(dut, twin):
 
 
 def recording(rng, samples, rises=True):
-    """Codes that rest near 0, press to about 150, and tremble more or less."""
+    """Codes that rest near 0, are pressed to about 150, with more or less noise."""
     pressed = np.repeat(rng.random(samples // 25 + 1) < 0.7, 25)[:samples]
     tremor = np.repeat(rng.choice([5, 25, 60], samples // 10 + 1), 10)[:samples]
     return (1 if rises else -1) * pressed * 150 + rng.integers(-tremor, tremor + 1)
@@ -60,14 +61,14 @@ def beats_of(x, ids=None, lasts=None):
 
 
 def rows(decided):
-    """The twin's decisions as the beats of the block."""
+    """The twin's decisions as output beats of the block."""
     return [{f: int(decided[f][n]) for f in FIELDS} for n in range(len(decided["state"]))]
 
 
 async def check(dut, twin, x, stall_rate=0.0, **given):
-    """Send ``x`` and compare every decision; returns the twin's.
+    """Send ``x`` and compare every decision; return the twin's decisions.
 
-    ``stall_rate``: of both sides, or (gaps, stalls).
+    ``stall_rate``: for both ends, or (gaps, stalls).
     """
     decided = twin.next(x, **given)
     gaps, stalls = stall_rate if isinstance(stall_rate, tuple) else (stall_rate, stall_rate)
@@ -129,13 +130,13 @@ async def samples_and_thresholds_use_every_bit(dut):
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def compares_exactly_at_each_limit(dut):
-    """p2p and level at, one below and one above each limit, and where that is a power of two."""
+    """p2p and level at, one below and one above each limit, also where the limit is a power of two."""
     level, window = (getattr(dut, n).value.to_unsigned() for n in ("Level", "Window"))
     longest = (1 << dut.TimerBits.value.to_unsigned()) - 1
     await bench.start(dut, actuator_moving_i=0)
     for limit, rises, lower in itertools.product((1, 2, 63, 64, 100), (True, False), (True, False)):
         levels = {"contact_level": limit, "release_level": limit, "contact_rises": rises}
-        # The least p2p above ``limit`` raises the flag, or a greater one does and that keeps it.
+        # The flag is raised by the least p2p above ``limit``, or by a greater one and then kept by it.
         keep = {"threshold": limit + 1, "keep_threshold": limit} if lower else {"threshold": limit}
         hold = min(window >> level, longest) if lower else 0
         twin = build(dut, gross_threshold=limit + 1, hold=hold, **keep, **levels)
@@ -143,7 +144,7 @@ async def compares_exactly_at_each_limit(dut):
         await apply(dut, twin)
         x = []
         for step in (limit - 1, limit, limit + 1, limit + 2, limit + 1, limit, limit, limit):
-            # Level at ``step`` and details of 0, and once a window one that makes p2p ``step`` too.
+            # Level at ``step`` and details of 0, and in each window a few details that make p2p ``step`` too.
             for detail in range(window >> level):
                 group = [0] * (1 << level)
                 group[-1] = step
@@ -155,7 +156,7 @@ async def compares_exactly_at_each_limit(dut):
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def keeps_its_decision_for_a_consumer_that_sleeps(dut):
-    """Mostly for longer than the next sample would take."""
+    """The follower stalls, mostly for longer than the next sample would take."""
     twin = usual(dut)
     await bench.start(dut, actuator_moving_i=0)
     await apply(dut, twin)
@@ -165,7 +166,7 @@ async def keeps_its_decision_for_a_consumer_that_sleeps(dut):
 @bench.applies(lambda dut: dut.TimerBits.value.to_unsigned() <= 8)
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def timers_reach_their_top_bit(dut):
-    """The longest time that the register holds, or where that takes too long one of every other bit."""
+    """The longest time that the register holds, or if that takes too long, times with every other bit set."""
     bits = dut.TimerBits.value.to_unsigned()
     longest = (1 << bits) - 1
     even, odd = longest // 3, longest - longest // 3
@@ -182,7 +183,7 @@ async def timers_reach_their_top_bit(dut):
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def moving_is_that_of_the_clock_that_takes_a_sample(dut):
-    """The actuator may move or rest at every clock, most often otherwise than when a sample is taken."""
+    """The actuator may start or stop at every clock; mostly it differs in clocks that take no sample."""
     twin = usual(dut, hold=1, refractory=0, blank=0)
     await bench.start(dut, out_ready_i=1, actuator_moving_i=0)
     await apply(dut, twin)
@@ -212,7 +213,7 @@ async def moving_is_that_of_the_clock_that_takes_a_sample(dut):
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 @cocotb.parametrize(stall_rate=[0.0, 0.4])
 async def starts_anew_after_damage(dut, stall_rate):
-    """Samples of another channel and lost or late `last`, alone and in rows."""
+    """Samples with another id and lost or late `last`, singly and in runs."""
     twin = usual(dut)
     await bench.start(dut, actuator_moving_i=0)
     await apply(dut, twin)
@@ -252,7 +253,7 @@ async def recovers_after_reset_at_every_clock_of_a_sample(dut):
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def takes_as_long_as_the_twin_says(dut):
-    """Clocks until a sample is taken, when it is offered to a block at rest; the decision comes one later."""
+    """Clocks until a sample offered to an idle block is taken; its decision follows one clock later."""
     twin = usual(dut)
     await bench.start(dut, out_ready_i=1, actuator_moving_i=0, in_data_i=0, in_id_i=0, in_last_i=1)
     await apply(dut, twin)
@@ -293,7 +294,7 @@ EVIDENCE = {
         pytest.param({"SampleBits": 17, "TimerBits": 14, "Level": 2, "Window": 16}, marks=pytest.mark.long),
         pytest.param({"SampleBits": 13, "TimerBits": 5, "Level": 3, "Window": 32}, marks=pytest.mark.long),
         {"SampleBits": 10, "TimerBits": 3, "Level": 2, "Window": 8},
-        {"SampleBits": 13, "TimerBits": 2, "Level": 1, "Window": 16},  # the timer's sign early in a pass
+        {"SampleBits": 13, "TimerBits": 2, "Level": 1, "Window": 16},  # timer's sign early in a pass
         pytest.param({"SampleBits": 13, "TimerBits": 1, "Window": 16, "Digit": 1}, marks=pytest.mark.long),
     ],
 )
@@ -317,14 +318,14 @@ def test_clocks_by_hand(sample_bits, level, timer_bits, digit, clocks):
 
 
 def test_slip_serial_by_hand():
-    """Against a plain loop, not the models: slip/slip_path_by_hand.py."""
+    """Against a plain loop instead of the models: slip/slip_path_by_hand.py."""
     parameters = {"SampleBits": 13, "Level": 2, "Window": 16, "TimerBits": 3}
     bench.run("slip", "slip_serial", parameters, module="slip_path_by_hand")
 
 
 @pytest.mark.parametrize("level", [1, 2, 3])
 def test_model_is_that_of_the_chain(level):
-    """One channel of the vectorised engine, whole and in chunks."""
+    """One channel against the vectorised engine, as a whole and in chunks."""
     config = SlipConfig(
         level=level,
         threshold=60,
