@@ -1,6 +1,6 @@
 """The hand's physics block by block: equal to the whole-run forms for a pull that only grows, in blocks of
 any length; what restarts when the grip rises; a slide against a plain loop; balanced forces; the closed
-loop's parts against the real ones that they replace; mistakes in a scene.
+loop's parts against the blocks that they stand for; mistakes in a scene.
 """
 
 import copy
