@@ -115,7 +115,7 @@ def test_a_flag_that_is_late_by_so_many_details_shows_by_so_much(details, sound,
     "breaks",
     [
         lambda codes: np.full_like(codes, 4095),  # no rubber, or a wire disconnected
-        lambda codes: np.full_like(codes, 1234),  # a converter that repeats itself
+        lambda codes: np.full_like(codes, 1234),  # a converter that repeats one code
     ],
     ids=["open", "stuck"],
 )

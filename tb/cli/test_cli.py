@@ -376,7 +376,7 @@ def test_ctrl_c_ends_quietly_and_leaves_nothing(tmp_path, monkeypatch, recording
 
 
 def test_csv_of_a_spreadsheet(tmp_path):
-    """Capital letters in the name, a byte order mark, CR LF, numbers with a point."""
+    """A name in capital letters, a byte order mark, CR LF, numbers with a decimal point."""
     (tmp_path / "IN.CSV").write_bytes(b"\xef\xbb\xbf" + b"1.0,2\r\n" * 64)
     assert np.array_equal(files.read_array(tmp_path / "IN.CSV"), np.tile([[1], [2]], 64))
 

@@ -141,7 +141,7 @@ def test_live_in_a_pipe(meissner, port):
 
 
 def test_live_on_a_terminal(port):
-    """A real terminal: slip, centre of pressure and the image are on it."""
+    """A real terminal shows slip, centre of pressure and the image."""
     ours, theirs = ptys.openpty()
     termios.tcsetwinsize(theirs, (50, 100))
     environment = {**os.environ, "TERM": "xterm-256color"}

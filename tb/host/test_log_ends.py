@@ -199,7 +199,7 @@ def test_a_full_disk_is_one_sentence_and_keeps_what_came(tmp_path, listened, nam
     data = one.spool.read_bytes()
     assert len(data) <= limit
     at = (
-        8  # of the magic; then whole records of kind, 64 bits of length, content, or of 32, checksum, content
+        8  # the magic; then records of kind, 64-bit length, content, or of 32-bit length, checksum, content
     )
     while at < len(data):
         mcap = one.spool.suffix == ".mcap"

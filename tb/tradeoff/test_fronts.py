@@ -12,8 +12,8 @@ from tradeoff import toy
 @pytest.mark.parametrize(
     ("rows", "expected"),
     [
-        ([(1, 5), (2, 3), (3, 3), (4, 1)], [True, True, False, True]),  # a tie in one figure beats
-        ([(2, 2), (2, 2), (1, 3), (3, 1)], [True] * 4),  # equal rows do not beat each other
+        ([(1, 5), (2, 3), (3, 3), (4, 1)], [True, True, False, True]),  # dominates despite a tie
+        ([(2, 2), (2, 2), (1, 3), (3, 1)], [True] * 4),  # equal rows do not dominate
         ([(2, 2), (2, 2), (1, 2)], [False, False, True]),
         ([(1, None), (2, 2), (None, 0)], [False, True, False]),  # None: not measured
         ([(3,), (3,), (4,)], [True, True, False]),
