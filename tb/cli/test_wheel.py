@@ -41,7 +41,7 @@ def installed(wheel, tmp_path_factory):
     command = [sys.executable, "-m", "pip", "--python", python, "install", "--quiet", "--no-deps", wheel]
     subprocess.run([*command, "--disable-pip-version-check"], check=True)
     (site,) = environment.glob("lib/python*/site-packages")
-    (site / "dependencies.pth").write_text(sysconfig.get_path("purelib"))  # .pth files in purelib are not read
+    (site / "dependencies.pth").write_text(sysconfig.get_path("purelib"))  # .pth files there are not read
     known = {"HOME": str(home), "MEISSNER_OPTIMISE": "-O1", "PATH": os.environ["PATH"]}
 
     def run(*arguments, cwd, **more):
