@@ -221,7 +221,7 @@ def test_every_input_but_the_clock_has_a_pull_to_its_rest(board):
     inputs = [port for port in plan.ports if port.is_input and port.role != "clock"]
     assert len(inputs) == 4
     for port in inputs:
-        none = (board, port.port) == ("icebreaker", "adc_busy_i")  # no pull-down; the converter drives the line
+        none = (board, port.port) == ("icebreaker", "adc_busy_i")  # no pull-down; its converter drives it
         assert port.pull == (None if none else rest[port.port])
 
 

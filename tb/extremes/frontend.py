@@ -286,8 +286,8 @@ def scan_plan_(see):
         twin = scan_plan.ScanPlan(rows, columns, lanes, channels, cycle=cycle, settle_bits=24)
         groups = ceil(Fraction(ceil(Fraction(columns, lanes)), channels))
         see.near(twin.groups, groups, one)
-        # Triggers come Settle + 1 clocks after their switch and at least Cycle clocks apart; the next switch is
-        # at least Hold clocks later.
+        # Triggers come Settle + 1 clocks after their switch and at least Cycle clocks apart; the next switch
+        # is at least Hold clocks later.
         slot = max(settle + 3, cycle)
         see.near(twin.frame_clocks(settle), rows * groups * slot, one)
         places = twin.places(interleave=True)
