@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// An ECP5's PLL for simulation: its clock as it comes, locked.
+// Simulation model of an ECP5's PLL: passes its input clock through and is always locked.
 
 /* verilator lint_off UNUSEDPARAM */
 /* verilator lint_off UNUSEDSIGNAL */

@@ -1,5 +1,5 @@
-"""How a bitstream comes about: builds at once and builds that fail leave no mixture, each device has its own
-folder, a seed that does not end is passed over, and a larger device is taken where one is too small."""
+"""How a bitstream is built: concurrent or failed builds never leave a mixed folder, each device has its own
+folder, a seed that does not finish is skipped, and a larger device is tried where one is too small."""
 
 import json
 import multiprocessing
@@ -17,7 +17,7 @@ REPORT = {"utilization": {"TRELLIS_COMB": {"used": 11}}, "detailed_net_timings":
 
 @pytest.fixture
 def out(monkeypatch, tmp_path):
-    """Builds go to a folder of this test's, which takes the place of the repository."""
+    """Builds go to this test's own folder, in place of the repository."""
     monkeypatch.setattr(bitstream, "ROOT", tmp_path)
     return tmp_path / bitstream.OUT
 
@@ -29,7 +29,7 @@ def test_a_build_takes_its_place_whole(out):
             assert place.parent == out and place != out / "a-b"
             (place / "x.bit").write_text(text)
             (place / f"{text}.log").write_text("")
-            assert text == "first" or (out / "a-b/x.bit").read_text() == "first"  # until it is whole
+            assert text == "first" or (out / "a-b/x.bit").read_text() == "first"  # until that is complete
     assert (out / "a-b/x.bit").read_text() == "second"
     assert sorted(path.name for path in (out / "a-b").iterdir()) == ["second.log", "x.bit"]
     assert sorted(path.name for path in out.iterdir()) == [".lock", "a-b"]
@@ -52,7 +52,7 @@ def test_a_build_that_fails_leaves_the_one_before_and_its_logs(out):
     assert sorted(path.name for path in out.iterdir()) == [".lock", "a-b", "a-b.failed"]
     with bitstream.private("a-b") as folder:
         pass
-    assert sorted(path.name for path in out.iterdir()) == [".lock", "a-b"]  # what failed before is gone
+    assert sorted(path.name for path in out.iterdir()) == [".lock", "a-b"]  # the failed one is gone
 
 
 def _builds(root, text, count):
@@ -97,7 +97,8 @@ def test_each_device_has_its_own_folder(out, monkeypatch, capsys):
 
 @pytest.fixture
 def placed(monkeypatch):
-    """``build`` with place and route as told: {(device, seed): MHz or an exception}; what was asked for."""
+    """``build`` with place and route replaced by ``results`` {(device, seed): MHz or an exception}; also
+    returns the calls that were made."""
     asked, packed, results = [], [], {}
 
     def place(board, config, device, stem, clk_mhz, seed, limit_s):
@@ -132,7 +133,8 @@ Top module:  \ulx3s_top
 
 
 def test_the_modules_of_a_netlist_are_those_with_its_parameters(monkeypatch, tmp_path):
-    """Not those of the parameters' defaults, which Yosys looks at first."""
+    """The modules with the design's parameters, not those with default parameters, which Yosys elaborates
+    first."""
     (tmp_path / "x.yosys.log").write_text(LOG)
     monkeypatch.setattr(bitstream, "ROOT", tmp_path)
     assert bitstream.blocks("x") == "msn_core msn_slip msn_sync"
@@ -145,7 +147,7 @@ def test_a_seed_that_does_not_end_is_passed_over(placed, tmp_path):
     made = bitstream.build(board, "slip1", None, "x", (1, 2, 3), False, 77)
     assert asked == [(None, 1, 77), (None, 2, 77), (None, 3, 77)] and packed == ["yowasp-ecppack"]
     assert (made["mhz"], made["clk_mhz"]) == ([47.9, 48.0], 48.0)  # rounded down; 48.0 is enough
-    with pytest.raises(ToolError, match="no end"):  # every seed is measured: each must end
+    with pytest.raises(ToolError, match="no end"):  # every seed is measured, so each must finish
         bitstream.build(board, "slip1", None, "x", (1, 2, 3), True, 77)
     with pytest.raises(ToolError, match="no end"):
         bitstream.build(board, "slip1", None, "x", (1,), False, 77)
@@ -166,7 +168,7 @@ def test_a_larger_device_where_one_is_too_small(placed, tmp_path):
     results |= {("45F", 1): bitstream.TooLarge("45F"), ("85F", 1): bitstream.TooLarge("85F")}
     with pytest.raises(bitstream.TooLarge, match="85F"):
         bitstream.build(board, mine, None, "x", (1, 2), False)
-    with pytest.raises(bitstream.TooLarge, match="25F"):  # the one that was asked for
+    with pytest.raises(bitstream.TooLarge, match="25F"):  # the requested device
         bitstream.build(board, mine, "25F", "x", (1, 2), False)
 
 
@@ -178,7 +180,8 @@ def test_a_tool_that_does_not_end_is_stopped(tmp_path, monkeypatch):
 
 @pytest.mark.long
 def test_an_array_with_multipliers_is_synthesised_for_an_ecp5():
-    """synth_ecp5's own last check elaborates the top again and then misses what was flattened into it."""
+    """The final check of synth_ecp5 elaborates the top again and then misses the modules flattened into
+    it."""
     _, cells = bitstream.synthesise(boards.BOARDS["ulx3s"], "fingertip", "build/tb/netlist-mult")
     assert cells["MULT18X18D"] == 1 and cells["LUT4"] > 1000
 

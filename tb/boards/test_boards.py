@@ -1,5 +1,5 @@
-"""The boards: a bitstream is made from the sources of today; a wrong, slow or grown netlist is refused; bad
-input is answered by a sentence."""
+"""The boards: a bitstream is built from the current sources; a wrong, slow or grown netlist is refused; bad
+input is answered with one sentence."""
 
 import json
 import subprocess
@@ -48,12 +48,12 @@ def test_bad_names_are_answered_by_a_sentence(arguments, said):
 
 
 def test_the_smallest_board_synthesises_as_recorded():
-    """From sources to a bitstream with one seed, held against constraints/resources.json."""
+    """From sources to a bitstream with one seed, compared with constraints/resources.json."""
     bitstream = ROOT / "build/synth/icebreaker-slip1/icebreaker_top.bin"
     bitstream.unlink(missing_ok=True)
     done = run("--check", "icebreaker", "slip1", "--seeds", "1")
     assert done.returncode == 0, done.stdout + done.stderr
-    assert bitstream.stat().st_size == 104090  # every UP5K bitstream is as long
+    assert bitstream.stat().st_size == 104090  # every UP5K bitstream has this length
 
 
 def test_every_pair_is_recorded_and_meets_its_clock():
@@ -63,7 +63,7 @@ def test_every_pair_is_recorded_and_meets_its_clock():
         if "left_out" in result:
             continue
         assert len(result["mhz"]) == 3 and result["mhz_worst"] == min(result["mhz"]), name
-        assert max(result["mhz"]) >= result["clk_mhz"], name  # a bitstream is of the first seed that does
+        assert max(result["mhz"]) >= result["clk_mhz"], name  # one seed that meets it is enough
 
 
 def test_the_page_has_the_tables_of_what_is_recorded():
@@ -73,7 +73,7 @@ def test_the_page_has_the_tables_of_what_is_recorded():
 
 
 def test_the_table_says_how_many_seeds_meet_the_clock():
-    """Met exactly counts."""
+    """A seed that meets the clock exactly counts."""
     recorded = json.loads(synth.RESOURCES.read_text())
     for mhz, said in (
         ([100.0, 99.9, 90.0], "90.0; 1 of 3 seeds meet the clock"),
@@ -93,7 +93,7 @@ def test_a_missing_or_surplus_pair_is_found():
 
 
 def test_every_board_has_every_configuration_or_says_why_not():
-    """In resources.json too, in the same words: a pair cannot go missing unseen."""
+    """The reasons are in resources.json too, in the same words, so a missing pair is always noticed."""
     recorded = json.loads(synth.RESOURCES.read_text())
     for board in boards.BOARDS.values():
         assert not set(board.configs) & set(board.left_out)
@@ -107,7 +107,7 @@ def test_every_board_has_every_configuration_or_says_why_not():
 
 
 def test_a_pair_is_on_the_smallest_device_that_will_do():
-    """Block RAMs that the next smaller one does not have, or it is the smallest but for the 12F."""
+    """The next smaller device has too few block RAMs, or there is none; the 12F does not count."""
     rams = {"25F": 56, "45F": 108, "85F": 208}
     recorded = json.loads(synth.RESOURCES.read_text())
     for name in boards.BOARDS["ulx3s"].configs:
@@ -141,7 +141,7 @@ def test_a_pair_that_was_never_recorded_is_reported():
 
 
 def test_a_conflict_of_drivers_fails_the_build():
-    """Yosys makes a wrong netlist of a product with two registers behind it, and says so only by the way."""
+    """Yosys makes a wrong netlist of a product followed by two registers, and reports it only in passing."""
     folder = ROOT / "build/tb/conflict"
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "product.v").write_text(
@@ -155,7 +155,7 @@ def test_a_conflict_of_drivers_fails_the_build():
 
 
 def test_the_log_is_read_to_its_end():
-    """What Yosys says after its first call of ABC is not on standard output."""
+    """Yosys prints nothing to standard output after its first call of ABC, so the log is read instead."""
     folder = ROOT / "build/tb/whole"
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "sum.v").write_text(

@@ -1,5 +1,6 @@
-"""Pins of any configuration on any board: each line that it needs has one, no pin has two, what does not fit
-is refused before anything is written, and the pins that the pages name stay where they are."""
+"""Pins of any configuration on any board: each line that it needs has a pin, no pin is used twice, a
+configuration that does not fit is refused before anything is written, and the pins that the pages name do not
+move."""
 
 import json
 import re
@@ -25,13 +26,13 @@ LANES = {"Adc": 2, "Converters": 2, "AdcLanes": 2}  # AD7606
 
 
 def located(text, suffix):
-    """[(bit of a port, pin)] of a file of constraints."""
+    """[(bit of a port, pin)] of a constraints file."""
     found = re.findall(LOCATED[suffix], re.sub(r"(?m)(#|//).*$", "", text))
     return [pair[::-1] for pair in found] if suffix == ".xdc" else found
 
 
 def port_bits(top):
-    """Every bit of every port of a top, as place and route names them, with its direction."""
+    """Every bit of every port of a top and its direction, named as place and route names it."""
     found = {}
     for way, high, name in re.findall(r"(?m)^  (input|output)\s+logic (?:\[(\d+):0\] )?(\w+),?$", top):
         bits = [name] if not high else [f"{name}[{k}]" for k in range(int(high) + 1)]
@@ -47,7 +48,7 @@ def test_every_line_has_a_pin_and_no_pin_has_two(board, name, tmp_path):
         plan = ALL[board].plan(file)
     except ValueError as problem:
         assert board in ("orangecrab", "tangnano20k") and "without a pin" in str(problem)
-        pytest.skip(str(problem))  # this board has fewer: what it says is below
+        pytest.skip(str(problem))  # this board has too few pins; its message is tested below
     top, suffix = board_files.top(plan), ALL[board].constraints
     placed = located(board_files.constraints(plan, suffix), suffix)
     assert {bit for bit, _ in placed} == set(port_bits(top))
@@ -63,7 +64,7 @@ def test_every_line_has_a_pin_and_no_pin_has_two(board, name, tmp_path):
     assert [(row["port"], row["pin"]) for row in told] == placed
     ways = {bit: {"input": "in", "output": "out"}[way] for bit, way in port_bits(top).items()}
     assert {row["port"]: row["direction"] for row in told} == ways
-    for row in told:  # the table has them too, a line each
+    for row in told:  # the table lists them too, one line each
         assert re.search(
             rf"(?m)^{re.escape(row['port'])} +{row['pin']} .*{re.escape(row['what'])}$", plan.text()
         )
@@ -122,8 +123,8 @@ def test_the_named_pairs_are_wired_as_the_page_says(board, name):
 
 
 def test_eight_converters_are_wired_as_the_page_says():
-    """BUSY of converter k is GNk, DOUTA GP(18+k), DOUTB GN(18+k); the row's number is GP0 to GP5,
-    its enable GP6."""
+    """BUSY of converter k is GNk, DOUTA GP(18+k), DOUTB GN(18+k); the row number is on GP0 to GP5, its enable
+    on GP6."""
     at = {row["port"]: row["at"] for row in boards.BOARDS["ulx3s"].plan("array64").rows()}
     for k in range(8):
         assert at[f"adc_busy_i[{k}]"] == f"J1 GN{k}"
@@ -206,7 +207,7 @@ def test_a_pull_is_written_as_each_tool_reads_it():
 
 
 def test_an_input_that_rests_high_is_turned_around():
-    """An iCE40 cannot pull down: left open, moving_n_i says that the actuator rests."""
+    """An iCE40 has no pull-down; an open moving_n_i is pulled high, which means that the actuator rests."""
     plan = boards.BOARDS["icebreaker"].plan("slip1")
     assert "\nset_io -pullup yes moving_n_i 3\n" in board_files.constraints(plan, ".pcf")
     assert ".moving_i    (!moving_n_i)" in board_files.top(plan)
@@ -220,7 +221,7 @@ def test_every_input_but_the_clock_has_a_pull_to_its_rest(board):
     inputs = [port for port in plan.ports if port.is_input and port.role != "clock"]
     assert len(inputs) == 4
     for port in inputs:
-        none = (board, port.port) == ("icebreaker", "adc_busy_i")  # an iCE40 cannot; its converter drives it
+        none = (board, port.port) == ("icebreaker", "adc_busy_i")  # no pull-down; its converter drives it
         assert port.pull == (None if none else rest[port.port])
 
 
@@ -240,7 +241,7 @@ def test_no_description_gives_a_pin_twice(tmp_path, monkeypatch):
 
 
 def said_of(capsys, *arguments):
-    """What synth refuses with: one sentence, exit code 2, nothing written."""
+    """The message with which synth refuses: one sentence, exit code 2, nothing written."""
     there = sorted((ROOT / "build/synth").glob("*")) if (ROOT / "build/synth").exists() else []
     with pytest.raises(SystemExit) as end:
         synth.main(list(arguments))
@@ -318,7 +319,7 @@ def test_the_top_lints(board, name, tmp_path):
 
 
 def test_the_named_configurations_that_a_board_leaves_out_do_not_fit():
-    """Or are too large for it: docs/boards.md."""
+    """They need too many pins, or are too large for the board: docs/boards.md."""
     for board in boards.BOARDS.values():
         for name, reason in board.left_out.items():
             build = config.load(name)

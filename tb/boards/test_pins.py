@@ -1,8 +1,8 @@
-"""Every input of every board: its pull in the constraints, and where it goes in the netlist.
+"""Every input of every board: its pull in the constraints, and its destination in the netlist.
 
-An input that changes at any time (the serial line, BUSY, moving, a PLL's lock) reaches one flip-flop, past an
-inverter at most, and that one steers one other flip-flop alone: msn_sync. A converter's DOUT changes at a
-known time after SCLK: one flip-flop takes it. Anything else but the clock is not known here and fails.
+An input that changes at any time (the serial line, BUSY, moving, a PLL's lock) feeds one flip-flop, through
+inverters at most, and that flip-flop feeds only one other: msn_sync. A converter's DOUT changes at a known
+time after SCLK and feeds one flip-flop. Any other input except the clock is unknown here and fails the test.
 """
 
 import json
@@ -15,8 +15,8 @@ from meissner.builds.yowasp import ROOT, read_rtl, yosys
 
 CLOCK, TIMED = r"clk_\w+_i", r"(onboard_)?adc_miso_i"
 ASYNCHRONOUS = r"rx_i|moving(_n)?_i|adc_busy_i"
-REST = {"rx_i": "up", "moving_i": "down", "moving_n_i": "up", "adc_busy_i": "down"}  # and DOUT: up
-PATTERNS = {  # of a line that sets the pull of a port
+REST = {"rx_i": "up", "moving_i": "down", "moving_n_i": "up", "adc_busy_i": "down"}  # and DOUT: "up"
+PATTERNS = {  # how a constraints file sets the pull of a port
     (".lpf", "up"): 'IOBUF PORT "{}" PULLMODE=UP ',
     (".lpf", "down"): 'IOBUF PORT "{}" PULLMODE=DOWN ',
     (".pcf", "up"): "set_io -pullup yes {} ",
@@ -27,20 +27,20 @@ PATTERNS = {  # of a line that sets the pull of a port
 }
 ALL = [*boards.BOARDS.values(), boards.ARTY]
 LOCKS = ("LOCK", "LOCKED")
-# Board, configuration, and the inputs that it need not use.
+# Board, configuration, and inputs that the configuration may leave unused.
 CASES = [(board, "slip1", {"rx_i"}) for board in ALL]
 CASES += [(boards.BOARDS["ulx3s"], "cop4", {"moving_i"})]
 
 
 def written(board, name):
-    """The folder with the top and constraints of a board with that configuration."""
+    """Write a board's top and constraints for that configuration; returns the folder."""
     folder = f"build/tb/pins/{board.name}-{name}"
     boards.write_board(folder, board, name)
     return folder
 
 
 def inputs(board, name):
-    """Names of the input ports, with their bits."""
+    """Yields (port, bit of the port) for every input."""
     text = (ROOT / written(board, name) / f"{board.top}.sv").read_text()
     for width, name in re.findall(r"^  input +logic +(\[\d+:0\])? *(\w+)", text, re.M):
         for bit in range(int(width[1:-3]) + 1) if width else [None]:
@@ -66,7 +66,8 @@ def test_every_input_has_its_pull(board, name):
 
 
 def netlist(board, name):
-    """The board's top with that configuration, flat, registers not mapped: module of Yosys's JSON."""
+    """The board's top with that configuration, flattened, registers not mapped: its module in Yosys's
+    JSON."""
     folder = written(board, name)
     yosys(
         f"read_verilog -lib tb/lint/cells.v; {read_rtl()}; "
@@ -79,7 +80,7 @@ def netlist(board, name):
 
 
 class Netlist:
-    """Who reads a bit of the flat netlist."""
+    """Which cells read a bit of the flat netlist."""
 
     def __init__(self, module):
         self.module, self.readers = module, {}
@@ -93,7 +94,7 @@ class Netlist:
         return self.module["cells"][name]
 
     def after_inverters(self, bit):
-        """(cell, port, place) that read the bit, inverters looked through."""
+        """(cell, port, place) of each reader of the bit, seen through inverters."""
         for name, port, place in self.readers.get(bit, ()):
             cell = self.cell(name)
             if cell["type"] in ("$not", "$_NOT_", "$logic_not") and len(cell["connections"]["Y"]) > place:
@@ -111,14 +112,14 @@ class Netlist:
                 assert not cell["type"].startswith("$mem"), f"a memory, {name}, reads an input"
                 for out, way in cell["port_directions"].items():
                     if way == "output":
-                        # Bit by bit where the cell is: a wide multiplexer does not mix its bits.
+                        # Bitwise cells are followed bit by bit: a wide multiplexer does not mix its bits.
                         of = cell["connections"][out]
                         same = cell["type"] in ("$mux", "$pmux", "$not") and port != "S"
                         for bit_out in [of[place % len(of)]] if same else of:
                             yield from self.registers(bit_out, seen | {name})
 
     def synchronised(self, bit, what):
-        """The bit goes into the first flip-flop of an msn_sync and nowhere else; False if nobody reads it."""
+        """Check that the bit feeds only the first flip-flop of an msn_sync; False if nothing reads it."""
         readers = list(self.after_inverters(bit))
         if not readers:
             return False
@@ -160,4 +161,4 @@ def test_inputs_go_into_one_register_each(board, name, unused):
             read.add("lock")
     known = {signal for signal, _ in inputs(board, name) if not re.fullmatch(CLOCK, signal)}
     assert read - unused == known - unused | {"lock"} & read
-    assert ("lock" in read) == (board.name in ("ulx3s", "arty_a7"))  # with the PLL of this clock
+    assert ("lock" in read) == (board.name in ("ulx3s", "arty_a7"))  # boards whose clock needs a PLL

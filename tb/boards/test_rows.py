@@ -1,9 +1,9 @@
-"""The row lines of a board whose array has more than eight rows, clock by clock, over whole scans.
+"""The row lines of a board whose array has more than eight rows, clock by clock, over complete scans.
 
-A frame drives its rows in order. Between two rows and while the scan rests, no row is driven and the number
-stays that of the last one, so that a decoder visits no other. A converter starts only while a row is driven,
-the first of its transfers exactly when that row has settled. Arrays with a row for each code of their number,
-and with fewer.
+A frame drives its rows in order. Between two rows, and while the scan rests, no row is driven and the row
+number keeps its last value, so that a decoder selects no other row. A converter starts only while a row is
+driven, and its first transfer starts exactly when that row has settled. Covers arrays that use every code of
+the row number, and arrays that use fewer.
 """
 
 import cocotb
@@ -15,13 +15,13 @@ from cocotb.utils import get_sim_time
 import bench
 from meissner.builds import boards, config, toolchain
 
-NUMBER_LINES = {16: 4, 33: 6}  # of so many rows
+NUMBER_LINES = {16: 4, 33: 6}  # by number of rows
 SETTLE = 24  # clocks: 1 us at 24 MHz
 FRAMES = 2
 
 
 def build(rows, columns):
-    """One converter, a scan that is over in less than half of its period."""
+    """One converter, and a scan that takes less than half of its period."""
     tables = {
         "about": "an array for its row lines",
         "clock": {"mhz": 24.0},
@@ -44,8 +44,8 @@ async def one_row_after_the_other_and_none_between(dut):
     await ReadOnly()
     clock = lambda: round(get_sim_time("ns")) // 10
     row, cs_n, since, last = bench.read(dut.row_o), bench.read(dut.adc_cs_n_o), clock(), None
-    seen = []  # [row, clocks before it without a row, transfers]
-    while len(seen) <= FRAMES * rows:  # from one change to the next
+    seen = []  # [row, clocks without a row before it, transfers]
+    while len(seen) <= FRAMES * rows:  # each turn of the loop is one change of a line
         await First(ValueChange(dut.row_o), ValueChange(dut.adc_cs_n_o))
         await ReadOnly()
         row_was, cs_was, now = row, cs_n, clock()

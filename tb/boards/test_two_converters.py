@@ -1,6 +1,6 @@
-"""A user's configuration with two converters on a board's top, from its pins to its line: an MCP3208 written
-from its data sheet at each DOUT, a terminal at tx_o. Every taxel of the image is the code of its own
-converter, channel and row; codes are literals, all different."""
+"""A user's configuration with two converters on a board's top, from its pins to its serial line: an MCP3208
+model written from the data sheet at each DOUT, a terminal at tx_o. Every taxel of the image is the code of
+its own converter, channel and row; the codes are literals, all different."""
 
 import os
 
@@ -17,9 +17,9 @@ from meissner.twins.link.decoder import Decoder
 from units import Units
 
 BIT_PS = 333_333  # 3 Mbaud
-# [converter][channel][row]; the second converter's are nowhere the first's.
+# [converter][channel][row]; the two converters share no code.
 CODES = [[[101, 1102], [203, 1204]], [[2305, 3306], [2407, 3408]]]
-# Column = 2 × channel + converter; a line a row, top to bottom.
+# Column = 2 × channel + converter; one line per row, top to bottom.
 IMAGE = [101, 2305, 203, 2407, 1102, 3306, 1204, 3408]
 
 
@@ -72,7 +72,7 @@ async def both_converters_arrive(dut):
             if packet.kind == p.IMAGE:
                 images.append(list(packet.fields["taxels"]))
         received.clear()
-    # A frame may have begun before its first codes were there; the others are whole.
+    # The first frame may have begun before its first codes were available; the others are complete.
     assert images[1:3] == [IMAGE, IMAGE]
     assert (dut.onboard_cs_n_o.value, dut.onboard_sclk_o.value) == (1, 1)
 
@@ -96,7 +96,7 @@ def test_two_converters(name, tmp_path):
     )
     results = runner.test(
         hdl_toplevel=board.top,
-        hdl_toplevel_lang="verilog",  # or the runner takes the waivers' for the top's
+        hdl_toplevel_lang="verilog",  # otherwise the runner takes the waiver file's language for the top's
         test_module="boards.test_two_converters",
         build_dir=where / "sim",
         test_dir=where,

@@ -1,5 +1,5 @@
-"""Configurations as a user may write them, that no pair of ours has, and the lines that each needs, counted
-by hand."""
+"""Configurations that a user may write and that no named pair has, with the number of lines that each needs,
+counted by hand."""
 
 ARRAY = """
 about = "{about}"
@@ -48,7 +48,7 @@ contact_rises = false
 
 SPI = {"adc_cs_n_o": 1, "adc_sclk_o": 1, "moving_i": 1}
 BUSY = SPI | {"adc_convst_o": 1, "adc_reset_o": 1}
-USERS = {  # name: (text but for the clock, lines on the headers)
+USERS = {  # name: (text for a given clock, lines on the headers)
     "two": (
         lambda mhz: array(mhz, "MCP3208", 2, 4, 2, 2),
         SPI | {"adc_mosi_o": 1, "adc_miso_i": 2, "row_o": 2},
@@ -62,7 +62,7 @@ USERS = {  # name: (text but for the clock, lines on the headers)
         lambda mhz: array(mhz, "AD7606", 5, 16, 2, 8, lanes=2),
         BUSY | {"adc_busy_i": 2, "adc_miso_i": 4, "row_o": 5},
     ),
-    # The most rows with a line each, and the fewest without.
+    # The largest row count with one line per row, and the smallest without.
     "eight": (
         lambda mhz: array(mhz, "AD7606", 8, 7, 1, 7),
         BUSY | {"adc_busy_i": 1, "adc_miso_i": 1, "row_o": 8},
@@ -81,7 +81,7 @@ CLOCKS = {"icebreaker": 24.0, "ulx3s": 25.0, "orangecrab": 48.0, "tangnano20k": 
 
 
 def write(folder, name, mhz):
-    """Path of the configuration's file in ``folder``, as a string."""
+    """Write the configuration's file into ``folder``; returns its path as a string."""
     path = folder / f"{name}.toml"
     path.write_text(USERS[name][0](mhz), "utf-8")
     return str(path)

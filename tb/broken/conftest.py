@@ -1,4 +1,4 @@
-"""Runs without their pictures: a metric is judged by its number, and drawing takes a third of a run's time.
+"""Runs without pictures: a metric is judged by its number, and drawing takes a third of a run's time.
 tb/physics/test_report.py draws every scene."""
 
 import matplotlib.figure
@@ -16,17 +16,17 @@ DRAWN = [
 
 
 def empty(path, *_, **__):
-    """In place of a picture: its file, which the report embeds."""
+    """Writes an empty file in place of a picture, because the report embeds the file."""
     path.write_bytes(b"")
     return path
 
 
 @pytest.fixture(scope="module", autouse=True)
 def undrawn():
-    """Before a module's own fixtures, which run scenes too."""
+    """Takes effect before a module's own fixtures, which also run scenes."""
     with pytest.MonkeyPatch.context() as patch:
         for module, name in DRAWN:
             patch.setattr(module, name, empty)
-        # Others make several pictures at once.
+        # Other modules draw several pictures in one call.
         patch.setattr(matplotlib.figure.Figure, "savefig", lambda _, path, **__: empty(path))
         yield

@@ -1,4 +1,5 @@
-"""Each metric of a scene of an array of taxels: what turns it, by how much, and what it leaves alone."""
+"""Each metric of a scene of an array of taxels: which fault changes it, by how much, and which metrics that
+fault leaves unchanged."""
 
 import dataclasses
 
@@ -10,7 +11,7 @@ from meissner.engines import fixed
 from meissner.physics import patches
 
 WALK = scenes.load("walk_25x5")
-SCENE = dataclasses.replace(WALK, rate_hz=200)  # 300 frames of it
+SCENE = dataclasses.replace(WALK, rate_hz=200)  # which gives 300 frames
 METRICS = {"position_error", "load_error", "below_min_load", "over_range", "frames", "seconds_simulated"}
 
 
@@ -21,7 +22,7 @@ def sound(tmp_path_factory):
 
 @pytest.fixture
 def turned(tmp_path, sound):
-    """The scene's summary once more, and the metrics that are no longer what they were."""
+    """The summary of another run, and the metrics that differ from the sound run's."""
 
     def again(scene=SCENE, engine="fixed"):
         found = run.run(scene, engine, tmp_path)
@@ -39,7 +40,7 @@ def taxels(monkeypatch, break_it):
 
 
 def answers(monkeypatch, break_it, engine="fixed"):
-    """Put ``break_it(arrays)`` behind an engine."""
+    """Put ``break_it(arrays)`` after an engine."""
     right = engines.process_cop
 
     def broken(codes, name, *at):
@@ -59,7 +60,7 @@ def test_every_metric_of_the_summary_is_here(sound):
 
 
 def test_a_shifted_centre(monkeypatch, turned, sound):
-    """x and y by 0.06 and -0.08 of the half range: 0.05 of the range."""
+    """x and y shifted by 0.06 and -0.08 of the half range: 0.05 of the range."""
 
     def shift(found):
         dx, dy = (round(part * engines.COP_ONE) for part in (0.06, -0.08))
@@ -72,7 +73,7 @@ def test_a_shifted_centre(monkeypatch, turned, sound):
 
 
 def test_a_wrong_gain(monkeypatch, turned, sound):
-    """Sums an eighth too small: the load by as much, the place not at all."""
+    """Sums an eighth too small: the load is low by an eighth, the position is unchanged."""
     answers(monkeypatch, lambda found: found | {"sum": found["sum"] * 7 // 8})
     found, which = turned()
     assert which == {"load_error"}
@@ -80,8 +81,8 @@ def test_a_wrong_gain(monkeypatch, turned, sound):
 
 
 def test_a_wrong_sign(monkeypatch, turned):
-    """Columns read from right to left: x has the wrong sign, by up to 2 * 0.36 / 2 of the range; the load has
-    none."""
+    """Columns read from right to left: x has the wrong sign, which is up to 2 * 0.36 / 2 of the range; the
+    load is unaffected."""
     taxels(monkeypatch, lambda codes: codes[:, :, ::-1])
     found, which = turned()
     assert which == {"position_error"}
@@ -89,8 +90,8 @@ def test_a_wrong_sign(monkeypatch, turned):
 
 
 def test_a_dead_column_of_taxels(monkeypatch, turned, sound):
-    """The patch passes over the middle column: without it load is lost and the centre, as much to one side
-    as to the other, errs on the way."""
+    """The patch passes over the middle column. With that column dead, load is lost, and the centre is wrong
+    on the way, by as much on one side as on the other."""
 
     def dead(codes):
         codes[:, :, 2] = 0
@@ -104,7 +105,7 @@ def test_a_dead_column_of_taxels(monkeypatch, turned, sound):
 
 
 def test_a_stuck_taxel(monkeypatch, turned, sound):
-    """One corner always at the top of its converter, 2 N: by as much is every load too large."""
+    """One corner always reads the converter's full scale, 2 N: every load is 2 N too large."""
 
     def stuck(codes):
         codes[:, 0, 0] = 4095
@@ -117,7 +118,7 @@ def test_a_stuck_taxel(monkeypatch, turned, sound):
 
 
 def test_a_louder_converter(turned, sound):
-    """White noise of 16 in place of a quarter of a code: both errors grow, the count of what is beyond does
+    """White noise of 16 codes in place of a quarter of a code: both errors grow, the over-range count does
     not."""
     loud = dataclasses.replace(SCENE, converter=dataclasses.replace(SCENE.converter, noise_lsb=16.0))
     found, which = turned(loud)
@@ -126,7 +127,7 @@ def test_a_louder_converter(turned, sound):
 
 
 def test_a_range_too_small(turned, sound):
-    """Taxels of 0.25 N under up to 8 N: those beyond are counted, and what they carry is lost."""
+    """Taxels of 0.25 N under up to 8 N: the over-range taxels are counted, and their excess load is lost."""
     small = dataclasses.replace(SCENE, converter=dataclasses.replace(SCENE.converter, full_scale_n=0.25))
     found, which = turned(small)
     assert (
@@ -136,7 +137,7 @@ def test_a_range_too_small(turned, sound):
 
 
 def test_a_range_too_small_is_counted_in_every_piece():
-    """9000 frames, more than are made at once."""
+    """9000 frames, more than are simulated in one piece."""
     small = dataclasses.replace(SCENE.converter, full_scale_n=0.25, noise_lsb=0.0)
     recording = scenes.simulate(dataclasses.replace(SCENE, rate_hz=6000, converter=small))
     assert recording.over_range == (true_forces(9000) > 0.25 * (1 + 0.5 / 4095)).sum() > 3000
@@ -148,7 +149,7 @@ def true_forces(frames=300):
 
 
 def test_a_least_load_too_large(turned, sound):
-    """4 N in place of 0.2 N: frames with less have no position, counted by the true force's two humps."""
+    """4 N in place of 0.2 N: frames with less have no position; they are counted from the true force."""
     total = true_forces().sum((1, 2))
     lsb_n = 2.0 / 4095
     assert sound["below_min_load"] == ((total > 0) & (total < 400 * lsb_n)).sum()
@@ -164,7 +165,7 @@ def test_half_the_frames(turned):
 
 
 def test_a_core_that_differs_from_its_twin(monkeypatch, turned):
-    """One frame's x and another's sum and load count as two frames."""
+    """One frame with a wrong x and sum and another with a wrong sum count as two frames."""
     answers(monkeypatch, lambda found: found, "rtl")
     assert turned(engine="rtl")[0]["twin_mismatches"] == 0
 

@@ -1,7 +1,9 @@
-"""Each metric of the capacitive scenes: what turns it, by how much, and what it leaves exactly as it was.
+"""Each metric of the capacitive scenes: which fault changes it, by how much, and which metrics stay exactly
+equal.
 
-A break that draws no random number leaves every sample's noise as it was, so what it does not concern is
-equal to the last digit."""
+A fault that draws no random number leaves every sample's noise unchanged, so metrics that it does not affect
+are equal to the last digit.
+"""
 
 import dataclasses
 import types
@@ -28,14 +30,14 @@ SETTLED = {"low_settled_g", "settled_off_g", "settled_off_second_order_g"}
 
 
 def scene_of(kind, **world):
-    """The scene with fewer frames of each object."""
+    """The scene, with fewer frames of each object."""
     scene = scenes.load(NAMES[kind])
     fewer = {"frames": FRAMES} if kind == "shapes" else {}
     return dataclasses.replace(scene, world=scene.world | fewer | world)
 
 
 def metrics(scene):
-    """{metric: value; metric in its table: column}, the latter with "each" before its name."""
+    """{metric: value; column of its table: values}, columns with "each" before their names."""
     summary, _, _ = run.measure(scene, "fixed", 1)
     found = {key: value for key, value in summary.items() if key not in COMMON | {"conditions"}}
     rows = summary["conditions"]
@@ -52,7 +54,7 @@ def fewer_frames():
 
 @pytest.fixture(scope="module", autouse=True)
 def every_sound(fewer_frames):
-    """Before anything is broken."""
+    """The metrics before anything is broken."""
     return {kind: metrics(scene_of(kind)) for kind in NAMES}
 
 
@@ -74,25 +76,25 @@ def turned(every_sound):
 
 
 def amplitudes(monkeypatch, break_it):
-    """``break_it(codes, samples)`` behind the demodulator."""
+    """``break_it(codes, samples)`` after the demodulator."""
     right = engines.demodulate
     monkeypatch.setattr(engines, "demodulate", lambda x, *at: break_it(right(x, *at), x))
 
 
 def forces(monkeypatch, break_it):
-    """``break_it(forces)`` behind the calibration."""
+    """``break_it(forces)`` after the calibration."""
     right = engines.calibrate
     monkeypatch.setattr(engines, "calibrate", lambda *at: break_it(right(*at)))
 
 
 def readings(monkeypatch, break_it):
-    """``break_it(total, x, y, valid)`` behind the centre of pressure."""
+    """``break_it(total, x, y, valid)`` after the centre of pressure."""
     right = judge.chain.Chain.cop
     monkeypatch.setattr(judge.chain.Chain, "cop", lambda *at: break_it(*right(*at)))
 
 
 def test_a_demodulator_with_a_gain_error(monkeypatch, turned, sound):
-    """2 % too much: of 9.96 V (G = 500, no other cell) 0.2 V; low by 0.99 % turns to high by 1.0 %."""
+    """2 % too much: 0.2 V of 9.96 V (G = 500, no other cell); an output 0.99 % low becomes 1.0 % high."""
     amplitudes(monkeypatch, lambda codes, _: np.rint(codes * 1.02).astype(codes.dtype))
     found, which = turned("crosstalk")
     assert which == {"difference_from_eq18_v", "each output_v", "each low_by"}
@@ -114,12 +116,12 @@ def test_stray_capacitance_that_nobody_counted(monkeypatch, turned, sound):
     assert found["each output_v"] == pytest.approx(
         [2000 / (212 + pf) for pf in (0, 10, 20, 40, 60, 80)], abs=2e-3
     )
-    # The largest difference is at G = 10 without another cell: 100/12 V against 100/22.
+    # The largest difference is at G = 10 with no other cell: 100/12 V against 100/22.
     assert found["difference_from_eq18_v"] == pytest.approx(100 / 12 - 100 / 22, abs=2e-3)
 
 
 def test_another_reference_capacitor(monkeypatch, turned, sound):
-    """2 pF: half the output, and for 80 pF and 10 % the gain 9·(1 + 81/2) = 373.5, not 738."""
+    """2 pF: half the output; the gain for 80 pF and 10 % is 9·(1 + 81/2) = 373.5, not 738."""
     monkeypatch.setattr(capacitive, "REF_F", 2e-12)
     monkeypatch.setattr(capacitive.output_v, "__defaults__", (10.0, 2e-12, 200e3, np.inf, np.inf))
     found, which = turned("crosstalk")
@@ -132,7 +134,7 @@ def test_another_reference_capacitor(monkeypatch, turned, sound):
 
 
 def test_a_converter_that_clips(turned, sound):
-    """10 V of carrier, sampled at 7.6 and 6.4 V, in a range of 7 V."""
+    """10 V of carrier, sampled at 7.6 and 6.4 V, and a converter range of 7 V."""
     scene = scene_of("crosstalk")
     clipped = dataclasses.replace(scene, adc=dataclasses.replace(scene.adc, low_v=-7.0, high_v=7.0))
     found, which = turned("crosstalk", clipped)
@@ -140,7 +142,8 @@ def test_a_converter_that_clips(turned, sound):
 
 
 def test_rubber_that_answers_at_once(monkeypatch, turned, sound):
-    """Without creep the cycle's top is as low as a settled press, and nothing sags, droops or stays."""
+    """Without creep the top of a cycle is as low as a settled press, and there is no sag, no droop and no
+    residue."""
     monkeypatch.setattr(capacitive, "CREEP", ())
     found, which = turned("cell")
     assert which == CYCLES | LEFT | {"sag_of_hold"}
@@ -154,7 +157,7 @@ def test_rubber_that_answers_at_once(monkeypatch, turned, sound):
 
 
 def test_rubber_that_never_comes_back(monkeypatch, turned, sound):
-    """Hysteresis: 2, 2 and 3·(1 - exp(-3)) % of 100 g stay for good, at 1.16 of the line's slope 8.0 g."""
+    """No recovery: 2, 2 and 3·(1 - exp(-3)) % of 100 g remain for good, at 1.16 of the line's slope 8.0 g."""
     monkeypatch.setattr(capacitive, "EXPANDING", 1e9)
     found, which = turned("cell")
     assert {"left_after_rest_g"} <= which <= CYCLES | LEFT | {"sag_of_hold"}
@@ -170,7 +173,8 @@ def test_noise_three_times_as_loud(turned, sound):
 
 
 def test_a_core_that_gives_nine_tenths_of_the_force(monkeypatch, turned, sound):
-    """After the calibration: 0.9·(150 - low) at the top; the second-order term is fitted to that."""
+    """After the calibration: 0.9·(150 - low) at the top; the second-order term is fitted to the reduced
+    force."""
     forces(monkeypatch, lambda f: (f * 0.9).astype(f.dtype))
     found, which = turned("cell")
     was = sound("cell")
@@ -187,7 +191,7 @@ def test_a_core_that_gives_nine_tenths_of_the_force(monkeypatch, turned, sound):
 
 
 def test_a_cell_that_bends_twice_as_much(monkeypatch, turned, sound):
-    """Rubber of half the modulus: the line is off by more everywhere, the second-order term takes it away."""
+    """Rubber of half the modulus: the line's error grows everywhere, and the second-order term removes it."""
     monkeypatch.setattr(capacitive, "MODULUS_MPA", 0.5)
     found, _ = turned("cell")
     for key in (
@@ -202,7 +206,7 @@ def test_a_cell_that_bends_twice_as_much(monkeypatch, turned, sound):
 
 
 def test_a_straight_cell(monkeypatch, turned, sound):
-    """No curve, no creep: only noise and the amplifier's loss are left."""
+    """No curvature and no creep: only noise and the amplifier's loss remain."""
     monkeypatch.setattr(capacitive, "capacitance_ratio", lambda f, s=1.0: 1 + 0.2 * np.asarray(f) / s)
     monkeypatch.setattr(capacitive, "CREEP", ())
     found, _ = turned("cell")
@@ -212,7 +216,8 @@ def test_a_straight_cell(monkeypatch, turned, sound):
 
 
 def test_a_cell_that_stops_half_way(monkeypatch, turned, sound):
-    """At 0.7 N on its tab, 89 g of the probe: no parabola fits a kink, the second-order term is off too."""
+    """The cell stops at 0.7 N on its tab, 89 g of the probe: no parabola fits a kink, so the second-order
+    term errs too."""
     monkeypatch.setattr(capacitive, "capacitance_ratio", lambda f, s=1.0: 1 + 0.2 * np.minimum(f, 0.7))
     found, _ = turned("cell")
     assert found["settled_off_second_order_g"] > 10 > sound("cell")["settled_off_second_order_g"]
@@ -220,7 +225,8 @@ def test_a_cell_that_stops_half_way(monkeypatch, turned, sound):
 
 
 def test_a_probe_that_is_placed_badly(turned, sound):
-    """Three times as far off: lower and farther apart; well placed, the presses differ by the noise alone."""
+    """Three times the placement error: lower and more scattered readings. With none, presses differ by noise
+    alone."""
     was = sound("cell")
     found, which = turned("cell", scene_of("cell", placement_mm=0.45))
     assert which == PRESSES
@@ -241,11 +247,12 @@ def test_a_thicker_cover(monkeypatch, turned, sound):
     was = sound("select")
     assert found["neighbour_at_a_centre"] > 10 * was["neighbour_at_a_centre"]
     assert min(found["each width_at_half_mm"]) > max(was["each width_at_half_mm"]) + 0.5
-    assert found["peaks_apart_mm"] == pytest.approx(1.9, abs=0.03)  # not where, only how wide
+    assert found["peaks_apart_mm"] == pytest.approx(1.9, abs=0.03)  # wider, not shifted
 
 
 def test_a_tab_that_is_not_where_it_should_be(monkeypatch, turned, sound):
-    """The middle one 0.3 mm to the right: 2.2 mm from one, 1.6 from the other; the mean does not see it."""
+    """The middle tab 0.3 mm to the right: 2.2 mm from one, 1.6 mm from the other; the mean distance is
+    unchanged."""
     right = of_pad.on_tabs
 
     def displaced(x_mm, y_mm, force_n):
@@ -270,7 +277,7 @@ def test_a_tab_that_is_not_where_it_should_be(monkeypatch, turned, sound):
 
 
 def test_a_table_that_moves_too_far(monkeypatch, turned, sound):
-    """Steps of 0.11 mm instead of 0.1: peaks 1.9/1.1 = 1.727 mm apart in what the table says."""
+    """Steps of 0.11 mm instead of 0.1: on the table's scale the peaks are 1.9/1.1 = 1.727 mm apart."""
     scene = scene_of("select")
     right = of_pad.on_tabs
     left = of_pad.cell_mm(3, 2)[0] - capacitive.PITCH_MM
@@ -301,7 +308,7 @@ def test_a_core_that_gives_nine_tenths_over_three_cells(monkeypatch, turned, sou
 
 
 def test_a_shifted_centre(monkeypatch, turned, sound):
-    """By 0.06 and -0.08 of the half range: 0.05 of the range."""
+    """Shifted by 0.06 and -0.08 of the half range: 0.05 of the range."""
     readings(monkeypatch, lambda total, x, y, valid: (total, x + 0.06, y - 0.08, valid))
     found, which = turned("shapes")
     assert which == {"position_error", "each position_error"}
@@ -309,7 +316,8 @@ def test_a_shifted_centre(monkeypatch, turned, sound):
 
 
 def test_a_mirrored_centre(monkeypatch, turned, sound):
-    """The sign of y: off by its distance from the middle. The edge lies 0.95 mm above it: 1/7 of the half."""
+    """The wrong sign of y: the error is the distance from the middle. The edge lies 0.95 mm above it: 1/7 of
+    the half."""
     readings(monkeypatch, lambda total, x, y, valid: (total, x, -y, valid))
     found, which = turned("shapes")
     assert which == {"position_error", "each position_error"}
@@ -327,11 +335,11 @@ def test_a_sum_that_is_a_tenth_too_large(monkeypatch, turned, sound):
 
 
 def test_a_cell_that_dies_after_the_calibration(monkeypatch, turned, sound):
-    """It reads 0 under the even press: as far off the mean as can be."""
+    """It reads 0 under the even press: the largest possible deviation from the mean."""
 
     def dying(codes, samples):
         codes = np.array(codes)
-        if len(samples) == FRAMES:  # not of the calibrations
+        if len(samples) == FRAMES:  # only in the run, not in the calibrations
             codes[:, 2, 2] = 0
         return codes
 
@@ -343,7 +351,7 @@ def test_a_cell_that_dies_after_the_calibration(monkeypatch, turned, sound):
 
 
 def test_columns_with_other_amplifiers(monkeypatch, turned, sound):
-    """The calibration takes away what columns differ by: before it changes, after it hardly does."""
+    """The calibration removes differences between columns: unevenness grows before it and hardly after it."""
     was = sound("shapes")
     monkeypatch.setattr(capacitive, "COLUMN_SPREAD", 0.2)
     found, _ = turned("shapes")
@@ -359,7 +367,7 @@ def test_parts_that_are_all_alike(monkeypatch, turned, sound):
     assert found["unevenness_before"] < 0.01 and found["unevenness_codes_as_they_are"] < 0.005
     assert found["unevenness_calibrated_by_probe"] == pytest.approx(
         0.075, abs=0.01
-    )  # of the cover, not the parts
+    )  # due to the cover, not the parts
 
 
 def test_a_probe_that_presses_one_cell_alone(monkeypatch, turned, sound):
@@ -374,14 +382,15 @@ def test_a_probe_that_presses_one_cell_alone(monkeypatch, turned, sound):
 
 
 def test_a_cell_whose_stiffness_differs_more(monkeypatch, turned, sound):
-    """Four times the spread: curves that differ by more than their straight lines say."""
+    """Four times the spread: the curves differ by more than their straight lines, which the calibration
+    removes."""
     monkeypatch.setattr(capacitive, "STIFFNESS_SPREAD", 0.16)
     found, _ = turned("shapes")
     assert found["unevenness_after"] > 2 * sound("shapes")["unevenness_after"]
 
 
 def test_objects_pressed_twice_as_hard(turned, sound):
-    """Truth and reading double but for the curve: what the scene applies is what it says."""
+    """Truth and readings double, except for the curvature: the scene applies the pressure that it states."""
     found, which = turned("shapes", scene_of("shapes", pressure_g_mm2=60.0))
     assert "each shape" not in which and EVEN.isdisjoint(which)
     assert found["each load_g"] == pytest.approx(2 * np.array(sound("shapes")["each load_g"]), rel=1e-3)
@@ -389,7 +398,8 @@ def test_objects_pressed_twice_as_hard(turned, sound):
 
 
 def test_amplifiers_that_gain_a_tenth_after_the_calibration(monkeypatch, turned, sound):
-    """A tenth of 1900 codes at rest is a third of what 100 g do: every load is far too high, bent or not."""
+    """A tenth of the 1900 codes at rest is a third of the response to 100 g: every load is far too high, with
+    and without the second-order term."""
 
     def drifted(codes, samples):
         return np.rint(codes * (1.1 if len(samples) == FRAMES else 1.0)).astype(codes.dtype)
@@ -402,7 +412,7 @@ def test_amplifiers_that_gain_a_tenth_after_the_calibration(monkeypatch, turned,
 
 @pytest.mark.parametrize("kind", NAMES)
 def test_every_metric_is_turned_above(kind, sound):
-    """A new metric needs a break of its own."""
+    """A new metric needs a fault of its own."""
     known = {
         "crosstalk": {"ideal_v", "difference_from_eq18_v"},
         "cell": {

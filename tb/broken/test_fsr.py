@@ -1,4 +1,5 @@
-"""Each metric of the scenes of resistive matrices: what turns it, by how much, and what stays as it was."""
+"""Each metric of the scenes of resistive matrices: which fault changes it, by how much, and which metrics
+stay unchanged."""
 
 import dataclasses
 import tomllib
@@ -34,7 +35,7 @@ WAYS = [(circuit, unselected) for circuit in fsr.CIRCUITS for unselected in fsr.
 
 
 def small(load_ohm=5000.0, min_load_n=1.0, driver_ohm=5.0):
-    """12×10 cells of the scene of 64×64: row 4 dead, cell (9, 7) stuck, 60 frames."""
+    """The scene of 64×64 reduced to 12×10 cells: row 4 dead, cell (9, 7) stuck, 60 frames."""
     table = tomllib.loads(scenes.source("fsr_64x64"))
     table["array"] |= {"rows": 12, "columns": 10, "min_load_n": min_load_n}
     table["readout"] |= {"load_ohm": load_ohm, "driver_ohm": driver_ohm}
@@ -44,7 +45,8 @@ def small(load_ohm=5000.0, min_load_n=1.0, driver_ohm=5.0):
 
 
 def metrics(scene):
-    """{metric: value; metric in its table: column}, the latter with "each" before its name; arrays."""
+    """{metric: value; column of its table: values}, columns with "each" before their names; and the
+    arrays."""
     summary, arrays, _ = run.measure(scene, "fixed", 1)
     found = {key: value for key, value in summary.items() if key not in COMMON | {"conditions"}}
     rows = summary["conditions"]
@@ -69,13 +71,13 @@ def turned(sound):
 
 
 def readings(monkeypatch, break_it):
-    """``break_it(total, x, y, valid)`` behind the centre of pressure."""
+    """``break_it(total, x, y, valid)`` after the centre of pressure."""
     right = Chain.cop
     monkeypatch.setattr(Chain, "cop", lambda *at: break_it(*right(*at)))
 
 
 def converted(monkeypatch, break_it):
-    """``break_it(codes)`` of every part: "run" (60 frames), "calibration" (96), "even" (64)."""
+    """``break_it(codes, part)`` of every part: "run" (60 frames), "calibration" (96), "even" (64)."""
     right = of_matrix._World.codes
     parts = {60: "run", 96: "calibration", 64: "even"}
 
@@ -103,7 +105,7 @@ def test_every_metric_is_turned_below(sound):
 
 
 def test_a_shifted_centre(monkeypatch, turned):
-    """By 0.06 and -0.08 of the half range: 0.05 of the range."""
+    """Shifted by 0.06 and -0.08 of the half range: 0.05 of the range."""
     readings(monkeypatch, lambda total, x, y, valid: (total, x + 0.06, y - 0.08, valid))
     found, which = turned()
     assert which == POSITION
@@ -111,7 +113,7 @@ def test_a_shifted_centre(monkeypatch, turned):
 
 
 def test_a_mirrored_centre(monkeypatch, turned, sound):
-    """The wrong sign of x: off by x itself, of a hand that leans to the left."""
+    """The wrong sign of x: the error is |x| of the range, for a hand that leans to the left."""
     readings(monkeypatch, lambda total, x, y, valid: (total, -x, y, valid))
     found, which = turned()
     assert which == POSITION
@@ -119,7 +121,7 @@ def test_a_mirrored_centre(monkeypatch, turned, sound):
 
 
 def test_a_sum_that_is_a_tenth_too_large(monkeypatch, turned, sound):
-    """Working cells read within 1 % of the truth, so 1.1 times that is 9 to 11 % high."""
+    """Working cells read within 1 % of the truth, so 1.1 times their sum is 9 to 11 % high."""
     readings(monkeypatch, lambda total, x, y, valid: (total * 1.1, x, y, valid))
     found, which = turned()
     assert which == LOAD
@@ -127,7 +129,7 @@ def test_a_sum_that_is_a_tenth_too_large(monkeypatch, turned, sound):
 
 
 def test_a_row_that_broke_without_being_injected(monkeypatch, turned):
-    """Row 7 too: 10 more cells found dead, of the 109 that should work."""
+    """Row 7 broken too: 10 more cells are found dead, of the 109 that should work."""
     right = fsr.break_cells
 
     def more(siemens, *at):
@@ -153,7 +155,8 @@ def test_a_fault_that_the_calibration_does_not_see(monkeypatch, turned):
 
 
 def test_a_cell_that_dies_after_the_calibration(monkeypatch, turned, sound):
-    """The one most pressed, in the run alone: nobody finds it, load and position are off by its share."""
+    """The most pressed cell dies in the run alone: it stays undetected, and load and position err by its
+    share."""
 
     def dying(codes, part):
         if part == "run":
@@ -169,7 +172,7 @@ def test_a_cell_that_dies_after_the_calibration(monkeypatch, turned, sound):
 
 
 def test_a_load_that_is_too_small_for_a_position(turned, sound):
-    """Where the least load is 12 N: as many frames as a plain loop counts."""
+    """With a least load of 12 N, as many frames are counted as a plain loop counts."""
     scene = small(min_load_n=12.0)
     _, arrays = metrics(scene)
     counted = sum(
@@ -181,7 +184,7 @@ def test_a_load_that_is_too_small_for_a_position(turned, sound):
 
 
 def test_a_column_whose_amplifier_gains_a_tenth(monkeypatch, turned):
-    """Under the even press only. Codes hold the rest too, 1 of 15 µS: 1.1067 over a mean of 1.0108."""
+    """Under the even press only. Codes include the rest level, 1 of 15 µS: 1.1067 over a mean of 1.0108."""
 
     def louder(codes, part):
         if part == "even":
@@ -195,7 +198,7 @@ def test_a_column_whose_amplifier_gains_a_tenth(monkeypatch, turned):
 
 
 def test_cells_that_differ_three_times_as_much(turned, sound):
-    """Before the calibration it shows, after it hardly does."""
+    """Unevenness grows before the calibration and hardly after it."""
     scene = small()
     scene = dataclasses.replace(scene, material=dataclasses.replace(scene.material, spread=0.24))
     found, which = turned(scene)
@@ -205,7 +208,7 @@ def test_cells_that_differ_three_times_as_much(turned, sound):
 
 
 def test_columns_that_are_not_held(monkeypatch, turned, sound):
-    """An amplifier that holds its column by 500 ohms and not by half of one lets ghosts in."""
+    """An amplifier that holds its column through 500 ohms instead of half an ohm lets ghosts in."""
     held = property(lambda way: 1 / (500.0 if way.circuit == "zero potential" else way.load_ohm))
     monkeypatch.setattr(fsr.Readout, "column_siemens", held)
     found, which = turned()
@@ -215,14 +218,15 @@ def test_columns_that_are_not_held(monkeypatch, turned, sound):
 
 
 def test_drivers_that_sag(turned, sound):
-    """200 ohms instead of 5: cells of a row share its driver, and read less the more of them are pressed."""
+    """200 ohms instead of 5: the cells of a row share its driver, and read less the more of them are
+    pressed."""
     found, which = turned(small(driver_ohm=200.0))
     assert "each pressed_spread" in which
     assert min(found["each pressed_spread"][:2]) > 10 * max(sound["each pressed_spread"][:2])
 
 
 def test_a_converter_at_its_end(turned):
-    """Twelve kilohms behind each column lift the largest presses above 3.3 V."""
+    """Twelve kilohms at each column lift the largest presses above 3.3 V."""
     found, which = turned(small(load_ohm=12000.0))
     assert "over_range" in which and found["over_range"] > 0
 

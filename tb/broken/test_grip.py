@@ -1,5 +1,5 @@
-"""Each metric of a scene of the sensor ``grip``: what turns it, and what does not. Sensor or core is broken
-on purpose; everything else of the summary stays as it was, to the digit."""
+"""Each metric of a scene of the sensor ``grip``: which fault changes it, and which does not. Sensor or core
+is broken on purpose; the rest of the summary stays exactly equal."""
 
 import dataclasses
 
@@ -34,13 +34,12 @@ def sound(tmp_path_factory):
 
 
 def turned(found, sound):
-    """The metrics that differ; what else there is must not: but rows of conditions, times and the scene's
-    text."""
+    """The metrics that differ; the rows of conditions, the times and the scene's text are not compared."""
     return {key for key in METRICS if found[key] != sound[key]}
 
 
 def core(monkeypatch, break_it, codes_too=lambda codes: codes, engine="fixed"):
-    """Put ``break_it(found, decisions)`` behind the core and ``codes_too`` in front of it."""
+    """Put ``break_it(found, decisions)`` after the core and ``codes_too`` in front of it."""
     right = engines.load("fixed").cop_slip
 
     def broken(codes, *settings):
@@ -58,7 +57,7 @@ def test_every_metric_of_the_summary_is_here(sound):
 
 
 def later(samples):
-    """The decisions ``samples`` later: each field as it was so long before."""
+    """The decisions, delayed by ``samples``."""
 
     def broken(found, decisions):
         return found, CopSlipResult(
@@ -80,8 +79,8 @@ def test_a_late_flag_turns_the_delay_and_the_lead(monkeypatch, score, sound):
 
 
 def test_a_flag_after_the_move_is_a_miss(monkeypatch, score, sound):
-    """Each pull's lead is between 40 and 80 ms: 80 ms later every flag is late, though one rises in each
-    run."""
+    """Each pull's lead is between 40 and 80 ms: delayed by 80 ms every flag is late, although each run has
+    one."""
     assert 40 < sound["lead_ms_min"] < max(row["lead_ms_min"] or 0 for row in sound["conditions"]) < 80
     core(monkeypatch, later(80))
     found = score()
@@ -107,8 +106,8 @@ def test_a_weaker_event_is_missed(monkeypatch, score, sound):
 
 
 def test_a_grip_that_tilts_more_is_a_false_alarm(monkeypatch, score, sound):
-    """Let go of 3 N, the centre moves by 3 N times the tilt: 0.0015 of the half range, below the detector's
-    0.003; four times that is above it."""
+    """As the grip opens from 3 N, the centre moves by 3 N times the tilt: 0.0015 of the half range, below the
+    detector's 0.003; four times as much is above it."""
     monkeypatch.setattr(grip, "TILT", 4 * grip.TILT)
     found = score()
     assert found["missed"] == 0
@@ -117,7 +116,8 @@ def test_a_grip_that_tilts_more_is_a_false_alarm(monkeypatch, score, sound):
 
 
 def test_more_alarms_than_runs_with_one(monkeypatch, score, sound):
-    """The rate counts runs: three rises in each of six runs before anything is pulled are six of six."""
+    """The rate counts runs: with three rises in each of six runs before any pull, six of six runs have a
+    false alarm."""
 
     def chatter(found, decisions):
         raised = decisions.raised.copy()
@@ -132,8 +132,8 @@ def test_more_alarms_than_runs_with_one(monkeypatch, score, sound):
 
 
 def test_exchanged_wires_turn_the_direction(monkeypatch, score, sound):
-    """E1 and E3 exchanged: x has the wrong sign, so the pull to the right is reported as one to the left; up
-    stays up. Nothing else is decided otherwise."""
+    """E1 and E3 exchanged: x has the wrong sign, so the pull to the right is reported to the left; up stays
+    up. No other decision changes."""
     core(monkeypatch, lambda *both: both, lambda codes: codes[:, [2, 1, 0, 3]])
     found = score()
     assert turned(found, sound) == WAY | {"position_error", "move_v"}
@@ -149,8 +149,8 @@ def test_a_wrong_octant(monkeypatch, score, sound):
 
 
 def test_a_turned_axis_turns_the_direction_by_as_much(monkeypatch, score, sound):
-    """30 degrees in the reported way: more than half an eighth is the octant's own business, not this
-    one's."""
+    """The reported move is turned by 30 degrees: more than half an octant, but the octant is judged
+    separately."""
 
     def turn(found, d):
         way = np.deg2rad(30.0)
@@ -166,7 +166,7 @@ def test_a_turned_axis_turns_the_direction_by_as_much(monkeypatch, score, sound)
 
 
 def test_a_shifted_centre(monkeypatch, score, sound):
-    """By 0.05 of the half range: 0.025 of the range, where the error was below 0.0005."""
+    """Shifted by 0.05 of the half range: 0.025 of the range, where the error was below 0.0005."""
     core(monkeypatch, lambda found, d: (found._replace(x=found.x + round(0.05 * engines.COP_ONE)), d))
     found = score()
     assert turned(found, sound) <= {"position_error", "move_v"} and sound["position_error"]["maximum"] < 5e-4
@@ -174,8 +174,8 @@ def test_a_shifted_centre(monkeypatch, score, sound):
 
 
 def test_a_centre_that_moves_too_little(monkeypatch, score, sound):
-    """Half the reported place: the move is half, and a place up to 1/3 off the middle lies half as far
-    out."""
+    """The reported position is halved: so is the move, and a position up to 1/3 from the middle appears half
+    as far out."""
     core(monkeypatch, lambda found, d: (found._replace(x=found.x // 2, y=found.y // 2), d))
     found = score()
     assert turned(found, sound) == {"position_error", "move_v"}
@@ -183,8 +183,8 @@ def test_a_centre_that_moves_too_little(monkeypatch, score, sound):
 
 
 def test_a_wrong_gain_of_the_load(monkeypatch, score, sound):
-    """A quarter more: what the sheared rubber shows, about 2 % low, is reported a quarter less that high;
-    what is measured as a share of the rest stays."""
+    """A quarter more: the load of the sheared rubber, about 2 % low, is multiplied by 1.25; ratios to the
+    load at rest stay."""
     core(monkeypatch, lambda found, d: (found._replace(load=found.load * 5 // 4), d))
     found = score()
     assert turned(found, sound) <= {"load_error", "load_error_without_shear", "load_drop"}
@@ -196,8 +196,7 @@ def test_a_wrong_gain_of_the_load(monkeypatch, score, sound):
 
 
 def test_a_dead_channel(monkeypatch, score, sound):
-    """E2 stands at its last rail: the core sees an open electrode, gives no position, and no slip is
-    flagged."""
+    """E2 stays at its code at rest: the core sees an open electrode, gives no position and flags no slip."""
 
     def dead(codes):
         codes = codes.copy()
@@ -226,7 +225,8 @@ def test_a_longer_rest_moves_the_truth_and_the_flag(score, sound):
 
 
 def test_a_core_that_differs_from_its_twin(monkeypatch, score):
-    """Two samples of one field in each of six runs; the scene that only builds the core does not count."""
+    """Two samples of one field differ in each of six runs; the run that only builds the core does not
+    count."""
 
     def spoiled(found, decisions):
         if len(found.x) > 1:

@@ -1,5 +1,5 @@
-"""Each metric of the hand's scenes turns when the physics, the sensor or the reflex is broken on purpose, and
-those beside it that should not, do not."""
+"""Each metric of the hand's scenes changes when the physics, the sensor or the reflex is broken on purpose,
+and the metrics that the fault does not concern stay."""
 
 from dataclasses import replace
 
@@ -20,7 +20,7 @@ RUNS, SECONDS = 4, 8.0
 
 
 def few(name="grip_pour", grip=None, slip=None, **changes):
-    """The scene's first condition, short, with few runs."""
+    """The scene's first condition, shortened, with few runs."""
     scene = scenes.load(name)
     condition = replace(scene.conditions[0], duration_s=SECONDS, **changes)
     world = scene.world | {"pour_start_s": 0.5, "hold_from_s": 4.0}
@@ -30,7 +30,7 @@ def few(name="grip_pour", grip=None, slip=None, **changes):
 
 @pytest.fixture(scope="module")
 def sound(tmp_path_factory):
-    """The summaries of the hand as it is."""
+    """The summaries of the unbroken hand."""
     names = ("grip_pour", "grip_release")
     return {name: run(few(name), "fixed", tmp_path_factory.mktemp(name)) for name in names}
 
@@ -49,7 +49,7 @@ def test_as_it_is_all_is_held(sound):
     found = row(sound["grip_pour"])
     assert found["tightenings"] > 100 and found["false_tightenings"] < 0.05 * found["tightenings"]
     assert 1.0 < found["grip_ratio_mean"] < 1.2
-    # 7.5 s of 0.01 kg/s and its spread, on two springs of 12 N/mm.
+    # 7.5 s of 0.01 kg/s with its spread, on two springs of 12 N/mm.
     assert 0.02 < found["sag_mm_max"] < 0.05 and found["moved_mm_max"] > found["sag_mm_max"]
     assert row(sound["grip_release"])["sag_mm_max"] == 0
 
@@ -77,7 +77,7 @@ def test_a_command_of_the_wrong_sign_drops_it(tmp_path, monkeypatch):
 
 
 def test_friction_that_halves_is_slip_and_a_drop(sound, tmp_path):
-    """Twice the grip would be needed at once: one step a window does not get there."""
+    """Twice the grip is needed immediately; one step per window is too slow for that."""
     found = run(few(halves_s=4.0), "fixed", tmp_path)
     assert found["dropped_rate"]["count"] == RUNS
     scene = few(halves_s=4.0)
@@ -88,7 +88,7 @@ def test_friction_that_halves_is_slip_and_a_drop(sound, tmp_path):
 
 
 def test_a_dead_sensor_is_a_fault_and_never_opens_the_hand(tmp_path):
-    """Motion 2 with both sensors dead from the first second on: the hand stays where it is."""
+    """Motion 2 with both sensors dead after the first second: the hand stays where it is."""
     scene = few("grip_release", dead_s=1.0)
     found = run(scene, "fixed", tmp_path)
     assert found["cycles_with_fault"] == RUNS * round((SECONDS - 1.0) * 100)
@@ -122,7 +122,7 @@ def test_softer_rubber_sags_more_and_slips_no_more(sound, tmp_path, monkeypatch)
 
 
 def test_a_tug_too_quick_for_the_reflex_slips_and_is_caught(tmp_path):
-    """0.6 N within 25 ms: more than two steps of the hand; without it nothing slips."""
+    """0.6 N within 25 ms, more than two steps of the hand; without the tug nothing slips."""
     for newtons, slips in ((0.6, True), (0.0, False)):
         scene = few("grip_disturb")
         scene = replace(
@@ -134,7 +134,8 @@ def test_a_tug_too_quick_for_the_reflex_slips_and_is_caught(tmp_path):
 
 
 def test_a_reflex_that_does_nothing_has_less_after_a_tug(tmp_path):
-    """0.3 N more on about 2 N: the reflex has tightened by its peak; a hand without a step has not."""
+    """0.3 N more on about 2 N: the reflex has tightened by the tug's peak; a hand with a step of 0 has
+    not."""
     world = {"tugs": [(2.0, 1.0, 0.3)], "grip_ratio": (1.2, 1.22)}
     found = {}
     for step_mm in (0.0, None):
@@ -148,7 +149,8 @@ def test_a_reflex_that_does_nothing_has_less_after_a_tug(tmp_path):
 
 
 def test_a_threshold_that_does_not_follow_vc_is_deaf_where_the_sensor_is_pressed_hard(tmp_path, monkeypatch):
-    """The sensor feels six times the grip: its events make fewer volts, and all else is as it was."""
+    """The sensor feels six times the grip, so the same events give fewer volts; everything else is
+    unchanged."""
     rest_volts = rubber.rest_volts
     monkeypatch.setattr(rubber, "rest_volts", lambda force_n: rest_volts(6.0 * force_n))
     deaf, follows = (row(run(few(threshold_v=volts), "fixed", tmp_path)) for volts in (0.01, None))

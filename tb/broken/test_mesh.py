@@ -1,4 +1,5 @@
-"""Each metric of a scene of the four-wire mesh: what turns it, by how much, and what it leaves alone."""
+"""Each metric of a scene of the four-wire mesh: which fault changes it, by how much, and which metrics that
+fault leaves unchanged."""
 
 import dataclasses
 import math
@@ -26,7 +27,7 @@ def sound(tmp_path_factory):
 
 @pytest.fixture
 def turned(tmp_path, sound):
-    """A scene's summary once more, and the metrics that are no longer what they were."""
+    """The summary of another run, and the metrics that differ from the sound run's."""
 
     def again(name, scene=None, engine="fixed"):
         found = run.run(scene or scenes.load(name), engine, tmp_path)
@@ -37,7 +38,7 @@ def turned(tmp_path, sound):
 
 
 def behind(monkeypatch, break_it, engine="fixed"):
-    """Put ``break_it(Cop4)`` behind the core."""
+    """Put ``break_it(Cop4)`` after the core."""
     right = engines.load("fixed").cop4
     monkeypatch.setattr(engines.load(engine), "cop4", lambda *both: break_it(right(*both)))
 
@@ -51,15 +52,15 @@ def before(monkeypatch, break_it):
 def test_every_metric_of_the_summaries_is_here(sound):
     told = "scene engine seed seconds_simulated seconds_taken samples_per_second modelled left_out built"
     told += " not_built saved"
-    told += " twin_mismatches runs seeds conditions files"  # conditions: the two errors, row by row
+    told += " twin_mismatches runs seeds conditions files"  # conditions holds the two errors row by row
     for name, summary in sound.items():
         assert set(summary) - METRICS - OF.get(name, set()) == set(told.split())
         assert summary["seeds"] == [1, 1]
 
 
 def test_a_shifted_centre(monkeypatch, turned, sound):
-    """x by 0.04 of the half range: 0.02 of the range, beside errors below 0.0005; a circle's centre by
-    0.04."""
+    """x shifted by 0.04 of the half range: 0.02 of the range, where errors were below 0.0005; a circle's
+    centre moves by 0.04."""
     behind(monkeypatch, lambda got: got._replace(x=got.x + round(0.04 * engines.COP_ONE)))
     found, which = turned("cop_load")
     assert which == {"position_error"}
@@ -75,8 +76,8 @@ def test_a_shifted_centre(monkeypatch, turned, sound):
 
 def test_a_wrong_gain_of_one_coordinate(monkeypatch, turned, sound):
     """x a fifth too far out: an ellipse of half axes 1.2 and 1, whose mean distance, twice the complete
-    integral of sqrt(1.44 cos^2 + sin^2) over pi, is 1.1018; so 0.2/1.1018 out of round, and nothing of y's
-    centre."""
+    integral of sqrt(1.44 cos^2 + sin^2) over pi, is 1.1018; so it is 0.2/1.1018 out of round, and the
+    centre's y is unchanged."""
     behind(monkeypatch, lambda got: got._replace(x=got.x * 6 // 5))
     found, which = turned("cop_circle")
     assert which == {"position_error", "locus"}
@@ -89,22 +90,22 @@ def test_a_wrong_gain_of_one_coordinate(monkeypatch, turned, sound):
 
 
 def test_exchanged_wires(monkeypatch, turned, sound):
-    """E1 and E3 exchanged: x has the wrong sign, so from corner to corner the error is |x| of the range; the
-    load is a sum of the two. A circle stays one, elsewhere on it."""
+    """E1 and E3 exchanged: x has the wrong sign, so from corner to corner the error is |x| of the range. The
+    load, a sum of both, is unchanged. A circle stays a circle with its points elsewhere on it."""
     before(monkeypatch, lambda codes: codes[:, [2, 1, 0, 3]])
     found, which = turned("cop_two_point")
     assert which == {"position_error"}
     assert found["position_error"]["maximum"] == pytest.approx(1, abs=1e-3)
     assert found["position_error"]["mean"] == pytest.approx(
         6 / 11, abs=0.02
-    )  # of |x| = 0, 0.2 twice, ... 1 twice
+    )  # mean of |x| = 0, 0.2 twice, ... 1 twice
     found, _ = turned("cop_circle")
     assert found["locus"]["radius"] == pytest.approx(sound["cop_circle"]["locus"]["radius"], rel=1e-3)
     assert found["position_error"]["maximum"] > 0.3
 
 
 def test_a_wrong_gain_of_the_load(monkeypatch, turned, sound):
-    """An eighth too little. Two equal loads are reported up to 13.9 % low, now 1 - 0.875 (1 - 0.139)."""
+    """An eighth too little. Two equal loads were reported up to 13.9 % low; now 1 - 0.875 (1 - 0.139)."""
     behind(monkeypatch, lambda got: got._replace(load=got.load * 7 // 8))
     found, which = turned("cop_load")
     assert which == {"load_error"}
@@ -113,11 +114,11 @@ def test_a_wrong_gain_of_the_load(monkeypatch, turned, sound):
     row, was = found["conditions"][0], sound["cop_load"]["conditions"][0]["load_error_mean"]
     assert row["load_error_mean"] == pytest.approx(1 - 0.875 * (1 - was), abs=3e-4)
     found, which = turned("cop_impulse_place")
-    assert which == {"load_error", "load_error_without_lag"}  # times are of shares of the rise
+    assert which == {"load_error", "load_error_without_lag"}  # the times refer to shares of the rise
 
 
 def test_a_dead_channel(monkeypatch, turned):
-    """E3 stands at its rail: the core sees an open electrode, and there is no position."""
+    """E3 stays at its rail: the core sees an open electrode, and there is no position."""
 
     def dead(codes):
         codes = codes.copy()
@@ -131,8 +132,7 @@ def test_a_dead_channel(monkeypatch, turned):
 
 
 def test_a_slower_rubber(turned):
-    """Three time constants of 0.4 ms in place of 0.2 ms; and 0.944 of them for the position (see the
-    scene)."""
+    """Three time constants of 0.4 ms in place of 0.2 ms; the position takes 0.944 of one (see the scene)."""
     scene = scenes.load("cop_impulse_place")
     scene = dataclasses.replace(scene, world=scene.world | {"response_s": 0.0012})
     found, which = turned("cop_impulse_place", scene)
@@ -142,7 +142,7 @@ def test_a_slower_rubber(turned):
 
 
 def test_a_late_core_turns_both_times_by_as_much(monkeypatch, turned, sound):
-    """Every output 0.1 ms later."""
+    """Every output is delayed by 0.1 ms."""
 
     def late(values):
         return np.concatenate([values[:1].repeat(10), values[:-10]])
@@ -154,17 +154,17 @@ def test_a_late_core_turns_both_times_by_as_much(monkeypatch, turned, sound):
 
 
 def test_more_conductance_at_rest_delays_the_position(turned):
-    """1 N of nine taxels beside 5 N: 95 % of the way at f = 0.76 of the force, after 1.427 time constants."""
+    """1 N on nine taxels beside 5 N: 95 % of the way at f = 0.76 of the force, after 1.427 time constants."""
     scene = scenes.load("cop_impulse_place")
     scene = dataclasses.replace(scene, world=scene.world | {"rest_n": 1 / 9})
     found, which = turned("cop_impulse_place", scene)
     assert "position_response_s" in which
     assert found["position_response_s"] == pytest.approx(0.2e-3 * 1.427, abs=1.1e-5)
-    assert found["position_error"]["mean"] > 0.08  # and pulls it to the middle for good
+    assert found["position_error"]["mean"] > 0.08  # the rest pulls it towards the middle permanently
 
 
 def test_wrong_currents_show_in_the_solver_s_bounds(monkeypatch, turned, sound):
-    """Contacts' currents a millionth too high: the bounds, computed from the equations alone, must say so."""
+    """Contact currents a millionth too high: the bounds, computed from the equations alone, must show it."""
     right = contacts.solve
     monkeypatch.setattr(groups.contacts, "solve", lambda *at: right(*at) * (1 + 1e-6))
     found, which = turned("cop_circle")
@@ -190,8 +190,8 @@ def test_a_core_that_differs_from_its_twin(monkeypatch, turned):
 
 
 def test_where_the_position_settles_by_hand():
-    """At 1 kHz, pressed from sample 5 to 14: the place goes 0, 1, 3.9, 3.7, 4, 3.81, 4, ... and 0.2 is 5 %
-    of 4."""
+    """At 1 kHz, pressed from sample 5 to 14: the position goes 0, 1, 3.9, 3.7, 4, 3.81, 4, ...; 5 % of 4 is
+    0.2."""
     x = np.zeros(20)
     x[5:15] = [1, 3.9, 3.7, 4, 3.81, 4, 4, 4, 4, 4]
     world = {"start_s": 0.005, "pulse_s": 0.010}

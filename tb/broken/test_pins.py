@@ -1,7 +1,8 @@
-"""Each metric at the converter's pins turns when the RTL between them and the decision is broken on purpose.
+"""Each metric at the converter's pins changes when the RTL between the pins and the decision is broken on
+purpose.
 
-Space: periods a clock too long, periods and words that depend on the sample before, words a clock late. Each
-is a build of its own, so these are in ``make test-long``.
+Space: periods a clock too long, periods and words that depend on the previous sample, words a clock late.
+Each fault needs a build of its own, so the test is in ``make test-long``.
 """
 
 from types import SimpleNamespace
@@ -14,11 +15,11 @@ from meissner.builds import toolchain
 from meissner.engines import rtl_slip
 
 FRAMES = 257
-PERIOD = 400  # clocks of 4 MHz at 10 kHz
+PERIOD = 400  # in clocks: 4 MHz, 10 kHz
 PERIODS = ("msn_adc_spi", "tick ? cfg_period_i - 1'b1 :")
 WORDS = ("msn_spi_shift", "(start_i || half_end) ? HalfBits'(Half - 1) :")
 METRICS = ("frames", "clocks", "convert_jitter_clocks", "decision_clocks", "decision_jitter_clocks")
-# What is broken: where, by what, and what turns beside the sound core, by how much.
+# The broken place and its new text, and the metrics that differ from the sound core's, by how much.
 FAULTS = {
     "periods a clock too long": (PERIODS, "tick ? cfg_period_i :", {"clocks": FRAMES}),
     "periods by the sample": (
@@ -36,7 +37,7 @@ FAULTS = {
 
 
 def facts():
-    """At the pins of acrylic_slip's converter, with two even codes and two odd ones in turn."""
+    """Metrics at the pins of acrylic_slip's converter, with two even codes and two odd codes alternating."""
     scene = scenes.load("acrylic_slip")
     codes = np.arange(FRAMES) // 2 % 2 + 1000
     recording = SimpleNamespace(scene=scene, codes=codes, moving=np.zeros(FRAMES, dtype=bool))

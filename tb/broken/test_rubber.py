@@ -1,5 +1,5 @@
-"""Each metric of the rubber's slip scenes turns when the physics or the core is broken on purpose, and those
-beside it that should not, do not."""
+"""Each metric of the rubber's slip scenes changes when the physics or the core is broken on purpose, and the
+metrics that the fault does not concern stay."""
 
 from dataclasses import replace
 
@@ -13,24 +13,24 @@ from meissner.run import run
 from meissner.twins.slip.slip import State
 
 RUNS = 4
-DETAIL_MS = 0.2  # of two samples at 10 kHz
+DETAIL_MS = 0.2  # two samples at 10 kHz
 SLIPS = "acrylic_slip"
 PRESSES = "normal_force"
 
 
 def few(name, **changes):
-    """A scene with few runs, without its pictures' time."""
+    """A scene with few runs."""
     return replace(scenes.load(name), seeds=RUNS, **changes)
 
 
 @pytest.fixture(scope="module")
 def sound(tmp_path_factory):
-    """The summaries of the sensor and the core as they are."""
+    """The summaries of the unbroken sensor and core."""
     return {name: run(few(name), "fixed", tmp_path_factory.mktemp(name)) for name in (SLIPS, PRESSES)}
 
 
 def core(monkeypatch, breaks):
-    """The engine with a core that ``breaks``: a function of the true one, codes, config and motion."""
+    """Break the engine's core: ``breaks`` gets the true one, codes, config and motion."""
     watch = fixed.watch
     monkeypatch.setattr(fixed, "watch", lambda x, config, moving=None: breaks(watch, x, config, moving))
 
@@ -62,7 +62,7 @@ def test_quieter_events_are_flagged_later(sound, tmp_path, monkeypatch):
 
 
 def test_events_too_quiet_are_missed_though_the_last_slip_raises_a_flag(tmp_path, monkeypatch):
-    """At a quarter of their size only the whole contact's slip is loud enough: a flag, but too late."""
+    """At a quarter of their size only the slip of the whole contact is loud enough: a flag, but too late."""
     monkeypatch.setattr(rubber, "EVENT_SHARE", rubber.EVENT_SHARE / 4)
     found = run(few(SLIPS), "fixed", tmp_path)
     assert found["missed"] == found["missed_rate"]["count"] == RUNS and found["late"] >= RUNS - 1
@@ -73,7 +73,7 @@ def test_louder_ripple_is_a_false_alarm_unless_the_core_is_told_of_the_motion(tm
     monkeypatch.setattr(plate, "RIPPLE_N", 3 * plate.RIPPLE_N)
     found = run(few(PRESSES), "fixed", tmp_path)
     assert found["false_alarms"] > RUNS and found["false_alarms_masked"] == 0
-    assert found["false_alarm_rate"]["count"] > RUNS / 2  # of the 2·RUNS; each run counts once
+    assert found["false_alarm_rate"]["count"] > RUNS / 2  # of 2·RUNS runs, each counted once
     assert found["false_alarm_rate"]["count"] <= 2 * RUNS < found["false_alarms"] + 2 * RUNS
     assert found["missed"] == 0
 
@@ -86,7 +86,7 @@ def test_a_core_that_is_deaf_to_the_motion_turns_the_masked_alarms(tmp_path, mon
 
 
 def test_ripple_above_the_published_limit_is_a_false_alarm(tmp_path, monkeypatch):
-    """The detail passes what is above 1 kHz: the published 600 Hz is what keeps pressing quiet."""
+    """The detail passes ripple above 1 kHz; pressing raises no flag only because of the published 600 Hz."""
     monkeypatch.setattr(plate, "RIPPLE_LIMIT_HZ", 2000.0)
     assert run(few(PRESSES), "fixed", tmp_path)["false_alarms"] > 0
 
@@ -114,8 +114,8 @@ def test_a_flag_that_is_late_by_so_many_details_shows_by_so_much(details, sound,
 @pytest.mark.parametrize(
     "breaks",
     [
-        lambda codes: np.full_like(codes, 4095),  # no rubber, or a wire that is off
-        lambda codes: np.full_like(codes, 1234),  # a converter that repeats itself
+        lambda codes: np.full_like(codes, 4095),  # no rubber, or a wire disconnected
+        lambda codes: np.full_like(codes, 1234),  # a converter that repeats one code
     ],
     ids=["open", "stuck"],
 )
@@ -133,7 +133,8 @@ def test_a_gain_that_is_too_small_misses_every_slip(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize("name", [SLIPS, PRESSES])
 def test_the_wrong_sign_is_contact_at_rest(name, sound, tmp_path, monkeypatch):
-    """At the wrong end of the divider pressing raises Vc: what is not pressed is contact. Slips do show."""
+    """At the wrong end of the divider pressing raises Vc, so the unpressed state reads as contact. Slips are
+    still detected."""
     core(monkeypatch, lambda watch, x, config, moving: watch(4095 - x, config, moving))
     found = run(few(name), "fixed", tmp_path)
     assert sound[name]["contact_wrong_share"] < 0.1
@@ -144,7 +145,7 @@ def test_the_wrong_sign_is_contact_at_rest(name, sound, tmp_path, monkeypatch):
 
 
 def test_a_core_that_always_says_slip_is_false_and_misses(tmp_path, monkeypatch):
-    """A flag that was up before the slip does not rise with it."""
+    """A flag that is already up before the slip does not rise with it."""
 
     def cries(watch, x, config, moving):
         found = watch(x, config, moving)
@@ -164,7 +165,7 @@ def test_without_its_own_threshold_the_flag_falls_while_the_object_slides(tmp_pa
 
 
 def test_less_friction_shortens_the_warning(sound, tmp_path, monkeypatch):
-    """The contact slips at mu·N, so half of mu leaves about half of the time from the first event to it."""
+    """The contact slips at mu·N, so half of mu halves the time from the first event to the slip."""
     acrylic = plate.MATERIALS["acrylic"]
     slippery = replace(acrylic, mu_s=acrylic.mu_s / 2, mu_k=acrylic.mu_k / 2)
     monkeypatch.setitem(plate.MATERIALS, "acrylic", slippery)

@@ -1,5 +1,5 @@
-"""Each metric of a scene of the sensor ``shear``: what turns it, and what does not. Rubber, plate, converter
-or core is broken on purpose; what else the summary has stays as it was, to the digit."""
+"""Each metric of a scene of the sensor ``shear``: which fault changes it, and which does not. Rubber, plate,
+converter or core is broken on purpose; the rest of the summary stays exactly equal."""
 
 import dataclasses
 
@@ -17,7 +17,7 @@ from meissner.twins.slip.slip import State
 AMOUNT, RECOVER, SPEED, STICK = scenes.names("shear")
 CASES = {
     AMOUNT: lambda cases: cases[::3],  # 0.01, 0.04, 0.07, 0.1 mm
-    RECOVER: lambda cases: cases[2::3],  # 1 mm/s of each way
+    RECOVER: lambda cases: cases[2::3],  # one case of each way, at 1 mm/s
     SPEED: lambda cases: [c for c in cases if c.speed_mm_s in (0.1, 0.5, 2.0, 4.0)],
     STICK: lambda cases: cases,
 }
@@ -61,7 +61,7 @@ def turned(name, found, sound):
 
 
 def core(monkeypatch, breaks, engine="fixed"):
-    """The engine with a core that ``breaks``: a function of the true one, codes, config and motion."""
+    """Break the engine's core: ``breaks`` gets the true one, codes, config and motion."""
     watch = engines.load("fixed").watch
     monkeypatch.setattr(
         engines.load(engine), "watch", lambda x, config, moving=None: breaks(watch, x, config, moving)
@@ -69,7 +69,7 @@ def core(monkeypatch, breaks, engine="fixed"):
 
 
 def converter(monkeypatch, breaks):
-    """What a converter gives is broken before anything reads it."""
+    """Break the converter's codes before anything reads them."""
     simulate = shear_scene.simulate
 
     def broken(*arguments):
@@ -88,7 +88,8 @@ def test_every_metric_of_the_summary_is_here(name, sound):
 
 
 def test_as_it_is(sound):
-    """The published line comes back, both recoveries are where they are, nothing slips undetected."""
+    """The fit finds the published line, both recoveries have their published ends, and no slip is
+    undetected."""
     assert sound[AMOUNT]["step_v"]["mean"] == pytest.approx(0.53, abs=0.02)
     assert abs(sound[AMOUNT]["slope_v_mm"]) < 3 * sound[AMOUNT]["slope_error_v_mm"]
     assert 0.01 < sound[AMOUNT]["deviation_v"]["mean"] < 0.04
@@ -138,12 +139,12 @@ def test_a_broken_estimator(score, sound, monkeypatch, breaks, turns):
 
 
 def test_no_spread_is_no_deviation(score, sound, monkeypatch):
-    """What is left is half a code; the first distance then stands out alone, 5 % low by its e^-3."""
+    """Only half a code remains; the first distance then differs from the others, 5 % low by its e^-3."""
     monkeypatch.setattr(rubber, "SHEAR_SPREAD", 0.0)
     found = score(few(AMOUNT))
     assert found["deviation_v"]["maximum"] < 1e-3 and found["false_alarms"] == 0
     steps = [row["step_v"] for row in found["conditions"]]
-    # Read in the middle of its last twentieth, at 0.195 s of 3·(0.05/0.01 + 1/5) a second.
+    # The step is read in the middle of its last twentieth, at 0.195 s of 3·(0.05/0.01 + 1/5) per second.
     assert steps[0] / steps[-1] == pytest.approx(1 - np.exp(-0.195 * 15.6), abs=2e-3)
     assert steps[1] == pytest.approx(steps[-1], abs=1e-3)
     found = score(few(SPEED))
@@ -172,7 +173,7 @@ def test_a_step_that_needs_ten_times_the_way_hangs_on_the_distance(score, sound,
 
 
 def test_another_lot_turns_the_constants_by_as_much(score, sound):
-    """k twice: k0, k1 and every dV twice, n as it was; the error of a speed by the fitted line stays."""
+    """k times 1.5: k0, k1 and every dV times 1.5, n unchanged; the speed error by the fitted line stays."""
     scene = few(SPEED)
     lot = dataclasses.replace(scene, cases=tuple(dataclasses.replace(c, lot=1.5) for c in scene.cases))
     found = score(lot)
@@ -194,7 +195,8 @@ def test_another_exponent_is_fitted(score, sound, monkeypatch):
 
 
 def test_a_recovery_that_takes_five_times_as_long(score, sound, monkeypatch):
-    """After 5 s e^-0.6 of it is left: of 1.01 V, 0.55 V; the end of 12 s is not its end either."""
+    """After 5 s e^-0.6 of the step is left: 0.55 V of 1.01 V; after 12 s the recovery has not ended
+    either."""
     monkeypatch.setattr(rubber, "RECOVERY_S", 5 * rubber.RECOVERY_S)
     found = score(few(RECOVER))
     assert found["restored_after_v"]["mean"] == pytest.approx(2 + 1.01 * np.exp(-0.6), abs=0.04)
@@ -205,8 +207,8 @@ def test_a_recovery_that_takes_five_times_as_long(score, sound, monkeypatch):
 
 @pytest.mark.parametrize("way, key", [(0, "restored"), (1, "converged"), (2, "converged_table_1")])
 def test_each_way_turns_its_own_figure(way, key, score, sound):
-    """A tenth less is taken back: a tenth of 1.01 V times the lot is left above. Where all is, half the lot
-    leaves half of what is left after 5 s."""
+    """With a tenth less recovery, a tenth of 1.01 V times the lot remains. In the way that recovers
+    completely, half the lot halves the remainder after 5 s."""
     scene = few(RECOVER)
     cases = list(scene.cases)
     changes = {"recovers": cases[way].recovers - 0.1} if way else {"lot": 0.5}
@@ -228,14 +230,14 @@ def test_a_dead_channel_has_no_step(name, score, monkeypatch):
 
 
 def test_nothing_is_fitted_to_a_dead_channel(score, monkeypatch):
-    """One sentence, and no constants."""
+    """It is refused with one sentence, and no constants are given."""
     converter(monkeypatch, lambda codes: np.full_like(codes, 1638))
     with pytest.raises(ValueError, match="step_v = 0 V must be above 0: Vc rises"):
         score(few(SPEED))
 
 
 def test_a_gain_that_is_a_quarter_low(score, sound, monkeypatch):
-    """Codes of three quarters: dV and with it k0 three quarters; k1 is a ratio of volts, and stays."""
+    """Codes at three quarters: dV and thus k0 at three quarters; k1 is a ratio of volts, and stays."""
     converter(monkeypatch, lambda codes: codes * 3 // 4)
     found = score(few(SPEED))
     assert found["k0"] == pytest.approx(0.75 * sound[SPEED]["k0"], rel=0.01)
@@ -253,11 +255,11 @@ def test_a_core_that_always_says_slip_is_false_in_every_run(score, sound, monkey
         found = score(few(name))
         assert found["false_alarms"] == found["false_alarm_rate"]["count"] == found["runs"]
         assert turned(name, found, sound) <= FLAG
-    assert found["missed"] == found["missed_rate"]["count"] == found["runs"]  # up before it slips
+    assert found["missed"] == found["missed_rate"]["count"] == found["runs"]  # the flag is up before the slip
 
 
 def test_fast_shear_raises_the_flag_and_slow_shear_does_not(sound):
-    """At 2 V 0.021·v^1.11 V a sample in the coefficient: above 0.02 V from 1 mm/s on."""
+    """At 2 V, 0.021·v^1.11 V per sample in the coefficient: above 0.02 V from 1 mm/s on."""
     alarms = {row["speed_mm_s"]: [] for row in sound[SPEED]["conditions"]}
     for row in sound[SPEED]["conditions"]:
         alarms[row["speed_mm_s"]].append(row["false_alarms"])
@@ -288,7 +290,7 @@ def test_a_late_flag_turns_the_lead(details, score, sound, monkeypatch):
 
 
 def test_a_flag_after_the_slip_is_late_and_missed(score, sound, monkeypatch):
-    """0.3 s later than any pull lasts. The derivative does not hang on the core."""
+    """A delay of 0.3 s is longer than any pull. The derivative does not depend on the core."""
 
     def late(watch, x, config, moving):
         found = watch(x, config, moving)
@@ -303,7 +305,8 @@ def test_a_flag_after_the_slip_is_late_and_missed(score, sound, monkeypatch):
 
 
 def test_events_too_quiet_are_missed_by_both(score, sound, monkeypatch):
-    """A hundredth of their size: neither sees them, nor the stick-slips; the step itself stays sharp."""
+    """A hundredth of their size: neither detector finds the events or the stick-slips; the step itself stays
+    sharp."""
     monkeypatch.setattr(rubber, "EVENT_SHARE", rubber.EVENT_SHARE / 100)
     found = score(few(STICK))
     runs = found["runs"]
@@ -313,7 +316,7 @@ def test_events_too_quiet_are_missed_by_both(score, sound, monkeypatch):
     assert found["stick_slips"] == sound[STICK]["stick_slips"]
     assert found["contact_share_of_sliding"] > 0.9
     for key in ("rms_before_v_s", "rms_sliding_v_s"):
-        assert found[key] < 0.7 * sound[STICK][key]  # what is left is the converter's
+        assert found[key] < 0.7 * sound[STICK][key]  # only the converter's noise remains
 
 
 def test_louder_sliding_is_found_more_often(score, sound, monkeypatch):
@@ -334,7 +337,8 @@ def test_louder_sliding_is_found_more_often(score, sound, monkeypatch):
 
 
 def test_a_shorter_stick_sticks_more_often(score, sound, monkeypatch):
-    """A stick is as long as what friction loses, 0.08 of mu: half of that, twice as many."""
+    """A stick's length is proportional to the friction lost, 0.08 of mu: half of that, twice as many
+    sticks."""
     acrylic = plate.MATERIALS["acrylic"]
     closer = dataclasses.replace(acrylic, mu_k=(acrylic.mu_s + acrylic.mu_k) / 2)
     monkeypatch.setitem(plate.MATERIALS, "acrylic", closer)
@@ -353,7 +357,7 @@ def test_less_friction_shortens_every_lead(score, sound, monkeypatch):
 
 
 def test_a_threshold_of_nothing_crosses_at_rest_and_elsewhere(score, sound):
-    """1 V/s is less than one code a millisecond, 1.22 V/s: the converter's noise is over it."""
+    """1 V/s is less than one code per millisecond, 1.22 V/s: the converter's noise exceeds it."""
     scene = few(STICK)
     found = score(dataclasses.replace(scene, slope=scene.slope | {"slope_v_s": 1.0}))
     assert found["slope_quiet_rate"]["rate"] == 1 and found["elsewhere_per_s"] > 1
@@ -361,8 +365,8 @@ def test_a_threshold_of_nothing_crosses_at_rest_and_elsewhere(score, sound):
 
 
 def test_a_threshold_above_pressing_is_not_crossed_by_it(score, sound):
-    """Pressing in half a second is up to 10 V/s with a ripple on top; above 60 V/s only the step's beginning
-    is left, and the derivative misses slips."""
+    """Pressing in half a second reaches 10 V/s with a ripple on top; above 60 V/s only the beginning of the
+    step crosses, and the derivative misses slips."""
     scene = few(STICK)
     found = score(dataclasses.replace(scene, slope=scene.slope | {"slope_v_s": 400.0}))
     assert found["slope_pressing_rate"]["rate"] == 0 and found["slope_missed_rate"]["rate"] == 1
@@ -370,7 +374,7 @@ def test_a_threshold_above_pressing_is_not_crossed_by_it(score, sound):
 
 
 def test_no_ripple_still_crosses_while_pressing(score, sound, monkeypatch):
-    """The ramp alone does, so no threshold below it separates pressing from slip."""
+    """The ramp alone crosses the threshold, so no threshold below it separates pressing from slip."""
     monkeypatch.setattr(plate, "RIPPLE_N", 0.0)
     found = score(few(STICK))
     assert found["slope_pressing_rate"]["rate"] == 1
@@ -378,7 +382,8 @@ def test_no_ripple_still_crosses_while_pressing(score, sound, monkeypatch):
 
 
 def test_what_lies_above_the_supply_is_over_range(score, sound, monkeypatch):
-    """The unpressed divider at 5.01 V of a converter of 5 V: 0.3 s at rest and a little of each press."""
+    """The unpressed divider at 5.01 V with a converter of 5 V: over-range for 0.3 s at rest and briefly in
+    each press."""
     assert all(sound[name]["over_range"] == 0 for name in METRICS)
     volts = rubber.volts
     monkeypatch.setattr(rubber, "volts", lambda *what: volts(*what) + 0.01)

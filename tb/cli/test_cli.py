@@ -1,4 +1,5 @@
-"""The command line as scripts use it: exit codes, one sentence, files that are whole or not there."""
+"""The command line as scripts use it: exit codes, one sentence per error, output files that are complete or
+absent."""
 
 import json
 import os
@@ -33,7 +34,7 @@ def calibrate(source, *extra, out="new.npz"):
 
 
 def presses(few=False):
-    """A press recording of 3×3 cells, every cell its own line; ``few``: two cells pressed too little."""
+    """A press recording of 3×3 cells, each cell on its own line; ``few``: two cells have too few presses."""
     force_n = np.arange(5.0)[:, None, None] * np.ones((3, 3))
     own = np.arange(9).reshape(3, 3)
     codes = np.rint(100 + 10 * own + (300 + own) * force_n)
@@ -43,13 +44,13 @@ def presses(few=False):
 
 
 def header(shape):
-    """The beginning of a .npy of 64-bit integers, as NEP 1 has it."""
+    """The header of a .npy file of 64-bit integers, by NEP 1."""
     text = f"{{'descr': '<i8', 'fortran_order': False, 'shape': {shape}}}".ljust(117) + "\n"
     return b"\x93NUMPY\x01\x00" + len(text).to_bytes(2, "little") + text.encode()
 
 
 def archive(path, **shapes):
-    """A .npz whose arrays are headers with a few zeros behind them."""
+    """A .npz whose arrays are headers followed by a few zeros."""
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as file:
         for name, shape in shapes.items():
             file.writestr(f"{name}.npy", header(shape) + bytes(800))
@@ -94,7 +95,7 @@ def test_process_cop(tmp_path, engine):
 
 @pytest.mark.parametrize("rows, columns", [(1, 1), (1, 7), (7, 1), (2, 2), (1024, 1024)])
 def test_process_cop_of_every_shape(tmp_path, rows, columns):
-    """Nothing, full scale, one LSB in a corner against full scale elsewhere, that corner alone."""
+    """All zero; full scale; one LSB in a corner and full scale elsewhere; one LSB in that corner alone."""
     x = np.zeros((4, rows, columns), dtype=np.uint16)
     x[1:3] = 65535
     x[2:, 0, 0] = 1
@@ -375,7 +376,7 @@ def test_ctrl_c_ends_quietly_and_leaves_nothing(tmp_path, monkeypatch, recording
 
 
 def test_csv_of_a_spreadsheet(tmp_path):
-    """Capital letters in the name, a byte order mark, CR LF, numbers with a point."""
+    """A name in capital letters, a byte order mark, CR LF, numbers with a decimal point."""
     (tmp_path / "IN.CSV").write_bytes(b"\xef\xbb\xbf" + b"1.0,2\r\n" * 64)
     assert np.array_equal(files.read_array(tmp_path / "IN.CSV"), np.tile([[1], [2]], 64))
 
@@ -486,7 +487,7 @@ def test_run_a_mesh_scene_on_the_core(tmp_path, engine):
 
 
 def test_process_writes_a_table(tmp_path):
-    """One row a frame or window, channels side by side, flags as 0 and 1."""
+    """One row per frame or window, channels side by side, flags as 0 and 1."""
     frames = np.zeros((2, 2, 3), int)
     frames[0, 1] = [7, 0, 21]
     np.save(tmp_path / "in.npy", frames)
@@ -520,7 +521,8 @@ def test_words_of_a_file_move_no_cursor(tmp_path):
 
 @pytest.mark.parametrize("locale", ["C", "POSIX"])
 def test_a_terminal_without_unicode(tmp_path, locale):
-    """Python kept from UTF-8: what it prints has letters in place of signs, and no file is read otherwise."""
+    """With UTF-8 disabled in Python, signs are printed as letters, and no file is read in another
+    encoding."""
     np.save(tmp_path / "in.npy", np.ones((2, 3, 4), int))
     environment = {key: value for key, value in os.environ.items() if not key.startswith(("LC_", "LANG"))}
     environment |= {"LC_ALL": locale, "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
@@ -559,7 +561,7 @@ RUN = ("run", "walk_25x5", "--engine", "fixed", "--out", "out")
 
 @pytest.mark.parametrize(("arguments", "what"), [(("scenes",), "the output"), (RUN, "the results in out")])
 def test_a_full_disk_names_what_was_being_written(tmp_path, arguments, what):
-    """Standard output on a full device; a picture or table of a run beyond the largest file allowed."""
+    """Standard output on a full device; a run's picture or table that exceeds the limit on a file's size."""
     limit = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000))
     full = arguments is not RUN
     with open("/dev/full" if full else os.devnull, "w") as out:

@@ -1,5 +1,5 @@
-"""``meissner process cop4``: the arrays it writes on every engine, what it prints, and the one sentence that
-every mistake in its file, its codes or its arguments gets, with nothing written."""
+"""``meissner process cop4``: the arrays it writes on every engine, what it prints, and the one sentence for
+every mistake in its file, codes or arguments; in that case nothing is written."""
 
 import tomllib
 
@@ -184,13 +184,13 @@ def test_every_value_of_the_file_arrives_in_its_place(tmp_path):
 
 
 def test_a_builds_configuration_is_taken_too(tmp_path, codes):
-    """The same sensor in both forms, by its file and by its name: 16 bits of 5 V, a gain of 0.3."""
+    """The same sensor in both forms of file, the second also by name: 16 bits of 5 V, a gain of 0.3."""
     build = tomllib.loads((config.FOLDER / "cop4.toml").read_text())
     own = "[mesh]\n" + "".join(f"{key} = {value}\n" for key, value in build["mesh"].items())
     own += "[converter]\nbits = 16\nreference_v = 5.0\ngain = 0.3\n"
     own += '[load]\nlsb_n = 0.001\nmin_n = 0.1\ncorrection = "none"\n'
     (tmp_path / "own.toml").write_text(own)
-    np.save(tmp_path / "in.npy", codes.astype(np.int64) >> 8)  # of 24 bits
+    np.save(tmp_path / "in.npy", codes.astype(np.int64) >> 8)  # codes are of 24 bits
     (tmp_path / "build.toml").write_text((config.FOLDER / "cop4.toml").read_text())
     found = []
     for name in ("own.toml", "build.toml", "cop4"):

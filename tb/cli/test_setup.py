@@ -1,5 +1,5 @@
-"""`make setup` in a copy whose Python and pip are shell scripts, broken off at each step as Ctrl-C does: the
-next run begins again and ends whole; an environment that was whole stays, and gets what is new."""
+"""`make setup` in a copy where Python and pip are shell scripts, interrupted after each step as Ctrl-C does.
+The next run starts again and completes; a complete environment is kept and receives what is new."""
 
 import os
 import shutil
@@ -9,8 +9,8 @@ import pytest
 
 from meissner.builds.toolchain import ROOT
 
-# Both are this script: `python -m venv` makes an environment whose python is a copy of it. BREAK: after which
-# step it dies; each step leaves half of its work first.
+# One script acts as both: `python -m venv` makes an environment whose python is a copy of it. BREAK names the
+# step after which it dies; each step first leaves half of its work.
 PYTHON = """#!/bin/sh
 echo "$*" >> log
 here=$(dirname "$0")
@@ -50,7 +50,7 @@ def setup(tmp_path):
 
 
 def whole(folder):
-    """The environment's files, but for its python."""
+    """Files of the environment, without bin."""
     return sorted(path.name for path in (folder / ".venv").iterdir() if path.name != "bin")
 
 
@@ -63,7 +63,8 @@ def test_an_interrupted_setup_begins_again(tmp_path, setup, stop):
 
 
 def test_an_environment_without_pip_is_made_again(tmp_path, setup):
-    """As an interrupted set-up of an earlier version left it, which kept no note of having begun."""
+    """The state that an interrupted set-up of an earlier version left, which kept no note that it had
+    begun."""
     (tmp_path / ".venv/bin").mkdir(parents=True)
     shutil.copy(tmp_path / "python", tmp_path / ".venv/bin/python")
     (tmp_path / ".venv/half").touch()

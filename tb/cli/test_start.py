@@ -1,6 +1,6 @@
-"""What a command imports before it begins, by name and not by the clock: help and mistakes of every command
-need neither NumPy nor what is behind it; commands that neither solve nor draw need no SciPy, PyWavelets or
-Matplotlib, which took a second of every start."""
+"""Which packages a command imports at start, by name and not by time. Help and error messages of every
+command need neither NumPy nor a package that depends on it; commands that neither solve nor draw need no
+SciPy, PyWavelets or Matplotlib, which would add a second to every start."""
 
 import argparse
 import subprocess
@@ -25,7 +25,7 @@ print("imported", *found)
 
 
 def commands(at, path=()):
-    """Every command with its actions, () for the program itself."""
+    """Every command with its actions; () is the program itself."""
     yield path
     for action in at._actions:
         if isinstance(action, argparse._SubParsersAction):
@@ -37,7 +37,7 @@ EVERY = list(commands(parser()))
 
 
 def imported(*arguments, cwd=None):
-    """(exit code, the packages above that the command imported)."""
+    """(exit code, the packages listed above that the command imported)."""
     command = [sys.executable, "-c", SHOW, *map(str, arguments)]
     done = subprocess.run(command, cwd=cwd, capture_output=True, text=True, timeout=120)
     assert done.returncode == 0, done.stderr
@@ -85,6 +85,6 @@ def test_quick_commands_import_nothing_slow(tmp_path):
         ("log", "sim:", "--seconds", 0.1, "--out", "log.npz"),
     ):
         code, found = imported(*arguments, cwd=tmp_path)
-        # A simulated core is the physics of its scenes, in which rubber is an interpolation by SciPy.
+        # A simulated core runs the physics of its scenes, and the rubber's curve is interpolated by SciPy.
         allowed = {"scipy"} if "sim:" in arguments else set()
         assert code == 0 and not found & set(SLOW) - allowed, (arguments, found)

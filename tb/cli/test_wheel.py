@@ -1,5 +1,5 @@
-"""What users install: the wheel alone carries sources, scenes and configurations, and its commands run from
-an empty folder, on the twins and on the core."""
+"""The wheel that users install: it alone carries sources, scenes and configurations, and its commands run
+from an empty folder, on the twins and on the core."""
 
 import os
 import subprocess
@@ -18,7 +18,7 @@ SHIPPED = ("model", "rtl", "constraints", "host", "setup.py", "pyproject.toml")
 
 @pytest.fixture(scope="module")
 def wheel(tmp_path_factory):
-    """Built from a copy with nothing else of the checkout beside it."""
+    """Built from a copy of only the folders and files that the wheel is made from."""
     folder = tmp_path_factory.mktemp("wheel")
     for name in SHIPPED:
         subprocess.run(["cp", "-r", ROOT / name, folder / name], check=True)
@@ -32,7 +32,8 @@ def wheel(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def installed(wheel, tmp_path_factory):
-    """A function: ``meissner`` of an environment with the wheel and the packages it asks for, in a folder."""
+    """A function that runs ``meissner`` in a folder, from an environment with the wheel and the packages it
+    requires."""
     home = tmp_path_factory.mktemp("home")
     environment = home / "env"
     subprocess.run([sys.executable, "-m", "venv", "--without-pip", environment], check=True)
@@ -40,7 +41,7 @@ def installed(wheel, tmp_path_factory):
     command = [sys.executable, "-m", "pip", "--python", python, "install", "--quiet", "--no-deps", wheel]
     subprocess.run([*command, "--disable-pip-version-check"], check=True)
     (site,) = environment.glob("lib/python*/site-packages")
-    (site / "dependencies.pth").write_text(sysconfig.get_path("purelib"))  # none of its own .pth is read
+    (site / "dependencies.pth").write_text(sysconfig.get_path("purelib"))  # .pth files there are not read
     known = {"HOME": str(home), "MEISSNER_OPTIMISE": "-O1", "PATH": os.environ["PATH"]}
 
     def run(*arguments, cwd, **more):
@@ -104,7 +105,7 @@ def test_the_core_runs_on_a_line(installed, tmp_path):
 
 
 def test_without_a_compiler_it_says_so(installed, tmp_path):
-    np.save(tmp_path / "in.npy", np.ones((1, 7, 2), int))  # a core that no other test builds
+    np.save(tmp_path / "in.npy", np.ones((1, 7, 2), int))  # no other test builds this core
     command = ("process", "cop", "in.npy", "--engine", "rtl", "--out", "o.npz")
     done = installed(*command, cwd=tmp_path, PATH=str(tmp_path))
     assert done.returncode == 2

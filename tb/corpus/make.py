@@ -1,4 +1,4 @@
-"""Makes the small whole files from which `make fuzz` begins: python tb/corpus/make.py."""
+"""Makes the small complete files from which `make fuzz` starts: python tb/corpus/make.py."""
 
 from pathlib import Path
 

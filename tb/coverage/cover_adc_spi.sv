@@ -1,5 +1,5 @@
-// Cover points of msn_adc_spi, for each kind of part: reset, enable taken away, a tick too many and a waiting
-// consumer in every state; BUSY that hangs in either wait; frames dropped, mistagged, both; starts by timer and by trigger.
+// Cover points of msn_adc_spi, for each kind of part: in every state a reset, enable cleared, an extra tick and a
+// waiting consumer; BUSY that hangs in either wait; frames dropped, mistagged, both; starts by timer and by trigger.
 module cover_adc_spi #(
   parameter int unsigned Part    = 1,
   parameter int unsigned Lanes   = 1,
@@ -22,7 +22,7 @@ module cover_adc_spi #(
 );
   // Kinds: 0 a CS per channel (MCP3208), 1 with BUSY (AD7606), 2 tagged answers (MAX1112x).
   localparam int unsigned Kind = (Part <= 2) ? Part - 1 : 2;
-  // States of each: Reset, Setup, Idle, BusyRise, BusyFall, Read, the first lowest.
+  // States of each kind, one bit each: Reset, Setup, Idle, BusyRise, BusyFall, Read, from bit 0.
   localparam logic [2:0][5:0] States = {6'b100111, 6'b111101, 6'b100100};
   localparam logic [2:0] Reset = 3'd0, Idle = 3'd2;
 
@@ -36,7 +36,7 @@ module cover_adc_spi #(
         `BIN(seen, here && !rst_i)
         `BIN(cleared, here && rst_i)
         `BIN(off, here && !rst_i && !cfg_enable_i)
-        if (3'(s) != Reset && !(kind == 2 && s == 1)) begin : gen_frames  // not before a part is ready
+        if (3'(s) != Reset && !(kind == 2 && s == 1)) begin : gen_frames  // none before a part is ready
           `BIN(held, here && !rst_i && out_valid_o && !out_ready_i)
           if (3'(s) != Idle) begin : gen_busy
             `BIN(overrun, here && !rst_i && tick)

@@ -1,6 +1,6 @@
-// Cover points of msn_divide: each digit (the signs of the trial remainders) of dividends above and below zero,
-// each way to round, quotients of nothing and of one, a division turned away or held in every state, and every
-// pair of BitsPerClock, Pipelined and an odd or even number of fraction bits.
+// Cover points of msn_divide: each digit (the signs of the trial remainders) of positive and negative dividends, each
+// rounding, quotients 0 and 1, a division refused or held in every state, and every pair of BitsPerClock, Pipelined and
+// an odd or even number of fraction bits.
 module cover_divide #(
   parameter int unsigned BitsPerClock = 1,
   parameter int unsigned FractionBits = 1,
@@ -41,7 +41,7 @@ module cover_divide #(
       assign here = !rst_i && BitsPerClock == rate && Pipelined == (pipe == 1);
       for (genvar below = 0; below <= 1; below++) begin : gen_below
         for (genvar d = 0; d < 2 ** rate; d++) begin : gen_digit
-          // In the first clock, when 3 cannot be, as |num| is at most den; and in any other.
+          // The first clock, where digit 3 is impossible because |num| is at most den; and any later one.
           if (d < 3) begin : gen_first
             `BIN(first, here && fresh && digit == 2'(d) && negative == (below == 1))
           end

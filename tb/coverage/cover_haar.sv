@@ -1,5 +1,5 @@
-// Cover points of msn_haar, level by level: a sample taken and one held back in even and in odd frames, restarts
-// and masks in both, the ends of the number range, details of both signs and 0, and every pair of parameters.
+// Cover points of msn_haar, level by level: a sample taken and one stalled in even and in odd frames, restarts and
+// masks in both, the ends of the number range, details of both signs and 0, and every pair of parameters.
 module cover_haar #(
   parameter int unsigned Channels   = 1,
   parameter int unsigned SampleBits = 17,
@@ -14,10 +14,10 @@ module cover_haar #(
   input logic signed [SampleBits+Level-1:0] out_detail_o,
   input logic signed [SampleBits+Level-1:0] out_total_o,
   input logic                               out_mask_o,
-  input logic        [3:0]                  valid,  // of each level
-  input logic        [3:0]                  restart,  // of each level
-  input logic        [3:0]                  mask,  // of each level
-  input logic        [3:0]                  last,  // of each level
+  input logic        [3:0]                  valid,  // one bit per level
+  input logic        [3:0]                  restart,  // one bit per level
+  input logic        [3:0]                  mask,  // one bit per level
+  input logic        [3:0]                  last,  // one bit per level
   input logic                               odd_q
 );
   localparam logic signed [SampleBits+Level-1:0] Half = (SampleBits+Level)'(1) << (SampleBits + Level - 1);
@@ -40,7 +40,7 @@ module cover_haar #(
     for (genvar masks = 0; masks <= 1; masks++) begin : gen_masks
       `BIN(built, here && given && Mask == (masks == 1))
       for (genvar many = 0; many <= 1; many++) begin : gen_many
-        // Levels above 1 of one channel and of many; all of them with and without masks.
+        // One channel and many, both with and without masks.
         `BIN(many_built, given && Mask == (masks == 1) && (Channels > 1) == (many == 1))
       end
     end

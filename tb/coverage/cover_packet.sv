@@ -1,5 +1,5 @@
-// Cover points of msn_packet: each source chosen while each lower one waits; in every state of the sender a byte held
-// back, a reset, each source's arrival, a CoP overwritten and a full slip queue; both ends of an image's packet.
+// Cover points of msn_packet: each source chosen while each of lower priority waits; in every state of the sender a
+// byte stalled, a reset, each source's arrival, a CoP overwritten, a full slip queue; both ends of an image's packet.
 module cover_packet #(
   parameter int unsigned SlipDepth = 1,
   parameter int unsigned Taxels    = 1
@@ -29,7 +29,7 @@ module cover_packet #(
   input logic       out_ready_i,
   input logic       out_last_o
 );
-  logic [5:0] waits, comes;  // the first chosen lowest
+  logic [5:0] waits, comes;  // highest priority in bit 0
   assign waits = {image_valid, statistic_valid, health_valid, cop_valid, answer_valid, slip_valid};
   assign comes = {image_valid_i, 1'b0, health_valid_i, cop_valid_i, answer_valid_i, slip_valid_i};
   for (genvar first = 0; first < 6; first++) begin : gen_first
@@ -48,7 +48,7 @@ module cover_packet #(
     `BIN(overwritten, here && cop_valid_i && cop_valid && !cop_take)
     `BIN(full, here && slip_valid_i && !slip_ready_o && SlipDepth > 0)
     for (genvar source = 0; source < 6; source++) begin : gen_source
-      if (source != 4) begin : gen_outside  // statistics come of themselves
+      if (source != 4) begin : gen_outside  // statistics arise inside
         `BIN(comes_in, here && comes[source])
       end
       `BIN(waiting, here && waits[source])

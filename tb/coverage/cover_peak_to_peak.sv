@@ -1,6 +1,6 @@
-// Cover points of msn_peak_to_peak: in windows of one channel, whose length decides the kind, a crossing (p2p grows
-// anew) at every place, upwards and downwards; what is held back, ended, restarted and masked in each kind of
-// window; and every pair of kind, masks and one or several channels.
+// Cover points of msn_peak_to_peak: in windows of one channel, whose length decides the kind, an increase of p2p at
+// every place, upwards and downwards; a beat stalled, ended, restarted and masked in each kind of window; and every
+// pair of kind, masks, and one or several channels.
 module cover_peak_to_peak #(
   parameter int unsigned Channels   = 1,
   parameter int unsigned DetailBits = 18,
@@ -28,7 +28,7 @@ module cover_peak_to_peak #(
   logic given;
   assign given = !rst_i && out_valid_o && out_ready_i;
 
-  // Place since a window last closed, and the extremes since; whether one has closed since a restart.
+  // Place since the last window closed, and the extremes since; whether a window has closed since a restart.
   int   place;
   logic filled;
   logic signed [DetailBits-1:0] high, low;

@@ -1,5 +1,5 @@
-// Cover points of msn_registers: reads and writes, back to back and apart, of words that are there and not, that may
-// be written and not, at whole addresses and between; what is answered with an error; a reset in an access.
+// Cover points of msn_registers: reads and writes, back-to-back and apart, of existing and missing words, of writable
+// and read-only words, at aligned and unaligned addresses; accesses answered with an error; a reset in an access.
 module cover_registers (
   input logic       clk_i,
   input logic       rst_i,

@@ -1,5 +1,5 @@
-// Cover points of msn_scan: each lane alone and all lanes without an answer, at a row's start and end; over-range marks;
-// beats held back in mid-frame and at its end; waits for room.
+// Cover points of msn_scan: each lane alone and all lanes without an answer; over-range marks; beats stalled in
+// mid-frame and at its end; waits for room.
 module cover_scan #(
   parameter int unsigned Lanes    = 1,
   parameter int unsigned Channels = 1

@@ -1,5 +1,5 @@
-// Cover points of msn_slip: every step from state to state that there is, and in each state every event, held back
-// and taken: over and not, gross, moving, lifted, pressed, timer running, restart, reset.
+// Cover points of msn_slip: every transition of the state machine, and in each state every event, stalled and taken:
+// over and not, gross, moving, lifted, pressed, timer running, restart, reset.
 module cover_slip #(
   parameter int unsigned Channels = 1,
   parameter bit          Mask     = 1'b0
@@ -22,7 +22,7 @@ module cover_slip #(
   input logic       running,
   input logic       blanking
 );
-  // Row: from, bit: to; None, Contact, Incipient, Gross, Release.
+  // Row: from; bit: to. States: None, Contact, Incipient, Gross, Release.
   localparam logic [4:0][4:0] Steps = {5'b10011, 5'b11010, 5'b11110, 5'b11110, 5'b00011};
 
   for (genvar from = 0; from < 5; from++) begin : gen_from
@@ -47,7 +47,7 @@ module cover_slip #(
       `BIN(presses, now && lifted == (l == 1) && pressed)
       `BIN(lifts_over, now && lifted == (l == 1) && over)
     end
-    if (from != 0) begin : gen_timer  // it means nothing in None
+    if (from != 0) begin : gen_timer  // the timer has no meaning in None
       for (genvar r = 0; r <= 1; r++) begin : gen_running
         `BIN(over_while, now && over && running == (r == 1))
         `BIN(rest_while, now && !over && running == (r == 1))

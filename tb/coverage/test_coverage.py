@@ -1,6 +1,7 @@
-"""tools/cover.py itself: it sees what a test left out of a tiny module: branch, toggle, expression and
-cover point; a waiver takes out that and no more, and is reported when it has no reason, was hit or matches
-nothing; the waivers of the project are sound; small blocks have no hole, from the command line on."""
+"""tools/cover.py itself: it finds what a test left out of a tiny module: branch, toggle, expression and cover
+point. A waiver excludes the points it names and no others, and is reported if it has no reason, if its point
+was hit, or if it matches nothing. The project's waivers are sound. Small blocks have no hole, run from the
+command line."""
 
 import subprocess
 import sys

@@ -1,5 +1,5 @@
-"""The power-up option of bench.run: a forgotten reset of a register that rests at one passes a test that
-starts with ones in all registers, and fails with random ones."""
+"""The power-up option of bench.run: if the reset of a register that rests at 1 is forgotten, the test passes
+with all registers starting at 1, and fails with random start values."""
 
 import pytest
 
@@ -26,5 +26,5 @@ def test_finds_a_forgotten_reset(tmp_path, monkeypatch):
     monkeypatch.setattr(runner, "POWERUPS", 0)
     start()
     monkeypatch.setattr(runner, "POWERUPS", 6)
-    with pytest.raises(SystemExit):  # of the runner, which prints the seed
+    with pytest.raises(SystemExit):  # from the runner, which prints the seed
         start()

@@ -1,5 +1,6 @@
 """The calibration: the fit against NumPy's polyfit cell by cell, the integers against Python's fractions, the
-line undone by the core's formula; every form of a press recording; which cells are dead, which refused."""
+fitted line inverted by the core's formula; every form of a press recording; which cells are dead and which
+are refused."""
 
 from fractions import Fraction
 from math import floor
@@ -12,7 +13,7 @@ from meissner.calibration import Calibration, cell_forces, fit
 
 
 def recording(rows=4, columns=5, frames=60, seed=1, noise=2.0):
-    """Codes of noisy lines and forces that are unknown here and there."""
+    """Codes of noisy lines; some forces are unknown."""
     rng = np.random.default_rng(seed)
     slope, intercept = rng.uniform(200, 900, (rows, columns)), rng.uniform(-500, 3000, (rows, columns))
     force_n = rng.uniform(0, 8, (frames, rows, columns))
@@ -40,7 +41,7 @@ def test_the_fit_is_least_squares():
 
 
 def test_the_gains_use_their_registers():
-    """The finest of 1, 2, 5 times a power of ten: the next finer one would not fit."""
+    """The LSB is the finest of 1, 2, 5 times a power of ten that fits: the next finer one would not."""
     for seed in range(20):
         codes, force_n = recording(seed=seed)
         answer, _ = fit(codes, force_n)
@@ -56,7 +57,7 @@ def test_the_gains_use_their_registers():
 def test_the_engines_calibrate_as_the_formula_says(engine):
     rng = np.random.default_rng(3)
     shape = (3, 3)
-    for shift in (12,) if engine == "rtl" else (1, 12, 16):  # a build each
+    for shift in (12,) if engine == "rtl" else (1, 12, 16):  # each shift is a build of its own
         lines = Calibration(
             offset=rng.integers(-65536, 65536, shape),
             gain=rng.integers(0, 65536, shape),
@@ -84,7 +85,7 @@ def test_what_was_fitted_is_undone():
     answer, _ = fit(codes, force_n)
     back = engines.calibrate(codes, answer, "fixed") * answer.force_lsb_n
     known = ~np.isnan(force_n)
-    assert np.abs(back - force_n)[known].max() < 1.2 / 200 + 8 * 1e-4  # a code's rounding and the offset's
+    assert np.abs(back - force_n)[known].max() < 1.2 / 200 + 8 * 1e-4  # the code's and the offset's rounding
 
 
 @pytest.mark.parametrize("engine", engines.NAMES)
@@ -116,7 +117,7 @@ def test_cells_without_enough_presses_are_named():
     codes, force_n = recording()
     force_n[:, 1, 2] = np.nan
     force_n[:, 3, 4] = np.where(force_n[:, 3, 4] < 4, 0.0, 5.0)  # two forces only
-    force_n[:, 0, 0] = np.linspace(0, 1.5, 60)  # all within two tenths of the largest
+    force_n[:, 0, 0] = np.linspace(0, 1.5, 60)  # all within 0.2 of the largest
     with pytest.raises(ValueError, match=r"too few presses for 3 cells .*\(0, 0\), \(1, 2\), \(3, 4\); each"):
         fit(codes, force_n)
     force_n[:, 0, 0] = np.linspace(0, 1.7, 60)
@@ -140,8 +141,8 @@ def test_dead_cells():
     codes[:, 0, 0] = 1234  # stuck
     codes[:, 0, 1] = rng.integers(0, 4000, 200)  # noise
     codes[:, 0, 2] = 3000 - codes[:, 0, 2]  # falls with the force
-    codes[:, 0, 3] = np.where(rng.random(200) < 0.5, 0, codes[:, 0, 3])  # blinks
-    codes[:, 0, 4] = np.rint(100 + 15 * np.nan_to_num(force_n[:, 0, 4]))  # hardly answers
+    codes[:, 0, 3] = np.where(rng.random(200) < 0.5, 0, codes[:, 0, 3])  # drops to 0 at random
+    codes[:, 0, 4] = np.rint(100 + 15 * np.nan_to_num(force_n[:, 0, 4]))  # too small a slope
     answer, residual_n = fit(codes, force_n)
     assert answer.dead[0].all() and not answer.dead[1:].any()
     assert (answer.gain[0] == 0).all() and (answer.offset[0] == 0).all() and np.isnan(residual_n[0]).all()

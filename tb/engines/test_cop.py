@@ -1,7 +1,7 @@
-"""The centre of pressure on the three engines: fixed equals rtl in every array, float in every sum and, up to
-the rounding of a quotient next to a half, in every position. One taxel to 1024×1024, one lane and eight, rows
-that do not fill their last beat; full scale, nothing, one taxel at a time, mirrored loads, exact halves; the
-definition in Python's fractions; the least load; what is refused."""
+"""The centre of pressure on the three engines: fixed equals rtl in every array; float equals them in every
+sum and in every position, except that a quotient next to a half may round differently. One taxel to
+1024×1024, one lane and eight, rows that do not fill their last beat; full scale, all zero, one taxel at a
+time, mirrored loads, exact halves; the definition in Python's fractions; the least load; refused input."""
 
 from fractions import Fraction
 
@@ -15,7 +15,7 @@ FIELDS = ("sum", "mx", "my", "x", "y", "valid")
 
 
 def frames(rows, columns, count, seed=1):
-    """Full scale, nothing, single taxels in the corners, the lightest one, then random of every density."""
+    """Full scale, all zero, single taxels in the corners, one LSB, then random frames of every density."""
     rng = np.random.default_rng(seed)
     x = rng.integers(0, 65536, (count, rows, columns))
     x[8:] = x[8:] * (rng.random((count - 8, rows, columns)) < rng.random((count - 8, 1, 1)) ** 3)

@@ -1,6 +1,6 @@
-"""The four electrodes on the three engines: fixed equals rtl in every field, float up to the bounds that the
-twin states. Converters of 8 to 24 bits, meshes of one taxel, one row and 41×41, every correction; codes of
-pressed meshes, codes next to them, full scale of every sign, nothing, anything; what is refused."""
+"""The four electrodes on the three engines: fixed equals rtl in every field, float agrees within the bounds
+that the twin states. Converters of 8 to 24 bits, meshes of one taxel, one row and 41×41, every correction;
+codes of pressed meshes, codes next to them, full scale of every sign, zeros, random codes; refused input."""
 
 from dataclasses import replace
 from fractions import Fraction
@@ -30,7 +30,8 @@ def config(mesh=MESH, bits=16, touch="none", **more):
 
 
 def codes_of(config, count=60, seed=1):
-    """Codes of pressed meshes, the same a little off, corners and anything at all; and the solution."""
+    """Codes of pressed meshes, the same with small errors, corners and random codes; the count; and the
+    solution."""
     rng = np.random.default_rng(seed)
     mesh, full = config.mesh, 1 << config.adc.bits - 1
     load = mesh_loads.touches(mesh.m, mesh.n, "uneven points", seed)[:count]
@@ -74,7 +75,8 @@ def test_fixed_equals_rtl(which):
 
 @pytest.mark.parametrize("which", range(1, len(CONFIGS)))
 def test_float_is_the_same_within_a_step(which):
-    """The twin's bounds; with a correction, whose terms are rounded to 18 bits, one part in a thousand."""
+    """Within the twin's bounds; with a correction, whose terms are rounded to 18 bits, one part in a
+    thousand."""
     given = CONFIGS[which]
     codes, pressed, answer = codes_of(given)
     fixed, floating = (engines.load(name).cop4(codes, given) for name in ("fixed", "float"))
@@ -94,7 +96,7 @@ def test_float_is_the_same_within_a_step(which):
 
 
 def test_float_is_the_formula_in_fractions():
-    given = config(Mesh(3, 3, 64.0, R0=2048.0, k=4096.0), 12)  # constants that are exact in binary
+    given = config(Mesh(3, 3, 64.0, R0=2048.0, k=4096.0), 12)  # constants exact in binary
     mesh, lsb = given.mesh, Fraction(given.adc.lsb_v) / Fraction(given.gain)
     codes, pressed, _ = codes_of(given, seed=4)
     result = engines.load("float").cop4(codes[: 2 * pressed], given)
@@ -129,7 +131,7 @@ FLAGS = [  # codes, then saturated, imbalance, open, by docs/cop4.md
 
 
 def test_flags_by_hand():
-    """At each level and one beside it: of the twin and of engine float, which has its own."""
+    """Exactly at each level and one code beside it: the twin's flags, and engine float's own."""
     levels = SimpleNamespace(rail=30000, top=32767, idle=15000, busy=14000, imbalance=20)
     for codes, expected in FLAGS:
         for flags in (faults, float_cop4.flags):

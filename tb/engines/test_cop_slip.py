@@ -1,5 +1,5 @@
 """Slip of the centre of pressure on the three engines and in ``meissner run``: fixed equals rtl in every
-field, float but for a sample or two; the verdict on a run by hand; what the source gives numbers of; the
+field, float in every flag; the verdict on a run by hand; the quantities that the source publishes; the
 summary."""
 
 import dataclasses
@@ -38,7 +38,7 @@ def test_engines_agree(number):
 @pytest.mark.parametrize("hold, refractory", [(0, 0), (3, 0), (0, 5), (7, 20)])
 @pytest.mark.parametrize("lag", [1, 5])
 def test_engines_agree_where_much_happens(lag, hold, refractory):
-    """Loads that jump about, contacts that come and go, more rises than a slip has."""
+    """Random loads, contacts that come and go, and more rises than a real slip has."""
     rng = np.random.default_rng(lag + hold + refractory)
     config, count = SCENE.config, 600
     load = np.zeros((count, 7, 7))
@@ -113,7 +113,7 @@ def test_every_rise_without_a_pull_is_false():
         (100, 0, 0, 0.0, 0, True),
         (0, 100, 2, 90.0, 0, True),
         (-100, 0, 4, 180.0, 0, True),
-        (-100, -1, 4, 180.0, 0.573, True),  # across the seam of the angle
+        (-100, -1, 4, 180.0, 0.573, True),  # across ±180 degrees
         (100, 0, 0, 350.0, 10, True),
         (100, -100, 7, -45.0, 0, True),
         (100, 0, 1, 0.0, 0, False),
@@ -158,7 +158,7 @@ def test_run_the_scene(tmp_path, engine):
         isinstance(c, Grip) for c in scene.conditions
     ]
     assert summary["runs"] == 2 * len(scene.conditions) and summary["seeds"] == [3, 4]
-    # None of 14 pulls and of 20 runs: by the exact interval up to 1 - 0.025^(1/n).
+    # None of 14 pulls and none of 20 runs: the exact interval ends at 1 - 0.025^(1/n).
     assert summary["missed_rate"] == {"count": 0, "runs": 14, "rate": 0, "low": 0, "high": 0.231636}
     assert summary["false_alarm_rate"] == {"count": 0, "runs": 20, "rate": 0, "low": 0, "high": 0.168433}
     assert summary["lead_ms_min"] == min(row["lead_ms_min"] or 1e9 for row in summary["conditions"]) > 20
@@ -171,14 +171,15 @@ def test_run_the_scene(tmp_path, engine):
 
 
 def test_a_core_that_differs_is_reported(tmp_path, monkeypatch):
-    """A sample's load in one run and another's octant in the next count; the twin alone decides."""
+    """One load in one run and two octants in the next differ, which counts three; the twin decides the
+    verdict."""
     module, calls = engines.load("rtl"), []
     right = module.cop_slip
 
     def spoiled(codes, *settings):
         found, decisions = right(codes, *settings)
         calls.append(codes)
-        if len(calls) == 2:  # the first only builds
+        if len(calls) == 2:  # the first call only builds
             found.load[10] += 1
         if len(calls) == 3:
             decisions.octant[[20, 30]] ^= 1

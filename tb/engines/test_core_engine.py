@@ -1,6 +1,6 @@
-"""The named configurations on engine rtl, from codes at the pins to bytes of the line: every packet is the
-model's, with its frame's time, and none is missing, of arrays too on which many taxels slip; the host finds
-such a core, through a pty too, and shows slip and CoP."""
+"""The named configurations on engine rtl, from codes at the pins to bytes of the line: every packet equals
+the model's, with its frame's time, and none is missing, also for arrays on which many taxels slip. The host
+finds such a core, also through a pty, and shows slip and CoP."""
 
 from collections import Counter
 from dataclasses import replace
@@ -36,7 +36,8 @@ def images(packets):
 
 
 def check(build, got, expected, frames):
-    """``got``: packets of ``frames`` frames begun. All but the last two frames' have left by then."""
+    """Compare ``got``, the packets of ``frames`` frames begun, with the model's; the last two frames may be
+    incomplete."""
     due = lambda found: [item for item in found if item[0] < frames - 2]
     slips, cops = ([q for q in got if q.kind == kind] for kind in (p.SLIP, p.COP))
     events = expected.slip
@@ -46,7 +47,7 @@ def check(build, got, expected, frames):
     starts = {frame: zero + frame * build.period_clocks for frame in range(frames)}
     assert [q.time for q in slips] == [starts[frame] for frame, _ in events][: len(slips)]
     if build.kind != "channels":
-        # CoP frames that found the one before unsent replace it: never with events as sparse as here.
+        # A CoP frame replaces an unsent earlier one, which does not happen with events as sparse as here.
         assert [q.payload for q in cops] == [payload for _, payload in expected.cop][: len(cops)]
         assert [q.time for q in cops] == [starts[frame] for frame, _ in expected.cop][: len(cops)]
         assert len(cops) >= len(due(expected.cop)) == frames - 2
@@ -63,9 +64,9 @@ def test_every_packet_is_the_models(name):
     build = config.load(name)
     codes = codes_of(build)
     if name == "slip1":
-        codes = codes[30_000:]  # held since the second before, and soon to slip
+        codes = codes[30_000:]  # skip to a held object, shortly before it slips
     if name == "full":
-        codes = codes[:: max(1, len(codes) // 25)]  # the press passes in a few frames
+        codes = codes[:: max(1, len(codes) // 25)]  # compress the press into a few frames
     with CoreOnPins(build, codes) as built:
         decoder = Decoder()
         got = decoder.next(built.run(round(SECONDS[name] * 1000 * build.clk_khz)))
@@ -77,17 +78,17 @@ def test_every_packet_is_the_models(name):
 
 
 SOON = {"slip.hold": 2, "slip.refractory": 1, "slip.blank": 3}
-PATCH = {  # of an array's rows and columns: what slides
+PATCH = {  # the rows and columns of the taxels that slip
     "fingertip": (range(3), range(1, 3)),
     "array64": (range(20, 30), range(7, 13)),
-    "full": (range(33, 38), range(50, 52)),  # its images leave the line room for an event in a frame
+    "full": (range(33, 38), range(50, 52)),  # its images leave room for one event per frame
 }
-SLIPS = 2  # of each taxel of the patch, one in each window but the first
+SLIPS = 2  # per taxel of the patch, one in each window except the first
 
 
 def sliding(build, rows, columns):
-    """Codes [frames, rows, columns]: at rest while the zeros are found, then a patch is pressed, and each of
-    its taxels gives way for one sample of every window, at its own time."""
+    """Codes [frames, rows, columns]: unpressed while the zeros settle; then a patch is pressed, and each of
+    its taxels drops for one sample in every window, each at its own time."""
     i, j = np.indices((build.sensor["rows"], build.sensor["columns"]))
     window = build.slip.window
     codes = np.tile(30 + (3 * i + 5 * j) % 17, ((SLIPS + 1) * window + 4, 1, 1))
@@ -100,7 +101,8 @@ def sliding(build, rows, columns):
 
 @pytest.mark.parametrize("name", PATCH)
 def test_every_taxel_that_slips_is_reported(name):
-    """The slip states' times are written on the line first, so short that each window can have a slip."""
+    """The times of the slip states are first written over the line, short enough for a slip in every
+    window."""
     build = config.load(name)
     codes = sliding(build, *PATCH[name])
     decoder, got = Decoder(), []

@@ -1,7 +1,8 @@
 """The C++ drivers pass each setting at its full width: above 2^16, at each field's top and bottom.
 
-What is wider than a port is refused, not cut. What a setting does is worked out here; of four electrodes it
-is the twin's, which no driver is part of. Latencies are docs/adc.md's and the headers', to the clock.
+A value wider than its port is refused, not truncated. The effect of a setting is worked out here, except for
+four electrodes, where it is the twin's, which shares no code with a driver. Latencies are those of
+docs/adc.md and of the headers, to the clock.
 """
 
 from dataclasses import fields, replace
@@ -16,11 +17,11 @@ from meissner.twins.cop.cop_slip import CopSlip, CopSlipRegisters
 from meissner.twins.frontend.am_demod import AmDemod
 from meissner.twins.slip.config import SlipConfig
 
-LOW, HIGH = -65_536, 65_535  # of samples
+LOW, HIGH = -65_536, 65_535  # samples
 ALWAYS = {
     "contact_level": -(1 << 17),
     "release_level": -(1 << 17),
-}  # a sum is at least that: contact above it
+}  # the lowest sum, so always in contact
 
 
 def states(codes, **settings):
@@ -33,9 +34,9 @@ def states(codes, **settings):
 )
 @pytest.mark.parametrize("name", ["threshold", "gross_threshold"])
 def test_thresholds(name, threshold):
-    """A swing of the threshold is not over it, one code more is. Samples swing by 2·131071 at most."""
+    """A swing equal to the threshold is not over it, one code more is. Samples swing by 2·131071 at most."""
     for swing in {min(threshold, 262_142), min(threshold + 1, 262_142), 400}:
-        d = -(-swing // 2), swing // 2  # a detail and the next are d[0], -d[1]
+        d = -(-swing // 2), swing // 2  # detail d[0], then -d[1]
         codes = []
         for detail in (d[0], -d[1]) * 8:
             a = detail // 2
@@ -50,13 +51,14 @@ def test_thresholds(name, threshold):
 
 @pytest.mark.parametrize("keep", [300, 65_536, 70_000, 199_999])
 def test_the_lower_threshold(keep):
-    """A flag that is up stays up with a swing of one more, and ends with one of as much."""
+    """A raised flag stays up with a swing one above the lower threshold, and ends with a swing equal to
+    it."""
     for swing, stays in ((keep + 1, True), (keep, False)):
         codes = []
         for size in (200_001, swing, swing):
             for detail in (-(-size // 2), -(size // 2)):
                 codes += [detail // 2, detail // 2 - detail]
-        found = states(codes, threshold=200_000, keep_threshold=keep, hold=1)  # a window begins with none
+        found = states(codes, threshold=200_000, keep_threshold=keep, hold=1)  # a window starts unflagged
         assert found.state[0][1] == 2 and (found.state[0][-1] == 2) == stays, swing
 
 
@@ -69,7 +71,7 @@ def test_the_lower_threshold(keep):
     ],
 )
 def test_levels(level, total, contact):
-    """Contact from the level on; with codes that fall as it is pressed, down from it."""
+    """Contact at and above the level; at and below it, if codes fall with the force."""
     codes = [total // 2, total - total // 2] * 8
     found = states(codes, contact_level=level, release_level=-131_072)
     assert (found.state > 0).any() == contact
@@ -78,7 +80,7 @@ def test_levels(level, total, contact):
 
 
 def lengths(settings, quiet):
-    """Details with a flag after one swing of 1000, then so many details of quiet, and another swing."""
+    """State after one swing of 1000, ``quiet`` quiet details, and another swing."""
     swing = [500, 0, 0, 500]
     codes = [0] * 8 + swing + [0] * (2 * quiet) + swing + [0] * 80
     return states(codes, threshold=900, **settings).state[0]
@@ -86,7 +88,7 @@ def lengths(settings, quiet):
 
 def test_hold_lasts_to_its_top():
     shown = {hold: np.count_nonzero(lengths({"hold": hold}, 65_600) == 2) for hold in (0, 300, 65_535)}
-    # Both swings hold: the first for all of the time, the second to the end of the samples at most.
+    # Both swings are held: the first for the full time, the second until the samples end at the latest.
     first = {
         hold: int(np.flatnonzero(np.diff((lengths({"hold": hold}, 65_600) == 2).astype(int)) == -1)[0])
         for hold in shown
@@ -95,7 +97,8 @@ def test_hold_lasts_to_its_top():
 
 
 def test_refractory_lasts_to_its_top():
-    """The least quiet, in whole windows of two details, after which a second swing is called."""
+    """The least quiet time, in complete windows of two details, after which a second swing raises the
+    flag."""
 
     def called(refractory, quiet):
         state = lengths({"refractory": refractory}, quiet)
@@ -134,7 +137,7 @@ def test_least_loads():
             rtl_cop.cop(forces, least)
 
 
-# Codes in the middle of the range, and tops: of 17 bits, 4, 16, 18 (the largest imbalance), 17 signed.
+# Mid-range settings; top values of 17 bits, 4, 16, 18 (the largest imbalance), 17 signed.
 PLAIN = Cop4Registers(120_000, 70_001, 3, 80_003, 2, 90_007, 7, 65_000, 65_001, 64_000, 5000, 3)
 TOPS = {
     **dict.fromkeys(("rail", "kx", "ky", "kf"), 131_071),
@@ -178,7 +181,7 @@ def test_wider_registers_of_four_electrodes_are_refused():
 
 
 def test_registers_of_slip_from_the_load():
-    """Through msn_cop4 as ``PLAIN`` sets it; each field at its top, beside the twin's."""
+    """Through msn_cop4 with ``PLAIN``; each field at its top, compared with the twin."""
     codes = electrodes()
     config = SimpleNamespace(sample_bits=17, terms=None, registers=PLAIN)
     place = cop4(codes, PLAIN)
@@ -197,12 +200,12 @@ def test_registers_of_slip_from_the_load():
 
 @pytest.mark.parametrize(
     "part, level, offered",
-    # Half an SCLK is one clock at 4 MHz: by docs/adc.md a sample comes 2·19 clocks after convert start, or
-    # 3 + 2·16 after BUSY, which lasts 16.
+    # At 4 MHz half an SCLK is one clock: by docs/adc.md a sample comes 2·19 clocks after convert start, or 3
+    # + 2·16 after BUSY, which lasts 16.
     [("MCP3208", 1, 38), ("MCP3208", 2, 38), ("MCP3208", 3, 38), ("AD7606", 1, 51), ("AD7606", 3, 51)],
 )
 def test_latencies_at_the_pins(part, level, offered):
-    """A decision is level + 5 clocks after its sample; the report says so to the clock."""
+    """A decision comes level + 5 clocks after its sample; the report gives exactly that number."""
     config = SlipConfig(32, 32, level)
     parameters = rtl_slip._parameters(1, config)
     parameters |= {
@@ -219,14 +222,14 @@ def test_latencies_at_the_pins(part, level, offered):
 
 
 def test_calibrations():
-    """3 taxels: F = (code - offset)·gain/4096, of the widest offsets and gains; wider ones are refused."""
+    """3 taxels: F = (code - offset)·gain/4096, with the largest offsets and gains; wider ones are refused."""
     codes = np.array([[[0, 100, -65_536]]])
     offset, gain = np.array([[-65_536, 65_535, -65_536]]), np.array([[4095, 65_535, 65_535]])
     dead = np.zeros((1, 3), bool)
     given = {"offset": offset, "gain": gain, "dead": dead, "gain_shift": 12}
     forces = rtl_frontend.calibrate(codes, SimpleNamespace(**given))
     assert forces.tolist() == [[[65_520, 0, 0]]]  # 65536·4095/4096 = 65520
-    # Frame after frame, its middle dead, each taxel's own gain: 1.0, 2.0, 3.0.
+    # Two frames more, with the middle taxel dead and gains of 1.0, 2.0, 3.0.
     gains = {
         "gain": np.array([[4096, 8192, 12_288]]),
         "offset": np.zeros((1, 3)),
@@ -247,13 +250,13 @@ def test_calibrations():
 
 
 def test_carriers():
-    """Skips of 255 samples, the most of 8 bits; 256 of them and a shift of 32 are refused."""
+    """A skip of 255 samples, the most in 8 bits; 256 samples and a shift of 32 are refused."""
     block = AmDemod()
     samples = np.concatenate([np.full(255, 30_000), np.tile([1000, 0, -1000, 0], 4)])
     carrier = Carrier(block, 4, 255, 3)
     alone = Carrier(block, 4, 0, 3)
     assert rtl_frontend.demodulate(samples, carrier) == rtl_frontend.demodulate(samples[255:], alone) == 1000
-    # One after the other: four periods of ±a are a sum of 8a, shifted by 3.
+    # Four periods of ±a are a sum of 8a, shifted by 3.
     several = np.array([np.tile([size, 0, -size, 0], 4) for size in (7, 65_535, 1, 300)])
     assert rtl_frontend.demodulate(several, alone).tolist() == [7, 65_535, 1, 300]
     for wrong in (Carrier(block, 4, 256, 3), Carrier(block, 4, 4, 32), Carrier(block, 4, 4, (1 << 32) + 3)):

@@ -1,5 +1,5 @@
-"""The three engines on the same samples: fixed equals rtl in every array, float agrees, at 1 to 8 and many
-channels, every kind of window and level; the four scenes; where the flag rises; what is refused."""
+"""The three engines on the same samples: fixed equals rtl in every array, float agrees, for 1 to 8 and many
+channels, every kind of window and level; the four scenes; where the flag rises; refused input."""
 
 import numpy as np
 import pytest
@@ -44,7 +44,7 @@ def test_engines_agree(config):
 
 @pytest.mark.parametrize("channels", [1, 2, 4, 5, 6, 7, 8, 120, 1024])
 def test_any_number_of_channels(channels):
-    """3 channels are in test_engines_agree."""
+    """test_engines_agree covers 3 channels."""
     x = noise(channels, 3000 if channels < 100 else 200)
     config = SlipConfig()
     assert same(engines.process_slip(x, config, "fixed"), engines.process_slip(x, config, "rtl"))
@@ -52,7 +52,7 @@ def test_any_number_of_channels(channels):
 
 @pytest.mark.parametrize("config", CONFIGS[:5], ids=lambda c: f"window{c.window}hop{c.hop}level{c.level}")
 def test_window_arrays_by_brute_force(config):
-    """p2p, window_end, slip and fired_at as the command's contract words them, in plain loops."""
+    """p2p, window_end, slip and fired_at as the command documents them, in plain loops."""
     x = noise(2, 700, seed=5)
     result = engines.process_slip(x, config, "fixed")
     group = 1 << config.level
@@ -92,7 +92,8 @@ def test_scenes_are_the_same_on_fixed_and_rtl(name):
 
 
 def test_float_watches_like_fixed():
-    """Every field but p2p equal, with p2p often right at a threshold and moving changing at any sample."""
+    """Every field except p2p is equal, with p2p often exactly at a threshold and moving changing at any
+    sample."""
     rng = np.random.default_rng(6)
     x = 150 + rng.integers(-3, 4, (2, 3000)) * rng.choice([1, 4], (2, 3000))
     moving = np.repeat(rng.random(1000) < 0.4, 3)
@@ -127,7 +128,7 @@ def test_thresholds_and_levels_reach_the_ends_of_their_registers():
 def test_moving_and_blanking_reach_the_core():
     rng = np.random.default_rng(4)
     x = 150 + rng.integers(-40, 41, (2, 2001))
-    moving = np.repeat(rng.random(87) < 0.4, 23)  # changes at even and at odd samples
+    moving = np.repeat(rng.random(87) < 0.4, 23)  # changes after even and odd counts
     config = SlipConfig(
         threshold=60, gross_threshold=110, contact_level=200, release_level=100, hold=3, refractory=4, blank=9
     )

@@ -1,6 +1,6 @@
-"""The netlist after synthesis, in the cells of each family, against sources and twins: the slip path behind
-the command, the smallest build of each family from its converter's pins to its packets, and named
-configurations on the engine `gate`."""
+"""The netlist after synthesis, in each family's cells, against sources and twins: the slip path used by the
+command, the smallest build of each family from its converter's pins to its packets, and named configurations
+on the engine `gate`."""
 
 import shutil
 
@@ -34,12 +34,12 @@ def test_the_gate_engine_is_the_integer_twin():
 @pytest.mark.long
 @pytest.mark.parametrize("name", ["icebreaker", "ulx3s", "tangnano20k"])
 def test_a_boards_netlist_sends_the_packets_of_its_sources(name):
-    """The packets' payloads are those of the twin."""
+    """The packets' payloads equal the twin's."""
     board = boards.BOARDS[name]
     codes = gate.codes(board, "slip1")
     line = rtl_core.line(board, "slip1", codes, gates=True)
     assert line == rtl_core.line(board, "slip1", codes)
-    # The timer of msn_adc_single converts at the end of a period, that of msn_adc_spi at its start.
+    # msn_adc_single first converts at the end of a timer period, msn_adc_spi at its start.
     samples = codes[bool(board.parameters("slip1")["AdcPeriod"]) :]
     expected = [payload for _, payload in core.of_channels(samples, board.config("slip1").slip).slip]
     assert expected

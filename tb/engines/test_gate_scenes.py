@@ -1,6 +1,6 @@
-"""Scenes on twins, RTL and netlist at once (tools/gate_scenes.py): the published crosstalk as a whole in
-`make test`, every scene in `make test-long`; a value, a shape or a result that differs is counted by engine
-and name; a cell of a netlist that is broken on purpose is seen.
+"""Scenes on twins, RTL and netlist together (tools/gate_scenes.py): the complete published crosstalk in `make
+test`, every scene in `make test-long`. A value, shape or result that differs is counted by engine and name,
+and a deliberately broken cell of a netlist is detected.
 """
 
 import re
@@ -19,7 +19,7 @@ from meissner.engines.rtl_slip import Pins
 from meissner.engines.stages import STAGES
 
 QUICK = "capacitive_crosstalk"
-SAMPLES = 76  # of its carrier for an amplitude: 12 that settle, 16 periods of 4
+SAMPLES = 76  # carrier samples per amplitude: 12 to settle, 16 periods of 4
 
 
 class Found(NamedTuple):
@@ -40,7 +40,8 @@ def noted(netlist, **others):
 
 
 def test_equal_answers_are_counted():
-    """Two details of three results, two ends and one number; then two, of two engines."""
+    """Two details with three results each, two ends and one number, against two engines; then two more
+    values."""
     compared = noted(watched(), rtl=watched(), fixed=watched())
     assert (compared.inputs, compared.results, compared.different) == (9, 9, {})
     compared.note("more", 4, np.array([1, 2]), {"rtl": np.array([1, 2])})
@@ -73,7 +74,7 @@ def test_what_differs_is_named(netlist, other, different):
 
 
 class Core:
-    """One that answers with what it was told."""
+    """A core whose answer depends on its setting."""
 
     def __init__(self, *arguments):
         self.arguments, self.told = arguments, {}
@@ -95,7 +96,8 @@ class Deaf(Core):
 
 @pytest.mark.parametrize("source, different", [(Core, {}), (Deaf, {("hand", "rtl", "0"): 10})])
 def test_a_hands_cores_advance_in_step(monkeypatch, source, different):
-    """Both get each setting and each cycle; one without its setting differs in ten flags alone."""
+    """Both cores get each setting and each cycle; a core that ignores its setting differs in its ten flags
+    alone."""
     monkeypatch.setattr(gate_scenes, "gate_core", Core)
     monkeypatch.setattr(gate_scenes.rtl_hand, "Core", source)
     compared = gate_scenes.Compared()
@@ -122,7 +124,7 @@ def test_pins_are_compared_with_rtl_by_clocks_and_with_twins_by_decisions(monkey
     compared = gate_scenes.Compared()
     compared.stage("watch_pins")(recording, "config", waves=None)
     assert asked == [([[4, 9, 6, 7]], "config", [False, True, False, False])]
-    assert (compared.inputs, compared.results) == (4, 11)  # nine of the details, two of the pins
+    assert (compared.inputs, compared.results) == (4, 11)  # nine of the details, two of the facts
     assert compared.different == {
         ("watch_pins", "rtl", "facts.clocks"): 1,
         ("watch_pins", "fixed", "watched.blanked"): 1,
@@ -130,7 +132,8 @@ def test_pins_are_compared_with_rtl_by_clocks_and_with_twins_by_decisions(monkey
 
 
 def test_every_stage_of_an_engine_is_compared():
-    """What the protocol of an engine lists, each feature of its own, and what only Verilated ones have."""
+    """The functions that the engine protocol lists, those of the features, and watch_pins, which only
+    Verilated engines have."""
     listed = {name for name in vars(Engine) if not name.startswith("_")}
     assert set(STAGES) == listed | set(FEATURES) | {"watch_pins"}
     before = {name: gate_scenes.function("gate", name) for name in STAGES}
@@ -154,7 +157,7 @@ def test_a_scene_as_a_whole_is_the_same_on_all_three():
 @pytest.mark.long
 @pytest.mark.parametrize("name", [name for name in scenes.names() if name != QUICK])
 def test_every_scene_is_the_same_on_all_three(name):
-    """A hand has something to answer in each of its conditions."""
+    """A hand's reflex must act in each of its conditions."""
     _, summary = same(name)
     if scenes.load(name).sensor == "hand":
         assert all(row["tightenings"] > 0 for row in summary["conditions"])
@@ -162,7 +165,7 @@ def test_every_scene_is_the_same_on_all_three(name):
 
 @pytest.fixture
 def broken(monkeypatch):
-    """One LUT on the way to the demodulator's amplitude, half of its table inverted after synthesis."""
+    """One LUT that feeds the demodulator's amplitude, with half of its table inverted after synthesis."""
     right = verilated.netlist.verilog
 
     def verilog(*arguments):

@@ -1,5 +1,5 @@
-"""Libraries that are built once and kept: one that is whole is not built again, one that is damaged is;
-without a compiler there is one sentence."""
+"""Cached builds of libraries: a complete one is not rebuilt, a damaged one is; without a compiler there is
+one sentence."""
 
 import shutil
 import subprocess
@@ -16,7 +16,7 @@ WHOLE = bytes(range(256)) * 40
 
 @pytest.fixture
 def builds(monkeypatch, tmp_path):
-    """verilated.library() with a compiler that writes WHOLE; the commands that it was asked for."""
+    """verilated.library() with a compiler that writes WHOLE; returns the compiler's commands."""
     asked = []
 
     def run(command, **_):
@@ -64,7 +64,7 @@ def test_what_is_damaged_is_built_again(builds, damage):
     "name", ["core_driver.cpp", "core_driver.vlt", "driver.hpp", "serial.hpp", "adc_parts.hpp"]
 )
 def test_a_changed_driver_is_built_again(builds, monkeypatch, tmp_path, name):
-    """A copy of the drivers, one of their files with a line more, is another library."""
+    """Adding a line to any file in a copy of the drivers gives another library."""
     drivers = tmp_path / "drivers"
     drivers.mkdir()
     for file in verilated.HERE.glob("*.[ch]pp"):
@@ -90,7 +90,7 @@ def test_without_a_compiler_there_is_one_sentence(builds, monkeypatch, capsys):
     monkeypatch.setattr(
         toolchain.shutil, "which", lambda name, path=None: None if name == "g++" else f"/{name}"
     )
-    rtl_core._open.cache_clear()  # or a core that this process has already opened is used
+    rtl_core._open.cache_clear()  # otherwise a core already opened by this process is used
     with pytest.raises(SystemExit) as end:
         cli.main(["live", "core:slip1", "--seconds", "1"])
     out, err = capsys.readouterr()

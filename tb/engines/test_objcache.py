@@ -1,4 +1,5 @@
-"""What the compiler's launcher adds to a command: benches begin with the runtime's header, read before."""
+"""What the compiler launcher adds to a command: test builds start with Verilator's runtime header,
+precompiled."""
 
 import subprocess
 import sys
@@ -24,7 +25,7 @@ def compiles(folder, text, *flags):
 def test_what_is_compiled_for_tests_begins_with_the_runtime(tmp_path, flags, found):
     text = "unsigned long now(VerilatedContext* of) { return of->time(); }\n"
     assert compiles(tmp_path, text, *flags, f"-I{INCLUDE}", f"-I{INCLUDE}/vltstd") is found
-    if found:  # nothing that make would miss once what is kept is gone
+    if found:  # make must not depend on the cached header
         assert "runtime.h" not in (tmp_path / "model.d").read_text("utf-8")
 
 

@@ -1,5 +1,5 @@
-"""A checkout whose path has a space and a letter beyond ASCII: make, which Verilator builds with, can read no
-such path, so it gets links and folders elsewhere. The path of everybody else stays as it is."""
+"""A checkout whose path has a space and a non-ASCII letter: make, which Verilator builds with, cannot read
+such a path, so it gets links and folders elsewhere. A path that make can read stays unchanged."""
 
 import os
 import shutil
@@ -17,7 +17,7 @@ from meissner.builds import toolchain
 
 @pytest.fixture
 def cache(monkeypatch, tmp_path):
-    """The cache folder that links go to, this test's own."""
+    """This test's own cache folder, in which the links are made."""
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     toolchain._elsewhere.cache_clear()
     yield tmp_path / "cache/meissner"
@@ -28,10 +28,10 @@ def test_the_rtl_engine_runs_there(tmp_path, cache):
     checkout = tmp_path / "tac tile é"
     for name in ("model", "rtl", "host", "tools"):
         shutil.copytree(toolchain.ROOT / name, checkout / name, ignore=shutil.ignore_patterns("__pycache__"))
-    # Its own environment too: where Python finds its packages has the space as well.
+    # An environment inside the checkout, so that Python's package path has the space too.
     (checkout / ".venv").symlink_to(sys.prefix)
     frame = np.zeros((1, 2, 3), np.uint16)
-    frame[0, 1] = [7, 0, 21]  # right of the middle by half, wholly below it
+    frame[0, 1] = [7, 0, 21]  # x = 1/2, y at the lower edge
     np.save(checkout / "in.npy", frame)
     command = [checkout / ".venv/bin/python", "-m", "meissner.cli", "process", "cop", "in.npy"]
     command += ["--engine", "rtl", "--out", "out.npz"]
@@ -63,7 +63,7 @@ def test_any_other_path_gets_a_link(tmp_path, cache, name):
     source.write_text("module top; endmodule\n")
     link = toolchain.for_make(source)
     assert toolchain._FOR_MAKE.fullmatch(str(link)) and link.samefile(source) and link.name == "top.sv"
-    assert toolchain.for_make(source) == link  # the same again: what was built stays valid
+    assert toolchain.for_make(source) == link  # the same link, so builds stay valid
     build = toolchain.folder_for_make(source.parent / "build")
     assert toolchain._FOR_MAKE.fullmatch(str(build.resolve())) and build.is_dir()
     assert toolchain.folder_for_make(source.parent / "build") == build
@@ -89,7 +89,7 @@ def test_without_a_home_that_can_be_written_to(tmp_path, monkeypatch, cache):
 
 
 def test_two_threads_link_at_once(tmp_path, cache, monkeypatch):
-    """As lint's do in a fresh clone: neither goes on before both have made theirs."""
+    """As lint's threads do in a fresh clone: neither goes on before both have made their link."""
     folder, both = tmp_path / "a b", threading.Barrier(2, timeout=30)
     folder.mkdir()
     link_to = Path.symlink_to

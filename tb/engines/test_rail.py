@@ -1,5 +1,6 @@
-"""A voltage at an end of a converter's range, from the pin to the packet: volts to codes by the data sheet,
-the registers from the configuration, the core on Verilator behind the converter's pins."""
+"""A voltage at the end of a converter's range, from the pin to the packet: volts become codes by the data
+sheet, the registers come from the configuration, and the core runs in Verilator behind the converter's
+pins."""
 
 from math import floor
 
@@ -13,7 +14,7 @@ from meissner.twins.link.decoder import Decoder
 
 HEALTH, RAILED = 4, 2  # docs/link.md
 USE = 0x410  # health.use: bit 0, over-range samples count as railed; bit 1, edges
-# Full scale, bits, lowest code; volts of six taxels and which of them are railed.
+# Full scale, bits, lowest code; volts of six taxels, and the taxels that are railed.
 PARTS = {
     # 3.3 V / 4096 = 0.8057 mV: 3.2995 V is 4095.4 codes, 3.2988 V 4094.5, 0.5 mV 0.6 and 0.9 mV 1.1.
     "MCP3208": (3.3, 12, 0, [3.2995, 3.2988, 0.0005, 0.0009, 3.35, 1.65], {0, 2, 4}),
@@ -45,7 +46,8 @@ def build(part, volts):
 
 @pytest.mark.parametrize("part", PARTS)
 def test_a_code_at_the_rail_is_reported_railed(part):
-    """By the limits alone: the bit that counts over-range samples is cleared first. 16 frames and more."""
+    """By the code limits alone: the bit that counts over-range samples is cleared first. Runs for more than
+    16 frames."""
     full, bits, lowest, volts, railed = PARTS[part]
     top = lowest + (1 << bits) - 1
     steps = (1 << bits) / (full - (-full if lowest else 0))

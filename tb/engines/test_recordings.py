@@ -1,7 +1,7 @@
 """120 recordings of a gripper that closes and holds, without slip: fixed equals rtl in every field at every
-level, with and without the timers of the slip states; what tools/recordings.py counts equals PyWavelets and
-plain numpy, and docs/recordings.md says what was measured. Skipped, and said so, where the data are absent;
-that the tool says so too is tested everywhere."""
+level, with and without the timers of the slip states. The counts of tools/recordings.py equal those of
+PyWavelets and plain NumPy, and docs/recordings.md shows what was measured. Without the data the tests are
+skipped with a message; that the tool reports missing data is tested everywhere."""
 
 import importlib.util
 import os
@@ -23,7 +23,7 @@ TOOL = ROOT / "tools/recordings.py"
 def tool():
     spec = importlib.util.spec_from_file_location("recordings", TOOL)
     module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module  # dataclasses look their module up
+    sys.modules[spec.name] = module  # dataclasses need it there
     spec.loader.exec_module(module)
     return module
 
@@ -38,7 +38,8 @@ def recordings(tool):
 
 @pytest.fixture(scope="module")
 def measured(tool, recordings):
-    """Stops where an array of the slip command differs between rtl and fixed, at any threshold."""
+    """The tool's counts; it raises if an array of the slip command differs between rtl and fixed at any
+    threshold."""
     return tool.measure(recordings)
 
 
@@ -49,7 +50,7 @@ CONFIGS = [
     for level in (1, 2, 3)
     for how in (
         {},
-        # The recordings' rest lies near 2040 codes; they start up to 400 below, so contact comes and goes.
+        # The recordings rest near 2040 codes and start up to 400 below, so contact comes and goes.
         {
             "contact_level": 2035 << level,
             "release_level": 2025 << level,
@@ -63,7 +64,7 @@ CONFIGS = [
 
 @pytest.mark.parametrize("config", CONFIGS, ids=lambda c: f"level{c.level}blank{c.blank}")
 def test_fixed_equals_rtl_in_every_field(tool, recordings, config):
-    """Half of the runs also move the actuator now and then."""
+    """Half of the runs also have a moving actuator at times."""
     x = tool.stack(recordings)
     moving = np.arange(x.shape[1]) % 5000 < 700 if config.blank else None
     ours, theirs = (e.watch(x, config, moving) for e in (fixed, rtl))
@@ -76,7 +77,7 @@ def test_fixed_equals_rtl_in_every_field(tool, recordings, config):
 
 
 def peak_to_peaks(x, level):
-    """Start and p2p of every window of 64, by PyWavelets (level 1 to 3) or of the codes as they are (0)."""
+    """Start and p2p of every window of 64, by PyWavelets (level 1 to 3) or of the plain codes (level 0)."""
     group = 1 << level
     if level:
         x = pywt.wavedec(x[: len(x) // group * group].astype(float), "haar", "periodization", level)[1]
@@ -89,7 +90,8 @@ def peak_to_peaks(x, level):
 
 @pytest.mark.parametrize("level", [0, 1, 2, 3])
 def test_counts_equal_an_independent_computation(tool, recordings, measured, level):
-    """Per threshold: recordings that alarm and how often, in the whole recording and in the hold."""
+    """Per threshold: how many recordings raise an alarm and how many alarms, in the complete recording and in
+    the hold."""
     found = measured[f"Haar {level}" if level else "plain"]
     held = {name: watch.holding() for name, watch in found.items()}
     for threshold in tool.THRESHOLDS:

@@ -1,6 +1,6 @@
-"""The folder of ``meissner run``: a second run's results take the place of the first one's, all or none of
-them, and nothing of the user's. The runs that README and docs/commands.md name do not share a folder, and git
-ignores what they write."""
+"""The folder of ``meissner run``: a second run's results replace those of the first, all or none of them, and
+the user's own files stay. The runs that README and docs/commands.md name do not share a folder, and git
+ignores their output."""
 
 import json
 import re
@@ -16,12 +16,13 @@ from meissner.scenes.results import finish
 
 PIXEL = bytes.fromhex(
     "89504e470d0a1a0a0000000d49484452000000010000000108060000001f15c489"
-)  # enough of a PNG: it is only copied
+)  # enough of a PNG, since it is only copied
 
 
 @pytest.fixture
 def results(tmp_path, monkeypatch):
-    """Run "scenes" that draw pictures of these names into one folder; ``fails``: before they end."""
+    """Run "scenes" that draw pictures with these names into one folder; ``fails``: interrupted before the
+    end."""
 
     def start(name, *pictures, fails=False):
         def module_run(scene, engine, out, seed, waves, progress):

@@ -1,4 +1,4 @@
-"""What ``meissner run`` makes of an engine's words: the verdict on one run by hand, the differences from the
+"""How ``meissner run`` evaluates an engine's output: the verdict on one run by hand, the differences from the
 twin, the table of conditions, and that each run gets its own seed and its own motion."""
 
 import dataclasses
@@ -20,7 +20,7 @@ N, C, I, G = State.NONE, State.CONTACT, State.INCIPIENT, State.GROSS  # noqa: E7
 
 def recording(onset_s, gross_s=None):
     scene, codes = SimpleNamespace(rate_hz=1000), np.zeros(200, dtype=np.int64)
-    pressed = np.arange(200) > 3  # so two of the pairs are known before the plate presses
+    pressed = np.arange(200) > 3  # two pairs are known before the press
     return SimpleNamespace(scene=scene, codes=codes, onset_s=onset_s, gross_s=gross_s, normal_n=0.3 * pressed)
 
 
@@ -34,7 +34,7 @@ def recording(onset_s, gross_s=None):
     ],
 )
 def test_contact_that_is_wrong_by_hand(states, wrong):
-    """Pairs known at 1, 3, 5, 7, 9 ms; the plate presses from the sample of 4 ms on."""
+    """Pairs are known at 1, 3, 5, 7, 9 ms; the plate presses from the sample at 4 ms on."""
     verdict = judging.judge(recording(0.006, 0.1), np.array(states), SlipConfig())
     assert verdict["contact_wrong_share"] == wrong / 5
     others = [verdict | {"contact_wrong_share": share} for share in (0.25, 0.5)]
@@ -44,12 +44,12 @@ def test_contact_that_is_wrong_by_hand(states, wrong):
 @pytest.mark.parametrize(
     "states, onset_s, flag_s, false_alarms",
     [
-        # A pair k of samples is known at sample 2k + 1, here at 1, 3, 5, 7, 9 ms.
+        # Pair k of samples is known at sample 2k + 1, here at 1, 3, 5, 7, 9 ms.
         ([N, C, C, I, G], 0.006, 0.007, 0),
         ([N, C, C, I, G], 0.007, 0.007, 0),  # at the onset itself: no false alarm
         ([N, C, C, I, G], 0.0071, None, 1),
         ([C, I, C, G, C], 0.004, 0.007, 1),  # the second rise is the flag, the first is false
-        ([I, C, I, C, G], 0.020, None, 3),  # from the first detail on
+        ([I, C, I, C, G], 0.020, None, 3),  # the first detail counts
         ([C, C, C, C, C], 0.004, None, 0),
         ([C, I, C, G, G], None, None, 2),
     ],
@@ -68,7 +68,7 @@ def test_judge_by_hand(states, onset_s, flag_s, false_alarms):
 
 @pytest.mark.parametrize("gross_s, missed", [(0.006, True), (0.007, True), (0.0071, False)])
 def test_a_flag_that_does_not_come_before_the_whole_contact_slips_is_a_miss(gross_s, missed):
-    """The pair whose flag it is, the fourth, is known at 7 ms."""
+    """The flag is that of the fourth pair, known at 7 ms."""
     verdict = judging.judge(recording(0.002, gross_s), np.array([N, C, C, I, G]), SlipConfig())
     assert (verdict["missed"], verdict["late"]) == (missed, missed)
     assert verdict["lead_s"] == pytest.approx(gross_s - 0.007) and verdict["delay_s"] == 0.005
@@ -82,9 +82,9 @@ def test_judge_counts_details_of_any_level():
 @pytest.mark.parametrize(
     "states, gross_s, sliding_s, share",
     [
-        # A pair k of samples is known at sample 2k + 1, here at 1, 3, 5, 7, 9 ms.
+        # Pair k of samples is known at sample 2k + 1, here at 1, 3, 5, 7, 9 ms.
         ([N, C, I, C, G], 0.005, 0.006, 1 / 3),
-        ([N, C, I, C, G], 0.0051, 0.004, 0.5),  # the detail of 5 ms was known before
+        ([N, C, I, C, G], 0.0051, 0.004, 0.5),  # the detail of 5 ms was known earlier
         ([N, C, I, State.RELEASE, N], 0.001, 0.010, 4 / 5),
         ([C, C, I, G, I], 0.0049, 0.006, 0.0),
         ([C, C, I, G, C], 0.0091, 0.0, None),
@@ -130,7 +130,7 @@ def test_statistics_are_of_all_runs():
     later |= {"sliding_s": 0.0, "contact_share_of_sliding": None}  # the run ends before the object slides
     row = judging.statistics(SimpleNamespace(name="x"), [found, none, later, none])
     assert (row["runs"], row["missed"], row["false_alarms"], row["false_alarms_masked"]) == (4, 2, 4, 6)
-    # Of 4 runs 2 and 3, those with an alarm: 1 - (1 - p)^4 - 4 p (1 - p)^3 = 0.025 at p = 0.0676.
+    # 2 of 4 runs are missed: 1 - (1 - p)^4 - 4 p (1 - p)^3 = 0.025 at p = 0.0676; 3 have an alarm.
     assert row["missed_interval"] == [0.067586, 0.932414]
     assert row["false_alarm_interval"] == [0.194120, 0.993691]
     assert (row["delay_ms_median"], row["delay_ms_mean"], row["delay_ms_max"]) == (4.0, 4.0, 5.0)
@@ -146,12 +146,12 @@ def test_statistics_are_of_all_runs():
 
 
 def test_rows_of_the_table_have_the_same_columns():
-    """Where one condition was missed in every run, and another was not."""
+    """One condition was missed in every run, another was not."""
     assert slip_run._table([{"a": 1}, {"a": 2, "b": 3}]) == [{"a": 1, "b": None}, {"a": 2, "b": 3}]
 
 
 def watched_by(tmp_path, monkeypatch, engine, seed, spoil=lambda watched: watched):
-    """Run acrylic_slip with 2 seeds; returns the summary and what the engine was given and said."""
+    """Run acrylic_slip with 2 seeds; returns the summary and the engine's inputs."""
     scene = dataclasses.replace(scenes.load("acrylic_slip"), seeds=2)
     module, seen = engines.load(engine), []
     watch = module.watch
@@ -161,13 +161,13 @@ def watched_by(tmp_path, monkeypatch, engine, seed, spoil=lambda watched: watche
         return spoil(watch(codes, config, moving))
 
     monkeypatch.setattr(module, "watch", spy)
-    return run(scene, engine, tmp_path, seed), seen[1:]  # the first call only warms
+    return run(scene, engine, tmp_path, seed), seen[1:]  # the first call only warms up
 
 
 def test_each_run_has_its_seed_and_its_motion(tmp_path, monkeypatch):
     scene = scenes.load("acrylic_slip")
     _, seen = watched_by(tmp_path, monkeypatch, "fixed", seed=5)
-    assert len(seen) == 4  # of each seed one that is told of no motion, which counts, and one that is
+    assert len(seen) == 4  # per seed one without motion, which counts, and one with it
     for number in range(2):
         truth = scenes.simulate(scene, 0, 5 + number)
         (codes, still), (same, moving) = seen[2 * number : 2 * number + 2]
@@ -179,7 +179,8 @@ def test_each_run_has_its_seed_and_its_motion(tmp_path, monkeypatch):
 
 
 def test_a_core_that_differs_is_reported(tmp_path, monkeypatch):
-    """One wrong detail in each of two runs, twice, and the pins compared with what the first was told."""
+    """One wrong detail in each of two runs, with and without motion, and in the pins' comparison with the
+    first run."""
 
     def spoil(watched):
         watched.state[0, 10] = State.GROSS
@@ -190,7 +191,7 @@ def test_a_core_that_differs_is_reported(tmp_path, monkeypatch):
 
 
 def test_a_sliding_object_is_said_to_slip(tmp_path, monkeypatch):
-    """Paper, the worst of all conditions: half the time is lost without a lower threshold, none with it."""
+    """Paper, the worst condition: half the sliding time is lost without a lower threshold, none with it."""
     scene = scenes.load("slip_materials")
     scene = dataclasses.replace(scene, seeds=3, conditions=scene.conditions[3:])
     summary = run(scene, "fixed", tmp_path / "kept", 1)

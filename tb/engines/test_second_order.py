@@ -1,4 +1,4 @@
-"""The second-order term: a parabola comes back exactly, F = 0 stays 0, what has too few forces stays 0; the
+"""The second-order term: a parabola is recovered exactly, F = 0 stays 0, too few forces give a term of 0; the
 least squares against NumPy's polyfit, cell by cell."""
 
 from fractions import Fraction

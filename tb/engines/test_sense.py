@@ -1,4 +1,5 @@
-"""The public interface: results by hand, in pieces of any size as at once, and what it refuses."""
+"""The public interface: results by hand, equal results in pieces of any size and in one call, and refused
+input."""
 
 import inspect
 from itertools import pairwise
@@ -14,7 +15,7 @@ from meissner.physics.cop4_config import Cop4Config
 from meissner.physics.mesh import Mesh
 from meissner.twins.slip.slip import State
 
-# Level 1: d = x0 - x1, a = x0 + x1; windows of 4 samples are of 2 details.
+# Level 1: d = x0 - x1, a = x0 + x1; a window of 4 samples has 2 details.
 CONFIG = meissner.SlipConfig(
     window=4, hop=4, level=1, threshold=9, gross_threshold=30, contact_level=100, release_level=90
 )
@@ -57,7 +58,7 @@ def test_pieces_give_what_the_whole_gives(level, window, hop):
 
 
 def test_slip_is_the_engines():
-    """The peak-to-peak of whole windows, as PyWavelets has it."""
+    """The peak-to-peak of complete windows, against PyWavelets."""
     x = np.random.default_rng(5).integers(-40, 40, (2, 640))
     config = meissner.SlipConfig(window=64, hop=64, threshold=140)
     p2p = meissner.Slip(config, channels=2).process(x).p2p[:, 31::32]
@@ -92,7 +93,7 @@ def test_array_by_hand():
 
 
 def test_cop4_is_what_the_voltages_say():
-    """Through the mesh's own solver: one point at column 3 of 5, row 1 of 4."""
+    """The voltages come from the mesh's own solver: one point at column 3 of 5, row 1 of 4."""
     mesh = Mesh(4, 5, 10.0, 1e3, 5.0, 4320.0)
     config = Cop4Config(mesh, Adc(16, -5.0, 5.0), gain=0.9)
     load = np.zeros((1, 4, 5))
@@ -128,7 +129,7 @@ def test_refuses_in_one_sentence(call, says):
 
 @pytest.mark.parametrize("name", engines.EVERY)
 def test_every_engine_has_what_the_protocol_says(name):
-    """The same parameters in the same order; behind them waves, of those that have signals."""
+    """The same parameters in the same order, followed by waves in the engines that have signals."""
     module = engines.load(name)
     asked = [item for item in vars(Engine).items() if inspect.isfunction(item[1]) and item[0][0] != "_"]
     assert len(asked) == 7

@@ -1,5 +1,6 @@
-"""The engines' shear_speed: float, fixed and rtl beside ShearReference, a loop from docs/shear_speed.md;
-rtl and fixed alike to the bit; the scene that has it: what it finds without the rubber's own deviation."""
+"""The engines' shear_speed: float, fixed and rtl compared with ShearReference, a loop from
+docs/shear_speed.md; rtl equals fixed to the bit; and what its scene finds without the rubber's own
+deviation."""
 
 from fractions import Fraction
 
@@ -81,7 +82,8 @@ def test_a_core_without_it_has_none():
 
 
 def test_the_scene_finds_the_stage_s_speed(monkeypatch):
-    """Without the deviation of repeated steps the speed is the stage's: to 4 %, the rubber's ripple."""
+    """Without the deviation of repeated steps the speed is the stage's, within 4 % for the rubber's
+    ripple."""
     monkeypatch.setattr(rubber, "SHEAR_SPREAD", 0.0)
     scene = scenes.load("shear_speed")
     one = estimate.Estimator(scene, "fixed")

@@ -1,6 +1,6 @@
-"""The VCD of ``run --waves``, read back: an array's frames and results are in it clock by clock as the twin
-has them, the file stays small at every size, whatever the recording's length; a slip run's holds its 20 ms. A
-traced core that differs is counted; engines without signals refuse (tb/cli)."""
+"""The VCD of ``run --waves``, read back: it has an array's frames and results clock by clock as the twin has
+them, and stays small at every array size and recording length; that of a slip run covers 20 ms. A traced core
+that differs is counted; engines without signals refuse (tb/cli)."""
 
 import dataclasses
 from pathlib import Path
@@ -16,7 +16,7 @@ CLOCK_PS = 10**9 // rtl_cop.TRACE_CLK_KHZ
 
 
 def read_vcd(path, wanted):
-    """Time of each rising edge [n], ps, and the values of ``wanted`` ports just before it, [n] each."""
+    """Time in ps of each rising edge [n], and the values of the ``wanted`` ports just before it, [n] each."""
     codes, scope, values, rows, now = {}, [], {}, [], 0
     with open(path) as file:
         for line in file:
@@ -63,7 +63,7 @@ def test_an_arrays_frames_are_in_it(tmp_path, name):
     beats = scene.rows * row_beats
     count = rtl_cop.TRACE_BEATS // beats
     last = int(np.argmax(result["sum"]))
-    # The last rising edge shows the last result: the file ends there.
+    # The file ends at the last rising edge, which shows the last result.
     assert taken.sum() == count * beats
     assert seen["in_last_i"][taken].sum() == count
     if scene.columns < rtl_cop.WIDE:  # one force a beat
@@ -108,7 +108,7 @@ def test_a_slip_runs_twenty_milliseconds(tmp_path):
 
 
 def test_four_electrodes_are_in_it(tmp_path):
-    """The samples up to the greatest load, 200 of them at most, and every result but the last clock's."""
+    """The samples up to the greatest load, 200 at most, and every result except that of the last clock."""
     for name, count in (("cop_load", 21), ("cop_circle", None)):
         _, summary = run_with_waves(tmp_path, name)
         assert summary["twin_mismatches"] == 0

@@ -1,6 +1,4 @@
-"""Extremes of rtl/actuate: commands at their limits, wishes that add beyond the word, pulses of all
-widths.
-"""
+"""Extremes of rtl/actuate: commands at their limits, sums of wishes beyond the word, pulses of all widths."""
 
 from meissner.twins.actuate import finger_health, grip, pwm
 from verify.extremes import row
@@ -9,7 +7,7 @@ TOP = 65535
 
 
 def step(command, given, wishes, heard, over, faulty, override):
-    """The table of docs/grip.md, one cycle: the command that follows."""
+    """The next command after one cycle, by the table of docs/grip.md."""
     working = [wish for wish, bad in zip(wishes, faulty) if not bad]
     wish = (max if given["rule"] == "any" else min)(working, default=0)
     if override is not None:
@@ -25,7 +23,7 @@ def step(command, given, wishes, heard, over, faulty, override):
 
 
 def in_a_row(given, streak, windows):
-    """What ``windows`` windows over add after ``streak`` such, without their speeds."""
+    """What ``windows`` windows over add, without their speeds, after ``streak`` others in a row."""
     return sum(given["step"] * 2 ** min(streak + n, given["boost"]) for n in range(windows))
 
 
@@ -104,7 +102,7 @@ def grip_(see):
 
 
 def sums_of_wishes(see):
-    """Windows whose wishes add to just below, at and beyond the word, from a command of 0."""
+    """Windows whose wishes sum to just below, exactly and beyond the word's limit, from a command of 0."""
     for by in (1, 32767, 32768, 30_000, TOP):
         for windows in (1, 2, 3, 4, 255):
             for rule in ("any", "weakest"):
@@ -113,7 +111,7 @@ def sums_of_wishes(see):
                 see.near(got.command, min(by * windows, TOP), (by, windows, rule))
     for by, boost, windows in ((1, 7, 8), (1, 7, 255), (257, 7, 8), (258, 7, 8), (TOP, 7, 255)):
         given = grip.GripConfig(step=by, boost=boost, minimum=0, maximum=TOP, rate=TOP)
-        wanted = min(by * (255 + 128 * (windows - 8)), TOP)  # 1 + 2 + 4 .. + 128, then 128 each
+        wanted = min(by * (255 + 128 * (windows - 8)), TOP)  # 1 + 2 + 4 .. + 128, then 128 each time
         see.near(grip.Grip(given, 1, start=0).next([windows]).command, wanted, (by, boost, windows))
     for speed, gain in ((TOP, TOP), (TOP, 256), (256, TOP), (257, 65281)):
         twin = grip.Grip(
@@ -124,8 +122,8 @@ def sums_of_wishes(see):
 
 
 def silent(see):
-    """A finger that is never heard: its count stops at 65535, after 1e9 cycles as after 65535; jumps
-    of state.
+    """A finger without decisions: its count stops at 65535, after 1e9 cycles as after 65535; the state is set
+    directly.
     """
     twin = grip.Grip(grip.GripConfig(watchdog=TOP, minimum=0), 1, start=500)
     for count in (TOP - 2, TOP - 1, TOP):
@@ -170,7 +168,8 @@ def pwm_(see):
     rtl=["tb/actuate/test_finger_health.py::matches_the_loop"],
 )
 def finger_health_(see):
-    """One below, exactly and one beyond each limit, at both ends of 17 bits; then for a million samples."""
+    """One below, exactly at and one beyond each limit, at both ends of 17 bits; then for a million
+    samples."""
     least, most = -(2**16), 2**16 - 1
     for one in see.covering(
         lambda low, high, **_: low < high,

@@ -1,4 +1,4 @@
-"""Extremes of rtl/common: each number of bits at its ends, against integers, fractions and 50 digits."""
+"""Extremes of rtl/common: each width at its ends, against integers, fractions and 50 digits."""
 
 from fractions import Fraction
 
@@ -84,7 +84,7 @@ def multiply_(see):
     rtl=["tb/common/test_round_sat.py::test_round_sat"],
 )
 def round_sat_(see):
-    """The bound is that of what fits; what does not is held at the end, exactly."""
+    """The bound applies to values that fit; others saturate exactly."""
 
     def check(numbers, width, out, drop, unsigned):
         low, high = (0, 2**out - 1) if unsigned else exact.signed(out)
@@ -130,7 +130,8 @@ def round_sat_(see):
 
 
 def quotients(top):
-    """Numerators and denominators at the ends: 0, 1, halves, ties, all but one, exactly one."""
+    """Numerators and denominators at the ends: 0, 1, halves, ties, one less than the denominator, equal to
+    it."""
     dens = {1, 2, 3, 4, top // 3 or 1, top // 2 or 1, top // 2 + 1, top - 1 or 1, top}
     pairs = {(num, den) for den in dens for num in (0, 1, den // 3, den // 2, (den + 1) // 2, den - 1, den)}
     return sorted({(s * num, den) for num, den in pairs if 0 <= num <= den <= top for s in (-1, 1)})
@@ -194,7 +195,7 @@ def ratio_(see):
         nums = exact.ends(*exact.signed(one["NumBits"]))
         dens = exact.ends(*exact.signed(one["DenBits"]))
         for scale in see.some(exact.ends(0, 2 ** one["ScaleBits"] - 1), 4):
-            # A product that is exactly the divisor, one below, one above.
+            # The product equals the divisor, is one below it and one above it.
             products = {scale * num + off for num in nums for off in (-1, 0, 1)}
             fit = [p for p in products if abs(p) < 2 ** (one["DenBits"] - 1)]
             check(scale, [(num, den) for num in nums for den in {*dens, *fit[:6]}], one["FractionBits"])
@@ -219,7 +220,7 @@ def ratio_(see):
     rtl=["tb/common/test_hypot.py::test_hypot"],
 )
 def hypot_(see):
-    """The root is its floor, so below it by less than an LSB; the estimate's share is docs/demod.md's."""
+    """The root is the floor, so less than one LSB low; the estimate's error is that of docs/demod.md."""
 
     def check(pairs):
         got = zip(hypot.hypot(*zip(*pairs)).tolist(), hypot.hypot(*zip(*pairs), exact=False).tolist())
@@ -234,10 +235,10 @@ def hypot_(see):
     for bits in (1, 2, 13, 26, 27, 28, 29, 30):
         numbers = exact.ends(0, 2**bits - 1)
         check([(a, b) for a in numbers for b in numbers])
-    # A square and one less: where a root in doubles is off.
+    # A square and one less, where a root in doubles is wrong.
     roots = [2**30 - 1 - k for k in range(40)] + [2**k + off for k in range(2, 30) for off in (-1, 0, 1)]
     check([(r, b) for r in roots for b in (0, 1, 2) if 0 <= r < 2**30])
-    # (2 k^2 + 1)^2 - 1 = (2 k^2)^2 + (2 k)^2: a square less one, which doubles round up to it.
+    # (2 k^2 + 1)^2 - 1 = (2 k^2)^2 + (2 k)^2: one less than a square, which doubles round up to the square.
     check([(2 * k * k, 2 * k) for k in (1, 2, 100, 9742, 9743, *range(23_130, 23_171))])
     for a, b in ((-1, 0), (0, 2**30), (2**30, 0)):
         see.refused(hypot.hypot, a, b)
@@ -251,7 +252,7 @@ TABLES = [(3, 4), (3, 17), (4, 12), (6, 7), (6, 16), (6, 20), (8, 9), (8, 16), (
 
 
 def log2_bound(in_bits, table, fraction):
-    """How far below and above the header allows."""
+    """The largest errors below and above that the header allows."""
     lsb = mpmath.mpf(2) ** -fraction
     above = lsb * 5 / 8 + mpmath.mpf(2) ** -29
     below = above + lsb / 4 + mpmath.mpf("0.1804") / 4**table
@@ -362,7 +363,7 @@ def exp2_(see):
     rtl=["tb/common/test_frame_filter.py::counts_over_the_whole_width"],
 )
 def frame_filter_(see):
-    """Counted places at 1 and 4096 channels, and with every sample lost, doubled and early."""
+    """Places counted at 1 and 4096 channels, and with one sample of a frame lost."""
     for channels in (1, 2, 4096):
         for broken in (None, 0, channels // 2, channels - 1):
             twin = frame_filter.FrameFilter(channels)
@@ -390,7 +391,7 @@ def frame_filter_(see):
     rtl=["tb/common/test_frame_owed.py::test_frame_owed"],
 )
 def frame_owed_(see):
-    """One result of a frame never comes, at every place of it."""
+    """One result of a frame is missing, at each of its places."""
     for results in (1, 2, 3):
         for quiet_bits in (2, 3, 9, 16) if see.long or results == 1 else (2, 3, 9):
             for lost in range(results):
@@ -412,7 +413,7 @@ def frame_owed_(see):
     rtl=["tb/common/test_frame_marker.py::test_frame_marker"],
 )
 def frame_marker_(see):
-    """Frames of one beat and of 1024 x 1024; a frame without its end, twice as long."""
+    """Frames of one beat and of 1024 x 1024; a frame without its end, twice as long as it should be."""
     for rows, beats in (
         (1, 1),
         (1, 2),

@@ -15,12 +15,12 @@ SIDES = [1, 2, 3, 63, 64, 65, 1023, 1024]
 
 
 def closed_form(kind, m, n):
-    """(forces, S, Mx, My): frames whose sums are known without adding them up."""
+    """(forces, S, Mx, My) of frames whose sums are known in closed form."""
     i, j = np.indices((m, n))
     all_x = all_y = 0
     if kind == "full":
         return np.full((m, n), TOP), TOP * m * n, 0, 0
-    if kind == "right half":  # as far from the middle as a sum gets: sum of 2j - (n-1) over j > n/2
+    if kind == "right half":  # the largest moment: sum of 2j - (n-1) over j > n/2
         half = n // 2
         return np.where(j >= n - half, TOP, 0), TOP * m * half, TOP * m * half * (n - half), 0
     if kind == "top half":
@@ -32,7 +32,7 @@ def closed_form(kind, m, n):
     if kind == "bottom half":
         half = m // 2
         return np.where(i >= m - half, TOP, 0), TOP * n * half, 0, -TOP * n * half * (m - half)
-    if kind == "all but one LSB":  # full scale cancels but for one LSB in the last corner
+    if kind == "all but one LSB":  # moments cancel except for one LSB in the last corner
         forces = np.full((m, n), TOP)
         forces[-1, -1] -= 1
         return forces, TOP * m * n - 1, -(n - 1), (m - 1)
@@ -40,7 +40,7 @@ def closed_form(kind, m, n):
         forces = np.zeros((m, n), int)
         forces[0, -1] = 1
         return forces, 1, n - 1, m - 1
-    if kind == "corners":  # opposite corners at full scale: both moments cancel
+    if kind == "corners":  # opposite corners at full scale cancel
         forces = np.zeros((m, n), int)
         forces[0, 0] += TOP
         forces[-1, -1] = TOP
@@ -81,7 +81,7 @@ def cop_accumulate_(see):
             got = cop_accumulate.moments(forces)
             for part, value, exactly in zip(("S", "Mx", "My"), got, wanted):
                 see.near(int(value), exactly, f"{part} of {m} x {n}, {kind}")
-            # docs/cop.md, Widths: what the RTL has room for.
+            # docs/cop.md, Widths: the room in the RTL.
             bits = 16 + (m * n - 1).bit_length()
             room = [bits, bits + (n - 1).bit_length(), bits + (m - 1).bit_length()]
             see.same(
@@ -92,7 +92,7 @@ def cop_accumulate_(see):
     for lanes in (1, 2, 4, 8):
         for m, n in ((1, 1), (3, 5), (2, 9), (16, 15)):
             twin, forces = cop_accumulate.CopAccumulate(m, n, lanes), closed_form("all but one LSB", m, n)[0]
-            padded = np.full((m, -(-n // lanes) * lanes), TOP)  # what the surplus lanes carry must not count
+            padded = np.full((m, -(-n // lanes) * lanes), TOP)  # values in the extra lanes must not count
             padded[:, :n] = forces
             beats = padded.reshape(-1, lanes).tolist()
             [got] = twin.process(beats, [False] * (len(beats) - 1) + [True])
@@ -117,7 +117,7 @@ def cop_accumulate_(see):
 
 
 def centre(see, got, sums, m, n, fraction, least, where):
-    """x, y and whether they hold, against the quotients of docs/cop.md."""
+    """x, y and pressed, against the quotients of docs/cop.md."""
     total, mx, my = sums
     x, y, pressed = (int(value) for value in got)
     holds = total > 0 and total >= least
@@ -147,7 +147,7 @@ def cop_divide_(see):
                     (total, edge_x - share * (n > 1), -edge_y),
                     (total, share * (n > 1), 0),
                 ]
-                half = (n - 1) * total  # of an LSB: exactly between two codes, if it divides
+                half = (n - 1) * total  # of an LSB: exactly between two codes, if divisible
                 cases += [(total, share * (half >> fraction + 1), share * (m > 1))]
         for least in (0, 1, 2, most):
             got = zip(*cop_divide.cop_divide(*zip(*cases), m, n, fraction, least))
@@ -186,7 +186,7 @@ def registers(gain, shift_gain, offsets, raws):
     rtl=["tb/cop/test_cop_array.py::test_cop_array"],
 )
 def cop_array_(see):
-    """A pad whose gains and samples are at their ends, taxel by taxel, then its centre."""
+    """A pad with gains and samples at their ends, taxel by taxel, then its centre."""
     low, high = exact.signed(17)
     for one in see.covering(
         size=[(1, 1), (2, 2), (3, 5)],
@@ -222,7 +222,7 @@ NAMES = ("rail", "kx", "shift_x", "ky", "shift_y", "kf", "shift_load", "top", "i
 
 
 def cop4_ends(bits, kind):
-    """Registers of a converter of so many bits: least, greatest, or those of a sensor."""
+    """Registers of a converter of that many bits: least, greatest, or those of a sensor."""
     half = 1 << bits - 1
     plain = {
         "rail": half,
@@ -278,8 +278,8 @@ def cop4_case(see, got, codes, r, where, correction=None):
     rtl=["tb/cop/test_cop4.py::test_cop4"],
 )
 def cop4_(see):
-    """Of the registers as they stand; what their own rounding adds to a sensor's constants is
-    docs/cop4.md's.
+    """Exact for the given registers; the error from rounding a sensor's constants to registers is in
+    docs/cop4.md.
     """
 
     def check(bits, r, rows, correction=None):
@@ -316,7 +316,7 @@ def cop4_(see):
         near = [[v, -v, v, -v], [v - 1, -v, v, -v + 1], [v, -v, v - 1, -v], [v + 1, -v, v, -v]]
         rows += [codes for codes in near if all(-half <= code < half for code in codes)]
         check(bits, r, rows, terms)
-    # Loads of 65534, 65535 and 65536 LSBs, and exactly between them: N = 100 and D = 256 N.
+    # Loads of 65534, 65535 and 65536 LSBs, and halfway between them: N = 100 and D = 256 N.
     for kf in (65533, 65534, 65535, 65536, 65537):
         for more in (-1, 0, 1):
             r = cop4_ends(24, "sensor") | {"kf": kf, "shift_load": 0, "rail": 2**20}
@@ -352,9 +352,7 @@ def cop4_(see):
 
 
 def ratios(see, check):
-    """The codes that sensors of r/rp from 1e-12 to 1e12 give: registers as far as they reach, no fault
-    beyond.
-    """
+    """Codes of sensors with r/rp from 1e-12 to 1e12, with registers as close as their range allows."""
     bits, half = 17, 1 << 16
     for power in range(-12, 13, 1 if see.long else 3):
         # Cx = (2m R0/r + n+1)/(n-1) of 41 x 41; kx keeps it while Cx < 2^17.
@@ -379,10 +377,11 @@ def ratios(see, check):
     rtl=["tb/cop/test_cop4_correct.py::test_cop4_correct"],
 )
 def cop4_correct_(see):
-    """Exact by its own floors; beside the polynomial without floors, p is off by 5 of its LSBs at most.
+    """Equal to the exact value with the block's own floors; p differs from the polynomial without floors by
+    at most 5 of its LSBs.
 
-    X, Y lose below 1 of 2^16 each, which the sums of |p| < 2^17 make below 2, in the inner brackets again;
-    the three floors below 1 each: 0.0 .. 5 in all.
+    The floors of X and Y lose less than 1 of 2^16 each, which the sums of |p| < 2^17 turn into less than 2,
+    and again in the inner brackets; the three other floors lose less than 1 each: 0.0 .. 5 in all.
     """
     terms = [
         (0,) * 6,
@@ -426,7 +425,7 @@ def cop4_correct_(see):
     rtl=["tb/cop/test_cop_slip.py::test_cop_slip"],
 )
 def cop_slip_(see):
-    """The rule of the header, sample by sample, from the list of all samples."""
+    """The header's rule, applied sample by sample to the list of all samples."""
     ends_of = {
         "drop": [0, 1, 77, 255],
         "move": [0, 1, 32767, 65535],
@@ -459,7 +458,8 @@ def cop_slip_(see):
 
 
 def octant(dx, dy):
-    """Limits at 53/128 about the axes and diagonals, counter-clockwise from +x; 0 for no move."""
+    """Octants about the axes and diagonals with limits at 53/128, counter-clockwise from +x; 0 for no
+    move."""
     if 128 * abs(dy) <= 53 * abs(dx):
         return 4 if dx < 0 else 0
     if 128 * abs(dx) <= 53 * abs(dy):

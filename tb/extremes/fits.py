@@ -1,4 +1,4 @@
-"""Extremes of fits, intervals and the converter: numbers at the ends of codes and doubles."""
+"""Extremes of fits, intervals and the converter: values at the ends of codes and doubles."""
 
 from fractions import Fraction
 
@@ -50,10 +50,10 @@ def second_order_(see):
     files=["model/meissner/calibration.py"],
 )
 def calibration_(see):
-    """Lines at the ends of the codes: offset and gain are the nearest integers of the exact line."""
+    """Lines at the ends of the codes: offset and gain are the integers nearest to the exact line."""
     for one in see.covering(slope=[1, 10, 1000, 20000], rest=[-65536, -1, 0, 1, 32768], shift=[8, 12, 16]):
         slope, rest, shift = one.values()
-        newtons = [k / 4 for k in range(5)]  # up to 1 N, in fractions that doubles hold
+        newtons = [k / 4 for k in range(5)]  # up to 1 N, exact in doubles
         if any((slope * k) % 4 for k in range(5)) and slope != 1:
             continue
         scale = 4 if slope == 1 else 1
@@ -91,7 +91,7 @@ def calibration_(see):
     files=["model/meissner/interval.py"],
 )
 def interval_(see):
-    """Clopper and Pearson's own condition, with 50 digits: as many or more at the low end are 2.5 %
+    """The condition of Clopper and Pearson, with 50 digits: at the low end this count or more is 2.5 %
     likely.
     """
     tail = (1 - mpmath.mpf(interval.CONFIDENCE)) / 2

@@ -1,4 +1,4 @@
-"""Extremes of rtl/frontend: codes and gains at their ends, sums at full scale, drift without end, clocks."""
+"""Extremes of rtl/frontend: codes and gains at their ends, unlimited drift, clocks."""
 
 from fractions import Fraction
 from math import ceil
@@ -57,7 +57,7 @@ def adc_store_(see):
 
 
 def parts(see):
-    """Every part at the ends of clock and SCLK: docs/adc.md, One bit."""
+    """Every part at the ends of clock and SCLK, by "One bit" in docs/adc.md."""
     for part in adc_spi.PARTS.values():
         rates = [1, 2, part.sclk_min_khz, 1000, part.sclk_max_khz - 1, part.sclk_max_khz]
         for one in see.covering(
@@ -69,7 +69,7 @@ def parts(see):
 
 
 def fits(part, half, clk, sclk):
-    """SCLK is not above its bound, and 2 half - 1 clocks last at least the access time and 7 ns."""
+    """SCLK does not exceed its bound, and 2 half - 1 clocks last at least the access time plus 7 ns."""
     return Fraction(clk, 2 * half) <= sclk and (2 * half - 1) * 10**6 >= (part.access_ns + 7) * clk
 
 
@@ -154,7 +154,7 @@ def acquire_(see):
     rtl=["tb/frontend/test_time_stamp.py::test_time_stamp"],
 )
 def time_stamp_(see):
-    """A convert start in each clock, in that of the first sample, in none; a frame as long as all."""
+    """A convert start in each clock, in the clock of the first sample, in none; a very long frame."""
     see.same(
         time_stamp.time_stamps([(1, 0, 1, 0), (1, 1, 1, 1), (0, 1, 1, 1)]), [0, 1], "in the first's clock"
     )
@@ -198,7 +198,7 @@ def burst_(see):
     rtl=["tb/frontend/test_am_demod.py::test_am_demod"],
 )
 def am_demod_(see):
-    """Form 2 is its estimate, rounded once: what that is off the root stands with hypot."""
+    """Form 2 is the estimate, rounded once; the estimate's error from the root is covered by hypot."""
 
     def check(twin, rows, shift, place):
         got, over = twin.amplitude(rows, shift)
@@ -207,7 +207,7 @@ def am_demod_(see):
             m = exact.demodulated(samples, twin.samples_per_period, twin.form)
             scaled = m / 2**shift
             see.near(value, min(scaled, Fraction(top)), place)
-            # The root is known to half an LSB of M, so the rounding sees floor(2 M) / 2: the header's form.
+            # The root is known to half an LSB of M, so the rounding uses floor(2 M) / 2, as in the header.
             see.near(value, min(exact.half_up(scaled), top), place, limit=0)
             see.same(out, exact.half_up(scaled) > top, place)
 
@@ -286,7 +286,8 @@ def scan_plan_(see):
         twin = scan_plan.ScanPlan(rows, columns, lanes, channels, cycle=cycle, settle_bits=24)
         groups = ceil(Fraction(ceil(Fraction(columns, lanes)), channels))
         see.near(twin.groups, groups, one)
-        # Triggers are Settle + 1 clocks after their switch, and Cycle apart or more; Hold clocks at least.
+        # Triggers come Settle + 1 clocks after their switch and at least Cycle clocks apart; the next switch
+        # is at least Hold clocks later.
         slot = max(settle + 3, cycle)
         see.near(twin.frame_clocks(settle), rows * groups * slot, one)
         places = twin.places(interleave=True)
@@ -317,7 +318,8 @@ def scan_plan_(see):
     rtl=["tb/frontend/test_health_taxel.py::test_health_taxel"],
 )
 def health_taxel_(see):
-    """Each counter one below, at and beyond its ends, after 1e9 frames as after 255: nothing turns over."""
+    """Each counter one below, at and beyond its ends, after 1e9 frames as after 255: it never wraps
+    around."""
     for one in see.covering(
         count=[0, 1, 14, 15, 239, 240, 251, 252, 254, 255],
         limit=[0, 1, 239, 240, 255],
@@ -356,9 +358,8 @@ def health_taxel_(see):
     rtl=["tb/frontend/test_health.py::test_health"],
 )
 def health_(see):
-    """Codes at both ends of 18 bits beside still, ramping and blinking taxels, for more frames than
-    255 x 16.
-    """
+    """Codes at both ends of 18 bits beside still, ramping and blinking taxels, for more frames than 255 x
+    16."""
     low, high = exact.signed(18)
     sizes = see.covering(
         size=[(1, 1), (1, 4), (3, 1), (3, 4)],
@@ -377,8 +378,8 @@ def health_(see):
         twin, loop = health.Health(m, n, 1, 18, health.Limits(**given)), HealthReference(m, n, **given)
         draw, count = np.random.default_rng(see.seed + k), 600 if see.long else 120
         frames = draw.choice([low, low + 1, -1, 0, 1, high - 1, high], (count, m, n))
-        frames[:, 0, 0] = 0  # one stands still
-        frames[count // 2 :, -1, -1] = high  # one is railed from then on
+        frames[:, 0, 0] = 0  # one never changes
+        frames[count // 2 :, -1, -1] = high  # one stays railed from here
         masks, _ = twin.next(frames, np.zeros(frames.shape, bool))
         for frame, codes in enumerate(frames.tolist()):
             see.same(
@@ -392,8 +393,8 @@ def health_(see):
 
 
 def long_rail(see):
-    """1e9 frames of one code: the rail's count stands at 255 from 4080 on, and stays there; a jump of
-    state.
+    """1e9 frames of one code: the rail's count is 255 from frame 4080 on and stays there; checked by the
+    state, which no longer changes.
     """
     twin = health.Health(1, 1, 1, 17, health.Limits(rail=0))
     twin.next(np.full((4200, 1, 1), TOP))
@@ -432,7 +433,8 @@ def health_report_(see):
     rtl=["tb/frontend/test_tare.py::test_tare"],
 )
 def tare_(see):
-    """Beside exact rationals: steps from the least to the greatest, samples at both ends, taring pressed."""
+    """Compared with exact rationals: steps from the least to the greatest, samples at both ends, tared while
+    pressed."""
 
     def fits(bits, fraction, tare_log2, **_):
         return tare_log2 <= min(fraction, 8) and bits + fraction >= 9
@@ -484,7 +486,7 @@ def fits_rtl(SampleBits, FractionBits, TareLog2):
 
 
 def overshoot(see):
-    """Zeros a step before either end, with steps of 127.5 codes: beyond a sample's bits, and back."""
+    """Zeros one step before either end, with steps of 127.5 codes: beyond a sample's bits, and back."""
     for bits, fraction in ((2, 7), (8, 1), (9, 1), (13, 4), (17, 1), (18, 1)):
         low, high = exact.signed(bits)
         for start in (low, low + 1, 0, high - 1, high):
@@ -507,17 +509,17 @@ def overshoot(see):
 
 
 def drift(see):
-    """1e9 samples that drift: by jumps of the state to where so many steps of one LSB lead, then frame
-    by frame.
+    """1e9 samples that drift: the state is set to where that many steps of one LSB lead, then runs frame by
+    frame.
     """
     for raw in (TOP, -TOP - 1):
         fraction, sign = 16, 1 if raw > 0 else -1
         for frames in (10**9, 2**32 - 1, (abs(raw) << 16) - 1):
             twin = tare.Tare(1, 1, 1, 17, fraction, 4, contact=2**17 - 1, step=1)
             loop = TareReference(1, fraction, 4, 2**17 - 1, 1)
-            # The zero moves by an LSB a frame, down or up, until what is left rounds to 0.
+            # The zero moves by one LSB per frame, down or up, until the remainder rounds to 0.
             moved = min(frames, (abs(raw) << 16) - (1 << 15) + (sign < 0))
-            twin.next([[[0]]])  # the first frame makes it know its zeros
+            twin.next([[[0]]])  # the first frame sets the zeros
             twin._zero[:] = sign * moved
             loop.zeros = [Fraction(sign * moved, 1 << fraction)]
             for frame in range(40):
@@ -540,7 +542,7 @@ def calibration_preset_(see):
         )
         both = calibration_preset.preset(rows, columns, lanes, gain, True)
         see.same((len(both), both[-1]), (beats + rows, (True, rows - 1, 0, 4096)), one)
-        # A row's 4096 times a column's gain over 2^24 is the gain over 2^12 that the other table has.
+        # A row's 4096 times a column's gain over 2^24 equals the other table's gain over 2^12.
         see.near(Fraction(4096 * gain, 2**24), Fraction(gain, 2**12), one)
     see.refused(calibration_preset.preset, 1, 1, 3, 0)
 
@@ -590,7 +592,7 @@ def calibrate_(see):
         top = 2**16 - 1 if gain_bits == 16 else (2**16 - 1) ** 2
 
         def fits(bits, gain, shift, offset, gain_bits=gain_bits):
-            return bits + gain_bits + 2 - shift >= 16  # else 16 bits are more than the product has
+            return bits + gain_bits + 2 - shift >= 16  # otherwise the product has fewer than 16 bits
 
         for one in see.covering(
             fits,
@@ -602,7 +604,7 @@ def calibrate_(see):
             low, high = exact.signed(one["bits"])
             offset = {"low": low, "zero": 0, "high": high}[one["offset"]]
             raws = set(exact.ends(low, high)) | {offset, offset + 1, offset - 1}
-            if one["gain"]:  # where the force reaches its end
+            if one["gain"]:  # where the force saturates
                 edge = offset + (TOP << one["shift"]) // one["gain"]
                 raws |= {edge - 1, edge, edge + 1}
             check(

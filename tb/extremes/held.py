@@ -1,4 +1,5 @@
-"""Extremes of what pulls and holds an object: plate, grip, their stepped forms, slides, the hand."""
+"""Extremes of the physics that pulls and holds an object: plate, grip, their stepped forms, slides, the
+hand."""
 
 from fractions import Fraction
 
@@ -12,7 +13,7 @@ G = Fraction("9.81")
 
 
 def relative(see, got, wanted, where, part=""):
-    """Beside 1: a result of any size."""
+    """Compares relative to 1, for a result of any size."""
     see.near(float(got) / wanted if wanted else 1 + float(got), 1, where, part)
 
 
@@ -103,7 +104,7 @@ def stepped_(see):
             ring.start(np.array([force_n]), np.array([force_n * 0.25]))  # half of the friction limit
             ring.next(np.full((1, 10), 2 * force_n), np.full((1, 10), force_n * 0.25), 0.01)
             fades = 0 if np.isinf(heal_s) else 1 - mpmath.exp(-mpmath.mpf("0.01") / mpmath.mpf(heal_s))
-            wanted = mpmath.mpf("0.5") + fades  # 0.5 N then, 1.5 N now
+            wanted = mpmath.mpf("0.5") + fades  # a margin of 0.5 N first, 1.5 N now
             see.near(mpmath.mpf(float(ring.margin[0])) / force_n, wanted, (power, heal_s), "its memory")
     for speed in (0.0, 5e-324, 1e-9, 0.01, 3.0, 1e6, 1e300):
         found = stepped.Level(1).next(np.array([speed]), 4, 1e3)[0]
@@ -133,12 +134,12 @@ def stepped_(see):
     files=["model/meissner/physics/slide.py"],
 )
 def slide_(see):
-    """Both contacts slide, friction already kinetic: v and the way by exact sums."""
+    """Both contacts slide with kinetic friction: v and the distance, by exact sums."""
     for one in see.covering(
         force=[1e-6, 1.0, 1e6], mass=[1e-3, 0.2, 1e3], pull=[0.5, 1.0, 2.0], speed=[0.0, 1.0]
     ):
         mu_s, mu_k = np.array([0.75, 0.75]), np.array([0.5, 0.5])
-        friction_n = Fraction(one["force"])  # of both
+        friction_n = Fraction(one["force"])  # of both contacts
         load_n = float(friction_n * Fraction(one["pull"]))
         contacts = slide.Contacts(np.random.default_rng(1), speed_mm_s=one["speed"], sliding=[True, True])
         contacts.left_mm = [1e30, 1e30]  # no stick-slip
@@ -191,7 +192,7 @@ def hand_(see):
                         float(found.normal_n[0, sample]), wanted, (start, goal, block, sample), "the servo"
                     )
     for mass_kg in (1e-6, 0.2, 10.0):
-        ours = held(1e4 * mass_kg, mass_kg, tugs=((0.01, 0.02, mass_kg),))  # its peak at 0.02 s
+        ours = held(1e4 * mass_kg, mass_kg, tugs=((0.01, 0.02, mass_kg),))  # the tug peaks at 0.02 s
         weight_n = Fraction(mass_kg) * G
         for block in range(4):
             found = ours.next(np.array([1e4 * mass_kg]))
@@ -205,7 +206,7 @@ def hand_(see):
                 )
                 both = found.tension_n[0, :, sample].sum()
                 relative(see, both, float(wanted), (mass_kg, block, sample), "the load")
-    ours, found, blocks = held(2.5), None, 0  # opened until what it holds has left it
+    ours, found, blocks = held(2.5), None, 0  # opened until it has dropped the object
     while not ours.dropped[0] and blocks < 40:
         found, blocks = ours.next(np.array([0.0])), blocks + 1
         see.same(bool(np.isfinite(found.volts).all()), True, blocks, "the servo")

@@ -1,4 +1,4 @@
-"""Extremes of rtl/link: numbers, times and counters where they turn over, packets of all lengths, bit
+"""Extremes of rtl/link: numbers, times and counters where they wrap around, packets of all lengths, bit
 times.
 """
 
@@ -29,7 +29,7 @@ BAUDS = [
 
 
 def little(value, count):
-    """Lowest byte first, two's complement: by powers of 256."""
+    """Little-endian, two's complement: by powers of 256."""
     return bytes(value // 256**k % 256 for k in range(count))
 
 
@@ -48,7 +48,7 @@ def crc32_(see):
     for data in lines:
         register = crc32.crc32(data)
         see.near(register ^ 0xFFFFFFFF, exact.crc32(data), f"{len(data)} bytes {data[:3]!r}")
-        # The register after a message and its own checksum is the residue, whatever the message.
+        # The register after any message and its checksum is the residue.
         whole = crc32.crc32(data + little(register ^ 0xFFFFFFFF, 4))
         see.near(whole, crc32.RESIDUE, f"residue of {len(data)} bytes")
     see.near(exact.crc32(b"123456789"), 0xCBF43926, "the check value that every catalogue prints")
@@ -118,7 +118,7 @@ def packet_(see):
             see.same(all(len(part) + 12 <= 253 for part in parts), True, (taxels, chunk))
     for chunk in (0, 117):
         see.refused(packet.image_chunks, 0, [0], chunk)
-    # 1000 packets over three turns of the number, at the turn of the time: none is missed, none is lost.
+    # 1000 packets: the number wraps three times, the time once; none is missed or damaged.
     host, line = Decoder(), b""
     for k in range(1000):
         line += cobs.encode(packet.packet(5, k, 2**48 - 500 + k, packet.statistic(0, 2**32 - 1)))
@@ -153,7 +153,7 @@ def packet_slip_(see):
 
 
 def unstuffed(frame):
-    """The host's loop of docs/link.md."""
+    """The host's loop for unstuffing, from docs/link.md."""
     packet_, place = bytearray(frame[:-1]), len(frame) - 1
     code = frame[place]
     while code <= place:
@@ -177,7 +177,7 @@ def cobs_(see):
             (body, body),
             lambda: f"{body[:20]!r}, {len(body)} bytes",
         )
-        plain, out = cobs.stuff(body)[1:-1], b""  # as any library has it: a code before each run
+        plain, out = cobs.stuff(body)[1:-1], b""  # as in any COBS library: a code before each run
         while plain:
             out, plain = out + plain[1 : plain[0]] + b"\0", plain[plain[0] :]
         see.same(out[:-1], body, lambda: f"stuffed {body[:20]!r}, {len(body)} bytes")
@@ -204,7 +204,7 @@ def cobs_(see):
     rtl=["tb/link/test_uart_tx.py::test_uart_tx"],
 )
 def uart_tx_(see):
-    """A bit's mean; the carry of sixteenths loses nothing over any number of bytes."""
+    """Mean length of a bit; the carry of sixteenths loses nothing over any number of bytes."""
     for clk, baud in BAUDS:
         bit = Fraction(uart_tx.sixteenths(clk, baud), 16)
         see.near(bit, Fraction(clk, baud), (clk, baud))
@@ -229,8 +229,8 @@ def uart_tx_(see):
     rtl=["tb/link/test_uart_rx.py::test_uart_rx"],
 )
 def uart_rx_(see):
-    """Bytes of a line that is off by as much as a byte allows: half a bit less two clocks, over nine
-    and a half bits.
+    """Bytes on a line with the largest tolerated baud error: half a bit less two clocks, over nine and a half
+    bits.
     """
     for clk, baud in BAUDS:
         bit = Fraction(clk, baud)

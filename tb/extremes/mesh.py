@@ -17,12 +17,12 @@ DOUBLE = np.finfo(float).eps
 
 
 def ratio_of(power):
-    """The power of two that is nearest to a power of ten: no rounding in what is stored."""
+    """The power of two nearest to a power of ten, so that stored values are not rounded."""
     return 2.0 ** round(power * np.log2(10))
 
 
 def loads(m, n):
-    """Newtons: one taxel, all, one at 1 beside all at 65536, one LSB in one corner, opposite corners."""
+    """Newtons: one taxel, all, one at 1 and all others at 65536, one LSB in one corner, opposite corners."""
     one, corner = np.zeros((m, n)), np.zeros((m, n))
     one[m // 2, n // 2] = 4.0
     uneven = np.full((m, n), 65536.0)
@@ -40,9 +40,9 @@ def loads(m, n):
 
 
 def solved(see, solver, powers, must=True):
-    """Every value beside exact fractions, and within the bound that the solution itself states.
+    """Every value compared with exact fractions, and within the bound that the solution itself states.
 
-    ``must``: each scene has to be valid, and to be good to 1e-13; else it may say that it is not.
+    ``must``: each scene must be valid and accurate to 1e-13; otherwise it may report that it is not valid.
     """
     sizes = [(1, 1), (1, 4), (4, 1), (2, 2), (2, 3)] + ([(3, 3), (4, 3)] if see.long else [])
     for one in see.covering(
@@ -50,7 +50,7 @@ def solved(see, solver, powers, must=True):
     ):
         (m, n), load = one["size"], loads(*one["size"])[one["load"]]
         R0, k = 1024.0, 4096.0
-        # r over the rubber's resistance, that of the most loaded taxel.
+        # r over the rubber's resistance at the most loaded taxel.
         r = ratio_of(one["rp"]) * k / load.max()
         R0 = R0 * ratio_of(one["r0"]) if one["rp"] == 0 else R0
         mesh = Mesh(m, n, r, R0, 16.0, k)
@@ -160,9 +160,8 @@ def mesh_auto(see):
 
 
 def largest(see):
-    """1024 x 1024: a point at each place that symmetry gives, and its mirror: positions that are known
-    exactly.
-    """
+    """1024 x 1024: single points and a pair of mirrored ones, whose positions are known exactly by
+    symmetry."""
     mesh = Mesh(1024, 1024, 10.0)
     for i, j in ((0, 0), (511, 512), (1023, 0), (100, 900)):
         load = np.zeros((1024, 1024))
@@ -193,7 +192,7 @@ def mesh_lu(see):
     files=MESH,
 )
 def mesh_constant(see):
-    """Eq. 25 has no drop: the centre and the sum of the forces themselves."""
+    """Eq. 25 has no voltage drop: the centre and the sum of the forces themselves."""
     for m, n in ((1, 1), (1, 5), (4, 3), *([(41, 41)] if see.long else [])):
         for power in range(-12, 13, 4):
             for name, load in loads(m, n).items():
@@ -213,9 +212,8 @@ def mesh_constant(see):
 
 @row("mesh, iterated", {"x, y": "1e-12", "load": "1e-12"}, ends="2,000 contacts and more", files=MESH)
 def mesh_iterated(see):
-    """Against the fast solver's own dense system where both may run, and where symmetry gives the
-    position.
-    """
+    """Against the fast solver's own dense system where both can run, and where symmetry gives the
+    position."""
     from meissner.physics.mesh import mesh as engine
 
     for power in (-12, -6, 0, 3) if see.long else (-6, 0):
@@ -279,7 +277,7 @@ def mesh_cut(see):
     files=["model/meissner/physics/mesh/correction.py"],
 )
 def mesh_correction(see):
-    """F = Kf N / (D - N p): what apply gives of it, beside rationals, up to where it holds the factor."""
+    """F = Kf N / (D - N p): the result of apply against rationals, up to where the factor saturates."""
     p = [0.5, -0.25, 0.125, 0.0625, -0.5, 0.25]
     for one in see.covering(
         x=[-1.0, 0.0, 2.0**-30, 1.0],
@@ -295,7 +293,7 @@ def mesh_correction(see):
         got = correction.Correction(np.array(p), np.zeros(3), np.zeros(3), one["kf"]).apply(
             one["x"], one["y"], one["load"]
         )[2]
-        # 1 - load p/Kf cancels: by as much as its terms are larger than it.
+        # 1 - load p/Kf cancels; the error grows by the ratio of its terms to the result.
         grown = (1 + load / kf * sum(abs(Fraction(c)) for c in p)) / max(left, Fraction(1, 16))
         see.near(
             Fraction(float(got)),

@@ -1,4 +1,4 @@
-"""Extremes of the rubber's physics and of the fit of its constants: to the ends of doubles."""
+"""Extremes of the rubber's physics and of the fit of its constants, to the ends of doubles."""
 
 from fractions import Fraction
 
@@ -56,7 +56,8 @@ def rubber_(see):
     files=["model/meissner/fit_rubber.py"],
 )
 def rubber_fit(see):
-    """Steps without noise give their constants back, at the ends of what the check lets through."""
+    """The fit recovers the constants of steps without noise, at the ends of the range that the check
+    accepts."""
     fits = 0
     for one in see.covering(
         k0=[0.5, 1.55, 100.0],
@@ -70,7 +71,7 @@ def rubber_fit(see):
         step = (one["k0"] + one["k1"] * rest) * speed ** one["n"]
         try:
             found = fit_rubber.fit((rest, step, speed))
-        except ValueError:  # a sentence; the published constants must not be refused
+        except ValueError:  # refused with a sentence, except for the published ones
             see.same((one["k0"], one["k1"], one["n"]) == (1.55, -0.1, 0.11), False, one)
             continue
         fits += 1

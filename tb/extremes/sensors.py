@@ -27,7 +27,7 @@ DOUBLE = np.finfo(float).eps
     ],
 )
 def cop4_registers_(see):
-    """docs/cop4.md: the core's numbers beside the formula on the same codes, r/R0 from 1e-12 to 1e12."""
+    """docs/cop4.md: the core's numbers against the formula on the same codes, r/R0 from 1e-12 to 1e12."""
     built = 0
     for one in see.covering(
         size=[(2, 2), (5, 5), (41, 41), (3, 7), (1024, 1024)],
@@ -102,7 +102,8 @@ def fsr_(see):
         readout = fsr.Readout(one["circuit"], one["unselected"], 4.0, one["driver"], one["load"], 0.5)
         got = fsr.column_volts(np.array(siemens), readout)
         column = 1 / Fraction(0.5 if one["circuit"] == "zero potential" else one["load"])
-        # The rows' elimination subtracts: what cells have more than the lines' ends is lost in digits.
+        # The elimination of rows subtracts: digits are lost by the ratio of the cells' conductance to the
+        # lines' ends'.
         room = (
             8
             * Fraction(DOUBLE)
@@ -180,11 +181,12 @@ def capacitive_(see):
     files=["model/meissner/physics/dielectric.py"],
 )
 def dielectric_(see):
-    """Forces there and back: the tab's law turned round, and the published cases of a flat sheet."""
+    """Forces converted there and back: the inverse of the tab's law, and the published cases of a flat
+    sheet."""
     for tab in (0.25, 0.75):
         for grams in (1e-3, 0.1, 1.0, 100.0, 150.0, 1e4, 1e6):
             share = float(dielectric.rise(grams, tab))
-            # What turning back must magnify: u loses its digits as 1 - u.
+            # The inverse magnifies the error: digits of u are lost as 1 - u.
             see.near(
                 float(dielectric.force_for(share, tab)) / grams,
                 1,

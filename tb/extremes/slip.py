@@ -22,8 +22,8 @@ from verify.extremes import row
 
 
 def alternating(level, bits, count):
-    """Full scale with the period that drives the detail of this level to its end: 2^(level-1) up, so
-    many down.
+    """Full scale with the period that drives this level's detail to its end: 2^(level-1) samples up, as many
+    down.
     """
     low, high = exact.signed(bits)
     half = 1 << level - 1
@@ -150,7 +150,7 @@ def slip_(see):
     draw, names = see.random, list(CODES)
     sizes = see.covering(**CODES)
     for k, one in enumerate(sizes if see.long else sizes[::2]):
-        # A few are as long as the longest timers, so that these end.
+        # One is long enough for the longest timers to end.
         count = 140_000 if k == 0 and see.long else 600
         config = SlipConfig(window=64, hop=64, level=1, **one)
         p2p = [draw.choice((0, 1, 2, 40, 41, 2**18 - 2, 2**18 - 1)) for _ in range(count)]
@@ -175,7 +175,7 @@ def slip_(see):
 
 
 def timers(see):
-    """Each timer at its end: 65535 details, to the detail."""
+    """Each timer at its end, 65535 details, exactly."""
     top = 65535
     plain = {"threshold": 10, "gross_threshold": 1000, "contact_level": 0, "release_level": -5}
     config = SlipConfig(window=64, hop=64, level=1, **plain, hold=top)
@@ -307,7 +307,7 @@ def slip_flags_(see):
 
 
 def plain_settings(size, **given):
-    """Registers that flag nothing: the formula alone."""
+    """Registers that raise no flag, so that only the formula is tested."""
     top = 2**size.level_bits - 1
     settings = {
         "k0": top // 8,
@@ -370,7 +370,7 @@ def shear_speed_(see):
 
 
 def formula(see):
-    """v of dV from 1 LSB to full scale over k from 1 to full scale, 1/n from 0 to its greatest."""
+    """v for dV from 1 LSB to full scale, k from 1 to full scale, 1/n from 0 to its greatest value."""
     sizes = [
         {},
         {"table_bits": 3, "fraction_bits": 10, "speed_bits": 32, "speed_fraction": 16},
@@ -409,7 +409,7 @@ def formula(see):
             )
             see.same(0 <= got <= top_speed, True, one)
     size = shear_speed.ShearSize()
-    half_lsb = mpmath.mpf(2) ** -21 / mpmath.mpf("0.01")  # the page's bound has it, at 0.01 mm/s
+    half_lsb = mpmath.mpf(2) ** -21 / mpmath.mpf("0.01")  # part of the page's bound, at 0.01 mm/s
     see.near(
         within(18618, 26, 6, 16) + half_lsb,
         mpmath.mpf("0.000493"),
@@ -419,7 +419,7 @@ def formula(see):
 
 
 def rules(see):
-    """Windows at 0, at the supply, one LSB apart; registers at both ends; beside the page's rules."""
+    """Windows at 0, at the supply, one LSB apart; registers at both ends; compared with the page's rules."""
     size = shear_speed.ShearSize(sample_bits=6, window_log2=1, settle_log2=1, speed_bits=16, speed_fraction=8)
     levels, unit = 2**size.level_bits, 4
     low, high = exact.signed(6)
@@ -509,7 +509,7 @@ def rules(see):
 
 
 def travel_holds(see):
-    """The sum of speeds stops at 2^32 - 1: windows of the greatest speed, and one more after it."""
+    """The sum of speeds saturates at 2^32 - 1: windows at a speed of 2^31, and more of them after it."""
     size = shear_speed.ShearSize(
         sample_bits=6, window_log2=1, settle_log2=0, speed_bits=32, speed_fraction=31
     )
@@ -517,7 +517,7 @@ def travel_holds(see):
     twin = shear_speed.ShearSpeed(shear_speed.ShearSettings(**settings), size)
     samples = [0, 0] + [10, 10] * 12
     speeds, flags = twin.process(samples)
-    # rise 20 over k 20: 1 mm/s, 2^31 units a window; the first window rises.
+    # A rise of 20 over k of 20 is 1 mm/s, 2^31 units per window; the rise is in the first window.
     travels = [0 if k < 2 else min((k - 1) * 2**31, 2**32 - 1) for k in range(13)]
     wanted = [1] + [RISING * (travels[k] < 2**32 - 1) for k in range(1, 13)]
     see.same(flags.tolist(), wanted, "travel at 2^32 - 1")

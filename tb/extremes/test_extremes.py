@@ -1,5 +1,5 @@
-"""The short form of `make extremes`, and whether its tool can fail: rows of their own that are wrong,
-bounds in headers that are not the table's, a block without a row, a run of nothing."""
+"""The short form of `make extremes`, and whether its tool can fail: rows made to be wrong, bounds in headers
+that differ from the table's, a block without a row, a run without cases."""
 
 import json
 import re
@@ -60,7 +60,7 @@ def test_the_rtl_tests_that_rows_name_are_there():
 
 
 def test_the_page_is_that_of_the_record():
-    """But for what has become stale since it was written."""
+    """Except for the marks of rows that have become stale since."""
 
     def fresh(text):
         return text.replace(" (stale)", "")
@@ -75,7 +75,7 @@ def test_the_page_is_that_of_the_record():
 
 @pytest.fixture
 def own(monkeypatch):
-    """``own(body, bounds)``: the facts of a row that there is only here."""
+    """``own(body, bounds)``: the facts of a row that exists only in this test."""
 
     def run(body, bounds=None):
         row = extremes.Row("own", bounds or {"": "1/2 LSB"}, body)
@@ -174,7 +174,7 @@ def test_stale_rows_are_marked(monkeypatch):
     assert "passes (stale)" in line
 
 
-SHORT = ("delay", "fifo", "round_sat")  # of the elaborations: a quarter of a second each set
+SHORT = ("delay", "fifo", "round_sat")  # a quarter of a second per parameter set
 
 
 def test_every_block_with_two_parameters_has_their_ends():
@@ -188,7 +188,7 @@ def test_every_block_with_two_parameters_has_their_ends():
 
 
 def test_a_block_that_the_table_does_not_name_is_read_as_its_tests_build_it(monkeypatch, tmp_path):
-    """The ends of SIZES in tb/common/test_round_sat.py, read off by hand."""
+    """The smallest and largest values of SIZES in tb/common/test_round_sat.py, read by hand."""
     lines = elaborations.ENDS.read_text("utf-8").splitlines()
     named = [line for line in lines if not line.startswith("round_sat ")]
     assert len(named) == len(lines) - 1

@@ -1,6 +1,6 @@
 /* Fuzzes msn_decode(): LLVMFuzzerTestOneInput for libFuzzer, or with -DSTANDALONE a main of its own that mutates the
- * corpus: packet_fuzz COUNT SEED LINE. A packet that the decoder gives must stand in the input, framed, with its
- * checksum: it is put together again here, by other means, and looked for. */
+ * corpus: packet_fuzz COUNT SEED LINE. Each packet that the decoder returns must be in the input, framed, with
+ * its checksum: an independent encoder here builds the frame again and compares it with the input. */
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -18,7 +18,7 @@ static uint32_t crc(const uint8_t *data, size_t length) {
   return ~sum;
 }
 
-/* The packet as it must have come, stuffed and ended by 0; returns its length. */
+/* The frame that the packet must have had, stuffed and ended by 0; returns its length. */
 static size_t frame_of(const struct msn_packet *p, uint8_t *out) {
   uint8_t body[512];
   size_t length = 0, since = 0;
@@ -29,7 +29,7 @@ static size_t frame_of(const struct msn_packet *p, uint8_t *out) {
   length += p->length;
   const uint32_t sum = crc(body, length);
   for (int i = 0; i < 4; i++) body[length++] = (uint8_t)(sum >> 8 * i);
-  for (size_t i = 0; i <= length; i++) { /* a zero, and the end, become the distance to the zero before */
+  for (size_t i = 0; i <= length; i++) { /* a zero, and the end, become the distance to the previous zero */
     since++;
     out[i] = i < length && body[i] ? body[i] : (uint8_t)since;
     if (i == length || !body[i]) since = 0;
@@ -41,7 +41,7 @@ static size_t frame_of(const struct msn_packet *p, uint8_t *out) {
 static unsigned long found;
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
-  struct msn_decoder *decoder = calloc(1, sizeof *decoder); /* on the heap: a byte beside it is seen */
+  struct msn_decoder *decoder = calloc(1, sizeof *decoder); /* on the heap, so that sanitizers see an overrun */
   struct msn_packet packet;
   size_t begin = 0;
   for (size_t i = 0; i < size; i++) {

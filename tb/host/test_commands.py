@@ -1,6 +1,6 @@
 """``meissner regs``, ``live``, ``log``, ``replay`` as a user starts them, against a simulated core over a
-pty: what they print on a terminal and in a pipe, exit codes, Ctrl-C, one sentence for bad input, nothing half
-done."""
+pty: output on a terminal and in a pipe, exit codes, Ctrl-C, one sentence for bad input, no incomplete
+files."""
 
 import os
 import pty as ptys
@@ -26,7 +26,7 @@ from meissner.twins.link import packet as p
 
 @pytest.fixture
 def meissner(capsys, monkeypatch, tmp_path):
-    """Run the command in this process, in a folder of its own: (exit code, stdout, stderr)."""
+    """A function that runs the command in this process and an empty folder: (exit code, stdout, stderr)."""
     monkeypatch.chdir(tmp_path)
 
     def run(*arguments):
@@ -47,7 +47,8 @@ def port():
 
 
 def started(*arguments, **more):
-    # As at a terminal: a shell's background job ignores Ctrl-C, and so would all that it starts.
+    # A shell's background job ignores Ctrl-C and passes that on to its children; this restores a terminal's
+    # state.
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
         return subprocess.Popen([sys.executable, "-m", "meissner.cli", *map(str, arguments)], **more)
@@ -92,11 +93,11 @@ def test_regs_writes_all_or_nothing(meissner, given, sentence):
         code, out, err = meissner("regs", pty.url, *given)
     assert (code, out) == (2, "")
     assert sentence in err and len(err.splitlines()) == 1
-    assert model.registers.access(False, 0x200)[0] == 0x3FFFF  # of 18 bits
+    assert model.registers.access(False, 0x200)[0] == 0x3FFFF  # cut to 18 bits
 
 
 def test_regs_in_physical_units(meissner, tmp_path):
-    """A fingertip's samples are forces of 2 mN, at 4 kHz and level 1; a rubber sensor's 5 V in 12 bits."""
+    """A fingertip's samples are forces of 2 mN at 4 kHz and level 1; a rubber sensor's are 5 V in 12 bits."""
     rubber = tmp_path / "rubber.toml"  # the smallest build, with registers
     text = (toolchain.ROOT / "model/meissner/builds/configs/slip1.toml").read_text()
     text = text.replace("registers = false", "registers = true").replace("slip_only = true", "")
@@ -140,7 +141,7 @@ def test_live_in_a_pipe(meissner, port):
 
 
 def test_live_on_a_terminal(port):
-    """A real terminal: slip, centre of pressure and the image are on it."""
+    """A real terminal shows slip, centre of pressure and the image."""
     ours, theirs = ptys.openpty()
     termios.tcsetwinsize(theirs, (50, 100))
     environment = {**os.environ, "TERM": "xterm-256color"}
@@ -165,7 +166,7 @@ def test_live_says_when_the_line_goes(meissner, tmp_path):
     command = started("live", f"pty:{link}", "--seconds", 30, stdout=-1, stderr=-1, text=True)
     with command as child:
         assert "packets/s" in child.stdout.readline()
-        link.unlink()  # first: its number may soon be another's
+        link.unlink()  # first, because the number may be reused
         first.unplug()
         assert "is gone" in child.stderr.readline()
         with Pty(model) as second:
@@ -189,7 +190,7 @@ def test_log_and_replay(meissner, port):
         result, found = np.load("out.npz"), log.read(name)
         again = engines.process_cop(found["image"], "fixed", int(found["min_load"]))
         assert all(np.array_equal(result[field], again[field]) for field in again)
-        assert result["logged"][1:].all()  # the first one's may have come before
+        assert result["logged"][1:].all()  # the first one's CoP may have come before the log began
         code, out, _ = meissner("replay", name, "--min-load", 1 << 20, "--out", "out.npz")
         assert code == 0 and "(at most: x " in out and "pressed 1" in out
 
@@ -198,7 +199,7 @@ def test_log_and_replay(meissner, port):
 def test_log_that_is_stopped_is_whole(port, tmp_path, which):
     command = started("log", port.url, "--out", tmp_path / "a.mcap", stdout=-1, stderr=-1, text=True)
     with command as child:
-        while not (tmp_path / "a.mcap.part.mcap").exists():  # it logs
+        while not (tmp_path / "a.mcap.part.mcap").exists():  # wait until it logs
             assert child.poll() is None
             time.sleep(0.01)
         while (tmp_path / "a.mcap.part.mcap").stat().st_size < 20_000:
@@ -236,7 +237,7 @@ def test_a_core_without_registers_is_listened_to(meissner):
 
 
 def test_live_shows_the_slip_of_a_build_without_registers(meissner):
-    """slip1 is listened to by itself; its events and how far the simulation has come are shown."""
+    """slip1 has no registers and is listened to; its events and the simulated time are shown."""
     with host.connect("core:slip1") as core:
         assert core.registers is False
         shown = view.View(core)
@@ -359,7 +360,7 @@ def test_heat_map():
 
 
 def test_view_of_everything():
-    """A picture of a view without units, with faulty taxels and states of the future, is drawn."""
+    """A view without units, with faulty taxels and unknown states, can be drawn."""
     from rich.console import Console
 
     core = host.Core(line.Pipe(SimulatedCore()), registers=False)

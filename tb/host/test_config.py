@@ -1,5 +1,5 @@
-"""Configurations: the codes that a file's volts, newtons and milliseconds come to, in exact fractions; what a
-converter's twin is; every mistake is one sentence that names its table."""
+"""Configurations: the codes for a file's volts, newtons and milliseconds, in exact fractions; the twin of
+each converter; every mistake gives one sentence that names its table."""
 
 import copy
 import re
@@ -21,7 +21,7 @@ def tables(name):
 
 @pytest.mark.parametrize("name", [name for name in config.names() if config.load(name).slip])
 def test_codes_are_those_of_the_quantities(name):
-    """A threshold holds T·sqrt(2)^level / lsb rounded down: its square tells without a root."""
+    """A threshold is T·sqrt(2)^level / lsb rounded down; comparing its square avoids the root."""
     build, given = config.load(name), tables(name)
     exact = {key: Fraction(str(value)) for key, value in given["slip"].items() if not isinstance(value, bool)}
     if build.kind == "array":

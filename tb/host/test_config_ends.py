@@ -1,4 +1,4 @@
-"""Each limit of a configuration met exactly, and one beyond; the numbers are worked out by hand."""
+"""Each limit of a configuration met exactly and exceeded by one; the numbers are worked out by hand."""
 
 import pytest
 
@@ -37,20 +37,20 @@ def read(base, **tables):
 @pytest.mark.parametrize(
     "base, tables, key, least, beyond, words",
     [
-        # A conversion takes 20 bits of 26 clocks and one: 25 MHz / 521 and / 520.
+        # A conversion takes 20 bits of 26 clocks, plus one clock: 25 MHz / 521 and / 520.
         (CHANNELS, {}, ("adc", "rate_hz"), 47_984.6, 48_076.9, "takes 521 clocks"),
         # 24 bits: 25 MHz / 16777215 and / 16777216.
         (CHANNELS, {}, ("adc", "rate_hz"), 1.4901162, 1.49011612, "the longest period is 16777215 clocks"),
-        # 32 bits, of an array: 25 MHz / 4294967295 is 0.0058207661 Hz.
+        # 32 bits for an array: 25 MHz / 4294967295 is 0.0058207661 Hz.
         (ARRAY, {}, ("adc", "rate_hz"), 0.00582077, 0.00582076, "the longest period is 4294967295 clocks"),
-        # A place takes 106 clocks of conversion, 3, 49 bits of 2, but no less than the watchdog's 256 + 7;
+        # A place takes 106 clocks of conversion, 3, and 49 bits of 2, but at least the watchdog's 256 + 7;
         # five rows of one place: 25 MHz / 1315 and / 1314.
         (ARRAY, {}, ("adc", "rate_hz"), 19_011.4, 19_025.9, "takes 1315 clocks"),
         # 70 MHz: 65534.98 and 65535.05 clocks, rounded up.
         (ARRAY, {"clock": {"mhz": 70.0}}, ("adc", "settle_us"), 936.214, 936.215, "65535 clocks"),
         # A quarter of 13.37 MHz.
         (CHANNELS, {"clock": {"mhz": 13.37}}, ("link", "baud"), 3_342_500, 3_342_501, "at most 3342500"),
-        # A second: 100 CoP packets of 8 + 12 + 4 bytes, an image of 8 + 5 + 60 + 4; 3 more each in its frame.
+        # Per second: 100 CoP packets of 8 + 12 + 4 bytes, an image of 8 + 5 + 60 + 4; framing adds 3 each.
         (ARRAY, {"link": {"images": True}}, ("link", "baud"), 27_800, 27_799, "at least 27800"),
     ],
     ids=lambda value: str(value)[:24] if isinstance(value, (str, int, float)) else "",
@@ -66,7 +66,7 @@ def test_a_limit_is_met_and_not_passed(base, tables, key, least, beyond, words):
     "lower, upper", [("threshold_v", "gross_threshold_v"), ("contact_level_v", "release_level_v")]
 )
 def test_two_levels_may_be_the_same(lower, upper):
-    """The code falls here with the force: contact below release."""
+    """Here the code falls with the force, so contact lies below release."""
     same = read(CHANNELS, slip={lower: 1.25, upper: 1.25}).slip
     assert getattr(same, lower[:-2]) == getattr(same, upper[:-2])
     with pytest.raises(ValueError, match=upper if "gross" in upper else lower):
@@ -80,7 +80,7 @@ def test_a_threshold_that_keeps_may_be_the_one_that_raises():
 
 
 def test_health_wants_whole_beats():
-    """msn_core refuses health where a row's last beat is not full: so does the configuration."""
+    """msn_core refuses health if a row's last beat is not full, so the configuration does too."""
     six = {"sensor": {"columns": 6}, "adc": {"converters": 4, "channels": 2}}
     assert read(ARRAY, **six, array={"health": False, "tare": True}).parameters["Columns"] == 6
     assert read(ARRAY, adc={"converters": 2}, array={"health": True}).parameters["Health"] == 1

@@ -1,7 +1,7 @@
 """meissner.host.Core against a simulated core over a pty: registers by every name, settings in volts and
-newtons, refusals, typed packets and images; then everything that happens to a line: the cable pulled in the
-middle of a packet, a core that was reset, commands and answers that get lost, noise, another baud rate, one
-without registers, one of another version."""
+newtons, refusals, typed packets and images. Then faults of the line: the cable pulled in the middle of a
+packet, a core that was reset, lost commands and answers, noise, another baud rate, a core without registers,
+one of another version."""
 
 import os
 import time
@@ -45,7 +45,7 @@ def event(time_, channel=0, p2p=7, state=2):
 
 
 def until(core, wanted, limit_s=20.0):
-    """Packets up to the first for which ``wanted`` holds."""
+    """Packets up to and including the first for which ``wanted`` is true."""
     found = []
     for item in core.packets(limit_s):
         found.append(item)
@@ -55,7 +55,7 @@ def until(core, wanted, limit_s=20.0):
 
 
 class Pipe:
-    """A simulated core of which the test may drop or change what passes."""
+    """A simulated core whose traffic the test may drop or change."""
 
     def __init__(self, core):
         self.core = core
@@ -134,7 +134,7 @@ def test_a_field_that_is_written_leaves_its_neighbours():
 
 
 def test_a_field_leaves_its_neighbours_when_the_core_was_reset_before():
-    """What it reads of them then are the reset values: those that were written come first."""
+    """Its neighbours would read as reset values then, so earlier settings are restored before the write."""
     model = simulated()
     core = connected(model, say=lambda sentence: None)
     core["health.use.user"] = 0
@@ -146,8 +146,8 @@ def test_a_field_leaves_its_neighbours_when_the_core_was_reset_before():
     assert core["health.use"] == 0 and model.registers.setting("health", "use", "user") == 0
 
 
-# Of a core of 5 rows and 3 columns at level 2: 17 + 2 = 19 bits of a detail, 16 + 4 = 20 of a load (15 taxels
-# need 4), 15 words.
+# For a core of 5 rows and 3 columns at level 2: 17 + 2 = 19 bits of a detail, 16 + 4 = 20 of a load (15
+# taxels need 4), 15 words.
 TOO_WIDE = {
     "slip.threshold": (0, 524_287),
     "slip.gross_threshold": (0, 524_287),
@@ -184,7 +184,8 @@ def test_values_wider_than_the_build_are_refused(name):
 
 
 def test_a_simulated_core_holds_what_another_host_writes():
-    """As the registers do: a host that knows no widths wrote more than 18 bits and 20 bits."""
+    """As the RTL's registers, it cuts values to their width: another host wrote more than 18 bits and 20
+    bits."""
     model = simulated(size=(3, 3))
     core = connected(model)
     core.build = None
@@ -209,7 +210,7 @@ def test_refuses_what_is_not_there():
     with pytest.raises(ValueError, match=r"adc.enable: this core is built without adc"):
         core["adc.enable"] = 1
     assert not any(name.startswith("adc.") for name in core.names())
-    core.features.append("adc")  # as if FEATURES were wrong: the core's own refusal
+    core.features.append("adc")  # FEATURES is wrong, so the core itself refuses
     with pytest.raises(ValueError, match=r"adc.enable could not be written: the core refuses it"):
         core["adc.enable"] = 1
 
@@ -234,12 +235,12 @@ def test_settings_in_volts_newtons_and_seconds():
         core[f"slip.{name}"] = 1
         code = core.set(f"slip.{name}", **{quantity: amount})
         assert core[f"slip.{name}"] == code == getattr(wanted, name)
-    # The published divider is at 4 V under 0.5 N; a level is of the sum of two samples.
+    # The published divider gives 4 V under 0.5 N; a level is compared with the sum of two samples.
     assert core.set("slip.contact_level", newtons=0.5) == round(2 * 4.0 / scene.adc.lsb_v)
     assert core.set("adc.period", seconds=1e-4) == 2500
     core.units = units.Units(newtons_per_code=0.003)
     assert core.set("cop.min_load", newtons=0.5) == core["cop.min_load"] == 167
-    # The samples are forces now: a threshold, and a level of the sum of two, in newtons.
+    # The samples are forces now: a threshold, and a level for the sum of two, in newtons.
     assert core.set("slip.threshold", newtons=0.05) == int(0.05 * 2**0.5 / 0.003)
     assert core.set("slip.contact_level", newtons=0.3) == 200
     event_ = p.slip_event(0, 10, 2)
@@ -264,7 +265,7 @@ def test_settings_in_volts_newtons_and_seconds():
 
 @pytest.mark.parametrize("level", [1, 2, 3])
 def test_a_threshold_in_volts_is_exact(level):
-    """A peak-to-peak of that many volts is not above it, one code more is."""
+    """A peak-to-peak of exactly that many volts is not above the threshold, one code more is."""
     known = units.Units(volts_per_code=5 / 4096, level=level)
     for code in (1, 23, 139, 4000):
         volts = known.detail_volts(code)
@@ -348,7 +349,7 @@ def test_typed_packets_with_their_units():
 
 
 def test_a_stream_of_twins_is_what_the_engine_says():
-    """Slip events and CoP that come over a pty are those of the fixed engine on the same samples."""
+    """Slip events and CoP received over a pty equal those of the fixed engine on the same samples."""
     from meissner import engines, scenes
 
     scene = scenes.load("acrylic_slip")
@@ -385,7 +386,7 @@ def test_a_stream_of_twins_is_what_the_engine_says():
 
 
 def test_a_threshold_written_while_it_runs_counts():
-    codes = np.tile([0, 0, 30, 0], 20_000)  # peak-to-peak 30, without end
+    codes = np.tile([0, 0, 30, 0], 20_000)  # peak-to-peak 30, repeated
     model = SimulatedCore(slip_source(blocks_of(codes, loop=True), 10_000), clk_khz=1000, speed=20.0)
     with Pty(model) as pty, host.connect(pty.url) as core:
         core["slip.contact_level"] = -1000
@@ -393,12 +394,12 @@ def test_a_threshold_written_while_it_runs_counts():
         core["slip.threshold"] = 29
         until(core, lambda item: isinstance(item, SlipEvent))
         core["slip.threshold"] = 30
-        list(core.packets(0.2))  # what was under way
+        list(core.packets(0.2))  # packets already sent
         assert not [item for item in core.packets(0.3) if isinstance(item, SlipEvent)]
 
 
 def test_a_core_faster_than_the_machine_goes_slower():
-    """Nothing to say, and never done with what is due: reading ends, and goes on from where it was."""
+    """A source with endless work and no packets: each read returns, and the next one continues from there."""
     turns = count()
     model = SimulatedCore(lambda core: ((k, None, b"") for k in turns), speed=1e6)
     assert model.read(1) == b""
@@ -440,7 +441,7 @@ def test_unread_packets_are_bounded(monkeypatch):
     assert core.counts.unread == 15
 
 
-# What happens to a line
+# Faults of the line
 
 
 def test_a_file_is_read_to_its_end(tmp_path):
@@ -477,7 +478,7 @@ def test_what_is_no_line_is_refused(url, sentence):
 
 
 def test_unplugged_in_the_middle_of_a_packet(tmp_path):
-    """The pty is closed when half a packet is out; the same name comes back; the gap counts."""
+    """The pty closes after half a packet; the same name reappears; the gap is counted."""
     name, said = tmp_path / "core", []
     pipe = Pipe(simulated())
     first = Pty(pipe)
@@ -488,7 +489,7 @@ def test_unplugged_in_the_middle_of_a_packet(tmp_path):
             pipe.core.say(p.SLIP, at, event(at)[2])
         pipe.core._out = pipe.core._out[:-9]
         assert [item.time for item in core.packets(0.2)] == [0, 1]
-        name.unlink()  # first: its number may soon be another's
+        name.unlink()  # first, because the number may be reused
         first.unplug()
         assert list(core.packets(0.2)) == []
         assert "is gone" in said[0] and "trying to open it again" in said[0] and len(said) == 1
@@ -512,7 +513,7 @@ def test_unplugged_while_a_register_is_read(tmp_path):
     first = Pty(pipe)
     name.symlink_to(first.path)
     with host.connect(f"pty:{name}", say=lambda _: None, give_up_s=0.3, **QUICK) as core:
-        name.unlink()  # first: its number may soon be another's
+        name.unlink()  # first, because the number may be reused
         first.unplug()
         with pytest.raises(NoAnswer, match=r"is gone.*did not come back within 0.3 s"):
             core["core.id"]
@@ -524,7 +525,7 @@ def test_unplugged_while_a_register_is_read(tmp_path):
 
 
 def test_a_core_that_was_reset_is_set_up_again(tmp_path):
-    """Once while the cable was out (its clock may be past the old one), once while it was in."""
+    """One reset while the cable was out (the new clock may exceed the old one), one while it was in."""
     name, said = tmp_path / "core", []
     pipe = Pipe(simulated())
     first = Pty(pipe)
@@ -533,7 +534,7 @@ def test_a_core_that_was_reset_is_set_up_again(tmp_path):
         core["slip.threshold"] = 77
         core["tare.write"] = 1
         core["tare.average"] = 1
-        name.unlink()  # first: its number may soon be another's
+        name.unlink()  # first, because the number may be reused
         first.unplug()
         pipe.core.restart()
         acted, write = [], pipe.core.registers._write
@@ -586,7 +587,7 @@ def test_lost_commands_and_answers_are_repeated_with_the_same_tag():
     queue, last = [], b""
 
     def twice(data):
-        """Each answer a second time, just before the next one: it is not the next one's."""
+        """Repeats each answer just before the next one, which must not be taken for the next one."""
         nonlocal last
         if data:
             queue.extend((last, data))
@@ -600,7 +601,7 @@ def test_lost_commands_and_answers_are_repeated_with_the_same_tag():
 
 
 def test_an_answer_about_another_register_is_not_taken():
-    """Tags come round after 256 commands: the tag that is asked with another address is an old answer."""
+    """Tags repeat after 256 commands: an answer with the expected tag but another address is an old one."""
     pipe, old, held = Pipe(simulated()), bytearray(), bytearray()
     core = connected(pipe)
 
@@ -610,7 +611,7 @@ def test_an_answer_about_another_register_is_not_taken():
         old[:] = cobs.encode(p.packet(p.ANSWER, 0, core.now, payload))
         return data
 
-    def to_host(data):  # the old one alone, and what came with it later
+    def to_host(data):  # the old answer alone, the rest later
         held.extend(data)
         first = old or held
         data = bytes(first)
@@ -637,7 +638,7 @@ def test_a_core_that_does_not_answer():
 
 
 def test_another_baud_rate_is_named():
-    """What a line at 3 Mbaud looks like at other rates, bit by bit, through the twins of both UARTs."""
+    """A 3 Mbaud line received at other rates, bit by bit, through the twins of both UARTs."""
     sent = b"".join(cobs.encode(p.packet(p.SLIP, k, k, p.slip_event(k, 9, 2))) for k in range(60))
     line_ = levels(sent, 12_000_000, 3_000_000)
     for baud in (1_000_000, 921_600, 2_000_000):
@@ -709,7 +710,8 @@ def test_no_descriptor_stays_open():
 
 
 def test_what_waited_is_no_reset():
-    """A health event that left after a later answer, and an image far behind, look like no reset."""
+    """A health event sent after a later answer, and an image much older than it, must not be taken for a
+    reset."""
     model = simulated(event(10_000))
     core = connected(model)
     core["core.id"]

@@ -1,4 +1,4 @@
-"""Every example of examples/ runs as a user starts it, and prints what it is there to show."""
+"""Every example of examples/ runs as a user starts it, and prints what it is meant to show."""
 
 import runpy
 import sys
@@ -23,7 +23,7 @@ EXAMPLES = {
 
 @pytest.fixture
 def run(monkeypatch, capsys):
-    """Run an example as the main program of this process: what it prints."""
+    """A function that runs an example as the main program of this process; returns its output."""
 
     def run(*arguments):
         path = str(ROOT / "examples" / arguments[0])
@@ -46,7 +46,7 @@ def test_example(run, arguments):
 def test_a_recording_of_ones_own(run, monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
     codes = np.zeros((2, 10_000), int)
-    codes[1, 5001] = 41  # one sample: a peak-to-peak of 41 in its window
+    codes[1, 5001] = 41  # one sample, which gives a peak-to-peak of 41
     np.save(tmp_path / "in.npy", codes)
     assert run("stream_recording.py", "in.npy") == ("0.5001 s: channel 1, incipient, p2p 41\n1 slip events\n")
     assert run("stream_recording.py", "in.npy", "41") == "0 slip events\n"

@@ -1,6 +1,7 @@
-"""Logs of a simulated core: what is in the stream is in the .npz and in the .mcap, to the bit; MCAP is read
-back with mcap-ros2's own decoder, message by message; clocks become time with the core's clock; a log that
-cannot be written or read is refused whole; a replay finds every frame that the engine sees otherwise."""
+"""Logs of a simulated core: the stream's data are in the .npz and in the .mcap, to the bit; MCAP is read
+back with mcap-ros2's own decoder, message by message; clocks become time by the core's clock; a log that
+cannot be written or read is refused completely; a replay finds every frame for which the engine gives
+another result."""
 
 import math
 import time
@@ -26,7 +27,7 @@ FRAMES[2] = 0
 
 
 def items():
-    """A packet of every kind; CoP and image of four frames, the last without CoP."""
+    """One packet of every kind; CoP and images of four frames, the last without CoP."""
     cop = engines.process_cop(FRAMES, "fixed")
     for k, frame in enumerate(FRAMES):
         at = 1000 * (k + 1)
@@ -45,7 +46,7 @@ STOPPED = types.SimpleNamespace(time_ns=lambda: NOW, monotonic=time.monotonic)
 
 
 def logged(path, known=None, more=()):
-    """Log a simulated core, at the instant ``NOW``; returns the packets that were logged."""
+    """Log a simulated core at the time ``NOW``; returns the logged packets."""
     model = SimulatedCore(size=(3, 4), clk_khz=CLK_KHZ)
     with (
         mock.patch.object(log, "time", STOPPED),
@@ -88,7 +89,7 @@ def test_everything_is_in_the_log(tmp_path, kind):
     assert (int(found["clk_khz"]), float(found["newtons_per_code"])) == (CLK_KHZ, 0.25)
     assert int(found["min_load"]) == 1
     assert int(found["start_ns"]) == NOW
-    # A clock is 1 us: stamps lie exactly that far apart.
+    # A clock is 1 us, so the time stamps differ by exactly that.
     assert np.array_equal(np.diff(found["cop_ns"]), [10**6, 10**6])
     start = int(found["start_ns"]) - 1000 * int(found["start_time"])
     assert list(found["slip_ns"]) == [start + 4500 * 1000]
@@ -145,7 +146,7 @@ def test_without_units_positions_are_of_the_range(tmp_path):
 
 
 def test_the_message_is_what_the_file_says():
-    """The schema's first part is host/msg/TactileFrame.msg as it stands, which a ROS package would build."""
+    """The schema begins with host/msg/TactileFrame.msg unchanged, the file that a ROS package would build."""
     from meissner.host import ros
 
     text = ros.definition("meissner_msgs/TactileFrame")
@@ -170,7 +171,7 @@ def test_stamps_after_a_reset_go_on():
     model, kept = SimulatedCore(clk_khz=CLK_KHZ), Kept()
     core = host.Core(line.Pipe(model), say=lambda _: None)
     recording = log.Log(kept, core)
-    for at in (3_600_000_000, 5, 25):  # an hour after its reset it is reset again
+    for at in (3_600_000_000, 5, 25):  # reset again one hour after its first reset
         if at == 5:
             model.restart()
         model.say(p.STATISTIC, at, p.statistic(0, 0))
@@ -244,7 +245,7 @@ def test_refuses_what_is_no_log(tmp_path):
     ):
         with pytest.raises(ValueError, match=sentence):
             log.read(tmp_path / name)
-    for at in rng.integers(0, len(whole), 60):  # a bit anywhere: read whole or refused in a sentence
+    for at in rng.integers(0, len(whole), 60):  # one bit flipped anywhere: read or refused
         wrong = bytearray(whole)
         wrong[at] ^= 1 << int(rng.integers(0, 8))
         (tmp_path / "wrong.mcap").write_bytes(wrong)

@@ -1,6 +1,6 @@
-"""However a log ends, what came is kept and can be read: signals, a terminal that is gone, a kill that nobody
-can catch, a disk that is full while packets come or while the arrays are written; a file cut anywhere is read
-up to its last whole chunk. What a log had to drop it reports, with the reason."""
+"""However a log ends, the packets received are kept and readable: signals, a closed terminal, SIGKILL, a disk
+that becomes full while packets arrive or while the arrays are written. A file cut anywhere is read up to its
+last complete chunk. A log reports what it had to drop, with the reason."""
 
 import errno
 import fcntl
@@ -29,7 +29,7 @@ COUNT = 300
 
 
 def frames(count=COUNT, first=0):
-    """Bytes of CoP frames whose load is their place in the row."""
+    """Bytes of CoP frames; the load of each is its index."""
     return b"".join(
         cobs.encode(p.packet(p.COP, k, 1000 * k, p.cop_frame(3, -5, k, 1)))
         for k in range(first, first + count)
@@ -37,12 +37,12 @@ def frames(count=COUNT, first=0):
 
 
 def part(path, number=""):
-    """Where a log of this name keeps what comes until its end."""
+    """The file in which a log of this name keeps packets until it ends."""
     return path.with_name(f"{path.name}.part{number}.{'rows' if path.suffix == '.npz' else 'mcap'}")
 
 
 class Listened:
-    """``meissner log`` of a pseudo-terminal that the test writes into, listening to it only."""
+    """``meissner log --listen`` on a pseudo-terminal that the test writes into."""
 
     def __init__(self, folder, name, **more):
         self.folder, self.name = folder, name
@@ -52,8 +52,8 @@ class Listened:
         termios.tcsetattr(theirs, termios.TCSANOW, attributes)
         command = [sys.executable, "-m", "meissner.cli", "log", f"pty:{os.ttyname(theirs)}", "--listen"]
         command += ["--clk-khz", str(CLK_KHZ), "--out", name]
-        # As at a terminal: a shell's background job ignores Ctrl-C, and what nohup runs a lost terminal: and
-        # so would all that they start.
+        # A shell's background job ignores Ctrl-C, nohup a closed terminal, and both pass that on to their
+        # children; this restores a terminal's state.
         ends = (signal.SIGINT, signal.SIGHUP)
         before = [signal.signal(end, signal.default_int_handler) for end in ends]
         try:
@@ -75,7 +75,7 @@ class Listened:
             data = data[os.write(self.ours, data[:1024]) :]
 
     def kept(self):
-        """Loads in the spool, as far as it can be read now."""
+        """Loads in the spool, as far as it is readable now."""
         try:
             return log.read(self.spool)["cop_load"].tolist()
         except ValueError:
@@ -118,7 +118,7 @@ def test_a_signal_ends_the_log_whole(tmp_path, listened, name, which):
 
 @pytest.mark.parametrize("name", ["a.npz", "a.mcap"])
 def test_a_lost_terminal_ends_the_log_whole(tmp_path, listened, name):
-    """The window is closed: the hang-up comes, and nothing can be written to the terminal any more."""
+    """The window is closed: SIGHUP comes, and writing to the terminal fails."""
     ours, theirs = ptys.openpty()
 
     def own():
@@ -152,7 +152,7 @@ def test_who_ignores_the_hang_up_is_not_ended_by_it(tmp_path, listened, name):
 def test_a_kill_leaves_what_came(tmp_path, listened, name, monkeypatch, capsys):
     one = listened(name)
     one.say(frames())
-    one.until(lambda: len(one.kept()) == COUNT)  # without a further packet: a quiet line is kept as well
+    one.until(lambda: len(one.kept()) == COUNT)  # without a further packet, since a quiet line is flushed too
     one.child.kill()
     one.child.wait()
     assert [path.name for path in tmp_path.iterdir()] == [part(tmp_path / name).name]
@@ -164,7 +164,7 @@ def test_a_kill_leaves_what_came(tmp_path, listened, name, monkeypatch, capsys):
         ValueError, match=rf"there is no file .*{name}; .* is in .*{part(tmp_path / name).name}"
     ):
         log.read(tmp_path / name)
-    # Another log of that name leaves it alone.
+    # Another log of that name does not touch it.
     again = listened(name)
     again.spool = part(tmp_path / name, 2)
     again.say(frames(5))
@@ -179,7 +179,7 @@ def test_a_kill_leaves_what_came(tmp_path, listened, name, monkeypatch, capsys):
 def test_a_full_disk_is_one_sentence_and_keeps_what_came(tmp_path, listened, name):
     limit = 100_000
     one = listened(name, preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit)))
-    rng = np.random.default_rng(1)  # what does not compress
+    rng = np.random.default_rng(1)  # so that it does not compress
     sent = 0
     while one.child.poll() is None and sent < 60_000:
         for k in range(sent, sent + 32):
@@ -199,13 +199,13 @@ def test_a_full_disk_is_one_sentence_and_keeps_what_came(tmp_path, listened, nam
     data = one.spool.read_bytes()
     assert len(data) <= limit
     at = (
-        8  # of the magic; then whole records of kind, 64 bits of length, content, or of 32, checksum, content
+        8  # the magic; then records of kind, 64-bit length, content, or of 32-bit length, checksum, content
     )
     while at < len(data):
         mcap = one.spool.suffix == ".mcap"
         size = int.from_bytes(data[at + 1 : at + 9] if mcap else data[at : at + 4], "little")
         at += size + (9 if mcap else 8)
-    assert at == len(data)  # nothing of what had no room is left
+    assert at == len(data)  # nothing of the incomplete record remains
     assert [path.name for path in tmp_path.iterdir()] == [part(tmp_path / name).name]
 
 
@@ -244,7 +244,7 @@ def test_an_error_keeps_what_came(tmp_path, name):
 
 
 def test_a_file_cut_anywhere_is_read_up_to_its_last_whole_chunk(tmp_path, monkeypatch):
-    monkeypatch.setattr(log, "FLUSH_S", -1.0)  # a chunk for each packet
+    monkeypatch.setattr(log, "FLUSH_S", -1.0)  # one chunk per packet
     core = host.Core(line.Pipe(SimulatedCore(clk_khz=CLK_KHZ)))
     with log.recording(tmp_path / "a.mcap", core) as recording:
         some(recording, 5)
@@ -254,7 +254,7 @@ def test_a_file_cut_anywhere_is_read_up_to_its_last_whole_chunk(tmp_path, monkey
         try:
             found = log.read(tmp_path / "cut.mcap")
         except ValueError as problem:
-            assert not seen, (end, problem)  # only before the first fact
+            assert not seen, (end, problem)  # only as long as nothing was readable
             continue
         values = found["statistics_value"].tolist()
         assert values == [70, 71, 72, 73, 74][: len(values)] and found["partial"]
@@ -277,7 +277,7 @@ def test_replay_reads_a_part(tmp_path, monkeypatch, capsys):
 
 
 def capture(path, sizes, more=b""):
-    """Images of these sizes, numbered from 9, each in parts of up to 5 taxels, and other packets."""
+    """Images of these sizes, numbered from 9, each in parts of up to 5 taxels, then other packets."""
     number, data = 0, b""
     for k, size in enumerate(sizes):
         for part in p.image_chunks(9 + k, range(size), 5):
@@ -287,7 +287,7 @@ def capture(path, sizes, more=b""):
 
 
 def test_a_log_with_the_wrong_configuration_says_what_it_dropped(tmp_path, monkeypatch, capsys):
-    """fingertip has 3×3 taxels; the core's images have 12, but one."""
+    """fingertip has 3×3 taxels; all but one of the core's images have 12."""
     monkeypatch.chdir(tmp_path)
     unknown = cobs.encode(p.packet(77, 14, 9, b"new"))
     capture(tmp_path / "a.bin", [12, 12, 9, 12, 12], unknown)
@@ -307,19 +307,19 @@ def test_a_log_with_the_wrong_configuration_says_what_it_dropped(tmp_path, monke
     "parts, whole, lost",
     [
         ("0.0 0.1 1.0 1.1 2.0 2.1", [0, 1, 2], 0),
-        ("0.1 1.0 1.1", [1], 0),  # the first one's beginning came before anybody listened
+        ("0.1 1.0 1.1", [1], 0),  # the first one began before the host listened
         ("0.0 1.0 1.1", [1], 1),
-        ("0.0 1.0 2.0 3.0", [], 3),  # none came whole; the last may still
+        ("0.0 1.0 2.0 3.0", [], 3),  # none is complete; the last still may be
         ("0.0 0.1 1.1 2.0 2.1", [0, 2], 1),
         ("0.0 0.1 4.0 4.1", [0, 4], 3),
         ("0.0 0.1 4.1 5.0 5.1", [0, 5], 4),
         ("0.1 4.0 4.1", [4], 3),
         ("254.0 254.1 1.0 1.1", [254, 1], 2),  # numbers have 8 bits
-        ("0.0 0.0 0.1", [0], 1),  # again: its end was lost before
+        ("0.0 0.0 0.1", [0], 1),  # a repeated start: the earlier end was lost
     ],
 )
 def test_lost_images_are_counted(parts, whole, lost):
-    """IMAGE.PART of images of 2×3 taxels in two parts; the time is the image's own."""
+    """IMAGE.PART for images of 2×3 taxels in two parts; the time stamp is that of the image."""
     stamped = []
     for text in parts.split():
         image, part = map(int, text.split("."))
@@ -332,7 +332,8 @@ def test_lost_images_are_counted(parts, whole, lost):
 
 
 def test_rows_that_are_cut_or_damaged(tmp_path):
-    """The spool of a .npz: up to its last whole block, and no further than the first damaged one."""
+    """The spool of a .npz is read up to its last complete block, and no further than the first damaged
+    one."""
     core = host.Core(line.Pipe(SimulatedCore(clk_khz=CLK_KHZ)), say=lambda _: None)
     with pytest.raises(RuntimeError), log.recording(tmp_path / "a.npz", core) as recording:
         for k in range(3):
@@ -358,5 +359,5 @@ def test_rows_that_are_cut_or_damaged(tmp_path):
             values = log.read(tmp_path / "wrong.rows")["statistics_value"].tolist()
         except ValueError as problem:
             assert "\n" not in str(problem)
-        else:  # a length that points beyond the end
+        else:  # if a length points beyond the end
             assert values == [70, 71][: len(values)]

@@ -1,6 +1,6 @@
-"""host/msn_packet.c against the host's decoder in Python, packet by packet and counter by counter: every type
-and types of the future, every length of payload, whole, mutated, cut and random streams. Built with every
-warning an error, and with the sanitizers where there are any: a byte read outside a frame is a failure."""
+"""host/msn_packet.c against the host's decoder in Python, packet by packet and counter by counter: every
+known type and unknown ones, every payload length; complete, mutated, cut and random streams. Built with all
+warnings as errors, and with the sanitizers where available, so that a read outside a frame fails."""
 
 import subprocess
 import zlib
@@ -44,7 +44,7 @@ def expected(line):
 
 
 def frames(rng, count):
-    """Frames of packets of every type and length of payload, right and wrong."""
+    """Frames of packets of every type and payload length, valid and invalid."""
     lengths = {p.SLIP: 6, p.COP: 12, p.HEALTH: 4, p.STATISTIC: 5, p.ANSWER: 8}
     for number in range(count):
         kind = int(rng.choice([p.SLIP, p.COP, p.IMAGE, p.HEALTH, p.STATISTIC, p.ANSWER, 0, 77]))
@@ -110,7 +110,7 @@ def test_random_bytes(decode_c):
 
 
 def test_frames_with_every_code(decode_c):
-    """Stuffed frames whose codes are any bytes: the walk through them stays inside."""
+    """Stuffed frames with arbitrary codes: the decoder's walk along them stays inside the frame."""
     rng = np.random.default_rng(5)
     line = bytearray()
     for length in range(1, 258):
@@ -122,7 +122,7 @@ def test_frames_with_every_code(decode_c):
 
 
 def test_checksum(decode_c):
-    """Of a packet with each bit of its checksum wrong: none is one."""
+    """A packet with one wrong bit in its checksum, for each bit: none is accepted."""
     good = p.packet(p.HEALTH, 0, 0, p.health(5, 6))
     line = b""
     for bit in range(32):

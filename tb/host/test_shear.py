@@ -1,4 +1,5 @@
-"""meissner.host.shear on a simulated core: a lot written by its registers, words and levels read back."""
+"""meissner.host.shear on a simulated core: a rubber's constants are written by its registers, words and
+levels are read back."""
 
 import pytest
 
@@ -15,7 +16,7 @@ def connected(**status):
 
 
 def test_words():
-    """1.5 mm/s is 1572864 of 2^20."""
+    """1.5 mm/s is 1572864 in units of 2^-20 mm/s."""
     assert shear.of_word(1_572_864) == shear.Speed(1.5, ())
     assert shear.of_word(0x6100_0000) == shear.Speed(None, ("unsettled", "rising", "fast"))
     assert shear.of_word(0x9E00_0000).flags == ("range", "small", "denominator", "clipped", "saturated")
@@ -28,7 +29,7 @@ def test_speeds_of_the_channels_that_there_are():
 
 
 def test_levels_are_of_one_window():
-    """A level is 512 codes; 819.2 codes a volt: 838861 is 2.0 V. A rise below 0 has its sign."""
+    """A level is 512 times a code; 819.2 codes per volt: 838861 is 2.0 V. A rise below 0 keeps its sign."""
     pipe, core = connected(vi__value=838_861, rise__value=(1 << 27) - 41_943, windows__value=7)
     found = shear.levels(core, 1, 4096 / 5)
     assert (round(found.vi_v, 5), round(found.rise_v, 5), found.windows) == (2.0, -0.1, 7)

@@ -1,8 +1,8 @@
 """Register words of three configurations whose supply, clock and rates are odd numbers, worked out by hand.
 
-From the formulas of docs/config.md, host.md and cop4.md and the data sheets' codes: MCP3208, 12 bits from 0 V
-to the supply; AD7606, 16 bits, two's complement over ±range. Each fraction is shown, so that which way it is
-rounded is held too; and the way back, codes to volts, newtons and seconds.
+They follow from the formulas of docs/config.md, host.md and cop4.md and from the data sheets' codes: MCP3208,
+12 bits from 0 V to the supply; AD7606, 16 bits, two's complement over ±range. Each fraction is shown, so that
+the direction of rounding is tested too; and the way back, codes to volts, newtons and seconds.
 """
 
 import tomllib
@@ -158,7 +158,7 @@ RUBBER |= {"still_v": 0.0031, "limit_mm_s": 2.3, "travel_mm": 0.0123, "hold_cycl
 
 
 def test_sheared_rubber():
-    """A level's unit is 1/512 of a code of 3.3/4096 V: 635500.606 a volt. A window lasts 64 / 7331 s."""
+    """A level's unit is 1/512 of a code of 3.3/4096 V: 635500.606 per volt. A window lasts 64 / 7331 s."""
     build, plain = of(CHANNELS | {"shear_speed": RUBBER}), of(CHANNELS)
     assert {key: value for key, value in build.settings.items() if key not in plain.settings} == {
         "shear_speed.enable": 1,
@@ -169,7 +169,7 @@ def test_sheared_rubber():
         "shear_speed.vi_max": 1_760_337,  # 2.77 · 635500.606 = 1760336.68
         "shear_speed.noise": 52_747,  # 0.083 · 635500.606 = 52746.55
         "shear_speed.still": 1970,  # 0.0031 · 635500.606 = 1970.05
-        "shear_speed.full": 4095,  # an MCP3208's highest
+        "shear_speed.full": 4095,  # an MCP3208's highest code
         "shear_speed.limit": 2_411_725,  # 2.3 · 2^20 = 2411724.8
         "shear_speed.travel": 1_477_367,  # 0.0123 · 7331 / 64 · 2^20 = 1477366.58
         "shear_speed.hold_cycles": 3,
@@ -204,7 +204,7 @@ def test_rubber_that_cannot_be_is_refused(table, change, said):
 
 
 def test_frames_too_near_for_the_estimator_are_refused():
-    """70 clocks: 13.37 MHz at 191 kHz; no converter here is as fast, so the check is asked alone."""
+    """70 clocks: 13.37 MHz at 191 kHz; no converter here is that fast, so the check is called directly."""
     build, check = of(CHANNELS | {"shear_speed": {}}), config.STAGES["shear_speed"].check
     check(replace(build, rate_hz=191_000.0))
     with pytest.raises(ValueError, match=r"rate_hz = 193000 is too fast for \[shear_speed\].* 191000 Hz"):
@@ -216,16 +216,16 @@ def test_an_array():
     assert build.settings == {
         "link.images": 0,
         "scan.enable": 1,
-        "scan.settle": 46,  # 1.37 us · 33.333 = 45.67 clocks, up: at least that long
+        "scan.settle": 46,  # 1.37 us · 33.333 = 45.67 clocks, rounded up
         "scan.period": 54_528,  # 33 333 000 / 611.3 = 54528.05
         "calibrate.preset": 4096,  # 1.0 in 12 bits of fraction
-        "cop.min_load": 149,  # 0.55 / 0.0037 = 148.65, up: pressed from it on
+        "cop.min_load": 149,  # 0.55 / 0.0037 = 148.65, up: at least 0.55 N
         "health.band": 13,
         "health.jump": 4021,
         "health.still": 117,
         "health.rail": 9,
         "health.blink": 121,
-        "health.low": -32_768,  # the ends of 16 bits of two's complement
+        "health.low": -32_768,  # the ends of 16-bit two's complement
         "health.high": 32_767,
         "tare.contact": 67,
         "tare.step": 3,
@@ -249,7 +249,7 @@ def test_an_array():
     assert units.load_newtons(149) == pytest.approx(0.5513, abs=1e-12)
     assert units.seconds(54_528) == pytest.approx(1.635856359e-3, abs=1e-12)  # 54528 / 33.333 MHz
     assert units.detail_volts(44) is None
-    # Half right of the middle, at the upper edge: 0.5 · 3.3 · 5/2 mm, -1 · 3.3 · 4/2 mm.
+    # x halfway to the right, y at the upper edge: 0.5 · 3.3 · 5/2 mm, -1 · 3.3 · 4/2 mm.
     assert units.place(8192, -16_384) == (0.5, -1.0, pytest.approx(4.125), pytest.approx(-6.6))
 
 
@@ -262,10 +262,11 @@ def widths(name, **array):
 
 
 def test_the_bits_of_a_build():
-    """A detail has level bits more than a sample, a load 16 and those that number taxels, an offset 17."""
+    """A detail has level bits more than a sample; a load has 16 and those that number the taxels; an offset
+    has 17."""
     assert widths("full") == {"detail": 18, "timer": 16, "load": 28, "offset": 17}  # 4096 taxels: 12
     assert widths("fingertip") == {"detail": 18, "timer": 16, "load": 20, "offset": 17}  # 9 taxels: 4
-    # A serial path has samples of 13 bits, and 1000 details of hold have 10.
+    # A serial path has samples of 13 bits, and its hold of 1000 details needs 10.
     assert widths("slip1") == {"detail": 14, "timer": 10, "load": 16, "offset": 17}
     assert widths("fingertip", gains="row_column")["offset"] == 17
     assert widths("fingertip", gains="row_column", tare=False)["offset"] == 16
@@ -274,14 +275,15 @@ def test_the_bits_of_a_build():
 
 @pytest.mark.parametrize("gains, parameters", [("taxel", (0, 12)), ("row_column", (1, 24))])
 def test_a_gain_of_one(gains, parameters):
-    """4096 from reset on: 2^12, or 2^12 of the row times 2^12 of the column."""
+    """The reset value 4096: 2^12 per taxel, or 2^12 of the row times 2^12 of the column."""
     build = of(ARRAY | {"array": ARRAY["array"] | {"gains": gains}})
     assert (build.parameters["RowColumn"], build.parameters["GainShift"]) == parameters
     assert build.settings["calibrate.preset"] == 4096
 
 
 def test_a_converter_from_zero_up_rails_at_its_lowest_and_its_highest_code():
-    """MCP3208: 0 and 4095; MAX11123: 8 bits, 0 and 255. A limit beyond the top would never be met."""
+    """MCP3208: 0 and 4095; MAX11123: 8 bits, 0 and 255. A limit above the highest code would never be
+    reached."""
     for part, top in (("MCP3208", 4095), ("MAX11123", 255), ("MAX11124", 1023), ("MAX11125", 4095)):
         table = ARRAY | {
             "adc": {"part": part, "volts": 3.3, "rate_hz": 100.0, "converters": 1, "channels": 8}
@@ -291,7 +293,7 @@ def test_a_converter_from_zero_up_rails_at_its_lowest_and_its_highest_code():
 
 
 def test_four_electrodes():
-    """R0/r = 910/47 = 19.361702; a code is 10 V / 32768 behind a gain of 0.7."""
+    """R0/r = 910/47 = 19.361702; a code is 10 V / 32768 after a gain of 0.7."""
     build = of(ELECTRODES)
     assert build.settings == {
         "link.images": 0,
@@ -305,7 +307,7 @@ def test_four_electrodes():
         "cop4.kf": 105_495,  # Kf = 2·5100/910 = 11.208791 N; / 1.7 mN / 65536 · 2^(8+12) = 105494.51
         "cop4.shift_load": 12,
         "cop4.top": 32_767,
-        "cop4.idle": 27_470,  # V0 is 27525.12 codes, and a 500th of it 55
+        "cop4.idle": 27_470,  # V0 is 27525.12 codes, minus 55, a 500th of it
         "cop4.busy": 27_461,  # 27525.12 - (55 + 3)·(36.051064 + 1)/(36.051064 - 1) = 27463.81; less 3
         "cop4.imbalance": 55,  # a thousandth of 2V0
         "cop4.min_load": 72,  # 0.123 / 0.0017 = 72.35
@@ -335,14 +337,14 @@ def test_the_word_of_the_reset_values_has_each_at_its_place():
     assert word >> 32 & 1 == 1 and word >> 33 & 0xFF_FFFF == 1824 and word >> 57 & 0xF_FFFF == 30
     assert found["slip.release_level.value"] == 7491 and found["slip.blank.value"] == 122
     below = of(CHANNELS | {"slip": CHANNELS["slip"] | {"contact_level_v": -0.01}}).parameters["Resets"]
-    # 2 · -10 / 0.8056640625 = -24.82, in 20 bits of two's complement; behind 57 + 2·20 bits.
+    # 2 · -10 / 0.8056640625 = -24.82, in 20 bits of two's complement, after 57 + 2·20 bits.
     assert below >> 97 & 0xF_FFFF == (1 << 20) - 25
     assert verilog({"Resets": 10, "Rows": 3}) == {"Resets": f"{RESET_BITS}'ha", "Rows": "3"}
 
 
 @pytest.mark.parametrize(
     "volts, level, code",
-    # Of 5 V / 4096: 4096 codes a volt over 5, 819.2; times sqrt(2)^level.
+    # 5 V / 4096 per code: 4096/5 = 819.2 codes per volt, times sqrt(2)^level.
     [(0.02, 1, 23), (0.02, 2, 32), (0.02, 3, 46), (0.25, 2, 409), (5.0, 2, 8192), (0.0, 3, 0)],
 )
 def test_thresholds_in_volts(volts, level, code):
@@ -352,7 +354,7 @@ def test_thresholds_in_volts(volts, level, code):
 
 @pytest.mark.parametrize("newtons, code", [(0.57, 1140), (0.07, 140), (0.29, 580), (0.0005, 1), (0.0004, 0)])
 def test_a_threshold_in_decimal_newtons_is_exact(newtons, code):
-    """Of 1 mN at level 2: twice as many codes. In floating point 0.57·2/0.001 is below 1140."""
+    """1 mN per code at level 2: twice as many codes. In floating point 0.57·2/0.001 is below 1140."""
     assert Units(newtons_per_code=0.001, level=2).detail_code_of_newtons(newtons) == code
 
 
@@ -360,12 +362,12 @@ def test_a_threshold_in_decimal_newtons_is_exact(newtons, code):
     "newtons, code", [(0.56, 560), (0.57, 570), (0.5601, 561), (0.0, 0), (0.0001, 1), (1.1, 1100), (0.009, 9)]
 )
 def test_a_least_load_in_decimal_newtons_is_exact(newtons, code):
-    """Of 1 mN. In floating point 0.56/0.001 is above 560."""
+    """1 mN per code. In floating point 0.56/0.001 is above 560."""
     assert Units(newtons_per_code=0.001).code("cop.min_load", "newtons", newtons) == code
 
 
 def test_levels_of_a_symmetric_and_of_a_falling_range():
-    """±5 V in 16 bits: 10 V are 65536 codes, 6553.6 a volt, from -32768 at -5 V on."""
+    """±5 V in 16 bits: 10 V are 65536 codes, 6553.6 per volt, from -32768 at -5 V up."""
     units = Units(volts_per_code=10 / 65_536, low_v=-5.0, min_code=-32_768, level=1)
     assert units.level_code(1.2345) == 16_181  # 2 · 1.2345 · 6553.6 = 16180.84
     assert units.level_code(-1.2345) == -16_181
@@ -375,7 +377,7 @@ def test_levels_of_a_symmetric_and_of_a_falling_range():
 
 
 def test_times():
-    """13.37 MHz: 1 us is 13.37 clocks. Samples at 7331 Hz, four of them a detail of level 2."""
+    """13.37 MHz: 1 us is 13.37 clocks. Samples at 7331 Hz; four of them give a detail of level 2."""
     units = Units(clk_khz=13_370, rate_hz=7331.0, level=2)
     assert units.code("adc.period", "seconds", 100e-6) == 1337
     assert units.code("scan.period", "seconds", 1.5e-6) == 20  # 20.06

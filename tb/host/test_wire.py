@@ -1,7 +1,7 @@
 """The host's decoders, in Python and in C, and its logs against bytes made by hand from docs/link.md: every
-kind of packet, each field at its full width with a byte of its own in each place, both ends of signed
-numbers, times and numbers of packets across their wrap. Nothing here comes from meissner.twins.link
-but what is tested."""
+kind of packet, each field at its full width with a different byte in each place, both ends of signed numbers,
+times and packet numbers across their wrap-around. Except for the code under test, nothing here comes from
+meissner.twins.link."""
 
 import numpy as np
 import pytest
@@ -17,7 +17,7 @@ LATE_TICKS = 280_223_976_814_164
 
 
 def crc32(data):
-    """ISO-HDLC, bit by bit."""
+    """CRC-32/ISO-HDLC, bit by bit."""
     crc = 0xFFFFFFFF
     for byte in data:
         crc ^= byte
@@ -27,13 +27,14 @@ def crc32(data):
 
 
 def frame(text):
-    """The bytes on the line of a packet, in hexadecimal and without its checksum."""
+    """The bytes on the line for a packet given in hexadecimal without its checksum."""
     body = bytes.fromhex(text)
     return stuffed(body + crc32(body).to_bytes(4, "little"))
 
 
 def stuffed(body):
-    """As docs/link.md says: in place of a zero, and of the end, the bytes since the zero before and one."""
+    """As in docs/link.md: each zero, and the end, is replaced by one plus the number of bytes since the
+    previous zero."""
     out, since = [], 1
     for byte in [*body, 0]:
         out.append(byte if byte else since)
@@ -47,7 +48,7 @@ def test_the_loops_above():
     assert stuffed(bytes.fromhex("01 00 02 03 00")) == bytes.fromhex("00 01 02 02 03 03 01 00")
 
 
-# Bytes of the packet: type, number, time, payload; what the fields are.
+# Bytes of the packet: type, number, time, payload; then the values of its fields.
 WIRE = {
     "slip": (f"01 fd {LATE} dc fe ef cd ab 04", {"channel": 65_244, "p2p": 11_259_375, "state": 4}),
     "slip of the load": (f"01 fe {LATE} ff ff 05 00 00 02", {"channel": 65_535, "p2p": 5, "state": 2}),
@@ -127,7 +128,7 @@ def test_times_have_48_bits(decode_c, time, ticks):  # noqa: F811
 
 
 class Said:
-    """A line's other end that said these bytes, and nothing after them."""
+    """The other end of a line, which has sent these bytes and sends no more."""
 
     def __init__(self, data):
         self.data = data
@@ -138,7 +139,7 @@ class Said:
 
 
 def listening(data, **known):
-    """A core that said these bytes, and is only listened to."""
+    """A host that only listens to a core, which sent these bytes."""
     return host.Core(line.Pipe(Said(data)), units.Units(**known), registers=False, say=lambda _: None)
 
 
@@ -147,7 +148,7 @@ IMAGE = [f"03 08 {LATE} c8 00 00 00 00 02 01 ff ff", f"03 09 {LATE} c8 01 02 00 
 
 @pytest.mark.parametrize("kind", ["npz", "mcap"])
 def test_a_log_keeps_every_bit(tmp_path, kind):
-    """Statistics come last here: the others' time is no news of the core's clock."""
+    """Statistics come last here; the other packets' times do not show the core's current time."""
     left_out = ("image", "answer", "unknown", "statistic")
     logged = [text for name, (text, _) in WIRE.items() if not name.startswith(left_out)]
     stream = b"".join(map(frame, [*logged, *IMAGE, WIRE["statistic"][0]]))
@@ -178,7 +179,7 @@ def test_a_log_keeps_every_bit(tmp_path, kind):
 
 @pytest.mark.parametrize("kind", ["npz", "mcap"])
 def test_stamps_go_on_across_the_end_of_48_bits(tmp_path, kind):
-    """1 MHz: a clock is 1000 ns. The core's time ends and starts again at 0, which is no reset."""
+    """1 MHz: a clock is 1000 ns. The core's time wraps around to 0, which is not a reset."""
     times = [(1 << 48) - 700, (1 << 48) - 1, 4, 1004, 1000]
     texts = [f"05 {n:02x} {t.to_bytes(6, 'little').hex()} 01 02 00 00 00" for n, t in enumerate(times[:4])]
     texts += [f"04 04 {times[4].to_bytes(6, 'little').hex()} 01 00 00 02"]

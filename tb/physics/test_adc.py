@@ -1,4 +1,5 @@
-"""The converter's law, exactly: every transition of both parts, the ends, over-range, noise statistics."""
+"""The converter's transfer function, exactly: every transition of both parts, the ends, over-range, noise
+statistics."""
 
 import numpy as np
 import pytest
@@ -16,7 +17,7 @@ def test_every_code_is_centred_on_its_voltage(part):
         assert np.array_equal(converted, codes)
         assert converted.dtype == np.int64
         assert not over.any()
-    # Past the middle between two codes it is the next one.
+    # Above the middle between two codes, the upper code results.
     assert np.array_equal(adc.convert(centre[:-1] + 0.501 * adc.lsb_v)[0], codes[1:])
 
 

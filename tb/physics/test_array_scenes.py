@@ -1,5 +1,5 @@
-"""The scenes of the capacitive pad and of resistive matrices: each runs on every engine; the
-published figures; an even press is uneven before calibration and within 1 % after; mistyped scenes."""
+"""The scenes of the capacitive pad and of resistive matrices: each runs on every engine; the published
+figures; an even press is uneven before calibration and within 1 % after; scenes with mistakes."""
 
 import json
 import re
@@ -47,7 +47,7 @@ def _crosstalk(summary, result):
     assert result["eq18_v"] == pytest.approx(10 * gain / (gain + others + 2))
     assert np.abs(result["measured_v"] - result["eq18_v"]).max() < 2e-3
     rows = {row["unselected_pf"]: row for row in summary["conditions"]}
-    # What the published rule G > 200 leaves: 1 % with no other cell, 29 % with 80 pF.
+    # The error that the published rule G > 200 leaves: 1 % with no other cell, 29 % with 80 pF.
     assert rows[0]["low_by"] == pytest.approx(0.0099, abs=1e-4)
     assert rows[80]["low_by"] == pytest.approx(0.2908, abs=1e-4)
     for pf, row in rows.items():
@@ -57,7 +57,8 @@ def _crosstalk(summary, result):
 
 
 def _cell(summary, result):
-    """The line, the top of the cycles and the settled presses once more, from the arrays of the result."""
+    """The line, the top of the cycles and the settled presses, computed again from the arrays of the
+    result."""
     assert 0 < summary["unloading_above_loading_g"] < 2 * summary["noise_g"]
     force, cycle = result["cycles_applied_g"][:50], result["cycles_g"].reshape(4, 50).mean(axis=0)
     slope, intercept = np.linalg.lstsq(np.stack([force, np.ones(50)], 1), cycle, rcond=None)[0]
@@ -66,7 +67,7 @@ def _cell(summary, result):
     settled = result["settled_g"].reshape(7, 64).mean(axis=1) - np.arange(0, 151, 25)
     assert summary["settled_off_g"] == pytest.approx(np.abs(settled).max())
     assert summary["low_settled_g"] == pytest.approx(-settled[-1])
-    # What is not settled after half a second: all that is late but for the term of 0.15 s, about 5.2 %.
+    # The share not settled after half a second, about 5.2 %: all late terms except that of 0.15 s.
     assert summary["low_at_full_second_order_g"] == pytest.approx(0.052 * 150, abs=1.0)
     assert summary["settled_off_second_order_g"] < 1.0 < 3.0 < summary["settled_off_g"]
     assert 3.5 < summary["reads_0_below_g"] < 6.0
@@ -95,20 +96,20 @@ def _shapes(summary, result):
         image = result[f"image_{row['shape'].replace(' ', '_')}"]
         assert row["reported_g"] == pytest.approx(image.sum(), rel=1e-3)
     rows = result["image_two_edges"][:, 2:6].mean(axis=1)
-    # Two edges, one thicker, and the published gap of one row between them.
+    # Two edges, one thicker, separated by the published gap of one row.
     assert rows[3] < 0.1 * rows.max() and rows[2] > 0.4 * rows.max() and rows[4:6].min() > 0.5 * rows.max()
     washer = result["image_washer"]
     assert washer[3:5, 3:5].max() < 0.15 * washer.max()
     socket, opposite = result["image_IC_socket"], result["image_opposite_socket"]
     assert socket[2, 2] > 5 * max(socket[0, 0], socket[3, 3], socket[4, 4], 1.0)
-    # The other diagonal: the same forces mirrored, left to right.
+    # The other diagonal: the same forces, mirrored left to right.
     assert opposite[:, ::-1] == pytest.approx(socket, abs=2.0)
     assert opposite[2, 5] > 5 * max(opposite[0, 7], opposite[3, 4], opposite[2, 2] / 10)
     assert [row["shape"] for row in summary["conditions"]][2:4] == ["IC socket", "opposite socket"]
 
 
 def _matrix(summary, result):
-    """Load and centre once more, by plain sums over the calibrated forces."""
+    """Load and centre, computed again by plain sums over the calibrated forces."""
     load = result["forces"].sum((1, 2)) * result["force_lsb_n"]
     assert result["load_n"] == pytest.approx(load, rel=1e-12)
     valid = result["valid"]
@@ -161,7 +162,7 @@ def test_the_page_says_what_the_command_prints(tmp_path, page, name):
 
 
 def test_the_page_s_ranges_are_recorded():
-    """docs/capacitive.md has them from the page that computes them."""
+    """docs/capacitive.md takes them from the paper's page that computes them."""
     text = (toolchain.ROOT / "docs/capacitive.md").read_text("utf-8")
     record = json.loads((toolchain.ROOT / "docs/papers/capacitive_array.json").read_text("utf-8"))
     computed = " ".join(row["ours"] + " " + row["difference"] for row in record["parts"] if "ours" in row)
@@ -176,7 +177,7 @@ def test_an_even_press_is_even_with_other_parts_too(tmp_path, seed):
 
 
 def test_the_engines_demodulate_alike():
-    """rtl as fixed, up to over-range and at every phase; float within a rounding of both."""
+    """rtl equals fixed, up to over-range and at every phase; float differs by at most one rounding."""
     scene = scenes.load("capacitive_select")
     rng = np.random.default_rng(1)
     wild = rng.integers(-65536, 65536, (300, scene.carrier.samples)) // rng.choice([1, 40, 3000], (300, 1))

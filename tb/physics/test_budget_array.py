@@ -1,6 +1,6 @@
-"""The latency budget of scanned arrays: its terms add up and follow what they stand for, the number of
-converters it asks for is enough and none fewer is, the command prints them and refuses what cannot be built.
-That the clocks are those at the pins is shown by tb/cop/test_array.py.
+"""The latency budget of scanned arrays: its terms add up and follow the parameters they depend on, the number
+of converters it gives is sufficient and the smallest, the command prints the terms and refuses what cannot be
+built. tb/cop/test_array.py shows that the clocks are those at the pins.
 """
 
 import json
@@ -45,10 +45,10 @@ def test_the_converters_it_asks_for_are_enough_and_fewer_are_not():
 
 
 # An MCP3208 at 1 MHz and 24 MHz: a bit is 24 clocks, a conversion 19 bits and one of rest, 480 clocks. A
-# place of c inputs takes 480·c + 1 clocks; the word of its input w is there after 480·w - 24. 10 rows of 16
-# columns are 10·ceil(16 / (converters·c)) places, and w in the last is c, or 4 where four converters with
-# eight inputs have but four columns each. Behind it: 5 clocks of buffer, 1 of health, 1 of tare, and 14, 15
-# or 16 of force, sums and division behind one, two and four lanes (docs/cop.md).
+# place of c inputs takes 480·c + 1 clocks; the word of its input w arrives after 480·w - 24. 10 rows of 16
+# columns are 10·ceil(16 / (converters·c)) places, and the last place's w is c, or 4 where four converters
+# with eight inputs have only four columns each. After that come 5 clocks of buffer, 1 of health, 1 of tare,
+# and 14, 15 or 16 of force, sums and division with one, two and four lanes (docs/cop.md).
 @pytest.mark.parametrize(
     "converters, inputs, clocks",
     [
@@ -68,15 +68,16 @@ def test_clocks_worked_out_by_hand(converters, inputs, clocks):
 
 
 def test_the_inputs_used_are_searched_too():
-    """Four converters with four inputs each: 9·1921 + 1896 + 23 = 19,208 clocks, 800.3 us. One and two do not
-    do it with any number of inputs: 10·16 conversions of 20 us are 3.2 ms for one and 1.6 ms for two."""
+    """Four converters with four inputs each: 9·1921 + 1896 + 23 = 19,208 clocks, 800.3 us. One or two
+    converters are too slow with any number of inputs: 10·16 conversions of 20 us take 3.2 ms with one and 1.6
+    ms with two."""
     found = budget.budget(10, 16, 24e6, MCP3208)
     chosen = {key: found[key] for key in ("converters", "channels", "converters_needed", "total_clocks")}
     assert chosen == {"converters": 4, "channels": 4, "converters_needed": 4, "total_clocks": 19_208}
     assert found["within_1_ms"]
     two = budget.budget(10, 16, 24e6, MCP3208, converters=2)
     assert (two["channels"], two["converters_needed"], two["within_1_ms"]) == (8, 4, False)
-    # Eight inputs of which three have no column would be 5 places of 3841 clocks and not of 2401.
+    # Eight inputs, of which three have no column, would take 5 places of 3841 clocks instead of 2401.
     assert budget.budget(5, 5, 24e6, MCP3208, converters=1)["channels"] == 5
     done = command("--rows", "10", "--cols", "16", "--adc", "MCP3208", "--clock", "24e6").stdout
     first, second, *_ = done.splitlines()

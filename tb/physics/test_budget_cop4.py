@@ -1,7 +1,7 @@
 """The resolution budget of a four-wire sensor against brute force: solved circuits whose electrodes are
 converted one by one, every corner of the converter's errors, and the core's twin on the codes. Square, narrow
-and tiny meshes, 8 to 24 bits, with and without difference amplifiers; loads so great or so small that nothing
-is resolved; one row, one column, one taxel; what the command prints, draws and refuses."""
+and tiny meshes, 8 to 24 bits, with and without difference amplifiers; loads so large or so small that nothing
+is resolved; one row, one column, one taxel; the command's output, picture and refusals."""
 
 import itertools
 import json
@@ -23,7 +23,7 @@ MESHES = [Mesh(41, 41, 10.0), Mesh(5, 5, 47.0), Mesh(3, 7, 150.0, R0=4.7e3)]
 
 
 def scenes(mesh, count=3000, seed=1):
-    """One point anywhere, 0.5 to 20 N: the solution of each."""
+    """Single points anywhere with 0.5 to 20 N, solved."""
     rng = np.random.default_rng(seed)
     load = np.zeros((count, mesh.m, mesh.n))
     place = rng.integers(mesh.m, size=count), rng.integers(mesh.n, size=count)
@@ -36,7 +36,7 @@ def converter(mesh, bits):
 
 
 def read(mesh, solution, bits, gain):
-    """The volts that a converter makes of E1..E4, and of both differences, behind amplifiers if any."""
+    """The converted volts of E1..E4 and of both differences, amplified if there are amplifiers."""
     adc = converter(mesh, bits)
     volts = np.stack([solution.E1, solution.E2, solution.E3, solution.E4])
     e = adc.volts_of(adc.convert(volts)[0])
@@ -70,9 +70,9 @@ def test_converted_circuits_lie_within_the_budget_and_reach_it(mesh, bits, gain)
     for wrong, (step, greatest, rms) in cases:
         assert (wrong <= greatest * (1 + 1e-9) + 1e-10).all()
         assert (wrong / greatest).max() > 0.8
-        # Where the errors stay small and nothing is cut off at the edge.
+        # Only where the errors are small and x, y do not saturate.
         free = (greatest < 0.2) & (np.abs(s.x) + greatest < 1) & (np.abs(s.y) + greatest < 1)
-        for C, at in ((mesh.Cx, s.x), (mesh.Cy, s.y)):  # else E1 and E3 have the same code, the same error
+        for C, at in ((mesh.Cx, s.x), (mesh.Cy, s.y)):  # otherwise E1 and E3 share their code and error
             free &= np.abs(at) * n / C > 2 * q
         if free.sum() > 500:
             assert np.sqrt(np.mean((wrong / rms)[free] ** 2)) == pytest.approx(1, abs=0.1)
@@ -81,7 +81,8 @@ def test_converted_circuits_lie_within_the_budget_and_reach_it(mesh, bits, gain)
 
 @pytest.mark.parametrize("bits, gain", [(8, 1), (14, 1), (12, 16), (24, 4)])
 def test_budget_is_the_worst_corner_of_the_worst_place(bits, gain):
-    """All sixteen (or, amplified, sixty-four) corners in the voltages themselves, of the reference solver."""
+    """All sixteen (or, amplified, sixty-four) corners of the errors, added to the voltages of the reference
+    solver."""
     mesh = Mesh(7, 12, 30.0)
     found = budget.budget(mesh, bits, gain, 3.0)
     h = budget.code_v(mesh, bits) / 2
@@ -109,7 +110,7 @@ def test_budget_is_the_worst_corner_of_the_worst_place(bits, gain):
 @pytest.mark.parametrize("bits, gain", [(12, 1), (16, 1), (20, 1), (12, 16), (16, 16)])
 @pytest.mark.parametrize("mesh", MESHES[:2], ids=repr)
 def test_the_core_adds_only_its_rounding(mesh, bits, gain):
-    """msn_cop4's twin on the codes. Amplified differences join them as g (c1 + c3) +- d, steps of q/2g."""
+    """msn_cop4's twin on the codes. Amplified differences are combined as g (c1 + c3) +- d, steps of q/2g."""
     s = scenes(mesh, 500, seed=2)
     adc = converter(mesh, bits)
     c = np.stack([adc.convert(e)[0] for e in (s.E1, s.E2, s.E3, s.E4)], axis=1)
@@ -166,9 +167,9 @@ def test_a_load_that_drowns_is_not_resolved():
     found = budget.budget(Mesh(5, 5, 1e-3), 8, 1, 1e5)  # 0.04 ohms: D is far below a code
     assert found["loads"][-1]["load"]["greatest"] is None
     assert "none" in "\n".join(cop4_report.tell(found))
-    faint = budget.budget(Mesh(5, 5, 10.0), 8, 1, 1e-3)  # so little current that N is below a code
+    faint = budget.budget(Mesh(5, 5, 10.0), 8, 1, 1e-3)  # so little current that N is below one code
     assert faint["loads"][0]["x"]["greatest"] == pytest.approx(1.0)
-    # Errors as large as what they are divided by: anything may come out.
+    # Errors as large as the divisor: the result is undefined.
     assert budget.position(2.0, np.array([0.5]), np.array([0.9]), 1.0, 1)[1] == [1.5]
     assert budget.position(2.0, np.array([0.5]), np.array([0.9]), 1.0, 4)[1] == [1.5]
     assert budget.load(1.0, np.array([10.0]), np.array([1.5]), 1.0)[1] == [np.inf]

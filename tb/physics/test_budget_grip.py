@@ -1,6 +1,6 @@
-"""The budget of the grip reflex, by numbers of docs/grip.md: 10 clocks with tumbling windows, 12 with a
-sliding one of 64, and one more behind a period's end; tb/core/test_grip_core.py shows that 10 is what a core
-needs. The command prints the terms, and refuses what has no reflex."""
+"""The budget of the grip reflex, by the numbers of docs/grip.md: 10 clocks with tumbling windows, 12 with a
+sliding window of 64, and one more if a period ends just before; tb/core/test_grip_core.py shows that a core
+needs 10. The command prints the terms, and refuses a configuration without a reflex."""
 
 import json
 import subprocess
@@ -29,7 +29,7 @@ def build(immediate=True, **slip):
         ({"hop": 2}, 12),
         ({"level": 2}, 11),
         ({"level": 3}, 12),
-        ({"level": 3, "hop": 8}, 13),  # eight details: 1 + log4(8), up
+        ({"level": 3, "hop": 8}, 13),  # eight details: 1 + log4(8), rounded up
         ({"window": 4096, "hop": 2}, 15),
     ],
 )
@@ -43,7 +43,7 @@ def test_the_terms_are_those_of_the_pages(slip, clocks):
 
 
 def test_a_window_too_long_for_16_clocks_is_called_so():
-    """4096 details: filter 1, level 3, 1 + log4(4096) = 7, slip 2, reflex 4, behind another 1."""
+    """4096 details: filter 1, level 3, 1 + log4(4096) = 7, slip 2, reflex 4, after another command 1."""
     found = grip.budget(build(level=3, window=32_768, hop=8))
     assert found["total_clocks"] == 18 and not found["within_16"]
     assert "above 16" in grip.tell(found)[0]
@@ -56,7 +56,7 @@ def test_the_terms_of_a_core_as_it_is_shipped():
         **{"command": 1, "after another": 1},
     }
     assert set(found["terms_clocks"]) <= set(grip.NAMES)
-    # Two channels of 24 MHz, SCLK 1 MHz: a word and a half of 24 bits and the rest between them.
+    # Two channels at 24 MHz, SCLK 1 MHz: one and a half words of 24 bits and the rest between them.
     assert found["cycle_clocks"] == 240_000 and 24 * 19 < found["convert_clocks"] < 2 * 24 * 24
 
 

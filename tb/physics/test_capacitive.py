@@ -1,5 +1,5 @@
-"""The capacitive pad against what it is made of: eq. 15 against Kirchhoff's law solved as a network, eq. 18
-and its limits, the tab's cubic, creep that comes back, crosstalk in a column, the carrier's samples."""
+"""The capacitive pad against its principles: eq. 15 against Kirchhoff's law solved as a network, eq. 18 and
+its limits, the tab's cubic, creep that recovers, crosstalk in a column, the carrier's samples."""
 
 import numpy as np
 import pytest
@@ -12,7 +12,7 @@ RNG = np.random.default_rng(4)
 
 
 def test_the_output_is_kirchhoff_s_law_at_the_amplifier_s_input():
-    """Unknowns: input voltage v and output u of an amplifier with u = -G v; complex, every term kept."""
+    """Unknowns: input voltage v and output u of an amplifier with u = -G v; complex, with every term."""
     for _ in range(200):
         cell, others, ref = 10.0 ** RNG.uniform(-13, -10, 3)
         hertz, gain = 10.0 ** RNG.uniform(4, 7), 10.0 ** RNG.uniform(0, 4)
@@ -31,12 +31,12 @@ def test_eq_18_and_its_rule():
     gain = 200.0
     got = capacitive.output_v(1e-12, others, gain, 10.0)
     assert got == pytest.approx(10 * gain / (gain + others * 1e12 + 2))
-    # The ideal output, and what the published rule G > 200 leaves of it at 80 pF.
+    # The ideal output, and the output that the published rule G > 200 leaves at 80 pF.
     assert capacitive.output_v(1e-12, 80e-12, 1e9, 10.0) == pytest.approx(10.0, rel=1e-6)
     assert got[-1] == pytest.approx(7.092, abs=1e-3)
-    # An amplifier whose gain lags by 90 degrees, as beyond its corner, loses far less.
+    # An amplifier whose gain lags by 90 degrees, as above its corner frequency, loses far less.
     assert capacitive.output_v(1e-12, 80e-12, -1j * gain, 10.0) == pytest.approx(9.2525, abs=1e-3)
-    # Eq. 17: leakage counts the less the higher the carrier.
+    # Eq. 17: the higher the carrier, the smaller the effect of leakage.
     leaking = [capacitive.output_v(1e-12, 0, 1e12, 1.0, hertz=f, cell_ohm=10e6) - 1 for f in (1e4, 1e5, 2e5)]
     expected = [np.sqrt(1 + (2 * np.pi * f * 1e-12 * 10e6) ** -2.0) - 1 for f in (1e4, 1e5, 2e5)]
     assert leaking == pytest.approx(expected, rel=1e-6)
@@ -51,13 +51,14 @@ def test_a_tab_carries_its_force():
     assert u[0] == 1 and (np.diff(u) < 0).all() and u[-1] > 0
     # The axes of figure 8 run from 1800 to 2500 codes: 1900 at rest, 2450 under 100 g.
     assert capacitive.capacitance_ratio(100 * GRAM_N) == pytest.approx(2450 / 1900, abs=0.005)
-    # Twice as stiff under twice the force is the same height; without tabs, nothing moves.
+    # Twice the stiffness under twice the force gives the same height; without tabs, nothing moves.
     assert capacitive.tab_height(2.0, 2.0) == pytest.approx(capacitive.tab_height(1.0))
     assert capacitive.capacitance_ratio(1.0, tab_mm=0.01) == pytest.approx(1, abs=1e-4)
 
 
 def test_a_tab_s_answer_is_nearly_straight():
-    """Within 5 % of the span of a straight line from 0 to 150 g, as the published calibration takes it."""
+    """The response stays within 5 % of the span from the line from 0 to 150 g that the published calibration
+    fits."""
     grams = np.linspace(0, 150, 51)
     ratio = capacitive.capacitance_ratio(grams * GRAM_N)
     off = ratio - np.polyval(np.polyfit(grams, ratio, 1), grams)
@@ -72,14 +73,14 @@ def test_creep_sags_droops_and_comes_back():
     assert answered[0] == 0 and answered[20] == pytest.approx(1 - late)
     held, after = answered[20:4020], answered[4020:]
     assert (np.diff(held) >= 0).all() and held[-1] == pytest.approx(1, abs=0.01)
-    assert (np.diff(after) <= 0).all() and after[-1] < 1e-3  # no loss for good: no classical hysteresis
-    # Expanding is slower than contracting: at equal times less of the late part is done.
+    assert (np.diff(after) <= 0).all() and after[-1] < 1e-3  # no permanent loss, so no classical hysteresis
+    # Expansion is slower than contraction: after the same time, less of the late part has passed.
     k = 2
     assert (held[k] - held[0]) > 1.2 * (after[0] - after[k])
 
 
 def test_a_line_leaves_4_g_and_a_parabola_a_third():
-    """Without noise: a cell of a whole column behind its amplifier, 0 to 150 g on the cover above it."""
+    """Without noise: a cell in a complete column with its amplifier, 0 to 150 g on the cover above it."""
     pad = capacitive.build_pad(8, 8, np.random.default_rng(1))
     place = on_tabs(*cell_mm(3, 4), np.linspace(0, 150, 151) * GRAM_N)
     volts, grams = pad.amplitude_v(place, 200.0, 5.0)[:, 3, 4], np.arange(151.0)
@@ -91,7 +92,7 @@ def test_a_line_leaves_4_g_and_a_parabola_a_third():
 
 
 def test_a_twentieth_of_a_fast_press_is_late():
-    """At the tops of four cycles of one second: 5.5, 5.3, 5.1 and 5.0 %, 5.2 % in the mean."""
+    """At the tops of four cycles of one second: 5.5, 5.3, 5.1 and 5.0 %, on average 5.2 %."""
     cycle = np.tile(1 - np.abs(1 - 2 * np.arange(50) / 50), 4)
     late = 1 - capacitive.creep(cycle, 50.0)[25::50]
     assert late == pytest.approx([0.055, 0.053, 0.051, 0.050], abs=5e-4)
@@ -114,7 +115,7 @@ def test_a_press_takes_from_its_column_and_from_no_other():
     beside = np.delete(change[:, 5], 2)
     assert (beside < -1e-4).all() and beside.min() > -0.01
     assert np.abs(np.delete(change, 5, axis=1)).max() == 0
-    # By the formula, with every other cell of the column counted as unselected.
+    # By the formula, with every other cell of the column as an unselected cell.
     c = pad.capacitance_f(force_n)
     others = c[:, 5].sum() - c[4, 5] + pad.stray_f
     expected = 5 * 200 * c[4, 5] / (200 * pad.ref_f[5] + others + pad.ref_f[5] + c[4, 5])
@@ -133,7 +134,7 @@ def test_the_carrier_settles_to_its_amplitude():
 
 
 def test_the_published_cell_is_more_than_its_plates():
-    """The paper's 1 pF is not what its sizes give: 0.06 to 0.11 pF between flat plates."""
+    """The paper's 1 pF does not follow from its dimensions: flat plates give 0.06 to 0.11 pF."""
     assert capacitive.plate_f(1.0) == pytest.approx(0.057e-12, rel=0.01, abs=0)
     assert capacitive.plate_f(0.5) == pytest.approx(0.114e-12, rel=0.01, abs=0)
 

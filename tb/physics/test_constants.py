@@ -1,4 +1,4 @@
-"""docs/constants.md: every constant of the physics says where it is from, and what the slip figures owe to
+"""docs/constants.md: every constant of the physics has an origin, and the dependence of the slip figures on
 some of them is measured."""
 
 import types
@@ -40,7 +40,7 @@ def test_the_page_says_what_is_recorded():
 
 
 def test_a_change_reaches_what_is_computed_from_it_and_ends():
-    """A layer a third as thick rings at the square root of 3 of the frequency: stiffness is kept."""
+    """A layer a third as thick rings at sqrt(3) times the frequency, as the stiffness is kept."""
     before = rubber.RING_HZ, rubber.RING_S, rubber.QUALITY, rubber.THICKNESS_MM
     with constants.changed(Change("THICKNESS_MM", rubber.THICKNESS_MM / 3)):
         assert pytest.approx(before[0] * 3**0.5) == rubber.RING_HZ
@@ -55,7 +55,7 @@ def test_a_change_reaches_what_is_computed_from_it_and_ends():
 
 
 def test_a_change_that_matters_turns_the_figures(monkeypatch):
-    """Three runs: none of a slip four times as quiet is found in time, as it is all are."""
+    """Three runs: with events a quarter as large no slip is found in time; with the original size all are."""
     monkeypatch.setattr(constants, "RUNS", 3)
     as_is = constants._row()
     quiet = Change("EVENT_SHARE", rubber.EVENT_SHARE / 4)

@@ -1,5 +1,6 @@
-"""The pages' modules of the four-wire sensors: what the papers print is as printed, what is ours as worked
-out here by hand or by another way; each row owes what exists; pictures are small enough for a phone."""
+"""The pages' modules of the four-wire sensors: the papers' numbers are as printed, ours are as worked out
+here by hand or by another method; every constant that a row refers to exists; pictures are small enough for a
+phone."""
 
 import math
 import struct
@@ -60,9 +61,8 @@ def test_owed_constants_exist_and_name_their_origin():
 
 
 def test_r0_and_one_code(mesh):
-    """By hand: I R0 = 30 c/(1+c) V with c = R0/864 ohms less the layers' drop, one code 31.5 V/65536, and
-    x is
-    Cx times it over I R0; half of that is its share of the range, -1 to 1."""
+    """By hand: I R0 = 30 c/(1+c) V with c = R0/864 ohms, without the layers' voltage drop; one code is 31.5
+    V/65536, and x is Cx times it over I R0; half of that is its share of the range, -1 to 1."""
     for r0, share in ((1e3, 0.00311), (10e3, 0.0179)):
         across = (2 * 41 * r0 / 10 + 42) / 40
         n_v = 30 * (r0 / 864) / (1 + r0 / 864)
@@ -84,15 +84,14 @@ def test_the_position_settles_by_hand():
 def test_a_cover_s_radius_turns_the_circle(mesh):
     round_by = {radius: 100 * locus["roundness"] for radius, (locus, _) in _mesh.covers().items()}
 
-    # By hand, R = 1: on the axis the force is sqrt(0.75) pitches high, halfway from the middle to the
-    # edge's taxel;
-    # of the far column, the middle and the near one each has a taxel on the axis and two beside it.
+    # By hand, R = 1: on the axis the force is sqrt(0.75) pitches high, halfway from the middle to the edge's
+    # taxel; the far column, the middle and the near one each have one taxel on the axis and two beside it.
     def column(d2):
         return sum(count * (1 + (d2 + beside) / 0.75) ** -2.5 for count, beside in ((1, 0), (2, 1)))
 
     far, near = column(2.25), column(0.25)
     on_axis = (near - far) / (far + 2 * near)
-    assert _mesh.covers()[1.0][1].x[0] == pytest.approx(on_axis, abs=0.01)  # r = 47: the layers' drop
+    assert _mesh.covers()[1.0][1].x[0] == pytest.approx(on_axis, abs=0.01)  # r = 47: the layers' voltage drop
     assert [round(round_by[radius], 2) for radius in (0.8, 1.0, 1.5, 2.0)] == [25.51, 11.0, 0.04, 1.33]
     table = next(part for part in mesh if isinstance(part, Table) and part.title.startswith("The cover"))
     assert dict((row[0], row[2]) for row in table.rows)["1.5"] == "0.0449 %"
@@ -119,21 +118,20 @@ def test_two_points_go_with_the_current_s_shares(net):
 
 
 def test_the_loop_closes_and_is_as_wide_as_its_share(net):
-    """Falling at half the force, ln F has fallen by ln 2 < 1 from its peak: the whole of that times the
+    """Falling at half the force, ln F is ln 2 < 1 below its peak: the load differs by all of that times the
     share."""
     _, force_n, load = _net.cycle()
     quarter = len(load) // 4
     up, down = load[2 * quarter : 3 * quarter], load[3 * quarter :][::-1]
     at = int(np.argmin(np.abs(force_n[2 * quarter : 3 * quarter] - 1.5)))
-    assert down[at] / up[at] == pytest.approx(2**_net.HYSTERESIS, rel=0.015)  # less the layers' drop
+    assert down[at] / up[at] == pytest.approx(2**_net.HYSTERESIS, rel=0.015)  # less the layers' voltage drop
     assert (down - up).min() > -1e-9 and down[-1] == pytest.approx(up[-1], rel=2e-3)
 
 
 def test_sheets_with_elements_cut_out(net):
-    """Four corners gone: layer A is a chain of four resistors from E1 through three elements to E3. Pressed
-    on the last one, I leaves E1 by 3r + R0 and E3 by r + R0: E1-E3 = R0 I 2r/(2 R0 + 4r). The whole mesh's
-    constant,
-    (6 R0/r + 4)/2, makes nearly 3 of it."""
+    """Four corners missing: layer A is a chain of four resistors from E1 through three elements to E3. With
+    the last one pressed, the path to E1 is 3r + R0 and to E3 r + R0: E1-E3 = R0 I 2r/(2 R0 + 4r). The
+    complete mesh's constant, (6 R0/r + 4)/2, makes nearly 3 of it."""
     _, found, gains, plain, fitted = _net.pressed(*_net.CUTS["3×3, all four corners"])
     r0 = 1e4 / 150
     wanted = (6 * r0 + 4) / 2 * 2 / (2 * r0 + 4)
@@ -149,7 +147,7 @@ def test_what_cop_slip_finds(slip):
     ours = find(slip, "III-A", "a layer of silicone").ours
     assert ours.startswith("0.2 mm of silicone: 2.0") or ours.startswith("0.2 mm of silicone: 1.9")
     assert "7 of 7 pulls" in find(slip, "III-A", "flags of the two").ours
-    assert "2.05 V: restored" in find(slip, "figs. 6-8").ours  # 2 + 1.01 exp(-3), and what it rises meanwhile
+    assert "2.05 V: restored" in find(slip, "figs. 6-8").ours  # 2 + 1.01 exp(-3), plus its rise meanwhile
     tables = {part.title: part for part in slip if isinstance(part, Table)}
     one = next(part for title, part in tables.items() if title.startswith("Voltage step"))
     # 2 V: k = 1.55 - 0.54 = 1.01, times 0.05^0.11, 0.1^0.11 and 1.

@@ -1,5 +1,6 @@
-"""The scenes of the centre of pressure: every one loads and runs; their worlds against plain sums and the
-published experiments; the summary against an independent computation; what a mistyped scene is told."""
+"""The scenes of the centre of pressure: every one loads and runs; the simulated forces against plain sums and
+the published experiments; the summary against an independent computation; the messages for mistakes in a
+scene."""
 
 import json
 import tomllib
@@ -69,7 +70,7 @@ def test_a_patch_goes_around_a_circle():
     phase = np.linspace(0, 1, 100)
     patch = {"path": "circle", "centre": (0, 0), "radius": 0.6, "turns": 1, "force_n": 5.0}
     load, x, y = mesh_loads.true_centre(patches.forces(16, 16, [patch | {"profile": "steady"}], phase, 1.5))
-    # A little inside 0.6: the cover's far field reaches the other side of the array.
+    # A little less than 0.6, because the cover spreads force to the other side of the array.
     radius = np.hypot(x, y)
     assert radius.min() > 0.5 and radius.max() < 0.6 and np.ptp(radius) < 0.03
     assert load == pytest.approx(5.0)
@@ -116,7 +117,7 @@ def test_a_recorded_step_goes_from_heel_to_toe():
     load, _, y = centre(frames[20:-20])
     assert load.min() > 0
     assert y[0] > 0.5 and y[-1] < -0.5
-    assert (np.diff(y[::10]) < 0).all()  # 20 ms at a time: from frame to frame it trembles
+    assert (np.diff(y[::10]) < 0).all()  # every 20 ms, as single frames tremble
 
 
 def test_the_data_are_asked_for_when_absent(monkeypatch):
@@ -235,8 +236,8 @@ def test_run_a_mesh_scene(tmp_path, name):
         assert summary["load_error_without_lag"]["maximum"] < 0.02 < summary["load_error"]["maximum"]
         assert summary["position_response_s"] == pytest.approx(5e-5)  # the first sample with a load
     if name == "cop_impulse_place":
-        # Of 5 N there are f after tau ln(1/(1-f)), tau = 0.2 ms; the centre is at f/(f + 0.45/5) of its way,
-        # and there is 95 % of its end, 1/1.09, behind it at f = 0.611: after 0.189 ms.
+        # After tau ln(1/(1-f)), tau = 0.2 ms, a share f of 5 N has built up and the centre is f/(f + 0.45/5)
+        # of the way; it reaches 95 % of its end, 1/1.09, at f = 0.611, which is after 0.189 ms.
         assert summary["position_response_s"] == pytest.approx(0.19e-3, abs=1.1e-5)
         assert summary["response_s"] == pytest.approx(0.6e-3, abs=2e-5)
     if name == "cop_circle":  # figures 14 and 15: a neat locus
@@ -246,7 +247,7 @@ def test_run_a_mesh_scene(tmp_path, name):
         assert "a circle of radius 0.3333" in "\n".join(run.tell(scene, summary))
 
 
-# What the converter and Q2.14 add to a position (of the range) and to a load, at most.
+# The largest error that the converter and Q2.14 add to a position (of the range) and to a load.
 GRAIN = {
     "cop_two_point": (2e-4, 2e-4),
     "cop_load": (4e-4, 2e-3),
@@ -261,7 +262,7 @@ GRAIN = {
 @pytest.mark.parametrize("name", MESHES)
 @pytest.mark.parametrize("engine", ["fixed", "rtl"])
 def test_run_a_mesh_scene_on_the_core(tmp_path, name, engine):
-    """Within the converter's grain of the voltages as they are; the core's own words equal the twin's."""
+    """The result is within the converter's error of the exact voltages; the core's words equal the twin's."""
     scene = scenes.load(name)
     summary = run.run(scene, engine, tmp_path, seed=1)
     assert json.loads((tmp_path / "summary.json").read_text()) == summary

@@ -1,5 +1,5 @@
 """A mesh with parts missing against plain nodal analysis in exact fractions, written from docs/mesh.md alone;
-against the whole mesh's solver; and the ends of what can be missing."""
+against the complete mesh's solver; and the extremes of missing parts."""
 
 from fractions import Fraction
 
@@ -38,7 +38,7 @@ def by_hand(m, n, load, gone=(), bare=(), cut=()):
     cut = {frozenset(pair) for pair in cut}
     wires = [w for w in wires if not {w[0], w[1]} & lost and frozenset(w[:2]) not in cut]
     known = {("+",): Fraction(V0), ("-",): Fraction(-V0)}
-    # Only nodes that some path joins to a rail have a voltage.
+    # Only nodes with a path to a rail have a voltage.
     reached = set(known)
     for _ in range(2 * m * n + 6):
         reached |= {b for a, b, _ in wires if a in reached} | {a for a, b, _ in wires if b in reached}
@@ -64,7 +64,7 @@ def by_hand(m, n, load, gone=(), bare=(), cut=()):
 
 
 def reported(m, n, E):
-    """x, y and load of four voltages, by docs/mesh.md."""
+    """x, y and load from four voltages, by docs/mesh.md."""
     E1, E2, E3, E4 = E
     x = Fraction(2 * m * R0, R) + n + 1
     y = Fraction(2 * n * R0, R) + m + 1
@@ -84,7 +84,7 @@ CASES = {
     "an element cut off": (
         {"gone": [(0, 1), (1, 0)]},
         {},
-    ),  # the corner hangs on E1 in one layer, E2 in the other
+    ),  # the corner is connected to E1 in one layer, to E2 in the other
     "without rubber": ({"bare": [(1, 1), (3, 2)]}, {}),
     "resistors": (
         {"cut": [(("A", 1, 1), ("A", 1, 2)), (("B", 2, 0), ("B", 3, 0)), (("E1",), ("A", 2, 0))]},
@@ -117,7 +117,7 @@ def test_what_is_left_obeys_kirchhoff(name):
 
 
 def test_every_case_is_another_circuit():
-    """So no case passes by leaving its cut out."""
+    """Otherwise a case could pass although its cut is ignored."""
     volts = [tuple(by_hand(4, 3, LOAD, **hand)) for hand, _ in CASES.values()]
     assert len(set(volts)) == len(CASES)
 
@@ -131,7 +131,8 @@ def test_nothing_missing_is_the_whole_mesh():
 
 
 def test_a_force_without_rubber_is_not_felt():
-    """The rest is reported as if it were alone, exactly, and as ideally as ever."""
+    """The remaining force is reported exactly as if it were alone, and as accurately as in a complete
+    sheet."""
     mesh, rubber = Mesh(5, 5, 47.0), np.ones((5, 5), bool)
     rubber[1::2, :] = rubber[:, 1::2] = False
     load = np.zeros((2, 5, 5))
@@ -141,7 +142,7 @@ def test_a_force_without_rubber_is_not_felt():
 
 
 def test_one_pressed_element_is_reported_at_the_harmonic_place():
-    """By reciprocity: x = h, but for the tilt between the rails, which R0 >> r leaves out."""
+    """By reciprocity x = h, except for the gradient between the rails, which is negligible for R0 >> r."""
     elements = np.ones((4, 5), bool)
     elements[0, 0] = elements[2, 2] = False
     cut = CutMesh(Mesh(4, 5, 10.0, 1e7), elements)
@@ -155,9 +156,9 @@ def test_one_pressed_element_is_reported_at_the_harmonic_place():
 
 
 def ratio(cut, axis, across, along):
-    """What the whole mesh's constant makes of h, R0 far above r: with I/2 from either electrode, E1-E3 is
-    half of I h times the resistance between them, r 2/flow where 2 V between them drive ``flow`` through
-    resistors of 1 ohm; x = Cx (E1-E3) / (R0 I) with Cx = 2 across R0/r / (along - 1)."""
+    """The factor that the complete mesh's constant applies to h, for R0 >> r: with I/2 from either electrode,
+    E1-E3 is half of I h times the resistance between them, r 2/flow where 2 V between them drive ``flow``
+    through resistors of 1 ohm; x = Cx (E1-E3) / (R0 I) with Cx = 2 across R0/r / (along - 1)."""
     right, up = cut.harmonic()
     if axis == "x":
         flow = sum(right[i, 0] + 1 for i in range(across) if cut.elements[i, 0])
@@ -174,7 +175,8 @@ def test_what_cannot_be():
         CutMesh(mesh, cut=[("A", 0, 3)])
     with pytest.raises(ValueError, match="newtons, 0 or more"):
         CutMesh(mesh).solve(np.full((1, 2, 3), -1.0))
-    # All wires to one electrode cut, nothing pressed, or only what is gone: no measurement, and no exception.
+    # All wires to one electrode cut, nothing pressed, or only missing elements: no measurement, and no
+    # exception.
     gone = np.ones((2, 3), bool)
     gone[0, 0] = False
     load = np.zeros((2, 2, 3))

@@ -25,13 +25,14 @@ def test_a_confined_cube_keeps_its_sides(v):
 
 
 def test_rubber_that_keeps_its_volume_feels_nothing_without_tabs():
-    """By hand: at v = 1/4, lateral 2 of 6 and strain 1/2; at v = 1/2 the stress is the same all round."""
+    """By hand: at v = 1/4 a lateral stress of 2 for 6, and a strain of 1/2; at v = 1/2 the stress is equal on
+    all sides."""
     assert dielectric.lateral_stress(Fraction(6), Fraction(1, 4)) == 2
     assert dielectric.strain_confined(Fraction(6), Fraction(1, 4), Fraction(10)) == Fraction(1, 2)
     assert dielectric.lateral_stress(Fraction(6), Fraction(1, 2)) == 6
     assert dielectric.strain_confined(Fraction(6), Fraction(1, 2), Fraction(10)) == 0
     assert dielectric.rise_without_tabs(150.0, 0.5) == 0
-    # 1.539 mm2 under 1.4709975 N is 0.95557 MPa; v = 2/5 leaves 7/15 of it: 44.59 % thinner.
+    # 1.539 mm2 under 1.4709975 N is 0.95557 MPa; v = 2/5 leaves 7/15 of that: 44.59 % thinner.
     assert dielectric.rise_without_tabs(150.0, 0.4) == pytest.approx(1 / (1 - 0.445935) - 1, rel=1e-4)
 
 
@@ -42,13 +43,15 @@ def test_what_halves_a_tab():
         assert dielectric.force_for(share, tab_mm) == pytest.approx(newtons / 9.80665e-3, rel=1e-12)
         assert capacitive.tab_height(newtons, tab_mm=tab_mm) == pytest.approx(0.5)
         assert dielectric.rise(newtons / 9.80665e-3, tab_mm) == pytest.approx(share)
-    # At u = 0 nothing of the tab is left: 1.0 mm over 0.25 mm is four times, and no force gives more.
+    # At u = 0 the tab has no height: 1.0 mm over 0.25 mm is four times the capacitance, and no force exceeds
+    # that.
     assert np.isinf(dielectric.force_for(3.0, 0.75)) and np.isfinite(dielectric.force_for(2.999, 0.75))
     assert np.isinf(dielectric.force_for(1.0, 0.25)) and np.isfinite(dielectric.force_for(0.999, 0.25))
 
 
 def test_the_flattest_tab_has_seven_times_the_range():
-    """What 100 g do to the highest tab takes 702 g on the flattest; the same 100 g do a fifth."""
+    """The rise that 100 g cause on the highest tab takes 702 g on the flattest; 100 g cause a fifth of it
+    there."""
     share = dielectric.rise(100.0, 0.75)
     assert share == pytest.approx(0.2886, abs=1e-4)
     assert dielectric.force_for(share, np.array([0.25, 0.5, 0.75])) == pytest.approx(

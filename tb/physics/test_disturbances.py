@@ -1,7 +1,8 @@
-"""Hum, 1/f noise, hysteresis and bursts of the rubber sensor: each alone in the signal, as its formula says.
+"""Hum, 1/f noise, hysteresis and bursts of the rubber sensor: each one alone in the signal, as its formula
+gives it.
 
-A recording with one of them is compared with the same run without: the slip and the converter's noise are
-drawn from another generator, so the difference is the disturbance. Expectations are worked out by hand.
+A recording with one of them is compared with the same run without it: slip and converter noise use another
+generator, so the difference is the disturbance. Expectations are worked out by hand.
 """
 
 import dataclasses
@@ -19,7 +20,7 @@ RATE = 10_000
 
 
 def grip(seed=3, **options):
-    """A run of grip_slip's plain condition, with these options on."""
+    """A run of grip_slip's plain condition with these options."""
     scene = scenes.load("grip_slip")
     plain = dataclasses.replace(scene.condition("plain"), **options)
     return scenes.simulate(dataclasses.replace(scene, conditions=(plain,)), 0, seed)
@@ -41,7 +42,7 @@ def test_the_grip_follows_the_pull_until_the_contact_slips():
 
 
 def test_events_come_at_their_share_of_the_limit_of_that_moment():
-    """The plate's own numbers: T(t) at the event over mu·N(t) is the ratio, where N rises with T."""
+    """By the plate's own numbers: T(t) at the event over mu·N(t) is the ratio, where N rises with T."""
     time = np.arange(90_000) / RATE
     pull = plate.pull(time, 2.0, 10.0, "acrylic", 1.0, np.random.default_rng(2), follow=0.5)
     stiffness = plate.PULL_STIFFNESS_N_MM * 10.0  # N/s
@@ -53,14 +54,14 @@ def test_events_come_at_their_share_of_the_limit_of_that_moment():
 
 
 def test_what_is_drawn_for_a_disturbance_moves_no_other_draw():
-    """A disturbance too small for the converter leaves the codes as they are, noise and all."""
+    """A disturbance too small for the converter leaves the codes unchanged, including their noise."""
     plain = grip()
     for tiny in ({"hum_v": 1e-12}, {"flicker": 1e-12}):
         assert np.array_equal(grip(**tiny).codes, plain.codes), tiny
 
 
 def test_vc_recovers_as_far_as_the_condition_says():
-    """1 s after the slip, e^-0.6 = 0.5488 of what is taken back is still there: 0.6 + 0.4·0.5488 = 0.8195."""
+    """1 s after the slip, e^-0.6 = 0.5488 of the recoverable part remains: 0.6 + 0.4·0.5488 = 0.8195."""
     scene = scenes.load("acrylic_slip")
     runs = []
     for recovers in (1.0, 0.4):
@@ -102,12 +103,13 @@ def test_flicker_is_in_the_signal_where_the_rubber_conducts():
     held = (plain.time_s > 0.9) & (plain.time_s < 1.3)  # 2 N: 1.70 V, so dV = -1.70·3.30/5 of dG/G
     vc = plain.volts[held].mean()
     step = np.diff(added[held]).std() / (vc * (5 - vc) / 5)
-    # Differences of neighbours: the sum over f of S·4·sin²(pi·f/rate), which is 4·0.8237 of share²/ln 10.
+    # Neighbouring samples differ by the sum over f of S·4·sin²(pi·f/rate), which is 4·0.8237 of share²/ln 10.
     assert step == pytest.approx(0.01 * np.sqrt(4 * 0.8237 / 2.302585), rel=0.05)
 
 
 def test_hysteresis_is_a_loop_of_vc_over_force():
-    """Down by more than a factor e, the rubber shows e^0.1 = 1.10517 times the force; up again, the force."""
+    """Below the peak by more than a factor e, the rubber shows e^0.1 = 1.10517 times the force; rising, the
+    force."""
     scene = scenes.load("normal_force")
     looped = dataclasses.replace(scene.condition("load 4 N"), hysteresis=0.1)
     run = scenes.simulate(dataclasses.replace(scene, conditions=(looped,)), 0, 3)
@@ -139,7 +141,7 @@ def fano(counts):
 
 
 def test_bursts_bring_events_together_and_no_more_of_them():
-    """Counts in 20 ms: variance over mean 1 if independent; 2·5 - 1 = 9 for geometric groups of 5."""
+    """Counts in 20 ms: variance over mean is 1 if independent, 2·5 - 1 = 9 for geometric groups of 5."""
     rng = np.random.default_rng(8)
     counts, edges = {1: [], 5: []}, np.arange(0, 1.0, 0.02)
     for _ in range(200):
@@ -153,11 +155,11 @@ def test_bursts_bring_events_together_and_no_more_of_them():
     counts = {size: np.concatenate(found) for size, found in counts.items()}
     assert counts[5].mean() == pytest.approx(counts[1].mean(), rel=0.02)
     assert fano(counts[1]) == pytest.approx(1.0, abs=0.05)
-    assert 7.5 < fano(counts[5]) < 9.0  # a burst on an edge is counted in two
+    assert 7.5 < fano(counts[5]) < 9.0  # a burst on an edge counts in two bins
 
 
 def test_bursts_are_in_the_recording():
-    """Waits below 0.2 ms from event to event: few if independent, many within a burst of about 2 ms."""
+    """Intervals below 0.2 ms between events: few if independent, many within a burst of about 2 ms."""
     shares = {}
     for burst in (1.0, 5.0):
         waits = [np.diff(grip(seed, burst=burst).events_s) for seed in range(20)]
@@ -215,7 +217,7 @@ def test_pressing_has_no_events_to_place():
 )
 def test_a_disturbance_that_is_too_loud_is_judged_so(options, alarms):
     """Hum adds 2·sin(pi·50/10,000)/sqrt(2) = 2.2 % of its amplitude to a coefficient: 0.1 V stays far below
-    the threshold of 0.01 V, 1 V is over it by itself."""
+    the threshold of 0.01 V, 1 V exceeds it by itself."""
     config = scenes.load("grip_slip").slip_config()
     found = []
     for seed in (1, 2, 3):

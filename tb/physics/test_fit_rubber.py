@@ -1,7 +1,8 @@
-"""``meissner fit-rubber``: known constants come back, exactly without noise, and inside the intervals
-as often as these say; the papers' Table 2 gives the papers' line; bad input is refused with one sentence.
+"""``meissner fit-rubber``: known constants are recovered, exactly without noise, and lie inside the intervals
+as often as these state; the papers' Table 2 gives the papers' line; bad input is refused with one sentence.
 
-Known constants are not those of meissner.physics.rubber, and the recordings are written here by a plain loop.
+The known constants are not those of meissner.physics.rubber, and the recordings are written here by a plain
+loop.
 """
 
 import csv
@@ -67,15 +68,15 @@ def test_a_recording_gives_its_steps(sign):
 
 
 def test_the_rest_is_its_last_tenth_of_a_second_and_the_end_of_a_step_its_last_twentieth():
-    """What comes before does not count: a press during the rest, the rise at the beginning of the step."""
+    """Earlier samples do not count: a press during the rest, the rise at the beginning of the step."""
     time_s = np.arange(1000) / 1000
     speed = np.where(time_s >= 0.5, 0.3, 0.0)
-    volts = np.where(time_s < 0.399, 5.0, 2.0)  # 0.4 s is the first sample that counts, 0.399 s is at 2 V
+    volts = np.where(time_s < 0.399, 5.0, 2.0)  # 0.4 s is the first sample that counts; 0.399 s is at 2 V too
     volts[500:975], volts[975:] = 2.4, 2.7
     assert np.array(steps_of(time_s, volts, speed)).ravel() == pytest.approx([2.0, 0.7, 0.3], abs=1e-12)
-    volts[400] = 3.0  # one of a hundred
+    volts[400] = 3.0  # one of a hundred samples
     assert steps_of(time_s, volts, speed).rest_v == pytest.approx([2.01])
-    volts[975 - 1 : 987] = 2.4  # half of the last 25 and less: the median is that of the others
+    volts[975 - 1 : 987] = 2.4  # fewer than half of the last 25: the median is that of the others
     assert steps_of(time_s, volts, speed).step_v == pytest.approx([0.69])
 
 
@@ -95,12 +96,13 @@ def test_the_fit_is_the_least_sum_of_squares_of_logs():
             moved = found.value.copy()
             moved[place] *= by
             assert squares(*moved) > least
-    # The residuals' own sum is that sum, so they are of the same line.
+    # The reported residuals have the same sum of squares, so they belong to the same line.
     assert (np.log1p(found.residual) ** 2).sum() == pytest.approx(least, rel=1e-9)
 
 
 def test_the_intervals_hold_the_constants_as_often_as_they_say():
-    """Of 600 recordings with a deviation of 4.4 % of the step: 95 % are 570, four deviations of it are 21."""
+    """Of 600 recordings with a deviation of 4.4 % of the step, 95 % are 570; four standard deviations are
+    21."""
     inside = np.zeros(3, int)
     for seed in range(600):
         rng = np.random.default_rng([20, seed])
@@ -109,13 +111,13 @@ def test_the_intervals_hold_the_constants_as_often_as_they_say():
     assert ((inside >= 549) & (inside <= 591)).all(), inside
     narrow = fit(steps(share=lambda: 1 + 0.01 * rng.standard_normal()), confidence=0.5)
     wide = fit(narrow.steps, confidence=0.95)
-    # Student's t of 15 - 3 = 12: 2.17881 at 95 %, 0.69548 at 50 %.
+    # Student's t for 15 - 3 = 12: 2.17881 at 95 %, 0.69548 at 50 %.
     assert (wide.high - wide.low) / (narrow.high - narrow.low) == pytest.approx(2.17881 / 0.69548, rel=1e-4)
 
 
 def test_table_2_gives_the_papers_line():
     """k·v^n of its three rows at 0.01 to 3 mm/s. The papers' line: 1.55, -0.27, 0.11; its own rows of k give
-    1.54 (mean 0.73 at 3 V, -0.27 a volt), and n is the mean of 0.12, 0.11, 0.11."""
+    1.54 (mean 0.73 at 3 V, -0.27 per volt), and n is the mean of 0.12, 0.11, 0.11."""
     rows = [
         (rest, k * speed**n, speed)
         for rest, k, n in ((2.0, 0.99, 0.12), (3.0, 0.75, 0.11), (4.0, 0.45, 0.11))
@@ -123,13 +125,13 @@ def test_table_2_gives_the_papers_line():
     ]
     found = fit(Steps(*np.array(rows).T))
     assert found.value == pytest.approx([1.55, -0.27, 0.1133], abs=0.015)
-    assert found.value[2] == pytest.approx(0.34 / 3, abs=1e-6)  # equal speeds in each row: the plain mean
+    assert found.value[2] == pytest.approx(0.34 / 3, abs=1e-6)  # equal speeds in each row, so the plain mean
     assert found.low[0] < 1.55 < found.high[0] and found.low[1] < -0.27 < found.high[1]
 
 
 @pytest.mark.parametrize("kind", ["csv", "npz", "steps.csv", "steps.npz"])
 def test_every_form_of_file(tmp_path, kind):
-    """Columns in any order, another between them, comments and a byte order mark in a .csv."""
+    """Columns in any order, an extra column, comments and a byte order mark in a .csv."""
     columns = dict(zip(fit_rubber.RECORDING, recording(steps())))
     if kind.startswith("steps"):
         columns = dict(zip(STEPS, steps()))
@@ -159,7 +161,7 @@ def test_the_command_prints_constants_intervals_residuals_and_toml(tmp_path, cap
 
 
 def test_the_registers_by_hand():
-    """A level is 512 to a code, k1 has 16 bits of fraction, 1/n 11, the limit 20: 1.31·100·512 = 67072,
+    """A level has 512 per code, k1 has 16 bits of fraction, 1/n 11, the limit 20: 1.31·100·512 = 67072,
     -0.19·65536 = -12451.84, 2048/0.17 = 12047.06; 1.6 and 3.7 V: 81920 and 189440; 2.9·2^20 = 3040870.4."""
     words = fit_rubber.registers(fit(steps()), codes_per_v=100)
     names = ("cfg_k0", "cfg_k1", "cfg_exponent", "cfg_vi_min", "cfg_vi_max", "cfg_limit")
@@ -197,7 +199,7 @@ def put(name, row, value):
     return change
 
 
-REST = round(0.25 * RATE)  # samples
+REST = round(0.25 * RATE)  # in samples
 SECOND = REST + round(0.2 / 0.013 * RATE)  # the first of the second rest, at 15.6345 s
 BAD = {
     "no volts": (of_recording(lambda c: c.pop("volts")), "has no column volts"),
@@ -290,7 +292,7 @@ def one_step(count, speed=0.5, rest=600, drift=0.0):
 
 
 def test_a_step_must_be_whole():
-    """At 0.5 mm/s and 2000 samples a second 0.01 mm are 40 samples; 0.1 s of rest 200."""
+    """At 0.5 mm/s and 2000 samples per second, 0.01 mm are 40 samples, and 0.1 s of rest 200."""
     assert len(steps_of(*one_step(40)).step_v) == len(steps_of(*one_step(40, rest=200)).step_v) == 1
     with pytest.raises(
         ValueError, match=r"step 1, from 0.3 s on: it is 39 samples and 0.00975 mm long; it needs"
@@ -304,7 +306,7 @@ def test_a_step_must_be_whole():
 
 
 def test_a_rubber_that_still_recovers_is_no_rest():
-    """0.1 s of so many volts a second; the step is about 0.5 V, a tenth of it 0.05 V."""
+    """0.1 s of a drift in volts per second; the step is about 0.5 V, and a tenth of it 0.05 V."""
     assert len(steps_of(*one_step(40, drift=-0.3)).step_v) == 1
     with pytest.raises(ValueError, match=r"Vc still moves by 0.07 V in the 0.1 s before it; let the rubber"):
         steps_of(*one_step(40, drift=-0.7))

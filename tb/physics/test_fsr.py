@@ -1,5 +1,5 @@
-"""The resistive matrix against its nodal equations written out whole; what ghosts, what does not; materials,
-drift and every fault."""
+"""The resistive matrix against the complete set of its nodal equations; ghosts and how to avoid them;
+materials, drift and every fault."""
 
 import numpy as np
 import pytest
@@ -12,7 +12,7 @@ VELOSTAT, FSR400 = fsr.MATERIALS["Velostat"], fsr.MATERIALS["FSR400"]
 
 
 def whole_network(siemens, readout, row, faults=()):
-    """Column voltages while ``row`` is driven: every node's equation, one dense solve."""
+    """Column voltages while ``row`` is driven: the equations of all nodes in one dense solve."""
     rows, columns = siemens.shape
     matrix, right = np.zeros((rows + columns,) * 2), np.zeros(rows + columns)
     cut_rows = {f.row for f in faults if f.kind == "dead row"}

@@ -1,9 +1,9 @@
-"""``meissner run SCENE --full``: everything on beside a scene changes nothing of what the scene gives.
+"""``meissner run SCENE --full``: simulating everything beside a scene does not change the scene's results.
 
 Space: every scene, on fixed in ``make test`` and on rtl in ``make test-long``, by one run of each condition
-(a hand by two seconds of one). A first pass runs them in order; then everything on runs in the same process,
-and a second pass runs them with ``--full`` in the other order: summary and result.npz bit for bit, but for
-times. Parts that leave something behind are noticed.
+(a hand by two seconds of one). A first pass runs them in order; then all other parts run in the same process,
+and a second pass runs the scenes with ``--full`` in the reverse order: summary and result.npz are equal bit
+for bit, except for times. Parts that leave changed state behind are detected.
 """
 
 from dataclasses import replace
@@ -28,7 +28,7 @@ def stretch(name):
 
 
 def given(one, engine, out, compared=None):
-    """What a run gives, by name: the entries of its summary but times, and the bytes of its arrays."""
+    """The results of a run by name: the entries of its summary except times, and the bytes of its arrays."""
     summary = run.run(one, engine, out, compared=compared)
     found = {key: repr(value) for key, value in summary.items() if key not in TIMES}
     for name, array in np.load(out / "result.npz").items():
@@ -38,13 +38,13 @@ def given(one, engine, out, compared=None):
 
 @pytest.fixture
 def once(monkeypatch):
-    """No pictures, and each part of everything on runs once: no time is judged here."""
+    """No pictures, and each part of --full runs once, because no time is measured here."""
     monkeypatch.setattr("matplotlib.figure.Figure.savefig", lambda _, path, **__: path.write_bytes(b""))
     monkeypatch.setattr(full, "_ms_per_s", lambda part: round(1e3 / part(), 3))
 
 
 def changed(names, engine, folder, monkeypatch, everything=full.everything):
-    """{scene: what everything on changes of it}; runs it once for all of them."""
+    """{scene: the results that --full changes}; runs its parts once for all scenes."""
     plain = {name: given(stretch(name), engine, folder / "plain") for name in names}
     parts = everything(engine)
     monkeypatch.setattr(full, "everything", lambda *_: parts)
@@ -78,14 +78,14 @@ def spoil_a_constant():
 
 
 def spoil_a_draw():
-    """A generator that all would share."""
+    """One shared generator for all."""
     np.random.default_rng = lambda *_, made=np.random.default_rng: made(3)
 
 
 @pytest.mark.parametrize("leak", [spoil_an_array, spoil_a_constant, spoil_a_draw])
 def test_a_part_that_leaves_something_behind_is_noticed(tmp_path, monkeypatch, once, leak):
     for module, name in ((rubber, "RING_S"), (np.random, "default_rng")):
-        monkeypatch.setattr(module, name, getattr(module, name))  # put back at the end
+        monkeypatch.setattr(module, name, getattr(module, name))  # restored at the end
     coefficients = rubber._curve()[0].c
     kept = coefficients.copy()
 

@@ -1,6 +1,6 @@
-"""The object held on the four-wire sensor: the published fall, rise and move of a slip from the published
-rubber; forces that balance; what a grip alone does and does not; the scene against its own truth; its
-mistakes."""
+"""The object held on the four-wire sensor: the published fall, rise and move of a slip follow from the
+published rubber; forces balance; the effect of a grip alone; the scene against its own ground truth; mistakes
+in a scene."""
 
 import dataclasses
 
@@ -48,7 +48,7 @@ def test_the_published_slip():
 
 
 def test_the_fall_is_the_published_divider_s():
-    """G left at 2 N: the divider's volts before and with k·v^n of the shear on top, by hand."""
+    """The conductance left at 2 N: the divider's volts before, and with k·v^n of the shear added, by hand."""
     speed = 1.7
     rest = rubber.rest_volts(np.array([2.0]))[0]
     sheared = rest + (1.55 - 0.27 * rest) * speed**0.11
@@ -77,7 +77,8 @@ def test_the_pull_ends_at_friction():
 
 
 def test_a_cover_lengthens_the_lever():
-    """0.2 and 0.6 mm of silicone on a lever of 0.2 mm: twice and four times the move, and nothing else."""
+    """0.2 and 0.6 mm of silicone on a lever of 0.2 mm: the move is twice and four times as far; nothing else
+    changes."""
     bare = pulled()
     for cover_mm, times in ((0.2, 2), (0.6, 4)):
         rest = grip.ramps(TIME_S, [(0.0, 0.1, 2.0)])
@@ -116,7 +117,7 @@ def test_the_centre_moves_the_way_of_the_pull(direction):
     dx, dy = (x[end] - x[290]) * 2.5 * 4, (y[end] - y[290]) * 2.5 * 3  # mm
     along = np.deg2rad(direction)
     wanted = held.move_mm[end] * np.array([np.cos(along), np.sin(along)])
-    # What reaches beyond the edge of the sensor rests on its last taxels: a little less than all of it.
+    # Force beyond the sensor's edge rests on its last taxels, so the move is a little smaller.
     assert np.hypot(dx - wanted[0], dy - wanted[1]) < 0.2 * held.move_mm[end] + 10 * tilt
 
 

@@ -1,6 +1,6 @@
-"""The hand's physics block by block: equal to the whole-run forms on a pull that only grows, in blocks of any
-length; what begins again when the grip rises; a slide against a plain loop; forces that balance; the closed
-loop's parts against what they stand for; the scenes' mistakes.
+"""The hand's physics block by block: equal to the whole-run forms for a pull that only grows, in blocks of
+any length; what restarts when the grip rises; a slide against a plain loop; balanced forces; the closed
+loop's parts against the blocks that they stand for; mistakes in a scene.
 """
 
 import copy
@@ -24,11 +24,11 @@ from meissner.twins.slip.slip_path import decide
 
 RATE_HZ = 10000
 BLOCKS = [1, 7, 100, 4321]
-CLOSE_S = 1e-11  # an event's instant: a sample is 1e-4 s, its place between two is found to seven digits
+CLOSE_S = 1e-11  # of an event's time: a sample of 1e-4 s, interpolated to seven digits
 
 
 def pull(seed=3, seconds=4.0, newtons=2.0, speed=10.0):
-    """A pull of the whole-run form, from 0.1 s on, with its patches."""
+    """A pull of the whole-run form from 0.1 s on, with its patches."""
     rng = np.random.default_rng(seed)
     time_s = np.arange(round(seconds * RATE_HZ)) / RATE_HZ
     found = plate.pull(time_s, newtons, speed, "acrylic", 0.1, rng)
@@ -66,13 +66,13 @@ def test_patches_let_go_when_the_whole_run_form_says(block):
 @pytest.mark.parametrize("block", [1, 100, 250])
 @pytest.mark.parametrize("recovers", [1.0, 0.4])
 def test_the_shear_level_is_the_whole_run_s(block, recovers):
-    """In blocks that end where the speed changes, as a hand's do: only the exponentials round differently."""
+    """In blocks that end where the speed changes, as for a hand: only the exponentials round differently."""
     speed = np.repeat([0.0, 0.8, 0.8, 0.003, 0.0, 2.0, 0.0], 500)
     time_s = np.arange(len(speed)) / RATE_HZ
     wanted = rubber.shear_level(time_s, speed, recovers)
     level = Level(1, recovers)
     got = np.concatenate([level.next(speed[part][:1], block, RATE_HZ)[0] for part in in_blocks(3500, block)])
-    # The whole-run form holds the first sample at 0.
+    # The whole-run form keeps its first sample at 0.
     assert np.abs(got - wanted).max() < 1e-12 and wanted.max() > 0.9
 
 
@@ -80,7 +80,7 @@ def test_the_shear_level_is_the_whole_run_s(block, recovers):
 def test_the_fluctuation_is_the_whole_run_s_bit_for_bit(block):
     rng = np.random.default_rng(5)
     instants = np.sort(rng.uniform(0, 0.5, 40))
-    instants[7] = 0.0300  # on a sample
+    instants[7] = 0.0300  # exactly on a sample
     instants.sort()
     shares = rng.standard_normal(40)
     wanted = rubber.fluctuation(instants, shares, 5000, RATE_HZ)
@@ -104,7 +104,7 @@ def test_the_ripple_is_the_plate_s_and_begins_again():
 
 
 def loaded(force, tension, heal_s):
-    """Number of events of three patches, at q of 0.3, 0.6 and 0.8, in each of some blocks of 10 samples."""
+    """Number of events of three patches, at q of 0.3, 0.6 and 0.8, in each block of 10 samples."""
     ring = Ring([[0.3, 0.6, 0.8]], [[1.0, 1.0, 1.0]], [0.5], heal_s)
     counts = []
     for newtons, pulled in zip(force, tension):
@@ -118,7 +118,7 @@ def test_what_has_slipped_slips_again_only_beyond_it():
     force = [2.0, 2.0, 2.1, 2.1, 2.1]
     tension = [0.2, 0.7, 0.7, 0.75, 0.9]
     assert loaded(force, tension, np.inf) == [0, 2, 0, 0, 1]
-    # Let go and pulled again, at the same grip: nothing new, unless it stuck for long.
+    # Released and pulled again at the same grip: no new event, unless it stuck for long in between.
     assert loaded([2.0] * 4, [0.7, 0.1, 0.7, 0.9], np.inf) == [2, 0, 0, 1]
     assert loaded([2.0] * 4, [0.7, 0.1, 0.7, 0.9], 1e-6) == [2, 0, 2, 1]
     # A grip that falls under the same pull slips, too: 0.7 N of 0.85 N.
@@ -126,7 +126,7 @@ def test_what_has_slipped_slips_again_only_beyond_it():
 
 
 def test_memory_fades_with_its_time():
-    """One block of a tenth of the time takes 1 - exp(-0.1) of the way back."""
+    """One block of a tenth of the time constant recovers 1 - exp(-0.1) of the difference."""
     ring = Ring([[0.5]], [[1.0]], [0.5], 0.01)
     ring.next(np.full((1, 10), 2.0), np.full((1, 10), 0.8), 0.001)
     assert ring.margin[0] == pytest.approx(0.4, abs=1e-15)
@@ -136,7 +136,7 @@ def test_memory_fades_with_its_time():
 
 
 def test_a_slide_is_friction_and_inertia():
-    """A plain loop: 2 N on each of two contacts of 0.6 and 0.5, 2.5 N of load of 0.25 kg."""
+    """Against a plain loop: 2 N on each of two contacts of 0.6 and 0.5, 2.5 N of load, 0.25 kg."""
     contacts = Contacts(np.random.default_rng(1))
     force, load = np.full(80, 2.0), np.full(80, 2.5)
     mu_s, mu_k = np.array([0.6, 0.6]), np.array([0.5, 0.5])
@@ -149,7 +149,7 @@ def test_a_slide_is_friction_and_inertia():
         assert found.tension_n[0, sample] == pytest.approx(friction, rel=1e-12)
         assert found.slip_mm[sample] == pytest.approx(way, rel=1e-9, abs=1e-15)
     assert all(contacts.sliding) and way > 0.01
-    # Gripped harder it stands, and the contacts hold half each.
+    # Gripped harder it stops, and the contacts hold half each.
     held = slide(contacts, np.full(300, 4.0), np.full(300, 2.5), 0.25, mu_s, mu_k, found.slid_mm, RATE_HZ)
     assert not any(contacts.sliding) and contacts.speed_mm_s == 0
     assert held.tension_n[:, -1].tolist() == pytest.approx([1.25, 1.25])
@@ -157,7 +157,7 @@ def test_a_slide_is_friction_and_inertia():
 
 
 def test_a_slide_s_friction_falls_as_the_plate_s():
-    """plate.pull's tension after the slip, less the saw of its string."""
+    """plate.pull's tension after the slip, without the sawtooth of its string."""
     time_s, found, _, _ = pull(newtons=2.0)
     after = np.flatnonzero(time_s >= found.gross_s)[:50]
     slips = np.concatenate([[found.gross_s], found.slips_s])
@@ -174,7 +174,8 @@ def test_a_slide_s_friction_falls_as_the_plate_s():
 
 
 def test_one_finger_slides_while_the_other_holds():
-    """2 N on 0.3 and 0.8: the weak one lets go above 1.2 N in all, and the other takes the rest."""
+    """2 N on contacts of 0.3 and 0.8: above 1.2 N in total the weak one slides, and the other takes the
+    rest."""
     contacts = Contacts(np.random.default_rng(1))
     load = np.linspace(1.0, 1.8, 500)
     args = 0.2, np.array([0.3, 0.8]), np.array([0.25, 0.7]), np.zeros(2), RATE_HZ
@@ -185,7 +186,7 @@ def test_one_finger_slides_while_the_other_holds():
     assert found.tension_n.sum(axis=0) == pytest.approx(load, abs=1e-12)
     assert found.tension_n[0, -1] < 0.6 and found.tension_n[1, -1] > 1.2
     assert found.slid_mm[1] == 0 < found.slid_mm[0]
-    # Pulled less it sticks again, and keeps what it has slid: the halves differ by that.
+    # With less pull it sticks again, and keeps its slid distance, by which the two halves differ.
     args = 0.2, np.array([0.3, 0.8]), np.array([0.25, 0.7]), found.slid_mm, RATE_HZ
     after = slide(contacts, np.full(50, 2.0), np.full(50, 1.0), *args)
     assert not any(contacts.sliding) and after.slid_mm.tolist() == found.slid_mm.tolist()
@@ -223,7 +224,7 @@ def test_the_servo_is_critically_damped():
     held = hand.Hand(grasps(1), RATE_HZ, 20)
     held.ripple.tape[:] = 0
     got = np.concatenate([held.next([3.1]).normal_n[0] for _ in range(10)])
-    assert got[19] == pytest.approx(3.0 + 0.1 * (1 - 2 / np.e), abs=1e-9)  # after SERVO_S of 2 ms
+    assert got[19] == pytest.approx(3.0 + 0.1 * (1 - 2 / np.e), abs=1e-9)  # after SERVO_S, 2 ms
     tau = hand.SERVO_S
     solved = solve_ivp(
         lambda _, y: (y[1], (3.1 - y[0]) / tau**2 - 2 * y[1] / tau),
@@ -275,10 +276,11 @@ def test_both_slip_paths_in_blocks_are_the_whole_path(block, level):
 
 @pytest.mark.parametrize("block", [5, 50])
 def test_windows_are_counted_as_the_reflex_counts_decisions(block):
-    """The reflex fed decision by decision, and fed what a block has of each window: the same commands."""
+    """The reflex is fed decision by decision, and fed each block's part of every window: the same
+    commands."""
     rng = np.random.default_rng(11)
     span, details = 32, 1600
-    crossing = rng.integers(0, 3 * span, (2, details // span))  # the detail of a window that is over first
+    crossing = rng.integers(0, 3 * span, (2, details // span))  # the first detail of a window that is over
     over = np.arange(span)[None, None, :] >= crossing[:, :, None]
     over = over.reshape(2, details)
     config = GripConfig(step=7, decay=3, minimum=1000, rate=100)
@@ -315,7 +317,7 @@ def test_a_run_is_its_seed_s_whoever_runs_beside_it():
 
 
 def test_float_and_fixed_hold_alike():
-    """The same codes give the same windows, so the same commands, to the last event."""
+    """The same codes give the same windows, and so the same commands, to the last event."""
     scene = short(seconds=5.0)
     fixed, exact = (
         loop.hold(scene, scene.conditions[0], [1, 2], (path, Grip))
@@ -336,12 +338,12 @@ def test_float_and_fixed_hold_alike():
     ],
 )
 def test_a_verilated_core_holds_as_the_twins_do(name, number, changes):
-    """Word for word; each scene, short, with something to answer."""
+    """Word for word; each scene, shortened, with events that the reflex must answer."""
     scene = scenes.load(name)
     condition = replace(scene.conditions[number], duration_s=1.6, **changes)
     world = scene.world | {"pour_start_s": 0.1, "hold_from_s": 0.1}
     world |= {"tugs": [(0.2, 0.4, 0.8)]} if world["tugs"] else {}
-    grip = scene.grip | ({"guard_s": 0.3} if "guard_s" in scene.grip else {})  # it is calm before the end
+    grip = scene.grip | ({"guard_s": 0.3} if "guard_s" in scene.grip else {})  # calm before the end
     scene = replace(scene, conditions=(condition,), world=world, grip=grip)
     fixed, rtl = (loop.hold(scene, condition, [1, 2], hand_run.PARTS[engine]) for engine in ("fixed", "rtl"))
     assert rtl.mismatches.tolist() == [0, 0] and fixed.mismatches is None
@@ -353,7 +355,7 @@ def test_a_verilated_core_holds_as_the_twins_do(name, number, changes):
 
 
 def test_a_core_that_differs_is_counted(monkeypatch):
-    """One that counts a step more: its commands go their own way, and so does the hand."""
+    """The core's step is one count larger: its commands diverge, and so does the hand."""
     scene = short(seconds=1.5, step_mm=0.01)
     right = loop.ActuateConfig
     monkeypatch.setattr(
@@ -364,7 +366,8 @@ def test_a_core_that_differs_is_counted(monkeypatch):
 
 
 def test_a_core_whose_windows_end_elsewhere_is_counted(monkeypatch):
-    """Against twins whose windows end with every detail but the right one: in each of 30 cycles of 10 ms."""
+    """Against twins whose windows end at every detail except the right one: a mismatch in each of 30 cycles
+    of 10 ms."""
     scene, right = short(seconds=0.3), loop.FixedSlip.next
 
     def wrong(slip, codes):
@@ -377,7 +380,8 @@ def test_a_core_whose_windows_end_elsewhere_is_counted(monkeypatch):
 
 
 def test_the_ratio_is_the_grip_over_what_static_friction_needs():
-    """A hand that neither tightens nor lets go: the grip of the draw, over weight by the sum of both mu_s."""
+    """A hand that neither tightens nor loosens: the drawn grip over weight divided by the sum of both
+    mu_s."""
     scene = short("grip_release", step_mm=0.0, decay_mm_s=0.0)
     held = loop.hold(scene, scene.conditions[0], [2], (loop.FixedSlip, Grip))
     drawn = scenes.simulate(scene, None, 2)
@@ -404,14 +408,14 @@ def test_every_scene_has_its_settings_in_counts(name):
         own = scene.grip["decay_mm_s"] if condition.decay_mm_s is None else condition.decay_mm_s
         assert config.decay * 1000 / condition.cycle_ms * condition.count_mm == pytest.approx(own)
         assert config.rate >= config.step > 0
-        # 0.02 V, peak to peak, in codes of 5/4096 V and of a detail that is sqrt(2) times the coefficient.
+        # 0.02 V peak to peak, in codes of 5/4096 V of a detail, which is sqrt(2) times the coefficient.
         assert scene.slip_config(condition).threshold == int(0.02 * 2**0.5 / (5 / 4096)) == 23
     assert {c.first_event for c in scene.conditions} >= {0.12, 0.875}
     assert {c.cycle_ms for c in scene.conditions} == {1, 10}
 
 
 def test_the_threshold_is_a_share_of_what_an_event_makes_in_volts():
-    """Vc (1 - Vc/5): 0.8 V of 1 V, 1.1375 of 1.75, 1.25 of 2.5; p2p in codes of 5/4096 V: 2 sqrt(2) times."""
+    """Vc (1 - Vc/5): 0.8 V at 1 V, 1.1375 at 1.75, 1.25 at 2.5; p2p in codes of 5/4096 V: 2 sqrt(2) times."""
     scene = scenes.load("grip_pour")
     scene = replace(scene, slip=scene.slip | {"threshold_share": 0.0088})
     vc_v = np.array([1.0, 1.75, 2.5, 4.99])
@@ -424,13 +428,13 @@ def test_the_threshold_is_a_share_of_what_an_event_makes_in_volts():
 
 
 def test_the_threshold_follows_vc_once_a_second():
-    """A plain reading of the trace: the threshold of a second is that of the Vc before it."""
+    """Read from the trace: the threshold of a second follows from the Vc just before it."""
     scene = short(seconds=4.0)
     scene = replace(scene, slip=scene.slip | {"threshold_share": 0.02})
     trace = loop.hold(scene, scene.conditions[0], [2], (loop.FixedSlip, Grip)).trace
     changes = np.flatnonzero(np.diff(trace.threshold_v)) + 1
     assert len(changes) and set(changes) <= {100, 200, 300} and trace.load_n[-1] > 1.3 * trace.load_n[0]
-    lsb_v = 5 / 4096 / 2 / 2**0.5  # of peak to peak in codes, as half of it in volts of the coefficient
+    lsb_v = 5 / 4096 / 2 / 2**0.5  # peak-to-peak in codes, to half of it in volts of the coefficient
     for second in range(4):
         rest_v = rubber.rest_volts(trace.normal_n[max(100 * second - 1, 0)])
         codes = trace.threshold_v[100 * second] / lsb_v
@@ -439,7 +443,7 @@ def test_the_threshold_follows_vc_once_a_second():
 
 
 def test_finer_counts_let_go_as_slowly_in_a_shorter_cycle():
-    """0.02 mm/s: two counts of 0.1 um in each of 100 cycles, one of 0.02 um in each of 1000."""
+    """0.02 mm/s: two counts of 0.1 um in each of 100 cycles, one count of 0.02 um in each of 1000."""
     scene = scenes.load("grip_release")
     never_calm = scene.grip | {"calm_share": 0.0}
     scene = replace(scene, world=scene.world | {"hold_from_s": 0.5}, grip=never_calm)
@@ -449,13 +453,14 @@ def test_finer_counts_let_go_as_slowly_in_a_shorter_cycle():
         trace = loop.hold(alone, condition, [2], (loop.FixedSlip, Grip)).trace
         assert set(np.diff(trace.command)) == {-counts} and len(trace.command) == cycles
         assert trace.normal_n[-1] == pytest.approx(trace.normal_n[0] - 0.02, abs=1e-3)
-    assert trace.command[0] == 59999  # 1.2 mm of the finer counts, less the first
+    assert trace.command[0] == 59999  # 1.2 mm in the finer counts, less the first one
     fine, coarse = (scene.grip_config(scene.conditions[number]) for number in (2, 0))
     assert (fine.minimum, fine.maximum) == (0, 65535) and (coarse.minimum, coarse.maximum) == (1000, 60000)
 
 
 def test_the_grip_after_a_tug_is_beside_its_peak():
-    """A hand that does nothing: its grip over (weight + tug)/(mu_1 + mu_2); without tugs there is none."""
+    """For a hand that does nothing: its grip over (weight + tug)/(mu_1 + mu_2); without tugs the ratio is
+    undefined."""
     scene = short("grip_disturb", step_mm=0.0, decay_mm_s=0.0)
     scene = replace(scene, world=scene.world | {"tugs": [[0.5, 0.4, 0.1]], "grip_ratio": [1.3, 1.3]})
     held = loop.hold(scene, scene.conditions[0], [2], (loop.FixedSlip, Grip))

@@ -14,7 +14,7 @@ from meissner.twins.actuate.grip import Grip
 
 
 class Written:
-    """A stage that keeps what a host writes."""
+    """A stage that records the host's writes."""
 
     def __init__(self):
         self.found = []
@@ -34,9 +34,10 @@ def test_the_grip_of_a_vc_is_that_of_the_published_points():
 
 @pytest.mark.parametrize("number, cycles", [(0, 1), (3, 10)])
 def test_a_step_is_a_share_of_the_grip_and_a_smaller_one_in_calm(monkeypatch, number, cycles):
-    """1 N and 2 N: 80 and 160 counts of 0.1 um; from the first look later than 3 s on 40 and 80, and 9 and
-    18 counts of decay in place of 2. 250 counts within a look are a tug at 1 N, 249 are not; at 2 N 500 are.
-    At 1 ms counts are five times as fine, and a cycle is a tenth: decays of 4.5 and 9, the first as 4.
+    """1 N and 2 N: 80 and 160 counts of 0.1 um; from the first look after 3 s on 40 and 80, and a decay of 9
+    and 18 counts in place of 2. 250 counts within a look are a tug at 1 N, 249 are not; at 2 N the limit is
+    500. At 1 ms counts are five times as fine and a cycle is a tenth as long: decays of 4.5 and 9, the first
+    written as 4.
     """
     monkeypatch.setattr(host, "grip_n", lambda volts: np.array([1.0, 2.0]))
     scene = scenes.load("grip_disturb")
@@ -55,7 +56,7 @@ def test_a_step_is_a_share_of_the_grip_and_a_smaller_one_in_calm(monkeypatch, nu
     assert len(stage.found) == 19
     assert stage.found[:16] == [strong] * 16  # 0 to 3 s
     assert stage.found[16:18] == [calm] * 2  # 3.2 and 3.4 s
-    assert stage.found[18] == (  # 3.6 s: only the first was tugged at
+    assert stage.found[18] == (  # 3.6 s: only the first had a tug
         [strong[0][0], calm[0][1]],
         [strong[1][0], calm[1][1]],
     )
@@ -95,7 +96,8 @@ def test_mistakes_are_named(key, value, text):
 
 
 class Scripted:
-    """Both fingers over in cycles 10 to 14, the first alone in 20, the second in 25: 50 details a cycle."""
+    """Both fingers are over in cycles 10 to 14, the first alone in 20, the second in 25: 50 details per
+    cycle."""
 
     def __init__(self, channels, config):
         self.cycle = -1
@@ -108,7 +110,8 @@ class Scripted:
 
 
 def test_tightenings_are_cycles_and_not_fingers_or_windows():
-    """Seven cycles, of nine windows of 32 details and more a finger; no patch lets go: all are false."""
+    """Seven cycles, which contain nine or more windows of 32 details per finger; no patch slips, so all are
+    false."""
     scene = scenes.load("grip_release")
     condition = replace(scene.conditions[0], duration_s=0.5, step_mm=0.0, decay_mm_s=0.0)
     scene = replace(scene, conditions=(condition,), world=scene.world | {"hold_from_s": 0.1})
@@ -120,7 +123,7 @@ def test_tightenings_are_cycles_and_not_fingers_or_windows():
 @pytest.mark.long
 @pytest.mark.parametrize("name", ["grip_water", "grip_pour", "grip_disturb", "grip_release"])
 def test_every_seed_of_a_scene_is_the_same_on_the_core(name, tmp_path):
-    """Each condition with all its seeds, word for word: no cycle in which the core is not as its twins."""
+    """Each condition with all its seeds, word for word: the core differs from its twins in no cycle."""
     scene = scenes.load(name)
     summary = runs.run(scene, "rtl", tmp_path)
     assert summary["twin_mismatches"] == 0

@@ -1,4 +1,4 @@
-"""Exact intervals of rates, against sums of the binomial distribution in fractions, and SciPy's own."""
+"""Exact intervals of rates, against sums of the binomial distribution in fractions, and against SciPy."""
 
 from fractions import Fraction
 from math import comb

@@ -1,8 +1,9 @@
-"""The resistor mesh against what is independent of it: the papers' figures, sparse LU with a certificate,
-an elimination without subtraction, 50-digit arithmetic; then the extremes of sizes, ratios, opens, shorts.
+"""The resistor mesh against independent references: the papers' figures, sparse LU with an error bound, an
+elimination without subtraction, 50-digit arithmetic; then the extremes of sizes, ratios, opens and shorts.
 
-Small meshes get mpmath; powers of two as parameters there, so that the equations themselves are exact and
-the bounds can be checked to the last digit. Timings are printed by tools/mesh_figures.py, never asserted.
+Small meshes are solved with mpmath, with powers of two as parameters so that the equations themselves are
+exact and the bounds can be checked to the last digit. Timings are printed by tools/mesh_figures.py, never
+asserted.
 """
 
 import itertools
@@ -21,7 +22,7 @@ SIZES = ((1, 1), (1, 6), (6, 1), (2, 2), (4, 3))
 
 
 def table(solution):
-    """[7, scenes] of what the sensor reports."""
+    """[7, scenes]: the sensor's reported values."""
     return np.stack([np.atleast_1d(getattr(solution, name)) for name in NAMES])
 
 
@@ -37,7 +38,7 @@ def points(m, n, count, seed, largest=5.0):
 
 
 def patterns(m, n):
-    """Loads that go to the ends of the range, by name."""
+    """Loads at the ends of the range, by name."""
     equal = np.full((m, n), 4.0)
     tiny = np.full((m, n), 65535.0)
     tiny[0, 0] = 1.0
@@ -126,7 +127,7 @@ def test_elimination_without_subtraction_agrees_at_full_size():
 
 
 def no_measurement_but_fast():
-    """R0 2^70 times r: beside the wires' conductances nothing is left of the rails' in double precision."""
+    """R0 is 2^70 times r: in double precision the rails' conductances vanish beside the wires'."""
     mesh, load = Mesh(1, 4, 2.0**-30, 2.0**40, 16.0, 4096.0), np.full((1, 4), 4.0)
     lu, auto = mesh.solve(load, "lu"), mesh.solve(load)
     assert (lu.valid, lu.load) == (False, 0.0) and finite(lu)
@@ -141,7 +142,8 @@ def test_a_factor_without_digits_is_no_measurement_and_auto_takes_another_solver
 
 
 def test_a_singular_factor_is_no_measurement(monkeypatch):
-    """The same factor is singular or nearly so, by how a processor rounds: here SuperLU refuses it."""
+    """Rounding in the processor decides whether the factor is singular or nearly so: here SuperLU refuses
+    it."""
 
     def refuse(circuit):
         raise RuntimeError("Factor is exactly singular")
@@ -295,7 +297,7 @@ def test_physics_holds():
     assert solution.load < load.sum()
     other = mesh.solve(load, "fast")
     scaled = Mesh(9, 6, 400.0, 40e3, 15.0, 4 * 4320.0).solve(load, "fast")
-    assert (table(scaled) == table(other)).all()  # bit for bit: powers of four scale
+    assert (table(scaled) == table(other)).all()  # bit for bit, because it is scaled by powers of four
     for R0 in (1e3, 1e6):  # the papers' section IV-D: R0 does not matter
         assert Mesh(9, 6, 100.0, R0).solve(load).load == pytest.approx(solution.load, rel=1e-4)
 
@@ -360,7 +362,7 @@ def held_out(kind, seed, count):
 def test_correction_removes_the_systematic_error(kind, before, after):
     mesh = Mesh(41, 41, 150.0)
     learn, check = (held_out(kind, seed, 40 if kind == "press" else 2000) for seed in (1, 2))
-    if kind == "press":  # what a far taxel carries would only cost time
+    if kind == "press":  # far taxels with little force would only cost time
         learn, check = (np.where(a < 0.02 * a.max((1, 2), keepdims=True), 0, a) for a in (learn, check))
     fix, solution = correction.fit(mesh, learn), mesh.solve(check)
     total, x, y = mesh_loads.true_centre(check)
@@ -381,7 +383,7 @@ def test_correction_removes_the_systematic_error(kind, before, after):
 
 
 def test_three_numbers_cannot_tell_a_cluster_from_a_ring():
-    """Same E1..E4, 20 N and 15 N: no correction from I_all, x, y can serve both."""
+    """20 N and 15 N with the same E1..E4: no correction from I_all, x, y can suit both."""
     mesh = Mesh(41, 41, 150.0)
     cluster, ring = np.zeros((2, 41, 41))
     cluster[19:22:2, 18:23:2] = 20 / 6

@@ -1,8 +1,8 @@
-"""Large meshes with few contacts: what is computed of them alone is what all the network's equations give.
+"""Large meshes with few contacts: computing the contacts alone gives the same as all the network's equations.
 
 Space: one layer's response by rows of modes against the closed form at 50 digits, near and far, on one line
 and at both electrodes; a rectangle against nodal equations written here from docs/mesh.md; frames of many
-taxels that few touch; contacts given without a frame.
+taxels with few contacts; contacts given without a frame.
 """
 
 import mpmath
@@ -36,13 +36,13 @@ SIZES = (9, 83), (2, 130), (1, 40), (60, 1), (31, 47), (60, 30), (61, 30)
 @pytest.mark.parametrize("free, along", SIZES)
 @pytest.mark.parametrize("limit", [0, 3_000_000])
 def test_large_layers_equal_the_closed_form(monkeypatch, free, along, limit):
-    """By rows of modes, and by distance where the layer is no more than twice as wide as it is long."""
+    """By rows of modes, and by distance if the layer is no more than twice as wide as it is long."""
     monkeypatch.setattr(green, "TABLE_LIMIT", 0)
     monkeypatch.setattr(green, "APART_LIMIT", limit)
     layer, pull = green.Layer(free, along, 0.75), mpmath.mpf(3) / 4
     by_distance = bool(limit) and (free, along) not in ((60, 1), (61, 30))
     assert layer.by_distance == by_distance and isinstance(layer.large, Apart if by_distance else lines.Lines)
-    # Both electrodes, one line twice, neighbours, a distance beyond which no mode but the ladder reaches.
+    # Both electrodes, one line twice, neighbours, and a distance that no mode except the ladder reaches.
     columns = [0, along - 1, along // 2, along // 2, min(along // 2 + 1, along - 1), along // 3]
     rows = [0, free - 1, 0, free - 1, free // 2, free // 3]
     got = layer.between(np.array([rows, rows[::-1]]), np.array([columns, columns]))
@@ -57,7 +57,7 @@ def test_large_layers_equal_the_closed_form(monkeypatch, free, along, limit):
 
 
 def nodal(m, n, r, R0, k, load):
-    """E1..E4 for V0 = 1 by Kirchhoff's law at each node, as docs/mesh.md draws the sheet."""
+    """E1..E4 for V0 = 1 by Kirchhoff's law at each node of the sheet in docs/mesh.md."""
     size = 2 * m * n + 4
     G, current = np.zeros((size, size)), np.zeros(size)
 
@@ -151,13 +151,14 @@ def test_impossible_contacts_are_refused(row, column, force, words):
 
 @pytest.mark.parametrize("rows", [LARGE // 97 - 1, LARGE // 97 + 1, 5 * LARGE // 97])
 def test_few_taxels_of_a_large_frame_are_found(rows):
-    """One line less than what is looked at in lines, one more; the last taxel, of no whole line."""
+    """Just below and above the size from which frames are searched in lines; the last taxel, in an incomplete
+    line."""
     mesh = Mesh(rows, 97, 10.0)
     load = np.zeros((rows, 97))
     load[0, 1], load[-1, -1], load[LINE // 97, LINE % 97] = 2.0, 1.0, 3.0
     load[7, 7] = -0.0
     assert mesh.solve(load, "constant").load == pytest.approx(6.0, rel=1e-14)
-    load[rows // 2, 5] = 5e-324  # k / F overflows: open
+    load[rows // 2, 5] = 5e-324  # k / F overflows, so it is open
     assert mesh.solve(load, "constant").load == pytest.approx(6.0, rel=1e-14)
     for wrong, words in ((np.nan, "NaN"), (-np.nan, "NaN"), (-1e-300, "negative"), (-np.inf, "negative")):
         for place in ((rows // 2, 5), (rows - 1, 96)):
@@ -172,7 +173,7 @@ def test_the_same_taxels_with_another_force_are_not_computed_again(monkeypatch):
     between = green.Layer.between
     monkeypatch.setattr(green.Layer, "between", lambda *a: (calls.append(1), between(*a))[1])
     first = [mesh.press([3, 190], [4, 100], [force, 2.0]).load for force in (1.0, 3.0)]
-    assert len(calls) == 2  # one of each layer
+    assert len(calls) == 2  # one per layer
     mesh.press([3, 190], [5, 100], [1.0, 2.0])
     assert len(calls) == 4
     assert [Mesh(200, 201, 10.0).press([3, 190], [4, 100], [f, 2.0]).load for f in (1.0, 3.0)] == first
@@ -192,7 +193,8 @@ def test_a_thousand_lines_equal_the_closed_form(pair):
 
 
 def test_a_bound_of_distances_holds_all_their_terms():
-    """At each pair of a row: |T| of the four look-ups and the ladder, summed, below sqrt(terms terms')."""
+    """For each pair in a row: |T| of the four look-ups and the ladder, summed, is below sqrt(terms
+    terms')."""
     layer = green.Layer(130, 120, 0.75)
     one, other = np.meshgrid(np.arange(120), np.arange(120), indexing="ij")
     table, low, high = layer.large.table, np.minimum(one, other) + 1, np.maximum(one, other) + 1
@@ -204,7 +206,7 @@ def test_a_bound_of_distances_holds_all_their_terms():
 @pytest.mark.parametrize("kind", ["f4", "f2", "u2", "u1", "i4", "u8"])
 @pytest.mark.parametrize("side", [7, 211])
 def test_a_frame_of_narrow_numbers_is_the_frame_of_newtons(kind, side):
-    """Forces that each kind holds exactly; 211 x 211 is looked at in lines, 7 x 7 goes by LU too."""
+    """Forces that each type holds exactly; 211 x 211 is searched in lines, 7 x 7 is solved by LU too."""
     load = np.zeros((2, side, side))
     load[0, 0, 1], load[0, -1, -1], load[1, side // 2, 3], load[1, 0, 0] = 2.0, 1.0, 255.0, 7.0
     got, want = (Mesh(side, side, 47.0).solve(frame, "auto") for frame in (load.astype(kind), load))

@@ -1,5 +1,5 @@
-"""Reports: pictures are drawn, a page needs nothing from outside, begins with verdict and picture, has words
-for every key of every scene, and no table of it is wider than the page (in headless Chromium)."""
+"""Reports: pictures are drawn; a page needs no external file, begins with verdict and picture, and has words
+for every key of every scene; no table is wider than the page (in headless Chromium)."""
 
 import dataclasses
 import html
@@ -79,7 +79,7 @@ def test_the_report_needs_no_other_file(tmp_path):
         ("condition", "paper, 3 N", "condition", "paper, 3 N"),
         ("condition", 1.0494, "condition number, at most", "1.049"),
         ("engine", "rtl", "engine", "rtl: the core itself, simulated"),
-        # Keys that nobody described: their own words, and the unit that they name.
+        # Keys without a description: words and unit come from the key itself.
         ("new_thing_ms", 1.5, "new thing (ms)", "1.5 ms"),
         ("way_of_it", "left", "way of it", "left"),
         ("ms", 2, "ms", "2"),
@@ -160,7 +160,7 @@ class Page(HTMLParser):
         assert self.stack.pop()[0] == tag
 
     def handle_data(self, data):
-        # Text belongs to the innermost element that has begun.
+        # Text belongs to the innermost open element.
         if self.stack and self.stack[-1][0] not in ("style", "html", "head", "body"):
             self.texts.setdefault(self.stack[-1][0], []).append(data)
 
@@ -173,10 +173,10 @@ def _brief(condition):
 
 
 def written(scene, out):
-    """The scene's report and summary, with one seed a condition."""
+    """The scene's report and summary, with one seed per condition."""
     if hasattr(scene, "seeds"):
         scene = dataclasses.replace(scene, seeds=1)
-    if scene.sensor == "hand":  # five minutes in closed loop take minutes; the page has the same words
+    if scene.sensor == "hand":  # the full duration in closed loop takes minutes; the words are the same
         brief = tuple(map(_brief, scene.conditions))
         scene = dataclasses.replace(scene, conditions=brief, world=scene.world | {"hold_from_s": 1.0})
     summary = run(scene, "fixed", out)
@@ -184,20 +184,20 @@ def written(scene, out):
 
 
 def keys(value):
-    """All keys of a summary, also of what is in it."""
+    """All keys of a summary, including nested ones."""
     if isinstance(value, dict):
         return set(value) | set().union(*map(keys, value.values()))
     return set().union(*map(keys, value)) if isinstance(value, list) else set()
 
 
-# Keys that are no facts: what holds tables, statistics, and what a report leaves out.
+# Keys that are no facts: containers of tables, statistics, and keys that a report leaves out.
 HOLDERS = {"conditions", "constants", "pins", "saved", "solver", "locus", "maximum", "mean"}
 HOLDERS |= {"world_ms_per_s", "everything_ms_per_s", "count", "rate", "low", "high"}
 
 
 @pytest.mark.parametrize("name", scenes.names())
 def test_every_scene_is_reported_verdict_first_and_in_words(tmp_path, monkeypatch, name):
-    # Drawing is left out: it takes most of the time, and the page does not depend on what a picture shows.
+    # Drawing is replaced: it takes most of the time, and the page does not depend on a picture's content.
     monkeypatch.setattr(matplotlib.figure.Figure, "savefig", lambda _, path, **__: path.write_bytes(PNG))
     scene = scenes.load(name)
     text, summary = written(scene, tmp_path)
@@ -237,7 +237,7 @@ def test_what_a_run_at_the_pins_adds_has_words():
     assert pins <= set(report_words.WORDS)
 
 
-# A window of Chromium has at least 500 pixels, a frame in it as many as it is given.
+# A window of Chromium has at least 500 pixels; a frame in it can be narrower.
 FRAME = """<!doctype html><title>not measured</title><body>
 <iframe style="border: 0; width: {width}px; height: 900px" srcdoc="{page}" onload="
   const page = this.contentDocument.documentElement;
@@ -252,13 +252,13 @@ needs_chromium = pytest.mark.skipif(CHROMIUM is None, reason="no Chromium here, 
 
 @pytest.fixture(scope="module")
 def pages(tmp_path_factory):
-    """Two reports: with the most columns and the longest words of a slip scene, and with three tables."""
+    """Two reports: a slip scene's with the most columns and the longest words, and one with three tables."""
     folder = tmp_path_factory.mktemp("pages")
     return {name: written(scenes.load(name), folder / name)[0] for name in ("slip_forces", "cop_circle")}
 
 
 def chromium(folder, page, *flags):
-    """What Chromium prints of the page."""
+    """Chromium's output for the page."""
     file = folder / "page.html"
     file.write_text(page, encoding="utf-8")
     own = "--headless --no-sandbox --disable-gpu --disable-quic --no-first-run"
@@ -282,7 +282,7 @@ def test_nothing_is_wider_than_its_page(pages, tmp_path, width):
 
 @needs_chromium
 def test_the_dark_style_darkens_text_and_picture(pages, tmp_path):
-    """Most of the window is title, verdict and picture: their ground is light, or dark."""
+    """Title, verdict and picture fill most of the window: their background is light, or dark."""
     for scheme, ground in (("0", 0x12 / 255), ("1", 1.0)):  # 0: dark
         size = ("--window-size=1280,1000", f"--blink-settings=preferredColorScheme={scheme}")
         chromium(tmp_path, pages["cop_circle"], *size, f"--screenshot={tmp_path / 'page.png'}")

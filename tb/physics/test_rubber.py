@@ -1,10 +1,10 @@
 """The rubber against its publications.
 
-The divider passes its four points. The shear step follows the published line k = 1.55 - 0.27·Vi with
-n = 0.11, which is within 8 % of the table of fitted k and n (0.99 and 0.12 at 2 V, 0.75 and 0.11 at 3 V,
-0.45 and 0.11 at 4 V). The other table of the same paper, 1.4, 1.6 and 2.1 V at 0.05, 0.1 and 1 mm/s from
-2 V, is about twice what that fit gives: the two disagree, k and n hold for one lot of rubber, and the
-model follows the fit. The test states the disagreement so that nobody tunes it away.
+The divider passes through its four points. The shear step follows the published line k = 1.55 - 0.27·Vi with
+n = 0.11, which is within 8 % of the table of fitted k and n (0.99 and 0.12 at 2 V, 0.75 and 0.11 at 3 V, 0.45
+and 0.11 at 4 V). The other table of the same paper, 1.4, 1.6 and 2.1 V at 0.05, 0.1 and 1 mm/s from 2 V, is
+about twice that fit: the two disagree. k and n apply to one lot of rubber, and the model follows the fit. The
+test records the disagreement so that nobody removes it by tuning.
 """
 
 import numpy as np
@@ -94,7 +94,7 @@ def test_event_steps_are_what_vc_does():
 
 
 def stopped_at(seconds, recovers, speed=1.0):
-    """u when the rubber has been sheared by 0.3 mm, and ``seconds`` after that."""
+    """u at the end of a shear of 0.3 mm, and ``seconds`` later."""
     time = np.arange(0, 1.2 + seconds, 1 / RATE)
     sheared = np.where((time > 0.9) & (time <= 0.9 + 0.3 / speed), speed, 0.0)
     level = rubber.shear_level(time, sheared, recovers)
@@ -119,7 +119,7 @@ def test_a_restored_step_is_taken_back_and_a_converged_one_leaves_about_a_volt()
 
 
 def test_either_recovery_is_stable_after_5_s():
-    """By the third of three time constants, 95 % of the way: 1 - e^-3 = 0.9502 of what is taken back."""
+    """Three time constants reach 95 % of the way: 1 - e^-3 = 0.9502 of the recoverable part."""
     for recovers, expected in ((1.0, 0.0498), (0.4, 1 - 0.4 * 0.9502)):
         assert stopped_at(5.0, recovers)[1] == pytest.approx(expected, abs=2e-3)
 
@@ -150,5 +150,5 @@ def test_every_constant_says_where_it_is_from():
         assert set(module.ORIGINS) == named, module.__name__
         for kind, where, does in module.ORIGINS.values():
             assert kind in ("published", "read off", "chosen", "datasheet", "computed") and where and does
-    # "Published" of neither recovery alone: the papers disagree.
+    # Neither recovery is called published: the papers disagree.
     assert "disagree" in rubber.__doc__ and "3 V" in rubber.ORIGINS["CONVERGED"][1]

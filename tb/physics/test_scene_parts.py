@@ -1,8 +1,9 @@
-"""What a scene is made of: features that decide, reasons for each part, memory, and everything on.
+"""The parts of a scene: features determine which stages exist, each part has a reason, memory is checked, and
+--full adds everything else.
 
-Space: a feature too many, too few, twice, and one that does not exist; a stage that the features do not
-name; every scene's parts beside what its recordings model; arrays larger than the machine; outputs that
-everything on must not change.
+Space: an extra feature, a missing one, a repeated one, and an unknown one; a stage that the features do not
+name; every scene's parts compared with what its recordings model; arrays larger than the machine; results
+that --full must not change.
 """
 
 import copy
@@ -122,7 +123,7 @@ def test_what_does_not_fit_the_machine_is_refused_before_it_is_computed(monkeypa
         run.check(large, "fixed")
     small = scene("cop_six_random", world__draws=100)
     need = 32 * 400 * 41 * 41
-    monkeypatch.setattr(parts, "free_bytes", lambda: need * 5 // 4)  # exactly 0.8 of it
+    monkeypatch.setattr(parts, "free_bytes", lambda: need * 5 // 4)  # of which exactly 0.8 is needed
     run.check(small, "fixed")
     monkeypatch.setattr(parts, "free_bytes", lambda: need * 5 // 4 - 2)
     with pytest.raises(ValueError, match="make them fewer"):
@@ -156,7 +157,7 @@ def test_scene_check_says_why(capsys, tmp_path):
 
 
 def test_everything_on_changes_nothing_and_is_compared(tmp_path, monkeypatch, capsys):
-    """The same summary and result.npz, but for times; two companions stand for all."""
+    """The same summary and result.npz, except for times; two other scenes stand for all."""
     monkeypatch.setattr(full, "EVERYTHING", (("cop_circle", None), ("walk_25x5", None)))
     monkeypatch.setattr(full, "CORE_FRAMES", {"fixed": 1, "rtl": 1})
     monkeypatch.setattr("matplotlib.figure.Figure.savefig", lambda _, path, **__: path.write_bytes(b""))
@@ -199,7 +200,7 @@ def test_what_is_recorded_is_ten_times_and_more(engine):
             assert found["times_faster"] >= 10
 
 
-# Twins and drivers that a scene must not import: of features that it does not name.
+# Twins and drivers of features that the scene does not name and so must not import.
 FOREIGN = {
     "cop_two_point": {"slip.slip_path", "cop.cop_slip", "cop.cop_divide", "frontend.calibrate", "rtl_slip"},
     "acrylic_slip": {"cop.cop_divide", "frontend.calibrate", "rtl_cop4", "rtl_cop", "rtl_frontend"},

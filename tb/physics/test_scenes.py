@@ -1,7 +1,7 @@
-"""The scenes: what they check, what they simulate, and whether the published figures come out of them.
+"""The scenes: what they check and simulate, and whether they reproduce the published figures.
 
-Detector here: PyWavelets' Haar transform of the converted codes and tumbling windows of 64 samples,
-independent of every twin. Amplitudes are of its coefficient cD, in volts.
+The detector here is PyWavelets' Haar transform of the converted codes with tumbling windows of 64 samples,
+independent of every twin. Amplitudes are those of its coefficient cD, in volts.
 """
 
 import dataclasses
@@ -39,7 +39,7 @@ def details(recording):
 
 @cache
 def measured(name, condition, seeds=SEEDS):
-    """Per seed: largest |cD| before the onset and up to the slip, and the first flag's time."""
+    """Per seed: largest |cD| before the onset, and from it to the slip; and the first flag's time."""
     scene = scenes.load(name)
     rows = []
     for seed in range(seeds):
@@ -68,7 +68,7 @@ def test_every_scene_loads_and_runs(name):
         for field in ("volts", "codes", "over_range", "normal_n", "tension_n", "slip_mm", "moving"):
             assert len(getattr(run, field)) == len(run.time_s), field
         assert run.codes.dtype == np.int64
-        assert run.over_range.any() == (condition.hum_v > 0)  # hum on top of the unpressed 5 V
+        assert run.over_range.any() == (condition.hum_v > 0)  # hum exceeds the unpressed 5 V
         more = {"hum", "1/f noise", "hysteresis", "correlated events", "grip follows load"}
         parts = set(rubber_scene.COMPONENTS)
         assert (
@@ -93,7 +93,7 @@ def test_the_first_event_at_0_875_is_acrylic_slip_bit_for_bit():
 
 
 def test_the_first_event_at_0_12_brings_the_onset_to_where_the_high_sensitivity_sensor_has_it():
-    """Published: fluctuation from about 0.05 s on of a static phase of 0.4 s."""
+    """Published: fluctuation begins at about 0.05 s of a static phase of 0.4 s."""
     scene = scenes.load("slip_first_event")
     start = scene.world["stage_start_s"]
     runs = [scenes.simulate(scene, "first event at 0.12", seed) for seed in range(20)]
@@ -127,7 +127,7 @@ def test_a_slip_recording_is_seeded():
 
 
 def test_no_step_of_a_scene_is_a_loop_over_its_samples():
-    """Calls of functions, of Python and C: about 380 for 55,000 samples. Its time: `make bench`."""
+    """Calls of Python and C functions: about 380 for 55,000 samples. `make bench` measures the time."""
     scene, calls = scenes.load("acrylic_slip"), []
     sys.setprofile(lambda frame, event, _: calls.append(event) if event in ("call", "c_call") else None)
     try:
@@ -173,7 +173,7 @@ def test_before_the_slip_there_is_content_above_1_khz():
 @pytest.mark.parametrize("condition", ["load 2 N", "load 4 N"])
 def test_a_changing_normal_force_ends_at_600_hz(condition):
     run = scenes.simulate(scenes.load("normal_force"), condition, seed=2)
-    for values, limit in ((run.normal_n, 1e-8), (run.volts, 1e-3)):  # the divider bends, and so adds a little
+    for values, limit in ((run.normal_n, 1e-8), (run.volts, 1e-3)):  # the divider's curvature adds a little
         for inside in (run.time_s < 1.5, run.time_s > 2.5):
             part = values[inside]
             density = np.abs(np.fft.rfft((part - part[0]) * signal.windows.hann(len(part)))) ** 2
@@ -187,21 +187,21 @@ def test_a_changing_normal_force_ends_at_600_hz(condition):
 def test_coefficients_before_the_slip(name, condition):
     """Published: up to 0.04 V, cloth and paper slightly less, load of little influence.
 
-    The mean over seeds is meant; single runs reach from half to twice of it, because the largest of 200
-    log-normal events is what is measured.
+    This refers to the mean over seeds; single runs range from half to twice of it, because the measured value
+    is the largest of 200 log-normal events.
     """
     quiet, before, *_ = measured(name, condition)
     low, high = (0.024, 0.034) if "cloth" in condition or "paper" in condition else (0.032, 0.044)
     assert low < before.mean() < high
     assert before.min() > 0.01, "the published threshold is exceeded in every run"
-    # From 0.12 of the limit on, there are twice as many events to be the largest of.
+    # From 0.12 of the limit on, the largest is taken from twice as many events.
     assert before.max() < (0.1 if condition == "first event at 0.12" else 0.09)
     assert quiet.max() < 0.01
 
 
 @pytest.mark.parametrize("name, condition", PRESSED)
 def test_coefficients_of_a_changing_normal_force(name, condition):
-    """Published: at most 0.005 V; the spread of a maximum over seeds lies around that."""
+    """Published: at most 0.005 V; the maximum scatters around that over the seeds."""
     quiet, *_ = measured(name, condition)
     assert 0.003 < quiet.mean() < 0.007
     assert quiet.max() < 0.01

@@ -1,6 +1,7 @@
-"""The shear scenes: what they check and simulate, what is read off a recording, and the published numbers.
+"""The shear scenes: what they check and simulate, the values read from a recording, and the published
+numbers.
 
-Steps and speeds are worked out here from the published constants by hand; what the judges read is checked on
+Steps and speeds are worked out by hand from the published constants; the judges' readings are checked on
 recordings made of plain levels, not of the scenes' physics.
 """
 
@@ -51,7 +52,7 @@ def test_the_joint_line_inverted():
     ends = np.array([0.01, 3.0, 4.0])
     off = {rest: published.joint_speed(rest, published.table_2(rest, ends)) / ends - 1 for rest in (2, 3, 4)}
     assert off[2] == pytest.approx([-0.451, -0.079, -0.054], abs=2e-3)
-    assert off[3] == pytest.approx([0.130] * 3, abs=1e-3)  # the same n, so the same at every speed
+    assert off[3] == pytest.approx([0.130] * 3, abs=1e-3)  # the same n, so equal at every speed
     assert off[4] == pytest.approx([-0.326] * 3, abs=1e-3)
 
 
@@ -62,7 +63,8 @@ def test_the_limit_lies_in_every_paper_s_range():
 
 @pytest.mark.parametrize("number, rest_v, k", [(6, 2.0, 1.01), (16, 3.0, 0.74), (26, 4.0, 0.47)])
 def test_a_run_rests_steps_and_recovers(monkeypatch, number, rest_v, k):
-    """1 mm/s, so the step is k = 1.55 - 0.27·Vi; 0.5 s later e^-0.3 of it is left (three in 5 s)."""
+    """1 mm/s, so the step is k = 1.55 - 0.27·Vi; 0.5 s later e^-0.3 of it is left (three time constants in 5
+    s)."""
     monkeypatch.setattr(rubber, "SHEAR_SPREAD", 0.0)
     scene = scenes.load("shear_speed")
     run = scenes.simulate(scene, number, 3)
@@ -78,7 +80,7 @@ def test_a_run_rests_steps_and_recovers(monkeypatch, number, rest_v, k):
 
 
 def test_a_repeated_step_deviates_by_its_share():
-    """300 measurements of 0.53 V: the deviation of the deviation is 1/sqrt(600) of it."""
+    """300 measurements of 0.53 V: the relative error of their deviation is 1/sqrt(600)."""
     scene = scenes.load("shear_amount")
     steps = []
     for seed in range(300):
@@ -96,12 +98,13 @@ def test_a_lot_and_a_recovery_are_what_they_say(monkeypatch):
     for number in (2, 5, 8):
         run = scenes.simulate(scene, number, 1)
         ends.append((run.volts[round(run.stop_s * RATE) - 2], run.volts[-1]))
-    # 1.01 V, of which 60 % stay in the second, twice that in the third; 12 s leave e^-7.2 of the fall.
+    # 1.01 V, of which 60 % remain in the second way, and twice that in the third; after 12 s e^-7.2 of the
+    # fall is left.
     assert np.ravel(ends) == pytest.approx([3.01, 2.0, 3.01, 2.606, 4.02, 3.212], abs=2e-3)
 
 
 def test_a_plate_on_the_sensor_slips_and_sticks():
-    """It slips at mu·N = 1.4 N of 12 N/mm: 0.117 mm at 0.5 mm/s, 0.233 s; four deviations of 3 %."""
+    """It slips at mu·N = 1.4 N over 12 N/mm: 0.117 mm at 0.5 mm/s, 0.233 s; four deviations of 3 %."""
     scene = scenes.load("stick_slip")
     for number, first in ((0, 0.875), (1, 0.12)):
         run = scenes.simulate(scene, number, 5)
@@ -109,7 +112,7 @@ def test_a_plate_on_the_sensor_slips_and_sticks():
         assert run.gross_s - run.start_s == pytest.approx(0.2333, rel=0.12)
         assert (run.onset_s - 1.3) / (run.gross_s - 1.3) == pytest.approx(first, abs=0.06)
         assert np.all(run.slip_mm[run.time_s < run.gross_s] == 0) and 3.8 < run.slip_mm[-1] < 4.0
-        # A stick is (1.4 - 1.24 N)/12 N/mm long in the mean, at 0.5 mm/s 26.7 ms: 290 of them.
+        # A stick is (1.4 - 1.24 N)/12 N/mm long on average, 26.7 ms at 0.5 mm/s: 290 of them.
         assert len(run.slips_s) == pytest.approx(290, rel=0.25) and run.slips_s.min() > run.gross_s
 
 
@@ -124,7 +127,7 @@ def test_recordings_are_seeded():
 
 
 def levels(step_v=0.6, end_v=2.1, fall_s=1.0):
-    """A recording of plain levels in a converter of a millivolt: 2 V, a step, a straight fall, held."""
+    """A recording of plain levels with 1 mV per code: 2 V, a step, a straight fall, held."""
     time_s = np.arange(10 * 1000) / 1000
     volts = np.where(time_s < 1.0, 2.0, 2.0 + step_v)
     falling = (2.0 + step_v - end_v) * np.clip((time_s - 2.0) / fall_s, 0, 1)
@@ -139,12 +142,12 @@ def levels(step_v=0.6, end_v=2.1, fall_s=1.0):
 
 
 def test_what_is_read_off_a_recording():
-    """The fall of 0.5 V in 2 s is done to 5 % at 1.9 s; 5 s later Vc is at its end."""
+    """The fall of 0.5 V in 2 s is complete to 5 % at 1.9 s; 5 s later Vc has its final value."""
     found = judge.measured(levels(fall_s=2.0))
     assert found["rest_v"] == pytest.approx(2.0) and found["step_v"] == pytest.approx(0.6)
     assert found["settled_s"] == pytest.approx(1.9, abs=0.005)
     assert found["after_v"] == found["end_v"] == pytest.approx(2.1)
-    slow = judge.measured(levels(fall_s=10.0))  # 0.25 V down after 5 s, 0.4 V at the end of 8 s
+    slow = judge.measured(levels(fall_s=10.0))  # 0.25 V down after 5 s, 0.4 V after the last 8 s
     assert slow["after_v"] == pytest.approx(2.35, abs=2e-3) and slow["end_v"] == pytest.approx(2.2, abs=5e-3)
     short = levels()
     short.time_s, short.codes, short.speed_mm_s = (
@@ -157,7 +160,7 @@ def test_the_power_law_of_known_constants():
     speeds = np.array([0.01, 0.1, 1.0, 3.0])
     k, n = judge.power_law(speeds, 0.7 * speeds**0.2)
     assert k == pytest.approx([0.7] * 3) and n == pytest.approx([0.2] * 3)
-    # A factor of 1.1 up, down, down, up over 0, 1, 2, 3: no slope; residuals log 1.1, t of 2 is 4.302653.
+    # A factor of 1.1 up, down, down, up at 0, 1, 2, 3: no slope; residuals log 1.1, t for 2 is 4.302653.
     steps = 0.7 * np.array([1.0, 2.0, 4.0, 8.0]) * np.array([1.1, 1 / 1.1, 1 / 1.1, 1.1])
     (k, k_low, k_high), (n, n_low, n_high) = judge.power_law(np.array([1.0, 10.0, 100.0, 1000.0]), steps)
     assert (k, n) == pytest.approx((0.7, np.log10(2)))
@@ -169,14 +172,14 @@ def test_the_power_law_of_known_constants():
 
 
 class Cases:
-    """Pairs as a dict has them, of cases that cannot be keys."""
+    """Pairs as in a dict, for cases that cannot be keys."""
 
     def __init__(self, pairs):
         self.items = lambda: pairs
 
 
 def of_line(rest_v, speed_mm_s, seen_mm_s):
-    """A case at this speed and its runs, whose steps are those of the published line at others."""
+    """A case at this speed, and its runs with the steps that the published line has at other speeds."""
     case = SimpleNamespace(name="x", rest_v=rest_v, speed_mm_s=speed_mm_s)
     runs = [
         {"rest_v": rest_v, "step_v": (1.55 - 0.27 * rest_v) * seen**0.11, "false_alarms": 0}
@@ -186,21 +189,21 @@ def of_line(rest_v, speed_mm_s, seen_mm_s):
 
 
 def test_the_speeds_of_steps_by_hand():
-    """What is read at 4 mm/s counts as beyond the limit, or not; at 3 mm/s, the limit itself, as up to it."""
+    """Readings at 4 mm/s count as beyond the limit or not; those at 3 mm/s, the limit itself, as up to it."""
     exact = [of_line(rest, speed, [speed] * 9) for rest in (2.0, 3.0, 4.0) for speed in (0.1, 0.2, 1.0)]
     found = [*exact, of_line(2.0, 3.0, [2.9, 3.3]), of_line(2.0, 4.0, [2.8, 3.9, 4.0])]
     answer = judge.speed(None, Cases(found))[1]
     assert (answer["beyond_found"]["count"], answer["beyond_found"]["runs"]) == (2, 3)
     assert (answer["beyond_falsely"]["count"], answer["beyond_falsely"]["runs"]) == (1, 83)
     assert [answer[name] for name in ("k0", "k1", "n")] == pytest.approx([1.55, -0.27, 0.11], abs=2e-3)
-    # 1.01 V of the line to 2.1 of Table 1 at 1 mm/s; 0.1 mm/s: 0.776247 of that to 1.6.
+    # 1.01 V of the line against 2.1 V of Table 1 at 1 mm/s; at 0.1 mm/s 0.776247 of that against 1.6 V.
     off = [1 - 1.01 / 2.1, 1 - 1.01 * 0.776247 / 1.6]
     assert answer["off_table_1"]["mean"] == pytest.approx(np.mean(off), abs=1e-5)
     assert answer["off_table_1"]["maximum"] == pytest.approx(max(off), abs=1e-5)
 
 
 def test_the_deviation_is_that_of_measurements():
-    """0.5, 0.6 and 0.7 V: 0.1 V with two degrees of freedom; none of one measurement."""
+    """0.5, 0.6 and 0.7 V: 0.1 V with two degrees of freedom; undefined for one measurement."""
     runs = [{"rest_v": 3.0, "step_v": step_v, "false_alarms": 1} for step_v in (0.5, 0.6, 0.7)]
     row = judge._row(SimpleNamespace(name="x"), runs)
     assert (row["deviation_v"], row["step_v"], row["false_alarms"], row["runs"]) == (0.1, 0.6, 3, 3)
@@ -208,8 +211,8 @@ def test_the_deviation_is_that_of_measurements():
 
 
 def pulled(**changes):
-    """Levels of a slip in a converter of a millivolt at 1 kHz, slope over 2 ms: pressing from 0.1 to 0.5 s,
-    the stage from 1 s on at 0.1 mm/s, so its step counts until 1.202 s; events from 1.5 s, slip at 2 s."""
+    """Levels of a slip with 1 mV per code at 1 kHz, slope over 2 ms: pressing from 0.1 to 0.5 s, the stage
+    from 1 s on at 0.1 mm/s, so its step counts until 1.202 s; events from 1.5 s, slip at 2 s."""
     time_s = np.arange(4000) / 1000
     volts = np.where(time_s < 0.1, 5.0, 2.0)
     for when, height in changes.pop("steps", {}).items():
@@ -229,8 +232,8 @@ def pulled(**changes):
 
 
 def test_the_derivative_crosses_above_its_threshold():
-    """5 V/s over 2 ms are 10 mV: 10 codes do not cross, 11 do, of either sign. A step in sample n is known
-    with it and with the next, since both are 2 ms after one before it."""
+    """5 V/s over 2 ms are 10 mV: 10 codes do not cross, 11 do, of either sign. A step in sample n is detected
+    with samples n and n + 1, because the samples 2 ms before these both lie before n."""
     assert judge.slope(np.arange(50) * 0.003, 1000, 0.002)[:48] == pytest.approx(3.0)
     for height, flag in ((0.010, None), (0.011, 1.6), (-0.011, 1.6)):
         found = judge.sloped(pulled(steps={1600: height}))
@@ -242,10 +245,10 @@ def test_the_derivative_crosses_above_its_threshold():
     "sample, change, flag, quiet",
     [
         (600, None, None, True),  # at rest
-        (1000, 1.0, None, False),  # the stage's start: the step itself
+        (1000, 1.0, None, False),  # the stage starts: the step itself
         (1199, 1.199, None, False),
         (1204, 1.204, None, True),  # the step is over
-        (1499, 1.499, 1.5, True),  # known at 1.499 and 1.5 s
+        (1499, 1.499, 1.5, True),  # detected at 1.499 and 1.5 s
         (1500, 1.5, 1.5, False),  # an event
         (1999, 1.999, 1.999, False),
         (2000, None, None, False),  # the slip is no warning of itself
@@ -257,13 +260,14 @@ def test_what_a_crossing_counts_as(sample, change, flag, quiet):
 
 
 def test_stick_slips_by_hand():
-    """Sliding counts from 2.1 s on. Found: 2.5 s at once, 3.0 s with the last sample that counts. A crossing
-    after 2.6 s is a sample too late and belongs to none, as one at 2.8 s. 2.05 s is not counted."""
+    """Sliding counts from 2.1 s on. Found: 2.5 s immediately, 3.0 s with the last sample that counts. A
+    crossing after 2.6 s is one sample too late and belongs to no slip, like one at 2.8 s. 2.05 s is not
+    counted."""
     slips = np.array([2.05, 2.5, 2.6, 3.0])
     found = judge.sloped(pulled(slips_s=slips, steps=dict.fromkeys((2051, 2500, 2604, 2800, 3003), 0.05)))
     assert (found["stick_slips"], found["found"], found["elsewhere"]) == (3, 2, 2)
     assert found["slid_s"] == pytest.approx(1.899)
-    # Four steps there, each in two differences of 0.05 V/2 ms.
+    # Four steps, each in two differences of 0.05 V/2 ms.
     assert found["rms_sliding"] == pytest.approx(25 * np.sqrt(8 / 1899)) and found["rms_before"] == 0
 
 
@@ -321,7 +325,7 @@ def test_a_bad_scene_is_refused(name, world, sentence):
 
 @pytest.mark.parametrize("lot, fits", [(2.57, True), (2.575, False)])
 def test_a_lot_must_stay_below_the_supply(lot, fits):
-    """3 V are left of the supply from 2 V; dV is 1.01 V·3.7^0.11 = 1.1663 V, so 2.5722 of it are too much."""
+    """3 V remain to the supply from 2 V; dV is 1.01 V·3.7^0.11 = 1.1663 V, so 2.5722 times it is too much."""
     way = WAY | {"lot": lot}
     scene = scenes.build("x", changed("shear_recover", ways=[way], speed_mm_s=[0.1, 3.7]))
     if fits:

@@ -1,4 +1,5 @@
-"""The axes: found and whole, each point repeated by its command, figures by hand or by another way."""
+"""The axes: each exists and is complete, each point can be repeated by its command, figures by hand or by
+another method."""
 
 import json
 import shlex
@@ -49,7 +50,7 @@ def test_a_point_has_the_figures_that_its_axis_names(name):
 
 
 def test_the_division_errs_by_half_a_step_at_most_and_nearly_that():
-    """0.5 / 2^F of a range from -1 to 1: in per cent of it 25 / 2^F; exact quotients as fractions."""
+    """0.5 / 2^F of a range from -1 to 1 is 25 / 2^F per cent of it; exact quotients as fractions."""
     for bits, clocks in ((4, (8, 6)), (14, (18, 11)), (20, (24, 14))):
         for per_clock, expected in zip((1, 2), clocks):
             point = {"fraction_bits": bits, "bits_per_clock": per_clock, "frames": 300}
@@ -63,7 +64,8 @@ def test_the_division_errs_by_half_a_step_at_most_and_nearly_that():
 
 @pytest.mark.parametrize(("R0_ohm", "bound"), [(10000.0, 1.79), (1000.0, 0.311)])
 def test_a_larger_resistor_costs_position(R0_ohm, bound):
-    """docs/cop4.md's exact bounds of 41x41, 10 ohms, 16 bits, no gain: the measured errors come near them."""
+    """docs/cop4.md's exact bounds for 41x41, 10 ohms, 16 bits, no gain: the measured errors come close to
+    them."""
     point = {"side": 41, "r_ohm": 10.0, "R0_ohm": R0_ohm, "bits": 16, "gain": 1}
     found = cop4.error(point)["position"]
     assert 0.6 * bound < found <= bound * 1.003
@@ -94,7 +96,8 @@ def test_the_shipped_slip_point_is_what_the_scene_s_judge_says():
 
 
 def test_a_flag_at_the_slip_of_the_whole_contact_is_a_miss():
-    """One sample before it, at it, after it; a rise before the onset is a false alarm and no flag."""
+    """A flag one sample before the slip, at it, after it; a rise before the onset is a false alarm and not a
+    flag."""
     for rises, expected in (
         ([0.999], (False, False, 0)),
         ([1.0], (True, True, 0)),
@@ -109,7 +112,8 @@ def test_a_flag_at_the_slip_of_the_whole_contact_is_a_miss():
 
 
 def test_the_figures_of_runs_by_hand():
-    """Four slips: after 10 and 30 ms, late after 80 ms, never; a false alarm in one, three in a press."""
+    """Four slips: flags after 10 and 30 ms, a late one after 80 ms, none; one false alarm in a slip, three in
+    a press."""
 
     def slipped(delay_ms, lead_ms, early=0):
         flag = delay_ms is not None
@@ -130,13 +134,15 @@ def test_the_figures_of_runs_by_hand():
 
 
 def test_too_few_bits_are_noticed():
-    """Of 8 bits a code is as large as the threshold, so noise alone raises flags; 12 bits have none."""
+    """With 8 bits a code is as large as the threshold, so noise alone raises flags; with 12 bits it raises
+    none."""
     coarse, usual = (slip.error(slip.SHIPPED | {"bits": bits, "runs": 4}) for bits in (8, 12))
     assert coarse["false_alarm"]["count"] > 4 and usual["false_alarm"]["count"] == 0
 
 
 def test_what_a_channel_keeps():
-    """docs/slip.md: a maximum and a minimum, two of each, 31 of each; a detail of 12 bits has 14."""
+    """docs/slip.md: one maximum and minimum, two of each, or 31 of each; a detail of 12-bit samples has 14
+    bits."""
     for kind, words in (("tumbling", 2), ("half", 4), ("sliding", 62)):
         assert slip.cost(slip.SHIPPED | {"kind": kind})["state_bits"] == 14 * words
     clocks = [slip.cost(slip.SHIPPED | {"kind": kind})["clocks"] for kind in ("tumbling", "half", "sliding")]
@@ -144,7 +150,7 @@ def test_what_a_channel_keeps():
 
 
 def test_a_change_that_matters_turns_a_conclusion():
-    """Three runs: of events a quarter as large none is found in time; as they are, all are."""
+    """Three runs: with events a quarter as large no slip is found in time; with the original size all are."""
     usual, quiet = (
         constants.error({"change": change, "runs": 3}) for change in ("as they are", "EVENT_SHARE 0.003375")
     )
@@ -153,7 +159,7 @@ def test_a_change_that_matters_turns_a_conclusion():
 
 
 def test_shipped_points_are_the_named_configurations():
-    """slip1, cop4 and array64 have what the axes call shipped."""
+    """slip1, cop4 and array64 have the values that the axes call shipped."""
     slip1, four, array = (config.load(name) for name in ("slip1", "cop4", "array64"))
     assert (slip1.slip.level, slip1.slip.window, slip1.slip.hop) == (1, 64, 64)
     assert (slip1.part.data_bits, slip1.adc["rate_hz"]) == (12, 10000)
@@ -168,7 +174,8 @@ def test_shipped_points_are_the_named_configurations():
 
 
 def test_areas_are_those_that_are_recorded(monkeypatch):
-    """A record of the same sources counts; of others, or without any, there is no figure: that is said."""
+    """A record of the current sources counts; if it is stale or absent, no figure is shown, and a message
+    says so."""
     kept = {
         "a ecp5": {"module": "msn_skid", "parameters": {}, "area": {"lut": 12}, "mhz_worst": 99.5},
         "b ecp5": {"module": "msn_skid", "parameters": {}, "area": {"lut": 13}, "mhz_worst": 98.5},

@@ -1,4 +1,5 @@
-"""From needs to a configuration: the shipped ones from theirs, the next in each direction, refusals."""
+"""From needs to a configuration: the shipped ones from their needs, the next point in each direction,
+refusals."""
 
 import json
 import tomllib
@@ -13,12 +14,13 @@ from meissner.tradeoff.command import RECORD
 from meissner.tradeoff.needs import NEEDS, Needs
 
 MEASURED = json.loads(RECORD.read_text("utf-8"))
-RATES = {"fingertip": (5200.0, 4000.0)}  # chosen and shipped, where they differ; docs/tradeoff.md says why
+RATES = {"fingertip": (5200.0, 4000.0)}  # chosen and shipped rates, where they differ; see docs/tradeoff.md
 
 
 @pytest.mark.parametrize("name", NEEDS)
 def test_the_shipped_configurations_from_their_needs(name, tmp_path):
-    """Every parameter of the RTL and every register, as the board has them; the rate where it is the same."""
+    """Every parameter of the RTL and every register equals the board's; so does the rate, except for those in
+    RATES."""
     needs = NEEDS[name]
     row, _, _ = choose.chosen(needs, MEASURED)
     made, board = tables(needs, row), board_of(needs.board)

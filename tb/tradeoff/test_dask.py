@@ -1,6 +1,6 @@
-"""Ten thousand points through a scheduler and two workers of Dask, one of them killed midway: the same file.
+"""Ten thousand points through a scheduler and two Dask workers, one of them killed midway: the same file.
 
-Dask is not among what the tests install: `pip install distributed`, then `pytest -m long tb/tradeoff`.
+The tests' requirements do not include Dask: `pip install distributed`, then `pytest -m long tb/tradeoff`.
 """
 
 import contextlib

@@ -1,4 +1,4 @@
-"""Which points no other one beats, by hand; and the pictures and the page of them."""
+"""Pareto fronts by hand; and their pictures and page."""
 
 import random
 
@@ -12,10 +12,10 @@ from tradeoff import toy
 @pytest.mark.parametrize(
     ("rows", "expected"),
     [
-        ([(1, 5), (2, 3), (3, 3), (4, 1)], [True, True, False, True]),  # a tie in one figure beats
-        ([(2, 2), (2, 2), (1, 3), (3, 1)], [True] * 4),  # equal rows do not beat each other
+        ([(1, 5), (2, 3), (3, 3), (4, 1)], [True, True, False, True]),  # dominates despite a tie
+        ([(2, 2), (2, 2), (1, 3), (3, 1)], [True] * 4),  # equal rows do not dominate
         ([(2, 2), (2, 2), (1, 2)], [False, False, True]),
-        ([(1, None), (2, 2), (None, 0)], [False, True, False]),  # what was not measured
+        ([(1, None), (2, 2), (None, 0)], [False, True, False]),  # None: not measured
         ([(3,), (3,), (4,)], [True, True, False]),
         ([(1, 1, 9), (1, 1, 8), (0, 2, 9), (1, 2, 8)], [False, True, True, False]),
         ([], []),
@@ -31,7 +31,8 @@ def test_equal_rows_do_not_beat_each_other():
 
 
 def test_fronts_of_many_rows_by_a_loop_over_pairs():
-    """Small numbers, so that ties are frequent; no better row is found that pareto.front does not know."""
+    """Small numbers, so that ties are frequent; a loop over all pairs gives the same front as
+    pareto.front."""
     draw = random.Random(1)
     for width in (1, 2, 3, 4):
         rows = [tuple(draw.randrange(6) for _ in range(width)) for _ in range(150)]

@@ -1,4 +1,4 @@
-"""The sweep's machinery on a toy axis: workers, their death, interrupts, what is on disk, Dask."""
+"""The sweep's machinery on a toy axis: workers and their death, interrupts, files on disk, Dask."""
 
 import json
 import os
@@ -33,7 +33,7 @@ def told(tmp_path, monkeypatch):
 
 
 def swept(out, workers=2, **given):
-    """Bytes of the results."""
+    """The bytes of the results file."""
     sweep.run(toy.AXES, out, workers=workers, **given)
     return (out / sweep.RESULTS).read_bytes()
 
@@ -110,7 +110,7 @@ def test_a_point_that_fails_is_named_and_measured_again(tmp_path):
 
 
 def begun(out, *more):
-    """The command on the toy axis, as a process."""
+    """The command on the toy axis, started as a process."""
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path), "TOY_SECONDS": "0.01"}
     command = [sys.executable, "-c", CLI, "tradeoff", "--workers", "2", "--out", str(out), *more]
     return subprocess.Popen(
@@ -123,7 +123,7 @@ def test_an_interrupted_sweep_goes_on(tmp_path, how):
     clean = swept(tmp_path / "a")
     (tmp_path / "log").unlink()
     out = tmp_path / "b"
-    (tmp_path / "hold").touch()  # a sweep that cannot end before it is interrupted
+    (tmp_path / "hold").touch()  # so that the sweep cannot end before the interrupt
     process = begun(out)
     while len(list(out.glob("points/toy/[!.]*.json"))) < toy.HOLD and process.poll() is None:
         time.sleep(0.005)
@@ -135,7 +135,7 @@ def test_an_interrupted_sweep_goes_on(tmp_path, how):
         assert said.endswith(f"what is finished is in {out}, and the same command goes on\n")
     there = len(list(out.glob("points/toy/[!.]*.json")))
     assert there == toy.HOLD
-    time.sleep(0.3)  # the workers end with who asked
+    time.sleep(0.3)  # the workers end with their parent
     begun_points = len(toy.log())
     lines = []
     assert swept(out, say=lines.append) == clean
@@ -169,7 +169,7 @@ def test_points_of_other_sources_are_measured_again(tmp_path, monkeypatch):
 
 
 def test_what_an_axis_rests_on():
-    """The twin, the physics and the scene of slip count; the report and the hand's own registers do not."""
+    """The slip axis depends on twin, physics and scene; not on the report or the hand's own registers."""
     files = {
         path.relative_to(store.PACKAGE).as_posix() for path in store.rests_on("meissner.tradeoff.axes.slip")
     }
@@ -192,7 +192,7 @@ def test_tasks_of_a_group_stay_with_one_process():
 
 
 class Client:
-    """What of Dask's is used: work is sent off and comes back in any order."""
+    """The part of Dask's client that is used: submitted work returns in any order."""
 
     def __init__(self, address, timeout):
         if address != "tcp://here:8786":

@@ -1,8 +1,9 @@
-"""An axis that measures nothing: it writes down what was asked for, and ends its process where it is told to.
+"""An axis that measures nothing: it logs the points that it is given, and ends its process where files tell
+it to.
 
-The environment says where: TOY_FOLDER, with a file `log`; `die_once` and `die_always` hold numbers of points;
-while there is a file `hold`, points from HOLD on do not end;
-TOY_COUNT: how many points, TOY_SECONDS: how long each takes.
+The environment sets: TOY_FOLDER, a folder with a file `log`; files `die_once` and `die_always` hold numbers
+of points; while a file `hold` exists, points from HOLD on do not end; TOY_COUNT: the number of points;
+TOY_SECONDS: the time that each takes.
 """
 
 import os
@@ -26,7 +27,7 @@ def _told(name, number):
 
 
 def log():
-    """Numbers of the points that were measured or begun, in the order of the file."""
+    """Numbers of the points that were begun, in the order of the file."""
     path = folder() / "log"
     return [int(line) for line in path.read_text("utf-8").split()] if path.exists() else []
 

@@ -1,4 +1,4 @@
-"""A copy of what digests are taken of, to be changed by a test."""
+"""A copy of the files that digests cover, which a test can change."""
 
 import shutil
 
@@ -17,7 +17,8 @@ def forget():
 
 @pytest.fixture
 def change(tmp_path, monkeypatch):
-    """A function: in a file of a copy of the sources ``text`` becomes ``other``; digests are of the copy."""
+    """A function that replaces ``text`` by ``other`` in a file of a copy of the sources; digests are those of
+    the copy."""
     for folder in FOLDERS:
         without = shutil.ignore_patterns("__pycache__")
         shutil.copytree(toolchain.ROOT / folder, tmp_path / folder, ignore=without)

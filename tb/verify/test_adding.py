@@ -1,5 +1,5 @@
-"""docs/adding.md, followed word by word in a copy of the tree: its files and patches fit, its commands pass,
-and it changes as many existing files by hand as it says; at most 8, the project's goal."""
+"""docs/adding.md, followed word for word in a copy of the tree: its files and patches apply, its commands
+pass, and as many existing files are changed by hand as it states; at most 8, the project's goal."""
 
 import os
 import re
@@ -27,7 +27,7 @@ class Step:
 
 
 def steps(page):
-    """The fenced blocks of the page, in their order."""
+    """The fenced blocks of the page, in order."""
     found = []
     for part in re.split(r"^(?=## Part )", page, flags=re.M)[1:]:
         letter = re.match(r"## Part (\w)", part)[1]
@@ -39,12 +39,12 @@ STEPS = steps(PAGE.read_text("utf-8"))
 
 
 def said(which):
-    """How many existing files the page says are changed by hand in "part A", "both parts"."""
+    """The number of existing files changed by hand that the page states for "part A", "both parts"."""
     return int(re.search(rf"Existing files changed by hand in {which}: (\d+)", PAGE.read_text("utf-8"))[1])
 
 
 class Tree:
-    """A copy of what git tracks, with this environment."""
+    """A copy of the files that git tracks, with this environment."""
 
     def __init__(self, top):
         self.top = top
@@ -62,7 +62,7 @@ class Tree:
         (top / "build/objects").symlink_to(toolchain.BUILD / "objects")  # Verilator's runtime, compiled once
 
     def changed(self):
-        """Existing files that the steps so far have changed."""
+        """Existing files that the steps have changed so far."""
         return [name for name in self.names if (self.top / name).read_bytes() != self.before[name]]
 
 
@@ -78,7 +78,7 @@ def run(tree, command, environment, given=None):
 
 
 def do(step, tree):
-    """Follow one step. A kind that is not known would be left out undetected: it is refused."""
+    """Follow one step. An unknown kind is refused, as otherwise it would be skipped undetected."""
     if step.what.startswith("file="):
         path = tree.top / step.what.removeprefix("file=")
         assert not path.exists(), f"{path} is there already"
@@ -87,7 +87,7 @@ def do(step, tree):
         apart = {"GIT_CEILING_DIRECTORIES": str(tree.top.parent)}
         run(tree, ["git", "apply", "--whitespace=error", "-"], os.environ | apart, step.text)
     elif step.language == "console" and step.what in ("", "long"):
-        # A pytest in it is one of its own, whose meissner is the copy's.
+        # A pytest in the step is separate, and its meissner is the copy's.
         known = {k: v for k, v in os.environ.items() if not k.startswith(("PYTEST_", "COV_", "MEISSNER_"))}
         known |= {"PYTHONPATH": str(tree.top / "model"), "PYTHONDONTWRITEBYTECODE": "1"}
         run(tree, ["bash", "-euxo", "pipefail", "-c", step.text], known)
@@ -96,7 +96,7 @@ def do(step, tree):
 
 
 def test_a_leaf_is_four_files_and_a_line(tree):
-    """Part A, with its commands; tb/test_twins.py and tb/test_references.py are among them."""
+    """Part A, with its commands, which include tb/test_twins.py and tb/test_references.py."""
     part = [step for step in STEPS if step.part == "A"]
     by_hand = [step for step in part if step.language != "console"]
     for step in by_hand:
@@ -104,7 +104,7 @@ def test_a_leaf_is_four_files_and_a_line(tree):
     made = [step.what for step in by_hand if step.what.startswith("file=")]
     assert [Path(name).suffix for name in made] == [".sv", ".py", ".py", ".py"]
     assert tree.changed() == ["rtl/rtl.f"] and said("part A") == 1
-    assert "+rtl/" in by_hand[1].text and by_hand[1].text.count("\n+") == 2  # "+++" and the line
+    assert "+rtl/" in by_hand[1].text and by_hand[1].text.count("\n+") == 2  # "+++" and the added line
     commands = [step for step in part if (step.language, step.what) == ("console", "")]
     assert any("tb/test_twins.py tb/test_references.py" in step.text for step in commands)
     for step in commands:
@@ -123,7 +123,7 @@ def test_a_feature_changes_few_files_by_hand(tree):
 
 @pytest.mark.long
 def test_the_feature_works(tree):
-    """All commands, those of some minutes too; what they wrote beside is what the page says."""
+    """All commands, including those that take minutes; they write as many other files as the page states."""
     for step in STEPS:
         if step.language != "console":
             do(step, tree)

@@ -1,5 +1,5 @@
-"""`make trust TRUST=--due`: what was changed comes before what lies around it, what takes longest is last,
-the time it may take is kept, and records say what they took."""
+"""`make trust TRUST=--due`: changed blocks come before blocks that contain them, the longest runs come last,
+the time limit is kept, and records state the time they took."""
 
 import json
 import sys
@@ -21,7 +21,7 @@ def recorded(**kinds):
 
 
 def test_what_was_changed_comes_first_and_what_takes_longest_last():
-    """msn_crc32 lies in msn_packet, msn_packet in msn_link; msn_fifo in none of them."""
+    """msn_packet contains msn_crc32, msn_link contains msn_packet; msn_fifo is in none of them."""
     told = recorded(quick={"crc32": 4, "packet": 1, "link": 2, "fifo": 9}, slow={"crc32": 50, "packet": 30})
     listed = due.pieces([(QUICK, ["link", "packet", "crc32", "fifo"]), (SLOW, ["packet", "crc32"])], told)
     assert [(piece.step.kind, piece.block, piece.seconds) for piece in listed] == [
@@ -91,7 +91,7 @@ def processes():
     for path in Path("/proc").glob("[0-9]*/cmdline"):
         try:
             found.append(path.read_bytes().replace(b"\0", b" ").decode("utf-8", "replace"))
-        except OSError:  # it has ended
+        except OSError:  # the process has ended
             continue
     return found
 

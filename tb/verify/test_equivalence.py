@@ -1,7 +1,8 @@
-"""The proofs of tools/equivalence.py on small blocks: they hold, but not of a wrong netlist or a wrong reset.
+"""The proofs of tools/equivalence.py on small blocks: they hold, and they fail for a wrong netlist or a wrong
+reset.
 
-Bugs are planted in the bits: an inverter before a register or at an operand, an output stuck, a reset that
-nobody hears.
+Bugs are planted in the netlist's bits: an inverter before a register or at an operand, an output stuck, a
+reset that is ignored.
 """
 
 import json
@@ -21,7 +22,7 @@ TOOL = [sys.executable, "tools/equivalence.py"]
 
 
 def folder(block):
-    """Of this process: others may put another fault into the same block."""
+    """A folder for this process, as others may plant another fault into the same block."""
     return f"build/equivalence/test_{block}_{os.getpid()}"
 
 
@@ -63,7 +64,7 @@ def test_bug_in_the_netlist_is_found(plant):
     assert netlist_proof.prove(made["source"], plant(made["ecp5"]), folder("skid"), "bug")
 
 
-MISWIRED = {  # in msn_cop: what is there, what is put in its place
+MISWIRED = {  # in msn_cop: the text, and its replacement
     "input": (".in_last_i,", ".in_last_i(in_valid_i),"),
     "inputs changed over": (".in_mx_i(mx)", ".in_mx_i(my)"),
     "reset": (".rst_i,", ".rst_i(1'b0),"),
@@ -71,7 +72,7 @@ MISWIRED = {  # in msn_cop: what is there, what is put in its place
 
 
 def around(monkeypatch, families, old="", new=""):
-    """msn_cop's bits around the blocks in it, ``old`` made ``new`` in its file."""
+    """msn_cop's bits with its inner blocks as boxes, ``old`` replaced by ``new`` in its file."""
     copy = toolchain.ROOT / folder("cop") / "msn_cop.sv"
     copy.parent.mkdir(parents=True, exist_ok=True)
     text = (toolchain.ROOT / "rtl/cop/msn_cop.sv").read_text()
@@ -98,7 +99,7 @@ def test_wrong_wire_between_blocks_is_found(plant, monkeypatch):
 
 
 def test_what_yosys_reads_otherwise_is_found(monkeypatch):
-    """~Bits'(1) is 6 of three bits, and to Yosys' own reader 1: alike on both sides if it reads both."""
+    """~Bits'(1) of three bits is 6, but 1 in Yosys' own reader: both sides look alike if that reads both."""
     copy = toolchain.ROOT / folder("pwm") / "msn_pwm.sv"
     copy.parent.mkdir(parents=True, exist_ok=True)
     text = (toolchain.ROOT / "rtl/actuate/msn_pwm.sv").read_text()
@@ -113,7 +114,7 @@ def test_what_yosys_reads_otherwise_is_found(monkeypatch):
 
 
 def test_what_is_a_box_is_proven_by_itself():
-    """A proof around other blocks is only as good as their own, so it is not counted without these."""
+    """A proof with inner blocks as boxes depends on their own proofs, so it is not counted without these."""
     recorded = json.loads((record.FOLDER / "equivalence.json").read_text())
     entries, stale = recorded["blocks"], record.stale(recorded, "equivalence")
     current = [(block, family) for block in entries if block not in stale for family in circuit.FAMILIES]
@@ -122,7 +123,7 @@ def test_what_is_a_box_is_proven_by_itself():
 
 
 def test_a_proof_around_a_block_without_one_is_not_counted(monkeypatch):
-    """cop_array lies around cop, and that around cop_divide; each has what it rests on, as a digest."""
+    """cop_array contains cop, which contains cop_divide; each records a digest of what it depends on."""
     monkeypatch.setattr(record, "digest", lambda name, kind: name)
     proven = {"proven": True}
     blocks = {
@@ -160,7 +161,7 @@ def test_reset_that_is_not_heard_is_found():
 def test_payload_counts_only_while_it_is_valid():
     source = bits("skid")["source"]
     task = reset_proof.Task(qualifiers={"out_data_o": "in_ready_o !in_ready_o"})  # always
-    assert reset_proof.prove(source, task) == []  # no word is kept aside after reset: it comes from the input
+    assert reset_proof.prove(source, task) == []  # after reset no word is kept aside
     source = bits("round_sat")["source"]
     task = reset_proof.Task(qualifiers={"out_data_o": "out_valid_o !out_valid_o"})
     assert reset_proof.prove(source, task) == ["out_data_o"]
@@ -173,14 +174,14 @@ def test_resets_hold_with_what_is_taken_for_granted():
 
 
 def test_a_reset_fails_without_what_is_taken_for_granted():
-    """A frame that begins in the clock of a word shows a code of before the reset."""
+    """A frame that begins in the same clock as a word shows a code from before the reset."""
     [chosen] = equivalence.parameters(["adc_store"], "size").values()
     source = circuit.synthesise("adc_store", chosen, folder("adc_store"), ())["source"]
     assert "out_data_o" in reset_proof.prove(source)
 
 
 def test_a_state_while_a_bit_is_0_is_a_condition():
-    """Whether msn_adc_spi drops a frame is known while it reads, but in the first clock of that."""
+    """Whether msn_adc_spi drops a frame is defined while it reads, except in the first clock of reading."""
     [chosen] = equivalence.parameters(["adc_spi"], "size").values()
     source = circuit.synthesise("adc_spi", chosen, folder("adc_spi"), ())["source"]
     task = equivalence.task_of("adc_spi")

@@ -1,5 +1,5 @@
-"""What tests state beside their SPACE is read without an import, each error is one sentence, and a record of
-a kind rests on what is stated of that kind alone."""
+"""The statements of tests beside their SPACE are read without an import, each error is one sentence, and a
+record of a kind depends only on the statements about that kind."""
 
 import subprocess
 import sys
@@ -79,7 +79,8 @@ def stale(before):
 
 
 def test_a_record_rests_on_what_is_stated_of_its_kind(change):
-    """Also on what its block names: array keeps what calibrate keeps, frame_table runs inside calibrate."""
+    """Also on the blocks that it names: array keeps what calibrate keeps, frame_table runs inside
+    calibrate."""
     names = ("calibrate", "array", "frame_table", "cop_array", "calibration_table")
     before = {name: {kind: revision.digest(name, kind) for kind in revision.TOOLS} for name in names}
     assert stale(before) == set()

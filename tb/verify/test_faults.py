@@ -1,5 +1,5 @@
-"""`make faults` in a short form: a few hundred faults in small blocks, none of them undetected; and it
-finds what it is for: a state machine that never recovers, a frame whose damage nobody reports."""
+"""`make faults` in a short form: a few hundred faults in small blocks, none of them undetected; and it finds
+planted defects: a state machine that never recovers, a frame whose damage is not reported."""
 
 import json
 import re
@@ -17,7 +17,7 @@ def test_no_fault_is_undetected(block):
     kinds = {result.kind for result in results}
     assert {"bit", "reset"} <= kinds and len(results) > 40
     assert [result for result in results if result.outcome == "silent"] == []
-    assert any(result.outcome == "recovered" for result in results)  # they did something
+    assert any(result.outcome == "recovered" for result in results)  # some faults have an effect
 
 
 def planted(monkeypatch, tmp_path, block, good, bad):
@@ -92,7 +92,7 @@ def test_what_is_kept_may_be_of_one_instance_alone():
 
 
 def test_a_setting_is_put_at_its_bits_of_the_struct():
-    """adc: 24 bits of period, the bit of enable above."""
+    """adc: bits 23:0 are the period, bit 24 is enable."""
     assert faults.placed("in_i:3 adc.period:1f adc.enable:1") == "in_i:3 cfg_i[23:0]:1f cfg_i[24:24]:1"
 
 
@@ -109,7 +109,8 @@ def test_every_block_takes_part():
 
 
 def test_a_table_of_constants_is_no_state(monkeypatch):
-    """What an initial block alone writes, in each instance; a flag that it only begins is state."""
+    """Registers that only an initial block writes, in each instance; a flag that it only initialises is
+    state."""
     found = {
         block: initial.only(toolchain.sources_of(f"msn_{block}"), f"msn_{block}", {})
         for block in ("exp2", "shear_speed", "adc_store", "fifo")

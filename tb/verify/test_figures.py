@@ -1,5 +1,5 @@
-"""docs/results.md and README have what constraints/*.json and docs/figures.json record, to the letter, and a
-figure whose RTL, model or entry has changed since is marked (stale); each other row names the test that
+"""docs/results.md and README have exactly the figures recorded in constraints/*.json and docs/figures.json,
+and a figure whose RTL, model or entry has changed since is marked (stale); each other row names the test that
 asserts it."""
 
 import json
@@ -31,7 +31,7 @@ def test_readme_has_at_most_ten_of_the_figures():
 
 
 def test_readme_s_picture_is_the_run_that_is_recorded():
-    """The scene's first seed, whose picture a summary keeps with its times."""
+    """The run of the scene's first seed, whose picture and times a summary keeps."""
     run = figures.Records().printed["acrylic_slip"]["summary"]
     after, before = 1e3 * run["delay_s"], 1e3 * (run["gross_s"] - run["flag_s"])
     words = (
@@ -41,7 +41,7 @@ def test_readme_s_picture_is_the_run_that_is_recorded():
 
 
 def test_every_result_is_generated_or_names_the_test_that_asserts_it():
-    """What is measured in clocks or microseconds stands in that test as a literal."""
+    """A figure in clocks or microseconds is a literal in that test."""
     rows = figures.results(RESULTS)
     assert len(rows) > 20 and all(len(row) == 3 for row in rows)
     whats = [what for what, _, _ in rows]
@@ -148,7 +148,7 @@ def test_figures_are_those_of_the_record():
     assert records.stale("cop_slip"), "a file that is no longer there"
 
 
-BUILT = "msn_core msn_multiply msn_slip"  # of the boards' modules
+BUILT = "msn_core msn_multiply msn_slip"  # modules in the boards' builds
 
 
 def digests():
@@ -163,7 +163,7 @@ def digests():
     return found
 
 
-# What is changed, and the figures it makes stale.
+# The change, and the figures that it makes stale.
 CHANGES = [
     ("rtl/slip/msn_slip.sv", "<=", "<= ~", "slip-1 icebreaker ulx3s"),
     ("rtl/slip/msn_slip.sv", "// What", "// Of what", ""),
@@ -172,7 +172,7 @@ CHANGES = [
     ("rtl/common/msn_divide.sv", "<=", "<= ~", "cop4 cop_array-64x64"),
     ("rtl/ecp5/msn_multiply.sv", ".P35(p[35])", ".P35(p[34])", "cop_array-64x64 icebreaker ulx3s"),
     ("rtl/msn_core.sv", "1'b0", "1'b1", "icebreaker ulx3s"),
-    ("rtl/msn_core.sv", "(Array ? Cop4 ||", "(Array ? Slip ||", ""),  # a check: who is built has passed it
+    ("rtl/msn_core.sv", "(Array ? Cop4 ||", "(Array ? Slip ||", ""),  # a check, which every build has passed
     ("rtl/msn_core.sv", "Array = 1 must go", "Array must go", ""),
     ("rtl/msn_pkg.sv", "count > 1", "count > 2", "slip-1 cop4 cop_array-64x64 icebreaker ulx3s"),
     ("rtl/boards/msn_board.sv", "assign", "assign ", ""),
@@ -198,7 +198,7 @@ def test_a_figure_rests_on_all_that_it_was_made_with(change, file, text, other, 
 
 
 def test_each_check_of_a_parameter_is_left_out_alone():
-    """Of a board's sources; one stands inside another generate block."""
+    """In a board's sources; one check is inside another generate block."""
     texts = [revision._synthesised(path) for path in toolchain.sources()]
     found = [check for text in texts for check in revision.CHECK.findall(text)]
     assert len(found) == sum(text.count(" : gen_check_") for text in texts) > 150
@@ -206,7 +206,7 @@ def test_each_check_of_a_parameter_is_left_out_alone():
 
 
 def test_a_figure_of_the_rtl_rests_on_its_sources_and_the_simulator(change):
-    """Of comments on neither; of a package that only scenes use, both."""
+    """Comments do not count; in a package that only scenes use, both do."""
     names = ["rtl/link/msn_link.sv", "model/meissner/twins/slip/slip.py"]
     digest = lambda: revision.of_files(names, "scenes")
     before = digest()
@@ -249,7 +249,7 @@ def test_a_recorded_block_and_board_are_of_their_rtl(tmp_path, monkeypatch):
 
 
 def test_a_scene_names_every_file_that_it_rests_on():
-    """Scene, engine and twins are among them; other sensors' and the trust tools are not."""
+    """The list has scene, engine and twins, but not those of other sensors or the trust tools."""
     command = [sys.executable, str(toolchain.ROOT / "tools/measured_figures.py"), "capacitive_shapes"]
     done = subprocess.run(command, capture_output=True, text=True, check=True)
     found = json.loads(done.stdout.splitlines()[-1])
@@ -267,7 +267,8 @@ def test_a_scene_names_every_file_that_it_rests_on():
 
 
 def test_the_harness_is_taken_off_the_area_as_it_was_left():
-    """Two outputs' registers and a fold with its table; nothing that reads a block's register."""
+    """Two registers on outputs and a fold with its table are removed; a cell that reads a block's register is
+    not."""
 
     def cell(kind, source="", **connections):
         pins = {pin: [bit] for pin, bit in connections.items()}

@@ -1,5 +1,5 @@
 """The quickest proofs, at their defaults, and whether `make formal` can fail: a planted bug, a proof that
-says nothing, a name that there is not."""
+proves nothing, an unknown name."""
 
 import subprocess
 import sys
@@ -9,10 +9,11 @@ import pytest
 from meissner.builds import toolchain
 from verify import formal, formal_mutants
 
-BUGS = {  # proof: file, what is there, what is put in its place
+BUGS = {  # proof: file, text, and its replacement
     "skid": ("rtl/common/msn_skid.sv", "if (!held) kept", "if (out_ready_i) kept"),
     "fork": ("rtl/common/msn_fork.sv", "&& !a_has", ""),
-    # Full, it reads and writes one place in a clock: all is in order, but the memory's answer is not defined.
+    # When full it reads and writes one place in a clock: the order is right, but the memory's output is
+    # undefined.
     "fifo": (
         "rtl/common/msn_fifo.sv",
         "in_ready_o = !full;",
@@ -27,7 +28,7 @@ def quick():
 
 @pytest.fixture
 def elsewhere(monkeypatch, tmp_path_factory):
-    """Nothing of a test's proofs gets in the way of another's."""
+    """A folder of its own, so that proofs of different tests do not interfere."""
     out = f"build/formal/{tmp_path_factory.mktemp('quick').name}"
     (toolchain.ROOT / out).mkdir(parents=True, exist_ok=True)
     monkeypatch.setattr(formal, "OUT", out)
@@ -35,7 +36,7 @@ def elsewhere(monkeypatch, tmp_path_factory):
 
 
 def changed(monkeypatch, out, path, old, new):
-    """Proofs read ``path`` with ``old`` made ``new``."""
+    """Proofs read ``path`` with ``old`` replaced by ``new``."""
     text = (toolchain.ROOT / path).read_text()
     assert old in text
     copy = f"{out}/{path.split('/')[-1]}"
@@ -72,7 +73,7 @@ def test_unknown_name_is_one_sentence():
 
 
 def test_a_block_is_broken_in_its_own_cells():
-    """Not in those of a block in it that has a proof itself, nor in what makes a wire free."""
+    """Not in cells of an inner block that has a proof of its own, nor in cells that make a wire free."""
 
     def broken(proof, cell, *sources):
         line = f"mutate -mode inv -cell {cell} -port Y -portbit 0 " + " ".join(f"-src {s}:1" for s in sources)
@@ -107,7 +108,7 @@ def test_a_mutant_that_changes_a_memory_is_not_equivalent():
 
 
 def test_a_mutant_that_changes_what_is_before_the_first_reset_is_equivalent():
-    """If the harness says so; before that the invariant does not hold."""
+    """Only if the harness has `started`; before the first reset the invariant does not hold."""
     after = "(assert (|t_n started| a))"
     assert after in formal_mutants.question(f"{STATE}; yosys-smt2-wire started 1\n", "t", 3)
     assert after not in formal_mutants.question(STATE, "t", 3)

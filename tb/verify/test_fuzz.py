@@ -1,5 +1,6 @@
-"""`make fuzz` in a short form: each reader over its corpus and some thousand cases; what was found once is
-refused in a sentence; and it finds a decoder that lets a damaged packet pass and a reader that breaks."""
+"""`make fuzz` in a short form: each reader over its corpus and some thousand cases; inputs found earlier are
+refused with a sentence; and it finds a decoder that accepts a damaged packet and a reader that raises another
+error."""
 
 import time
 import warnings
@@ -87,7 +88,7 @@ def test_a_slow_machine_is_no_hang(monkeypatch):
 
 
 HEADER = (
-    b"\x93NUMPY\x01\x00\x76\x00{'descr': '<i8', 'fortran_order': False, 'shape': (2, 3), "  # no brace ends it
+    b"\x93NUMPY\x01\x00\x76\x00{'descr': '<i8', 'fortran_order': False, 'shape': (2, 3), "  # no closing brace
 )
 
 

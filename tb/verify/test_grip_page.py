@@ -1,4 +1,4 @@
-"""docs/grip_scenes.md has what docs/grip.json records, to the letter, and says which rows are stale."""
+"""docs/grip_scenes.md has exactly what docs/grip.json records, and marks stale rows."""
 
 import json
 

@@ -1,4 +1,4 @@
-"""The second simulator in a short form, and that its list of what it cannot run is true."""
+"""The second simulator in a short form, and that its list of unsupported blocks is true."""
 
 import os
 import shutil
@@ -15,7 +15,7 @@ pytestmark = pytest.mark.skipif(not shutil.which("iverilog"), reason="iverilog i
 
 
 def lanes_of(block):
-    """The size of which the block's refusal is: one lane would be accepted."""
+    """Parameters with which the block is refused: with one lane it would be accepted."""
     return {"Lanes": 2} if block.startswith("cop") else {}
 
 
@@ -37,7 +37,7 @@ def test_refused_is_refused(block, tmp_path):
 
 
 def test_a_block_is_refused_for_a_block_in_it():
-    """By hand: blocks with a converter in them, with packed vectors of vectors, with structs for ports."""
+    """By hand: blocks that contain a converter, a packed vector of vectors, or structs as ports."""
     found = {block: icarus.refused(block, {}) for block in ("acquire", "array", "slip_path", "core_link")}
     assert [reason.split(":")[0] for reason in found.values()] == [
         *("a parameter that a package's function makes of another package's functions",) * 2,
@@ -70,7 +70,8 @@ def test_a_bench_runs_on_it():
 
 
 def test_a_struct_of_settings_becomes_a_vector():
-    """adc: 24 bits of period, the bit of enable above. A struct of another kind leaves all as it is."""
+    """adc: bits 23:0 are the period, bit 24 is enable. With a struct of another kind the text stays
+    unchanged."""
     text = "  input  msn_registers_pkg::adc_cfg_t cfg_i,\n  x = cfg_i.enable && W'(cfg_i.period);\n"
     assert icarus.of_vectors(text) == "  input  logic [24:0] cfg_i,\n  x = cfg_i[24:24] && W'(cfg_i[23:0]);\n"
     other = "  output msn_registers_pkg::adc_status_t status_o\n" + text
@@ -78,7 +79,7 @@ def test_a_struct_of_settings_becomes_a_vector():
 
 
 def test_a_type_that_enumerates_becomes_its_bits():
-    """Three bits of slip_state_e in a port; its values and a port of a struct stay."""
+    """slip_state_e in a port becomes three bits; its values and a port of a struct stay."""
     text = "  input  msn_pkg::slip_state_e in_state_i,\n  assign gross = in_state_i == msn_pkg::Gross;\n"
     bits = "  input  logic [2:0] in_state_i,\n  assign gross = in_state_i == msn_pkg::Gross;\n"
     assert icarus.of_bits(text) == bits

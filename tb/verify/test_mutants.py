@@ -1,6 +1,6 @@
-"""tools/mutants.py: mutants of quick blocks are all killed; weak tests leave survivors; a mutant that no
-test can tell is shown equivalent, one that can be told is not; what runs nothing or fails unchanged is no
-pass."""
+"""tools/mutants.py: mutants of quick blocks are all killed; weak tests leave survivors; a mutant that no test
+can distinguish is shown equivalent, and one that a test can distinguish is not; a run without tests, or whose
+tests fail unchanged, does not pass."""
 
 import argparse
 import subprocess
@@ -18,7 +18,7 @@ OPTIONS = argparse.Namespace(samples=6, seed=[7], jobs=2, limit=5, sets=[], unso
 
 
 def one(block, count, folder, which=0, **changes):
-    """The mutants of a parameter set, built in ``folder``."""
+    """The run of a parameter set and its mutants, built in ``folder``."""
     run = tool.parameter_sets(block)[which][0] | changes
     found, _ = mutate.netlist(run, count, [3], f"build/mutants/{folder}")
     simulate.build(run, f"build/mutants/{folder}")
@@ -36,7 +36,7 @@ def test_quick_blocks_kill_theirs(block):
 
 
 def test_a_large_block_has_options_of_its_own():
-    """They are names of options and of blocks, and what the command line says goes before them."""
+    """Their names are those of options and of blocks, and options of the command line take precedence."""
     default = vars(OPTIONS).get
     large = {block: evidence.of(block, "mutants") for block in benches.blocks()}
     assert large["array"] == {"sets": [1], "limit": 60, "unsolved": True}
@@ -49,7 +49,8 @@ def test_a_large_block_has_options_of_its_own():
 
 
 def test_a_weak_test_leaves_survivors_that_the_solver_distinguishes():
-    """Only the reset of msn_skid is tested: the solver finds what those mutants do, none is equivalent."""
+    """Only the reset of msn_skid is tested: the solver finds how those mutants differ, and none is
+    equivalent."""
     folder = "build/mutants/skid-weak"
     run, found = one("skid", 20, "skid-weak", test_filter="forgets_what")
     simulate.judge(run, found, folder, 2)
@@ -63,7 +64,7 @@ def test_a_weak_test_leaves_survivors_that_the_solver_distinguishes():
 
 
 def test_shows_equivalence_and_never_of_a_killed_mutant():
-    """An output of one bit leaves the clipped value little to say."""
+    """With an output of one bit, most of the clipped value has no effect."""
     folder = "build/mutants/round_sat-equal"
     run, found = one("round_sat", 16, "round_sat-equal", which=2)
     simulate.judge(run, found, folder, 2)
@@ -78,7 +79,7 @@ def test_shows_equivalence_and_never_of_a_killed_mutant():
 
 
 def test_shows_equivalence_under_a_contract():
-    """A divider in a pipe that takes in what is not valid, and mutants that its tests kill."""
+    """A pipelined divider that also accepts invalid inputs, and mutants that its tests kill."""
     folder = "build/mutants/divide-contract"
     [run] = [
         run for run in benches.runs("divide") if list(run["parameters"].values()) == ["12", "5", "1", "1"]
@@ -92,7 +93,7 @@ def test_shows_equivalence_under_a_contract():
 
 @pytest.mark.long
 def test_shows_equivalence_by_what_is_proven_first():
-    """A window's places in another order, with the same end: nothing tells them apart."""
+    """A window's places are counted in another order with the same end, which nothing can distinguish."""
     folder = Path("build/mutants/peak_to_peak-lemmas")
     run = tool.parameter_sets("peak_to_peak")[0][0]
     found, _ = mutate.netlist(run, 600, [1], folder)
@@ -141,6 +142,6 @@ def test_command_refuses_a_block_that_is_not_there():
 
 
 def test_every_block_has_parameter_sets():
-    """A block gets its mutants by being listed."""
+    """A block gets mutants as soon as it is listed."""
     tested = {run["block"] for run in benches.runs() if not run["sources"]}
     assert tested >= set(benches.blocks())

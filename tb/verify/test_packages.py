@@ -1,4 +1,4 @@
-"""What a block uses of a package, by hand; what is unknown counts whole."""
+"""The part of a package that a block uses, by hand; an unknown package counts completely."""
 
 import re
 

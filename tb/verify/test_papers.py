@@ -1,4 +1,4 @@
-"""docs/papers says what is recorded, and that it is stale if it is; each paper has a page."""
+"""docs/papers shows what is recorded, and marks it if it is stale; each paper has a page."""
 
 import importlib
 import json

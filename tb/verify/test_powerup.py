@@ -1,4 +1,5 @@
-"""The tool that starts blocks with random registers finds their tests, and one that cannot start fails."""
+"""The tool that starts blocks with random register values finds their tests, and a block without tests
+fails."""
 
 import powerup as tool
 from meissner.builds import toolchain

@@ -1,4 +1,4 @@
-"""What the pages of the slip papers compute, against values worked out by hand."""
+"""The values computed by the pages of the slip papers, against values worked out by hand."""
 
 from types import SimpleNamespace
 
@@ -37,10 +37,11 @@ def run(codes, onset_s):
 
 @pytest.mark.parametrize("step, found", [(23, None), (24, 0.0259)])
 def test_the_first_flag_is_the_first_detail_over_the_threshold_in_its_window(step, found):
-    """0.02 V from the lowest to the highest coefficient is 23.17 codes of difference: 23 stay below.
+    """0.02 V between the lowest and the highest coefficient is a difference of 23.17 codes: 23 codes stay
+    below.
 
-    Sample 256 is in a window's first pair, so its coefficient differs from another one with the second pair,
-    which ends with sample 259. What comes before the onset does not count.
+    Sample 256 is in a window's first pair, so its coefficient can only differ from that of the second pair,
+    which ends with sample 259. Samples before the onset do not count.
     """
     codes = np.full(640, 2000)
     codes[256] += step

@@ -1,5 +1,5 @@
-"""`make regress` in a short form: two sizes of a small block in one build; a planted bug is found, made small
-and reported with its command; Dask's workers do the same; sizes are legal and repeat with their seed."""
+"""`make regress` in a short form: two sizes of a small block in one build; a planted bug is found, reduced
+and reported with its command; Dask's workers do the same; sizes are legal and reproducible by their seed."""
 
 import random
 import sys
@@ -37,7 +37,7 @@ def test_a_planted_bug_is_found_and_made_small(monkeypatch, tmp_path, capsys):
 
 
 class Client:
-    """What tools/regress.py uses of Dask's, in this process."""
+    """The part of Dask's client that tools/regress.py uses, in this process."""
 
     def __init__(self, address, timeout):
         if address == "nobody":

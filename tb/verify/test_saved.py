@@ -1,4 +1,5 @@
-"""tools/saved.py: rows of what scenes save become stale with what they rest on, and the page shows it."""
+"""tools/saved.py: the rows about what scenes save become stale with the files that they depend on, and the
+page shows it."""
 
 import copy
 
@@ -11,7 +12,7 @@ FRESH = {"ms": 4.0, "on": "2026-01-02", "of": None, "rests_on": "shared"}
 
 @pytest.fixture
 def told():
-    """A record of every row on fixed that rests on one file and the scene, and of one scene on rtl."""
+    """A record of every row on fixed, which depends on one file and the scene, and of one scene on rtl."""
     table = {"rests_on": {"shared": ["model/meissner/scenes/rates.py"]}, "fixed": {"full": {}, "scenes": {}}}
     for row in tool.rows():
         part = "full" if row.startswith(tool.FULL) else "scenes"

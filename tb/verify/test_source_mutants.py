@@ -1,6 +1,6 @@
-"""verify.source_mutants on a small text: every change that there is, by hand; what is left alone; a
-text with all of them behind an input that chooses. And that a change of a constant, which needs a block of
-its own, is seen by the tests of a real block."""
+"""verify.source_mutants on a small text: every possible change, by hand; what is left unchanged; a text with
+all changes selected by an input. And the tests of a real block detect a change of a constant, which needs a
+copy of the block."""
 
 import argparse
 
@@ -47,7 +47,7 @@ module two (
 );
 endmodule
 """
-# Line, what, and whether it stands where a constant must.
+# Line, change, and whether it is where a constant is required.
 EXPECTED = [
     (13, "operands: N - 1 -> 1 - N", True),
     (13, "one: 1 -> 2", True),
@@ -78,7 +78,7 @@ EXPECTED = [
 
 @pytest.fixture
 def listed(tmp_path):
-    """The changes of SMALL with a parameter."""
+    """The changes of SMALL for a given parameter."""
     paths = []
     for name, text in (("two.sv", TWO), ("own.sv", SMALL)):
         paths.append(tmp_path / name)
@@ -96,7 +96,7 @@ def test_lists_every_change_of_a_text(listed):
 
 
 def test_leaves_alone_what_is_not_there_with_these_parameters(listed):
-    """With another N there is no instance, but a constant of its own."""
+    """With another N there is no instance, but another constant."""
     lines = [change.what for change in listed(6) if change.line in (16, 18)]
     assert lines == ["one: 8'd33 -> 8'd34", "one: 8'd33 -> 8'd32"]
 
@@ -118,7 +118,7 @@ def test_one_change_alone(listed):
 
 
 def test_changes_together_each_behind_its_number(listed):
-    """The one around another has the other in it where it is not chosen; outputs change places by wires."""
+    """An outer change contains the inner ones where it is not selected; outputs are exchanged by wires."""
     chosen = [change for change in listed() if change.line in (13, 16, 20, 23) and not change.constant]
     text = source_text.together(SMALL, dict(enumerate(chosen, 1)), 4)
     for line in (
@@ -177,8 +177,8 @@ def test_draws_every_kind_first_and_otherwise_by_its_seed(listed):
 
 
 def test_a_real_block_kills_changes_of_both_sorts():
-    """Of msn_delay, seven steps deep: a constant has a copy of the block, the others stand in one text; a
-    limit between two forms of the block that leaves this size where it was changes nothing."""
+    """msn_delay, seven steps deep: a changed constant has a copy of the block, the others share one text;
+    changing a limit between two forms of the block that keeps this size in its form has no effect."""
     options = argparse.Namespace(seed=[1, 2], jobs=2, limit=5, unsolved=True)
     runs = tool.parameter_sets("delay", 2)[1]
     assert runs[0]["parameters"]["Depth"] == "7"

@@ -1,5 +1,5 @@
-"""docs/trust.md and README's line say what docs/trust/ has recorded, of blocks that are there; evidence
-that rests on what has changed since is shown as stale."""
+"""docs/trust.md and README's line show what docs/trust/ has recorded, for existing blocks; evidence that
+depends on changed files is shown as stale."""
 
 import json
 import re
@@ -12,7 +12,8 @@ from verify import benches, record, revision
 
 
 def test_the_pages_say_what_is_recorded():
-    """And what of it is stale: `python tools/trust.py --page` after a change of what evidence rests on."""
+    """Including what is stale: run `python tools/trust.py --page` after a change of files that evidence
+    depends on."""
     recorded = trust.records()
     assert recorded and trust.PAGE.read_text() == trust.page(recorded), "`python tools/trust.py --page`"
     assert trust.summary(recorded) in trust.README.read_text().splitlines(), "`python tools/trust.py --page`"
@@ -20,7 +21,7 @@ def test_the_pages_say_what_is_recorded():
 
 @pytest.fixture
 def kept(tmp_path, monkeypatch):
-    """Records facts of blocks of a kind, joined; returns all that is recorded."""
+    """A function that merges facts about blocks into a record, and returns the complete record."""
     monkeypatch.setattr(record, "FOLDER", tmp_path)
 
     def keep(**blocks):
@@ -48,7 +49,7 @@ def test_what_is_stale_is_shown_so(kept, monkeypatch):
 
 @pytest.mark.parametrize("kind", [path.stem for path in (toolchain.ROOT / "docs/trust").glob("*.json")])
 def test_each_kind_can_say_its_current_blocks_in_a_sentence(kind):
-    """As it says all of them, of the record as it is; there may be more blocks since."""
+    """For all recorded blocks the sentence is the recorded one; the number of all blocks may have grown."""
     told = json.loads((toolchain.ROOT / f"docs/trust/{kind}.json").read_text())
     said = trust.sentence_of(kind)([*told["blocks"].values()])
     assert re.sub(r"of \d+ blocks, reset", "of N blocks, reset", said) == re.sub(
@@ -92,7 +93,7 @@ def test_every_step_is_of_a_kind_and_every_kind_has_one():
         assert (toolchain.ROOT / "tools" / step.command.split()[0]).exists() and step.blocks()
 
 
-# What is changed, and the blocks of which kinds it makes stale, among crc32, packet, link, fifo, skid.
+# The change, and for each kind the blocks that it makes stale, among crc32, packet, link, fifo, skid.
 CHANGES = [
     ("rtl/link/msn_crc32.sv", "<=", "<= ~", {kind: "crc32 packet link" for kind in revision.TOOLS}),
     ("rtl/link/msn_crc32.sv", "// Model:", "// The model:", {}),
