@@ -7,8 +7,8 @@
     python tools/trust.py --due --list only list these runs, with the CPU seconds that they took last time
     python tools/trust.py --page       only write the pages from the records
 
-                                       for 15 minutes [--minutes 90]; prints how many runs are left
-if what it rests on (RTL, tests, twin, harness, exclusions, tools) has changed since it was recorded.
+Each kind has its own tools, which take --record. Exit code 1 if one of them failed. Evidence is shown as
+stale if what it rests on (RTL, tests, twin, harness, exclusions, tools) has changed since its record.
 """
 
 import argparse

@@ -1,5 +1,5 @@
-"""docs/trust.md and README's paragraph show what docs/trust/ records of existing blocks; evidence that rests on
-something that has changed since is shown as stale."""
+"""docs/trust.md and README's paragraph show what docs/trust/ records of existing blocks, and show evidence as
+stale if what it rests on has changed since."""
 
 import json
 import re
