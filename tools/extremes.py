@@ -1,12 +1,12 @@
-"""Every block and solver at the ends of its range and beyond, against exact arithmetic: docs/extremes.md.
+"""Check blocks and solvers at and beyond the ends of their ranges against exact numbers (docs/extremes.md).
 
     python tools/extremes.py [--quick] [--jobs N] [--seed N] [--record] [ROW ...]     default: all rows
     python tools/extremes.py --page            the page from the record, without a run
-    python tools/extremes.py --headers         the line of each block's header, where it differs
-    python tools/extremes.py --elaborate [BLOCK ...]    the RTL at the ends of its parameters and each pair
+    python tools/extremes.py --headers         write the error line into block headers where it differs
+    python tools/extremes.py --elaborate [BLOCK ...]    elaborate the RTL with each pair of parameter ends
 
-A row is a function in tb/extremes/; tools/verify/extremes.py says how it is written. Stops with an error if
-a row has a finding, or if nothing ran.
+A row is a function in tb/extremes/; tools/verify/extremes.py describes its form. Stops with an error if a row
+has a finding, or if nothing ran.
 """
 
 import argparse
@@ -52,17 +52,17 @@ def number(value):
 
 
 def places(facts):
-    """{what: (worst error, its bound, where)} of a row."""
+    """{quantity: (worst error, its bound, where)} of a row."""
     return {part: (w["error"], w["bound"], w["where"]) for part, w in facts["worst"].items()}
 
 
 def summary(facts):
-    """A row in a cell."""
+    """The result of a row in one cell."""
     return facts["finding"] or f"{facts['cases']} cases within their bounds"
 
 
 def total(rows):
-    """The sentence of a list of rows."""
+    """One sentence that sums up a list of rows."""
     wrong = sum(bool(facts["finding"]) for facts in rows)
     cases = sum(facts["cases"] for facts in rows)
     return f"{len(rows)} rows, {cases} cases, {wrong or 'no'} finding{'s' * (wrong != 1)}"
@@ -74,7 +74,7 @@ def link(test):
 
 
 def table(known, blocks):
-    """Markdown of the rows that are blocks, or of those that are not."""
+    """The Markdown table of the rows for blocks, or of the rows for solvers."""
     lines = ["| row | worst error | bound | where | cases | beyond the range | result | RTL |"]
     lines += ["|---|---|---|---|---|---|---|---|"]
     for name, row in extremes.rows().items():
@@ -100,7 +100,7 @@ def table(known, blocks):
 
 
 def page(told):
-    """docs/extremes.md of what was recorded."""
+    """docs/extremes.md as text, from the record."""
     known = told.get("blocks", {})
     text = HEAD
     if told:
@@ -121,7 +121,7 @@ def load():
 
 
 def keep(done, seed):
-    """Put rows among the recorded, and write the page."""
+    """Merge rows into the record and write the page."""
     import datetime
 
     known = {name: facts for name, facts in load().get("blocks", {}).items() if name in extremes.rows()}
@@ -136,7 +136,7 @@ def keep(done, seed):
 
 
 def header(path, line):
-    """A source's text with the line in its header: before the twin's path if that has a line of its own."""
+    """A source's text with the error line in its header, before the line with the twin's path if any."""
     text = path.read_text("utf-8")
     lines = [each for each in text.split("\n") if not each.startswith("// Error: ")]
     head = next(at for at, each in enumerate(lines) if not each.startswith("//"))
@@ -146,7 +146,7 @@ def header(path, line):
 
 
 def wrong_headers():
-    """{path: text} of the blocks whose header says something else than their row."""
+    """{path: corrected text} of the blocks whose header differs from their row."""
     paths = {path.stem.removeprefix("msn_"): path for path in toolchain.sources()}
     found = {}
     for name, row in extremes.rows().items():
@@ -163,7 +163,7 @@ def _run(given):
 
 
 def elaborate(blocks, jobs):
-    """Read each block's RTL at the ends of its parameters; prints a line of each, stops at a finding."""
+    """Elaborate each block's RTL at the ends of its parameters; print a line each, exit 1 on a finding."""
     known, wrong = elaborations.ends(), []
     if unknown := [name for name in blocks if name not in known]:
         sys.exit(f"extremes: {elaborations.ENDS.name} has no block {unknown[0]}")
