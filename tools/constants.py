@@ -118,7 +118,7 @@ def most_missed(row):
 
 
 def ranges(rows):
-    """(least, greatest) median delay, and the same of the least lead, without rows that miss most slips."""
+    """(least, greatest) median delay, and the same of the least lead; rows that miss most slips left out."""
     rows = [row for row in rows if not most_missed(row)]
     delays, leads = [row["delay_ms"] for row in rows], [row["lead_ms"] for row in rows]
     return (min(delays), max(delays)), (min(leads), max(leads))

@@ -85,7 +85,7 @@ class Compared:
         return ask
 
     def hand(self, *arguments):
-        """A hand's core that steps netlist and RTL together; returns the netlist's result, compares the RTL's."""
+        """A hand's core that steps netlist and RTL together; it compares them and returns the netlist's."""
         return _Pair(self, gate_core(*arguments), rtl_hand.Core(*arguments))
 
     @contextmanager

@@ -71,7 +71,7 @@ def digest(name):
 
 
 def record(name, found, of):
-    """Record the rows ``found`` of a scene with digest ``of``; drop rows of conditions that no longer exist."""
+    """Record the rows ``found`` of a scene with digest ``of``; drop rows of conditions that are gone."""
     kept = json.loads(RECORD.read_text()) if RECORD.exists() else {}
     conditions = [condition.name for condition in scenes.load(name).conditions]
     own = {row["condition"]: row for row in kept.get(name, [])}
