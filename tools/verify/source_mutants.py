@@ -258,7 +258,7 @@ def neighbours(literal):
 
 
 def draw(known, count, seed):
-    """At most ``count`` random changes, alternating between kinds; changes of constants are their own kinds."""
+    """At most ``count`` random changes, alternating between kinds; changes of constants are kinds apart."""
     chance, kinds = random.Random(f"{seed}"), {}
     for change in known:
         kinds.setdefault((change.kind, change.constant), []).append(change)
