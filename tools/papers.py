@@ -1,4 +1,4 @@
-"""Write the pages of docs/papers from records: each paper's figures and tables next to ours; mark stale pages.
+"""Write the pages of docs/papers from records: each paper's figures and tables beside ours; mark stale ones.
 
     python tools/papers.py                     list the stale pages
     python tools/papers.py --record [NAME...]  compute and draw them, into docs/papers/NAME.json and .png

@@ -1,11 +1,11 @@
-"""The papers' figures and tables compared with results of this repository: a module per page of docs/papers."""
+"""The papers' figures and tables compared with this repository's results: a module per page of docs/papers."""
 
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
 class Row:
-    """A figure, table or statement of a paper, and ours, as text; ``owes``: constants that ours depends on."""
+    """A figure, table or statement of a paper, and ours, as text; ``owes``: constants ours depends on."""
 
     figure: str
     what: str

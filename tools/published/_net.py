@@ -109,7 +109,7 @@ def pressed(shape, gone):
 
 
 def bare_rows():
-    """5×5 with every second row and column without rubber: the other elements report as on a complete mesh."""
+    """5×5 with every second row and column without rubber: the others report as on a complete mesh."""
     rubber = np.ones((5, 5), bool)
     rubber[1::2] = rubber[:, 1::2] = False
     mesh = Mesh(5, 5, R_OHM)

@@ -1,4 +1,4 @@
-"""Shared by the pages of the four-wire sensors: constants that a row depends on, numbers as text, pictures."""
+"""Shared by the pages of the four-wire sensors: constants of a row, numbers as text, pictures."""
 
 import importlib
 

@@ -36,7 +36,7 @@ def pulled(first):
 
 @cache
 def leads(first):
-    """Seconds from the flag to the slip of the whole contact for each seed, without seeds that have no flag."""
+    """Seconds from the flag to the slip of the whole contact for each seed that has a flag."""
     scene = scenes.load("slip_first_event")
     found = []
     for seed in SEEDS:

@@ -1,4 +1,4 @@
-"""The data of the initial-slip paper's figures: recordings, their Haar details, their CWT (Morlet wavelet)."""
+"""Data of the initial-slip paper's figures: recordings, their Haar details, their CWT (Morlet wavelet)."""
 
 from functools import cache
 

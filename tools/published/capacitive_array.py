@@ -61,7 +61,7 @@ def columns_share():
 
 
 def integers_off_g():
-    """Largest difference in grams between the core's integer line and a real least-squares line, 25 to 150 g."""
+    """Largest difference in grams of the core's integer line from the least-squares line, 25 to 150 g."""
     lines, codes, force_n = even_lines(1)
     slope, intercept, _ = calibration.line(codes, force_n)
     exact = (codes - intercept) / slope / GRAM_N
