@@ -103,14 +103,14 @@ def grip(s):
 def owes_held(s):
     (least, most), (lead_least, _) = constants.ranges(s["held"])
     return (
-        f"by one constant the median of all pulls is {least:.0f} to {most:.0f} ms and the least "
+        f"if one constant changes, the median of all pulls is {least:.0f} to {most:.0f} ms and the least "
         f"lead {lead_least:.1f} ms (`docs/constants.md`)"
     )
 
 
 def evenness(s):
     before, after = 100 * s["unevenness_before"], 100 * s["unevenness_after"]
-    found = f", the {s['dead']} cells found" if s.get("dead_as_injected") else ""
+    found = f", the {s['dead']} faulty cells found" if s.get("dead_as_injected") else ""
     return f"{before:.1f} % before, {after:.2f} % after{found or ' calibration'}"
 
 
@@ -134,8 +134,8 @@ def owes(s):
     (least, most), _ = constants.ranges(s["rows"])
     lost = sum(constants.most_missed(row) for row in s["rows"])
     return (
-        f"the median hangs on chosen constants, {least:.1f} to {most:.0f} ms by one of them, and with "
-        f"{lost} of {len(s['rows']) - 1} changes most slips are missed (`docs/constants.md`)"
+        f"the median depends on chosen constants: {least:.1f} to {most:.0f} ms if one of them changes, and "
+        f"with {lost} of {len(s['rows']) - 1} changes most slips are missed (`docs/constants.md`)"
     )
 
 
@@ -154,10 +154,10 @@ WORDS = {
         f"plain peak-to-peak of the same signal: {s['plain']} recordings"
     ),
     "mesh": lambda s: (
-        f"the same to {s['difference']:.0e}; about {two_digits(s['one'])} times faster one by one, "
+        f"equal to {s['difference']:.0e}; about {two_digits(s['one'])} times faster one by one, "
         f"{two_digits(s['batch'])} times in a batch of 1,000"
     ),
-    "soak": lambda s: f"{s['lost']} lost, {s['wrong']} wrong, {s['images']:,} packets of images beside them",
+    "soak": lambda s: f"{s['lost']} lost, {s['wrong']} wrong, with {s['images']:,} image packets on the line",
     "engines": lambda s: ", ".join(f"{name} {s[name]:.1e}".replace("e+0", "e") for name in s),
     "jitter": lambda s: f"{s['convert_jitter_clocks']} and {s['decision_jitter_clocks']} clocks",
 }

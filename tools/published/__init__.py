@@ -1,4 +1,4 @@
-"""The papers' figures and tables compared with this repository's results: a module per page of docs/papers."""
+"""The papers' figures and tables beside those of this repository: a module per page of docs/papers."""
 
 from dataclasses import dataclass
 
