@@ -19,11 +19,11 @@ CORE = toolchain.ROOT / "meissner.core"
 MODEL = "model/meissner/twins/"
 HEAD = """# Blocks
 
-Written by `python tools/blocks.py --page` from the header comments of the sources, in the order of
-`rtl/rtl.f`. The headers also have each block's formula and formats. [frames.md](frames.md) describes the
-handshake and what each block does with damaged frames, [references.md](references.md) what each twin is
-checked against, [trust.md](trust.md) the evidence for each block. An empty cell: the header gives no single
-latency, or the file does not exist.
+`python tools/blocks.py --page` writes this page from the header comments of the sources, in the order of
+`rtl/rtl.f`. The headers also give each block's formula and formats. [frames.md](frames.md) describes the
+handshake and how each block handles damaged frames, [references.md](references.md) the reference of each
+twin, [trust.md](trust.md) the evidence for each block. A cell is empty if the header gives no single latency
+or the file does not exist.
 
 | block | stage | what it does | latency, throughput | twin | test |
 |---|---|---|---|---|---|

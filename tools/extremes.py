@@ -28,20 +28,19 @@ RECORD = record.FOLDER / "extremes.json"
 COMMAND = "make extremes"
 HEAD = """# Extremes
 
-Each block that computes, and each solver, at the ends of its range and beyond: zero, one LSB, full scale,
-saturation, alternating full scale, the longest sums, the worst cancellation, wraps of time and counters,
-the least and greatest value of each parameter and each pair of them, then what hypothesis draws.
-Expectations are exact: integers, fractions and 50 digits of mpmath, written from the formulas of docs/ in
-`tb/reference/`, which imports nothing of the twins. A twin equals its RTL bit for bit in the block's own
-tests: the last column names the one that drives both. Verilator reads the RTL of each block with two or
-more parameters at the ends of all of them and in each pair of these, too (`python tools/extremes.py
---elaborate`): what no check of the block refuses has to read without a warning.
+Each block that computes, and each solver, is tested at the ends of its range and beyond: zero, one LSB, full
+scale, saturation, alternating full scale, the longest sums, the worst cancellation, wrap-around of time and
+counters, the least and greatest value of each parameter and each pair of them, then random cases drawn by
+hypothesis. The expected values are exact: integers, fractions and 50 digits of mpmath, computed from the
+formulas of docs/ in `tb/reference/`, which imports nothing from the twins. The block's own tests show that a
+twin equals its RTL bit for bit; the last column names the test that drives both. Verilator also elaborates
+the RTL of each block with two or more parameters with each pair of parameter ends (`python tools/extremes.py
+--elaborate`): every set that no check of the block refuses must elaborate without a warning.
 
-`make extremes` runs all of it and writes this page; `make test` has a short form
-(`tb/extremes/test_extremes.py`). An error beyond its bound, a NaN, an infinity, a warning of NumPy or a
-value that should have been refused and was not is a finding. The bound stands in the block's header too,
-and a test compares the two. A row is **stale** if its RTL, its twin, its cases or their references have
-changed since.
+`make extremes` runs everything and writes this page; `make test` runs a short form
+(`tb/extremes/test_extremes.py`). An error beyond its bound, a NaN, an infinity, a NumPy warning, or a value
+that should have been refused and was not is a finding. The block's header states the same bound, and a test
+compares the two. A row is **stale** if its RTL, its twin, its cases or their references have changed since.
 
 """
 SECTIONS = (("Blocks", True), ("Solvers", False))
@@ -105,12 +104,12 @@ def page(told):
     text = HEAD
     if told:
         text += (
-            f"`{told['command']}`, {told['date']}: {told['total']}; {told['seconds']:.0f} s of a processor.\n"
+            f"`{told['command']}`, {told['date']}: {told['total']}; {told['seconds']:.0f} s of CPU time.\n"
         )
     for title, blocks in SECTIONS:
         text += f"\n## {title}\n\n{table(known, blocks)}\n"
     text += "\n## Blocks without arithmetic\n\n"
-    text += "They move words or join other blocks; their tests compare every word.\n\n"
+    text += "These blocks move words or join other blocks; their tests compare every word.\n\n"
     text += "| block | what it does |\n|---|---|\n"
     text += "".join(f"| `msn_{name}` | {why} |\n" for name, why in extremes.without().items())
     return text
