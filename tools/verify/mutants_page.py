@@ -45,10 +45,8 @@ COLUMNS = ("there", "mutants", "killed", "equivalent", "survived", "score", "sec
 
 def table(told):
     """The results as Markdown: a row per block (cells, then source), then the survivors."""
-    lines = [
-        "| block | " + " | ".join(["of", *COLUMNS[1:]] * 2) + " |",
-        "|---" + "|--:" * 2 * len(COLUMNS) + "|",
-    ]
+    heads = [name for kind in ("cells", "source") for name in (f"{kind}: possible", "drawn", *COLUMNS[2:])]
+    lines = [f"| block | {' | '.join(heads)} |", "|---" + "|--:" * len(heads) + "|"]
     every = [Counter(), Counter()]
     for name, found in told["blocks"].items():
         cells = []
@@ -60,7 +58,7 @@ def table(told):
             cells += _cells(row)
         lines.append(f"| {name} | " + " | ".join(cells) + " |")
     lines.append("| **all** | " + " | ".join([cell for sums in every for cell in _cells(sums)]) + " |")
-    lines += ["", "Survivors; *different*: the solver has inputs that tell it from the block.", ""]
+    lines += ["", "Survivors. *different*: the solver found inputs that distinguish it from the block.", ""]
     for name, found in told["blocks"].items():
         for one in [one for part in parts(found) for one in part["survived"]]:
             at = " ".join(f"{k}={v}" for k, v in one["parameters"].items()) or "defaults"
