@@ -43,8 +43,8 @@ def section(axis, rows, quick):
     parts = [
         f"## {axis.title}",
         f"{again}: {page.verdict(axis, rows)}.",
-        f"![{axis.title}: every point, the front and what ships](tradeoff/{axis.name}.png)",
-        f"{told}What all rows have alike is left out.",
+        f"![{axis.title}: every point, the front and the shipped point](tradeoff/{axis.name}.png)",
+        f"{told}Columns with one value in all rows are left out.",
         markdown(shown),
     ]
     return "\n\n".join(parts)
