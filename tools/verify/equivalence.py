@@ -3,11 +3,11 @@
 Both copies start from zeros and run unmutated, with any inputs, for as many clocks as the solver chooses;
 then comes a clock of reset, and with it the mutation. From then on no output may differ for any inputs;
 outputs qualified by a `*_valid_o` count only while that is 1. A mutant that changes nothing in any clock and
-any state is equivalent at once (after_reset.idle). For the others ABC, which is part of Yosys, merges what it
-proves equal by induction (scorr), looks for a difference (bmc3), and tries to prove that there is none (pdr).
-A block with `in_restart_i` gets complete frames as msn_frame_filter sends them, the first one after a reset
-with restart; its inputs while `in_valid_i` is 0 are free. Mutants still open are tried again from more states
-(after_reset.py), then signal by signal (lemmas.py); msn_divide has a contract (contract.py).
+any state is equivalent by itself (after_reset.idle). For the others ABC, which is part of Yosys, merges what
+it proves equal by induction (scorr), looks for a difference (bmc3), and tries to prove that there is none
+(pdr). A block with `in_restart_i` gets complete frames as msn_frame_filter sends them, the first one after a
+reset with restart; its inputs while `in_valid_i` is 0 are free. Mutants still open are tried again from more
+states (after_reset.py), then signal by signal (lemmas.py); msn_divide has a contract (contract.py).
 """
 
 import re
